@@ -1,0 +1,2 @@
+//! The `catamaran` command line.
+fn main() {}

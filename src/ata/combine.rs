@@ -1,0 +1,183 @@
+//! Signed sums of blocks: what a fast scheme pays for its saved products.
+//!
+//! Blocks of one sum may differ by a row or a column (odd sizes); a missing row or column counts
+//! as zero, so nothing is ever padded.
+
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{MatMut, MatRef};
+
+use crate::base::Real;
+
+/// `dst := reuse * dst + sum coefficient * block`, where no block is larger than `dst` and what a
+/// block lacks counts as zero. `reuse == 0` does not read `dst`.
+pub(crate) fn combine<T: Real>(dst: MatMut<'_, T>, reuse: T, terms: &[(T, MatRef<'_, T>)]) {
+    let by_rows = dst.col_stride() == 1 || dst.row_stride() != 1;
+    if by_rows {
+        combine_rows(dst, reuse, terms);
+    } else {
+        let terms: Vec<_> = terms.iter().map(|&(c, block)| (c, block.transpose())).collect();
+        combine_rows(dst.transpose_mut(), reuse, &terms);
+    }
+}
+
+fn combine_rows<T: Real>(mut dst: MatMut<'_, T>, reuse: T, terms: &[(T, MatRef<'_, T>)]) {
+    let unit = |view: MatRef<'_, T>| view.col_stride() == 1 || view.ncols() <= 1;
+    if unit(dst.rb()) && terms.iter().all(|&(_, block)| unit(block)) {
+        // Dispatched once per call, so that the loops inside use the widest registers there are.
+        pulp::Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for i in 0..dst.nrows() {
+                    combine_row(row_mut(dst.rb_mut(), i), reuse, terms, i);
+                }
+            },
+        );
+    } else {
+        for i in 0..dst.nrows() {
+            for j in 0..dst.ncols() {
+                let mut sum = if reuse == T::ZERO { T::ZERO } else { reuse * dst[(i, j)] };
+                for &(coefficient, block) in terms {
+                    if i < block.nrows() && j < block.ncols() {
+                        sum += coefficient * block[(i, j)];
+                    }
+                }
+                dst[(i, j)] = sum;
+            }
+        }
+    }
+}
+
+/// Row `i` of [`combine`]: term after term, while the row stays in the first-level cache.
+#[inline(always)]
+fn combine_row<T: Real>(dst: &mut [T], mut reuse: T, terms: &[(T, MatRef<'_, T>)], i: usize) {
+    let mut terms = terms;
+    if let &[(p, a), (q, b), ref rest @ ..] = terms
+        && reuse == T::ZERO
+    {
+        let (a, b) = (row(a, i), row(b, i));
+        if a.len() == dst.len() && b.len() == dst.len() {
+            for ((d, &a), &b) in dst.iter_mut().zip(a).zip(b) {
+                *d = p * a + q * b;
+            }
+            (reuse, terms) = (T::ONE, rest);
+        }
+    }
+    if terms.is_empty() {
+        scale_row(dst, reuse);
+    }
+    for &(coefficient, block) in terms {
+        let block = row(block, i);
+        let (covered, missing) = dst.split_at_mut(block.len());
+        if reuse == T::ZERO {
+            for (d, &s) in covered.iter_mut().zip(block) {
+                *d = coefficient * s;
+            }
+        } else if reuse == T::ONE {
+            for (d, &s) in covered.iter_mut().zip(block) {
+                *d += coefficient * s;
+            }
+        } else {
+            for (d, &s) in covered.iter_mut().zip(block) {
+                *d = reuse * *d + coefficient * s;
+            }
+        }
+        scale_row(missing, reuse);
+        reuse = T::ONE;
+    }
+}
+
+#[inline(always)]
+fn scale_row<T: Real>(dst: &mut [T], factor: T) {
+    if factor == T::ZERO {
+        dst.fill(T::ZERO);
+    } else if factor != T::ONE {
+        for d in dst {
+            *d *= factor;
+        }
+    }
+}
+
+/// Row `i` of a view with contiguous rows; empty beyond its last row.
+#[inline(always)]
+fn row<T>(view: MatRef<'_, T>, i: usize) -> &[T] {
+    if i >= view.nrows() || view.ncols() == 0 {
+        return &[];
+    }
+    debug_assert!(view.col_stride() == 1 || view.ncols() == 1);
+    // SAFETY: row `i` is inside the view and its `ncols` elements are adjacent.
+    unsafe { std::slice::from_raw_parts(view.ptr_at(i, 0), view.ncols()) }
+}
+
+/// As [`row`], mutable.
+#[inline(always)]
+fn row_mut<T>(view: MatMut<'_, T>, i: usize) -> &mut [T] {
+    if i >= view.nrows() || view.ncols() == 0 {
+        return &mut [];
+    }
+    debug_assert!(view.col_stride() == 1 || view.ncols() == 1);
+    // SAFETY: row `i` is inside the view, its `ncols` elements are adjacent, and the view is
+    // consumed, so nothing else reaches them for the lifetime of the slice.
+    unsafe { std::slice::from_raw_parts_mut(view.ptr_at_mut(i, 0), view.ncols()) }
+}
+
+/// `dst := beta * dst + coefficient * src` where they overlap, and `beta * dst` where `src` ends
+/// first; `src` may be larger too. `beta == 0` does not read `dst`.
+pub(crate) fn accumulate<T: Real>(dst: MatMut<'_, T>, beta: T, coefficient: T, src: MatRef<'_, T>) {
+    let src = src.submatrix(0, 0, src.nrows().min(dst.nrows()), src.ncols().min(dst.ncols()));
+    combine(dst, beta, &[(coefficient, src)]);
+}
+
+/// `dst := beta dst`; `beta == 0` writes zeros without reading.
+pub(crate) fn scale<T: Real>(dst: MatMut<'_, T>, beta: T) {
+    if beta != T::ONE {
+        combine(dst, beta, &[]);
+    }
+}
+
+/// `dst := beta dst` on the lower triangle.
+pub(crate) fn scale_lower<T: Real>(dst: MatMut<'_, T>, beta: T) {
+    accumulate_lower(dst, beta, T::ZERO, MatRef::from_column_major_slice(&[], 0, 0));
+}
+
+/// As [`accumulate`], on and below the diagonal of `dst` only; `src` is square.
+pub(crate) fn accumulate_lower<T: Real>(
+    mut dst: MatMut<'_, T>,
+    beta: T,
+    coefficient: T,
+    src: MatRef<'_, T>,
+) {
+    let by_rows = dst.col_stride() == 1;
+    for line in 0..dst.nrows() {
+        // A row up to the diagonal, or a column from it: whichever is contiguous.
+        let (row, col, nrows, ncols) = if by_rows {
+            (line, 0, 1, line + 1)
+        } else {
+            (line, line, dst.nrows() - line, 1)
+        };
+        let piece = dst.rb_mut().submatrix_mut(row, col, nrows, ncols);
+        let (nrows, ncols) = (
+            nrows.min(src.nrows().saturating_sub(row)),
+            ncols.min(src.ncols().saturating_sub(col)),
+        );
+        if nrows == 0 || ncols == 0 {
+            scale(piece, beta);
+        } else {
+            combine(piece, beta, &[(coefficient, src.submatrix(row, col, nrows, ncols))]);
+        }
+    }
+}
+
+/// Copies the strict lower triangle onto the strict upper one.
+pub(crate) fn mirror_lower<T: Real>(mut c: MatMut<'_, T>) {
+    const BLOCK: usize = 32;
+    let n = c.nrows();
+    for j0 in (0..n).step_by(BLOCK) {
+        for i0 in (j0..n).step_by(BLOCK) {
+            for j in j0..n.min(j0 + BLOCK) {
+                for i in i0.max(j + 1)..n.min(i0 + BLOCK) {
+                    c[(j, i)] = c[(i, j)];
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! A^T A: schemes as data, plans as data, one engine, rows from anywhere, and a check.
+//!
+//! `C := alpha A^T A + beta C` for any m x n matrix A in f32 or f64, with any strides. See
+//! docs/algorithms/ata.md for the mathematics.
+
+mod combine;
+mod exec;
+mod options;
+mod plan;
+mod recurse;
+mod rows;
+pub mod scheme;
+mod tree;
+mod verify;
+
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{MatMut, MatRef};
+
+pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
+pub use plan::{Base, Plan, Recursion};
+pub use rows::{Center, DenseRows, RowBlocks, RowOptions, ata_rows};
+pub use tree::{Node, Task, levels};
+pub use verify::{Verification, verify, verify_rows};
+
+use crate::base::{Error, Result, Workspace};
+use crate::blas::BlasReal;
+
+/// `C := alpha A^T A + beta C`, the triangle or triangles of `options.uplo`.
+///
+/// A is m x n, C is n x n; any strides; any sizes, 0 included. With `beta == 0` C is not read.
+/// The result is the same, bit for bit, for every `options.par`.
+///
+/// # Errors
+/// [`Error::Shape`] when C is not n x n, [`Error::Argument`] for options out of range,
+/// [`Error::OutOfMemory`] when the scratch can't be had, [`Error::Cancelled`].
+pub fn ata<T: BlasReal>(
+    alpha: T,
+    a: MatRef<'_, T>,
+    beta: T,
+    c: MatMut<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    let plan = plan_ata(a, c.rb(), options)?;
+    let mut scratch = Workspace::new(plan.scratch_len(options.par.threads(), true))?;
+    run_symmetric(&plan, alpha, a, None, beta, c, options, scratch.as_mut_slice())
+}
+
+/// [`ata`] in the caller's scratch of at least [`ata_scratch_len`] elements, whatever they hold.
+///
+/// # Errors
+/// As [`ata`]; [`Error::Shape`] too when the scratch is short.
+pub fn ata_with_scratch<T: BlasReal>(
+    alpha: T,
+    a: MatRef<'_, T>,
+    beta: T,
+    c: MatMut<'_, T>,
+    options: &AtaOptions<'_>,
+    scratch: &mut [T],
+) -> Result<()> {
+    let plan = plan_ata(a, c.rb(), options)?;
+    check_scratch(scratch, plan.scratch_len(options.par.threads(), true))?;
+    run_symmetric(&plan, alpha, a, None, beta, c, options, scratch)
+}
+
+/// Elements of scratch that [`ata_with_scratch`] needs for A m x n.
+///
+/// # Errors
+/// [`Error::Argument`] for options out of range.
+pub fn ata_scratch_len<T: BlasReal>(
+    m: usize,
+    n: usize,
+    options: &AtaOptions<'_>,
+) -> Result<usize> {
+    Ok(Plan::ata::<T>(m, n, options)?.scratch_len(options.par.threads(), true))
+}
+
+/// `C := alpha A A^T + beta C`: [`ata`] of the transposed view. A is m x n, C is m x m.
+///
+/// # Errors
+/// As [`ata`].
+pub fn aat<T: BlasReal>(
+    alpha: T,
+    a: MatRef<'_, T>,
+    beta: T,
+    c: MatMut<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    ata(alpha, a.transpose(), beta, c, options)
+}
+
+/// [`aat`] in the caller's scratch of at least [`aat_scratch_len`] elements.
+///
+/// # Errors
+/// As [`ata_with_scratch`].
+pub fn aat_with_scratch<T: BlasReal>(
+    alpha: T,
+    a: MatRef<'_, T>,
+    beta: T,
+    c: MatMut<'_, T>,
+    options: &AtaOptions<'_>,
+    scratch: &mut [T],
+) -> Result<()> {
+    ata_with_scratch(alpha, a.transpose(), beta, c, options, scratch)
+}
+
+/// Elements of scratch that [`aat_with_scratch`] needs for A m x n.
+///
+/// # Errors
+/// [`Error::Argument`] for options out of range.
+pub fn aat_scratch_len<T: BlasReal>(
+    m: usize,
+    n: usize,
+    options: &AtaOptions<'_>,
+) -> Result<usize> {
+    ata_scratch_len::<T>(n, m, options)
+}
+
+/// `C := alpha A^T B + beta C`, all of it (`options.uplo` does not matter); FastStrassen of the
+/// thesis' algorithm 8.1 under [`SchemeChoice::Ata2`].
+///
+/// A is m x n, B is m x k, C is n x k; any strides; any sizes, 0 included. With `beta == 0` C is
+/// not read. The result is the same, bit for bit, for every `options.par`.
+///
+/// # Errors
+/// [`Error::Shape`] when B has not m rows or C is not n x k; else as [`ata`].
+pub fn atb<T: BlasReal>(
+    alpha: T,
+    a: MatRef<'_, T>,
+    b: MatRef<'_, T>,
+    beta: T,
+    c: MatMut<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    let plan = plan_atb(a, b, c.rb(), options)?;
+    let mut scratch = Workspace::new(plan.scratch_len(options.par.threads(), false))?;
+    exec::execute(&plan, alpha, a, Some(b), beta, c, options, scratch.as_mut_slice())
+}
+
+/// [`atb`] in the caller's scratch of at least [`atb_scratch_len`] elements, whatever they hold.
+///
+/// # Errors
+/// As [`atb`]; [`Error::Shape`] too when the scratch is short.
+pub fn atb_with_scratch<T: BlasReal>(
+    alpha: T,
+    a: MatRef<'_, T>,
+    b: MatRef<'_, T>,
+    beta: T,
+    c: MatMut<'_, T>,
+    options: &AtaOptions<'_>,
+    scratch: &mut [T],
+) -> Result<()> {
+    let plan = plan_atb(a, b, c.rb(), options)?;
+    check_scratch(scratch, plan.scratch_len(options.par.threads(), false))?;
+    exec::execute(&plan, alpha, a, Some(b), beta, c, options, scratch)
+}
+
+/// Elements of scratch that [`atb_with_scratch`] needs for A m x n and B m x k.
+///
+/// # Errors
+/// [`Error::Argument`] for options out of range.
+pub fn atb_scratch_len<T: BlasReal>(
+    m: usize,
+    n: usize,
+    k: usize,
+    options: &AtaOptions<'_>,
+) -> Result<usize> {
+    Ok(Plan::atb::<T>(m, n, k, options)?.scratch_len(options.par.threads(), false))
+}
+
+fn plan_ata<T: BlasReal>(
+    a: MatRef<'_, T>,
+    c: MatRef<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<Plan> {
+    let (m, n) = a.shape();
+    Error::check_shape("C", (n, n), c.shape())?;
+    Plan::ata::<T>(m, n, options)
+}
+
+fn plan_atb<T: BlasReal>(
+    a: MatRef<'_, T>,
+    b: MatRef<'_, T>,
+    c: MatRef<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<Plan> {
+    let ((m, n), k) = (a.shape(), b.ncols());
+    Error::check_shape("B", (m, k), b.shape())?;
+    Error::check_shape("C", (n, k), c.shape())?;
+    Plan::atb::<T>(m, n, k, options)
+}
+
+fn check_scratch<T>(scratch: &[T], len: usize) -> Result<()> {
+    if scratch.len() >= len {
+        return Ok(());
+    }
+    Err(Error::Shape { what: "scratch", expected: (len, 1), got: (scratch.len(), 1) })
+}
+
+/// Runs a symmetric plan, B given or the same as A, into the triangle asked for.
+fn run_symmetric<T: BlasReal>(
+    plan: &Plan,
+    alpha: T,
+    a: MatRef<'_, T>,
+    b: Option<MatRef<'_, T>>,
+    beta: T,
+    mut c: MatMut<'_, T>,
+    options: &AtaOptions<'_>,
+    scratch: &mut [T],
+) -> Result<()> {
+    let lower = match options.uplo {
+        Uplo::Upper => c.rb_mut().transpose_mut(),
+        Uplo::Lower | Uplo::Both => c.rb_mut(),
+    };
+    exec::execute(plan, alpha, a, b, beta, lower, options, scratch)?;
+    if options.uplo == Uplo::Both {
+        combine::mirror_lower(c);
+    }
+    Ok(())
+}

@@ -1,0 +1,416 @@
+//! What will be done, as data: no threads, no matrices, nothing but shapes and counts.
+
+use std::collections::HashMap;
+use std::fmt;
+
+use super::options::{Accuracy, AtaOptions, SchemeChoice};
+use super::recurse::{Op, block_start, scratch_len};
+use super::scheme::{ProductKind, SchemeId};
+use super::tree::{Node, Task};
+use crate::base::{Error, Real, Result};
+use crate::blas::Rates;
+
+/// How blocks are taken apart: at each node the first scheme whose blocks are not too small.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Recursion {
+    /// For products of which the lower triangle is wanted, in order of preference.
+    pub symmetric: Vec<SchemeId>,
+    /// For general products, in order of preference.
+    pub general: Vec<SchemeId>,
+    /// Where it ends.
+    pub base: Base,
+    /// Levels of schemes with additions, at most.
+    pub fast_levels: usize,
+}
+
+/// When a block is left to the back end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Base {
+    /// When the next level's blocks would have a side shorter than this (>= 1).
+    Side(usize),
+    /// When the operands hold at most this many elements (thesis: `cache_size`).
+    Cache(usize),
+}
+
+impl Recursion {
+    /// No recursion at all.
+    pub fn none() -> Self {
+        Self { symmetric: vec![], general: vec![], base: Base::Side(1), fast_levels: 0 }
+    }
+
+    /// The scheme for a node with A m x n and B m x k, or `None` for the back end.
+    pub fn choose(
+        &self,
+        symmetric: bool,
+        m: usize,
+        n: usize,
+        k: usize,
+        fast_levels: usize,
+    ) -> Option<SchemeId> {
+        if let Base::Cache(size) = self.base
+            && m * n + if symmetric { 0 } else { m * k } <= size
+        {
+            return None;
+        }
+        let side = match self.base {
+            Base::Side(side) => side.max(1),
+            Base::Cache(_) => 1,
+        };
+        let list = if symmetric { &self.symmetric } else { &self.general };
+        list.iter().copied().find(|id| {
+            let s = id.scheme();
+            (fast_levels > 0 || !s.is_fast())
+                && m / s.inner >= side.min(m)
+                && m >= s.inner
+                && n / s.left >= side
+                && k / s.right >= side
+        })
+    }
+}
+
+/// A plan for `C := alpha A^T A + beta C` or `C := alpha A^T B + beta C`.
+///
+/// It depends on the shape, the precision and the options, but never on the number of threads:
+/// that is why results don't either.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    pub(crate) m: usize,
+    pub(crate) n: usize,
+    pub(crate) k: usize,
+    /// Lower triangle only.
+    pub(crate) symmetric: bool,
+    pub(crate) scalar: &'static str,
+    /// Which process computes which block of C.
+    pub(crate) tree: Node,
+    /// Row slabs of A, each with its own partial result, added up in order.
+    pub(crate) slabs: usize,
+    pub(crate) recursion: Recursion,
+    /// Expected seconds on one core, and those of the classical plan.
+    estimate: f64,
+    classical_estimate: f64,
+}
+
+/// Growth of the max-norm error per fast level, measured on uniform, Gaussian and positive random
+/// matrices (docs/algorithms/ata.md).
+const ERROR_GROWTH_PER_LEVEL: f64 = 1.9;
+
+/// Elements that count as fitting the cache in the faithful mode: 256 KiB of f64.
+const FAITHFUL_CACHE: usize = 1 << 15;
+
+/// Tasks of the faithful mode; the thesis takes the number of threads, which would make results
+/// depend on it.
+const FAITHFUL_TASKS: usize = 16;
+
+impl Plan {
+    /// The plan of [`ata`](super::ata) for A m x n.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for options out of range.
+    pub fn ata<T: Real>(m: usize, n: usize, options: &AtaOptions<'_>) -> Result<Self> {
+        Self::new::<T>(m, n, n, true, options)
+    }
+
+    /// The plan of [`atb`](super::atb) for A m x n and B m x k.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for options out of range.
+    pub fn atb<T: Real>(m: usize, n: usize, k: usize, options: &AtaOptions<'_>) -> Result<Self> {
+        Self::new::<T>(m, n, k, false, options)
+    }
+
+    fn new<T: Real>(
+        m: usize,
+        n: usize,
+        k: usize,
+        symmetric: bool,
+        options: &AtaOptions<'_>,
+    ) -> Result<Self> {
+        check(options)?;
+        let machine = Machine::new::<T>(options.backend.rates());
+        let tasks = options.tasks.unwrap_or(match options.scheme {
+            SchemeChoice::Ata2 => FAITHFUL_TASKS,
+            _ => default_tasks(n, k),
+        });
+        let tree =
+            if symmetric { Node::symmetric(n, tasks) } else { Node::general(n, k, tasks) };
+        let slabs = if options.scheme == SchemeChoice::Ata2 { 1 } else { default_slabs(m, n, k) };
+        let tasks = tree.tasks();
+        let seconds = |recursion: &Recursion| {
+            let mut memory = HashMap::new();
+            let rows = m.div_ceil(slabs);
+            let one = |t: &Task| {
+                let (op, n, k) = (t.op(true), t.rows.len(), t.cols.len());
+                machine.seconds(recursion, op, [rows, n, k], recursion.fast_levels, &mut memory)
+            };
+            slabs as f64 * tasks.iter().map(one).sum::<f64>()
+        };
+        let classical = Recursion {
+            symmetric: vec![SchemeId::Split],
+            general: vec![],
+            base: Base::Side(SPLIT_SIDE),
+            fast_levels: 0,
+        };
+        let classical_estimate = seconds(&classical);
+        let allowed = allowed_levels(options.accuracy);
+        let recursion = match options.scheme {
+            SchemeChoice::Auto => {
+                let candidates = candidates(options.leaf, allowed);
+                let best = candidates
+                    .into_iter()
+                    .map(|r| (seconds(&r), r))
+                    .min_by(|a, b| a.0.total_cmp(&b.0))
+                    // Within the error of the model the simpler way is the better one.
+                    .filter(|(s, _)| *s < 0.98 * classical_estimate);
+                best.map_or(classical, |(_, recursion)| recursion)
+            }
+            SchemeChoice::Classical => classical,
+            SchemeChoice::Ata2 => Recursion {
+                symmetric: vec![SchemeId::Ata2],
+                general: vec![SchemeId::Strassen],
+                base: Base::Cache(options.leaf.map_or(FAITHFUL_CACHE, |side| side * side)),
+                fast_levels: usize::MAX,
+            },
+            scheme => {
+                let first = match scheme {
+                    SchemeChoice::Rxtx => SchemeId::Rxtx,
+                    SchemeChoice::Kgp4 => SchemeId::Kgp4,
+                    SchemeChoice::Kgp3 => SchemeId::Kgp3,
+                    _ => SchemeId::Split,
+                };
+                Recursion {
+                    symmetric: vec![first, SchemeId::Split],
+                    general: vec![SchemeId::Winograd],
+                    base: Base::Side(options.leaf.unwrap_or(512)),
+                    fast_levels: allowed,
+                }
+            }
+        };
+        let estimate = seconds(&recursion);
+        let scalar = T::NAME;
+        Ok(Self { m, n, k, symmetric, scalar, tree, slabs, recursion, estimate, classical_estimate })
+    }
+
+    /// Elements of scratch for `threads` threads; `same` when B is A.
+    pub(crate) fn scratch_len(&self, threads: usize, same: bool) -> usize {
+        self.lane_scratch_len(same) * self.lanes(threads)
+            + (self.slabs - 1) * self.n * self.k
+    }
+
+    /// Elements of scratch of one thread.
+    pub(crate) fn lane_scratch_len(&self, same: bool) -> usize {
+        let mut longest = 0;
+        for task in self.tree.tasks() {
+            for rows in [self.m / self.slabs, self.m.div_ceil(self.slabs)] {
+                let (n, k) = (task.rows.len(), task.cols.len());
+                longest = longest.max(scratch_len(&self.recursion, task.op(same), rows, n, k));
+            }
+        }
+        longest
+    }
+
+    /// Threads that can be busy.
+    pub(crate) fn lanes(&self, threads: usize) -> usize {
+        threads.min(self.slabs * self.tree.tasks().len()).max(1)
+    }
+
+    /// Rows of slab `i`.
+    pub(crate) fn slab(&self, i: usize) -> std::ops::Range<usize> {
+        block_start(self.m, self.slabs, i)..block_start(self.m, self.slabs, i + 1)
+    }
+
+    /// Whether any product is computed with fewer multiplications than the classical count.
+    pub fn is_fast(&self) -> bool {
+        let fast = |op: Op, m, n, k| {
+            self.recursion
+                .choose(op != Op::Gemm, m, n, k, self.recursion.fast_levels)
+                .is_some_and(|id| id != SchemeId::Split || self.recursion.fast_levels > 0)
+        };
+        self.recursion.fast_levels > 0
+            && self.tree.tasks().iter().any(|t| {
+                fast(t.op(true), self.m / self.slabs, t.rows.len(), t.cols.len())
+            })
+    }
+}
+
+/// Smallest side of the blocks of a symmetric split: below, the back end's own triangle is better.
+const SPLIT_SIDE: usize = 256;
+
+fn check(options: &AtaOptions<'_>) -> Result<()> {
+    let refuse = |what, why: &str| Err(Error::Argument { what, why: why.into() });
+    match options.accuracy {
+        Accuracy::Bounded(f) if !f.is_finite() || f < 1.0 => {
+            refuse("accuracy", "the error factor must be finite and at least 1")
+        }
+        _ if options.leaf == Some(0) => refuse("leaf", "must be at least 1"),
+        _ if options.tasks == Some(0) => refuse("tasks", "must be at least 1"),
+        _ => Ok(()),
+    }
+}
+
+fn allowed_levels(accuracy: Accuracy) -> usize {
+    match accuracy {
+        Accuracy::Classical => 0,
+        Accuracy::Bounded(factor) => (factor.ln() / ERROR_GROWTH_PER_LEVEL.ln()) as usize,
+        Accuracy::Default => allowed_levels(Accuracy::Bounded(4.0)),
+        Accuracy::Fast => usize::MAX,
+    }
+}
+
+/// Enough tasks to keep many cores busy, few enough that blocks stay long.
+fn default_tasks(n: usize, k: usize) -> usize {
+    match n.min(k) {
+        0..256 => 1,
+        256..768 => 2,
+        768..6144 => 4,
+        6144..12288 => 4,
+        _ => 16,
+    }
+}
+
+/// Slabs for a tall A, whose C offers too few tasks.
+fn default_slabs(m: usize, n: usize, k: usize) -> usize {
+    let side = n.max(k).max(1);
+    if side <= 768 { (m / (16 * side).max(2048)).clamp(1, 16) } else { 1 }
+}
+
+/// The recursions worth a look.
+fn candidates(leaf: Option<usize>, allowed: usize) -> Vec<Recursion> {
+    let mut found = Vec::new();
+    for side in leaf.map_or(vec![256, 384, 512, 768, 1024, 1536], |l| vec![l]) {
+        for levels in 1..=allowed.min(6) {
+            for symmetric in [vec![SchemeId::Split], vec![SchemeId::Kgp4, SchemeId::Split]] {
+                found.push(Recursion {
+                    symmetric,
+                    general: vec![SchemeId::Winograd],
+                    base: Base::Side(side),
+                    fast_levels: levels,
+                });
+            }
+        }
+    }
+    found
+}
+
+/// The cost model: seconds on one core.
+struct Machine {
+    /// Flops per second of large products.
+    flops: f64,
+    syrk_efficiency: f64,
+    add_bytes: f64,
+    scalar_bytes: f64,
+}
+
+impl Machine {
+    fn new<T: Real>(rates: Rates) -> Self {
+        let scalar_bytes = size_of::<T>() as f64;
+        Self {
+            flops: rates.gemm_flops * 8.0 / scalar_bytes,
+            syrk_efficiency: rates.syrk_efficiency,
+            add_bytes: rates.add_bytes,
+            scalar_bytes,
+        }
+    }
+
+    /// Seconds of a product left to the back end.
+    fn leaf(&self, op: Op, [m, n, k]: [usize; 3]) -> f64 {
+        /// Side at which a product runs at half its speed.
+        const HALF: f64 = 16.0;
+        let (m, n, k) = (m as f64, n as f64, k as f64);
+        let ideal = 2.0 * m * n * k / self.flops;
+        let overhead = 1.0 + HALF / n.max(1.0) + HALF / k.max(1.0) + HALF / m.max(1.0);
+        match op {
+            Op::Gemm => ideal * overhead,
+            Op::Syrk | Op::Gemmt => ideal / 2.0 / self.syrk_efficiency * (1.0 + 2.0 * HALF / n),
+        }
+    }
+
+    fn seconds(
+        &self,
+        recursion: &Recursion,
+        op: Op,
+        shape: [usize; 3],
+        levels: usize,
+        memory: &mut HashMap<(Op, [usize; 3], usize), f64>,
+    ) -> f64 {
+        let [m, n, k] = shape;
+        let Some(id) = recursion.choose(op != Op::Gemm, m, n, k, levels) else {
+            return self.leaf(op, shape);
+        };
+        if let Some(&known) = memory.get(&(op, shape, levels)) {
+            return known;
+        }
+        let scheme = id.scheme();
+        let below = levels - usize::from(scheme.is_fast());
+        let child = [m.div_ceil(scheme.inner), n.div_ceil(scheme.left), k.div_ceil(scheme.right)];
+        let [cm, cn, ck] = child.map(|x| x as f64);
+        let mut total = 0.0;
+        let mut moved = 0.0;
+        for product in &scheme.products {
+            let child_op = match product.kind {
+                ProductKind::Syrk | ProductKind::SyrkFull if op == Op::Syrk => Op::Syrk,
+                ProductKind::Syrk | ProductKind::Gemmt => Op::Gemmt,
+                ProductKind::SyrkFull | ProductKind::Gemm => Op::Gemm,
+            };
+            total += self.seconds(recursion, child_op, child, below, memory);
+            // Reads, the write, and the read that a write to uncached memory implies.
+            let sum = |terms: usize| if terms > 1 { terms as f64 + 2.0 } else { 0.0 };
+            moved += sum(product.left.len()) * cm * cn;
+            if child_op != Op::Syrk {
+                moved += sum(product.right.len()) * cm * ck;
+            }
+            if product.outputs.len() > 1 {
+                moved += (1.0 + 2.0 * product.outputs.len() as f64) * cn * ck;
+            }
+        }
+        total += moved * self.scalar_bytes / self.add_bytes;
+        memory.insert((op, shape, levels), total);
+        total
+    }
+}
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { m, n, k, scalar, slabs, recursion, .. } = self;
+        let tasks = self.tree.tasks();
+        if self.symmetric {
+            writeln!(f, "C = A^T A, A {m} x {n}, {scalar}")?;
+        } else {
+            writeln!(f, "C = A^T B, A {m} x {n}, B {m} x {k}, {scalar}")?;
+        }
+        writeln!(
+            f,
+            "tasks      {} blocks of C on {} levels, {slabs} slab{} of rows",
+            tasks.len(),
+            self.tree.depth(),
+            if *slabs == 1 { "" } else { "s" },
+        )?;
+        let names = |ids: &[SchemeId]| {
+            if ids.is_empty() {
+                return "back end".to_owned();
+            }
+            ids.iter().map(ToString::to_string).collect::<Vec<_>>().join(", then ")
+        };
+        writeln!(f, "symmetric  {}", names(&recursion.symmetric))?;
+        writeln!(f, "general    {}", names(&recursion.general))?;
+        match recursion.base {
+            Base::Side(side) => writeln!(f, "ends       when a block would be under {side} long")?,
+            Base::Cache(size) => writeln!(f, "ends       when the operands hold {size} elements")?,
+        }
+        match recursion.fast_levels {
+            0 => writeln!(f, "fast       no level: classical products only")?,
+            usize::MAX => writeln!(f, "fast       as many levels as fit")?,
+            levels => writeln!(f, "fast       at most {levels} levels")?,
+        }
+        writeln!(
+            f,
+            "scratch    {} elements a thread, {} for partial results",
+            self.lane_scratch_len(self.symmetric),
+            (slabs - 1) * n * k
+        )?;
+        write!(
+            f,
+            "estimate   {:.3} s on one core ({:.3} s classical)",
+            self.estimate, self.classical_estimate
+        )
+    }
+}

@@ -1,0 +1,418 @@
+//! The engine: runs any [`Scheme`] level by level, in scratch allocated once.
+//!
+//! Each level needs three matrices, named as in the thesis: P for a sum of blocks of A, Q for a
+//! sum of blocks of B, M for a product that goes into several blocks of C. A sum of one block is
+//! that block itself; a product with one destination goes straight there.
+
+use std::collections::HashMap;
+
+use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
+use faer::{MatMut, MatRef};
+
+use super::combine::{accumulate, accumulate_lower, combine, mirror_lower, scale, scale_lower};
+use super::plan::Recursion;
+use super::scheme::{Product, ProductKind, Scheme, Term};
+use crate::base::{Arena, Real};
+use crate::blas::Kernels;
+
+/// Runs a [`Recursion`] over one back end.
+pub(crate) struct Engine<'a, T> {
+    pub(crate) kernels: &'a dyn Kernels<T>,
+    pub(crate) recursion: &'a Recursion,
+}
+
+/// What a node computes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Op {
+    /// The lower triangle of A^T A.
+    Syrk,
+    /// The lower triangle of A^T B.
+    Gemmt,
+    /// A^T B.
+    Gemm,
+}
+
+impl Op {
+    fn symmetric(self) -> bool {
+        self != Self::Gemm
+    }
+
+    /// What a product of a scheme becomes inside a node of this kind: without A = B there are no
+    /// squares.
+    fn of_product(self, kind: ProductKind) -> Self {
+        match (kind, self) {
+            (ProductKind::Gemm, _) => Self::Gemm,
+            (ProductKind::SyrkFull, Self::Syrk) => Self::Syrk,
+            (ProductKind::SyrkFull, _) => Self::Gemm,
+            (ProductKind::Syrk, Self::Syrk) => Self::Syrk,
+            (ProductKind::Syrk | ProductKind::Gemmt, _) => Self::Gemmt,
+        }
+    }
+}
+
+/// The start of block `i` of `parts` along an extent of `len`: blocks differ by at most one, the
+/// shorter ones first, so that two halves are floor and ceiling as in the thesis.
+pub(crate) fn block_start(len: usize, parts: usize, i: usize) -> usize {
+    let long = len % parts;
+    let short_blocks = parts - long;
+    (len / parts) * i + i.saturating_sub(short_blocks)
+}
+
+/// Leading dimension of a scratch matrix: lines at multiples of the page size collide in the cache.
+fn leading(len: usize) -> usize {
+    if len >= 256 && len.is_multiple_of(64) { len + 16 } else { len }
+}
+
+impl<T: Real> Engine<'_, T> {
+    /// `C := alpha op(A, B) + beta C`; A is m x n, B is m x k, C is n x k (k = n if symmetric, and
+    /// then only the lower triangle of C is touched). For [`Op::Syrk`] B must be A.
+    pub(crate) fn run(
+        &self,
+        op: Op,
+        alpha: T,
+        a: MatRef<'_, T>,
+        b: MatRef<'_, T>,
+        beta: T,
+        c: MatMut<'_, T>,
+        scratch: &mut [T],
+    ) {
+        let levels = self.recursion.fast_levels;
+        self.node(op, alpha, a, b, beta, c, Arena::new(scratch), levels);
+    }
+
+    fn node(
+        &self,
+        op: Op,
+        alpha: T,
+        a: MatRef<'_, T>,
+        b: MatRef<'_, T>,
+        beta: T,
+        c: MatMut<'_, T>,
+        arena: Arena<'_, T>,
+        fast_levels: usize,
+    ) {
+        let (m, n, k) = (a.nrows(), a.ncols(), b.ncols());
+        if n == 0 || k == 0 {
+            return;
+        }
+        if m == 0 {
+            return if op.symmetric() { scale_lower(c, beta) } else { scale(c, beta) };
+        }
+        match self.recursion.choose(op.symmetric(), m, n, k, fast_levels) {
+            Some(id) => self.level(id.scheme(), op, alpha, a, b, beta, c, arena, fast_levels),
+            None => match op {
+                Op::Syrk => self.kernels.syrk(alpha, a, beta, c),
+                Op::Gemmt => self.kernels.gemmt(alpha, a, b, beta, c),
+                Op::Gemm => self.kernels.gemm(alpha, a, b, beta, c),
+            },
+        }
+    }
+
+    /// One level of `scheme`.
+    fn level(
+        &self,
+        scheme: &Scheme,
+        op: Op,
+        alpha: T,
+        a: MatRef<'_, T>,
+        b: MatRef<'_, T>,
+        beta: T,
+        mut c: MatMut<'_, T>,
+        mut arena: Arena<'_, T>,
+        fast_levels: usize,
+    ) {
+        let fast_levels = fast_levels - usize::from(scheme.is_fast());
+        let need = LevelScratch::of(scheme, op, a.nrows(), a.ncols(), b.ncols());
+        let mut p = SumBuffer::new(need.p, a, arena.take(need.p.len()));
+        let mut q = SumBuffer::new(need.q, b, arena.take(need.q.len()));
+        let product_memory = arena.take(need.m.len());
+        // Whether a block of C has received its first product, which brings beta with it.
+        let mut touched = vec![false; scheme.left * scheme.right];
+        let mut beta_for = |t: Term| {
+            let first = !std::mem::replace(&mut touched[t.row * scheme.right + t.col], true);
+            if first { beta } else { T::ONE }
+        };
+
+        for product in &scheme.products {
+            let child = op.of_product(product.kind);
+            let same = child == Op::Syrk;
+            let left_blocks = Grid { view: a, rows: scheme.inner, cols: scheme.left };
+            let right_blocks = Grid { view: b, rows: scheme.inner, cols: scheme.right };
+            // Half a product needs a square one.
+            let widen = product.kind == ProductKind::Gemmt
+                && left_blocks.width(&product.left) != right_blocks.width(&product.right);
+            let (left_sign, left) = p.sum(&product.left, left_blocks, widen);
+            let (right_sign, right) =
+                if same { (left_sign, left) } else { q.sum(&product.right, right_blocks, widen) };
+            let sign = left_sign * right_sign;
+            // Rows that only one of the two has meet zeros in the other.
+            let m = left.nrows().min(right.nrows());
+            let (left, right) = (left.subrows(0, m), right.subrows(0, m));
+
+            if let &[out] = &product.outputs[..]
+                && product.kind != ProductKind::SyrkFull
+            {
+                let mut beta = beta_for(out);
+                let mut dst = block_mut(c.rb_mut(), scheme, out);
+                let (rows, cols) = (left.ncols().min(dst.nrows()), right.ncols().min(dst.ncols()));
+                if rows < dst.nrows() || cols < dst.ncols() {
+                    // The product is smaller than its block: the rest still gets its beta.
+                    if child.symmetric() {
+                        scale_lower(dst.rb_mut(), beta);
+                    } else {
+                        scale(dst.rb_mut(), beta);
+                    }
+                    beta = T::ONE;
+                }
+                self.node(
+                    child,
+                    alpha * sign * small(out.coefficient),
+                    left.subcols(0, rows),
+                    right.subcols(0, cols),
+                    beta,
+                    dst.submatrix_mut(0, 0, rows, cols),
+                    arena.nested(),
+                    fast_levels,
+                );
+                continue;
+            }
+
+            let mut product_matrix =
+                scratch_matrix(&mut *product_memory, left.ncols(), right.ncols(), need.m, c.rb());
+            self.node(
+                child,
+                alpha * sign,
+                left,
+                right,
+                T::ZERO,
+                product_matrix.rb_mut(),
+                arena.nested(),
+                fast_levels,
+            );
+            if product.kind == ProductKind::SyrkFull && child == Op::Syrk {
+                mirror_lower(product_matrix.rb_mut());
+            }
+            for &out in &product.outputs {
+                let beta = beta_for(out);
+                let dst = block_mut(c.rb_mut(), scheme, out);
+                let coefficient = small(out.coefficient);
+                if op.symmetric() && out.row == out.col {
+                    accumulate_lower(dst, beta, coefficient, product_matrix.rb());
+                } else {
+                    accumulate(dst, beta, coefficient, product_matrix.rb());
+                }
+            }
+        }
+    }
+}
+
+fn small<T: Real>(coefficient: i8) -> T {
+    T::from_f64(f64::from(coefficient))
+}
+
+fn block_mut<'a, T>(c: MatMut<'a, T>, scheme: &Scheme, out: Term) -> MatMut<'a, T> {
+    let (row, row_end) = (
+        block_start(c.nrows(), scheme.left, out.row),
+        block_start(c.nrows(), scheme.left, out.row + 1),
+    );
+    let (col, col_end) = (
+        block_start(c.ncols(), scheme.right, out.col),
+        block_start(c.ncols(), scheme.right, out.col + 1),
+    );
+    c.submatrix_mut(row, col, row_end - row, col_end - col)
+}
+
+/// A view cut into blocks.
+#[derive(Clone, Copy)]
+struct Grid<'a, T> {
+    view: MatRef<'a, T>,
+    rows: usize,
+    cols: usize,
+}
+
+impl<'a, T> Grid<'a, T> {
+    /// Columns of a sum of `terms`.
+    fn width(&self, terms: &[Term]) -> usize {
+        terms.iter().map(|&t| self.block(t).ncols()).max().unwrap_or(0)
+    }
+
+    fn block(&self, term: Term) -> MatRef<'a, T> {
+        let row = block_start(self.view.nrows(), self.rows, term.row);
+        let col = block_start(self.view.ncols(), self.cols, term.col);
+        let row_end = block_start(self.view.nrows(), self.rows, term.row + 1);
+        let col_end = block_start(self.view.ncols(), self.cols, term.col + 1);
+        self.view.submatrix(row, col, row_end - row, col_end - col)
+    }
+}
+
+/// The shape of a scratch matrix; zero by zero when a level does not need it.
+#[derive(Debug, Clone, Copy, Default)]
+struct Extent {
+    rows: usize,
+    cols: usize,
+}
+
+impl Extent {
+    /// Elements, whichever way it is stored.
+    fn len(self) -> usize {
+        (self.rows * leading(self.cols)).max(leading(self.rows) * self.cols)
+    }
+}
+
+/// What one level needs beside what its products need.
+struct LevelScratch {
+    p: Extent,
+    q: Extent,
+    m: Extent,
+}
+
+impl LevelScratch {
+    fn of(scheme: &Scheme, op: Op, m: usize, n: usize, k: usize) -> Self {
+        let rows = m.div_ceil(scheme.inner);
+        let (left, right) = (n.div_ceil(scheme.left), k.div_ceil(scheme.right));
+        let needs = |used: bool, rows, cols| if used { Extent { rows, cols } } else { Extent::default() };
+        let products = || scheme.products.iter();
+        let widened = |p: &Product| p.kind == ProductKind::Gemmt && !n.is_multiple_of(scheme.left);
+        let square = |p: &Product| op.of_product(p.kind) == Op::Syrk;
+        Self {
+            p: needs(products().any(|p| p.left.len() > 1 || widened(p)), rows, left),
+            q: needs(products().any(|p| p.right.len() > 1 && !square(p) || widened(p)), rows, right),
+            m: needs(
+                products().any(|p| p.outputs.len() > 1 || p.kind == ProductKind::SyrkFull),
+                left,
+                right,
+            ),
+        }
+    }
+
+    fn len(&self) -> usize {
+        self.p.len() + self.q.len() + self.m.len()
+    }
+}
+
+/// Elements of scratch that [`Engine::run`] needs for A m x n and B m x k.
+pub(crate) fn scratch_len(recursion: &Recursion, op: Op, m: usize, n: usize, k: usize) -> usize {
+    /// Operation, m, n, k, fast levels left.
+    type Key = (Op, [usize; 3], usize);
+    fn visit(recursion: &Recursion, key: Key, known: &mut HashMap<Key, usize>) -> usize {
+        let (op, [m, n, k], levels) = key;
+        let Some(id) = recursion.choose(op.symmetric(), m, n, k, levels) else { return 0 };
+        if let Some(&len) = known.get(&key) {
+            return len;
+        }
+        let scheme = id.scheme();
+        let levels = levels - usize::from(scheme.is_fast());
+        let own = LevelScratch::of(scheme, op, m, n, k).len();
+        let mut below = 0;
+        // Blocks come in at most two lengths along each extent.
+        let both = |len: usize, parts: usize| [len / parts, len.div_ceil(parts)];
+        for product in &scheme.products {
+            let child = op.of_product(product.kind);
+            for m in both(m, scheme.inner) {
+                for n in both(n, scheme.left) {
+                    for k in both(k, scheme.right) {
+                        if !child.symmetric() || n == k {
+                            let key = (child, [m, n, k], levels);
+                            below = below.max(visit(recursion, key, known));
+                        }
+                    }
+                }
+            }
+        }
+        known.insert(key, own + below);
+        own + below
+    }
+    visit(recursion, (op, [m, n, k], recursion.fast_levels), &mut HashMap::new())
+}
+
+/// P or Q: holds the last sum that had more than one term, and makes the next one from it when
+/// that takes fewer terms.
+struct SumBuffer<'a, T> {
+    extent: Extent,
+    memory: &'a mut [T],
+    row_major: bool,
+    held: Vec<Term>,
+}
+
+impl<'a, T: Real> SumBuffer<'a, T> {
+    /// Stored the way `like` is.
+    fn new(extent: Extent, like: MatRef<'_, T>, memory: &'a mut [T]) -> Self {
+        Self { extent, memory, row_major: like.col_stride() == 1, held: Vec::new() }
+    }
+
+    /// The sum of `terms` over `grid`, up to the returned sign. A sum of one block is that block,
+    /// unless it is to be widened to the full extent with zeros.
+    fn sum<'s>(
+        &'s mut self,
+        terms: &[Term],
+        grid: Grid<'s, T>,
+        widen: bool,
+    ) -> (T, MatRef<'s, T>) {
+        if let &[term] = terms
+            && term.coefficient.abs() == 1
+            && !widen
+        {
+            return (small(term.coefficient), grid.block(term));
+        }
+        let (reuse, change) = cheapest_update(&self.held, terms);
+        let blocks: Vec<_> =
+            change.iter().map(|&t| (small(t.coefficient), grid.block(t))).collect();
+        let Extent { rows, cols } = self.extent;
+        let mut sum = matrix(self.memory, rows, cols, self.extent, self.row_major);
+        if reuse != 1 || !blocks.is_empty() {
+            combine(sum.rb_mut(), small(reuse), &blocks);
+        }
+        self.held.clear();
+        self.held.extend_from_slice(terms);
+        (T::ONE, sum.into_const())
+    }
+}
+
+/// How to get from the sum `held` to the sum `wanted`: `wanted = reuse * held + change`, with
+/// reuse 0, 1 or -1, whichever reads least.
+fn cheapest_update(held: &[Term], wanted: &[Term]) -> (i8, Vec<Term>) {
+    let mut best = (0, wanted.to_vec());
+    if held.is_empty() {
+        return best;
+    }
+    for reuse in [1, -1] {
+        let mut change: Vec<Term> = wanted.to_vec();
+        for &h in held {
+            match change.iter_mut().find(|t| (t.row, t.col) == (h.row, h.col)) {
+                Some(t) => t.coefficient -= reuse * h.coefficient,
+                None => change.push(Term { coefficient: -reuse * h.coefficient, ..h }),
+            }
+        }
+        change.retain(|t| t.coefficient != 0);
+        // Updating in place reads the held sum too.
+        if change.len() + 1 < best.1.len() + usize::from(best.0 != 0) {
+            best = (reuse, change);
+        }
+    }
+    best
+}
+
+/// A rows x cols matrix at the start of `memory`, stored the way `like` is.
+fn scratch_matrix<'a, T>(
+    memory: &'a mut [T],
+    rows: usize,
+    cols: usize,
+    extent: Extent,
+    like: MatRef<'_, T>,
+) -> MatMut<'a, T> {
+    matrix(memory, rows, cols, extent, like.col_stride() == 1)
+}
+
+fn matrix<T>(
+    memory: &mut [T],
+    rows: usize,
+    cols: usize,
+    extent: Extent,
+    row_major: bool,
+) -> MatMut<'_, T> {
+    if row_major {
+        MatMut::from_row_major_slice_with_stride_mut(memory, rows, cols, leading(extent.cols))
+    } else {
+        MatMut::from_column_major_slice_with_stride_mut(memory, rows, cols, leading(extent.rows))
+    }
+}

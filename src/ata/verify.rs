@@ -1,0 +1,130 @@
+//! A probabilistic check of a finished product (Freivalds 1977): `C x` against `A^T (A x)`.
+
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{Mat, MatMut, MatRef};
+
+use super::options::Uplo;
+use super::rows::{AdjustedRows, DenseRows, RowBlocks, RowOptions, block_height};
+use crate::base::{Error, Real, Result, Rng, Workspace};
+use crate::blas;
+
+/// What [`verify`] found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Verification {
+    /// `residual <= tolerance`.
+    pub passed: bool,
+    /// Largest entry of `|C X - alpha A^T W (A X)|` over all random vectors.
+    pub residual: f64,
+    /// What rounding may explain.
+    pub tolerance: f64,
+    /// Probability, over the random vectors, that a C with an entry wrong by more than twice the
+    /// tolerance passes: 2^-rounds at most.
+    pub false_accept_probability: f64,
+}
+
+/// Checks `C = alpha A^T A` (m x n matrix A) with `rounds` random vectors of signs, in
+/// O(rounds (m n + n^2)).
+///
+/// For a sign vector x and an entry `E_ij` of the error `E = C - alpha A^T A`, flipping `x_j` moves
+/// `(E x)_i` by `2 |E_ij|`, so at least one of the two vectors shows an error of `|E_ij|`: each round
+/// misses it with probability at most 1/2. The tolerance is the probabilistic rounding bound of
+/// Higham and Mary (2019), `8 u sqrt(m n) max_j ||a_j||^2` with u the unit roundoff of T, so a
+/// correct result fails with negligible probability. The check itself runs in f64.
+///
+/// # Errors
+/// [`Error::Shape`] when C is not n x n.
+pub fn verify<T: Real>(
+    alpha: f64,
+    a: MatRef<'_, T>,
+    c: MatRef<'_, T>,
+    uplo: Uplo,
+    rounds: u32,
+    seed: u64,
+) -> Result<Verification> {
+    verify_rows(alpha, &mut DenseRows(a), &RowOptions::default(), c, uplo, rounds, seed)
+}
+
+/// As [`verify`], for `C = alpha X^T W X` of [`ata_rows`](super::ata_rows).
+///
+/// # Errors
+/// [`Error::Shape`] when C is not n x n, else as [`ata_rows`](super::ata_rows).
+pub fn verify_rows<T: Real>(
+    alpha: f64,
+    rows: &mut dyn RowBlocks<f64>,
+    row_options: &RowOptions<'_, f64>,
+    c: MatRef<'_, T>,
+    uplo: Uplo,
+    rounds: u32,
+    seed: u64,
+) -> Result<Verification> {
+    let (m, n, r) = (rows.nrows(), rows.ncols(), rounds as usize);
+    Error::check_shape("C", (n, n), c.shape())?;
+    let mut rng = Rng::new(seed);
+    let x = Mat::from_fn(n, r, |_, _| rng.sign());
+    let backend = blas::native();
+    let kernels: &dyn blas::Kernels<f64> = backend.as_ref();
+
+    // Z = -alpha X^T W (X x)
+    let mut z = Mat::<f64>::zeros(n, r);
+    let mut norms = vec![0.0; n];
+    let mut blocks = AdjustedRows::new(rows, row_options)?;
+    let height = block_height(m, n);
+    let mut memory = Workspace::new(height * n)?;
+    for first in (0..m).step_by(height.max(1)) {
+        let count = height.min(m - first);
+        let memory = &mut memory.as_mut_slice()[..count * n];
+        let mut block = MatMut::from_row_major_slice_mut(memory, count, n);
+        blocks.read(first, block.rb_mut())?;
+        let mut y = Mat::<f64>::zeros(count, r);
+        kernels.gemm(1.0, block.rb().transpose(), x.as_ref(), 0.0, y.as_mut());
+        for i in 0..count {
+            let w = row_options.weights.map_or(1.0, |w| w[first + i]);
+            for j in 0..r {
+                y[(i, j)] *= w;
+            }
+            for (j, norm) in norms.iter_mut().enumerate() {
+                *norm += w.abs() * block[(i, j)] * block[(i, j)];
+            }
+        }
+        kernels.gemm(-alpha, block.rb(), y.as_ref(), 1.0, z.as_mut());
+    }
+
+    // + C x, in strips of C with both triangles filled in
+    const STRIP: usize = 64;
+    for first in (0..n).step_by(STRIP) {
+        let count = STRIP.min(n - first);
+        let strip = Mat::from_fn(n, count, |j, i| {
+            let i = first + i;
+            let (row, col) = match uplo {
+                Uplo::Lower => (i.max(j), i.min(j)),
+                Uplo::Upper => (i.min(j), i.max(j)),
+                Uplo::Both => (i, j),
+            };
+            c[(row, col)].to_f64()
+        });
+        kernels.gemm(1.0, strip.as_ref(), x.as_ref(), 1.0, z.as_mut().subrows_mut(first, count));
+    }
+
+    let mut residual = 0.0_f64;
+    for i in 0..n {
+        for j in 0..r {
+            let entry = z[(i, j)].abs();
+            residual = if entry.is_nan() { f64::NAN } else { residual.max(entry) };
+            if residual.is_nan() {
+                break;
+            }
+        }
+        if residual.is_nan() {
+            break;
+        }
+    }
+    let largest = norms.iter().copied().fold(0.0, f64::max);
+    let tolerance =
+        8.0 * T::UNIT_ROUNDOFF * ((m + 1) as f64 * (n + 1) as f64).sqrt() * alpha.abs() * largest;
+    Ok(Verification {
+        passed: residual <= tolerance,
+        residual,
+        tolerance,
+        false_accept_probability: 0.5_f64.powi(rounds as i32),
+    })
+}

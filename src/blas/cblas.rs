@@ -1,0 +1,381 @@
+use std::ffi::{CStr, c_char, c_int};
+use std::path::Path;
+
+use faer::prelude::Reborrow;
+use faer::{MatMut, MatRef};
+use libloading::Library;
+
+use super::native::Native;
+use super::{Backend, Kernels, Rates, ThreadGuard, gemmt_by_gemm};
+use crate::base::{Error, Real, Result};
+
+// The values of the CBLAS enumerations (BLAST forum standard, annex C.1).
+const ROW_MAJOR: c_int = 101;
+const COL_MAJOR: c_int = 102;
+const NO_TRANS: c_int = 111;
+const TRANS: c_int = 112;
+const LOWER: c_int = 122;
+
+type Gemm<T> = unsafe extern "C" fn(
+    order: c_int,
+    trans_a: c_int,
+    trans_b: c_int,
+    m: c_int,
+    n: c_int,
+    k: c_int,
+    alpha: T,
+    a: *const T,
+    lda: c_int,
+    b: *const T,
+    ldb: c_int,
+    beta: T,
+    c: *mut T,
+    ldc: c_int,
+);
+type Syrk<T> = unsafe extern "C" fn(
+    order: c_int,
+    uplo: c_int,
+    trans: c_int,
+    n: c_int,
+    k: c_int,
+    alpha: T,
+    a: *const T,
+    lda: c_int,
+    beta: T,
+    c: *mut T,
+    ldc: c_int,
+);
+
+/// How a library is held at one thread.
+#[derive(Clone, Copy)]
+enum Threading {
+    /// MKL: a count per calling thread, returns the previous one (0 = none set).
+    MklLocal(unsafe extern "C" fn(c_int) -> c_int),
+    /// OpenBLAS, BLIS: one count for the process.
+    Global { get: unsafe extern "C" fn() -> c_int, set: unsafe extern "C" fn(c_int) },
+    /// No known control.
+    Unknown,
+}
+
+/// A library with the CBLAS interface and 32-bit integers.
+pub(super) struct Cblas {
+    name: String,
+    description: String,
+    dgemm: Gemm<f64>,
+    sgemm: Gemm<f32>,
+    dsyrk: Syrk<f64>,
+    ssyrk: Syrk<f32>,
+    threading: Threading,
+    /// Keeps the code of the function pointers above mapped.
+    _library: Option<Library>,
+}
+
+impl Cblas {
+    pub(super) fn load(path: &Path) -> Result<Self> {
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        let refuse = |why: String| Error::Backend { name: name.clone(), why };
+        // SAFETY: runs the library's initialisers; the caller named it as a BLAS to be trusted.
+        let library = unsafe { Library::new(path) }.map_err(|e| refuse(e.to_string()))?;
+        let prefix = ["", "scipy_"]
+            .into_iter()
+            // SAFETY: the symbol is only looked for, not called.
+            .find(|p| unsafe { symbol::<Gemm<f64>>(&library, &format!("{p}cblas_dgemm")) }.is_some())
+            .ok_or_else(|| refuse("no symbol cblas_dgemm: not a CBLAS library".into()))?;
+        let missing = |what: &str| refuse(format!("no symbol {prefix}{what}"));
+        // SAFETY: these are the signatures of the CBLAS standard with 32-bit integers; the
+        // pointers live no longer than `library`, which is stored beside them.
+        let (dgemm, sgemm, dsyrk, ssyrk) = unsafe {
+            (
+                symbol(&library, &format!("{prefix}cblas_dgemm")).ok_or(missing("cblas_dgemm"))?,
+                symbol(&library, &format!("{prefix}cblas_sgemm")).ok_or(missing("cblas_sgemm"))?,
+                symbol(&library, &format!("{prefix}cblas_dsyrk")).ok_or(missing("cblas_dsyrk"))?,
+                symbol(&library, &format!("{prefix}cblas_ssyrk")).ok_or(missing("cblas_ssyrk"))?,
+            )
+        };
+        let threading = threading(&library, prefix);
+        let description = description(&library, prefix);
+        Ok(Self {
+            name,
+            description,
+            dgemm,
+            sgemm,
+            dsyrk,
+            ssyrk,
+            threading,
+            _library: Some(library),
+        })
+    }
+}
+
+/// The symbol `name` as a `T`.
+///
+/// # Safety
+/// `T` must be the pointer type of that symbol.
+unsafe fn symbol<T: Copy>(library: &Library, name: &str) -> Option<T> {
+    // SAFETY: passed on to the caller.
+    unsafe { library.get::<T>(name) }.ok().map(|s| *s)
+}
+
+fn threading(library: &Library, prefix: &str) -> Threading {
+    // SAFETY: the documented signatures of MKL (mkl_service.h), OpenBLAS (cblas.h) and BLIS.
+    unsafe {
+        if let Some(set) = symbol(library, "MKL_Set_Num_Threads_Local") {
+            return Threading::MklLocal(set);
+        }
+        let pairs = [
+            (
+                format!("{prefix}openblas_get_num_threads"),
+                format!("{prefix}openblas_set_num_threads"),
+            ),
+            ("bli_thread_get_num_threads".into(), "bli_thread_set_num_threads".into()),
+        ];
+        for (get, set) in pairs {
+            if let (Some(get), Some(set)) = (symbol(library, &get), symbol(library, &set)) {
+                return Threading::Global { get, set };
+            }
+        }
+    }
+    Threading::Unknown
+}
+
+fn description(library: &Library, prefix: &str) -> String {
+    type MklVersion = unsafe extern "C" fn(*mut c_char, c_int);
+    type OpenblasConfig = unsafe extern "C" fn() -> *const c_char;
+    // SAFETY: the documented signatures; MKL writes at most the length it is told, with a final
+    // NUL; OpenBLAS returns a static C string.
+    unsafe {
+        if let Some(version) = symbol::<MklVersion>(library, "MKL_Get_Version_String") {
+            let mut text = [0 as c_char; 256];
+            version(text.as_mut_ptr(), text.len() as c_int - 1);
+            return CStr::from_ptr(text.as_ptr()).to_string_lossy().trim().to_owned();
+        }
+        if let Some(config) =
+            symbol::<OpenblasConfig>(library, &format!("{prefix}openblas_get_config"))
+        {
+            return CStr::from_ptr(config()).to_string_lossy().trim().to_owned();
+        }
+    }
+    String::new()
+}
+
+#[cfg(feature = "openblas")]
+impl Cblas {
+    pub(super) fn linked_openblas() -> Self {
+        use openblas_src as _; // links libopenblas
+
+        unsafe extern "C" {
+            fn openblas_get_num_threads() -> c_int;
+            fn openblas_set_num_threads(n: c_int);
+            fn openblas_get_config() -> *const c_char;
+        }
+        // SAFETY: the two declarations of each function differ only in that `cblas_sys` types the
+        // enumerations, which are passed as 32-bit integers; OpenBLAS returns a static C string.
+        unsafe {
+            use std::mem::transmute;
+            Self {
+                name: "openblas".into(),
+                description: CStr::from_ptr(openblas_get_config()).to_string_lossy().into_owned(),
+                dgemm: transmute::<*const (), Gemm<f64>>(cblas_sys::cblas_dgemm as *const ()),
+                sgemm: transmute::<*const (), Gemm<f32>>(cblas_sys::cblas_sgemm as *const ()),
+                dsyrk: transmute::<*const (), Syrk<f64>>(cblas_sys::cblas_dsyrk as *const ()),
+                ssyrk: transmute::<*const (), Syrk<f32>>(cblas_sys::cblas_ssyrk as *const ()),
+                threading: Threading::Global {
+                    get: openblas_get_num_threads,
+                    set: openblas_set_num_threads,
+                },
+                _library: None,
+            }
+        }
+    }
+}
+
+/// A view as CBLAS sees it.
+#[derive(Clone, Copy)]
+struct Layout {
+    /// Rows are contiguous (else columns are).
+    row_major: bool,
+    leading: c_int,
+}
+
+/// The CBLAS layout of an r x c view with these strides, if it has one. An extent of at most one
+/// makes its stride irrelevant.
+fn layout(rows: usize, cols: usize, row_stride: isize, col_stride: isize) -> Option<Layout> {
+    let leading = |stride: isize, lines: usize, length: usize| {
+        let stride = if lines <= 1 { length.max(1) } else { usize::try_from(stride).ok()? };
+        (stride >= length.max(1)).then(|| c_int::try_from(stride).ok()).flatten()
+    };
+    if c_int::try_from(rows).is_err() || c_int::try_from(cols).is_err() {
+        return None;
+    }
+    if col_stride == 1 || cols <= 1 {
+        if let Some(leading) = leading(row_stride, rows, cols) {
+            return Some(Layout { row_major: true, leading });
+        }
+    }
+    if row_stride == 1 || rows <= 1 {
+        if let Some(leading) = leading(col_stride, cols, rows) {
+            return Some(Layout { row_major: false, leading });
+        }
+    }
+    None
+}
+
+fn layout_of<T>(view: MatRef<'_, T>) -> Option<Layout> {
+    layout(view.nrows(), view.ncols(), view.row_stride(), view.col_stride())
+}
+
+impl Cblas {
+    fn gemm_with<T: Real>(
+        &self,
+        function: Gemm<T>,
+        alpha: T,
+        a: MatRef<'_, T>,
+        b: MatRef<'_, T>,
+        beta: T,
+        c: MatMut<'_, T>,
+    ) where
+        Native: Kernels<T>,
+    {
+        assert_eq!((a.nrows(), a.ncols()), (b.nrows(), c.nrows()));
+        assert_eq!(b.ncols(), c.ncols());
+        if c.nrows() == 0 || c.ncols() == 0 {
+            return;
+        }
+        let (Some(la), Some(lb), Some(lc)) = (layout_of(a), layout_of(b), layout_of(c.rb())) else {
+            return Native.gemm(alpha, a, b, beta, c);
+        };
+        let trans = |transposed: bool| if transposed { TRANS } else { NO_TRANS };
+        // SAFETY: the views are valid for their shapes; `layout` derived order and leading
+        // dimension from their strides and checked that every extent fits a C int; `c` is borrowed
+        // mutably, so it overlaps neither input. In the order of C, an operand stored the other
+        // way is its own transpose, hence A^T needs "trans" exactly when A has C's order.
+        unsafe {
+            function(
+                if lc.row_major { ROW_MAJOR } else { COL_MAJOR },
+                trans(la.row_major == lc.row_major),
+                trans(lb.row_major != lc.row_major),
+                c.nrows() as c_int,
+                c.ncols() as c_int,
+                a.nrows() as c_int,
+                alpha,
+                a.as_ptr(),
+                la.leading,
+                b.as_ptr(),
+                lb.leading,
+                beta,
+                c.as_ptr_mut(),
+                lc.leading,
+            );
+        }
+    }
+
+    fn syrk_with<T: Real>(
+        &self,
+        function: Syrk<T>,
+        alpha: T,
+        a: MatRef<'_, T>,
+        beta: T,
+        c: MatMut<'_, T>,
+    ) where
+        Native: Kernels<T>,
+    {
+        assert_eq!((a.ncols(), a.ncols()), (c.nrows(), c.ncols()));
+        if c.nrows() == 0 {
+            return;
+        }
+        let (Some(la), Some(lc)) = (layout_of(a), layout_of(c.rb())) else {
+            return Native.syrk(alpha, a, beta, c);
+        };
+        // SAFETY: as in `gemm_with`.
+        unsafe {
+            function(
+                if lc.row_major { ROW_MAJOR } else { COL_MAJOR },
+                LOWER,
+                if la.row_major == lc.row_major { TRANS } else { NO_TRANS },
+                c.nrows() as c_int,
+                a.nrows() as c_int,
+                alpha,
+                a.as_ptr(),
+                la.leading,
+                beta,
+                c.as_ptr_mut(),
+                lc.leading,
+            );
+        }
+    }
+}
+
+macro_rules! kernels {
+    ($t:ident, $gemm:ident, $syrk:ident) => {
+        impl Kernels<$t> for Cblas {
+            fn gemm(
+                &self,
+                alpha: $t,
+                a: MatRef<'_, $t>,
+                b: MatRef<'_, $t>,
+                beta: $t,
+                c: MatMut<'_, $t>,
+            ) {
+                self.gemm_with(self.$gemm, alpha, a, b, beta, c);
+            }
+
+            fn syrk(&self, alpha: $t, a: MatRef<'_, $t>, beta: $t, c: MatMut<'_, $t>) {
+                self.syrk_with(self.$syrk, alpha, a, beta, c);
+            }
+
+            fn gemmt(
+                &self,
+                alpha: $t,
+                a: MatRef<'_, $t>,
+                b: MatRef<'_, $t>,
+                beta: $t,
+                c: MatMut<'_, $t>,
+            ) {
+                gemmt_by_gemm(self, alpha, a, b, beta, c);
+            }
+        }
+    };
+}
+kernels!(f32, sgemm, ssyrk);
+kernels!(f64, dgemm, dsyrk);
+
+impl Backend for Cblas {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn description(&self) -> &str {
+        &self.description
+    }
+
+    fn rates(&self) -> Rates {
+        Rates { gemm_flops: 95e9, syrk_efficiency: 0.92, add_bytes: 18e9 }
+    }
+
+    fn single_threaded(&self) -> ThreadGuard {
+        let threading = self.threading;
+        // SAFETY: the signatures were established at load time; the calls take any count >= 0.
+        ThreadGuard(match threading {
+            Threading::MklLocal(set) => {
+                let before = unsafe { set(1) };
+                Some(Box::new(move || {
+                    // SAFETY: as above.
+                    unsafe { set(before) };
+                }))
+            }
+            Threading::Global { get, set } => {
+                let before = unsafe { get() };
+                if before == 1 {
+                    None
+                } else {
+                    unsafe { set(1) };
+                    Some(Box::new(move || {
+                        // SAFETY: as above.
+                        unsafe { set(before) };
+                    }))
+                }
+            }
+            Threading::Unknown => None,
+        })
+    }
+}

@@ -1,0 +1,120 @@
+//! BLAS back ends behind one trait: what computes the leaves of every recursion.
+//!
+//! | constructor | needs | note |
+//! |---|---|---|
+//! | [`native`] | nothing | the `gemm` crate, pure Rust; the default |
+//! | `openblas` (feature `openblas`) | `libopenblas-dev` | linked at build time |
+//! | [`load`] | any shared library with the CBLAS interface | MKL, OpenBLAS, BLIS, by path |
+//!
+//! A back end computes with one thread: threads belong to the layers above.
+
+mod cblas;
+mod native;
+mod triangle;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use faer::{MatMut, MatRef};
+
+use crate::base::{Real, Result};
+
+pub(crate) use triangle::gemmt_by_gemm;
+
+/// The matrix products of one precision, sequential, transposed on the left.
+///
+/// Any strides are taken, negative and zero ones (in inputs) too. `beta == 0` means that `c` is
+/// not read. The three inputs never overlap `c`.
+pub trait Kernels<T>: Send + Sync {
+    /// `C := alpha A^T B + beta C`; A is m x n, B is m x k, C is n x k.
+    fn gemm(&self, alpha: T, a: MatRef<'_, T>, b: MatRef<'_, T>, beta: T, c: MatMut<'_, T>);
+
+    /// The lower triangle, diagonal included, of `C := alpha A^T A + beta C`; A is m x n. The
+    /// strict upper triangle of C is neither read nor written.
+    fn syrk(&self, alpha: T, a: MatRef<'_, T>, beta: T, c: MatMut<'_, T>);
+
+    /// The lower triangle, diagonal included, of `C := alpha A^T B + beta C`; A and B are m x n.
+    /// The strict upper triangle of C is neither read nor written.
+    fn gemmt(&self, alpha: T, a: MatRef<'_, T>, b: MatRef<'_, T>, beta: T, c: MatMut<'_, T>);
+}
+
+/// Sustained speed of a back end on one core, for the planner. Estimates: a wrong one costs time,
+/// never correctness.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rates {
+    /// Flops per second (a multiply-add counts two) of a large f64 `gemm`; f32 runs at twice that.
+    pub gemm_flops: f64,
+    /// Speed of `syrk` relative to `gemm`, per useful flop, for large sizes.
+    pub syrk_efficiency: f64,
+    /// Bytes per second of a sum of matrices that do not fit the cache, reads and writes counted.
+    pub add_bytes: f64,
+}
+
+/// A BLAS library, or what stands in for one.
+pub trait Backend: Kernels<f32> + Kernels<f64> {
+    /// Short name, such as `gemm`, `openblas` or the file name of a loaded library.
+    fn name(&self) -> &str;
+
+    /// Its version, or what it says of itself; may be empty.
+    fn description(&self) -> &str;
+
+    /// What the planner assumes of it.
+    fn rates(&self) -> Rates;
+
+    /// Holds the library at one thread, on the calling thread, until the guard is dropped.
+    fn single_threaded(&self) -> ThreadGuard {
+        ThreadGuard(None)
+    }
+}
+
+/// Restores a library's thread count when dropped.
+pub struct ThreadGuard(Option<Box<dyn FnOnce()>>);
+
+impl Drop for ThreadGuard {
+    fn drop(&mut self) {
+        if let Some(restore) = self.0.take() {
+            restore();
+        }
+    }
+}
+
+/// A scalar whose kernels a [`Backend`] has: picks them out of the trait object.
+pub trait BlasReal: Real {
+    /// The kernels of this precision.
+    fn kernels(backend: &dyn Backend) -> &dyn Kernels<Self>;
+}
+
+impl BlasReal for f32 {
+    fn kernels(backend: &dyn Backend) -> &dyn Kernels<Self> {
+        backend
+    }
+}
+
+impl BlasReal for f64 {
+    fn kernels(backend: &dyn Backend) -> &dyn Kernels<Self> {
+        backend
+    }
+}
+
+/// The default back end: the `gemm` crate, pure Rust, any strides.
+pub fn native() -> Arc<dyn Backend> {
+    Arc::new(native::Native)
+}
+
+/// OpenBLAS, as linked at build time.
+#[cfg(feature = "openblas")]
+pub fn openblas() -> Arc<dyn Backend> {
+    Arc::new(cblas::Cblas::linked_openblas())
+}
+
+/// Loads the CBLAS library at `path` (`libmkl_rt.so`, `libopenblas.so`, `libblis.so`, ...), with
+/// 32-bit integers (LP64). The symbol names of the PyPI package `scipy-openblas32` are known too.
+///
+/// Operands that CBLAS can't express (no unit stride, or an extent over 2^31 - 1) are computed by
+/// [`native`] instead.
+///
+/// # Errors
+/// [`Error::Backend`](crate::Error::Backend) when the file can't be loaded or lacks a symbol.
+pub fn load(path: &Path) -> Result<Arc<dyn Backend>> {
+    Ok(Arc::new(cblas::Cblas::load(path)?))
+}
