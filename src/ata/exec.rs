@@ -55,14 +55,12 @@ pub(crate) fn execute<T: BlasReal>(
                 return;
             }
             let rows = plan.slab(slab);
-            let rows = |v: MatRef<'_, T>, cols: &std::ops::Range<usize>| {
-                v.submatrix(rows.start, cols.start, rows.len(), cols.len())
-            };
             // SAFETY: the tasks of a tree own disjoint blocks, each slab has its own destination,
             // and `next` hands out each (slab, task) once.
             let dst = unsafe { destinations[slab].block(task) };
             let beta = if slab == 0 { beta } else { T::ZERO };
-            let (left, right) = (rows(a, &task.rows), rows(b, &task.cols));
+            let left = a.submatrix(rows.start, task.rows.start, rows.len(), task.rows.len());
+            let right = b.submatrix(rows.start, task.cols.start, rows.len(), task.cols.len());
             engine.run(task.op(same), alpha, left, right, beta, dst, &mut scratch);
             progress.add(task.cost());
         }
