@@ -411,7 +411,9 @@ fn matrix<T>(
     row_major: bool,
 ) -> MatMut<'_, T> {
     if row_major {
-        MatMut::from_row_major_slice_with_stride_mut(memory, rows, cols, leading(extent.cols))
+        // Not `from_row_major_slice_with_stride_mut`, which swaps the strides (faer 0.24.4).
+        let stride = leading(extent.cols);
+        MatMut::from_column_major_slice_with_stride_mut(memory, cols, rows, stride).transpose_mut()
     } else {
         MatMut::from_column_major_slice_with_stride_mut(memory, rows, cols, leading(extent.rows))
     }
