@@ -1,0 +1,100 @@
+//! The small pieces: leaf kernels per back end, one fast level, making a plan, tiny products.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use catamaran::blas::{self, Backend, BlasReal};
+use catamaran::faer::{Mat, MatRef};
+use catamaran::{AtaOptions, Par, Plan, SchemeChoice, ata};
+use catamaran_bench::input::{Distribution, Shape, matrix};
+use catamaran_bench::library::find;
+use criterion::{BenchmarkId, Criterion};
+
+fn main() {
+    let mut criterion = Criterion::default().sample_size(20).configure_from_args();
+    leaves(&mut criterion);
+    one_level(&mut criterion);
+    plans(&mut criterion);
+    tiny(&mut criterion);
+    criterion.final_summary();
+}
+
+fn backends() -> Vec<(&'static str, Arc<dyn Backend>)> {
+    let rivals = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../target/rivals"));
+    let mut found = vec![("gemm", blas::native())];
+    for name in ["mkl", "openblas"] {
+        let library = find(name, rivals).and_then(|path| blas::load(&path).ok());
+        found.extend(library.map(|library| (name, library)));
+    }
+    found
+}
+
+fn square(n: usize) -> Vec<f64> {
+    matrix(Shape { m: n, n }, Distribution::Uniform, 1)
+}
+
+fn leaves(criterion: &mut Criterion) {
+    for (name, backend) in backends() {
+        let _held = backend.single_threaded();
+        let kernels = f64::kernels(backend.as_ref());
+        let mut group = criterion.benchmark_group(format!("leaf/{name}"));
+        for n in [128, 256, 512, 1024] {
+            let a = square(n);
+            let a = MatRef::from_row_major_slice(&a, n, n);
+            let mut c = Mat::zeros(n, n);
+            group.bench_function(BenchmarkId::new("gemm", n), |b| {
+                b.iter(|| kernels.gemm(1.0, a, a, 0.0, c.as_mut().transpose_mut()));
+            });
+            group.bench_function(BenchmarkId::new("syrk", n), |b| {
+                b.iter(|| kernels.syrk(1.0, a, 0.0, c.as_mut().transpose_mut()));
+            });
+        }
+    }
+}
+
+fn sequential(scheme: SchemeChoice, leaf: Option<usize>) -> AtaOptions<'static> {
+    AtaOptions { par: Par::Seq, scheme, leaf, ..AtaOptions::default() }
+}
+
+/// One level of each scheme over 256-long leaves: what its sums of blocks cost beside them.
+fn one_level(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("one level");
+    for (name, scheme) in SchemeChoice::NAMES {
+        let n = match scheme {
+            SchemeChoice::Kgp4 | SchemeChoice::Rxtx => 1024,
+            SchemeChoice::Kgp3 => 768,
+            SchemeChoice::Winograd => 512,
+            _ => continue,
+        };
+        let a = square(n);
+        let a = MatRef::from_row_major_slice(&a, n, n);
+        let mut c = Mat::zeros(n, n);
+        let options = AtaOptions { tasks: Some(1), ..sequential(scheme, Some(256)) };
+        group.bench_function(BenchmarkId::new(name, n), |b| {
+            b.iter(|| ata(1.0, a, 0.0, c.as_mut(), &options).expect("valid options"));
+        });
+    }
+}
+
+fn plans(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("plan");
+    for n in [64, 1024, 16384] {
+        let options = sequential(SchemeChoice::Auto, None);
+        group.bench_function(BenchmarkId::new("auto", n), |b| {
+            b.iter(|| Plan::ata::<f64>(n, n, &options).expect("valid options"));
+        });
+    }
+}
+
+fn tiny(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("latency");
+    for n in [8, 32, 64, 128] {
+        let a = square(n);
+        let a = MatRef::from_row_major_slice(&a, n, n);
+        let mut c = Mat::zeros(n, n);
+        let options = sequential(SchemeChoice::Auto, None);
+        group.bench_function(BenchmarkId::new("ata", n), |b| {
+            b.iter(|| ata(1.0, a, 0.0, c.as_mut(), &options).expect("valid options"));
+        });
+    }
+}

@@ -1,0 +1,109 @@
+//! The machine and the process: what a record must say of them, and the environment the rivals
+//! need before they are loaded.
+
+use std::path::Path;
+use std::process::Command;
+
+use catamaran::base::{available_cores, cpu_features};
+
+use crate::Result;
+use crate::library::{Rival, find};
+
+/// The model of the CPU, as Linux names it.
+pub fn cpu_model() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    field(&info, "model name").unwrap_or("unknown CPU").to_owned()
+}
+
+fn field<'a>(text: &'a str, key: &str) -> Option<&'a str> {
+    let line = text.lines().find(|l| l.starts_with(key))?;
+    Some(line.split_once(':')?.1.trim())
+}
+
+/// A folder name for machines like this one: CPU model and cores.
+pub fn kind() -> String {
+    kind_of(&cpu_model(), available_cores())
+}
+
+fn kind_of(model: &str, cores: usize) -> String {
+    let plain = model.replace("(R)", "").replace("(TM)", "").to_lowercase();
+    let words: Vec<_> =
+        plain.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty()).collect();
+    format!("{}-{cores}c", words.join("-"))
+}
+
+/// What a reader of a record must know about where it was made.
+pub fn describe(rivals: &[&Rival]) -> String {
+    let info = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    let flags = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let flags = field(&flags, "flags").unwrap_or_default();
+    let amx: Vec<_> = flags.split(' ').filter(|f| f.starts_with("amx")).collect();
+    let mut text = format!(
+        "cpu       {}\ncores     {}\nflags     {} {}\nmemory    {}\nrustc     {}\ndate      {}\n\
+         commit    {}\nload      {}\n",
+        cpu_model(),
+        available_cores(),
+        cpu_features().join(" "),
+        amx.join(" "),
+        field(&info, "MemTotal").unwrap_or("unknown"),
+        output("rustc", &["--version"]),
+        output("date", &["-u", "+%Y-%m-%d %H:%M UTC"]),
+        output("git", &["describe", "--always", "--dirty"]),
+        std::fs::read_to_string("/proc/loadavg").unwrap_or_default().trim(),
+    );
+    for rival in rivals {
+        text += &format!("{:<9} {}\n", rival.name, rival.version);
+    }
+    text
+}
+
+fn output(program: &str, arguments: &[&str]) -> String {
+    let output = Command::new(program).args(arguments).output();
+    output
+        .map_or_else(|_| "unknown".into(), |o| String::from_utf8_lossy(&o.stdout).trim().to_owned())
+}
+
+/// Starts this program anew when the environment is not the one the rivals must find: most read
+/// it as they are loaded, and setting it in a running process is too late.
+///
+/// # Errors
+/// When the program can't be started again.
+pub fn with_environment_for_rivals(folder: &Path) -> Result<()> {
+    let intel = find("mkl", folder)
+        .and_then(|p| Some(p.parent()?.join("libiomp5.so").exists()))
+        .unwrap_or(false);
+    let wanted = [
+        ("MKL_THREADING_LAYER", if intel { "INTEL" } else { "GNU" }),
+        ("MKL_INTERFACE_LAYER", "LP64"),
+        ("MKL_DYNAMIC", "FALSE"),
+        // Idle threads of one contender must not spin into the time of the next: 1 ms, 2^20 cycles.
+        ("KMP_BLOCKTIME", "1"),
+        ("OPENBLAS_THREAD_TIMEOUT", "20"),
+    ];
+    // A kernel set forced on OpenBLAS makes a slower rival of it.
+    let unwanted = ["OPENBLAS_CORETYPE", "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"];
+    let right = wanted.iter().all(|(k, v)| std::env::var(k).is_ok_and(|x| x == *v))
+        && unwanted.iter().all(|k| std::env::var_os(k).is_none());
+    if right {
+        return Ok(());
+    }
+    let mut again = Command::new(std::env::current_exe()?);
+    again.args(std::env::args_os().skip(1)).envs(wanted);
+    for key in unwanted {
+        again.env_remove(key);
+    }
+    Err(std::os::unix::process::CommandExt::exec(&mut again).into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_are_folder_names() {
+        assert_eq!(
+            kind_of("Intel(R) Xeon(R) Processor @ 2.60GHz", 2),
+            "intel-xeon-processor-2-60ghz-2c"
+        );
+    }
+}

@@ -1,0 +1,16 @@
+//! The race of `catamaran::ata` against other libraries on the same machine, and its parts.
+//!
+//! See README.md of this package for how to run it and what the columns mean.
+
+pub mod chart;
+pub mod contender;
+pub mod host;
+pub mod input;
+pub mod library;
+pub mod race;
+pub mod record;
+pub mod reference;
+pub mod table;
+
+/// The result of everything here; a message is all that its user needs.
+pub type Result<T> = std::result::Result<T, Box<dyn std::error::Error + Send + Sync>>;

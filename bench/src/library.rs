@@ -1,0 +1,156 @@
+//! Rival libraries: where they are, and their `syrk` called directly.
+
+use std::ffi::{CStr, c_char, c_int};
+use std::path::{Path, PathBuf};
+
+use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
+
+use crate::Result;
+
+/// `cblas_?syrk` with 32-bit integers.
+pub type Syrk<T> = unsafe extern "C" fn(
+    order: c_int,
+    uplo: c_int,
+    trans: c_int,
+    n: c_int,
+    k: c_int,
+    alpha: T,
+    a: *const T,
+    lda: c_int,
+    beta: T,
+    c: *mut T,
+    ldc: c_int,
+);
+
+/// Every symbol of the library before the process' own: what MKL makes global must not end up
+/// inside another BLAS.
+#[cfg(target_os = "linux")]
+const RTLD_DEEPBIND: c_int = 8;
+#[cfg(not(target_os = "linux"))]
+const RTLD_DEEPBIND: c_int = 0;
+
+#[derive(Clone, Copy)]
+enum SetThreads {
+    Int(unsafe extern "C" fn(c_int)),
+    /// BLIS counts in `dim_t`.
+    Dim(unsafe extern "C" fn(i64)),
+}
+
+/// A loaded CBLAS library.
+pub struct Rival {
+    /// `mkl`, `openblas`, `blis`, or what the user called it.
+    pub name: String,
+    /// Its file.
+    pub path: PathBuf,
+    /// What it says of itself.
+    pub version: String,
+    /// `cblas_dsyrk`.
+    pub dsyrk: Syrk<f64>,
+    /// `cblas_ssyrk`.
+    pub ssyrk: Syrk<f32>,
+    set_threads: SetThreads,
+    _library: Library,
+}
+
+/// The file of the library `name`: in `folder` as `scripts/rivals` fills it, else the system's.
+pub fn find(name: &str, folder: &Path) -> Option<PathBuf> {
+    let system = Path::new("/usr/lib/x86_64-linux-gnu");
+    match name {
+        "mkl" => first_starting(&folder.join("lib"), "libmkl_rt.so")
+            .or_else(|| first_starting(system, "libmkl_rt.so")),
+        "openblas" => std::fs::read_dir(folder.join("lib"))
+            .ok()?
+            .flatten()
+            .map(|e| e.path().join("site-packages/scipy_openblas32/lib/libscipy_openblas.so"))
+            .find(|p| p.exists())
+            .or_else(|| first_starting(&system.join("openblas-pthread"), "libopenblas.so")),
+        "blis" => first_starting(&system.join("blis-pthread"), "libblis.so"),
+        _ => None,
+    }
+}
+
+fn first_starting(folder: &Path, prefix: &str) -> Option<PathBuf> {
+    let mut found: Vec<_> = std::fs::read_dir(folder)
+        .ok()?
+        .flatten()
+        .map(|e| e.path())
+        .filter(|p| p.file_name().is_some_and(|f| f.to_string_lossy().starts_with(prefix)))
+        .collect();
+    found.sort();
+    found.into_iter().next()
+}
+
+impl Rival {
+    /// Loads the library at `path`.
+    ///
+    /// # Errors
+    /// When it can't be loaded or lacks a symbol.
+    pub fn load(name: &str, path: &Path) -> Result<Self> {
+        // libmkl_rt finds its other libraries through the process, so it can't be bound deep.
+        let deep = if name == "mkl" { 0 } else { RTLD_DEEPBIND };
+        // SAFETY: runs the library's initialisers; the user named it as a BLAS to be trusted.
+        let library = unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL | deep) }?;
+        // SAFETY: the signatures of the CBLAS standard with 32-bit integers, and the documented
+        // ones of each library's thread control; the library is stored beside the pointers.
+        unsafe {
+            let prefix = ["", "scipy_"]
+                .into_iter()
+                .find(|p| symbol::<Syrk<f64>>(&library, &format!("{p}cblas_dsyrk")).is_some())
+                .ok_or_else(|| format!("{}: no cblas_dsyrk", path.display()))?;
+            let set_threads = ["MKL_Set_Num_Threads", &format!("{prefix}openblas_set_num_threads")]
+                .iter()
+                .find_map(|s| symbol(&library, s).map(SetThreads::Int))
+                .or_else(|| symbol(&library, "bli_thread_set_num_threads").map(SetThreads::Dim))
+                .ok_or_else(|| format!("{}: no known thread control", path.display()))?;
+            Ok(Self {
+                name: name.into(),
+                path: path.into(),
+                version: version(&library, prefix),
+                dsyrk: symbol(&library, &format!("{prefix}cblas_dsyrk")).ok_or("cblas_dsyrk")?,
+                ssyrk: symbol(&library, &format!("{prefix}cblas_ssyrk")).ok_or("cblas_ssyrk")?,
+                set_threads,
+                _library: library,
+            })
+        }
+    }
+
+    /// Sets the threads of the library's next calls.
+    pub fn set_threads(&self, threads: usize) {
+        // SAFETY: takes any positive count.
+        unsafe {
+            match self.set_threads {
+                SetThreads::Int(set) => set(threads as c_int),
+                SetThreads::Dim(set) => set(threads as i64),
+            }
+        }
+    }
+}
+
+/// The symbol `name` as a `T`.
+///
+/// # Safety
+/// `T` must be the pointer type of that symbol.
+unsafe fn symbol<T: Copy>(library: &Library, name: &str) -> Option<T> {
+    // SAFETY: passed on to the caller.
+    unsafe { library.get::<T>(name.as_bytes()) }.ok().map(|s| *s)
+}
+
+fn version(library: &Library, prefix: &str) -> String {
+    type Write = unsafe extern "C" fn(*mut c_char, c_int);
+    type Text = unsafe extern "C" fn() -> *const c_char;
+    // SAFETY: the documented signatures; MKL writes at most the length it is told; the other two
+    // return static C strings.
+    unsafe {
+        if let Some(write) = symbol::<Write>(library, "MKL_Get_Version_String") {
+            let mut text = [0 as c_char; 256];
+            write(text.as_mut_ptr(), text.len() as c_int - 1);
+            return CStr::from_ptr(text.as_ptr()).to_string_lossy().trim().to_owned();
+        }
+        let openblas = format!("{prefix}openblas_get_config");
+        [openblas.as_str(), "bli_info_get_version_str"]
+            .iter()
+            .find_map(|s| symbol::<Text>(library, s))
+            .map(|text| CStr::from_ptr(text()).to_string_lossy().trim().to_owned())
+            .unwrap_or_default()
+    }
+}

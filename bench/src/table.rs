@@ -1,0 +1,100 @@
+//! Outcomes as rows: of the table on the screen and of the record.
+
+use crate::input::Shape;
+use crate::race::Outcome;
+
+/// One contender at one shape, type and thread count.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Shape of A.
+    pub shape: Shape,
+    /// `f32` or `f64`.
+    pub scalar: &'static str,
+    /// Threads.
+    pub threads: usize,
+    /// Its name.
+    pub contender: String,
+    /// Repetitions measured.
+    pub repetitions: usize,
+    /// Median seconds of a call.
+    pub seconds: f64,
+    /// Effective speed: m n^2 / t.
+    pub gflops: f64,
+    /// Times faster than the yardstick; the median of paired ratios.
+    pub ratio: f64,
+    /// Largest error relative to the largest entry of C.
+    pub error: f64,
+    /// Error over that of the yardstick.
+    pub error_ratio: f64,
+}
+
+/// The column names of the record.
+pub const CSV_HEADER: &str =
+    "m,n,type,threads,contender,repetitions,median_s,gflops,ratio,error,error_ratio";
+
+/// The column names on the screen.
+pub fn header() -> String {
+    format!(
+        "{:>8} {:>6} {:>4} {:>2}  {:<24} {:>4} {:>10} {:>8} {:>6} {:>9} {:>6}",
+        "m",
+        "n",
+        "type",
+        "th",
+        "contender",
+        "reps",
+        "median s",
+        "GFLOP/s",
+        "ratio",
+        "error",
+        "err/y"
+    )
+}
+
+/// The rows of one race; `yardstick` is the index of the contender that ratios refer to.
+pub fn rows(
+    outcomes: &[Outcome],
+    shape: Shape,
+    scalar: &'static str,
+    threads: usize,
+    yardstick: usize,
+) -> Vec<Row> {
+    let yardstick = &outcomes[yardstick];
+    outcomes
+        .iter()
+        .map(|o| Row {
+            shape,
+            scalar,
+            threads,
+            contender: o.contender.clone(),
+            repetitions: o.seconds.len(),
+            seconds: o.median(),
+            gflops: shape.m as f64 * (shape.n as f64).powi(2) / o.median() / 1e9,
+            ratio: o.ratio_to(yardstick),
+            error: o.error,
+            error_ratio: o.error / yardstick.error,
+        })
+        .collect()
+}
+
+impl Row {
+    /// A line of the record.
+    pub fn csv(&self) -> String {
+        let Self { shape: Shape { m, n }, scalar, threads, contender, repetitions, .. } = self;
+        format!(
+            "{m},{n},{scalar},{threads},{contender},{repetitions},{:.6e},{:.2},{:.4},{:.3e},{:.3}",
+            self.seconds, self.gflops, self.ratio, self.error, self.error_ratio
+        )
+    }
+}
+
+impl std::fmt::Display for Row {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { shape: Shape { m, n }, scalar, threads, contender, repetitions, .. } = self;
+        write!(
+            f,
+            "{m:>8} {n:>6} {scalar:>4} {threads:>2}  {contender:<24} {repetitions:>4} {:>10.6} \
+             {:>8.1} {:>6.3} {:>9.2e} {:>6.2}",
+            self.seconds, self.gflops, self.ratio, self.error, self.error_ratio
+        )
+    }
+}
