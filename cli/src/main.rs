@@ -1,2 +1,51 @@
-//! The `catamaran` command line.
-fn main() {}
+//! The `catamaran` command line: one file per subcommand.
+
+mod ata;
+mod backend;
+mod demo;
+mod info;
+mod picture;
+mod progress;
+
+use std::io;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// A^T A at scale.
+#[derive(Parser)]
+#[command(name = "catamaran", version, about, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Ata(ata::Args),
+    Info(info::Args),
+    Demo(demo::Args),
+}
+
+/// What a shell reports for a process that Ctrl-C ended.
+const INTERRUPTED: u8 = 130;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let done = progress::watch_ctrl_c().and_then(|()| match &cli.command {
+        Command::Ata(args) => ata::run(args),
+        Command::Info(args) => info::run(args),
+        Command::Demo(args) => demo::run(args),
+    });
+    let Err(error) = done else { return ExitCode::SUCCESS };
+    if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {
+        eprintln!("catamaran: cancelled");
+        return ExitCode::from(INTERRUPTED);
+    }
+    // The reader of our output has gone, as in `catamaran info | head -1`: nobody to tell.
+    if error.downcast_ref().is_some_and(|e: &io::Error| e.kind() == io::ErrorKind::BrokenPipe) {
+        return ExitCode::SUCCESS;
+    }
+    eprintln!("catamaran: {error:#}");
+    ExitCode::FAILURE
+}

@@ -1,1 +1,146 @@
-//! Matrix files.
+//! Matrix files: NumPy `.npy`, MatrixMarket `.mtx` and text tables (`.csv`, `.tsv`, `.txt`), each
+//! also gzipped (`.gz`).
+//!
+//! A reader checks everything it reads: a broken header, a ragged row, text where a number should
+//! be, a truncated file and trailing data are errors that name the file and, in text, the line. A
+//! writer shows its file whole or not at all ([`Output`]).
+
+mod csv;
+mod matrix;
+mod mtx;
+mod npy;
+mod output;
+mod source;
+
+use std::ops::Range;
+use std::path::Path;
+
+use faer::MatRef;
+pub use matrix::{Dense, Matrix, SparseRows};
+pub use output::{Output, Overwrite};
+/// The sparse matrix of [`Matrix::Sparse`], from crate sprs.
+pub use sprs::CsMat;
+
+use crate::base::{Error, Progress, Real, Result};
+use source::Source;
+
+/// How [`read`] reads. The default reads everything.
+#[derive(Clone, Default)]
+pub struct ReadOptions<'a> {
+    /// Columns to keep, from 0, half open; `None` keeps all. In a text table the others may hold
+    /// anything.
+    pub columns: Option<Range<usize>>,
+    /// Told the fraction of the file read; may cancel.
+    pub progress: Option<Progress<'a>>,
+}
+
+/// What a file name says about its content.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Npy,
+    Mtx,
+    Csv,
+}
+
+/// The format and whether it is gzipped.
+fn format_of(path: &Path) -> Result<(Format, bool)> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    let (stem, gzipped) = match name.strip_suffix(".gz") {
+        Some(stem) => (stem, true),
+        None => (name.as_str(), false),
+    };
+    match stem.rsplit_once('.').map(|(_, extension)| extension) {
+        Some("npy") => Ok((Format::Npy, gzipped)),
+        Some("mtx") => Ok((Format::Mtx, gzipped)),
+        Some("csv" | "tsv" | "txt") => Ok((Format::Csv, gzipped)),
+        _ => Err(Error::Io {
+            path: path.into(),
+            line: 0,
+            what: "unknown kind of file: the name must end in .npy, .mtx, .csv, .tsv or .txt, \
+                   and may have .gz after it"
+                .into(),
+        }),
+    }
+}
+
+/// Reads the matrix in the file at `path`, of the format its name says.
+///
+/// - `.npy`: two dimensions, or one (a vector, read as a column), either order. f4 stays f32; f8 and
+///   integers become f64 (integers beyond 2^53 are rounded).
+/// - `.mtx`: `array` becomes a dense f64 matrix, `coordinate` a sparse one; `real`, `integer` and
+///   `pattern` (ones); `general`, `symmetric`, `skew-symmetric`. Repeated coordinates are summed.
+/// - `.csv`, `.tsv`, `.txt`: f64, split at tabs, semicolons, commas or runs of blanks, whichever of
+///   these the first line holds first in this order. Lines that start with `#` and empty lines are
+///   skipped. A first line without any number is a header.
+///
+/// The extra memory beyond the result is a buffer (twice the entries for a sparse matrix).
+///
+/// # Errors
+/// [`Error::Io`] with file and line, [`Error::OutOfMemory`], [`Error::Cancelled`];
+/// [`Error::Argument`] when `options.columns` is not inside the matrix.
+pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Matrix> {
+    let (format, gzipped) = format_of(path)?;
+    let mut source = Source::open(path, gzipped, options.progress)?;
+    match format {
+        Format::Npy => npy::read(&mut source, options.columns.as_ref()),
+        Format::Mtx => mtx::read(&mut source, options.columns.as_ref()),
+        Format::Csv => csv::read(&mut source, options.columns.as_ref()),
+    }
+}
+
+/// Writes `matrix` (any shape and strides) into `output`, in the format its name says, and lets it
+/// appear: `.npy` in C order and the precision of T, `.mtx` as a general real array, text tables with
+/// commas (tabs in `.tsv`, blanks in `.txt`) and enough digits to read the same number back.
+///
+/// # Errors
+/// [`Error::Io`]; nothing is left behind then.
+pub fn write<T: Real>(mut output: Output, matrix: MatRef<'_, T>) -> Result<()> {
+    let (format, gzipped) = format_of(output.path())?;
+    let separator = match output.path().to_string_lossy() {
+        name if name.contains(".tsv") => '\t',
+        name if name.contains(".txt") => ' ',
+        _ => ',',
+    };
+    let body = |sink: &mut dyn std::io::Write| match format {
+        Format::Npy => npy::write(sink, matrix),
+        Format::Mtx => mtx::write(sink, matrix),
+        Format::Csv => csv::write(sink, matrix, separator),
+    };
+    let written = if gzipped {
+        let mut encoder =
+            flate2::write::GzEncoder::new(&mut output, flate2::Compression::default());
+        body(&mut encoder).and_then(|()| encoder.finish().map(|_| ()))
+    } else {
+        body(&mut output)
+    };
+    written.map_err(|e| output.error(&e))?;
+    output.commit()
+}
+
+/// Whether [`read`] and [`write()`] know what the name of this file says.
+///
+/// # Errors
+/// [`Error::Io`] when they don't.
+pub fn check_name(path: &Path) -> Result<()> {
+    format_of(path).map(|_| ())
+}
+
+/// `columns`, checked against a matrix of `ncols` columns; all of them when `None`.
+fn checked_columns(columns: Option<&Range<usize>>, ncols: usize) -> Result<Range<usize>> {
+    match columns {
+        None => Ok(0..ncols),
+        Some(r) if r.start <= r.end && r.end <= ncols => Ok(r.clone()),
+        Some(r) => Err(Error::Argument {
+            what: "columns",
+            why: format!("{}..{} is not inside the {ncols} columns of the matrix", r.start, r.end),
+        }),
+    }
+}
+
+/// An empty vector with room for `len` elements.
+fn reserved<T>(len: usize) -> Result<Vec<T>> {
+    let mut values = Vec::new();
+    let bytes = len.saturating_mul(size_of::<T>());
+    values.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;
+    Ok(values)
+}

@@ -1,0 +1,231 @@
+//! The station of A^T A: every scheme on one matrix of signals.
+
+use std::f64::consts::TAU;
+use std::time::Instant;
+
+use anyhow::Result;
+use catamaran::ata::{Node, verify};
+use catamaran::base::{Real, Rng};
+use catamaran::faer::prelude::Reborrow;
+use catamaran::faer::{Mat, MatRef};
+use catamaran::{AtaOptions, Par, SchemeChoice, Uplo};
+
+use super::page::{Figure, Station, Table};
+use super::{Site, chart, task_tree};
+use crate::picture;
+use crate::progress::{self, Bar};
+
+/// Samples in time.
+const ROWS: usize = 2000;
+/// Sensors.
+const COLUMNS: usize = 1600;
+/// Runs of each scheme; the fastest counts.
+const RUNS: usize = 3;
+/// Rows of C whose entries are compared with a reference.
+const CHECKED_ROWS: usize = 24;
+/// Rounds of the random check.
+const ROUNDS: u32 = 20;
+/// Processes in the picture of the task tree.
+const PROCESSES: usize = 16;
+
+/// One line of the table.
+struct Outcome {
+    name: &'static str,
+    seconds: f64,
+    error: f64,
+    passed: bool,
+}
+
+/// Computes and describes it.
+pub fn station(site: &Site<'_>) -> Result<Station> {
+    let bar = Bar::new("A^T A");
+    let a = signals(ROWS, COLUMNS);
+    let a = a.as_ref();
+    let mut rng = Rng::new(3);
+    let checked: Vec<usize> =
+        (0..CHECKED_ROWS).map(|_| (rng.uniform() * COLUMNS as f64) as usize).collect();
+    let reference = reference(a, &checked);
+
+    let mut c = Mat::<f64>::zeros(COLUMNS, COLUMNS);
+    let mut outcomes = Vec::new();
+    for (done, (name, scheme)) in SchemeChoice::NAMES.into_iter().enumerate() {
+        let options = AtaOptions { uplo: Uplo::Both, scheme, ..AtaOptions::default() };
+        let mut seconds = f64::INFINITY;
+        for run in 0..RUNS {
+            progress::check()?;
+            let start = Instant::now();
+            catamaran::ata(1.0, a, 0.0, c.as_mut(), &options)?;
+            seconds = seconds.min(start.elapsed().as_secs_f64());
+            bar.update((done * RUNS + run + 1) as f64 / (SchemeChoice::NAMES.len() * RUNS) as f64);
+        }
+        let mut error = 0.0_f64;
+        for (r, &i) in checked.iter().enumerate() {
+            for j in 0..COLUMNS {
+                error = error.max((c[(i, j)] - reference[(r, j)]).abs());
+            }
+        }
+        let passed = verify(1.0, a, c.rb(), Uplo::Both, ROUNDS, 1)?.passed;
+        outcomes.push(Outcome { name, seconds, error, passed });
+    }
+    let scale = picture::write(site.file("ata.png")?, c.rb(), |i, j| (i, j))?;
+    drop(bar);
+    Ok(describe(&outcomes, scale))
+}
+
+fn describe(outcomes: &[Outcome], scale: picture::Scale) -> Station {
+    let rate = |o: &Outcome| ROWS as f64 * (COLUMNS as f64).powi(2) / o.seconds / 1e9;
+    let classical = outcomes.iter().find(|o| o.name == "classical").map_or(1.0, |o| o.error);
+    let auto = outcomes.iter().find(|o| o.name == "auto");
+    let rows = outcomes.iter().map(|o| {
+        vec![
+            format!("<code>{}</code>", o.name),
+            about(o.name).into(),
+            format!("{:.1}", o.seconds * 1e3),
+            format!("{:.1}", rate(o)),
+            format!("{:.1e}", o.error),
+            format!("{:.2}", o.error / classical),
+            if o.passed { "passed".into() } else { "<b>failed</b>".to_owned() },
+        ]
+    });
+    let bars: Vec<chart::Bar> = outcomes
+        .iter()
+        .map(|o| chart::Bar {
+            name: o.name.into(),
+            value: rate(o),
+            label: format!("{:.1}", rate(o)),
+            accent: o.name == "auto",
+        })
+        .collect();
+    let low = if scale == picture::Scale::Diverging { "&minus;1" } else { "0" };
+    let threads = Par::all().threads();
+    Station {
+        id: "ata",
+        title: "A<sup>T</sup>A",
+        text: format!(
+            "<p>{COLUMNS} sensors along a line record {ROWS} samples of what a few dozen sources \
+             send, each source heard in one or two neighbourhoods, with noise on top. One product, \
+             C = A<sup>T</sup>A, compares every sensor with every other.</p>"
+        ),
+        numbers: auto
+            .map(|o| {
+                vec![
+                    (format!("{ROWS} &times; {COLUMNS}"), "A, in double precision"),
+                    (format!("{:.0} ms", o.seconds * 1e3), "for C, automatic plan"),
+                    (format!("{:.1}", rate(o)), "effective GFLOP/s (m n&sup2; / time)"),
+                    (threads.to_string(), if threads == 1 { "thread" } else { "threads" }),
+                ]
+            })
+            .unwrap_or_default(),
+        figures: vec![
+            Figure {
+                body: format!(
+                    "<img src=\"ata.png\" width=\"1024\" height=\"1024\" alt=\"Heat map of C\">\n\
+                     <div class=\"legend\"><span>{low}</span><i style=\"background:{}\"></i>\
+                     <span>1</span></div>",
+                    scale.css()
+                ),
+                caption: "C, scaled to a unit diagonal. Sensors that hear the same source agree \
+                          (red) or oppose each other (blue); the patches away from the diagonal are \
+                          sources heard in two places."
+                    .into(),
+                wide: false,
+            },
+            Figure {
+                body: task_tree::draw(&Node::symmetric(COLUMNS, PROCESSES), COLUMNS, PROCESSES),
+                caption: format!(
+                    "Who computes what, for {PROCESSES} processes: every leaf of the task tree owns \
+                     one block of the lower triangle, so nobody waits for anybody. Half of the \
+                     processes take the square below the diagonal, which is half of the work."
+                ),
+                wide: false,
+            },
+            Figure {
+                body: chart::bars(&bars, "effective GFLOP/s"),
+                caption: "Effective rate of each scheme: m n&sup2; / time, whatever the number of \
+                          multiplications it really does. Longer is faster."
+                    .into(),
+                wide: true,
+            },
+        ],
+        tables: vec![Table {
+            caption: format!(
+                "Best of {RUNS} runs. The error is the largest one in {CHECKED_ROWS} rows of C \
+                 against twice the working precision; the check is that of \
+                 <code>--verify</code>, which a wrong C passes with a probability of \
+                 2<sup>&minus;{ROUNDS}</sup>."
+            ),
+            head: vec!["scheme", "", "ms", "GFLOP/s", "max error", "&times; classical", "check"],
+            text_columns: 2,
+            rows: rows.collect(),
+        }],
+    }
+}
+
+fn about(name: &str) -> &'static str {
+    match name {
+        "auto" => "what the planner expects to be fastest",
+        "classical" => "no fast products",
+        "ata2" => "2 &times; 2 recursion over Strassen, as in the thesis",
+        "winograd" => "2 &times; 2 recursion over Winograd&rsquo;s variant",
+        "rxtx" => "4 &times; 4 RXTX over Winograd",
+        "kgp" => "sparse 4 &times; 4 scheme of Khoruzhii, Gel&szlig; and Pokutta",
+        "kgp3" => "their 3 &times; 3 scheme",
+        _ => "",
+    }
+}
+
+/// Recordings of `m` samples by `n` sensors on a line: broad, middling and narrow sources, half of
+/// them heard in a second place with opposite sign, and noise.
+fn signals(m: usize, n: usize) -> Mat<f64> {
+    struct Source {
+        places: [(f64, f64); 2],
+        width: f64,
+        frequency: f64,
+        phase: f64,
+    }
+    let mut rng = Rng::new(11);
+    let mut sources = Vec::new();
+    for (count, width) in [(5, 0.11), (14, 0.035), (30, 0.011)] {
+        for k in 0..count {
+            let place = (k as f64 + rng.uniform()) / count as f64;
+            let echo = if k % 2 == 0 { rng.sign() * (0.5 + 0.5 * rng.uniform()) } else { 0.0 };
+            sources.push(Source {
+                places: [(place, 1.0), (rng.uniform(), echo)],
+                width,
+                frequency: 2.0 + 60.0 * rng.uniform(),
+                phase: TAU * rng.uniform(),
+            });
+        }
+    }
+    let gains = Mat::from_fn(sources.len(), n, |k, j| {
+        let source = &sources[k];
+        let gain = |(place, gain): (f64, f64)| {
+            let distance = (j as f64 / n as f64 - place) / source.width;
+            gain * (-0.5 * distance * distance).exp()
+        };
+        source.places.map(gain).iter().sum::<f64>()
+    });
+    let waves = Mat::from_fn(m, sources.len(), |i, k| {
+        let source = &sources[k];
+        (TAU * source.frequency * i as f64 / m as f64 + source.phase).sin()
+    });
+    let clean = waves * gains;
+    Mat::from_fn(m, n, |i, j| clean[(i, j)] + 0.12 * rng.normal())
+}
+
+/// The rows `checked` of A^T A in twice the working precision (Ogita, Rump and Oishi 2005, Dot2).
+fn reference(a: MatRef<'_, f64>, checked: &[usize]) -> Mat<f64> {
+    Mat::from_fn(checked.len(), a.ncols(), |r, j| {
+        let (mut sum, mut rest) = (f64::ZERO, f64::ZERO);
+        for i in 0..a.nrows() {
+            let (x, y) = (a[(i, checked[r])], a[(i, j)]);
+            let product = x * y;
+            let total = sum + product;
+            let virtual_part = total - sum;
+            rest +=
+                (sum - (total - virtual_part)) + (product - virtual_part) + x.mul_add(y, -product);
+            sum = total;
+        }
+        sum + rest
+    })
+}

@@ -1,0 +1,85 @@
+//! `catamaran demo`: a page with one station per system. A station is a function that computes
+//! something, writes its pictures into the folder and returns what the page says about it; a new one
+//! is a new file here and a line in [`STATIONS`].
+
+mod ata;
+mod chart;
+mod page;
+mod task_tree;
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+use catamaran::io::{Output, Overwrite};
+use page::Station;
+
+/// Write a page with pictures and numbers of everything Catamaran does.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Folder for index.html and its pictures.
+    #[arg(long, value_name = "DIR", default_value = "catamaran-demo")]
+    out: PathBuf,
+    /// Write into a folder that holds other things.
+    #[arg(long)]
+    force: bool,
+}
+
+/// In the order of the page.
+const STATIONS: [fn(&Site<'_>) -> Result<Station>; 1] = [ata::station];
+
+/// Where stations put their files.
+pub struct Site<'a> {
+    folder: &'a Path,
+}
+
+impl Site<'_> {
+    /// A file called `name` in the folder of the page.
+    pub fn file(&self, name: &str) -> Result<Output> {
+        Ok(Output::create(&self.folder.join(name), Overwrite::Replace)?)
+    }
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    let folder = args.out.as_path();
+    let named = || folder.display().to_string();
+    if !args.force && !may_write(folder).with_context(named)? {
+        bail!(
+            "{}: holds files that are not of a demo (--force writes there all the same)",
+            named()
+        );
+    }
+    fs::create_dir_all(folder).with_context(named)?;
+    let start = Instant::now();
+    let site = Site { folder };
+    let mut stations = Vec::new();
+    for build in STATIONS {
+        stations.push(build(&site)?);
+    }
+    let mut index = site.file("index.html")?;
+    let html = page::render(&stations, start.elapsed());
+    index.write_all(html.as_bytes()).map_err(|e| index.error(&e))?;
+    index.commit()?;
+    writeln!(io::stdout(), "written   {}", folder.join("index.html").display())?;
+    Ok(())
+}
+
+/// Whether the folder is new, empty, or holds a page of ours.
+fn may_write(folder: &Path) -> io::Result<bool> {
+    let mut entries = match fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(true),
+        Err(e) => return Err(e),
+    };
+    if entries.next().is_none() {
+        return Ok(true);
+    }
+    match fs::read(folder.join("index.html")) {
+        Ok(html) => Ok(String::from_utf8_lossy(&html).contains(page::MARKER)),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(false),
+        Err(e) => Err(e),
+    }
+}

@@ -1,0 +1,51 @@
+//! Progress bars, and Ctrl-C.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use catamaran::base::Flow;
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Set by the signal handler, which can reach nothing else.
+static CANCELLED: AtomicBool = AtomicBool::new(false);
+
+/// From now on Ctrl-C (or SIGTERM, SIGHUP) makes every [`Bar`] answer [`Flow::Cancel`].
+pub fn watch_ctrl_c() -> anyhow::Result<()> {
+    ctrlc::set_handler(|| CANCELLED.store(true, Ordering::Relaxed))?;
+    Ok(())
+}
+
+/// [`catamaran::Error::Cancelled`] after Ctrl-C.
+pub fn check() -> catamaran::Result<()> {
+    if CANCELLED.load(Ordering::Relaxed) { Err(catamaran::Error::Cancelled) } else { Ok(()) }
+}
+
+/// Steps of a bar.
+const STEPS: u64 = 1000;
+
+/// A progress bar on stderr, when that is a terminal. It goes away when dropped.
+pub struct Bar(ProgressBar);
+
+impl Bar {
+    /// A bar named `label`.
+    pub fn new(label: &'static str) -> Self {
+        let style = ProgressStyle::with_template("{msg:>9} [{bar:40}] {percent:>3} %  {eta}")
+            .unwrap_or_else(|_| ProgressStyle::default_bar())
+            .progress_chars("=> ");
+        Self(ProgressBar::new(STEPS).with_style(style).with_message(label))
+    }
+
+    /// Shows `fraction` of the work as done; never goes back.
+    pub fn update(&self, fraction: f64) -> Flow {
+        let position = (fraction * STEPS as f64) as u64;
+        if position > self.0.position() {
+            self.0.set_position(position);
+        }
+        if check().is_err() { Flow::Cancel } else { Flow::Continue }
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}

@@ -1,0 +1,121 @@
+//! Text tables. A reader of our own: the usual crates take one delimiter byte, not runs of blanks,
+//! and lose count of lines at comments.
+
+use std::io::{self, Write};
+use std::ops::Range;
+
+use faer::MatRef;
+
+use super::checked_columns;
+use super::matrix::{Dense, Matrix};
+use super::source::Source;
+use crate::base::{Error, Real, Result};
+
+pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> Result<Matrix> {
+    let mut values: Vec<f64> = Vec::new();
+    let mut nrows = 0;
+    let mut separator = None;
+    // Fields of a row, and the line that says so.
+    let mut width: Option<(usize, usize)> = None;
+    let mut kept = 0..0;
+    let mut header_allowed = true;
+    loop {
+        let number = source.line() + 1;
+        let Some(line) = source.next_line()? else { break };
+        if line.trim_ascii().is_empty() || line.trim_ascii_start().starts_with('#') {
+            continue;
+        }
+        let separator = *separator.get_or_insert_with(|| separator_of(line));
+        if header_allowed {
+            header_allowed = false;
+            if fields(line, separator).all(|field| field.parse::<f64>().is_err()) {
+                continue;
+            }
+        }
+        let (expected, said_by) = match width {
+            Some(width) => width,
+            None => {
+                let count = fields(line, separator).count();
+                kept = checked_columns(columns, count)?;
+                *width.insert((count, number))
+            }
+        };
+        let before = values.len();
+        let mut count = 0;
+        let mut wrong = None;
+        for field in fields(line, separator) {
+            if kept.contains(&count) && wrong.is_none() {
+                match field.parse::<f64>() {
+                    Ok(value) => push(&mut values, value)?,
+                    Err(_) => wrong = Some((count, shortened(field))),
+                }
+            }
+            count += 1;
+        }
+        if count != expected {
+            return Err(source.fail(format!(
+                "{count} fields in this row, {expected} in that of line {said_by}"
+            )));
+        }
+        if let Some((column, text)) = wrong {
+            let what = if text.is_empty() {
+                format!("column {}: nothing where a number should be", column + 1)
+            } else {
+                format!("column {}: {text:?} is not a number", column + 1)
+            };
+            return Err(source.fail(what));
+        }
+        debug_assert_eq!(values.len() - before, kept.len());
+        nrows += 1;
+    }
+    let shape = (nrows, kept.len());
+    Ok(Matrix::F64(Dense::new(values, shape, true, 0..kept.len())))
+}
+
+fn push(values: &mut Vec<f64>, value: f64) -> Result<()> {
+    if values.len() == values.capacity() {
+        let bytes = 2 * values.capacity() * size_of::<f64>();
+        values.try_reserve(1).map_err(|_| Error::OutOfMemory { bytes })?;
+    }
+    values.push(value);
+    Ok(())
+}
+
+/// The first of tab, semicolon and comma that the line holds; a blank otherwise.
+fn separator_of(line: &str) -> char {
+    ['\t', ';', ','].into_iter().find(|&c| line.contains(c)).unwrap_or(' ')
+}
+
+/// The fields of a line, without blanks and quotes around them; runs of blanks are one separator.
+fn fields(line: &str, separator: char) -> impl Iterator<Item = &str> {
+    let blank = separator == ' ';
+    line.split(separator)
+        .map(|field| field.trim().trim_matches('"').trim())
+        .filter(move |field| !blank || !field.is_empty())
+}
+
+/// The beginning of a field, for a message of one line.
+fn shortened(field: &str) -> String {
+    match field.char_indices().nth(30) {
+        Some((end, _)) => format!("{}...", &field[..end]),
+        None => field.to_owned(),
+    }
+}
+
+pub(super) fn write<T: Real>(
+    sink: &mut dyn Write,
+    matrix: MatRef<'_, T>,
+    separator: char,
+) -> io::Result<()> {
+    for i in 0..matrix.nrows() {
+        for j in 0..matrix.ncols() {
+            if j > 0 {
+                write!(sink, "{separator}")?;
+            }
+            // The shortest text that reads back as the same number.
+            write!(sink, "{:?}", matrix[(i, j)])?;
+        }
+        writeln!(sink)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,100 @@
+use std::ops::Range;
+
+use faer::{MatMut, MatRef};
+use sprs::CsMat;
+
+use crate::ata::RowBlocks;
+use crate::base::{Real, Result};
+
+/// A matrix out of a file.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub enum Matrix {
+    /// Dense, single precision.
+    F32(Dense<f32>),
+    /// Dense, double precision.
+    F64(Dense<f64>),
+    /// Sparse by rows (CSR), double precision.
+    Sparse(CsMat<f64>),
+}
+
+impl Matrix {
+    /// Number of rows.
+    pub fn nrows(&self) -> usize {
+        match self {
+            Self::F32(dense) => dense.nrows,
+            Self::F64(dense) => dense.nrows,
+            Self::Sparse(sparse) => sparse.rows(),
+        }
+    }
+
+    /// Number of columns.
+    pub fn ncols(&self) -> usize {
+        match self {
+            Self::F32(dense) => dense.columns.len(),
+            Self::F64(dense) => dense.columns.len(),
+            Self::Sparse(sparse) => sparse.cols(),
+        }
+    }
+}
+
+/// An owned dense matrix in the order its file had.
+#[derive(Debug, Clone)]
+pub struct Dense<T> {
+    values: Vec<T>,
+    nrows: usize,
+    ncols: usize,
+    row_major: bool,
+    /// The columns that are part of the matrix.
+    columns: Range<usize>,
+}
+
+impl<T> Dense<T> {
+    /// `values` has `nrows * ncols` entries and `columns` lies in `0..ncols`.
+    pub(super) fn new(
+        values: Vec<T>,
+        (nrows, ncols): (usize, usize),
+        row_major: bool,
+        columns: Range<usize>,
+    ) -> Self {
+        Self { values, nrows, ncols, row_major, columns }
+    }
+
+    /// The matrix, without a copy.
+    pub fn as_ref(&self) -> MatRef<'_, T> {
+        let all = if self.row_major {
+            MatRef::from_row_major_slice(&self.values, self.nrows, self.ncols)
+        } else {
+            MatRef::from_column_major_slice(&self.values, self.nrows, self.ncols)
+        };
+        all.subcols(self.columns.start, self.columns.len())
+    }
+}
+
+/// The rows of a sparse matrix (CSR), filled up with zeros block by block.
+#[derive(Debug, Clone, Copy)]
+pub struct SparseRows<'a>(pub &'a CsMat<f64>);
+
+impl<T: Real> RowBlocks<T> for SparseRows<'_> {
+    fn nrows(&self) -> usize {
+        self.0.rows()
+    }
+
+    fn ncols(&self) -> usize {
+        self.0.cols()
+    }
+
+    fn read(&mut self, first: usize, mut out: MatMut<'_, T>) -> Result<()> {
+        for i in 0..out.nrows() {
+            for j in 0..out.ncols() {
+                out[(i, j)] = T::ZERO;
+            }
+            if let Some(row) = self.0.outer_view(first + i) {
+                for (j, &value) in row.iter() {
+                    out[(i, j)] = T::from_f64(value);
+                }
+            }
+        }
+        Ok(())
+    }
+}

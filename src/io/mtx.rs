@@ -1,0 +1,219 @@
+//! MatrixMarket (Boisvert, Pozo and Remington 1996): dense arrays, and coordinates through sprs.
+
+use std::io::{self, Write};
+use std::ops::Range;
+use std::str::FromStr;
+
+use faer::MatRef;
+use sprs::TriMat;
+
+use super::matrix::{Dense, Matrix};
+use super::source::Source;
+use super::{checked_columns, reserved};
+use crate::base::{Real, Result};
+
+#[derive(Clone, Copy, PartialEq)]
+enum Symmetry {
+    General,
+    Symmetric,
+    Skew,
+}
+
+struct Header {
+    coordinate: bool,
+    pattern: bool,
+    symmetry: Symmetry,
+}
+
+pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> Result<Matrix> {
+    let header = header(source)?;
+    let sizes = numbers(source, if header.coordinate { 3 } else { 2 })?;
+    let (nrows, ncols) = (sizes[0], sizes[1]);
+    if header.symmetry != Symmetry::General && nrows != ncols {
+        return Err(source.fail(format!("a symmetric matrix that is {nrows} x {ncols}")));
+    }
+    let columns = checked_columns(columns, ncols)?;
+    if header.coordinate {
+        coordinate(source, &header, nrows, ncols, sizes[2], &columns)
+    } else {
+        array(source, &header, nrows, ncols, columns)
+    }
+}
+
+fn header(source: &mut Source<'_>) -> Result<Header> {
+    let line = source.next_line()?.unwrap_or_default().to_ascii_lowercase();
+    let words: Vec<&str> = line.split_ascii_whitespace().collect();
+    let ["%%matrixmarket", "matrix", layout, field, symmetry] = words[..] else {
+        return Err(source.fail(
+            "broken MatrixMarket header: expected \
+             '%%MatrixMarket matrix coordinate|array real|integer|pattern general|symmetric|skew-symmetric'",
+        ));
+    };
+    let coordinate = match layout {
+        "coordinate" => true,
+        "array" => false,
+        _ => return Err(source.fail(format!("layout {layout:?} is not coordinate or array"))),
+    };
+    let pattern = match field {
+        "real" | "double" | "integer" => false,
+        "pattern" if coordinate => true,
+        _ => return Err(source.fail(format!("entries of type {field:?} are not real numbers"))),
+    };
+    let symmetry = match symmetry {
+        "general" => Symmetry::General,
+        "symmetric" => Symmetry::Symmetric,
+        "skew-symmetric" => Symmetry::Skew,
+        _ => return Err(source.fail(format!("symmetry {symmetry:?} of a real matrix"))),
+    };
+    Ok(Header { coordinate, pattern, symmetry })
+}
+
+/// The next line that is neither empty nor a comment.
+fn content<'s>(source: &'s mut Source<'_>) -> Result<Option<&'s str>> {
+    loop {
+        // Asked for again below: the borrow checker would see a loan across the loop.
+        match source.next_line()? {
+            None => return Ok(None),
+            Some(line) if line.trim_ascii().is_empty() || line.starts_with('%') => {}
+            Some(_) => return Ok(Some(source.last_line())),
+        }
+    }
+}
+
+/// The size line: `count` whole numbers.
+fn numbers(source: &mut Source<'_>, count: usize) -> Result<Vec<usize>> {
+    let line = content(source)?.unwrap_or_default().to_owned();
+    let sizes: Option<Vec<usize>> =
+        line.split_ascii_whitespace().map(|word| word.parse().ok()).collect();
+    sizes.filter(|sizes| sizes.len() == count).ok_or_else(|| {
+        source.fail(format!("broken size line: expected {count} whole numbers, got {line:?}"))
+    })
+}
+
+fn coordinate(
+    source: &mut Source<'_>,
+    header: &Header,
+    nrows: usize,
+    ncols: usize,
+    entries: usize,
+    columns: &Range<usize>,
+) -> Result<Matrix> {
+    // The header may lie about the number of entries, not about memory that is really there.
+    let likely = entries.min(1 << 24);
+    let (mut rows, mut cols, mut values) =
+        (reserved(likely)?, reserved(likely)?, reserved::<f64>(likely)?);
+    let mut push = |i, j, value| {
+        if columns.contains(&j) {
+            rows.push(i);
+            cols.push(j - columns.start);
+            values.push(value);
+        }
+    };
+    for done in 0..entries {
+        let Some(line) = content(source)? else {
+            return Err(source.fail(format!("truncated: {done} of {entries} entries")));
+        };
+        let (i, j, value) = match entry(line, header.pattern) {
+            Ok(entry) => entry,
+            Err(what) => return Err(source.fail(what)),
+        };
+        if i == 0 || i > nrows || j == 0 || j > ncols {
+            return Err(
+                source.fail(format!("entry ({i}, {j}) is outside the {nrows} x {ncols} matrix"))
+            );
+        }
+        let (i, j) = (i - 1, j - 1);
+        match header.symmetry {
+            Symmetry::General => push(i, j, value),
+            Symmetry::Symmetric if i == j => push(i, j, value),
+            Symmetry::Symmetric if i > j => {
+                push(i, j, value);
+                push(j, i, value);
+            }
+            Symmetry::Skew if i > j => {
+                push(i, j, value);
+                push(j, i, -value);
+            }
+            _ => return Err(source.fail("entry outside the lower triangle that is to be given")),
+        }
+    }
+    nothing_more(source, entries)?;
+    // sprs would abort where this refuses.
+    drop(reserved::<usize>(nrows.saturating_add(1))?);
+    let triplets = TriMat::from_triplets((nrows, columns.len()), rows, cols, values);
+    Ok(Matrix::Sparse(triplets.to_csr()))
+}
+
+fn entry(line: &str, pattern: bool) -> std::result::Result<(usize, usize, f64), String> {
+    fn parse<T: FromStr>(word: &str) -> std::result::Result<T, String> {
+        word.parse().map_err(|_| format!("{word:?} is not a number"))
+    }
+    let mut words = line.split_ascii_whitespace();
+    match (words.next(), words.next(), words.next(), words.next()) {
+        (Some(i), Some(j), None, None) if pattern => Ok((parse(i)?, parse(j)?, 1.0)),
+        (Some(i), Some(j), Some(value), None) if !pattern => {
+            Ok((parse(i)?, parse(j)?, parse(value)?))
+        }
+        _ => Err(format!(
+            "expected {} in {line:?}",
+            if pattern { "row column" } else { "row column value" }
+        )),
+    }
+}
+
+fn array(
+    source: &mut Source<'_>,
+    header: &Header,
+    nrows: usize,
+    ncols: usize,
+    columns: Range<usize>,
+) -> Result<Matrix> {
+    let len = nrows.checked_mul(ncols).ok_or_else(|| source.fail("shape too large"))?;
+    let mut values: Vec<f64> = reserved(len)?;
+    // Column by column; of a symmetric matrix only the lower triangle is in the file.
+    for j in 0..ncols {
+        let given = match header.symmetry {
+            Symmetry::General => 0,
+            Symmetry::Symmetric => j,
+            Symmetry::Skew => j + 1,
+        };
+        for i in 0..given.min(nrows) {
+            let value = match (header.symmetry, i == j) {
+                (Symmetry::Skew, true) => 0.0,
+                (Symmetry::Skew, false) => -values[i * nrows + j],
+                _ => values[i * nrows + j],
+            };
+            values.push(value);
+        }
+        for i in given..nrows {
+            let value = match content(source)? {
+                Some(line) => line
+                    .trim_ascii()
+                    .parse()
+                    .map_err(|_| format!("{:?} is not a number", line.trim_ascii())),
+                None => Err(format!("truncated: no entry for row {}, column {}", i + 1, j + 1)),
+            };
+            values.push(value.map_err(|what| source.fail(what))?);
+        }
+    }
+    nothing_more(source, len)?;
+    Ok(Matrix::F64(Dense::new(values, (nrows, ncols), false, columns)))
+}
+
+fn nothing_more(source: &mut Source<'_>, entries: usize) -> Result<()> {
+    match content(source)? {
+        None => Ok(()),
+        Some(_) => Err(source.fail(format!("data after the {entries} entries announced"))),
+    }
+}
+
+pub(super) fn write<T: Real>(sink: &mut dyn Write, matrix: MatRef<'_, T>) -> io::Result<()> {
+    writeln!(sink, "%%MatrixMarket matrix array real general")?;
+    writeln!(sink, "{} {}", matrix.nrows(), matrix.ncols())?;
+    for j in 0..matrix.ncols() {
+        for i in 0..matrix.nrows() {
+            writeln!(sink, "{:?}", matrix[(i, j)])?;
+        }
+    }
+    Ok(())
+}

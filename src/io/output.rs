@@ -1,0 +1,107 @@
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+use super::source::error;
+use crate::base::{Error, Result};
+
+/// What happens to a file that is already there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Overwrite {
+    /// It stays, and writing is an error.
+    Never,
+    /// It is replaced, in one step.
+    Replace,
+}
+
+/// A file that appears whole or not at all: it is written under another name in the same folder,
+/// flushed to the disk, and renamed by [`Output::commit`]. Dropped before that, it leaves nothing.
+#[derive(Debug)]
+pub struct Output {
+    path: PathBuf,
+    file: BufWriter<NamedTempFile>,
+    overwrite: Overwrite,
+}
+
+impl Output {
+    /// Starts a file that will be called `path`.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when it exists and may not be replaced, or its folder can't be written.
+    pub fn create(path: &Path, overwrite: Overwrite) -> Result<Self> {
+        if overwrite == Overwrite::Never && path.symlink_metadata().is_ok() {
+            return Err(exists(path));
+        }
+        if path.is_dir() {
+            return Err(error(path, 0, "is a directory"));
+        }
+        let folder = match path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".catamaran-").suffix(".tmp");
+        // As any new file, less what the umask forbids; temporaries are private by default.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let file = builder
+            .tempfile_in(folder)
+            .map_err(|e| error(path, 0, format!("can't be written: {}", reason(&e))))?;
+        let file = BufWriter::with_capacity(1 << 20, file);
+        Ok(Self { path: path.into(), file, overwrite })
+    }
+
+    /// The name it will have.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Lets the file appear under its name.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; nothing is left behind then.
+    pub fn commit(mut self) -> Result<()> {
+        let flushed = self.file.flush().and_then(|()| self.file.get_ref().as_file().sync_all());
+        flushed.map_err(|e| self.error(&e))?;
+        let Self { path, file, overwrite } = self;
+        let file = file.into_inner().map_err(|e| error(&path, 0, reason(e.error())))?;
+        let renamed = match overwrite {
+            Overwrite::Replace => file.persist(&path),
+            Overwrite::Never => file.persist_noclobber(&path),
+        };
+        match renamed {
+            Ok(_) => Ok(()),
+            Err(e) if e.error.kind() == io::ErrorKind::AlreadyExists => Err(exists(&path)),
+            Err(e) => Err(error(&path, 0, format!("can't be written: {}", reason(&e.error)))),
+        }
+    }
+
+    /// A failed write, as an error that names the file.
+    pub fn error(&self, e: &io::Error) -> Error {
+        error(&self.path, 0, format!("can't be written: {}", reason(e)))
+    }
+}
+
+impl Write for Output {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+fn exists(path: &Path) -> Error {
+    error(path, 0, "exists already and is not replaced")
+}
+
+/// The message without the name of the temporary, which means nothing to the reader.
+fn reason(e: &io::Error) -> String {
+    let text = e.to_string();
+    match text.find(" at path ") {
+        Some(end) => text[..end].to_owned(),
+        None => text,
+    }
+}
