@@ -23,7 +23,7 @@ pub fn bars(bars: &[Bar], unit: &str) -> String {
     const RIGHT: f64 = 90.0;
     const ROW: f64 = 38.0;
     let largest = bars.iter().map(|b| b.value).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
-    let step = round_step(largest / 4.0);
+    let step = round_step(largest / 6.0);
     let scale = (WIDTH - LEFT - RIGHT) / largest;
     let bottom = bars.len() as f64 * ROW + 6.0;
     let mut svg = format!(

@@ -3,26 +3,27 @@
 use std::fmt::Write;
 
 use catamaran::ata::{Node, Task};
-use colorous::{Color, SPECTRAL};
+use colorous::{Color, RAINBOW};
 
 /// The lower triangle of C with its owners, and the tree that says so.
 pub fn draw(tree: &Node, n: usize, processes: usize) -> String {
-    const SIDE: f64 = 400.0;
-    const HEIGHT: f64 = SIDE + 24.0;
-    const TREE_LEFT: f64 = 460.0;
-    const WIDTH: f64 = 1000.0;
+    const WIDTH: f64 = 480.0;
+    const SIDE: f64 = 340.0;
+    const TREE_TOP: f64 = SIDE + 36.0;
+    const HEIGHT: f64 = TREE_TOP + 170.0;
     let mut svg = format!(
-        r#"<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="Blocks of C and the task tree" font-size="13"><g transform="translate(12 12)">"#
+        r#"<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="Blocks of C and the task tree" font-size="13"><g transform="translate({} 2)">"#,
+        (WIDTH - SIDE) / 2.0
     );
     let unit = SIDE / n.max(1) as f64;
     for task in tree.tasks() {
         block(&mut svg, &task, unit, processes);
     }
-    let _ = write!(svg, "</g><g transform=\"translate({TREE_LEFT} 12)\">");
+    let _ = write!(svg, "</g><g transform=\"translate(0 {TREE_TOP})\">");
     let leaves = tree.tasks().len().max(1);
     let layout = Layout {
-        step: (WIDTH - TREE_LEFT - 12.0) / leaves as f64,
-        level: (SIDE - 40.0) / tree.depth().max(1) as f64,
+        step: WIDTH / leaves as f64,
+        level: (HEIGHT - TREE_TOP - 30.0) / tree.depth().max(1) as f64,
         processes,
     };
     let (mut edges, mut dots) = (String::new(), String::new());
@@ -31,10 +32,10 @@ pub fn draw(tree: &Node, n: usize, processes: usize) -> String {
     svg
 }
 
-/// Colour of a process, in f32 luminance dark enough for white digits.
+/// Colour of a process, dark enough for white digits.
 fn color(process: usize, processes: usize) -> String {
-    let Color { r, g, b } = SPECTRAL.eval_rational(process, processes.max(2));
-    let dim = |v: u8| (f64::from(v) * 0.78) as u8;
+    let Color { r, g, b } = RAINBOW.eval_rational(process, processes + 1);
+    let dim = |v: u8| (f64::from(v) * 0.72) as u8;
     format!("#{:02x}{:02x}{:02x}", dim(r), dim(g), dim(b))
 }
 
@@ -78,7 +79,7 @@ impl Layout {
         edges: &mut String,
         dots: &mut String,
     ) -> f64 {
-        let y = 20.0 + depth as f64 * self.level;
+        let y = 8.0 + depth as f64 * self.level;
         match node {
             Node::Leaf(task) => {
                 let x = (*leaf as f64 + 0.5) * self.step;
