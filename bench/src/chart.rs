@@ -116,3 +116,38 @@ fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> Vec<T> {
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::Shape;
+
+    #[test]
+    fn every_panel_and_contender_is_drawn() {
+        let row = |contender: &str, scalar, threads, ratio| Row {
+            shape: Shape { m: 64, n: 32 },
+            scalar,
+            threads,
+            contender: contender.into(),
+            repetitions: 5,
+            seconds: 1.0,
+            best: 1.0,
+            gflops: 1.0,
+            ratio,
+            best_ratio: ratio,
+            error: 0.0,
+            error_ratio: 1.0,
+        };
+        let rows = [
+            row("mkl", "f64", 1, 1.0),
+            row("ours", "f64", 1, 1.25),
+            row("ours", "f32", 2, f64::NAN),
+        ];
+        let picture = svg(&rows, "mkl");
+        for text in ["f64, 1 thread:", "f32, 2 threads:", "64x32", ">ours<", "64x32: 1.250"] {
+            assert!(picture.contains(text), "{text}");
+        }
+        assert!(!picture.contains(">mkl<"), "the yardstick is the line at 1");
+        assert!(!picture.contains("NaN"));
+    }
+}

@@ -71,8 +71,8 @@ fn output(program: &str, arguments: &[&str]) -> String {
 pub fn with_environment_for_rivals(folder: &Path) -> Result<()> {
     let intel = find("mkl", folder)
         .and_then(|p| Some(p.parent()?.join("libiomp5.so").exists()))
-        .unwrap_or(false);
-    let wanted = [
+        .unwrap_or(true);
+    let mut wanted = vec![
         ("MKL_THREADING_LAYER", if intel { "INTEL" } else { "GNU" }),
         ("MKL_INTERFACE_LAYER", "LP64"),
         ("MKL_DYNAMIC", "FALSE"),
@@ -80,6 +80,9 @@ pub fn with_environment_for_rivals(folder: &Path) -> Result<()> {
         ("KMP_BLOCKTIME", "1"),
         ("OPENBLAS_THREAD_TIMEOUT", "20"),
     ];
+    if intel_avx512() && std::env::var_os("BLIS_ARCH_TYPE").is_none() {
+        wanted.push(("BLIS_ARCH_TYPE", "skx"));
+    }
     // A kernel set forced on OpenBLAS makes a slower rival of it.
     let unwanted = ["OPENBLAS_CORETYPE", "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"];
     let right = wanted.iter().all(|(k, v)| std::env::var(k).is_ok_and(|x| x == *v))
@@ -93,6 +96,12 @@ pub fn with_environment_for_rivals(folder: &Path) -> Result<()> {
         again.env_remove(key);
     }
     Err(std::os::unix::process::CommandExt::exec(&mut again).into())
+}
+
+/// BLIS goes by the model number, which virtual machines change, and then falls back to AVX2.
+fn intel_avx512() -> bool {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    field(&info, "vendor_id") == Some("GenuineIntel") && cpu_features().contains(&"avx512f")
 }
 
 #[cfg(test)]

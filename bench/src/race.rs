@@ -107,6 +107,11 @@ impl Outcome {
         median(self.seconds.clone())
     }
 
+    /// Seconds of the fastest repetition, which other programs disturbed least.
+    pub fn best(&self) -> f64 {
+        self.seconds.iter().copied().fold(f64::NAN, f64::min)
+    }
+
     /// How many times faster than `other`: the median over the repetitions, each of which saw both.
     pub fn ratio_to(&self, other: &Self) -> f64 {
         median(self.seconds.iter().zip(&other.seconds).map(|(own, other)| other / own).collect())
@@ -138,6 +143,7 @@ mod tests {
         let (own, other) = (outcome(&[1.0, 4.0, 2.0]), outcome(&[2.0, 8.0, 2.0]));
         assert_eq!(own.median(), 2.0);
         assert_eq!(own.ratio_to(&other), 2.0);
+        assert_eq!(own.best(), 1.0);
         assert!(outcome(&[]).median().is_nan());
     }
 

@@ -18,10 +18,14 @@ pub struct Row {
     pub repetitions: usize,
     /// Median seconds of a call.
     pub seconds: f64,
-    /// Effective speed: m n^2 / t.
+    /// Seconds of the fastest one.
+    pub best: f64,
+    /// Effective speed: m n^2 / median t.
     pub gflops: f64,
     /// Times faster than the yardstick; the median of paired ratios.
     pub ratio: f64,
+    /// The yardstick's fastest time over that of this one.
+    pub best_ratio: f64,
     /// Largest error relative to the largest entry of C.
     pub error: f64,
     /// Error over that of the yardstick.
@@ -29,13 +33,12 @@ pub struct Row {
 }
 
 /// The column names of the record.
-pub const CSV_HEADER: &str =
-    "m,n,type,threads,contender,repetitions,median_s,gflops,ratio,error,error_ratio";
+pub const CSV_HEADER: &str = "m,n,type,threads,contender,repetitions,median_s,best_s,gflops,ratio,best_ratio,error,error_ratio";
 
 /// The column names on the screen.
 pub fn header() -> String {
     format!(
-        "{:>8} {:>6} {:>4} {:>2}  {:<24} {:>4} {:>10} {:>8} {:>6} {:>9} {:>6}",
+        "{:>8} {:>6} {:>4} {:>2}  {:<24} {:>4} {:>10} {:>8} {:>6} {:>6} {:>9} {:>6}",
         "m",
         "n",
         "type",
@@ -45,6 +48,7 @@ pub fn header() -> String {
         "median s",
         "GFLOP/s",
         "ratio",
+        "best",
         "error",
         "err/y"
     )
@@ -68,8 +72,10 @@ pub fn rows(
             contender: o.contender.clone(),
             repetitions: o.seconds.len(),
             seconds: o.median(),
+            best: o.best(),
             gflops: shape.m as f64 * (shape.n as f64).powi(2) / o.median() / 1e9,
             ratio: o.ratio_to(yardstick),
+            best_ratio: yardstick.best() / o.best(),
             error: o.error,
             error_ratio: o.error / yardstick.error,
         })
@@ -81,8 +87,15 @@ impl Row {
     pub fn csv(&self) -> String {
         let Self { shape: Shape { m, n }, scalar, threads, contender, repetitions, .. } = self;
         format!(
-            "{m},{n},{scalar},{threads},{contender},{repetitions},{:.6e},{:.2},{:.4},{:.3e},{:.3}",
-            self.seconds, self.gflops, self.ratio, self.error, self.error_ratio
+            "{m},{n},{scalar},{threads},{contender},{repetitions},\
+             {:.6e},{:.6e},{:.2},{:.4},{:.4},{:.3e},{:.3}",
+            self.seconds,
+            self.best,
+            self.gflops,
+            self.ratio,
+            self.best_ratio,
+            self.error,
+            self.error_ratio
         )
     }
 }
@@ -93,8 +106,8 @@ impl std::fmt::Display for Row {
         write!(
             f,
             "{m:>8} {n:>6} {scalar:>4} {threads:>2}  {contender:<24} {repetitions:>4} {:>10.6} \
-             {:>8.1} {:>6.3} {:>9.2e} {:>6.2}",
-            self.seconds, self.gflops, self.ratio, self.error, self.error_ratio
+             {:>8.1} {:>6.3} {:>6.3} {:>9.2e} {:>6.2}",
+            self.seconds, self.gflops, self.ratio, self.best_ratio, self.error, self.error_ratio
         )
     }
 }
