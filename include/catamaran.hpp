@@ -1,0 +1,322 @@
+// Catamaran from C++17: RAII and exceptions over catamaran.h, header only.
+//
+// Nothing here adds a rule of its own: see catamaran.h for what the functions compute and promise.
+
+#ifndef CATAMARAN_HPP
+#define CATAMARAN_HPP
+
+#include "catamaran.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace catamaran {
+
+/// A call failed: what() is the library's message.
+class error : public std::runtime_error {
+public:
+    error(cata_status status, const std::string& message)
+        : std::runtime_error(message), status_(status) {}
+
+    /// One of CATA_ERR_*.
+    cata_status status() const noexcept { return status_; }
+
+private:
+    cata_status status_;
+};
+
+/// How a matrix lies in memory.
+enum class layout : std::int32_t { row_major = CATA_ROW_MAJOR, col_major = CATA_COL_MAJOR };
+
+/// Which part of a symmetric result is wanted.
+enum class uplo : std::int32_t { upper = CATA_UPPER, lower = CATA_LOWER, both = CATA_BOTH };
+
+/// Which recursion to run.
+enum class scheme : std::int32_t {
+    automatic = CATA_SCHEME_AUTO,
+    classical = CATA_SCHEME_CLASSICAL,
+    ata2 = CATA_SCHEME_ATA2,
+    winograd = CATA_SCHEME_WINOGRAD,
+    rxtx = CATA_SCHEME_RXTX,
+    kgp4 = CATA_SCHEME_KGP4,
+    kgp3 = CATA_SCHEME_KGP3,
+};
+
+/// A matrix that somebody else owns.
+template <class T>
+struct matrix_view {
+    T* data = nullptr;
+    std::size_t rows = 0;
+    std::size_t cols = 0;
+    /// Elements from one row (row-major) or column (column-major) to the next.
+    std::size_t leading = 1;
+    catamaran::layout order = layout::row_major;
+
+    /// A view that may be written is one that may be read.
+    operator matrix_view<const T>() const noexcept { return {data, rows, cols, leading, order}; }
+
+    T& operator()(std::size_t i, std::size_t j) const noexcept {
+        return order == layout::row_major ? data[i * leading + j] : data[i + j * leading];
+    }
+};
+
+/// rows x cols with contiguous rows, `leading` elements apart (0: no gap).
+template <class T>
+matrix_view<T> row_major(T* data, std::size_t rows, std::size_t cols, std::size_t leading = 0) {
+    return {data, rows, cols, leading ? leading : (cols ? cols : 1), layout::row_major};
+}
+
+/// rows x cols with contiguous columns, `leading` elements apart (0: no gap).
+template <class T>
+matrix_view<T> col_major(T* data, std::size_t rows, std::size_t cols, std::size_t leading = 0) {
+    return {data, rows, cols, leading ? leading : (rows ? rows : 1), layout::col_major};
+}
+
+namespace detail {
+
+inline void check(cata_status status) {
+    if (status != CATA_OK) {
+        throw error(status, cata_last_error_message());
+    }
+}
+
+inline void require(bool condition, cata_status status, const char* message) {
+    if (!condition) {
+        throw error(status, message);
+    }
+}
+
+/// T where it must not take part in deducing the scalar.
+template <class T>
+struct identity {
+    using type = T;
+};
+template <class T>
+using identity_t = typename identity<T>::type;
+
+template <class T>
+constexpr void require_scalar() {
+    static_assert(std::is_same<T, float>::value || std::is_same<T, double>::value,
+                  "catamaran computes in float or double");
+}
+
+}  // namespace detail
+
+/// A BLAS library that computes the small products. Movable, not copyable.
+class backend {
+public:
+    /// Loads a shared library with the CBLAS interface.
+    static backend load(const std::string& path) {
+        cata_backend* handle = nullptr;
+        detail::check(cata_backend_load(path.c_str(), &handle));
+        return backend(handle);
+    }
+
+    /// The OpenBLAS that the library was linked with; throws without CATA_CAP_OPENBLAS.
+    static backend openblas() {
+        cata_backend* handle = nullptr;
+        detail::check(cata_backend_openblas(&handle));
+        return backend(handle);
+    }
+
+    std::string name() const { return cata_backend_name(handle_.get()); }
+
+    const cata_backend* get() const noexcept { return handle_.get(); }
+
+private:
+    struct free {
+        void operator()(cata_backend* handle) const noexcept { cata_backend_free(handle); }
+    };
+
+    explicit backend(cata_backend* handle) noexcept : handle_(handle) {}
+
+    std::unique_ptr<cata_backend, free> handle_;
+};
+
+/// How a product is computed: the fields of cata_ata_params.
+struct options {
+    /// 0: all cores of the affinity mask.
+    std::size_t threads = 0;
+    catamaran::scheme scheme = scheme::automatic;
+    /// 0: the default; 1: classical products only; infinity: no bound.
+    double error_factor = 0.0;
+    /// 0: chosen by the library.
+    std::size_t leaf = 0;
+    /// 0: chosen by the library.
+    std::size_t tasks = 0;
+    /// Null: the built-in one. Must outlive the call.
+    const catamaran::backend* backend = nullptr;
+    /// Told the fraction done, one call at a time, from any thread; returns whether to go on. What
+    /// it throws stops the work and comes out of the call.
+    std::function<bool(double)> progress;
+};
+
+namespace detail {
+
+/// cata_ata_params for the length of a call; carries an exception of the callback across it.
+class call {
+public:
+    explicit call(const options& options) : progress_(options.progress) {
+        check(cata_ata_params_init(&params_, sizeof params_));
+        params_.threads = options.threads;
+        params_.scheme = static_cast<std::int32_t>(options.scheme);
+        params_.error_factor = options.error_factor;
+        params_.leaf = options.leaf;
+        params_.tasks = options.tasks;
+        params_.backend = options.backend ? options.backend->get() : nullptr;
+        if (progress_) {
+            params_.progress = &report;
+            params_.progress_user = this;
+        }
+    }
+    call(const call&) = delete;
+    call& operator=(const call&) = delete;
+
+    const cata_ata_params* params() const noexcept { return &params_; }
+
+    void finish(cata_status status) {
+        if (thrown_) {
+            std::rethrow_exception(thrown_);
+        }
+        check(status);
+    }
+
+private:
+    static std::int32_t report(double fraction, void* user) noexcept {
+        call& self = *static_cast<call*>(user);
+        if (self.thrown_) {
+            return 1;
+        }
+        try {
+            return self.progress_(fraction) ? 0 : 1;
+        } catch (...) {
+            self.thrown_ = std::current_exception();
+            return 1;
+        }
+    }
+
+    cata_ata_params params_{};
+    const std::function<bool(double)>& progress_;
+    std::exception_ptr thrown_;
+};
+
+template <class T>
+void require_square(matrix_view<T> c, std::size_t n, layout order) {
+    require(c.rows == n && c.cols == n, CATA_ERR_SHAPE, "c: must be square, of the columns of a");
+    require(c.order == order, CATA_ERR_ARGUMENT, "c: must have the layout of a");
+}
+
+}  // namespace detail
+
+/// C := alpha A^T A + beta C. A is m x n, C is n x n, in the same layout.
+template <class T>
+void ata(detail::identity_t<T> alpha, matrix_view<const T> a, detail::identity_t<T> beta,
+         matrix_view<T> c, uplo part = uplo::both, const options& how = {}) {
+    detail::require_scalar<T>();
+    detail::require_square(c, a.cols, a.order);
+    detail::call call(how);
+    const auto order = static_cast<std::int32_t>(a.order);
+    const auto triangle = static_cast<std::int32_t>(part);
+    if constexpr (std::is_same<T, double>::value) {
+        call.finish(cata_ata_f64(order, triangle, a.rows, a.cols, alpha, a.data, a.leading, beta,
+                                 c.data, c.leading, call.params()));
+    } else {
+        call.finish(cata_ata_f32(order, triangle, a.rows, a.cols, alpha, a.data, a.leading, beta,
+                                 c.data, c.leading, call.params()));
+    }
+}
+
+template <class T>
+void ata(detail::identity_t<T> alpha, matrix_view<T> a, detail::identity_t<T> beta,
+         matrix_view<T> c, uplo part = uplo::both, const options& how = {}) {
+    ata<T>(alpha, matrix_view<const T>(a), beta, c, part, how);
+}
+
+/// A^T A, n x n without gaps, in the layout of A; both triangles.
+template <class T>
+std::vector<std::remove_const_t<T>> ata(matrix_view<T> a, const options& how = {}) {
+    using S = std::remove_const_t<T>;
+    detail::require(a.cols == 0 || a.cols <= std::numeric_limits<std::size_t>::max() / a.cols,
+                    CATA_ERR_SHAPE, "a: the product exceeds the address space");
+    std::vector<S> c(a.cols * a.cols);
+    const matrix_view<S> view{c.data(), a.cols, a.cols, a.cols ? a.cols : 1, a.order};
+    ata<S>(S(1), matrix_view<const S>(a), S(0), view, uplo::both, how);
+    return c;
+}
+
+/// C := alpha A^T B + beta C. A is m x n, B is m x k, C is n x k, in the same layout.
+template <class T>
+void atb(detail::identity_t<T> alpha, matrix_view<const T> a, matrix_view<const T> b,
+         detail::identity_t<T> beta, matrix_view<T> c, const options& how = {}) {
+    detail::require_scalar<T>();
+    detail::require(a.rows == b.rows, CATA_ERR_SHAPE, "b: must have the rows of a");
+    detail::require(c.rows == a.cols && c.cols == b.cols, CATA_ERR_SHAPE,
+                    "c: must have the columns of a as rows and those of b as columns");
+    detail::require(a.order == b.order && a.order == c.order, CATA_ERR_ARGUMENT,
+                    "b, c: must have the layout of a");
+    detail::call call(how);
+    const auto order = static_cast<std::int32_t>(a.order);
+    if constexpr (std::is_same<T, double>::value) {
+        call.finish(cata_atb_f64(order, a.rows, a.cols, b.cols, alpha, a.data, a.leading, b.data,
+                                 b.leading, beta, c.data, c.leading, call.params()));
+    } else {
+        call.finish(cata_atb_f32(order, a.rows, a.cols, b.cols, alpha, a.data, a.leading, b.data,
+                                 b.leading, beta, c.data, c.leading, call.params()));
+    }
+}
+
+template <class T>
+void atb(detail::identity_t<T> alpha, matrix_view<T> a, matrix_view<T> b,
+         detail::identity_t<T> beta, matrix_view<T> c, const options& how = {}) {
+    atb<T>(alpha, matrix_view<const T>(a), matrix_view<const T>(b), beta, c, how);
+}
+
+/// What verify found.
+struct verification {
+    bool passed;
+    double residual;
+    double tolerance;
+};
+
+/// Checks C = alpha A^T A; a wrong C passes with probability at most 2^-rounds.
+template <class T>
+verification verify(double alpha, matrix_view<const T> a, matrix_view<const T> c,
+                    uplo part = uplo::both, int rounds = 20, std::uint64_t seed = 1) {
+    detail::require_scalar<T>();
+    detail::require_square(c, a.cols, a.order);
+    const auto order = static_cast<std::int32_t>(a.order);
+    const auto triangle = static_cast<std::int32_t>(part);
+    std::int32_t passed = 0;
+    verification found{};
+    if constexpr (std::is_same<T, double>::value) {
+        detail::check(cata_verify_f64(order, triangle, a.rows, a.cols, alpha, a.data, a.leading,
+                                      c.data, c.leading, rounds, seed, &passed, &found.residual,
+                                      &found.tolerance));
+    } else {
+        detail::check(cata_verify_f32(order, triangle, a.rows, a.cols, alpha, a.data, a.leading,
+                                      c.data, c.leading, rounds, seed, &passed, &found.residual,
+                                      &found.tolerance));
+    }
+    found.passed = passed != 0;
+    return found;
+}
+
+template <class T>
+verification verify(double alpha, matrix_view<T> a, matrix_view<T> c, uplo part = uplo::both,
+                    int rounds = 20, std::uint64_t seed = 1) {
+    using S = std::remove_const_t<T>;
+    return verify<S>(alpha, matrix_view<const S>(a), matrix_view<const S>(c), part, rounds, seed);
+}
+
+}  // namespace catamaran
+
+#endif  // CATAMARAN_HPP

@@ -1,0 +1,95 @@
+//! `include/catamaran.h`, generated from src/capi.
+
+use std::path::Path;
+
+const HEADER: &str = "include/catamaran.h";
+
+/// The files of the C ABI, in the order of the header.
+const FILES: [&str; 9] =
+    ["version", "status", "backend", "pointer", "params", "ata", "rows", "atb", "verify"];
+
+/// Exported for tests; last in the header.
+const INTERNAL: &str = "internal";
+
+/// Writes the header.
+pub fn write(root: &Path) -> Result<(), String> {
+    let path = root.join(HEADER);
+    std::fs::write(&path, generate(root)?).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+/// Fails if the header on disk is not up to date.
+pub fn check(root: &Path) -> Result<(), String> {
+    let (is, should_be) = (super::read(&root.join(HEADER))?, generate(root)?);
+    if is == should_be {
+        return Ok(());
+    }
+    let line = is.lines().zip(should_be.lines()).take_while(|(a, b)| a == b).count();
+    let of = |text: &str| text.lines().nth(line).unwrap_or("(end of file)").to_owned();
+    Err(format!(
+        "{HEADER} has drifted from src/capi: run `cargo xtask header` and commit it.\n\
+         line {}\n  is        {}\n  should be {}",
+        line + 1,
+        of(&is),
+        of(&should_be)
+    ))
+}
+
+fn generate(root: &Path) -> Result<String, String> {
+    let capi = root.join("src/capi");
+    every_file_is_known(&capi)?;
+    let mut config = cbindgen::Config::from_file(root.join("cbindgen.toml"))?;
+    config.header = Some(preamble());
+    config.after_includes = Some(version_macros());
+    let mut builder = cbindgen::Builder::new().with_config(config);
+    for name in FILES.into_iter().chain([INTERNAL]) {
+        builder = builder.with_src(capi.join(name).with_extension("rs"));
+    }
+    let bindings = builder.generate().map_err(|e| format!("cbindgen: {e}"))?;
+    let mut text = Vec::new();
+    bindings.write(&mut text);
+    String::from_utf8(text).map_err(|e| format!("cbindgen: {e}"))
+}
+
+/// A new file of src/capi must be entered above, or its exports would be missing silently.
+fn every_file_is_known(capi: &Path) -> Result<(), String> {
+    let without_exports = ["mod", "boundary", INTERNAL];
+    let entries = std::fs::read_dir(capi).map_err(|e| format!("{}: {e}", capi.display()))?;
+    for entry in entries {
+        let path = entry.map_err(|e| e.to_string())?.path();
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        if !FILES.contains(&name.as_str()) && !without_exports.contains(&name.as_str()) {
+            return Err(format!("{}: add it to FILES in scripts/xtask", path.display()));
+        }
+    }
+    Ok(())
+}
+
+fn preamble() -> String {
+    "\
+/* Catamaran: A^T A and what stands on it, at scale. The C interface.
+ *
+ * Generated from src/capi by `cargo xtask header`: do not edit.
+ *
+ * Every function that can fail returns a cata_status: CATA_OK (0), or why not; the message of
+ * cata_last_error_message says more. Element counts and ranges are given in numbers of elements,
+ * never bytes. Unless said otherwise a pointer may not be NULL, is not kept after the call, and
+ * points to memory that no other thread writes during the call.
+ *
+ * MIT OR Apache-2.0
+ */"
+    .to_owned()
+}
+
+fn version_macros() -> String {
+    // xtask shares the version of the workspace.
+    let parts = [
+        ("MAJOR", env!("CARGO_PKG_VERSION_MAJOR")),
+        ("MINOR", env!("CARGO_PKG_VERSION_MINOR")),
+        ("PATCH", env!("CARGO_PKG_VERSION_PATCH")),
+    ];
+    let mut text = String::from("\n/* The version of this header; cata_version tells the library's. */\n");
+    for (part, number) in parts {
+        text += &format!("#define CATA_VERSION_{part} {number}\n");
+    }
+    text + &format!("#define CATA_VERSION_STRING \"{}\"", env!("CARGO_PKG_VERSION"))
+}

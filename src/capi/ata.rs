@@ -1,0 +1,409 @@
+use super::boundary::boundary;
+use super::params::{cata_ata_params, with_options};
+use super::pointer::{Layout, check_size, matrix, matrix_mut, output, slice_mut, uplo_from};
+use super::status::cata_status;
+use crate::ata::{DenseRows, RowOptions, ata_rows};
+use crate::blas::BlasReal;
+use crate::{AtaOptions, Uplo};
+
+/// C := alpha A^T A + beta C, for A m x n and C n x n.
+///
+/// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of C.
+/// - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict triangle
+///   that is not, and what lies between lines, is neither read nor written.
+/// - `m`, `n`: any, 0 included.
+/// - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
+/// - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-major:
+///   n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when m or n is 0.
+/// - `c`: C, written; n lines of `ldc` >= max(1, n) elements, the last one of n. May be NULL when n is
+///   0. No element of A may be one of C's.
+/// - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
+///   call.
+///
+/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE (a leading dimension too small, or a size beyond
+/// the address space), CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, CATA_ERR_OUT_OF_MEMORY,
+/// CATA_ERR_CANCELLED or CATA_ERR_PANIC. All arguments are checked, and the workspace is allocated,
+/// before C is first written: it is untouched after any error but CATA_ERR_CANCELLED, CATA_ERR_PANIC
+/// and CATA_ERR_ARGUMENT for `threads` the system refuses to start ("threads: ..."), which leave
+/// unspecified values in its wanted part.
+///
+/// The result does not depend on the number of threads, bit for bit. NaN and infinities in A spread to
+/// entries of C that the classical algorithm would leave finite, unless classical products are asked
+/// for.
+///
+/// Thread-safe: calls may run at the same time as long as no C is shared.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_ata_f64(
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: f64,
+    a: *const f64,
+    lda: usize,
+    beta: f64,
+    c: *mut f64,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { ata(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
+}
+
+/// As cata_ata_f64, in float.
+///
+/// Thread-safe: calls may run at the same time as long as no C is shared.
+///
+/// # Safety
+/// The pointers are as described at `cata_ata_f64`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_ata_f32(
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: f32,
+    a: *const f32,
+    lda: usize,
+    beta: f32,
+    c: *mut f32,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { ata(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
+}
+
+/// As cata_ata_f64, with A in float: all sums and products are in double. A is converted block by
+/// block, so the extra memory is about 32 MiB, or 1024 rows if those are longer, and the scratch.
+///
+/// Unlike there, C holds unspecified values in its wanted part after CATA_ERR_OUT_OF_MEMORY too, and
+/// progress may start anew with every block of rows.
+///
+/// Thread-safe: calls may run at the same time as long as no C is shared.
+///
+/// # Safety
+/// The pointers are as described at `cata_ata_f64`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_ata_f32_f64(
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: f64,
+    a: *const f32,
+    lda: usize,
+    beta: f64,
+    c: *mut f64,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    boundary(|| {
+        let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
+        // SAFETY: the caller's promise.
+        let (a, c) =
+            unsafe { (matrix("a", layout, m, n, a, lda)?, matrix_mut("c", layout, n, n, c, ldc)?) };
+        let work = |options: &AtaOptions<'_>| {
+            if n == 0 {
+                return Ok(()); // m may be beyond counting
+            }
+            let rows = &mut DenseRows(a);
+            Ok(ata_rows(alpha, rows, &RowOptions::default(), beta, c, options)?)
+        };
+        // SAFETY: the caller's promise.
+        unsafe { with_options(params, uplo, work) }
+    })
+}
+
+/// The scratch that cata_ata_with_scratch_f64 needs for A m x n and the same params.
+///
+/// `len`: one size_t, not NULL; written on success: a number of elements, not bytes.
+/// `params`: as in cata_ata_f64.
+/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED or
+/// CATA_ERR_PANIC.
+///
+/// Thread-safe.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_ata_scratch_len_f64(
+    m: usize,
+    n: usize,
+    params: *const cata_ata_params,
+    len: *mut usize,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { ata_scratch_len::<f64>(m, n, params, len) }
+}
+
+/// As cata_ata_scratch_len_f64, in float.
+///
+/// Thread-safe.
+///
+/// # Safety
+/// The pointers are as described at `cata_ata_scratch_len_f64`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_ata_scratch_len_f32(
+    m: usize,
+    n: usize,
+    params: *const cata_ata_params,
+    len: *mut usize,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { ata_scratch_len::<f32>(m, n, params, len) }
+}
+
+/// cata_ata_f64 without allocating its workspace.
+///
+/// `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as many as
+/// cata_ata_scratch_len_f64 says for the same m, n and params, else CATA_ERR_SHAPE. May be NULL
+/// when `scratch_len` is 0. It must not overlap A or C. The rest as in cata_ata_f64.
+///
+/// Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
+///
+/// # Safety
+/// The pointers are as described at `cata_ata_f64`. So is `scratch` here.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_ata_with_scratch_f64(
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: f64,
+    a: *const f64,
+    lda: usize,
+    beta: f64,
+    c: *mut f64,
+    ldc: usize,
+    scratch: *mut f64,
+    scratch_len: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe {
+        ata_with_scratch(
+            layout,
+            uplo,
+            m,
+            n,
+            alpha,
+            a,
+            lda,
+            beta,
+            c,
+            ldc,
+            scratch,
+            scratch_len,
+            params,
+        )
+    }
+}
+
+/// As cata_ata_with_scratch_f64, in float.
+///
+/// Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
+///
+/// # Safety
+/// The pointers are as described at `cata_ata_with_scratch_f64`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_ata_with_scratch_f32(
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: f32,
+    a: *const f32,
+    lda: usize,
+    beta: f32,
+    c: *mut f32,
+    ldc: usize,
+    scratch: *mut f32,
+    scratch_len: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe {
+        ata_with_scratch(
+            layout,
+            uplo,
+            m,
+            n,
+            alpha,
+            a,
+            lda,
+            beta,
+            c,
+            ldc,
+            scratch,
+            scratch_len,
+            params,
+        )
+    }
+}
+
+/// C := alpha A A^T + beta C, for A m x n and C m x m: `c` has m lines of `ldc` >= max(1, m)
+/// elements. The rest as in cata_ata_f64.
+///
+/// Thread-safe: calls may run at the same time as long as no C is shared.
+///
+/// # Safety
+/// The pointers are as described at `cata_ata_f64`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_aat_f64(
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: f64,
+    a: *const f64,
+    lda: usize,
+    beta: f64,
+    c: *mut f64,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { aat(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
+}
+
+/// As cata_aat_f64, in float.
+///
+/// Thread-safe: calls may run at the same time as long as no C is shared.
+///
+/// # Safety
+/// The pointers are as described at `cata_aat_f64`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_aat_f32(
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: f32,
+    a: *const f32,
+    lda: usize,
+    beta: f32,
+    c: *mut f32,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { aat(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
+}
+
+/// `cata_ata_*`.
+///
+/// # Safety
+/// The pointers are as the header describes them.
+unsafe fn ata<T: BlasReal>(
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: T,
+    a: *const T,
+    lda: usize,
+    beta: T,
+    c: *mut T,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    boundary(|| {
+        let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
+        // SAFETY: the caller's promise.
+        let (a, c) =
+            unsafe { (matrix("a", layout, m, n, a, lda)?, matrix_mut("c", layout, n, n, c, ldc)?) };
+        let work = |options: &AtaOptions<'_>| Ok(crate::ata(alpha, a, beta, c, options)?);
+        // SAFETY: the caller's promise.
+        unsafe { with_options(params, uplo, work) }
+    })
+}
+
+/// `cata_aat_*`.
+///
+/// # Safety
+/// The pointers are as the header describes them.
+unsafe fn aat<T: BlasReal>(
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: T,
+    a: *const T,
+    lda: usize,
+    beta: T,
+    c: *mut T,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    boundary(|| {
+        let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
+        // SAFETY: the caller's promise.
+        let (a, c) =
+            unsafe { (matrix("a", layout, m, n, a, lda)?, matrix_mut("c", layout, m, m, c, ldc)?) };
+        let work = |options: &AtaOptions<'_>| Ok(crate::aat(alpha, a, beta, c, options)?);
+        // SAFETY: the caller's promise.
+        unsafe { with_options(params, uplo, work) }
+    })
+}
+
+/// `cata_ata_with_scratch_*`.
+///
+/// # Safety
+/// The pointers are as the header describes them.
+unsafe fn ata_with_scratch<T: BlasReal>(
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: T,
+    a: *const T,
+    lda: usize,
+    beta: T,
+    c: *mut T,
+    ldc: usize,
+    scratch: *mut T,
+    scratch_len: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    boundary(|| {
+        let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
+        // SAFETY: the caller's promise.
+        let (a, c) =
+            unsafe { (matrix("a", layout, m, n, a, lda)?, matrix_mut("c", layout, n, n, c, ldc)?) };
+        // SAFETY: the caller's promise.
+        let scratch = unsafe { slice_mut("scratch", scratch, scratch_len) }?;
+        let work = |options: &AtaOptions<'_>| {
+            Ok(crate::ata_with_scratch(alpha, a, beta, c, options, scratch)?)
+        };
+        // SAFETY: the caller's promise.
+        unsafe { with_options(params, uplo, work) }
+    })
+}
+
+/// `cata_ata_scratch_len_*`.
+///
+/// # Safety
+/// The pointers are as the header describes them.
+unsafe fn ata_scratch_len<T: BlasReal>(
+    m: usize,
+    n: usize,
+    params: *const cata_ata_params,
+    len: *mut usize,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let len = unsafe { output("len", len) }?;
+        check_size::<T>("a", m, n)?;
+        check_size::<T>("c", n, n)?;
+        let work = |options: &AtaOptions<'_>| {
+            *len = crate::ata_scratch_len::<T>(m, n, options)?;
+            Ok(())
+        };
+        // SAFETY: the caller's promise.
+        unsafe { with_options(params, Uplo::Lower, work) }
+    })
+}

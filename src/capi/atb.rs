@@ -1,0 +1,311 @@
+use super::boundary::boundary;
+use super::params::{cata_ata_params, with_options};
+use super::pointer::{Layout, check_size, matrix, matrix_mut, output, slice_mut};
+use super::status::cata_status;
+use crate::blas::BlasReal;
+use crate::{AtaOptions, Uplo};
+
+/// C := alpha A^T B + beta C, for A m x n, B m x k and C n x k.
+///
+/// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of all three.
+/// - `m`, `n`, `k`: any, 0 included.
+/// - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
+/// - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-major:
+///   n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when A has no element.
+/// - `b`: B, read, likewise with k for n and `ldb`. A and B may overlap.
+/// - `c`: C, written. Row-major: n lines of `ldc` >= max(1, k) elements; column-major: k lines of
+///   `ldc` >= max(1, n). What lies between lines is neither read nor written. May be NULL when C has no
+///   element. No element of A or B may be one of C's.
+/// - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
+///   call.
+///
+/// Returns what cata_ata_f64 does, with the same promise about C.
+///
+/// Thread-safe: calls may run at the same time as long as no C is shared.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_atb_f64(
+    layout: i32,
+    m: usize,
+    n: usize,
+    k: usize,
+    alpha: f64,
+    a: *const f64,
+    lda: usize,
+    b: *const f64,
+    ldb: usize,
+    beta: f64,
+    c: *mut f64,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { atb(layout, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc, params) }
+}
+
+/// As cata_atb_f64, in float.
+///
+/// Thread-safe: calls may run at the same time as long as no C is shared.
+///
+/// # Safety
+/// The pointers are as described at `cata_atb_f64`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_atb_f32(
+    layout: i32,
+    m: usize,
+    n: usize,
+    k: usize,
+    alpha: f32,
+    a: *const f32,
+    lda: usize,
+    b: *const f32,
+    ldb: usize,
+    beta: f32,
+    c: *mut f32,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { atb(layout, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc, params) }
+}
+
+/// The scratch that cata_atb_with_scratch_f64 needs for A m x n, B m x k and the same params.
+///
+/// `len`: one size_t, not NULL; written on success: a number of elements, not bytes.
+/// `params`: as in cata_atb_f64.
+/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED or
+/// CATA_ERR_PANIC.
+///
+/// Thread-safe.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_atb_scratch_len_f64(
+    m: usize,
+    n: usize,
+    k: usize,
+    params: *const cata_ata_params,
+    len: *mut usize,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { atb_scratch_len::<f64>(m, n, k, params, len) }
+}
+
+/// As cata_atb_scratch_len_f64, in float.
+///
+/// Thread-safe.
+///
+/// # Safety
+/// The pointers are as described at `cata_atb_scratch_len_f64`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_atb_scratch_len_f32(
+    m: usize,
+    n: usize,
+    k: usize,
+    params: *const cata_ata_params,
+    len: *mut usize,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { atb_scratch_len::<f32>(m, n, k, params, len) }
+}
+
+/// cata_atb_f64 without allocating its workspace.
+///
+/// `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as many as
+/// cata_atb_scratch_len_f64 says for the same m, n, k and params, else CATA_ERR_SHAPE. May be
+/// NULL when `scratch_len` is 0. It must not overlap A, B or C. The rest as in cata_atb_f64.
+///
+/// Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
+///
+/// # Safety
+/// The pointers are as described at `cata_atb_f64`. So is `scratch` here.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_atb_with_scratch_f64(
+    layout: i32,
+    m: usize,
+    n: usize,
+    k: usize,
+    alpha: f64,
+    a: *const f64,
+    lda: usize,
+    b: *const f64,
+    ldb: usize,
+    beta: f64,
+    c: *mut f64,
+    ldc: usize,
+    scratch: *mut f64,
+    scratch_len: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe {
+        atb_with_scratch(
+            layout,
+            m,
+            n,
+            k,
+            alpha,
+            a,
+            lda,
+            b,
+            ldb,
+            beta,
+            c,
+            ldc,
+            scratch,
+            scratch_len,
+            params,
+        )
+    }
+}
+
+/// As cata_atb_with_scratch_f64, in float.
+///
+/// Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
+///
+/// # Safety
+/// The pointers are as described at `cata_atb_with_scratch_f64`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_atb_with_scratch_f32(
+    layout: i32,
+    m: usize,
+    n: usize,
+    k: usize,
+    alpha: f32,
+    a: *const f32,
+    lda: usize,
+    b: *const f32,
+    ldb: usize,
+    beta: f32,
+    c: *mut f32,
+    ldc: usize,
+    scratch: *mut f32,
+    scratch_len: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe {
+        atb_with_scratch(
+            layout,
+            m,
+            n,
+            k,
+            alpha,
+            a,
+            lda,
+            b,
+            ldb,
+            beta,
+            c,
+            ldc,
+            scratch,
+            scratch_len,
+            params,
+        )
+    }
+}
+
+/// `cata_atb_*`.
+///
+/// # Safety
+/// The pointers are as the header describes them.
+unsafe fn atb<T: BlasReal>(
+    layout: i32,
+    m: usize,
+    n: usize,
+    k: usize,
+    alpha: T,
+    a: *const T,
+    lda: usize,
+    b: *const T,
+    ldb: usize,
+    beta: T,
+    c: *mut T,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    boundary(|| {
+        let layout = Layout::new(layout)?;
+        // SAFETY: the caller's promise.
+        let (a, b, c) = unsafe {
+            (
+                matrix("a", layout, m, n, a, lda)?,
+                matrix("b", layout, m, k, b, ldb)?,
+                matrix_mut("c", layout, n, k, c, ldc)?,
+            )
+        };
+        let work = |options: &AtaOptions<'_>| Ok(crate::atb(alpha, a, b, beta, c, options)?);
+        // SAFETY: the caller's promise.
+        unsafe { with_options(params, Uplo::Both, work) }
+    })
+}
+
+/// `cata_atb_with_scratch_*`.
+///
+/// # Safety
+/// The pointers are as the header describes them.
+unsafe fn atb_with_scratch<T: BlasReal>(
+    layout: i32,
+    m: usize,
+    n: usize,
+    k: usize,
+    alpha: T,
+    a: *const T,
+    lda: usize,
+    b: *const T,
+    ldb: usize,
+    beta: T,
+    c: *mut T,
+    ldc: usize,
+    scratch: *mut T,
+    scratch_len: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    boundary(|| {
+        let layout = Layout::new(layout)?;
+        // SAFETY: the caller's promise.
+        let (a, b, c) = unsafe {
+            (
+                matrix("a", layout, m, n, a, lda)?,
+                matrix("b", layout, m, k, b, ldb)?,
+                matrix_mut("c", layout, n, k, c, ldc)?,
+            )
+        };
+        // SAFETY: the caller's promise.
+        let scratch = unsafe { slice_mut("scratch", scratch, scratch_len) }?;
+        let work = |options: &AtaOptions<'_>| {
+            Ok(crate::atb_with_scratch(alpha, a, b, beta, c, options, scratch)?)
+        };
+        // SAFETY: the caller's promise.
+        unsafe { with_options(params, Uplo::Both, work) }
+    })
+}
+
+/// `cata_atb_scratch_len_*`.
+///
+/// # Safety
+/// The pointers are as the header describes them.
+unsafe fn atb_scratch_len<T: BlasReal>(
+    m: usize,
+    n: usize,
+    k: usize,
+    params: *const cata_ata_params,
+    len: *mut usize,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let len = unsafe { output("len", len) }?;
+        check_size::<T>("a", m, n)?;
+        check_size::<T>("b", m, k)?;
+        check_size::<T>("c", n, k)?;
+        let work = |options: &AtaOptions<'_>| {
+            *len = crate::atb_scratch_len::<T>(m, n, k, options)?;
+            Ok(())
+        };
+        // SAFETY: the caller's promise.
+        unsafe { with_options(params, Uplo::Both, work) }
+    })
+}

@@ -1,0 +1,123 @@
+use std::ffi::{CString, c_char};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::boundary::{boundary, text};
+use super::pointer::output;
+#[cfg(not(feature = "openblas"))]
+use super::status::CATA_ERR_UNSUPPORTED;
+use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use crate::blas::{self, Backend};
+
+/// A BLAS library that computes the small products; made by cata_backend_load or
+/// cata_backend_openblas, given back by cata_backend_free. It can be used by several calls and
+/// threads at a time.
+pub struct cata_backend {
+    backend: Arc<dyn Backend>,
+    name: CString,
+}
+
+impl cata_backend {
+    fn new(backend: Arc<dyn Backend>) -> Self {
+        let name = CString::new(backend.name()).unwrap_or_default();
+        Self { backend, name }
+    }
+
+    pub(super) fn get(&self) -> Arc<dyn Backend> {
+        Arc::clone(&self.backend)
+    }
+}
+
+/// Loads the shared library at `path` (MKL's libmkl_rt.so, libopenblas.so, libblis.so, ...), which
+/// must have the CBLAS interface with 32-bit integers.
+///
+/// `path`: NUL-terminated file name, not NULL; without a slash the system's search path is used.
+/// The library's initialisers run: load only what you trust.
+/// `backend`: one pointer, not NULL; written on success only. Free it by cata_backend_free.
+/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a path that is not UTF-8 on a system that
+/// wants it, or CATA_ERR_BACKEND when there is no such file or it is not such a library.
+///
+/// Thread-safe.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_backend_load(
+    path: *const c_char,
+    backend: *mut *mut cata_backend,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (path, backend) = unsafe { (text("path", path)?, output("backend", backend)?) };
+        #[cfg(unix)]
+        let path: PathBuf = {
+            use std::os::unix::ffi::OsStrExt;
+            std::ffi::OsStr::from_bytes(path.to_bytes()).into()
+        };
+        #[cfg(not(unix))]
+        let path: PathBuf =
+            path.to_str().map_err(|_| Failure::new(CATA_ERR_ARGUMENT, "path: not UTF-8"))?.into();
+        if path.as_os_str().is_empty() {
+            return Err(Failure::new(CATA_ERR_ARGUMENT, "path: empty"));
+        }
+        *backend = Box::into_raw(Box::new(cata_backend::new(blas::load(&path)?)));
+        Ok(())
+    })
+}
+
+/// The OpenBLAS that the library was linked with.
+///
+/// `backend`: one pointer, not NULL; written on success only. Free it by cata_backend_free.
+/// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_UNSUPPORTED without CATA_CAP_OPENBLAS.
+///
+/// Thread-safe.
+///
+/// # Safety
+/// The pointer is as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_backend_openblas(backend: *mut *mut cata_backend) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let backend = unsafe { output("backend", backend) }?;
+        #[cfg(feature = "openblas")]
+        {
+            *backend = Box::into_raw(Box::new(cata_backend::new(blas::openblas())));
+            Ok(())
+        }
+        #[cfg(not(feature = "openblas"))]
+        {
+            let _ = backend;
+            Err(Failure::new(CATA_ERR_UNSUPPORTED, "built without the feature openblas"))
+        }
+    })
+}
+
+/// Short name of a back end, such as "openblas" or the file name of a loaded library, in UTF-8;
+/// valid until cata_backend_free. The empty string for NULL. Never NULL; do not free it.
+///
+/// Thread-safe.
+///
+/// # Safety
+/// `backend` is NULL or was made by cata_backend_load or cata_backend_openblas and not yet freed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_backend_name(backend: *const cata_backend) -> *const c_char {
+    // SAFETY: the caller's promise.
+    unsafe { backend.as_ref() }.map_or(c"".as_ptr(), |b| b.name.as_ptr())
+}
+
+/// Gives a back end back; NULL is allowed and does nothing.
+///
+/// Thread-safe, but no call may be using the back end.
+///
+/// # Safety
+/// `backend` is NULL or was made by cata_backend_load or cata_backend_openblas, and not yet freed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_backend_free(backend: *mut cata_backend) {
+    boundary(|| {
+        if !backend.is_null() {
+            // SAFETY: it came from `Box::into_raw`, and the caller promises to free it once.
+            drop(unsafe { Box::from_raw(backend) });
+        }
+        Ok(())
+    });
+}

@@ -1,0 +1,139 @@
+//! The one door between C and Rust.
+
+use std::any::Any;
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use super::status::{CATA_ERR_PANIC, CATA_OK, Failure, cata_status};
+
+thread_local! {
+    static LAST_MESSAGE: RefCell<CString> = RefCell::default();
+}
+
+/// Calls `work`; turns its failure, or its panic, into a status and this thread's last message.
+pub(super) fn boundary(work: impl FnOnce() -> Result<(), Failure>) -> cata_status {
+    // What `work` borrowed mutably is memory of the C caller, who is told that it is unspecified.
+    match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(Ok(())) => CATA_OK,
+        Ok(Err(failure)) => fail(failure),
+        Err(payload) => {
+            let message = format!("internal error, please report it: {}", panic_text(payload));
+            fail(Failure::new(CATA_ERR_PANIC, message))
+        }
+    }
+}
+
+/// This thread's last message.
+pub(super) fn last_message() -> *const c_char {
+    // The thread-local is gone while the thread's other thread-locals are being destroyed.
+    LAST_MESSAGE.try_with(|m| m.borrow().as_ptr()).unwrap_or(c"".as_ptr())
+}
+
+fn fail(Failure { status, message }: Failure) -> cata_status {
+    let message = CString::new(message.replace('\0', "\\0")).unwrap_or_default();
+    let _ = LAST_MESSAGE.try_with(|m| *m.borrow_mut() = message);
+    status
+}
+
+fn panic_text(payload: Box<dyn Any + Send>) -> String {
+    let payload = match payload.downcast::<String>() {
+        Ok(text) => return *text,
+        Err(payload) => payload,
+    };
+    match payload.downcast::<&'static str>() {
+        Ok(text) => (*text).to_owned(),
+        Err(other) => {
+            // Its destructor might panic in turn.
+            std::mem::forget(other);
+            "panic without a message".to_owned()
+        }
+    }
+}
+
+/// A C string as text.
+///
+/// # Safety
+/// `text` is NULL or NUL-terminated, and stays so for `'a`.
+pub(super) unsafe fn text<'a>(what: &str, text: *const c_char) -> Result<&'a CStr, Failure> {
+    if text.is_null() {
+        return Err(Failure::null(what));
+    }
+    // SAFETY: not NULL; the rest is passed on to the caller.
+    Ok(unsafe { CStr::from_ptr(text) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::status::{CATA_ERR_NULL, CATA_ERR_SHAPE};
+    use super::*;
+    use crate::Error;
+
+    fn message() -> String {
+        // SAFETY: NUL-terminated, and no call of this thread fails before it is copied.
+        unsafe { CStr::from_ptr(last_message()) }.to_str().unwrap().to_owned()
+    }
+
+    #[test]
+    fn panic_becomes_status() {
+        assert_eq!(boundary(|| panic!("number {}", 7)), CATA_ERR_PANIC);
+        assert_eq!(message(), "internal error, please report it: number 7");
+        assert_eq!(boundary(|| panic!("plain")), CATA_ERR_PANIC);
+        assert_eq!(message(), "internal error, please report it: plain");
+        assert_eq!(boundary(|| std::panic::panic_any(7)), CATA_ERR_PANIC);
+        assert_eq!(message(), "internal error, please report it: panic without a message");
+    }
+
+    #[test]
+    fn payload_whose_destructor_panics() {
+        struct Bomb;
+        impl Drop for Bomb {
+            fn drop(&mut self) {
+                panic!("bomb");
+            }
+        }
+        assert_eq!(boundary(|| std::panic::panic_any(Bomb)), CATA_ERR_PANIC);
+    }
+
+    #[test]
+    fn panic_of_a_worker_becomes_status() {
+        let work = || {
+            let lane = |lane| assert_eq!(lane, 0, "worker");
+            Ok(crate::Par::Threads(2).run_lanes(lane)?)
+        };
+        assert_eq!(boundary(work), CATA_ERR_PANIC);
+        assert!(message().contains("worker"), "{}", message());
+    }
+
+    #[test]
+    fn success_keeps_message() {
+        assert_eq!(boundary(|| Err(Failure::null("a"))), CATA_ERR_NULL);
+        assert_eq!(boundary(|| Ok(())), CATA_OK);
+        assert_eq!(message(), "a: NULL");
+    }
+
+    #[test]
+    fn error_keeps_its_text() {
+        let error = Error::Shape { what: "C", expected: (2, 2), got: (3, 2) };
+        assert_eq!(boundary(|| Err(error.clone().into())), CATA_ERR_SHAPE);
+        assert_eq!(message(), error.to_string());
+    }
+
+    #[test]
+    fn message_with_nul_survives() {
+        boundary(|| Err(Failure::null("a\0b")));
+        assert_eq!(message(), "a\\0b: NULL");
+    }
+
+    #[test]
+    fn message_is_per_thread() {
+        boundary(|| Err(Failure::null("mine")));
+        std::thread::spawn(|| {
+            assert_eq!(message(), "");
+            boundary(|| Err(Failure::null("other")));
+        })
+        .join()
+        .unwrap();
+        assert_eq!(message(), "mine: NULL");
+    }
+}

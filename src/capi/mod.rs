@@ -1,0 +1,29 @@
+//! The C ABI: `include/catamaran.h` is generated from this module by `cargo xtask header`.
+//!
+//! One file per area; every export passes through [`boundary::boundary`], and only
+//! [`pointer`] makes views of what C points to. Nothing here is meant to be called from Rust.
+
+#![allow(non_camel_case_types)] // the names are those of the C header
+
+mod ata;
+mod atb;
+mod backend;
+mod boundary;
+mod internal;
+mod params;
+mod pointer;
+mod rows;
+mod status;
+mod verify;
+mod version;
+
+pub use ata::*;
+pub use atb::*;
+pub use backend::*;
+pub use internal::*;
+pub use params::*;
+pub use pointer::{CATA_BOTH, CATA_COL_MAJOR, CATA_LOWER, CATA_ROW_MAJOR, CATA_UPPER};
+pub use rows::*;
+pub use status::*;
+pub use verify::*;
+pub use version::*;

@@ -1,0 +1,225 @@
+use std::ffi::c_void;
+use std::mem::offset_of;
+
+use super::backend::cata_backend;
+use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, Failure, cata_status};
+use super::{boundary::boundary, pointer};
+use crate::base::{Flow, Par};
+use crate::{Accuracy, AtaOptions, SchemeChoice, Uplo};
+
+/// Whatever is expected to be fastest within the accuracy asked for.
+pub const CATA_SCHEME_AUTO: i32 = 0;
+/// No fast products: blocks over the back end.
+pub const CATA_SCHEME_CLASSICAL: i32 = 1;
+/// AtA over Strassen's algorithm, 2 x 2 recursion down to the cache.
+pub const CATA_SCHEME_ATA2: i32 = 2;
+/// 2 x 2 split over Winograd's variant of Strassen's algorithm.
+pub const CATA_SCHEME_WINOGRAD: i32 = 3;
+/// RXTX (4 x 4 blocks) over Winograd's variant.
+pub const CATA_SCHEME_RXTX: i32 = 4;
+/// The sparse 4 x 4 scheme of Khoruzhii, Gelss and Pokutta over Winograd's variant.
+pub const CATA_SCHEME_KGP4: i32 = 5;
+/// Their 3 x 3 scheme over Winograd's variant.
+pub const CATA_SCHEME_KGP3: i32 = 6;
+
+/// A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything else
+/// asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
+///
+/// It is called from whichever thread finished a piece, one call at a time; it must be quick, and
+/// must not leave by longjmp or a C++ exception.
+pub type cata_progress = Option<extern "C" fn(fraction: f64, user: *mut c_void) -> i32>;
+
+/// How a product is computed. Every field but the first is 0 (NULL) by default, so that
+/// `cata_ata_params params = {sizeof params};` is the same as cata_ata_params_init.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cata_ata_params {
+    /// sizeof(cata_ata_params) as the caller was compiled with. Later versions add fields at the
+    /// end; one that this library does not know must be 0.
+    pub struct_size: usize,
+    /// Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
+    /// bit for bit, for every value.
+    pub threads: usize,
+    /// Smallest block side of the recursion, in elements, at most 2^31; 0: the library's
+    /// choice.
+    pub leaf: usize,
+    /// Tasks that C is split into, whatever the number of threads, at most 65536; 0: the
+    /// library's choice.
+    pub tasks: usize,
+    /// Error that fast products may cause, as a factor of the classical algorithm's in the maximum
+    /// norm, expected: 1 for classical products only, INFINITY for no bound, 0 for the default,
+    /// which is 4. Not below 1 otherwise, and not NaN.
+    pub error_factor: f64,
+    /// What computes the small products; NULL: the built-in one. Borrowed during the call.
+    pub backend: *const cata_backend,
+    /// Told of progress; NULL: nobody.
+    pub progress: cata_progress,
+    /// Handed to `progress` as it is; may be NULL.
+    pub progress_user: *mut c_void,
+    /// CATA_SCHEME_*.
+    pub scheme: i32,
+    /// 0.
+    pub reserved: i32,
+}
+
+/// Size of the first published version of the struct: its fields are always there.
+const FIRST_SIZE: usize = offset_of!(cata_ata_params, reserved) + size_of::<i32>();
+
+/// More than any version will ever have: an uninitialised struct_size is caught, not followed.
+const LARGEST_SIZE: usize = 4096;
+
+/// Longer blocks than this don't occur, and the planner squares it.
+const MOST_LEAF: usize = 1 << 31;
+
+/// The planner makes a list of the tasks.
+const MOST_TASKS: usize = 1 << 16;
+
+/// Fills a parameter struct with the defaults.
+///
+/// `params`: one struct, not NULL, written. `struct_size`: sizeof(cata_ata_params).
+/// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+///
+/// Thread-safe.
+///
+/// # Safety
+/// `params` points to `struct_size` writable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_ata_params_init(
+    params: *mut cata_ata_params,
+    struct_size: usize,
+) -> cata_status {
+    boundary(|| {
+        check_struct_size(struct_size)?;
+        // SAFETY: the caller's promise; `output` sees to NULL and alignment. All fields may be 0,
+        // and a newer caller's additional ones are within struct_size.
+        unsafe {
+            let params: *mut cata_ata_params = pointer::output("params", params)?;
+            params.cast::<u8>().write_bytes(0, struct_size);
+            (*params).struct_size = struct_size;
+        }
+        Ok(())
+    })
+}
+
+fn check_struct_size(size: usize) -> Result<(), Failure> {
+    if (FIRST_SIZE..=LARGEST_SIZE).contains(&size) {
+        return Ok(());
+    }
+    let why = format!(
+        "params.struct_size: must be sizeof(cata_ata_params), {} in this version, is {size}",
+        size_of::<cata_ata_params>()
+    );
+    Err(Failure::new(CATA_ERR_ARGUMENT, why))
+}
+
+/// Reads a struct of the caller's version.
+///
+/// # Safety
+/// `params` points to as many readable bytes as its `struct_size` says.
+unsafe fn read(params: *const cata_ata_params) -> Result<cata_ata_params, Failure> {
+    if !params.is_aligned() {
+        return Err(Failure::new(CATA_ERR_ARGUMENT, "params: not aligned"));
+    }
+    // SAFETY: struct_size comes first in every version; the bytes up to it are the caller's
+    // promise. No version is smaller than this one, the first.
+    unsafe {
+        let size = (&raw const (*params).struct_size).read();
+        check_struct_size(size)?;
+        let known = size_of::<cata_ata_params>();
+        let extra = size.saturating_sub(known);
+        let rest = std::slice::from_raw_parts(params.cast::<u8>().add(size - extra), extra);
+        if rest.iter().any(|&byte| byte != 0) {
+            let why = "params: a field that this version of the library does not know is set";
+            return Err(Failure::new(CATA_ERR_UNSUPPORTED, why));
+        }
+        Ok(params.read())
+    }
+}
+
+/// The address that a progress callback asked for.
+struct User(*mut c_void);
+
+// SAFETY: the header says that the callback is called from any thread, one call at a time.
+unsafe impl Sync for User {}
+
+impl User {
+    fn get(&self) -> *mut c_void {
+        self.0
+    }
+}
+
+/// Calls `work` with the options that `params` stands for.
+///
+/// # Safety
+/// `params` is NULL or points to a struct as the header describes it.
+pub(super) unsafe fn with_options(
+    params: *const cata_ata_params,
+    uplo: Uplo,
+    work: impl FnOnce(&AtaOptions<'_>) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let mut options = AtaOptions { uplo, ..AtaOptions::default() };
+    if params.is_null() {
+        return work(&options);
+    }
+    // SAFETY: the caller's promise.
+    let params = unsafe { read(params) }?;
+    options.scheme = scheme(params.scheme)?;
+    options.accuracy = accuracy(params.error_factor);
+    if params.threads > 0 {
+        options.par = Par::Threads(params.threads);
+    }
+    at_most("params.leaf", params.leaf, MOST_LEAF)?;
+    at_most("params.tasks", params.tasks, MOST_TASKS)?;
+    options.leaf = (params.leaf > 0).then_some(params.leaf);
+    options.tasks = (params.tasks > 0).then_some(params.tasks);
+    // SAFETY: NULL or a live back end, as the header asks.
+    if let Some(backend) = unsafe { params.backend.as_ref() } {
+        options.backend = backend.get();
+    }
+    if params.reserved != 0 {
+        return Err(Failure::new(CATA_ERR_UNSUPPORTED, "params.reserved: must be 0"));
+    }
+    let Some(callback) = params.progress else { return work(&options) };
+    let user = User(params.progress_user);
+    let progress = move |fraction| match callback(fraction, user.get()) {
+        0 => Flow::Continue,
+        _ => Flow::Cancel,
+    };
+    work(&AtaOptions { progress: Some(&progress), ..options })
+}
+
+fn at_most(what: &str, value: usize, most: usize) -> Result<(), Failure> {
+    if value <= most {
+        return Ok(());
+    }
+    Err(Failure::new(CATA_ERR_ARGUMENT, format!("{what}: must be at most {most}, is {value}")))
+}
+
+fn scheme(scheme: i32) -> Result<SchemeChoice, Failure> {
+    Ok(match scheme {
+        CATA_SCHEME_AUTO => SchemeChoice::Auto,
+        CATA_SCHEME_CLASSICAL => SchemeChoice::Classical,
+        CATA_SCHEME_ATA2 => SchemeChoice::Ata2,
+        CATA_SCHEME_WINOGRAD => SchemeChoice::Winograd,
+        CATA_SCHEME_RXTX => SchemeChoice::Rxtx,
+        CATA_SCHEME_KGP4 => SchemeChoice::Kgp4,
+        CATA_SCHEME_KGP3 => SchemeChoice::Kgp3,
+        other => {
+            let why = format!("params.scheme: must be a CATA_SCHEME_* value, is {other}");
+            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+        }
+    })
+}
+
+/// The planner refuses what is out of range.
+fn accuracy(error_factor: f64) -> Accuracy {
+    if error_factor == 0.0 {
+        Accuracy::Default
+    } else if error_factor == 1.0 {
+        Accuracy::Classical
+    } else if error_factor == f64::INFINITY {
+        Accuracy::Fast
+    } else {
+        Accuracy::Bounded(error_factor)
+    }
+}

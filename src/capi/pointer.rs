@@ -1,0 +1,244 @@
+//! Views of what C points to: every check that can be made of a pointer, and every raw cast.
+
+use faer::{MatMut, MatRef};
+
+use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure};
+use crate::{Real, Uplo};
+
+/// Rows are contiguous: entry (i, j) is `a[i * lda + j]`.
+pub const CATA_ROW_MAJOR: i32 = 101;
+/// Columns are contiguous: entry (i, j) is `a[i + j * lda]`.
+pub const CATA_COL_MAJOR: i32 = 102;
+
+/// The triangle on and above the diagonal; the rest of C is neither read nor written.
+pub const CATA_UPPER: i32 = 121;
+/// The triangle on and below the diagonal; the rest of C is neither read nor written.
+pub const CATA_LOWER: i32 = 122;
+/// Both triangles, equal bit for bit; with beta != 0 the old lower one is what is read.
+pub const CATA_BOTH: i32 = 123;
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Layout {
+    RowMajor,
+    ColMajor,
+}
+
+impl Layout {
+    pub(super) fn new(layout: i32) -> Result<Self, Failure> {
+        match layout {
+            CATA_ROW_MAJOR => Ok(Self::RowMajor),
+            CATA_COL_MAJOR => Ok(Self::ColMajor),
+            other => Err(Failure::new(
+                CATA_ERR_ARGUMENT,
+                format!("layout: must be CATA_ROW_MAJOR (101) or CATA_COL_MAJOR (102), is {other}"),
+            )),
+        }
+    }
+}
+
+pub(super) fn uplo_from(uplo: i32) -> Result<Uplo, Failure> {
+    match uplo {
+        CATA_UPPER => Ok(Uplo::Upper),
+        CATA_LOWER => Ok(Uplo::Lower),
+        CATA_BOTH => Ok(Uplo::Both),
+        other => Err(Failure::new(
+            CATA_ERR_ARGUMENT,
+            format!(
+                "uplo: must be CATA_UPPER (121), CATA_LOWER (122) or CATA_BOTH (123), is {other}"
+            ),
+        )),
+    }
+}
+
+/// An m x n matrix, read only. `what` names the pointer; its leading dimension is `ld` + `what`.
+///
+/// # Safety
+/// The elements that the arguments describe can be read, and nobody writes them, during `'a`.
+pub(super) unsafe fn matrix<'a, T: Real>(
+    what: &str,
+    layout: Layout,
+    rows: usize,
+    cols: usize,
+    pointer: *const T,
+    ld: usize,
+) -> Result<MatRef<'a, T>, Failure> {
+    let (len, row_stride, col_stride) = strides::<T>(what, layout, rows, cols, ld)?;
+    let pointer = checked(what, pointer, len)?;
+    // SAFETY: not NULL, aligned, and its extent is within an allocation's limit; the rest is the
+    // caller's promise.
+    Ok(unsafe { MatRef::from_raw_parts(pointer, rows, cols, row_stride, col_stride) })
+}
+
+/// An m x n matrix.
+///
+/// # Safety
+/// The elements that the arguments describe can be read and written, and nobody else does either,
+/// during `'a`.
+pub(super) unsafe fn matrix_mut<'a, T: Real>(
+    what: &str,
+    layout: Layout,
+    rows: usize,
+    cols: usize,
+    pointer: *mut T,
+    ld: usize,
+) -> Result<MatMut<'a, T>, Failure> {
+    let (len, row_stride, col_stride) = strides::<T>(what, layout, rows, cols, ld)?;
+    let pointer = checked(what, pointer, len)?.cast_mut();
+    // SAFETY: as in `matrix`; strides of distinct entries differ as ld >= the length of a line.
+    Ok(unsafe { MatMut::from_raw_parts_mut(pointer, rows, cols, row_stride, col_stride) })
+}
+
+/// `len` elements, read only.
+///
+/// # Safety
+/// They can be read, and nobody writes them, during `'a`.
+pub(super) unsafe fn slice<'a, T: Real>(
+    what: &str,
+    pointer: *const T,
+    len: usize,
+) -> Result<&'a [T], Failure> {
+    check_size::<T>(what, len, 1)?;
+    let pointer = checked(what, pointer, len)?;
+    // SAFETY: not NULL, aligned, within an allocation's limit; the rest is the caller's promise.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, len) })
+}
+
+/// `len` elements.
+///
+/// # Safety
+/// They can be read and written, and nobody else does either, during `'a`.
+pub(super) unsafe fn slice_mut<'a, T: Real>(
+    what: &str,
+    pointer: *mut T,
+    len: usize,
+) -> Result<&'a mut [T], Failure> {
+    check_size::<T>(what, len, 1)?;
+    let pointer = checked(what, pointer, len)?.cast_mut();
+    // SAFETY: as in `slice`.
+    Ok(unsafe { std::slice::from_raw_parts_mut(pointer, len) })
+}
+
+/// A place for one result.
+///
+/// # Safety
+/// It is NULL or can be written, and nobody else uses it, during `'a`.
+pub(super) unsafe fn output<'a, T>(what: &str, pointer: *mut T) -> Result<&'a mut T, Failure> {
+    // SAFETY: the caller's promise, and `checked` has seen to NULL and alignment.
+    Ok(unsafe { &mut *checked(what, pointer, 1)?.cast_mut() })
+}
+
+/// A place for one result that the caller may not want.
+///
+/// # Safety
+/// As [`output`].
+pub(super) unsafe fn optional_output<'a, T>(
+    what: &str,
+    pointer: *mut T,
+) -> Result<Option<&'a mut T>, Failure> {
+    if pointer.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: passed on to the caller.
+    unsafe { output(what, pointer) }.map(Some)
+}
+
+/// Refuses a rows x cols matrix that no memory can hold.
+pub(super) fn check_size<T>(what: &str, rows: usize, cols: usize) -> Result<(), Failure> {
+    strides::<T>(what, Layout::RowMajor, rows, cols, cols.max(1)).map(|_| ())
+}
+
+/// Elements from the first to the last of a matrix, and its row and column strides.
+fn strides<T>(
+    what: &str,
+    layout: Layout,
+    rows: usize,
+    cols: usize,
+    ld: usize,
+) -> Result<(usize, isize, isize), Failure> {
+    let (lines, line, unit) = match layout {
+        Layout::RowMajor => (rows, cols, "columns"),
+        Layout::ColMajor => (cols, rows, "rows"),
+    };
+    if ld < line.max(1) {
+        let message =
+            format!("ld{what}: must be at least {} ({unit} of {what}), is {ld}", line.max(1));
+        return Err(Failure::new(CATA_ERR_SHAPE, message));
+    }
+    let len = match lines {
+        0 => Some(0),
+        _ => (lines - 1).checked_mul(ld).and_then(|len| len.checked_add(line)),
+    };
+    let most = isize::MAX as usize / size_of::<T>();
+    // A dimension alone can be beyond reason when the other one is 0.
+    match len.filter(|&len| len <= most && rows <= most && cols <= most) {
+        Some(len) => {
+            // A single line has no stride; ld may then be anything.
+            let stride = if lines > 1 { ld as isize } else { line.max(1) as isize };
+            Ok(match layout {
+                Layout::RowMajor => (len, stride, 1),
+                Layout::ColMajor => (len, 1, stride),
+            })
+        }
+        None => Err(Failure::new(
+            CATA_ERR_SHAPE,
+            format!(
+                "{what}: {rows} x {cols} with leading dimension {ld} exceeds the address space"
+            ),
+        )),
+    }
+}
+
+/// `pointer`, or any aligned one when there is nothing to point to.
+fn checked<T>(what: &str, pointer: *const T, len: usize) -> Result<*const T, Failure> {
+    if len == 0 {
+        return Ok(std::ptr::NonNull::dangling().as_ptr());
+    }
+    if pointer.is_null() {
+        return Err(Failure::null(what));
+    }
+    if !pointer.is_aligned() {
+        let message = format!("{what}: not aligned to {} bytes", align_of::<T>());
+        return Err(Failure::new(CATA_ERR_ARGUMENT, message));
+    }
+    Ok(pointer)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::status::CATA_ERR_NULL;
+    use super::*;
+
+    #[test]
+    fn strides_follow_layout() {
+        let of = |layout, ld| strides::<f64>("a", layout, 3, 5, ld).unwrap();
+        assert_eq!(of(Layout::RowMajor, 7), (19, 7, 1));
+        assert_eq!(of(Layout::ColMajor, 7), (31, 1, 7));
+    }
+
+    #[test]
+    fn short_leading_dimension_is_named() {
+        let failure = strides::<f64>("a", Layout::RowMajor, 3, 5, 4).unwrap_err();
+        assert_eq!(failure.status, CATA_ERR_SHAPE);
+        assert_eq!(failure.message, "lda: must be at least 5 (columns of a), is 4");
+        assert!(strides::<f64>("a", Layout::ColMajor, 0, 0, 0).is_err());
+    }
+
+    #[test]
+    fn overflow_is_refused() {
+        let refused =
+            |rows, cols, ld| strides::<f64>("a", Layout::RowMajor, rows, cols, ld).is_err();
+        assert!(refused(1 << 33, 1 << 33, 1 << 33));
+        assert!(refused(3, 1, usize::MAX));
+        assert!(refused(usize::MAX, 0, 1));
+        assert!(refused(0, usize::MAX, usize::MAX));
+        assert!(!refused(1, 3, usize::MAX), "one line has no stride");
+    }
+
+    #[test]
+    fn pointers_are_checked() {
+        assert_eq!(checked::<f64>("a", std::ptr::null(), 1).unwrap_err().status, CATA_ERR_NULL);
+        assert!(checked::<f64>("a", std::ptr::null(), 0).is_ok());
+        let odd = std::ptr::without_provenance::<f64>(9);
+        assert_eq!(checked("a", odd, 1).unwrap_err().status, CATA_ERR_ARGUMENT);
+    }
+}

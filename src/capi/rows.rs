@@ -1,0 +1,138 @@
+use super::boundary::boundary;
+use super::params::{cata_ata_params, with_options};
+use super::pointer::{Layout, matrix, matrix_mut, slice, uplo_from};
+use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use crate::AtaOptions;
+use crate::ata::{Center, DenseRows, RowOptions, ata_rows};
+use crate::blas::BlasReal;
+
+/// `centering`: nothing is subtracted from the rows.
+pub const CATA_CENTER_NONE: i32 = 0;
+/// `centering`: the mean of the rows is subtracted, weighted if there are weights.
+pub const CATA_CENTER_MEAN: i32 = 1;
+/// `centering`: the row given is subtracted.
+pub const CATA_CENTER_GIVEN: i32 = 2;
+
+/// C := alpha X^T W X + beta C, where X is A with a row subtracted from every row, and W = diag(weights).
+/// A is not copied as a whole: it is read in blocks of rows, about 32 MiB each.
+///
+/// With CATA_CENTER_MEAN and alpha = 1 / (m - 1) C is the covariance matrix of the columns of A.
+///
+/// - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
+/// - `centering`: CATA_CENTER_NONE, CATA_CENTER_MEAN or CATA_CENTER_GIVEN.
+/// - `center`: with CATA_CENTER_GIVEN n finite numbers, read, not NULL unless n is 0; else ignored.
+/// - The rest as in cata_ata_f64. Neither `weights` nor `center` may overlap C.
+///
+/// Returns what cata_ata_f64 does, CATA_ERR_NON_FINITE for a weight or a centre that is not finite, or
+/// CATA_ERR_ARGUMENT when the weights of a mean sum to 0. C is untouched after any error but
+/// CATA_ERR_CANCELLED, CATA_ERR_PANIC, CATA_ERR_OUT_OF_MEMORY and CATA_ERR_ARGUMENT for "threads",
+/// which leave unspecified values in its wanted part. Progress may start anew with every block of rows.
+///
+/// Thread-safe: calls may run at the same time as long as no C is shared.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_ata_rows_f64(
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: f64,
+    a: *const f64,
+    lda: usize,
+    weights: *const f64,
+    centering: i32,
+    center: *const f64,
+    beta: f64,
+    c: *mut f64,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe {
+        rows(layout, uplo, m, n, alpha, a, lda, weights, centering, center, beta, c, ldc, params)
+    }
+}
+
+/// As cata_ata_rows_f64, in float; the mean is summed in double.
+///
+/// Thread-safe: calls may run at the same time as long as no C is shared.
+///
+/// # Safety
+/// The pointers are as described at `cata_ata_rows_f64`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_ata_rows_f32(
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: f32,
+    a: *const f32,
+    lda: usize,
+    weights: *const f32,
+    centering: i32,
+    center: *const f32,
+    beta: f32,
+    c: *mut f32,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe {
+        rows(layout, uplo, m, n, alpha, a, lda, weights, centering, center, beta, c, ldc, params)
+    }
+}
+
+/// `cata_ata_rows_*`.
+///
+/// # Safety
+/// The pointers are as the header describes them.
+unsafe fn rows<T: BlasReal>(
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: T,
+    a: *const T,
+    lda: usize,
+    weights: *const T,
+    centering: i32,
+    center: *const T,
+    beta: T,
+    c: *mut T,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    boundary(|| {
+        let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
+        // SAFETY: the caller's promise.
+        let (a, c) =
+            unsafe { (matrix("a", layout, m, n, a, lda)?, matrix_mut("c", layout, n, n, c, ldc)?) };
+        let weights = if weights.is_null() {
+            None
+        } else {
+            // SAFETY: the caller's promise.
+            Some(unsafe { slice("weights", weights, m) }?)
+        };
+        let center = match centering {
+            CATA_CENTER_NONE => Center::No,
+            CATA_CENTER_MEAN => Center::Mean,
+            // SAFETY: the caller's promise.
+            CATA_CENTER_GIVEN => Center::Given(unsafe { slice("center", center, n) }?),
+            other => {
+                let why = format!("centering: must be a CATA_CENTER_* value, is {other}");
+                return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+            }
+        };
+        let work = |options: &AtaOptions<'_>| {
+            if n == 0 {
+                return Ok(()); // m may be beyond counting
+            }
+            let row_options = RowOptions { weights, center };
+            Ok(ata_rows(alpha, &mut DenseRows(a), &row_options, beta, c, options)?)
+        };
+        // SAFETY: the caller's promise.
+        unsafe { with_options(params, uplo, work) }
+    })
+}

@@ -1,0 +1,109 @@
+use std::ffi::{CStr, c_char};
+
+use super::boundary::last_message;
+use crate::Error;
+
+/// What a call returns. A value, once given a meaning, keeps it for ever.
+pub type cata_status = i32;
+
+/// Done.
+pub const CATA_OK: cata_status = 0;
+/// A pointer is NULL where it may not be.
+pub const CATA_ERR_NULL: cata_status = 1;
+/// A matrix, vector or buffer is too small or has the wrong shape, or its size in bytes overflows.
+pub const CATA_ERR_SHAPE: cata_status = 2;
+/// An argument is outside its range.
+pub const CATA_ERR_ARGUMENT: cata_status = 3;
+/// A NaN or an infinity where only finite numbers are allowed.
+pub const CATA_ERR_NON_FINITE: cata_status = 4;
+/// An iteration ended before it reached its tolerance.
+pub const CATA_ERR_NOT_CONVERGED: cata_status = 5;
+/// A file could not be read or written.
+pub const CATA_ERR_IO: cata_status = 6;
+/// Memory could not be had.
+pub const CATA_ERR_OUT_OF_MEMORY: cata_status = 7;
+/// A BLAS back end could not be loaded, or refused.
+pub const CATA_ERR_BACKEND: cata_status = 8;
+/// The progress callback asked to stop.
+pub const CATA_ERR_CANCELLED: cata_status = 9;
+/// This build, or this version, can't do it: see cata_capabilities.
+pub const CATA_ERR_UNSUPPORTED: cata_status = 10;
+/// A bug in Catamaran, caught at the border; the message says where. The library stays usable.
+pub const CATA_ERR_PANIC: cata_status = 11;
+/// An error that this version of the ABI has no code for; the message tells.
+pub const CATA_ERR_OTHER: cata_status = 12;
+
+/// The message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty when
+/// none has. A call that succeeds leaves it alone. Never NULL.
+///
+/// The pointer is valid until the next call of this thread that fails, and not after the thread's
+/// end; do not free it.
+///
+/// Thread-safe: every thread has its own message.
+#[unsafe(no_mangle)]
+pub extern "C" fn cata_last_error_message() -> *const c_char {
+    last_message()
+}
+
+/// The name of a status, such as "CATA_ERR_SHAPE"; "CATA_ERR_OTHER" for a value that is none.
+/// Static, never NULL; do not free it.
+///
+/// Thread-safe.
+#[unsafe(no_mangle)]
+pub extern "C" fn cata_status_name(status: cata_status) -> *const c_char {
+    name(status).as_ptr()
+}
+
+fn name(status: cata_status) -> &'static CStr {
+    match status {
+        CATA_OK => c"CATA_OK",
+        CATA_ERR_NULL => c"CATA_ERR_NULL",
+        CATA_ERR_SHAPE => c"CATA_ERR_SHAPE",
+        CATA_ERR_ARGUMENT => c"CATA_ERR_ARGUMENT",
+        CATA_ERR_NON_FINITE => c"CATA_ERR_NON_FINITE",
+        CATA_ERR_NOT_CONVERGED => c"CATA_ERR_NOT_CONVERGED",
+        CATA_ERR_IO => c"CATA_ERR_IO",
+        CATA_ERR_OUT_OF_MEMORY => c"CATA_ERR_OUT_OF_MEMORY",
+        CATA_ERR_BACKEND => c"CATA_ERR_BACKEND",
+        CATA_ERR_CANCELLED => c"CATA_ERR_CANCELLED",
+        CATA_ERR_UNSUPPORTED => c"CATA_ERR_UNSUPPORTED",
+        CATA_ERR_PANIC => c"CATA_ERR_PANIC",
+        _ => c"CATA_ERR_OTHER",
+    }
+}
+
+/// Why a call fails: its status and its message.
+#[derive(Debug)]
+pub(super) struct Failure {
+    pub(super) status: cata_status,
+    pub(super) message: String,
+}
+
+impl Failure {
+    pub(super) fn new(status: cata_status, message: impl Into<String>) -> Self {
+        Self { status, message: message.into() }
+    }
+
+    pub(super) fn null(what: &str) -> Self {
+        Self::new(CATA_ERR_NULL, format!("{what}: NULL"))
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        let status = match &error {
+            Error::Shape { .. } => CATA_ERR_SHAPE,
+            Error::Argument { .. } => CATA_ERR_ARGUMENT,
+            Error::NonFinite { .. } => CATA_ERR_NON_FINITE,
+            Error::NotConverged { .. } => CATA_ERR_NOT_CONVERGED,
+            Error::Io { .. } => CATA_ERR_IO,
+            Error::OutOfMemory { .. } => CATA_ERR_OUT_OF_MEMORY,
+            Error::Backend { .. } => CATA_ERR_BACKEND,
+            Error::Cancelled => CATA_ERR_CANCELLED,
+            // Reached when the enum grows before this table does.
+            #[allow(unreachable_patterns)]
+            _ => CATA_ERR_OTHER,
+        };
+        Self::new(status, error.to_string())
+    }
+}

@@ -1,0 +1,67 @@
+use std::ffi::{CStr, c_char};
+
+use super::boundary::boundary;
+use super::pointer::optional_output;
+use super::status::cata_status;
+use crate::base;
+
+/// Bit of cata_capabilities: OpenBLAS is linked in (cata_backend_openblas works).
+pub const CATA_CAP_OPENBLAS: u64 = 1;
+/// Bit of cata_capabilities: distributed computation; not in this version, never set.
+pub const CATA_CAP_MPI: u64 = 2;
+/// Bit of cata_capabilities: OpenCL devices; not in this version, never set.
+pub const CATA_CAP_OPENCL: u64 = 4;
+/// Bit of cata_capabilities: HDF5 files; not in this version, never set.
+pub const CATA_CAP_HDF5: u64 = 8;
+
+const VERSION: &CStr =
+    match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
+        Ok(version) => version,
+        Err(_) => panic!("a version has no NUL inside"),
+    };
+
+/// The version of the library that runs, which may be newer than the header's
+/// (CATA_VERSION_MAJOR, _MINOR, _PATCH).
+///
+/// `major`, `minor`, `patch`: one int32_t each, written; NULL where the part is not wanted.
+/// Returns CATA_OK, or CATA_ERR_ARGUMENT for a pointer that is not aligned.
+///
+/// Thread-safe.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_version(
+    major: *mut i32,
+    minor: *mut i32,
+    patch: *mut i32,
+) -> cata_status {
+    boundary(|| {
+        let version = base::version();
+        let parts = [("major", major, version.major), ("minor", minor, version.minor)];
+        for (what, pointer, part) in parts.into_iter().chain([("patch", patch, version.patch)]) {
+            // SAFETY: the caller's promise.
+            if let Some(out) = unsafe { optional_output(what, pointer) }? {
+                *out = part as i32;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// The version of the library that runs, "major.minor.patch". Static, never NULL; do not free it.
+///
+/// Thread-safe.
+#[unsafe(no_mangle)]
+pub extern "C" fn cata_version_string() -> *const c_char {
+    VERSION.as_ptr()
+}
+
+/// What this build of the library can do: a sum of CATA_CAP_* bits. The functions of an absent
+/// capability exist, and return CATA_ERR_UNSUPPORTED.
+///
+/// Thread-safe.
+#[unsafe(no_mangle)]
+pub extern "C" fn cata_capabilities() -> u64 {
+    if cfg!(feature = "openblas") { CATA_CAP_OPENBLAS } else { 0 }
+}

@@ -1,0 +1,263 @@
+/* The products in one precision. Wants REAL, NAME(base) for the library's function, LOCAL(base) for
+ * a name of its own, and UNIT, the unit roundoff. Included once for each. */
+
+/* Reproducible entries in [-1, 1). */
+static REAL LOCAL(entry)(unsigned *state)
+{
+    *state = *state * 1664525u + 1013904223u;
+    return (REAL)((double)(*state >> 8) / 8388608.0 - 1.0);
+}
+
+static REAL *LOCAL(make)(size_t len, unsigned seed)
+{
+    /* No room beyond the last element, so that ASan and Valgrind see every step too far. */
+    REAL *x = malloc(len * sizeof(REAL) + (len == 0));
+    if (x == NULL) {
+        fputs("out of memory\n", stderr);
+        exit(2);
+    }
+    for (size_t i = 0; i < len; i++) {
+        x[i] = LOCAL(entry)(&seed);
+    }
+    return x;
+}
+
+static size_t LOCAL(at)(int32_t layout, size_t ld, size_t i, size_t j)
+{
+    return layout == CATA_ROW_MAJOR ? i * ld + j : i + j * ld;
+}
+
+static size_t LOCAL(len)(int32_t layout, size_t rows, size_t cols, size_t ld)
+{
+    size_t lines = layout == CATA_ROW_MAJOR ? rows : cols;
+    size_t line = layout == CATA_ROW_MAJOR ? cols : rows;
+    return lines == 0 ? 0 : (lines - 1) * ld + line;
+}
+
+/* sum_r w_r a(r, i) b(r, j) in double. */
+static double LOCAL(dot)(int32_t layout, size_t m, const REAL *a, size_t lda, size_t i,
+                         const REAL *b, size_t ldb, size_t j, const REAL *w)
+{
+    double sum = 0.0;
+    for (size_t r = 0; r < m; r++) {
+        sum += (w ? (double)w[r] : 1.0) * (double)a[LOCAL(at)(layout, lda, r, i)] *
+               (double)b[LOCAL(at)(layout, ldb, r, j)];
+    }
+    return sum;
+}
+
+/* Every entry of C against the plain loop, and every element of its memory that is not asked for
+ * against what it was. */
+static void LOCAL(compare)(int32_t layout, int32_t uplo, size_t m, size_t n, const REAL *a,
+                           size_t lda, double alpha, double beta, const REAL *c, const REAL *before,
+                           size_t ldc, const REAL *weights)
+{
+    double bound = 16.0 * UNIT * (double)(m + 4);
+    size_t wrong = 0, touched = 0, unsymmetric = 0;
+    size_t len = LOCAL(len)(layout, n, n, ldc);
+    for (size_t at = 0; at < len; at++) {
+        size_t major = at / ldc, minor = at % ldc;
+        size_t i = layout == CATA_ROW_MAJOR ? major : minor;
+        size_t j = layout == CATA_ROW_MAJOR ? minor : major;
+        int inside = minor < n;
+        int wanted = inside && (uplo == CATA_BOTH || (uplo == CATA_LOWER ? i >= j : i <= j));
+        if (!wanted) {
+            touched += memcmp(&c[at], &before[at], sizeof(REAL)) != 0;
+            continue;
+        }
+        size_t old = at;
+        if (uplo == CATA_BOTH) {
+            size_t other = LOCAL(at)(layout, ldc, j, i);
+            old = i >= j ? at : other;
+            unsymmetric += memcmp(&c[at], &c[other], sizeof(REAL)) != 0;
+        }
+        double expected = alpha * LOCAL(dot)(layout, m, a, lda, i, a, lda, j, weights);
+        if (beta != 0.0) {
+            expected += beta * (double)before[old];
+        }
+        wrong += !(fabs((double)c[at] - expected) <= bound);
+    }
+    CHECK(wrong == 0);
+    CHECK(touched == 0);
+    CHECK(unsymmetric == 0);
+}
+
+static REAL *LOCAL(copy)(const REAL *x, size_t len)
+{
+    REAL *y = LOCAL(make)(len, 0);
+    if (len > 0) {
+        memcpy(y, x, len * sizeof(REAL));
+    }
+    return y;
+}
+
+static void LOCAL(test_ata)(int32_t layout, int32_t uplo, size_t m, size_t n, size_t gap,
+                            const cata_ata_params *params)
+{
+    size_t line = layout == CATA_ROW_MAJOR ? n : m;
+    size_t lda = (line ? line : 1) + gap, ldc = (n ? n : 1) + gap;
+    size_t len = LOCAL(len)(layout, n, n, ldc);
+    REAL *a = LOCAL(make)(LOCAL(len)(layout, m, n, lda), 1);
+    REAL *before = LOCAL(make)(len, 2);
+    REAL *weights = LOCAL(make)(m, 3);
+
+    REAL *c = LOCAL(copy)(before, len);
+    CHECK_STATUS(NAME(cata_ata)(layout, uplo, m, n, (REAL)1.5, a, lda, (REAL)0.5, c, ldc, params),
+                 CATA_OK);
+    LOCAL(compare)(layout, uplo, m, n, a, lda, 1.5, 0.5, c, before, ldc, NULL);
+
+    /* In scratch full of NaN, of exactly the length asked for: the same bits. */
+    size_t scratch_len = 12345;
+    CHECK_STATUS(NAME(cata_ata_scratch_len)(m, n, params, &scratch_len), CATA_OK);
+    REAL *scratch = LOCAL(make)(scratch_len, 4);
+    for (size_t i = 0; i < scratch_len; i++) {
+        scratch[i] = (REAL)NAN;
+    }
+    REAL *d = LOCAL(copy)(before, len);
+    CHECK_STATUS(NAME(cata_ata_with_scratch)(layout, uplo, m, n, (REAL)1.5, a, lda, (REAL)0.5, d,
+                                             ldc, scratch, scratch_len, params),
+                 CATA_OK);
+    CHECK(len == 0 || memcmp(c, d, len * sizeof(REAL)) == 0);
+
+    /* beta == 0 does not read C: NaN in the wanted part must not survive. */
+    for (size_t i = 0; i < len; i++) {
+        c[i] = before[i];
+    }
+    for (size_t i = 0; i < n; i++) {
+        c[LOCAL(at)(layout, ldc, i, i)] = (REAL)NAN;
+    }
+    CHECK_STATUS(NAME(cata_ata)(layout, uplo, m, n, 1, a, lda, 0, c, ldc, params), CATA_OK);
+    LOCAL(compare)(layout, uplo, m, n, a, lda, 1.0, 0.0, c, before, ldc, NULL);
+
+    /* Weighted. */
+    CHECK_STATUS(NAME(cata_ata_rows)(layout, uplo, m, n, 1, a, lda, weights, CATA_CENTER_NONE, NULL,
+                                     0, c, ldc, params),
+                 CATA_OK);
+    LOCAL(compare)(layout, uplo, m, n, a, lda, 1.0, 0.0, c, before, ldc, weights);
+
+    /* A A^T of the other layout's view is A^T A. */
+    int32_t other = layout == CATA_ROW_MAJOR ? CATA_COL_MAJOR : CATA_ROW_MAJOR;
+    int32_t flipped = uplo == CATA_UPPER ? CATA_LOWER : uplo == CATA_LOWER ? CATA_UPPER : uplo;
+    CHECK_STATUS(NAME(cata_aat)(other, flipped, n, m, 1, a, lda, 0, c, ldc, params), CATA_OK);
+    LOCAL(compare)(layout, uplo, m, n, a, lda, 1.0, 0.0, c, before, ldc, NULL);
+
+    /* The check accepts it, and refuses it with one entry wrong. */
+    int32_t passed = -1;
+    double residual = -1.0, tolerance = -1.0;
+    CHECK_STATUS(NAME(cata_verify)(layout, uplo, m, n, 1.0, a, lda, c, ldc, 20, 1, &passed,
+                                   &residual, &tolerance),
+                 CATA_OK);
+    CHECK(passed == 1 && residual >= 0.0 && residual <= tolerance);
+    if (m > 0 && n > 0) {
+        c[LOCAL(at)(layout, ldc, n - 1, n - 1)] += (REAL)1.0;
+        CHECK_STATUS(NAME(cata_verify)(layout, uplo, m, n, 1.0, a, lda, c, ldc, 20, 1, &passed,
+                                       NULL, NULL),
+                     CATA_OK);
+        CHECK(passed == 0);
+    }
+    free(a);
+    free(before);
+    free(weights);
+    free(scratch);
+    free(c);
+    free(d);
+}
+
+static void LOCAL(test_atb)(int32_t layout, size_t m, size_t n, size_t k,
+                            const cata_ata_params *params)
+{
+    int rows = layout == CATA_ROW_MAJOR;
+    size_t lda = (rows ? n : m) + 2, ldb = (rows ? k : m) + 1, ldc = (rows ? k : n) + 3;
+    size_t len = LOCAL(len)(layout, n, k, ldc), scratch_len = 12345, wrong = 0;
+    REAL *a = LOCAL(make)(LOCAL(len)(layout, m, n, lda), 1);
+    REAL *b = LOCAL(make)(LOCAL(len)(layout, m, k, ldb), 2);
+    REAL *before = LOCAL(make)(len, 3);
+    REAL *c = LOCAL(copy)(before, len), *d = LOCAL(copy)(before, len);
+    CHECK_STATUS(
+        NAME(cata_atb)(layout, m, n, k, 2, a, lda, b, ldb, -1, c, ldc, params), CATA_OK);
+    for (size_t at = 0; at < len; at++) {
+        size_t major = at / ldc, minor = at % ldc;
+        size_t i = rows ? major : minor, j = rows ? minor : major;
+        double expected = (double)before[at];
+        if (minor < (rows ? k : n)) {
+            expected = 2.0 * LOCAL(dot)(layout, m, a, lda, i, b, ldb, j, NULL) - expected;
+        }
+        wrong += !(fabs((double)c[at] - expected) <= 16.0 * UNIT * (double)(m + 4));
+    }
+    CHECK(wrong == 0);
+    CHECK_STATUS(NAME(cata_atb_scratch_len)(m, n, k, params, &scratch_len), CATA_OK);
+    REAL *scratch = LOCAL(make)(scratch_len, 4);
+    CHECK_STATUS(NAME(cata_atb_with_scratch)(layout, m, n, k, 2, a, lda, b, ldb, -1, d, ldc, scratch,
+                                             scratch_len, params),
+                 CATA_OK);
+    CHECK(len == 0 || memcmp(c, d, len * sizeof(REAL)) == 0);
+    free(a);
+    free(b);
+    free(before);
+    free(c);
+    free(d);
+    free(scratch);
+}
+
+/* The scatter matrix: against the plain loop over centred rows; a given centre of the mean is the
+ * same. */
+static void LOCAL(test_centred)(void)
+{
+    enum { M = 53, N = 5 };
+    REAL *a = LOCAL(make)(M * N, 1), c[N * N], d[N * N], mean[N], centred[M * N];
+    for (size_t j = 0; j < N; j++) {
+        double sum = 0.0;
+        for (size_t i = 0; i < M; i++) {
+            sum += (double)a[i * N + j];
+        }
+        mean[j] = (REAL)(sum / M);
+        for (size_t i = 0; i < M; i++) {
+            centred[i * N + j] = a[i * N + j] - mean[j];
+        }
+    }
+    CHECK_STATUS(NAME(cata_ata_rows)(CATA_ROW_MAJOR, CATA_BOTH, M, N, 1, a, N, NULL,
+                                     CATA_CENTER_MEAN, NULL, 0, c, N, NULL),
+                 CATA_OK);
+    LOCAL(compare)(CATA_ROW_MAJOR, CATA_BOTH, M, N, centred, N, 1.0, 0.0, c, c, N, NULL);
+    CHECK_STATUS(NAME(cata_ata_rows)(CATA_ROW_MAJOR, CATA_BOTH, M, N, 1, a, N, NULL,
+                                     CATA_CENTER_GIVEN, mean, 0, d, N, NULL),
+                 CATA_OK);
+    LOCAL(compare)(CATA_ROW_MAJOR, CATA_BOTH, M, N, centred, N, 1.0, 0.0, d, d, N, NULL);
+    free(a);
+}
+
+static void LOCAL(test_all)(int quick)
+{
+    static const size_t all_sizes[] = {0, 1, 2, 7, 31, 127, 128, 257};
+    static const int32_t layouts[] = {CATA_ROW_MAJOR, CATA_COL_MAJOR};
+    static const int32_t uplos[] = {CATA_UPPER, CATA_LOWER, CATA_BOTH};
+    size_t most = quick ? 5 : 8;
+    cata_ata_params one_thread = {sizeof one_thread, 1, 0, 0, 0.0, NULL, NULL, NULL, 0, 0};
+    const cata_ata_params *params = quick ? &one_thread : NULL;
+    for (size_t l = 0; l < 2; l++) {
+        for (size_t mi = 0; mi < most; mi++) {
+            for (size_t ni = 0; ni < most; ni++) {
+                size_t m = all_sizes[mi], n = all_sizes[ni];
+                if (m * n > 128 * 128) {
+                    continue;
+                }
+                for (size_t u = 0; u < 3; u++) {
+                    LOCAL(test_ata)(layouts[l], uplos[u], m, n, (mi + ni + u) % 2 * 3, params);
+                }
+                LOCAL(test_atb)(layouts[l], m, n, all_sizes[(mi + ni) % 5], params);
+            }
+        }
+        /* Every scheme, with its recursion forced on a size it does not divide. */
+        for (int32_t scheme = CATA_SCHEME_AUTO; scheme <= CATA_SCHEME_KGP3; scheme++) {
+            cata_ata_params forced;
+            CHECK_STATUS(cata_ata_params_init(&forced, sizeof forced), CATA_OK);
+            forced.scheme = scheme;
+            forced.leaf = 8;
+            forced.threads = quick ? 1 : 2;
+            forced.error_factor = INFINITY;
+            LOCAL(test_ata)(layouts[l], CATA_BOTH, 61, 59, 1, &forced);
+            LOCAL(test_atb)(layouts[l], 61, 59, 43, &forced);
+        }
+    }
+    LOCAL(test_centred)();
+}

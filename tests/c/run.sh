@@ -1,0 +1,53 @@
+#!/usr/bin/env bash
+# Every test of the C and C++ interface: the header's drift check, ctest plain, with
+# AddressSanitizer and under Valgrind, and a stranger's project against an installed copy.
+# Environment: CARGO_TARGET_DIR (default: target), CATAMARAN_C_BUILD (default: there, c-tests).
+set -euo pipefail
+
+root=$(cd "$(dirname "$0")/../.." && pwd)
+cd "$root"
+export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-$root/target}
+build=${CATAMARAN_C_BUILD:-$CARGO_TARGET_DIR/c-tests}
+mkdir -p "$build"
+kinds=()
+
+quietly() { # LOG COMMAND...: the output is shown only if it fails
+    local log="$build/$1.log"
+    shift
+    "$@" > "$log" 2>&1 || { cat "$log"; echo "failed: $*" >&2; exit 1; }
+}
+tests() { # NAME BUILD_DIR CTEST_ARGUMENTS...: runs them and remembers the count
+    local name=$1 dir=$2
+    shift 2
+    (cd "$build/$dir" && ctest --output-on-failure "$@") | tee "$build/ctest-$name.log"
+    kinds+=("$name: $(grep -E 'tests passed|No tests' "$build/ctest-$name.log")")
+}
+configure() { # BUILD_DIR OPTIONS...
+    local dir=$1
+    shift
+    quietly "configure-$dir" cmake -S . -B "$build/$dir" -DCMAKE_BUILD_TYPE=Debug \
+        -DCATAMARAN_CARGO_TARGET_DIR="$CARGO_TARGET_DIR" "$@"
+    quietly "build-$dir" cmake --build "$build/$dir"
+}
+
+cargo xtask header --check
+kinds+=("header: include/catamaran.h is up to date")
+
+configure plain
+tests c plain -L '^c$'
+configure asan -DCATAMARAN_SANITIZE=address
+tests asan asan -L '^c$'
+if command -v valgrind > /dev/null; then
+    tests valgrind plain -L '^valgrind$'
+else
+    kinds+=("valgrind: not installed, left out")
+fi
+
+rm -rf "$build/prefix"
+quietly install cmake --install "$build/plain" --prefix "$build/prefix"
+tests/cmake_consumer/run.sh "$build/prefix" | tee "$build/consumer.log"
+kinds+=("$(tail -n 1 "$build/consumer.log")")
+
+echo
+printf '%s\n' "${kinds[@]}"
+cat "$build"/ctest-*.log | grep -E 'tests passed'
