@@ -295,11 +295,11 @@ fn explain(
     }
     if !direct {
         report(format_args!(
-            "          rows      block by block: converted, weighted or centred on the way"
+            "          rows       block by block: converted, weighted or centred on the way"
         ))?;
     }
     report(format_args!(
-        "          back end  {}, {} threads",
+        "          back end   {}, {} threads",
         options.backend.name(),
         options.par.threads()
     ))

@@ -11,6 +11,8 @@ mod mtx;
 mod npy;
 mod output;
 mod source;
+#[cfg(test)]
+mod tests;
 
 use std::ops::Range;
 use std::path::Path;

@@ -1,0 +1,347 @@
+//! Round trips, and errors that name file and line.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use faer::Mat;
+use tempfile::TempDir;
+
+use super::*;
+use crate::ata::RowBlocks;
+use crate::base::Flow;
+
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn file(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.path(name);
+        fs::write(&path, content).expect("a temporary file");
+        path
+    }
+
+    fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.0.path()).expect("the folder");
+        entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect()
+    }
+}
+
+fn read_all(path: &Path) -> Result<Matrix> {
+    read(path, &ReadOptions::default())
+}
+
+fn doubles(matrix: &Matrix) -> Mat<f64> {
+    let mut values = Mat::zeros(matrix.nrows(), matrix.ncols());
+    match matrix {
+        Matrix::F32(dense) => {
+            let a = dense.as_ref();
+            values = Mat::from_fn(a.nrows(), a.ncols(), |i, j| f64::from(a[(i, j)]));
+        }
+        Matrix::F64(dense) => values.copy_from(dense.as_ref()),
+        Matrix::Sparse(sparse) => SparseRows(sparse).read(0, values.as_mut()).expect("rows"),
+    }
+    values
+}
+
+/// The `line` and `what` of the error that reading `content` gives, which names the file.
+fn refusal(name: &str, content: impl AsRef<[u8]>) -> (usize, String) {
+    let folder = Folder::new();
+    let path = folder.file(name, content);
+    match read_all(&path) {
+        Err(Error::Io { path: named, line, what }) => {
+            assert_eq!(named, path);
+            assert!(!what.contains('\n'), "{what}");
+            (line, what)
+        }
+        other => panic!("expected an error of input, got {other:?}"),
+    }
+}
+
+fn npy(descr: &str, order: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+    let mut header =
+        format!("{{'descr': '{descr}', 'fortran_order': {order}, 'shape': {shape}, }}");
+    while (10 + header.len() + 1) % 64 != 0 {
+        header.push(' ');
+    }
+    header.push('\n');
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(data);
+    bytes
+}
+
+fn awkward(m: usize, n: usize) -> Mat<f64> {
+    Mat::from_fn(m, n, |i, j| (i as f64 - 2.5) / 3.0 * 10_f64.powi(7 * j as i32 - 20))
+}
+
+#[test]
+fn what_is_written_is_read_back() {
+    let folder = Folder::new();
+    for (m, n) in [(1, 1), (5, 3), (3, 5), (127, 4)] {
+        let a = awkward(m, n);
+        let single = Mat::from_fn(m, n, |i, j| a[(i, j)] as f32);
+        for name in ["a.npy", "a.mtx", "a.csv", "a.tsv", "a.txt", "a.npy.gz", "a.csv.gz"] {
+            let path = folder.path(name);
+            write(Output::create(&path, Overwrite::Replace).unwrap(), a.as_ref()).unwrap();
+            assert_eq!(doubles(&read_all(&path).unwrap()), a, "{name} {m} x {n}");
+            write(Output::create(&path, Overwrite::Replace).unwrap(), single.as_ref()).unwrap();
+            let back = doubles(&read_all(&path).unwrap());
+            assert!(
+                (0..m).all(|i| (0..n).all(|j| back[(i, j)] as f32 == single[(i, j)])),
+                "{name}"
+            );
+        }
+    }
+    assert_eq!(folder.names().len(), 7, "no temporary is left");
+}
+
+#[test]
+fn npy_of_zero_size_is_read() {
+    let folder = Folder::new();
+    let path = folder.file("a.npy", npy("<f8", "False", "(0, 3)", &[]));
+    let a = read_all(&path).unwrap();
+    assert_eq!((a.nrows(), a.ncols()), (0, 3));
+}
+
+#[test]
+fn npy_types_and_orders_are_converted() {
+    fn check<const N: usize>(descr: &str, to_bytes: impl Fn(i8) -> [u8; N]) {
+        let folder = Folder::new();
+        let data: Vec<u8> = [1, 2, 3, 4, 5, 6].into_iter().flat_map(to_bytes).collect();
+        for (order, row_major) in [("False", true), ("True", false)] {
+            let path = folder.file("a.npy", npy(descr, order, "(2, 3)", &data));
+            let expected = Mat::from_fn(2, 3, |i, j| {
+                (if row_major { 3 * i + j } else { i + 2 * j }) as f64 + 1.0
+            });
+            let a = read_all(&path).unwrap();
+            assert_eq!(matches!(a, Matrix::F32(_)), descr.ends_with("f4"), "{descr}");
+            assert_eq!(doubles(&a), expected, "{descr} {order}");
+        }
+    }
+    check("|i1", |v| v.to_le_bytes());
+    check("|u1", |v| (v as u8).to_le_bytes());
+    check("<i2", |v| i16::from(v).to_le_bytes());
+    check(">u2", |v| (v as u16).to_be_bytes());
+    check("<i4", |v| i32::from(v).to_le_bytes());
+    check("<u4", |v| (v as u32).to_le_bytes());
+    check(">i8", |v| i64::from(v).to_be_bytes());
+    check("<u8", |v| (v as u64).to_le_bytes());
+    check("<f4", |v| f32::from(v).to_le_bytes());
+    check("<f8", |v| f64::from(v).to_le_bytes());
+    check(">f8", |v| f64::from(v).to_be_bytes());
+}
+
+#[test]
+fn npy_vector_is_a_column() {
+    let folder = Folder::new();
+    let path = folder.file("w.npy", npy("|u1", "False", "(3,)", &[7, 8, 9]));
+    let w = doubles(&read_all(&path).unwrap());
+    assert_eq!(w, Mat::from_fn(3, 1, |i, _| 7.0 + i as f64));
+}
+
+#[test]
+fn broken_npy_is_refused() {
+    let eight = 1.0_f64.to_le_bytes();
+    let cases: [(Vec<u8>, &str); 8] = [
+        (b"not numpy at all".to_vec(), "broken npy header: magic"),
+        (npy("<f8", "False", "(1, 1)", &eight)[..40].to_vec(), "broken npy header: truncated"),
+        (npy("<f8", "maybe", "(1, 1)", &eight), "broken npy header"),
+        (npy("<f8", "False", "(2, 1)", &eight), "truncated: fewer than the 2 entries"),
+        (npy("<f8", "False", "(0, 1)", &eight), "data after the 0 entries"),
+        (npy("<f8", "False", "(1, 1, 1)", &eight), "an array of 3 dimensions"),
+        (npy("<c16", "False", "(1, 1)", &[0; 16]), "entries of type '<c16' are not real"),
+        (npy("<U2", "False", "(1, 1)", &eight), "entries of type '<U2' are not real"),
+    ];
+    for (content, expected) in cases {
+        let (line, what) = refusal("a.npy", content);
+        assert_eq!(line, 0);
+        assert!(what.starts_with(expected), "{what:?} instead of {expected:?}");
+    }
+}
+
+#[test]
+fn text_tables_of_every_separator_are_read() {
+    let folder = Folder::new();
+    for content in [
+        "1,2.5,-3e2\n4,5,6\n",
+        "1;2.5;-3e2\r\n4;5;6\r\n",
+        "1\t2.5\t-3e2\n4\t5\t6",
+        "  1   2.5 -3e2  \n4 5 6\n\n",
+        "# by hand\nx, y, z\n1, 2.5, -3e2\n# halfway\n\n4, 5, 6\n",
+        "\u{feff}\"x\",\"y\",\"z\"\n\"1\",2.5,-3e2\n4,5,6\n",
+    ] {
+        let path = folder.file("a.csv", content);
+        let expected = [[1.0, 2.5, -300.0], [4.0, 5.0, 6.0]];
+        let a = doubles(&read_all(&path).unwrap());
+        assert_eq!(a, Mat::from_fn(2, 3, |i, j| expected[i][j]), "{content:?}");
+    }
+}
+
+#[test]
+fn broken_text_is_refused_with_its_line() {
+    let cases = [
+        ("1,2\n# note\n\n3,4,5\n", 4, "3 fields in this row, 2 in that of line 1"),
+        ("1,2\n3\n", 2, "1 fields in this row, 2 in that of line 1"),
+        ("a,b\n1,2\n3,four\n", 3, "column 2: \"four\" is not a number"),
+        ("1,2\n3,\n", 2, "column 2: nothing where a number should be"),
+        ("1,b\n3,4\n", 1, "column 2: \"b\" is not a number"),
+    ];
+    for (content, line, what) in cases {
+        assert_eq!(refusal("a.csv", content), (line, what.into()), "{content:?}");
+    }
+    assert_eq!(refusal("a.csv", b"1,2\n\xff\xfe,3\n"), (2, "not text (UTF-8)".into()));
+}
+
+#[test]
+fn columns_are_selected_and_others_may_hold_text() {
+    let folder = Folder::new();
+    let options = ReadOptions { columns: Some(1..3), progress: None };
+    let expected = Mat::from_fn(2, 2, |i, j| (3 * i + j + 2) as f64);
+    let csv = folder.file("a.csv", "name,u,v\nann,2,3\nbob,5,6\n");
+    assert_eq!(doubles(&read(&csv, &options).unwrap()), expected);
+    let npy = folder.file("a.npy", npy("|u1", "False", "(2, 3)", &[1, 2, 3, 4, 5, 6]));
+    assert_eq!(doubles(&read(&npy, &options).unwrap()), expected);
+    let mtx = folder.file(
+        "a.mtx",
+        "%%MatrixMarket matrix coordinate integer general\n2 3 5\n1 1 1\n1 2 2\n1 3 3\n2 2 5\n2 3 6\n",
+    );
+    assert_eq!(doubles(&read(&mtx, &options).unwrap()), expected);
+    let outside = ReadOptions { columns: Some(1..4), progress: None };
+    for path in [csv, npy, mtx] {
+        let error = read(&path, &outside).unwrap_err();
+        assert!(matches!(error, Error::Argument { what: "columns", .. }), "{error}");
+    }
+}
+
+#[test]
+fn matrix_market_of_every_kind_is_read() {
+    let head = "%%MatrixMarket matrix";
+    let cases = [
+        ("coordinate real general\n% note\n2 2 3\n1 1 1.5\n2 1 2\n2 1 3\n", [1.5, 0.0, 5.0, 0.0]),
+        ("coordinate integer symmetric\n2 2 2\n2 1 4\n2 2 -1\n", [0.0, 4.0, 4.0, -1.0]),
+        ("coordinate real skew-symmetric\n2 2 1\n2 1 4\n", [0.0, -4.0, 4.0, 0.0]),
+        ("coordinate pattern general\n2 2 1\n1 2\n", [0.0, 1.0, 0.0, 0.0]),
+        ("array real general\n2 2\n1\n2\n3\n4\n", [1.0, 3.0, 2.0, 4.0]),
+        ("array real symmetric\n2 2\n1\n2\n3\n", [1.0, 2.0, 2.0, 3.0]),
+        ("array real skew-symmetric\n2 2\n2\n", [0.0, -2.0, 2.0, 0.0]),
+    ];
+    let folder = Folder::new();
+    for (content, expected) in cases {
+        let path = folder.file("a.mtx", format!("{head} {content}"));
+        let a = read_all(&path).unwrap();
+        assert_eq!(matches!(a, Matrix::Sparse(_)), content.starts_with("coordinate"));
+        assert_eq!(doubles(&a), Mat::from_fn(2, 2, |i, j| expected[2 * i + j]), "{content}");
+    }
+}
+
+#[test]
+fn broken_matrix_market_is_refused_with_its_line() {
+    let cases = [
+        ("%%MatrixMarket matrix\n", 1, "broken MatrixMarket header"),
+        ("", 1, "broken MatrixMarket header"),
+        ("%%MatrixMarket matrix array complex general\n1 1\n", 1, "entries of type \"complex\""),
+        ("%%MatrixMarket matrix array real general\n% a\n1 x\n", 3, "broken size line"),
+        (
+            "%%MatrixMarket matrix array real symmetric\n1 2\n",
+            2,
+            "a symmetric matrix that is 1 x 2",
+        ),
+        ("%%MatrixMarket matrix array real general\n2 1\n1\n", 4, "truncated: no entry for row 2"),
+        ("%%MatrixMarket matrix array real general\n1 1\none\n", 3, "\"one\" is not a number"),
+        ("%%MatrixMarket matrix array real general\n1 1\n1\n2\n", 4, "data after the 1 entries"),
+        (
+            "%%MatrixMarket matrix coordinate real general\n1 1 1\n1 2 5\n",
+            3,
+            "entry (1, 2) is outside",
+        ),
+        (
+            "%%MatrixMarket matrix coordinate real general\n1 1 1\n1 1\n",
+            3,
+            "expected row column value",
+        ),
+        ("%%MatrixMarket matrix coordinate real general\n1 1 2\n1 1 3\n", 4, "truncated: 1 of 2"),
+        (
+            "%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n1 2 5\n",
+            3,
+            "entry outside the lower",
+        ),
+    ];
+    for (content, line, expected) in cases {
+        let (at, what) = refusal("a.mtx", content);
+        assert!(what.starts_with(expected), "{what:?} instead of {expected:?}");
+        assert_eq!(at, line, "{content}");
+    }
+}
+
+#[test]
+fn claims_beyond_all_memory_are_an_error() {
+    let folder = Folder::new();
+    let path =
+        folder.file("a.mtx", "%%MatrixMarket matrix array real general\n99999999 999999999\n1\n");
+    assert!(matches!(read_all(&path), Err(Error::OutOfMemory { .. })));
+    let path = folder.file("a.npy", npy("<f8", "False", "(99999999, 999999999)", &[]));
+    assert!(matches!(read_all(&path), Err(Error::OutOfMemory { .. })));
+}
+
+#[test]
+fn damaged_gzip_is_refused() {
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    encoder.write_all("1,2\n".repeat(5000).as_bytes()).unwrap();
+    let packed = encoder.finish().unwrap();
+    refusal("a.csv.gz", &packed[..packed.len() / 2]);
+    refusal("a.csv.gz", b"1,2\n");
+}
+
+#[test]
+fn missing_files_folders_and_unknown_names_are_refused() {
+    let folder = Folder::new();
+    let message = |path: &Path| read_all(path).unwrap_err().to_string();
+    assert!(message(&folder.path("none.npy")).ends_with("none.npy: no such file"));
+    fs::create_dir(folder.path("d.csv")).unwrap();
+    assert!(message(&folder.path("d.csv")).ends_with("d.csv: is a directory"));
+    assert!(message(&folder.path("a.xls")).contains("a.xls: unknown kind of file"));
+}
+
+#[test]
+fn reading_stops_when_progress_says_so() {
+    let folder = Folder::new();
+    let path = folder.file("a.csv", "1,2\n");
+    let stop = |_: f64| Flow::Cancel;
+    let options = ReadOptions { columns: None, progress: Some(&stop) };
+    assert_eq!(read(&path, &options).unwrap_err(), Error::Cancelled);
+}
+
+#[test]
+fn output_never_replaces_unless_told_to() {
+    let folder = Folder::new();
+    let path = folder.path("c.csv");
+    let mut early = Output::create(&path, Overwrite::Never).unwrap();
+    early.write_all(b"mine").unwrap();
+    fs::write(&path, "theirs").unwrap();
+    assert!(early.commit().unwrap_err().to_string().contains("exists already"));
+    assert!(Output::create(&path, Overwrite::Never).is_err());
+    assert_eq!(fs::read_to_string(&path).unwrap(), "theirs");
+    let mut output = Output::create(&path, Overwrite::Replace).unwrap();
+    output.write_all(b"mine").unwrap();
+    drop(output);
+    assert_eq!(fs::read_to_string(&path).unwrap(), "theirs");
+    assert_eq!(folder.names(), ["c.csv"], "no temporary is left");
+}
+
+#[test]
+fn output_into_a_missing_folder_names_the_file() {
+    let folder = Folder::new();
+    let error = Output::create(&folder.path("none/c.npy"), Overwrite::Never).unwrap_err();
+    let text = error.to_string();
+    assert!(text.contains("none/c.npy: can't be written"), "{text}");
+    assert!(!text.contains(".tmp"), "{text}");
+}
