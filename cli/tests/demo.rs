@@ -18,7 +18,7 @@ fn info_names_version_cpu_and_back_ends() {
 #[test]
 fn demo_writes_a_page_whose_files_exist_and_replaces_only_its_own() {
     let folder = Folder::new();
-    folder.succeed("demo --out page");
+    folder.succeed("demo --small --out page");
     let html = fs::read_to_string(folder.path("page/index.html")).unwrap();
     let mut references = 0;
     for attribute in ["src=\"", "href=\""] {

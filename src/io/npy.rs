@@ -17,6 +17,8 @@ const CHUNK: usize = 1 << 16;
 pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> Result<Matrix> {
     let header = NpyHeader::from_reader(&mut *source).map_err(|e| match source.io_error(&e) {
         Error::Io { path, line, what } => {
+            // Where the syntax is wrong is drawn on further lines.
+            let what = what.split(":  -->").next().unwrap_or_default();
             Error::Io { path, line, what: format!("broken npy header: {what}") }
         }
         other => other,

@@ -343,5 +343,5 @@ fn output_into_a_missing_folder_names_the_file() {
     let error = Output::create(&folder.path("none/c.npy"), Overwrite::Never).unwrap_err();
     let text = error.to_string();
     assert!(text.contains("none/c.npy: can't be written"), "{text}");
-    assert!(!text.contains(".tmp"), "{text}");
+    assert!(!text.contains(".catamaran-"), "{text}");
 }

@@ -15,10 +15,10 @@ use super::{Site, chart, task_tree};
 use crate::picture;
 use crate::progress::{self, Bar};
 
-/// Samples in time.
-const ROWS: usize = 2048;
-/// Sensors.
-const COLUMNS: usize = 2048;
+/// Samples in time, and sensors.
+const SIDE: usize = 2048;
+/// The same when small inputs are wanted.
+const SMALL_SIDE: usize = 320;
 /// Runs of each scheme; the fastest counts.
 const RUNS: usize = 2;
 /// Rows of C whose entries are compared with a reference.
@@ -41,14 +41,15 @@ struct Outcome {
 /// Computes and describes it.
 pub fn station(site: &Site<'_>) -> Result<Station> {
     let bar = Bar::new("A^T A");
-    let a = signals(ROWS, COLUMNS);
+    let side = if site.small { SMALL_SIDE } else { SIDE };
+    let a = signals(side, side);
     let a = a.as_ref();
     let mut rng = Rng::new(3);
     let checked: Vec<usize> =
-        (0..CHECKED_ROWS).map(|_| (rng.uniform() * COLUMNS as f64) as usize).collect();
+        (0..CHECKED_ROWS).map(|_| (rng.uniform() * side as f64) as usize).collect();
     let reference = reference(a, &checked);
 
-    let mut c = Mat::<f64>::zeros(COLUMNS, COLUMNS);
+    let mut c = Mat::<f64>::zeros(side, side);
     let mut outcomes = Vec::new();
     for (done, (name, scheme)) in SchemeChoice::NAMES.into_iter().enumerate() {
         let mut options = AtaOptions { uplo: Uplo::Both, scheme, ..AtaOptions::default() };
@@ -66,7 +67,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         }
         let mut error = 0.0_f64;
         for (r, &i) in checked.iter().enumerate() {
-            for j in 0..COLUMNS {
+            for j in 0..side {
                 error = error.max((c[(i, j)] - reference[(r, j)]).abs());
             }
         }
@@ -75,11 +76,11 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     }
     let scale = picture::write(site.file("ata.png")?, c.rb(), |i, j| (i, j))?;
     drop(bar);
-    Ok(describe(&outcomes, scale))
+    Ok(describe(&outcomes, side, scale))
 }
 
-fn describe(outcomes: &[Outcome], scale: picture::Scale) -> Station {
-    let rate = |o: &Outcome| ROWS as f64 * (COLUMNS as f64).powi(2) / o.seconds / 1e9;
+fn describe(outcomes: &[Outcome], side: usize, scale: picture::Scale) -> Station {
+    let rate = |o: &Outcome| (side as f64).powi(3) / o.seconds / 1e9;
     let classical = outcomes.iter().find(|o| o.name == "classical").map_or(1.0, |o| o.error);
     let auto = outcomes.iter().find(|o| o.name == "auto");
     let rows = outcomes.iter().map(|o| {
@@ -108,14 +109,14 @@ fn describe(outcomes: &[Outcome], scale: picture::Scale) -> Station {
         id: "ata",
         title: "A<sup>T</sup>A",
         text: format!(
-            "<p>{COLUMNS} sensors along a line record {ROWS} samples of what a few dozen sources \
+            "<p>{side} sensors along a line record {side} samples of what a few dozen sources \
              send, each source heard in one or two neighbourhoods, with noise on top. One product, \
              C = A<sup>T</sup>A, compares every sensor with every other.</p>"
         ),
         numbers: auto
             .map(|o| {
                 vec![
-                    (format!("{ROWS} &times; {COLUMNS}"), "A, in double precision"),
+                    (format!("{side} &times; {side}"), "A, in double precision"),
                     (format!("{:.0} ms", o.seconds * 1e3), "for C, automatic plan"),
                     (format!("{:.1}", rate(o)), "effective GFLOP/s (m n&sup2; / time)"),
                     (threads.to_string(), if threads == 1 { "thread" } else { "threads" }),
@@ -137,7 +138,7 @@ fn describe(outcomes: &[Outcome], scale: picture::Scale) -> Station {
                 wide: false,
             },
             Figure {
-                body: task_tree::draw(&Node::symmetric(COLUMNS, PROCESSES), COLUMNS, PROCESSES),
+                body: task_tree::draw(&Node::symmetric(side, PROCESSES), side, PROCESSES),
                 caption: format!(
                     "Who computes what, for {PROCESSES} processes: every leaf of the task tree owns \
                      one block of the lower triangle, so nobody waits for anybody. Half of the \
@@ -155,9 +156,10 @@ fn describe(outcomes: &[Outcome], scale: picture::Scale) -> Station {
         ],
         tables: vec![Table {
             caption: format!(
-                "Best of {RUNS} runs; the schemes asked for by name go down to blocks of {LEAF}. The error is the largest one in {CHECKED_ROWS} rows of C \
-                 against twice the working precision; the check is that of \
-                 <code>--verify</code>, which a wrong C passes with a probability of \
+                "Best of {RUNS} runs; the schemes asked for by name go down to blocks of {LEAF}. \
+                 The error is the largest one in {CHECKED_ROWS} rows of C against twice the working \
+                 precision; the check is that of <code>--verify</code>, which a wrong C passes with \
+                 a probability of \
                  2<sup>&minus;{ROUNDS}</sup>."
             ),
             head: vec!["scheme", "", "ms", "GFLOP/s", "max error", "&times; classical", "check"],

@@ -22,6 +22,9 @@ pub struct Args {
     /// Folder for index.html and its pictures.
     #[arg(long, value_name = "DIR", default_value = "catamaran-demo")]
     out: PathBuf,
+    /// Smaller inputs: about a second a station, and numbers that say less about speed.
+    #[arg(long)]
+    small: bool,
     /// Write into a folder that holds other things.
     #[arg(long)]
     force: bool,
@@ -30,9 +33,11 @@ pub struct Args {
 /// In the order of the page.
 const STATIONS: [fn(&Site<'_>) -> Result<Station>; 1] = [ata::station];
 
-/// Where stations put their files.
+/// Where stations put their files, and how much they may do.
 pub struct Site<'a> {
     folder: &'a Path,
+    /// Smaller inputs are wanted.
+    pub small: bool,
 }
 
 impl Site<'_> {
@@ -54,7 +59,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     fs::create_dir_all(folder).with_context(named)?;
     let start = Instant::now();
-    let site = Site { folder };
+    let site = Site { folder, small: args.small };
     let mut stations = Vec::new();
     for build in STATIONS {
         stations.push(build(&site)?);
