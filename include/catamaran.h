@@ -22,386 +22,295 @@
 #define CATA_VERSION_PATCH 0
 #define CATA_VERSION_STRING "0.1.0"
 
-/*
- Bit of cata_capabilities: OpenBLAS is linked in (cata_backend_openblas works).
- */
+/** Bit of cata_capabilities: OpenBLAS is linked in (cata_backend_openblas works). */
 #define CATA_CAP_OPENBLAS 1
 
-/*
- Bit of cata_capabilities: distributed computation; not in this version, never set.
- */
+/** Bit of cata_capabilities: distributed computation; not in this version, never set. */
 #define CATA_CAP_MPI 2
 
-/*
- Bit of cata_capabilities: OpenCL devices; not in this version, never set.
- */
+/** Bit of cata_capabilities: OpenCL devices; not in this version, never set. */
 #define CATA_CAP_OPENCL 4
 
-/*
- Bit of cata_capabilities: HDF5 files; not in this version, never set.
- */
+/** Bit of cata_capabilities: HDF5 files; not in this version, never set. */
 #define CATA_CAP_HDF5 8
 
-/*
- Rows are contiguous: entry (i, j) is `a[i * lda + j]`.
- */
+/** Rows are contiguous: entry (i, j) is `a[i * lda + j]`. */
 #define CATA_ROW_MAJOR 101
 
-/*
- Columns are contiguous: entry (i, j) is `a[i + j * lda]`.
- */
+/** Columns are contiguous: entry (i, j) is `a[i + j * lda]`. */
 #define CATA_COL_MAJOR 102
 
-/*
- The triangle on and above the diagonal; the rest of C is neither read nor written.
- */
+/** The triangle on and above the diagonal; the rest of C is neither read nor written. */
 #define CATA_UPPER 121
 
-/*
- The triangle on and below the diagonal; the rest of C is neither read nor written.
- */
+/** The triangle on and below the diagonal; the rest of C is neither read nor written. */
 #define CATA_LOWER 122
 
-/*
- Both triangles, equal bit for bit; with beta != 0 the old lower one is what is read.
- */
+/** Both triangles, equal bit for bit; with beta != 0 the old lower one is what is read. */
 #define CATA_BOTH 123
 
-/*
- Whatever is expected to be fastest within the accuracy asked for.
- */
+/** Whatever is expected to be fastest within the accuracy asked for. */
 #define CATA_SCHEME_AUTO 0
 
-/*
- No fast products: blocks over the back end.
- */
+/** No fast products: blocks over the back end. */
 #define CATA_SCHEME_CLASSICAL 1
 
-/*
- AtA over Strassen's algorithm, 2 x 2 recursion down to the cache.
- */
+/** AtA over Strassen's algorithm, 2 x 2 recursion down to the cache. */
 #define CATA_SCHEME_ATA2 2
 
-/*
- 2 x 2 split over Winograd's variant of Strassen's algorithm.
- */
+/** 2 x 2 split over Winograd's variant of Strassen's algorithm. */
 #define CATA_SCHEME_WINOGRAD 3
 
-/*
- RXTX (4 x 4 blocks) over Winograd's variant.
- */
+/** RXTX (4 x 4 blocks) over Winograd's variant. */
 #define CATA_SCHEME_RXTX 4
 
-/*
- The sparse 4 x 4 scheme of Khoruzhii, Gelss and Pokutta over Winograd's variant.
- */
+/** The sparse 4 x 4 scheme of Khoruzhii, Gelss and Pokutta over Winograd's variant. */
 #define CATA_SCHEME_KGP4 5
 
-/*
- Their 3 x 3 scheme over Winograd's variant.
- */
+/** Their 3 x 3 scheme over Winograd's variant. */
 #define CATA_SCHEME_KGP3 6
 
-/*
- `centering`: nothing is subtracted from the rows.
- */
+/** `centering`: nothing is subtracted from the rows. */
 #define CATA_CENTER_NONE 0
 
-/*
- `centering`: the mean of the rows is subtracted, weighted if there are weights.
- */
+/** `centering`: the mean of the rows is subtracted, weighted if there are weights. */
 #define CATA_CENTER_MEAN 1
 
-/*
- `centering`: the row given is subtracted.
- */
+/** `centering`: the row given is subtracted. */
 #define CATA_CENTER_GIVEN 2
 
-/*
- A BLAS library that computes the small products; made by cata_backend_load or
- cata_backend_openblas, given back by cata_backend_free. It can be used by several calls and
- threads at a time.
+/**
+ * A BLAS library that computes the small products; made by cata_backend_load or
+ * cata_backend_openblas, given back by cata_backend_free. It can be used by several calls and
+ * threads at a time.
  */
 typedef struct cata_backend cata_backend;
 
-/*
- What a call returns. A value, once given a meaning, keeps it for ever.
- */
+/** What a call returns. A value, once given a meaning, keeps it for ever. */
 typedef int32_t cata_status;
 
-/*
- A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything else
- asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
-
- It is called from whichever thread finished a piece, one call at a time; it must be quick, and
- must not leave by longjmp or a C++ exception.
+/**
+ * A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything else
+ * asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
+ *
+ * It is called from whichever thread finished a piece, one call at a time; it must be quick, and
+ * must not leave by longjmp or a C++ exception.
  */
 typedef int32_t (*cata_progress)(double fraction, void *user);
 
-/*
- How a product is computed. Every field but the first is 0 (NULL) by default, so that
- `cata_ata_params params = {sizeof params};` is the same as cata_ata_params_init.
+/**
+ * How a product is computed. Every field but the first is 0 (NULL) by default, so that
+ * `cata_ata_params params = {.struct_size = sizeof params};` does what cata_ata_params_init does.
  */
 typedef struct cata_ata_params {
-    /*
-     sizeof(cata_ata_params) as the caller was compiled with. Later versions add fields at the
-     end; one that this library does not know must be 0.
+    /**
+     * sizeof(cata_ata_params) as the caller was compiled with. Later versions add fields at the
+     * end; one that this library does not know must be 0.
      */
     size_t struct_size;
-    /*
-     Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-     bit for bit, for every value.
+    /**
+     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
+     * bit for bit, for every value.
      */
     size_t threads;
-    /*
-     Smallest block side of the recursion, in elements, at most 2^31; 0: the library's
-     choice.
+    /**
+     * Smallest block side of the recursion, in elements, at most 2^31; 0: the library's
+     * choice.
      */
     size_t leaf;
-    /*
-     Tasks that C is split into, whatever the number of threads, at most 65536; 0: the
-     library's choice.
+    /**
+     * Tasks that C is split into, whatever the number of threads, at most 65536; 0: the
+     * library's choice.
      */
     size_t tasks;
-    /*
-     Error that fast products may cause, as a factor of the classical algorithm's in the maximum
-     norm, expected: 1 for classical products only, INFINITY for no bound, 0 for the default,
-     which is 4. Not below 1 otherwise, and not NaN.
+    /**
+     * Error that fast products may cause, as a factor of the classical algorithm's in the maximum
+     * norm, expected: 1 for classical products only, INFINITY for no bound, 0 for the default,
+     * which is 4. Not below 1 otherwise, and not NaN.
      */
     double error_factor;
-    /*
-     What computes the small products; NULL: the built-in one. Borrowed during the call.
-     */
+    /** What computes the small products; NULL: the built-in one. Borrowed during the call. */
     const struct cata_backend *backend;
-    /*
-     Told of progress; NULL: nobody.
-     */
+    /** Told of progress; NULL: nobody. */
     cata_progress progress;
-    /*
-     Handed to `progress` as it is; may be NULL.
-     */
+    /** Handed to `progress` as it is; may be NULL. */
     void *progress_user;
-    /*
-     CATA_SCHEME_*.
-     */
+    /** CATA_SCHEME_*. */
     int32_t scheme;
-    /*
-     0.
-     */
+    /** 0. */
     int32_t reserved;
 } cata_ata_params;
 
-/*
- Done.
- */
+/** Done. */
 #define CATA_OK 0
 
-/*
- A pointer is NULL where it may not be.
- */
+/** A pointer is NULL where it may not be. */
 #define CATA_ERR_NULL 1
 
-/*
- A matrix, vector or buffer is too small or has the wrong shape, or its size in bytes overflows.
- */
+/** A matrix, vector or buffer is too small or has the wrong shape, or its size in bytes overflows. */
 #define CATA_ERR_SHAPE 2
 
-/*
- An argument is outside its range.
- */
+/** An argument is outside its range. */
 #define CATA_ERR_ARGUMENT 3
 
-/*
- A NaN or an infinity where only finite numbers are allowed.
- */
+/** A NaN or an infinity where only finite numbers are allowed. */
 #define CATA_ERR_NON_FINITE 4
 
-/*
- An iteration ended before it reached its tolerance.
- */
+/** An iteration ended before it reached its tolerance. */
 #define CATA_ERR_NOT_CONVERGED 5
 
-/*
- A file could not be read or written.
- */
+/** A file could not be read or written. */
 #define CATA_ERR_IO 6
 
-/*
- Memory could not be had.
- */
+/** Memory could not be had. */
 #define CATA_ERR_OUT_OF_MEMORY 7
 
-/*
- A BLAS back end could not be loaded, or refused.
- */
+/** A BLAS back end could not be loaded, or refused. */
 #define CATA_ERR_BACKEND 8
 
-/*
- The progress callback asked to stop.
- */
+/** The progress callback asked to stop. */
 #define CATA_ERR_CANCELLED 9
 
-/*
- This build, or this version, can't do it: see cata_capabilities.
- */
+/** This build, or this version, can't do it: see cata_capabilities. */
 #define CATA_ERR_UNSUPPORTED 10
 
-/*
- A bug in Catamaran, caught at the border; the message says where. The library stays usable.
- */
+/** A bug in Catamaran, caught at the border; the message says where. The library stays usable. */
 #define CATA_ERR_PANIC 11
 
-/*
- An error that this version of the ABI has no code for; the message tells.
- */
+/** An error that this version of the ABI has no code for; the message tells. */
 #define CATA_ERR_OTHER 12
 
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
 
-/*
- The version of the library that runs, which may be newer than the header's
- (CATA_VERSION_MAJOR, _MINOR, _PATCH).
-
- `major`, `minor`, `patch`: one int32_t each, written; NULL where the part is not wanted.
- Returns CATA_OK, or CATA_ERR_ARGUMENT for a pointer that is not aligned.
-
- Thread-safe.
-
- # Safety
- The pointers are as described.
+/**
+ * The version of the library that runs, which may be newer than the header's
+ * (CATA_VERSION_MAJOR, _MINOR, _PATCH).
+ *
+ * `major`, `minor`, `patch`: one int32_t each, written; NULL where the part is not wanted.
+ * Returns CATA_OK, or CATA_ERR_ARGUMENT for a pointer that is not aligned.
+ *
+ * Thread-safe.
  */
 cata_status cata_version(int32_t *major, int32_t *minor, int32_t *patch);
 
-/*
- The version of the library that runs, "major.minor.patch". Static, never NULL; do not free it.
-
- Thread-safe.
+/**
+ * The version of the library that runs, "major.minor.patch". Static, never NULL; do not free it.
+ *
+ * Thread-safe.
  */
 const char *cata_version_string(void);
 
-/*
- What this build of the library can do: a sum of CATA_CAP_* bits. The functions of an absent
- capability exist, and return CATA_ERR_UNSUPPORTED.
-
- Thread-safe.
+/**
+ * What this build of the library can do: a sum of CATA_CAP_* bits. The functions of an absent
+ * capability exist, and return CATA_ERR_UNSUPPORTED.
+ *
+ * Thread-safe.
  */
 uint64_t cata_capabilities(void);
 
-/*
- The message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty when
- none has. A call that succeeds leaves it alone. Never NULL.
-
- The pointer is valid until the next call of this thread that fails, and not after the thread's
- end; do not free it.
-
- Thread-safe: every thread has its own message.
+/**
+ * The message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty when
+ * none has. A call that succeeds leaves it alone. Never NULL.
+ *
+ * The pointer is valid until the next call of this thread that fails, and not after the thread's
+ * end; do not free it.
+ *
+ * Thread-safe: every thread has its own message.
  */
 const char *cata_last_error_message(void);
 
-/*
- The name of a status, such as "CATA_ERR_SHAPE"; "CATA_ERR_OTHER" for a value that is none.
- Static, never NULL; do not free it.
-
- Thread-safe.
+/**
+ * The name of a status, such as "CATA_ERR_SHAPE"; "CATA_ERR_OTHER" for a value that is none.
+ * Static, never NULL; do not free it.
+ *
+ * Thread-safe.
  */
 const char *cata_status_name(cata_status status);
 
-/*
- Loads the shared library at `path` (MKL's libmkl_rt.so, libopenblas.so, libblis.so, ...), which
- must have the CBLAS interface with 32-bit integers.
-
- `path`: NUL-terminated file name, not NULL; without a slash the system's search path is used.
- The library's initialisers run: load only what you trust.
- `backend`: one pointer, not NULL; written on success only. Free it by cata_backend_free.
- Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a path that is not UTF-8 on a system that
- wants it, or CATA_ERR_BACKEND when there is no such file or it is not such a library.
-
- Thread-safe.
-
- # Safety
- The pointers are as described.
+/**
+ * Loads the shared library at `path` (MKL's libmkl_rt.so, libopenblas.so, libblis.so, ...), which
+ * must have the CBLAS interface with 32-bit integers.
+ *
+ * `path`: NUL-terminated file name, not NULL; without a slash the system's search path is used.
+ * The library's initialisers run: load only what you trust.
+ * `backend`: one pointer, not NULL; written on success only. Free it by cata_backend_free.
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a path that is not UTF-8 on a system that
+ * wants it, or CATA_ERR_BACKEND when there is no such file or it is not such a library.
+ *
+ * Thread-safe.
  */
 cata_status cata_backend_load(const char *path, struct cata_backend **backend);
 
-/*
- The OpenBLAS that the library was linked with.
-
- `backend`: one pointer, not NULL; written on success only. Free it by cata_backend_free.
- Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_UNSUPPORTED without CATA_CAP_OPENBLAS.
-
- Thread-safe.
-
- # Safety
- The pointer is as described.
+/**
+ * The OpenBLAS that the library was linked with.
+ *
+ * `backend`: one pointer, not NULL; written on success only. Free it by cata_backend_free.
+ * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_UNSUPPORTED without CATA_CAP_OPENBLAS.
+ *
+ * Thread-safe.
  */
 cata_status cata_backend_openblas(struct cata_backend **backend);
 
-/*
- Short name of a back end, such as "openblas" or the file name of a loaded library, in UTF-8;
- valid until cata_backend_free. The empty string for NULL. Never NULL; do not free it.
-
- Thread-safe.
-
- # Safety
- `backend` is NULL or was made by cata_backend_load or cata_backend_openblas and not yet freed.
+/**
+ * Short name of a back end, such as "openblas" or the file name of a loaded library, in UTF-8;
+ * valid until cata_backend_free; the empty string for NULL. Never NULL; do not free it.
+ *
+ * `backend`: NULL, or made by cata_backend_load or cata_backend_openblas and not yet freed.
+ *
+ * Thread-safe.
  */
 const char *cata_backend_name(const struct cata_backend *backend);
 
-/*
- Gives a back end back; NULL is allowed and does nothing.
-
- Thread-safe, but no call may be using the back end.
-
- # Safety
- `backend` is NULL or was made by cata_backend_load or cata_backend_openblas, and not yet freed.
+/**
+ * Gives a back end back.
+ *
+ * `backend`: made by cata_backend_load or cata_backend_openblas and not yet freed; NULL does
+ * nothing.
+ *
+ * Thread-safe, but no call may be using the back end.
  */
 void cata_backend_free(struct cata_backend *backend);
 
-/*
- Fills a parameter struct with the defaults.
-
- `params`: one struct, not NULL, written. `struct_size`: sizeof(cata_ata_params).
- Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
-
- Thread-safe.
-
- # Safety
- `params` points to `struct_size` writable bytes.
+/**
+ * Fills a parameter struct with the defaults.
+ *
+ * `params`: one struct, not NULL; `struct_size` bytes are written.
+ * `struct_size`: sizeof(cata_ata_params).
+ * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+ *
+ * Thread-safe.
  */
 cata_status cata_ata_params_init(struct cata_ata_params *params, size_t struct_size);
 
-/*
- C := alpha A^T A + beta C, for A m x n and C n x n.
-
- - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of C.
- - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict triangle
-   that is not, and what lies between lines, is neither read nor written.
- - `m`, `n`: any, 0 included.
- - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
- - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-major:
-   n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when m or n is 0.
- - `c`: C, written; n lines of `ldc` >= max(1, n) elements, the last one of n. May be NULL when n is
-   0. No element of A may be one of C's.
- - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
-   call.
-
- Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE (a leading dimension too small, or a size beyond
- the address space), CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, CATA_ERR_OUT_OF_MEMORY,
- CATA_ERR_CANCELLED or CATA_ERR_PANIC. All arguments are checked, and the workspace is allocated,
- before C is first written: it is untouched after any error but CATA_ERR_CANCELLED, CATA_ERR_PANIC
- and CATA_ERR_ARGUMENT for `threads` the system refuses to start ("threads: ..."), which leave
- unspecified values in its wanted part.
-
- The result does not depend on the number of threads, bit for bit. NaN and infinities in A spread to
- entries of C that the classical algorithm would leave finite, unless classical products are asked
- for.
-
- Thread-safe: calls may run at the same time as long as no C is shared.
-
- # Safety
- The pointers are as described.
+/**
+ * C := alpha A^T A + beta C, for A m x n and C n x n.
+ *
+ * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of C.
+ * - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict triangle
+ *   that is not, and what lies between lines, is neither read nor written.
+ * - `m`, `n`: any, 0 included.
+ * - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
+ * - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-major:
+ *   n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when m or n is 0.
+ * - `c`: C, written; n lines of `ldc` >= max(1, n) elements, the last one of n. May be NULL when n is
+ *   0. No element of A may be one of C's.
+ * - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
+ *   call.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE (a leading dimension too small, or a size beyond
+ * the address space), CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, CATA_ERR_OUT_OF_MEMORY,
+ * CATA_ERR_CANCELLED or CATA_ERR_PANIC. All arguments are checked, and the workspace is allocated,
+ * before C is first written: it is untouched after any error but CATA_ERR_CANCELLED, CATA_ERR_PANIC
+ * and CATA_ERR_ARGUMENT for `threads` the system refuses to start ("threads: ..."), which leave
+ * unspecified values in its wanted part.
+ *
+ * The result does not depend on the number of threads, bit for bit. NaN and infinities in A spread to
+ * entries of C that the classical algorithm would leave finite, unless classical products are asked
+ * for.
+ *
+ * Thread-safe: calls may run at the same time as long as no C is shared.
  */
 cata_status cata_ata_f64(int32_t layout,
                          int32_t uplo,
@@ -415,13 +324,10 @@ cata_status cata_ata_f64(int32_t layout,
                          size_t ldc,
                          const struct cata_ata_params *params);
 
-/*
- As cata_ata_f64, in float.
-
- Thread-safe: calls may run at the same time as long as no C is shared.
-
- # Safety
- The pointers are as described at `cata_ata_f64`.
+/**
+ * As cata_ata_f64, in float.
+ *
+ * Thread-safe: calls may run at the same time as long as no C is shared.
  */
 cata_status cata_ata_f32(int32_t layout,
                          int32_t uplo,
@@ -435,17 +341,14 @@ cata_status cata_ata_f32(int32_t layout,
                          size_t ldc,
                          const struct cata_ata_params *params);
 
-/*
- As cata_ata_f64, with A in float: all sums and products are in double. A is converted block by
- block, so the extra memory is about 32 MiB, or 1024 rows if those are longer, and the scratch.
-
- Unlike there, C holds unspecified values in its wanted part after CATA_ERR_OUT_OF_MEMORY too, and
- progress may start anew with every block of rows.
-
- Thread-safe: calls may run at the same time as long as no C is shared.
-
- # Safety
- The pointers are as described at `cata_ata_f64`.
+/**
+ * As cata_ata_f64, with A in float: all sums and products are in double. A is converted block by
+ * block, so the extra memory is about 32 MiB, or 1024 rows if those are longer, and the scratch.
+ *
+ * Unlike there, C holds unspecified values in its wanted part after CATA_ERR_OUT_OF_MEMORY too, and
+ * progress may start anew with every block of rows.
+ *
+ * Thread-safe: calls may run at the same time as long as no C is shared.
  */
 cata_status cata_ata_f32_f64(int32_t layout,
                              int32_t uplo,
@@ -459,48 +362,39 @@ cata_status cata_ata_f32_f64(int32_t layout,
                              size_t ldc,
                              const struct cata_ata_params *params);
 
-/*
- The scratch that cata_ata_with_scratch_f64 needs for A m x n and the same params.
-
- `len`: one size_t, not NULL; written on success: a number of elements, not bytes.
- `params`: as in cata_ata_f64.
- Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED or
- CATA_ERR_PANIC.
-
- Thread-safe.
-
- # Safety
- The pointers are as described.
+/**
+ * The scratch that cata_ata_with_scratch_f64 needs for A m x n and the same params.
+ *
+ * `len`: one size_t, not NULL; written on success: a number of elements, not bytes.
+ * `params`: as in cata_ata_f64.
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED or
+ * CATA_ERR_PANIC.
+ *
+ * Thread-safe.
  */
 cata_status cata_ata_scratch_len_f64(size_t m,
                                      size_t n,
                                      const struct cata_ata_params *params,
                                      size_t *len);
 
-/*
- As cata_ata_scratch_len_f64, in float.
-
- Thread-safe.
-
- # Safety
- The pointers are as described at `cata_ata_scratch_len_f64`.
+/**
+ * As cata_ata_scratch_len_f64, in float.
+ *
+ * Thread-safe.
  */
 cata_status cata_ata_scratch_len_f32(size_t m,
                                      size_t n,
                                      const struct cata_ata_params *params,
                                      size_t *len);
 
-/*
- cata_ata_f64 without allocating its workspace.
-
- `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as many as
- cata_ata_scratch_len_f64 says for the same m, n and params, else CATA_ERR_SHAPE. May be NULL
- when `scratch_len` is 0. It must not overlap A or C. The rest as in cata_ata_f64.
-
- Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
-
- # Safety
- The pointers are as described at `cata_ata_f64`. So is `scratch` here.
+/**
+ * cata_ata_f64 without allocating its workspace.
+ *
+ * `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as many as
+ * cata_ata_scratch_len_f64 says for the same m, n and params, else CATA_ERR_SHAPE. May be NULL
+ * when `scratch_len` is 0. It must not overlap A or C. The rest as in cata_ata_f64.
+ *
+ * Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
  */
 cata_status cata_ata_with_scratch_f64(int32_t layout,
                                       int32_t uplo,
@@ -516,13 +410,10 @@ cata_status cata_ata_with_scratch_f64(int32_t layout,
                                       size_t scratch_len,
                                       const struct cata_ata_params *params);
 
-/*
- As cata_ata_with_scratch_f64, in float.
-
- Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
-
- # Safety
- The pointers are as described at `cata_ata_with_scratch_f64`.
+/**
+ * As cata_ata_with_scratch_f64, in float.
+ *
+ * Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
  */
 cata_status cata_ata_with_scratch_f32(int32_t layout,
                                       int32_t uplo,
@@ -538,14 +429,11 @@ cata_status cata_ata_with_scratch_f32(int32_t layout,
                                       size_t scratch_len,
                                       const struct cata_ata_params *params);
 
-/*
- C := alpha A A^T + beta C, for A m x n and C m x m: `c` has m lines of `ldc` >= max(1, m)
- elements. The rest as in cata_ata_f64.
-
- Thread-safe: calls may run at the same time as long as no C is shared.
-
- # Safety
- The pointers are as described at `cata_ata_f64`.
+/**
+ * C := alpha A A^T + beta C, for A m x n and C m x m: `c` has m lines of `ldc` >= max(1, m)
+ * elements. The rest as in cata_ata_f64.
+ *
+ * Thread-safe: calls may run at the same time as long as no C is shared.
  */
 cata_status cata_aat_f64(int32_t layout,
                          int32_t uplo,
@@ -559,13 +447,10 @@ cata_status cata_aat_f64(int32_t layout,
                          size_t ldc,
                          const struct cata_ata_params *params);
 
-/*
- As cata_aat_f64, in float.
-
- Thread-safe: calls may run at the same time as long as no C is shared.
-
- # Safety
- The pointers are as described at `cata_aat_f64`.
+/**
+ * As cata_aat_f64, in float.
+ *
+ * Thread-safe: calls may run at the same time as long as no C is shared.
  */
 cata_status cata_aat_f32(int32_t layout,
                          int32_t uplo,
@@ -579,26 +464,23 @@ cata_status cata_aat_f32(int32_t layout,
                          size_t ldc,
                          const struct cata_ata_params *params);
 
-/*
- C := alpha X^T W X + beta C, where X is A with a row subtracted from every row, and W = diag(weights).
- A is not copied as a whole: it is read in blocks of rows, about 32 MiB each.
-
- With CATA_CENTER_MEAN and alpha = 1 / (m - 1) C is the covariance matrix of the columns of A.
-
- - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
- - `centering`: CATA_CENTER_NONE, CATA_CENTER_MEAN or CATA_CENTER_GIVEN.
- - `center`: with CATA_CENTER_GIVEN n finite numbers, read, not NULL unless n is 0; else ignored.
- - The rest as in cata_ata_f64. Neither `weights` nor `center` may overlap C.
-
- Returns what cata_ata_f64 does, CATA_ERR_NON_FINITE for a weight or a centre that is not finite, or
- CATA_ERR_ARGUMENT when the weights of a mean sum to 0. C is untouched after any error but
- CATA_ERR_CANCELLED, CATA_ERR_PANIC, CATA_ERR_OUT_OF_MEMORY and CATA_ERR_ARGUMENT for "threads",
- which leave unspecified values in its wanted part. Progress may start anew with every block of rows.
-
- Thread-safe: calls may run at the same time as long as no C is shared.
-
- # Safety
- The pointers are as described.
+/**
+ * C := alpha X^T W X + beta C, where X is A with a row subtracted from every row, and W = diag(weights).
+ * A is not copied as a whole: it is read in blocks of rows, about 32 MiB each.
+ *
+ * With CATA_CENTER_MEAN and alpha = 1 / (m - 1) C is the covariance matrix of the columns of A.
+ *
+ * - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
+ * - `centering`: CATA_CENTER_NONE, CATA_CENTER_MEAN or CATA_CENTER_GIVEN.
+ * - `center`: with CATA_CENTER_GIVEN n finite numbers, read, not NULL unless n is 0; else ignored.
+ * - The rest as in cata_ata_f64. Neither `weights` nor `center` may overlap C.
+ *
+ * Returns what cata_ata_f64 does, CATA_ERR_NON_FINITE for a weight or a centre that is not finite, or
+ * CATA_ERR_ARGUMENT when the weights of a mean sum to 0. C is untouched after any error but
+ * CATA_ERR_CANCELLED, CATA_ERR_PANIC, CATA_ERR_OUT_OF_MEMORY and CATA_ERR_ARGUMENT for "threads",
+ * which leave unspecified values in its wanted part. Progress may start anew with every block of rows.
+ *
+ * Thread-safe: calls may run at the same time as long as no C is shared.
  */
 cata_status cata_ata_rows_f64(int32_t layout,
                               int32_t uplo,
@@ -615,13 +497,10 @@ cata_status cata_ata_rows_f64(int32_t layout,
                               size_t ldc,
                               const struct cata_ata_params *params);
 
-/*
- As cata_ata_rows_f64, in float; the mean is summed in double.
-
- Thread-safe: calls may run at the same time as long as no C is shared.
-
- # Safety
- The pointers are as described at `cata_ata_rows_f64`.
+/**
+ * As cata_ata_rows_f64, in float; the mean is summed in double.
+ *
+ * Thread-safe: calls may run at the same time as long as no C is shared.
  */
 cata_status cata_ata_rows_f32(int32_t layout,
                               int32_t uplo,
@@ -638,27 +517,24 @@ cata_status cata_ata_rows_f32(int32_t layout,
                               size_t ldc,
                               const struct cata_ata_params *params);
 
-/*
- C := alpha A^T B + beta C, for A m x n, B m x k and C n x k.
-
- - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of all three.
- - `m`, `n`, `k`: any, 0 included.
- - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
- - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-major:
-   n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when A has no element.
- - `b`: B, read, likewise with k for n and `ldb`. A and B may overlap.
- - `c`: C, written. Row-major: n lines of `ldc` >= max(1, k) elements; column-major: k lines of
-   `ldc` >= max(1, n). What lies between lines is neither read nor written. May be NULL when C has no
-   element. No element of A or B may be one of C's.
- - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
-   call.
-
- Returns what cata_ata_f64 does, with the same promise about C.
-
- Thread-safe: calls may run at the same time as long as no C is shared.
-
- # Safety
- The pointers are as described.
+/**
+ * C := alpha A^T B + beta C, for A m x n, B m x k and C n x k.
+ *
+ * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of all three.
+ * - `m`, `n`, `k`: any, 0 included.
+ * - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
+ * - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-major:
+ *   n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when A has no element.
+ * - `b`: B, read, likewise with k for n and `ldb`. A and B may overlap.
+ * - `c`: C, written. Row-major: n lines of `ldc` >= max(1, k) elements; column-major: k lines of
+ *   `ldc` >= max(1, n). What lies between lines is neither read nor written. May be NULL when C has no
+ *   element. No element of A or B may be one of C's.
+ * - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
+ *   call.
+ *
+ * Returns what cata_ata_f64 does, with the same promise about C.
+ *
+ * Thread-safe: calls may run at the same time as long as no C is shared.
  */
 cata_status cata_atb_f64(int32_t layout,
                          size_t m,
@@ -674,13 +550,10 @@ cata_status cata_atb_f64(int32_t layout,
                          size_t ldc,
                          const struct cata_ata_params *params);
 
-/*
- As cata_atb_f64, in float.
-
- Thread-safe: calls may run at the same time as long as no C is shared.
-
- # Safety
- The pointers are as described at `cata_atb_f64`.
+/**
+ * As cata_atb_f64, in float.
+ *
+ * Thread-safe: calls may run at the same time as long as no C is shared.
  */
 cata_status cata_atb_f32(int32_t layout,
                          size_t m,
@@ -696,18 +569,15 @@ cata_status cata_atb_f32(int32_t layout,
                          size_t ldc,
                          const struct cata_ata_params *params);
 
-/*
- The scratch that cata_atb_with_scratch_f64 needs for A m x n, B m x k and the same params.
-
- `len`: one size_t, not NULL; written on success: a number of elements, not bytes.
- `params`: as in cata_atb_f64.
- Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED or
- CATA_ERR_PANIC.
-
- Thread-safe.
-
- # Safety
- The pointers are as described.
+/**
+ * The scratch that cata_atb_with_scratch_f64 needs for A m x n, B m x k and the same params.
+ *
+ * `len`: one size_t, not NULL; written on success: a number of elements, not bytes.
+ * `params`: as in cata_atb_f64.
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED or
+ * CATA_ERR_PANIC.
+ *
+ * Thread-safe.
  */
 cata_status cata_atb_scratch_len_f64(size_t m,
                                      size_t n,
@@ -715,13 +585,10 @@ cata_status cata_atb_scratch_len_f64(size_t m,
                                      const struct cata_ata_params *params,
                                      size_t *len);
 
-/*
- As cata_atb_scratch_len_f64, in float.
-
- Thread-safe.
-
- # Safety
- The pointers are as described at `cata_atb_scratch_len_f64`.
+/**
+ * As cata_atb_scratch_len_f64, in float.
+ *
+ * Thread-safe.
  */
 cata_status cata_atb_scratch_len_f32(size_t m,
                                      size_t n,
@@ -729,17 +596,14 @@ cata_status cata_atb_scratch_len_f32(size_t m,
                                      const struct cata_ata_params *params,
                                      size_t *len);
 
-/*
- cata_atb_f64 without allocating its workspace.
-
- `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as many as
- cata_atb_scratch_len_f64 says for the same m, n, k and params, else CATA_ERR_SHAPE. May be
- NULL when `scratch_len` is 0. It must not overlap A, B or C. The rest as in cata_atb_f64.
-
- Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
-
- # Safety
- The pointers are as described at `cata_atb_f64`. So is `scratch` here.
+/**
+ * cata_atb_f64 without allocating its workspace.
+ *
+ * `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as many as
+ * cata_atb_scratch_len_f64 says for the same m, n, k and params, else CATA_ERR_SHAPE. May be
+ * NULL when `scratch_len` is 0. It must not overlap A, B or C. The rest as in cata_atb_f64.
+ *
+ * Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
  */
 cata_status cata_atb_with_scratch_f64(int32_t layout,
                                       size_t m,
@@ -757,13 +621,10 @@ cata_status cata_atb_with_scratch_f64(int32_t layout,
                                       size_t scratch_len,
                                       const struct cata_ata_params *params);
 
-/*
- As cata_atb_with_scratch_f64, in float.
-
- Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
-
- # Safety
- The pointers are as described at `cata_atb_with_scratch_f64`.
+/**
+ * As cata_atb_with_scratch_f64, in float.
+ *
+ * Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
  */
 cata_status cata_atb_with_scratch_f32(int32_t layout,
                                       size_t m,
@@ -781,27 +642,24 @@ cata_status cata_atb_with_scratch_f32(int32_t layout,
                                       size_t scratch_len,
                                       const struct cata_ata_params *params);
 
-/*
- Checks that C = alpha A^T A for A m x n and C n x n, up to rounding, with `rounds` random vectors
- (Freivalds 1977), in time proportional to rounds (m n + n^2).
-
- - `layout`, `uplo`, `m`, `n`, `a`, `lda`: as in cata_ata_f64; only the part `uplo` of C is looked at.
- - `c`: C, read, as long as in cata_ata_f64.
- - `rounds`: 1 to 1000. A C with an entry wrong by more than twice the tolerance passes with
-   probability at most 2^-rounds.
- - `seed`: of the random vectors; the same seed gives the same answer.
- - `passed`: one int32_t, not NULL; written on success: 1 if C passed, else 0.
- - `residual`, `tolerance`: one double each, NULL where not wanted; written on success: the largest
-   entry of |C X - alpha A^T (A X)|, and how large rounding may make it. NaN or infinity in the
-   residual never passes.
-
- Returns CATA_OK, whether C passed or not, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT,
- CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC.
-
- Thread-safe; runs on the calling thread.
-
- # Safety
- The pointers are as described.
+/**
+ * Checks that C = alpha A^T A for A m x n and C n x n, up to rounding, with `rounds` random vectors
+ * (Freivalds 1977), in time proportional to rounds (m n + n^2).
+ *
+ * - `layout`, `uplo`, `m`, `n`, `a`, `lda`: as in cata_ata_f64; only the part `uplo` of C is looked at.
+ * - `c`: C, read, as long as in cata_ata_f64.
+ * - `rounds`: 1 to 1000. A C with an entry wrong by more than twice the tolerance passes with
+ *   probability at most 2^-rounds.
+ * - `seed`: of the random vectors; the same seed gives the same answer.
+ * - `passed`: one int32_t, not NULL; written on success: 1 if C passed, else 0.
+ * - `residual`, `tolerance`: one double each, NULL where not wanted; written on success: the largest
+ *   entry of |C X - alpha A^T (A X)|, and how large rounding may make it. NaN or infinity in the
+ *   residual never passes.
+ *
+ * Returns CATA_OK, whether C passed or not, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT,
+ * CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC.
+ *
+ * Thread-safe; runs on the calling thread.
  */
 cata_status cata_verify_f64(int32_t layout,
                             int32_t uplo,
@@ -818,13 +676,10 @@ cata_status cata_verify_f64(int32_t layout,
                             double *residual,
                             double *tolerance);
 
-/*
- As cata_verify_f64, for a product in float. The check itself is in double.
-
- Thread-safe; runs on the calling thread.
-
- # Safety
- The pointers are as described at `cata_verify_f64`.
+/**
+ * As cata_verify_f64, for a product in float. The check itself is in double.
+ *
+ * Thread-safe; runs on the calling thread.
  */
 cata_status cata_verify_f32(int32_t layout,
                             int32_t uplo,
@@ -841,11 +696,11 @@ cata_status cata_verify_f32(int32_t layout,
                             double *residual,
                             double *tolerance);
 
-/*
- For the tests of this ABI only: panics inside the library, on the calling thread if `worker` is
- 0 and else on a thread of its own, to show that no panic reaches the caller.
-
- Returns CATA_ERR_PANIC. Thread-safe.
+/**
+ * For the tests of this ABI only: panics inside the library, on the calling thread if `worker` is
+ * 0 and else on a thread of its own, to show that no panic reaches the caller.
+ *
+ * Returns CATA_ERR_PANIC. Thread-safe.
  */
 cata_status cata_internal_panic(int32_t worker);
 

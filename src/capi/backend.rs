@@ -93,24 +93,29 @@ pub unsafe extern "C" fn cata_backend_openblas(backend: *mut *mut cata_backend) 
 }
 
 /// Short name of a back end, such as "openblas" or the file name of a loaded library, in UTF-8;
-/// valid until cata_backend_free. The empty string for NULL. Never NULL; do not free it.
+/// valid until cata_backend_free; the empty string for NULL. Never NULL; do not free it.
+///
+/// `backend`: NULL, or made by cata_backend_load or cata_backend_openblas and not yet freed.
 ///
 /// Thread-safe.
 ///
 /// # Safety
-/// `backend` is NULL or was made by cata_backend_load or cata_backend_openblas and not yet freed.
+/// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_backend_name(backend: *const cata_backend) -> *const c_char {
     // SAFETY: the caller's promise.
     unsafe { backend.as_ref() }.map_or(c"".as_ptr(), |b| b.name.as_ptr())
 }
 
-/// Gives a back end back; NULL is allowed and does nothing.
+/// Gives a back end back.
+///
+/// `backend`: made by cata_backend_load or cata_backend_openblas and not yet freed; NULL does
+/// nothing.
 ///
 /// Thread-safe, but no call may be using the back end.
 ///
 /// # Safety
-/// `backend` is NULL or was made by cata_backend_load or cata_backend_openblas, and not yet freed.
+/// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_backend_free(backend: *mut cata_backend) {
     boundary(|| {

@@ -1,7 +1,7 @@
 //! The C ABI: `include/catamaran.h` is generated from this module by `cargo xtask header`.
 //!
-//! One file per area; every export passes through [`boundary::boundary`], and only
-//! [`pointer`] makes views of what C points to. Nothing here is meant to be called from Rust.
+//! One file per area; every export that can fail passes through `boundary`, and only `pointer`
+//! makes views of what C points to. Nothing here is meant to be called from Rust.
 
 #![allow(non_camel_case_types)] // the names are those of the C header
 

@@ -30,7 +30,7 @@ pub const CATA_SCHEME_KGP3: i32 = 6;
 pub type cata_progress = Option<extern "C" fn(fraction: f64, user: *mut c_void) -> i32>;
 
 /// How a product is computed. Every field but the first is 0 (NULL) by default, so that
-/// `cata_ata_params params = {sizeof params};` is the same as cata_ata_params_init.
+/// `cata_ata_params params = {.struct_size = sizeof params};` does what cata_ata_params_init does.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_ata_params {
@@ -76,7 +76,8 @@ const MOST_TASKS: usize = 1 << 16;
 
 /// Fills a parameter struct with the defaults.
 ///
-/// `params`: one struct, not NULL, written. `struct_size`: sizeof(cata_ata_params).
+/// `params`: one struct, not NULL; `struct_size` bytes are written.
+/// `struct_size`: sizeof(cata_ata_params).
 /// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
 ///
 /// Thread-safe.

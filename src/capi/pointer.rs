@@ -147,7 +147,7 @@ pub(super) fn check_size<T>(what: &str, rows: usize, cols: usize) -> Result<(), 
     strides::<T>(what, Layout::RowMajor, rows, cols, cols.max(1)).map(|_| ())
 }
 
-/// Elements from the first to the last of a matrix, and its row and column strides.
+/// Elements from the first to the last of a matrix with both included, and its row and column strides.
 fn strides<T>(
     what: &str,
     layout: Layout,
@@ -164,9 +164,10 @@ fn strides<T>(
             format!("ld{what}: must be at least {} ({unit} of {what}), is {ld}", line.max(1));
         return Err(Failure::new(CATA_ERR_SHAPE, message));
     }
-    let len = match lines {
-        0 => Some(0),
-        _ => (lines - 1).checked_mul(ld).and_then(|len| len.checked_add(line)),
+    let len = if rows == 0 || cols == 0 {
+        Some(0)
+    } else {
+        (lines - 1).checked_mul(ld).and_then(|len| len.checked_add(line))
     };
     let most = isize::MAX as usize / size_of::<T>();
     // A dimension alone can be beyond reason when the other one is 0.

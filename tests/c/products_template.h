@@ -10,7 +10,7 @@ static REAL LOCAL(entry)(unsigned *state)
 
 static REAL *LOCAL(make)(size_t len, unsigned seed)
 {
-    /* No room beyond the last element, so that ASan and Valgrind see every step too far. */
+    /* No room beyond the last element, so that Valgrind sees every step too far. */
     REAL *x = malloc(len * sizeof(REAL) + (len == 0));
     if (x == NULL) {
         fputs("out of memory\n", stderr);

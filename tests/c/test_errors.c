@@ -146,7 +146,7 @@ static void test_params(void)
     future.later[1] = 1;
     CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &future.known), CATA_ERR_UNSUPPORTED);
 
-    cata_ata_params params = {sizeof params};
+    cata_ata_params params = {.struct_size = sizeof params};
     cata_ata_params initialised;
     CHECK_STATUS(cata_ata_params_init(&initialised, sizeof initialised), CATA_OK);
     CHECK(memcmp(&params, &initialised, sizeof params) == 0);
@@ -202,7 +202,7 @@ static void test_progress(void)
     enum { BIG = 200 };
     static double big[BIG * BIG], to[BIG * BIG];
     struct progress progress = {0, 0, 0.0};
-    cata_ata_params params = {sizeof params};
+    cata_ata_params params = {.struct_size = sizeof params};
     params.threads = 1;
     params.tasks = 16;
     params.progress = count;
@@ -252,7 +252,7 @@ static void test_loaded_backend(const char *path)
         return;
     }
     double from[6] = {1, 2, 3, 4, 5, 6}, to[4] = {0};
-    cata_ata_params params = {sizeof params};
+    cata_ata_params params = {.struct_size = sizeof params};
     params.backend = backend;
     params.threads = 1;
     CHECK_STATUS(cata_ata_f64(ROW, CATA_BOTH, 3, 2, 1.0, from, 2, 0.0, to, 2, &params), CATA_OK);

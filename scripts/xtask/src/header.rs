@@ -47,7 +47,7 @@ fn generate(root: &Path) -> Result<String, String> {
     let bindings = builder.generate().map_err(|e| format!("cbindgen: {e}"))?;
     let mut text = Vec::new();
     bindings.write(&mut text);
-    String::from_utf8(text).map_err(|e| format!("cbindgen: {e}"))
+    Ok(tidied(&String::from_utf8(text).map_err(|e| format!("cbindgen: {e}"))?))
 }
 
 /// A new file of src/capi must be entered above, or its exports would be missing silently.
@@ -62,6 +62,41 @@ fn every_file_is_known(capi: &Path) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// Comments as in C: one line where one is enough, and without the sections that say the same to
+/// readers of Rust.
+fn tidied(header: &str) -> String {
+    let mut lines: Vec<&str> = Vec::new();
+    let mut in_safety = false;
+    for line in header.lines() {
+        in_safety = (in_safety || line == " * # Safety") && line != " */";
+        if in_safety {
+            continue;
+        }
+        if line == " */" && lines.last() == Some(&" *") {
+            lines.pop();
+        }
+        lines.push(line);
+    }
+    let text = lines.join("\n") + "\n";
+    let mut tidy = String::new();
+    let mut rest = text.as_str();
+    while let Some(start) = rest.find("/**\n") {
+        let (before, comment) = rest.split_at(start);
+        tidy += before;
+        let end = comment.find("*/").map_or(comment.len(), |end| end + 2);
+        let (comment, after) = comment.split_at(end);
+        let inner: Vec<&str> = comment.lines().collect();
+        match inner[..] {
+            ["/**", only, _] => {
+                tidy += &format!("/** {} */", only.trim_start().trim_start_matches("* "));
+            }
+            _ => tidy += comment,
+        }
+        rest = after;
+    }
+    tidy + rest
 }
 
 fn preamble() -> String {
@@ -87,9 +122,23 @@ fn version_macros() -> String {
         ("MINOR", env!("CARGO_PKG_VERSION_MINOR")),
         ("PATCH", env!("CARGO_PKG_VERSION_PATCH")),
     ];
-    let mut text = String::from("\n/* The version of this header; cata_version tells the library's. */\n");
+    let mut text =
+        String::from("\n/* The version of this header; cata_version tells the library's. */\n");
     for (part, number) in parts {
         text += &format!("#define CATA_VERSION_{part} {number}\n");
     }
     text + &format!("#define CATA_VERSION_STRING \"{}\"", env!("CARGO_PKG_VERSION"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::tidied;
+
+    #[test]
+    fn comments_are_tidied() {
+        let raw = "/**\n * One.\n */\n#define A 1\n\n/**\n * Two\n * lines.\n *\n * # Safety\n \
+                   * Rust.\n */\nint f(void);\n";
+        let tidy = "/** One. */\n#define A 1\n\n/**\n * Two\n * lines.\n */\nint f(void);\n";
+        assert_eq!(tidied(raw), tidy);
+    }
 }
