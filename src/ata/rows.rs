@@ -7,7 +7,7 @@ use faer::{MatMut, MatRef};
 use super::options::AtaOptions;
 use super::plan::Plan;
 use super::run_symmetric;
-use crate::base::{Error, Real, Result, Workspace};
+use crate::base::{Error, Flow, Progress, Real, Result, Workspace};
 use crate::blas::BlasReal;
 
 /// A source of the rows of a matrix, block by block.
@@ -119,8 +119,15 @@ pub fn ata_rows<T: BlasReal>(
             }
             wx.into_const()
         });
+        // The fraction of a block, told as that of all rows.
+        let tell = |fraction: f64| {
+            let all = (first as f64 + fraction * count as f64) / m as f64;
+            options.progress.map_or(Flow::Continue, |progress| progress(all))
+        };
+        let progress = options.progress.map(|_| &tell as Progress<'_>);
+        let options = AtaOptions { progress, ..options.clone() };
         let scratch = scratch.as_mut_slice();
-        run_symmetric(&plan, alpha, x.rb(), wx, beta, c.rb_mut(), options, scratch)?;
+        run_symmetric(&plan, alpha, x.rb(), wx, beta, c.rb_mut(), &options, scratch)?;
         beta = T::ONE;
         first += count;
         if first >= m {

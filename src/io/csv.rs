@@ -68,6 +68,9 @@ pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> R
         debug_assert_eq!(values.len() - before, kept.len());
         nrows += 1;
     }
+    if nrows == 0 {
+        return Err(source.fail("the file ends without a row of numbers"));
+    }
     let shape = (nrows, kept.len());
     Ok(Matrix::F64(Dense::new(values, shape, true, 0..kept.len())))
 }

@@ -73,7 +73,8 @@ fn format_of(path: &Path) -> Result<(Format, bool)> {
 ///   `pattern` (ones); `general`, `symmetric`, `skew-symmetric`. Repeated coordinates are summed.
 /// - `.csv`, `.tsv`, `.txt`: f64, split at tabs, semicolons, commas or runs of blanks, whichever of
 ///   these the first line holds first in this order. Lines that start with `#` and empty lines are
-///   skipped. A first line without any number is a header.
+///   skipped. A first line without any number is a header. At least one row of numbers
+///   must be there.
 ///
 /// The extra memory beyond the result is a buffer (twice the entries for a sparse matrix).
 ///
