@@ -282,6 +282,17 @@ fn strict_names_the_entry_that_is_not_finite() {
 }
 
 #[test]
+fn failed_check_writes_nothing() {
+    let folder = Folder::new();
+    folder.write("a.csv", "1,2\n3,inf\n");
+    let message = folder.fail("ata a.csv -o c.npy --picture c.png --verify");
+    assert!(
+        message.contains("the check failed, and nothing is written: residual NaN"),
+        "{message}"
+    );
+}
+
+#[test]
 fn weights_that_do_not_fit_are_refused() {
     let (folder, _) = with_input();
     folder.write("w.csv", "1\n2\n3\n");
