@@ -177,9 +177,6 @@ typedef struct cata_ata_params {
 /** A bug in Catamaran, caught at the border; the message says where. The library stays usable. */
 #define CATA_ERR_PANIC 11
 
-/** An error that this version of the ABI has no code for; the message tells. */
-#define CATA_ERR_OTHER 12
-
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -222,7 +219,7 @@ uint64_t cata_capabilities(void);
 const char *cata_last_error_message(void);
 
 /**
- * The name of a status, such as "CATA_ERR_SHAPE"; "CATA_ERR_OTHER" for a value that is none.
+ * The name of a status, such as "CATA_ERR_SHAPE"; "unknown status" for a value that is none.
  * Static, never NULL; do not free it.
  *
  * Thread-safe.

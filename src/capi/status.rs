@@ -30,8 +30,6 @@ pub const CATA_ERR_CANCELLED: cata_status = 9;
 pub const CATA_ERR_UNSUPPORTED: cata_status = 10;
 /// A bug in Catamaran, caught at the border; the message says where. The library stays usable.
 pub const CATA_ERR_PANIC: cata_status = 11;
-/// An error that this version of the ABI has no code for; the message tells.
-pub const CATA_ERR_OTHER: cata_status = 12;
 
 /// The message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty when
 /// none has. A call that succeeds leaves it alone. Never NULL.
@@ -45,7 +43,7 @@ pub extern "C" fn cata_last_error_message() -> *const c_char {
     last_message()
 }
 
-/// The name of a status, such as "CATA_ERR_SHAPE"; "CATA_ERR_OTHER" for a value that is none.
+/// The name of a status, such as "CATA_ERR_SHAPE"; "unknown status" for a value that is none.
 /// Static, never NULL; do not free it.
 ///
 /// Thread-safe.
@@ -68,7 +66,7 @@ fn name(status: cata_status) -> &'static CStr {
         CATA_ERR_CANCELLED => c"CATA_ERR_CANCELLED",
         CATA_ERR_UNSUPPORTED => c"CATA_ERR_UNSUPPORTED",
         CATA_ERR_PANIC => c"CATA_ERR_PANIC",
-        _ => c"CATA_ERR_OTHER",
+        _ => c"unknown status",
     }
 }
 
@@ -91,6 +89,7 @@ impl Failure {
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
+        // No catch-all: a new kind of error wants a new value.
         let status = match &error {
             Error::Shape { .. } => CATA_ERR_SHAPE,
             Error::Argument { .. } => CATA_ERR_ARGUMENT,
@@ -100,9 +99,6 @@ impl From<Error> for Failure {
             Error::OutOfMemory { .. } => CATA_ERR_OUT_OF_MEMORY,
             Error::Backend { .. } => CATA_ERR_BACKEND,
             Error::Cancelled => CATA_ERR_CANCELLED,
-            // Reached when the enum grows before this table does.
-            #[allow(unreachable_patterns)]
-            _ => CATA_ERR_OTHER,
         };
         Self::new(status, error.to_string())
     }
