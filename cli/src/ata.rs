@@ -5,12 +5,13 @@ use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use catamaran::ata::{Center, DenseRows, RowBlocks, RowOptions, ata_rows, verify_rows};
 use catamaran::base::Workspace;
-use catamaran::blas::BlasReal;
+use catamaran::blas::{Backend, BlasReal};
 use catamaran::faer::prelude::Reborrow;
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::io::{
@@ -136,6 +137,7 @@ pub fn run(args: &Args) -> Result<()> {
             bail!("{}: exists already (--force replaces it)", path.display());
         }
     }
+    let backend = backend::find(&args.backend)?;
     let create = |path: &PathBuf| Output::create(path, overwrite);
     let outputs = Outputs {
         c: args.output.as_ref().map(create).transpose()?,
@@ -164,9 +166,9 @@ pub fn run(args: &Args) -> Result<()> {
         None => None,
     };
     if double {
-        product::<f64>(args, &a, weights.as_deref(), outputs)
+        product::<f64>(args, &a, weights.as_deref(), backend, outputs)
     } else {
-        product::<f32>(args, &a, weights.as_deref(), outputs)
+        product::<f32>(args, &a, weights.as_deref(), backend, outputs)
     }
 }
 
@@ -181,6 +183,7 @@ fn product<T: BlasReal>(
     args: &Args,
     a: &Matrix,
     weights: Option<&[f64]>,
+    backend: Arc<dyn Backend>,
     outputs: Outputs,
 ) -> Result<()> {
     let (m, n) = (a.nrows(), a.ncols());
@@ -203,7 +206,7 @@ fn product<T: BlasReal>(
         par: args.threads.map_or_else(Par::all, |n| Par::Threads(n.get())),
         scheme: args.scheme,
         accuracy: args.accuracy,
-        backend: backend::find(&args.backend)?,
+        backend,
         progress: Some(&update),
         ..AtaOptions::default()
     };
