@@ -48,7 +48,7 @@ proptest! {
         leaf in 1_usize..40,
         tasks in 1_usize..20,
         threads in 1_usize..4,
-        uplo in 0..3,
+        uplo in 0_usize..3,
         alpha in -3..3,
         beta in -2..2,
         backend in 0..backends().len(),
