@@ -5,7 +5,7 @@ use std::fmt;
 
 use super::options::{Accuracy, AtaOptions, SchemeChoice};
 use super::recurse::{Op, block_start, scratch_len};
-use super::scheme::{ProductKind, SchemeId};
+use super::scheme::SchemeId;
 use super::tree::{Node, Task};
 use crate::base::{Error, Real, Result};
 use crate::blas::Rates;
@@ -144,17 +144,13 @@ impl Plan {
             };
             slabs as f64 * tasks.iter().map(one).sum::<f64>()
         };
-        let classical = Recursion {
-            symmetric: vec![SchemeId::Split],
-            general: vec![],
-            base: Base::Side(SPLIT_SIDE),
-            fast_levels: 0,
-        };
+        let classical = Recursion::none();
         let classical_estimate = seconds(&classical);
         let allowed = allowed_levels(options.accuracy);
         let recursion = match options.scheme {
             SchemeChoice::Auto => {
-                let candidates = candidates(options.leaf, allowed);
+                let shortest = tasks.iter().map(|t| t.rows.len().min(t.cols.len())).min();
+                let candidates = candidates(options.leaf, shortest.unwrap_or(0).min(m), allowed);
                 let best = candidates
                     .into_iter()
                     .map(|r| (seconds(&r), r))
@@ -220,20 +216,24 @@ impl Plan {
 
     /// Whether any product is computed with fewer multiplications than the classical count.
     pub fn is_fast(&self) -> bool {
-        let fast = |op: Op, m, n, k| {
-            self.recursion
-                .choose(op != Op::Gemm, m, n, k, self.recursion.fast_levels)
-                .is_some_and(|id| id != SchemeId::Split || self.recursion.fast_levels > 0)
-        };
-        self.recursion.fast_levels > 0
-            && self.tree.tasks().iter().any(|t| {
-                fast(t.op(true), self.m / self.slabs, t.rows.len(), t.cols.len())
-            })
+        let Self { recursion, m, slabs, .. } = self;
+        let any = |t: &Task| uses_fast(recursion, t.op(true), m / slabs, t.rows.len(), t.cols.len());
+        self.tree.tasks().iter().any(any)
     }
 }
 
-/// Smallest side of the blocks of a symmetric split: below, the back end's own triangle is better.
-const SPLIT_SIDE: usize = 256;
+/// Whether a node of this shape leads to a scheme with additions.
+fn uses_fast(recursion: &Recursion, op: Op, m: usize, n: usize, k: usize) -> bool {
+    let Some(id) = recursion.choose(op.symmetric(), m, n, k, recursion.fast_levels) else {
+        return false;
+    };
+    let s = id.scheme();
+    s.is_fast()
+        || s.products.iter().any(|p| {
+            let (m, n, k) = (m.div_ceil(s.inner), n.div_ceil(s.left), k.div_ceil(s.right));
+            uses_fast(recursion, op.of_product(p.kind), m, n, k)
+        })
+}
 
 fn check(options: &AtaOptions<'_>) -> Result<()> {
     let refuse = |what, why: &str| Err(Error::Argument { what, why: why.into() });
@@ -273,11 +273,16 @@ fn default_slabs(m: usize, n: usize, k: usize) -> usize {
     if side <= 768 { (m / (16 * side).max(2048)).clamp(1, 16) } else { 1 }
 }
 
-/// The recursions worth a look.
-fn candidates(leaf: Option<usize>, allowed: usize) -> Vec<Recursion> {
+/// The recursions worth a look, for blocks of C with sides of `shortest` or more.
+fn candidates(leaf: Option<usize>, shortest: usize, allowed: usize) -> Vec<Recursion> {
+    /// Shorter blocks never gain, and estimating them would take a visible part of the time.
+    const WORTHWHILE: usize = 768;
     let mut found = Vec::new();
-    for side in leaf.map_or(vec![256, 384, 512, 768, 1024, 1536], |l| vec![l]) {
-        for levels in 1..=allowed.min(6) {
+    if leaf.is_none() && shortest < WORTHWHILE {
+        return found;
+    }
+    for side in leaf.map_or(vec![256, 384, 512, 768, 1024], |l| vec![l]) {
+        for levels in 1..=allowed.min(5) {
             for symmetric in [vec![SchemeId::Split], vec![SchemeId::Kgp4, SchemeId::Split]] {
                 found.push(Recursion {
                     symmetric,
@@ -314,13 +319,12 @@ impl Machine {
     /// Seconds of a product left to the back end.
     fn leaf(&self, op: Op, [m, n, k]: [usize; 3]) -> f64 {
         /// Side at which a product runs at half its speed.
-        const HALF: f64 = 16.0;
-        let (m, n, k) = (m as f64, n as f64, k as f64);
+        const HALF: f64 = 8.0;
+        let (m, n, k) = (m.max(1) as f64, n.max(1) as f64, k.max(1) as f64);
         let ideal = 2.0 * m * n * k / self.flops;
-        let overhead = 1.0 + HALF / n.max(1.0) + HALF / k.max(1.0) + HALF / m.max(1.0);
         match op {
-            Op::Gemm => ideal * overhead,
-            Op::Syrk | Op::Gemmt => ideal / 2.0 / self.syrk_efficiency * (1.0 + 2.0 * HALF / n),
+            Op::Gemm => ideal * (1.0 + HALF / n + HALF / k + HALF / m),
+            Op::Syrk | Op::Gemmt => ideal / 2.0 / self.syrk_efficiency * (1.0 + 5.0 * HALF / n),
         }
     }
 
@@ -333,7 +337,7 @@ impl Machine {
         memory: &mut HashMap<(Op, [usize; 3], usize), f64>,
     ) -> f64 {
         let [m, n, k] = shape;
-        let Some(id) = recursion.choose(op != Op::Gemm, m, n, k, levels) else {
+        let Some(id) = recursion.choose(op.symmetric(), m, n, k, levels) else {
             return self.leaf(op, shape);
         };
         if let Some(&known) = memory.get(&(op, shape, levels)) {
@@ -346,11 +350,7 @@ impl Machine {
         let mut total = 0.0;
         let mut moved = 0.0;
         for product in &scheme.products {
-            let child_op = match product.kind {
-                ProductKind::Syrk | ProductKind::SyrkFull if op == Op::Syrk => Op::Syrk,
-                ProductKind::Syrk | ProductKind::Gemmt => Op::Gemmt,
-                ProductKind::SyrkFull | ProductKind::Gemm => Op::Gemm,
-            };
+            let child_op = op.of_product(product.kind);
             total += self.seconds(recursion, child_op, child, below, memory);
             // Reads, the write, and the read that a write to uncached memory implies.
             let sum = |terms: usize| if terms > 1 { terms as f64 + 2.0 } else { 0.0 };

@@ -33,13 +33,13 @@ pub(crate) enum Op {
 }
 
 impl Op {
-    fn symmetric(self) -> bool {
+    pub(crate) fn symmetric(self) -> bool {
         self != Self::Gemm
     }
 
     /// What a product of a scheme becomes inside a node of this kind: without A = B there are no
     /// squares.
-    fn of_product(self, kind: ProductKind) -> Self {
+    pub(crate) fn of_product(self, kind: ProductKind) -> Self {
         match (kind, self) {
             (ProductKind::Gemm, _) => Self::Gemm,
             (ProductKind::SyrkFull, Self::Syrk) => Self::Syrk,

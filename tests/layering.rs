@@ -1,0 +1,119 @@
+//! The layers of the house: a file imports only modules of layers below its own, or of its own
+//! module, or the siblings listed here.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Module, layer, and the modules of the same layer that it may import.
+const LAYERS: [(&str, u8, &[&str]); 20] = [
+    ("base", 0, &[]),
+    ("kernel", 1, &[]),
+    ("blas", 1, &["kernel"]),
+    ("ata", 2, &[]),
+    ("dense", 2, &[]),
+    ("sparse", 2, &["dense"]),
+    ("ortho", 2, &["ata", "dense", "sparse"]),
+    ("mesh", 3, &[]),
+    ("io", 3, &[]),
+    ("spectral", 4, &[]),
+    ("unions", 4, &[]),
+    ("texture", 4, &[]),
+    ("plant", 4, &[]),
+    ("decimate", 4, &[]),
+    ("curve", 4, &[]),
+    ("mpi", 5, &[]),
+    ("opencl", 5, &[]),
+    ("capi", 6, &[]),
+    // Items that lib.rs re-exports; they are imported by their own modules.
+    ("lib", 7, &[]),
+    ("tests", 7, &[]),
+];
+
+fn layer(module: &str) -> Option<&'static (&'static str, u8, &'static [&'static str])> {
+    LAYERS.iter().find(|l| l.0 == module)
+}
+
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(rust_files(&path));
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+    found
+}
+
+/// The modules named right after each `crate::` in `text`, groups (`crate::{a, b}`) included.
+fn imported(text: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for rest in text.split("crate::").skip(1) {
+        let word = |s: &str| {
+            s.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>()
+        };
+        if let Some(group) = rest.strip_prefix('{') {
+            let mut depth = 0;
+            let mut item = String::new();
+            for c in group.chars() {
+                match c {
+                    '{' => depth += 1,
+                    '}' if depth == 0 => break,
+                    '}' => depth -= 1,
+                    ',' if depth == 0 => found.push(word(&std::mem::take(&mut item))),
+                    _ => item.push(c),
+                }
+            }
+            found.push(word(&item));
+        } else {
+            found.push(word(rest));
+        }
+    }
+    found.retain(|f| !f.is_empty());
+    found
+}
+
+/// The breaches of a file of `module` with this text.
+fn breaches(module: &str, text: &str) -> Vec<String> {
+    let &(_, own, siblings) = layer(module).unwrap_or_else(|| panic!("{module}: not in the list"));
+    let code: String = text
+        .lines()
+        .map(|line| line.split("//").next().unwrap_or_default())
+        .collect::<Vec<_>>()
+        .join("\n");
+    imported(&code)
+        .into_iter()
+        .filter(|target| match layer(target) {
+            Some(&(name, other, _)) => {
+                other >= own && name != module && !siblings.contains(&name)
+            }
+            // Not a module: an item re-exported at the root, which hides where it comes from.
+            None => true,
+        })
+        .collect()
+}
+
+#[test]
+fn every_module_imports_only_from_below() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut wrong = Vec::new();
+    for file in rust_files(&src) {
+        let relative = file.strip_prefix(&src).unwrap();
+        let first = relative.components().next().unwrap().as_os_str().to_str().unwrap();
+        let module = first.trim_end_matches(".rs");
+        for target in breaches(module, &fs::read_to_string(&file).unwrap()) {
+            wrong.push(format!("{}: crate::{target}", relative.display()));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn a_breach_is_found() {
+    assert_eq!(breaches("blas", "use crate::base::Real;\nuse crate::ata::Plan;"), ["ata"]);
+    assert_eq!(breaches("base", "use crate::{base::x, io::{npy, csv}, blas};"), ["io", "blas"]);
+    assert_eq!(breaches("io", "let x = crate::mesh::read();"), ["mesh"]);
+    assert_eq!(breaches("ata", "use crate::Error;"), ["Error"]);
+    assert!(breaches("ortho", "use crate::ata; // crate::capi").is_empty());
+}

@@ -1,0 +1,105 @@
+//! Memory: what the scratch queries promise, counted by the allocator.
+
+mod common;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::{Arc, Mutex};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use catamaran::faer::Mat;
+use catamaran::{AtaOptions, Par, SchemeChoice, ata, ata_scratch_len, atb, atb_scratch_len};
+
+/// Counts the bytes that are allocated and not freed, and their peak.
+struct Counting;
+
+static NOW: AtomicUsize = AtomicUsize::new(0);
+static PEAK: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: everything is passed on to the system allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let now = NOW.fetch_add(layout.size(), Ordering::SeqCst) + layout.size();
+        PEAK.fetch_max(now, Ordering::SeqCst);
+        // SAFETY: passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, ptr: *mut u8, layout: Layout) {
+        NOW.fetch_sub(layout.size(), Ordering::SeqCst);
+        // SAFETY: passed on.
+        unsafe { System.dealloc(ptr, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// One measurement at a time.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// Peak of bytes allocated by `work` beyond what there was; a first run has filled what
+/// rayon keeps.
+fn peak(mut work: impl FnMut()) -> usize {
+    let _turn = TURN.lock().unwrap();
+    work();
+    let before = NOW.load(Ordering::SeqCst);
+    PEAK.store(before, Ordering::SeqCst);
+    work();
+    PEAK.load(Ordering::SeqCst) - before
+}
+
+/// Options with a back end that allocates nothing itself.
+fn lean() -> AtaOptions<'static> {
+    AtaOptions { backend: Arc::new(common::Naive), ..AtaOptions::default() }
+}
+
+/// What the bookkeeping of a call may take: tasks, lanes, block lists.
+const SMALL: usize = 64 << 10;
+
+#[test]
+fn the_faithful_mode_needs_at_most_three_halves_n_squared_elements() {
+    for n in [128, 250, 389] {
+        for par in [Par::Seq, Par::Threads(2)] {
+X
+            let len = ata_scratch_len::<f64>(n, n, &options).unwrap();
+            assert!(len > 0 && 2 * len <= 3 * n * n, "n = {n}: {len} elements");
+            let a = Mat::<f64>::ones(n, n);
+            let mut c = Mat::<f64>::zeros(n, n);
+            let used = peak(|| ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap());
+            assert!(used <= 8 * len + SMALL, "n = {n}: {used} bytes for {len} elements");
+            assert!(used >= 8 * len, "n = {n}: the scratch is one allocation");
+        }
+    }
+}
+
+#[test]
+fn faststrassen_needs_at_most_three_halves_n_squared_elements() {
+    for n in [128, 255, 300] {
+        let options = AtaOptions {
+            scheme: SchemeChoice::Ata2,
+            leaf: Some(32),
+            tasks: Some(1),
+            par: Par::Seq,
+            ..lean()
+        };
+        let len = atb_scratch_len::<f64>(n, n, n, &options).unwrap();
+        assert!(len > 0 && 2 * len <= 3 * n * n, "n = {n}: {len} elements");
+        let (a, b) = (Mat::<f64>::ones(n, n), Mat::<f64>::ones(n, n));
+        let mut c = Mat::<f64>::zeros(n, n);
+        let work = || atb(1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+        assert!(peak(work) <= 8 * len + SMALL, "n = {n}");
+    }
+}
+
+#[test]
+fn every_scheme_stays_within_its_scratch_query() {
+    let (m, n) = (300, 250);
+    let a = Mat::<f32>::ones(m, n);
+    let mut c = Mat::<f32>::zeros(n, n);
+    for (name, scheme) in SchemeChoice::NAMES {
+        let options = AtaOptions { scheme, leaf: Some(20), ..lean() };
+        let len = ata_scratch_len::<f32>(m, n, &options).unwrap();
+        let used = peak(|| ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap());
+        assert!(used <= 4 * len + SMALL, "{name}: {used} bytes for {len} elements");
+    }
+}

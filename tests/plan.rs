@@ -1,0 +1,131 @@
+//! Plans are data: they can be checked for any number of processes without running anything.
+
+use catamaran::ata::{Node, Task, levels};
+use catamaran::{Accuracy, AtaOptions, Par, Plan, SchemeChoice};
+
+/// Equation 8.6 as printed, `P / 2` in integers.
+fn equation_8_6(p: usize) -> usize {
+    match p {
+        1 => 0,
+        2 | 3 => 1,
+        _ => {
+            let half = p / 2;
+            let k = (0..).take_while(|&k| half >= 4_usize.pow(k)).last().unwrap();
+            1 + k as usize + usize::from(half % 4_usize.pow(k.max(1)) > 0)
+        }
+    }
+}
+
+#[test]
+fn levels_of_the_task_tree_are_those_of_equation_8_6() {
+    for p in 1..=64 {
+        assert_eq!(levels(p), equation_8_6(p), "P = {p}");
+        assert_eq!(Node::symmetric(4096, p).depth(), equation_8_6(p), "P = {p}");
+    }
+}
+
+/// How often each entry is owned, and by how many tasks each process is served.
+fn ownership(n: usize, k: usize, tasks: &[Task]) -> Vec<usize> {
+    let mut owners = vec![0; n * k];
+    for task in tasks {
+        for i in task.rows.clone() {
+            for j in task.cols.clone() {
+                owners[i * k + j] += usize::from(!task.triangle || i >= j);
+            }
+        }
+    }
+    owners
+}
+
+#[test]
+fn leaves_own_every_entry_of_the_lower_triangle_once() {
+    for p in 1..=64 {
+        for n in [0, 1, 2, 3, 31, 100] {
+            let owners = ownership(n, n, &Node::symmetric(n, p).tasks());
+            for i in 0..n {
+                for j in 0..n {
+                    assert_eq!(owners[i * n + j], usize::from(i >= j), "P = {p}, n = {n}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn leaves_own_every_entry_of_a_general_product_once() {
+    for p in 1..=64 {
+        for (n, k) in [(0, 4), (1, 1), (5, 64), (64, 5), (33, 47)] {
+            let owners = ownership(n, k, &Node::general(n, k, p).tasks());
+            assert!(owners.iter().all(|&o| o == 1), "P = {p}, {n} x {k}");
+        }
+    }
+}
+
+#[test]
+fn every_process_has_work_and_no_number_is_left_out() {
+    for p in 1..=64 {
+        let mut seen: Vec<_> = Node::symmetric(4096, p).tasks().iter().map(|t| t.process).collect();
+        seen.sort_unstable();
+        seen.dedup();
+        assert_eq!(seen, (0..p).collect::<Vec<_>>(), "P = {p}");
+    }
+}
+
+#[test]
+fn half_of_the_processes_work_below_the_diagonal() {
+    for p in [4, 8, 16, 32, 64] {
+        let Node::Inner(children) = Node::symmetric(4096, p) else { panic!("one leaf") };
+        let mut below: Vec<_> = children.last().unwrap().tasks().iter().map(|t| t.process).collect();
+        below.dedup();
+        assert_eq!(below.len(), p / 2, "P = {p}");
+    }
+}
+
+#[test]
+fn a_complete_level_balances_the_work() {
+    for p in [2, 4, 16] {
+        let mut work = vec![0; p];
+        for t in Node::symmetric(4096, p).tasks() {
+            let area = t.rows.len() * t.cols.len();
+            work[t.process] += if t.triangle { area } else { 2 * area };
+        }
+        assert!(work.iter().all(|&w| w == work[0]), "P = {p}: {work:?}");
+    }
+}
+
+#[test]
+fn a_plan_does_not_depend_on_the_number_of_threads() {
+    for (m, n) in [(500, 500), (8192, 8192), (1_000_000, 100), (30_000, 2_500)] {
+        let plan = |par| {
+            let options = AtaOptions { par, ..AtaOptions::default() };
+            Plan::ata::<f64>(m, n, &options).unwrap()
+        };
+        for threads in [1, 2, 7, 64] {
+            assert_eq!(plan(Par::Threads(threads)), plan(Par::Seq), "{m} x {n}");
+        }
+    }
+}
+
+#[test]
+fn small_products_are_classical_and_classical_accuracy_always_is() {
+    let options = AtaOptions::default();
+    assert!(!Plan::ata::<f64>(100, 100, &options).unwrap().is_fast());
+    let options = AtaOptions { accuracy: Accuracy::Classical, ..AtaOptions::default() };
+    assert!(!Plan::ata::<f64>(20_000, 20_000, &options).unwrap().is_fast());
+}
+
+#[test]
+fn large_products_are_fast() {
+    let options = AtaOptions::default();
+    assert!(Plan::ata::<f64>(16_384, 16_384, &options).unwrap().is_fast());
+    assert!(Plan::atb::<f32>(16_384, 16_384, 16_384, &options).unwrap().is_fast());
+}
+
+#[test]
+fn a_printed_plan_names_scheme_tasks_and_scratch() {
+    let options = AtaOptions { scheme: SchemeChoice::Kgp4, ..AtaOptions::default() };
+    let text = Plan::ata::<f64>(4096, 4096, &options).unwrap().to_string();
+    for word in ["4096 x 4096", "f64", "kgp4", "winograd", "tasks", "scratch", "estimate"] {
+        assert!(text.contains(word), "{word} not in:\n{text}");
+    }
+}
