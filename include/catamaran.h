@@ -299,9 +299,8 @@ cata_status cata_ata_params_init(struct cata_ata_params *params, size_t struct_s
  * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE (a leading dimension too small, or a size beyond
  * the address space), CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, CATA_ERR_OUT_OF_MEMORY,
  * CATA_ERR_CANCELLED or CATA_ERR_PANIC. All arguments are checked, and the workspace is allocated,
- * before C is first written: it is untouched after any error but CATA_ERR_CANCELLED, CATA_ERR_PANIC
- * and CATA_ERR_ARGUMENT for `threads` the system refuses to start ("threads: ..."), which leave
- * unspecified values in its wanted part.
+ * before C is first written: it is untouched after any error but CATA_ERR_CANCELLED and
+ * CATA_ERR_PANIC, which leave unspecified values in its wanted part.
  *
  * The result does not depend on the number of threads, bit for bit. NaN and infinities in A spread to
  * entries of C that the classical algorithm would leave finite, unless classical products are asked
@@ -474,8 +473,8 @@ cata_status cata_aat_f32(int32_t layout,
  *
  * Returns what cata_ata_f64 does, CATA_ERR_NON_FINITE for a weight or a centre that is not finite, or
  * CATA_ERR_ARGUMENT when the weights of a mean sum to 0. C is untouched after any error but
- * CATA_ERR_CANCELLED, CATA_ERR_PANIC, CATA_ERR_OUT_OF_MEMORY and CATA_ERR_ARGUMENT for "threads",
- * which leave unspecified values in its wanted part. Progress may start anew with every block of rows.
+ * CATA_ERR_CANCELLED, CATA_ERR_PANIC and CATA_ERR_OUT_OF_MEMORY, which leave unspecified values in its
+ * wanted part.
  *
  * Thread-safe: calls may run at the same time as long as no C is shared.
  */

@@ -1,6 +1,6 @@
 //! **Catamaran**: A^T A, and what stands on it, at scale.
 //!
-//! The centre is the symmetric product `C := alpha A^T A + beta C` ([`ata`]), computed by proven
+//! The centre is the symmetric product `C := alpha A^T A + beta C` ([`ata()`]), computed by proven
 //! bilinear schemes (the 2 x 2 recursion over Strassen of the thesis, RXTX, KGP, ...) above any
 //! BLAS, or above a pure-Rust kernel when there is none.
 //!

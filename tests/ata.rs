@@ -126,7 +126,8 @@ fn any_strides_are_taken() {
     for backend in backends() {
         for scheme in schemes() {
             for (_, view) in views {
-                let options = AtaOptions { backend: backend.clone(), leaf: Some(8), ..deep(scheme) };
+                let options =
+                    AtaOptions { backend: backend.clone(), leaf: Some(8), ..deep(scheme) };
                 check_ata(view, Uplo::Lower, &options);
             }
         }
@@ -152,8 +153,7 @@ fn c_may_have_any_strides() {
     let expected = oracle(1.0, a.as_ref(), None, a.as_ref(), 0.0, Mat::zeros(20, 20).as_ref());
     for backend in backends() {
         for scheme in schemes() {
-            let options =
-                AtaOptions { uplo: Uplo::Both, backend: backend.clone(), ..deep(scheme) };
+            let options = AtaOptions { uplo: Uplo::Both, backend: backend.clone(), ..deep(scheme) };
             let mut memory = vec![0.0; 4000];
             // SAFETY: 20 x 20 entries with strides 100 and 3 end below 19 * 100 + 19 * 3 < 4000.
             let mut c = unsafe { MatMut::from_raw_parts_mut(memory.as_mut_ptr(), 20, 20, 100, 3) };
@@ -186,7 +186,11 @@ fn atb_is_exact_on_integers_of_awkward_sizes() {
                 let mut scratch = vec![f64::NAN; len];
                 let (av, bv) = (a.as_ref(), b.as_ref());
                 atb_with_scratch(2.0, av, bv, -1.0, c.as_mut(), &options, &mut scratch).unwrap();
-                assert_eq!(c, oracle(2.0, av, None, bv, -1.0, start.as_ref()), "{scheme:?} {m} {n} {k}");
+                assert_eq!(
+                    c,
+                    oracle(2.0, av, None, bv, -1.0, start.as_ref()),
+                    "{scheme:?} {m} {n} {k}"
+                );
             }
         }
     }
@@ -280,8 +284,7 @@ fn a_weighted_mean_of_weight_zero_is_refused() {
     let mut c = Mat::zeros(2, 2);
     let row_options = RowOptions { weights: Some(&[1.0, -1.0]), center: Center::Mean };
     let options = AtaOptions::default();
-    let result =
-        ata_rows(1.0, &mut DenseRows(a.as_ref()), &row_options, 0.0, c.as_mut(), &options);
+    let result = ata_rows(1.0, &mut DenseRows(a.as_ref()), &row_options, 0.0, c.as_mut(), &options);
     assert!(matches!(result, Err(Error::Argument { what: "weights", .. })));
 }
 

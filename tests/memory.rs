@@ -3,8 +3,8 @@
 mod common;
 
 use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::{Arc, Mutex};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 
 use catamaran::faer::Mat;
 use catamaran::{AtaOptions, Par, SchemeChoice, ata, ata_scratch_len, atb, atb_scratch_len};
@@ -60,7 +60,7 @@ const SMALL: usize = 64 << 10;
 fn the_faithful_mode_needs_at_most_three_halves_n_squared_elements() {
     for n in [128, 250, 389] {
         for par in [Par::Seq, Par::Threads(2)] {
-X
+            let options = AtaOptions { scheme: SchemeChoice::Ata2, leaf: Some(32), par, ..lean() };
             let len = ata_scratch_len::<f64>(n, n, &options).unwrap();
             assert!(len > 0 && 2 * len <= 3 * n * n, "n = {n}: {len} elements");
             let a = Mat::<f64>::ones(n, n);

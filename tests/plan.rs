@@ -11,7 +11,7 @@ fn equation_8_6(p: usize) -> usize {
         _ => {
             let half = p / 2;
             let k = (0..).take_while(|&k| half >= 4_usize.pow(k)).last().unwrap();
-            1 + k as usize + usize::from(half % 4_usize.pow(k.max(1)) > 0)
+            1 + k as usize + usize::from(!half.is_multiple_of(4_usize.pow(k.max(1))))
         }
     }
 }
@@ -75,7 +75,8 @@ fn every_process_has_work_and_no_number_is_left_out() {
 fn half_of_the_processes_work_below_the_diagonal() {
     for p in [4, 8, 16, 32, 64] {
         let Node::Inner(children) = Node::symmetric(4096, p) else { panic!("one leaf") };
-        let mut below: Vec<_> = children.last().unwrap().tasks().iter().map(|t| t.process).collect();
+        let mut below: Vec<_> =
+            children.last().unwrap().tasks().iter().map(|t| t.process).collect();
         below.dedup();
         assert_eq!(below.len(), p / 2, "P = {p}");
     }

@@ -149,11 +149,8 @@ pub(crate) fn accumulate_lower<T: Real>(
     let by_rows = dst.col_stride() == 1;
     for line in 0..dst.nrows() {
         // A row up to the diagonal, or a column from it: whichever is contiguous.
-        let (row, col, nrows, ncols) = if by_rows {
-            (line, 0, 1, line + 1)
-        } else {
-            (line, line, dst.nrows() - line, 1)
-        };
+        let (row, col, nrows, ncols) =
+            if by_rows { (line, 0, 1, line + 1) } else { (line, line, dst.nrows() - line, 1) };
         let piece = dst.rb_mut().submatrix_mut(row, col, nrows, ncols);
         let (nrows, ncols) = (
             nrows.min(src.nrows().saturating_sub(row)),

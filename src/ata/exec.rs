@@ -26,7 +26,9 @@ pub(crate) fn execute<T: BlasReal>(
     options: &AtaOptions<'_>,
     scratch: &mut [T],
 ) -> Result<()> {
-    let tasks = plan.tree.tasks();
+    let mut tasks = plan.tree.tasks();
+    // The largest first, so that the small ones fill the gaps at the end.
+    tasks.sort_by(|a, b| b.cost().total_cmp(&a.cost()));
     let same = b.is_none();
     let b = b.unwrap_or(a);
     let lanes = plan.lanes(options.par.threads());
@@ -37,11 +39,13 @@ pub(crate) fn execute<T: BlasReal>(
     let lane_len = plan.lane_scratch_len(same);
     let lane_scratch: Vec<_> = (0..lanes).map(|_| Mutex::new(arena.take(lane_len))).collect();
 
-    let destinations: Vec<_> =
-        std::iter::once(Blocks::new(c.rb_mut())).chain(partials.into_iter().map(Blocks::new)).collect();
+    let destinations: Vec<_> = std::iter::once(Blocks::new(c.rb_mut()))
+        .chain(partials.into_iter().map(Blocks::new))
+        .collect();
     let engine =
         Engine { kernels: T::kernels(options.backend.as_ref()), recursion: &plan.recursion };
-    let progress = Tracker::new(options, plan.slabs as f64 * tasks.iter().map(Task::cost).sum::<f64>());
+    let progress =
+        Tracker::new(options, plan.slabs as f64 * tasks.iter().map(Task::cost).sum::<f64>());
 
     let _held = options.backend.single_threaded();
     let par = crate::base::Par::Threads(lanes);
@@ -64,7 +68,7 @@ pub(crate) fn execute<T: BlasReal>(
             engine.run(task.op(same), alpha, left, right, beta, dst, &mut scratch);
             progress.add(task.cost());
         }
-    })?;
+    });
     if progress.cancelled() {
         return Err(Error::Cancelled);
     }
@@ -85,7 +89,7 @@ pub(crate) fn execute<T: BlasReal>(
                     }
                 }
             }
-        })?;
+        });
     }
     Ok(())
 }
@@ -95,7 +99,6 @@ fn take<'t>(next: &AtomicUsize, slabs: usize, tasks: &'t [Task]) -> Option<(usiz
     let i = next.fetch_add(1, Ordering::Relaxed);
     (i < slabs * tasks.len()).then(|| (i / tasks.len(), &tasks[i % tasks.len()]))
 }
-
 
 /// A matrix whose disjoint blocks may be written from several threads.
 struct Blocks<'a, T> {

@@ -66,11 +66,7 @@ pub fn ata_with_scratch<T: BlasReal>(
 ///
 /// # Errors
 /// [`Error::Argument`] for options out of range.
-pub fn ata_scratch_len<T: BlasReal>(
-    m: usize,
-    n: usize,
-    options: &AtaOptions<'_>,
-) -> Result<usize> {
+pub fn ata_scratch_len<T: BlasReal>(m: usize, n: usize, options: &AtaOptions<'_>) -> Result<usize> {
     Ok(Plan::ata::<T>(m, n, options)?.scratch_len(options.par.threads(), true))
 }
 
@@ -107,11 +103,7 @@ pub fn aat_with_scratch<T: BlasReal>(
 ///
 /// # Errors
 /// [`Error::Argument`] for options out of range.
-pub fn aat_scratch_len<T: BlasReal>(
-    m: usize,
-    n: usize,
-    options: &AtaOptions<'_>,
-) -> Result<usize> {
+pub fn aat_scratch_len<T: BlasReal>(m: usize, n: usize, options: &AtaOptions<'_>) -> Result<usize> {
     ata_scratch_len::<T>(n, m, options)
 }
 

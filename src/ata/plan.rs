@@ -131,8 +131,7 @@ impl Plan {
             SchemeChoice::Ata2 => FAITHFUL_TASKS,
             _ => default_tasks(n, k),
         });
-        let tree =
-            if symmetric { Node::symmetric(n, tasks) } else { Node::general(n, k, tasks) };
+        let tree = if symmetric { Node::symmetric(n, tasks) } else { Node::general(n, k, tasks) };
         let slabs = if options.scheme == SchemeChoice::Ata2 { 1 } else { default_slabs(m, n, k) };
         let tasks = tree.tasks();
         let seconds = |recursion: &Recursion| {
@@ -163,7 +162,9 @@ impl Plan {
             SchemeChoice::Ata2 => Recursion {
                 symmetric: vec![SchemeId::Ata2],
                 general: vec![SchemeId::Strassen],
-                base: Base::Cache(options.leaf.map_or(FAITHFUL_CACHE, |side| side * side)),
+                base: Base::Cache(
+                    options.leaf.map_or(FAITHFUL_CACHE, |side| side.saturating_mul(side)),
+                ),
                 fast_levels: usize::MAX,
             },
             scheme => {
@@ -183,13 +184,23 @@ impl Plan {
         };
         let estimate = seconds(&recursion);
         let scalar = T::NAME;
-        Ok(Self { m, n, k, symmetric, scalar, tree, slabs, recursion, estimate, classical_estimate })
+        Ok(Self {
+            m,
+            n,
+            k,
+            symmetric,
+            scalar,
+            tree,
+            slabs,
+            recursion,
+            estimate,
+            classical_estimate,
+        })
     }
 
     /// Elements of scratch for `threads` threads; `same` when B is A.
     pub(crate) fn scratch_len(&self, threads: usize, same: bool) -> usize {
-        self.lane_scratch_len(same) * self.lanes(threads)
-            + (self.slabs - 1) * self.n * self.k
+        self.lane_scratch_len(same) * self.lanes(threads) + (self.slabs - 1) * self.n * self.k
     }
 
     /// Elements of scratch of one thread.
@@ -217,7 +228,8 @@ impl Plan {
     /// Whether any product is computed with fewer multiplications than the classical count.
     pub fn is_fast(&self) -> bool {
         let Self { recursion, m, slabs, .. } = self;
-        let any = |t: &Task| uses_fast(recursion, t.op(true), m / slabs, t.rows.len(), t.cols.len());
+        let any =
+            |t: &Task| uses_fast(recursion, t.op(true), m / slabs, t.rows.len(), t.cols.len());
         self.tree.tasks().iter().any(any)
     }
 }
@@ -242,10 +254,15 @@ fn check(options: &AtaOptions<'_>) -> Result<()> {
             refuse("accuracy", "the error factor must be finite and at least 1")
         }
         _ if options.leaf == Some(0) => refuse("leaf", "must be at least 1"),
-        _ if options.tasks == Some(0) => refuse("tasks", "must be at least 1"),
+        _ if options.tasks.is_some_and(|t| t == 0 || t > MAX_TASKS) => {
+            refuse("tasks", &format!("must be between 1 and {MAX_TASKS}"))
+        }
         _ => Ok(()),
     }
 }
+
+/// More would only cost memory.
+const MAX_TASKS: usize = 1 << 16;
 
 fn allowed_levels(accuracy: Accuracy) -> usize {
     match accuracy {
@@ -256,14 +273,15 @@ fn allowed_levels(accuracy: Accuracy) -> usize {
     }
 }
 
-/// Enough tasks to keep many cores busy, few enough that blocks stay long.
+/// Few enough tasks that blocks stay long, for long blocks are what back ends are fast at; a caller
+/// with many cores may ask for more.
 fn default_tasks(n: usize, k: usize) -> usize {
     match n.min(k) {
         0..256 => 1,
-        256..768 => 2,
-        768..6144 => 4,
-        6144..12288 => 4,
-        _ => 16,
+        256..2048 => 2,
+        2048..12288 => 4,
+        12288..24576 => 16,
+        _ => 64,
     }
 }
 
@@ -298,34 +316,27 @@ fn candidates(leaf: Option<usize>, shortest: usize, allowed: usize) -> Vec<Recur
 
 /// The cost model: seconds on one core.
 struct Machine {
-    /// Flops per second of large products.
-    flops: f64,
-    syrk_efficiency: f64,
-    add_bytes: f64,
+    rates: Rates,
     scalar_bytes: f64,
 }
 
 impl Machine {
     fn new<T: Real>(rates: Rates) -> Self {
-        let scalar_bytes = size_of::<T>() as f64;
-        Self {
-            flops: rates.gemm_flops * 8.0 / scalar_bytes,
-            syrk_efficiency: rates.syrk_efficiency,
-            add_bytes: rates.add_bytes,
-            scalar_bytes,
-        }
+        Self { rates, scalar_bytes: size_of::<T>() as f64 }
     }
 
     /// Seconds of a product left to the back end.
-    fn leaf(&self, op: Op, [m, n, k]: [usize; 3]) -> f64 {
-        /// Side at which a product runs at half its speed.
-        const HALF: f64 = 8.0;
-        let (m, n, k) = (m.max(1) as f64, n.max(1) as f64, k.max(1) as f64);
-        let ideal = 2.0 * m * n * k / self.flops;
-        match op {
-            Op::Gemm => ideal * (1.0 + HALF / n + HALF / k + HALF / m),
-            Op::Syrk | Op::Gemmt => ideal / 2.0 / self.syrk_efficiency * (1.0 + 5.0 * HALF / n),
-        }
+    fn leaf(&self, op: Op, shape: [usize; 3]) -> f64 {
+        let [m, n, k] = shape.map(|side| side.max(1) as f64);
+        let Rates { gemm_flops, gemm_half_side, syrk_flops, syrk_half_side, .. } = self.rates;
+        let seconds = match op {
+            Op::Gemm => {
+                2.0 * m * n * k / gemm_flops * (1.0 + gemm_half_side / n + gemm_half_side / k)
+            }
+            Op::Syrk | Op::Gemmt => m * n * n / syrk_flops * (1.0 + syrk_half_side / n),
+        };
+        // The rates are those of f64.
+        seconds * self.scalar_bytes / 8.0
     }
 
     fn seconds(
@@ -362,7 +373,7 @@ impl Machine {
                 moved += (1.0 + 2.0 * product.outputs.len() as f64) * cn * ck;
             }
         }
-        total += moved * self.scalar_bytes / self.add_bytes;
+        total += moved * self.scalar_bytes / self.rates.add_bytes;
         memory.insert((op, shape, levels), total);
         total
     }

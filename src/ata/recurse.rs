@@ -270,13 +270,18 @@ impl LevelScratch {
     fn of(scheme: &Scheme, op: Op, m: usize, n: usize, k: usize) -> Self {
         let rows = m.div_ceil(scheme.inner);
         let (left, right) = (n.div_ceil(scheme.left), k.div_ceil(scheme.right));
-        let needs = |used: bool, rows, cols| if used { Extent { rows, cols } } else { Extent::default() };
+        let needs =
+            |used: bool, rows, cols| if used { Extent { rows, cols } } else { Extent::default() };
         let products = || scheme.products.iter();
         let widened = |p: &Product| p.kind == ProductKind::Gemmt && !n.is_multiple_of(scheme.left);
         let square = |p: &Product| op.of_product(p.kind) == Op::Syrk;
         Self {
             p: needs(products().any(|p| p.left.len() > 1 || widened(p)), rows, left),
-            q: needs(products().any(|p| p.right.len() > 1 && !square(p) || widened(p)), rows, right),
+            q: needs(
+                products().any(|p| p.right.len() > 1 && !square(p) || widened(p)),
+                rows,
+                right,
+            ),
             m: needs(
                 products().any(|p| p.outputs.len() > 1 || p.kind == ProductKind::SyrkFull),
                 left,
@@ -342,12 +347,7 @@ impl<'a, T: Real> SumBuffer<'a, T> {
 
     /// The sum of `terms` over `grid`, up to the returned sign. A sum of one block is that block,
     /// unless it is to be widened to the full extent with zeros.
-    fn sum<'s>(
-        &'s mut self,
-        terms: &[Term],
-        grid: Grid<'s, T>,
-        widen: bool,
-    ) -> (T, MatRef<'s, T>) {
+    fn sum<'s>(&'s mut self, terms: &[Term], grid: Grid<'s, T>, widen: bool) -> (T, MatRef<'s, T>) {
         if let &[term] = terms
             && term.coefficient.abs() == 1
             && !widen

@@ -91,6 +91,9 @@ pub fn ata_rows<T: BlasReal>(
 ) -> Result<()> {
     let (m, n) = (rows.nrows(), rows.ncols());
     Error::check_shape("C", (n, n), c.shape())?;
+    if n == 0 {
+        return Ok(());
+    }
     let mut blocks = AdjustedRows::new(rows, row_options)?;
     let height = block_height(m, n);
     let weighted = row_options.weights.is_some();
@@ -151,10 +154,7 @@ pub(crate) struct AdjustedRows<'r, T> {
 
 impl<'r, T: BlasReal> AdjustedRows<'r, T> {
     /// Checks the options and computes the mean if asked to.
-    pub(crate) fn new(
-        rows: &'r mut dyn RowBlocks<T>,
-        options: &RowOptions<'_, T>,
-    ) -> Result<Self> {
+    pub(crate) fn new(rows: &'r mut dyn RowBlocks<T>, options: &RowOptions<'_, T>) -> Result<Self> {
         let (m, n) = (rows.nrows(), rows.ncols());
         let finite = |what, values: &[T]| match values.iter().position(|v| !v.is_finite()) {
             Some(i) => Err(Error::NonFinite { what, index: (i, 0) }),

@@ -24,13 +24,9 @@ impl Par {
         }
     }
 
-    /// Runs `lane(0), ..., lane(n - 1)` on `n = self.threads()` threads and waits for all.
-    pub(crate) fn run_lanes(self, lane: impl Fn(usize) + Sync) -> Result<()> {
+    /// Runs `lane(0), ..., lane(n - 1)` on up to `n = self.threads()` threads and waits for all.
+    pub(crate) fn run_lanes(self, lane: impl Fn(usize) + Sync) {
         let lanes = self.threads();
-        if lanes == 1 {
-            lane(0);
-            return Ok(());
-        }
         let run = || {
             rayon::in_place_scope(|scope| {
                 for i in 1..lanes {
@@ -40,12 +36,17 @@ impl Par {
                 lane(0);
             });
         };
-        if rayon::current_num_threads() >= lanes {
+        if lanes == 1 {
+            lane(0);
+        } else if rayon::current_num_threads() >= lanes {
             run();
         } else {
-            Team::new(lanes, Pin::No)?.run(run);
+            match Team::new(lanes, Pin::No) {
+                Ok(team) => team.run(run),
+                // No more threads to be had: slower, but the same result.
+                Err(_) => run(),
+            }
         }
-        Ok(())
     }
 }
 
@@ -85,9 +86,8 @@ impl Team {
                 }
             });
         }
-        let pool = builder
-            .build()
-            .map_err(|e| Error::Argument { what: "threads", why: e.to_string() })?;
+        let pool =
+            builder.build().map_err(|e| Error::Argument { what: "threads", why: e.to_string() })?;
         Ok(Self { pool })
     }
 

@@ -44,8 +44,12 @@ pub trait Kernels<T>: Send + Sync {
 pub struct Rates {
     /// Flops per second (a multiply-add counts two) of a large f64 `gemm`; f32 runs at twice that.
     pub gemm_flops: f64,
-    /// Speed of `syrk` relative to `gemm`, per useful flop, for large sizes.
-    pub syrk_efficiency: f64,
+    /// Side at which `gemm` runs at a third of that, for the model `1 / (1 + half / n + half / k)`.
+    pub gemm_half_side: f64,
+    /// Useful flops per second of a large f64 `syrk`.
+    pub syrk_flops: f64,
+    /// Side at which `syrk` runs at half of that.
+    pub syrk_half_side: f64,
     /// Bytes per second of a sum of matrices that do not fit the cache, reads and writes counted.
     pub add_bytes: f64,
 }

@@ -60,6 +60,12 @@ impl Backend for Native {
     }
 
     fn rates(&self) -> Rates {
-        Rates { gemm_flops: 60e9, syrk_efficiency: 0.85, add_bytes: 15e9 }
+        Rates {
+            gemm_flops: 88e9,
+            gemm_half_side: 36.0,
+            syrk_flops: 90e9,
+            syrk_half_side: 350.0,
+            add_bytes: 19e9,
+        }
     }
 }

@@ -5,7 +5,7 @@ use super::Kernels;
 use crate::base::Real;
 
 /// Order of the diagonal blocks that are computed whole and then halved.
-const DIAGONAL: usize = 64;
+const DIAGONAL: usize = 96;
 
 /// The lower triangle of `C := alpha A^T B + beta C` out of general products: halves C until its
 /// diagonal blocks are small, and computes those in a buffer on the stack.

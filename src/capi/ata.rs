@@ -23,9 +23,8 @@ use crate::{AtaOptions, Uplo};
 /// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE (a leading dimension too small, or a size beyond
 /// the address space), CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, CATA_ERR_OUT_OF_MEMORY,
 /// CATA_ERR_CANCELLED or CATA_ERR_PANIC. All arguments are checked, and the workspace is allocated,
-/// before C is first written: it is untouched after any error but CATA_ERR_CANCELLED, CATA_ERR_PANIC
-/// and CATA_ERR_ARGUMENT for `threads` the system refuses to start ("threads: ..."), which leave
-/// unspecified values in its wanted part.
+/// before C is first written: it is untouched after any error but CATA_ERR_CANCELLED and
+/// CATA_ERR_PANIC, which leave unspecified values in its wanted part.
 ///
 /// The result does not depend on the number of threads, bit for bit. NaN and infinities in A spread to
 /// entries of C that the classical algorithm would leave finite, unless classical products are asked

@@ -25,8 +25,8 @@ pub const CATA_CENTER_GIVEN: i32 = 2;
 ///
 /// Returns what cata_ata_f64 does, CATA_ERR_NON_FINITE for a weight or a centre that is not finite, or
 /// CATA_ERR_ARGUMENT when the weights of a mean sum to 0. C is untouched after any error but
-/// CATA_ERR_CANCELLED, CATA_ERR_PANIC, CATA_ERR_OUT_OF_MEMORY and CATA_ERR_ARGUMENT for "threads",
-/// which leave unspecified values in its wanted part. Progress may start anew with every block of rows.
+/// CATA_ERR_CANCELLED, CATA_ERR_PANIC and CATA_ERR_OUT_OF_MEMORY, which leave unspecified values in its
+/// wanted part.
 ///
 /// Thread-safe: calls may run at the same time as long as no C is shared.
 ///

@@ -35,9 +35,8 @@ pub fn oracle<T: BlasReal>(
     c: MatRef<'_, T>,
 ) -> Mat<f64> {
     Mat::from_fn(a.ncols(), b.ncols(), |i, j| {
-        let term = |r: usize| {
-            weights.map_or(1.0, |w| w[r]) * a[(r, i)].to_f64() * b[(r, j)].to_f64()
-        };
+        let term =
+            |r: usize| weights.map_or(1.0, |w| w[r]) * a[(r, i)].to_f64() * b[(r, j)].to_f64();
         let sum: f64 = (0..a.nrows()).map(term).sum();
         alpha * sum + if beta == 0.0 { 0.0 } else { beta * c[(i, j)].to_f64() }
     })
@@ -97,7 +96,13 @@ impl Backend for Naive {
     }
 
     fn rates(&self) -> Rates {
-        Rates { gemm_flops: 1e9, syrk_efficiency: 1.0, add_bytes: 1e10 }
+        Rates {
+            gemm_flops: 1e9,
+            gemm_half_side: 1.0,
+            syrk_flops: 1e9,
+            syrk_half_side: 1.0,
+            add_bytes: 1e10,
+        }
     }
 }
 
@@ -112,10 +117,8 @@ pub fn backends() -> Vec<Arc<dyn Backend>> {
 
 /// The shared data folder (`CATAMARAN_DATA`, default `../shared`), or a printed line.
 pub fn data_folder() -> Option<PathBuf> {
-    let folder = std::env::var_os("CATAMARAN_DATA").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared"),
-        PathBuf::from,
-    );
+    let folder = std::env::var_os("CATAMARAN_DATA")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
     if folder.is_dir() {
         return Some(folder);
     }
