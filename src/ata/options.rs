@@ -74,7 +74,7 @@ pub struct AtaOptions<'a> {
     pub scheme: SchemeChoice,
     /// Error allowed to fast products; default [`Accuracy::Default`].
     pub accuracy: Accuracy,
-    /// What computes the leaves; default [`blas::native`].
+    /// What computes the leaves; default [`blas::native()`].
     pub backend: Arc<dyn Backend>,
     /// Smallest block side a fast level may produce (elements, >= 1); in [`SchemeChoice::Ata2`] the
     /// side of the square that fits the cache. `None`: what the planner finds best.

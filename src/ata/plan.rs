@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::fmt;
 
 use super::options::{Accuracy, AtaOptions, SchemeChoice};
-use super::recurse::{Op, block_start, scratch_len};
+use super::recurse::{Op, Traffic, block_start, scratch_len};
 use super::scheme::SchemeId;
 use super::tree::{Node, Task};
 use crate::base::{Error, Real, Result};
@@ -27,15 +27,28 @@ pub struct Recursion {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Base {
     /// When the next level's blocks would have a side shorter than this (>= 1).
-    Side(usize),
+    Side {
+        /// For general products.
+        general: usize,
+        /// For products of which the lower triangle is wanted: back ends need longer sides to be
+        /// fast at those.
+        symmetric: usize,
+    },
     /// When the operands hold at most this many elements (thesis: `cache_size`).
     Cache(usize),
+}
+
+impl Base {
+    /// The same side for both.
+    fn side(side: usize) -> Self {
+        Self::Side { general: side, symmetric: side }
+    }
 }
 
 impl Recursion {
     /// No recursion at all.
     pub fn none() -> Self {
-        Self { symmetric: vec![], general: vec![], base: Base::Side(1), fast_levels: 0 }
+        Self { symmetric: vec![], general: vec![], base: Base::side(1), fast_levels: 0 }
     }
 
     /// The scheme for a node with A m x n and B m x k, or `None` for the back end.
@@ -53,7 +66,8 @@ impl Recursion {
             return None;
         }
         let side = match self.base {
-            Base::Side(side) => side.max(1),
+            Base::Side { symmetric: side, .. } if symmetric => side.max(1),
+            Base::Side { general: side, .. } => side.max(1),
             Base::Cache(_) => 1,
         };
         let list = if symmetric { &self.symmetric } else { &self.general };
@@ -177,7 +191,7 @@ impl Plan {
                 Recursion {
                     symmetric: vec![first, SchemeId::Split],
                     general: vec![SchemeId::Winograd],
-                    base: Base::Side(options.leaf.unwrap_or(512)),
+                    base: Base::side(options.leaf.unwrap_or(512)),
                     fast_levels: allowed,
                 }
             }
@@ -278,8 +292,8 @@ fn allowed_levels(accuracy: Accuracy) -> usize {
 fn default_tasks(n: usize, k: usize) -> usize {
     match n.min(k) {
         0..256 => 1,
-        256..2048 => 2,
-        2048..12288 => 4,
+        256..1024 => 2,
+        1024..12288 => 4,
         12288..24576 => 16,
         _ => 64,
     }
@@ -288,7 +302,7 @@ fn default_tasks(n: usize, k: usize) -> usize {
 /// Slabs for a tall A, whose C offers too few tasks.
 fn default_slabs(m: usize, n: usize, k: usize) -> usize {
     let side = n.max(k).max(1);
-    if side <= 768 { (m / (16 * side).max(2048)).clamp(1, 16) } else { 1 }
+    if side <= 768 { (m / (16 * side).max(2048)).clamp(1, 8) } else { 1 }
 }
 
 /// The recursions worth a look, for blocks of C with sides of `shortest` or more.
@@ -299,15 +313,17 @@ fn candidates(leaf: Option<usize>, shortest: usize, allowed: usize) -> Vec<Recur
     if leaf.is_none() && shortest < WORTHWHILE {
         return found;
     }
-    for side in leaf.map_or(vec![256, 384, 512, 768, 1024], |l| vec![l]) {
-        for levels in 1..=allowed.min(5) {
-            for symmetric in [vec![SchemeId::Split], vec![SchemeId::Kgp4, SchemeId::Split]] {
-                found.push(Recursion {
-                    symmetric,
-                    general: vec![SchemeId::Winograd],
-                    base: Base::Side(side),
-                    fast_levels: levels,
-                });
+    for general in leaf.map_or(vec![256, 384, 512, 768, 1024, 2048], |l| vec![l]) {
+        for symmetric in leaf.map_or(vec![512, 1024, 2048, 4096], |l| vec![l]) {
+            for fast_levels in 1..=allowed.min(5) {
+                for first in [SchemeId::Split, SchemeId::Kgp4] {
+                    found.push(Recursion {
+                        symmetric: vec![first, SchemeId::Split],
+                        general: vec![SchemeId::Winograd],
+                        base: Base::Side { general, symmetric },
+                        fast_levels,
+                    });
+                }
             }
         }
     }
@@ -359,20 +375,12 @@ impl Machine {
         let child = [m.div_ceil(scheme.inner), n.div_ceil(scheme.left), k.div_ceil(scheme.right)];
         let [cm, cn, ck] = child.map(|x| x as f64);
         let mut total = 0.0;
-        let mut moved = 0.0;
         for product in &scheme.products {
             let child_op = op.of_product(product.kind);
             total += self.seconds(recursion, child_op, child, below, memory);
-            // Reads, the write, and the read that a write to uncached memory implies.
-            let sum = |terms: usize| if terms > 1 { terms as f64 + 2.0 } else { 0.0 };
-            moved += sum(product.left.len()) * cm * cn;
-            if child_op != Op::Syrk {
-                moved += sum(product.right.len()) * cm * ck;
-            }
-            if product.outputs.len() > 1 {
-                moved += (1.0 + 2.0 * product.outputs.len() as f64) * cn * ck;
-            }
         }
+        let traffic = Traffic::of(scheme, op);
+        let moved = traffic.p * cm * cn + traffic.q * cm * ck + traffic.m * cn * ck;
         total += moved * self.scalar_bytes / self.rates.add_bytes;
         memory.insert((op, shape, levels), total);
         total
@@ -404,7 +412,10 @@ impl fmt::Display for Plan {
         writeln!(f, "symmetric  {}", names(&recursion.symmetric))?;
         writeln!(f, "general    {}", names(&recursion.general))?;
         match recursion.base {
-            Base::Side(side) => writeln!(f, "ends       when a block would be under {side} long")?,
+            Base::Side { general, symmetric } => writeln!(
+                f,
+                "ends       when a block would be under {general} long, {symmetric} if symmetric"
+            )?,
             Base::Cache(size) => writeln!(f, "ends       when the operands hold {size} elements")?,
         }
         match recursion.fast_levels {

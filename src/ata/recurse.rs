@@ -330,6 +330,38 @@ pub(crate) fn scratch_len(recursion: &Recursion, op: Op, m: usize, n: usize, k: 
     visit(recursion, (op, [m, n, k], recursion.fast_levels), &mut HashMap::new())
 }
 
+/// What the sums of one level move: transfers of a block of A's, of B's and of C's size, counting
+/// reads, writes, and the read that a write to uncached memory implies.
+pub(crate) struct Traffic {
+    pub(crate) p: f64,
+    pub(crate) q: f64,
+    pub(crate) m: f64,
+}
+
+impl Traffic {
+    pub(crate) fn of(scheme: &Scheme, op: Op) -> Self {
+        let sums = |sum_of: fn(&Product) -> &[Term], skip_squares: bool| {
+            let mut held: &[Term] = &[];
+            let mut moved = 0;
+            for product in &scheme.products {
+                let terms = sum_of(product);
+                if terms.len() > 1 && !(skip_squares && op.of_product(product.kind) == Op::Syrk) {
+                    let (_, change) = cheapest_update(held, terms);
+                    moved += change.len() + 2;
+                    held = terms;
+                }
+            }
+            moved as f64
+        };
+        let outputs = scheme.products.iter().map(|p| p.outputs.len()).filter(|&n| n > 1);
+        Self {
+            p: sums(|p| &p.left, false),
+            q: sums(|p| &p.right, true),
+            m: outputs.map(|n| 1.0 + 2.0 * n as f64).sum(),
+        }
+    }
+}
+
 /// P or Q: holds the last sum that had more than one term, and makes the next one from it when
 /// that takes fewer terms.
 struct SumBuffer<'a, T> {

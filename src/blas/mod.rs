@@ -2,7 +2,7 @@
 //!
 //! | constructor | needs | note |
 //! |---|---|---|
-//! | [`native`] | nothing | the `gemm` crate, pure Rust; the default |
+//! | [`native()`] | nothing | the `gemm` crate, pure Rust; the default |
 //! | `openblas` (feature `openblas`) | `libopenblas-dev` | linked at build time |
 //! | [`load`] | any shared library with the CBLAS interface | MKL, OpenBLAS, BLIS, by path |
 //!
@@ -115,7 +115,7 @@ pub fn openblas() -> Arc<dyn Backend> {
 /// 32-bit integers (LP64). The symbol names of the PyPI package `scipy-openblas32` are known too.
 ///
 /// Operands that CBLAS can't express (no unit stride, or an extent over 2^31 - 1) are computed by
-/// [`native`] instead.
+/// [`native()`] instead.
 ///
 /// # Errors
 /// [`Error::Backend`](crate::Error::Backend) when the file can't be loaded or lacks a symbol.

@@ -1,13 +1,15 @@
 //! Chores of the repository: `cargo xtask help`.
 
 mod header;
+mod msrv;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 const HELP: &str = "\
 cargo xtask header            write include/catamaran.h from src/capi
-cargo xtask header --check    fail if include/catamaran.h is not what would be written";
+cargo xtask header --check    fail if include/catamaran.h is not what would be written
+cargo xtask msrv              fail if a dependency needs a newer Rust than we promise";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -15,6 +17,7 @@ fn main() -> ExitCode {
     let outcome = match arguments[..] {
         ["header"] => header::write(&root()),
         ["header", "--check"] => header::check(&root()),
+        ["msrv"] => msrv::check(&root()),
         ["help" | "--help"] => {
             println!("{HELP}");
             Ok(())
