@@ -1,4 +1,4 @@
-//! Runs a [`Plan`] on the threads of a [`Par`].
+//! Runs a [`Plan`] on threads.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
