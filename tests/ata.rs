@@ -280,12 +280,16 @@ fn covariance_survives_a_mean_a_million_times_the_deviation() {
 
 #[test]
 fn a_weighted_mean_of_weight_zero_is_refused() {
-    let a = integers::<f64>(2, 2, 18);
+    let a = integers::<f64>(3, 2, 18);
     let mut c = Mat::zeros(2, 2);
-    let row_options = RowOptions { weights: Some(&[1.0, -1.0]), center: Center::Mean };
     let options = AtaOptions::default();
-    let result = ata_rows(1.0, &mut DenseRows(a.as_ref()), &row_options, 0.0, c.as_mut(), &options);
-    assert!(matches!(result, Err(Error::Argument { what: "weights", .. })));
+    // In the second, the sum is not zero only by rounding.
+    for weights in [[1.0, -1.0, 0.0], [0.1, 0.2, -0.3]] {
+        let row_options = RowOptions { weights: Some(&weights), center: Center::Mean };
+        let mut rows = DenseRows(a.as_ref());
+        let result = ata_rows(1.0, &mut rows, &row_options, 0.0, c.as_mut(), &options);
+        assert!(matches!(result, Err(Error::Argument { what: "weights", .. })));
+    }
 }
 
 #[test]
@@ -458,4 +462,59 @@ fn classical_accuracy_keeps_an_infinity_in_its_row_and_column() {
             assert_eq!(c[(i, j)].is_finite(), i != 9 && j != 9);
         }
     }
+}
+
+#[test]
+fn verify_rejects_what_overflows_and_rounds_out_of_range() {
+    let check = |a: f64, c: f64, rounds| {
+        let (a, c) = (Mat::from_fn(1, 1, |_, _| a), Mat::from_fn(1, 1, |_, _| c));
+        verify(1.0, a.as_ref(), c.as_ref(), Uplo::Lower, rounds, 1)
+    };
+    assert!(check(2.0, 4.0, 1).unwrap().passed);
+    assert!(!check(1e200, 5.0, 1).unwrap().passed);
+    assert!(!check(f64::INFINITY, 0.0, 1).unwrap().passed);
+    for rounds in [0, 1001, u32::MAX] {
+        assert!(matches!(check(2.0, 4.0, rounds), Err(Error::Argument { what: "rounds", .. })));
+    }
+}
+
+#[test]
+fn sizes_that_overflow_are_refused() {
+    let options = AtaOptions::default();
+    for (m, n) in [(1 << 40, 1 << 40), (usize::MAX, 2), (3, usize::MAX)] {
+        let result = ata_scratch_len::<f64>(m, n, &options);
+        assert!(matches!(result, Err(Error::OutOfMemory { .. })), "{m} x {n}");
+    }
+}
+
+#[test]
+fn scratch_of_a_tall_matrix_does_not_grow_with_its_rows() {
+    for scheme in [SchemeChoice::Auto, SchemeChoice::Winograd, SchemeChoice::Kgp4] {
+        let options = AtaOptions { scheme, ..AtaOptions::default() };
+        let len = |m| ata_scratch_len::<f64>(m, 4096, &options).unwrap();
+        // A few rows more or less make a block a row longer.
+        assert!(len(40 * 4096) <= len(4096) + len(4096) / 100, "{scheme:?}");
+    }
+}
+
+#[test]
+fn a_tall_matrix_taken_in_chunks_is_exact() {
+    for scheme in schemes() {
+        check_ata(integers::<f64>(1000, 41, 28).as_ref(), Uplo::Lower, &deep(scheme));
+        let tasks = AtaOptions { tasks: Some(3), ..deep(scheme) };
+        check_ata(integers::<f64>(333, 50, 29).as_ref(), Uplo::Both, &tasks);
+    }
+}
+
+#[test]
+fn a_progress_callback_may_use_the_threads_itself() {
+    let a = gaussian::<f64>(64, 64, 30);
+    let work = |_| {
+        let mut c = Mat::zeros(64, 64);
+        ata(1.0, a.as_ref(), 0.0, c.as_mut(), &deep(SchemeChoice::Winograd)).unwrap();
+        Flow::Continue
+    };
+    let mut c = Mat::zeros(64, 64);
+    let options = AtaOptions { progress: Some(&work), ..deep(SchemeChoice::Winograd) };
+    ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
 }

@@ -139,7 +139,7 @@ pub(crate) fn scale_lower<T: Real>(dst: MatMut<'_, T>, beta: T) {
     accumulate_lower(dst, beta, T::ZERO, MatRef::from_column_major_slice(&[], 0, 0));
 }
 
-/// As [`accumulate`], on and below the diagonal of `dst` only; `src` is square.
+/// As [`accumulate`], on and below the diagonal of `dst` only.
 pub(crate) fn accumulate_lower<T: Real>(
     mut dst: MatMut<'_, T>,
     beta: T,

@@ -58,14 +58,16 @@ pub(crate) fn execute<T: BlasReal>(
             if progress.cancelled() {
                 return;
             }
-            let rows = plan.slab(slab);
             // SAFETY: the tasks of a tree own disjoint blocks, each slab has its own destination,
             // and `next` hands out each (slab, task) once.
-            let dst = unsafe { destinations[slab].block(task) };
-            let beta = if slab == 0 { beta } else { T::ZERO };
-            let left = a.submatrix(rows.start, task.rows.start, rows.len(), task.rows.len());
-            let right = b.submatrix(rows.start, task.cols.start, rows.len(), task.cols.len());
-            engine.run(task.op(same), alpha, left, right, beta, dst, &mut scratch);
+            let mut dst = unsafe { destinations[slab].block(task) };
+            let mut beta = if slab == 0 { beta } else { T::ZERO };
+            for rows in plan.chunks(slab) {
+                let left = a.submatrix(rows.start, task.rows.start, rows.len(), task.rows.len());
+                let right = b.submatrix(rows.start, task.cols.start, rows.len(), task.cols.len());
+                engine.run(task.op(same), alpha, left, right, beta, dst.rb_mut(), &mut scratch);
+                beta = T::ONE;
+            }
             progress.add(task.cost());
         }
     });
@@ -168,9 +170,13 @@ impl<'a> Tracker<'a> {
 
     fn add(&self, cost: f64) {
         let Some(callback) = self.callback else { return };
-        let mut done = self.done.lock().unwrap_or_else(|e| e.into_inner());
-        *done += cost;
-        if callback((*done / self.total).min(1.0)) == Flow::Cancel {
+        let done = {
+            let mut done = self.done.lock().unwrap_or_else(|e| e.into_inner());
+            *done += cost;
+            *done
+        };
+        // Not under the lock: a callback may itself use the threads that wait for it.
+        if callback((done / self.total).min(1.0)) == Flow::Cancel {
             self.cancelled.store(true, Ordering::Relaxed);
         }
     }

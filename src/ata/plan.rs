@@ -61,7 +61,7 @@ impl Recursion {
         fast_levels: usize,
     ) -> Option<SchemeId> {
         if let Base::Cache(size) = self.base
-            && m * n + if symmetric { 0 } else { m * k } <= size
+            && m.saturating_mul(if symmetric { n } else { n.saturating_add(k) }) <= size
         {
             return None;
         }
@@ -74,8 +74,8 @@ impl Recursion {
         list.iter().copied().find(|id| {
             let s = id.scheme();
             (fast_levels > 0 || !s.is_fast())
-                && m / s.inner >= side.min(m)
-                && m >= s.inner
+                // Splitting rows must leave long ones; not splitting them is always allowed.
+                && (s.inner == 1 || m / s.inner >= side)
                 && n / s.left >= side
                 && k / s.right >= side
         })
@@ -98,6 +98,9 @@ pub struct Plan {
     pub(crate) tree: Node,
     /// Row slabs of A, each with its own partial result, added up in order.
     pub(crate) slabs: usize,
+    /// Blocks of rows that a task takes one after another, adding up in C: a tall A would otherwise
+    /// need sums of blocks as tall.
+    pub(crate) chunks: usize,
     pub(crate) recursion: Recursion,
     /// Expected seconds on one core, and those of the classical plan.
     estimate: f64,
@@ -108,8 +111,11 @@ pub struct Plan {
 /// matrices (docs/algorithms/ata.md).
 const ERROR_GROWTH_PER_LEVEL: f64 = 1.9;
 
-/// Elements that count as fitting the cache in the faithful mode: 256 KiB of f64.
-const FAITHFUL_CACHE: usize = 1 << 15;
+/// Elements that count as fitting the cache in the faithful mode: 2 MiB of f64, a second-level cache.
+const FAITHFUL_CACHE: usize = 1 << 18;
+
+/// Smallest side of a block when a scheme is asked for by name.
+const NAMED_SIDE: usize = 256;
 
 /// Tasks of the faithful mode; the thesis takes the number of threads, which would make results
 /// depend on it.
@@ -140,6 +146,7 @@ impl Plan {
         options: &AtaOptions<'_>,
     ) -> Result<Self> {
         check(options)?;
+        check_extents(m, n, k)?;
         let machine = Machine::new::<T>(options.backend.rates());
         let tasks = options.tasks.unwrap_or(match options.scheme {
             SchemeChoice::Ata2 => FAITHFUL_TASKS,
@@ -148,14 +155,20 @@ impl Plan {
         let tree = if symmetric { Node::symmetric(n, tasks) } else { Node::general(n, k, tasks) };
         let slabs = if options.scheme == SchemeChoice::Ata2 { 1 } else { default_slabs(m, n, k) };
         let tasks = tree.tasks();
+        let chunks_of = |recursion: &Recursion| match options.scheme {
+            SchemeChoice::Ata2 => 1,
+            _ if recursion.fast_levels == 0 => 1,
+            _ => (m / slabs).div_ceil(n.max(k).max(1)).max(1),
+        };
         let seconds = |recursion: &Recursion| {
             let mut memory = HashMap::new();
-            let rows = m.div_ceil(slabs);
+            let parts = slabs * chunks_of(recursion);
+            let rows = m.div_ceil(parts);
             let one = |t: &Task| {
                 let (op, n, k) = (t.op(true), t.rows.len(), t.cols.len());
                 machine.seconds(recursion, op, [rows, n, k], recursion.fast_levels, &mut memory)
             };
-            slabs as f64 * tasks.iter().map(one).sum::<f64>()
+            parts as f64 * tasks.iter().map(one).sum::<f64>()
         };
         let classical = Recursion::none();
         let classical_estimate = seconds(&classical);
@@ -179,7 +192,11 @@ impl Plan {
                 base: Base::Cache(
                     options.leaf.map_or(FAITHFUL_CACHE, |side| side.saturating_mul(side)),
                 ),
-                fast_levels: usize::MAX,
+                // The thesis knows no limit; who names one gets it.
+                fast_levels: match options.accuracy {
+                    Accuracy::Default => usize::MAX,
+                    _ => allowed,
+                },
             },
             scheme => {
                 let first = match scheme {
@@ -191,12 +208,13 @@ impl Plan {
                 Recursion {
                     symmetric: vec![first, SchemeId::Split],
                     general: vec![SchemeId::Winograd],
-                    base: Base::side(options.leaf.unwrap_or(512)),
+                    base: Base::side(options.leaf.unwrap_or(NAMED_SIDE)),
                     fast_levels: allowed,
                 }
             }
         };
         let estimate = seconds(&recursion);
+        let chunks = chunks_of(&recursion);
         let scalar = T::NAME;
         Ok(Self {
             m,
@@ -206,6 +224,7 @@ impl Plan {
             scalar,
             tree,
             slabs,
+            chunks,
             recursion,
             estimate,
             classical_estimate,
@@ -221,7 +240,8 @@ impl Plan {
     pub(crate) fn lane_scratch_len(&self, same: bool) -> usize {
         let mut longest = 0;
         for task in self.tree.tasks() {
-            for rows in [self.m / self.slabs, self.m.div_ceil(self.slabs)] {
+            let parts = self.slabs * self.chunks;
+            for rows in [self.m / parts, self.m.div_ceil(parts)] {
                 let (n, k) = (task.rows.len(), task.cols.len());
                 longest = longest.max(scratch_len(&self.recursion, task.op(same), rows, n, k));
             }
@@ -234,9 +254,10 @@ impl Plan {
         threads.min(self.slabs * self.tree.tasks().len()).max(1)
     }
 
-    /// Rows of slab `i`.
-    pub(crate) fn slab(&self, i: usize) -> std::ops::Range<usize> {
-        block_start(self.m, self.slabs, i)..block_start(self.m, self.slabs, i + 1)
+    /// The row chunks of slab `i`.
+    pub(crate) fn chunks(&self, i: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
+        let start = |j| block_start(self.m, self.slabs * self.chunks, j);
+        (i * self.chunks..(i + 1) * self.chunks).map(move |j| start(j)..start(j + 1))
     }
 
     /// Whether any product is computed with fewer multiplications than the classical count.
@@ -273,6 +294,18 @@ fn check(options: &AtaOptions<'_>) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// Matrices that no memory holds are refused before their sizes overflow.
+fn check_extents(m: usize, n: usize, k: usize) -> Result<()> {
+    const MAX_ENTRIES: usize = isize::MAX as usize / 64;
+    for (rows, cols) in [(m, n), (m, k), (n, k)] {
+        if rows.checked_mul(cols).is_none_or(|entries| entries > MAX_ENTRIES) {
+            let bytes = rows.saturating_mul(cols).saturating_mul(4);
+            return Err(Error::OutOfMemory { bytes });
+        }
+    }
+    Ok(())
 }
 
 /// More would only cost memory.
@@ -420,6 +453,7 @@ impl fmt::Display for Plan {
         }
         match recursion.fast_levels {
             0 => writeln!(f, "fast       no level: classical products only")?,
+            _ if !self.is_fast() => writeln!(f, "fast       no level: the blocks are too short")?,
             usize::MAX => writeln!(f, "fast       as many levels as fit")?,
             levels => writeln!(f, "fast       at most {levels} levels")?,
         }

@@ -231,9 +231,12 @@ struct Grid<'a, T> {
 }
 
 impl<'a, T> Grid<'a, T> {
-    /// Columns of a sum of `terms`.
+    /// Columns of a sum of `terms`: those of its block, or of the widest block there is.
     fn width(&self, terms: &[Term]) -> usize {
-        terms.iter().map(|&t| self.block(t).ncols()).max().unwrap_or(0)
+        match terms {
+            &[term] => self.block(term).ncols(),
+            _ => self.view.ncols().div_ceil(self.cols),
+        }
     }
 
     fn block(&self, term: Term) -> MatRef<'a, T> {

@@ -124,7 +124,7 @@ pub fn ata_rows<T: BlasReal>(
         });
         // The fraction of a block, told as that of all rows.
         let tell = |fraction: f64| {
-            let all = (first as f64 + fraction * count as f64) / m as f64;
+            let all = (first as f64 + fraction * count as f64) / m.max(1) as f64;
             options.progress.map_or(Flow::Continue, |progress| progress(all))
         };
         let progress = options.progress.map(|_| &tell as Progress<'_>);
@@ -197,7 +197,8 @@ fn mean<T: BlasReal>(rows: &mut dyn RowBlocks<T>, weights: Option<&[T]>) -> Resu
     }
     let weight = |i: usize| weights.map_or(1.0, |w| w[i].to_f64());
     let total: f64 = (0..m).map(weight).sum();
-    if total == 0.0 {
+    let size: f64 = (0..m).map(|i| weight(i).abs()).sum();
+    if total.abs() <= m as f64 * f64::EPSILON * size {
         return Err(Error::Argument { what: "weights", why: "they sum to zero: no mean".into() });
     }
     let height = block_height(m, n).min(4096);

@@ -54,7 +54,7 @@ pub struct Product {
 /// A bilinear scheme for one level of recursion.
 #[derive(Debug, Clone)]
 pub struct Scheme {
-    /// Its name, as `--scheme` takes it.
+    /// Its name.
     pub name: &'static str,
     /// Computes only the lower triangle of C.
     pub symmetric: bool,
@@ -313,7 +313,7 @@ static RXTX: Table = Table {
 /// Sparse member of the orbit of the 4 x 4 scheme of Khoruzhii, Gelss and Pokutta
 /// (arXiv 2511.10786): 22 full and 12 half products, every coefficient +-1.
 static KGP4: Table = Table {
-    name: "kgp4",
+    name: "kgp",
     symmetric: true,
     blocks: (4, 4, 4),
     products: &[

@@ -8,10 +8,13 @@ use super::rows::{AdjustedRows, DenseRows, RowBlocks, RowOptions, block_height};
 use crate::base::{Error, Real, Result, Rng, Workspace};
 use crate::blas;
 
+/// More would prove nothing more.
+const MAX_ROUNDS: u32 = 1000;
+
 /// What [`verify`] found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verification {
-    /// `residual <= tolerance`.
+    /// `residual <= tolerance`, both finite.
     pub passed: bool,
     /// Largest entry of `|C X - alpha A^T W (A X)|` over all random vectors.
     pub residual: f64,
@@ -32,7 +35,8 @@ pub struct Verification {
 /// correct result fails with negligible probability. The check itself runs in f64.
 ///
 /// # Errors
-/// [`Error::Shape`] when C is not n x n.
+/// [`Error::Shape`] when C is not n x n, [`Error::Argument`] unless `rounds` is in 1..=1000,
+/// [`Error::OutOfMemory`].
 pub fn verify<T: Real>(
     alpha: f64,
     a: MatRef<'_, T>,
@@ -47,7 +51,7 @@ pub fn verify<T: Real>(
 /// As [`verify`], for `C = alpha X^T W X` of [`ata_rows`](super::ata_rows).
 ///
 /// # Errors
-/// [`Error::Shape`] when C is not n x n, else as [`ata_rows`](super::ata_rows).
+/// As [`verify`] and [`ata_rows`](super::ata_rows).
 pub fn verify_rows<T: Real>(
     alpha: f64,
     rows: &mut dyn RowBlocks<f64>,
@@ -59,6 +63,10 @@ pub fn verify_rows<T: Real>(
 ) -> Result<Verification> {
     let (m, n, r) = (rows.nrows(), rows.ncols(), rounds as usize);
     Error::check_shape("C", (n, n), c.shape())?;
+    if !(1..=MAX_ROUNDS).contains(&rounds) {
+        let why = format!("must be between 1 and {MAX_ROUNDS}");
+        return Err(Error::Argument { what: "rounds", why });
+    }
     let mut rng = Rng::new(seed);
     let x = Mat::from_fn(n, r, |_, _| rng.sign());
     let backend = blas::native();
@@ -105,24 +113,20 @@ pub fn verify_rows<T: Real>(
         kernels.gemm(1.0, strip.as_ref(), x.as_ref(), 1.0, z.as_mut().subrows_mut(first, count));
     }
 
+    // A NaN, once met, stays.
     let mut residual = 0.0_f64;
-    for i in 0..n {
-        for j in 0..r {
+    for j in 0..r {
+        for i in 0..n {
             let entry = z[(i, j)].abs();
-            residual = if entry.is_nan() { f64::NAN } else { residual.max(entry) };
-            if residual.is_nan() {
-                break;
-            }
-        }
-        if residual.is_nan() {
-            break;
+            residual = if entry > residual || entry.is_nan() { entry } else { residual };
         }
     }
     let largest = norms.iter().copied().fold(0.0, f64::max);
     let tolerance =
         8.0 * T::UNIT_ROUNDOFF * ((m + 1) as f64 * (n + 1) as f64).sqrt() * alpha.abs() * largest;
     Ok(Verification {
-        passed: residual <= tolerance,
+        // Norms that overflow prove nothing.
+        passed: residual <= tolerance && tolerance.is_finite(),
         residual,
         tolerance,
         false_accept_probability: 0.5_f64.powi(rounds as i32),

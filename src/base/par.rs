@@ -38,16 +38,22 @@ impl Par {
         };
         if lanes == 1 {
             lane(0);
-        } else if rayon::current_num_threads() >= lanes {
+        } else if enough_threads(lanes) {
             run();
         } else {
             match Team::new(lanes, Pin::No) {
                 Ok(team) => team.run(run),
                 // No more threads to be had: slower, but the same result.
-                Err(_) => run(),
+                Err(_) => (0..lanes).for_each(lane),
             }
         }
     }
+}
+
+/// Whether the rayon pool that the caller is in, or else the global one, has that many. The global
+/// pool is started by this; where the system refuses its threads, rayon panics.
+fn enough_threads(lanes: usize) -> bool {
+    std::panic::catch_unwind(rayon::current_num_threads).is_ok_and(|threads| threads >= lanes)
 }
 
 /// The number of cores in the affinity mask of this process, at least 1.

@@ -1,8 +1,9 @@
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng as _, SeedableRng};
 
-/// A seeded generator (xoshiro256++, Blackman and Vigna 2021): the same seed gives the same
-/// numbers on every machine and in every version of this crate.
+/// A seeded generator (xoshiro256++, Blackman and Vigna 2021): the same seed gives the same numbers
+/// in every version of this crate, and but for [`Rng::normal`], which rounds as the machine's
+/// logarithm does, on every machine.
 #[derive(Debug, Clone)]
 pub struct Rng(Xoshiro256PlusPlus);
 

@@ -1,5 +1,7 @@
 use std::ffi::{CStr, c_char, c_int};
+use std::mem::ManuallyDrop;
 use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use faer::prelude::Reborrow;
 use faer::{MatMut, MatRef};
@@ -68,8 +70,8 @@ pub(super) struct Cblas {
     dsyrk: Syrk<f64>,
     ssyrk: Syrk<f32>,
     threading: Threading,
-    /// Keeps the code of the function pointers above mapped.
-    _library: Option<Library>,
+    /// Calls that hold a process-wide count at one, and the count to put back after the last.
+    holders: Arc<Mutex<(usize, i64)>>,
 }
 
 impl Cblas {
@@ -78,6 +80,8 @@ impl Cblas {
         let refuse = |why: String| Error::Backend { name: name.clone(), why };
         // SAFETY: runs the library's initialisers; the caller named it as a BLAS to be trusted.
         let library = unsafe { Library::new(path) }.map_err(|e| refuse(e.to_string()))?;
+        // Never unloaded: it may have threads of its own, and guards outlive the back end.
+        let library = ManuallyDrop::new(library);
         let prefix = ["", "scipy_"]
             .into_iter()
             .find(|p| {
@@ -98,6 +102,9 @@ impl Cblas {
         };
         let threading = threading(&library, prefix);
         let description = description(&library, prefix);
+        if !has_32_bit_integers(dgemm) || description.contains("USE64BITINT") {
+            return Err(refuse("its integers are not 32-bit (LP64)".into()));
+        }
         Ok(Self {
             name,
             description,
@@ -106,9 +113,44 @@ impl Cblas {
             dsyrk,
             ssyrk,
             threading,
-            _library: Some(library),
+            holders: Arc::default(),
         })
     }
+}
+
+/// Whether a library takes 32-bit integers: computes a 1 x 1 product whose extent k = 2 it can only
+/// read so, for as a 64-bit integer it is negative, which a library refuses before it touches C.
+fn has_32_bit_integers(dgemm: Gemm<f64>) -> bool {
+    type WideK = unsafe extern "C" fn(
+        order: c_int,
+        trans_a: c_int,
+        trans_b: c_int,
+        m: c_int,
+        n: c_int,
+        k: i64,
+        alpha: f64,
+        a: *const f64,
+        lda: i64,
+        b: *const f64,
+        ldb: i64,
+        beta: f64,
+        c: *mut f64,
+        ldc: i64,
+    );
+    if size_of::<usize>() != 8 {
+        return true;
+    }
+    let (a, b, mut c) = ([2.0, 3.0], [5.0, 7.0], [0.0]);
+    // SAFETY: on 64-bit targets an int and a 64-bit integer are passed in the same place, of which an
+    // int is the lower half (the stack slots of this call are little-endian). As a 1 x 2 by 2 x 1
+    // product, all arguments describe the arrays above.
+    unsafe {
+        let dgemm = std::mem::transmute::<Gemm<f64>, WideK>(dgemm);
+        let k = 2 - (1_i64 << 32);
+        let (a, b, c) = (a.as_ptr(), b.as_ptr(), c.as_mut_ptr());
+        dgemm(ROW_MAJOR, NO_TRANS, NO_TRANS, 1, 1, k, 1.0, a, 2, b, 1, 0.0, c, 1);
+    }
+    c[0] == 31.0
 }
 
 /// The symbol `name` as a `T`.
@@ -188,7 +230,7 @@ impl Cblas {
                     get: openblas_get_num_threads,
                     set: openblas_set_num_threads,
                 },
-                _library: None,
+                holders: Arc::default(),
             }
         }
     }
@@ -378,26 +420,45 @@ impl Backend for Cblas {
             }
             Threading::Openblas { get, set } => {
                 // SAFETY: above.
-                let before = unsafe { get() };
-                // SAFETY: above.
-                hold_global(before == 1, move |one| unsafe { set(if one { 1 } else { before }) })
+                let get = move || i64::from(unsafe { get() });
+                // SAFETY: above; the counts are those of a C int.
+                Some(hold(&self.holders, get, move |n| unsafe { set(n as c_int) }))
             }
             Threading::Blis { get, set } => {
                 // SAFETY: above.
-                let before = unsafe { get() };
+                let get = move || unsafe { get() };
                 // SAFETY: above.
-                hold_global(before == 1, move |one| unsafe { set(if one { 1 } else { before }) })
+                Some(hold(&self.holders, get, move |n| unsafe { set(n) }))
             }
             Threading::Unknown => None,
         })
     }
 }
 
-/// Sets a process-wide count to one, unless it is, and returns what puts it back.
-fn hold_global(already: bool, set: impl Fn(bool) + 'static) -> Option<Box<dyn FnOnce()>> {
-    if already {
-        return None;
-    }
-    set(true);
-    Some(Box::new(move || set(false)))
+/// Sets a process-wide count to one for the first of its holders, and returns what puts it back
+/// after the last.
+fn hold(
+    holders: &Arc<Mutex<(usize, i64)>>,
+    get: impl Fn() -> i64,
+    set: impl Fn(i64) + 'static,
+) -> Box<dyn FnOnce()> {
+    let lock = |holders: &Mutex<(usize, i64)>, change: &dyn Fn(&mut (usize, i64))| {
+        change(&mut holders.lock().unwrap_or_else(PoisonError::into_inner));
+    };
+    lock(holders, &|(count, before)| {
+        if *count == 0 {
+            *before = get();
+            set(1);
+        }
+        *count += 1;
+    });
+    let holders = Arc::clone(holders);
+    Box::new(move || {
+        lock(&holders, &|(count, before)| {
+            *count -= 1;
+            if *count == 0 {
+                set(*before);
+            }
+        });
+    })
 }

@@ -65,7 +65,8 @@ pub trait Backend: Kernels<f32> + Kernels<f64> {
     /// What the planner assumes of it.
     fn rates(&self) -> Rates;
 
-    /// Holds the library at one thread, on the calling thread, until the guard is dropped.
+    /// Holds the library at one thread until the guard is dropped: on the calling thread (MKL), or in
+    /// the process (others), where the last guard restores what the first one found.
     fn single_threaded(&self) -> ThreadGuard {
         ThreadGuard(None)
     }

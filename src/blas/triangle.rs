@@ -19,11 +19,7 @@ pub(crate) fn gemmt_by_gemm<T: Real>(
 ) {
     let n = c.nrows();
     if n <= DIAGONAL {
-        let mut buffer = [T::ZERO; DIAGONAL * DIAGONAL];
-        let mut square = MatMut::from_column_major_slice_mut(&mut buffer[..n * n], n, n);
-        kernels.gemm(alpha, a, b, T::ZERO, square.rb_mut());
-        merge_lower(square.rb(), beta, c);
-        return;
+        return diagonal_block(kernels, alpha, a, b, beta, c);
     }
     // A multiple of the block, so that all diagonal blocks but the last are full.
     let half = (n / 2).next_multiple_of(DIAGONAL).min(n - 1);
@@ -33,6 +29,23 @@ pub(crate) fn gemmt_by_gemm<T: Real>(
     gemmt_by_gemm(kernels, alpha, a1, b1, beta, c11);
     kernels.gemm(alpha, a2, b1, beta, c21);
     gemmt_by_gemm(kernels, alpha, a2, b2, beta, c22);
+}
+
+/// A diagonal block, whole. Not inlined, so that the recursion above does not carry its buffer.
+#[inline(never)]
+fn diagonal_block<T: Real>(
+    kernels: &(impl Kernels<T> + ?Sized),
+    alpha: T,
+    a: MatRef<'_, T>,
+    b: MatRef<'_, T>,
+    beta: T,
+    c: MatMut<'_, T>,
+) {
+    let n = c.nrows();
+    let mut buffer = [T::ZERO; DIAGONAL * DIAGONAL];
+    let mut square = MatMut::from_column_major_slice_mut(&mut buffer[..n * n], n, n);
+    kernels.gemm(alpha, a, b, T::ZERO, square.rb_mut());
+    merge_lower(square.rb(), beta, c);
 }
 
 /// `C := M + beta C` on the lower triangle.

@@ -76,7 +76,8 @@ fn format_of(path: &Path) -> Result<(Format, bool)> {
 ///   skipped. A first line without any number is a header. At least one row of numbers
 ///   must be there.
 ///
-/// The extra memory beyond the result is a buffer (twice the entries for a sparse matrix).
+/// The extra memory beyond the entries of the file is a buffer; text tables, whose size is not known
+/// beforehand, may take twice their entries while they grow, and sparse matrices twice theirs.
 ///
 /// # Errors
 /// [`Error::Io`] with file and line, [`Error::OutOfMemory`], [`Error::Cancelled`];
@@ -99,9 +100,10 @@ pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Matrix> {
 /// [`Error::Io`]; nothing is left behind then.
 pub fn write<T: Real>(mut output: Output, matrix: MatRef<'_, T>) -> Result<()> {
     let (format, gzipped) = format_of(output.path())?;
-    let separator = match output.path().to_string_lossy() {
-        name if name.contains(".tsv") => '\t',
-        name if name.contains(".txt") => ' ',
+    let name = output.path().file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let separator = match name.strip_suffix(".gz").unwrap_or(&name) {
+        name if name.ends_with(".tsv") => '\t',
+        name if name.ends_with(".txt") => ' ',
         _ => ',',
     };
     let body = |sink: &mut dyn std::io::Write| match format {

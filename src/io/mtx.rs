@@ -170,7 +170,12 @@ fn array(
 ) -> Result<Matrix> {
     let len = nrows.checked_mul(ncols).ok_or_else(|| source.fail("shape too large"))?;
     let mut values: Vec<f64> = reserved(len)?;
+    if len == 0 {
+        nothing_more(source, len)?;
+        return Ok(Matrix::F64(Dense::new(values, (nrows, ncols), false, columns)));
+    }
     // Column by column; of a symmetric matrix only the lower triangle is in the file.
+    let mut read = 0;
     for j in 0..ncols {
         let given = match header.symmetry {
             Symmetry::General => 0,
@@ -186,6 +191,7 @@ fn array(
             values.push(value);
         }
         for i in given..nrows {
+            read += 1;
             let value = match content(source)? {
                 Some(line) => line
                     .trim_ascii()
@@ -196,7 +202,7 @@ fn array(
             values.push(value.map_err(|what| source.fail(what))?);
         }
     }
-    nothing_more(source, len)?;
+    nothing_more(source, read)?;
     Ok(Matrix::F64(Dense::new(values, (nrows, ncols), false, columns)))
 }
 
