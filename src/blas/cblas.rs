@@ -79,7 +79,11 @@ impl Cblas {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         let refuse = |why: String| Error::Backend { name: name.clone(), why };
         // SAFETY: runs the library's initialisers; the caller named it as a BLAS to be trusted.
-        let library = unsafe { Library::new(path) }.map_err(|e| refuse(e.to_string()))?;
+        let library = unsafe { Library::new(path) }.map_err(|e| {
+            // What the loader said is in the source.
+            let said = std::error::Error::source(&e).map(ToString::to_string);
+            refuse(said.unwrap_or_else(|| e.to_string()))
+        })?;
         // Never unloaded: it may have threads of its own, and guards outlive the back end.
         let library = ManuallyDrop::new(library);
         let prefix = ["", "scipy_"]
