@@ -199,14 +199,14 @@ impl Plan {
                 },
             },
             scheme => {
-                let first = match scheme {
-                    SchemeChoice::Rxtx => SchemeId::Rxtx,
-                    SchemeChoice::Kgp4 => SchemeId::Kgp4,
-                    SchemeChoice::Kgp3 => SchemeId::Kgp3,
-                    _ => SchemeId::Split,
+                let symmetric = match scheme {
+                    SchemeChoice::Rxtx => vec![SchemeId::Rxtx, SchemeId::Split],
+                    SchemeChoice::Kgp4 => vec![SchemeId::Kgp4, SchemeId::Split],
+                    SchemeChoice::Kgp3 => vec![SchemeId::Kgp3, SchemeId::Split],
+                    _ => vec![SchemeId::Split],
                 };
                 Recursion {
-                    symmetric: vec![first, SchemeId::Split],
+                    symmetric,
                     general: vec![SchemeId::Winograd],
                     base: Base::side(options.leaf.unwrap_or(NAMED_SIDE)),
                     fast_levels: allowed,
@@ -349,9 +349,11 @@ fn candidates(leaf: Option<usize>, shortest: usize, allowed: usize) -> Vec<Recur
     for general in leaf.map_or(vec![256, 384, 512, 768, 1024, 2048], |l| vec![l]) {
         for symmetric in leaf.map_or(vec![512, 1024, 2048, 4096], |l| vec![l]) {
             for fast_levels in 1..=allowed.min(5) {
-                for first in [SchemeId::Split, SchemeId::Kgp4] {
+                for symmetric_schemes in
+                    [vec![SchemeId::Split], vec![SchemeId::Kgp4, SchemeId::Split]]
+                {
                     found.push(Recursion {
-                        symmetric: vec![first, SchemeId::Split],
+                        symmetric: symmetric_schemes,
                         general: vec![SchemeId::Winograd],
                         base: Base::Side { general, symmetric },
                         fast_levels,
@@ -445,6 +447,7 @@ impl fmt::Display for Plan {
         writeln!(f, "symmetric  {}", names(&recursion.symmetric))?;
         writeln!(f, "general    {}", names(&recursion.general))?;
         match recursion.base {
+            _ if recursion.symmetric.is_empty() && recursion.general.is_empty() => {}
             Base::Side { general, symmetric } => writeln!(
                 f,
                 "ends       when a block would be under {general} long, {symmetric} if symmetric"

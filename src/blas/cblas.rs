@@ -406,7 +406,7 @@ impl Backend for Cblas {
             gemm_half_side: 24.0,
             syrk_flops: 106e9,
             syrk_half_side: 180.0,
-            add_bytes: 19e9,
+            add_bytes: 16e9,
         }
     }
 

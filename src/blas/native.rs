@@ -65,7 +65,7 @@ impl Backend for Native {
             gemm_half_side: 36.0,
             syrk_flops: 90e9,
             syrk_half_side: 350.0,
-            add_bytes: 19e9,
+            add_bytes: 16e9,
         }
     }
 }
