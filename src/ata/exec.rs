@@ -33,8 +33,10 @@ pub(crate) fn execute<T: BlasReal>(
     let b = b.unwrap_or(a);
     let lanes = plan.lanes(options.par.threads());
     let mut arena = Arena::new(scratch);
+    // Stored as C is: back ends are not equally fast at both.
+    let row_major = c.col_stride() == 1;
     let partials: Vec<MatMut<'_, T>> = (1..plan.slabs)
-        .map(|_| MatMut::from_column_major_slice_mut(arena.take(plan.n * plan.k), plan.n, plan.k))
+        .map(|_| partial(arena.take(plan.n * plan.k), plan.n, plan.k, row_major))
         .collect();
     let lane_len = plan.lane_scratch_len(same);
     let lane_scratch: Vec<_> = (0..lanes).map(|_| Mutex::new(arena.take(lane_len))).collect();
@@ -94,6 +96,15 @@ pub(crate) fn execute<T: BlasReal>(
         });
     }
     Ok(())
+}
+
+/// An n x k matrix in `memory`.
+fn partial<T>(memory: &mut [T], n: usize, k: usize, row_major: bool) -> MatMut<'_, T> {
+    if row_major {
+        MatMut::from_row_major_slice_mut(memory, n, k)
+    } else {
+        MatMut::from_column_major_slice_mut(memory, n, k)
+    }
 }
 
 /// The next pair of slab and task.
