@@ -453,3 +453,63 @@ fn matrix<T>(
         MatMut::from_column_major_slice_with_stride_mut(memory, rows, cols, leading(extent.rows))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use faer::{Mat, MatRef};
+
+    use super::super::plan::{Base, Recursion};
+    use super::super::scheme::SchemeId;
+    use super::{Engine, Op, scratch_len};
+    use crate::base::Rng;
+    use crate::blas::{self, BlasReal};
+
+    fn integers(m: usize, n: usize, seed: u64) -> Mat<f64> {
+        let mut rng = Rng::new(seed);
+        Mat::from_fn(m, n, |_, _| (rng.uniform() * 9.0).floor() - 4.0)
+    }
+
+    /// Runs `op` by one table alone, with NaN in all scratch and in the triangle that is not wanted.
+    fn check(id: SchemeId, op: Op, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
+        let (m, n, k) = (a.nrows(), a.ncols(), b.ncols());
+        let recursion = Recursion {
+            symmetric: if op.symmetric() { vec![id] } else { vec![] },
+            general: if op.symmetric() { vec![] } else { vec![id] },
+            base: Base::Side { general: 1, symmetric: 1 },
+            fast_levels: 2,
+        };
+        let backend = blas::native();
+        let engine = Engine { kernels: f64::kernels(backend.as_ref()), recursion: &recursion };
+        let mut scratch = vec![f64::NAN; scratch_len(&recursion, op, m, n, k)];
+        let wanted = |i, j| !op.symmetric() || i >= j;
+        let start = |i: usize, j: usize| (i * 3 + j) as f64;
+        let mut c = Mat::from_fn(n, k, |i, j| if wanted(i, j) { start(i, j) } else { f64::NAN });
+        engine.run(op, 2.0, a, b, -1.0, c.as_mut(), &mut scratch);
+        for j in 0..k {
+            for i in 0..n {
+                let sum: f64 = (0..m).map(|r| a[(r, i)] * b[(r, j)]).sum();
+                let what = format!("{id} {op:?} {m} x {n}, {k} at ({i}, {j})");
+                if wanted(i, j) {
+                    assert_eq!(c[(i, j)], 2.0 * sum - start(i, j), "{what}");
+                } else {
+                    assert!(c[(i, j)].is_nan(), "{what}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_table_is_exact_on_integer_blocks_with_poison_around() {
+        for id in SchemeId::ALL {
+            for (m, n, k) in [(20, 12, 28), (21, 13, 29), (7, 30, 11), (5, 5, 5), (64, 17, 3)] {
+                let (a, b, square) = (integers(m, n, 1), integers(m, k, 2), integers(m, n, 3));
+                if id.scheme().symmetric {
+                    check(id, Op::Syrk, a.as_ref(), a.as_ref());
+                    check(id, Op::Gemmt, a.as_ref(), square.as_ref());
+                } else {
+                    check(id, Op::Gemm, a.as_ref(), b.as_ref());
+                }
+            }
+        }
+    }
+}

@@ -76,7 +76,9 @@ fn values<const N: usize, T>(
     len: usize,
     convert: impl Fn([u8; N]) -> T,
 ) -> Result<Vec<T>> {
-    let mut values = reserved(len)?;
+    let mut values = reserved(len).map_err(|_| {
+        source.fail(format!("its header announces {len} entries, more than memory can hold"))
+    })?;
     let mut chunk = vec![0; CHUNK];
     while values.len() < len {
         let bytes = (len - values.len()).saturating_mul(N).min(CHUNK);
