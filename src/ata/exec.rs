@@ -11,7 +11,7 @@ use super::options::AtaOptions;
 use super::plan::Plan;
 use super::recurse::Engine;
 use super::tree::Task;
-use crate::base::{Arena, Error, Flow, Result};
+use crate::base::{Arena, Error, Flow, Par, Progress, Result};
 use crate::blas::BlasReal;
 
 /// `C := alpha A^T B + beta C` by `plan`; B is `None` for A^T A. Symmetric plans touch only the
@@ -50,7 +50,7 @@ pub(crate) fn execute<T: BlasReal>(
         Tracker::new(options, plan.slabs as f64 * tasks.iter().map(Task::cost).sum::<f64>());
 
     let _held = options.backend.single_threaded();
-    let par = crate::base::Par::Threads(lanes);
+    let par = Par::Threads(lanes);
     let next = AtomicUsize::new(0);
     par.run_lanes(|lane| {
         let _held = options.backend.single_threaded();
@@ -163,7 +163,7 @@ impl<'a, T> Blocks<'a, T> {
 
 /// Reports progress, and remembers a request to stop.
 struct Tracker<'a> {
-    callback: Option<crate::base::Progress<'a>>,
+    callback: Option<Progress<'a>>,
     total: f64,
     done: Mutex<f64>,
     cancelled: AtomicBool,
