@@ -20,6 +20,8 @@
 
 pub mod base;
 
+pub mod kernel;
+
 pub mod blas;
 
 pub mod ata;

@@ -1,0 +1,203 @@
+//! Exact products of integer matrices through their residues: the arithmetic of the exact path.
+//!
+//! Integers below 2^59 in magnitude are taken modulo up to 15 numbers of 8 bits, the residues are
+//! multiplied by byte instructions with 32-bit sums, and the Chinese remainder theorem gives the
+//! products back (Ozaki, Uchino and Imamura 2025, "Ozaki scheme II"). Since nothing is rounded, every
+//! [`Instance`] computes the same bytes, and so does any order of work.
+
+#[cfg(target_arch = "x86_64")]
+mod amx;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+#[cfg(all(test, target_arch = "x86_64", target_os = "linux"))]
+mod emulator;
+mod moduli;
+mod portable;
+mod recombine;
+#[cfg(test)]
+pub(crate) mod tests;
+mod tile;
+
+pub(crate) use moduli::{Moduli, Modulus};
+pub(crate) use tile::{
+    Block, EMPTY, NON_FINITE, NORM_BITS, PANEL, Powers, Quarter, Residues, STEP, Slice, Tile,
+    TileNorms, WIDTH,
+};
+
+use crate::base::Real;
+
+/// An instruction set that the kernels are written for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Instance {
+    /// Intel's matrix tiles (AMX-INT8) for the products, AVX-512 for the rest.
+    Amx,
+    /// AVX-512 with dot products of bytes (VNNI).
+    Vnni,
+    /// Plain Rust.
+    Portable,
+}
+
+impl Instance {
+    /// All of them, the fastest first.
+    pub const ALL: [Self; 3] = [Self::Amx, Self::Vnni, Self::Portable];
+
+    /// Short name: `amx`, `vnni`, `portable`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Amx => "amx",
+            Self::Vnni => "vnni",
+            Self::Portable => "portable",
+        }
+    }
+
+    /// The fastest one that this machine has.
+    pub fn best() -> Self {
+        let usable = |i: &Self| i.refusal().is_none();
+        Self::ALL.into_iter().find(usable).unwrap_or(Self::Portable)
+    }
+
+    /// Why this machine can't use it; `None` when it can.
+    pub fn refusal(self) -> Option<&'static str> {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Amx => amx::Amx::new().err(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Vnni => avx512::Vnni::new().err(),
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Amx | Self::Vnni => Some("not an x86-64 CPU"),
+            Self::Portable => None,
+        }
+    }
+
+    /// The kernel; that of [`Instance::Portable`] when this one is refused.
+    pub(crate) fn kernel(self) -> &'static dyn Kernel {
+        let portable: &'static dyn Kernel = &portable::Portable;
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Amx => amx::Amx::new().map_or(portable, |kernel| kernel),
+            #[cfg(target_arch = "x86_64")]
+            Self::Vnni => avx512::Vnni::new().map_or(portable, |kernel| kernel),
+            _ => portable,
+        }
+    }
+}
+
+/// The steps of the exact path, for one instruction set. All find the same numbers.
+pub(crate) trait Kernel: Sync {
+    /// Bounds of the columns of a tile.
+    fn norms_f64(&self, tile: &Tile<f64>) -> TileNorms;
+    /// As [`Kernel::norms_f64`].
+    fn norms_f32(&self, tile: &Tile<f32>) -> TileNorms;
+
+    /// Multiplies the columns by powers of two, rounds to integers (ties to even) of less than 2^62 in
+    /// magnitude, and writes the residues modulo the i-th modulus into `out[i]`.
+    fn convert_f64(
+        &self,
+        tile: &Tile<f64>,
+        powers: &Powers<f64>,
+        moduli: &Moduli,
+        out: &mut [&mut Residues],
+    );
+    /// As [`Kernel::convert_f64`]; the integers are of less than 2^30.
+    fn convert_f32(
+        &self,
+        tile: &Tile<f32>,
+        powers: &Powers<f32>,
+        moduli: &Moduli,
+        out: &mut [&mut Residues],
+    );
+
+    /// Rearranges residues for the left side of [`Kernel::multiply`].
+    fn to_left(&self, right: &[Slice], left: &mut [Slice]) {
+        left.copy_from_slice(right);
+    }
+
+    /// Adds `left^T right` to the sums, which must not overflow; `left` comes from [`Kernel::to_left`].
+    /// `ahead` is where to begin fetching 256 bytes per step into the second-level cache; any address
+    /// will do.
+    fn multiply(&self, left: &[Slice], right: &[Slice], sums: &mut Block<i32>, ahead: *const i8);
+
+    /// The sums modulo one number, between -128 and 127.
+    fn reduce(&self, sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>);
+
+    /// See [`recombine::quarter`].
+    fn recombine(
+        &self,
+        residues: &[&Quarter<i8>],
+        moduli: &Moduli,
+        rows: &[i32; WIDTH],
+        columns: &[i32; WIDTH],
+        out: &mut Quarter<f64>,
+    );
+
+    /// Prepares the calling thread for [`Kernel::multiply`], until the session is dropped. Sessions of one thread
+    /// do not overlap.
+    fn session(&self) -> Session {
+        Session(None)
+    }
+}
+
+/// Rows whose products fit 32-bit sums, to which a residue has been added.
+pub(crate) const MOST_ROWS: usize = (1 << 17) - STEP;
+
+/// Undoes what [`Kernel::session`] did to the thread.
+pub(crate) struct Session(Option<fn()>);
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        if let Some(end) = self.0 {
+            end();
+        }
+    }
+}
+
+/// A scalar that the exact path takes: picks its variant of each step.
+pub trait Operand: Real + sealed::Steps {}
+
+impl Operand for f32 {}
+impl Operand for f64 {}
+
+pub(crate) mod sealed {
+    use super::*;
+
+    pub trait Steps: Sized {
+        /// log2 of the largest integer that entries may become.
+        const INTEGER_BITS: i32;
+        #[allow(private_interfaces)]
+        fn norms(kernel: &dyn Kernel, tile: &Tile<Self>) -> TileNorms;
+        #[allow(private_interfaces)]
+        fn convert(
+            kernel: &dyn Kernel,
+            tile: &Tile<Self>,
+            powers: &Powers<Self>,
+            moduli: &Moduli,
+            out: &mut [&mut Residues],
+        );
+    }
+
+    macro_rules! steps {
+        ($t:ident, $bits:expr, $norms:ident, $convert:ident) => {
+            impl Steps for $t {
+                const INTEGER_BITS: i32 = $bits;
+
+                #[allow(private_interfaces)]
+                fn norms(kernel: &dyn Kernel, tile: &Tile<Self>) -> TileNorms {
+                    kernel.$norms(tile)
+                }
+
+                #[allow(private_interfaces)]
+                fn convert(
+                    kernel: &dyn Kernel,
+                    tile: &Tile<Self>,
+                    powers: &Powers<Self>,
+                    moduli: &Moduli,
+                    out: &mut [&mut Residues],
+                ) {
+                    kernel.$convert(tile, powers, moduli, out);
+                }
+            }
+        };
+    }
+    steps!(f32, 30, norms_f32, convert_f32);
+    steps!(f64, 62, norms_f64, convert_f64);
+}

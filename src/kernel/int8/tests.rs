@@ -1,0 +1,346 @@
+//! One suite for every kernel, against integers of any size.
+
+use super::tile::power_of_two;
+use super::*;
+use crate::base::Rng;
+
+/// Every kernel that can run here. AMX is emulated where it is absent.
+fn kernels() -> Vec<(&'static str, Box<dyn Kernel>)> {
+    let mut found: Vec<(&'static str, Box<dyn Kernel>)> =
+        vec![("portable", Box::new(portable::Portable))];
+    #[cfg(target_arch = "x86_64")]
+    if Instance::Vnni.refusal().is_none() {
+        found.push(("vnni", Box::new(avx512::Vnni::for_tests())));
+    } else {
+        println!("skipped: no AVX-512 with VNNI, so its kernel and that for AMX are not tested");
+    }
+    #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+    if let Ok(kernel) = amx_or_emulated() {
+        found.push(("amx", Box::new(kernel)));
+    }
+    found
+}
+
+/// The AMX kernel on any machine with AVX-512.
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+pub(crate) fn amx_or_emulated() -> Result<amx::Amx, &'static str> {
+    if amx::Amx::new().is_err() {
+        emulator::install();
+    }
+    amx::Amx::unchecked()
+}
+
+fn byte(rng: &mut Rng) -> i8 {
+    // The extremes are what sums overflow with.
+    match rng.bits() % 8 {
+        0 => i8::MIN,
+        1 => i8::MAX,
+        _ => rng.bits() as i8,
+    }
+}
+
+fn slices(count: usize, rng: &mut Rng) -> Vec<Slice> {
+    (0..count).map(|_| [[(); STEP * WIDTH]; 2].map(|tile| tile.map(|()| byte(rng)))).collect()
+}
+
+/// Entry of row `k` and column `j` of a panel.
+fn entry(panel: &[Slice], k: usize, j: usize) -> i64 {
+    let tile = &panel[k / STEP][j / WIDTH];
+    tile[64 * (k % STEP / 4) + 4 * (j % WIDTH) + k % 4].into()
+}
+
+fn place<T: Copy>(block: &Block<T>, i: usize, j: usize) -> T {
+    block[2 * (i / WIDTH) + j / WIDTH][i % WIDTH][j % WIDTH]
+}
+
+#[test]
+fn products_are_those_of_the_definition() {
+    let mut rng = Rng::new(1);
+    for (name, kernel) in kernels() {
+        for steps in [0, 1, 2, 7] {
+            let (left, right) = (slices(steps, &mut rng), slices(steps, &mut rng));
+            let mut moved = left.clone();
+            kernel.to_left(&left, &mut moved);
+            let mut sums: Block<i32> = [[[0; WIDTH]; WIDTH]; 4];
+            for (i, sum) in sums.as_flattened_mut().as_flattened_mut().iter_mut().enumerate() {
+                *sum = (i as i32).wrapping_mul(1 << 20);
+            }
+            let before = sums;
+            {
+                let _session = kernel.session();
+                kernel.multiply(&moved, &right, &mut sums, std::ptr::null());
+            }
+            for i in 0..PANEL {
+                for j in 0..PANEL {
+                    let product = |k| entry(&left, k, i) * entry(&right, k, j);
+                    let sum: i64 = (0..STEP * steps).map(product).sum();
+                    let expected = place(&before, i, j).wrapping_add(sum as i32);
+                    assert_eq!(place(&sums, i, j), expected, "{name}, {steps} steps, ({i}, {j})");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_largest_sums_do_not_overflow() {
+    for (name, kernel) in kernels() {
+        // Every residue -128, over the most rows and a residue from before.
+        let operand = [[[i8::MIN; STEP * WIDTH]; 2]; 1];
+        let mut sums: Block<i32> = [[[127; WIDTH]; WIDTH]; 4];
+        let steps = if name == "amx" { 40 } else { MOST_ROWS / STEP };
+        let _session = kernel.session();
+        for _ in 0..steps {
+            kernel.multiply(&operand, &operand, &mut sums, std::ptr::null());
+        }
+        let expected = 127 + (steps * STEP) as i64 * (1 << 14);
+        assert!(sums.as_flattened().as_flattened().iter().all(|&s| i64::from(s) == expected), "{name}");
+    }
+    assert!(127 + MOST_ROWS as i64 * (1 << 14) <= i32::MAX.into());
+    assert!(127 + (MOST_ROWS + STEP) as i64 * (1 << 14) > i32::MAX.into());
+}
+
+/// Entries whose scaled values are integers of all sizes, halves, zeros.
+fn tile<T: Operand>(rng: &mut Rng) -> Tile<T> {
+    let mut tile = Tile::zeros();
+    for (i, row) in tile.0.iter_mut().enumerate() {
+        for (j, value) in row.iter_mut().enumerate() {
+            let bits = (7 * i + j) as i32 % (T::INTEGER_BITS + 2);
+            *value = T::from_f64(match rng.bits() % 16 {
+                0 => 0.0,
+                1 => rng.sign() * 0.5,
+                2 => rng.sign() * 1.5,
+                3 => rng.sign() * 2.5,
+                4 => rng.sign() * power_of_two(bits.min(T::INTEGER_BITS) - 1),
+                _ => rng.sign() * rng.uniform() * power_of_two(bits.min(T::INTEGER_BITS)),
+            });
+        }
+    }
+    tile
+}
+
+fn check_conversion<T: Operand>() {
+    let mut rng = Rng::new(2);
+    let whole: Tile<T> = tile(&mut rng);
+    let exponents: [i32; WIDTH] = std::array::from_fn(|j| 5 * j as i32 - 40);
+    let mut scaled = whole.clone();
+    for row in &mut scaled.0 {
+        for (value, &e) in row.iter_mut().zip(&exponents) {
+            *value = T::from_f64(value.to_f64() * power_of_two(-e));
+        }
+    }
+    let powers = Powers::new(exponents);
+    for (name, kernel) in kernels() {
+        for count in [2, 7, 13, 14, 15] {
+            let moduli = Moduli::new(count);
+            let mut memory = vec![[0; STEP * WIDTH]; count];
+            T::convert(kernel.as_ref(), &scaled, &powers, &moduli, &mut memory.iter_mut().collect::<Vec<_>>());
+            for (modulus, residues) in moduli.list.iter().zip(&memory) {
+                for (i, row) in whole.0.iter().enumerate() {
+                    for (j, value) in row.iter().enumerate() {
+                        let integer = value.to_f64().round_ties_even() as i64;
+                        let residue = residues[64 * (i / 4) + 4 * j + i % 4];
+                        let p = i64::from(modulus.p);
+                        assert_eq!(
+                            i64::from(residue).rem_euclid(p),
+                            integer.rem_euclid(p),
+                            "{name}, {integer} mod {p}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn conversion_rounds_to_even_and_takes_residues() {
+    check_conversion::<f64>();
+    check_conversion::<f32>();
+}
+
+#[test]
+fn sums_are_reduced() {
+    let mut rng = Rng::new(3);
+    let mut sums: Block<i32> = [[[0; WIDTH]; WIDTH]; 4];
+    for sum in sums.as_flattened_mut().as_flattened_mut() {
+        *sum = match rng.bits() % 8 {
+            0 => i32::MIN,
+            1 => i32::MAX,
+            _ => rng.bits() as i32 >> (rng.bits() % 32),
+        };
+    }
+    for (name, kernel) in kernels() {
+        for modulus in &Moduli::new(15).list {
+            let mut residues: Block<i8> = [[[0; WIDTH]; WIDTH]; 4];
+            kernel.reduce(&sums, modulus, &mut residues);
+            for i in 0..PANEL {
+                for j in 0..PANEL {
+                    let (sum, residue) = (place(&sums, i, j), place(&residues, i, j));
+                    assert_eq!(
+                        i32::from(residue).rem_euclid(modulus.p),
+                        sum.rem_euclid(modulus.p),
+                        "{name}, {sum} mod {}",
+                        modulus.p
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// `v 2^e`, correctly rounded from an integer of up to 126 bits.
+fn scaled(v: i128, e: i32) -> f64 {
+    let rounded = v as f64;
+    rounded * power_of_two(e >> 1) * power_of_two(e - (e >> 1))
+}
+
+#[test]
+fn numbers_come_back_from_their_residues() {
+    for count in [2, 3, 6, 7, 8, 13, 14, 15] {
+        let moduli = Moduli::new(count);
+        let product: i128 = moduli.list.iter().map(|m| i128::from(m.p)).product();
+        let bits = 128 - product.leading_zeros();
+        let mut rng = Rng::new(count as u64);
+        let mut numbers: Quarter<i128> = [[0; WIDTH]; WIDTH];
+        for number in numbers.as_flattened_mut() {
+            let random = (i128::from(rng.bits()) << 64 | i128::from(rng.bits())) & i128::MAX;
+            let limit = product / 2 - (product >> 20) - 1;
+            *number = match rng.bits() % 8 {
+                0 => limit,
+                1 => -limit,
+                2 => 0,
+                3 => i128::from(rng.bits() % 100) << (rng.bits() % u64::from(bits - 8)),
+                _ => (random % limit) >> (rng.bits() % u64::from(bits)),
+            } * if rng.sign() > 0.0 { 1 } else { -1 };
+            *number = (*number).clamp(-limit, limit);
+        }
+        // Any representative of a residue that is a byte will do.
+        let residues: Vec<Quarter<i8>> = moduli
+            .list
+            .iter()
+            .map(|m| {
+                numbers.map(|row| {
+                    row.map(|v| {
+                        let r = v.rem_euclid(m.p.into()) as i32;
+                        let other = r - m.p;
+                        let swap = rng.bits() % 2 == 0 && other >= -128;
+                        (if r > 127 || swap { other } else { r }) as i8
+                    })
+                })
+            })
+            .collect();
+        let residues: Vec<&Quarter<i8>> = residues.iter().collect();
+        let rows: [i32; WIDTH] = std::array::from_fn(|i| 60 * i as i32 - 600);
+        let columns: [i32; WIDTH] = std::array::from_fn(|j| 70 * j as i32 - 560);
+        for (name, kernel) in kernels() {
+            let mut out: Quarter<f64> = [[f64::NAN; WIDTH]; WIDTH];
+            kernel.recombine(&residues, &moduli, &rows, &columns, &mut out);
+            for (i, row) in numbers.iter().enumerate() {
+                for (j, &number) in row.iter().enumerate() {
+                    let expected = scaled(number, rows[i] + columns[j]);
+                    // Within one unit in the last place, and exact when 53 bits hold it.
+                    let short = number == 0
+                        || 128 - number.abs().leading_zeros() - number.trailing_zeros() <= 53;
+                    let slack = if short { 0.0 } else { expected.abs() * f64::EPSILON };
+                    let slack = if expected.abs() < 1e-300 { slack.max(5e-324) } else { slack };
+                    assert!(
+                        (out[i][j] - expected).abs() <= slack || out[i][j] == expected,
+                        "{name}, {count} moduli, {number}: {:e} for {expected:e}",
+                        out[i][j]
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn results_at_the_ends_of_the_range_are_zero_and_infinite() {
+    let moduli = Moduli::new(14);
+    let one: Vec<Quarter<i8>> = moduli.list.iter().map(|_| [[1; WIDTH]; WIDTH]).collect();
+    let residues: Vec<&Quarter<i8>> = one.iter().collect();
+    for (name, kernel) in kernels() {
+        for (exponent, expected) in
+            [(-2200, 0.0), (-1100, 0.0), (-1074, 5e-324), (1023, power_of_two(1023)), (2040, f64::INFINITY)]
+        {
+            let mut out = [[f64::NAN; WIDTH]; WIDTH];
+            let half = [exponent / 2; WIDTH];
+            let rest = [exponent - exponent / 2; WIDTH];
+            kernel.recombine(&residues, &moduli, &half, &rest, &mut out);
+            assert_eq!(out, [[expected; WIDTH]; WIDTH], "{name}, 2^{exponent}");
+        }
+    }
+}
+
+#[test]
+fn norms_bound_every_column_closely() {
+    let mut rng = Rng::new(4);
+    let mut tile = Tile::<f64>::zeros();
+    for row in &mut tile.0 {
+        for (j, value) in row.iter_mut().enumerate() {
+            *value = match j {
+                0 => 0.0,
+                1 => 5e-324 * (rng.bits() % 5) as f64,
+                2 => f64::MAX * rng.uniform(),
+                _ => rng.normal() * power_of_two(100 * j as i32 - 900),
+            };
+        }
+    }
+    tile.0[17][3] = f64::NAN;
+    tile.0[63][4] = f64::NEG_INFINITY;
+    let expected = portable::Portable.norms_f64(&tile);
+    for (name, kernel) in kernels() {
+        assert_eq!(kernel.norms_f64(&tile).exponents, expected.exponents, "{name}");
+        assert_eq!(kernel.norms_f64(&tile).squares[5..], expected.squares[5..], "{name}");
+    }
+    assert_eq!(expected.exponents[0], EMPTY);
+    assert_eq!((expected.exponents[3], expected.exponents[4]), (NON_FINITE, NON_FINITE));
+    for j in [1, 2, 5, 15] {
+        let e = expected.exponents[j];
+        let column = || tile.0.iter().map(|row| row[j].abs());
+        // Scaled in two steps, as one factor may be no number.
+        let unit = |x: f64| x * power_of_two(-e >> 1) * power_of_two(-e - (-e >> 1));
+        let largest = column().map(unit).fold(0.0, f64::max);
+        assert!((0.5..1.0).contains(&largest), "column {j}: {largest}");
+        let exact: f64 = column().map(|x| unit(x).powi(2)).sum();
+        let bound = expected.squares[j] / power_of_two(2 * NORM_BITS);
+        assert!(bound >= exact && bound <= exact * 1.0001, "column {j}: {bound} for {exact}");
+    }
+}
+
+#[test]
+fn tiles_are_read_from_any_layout_and_padded_with_zeros() {
+    use faer::{Mat, MatRef};
+    let (m, n) = (70, 19);
+    let a = Mat::<f64>::from_fn(m, n, |i, j| (i * 100 + j) as f64);
+    let rows: Vec<f64> = (0..m * n).map(|k| (k / n * 100 + k % n) as f64).collect();
+    let by_rows = MatRef::from_row_major_slice(&rows, m, n);
+    let both_ways = a.as_ref().reverse_rows_and_cols().to_owned();
+    let views = [a.as_ref(), by_rows, both_ways.as_ref().reverse_rows_and_cols()];
+    let mut tile = Tile([[f64::NAN; WIDTH]; STEP]);
+    for view in views {
+        for (row, col) in [(0, 0), (64, 0), (0, 16), (64, 16)] {
+            tile.load(view, row, col);
+            for (i, line) in tile.0.iter().enumerate() {
+                for (j, &value) in line.iter().enumerate() {
+                    let inside = row + i < m && col + j < n;
+                    let expected = if inside { a[(row + i, col + j)] } else { 0.0 };
+                    assert_eq!(value, expected, "({row} + {i}, {col} + {j})");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_refused_instance_says_why_and_falls_back() {
+    for instance in Instance::ALL {
+        match instance.refusal() {
+            None => println!("{}: used", instance.name()),
+            Some(why) => assert!(why.len() > 10, "{why}"),
+        }
+    }
+    assert_eq!(Instance::best().refusal(), None);
+    assert_eq!(Instance::Portable.refusal(), None);
+}

@@ -1,0 +1,137 @@
+//! What moves between the steps: tiles of the operands, of residues and of sums.
+
+use faer::MatRef;
+
+use crate::base::Real;
+
+/// Rows of a tile: the depth of one step of a product.
+pub(crate) const STEP: usize = 64;
+/// Columns of a tile.
+pub(crate) const WIDTH: usize = 16;
+/// Columns of a panel: two tiles.
+pub(crate) const PANEL: usize = 2 * WIDTH;
+/// 16 x 16 entries of C, row by row.
+pub(crate) type Quarter<T> = [[T; WIDTH]; WIDTH];
+/// 32 x 32 entries of C: the quarters of the first 16 rows, then those of the others.
+pub(crate) type Block<T> = [Quarter<T>; 4];
+
+/// 64 x 16 entries of an operand, row by row; zeros where the operand ends.
+#[derive(Clone)]
+#[repr(C, align(64))]
+pub(crate) struct Tile<T>(pub [[T; WIDTH]; STEP]);
+
+/// Residues of a tile modulo one number, as a right operand: dword `16 r + j` holds column `j` of rows
+/// `4 r .. 4 r + 4`.
+pub(crate) type Residues = [i8; STEP * WIDTH];
+/// One step of a panel: its two tiles.
+pub(crate) type Slice = [Residues; 2];
+
+impl<T: Real> Tile<T> {
+    pub fn zeros() -> Self {
+        Self([[T::ZERO; WIDTH]; STEP])
+    }
+
+    /// Reads the tile whose first entry is `a[(row, col)]`. Columns for which `skip` holds become zero.
+    pub fn load(&mut self, a: MatRef<'_, T>, row: usize, col: usize) {
+        let (rows, cols) = (STEP.min(a.nrows() - row), WIDTH.min(a.ncols() - col));
+        let a = a.submatrix(row, col, rows, cols);
+        if rows < STEP || cols < WIDTH {
+            *self = Self::zeros();
+        }
+        if a.col_stride() == 1 {
+            for (i, line) in self.0[..rows].iter_mut().enumerate() {
+                // SAFETY: row `i` of the view is `cols` adjacent elements.
+                let source = unsafe { std::slice::from_raw_parts(a.ptr_at(i, 0), cols) };
+                match source.first_chunk::<WIDTH>() {
+                    Some(whole) => *line = *whole,
+                    None => line[..cols].copy_from_slice(source),
+                }
+            }
+        } else if a.row_stride() == 1 {
+            for j in 0..cols {
+                // SAFETY: column `j` of the view is `rows` adjacent elements.
+                let source = unsafe { std::slice::from_raw_parts(a.ptr_at(0, j), rows) };
+                for (line, &value) in self.0.iter_mut().zip(source) {
+                    line[j] = value;
+                }
+            }
+        } else {
+            for (i, line) in self.0[..rows].iter_mut().enumerate() {
+                for (j, value) in line[..cols].iter_mut().enumerate() {
+                    *value = a[(i, j)];
+                }
+            }
+        }
+    }
+}
+
+/// Powers of two, one per column of a tile, in two factors: `2^exponent` alone may be no finite number.
+#[derive(Clone)]
+#[repr(C, align(64))]
+pub(crate) struct Powers<T> {
+    pub first: [T; WIDTH],
+    pub second: [T; WIDTH],
+}
+
+impl<T: Real> Powers<T> {
+    /// `2^e` for each exponent, which lies in `-2000..=2000` (f64) or `-250..=250` (f32).
+    pub fn new(exponents: [i32; WIDTH]) -> Self {
+        Self {
+            first: exponents.map(|e| T::from_f64(power_of_two(e >> 1))),
+            second: exponents.map(|e| T::from_f64(power_of_two(e - (e >> 1)))),
+        }
+    }
+}
+
+/// `2^e`, exactly, for e in `-1022..=1023`.
+#[inline(always)]
+pub(crate) fn power_of_two(e: i32) -> f64 {
+    f64::from_bits(((e + 1023) as u64) << 52)
+}
+
+/// Bounds of the columns of a tile, of which norms are made in any order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct TileNorms {
+    /// The largest exponent: every entry is below 2^e. [`EMPTY`] for zeros, [`NON_FINITE`] when an entry
+    /// is NaN or infinite.
+    pub exponents: [i32; WIDTH],
+    /// The sum of the squares of the entries, divided by 2^(e - 20) and rounded up to integers.
+    pub squares: [f64; WIDTH],
+}
+
+/// Exponent of a column of zeros.
+pub(crate) const EMPTY: i32 = i32::MIN;
+/// Exponent of a column with a NaN or an infinity.
+pub(crate) const NON_FINITE: i32 = i32::MAX;
+
+/// Bits of an entry that norms look at. Squares of 64 of them are exact sums in f64.
+pub(crate) const NORM_BITS: i32 = 20;
+
+/// The bounds of the columns of a tile. All sums are exact, so that every instruction set finds the same.
+#[inline(always)]
+pub(crate) fn tile_norms<T: Real>(tile: &Tile<T>) -> TileNorms {
+    const MAGNITUDE: u64 = !0 >> 1;
+    const INFINITY: u64 = 0x7ff << 52;
+    let mut largest = [0; WIDTH];
+    for row in &tile.0 {
+        for j in 0..WIDTH {
+            largest[j] = largest[j].max(row[j].to_f64().to_bits() & MAGNITUDE);
+        }
+    }
+    let exponents = largest.map(|bits| match bits {
+        0 => EMPTY,
+        INFINITY.. => NON_FINITE,
+        _ if bits >> 52 == 0 => -1074 + (u64::BITS - bits.leading_zeros()) as i32,
+        _ => (bits >> 52) as i32 - 1022,
+    });
+    let known = |e: i32| if e == EMPTY || e == NON_FINITE { 0 } else { NORM_BITS - e };
+    let powers = Powers::<f64>::new(exponents.map(known));
+    let mut squares = [0.0; WIDTH];
+    for row in &tile.0 {
+        for j in 0..WIDTH {
+            let scaled = (row[j].to_f64().abs() * powers.first[j] * powers.second[j]).ceil();
+            squares[j] += scaled * scaled;
+        }
+    }
+    TileNorms { exponents, squares }
+}

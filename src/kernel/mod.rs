@@ -1,0 +1,3 @@
+//! Kernels: the arithmetic that everything above is made of, per instruction set.
+
+pub mod int8;
