@@ -1,5 +1,6 @@
 //! Runs a [`Plan`] on threads.
 
+use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -62,7 +63,7 @@ pub(crate) fn execute<T: BlasReal>(
             }
             // SAFETY: the tasks of a tree own disjoint blocks, each slab has its own destination,
             // and `next` hands out each (slab, task) once.
-            let mut dst = unsafe { destinations[slab].block(task) };
+            let mut dst = unsafe { destinations[slab].of_task(task) };
             let mut beta = if slab == 0 { beta } else { T::ZERO };
             for rows in plan.chunks(slab) {
                 let left = a.submatrix(rows.start, task.rows.start, rows.len(), task.rows.len());
@@ -82,10 +83,10 @@ pub(crate) fn execute<T: BlasReal>(
         par.run_lanes(|_| {
             while let Some((_, task)) = take(&next, 1, &tasks) {
                 // SAFETY: as above; the first pass is over, and each task is handed out once.
-                let mut sum = unsafe { destinations[0].block(task) };
+                let mut sum = unsafe { destinations[0].of_task(task) };
                 for partial in &destinations[1..] {
                     // SAFETY: as above.
-                    let partial = unsafe { partial.block(task) };
+                    let partial = unsafe { partial.of_task(task) };
                     if task.triangle {
                         accumulate_lower(sum.rb_mut(), T::ONE, T::ONE, partial.rb());
                     } else {
@@ -114,7 +115,7 @@ fn take<'t>(next: &AtomicUsize, slabs: usize, tasks: &'t [Task]) -> Option<(usiz
 }
 
 /// A matrix whose disjoint blocks may be written from several threads.
-struct Blocks<'a, T> {
+pub(super) struct Blocks<'a, T> {
     ptr: *mut T,
     row_stride: isize,
     col_stride: isize,
@@ -128,7 +129,7 @@ struct Blocks<'a, T> {
 unsafe impl<T: Send> Sync for Blocks<'_, T> {}
 
 impl<'a, T> Blocks<'a, T> {
-    fn new(matrix: MatMut<'a, T>) -> Self {
+    pub fn new(matrix: MatMut<'a, T>) -> Self {
         Self {
             ptr: matrix.as_ptr_mut(),
             row_stride: matrix.row_stride(),
@@ -139,21 +140,30 @@ impl<'a, T> Blocks<'a, T> {
         }
     }
 
-    /// The block that `task` owns.
+    pub fn nrows(&self) -> usize {
+        self.rows
+    }
+
+    pub fn ncols(&self) -> usize {
+        self.cols
+    }
+
+    /// A block of it.
     ///
     /// # Safety
     /// No two blocks alive at a time may overlap.
     #[allow(clippy::mut_from_ref)]
-    unsafe fn block(&self, task: &Task) -> MatMut<'_, T> {
-        assert!(task.rows.end <= self.rows && task.cols.end <= self.cols);
+    pub unsafe fn block(&self, rows: Range<usize>, cols: Range<usize>) -> MatMut<'_, T> {
+        assert!(rows.start <= rows.end && rows.end <= self.rows);
+        assert!(cols.start <= cols.end && cols.end <= self.cols);
         // SAFETY: the block lies inside the matrix, as asserted; the caller sees to the rest.
         unsafe {
-            let offset = task.rows.start as isize * self.row_stride
-                + task.cols.start as isize * self.col_stride;
+            let offset = rows.start as isize * self.row_stride
+                + cols.start as isize * self.col_stride;
             MatMut::from_raw_parts_mut(
                 self.ptr.offset(offset),
-                task.rows.len(),
-                task.cols.len(),
+                rows.len(),
+                cols.len(),
                 self.row_stride,
                 self.col_stride,
             )
@@ -161,8 +171,19 @@ impl<'a, T> Blocks<'a, T> {
     }
 }
 
+impl<T> Blocks<'_, T> {
+    /// The block that `task` owns.
+    ///
+    /// # Safety
+    /// As for [`Blocks::block`].
+    unsafe fn of_task(&self, task: &Task) -> MatMut<'_, T> {
+        // SAFETY: the caller's promise.
+        unsafe { self.block(task.rows.clone(), task.cols.clone()) }
+    }
+}
+
 /// Reports progress, and remembers a request to stop.
-struct Tracker<'a> {
+pub(super) struct Tracker<'a> {
     callback: Option<Progress<'a>>,
     total: f64,
     done: Mutex<f64>,
@@ -170,7 +191,7 @@ struct Tracker<'a> {
 }
 
 impl<'a> Tracker<'a> {
-    fn new(options: &AtaOptions<'a>, total: f64) -> Self {
+    pub fn new(options: &AtaOptions<'a>, total: f64) -> Self {
         Self {
             callback: options.progress,
             total,
@@ -179,7 +200,7 @@ impl<'a> Tracker<'a> {
         }
     }
 
-    fn add(&self, cost: f64) {
+    pub fn add(&self, cost: f64) {
         let Some(callback) = self.callback else { return };
         let done = {
             let mut done = self.done.lock().unwrap_or_else(|e| e.into_inner());
@@ -192,7 +213,7 @@ impl<'a> Tracker<'a> {
         }
     }
 
-    fn cancelled(&self) -> bool {
+    pub fn cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }
 }

@@ -4,6 +4,7 @@
 //! docs/algorithms/ata.md for the mathematics.
 
 mod combine;
+mod exact;
 mod exec;
 mod options;
 mod plan;
@@ -24,6 +25,7 @@ pub use verify::{Verification, verify, verify_rows};
 
 use crate::base::{Error, Result, Workspace};
 use crate::blas::BlasReal;
+use crate::kernel::int8::Instance;
 
 /// `C := alpha A^T A + beta C`, the triangle or triangles of `options.uplo`.
 ///
@@ -41,7 +43,7 @@ pub fn ata<T: BlasReal>(
     options: &AtaOptions<'_>,
 ) -> Result<()> {
     let plan = plan_ata(a, c.rb(), options)?;
-    let mut scratch = Workspace::new(plan.scratch_len(options.par.threads(), true))?;
+    let mut scratch = Workspace::new(plan.scratch_len::<T>(options.par.threads(), true))?;
     run_symmetric(&plan, alpha, a, None, beta, c, options, scratch.as_mut_slice())
 }
 
@@ -58,7 +60,7 @@ pub fn ata_with_scratch<T: BlasReal>(
     scratch: &mut [T],
 ) -> Result<()> {
     let plan = plan_ata(a, c.rb(), options)?;
-    check_scratch(scratch, plan.scratch_len(options.par.threads(), true))?;
+    check_scratch(scratch, plan.scratch_len::<T>(options.par.threads(), true))?;
     run_symmetric(&plan, alpha, a, None, beta, c, options, scratch)
 }
 
@@ -67,7 +69,7 @@ pub fn ata_with_scratch<T: BlasReal>(
 /// # Errors
 /// [`Error::Argument`] for options out of range.
 pub fn ata_scratch_len<T: BlasReal>(m: usize, n: usize, options: &AtaOptions<'_>) -> Result<usize> {
-    Ok(Plan::ata::<T>(m, n, options)?.scratch_len(options.par.threads(), true))
+    Ok(Plan::ata::<T>(m, n, options)?.scratch_len::<T>(options.par.threads(), true))
 }
 
 /// `C := alpha A A^T + beta C`: [`ata`] of the transposed view. A is m x n, C is m x m.
@@ -124,8 +126,8 @@ pub fn atb<T: BlasReal>(
     options: &AtaOptions<'_>,
 ) -> Result<()> {
     let plan = plan_atb(a, b, c.rb(), options)?;
-    let mut scratch = Workspace::new(plan.scratch_len(options.par.threads(), false))?;
-    exec::execute(&plan, alpha, a, Some(b), beta, c, options, scratch.as_mut_slice())
+    let mut scratch = Workspace::new(plan.scratch_len::<T>(options.par.threads(), false))?;
+    run(&plan, alpha, a, Some(b), beta, c, options, scratch.as_mut_slice())
 }
 
 /// [`atb`] in the caller's scratch of at least [`atb_scratch_len`] elements, whatever they hold.
@@ -142,8 +144,8 @@ pub fn atb_with_scratch<T: BlasReal>(
     scratch: &mut [T],
 ) -> Result<()> {
     let plan = plan_atb(a, b, c.rb(), options)?;
-    check_scratch(scratch, plan.scratch_len(options.par.threads(), false))?;
-    exec::execute(&plan, alpha, a, Some(b), beta, c, options, scratch)
+    check_scratch(scratch, plan.scratch_len::<T>(options.par.threads(), false))?;
+    run(&plan, alpha, a, Some(b), beta, c, options, scratch)
 }
 
 /// Elements of scratch that [`atb_with_scratch`] needs for A m x n and B m x k.
@@ -156,7 +158,7 @@ pub fn atb_scratch_len<T: BlasReal>(
     k: usize,
     options: &AtaOptions<'_>,
 ) -> Result<usize> {
-    Ok(Plan::atb::<T>(m, n, k, options)?.scratch_len(options.par.threads(), false))
+    Ok(Plan::atb::<T>(m, n, k, options)?.scratch_len::<T>(options.par.threads(), false))
 }
 
 fn plan_ata<T: BlasReal>(
@@ -188,6 +190,26 @@ fn check_scratch<T>(scratch: &[T], len: usize) -> Result<()> {
     Err(Error::Shape { what: "scratch", expected: (len, 1), got: (scratch.len(), 1) })
 }
 
+/// Runs a plan, along the way that it chose.
+fn run<T: BlasReal>(
+    plan: &Plan,
+    alpha: T,
+    a: MatRef<'_, T>,
+    b: Option<MatRef<'_, T>>,
+    beta: T,
+    c: MatMut<'_, T>,
+    options: &AtaOptions<'_>,
+    scratch: &mut [T],
+) -> Result<()> {
+    match plan.exact_layout::<T>(b.is_none()) {
+        Some(layout) => {
+            let kernel = Instance::best().kernel();
+            exact::execute(kernel, &layout, alpha, a, b, beta, c, options, scratch)
+        }
+        None => exec::execute(plan, alpha, a, b, beta, c, options, scratch),
+    }
+}
+
 /// Runs a symmetric plan, B given or the same as A, into the triangle asked for.
 fn run_symmetric<T: BlasReal>(
     plan: &Plan,
@@ -203,7 +225,7 @@ fn run_symmetric<T: BlasReal>(
         Uplo::Upper => c.rb_mut().transpose_mut(),
         Uplo::Lower | Uplo::Both => c.rb_mut(),
     };
-    exec::execute(plan, alpha, a, b, beta, lower, options, scratch)?;
+    run(plan, alpha, a, b, beta, lower, options, scratch)?;
     if options.uplo == Uplo::Both {
         combine::mirror_lower(c);
     }

@@ -3,12 +3,14 @@
 use std::collections::HashMap;
 use std::fmt;
 
+use super::exact::{self, Layout};
 use super::options::{Accuracy, AtaOptions, SchemeChoice};
 use super::recurse::{Op, Traffic, block_start, scratch_len};
 use super::scheme::SchemeId;
 use super::tree::{Node, Task};
 use crate::base::{Error, Real, Result};
 use crate::blas::Rates;
+use crate::kernel::int8::{Instance, Operand};
 
 /// How blocks are taken apart: at each node the first scheme whose blocks are not too small.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -102,6 +104,8 @@ pub struct Plan {
     /// need sums of blocks as tall.
     pub(crate) chunks: usize,
     pub(crate) recursion: Recursion,
+    /// The exact path instead, with this many moduli.
+    pub(crate) exact: Option<usize>,
     /// Expected seconds on one core, and those of the classical plan.
     estimate: f64,
     classical_estimate: f64,
@@ -126,7 +130,7 @@ impl Plan {
     ///
     /// # Errors
     /// [`Error::Argument`] for options out of range.
-    pub fn ata<T: Real>(m: usize, n: usize, options: &AtaOptions<'_>) -> Result<Self> {
+    pub fn ata<T: Operand>(m: usize, n: usize, options: &AtaOptions<'_>) -> Result<Self> {
         Self::new::<T>(m, n, n, true, options)
     }
 
@@ -134,11 +138,11 @@ impl Plan {
     ///
     /// # Errors
     /// [`Error::Argument`] for options out of range.
-    pub fn atb<T: Real>(m: usize, n: usize, k: usize, options: &AtaOptions<'_>) -> Result<Self> {
+    pub fn atb<T: Operand>(m: usize, n: usize, k: usize, options: &AtaOptions<'_>) -> Result<Self> {
         Self::new::<T>(m, n, k, false, options)
     }
 
-    fn new<T: Real>(
+    fn new<T: Operand>(
         m: usize,
         n: usize,
         k: usize,
@@ -185,7 +189,7 @@ impl Plan {
                     .filter(|(s, _)| *s < 0.98 * classical_estimate);
                 best.map_or(classical, |(_, recursion)| recursion)
             }
-            SchemeChoice::Classical => classical,
+            SchemeChoice::Classical | SchemeChoice::Exact => classical,
             SchemeChoice::Ata2 => Recursion {
                 symmetric: vec![SchemeId::Ata2],
                 general: vec![SchemeId::Strassen],
@@ -213,8 +217,20 @@ impl Plan {
                 }
             }
         };
-        let estimate = seconds(&recursion);
         let chunks = chunks_of(&recursion);
+        let mut estimate = seconds(&recursion);
+        let moduli = exact_moduli::<T>(options.accuracy);
+        let exact_estimate = exact::estimate(Instance::best(), [m, n, k], moduli, symmetric);
+        let wanted = options.reproducible
+            || options.scheme == SchemeChoice::Exact
+            || options.accuracy == Accuracy::Max && options.scheme == SchemeChoice::Auto;
+        let better = options.scheme == SchemeChoice::Auto
+            && options.accuracy != Accuracy::Classical
+            && exact_estimate < 0.98 * estimate;
+        let exact = (wanted || better).then_some(moduli);
+        if exact.is_some() {
+            estimate = exact_estimate;
+        }
         let scalar = T::NAME;
         Ok(Self {
             m,
@@ -226,13 +242,23 @@ impl Plan {
             slabs,
             chunks,
             recursion,
+            exact,
             estimate,
             classical_estimate,
         })
     }
 
+    /// How the exact path divides the work, if it is taken; `same` when B is A.
+    pub(crate) fn exact_layout<T: Real>(&self, same: bool) -> Option<Layout> {
+        let extents = [self.m, self.n, self.k];
+        self.exact.map(|n| Layout::new(extents, size_of::<T>(), n, self.symmetric, same))
+    }
+
     /// Elements of scratch for `threads` threads; `same` when B is A.
-    pub(crate) fn scratch_len(&self, threads: usize, same: bool) -> usize {
+    pub(crate) fn scratch_len<T: Operand>(&self, threads: usize, same: bool) -> usize {
+        if let Some(layout) = self.exact_layout::<T>(same) {
+            return exact::scratch_len::<T>([self.m, self.n, self.k], &layout, threads);
+        }
         self.lane_scratch_len(same) * self.lanes(threads) + (self.slabs - 1) * self.n * self.k
     }
 
@@ -260,8 +286,16 @@ impl Plan {
         (i * self.chunks..(i + 1) * self.chunks).map(move |j| start(j)..start(j + 1))
     }
 
+    /// Whether it is the exact path, which is the same bytes on every machine.
+    pub fn is_exact(&self) -> bool {
+        self.exact.is_some()
+    }
+
     /// Whether any product is computed with fewer multiplications than the classical count.
     pub fn is_fast(&self) -> bool {
+        if self.is_exact() {
+            return false;
+        }
         let Self { recursion, m, slabs, .. } = self;
         let any =
             |t: &Task| uses_fast(recursion, t.op(true), m / slabs, t.rows.len(), t.cols.len());
@@ -288,6 +322,11 @@ fn check(options: &AtaOptions<'_>) -> Result<()> {
         Accuracy::Bounded(f) if !f.is_finite() || f < 1.0 => {
             refuse("accuracy", "the error factor must be finite and at least 1")
         }
+        _ if options.reproducible
+            && !matches!(options.scheme, SchemeChoice::Auto | SchemeChoice::Exact) =>
+        {
+            refuse("scheme", "only the exact one is reproducible on every machine")
+        }
         _ if options.leaf == Some(0) => refuse("leaf", "must be at least 1"),
         _ if options.tasks.is_some_and(|t| t == 0 || t > MAX_TASKS) => {
             refuse("tasks", &format!("must be between 1 and {MAX_TASKS}"))
@@ -313,10 +352,21 @@ const MAX_TASKS: usize = 1 << 16;
 
 fn allowed_levels(accuracy: Accuracy) -> usize {
     match accuracy {
-        Accuracy::Classical => 0,
+        Accuracy::Max | Accuracy::Classical => 0,
         Accuracy::Bounded(factor) => (factor.ln() / ERROR_GROWTH_PER_LEVEL.ln()) as usize,
         Accuracy::Default => allowed_levels(Accuracy::Bounded(4.0)),
         Accuracy::Fast => usize::MAX,
+    }
+}
+
+/// Moduli of the exact path; the table of [`Accuracy`].
+fn exact_moduli<T: Real>(accuracy: Accuracy) -> usize {
+    let (most, default, least) = if size_of::<T>() == 8 { (15, 14, 13) } else { (8, 7, 6) };
+    match accuracy {
+        Accuracy::Max | Accuracy::Classical => most,
+        Accuracy::Bounded(factor) if factor < 8.0 => default,
+        Accuracy::Default => default,
+        Accuracy::Bounded(_) | Accuracy::Fast => least,
     }
 }
 
@@ -431,6 +481,10 @@ impl fmt::Display for Plan {
         } else {
             writeln!(f, "C = A^T B, A {m} x {n}, B {m} x {k}, {scalar}")?;
         }
+        if let Some(moduli) = self.exact {
+            writeln!(f, "exact      modulo {moduli} numbers of 8 bits, by {}", Instance::best().name())?;
+            return self.write_estimate(f);
+        }
         writeln!(
             f,
             "tasks      {} blocks of C on {} levels, {slabs} slab{} of rows",
@@ -466,6 +520,12 @@ impl fmt::Display for Plan {
             self.lane_scratch_len(self.symmetric),
             (slabs - 1) * n * k
         )?;
+        self.write_estimate(f)
+    }
+}
+
+impl Plan {
+    fn write_estimate(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
             "estimate   {:.3} s on one core ({:.3} s classical)",

@@ -98,7 +98,7 @@ pub fn ata_rows<T: BlasReal>(
     let height = block_height(m, n);
     let weighted = row_options.weights.is_some();
     let plan_for = |rows: usize| Plan::ata::<T>(rows, n, options);
-    let scratch_for = |plan: &Plan| plan.scratch_len(options.par.threads(), !weighted);
+    let scratch_for = |plan: &Plan| plan.scratch_len::<T>(options.par.threads(), !weighted);
     let mut plan = plan_for(height)?;
     let mut scratch = Workspace::new(scratch_for(&plan))?;
     let mut memory = Workspace::new(height * n * if weighted { 2 } else { 1 })?;

@@ -1,10 +1,20 @@
+use std::alloc::Layout;
+
 use super::{Error, Real, Result};
 
 /// An owned, zeroed, reusable block of `T`; a failed allocation is an error, not an abort.
+///
+/// Large blocks begin on a huge page, and the system is asked for such pages: memory that is touched
+/// for the first time in every call costs a visible part of the time otherwise.
 #[derive(Debug, Default)]
 pub struct Workspace<T> {
     buffer: Vec<T>,
+    /// Elements before the first huge page.
+    skipped: usize,
 }
+
+/// Bytes of a huge page.
+const HUGE_PAGE: usize = 2 << 20;
 
 impl<T: Real> Workspace<T> {
     /// A workspace of `len` elements.
@@ -12,7 +22,7 @@ impl<T: Real> Workspace<T> {
     /// # Errors
     /// [`Error::OutOfMemory`].
     pub fn new(len: usize) -> Result<Self> {
-        let mut workspace = Self { buffer: Vec::new() };
+        let mut workspace = Self { buffer: Vec::new(), skipped: 0 };
         workspace.reserve(len)?;
         Ok(workspace)
     }
@@ -22,21 +32,49 @@ impl<T: Real> Workspace<T> {
     /// # Errors
     /// [`Error::OutOfMemory`]; the old block is then gone.
     pub fn reserve(&mut self, len: usize) -> Result<()> {
-        if self.buffer.len() < len {
-            self.buffer = Vec::new();
-            let out_of_memory =
-                |_| Error::OutOfMemory { bytes: len.saturating_mul(size_of::<T>()) };
-            self.buffer.try_reserve_exact(len).map_err(out_of_memory)?;
-            self.buffer.resize(len, T::ZERO);
+        if self.buffer.len() - self.skipped >= len {
+            return Ok(());
+        }
+        *self = Self { buffer: Vec::new(), skipped: 0 };
+        let bytes = len.saturating_mul(size_of::<T>());
+        let slack = if bytes < 2 * HUGE_PAGE { 0 } else { HUGE_PAGE / size_of::<T>() };
+        self.buffer = zeroed(len.saturating_add(slack)).ok_or(Error::OutOfMemory { bytes })?;
+        if slack > 0 {
+            self.skipped = self.buffer.as_ptr().align_offset(HUGE_PAGE);
+            ask_for_huge_pages(&mut self.buffer[self.skipped..]);
         }
         Ok(())
     }
 
     /// All of it.
     pub fn as_mut_slice(&mut self) -> &mut [T] {
-        &mut self.buffer
+        &mut self.buffer[self.skipped..]
     }
 }
+
+/// `len` zeros, which the system provides when they are touched.
+fn zeroed<T: Real>(len: usize) -> Option<Vec<T>> {
+    if len == 0 {
+        return Some(Vec::new());
+    }
+    let layout = Layout::array::<T>(len).ok()?;
+    // SAFETY: the layout is not empty. It is that of a vector of `len` elements, zero bits are a valid f32
+    // or f64 (`Real` is sealed), and the global allocator is that of vectors.
+    unsafe {
+        let pointer = std::alloc::alloc_zeroed(layout).cast::<T>();
+        (!pointer.is_null()).then(|| Vec::from_raw_parts(pointer, len, len))
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn ask_for_huge_pages<T>(block: &mut [T]) {
+    let bytes = size_of_val(block) / HUGE_PAGE * HUGE_PAGE;
+    // SAFETY: whole pages inside the block; the advice changes no contents, and may be refused.
+    unsafe { libc::madvise(block.as_mut_ptr().cast(), bytes, libc::MADV_HUGEPAGE) };
+}
+
+#[cfg(not(target_os = "linux"))]
+fn ask_for_huge_pages<T>(_block: &mut [T]) {}
 
 /// A bump allocator over a borrowed block: [`Arena::take`] hands out pieces until it is empty,
 /// and a nested scope ([`Arena::nested`]) gives its pieces back when it ends.
@@ -63,8 +101,46 @@ impl<'a, T: Real> Arena<'a, T> {
         piece
     }
 
+    /// The next `len` elements of another type, on a cache line of their own.
+    ///
+    /// # Panics
+    /// As [`Arena::take`], which wants [`Arena::len_of`] elements for this.
+    pub(crate) fn take_as<U: Plain>(&mut self, len: usize) -> &'a mut [U] {
+        let piece = self.take(Self::len_of::<U>(len));
+        let skipped = piece.as_ptr().cast::<u8>().align_offset(CACHE_LINE);
+        // SAFETY: `len_of` counts the bytes of `len` elements and of the way to the next cache line,
+        // which suits the alignment of U; any bits are a U, and a T when the borrow ends.
+        unsafe {
+            let start = piece.as_mut_ptr().cast::<u8>().add(skipped);
+            std::slice::from_raw_parts_mut(start.cast(), len)
+        }
+    }
+
+    /// Elements that [`Arena::take_as`] takes.
+    pub(crate) fn len_of<U: Plain>(len: usize) -> usize {
+        const { assert!(align_of::<U>() <= CACHE_LINE) };
+        (len.saturating_mul(size_of::<U>()).saturating_add(CACHE_LINE)).div_ceil(size_of::<T>())
+    }
+
     /// An arena over what is left; dropping it gives everything back.
     pub fn nested(&mut self) -> Arena<'_, T> {
         Arena { rest: &mut *self.rest }
     }
 }
+
+const CACHE_LINE: usize = 64;
+
+/// A type of which any bits are a value.
+///
+/// # Safety
+/// That, and no padding.
+pub unsafe trait Plain: Copy + Send + Sync {}
+
+// SAFETY: as the trait asks.
+unsafe impl Plain for i8 {}
+// SAFETY: as the trait asks.
+unsafe impl Plain for i32 {}
+// SAFETY: as the trait asks.
+unsafe impl Plain for f64 {}
+// SAFETY: as the trait asks: arrays have no padding of their own.
+unsafe impl<T: Plain, const N: usize> Plain for [T; N] {}

@@ -18,6 +18,7 @@ use std::sync::Arc;
 use faer::{MatMut, MatRef};
 
 use crate::base::{Real, Result};
+use crate::kernel::int8::Operand;
 
 pub(crate) use triangle::gemmt_by_gemm;
 
@@ -84,7 +85,7 @@ impl Drop for ThreadGuard {
 }
 
 /// A scalar whose kernels a [`Backend`] has: picks them out of the trait object.
-pub trait BlasReal: Real {
+pub trait BlasReal: Real + Operand {
     /// The kernels of this precision.
     fn kernels(backend: &dyn Backend) -> &dyn Kernels<Self>;
 }

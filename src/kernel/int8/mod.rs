@@ -69,6 +69,15 @@ impl Instance {
         }
     }
 
+    /// What the planner assumes of it. Estimates, as fast beside the rates of back ends as measured.
+    pub(crate) fn rates(self) -> Rates {
+        match self {
+            Self::Amx => Rates { products: 1.75e12, conversions: 6e9, recombinations: 4e9 },
+            Self::Vnni => Rates { products: 2.0e11, conversions: 4e9, recombinations: 4e9 },
+            Self::Portable => Rates { products: 1e10, conversions: 2e8, recombinations: 1e9 },
+        }
+    }
+
     /// The kernel; that of [`Instance::Portable`] when this one is refused.
     pub(crate) fn kernel(self) -> &'static dyn Kernel {
         let portable: &'static dyn Kernel = &portable::Portable;
@@ -80,6 +89,15 @@ impl Instance {
             _ => portable,
         }
     }
+}
+
+/// Speed of one core, per second: multiplications of residues, conversions to a residue, and residues
+/// recombined.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rates {
+    pub products: f64,
+    pub conversions: f64,
+    pub recombinations: f64,
 }
 
 /// The steps of the exact path, for one instruction set. All find the same numbers.
@@ -98,7 +116,7 @@ pub(crate) trait Kernel: Sync {
         moduli: &Moduli,
         out: &mut [&mut Residues],
     );
-    /// As [`Kernel::convert_f64`]; the integers are of less than 2^30.
+    /// As [`Kernel::convert_f64`]; the integers are of less than 2^31.
     fn convert_f32(
         &self,
         tile: &Tile<f32>,
@@ -198,6 +216,6 @@ pub(crate) mod sealed {
             }
         };
     }
-    steps!(f32, 30, norms_f32, convert_f32);
+    steps!(f32, 31, norms_f32, convert_f32);
     steps!(f64, 62, norms_f64, convert_f64);
 }

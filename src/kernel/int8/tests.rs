@@ -320,7 +320,7 @@ fn tiles_are_read_from_any_layout_and_padded_with_zeros() {
     let views = [a.as_ref(), by_rows, both_ways.as_ref().reverse_rows_and_cols()];
     let mut tile = Tile([[f64::NAN; WIDTH]; STEP]);
     for view in views {
-        for (row, col) in [(0, 0), (64, 0), (0, 16), (64, 16)] {
+        for (row, col) in [(0, 0), (64, 0), (0, 16), (64, 16), (0, 32), (128, 0)] {
             tile.load(view, row, col);
             for (i, line) in tile.0.iter().enumerate() {
                 for (j, &value) in line.iter().enumerate() {

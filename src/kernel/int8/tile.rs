@@ -31,13 +31,17 @@ impl<T: Real> Tile<T> {
         Self([[T::ZERO; WIDTH]; STEP])
     }
 
-    /// Reads the tile whose first entry is `a[(row, col)]`. Columns for which `skip` holds become zero.
+    /// Reads the tile whose first entry is `a[(row, col)]`, even if that is beyond the end.
     pub fn load(&mut self, a: MatRef<'_, T>, row: usize, col: usize) {
-        let (rows, cols) = (STEP.min(a.nrows() - row), WIDTH.min(a.ncols() - col));
-        let a = a.submatrix(row, col, rows, cols);
+        let rows = STEP.min(a.nrows().saturating_sub(row));
+        let cols = WIDTH.min(a.ncols().saturating_sub(col));
         if rows < STEP || cols < WIDTH {
             *self = Self::zeros();
         }
+        if rows == 0 || cols == 0 {
+            return;
+        }
+        let a = a.submatrix(row, col, rows, cols);
         if a.col_stride() == 1 {
             for (i, line) in self.0[..rows].iter_mut().enumerate() {
                 // SAFETY: row `i` of the view is `cols` adjacent elements.

@@ -1,0 +1,151 @@
+//! The power of two that every column is multiplied by before it is rounded to integers.
+
+use std::ops::Range;
+
+use faer::MatRef;
+
+use super::lanes::{Shared, split};
+use crate::base::{Arena, Par};
+use crate::kernel::int8::{
+    EMPTY, Kernel, Moduli, NON_FINITE, NORM_BITS, Operand, PANEL, STEP, Tile, TileNorms, WIDTH,
+};
+
+/// How the columns of an operand become integers.
+pub(super) struct Columns {
+    /// Column j is multiplied by `2^exponents[j]`; zeros up to a whole panel.
+    pub exponents: Vec<i32>,
+    /// Columns with a NaN or an infinity, in order; they count as zeros.
+    pub non_finite: Vec<usize>,
+}
+
+/// Bands of 64 rows, and tiles of 16 columns, of an operand.
+fn extent<T>(a: MatRef<'_, T>) -> (usize, usize) {
+    (a.nrows().div_ceil(STEP), a.ncols().div_ceil(PANEL) * 2)
+}
+
+/// Elements of scratch that [`Columns::new`] takes.
+pub(super) fn scratch_len<T: Operand>(m: usize, n: usize) -> usize {
+    let count = m.div_ceil(STEP) * n.div_ceil(PANEL) * PANEL;
+    Arena::<T>::len_of::<i32>(count) + Arena::<T>::len_of::<f64>(count)
+}
+
+impl Columns {
+    /// Chooses the powers so that the integers are as large as products of two columns allow: by the
+    /// Cauchy-Schwarz inequality those are below P/2. The norms are sums of integers, and so the same in
+    /// any order.
+    pub fn new<T: Operand>(
+        kernel: &dyn Kernel,
+        a: MatRef<'_, T>,
+        moduli: &Moduli,
+        par: Par,
+        arena: &mut Arena<'_, T>,
+    ) -> Self {
+        let (bands, tiles) = extent(a);
+        let mut arena = arena.nested();
+        let exponents = arena.take_as::<[i32; WIDTH]>(bands * tiles);
+        let squares = arena.take_as::<[f64; WIDTH]>(bands * tiles);
+        {
+            let exponents = Shared::new(exponents);
+            let squares = Shared::new(squares);
+            for_tiles(a, 0..bands, 0..tiles, par, |tile, band, column| {
+                let norms = T::norms(kernel, tile);
+                let at = band * tiles + column;
+                // SAFETY: each tile is visited once.
+                unsafe {
+                    *exponents.get(at) = norms.exponents;
+                    *squares.get(at) = norms.squares;
+                }
+            });
+        }
+        // What rounding to integers adds to a norm is at most 1/2 per row.
+        let limit = moduli.largest_norm - 0.5 * (a.nrows() as f64).sqrt() - 1.0;
+        let mut columns = vec![0; tiles * WIDTH];
+        let mut non_finite = Vec::new();
+        for tile in 0..tiles {
+            let norms = (0..bands).map(|band| {
+                let at = band * tiles + tile;
+                TileNorms { exponents: exponents[at], squares: squares[at] }
+            });
+            for (j, exponent) in combine::<T>(norms, limit).into_iter().enumerate() {
+                match exponent {
+                    Some(exponent) => columns[tile * WIDTH + j] = exponent,
+                    None => non_finite.push(tile * WIDTH + j),
+                }
+            }
+        }
+        Self { exponents: columns, non_finite }
+    }
+
+    /// Makes columns that are not finite zero.
+    pub fn clear_non_finite<T: Operand>(&self, tile: &mut Tile<T>, column: usize) {
+        let first = column * WIDTH;
+        let from = self.non_finite.partition_point(|&j| j < first);
+        for j in self.non_finite[from..].iter().take_while(|&&j| j < first + WIDTH) {
+            for row in &mut tile.0 {
+                row[j - first] = T::ZERO;
+            }
+        }
+    }
+
+    /// The exponents of 16 columns.
+    pub fn exponents_of(&self, tile: usize) -> [i32; WIDTH] {
+        std::array::from_fn(|j| self.exponents[tile * WIDTH + j])
+    }
+}
+
+/// The exponents of 16 columns from the bounds of their tiles; `None` for columns that are not finite.
+fn combine<T: Operand>(
+    norms: impl Iterator<Item = TileNorms> + Clone,
+    limit: f64,
+) -> [Option<i32>; WIDTH] {
+    let mut largest = [EMPTY; WIDTH];
+    for tile in norms.clone() {
+        for j in 0..WIDTH {
+            largest[j] = largest[j].max(tile.exponents[j]);
+        }
+    }
+    let mut sums = [0_u128; WIDTH];
+    for tile in norms {
+        for j in 0..WIDTH {
+            if tile.exponents[j] != EMPTY && largest[j] != NON_FINITE {
+                // To the unit of the largest tile, rounded up.
+                let shift = (2 * (largest[j] - tile.exponents[j])).min(63);
+                sums[j] += u128::from((tile.squares[j] as u64 + ((1 << shift) - 1)) >> shift);
+            }
+        }
+    }
+    std::array::from_fn(|j| match largest[j] {
+        NON_FINITE => None,
+        EMPTY => Some(0),
+        largest => {
+            let norm = (sums[j] as f64).sqrt() * (1.0 + 1.0 / (1_u64 << 40) as f64);
+            let ratio = limit / norm;
+            let exponent = (ratio.to_bits() >> 52) as i32 - 1023 + NORM_BITS - largest;
+            Some(exponent.min(T::INTEGER_BITS - largest))
+        }
+    })
+}
+
+/// Calls `visit(tile, band, column)` for every tile of the bands and tile columns given, each once, from
+/// all threads; along the lines of the matrix.
+pub(super) fn for_tiles<T: Operand>(
+    a: MatRef<'_, T>,
+    bands: Range<usize>,
+    columns: Range<usize>,
+    par: Par,
+    visit: impl Fn(&mut Tile<T>, usize, usize) + Sync,
+) {
+    let by_rows = a.row_stride().unsigned_abs() >= a.col_stride().unsigned_abs();
+    let inner = if by_rows { columns.len() } else { bands.len() };
+    let total = bands.len() * columns.len();
+    par.run_lanes(|lane| {
+        let mut tile = Tile::zeros();
+        for i in split(total, par.threads(), lane) {
+            let (outer, inner) = (i / inner, i % inner);
+            let (band, column) = if by_rows { (outer, inner) } else { (inner, outer) };
+            let (band, column) = (bands.start + band, columns.start + column);
+            tile.load(a, band * STEP, column * WIDTH);
+            visit(&mut tile, band, column);
+        }
+    });
+}

@@ -1,0 +1,189 @@
+//! Blocks of C modulo one number, and their way back to numbers.
+
+use faer::prelude::ReborrowMut;
+use faer::MatMut;
+
+use super::columns::Columns;
+use super::lanes::Shared;
+use super::layout::{DEPTH, Layout, SLAB, Unit};
+use super::store::Store;
+use crate::base::{Arena, Real};
+use crate::kernel::int8::{Block, Kernel, Moduli, Operand, Quarter, Slice, WIDTH};
+
+/// The memory of one thread.
+pub(super) struct Lane<'a> {
+    /// The left side of a block, one slab of it.
+    pub left: &'a mut [Slice],
+    /// Sums of the block.
+    pub sums: &'a mut [Block<i32>],
+    /// Its residues, modulus by modulus; unused where they are kept for all of C.
+    pub residues: &'a mut [Block<i8>],
+}
+
+impl<'a> Lane<'a> {
+    pub fn new<T: Real>(arena: &mut Arena<'a, T>, layout: &Layout) -> Self {
+        let [left, sums, residues] = Self::lengths(layout);
+        Self {
+            left: arena.take_as(left),
+            sums: arena.take_as(sums),
+            residues: arena.take_as(residues),
+        }
+    }
+
+    fn lengths(layout: &Layout) -> [usize; 3] {
+        let pairs = layout.block.0 * layout.block.1;
+        let kept = if layout.accumulates() { 0 } else { layout.moduli * pairs };
+        [layout.block.0 * SLAB.min(layout.chunk), pairs, kept]
+    }
+
+    pub fn scratch_len<T: Real>(layout: &Layout) -> usize {
+        let [left, sums, residues] = Self::lengths(layout);
+        Arena::<T>::len_of::<Slice>(left)
+            + Arena::<T>::len_of::<Block<i32>>(sums)
+            + Arena::<T>::len_of::<Block<i8>>(residues)
+    }
+}
+
+/// Products of the residues of a group of A and one of B, over a chunk of rows.
+pub(super) struct Round<'r, 'm> {
+    pub kernel: &'r dyn Kernel,
+    pub layout: &'r Layout,
+    pub moduli: &'r Moduli,
+    pub left: &'r Store<'m>,
+    pub right: &'r Store<'m>,
+    /// Whether to add to the residues of an earlier chunk.
+    pub continued: bool,
+}
+
+impl Round<'_, '_> {
+    /// Block `unit` of the product modulo the `l`-th number; the residues of panels (i, j) go to
+    /// `residues[place(i, j)]`.
+    ///
+    /// # Safety
+    /// Nobody else uses these places meanwhile.
+    pub unsafe fn multiply(
+        &self,
+        unit: &Unit,
+        l: usize,
+        left: &mut [Slice],
+        sums: &mut [Block<i32>],
+        residues: &Shared<'_, Block<i8>>,
+        place: impl Fn(usize, usize) -> usize,
+    ) {
+        let Self { kernel, layout, .. } = self;
+        let _session = kernel.session();
+        let all = &self.left.extent().steps;
+        let slabs = all.len().div_ceil(SLAB);
+        let bound = |i: usize| all.start + all.len() * i / slabs;
+        for slab in 0..slabs {
+            let steps = bound(slab)..bound(slab + 1);
+            for (i, left) in unit.rows.clone().zip(left.chunks_exact_mut(steps.len())) {
+                kernel.to_left(self.left.slices(l, i, steps.clone()), left);
+            }
+            for j in unit.cols.clone() {
+                let rows = layout.first_row(unit, j)..unit.rows.end;
+                let right = self.right.slices(l, j, steps.clone());
+                // What comes next on the right is fetched a share at a time.
+                let next = (j + 1).min(unit.cols.end - 1);
+                let mut ahead = self.right.slices(l, next, steps.clone()).as_ptr().cast::<i8>();
+                let share = size_of::<Slice>() * DEPTH / rows.len().max(1);
+                for first in (0..steps.len()).step_by(DEPTH) {
+                    let depth = first..steps.len().min(first + DEPTH);
+                    for i in rows.clone() {
+                        let at = (j - unit.cols.start) * unit.rows.len() + i - unit.rows.start;
+                        let sums = &mut sums[at];
+                        // SAFETY: the caller's promise; the reference dies with this product.
+                        let residues = unsafe { residues.get(place(i, j)) };
+                        if slab == 0 && first == 0 {
+                            start(sums, self.continued.then_some(&*residues));
+                        }
+                        let left = &left[(i - unit.rows.start) * steps.len()..][depth.clone()];
+                        kernel.multiply(left, &right[depth.clone()], sums, ahead);
+                        ahead = ahead.wrapping_add(share);
+                        if slab + 1 == slabs && depth.end == steps.len() {
+                            kernel.reduce(sums, &self.moduli.list[l], residues);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Sums begin with the residues of the rows before, or with zeros.
+fn start(sums: &mut Block<i32>, residues: Option<&Block<i8>>) {
+    match residues {
+        None => *sums = [[[0; WIDTH]; WIDTH]; 4],
+        Some(residues) => {
+            let residues = residues.as_flattened().as_flattened();
+            for (sum, &r) in sums.as_flattened_mut().as_flattened_mut().iter_mut().zip(residues) {
+                *sum = r.into();
+            }
+        }
+    }
+}
+
+/// What becomes of a product, and where it goes.
+pub(super) struct Target<'c, T> {
+    pub alpha: T,
+    pub beta: T,
+    pub moduli: &'c Moduli,
+    pub left: &'c Columns,
+    pub right: &'c Columns,
+    /// Only the lower triangle of C.
+    pub symmetric: bool,
+}
+
+impl<T: Operand> Target<'_, T> {
+    /// `C := alpha X + beta C` for the block of panels (i, j) of C, `c`, where `residues(l)` are those of X.
+    pub fn write<'r>(
+        &self,
+        kernel: &dyn Kernel,
+        (i, j): (usize, usize),
+        residues: impl Fn(usize) -> &'r Block<i8>,
+        mut c: MatMut<'_, T>,
+    ) {
+        let mut values = [[0.0; WIDTH]; WIDTH];
+        let mut of_quarter: Vec<&Quarter<i8>> = Vec::with_capacity(self.moduli.len());
+        for quarter in 0..4 {
+            let (row, col) = (quarter / 2 * WIDTH, quarter % 2 * WIDTH);
+            let above = self.symmetric && i == j && row < col;
+            if row >= c.nrows() || col >= c.ncols() || above {
+                continue;
+            }
+            of_quarter.clear();
+            of_quarter.extend((0..self.moduli.len()).map(|l| &residues(l)[quarter]));
+            let rows = self.left.exponents_of(2 * i + quarter / 2).map(|e| -e);
+            let cols = self.right.exponents_of(2 * j + quarter % 2).map(|e| -e);
+            kernel.recombine(&of_quarter, self.moduli, &rows, &cols, &mut values);
+            let (nrows, ncols) = (WIDTH.min(c.nrows() - row), WIDTH.min(c.ncols() - col));
+            let c = c.rb_mut().submatrix_mut(row, col, nrows, ncols);
+            let triangle = self.symmetric && i == j && row == col;
+            self.store(&values, triangle, c);
+        }
+    }
+
+    /// At most 16 x 16 values, or their lower triangle.
+    fn store(&self, values: &Quarter<f64>, triangle: bool, mut c: MatMut<'_, T>) {
+        let update = |value: f64, c: &mut T| {
+            let value = T::from_f64(value);
+            let value = if self.alpha == T::ONE { value } else { self.alpha * value };
+            *c = if self.beta == T::ZERO { value } else { value + self.beta * *c };
+        };
+        if c.row_stride() == 1 {
+            for j in 0..c.ncols() {
+                let first = if triangle { j } else { 0 };
+                for (i, c) in c.rb_mut().col_mut(j).iter_mut().enumerate().skip(first) {
+                    update(values[i][j], c);
+                }
+            }
+        } else {
+            for (i, values) in values.iter().enumerate().take(c.nrows()) {
+                let count = if triangle { i + 1 } else { WIDTH };
+                for (&value, c) in values.iter().zip(c.rb_mut().row_mut(i).iter_mut()).take(count) {
+                    update(value, c);
+                }
+            }
+        }
+    }
+}

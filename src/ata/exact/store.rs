@@ -1,0 +1,107 @@
+//! The residues of a group of columns and a chunk of rows, in memory.
+
+use std::ops::Range;
+
+use faer::MatRef;
+
+use super::columns::{Columns, for_tiles};
+use super::lanes::Shared;
+use super::layout::{Extent, Layout, Need, Pair};
+use crate::base::Par;
+use crate::kernel::int8::{Kernel, Moduli, Operand, Powers, Residues, Slice};
+
+/// For each modulus, panel by panel, the slices of its steps.
+pub(super) struct Store<'a> {
+    memory: &'a mut [Slice],
+    extent: Extent,
+}
+
+impl<'a> Store<'a> {
+    pub fn new(memory: &'a mut [Slice]) -> Self {
+        Self { memory, extent: Extent { panels: 0..0, steps: 0..0 } }
+    }
+
+    /// Computes the residues of the part of `a` that `extent` says.
+    pub fn fill<T: Operand>(
+        &mut self,
+        kernel: &dyn Kernel,
+        a: MatRef<'_, T>,
+        columns: &Columns,
+        moduli: &Moduli,
+        extent: Extent,
+        par: Par,
+    ) {
+        let Extent { panels, steps } = extent.clone();
+        let modulus_len = panels.len() * steps.len();
+        let tiles: &mut [Residues] = self.memory[..moduli.len() * modulus_len].as_flattened_mut();
+        let tiles = Shared::new(tiles);
+        let tile_columns = 2 * panels.start..2 * panels.end;
+        for_tiles(a, steps.clone(), tile_columns, par, |tile, band, column| {
+            columns.clear_non_finite(tile, column);
+            let powers = Powers::new(columns.exponents_of(column));
+            let slice = (column / 2 - panels.start) * steps.len() + band - steps.start;
+            let mut out = Vec::with_capacity(moduli.len());
+            for l in 0..moduli.len() {
+                // SAFETY: each tile is visited once, and each modulus has a place of its own.
+                out.push(unsafe { tiles.get(2 * (l * modulus_len + slice) + column % 2) });
+            }
+            T::convert(kernel, tile, &powers, moduli, &mut out);
+        });
+        self.extent = extent;
+    }
+
+    /// What it holds.
+    pub fn extent(&self) -> &Extent {
+        &self.extent
+    }
+
+    /// The slices of one panel modulo the l-th modulus.
+    pub fn slices(&self, l: usize, panel: usize, steps: Range<usize>) -> &[Slice] {
+        let Extent { panels, steps: held } = &self.extent;
+        let panel = (l * panels.len() + panel - panels.start) * held.len();
+        &self.memory[panel + steps.start - held.start..panel + steps.end - held.start]
+    }
+}
+
+/// The residues in memory: those of two groups.
+pub(super) struct Residents<'a> {
+    stores: [Store<'a>; 2],
+    held: [Option<Need>; 2],
+}
+
+impl<'a> Residents<'a> {
+    pub fn new(memory: [&'a mut [Slice]; 2]) -> Self {
+        Self { stores: memory.map(Store::new), held: [None; 2] }
+    }
+
+    /// The residues of both sides of a round, for the steps of `chunk`; `fill` computes those that are not
+    /// there.
+    pub fn load(
+        &mut self,
+        layout: &Layout,
+        pair: Pair,
+        chunk: Range<usize>,
+        mut fill: impl FnMut(&mut Store<'a>, Need, Extent),
+    ) -> [&Store<'a>; 2] {
+        let needs = layout.needs(pair);
+        for need in needs {
+            let panels = layout.group(need);
+            let extent = Extent { panels, steps: chunk.clone() };
+            let current = |slot: usize| {
+                self.held[slot] == Some(need) && *self.stores[slot].extent() == extent
+            };
+            if current(0) || current(1) {
+                continue;
+            }
+            // One whose content this round does not need; A and B each have their own.
+            let slot = match (layout.same, self.held[0]) {
+                (false, _) => need.operand,
+                (true, Some(held)) => usize::from(held != need && needs.contains(&held)),
+                (true, None) => 0,
+            };
+            fill(&mut self.stores[slot], need, extent);
+            self.held[slot] = Some(need);
+        }
+        needs.map(|need| &self.stores[usize::from(self.held[0] != Some(need))])
+    }
+}
