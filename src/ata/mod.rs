@@ -23,7 +23,7 @@ pub use rows::{Center, DenseRows, RowBlocks, RowOptions, ata_rows};
 pub use tree::{Node, Task, levels};
 pub use verify::{Verification, verify, verify_rows};
 
-use crate::base::{Error, Result, Workspace};
+use crate::base::{Error, Result, Scratch};
 use crate::blas::BlasReal;
 use crate::kernel::int8::Instance;
 
@@ -43,7 +43,7 @@ pub fn ata<T: BlasReal>(
     options: &AtaOptions<'_>,
 ) -> Result<()> {
     let plan = plan_ata(a, c.rb(), options)?;
-    let mut scratch = Workspace::new(plan.scratch_len::<T>(options.par.threads(), true))?;
+    let mut scratch = Scratch::new::<T>(plan.scratch_len::<T>(options.par.threads(), true))?;
     run_symmetric(&plan, alpha, a, None, beta, c, options, scratch.as_mut_slice())
 }
 
@@ -126,7 +126,7 @@ pub fn atb<T: BlasReal>(
     options: &AtaOptions<'_>,
 ) -> Result<()> {
     let plan = plan_atb(a, b, c.rb(), options)?;
-    let mut scratch = Workspace::new(plan.scratch_len::<T>(options.par.threads(), false))?;
+    let mut scratch = Scratch::new::<T>(plan.scratch_len::<T>(options.par.threads(), false))?;
     run(&plan, alpha, a, Some(b), beta, c, options, scratch.as_mut_slice())
 }
 

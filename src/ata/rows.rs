@@ -7,7 +7,7 @@ use faer::{MatMut, MatRef};
 use super::options::AtaOptions;
 use super::plan::Plan;
 use super::run_symmetric;
-use crate::base::{Error, Flow, Progress, Real, Result, Workspace};
+use crate::base::{Error, Flow, Progress, Real, Result, Scratch, Workspace};
 use crate::blas::BlasReal;
 
 /// A source of the rows of a matrix, block by block.
@@ -100,7 +100,7 @@ pub fn ata_rows<T: BlasReal>(
     let plan_for = |rows: usize| Plan::ata::<T>(rows, n, options);
     let scratch_for = |plan: &Plan| plan.scratch_len::<T>(options.par.threads(), !weighted);
     let mut plan = plan_for(height)?;
-    let mut scratch = Workspace::new(scratch_for(&plan))?;
+    let mut scratch = Scratch::new::<T>(scratch_for(&plan))?;
     let mut memory = Workspace::new(height * n * if weighted { 2 } else { 1 })?;
     let mut first = 0;
     // Once even without rows: C still gets its beta.
@@ -108,7 +108,7 @@ pub fn ata_rows<T: BlasReal>(
         let count = height.min(m - first);
         if count != height {
             plan = plan_for(count)?;
-            scratch.reserve(scratch_for(&plan))?;
+            scratch.reserve::<T>(scratch_for(&plan))?;
         }
         let (x, wx) = memory.as_mut_slice().split_at_mut(height * n);
         let mut x = MatMut::from_row_major_slice_mut(&mut x[..count * n], count, n);

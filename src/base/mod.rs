@@ -14,4 +14,5 @@ pub use progress::{Flow, Progress};
 pub use rng::Rng;
 pub use scalar::Real;
 pub use version::{VERSION, VersionNumber, cpu_features, version};
-pub use workspace::{Arena, Workspace};
+pub(crate) use workspace::Scratch;
+pub use workspace::{Arena, Workspace, release_memory};

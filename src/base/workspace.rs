@@ -1,4 +1,5 @@
 use std::alloc::Layout;
+use std::sync::{Mutex, PoisonError};
 
 use super::{Error, Real, Result};
 
@@ -75,6 +76,63 @@ fn ask_for_huge_pages<T>(block: &mut [T]) {
 
 #[cfg(not(target_os = "linux"))]
 fn ask_for_huge_pages<T>(_block: &mut [T]) {}
+
+/// Memory for the length of a call, with whatever an earlier one left in it.
+///
+/// Pages fresh from the system cost as much as the arithmetic on them, so that the largest block stays with
+/// the process, as in other BLAS libraries, until [`release_memory`].
+pub(crate) struct Scratch(Workspace<f64>);
+
+/// The block that the next call may have.
+static SPARE: Mutex<Option<Workspace<f64>>> = Mutex::new(None);
+
+/// Blocks that stay, in bytes: smaller ones are the allocator's business, larger ones too much.
+const KEPT: std::ops::RangeInclusive<usize> = 4 << 20..=1 << 30;
+
+impl Scratch {
+    /// At least `len` elements of T.
+    pub fn new<T: Real>(len: usize) -> Result<Self> {
+        let mut scratch = Self(spare(Option::take).unwrap_or_default());
+        scratch.reserve::<T>(len)?;
+        Ok(scratch)
+    }
+
+    /// Grows to at least `len` elements of T; what it held is lost.
+    pub fn reserve<T: Real>(&mut self, len: usize) -> Result<()> {
+        self.0.reserve(len.saturating_mul(size_of::<T>()).div_ceil(size_of::<f64>()))
+    }
+
+    /// All of it.
+    pub fn as_mut_slice<T: Real>(&mut self) -> &mut [T] {
+        let block = self.0.as_mut_slice();
+        let len = size_of_val(block) / size_of::<T>();
+        // SAFETY: f32 and f64 (`Real` is sealed) take any bits and ask for no more alignment than f64.
+        unsafe { std::slice::from_raw_parts_mut(block.as_mut_ptr().cast(), len) }
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let own = std::mem::take(&mut self.0);
+        if KEPT.contains(&size_of_val(own.buffer.as_slice())) {
+            let other = spare(|spare| match spare {
+                Some(spare) if spare.buffer.len() >= own.buffer.len() => Some(own),
+                _ => spare.replace(own),
+            });
+            // Outside of the lock.
+            drop(other);
+        }
+    }
+}
+
+fn spare<R>(work: impl FnOnce(&mut Option<Workspace<f64>>) -> R) -> R {
+    work(&mut SPARE.lock().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// Gives the memory back that products keep for the next one: at most 1 GiB.
+pub fn release_memory() {
+    drop(spare(Option::take));
+}
 
 /// A bump allocator over a borrowed block: [`Arena::take`] hands out pieces until it is empty,
 /// and a nested scope ([`Arena::nested`]) gives its pieces back when it ends.

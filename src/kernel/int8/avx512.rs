@@ -322,16 +322,21 @@ enabled! {
 enabled! {
     /// 128 times the sum of each of 16 columns of the left operand.
     fn excess(left: &[Slice], half: usize) -> [i32; WIDTH] {
+        // As an unsigned byte the weight is +128.
         let weights = _mm512_set1_epi8(i8::MIN);
-        let mut sums = _mm512_setzero_si512();
+        // Four sums, so that none waits for the one before.
+        let mut sums = [_mm512_setzero_si512(); 4];
         for slice in left {
-            for dwords in slice[half].chunks_exact(64) {
-                // SAFETY: 64 bytes.
-                let dwords = unsafe { _mm512_loadu_si512(dwords.as_ptr().cast()) };
-                // As an unsigned byte the weight is +128.
-                sums = _mm512_dpbusd_epi32(sums, weights, dwords);
+            for lines in slice[half].chunks_exact(4 * 64) {
+                for (sum, dwords) in sums.iter_mut().zip(lines.chunks_exact(64)) {
+                    // SAFETY: 64 bytes.
+                    let dwords = unsafe { _mm512_loadu_si512(dwords.as_ptr().cast()) };
+                    *sum = _mm512_dpbusd_epi32(*sum, weights, dwords);
+                }
             }
         }
+        let [s0, s1, s2, s3] = sums;
+        let sums = _mm512_add_epi32(_mm512_add_epi32(s0, s1), _mm512_add_epi32(s2, s3));
         let mut excess = [0; WIDTH];
         // SAFETY: 16 elements.
         unsafe { _mm512_storeu_si512(excess.as_mut_ptr().cast(), sums) };
