@@ -68,7 +68,7 @@ proptest! {
             backend: backends()[backend].clone(),
             leaf: Some(leaf),
             tasks: Some(tasks),
-            progress: None,
+            ..AtaOptions::default()
         };
         let mut c = start.clone();
         ata(alpha, a, beta, c.as_mut(), &options).unwrap();

@@ -100,6 +100,8 @@ impl<'a> Residents<'a> {
                 (true, None) => 0,
             };
             fill(&mut self.stores[slot], need, extent);
+            // The other may hold an earlier chunk of the same.
+            self.held = self.held.map(|held| held.filter(|&h| h != need));
             self.held[slot] = Some(need);
         }
         needs.map(|need| &self.stores[usize::from(self.held[0] != Some(need))])

@@ -1,0 +1,229 @@
+//! Every kernel, every division of the work: the same bytes, and those of integers of any size.
+
+use faer::{Mat, MatRef};
+
+use super::layout::{Need, Pair};
+use super::*;
+use crate::base::{Arena, Rng, Workspace};
+use crate::kernel::int8::tests::kernels;
+
+/// Uniform entries whose columns are scaled by `2^(spread * (j % 7))`, with zeros and a zero column.
+fn random<T: Operand>(m: usize, n: usize, spread: i32, seed: u64) -> Mat<T> {
+    let mut rng = Rng::new(seed);
+    Mat::from_fn(m, n, |i, j| {
+        let value = 2.0 * rng.uniform() - 1.0;
+        let zero = j == 5 || (i + 3 * j) % 11 == 0;
+        let scaled = if zero { 0.0 } else { value * f64::from(spread * (j as i32 % 7)).exp2() };
+        T::from_f64(scaled)
+    })
+}
+
+fn columns<T: Operand>(kernel: &dyn Kernel, a: MatRef<'_, T>, moduli: &Moduli) -> Columns {
+    let mut memory = Workspace::<T>::new(columns::scratch_len::<T>(a.nrows(), a.ncols())).unwrap();
+    Columns::new(kernel, a, moduli, Par::Seq, &mut Arena::new(memory.as_mut_slice()))
+}
+
+/// `v 2^e`, rounded once.
+fn scaled(v: i128, e: i32) -> f64 {
+    v as f64 * f64::from(e / 2).exp2() * f64::from(e - e / 2).exp2()
+}
+
+/// Runs `layout` in dirty memory.
+fn run<T: Operand>(
+    kernel: &dyn Kernel,
+    layout: &Layout,
+    a: MatRef<'_, T>,
+    b: Option<MatRef<'_, T>>,
+    threads: usize,
+) -> Mat<T> {
+    let extents = [a.nrows(), a.ncols(), b.unwrap_or(a).ncols()];
+    let options = AtaOptions { par: Par::Threads(threads), ..AtaOptions::default() };
+    let mut scratch = Workspace::new(scratch_len::<T>(extents, layout, threads)).unwrap();
+    scratch.as_mut_slice().fill(T::from_f64(f64::NAN));
+    let mut c = Mat::from_fn(extents[1], extents[2], |_, _| T::from_f64(f64::NAN));
+    let scratch = scratch.as_mut_slice();
+    execute(kernel, layout, T::ONE, a, b, T::ZERO, c.as_mut(), &options, scratch).unwrap();
+    c
+}
+
+/// The divisions of the work that reach every branch: chunks of rows, groups of columns, both.
+fn layouts(whole: &Layout) -> Vec<Layout> {
+    let mut found = vec![whole.clone()];
+    for (chunk, groups, block) in
+        [(whole.steps, 1, (1, 1)), (1, 1, (2, 3)), (2, 2, (1, 2)), (whole.steps, 3, (2, 2))]
+    {
+        let groups = groups.min(whole.left.max(whole.right));
+        found.push(Layout { chunk, groups, block, ..whole.clone() });
+    }
+    found
+}
+
+fn check_against_integers<T: Operand>(m: usize, n: usize, count: usize, spread: i32) {
+    let a = random::<T>(m, n, spread, count as u64);
+    let moduli = Moduli::new(count);
+    let whole = Layout::new([m, n, n], size_of::<T>(), count, true, true);
+    let expected = run(&crate::kernel::int8::tests::PORTABLE, &whole, a.as_ref(), None, 1);
+    let of_a = columns(&crate::kernel::int8::tests::PORTABLE, a.as_ref(), &moduli);
+    let integer = |i: usize, j: usize| {
+        let e = of_a.exponents[j];
+        let value = a[(i, j)].to_f64() * f64::from(e / 2).exp2() * f64::from(e - e / 2).exp2();
+        value.round_ties_even() as i128
+    };
+    let integers = Mat::from_fn(m, n, integer);
+    for j in 0..n {
+        let norm = (0..m).map(|i| (integers[(i, j)] as f64).powi(2)).sum::<f64>().sqrt();
+        assert!(norm <= moduli.largest_norm, "column {j}: {norm:e}");
+        assert!(norm == 0.0 || norm > 0.24 * moduli.largest_norm, "column {j}: {norm:e}");
+        for i in j..n {
+            let sum: i128 = (0..m).map(|k| integers[(k, i)] * integers[(k, j)]).sum();
+            let right = scaled(sum, -of_a.exponents[i] - of_a.exponents[j]);
+            let got = expected[(i, j)].to_f64();
+            let subnormal = if size_of::<T>() == 8 { 5e-324 } else { 1.5e-45 };
+            let slack = 2.0 * T::UNIT_ROUNDOFF * right.abs() + subnormal;
+            let close = got == right || (got - right).abs() <= slack;
+            assert!(close, "({i}, {j}) of {m} x {n}: {got:e}, not {right:e}");
+        }
+    }
+    for (name, kernel) in kernels() {
+        let kernel = kernel.as_ref();
+        assert_eq!(columns(kernel, a.as_ref(), &moduli).exponents, of_a.exponents, "{name}");
+        for (l, layout) in layouts(&whole).into_iter().enumerate() {
+            // An emulated instruction takes a microsecond.
+            if name == "amx" && l % 2 == 1 {
+                continue;
+            }
+            let c = run(kernel, &layout, a.as_ref(), None, 1 + l % 3);
+            for j in 0..n {
+                for i in j..n {
+                    let (got, right) = (c[(i, j)].to_f64(), expected[(i, j)].to_f64());
+                    assert_eq!(got.to_bits(), right.to_bits(), "{name}, {layout:?} at ({i}, {j})");
+                }
+                assert!((0..j).all(|i| c[(i, j)].to_f64().is_nan()), "the upper triangle");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_kernel_and_layout_gives_the_bytes_of_the_integers() {
+    for (m, n) in [(1, 1), (64, 32), (65, 33), (130, 7), (200, 100)] {
+        for count in [13, 14, 15] {
+            check_against_integers::<f64>(m, n, count, 3);
+        }
+        for count in [6, 7, 8] {
+            check_against_integers::<f32>(m, n, count, 2);
+        }
+    }
+    check_against_integers::<f64>(70, 40, 14, 150);
+    check_against_integers::<f64>(70, 40, 14, -165);
+    check_against_integers::<f32>(70, 40, 7, -20);
+}
+
+#[test]
+fn general_products_are_the_same_bytes_for_every_kernel_and_layout() {
+    let (m, n, k) = (150, 70, 110);
+    let (a, b) = (random::<f64>(m, n, 4, 1), random::<f64>(m, k, -3, 2));
+    for symmetric in [false, true] {
+        let b = if symmetric { random::<f64>(m, n, -3, 2) } else { b.clone() };
+        let k = b.ncols();
+        let whole = Layout::new([m, n, k], 8, 14, symmetric, false);
+        let portable = &crate::kernel::int8::tests::PORTABLE;
+        let expected = run(portable, &whole, a.as_ref(), Some(b.as_ref()), 1);
+        for (name, kernel) in kernels() {
+            for layout in layouts(&whole) {
+                let c = run(kernel.as_ref(), &layout, a.as_ref(), Some(b.as_ref()), 2);
+                for j in 0..k {
+                    for i in if symmetric { j } else { 0 }..n {
+                        assert_eq!(c[(i, j)], expected[(i, j)], "{name}, {layout:?} at ({i}, {j})");
+                    }
+                }
+            }
+        }
+        let right = a.transpose() * &b;
+        for j in 0..k {
+            for i in if symmetric { j } else { 0 }..n {
+                let scale: f64 = (0..m).map(|r| (a[(r, i)] * b[(r, j)]).abs()).sum();
+                assert!((expected[(i, j)] - right[(i, j)]).abs() <= 1e-14 * scale, "({i}, {j})");
+            }
+        }
+    }
+}
+
+/// Shapes from small to beyond any memory.
+const SHAPES: [[usize; 3]; 14] = [
+    [0, 5, 5],
+    [3, 0, 0],
+    [1, 1, 1],
+    [4096, 4096, 4096],
+    [8192, 8192, 8192],
+    [1_000_000, 100, 100],
+    [30_000, 2500, 2500],
+    [300_000, 500, 500],
+    [200, 30_000, 30_000],
+    [5000, 20_000, 20_000],
+    [200_000, 20_000, 20_000],
+    [16_384, 16_384, 16_384],
+    [100_000, 3, 90_000],
+    [4096, 12_000, 50],
+];
+
+fn all_layouts() -> impl Iterator<Item = ([usize; 3], usize, Layout)> {
+    SHAPES.into_iter().flat_map(|shape| {
+        [(8, 13), (8, 15), (4, 6), (4, 8)].into_iter().flat_map(move |(bytes, moduli)| {
+            let [_, n, k] = shape;
+            let square = n == k;
+            let kinds = [(true, true), (true, false), (false, true), (false, false)];
+            kinds.into_iter().filter(move |&(symmetric, same)| square || !(symmetric || same)).map(
+                move |(symmetric, same)| {
+                    (shape, bytes, Layout::new(shape, bytes, moduli, symmetric, same))
+                },
+            )
+        })
+    })
+}
+
+#[test]
+fn memory_is_that_of_the_operands_and_256_mib() {
+    for (shape @ [m, n, k], bytes, layout) in all_layouts() {
+        let operands = bytes * m * if layout.same { n } else { n + k };
+        let used = match bytes {
+            8 => 8 * scratch_len::<f64>(shape, &layout, 8),
+            _ => 4 * scratch_len::<f32>(shape, &layout, 8),
+        };
+        assert!(used <= operands + (256 << 20), "{shape:?}, {layout:?}: {used} for {operands}");
+    }
+}
+
+#[test]
+fn rounds_cover_c_once_and_load_little() {
+    for (shape, _, layout) in all_layouts() {
+        let pairs = layout.pairs();
+        let cost: usize =
+            pairs.iter().flat_map(|&p| layout.units(p)).map(|u| layout.cost(&u)).sum();
+        let (left, right) = (layout.left, layout.right);
+        let all = if layout.symmetric { left * (left + 1) / 2 } else { left * right };
+        assert_eq!(cost, all, "{shape:?}, {layout:?}");
+        let (mut held, mut loads): ([Option<Need>; 2], usize) = ([None; 2], 0);
+        for pair in &pairs {
+            let [a, b] = layout.needs(*pair);
+            for need in [a, b] {
+                if !held.contains(&Some(need)) {
+                    loads += 1;
+                    let other = if need == a { b } else { a };
+                    held[usize::from(held[0] == Some(other))] = Some(need);
+                }
+            }
+        }
+        // Of an operand that is split in g groups: at most g / 2 times each.
+        let most = if layout.groups == 1 { 2 } else { pairs.len() + 1 };
+        assert!(loads <= most, "{layout:?}: {loads} loads, {} rounds", pairs.len());
+        assert!(layout.chunk * 64 <= crate::kernel::int8::MOST_ROWS);
+        let places: Vec<usize> = pairs
+            .iter()
+            .flat_map(|&p| layout.units(p).into_iter().map(move |u| (p, u)))
+            .map(|(p, u)| layout.place(p, u.rows.end - 1, u.cols.start))
+            .collect();
+        assert!(places.iter().all(|&p| p < layout.largest_round()), "{layout:?}");
+    }
+    assert_eq!(Layout::new([64, 32, 32], 8, 14, true, true).pairs(), [Pair { left: 0, right: 0 }]);
+}

@@ -7,7 +7,7 @@ use super::tile::{
 use super::{Kernel, recombine};
 use crate::base::Real;
 
-pub(super) struct Portable;
+pub(crate) struct Portable;
 
 impl Kernel for Portable {
     fn norms_f64(&self, tile: &Tile<f64>) -> TileNorms {

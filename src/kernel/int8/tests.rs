@@ -4,8 +4,11 @@ use super::tile::power_of_two;
 use super::*;
 use crate::base::Rng;
 
+/// What the others are compared with.
+pub(crate) static PORTABLE: portable::Portable = portable::Portable;
+
 /// Every kernel that can run here. AMX is emulated where it is absent.
-fn kernels() -> Vec<(&'static str, Box<dyn Kernel>)> {
+pub(crate) fn kernels() -> Vec<(&'static str, Box<dyn Kernel>)> {
     let mut found: Vec<(&'static str, Box<dyn Kernel>)> =
         vec![("portable", Box::new(portable::Portable))];
     #[cfg(target_arch = "x86_64")]
