@@ -4,8 +4,9 @@ mod common;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use catamaran::base::release_memory;
 use catamaran::faer::Mat;
 use catamaran::{AtaOptions, Par, SchemeChoice, ata, ata_scratch_len, atb, atb_scratch_len};
 
@@ -34,13 +35,15 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// One measurement at a time.
-static TURN: Mutex<()> = Mutex::new(());
+/// One test at a time: what others allocate would count.
+fn turn() -> MutexGuard<'static, ()> {
+    static TURN: Mutex<()> = Mutex::new(());
+    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// Peak of bytes allocated by `work` beyond what there was; a first run has filled what
 /// rayon keeps.
 fn peak(mut work: impl FnMut()) -> usize {
-    let _turn = TURN.lock().unwrap();
     work();
     let before = NOW.load(Ordering::SeqCst);
     PEAK.store(before, Ordering::SeqCst);
@@ -58,6 +61,7 @@ const SMALL: usize = 64 << 10;
 
 #[test]
 fn the_faithful_mode_needs_at_most_three_halves_n_squared_elements() {
+    let _turn = turn();
     for n in [128, 250, 389] {
         for par in [Par::Seq, Par::Threads(2)] {
             let options = AtaOptions { scheme: SchemeChoice::Ata2, leaf: Some(32), par, ..lean() };
@@ -74,6 +78,7 @@ fn the_faithful_mode_needs_at_most_three_halves_n_squared_elements() {
 
 #[test]
 fn faststrassen_needs_at_most_three_halves_n_squared_elements() {
+    let _turn = turn();
     for n in [128, 255, 300] {
         let options = AtaOptions {
             scheme: SchemeChoice::Ata2,
@@ -93,6 +98,7 @@ fn faststrassen_needs_at_most_three_halves_n_squared_elements() {
 
 #[test]
 fn every_scheme_stays_within_its_scratch_query() {
+    let _turn = turn();
     let (m, n) = (300, 250);
     let a = Mat::<f32>::ones(m, n);
     let mut c = Mat::<f32>::zeros(n, n);
@@ -102,4 +108,43 @@ fn every_scheme_stays_within_its_scratch_query() {
         let used = peak(|| ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap());
         assert!(used <= 4 * len + SMALL, "{name}: {used} bytes for {len} elements");
     }
+}
+
+#[test]
+fn the_exact_path_needs_at_most_the_size_of_a_and_256_mib() {
+    let _turn = turn();
+    for (m, n, threads) in [(300_000, 50, 2), (3000, 300, 4), (60, 2000, 1)] {
+        let a = Mat::<f64>::ones(m, n);
+        let mut c = Mat::<f64>::zeros(n, n);
+        let par = Par::Threads(threads);
+        let options = AtaOptions { scheme: SchemeChoice::Exact, par, ..AtaOptions::default() };
+        let len = ata_scratch_len::<f64>(m, n, &options).unwrap();
+        let used = peak(|| {
+            ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+            release_memory();
+        });
+        let bound = 8 * m * n + (256 << 20);
+        assert!(used <= bound, "{m} x {n}: {used} bytes of {bound}");
+        // A huge page for the alignment.
+        assert!(used <= 8 * len + (2 << 20) + SMALL, "{m} x {n}: {used} bytes for {len} elements");
+    }
+}
+
+#[test]
+fn large_scratch_is_kept_for_the_next_call_until_it_is_released() {
+    let _turn = turn();
+    let (m, n) = (2000, 400);
+    let a = Mat::<f64>::ones(m, n);
+    let mut c = Mat::<f64>::zeros(n, n);
+    let options =
+        AtaOptions { scheme: SchemeChoice::Exact, par: Par::Seq, ..AtaOptions::default() };
+    let len = 8 * ata_scratch_len::<f64>(m, n, &options).unwrap();
+    assert!(len > 4 << 20);
+    let mut work = || ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+    assert!(peak(&mut work) <= SMALL, "the second call has the memory of the first");
+    let before = NOW.load(Ordering::SeqCst);
+    release_memory();
+    assert!(before - NOW.load(Ordering::SeqCst) >= len);
+    work();
+    release_memory();
 }

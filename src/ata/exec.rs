@@ -158,8 +158,8 @@ impl<'a, T> Blocks<'a, T> {
         assert!(cols.start <= cols.end && cols.end <= self.cols);
         // SAFETY: the block lies inside the matrix, as asserted; the caller sees to the rest.
         unsafe {
-            let offset = rows.start as isize * self.row_stride
-                + cols.start as isize * self.col_stride;
+            let offset =
+                rows.start as isize * self.row_stride + cols.start as isize * self.col_stride;
             MatMut::from_raw_parts_mut(
                 self.ptr.offset(offset),
                 rows.len(),

@@ -482,7 +482,11 @@ impl fmt::Display for Plan {
             writeln!(f, "C = A^T B, A {m} x {n}, B {m} x {k}, {scalar}")?;
         }
         if let Some(moduli) = self.exact {
-            writeln!(f, "exact      modulo {moduli} numbers of 8 bits, by {}", Instance::best().name())?;
+            writeln!(
+                f,
+                "exact      modulo {moduli} numbers of 8 bits, by {}",
+                Instance::best().name()
+            )?;
             return self.write_estimate(f);
         }
         writeln!(

@@ -99,7 +99,9 @@ impl Layout {
         } else {
             let chunk = steps.min(most_steps);
             let fits = |groups: usize| {
-                let two = if same { 2 * left.div_ceil(groups) } else {
+                let two = if same {
+                    2 * left.div_ceil(groups)
+                } else {
                     left.div_ceil(groups) + right.div_ceil(groups)
                 };
                 moduli * two * PANEL * STEP * chunk <= budget

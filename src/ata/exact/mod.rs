@@ -35,7 +35,12 @@ use crate::kernel::int8::{Block, Instance, Kernel, Moduli, Operand, PANEL, Slice
 pub(crate) use self::layout::Layout;
 
 /// Expected seconds on one core.
-pub(crate) fn estimate(instance: Instance, [m, n, k]: [usize; 3], moduli: usize, symmetric: bool) -> f64 {
+pub(crate) fn estimate(
+    instance: Instance,
+    [m, n, k]: [usize; 3],
+    moduli: usize,
+    symmetric: bool,
+) -> f64 {
     let rates = instance.rates();
     let [m, n, k] = [m, n, k].map(|side| side.max(1) as f64);
     let entries = if symmetric { n * (n + PANEL as f64) / 2.0 } else { n * k };
@@ -47,7 +52,11 @@ pub(crate) fn estimate(instance: Instance, [m, n, k]: [usize; 3], moduli: usize,
 }
 
 /// Elements of scratch that [`execute`] needs.
-pub(crate) fn scratch_len<T: Operand>([m, n, k]: [usize; 3], layout: &Layout, threads: usize) -> usize {
+pub(crate) fn scratch_len<T: Operand>(
+    [m, n, k]: [usize; 3],
+    layout: &Layout,
+    threads: usize,
+) -> usize {
     let norms = columns::scratch_len::<T>(m, n).max(columns::scratch_len::<T>(m, k));
     let slices: usize = layout.stores().iter().map(|bytes| slices_len::<T>(*bytes)).sum();
     let kept = Arena::<T>::len_of::<Block<i8>>(kept_blocks(layout));
@@ -87,7 +96,11 @@ pub(crate) fn execute<T: Operand>(
 ) -> Result<()> {
     let symmetric = layout.symmetric;
     if a.nrows() == 0 || alpha == T::ZERO {
-        if symmetric { scale_lower(c, beta) } else { scale(c, beta) }
+        if symmetric {
+            scale_lower(c, beta)
+        } else {
+            scale(c, beta)
+        }
         return Ok(());
     }
     let moduli = &Moduli::new(layout.moduli);
@@ -114,10 +127,11 @@ pub(crate) fn execute<T: Operand>(
         let units = layout.units(pair);
         for chunk in layout.chunks() {
             let continued = chunk.start > 0;
-            let [left, right] = residents.load(layout, pair, chunk.clone(), |store, need, extent| {
-                let (matrix, columns) = if need.operand == 0 { left } else { right };
-                store.fill(kernel, matrix, columns, moduli, extent, options.par);
-            });
+            let [left, right] =
+                residents.load(layout, pair, chunk.clone(), |store, need, extent| {
+                    let (matrix, columns) = if need.operand == 0 { left } else { right };
+                    store.fill(kernel, matrix, columns, moduli, extent, options.par);
+                });
             let round = Round { kernel, layout, moduli, left, right, continued };
             let done = |unit: &Unit, moduli: usize| {
                 progress.add((layout.cost(unit) * chunk.len() * moduli) as f64);
@@ -143,7 +157,9 @@ pub(crate) fn execute<T: Operand>(
                     };
                     for l in 0..moduli.len() {
                         // SAFETY: the residues are this thread's own.
-                        unsafe { round.multiply(unit, l, lane.left, lane.sums, residues, place(l)) };
+                        unsafe {
+                            round.multiply(unit, l, lane.left, lane.sums, residues, place(l))
+                        };
                     }
                     // SAFETY: nobody writes the residues now; blocks of C are in one unit each.
                     unsafe { write(&target, kernel, layout, unit, residues, place, &destination) };

@@ -40,6 +40,9 @@ pub(super) fn add<T: Real>(
     symmetric: bool,
     mut c: MatMut<'_, T>,
 ) {
+    if left.non_finite.is_empty() && right.non_finite.is_empty() {
+        return;
+    }
     let of = |m: MatRef<'_, T>, columns: &Columns| {
         let mut all: Vec<Option<Column>> = (0..m.ncols()).map(|_| None).collect();
         for &j in &columns.non_finite {

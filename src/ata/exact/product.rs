@@ -1,7 +1,7 @@
 //! Blocks of C modulo one number, and their way back to numbers.
 
-use faer::prelude::ReborrowMut;
 use faer::MatMut;
+use faer::prelude::ReborrowMut;
 
 use super::columns::Columns;
 use super::lanes::Shared;

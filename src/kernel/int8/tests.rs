@@ -97,7 +97,10 @@ fn the_largest_sums_do_not_overflow() {
             kernel.multiply(&operand, &operand, &mut sums, std::ptr::null());
         }
         let expected = 127 + (steps * STEP) as i64 * (1 << 14);
-        assert!(sums.as_flattened().as_flattened().iter().all(|&s| i64::from(s) == expected), "{name}");
+        assert!(
+            sums.as_flattened().as_flattened().iter().all(|&s| i64::from(s) == expected),
+            "{name}"
+        );
     }
     assert!(127 + MOST_ROWS as i64 * (1 << 14) <= i32::MAX.into());
     assert!(127 + (MOST_ROWS + STEP) as i64 * (1 << 14) > i32::MAX.into());
@@ -137,7 +140,13 @@ fn check_conversion<T: Operand>() {
         for count in [2, 7, 13, 14, 15] {
             let moduli = Moduli::new(count);
             let mut memory = vec![[0; STEP * WIDTH]; count];
-            T::convert(kernel.as_ref(), &scaled, &powers, &moduli, &mut memory.iter_mut().collect::<Vec<_>>());
+            T::convert(
+                kernel.as_ref(),
+                &scaled,
+                &powers,
+                &moduli,
+                &mut memory.iter_mut().collect::<Vec<_>>(),
+            );
             for (modulus, residues) in moduli.list.iter().zip(&memory) {
                 for (i, row) in whole.0.iter().enumerate() {
                     for (j, value) in row.iter().enumerate() {
@@ -264,9 +273,13 @@ fn results_at_the_ends_of_the_range_are_zero_and_infinite() {
     let one: Vec<Quarter<i8>> = moduli.list.iter().map(|_| [[1; WIDTH]; WIDTH]).collect();
     let residues: Vec<&Quarter<i8>> = one.iter().collect();
     for (name, kernel) in kernels() {
-        for (exponent, expected) in
-            [(-2200, 0.0), (-1100, 0.0), (-1074, 5e-324), (1023, power_of_two(1023)), (2040, f64::INFINITY)]
-        {
+        for (exponent, expected) in [
+            (-2200, 0.0),
+            (-1100, 0.0),
+            (-1074, 5e-324),
+            (1023, power_of_two(1023)),
+            (2040, f64::INFINITY),
+        ] {
             let mut out = [[f64::NAN; WIDTH]; WIDTH];
             let half = [exponent / 2; WIDTH];
             let rest = [exponent - exponent / 2; WIDTH];
