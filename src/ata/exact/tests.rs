@@ -5,7 +5,7 @@ use faer::{Mat, MatRef};
 use super::layout::{Need, Pair};
 use super::*;
 use crate::base::{Arena, Rng, Workspace};
-use crate::kernel::int8::tests::kernels;
+use crate::kernel::int8::tests::{PORTABLE, kernels};
 
 /// Uniform entries whose columns are scaled by `2^(spread * (j % 7))`, with zeros and a zero column.
 fn random<T: Operand>(m: usize, n: usize, spread: i32, seed: u64) -> Mat<T> {
@@ -62,8 +62,8 @@ fn check_against_integers<T: Operand>(m: usize, n: usize, count: usize, spread: 
     let a = random::<T>(m, n, spread, count as u64);
     let moduli = Moduli::new(count);
     let whole = Layout::new([m, n, n], size_of::<T>(), count, true, true);
-    let expected = run(&crate::kernel::int8::tests::PORTABLE, &whole, a.as_ref(), None, 1);
-    let of_a = columns(&crate::kernel::int8::tests::PORTABLE, a.as_ref(), &moduli);
+    let expected = run(&PORTABLE, &whole, a.as_ref(), None, 1);
+    let of_a = columns(&PORTABLE, a.as_ref(), &moduli);
     let integer = |i: usize, j: usize| {
         let e = of_a.exponents[j];
         let value = a[(i, j)].to_f64() * f64::from(e / 2).exp2() * f64::from(e - e / 2).exp2();
@@ -85,7 +85,6 @@ fn check_against_integers<T: Operand>(m: usize, n: usize, count: usize, spread: 
         }
     }
     for (name, kernel) in kernels() {
-        let kernel = kernel.as_ref();
         assert_eq!(columns(kernel, a.as_ref(), &moduli).exponents, of_a.exponents, "{name}");
         for (l, layout) in layouts(&whole).into_iter().enumerate() {
             // An emulated instruction takes a microsecond.
@@ -127,11 +126,10 @@ fn general_products_are_the_same_bytes_for_every_kernel_and_layout() {
         let b = if symmetric { random::<f64>(m, n, -3, 2) } else { b.clone() };
         let k = b.ncols();
         let whole = Layout::new([m, n, k], 8, 14, symmetric, false);
-        let portable = &crate::kernel::int8::tests::PORTABLE;
-        let expected = run(portable, &whole, a.as_ref(), Some(b.as_ref()), 1);
+        let expected = run(&PORTABLE, &whole, a.as_ref(), Some(b.as_ref()), 1);
         for (name, kernel) in kernels() {
             for layout in layouts(&whole) {
-                let c = run(kernel.as_ref(), &layout, a.as_ref(), Some(b.as_ref()), 2);
+                let c = run(kernel, &layout, a.as_ref(), Some(b.as_ref()), 2);
                 for j in 0..k {
                     for i in if symmetric { j } else { 0 }..n {
                         assert_eq!(c[(i, j)], expected[(i, j)], "{name}, {layout:?} at ({i}, {j})");

@@ -149,6 +149,27 @@ impl Kernel for Amx {
         self.others.recombine(residues, moduli, rows, columns, out);
     }
 
+    fn spin(&self, count: usize) -> Option<usize> {
+        const ROUND: usize = 4 * 16 * 16 * 64;
+        let rounds = count.div_ceil(ROUND).max(1);
+        // SAFETY: `self` exists, so the CPU has the instructions; the caller holds a session.
+        unsafe {
+            asm!(
+                "2:",
+                "tdpbssd tmm0, tmm4, tmm6",
+                "tdpbssd tmm1, tmm4, tmm7",
+                "tdpbssd tmm2, tmm5, tmm6",
+                "tdpbssd tmm3, tmm5, tmm7",
+                "dec {rounds}",
+                "jnz 2b",
+                rounds = inout(reg) rounds => _,
+                out("tmm0") _, out("tmm1") _, out("tmm2") _, out("tmm3") _,
+                options(nostack, nomem),
+            );
+        }
+        Some(rounds * ROUND)
+    }
+
     fn session(&self) -> Session {
         // SAFETY: `self` exists, so the CPU has the instruction; the configuration is valid.
         unsafe { asm!("ldtilecfg [{}]", in(reg) &CONFIG, options(nostack, readonly)) };

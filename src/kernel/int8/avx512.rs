@@ -26,15 +26,6 @@ impl Vnni {
     }
 }
 
-#[cfg(test)]
-impl Vnni {
-    /// A kernel of one's own. Only where [`Vnni::new`] gives one.
-    pub fn for_tests() -> Self {
-        assert!(Self::new().is_ok());
-        Self(())
-    }
-}
-
 /// A function of this module with its instructions enabled.
 macro_rules! enabled {
     ($($item:tt)*) => {
@@ -110,6 +101,45 @@ impl Kernel for Vnni {
         }
         // SAFETY: `self` exists, so the CPU has the instructions.
         unsafe { run(residues, moduli, rows, columns, out) }
+    }
+
+    fn spin(&self, count: usize) -> Option<usize> {
+        let rounds = count.div_ceil(12 * 64).max(1);
+        // SAFETY: `self` exists, so the CPU has the instructions.
+        unsafe { spin(rounds) };
+        Some(rounds * 12 * 64)
+    }
+}
+
+/// As many sums as fill the pipelines, round after round.
+///
+/// # Safety
+/// The CPU has the instructions; `rounds > 0`.
+unsafe fn spin(rounds: usize) {
+    // SAFETY: touches registers only.
+    unsafe {
+        std::arch::asm!(
+            "2:",
+            "vpdpbusd zmm0, zmm12, zmm13",
+            "vpdpbusd zmm1, zmm12, zmm13",
+            "vpdpbusd zmm2, zmm12, zmm13",
+            "vpdpbusd zmm3, zmm12, zmm13",
+            "vpdpbusd zmm4, zmm12, zmm13",
+            "vpdpbusd zmm5, zmm12, zmm13",
+            "vpdpbusd zmm6, zmm12, zmm13",
+            "vpdpbusd zmm7, zmm12, zmm13",
+            "vpdpbusd zmm8, zmm12, zmm13",
+            "vpdpbusd zmm9, zmm12, zmm13",
+            "vpdpbusd zmm10, zmm12, zmm13",
+            "vpdpbusd zmm11, zmm12, zmm13",
+            "dec {rounds}",
+            "jnz 2b",
+            rounds = inout(reg) rounds => _,
+            out("zmm0") _, out("zmm1") _, out("zmm2") _, out("zmm3") _,
+            out("zmm4") _, out("zmm5") _, out("zmm6") _, out("zmm7") _,
+            out("zmm8") _, out("zmm9") _, out("zmm10") _, out("zmm11") _,
+            options(nostack, nomem),
+        );
     }
 }
 

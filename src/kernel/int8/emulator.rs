@@ -2,9 +2,11 @@
 //! instructions decodes and performs them (Intel SDM volume 2, chapters on AMX).
 
 use std::cell::RefCell;
-use std::sync::Once;
+use std::sync::OnceLock;
 
 use libc::{c_int, c_void, siginfo_t, ucontext_t};
+
+use super::amx::Amx;
 
 /// The tiles of a thread, and whether they are configured.
 struct Tiles {
@@ -17,10 +19,10 @@ thread_local! {
         const { RefCell::new(Tiles { data: [[0; 1024]; 8], configured: false }) };
 }
 
-/// From now on this process has AMX, slowly.
-pub(super) fn install() {
-    static ONCE: Once = Once::new();
-    ONCE.call_once(|| {
+/// The AMX kernel; from now on this process has the instructions, slowly.
+pub(super) fn amx() -> Result<&'static Amx, &'static str> {
+    static AMX: OnceLock<Result<Amx, &'static str>> = OnceLock::new();
+    let install = || {
         // SAFETY: the action is fully initialised, and the handler has the three arguments that SA_SIGINFO
         // promises. It runs on the stack of the instruction that trapped, which has no red zone left: the
         // assembly of the kernel is one block that the compiler keeps its locals away from.
@@ -30,7 +32,9 @@ pub(super) fn install() {
             action.sa_flags = libc::SA_SIGINFO;
             assert_eq!(libc::sigaction(libc::SIGILL, &action, std::ptr::null_mut()), 0);
         }
-    });
+        Amx::unchecked()
+    };
+    AMX.get_or_init(install).as_ref().map_err(|why| *why)
 }
 
 extern "C" fn handler(_signal: c_int, _info: *mut siginfo_t, context: *mut c_void) {

@@ -8,6 +8,8 @@
 #[cfg(target_arch = "x86_64")]
 mod amx;
 #[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
 mod avx512;
 #[cfg(all(test, target_arch = "x86_64", target_os = "linux"))]
 mod emulator;
@@ -24,6 +26,8 @@ pub(crate) use tile::{
     TileNorms, WIDTH,
 };
 
+use std::time::Instant;
+
 use crate::base::Real;
 
 /// An instruction set that the kernels are written for.
@@ -33,19 +37,22 @@ pub enum Instance {
     Amx,
     /// AVX-512 with dot products of bytes (VNNI).
     Vnni,
+    /// AVX2 with products of 16-bit numbers.
+    Avx2,
     /// Plain Rust.
     Portable,
 }
 
 impl Instance {
     /// All of them, the fastest first.
-    pub const ALL: [Self; 3] = [Self::Amx, Self::Vnni, Self::Portable];
+    pub const ALL: [Self; 4] = [Self::Amx, Self::Vnni, Self::Avx2, Self::Portable];
 
-    /// Short name: `amx`, `vnni`, `portable`.
+    /// Short name: `amx`, `vnni`, `avx2`, `portable`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Amx => "amx",
             Self::Vnni => "vnni",
+            Self::Avx2 => "avx2",
             Self::Portable => "portable",
         }
     }
@@ -63,10 +70,42 @@ impl Instance {
             Self::Amx => amx::Amx::new().err(),
             #[cfg(target_arch = "x86_64")]
             Self::Vnni => avx512::Vnni::new().err(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => avx2::Avx2::new().err(),
             #[cfg(not(target_arch = "x86_64"))]
-            Self::Amx | Self::Vnni => Some("not an x86-64 CPU"),
+            Self::Amx | Self::Vnni | Self::Avx2 => Some("not an x86-64 CPU"),
             Self::Portable => None,
         }
+    }
+
+    /// Multiplications of residues per second of one core, with operands in registers and with operands in the
+    /// first-level cache; the first is 0 where it means nothing; `None` when the instance is refused. For
+    /// benchmarks: takes about a tenth of a second.
+    pub fn measure(self) -> Option<[f64; 2]> {
+        const SECONDS: f64 = 0.05;
+        if self.refusal().is_some() {
+            return None;
+        }
+        let kernel = self.kernel();
+        let _session = kernel.session();
+        let rate = |work: &mut dyn FnMut() -> usize| {
+            let (start, mut done) = (Instant::now(), 0);
+            loop {
+                done += work();
+                let seconds = start.elapsed().as_secs_f64();
+                if seconds > SECONDS {
+                    return done as f64 / seconds;
+                }
+            }
+        };
+        let operand = [[[1; STEP * WIDTH]; 2]; 8];
+        let mut sums = [[[0; WIDTH]; WIDTH]; 4];
+        let in_registers = rate(&mut || kernel.spin(1 << 20).unwrap_or(0));
+        let in_cache = rate(&mut || {
+            kernel.multiply(&operand, &operand, &mut sums, operand.as_ptr().cast());
+            PANEL * PANEL * STEP * operand.len()
+        });
+        Some([in_registers, in_cache])
     }
 
     /// What the planner assumes of it. Estimates, as fast beside the rates of back ends as measured.
@@ -74,6 +113,7 @@ impl Instance {
         match self {
             Self::Amx => Rates { products: 1.75e12, conversions: 6e9, recombinations: 4e9 },
             Self::Vnni => Rates { products: 2.0e11, conversions: 4e9, recombinations: 4e9 },
+            Self::Avx2 => Rates { products: 5e10, conversions: 1e9, recombinations: 2e9 },
             Self::Portable => Rates { products: 1e10, conversions: 2e8, recombinations: 1e9 },
         }
     }
@@ -86,6 +126,8 @@ impl Instance {
             Self::Amx => amx::Amx::new().map_or(portable, |kernel| kernel),
             #[cfg(target_arch = "x86_64")]
             Self::Vnni => avx512::Vnni::new().map_or(portable, |kernel| kernel),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => avx2::Avx2::new().map_or(portable, |kernel| kernel),
             _ => portable,
         }
     }
@@ -147,6 +189,12 @@ pub(crate) trait Kernel: Sync {
         columns: &[i32; WIDTH],
         out: &mut Quarter<f64>,
     );
+
+    /// At least `count` multiplications of residues on registers alone, `None` where that means nothing; how
+    /// many.
+    fn spin(&self, _count: usize) -> Option<usize> {
+        None
+    }
 
     /// Prepares the calling thread for [`Kernel::multiply`], until the session is dropped. Sessions of one thread
     /// do not overlap.

@@ -8,29 +8,34 @@ use crate::base::Rng;
 pub(crate) static PORTABLE: portable::Portable = portable::Portable;
 
 /// Every kernel that can run here. AMX is emulated where it is absent.
-pub(crate) fn kernels() -> Vec<(&'static str, Box<dyn Kernel>)> {
-    let mut found: Vec<(&'static str, Box<dyn Kernel>)> =
-        vec![("portable", Box::new(portable::Portable))];
+pub(crate) fn kernels() -> Vec<(&'static str, &'static dyn Kernel)> {
+    #[allow(unused_mut)]
+    let mut found: Vec<(&'static str, &'static dyn Kernel)> = vec![("portable", &PORTABLE)];
     #[cfg(target_arch = "x86_64")]
-    if Instance::Vnni.refusal().is_none() {
-        found.push(("vnni", Box::new(avx512::Vnni::for_tests())));
-    } else {
-        println!("skipped: no AVX-512 with VNNI, so its kernel and that for AMX are not tested");
-    }
-    #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
-    if let Ok(kernel) = amx_or_emulated() {
-        found.push(("amx", Box::new(kernel)));
+    {
+        if let Ok(kernel) = avx2::Avx2::new() {
+            found.push(("avx2", kernel));
+        }
+        if let Ok(kernel) = avx512::Vnni::new() {
+            found.push(("vnni", kernel));
+        } else {
+            println!(
+                "skipped: no AVX-512 with VNNI, so its kernel and that for AMX are not tested"
+            );
+        }
+        match amx::Amx::new() {
+            Ok(kernel) => found.push(("amx", kernel)),
+            #[cfg(target_os = "linux")]
+            Err(_) => {
+                if let Ok(kernel) = emulator::amx() {
+                    found.push(("amx", kernel));
+                }
+            }
+            #[cfg(not(target_os = "linux"))]
+            Err(_) => {}
+        }
     }
     found
-}
-
-/// The AMX kernel on any machine with AVX-512.
-#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
-pub(crate) fn amx_or_emulated() -> Result<amx::Amx, &'static str> {
-    if amx::Amx::new().is_err() {
-        emulator::install();
-    }
-    amx::Amx::unchecked()
 }
 
 fn byte(rng: &mut Rng) -> i8 {

@@ -44,6 +44,8 @@ impl<T: Real> Tile<T> {
         let a = a.submatrix(row, col, rows, cols);
         if a.col_stride() == 1 {
             for (i, line) in self.0[..rows].iter_mut().enumerate() {
+                // The rows of a tile are too far apart for the CPU to guess what comes next.
+                fetch_lines(a.ptr_at(i, 0).wrapping_add(2 * WIDTH), 2);
                 // SAFETY: row `i` of the view is `cols` adjacent elements.
                 let source = unsafe { std::slice::from_raw_parts(a.ptr_at(i, 0), cols) };
                 match source.first_chunk::<WIDTH>() {
@@ -67,6 +69,19 @@ impl<T: Real> Tile<T> {
             }
         }
     }
+}
+
+/// Asks for `count` cache lines from `at` on, which may be any address.
+#[inline(always)]
+fn fetch_lines<T>(at: *const T, count: usize) {
+    #[cfg(target_arch = "x86_64")]
+    for line in 0..count {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: a hint, which reads nothing.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(at.cast::<i8>().wrapping_add(64 * line)) };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (at, count);
 }
 
 /// Powers of two, one per column of a tile, in two factors: `2^exponent` alone may be no finite number.
