@@ -17,6 +17,7 @@ mod verify;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
+pub use exact::Stages;
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 pub use plan::{Base, Plan, Recursion};
 pub use rows::{Center, DenseRows, RowBlocks, RowOptions, ata_rows};
@@ -190,6 +191,29 @@ fn check_scratch<T>(scratch: &[T], len: usize) -> Result<()> {
     Err(Error::Shape { what: "scratch", expected: (len, 1), got: (scratch.len(), 1) })
 }
 
+/// The lower triangle of `C := A^T A` by the exact path on `instance`, and what its stages took. For
+/// benchmarks: [`ata`] does the same on the fastest instance.
+///
+/// # Errors
+/// As [`ata`]; [`Error::Argument`] when the machine refuses the instance.
+pub fn exact_stages<T: BlasReal>(
+    instance: Instance,
+    a: MatRef<'_, T>,
+    c: MatMut<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<Stages> {
+    if let Some(why) = instance.refusal() {
+        return Err(Error::Argument { what: "instance", why: why.into() });
+    }
+    let options = AtaOptions { scheme: SchemeChoice::Exact, ..options.clone() };
+    let plan = plan_ata(a, c.rb(), &options)?;
+    let len = plan.scratch_len::<T>(options.par.threads(), true);
+    let mut scratch = Scratch::new::<T>(len)?;
+    let layout = plan.exact_layout::<T>(true).expect("asked for");
+    let (kernel, scratch) = (instance.kernel(), scratch.as_mut_slice());
+    exact::execute(kernel, &layout, T::ONE, a, None, T::ZERO, c, &options, scratch)
+}
+
 /// Runs a plan, along the way that it chose.
 fn run<T: BlasReal>(
     plan: &Plan,
@@ -204,7 +228,7 @@ fn run<T: BlasReal>(
     match plan.exact_layout::<T>(b.is_none()) {
         Some(layout) => {
             let kernel = Instance::best().kernel();
-            exact::execute(kernel, &layout, alpha, a, b, beta, c, options, scratch)
+            exact::execute(kernel, &layout, alpha, a, b, beta, c, options, scratch).map(drop)
         }
         None => exec::execute(plan, alpha, a, b, beta, c, options, scratch),
     }

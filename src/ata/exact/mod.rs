@@ -6,7 +6,9 @@
 //! between the two roundings is exact, so that the result is the same bytes for any number of threads, any
 //! order of blocks and any instruction set. See docs/algorithms/exact.md.
 
+mod clock;
 mod columns;
+mod job;
 mod lanes;
 mod layout;
 mod non_finite;
@@ -16,22 +18,23 @@ mod store;
 mod tests;
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
+use self::clock::Clock;
 use self::columns::Columns;
+use self::job::Job;
 use self::lanes::Shared;
-use self::layout::Unit;
 use self::product::{Lane, Round, Target};
 use self::store::Residents;
 use super::combine::{scale, scale_lower};
 use super::exec::{Blocks, Tracker};
 use super::options::AtaOptions;
-use crate::base::{Arena, Error, Par, Real, Result};
+use crate::base::{Arena, Error, Real, Result};
 use crate::kernel::int8::{Block, Instance, Kernel, Moduli, Operand, PANEL, Slice};
 
+pub use self::clock::Stages;
 pub(crate) use self::layout::Layout;
 
 /// Expected seconds on one core.
@@ -93,7 +96,7 @@ pub(crate) fn execute<T: Operand>(
     mut c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
     scratch: &mut [T],
-) -> Result<()> {
+) -> Result<Stages> {
     let symmetric = layout.symmetric;
     if a.nrows() == 0 || alpha == T::ZERO {
         if symmetric {
@@ -101,139 +104,68 @@ pub(crate) fn execute<T: Operand>(
         } else {
             scale(c, beta)
         }
-        return Ok(());
+        return Ok(Stages::default());
     }
+    let par = options.par;
     let moduli = &Moduli::new(layout.moduli);
+    let clock = &Clock::default();
     let mut arena = Arena::new(scratch);
-    let of_a = Columns::new(kernel, a, moduli, options.par, &mut arena);
-    let of_b = b.map(|b| Columns::new(kernel, b, moduli, options.par, &mut arena));
+    let (of_a, of_b) = clock.time(
+        |s| &mut s.norms,
+        par.threads(),
+        || {
+            let mut columns = |m| Columns::new(kernel, m, moduli, par, &mut arena);
+            (columns(a), b.map(columns))
+        },
+    );
     let left = (a, &of_a);
     let right = (b.unwrap_or(a), of_b.as_ref().unwrap_or(&of_a));
+
     let mut residents =
         Residents::new(layout.stores().map(|bytes| arena.take_as(bytes / size_of::<Slice>())));
     let kept: &mut [Block<i8>] = arena.take_as(kept_blocks(layout));
-    let kept = &Shared::new(kept);
-    let lanes: Vec<_> = (0..lanes(layout, options.par.threads()))
+    let lanes = (0..lanes(layout, par.threads()))
         .map(|_| Mutex::new(Lane::new(&mut arena, layout)))
         .collect();
-    let par = Par::Threads(lanes.len());
-
-    let target = Target { alpha, beta, moduli, left: left.1, right: right.1, symmetric };
     let pairs = layout.pairs();
     let cost: usize = pairs.iter().flat_map(|&p| layout.units(p)).map(|u| layout.cost(&u)).sum();
-    let progress = Tracker::new(options, (cost * layout.steps * moduli.len()) as f64);
-    let destination = Blocks::new(c.rb_mut());
+    let target = Target { alpha, beta, moduli, left: left.1, right: right.1, symmetric };
+    let job = Job {
+        layout,
+        target,
+        kept: Shared::new(kept),
+        destination: Blocks::new(c.rb_mut()),
+        lanes,
+        progress: Tracker::new(options, (cost * layout.steps * moduli.len()) as f64),
+        clock,
+    };
     for pair in pairs {
-        let units = layout.units(pair);
         for chunk in layout.chunks() {
             let continued = chunk.start > 0;
-            let [left, right] =
-                residents.load(layout, pair, chunk.clone(), |store, need, extent| {
-                    let (matrix, columns) = if need.operand == 0 { left } else { right };
-                    store.fill(kernel, matrix, columns, moduli, extent, options.par);
-                });
+            let [left, right] = residents.load(layout, pair, chunk, |store, need, extent| {
+                let (matrix, columns) = if need.operand == 0 { left } else { right };
+                clock.time(
+                    |s| &mut s.conversion,
+                    par.threads(),
+                    || {
+                        store.fill(kernel, matrix, columns, moduli, extent, par);
+                    },
+                );
+            });
             let round = Round { kernel, layout, moduli, left, right, continued };
-            let done = |unit: &Unit, moduli: usize| {
-                progress.add((layout.cost(unit) * chunk.len() * moduli) as f64);
-            };
             if layout.accumulates() {
-                let count = units.len() * moduli.len();
-                each(&lanes, par, count, &progress, |lane, i| {
-                    let (l, unit) = (i / units.len(), &units[i % units.len()]);
-                    let place = |i, j| l * layout.largest_round() + layout.place(pair, i, j);
-                    // SAFETY: a pair of panels is in one unit, and each unit is taken once for each modulus.
-                    unsafe { round.multiply(unit, l, lane.left, lane.sums, kept, place) };
-                    done(unit, 1);
-                });
+                job.accumulate(&round, pair)
             } else {
-                each(&lanes, par, units.len(), &progress, |lane, i| {
-                    let unit = &units[i];
-                    let residues = &Shared::new(&mut *lane.residues);
-                    let place = |l: usize| {
-                        move |i: usize, j: usize| {
-                            let (rows, cols) = (unit.rows.len(), unit.cols.len());
-                            (l * cols + j - unit.cols.start) * rows + i - unit.rows.start
-                        }
-                    };
-                    for l in 0..moduli.len() {
-                        // SAFETY: the residues are this thread's own.
-                        unsafe {
-                            round.multiply(unit, l, lane.left, lane.sums, residues, place(l))
-                        };
-                    }
-                    // SAFETY: nobody writes the residues now; blocks of C are in one unit each.
-                    unsafe { write(&target, kernel, layout, unit, residues, place, &destination) };
-                    done(unit, moduli.len());
-                });
-            }
-            if progress.cancelled() {
-                return Err(Error::Cancelled);
+                job.finish(&round, pair)
             }
         }
         if layout.accumulates() {
-            each(&lanes, par, units.len(), &progress, |_, i| {
-                let place = |l: usize| {
-                    move |i: usize, j: usize| l * layout.largest_round() + layout.place(pair, i, j)
-                };
-                // SAFETY: nobody writes the residues now; blocks of C are in one unit each.
-                unsafe { write(&target, kernel, layout, &units[i], kept, place, &destination) };
-            });
+            job.recombine(kernel, pair);
+        }
+        if job.progress.cancelled() {
+            return Err(Error::Cancelled);
         }
     }
     non_finite::add(alpha, left, right, symmetric, c);
-    Ok(())
-}
-
-/// Calls `work` for `0..count`, each once, from as many threads as there are lanes.
-fn each<'a>(
-    lanes: &[Mutex<Lane<'a>>],
-    par: Par,
-    count: usize,
-    progress: &Tracker<'_>,
-    work: impl Fn(&mut Lane<'a>, usize) + Sync,
-) {
-    let next = AtomicUsize::new(0);
-    par.run_lanes(|lane| {
-        let mut lane = lanes[lane].lock().expect("one lane, one lock");
-        loop {
-            let i = next.fetch_add(1, Ordering::Relaxed);
-            if i >= count || progress.cancelled() {
-                return;
-            }
-            work(&mut lane, i);
-        }
-    });
-}
-
-/// Writes a block of C from its residues, those of panels (i, j) modulo the l-th number at `place(l)(i, j)`.
-///
-/// # Safety
-/// Nobody writes the residues, and nobody uses the block of C, meanwhile.
-unsafe fn write<T: Operand, P: Fn(usize, usize) -> usize>(
-    target: &Target<'_, T>,
-    kernel: &dyn Kernel,
-    layout: &Layout,
-    unit: &Unit,
-    residues: &Shared<'_, Block<i8>>,
-    place: impl Fn(usize) -> P,
-    destination: &Blocks<'_, T>,
-) {
-    for j in unit.cols.clone() {
-        for i in layout.first_row(unit, j)..unit.rows.end {
-            // SAFETY: the caller's promise.
-            let residues = |l: usize| unsafe {
-                let at = place(l)(i, j);
-                &residues.slice(at..at + 1)[0]
-            };
-            let (rows, cols) = (panel(i, destination.nrows()), panel(j, destination.ncols()));
-            // SAFETY: the caller's promise; blocks of different panels are disjoint.
-            let c = unsafe { destination.block(rows, cols) };
-            target.write(kernel, (i, j), residues, c);
-        }
-    }
-}
-
-/// The rows or columns of panel `i` among `count`.
-fn panel(i: usize, count: usize) -> std::ops::Range<usize> {
-    i * PANEL..count.min((i + 1) * PANEL)
+    Ok(clock.stages())
 }

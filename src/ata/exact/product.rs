@@ -56,6 +56,11 @@ pub(super) struct Round<'r, 'm> {
 }
 
 impl Round<'_, '_> {
+    /// Steps of its chunk.
+    pub fn steps(&self) -> usize {
+        self.left.extent().steps.len()
+    }
+
     /// Block `unit` of the product modulo the `l`-th number; the residues of panels (i, j) go to
     /// `residues[place(i, j)]`.
     ///

@@ -146,7 +146,7 @@ fn check_conversion<T: Operand>() {
             let moduli = Moduli::new(count);
             let mut memory = vec![[0; STEP * WIDTH]; count];
             T::convert(
-                kernel.as_ref(),
+                kernel,
                 &scaled,
                 &powers,
                 &moduli,
@@ -241,7 +241,7 @@ fn numbers_come_back_from_their_residues() {
                     row.map(|v| {
                         let r = v.rem_euclid(m.p.into()) as i32;
                         let other = r - m.p;
-                        let swap = rng.bits() % 2 == 0 && other >= -128;
+                        let swap = rng.sign() > 0.0 && other >= -128;
                         (if r > 127 || swap { other } else { r }) as i8
                     })
                 })

@@ -1,0 +1,148 @@
+//! The work on the blocks of C, by all threads.
+
+use std::ops::Range;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use super::clock::Clock;
+use super::lanes::Shared;
+use super::layout::{Layout, Pair, Unit};
+use super::product::{Lane, Round, Target};
+use crate::ata::exec::{Blocks, Tracker};
+use crate::base::Par;
+use crate::kernel::int8::{Block, Kernel, Operand, PANEL};
+
+/// What all rounds share.
+pub(super) struct Job<'j, 'm, T> {
+    pub layout: &'j Layout,
+    pub target: Target<'j, T>,
+    /// Residues of C between the chunks of a round.
+    pub kept: Shared<'m, Block<i8>>,
+    pub destination: Blocks<'j, T>,
+    pub lanes: Vec<Mutex<Lane<'m>>>,
+    pub progress: Tracker<'j>,
+    pub clock: &'j Clock,
+}
+
+impl<'m, T: Operand> Job<'_, 'm, T> {
+    /// Multiplies and writes C, block by block: for rounds of one chunk.
+    pub fn finish(&self, round: &Round<'_, '_>, pair: Pair) {
+        let units = self.layout.units(pair);
+        let moduli = self.target.moduli.len();
+        self.each(units.len(), |lane, i| {
+            let unit = &units[i];
+            let residues = &Shared::new(&mut *lane.residues);
+            let (rows, cols) = (unit.rows.len(), unit.cols.len());
+            let place = |l: usize| {
+                move |i: usize, j: usize| {
+                    (l * cols + j - unit.cols.start) * rows + i - unit.rows.start
+                }
+            };
+            self.clock.time(
+                |s| &mut s.products,
+                1,
+                || {
+                    for l in 0..moduli {
+                        let (left, sums) = (&mut *lane.left, &mut *lane.sums);
+                        // SAFETY: the residues are this thread's own.
+                        unsafe { round.multiply(unit, l, left, sums, residues, place(l)) };
+                    }
+                },
+            );
+            // SAFETY: as above; a block of C is in one unit.
+            unsafe { self.write(round.kernel, unit, residues, place) };
+            self.done(round, unit, moduli);
+        });
+    }
+
+    /// Adds the product of a chunk to the residues kept.
+    pub fn accumulate(&self, round: &Round<'_, '_>, pair: Pair) {
+        let units = self.layout.units(pair);
+        self.each(units.len() * self.target.moduli.len(), |lane, i| {
+            let (l, unit) = (i / units.len(), &units[i % units.len()]);
+            self.clock.time(
+                |s| &mut s.products,
+                1,
+                || {
+                    let (left, sums) = (&mut *lane.left, &mut *lane.sums);
+                    // SAFETY: a pair of panels is in one unit, which is taken once for each modulus.
+                    unsafe { round.multiply(unit, l, left, sums, &self.kept, self.place(pair, l)) };
+                },
+            );
+            self.done(round, unit, 1);
+        });
+    }
+
+    /// Writes C from the residues kept.
+    pub fn recombine(&self, kernel: &dyn Kernel, pair: Pair) {
+        let units = self.layout.units(pair);
+        self.each(units.len(), |_, i| {
+            // SAFETY: nobody writes the residues now; a block of C is in one unit.
+            unsafe { self.write(kernel, &units[i], &self.kept, |l| self.place(pair, l)) };
+        });
+    }
+
+    /// Where the residues kept modulo the l-th number are.
+    fn place(&self, pair: Pair, l: usize) -> impl Fn(usize, usize) -> usize {
+        let (layout, first) = (self.layout, l * self.layout.largest_round());
+        move |i, j| first + layout.place(pair, i, j)
+    }
+
+    /// Calls `work` for `0..count`, each once, from all threads, until it is cancelled.
+    fn each(&self, count: usize, work: impl Fn(&mut Lane<'m>, usize) + Sync) {
+        let next = AtomicUsize::new(0);
+        Par::Threads(self.lanes.len()).run_lanes(|lane| {
+            let mut lane = self.lanes[lane].lock().expect("one lane, one lock");
+            loop {
+                let i = next.fetch_add(1, Ordering::Relaxed);
+                if i >= count || self.progress.cancelled() {
+                    return;
+                }
+                work(&mut lane, i);
+            }
+        });
+    }
+
+    fn done(&self, round: &Round<'_, '_>, unit: &Unit, moduli: usize) {
+        self.progress.add((self.layout.cost(unit) * round.steps() * moduli) as f64);
+    }
+
+    /// Writes a block of C from its residues, those of panels (i, j) modulo the l-th number at
+    /// `place(l)(i, j)`.
+    ///
+    /// # Safety
+    /// Nobody writes the residues, and nobody uses the block of C, meanwhile.
+    unsafe fn write<P: Fn(usize, usize) -> usize>(
+        &self,
+        kernel: &dyn Kernel,
+        unit: &Unit,
+        residues: &Shared<'_, Block<i8>>,
+        place: impl Fn(usize) -> P,
+    ) {
+        self.clock.time(
+            |s| &mut s.recombination,
+            1,
+            || {
+                for j in unit.cols.clone() {
+                    for i in self.layout.first_row(unit, j)..unit.rows.end {
+                        let residues = |l: usize| {
+                            let at = place(l)(i, j);
+                            // SAFETY: the caller's promise.
+                            unsafe { &residues.slice(at..at + 1)[0] }
+                        };
+                        let rows = panel(i, self.destination.nrows());
+                        let cols = panel(j, self.destination.ncols());
+                        // SAFETY: the caller's promise; blocks of different panels are disjoint.
+                        let c = unsafe { self.destination.block(rows, cols) };
+                        self.target.write(kernel, (i, j), residues, c);
+                    }
+                }
+            },
+        );
+    }
+}
+
+/// The rows or columns of panel `i` among `count`.
+fn panel(i: usize, count: usize) -> Range<usize> {
+    i * PANEL..count.min((i + 1) * PANEL)
+}
