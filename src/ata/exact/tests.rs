@@ -4,7 +4,7 @@ use faer::{Mat, MatRef};
 
 use super::layout::{Need, Pair};
 use super::*;
-use crate::base::{Arena, Rng, Workspace};
+use crate::base::{Arena, Par, Rng, Workspace};
 use crate::kernel::int8::tests::{PORTABLE, kernels};
 
 /// Uniform entries whose columns are scaled by `2^(spread * (j % 7))`, with zeros and a zero column.
