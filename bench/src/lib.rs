@@ -1,12 +1,15 @@
-//! The race of `catamaran::ata` against other libraries on the same machine, and its parts.
+//! Races of `catamaran::ata` and `catamaran::atb` against other libraries on the same machine,
+//! and their parts.
 //!
 //! See README.md of this package for how to run it and what the columns mean.
 
 pub mod chart;
 pub mod contender;
+pub mod double;
 pub mod host;
 pub mod input;
 pub mod library;
+pub mod product;
 pub mod race;
 pub mod record;
 pub mod reference;
