@@ -9,6 +9,7 @@ pub mod double;
 pub mod host;
 pub mod input;
 pub mod library;
+pub mod peak;
 pub mod product;
 pub mod race;
 pub mod record;

@@ -11,7 +11,7 @@ use catamaran_bench::product::{Operation, Product};
 use catamaran_bench::race::{Rules, race};
 use catamaran_bench::reference::Reference;
 use catamaran_bench::table::{self, Row};
-use catamaran_bench::{Result, chart, host, record};
+use catamaran_bench::{Result, chart, host, peak, record};
 
 use super::{backend, libraries_of, rival, yardstick};
 
@@ -72,6 +72,7 @@ pub fn run(operation: Operation, arguments: &Arguments) -> Result<()> {
     let contenders = contenders(arguments)?;
     let rivals = libraries_of(&contenders);
     print!("{}", host::describe(&rivals));
+    let before = peak::measure();
     let deadline = arguments.max_seconds.map(|s| Instant::now() + Duration::from_secs_f64(s));
     let rules = Rules { repeat: arguments.repeat, deadline };
     println!("\n{}", table::header());
@@ -87,12 +88,14 @@ pub fn run(operation: Operation, arguments: &Arguments) -> Result<()> {
             one_shape(operation, arguments, &contenders, shape, &rules, &mut rows)?;
         }
     }
+    let peak = host::describe_peak(before, peak::measure());
+    print!("\n{peak}");
     if let Some(name) = &arguments.record {
         let yardstick = contenders[yardstick(&contenders)].to_string();
         let folder = record::write(&[
             (&format!("{name}.csv"), record::csv(table::CSV_HEADER, rows.iter().map(Row::csv))),
             (&format!("{name}.svg"), chart::svg(&rows, operation.formula(), &yardstick)),
-            ("host.txt", host::describe(&rivals)),
+            ("host.txt", host::describe(&rivals) + &peak),
         ])?;
         println!("\nrecorded in {}", folder.display());
     }
