@@ -1,8 +1,9 @@
 //! Races of `catamaran::ata` and `catamaran::atb` against other libraries on the same machine,
-//! and their parts.
+//! their errors beside those of others, and the parts of both.
 //!
 //! See README.md of this package for how to run it and what the columns mean.
 
+pub mod accuracy;
 pub mod chart;
 pub mod contender;
 pub mod double;

@@ -1,5 +1,6 @@
 //! The commands, and what they share: who takes part.
 
+pub mod accuracy;
 pub mod race;
 
 use std::path::{Path, PathBuf};
