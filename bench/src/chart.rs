@@ -14,8 +14,8 @@ const BOTTOM: f64 = 34.0;
 const COLOURS: [&str; 8] =
     ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#f0e442"];
 
-/// The rows as an SVG document; ratios are to `yardstick`.
-pub fn svg(rows: &[Row], yardstick: &str) -> String {
+/// The rows of races at `formula` as an SVG document; ratios are to `yardstick`.
+pub fn svg(rows: &[Row], formula: &str, yardstick: &str) -> String {
     let panels = distinct(rows.iter().map(|r| (r.scalar, r.threads)));
     let contenders =
         distinct(rows.iter().map(|r| r.contender.as_str()).filter(|c| *c != yardstick));
@@ -41,7 +41,7 @@ pub fn svg(rows: &[Row], yardstick: &str) -> String {
         let plural = if *threads == 1 { "" } else { "s" };
         let _ = writeln!(
             out,
-            "<text x=\"{LEFT}\" y=\"{:.0}\" font-size=\"14\">A^T A, {scalar}, {threads} \
+            "<text x=\"{LEFT}\" y=\"{:.0}\" font-size=\"14\">{formula}, {scalar}, {threads} \
              thread{plural}: speed over {yardstick}</text>",
             high - 14.0
         );
@@ -143,8 +143,9 @@ mod tests {
             row("ours", "f64", 1, 1.25),
             row("ours", "f32", 2, f64::NAN),
         ];
-        let picture = svg(&rows, "mkl");
-        for text in ["f64, 1 thread:", "f32, 2 threads:", "64x32", ">ours<", "64x32: 1.250"] {
+        let picture = svg(&rows, "A^T B", "mkl");
+        for text in ["A^T B, f64, 1 thread:", "f32, 2 threads:", "64x32", ">ours<", "64x32: 1.250"]
+        {
             assert!(picture.contains(text), "{text}");
         }
         assert!(!picture.contains(">mkl<"), "the yardstick is the line at 1");

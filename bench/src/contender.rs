@@ -1,22 +1,25 @@
-//! Who races: a library's `syrk`, faer, or `catamaran::ata`. One thing is timed, and it is the same
-//! for all: the lower triangle of C := A^T A, row-major, into memory that exists.
+//! Who races: a library's `syrk` or `gemm`, faer, or `catamaran::ata` and `catamaran::atb`. One
+//! thing is timed, and it is the same for all: the product, row-major, into memory that exists.
 
 use std::fmt;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use catamaran::base::Team;
-use catamaran::blas::{Backend, BlasReal};
-use catamaran::{AtaOptions, Par, Plan, SchemeChoice, ata};
+use catamaran::blas::BlasReal;
+use catamaran::{AtaOptions, Par, Plan, ata, atb};
+use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, MatMut, MatRef};
 
 use crate::Result;
 use crate::input::Shape;
-use crate::library::{Rival, Syrk};
+use crate::library::{Gemm, Rival, Syrk};
+use crate::product::Operation;
 
 // The values of the CBLAS enumerations.
 const ROW_MAJOR: i32 = 101;
+const NO_TRANS: i32 = 111;
 const TRANS: i32 = 112;
 const LOWER: i32 = 122;
 
@@ -24,15 +27,23 @@ const LOWER: i32 = 122;
 pub trait Scalar: BlasReal {
     /// The rival's `syrk` of this precision.
     fn syrk(rival: &Rival) -> Syrk<Self>;
+    /// The rival's `gemm` of this precision.
+    fn gemm(rival: &Rival) -> Gemm<Self>;
     /// The lower triangle of C := A^T A by faer.
     fn faer_syrk(a: MatRef<'_, Self>, c: MatMut<'_, Self>, par: faer::Par);
+    /// C := A^T B by faer.
+    fn faer_gemm(a: MatRef<'_, Self>, b: MatRef<'_, Self>, c: MatMut<'_, Self>, par: faer::Par);
 }
 
 macro_rules! scalar {
-    ($t:ident, $syrk:ident) => {
+    ($t:ident, $syrk:ident, $gemm:ident) => {
         impl Scalar for $t {
             fn syrk(rival: &Rival) -> Syrk<Self> {
                 rival.$syrk
+            }
+
+            fn gemm(rival: &Rival) -> Gemm<Self> {
+                rival.$gemm
             }
 
             fn faer_syrk(a: MatRef<'_, Self>, c: MatMut<'_, Self>, par: faer::Par) {
@@ -48,29 +59,34 @@ macro_rules! scalar {
                     par,
                 );
             }
+
+            fn faer_gemm(
+                a: MatRef<'_, Self>,
+                b: MatRef<'_, Self>,
+                c: MatMut<'_, Self>,
+                par: faer::Par,
+            ) {
+                matmul(c, Accum::Replace, a.transpose(), b, 1.0, par);
+            }
         }
     };
 }
-scalar!(f32, ssyrk);
-scalar!(f64, dsyrk);
+scalar!(f32, ssyrk, sgemm);
+scalar!(f64, dsyrk, dgemm);
 
-/// One way to compute A^T A.
+/// One way to compute a product.
 #[derive(Clone)]
 pub enum Contender {
     /// A library, called directly.
     Cblas(Arc<Rival>),
-    /// faer's triangular product.
+    /// faer's products.
     Faer,
     /// Ours.
     Ours {
-        /// Name of the scheme.
-        scheme: &'static str,
-        /// The scheme.
-        choice: SchemeChoice,
-        /// Name of the back end.
-        backend_name: String,
-        /// What computes the leaves.
-        backend: Arc<dyn Backend>,
+        /// What it is called here, after `cata:`.
+        name: String,
+        /// How it computes; its threads are those of the race.
+        options: Box<AtaOptions<'static>>,
     },
 }
 
@@ -79,9 +95,7 @@ impl fmt::Display for Contender {
         match self {
             Self::Cblas(rival) => f.pad(&rival.name),
             Self::Faer => f.pad("faer"),
-            Self::Ours { scheme, backend_name, .. } => {
-                f.pad(&format!("cata:{scheme}/{backend_name}"))
-            }
+            Self::Ours { name, .. } => f.pad(&format!("cata:{name}")),
         }
     }
 }
@@ -92,13 +106,15 @@ impl Contender {
         !matches!(self, Self::Ours { .. })
     }
 
-    /// Computes A^T A `calls` times on `threads` threads; the time it took.
+    /// Computes the product of A and B `calls` times on `threads` threads; the time it took. B is A
+    /// in A^T A.
     ///
     /// # Errors
-    /// Whatever `ata` refuses.
+    /// Whatever `ata` and `atb` refuse.
     pub fn run<T: Scalar>(
         &self,
-        a: MatRef<'_, T>,
+        operation: Operation,
+        [a, b]: [MatRef<'_, T>; 2],
         mut c: MatMut<'_, T>,
         calls: usize,
         threads: usize,
@@ -106,28 +122,11 @@ impl Contender {
     ) -> Result<Duration> {
         match self {
             Self::Cblas(rival) => {
-                let syrk = T::syrk(rival);
                 rival.set_threads(threads);
-                let (n, k) = (i32::try_from(a.ncols())?, i32::try_from(a.nrows())?);
-                let (lda, ldc) = (a.row_stride() as i32, c.row_stride() as i32);
+                let mut call = cblas_call(rival, operation, [a, b], c)?;
                 let start = Instant::now();
                 for _ in 0..calls {
-                    // SAFETY: both views are row-major with these leading dimensions.
-                    unsafe {
-                        syrk(
-                            ROW_MAJOR,
-                            LOWER,
-                            TRANS,
-                            n,
-                            k,
-                            T::ONE,
-                            a.as_ptr(),
-                            lda,
-                            T::ZERO,
-                            c.as_ptr_mut(),
-                            ldc,
-                        );
-                    }
+                    call();
                 }
                 Ok(start.elapsed())
             }
@@ -136,17 +135,23 @@ impl Contender {
                 Ok(team.run(|| {
                     let start = Instant::now();
                     for _ in 0..calls {
-                        T::faer_syrk(a, c.as_mut(), par);
+                        match operation {
+                            Operation::Syrk => T::faer_syrk(a, c.as_mut(), par),
+                            Operation::Gemm => T::faer_gemm(a, b, c.as_mut(), par),
+                        }
                     }
                     start.elapsed()
                 }))
             }
-            Self::Ours { .. } => {
-                let options = self.options(threads);
+            Self::Ours { options, .. } => {
+                let options = AtaOptions { par: Par::Threads(threads), ..(**options).clone() };
                 let time = team.run(|| {
                     let start = Instant::now();
                     for _ in 0..calls {
-                        ata(T::ONE, a, T::ZERO, c.as_mut(), &options)?;
+                        match operation {
+                            Operation::Syrk => ata(T::ONE, a, T::ZERO, c.as_mut(), &options)?,
+                            Operation::Gemm => atb(T::ONE, a, b, T::ZERO, c.as_mut(), &options)?,
+                        }
                     }
                     Ok::<_, catamaran::Error>(start.elapsed())
                 });
@@ -155,19 +160,42 @@ impl Contender {
         }
     }
 
-    /// What `ata` will do, if this is ours.
-    pub fn plan<T: Scalar>(&self, shape: Shape) -> Option<Plan> {
-        matches!(self, Self::Ours { .. })
-            .then(|| Plan::ata::<T>(shape.m, shape.n, &self.options(1)).ok())
-            .flatten()
-    }
-
-    fn options(&self, threads: usize) -> AtaOptions<'static> {
-        let mut options = AtaOptions { par: Par::Threads(threads), ..AtaOptions::default() };
-        if let Self::Ours { choice, backend, .. } = self {
-            options.scheme = *choice;
-            options.backend = backend.clone();
+    /// What `ata` or `atb` will do, if this is ours.
+    pub fn plan<T: Scalar>(&self, operation: Operation, Shape { m, n }: Shape) -> Option<Plan> {
+        let Self::Ours { options, .. } = self else { return None };
+        match operation {
+            Operation::Syrk => Plan::ata::<T>(m, n, options),
+            Operation::Gemm => Plan::atb::<T>(m, n, n, options),
         }
-        options
+        .ok()
     }
+}
+
+/// The call of a library that computes the product into C.
+///
+/// # Errors
+/// When a side does not fit its 32-bit integers.
+fn cblas_call<T: Scalar>(
+    rival: &Rival,
+    operation: Operation,
+    [a, b]: [MatRef<'_, T>; 2],
+    c: MatMut<'_, T>,
+) -> Result<impl FnMut()> {
+    let (syrk, gemm) = (T::syrk(rival), T::gemm(rival));
+    let (m, n, k) =
+        (i32::try_from(a.nrows())?, i32::try_from(a.ncols())?, i32::try_from(b.ncols())?);
+    let (lda, ldb, ldc) = (a.row_stride() as i32, b.row_stride() as i32, c.row_stride() as i32);
+    Ok(move || {
+        let (one, zero) = (T::ONE, T::ZERO);
+        let (a, b, c) = (a.as_ptr(), b.as_ptr(), c.as_ptr_mut());
+        // SAFETY: all views are row-major with these leading dimensions and shapes.
+        unsafe {
+            match operation {
+                Operation::Syrk => syrk(ROW_MAJOR, LOWER, TRANS, n, m, one, a, lda, zero, c, ldc),
+                Operation::Gemm => {
+                    gemm(ROW_MAJOR, TRANS, NO_TRANS, n, k, m, one, a, lda, b, ldb, zero, c, ldc)
+                }
+            }
+        }
+    })
 }

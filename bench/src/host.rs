@@ -8,6 +8,7 @@ use catamaran::base::{available_cores, cpu_features};
 
 use crate::Result;
 use crate::library::{Rival, find};
+use crate::peak::Peak;
 
 /// The model of the CPU, as Linux names it.
 pub fn cpu_model() -> String {
@@ -55,6 +56,14 @@ pub fn describe(rivals: &[&Rival]) -> String {
         text += &format!("{:<9} {}\n", rival.name, rival.version);
     }
     text
+}
+
+/// The line about the speed limit of a core, measured before and after everything else.
+pub fn describe_peak(before: Peak, after: Peak) -> String {
+    format!(
+        "peak      {:.1} GFLOP/s before, {:.1} after (one core, f64 multiply-adds, {})\n",
+        before.gflops, after.gflops, after.instructions
+    )
 }
 
 fn output(program: &str, arguments: &[&str]) -> String {

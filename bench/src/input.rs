@@ -4,9 +4,10 @@ use std::str::FromStr;
 
 use catamaran::Real;
 use catamaran::base::Rng;
+use clap::ValueEnum;
 
 /// The distribution of the entries of A.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Distribution {
     /// Uniform in [-1, 1).
     Uniform,
@@ -14,6 +15,20 @@ pub enum Distribution {
     Gaussian,
     /// Uniform in [0, 1): no cancellation, large sums.
     Positive,
+    /// Column j of a Gaussian matrix times 2^e_j, the e_j uniform integers: columns of very
+    /// different norms. In f64 from -100 to 100, in f32 from -30 to 30.
+    Graded,
+    /// (u - 1/2) exp(g), u uniform in [0, 1), g standard normal.
+    Lognormal1,
+    /// (u - 1/2) exp(4 g): entries of very different sizes within each column.
+    Lognormal4,
+}
+
+impl std::fmt::Display for Distribution {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let value = self.to_possible_value();
+        f.pad(value.as_ref().map_or("", |v| v.get_name()))
+    }
 }
 
 /// Rows and columns of A; written `2048` for a square one, or `30000x2500`.
@@ -47,17 +62,42 @@ impl std::fmt::Display for Shape {
 /// A, row-major.
 pub fn matrix<T: Real>(shape: Shape, distribution: Distribution, seed: u64) -> Vec<T> {
     let mut rng = Rng::new(seed);
+    let powers: Vec<f64> = match distribution {
+        Distribution::Graded => graded_powers::<T>(shape.n, &mut rng),
+        _ => vec![1.0; shape.n],
+    };
     let mut draw = || match distribution {
         Distribution::Uniform => 2.0 * rng.uniform() - 1.0,
-        Distribution::Gaussian => rng.normal(),
+        Distribution::Gaussian | Distribution::Graded => rng.normal(),
         Distribution::Positive => rng.uniform(),
+        Distribution::Lognormal1 => lognormal(1.0, &mut rng),
+        Distribution::Lognormal4 => lognormal(4.0, &mut rng),
     };
-    (0..shape.m * shape.n).map(|_| T::from_f64(draw())).collect()
+    let mut a = Vec::with_capacity(shape.m * shape.n);
+    for _ in 0..shape.m {
+        a.extend(powers.iter().map(|power| T::from_f64(power * draw())));
+    }
+    a
+}
+
+/// The powers of two that scale the columns of [`Distribution::Graded`].
+fn graded_powers<T: Real>(n: usize, rng: &mut Rng) -> Vec<f64> {
+    // The products of any two columns must stay within the range of T.
+    let most = if size_of::<T>() == 8 { 100 } else { 30 };
+    let exponents = 2 * most + 1;
+    (0..n).map(|_| 2f64.powi((rng.uniform() * exponents as f64) as i32 - most)).collect()
+}
+
+/// "phi-lognormal" of the papers on Ozaki's scheme.
+fn lognormal(phi: f64, rng: &mut Rng) -> f64 {
+    (rng.uniform() - 0.5) * (phi * rng.normal()).exp()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const TALL: Shape = Shape { m: 4000, n: 5 };
 
     #[test]
     fn shapes_are_read_and_written() {
@@ -70,10 +110,54 @@ mod tests {
     }
 
     #[test]
-    fn positive_is_positive_and_seeded() {
-        let shape = Shape { m: 3, n: 5 };
-        let a = matrix::<f32>(shape, Distribution::Positive, 7);
+    fn positive_is_positive() {
+        let a = matrix::<f32>(TALL, Distribution::Positive, 7);
         assert!(a.iter().all(|x| (0.0..=1.0).contains(x)));
-        assert_eq!(a, matrix::<f32>(shape, Distribution::Positive, 7));
+    }
+
+    #[test]
+    fn every_distribution_is_named_seeded_and_finite() {
+        for distribution in Distribution::value_variants() {
+            let name = distribution.to_string();
+            assert_eq!(Distribution::from_str(&name, false).as_ref(), Ok(distribution));
+            let a = matrix::<f32>(TALL, *distribution, 7);
+            assert_eq!(a.len(), TALL.m * TALL.n);
+            assert!(a.iter().all(|x| x.is_finite()), "{name}");
+            assert_eq!(a, matrix::<f32>(TALL, *distribution, 7), "{name}");
+            assert_ne!(a, matrix::<f32>(TALL, *distribution, 8), "{name}");
+        }
+    }
+
+    #[test]
+    fn graded_columns_are_gaussian_ones_times_powers_of_two() {
+        fn exponents<T: Real>() -> Vec<i32> {
+            graded_powers::<T>(10_000, &mut Rng::new(3)).iter().map(|p| p.log2() as i32).collect()
+        }
+        for (exponents, most) in [(exponents::<f64>(), 100), (exponents::<f32>(), 30)] {
+            assert_eq!(exponents.iter().min(), Some(&-most));
+            assert_eq!(exponents.iter().max(), Some(&most));
+        }
+        let powers = graded_powers::<f64>(TALL.n, &mut Rng::new(3));
+        let a = matrix::<f64>(TALL, Distribution::Graded, 3);
+        for (j, power) in powers.iter().enumerate() {
+            let squares = a.iter().skip(j).step_by(TALL.n).map(|x| (x / power).powi(2));
+            let variance = squares.sum::<f64>() / TALL.m as f64;
+            assert!((variance - 1.0).abs() < 0.2, "column {j}: {variance}");
+        }
+    }
+
+    #[test]
+    fn lognormal_entries_spread_as_told() {
+        for (distribution, phi) in
+            [(Distribution::Lognormal1, 1.0), (Distribution::Lognormal4, 4.0)]
+        {
+            // The logarithm of |x| has the variance of ln u, which is 1, plus phi^2.
+            let logs: Vec<_> =
+                matrix::<f64>(TALL, distribution, 5).iter().map(|x| x.abs().ln()).collect();
+            let mean = logs.iter().sum::<f64>() / logs.len() as f64;
+            let variance = logs.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / logs.len() as f64;
+            let expected = 1.0 + phi * phi;
+            assert!((variance / expected - 1.0).abs() < 0.1, "{distribution}: {variance}");
+        }
     }
 }

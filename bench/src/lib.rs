@@ -1,12 +1,17 @@
-//! The race of `catamaran::ata` against other libraries on the same machine, and its parts.
+//! Races of `catamaran::ata` and `catamaran::atb` against other libraries on the same machine,
+//! their errors beside those of others, and the parts of both.
 //!
 //! See README.md of this package for how to run it and what the columns mean.
 
+pub mod accuracy;
 pub mod chart;
 pub mod contender;
+pub mod double;
 pub mod host;
 pub mod input;
 pub mod library;
+pub mod peak;
+pub mod product;
 pub mod race;
 pub mod record;
 pub mod reference;

@@ -1,4 +1,4 @@
-//! Rival libraries: where they are, and their `syrk` called directly.
+//! Rival libraries: where they are, and their `syrk` and `gemm` called directly.
 
 use std::ffi::{CStr, c_char, c_int};
 use std::path::{Path, PathBuf};
@@ -17,6 +17,24 @@ pub type Syrk<T> = unsafe extern "C" fn(
     alpha: T,
     a: *const T,
     lda: c_int,
+    beta: T,
+    c: *mut T,
+    ldc: c_int,
+);
+
+/// `cblas_?gemm` with 32-bit integers.
+pub type Gemm<T> = unsafe extern "C" fn(
+    order: c_int,
+    trans_a: c_int,
+    trans_b: c_int,
+    m: c_int,
+    n: c_int,
+    k: c_int,
+    alpha: T,
+    a: *const T,
+    lda: c_int,
+    b: *const T,
+    ldb: c_int,
     beta: T,
     c: *mut T,
     ldc: c_int,
@@ -48,6 +66,10 @@ pub struct Rival {
     pub dsyrk: Syrk<f64>,
     /// `cblas_ssyrk`.
     pub ssyrk: Syrk<f32>,
+    /// `cblas_dgemm`.
+    pub dgemm: Gemm<f64>,
+    /// `cblas_sgemm`.
+    pub sgemm: Gemm<f32>,
     set_threads: SetThreads,
     _library: Library,
 }
@@ -102,12 +124,17 @@ impl Rival {
                 .find_map(|s| symbol(&library, s).map(SetThreads::Int))
                 .or_else(|| symbol(&library, "bli_thread_set_num_threads").map(SetThreads::Dim))
                 .ok_or_else(|| format!("{}: no known thread control", path.display()))?;
+            let missing = |s: &str| format!("{}: no {s}", path.display());
+            let [dsyrk, ssyrk, dgemm, sgemm] =
+                ["dsyrk", "ssyrk", "dgemm", "sgemm"].map(|s| format!("{prefix}cblas_{s}"));
             Ok(Self {
                 name: name.into(),
                 path: path.into(),
                 version: version(&library, prefix),
-                dsyrk: symbol(&library, &format!("{prefix}cblas_dsyrk")).ok_or("cblas_dsyrk")?,
-                ssyrk: symbol(&library, &format!("{prefix}cblas_ssyrk")).ok_or("cblas_ssyrk")?,
+                dsyrk: symbol(&library, &dsyrk).ok_or_else(|| missing(&dsyrk))?,
+                ssyrk: symbol(&library, &ssyrk).ok_or_else(|| missing(&ssyrk))?,
+                dgemm: symbol(&library, &dgemm).ok_or_else(|| missing(&dgemm))?,
+                sgemm: symbol(&library, &sgemm).ok_or_else(|| missing(&sgemm))?,
                 set_threads,
                 _library: library,
             })

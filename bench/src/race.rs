@@ -1,14 +1,15 @@
-//! The race: every contender once per repetition, in rotating order, on the same A, so that what
-//! the machine does meanwhile strikes all of them alike.
+//! The race: every contender once per repetition, in rotating order, on the same operands, so that
+//! what the machine does meanwhile strikes all of them alike.
 
 use std::time::{Duration, Instant};
 
 use catamaran::base::Team;
-use faer::{MatMut, MatRef};
+use faer::MatMut;
 
 use crate::Result;
 use crate::contender::{Contender, Scalar};
 use crate::input::Shape;
+use crate::product::Product;
 use crate::reference::Reference;
 
 /// How a race is run.
@@ -35,7 +36,7 @@ const SAMPLE_SECONDS: f64 = 0.05;
 const MOST_CALLS: f64 = 64.0;
 /// Threads of the contender before are asleep after this.
 const PAUSE: Duration = Duration::from_millis(20);
-/// Side of the leading block of A that everyone warms up on.
+/// Side of the leading blocks of A and B that everyone warms up on.
 const WARM_UP_SIDE: usize = 1024;
 
 /// Runs the race. Fewer repetitions, even none, come back when the deadline is near.
@@ -44,15 +45,15 @@ const WARM_UP_SIDE: usize = 1024;
 /// A wrong result ends the race.
 pub fn race<T: Scalar>(
     contenders: &[Contender],
-    a: &[T],
-    shape: Shape,
+    product: Product<'_, T>,
     threads: usize,
     team: &Team,
     reference: &Reference,
     rules: &Rules,
 ) -> Result<Vec<Outcome>> {
+    let (operation, shape) = (product.operation(), product.shape());
     let Shape { m, n } = shape;
-    let a = MatRef::from_row_major_slice(a, m, n);
+    let views = product.views();
     let mut c = vec![T::ONE; n * n];
     let late = |expected: f64| {
         rules.deadline.is_some_and(|d| Instant::now() + Duration::from_secs_f64(expected) > d)
@@ -62,20 +63,19 @@ pub fn race<T: Scalar>(
         .iter()
         .map(|x| Outcome { contender: x.to_string(), seconds: vec![], error: 0.0 })
         .collect();
-    let (rows, cols) = (m.min(WARM_UP_SIDE), n.min(WARM_UP_SIDE));
+    let corner = Shape { m: m.min(WARM_UP_SIDE), n: n.min(WARM_UP_SIDE) };
+    let corners = views.map(|x| x.submatrix(0, 0, corner.m, corner.n));
     let mut fastest = f64::INFINITY;
     for contender in contenders {
-        let corner = a.submatrix(0, 0, rows, cols);
         let mut c = MatMut::from_row_major_slice_mut(&mut c, n, n);
         // The first call pays for threads and buffers.
         for _ in 0..2 {
-            let c = c.as_mut().submatrix_mut(0, 0, cols, cols);
-            let time = contender.run(corner, c, 1, threads, team)?;
+            let c = c.as_mut().submatrix_mut(0, 0, corner.n, corner.n);
+            let time = contender.run(operation, corners, c, 1, threads, team)?;
             fastest = fastest.min(time.as_secs_f64());
         }
     }
-    let work = |m: usize, n: usize| m as f64 * n as f64 * n as f64;
-    let one_call = fastest * work(m, n) / work(rows, cols);
+    let one_call = fastest * operation.flops(shape) / operation.flops(corner);
     let calls = (SAMPLE_SECONDS / one_call).ceil().clamp(1.0, MOST_CALLS) as usize;
 
     let mut round_seconds = contenders.len() as f64 * one_call * calls as f64;
@@ -89,7 +89,7 @@ pub fn race<T: Scalar>(
             reference.poison(&mut c);
             std::thread::sleep(PAUSE);
             let view = MatMut::from_row_major_slice_mut(&mut c, n, n);
-            let time = contenders[i].run(a, view, calls, threads, team)?;
+            let time = contenders[i].run(operation, views, view, calls, threads, team)?;
             let error = reference
                 .check(&c)
                 .map_err(|e| format!("{}, {shape}, {}: {e}", contenders[i], T::NAME))?;
@@ -147,21 +147,25 @@ mod tests {
         assert!(outcome(&[]).median().is_nan());
     }
 
-    fn small(a: &[f64], answer_to: &[f64]) -> Result<Vec<Outcome>> {
-        let shape = Shape { m: 30, n: 7 };
-        let reference = Reference::new(answer_to, shape, 1);
+    const SHAPE: Shape = Shape { m: 30, n: 7 };
+
+    fn small(product: Product<'_, f64>, answer_to: Product<'_, f64>) -> Result<Vec<Outcome>> {
+        let reference = Reference::new(&answer_to, 1, 1);
         let team = Team::new(1, Pin::No)?;
         let rules = Rules { repeat: 3, deadline: None };
-        race(&[Contender::Faer], a, shape, 1, &team, &reference, &rules)
+        let ours = Contender::Ours { name: "auto/gemm".into(), options: Box::default() };
+        race(&[Contender::Faer, ours], product, 1, &team, &reference, &rules)
     }
 
     #[test]
     fn right_results_race_and_wrong_ones_abort() {
-        let shape = Shape { m: 30, n: 7 };
-        let a = matrix::<f64>(shape, Distribution::Uniform, 1);
-        let outcomes = small(&a, &a).unwrap();
-        assert_eq!(outcomes[0].seconds.len(), 3);
-        let other = matrix::<f64>(shape, Distribution::Uniform, 2);
-        assert!(small(&a, &other).unwrap_err().to_string().contains("wrong result"));
+        let [a, b] = [1, 2].map(|seed| matrix::<f64>(SHAPE, Distribution::Uniform, seed));
+        let symmetric = [Product::syrk(SHAPE, &a), Product::syrk(SHAPE, &b)];
+        let general = [Product::gemm(SHAPE, &a, &b), Product::gemm(SHAPE, &b, &a)];
+        for [product, other] in [symmetric, general] {
+            let outcomes = small(product, product).unwrap();
+            assert!(outcomes.iter().all(|o| o.seconds.len() == 3));
+            assert!(small(product, other).unwrap_err().to_string().contains("wrong result"));
+        }
     }
 }

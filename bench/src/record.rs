@@ -1,25 +1,35 @@
-//! What a race leaves behind: numbers, the host they are from, and a picture.
+//! What a command leaves behind: numbers, the host they are from, and pictures.
 
+use std::fmt::Display;
 use std::fs;
 use std::path::PathBuf;
 
-use crate::library::Rival;
-use crate::table::{CSV_HEADER, Row};
-use crate::{Result, chart, host};
+use crate::{Result, host};
 
-/// Writes `bench/record/<host kind>/{host.txt, name.csv, name.svg}`; the folder.
+/// Writes the files, each a name and its text, into `bench/record/<host kind>/`; that folder.
 ///
 /// # Errors
 /// When a file can't be written.
-pub fn write(name: &str, rows: &[Row], rivals: &[&Rival], yardstick: &str) -> Result<PathBuf> {
+pub fn write(files: &[(&str, String)]) -> Result<PathBuf> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("record").join(host::kind());
     fs::create_dir_all(&folder)?;
-    let mut csv = format!("{CSV_HEADER}\n");
-    for row in rows {
-        csv += &format!("{}\n", row.csv());
+    for (name, text) in files {
+        fs::write(folder.join(name), text)?;
     }
-    fs::write(folder.join(format!("{name}.csv")), csv)?;
-    fs::write(folder.join("host.txt"), host::describe(rivals))?;
-    fs::write(folder.join(format!("{name}.svg")), chart::svg(rows, yardstick))?;
     Ok(folder)
+}
+
+/// A file of comma-separated values.
+pub fn csv(header: &str, lines: impl IntoIterator<Item = impl Display>) -> String {
+    lines.into_iter().fold(format!("{header}\n"), |text, line| format!("{text}{line}\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_follow_the_header() {
+        assert_eq!(csv("a,b", ["1,2", "3,4"]), "a,b\n1,2\n3,4\n");
+    }
 }

@@ -1,6 +1,7 @@
-//! Outcomes as rows: of the table on the screen and of the record.
+//! Outcomes of a race as rows: of the table on the screen and of the record.
 
 use crate::input::Shape;
+use crate::product::Operation;
 use crate::race::Outcome;
 
 /// One contender at one shape, type and thread count.
@@ -20,13 +21,13 @@ pub struct Row {
     pub seconds: f64,
     /// Seconds of the fastest one.
     pub best: f64,
-    /// Effective speed: m n^2 / median t.
+    /// Effective speed: the classical operations / median t.
     pub gflops: f64,
     /// Times faster than the yardstick; the median of paired ratios.
     pub ratio: f64,
     /// The yardstick's fastest time over that of this one.
     pub best_ratio: f64,
-    /// Largest error relative to the largest entry of C.
+    /// Largest error, relative to the largest norms of columns of A and B.
     pub error: f64,
     /// Error over that of the yardstick.
     pub error_ratio: f64,
@@ -57,6 +58,7 @@ pub fn header() -> String {
 /// The rows of one race; `yardstick` is the index of the contender that ratios refer to.
 pub fn rows(
     outcomes: &[Outcome],
+    operation: Operation,
     shape: Shape,
     scalar: &'static str,
     threads: usize,
@@ -73,7 +75,7 @@ pub fn rows(
             repetitions: o.seconds.len(),
             seconds: o.median(),
             best: o.best(),
-            gflops: shape.m as f64 * (shape.n as f64).powi(2) / o.median() / 1e9,
+            gflops: operation.flops(shape) / o.median() / 1e9,
             ratio: o.ratio_to(yardstick),
             best_ratio: yardstick.best() / o.best(),
             error: o.error,
