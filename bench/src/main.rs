@@ -2,11 +2,13 @@
 
 mod commands;
 
-use catamaran_bench::host;
+use std::path::Path;
+
 use catamaran_bench::product::Operation;
+use catamaran_bench::{Result, host};
 use clap::Parser;
 
-use commands::{accuracy, race};
+use commands::{accuracy, exact, race};
 
 /// Races against other libraries, and errors beside theirs.
 #[derive(Parser)]
@@ -17,19 +19,21 @@ enum Command {
     Atb(race::Arguments),
     /// Errors of A^T A, entry by entry, beside those of the syrk of BLAS libraries.
     Accuracy(accuracy::Arguments),
+    /// Stages of the exact path, and the rates of its kernels.
+    Exact(exact::Arguments),
 }
 
 fn main() {
     let command = Command::parse();
-    let libraries = match &command {
-        Command::Ata(arguments) | Command::Atb(arguments) => &arguments.libraries,
-        Command::Accuracy(arguments) => &arguments.libraries,
+    let beside = |libraries: &Path, run: &dyn Fn() -> Result<()>| {
+        host::with_environment_for_rivals(libraries).and_then(|()| run())
     };
-    let done = host::with_environment_for_rivals(libraries).and_then(|()| match &command {
-        Command::Ata(arguments) => race::run(Operation::Syrk, arguments),
-        Command::Atb(arguments) => race::run(Operation::Gemm, arguments),
-        Command::Accuracy(arguments) => accuracy::run(arguments),
-    });
+    let done = match &command {
+        Command::Ata(a) => beside(&a.libraries, &|| race::run(Operation::Syrk, a)),
+        Command::Atb(a) => beside(&a.libraries, &|| race::run(Operation::Gemm, a)),
+        Command::Accuracy(a) => beside(&a.libraries, &|| accuracy::run(a)),
+        Command::Exact(a) => exact::run(a),
+    };
     if let Err(error) = done {
         eprintln!("catamaran-bench: {error}");
         std::process::exit(1);

@@ -1,6 +1,7 @@
 //! The commands, and what they share: who takes part.
 
 pub mod accuracy;
+pub mod exact;
 pub mod race;
 
 use std::path::{Path, PathBuf};

@@ -1,0 +1,121 @@
+//! `exact`: where the time of the exact path goes, and how far its kernels are from what the unit can do.
+
+use std::time::Instant;
+
+use catamaran::ata::{Stages, exact_stages};
+use catamaran::base::{Pin, Team};
+use catamaran::blas::BlasReal;
+use catamaran::kernel::int8::Instance;
+use catamaran::{AtaOptions, Par};
+use catamaran_bench::input::{Distribution, Shape, matrix};
+use catamaran_bench::{Result, host};
+use faer::{MatMut, MatRef};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Shapes of A: N or MxN.
+    #[arg(long, value_delimiter = ',', default_value = "1024,2048,4096,30000x2500")]
+    sizes: Vec<Shape>,
+    /// Thread counts.
+    #[arg(long, value_delimiter = ',', default_value = "1,2")]
+    threads: Vec<usize>,
+    /// f64, f32.
+    #[arg(long, value_delimiter = ',', default_value = "f64,f32")]
+    types: Vec<String>,
+    /// amx, vnni, avx2, portable; default the fastest that this machine has.
+    #[arg(long, value_delimiter = ',')]
+    instances: Vec<String>,
+    /// Repetitions; the fastest is shown.
+    #[arg(long, default_value_t = 5)]
+    repeat: usize,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    print!("{}", host::describe(&[]));
+    println!("\n{:<10} {:>22} {:>22}", "instance", "registers, GOP/s", "first cache, GOP/s");
+    for instance in Instance::ALL {
+        match (instance.measure(), instance.refusal()) {
+            (Some([registers, cache]), _) => {
+                // A multiplication and an addition are two operations.
+                let rate = |r: f64| if r == 0.0 { "-".into() } else { format!("{:.1}", 2e-9 * r) };
+                println!("{:<10} {:>22} {:>22}", instance.name(), rate(registers), rate(cache));
+            }
+            (None, why) => println!("{:<10} {}", instance.name(), why.unwrap_or("refused")),
+        }
+    }
+    println!(
+        "\n{:>8} {:>6} {:>4} {:>2}  {:<8} {:>9} {:>8} {:>6} {:>6} {:>6} {:>6} {:>9}",
+        "m",
+        "n",
+        "type",
+        "th",
+        "instance",
+        "s",
+        "GFLOP/s",
+        "norms",
+        "conv",
+        "prod",
+        "recomb",
+        "GOP/s"
+    );
+    for &shape in &arguments.sizes {
+        for scalar in &arguments.types {
+            match scalar.as_str() {
+                "f64" => one_shape::<f64>(arguments, shape, 14)?,
+                "f32" => one_shape::<f32>(arguments, shape, 7)?,
+                other => return Err(format!("{other}: the types are f64 and f32").into()),
+            }
+        }
+    }
+    Ok(())
+}
+
+fn one_shape<T: BlasReal>(arguments: &Arguments, shape: Shape, moduli: usize) -> Result<()> {
+    let Shape { m, n } = shape;
+    let a = matrix::<T>(shape, Distribution::Uniform, 1);
+    let a = MatRef::from_row_major_slice(&a, m, n);
+    let mut c = vec![T::ZERO; n * n];
+    for &threads in &arguments.threads {
+        let team = Team::new(threads, Pin::Cores)?;
+        for instance in instances(&arguments.instances)? {
+            let options = AtaOptions { par: Par::Threads(threads), ..AtaOptions::default() };
+            let mut best: Option<(f64, Stages)> = None;
+            for _ in 0..arguments.repeat.max(1) {
+                let c = MatMut::from_row_major_slice_mut(&mut c, n, n);
+                let start = Instant::now();
+                let stages = team.run(|| exact_stages(instance, a, c, &options))?;
+                let seconds = start.elapsed().as_secs_f64();
+                if best.is_none_or(|(fastest, _)| seconds < fastest) {
+                    best = Some((seconds, stages));
+                }
+            }
+            let Some((seconds, stages)) = best else { continue };
+            let Stages { norms, conversion, products, recombination } = stages;
+            let share = |s: f64| format!("{:.1}%", 100.0 * s / (seconds * threads as f64));
+            let work = m as f64 * (n as f64).powi(2) / 1e9;
+            println!(
+                "{m:>8} {n:>6} {:>4} {threads:>2}  {:<8} {seconds:>9.5} {:>8.1} {:>6} {:>6} {:>6} {:>6} {:>9.1}",
+                T::NAME,
+                instance.name(),
+                work / seconds,
+                share(norms),
+                share(conversion),
+                share(products),
+                share(recombination),
+                moduli as f64 * work / products,
+            );
+        }
+    }
+    Ok(())
+}
+
+fn instances(names: &[String]) -> Result<Vec<Instance>> {
+    if names.is_empty() {
+        return Ok(vec![Instance::best()]);
+    }
+    let find = |name: &String| {
+        let found = Instance::ALL.into_iter().find(|i| i.name() == name);
+        found.ok_or_else(|| format!("{name}: no such instance").into())
+    };
+    names.iter().map(find).collect()
+}
