@@ -56,6 +56,26 @@ bool run(const char* scalar, double tolerance) {
     return of_ata < tolerance && of_atb < tolerance && verified;
 }
 
+// The same bytes from two layouts, whatever the number of threads and the machine.
+bool reproducible() {
+    constexpr std::size_t m = 1000, n = 60;
+    std::mt19937 random(8);
+    std::normal_distribution<double> normal;
+    std::vector<double> rows(m * n), columns(m * n);
+    for (std::size_t i = 0; i < m; ++i) {
+        for (std::size_t j = 0; j < n; ++j) {
+            rows[i * n + j] = columns[i + j * m] = normal(random);
+        }
+    }
+    catamaran::options how;
+    how.reproducible = true;
+    const std::vector<double> c = catamaran::ata(catamaran::row_major(rows.data(), m, n), how);
+    how.threads = 1;
+    const std::vector<double> d = catamaran::ata(catamaran::col_major(columns.data(), m, n), how);
+    std::cout << "reproducible: " << (c == d ? "the same" : "NOT the same") << '\n';
+    return c == d;
+}
+
 }  // namespace
 
 int main() {
@@ -63,7 +83,7 @@ int main() {
         std::cout << "catamaran " << cata_version_string() << '\n';
         const bool in_double = run<double>("double", 1e-14);
         const bool in_float = run<float>("float", 1e-6);
-        if (!in_double || !in_float) {
+        if (!in_double || !in_float || !reproducible()) {
             std::cerr << "MISMATCH\n";
             return EXIT_FAILURE;
         }

@@ -70,6 +70,18 @@
 /** Their 3 x 3 scheme over Winograd's variant. */
 #define CATA_SCHEME_KGP3 6
 
+/**
+ * Integer products modulo small primes: nothing is rounded but the columns, to about 2^-54 of their
+ * norms (float: 2^-27), and the result.
+ */
+#define CATA_SCHEME_EXACT 7
+
+/**
+ * `error_factor`: the least error. With CATA_SCHEME_AUTO that is CATA_SCHEME_EXACT on every machine,
+ * however slow it is there; other schemes are as with 1.
+ */
+#define CATA_ERROR_LEAST -1.0
+
 /** `centering`: nothing is subtracted from the rows. */
 #define CATA_CENTER_NONE 0
 
@@ -125,8 +137,10 @@ typedef struct cata_ata_params {
     size_t tasks;
     /**
      * Error that fast products may cause, as a factor of the classical algorithm's in the maximum
-     * norm, expected: 1 for classical products only, INFINITY for no bound, 0 for the default,
-     * which is 4. Not below 1 otherwise, and not NaN.
+     * norm, expected: 1 for classical products only, INFINITY for no bound, CATA_ERROR_LEAST for the
+     * least error, 0 for the default, which is 4. Not below 1 otherwise, and not NaN.
+     * CATA_SCHEME_EXACT takes 15 moduli for 1 and CATA_ERROR_LEAST, 13 from 8 on, and 14 otherwise
+     * (float: 8, 6 and 7).
      */
     double error_factor;
     /** What computes the small products; NULL: the built-in one. Borrowed during the call. */
@@ -137,8 +151,11 @@ typedef struct cata_ata_params {
     void *progress_user;
     /** CATA_SCHEME_*. */
     int32_t scheme;
-    /** 0. */
-    int32_t reserved;
+    /**
+     * 1: the same bytes on every machine, which takes CATA_SCHEME_EXACT everywhere, slower than others
+     * on CPUs without AMX; the scheme must be that or CATA_SCHEME_AUTO. 0: not asked for.
+     */
+    int32_t reproducible;
 } cata_ata_params;
 
 /** Done. */
@@ -302,9 +319,18 @@ cata_status cata_ata_params_init(struct cata_ata_params *params, size_t struct_s
  * before C is first written: it is untouched after any error but CATA_ERR_CANCELLED and
  * CATA_ERR_PANIC, which leave unspecified values in its wanted part.
  *
- * The result does not depend on the number of threads, bit for bit. NaN and infinities in A spread to
- * entries of C that the classical algorithm would leave finite, unless classical products are asked
- * for.
+ * The result does not depend on the number of threads, bit for bit; with `reproducible` in `params`, nor
+ * on the machine.
+ *
+ * With u = 2^-53 (float: 2^-24) entry (i, j) of a classical product is wrong by at most about
+ * m u (|A|^T |A|)(i, j); that of CATA_SCHEME_EXACT with the default `error_factor` by at most
+ * (u + 1.1e-16 sqrt(m)) |a_i| |a_j| (float: 1.7e-8 for 1.1e-16), the Euclidean norms of two columns, far
+ * below which it may have no correct digit; fast products are bounded in the maximum norm only.
+ * CATA_SCHEME_AUTO may take any of them unless `error_factor` is 1, which allows only the first, or
+ * CATA_ERROR_LEAST.
+ *
+ * NaN and infinities in A reach the entries of C that they do in the classical algorithm, those of their
+ * columns, in classical and exact products. Fast products spread them further.
  *
  * Thread-safe: calls may run at the same time as long as no C is shared.
  */
@@ -528,7 +554,8 @@ cata_status cata_ata_rows_f32(int32_t layout,
  * - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
  *   call.
  *
- * Returns what cata_ata_f64 does, with the same promise about C.
+ * Returns what cata_ata_f64 does, with the same promises about C, errors, NaN and infinities, of columns of
+ * A and of B.
  *
  * Thread-safe: calls may run at the same time as long as no C is shared.
  */

@@ -49,6 +49,7 @@ enum class scheme : std::int32_t {
     rxtx = CATA_SCHEME_RXTX,
     kgp4 = CATA_SCHEME_KGP4,
     kgp3 = CATA_SCHEME_KGP3,
+    exact = CATA_SCHEME_EXACT,
 };
 
 /// A matrix that somebody else owns.
@@ -147,8 +148,10 @@ struct options {
     /// 0: all cores of the affinity mask.
     std::size_t threads = 0;
     catamaran::scheme scheme = scheme::automatic;
-    /// 0: the default; 1: classical products only; infinity: no bound.
+    /// 0: the default; 1: classical products only; infinity: no bound; CATA_ERROR_LEAST: the least.
     double error_factor = 0.0;
+    /// The same bytes on every machine: scheme::exact everywhere, and no other may be asked for.
+    bool reproducible = false;
     /// 0: chosen by the library.
     std::size_t leaf = 0;
     /// 0: chosen by the library.
@@ -170,6 +173,7 @@ public:
         params_.threads = options.threads;
         params_.scheme = static_cast<std::int32_t>(options.scheme);
         params_.error_factor = options.error_factor;
+        params_.reproducible = options.reproducible ? 1 : 0;
         params_.leaf = options.leaf;
         params_.tasks = options.tasks;
         params_.backend = options.backend ? options.backend->get() : nullptr;

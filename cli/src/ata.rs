@@ -56,9 +56,13 @@ pub struct Args {
     /// Recursion.
     #[arg(long, value_name = "SCHEME", default_value = "auto", value_parser = scheme_parser())]
     scheme: SchemeChoice,
-    /// Error allowed: classical, default, fast, or a factor (>= 1) over the classical algorithm.
+    /// Error allowed: max (the exact path), classical, default, fast, or a factor (>= 1) over the
+    /// classical algorithm.
     #[arg(long, value_name = "ACCURACY", default_value = "default", value_parser = parse_accuracy)]
     accuracy: Accuracy,
+    /// The same bytes on every machine: the exact path, which without AMX is slower than others.
+    #[arg(long)]
+    reproducible: bool,
     /// BLAS: gemm (built in), openblas (if built in), or the path of a CBLAS library.
     #[arg(long, value_name = "NAME", default_value = "gemm")]
     backend: String,
@@ -102,12 +106,15 @@ fn scheme_parser() -> impl clap::builder::TypedValueParser<Value = SchemeChoice>
 
 fn parse_accuracy(text: &str) -> Result<Accuracy, String> {
     match text {
+        "max" => Ok(Accuracy::Max),
         "classical" => Ok(Accuracy::Classical),
         "default" => Ok(Accuracy::Default),
         "fast" => Ok(Accuracy::Fast),
         _ => match text.parse() {
             Ok(factor) if factor >= 1.0 && f64::is_finite(factor) => Ok(Accuracy::Bounded(factor)),
-            _ => Err("expected classical, default, fast, or a number that is at least 1".into()),
+            _ => {
+                Err("expected max, classical, default, fast, or a number that is at least 1".into())
+            }
         },
     }
 }
@@ -128,6 +135,11 @@ const SEED: u64 = 0xCA7A;
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     // What can be refused is refused before any work.
+    if args.reproducible && !matches!(args.scheme, SchemeChoice::Auto | SchemeChoice::Exact) {
+        let name = SchemeChoice::NAMES.into_iter().find(|(_, scheme)| *scheme == args.scheme);
+        let name = name.map_or("another", |(name, _)| name);
+        bail!("--reproducible is --scheme exact, and can't be combined with --scheme {name}");
+    }
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     if let Some(path) = &args.output {
         files::check_name(path)?;
@@ -206,15 +218,18 @@ fn product<T: BlasReal>(
         par: args.threads.map_or_else(Par::all, |n| Par::Threads(n.get())),
         scheme: args.scheme,
         accuracy: args.accuracy,
+        reproducible: args.reproducible,
         backend,
         progress: Some(&update),
         ..AtaOptions::default()
     };
     let plan = Plan::ata::<T>(m, n, &options)?;
     let direct = if weights.is_none() && !centered { view_of::<T>(a) } else { None };
+    // The sums of a sparse product are those of the classical algorithm.
+    let exact = args.reproducible || args.accuracy == Accuracy::Max;
     let sparse = match a {
         Matrix::Sparse(a)
-            if !centered && args.scheme == SchemeChoice::Auto && sparse_is_faster(a) =>
+            if !centered && !exact && args.scheme == SchemeChoice::Auto && sparse_is_faster(a) =>
         {
             Some(a)
         }
@@ -301,11 +316,12 @@ fn explain(
             "          rows       block by block: converted, weighted or centred on the way"
         ))?;
     }
-    report(format_args!(
-        "          back end   {}, {} threads",
-        options.backend.name(),
-        options.par.threads()
-    ))
+    let threads = options.par.threads();
+    if plan.is_exact() {
+        // No back end has a part in it.
+        return report(format_args!("          threads    {threads}"));
+    }
+    report(format_args!("          back end   {}, {threads} threads", options.backend.name()))
 }
 
 /// Multiplications of [`sparse_product`]: the square of the nonzeros of each row.

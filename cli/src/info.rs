@@ -4,10 +4,11 @@ use std::io::{self, Write};
 
 use anyhow::Result;
 use catamaran::base::{VERSION, available_cores, cpu_features};
+use catamaran::kernel::int8::Instance;
 
 use crate::backend;
 
-/// Print the version, the CPU and the BLAS back ends.
+/// Print the version, the CPU, the BLAS back ends and the instruction sets of the exact path.
 #[derive(clap::Args)]
 pub struct Args {
     /// Also load this CBLAS library and say what it is.
@@ -39,6 +40,15 @@ pub fn run(args: &Args) -> Result<()> {
         )?;
     }
     writeln!(out, "              any CBLAS library: --backend PATH")?;
+    for (i, instance) in Instance::ALL.into_iter().enumerate() {
+        let state = match instance.refusal() {
+            Some(why) => why,
+            None if instance == Instance::best() => "used",
+            None => "available",
+        };
+        let label = if i == 0 { "exact path" } else { "" };
+        writeln!(out, "{label:14}{}: {state}", instance.name())?;
+    }
     Ok(())
 }
 

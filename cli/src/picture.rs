@@ -1,6 +1,7 @@
-//! A heat map of a symmetric product.
+//! Heat maps of symmetric matrices.
 
 use std::io::Write;
+use std::ops::Range;
 
 use anyhow::{Context, Result, bail};
 use catamaran::base::Real;
@@ -48,7 +49,7 @@ impl Scale {
 /// entry (i, j), and returns its colours. Entries are shown as `C_ij / sqrt(C_ii C_jj)`, which is a
 /// correlation when A was centred, and zero where the diagonal is.
 pub fn write<T: Real>(
-    mut output: Output,
+    output: Output,
     c: MatRef<'_, T>,
     entry: impl Fn(usize, usize) -> (usize, usize),
 ) -> Result<Scale> {
@@ -63,23 +64,50 @@ pub fn write<T: Real>(
     let value = |i: usize, j: usize| c[entry(i, j)].to_f64() * weights[i] * weights[j];
 
     let cells = n.min(LARGEST);
-    let span = |cell: usize| cell * n / cells..(cell + 1) * n / cells;
     let mut means = Vec::with_capacity(cells * cells);
     for y in 0..cells {
         for x in 0..cells {
-            let sum: f64 = span(y).map(|i| span(x).map(|j| value(i, j)).sum::<f64>()).sum();
-            means.push(sum / (span(y).len() * span(x).len()) as f64);
+            let (rows, cols) = (span(y, cells, n), span(x, cells, n));
+            let sum: f64 =
+                rows.clone().map(|i| cols.clone().map(|j| value(i, j)).sum::<f64>()).sum();
+            means.push(sum / (rows.len() * cols.len()) as f64);
         }
     }
     let negative = means.iter().any(|&v| v < -0.02);
     let scale = if negative { Scale::Diverging } else { Scale::Sequential };
+    draw(output, &means, cells, scale)?;
+    Ok(scale)
+}
 
+/// Writes a PNG of n x n levels, of which those from 0 to 1 have colours of their own, and returns the
+/// colours. Of a larger matrix every cell is the highest of its levels.
+pub fn levels(output: Output, n: usize, level: impl Fn(usize, usize) -> f64) -> Result<Scale> {
+    let cells = n.min(SMALLEST);
+    let mut highest = Vec::with_capacity(cells * cells);
+    for y in 0..cells {
+        for x in 0..cells {
+            let (rows, cols) = (span(y, cells, n), span(x, cells, n));
+            let all = rows.flat_map(|i| cols.clone().map(move |j| (i, j)));
+            highest.push(all.map(|(i, j)| level(i, j)).fold(0.0, f64::max));
+        }
+    }
+    draw(output, &highest, cells, Scale::Sequential)?;
+    Ok(Scale::Sequential)
+}
+
+/// The rows or columns, of n, that a cell stands for.
+fn span(cell: usize, cells: usize, n: usize) -> Range<usize> {
+    cell * n / cells..(cell + 1) * n / cells
+}
+
+/// Writes a PNG of `cells` x `cells` values.
+fn draw(mut output: Output, values: &[f64], cells: usize, scale: Scale) -> Result<()> {
     let zoom = (SMALLEST / cells).max(1);
     let side = cells * zoom;
     let mut pixels = Vec::with_capacity(side * side * 3);
     for y in 0..side {
         for x in 0..side {
-            let color = scale.color(means[y / zoom * cells + x / zoom]);
+            let color = scale.color(values[y / zoom * cells + x / zoom]);
             pixels.extend_from_slice(&[color.r, color.g, color.b]);
         }
     }
@@ -87,7 +115,7 @@ pub fn write<T: Real>(
     encode(&mut output, side as u32, &pixels)
         .with_context(|| format!("{name}: can't be written"))?;
     output.commit()?;
-    Ok(scale)
+    Ok(())
 }
 
 fn encode(sink: &mut dyn Write, side: u32, rgb: &[u8]) -> Result<(), png::EncodingError> {

@@ -176,12 +176,109 @@ fn every_scheme_and_accuracy_gives_the_product() {
     let (m, n) = (200, 90);
     folder.write_npy("a.npy", &[m as u64, n as u64], &table(m, n));
     let expected = oracle(&table(m, n), n, None);
-    for scheme in ["auto", "classical", "ata2", "winograd", "rxtx", "kgp", "kgp3"] {
-        for accuracy in ["classical", "default", "fast", "2.5"] {
+    for scheme in ["auto", "classical", "ata2", "winograd", "rxtx", "kgp", "kgp3", "exact"] {
+        for accuracy in ["max", "classical", "default", "fast", "2.5"] {
             let options = format!("--scheme {scheme} --accuracy {accuracy} --threads 2 --verify");
             folder.succeed(&format!("ata a.npy -o c.npy --force {options}"));
             assert_eq!(folder.read_npy::<f64>("c.npy"), expected, "{options}");
         }
+    }
+}
+
+/// Entries of 40 bits, whose sums the classical algorithm rounds on the way, and the true sums.
+fn wide_table(m: usize, n: usize) -> (Vec<f64>, Vec<f64>) {
+    let entry = |k: usize| (k as i64 * 7919 + 13) * 1_000_003 % (1 << 40) - (1 << 39);
+    let a: Vec<i64> = (0..m * n).map(entry).collect();
+    let mut c = vec![0_i128; n * n];
+    for row in a.chunks(n) {
+        for i in 0..n {
+            for j in 0..n {
+                c[i * n + j] += i128::from(row[i]) * i128::from(row[j]);
+            }
+        }
+    }
+    (a.iter().map(|&x| x as f64).collect(), c.iter().map(|&x| x as f64).collect())
+}
+
+#[test]
+fn reproducible_is_the_true_product_for_any_threads_and_layout() {
+    let (m, n) = (301, 43);
+    let (a, expected) = wide_table(m, n);
+    let folder = Folder::new();
+    folder.write_npy("a.npy", &[m as u64, n as u64], &a);
+    folder.write_fortran_npy("f.npy", &[m as u64, n as u64], &a);
+    folder.write("a.csv", csv(&a, n));
+    let mut outputs = Vec::new();
+    for input in ["a.npy", "f.npy", "a.csv"] {
+        for options in [
+            "--threads 1 --reproducible",
+            "--threads 2 --reproducible",
+            "--scheme exact --reproducible --accuracy fast",
+            "--scheme exact",
+            "--accuracy max",
+        ] {
+            folder.succeed(&format!("ata {input} -o c.npy --force --verify {options}"));
+            assert_eq!(folder.read_npy::<f64>("c.npy"), expected, "{input} {options}");
+            outputs.push(fs::read(folder.path("c.npy")).unwrap());
+        }
+    }
+    assert!(outputs.iter().all(|output| *output == outputs[0]));
+    folder.succeed("ata a.npy -o c.npy --force --scheme classical");
+    assert_ne!(folder.read_npy::<f64>("c.npy"), expected, "or the sums above prove nothing");
+}
+
+#[test]
+fn reproducible_product_of_a_sparse_file_takes_the_exact_path() {
+    let (m, n) = (60, 20);
+    let (values, _) = wide_table(m, 1);
+    let mut text = format!("%%MatrixMarket matrix coordinate real general\n{m} {n} {}\n", 2 * m);
+    let mut a = vec![0.0; m * n];
+    for (i, value) in values.iter().enumerate() {
+        for j in [i % 3, 3 + i % 2] {
+            a[i * n + j] = *value;
+            writeln!(text, "{} {} {value}", i + 1, j + 1).unwrap();
+        }
+    }
+    let folder = Folder::new();
+    folder.write("a.mtx", text);
+    folder.write_npy("a.npy", &[m as u64, n as u64], &a);
+    folder.succeed("ata a.npy -o dense.npy --reproducible");
+    let report = folder.succeed("ata a.mtx -o sparse.npy --explain");
+    assert!(report.contains("outer product of each row"), "{report}");
+    for option in ["--reproducible", "--accuracy max"] {
+        let report = folder.succeed(&format!("ata a.mtx -o c.npy --force --explain {option}"));
+        assert!(report.contains("exact "), "{report}");
+        let read = |name| fs::read(folder.path(name)).unwrap();
+        assert_eq!(read("c.npy"), read("dense.npy"), "{option}");
+        assert_ne!(read("c.npy"), read("sparse.npy"), "or it proves nothing");
+    }
+}
+
+#[test]
+fn reproducible_refuses_other_schemes() {
+    let (folder, _) = with_input();
+    for scheme in ["classical", "ata2", "winograd", "rxtx", "kgp", "kgp3"] {
+        let message = folder.fail(&format!("ata a.npy -o c.npy --reproducible --scheme {scheme}"));
+        assert!(
+            message.contains("--reproducible") && message.contains(&format!("--scheme {scheme}")),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn explain_of_the_exact_path_names_moduli_and_threads_but_no_back_end() {
+    let (folder, _) = with_input();
+    for (options, moduli) in [
+        ("--scheme exact --accuracy fast", 13),
+        ("--reproducible", 14),
+        ("--accuracy max", 15),
+        ("--reproducible --f32", 7),
+    ] {
+        let report = folder.succeed(&format!("ata a.npy --threads 2 --explain {options}"));
+        assert!(report.contains(&format!("exact      modulo {moduli} numbers")), "{report}");
+        assert!(report.contains("threads    2"), "{report}");
+        assert!(!report.contains("back end"), "{report}");
     }
 }
 
@@ -323,7 +420,11 @@ fn unknown_options_say_what_is_known() {
     assert!(run.stderr.contains("magic") && run.stderr.contains("rxtx"), "{}", run.stderr);
     let run = folder.run("ata a.npy --accuracy 0.5");
     assert_eq!(run.code, Some(2));
-    assert!(run.stderr.contains("at least 1"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("at least 1") && run.stderr.contains("max, classical"),
+        "{}",
+        run.stderr
+    );
 }
 
 /// A limit on the size of files stands in for a full disk: both fail in the middle of a write.

@@ -7,11 +7,20 @@ use std::fs;
 use common::Folder;
 
 #[test]
-fn info_names_version_cpu_and_back_ends() {
+fn info_names_version_cpu_back_ends_and_instances_of_the_exact_path() {
     let text = Folder::new().succeed("info");
     for part in [env!("CARGO_PKG_VERSION"), "cpu", "affinity mask", "gemm", "openblas"] {
         assert!(text.contains(part), "{part:?} in {text}");
     }
+    let start = text.find("exact path").expect("a block");
+    let block: Vec<&str> = text[start..].lines().map(|line| line[14..].trim()).collect();
+    let [amx, vnni, portable] = block[..] else { panic!("{text}") };
+    for (line, name) in [(amx, "amx: "), (vnni, "vnni: "), (portable, "portable: ")] {
+        assert!(line.starts_with(name) && line.len() > name.len(), "{name} in {text}");
+    }
+    assert_eq!(block.iter().filter(|line| line.ends_with(": used")).count(), 1, "{text}");
+    // Every CPU can do it, fast or not.
+    assert!(["used", "available"].contains(&&portable["portable: ".len()..]), "{text}");
 }
 
 /// One run serves all questions: it is the slowest of the commands.
@@ -20,22 +29,32 @@ fn demo_writes_a_page_whose_files_exist_and_replaces_only_its_own() {
     let folder = Folder::new();
     folder.succeed("demo --small --out page");
     let html = fs::read_to_string(folder.path("page/index.html")).unwrap();
-    let mut references = 0;
+    let mut files = 0;
     for attribute in ["src=\"", "href=\""] {
         for part in html.split(attribute).skip(1) {
             let name = part.split('"').next().unwrap();
             assert!(!name.contains("//"), "{name} is elsewhere");
-            assert!(name.starts_with('#') || folder.path("page").join(name).is_file(), "{name}");
-            references += 1;
+            match name.strip_prefix('#') {
+                Some(id) => assert!(html.contains(&format!("id=\"{id}\"")), "{name}"),
+                None => {
+                    assert!(folder.path("page").join(name).is_file(), "{name}");
+                    files += 1;
+                }
+            }
         }
     }
-    assert!(references > 0 && html.contains("<svg"));
-    for scheme in ["auto", "classical", "ata2", "winograd", "rxtx", "kgp", "kgp3"] {
+    assert!(files > 0 && html.contains("<svg"));
+    for scheme in ["auto", "classical", "ata2", "winograd", "rxtx", "kgp", "kgp3", "exact"] {
         assert!(html.contains(&format!("<code>{scheme}</code>")), "{scheme}");
     }
     assert!(!html.contains("failed"), "a scheme failed its check");
+    // No other order of the work changes a byte of the exact product; one does of the classical one.
+    let shuffled = html.split("rows of A shuffled</td>").nth(1).expect("a row of the table");
+    let mut cells = shuffled.split("<td>").skip(1).map(|cell| cell.split("</td>").next().unwrap());
+    assert_ne!(cells.next(), Some("0"));
+    assert_eq!(cells.next(), Some("0"));
     // Nothing but the page and what it shows.
-    assert_eq!(fs::read_dir(folder.path("page")).unwrap().count(), references + 1);
+    assert_eq!(fs::read_dir(folder.path("page")).unwrap().count(), files + 1);
 
     fs::write(folder.path("page/index.html"), "<p>mine</p>").unwrap();
     let message = folder.fail("demo --out page");

@@ -19,7 +19,8 @@ use crate::{AtaOptions, Uplo};
 /// - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
 ///   call.
 ///
-/// Returns what cata_ata_f64 does, with the same promise about C.
+/// Returns what cata_ata_f64 does, with the same promises about C, errors, NaN and infinities, of columns of
+/// A and of B.
 ///
 /// Thread-safe: calls may run at the same time as long as no C is shared.
 ///

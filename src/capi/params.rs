@@ -21,6 +21,13 @@ pub const CATA_SCHEME_RXTX: i32 = 4;
 pub const CATA_SCHEME_KGP4: i32 = 5;
 /// Their 3 x 3 scheme over Winograd's variant.
 pub const CATA_SCHEME_KGP3: i32 = 6;
+/// Integer products modulo small primes: nothing is rounded but the columns, to about 2^-54 of their
+/// norms (float: 2^-27), and the result.
+pub const CATA_SCHEME_EXACT: i32 = 7;
+
+/// `error_factor`: the least error. With CATA_SCHEME_AUTO that is CATA_SCHEME_EXACT on every machine,
+/// however slow it is there; other schemes are as with 1.
+pub const CATA_ERROR_LEAST: f64 = -1.0;
 
 /// A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything else
 /// asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
@@ -47,8 +54,10 @@ pub struct cata_ata_params {
     /// library's choice.
     pub tasks: usize,
     /// Error that fast products may cause, as a factor of the classical algorithm's in the maximum
-    /// norm, expected: 1 for classical products only, INFINITY for no bound, 0 for the default,
-    /// which is 4. Not below 1 otherwise, and not NaN.
+    /// norm, expected: 1 for classical products only, INFINITY for no bound, CATA_ERROR_LEAST for the
+    /// least error, 0 for the default, which is 4. Not below 1 otherwise, and not NaN.
+    /// CATA_SCHEME_EXACT takes 15 moduli for 1 and CATA_ERROR_LEAST, 13 from 8 on, and 14 otherwise
+    /// (float: 8, 6 and 7).
     pub error_factor: f64,
     /// What computes the small products; NULL: the built-in one. Borrowed during the call.
     pub backend: *const cata_backend,
@@ -58,12 +67,13 @@ pub struct cata_ata_params {
     pub progress_user: *mut c_void,
     /// CATA_SCHEME_*.
     pub scheme: i32,
-    /// 0.
-    pub reserved: i32,
+    /// 1: the same bytes on every machine, which takes CATA_SCHEME_EXACT everywhere, slower than others
+    /// on CPUs without AMX; the scheme must be that or CATA_SCHEME_AUTO. 0: not asked for.
+    pub reproducible: i32,
 }
 
 /// Size of the first published version of the struct: its fields are always there.
-const FIRST_SIZE: usize = offset_of!(cata_ata_params, reserved) + size_of::<i32>();
+const FIRST_SIZE: usize = offset_of!(cata_ata_params, reproducible) + size_of::<i32>();
 
 /// More than any version will ever have: an uninitialised struct_size is caught, not followed.
 const LARGEST_SIZE: usize = 4096;
@@ -166,6 +176,7 @@ pub(super) unsafe fn with_options(
     let params = unsafe { read(params) }?;
     options.scheme = scheme(params.scheme)?;
     options.accuracy = accuracy(params.error_factor);
+    options.reproducible = flag("params.reproducible", params.reproducible)?;
     if params.threads > 0 {
         options.par = Par::Threads(params.threads);
     }
@@ -176,9 +187,6 @@ pub(super) unsafe fn with_options(
     // SAFETY: NULL or a live back end, as the header asks.
     if let Some(backend) = unsafe { params.backend.as_ref() } {
         options.backend = backend.get();
-    }
-    if params.reserved != 0 {
-        return Err(Failure::new(CATA_ERR_UNSUPPORTED, "params.reserved: must be 0"));
     }
     let Some(callback) = params.progress else { return work(&options) };
     let user = User(params.progress_user);
@@ -196,6 +204,14 @@ fn at_most(what: &str, value: usize, most: usize) -> Result<(), Failure> {
     Err(Failure::new(CATA_ERR_ARGUMENT, format!("{what}: must be at most {most}, is {value}")))
 }
 
+fn flag(what: &str, value: i32) -> Result<bool, Failure> {
+    match value {
+        0 => Ok(false),
+        1 => Ok(true),
+        _ => Err(Failure::new(CATA_ERR_ARGUMENT, format!("{what}: must be 0 or 1, is {value}"))),
+    }
+}
+
 fn scheme(scheme: i32) -> Result<SchemeChoice, Failure> {
     Ok(match scheme {
         CATA_SCHEME_AUTO => SchemeChoice::Auto,
@@ -205,6 +221,7 @@ fn scheme(scheme: i32) -> Result<SchemeChoice, Failure> {
         CATA_SCHEME_RXTX => SchemeChoice::Rxtx,
         CATA_SCHEME_KGP4 => SchemeChoice::Kgp4,
         CATA_SCHEME_KGP3 => SchemeChoice::Kgp3,
+        CATA_SCHEME_EXACT => SchemeChoice::Exact,
         other => {
             let why = format!("params.scheme: must be a CATA_SCHEME_* value, is {other}");
             return Err(Failure::new(CATA_ERR_ARGUMENT, why));
@@ -216,6 +233,8 @@ fn scheme(scheme: i32) -> Result<SchemeChoice, Failure> {
 fn accuracy(error_factor: f64) -> Accuracy {
     if error_factor == 0.0 {
         Accuracy::Default
+    } else if error_factor == CATA_ERROR_LEAST {
+        Accuracy::Max
     } else if error_factor == 1.0 {
         Accuracy::Classical
     } else if error_factor == f64::INFINITY {

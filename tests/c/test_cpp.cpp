@@ -51,6 +51,25 @@ void products() {
     CHECK(catamaran::ata(catamaran::row_major<double>(nullptr, 0, 0)).empty());
 }
 
+// Classical sums in this order lose the 1; the exact ones, in any order, do not.
+void reproducible() {
+    const std::vector<double> data{1, 1, 0x1p53, 1, -0x1p53, 1};
+    const auto a = catamaran::row_major(data.data(), 3, 2);
+    catamaran::options how;
+    how.reproducible = true;
+    const std::vector<double> expected{0x1p107, 1, 1, 3};
+    CHECK(catamaran::ata(a, how) == expected);
+    how.reproducible = false;
+    how.scheme = catamaran::scheme::exact;
+    CHECK(catamaran::ata(a, how) == expected);
+    how.scheme = catamaran::scheme::automatic;
+    how.error_factor = CATA_ERROR_LEAST;
+    CHECK(catamaran::ata(a, how) == expected);
+    how.reproducible = true;
+    how.scheme = catamaran::scheme::classical;
+    CHECK(status_of([&] { catamaran::ata(a, how); }) == CATA_ERR_ARGUMENT);
+}
+
 void errors() {
     std::vector<double> a(6), c(4);
     const auto view = catamaran::row_major(a.data(), 3, 2);
@@ -110,6 +129,7 @@ void loaded_backend() {
 
 int main() {
     products();
+    reproducible();
     errors();
     progress();
     loaded_backend();

@@ -160,7 +160,7 @@ static void test_params(void)
     CHECK_STATUS(cata_ata_params_init(&params, 8), CATA_ERR_ARGUMENT);
 
     params = initialised;
-    params.scheme = 7;
+    params.scheme = 8;
     CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("scheme");
     params = initialised;
@@ -170,9 +170,19 @@ static void test_params(void)
     params.leaf = SIZE_MAX;
     CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
     params = initialised;
-    params.reserved = 1;
-    CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_UNSUPPORTED);
-    static const double factors[] = {0.5, -1.0, NAN, -INFINITY};
+    params.reproducible = 2;
+    CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
+    CHECK_MESSAGE("params.reproducible: must be 0 or 1, is 2");
+    params.reproducible = -1;
+    CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("params.reproducible");
+    params.reproducible = 1;
+    for (params.scheme = CATA_SCHEME_CLASSICAL; params.scheme < CATA_SCHEME_EXACT; params.scheme++) {
+        CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
+        CHECK_MENTIONS("scheme");
+        CHECK_MENTIONS("reproducible");
+    }
+    static const double factors[] = {0.5, -0.5, -2.0, NAN, -INFINITY};
     for (size_t i = 0; i < sizeof factors / sizeof *factors; i++) {
         params = initialised;
         params.error_factor = factors[i];

@@ -4,6 +4,7 @@
 
 mod ata;
 mod chart;
+mod exact;
 mod page;
 mod task_tree;
 
@@ -31,7 +32,7 @@ pub struct Args {
 }
 
 /// In the order of the page.
-const STATIONS: [fn(&Site<'_>) -> Result<Station>; 1] = [ata::station];
+const STATIONS: [fn(&Site<'_>) -> Result<Station>; 2] = [ata::station, exact::station];
 
 /// Where stations put their files, and how much they may do.
 pub struct Site<'a> {

@@ -87,6 +87,22 @@ impl Folder {
         writer.finish().expect("a whole file");
     }
 
+    /// [`Folder::write_npy`] of a matrix whose values come by rows, in a file by columns.
+    pub fn write_fortran_npy(&self, name: &str, shape: &[u64; 2], values: &[f64]) {
+        let [m, n] = shape.map(|extent| extent as usize);
+        let by_columns = (0..n).flat_map(|j| (0..m).map(move |i| values[i * n + j]));
+        let file = File::create(self.path(name)).expect("a temporary file");
+        let mut writer = npyz::WriteOptions::new()
+            .default_dtype()
+            .order(npyz::Order::Fortran)
+            .shape(shape)
+            .writer(file)
+            .begin_nd()
+            .expect("a header");
+        writer.extend(by_columns).expect("entries");
+        writer.finish().expect("a whole file");
+    }
+
     pub fn read_npy<T: npyz::Deserialize>(&self, name: &str) -> Vec<T> {
         read_npy(&self.path(name))
     }
