@@ -720,6 +720,14 @@ cata_status cata_verify_f32(int32_t layout,
                             double *tolerance);
 
 /**
+ * Gives back the memory that products keep for the next one: the scratch of the last large call, at
+ * most 1 GiB.
+ *
+ * Returns CATA_OK. Thread-safe: scratch in use is not touched.
+ */
+cata_status cata_release_memory(void);
+
+/**
  * For the tests of this ABI only: panics inside the library, on the calling thread if `worker` is
  * 0 and else on a thread of its own, to show that no panic reaches the caller.
  *

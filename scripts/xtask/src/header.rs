@@ -5,8 +5,8 @@ use std::path::Path;
 const HEADER: &str = "include/catamaran.h";
 
 /// The files of the C ABI, in the order of the header.
-const FILES: [&str; 9] =
-    ["version", "status", "backend", "pointer", "params", "ata", "rows", "atb", "verify"];
+const FILES: [&str; 10] =
+    ["version", "status", "backend", "pointer", "params", "ata", "rows", "atb", "verify", "memory"];
 
 /// Exported for tests; last in the header.
 const INTERNAL: &str = "internal";

@@ -1,0 +1,15 @@
+use super::boundary::boundary;
+use super::status::cata_status;
+use crate::base::release_memory;
+
+/// Gives back the memory that products keep for the next one: the scratch of the last large call, at
+/// most 1 GiB.
+///
+/// Returns CATA_OK. Thread-safe: scratch in use is not touched.
+#[unsafe(no_mangle)]
+pub extern "C" fn cata_release_memory() -> cata_status {
+    boundary(|| {
+        release_memory();
+        Ok(())
+    })
+}
