@@ -52,7 +52,7 @@ impl Reference {
             Operation::Syrk => left_norms.clone(),
             Operation::Gemm => column_norms(b, shape.n),
         };
-        let tolerance = 8.0 * (shape.m as f64).sqrt().max(4.0) * T::UNIT_ROUNDOFF;
+        let tolerance = (shape.m as f64).max(32.0) * T::UNIT_ROUNDOFF;
         Self { entries, values, left_norms, right_norms, n: shape.n, tolerance }
     }
 
