@@ -4,6 +4,7 @@ mod common;
 
 use std::fs;
 
+use catamaran::kernel::int8::Instance;
 use common::Folder;
 
 #[test]
@@ -14,13 +15,15 @@ fn info_names_version_cpu_back_ends_and_instances_of_the_exact_path() {
     }
     let start = text.find("exact path").expect("a block");
     let block: Vec<&str> = text[start..].lines().map(|line| line[14..].trim()).collect();
-    let [amx, vnni, portable] = block[..] else { panic!("{text}") };
-    for (line, name) in [(amx, "amx: "), (vnni, "vnni: "), (portable, "portable: ")] {
-        assert!(line.starts_with(name) && line.len() > name.len(), "{name} in {text}");
+    for (line, instance) in block.iter().zip(Instance::ALL) {
+        let state = line.strip_prefix(&format!("{}: ", instance.name())).expect("its line");
+        match instance.refusal() {
+            Some(why) => assert_eq!(state, why),
+            None if instance == Instance::best() => assert_eq!(state, "used"),
+            None => assert_eq!(state, "available"),
+        }
     }
-    assert_eq!(block.iter().filter(|line| line.ends_with(": used")).count(), 1, "{text}");
-    // Every CPU can do it, fast or not.
-    assert!(["used", "available"].contains(&&portable["portable: ".len()..]), "{text}");
+    assert_eq!(block.len(), Instance::ALL.len(), "{text}");
 }
 
 /// One run serves all questions: it is the slowest of the commands.

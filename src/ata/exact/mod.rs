@@ -49,9 +49,11 @@ pub(crate) fn estimate(
     let entries = if symmetric { n * (n + PANEL as f64) / 2.0 } else { n * k };
     let operands = if symmetric { m * n } else { m * (n + k) };
     let moduli = moduli as f64;
+    /// Seconds of what does not grow with the operands.
+    const START: f64 = 3e-4;
     // Short products pay for the sums' way in and out of the registers.
     let products = entries * (m + 64.0) / rates.products;
-    moduli * (products + operands / rates.conversions + entries / rates.recombinations)
+    START + moduli * (products + operands / rates.conversions + entries / rates.recombinations)
 }
 
 /// Elements of scratch that [`execute`] needs.
