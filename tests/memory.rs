@@ -38,7 +38,10 @@ static ALLOCATOR: Counting = Counting;
 /// One test at a time: what others allocate would count.
 fn turn() -> MutexGuard<'static, ()> {
     static TURN: Mutex<()> = Mutex::new(());
-    TURN.lock().unwrap_or_else(PoisonError::into_inner)
+    let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    // What the test before has left.
+    release_memory();
+    turn
 }
 
 /// Peak of bytes allocated by `work` beyond what there was; a first run has filled what
