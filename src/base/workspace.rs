@@ -202,3 +202,31 @@ unsafe impl Plain for i32 {}
 unsafe impl Plain for f64 {}
 // SAFETY: as the trait asks: arrays have no padding of their own.
 unsafe impl<T: Plain, const N: usize> Plain for [T; N] {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_arena_gives_pieces_of_other_types_cache_lines_of_their_own() {
+        let sizes = [1, 3, 16];
+        let len = sizes.iter().map(|&n| Arena::<f32>::len_of::<[i32; 3]>(n)).sum();
+        let mut memory = Workspace::<f32>::new(len).unwrap();
+        let mut arena = Arena::new(memory.as_mut_slice());
+        let pieces = sizes.map(|n| arena.take_as::<[i32; 3]>(n));
+        for (i, piece) in pieces.into_iter().enumerate() {
+            assert_eq!((piece.len(), piece.as_ptr().align_offset(CACHE_LINE)), (sizes[i], 0));
+            piece.fill([i as i32; 3]);
+        }
+        assert!(arena.rest.is_empty());
+    }
+
+    #[test]
+    fn scratch_serves_both_scalars() {
+        let mut scratch = Scratch::new::<f32>(7).unwrap();
+        assert!(scratch.as_mut_slice::<f32>().len() >= 7);
+        scratch.as_mut_slice::<f32>().fill(1.0);
+        scratch.reserve::<f64>(100).unwrap();
+        assert!(scratch.as_mut_slice::<f64>().len() >= 100);
+    }
+}
