@@ -125,11 +125,8 @@ impl<'m, T: Operand> Job<'_, 'm, T> {
             || {
                 for j in unit.cols.clone() {
                     for i in self.layout.first_row(unit, j)..unit.rows.end {
-                        let residues = |l: usize| {
-                            let at = place(l)(i, j);
-                            // SAFETY: the caller's promise.
-                            unsafe { &residues.slice(at..at + 1)[0] }
-                        };
+                        // SAFETY: the caller's promise.
+                        let residues = |l: usize| unsafe { residues.read(place(l)(i, j)) };
                         let rows = panel(i, self.destination.nrows());
                         let cols = panel(j, self.destination.ncols());
                         // SAFETY: the caller's promise; blocks of different panels are disjoint.

@@ -26,7 +26,7 @@ impl<'a, T> Shared<'a, T> {
     /// Element `i`.
     ///
     /// # Safety
-    /// No other reference to it is alive, but for shared ones from [`Shared::slice`] while nobody writes.
+    /// No other reference to it is alive, but for those of [`Shared::read`] while nobody writes.
     #[allow(clippy::mut_from_ref)]
     pub unsafe fn get(&self, i: usize) -> &mut T {
         assert!(i < self.len, "element {i} of {}", self.len);
@@ -34,13 +34,13 @@ impl<'a, T> Shared<'a, T> {
         unsafe { &mut *self.start.add(i) }
     }
 
-    /// A part that nobody writes.
+    /// Element `i`, to read.
     ///
     /// # Safety
-    /// No reference from [`Shared::get`] to any element of it is alive.
-    pub unsafe fn slice(&self, range: Range<usize>) -> &[T] {
-        assert!(range.start <= range.end && range.end <= self.len, "{range:?} of {}", self.len);
+    /// Nobody writes it meanwhile.
+    pub unsafe fn read(&self, i: usize) -> &T {
+        assert!(i < self.len, "element {i} of {}", self.len);
         // SAFETY: inside the slice; the caller sees to the rest.
-        unsafe { std::slice::from_raw_parts(self.start.add(range.start), range.len()) }
+        unsafe { &*self.start.add(i) }
     }
 }

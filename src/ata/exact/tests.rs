@@ -225,7 +225,7 @@ fn rounds_cover_c_once_and_load_little() {
                 }
             }
         }
-        // Of an operand that is split in g groups: at most g / 2 times each.
+        // A round needs one group that the round before it did not have.
         let most = if layout.groups == 1 { 2 } else { pairs.len() + 1 };
         assert!(loads <= most, "{layout:?}: {loads} loads, {} rounds", pairs.len());
         assert!(layout.chunk * 64 <= crate::kernel::int8::MOST_ROWS);

@@ -103,10 +103,10 @@ impl Moduli {
         };
         let unit = |m: &Modulus| {
             let others = product / m.p as u128;
-            let inverse = (1..m.p as u128)
-                .find(|i| others % m.p as u128 * i % m.p as u128 == 1)
-                .expect("the moduli are coprime");
-            parts(others * inverse)
+            let residue = (others % m.p as u128) as i32;
+            let inverse =
+                (1..m.p).find(|i| residue * i % m.p == 1).expect("the moduli are coprime");
+            parts(others * inverse as u128)
         };
         Self {
             units: list.iter().map(unit).collect(),
