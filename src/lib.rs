@@ -14,9 +14,10 @@
 //! # Ok::<(), catamaran::Error>(())
 //! ```
 //!
-//! The layers, from the bottom: [`base`] (scalars, errors, workspaces, threads), [`blas`] (back
-//! ends), [`ata`](mod@ata) (schemes, plans, execution, checks), [`io`] (matrix files), and the C
-//! ABI (`capi`, feature of that name). A layer imports only the layers below it; a test says so.
+//! The layers, from the bottom: [`base`] (scalars, errors, workspaces, threads), [`kernel`]
+//! (arithmetic per instruction set), [`blas`] (back ends), [`ata`](mod@ata) (schemes, plans,
+//! execution, the exact path, checks), [`io`] (matrix files), and the C ABI (`capi`, feature of that
+//! name). A layer imports only the layers below it; a test says so.
 
 pub mod base;
 
