@@ -86,7 +86,9 @@ pub fn find(name: &str, folder: &Path) -> Option<PathBuf> {
             .map(|e| e.path().join("site-packages/scipy_openblas32/lib/libscipy_openblas.so"))
             .find(|p| p.exists())
             .or_else(|| first_starting(&system.join("openblas-pthread"), "libopenblas.so")),
-        "blis" => first_starting(&system.join("blis-pthread"), "libblis.so"),
+        "blis" => [folder.join("usr/lib/x86_64-linux-gnu"), system.into()]
+            .iter()
+            .find_map(|place| first_starting(&place.join("blis-openmp"), "libblis.so")),
         _ => None,
     }
 }
