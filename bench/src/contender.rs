@@ -78,7 +78,13 @@ scalar!(f64, dsyrk, dgemm);
 #[derive(Clone)]
 pub enum Contender {
     /// A library, called directly.
-    Cblas(Arc<Rival>),
+    Cblas {
+        /// Which one.
+        rival: Arc<Rival>,
+        /// Its routine; `None`: that of the product. The other one that makes sense is `gemm` for
+        /// A^T A, all of which it computes.
+        routine: Option<Operation>,
+    },
     /// faer's products.
     Faer,
     /// Ours.
@@ -93,7 +99,10 @@ pub enum Contender {
 impl fmt::Display for Contender {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Cblas(rival) => f.pad(&rival.name),
+            Self::Cblas { rival, routine: None } => f.pad(&rival.name),
+            Self::Cblas { rival, routine: Some(routine) } => {
+                f.pad(&format!("{} {}", rival.name, routine.name()))
+            }
             Self::Faer => f.pad("faer"),
             Self::Ours { name, .. } => f.pad(&format!("cata:{name}")),
         }
@@ -121,9 +130,9 @@ impl Contender {
         team: &Team,
     ) -> Result<Duration> {
         match self {
-            Self::Cblas(rival) => {
+            Self::Cblas { rival, routine } => {
                 rival.set_threads(threads);
-                let mut call = cblas_call(rival, operation, [a, b], c)?;
+                let mut call = cblas_call(rival, routine.unwrap_or(operation), [a, b], c)?;
                 let start = Instant::now();
                 for _ in 0..calls {
                     call();
@@ -177,7 +186,7 @@ impl Contender {
 /// When a side does not fit its 32-bit integers.
 fn cblas_call<T: Scalar>(
     rival: &Rival,
-    operation: Operation,
+    routine: Operation,
     [a, b]: [MatRef<'_, T>; 2],
     c: MatMut<'_, T>,
 ) -> Result<impl FnMut()> {
@@ -190,7 +199,7 @@ fn cblas_call<T: Scalar>(
         let (a, b, c) = (a.as_ptr(), b.as_ptr(), c.as_ptr_mut());
         // SAFETY: all views are row-major with these leading dimensions and shapes.
         unsafe {
-            match operation {
+            match routine {
                 Operation::Syrk => syrk(ROW_MAJOR, LOWER, TRANS, n, m, one, a, lda, zero, c, ldc),
                 Operation::Gemm => {
                     gemm(ROW_MAJOR, TRANS, NO_TRANS, n, k, m, one, a, lda, b, ldb, zero, c, ldc)

@@ -22,6 +22,14 @@ impl Operation {
         }
     }
 
+    /// The routine of BLAS that computes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Syrk => "syrk",
+            Self::Gemm => "gemm",
+        }
+    }
+
     /// Operations of the classical algorithm: m n^2 or 2 m n^2.
     pub fn flops(self, Shape { m, n }: Shape) -> f64 {
         let square = m as f64 * n as f64 * n as f64;

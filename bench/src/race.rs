@@ -18,6 +18,16 @@ pub struct Rules {
     pub repeat: usize,
     /// No repetition starts that is not expected to end by then.
     pub deadline: Option<Instant>,
+    /// A rival that is slower than the fastest one by more than this factor takes no part in the
+    /// repetitions to come; `None`: all rivals take part in all of them.
+    pub patience: Option<f64>,
+}
+
+impl Rules {
+    /// Whether the deadline has passed.
+    pub fn time_is_up(&self) -> bool {
+        self.deadline.is_some_and(|d| Instant::now() > d)
+    }
 }
 
 /// The outcome for one contender.
@@ -25,7 +35,9 @@ pub struct Rules {
 pub struct Outcome {
     /// Its name.
     pub contender: String,
-    /// Seconds per call, one per repetition.
+    /// Whether it is not ours.
+    pub is_rival: bool,
+    /// Seconds per call, one per repetition that it took part in: the first ones.
     pub seconds: Vec<f64>,
     /// Largest relative error of any of its runs.
     pub error: f64,
@@ -33,7 +45,11 @@ pub struct Outcome {
 
 /// Length of a timed sample, at least: shorter calls are repeated within it.
 const SAMPLE_SECONDS: f64 = 0.05;
-const MOST_CALLS: f64 = 64.0;
+/// Length of a run that tells how long a call takes, at least.
+const TRIAL_SECONDS: f64 = 1e-3;
+/// Seconds of samples that a rival has before it may be found too slow: two short samples or a
+/// long one.
+const FAIR_SECONDS: f64 = 1.5 * SAMPLE_SECONDS;
 /// Threads of the contender before are asleep after this.
 const PAUSE: Duration = Duration::from_millis(20);
 /// Side of the leading blocks of A and B that everyone warms up on.
@@ -61,44 +77,76 @@ pub fn race<T: Scalar>(
 
     let mut outcomes: Vec<_> = contenders
         .iter()
-        .map(|x| Outcome { contender: x.to_string(), seconds: vec![], error: 0.0 })
+        .map(|x| Outcome {
+            contender: x.to_string(),
+            is_rival: x.is_rival(),
+            seconds: vec![],
+            error: 0.0,
+        })
         .collect();
     let corner = Shape { m: m.min(WARM_UP_SIDE), n: n.min(WARM_UP_SIDE) };
     let corners = views.map(|x| x.submatrix(0, 0, corner.m, corner.n));
-    let mut fastest = f64::INFINITY;
+    let mut calls = Vec::with_capacity(contenders.len());
+    let mut round_seconds = 0.0;
     for contender in contenders {
         let mut c = MatMut::from_row_major_slice_mut(&mut c, n, n);
-        // The first call pays for threads and buffers.
-        for _ in 0..2 {
+        let mut seconds = |calls: usize| {
             let c = c.as_mut().submatrix_mut(0, 0, corner.n, corner.n);
-            let time = contender.run(operation, corners, c, 1, threads, team)?;
-            fastest = fastest.min(time.as_secs_f64());
-        }
+            let time = contender.run(operation, corners, c, calls, threads, team);
+            time.map(|t| t.as_secs_f64() / calls as f64)
+        };
+        // The first call pays for threads and buffers.
+        seconds(1)?;
+        let rough = seconds(1)?;
+        let trial = seconds(calls_within(TRIAL_SECONDS, rough))?;
+        let one_call = trial * operation.flops(shape) / operation.flops(corner);
+        calls.push(calls_within(SAMPLE_SECONDS, one_call));
+        round_seconds += one_call * calls[calls.len() - 1] as f64;
     }
-    let one_call = fastest * operation.flops(shape) / operation.flops(corner);
-    let calls = (SAMPLE_SECONDS / one_call).ceil().clamp(1.0, MOST_CALLS) as usize;
 
-    let mut round_seconds = contenders.len() as f64 * one_call * calls as f64;
+    let mut racing: Vec<_> = (0..contenders.len()).collect();
     for round in 0..rules.repeat {
         if late(round_seconds) {
             break;
         }
         let start = Instant::now();
-        for turn in 0..contenders.len() {
-            let i = (round + turn) % contenders.len();
+        for turn in 0..racing.len() {
+            let i = racing[(round + turn) % racing.len()];
             reference.poison(&mut c);
             std::thread::sleep(PAUSE);
             let view = MatMut::from_row_major_slice_mut(&mut c, n, n);
-            let time = contenders[i].run(operation, views, view, calls, threads, team)?;
+            let time = contenders[i].run(operation, views, view, calls[i], threads, team)?;
             let error = reference
                 .check(&c)
                 .map_err(|e| format!("{}, {shape}, {}: {e}", contenders[i], T::NAME))?;
-            outcomes[i].seconds.push(time.as_secs_f64() / calls as f64);
+            outcomes[i].seconds.push(time.as_secs_f64() / calls[i] as f64);
             outcomes[i].error = outcomes[i].error.max(error);
         }
         round_seconds = start.elapsed().as_secs_f64();
+        if let Some(patience) = rules.patience {
+            let slow = too_slow(&outcomes, &calls, patience);
+            racing.retain(|&i| !slow[i]);
+        }
     }
     Ok(outcomes)
+}
+
+/// Which of the outcomes, of samples of so many calls, are those of rivals that take longer than the
+/// fastest rival by more than `patience`.
+fn too_slow(outcomes: &[Outcome], calls: &[usize], patience: f64) -> Vec<bool> {
+    let rivals = outcomes.iter().filter(|o| o.is_rival);
+    let least = rivals.map(Outcome::best).fold(f64::INFINITY, f64::min);
+    let slow = |(o, &calls): (&Outcome, &usize)| {
+        let sampled = o.seconds.iter().sum::<f64>() * calls as f64;
+        o.is_rival && sampled >= FAIR_SECONDS && o.best() > patience * least
+    };
+    outcomes.iter().zip(calls).map(slow).collect()
+}
+
+/// How many calls of `one_call` seconds last `seconds`, at least one. No call takes less than the
+/// clock can tell.
+fn calls_within(seconds: f64, one_call: f64) -> usize {
+    (seconds / one_call.max(1e-7)).ceil() as usize
 }
 
 impl Outcome {
@@ -135,7 +183,25 @@ mod tests {
     use crate::input::{Distribution, matrix};
 
     fn outcome(seconds: &[f64]) -> Outcome {
-        Outcome { contender: String::new(), seconds: seconds.into(), error: 0.0 }
+        Outcome { contender: String::new(), is_rival: true, seconds: seconds.into(), error: 0.0 }
+    }
+
+    #[test]
+    fn slow_rivals_are_found_after_enough_samples() {
+        let ours = Outcome { is_rival: false, ..outcome(&[9.0]) };
+        let rivals = [outcome(&[1.0]), outcome(&[1.4]), outcome(&[7.0, 1.6])];
+        let outcomes = [&[ours], &rivals[..]].concat();
+        assert_eq!(too_slow(&outcomes, &[1; 4], 1.5), [false, false, false, true]);
+        let short = [outcome(&[1e-3]), outcome(&[3e-3]), outcome(&[3e-3, 3e-3])];
+        assert_eq!(too_slow(&short, &[50, 17, 17], 1.5), [false, false, true]);
+    }
+
+    #[test]
+    fn samples_have_at_least_one_call() {
+        assert_eq!(calls_within(0.5, 0.125), 4);
+        assert_eq!(calls_within(0.5, 0.3), 2);
+        assert_eq!(calls_within(0.5, 7.0), 1);
+        assert!(calls_within(1e-3, 0.0) <= 10_001);
     }
 
     #[test]
@@ -152,7 +218,7 @@ mod tests {
     fn small(product: Product<'_, f64>, answer_to: Product<'_, f64>) -> Result<Vec<Outcome>> {
         let reference = Reference::new(&answer_to, 1, 1);
         let team = Team::new(1, Pin::No)?;
-        let rules = Rules { repeat: 3, deadline: None };
+        let rules = Rules { repeat: 3, deadline: None, patience: None };
         let ours = Contender::Ours { name: "auto/gemm".into(), options: Box::default() };
         race(&[Contender::Faer, ours], product, 1, &team, &reference, &rules)
     }

@@ -16,7 +16,7 @@ use catamaran_bench::library::{Rival, find};
 fn rival(name: &str, libraries: &Path) -> Result<Contender> {
     Ok(match name {
         "faer" => Contender::Faer,
-        name => Contender::Cblas(Arc::new(load(name, libraries)?)),
+        name => Contender::Cblas { rival: Arc::new(load(name, libraries)?), routine: None },
     })
 }
 
@@ -46,7 +46,7 @@ fn libraries_of(contenders: &[Contender]) -> Vec<&Rival> {
     contenders
         .iter()
         .filter_map(|c| match c {
-            Contender::Cblas(rival) => Some(rival.as_ref()),
+            Contender::Cblas { rival, .. } => Some(rival.as_ref()),
             _ => None,
         })
         .collect()

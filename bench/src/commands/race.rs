@@ -74,7 +74,7 @@ pub fn run(operation: Operation, arguments: &Arguments) -> Result<()> {
     print!("{}", host::describe(&rivals));
     let before = peak::measure();
     let deadline = arguments.max_seconds.map(|s| Instant::now() + Duration::from_secs_f64(s));
-    let rules = Rules { repeat: arguments.repeat, deadline };
+    let rules = Rules { repeat: arguments.repeat, deadline, patience: None };
     println!("\n{}", table::header());
 
     let mut rows = Vec::new();
@@ -110,7 +110,7 @@ fn one_shape<T: Scalar>(
     rules: &Rules,
     rows: &mut Vec<Row>,
 ) -> Result<()> {
-    if rules.deadline.is_some_and(|d| Instant::now() > d) {
+    if rules.time_is_up() {
         eprintln!("{shape} {}: left out, time is up", T::NAME);
         return Ok(());
     }
