@@ -29,9 +29,9 @@ fn main() {
         host::with_environment_for_rivals(libraries).and_then(|()| run())
     };
     let done = match &command {
-        Command::Ata(a) => beside(&a.libraries, &|| race::run(Operation::Syrk, a)),
-        Command::Atb(a) => beside(&a.libraries, &|| race::run(Operation::Gemm, a)),
-        Command::Accuracy(a) => beside(&a.libraries, &|| accuracy::run(a)),
+        Command::Ata(a) => beside(&a.common.libraries, &|| race::run(Operation::Syrk, a)),
+        Command::Atb(a) => beside(&a.common.libraries, &|| race::run(Operation::Gemm, a)),
+        Command::Accuracy(a) => beside(&a.common.libraries, &|| accuracy::run(a)),
         Command::Exact(a) => exact::run(a),
     };
     if let Err(error) = done {

@@ -1,20 +1,17 @@
 //! `accuracy`: a table of errors.
 
-use std::path::PathBuf;
-
 use catamaran::base::{Pin, Team, available_cores};
 use catamaran::{Accuracy, AtaOptions, SchemeChoice};
 use catamaran_bench::accuracy::{CSV_HEADER, Row, header, summarise};
 use catamaran_bench::contender::{Contender, Scalar};
 use catamaran_bench::input::{Distribution, Shape, matrix};
-use catamaran_bench::library::find;
 use catamaran_bench::product::Product;
 use catamaran_bench::reference::Reference;
 use catamaran_bench::{Result, host, peak, record};
 use clap::ValueEnum;
 use faer::MatMut;
 
-use super::{backend, libraries_of, rival, yardstick};
+use super::{Common, Type, backend, installed, libraries_of, rival, yardstick};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -28,9 +25,6 @@ pub struct Arguments {
         default_value = "1500x400,4096x1024,8192,30000x150,1000000x100"
     )]
     sizes: Vec<Shape>,
-    /// f64, f32.
-    #[arg(long, value_delimiter = ',', default_value = "f64,f32")]
-    types: Vec<String>,
     /// Entries of A; default all.
     #[arg(long, value_enum, value_delimiter = ',')]
     distributions: Option<Vec<Distribution>>,
@@ -40,15 +34,8 @@ pub struct Arguments {
     /// What computes our classical path: gemm, or what a rival may be.
     #[arg(long, default_value = "mkl")]
     backend: String,
-    /// Seed of A.
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
-    /// Writes NAME.csv and host.txt under bench/record.
-    #[arg(long, value_name = "NAME")]
-    record: Option<String>,
-    /// Where scripts/rivals installed the libraries.
-    #[arg(long, default_value = "target/rivals")]
-    pub libraries: PathBuf,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 /// Entries of C that are looked at, where all would be too many.
@@ -68,11 +55,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
     let mut rows = Vec::new();
     for &shape in &arguments.sizes {
-        for scalar in &arguments.types {
-            let one_input = match scalar.as_str() {
-                "f64" => one_input::<f64>,
-                "f32" => one_input::<f32>,
-                other => return Err(format!("{other}: the types are f64 and f32").into()),
+        for scalar in &arguments.common.types {
+            let one_input = match scalar {
+                Type::F64 => one_input::<f64>,
+                Type::F32 => one_input::<f32>,
             };
             for &distribution in distributions {
                 let new = one_input(arguments, &contenders, shape, distribution, &team)?;
@@ -81,15 +67,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             }
         }
     }
-    if let Some(name) = &arguments.record {
-        let peak = host::describe_peak(before, peak::measure());
-        let folder = record::write(&[
-            (&format!("{name}.csv"), record::csv(CSV_HEADER, rows.iter().map(Row::csv))),
-            ("host.txt", host::describe(&rivals) + &peak),
-        ])?;
-        println!("\nrecorded in {}", folder.display());
-    }
-    Ok(())
+    let peak = host::describe_peak(before, peak::measure());
+    let csv = record::csv(CSV_HEADER, rows.iter().map(Row::csv));
+    arguments.common.keep(csv, None, &rivals, &peak)
 }
 
 fn one_input<T: Scalar>(
@@ -99,9 +79,9 @@ fn one_input<T: Scalar>(
     distribution: Distribution,
     team: &Team,
 ) -> Result<Vec<Row>> {
-    let a = matrix::<T>(shape, distribution, arguments.seed);
+    let a = matrix::<T>(shape, distribution, arguments.common.seed);
     let product = Product::syrk(shape, &a);
-    let reference = Reference::new(&product, SAMPLE, arguments.seed);
+    let reference = Reference::new(&product, SAMPLE, arguments.common.seed);
     let n = shape.n;
     let mut c = vec![T::ZERO; n * n];
     let mut rows = Vec::with_capacity(contenders.len());
@@ -130,11 +110,9 @@ fn one_input<T: Scalar>(
 
 /// The rivals, our classical path, and the exact path with 13, 14 and 15 moduli (in f32 6, 7, 8).
 fn contenders(arguments: &Arguments) -> Result<Vec<Contender>> {
-    let libraries = &arguments.libraries;
-    let rivals = arguments.rivals.clone().unwrap_or_else(|| {
-        let found = ["mkl", "openblas"].into_iter().filter(|name| find(name, libraries).is_some());
-        found.map(str::to_owned).collect()
-    });
+    let libraries = &arguments.common.libraries;
+    let rivals = arguments.rivals.clone();
+    let rivals = rivals.unwrap_or_else(|| installed(&["mkl", "openblas"], libraries));
     let mut contenders = Vec::new();
     for name in &rivals {
         contenders.push(rival(name, libraries)?);

@@ -11,6 +11,8 @@ use catamaran_bench::input::{Distribution, Shape, matrix};
 use catamaran_bench::{Result, host};
 use faer::{MatMut, MatRef};
 
+use super::Type;
+
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Shapes of A: N or MxN.
@@ -19,9 +21,9 @@ pub struct Arguments {
     /// Thread counts.
     #[arg(long, value_delimiter = ',', default_value = "1,2")]
     threads: Vec<usize>,
-    /// f64, f32.
-    #[arg(long, value_delimiter = ',', default_value = "f64,f32")]
-    types: Vec<String>,
+    /// Types of the entries.
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "f64,f32")]
+    types: Vec<Type>,
     /// amx, vnni, avx2, portable; default the fastest that this machine has.
     #[arg(long, value_delimiter = ',')]
     instances: Vec<String>,
@@ -60,10 +62,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     );
     for &shape in &arguments.sizes {
         for scalar in &arguments.types {
-            match scalar.as_str() {
-                "f64" => one_shape::<f64>(arguments, shape, 14)?,
-                "f32" => one_shape::<f32>(arguments, shape, 7)?,
-                other => return Err(format!("{other}: the types are f64 and f32").into()),
+            match scalar {
+                Type::F64 => one_shape::<f64>(arguments, shape, 14)?,
+                Type::F32 => one_shape::<f32>(arguments, shape, 7)?,
             }
         }
     }

@@ -1,4 +1,4 @@
-//! The commands, and what they share: who takes part.
+//! The commands, and what they share: options, and who takes part.
 
 pub mod accuracy;
 pub mod exact;
@@ -6,11 +6,88 @@ pub mod race;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
+use catamaran::base::{Pin, Team};
 use catamaran::blas::{self, Backend};
-use catamaran_bench::Result;
+use catamaran::{AtaOptions, SchemeChoice};
 use catamaran_bench::contender::Contender;
 use catamaran_bench::library::{Rival, find};
+use catamaran_bench::race::Rules;
+use catamaran_bench::{Result, host, record};
+use clap::ValueEnum;
+
+/// A scalar type.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Type {
+    F64,
+    F32,
+}
+
+/// Options of every command with contenders.
+#[derive(clap::Args)]
+pub struct Common {
+    /// Types of the entries.
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "f64,f32")]
+    types: Vec<Type>,
+    /// Seed of A; that of B, where there is one, is the next.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Writes NAME.csv, NAME.svg where there is a picture, and host.txt under bench/record.
+    #[arg(long, value_name = "NAME")]
+    record: Option<String>,
+    /// Where scripts/rivals installed the libraries.
+    #[arg(long, default_value = "target/rivals")]
+    pub libraries: PathBuf,
+}
+
+impl Common {
+    /// Writes the record, if one is asked for: its numbers, perhaps a picture, and the host.
+    fn keep(&self, csv: String, svg: Option<String>, rivals: &[&Rival], peak: &str) -> Result<()> {
+        let Some(name) = &self.record else { return Ok(()) };
+        let [csv_name, svg_name] = ["csv", "svg"].map(|ending| format!("{name}.{ending}"));
+        let mut files = vec![(csv_name.as_str(), csv), ("host.txt", host::describe(rivals) + peak)];
+        files.extend(svg.map(|svg| (svg_name.as_str(), svg)));
+        println!("\nrecorded in {}", record::write(&files)?.display());
+        Ok(())
+    }
+}
+
+/// Options of races: how long, and with how many threads.
+#[derive(clap::Args)]
+pub struct Pace {
+    /// Thread counts.
+    #[arg(long, value_delimiter = ',', default_value = "1,2")]
+    threads: Vec<usize>,
+    /// Repetitions.
+    #[arg(long, default_value_t = 5)]
+    repeat: usize,
+    /// Starts no repetition that would end later than this after the start.
+    #[arg(long)]
+    max_seconds: Option<f64>,
+    /// Keeps each of our threads on one core.
+    #[arg(long)]
+    pin: bool,
+}
+
+impl Pace {
+    /// The rules of a command that starts now.
+    fn rules(&self, patience: Option<f64>) -> Rules {
+        let deadline = self.max_seconds.map(|s| Instant::now() + Duration::from_secs_f64(s));
+        Rules { repeat: self.repeat, deadline, patience }
+    }
+
+    /// Our threads.
+    fn team(&self, threads: usize) -> Result<Team> {
+        Ok(Team::new(threads, if self.pin { Pin::Cores } else { Pin::No })?)
+    }
+}
+
+/// Those of the named rivals that are installed.
+fn installed(names: &[&str], libraries: &Path) -> Vec<String> {
+    let found = names.iter().filter(|name| find(name, libraries).is_some());
+    found.map(|name| (*name).to_owned()).collect()
+}
 
 /// The rival called `name`: faer, a library that is found by its name, or NAME=PATH.
 fn rival(name: &str, libraries: &Path) -> Result<Contender> {
@@ -39,6 +116,18 @@ fn load(name: &str, libraries: &Path) -> Result<Rival> {
         format!("{name}: not found; run scripts/rivals, or give NAME=PATH of the library")
     })?;
     Rival::load(name, &path)
+}
+
+/// Ours, by the scheme of that name.
+fn ours(scheme: &str, (backend_name, backend): &(String, Arc<dyn Backend>)) -> Result<Contender> {
+    let (_, choice) = *SchemeChoice::NAMES
+        .iter()
+        .find(|(name, _)| *name == scheme)
+        .ok_or_else(|| format!("{scheme}: no such scheme"))?;
+    let backend = backend.clone();
+    let options = AtaOptions { scheme: choice, backend, ..AtaOptions::default() };
+    let name = format!("{scheme}/{backend_name}");
+    Ok(Contender::Ours { name, options: Box::new(options) })
 }
 
 /// The libraries among the contenders.
