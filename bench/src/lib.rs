@@ -7,6 +7,7 @@ pub mod accuracy;
 pub mod chart;
 pub mod contender;
 pub mod double;
+pub mod grid;
 pub mod host;
 pub mod input;
 pub mod library;
@@ -15,6 +16,7 @@ pub mod product;
 pub mod race;
 pub mod record;
 pub mod reference;
+pub mod scatter;
 pub mod table;
 
 /// The result of everything here; a message is all that its user needs.

@@ -8,7 +8,7 @@ use catamaran_bench::product::Operation;
 use catamaran_bench::{Result, host};
 use clap::Parser;
 
-use commands::{accuracy, exact, race};
+use commands::{accuracy, exact, grid, race};
 
 /// Races against other libraries, and errors beside theirs.
 #[derive(Parser)]
@@ -17,6 +17,8 @@ enum Command {
     Ata(race::Arguments),
     /// A^T B, B of the shape of A, against the gemm of BLAS libraries.
     Atb(race::Arguments),
+    /// A^T A at many shapes against the best of syrk and gemm of BLAS libraries.
+    Grid(grid::Arguments),
     /// Errors of A^T A, entry by entry, beside those of the syrk of BLAS libraries.
     Accuracy(accuracy::Arguments),
     /// Stages of the exact path, and the rates of its kernels.
@@ -31,6 +33,7 @@ fn main() {
     let done = match &command {
         Command::Ata(a) => beside(&a.common.libraries, &|| race::run(Operation::Syrk, a)),
         Command::Atb(a) => beside(&a.common.libraries, &|| race::run(Operation::Gemm, a)),
+        Command::Grid(a) => beside(&a.common.libraries, &|| grid::run(a)),
         Command::Accuracy(a) => beside(&a.common.libraries, &|| accuracy::run(a)),
         Command::Exact(a) => exact::run(a),
     };

@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod exact;
+pub mod grid;
 pub mod race;
 
 use std::path::{Path, PathBuf};
@@ -40,6 +41,9 @@ pub struct Common {
     #[arg(long, default_value = "target/rivals")]
     pub libraries: PathBuf,
 }
+
+/// Entries of C that each run of a race is checked against, where all would be too many.
+const SAMPLE: usize = 2000;
 
 impl Common {
     /// Writes the record, if one is asked for: its numbers, perhaps a picture, and the host.
@@ -132,13 +136,16 @@ fn ours(scheme: &str, (backend_name, backend): &(String, Arc<dyn Backend>)) -> R
 
 /// The libraries among the contenders.
 fn libraries_of(contenders: &[Contender]) -> Vec<&Rival> {
-    contenders
+    let mut libraries: Vec<_> = contenders
         .iter()
         .filter_map(|c| match c {
             Contender::Cblas { rival, .. } => Some(rival.as_ref()),
             _ => None,
         })
-        .collect()
+        .collect();
+    // One that takes part with both its routines is one.
+    libraries.dedup_by(|a, b| std::ptr::eq(*a, *b));
+    libraries
 }
 
 /// Whom ratios refer to: MKL, else the first rival, else the first.

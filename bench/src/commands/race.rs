@@ -8,7 +8,7 @@ use catamaran_bench::reference::Reference;
 use catamaran_bench::table::{self, Row};
 use catamaran_bench::{Result, chart, host, peak, record};
 
-use super::{Common, Pace, Type, backend, libraries_of, ours, rival, yardstick};
+use super::{Common, Pace, SAMPLE, Type, backend, libraries_of, ours, rival, yardstick};
 
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -39,9 +39,6 @@ pub struct Arguments {
     #[command(flatten)]
     pub common: Common,
 }
-
-/// Entries of C that each run is checked against, where all would be too many.
-const SAMPLE: usize = 2000;
 
 pub fn run(operation: Operation, arguments: &Arguments) -> Result<()> {
     let contenders = contenders(arguments)?;
