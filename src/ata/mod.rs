@@ -6,6 +6,8 @@
 mod combine;
 mod exact;
 mod exec;
+mod fused;
+mod native;
 mod options;
 mod plan;
 mod recurse;
@@ -230,7 +232,10 @@ fn run<T: BlasReal>(
             let kernel = Instance::best().kernel();
             exact::execute(kernel, &layout, alpha, a, b, beta, c, options, scratch).map(drop)
         }
-        None => exec::execute(plan, alpha, a, b, beta, c, options, scratch),
+        None => match plan.native {
+            Some(instance) => native::execute(instance, plan, alpha, a, b, beta, c, options, scratch),
+            None => exec::execute(plan, alpha, a, b, beta, c, options, scratch),
+        },
     }
 }
 

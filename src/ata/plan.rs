@@ -11,6 +11,8 @@ use super::tree::{Node, Task};
 use crate::base::{Error, Real, Result};
 use crate::blas::Rates;
 use crate::kernel::int8::{Instance, Operand};
+use crate::kernel::packed;
+use super::fused;
 
 /// How blocks are taken apart: at each node the first scheme whose blocks are not too small.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -106,6 +108,8 @@ pub struct Plan {
     pub(crate) recursion: Recursion,
     /// The exact path instead, with this many moduli.
     pub(crate) exact: Option<usize>,
+    /// The native kernels instead.
+    pub(crate) native: Option<packed::Instance>,
     /// Expected seconds on one core, and those of the classical plan.
     estimate: f64,
     classical_estimate: f64,
@@ -130,7 +134,7 @@ impl Plan {
     ///
     /// # Errors
     /// [`Error::Argument`] for options out of range.
-    pub fn ata<T: Operand>(m: usize, n: usize, options: &AtaOptions<'_>) -> Result<Self> {
+    pub fn ata<T: Operand + packed::Operand>(m: usize, n: usize, options: &AtaOptions<'_>) -> Result<Self> {
         Self::new::<T>(m, n, n, true, options)
     }
 
@@ -138,11 +142,11 @@ impl Plan {
     ///
     /// # Errors
     /// [`Error::Argument`] for options out of range.
-    pub fn atb<T: Operand>(m: usize, n: usize, k: usize, options: &AtaOptions<'_>) -> Result<Self> {
+    pub fn atb<T: Operand + packed::Operand>(m: usize, n: usize, k: usize, options: &AtaOptions<'_>) -> Result<Self> {
         Self::new::<T>(m, n, k, false, options)
     }
 
-    fn new<T: Operand>(
+    fn new<T: Operand + packed::Operand>(
         m: usize,
         n: usize,
         k: usize,
@@ -211,9 +215,9 @@ impl Plan {
                 };
                 Recursion {
                     symmetric,
-                    general: vec![SchemeId::Winograd],
-                    base: Base::side(options.leaf.unwrap_or(NAMED_SIDE)),
-                    fast_levels: allowed,
+                    general: vec![SchemeId::Strassen],
+                    base: Base::Side { general: std::env::var("GEN").map_or(NAMED_SIDE,|v|v.parse().unwrap()), symmetric: std::env::var("SYM").map_or(NAMED_SIDE,|v|v.parse().unwrap()) },
+                    fast_levels: std::env::var("LEV").map_or(allowed,|v|v.parse().unwrap()),
                 }
             }
         };
@@ -243,6 +247,7 @@ impl Plan {
             chunks,
             recursion,
             exact,
+            native: options.backend.instance().filter(|_| options.scheme != SchemeChoice::Ata2),
             estimate,
             classical_estimate,
         })
@@ -255,9 +260,15 @@ impl Plan {
     }
 
     /// Elements of scratch for `threads` threads; `same` when B is A.
-    pub(crate) fn scratch_len<T: Operand>(&self, threads: usize, same: bool) -> usize {
+    pub(crate) fn scratch_len<T: Operand + packed::Operand>(&self, threads: usize, same: bool) -> usize {
         if let Some(layout) = self.exact_layout::<T>(same) {
             return exact::scratch_len::<T>([self.m, self.n, self.k], &layout, threads);
+        }
+        if let Some(instance) = self.native {
+            let op = if !self.symmetric { Op::Gemm } else if same { Op::Syrk } else { Op::Gemmt };
+            let program = fused::products(&self.recursion, op, self.m, self.n, self.k);
+            let kernel = <T as packed::sealed::Kernels>::kernel(instance);
+            return packed::scratch_len::<T>(kernel.geometry(), program.iter().map(|p| p.shape), 8 << 20, threads);
         }
         self.lane_scratch_len(same) * self.lanes(threads) + (self.slabs - 1) * self.n * self.k
     }
@@ -404,7 +415,7 @@ fn candidates(leaf: Option<usize>, shortest: usize, allowed: usize) -> Vec<Recur
                 {
                     found.push(Recursion {
                         symmetric: symmetric_schemes,
-                        general: vec![SchemeId::Winograd],
+                        general: vec![SchemeId::Strassen],
                         base: Base::Side { general, symmetric },
                         fast_levels,
                     });

@@ -9,6 +9,7 @@ use libloading::Library;
 
 use super::native::Native;
 use super::{Backend, Kernels, Rates, ThreadGuard, gemmt_by_gemm};
+use crate::kernel::packed::Instance;
 use crate::base::{Error, Real, Result};
 
 // The values of the CBLAS enumerations (BLAST forum standard, annex C.1).
@@ -293,7 +294,7 @@ impl Cblas {
             return;
         }
         let (Some(la), Some(lb), Some(lc)) = (layout_of(a), layout_of(b), layout_of(c.rb())) else {
-            return Native.gemm(alpha, a, b, beta, c);
+            return Native(Instance::best()).gemm(alpha, a, b, beta, c);
         };
         let trans = |transposed: bool| if transposed { TRANS } else { NO_TRANS };
         // SAFETY: the views are valid for their shapes; `layout` derived order and leading
@@ -335,7 +336,7 @@ impl Cblas {
             return;
         }
         let (Some(la), Some(lc)) = (layout_of(a), layout_of(c.rb())) else {
-            return Native.syrk(alpha, a, beta, c);
+            return Native(Instance::best()).syrk(alpha, a, beta, c);
         };
         // SAFETY: as in `gemm_with`.
         unsafe {

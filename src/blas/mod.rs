@@ -18,7 +18,8 @@ use std::sync::Arc;
 use faer::{MatMut, MatRef};
 
 use crate::base::{Real, Result};
-use crate::kernel::int8::Operand;
+use crate::kernel::packed::Instance;
+use crate::kernel::{int8, packed};
 
 pub(crate) use triangle::gemmt_by_gemm;
 
@@ -66,6 +67,12 @@ pub trait Backend: Kernels<f32> + Kernels<f64> {
     /// What the planner assumes of it.
     fn rates(&self) -> Rates;
 
+    /// The instruction set, when it is our own kernels: [`ata`](mod@crate::ata) then uses them without
+    /// this trait, with the additions of fast schemes fused into them.
+    fn instance(&self) -> Option<Instance> {
+        None
+    }
+
     /// Holds the library at one thread until the guard is dropped: on the calling thread (MKL), or in
     /// the process (others), where the last guard restores what the first one found.
     fn single_threaded(&self) -> ThreadGuard {
@@ -85,7 +92,7 @@ impl Drop for ThreadGuard {
 }
 
 /// A scalar whose kernels a [`Backend`] has: picks them out of the trait object.
-pub trait BlasReal: Real + Operand {
+pub trait BlasReal: Real + int8::Operand + packed::Operand {
     /// The kernels of this precision.
     fn kernels(backend: &dyn Backend) -> &dyn Kernels<Self>;
 }
@@ -104,7 +111,13 @@ impl BlasReal for f64 {
 
 /// The default back end: the `gemm` crate, pure Rust, any strides.
 pub fn native() -> Arc<dyn Backend> {
-    Arc::new(native::Native)
+    native_on(Instance::best())
+}
+
+/// The native kernels for one instruction set; the portable ones where the machine refuses it.
+pub fn native_on(instance: Instance) -> Arc<dyn Backend> {
+    let usable = if instance.refusal().is_none() { instance } else { Instance::Portable };
+    Arc::new(native::Native(usable))
 }
 
 /// OpenBLAS, as linked at build time.

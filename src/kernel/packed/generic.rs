@@ -1,0 +1,355 @@
+//! The algorithm, once, for any vectors: tiles of products, packing, and write-back.
+//!
+//! Everything here is inlined into functions that enable the instructions of one [`Vectors`].
+
+use super::operands::{Source, Target};
+use super::{Area, piece};
+use crate::base::Real;
+
+/// Vectors of one instruction set.
+pub(super) trait Vectors {
+    type Scalar: Real;
+    type Vector: Copy;
+    /// Scalars of a vector.
+    const LANES: usize;
+    /// Rows of a tile.
+    const ROWS: usize;
+    /// Vectors of a row of a tile.
+    const COUNT: usize;
+    /// Columns of a panel.
+    const WIDTH: usize = Self::LANES * Self::COUNT;
+
+    /// # Safety
+    /// The CPU has the instructions; so for all of these.
+    unsafe fn splat(x: Self::Scalar) -> Self::Vector;
+    /// # Safety
+    /// `from` points to [`Vectors::LANES`] scalars.
+    unsafe fn load(from: *const Self::Scalar) -> Self::Vector;
+    /// # Safety
+    /// `to` points to room for [`Vectors::LANES`] scalars.
+    unsafe fn store(to: *mut Self::Scalar, vector: Self::Vector);
+    /// `a b + c`.
+    ///
+    /// # Safety
+    /// As above.
+    unsafe fn mul_add(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    /// # Safety
+    /// As above.
+    unsafe fn add(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// # Safety
+    /// As above.
+    unsafe fn mul(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// Asks for a cache line; any address will do.
+    fn prefetch(_address: *const Self::Scalar) {}
+    /// The same, for the second-level cache.
+    fn prefetch_far(_address: *const Self::Scalar) {}
+}
+
+/// Lines to fetch: some at each of several places.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stream<T> {
+    pub start: *const T,
+    /// Scalars from one place to the next.
+    pub stride: isize,
+    /// Places.
+    pub count: usize,
+    /// Lines at each.
+    pub lines: usize,
+}
+
+/// Scalars of a cache line.
+pub(super) const fn line_len<T>() -> usize {
+    64 / size_of::<T>()
+}
+
+/// Steps between the places of a [`Stream`].
+const PACE: usize = 2;
+
+/// Steps ahead that operands are asked for.
+const AHEAD: usize = 8;
+
+/// `sums := left^T right`, or `+=` when `add`: ROWS columns of a panel times the first N vectors of
+/// another, over `steps` rows. Sums start at zero each time, so that roundings stay those of short
+/// sums. Meanwhile what is `ahead` is fetched, a bit every few steps: all at once it would stand in
+/// the way of the operands.
+///
+/// # Safety
+/// The panels hold `steps` rows of WIDTH, the sums ROWS x WIDTH.
+#[inline(always)]
+pub(super) unsafe fn multiply<V: Vectors, const ROWS: usize, const N: usize>(
+    steps: usize,
+    mut left: *const V::Scalar,
+    mut right: *const V::Scalar,
+    sums: *mut V::Scalar,
+    add: bool,
+    ahead: &[Stream<V::Scalar>],
+) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let mut tile = [[V::splat(V::Scalar::ZERO); N]; ROWS];
+        let mut step = || {
+            let mut r = [V::splat(V::Scalar::ZERO); N];
+            for j in 0..N {
+                r[j] = V::load(right.add(j * V::LANES));
+                V::prefetch(right.wrapping_add(AHEAD * V::WIDTH + j * V::LANES));
+            }
+            V::prefetch(left.wrapping_add(AHEAD * V::WIDTH));
+            for i in 0..ROWS {
+                let l = V::splat(*left.add(i));
+                for j in 0..N {
+                    tile[i][j] = V::mul_add(l, r[j], tile[i][j]);
+                }
+            }
+            left = left.add(V::WIDTH);
+            right = right.add(V::WIDTH);
+        };
+        let mut rest = steps;
+        for stream in ahead {
+            let mut line = stream.start;
+            for _ in 0..stream.count.min(rest / PACE) {
+                for i in 0..stream.lines {
+                    V::prefetch_far(line.wrapping_add(i * const { line_len::<V::Scalar>() }));
+                }
+                line = line.wrapping_offset(stream.stride);
+                for _ in 0..PACE {
+                    step();
+                }
+                rest -= PACE;
+            }
+        }
+        for _ in 0..rest {
+            step();
+        }
+        for i in 0..ROWS {
+            for j in 0..N {
+                let at = sums.add(i * V::WIDTH + j * V::LANES);
+                let sum = if add { V::add(V::load(at), tile[i][j]) } else { tile[i][j] };
+                V::store(at, sum);
+            }
+        }
+    }
+}
+
+/// Writes the panels that hold columns `area.cols` of the sum of `sources`, rows `area.rows`: the
+/// i-th panel at `out + i * panel_stride`, row after row, WIDTH columns each. What a source lacks
+/// counts as zero.
+///
+/// # Safety
+/// `out` has room for all panels.
+#[inline(always)]
+pub(super) unsafe fn pack<V: Vectors>(
+    sources: &[Source<'_, V::Scalar>],
+    area: &Area,
+    out: *mut V::Scalar,
+    panel_stride: usize,
+) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let by_rows = sources.iter().all(|s| s.matrix.col_stride() == 1);
+        let complete = |s: &Source<'_, V::Scalar>| {
+            area.rows.end <= s.matrix.nrows() && area.cols.start < s.matrix.ncols()
+        };
+        let narrowest = sources.iter().map(|s| s.matrix.ncols()).min().unwrap_or(0);
+        let common = narrowest.min(area.cols.end).saturating_sub(area.cols.start) / V::WIDTH;
+        let full = if by_rows && sources.iter().all(complete) { common } else { 0 };
+        match *sources {
+            _ if full == 0 => {}
+            [a] => pack_rows::<V, 1>(&[a], area, full, out, panel_stride),
+            [a, b] => pack_rows::<V, 2>(&[a, b], area, full, out, panel_stride),
+            [a, b, c] => pack_rows::<V, 3>(&[a, b, c], area, full, out, panel_stride),
+            [a, b, c, d] => pack_rows::<V, 4>(&[a, b, c, d], area, full, out, panel_stride),
+            _ => pack_many_rows::<V>(sources, area, full, out, panel_stride),
+        }
+        let rest = Area { cols: area.cols.start + full * V::WIDTH..area.cols.end, ..area.clone() };
+        pack_elements::<V>(sources, &rest, out.add(full * panel_stride), panel_stride);
+    }
+}
+
+/// Rows ahead that sources are asked for.
+const ROWS_AHEAD: usize = 6;
+
+/// [`pack`] of whole panels from N sources stored by rows.
+#[inline(always)]
+unsafe fn pack_rows<V: Vectors, const N: usize>(
+    sources: &[Source<'_, V::Scalar>; N],
+    area: &Area,
+    panels: usize,
+    out: *mut V::Scalar,
+    panel_stride: usize,
+) {
+    // SAFETY: the caller's promise, and the panels lie inside of all sources.
+    unsafe {
+        for (k, row) in area.rows.clone().enumerate() {
+            let rows = sources.map(|s| s.matrix.ptr_at(row, area.cols.start));
+            let ahead = sources.map(|s| {
+                rows_wrapping::<V>(s.matrix.as_ptr(), row + ROWS_AHEAD, area.cols.start, s.matrix.row_stride())
+            });
+            for panel in 0..panels {
+                let to = out.add(panel * panel_stride + k * V::WIDTH);
+                for j in 0..V::COUNT {
+                    let at = panel * V::WIDTH + j * V::LANES;
+                    let mut sum = V::load(rows[0].add(at));
+                    V::prefetch(ahead[0].wrapping_add(at));
+                    if N > 1 || sources[0].coefficient != V::Scalar::ONE {
+                        sum = V::mul(V::splat(sources[0].coefficient), sum);
+                    }
+                    for s in 1..N {
+                        V::prefetch(ahead[s].wrapping_add(at));
+                        sum = V::mul_add(V::splat(sources[s].coefficient), V::load(rows[s].add(at)), sum);
+                    }
+                    V::store(to.add(j * V::LANES), sum);
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn rows_wrapping<V: Vectors>(start: *const V::Scalar, row: usize, col: usize, stride: isize) -> *const V::Scalar {
+    start.wrapping_offset(row as isize * stride).wrapping_add(col)
+}
+
+/// As [`pack_rows`], for any number of sources.
+#[inline(always)]
+unsafe fn pack_many_rows<V: Vectors>(
+    sources: &[Source<'_, V::Scalar>],
+    area: &Area,
+    panels: usize,
+    out: *mut V::Scalar,
+    panel_stride: usize,
+) {
+    // SAFETY: as for `pack_rows`.
+    unsafe {
+        for (k, row) in area.rows.clone().enumerate() {
+            for panel in 0..panels {
+                let to = out.add(panel * panel_stride + k * V::WIDTH);
+                let at = area.cols.start + panel * V::WIDTH;
+                let mut sums = [V::splat(V::Scalar::ZERO); 4];
+                for s in sources {
+                    let (from, c) = (s.matrix.ptr_at(row, at), V::splat(s.coefficient));
+                    let ahead = rows_wrapping::<V>(s.matrix.as_ptr(), row + ROWS_AHEAD, at, s.matrix.row_stride());
+                    for j in 0..V::COUNT {
+                        V::prefetch(ahead.wrapping_add(j * V::LANES));
+                        sums[j] = V::mul_add(c, V::load(from.add(j * V::LANES)), sums[j]);
+                    }
+                }
+                for j in 0..V::COUNT {
+                    V::store(to.add(j * V::LANES), sums[j]);
+                }
+            }
+        }
+    }
+}
+
+/// [`pack`] for edges and for sources stored in any way.
+#[inline(always)]
+unsafe fn pack_elements<V: Vectors>(
+    sources: &[Source<'_, V::Scalar>],
+    area: &Area,
+    out: *mut V::Scalar,
+    panel_stride: usize,
+) {
+    /// Rows taken together, so that columns stored one after another are read in order.
+    const ROWS: usize = 16;
+    // SAFETY: the caller's promise.
+    unsafe {
+        let panels = area.cols.len().div_ceil(V::WIDTH);
+        for panel in 0..panels {
+            let cols = piece(&area.cols, panel, V::WIDTH);
+            let to = out.add(panel * panel_stride);
+            for first in (0..area.rows.len()).step_by(ROWS) {
+                let count = ROWS.min(area.rows.len() - first);
+                std::slice::from_raw_parts_mut(to.add(first * V::WIDTH), count * V::WIDTH).fill(V::Scalar::ZERO);
+                for s in sources {
+                    let row = area.rows.start + first;
+                    let count = count.min(s.matrix.nrows().saturating_sub(row));
+                    let inside = cols.end.min(s.matrix.ncols());
+                    for (j, col) in (cols.start..inside).enumerate() {
+                        let stride = s.matrix.row_stride();
+                        let from = s.matrix.as_ptr().offset(row as isize * stride + col as isize * s.matrix.col_stride());
+                        for k in 0..count {
+                            *to.add((first + k) * V::WIDTH + j) += s.coefficient * *from.offset(k as isize * stride);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Adds a tile, whose corner is entry `(row, col)` of the product, to a block of C:
+/// `C := beta C + coefficient sums`, where C is inside and wanted.
+///
+/// # Safety
+/// `sums` holds ROWS x WIDTH; nobody else uses these entries of C.
+#[inline(always)]
+pub(super) unsafe fn write<V: Vectors>(sums: *const V::Scalar, target: &Target<V::Scalar>, row: usize, col: usize) {
+    // SAFETY: the caller's promise; the entries lie inside the block.
+    unsafe {
+        if target.col_stride == 1 && target.wants_all(row..row + V::ROWS, col..col + V::WIDTH) {
+            return write_all::<V>(sums, target, row, col);
+        }
+        let rows = V::ROWS.min(target.rows.saturating_sub(row));
+        for i in 0..rows {
+            let wanted = target.wanted(row + i);
+            let (first, end) = (wanted.start.max(col), wanted.end.min(col + V::WIDTH));
+            if first >= end {
+                continue;
+            }
+            let from = sums.add(i * V::WIDTH + first - col);
+            let to = target.at(row + i, first);
+            let (len, beta, c) = (end - first, target.beta, target.coefficient);
+            if target.col_stride == 1 {
+                let (vc, vb) = (V::splat(c), V::splat(beta));
+                let mut j = 0;
+                while j + V::LANES <= len {
+                    let sum = V::mul(vc, V::load(from.add(j)));
+                    let sum = if beta == V::Scalar::ZERO { sum } else { V::add(V::mul(vb, V::load(to.add(j))), sum) };
+                    V::store(to.add(j), sum);
+                    j += V::LANES;
+                }
+                while j < len {
+                    write_element(to.add(j), beta, c, *from.add(j));
+                    j += 1;
+                }
+            } else {
+                for j in 0..len {
+                    write_element(to.offset(j as isize * target.col_stride), beta, c, *from.add(j));
+                }
+            }
+        }
+    }
+}
+
+/// [`write`] of a whole tile, stored by rows.
+#[inline(always)]
+unsafe fn write_all<V: Vectors>(sums: *const V::Scalar, target: &Target<V::Scalar>, row: usize, col: usize) {
+    // SAFETY: as for `write`.
+    unsafe {
+        let (c, beta) = (V::splat(target.coefficient), V::splat(target.beta));
+        let start = target.at(row, col);
+        for i in 0..V::ROWS {
+            let to = start.offset(i as isize * target.row_stride);
+            for j in 0..V::COUNT {
+                let sum = V::mul(c, V::load(sums.add(i * V::WIDTH + j * V::LANES)));
+                let to = to.add(j * V::LANES);
+                if target.beta == V::Scalar::ONE {
+                    V::store(to, V::add(V::load(to), sum));
+                } else if target.beta == V::Scalar::ZERO {
+                    V::store(to, sum);
+                } else {
+                    V::store(to, V::add(V::mul(beta, V::load(to)), sum));
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+unsafe fn write_element<T: Real>(to: *mut T, beta: T, coefficient: T, sum: T) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let sum = coefficient * sum;
+        *to = if beta == T::ZERO { sum } else { beta * *to + sum };
+    }
+}

@@ -1,0 +1,248 @@
+//! Packed products of floating-point matrices: the arithmetic of the native path.
+//!
+//! Both sides of a product are packed into panels of the same width, so that one packing of A serves
+//! both sides of A^T A. Packing reads a signed sum of blocks, and a finished tile is added to several
+//! blocks of C: levels of a fast scheme cost no scratch matrices (docs/algorithms/ata.md).
+//!
+//! The algorithm ([`generic`]) is written once and instantiated for each instruction set.
+
+mod blocking;
+mod generic;
+mod operands;
+mod portable;
+#[cfg(test)]
+mod probe;
+mod schedule;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+pub(crate) use blocking::Blocking;
+pub(crate) use operands::{Destination, Part, Product, Shape, Source, Target};
+pub(crate) use schedule::{Job, run, scratch_len};
+
+use std::ops::Range;
+
+use generic::Stream;
+
+use crate::base::Real;
+
+/// An instruction set that the kernels are written for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Instance {
+    /// AVX-512.
+    Avx512,
+    /// AVX2 with FMA.
+    Avx2,
+    /// Plain Rust.
+    Portable,
+}
+
+impl Instance {
+    /// All of them, the fastest first.
+    pub const ALL: [Self; 3] = [Self::Avx512, Self::Avx2, Self::Portable];
+
+    /// Short name: `avx512`, `avx2`, `portable`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Avx512 => "avx512",
+            Self::Avx2 => "avx2",
+            Self::Portable => "portable",
+        }
+    }
+
+    /// The fastest one that this machine has.
+    pub fn best() -> Self {
+        let usable = |i: &Self| i.refusal().is_none();
+        Self::ALL.into_iter().find(usable).unwrap_or(Self::Portable)
+    }
+
+    /// Why this machine can't use it; `None` when it can.
+    pub fn refusal(self) -> Option<&'static str> {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => x86::Avx512::new().err(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => x86::Avx2::new().err(),
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Avx512 | Self::Avx2 => Some("not an x86-64 CPU"),
+            Self::Portable => None,
+        }
+    }
+}
+
+/// A scalar that the kernels are written for.
+pub trait Operand: Real + sealed::Kernels {}
+
+impl Operand for f32 {}
+impl Operand for f64 {}
+
+pub(crate) mod sealed {
+    use super::*;
+
+    pub trait Kernels: Sized {
+        /// The kernel; that of [`Instance::Portable`] when this machine refuses the instance.
+        #[allow(private_interfaces)]
+        fn kernel(instance: Instance) -> &'static dyn Kernel<Self>;
+    }
+
+    macro_rules! kernels {
+        ($t:ident) => {
+            impl Kernels for $t {
+                #[allow(private_interfaces)]
+                fn kernel(instance: Instance) -> &'static dyn Kernel<Self> {
+                    let portable: &'static dyn Kernel<Self> = &portable::Portable;
+                    match instance {
+                        #[cfg(target_arch = "x86_64")]
+                        Instance::Avx512 => x86::Avx512::new().map_or(portable, |kernel| kernel),
+                        #[cfg(target_arch = "x86_64")]
+                        Instance::Avx2 => x86::Avx2::new().map_or(portable, |kernel| kernel),
+                        _ => portable,
+                    }
+                }
+            }
+        };
+    }
+    kernels!(f32);
+    kernels!(f64);
+}
+
+/// Rows and columns.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Area {
+    pub rows: Range<usize>,
+    pub cols: Range<usize>,
+}
+
+/// The i-th piece of `range`, cut into pieces of `length`.
+fn piece(range: &Range<usize>, i: usize, length: usize) -> Range<usize> {
+    let start = range.start + i * length;
+    start..range.end.min(start + length)
+}
+
+/// The extents of a kernel's tiles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Geometry {
+    /// Scalars of a vector.
+    pub lanes: usize,
+    /// Rows of a tile; they divide the width.
+    pub rows: usize,
+    /// Columns of a tile, and of a panel.
+    pub width: usize,
+}
+
+/// The steps of a packed product, for one instruction set and scalar.
+pub(crate) trait Kernel<T>: Sync {
+    fn geometry(&self) -> Geometry;
+
+    /// `sums := left^T right`, or `+=` when `add`, for a tile of the first `vectors` vectors (at
+    /// least 1) of each row, fetching what is `ahead` meanwhile.
+    ///
+    /// # Safety
+    /// `left` and `right` point into panels with `steps` rows from there on, `left` with a tile's
+    /// rows left of the panel's end; `sums` holds a tile.
+    unsafe fn multiply(
+        &self,
+        steps: usize,
+        left: *const T,
+        right: *const T,
+        vectors: usize,
+        sums: *mut T,
+        add: bool,
+        ahead: &[Stream<T>],
+    );
+
+    /// See [`generic::pack`].
+    ///
+    /// # Safety
+    /// As there.
+    unsafe fn pack(&self, sources: &[Source<'_, T>], area: &Area, out: *mut T, panel_stride: usize);
+
+    /// See [`generic::write`].
+    ///
+    /// # Safety
+    /// As there.
+    unsafe fn write(&self, sums: *const T, target: &Target<T>, row: usize, col: usize);
+}
+
+/// Instantiates the algorithm: `instantiate!(Kernel, scalar, Vectors, attributes)`. The kernel exists
+/// only where the CPU has the instructions.
+macro_rules! instantiate {
+    ($kernel:ident, $t:ident, $vectors:ty, $($enable:tt)*) => {
+        impl super::Kernel<$t> for $kernel {
+            fn geometry(&self) -> super::Geometry {
+                use super::generic::Vectors as V;
+                const { assert!(<$vectors>::WIDTH.is_multiple_of(<$vectors>::ROWS)) };
+                super::Geometry {
+                    lanes: <$vectors as V>::LANES,
+                    rows: <$vectors as V>::ROWS,
+                    width: <$vectors as V>::WIDTH,
+                }
+            }
+
+            unsafe fn multiply(
+                &self,
+                steps: usize,
+                left: *const $t,
+                right: *const $t,
+                vectors: usize,
+                sums: *mut $t,
+                add: bool,
+                ahead: &[super::generic::Stream<$t>],
+            ) {
+                $($enable)*
+                unsafe fn tile<const N: usize>(
+                    steps: usize,
+                    left: *const $t,
+                    right: *const $t,
+                    sums: *mut $t,
+                    add: bool,
+                    ahead: &[super::generic::Stream<$t>],
+                ) {
+                    use super::generic::{Vectors as V, multiply};
+                    // SAFETY: the caller's promise.
+                    unsafe { multiply::<$vectors, { <$vectors as V>::ROWS }, N>(steps, left, right, sums, add, ahead) }
+                }
+                // SAFETY: the caller's promise; `self` exists, so the CPU has the instructions.
+                unsafe {
+                    match vectors {
+                        1 => tile::<1>(steps, left, right, sums, add, ahead),
+                        2 => tile::<2>(steps, left, right, sums, add, ahead),
+                        _ => tile::<{ <$vectors as super::generic::Vectors>::COUNT }>(steps, left, right, sums, add, ahead),
+                    }
+                }
+            }
+
+            unsafe fn pack(
+                &self,
+                sources: &[super::Source<'_, $t>],
+                area: &super::Area,
+                out: *mut $t,
+                panel_stride: usize,
+            ) {
+                $($enable)*
+                unsafe fn pack(
+                    sources: &[super::Source<'_, $t>],
+                    area: &super::Area,
+                    out: *mut $t,
+                    panel_stride: usize,
+                ) {
+                    // SAFETY: the caller's promise.
+                    unsafe { super::generic::pack::<$vectors>(sources, area, out, panel_stride) }
+                }
+                // SAFETY: the caller's promise; `self` exists, so the CPU has the instructions.
+                unsafe { pack(sources, area, out, panel_stride) }
+            }
+
+            unsafe fn write(&self, sums: *const $t, target: &super::Target<$t>, row: usize, col: usize) {
+                $($enable)*
+                unsafe fn write(sums: *const $t, target: &super::Target<$t>, row: usize, col: usize) {
+                    // SAFETY: the caller's promise.
+                    unsafe { super::generic::write::<$vectors>(sums, target, row, col) }
+                }
+                // SAFETY: the caller's promise; `self` exists, so the CPU has the instructions.
+                unsafe { write(sums, target, row, col) }
+            }
+        }
+    };
+}
+use instantiate;

@@ -1,0 +1,192 @@
+//! What is multiplied, and where the product goes.
+
+use std::marker::PhantomData;
+use std::ops::Range;
+
+use faer::{MatMut, MatRef};
+
+use crate::base::Real;
+
+/// A signed block: one term of the sum that is packed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Source<'a, T> {
+    pub coefficient: T,
+    pub matrix: MatRef<'a, T>,
+}
+
+/// Which entries of C exist for us.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    All,
+    /// On and below the diagonal.
+    Lower,
+    /// On and above the diagonal.
+    Upper,
+}
+
+/// A block of C that receives `C := beta C + coefficient product`, as much of the product as fits.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Target<T> {
+    pub coefficient: T,
+    pub beta: T,
+    pub rows: usize,
+    pub cols: usize,
+    pub row_stride: isize,
+    pub col_stride: isize,
+    pub part: Part,
+    /// Row less column of the block's corner in C: where the diagonal runs.
+    pub diagonal: isize,
+    start: *mut T,
+}
+
+// SAFETY: a pointer and numbers; `at` only computes addresses, and who writes through them has
+// promised to be alone there.
+unsafe impl<T: Send> Send for Target<T> {}
+// SAFETY: as above.
+unsafe impl<T: Send> Sync for Target<T> {}
+
+/// A matrix, to take targets from: they may overlap, the products that write them are in order.
+pub(crate) struct Destination<'a, T> {
+    start: *mut T,
+    rows: usize,
+    cols: usize,
+    row_stride: isize,
+    col_stride: isize,
+    part: Part,
+    borrow: PhantomData<MatMut<'a, T>>,
+}
+
+impl<'a, T: Real> Destination<'a, T> {
+    pub fn new(matrix: MatMut<'a, T>, part: Part) -> Self {
+        Self {
+            start: matrix.as_ptr_mut(),
+            rows: matrix.nrows(),
+            cols: matrix.ncols(),
+            row_stride: matrix.row_stride(),
+            col_stride: matrix.col_stride(),
+            part,
+            borrow: PhantomData,
+        }
+    }
+
+    /// The block of these rows and columns.
+    pub fn block(&self, rows: Range<usize>, cols: Range<usize>, coefficient: T, beta: T) -> Target<T> {
+        assert!(rows.start <= rows.end && rows.end <= self.rows);
+        assert!(cols.start <= cols.end && cols.end <= self.cols);
+        let offset = rows.start as isize * self.row_stride + cols.start as isize * self.col_stride;
+        Target {
+            coefficient,
+            beta,
+            rows: rows.len(),
+            cols: cols.len(),
+            row_stride: self.row_stride,
+            col_stride: self.col_stride,
+            part: self.part,
+            diagonal: rows.start as isize - cols.start as isize,
+            start: self.start.wrapping_offset(offset),
+        }
+    }
+}
+
+impl<T> Target<T> {
+    /// The columns of row `i` that are wanted.
+    #[inline(always)]
+    pub fn wanted(&self, i: usize) -> Range<usize> {
+        let cols = self.cols as isize;
+        let diagonal = (i as isize + self.diagonal).clamp(-1, cols);
+        match self.part {
+            Part::All => 0..self.cols,
+            Part::Lower => 0..(diagonal + 1).min(cols) as usize,
+            Part::Upper => diagonal.max(0) as usize..self.cols,
+        }
+    }
+
+    /// The columns wanted of any row of `rows`.
+    #[inline(always)]
+    pub fn wanted_of(&self, rows: Range<usize>) -> Range<usize> {
+        let end = rows.end.min(self.rows);
+        if rows.start >= end {
+            return 0..0;
+        }
+        let (first, last) = (self.wanted(rows.start), self.wanted(end - 1));
+        first.start.min(last.start)..first.end.max(last.end)
+    }
+
+    /// Whether all of these entries are wanted.
+    #[inline(always)]
+    pub fn wants_all(&self, rows: Range<usize>, cols: Range<usize>) -> bool {
+        let inside = rows.end <= self.rows && cols.end <= self.cols;
+        let corner = |i: usize, j: usize| i as isize + self.diagonal - j as isize;
+        inside
+            && match self.part {
+                Part::All => true,
+                Part::Lower => corner(rows.start, cols.end) >= -1,
+                Part::Upper => corner(rows.end, cols.start) <= 1,
+            }
+    }
+
+    /// The address of entry `(i, j)`.
+    #[inline(always)]
+    pub fn at(&self, i: usize, j: usize) -> *mut T {
+        self.start.wrapping_offset(i as isize * self.row_stride + j as isize * self.col_stride)
+    }
+
+    /// The same block, whose entries have a first product.
+    pub fn accumulating(self) -> Self
+    where
+        T: Real,
+    {
+        Self { beta: T::ONE, ..self }
+    }
+
+    /// The same block of the transposed matrix.
+    pub fn transposed(self) -> Self {
+        Self {
+            rows: self.cols,
+            cols: self.rows,
+            row_stride: self.col_stride,
+            col_stride: self.row_stride,
+            part: match self.part {
+                Part::All => Part::All,
+                Part::Lower => Part::Upper,
+                Part::Upper => Part::Lower,
+            },
+            diagonal: -self.diagonal,
+            ..self
+        }
+    }
+}
+
+/// `targets += (sum left)^T (sum right)`, over all rows of the sources.
+#[derive(Debug, Clone)]
+pub(crate) struct Product<'a, T> {
+    /// The columns are rows of the product; `shape` says how many.
+    pub left: Vec<Source<'a, T>>,
+    /// Empty when it is the same as the left side.
+    pub right: Vec<Source<'a, T>>,
+    pub targets: Vec<Target<T>>,
+    pub shape: Shape,
+}
+
+/// Extents of a product: what a source or a target lacks counts as zero, or is dropped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Shape {
+    /// Rows of the sources.
+    pub depth: usize,
+    /// Rows of the product.
+    pub rows: usize,
+    /// Columns of the product.
+    pub cols: usize,
+    /// One side serves as both.
+    pub same: bool,
+}
+
+impl<T: Real> Product<'_, T> {
+    /// The same for the transposed targets.
+    pub fn transposed(self) -> Self {
+        let Self { left, right, targets, shape } = self;
+        let (left, right) = if shape.same { (left, right) } else { (right, left) };
+        let targets = targets.into_iter().map(Target::transposed).collect();
+        Self { left, right, targets, shape: Shape { rows: shape.cols, cols: shape.rows, ..shape } }
+    }
+}

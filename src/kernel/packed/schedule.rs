@@ -1,0 +1,396 @@
+//! Runs products one after another, each by all threads: chunk by chunk of the rows, pack, then
+//! multiply. Threads share what is packed.
+//!
+//! Pieces of work have numbers; a thread takes the next one, and waits when it belongs to a phase
+//! whose predecessor is not done. Those pieces are in the hands of threads that run, so that
+//! nothing hangs however few of the threads asked for exist.
+
+use std::ops::Range;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use super::operands::{Product, Shape, Source, Target};
+use super::generic::{Stream, line_len};
+use super::{Area, Blocking, Geometry, Kernel, piece};
+use crate::base::{Arena, Par, Real};
+
+/// Products and how to run them.
+pub(crate) struct Job<'a, T: 'static> {
+    pub kernel: &'static dyn Kernel<T>,
+    pub products: &'a [Product<'a, T>],
+    /// Scalars that packed operands may take, if that is possible.
+    pub budget: usize,
+    /// Told of work done (products of scalars); false cancels.
+    pub progress: &'a (dyn Fn(f64) -> bool + Sync),
+}
+
+/// Scalars of scratch that [`run`] needs for products of these shapes on `lanes` threads.
+pub(crate) fn scratch_len<T: Real>(
+    geometry: Geometry,
+    shapes: impl Iterator<Item = Shape>,
+    budget: usize,
+    lanes: usize,
+) -> usize {
+    let mut packed = 0;
+    let mut sums = 0;
+    for shape in shapes {
+        let blocking = Blocking::new(geometry, size_of::<T>(), shape, budget);
+        packed = packed.max(blocking.packed_len(geometry, shape));
+        sums = sums.max(sums_len(geometry, &blocking));
+    }
+    packed + lanes * sums + (lanes + 1) * line_len::<T>()
+}
+
+/// Scalars of the sums of an item.
+fn sums_len(geometry: Geometry, blocking: &Blocking) -> usize {
+    (blocking.panels * geometry.width).pow(2)
+}
+
+/// The next `len` scalars on a cache line of their own.
+fn aligned<'a, T: Real>(arena: &mut Arena<'a, T>, len: usize) -> &'a mut [T] {
+    let piece = arena.take(len + line_len::<T>());
+    let skipped = piece.as_ptr().align_offset(64).min(line_len::<T>());
+    &mut piece[skipped..skipped + len]
+}
+
+/// Runs the products in order, on `par` threads. False when it was cancelled.
+///
+/// Entries of the targets belong to the caller's borrow ([`super::Destination`]); the result does not
+/// depend on the number of threads.
+///
+/// # Safety
+/// Nobody else uses the matrices that the targets come from.
+pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T]) -> bool {
+    let geometry = job.kernel.geometry();
+    let plans: Vec<_> = job.products.iter().map(|p| Plan::new(geometry, p, job.budget)).collect();
+    let mut phases = Vec::with_capacity(2 * plans.len());
+    let mut tickets = 0;
+    for plan in &plans {
+        let depth = plan.product.shape.depth;
+        for first in (0..depth.max(1)).step_by(plan.blocking.chunk.max(1)) {
+            let rows = first..depth.min(first + plan.blocking.chunk);
+            for step in [Step::Pack, Step::Multiply] {
+                let start = tickets;
+                tickets += plan.tickets(step, &rows);
+                phases.push(Phase { plan, step, rows: rows.clone(), tickets: start..tickets });
+            }
+        }
+    }
+    let len = |f: &dyn Fn(&Plan<'_, T>) -> usize| plans.iter().map(f).max().unwrap_or(0);
+    let packed_len = len(&|p| p.blocking.packed_len(geometry, p.product.shape));
+    let sums_len = len(&|p| sums_len(geometry, &p.blocking));
+    let lanes = par.threads();
+    let mut arena = Arena::new(scratch);
+    let packed = Packed { start: aligned(&mut arena, packed_len).as_mut_ptr(), len: packed_len };
+    let sums: Vec<_> = (0..lanes).map(|_| Mutex::new(aligned(&mut arena, sums_len))).collect();
+
+    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let cancelled = AtomicBool::new(false);
+    par.run_lanes(|lane| {
+        let mut sums = sums[lane].lock().expect("one lane, one lock");
+        let mut phase = phases.iter();
+        let Some(mut current) = phase.next() else { return };
+        loop {
+            let ticket = next.fetch_add(1, Ordering::Relaxed);
+            while ticket >= current.tickets.end {
+                match phase.next() {
+                    Some(following) => current = following,
+                    None => return,
+                }
+            }
+            wait_for(&done, current.tickets.start);
+            // Counted even if it panics: the others would wait for ever.
+            let _done = Finally(|| {
+                done.fetch_add(1, Ordering::Release);
+            });
+            if cancelled.load(Ordering::Relaxed) {
+                continue;
+            }
+            let i = ticket - current.tickets.start;
+            // SAFETY: this phase waits for the one before it, each ticket is handed out once, and
+            // pieces of a phase write disjoint memory: panels, or entries of C.
+            let work = unsafe {
+                match current.step {
+                    Step::Pack => current.pack(job.kernel, packed, i),
+                    Step::Multiply => current.multiply(job.kernel, packed, i, &mut sums),
+                }
+            };
+            if work > 0.0 && !(job.progress)(work) {
+                cancelled.store(true, Ordering::Relaxed);
+            }
+        }
+    });
+    !cancelled.into_inner()
+}
+
+/// Waits until `count` has reached `target`.
+fn wait_for(count: &AtomicUsize, target: usize) {
+    /// Some microseconds; then others may need the core more.
+    const SPINS: usize = 2000;
+    let mut spins = 0;
+    while count.load(Ordering::Acquire) < target {
+        spins += 1;
+        if spins < SPINS {
+            std::hint::spin_loop();
+        } else {
+            std::thread::yield_now();
+        }
+    }
+}
+
+/// Calls its function when dropped.
+struct Finally<F: Fn()>(F);
+
+impl<F: Fn()> Drop for Finally<F> {
+    fn drop(&mut self) {
+        (self.0)();
+    }
+}
+
+/// Memory for panels.
+#[derive(Clone, Copy)]
+struct Packed<T> {
+    start: *mut T,
+    len: usize,
+}
+
+// SAFETY: a pointer and a length; who uses it keeps the threads' parts disjoint.
+unsafe impl<T: Send> Sync for Packed<T> {}
+
+impl<T> Packed<T> {
+    fn at(self, offset: usize) -> *mut T {
+        self.start.wrapping_add(offset)
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Step {
+    Pack,
+    Multiply,
+}
+
+/// A product and its pieces.
+struct Plan<'a, T> {
+    product: &'a Product<'a, T>,
+    geometry: Geometry,
+    blocking: Blocking,
+    /// Panels of each side.
+    left_panels: usize,
+    right_panels: usize,
+    items: Vec<Item>,
+    /// The targets after the first chunk.
+    later: Vec<Target<T>>,
+}
+
+/// A rectangle of the product, in panels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Item {
+    rows: Range<usize>,
+    cols: Range<usize>,
+    /// Entries that somebody wants, roughly.
+    cost: usize,
+}
+
+/// Panels of a piece of packing.
+const GROUP: usize = 8;
+
+impl<'a, T: Real> Plan<'a, T> {
+    fn new(geometry: Geometry, product: &'a Product<'a, T>, budget: usize) -> Self {
+        let shape = product.shape;
+        let blocking = Blocking::new(geometry, size_of::<T>(), shape, budget);
+        let (left_panels, right_panels) =
+            (shape.rows.div_ceil(geometry.width), shape.cols.div_ceil(geometry.width));
+        let mut items = Vec::new();
+        for i in (0..left_panels).step_by(blocking.panels) {
+            for j in (0..right_panels).step_by(blocking.panels) {
+                let rows = i..left_panels.min(i + blocking.panels);
+                let cols = j..right_panels.min(j + blocking.panels);
+                let cost = Self::wanted(geometry, product, &rows, &cols);
+                if cost > 0 {
+                    items.push(Item { rows, cols, cost });
+                }
+            }
+        }
+        // The largest first, so that the small ones fill the gaps at the end.
+        items.sort_by_key(|item| std::cmp::Reverse(item.cost));
+        let later = product.targets.iter().map(|t| t.accumulating()).collect();
+        Self { product, geometry, blocking, left_panels, right_panels, items, later }
+    }
+
+    /// Entries of a rectangle of panels that a target wants.
+    fn wanted(
+        geometry: Geometry,
+        product: &Product<'_, T>,
+        rows: &Range<usize>,
+        cols: &Range<usize>,
+    ) -> usize {
+        let width = geometry.width;
+        let cols = cols.start * width..cols.end * width;
+        let of = |t: &Target<T>, panel: usize| {
+            let wanted = t.wanted_of(panel * width..(panel + 1) * width);
+            wanted.end.min(cols.end).saturating_sub(wanted.start.max(cols.start))
+        };
+        let most = |panel| product.targets.iter().map(|t| of(t, panel)).max().unwrap_or(0);
+        rows.clone().map(|panel| width * most(panel)).sum()
+    }
+
+    fn tickets(&self, step: Step, rows: &Range<usize>) -> usize {
+        match step {
+            Step::Multiply => self.items.len(),
+            Step::Pack => {
+                let (left, right) = self.groups();
+                rows.len().div_ceil(self.blocking.depth) * (left + right)
+            }
+        }
+    }
+
+    /// Groups of panels of each side that are packed.
+    fn groups(&self) -> (usize, usize) {
+        let right = if self.product.shape.same { 0 } else { self.right_panels };
+        (self.left_panels.div_ceil(GROUP), right.div_ceil(GROUP))
+    }
+}
+
+/// One step of one chunk of a product.
+struct Phase<'p, 'a, T> {
+    plan: &'p Plan<'a, T>,
+    step: Step,
+    rows: Range<usize>,
+    tickets: Range<usize>,
+}
+
+impl<T: Real> Phase<'_, '_, T> {
+    /// Where the panels of block `b` begin, left and right, and its rows.
+    fn block(&self, b: usize) -> (usize, usize, Range<usize>) {
+        let Plan { geometry, blocking, left_panels, product, .. } = self.plan;
+        let columns = Blocking::packed_columns(*geometry, product.shape);
+        let rows = piece(&self.rows, b, blocking.depth);
+        let left = b * blocking.depth * columns;
+        let right =
+            if product.shape.same { left } else { left + rows.len() * left_panels * geometry.width };
+        (left, right, rows)
+    }
+
+    /// Packs the i-th group of panels.
+    ///
+    /// # Safety
+    /// Nobody else uses that part of the memory.
+    unsafe fn pack(&self, kernel: &dyn Kernel<T>, packed: Packed<T>, i: usize) -> f64 {
+        let Plan { geometry, product, .. } = self.plan;
+        let (left_groups, right_groups) = self.plan.groups();
+        let (b, group) = (i / (left_groups + right_groups), i % (left_groups + right_groups));
+        let (left, right, rows) = self.block(b);
+        let (sources, start, group, width): (&[Source<'_, T>], _, _, _) = if group < left_groups {
+            (&product.left, left, group, product.shape.rows)
+        } else {
+            (&product.right, right, group - left_groups, product.shape.cols)
+        };
+        let panel_stride = rows.len() * geometry.width;
+        let out = packed.at(start + group * GROUP * panel_stride);
+        let cols = piece(&(0..width), group, GROUP * geometry.width);
+        // SAFETY: the group's panels lie in the memory, which `packed_len` has measured.
+        unsafe { kernel.pack(sources, &Area { rows, cols }, out, panel_stride) };
+        0.0
+    }
+
+    /// Computes and writes the i-th item; how many products of scalars that is.
+    ///
+    /// # Safety
+    /// The panels are packed, and nobody else uses the item's entries of the targets.
+    unsafe fn multiply(
+        &self,
+        kernel: &dyn Kernel<T>,
+        packed: Packed<T>,
+        i: usize,
+        sums: &mut [T],
+    ) -> f64 {
+        let Plan { geometry, blocking, product, items, later, .. } = self.plan;
+        let item = &items[i];
+        let targets = if self.rows.start == 0 { &product.targets } else { later };
+        let Geometry { lanes, rows: height, width } = *geometry;
+        let tile_len = height * width;
+        let blocks = self.rows.len().div_ceil(blocking.depth).max(1);
+        // Between blocks of rows the sums of all tiles have to be kept.
+        let kept = blocks > 1;
+        for b in 0..blocks {
+            let (left, right, rows) = self.block(b);
+            let steps = rows.len();
+            let last = b + 1 == blocks;
+            let first_row = item.rows.start * width / height;
+            let end_row = (item.rows.end * width / height).min(product.shape.rows.div_ceil(height));
+            let (_, next_right, next_rows) = self.block(b + 1);
+            let next_right = next_right + item.cols.start * next_rows.len() * width;
+            let right_lines = item.cols.len() * next_rows.len() * width / line_len::<T>();
+            let row_share = steps.div_ceil(item.cols.len());
+            let block_share = right_lines.div_ceil((end_row - first_row) * item.cols.len());
+            for row in first_row..end_row {
+                let corner = row * height;
+                let wanted = wanted_of(targets, corner..corner + height);
+                let left_of = |corner| left + corner / width * steps * width + corner % width;
+                let (left_panel, next_panel) = (left_of(corner), left_of(corner + height));
+                for panel in item.cols.clone() {
+                    let col = panel * width;
+                    if col >= wanted.end || col + width <= wanted.start {
+                        continue;
+                    }
+                    let vectors = (wanted.end.min(product.shape.cols) - col).div_ceil(lanes).min(width / lanes);
+                    let tile = if kept {
+                        ((row - first_row) * item.cols.len() + panel - item.cols.start) * tile_len
+                    } else {
+                        0
+                    };
+                    let tile = sums[tile..tile + tile_len].as_mut_ptr();
+                    let tile_number = (row - first_row) * item.cols.len() + panel - item.cols.start;
+                    // A share of what the next row of tiles and the next block of rows begin with.
+                    let mut ahead = [
+                        Stream {
+                            start: packed.at(next_panel + (panel - item.cols.start) * row_share * width),
+                            stride: width as isize,
+                            count: row_share,
+                            lines: 1,
+                        },
+                        Stream {
+                            start: packed.at(next_right + tile_number * block_share * line_len::<T>()),
+                            stride: line_len::<T>() as isize,
+                            count: block_share,
+                            lines: 1,
+                        },
+                    ];
+                    if last && let Some(target) = targets.first() {
+                        ahead[1] = Stream {
+                            start: target.at(corner, col),
+                            stride: target.row_stride,
+                            count: height,
+                            lines: if target.col_stride == 1 { width.div_ceil(line_len::<T>()) + 1 } else { 0 },
+                        };
+                    }
+                    // SAFETY: the panels hold `steps` rows of these columns, the tile is a tile.
+                    unsafe {
+                        let left = packed.at(left_panel);
+                        let right = packed.at(right + panel * steps * width);
+                        kernel.multiply(steps, left, right, vectors, tile, b > 0, &ahead);
+                    }
+                    if last {
+                        for target in targets {
+                            // SAFETY: the caller's promise.
+                            unsafe { kernel.write(tile, target, corner, col) };
+                        }
+                    }
+                }
+            }
+        }
+        item.cost as f64 * self.rows.len() as f64
+    }
+}
+
+/// The columns that some target wants of these rows.
+fn wanted_of<T>(targets: &[Target<T>], rows: Range<usize>) -> Range<usize> {
+    let mut all = usize::MAX..0;
+    for target in targets {
+        let wanted = target.wanted_of(rows.clone());
+        if !wanted.is_empty() {
+            all = all.start.min(wanted.start)..all.end.max(wanted.end);
+        }
+    }
+    all
+}
