@@ -63,10 +63,10 @@ pub(super) const fn line_len<T>() -> usize {
 }
 
 /// Steps between the places of a [`Stream`].
-const PACE: usize = 2;
+const PACE: usize = 4;
 
 /// Steps ahead that operands are asked for.
-const AHEAD: usize = 8;
+const AHEAD: usize = 16;
 
 /// `sums := left^T right`, or `+=` when `add`: ROWS columns of a panel times the first N vectors of
 /// another, over `steps` rows. Sums start at zero each time, so that roundings stay those of short

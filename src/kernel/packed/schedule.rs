@@ -201,8 +201,9 @@ impl<'a, T: Real> Plan<'a, T> {
         let (left_panels, right_panels) =
             (shape.rows.div_ceil(geometry.width), shape.cols.div_ceil(geometry.width));
         let mut items = Vec::new();
-        for i in (0..left_panels).step_by(blocking.panels) {
-            for j in (0..right_panels).step_by(blocking.panels) {
+        // Items in a row share their right side, which then is in the cache already.
+        for j in (0..right_panels).step_by(blocking.panels) {
+            for i in (0..left_panels).step_by(blocking.panels) {
                 let rows = i..left_panels.min(i + blocking.panels);
                 let cols = j..right_panels.min(j + blocking.panels);
                 let cost = Self::wanted(geometry, product, &rows, &cols);
@@ -211,8 +212,6 @@ impl<'a, T: Real> Plan<'a, T> {
                 }
             }
         }
-        // The largest first, so that the small ones fill the gaps at the end.
-        items.sort_by_key(|item| std::cmp::Reverse(item.cost));
         let later = product.targets.iter().map(|t| t.accumulating()).collect();
         Self { product, geometry, blocking, left_panels, right_panels, items, later }
     }
@@ -308,7 +307,8 @@ impl<T: Real> Phase<'_, '_, T> {
         let item = &items[i];
         let targets = if self.rows.start == 0 { &product.targets } else { later };
         let Geometry { lanes, rows: height, width } = *geometry;
-        let tile_len = height * width;
+        let (tile_len, all_vectors) = (height * width, width / lanes);
+        let line = line_len::<T>();
         let blocks = self.rows.len().div_ceil(blocking.depth).max(1);
         // Between blocks of rows the sums of all tiles have to be kept.
         let kept = blocks > 1;
@@ -328,12 +328,14 @@ impl<T: Real> Phase<'_, '_, T> {
                 let wanted = wanted_of(targets, corner..corner + height);
                 let left_of = |corner| left + corner / width * steps * width + corner % width;
                 let (left_panel, next_panel) = (left_of(corner), left_of(corner + height));
+                let end = wanted.end.min(product.shape.cols);
                 for panel in item.cols.clone() {
                     let col = panel * width;
-                    if col >= wanted.end || col + width <= wanted.start {
+                    if col >= end || col + width <= wanted.start {
                         continue;
                     }
-                    let vectors = (wanted.end.min(product.shape.cols) - col).div_ceil(lanes).min(width / lanes);
+                    let vectors =
+                        if col + width <= end { all_vectors } else { (end - col).div_ceil(lanes) };
                     let tile = if kept {
                         ((row - first_row) * item.cols.len() + panel - item.cols.start) * tile_len
                     } else {
