@@ -64,7 +64,7 @@ pub struct Args {
     #[arg(long)]
     reproducible: bool,
     /// BLAS: gemm (built in), openblas (if built in), or the path of a CBLAS library.
-    #[arg(long, value_name = "NAME", default_value = "gemm")]
+    #[arg(long, value_name = "NAME", default_value = "native")]
     backend: String,
     /// Compute in single precision.
     #[arg(long = "f32", conflicts_with = "double")]

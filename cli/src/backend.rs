@@ -9,7 +9,7 @@ use catamaran::blas::{self, Backend};
 /// The back end called `name`: `gemm`, `openblas`, or the path of a CBLAS library.
 pub fn find(name: &str) -> Result<Arc<dyn Backend>> {
     match name {
-        "gemm" => Ok(blas::native()),
+        "native" => Ok(blas::native()),
         #[cfg(feature = "openblas")]
         "openblas" => Ok(blas::openblas()),
         #[cfg(not(feature = "openblas"))]

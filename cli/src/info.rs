@@ -25,7 +25,7 @@ pub fn run(args: &Args) -> Result<()> {
     let features = cpu_features();
     let features = if features.is_empty() { "none known".into() } else { features.join(" ") };
     writeln!(out, "instructions  {features}")?;
-    let names = ["gemm", "openblas"].into_iter().chain(args.backend.as_deref());
+    let names = ["native", "openblas"].into_iter().chain(args.backend.as_deref());
     for name in names {
         if name == "openblas" && cfg!(not(feature = "openblas")) {
             writeln!(out, "back end      openblas: not in this build (--features openblas)")?;

@@ -100,7 +100,7 @@ pub(crate) fn execute<T: BlasReal>(
 }
 
 /// An n x k matrix in `memory`.
-fn partial<T>(memory: &mut [T], n: usize, k: usize, row_major: bool) -> MatMut<'_, T> {
+pub(super) fn partial<T>(memory: &mut [T], n: usize, k: usize, row_major: bool) -> MatMut<'_, T> {
     if row_major {
         MatMut::from_row_major_slice_mut(memory, n, k)
     } else {

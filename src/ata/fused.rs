@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::plan::Recursion;
 use super::recurse::{Op, block_start};
 use super::scheme::{Product, Scheme, Term};
-use crate::kernel::packed::Shape;
+use crate::kernel::packed::{Rates, Shape};
 
 /// A signed block of A, B or C.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -29,12 +29,31 @@ pub(crate) struct FusedProduct {
 }
 
 impl FusedProduct {
-    /// Multiplications and additions of scalars: the entries that somebody wants, times the depth.
-    pub fn flops(&self, symmetric: bool) -> f64 {
+    /// Products of scalars: the entries that somebody wants, times the depth.
+    pub fn work(&self, symmetric: bool) -> f64 {
         let Shape { depth, rows, cols, .. } = self.shape;
         let triangle = symmetric && self.outputs.iter().all(|o| o.rows.start == o.cols.start);
-        let share = if triangle { 0.5 } else { 1.0 };
-        2.0 * share * rows as f64 * cols as f64 * depth as f64
+        let entries = if triangle { rows * (rows + 1) / 2 } else { rows * cols };
+        entries as f64 * depth as f64
+    }
+
+    /// Seconds on one core, in `chunks` chunks of rows.
+    pub fn seconds(&self, rates: &Rates, scalar_bytes: f64, chunks: usize, symmetric: bool) -> f64 {
+        /// Share of the time for additions to C that products do not hide.
+        const SEEN: f64 = 0.5;
+        let Shape { depth, rows, cols, same } = self.shape;
+        let work = self.work(symmetric);
+        let area = |b: &Block| b.rows.len() as f64 * b.cols.len() as f64;
+        let read: f64 = self.left.iter().chain(&self.right).map(area).sum();
+        let packed = (rows + if same { 0 } else { cols }) as f64 * depth as f64;
+        let entries = work / depth.max(1) as f64;
+        let updated = 2.0 * (self.outputs.len() * chunks) as f64 * entries;
+        // The rate of products is that of f64.
+        scalar_bytes
+            * (work / 4.0 / rates.flops
+                + read / rates.read_bytes
+                + packed / rates.pack_bytes
+                + SEEN * updated / rates.update_bytes)
     }
 }
 

@@ -1,17 +1,60 @@
 //! Runs a [`Plan`] on the native kernels.
 
+use std::ops::Range;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
+use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
-use super::exec::Tracker;
+use super::combine::{accumulate, accumulate_lower};
+use super::exec::{Tracker, partial};
 use super::fused::{self, Block, FusedProduct};
 use super::options::AtaOptions;
 use super::plan::Plan;
-use super::recurse::Op;
-use crate::base::{Error, Result};
+use super::recurse::block_start;
+use crate::base::{Arena, Error, Par, Result};
 use crate::kernel::packed::{
-    Destination, Instance, Job, Operand, Part, Product, Source, run,
+    Destination, Instance, Job, Operand, Part, Product, Source, run, scratch_len,
 };
+
+/// The products of a plan, for one slab of its rows.
+fn program(plan: &Plan, same: bool, rows: usize) -> Vec<FusedProduct> {
+    fused::products(&plan.recursion, plan.op(same), rows, plan.n, plan.k)
+}
+
+/// Scalars that a packed chunk may take: with the sums of the threads less than half of C, but what
+/// the third-level cache of a core holds at most, and a chunk that is worth its while at least.
+pub(crate) fn budget<T>(n: usize, k: usize) -> usize {
+    const LEAST: usize = 256 << 10;
+    const MOST: usize = 16 << 20;
+    (n * k / 4).clamp(LEAST / size_of::<T>(), MOST / size_of::<T>())
+}
+
+/// Scalars of scratch that one slab needs on `lanes` threads.
+fn slab_scratch_len<T: Operand>(instance: Instance, plan: &Plan, same: bool, lanes: usize) -> usize {
+    let geometry = T::kernel(instance).geometry();
+    let budget = budget::<T>(plan.n, plan.k);
+    let len = |rows| {
+        let program = program(plan, same, rows);
+        scratch_len::<T>(geometry, program.iter().map(|p| p.shape), budget, lanes)
+    };
+    len(plan.m / plan.slabs).max(len(plan.m.div_ceil(plan.slabs)))
+}
+
+/// Scalars of scratch of [`execute`].
+pub(crate) fn plan_scratch_len<T: Operand>(
+    instance: Instance,
+    plan: &Plan,
+    same: bool,
+    threads: usize,
+) -> usize {
+    if plan.slabs == 1 {
+        return slab_scratch_len::<T>(instance, plan, same, threads);
+    }
+    let lanes = threads.min(plan.slabs);
+    (plan.slabs - 1) * plan.n * plan.k + lanes * slab_scratch_len::<T>(instance, plan, same, 1)
+}
 
 /// `C := alpha A^T B + beta C` by `plan`; B is `None` for A^T A. Symmetric plans touch only the
 /// lower triangle.
@@ -22,41 +65,85 @@ pub(crate) fn execute<T: Operand>(
     a: MatRef<'_, T>,
     b: Option<MatRef<'_, T>>,
     beta: T,
-    c: MatMut<'_, T>,
+    mut c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
     scratch: &mut [T],
 ) -> Result<()> {
-    let op = if !plan.symmetric { Op::Gemm } else if b.is_none() { Op::Syrk } else { Op::Gemmt };
-    let program = fused::products(&plan.recursion, op, a.nrows(), a.ncols(), b.unwrap_or(a).ncols());
-    let tracker = Tracker::new(options, program.iter().map(|p| p.flops(plan.symmetric) / 2.0).sum());
+    let (slabs, same) = (plan.slabs, b.is_none());
+    let rows = |i| block_start(plan.m, slabs, i)..block_start(plan.m, slabs, i + 1);
+    let programs: Vec<_> = (0..slabs).map(|i| program(plan, same, rows(i).len())).collect();
+    let work = programs.iter().flatten().map(|p| p.work(plan.symmetric)).sum();
+    let tracker = Tracker::new(options, work);
     let progress = |work: f64| {
         tracker.add(work);
         !tracker.cancelled()
     };
-    let part = if plan.symmetric { Part::Lower } else { Part::All };
-    let by_columns = c.row_stride() == 1 && c.col_stride() != 1;
-    let destination = Destination::new(c, part);
-    let products: Vec<_> = program
-        .iter()
-        .map(|p| {
-            let product = bind(p, alpha, a, b.unwrap_or(a), beta, &destination);
-            if by_columns { product.transposed() } else { product }
-        })
-        .collect();
     let kernel = T::kernel(instance);
-    let job = Job { kernel, products: &products, budget: 8 << 20, progress: &progress };
-    // SAFETY: `c` is ours.
-    if unsafe { run(&job, options.par, scratch) } { Ok(()) } else { Err(Error::Cancelled) }
+    let budget = budget::<T>(plan.n, plan.k);
+    let slab = |i: usize, beta, c: MatMut<'_, T>, par, scratch: &mut [T]| {
+        let part = |matrix| sub_rows(matrix, rows(i));
+        let products = bind(plan, &programs[i], alpha, [a, b.unwrap_or(a)].map(part), beta, c);
+        let job = Job { kernel, products: &products, budget, progress: &progress };
+        // SAFETY: the targets are of `c`, which is borrowed mutably for this call.
+        unsafe { run(&job, par, scratch) };
+    };
+    if slabs == 1 {
+        slab(0, beta, c, options.par, scratch);
+    } else {
+        let mut arena = Arena::new(scratch);
+        let (n, k, row_major) = (plan.n, plan.k, c.col_stride() == 1);
+        let mut results = vec![Mutex::new((beta, c.rb_mut()))];
+        for _ in 1..slabs {
+            let zero = partial(arena.take(n * k), n, k, row_major);
+            results.push(Mutex::new((T::ZERO, zero)));
+        }
+        let par = Par::Threads(options.par.threads().min(slabs));
+        let lane_len = slab_scratch_len::<T>(instance, plan, same, 1);
+        let lanes: Vec<_> =
+            (0..par.threads()).map(|_| Mutex::new(arena.take(lane_len))).collect();
+        let next = AtomicUsize::new(0);
+        par.run_lanes(|lane| {
+            let mut scratch = lanes[lane].lock().expect("one lane, one lock");
+            loop {
+                let i = next.fetch_add(1, Ordering::Relaxed);
+                let Some(result) = results.get(i) else { return };
+                if tracker.cancelled() {
+                    return;
+                }
+                let mut result = result.lock().expect("one slab, one lock");
+                let (beta, c) = &mut *result;
+                slab(i, *beta, c.rb_mut(), Par::Seq, &mut scratch);
+            }
+        });
+        let mut results = results.into_iter().map(|r| r.into_inner().expect("no panic").1);
+        let Some(mut sum) = results.next() else { return Ok(()) };
+        for result in results {
+            if plan.symmetric {
+                accumulate_lower(sum.rb_mut(), T::ONE, T::ONE, result.rb());
+            } else {
+                accumulate(sum.rb_mut(), T::ONE, T::ONE, result.rb());
+            }
+        }
+    }
+    if tracker.cancelled() { Err(Error::Cancelled) } else { Ok(()) }
 }
 
+fn sub_rows<T>(matrix: MatRef<'_, T>, rows: Range<usize>) -> MatRef<'_, T> {
+    matrix.subrows(rows.start, rows.len())
+}
+
+/// The products of `program` on matrices.
 fn bind<'a, T: Operand>(
-    product: &FusedProduct,
+    plan: &Plan,
+    program: &[FusedProduct],
     alpha: T,
-    a: MatRef<'a, T>,
-    b: MatRef<'a, T>,
+    [a, b]: [MatRef<'a, T>; 2],
     beta: T,
-    c: &Destination<'_, T>,
-) -> Product<'a, T> {
+    c: MatMut<'_, T>,
+) -> Vec<Product<'a, T>> {
+    // Tiles are written by rows.
+    let by_columns = c.row_stride() == 1 && c.col_stride() != 1;
+    let destination = Destination::new(c, if plan.symmetric { Part::Lower } else { Part::All });
     let sources = |blocks: &[Block], matrix: MatRef<'a, T>| {
         let source = |b: &Block| Source {
             coefficient: T::from_f64(f64::from(b.coefficient)),
@@ -66,12 +153,17 @@ fn bind<'a, T: Operand>(
     };
     let target = |o: &Block| {
         let coefficient = alpha * T::from_f64(f64::from(o.coefficient));
-        c.block(o.rows.clone(), o.cols.clone(), coefficient, if o.first { beta } else { T::ONE })
+        let beta = if o.first { beta } else { T::ONE };
+        destination.block(o.rows.clone(), o.cols.clone(), coefficient, beta)
     };
-    Product {
-        left: sources(&product.left, a),
-        right: sources(&product.right, b),
-        targets: product.outputs.iter().map(target).collect(),
-        shape: product.shape,
-    }
+    let product = |p: &FusedProduct| {
+        let product = Product {
+            left: sources(&p.left, a),
+            right: sources(&p.right, b),
+            targets: p.outputs.iter().map(target).collect(),
+            shape: p.shape,
+        };
+        if by_columns { product.transposed() } else { product }
+    };
+    program.iter().map(product).collect()
 }

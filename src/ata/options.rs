@@ -51,11 +51,14 @@ pub enum SchemeChoice {
     /// Whatever the planner expects to be fastest within the accuracy asked for.
     #[default]
     Auto,
+    /// The same, but for the exact path.
+    Float,
     /// No fast products: blocks over the back end.
     Classical,
     /// The faithful mode of the thesis: algorithm 8.1 (AtA) over Strassen, base case by cache size.
     Ata2,
-    /// [`SchemeId::Split`](super::scheme::SchemeId::Split) over Winograd's variant.
+    /// [`SchemeId::Split`](super::scheme::SchemeId::Split) over Winograd's variant; with the native kernels,
+    /// which share no sums, over Strassen's: fewer of them.
     Winograd,
     /// RXTX over Winograd's variant.
     Rxtx,
@@ -70,8 +73,9 @@ pub enum SchemeChoice {
 
 impl SchemeChoice {
     /// Every choice and its name on the command line.
-    pub const NAMES: [(&'static str, Self); 8] = [
+    pub const NAMES: [(&'static str, Self); 9] = [
         ("auto", Self::Auto),
+        ("float", Self::Float),
         ("classical", Self::Classical),
         ("ata2", Self::Ata2),
         ("winograd", Self::Winograd),

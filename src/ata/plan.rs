@@ -4,15 +4,16 @@ use std::collections::HashMap;
 use std::fmt;
 
 use super::exact::{self, Layout};
+use super::fused::{self, FusedProduct};
+use super::native;
 use super::options::{Accuracy, AtaOptions, SchemeChoice};
 use super::recurse::{Op, Traffic, block_start, scratch_len};
 use super::scheme::SchemeId;
 use super::tree::{Node, Task};
 use crate::base::{Error, Real, Result};
-use crate::blas::Rates;
+use crate::blas::{Native, Rates};
 use crate::kernel::int8::{Instance, Operand};
-use crate::kernel::packed;
-use super::fused;
+use crate::kernel::packed::{self, Blocking};
 
 /// How blocks are taken apart: at each node the first scheme whose blocks are not too small.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -108,7 +109,7 @@ pub struct Plan {
     pub(crate) recursion: Recursion,
     /// The exact path instead, with this many moduli.
     pub(crate) exact: Option<usize>,
-    /// The native kernels instead.
+    /// The native kernels instead: the recursion is flattened, there is one task.
     pub(crate) native: Option<packed::Instance>,
     /// Expected seconds on one core, and those of the classical plan.
     estimate: f64,
@@ -124,6 +125,9 @@ const FAITHFUL_CACHE: usize = 1 << 18;
 
 /// Smallest side of a block when a scheme is asked for by name.
 const NAMED_SIDE: usize = 256;
+
+/// Fast levels that the native kernels fuse: sums of up to 16 blocks.
+const MOST_FUSED: usize = 2;
 
 /// Tasks of the faithful mode; the thesis takes the number of threads, which would make results
 /// depend on it.
@@ -156,19 +160,37 @@ impl Plan {
         check(options)?;
         check_extents(m, n, k)?;
         let machine = Machine::new::<T>(options.backend.rates());
-        let tasks = options.tasks.unwrap_or(match options.scheme {
-            SchemeChoice::Ata2 => FAITHFUL_TASKS,
-            _ => default_tasks(n, k),
+        let allowed = allowed_levels(options.accuracy);
+        let native = options.backend.native().filter(|_| match options.scheme {
+            SchemeChoice::Auto | SchemeChoice::Float => true,
+            SchemeChoice::Winograd | SchemeChoice::Kgp4 => allowed <= MOST_FUSED,
+            SchemeChoice::Classical | SchemeChoice::Exact => true,
+            // Their tables are for an engine that keeps sums, or mirror products.
+            SchemeChoice::Ata2 | SchemeChoice::Rxtx | SchemeChoice::Kgp3 => false,
         });
+        let tasks = match options.scheme {
+            _ if native.is_some() => 1,
+            SchemeChoice::Ata2 => options.tasks.unwrap_or(FAITHFUL_TASKS),
+            _ => options.tasks.unwrap_or(default_tasks(n, k)),
+        };
         let tree = if symmetric { Node::symmetric(n, tasks) } else { Node::general(n, k, tasks) };
-        let slabs = if options.scheme == SchemeChoice::Ata2 { 1 } else { default_slabs(m, n, k) };
+        let slabs = match options.scheme {
+            SchemeChoice::Ata2 => 1,
+            _ if native.is_some() => native_slabs(m, n, k),
+            _ => default_slabs(m, n, k),
+        };
         let tasks = tree.tasks();
         let chunks_of = |recursion: &Recursion| match options.scheme {
             SchemeChoice::Ata2 => 1,
-            _ if recursion.fast_levels == 0 => 1,
+            _ if native.is_some() || recursion.fast_levels == 0 => 1,
             _ => (m / slabs).div_ceil(n.max(k).max(1)).max(1),
         };
         let seconds = |recursion: &Recursion| {
+            if let Some(native) = native {
+                let op = if symmetric { Op::Syrk } else { Op::Gemm };
+                let program = fused::products(recursion, op, m.div_ceil(slabs), n, k);
+                return slabs as f64 * native_seconds::<T>(native, &program, n, k, symmetric);
+            }
             let mut memory = HashMap::new();
             let parts = slabs * chunks_of(recursion);
             let rows = m.div_ceil(parts);
@@ -180,11 +202,15 @@ impl Plan {
         };
         let classical = Recursion::none();
         let classical_estimate = seconds(&classical);
-        let allowed = allowed_levels(options.accuracy);
+        let (general_scheme, allowed) = match native {
+            Some(_) => (SchemeId::Strassen, allowed.min(MOST_FUSED)),
+            None => (SchemeId::Winograd, allowed),
+        };
         let recursion = match options.scheme {
-            SchemeChoice::Auto => {
+            SchemeChoice::Auto | SchemeChoice::Float => {
                 let shortest = tasks.iter().map(|t| t.rows.len().min(t.cols.len())).min();
-                let candidates = candidates(options.leaf, shortest.unwrap_or(0).min(m), allowed);
+                let shortest = shortest.unwrap_or(0).min(m);
+                let candidates = candidates(options.leaf, shortest, allowed, general_scheme);
                 let best = candidates
                     .into_iter()
                     .map(|r| (seconds(&r), r))
@@ -215,9 +241,9 @@ impl Plan {
                 };
                 Recursion {
                     symmetric,
-                    general: vec![SchemeId::Strassen],
-                    base: Base::Side { general: std::env::var("GEN").map_or(NAMED_SIDE,|v|v.parse().unwrap()), symmetric: std::env::var("SYM").map_or(NAMED_SIDE,|v|v.parse().unwrap()) },
-                    fast_levels: std::env::var("LEV").map_or(allowed,|v|v.parse().unwrap()),
+                    general: vec![general_scheme],
+                    base: Base::side(options.leaf.unwrap_or(NAMED_SIDE)),
+                    fast_levels: allowed,
                 }
             }
         };
@@ -247,7 +273,7 @@ impl Plan {
             chunks,
             recursion,
             exact,
-            native: options.backend.instance().filter(|_| options.scheme != SchemeChoice::Ata2),
+            native: native.map(Native::instance),
             estimate,
             classical_estimate,
         })
@@ -265,12 +291,18 @@ impl Plan {
             return exact::scratch_len::<T>([self.m, self.n, self.k], &layout, threads);
         }
         if let Some(instance) = self.native {
-            let op = if !self.symmetric { Op::Gemm } else if same { Op::Syrk } else { Op::Gemmt };
-            let program = fused::products(&self.recursion, op, self.m, self.n, self.k);
-            let kernel = <T as packed::sealed::Kernels>::kernel(instance);
-            return packed::scratch_len::<T>(kernel.geometry(), program.iter().map(|p| p.shape), 8 << 20, threads);
+            return native::plan_scratch_len::<T>(instance, self, same, threads);
         }
         self.lane_scratch_len(same) * self.lanes(threads) + (self.slabs - 1) * self.n * self.k
+    }
+
+    /// What the whole is; `same` when B is A.
+    pub(crate) fn op(&self, same: bool) -> Op {
+        match (self.symmetric, same) {
+            (true, true) => Op::Syrk,
+            (true, false) => Op::Gemmt,
+            (false, _) => Op::Gemm,
+        }
     }
 
     /// Elements of scratch of one thread.
@@ -399,8 +431,37 @@ fn default_slabs(m: usize, n: usize, k: usize) -> usize {
     if side <= 768 { (m / (16 * side).max(2048)).clamp(1, 8) } else { 1 }
 }
 
+/// Slabs for a C that is too small to be shared by threads.
+fn native_slabs(m: usize, n: usize, k: usize) -> usize {
+    /// A panel of C that fits the second-level cache beside its packed operands.
+    const SMALL: usize = 256;
+    if n.max(k) <= SMALL { (m / 4096).clamp(1, 16) } else { 1 }
+}
+
+/// Seconds on one core of a flattened recursion.
+fn native_seconds<T: packed::Operand>(
+    native: &Native,
+    program: &[FusedProduct],
+    n: usize,
+    k: usize,
+    symmetric: bool,
+) -> f64 {
+    let geometry = T::kernel(native.instance()).geometry();
+    let budget = native::budget::<T>(n, k);
+    let one = |p: &FusedProduct| {
+        let chunks = Blocking::new(geometry, size_of::<T>(), p.shape, budget).chunks(p.shape);
+        p.seconds(&native.rates(), size_of::<T>() as f64, chunks, symmetric)
+    };
+    program.iter().map(one).sum()
+}
+
 /// The recursions worth a look, for blocks of C with sides of `shortest` or more.
-fn candidates(leaf: Option<usize>, shortest: usize, allowed: usize) -> Vec<Recursion> {
+fn candidates(
+    leaf: Option<usize>,
+    shortest: usize,
+    allowed: usize,
+    general_scheme: SchemeId,
+) -> Vec<Recursion> {
     /// Shorter blocks never gain, and estimating them would take a visible part of the time.
     const WORTHWHILE: usize = 768;
     let mut found = Vec::new();
@@ -415,7 +476,7 @@ fn candidates(leaf: Option<usize>, shortest: usize, allowed: usize) -> Vec<Recur
                 {
                     found.push(Recursion {
                         symmetric: symmetric_schemes,
-                        general: vec![SchemeId::Strassen],
+                        general: vec![general_scheme],
                         base: Base::Side { general, symmetric },
                         fast_levels,
                     });
@@ -500,13 +561,24 @@ impl fmt::Display for Plan {
             )?;
             return self.write_estimate(f);
         }
-        writeln!(
-            f,
-            "tasks      {} blocks of C on {} levels, {slabs} slab{} of rows",
-            tasks.len(),
-            self.tree.depth(),
-            if *slabs == 1 { "" } else { "s" },
-        )?;
+        let slab_word = if *slabs == 1 { "slab" } else { "slabs" };
+        match self.native {
+            Some(instance) => {
+                let products = fused::products(recursion, self.op(true), m / slabs, *n, *k).len();
+                writeln!(
+                    f,
+                    "kernels    {}, {products} products with the additions fused, \
+                     {slabs} {slab_word} of rows",
+                    instance.name()
+                )?;
+            }
+            None => writeln!(
+                f,
+                "tasks      {} blocks of C on {} levels, {slabs} {slab_word} of rows",
+                tasks.len(),
+                self.tree.depth(),
+            )?,
+        }
         let names = |ids: &[SchemeId]| {
             if ids.is_empty() {
                 return "back end".to_owned();
@@ -529,12 +601,14 @@ impl fmt::Display for Plan {
             usize::MAX => writeln!(f, "fast       as many levels as fit")?,
             levels => writeln!(f, "fast       at most {levels} levels")?,
         }
-        writeln!(
-            f,
-            "scratch    {} elements a thread, {} for partial results",
-            self.lane_scratch_len(self.symmetric),
-            (slabs - 1) * n * k
-        )?;
+        if self.native.is_none() {
+            writeln!(
+                f,
+                "scratch    {} elements a thread, {} for partial results",
+                self.lane_scratch_len(self.symmetric),
+                (slabs - 1) * n * k
+            )?;
+        }
         self.write_estimate(f)
     }
 }

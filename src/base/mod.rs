@@ -13,6 +13,7 @@ pub use par::{Par, Pin, Team, available_cores};
 pub use progress::{Flow, Progress};
 pub use rng::Rng;
 pub use scalar::Real;
+pub(crate) use version::second_level_cache;
 pub use version::{VERSION, VersionNumber, cpu_features, version};
 pub(crate) use workspace::Scratch;
 pub use workspace::{Arena, Workspace, release_memory};

@@ -40,3 +40,32 @@ pub fn cpu_features() -> Vec<&'static str> {
     }
     found
 }
+
+/// Bytes of the second-level cache of a core, if the CPU says.
+pub(crate) fn second_level_cache() -> Option<usize> {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{__cpuid, __cpuid_count};
+        // The deterministic cache parameters: Intel's leaf, then AMD's of the same form.
+        for (limit, leaf) in [(0, 4), (0x8000_0000, 0x8000_001d)] {
+            if __cpuid(limit).eax < leaf {
+                continue;
+            }
+            for i in 0..8 {
+                let found = __cpuid_count(leaf, i);
+                let (kind, level) = (found.eax & 0x1f, found.eax >> 5 & 0x7);
+                if kind == 0 {
+                    break;
+                }
+                if level == 2 {
+                    let ways = (found.ebx >> 22) + 1;
+                    let partitions = (found.ebx >> 12 & 0x3ff) + 1;
+                    let line = (found.ebx & 0xfff) + 1;
+                    let bytes = [ways, partitions, line, found.ecx + 1].map(|n| n as usize);
+                    return Some(bytes.iter().product());
+                }
+            }
+        }
+    }
+    None
+}

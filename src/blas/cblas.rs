@@ -7,9 +7,8 @@ use faer::prelude::Reborrow;
 use faer::{MatMut, MatRef};
 use libloading::Library;
 
-use super::native::Native;
-use super::{Backend, Kernels, Rates, ThreadGuard, gemmt_by_gemm};
-use crate::kernel::packed::Instance;
+use super::{Backend, Kernels, Native, Rates, ThreadGuard, gemmt_by_gemm};
+use crate::kernel::packed;
 use crate::base::{Error, Real, Result};
 
 // The values of the CBLAS enumerations (BLAST forum standard, annex C.1).
@@ -294,7 +293,7 @@ impl Cblas {
             return;
         }
         let (Some(la), Some(lb), Some(lc)) = (layout_of(a), layout_of(b), layout_of(c.rb())) else {
-            return Native(Instance::best()).gemm(alpha, a, b, beta, c);
+            return fallback().gemm(alpha, a, b, beta, c);
         };
         let trans = |transposed: bool| if transposed { TRANS } else { NO_TRANS };
         // SAFETY: the views are valid for their shapes; `layout` derived order and leading
@@ -336,7 +335,7 @@ impl Cblas {
             return;
         }
         let (Some(la), Some(lc)) = (layout_of(a), layout_of(c.rb())) else {
-            return Native(Instance::best()).syrk(alpha, a, beta, c);
+            return fallback().syrk(alpha, a, beta, c);
         };
         // SAFETY: as in `gemm_with`.
         unsafe {
@@ -466,4 +465,10 @@ fn hold(
             }
         });
     })
+}
+
+/// What computes operands that CBLAS can't express.
+fn fallback() -> Native {
+    let best = packed::Instance::best();
+    Native::new(best, packed::Rates::of(best))
 }

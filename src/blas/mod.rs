@@ -2,7 +2,7 @@
 //!
 //! | constructor | needs | note |
 //! |---|---|---|
-//! | [`native()`] | nothing | the `gemm` crate, pure Rust; the default |
+//! | [`native()`] | nothing | our own kernels, pure Rust; the default |
 //! | `openblas` (feature `openblas`) | `libopenblas-dev` | linked at build time |
 //! | [`load`] | any shared library with the CBLAS interface | MKL, OpenBLAS, BLIS, by path |
 //!
@@ -21,6 +21,7 @@ use crate::base::{Real, Result};
 use crate::kernel::packed::Instance;
 use crate::kernel::{int8, packed};
 
+pub use native::Native;
 pub(crate) use triangle::gemmt_by_gemm;
 
 /// The matrix products of one precision, sequential, transposed on the left.
@@ -67,9 +68,8 @@ pub trait Backend: Kernels<f32> + Kernels<f64> {
     /// What the planner assumes of it.
     fn rates(&self) -> Rates;
 
-    /// The instruction set, when it is our own kernels: [`ata`](mod@crate::ata) then uses them without
-    /// this trait, with the additions of fast schemes fused into them.
-    fn instance(&self) -> Option<Instance> {
+    /// Itself, when it is our own kernels: [`ata`](mod@crate::ata) then uses them without this trait.
+    fn native(&self) -> Option<&Native> {
         None
     }
 
@@ -109,15 +109,14 @@ impl BlasReal for f64 {
     }
 }
 
-/// The default back end: the `gemm` crate, pure Rust, any strides.
+/// The default back end: our own kernels for the best instruction set of this machine.
 pub fn native() -> Arc<dyn Backend> {
     native_on(Instance::best())
 }
 
-/// The native kernels for one instruction set; the portable ones where the machine refuses it.
+/// Our own kernels for one instruction set; the portable ones where the machine refuses it.
 pub fn native_on(instance: Instance) -> Arc<dyn Backend> {
-    let usable = if instance.refusal().is_none() { instance } else { Instance::Portable };
-    Arc::new(native::Native(usable))
+    Arc::new(Native::new(instance, packed::Rates::of(instance)))
 }
 
 /// OpenBLAS, as linked at build time.

@@ -3,12 +3,18 @@ use faer::{MatMut, MatRef};
 use super::{Backend, Kernels, Rates};
 use crate::base::{Par, Scratch};
 use crate::kernel::packed::{
-    Destination, Instance, Job, Operand, Part, Product, Shape, Source, run, scratch_len,
+    self, Destination, Instance, Job, Operand, Part, Product, Shape, Source, run, scratch_len,
 };
 
-/// The kernels of this crate, one product at a time, on the calling thread.
-#[derive(Clone, Copy)]
-pub(super) struct Native(pub Instance);
+/// The kernels of this crate, for one instruction set: one product at a time, on the calling thread.
+///
+/// [`ata`](mod@crate::ata) does not call them through [`Kernels`], but uses all they can: threads that
+/// share packed operands, and additions fused into packing and writing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Native {
+    instance: Instance,
+    rates: packed::Rates,
+}
 
 /// Side of the blocks of C whose operands are packed together.
 const BLOCK: usize = 2048;
@@ -17,6 +23,22 @@ const BLOCK: usize = 2048;
 const BUDGET: usize = 1 << 20;
 
 impl Native {
+    /// For `instance`, or the portable one where this machine refuses that, with rates as measured.
+    pub fn new(instance: Instance, rates: packed::Rates) -> Self {
+        let usable = instance.refusal().is_none();
+        Self { instance: if usable { instance } else { Instance::Portable }, rates }
+    }
+
+    /// The instruction set.
+    pub fn instance(&self) -> Instance {
+        self.instance
+    }
+
+    /// Their speed, as assumed.
+    pub fn rates(&self) -> packed::Rates {
+        self.rates
+    }
+
     /// The part of `C := alpha A^T B + beta C`, B being A when `None`.
     fn product<T: Operand>(
         self,
@@ -46,7 +68,7 @@ impl Native {
                 products.push(if by_columns { product.transposed() } else { product });
             }
         }
-        let kernel = T::kernel(self.0);
+        let kernel = T::kernel(self.instance);
         let shapes = products.iter().map(|p| p.shape);
         let len = scratch_len::<T>(kernel.geometry(), shapes, BUDGET, 1);
         let mut scratch = Scratch::new::<T>(len).expect("a few megabytes");
@@ -81,20 +103,21 @@ impl Backend for Native {
     }
 
     fn description(&self) -> &str {
-        self.0.name()
+        self.instance.name()
     }
 
-    fn instance(&self) -> Option<Instance> {
-        Some(self.0)
+    fn native(&self) -> Option<&Self> {
+        Some(self)
     }
 
     fn rates(&self) -> Rates {
+        let packed::Rates { flops, update_bytes, .. } = self.rates;
         Rates {
-            gemm_flops: 88e9,
+            gemm_flops: flops,
             gemm_half_side: 36.0,
-            syrk_flops: 90e9,
-            syrk_half_side: 350.0,
-            add_bytes: 16e9,
+            syrk_flops: flops,
+            syrk_half_side: 60.0,
+            add_bytes: update_bytes,
         }
     }
 }

@@ -103,7 +103,7 @@ fn rival(name: &str, libraries: &Path) -> Result<Contender> {
 
 /// The back end called `name`, and its name without a path: gemm, or a library as in [`rival`].
 fn backend(name: &str, libraries: &Path) -> Result<(String, Arc<dyn Backend>)> {
-    if name == "gemm" {
+    if name == "native" {
         return Ok((name.to_owned(), blas::native()));
     }
     // Loaded as a rival first: who loads a library first decides how it is bound.

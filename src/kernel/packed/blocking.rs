@@ -1,12 +1,16 @@
-//! How the work on a product is cut: what stays in which cache.
+//! How the work on a product is cut: what stays in which cache. None of it but the depth touches
+//! the arithmetic.
+
+use std::sync::OnceLock;
 
 use super::{Geometry, Shape};
+use crate::base::second_level_cache;
 
 /// Extents of the pieces of a product.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Blocking {
-    /// Rows of the sources that a tile takes without a pause: a third of a tile's operands has to
-    /// stay in the first-level cache.
+    /// Rows of the sources that a tile takes without a pause: the left side of a row of tiles stays in
+    /// the first-level cache, and sums stay short.
     pub depth: usize,
     /// Panels along each side of an item, the piece of a product that one thread takes: its sums and
     /// its right side stay in the second-level cache.
@@ -15,35 +19,24 @@ pub(crate) struct Blocking {
     pub chunk: usize,
 }
 
-/// Rows of the sources that a tile takes without a pause.
-const DEPTH: usize = 256;
+/// The most rows that a tile takes without a pause.
+const DEPTH: usize = 320;
 
-/// Items along the longer side, at least, if there are as many panels.
+/// Items along the longer side, at least, if there are as many panels: work for several threads.
 const PARTS: usize = 5;
-
-/// Bytes of the second-level cache that the pieces are made for.
-const CACHE: usize = 2 << 20;
 
 impl Blocking {
     /// For a product of this shape, packed into at most `budget` scalars if that is possible.
     pub fn new(geometry: Geometry, scalar_bytes: usize, shape: Shape, budget: usize) -> Self {
         // Pieces of equal length, as short ones are slow.
         let even = |length: usize, most: usize| length.div_ceil(length.div_ceil(most).max(1));
-        let env=|n:&str,d:usize| std::env::var(n).ok().and_then(|v|v.parse().ok()).unwrap_or(d);
- let budget=env("BUDGET",budget);        let depth = even(shape.depth, env("DEPTH",DEPTH)).max(1);
-        // The right panels and the sums of an item take half of the cache: s (s + DEPTH) scalars.
-        let scalars = (CACHE / 2 / scalar_bytes) as f64;
-        let half = DEPTH as f64 / 2.0;
-        let side = (scalars + half * half).sqrt() - half;
+        let depth = even(shape.depth, DEPTH).max(1);
         let longest = shape.rows.max(shape.cols).div_ceil(geometry.width);
-        // Enough items for several threads, whatever their number.
-        let panels = (side as usize / geometry.width).min(longest.div_ceil(PARTS)).max(1);
-        let panels = env("PANELS",panels);
-        let width = Self::packed_columns(geometry, shape).max(1);
-        let blocks = (budget / width / depth).max(1);
-        let chunks = shape.depth.div_ceil(blocks * depth).max(1);
-        let chunk = shape.depth.div_ceil(depth).div_ceil(chunks) * depth;
-        Self { depth, panels, chunk: chunk.min(shape.depth) }
+        let panels = item_side(scalar_bytes) / geometry.width;
+        let panels = panels.min(longest.div_ceil(PARTS)).max(1);
+        let blocks = shape.depth.div_ceil(depth).max(1);
+        let most = budget / Self::packed_columns(geometry, shape).max(1) / depth;
+        Self { depth, panels, chunk: even(blocks, most.max(1)) * depth }
     }
 
     /// Columns of both sides, whole panels.
@@ -55,6 +48,28 @@ impl Blocking {
 
     /// Scalars that a chunk is packed into.
     pub fn packed_len(&self, geometry: Geometry, shape: Shape) -> usize {
-        self.chunk * Self::packed_columns(geometry, shape)
+        self.chunk.min(shape.depth) * Self::packed_columns(geometry, shape)
     }
+
+    /// Scalars of the sums of an item: those of one tile where no block of rows follows another.
+    pub fn sums_len(&self, geometry: Geometry) -> usize {
+        let side = self.panels * geometry.width;
+        if self.chunk <= self.depth { geometry.rows * geometry.width } else { side * side }
+    }
+
+    /// Chunks of a product: at least one.
+    pub fn chunks(&self, shape: Shape) -> usize {
+        shape.depth.div_ceil(self.chunk).max(1)
+    }
+}
+
+/// Side of an item whose sums and right side, `s (s + DEPTH)` scalars, leave an eighth of the
+/// second-level cache to the left side.
+fn item_side(scalar_bytes: usize) -> usize {
+    static CACHE: OnceLock<usize> = OnceLock::new();
+    /// Where the CPU does not say.
+    const USUAL: usize = 1 << 20;
+    let cache = *CACHE.get_or_init(|| second_level_cache().unwrap_or(USUAL));
+    let (scalars, half) = (cache / 8 * 7 / scalar_bytes, DEPTH / 2);
+    (scalars + half * half).isqrt() - half
 }

@@ -2,6 +2,8 @@
 //!
 //! Everything here is inlined into functions that enable the instructions of one [`Vectors`].
 
+use std::ops::Range;
+
 use super::operands::{Source, Target};
 use super::{Area, piece};
 use crate::base::Real;
@@ -43,6 +45,81 @@ pub(super) trait Vectors {
     fn prefetch(_address: *const Self::Scalar) {}
     /// The same, for the second-level cache.
     fn prefetch_far(_address: *const Self::Scalar) {}
+}
+
+/// A row of tiles: ROWS columns of a left panel times some right panels, one after another.
+pub(crate) struct Row<'r, T> {
+    /// Rows of the panels.
+    pub steps: usize,
+    pub left: *const T,
+    /// What the next row begins with, to be fetched meanwhile.
+    pub next_left: *const T,
+    /// A part of what the next steps begin with, to be fetched too: this many lines per tile.
+    pub next_right: *const T,
+    pub next_lines: usize,
+    /// The first panel of `panels`; the others follow.
+    pub right: *const T,
+    pub panels: Range<usize>,
+    /// Columns of the product that somebody wants of these rows.
+    pub wanted: Range<usize>,
+    /// The sums of the tiles: one tile for all when `kept` is false.
+    pub sums: *mut T,
+    pub kept: bool,
+    /// Whether the sums hold those of earlier steps.
+    pub add: bool,
+    /// Where the sums go when they are complete; empty before.
+    pub targets: &'r [Target<T>],
+    /// First row of the product.
+    pub corner: usize,
+}
+
+/// Computes a row of tiles, and writes it if it is complete.
+///
+/// # Safety
+/// The panels hold `steps` rows, the sums a tile per panel (or one); nobody else uses the sums and
+/// these entries of the targets.
+#[inline(always)]
+pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: usize>(
+    row: &Row<'_, V::Scalar>,
+) {
+    let share = row.steps.div_ceil(row.panels.len().max(1));
+    for (j, panel) in row.panels.clone().enumerate() {
+        let col = panel * V::WIDTH;
+        if col >= row.wanted.end || col + V::WIDTH <= row.wanted.start {
+            continue;
+        }
+        // SAFETY: the caller's promise.
+        unsafe {
+            let sums = row.sums.add(if row.kept { j * V::ROWS * V::WIDTH } else { 0 });
+            let right = row.right.add(j * row.steps * V::WIDTH);
+            let left = Stream {
+                start: row.next_left.wrapping_add(j * share * V::WIDTH),
+                stride: V::WIDTH as isize,
+                count: share,
+                lines: 1,
+            };
+            let then = match row.targets.first() {
+                Some(target) => target.stream(V::ROWS, V::WIDTH, row.corner, col),
+                None => {
+                    let line = const { line_len::<V::Scalar>() };
+                    let start = row.next_right.wrapping_add(j * row.next_lines * line);
+                    Stream { start, stride: line as isize, count: row.next_lines, lines: 1 }
+                }
+            };
+            let ahead = &[then, left];
+            let rest = row.wanted.end - col;
+            if rest >= V::WIDTH || rest.div_ceil(V::LANES) >= COUNT {
+                multiply::<V, ROWS, COUNT>(row.steps, row.left, right, sums, row.add, ahead);
+            } else if rest > V::LANES {
+                multiply::<V, ROWS, 2>(row.steps, row.left, right, sums, row.add, ahead);
+            } else {
+                multiply::<V, ROWS, 1>(row.steps, row.left, right, sums, row.add, ahead);
+            }
+            for target in row.targets {
+                write::<V>(sums, target, row.corner, col);
+            }
+        }
+    }
 }
 
 /// Lines to fetch: some at each of several places.
@@ -87,22 +164,6 @@ pub(super) unsafe fn multiply<V: Vectors, const ROWS: usize, const N: usize>(
     // SAFETY: the caller's promise.
     unsafe {
         let mut tile = [[V::splat(V::Scalar::ZERO); N]; ROWS];
-        let mut step = || {
-            let mut r = [V::splat(V::Scalar::ZERO); N];
-            for j in 0..N {
-                r[j] = V::load(right.add(j * V::LANES));
-                V::prefetch(right.wrapping_add(AHEAD * V::WIDTH + j * V::LANES));
-            }
-            V::prefetch(left.wrapping_add(AHEAD * V::WIDTH));
-            for i in 0..ROWS {
-                let l = V::splat(*left.add(i));
-                for j in 0..N {
-                    tile[i][j] = V::mul_add(l, r[j], tile[i][j]);
-                }
-            }
-            left = left.add(V::WIDTH);
-            right = right.add(V::WIDTH);
-        };
         let mut rest = steps;
         for stream in ahead {
             let mut line = stream.start;
@@ -112,13 +173,13 @@ pub(super) unsafe fn multiply<V: Vectors, const ROWS: usize, const N: usize>(
                 }
                 line = line.wrapping_offset(stream.stride);
                 for _ in 0..PACE {
-                    step();
+                    step::<V, ROWS, N>(&mut left, &mut right, &mut tile);
                 }
                 rest -= PACE;
             }
         }
         for _ in 0..rest {
-            step();
+            step::<V, ROWS, N>(&mut left, &mut right, &mut tile);
         }
         for i in 0..ROWS {
             for j in 0..N {
@@ -127,6 +188,35 @@ pub(super) unsafe fn multiply<V: Vectors, const ROWS: usize, const N: usize>(
                 V::store(at, sum);
             }
         }
+    }
+}
+
+/// One step of [`multiply`].
+///
+/// # Safety
+/// As there.
+#[inline(always)]
+unsafe fn step<V: Vectors, const ROWS: usize, const N: usize>(
+    left: &mut *const V::Scalar,
+    right: &mut *const V::Scalar,
+    tile: &mut [[V::Vector; N]; ROWS],
+) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let mut r = [V::splat(V::Scalar::ZERO); N];
+        for j in 0..N {
+            r[j] = V::load(right.add(j * V::LANES));
+            V::prefetch(right.wrapping_add(AHEAD * V::WIDTH + j * V::LANES));
+        }
+        V::prefetch(left.wrapping_add(AHEAD * V::WIDTH));
+        for i in 0..ROWS {
+            let l = V::splat(*left.add(i));
+            for j in 0..N {
+                tile[i][j] = V::mul_add(l, r[j], tile[i][j]);
+            }
+        }
+        *left = left.add(V::WIDTH);
+        *right = right.add(V::WIDTH);
     }
 }
 

@@ -10,6 +10,7 @@ mod blocking;
 mod generic;
 mod operands;
 mod portable;
+mod rates;
 #[cfg(test)]
 mod probe;
 mod schedule;
@@ -20,8 +21,11 @@ pub(crate) use blocking::Blocking;
 pub(crate) use operands::{Destination, Part, Product, Shape, Source, Target};
 pub(crate) use schedule::{Job, run, scratch_len};
 
+pub use rates::Rates;
+
 use std::ops::Range;
 
+pub(crate) use generic::Row;
 use generic::Stream;
 
 use crate::base::Real;
@@ -151,6 +155,12 @@ pub(crate) trait Kernel<T>: Sync {
         ahead: &[Stream<T>],
     );
 
+    /// See [`generic::multiply_row`].
+    ///
+    /// # Safety
+    /// As there.
+    unsafe fn multiply_row(&self, row: &Row<'_, T>);
+
     /// See [`generic::pack`].
     ///
     /// # Safety
@@ -210,6 +220,17 @@ macro_rules! instantiate {
                         _ => tile::<{ <$vectors as super::generic::Vectors>::COUNT }>(steps, left, right, sums, add, ahead),
                     }
                 }
+            }
+
+            unsafe fn multiply_row(&self, row: &super::Row<'_, $t>) {
+                $($enable)*
+                unsafe fn multiply_row(row: &super::Row<'_, $t>) {
+                    use super::generic::{Vectors as V, multiply_row};
+                    // SAFETY: the caller's promise.
+                    unsafe { multiply_row::<$vectors, { <$vectors as V>::ROWS }, { <$vectors as V>::COUNT }>(row) }
+                }
+                // SAFETY: the caller's promise; `self` exists, so the CPU has the instructions.
+                unsafe { multiply_row(row) }
             }
 
             unsafe fn pack(

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use faer::{MatMut, MatRef};
 
+use super::generic::{Stream, line_len};
 use crate::base::Real;
 
 /// A signed block: one term of the sum that is packed.
@@ -129,6 +130,13 @@ impl<T> Target<T> {
     #[inline(always)]
     pub fn at(&self, i: usize, j: usize) -> *mut T {
         self.start.wrapping_offset(i as isize * self.row_stride + j as isize * self.col_stride)
+    }
+
+    /// What writing a tile of `height` x `width` at `(row, col)` will read.
+    #[inline(always)]
+    pub fn stream(&self, height: usize, width: usize, row: usize, col: usize) -> Stream<T> {
+        let lines = if self.col_stride == 1 { width.div_ceil(line_len::<T>()) + 1 } else { 0 };
+        Stream { start: self.at(row, col), stride: self.row_stride, count: height, lines }
     }
 
     /// The same block, whose entries have a first product.

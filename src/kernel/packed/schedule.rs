@@ -10,8 +10,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::operands::{Product, Shape, Source, Target};
-use super::generic::{Stream, line_len};
-use super::{Area, Blocking, Geometry, Kernel, piece};
+use super::generic::line_len;
+use super::{Area, Blocking, Geometry, Kernel, Row, piece};
 use crate::base::{Arena, Par, Real};
 
 /// Products and how to run them.
@@ -36,14 +36,9 @@ pub(crate) fn scratch_len<T: Real>(
     for shape in shapes {
         let blocking = Blocking::new(geometry, size_of::<T>(), shape, budget);
         packed = packed.max(blocking.packed_len(geometry, shape));
-        sums = sums.max(sums_len(geometry, &blocking));
+        sums = sums.max(blocking.sums_len(geometry));
     }
     packed + lanes * sums + (lanes + 1) * line_len::<T>()
-}
-
-/// Scalars of the sums of an item.
-fn sums_len(geometry: Geometry, blocking: &Blocking) -> usize {
-    (blocking.panels * geometry.width).pow(2)
 }
 
 /// The next `len` scalars on a cache line of their own.
@@ -67,7 +62,7 @@ pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T])
     let mut tickets = 0;
     for plan in &plans {
         let depth = plan.product.shape.depth;
-        for first in (0..depth.max(1)).step_by(plan.blocking.chunk.max(1)) {
+        for first in (0..depth.max(1)).step_by(plan.blocking.chunk) {
             let rows = first..depth.min(first + plan.blocking.chunk);
             for step in [Step::Pack, Step::Multiply] {
                 let start = tickets;
@@ -78,7 +73,7 @@ pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T])
     }
     let len = |f: &dyn Fn(&Plan<'_, T>) -> usize| plans.iter().map(f).max().unwrap_or(0);
     let packed_len = len(&|p| p.blocking.packed_len(geometry, p.product.shape));
-    let sums_len = len(&|p| sums_len(geometry, &p.blocking));
+    let sums_len = len(&|p| p.blocking.sums_len(geometry));
     let lanes = par.threads();
     let mut arena = Arena::new(scratch);
     let packed = Packed { start: aligned(&mut arena, packed_len).as_mut_ptr(), len: packed_len };
@@ -306,79 +301,50 @@ impl<T: Real> Phase<'_, '_, T> {
         let Plan { geometry, blocking, product, items, later, .. } = self.plan;
         let item = &items[i];
         let targets = if self.rows.start == 0 { &product.targets } else { later };
-        let Geometry { lanes, rows: height, width } = *geometry;
-        let (tile_len, all_vectors) = (height * width, width / lanes);
-        let line = line_len::<T>();
+        let Geometry { rows: height, width, .. } = *geometry;
         let blocks = self.rows.len().div_ceil(blocking.depth).max(1);
         // Between blocks of rows the sums of all tiles have to be kept.
         let kept = blocks > 1;
+        let row_len = item.cols.len() * height * width;
+        let first_row = item.rows.start * width / height;
+        let end_row = (item.rows.end * width / height).min(product.shape.rows.div_ceil(height));
         for b in 0..blocks {
             let (left, right, rows) = self.block(b);
             let steps = rows.len();
             let last = b + 1 == blocks;
-            let first_row = item.rows.start * width / height;
-            let end_row = (item.rows.end * width / height).min(product.shape.rows.div_ceil(height));
+            let left_of = |row: usize| {
+                let corner = row * height;
+                packed.at(left + corner / width * steps * width + corner % width)
+            };
             let (_, next_right, next_rows) = self.block(b + 1);
             let next_right = next_right + item.cols.start * next_rows.len() * width;
-            let right_lines = item.cols.len() * next_rows.len() * width / line_len::<T>();
-            let row_share = steps.div_ceil(item.cols.len());
-            let block_share = right_lines.div_ceil((end_row - first_row) * item.cols.len());
+            let next_len = item.cols.len() * next_rows.len() * width;
+            let tiles = (end_row - first_row) * item.cols.len();
+            let next_lines = (next_len / line_len::<T>()).div_ceil(tiles);
             for row in first_row..end_row {
                 let corner = row * height;
+                let fetched = (row - first_row) * item.cols.len() * next_lines * line_len::<T>();
                 let wanted = wanted_of(targets, corner..corner + height);
-                let left_of = |corner| left + corner / width * steps * width + corner % width;
-                let (left_panel, next_panel) = (left_of(corner), left_of(corner + height));
-                let end = wanted.end.min(product.shape.cols);
-                for panel in item.cols.clone() {
-                    let col = panel * width;
-                    if col >= end || col + width <= wanted.start {
-                        continue;
-                    }
-                    let vectors =
-                        if col + width <= end { all_vectors } else { (end - col).div_ceil(lanes) };
-                    let tile = if kept {
-                        ((row - first_row) * item.cols.len() + panel - item.cols.start) * tile_len
-                    } else {
-                        0
-                    };
-                    let tile = sums[tile..tile + tile_len].as_mut_ptr();
-                    let tile_number = (row - first_row) * item.cols.len() + panel - item.cols.start;
-                    // A share of what the next row of tiles and the next block of rows begin with.
-                    let mut ahead = [
-                        Stream {
-                            start: packed.at(next_panel + (panel - item.cols.start) * row_share * width),
-                            stride: width as isize,
-                            count: row_share,
-                            lines: 1,
-                        },
-                        Stream {
-                            start: packed.at(next_right + tile_number * block_share * line_len::<T>()),
-                            stride: line_len::<T>() as isize,
-                            count: block_share,
-                            lines: 1,
-                        },
-                    ];
-                    if last && let Some(target) = targets.first() {
-                        ahead[1] = Stream {
-                            start: target.at(corner, col),
-                            stride: target.row_stride,
-                            count: height,
-                            lines: if target.col_stride == 1 { width.div_ceil(line_len::<T>()) + 1 } else { 0 },
-                        };
-                    }
-                    // SAFETY: the panels hold `steps` rows of these columns, the tile is a tile.
-                    unsafe {
-                        let left = packed.at(left_panel);
-                        let right = packed.at(right + panel * steps * width);
-                        kernel.multiply(steps, left, right, vectors, tile, b > 0, &ahead);
-                    }
-                    if last {
-                        for target in targets {
-                            // SAFETY: the caller's promise.
-                            unsafe { kernel.write(tile, target, corner, col) };
-                        }
-                    }
-                }
+                let first = if kept { (row - first_row) * row_len } else { 0 };
+                let len = if kept { row_len } else { height * width };
+                let row = Row {
+                    steps,
+                    left: left_of(row),
+                    next_left: left_of(row + 1),
+                    next_right: packed.at(next_right + fetched),
+                    next_lines,
+                    right: packed.at(right + item.cols.start * steps * width),
+                    panels: item.cols.clone(),
+                    wanted: wanted.start..wanted.end.min(product.shape.cols),
+                    sums: sums[first..first + len].as_mut_ptr(),
+                    kept,
+                    add: b > 0,
+                    targets: if last { targets } else { &[] },
+                    corner,
+                };
+                // SAFETY: the panels hold `steps` rows, the sums a tile per panel or one; the caller
+                // promises the rest.
+                unsafe { kernel.multiply_row(&row) };
             }
         }
         item.cost as f64 * self.rows.len() as f64
