@@ -11,8 +11,6 @@ mod generic;
 mod operands;
 mod portable;
 mod rates;
-#[cfg(test)]
-mod probe;
 mod schedule;
 #[cfg(target_arch = "x86_64")]
 mod x86;
