@@ -27,7 +27,7 @@ pub use tree::{Node, Task, levels};
 pub use verify::{Verification, verify, verify_rows};
 
 use crate::base::{Error, Result, Scratch};
-use crate::blas::BlasReal;
+use crate::blas::{BlasReal, Kernels};
 use crate::kernel::int8::Instance;
 
 /// `C := alpha A^T A + beta C`, the triangle or triangles of `options.uplo`.
@@ -45,6 +45,13 @@ pub fn ata<T: BlasReal>(
     c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<()> {
+    if let Some(kernels) = small(a, a, true, options)? {
+        Error::check_shape("C", (a.ncols(), a.ncols()), c.shape())?;
+        return symmetric(c, options.uplo, |c| {
+            kernels.syrk(alpha, a, beta, c);
+            Ok(())
+        });
+    }
     let plan = plan_ata(a, c.rb(), options)?;
     let mut scratch = Scratch::new::<T>(plan.scratch_len::<T>(options.par.threads(), true))?;
     run_symmetric(&plan, alpha, a, None, beta, c, options, scratch.as_mut_slice())
@@ -62,6 +69,9 @@ pub fn ata_with_scratch<T: BlasReal>(
     options: &AtaOptions<'_>,
     scratch: &mut [T],
 ) -> Result<()> {
+    if small(a, a, true, options)?.is_some() {
+        return ata(alpha, a, beta, c, options);
+    }
     let plan = plan_ata(a, c.rb(), options)?;
     check_scratch(scratch, plan.scratch_len::<T>(options.par.threads(), true))?;
     run_symmetric(&plan, alpha, a, None, beta, c, options, scratch)
@@ -128,6 +138,11 @@ pub fn atb<T: BlasReal>(
     c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<()> {
+    if let Some(kernels) = small(a, b, false, options)? {
+        check_atb(a, b, c.rb())?;
+        kernels.gemm(alpha, a, b, beta, c);
+        return Ok(());
+    }
     let plan = plan_atb(a, b, c.rb(), options)?;
     let mut scratch = Scratch::new::<T>(plan.scratch_len::<T>(options.par.threads(), false))?;
     run(&plan, alpha, a, Some(b), beta, c, options, scratch.as_mut_slice())
@@ -146,6 +161,9 @@ pub fn atb_with_scratch<T: BlasReal>(
     options: &AtaOptions<'_>,
     scratch: &mut [T],
 ) -> Result<()> {
+    if small(a, b, false, options)?.is_some() {
+        return atb(alpha, a, b, beta, c, options);
+    }
     let plan = plan_atb(a, b, c.rb(), options)?;
     check_scratch(scratch, plan.scratch_len::<T>(options.par.threads(), false))?;
     run(&plan, alpha, a, Some(b), beta, c, options, scratch)
@@ -174,16 +192,39 @@ fn plan_ata<T: BlasReal>(
     Plan::ata::<T>(m, n, options)
 }
 
+/// The kernels that compute a product which is over before it could be planned, if it is one and
+/// the options leave us the choice.
+fn small<'o, T: BlasReal>(
+    a: MatRef<'_, T>,
+    b: MatRef<'_, T>,
+    same: bool,
+    options: &'o AtaOptions<'_>,
+) -> Result<Option<&'o dyn Kernels<T>>> {
+    plan::check(options)?;
+    let ours = matches!(
+        options.scheme,
+        SchemeChoice::Auto | SchemeChoice::Float | SchemeChoice::Classical
+    ) && options.accuracy != Accuracy::Max
+        && !options.reproducible
+        && options.progress.is_none();
+    let native = options.backend.native().filter(|_| ours);
+    let found = native.filter(|n| n.is_small::<T>(a.nrows(), a.ncols(), b.ncols(), same));
+    Ok(found.map(|_| T::kernels(options.backend.as_ref())))
+}
+
+fn check_atb<T>(a: MatRef<'_, T>, b: MatRef<'_, T>, c: MatRef<'_, T>) -> Result<()> {
+    Error::check_shape("B", (a.nrows(), b.ncols()), b.shape())?;
+    Error::check_shape("C", (a.ncols(), b.ncols()), c.shape())
+}
+
 fn plan_atb<T: BlasReal>(
     a: MatRef<'_, T>,
     b: MatRef<'_, T>,
     c: MatRef<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<Plan> {
-    let ((m, n), k) = (a.shape(), b.ncols());
-    Error::check_shape("B", (m, k), b.shape())?;
-    Error::check_shape("C", (n, k), c.shape())?;
-    Plan::atb::<T>(m, n, k, options)
+    check_atb(a, b, c)?;
+    Plan::atb::<T>(a.nrows(), a.ncols(), b.ncols(), options)
 }
 
 fn check_scratch<T>(scratch: &[T], len: usize) -> Result<()> {
@@ -246,16 +287,24 @@ fn run_symmetric<T: BlasReal>(
     a: MatRef<'_, T>,
     b: Option<MatRef<'_, T>>,
     beta: T,
-    mut c: MatMut<'_, T>,
+    c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
     scratch: &mut [T],
 ) -> Result<()> {
-    let lower = match options.uplo {
-        Uplo::Upper => c.rb_mut().transpose_mut(),
-        Uplo::Lower | Uplo::Both => c.rb_mut(),
-    };
-    run(plan, alpha, a, b, beta, lower, options, scratch)?;
-    if options.uplo == Uplo::Both {
+    symmetric(c, options.uplo, |lower| run(plan, alpha, a, b, beta, lower, options, scratch))
+}
+
+/// Makes the triangles of `uplo` out of what `work` does to a lower one.
+fn symmetric<T: BlasReal>(
+    mut c: MatMut<'_, T>,
+    uplo: Uplo,
+    work: impl FnOnce(MatMut<'_, T>) -> Result<()>,
+) -> Result<()> {
+    match uplo {
+        Uplo::Upper => work(c.rb_mut().transpose_mut())?,
+        Uplo::Lower | Uplo::Both => work(c.rb_mut())?,
+    }
+    if uplo == Uplo::Both {
         combine::mirror_lower(c);
     }
     Ok(())

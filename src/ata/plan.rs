@@ -359,7 +359,7 @@ fn uses_fast(recursion: &Recursion, op: Op, m: usize, n: usize, k: usize) -> boo
         })
 }
 
-fn check(options: &AtaOptions<'_>) -> Result<()> {
+pub(super) fn check(options: &AtaOptions<'_>) -> Result<()> {
     let refuse = |what, why: &str| Err(Error::Argument { what, why: why.into() });
     match options.accuracy {
         Accuracy::Bounded(f) if !f.is_finite() || f < 1.0 => {

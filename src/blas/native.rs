@@ -3,7 +3,7 @@ use faer::{MatMut, MatRef};
 use super::{Backend, Kernels, Rates};
 use crate::base::{Par, Scratch};
 use crate::kernel::packed::{
-    self, Destination, Instance, Job, Operand, Part, Product, Shape, Source, run, scratch_len,
+    self, Destination, Instance, Job, Operand, Part, Product, Shape, Source, is_small, run, run_small, scratch_len,
 };
 
 /// The kernels of this crate, for one instruction set: one product at a time, on the calling thread.
@@ -39,6 +39,11 @@ impl Native {
         self.rates
     }
 
+    /// Whether a product is over before it could be planned: at most about 30 microseconds.
+    pub(crate) fn is_small<T: Operand>(&self, m: usize, n: usize, k: usize, same: bool) -> bool {
+        is_small(T::kernel(self.instance), Shape { depth: m, rows: n, cols: k, same })
+    }
+
     /// The part of `C := alpha A^T B + beta C`, B being A when `None`.
     fn product<T: Operand>(
         self,
@@ -54,6 +59,21 @@ impl Native {
         assert_eq!(b.unwrap_or(a).ncols(), k);
         let by_columns = c.row_stride() == 1 && c.col_stride() != 1;
         let destination = Destination::new(c, part);
+        let kernel = T::kernel(self.instance);
+        let shape = Shape { depth: a.nrows(), rows: n, cols: k, same: b.is_none() };
+        if is_small(kernel, shape) {
+            let source = |matrix| Source { coefficient: T::ONE, matrix };
+            let (mut left, mut right) = (source(a), source(b.unwrap_or(a)));
+            let mut target = destination.block(0..n, 0..k, alpha, beta);
+            let mut shape = shape;
+            if by_columns {
+                (left, right) = (right, left);
+                target = target.transposed();
+                (shape.rows, shape.cols) = (k, n);
+            }
+            // SAFETY: C is borrowed for the length of this call.
+            return unsafe { run_small(kernel, left, right, target, shape) };
+        }
         let mut products = Vec::new();
         for i in (0..n).step_by(BLOCK) {
             for j in (0..k).step_by(BLOCK) {
@@ -68,7 +88,6 @@ impl Native {
                 products.push(if by_columns { product.transposed() } else { product });
             }
         }
-        let kernel = T::kernel(self.instance);
         let shapes = products.iter().map(|p| p.shape);
         let len = scratch_len::<T>(kernel.geometry(), shapes, BUDGET, 1);
         let mut scratch = Scratch::new::<T>(len).expect("a few megabytes");

@@ -20,7 +20,7 @@ pub(crate) struct Blocking {
 }
 
 /// The most rows that a tile takes without a pause.
-const DEPTH: usize = 320;
+pub(super) const DEPTH: usize = 320;
 
 /// Items along the longer side, at least, if there are as many panels: work for several threads.
 const PARTS: usize = 5;

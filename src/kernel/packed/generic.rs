@@ -341,7 +341,7 @@ unsafe fn pack_elements<V: Vectors>(
 ) {
     /// Rows taken together, so that columns stored one after another are read in order.
     const ROWS: usize = 16;
-    // SAFETY: the caller's promise.
+    // SAFETY: the caller's promise; only entries inside of a source are read.
     unsafe {
         let panels = area.cols.len().div_ceil(V::WIDTH);
         for panel in 0..panels {
@@ -349,16 +349,31 @@ unsafe fn pack_elements<V: Vectors>(
             let to = out.add(panel * panel_stride);
             for first in (0..area.rows.len()).step_by(ROWS) {
                 let count = ROWS.min(area.rows.len() - first);
-                std::slice::from_raw_parts_mut(to.add(first * V::WIDTH), count * V::WIDTH).fill(V::Scalar::ZERO);
+                let to = to.add(first * V::WIDTH);
+                for i in 0..count * V::COUNT {
+                    V::store(to.add(i * V::LANES), V::splat(V::Scalar::ZERO));
+                }
                 for s in sources {
+                    let m = s.matrix;
                     let row = area.rows.start + first;
-                    let count = count.min(s.matrix.nrows().saturating_sub(row));
-                    let inside = cols.end.min(s.matrix.ncols());
-                    for (j, col) in (cols.start..inside).enumerate() {
-                        let stride = s.matrix.row_stride();
-                        let from = s.matrix.as_ptr().offset(row as isize * stride + col as isize * s.matrix.col_stride());
+                    let count = count.min(m.nrows().saturating_sub(row));
+                    let width = cols.end.min(m.ncols()).saturating_sub(cols.start);
+                    let (down, across) = (m.row_stride(), m.col_stride());
+                    let from = m.as_ptr().wrapping_offset(row as isize * down + cols.start as isize * across);
+                    let c = s.coefficient;
+                    if across == 1 {
                         for k in 0..count {
-                            *to.add((first + k) * V::WIDTH + j) += s.coefficient * *from.offset(k as isize * stride);
+                            let from = from.wrapping_offset(k as isize * down);
+                            for j in 0..width {
+                                *to.add(k * V::WIDTH + j) += c * *from.add(j);
+                            }
+                        }
+                    } else {
+                        for j in 0..width {
+                            let from = from.wrapping_offset(j as isize * across);
+                            for k in 0..count {
+                                *to.add(k * V::WIDTH + j) += c * *from.wrapping_offset(k as isize * down);
+                            }
                         }
                     }
                 }

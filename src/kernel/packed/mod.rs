@@ -12,12 +12,14 @@ mod operands;
 mod portable;
 mod rates;
 mod schedule;
+mod small;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 pub(crate) use blocking::Blocking;
 pub(crate) use operands::{Destination, Part, Product, Shape, Source, Target};
 pub(crate) use schedule::{Job, run, scratch_len};
+pub(crate) use small::{is_small, run_small};
 
 pub use rates::Rates;
 
