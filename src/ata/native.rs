@@ -80,9 +80,12 @@ pub(crate) fn execute<T: Operand>(
     };
     let kernel = T::kernel(instance);
     let budget = budget::<T>(plan.n, plan.k);
+    let sides = [a, b.unwrap_or(a)];
+    // Classical products have componentwise bounds whatever the scales of the columns.
+    let scales = (options.scale_columns && plan.is_fast()).then(|| sides.map(Scales::of));
     let slab = |i: usize, beta, c: MatMut<'_, T>, par, scratch: &mut [T]| {
-        let part = |matrix| sub_rows(matrix, rows(i));
-        let products = bind(plan, &programs[i], alpha, [a, b.unwrap_or(a)].map(part), beta, c);
+        let sides = sides.map(|matrix| sub_rows(matrix, rows(i)));
+        let products = bind(plan, &programs[i], alpha, sides, scales.as_ref(), beta, c);
         let job = Job { kernel, products: &products, budget, progress: &progress };
         // SAFETY: the targets are of `c`, which is borrowed mutably for this call.
         unsafe { run(&job, par, scratch) };
@@ -138,16 +141,22 @@ fn bind<'a, T: Operand>(
     program: &[FusedProduct],
     alpha: T,
     [a, b]: [MatRef<'a, T>; 2],
+    scales: Option<&'a [Scales<T>; 2]>,
     beta: T,
     c: MatMut<'_, T>,
 ) -> Vec<Product<'a, T>> {
     // Tiles are written by rows.
     let by_columns = c.row_stride() == 1 && c.col_stride() != 1;
     let destination = Destination::new(c, if plan.symmetric { Part::Lower } else { Part::All });
-    let sources = |blocks: &[Block], matrix: MatRef<'a, T>| {
+    let destination = match scales {
+        Some([left, right]) => destination.unscaling(&left.factors, &right.factors),
+        None => destination,
+    };
+    let sources = |blocks: &[Block], matrix: MatRef<'a, T>, side: usize| {
         let source = |b: &Block| Source {
             coefficient: T::from_f64(f64::from(b.coefficient)),
             matrix: matrix.submatrix(b.rows.start, b.cols.start, b.rows.len(), b.cols.len()),
+            scale: scales.map(|s| &s[side].factors[b.cols.clone()]),
         };
         blocks.iter().map(source).collect()
     };
@@ -158,12 +167,43 @@ fn bind<'a, T: Operand>(
     };
     let product = |p: &FusedProduct| {
         let product = Product {
-            left: sources(&p.left, a),
-            right: sources(&p.right, b),
+            left: sources(&p.left, a, 0),
+            right: sources(&p.right, b, 1),
             targets: p.outputs.iter().map(target).collect(),
             shape: p.shape,
         };
         if by_columns { product.transposed() } else { product }
     };
     program.iter().map(product).collect()
+}
+
+/// Powers of two that bring the columns of a matrix to largest entries between 1 and 2.
+struct Scales<T> {
+    factors: Vec<T>,
+}
+
+impl<T: Operand> Scales<T> {
+    fn of(matrix: MatRef<'_, T>) -> Self {
+        let mut largest = vec![T::ZERO; matrix.ncols()];
+        for i in 0..matrix.nrows() {
+            for (j, most) in largest.iter_mut().enumerate() {
+                let x = matrix[(i, j)].abs();
+                if x > *most {
+                    *most = x;
+                }
+            }
+        }
+        Self { factors: largest.into_iter().map(scale).collect() }
+    }
+}
+
+/// The power of two that brings `largest` to between 1 and 2; 1 where there is nothing to scale. Far
+/// from the limits of the exponent, so that neither the products nor their quotients leave the range.
+fn scale<T: Operand>(largest: T) -> T {
+    let largest = largest.to_f64();
+    if largest == 0.0 || !largest.is_finite() {
+        return T::ONE;
+    }
+    let most = if size_of::<T>() == 8 { 400 } else { 40 };
+    T::from_f64((-largest.log2().floor()).clamp(-f64::from(most), f64::from(most)).exp2())
 }

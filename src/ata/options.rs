@@ -100,6 +100,11 @@ pub struct AtaOptions<'a> {
     /// The same bytes on any machine, which is [`SchemeChoice::Exact`] everywhere: no other scheme may be asked
     /// for. Without AMX it is slower than the classical way. Default false.
     pub reproducible: bool,
+    /// Multiplies columns by powers of two while fast levels pack them, and divides the products again:
+    /// exactly, so that columns of very different sizes do not spoil each other's accuracy. Costs a pass
+    /// over A and slower packing. Native kernels only; without effect on classical and exact products.
+    /// Default false.
+    pub scale_columns: bool,
     /// What computes the leaves; default [`blas::native()`].
     pub backend: Arc<dyn Backend>,
     /// Smallest block side a fast level may produce (elements, >= 1); in [`SchemeChoice::Ata2`] the
@@ -119,6 +124,7 @@ impl Default for AtaOptions<'_> {
             scheme: SchemeChoice::default(),
             accuracy: Accuracy::default(),
             reproducible: false,
+            scale_columns: false,
             backend: blas::native(),
             leaf: None,
             tasks: None,

@@ -370,6 +370,9 @@ pub(super) fn check(options: &AtaOptions<'_>) -> Result<()> {
         {
             refuse("scheme", "only the exact one is reproducible on every machine")
         }
+        _ if options.scale_columns && options.backend.native().is_none() => {
+            refuse("scale_columns", "only the native kernels can")
+        }
         _ if options.leaf == Some(0) => refuse("leaf", "must be at least 1"),
         _ if options.tasks.is_some_and(|t| t == 0 || t > MAX_TASKS) => {
             refuse("tasks", &format!("must be between 1 and {MAX_TASKS}"))

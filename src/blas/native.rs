@@ -62,7 +62,7 @@ impl Native {
         let kernel = T::kernel(self.instance);
         let shape = Shape { depth: a.nrows(), rows: n, cols: k, same: b.is_none() };
         if is_small(kernel, shape) {
-            let source = |matrix| Source { coefficient: T::ONE, matrix };
+            let source = |matrix| Source { coefficient: T::ONE, matrix, scale: None };
             let (mut left, mut right) = (source(a), source(b.unwrap_or(a)));
             let mut target = destination.block(0..n, 0..k, alpha, beta);
             let mut shape = shape;
@@ -99,7 +99,7 @@ impl Native {
 
 /// Some columns, as one side of a product.
 fn side<T: Operand>(matrix: MatRef<'_, T>, first: usize, count: usize) -> Vec<Source<'_, T>> {
-    vec![Source { coefficient: T::ONE, matrix: matrix.subcols(first, count) }]
+    vec![Source { coefficient: T::ONE, matrix: matrix.subcols(first, count), scale: None }]
 }
 
 impl<T: Operand> Kernels<T> for Native {

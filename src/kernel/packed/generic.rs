@@ -235,49 +235,58 @@ pub(super) unsafe fn pack<V: Vectors>(
 ) {
     // SAFETY: the caller's promise.
     unsafe {
-        let by_rows = sources.iter().all(|s| s.matrix.col_stride() == 1);
-        let complete = |s: &Source<'_, V::Scalar>| {
-            area.rows.end <= s.matrix.nrows() && area.cols.start < s.matrix.ncols()
-        };
+        let plain = |s: &Source<'_, V::Scalar>| s.matrix.col_stride() == 1 && s.scale.is_none();
+        let complete = |s: &Source<'_, V::Scalar>| area.rows.end <= s.matrix.nrows();
         let narrowest = sources.iter().map(|s| s.matrix.ncols()).min().unwrap_or(0);
-        let common = narrowest.min(area.cols.end).saturating_sub(area.cols.start) / V::WIDTH;
-        let full = if by_rows && sources.iter().all(complete) { common } else { 0 };
+        // Columns that can be taken row by row: all, or whole panels.
+        let columns = match narrowest.min(area.cols.end).saturating_sub(area.cols.start) {
+            _ if !sources.iter().all(|s| plain(s) && complete(s)) => 0,
+            common if common == area.cols.len() => common,
+            common => common / V::WIDTH * V::WIDTH,
+        };
         match *sources {
-            _ if full == 0 => {}
-            [a] => pack_rows::<V, 1>(&[a], area, full, out, panel_stride),
-            [a, b] => pack_rows::<V, 2>(&[a, b], area, full, out, panel_stride),
-            [a, b, c] => pack_rows::<V, 3>(&[a, b, c], area, full, out, panel_stride),
-            [a, b, c, d] => pack_rows::<V, 4>(&[a, b, c, d], area, full, out, panel_stride),
-            _ => pack_many_rows::<V>(sources, area, full, out, panel_stride),
+            _ if columns == 0 => {}
+            [a] => pack_rows::<V, 1>(&[a], area, columns, out, panel_stride),
+            [a, b] => pack_rows::<V, 2>(&[a, b], area, columns, out, panel_stride),
+            [a, b, c] => pack_rows::<V, 3>(&[a, b, c], area, columns, out, panel_stride),
+            [a, b, c, d] => pack_rows::<V, 4>(&[a, b, c, d], area, columns, out, panel_stride),
+            _ => pack_many_rows::<V>(sources, area, columns, out, panel_stride),
         }
-        let rest = Area { cols: area.cols.start + full * V::WIDTH..area.cols.end, ..area.clone() };
-        pack_elements::<V>(sources, &rest, out.add(full * panel_stride), panel_stride);
+        if columns < area.cols.len() {
+            let panels = columns / V::WIDTH;
+            let cols = area.cols.start + columns..area.cols.end;
+            let rest = Area { cols, ..area.clone() };
+            pack_elements::<V>(sources, &rest, out.add(panels * panel_stride), panel_stride);
+        }
     }
 }
 
 /// Rows ahead that sources are asked for.
 const ROWS_AHEAD: usize = 6;
 
-/// [`pack`] of whole panels from N sources stored by rows.
+/// [`pack`] of the first `columns` columns, from N sources stored by rows.
 #[inline(always)]
 unsafe fn pack_rows<V: Vectors, const N: usize>(
     sources: &[Source<'_, V::Scalar>; N],
     area: &Area,
-    panels: usize,
+    columns: usize,
     out: *mut V::Scalar,
     panel_stride: usize,
 ) {
-    // SAFETY: the caller's promise, and the panels lie inside of all sources.
+    // SAFETY: the caller's promise, and the columns lie inside of all sources.
     unsafe {
         for (k, row) in area.rows.clone().enumerate() {
             let rows = sources.map(|s| s.matrix.ptr_at(row, area.cols.start));
-            let ahead = sources.map(|s| {
-                rows_wrapping::<V>(s.matrix.as_ptr(), row + ROWS_AHEAD, area.cols.start, s.matrix.row_stride())
-            });
-            for panel in 0..panels {
+            let ahead = sources.map(|s| ahead_of(&s, row, area.cols.start));
+            for panel in 0..columns.div_ceil(V::WIDTH) {
                 let to = out.add(panel * panel_stride + k * V::WIDTH);
                 for j in 0..V::COUNT {
                     let at = panel * V::WIDTH + j * V::LANES;
+                    if at + V::LANES > columns {
+                        let terms = || (0..N).map(|s| (sources[s].coefficient, rows[s]));
+                        pack_tail::<V>(terms, at..columns, to.add(j * V::LANES));
+                        continue;
+                    }
                     let mut sum = V::load(rows[0].add(at));
                     V::prefetch(ahead[0].wrapping_add(at));
                     if N > 1 || sources[0].coefficient != V::Scalar::ONE {
@@ -285,7 +294,8 @@ unsafe fn pack_rows<V: Vectors, const N: usize>(
                     }
                     for s in 1..N {
                         V::prefetch(ahead[s].wrapping_add(at));
-                        sum = V::mul_add(V::splat(sources[s].coefficient), V::load(rows[s].add(at)), sum);
+                        let c = V::splat(sources[s].coefficient);
+                        sum = V::mul_add(c, V::load(rows[s].add(at)), sum);
                     }
                     V::store(to.add(j * V::LANES), sum);
                 }
@@ -294,39 +304,64 @@ unsafe fn pack_rows<V: Vectors, const N: usize>(
     }
 }
 
-#[inline(always)]
-fn rows_wrapping<V: Vectors>(start: *const V::Scalar, row: usize, col: usize, stride: isize) -> *const V::Scalar {
-    start.wrapping_offset(row as isize * stride).wrapping_add(col)
-}
-
 /// As [`pack_rows`], for any number of sources.
 #[inline(always)]
 unsafe fn pack_many_rows<V: Vectors>(
     sources: &[Source<'_, V::Scalar>],
     area: &Area,
-    panels: usize,
+    columns: usize,
     out: *mut V::Scalar,
     panel_stride: usize,
 ) {
     // SAFETY: as for `pack_rows`.
     unsafe {
         for (k, row) in area.rows.clone().enumerate() {
-            for panel in 0..panels {
-                let to = out.add(panel * panel_stride + k * V::WIDTH);
-                let at = area.cols.start + panel * V::WIDTH;
-                let mut sums = [V::splat(V::Scalar::ZERO); 4];
+            for first in (0..columns).step_by(V::LANES) {
+                let (panel, within) = (first / V::WIDTH, first % V::WIDTH);
+                let to = out.add(panel * panel_stride + k * V::WIDTH + within);
+                let at = area.cols.start + first;
+                if first + V::LANES > columns {
+                    let term = |s: &Source<'_, V::Scalar>| (s.coefficient, s.matrix.ptr_at(row, 0));
+                    let terms = || sources.iter().map(term);
+                    pack_tail::<V>(terms, at..area.cols.start + columns, to);
+                    break;
+                }
+                let mut sum = V::splat(V::Scalar::ZERO);
                 for s in sources {
-                    let (from, c) = (s.matrix.ptr_at(row, at), V::splat(s.coefficient));
-                    let ahead = rows_wrapping::<V>(s.matrix.as_ptr(), row + ROWS_AHEAD, at, s.matrix.row_stride());
-                    for j in 0..V::COUNT {
-                        V::prefetch(ahead.wrapping_add(j * V::LANES));
-                        sums[j] = V::mul_add(c, V::load(from.add(j * V::LANES)), sums[j]);
-                    }
+                    let c = V::splat(s.coefficient);
+                    V::prefetch(ahead_of(s, row, at));
+                    sum = V::mul_add(c, V::load(s.matrix.ptr_at(row, at)), sum);
                 }
-                for j in 0..V::COUNT {
-                    V::store(to.add(j * V::LANES), sums[j]);
-                }
+                V::store(to, sum);
             }
+            // What is left of the last panel is never looked at beyond its last vector.
+        }
+    }
+}
+
+/// The same columns some rows further down.
+#[inline(always)]
+fn ahead_of<T>(source: &Source<'_, T>, row: usize, col: usize) -> *const T {
+    let down = (row + ROWS_AHEAD) as isize * source.matrix.row_stride();
+    source.matrix.as_ptr().wrapping_offset(down).wrapping_add(col)
+}
+
+/// One vector whose end lies beyond the sources: sums of `coefficient * row[columns]`, then zeros.
+#[inline(always)]
+unsafe fn pack_tail<V: Vectors, I: Iterator<Item = (V::Scalar, *const V::Scalar)>>(
+    terms: impl Fn() -> I,
+    columns: Range<usize>,
+    to: *mut V::Scalar,
+) {
+    // SAFETY: the caller's promise: the columns are inside of the rows, a vector fits at `to`.
+    unsafe {
+        V::store(to, V::splat(V::Scalar::ZERO));
+        for (i, at) in columns.enumerate() {
+            let mut sum = V::Scalar::ZERO;
+            for (c, row) in terms() {
+                sum += c * *row.add(at);
+            }
+            *to.add(i) = sum;
         }
     }
 }
@@ -360,17 +395,18 @@ unsafe fn pack_elements<V: Vectors>(
                     let width = cols.end.min(m.ncols()).saturating_sub(cols.start);
                     let (down, across) = (m.row_stride(), m.col_stride());
                     let from = m.as_ptr().wrapping_offset(row as isize * down + cols.start as isize * across);
-                    let c = s.coefficient;
-                    if across == 1 {
+                    if across == 1 && s.scale.is_none() {
                         for k in 0..count {
                             let from = from.wrapping_offset(k as isize * down);
                             for j in 0..width {
-                                *to.add(k * V::WIDTH + j) += c * *from.add(j);
+                                *to.add(k * V::WIDTH + j) += s.coefficient * *from.add(j);
                             }
                         }
                     } else {
                         for j in 0..width {
                             let from = from.wrapping_offset(j as isize * across);
+                            let scale = s.scale.map_or(V::Scalar::ONE, |d| d[cols.start + j]);
+                            let c = s.coefficient * scale;
                             for k in 0..count {
                                 *to.add(k * V::WIDTH + j) += c * *from.wrapping_offset(k as isize * down);
                             }
@@ -391,7 +427,7 @@ unsafe fn pack_elements<V: Vectors>(
 pub(super) unsafe fn write<V: Vectors>(sums: *const V::Scalar, target: &Target<V::Scalar>, row: usize, col: usize) {
     // SAFETY: the caller's promise; the entries lie inside the block.
     unsafe {
-        if target.col_stride == 1 && target.wants_all(row..row + V::ROWS, col..col + V::WIDTH) {
+        if target.is_plain() && target.wants_all(row..row + V::ROWS, col..col + V::WIDTH) {
             return write_all::<V>(sums, target, row, col);
         }
         let rows = V::ROWS.min(target.rows.saturating_sub(row));
@@ -404,7 +440,7 @@ pub(super) unsafe fn write<V: Vectors>(sums: *const V::Scalar, target: &Target<V
             let from = sums.add(i * V::WIDTH + first - col);
             let to = target.at(row + i, first);
             let (len, beta, c) = (end - first, target.beta, target.coefficient);
-            if target.col_stride == 1 {
+            if target.is_plain() {
                 let (vc, vb) = (V::splat(c), V::splat(beta));
                 let mut j = 0;
                 while j + V::LANES <= len {
@@ -419,7 +455,8 @@ pub(super) unsafe fn write<V: Vectors>(sums: *const V::Scalar, target: &Target<V
                 }
             } else {
                 for j in 0..len {
-                    write_element(to.offset(j as isize * target.col_stride), beta, c, *from.add(j));
+                    let sum = target.unscaled(row + i, first + j, *from.add(j));
+                    write_element(to.offset(j as isize * target.col_stride), beta, c, sum);
                 }
             }
         }

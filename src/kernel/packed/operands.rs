@@ -13,6 +13,8 @@ use crate::base::Real;
 pub(crate) struct Source<'a, T> {
     pub coefficient: T,
     pub matrix: MatRef<'a, T>,
+    /// What each column is multiplied by: powers of two, so that nothing is rounded.
+    pub scale: Option<&'a [T]>,
 }
 
 /// Which entries of C exist for us.
@@ -38,6 +40,15 @@ pub(crate) struct Target<T> {
     /// Row less column of the block's corner in C: where the diagonal runs.
     pub diagonal: isize,
     start: *mut T,
+    /// What rows and columns of the product are divided by, having been scaled in the sources.
+    scales: Option<Scales<T>>,
+}
+
+/// Powers of two, one for each row and column of a target, which keeps them alive.
+#[derive(Debug, Clone, Copy)]
+struct Scales<T> {
+    rows: *const T,
+    cols: *const T,
 }
 
 // SAFETY: a pointer and numbers; `at` only computes addresses, and who writes through them has
@@ -54,6 +65,7 @@ pub(crate) struct Destination<'a, T> {
     row_stride: isize,
     col_stride: isize,
     part: Part,
+    scales: Option<(&'a [T], &'a [T])>,
     borrow: PhantomData<MatMut<'a, T>>,
 }
 
@@ -66,8 +78,16 @@ impl<'a, T: Real> Destination<'a, T> {
             row_stride: matrix.row_stride(),
             col_stride: matrix.col_stride(),
             part,
+            scales: None,
             borrow: PhantomData,
         }
+    }
+
+    /// Divides rows and columns of products by these powers of two.
+    pub fn unscaling(mut self, rows: &'a [T], cols: &'a [T]) -> Self {
+        assert_eq!((rows.len(), cols.len()), (self.rows, self.cols));
+        self.scales = Some((rows, cols));
+        self
     }
 
     /// The block of these rows and columns.
@@ -85,6 +105,10 @@ impl<'a, T: Real> Destination<'a, T> {
             part: self.part,
             diagonal: rows.start as isize - cols.start as isize,
             start: self.start.wrapping_offset(offset),
+            scales: self.scales.map(|(r, c)| Scales {
+                rows: r[rows].as_ptr(),
+                cols: c[cols].as_ptr(),
+            }),
         }
     }
 }
@@ -126,6 +150,25 @@ impl<T> Target<T> {
             }
     }
 
+    /// Whether rows of it are written as they are.
+    #[inline(always)]
+    pub fn is_plain(&self) -> bool {
+        self.col_stride == 1 && self.scales.is_none()
+    }
+
+    /// `sum`, entry `(i, j)` of the product, less the scales.
+    #[inline(always)]
+    pub fn unscaled(&self, i: usize, j: usize, sum: T) -> T
+    where
+        T: Real,
+    {
+        match self.scales {
+            // SAFETY: entry (i, j) is inside the target, and the scales are those of its extents.
+            Some(s) => unsafe { sum / *s.rows.add(i) / *s.cols.add(j) },
+            None => sum,
+        }
+    }
+
     /// The address of entry `(i, j)`.
     #[inline(always)]
     pub fn at(&self, i: usize, j: usize) -> *mut T {
@@ -160,6 +203,7 @@ impl<T> Target<T> {
                 Part::Upper => Part::Lower,
             },
             diagonal: -self.diagonal,
+            scales: self.scales.map(|s| Scales { rows: s.cols, cols: s.rows }),
             ..self
         }
     }
