@@ -3,6 +3,7 @@
 //! | constructor | needs | note |
 //! |---|---|---|
 //! | [`native()`] | nothing | the `gemm` crate, pure Rust; the default |
+//! | [`tuned()`] | nothing | the same, with rates measured on this machine |
 //! | `openblas` (feature `openblas`) | `libopenblas-dev` | linked at build time |
 //! | [`load`] | any shared library with the CBLAS interface | MKL, OpenBLAS, BLIS, by path |
 //!
@@ -118,6 +119,24 @@ pub fn native() -> Arc<dyn Backend> {
 pub fn native_on(instance: Instance) -> Arc<dyn Backend> {
     let usable = if instance.refusal().is_none() { instance } else { Instance::Portable };
     Arc::new(native::Native(usable))
+}
+
+/// The native kernels for one instruction set, as [`native_on`], with these rates for the planner.
+pub fn native_with(instance: Instance, rates: packed::Rates) -> Arc<dyn Backend> {
+    // TODO(merge): the back end has to take the rates.
+    let _ = rates;
+    native_on(instance)
+}
+
+/// The native kernels with the rates that were measured on this machine (`catamaran tune`), built-in
+/// ones where there are none.
+///
+/// This reads a file in the user's cache directory, and the plans, so the roundings of results too,
+/// may depend on it: [`native()`] does neither.
+pub fn tuned() -> Arc<dyn Backend> {
+    let instance = Instance::best();
+    let rates = packed::Rates::cached(instance).unwrap_or_else(|| packed::Rates::of(instance));
+    native_with(instance, rates)
 }
 
 /// OpenBLAS, as linked at build time.

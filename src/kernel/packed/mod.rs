@@ -12,12 +12,14 @@ mod operands;
 mod portable;
 #[cfg(test)]
 mod probe;
+mod rates;
 mod schedule;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 pub(crate) use blocking::Blocking;
 pub(crate) use operands::{Destination, Part, Product, Shape, Source, Target};
+pub use rates::Rates;
 pub(crate) use schedule::{Job, run, scratch_len};
 
 use std::ops::Range;
