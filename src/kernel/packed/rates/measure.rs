@@ -29,7 +29,7 @@ const WINDOWS: usize = 25;
 const WINDOW: f64 = 2e-3;
 
 impl Rates {
-    /// Measures them on the calling thread, in half a second, with 142 MB of memory; f64.
+    /// Measures them on the calling thread, in about half a second, with 142 MB of memory; f64.
     ///
     /// # Errors
     /// [`Error::Argument`] when this machine refuses the instance, [`Error::OutOfMemory`].

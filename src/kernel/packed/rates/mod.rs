@@ -26,7 +26,7 @@ pub struct Rates {
 }
 
 impl Rates {
-    /// The built-in ones, which serve where nothing was measured: those of a server of 2023.
+    /// The built-in ones, which serve where nothing was measured.
     pub fn of(instance: Instance) -> Self {
         let flops = match instance {
             Instance::Avx512 => 85e9,
