@@ -63,7 +63,7 @@ pub struct Args {
     /// The same bytes on every machine: the exact path, which without AMX is slower than others.
     #[arg(long)]
     reproducible: bool,
-    /// BLAS: gemm (built in), openblas (if built in), or the path of a CBLAS library.
+    /// BLAS: native (built in), openblas (if built in), or the path of a CBLAS library.
     #[arg(long, value_name = "NAME", default_value = "native")]
     backend: String,
     /// Compute in single precision.

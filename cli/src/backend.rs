@@ -6,10 +6,11 @@ use std::sync::Arc;
 use anyhow::Result;
 use catamaran::blas::{self, Backend};
 
-/// The back end called `name`: `gemm`, `openblas`, or the path of a CBLAS library.
+/// The back end called `name`: `native`, `openblas`, or the path of a CBLAS library.
 pub fn find(name: &str) -> Result<Arc<dyn Backend>> {
     match name {
-        "native" => Ok(blas::native()),
+        // `gemm` is what it was called once.
+        "native" | "gemm" => Ok(blas::tuned()),
         #[cfg(feature = "openblas")]
         "openblas" => Ok(blas::openblas()),
         #[cfg(not(feature = "openblas"))]

@@ -1,14 +1,17 @@
 //! `catamaran info`.
 
+use std::fmt::Display;
 use std::io::{self, Write};
 
 use anyhow::Result;
 use catamaran::base::{VERSION, available_cores, cpu_features};
-use catamaran::kernel::int8::Instance;
+use catamaran::kernel::packed::Rates;
+use catamaran::kernel::{int8, packed};
 
 use crate::backend;
 
-/// Print the version, the CPU, the BLAS back ends and the instruction sets of the exact path.
+/// Print the version, the CPU, the BLAS back ends, the instruction sets of the native kernels and of
+/// the exact path, and what `tune` has measured.
 #[derive(clap::Args)]
 pub struct Args {
     /// Also load this CBLAS library and say what it is.
@@ -40,16 +43,41 @@ pub fn run(args: &Args) -> Result<()> {
         )?;
     }
     writeln!(out, "              any CBLAS library: --backend PATH")?;
-    for (i, instance) in Instance::ALL.into_iter().enumerate() {
-        let state = match instance.refusal() {
-            Some(why) => why,
-            None if instance == Instance::best() => "used",
-            None => "available",
-        };
-        let label = if i == 0 { "exact path" } else { "" };
-        writeln!(out, "{label:14}{}: {state}", instance.name())?;
+    let best = packed::Instance::best();
+    let states = packed::Instance::ALL.map(|i| (i.name(), state(i.refusal(), i == best)));
+    block(&mut out, "native path", &states)?;
+    let usable = packed::Instance::ALL.into_iter().filter(|i| i.refusal().is_none());
+    let rates: Vec<_> = usable.map(|i| (i.name(), rates(i))).collect();
+    block(&mut out, "rates", &rates)?;
+    let best = int8::Instance::best();
+    let states = int8::Instance::ALL.map(|i| (i.name(), state(i.refusal(), i == best)));
+    block(&mut out, "exact path", &states)
+}
+
+/// Lines `name: state`, the first one with a label.
+fn block(out: &mut impl Write, label: &str, lines: &[(&str, impl Display)]) -> Result<()> {
+    for (i, (name, state)) in lines.iter().enumerate() {
+        writeln!(out, "{:14}{name}: {state}", if i == 0 { label } else { "" })?;
     }
     Ok(())
+}
+
+/// What becomes of an instruction set.
+fn state(refusal: Option<&'static str>, is_best: bool) -> &'static str {
+    refusal.unwrap_or(if is_best { "used" } else { "available" })
+}
+
+/// Where the planner has the rates of an instruction set from.
+fn rates(instance: packed::Instance) -> String {
+    const NONE: &str = "built in (`catamaran tune` measures them)";
+    let Some(path) = Rates::path(instance) else { return NONE.into() };
+    if !path.exists() {
+        return NONE.into();
+    }
+    match Rates::load(&path, instance) {
+        Ok(_) => format!("measured, {}", path.display()),
+        Err(e) => format!("built in, as this file is refused: {e}"),
+    }
 }
 
 /// What the CPU calls itself.

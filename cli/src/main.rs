@@ -6,6 +6,7 @@ mod demo;
 mod info;
 mod picture;
 mod progress;
+mod tune;
 
 use std::io;
 use std::process::ExitCode;
@@ -25,6 +26,7 @@ enum Command {
     Ata(ata::Args),
     Info(info::Args),
     Demo(demo::Args),
+    Tune(tune::Args),
 }
 
 /// What a shell reports for a process that Ctrl-C ended.
@@ -36,6 +38,7 @@ fn main() -> ExitCode {
         Command::Ata(args) => ata::run(args),
         Command::Info(args) => info::run(args),
         Command::Demo(args) => demo::run(args),
+        Command::Tune(args) => tune::run(args),
     });
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {

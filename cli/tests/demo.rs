@@ -4,26 +4,37 @@ mod common;
 
 use std::fs;
 
-use catamaran::kernel::int8::Instance;
+use catamaran::kernel::{int8, packed};
 use common::Folder;
 
 #[test]
-fn info_names_version_cpu_back_ends_and_instances_of_the_exact_path() {
+fn info_names_version_cpu_back_ends_and_instances() {
     let text = Folder::new().succeed("info");
-    for part in [env!("CARGO_PKG_VERSION"), "cpu", "affinity mask", "gemm", "openblas"] {
+    for part in [env!("CARGO_PKG_VERSION"), "cpu", "affinity mask", "native", "openblas"] {
         assert!(text.contains(part), "{part:?} in {text}");
     }
-    let start = text.find("exact path").expect("a block");
-    let block: Vec<&str> = text[start..].lines().map(|line| line[14..].trim()).collect();
-    for (line, instance) in block.iter().zip(Instance::ALL) {
-        let state = line.strip_prefix(&format!("{}: ", instance.name())).expect("its line");
-        match instance.refusal() {
-            Some(why) => assert_eq!(state, why),
-            None if instance == Instance::best() => assert_eq!(state, "used"),
-            None => assert_eq!(state, "available"),
-        }
+    let state = |refusal: Option<&'static str>, best| {
+        refusal.unwrap_or(if best { "used" } else { "available" })
+    };
+    let best = packed::Instance::best();
+    let native =
+        packed::Instance::ALL.map(|i| format!("{}: {}", i.name(), state(i.refusal(), i == best)));
+    assert_eq!(block(&text, "native path"), native);
+    let best = int8::Instance::best();
+    let exact =
+        int8::Instance::ALL.map(|i| format!("{}: {}", i.name(), state(i.refusal(), i == best)));
+    assert_eq!(block(&text, "exact path"), exact);
+    for line in block(&text, "rates") {
+        assert!(line.ends_with("built in (`catamaran tune` measures them)"), "{line}");
     }
-    assert_eq!(block.len(), Instance::ALL.len(), "{text}");
+}
+
+/// The line with this label and those without one after it, less the labels.
+fn block<'a>(text: &'a str, label: &str) -> Vec<&'a str> {
+    let mut lines = text.lines().skip_while(|line| !line.starts_with(label));
+    let first = lines.next().expect("a block");
+    let rest = lines.take_while(|line| line.starts_with(' '));
+    std::iter::once(first).chain(rest).map(|line| line[14..].trim()).collect()
 }
 
 /// One run serves all questions: it is the slowest of the commands.

@@ -3,6 +3,7 @@
 //! | constructor | needs | note |
 //! |---|---|---|
 //! | [`native()`] | nothing | our own kernels, pure Rust; the default |
+//! | [`tuned()`] | nothing | the same, with rates measured on this machine |
 //! | `openblas` (feature `openblas`) | `libopenblas-dev` | linked at build time |
 //! | [`load`] | any shared library with the CBLAS interface | MKL, OpenBLAS, BLIS, by path |
 //!
@@ -116,7 +117,23 @@ pub fn native() -> Arc<dyn Backend> {
 
 /// Our own kernels for one instruction set; the portable ones where the machine refuses it.
 pub fn native_on(instance: Instance) -> Arc<dyn Backend> {
-    Arc::new(Native::new(instance, packed::Rates::of(instance)))
+    native_with(instance, packed::Rates::of(instance))
+}
+
+/// The native kernels for one instruction set, as [`native_on`], with these rates for the planner.
+pub fn native_with(instance: Instance, rates: packed::Rates) -> Arc<dyn Backend> {
+    Arc::new(Native::new(instance, rates))
+}
+
+/// The native kernels with the rates that were measured on this machine (`catamaran tune`), built-in
+/// ones where there are none.
+///
+/// This reads a file in the user's cache directory, and the plans, so the roundings of results too,
+/// may depend on it: [`native()`] does neither.
+pub fn tuned() -> Arc<dyn Backend> {
+    let instance = Instance::best();
+    let rates = packed::Rates::cached(instance).unwrap_or_else(|| packed::Rates::of(instance));
+    native_with(instance, rates)
 }
 
 /// OpenBLAS, as linked at build time.

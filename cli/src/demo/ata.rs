@@ -6,6 +6,7 @@ use std::time::Instant;
 use anyhow::Result;
 use catamaran::ata::{Node, verify};
 use catamaran::base::{Real, Rng};
+use catamaran::blas;
 use catamaran::faer::prelude::Reborrow;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
@@ -52,7 +53,12 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     let mut c = Mat::<f64>::zeros(side, side);
     let mut outcomes = Vec::new();
     for (done, (name, scheme)) in SchemeChoice::NAMES.into_iter().enumerate() {
-        let mut options = AtaOptions { uplo: Uplo::Both, scheme, ..AtaOptions::default() };
+        let mut options = AtaOptions {
+            uplo: Uplo::Both,
+            scheme,
+            backend: blas::tuned(),
+            ..AtaOptions::default()
+        };
         let fast =
             [SchemeChoice::Winograd, SchemeChoice::Rxtx, SchemeChoice::Kgp4, SchemeChoice::Kgp3];
         if fast.contains(&scheme) {

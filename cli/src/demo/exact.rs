@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use catamaran::base::{Rng, available_cores};
+use catamaran::blas;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::kernel::int8::Instance;
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice};
@@ -131,7 +132,8 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
 fn product(way: &Way, a: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
     progress::check()?;
     let Way { scheme, accuracy, .. } = *way;
-    let options = AtaOptions { scheme, accuracy, par, ..AtaOptions::default() };
+    let options =
+        AtaOptions { scheme, accuracy, par, backend: blas::tuned(), ..AtaOptions::default() };
     let mut c = Mat::zeros(a.ncols(), a.ncols());
     catamaran::ata(1.0, a, 0.0, c.as_mut(), &options)?;
     Ok(c)

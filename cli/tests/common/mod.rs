@@ -17,6 +17,9 @@ pub struct Run {
     pub stderr: String,
 }
 
+/// Where the program finds its cache directory, inside of the folder.
+pub const CACHE: &str = "cache";
+
 #[allow(dead_code)]
 impl Folder {
     pub fn new() -> Self {
@@ -44,6 +47,10 @@ impl Folder {
     pub fn program(&self) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_catamaran"));
         command.current_dir(self.0.path());
+        // What the user has measured stays out of tests, and the other way round.
+        for variable in ["XDG_CACHE_HOME", "HOME", "LOCALAPPDATA"] {
+            command.env(variable, self.path(CACHE));
+        }
         command
     }
 

@@ -284,7 +284,7 @@ unsafe fn pack_rows<V: Vectors, const N: usize>(
                     let at = panel * V::WIDTH + j * V::LANES;
                     if at + V::LANES > columns {
                         let terms = || (0..N).map(|s| (sources[s].coefficient, rows[s]));
-                        pack_tail::<V>(terms, at..columns, to.add(j * V::LANES));
+                        pack_tail::<V, _>(terms, at..columns, to.add(j * V::LANES));
                         continue;
                     }
                     let mut sum = V::load(rows[0].add(at));
@@ -323,7 +323,7 @@ unsafe fn pack_many_rows<V: Vectors>(
                 if first + V::LANES > columns {
                     let term = |s: &Source<'_, V::Scalar>| (s.coefficient, s.matrix.ptr_at(row, 0));
                     let terms = || sources.iter().map(term);
-                    pack_tail::<V>(terms, at..area.cols.start + columns, to);
+                    pack_tail::<V, _>(terms, at..area.cols.start + columns, to);
                     break;
                 }
                 let mut sum = V::splat(V::Scalar::ZERO);

@@ -4,7 +4,7 @@
 //! both sides of A^T A. Packing reads a signed sum of blocks, and a finished tile is added to several
 //! blocks of C: levels of a fast scheme cost no scratch matrices (docs/algorithms/ata.md).
 //!
-//! The algorithm ([`generic`]) is written once and instantiated for each instruction set.
+//! The algorithm (`generic.rs`) is written once and instantiated for each instruction set.
 
 mod blocking;
 mod generic;
@@ -26,7 +26,6 @@ pub use rates::Rates;
 use std::ops::Range;
 
 pub(crate) use generic::Row;
-use generic::Stream;
 
 use crate::base::Real;
 
@@ -138,40 +137,17 @@ pub(crate) struct Geometry {
 pub(crate) trait Kernel<T>: Sync {
     fn geometry(&self) -> Geometry;
 
-    /// `sums := left^T right`, or `+=` when `add`, for a tile of the first `vectors` vectors (at
-    /// least 1) of each row, fetching what is `ahead` meanwhile.
-    ///
-    /// # Safety
-    /// `left` and `right` point into panels with `steps` rows from there on, `left` with a tile's
-    /// rows left of the panel's end; `sums` holds a tile.
-    unsafe fn multiply(
-        &self,
-        steps: usize,
-        left: *const T,
-        right: *const T,
-        vectors: usize,
-        sums: *mut T,
-        add: bool,
-        ahead: &[Stream<T>],
-    );
-
-    /// See [`generic::multiply_row`].
+    /// See `generic::multiply_row`.
     ///
     /// # Safety
     /// As there.
     unsafe fn multiply_row(&self, row: &Row<'_, T>);
 
-    /// See [`generic::pack`].
+    /// See `generic::pack`.
     ///
     /// # Safety
     /// As there.
     unsafe fn pack(&self, sources: &[Source<'_, T>], area: &Area, out: *mut T, panel_stride: usize);
-
-    /// See [`generic::write`].
-    ///
-    /// # Safety
-    /// As there.
-    unsafe fn write(&self, sums: *const T, target: &Target<T>, row: usize, col: usize);
 }
 
 /// Instantiates the algorithm: `instantiate!(Kernel, scalar, Vectors, attributes)`. The kernel exists
@@ -186,39 +162,6 @@ macro_rules! instantiate {
                     lanes: <$vectors as V>::LANES,
                     rows: <$vectors as V>::ROWS,
                     width: <$vectors as V>::WIDTH,
-                }
-            }
-
-            unsafe fn multiply(
-                &self,
-                steps: usize,
-                left: *const $t,
-                right: *const $t,
-                vectors: usize,
-                sums: *mut $t,
-                add: bool,
-                ahead: &[super::generic::Stream<$t>],
-            ) {
-                $($enable)*
-                unsafe fn tile<const N: usize>(
-                    steps: usize,
-                    left: *const $t,
-                    right: *const $t,
-                    sums: *mut $t,
-                    add: bool,
-                    ahead: &[super::generic::Stream<$t>],
-                ) {
-                    use super::generic::{Vectors as V, multiply};
-                    // SAFETY: the caller's promise.
-                    unsafe { multiply::<$vectors, { <$vectors as V>::ROWS }, N>(steps, left, right, sums, add, ahead) }
-                }
-                // SAFETY: the caller's promise; `self` exists, so the CPU has the instructions.
-                unsafe {
-                    match vectors {
-                        1 => tile::<1>(steps, left, right, sums, add, ahead),
-                        2 => tile::<2>(steps, left, right, sums, add, ahead),
-                        _ => tile::<{ <$vectors as super::generic::Vectors>::COUNT }>(steps, left, right, sums, add, ahead),
-                    }
                 }
             }
 
@@ -252,16 +195,6 @@ macro_rules! instantiate {
                 }
                 // SAFETY: the caller's promise; `self` exists, so the CPU has the instructions.
                 unsafe { pack(sources, area, out, panel_stride) }
-            }
-
-            unsafe fn write(&self, sums: *const $t, target: &super::Target<$t>, row: usize, col: usize) {
-                $($enable)*
-                unsafe fn write(sums: *const $t, target: &super::Target<$t>, row: usize, col: usize) {
-                    // SAFETY: the caller's promise.
-                    unsafe { super::generic::write::<$vectors>(sums, target, row, col) }
-                }
-                // SAFETY: the caller's promise; `self` exists, so the CPU has the instructions.
-                unsafe { write(sums, target, row, col) }
             }
         }
     };

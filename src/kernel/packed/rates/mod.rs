@@ -1,9 +1,17 @@
-//! What the planner assumes of the kernels.
+//! How fast the kernels are on this machine: built-in numbers, measured ones, and a file of them.
+
+mod cache;
+mod cpu;
+mod measure;
+mod text;
 
 use super::Instance;
 
 /// Speed of one core with one instruction set, for the planner. Estimates: a wrong one costs time,
 /// never correctness.
+///
+/// Nothing here is global: what was measured and saved is read only by those who ask for it
+/// ([`Rates::cached`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rates {
     /// Flops per second (a multiply-add counts two) of tiles whose operands are in the caches, f64;
@@ -18,13 +26,13 @@ pub struct Rates {
 }
 
 impl Rates {
-    /// Built-in defaults.
+    /// The built-in ones, which serve where nothing was measured.
     pub fn of(instance: Instance) -> Self {
         let flops = match instance {
             Instance::Avx512 => 85e9,
-            Instance::Avx2 => 42e9,
-            Instance::Portable => 8e9,
+            Instance::Avx2 => 50e9,
+            Instance::Portable => 14e9,
         };
-        Self { flops, read_bytes: 15e9, pack_bytes: 12e9, update_bytes: 14e9 }
+        Self { flops, read_bytes: 15e9, pack_bytes: 20e9, update_bytes: 20e9 }
     }
 }

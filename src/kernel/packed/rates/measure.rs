@@ -1,0 +1,246 @@
+//! Measuring rates: the kernel's own steps, on one core, with the pieces that the schedule makes.
+
+use std::time::Instant;
+
+use faer::MatRef;
+
+use super::Rates;
+use crate::base::{Error, Result, Workspace};
+use crate::kernel::packed::sealed::Kernels;
+use crate::kernel::packed::{
+    Area, Destination, Geometry, Instance, Kernel, Part, Row, Source, Target,
+};
+
+/// Rows and columns of the matrix that fits no cache: 133 MB. No power of two, whose rows would all
+/// fall on the same few places of a cache.
+const SIDE: usize = 4080;
+
+/// Rows packed at a time: with all columns, panels of 8 MB.
+const DEPTH: usize = 256;
+
+/// Columns packed at a time, and sides of an item, at most: whole panels of every instance.
+const ITEM: usize = 120;
+
+/// Blocks that are summed while packed: enough to see what reading costs.
+const SOURCES: usize = 2;
+
+/// Timed pieces of a measurement, of which the median counts.
+const WINDOWS: usize = 25;
+
+/// Seconds of each, at least: short enough to be spared by other programs now and then.
+const WINDOW: f64 = 2e-3;
+
+impl Rates {
+    /// Measures them on the calling thread, in about half a second, with 142 MB of memory; f64.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when this machine refuses the instance, [`Error::OutOfMemory`].
+    pub fn measure(instance: Instance) -> Result<Self> {
+        if let Some(why) = instance.refusal() {
+            let why = format!("{}: {why}", instance.name());
+            return Err(Error::Argument { what: "instance", why });
+        }
+        let mut matrix = Workspace::new(SIDE * SIDE)?;
+        let mut panels = Workspace::new(DEPTH * SIDE)?;
+        let mut bench = Bench::new(
+            f64::kernel(instance),
+            &mut matrix.as_mut_slice()[..SIDE * SIDE],
+            &mut panels.as_mut_slice()[..DEPTH * SIDE],
+        );
+        let flops = bench.flops();
+        let pack_bytes = bench.pack_bytes();
+        Ok(Self {
+            flops,
+            read_bytes: bench.read_bytes(pack_bytes),
+            pack_bytes,
+            update_bytes: bench.update_bytes(),
+        })
+    }
+}
+
+/// A kernel and memory to try it on.
+struct Bench<'a> {
+    kernel: &'static dyn Kernel<f64>,
+    geometry: Geometry,
+    /// Columns packed at a time, and the side of an item: whole panels, at most [`ITEM`].
+    item: usize,
+    /// SIDE x SIDE, by rows.
+    matrix: &'a mut [f64],
+    /// DEPTH x SIDE.
+    panels: &'a mut [f64],
+}
+
+impl<'a> Bench<'a> {
+    fn new(kernel: &'static dyn Kernel<f64>, matrix: &'a mut [f64], panels: &'a mut [f64]) -> Self {
+        assert_eq!((matrix.len(), panels.len()), (SIDE * SIDE, DEPTH * SIDE));
+        // Pages that nobody has written may all be one page of zeros.
+        for memory in [&mut *matrix, &mut *panels] {
+            memory.iter_mut().enumerate().for_each(|(i, x)| *x = (i % 251) as f64 / 251.0);
+        }
+        let geometry = kernel.geometry();
+        let item = ITEM / geometry.width * geometry.width;
+        assert!(item > 0 && 2 * DEPTH * item + item * item <= panels.len());
+        Self { kernel, geometry, item, matrix, panels }
+    }
+
+    /// Flops per second of an item: its panels and its sums lie in the second-level cache.
+    fn flops(&mut self) -> f64 {
+        let Self { kernel, geometry: Geometry { rows, width, .. }, item, .. } = *self;
+        let start = self.panels.as_mut_ptr();
+        let (right, sums) = (start.wrapping_add(DEPTH * item), start.wrapping_add(2 * DEPTH * item));
+        median_rate(|| {
+            for corner in (0..item).step_by(rows) {
+                let left = corner / width * width * DEPTH + corner % width;
+                let row = Row {
+                    sums: sums.wrapping_add(corner * item),
+                    kept: true,
+                    add: true,
+                    ..row(DEPTH, start.wrapping_add(left), right, corner, 0..item / width, &[])
+                };
+                // SAFETY: whole panels of DEPTH rows, and tiles after them; `new` has measured
+                // their memory.
+                unsafe { kernel.multiply_row(&row) };
+            }
+            (2 * DEPTH * item * item) as f64
+        })
+    }
+
+    /// Bytes per second written into panels, from a source that lies in the second-level cache.
+    fn pack_bytes(&mut self) -> f64 {
+        let sources = [source(self.matrix, 0)];
+        let columns = 0..self.item;
+        median_rate(|| pack(self.kernel, &sources, self.panels, |_| columns.clone(), self.item))
+    }
+
+    /// Bytes per second read, from the time of packing sums of sources that lie in no cache, less that
+    /// of writing.
+    fn read_bytes(&mut self, pack_bytes: f64) -> f64 {
+        let item = self.item;
+        let mut block = 0;
+        let packed = median_rate(|| {
+            let sources: [_; SOURCES] = std::array::from_fn(|i| source(self.matrix, block + i));
+            block += SOURCES;
+            pack(self.kernel, &sources, self.panels, |i| i * item..(i + 1) * item, item)
+        });
+        // Seconds for a byte of the panels.
+        let (all, writing) = (1.0 / packed, 1.0 / pack_bytes);
+        // Reading is no small part of it, whatever the noise.
+        (SOURCES as f64 / (all - writing).max(all / 4.0)).round()
+    }
+
+    /// Bytes per second read and written by adding the tiles of one item after another.
+    fn update_bytes(&mut self) -> f64 {
+        let Self { kernel, geometry: Geometry { rows, width, .. }, item, .. } = *self;
+        let sums = self.panels.as_mut_ptr();
+        let matrix = faer::MatMut::from_row_major_slice_mut(self.matrix, SIDE, SIDE);
+        let targets = [Destination::new(matrix, Part::All).block(0..SIDE, 0..SIDE, 1.0, 1.0)];
+        let items = SIDE / item;
+        let mut number = 0;
+        median_rate(|| {
+            let (first_row, first_col) = (number / items % items * item, number % items * item);
+            number += 1;
+            let panels = first_col / width..(first_col + item) / width;
+            for corner in (first_row..first_row + item).step_by(rows) {
+                let row = Row { sums, ..row(0, sums, sums, corner, panels.clone(), &targets) };
+                // SAFETY: without steps nothing is read, one tile is used; the matrix is borrowed.
+                unsafe { kernel.multiply_row(&row) };
+            }
+            (2 * item * item * size_of::<f64>()) as f64
+        })
+    }
+}
+
+/// A row of tiles that fetches nothing for others.
+fn row<'r>(
+    steps: usize,
+    left: *const f64,
+    right: *const f64,
+    corner: usize,
+    panels: std::ops::Range<usize>,
+    targets: &'r [Target<f64>],
+) -> Row<'r, f64> {
+    Row {
+        steps,
+        left,
+        next_left: left,
+        right,
+        next_right: right,
+        next_lines: 0,
+        panels,
+        wanted: 0..SIDE,
+        sums: std::ptr::null_mut(),
+        kept: false,
+        add: false,
+        targets,
+        corner,
+    }
+}
+
+/// A block of DEPTH rows; the numbers of blocks go round.
+fn source(matrix: &[f64], block: usize) -> Source<'_, f64> {
+    let matrix = MatRef::from_row_major_slice(matrix, SIDE, SIDE);
+    let first = block % (SIDE / DEPTH) * DEPTH;
+    Source { coefficient: 1.0, matrix: matrix.subrows(first, DEPTH), scale: None }
+}
+
+/// Fills the panels, `item` columns at a time: the i-th time with the columns `columns(i)` of the sum of
+/// the sources. How many bytes that are.
+fn pack(
+    kernel: &dyn Kernel<f64>,
+    sources: &[Source<'_, f64>],
+    panels: &mut [f64],
+    columns: impl Fn(usize) -> std::ops::Range<usize>,
+    item: usize,
+) -> f64 {
+    let stride = DEPTH * kernel.geometry().width;
+    let pieces = panels.chunks_exact_mut(DEPTH * item);
+    let bytes = pieces.len() * DEPTH * item * size_of::<f64>();
+    for (i, piece) in pieces.enumerate() {
+        let area = Area { rows: 0..DEPTH, cols: columns(i) };
+        assert_eq!(area.cols.len(), item);
+        // SAFETY: the piece holds whole panels of as many columns.
+        unsafe { kernel.pack(sources, &area, piece.as_mut_ptr(), stride) };
+    }
+    bytes as f64
+}
+
+/// Units per second of `work`, which says how many it did: the median of some windows.
+fn median_rate(mut work: impl FnMut() -> f64) -> f64 {
+    // The first time is not typical.
+    work();
+    let mut rates = [0.0; WINDOWS];
+    for rate in &mut rates {
+        let (start, mut done) = (Instant::now(), 0.0);
+        loop {
+            done += work();
+            let seconds = start.elapsed().as_secs_f64();
+            if seconds > WINDOW {
+                *rate = done / seconds;
+                break;
+            }
+        }
+    }
+    rates.sort_by(f64::total_cmp);
+    rates[WINDOWS / 2].round()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn measured_rates_are_rates_and_refused_instances_are_named() {
+        for instance in Instance::ALL {
+            match (instance.refusal(), Rates::measure(instance)) {
+                (None, Ok(rates)) => {
+                    let text = rates.to_text(instance);
+                    assert_eq!(Rates::parse(&text, instance), Ok(rates), "positive and finite");
+                }
+                (Some(why), Err(e)) => {
+                    assert_eq!(e.to_string(), format!("instance: {}: {why}", instance.name()));
+                }
+                (refusal, measured) => panic!("{instance:?}: {refusal:?}, {measured:?}"),
+            }
+        }
+    }
+}
