@@ -278,29 +278,49 @@ unsafe fn pack_rows<V: Vectors, const N: usize>(
         for (k, row) in area.rows.clone().enumerate() {
             let rows = sources.map(|s| s.matrix.ptr_at(row, area.cols.start));
             let ahead = sources.map(|s| ahead_of(&s, row, area.cols.start));
-            for panel in 0..columns.div_ceil(V::WIDTH) {
+            let full = columns / V::WIDTH;
+            for panel in 0..full {
                 let to = out.add(panel * panel_stride + k * V::WIDTH);
                 for j in 0..V::COUNT {
                     let at = panel * V::WIDTH + j * V::LANES;
-                    if at + V::LANES > columns {
-                        let terms = || (0..N).map(|s| (sources[s].coefficient, rows[s]));
-                        pack_tail::<V, _>(terms, at..columns, to.add(j * V::LANES));
-                        continue;
-                    }
-                    let mut sum = V::load(rows[0].add(at));
-                    V::prefetch(ahead[0].wrapping_add(at));
-                    if N > 1 || sources[0].coefficient != V::Scalar::ONE {
-                        sum = V::mul(V::splat(sources[0].coefficient), sum);
-                    }
-                    for s in 1..N {
+                    for s in 0..N {
                         V::prefetch(ahead[s].wrapping_add(at));
-                        let c = V::splat(sources[s].coefficient);
-                        sum = V::mul_add(c, V::load(rows[s].add(at)), sum);
                     }
-                    V::store(to.add(j * V::LANES), sum);
+                    V::store(to.add(j * V::LANES), sum_of::<V, N>(sources, &rows, at));
                 }
             }
+            // Beyond its last vector nobody looks at a panel.
+            let to = out.add(full * panel_stride + k * V::WIDTH);
+            let mut at = full * V::WIDTH;
+            while at + V::LANES <= columns {
+                V::store(to.add(at - full * V::WIDTH), sum_of::<V, N>(sources, &rows, at));
+                at += V::LANES;
+            }
+            if at < columns {
+                let terms = || (0..N).map(|s| (sources[s].coefficient, rows[s]));
+                pack_tail::<V, _>(terms, at..columns, to.add(at - full * V::WIDTH));
+            }
         }
+    }
+}
+
+/// A vector of the sum of the sources, whose rows begin at `rows`.
+#[inline(always)]
+unsafe fn sum_of<V: Vectors, const N: usize>(
+    sources: &[Source<'_, V::Scalar>; N],
+    rows: &[*const V::Scalar; N],
+    at: usize,
+) -> V::Vector {
+    // SAFETY: the caller's promise: the vector lies inside of the rows.
+    unsafe {
+        let mut sum = V::load(rows[0].add(at));
+        if N > 1 || sources[0].coefficient != V::Scalar::ONE {
+            sum = V::mul(V::splat(sources[0].coefficient), sum);
+        }
+        for s in 1..N {
+            sum = V::mul_add(V::splat(sources[s].coefficient), V::load(rows[s].add(at)), sum);
+        }
+        sum
     }
 }
 
@@ -334,7 +354,6 @@ unsafe fn pack_many_rows<V: Vectors>(
                 }
                 V::store(to, sum);
             }
-            // What is left of the last panel is never looked at beyond its last vector.
         }
     }
 }

@@ -76,7 +76,7 @@ pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T])
     let sums_len = len(&|p| p.blocking.sums_len(geometry));
     let lanes = par.threads();
     let mut arena = Arena::new(scratch);
-    let packed = Packed { start: aligned(&mut arena, packed_len).as_mut_ptr(), len: packed_len };
+    let packed = Packed { start: aligned(&mut arena, packed_len).as_mut_ptr() };
     let sums: Vec<_> = (0..lanes).map(|_| Mutex::new(aligned(&mut arena, sums_len))).collect();
 
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
@@ -146,10 +146,9 @@ impl<F: Fn()> Drop for Finally<F> {
 #[derive(Clone, Copy)]
 struct Packed<T> {
     start: *mut T,
-    len: usize,
 }
 
-// SAFETY: a pointer and a length; who uses it keeps the threads' parts disjoint.
+// SAFETY: a pointer; who uses it keeps the threads' parts disjoint.
 unsafe impl<T: Send> Sync for Packed<T> {}
 
 impl<T> Packed<T> {
