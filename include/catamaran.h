@@ -76,6 +76,9 @@
  */
 #define CATA_SCHEME_EXACT 7
 
+/** `scheme`: as CATA_SCHEME_AUTO, but never CATA_SCHEME_EXACT. */
+#define CATA_SCHEME_FLOAT 8
+
 /**
  * `error_factor`: the least error. With CATA_SCHEME_AUTO that is CATA_SCHEME_EXACT on every machine,
  * however slow it is there; other schemes are as with 1.
@@ -156,6 +159,12 @@ typedef struct cata_ata_params {
      * on CPUs without AMX; the scheme must be that or CATA_SCHEME_AUTO. 0: not asked for.
      */
     int32_t reproducible;
+    /**
+     * 1: fast levels multiply columns by powers of two while they pack them, and divide the products
+     * again, so that columns of very different sizes do not spoil each other's accuracy; nothing is
+     * rounded for it. Only without `backend`. 0: not asked for.
+     */
+    int32_t scale_columns;
 } cata_ata_params;
 
 /** Done. */

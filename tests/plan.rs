@@ -127,9 +127,13 @@ fn large_products_are_fast() {
 
 #[test]
 fn a_printed_plan_names_scheme_tasks_and_scratch() {
-    let options = AtaOptions { scheme: SchemeChoice::Kgp4, ..AtaOptions::default() };
-    let text = Plan::ata::<f64>(4096, 4096, &options).unwrap().to_string();
-    for word in ["4096 x 4096", "f64", "kgp", "winograd", "tasks", "scratch", "estimate"] {
-        assert!(text.contains(word), "{word} not in:\n{text}");
-    }
+    let check = |scheme, words: &[&str]| {
+        let options = AtaOptions { scheme, ..AtaOptions::default() };
+        let text = Plan::ata::<f64>(4096, 4096, &options).unwrap().to_string();
+        for word in ["4096 x 4096", "f64", "estimate"].iter().chain(words) {
+            assert!(text.contains(word), "{word} not in:\n{text}");
+        }
+    };
+    check(SchemeChoice::Rxtx, &["rxtx", "winograd", "tasks", "scratch"]);
+    check(SchemeChoice::Kgp4, &["kgp", "strassen", "products", "fused"]);
 }

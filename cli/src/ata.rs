@@ -63,6 +63,9 @@ pub struct Args {
     /// The same bytes on every machine: the exact path, which without AMX is slower than others.
     #[arg(long)]
     reproducible: bool,
+    /// Scale columns by powers of two around fast levels: for columns of very different sizes.
+    #[arg(long)]
+    scale_columns: bool,
     /// BLAS: native (built in), openblas (if built in), or the path of a CBLAS library.
     #[arg(long, value_name = "NAME", default_value = "native")]
     backend: String,
@@ -219,6 +222,7 @@ fn product<T: BlasReal>(
         scheme: args.scheme,
         accuracy: args.accuracy,
         reproducible: args.reproducible,
+        scale_columns: args.scale_columns,
         backend,
         progress: Some(&update),
         ..AtaOptions::default()

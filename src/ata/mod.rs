@@ -26,7 +26,7 @@ pub use rows::{Center, DenseRows, RowBlocks, RowOptions, ata_rows};
 pub use tree::{Node, Task, levels};
 pub use verify::{Verification, verify, verify_rows};
 
-use crate::base::{Error, Result, Scratch};
+use crate::base::{Error, Flow, Result, Scratch};
 use crate::blas::{BlasReal, Kernels};
 use crate::kernel::int8::Instance;
 
@@ -49,7 +49,7 @@ pub fn ata<T: BlasReal>(
         Error::check_shape("C", (a.ncols(), a.ncols()), c.shape())?;
         return symmetric(c, options.uplo, |c| {
             kernels.syrk(alpha, a, beta, c);
-            Ok(())
+            report_end(options)
         });
     }
     let plan = plan_ata(a, c.rb(), options)?;
@@ -141,7 +141,7 @@ pub fn atb<T: BlasReal>(
     if let Some(kernels) = small(a, b, false, options)? {
         check_atb(a, b, c.rb())?;
         kernels.gemm(alpha, a, b, beta, c);
-        return Ok(());
+        return report_end(options);
     }
     let plan = plan_atb(a, b, c.rb(), options)?;
     let mut scratch = Scratch::new::<T>(plan.scratch_len::<T>(options.par.threads(), false))?;
@@ -205,11 +205,18 @@ fn small<'o, T: BlasReal>(
         options.scheme,
         SchemeChoice::Auto | SchemeChoice::Float | SchemeChoice::Classical
     ) && options.accuracy != Accuracy::Max
-        && !options.reproducible
-        && options.progress.is_none();
+        && !options.reproducible;
     let native = options.backend.native().filter(|_| ours);
     let found = native.filter(|n| n.is_small::<T>(a.nrows(), a.ncols(), b.ncols(), same));
     Ok(found.map(|_| T::kernels(options.backend.as_ref())))
+}
+
+/// All of a small product at once.
+fn report_end(options: &AtaOptions<'_>) -> Result<()> {
+    match options.progress.map(|progress| progress(1.0)) {
+        Some(Flow::Cancel) => Err(Error::Cancelled),
+        Some(Flow::Continue) | None => Ok(()),
+    }
 }
 
 fn check_atb<T>(a: MatRef<'_, T>, b: MatRef<'_, T>, c: MatRef<'_, T>) -> Result<()> {

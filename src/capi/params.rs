@@ -24,6 +24,8 @@ pub const CATA_SCHEME_KGP3: i32 = 6;
 /// Integer products modulo small primes: nothing is rounded but the columns, to about 2^-54 of their
 /// norms (float: 2^-27), and the result.
 pub const CATA_SCHEME_EXACT: i32 = 7;
+/// `scheme`: as CATA_SCHEME_AUTO, but never CATA_SCHEME_EXACT.
+pub const CATA_SCHEME_FLOAT: i32 = 8;
 
 /// `error_factor`: the least error. With CATA_SCHEME_AUTO that is CATA_SCHEME_EXACT on every machine,
 /// however slow it is there; other schemes are as with 1.
@@ -70,10 +72,14 @@ pub struct cata_ata_params {
     /// 1: the same bytes on every machine, which takes CATA_SCHEME_EXACT everywhere, slower than others
     /// on CPUs without AMX; the scheme must be that or CATA_SCHEME_AUTO. 0: not asked for.
     pub reproducible: i32,
+    /// 1: fast levels multiply columns by powers of two while they pack them, and divide the products
+    /// again, so that columns of very different sizes do not spoil each other's accuracy; nothing is
+    /// rounded for it. Only without `backend`. 0: not asked for.
+    pub scale_columns: i32,
 }
 
 /// Size of the first published version of the struct: its fields are always there.
-const FIRST_SIZE: usize = offset_of!(cata_ata_params, reproducible) + size_of::<i32>();
+const FIRST_SIZE: usize = offset_of!(cata_ata_params, scale_columns) + size_of::<i32>();
 
 /// More than any version will ever have: an uninitialised struct_size is caught, not followed.
 const LARGEST_SIZE: usize = 4096;
@@ -177,6 +183,7 @@ pub(super) unsafe fn with_options(
     options.scheme = scheme(params.scheme)?;
     options.accuracy = accuracy(params.error_factor);
     options.reproducible = flag("params.reproducible", params.reproducible)?;
+    options.scale_columns = flag("params.scale_columns", params.scale_columns)?;
     if params.threads > 0 {
         options.par = Par::Threads(params.threads);
     }
@@ -222,6 +229,7 @@ fn scheme(scheme: i32) -> Result<SchemeChoice, Failure> {
         CATA_SCHEME_KGP4 => SchemeChoice::Kgp4,
         CATA_SCHEME_KGP3 => SchemeChoice::Kgp3,
         CATA_SCHEME_EXACT => SchemeChoice::Exact,
+        CATA_SCHEME_FLOAT => SchemeChoice::Float,
         other => {
             let why = format!("params.scheme: must be a CATA_SCHEME_* value, is {other}");
             return Err(Failure::new(CATA_ERR_ARGUMENT, why));
