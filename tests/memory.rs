@@ -59,8 +59,8 @@ fn lean() -> AtaOptions<'static> {
     AtaOptions { backend: Arc::new(common::Naive), ..AtaOptions::default() }
 }
 
-/// What the bookkeeping of a call may take: tasks, lanes, block lists.
-const SMALL: usize = 64 << 10;
+/// What the bookkeeping of a call may take: tasks, lanes, block lists, a pool of threads.
+const SMALL: usize = 256 << 10;
 
 #[test]
 fn the_faithful_mode_needs_at_most_three_halves_n_squared_elements() {
