@@ -135,7 +135,7 @@ typedef struct cata_ata_params {
     size_t leaf;
     /**
      * Tasks that C is split into, whatever the number of threads, at most 65536; 0: the
-     * library's choice.
+     * library's choice. Of no effect where the built-in kernels share C in their own way.
      */
     size_t tasks;
     /**

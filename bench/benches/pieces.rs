@@ -21,7 +21,7 @@ fn main() {
 
 fn backends() -> Vec<(&'static str, Arc<dyn Backend>)> {
     let rivals = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../target/rivals"));
-    let mut found = vec![("gemm", blas::native())];
+    let mut found = vec![("native", blas::native())];
     for name in ["mkl", "openblas"] {
         let library = find(name, rivals).and_then(|path| blas::load(&path).ok());
         found.extend(library.map(|library| (name, library)));

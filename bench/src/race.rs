@@ -219,7 +219,7 @@ mod tests {
         let reference = Reference::new(&answer_to, 1, 1);
         let team = Team::new(1, Pin::No)?;
         let rules = Rules { repeat: 3, deadline: None, patience: None };
-        let ours = Contender::Ours { name: "auto/gemm".into(), options: Box::default() };
+        let ours = Contender::Ours { name: "auto/native".into(), options: Box::default() };
         race(&[Contender::Faer, ours], product, 1, &team, &reference, &rules)
     }
 

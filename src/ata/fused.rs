@@ -58,7 +58,13 @@ impl FusedProduct {
 }
 
 /// The products of `op` with A m x n and B m x k, in order.
-pub(crate) fn products(recursion: &Recursion, op: Op, m: usize, n: usize, k: usize) -> Vec<FusedProduct> {
+pub(crate) fn products(
+    recursion: &Recursion,
+    op: Op,
+    m: usize,
+    n: usize,
+    k: usize,
+) -> Vec<FusedProduct> {
     let whole = |rows, cols| Block { coefficient: 1, rows: 0..rows, cols: 0..cols, first: true };
     let root = Node {
         op,
@@ -91,7 +97,8 @@ impl Node {
         // Every entry of an output needs one of the product, be it zero: beta comes with it.
         let rows = longest(&self.left, |b| &b.cols).max(longest(&self.outputs, |b| &b.rows));
         let cols = longest(&self.right, |b| &b.cols).max(longest(&self.outputs, |b| &b.cols));
-        let (rows, cols) = if self.op.symmetric() { (rows.max(cols), rows.max(cols)) } else { (rows, cols) };
+        let (rows, cols) =
+            if self.op.symmetric() { (rows.max(cols), rows.max(cols)) } else { (rows, cols) };
         Shape { depth, rows, cols, same: self.op == Op::Syrk }
     }
 
@@ -110,17 +117,29 @@ impl Node {
                 let scheme = id.scheme();
                 let mut touched = vec![false; self.outputs.len() * scheme.left * scheme.right];
                 for product in &scheme.products {
-                    self.child(scheme, product, shape, &mut touched).flatten(recursion, symmetric, found);
+                    self.child(scheme, product, shape, &mut touched)
+                        .flatten(recursion, symmetric, found);
                 }
             }
             None => {
                 let Self { left, right, outputs, .. } = self;
-                found.push(FusedProduct { left, right: if same { vec![] } else { right }, outputs, shape });
+                found.push(FusedProduct {
+                    left,
+                    right: if same { vec![] } else { right },
+                    outputs,
+                    shape,
+                });
             }
         }
     }
 
-    fn child(&self, scheme: &Scheme, product: &Product, shape: Shape, touched: &mut [bool]) -> Self {
+    fn child(
+        &self,
+        scheme: &Scheme,
+        product: &Product,
+        shape: Shape,
+        touched: &mut [bool],
+    ) -> Self {
         let Shape { depth, rows, cols, .. } = shape;
         let of = |blocks: &[Block], terms: &[Term], extents, parts| {
             let mut sum = Vec::with_capacity(blocks.len() * terms.len());

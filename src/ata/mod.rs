@@ -281,7 +281,9 @@ fn run<T: BlasReal>(
             exact::execute(kernel, &layout, alpha, a, b, beta, c, options, scratch).map(drop)
         }
         None => match plan.native {
-            Some(instance) => native::execute(instance, plan, alpha, a, b, beta, c, options, scratch),
+            Some(instance) => {
+                native::execute(instance, plan, alpha, a, b, beta, c, options, scratch)
+            }
             None => exec::execute(plan, alpha, a, b, beta, c, options, scratch),
         },
     }

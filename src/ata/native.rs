@@ -32,7 +32,12 @@ pub(crate) fn budget<T>(n: usize, k: usize) -> usize {
 }
 
 /// Scalars of scratch that one slab needs on `lanes` threads.
-fn slab_scratch_len<T: Operand>(instance: Instance, plan: &Plan, same: bool, lanes: usize) -> usize {
+fn slab_scratch_len<T: Operand>(
+    instance: Instance,
+    plan: &Plan,
+    same: bool,
+    lanes: usize,
+) -> usize {
     let geometry = T::kernel(instance).geometry();
     let budget = budget::<T>(plan.n, plan.k);
     let len = |rows| {
@@ -102,8 +107,7 @@ pub(crate) fn execute<T: Operand>(
         }
         let par = Par::Threads(options.par.threads().min(slabs));
         let lane_len = slab_scratch_len::<T>(instance, plan, same, 1);
-        let lanes: Vec<_> =
-            (0..par.threads()).map(|_| Mutex::new(arena.take(lane_len))).collect();
+        let lanes: Vec<_> = (0..par.threads()).map(|_| Mutex::new(arena.take(lane_len))).collect();
         let next = AtomicUsize::new(0);
         par.run_lanes(|lane| {
             let mut scratch = lanes[lane].lock().expect("one lane, one lock");

@@ -62,7 +62,8 @@ pub enum SchemeChoice {
     Winograd,
     /// RXTX over Winograd's variant.
     Rxtx,
-    /// The sparse 4 x 4 scheme of Khoruzhii, Gelss and Pokutta over Winograd's variant.
+    /// The sparse 4 x 4 scheme of Khoruzhii, Gelss and Pokutta over Winograd's variant; with the native
+    /// kernels over Strassen's.
     Kgp4,
     /// Their 3 x 3 scheme over Winograd's variant.
     Kgp3,
@@ -110,7 +111,8 @@ pub struct AtaOptions<'a> {
     /// Smallest block side a fast level may produce (elements, >= 1); in [`SchemeChoice::Ata2`] the
     /// side of the square that fits the cache. `None`: what the planner finds best.
     pub leaf: Option<usize>,
-    /// Tasks that C is split into, whatever the number of threads; `None`: by shape.
+    /// Tasks that C is split into, whatever the number of threads; `None`: by shape. The native kernels
+    /// share C by items of their own, and need none but for the schemes of the thesis, RXTX and Kgp3.
     pub tasks: Option<usize>,
     /// Told of progress; may cancel.
     pub progress: Option<Progress<'a>>,

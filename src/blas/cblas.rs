@@ -8,8 +8,8 @@ use faer::{MatMut, MatRef};
 use libloading::Library;
 
 use super::{Backend, Kernels, Native, Rates, ThreadGuard, gemmt_by_gemm};
-use crate::kernel::packed;
 use crate::base::{Error, Real, Result};
+use crate::kernel::packed;
 
 // The values of the CBLAS enumerations (BLAST forum standard, annex C.1).
 const ROW_MAJOR: c_int = 101;

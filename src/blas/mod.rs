@@ -60,7 +60,7 @@ pub struct Rates {
 
 /// A BLAS library, or what stands in for one.
 pub trait Backend: Kernels<f32> + Kernels<f64> {
-    /// Short name, such as `gemm`, `openblas` or the file name of a loaded library.
+    /// Short name, such as `native`, `openblas` or the file name of a loaded library.
     fn name(&self) -> &str;
 
     /// Its version, or what it says of itself; may be empty.

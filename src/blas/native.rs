@@ -3,7 +3,8 @@ use faer::{MatMut, MatRef};
 use super::{Backend, Kernels, Rates};
 use crate::base::{Par, Scratch};
 use crate::kernel::packed::{
-    self, Destination, Instance, Job, Operand, Part, Product, Shape, Source, is_small, run, run_small, scratch_len,
+    self, Destination, Instance, Job, Operand, Part, Product, Shape, Source, is_small, run,
+    run_small, scratch_len,
 };
 
 /// The kernels of this crate, for one instruction set: one product at a time, on the calling thread.

@@ -53,7 +53,7 @@ pub struct cata_ata_params {
     /// choice.
     pub leaf: usize,
     /// Tasks that C is split into, whatever the number of threads, at most 65536; 0: the
-    /// library's choice.
+    /// library's choice. Of no effect where the built-in kernels share C in their own way.
     pub tasks: usize,
     /// Error that fast products may cause, as a factor of the classical algorithm's in the maximum
     /// norm, expected: 1 for classical products only, INFINITY for no bound, CATA_ERROR_LEAST for the

@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Threads; default all cores.
     #[arg(long, default_value_t = available_cores())]
     threads: usize,
-    /// What computes our classical path: gemm, or what a rival may be.
+    /// What computes our classical path: native, or what a rival may be.
     #[arg(long, default_value = "mkl")]
     backend: String,
     #[command(flatten)]

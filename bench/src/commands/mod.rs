@@ -101,7 +101,7 @@ fn rival(name: &str, libraries: &Path) -> Result<Contender> {
     })
 }
 
-/// The back end called `name`, and its name without a path: gemm, or a library as in [`rival`].
+/// The back end called `name`, and its name without a path: native, or a library as in [`rival`].
 fn backend(name: &str, libraries: &Path) -> Result<(String, Arc<dyn Backend>)> {
     if name == "native" {
         return Ok((name.to_owned(), blas::native()));

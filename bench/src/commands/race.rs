@@ -22,7 +22,7 @@ pub struct Arguments {
         default_value = "512,1024,2048,4096,8192,1000000x100,30000x2500"
     )]
     sizes: Vec<Shape>,
-    /// What computes our leaves: gemm, or what a rival may be.
+    /// What computes our leaves: native, or what a rival may be.
     #[arg(long, value_delimiter = ',', default_value = "mkl")]
     backend: Vec<String>,
     /// Our schemes.

@@ -1,5 +1,5 @@
-//! How the work on a product is cut: what stays in which cache. None of it but the depth touches
-//! the arithmetic.
+//! How the work on a product is cut: what stays in which cache. The depth and the chunk decide on
+//! sums, so they depend on the shape alone; the rest may depend on the machine.
 
 use std::sync::OnceLock;
 

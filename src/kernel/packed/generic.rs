@@ -413,7 +413,9 @@ unsafe fn pack_elements<V: Vectors>(
                     let count = count.min(m.nrows().saturating_sub(row));
                     let width = cols.end.min(m.ncols()).saturating_sub(cols.start);
                     let (down, across) = (m.row_stride(), m.col_stride());
-                    let from = m.as_ptr().wrapping_offset(row as isize * down + cols.start as isize * across);
+                    let from = m
+                        .as_ptr()
+                        .wrapping_offset(row as isize * down + cols.start as isize * across);
                     if across == 1 && s.scale.is_none() {
                         for k in 0..count {
                             let from = from.wrapping_offset(k as isize * down);
@@ -427,7 +429,8 @@ unsafe fn pack_elements<V: Vectors>(
                             let scale = s.scale.map_or(V::Scalar::ONE, |d| d[cols.start + j]);
                             let c = s.coefficient * scale;
                             for k in 0..count {
-                                *to.add(k * V::WIDTH + j) += c * *from.wrapping_offset(k as isize * down);
+                                *to.add(k * V::WIDTH + j) +=
+                                    c * *from.wrapping_offset(k as isize * down);
                             }
                         }
                     }
@@ -443,7 +446,12 @@ unsafe fn pack_elements<V: Vectors>(
 /// # Safety
 /// `sums` holds ROWS x WIDTH; nobody else uses these entries of C.
 #[inline(always)]
-pub(super) unsafe fn write<V: Vectors>(sums: *const V::Scalar, target: &Target<V::Scalar>, row: usize, col: usize) {
+pub(super) unsafe fn write<V: Vectors>(
+    sums: *const V::Scalar,
+    target: &Target<V::Scalar>,
+    row: usize,
+    col: usize,
+) {
     // SAFETY: the caller's promise; the entries lie inside the block.
     unsafe {
         if target.is_plain() && target.wants_all(row..row + V::ROWS, col..col + V::WIDTH) {
@@ -464,7 +472,11 @@ pub(super) unsafe fn write<V: Vectors>(sums: *const V::Scalar, target: &Target<V
                 let mut j = 0;
                 while j + V::LANES <= len {
                     let sum = V::mul(vc, V::load(from.add(j)));
-                    let sum = if beta == V::Scalar::ZERO { sum } else { V::add(V::mul(vb, V::load(to.add(j))), sum) };
+                    let sum = if beta == V::Scalar::ZERO {
+                        sum
+                    } else {
+                        V::add(V::mul(vb, V::load(to.add(j))), sum)
+                    };
                     V::store(to.add(j), sum);
                     j += V::LANES;
                 }
@@ -484,7 +496,12 @@ pub(super) unsafe fn write<V: Vectors>(sums: *const V::Scalar, target: &Target<V
 
 /// [`write`] of a whole tile, stored by rows.
 #[inline(always)]
-unsafe fn write_all<V: Vectors>(sums: *const V::Scalar, target: &Target<V::Scalar>, row: usize, col: usize) {
+unsafe fn write_all<V: Vectors>(
+    sums: *const V::Scalar,
+    target: &Target<V::Scalar>,
+    row: usize,
+    col: usize,
+) {
     // SAFETY: as for `write`.
     unsafe {
         let (c, beta) = (V::splat(target.coefficient), V::splat(target.beta));

@@ -91,7 +91,13 @@ impl<'a, T: Real> Destination<'a, T> {
     }
 
     /// The block of these rows and columns.
-    pub fn block(&self, rows: Range<usize>, cols: Range<usize>, coefficient: T, beta: T) -> Target<T> {
+    pub fn block(
+        &self,
+        rows: Range<usize>,
+        cols: Range<usize>,
+        coefficient: T,
+        beta: T,
+    ) -> Target<T> {
         assert!(rows.start <= rows.end && rows.end <= self.rows);
         assert!(cols.start <= cols.end && cols.end <= self.cols);
         let offset = rows.start as isize * self.row_stride + cols.start as isize * self.col_stride;
@@ -105,10 +111,9 @@ impl<'a, T: Real> Destination<'a, T> {
             part: self.part,
             diagonal: rows.start as isize - cols.start as isize,
             start: self.start.wrapping_offset(offset),
-            scales: self.scales.map(|(r, c)| Scales {
-                rows: r[rows].as_ptr(),
-                cols: c[cols].as_ptr(),
-            }),
+            scales: self
+                .scales
+                .map(|(r, c)| Scales { rows: r[rows].as_ptr(), cols: c[cols].as_ptr() }),
         }
     }
 }

@@ -9,8 +9,8 @@ use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use super::operands::{Product, Shape, Source, Target};
 use super::generic::line_len;
+use super::operands::{Product, Shape, Source, Target};
 use super::{Area, Blocking, Geometry, Kernel, Row, piece};
 use crate::base::{Arena, Par, Real};
 
@@ -259,8 +259,11 @@ impl<T: Real> Phase<'_, '_, T> {
         let columns = Blocking::packed_columns(*geometry, product.shape);
         let rows = piece(&self.rows, b, blocking.depth);
         let left = b * blocking.depth * columns;
-        let right =
-            if product.shape.same { left } else { left + rows.len() * left_panels * geometry.width };
+        let right = if product.shape.same {
+            left
+        } else {
+            left + rows.len() * left_panels * geometry.width
+        };
         (left, right, rows)
     }
 

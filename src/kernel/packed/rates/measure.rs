@@ -87,7 +87,8 @@ impl<'a> Bench<'a> {
     fn flops(&mut self) -> f64 {
         let Self { kernel, geometry: Geometry { rows, width, .. }, item, .. } = *self;
         let start = self.panels.as_mut_ptr();
-        let (right, sums) = (start.wrapping_add(DEPTH * item), start.wrapping_add(2 * DEPTH * item));
+        let (right, sums) =
+            (start.wrapping_add(DEPTH * item), start.wrapping_add(2 * DEPTH * item));
         median_rate(|| {
             for corner in (0..item).step_by(rows) {
                 let left = corner / width * width * DEPTH + corner % width;
