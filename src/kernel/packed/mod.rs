@@ -12,6 +12,8 @@ mod operands;
 mod portable;
 mod rates;
 mod schedule;
+#[cfg(test)]
+mod tests;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
