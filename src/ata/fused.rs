@@ -218,7 +218,11 @@ mod tests {
             let Shape { depth, rows, cols, same } = product.shape;
             assert!(!same || op == Op::Syrk && product.right.is_empty() && rows == cols);
             let left = a.sum(&product.left, depth, rows);
-            let right = if same { a.sum(&product.left, depth, cols) } else { b.sum(&product.right, depth, cols) };
+            let right = if same {
+                a.sum(&product.left, depth, cols)
+            } else {
+                b.sum(&product.right, depth, cols)
+            };
             let dot = |i, j| (0..depth).map(|r| left.at(r, i) * right.at(r, j)).sum::<i64>();
             let sums: Vec<i64> = (0..rows * cols).map(|e| dot(e / cols, e % cols)).collect();
             assert!(!product.outputs.is_empty());
@@ -291,7 +295,9 @@ mod tests {
     fn general_programs_compute_every_entry_once() {
         let mut rng = Rng::new(2);
         for recursion in recursions() {
-            for (m, n, k) in [(0, 3, 2), (1, 1, 1), (3, 2, 5), (7, 9, 5), (17, 13, 19), (25, 33, 11)] {
+            for (m, n, k) in
+                [(0, 3, 2), (1, 1, 1), (3, 2, 5), (7, 9, 5), (17, 13, 19), (25, 33, 11)]
+            {
                 check(&recursion, Op::Gemm, m, n, k, &mut rng);
             }
         }
@@ -310,7 +316,12 @@ mod tests {
 
     #[test]
     fn work_is_that_of_the_entries_wanted() {
-        let whole = |op| products(&Recursion::none(), op, 10, 20, 20).iter().map(|p| p.work(op.symmetric())).sum();
+        let whole = |op| {
+            products(&Recursion::none(), op, 10, 20, 20)
+                .iter()
+                .map(|p| p.work(op.symmetric()))
+                .sum()
+        };
         let (triangle, square): (f64, f64) = (whole(Op::Syrk), whole(Op::Gemm));
         assert_eq!((triangle, square), (2100.0, 4000.0));
     }

@@ -311,7 +311,12 @@ impl<T: Operand> Case<T> {
 }
 
 /// Blocks of C over a grid, each once, some of them a row or a column short.
-fn outputs(grid: (usize, usize), shape: Shape, corner: (usize, usize), rng: &mut Rng) -> Vec<Output> {
+fn outputs(
+    grid: (usize, usize),
+    shape: Shape,
+    corner: (usize, usize),
+    rng: &mut Rng,
+) -> Vec<Output> {
     let Shape { rows, cols, .. } = shape;
     let mut outputs = Vec::new();
     for i in 0..grid.0 {
@@ -330,12 +335,7 @@ fn outputs(grid: (usize, usize), shape: Shape, corner: (usize, usize), rng: &mut
 }
 
 /// C for some outputs: integers, but NaN where beta is zero, and poison where nobody writes.
-fn destination<T: Real>(
-    layout: Layout,
-    part: Part,
-    specs: &[Spec<T>],
-    rng: &mut Rng,
-) -> Stored<T> {
+fn destination<T: Real>(layout: Layout, part: Part, specs: &[Spec<T>], rng: &mut Rng) -> Stored<T> {
     let all = || specs.iter().flat_map(|s| &s.outputs);
     let rows = all().map(|o| o.rows.end).max().unwrap_or(0) + 1;
     let cols = all().map(|o| o.cols.end).max().unwrap_or(0) + 2;
@@ -492,7 +492,8 @@ fn check_sums<T: Operand>(rng: &mut Rng) {
     for left in COUNTS {
         for right in COUNTS {
             for grid in [(1, 1), (1, 2), (2, 1), (4, 4)] {
-                let shape = general(pick(rng, &[1, 13, 40]), 20 + below(rng, 60), 20 + below(rng, 60));
+                let shape =
+                    general(pick(rng, &[1, 13, 40]), 20 + below(rng, 60), 20 + below(rng, 60));
                 let budget = pick(rng, &[1, PLENTY]);
                 let specs = vec![spec(shape, (left, right), grid, rng)];
                 case::<T>(specs, budget, rng).check(&[1 + below(rng, 3)]);
@@ -558,7 +559,8 @@ fn products_with_overlapping_targets_run_in_order() {
 
 /// A case of random reals.
 fn reals<T: Operand>(depth: usize, side: usize, budget: usize, rng: &mut Rng) -> Case<T> {
-    let mut real = |layout, rows, cols| Stored::new(layout, rows, cols, f64::NAN, |_, _| rng.normal());
+    let mut real =
+        |layout, rows, cols| Stored::new(layout, rows, cols, f64::NAN, |_, _| rng.normal());
     let (left, right) = (real(Layout::Rows, depth, side), real(Layout::Columns, depth, side + 5));
     let c = real(Layout::PaddedRows, side, side + 5);
     let output = Output { rows: 0..side, cols: 0..side + 5, coefficient: 0.7, beta: -1.3 };
