@@ -182,3 +182,166 @@ fn sub_block(block: &Block, term: Term, extents: (usize, usize), parts: (usize, 
         first: block.first,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::plan::Base;
+    use super::super::scheme::SchemeId::{self, Kgp4, Split, Strassen, Winograd};
+    use super::*;
+    use crate::base::Rng;
+
+    /// Integers by rows.
+    struct Matrix {
+        cols: usize,
+        entries: Vec<i64>,
+    }
+
+    impl Matrix {
+        fn random(rows: usize, cols: usize, rng: &mut Rng) -> Self {
+            let entries = (0..rows * cols).map(|_| (rng.bits() % 19) as i64 - 9).collect();
+            Self { cols, entries }
+        }
+
+        fn at(&self, i: usize, j: usize) -> i64 {
+            self.entries[i * self.cols + j]
+        }
+
+        /// `depth` x `width`: the sum of blocks, zero where they end.
+        fn sum(&self, blocks: &[Block], depth: usize, width: usize) -> Self {
+            let mut sum = Self { cols: width, entries: vec![0; depth * width] };
+            for block in blocks {
+                assert!(block.rows.len() <= depth && block.cols.len() <= width);
+                assert!(block.coefficient != 0);
+                for (k, row) in block.rows.clone().enumerate() {
+                    for (j, col) in block.cols.clone().enumerate() {
+                        let x = i64::from(block.coefficient) * self.at(row, col);
+                        sum.entries[k * width + j] += x;
+                    }
+                }
+            }
+            sum
+        }
+    }
+
+    /// Runs a program: each entry of C that somebody wants, or `None` where nothing has arrived.
+    fn evaluate(
+        program: &[FusedProduct],
+        op: Op,
+        a: &Matrix,
+        b: &Matrix,
+        n: usize,
+    ) -> Vec<Option<i64>> {
+        let k = b.cols;
+        let mut c = vec![None; n * k];
+        for product in program {
+            let Shape { depth, rows, cols, same } = product.shape;
+            assert!(!same || op == Op::Syrk && product.right.is_empty() && rows == cols);
+            let left = a.sum(&product.left, depth, rows);
+            let right = if same {
+                a.sum(&product.left, depth, cols)
+            } else {
+                b.sum(&product.right, depth, cols)
+            };
+            let dot = |i, j| (0..depth).map(|r| left.at(r, i) * right.at(r, j)).sum::<i64>();
+            let sums: Vec<i64> = (0..rows * cols).map(|e| dot(e / cols, e % cols)).collect();
+            assert!(!product.outputs.is_empty());
+            for output in &product.outputs {
+                assert!(output.rows.len() <= rows && output.cols.len() <= cols);
+                if op.symmetric() {
+                    assert!(output.rows.end > output.cols.start, "above the diagonal: {output:?}");
+                }
+                for (i, row) in output.rows.clone().enumerate() {
+                    for (j, col) in output.cols.clone().enumerate() {
+                        if op.symmetric() && row < col {
+                            continue;
+                        }
+                        let entry = &mut c[row * k + col];
+                        let sum = i64::from(output.coefficient) * sums[i * cols + j];
+                        assert_eq!(output.first, entry.is_none(), "({row}, {col}) of {output:?}");
+                        *entry = Some(entry.unwrap_or(0) + sum);
+                    }
+                }
+            }
+        }
+        c
+    }
+
+    fn check(recursion: &Recursion, op: Op, m: usize, n: usize, k: usize, rng: &mut Rng) {
+        let a = Matrix::random(m, n, rng);
+        let other = Matrix::random(m, k, rng);
+        let b = if op == Op::Syrk { &a } else { &other };
+        let c = evaluate(&products(recursion, op, m, n, k), op, &a, b, n);
+        for i in 0..n {
+            for j in 0..k {
+                let wanted = !op.symmetric() || i >= j;
+                let expected = (0..m).map(|r| a.at(r, i) * b.at(r, j)).sum();
+                let expected = wanted.then_some(expected);
+                assert_eq!(c[i * k + j], expected, "{op:?} {m} {n} {k}, ({i}, {j}), {recursion:?}");
+            }
+        }
+    }
+
+    /// Every recursion that the native kernels may be given, and deeper ones.
+    fn recursions() -> impl Iterator<Item = Recursion> {
+        let symmetric: [&[SchemeId]; 3] = [&[], &[Split], &[Kgp4, Split]];
+        let general: [&[SchemeId]; 3] = [&[], &[Strassen], &[Winograd]];
+        symmetric.into_iter().flat_map(move |symmetric| {
+            general.into_iter().flat_map(move |general| {
+                [1, 2].into_iter().flat_map(move |fast_levels| {
+                    [1, 3, 8].into_iter().map(move |side| Recursion {
+                        symmetric: symmetric.to_vec(),
+                        general: general.to_vec(),
+                        base: Base::Side { general: side, symmetric: side },
+                        fast_levels,
+                    })
+                })
+            })
+        })
+    }
+
+    #[test]
+    fn symmetric_programs_compute_the_lower_triangle_once() {
+        let mut rng = Rng::new(1);
+        for recursion in recursions() {
+            for (m, n) in [(0, 5), (1, 1), (2, 3), (5, 7), (9, 13), (17, 17), (13, 33), (40, 27)] {
+                check(&recursion, Op::Syrk, m, n, n, &mut rng);
+                check(&recursion, Op::Gemmt, m, n, n, &mut rng);
+            }
+        }
+    }
+
+    #[test]
+    fn general_programs_compute_every_entry_once() {
+        let mut rng = Rng::new(2);
+        for recursion in recursions() {
+            for (m, n, k) in
+                [(0, 3, 2), (1, 1, 1), (3, 2, 5), (7, 9, 5), (17, 13, 19), (25, 33, 11)]
+            {
+                check(&recursion, Op::Gemm, m, n, k, &mut rng);
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_computed_for_an_empty_result() {
+        for recursion in recursions() {
+            for (op, n, k) in [(Op::Syrk, 0, 0), (Op::Gemm, 0, 4), (Op::Gemm, 4, 0)] {
+                let program = products(&recursion, op, 3, n, k);
+                let entries: usize = program.iter().map(|p| p.shape.rows * p.shape.cols).sum();
+                assert_eq!(entries, 0, "{op:?}, {recursion:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn work_is_that_of_the_entries_wanted() {
+        let whole = |op| {
+            products(&Recursion::none(), op, 10, 20, 20)
+                .iter()
+                .map(|p| p.work(op.symmetric()))
+                .sum()
+        };
+        let (triangle, square): (f64, f64) = (whole(Op::Syrk), whole(Op::Gemm));
+        assert_eq!((triangle, square), (2100.0, 4000.0));
+    }
+}

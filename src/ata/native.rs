@@ -23,12 +23,13 @@ fn program(plan: &Plan, same: bool, rows: usize) -> Vec<FusedProduct> {
     fused::products(&plan.recursion, plan.op(same), rows, plan.n, plan.k)
 }
 
-/// Scalars that a packed chunk may take: with the sums of the threads less than half of C, but what
-/// the third-level cache of a core holds at most, and a chunk that is worth its while at least.
+/// Scalars that a packed chunk may take, of which there are two: with the sums of the threads less
+/// than half of C, but what the third-level cache of a core holds at most, and a chunk that is worth
+/// its while at least.
 pub(crate) fn budget<T>(n: usize, k: usize) -> usize {
     const LEAST: usize = 256 << 10;
     const MOST: usize = 16 << 20;
-    (n * k / 4).clamp(LEAST / size_of::<T>(), MOST / size_of::<T>())
+    (n * k / 6).clamp(LEAST / size_of::<T>(), MOST / size_of::<T>())
 }
 
 /// Scalars of scratch that one slab needs on `lanes` threads.

@@ -1,9 +1,10 @@
 //! Runs products one after another, each by all threads: chunk by chunk of the rows, pack, then
 //! multiply. Threads share what is packed.
 //!
-//! Pieces of work have numbers; a thread takes the next one, and waits when it belongs to a phase
-//! whose predecessor is not done. Those pieces are in the hands of threads that run, so that
-//! nothing hangs however few of the threads asked for exist.
+//! Pieces of work have numbers, tickets; a thread takes the next one, and waits when it needs pieces
+//! that are not done. Those are in the hands of threads that run, so that nothing hangs however few
+//! of the threads asked for exist. There are two buffers for packed chunks: who finds no more to
+//! multiply goes on and packs the next chunk, while others still work on this one.
 
 use std::ops::Range;
 use std::sync::Mutex;
@@ -31,15 +32,18 @@ pub(crate) fn scratch_len<T: Real>(
     budget: usize,
     lanes: usize,
 ) -> usize {
-    let mut packed = 0;
-    let mut sums = 0;
+    let (mut packed, mut sums, mut chunks) = (0, 0, 0);
     for shape in shapes {
         let blocking = Blocking::new(geometry, size_of::<T>(), shape, budget);
         packed = packed.max(blocking.packed_len(geometry, shape));
         sums = sums.max(blocking.sums_len(geometry));
+        chunks += blocking.chunks(shape);
     }
-    packed + lanes * sums + (lanes + 1) * line_len::<T>()
+    chunks.min(BUFFERS) * (packed + line_len::<T>()) + lanes * (sums + line_len::<T>())
 }
+
+/// Chunks in memory at a time.
+const BUFFERS: usize = 2;
 
 /// The next `len` scalars on a cache line of their own.
 fn aligned<'a, T: Real>(arena: &mut Arena<'a, T>, len: usize) -> &'a mut [T] {
@@ -58,56 +62,60 @@ fn aligned<'a, T: Real>(arena: &mut Arena<'a, T>, len: usize) -> &'a mut [T] {
 pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T]) -> bool {
     let geometry = job.kernel.geometry();
     let plans: Vec<_> = job.products.iter().map(|p| Plan::new(geometry, p, job.budget)).collect();
-    let mut phases = Vec::with_capacity(2 * plans.len());
+    let len = |f: &dyn Fn(&Plan<'_, T>) -> usize| plans.iter().map(f).max().unwrap_or(0);
+    let packed_len = len(&|p| p.blocking.packed_len(geometry, p.product.shape));
+    let sums_len = len(&|p| p.blocking.sums_len(geometry));
+    let chunks: usize = plans.iter().map(|p| p.blocking.chunks(p.product.shape)).sum();
+    let mut arena = Arena::new(scratch);
+    let buffers: Vec<_> = (0..chunks.min(BUFFERS))
+        .map(|_| Packed { start: aligned(&mut arena, packed_len).as_mut_ptr() })
+        .collect();
+    let mut phases = Vec::with_capacity(2 * chunks);
     let mut tickets = 0;
     for plan in &plans {
         let depth = plan.product.shape.depth;
         for first in (0..depth.max(1)).step_by(plan.blocking.chunk) {
             let rows = first..depth.min(first + plan.blocking.chunk);
+            let packed = buffers[phases.len() / 2 % BUFFERS];
             for step in [Step::Pack, Step::Multiply] {
                 let start = tickets;
                 tickets += plan.tickets(step, &rows);
-                phases.push(Phase { plan, step, rows: rows.clone(), tickets: start..tickets });
+                let (rows, tickets) = (rows.clone(), start..tickets);
+                phases.push(Phase { plan, step, rows, packed, tickets, done: AtomicUsize::new(0) });
             }
         }
     }
-    let len = |f: &dyn Fn(&Plan<'_, T>) -> usize| plans.iter().map(f).max().unwrap_or(0);
-    let packed_len = len(&|p| p.blocking.packed_len(geometry, p.product.shape));
-    let sums_len = len(&|p| p.blocking.sums_len(geometry));
     let lanes = par.threads();
-    let mut arena = Arena::new(scratch);
-    let packed = Packed { start: aligned(&mut arena, packed_len).as_mut_ptr() };
     let sums: Vec<_> = (0..lanes).map(|_| Mutex::new(aligned(&mut arena, sums_len))).collect();
 
-    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let next = AtomicUsize::new(0);
     let cancelled = AtomicBool::new(false);
     par.run_lanes(|lane| {
         let mut sums = sums[lane].lock().expect("one lane, one lock");
-        let mut phase = phases.iter();
-        let Some(mut current) = phase.next() else { return };
+        let mut p = 0;
         loop {
             let ticket = next.fetch_add(1, Ordering::Relaxed);
-            while ticket >= current.tickets.end {
-                match phase.next() {
-                    Some(following) => current = following,
-                    None => return,
-                }
+            while phases.get(p).is_some_and(|phase| ticket >= phase.tickets.end) {
+                p += 1;
             }
-            wait_for(&done, current.tickets.start);
+            let Some(phase) = phases.get(p) else { return };
+            for needed in needed_by(p) {
+                phases[needed].wait();
+            }
             // Counted even if it panics: the others would wait for ever.
             let _done = Finally(|| {
-                done.fetch_add(1, Ordering::Release);
+                phase.done.fetch_add(1, Ordering::Release);
             });
             if cancelled.load(Ordering::Relaxed) {
                 continue;
             }
-            let i = ticket - current.tickets.start;
-            // SAFETY: this phase waits for the one before it, each ticket is handed out once, and
-            // pieces of a phase write disjoint memory: panels, or entries of C.
+            let i = ticket - phase.tickets.start;
+            // SAFETY: what this phase needs is done, each ticket is handed out once, and pieces of a
+            // phase write disjoint memory: panels, or entries of C.
             let work = unsafe {
-                match current.step {
-                    Step::Pack => current.pack(job.kernel, packed, i),
-                    Step::Multiply => current.multiply(job.kernel, packed, i, &mut sums),
+                match phase.step {
+                    Step::Pack => phase.pack(job.kernel, i),
+                    Step::Multiply => phase.multiply(job.kernel, i, &mut sums),
                 }
             };
             if work > 0.0 && !(job.progress)(work) {
@@ -118,19 +126,11 @@ pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T])
     !cancelled.into_inner()
 }
 
-/// Waits until `count` has reached `target`.
-fn wait_for(count: &AtomicUsize, target: usize) {
-    /// Some microseconds; then others may need the core more.
-    const SPINS: usize = 2000;
-    let mut spins = 0;
-    while count.load(Ordering::Acquire) < target {
-        spins += 1;
-        if spins < SPINS {
-            std::hint::spin_loop();
-        } else {
-            std::thread::yield_now();
-        }
-    }
+/// The phases that have to be done before phase `p`: packing, the one that read the buffer before;
+/// multiplying, the packing of the chunk, and the one before, which writes the same entries of C.
+fn needed_by(p: usize) -> impl Iterator<Item = usize> {
+    let back: &[usize] = if p.is_multiple_of(2) { &[2 * BUFFERS - 1] } else { &[1, 2] };
+    back.iter().filter_map(move |back| p.checked_sub(*back))
 }
 
 /// Calls its function when dropped.
@@ -143,10 +143,16 @@ impl<F: Fn()> Drop for Finally<F> {
 }
 
 /// Memory for panels.
-#[derive(Clone, Copy)]
 struct Packed<T> {
     start: *mut T,
 }
+
+impl<T> Clone for Packed<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<T> Copy for Packed<T> {}
 
 // SAFETY: a pointer; who uses it keeps the threads' parts disjoint.
 unsafe impl<T: Send> Sync for Packed<T> {}
@@ -206,6 +212,8 @@ impl<'a, T: Real> Plan<'a, T> {
                 }
             }
         }
+        // The smaller ones last, to fill the gaps at the end.
+        items.sort_by_key(|item| std::cmp::Reverse(item.cost));
         let later = product.targets.iter().map(|t| t.accumulating()).collect();
         Self { product, geometry, blocking, left_panels, right_panels, items, later }
     }
@@ -249,10 +257,27 @@ struct Phase<'p, 'a, T> {
     plan: &'p Plan<'a, T>,
     step: Step,
     rows: Range<usize>,
+    packed: Packed<T>,
     tickets: Range<usize>,
+    done: AtomicUsize,
 }
 
 impl<T: Real> Phase<'_, '_, T> {
+    /// Waits until all of it is done.
+    fn wait(&self) {
+        /// Some microseconds; then others may need the core more.
+        const SPINS: usize = 2000;
+        let mut spins = 0;
+        while self.done.load(Ordering::Acquire) < self.tickets.len() {
+            spins += 1;
+            if spins < SPINS {
+                std::hint::spin_loop();
+            } else {
+                std::thread::yield_now();
+            }
+        }
+    }
+
     /// Where the panels of block `b` begin, left and right, and its rows.
     fn block(&self, b: usize) -> (usize, usize, Range<usize>) {
         let Plan { geometry, blocking, left_panels, product, .. } = self.plan;
@@ -271,7 +296,7 @@ impl<T: Real> Phase<'_, '_, T> {
     ///
     /// # Safety
     /// Nobody else uses that part of the memory.
-    unsafe fn pack(&self, kernel: &dyn Kernel<T>, packed: Packed<T>, i: usize) -> f64 {
+    unsafe fn pack(&self, kernel: &dyn Kernel<T>, i: usize) -> f64 {
         let Plan { geometry, product, .. } = self.plan;
         let (left_groups, right_groups) = self.plan.groups();
         let (b, group) = (i / (left_groups + right_groups), i % (left_groups + right_groups));
@@ -282,7 +307,7 @@ impl<T: Real> Phase<'_, '_, T> {
             (&product.right, right, group - left_groups, product.shape.cols)
         };
         let panel_stride = rows.len() * geometry.width;
-        let out = packed.at(start + group * GROUP * panel_stride);
+        let out = self.packed.at(start + group * GROUP * panel_stride);
         let cols = piece(&(0..width), group, GROUP * geometry.width);
         // SAFETY: the group's panels lie in the memory, which `packed_len` has measured.
         unsafe { kernel.pack(sources, &Area { rows, cols }, out, panel_stride) };
@@ -296,7 +321,6 @@ impl<T: Real> Phase<'_, '_, T> {
     unsafe fn multiply(
         &self,
         kernel: &dyn Kernel<T>,
-        packed: Packed<T>,
         i: usize,
         sums: &mut [T],
     ) -> f64 {
@@ -316,7 +340,7 @@ impl<T: Real> Phase<'_, '_, T> {
             let last = b + 1 == blocks;
             let left_of = |row: usize| {
                 let corner = row * height;
-                packed.at(left + corner / width * steps * width + corner % width)
+                self.packed.at(left + corner / width * steps * width + corner % width)
             };
             let (_, next_right, next_rows) = self.block(b + 1);
             let next_right = next_right + item.cols.start * next_rows.len() * width;
@@ -333,9 +357,9 @@ impl<T: Real> Phase<'_, '_, T> {
                     steps,
                     left: left_of(row),
                     next_left: left_of(row + 1),
-                    next_right: packed.at(next_right + fetched),
+                    next_right: self.packed.at(next_right + fetched),
                     next_lines,
-                    right: packed.at(right + item.cols.start * steps * width),
+                    right: self.packed.at(right + item.cols.start * steps * width),
                     panels: item.cols.clone(),
                     wanted: wanted.start..wanted.end.min(product.shape.cols),
                     sums: sums[first..first + len].as_mut_ptr(),
@@ -355,12 +379,6 @@ impl<T: Real> Phase<'_, '_, T> {
 
 /// The columns that some target wants of these rows.
 fn wanted_of<T>(targets: &[Target<T>], rows: Range<usize>) -> Range<usize> {
-    let mut all = usize::MAX..0;
-    for target in targets {
-        let wanted = target.wanted_of(rows.clone());
-        if !wanted.is_empty() {
-            all = all.start.min(wanted.start)..all.end.max(wanted.end);
-        }
-    }
-    all
+    let wanted = targets.iter().map(|t| t.wanted_of(rows.clone())).filter(|w| !w.is_empty());
+    wanted.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0)
 }
