@@ -28,7 +28,7 @@ fn program(plan: &Plan, same: bool, rows: usize) -> Vec<FusedProduct> {
 /// its while at least.
 pub(crate) fn budget<T>(n: usize, k: usize) -> usize {
     const LEAST: usize = 256 << 10;
-    const MOST: usize = 16 << 20;
+    const MOST: usize = 64 << 20;
     (n * k / 6).clamp(LEAST / size_of::<T>(), MOST / size_of::<T>())
 }
 
