@@ -9,7 +9,7 @@ use catamaran::blas::{self, Backend, BlasReal, Native};
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::kernel::packed::{Instance, Rates};
 use catamaran::{
-    AtaOptions, Par, Plan, SchemeChoice, Uplo, aat, ata, ata_scratch_len, ata_with_scratch, atb,
+    AtaOptions, Error, Par, Plan, SchemeChoice, Uplo, aat, ata, ata_scratch_len, ata_with_scratch, atb,
     atb_scratch_len, atb_with_scratch,
 };
 use common::{bits, gaussian, integers, oracle};
@@ -332,4 +332,48 @@ fn fast_levels_cost_at_most_the_accuracy_promised() {
     check_errors("uniform", &Mat::from_fn(500, 300, |i, j| uniform[(i, j)] as f32));
     check_errors("Gaussian", &gaussian::<f64>(500, 300, 10));
     check_errors("Gaussian", &gaussian::<f32>(500, 300, 10));
+}
+
+/// A with column `j` times `2^power(j)`.
+fn graded(a: &Mat<f64>, power: impl Fn(usize) -> i32) -> Mat<f64> {
+    Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * 2_f64.powi(power(j)))
+}
+
+#[test]
+fn scaled_columns_do_not_spoil_each_other() {
+    let power = |j: usize| (j as i32 * 37) % 181 - 90;
+    let (a, b) = (integers::<f64>(65, 47, 40), integers::<f64>(65, 33, 41));
+    let (ga, gb) = (graded(&a, power), graded(&b, power));
+    let expected = |x: &Mat<f64>, y: &Mat<f64>| {
+        let whole = product(x, None, y);
+        Mat::from_fn(x.ncols(), y.ncols(), |i, j| whole[(i, j)] * 2_f64.powi(power(i) + power(j)))
+    };
+    for backend in natives() {
+        for scheme in [SchemeChoice::Winograd, SchemeChoice::Kgp4] {
+            let with = |scale_columns| AtaOptions {
+                backend: backend.clone(),
+                scheme,
+                leaf: Some(6),
+                uplo: Uplo::Both,
+                scale_columns,
+                ..AtaOptions::default()
+            };
+            let run = |options: &AtaOptions<'_>| {
+                let (mut c, mut d) = (zeros::<f64>(47, 47), zeros::<f64>(47, 33));
+                ata(1.0, ga.as_ref(), 0.0, c.as_mut(), options).unwrap();
+                atb(1.0, ga.as_ref(), gb.as_ref(), 0.0, d.as_mut(), options).unwrap();
+                (c, d)
+            };
+            let (c, d) = run(&with(true));
+            assert!(c == expected(&a, &a) && d == expected(&a, &b), "{scheme:?}");
+            assert!(run(&with(false)).1 != d, "{scheme:?}: there is something to spoil");
+        }
+    }
+    let other = AtaOptions {
+        backend: Arc::new(common::Naive),
+        scale_columns: true,
+        ..AtaOptions::default()
+    };
+    let refused = ata(1.0, a.as_ref(), 0.0, zeros(47, 47).as_mut(), &other);
+    assert!(matches!(refused, Err(Error::Argument { what: "scale_columns", .. })));
 }
