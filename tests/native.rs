@@ -9,8 +9,8 @@ use catamaran::blas::{self, Backend, BlasReal, Native};
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::kernel::packed::{Instance, Rates};
 use catamaran::{
-    AtaOptions, Error, Par, Plan, SchemeChoice, Uplo, aat, ata, ata_scratch_len, ata_with_scratch, atb,
-    atb_scratch_len, atb_with_scratch,
+    AtaOptions, Error, Par, Plan, SchemeChoice, Uplo, aat, ata, ata_scratch_len, ata_with_scratch,
+    atb, atb_scratch_len, atb_with_scratch,
 };
 use common::{bits, gaussian, integers, oracle};
 

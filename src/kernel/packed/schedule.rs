@@ -318,12 +318,7 @@ impl<T: Real> Phase<'_, '_, T> {
     ///
     /// # Safety
     /// The panels are packed, and nobody else uses the item's entries of the targets.
-    unsafe fn multiply(
-        &self,
-        kernel: &dyn Kernel<T>,
-        i: usize,
-        sums: &mut [T],
-    ) -> f64 {
+    unsafe fn multiply(&self, kernel: &dyn Kernel<T>, i: usize, sums: &mut [T]) -> f64 {
         let Plan { geometry, blocking, product, items, later, .. } = self.plan;
         let item = &items[i];
         let targets = if self.rows.start == 0 { &product.targets } else { later };
