@@ -453,11 +453,20 @@ fn default_slabs(m: usize, n: usize, k: usize) -> usize {
     if side <= 768 { (m / (16 * side).max(2048)).clamp(1, 8) } else { 1 }
 }
 
-/// Slabs for a C that is too small to be shared by threads.
+/// Slabs for a C that is too small to be shared by threads: a power of two, long enough for the sum of
+/// their results not to matter.
 fn native_slabs(m: usize, n: usize, k: usize) -> usize {
-    /// A panel of C that fits the second-level cache beside its packed operands.
     const SMALL: usize = 256;
-    if n.max(k) <= SMALL { (m / 4096).clamp(1, 16) } else { 1 }
+    const SHORTEST: usize = 500;
+    /// Rows from which on many threads are worth their while.
+    const MANY: usize = 50_000;
+    let side = n.max(k);
+    if side > SMALL {
+        return 1;
+    }
+    let most = if m < MANY { 4 } else { 16 };
+    let slabs = m / SHORTEST.max(5 * side);
+    slabs.checked_ilog2().map_or(1, |log| 1 << log).min(most)
 }
 
 /// Seconds on one core of a flattened recursion.

@@ -26,7 +26,7 @@ pub(crate) fn is_small<T: Real>(kernel: &dyn Kernel<T>, shape: Shape) -> bool {
 }
 
 #[repr(align(64))]
-struct Memory<T>(MaybeUninit<([T; PACKED], [T; TILE])>);
+struct Memory<T>(MaybeUninit<[T; PACKED + TILE]>);
 
 /// One small product.
 ///
