@@ -494,7 +494,7 @@ pub(super) unsafe fn write<V: Vectors>(
     }
 }
 
-/// [`write`] of a whole tile, stored by rows.
+/// [`write()`] of a whole tile, stored by rows.
 #[inline(always)]
 unsafe fn write_all<V: Vectors>(
     sums: *const V::Scalar,
