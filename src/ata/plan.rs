@@ -596,12 +596,12 @@ impl fmt::Display for Plan {
         match self.native {
             Some(instance) => {
                 let products = fused::products(recursion, self.op(true), m / slabs, *n, *k).len();
-                writeln!(
-                    f,
-                    "kernels    {}, {products} products with the additions fused, \
-                     {slabs} {slab_word} of rows",
-                    instance.name()
-                )?;
+                let products = match products {
+                    1 => "one product".to_owned(),
+                    _ => format!("{products} products with the additions fused"),
+                };
+                let name = instance.name();
+                writeln!(f, "kernels    {name}, {products}, {slabs} {slab_word} of rows")?;
             }
             None => writeln!(
                 f,
