@@ -78,7 +78,9 @@ pub(crate) fn execute<T: Operand>(
     let (slabs, same) = (plan.slabs, b.is_none());
     let rows = |i| block_start(plan.m, slabs, i)..block_start(plan.m, slabs, i + 1);
     let programs: Vec<_> = (0..slabs).map(|i| program(plan, same, rows(i).len())).collect();
-    let work = programs.iter().flatten().map(|p| p.work(plan.symmetric)).sum();
+    let work: f64 = programs.iter().flatten().map(|p| p.work(plan.symmetric)).sum();
+    // Over before another thread has woken up.
+    let par = if work < 4e6 { Par::Seq } else { options.par };
     let tracker = Tracker::new(options, work);
     let progress = |work: f64| {
         tracker.add(work);
@@ -97,7 +99,7 @@ pub(crate) fn execute<T: Operand>(
         unsafe { run(&job, par, scratch) };
     };
     if slabs == 1 {
-        slab(0, beta, c, options.par, scratch);
+        slab(0, beta, c, par, scratch);
     } else {
         let mut arena = Arena::new(scratch);
         let (n, k, row_major) = (plan.n, plan.k, c.col_stride() == 1);
@@ -106,7 +108,7 @@ pub(crate) fn execute<T: Operand>(
             let zero = partial(arena.take(n * k), n, k, row_major);
             results.push(Mutex::new((T::ZERO, zero)));
         }
-        let par = Par::Threads(options.par.threads().min(slabs));
+        let par = Par::Threads(par.threads().min(slabs));
         let lane_len = slab_scratch_len::<T>(instance, plan, same, 1);
         let lanes: Vec<_> = (0..par.threads()).map(|_| Mutex::new(arena.take(lane_len))).collect();
         let next = AtomicUsize::new(0);
