@@ -4,6 +4,7 @@
 //! docs/algorithms/ata.md for the mathematics.
 
 mod combine;
+pub mod distributed;
 mod exact;
 mod exec;
 mod fused;

@@ -1,0 +1,161 @@
+//! Each rank has some columns of A: blocks of them travel so that each pair meets on one rank.
+//!
+//! Rank p sees the column blocks `p + D mod P`, D a [`difference_cover`], and computes for every difference
+//! one block of C: all ranks compute the same number of blocks (one less, for some, when P is even), and
+//! receive `(|D| - 1) m n / P` words, `m n / sqrt(P)` for perfect covers, which is the lower bound of
+//! the two-dimensional case. The triangle-block distribution of Al Daas, Ballard, Grigori, Kumar and
+//! Rouse (2023) is the same with other planes, for P = c (c + 1) only.
+
+use std::ops::Range;
+
+use super::cover::difference_cover;
+use super::segment::{Segment, packed_len};
+
+/// The lower triangle of C as blocks of the products of column blocks.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Blocks {
+    /// Where each rank's columns of A begin, and the end: from 0 to n.
+    starts: Vec<usize>,
+    cover: Vec<usize>,
+    /// For the difference d, from 0 to P / 2: two residues of the cover with that difference.
+    pairs: Vec<(usize, usize)>,
+}
+
+/// The block `C[rows, cols] = A_left^T A_right` of column blocks `left >= right`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Product {
+    /// Rank whose columns are the rows of the block.
+    pub left: usize,
+    /// Rank whose columns are the columns of the block; the same for a triangle on the diagonal.
+    pub right: usize,
+}
+
+impl Blocks {
+    /// The blocks when rank p has `widths[p]` columns, in the order of the ranks.
+    pub fn new(widths: &[usize]) -> Self {
+        let ranks = widths.len();
+        let mut starts = vec![0];
+        for width in widths {
+            starts.push(starts[starts.len() - 1] + width);
+        }
+        let cover = difference_cover(ranks);
+        let pairs = (0..=ranks / 2)
+            .map(|d| {
+                let all = cover.iter().flat_map(|&a| cover.iter().map(move |&b| (a, b)));
+                all.into_iter()
+                    .find(|&(a, b)| (b + ranks - a) % ranks == d)
+                    .unwrap_or_else(|| unreachable!("a cover has every difference"))
+            })
+            .collect();
+        Self { starts, cover, pairs }
+    }
+
+    /// Rows and columns of C.
+    pub fn n(&self) -> usize {
+        self.starts[self.ranks()]
+    }
+
+    /// The number of ranks.
+    pub fn ranks(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// The columns of A that `rank` brings along.
+    pub fn columns(&self, rank: usize) -> Range<usize> {
+        self.starts[rank]..self.starts[rank + 1]
+    }
+
+    /// The ranks whose columns `rank` must be sent, itself excluded.
+    pub fn sources(&self, rank: usize) -> impl Iterator<Item = usize> + '_ {
+        self.cover[1..].iter().map(move |c| (rank + c) % self.ranks()).filter(move |&r| r != rank)
+    }
+
+    /// The ranks that must be sent the columns of `rank`, itself excluded: opposite to [`Blocks::sources`].
+    pub fn destinations(&self, rank: usize) -> impl Iterator<Item = usize> + '_ {
+        let ranks = self.ranks();
+        self.cover[1..].iter().map(move |c| (rank + ranks - c) % ranks).filter(move |&r| r != rank)
+    }
+
+    /// What `rank` computes and holds, in order; the triangle on the diagonal comes first.
+    pub fn products(&self, rank: usize) -> impl Iterator<Item = Product> + '_ {
+        let ranks = self.ranks();
+        self.pairs.iter().enumerate().filter_map(move |(d, &(a, b))| {
+            let (x, y) = ((rank + a) % ranks, (rank + b) % ranks);
+            // Half way around, p and p + P/2 have the same pair.
+            let twice = d > 0 && 2 * d == ranks && x > y;
+            (!twice).then_some(Product { left: x.max(y), right: x.min(y) })
+        })
+    }
+
+    /// The number of entries of a product.
+    pub fn product_len(&self, product: Product) -> usize {
+        let (rows, cols) = (self.columns(product.left).len(), self.columns(product.right).len());
+        if product.left == product.right { packed_len(rows) } else { rows * cols }
+    }
+
+    pub(super) fn segments(&self, rank: usize) -> impl Iterator<Item = Segment> {
+        self.products(rank).flat_map(move |product| {
+            let (rows, cols) = (self.columns(product.left), self.columns(product.right));
+            rows.map(move |row| Segment { row, cols: cols.start..cols.end.min(row + 1) })
+                .filter(|segment| !segment.cols.is_empty())
+        })
+    }
+
+    /// The number of entries that `rank` holds.
+    pub fn len(&self, rank: usize) -> usize {
+        self.products(rank).map(|product| self.product_len(product)).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_entry_belongs_to_one_rank_that_sees_its_columns() {
+        for ranks in 1..=23 {
+            let widths: Vec<usize> = (0..ranks).map(|r| [3, 0, 5, 1][r % 4]).collect();
+            let blocks = Blocks::new(&widths);
+            let mut seen = vec![0; packed_len(blocks.n())];
+            for rank in 0..ranks {
+                let sources: Vec<usize> = blocks.sources(rank).chain([rank]).collect();
+                for product in blocks.products(rank) {
+                    assert!(sources.contains(&product.left) && sources.contains(&product.right));
+                }
+                let mut len = 0;
+                for segment in blocks.segments(rank) {
+                    assert!(segment.cols.end <= segment.row + 1);
+                    for j in segment.cols {
+                        seen[packed_len(segment.row) + j] += 1;
+                        len += 1;
+                    }
+                }
+                assert_eq!(len, blocks.len(rank));
+            }
+            assert!(seen.iter().all(|&count| count == 1), "{ranks} ranks");
+        }
+    }
+
+    #[test]
+    fn sources_and_destinations_are_opposite() {
+        for ranks in 1..=40 {
+            let blocks = Blocks::new(&vec![1; ranks]);
+            for rank in 0..ranks {
+                for source in blocks.sources(rank) {
+                    assert!(blocks.destinations(source).any(|d| d == rank));
+                }
+                assert_eq!(blocks.sources(rank).count(), blocks.destinations(rank).count());
+            }
+        }
+    }
+
+    #[test]
+    fn work_is_even() {
+        for ranks in 2..=64 {
+            let blocks = Blocks::new(&vec![10; ranks]);
+            let counts: Vec<usize> = (0..ranks).map(|r| blocks.products(r).count()).collect();
+            let (least, most) = (counts.iter().min().unwrap(), counts.iter().max().unwrap());
+            assert!(most - least <= 1, "{ranks}: {counts:?}");
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Each rank has some rows of A: the sum over the ranks of their products, reduced and scattered.
+//!
+//! The triangle is cut in chunks of rows so that the reduction of one can overlap the computation of the
+//! next. A chunk is reduced in `ceil(log2 P)` rounds on a circulant graph for any number P of ranks, and
+//! each rank sends every entry that is not its own exactly once: `(1 - 1/P)` of the triangle, which is
+//! the least possible. Source: J. L. Träff, "Optimal, non-pipelined reduce-scatter and allreduce
+//! algorithms" (2024).
+
+use std::ops::Range;
+
+use super::segment::{Segment, packed_len};
+use crate::ata::recurse::block_start;
+
+/// The lower triangle of C as chunks of rows; each chunk is shared evenly among all ranks.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Chunks {
+    ranks: usize,
+    /// Where each chunk begins, and the end: ascending rows of C, from 0 to n.
+    bounds: Vec<usize>,
+}
+
+/// Entries of a chunk above which it is cut: 8 MiB of f64, so that latency does not count.
+const CHUNK: usize = 1 << 20;
+/// Rows of a chunk that products are still efficient on.
+const SHORTEST: usize = 256;
+
+impl Chunks {
+    /// The chunks for C n x n on `ranks >= 1` ranks: of about the same number of entries, few enough for
+    /// long products, many enough for a rank to hold no more than its share of all.
+    pub fn new(n: usize, ranks: usize) -> Self {
+        let wanted = packed_len(n).div_ceil(CHUNK).max(ranks);
+        // The last chunk has the fewest rows: about n / (2 count).
+        Self::with_count(n, ranks, wanted.min(n / (2 * SHORTEST)).max(1))
+    }
+
+    /// As [`Chunks::new`], with `count >= 1` chunks.
+    pub fn with_count(n: usize, ranks: usize, count: usize) -> Self {
+        // Rows up to n sqrt(k / count) hold k / count of the triangle.
+        let bound = |k: usize| (n as f64 * (k as f64 / count as f64).sqrt()).round() as usize;
+        let mut bounds: Vec<usize> = (0..=count).map(bound).collect();
+        bounds[count] = n;
+        Self { ranks, bounds }
+    }
+
+    /// Rows and columns of C.
+    pub fn n(&self) -> usize {
+        self.bounds[self.count()]
+    }
+
+    /// The number of ranks.
+    pub fn ranks(&self) -> usize {
+        self.ranks
+    }
+
+    /// The number of chunks.
+    pub fn count(&self) -> usize {
+        self.bounds.len() - 1
+    }
+
+    /// Rows of C in `chunk`.
+    pub fn rows(&self, chunk: usize) -> Range<usize> {
+        self.bounds[chunk]..self.bounds[chunk + 1]
+    }
+
+    /// The entries of `chunk` that `rank` holds, counted along the packed triangle.
+    pub fn entries(&self, chunk: usize, rank: usize) -> Range<usize> {
+        let rows = self.rows(chunk);
+        let start = packed_len(rows.start);
+        let len = packed_len(rows.end) - start;
+        let part = |i| start + block_start(len, self.ranks, i);
+        part(rank)..part(rank + 1)
+    }
+
+    pub(super) fn segments(&self, rank: usize) -> impl Iterator<Item = Segment> {
+        (0..self.count()).flat_map(move |chunk| Segment::of_packed(self.entries(chunk, rank)))
+    }
+
+    /// The segments of the part of `chunk` that `rank` holds.
+    pub fn segments_of(&self, chunk: usize, rank: usize) -> impl Iterator<Item = Segment> {
+        Segment::of_packed(self.entries(chunk, rank))
+    }
+
+    /// The number of entries that `rank` holds.
+    pub fn len(&self, rank: usize) -> usize {
+        (0..self.count()).map(|chunk| self.entries(chunk, rank).len()).sum()
+    }
+}
+
+/// One round of the reduction, for every rank r: it sends its sums for the ranks `r + i mod P`, `i` in
+/// `parts`, to rank `r + parts.start mod P`, and receives as many from rank `r - parts.start mod P`, which
+/// it adds to its sums for the ranks `r + i mod P`, `i` in `0..parts.len()`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Round {
+    /// Which sums are sent, counted from the rank's own.
+    pub parts: Range<usize>,
+}
+
+/// The `ceil(log2 P)` rounds after which each of `ranks` ranks has the whole sum of its own part.
+pub fn rounds(ranks: usize) -> Vec<Round> {
+    let mut rounds = Vec::new();
+    let mut end = ranks;
+    while end > 1 {
+        let start = end.div_ceil(2);
+        rounds.push(Round { parts: start..end });
+        end = start;
+    }
+    rounds
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_entry_belongs_to_one_rank() {
+        for (n, ranks) in [(0, 1), (1, 3), (7, 2), (64, 7), (127, 16), (500, 4), (1031, 5)] {
+            for count in [1, 2, 5] {
+                let chunks = Chunks::with_count(n, ranks, count);
+                let mut seen = vec![0; packed_len(n)];
+                for rank in 0..ranks {
+                    let mut len = 0;
+                    for segment in chunks.segments(rank) {
+                        for j in segment.cols {
+                            seen[packed_len(segment.row) + j] += 1;
+                            len += 1;
+                        }
+                    }
+                    assert_eq!(len, chunks.len(rank));
+                }
+                assert!(seen.iter().all(|&count| count == 1), "n = {n}, {ranks} ranks");
+            }
+        }
+    }
+
+    #[test]
+    fn every_rank_gets_every_term_of_its_part_once() {
+        for ranks in (1..=70).chain([127, 128, 129, 1000]) {
+            // terms[r][i]: whose products are in the sum that rank r has for rank r + i
+            let mut terms: Vec<Vec<Vec<usize>>> =
+                (0..ranks).map(|r| (0..ranks).map(|_| vec![r]).collect()).collect();
+            let rounds = rounds(ranks);
+            assert_eq!(rounds.len(), ranks.next_power_of_two().ilog2() as usize);
+            let mut sent = 0;
+            for Round { parts } in rounds {
+                let before = terms.clone();
+                for r in 0..ranks {
+                    let from = (r + ranks - parts.start) % ranks;
+                    for i in 0..parts.len() {
+                        terms[r][i].extend_from_slice(&before[from][parts.start + i]);
+                    }
+                }
+                sent += parts.len();
+            }
+            assert_eq!(sent, ranks - 1);
+            for own in terms.iter_mut().map(|t| &mut t[0]) {
+                own.sort_unstable();
+                assert!(own.iter().copied().eq(0..ranks), "{ranks} ranks");
+            }
+        }
+    }
+
+    #[test]
+    fn chunks_are_even_and_small() {
+        for (n, ranks) in [(4096, 2), (4096, 16), (20_000, 100), (500, 4)] {
+            let chunks = Chunks::new(n, ranks);
+            let sizes: Vec<usize> = (0..chunks.count())
+                .map(|c| packed_len(chunks.rows(c).end) - packed_len(chunks.rows(c).start))
+                .collect();
+            let (least, most) = (sizes.iter().min().unwrap(), sizes.iter().max().unwrap());
+            assert!(most - least <= 2 * n, "{sizes:?}");
+            let lens: Vec<usize> = (0..ranks).map(|r| chunks.len(r)).collect();
+            let spread = lens.iter().max().unwrap() - lens.iter().min().unwrap();
+            assert!(spread <= chunks.count(), "{lens:?}");
+        }
+    }
+}

@@ -1,0 +1,125 @@
+use std::ops::Range;
+
+use super::{Blocks, Chunks};
+
+/// A piece of one row of the lower triangle: entries `(row, j)` for `j` in `cols`, all `<= row`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Segment {
+    /// Row of C.
+    pub row: usize,
+    /// Columns of C, not empty.
+    pub cols: Range<usize>,
+}
+
+impl Segment {
+    /// The segments that the packed entries `entries` (row by row) are made of.
+    pub(super) fn of_packed(entries: Range<usize>) -> impl Iterator<Item = Self> {
+        let mut row = row_of(entries.start);
+        let mut at = entries.start;
+        std::iter::from_fn(move || {
+            if at >= entries.end {
+                return None;
+            }
+            let start = packed_len(row);
+            let end = packed_len(row + 1).min(entries.end);
+            let segment = Self { row, cols: at - start..end - start };
+            (row, at) = (row + 1, end);
+            Some(segment)
+        })
+    }
+}
+
+/// Which rank holds which entries of the lower triangle of C, each exactly once.
+///
+/// A rank keeps its entries one after another, in the order of [`Layout::segments`]: whoever knows the
+/// layout can gather, redistribute or multiply without further talk.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Layout {
+    /// Ranges of the packed triangle.
+    Chunks(Chunks),
+    /// Rectangular blocks and triangles on the diagonal.
+    Blocks(Blocks),
+}
+
+impl Layout {
+    /// Rows and columns of C.
+    pub fn n(&self) -> usize {
+        match self {
+            Self::Chunks(chunks) => chunks.n(),
+            Self::Blocks(blocks) => blocks.n(),
+        }
+    }
+
+    /// The number of ranks.
+    pub fn ranks(&self) -> usize {
+        match self {
+            Self::Chunks(chunks) => chunks.ranks(),
+            Self::Blocks(blocks) => blocks.ranks(),
+        }
+    }
+
+    /// What `rank` holds, in the order in which it holds it.
+    pub fn segments(&self, rank: usize) -> Box<dyn Iterator<Item = Segment> + '_> {
+        match self {
+            Self::Chunks(chunks) => Box::new(chunks.segments(rank)),
+            Self::Blocks(blocks) => Box::new(blocks.segments(rank)),
+        }
+    }
+
+    /// The number of entries that `rank` holds.
+    pub fn len(&self, rank: usize) -> usize {
+        match self {
+            Self::Chunks(chunks) => chunks.len(rank),
+            Self::Blocks(blocks) => blocks.len(rank),
+        }
+    }
+}
+
+/// Entries of a lower triangle of `n` rows, the diagonal included; also where row `n` begins in the packed
+/// triangle.
+pub fn packed_len(n: usize) -> usize {
+    // One of the two is even, and halved before they overflow.
+    if n.is_multiple_of(2) { n / 2 * (n + 1) } else { n.div_ceil(2) * n }
+}
+
+/// The row that a packed entry is in.
+fn row_of(entry: usize) -> usize {
+    // i (i + 1) / 2 <= e, i the largest
+    ((8 * entry as u128 + 1).isqrt() as usize - 1) / 2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packed_entries_know_their_row() {
+        let mut entry = 0;
+        for row in 0..200 {
+            assert_eq!(packed_len(row), entry);
+            for _ in 0..=row {
+                assert_eq!(row_of(entry), row);
+                entry += 1;
+            }
+        }
+        // Beyond what f64 could tell apart.
+        let n = 3_000_000_019;
+        assert_eq!(row_of(packed_len(n)), n);
+        assert_eq!(row_of(packed_len(n) - 1), n - 1);
+    }
+
+    #[test]
+    fn any_range_of_entries_is_cut_at_the_ends_of_rows() {
+        for start in 0..30 {
+            for end in start..30 {
+                let mut at = start;
+                for segment in Segment::of_packed(start..end) {
+                    assert!(segment.cols.end <= segment.row + 1 && !segment.cols.is_empty());
+                    assert_eq!(packed_len(segment.row) + segment.cols.start, at);
+                    at += segment.cols.len();
+                }
+                assert_eq!(at, end);
+            }
+        }
+    }
+}
