@@ -16,8 +16,8 @@
 //!
 //! The layers, from the bottom: [`base`] (scalars, errors, workspaces, threads), [`kernel`]
 //! (arithmetic per instruction set), [`blas`] (back ends), [`ata`](mod@ata) (schemes, plans,
-//! execution, the exact path, checks), [`io`] (matrix files), and the C ABI (`capi`, feature of that
-//! name). A layer imports only the layers below it; a test says so.
+//! execution, the exact path, checks), [`io`] (matrix files), `mpi` (many machines) and the C ABI `capi`, features of
+//! these names. A layer imports only the layers below it; a test says so.
 
 pub mod base;
 
@@ -28,6 +28,9 @@ pub mod blas;
 pub mod ata;
 
 pub mod io;
+
+#[cfg(feature = "mpi")]
+pub mod mpi;
 
 #[cfg(feature = "capi")]
 pub mod capi;

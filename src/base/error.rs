@@ -61,6 +61,13 @@ pub enum Error {
         /// What it said.
         why: String,
     },
+    /// Another rank of a distributed call failed, or does not fit the others.
+    Rank {
+        /// The rank at fault, from 0.
+        rank: usize,
+        /// What it said, or what is wrong with it.
+        why: String,
+    },
     /// The progress callback asked to stop. Outputs hold unspecified values.
     Cancelled,
 }
@@ -84,6 +91,7 @@ impl fmt::Display for Error {
             Self::Io { path, line, what } => write!(f, "{}:{line}: {what}", path.display()),
             Self::OutOfMemory { bytes } => write!(f, "out of memory: {bytes} bytes requested"),
             Self::Backend { name, why } => write!(f, "back end {name}: {why}"),
+            Self::Rank { rank, why } => write!(f, "rank {rank}: {why}"),
             Self::Cancelled => write!(f, "cancelled"),
         }
     }

@@ -30,6 +30,8 @@ pub const CATA_ERR_CANCELLED: cata_status = 9;
 pub const CATA_ERR_UNSUPPORTED: cata_status = 10;
 /// A bug in Catamaran, caught at the border; the message says where. The library stays usable.
 pub const CATA_ERR_PANIC: cata_status = 11;
+/// Another rank of a distributed call failed, or does not fit the others; the message names it.
+pub const CATA_ERR_RANK: cata_status = 12;
 
 /// The message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty when
 /// none has. A call that succeeds leaves it alone. Never NULL.
@@ -66,6 +68,7 @@ fn name(status: cata_status) -> &'static CStr {
         CATA_ERR_CANCELLED => c"CATA_ERR_CANCELLED",
         CATA_ERR_UNSUPPORTED => c"CATA_ERR_UNSUPPORTED",
         CATA_ERR_PANIC => c"CATA_ERR_PANIC",
+        CATA_ERR_RANK => c"CATA_ERR_RANK",
         _ => c"unknown status",
     }
 }
@@ -98,6 +101,7 @@ impl From<Error> for Failure {
             Error::Io { .. } => CATA_ERR_IO,
             Error::OutOfMemory { .. } => CATA_ERR_OUT_OF_MEMORY,
             Error::Backend { .. } => CATA_ERR_BACKEND,
+            Error::Rank { .. } => CATA_ERR_RANK,
             Error::Cancelled => CATA_ERR_CANCELLED,
         };
         Self::new(status, error.to_string())

@@ -62,6 +62,11 @@ impl Chunks {
         self.bounds[chunk]..self.bounds[chunk + 1]
     }
 
+    /// Entries of the longest rectangle of rows of a chunk up to the end of its diagonal.
+    pub fn longest_panel(&self) -> usize {
+        (0..self.count()).map(|c| self.rows(c).len() * self.rows(c).end).max().unwrap_or(0)
+    }
+
     /// The entries of `chunk` that `rank` holds, counted along the packed triangle.
     pub fn entries(&self, chunk: usize, rank: usize) -> Range<usize> {
         let rows = self.rows(chunk);

@@ -77,14 +77,7 @@ fn wichmann(ranks: usize) -> Vec<usize> {
         .map(|r| (r, (0..).find(|&s| length(r, s) >= half).unwrap_or(0)))
         .min_by_key(|&(r, s)| marks(r, s))
         .unwrap_or((0, half));
-    let steps = [
-        (1, r),
-        (r + 1, 1),
-        (2 * r + 1, r),
-        (4 * r + 3, s),
-        (2 * r + 2, r + 1),
-        (1, r),
-    ];
+    let steps = [(1, r), (r + 1, 1), (2 * r + 1, r), (4 * r + 3, s), (2 * r + 2, r + 1), (1, r)];
     let mut cover = vec![0];
     for (step, times) in steps {
         for _ in 0..times {
@@ -125,7 +118,9 @@ mod tests {
 
     #[test]
     fn covers_are_as_short_as_said() {
-        for (ranks, len) in [(1, 1), (2, 2), (3, 2), (4, 3), (7, 3), (8, 4), (13, 4), (21, 5), (31, 6)] {
+        for (ranks, len) in
+            [(1, 1), (2, 2), (3, 2), (4, 3), (7, 3), (8, 4), (13, 4), (21, 5), (31, 6)]
+        {
             assert_eq!(difference_cover(ranks).len(), len, "{ranks}");
         }
         for ranks in (2..=5000).chain([65_536]) {

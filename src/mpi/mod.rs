@@ -1,0 +1,17 @@
+//! A^T A of matrices that are spread over the ranks of an MPI communicator: executes the plans of
+//! [`ata::distributed`](crate::ata::distributed).
+//!
+//! Every function is collective: all ranks of the [`World`] call it, with the same options. An error on
+//! one rank is an error on all ([`Error::Rank`](crate::Error::Rank)); a panic aborts the job, since the
+//! other ranks would wait for ever; so does, by default, an error of MPI itself. Results depend on the
+//! number of ranks, not on that of threads nor on which message comes first.
+
+mod reduction;
+mod rows;
+mod symmetric;
+mod transfer;
+mod world;
+
+pub use rows::{ata_rows, sum_symmetric};
+pub use symmetric::Symmetric;
+pub use world::{MpiReal, Traffic, World};

@@ -1,0 +1,125 @@
+use std::ops::Range;
+
+use faer::MatRef;
+
+use super::symmetric::reserved;
+use super::transfer::Transfer;
+use super::world::{MpiReal, World};
+use crate::ata::distributed::{Chunks, rounds};
+use crate::base::Result;
+
+/// Tags of the rounds; those of two chunks under way at the same time differ.
+const FIRST_TAG: i32 = 64;
+
+/// The sum of a chunk over the ranks, scattered to them; of one chunk after another, in memory that is there
+/// from the start.
+pub(super) struct Reduction<'c, T> {
+    chunks: &'c Chunks,
+    rank: usize,
+    /// Parts of the pieces, counted from the rank's own part: first that alone, then what the rank sends in the last
+    /// round, ..., in the first round.
+    parts: Vec<Range<usize>>,
+    pieces: Vec<Vec<T>>,
+    /// Where the sums of others arrive.
+    incoming: Vec<T>,
+    chunk: usize,
+    /// Pieces that are still to be sent, the last one first; `None` when there is no sum to be had.
+    left: Option<usize>,
+    under_way: Option<(Transfer<T>, Transfer<T>)>,
+}
+
+impl<'c, T: MpiReal> Reduction<'c, T> {
+    /// Room for the largest chunk.
+    pub(super) fn new(chunks: &'c Chunks, rank: usize) -> Result<Self> {
+        let rounds = rounds(chunks.ranks()).into_iter().rev().map(|round| round.parts);
+        let parts: Vec<_> = std::iter::once(0..1).chain(rounds).collect();
+        let most = |parts: &Range<usize>| {
+            let all = 0..chunks.count();
+            all.map(|chunk| entries(chunks, chunk, rank, parts)).max().unwrap_or(0)
+        };
+        let pieces = parts.iter().map(|parts| reserved(most(parts))).collect::<Result<_>>()?;
+        let longest = parts.iter().map(|parts| most(&(0..parts.len()))).max().unwrap_or(0);
+        let incoming = reserved(longest)?;
+        Ok(Self { chunks, rank, parts, pieces, incoming, chunk: 0, left: None, under_way: None })
+    }
+
+    /// Takes this rank's sums: `panel` holds the rows of `chunk`, up to the diagonal.
+    pub(super) fn fill(&mut self, chunk: usize, panel: MatRef<'_, T>) {
+        let first = self.chunks.rows(chunk).start;
+        for (parts, piece) in self.parts.iter().zip(&mut self.pieces) {
+            piece.clear();
+            for part in parts.clone() {
+                let rank = (self.rank + part) % self.chunks.ranks();
+                for segment in self.chunks.segments_of(chunk, rank) {
+                    let row = panel
+                        .row(segment.row - first)
+                        .subcols(segment.cols.start, segment.cols.len());
+                    match row.try_as_row_major() {
+                        Some(row) => piece.extend_from_slice(row.as_slice()),
+                        None => piece.extend(row.iter().copied()),
+                    }
+                }
+            }
+        }
+    }
+
+    /// Starts the rounds for `chunk`, with whatever entries there are if it was not filled.
+    pub(super) fn start(&mut self, world: &World, chunk: usize) {
+        for (parts, piece) in self.parts.iter().zip(&mut self.pieces) {
+            piece.resize(entries(self.chunks, chunk, self.rank, parts), T::ZERO);
+        }
+        self.chunk = chunk;
+        self.left = Some(self.pieces.len() - 1);
+        self.next_round(world);
+    }
+
+    /// Goes on as far as possible without waiting.
+    pub(super) fn advance(&mut self, world: &World) {
+        while let Some((sent, received)) = &mut self.under_way {
+            if !(sent.has_ended() && received.has_ended()) {
+                return;
+            }
+            self.end_round();
+            self.next_round(world);
+        }
+    }
+
+    /// Waits for the end: the sum of this rank's part of the chunk, nothing when none was started.
+    pub(super) fn finish(&mut self, world: &World) -> &[T] {
+        while self.under_way.is_some() {
+            self.end_round();
+            self.next_round(world);
+        }
+        if self.left.take().is_some() { &self.pieces[0] } else { &[] }
+    }
+
+    fn next_round(&mut self, world: &World) {
+        let Some(piece @ 1..) = self.left else { return };
+        let (ranks, parts) = (self.chunks.ranks(), &self.parts[piece]);
+        let tag = FIRST_TAG + (self.chunk % 2 * 64 + piece) as i32;
+        let to = (self.rank + parts.start) % ranks;
+        let from = (self.rank + ranks - parts.start) % ranks;
+        let mut incoming = std::mem::take(&mut self.incoming);
+        incoming.resize(entries(self.chunks, self.chunk, self.rank, &(0..parts.len())), T::ZERO);
+        let outgoing = std::mem::take(&mut self.pieces[piece]);
+        let received = Transfer::receive(world, incoming, from, tag);
+        self.under_way = Some((Transfer::send(world, outgoing, to, tag), received));
+    }
+
+    /// Waits for the round, and adds what came.
+    fn end_round(&mut self) {
+        let (Some((sent, received)), Some(piece)) = (self.under_way.take(), self.left) else {
+            return;
+        };
+        self.incoming = received.wait();
+        let sums = self.pieces.iter_mut().flatten();
+        sums.zip(&self.incoming).for_each(|(sum, &term)| *sum += term);
+        self.pieces[piece] = sent.wait();
+        self.left = Some(piece - 1);
+    }
+}
+
+/// Entries of `chunk` in the parts of `rank + i`, `i` in `parts`.
+fn entries(chunks: &Chunks, chunk: usize, rank: usize, parts: &Range<usize>) -> usize {
+    parts.clone().map(|i| chunks.entries(chunk, (rank + i) % chunks.ranks()).len()).sum()
+}

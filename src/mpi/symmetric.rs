@@ -1,0 +1,131 @@
+use faer::MatMut;
+use faer::prelude::ReborrowMut;
+
+use super::transfer::{receive, send};
+use super::world::{MpiReal, Operation, World};
+use crate::ata::Uplo;
+use crate::ata::distributed::Layout;
+use crate::base::{Error, Real, Result};
+
+/// A symmetric matrix whose lower triangle is spread over the ranks.
+#[derive(Debug, Clone)]
+pub struct Symmetric<T> {
+    layout: Layout,
+    rank: usize,
+    /// The entries of this rank, in the order of its segments.
+    entries: Vec<T>,
+}
+
+impl<T: Real> Symmetric<T> {
+    /// `entries` are those of `rank`.
+    pub(super) fn new(layout: Layout, rank: usize, entries: Vec<T>) -> Self {
+        debug_assert_eq!(layout.len(rank), entries.len());
+        Self { layout, rank, entries }
+    }
+
+    /// Rows and columns.
+    pub fn n(&self) -> usize {
+        self.layout.n()
+    }
+
+    /// Who holds what.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// The entries of this rank, in the order of its segments.
+    pub fn entries(&self) -> &[T] {
+        &self.entries
+    }
+
+    /// Calls `each(i, j, entries (i, j..))` for every segment of this rank, in order.
+    pub fn for_each_segment(&self, mut each: impl FnMut(usize, usize, &[T])) {
+        let mut rest = &self.entries[..];
+        for segment in self.layout.segments(self.rank) {
+            let (entries, others) = rest.split_at(segment.cols.len());
+            each(segment.row, segment.cols.start, entries);
+            rest = others;
+        }
+    }
+}
+
+const GATHER: i32 = 1;
+
+impl<T: MpiReal> Symmetric<T> {
+    /// Puts the whole matrix into `c` on rank `root`, the triangles of `uplo`; the others give `None`.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when C is not n x n or missing on the root, [`Error::OutOfMemory`];
+    /// [`Error::Rank`].
+    pub fn gather(
+        &self,
+        world: &World,
+        root: usize,
+        c: Option<MatMut<'_, T>>,
+        uplo: Uplo,
+    ) -> Result<()> {
+        let _guard = world.abort_on_panic();
+        let is_root = world.rank() == root;
+        let longest = (0..world.size()).map(|rank| self.layout.len(rank)).max().unwrap_or(0);
+        let prepared = match &c {
+            _ if root >= world.size() => Err(Error::Argument {
+                what: "root",
+                why: format!("must be less than {}, the number of ranks", world.size()),
+            }),
+            Some(c) if is_root => Error::check_shape("C", (self.n(), self.n()), c.shape())
+                .and_then(|()| zeros(longest)),
+            None if is_root => {
+                Err(Error::Argument { what: "C", why: "missing on the root".into() })
+            }
+            _ => Ok(Vec::new()),
+        };
+        let facts = [("n", self.n()), ("root", root)];
+        let mut buffer = world.begin(Operation::Gather, &facts, prepared)?;
+        let Some(mut c) = c.filter(|_| is_root) else {
+            send(world, &self.entries, root, GATHER);
+            return Ok(());
+        };
+        for rank in 0..world.size() {
+            let entries = if rank == root {
+                &self.entries[..]
+            } else {
+                // One rank at a time: no more memory than a share.
+                let entries = &mut buffer[..self.layout.len(rank)];
+                receive(world, entries, rank, GATHER);
+                entries
+            };
+            let mut entries = entries.iter();
+            for segment in self.layout.segments(rank) {
+                for (j, &entry) in segment.cols.zip(&mut entries) {
+                    put(c.rb_mut(), segment.row, j, entry, uplo);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Writes an entry of the lower triangle into the triangles of `uplo`.
+fn put<T: Copy>(mut c: MatMut<'_, T>, i: usize, j: usize, value: T, uplo: Uplo) {
+    if uplo != Uplo::Upper {
+        c[(i, j)] = value;
+    }
+    if uplo != Uplo::Lower {
+        c[(j, i)] = value;
+    }
+}
+
+/// `len` zeros.
+pub(super) fn zeros<T: Real>(len: usize) -> Result<Vec<T>> {
+    let mut values = reserved(len)?;
+    values.resize(len, T::ZERO);
+    Ok(values)
+}
+
+/// An empty vector with room for `len` entries.
+pub(super) fn reserved<T>(len: usize) -> Result<Vec<T>> {
+    let mut values = Vec::new();
+    let bytes = len.saturating_mul(size_of::<T>());
+    values.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;
+    Ok(values)
+}

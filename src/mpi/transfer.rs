@@ -1,0 +1,141 @@
+use ::mpi::ffi;
+use ::mpi::point_to_point::{Destination, Source};
+use ::mpi::raw::AsRaw;
+use ::mpi::topology::Communicator;
+
+use super::world::{MpiReal, Traffic, World};
+
+/// A message on its way, which owns its entries until it has arrived.
+pub(super) struct Transfer<T> {
+    buffer: Vec<T>,
+    requests: Vec<ffi::MPI_Request>,
+}
+
+impl<T: MpiReal> Transfer<T> {
+    /// Starts to send `buffer` to rank `to`; a long one in several messages.
+    pub(super) fn send(world: &World, buffer: Vec<T>, to: usize, tag: i32) -> Self {
+        let mut requests = Vec::new();
+        let datatype = T::equivalent_datatype();
+        for part in buffer.chunks(world.longest_message()) {
+            // SAFETY: a null request, set by the next call.
+            let mut request = unsafe { ffi::RSMPI_REQUEST_NULL };
+            // SAFETY: the entries stay in place on the heap until the request has ended: only then are they
+            // given back, and a transfer that is dropped waits for it.
+            unsafe {
+                ffi::MPI_Isend(
+                    part.as_ptr().cast(),
+                    part.len() as i32,
+                    datatype.as_raw(),
+                    to as i32,
+                    tag,
+                    world.raw(),
+                    &mut request,
+                );
+            }
+            requests.push(request);
+        }
+        world.count(Traffic {
+            words_sent: buffer.len() as u64,
+            messages_sent: requests.len() as u64,
+            ..Traffic::default()
+        });
+        Self { buffer, requests }
+    }
+
+    /// Starts to receive as many entries as `buffer` has from rank `from`, sent by [`Transfer::send`] with the
+    /// same tag.
+    pub(super) fn receive(world: &World, mut buffer: Vec<T>, from: usize, tag: i32) -> Self {
+        let mut requests = Vec::new();
+        let datatype = T::equivalent_datatype();
+        for part in buffer.chunks_mut(world.longest_message()) {
+            // SAFETY: a null request, set by the next call.
+            let mut request = unsafe { ffi::RSMPI_REQUEST_NULL };
+            // SAFETY: as above, and nobody else sees the entries.
+            unsafe {
+                ffi::MPI_Irecv(
+                    part.as_mut_ptr().cast(),
+                    part.len() as i32,
+                    datatype.as_raw(),
+                    from as i32,
+                    tag,
+                    world.raw(),
+                    &mut request,
+                );
+            }
+            requests.push(request);
+        }
+        world.count(Traffic {
+            words_received: buffer.len() as u64,
+            messages_received: requests.len() as u64,
+            ..Traffic::default()
+        });
+        Self { buffer, requests }
+    }
+}
+
+impl<T> Transfer<T> {
+    /// Whether it has ended.
+    pub(super) fn has_ended(&mut self) -> bool {
+        let mut flag = 0;
+        // SAFETY: the requests are those of this transfer; ended ones have become null.
+        unsafe {
+            ffi::MPI_Testall(
+                self.requests.len() as i32,
+                self.requests.as_mut_ptr(),
+                &mut flag,
+                ffi::RSMPI_STATUSES_IGNORE,
+            );
+        }
+        flag != 0
+    }
+
+    /// Waits for its end, and gives the entries back.
+    pub(super) fn wait(mut self) -> Vec<T> {
+        self.finish();
+        std::mem::take(&mut self.buffer)
+    }
+
+    fn finish(&mut self) {
+        // SAFETY: as above.
+        unsafe {
+            ffi::MPI_Waitall(
+                self.requests.len() as i32,
+                self.requests.as_mut_ptr(),
+                ffi::RSMPI_STATUSES_IGNORE,
+            );
+        }
+        self.requests.clear();
+    }
+}
+
+/// Sends `entries` to rank `to`, and returns when they may be changed.
+pub(super) fn send<T: MpiReal>(world: &World, entries: &[T], to: usize, tag: i32) {
+    for part in entries.chunks(world.longest_message()) {
+        world.communicator().process_at_rank(to as i32).send_with_tag(part, tag);
+        let (words_sent, messages_sent) = (part.len() as u64, 1);
+        world.count(Traffic { words_sent, messages_sent, ..Traffic::default() });
+    }
+}
+
+/// Receives `entries` from rank `from`, sent as many and with the same tag.
+pub(super) fn receive<T: MpiReal>(world: &World, entries: &mut [T], from: usize, tag: i32) {
+    for part in entries.chunks_mut(world.longest_message()) {
+        let (words_received, messages_received) = (part.len() as u64, 1);
+        world.communicator().process_at_rank(from as i32).receive_into_with_tag(part, tag);
+        world.count(Traffic { words_received, messages_received, ..Traffic::default() });
+    }
+}
+
+impl<T> Drop for Transfer<T> {
+    fn drop(&mut self) {
+        if self.requests.is_empty() {
+            return;
+        }
+        if std::thread::panicking() {
+            // The other side may never come, and the job is about to be aborted: the entries stay.
+            std::mem::forget(std::mem::take(&mut self.buffer));
+        } else {
+            self.finish();
+        }
+    }
+}

@@ -1,0 +1,306 @@
+use std::cell::Cell;
+use std::mem::ManuallyDrop;
+use std::ops::{AddAssign, Range};
+use std::thread::{self, ThreadId};
+
+use ::mpi::datatype::Equivalence;
+use ::mpi::ffi;
+use ::mpi::raw::AsRaw;
+use ::mpi::topology::{Communicator, SimpleCommunicator};
+
+use crate::ata::AtaOptions;
+use crate::base::{Error, Flow, Result};
+use crate::blas::BlasReal;
+
+/// A scalar that ranks can exchange: f32 or f64. Sealed, as [`BlasReal`] is.
+pub trait MpiReal: BlasReal + Equivalence {}
+
+impl MpiReal for f32 {}
+impl MpiReal for f64 {}
+
+/// What a rank has sent and received: words are matrix entries. The few numbers by which ranks agree on
+/// shapes and errors are not counted.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// Entries sent.
+    pub words_sent: u64,
+    /// Entries received.
+    pub words_received: u64,
+    /// Messages sent.
+    pub messages_sent: u64,
+    /// Messages received.
+    pub messages_received: u64,
+}
+
+impl AddAssign for Traffic {
+    fn add_assign(&mut self, other: Self) {
+        self.words_sent += other.words_sent;
+        self.words_received += other.words_received;
+        self.messages_sent += other.messages_sent;
+        self.messages_received += other.messages_received;
+    }
+}
+
+/// The ranks that work together: a communicator of our own, so that no message of the caller is mistaken
+/// for ours.
+///
+/// All calls are made by the thread that calls, which must be one that may call MPI. MPI is neither
+/// initialised nor finalised; a world should be dropped before the caller finalises it.
+pub struct World {
+    comm: ManuallyDrop<SimpleCommunicator>,
+    rank: usize,
+    size: usize,
+    traffic: Cell<Traffic>,
+    longest: Cell<usize>,
+}
+
+/// Entries of a message: counts are 32-bit in MPI.
+const LONGEST: usize = 1 << 30;
+/// Exit code of an abort because of a panic.
+const PANICKED: i32 = 101;
+/// Numbers that ranks compare at the start of a call.
+const FACTS: usize = 8;
+
+impl World {
+    /// A world of the ranks of `comm`, which all call this.
+    pub fn new(comm: &impl Communicator) -> Self {
+        Self::owning(comm.duplicate())
+    }
+
+    /// A world of the ranks of the communicator with this Fortran handle (`MPI_Comm_c2f`), which all call
+    /// this.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when MPI is not initialised, or finalised already, or the handle is that of no
+    /// communicator.
+    pub fn from_fortran(handle: ffi::RSMPI_Fint) -> Result<Self> {
+        let refuse = |why: &str| Err(Error::Argument { what: "communicator", why: why.into() });
+        if !::mpi::environment::is_initialized() {
+            return refuse("MPI is not initialised");
+        }
+        if ::mpi::environment::is_finalized() {
+            return refuse("MPI is finalised already");
+        }
+        // SAFETY: MPI runs. Its library maps handles that it doesn't know to the null communicator, or
+        // reports an error by the handler of MPI_COMM_WORLD.
+        let comm = unsafe {
+            let theirs = ffi::RSMPI_Comm_f2c(handle);
+            if theirs == ffi::RSMPI_COMM_NULL {
+                return refuse("not a communicator");
+            }
+            let mut ours = ffi::RSMPI_COMM_NULL;
+            ffi::MPI_Comm_dup(theirs, &mut ours);
+            <SimpleCommunicator as ::mpi::raw::FromRaw>::from_raw(ours)
+        };
+        Ok(Self::owning(comm))
+    }
+
+    fn owning(comm: SimpleCommunicator) -> Self {
+        let (rank, size) = (comm.rank() as usize, comm.size() as usize);
+        let comm = ManuallyDrop::new(comm);
+        Self { comm, rank, size, traffic: Cell::default(), longest: Cell::new(LONGEST) }
+    }
+
+    /// This rank, from 0.
+    pub fn rank(&self) -> usize {
+        self.rank
+    }
+
+    /// The number of ranks.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// The communicator itself.
+    pub fn communicator(&self) -> &SimpleCommunicator {
+        &self.comm
+    }
+
+    /// What this rank has sent and received since the world was made, or since [`World::take_traffic`].
+    pub fn traffic(&self) -> Traffic {
+        self.traffic.get()
+    }
+
+    /// [`World::traffic`], which begins anew.
+    pub fn take_traffic(&self) -> Traffic {
+        self.traffic.take()
+    }
+
+    /// Entries of a message above which it is cut in several; default 2^30. All ranks must set the same.
+    pub fn set_longest_message(&self, entries: usize) {
+        self.longest.set(entries.clamp(1, LONGEST));
+    }
+
+    pub(super) fn longest_message(&self) -> usize {
+        self.longest.get()
+    }
+
+    /// Adds to the traffic.
+    pub(super) fn count(&self, traffic: Traffic) {
+        let mut sum = self.traffic.get();
+        sum += traffic;
+        self.traffic.set(sum);
+    }
+
+    /// Calls `work` with options whose progress is told as part `share` of the whole, and lets the MPI library
+    /// get on meanwhile with what has been started: many do nothing between calls.
+    pub(super) fn with_progress<X>(
+        &self,
+        options: &AtaOptions<'_>,
+        share: Range<f64>,
+        work: impl FnOnce(&AtaOptions<'_>) -> X,
+    ) -> X {
+        let poller = Poller { comm: self.raw(), thread: thread::current().id() };
+        let tell = |fraction: f64| {
+            poller.poll();
+            let all = share.start + fraction * (share.end - share.start);
+            options.progress.map_or(Flow::Continue, |progress| progress(all))
+        };
+        work(&AtaOptions { progress: Some(&tell), ..options.clone() })
+    }
+
+    /// The beginning of every call that all ranks make together: `Ok` everywhere if all ranks are `prepared`
+    /// and say the same `facts`, else an error everywhere, of the first rank at fault.
+    ///
+    /// # Errors
+    /// The rank's own; [`Error::Rank`] for that of another one, and for facts that differ.
+    pub(super) fn begin<X>(
+        &self,
+        operation: Operation,
+        facts: &[(&'static str, usize)],
+        prepared: Result<X>,
+    ) -> Result<X> {
+        use ::mpi::collective::CommunicatorCollectives;
+        assert!(facts.len() + 2 <= FACTS, "room for {FACTS} numbers");
+        let mut own = [0_u64; FACTS];
+        own[0] = operation as u64;
+        own[1] = u64::from(prepared.is_err());
+        for (slot, (_, fact)) in own[2..].iter_mut().zip(facts) {
+            *slot = *fact as u64;
+        }
+        let mut all = vec![0_u64; FACTS * self.size];
+        self.comm.all_gather_into(&own[..], &mut all[..]);
+        let (all, _) = all.as_chunks::<FACTS>();
+        if let Some(rank) = all.iter().position(|theirs| theirs[0] != all[0][0]) {
+            let why = "called another function than rank 0".to_owned();
+            return Err(Error::Rank { rank, why });
+        }
+        if let Some(rank) = all.iter().position(|theirs| theirs[1] != 0) {
+            return self.error_of(rank, prepared);
+        }
+        for (i, (what, _)) in facts.iter().enumerate() {
+            if let Some(rank) = all.iter().position(|theirs| theirs[2 + i] != all[0][2 + i]) {
+                let (got, expected) = (all[rank][2 + i], all[0][2 + i]);
+                let why = format!("{what} is {got}, where rank 0 has {expected}");
+                return Err(Error::Rank { rank, why });
+            }
+        }
+        prepared
+    }
+
+    /// The end of such a call: `Ok` everywhere if it is everywhere.
+    ///
+    /// # Errors
+    /// The rank's own; [`Error::Rank`] for that of another one.
+    pub(super) fn agree<X>(&self, own: Result<X>) -> Result<X> {
+        use ::mpi::collective::{CommunicatorCollectives, SystemOperation};
+        let at_fault = if own.is_err() { self.rank as i32 } else { i32::MAX };
+        let mut first = 0_i32;
+        self.comm.all_reduce_into(&at_fault, &mut first, SystemOperation::min());
+        if first == i32::MAX { own } else { self.error_of(first as usize, own) }
+    }
+
+    /// The error of `rank`, told by it to all; a rank with an error of its own keeps that.
+    fn error_of<X>(&self, rank: usize, own: Result<X>) -> Result<X> {
+        use ::mpi::collective::Root;
+        let text = match &own {
+            Err(e) if rank == self.rank => e.to_string().into_bytes(),
+            _ => Vec::new(),
+        };
+        let root = self.comm.process_at_rank(rank as i32);
+        let mut len = text.len() as u64;
+        root.broadcast_into(&mut len);
+        let mut text = if rank == self.rank { text } else { vec![0; len as usize] };
+        root.broadcast_into(&mut text[..]);
+        own.and_then(|_| Err(Error::Rank { rank, why: String::from_utf8_lossy(&text).into() }))
+    }
+
+    /// The sum over the ranks of the entries of `values`, in the order of the ranks, on every rank.
+    pub(super) fn sum(&self, values: &mut [f64]) {
+        use ::mpi::collective::CommunicatorCollectives;
+        let mut all = vec![0.0; values.len() * self.size];
+        self.comm.all_gather_into(&values[..], &mut all[..]);
+        values.fill(0.0);
+        for theirs in all.chunks_exact(values.len().max(1)) {
+            values.iter_mut().zip(theirs).for_each(|(sum, theirs)| *sum += theirs);
+        }
+    }
+
+    /// Ends the whole job if the scope is left by a panic, as the other ranks would wait for ever.
+    pub(super) fn abort_on_panic(&self) -> impl Drop + '_ {
+        struct Guard<'w>(&'w World);
+        impl Drop for Guard<'_> {
+            fn drop(&mut self) {
+                if thread::panicking() {
+                    self.0.comm.abort(PANICKED);
+                }
+            }
+        }
+        Guard(self)
+    }
+
+    pub(super) fn raw(&self) -> ffi::MPI_Comm {
+        self.comm.as_raw()
+    }
+}
+
+/// Calls MPI from a progress callback, on the thread of the world only.
+struct Poller {
+    comm: ffi::MPI_Comm,
+    thread: ThreadId,
+}
+
+// SAFETY: other threads than the one that made it only compare their number.
+unsafe impl Sync for Poller {}
+
+impl Poller {
+    fn poll(&self) {
+        if thread::current().id() != self.thread {
+            return;
+        }
+        let mut flag = 0;
+        // SAFETY: the communicator is alive, and this is its thread; no message is taken.
+        unsafe {
+            ffi::MPI_Iprobe(
+                ffi::RSMPI_ANY_SOURCE,
+                ffi::RSMPI_ANY_TAG,
+                self.comm,
+                &mut flag,
+                ffi::RSMPI_STATUS_IGNORE,
+            );
+        }
+    }
+}
+
+impl Drop for World {
+    fn drop(&mut self) {
+        // A communicator can't be freed any more once MPI is finalised.
+        if !::mpi::environment::is_finalized() {
+            // SAFETY: never used again.
+            unsafe { ManuallyDrop::drop(&mut self.comm) };
+        }
+    }
+}
+
+/// What all ranks do together, so that they notice when they don't.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u64)]
+pub(super) enum Operation {
+    Rows = 1,
+    Columns,
+    Root,
+    Cyclic,
+    Gather,
+    Verify,
+    Sum,
+}
