@@ -8,6 +8,7 @@ mod columns;
 mod failures;
 mod launch;
 mod matrices;
+mod memory;
 mod rows;
 mod verify;
 
@@ -33,6 +34,6 @@ pub struct Scene {
 }
 
 fn main() -> ExitCode {
-    let cases = [rows::CASES, columns::CASES, verify::CASES].concat();
+    let cases = [rows::CASES, columns::CASES, verify::CASES, memory::CASES].concat();
     launch::run(&cases, failures::SCENES)
 }
