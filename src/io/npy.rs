@@ -109,8 +109,10 @@ impl Layout {
             [rows] => (fits(rows)?, 1),
             [rows, columns] => (fits(rows)?, fits(columns)?),
             ref other => {
-                return Err(source
-                    .fail(format!("an array of {} dimensions, where a matrix has 2", other.len())));
+                return Err(source.fail(format!(
+                    "an array of {} dimensions, where a matrix has 2",
+                    other.len()
+                )));
             }
         };
         shape.0.checked_mul(shape.1).ok_or_else(|| source.fail("shape too large"))?;

@@ -69,7 +69,10 @@ impl DatasetRows {
             [rows] => (rows, 1),
             [rows, columns] => (rows, columns),
             ref other => {
-                return Err(refuse(format!("has {} dimensions, where a matrix has 2", other.len())));
+                return Err(refuse(format!(
+                    "has {} dimensions, where a matrix has 2",
+                    other.len()
+                )));
             }
         };
         let kind = dataset.dtype().map_err(|e| refuse(format!("has no type: HDF5 says: {e}")))?;
@@ -224,20 +227,24 @@ impl DatasetRows {
             let target = Dataspace::try_new([height, stride])?;
             let target = target.select(select(vec![0..height, 0..width]))?;
             let memory = Datatype::from_type::<S>()?;
-            // SAFETY: the handles are alive; HDF5 writes the selected entries only, those of the caller.
-            ::hdf5::sync::sync(|| unsafe {
+            ::hdf5::sync::sync(|| {
                 let default = ::hdf5_sys::h5p::H5P_DEFAULT;
-                ::hdf5::h5check(::hdf5_sys::h5d::H5Dread(
-                    self.dataset.id(),
-                    memory.id(),
-                    target.id(),
-                    from.id(),
-                    default,
-                    to.cast(),
-                ))
+                // SAFETY: the handles are alive; HDF5 writes the selected entries only, those of the
+                // caller.
+                let status = unsafe {
+                    ::hdf5_sys::h5d::H5Dread(
+                        self.dataset.id(),
+                        memory.id(),
+                        target.id(),
+                        from.id(),
+                        default,
+                        to.cast(),
+                    )
+                };
+                if status < 0 { Err(::hdf5::Error::query().unwrap_or_else(|e| e)) } else { Ok(()) }
             })
         };
-        transfer().map(|_| ()).map_err(|e: ::hdf5::Error| {
+        transfer().map_err(|e: ::hdf5::Error| {
             error(&self.path, 0, format!("dataset {}: HDF5 says: {e}", self.name))
         })
     }

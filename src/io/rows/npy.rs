@@ -121,7 +121,10 @@ impl NpyRows {
         let (entry, big) = (self.layout.entry, self.layout.big);
         let native = big == cfg!(target_endian = "big");
         let same = entry.is::<T>() && native;
-        if same && (width == line || height == 1) && let Some(bytes) = bytes_of(out.rb_mut()) {
+        if same
+            && (width == line || height == 1)
+            && let Some(bytes) = bytes_of(out.rb_mut())
+        {
             return read_at(&mut self.file, &self.layout, &self.path, start, bytes);
         }
         let count = (height - 1) * line + width;
