@@ -8,6 +8,7 @@ mod columns;
 mod failures;
 mod launch;
 mod matrices;
+mod root;
 mod rows;
 
 use std::process::ExitCode;
@@ -18,6 +19,7 @@ use catamaran::mpi::World;
 pub type Case = (&'static str, fn(&World));
 
 /// What must happen when something goes wrong.
+#[derive(Clone, Copy)]
 pub struct Scene {
     /// Says what must happen.
     pub name: &'static str,
@@ -32,6 +34,7 @@ pub struct Scene {
 }
 
 fn main() -> ExitCode {
-    let cases = [rows::CASES, columns::CASES].concat();
-    launch::run(&cases, failures::SCENES)
+    let cases = [rows::CASES, columns::CASES, root::CASES].concat();
+    let scenes = [failures::SCENES, root::SCENES].concat();
+    launch::run(&cases, &scenes)
 }
