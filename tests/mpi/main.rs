@@ -8,8 +8,10 @@ mod columns;
 mod failures;
 mod launch;
 mod matrices;
+mod memory;
 mod root;
 mod rows;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -34,7 +36,7 @@ pub struct Scene {
 }
 
 fn main() -> ExitCode {
-    let cases = [rows::CASES, columns::CASES, root::CASES].concat();
+    let cases = [rows::CASES, columns::CASES, root::CASES, verify::CASES, memory::CASES].concat();
     let scenes = [failures::SCENES, root::SCENES].concat();
     launch::run(&cases, &scenes)
 }
