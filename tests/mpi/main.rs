@@ -9,6 +9,7 @@ mod failures;
 mod launch;
 mod matrices;
 mod memory;
+mod root;
 mod rows;
 mod verify;
 
@@ -20,6 +21,7 @@ use catamaran::mpi::World;
 pub type Case = (&'static str, fn(&World));
 
 /// What must happen when something goes wrong.
+#[derive(Clone, Copy)]
 pub struct Scene {
     /// Says what must happen.
     pub name: &'static str,
@@ -34,6 +36,7 @@ pub struct Scene {
 }
 
 fn main() -> ExitCode {
-    let cases = [rows::CASES, columns::CASES, verify::CASES, memory::CASES].concat();
-    launch::run(&cases, failures::SCENES)
+    let cases = [rows::CASES, columns::CASES, root::CASES, verify::CASES, memory::CASES].concat();
+    let scenes = [failures::SCENES, root::SCENES].concat();
+    launch::run(&cases, &scenes)
 }
