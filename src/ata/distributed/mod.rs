@@ -8,9 +8,11 @@
 mod blocks;
 mod chunks;
 mod cover;
+mod cyclic;
 mod segment;
 
 pub use blocks::{Blocks, Product};
 pub use chunks::{Chunks, Round, rounds};
 pub use cover::difference_cover;
+pub use cyclic::{BlockCyclic, Cut, Dealing, Delivery, Grid, GridOrder, Parts, Piece, Run};
 pub use segment::{Layout, Segment, packed_len};
