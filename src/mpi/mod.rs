@@ -13,12 +13,14 @@ mod reduction;
 mod rows;
 mod symmetric;
 mod transfer;
+mod verify;
 mod world;
 
 pub use columns::ata_columns;
 pub use cyclic::{CyclicMut, CyclicRef, aat_cyclic, ata_cyclic};
 pub use rows::{ata_rows, sum_symmetric};
 pub use symmetric::Symmetric;
+pub use verify::{Distributed, verify};
 #[cfg(feature = "capi")]
 pub(crate) use world::Operation;
 pub use world::{MpiReal, Traffic, World};

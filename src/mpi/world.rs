@@ -57,8 +57,8 @@ pub struct World {
 
 /// Entries of a message: counts are 32-bit in MPI.
 const LONGEST: usize = 1 << 30;
-/// Entries that the MPI library reduces at a time.
-const REDUCED: usize = 1 << 16;
+/// Entries that the MPI library sums at a time.
+const SUMMED: usize = 1 << 16;
 /// Exit code of an abort because of a panic.
 const PANICKED: i32 = 101;
 /// Numbers that ranks compare at the start of a call.
@@ -145,21 +145,28 @@ impl World {
         self.traffic.set(sum);
     }
 
-    /// Calls `work` with options whose progress is told as part `share` of the whole, and lets the MPI library
-    /// get on meanwhile with what has been started: many do nothing between calls.
+    /// Calls `work` with options whose progress is told as part `share` of the whole; now and then it calls
+    /// `meanwhile`, on this thread, for messages to get on.
     pub(super) fn with_progress<X>(
         &self,
         options: &AtaOptions<'_>,
         share: Range<f64>,
+        meanwhile: &dyn Fn(),
         work: impl FnOnce(&AtaOptions<'_>) -> X,
     ) -> X {
-        let poller = Poller { comm: self.raw(), thread: thread::current().id() };
+        let meanwhile = Here { work: meanwhile, thread: thread::current().id() };
         let tell = |fraction: f64| {
-            poller.poll();
+            meanwhile.call();
             let all = share.start + fraction * (share.end - share.start);
             options.progress.map_or(Flow::Continue, |progress| progress(all))
         };
         work(&AtaOptions { progress: Some(&tell), ..options.clone() })
+    }
+
+    /// Lets the MPI library get on with what has been started. Many do nothing between calls.
+    pub(super) fn poll(&self) {
+        use ::mpi::point_to_point::Source;
+        let _ = self.comm.any_process().immediate_probe();
     }
 
     /// The beginning of every call that all ranks make together: `Ok` everywhere if all ranks are `prepared`
@@ -241,21 +248,12 @@ impl World {
 
     /// The sums over the ranks of the entries of `values`, on every rank; by the MPI library, not counted.
     pub(super) fn sum(&self, values: &mut [f64]) {
-        self.combine(values, SystemOperation::sum());
-    }
-
-    /// The largest over the ranks of each entry of `values`, on every rank.
-    pub(super) fn largest(&self, values: &mut [f64]) {
-        self.combine(values, SystemOperation::max());
-    }
-
-    fn combine(&self, values: &mut [f64], operation: SystemOperation) {
         use ::mpi::collective::CommunicatorCollectives;
         let mut own = Vec::new();
-        for part in values.chunks_mut(REDUCED) {
+        for part in values.chunks_mut(SUMMED) {
             own.clear();
             own.extend_from_slice(part);
-            self.comm.all_reduce_into(&own[..], part, operation);
+            self.comm.all_reduce_into(&own[..], part, SystemOperation::sum());
         }
     }
 
@@ -277,30 +275,19 @@ impl World {
     }
 }
 
-/// Calls MPI from a progress callback, on the thread of the world only.
-struct Poller {
-    comm: ffi::MPI_Comm,
+/// Something that only the thread that made this does.
+struct Here<'w> {
+    work: &'w dyn Fn(),
     thread: ThreadId,
 }
 
-// SAFETY: other threads than the one that made it only compare their number.
-unsafe impl Sync for Poller {}
+// SAFETY: on other threads than its own a call does nothing.
+unsafe impl Sync for Here<'_> {}
 
-impl Poller {
-    fn poll(&self) {
-        if thread::current().id() != self.thread {
-            return;
-        }
-        let mut flag = 0;
-        // SAFETY: the communicator is alive, and this is its thread; no message is taken.
-        unsafe {
-            ffi::MPI_Iprobe(
-                ffi::RSMPI_ANY_SOURCE,
-                ffi::RSMPI_ANY_TAG,
-                self.comm,
-                &mut flag,
-                ffi::RSMPI_STATUS_IGNORE,
-            );
+impl Here<'_> {
+    fn call(&self) {
+        if thread::current().id() == self.thread {
+            (self.work)();
         }
     }
 }

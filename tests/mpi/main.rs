@@ -8,7 +8,9 @@ mod columns;
 mod failures;
 mod launch;
 mod matrices;
+mod memory;
 mod rows;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -32,6 +34,6 @@ pub struct Scene {
 }
 
 fn main() -> ExitCode {
-    let cases = [rows::CASES, columns::CASES].concat();
+    let cases = [rows::CASES, columns::CASES, verify::CASES, memory::CASES].concat();
     launch::run(&cases, failures::SCENES)
 }
