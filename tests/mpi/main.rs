@@ -5,6 +5,7 @@
 //! arguments select cases by parts of their names.
 
 mod columns;
+mod cyclic;
 mod failures;
 mod launch;
 mod matrices;
@@ -20,6 +21,7 @@ use catamaran::mpi::World;
 pub type Case = (&'static str, fn(&World));
 
 /// What must happen when something goes wrong.
+#[derive(Clone, Copy)]
 pub struct Scene {
     /// Says what must happen.
     pub name: &'static str,
@@ -34,6 +36,7 @@ pub struct Scene {
 }
 
 fn main() -> ExitCode {
-    let cases = [rows::CASES, columns::CASES, verify::CASES, memory::CASES].concat();
-    launch::run(&cases, failures::SCENES)
+    let cases =
+        [rows::CASES, columns::CASES, cyclic::CASES, verify::CASES, memory::CASES].concat();
+    launch::run(&cases, &[failures::SCENES, cyclic::SCENES].concat())
 }
