@@ -32,16 +32,12 @@ impl Entries {
 
 /// A scalar in a handle.
 pub(super) trait Held: MpiReal {
-    const NAME: &str;
-
     fn hold(matrix: Symmetric<Self>) -> Entries;
 
     fn held(entries: &Entries) -> Option<&Symmetric<Self>>;
 }
 
 impl Held for f32 {
-    const NAME: &str = "float";
-
     fn hold(matrix: Symmetric<Self>) -> Entries {
         Entries::F32(matrix)
     }
@@ -55,8 +51,6 @@ impl Held for f32 {
 }
 
 impl Held for f64 {
-    const NAME: &str = "double";
-
     fn hold(matrix: Symmetric<Self>) -> Entries {
         Entries::F64(matrix)
     }

@@ -177,7 +177,7 @@ static void test_rows(void)
     CHECK_MENTIONS("root: must be less than");
     CHECK_STATUS(cata_symmetric_gather_f64(product32, world, 0, CATA_ROW_MAJOR, CATA_BOTH, c, N),
                  CATA_ERR_ARGUMENT);
-    CHECK_MESSAGE("symmetric: holds another type than double");
+    CHECK_MESSAGE("symmetric: holds another type than f64");
     CHECK_STATUS(cata_symmetric_gather_f32(NULL, world, 0, CATA_ROW_MAJOR, CATA_BOTH, c32, N),
                  CATA_ERR_NULL);
     CHECK(c[0] == 0.0);
@@ -389,6 +389,13 @@ static void test_cyclic(void)
     }
 }
 
+static cata_status cyclic(int32_t uplo, const double *a, const int32_t *desc_a, double *c,
+                          const int32_t *desc_c, size_t grid_rows, size_t grid_cols, int32_t order)
+{
+    return cata_world_ata_cyclic_f64(world, uplo, 1.0, a, desc_a, 0.0, c, desc_c, grid_rows, grid_cols,
+                                     order, NULL);
+}
+
 static void test_cyclic_errors(void)
 {
     dealt a = deal(M, N, 4, 2, 0, 0, 1, size, CATA_ROW_MAJOR, entry);
@@ -396,39 +403,37 @@ static void test_cyclic_errors(void)
     double old = c.cols > 0 ? c.entries[0] : 0.0;
     int last = size - 1;
     size_t pc = (size_t)size;
-#define CYCLIC(uplo, from, desc_a, to, desc_c, rows, cols, order) \
-    cata_world_ata_cyclic_f64(world, uplo, 1.0, from, desc_a, 0.0, to, desc_c, rows, cols, order, NULL)
 #define GOOD_GRID 1, pc, CATA_ROW_MAJOR
 
     /* On all ranks. */
-    CHECK_STATUS(CYCLIC(CATA_LOWER, a.entries, a.desc, c.entries, a.desc, GOOD_GRID), CATA_ERR_SHAPE);
+    CHECK_STATUS(cyclic(CATA_LOWER, a.entries, a.desc, c.entries, a.desc, GOOD_GRID), CATA_ERR_SHAPE);
     CHECK_MESSAGE("C: expected 11 x 11, got 37 x 11");
-    CHECK_STATUS(CYCLIC(CATA_LOWER, a.entries, a.desc, c.entries, c.desc, 2, pc, CATA_ROW_MAJOR),
+    CHECK_STATUS(cyclic(CATA_LOWER, a.entries, a.desc, c.entries, c.desc, 2, pc, CATA_ROW_MAJOR),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("grid: 2 x");
-    CHECK_STATUS(CYCLIC(CATA_LOWER, a.entries, a.desc, c.entries, c.desc, 0, pc, CATA_ROW_MAJOR),
+    CHECK_STATUS(cyclic(CATA_LOWER, a.entries, a.desc, c.entries, c.desc, 0, pc, CATA_ROW_MAJOR),
                  CATA_ERR_ARGUMENT);
-    CHECK_STATUS(CYCLIC(CATA_LOWER, a.entries, a.desc, c.entries, c.desc, 1, pc, 7), CATA_ERR_ARGUMENT);
+    CHECK_STATUS(cyclic(CATA_LOWER, a.entries, a.desc, c.entries, c.desc, 1, pc, 7), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("grid_order: must be CATA_ROW_MAJOR");
-    CHECK_STATUS(CYCLIC(7, a.entries, a.desc, c.entries, c.desc, GOOD_GRID), CATA_ERR_ARGUMENT);
+    CHECK_STATUS(cyclic(7, a.entries, a.desc, c.entries, c.desc, GOOD_GRID), CATA_ERR_ARGUMENT);
 
     /* On one of them. */
     int32_t wrong[9];
     memcpy(wrong, a.desc, sizeof wrong);
     wrong[4] = rank == last ? 0 : wrong[4];
-    CHECK_STATUS(CYCLIC(CATA_LOWER, a.entries, wrong, c.entries, c.desc, GOOD_GRID),
+    CHECK_STATUS(cyclic(CATA_LOWER, a.entries, wrong, c.entries, c.desc, GOOD_GRID),
                  seen(last, CATA_ERR_ARGUMENT));
     CHECK_MENTIONS("desc_a: MB_ must be at least 1, is 0");
     memcpy(wrong, c.desc, sizeof wrong);
     wrong[8] = rank == last ? c.rows - 1 : wrong[8];
-    CHECK_STATUS(CYCLIC(CATA_LOWER, a.entries, a.desc, c.entries, wrong, GOOD_GRID),
+    CHECK_STATUS(cyclic(CATA_LOWER, a.entries, a.desc, c.entries, wrong, GOOD_GRID),
                  seen(last, CATA_ERR_ARGUMENT));
     CHECK_MENTIONS("desc_c: LLD_ must be at least");
-    CHECK_STATUS(CYCLIC(CATA_LOWER, a.entries, rank == last ? NULL : a.desc, c.entries, c.desc, GOOD_GRID),
+    CHECK_STATUS(cyclic(CATA_LOWER, a.entries, rank == last ? NULL : a.desc, c.entries, c.desc, GOOD_GRID),
                  seen(last, CATA_ERR_NULL));
     CHECK_MENTIONS("desc_a: NULL");
     if (c.cols > 0 && last < N / 2) {
-        CHECK_STATUS(CYCLIC(CATA_LOWER, a.entries, a.desc, rank == last ? NULL : c.entries, c.desc,
+        CHECK_STATUS(cyclic(CATA_LOWER, a.entries, a.desc, rank == last ? NULL : c.entries, c.desc,
                             GOOD_GRID),
                      seen(last, CATA_ERR_NULL));
         CHECK_MENTIONS("c: NULL");
@@ -436,9 +441,9 @@ static void test_cyclic_errors(void)
     if (size > 1) {
         memcpy(wrong, c.desc, sizeof wrong);
         wrong[4] += rank == last;
-        CHECK_STATUS(CYCLIC(CATA_LOWER, a.entries, a.desc, c.entries, wrong, GOOD_GRID), CATA_ERR_RANK);
+        CHECK_STATUS(cyclic(CATA_LOWER, a.entries, a.desc, c.entries, wrong, GOOD_GRID), CATA_ERR_RANK);
         CHECK_MENTIONS("MB_ of C is 5, where rank 0 has 4");
-        CHECK_STATUS(CYCLIC(rank == last ? CATA_UPPER : CATA_LOWER, a.entries, a.desc, c.entries, c.desc,
+        CHECK_STATUS(cyclic(rank == last ? CATA_UPPER : CATA_LOWER, a.entries, a.desc, c.entries, c.desc,
                             GOOD_GRID),
                      CATA_ERR_RANK);
         CHECK_MENTIONS("the triangle is");
@@ -446,7 +451,6 @@ static void test_cyclic_errors(void)
     CHECK(c.cols == 0 || c.entries[0] == old);
     discard(&a);
     discard(&c);
-#undef CYCLIC
 #undef GOOD_GRID
 }
 
