@@ -94,6 +94,12 @@
 /** `centering`: the row given is subtracted. */
 #define CATA_CENTER_GIVEN 2
 
+/** `spread`: every rank has rows of A, in any order and number. */
+#define CATA_BY_ROWS 141
+
+/** `spread`: every rank has columns of A, in the order of the ranks. */
+#define CATA_BY_COLUMNS 142
+
 /**
  * A BLAS library that computes the small products; made by cata_backend_load or
  * cata_backend_openblas, given back by cata_backend_free. It can be used by several calls and
@@ -1080,6 +1086,62 @@ cata_status cata_symmetric_gather_f32(const struct cata_symmetric *symmetric,
                                       int32_t uplo,
                                       float *c,
                                       size_t ldc);
+
+/**
+ * Checks that a distributed matrix of doubles is alpha A^T A, up to rounding, with `rounds` random vectors
+ * (Freivalds 1977). Collective; all ranks get the same answer.
+ *
+ * - `symmetric`: not NULL; n x n, in double, made by a call of all ranks of `world`. Read.
+ * - `world`: not NULL.
+ * - `spread`: CATA_BY_ROWS or CATA_BY_COLUMNS: how A is spread.
+ * - `layout`: of this rank's part of A.
+ * - `rows`, `cols`: of this rank's part of A: any number of rows and n columns, or as many rows as A and any
+ *   number of columns, n on all ranks together.
+ * - `a`, `lda`: this rank's part of A, read, as in cata_world_ata_rows_f64 or cata_world_ata_columns_f64.
+ * - `rounds`: 1 to 1000. A matrix with an entry wrong by more than twice the tolerance passes with probability at
+ *   most 2^-rounds.
+ * - `seed`: of the random vectors; the same seed gives the same answer.
+ * - `passed`, `residual`, `tolerance`: as in cata_verify_f64.
+ *
+ * Returns CATA_OK, whether it passed or not, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT,
+ * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_symmetric_verify_f64(const struct cata_symmetric *symmetric,
+                                      const struct cata_world *world,
+                                      int32_t spread,
+                                      int32_t layout,
+                                      size_t rows,
+                                      size_t cols,
+                                      double alpha,
+                                      const double *a,
+                                      size_t lda,
+                                      int32_t rounds,
+                                      uint64_t seed,
+                                      int32_t *passed,
+                                      double *residual,
+                                      double *tolerance);
+
+/**
+ * As cata_symmetric_verify_f64, for a product in float. The check itself is in double.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_symmetric_verify_f32(const struct cata_symmetric *symmetric,
+                                      const struct cata_world *world,
+                                      int32_t spread,
+                                      int32_t layout,
+                                      size_t rows,
+                                      size_t cols,
+                                      double alpha,
+                                      const float *a,
+                                      size_t lda,
+                                      int32_t rounds,
+                                      uint64_t seed,
+                                      int32_t *passed,
+                                      double *residual,
+                                      double *tolerance);
 
 /**
  * Gives back the memory that products keep for the next one: the scratch of the last large call, at

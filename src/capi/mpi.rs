@@ -5,9 +5,9 @@ use super::boundary::boundary;
 use super::params::cata_ata_params;
 #[cfg(feature = "mpi")]
 use super::ranks;
+use super::status::cata_status;
 #[cfg(not(feature = "mpi"))]
 use super::status::{CATA_ERR_UNSUPPORTED, Failure};
-use super::status::cata_status;
 
 /// The ranks of an MPI communicator that work together; made by cata_world_new, given back by cata_world_free.
 ///
@@ -49,6 +49,11 @@ pub struct cata_traffic {
     /// Messages received.
     pub messages_received: u64,
 }
+
+/// `spread`: every rank has rows of A, in any order and number.
+pub const CATA_BY_ROWS: i32 = 141;
+/// `spread`: every rank has columns of A, in the order of the ranks.
+pub const CATA_BY_COLUMNS: i32 = 142;
 
 /// The call where the feature is there.
 #[cfg(feature = "mpi")]
@@ -335,7 +340,8 @@ pub unsafe extern "C" fn cata_world_ata_cyclic_f64(
     params: *const cata_ata_params,
 ) -> cata_status {
     with_mpi!(ranks::cyclic(
-        world, uplo, false, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols, grid_order, params
+        world, uplo, false, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols, grid_order,
+        params
     ))
 }
 
@@ -361,7 +367,8 @@ pub unsafe extern "C" fn cata_world_ata_cyclic_f32(
     params: *const cata_ata_params,
 ) -> cata_status {
     with_mpi!(ranks::cyclic(
-        world, uplo, false, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols, grid_order, params
+        world, uplo, false, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols, grid_order,
+        params
     ))
 }
 
@@ -388,7 +395,8 @@ pub unsafe extern "C" fn cata_world_aat_cyclic_f64(
     params: *const cata_ata_params,
 ) -> cata_status {
     with_mpi!(ranks::cyclic(
-        world, uplo, true, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols, grid_order, params
+        world, uplo, true, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols, grid_order,
+        params
     ))
 }
 
@@ -414,7 +422,8 @@ pub unsafe extern "C" fn cata_world_aat_cyclic_f32(
     params: *const cata_ata_params,
 ) -> cata_status {
     with_mpi!(ranks::cyclic(
-        world, uplo, true, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols, grid_order, params
+        world, uplo, true, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols, grid_order,
+        params
     ))
 }
 
@@ -493,4 +502,78 @@ pub unsafe extern "C" fn cata_symmetric_gather_f32(
     ldc: usize,
 ) -> cata_status {
     with_mpi!(ranks::gather(symmetric, world, root, layout, uplo, c, ldc))
+}
+
+/// Checks that a distributed matrix of doubles is alpha A^T A, up to rounding, with `rounds` random vectors
+/// (Freivalds 1977). Collective; all ranks get the same answer.
+///
+/// - `symmetric`: not NULL; n x n, in double, made by a call of all ranks of `world`. Read.
+/// - `world`: not NULL.
+/// - `spread`: CATA_BY_ROWS or CATA_BY_COLUMNS: how A is spread.
+/// - `layout`: of this rank's part of A.
+/// - `rows`, `cols`: of this rank's part of A: any number of rows and n columns, or as many rows as A and any
+///   number of columns, n on all ranks together.
+/// - `a`, `lda`: this rank's part of A, read, as in cata_world_ata_rows_f64 or cata_world_ata_columns_f64.
+/// - `rounds`: 1 to 1000. A matrix with an entry wrong by more than twice the tolerance passes with probability at
+///   most 2^-rounds.
+/// - `seed`: of the random vectors; the same seed gives the same answer.
+/// - `passed`, `residual`, `tolerance`: as in cata_verify_f64.
+///
+/// Returns CATA_OK, whether it passed or not, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT,
+/// CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC.
+///
+/// Not thread-safe: one call at a time for a world.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_symmetric_verify_f64(
+    symmetric: *const cata_symmetric,
+    world: *const cata_world,
+    spread: i32,
+    layout: i32,
+    rows: usize,
+    cols: usize,
+    alpha: f64,
+    a: *const f64,
+    lda: usize,
+    rounds: i32,
+    seed: u64,
+    passed: *mut i32,
+    residual: *mut f64,
+    tolerance: *mut f64,
+) -> cata_status {
+    with_mpi!(ranks::check(
+        symmetric, world, spread, layout, rows, cols, alpha, a, lda, rounds, seed, passed,
+        residual, tolerance
+    ))
+}
+
+/// As cata_symmetric_verify_f64, for a product in float. The check itself is in double.
+///
+/// Not thread-safe: one call at a time for a world.
+///
+/// # Safety
+/// The pointers are as described at `cata_symmetric_verify_f64`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_symmetric_verify_f32(
+    symmetric: *const cata_symmetric,
+    world: *const cata_world,
+    spread: i32,
+    layout: i32,
+    rows: usize,
+    cols: usize,
+    alpha: f64,
+    a: *const f32,
+    lda: usize,
+    rounds: i32,
+    seed: u64,
+    passed: *mut i32,
+    residual: *mut f64,
+    tolerance: *mut f64,
+) -> cata_status {
+    with_mpi!(ranks::check(
+        symmetric, world, spread, layout, rows, cols, alpha, a, lda, rounds, seed, passed,
+        residual, tolerance
+    ))
 }

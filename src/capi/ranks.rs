@@ -2,14 +2,14 @@
 
 use std::cell::Cell;
 
-use super::mpi::{cata_symmetric, cata_traffic, cata_world};
+use super::mpi::{CATA_BY_COLUMNS, CATA_BY_ROWS, cata_symmetric, cata_traffic, cata_world};
 use super::params::{cata_ata_params, with_options};
-use super::pointer::{Layout, matrix, matrix_mut, output, slice, uplo_from};
+use super::pointer::{Layout, matrix, matrix_mut, optional_output, output, slice, uplo_from};
 use super::status::{CATA_ERR_ARGUMENT, Failure};
 use crate::ata::distributed::{BlockCyclic, Grid, GridOrder};
 use crate::mpi::{
-    CyclicMut, CyclicRef, MpiReal, Operation, Symmetric, World, aat_cyclic, ata_columns, ata_cyclic,
-    ata_rows,
+    CyclicMut, CyclicRef, Distributed, MpiReal, Operation, Symmetric, World, aat_cyclic,
+    ata_columns, ata_cyclic, ata_rows, verify,
 };
 use crate::{AtaOptions, Error, Uplo};
 
@@ -120,10 +120,10 @@ pub(super) unsafe fn new(fortran_comm: i32, world: *mut *mut cata_world) -> Outc
     // SAFETY: the caller's promise.
     let place = unsafe { output("world", world) };
     // A world with a rank that knows nothing of it would hang.
-    let told = place.as_ref().map(|_| ()).map_err(|failure| Error::Rank {
-        rank: ours.rank(),
-        why: failure.message.clone(),
-    });
+    let told = place
+        .as_ref()
+        .map(|_| ())
+        .map_err(|failure| Error::Rank { rank: ours.rank(), why: failure.message.clone() });
     let agreed = ours.agree(told);
     let place = place?;
     agreed?;
@@ -337,6 +337,56 @@ pub(super) unsafe fn gather<T: Held>(
             let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
             let c = matrix_mut("c", layout, n, n, c, ldc)?;
             Ok(symmetric.gather(entrance.enter(), root, Some(c), uplo)?)
+        })
+    }
+}
+
+/// # Safety
+/// As the header says.
+pub(super) unsafe fn check<T: Held>(
+    symmetric: *const cata_symmetric,
+    world: *const cata_world,
+    spread: i32,
+    layout: i32,
+    rows: usize,
+    cols: usize,
+    alpha: f64,
+    a: *const T,
+    lda: usize,
+    rounds: i32,
+    seed: u64,
+    passed: *mut i32,
+    residual: *mut f64,
+    tolerance: *mut f64,
+) -> Outcome {
+    // SAFETY: the caller's promise.
+    unsafe {
+        collective(world, Operation::Verify, |entrance| {
+            let symmetric = of_world::<T>(symmetric, entrance.world)?;
+            let a = matrix("a", Layout::new(layout)?, rows, cols, a, lda)?;
+            let a = match spread {
+                CATA_BY_ROWS => Distributed::Rows(a),
+                CATA_BY_COLUMNS => Distributed::Columns(a),
+                other => {
+                    let why = format!(
+                        "spread: must be CATA_BY_ROWS (141) or CATA_BY_COLUMNS (142), is {other}"
+                    );
+                    return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+                }
+            };
+            let rounds = u32::try_from(rounds).unwrap_or(0);
+            let passed = output("passed", passed)?;
+            let residual = optional_output("residual", residual)?;
+            let tolerance = optional_output("tolerance", tolerance)?;
+            let found = verify(entrance.enter(), alpha, a, symmetric, rounds, seed)?;
+            *passed = found.passed.into();
+            if let Some(out) = residual {
+                *out = found.residual;
+            }
+            if let Some(out) = tolerance {
+                *out = found.tolerance;
+            }
+            Ok(())
         })
     }
 }

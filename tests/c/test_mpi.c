@@ -121,6 +121,36 @@ static void test_worlds(void)
     cata_world_free(second);
 }
 
+/* A product of 2 A^T A passes, and one of A^T A does not. */
+static void test_verify(const cata_symmetric *product, const cata_symmetric *product32, int32_t spread,
+                        int32_t layout, size_t rows, size_t cols, const double *a, const float *a32,
+                        size_t lda)
+{
+    int32_t passed = 5;
+    double residual = -1.0, tolerance = -1.0;
+    int last = size - 1;
+    CHECK_STATUS(cata_symmetric_verify_f64(product, world, spread, layout, rows, cols, 2.0, a, lda, 20, 7,
+                                           &passed, &residual, &tolerance),
+                 CATA_OK);
+    CHECK(passed == 1 && residual >= 0.0 && residual <= tolerance);
+    CHECK_STATUS(cata_symmetric_verify_f32(product32, world, spread, layout, rows, cols, 1.0, a32, lda, 20,
+                                           7, &passed, &residual, NULL),
+                 CATA_OK);
+    CHECK(passed == 0 && residual > tolerance);
+    passed = 5;
+    CHECK_STATUS(cata_symmetric_verify_f64(product, world, spread, layout, rows, cols, 2.0, a, lda,
+                                           rank == last ? -1 : 20, 7, &passed, NULL, NULL),
+                 seen(last, CATA_ERR_ARGUMENT));
+    CHECK_STATUS(cata_symmetric_verify_f64(product, world, rank == last ? 0 : spread, layout, rows, cols, 2.0,
+                                           a, lda, 20, 7, &passed, NULL, NULL),
+                 seen(last, CATA_ERR_ARGUMENT));
+    CHECK_MENTIONS("spread: must be CATA_BY_ROWS");
+    CHECK_STATUS(cata_symmetric_verify_f64(product, world, spread, layout, rows, cols, 2.0, a, lda, 20, 7,
+                                           rank == last ? NULL : &passed, NULL, NULL),
+                 seen(last, CATA_ERR_NULL));
+    CHECK(passed == 5);
+}
+
 /* Each rank has rows of A, row-major on even ranks and column-major on odd ones; the sum is on the last rank. */
 static void test_rows(void)
 {
@@ -164,6 +194,8 @@ static void test_rows(void)
         }
     }
 
+    test_verify(product, product32, CATA_BY_ROWS, layout, (size_t)rows, N, a, a32, lda);
+
     /* Nobody hangs. */
     memset(c, 0, sizeof c);
     CHECK_STATUS(cata_symmetric_gather_f64(product, world, 0, CATA_ROW_MAJOR, CATA_BOTH, NULL, N),
@@ -201,10 +233,10 @@ static void test_columns(void)
     cata_ata_params params = {.struct_size = sizeof params};
     params.threads = 1;
     CHECK_STATUS(cata_world_set_longest_message(world, 13), CATA_OK);
-    CHECK_STATUS(cata_world_ata_columns_f64(world, CATA_COL_MAJOR, M, (size_t)cols, 1.0, a, M, &params,
+    CHECK_STATUS(cata_world_ata_columns_f64(world, CATA_COL_MAJOR, M, (size_t)cols, 2.0, a, M, &params,
                                             &product),
                  CATA_OK);
-    CHECK_STATUS(cata_world_ata_columns_f32(world, CATA_COL_MAJOR, M, (size_t)cols, 1.0f, a32, M, NULL,
+    CHECK_STATUS(cata_world_ata_columns_f32(world, CATA_COL_MAJOR, M, (size_t)cols, 2.0f, a32, M, NULL,
                                             &product32),
                  CATA_OK);
     CHECK_STATUS(cata_symmetric_gather_f64(product, world, 0, CATA_COL_MAJOR, CATA_UPPER, c, N), CATA_OK);
@@ -213,10 +245,11 @@ static void test_columns(void)
     CHECK_STATUS(cata_world_set_longest_message(world, SIZE_MAX), CATA_OK);
     for (int j = 0; rank == 0 && j < N; j++) {
         for (int k = 0; k < N; k++) {
-            CHECK(c[j + k * N] == (j <= k ? ata(j, k) : 0.0));
-            CHECK(c32[j + k * N] == (float)ata(j, k));
+            CHECK(c[j + k * N] == (j <= k ? 2.0 * ata(j, k) : 0.0));
+            CHECK(c32[j + k * N] == (float)(2.0 * ata(j, k)));
         }
     }
+    test_verify(product, product32, CATA_BY_COLUMNS, CATA_COL_MAJOR, M, (size_t)cols, a, a32, M);
     cata_symmetric_free(product);
     cata_symmetric_free(product32);
 

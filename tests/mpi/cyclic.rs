@@ -164,11 +164,12 @@ fn traffic(world: &World) {
     )
     .unwrap();
     let seen = world.traffic();
-    // A stays in its row of the grid but for rounding, C is reduced and delivered.
-    let (m, n, columns) = (m as f64, n as f64, grid.cols() as f64);
+    // A stays in its row of the grid but for a few rows, C is reduced and delivered.
+    let held = (a_entries.nrows() * a_entries.ncols()) as f64;
+    let (n, columns) = (n as f64, grid.cols() as f64);
     let triangle = n * (n + 1.0) / 2.0;
     let spare = 16.0 * n;
-    let a_words = m * n / ranks * (1.0 - 1.0 / columns) + spare;
+    let a_words = held * (1.0 - 1.0 / columns) + spare;
     let c_words = triangle * (1.0 - 1.0 / ranks) + triangle / ranks + spare;
     if grid.size() == world.size() {
         assert!(seen.words_sent as f64 <= a_words + c_words, "{seen:?}, {a_words} + {c_words}");

@@ -36,7 +36,6 @@ pub struct Scene {
 }
 
 fn main() -> ExitCode {
-    let cases =
-        [rows::CASES, columns::CASES, cyclic::CASES, verify::CASES, memory::CASES].concat();
+    let cases = [rows::CASES, columns::CASES, cyclic::CASES, verify::CASES, memory::CASES].concat();
     launch::run(&cases, &[failures::SCENES, cyclic::SCENES].concat())
 }

@@ -6,7 +6,8 @@ const HEADER: &str = "include/catamaran.h";
 
 /// The files of the C ABI, in the order of the header.
 const FILES: [&str; 11] = [
-    "version", "status", "backend", "pointer", "params", "ata", "rows", "atb", "verify", "mpi", "memory",
+    "version", "status", "backend", "pointer", "params", "ata", "rows", "atb", "verify", "mpi",
+    "memory",
 ];
 
 /// Exported for tests; last in the header.
