@@ -116,6 +116,11 @@ impl<T: BlasReal> Accumulator<T> {
         self.ncols
     }
 
+    /// The rows of C that it is of.
+    pub fn strip(&self) -> Range<usize> {
+        self.c.rows()
+    }
+
     /// Rows so far.
     pub fn rows(&self) -> u64 {
         self.moments.rows
