@@ -14,6 +14,9 @@ use crate::base::{Error, Real, Result};
 /// Bytes converted at a time; a multiple of every entry size.
 const CHUNK: usize = 1 << 16;
 
+/// Bytes of a header that are read; its three entries take some hundred.
+const LONGEST_HEADER: u64 = 1 << 20;
+
 macro_rules! entries {
     ($($name:ident = $kind:ident $type:ty),* $(,)?) => {
         /// A type of entries that is read.
@@ -93,9 +96,11 @@ pub(super) struct Layout {
 impl Layout {
     /// Takes the header from the start of `source`.
     pub(super) fn read(source: &mut Source<'_>) -> Result<Self> {
-        let mut counted = Counted { reader: &mut *source, count: 0 };
-        let header = NpyHeader::from_reader(&mut counted);
-        let offset = counted.count;
+        let head = head(source).map_err(|e| source.io_error(&e))?;
+        if shape_overflows(&head) {
+            return Err(source.fail("shape too large"));
+        }
+        let header = NpyHeader::from_reader(&head[..]);
         let header = header.map_err(|e| match source.io_error(&e) {
             Error::Io { path, line, what } => {
                 // Where the syntax is wrong is drawn on further lines.
@@ -126,7 +131,7 @@ impl Layout {
             row_major: header.order() == Order::C,
             entry: Entry::of(&dtype).ok_or_else(|| refuse(format!("'{dtype}'")))?,
             big: dtype.endianness() == Endianness::Big,
-            offset,
+            offset: head.len() as u64,
         })
     }
 
@@ -151,18 +156,30 @@ impl Layout {
     }
 }
 
-/// Counts the bytes that are read.
-struct Counted<R> {
-    reader: R,
-    count: u64,
+/// The bytes before the entries, or as many as there are; of another kind of file only the first.
+fn head(source: &mut Source<'_>) -> io::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    source.by_ref().take(8).read_to_end(&mut head)?;
+    if head.starts_with(b"\x93NUMPY") {
+        let length_bytes = if head.get(6) == Some(&1) { 2 } else { 4 };
+        source.by_ref().take(length_bytes).read_to_end(&mut head)?;
+        let length = head.get(8..).unwrap_or_default();
+        let length = length.iter().rev().fold(0, |length, &byte| (length << 8) | u64::from(byte));
+        source.by_ref().take(length.min(LONGEST_HEADER)).read_to_end(&mut head)?;
+    }
+    Ok(head)
 }
 
-impl<R: Read> Read for Counted<R> {
-    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        let count = self.reader.read(out)?;
-        self.count += count as u64;
-        Ok(count)
+/// Whether the header announces more entries than can be counted, over which crate npyz would panic.
+fn shape_overflows(head: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(head);
+    let Some((_, rest)) = text.rsplit_once("shape") else { return false };
+    let shape = rest.split(')').next().unwrap_or_default();
+    let mut product = Some(1_u64);
+    for digits in shape.split(|c: char| !c.is_ascii_digit()).filter(|part| !part.is_empty()) {
+        product = product.and_then(|product| product.checked_mul(digits.parse().ok()?));
     }
+    product.is_none()
 }
 
 pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> Result<Matrix> {

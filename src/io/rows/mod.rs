@@ -33,8 +33,8 @@ const BUFFER: usize = 1 << 18;
 ///   rows is one piece of the file. In Fortran order it is one piece for every column, which is much
 ///   slower when blocks are small.
 /// - `NAME.h5:/path/to/dataset`, also `.hdf5` and `.he5` (feature `hdf5`): a dataset of two
-///   dimensions, or one (a column), of floats of 4 or 8 bytes or integers of 1 to 8. A chunk counts
-///   as read once, however many blocks it spans, while a row of chunks takes at most 32 MiB. Datasets
+///   dimensions, or one (a column), of floats of 4 or 8 bytes or integers of 1 to 8. A packed
+///   chunk is unpacked once, however many blocks it spans, if a row of chunks takes at most 32 MiB. Datasets
 ///   whose entries lie in other files (virtual, external) are refused: their changes would go
 ///   unnoticed. `NAME.h5` alone means its only dataset of two dimensions.
 ///

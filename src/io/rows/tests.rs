@@ -202,6 +202,10 @@ fn broken_arrays_are_refused_when_they_are_opened() {
     assert_eq!(refusal("a.npy", scalar), "an array of 0 dimensions, where a matrix has 2");
     let huge = npy("<f8", "False", "(4294967296, 1073741824)", &[]);
     assert!(refusal("a.npy", huge).starts_with("truncated"));
+    let order = "{'shape': (4294967296, 4294967296), 'fortran_order': False, 'descr': '<f8'}\n";
+    let beyond_first = [b"\x93NUMPY\x02\x00", &(order.len() as u32).to_le_bytes()[..]].concat();
+    let beyond_first = [beyond_first, order.into()].concat();
+    assert_eq!(refusal("a.npy", beyond_first), "shape too large");
     let beyond = npy("<f8", "False", "(4294967296, 4294967296)", &[]);
     assert_eq!(refusal("a.npy", beyond), "shape too large");
 }
