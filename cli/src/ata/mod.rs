@@ -183,6 +183,10 @@ fn refuse(args: &Args) -> Result<()> {
             bail!("{}: exists already (--force replaces it{goes_on})", path.display());
         }
     }
+    if let Some(path) = &args.checkpoint {
+        // Hours later would be too late to find out.
+        drop(Output::create(path, Overwrite::Replace)?);
+    }
     Ok(())
 }
 

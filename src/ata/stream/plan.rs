@@ -116,10 +116,8 @@ impl fmt::Display for StreamPlan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (blocks, reads) = (self.rows.div_ceil(self.block_rows), self.reads());
         let height = self.block_rows.min(self.rows);
-        writeln!(
-            f,
-            "rows       {blocks} blocks of {height}, block by block: converted, weighted or centred"
-        )?;
+        let m = self.rows;
+        writeln!(f, "rows       {m} in {blocks} blocks of {height}, converted block by block")?;
         write!(f, "reads      A is read {}", if reads == 1 { "once" } else { "" })?;
         if reads > 1 {
             write!(f, "{reads} times, for strips of at most ")?;
