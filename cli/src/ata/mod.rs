@@ -258,14 +258,16 @@ impl Work<'_> {
                 .with_context(|| format!("C of {n} x {n} entries"))?,
         };
         sum.set_labels(labels);
-        let start = Instant::now();
-        let sum = self.add(sum, plan, options, 0)?;
+        let (start, done) = (Instant::now(), sum.rows() as usize);
+        let bar = Bar::new("computing");
+        let sum = self.add(sum, plan, options, 0, &bar)?;
+        drop(bar);
         if let Some(output) = &mut outputs.accumulator {
             sum.write(output).map_err(|e| output.error(&e))?;
         }
         let mean = sum.mean();
         let c = sum.finish(self.alpha(), args.uplo)?;
-        self.report_time::<T>(start.elapsed())?;
+        self.report_time::<T>(self.a.shape().0 - done, start.elapsed())?;
         self.check(&mean, c.as_ref())?;
         progress::check()?;
         if let Some(output) = outputs.accumulator {
@@ -334,7 +336,7 @@ impl Work<'_> {
             let options = AtaOptions { progress: Some(&update), ..options.clone() };
             sparse::product(a, self.weights, c, &options)?;
         }
-        self.report_time::<T>(start.elapsed())?;
+        self.report_time::<T>(a.rows(), start.elapsed())?;
         let c = MatRef::from_row_major_slice(&memory.as_slice()[..n * n], n, n);
         self.check(&[], c)?;
         progress::check()?;
@@ -348,9 +350,9 @@ impl Work<'_> {
         plan: &StreamPlan,
         options: &AtaOptions<'_>,
         read: usize,
+        bar: &Bar,
     ) -> Result<Accumulator<T>> {
         let args = self.args;
-        let bar = Bar::new("computing");
         let update = |fraction| bar.update((read as f64 + fraction) / plan.reads() as f64);
         let options = AtaOptions { progress: Some(&update), ..options.clone() };
         let weights: Option<Vec<T>> =
@@ -377,7 +379,7 @@ impl Work<'_> {
         outputs: Outputs,
     ) -> Result<()> {
         let args = self.args;
-        let (_, n) = self.a.shape();
+        let (m, n) = self.a.shape();
         let given = [
             ("--verify", args.verify),
             ("--picture", args.picture.is_some()),
@@ -395,13 +397,15 @@ impl Work<'_> {
         let path = output.path().to_owned();
         let mut output = StripOutput::new::<T>(output, n, args.uplo)?;
         let start = Instant::now();
+        let bar = Bar::new("computing");
         for (read, strip) in plan.strips().iter().enumerate() {
             let sum = Accumulator::of_strip(n, strip.clone(), self.centered())?;
-            let sum = self.add(sum, plan, options, read)?;
+            let sum = self.add(sum, plan, options, read, &bar)?;
             let c: Strip<T> = sum.finish(self.alpha(), Uplo::Lower)?;
             output.write(&c)?;
         }
-        self.report_time::<T>(start.elapsed())?;
+        drop(bar);
+        self.report_time::<T>(m, start.elapsed())?;
         progress::check()?;
         output.commit()?;
         report(format_args!("written   {}", path.display()))
@@ -425,8 +429,9 @@ impl Work<'_> {
         .into()
     }
 
-    fn report_time<T: BlasReal>(&self, elapsed: Duration) -> Result<()> {
-        let (m, n) = self.a.shape();
+    /// What was computed, of `m` rows in this time.
+    fn report_time<T: BlasReal>(&self, m: usize, elapsed: Duration) -> Result<()> {
+        let n = self.a.shape().1;
         let triangle = match self.args.uplo {
             Uplo::Lower => "lower triangle",
             Uplo::Upper => "upper triangle",
