@@ -228,8 +228,7 @@ fn resuming_with_other_rows_blocks_or_options_says_which() {
         sum
     };
     let refusal = |a: MatRef<'_, f64>, block_rows| {
-        let message = add(&mut begun(), a, None, block_rows).unwrap_err().to_string();
-        message
+        add(&mut begun(), a, None, block_rows).unwrap_err().to_string()
     };
     let longer = integers::<f64>(101, 5, 11);
     assert!(refusal(longer.as_ref(), 32).contains("rows was 100, and is 101 now"));
@@ -502,7 +501,7 @@ fn plan_cuts_c_only_when_memory_asks_for_it_and_stays_within() {
     let plan = |memory| StreamPlan::new::<f64>(m, n, false, None, memory, &options);
     let c = 8 * n * n;
     let whole = plan(usize::MAX).unwrap();
-    assert_eq!((whole.reads(), whole.strips()), (1, &[0..n][..]));
+    assert_eq!((whole.reads(), whole.strips().first()), (1, Some(&(0..n))));
     assert!(whole.product().is_some() && whole.bytes() >= c);
     assert!(whole.to_string().contains("read once"), "{whole}");
     let mut reads = 1;
@@ -532,7 +531,7 @@ fn blocks_are_about_64_mib_of_whole_groups_of_rows() {
     for n in [0, 1, 100, 8192, 100_000] {
         for weighted in [false, true] {
             let rows = block_rows::<f64>(n, weighted);
-            assert!(rows % 64 == 0 && rows >= 640, "{n}: {rows}");
+            assert!(rows.is_multiple_of(64) && rows >= 640, "{n}: {rows}");
             let blocks = if weighted { 3 } else { 2 };
             let least = 3 * 1024 * 8 * n.max(1);
             assert!(blocks * 8 * rows * n <= (128 << 20).max(least), "{n}: {rows}");

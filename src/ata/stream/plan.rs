@@ -57,9 +57,10 @@ impl StreamPlan {
             let c = bytes(strip.len().saturating_mul(strip.end));
             Ok(c.saturating_add(blocks).saturating_add(bytes(scratch(strip)?)))
         };
-        let whole = total(&(0..n))?;
+        let all = 0..n;
+        let whole = total(&all)?;
         if whole <= memory {
-            let (strips, product) = (vec![0..n], Some(product));
+            let (strips, product) = (vec![all], Some(product));
             return Ok(Self { rows: m, block_rows, strips, bytes: whole, product });
         }
         let mut strips: Vec<Range<usize>> = Vec::new();
