@@ -98,7 +98,7 @@ fn measure(arguments: &Arguments, shape: Shape, file: &Path) -> Result<Vec<Sampl
             }
             Ok(())
         })?;
-        let mut sum = Accumulator::new(n, false)?;
+        let mut sum = Accumulator::<f64>::new(n, false)?;
         sample[1] = timed(|| {
             for first in (0..m).step_by(height) {
                 let count = height.min(m - first);
@@ -109,7 +109,7 @@ fn measure(arguments: &Arguments, shape: Shape, file: &Path) -> Result<Vec<Sampl
         drop(sum);
         forget(arguments, file)?;
         let mut rows = RowFile::open(file)?;
-        let mut sum = Accumulator::new(n, false)?;
+        let mut sum = Accumulator::<f64>::new(n, false)?;
         sample[2] =
             timed(|| Ok(stream(&mut rows, None, height, &mut sum, &options, &mut |_| Ok(()))?))?;
         let c = sum.finish(1.0, Uplo::Lower)?;
