@@ -6,12 +6,15 @@
 //! other ranks would wait for ever; so does, by default, an error of MPI itself. Results depend on the
 //! number of ranks, not on that of threads nor on which message comes first.
 
+mod columns;
+mod memory;
 mod reduction;
 mod rows;
 mod symmetric;
 mod transfer;
 mod world;
 
+pub use columns::ata_columns;
 pub use rows::{ata_rows, sum_symmetric};
 pub use symmetric::Symmetric;
 pub use world::{MpiReal, Traffic, World};

@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use faer::MatRef;
 
-use super::symmetric::reserved;
+use super::memory::{append_rows, reserved};
 use super::transfer::Transfer;
 use super::world::{MpiReal, World};
 use crate::ata::distributed::{Chunks, rounds};
@@ -51,13 +51,8 @@ impl<'c, T: MpiReal> Reduction<'c, T> {
             for part in parts.clone() {
                 let rank = (self.rank + part) % self.chunks.ranks();
                 for segment in self.chunks.segments_of(chunk, rank) {
-                    let row = panel
-                        .row(segment.row - first)
-                        .subcols(segment.cols.start, segment.cols.len());
-                    match row.try_as_row_major() {
-                        Some(row) => piece.extend_from_slice(row.as_slice()),
-                        None => piece.extend(row.iter().copied()),
-                    }
+                    let (row, first_col) = (segment.row - first, segment.cols.start);
+                    append_rows(piece, panel.submatrix(row, first_col, 1, segment.cols.len()));
                 }
             }
         }
@@ -103,7 +98,7 @@ impl<'c, T: MpiReal> Reduction<'c, T> {
         incoming.resize(entries(self.chunks, self.chunk, self.rank, &(0..parts.len())), T::ZERO);
         let outgoing = std::mem::take(&mut self.pieces[piece]);
         let received = Transfer::receive(world, incoming, from, tag);
-        self.under_way = Some((Transfer::send(world, outgoing, to, tag), received));
+        self.under_way = Some((Transfer::send(world, outgoing, [to], tag), received));
     }
 
     /// Waits for the round, and adds what came.

@@ -5,8 +5,9 @@ use std::ops::Range;
 use faer::prelude::{IntoConst, ReborrowMut};
 use faer::{MatMut, MatRef};
 
+use super::memory::reserved;
 use super::reduction::Reduction;
-use super::symmetric::{Symmetric, reserved};
+use super::symmetric::Symmetric;
 use super::world::{MpiReal, Operation, World};
 use crate::ata::distributed::{Chunks, Layout};
 use crate::ata::{AtaOptions, Uplo, ata, atb};

@@ -1,6 +1,7 @@
 use faer::MatMut;
 use faer::prelude::ReborrowMut;
 
+use super::memory::zeros;
 use super::transfer::{receive, send};
 use super::world::{MpiReal, Operation, World};
 use crate::ata::Uplo;
@@ -113,19 +114,4 @@ fn put<T: Copy>(mut c: MatMut<'_, T>, i: usize, j: usize, value: T, uplo: Uplo) 
     if uplo != Uplo::Lower {
         c[(j, i)] = value;
     }
-}
-
-/// `len` zeros.
-pub(super) fn zeros<T: Real>(len: usize) -> Result<Vec<T>> {
-    let mut values = reserved(len)?;
-    values.resize(len, T::ZERO);
-    Ok(values)
-}
-
-/// An empty vector with room for `len` entries.
-pub(super) fn reserved<T>(len: usize) -> Result<Vec<T>> {
-    let mut values = Vec::new();
-    let bytes = len.saturating_mul(size_of::<T>());
-    values.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;
-    Ok(values)
 }

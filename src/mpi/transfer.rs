@@ -12,34 +12,41 @@ pub(super) struct Transfer<T> {
 }
 
 impl<T: MpiReal> Transfer<T> {
-    /// Starts to send `buffer` to rank `to`; a long one in several messages.
-    pub(super) fn send(world: &World, buffer: Vec<T>, to: usize, tag: i32) -> Self {
-        let mut requests = Vec::new();
+    /// Starts to send `buffer` to each of the ranks `to`; a long one in several messages.
+    pub(super) fn send(
+        world: &World,
+        buffer: Vec<T>,
+        to: impl IntoIterator<Item = usize>,
+        tag: i32,
+    ) -> Self {
         let datatype = T::equivalent_datatype();
-        for part in buffer.chunks(world.longest_message()) {
-            // SAFETY: a null request, set by the next call.
-            let mut request = unsafe { ffi::RSMPI_REQUEST_NULL };
-            // SAFETY: the entries stay in place on the heap until the request has ended: only then are they
-            // given back, and a transfer that is dropped waits for it.
-            unsafe {
-                ffi::MPI_Isend(
-                    part.as_ptr().cast(),
-                    part.len() as i32,
-                    datatype.as_raw(),
-                    to as i32,
-                    tag,
-                    world.raw(),
-                    &mut request,
-                );
+        let mut transfer = Self { buffer, requests: Vec::new() };
+        for to in to {
+            for part in transfer.buffer.chunks(world.longest_message()) {
+                // SAFETY: a null request, set by the next call.
+                let mut request = unsafe { ffi::RSMPI_REQUEST_NULL };
+                // SAFETY: the entries stay in place on the heap until the request has ended: only then are they
+                // given back, and a transfer that is dropped waits for it.
+                unsafe {
+                    ffi::MPI_Isend(
+                        part.as_ptr().cast(),
+                        part.len() as i32,
+                        datatype.as_raw(),
+                        to as i32,
+                        tag,
+                        world.raw(),
+                        &mut request,
+                    );
+                }
+                transfer.requests.push(request);
+                world.count(Traffic {
+                    words_sent: part.len() as u64,
+                    messages_sent: 1,
+                    ..Traffic::default()
+                });
             }
-            requests.push(request);
         }
-        world.count(Traffic {
-            words_sent: buffer.len() as u64,
-            messages_sent: requests.len() as u64,
-            ..Traffic::default()
-        });
-        Self { buffer, requests }
+        transfer
     }
 
     /// Starts to receive as many entries as `buffer` has from rank `from`, sent by [`Transfer::send`] with the

@@ -3,6 +3,7 @@ use std::mem::ManuallyDrop;
 use std::ops::{AddAssign, Range};
 use std::thread::{self, ThreadId};
 
+use ::mpi::collective::SystemOperation;
 use ::mpi::datatype::Equivalence;
 use ::mpi::ffi;
 use ::mpi::raw::AsRaw;
@@ -56,6 +57,8 @@ pub struct World {
 
 /// Entries of a message: counts are 32-bit in MPI.
 const LONGEST: usize = 1 << 30;
+/// Entries that the MPI library reduces at a time.
+const REDUCED: usize = 1 << 16;
 /// Exit code of an abort because of a panic.
 const PANICKED: i32 = 101;
 /// Numbers that ranks compare at the start of a call.
@@ -203,7 +206,7 @@ impl World {
     /// # Errors
     /// The rank's own; [`Error::Rank`] for that of another one.
     pub(super) fn agree<X>(&self, own: Result<X>) -> Result<X> {
-        use ::mpi::collective::{CommunicatorCollectives, SystemOperation};
+        use ::mpi::collective::CommunicatorCollectives;
         let at_fault = if own.is_err() { self.rank as i32 } else { i32::MAX };
         let mut first = 0_i32;
         self.comm.all_reduce_into(&at_fault, &mut first, SystemOperation::min());
@@ -225,14 +228,31 @@ impl World {
         own.and_then(|_| Err(Error::Rank { rank, why: String::from_utf8_lossy(&text).into() }))
     }
 
-    /// The sum over the ranks of the entries of `values`, in the order of the ranks, on every rank.
-    pub(super) fn sum(&self, values: &mut [f64]) {
+    /// One number of every rank, on every rank.
+    pub(super) fn gather_numbers(&self, own: usize) -> Vec<usize> {
         use ::mpi::collective::CommunicatorCollectives;
-        let mut all = vec![0.0; values.len() * self.size];
-        self.comm.all_gather_into(&values[..], &mut all[..]);
-        values.fill(0.0);
-        for theirs in all.chunks_exact(values.len().max(1)) {
-            values.iter_mut().zip(theirs).for_each(|(sum, theirs)| *sum += theirs);
+        let mut all = vec![0_u64; self.size];
+        self.comm.all_gather_into(&(own as u64), &mut all[..]);
+        all.into_iter().map(|number| number as usize).collect()
+    }
+
+    /// The sums over the ranks of the entries of `values`, on every rank; by the MPI library, not counted.
+    pub(super) fn sum(&self, values: &mut [f64]) {
+        self.combine(values, SystemOperation::sum());
+    }
+
+    /// The largest over the ranks of each entry of `values`, on every rank.
+    pub(super) fn largest(&self, values: &mut [f64]) {
+        self.combine(values, SystemOperation::max());
+    }
+
+    fn combine(&self, values: &mut [f64], operation: SystemOperation) {
+        use ::mpi::collective::CommunicatorCollectives;
+        let mut own = Vec::new();
+        for part in values.chunks_mut(REDUCED) {
+            own.clear();
+            own.extend_from_slice(part);
+            self.comm.all_reduce_into(&own[..], part, operation);
         }
     }
 

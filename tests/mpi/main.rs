@@ -1,5 +1,5 @@
-//! The distributed products under `mpirun`: every case on 1, 2, 3, 4, 7 and 8 ranks, and what must end in
-//! an error on every rank, or in an abort, but never hang.
+//! The distributed products under `mpirun`: every case on 1, 2, 3, 4, 7 and 8 ranks, and scenes that must
+//! end in an error on every rank, or in an abort, but never hang.
 //!
 //! Started by cargo, this program starts itself under `mpirun`; `MPIRUN` names another launcher, and
 //! arguments select cases by parts of their names.
@@ -10,12 +10,28 @@ mod launch;
 mod matrices;
 mod rows;
 
+use std::process::ExitCode;
+
 use catamaran::mpi::World;
 
 /// A named check that all ranks make together; a panic is a failure.
 pub type Case = (&'static str, fn(&World));
 
-fn main() {
-    let cases: Vec<Case> = [rows::CASES, columns::CASES].concat();
-    launch::run(&cases, failures::SCENES);
+/// What must happen when something goes wrong.
+pub struct Scene {
+    /// Says what must happen.
+    pub name: &'static str,
+    /// How many ranks play it.
+    pub ranks: usize,
+    /// What each rank does.
+    pub play: fn(&World),
+    /// What must be printed, by all ranks and `mpirun` together.
+    pub printed: &'static [&'static str],
+    /// Whether the job succeeds nevertheless.
+    pub succeeds: bool,
+}
+
+fn main() -> ExitCode {
+    let cases = [rows::CASES, columns::CASES].concat();
+    launch::run(&cases, failures::SCENES)
 }

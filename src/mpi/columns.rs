@@ -1,0 +1,199 @@
+//! Columns of A on every rank: blocks of them travel so that each pair meets once.
+
+use std::collections::VecDeque;
+use std::ops::Range;
+
+use faer::{MatMut, MatRef};
+
+use super::memory::{append_rows, reserved, zeros};
+use super::symmetric::Symmetric;
+use super::transfer::Transfer;
+use super::world::{MpiReal, Operation, World};
+use crate::ata::distributed::{Blocks, Layout, packed_len};
+use crate::ata::{AtaOptions, Uplo, ata, atb};
+use crate::base::Result;
+
+/// Tags of the rows that travel; those of two pieces under way at the same time differ.
+const FIRST_TAG: i32 = 32;
+/// Rows that travel at once, at least: products with fewer are slow.
+const SHORTEST: usize = 256;
+
+/// `C = alpha A^T A` where every rank has some `columns` of A, in the order of the ranks, 0 included.
+///
+/// The two-dimensional distribution for matrices that are not much longer than wide: with about equal numbers of
+/// columns each rank receives `m n / sqrt(P)` words (at most 1.5 times that, see
+/// [`difference_cover`](crate::ata::distributed::difference_cover)), piece by piece of rows, while it
+/// multiplies the piece before. Columns are m x n_r with any strides; beside them and its part of C a rank
+/// holds two pieces of the columns it sees, not more than its share of A and C together. `options.uplo` does not
+/// matter. The result depends, by rounding, on the number of ranks and the widths.
+///
+/// # Errors
+/// [`Error::Rank`](crate::Error::Rank) when m, alpha or the precision differ, or another rank failed; else
+/// as [`ata`].
+pub fn ata_columns<T: MpiReal>(
+    world: &World,
+    alpha: T,
+    columns: MatRef<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<Symmetric<T>> {
+    let _guard = world.abort_on_panic();
+    let (m, own) = (columns.nrows(), world.rank());
+    let facts = [
+        ("m", m),
+        ("the size of a scalar", size_of::<T>()),
+        ("alpha", alpha.to_f64().to_bits() as usize),
+    ];
+    world.begin(Operation::Columns, &facts, Ok(()))?;
+    let blocks = Blocks::new(&world.gather_numbers(columns.ncols()));
+    let width = columns.ncols();
+    // The triangle on the diagonal is computed as part of a square.
+    let prepared = Exchange::new(world, &blocks, columns)
+        .and_then(|exchange| Ok((exchange, zeros(blocks.len(own))?, zeros(width * width)?)));
+    let (mut exchange, mut entries, mut square) = world.agree(prepared)?;
+
+    let products: Vec<_> = blocks.products(own).collect();
+    let total = (exchange.pieces() * products.len()) as f64;
+    let mut done = Ok(());
+    exchange.start(0);
+    exchange.start(1);
+    let mut piece = 0;
+    while let Some(seen) = exchange.next() {
+        let beta = if piece == 0 { T::ZERO } else { T::ONE };
+        let mut rest = &mut entries[packed_len(width)..];
+        for (i, product) in products.iter().enumerate() {
+            let (left, right) = (seen.columns(product.left), seen.columns(product.right));
+            let on_diagonal = product.left == product.right;
+            let result = if on_diagonal {
+                &mut square[..]
+            } else {
+                rest.split_off_mut(..left.ncols() * right.ncols()).unwrap_or_default()
+            };
+            let result = MatMut::from_row_major_slice_mut(result, left.ncols(), right.ncols());
+            // A rank that fails goes on sending, so that nobody waits for it.
+            if done.is_ok() {
+                let share = |i: usize| (piece * products.len() + i) as f64 / total;
+                done = world.with_progress(options, share(i)..share(i + 1), |options| {
+                    if on_diagonal {
+                        let options = AtaOptions { uplo: Uplo::Lower, ..options.clone() };
+                        ata(alpha, left, beta, result, &options)
+                    } else {
+                        atb(alpha, left, right, beta, result, options)
+                    }
+                });
+            }
+        }
+        exchange.recycle(seen);
+        exchange.start(piece + 2);
+        piece += 1;
+    }
+    for i in 0..width {
+        let row = &square[i * width..=i * width + i];
+        entries[packed_len(i)..packed_len(i + 1)].copy_from_slice(row);
+    }
+    world.agree(done)?;
+    drop(exchange);
+    Ok(Symmetric::new(Layout::Blocks(blocks), own, entries))
+}
+
+/// Sends the columns of this rank to those that need them, some rows at a time, and receives those it needs.
+struct Exchange<'w, T> {
+    world: &'w World,
+    blocks: &'w Blocks,
+    columns: MatRef<'w, T>,
+    /// Rows that travel at once.
+    height: usize,
+    /// Buffers for two pieces.
+    spare: Vec<Vec<T>>,
+    under_way: VecDeque<UnderWay<T>>,
+}
+
+/// A piece that travels.
+struct UnderWay<T> {
+    piece: usize,
+    sent: Option<Transfer<T>>,
+    received: Vec<(usize, Transfer<T>)>,
+}
+
+/// A piece that has arrived: some rows of all columns that this rank needs.
+struct Piece<'w, T> {
+    own: MatRef<'w, T>,
+    sent: Option<Transfer<T>>,
+    received: Vec<(usize, Vec<T>)>,
+}
+
+impl<'w, T: MpiReal> Exchange<'w, T> {
+    fn new(world: &'w World, blocks: &'w Blocks, columns: MatRef<'w, T>) -> Result<Self> {
+        let (own, m) = (world.rank(), columns.nrows());
+        let seen = blocks.sources(own).count() + 1;
+        // Two pieces of all that is seen are as much as m + n / 2 rows of the own columns: its share of A and C.
+        let height = (m + blocks.n() / 2) / (2 * seen);
+        // And several pieces, so that one can hide behind another.
+        let height = height.min(m.div_ceil(4)).max(SHORTEST).next_multiple_of(64);
+        let width = |rank: usize| blocks.columns(rank).len();
+        let widest = blocks.sources(own).chain([own]).map(width).max().unwrap_or(0);
+        let len = height.min(m) * widest;
+        let spare = (0..2 * seen).map(|_| reserved(len)).collect::<Result<_>>()?;
+        Ok(Self { world, blocks, columns, height, spare, under_way: VecDeque::new() })
+    }
+
+    /// The number of pieces.
+    fn pieces(&self) -> usize {
+        self.columns.nrows().div_ceil(self.height)
+    }
+
+    fn rows(&self, piece: usize) -> Range<usize> {
+        let first = piece * self.height;
+        first..(first + self.height).min(self.columns.nrows())
+    }
+
+    /// Lets a piece travel, if there is one.
+    fn start(&mut self, piece: usize) {
+        if piece >= self.pieces() {
+            return;
+        }
+        let (own, rows) = (self.world.rank(), self.rows(piece));
+        let tag = FIRST_TAG + (piece % 2) as i32;
+        let received = self.blocks.sources(own).map(|source| {
+            let mut buffer = self.spare.pop().unwrap_or_default();
+            buffer.resize(rows.len() * self.blocks.columns(source).len(), T::ZERO);
+            (source, Transfer::receive(self.world, buffer, source, tag))
+        });
+        let received = received.collect();
+        let sent = (self.world.size() > 1).then(|| {
+            let mut copy = self.spare.pop().unwrap_or_default();
+            copy.clear();
+            append_rows(&mut copy, self.columns.subrows(rows.start, rows.len()));
+            Transfer::send(self.world, copy, self.blocks.destinations(own), tag)
+        });
+        self.under_way.push_back(UnderWay { piece, sent, received });
+    }
+
+    /// The next piece that was started, when it has arrived.
+    fn next(&mut self) -> Option<Piece<'w, T>> {
+        let UnderWay { piece, sent, received } = self.under_way.pop_front()?;
+        let rows = self.rows(piece);
+        let own = self.columns.subrows(rows.start, rows.len());
+        let received =
+            received.into_iter().map(|(rank, transfer)| (rank, transfer.wait())).collect();
+        Some(Piece { own, sent, received })
+    }
+
+    /// Takes the buffers of a piece back.
+    fn recycle(&mut self, piece: Piece<'w, T>) {
+        self.spare.extend(piece.sent.map(Transfer::wait));
+        self.spare.extend(piece.received.into_iter().map(|(_, buffer)| buffer));
+    }
+}
+
+impl<T> Piece<'_, T> {
+    /// The columns of `rank`, which is the own one or a source of it.
+    fn columns(&self, rank: usize) -> MatRef<'_, T> {
+        match self.received.iter().find(|(source, _)| *source == rank) {
+            Some((_, buffer)) => {
+                let rows = self.own.nrows();
+                MatRef::from_row_major_slice(buffer, rows, buffer.len() / rows)
+            }
+            None => self.own,
+        }
+    }
+}

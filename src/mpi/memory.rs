@@ -1,0 +1,46 @@
+//! Buffers that can fail, and what goes into them.
+
+use faer::MatRef;
+
+use crate::base::{Error, Real, Result};
+
+/// An empty vector with room for `len` entries.
+pub(super) fn reserved<T>(len: usize) -> Result<Vec<T>> {
+    let mut values = Vec::new();
+    let bytes = len.saturating_mul(size_of::<T>());
+    values.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;
+    Ok(values)
+}
+
+/// `len` zeros.
+pub(super) fn zeros<T: Real>(len: usize) -> Result<Vec<T>> {
+    let mut values = reserved(len)?;
+    values.resize(len, T::ZERO);
+    Ok(values)
+}
+
+/// Appends the rows of `matrix`, one after another.
+pub(super) fn append_rows<T: Real>(buffer: &mut Vec<T>, matrix: MatRef<'_, T>) {
+    /// Rows copied together: a line of the cache or two of each column.
+    const ROWS: usize = 16;
+    let width = matrix.ncols();
+    if matrix.col_stride() == 1 {
+        for i in 0..matrix.nrows() {
+            if let Some(row) = matrix.row(i).try_as_row_major() {
+                buffer.extend_from_slice(row.as_slice());
+            }
+        }
+        return;
+    }
+    for first in (0..matrix.nrows()).step_by(ROWS) {
+        let rows = matrix.subrows(first, ROWS.min(matrix.nrows() - first));
+        let start = buffer.len();
+        buffer.resize(start + rows.nrows() * width, T::ZERO);
+        let copy = &mut buffer[start..];
+        for j in 0..width {
+            for i in 0..rows.nrows() {
+                copy[i * width + j] = rows[(i, j)];
+            }
+        }
+    }
+}

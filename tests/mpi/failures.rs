@@ -1,0 +1,144 @@
+//! What goes wrong on one rank: an error on every rank, or an abort, within the time limit.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use catamaran::base::Flow;
+use catamaran::faer::Mat;
+use catamaran::mpi::{World, ata_rows};
+use catamaran::{AtaOptions, Error};
+
+use crate::Scene;
+use crate::matrices::{options, part};
+
+pub const SCENES: &[Scene] = &[
+    Scene {
+        name: "a_rank_with_another_shape_is_named_on_every_rank",
+        ranks: 4,
+        play: another_shape,
+        printed: &[
+            "0: rank 2: n is 8, where rank 0 has 7",
+            "3: rank 2: n is 8, where rank 0 has 7",
+        ],
+        succeeds: true,
+    },
+    Scene {
+        name: "a_rank_with_another_factor_is_named",
+        ranks: 3,
+        play: another_factor,
+        printed: &["0: rank 1: alpha", "1: rank 1: alpha", "2: rank 1: alpha"],
+        succeeds: true,
+    },
+    Scene {
+        name: "a_rank_without_memory_is_named_on_every_rank",
+        ranks: 3,
+        play: no_memory,
+        printed: &["0: rank 1: out of memory", "1: out of memory", "2: rank 1: out of memory"],
+        succeeds: true,
+    },
+    Scene {
+        name: "a_rank_that_cancels_ends_the_call_on_every_rank",
+        ranks: 4,
+        play: cancel,
+        printed: &["0: rank 3: cancelled", "1: rank 3: cancelled", "3: cancelled"],
+        succeeds: true,
+    },
+    Scene {
+        name: "ranks_in_different_calls_notice",
+        ranks: 2,
+        play: different_calls,
+        printed: &["0: rank 1: called another function", "1: rank 1: called another function"],
+        succeeds: true,
+    },
+    Scene {
+        name: "a_killed_rank_ends_the_job",
+        ranks: 4,
+        play: killed,
+        printed: &[],
+        succeeds: false,
+    },
+    Scene {
+        name: "a_rank_that_panics_ends_the_job",
+        ranks: 3,
+        play: panicking,
+        printed: &["this rank panics"],
+        succeeds: false,
+    },
+];
+
+fn tell(world: &World, error: Error) {
+    println!("{}: {error}", world.rank());
+}
+
+fn another_shape(world: &World) {
+    let n = if world.rank() == 2 { 8 } else { 7 };
+    let a = part::<f64>(0..5, 0..n);
+    tell(world, ata_rows(world, 1.0, a.as_ref(), &options()).unwrap_err());
+    // The world is as good as before.
+    let a = part::<f64>(0..5, 0..3);
+    ata_rows(world, 1.0, a.as_ref(), &options()).unwrap();
+}
+
+fn another_factor(world: &World) {
+    let alpha = if world.rank() == 1 { 2.0 } else { 1.0 };
+    let a = part::<f64>(0..5, 0..3);
+    tell(world, ata_rows(world, alpha, a.as_ref(), &options()).unwrap_err());
+}
+
+fn no_memory(world: &World) {
+    if world.rank() == 1 {
+        // SAFETY: sets a limit of this process: no more than what it has and 64 MiB.
+        unsafe {
+            let text = std::fs::read_to_string("/proc/self/statm").expect("Linux");
+            let pages: u64 = text.split(' ').next().unwrap().parse().unwrap();
+            let limit =
+                libc::rlimit { rlim_cur: pages * 4096 + (64 << 20), rlim_max: libc::RLIM_INFINITY };
+            assert_eq!(libc::setrlimit(libc::RLIMIT_AS, &limit), 0);
+        }
+    }
+    let a = Mat::<f64>::zeros(1, 8000);
+    tell(world, ata_rows(world, 1.0, a.as_ref(), &options()).unwrap_err());
+}
+
+fn cancel(world: &World) {
+    let calls = AtomicUsize::new(0);
+    let progress = |_| {
+        let enough = calls.fetch_add(1, Ordering::Relaxed) > 2;
+        if enough && world_rank() == 3 { Flow::Cancel } else { Flow::Continue }
+    };
+    let options = AtaOptions { progress: Some(&progress), ..options() };
+    let a = Mat::<f64>::from_fn(600, 1500, |i, j| (i + j) as f64);
+    tell(world, ata_rows(world, 1.0, a.as_ref(), &options).unwrap_err());
+}
+
+/// The rank of this process; a progress callback can't hold a world.
+fn world_rank() -> usize {
+    use mpi::topology::{Communicator, SimpleCommunicator};
+    SimpleCommunicator::world().rank() as usize
+}
+
+fn different_calls(world: &World) {
+    let a = part::<f64>(0..5, 0..5);
+    let error = if world.rank() == 0 {
+        ata_rows(world, 1.0, a.as_ref(), &options()).unwrap_err()
+    } else {
+        catamaran::mpi::sum_symmetric(world, a.as_ref()).unwrap_err()
+    };
+    tell(world, error);
+}
+
+fn killed(world: &World) {
+    if world.rank() == 2 {
+        // SAFETY: ends this process, at once.
+        unsafe { libc::raise(libc::SIGKILL) };
+    }
+    let a = part::<f64>(0..5, 0..700);
+    let _ = ata_rows(world, 1.0, a.as_ref(), &options());
+}
+
+fn panicking(world: &World) {
+    let progress =
+        |_| -> Flow { if world_rank() == 1 { panic!("this rank panics") } else { Flow::Continue } };
+    let options = AtaOptions { progress: Some(&progress), ..options() };
+    let a = part::<f64>(0..50, 0..700);
+    let _ = ata_rows(world, 1.0, a.as_ref(), &options);
+}
