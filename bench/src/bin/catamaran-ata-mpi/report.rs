@@ -1,0 +1,105 @@
+//! What is measured, as lines of the screen and of the record.
+
+use std::fmt;
+
+use catamaran_bench::race::Outcome;
+
+use crate::job::{Job, Mode};
+
+/// Seconds of one repetition, each the largest of all ranks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Times {
+    /// In local products.
+    pub compute: f64,
+    /// Beyond them: what of the communication is not hidden behind them, waiting for others, sums and copies.
+    pub communication: f64,
+    /// From the moment when all ranks are there to the end of the last one.
+    pub wall: f64,
+}
+
+/// Words and messages of a rank: the larger of what it sends and what it receives, and of these the largest.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Cost {
+    /// Entries of matrices.
+    pub words: f64,
+    /// Messages.
+    pub messages: f64,
+}
+
+/// The column names of [`line`].
+pub const HEADER: &str = "\
+ rep  compute s   commun. s      wall s  GFLOP/s  % peak |     rival s  GFLOP/s  ratio";
+
+/// A repetition, or `median`.
+pub fn line(name: &str, job: &Job, times: &Times, peak: f64, rival: Option<(f64, f64)>) -> String {
+    let Times { compute, communication, wall } = times;
+    let speed = job.flops() / wall / 1e9;
+    let mut line = format!(
+        "{name:>4} {compute:>10.6}  {communication:>10.6}  {wall:>10.6}  {speed:>7.1}  {:>6.1} |",
+        100.0 * speed / peak
+    );
+    if let Some((seconds, ratio)) = rival {
+        line += &format!("  {seconds:>10.6}  {:>7.1}  {ratio:>5.3}", job.flops() / seconds / 1e9);
+    }
+    line
+}
+
+/// One race, for the record.
+pub struct Row<'a> {
+    /// What was computed.
+    pub job: &'a Job,
+    /// How many ranks.
+    pub ranks: usize,
+    /// `f32` or `f64`.
+    pub scalar: &'static str,
+    /// Our wall times.
+    pub ours: &'a Outcome,
+    /// The rival's, and how it distributed its matrices.
+    pub rival: Option<(&'a Outcome, String)>,
+    /// Largest difference of the two results, relative to the largest entry.
+    pub error: Option<f64>,
+    /// Words of ours.
+    pub words: f64,
+    /// The lower bound for them.
+    pub bound: f64,
+}
+
+impl Row<'_> {
+    /// The column names; the first [`Row::KEYS`] say what a row is about.
+    pub const HEADER: &'static str = "mode,ranks,threads,m,n,type,repetitions,ours_s,rival_s,ratio,error,words,bound,rival";
+    /// See [`Row::HEADER`].
+    pub const KEYS: usize = 6;
+}
+
+impl fmt::Display for Row<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { job, ranks, scalar, ours, .. } = self;
+        let Job { mode, shape, threads, .. } = job;
+        write!(f, "{mode},{ranks},{threads},{},{},{scalar},", shape.m, shape.n)?;
+        write!(f, "{},{:.6e},", ours.seconds.len(), ours.median())?;
+        match &self.rival {
+            Some((rival, _)) => write!(f, "{:.6e},{:.4},", rival.median(), ours.ratio_to(rival))?,
+            None => write!(f, ",,")?,
+        }
+        if let Some(error) = self.error {
+            write!(f, "{error:.3e}")?;
+        }
+        write!(f, ",{:.0},{:.0},", self.words, self.bound)?;
+        self.rival.as_ref().map_or(Ok(()), |(_, distribution)| write!(f, "{distribution}"))
+    }
+}
+
+/// The largest difference of `ours`, row-major, and `rival`, column-major, in the lower triangles, relative to the
+/// largest entry of the rival's; NaN if there is one.
+pub fn difference<T: catamaran::Real>(n: usize, ours: &[T], rival: &[T]) -> f64 {
+    let (mut most, mut largest) = (0.0_f64, 0.0_f64);
+    for i in 0..n {
+        for j in 0..=i {
+            let (x, y) = (ours[i * n + j].to_f64(), rival[i + j * n].to_f64());
+            let distance = (x - y).abs();
+            most = if distance > most || distance.is_nan() { distance } else { most };
+            largest = largest.max(y.abs());
+        }
+    }
+    if most == 0.0 { 0.0 } else { most / largest }
+}
