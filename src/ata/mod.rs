@@ -26,6 +26,8 @@ pub use plan::{Base, Plan, Recursion};
 pub use rows::{Center, DenseRows, RowBlocks, RowOptions, ata_rows};
 pub use tree::{Node, Task, levels};
 pub use verify::{Verification, verify, verify_rows};
+#[cfg(feature = "mpi")]
+pub(crate) use verify::{check_rounds, signs, verdict};
 
 use crate::base::{Error, Flow, Result, Scratch};
 use crate::blas::{BlasReal, Kernels};

@@ -63,12 +63,8 @@ pub fn verify_rows<T: Real>(
 ) -> Result<Verification> {
     let (m, n, r) = (rows.nrows(), rows.ncols(), rounds as usize);
     Error::check_shape("C", (n, n), c.shape())?;
-    if !(1..=MAX_ROUNDS).contains(&rounds) {
-        let why = format!("must be between 1 and {MAX_ROUNDS}");
-        return Err(Error::Argument { what: "rounds", why });
-    }
-    let mut rng = Rng::new(seed);
-    let x = Mat::from_fn(n, r, |_, _| rng.sign());
+    check_rounds(rounds)?;
+    let x = signs(n, rounds, seed);
     let backend = blas::native();
     let kernels: &dyn blas::Kernels<f64> = backend.as_ref();
 
@@ -113,22 +109,46 @@ pub fn verify_rows<T: Real>(
         kernels.gemm(1.0, strip.as_ref(), x.as_ref(), 1.0, z.as_mut().subrows_mut(first, count));
     }
 
+    Ok(verdict::<T>(alpha, m, z.as_ref(), &norms))
+}
+
+pub(crate) fn check_rounds(rounds: u32) -> Result<()> {
+    if (1..=MAX_ROUNDS).contains(&rounds) {
+        return Ok(());
+    }
+    let why = format!("must be between 1 and {MAX_ROUNDS}");
+    Err(Error::Argument { what: "rounds", why })
+}
+
+/// The random vectors: n x rounds.
+pub(crate) fn signs(n: usize, rounds: u32, seed: u64) -> Mat<f64> {
+    let mut rng = Rng::new(seed);
+    Mat::from_fn(n, rounds as usize, |_, _| rng.sign())
+}
+
+/// What the residuals `z = C x - alpha A^T W (A x)`, n x rounds, say; `norms` are `sum_i |w_i| a_ij^2`.
+pub(crate) fn verdict<T: Real>(
+    alpha: f64,
+    m: usize,
+    z: MatRef<'_, f64>,
+    norms: &[f64],
+) -> Verification {
     // A NaN, once met, stays.
     let mut residual = 0.0_f64;
-    for j in 0..r {
-        for i in 0..n {
+    for j in 0..z.ncols() {
+        for i in 0..z.nrows() {
             let entry = z[(i, j)].abs();
             residual = if entry > residual || entry.is_nan() { entry } else { residual };
         }
     }
     let largest = norms.iter().copied().fold(0.0, f64::max);
-    let tolerance =
-        8.0 * T::UNIT_ROUNDOFF * ((m + 1) as f64 * (n + 1) as f64).sqrt() * alpha.abs() * largest;
-    Ok(Verification {
+    let size = ((m + 1) as f64 * (z.nrows() + 1) as f64).sqrt();
+    let tolerance = 8.0 * T::UNIT_ROUNDOFF * size * alpha.abs() * largest;
+    Verification {
         // Norms that overflow prove nothing.
         passed: residual <= tolerance && tolerance.is_finite(),
         residual,
         tolerance,
-        false_accept_probability: 0.5_f64.powi(rounds as i32),
-    })
+        false_accept_probability: 0.5_f64.powi(z.ncols() as i32),
+    }
 }

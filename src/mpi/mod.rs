@@ -12,9 +12,11 @@ mod reduction;
 mod rows;
 mod symmetric;
 mod transfer;
+mod verify;
 mod world;
 
 pub use columns::ata_columns;
 pub use rows::{ata_rows, sum_symmetric};
 pub use symmetric::Symmetric;
+pub use verify::{Distributed, verify};
 pub use world::{MpiReal, Traffic, World};

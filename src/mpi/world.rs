@@ -59,8 +59,8 @@ pub struct World {
 
 /// Entries of a message: counts are 32-bit in MPI.
 const LONGEST: usize = 1 << 30;
-/// Entries that the MPI library reduces at a time.
-const REDUCED: usize = 1 << 16;
+/// Entries that the MPI library sums at a time.
+const SUMMED: usize = 1 << 16;
 /// Exit code of an abort because of a panic.
 const PANICKED: i32 = 101;
 /// Numbers that ranks compare at the start of a call.
@@ -250,21 +250,12 @@ impl World {
 
     /// The sums over the ranks of the entries of `values`, on every rank; by the MPI library, not counted.
     pub(super) fn sum(&self, values: &mut [f64]) {
-        self.combine(values, SystemOperation::sum());
-    }
-
-    /// The largest over the ranks of each entry of `values`, on every rank.
-    pub(super) fn largest(&self, values: &mut [f64]) {
-        self.combine(values, SystemOperation::max());
-    }
-
-    fn combine(&self, values: &mut [f64], operation: SystemOperation) {
         use ::mpi::collective::CommunicatorCollectives;
         let mut own = Vec::new();
-        for part in values.chunks_mut(REDUCED) {
+        for part in values.chunks_mut(SUMMED) {
             own.clear();
             own.extend_from_slice(part);
-            self.comm.all_reduce_into(&own[..], part, operation);
+            self.comm.all_reduce_into(&own[..], part, SystemOperation::sum());
         }
     }
 

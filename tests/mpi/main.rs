@@ -9,6 +9,7 @@ mod failures;
 mod launch;
 mod matrices;
 mod rows;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -32,6 +33,6 @@ pub struct Scene {
 }
 
 fn main() -> ExitCode {
-    let cases = [rows::CASES, columns::CASES].concat();
+    let cases = [rows::CASES, columns::CASES, verify::CASES].concat();
     launch::run(&cases, failures::SCENES)
 }

@@ -1,0 +1,119 @@
+//! The probabilistic check of a distributed result.
+
+use faer::prelude::Reborrow;
+use faer::{MatMut, MatRef};
+
+use super::memory::zeros;
+use super::symmetric::Symmetric;
+use super::world::{MpiReal, Operation, World};
+use crate::ata::{Verification, check_rounds, signs, verdict};
+use crate::base::{Error, Result};
+use crate::blas::{self, Kernels};
+
+/// A matrix of which every rank has a part.
+#[derive(Debug, Clone, Copy)]
+pub enum Distributed<'a, T> {
+    /// Rows, as for [`ata_rows`](super::ata_rows).
+    Rows(MatRef<'a, T>),
+    /// Columns in the order of the ranks, as for [`ata_columns`](super::ata_columns).
+    Columns(MatRef<'a, T>),
+}
+
+/// Rows that are multiplied at once.
+const HEIGHT: usize = 1024;
+
+/// Checks `C = alpha A^T A` with `rounds` random vectors of signs, as [`ata::verify`](crate::ata::verify()) does; all
+/// ranks get the same verdict.
+///
+/// Each rank works on its parts of A and C, in O(rounds (m n + n^2) / P), and holds 2 n x rounds numbers. Vectors of n
+/// x rounds entries are summed over the ranks, of m x rounds too when A is spread by columns; they do not count as
+/// traffic.
+///
+/// # Errors
+/// [`Error::Rank`] when arguments differ, or another rank failed; [`Error::Argument`] unless `rounds` is in 1..=1000,
+/// [`Error::Shape`] when A has not n columns, [`Error::OutOfMemory`].
+pub fn verify<T: MpiReal>(
+    world: &World,
+    alpha: f64,
+    a: Distributed<'_, T>,
+    c: &Symmetric<T>,
+    rounds: u32,
+    seed: u64,
+) -> Result<Verification> {
+    let _guard = world.abort_on_panic();
+    let (n, r) = (c.n(), rounds as usize);
+    let prepared = check_rounds(rounds).and_then(|()| {
+        Ok((signs(n, rounds, seed), zeros(n * r)?, zeros(HEIGHT * n)?, zeros(HEIGHT * r)?))
+    });
+    let (by_columns, own) = match a {
+        Distributed::Rows(rows) => (false, rows),
+        Distributed::Columns(columns) => (true, columns),
+    };
+    let facts = [
+        ("n", n),
+        ("the distribution of A", usize::from(by_columns)),
+        ("the number of rounds", r),
+        ("the seed", seed as usize),
+        ("alpha", alpha.to_bits() as usize),
+    ];
+    let (x, mut z, mut block, mut y) = world.begin(Operation::Verify, &facts, prepared)?;
+    let parts = world.gather_numbers(if by_columns { own.ncols() } else { own.nrows() });
+    let heights = world.gather_numbers(own.nrows());
+    let first: usize = parts[..world.rank()].iter().sum();
+    let (width, m) = match by_columns {
+        true => (parts.iter().sum(), heights[0]),
+        false => (own.ncols(), heights.iter().sum()),
+    };
+    let fits = Error::check_shape("A", (m, n), (m, width)).and_then(|()| {
+        // Of one height, or the sums over the ranks would not be of the same rows.
+        let rows = heights.iter().find(|&&rows| by_columns && rows != m).map_or(m, |&rows| rows);
+        Error::check_shape("A", (m, n), (rows, n))
+    });
+    world.agree(fits)?;
+
+    // Z = C X, the part that this rank has
+    c.for_each_segment(|i, start, entries| {
+        for (j, entry) in (start..).zip(entries) {
+            let entry = entry.to_f64();
+            for k in 0..r {
+                z[i * r + k] += entry * x[(j, k)];
+                if i != j {
+                    z[j * r + k] += entry * x[(i, k)];
+                }
+            }
+        }
+    });
+
+    // - alpha A^T (A X)
+    let columns = if by_columns { first..first + own.ncols() } else { 0..n };
+    let x = x.subrows(columns.start, columns.len());
+    let mut norms = vec![0.0; n];
+    let backend = blas::native();
+    let kernels: &dyn Kernels<f64> = backend.as_ref();
+    for start in (0..own.nrows()).step_by(HEIGHT) {
+        let rows = own.subrows(start, HEIGHT.min(own.nrows() - start));
+        let (count, width) = rows.shape();
+        let mut block = MatMut::from_row_major_slice_mut(&mut block[..count * width], count, width);
+        for i in 0..count {
+            for j in 0..width {
+                let entry = rows[(i, j)].to_f64();
+                block[(i, j)] = entry;
+                norms[columns.start + j] += entry * entry;
+            }
+        }
+        let y = &mut y[..count * r];
+        let out = MatMut::from_row_major_slice_mut(y, count, r);
+        kernels.gemm(1.0, block.rb().transpose(), x, 0.0, out);
+        if by_columns {
+            world.sum(y);
+        }
+        let y = MatRef::from_row_major_slice(y, count, r);
+        let z = MatMut::from_row_major_slice_mut(&mut z, n, r);
+        let z = z.subrows_mut(columns.start, columns.len());
+        kernels.gemm(-alpha, block.rb(), y, 1.0, z);
+    }
+
+    world.sum(&mut z);
+    world.sum(&mut norms);
+    Ok(verdict::<T>(alpha, m, MatRef::from_row_major_slice(&z, n, r), &norms))
+}
