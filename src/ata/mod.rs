@@ -20,6 +20,8 @@ mod verify;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
+#[cfg(feature = "mpi")]
+pub(crate) use combine::mirror_lower;
 pub use exact::Stages;
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 pub use plan::{Base, Plan, Recursion};

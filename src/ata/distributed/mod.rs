@@ -9,8 +9,11 @@ mod blocks;
 mod chunks;
 mod cover;
 mod segment;
+mod tree;
 
 pub use blocks::{Blocks, Product};
 pub use chunks::{Chunks, Round, rounds};
 pub use cover::difference_cover;
 pub use segment::{Layout, Segment, packed_len};
+pub(crate) use tree::RESULTS_AT_ONCE;
+pub use tree::{Load, TaskTree, TreeNode, levels};
