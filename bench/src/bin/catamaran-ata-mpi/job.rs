@@ -3,8 +3,10 @@
 use std::fmt;
 
 use catamaran::Real;
+use catamaran::ata::distributed::{difference_cover, packed_len};
 use catamaran_bench::Result;
 use catamaran_bench::input::Shape;
+use catamaran_bench::product::Operation;
 use clap::ValueEnum;
 
 /// Where A is, and where C shall be.
@@ -18,6 +20,19 @@ pub enum Mode {
     Grid,
     /// Rows or grid, whichever sends fewer words.
     Auto,
+}
+
+impl Mode {
+    /// Itself, but for [`Mode::Auto`].
+    pub fn or_best(self, Shape { m, n }: Shape, ranks: usize) -> Self {
+        if self != Self::Auto {
+            return self;
+        }
+        let p = ranks as u128;
+        let rows = packed_len(n) as u128 * (p - 1);
+        let grid = m as u128 * n as u128 * (difference_cover(ranks).len() - 1) as u128;
+        if rows <= grid { Self::Rows } else { Self::Grid }
+    }
 }
 
 impl fmt::Display for Mode {
@@ -40,7 +55,18 @@ pub struct Job {
     pub threads: usize,
 }
 
+impl fmt::Display for Job {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, mode {}", self.shape, self.mode)
+    }
+}
+
 impl Job {
+    /// Operations of the classical algorithm.
+    pub fn flops(&self) -> f64 {
+        Operation::Syrk.flops(self.shape)
+    }
+
     /// Entry (i, j) of A: uniform in [-1, 1). The index goes through the finaliser of SplitMix64 (Steele, Lea
     /// and Flood 2014), so that nobody has to draw what others hold.
     pub fn entry<T: Real>(&self, i: usize, j: usize) -> T {

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use catamaran_bench::race::Outcome;
+use catamaran_bench::race::{Outcome, median};
 
-use crate::job::{Job, Mode};
+use crate::job::Job;
 
 /// Seconds of one repetition, each the largest of all ranks.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,6 +15,18 @@ pub struct Times {
     pub communication: f64,
     /// From the moment when all ranks are there to the end of the last one.
     pub wall: f64,
+}
+
+impl Times {
+    /// The median of each.
+    pub fn median(all: &[Self]) -> Self {
+        let of = |time: fn(&Self) -> f64| median(all.iter().map(time).collect());
+        Self {
+            compute: of(|times| times.compute),
+            communication: of(|times| times.communication),
+            wall: of(|times| times.wall),
+        }
+    }
 }
 
 /// Words and messages of a rank: the larger of what it sends and what it receives, and of these the largest.
@@ -55,7 +67,7 @@ pub struct Row<'a> {
     /// Our wall times.
     pub ours: &'a Outcome,
     /// The rival's, and how it distributed its matrices.
-    pub rival: Option<(&'a Outcome, String)>,
+    pub rival: Option<(Outcome, String)>,
     /// Largest difference of the two results, relative to the largest entry.
     pub error: Option<f64>,
     /// Words of ours.
