@@ -20,7 +20,6 @@ mod verify;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
-#[cfg(feature = "mpi")]
 pub(crate) use combine::mirror_lower;
 pub use exact::Stages;
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
@@ -319,7 +318,7 @@ fn symmetric<T: BlasReal>(
         Uplo::Lower | Uplo::Both => work(c.rb_mut())?,
     }
     if uplo == Uplo::Both {
-        combine::mirror_lower(c);
+        mirror_lower(c);
     }
     Ok(())
 }

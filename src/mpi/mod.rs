@@ -9,13 +9,16 @@
 mod columns;
 mod memory;
 mod reduction;
+mod root;
 mod rows;
+mod shipment;
 mod symmetric;
 mod transfer;
 mod verify;
 mod world;
 
 pub use columns::ata_columns;
+pub use root::ata_root;
 pub use rows::{ata_rows, sum_symmetric};
 pub use symmetric::Symmetric;
 pub use verify::{Distributed, verify};

@@ -8,8 +8,8 @@ use ::mpi::topology::Communicator;
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef, RowMut};
 
+use super::memory::{reserved, zeros};
 use super::shipment::Shipment;
-use super::symmetric::{reserved, zeros};
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World};
 use crate::ata::distributed::{RESULTS_AT_ONCE, TaskTree, TreeNode};
@@ -169,8 +169,10 @@ impl<T: Real> Memory<T> {
     fn new(tree: &TaskTree, process: usize) -> Result<Self> {
         let nodes = tree.nodes();
         let entries = tree.entries(process);
-        let inputs = entries.iter().map(|&id| zeros(nodes[id].input_len())).collect::<Result<_>>()?;
-        let blocks = entries.iter().map(|&id| zeros(nodes[id].block_len())).collect::<Result<_>>()?;
+        let inputs =
+            entries.iter().map(|&id| zeros(nodes[id].input_len())).collect::<Result<_>>()?;
+        let blocks =
+            entries.iter().map(|&id| zeros(nodes[id].block_len())).collect::<Result<_>>()?;
         let tops = if process == 0 { &[0][..] } else { &entries };
         let expected = tops.iter().flat_map(|&id| tree.results(id)).collect();
         Ok(Self { results: Results::new(tree, expected)?, inputs, blocks })
@@ -228,7 +230,7 @@ impl<T: MpiReal> Worker<'_, T> {
             if node.task.triangle {
                 pack(&mut entries, node.task.rows.len(), self.form.c_by_rows);
             }
-            returned.push(Transfer::send(self.world, entries, above, UP));
+            returned.push(Transfer::send(self.world, entries, [above], UP));
         }
         returned.into_iter().for_each(|result| drop(result.wait()));
     }
@@ -408,7 +410,9 @@ mod tests {
                 let mut packed = values.clone();
                 pack(&mut packed, n, by_rows);
                 assert_eq!(packed.len(), packed_len(n));
-                for (beta, stored_by_rows) in [(0.0, true), (0.0, false), (1.0, true), (-2.0, false)] {
+                for (beta, stored_by_rows) in
+                    [(0.0, true), (0.0, false), (1.0, true), (-2.0, false)]
+                {
                     let old = if beta == 0.0 { f64::NAN } else { 3.0 };
                     let mut c = vec![old; n * n];
                     let view = MatMut::from_row_major_slice_mut(&mut c, n, n);

@@ -1,7 +1,7 @@
 use std::marker::PhantomData;
 
 use ::mpi::Address;
-use ::mpi::datatype::{Equivalence, UncommittedUserDatatype, UserDatatype};
+use ::mpi::datatype::{UncommittedUserDatatype, UserDatatype};
 use ::mpi::ffi;
 use ::mpi::raw::AsRaw;
 use faer::MatRef;

@@ -62,7 +62,7 @@ const LONGEST: usize = 1 << 30;
 /// Entries that the MPI library sums at a time.
 const SUMMED: usize = 1 << 16;
 /// Exit code of an abort because of a panic.
-const PANICKED: i32 = 101;
+pub(super) const PANICKED: i32 = 101;
 /// Numbers that ranks compare at the start of a call.
 const FACTS: usize = 8;
 

@@ -8,6 +8,7 @@ mod columns;
 mod failures;
 mod launch;
 mod matrices;
+mod root;
 mod rows;
 mod verify;
 
@@ -19,6 +20,7 @@ use catamaran::mpi::World;
 pub type Case = (&'static str, fn(&World));
 
 /// What must happen when something goes wrong.
+#[derive(Clone, Copy)]
 pub struct Scene {
     /// Says what must happen.
     pub name: &'static str,
@@ -33,6 +35,7 @@ pub struct Scene {
 }
 
 fn main() -> ExitCode {
-    let cases = [rows::CASES, columns::CASES, verify::CASES].concat();
-    launch::run(&cases, failures::SCENES)
+    let cases = [rows::CASES, columns::CASES, verify::CASES, root::CASES].concat();
+    let scenes = [failures::SCENES, root::SCENES].concat();
+    launch::run(&cases, &scenes)
 }

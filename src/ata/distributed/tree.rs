@@ -203,11 +203,8 @@ pub fn levels(p: usize) -> usize {
 }
 
 /// The part of equation 8.5 for the general block: `k + sign(p mod 8^max(k, 1))`, `k` the largest with
-/// `8^k <= p`.
+/// `8^k <= p`, for `p >= 1`. One process too counts as a level: others have two.
 fn rectangle_levels(p: usize) -> usize {
-    if p <= 1 {
-        return 0;
-    }
     let k = p.ilog(8);
     k as usize + usize::from(!p.is_multiple_of(8_usize.pow(k.max(1))))
 }
@@ -229,10 +226,10 @@ fn part(range: &Range<usize>, parts: usize, i: usize) -> Range<usize> {
 /// At most `depth` levels for a triangle of C on the processes `share`.
 fn below_triangle(node: &TreeNode, share: Range<usize>, depth: usize) -> Vec<Child> {
     let p = share.len();
-    let depth = depth.min(levels(p));
     if p <= 1 {
         return Vec::new();
     }
+    let depth = depth.min(levels(p));
     if depth == 1 && p != 6 {
         return tiles(node, &Node::symmetric(node.task.rows.len(), p), share);
     }
@@ -252,11 +249,11 @@ fn below_triangle(node: &TreeNode, share: Range<usize>, depth: usize) -> Vec<Chi
 /// At most `depth` levels for a block of C on the processes `share`.
 fn below_rectangle(node: &TreeNode, share: Range<usize>, depth: usize) -> Vec<Child> {
     let p = share.len();
-    let depth = depth.min(rectangle_levels(p));
-    let Task { rows, cols, .. } = &node.task;
     if p <= 1 {
         return Vec::new();
     }
+    let depth = depth.min(rectangle_levels(p));
+    let Task { rows, cols, .. } = &node.task;
     if depth == 1 && p != 8 {
         return tiles(node, &Node::general(rows.len(), cols.len(), p), share);
     }
@@ -435,16 +432,18 @@ mod tests {
     }
 
     #[test]
-    fn load_is_as_even_as_the_levels_allow() {
-        let mut worst = (0.0, 0);
+    fn load_is_even_where_levels_are_complete_and_at_most_twice_the_mean() {
         for p in 1..=4096 {
             let loads = TaskTree::new(1 << 16, 1 << 16, p).loads();
             let most = loads.iter().map(|load| load.products).max().unwrap() as f64;
             let mean = loads.iter().map(|load| load.products).sum::<usize>() as f64 / p as f64;
-            worst = if most / mean > worst.0 { (most / mean, p) } else { worst };
-            if [1, 2, 4, 6, 16, 32, 64, 256, 2048].contains(&p) { eprintln!("{p}: {}", most / mean); }
+            let limit = match p {
+                1 | 2 | 4 | 16 | 32 | 64 | 256 | 2048 => 1.001,
+                // Four products of a triangle and two of twice the work.
+                6 => 1.5,
+                _ => 2.0,
+            };
+            assert!(most <= limit * mean, "P = {p}: {}", most / mean);
         }
-        eprintln!("{worst:?}");
-        assert!(worst.0 <= 2.0, "{worst:?}");
     }
 }

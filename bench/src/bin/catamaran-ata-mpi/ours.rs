@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use catamaran::ata::{Verification, verify};
-use catamaran::mpi::{MpiReal, Symmetric, World, ata_columns, ata_rows};
+use catamaran::mpi::{MpiReal, Symmetric, World, ata_columns, ata_root, ata_rows};
 use catamaran::{AtaOptions, Par, Uplo, mpi};
 use catamaran_bench::Result;
 use faer::{MatMut, MatRef};
@@ -69,10 +69,10 @@ impl<'w, T: MpiReal> Ours<'w, T> {
         match self.job.mode {
             Mode::Root => {
                 let n = self.job.shape.n;
-                let matrices = (world.rank() == ROOT)
+                let mine = (world.rank() == ROOT)
                     .then(|| (a, MatMut::from_row_major_slice_mut(&mut self.c, n, n)));
-                let (a, c) = matrices.unzip();
-                let _ = (a, c); return Err("root: not yet".into());
+                let (a, c) = mine.unzip();
+                ata_root(world, ROOT, one, a, T::ZERO, c, &self.options)?;
             }
             Mode::Rows => self.result = Some(ata_rows(world, one, a, &self.options)?),
             Mode::Grid | Mode::Auto => {
