@@ -27,7 +27,8 @@ pub fn write(files: &[(&str, String)]) -> Result<PathBuf> {
 pub fn put(name: &str, header: &str, keys: usize, line: &str, host: String) -> Result<PathBuf> {
     let name = format!("{name}.csv");
     let old = fs::read_to_string(folder().join(&name)).unwrap_or_default();
-    let table = with_line(&old, header, keys, line).ok_or_else(|| format!("{name}: other columns"))?;
+    let table =
+        with_line(&old, header, keys, line).ok_or_else(|| format!("{name}: other columns"))?;
     write(&[(&name, table), ("host.txt", host)])
 }
 

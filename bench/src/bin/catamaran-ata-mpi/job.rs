@@ -3,49 +3,15 @@
 use std::fmt;
 
 use catamaran::Real;
-use catamaran::ata::distributed::{difference_cover, packed_len};
+use catamaran::ata::distributed::Mode;
 use catamaran_bench::Result;
 use catamaran_bench::input::Shape;
 use catamaran_bench::product::Operation;
-use clap::ValueEnum;
-
-/// Where A is, and where C shall be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Mode {
-    /// Both on rank 0: scatter and gather count.
-    Root,
-    /// Rows of A on every rank, C stays spread.
-    Rows,
-    /// Columns of A on every rank, C stays spread.
-    Grid,
-    /// Rows or grid, whichever sends fewer words.
-    Auto,
-}
-
-impl Mode {
-    /// Itself, but for [`Mode::Auto`].
-    pub fn or_best(self, Shape { m, n }: Shape, ranks: usize) -> Self {
-        if self != Self::Auto {
-            return self;
-        }
-        let p = ranks as u128;
-        let rows = packed_len(n) as u128 * (p - 1);
-        let grid = m as u128 * n as u128 * (difference_cover(ranks).len() - 1) as u128;
-        if rows <= grid { Self::Rows } else { Self::Grid }
-    }
-}
-
-impl fmt::Display for Mode {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let value = self.to_possible_value();
-        f.pad(value.as_ref().map_or("", |v| v.get_name()))
-    }
-}
 
 /// The product of a race.
 #[derive(Debug, Clone, Copy)]
 pub struct Job {
-    /// Not [`Mode::Auto`].
+    /// Where A is, and where C shall be.
     pub mode: Mode,
     /// Shape of A.
     pub shape: Shape,
@@ -83,11 +49,7 @@ impl Job {
 ///
 /// # Errors
 /// When there is not enough memory.
-pub fn filled<T>(
-    outer: usize,
-    inner: usize,
-    entry: impl Fn(usize, usize) -> T,
-) -> Result<Vec<T>> {
+pub fn filled<T>(outer: usize, inner: usize, entry: impl Fn(usize, usize) -> T) -> Result<Vec<T>> {
     let mut entries = Vec::new();
     entries.try_reserve_exact(outer * inner).map_err(|e| format!("{outer} x {inner}: {e}"))?;
     for o in 0..outer {

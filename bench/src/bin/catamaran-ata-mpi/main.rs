@@ -2,7 +2,6 @@
 //!
 //! See README.md of the package for what is measured and how.
 
-mod bounds;
 mod job;
 mod ours;
 mod race;
@@ -13,11 +12,12 @@ mod scalapack;
 
 use std::path::{Path, PathBuf};
 
+use catamaran::ata::distributed::{Machine, Mode, Place, choose};
 use catamaran_bench::input::Shape;
 use catamaran_bench::{Result, host};
 use clap::Parser;
 
-use job::{Job, Mode};
+use job::Job;
 use ranks::Ranks;
 
 /// A^T A on the ranks of mpirun, repeated and measured.
@@ -30,9 +30,10 @@ struct Arguments {
     /// Columns of A.
     #[arg(short, default_value_t = 4096, value_parser = side)]
     n: usize,
-    /// Where A is, and where C shall be.
-    #[arg(long, value_enum, default_value_t = Mode::Auto)]
-    mode: Mode,
+    /// Where A is, and where C shall be: both on rank 0 (root), rows of A on every rank (rows), columns of A
+    /// on every rank (grid), or whichever of these two should be faster (auto).
+    #[arg(long, value_name = "MODE", default_value = "auto")]
+    mode: Choice,
     /// Entries are f32 instead of f64.
     #[arg(long)]
     f32: bool,
@@ -58,6 +59,23 @@ struct Arguments {
     /// bench/record.
     #[arg(long, value_name = "NAME")]
     record: Option<String>,
+}
+
+/// A mode, or none for the best one.
+#[derive(Clone, Copy)]
+struct Choice(Option<Mode>);
+
+impl std::str::FromStr for Choice {
+    type Err = String;
+
+    fn from_str(text: &str) -> std::result::Result<Self, String> {
+        let named = Mode::NAMES.iter().find(|(name, _)| *name == text);
+        match named {
+            Some((_, mode)) => Ok(Self(Some(*mode))),
+            None if text == "auto" => Ok(Self(None)),
+            None => Err("no such mode: root, rows, grid or auto".into()),
+        }
+    }
 }
 
 #[derive(Clone)]
@@ -88,7 +106,8 @@ fn side(text: &str) -> std::result::Result<usize, String> {
 impl Arguments {
     fn job(&self, ranks: usize) -> Job {
         let shape = Shape { m: self.m, n: self.n };
-        let mode = self.mode.or_best(shape, ranks);
+        let best = || choose(ranks, self.m, self.n, &Machine::default(), Place::EveryRank);
+        let mode = self.mode.0.unwrap_or_else(best);
         Job { mode, shape, seed: self.seed, threads: self.threads.into() }
     }
 }
@@ -108,8 +127,8 @@ fn main() {
 
 /// The race between the start and the end of MPI; the error is empty but on rank 0.
 fn with_mpi(arguments: &Arguments) -> Result<()> {
-    let (universe, _) = mpi::initialize_with_threading(mpi::Threading::Funneled)
-        .ok_or("MPI runs already")?;
+    let (universe, _) =
+        mpi::initialize_with_threading(mpi::Threading::Funneled).ok_or("MPI runs already")?;
     let comm = universe.world();
     let ranks = Ranks(&comm);
     let done = if arguments.f32 {

@@ -2,13 +2,14 @@
 
 use std::ops::Range;
 
+use catamaran::ata::distributed::Mode;
 use catamaran::ata::{Verification, verify};
 use catamaran::mpi::{MpiReal, Symmetric, World, ata_columns, ata_root, ata_rows};
 use catamaran::{AtaOptions, Par, Uplo, mpi};
 use catamaran_bench::Result;
 use faer::{MatMut, MatRef};
 
-use crate::job::{Job, Mode, filled};
+use crate::job::{Job, filled};
 
 /// The rank that has A and C in [`Mode::Root`], and to which results are gathered.
 pub const ROOT: usize = 0;
@@ -43,7 +44,7 @@ impl<'w, T: MpiReal> Ours<'w, T> {
             Mode::Root if is_root => [0..m, 0..n],
             Mode::Root => [0..0, 0..n],
             Mode::Rows => [share(m), 0..n],
-            Mode::Grid | Mode::Auto => [0..m, share(n)],
+            Mode::Columns => [0..m, share(n)],
         };
         let [rows, cols] = &part;
         let a = filled(rows.len(), cols.len(), |i, j| job.entry(rows.start + i, cols.start + j))?;
@@ -75,7 +76,7 @@ impl<'w, T: MpiReal> Ours<'w, T> {
                 ata_root(world, ROOT, one, a, T::ZERO, c, &self.options)?;
             }
             Mode::Rows => self.result = Some(ata_rows(world, one, a, &self.options)?),
-            Mode::Grid | Mode::Auto => {
+            Mode::Columns => {
                 self.result = Some(ata_columns(world, one, a, &self.options)?);
             }
         }
@@ -94,9 +95,7 @@ impl<'w, T: MpiReal> Ours<'w, T> {
         };
         let (n, seed) = (self.job.shape.n, self.job.seed);
         Ok(match &self.result {
-            Some(result) => {
-                Some(mpi::verify(self.world, 1.0, distributed, result, rounds, seed)?)
-            }
+            Some(result) => Some(mpi::verify(self.world, 1.0, distributed, result, rounds, seed)?),
             None if self.world.rank() == ROOT => {
                 let c = MatRef::from_row_major_slice(&self.c, n, n);
                 Some(verify(1.0, a, c, Uplo::Lower, rounds, seed)?)

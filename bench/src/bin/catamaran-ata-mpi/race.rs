@@ -3,16 +3,15 @@
 use std::thread;
 use std::time::Duration;
 
-use catamaran::mpi::{MpiReal, World};
+use catamaran::mpi::{MpiReal, Traffic, World};
 use catamaran_bench::race::Outcome;
 use catamaran_bench::{Result, host, peak, record};
 
 use crate::Arguments;
-use crate::bounds;
 use crate::job::Job;
 use crate::ours::{Ours, ROOT};
 use crate::ranks::Ranks;
-use crate::report::{self, Cost, Row, Times};
+use crate::report::{self, Cost, Counted, Row, Times};
 use crate::rival::{Distribution, Pdsyrk, fastest};
 use crate::scalapack::{Grid, Scalapack};
 
@@ -36,8 +35,12 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<()> 
     ranks.agree(threads.map_err(Into::into))?;
     let mpi = mpi_version();
     let (peak, peak_line) = peak_of_all::<T>(ranks, job.threads);
-    let (counts, machines) = (format!("{} x {} threads", ranks.count(), job.threads), ranks.machines());
-    say(&format!("A         {job}, {}\nranks     {counts}, machines: {machines}, {mpi}", scalar::<T>()));
+    let (counts, machines) =
+        (format!("{} x {} threads", ranks.count(), job.threads), ranks.machines());
+    say(&format!(
+        "A         {job}, {}\nranks     {counts}, machines: {machines}, {mpi}",
+        scalar::<T>()
+    ));
     say(&peak_line);
 
     let world = World::new(ranks.0);
@@ -45,7 +48,8 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<()> 
     // The first run pays for threads and buffers.
     ours.run()?;
     let load = |path: Option<_>| ranks.agree(Scalapack::<T>::load(path, &mpi, job.threads));
-    let scalapack = arguments.rival.as_ref().map(|rival| load(rival.path.as_deref())).transpose()?;
+    let scalapack =
+        arguments.rival.as_ref().map(|rival| load(rival.path.as_deref())).transpose()?;
     let tell = |distribution: &Distribution, seconds: f64| {
         if arguments.explain {
             say(&format!("tried     pdsyrk, {distribution}: {seconds:.6} s"));
@@ -53,8 +57,8 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<()> 
     };
     let seat = |s| fastest(s, ranks, job, tell).map(|best| (best, best.grid(s)));
     let seat = scalapack.as_ref().map(seat).transpose()?;
-    let enter = |(best, grid)| ranks.agree(Pdsyrk::new(grid, job, *best));
-    let mut rival = seat.as_ref().map(|(best, grid)| enter((best, grid))).transpose()?;
+    let enter = seat.as_ref().map(|(best, grid)| ranks.agree(Pdsyrk::new(grid, job, *best)));
+    let mut rival = enter.transpose()?;
     if let (Some(rival), Some(scalapack), Some((best, _))) = (&mut rival, &scalapack, &seat) {
         rival.run();
         say(&format!("rival     pdsyrk, {best}; {}", scalapack.description));
@@ -74,11 +78,14 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<()> 
         verify(&ours, ranks, say)?;
         if let (Some(rival), Some((_, grid))) = (rival, &seat) {
             error = Some(difference(&job, ours, rival, grid, ranks)?);
-            say(&format!("error     {:.1e} of the largest entry, beside pdsyrk", error.unwrap_or(0.0)));
+            say(&format!(
+                "error     {:.1e} of the largest entry, beside pdsyrk",
+                error.unwrap_or(0.0)
+            ));
         }
     }
     if arguments.explain {
-        say(&format!("\n{}", bounds::table(&job, ranks.count(), &measured.cost)));
+        say(&format!("\n{}", report::costs(&job, ranks.count(), &measured.counted)));
     }
     let Some(name) = &arguments.record else { return Ok(()) };
     let row = Row {
@@ -88,12 +95,12 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<()> 
         ours: &measured.ours(),
         rival: measured.rival().zip(seat.as_ref().map(|(best, _)| best.to_string())),
         error,
-        words: measured.cost.words,
-        bound: bounds::lower_bound(&job, ranks.count()),
+        words: measured.counted.most.words,
     };
     let library = scalapack.as_ref().map_or("", |s| &s.description);
     let written = (ranks.own() == ROOT).then(|| {
-        let host = host::describe(&[]) + &format!("mpi       {mpi}\nscalapack {library}\n{peak_line}\n");
+        let host =
+            host::describe(&[]) + &format!("mpi       {mpi}\nscalapack {library}\n{peak_line}\n");
         record::put(name, Row::HEADER, Row::KEYS, &row.to_string(), host)
     });
     if let Some(folder) = ranks.agree(written.transpose())? {
@@ -108,7 +115,7 @@ struct Measured {
     times: Vec<Times>,
     rival_seconds: Vec<f64>,
     /// Of one repetition of ours; all are alike.
-    cost: Cost,
+    counted: Counted,
 }
 
 impl Measured {
@@ -134,10 +141,7 @@ impl Measured {
                     communication: ranks.largest(wall - compute),
                     wall: ranks.largest(wall),
                 });
-                let traffic = world.take_traffic();
-                let words = traffic.words_sent.max(traffic.words_received) as f64;
-                let messages = traffic.messages_sent.max(traffic.messages_received) as f64;
-                self.cost = Cost { words: ranks.largest(words), messages: ranks.largest(messages) };
+                self.counted = count(ranks, world.take_traffic());
             } else if let Some(rival) = &mut rival {
                 rival.forget();
                 self.rival_seconds.push(ranks.largest(ranks.time(|| rival.run()).0));
@@ -168,6 +172,24 @@ impl Measured {
 
 fn outcome(contender: &str, is_rival: bool, seconds: Vec<f64>) -> Outcome {
     Outcome { contender: contender.into(), is_rival, seconds, error: 0.0 }
+}
+
+/// The traffic of all ranks.
+fn count(ranks: &Ranks<'_>, traffic: Traffic) -> Counted {
+    let [words_sent, words_received, messages_sent, messages_received] = [
+        traffic.words_sent,
+        traffic.words_received,
+        traffic.messages_sent,
+        traffic.messages_received,
+    ]
+    .map(|count| count as f64);
+    let both_ways =
+        Cost { words: words_sent + words_received, messages: messages_sent + messages_received };
+    let most = Cost {
+        words: ranks.largest(words_sent.max(words_received)),
+        messages: ranks.largest(messages_sent.max(messages_received)),
+    };
+    Counted { most, both_ways }
 }
 
 /// Checks our last result with random vectors.
@@ -212,7 +234,8 @@ fn peak_of_all<T>(ranks: &Ranks<'_>, threads: usize) -> (f64, String) {
     let per_f64 = (8 / size_of::<T>()) as f64;
     let sum = ranks.sum(per_f64 * peaks.iter().map(|peak| peak.gflops).sum::<f64>());
     let instructions = peaks.first().map_or("no instructions", |peak| peak.instructions);
-    let what = format!("all ranks at the same time, {} multiply-adds, {instructions}", scalar::<T>());
+    let what =
+        format!("all ranks at the same time, {} multiply-adds, {instructions}", scalar::<T>());
     (sum, format!("peak      {sum:.1} GFLOP/s ({what})"))
 }
 

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use catamaran::ata::distributed::{Machine, lower_bound, predict, proposition_8_3};
+use catamaran_bench::input::Shape;
 use catamaran_bench::race::{Outcome, median};
 
 use crate::job::Job;
@@ -29,13 +31,48 @@ impl Times {
     }
 }
 
-/// Words and messages of a rank: the larger of what it sends and what it receives, and of these the largest.
+/// What a rank communicates.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Cost {
     /// Entries of matrices.
     pub words: f64,
     /// Messages.
     pub messages: f64,
+}
+
+/// What was counted in one repetition.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Counted {
+    /// What a rank sends or, if that is more, receives; the largest of all ranks.
+    pub most: Cost,
+    /// What this rank sends and receives.
+    pub both_ways: Cost,
+}
+
+/// What was counted, on rank 0, beside the plan, the lower bound, and AtA-D's formula.
+pub fn costs(job: &Job, ranks: usize, counted: &Counted) -> String {
+    let Job { mode, shape: Shape { m, n }, .. } = *job;
+    let Counted { most, both_ways } = counted;
+    let planned = predict(mode, ranks, m, n, &Machine::default());
+    let least = lower_bound(ranks, m, n);
+    let (messages, words) = proposition_8_3(ranks, m, n);
+    let times = if least.words > 0.0 { most.words / least.words } else { 1.0 };
+    format!(
+        "per rank         words   messages\n\
+         counted   {:>12.0} {:>10.0}   sent or received, the rank with most: {times:.2} x the bound\n\
+         planned   {:>12.0} {:>10.0}\n\
+         bound     {:>12.0}              at least, in {} dimensions\n\
+         rank 0    {:>12.0} {:>10.0}   counted, both ways\n\
+         AtA-D     {words:>12.0} {messages:>10.0}   rank 0 of mode root, both ways, by proposition 8.3",
+        most.words,
+        most.messages,
+        planned.words,
+        planned.messages,
+        least.words,
+        least.dimensions,
+        both_ways.words,
+        both_ways.messages,
+    )
 }
 
 /// The column names of [`line`].
@@ -70,15 +107,14 @@ pub struct Row<'a> {
     pub rival: Option<(Outcome, String)>,
     /// Largest difference of the two results, relative to the largest entry.
     pub error: Option<f64>,
-    /// Words of ours.
+    /// Words of ours: see [`Counted::most`].
     pub words: f64,
-    /// The lower bound for them.
-    pub bound: f64,
 }
 
 impl Row<'_> {
     /// The column names; the first [`Row::KEYS`] say what a row is about.
-    pub const HEADER: &'static str = "mode,ranks,threads,m,n,type,repetitions,ours_s,rival_s,ratio,error,words,bound,rival";
+    pub const HEADER: &'static str =
+        "mode,ranks,threads,m,n,type,repetitions,ours_s,rival_s,ratio,error,words,bound,rival";
     /// See [`Row::HEADER`].
     pub const KEYS: usize = 6;
 }
@@ -96,7 +132,8 @@ impl fmt::Display for Row<'_> {
         if let Some(error) = self.error {
             write!(f, "{error:.3e}")?;
         }
-        write!(f, ",{:.0},{:.0},", self.words, self.bound)?;
+        let bound = lower_bound(*ranks, shape.m, shape.n).words;
+        write!(f, ",{:.0},{bound:.0},", self.words)?;
         self.rival.as_ref().map_or(Ok(()), |(_, distribution)| write!(f, "{distribution}"))
     }
 }

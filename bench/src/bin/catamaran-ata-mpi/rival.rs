@@ -3,9 +3,10 @@
 use std::fmt;
 
 use catamaran::Real;
+use catamaran::ata::distributed::Mode;
 use catamaran_bench::Result;
 
-use crate::job::{Job, Mode};
+use crate::job::Job;
 use crate::ranks::Ranks;
 use crate::scalapack::{Distributed, Grid, Scalapack};
 

@@ -78,8 +78,6 @@ pub struct Scalapack<T> {
 pub struct Distributed<'g, T> {
     grid: &'g Grid<'g, T>,
     descriptor: Descriptor,
-    /// Rows and columns of the part.
-    pub local: [usize; 2],
     /// The part.
     pub entries: Vec<T>,
 }
@@ -159,19 +157,19 @@ impl<T: Clone> Grid<'_, T> {
         block: [usize; 2],
         entry: impl Fn(usize, usize) -> T,
     ) -> Result<Distributed<'_, T>> {
-        let axis = |x| Axis { len: shape[x], block: block[x], sides: self.sides[x], own: self.own[x] };
+        let axis =
+            |x| Axis { len: shape[x], block: block[x], sides: self.sides[x], own: self.own[x] };
         let axes = [axis(0), axis(1)];
         let local = axes.each_ref().map(Axis::count);
         let [rows, cols] = &axes;
-        let entries = crate::job::filled(local[1], local[0], |j, i| {
-            entry(rows.global(i), cols.global(j))
-        })?;
+        let entries =
+            crate::job::filled(local[1], local[0], |j, i| entry(rows.global(i), cols.global(j)))?;
         let mut descriptor = [1, self.context, 0, 0, 0, 0, 0, 0, 0];
         let sides = [shape[0], shape[1], block[0], block[1], 0, 0, local[0].max(1)];
         for (slot, side) in descriptor[2..].iter_mut().zip(sides) {
             *slot = c_int::try_from(side)?;
         }
-        Ok(Distributed { grid: self, descriptor, local, entries })
+        Ok(Distributed { grid: self, descriptor, entries })
     }
 }
 
@@ -292,7 +290,11 @@ fn blas(library: &Library, threads: usize) -> Result<String> {
     unsafe {
         let Ok(config) = symbol::<Text>(library, "openblas_get_config") else {
             let text = "over a BLAS that is not OpenBLAS: perhaps no fair race";
-            return if threads == 1 { Ok(text.into()) } else { Err(format!("{text}, threads unknown").into()) };
+            return if threads == 1 {
+                Ok(text.into())
+            } else {
+                Err(format!("{text}, threads unknown").into())
+            };
         };
         symbol::<SetThreads>(library, "openblas_set_num_threads")?(threads as c_int);
         Ok(format!("over {}", CStr::from_ptr(config()).to_string_lossy().trim()))
