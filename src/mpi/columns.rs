@@ -9,14 +9,12 @@ use super::memory::{append_rows, reserved, zeros};
 use super::symmetric::Symmetric;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World};
-use crate::ata::distributed::{Blocks, Layout, packed_len};
+use crate::ata::distributed::{Blocks, Layout, packed_len, piece_height};
 use crate::ata::{AtaOptions, Uplo, ata, atb};
 use crate::base::Result;
 
 /// Tags of the rows that travel; those of two pieces under way at the same time differ.
 const FIRST_TAG: i32 = 32;
-/// Rows that travel at once, at least: products with fewer are slow.
-const SHORTEST: usize = 256;
 
 /// `C = alpha A^T A` where every rank has some `columns` of A, in the order of the ranks, 0 included.
 ///
@@ -125,10 +123,7 @@ impl<'w, T: MpiReal> Exchange<'w, T> {
     fn new(world: &'w World, blocks: &'w Blocks, columns: MatRef<'w, T>) -> Result<Self> {
         let (own, m) = (world.rank(), columns.nrows());
         let seen = blocks.sources(own).count() + 1;
-        // Two pieces of all that is seen are as much as m + n / 2 rows of the own columns: its share of A and C.
-        let height = (m + blocks.n() / 2) / (2 * seen);
-        // And several pieces, so that one can hide behind another.
-        let height = height.min(m.div_ceil(4)).max(SHORTEST).next_multiple_of(64);
+        let height = piece_height(m, blocks.n(), seen);
         let width = |rank: usize| blocks.columns(rank).len();
         let widest = blocks.sources(own).chain([own]).map(width).max().unwrap_or(0);
         let len = height.min(m) * widest;

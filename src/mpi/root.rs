@@ -66,7 +66,7 @@ pub fn ata_root<T: MpiReal>(
         alpha,
         options,
         results,
-        products: (0, products),
+        products: (0.0, products),
         done: Ok(()),
     };
     if let Some((a, c)) = &mut matrices {
@@ -205,7 +205,7 @@ struct Worker<'w, T> {
     options: &'w AtaOptions<'w>,
     results: Results<T>,
     /// Done, and in all.
-    products: (usize, usize),
+    products: (f64, f64),
     /// The first error; after it the messages go on, with whatever is there, so that nobody waits for them.
     done: Result<()>,
 }
@@ -275,11 +275,10 @@ impl<T: MpiReal> Worker<'_, T> {
         if self.done.is_err() {
             return;
         }
-        let (done, all) = self.products;
+        let (done, all) = (self.products.0, self.products.1.max(1.0));
         self.products.0 += node.products();
-        let share = |products| products as f64 / all.max(1) as f64;
         let alpha = self.alpha;
-        let share = share(done)..share(self.products.0);
+        let share = done / all..self.products.0 / all;
         self.done = self.world.with_progress(self.options, share, |options| {
             if node.task.triangle {
                 ata(alpha, left, beta, c, &AtaOptions { uplo: Uplo::Lower, ..options.clone() })

@@ -23,6 +23,13 @@ pub const CASES: &[Case] = &[
 
 pub const SCENES: &[Scene] = &[
     Scene {
+        name: "a_tree_of_three_levels_gives_the_product",
+        ranks: 36,
+        play: shapes::<f64>,
+        printed: &[],
+        succeeds: true,
+    },
+    Scene {
         name: "a_root_without_a_matrix_is_named_on_every_rank",
         ranks: 3,
         play: without_matrix,

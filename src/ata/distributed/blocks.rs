@@ -107,6 +107,17 @@ impl Blocks {
     }
 }
 
+/// Rows that travel at once, at least: products with fewer are slow.
+const SHORTEST: usize = 256;
+
+/// Rows that travel at once, at least 1, when A is m x n and each rank sees the columns of `seen` ranks.
+pub(crate) fn piece_height(m: usize, n: usize, seen: usize) -> usize {
+    // Two pieces of all that is seen are as much as m + n / 2 rows of the own columns: its share of A and C.
+    let height = (m + n / 2) / (2 * seen);
+    // And several pieces, so that one can hide behind another.
+    height.min(m.div_ceil(4)).max(SHORTEST).next_multiple_of(64)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

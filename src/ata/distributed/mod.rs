@@ -3,16 +3,23 @@
 //! one; `mpi` executes them.
 //!
 //! Two ways leave the result distributed ([`Layout`]): rows of A summed chunk by chunk
-//! ([`Chunks`]), and columns of A exchanged so that each pair of them meets once ([`Blocks`]).
+//! ([`Chunks`]), and columns of A exchanged so that each pair of them meets once ([`Blocks`]). The third is
+//! that of the thesis, from one rank and back to it ([`TaskTree`]). [`choose`] says which is the fastest.
 
 mod blocks;
 mod chunks;
+mod cost;
 mod cover;
 mod segment;
 mod tree;
 
+pub(crate) use blocks::piece_height;
 pub use blocks::{Blocks, Product};
 pub use chunks::{Chunks, Round, rounds};
+pub use cost::{
+    Cost, Explanation, LowerBound, Machine, Mode, Place, choose, lower_bound, predict,
+    proposition_8_3, simulate,
+};
 pub use cover::difference_cover;
 pub use segment::{Layout, Segment, packed_len};
 pub(crate) use tree::RESULTS_AT_ONCE;

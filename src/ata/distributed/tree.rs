@@ -40,7 +40,7 @@ pub struct TreeNode {
 }
 
 /// What one process does in the whole; words are entries of A and C.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Load {
     /// Words sent.
     pub words_sent: usize,
@@ -50,8 +50,8 @@ pub struct Load {
     pub messages_sent: usize,
     /// Messages received.
     pub messages_received: usize,
-    /// Products of scalars.
-    pub products: usize,
+    /// Products of scalars: a float, since an integer may not hold them.
+    pub products: f64,
     /// Words of memory for A, C and messages; A and C themselves on process 0.
     pub memory: usize,
 }
@@ -188,8 +188,8 @@ impl TreeNode {
     }
 
     /// Products of scalars for the whole node.
-    pub fn products(&self) -> usize {
-        self.result_len() * self.sums.len()
+    pub fn products(&self) -> f64 {
+        self.result_len() as f64 * self.sums.len() as f64
     }
 }
 
@@ -309,7 +309,7 @@ mod tests {
             assert_eq!(tree.depth(), equation_8_5(p), "P = {p}");
             let loads = tree.loads();
             assert_eq!(loads.len(), p);
-            assert!(loads.iter().all(|load| load.products > 0), "P = {p}");
+            assert!(loads.iter().all(|load| load.products > 0.0), "P = {p}");
             let owners: Vec<usize> = leaves(&tree).map(|leaf| leaf.task.process).collect();
             // Two processes have three tasks: both triangles are for one of them (wherever two are left).
             let twice = leaves(&tree).count() - p;
@@ -369,7 +369,7 @@ mod tests {
                     let first = children.iter().filter(|child| child.is_first);
                     let len: usize = first.map(TreeNode::result_len).sum();
                     assert_eq!(len, node.result_len());
-                    let products: usize = children.iter().map(TreeNode::products).sum();
+                    let products: f64 = children.iter().map(TreeNode::products).sum();
                     assert_eq!(products, node.products());
                     assert_eq!(node.task.process, children[0].task.process.min(node.task.process));
                 }
@@ -409,7 +409,8 @@ mod tests {
             let sum = |of: fn(&Load) -> usize| loads.iter().map(of).sum::<usize>();
             assert_eq!(sum(|load| load.words_sent), sum(|load| load.words_received));
             assert_eq!(sum(|load| load.messages_sent), sum(|load| load.messages_received));
-            assert_eq!(sum(|load| load.products), 300 * packed_len(200));
+            let products: f64 = loads.iter().map(|load| load.products).sum();
+            assert_eq!(products, (300 * packed_len(200)) as f64);
         }
     }
 
@@ -435,8 +436,8 @@ mod tests {
     fn load_is_even_where_levels_are_complete_and_at_most_twice_the_mean() {
         for p in 1..=4096 {
             let loads = TaskTree::new(1 << 16, 1 << 16, p).loads();
-            let most = loads.iter().map(|load| load.products).max().unwrap() as f64;
-            let mean = loads.iter().map(|load| load.products).sum::<usize>() as f64 / p as f64;
+            let most = loads.iter().map(|load| load.products).fold(0.0, f64::max);
+            let mean = loads.iter().map(|load| load.products).sum::<f64>() / p as f64;
             let limit = match p {
                 1 | 2 | 4 | 16 | 32 | 64 | 256 | 2048 => 1.001,
                 // Four products of a triangle and two of twice the work.
