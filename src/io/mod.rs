@@ -1,5 +1,6 @@
 //! Matrix files: NumPy `.npy`, MatrixMarket `.mtx` and text tables (`.csv`, `.tsv`, `.txt`), each
-//! also gzipped (`.gz`).
+//! also gzipped (`.gz`). Files of rows, read block by block ([`RowFile`]): `.npy`, and HDF5 with
+//! feature `hdf5`.
 //!
 //! A reader checks everything it reads: a broken header, a ragged row, text where a number should
 //! be, a truncated file and trailing data are errors that name the file and, in text, the line. A
@@ -10,6 +11,7 @@ mod matrix;
 mod mtx;
 mod npy;
 mod output;
+mod rows;
 mod source;
 #[cfg(test)]
 mod tests;
@@ -20,6 +22,7 @@ use std::path::Path;
 use faer::MatRef;
 pub use matrix::{Dense, Matrix, SparseRows};
 pub use output::{Output, Overwrite};
+pub use rows::RowFile;
 /// The sparse matrix of [`Matrix::Sparse`], from crate sprs.
 pub use sprs::CsMat;
 

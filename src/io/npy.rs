@@ -4,7 +4,7 @@ use std::io::{self, Read, Write};
 use std::ops::Range;
 
 use faer::MatRef;
-use npyz::{AutoSerialize, DType, Endianness, NpyHeader, Order, TypeChar, WriterBuilder};
+use npyz::{AutoSerialize, DType, Endianness, NpyHeader, Order, TypeChar, TypeStr, WriterBuilder};
 
 use super::matrix::{Dense, Matrix};
 use super::source::Source;
@@ -14,86 +14,205 @@ use crate::base::{Error, Real, Result};
 /// Bytes converted at a time; a multiple of every entry size.
 const CHUNK: usize = 1 << 16;
 
-pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> Result<Matrix> {
-    let header = NpyHeader::from_reader(&mut *source).map_err(|e| match source.io_error(&e) {
-        Error::Io { path, line, what } => {
-            // Where the syntax is wrong is drawn on further lines.
-            let what = what.split(":  -->").next().unwrap_or_default();
-            Error::Io { path, line, what: format!("broken npy header: {what}") }
-        }
-        other => other,
-    })?;
-    let fits = |d: u64| usize::try_from(d).map_err(|_| source.fail("shape too large"));
-    let shape = match *header.shape() {
-        [rows] => (fits(rows)?, 1),
-        [rows, columns] => (fits(rows)?, fits(columns)?),
-        ref other => {
-            return Err(source
-                .fail(format!("an array of {} dimensions, where a matrix has 2", other.len())));
-        }
-    };
-    let len = shape.0.checked_mul(shape.1).ok_or_else(|| source.fail("shape too large"))?;
-    let columns = checked_columns(columns, shape.1)?;
-    let row_major = header.order() == Order::C;
+/// Bytes of a header that are read; its three entries take some hundred.
+const LONGEST_HEADER: u64 = 1 << 20;
 
-    let refuse = |name: String| source.fail(format!("entries of type {name} are not real numbers"));
-    let DType::Plain(dtype) = header.dtype() else {
-        return Err(refuse(header.dtype().descr()));
-    };
-    let big = dtype.endianness() == Endianness::Big;
-    macro_rules! values {
-        ($file:ty as $memory:ty) => {
-            values(source, len, |bytes| {
-                let bytes = bytes.try_into().expect("a chunk is one entry long");
-                let value =
-                    if big { <$file>::from_be_bytes(bytes) } else { <$file>::from_le_bytes(bytes) };
-                value as $memory
-            })?
-        };
-    }
-    let double = match (dtype.type_char(), dtype.num_bytes()) {
-        (TypeChar::Float, Some(4)) => {
-            let single = values!(f32 as f32);
-            return Ok(Matrix::F32(Dense::new(single, shape, row_major, columns)));
+macro_rules! entries {
+    ($($name:ident = $kind:ident $type:ty),* $(,)?) => {
+        /// A type of entries that is read.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub(super) enum Entry {
+            $($name),*
         }
-        (TypeChar::Float, Some(8)) => values!(f64 as f64),
-        (TypeChar::Int, Some(1)) => values!(i8 as f64),
-        (TypeChar::Int, Some(2)) => values!(i16 as f64),
-        (TypeChar::Int, Some(4)) => values!(i32 as f64),
-        (TypeChar::Int, Some(8)) => values!(i64 as f64),
-        (TypeChar::Uint, Some(1)) => values!(u8 as f64),
-        (TypeChar::Uint, Some(2)) => values!(u16 as f64),
-        (TypeChar::Uint, Some(4)) => values!(u32 as f64),
-        (TypeChar::Uint, Some(8)) => values!(u64 as f64),
-        _ => return Err(refuse(format!("'{dtype}'"))),
+
+        impl Entry {
+            fn of(dtype: &TypeStr) -> Option<Self> {
+                $(
+                    if dtype.type_char() == TypeChar::$kind
+                        && dtype.num_bytes() == Some(size_of::<$type>())
+                    {
+                        return Some(Self::$name);
+                    }
+                )*
+                None
+            }
+
+            /// Bytes of one entry.
+            pub(super) fn bytes(self) -> usize {
+                match self {
+                    $(Self::$name => size_of::<$type>()),*
+                }
+            }
+
+            /// In memory an entry is a T.
+            pub(super) fn is<T: Real>(self) -> bool {
+                match self {
+                    Self::F4 => T::NAME == f32::NAME,
+                    Self::F8 => T::NAME == f64::NAME,
+                    _ => false,
+                }
+            }
+
+            /// Appends the entries in `bytes` to `values`.
+            pub(super) fn decode<T: Real>(self, big: bool, bytes: &[u8], values: &mut Vec<T>) {
+                match self {
+                    $(Self::$name => values.extend(bytes.as_chunks().0.iter().map(|&entry| {
+                        let value =
+                            if big { <$type>::from_be_bytes(entry) } else { <$type>::from_le_bytes(entry) };
+                        T::from_f64(value as f64)
+                    }))),*
+                }
+            }
+        }
     };
-    Ok(Matrix::F64(Dense::new(double, shape, row_major, columns)))
 }
 
-/// `len` entries of `N` bytes, and nothing after them.
-fn values<const N: usize, T>(
-    source: &mut Source<'_>,
-    len: usize,
-    convert: impl Fn([u8; N]) -> T,
-) -> Result<Vec<T>> {
+entries! {
+    F4 = Float f32,
+    F8 = Float f64,
+    I1 = Int i8,
+    I2 = Int i16,
+    I4 = Int i32,
+    I8 = Int i64,
+    U1 = Uint u8,
+    U2 = Uint u16,
+    U4 = Uint u32,
+    U8 = Uint u64,
+}
+
+/// What the header says.
+#[derive(Debug)]
+pub(super) struct Layout {
+    /// Rows and columns; their product fits.
+    pub(super) shape: (usize, usize),
+    pub(super) row_major: bool,
+    pub(super) entry: Entry,
+    /// The most significant byte comes first.
+    pub(super) big: bool,
+    /// Bytes before the first entry.
+    pub(super) offset: u64,
+}
+
+impl Layout {
+    /// Takes the header from the start of `source`.
+    pub(super) fn read(source: &mut Source<'_>) -> Result<Self> {
+        let head = head(source).map_err(|e| source.io_error(&e))?;
+        if shape_overflows(&head) {
+            return Err(source.fail("shape too large"));
+        }
+        let header = NpyHeader::from_reader(&head[..]);
+        let header = header.map_err(|e| match source.io_error(&e) {
+            Error::Io { path, line, what } => {
+                // Where the syntax is wrong is drawn on further lines.
+                let what = what.split(":  -->").next().unwrap_or_default();
+                Error::Io { path, line, what: format!("broken npy header: {what}") }
+            }
+            other => other,
+        })?;
+        let fits = |d: u64| usize::try_from(d).map_err(|_| source.fail("shape too large"));
+        let shape = match *header.shape() {
+            [rows] => (fits(rows)?, 1),
+            [rows, columns] => (fits(rows)?, fits(columns)?),
+            ref other => {
+                return Err(source.fail(format!(
+                    "an array of {} dimensions, where a matrix has 2",
+                    other.len()
+                )));
+            }
+        };
+        shape.0.checked_mul(shape.1).ok_or_else(|| source.fail("shape too large"))?;
+        let refuse =
+            |name: String| source.fail(format!("entries of type {name} are not real numbers"));
+        let DType::Plain(dtype) = header.dtype() else {
+            return Err(refuse(header.dtype().descr()));
+        };
+        Ok(Self {
+            shape,
+            row_major: header.order() == Order::C,
+            entry: Entry::of(&dtype).ok_or_else(|| refuse(format!("'{dtype}'")))?,
+            big: dtype.endianness() == Endianness::Big,
+            offset: head.len() as u64,
+        })
+    }
+
+    /// Number of entries.
+    pub(super) fn len(&self) -> usize {
+        self.shape.0 * self.shape.1
+    }
+
+    /// f32 holds the entries exactly; else f64 is used.
+    pub(super) fn is_single(&self) -> bool {
+        self.entry == Entry::F4
+    }
+
+    /// What is wrong when the entries end too early.
+    pub(super) fn truncated(&self) -> String {
+        format!("truncated: fewer than the {} entries its header announces", self.len())
+    }
+
+    /// What is wrong when something follows the entries.
+    pub(super) fn trailing(&self) -> String {
+        format!("data after the {} entries its header announces", self.len())
+    }
+}
+
+/// The bytes before the entries, or as many as there are; of another kind of file only the first.
+fn head(source: &mut Source<'_>) -> io::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    source.by_ref().take(8).read_to_end(&mut head)?;
+    if head.starts_with(b"\x93NUMPY") {
+        let length_bytes = if head.get(6) == Some(&1) { 2 } else { 4 };
+        source.by_ref().take(length_bytes).read_to_end(&mut head)?;
+        let length = head.get(8..).unwrap_or_default();
+        let length = length.iter().rev().fold(0, |length, &byte| (length << 8) | u64::from(byte));
+        source.by_ref().take(length.min(LONGEST_HEADER)).read_to_end(&mut head)?;
+    }
+    Ok(head)
+}
+
+/// Whether the header announces more entries than can be counted, over which crate npyz would panic.
+fn shape_overflows(head: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(head);
+    let Some((_, rest)) = text.rsplit_once("shape") else { return false };
+    let shape = rest.split(')').next().unwrap_or_default();
+    let mut product = Some(1_u64);
+    for digits in shape.split(|c: char| !c.is_ascii_digit()).filter(|part| !part.is_empty()) {
+        product = product.and_then(|product| product.checked_mul(digits.parse().ok()?));
+    }
+    product.is_none()
+}
+
+pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> Result<Matrix> {
+    let layout = Layout::read(source)?;
+    let columns = checked_columns(columns, layout.shape.1)?;
+    Ok(if layout.is_single() {
+        let values = values(source, &layout)?;
+        Matrix::F32(Dense::new(values, layout.shape, layout.row_major, columns))
+    } else {
+        let values = values(source, &layout)?;
+        Matrix::F64(Dense::new(values, layout.shape, layout.row_major, columns))
+    })
+}
+
+/// All entries, and nothing after them.
+fn values<T: Real>(source: &mut Source<'_>, layout: &Layout) -> Result<Vec<T>> {
+    let len = layout.len();
     let mut values = reserved(len).map_err(|_| {
         source.fail(format!("its header announces {len} entries, more than memory can hold"))
     })?;
     let mut chunk = vec![0; CHUNK];
     while values.len() < len {
-        let bytes = (len - values.len()).saturating_mul(N).min(CHUNK);
+        let bytes = (len - values.len()).saturating_mul(layout.entry.bytes()).min(CHUNK);
         let chunk = &mut chunk[..bytes];
         source.read_exact(chunk).map_err(|e| match e.kind() {
-            io::ErrorKind::UnexpectedEof => {
-                source.fail(format!("truncated: fewer than the {len} entries its header announces"))
-            }
+            io::ErrorKind::UnexpectedEof => source.fail(layout.truncated()),
             _ => source.io_error(&e),
         })?;
-        values.extend(chunk.as_chunks().0.iter().map(|&entry| convert(entry)));
+        layout.entry.decode(layout.big, chunk, &mut values);
     }
     match source.read(&mut chunk[..1]) {
         Ok(0) => Ok(values),
-        Ok(_) => Err(source.fail(format!("data after the {len} entries its header announces"))),
+        Ok(_) => Err(source.fail(layout.trailing())),
         Err(e) => Err(source.io_error(&e)),
     }
 }

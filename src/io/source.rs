@@ -93,7 +93,8 @@ pub(super) fn error(path: &Path, line: usize, what: impl Into<String>) -> Error 
     Error::Io { path: path.into(), line, what: what.into() }
 }
 
-fn error_at(path: &Path, line: usize, e: &io::Error) -> Error {
+/// An [`Error::Io`] out of the system's, or the request to stop that it carries.
+pub(super) fn error_at(path: &Path, line: usize, e: &io::Error) -> Error {
     if e.get_ref().is_some_and(|inner| inner.is::<Stopped>()) {
         return Error::Cancelled;
     }

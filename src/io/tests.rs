@@ -11,18 +11,18 @@ use super::*;
 use crate::ata::RowBlocks;
 use crate::base::Flow;
 
-struct Folder(TempDir);
+pub(super) struct Folder(TempDir);
 
 impl Folder {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self(tempfile::tempdir().expect("a temporary folder"))
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub(super) fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
-    fn file(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+    pub(super) fn file(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
         let path = self.path(name);
         fs::write(&path, content).expect("a temporary file");
         path
@@ -34,11 +34,11 @@ impl Folder {
     }
 }
 
-fn read_all(path: &Path) -> Result<Matrix> {
+pub(super) fn read_all(path: &Path) -> Result<Matrix> {
     read(path, &ReadOptions::default())
 }
 
-fn doubles(matrix: &Matrix) -> Mat<f64> {
+pub(super) fn doubles(matrix: &Matrix) -> Mat<f64> {
     let mut values = Mat::zeros(matrix.nrows(), matrix.ncols());
     match matrix {
         Matrix::F32(dense) => {
@@ -65,7 +65,7 @@ fn refusal(name: &str, content: impl AsRef<[u8]>) -> (usize, String) {
     }
 }
 
-fn npy(descr: &str, order: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+pub(super) fn npy(descr: &str, order: &str, shape: &str, data: &[u8]) -> Vec<u8> {
     let mut header =
         format!("{{'descr': '{descr}', 'fortran_order': {order}, 'shape': {shape}, }}");
     while (10 + header.len() + 1) % 64 != 0 {

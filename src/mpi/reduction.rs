@@ -8,7 +8,7 @@ use super::world::{MpiReal, World};
 use crate::ata::distributed::{Chunks, rounds};
 use crate::base::Result;
 
-/// Tags of the rounds; those of two chunks under way at the same time differ.
+/// Tags of the rounds; those of successive chunks differ.
 const FIRST_TAG: i32 = 64;
 
 /// The sum of a chunk over the ranks, scattered to them; of one chunk after another, in memory that is there

@@ -23,11 +23,11 @@ const UP: i32 = 3;
 /// `C := alpha A^T A + beta C` where rank `root` has A, m x n, and C, n x n, the triangles of
 /// `options.uplo`; what other ranks give for A, beta and C is not read.
 ///
-/// This is AtA-D: parts of A go down a [`TaskTree`], parts of C come up and are added in its order, so
+/// This is AtA-D (thesis, algorithm 8.4): parts of A go down a [`TaskTree`], parts of C come up and are added in its order, so
 /// that the result depends on the number of ranks and on nothing else. The root sends its matrices from
 /// where they are. Beside them it holds two results of others, of at most `n^2 / 4` entries each. Another rank
-/// holds the part of A that it and the ranks below it read, at most `m n / 2` entries from seven ranks on (with
-/// less, up to all of A), its block of C, at most `n^2 / 4`, and two results of a quarter of that.
+/// holds the part of A that it and the ranks below it read, at most `m n / 2` entries from six ranks on (with
+/// less, up to all of A), its block of C, at most `n^2 / 4`, and two results of others, at most half of that each.
 ///
 /// # Errors
 /// [`Error::Argument`] for a root out of range, or A or C missing on it; [`Error::Rank`] when the roots,
@@ -277,9 +277,9 @@ impl<T: MpiReal> Worker<'_, T> {
         }
         let (done, all) = (self.products.0, self.products.1.max(1.0));
         self.products.0 += node.products();
-        let alpha = self.alpha;
+        let (world, alpha) = (self.world, self.alpha);
         let share = done / all..self.products.0 / all;
-        self.done = self.world.with_progress(self.options, share, |options| {
+        self.done = world.with_progress(self.options, share, &|| world.poll(), |options| {
             if node.task.triangle {
                 ata(alpha, left, beta, c, &AtaOptions { uplo: Uplo::Lower, ..options.clone() })
             } else {

@@ -1,5 +1,6 @@
 //! Rows of A on every rank: local products, reduced and scattered chunk by chunk.
 
+use std::cell::RefCell;
 use std::ops::Range;
 
 use faer::prelude::{IntoConst, ReborrowMut};
@@ -32,11 +33,11 @@ pub fn ata_rows<T: MpiReal>(
     let chunks = Chunks::new(n, world.size());
     let panel = Workspace::<T>::new(chunks.longest_panel());
     let facts = [("alpha", alpha.to_f64().to_bits() as usize)];
-    reduce(world, Operation::Rows, chunks, &facts, panel, |panel, span| {
+    reduce(world, Operation::Rows, chunks, &facts, panel, |panel, span, meanwhile| {
         let panel = &mut panel.as_mut_slice()[..span.len() * span.end];
         let mut panel = MatMut::from_row_major_slice_mut(panel, span.len(), span.end);
         let share = |rows: usize| (rows as f64 / n as f64).powi(2);
-        world.with_progress(options, share(span.start)..share(span.end), |options| {
+        world.with_progress(options, share(span.start)..share(span.end), meanwhile, |options| {
             panel_product(alpha, rows, span, panel.rb_mut(), options)
         })?;
         Ok(panel.into_const())
@@ -52,47 +53,51 @@ pub fn sum_symmetric<T: MpiReal>(world: &World, c: MatRef<'_, T>) -> Result<Symm
     let n = c.ncols();
     let square = Error::check_shape("C", (n, n), c.shape());
     let c = square.map(|()| c);
-    reduce(world, Operation::Sum, Chunks::new(n, world.size()), &[], c, |c, span| {
+    reduce(world, Operation::Sum, Chunks::new(n, world.size()), &[], c, |c, span, _| {
         Ok(c.get(span.clone(), ..span.end))
     })
 }
 
-/// Sums the chunks over the ranks: `panel` gives the rows of the next one, up to the diagonal and beyond.
+/// Sums the chunks over the ranks: `panel` gives the rows of the next one, up to the diagonal and beyond, and
+/// calls its last argument now and then.
 fn reduce<T: MpiReal, S>(
     world: &World,
     operation: Operation,
     chunks: Chunks,
     facts: &[(&'static str, usize)],
     prepared: Result<S>,
-    panel: impl for<'s> Fn(&'s mut S, Range<usize>) -> Result<MatRef<'s, T>>,
+    panel: impl for<'s> Fn(&'s mut S, Range<usize>, &dyn Fn()) -> Result<MatRef<'s, T>>,
 ) -> Result<Symmetric<T>> {
     let _guard = world.abort_on_panic();
     let own = world.rank();
-    let prepared = prepared.and_then(|state| {
-        // Two on their way are enough to hide one behind the computation of the next.
-        let reductions = [Reduction::new(&chunks, own)?, Reduction::new(&chunks, own)?];
-        Ok((state, reductions, reserved(chunks.len(own))?))
-    });
+    let prepared = prepared
+        .and_then(|state| Ok((state, Reduction::new(&chunks, own)?, reserved(chunks.len(own))?)));
     let mut all_facts = vec![("n", chunks.n()), ("the size of a scalar", size_of::<T>())];
     all_facts.extend_from_slice(facts);
-    let (mut state, mut reductions, mut entries) = world.begin(operation, &all_facts, prepared)?;
+    let (mut state, reduction, mut entries) = world.begin(operation, &all_facts, prepared)?;
 
+    // The reduction of a chunk goes on while the next one is computed.
+    let reduction = RefCell::new(reduction);
+    let advance = || reduction.borrow_mut().advance(world);
     let mut done = Ok(());
     for chunk in 0..chunks.count() {
-        let reduction = &mut reductions[chunk % 2];
-        entries.extend_from_slice(reduction.finish(world));
         // A rank that fails goes on with whatever it has, so that nobody waits for it.
-        if done.is_ok() {
-            done = panel(&mut state, chunks.rows(chunk)).map(|rows| reduction.fill(chunk, rows));
+        let computed = match &done {
+            Ok(()) => panel(&mut state, chunks.rows(chunk), &advance).map(Some),
+            Err(_) => Ok(None),
+        };
+        let mut reduction = reduction.borrow_mut();
+        entries.extend_from_slice(reduction.finish(world));
+        match computed {
+            Ok(Some(rows)) => reduction.fill(chunk, rows),
+            Ok(None) => {}
+            Err(e) => done = Err(e),
         }
         reduction.start(world, chunk);
-        reductions.iter_mut().for_each(|reduction| reduction.advance(world));
     }
-    for chunk in chunks.count()..chunks.count() + 2 {
-        entries.extend_from_slice(reductions[chunk % 2].finish(world));
-    }
+    entries.extend_from_slice(reduction.borrow_mut().finish(world));
+    drop(reduction);
     world.agree(done)?;
-    drop(reductions);
     Ok(Symmetric::new(Layout::Chunks(chunks), own, entries))
 }
 

@@ -154,17 +154,18 @@ impl World {
         self.traffic.set(sum);
     }
 
-    /// Calls `work` with options whose progress is told as part `share` of the whole, and lets the MPI library
-    /// get on meanwhile with what has been started: many do nothing between calls.
+    /// Calls `work` with options whose progress is told as part `share` of the whole; now and then it calls
+    /// `meanwhile`, on this thread, for messages to get on.
     pub(super) fn with_progress<X>(
         &self,
         options: &AtaOptions<'_>,
         share: Range<f64>,
+        meanwhile: &dyn Fn(),
         work: impl FnOnce(&AtaOptions<'_>) -> X,
     ) -> X {
-        let poller = Poller { comm: self.raw(), thread: thread::current().id() };
+        let meanwhile = Here { work: meanwhile, thread: thread::current().id() };
         let tell = |fraction: f64| {
-            poller.poll();
+            meanwhile.call();
             let all = share.start + fraction * (share.end - share.start);
             options.progress.map_or(Flow::Continue, |progress| progress(all))
         };
@@ -172,6 +173,12 @@ impl World {
         let done = work(&AtaOptions { progress: Some(&tell), ..options.clone() });
         self.work_time.set(self.work_time.get() + start.elapsed());
         done
+    }
+
+    /// Lets the MPI library get on with what has been started. Many do nothing between calls.
+    pub(super) fn poll(&self) {
+        use ::mpi::point_to_point::Source;
+        let _ = self.comm.any_process().immediate_probe();
     }
 
     /// The beginning of every call that all ranks make together: `Ok` everywhere if all ranks are `prepared`
@@ -277,30 +284,19 @@ impl World {
     }
 }
 
-/// Calls MPI from a progress callback, on the thread of the world only.
-struct Poller {
-    comm: ffi::MPI_Comm,
+/// Something that only the thread that made this does.
+struct Here<'w> {
+    work: &'w dyn Fn(),
     thread: ThreadId,
 }
 
-// SAFETY: other threads than the one that made it only compare their number.
-unsafe impl Sync for Poller {}
+// SAFETY: on other threads than its own a call does nothing.
+unsafe impl Sync for Here<'_> {}
 
-impl Poller {
-    fn poll(&self) {
-        if thread::current().id() != self.thread {
-            return;
-        }
-        let mut flag = 0;
-        // SAFETY: the communicator is alive, and this is its thread; no message is taken.
-        unsafe {
-            ffi::MPI_Iprobe(
-                ffi::RSMPI_ANY_SOURCE,
-                ffi::RSMPI_ANY_TAG,
-                self.comm,
-                &mut flag,
-                ffi::RSMPI_STATUS_IGNORE,
-            );
+impl Here<'_> {
+    fn call(&self) {
+        if thread::current().id() == self.thread {
+            (self.work)();
         }
     }
 }

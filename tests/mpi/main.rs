@@ -8,6 +8,7 @@ mod columns;
 mod failures;
 mod launch;
 mod matrices;
+mod memory;
 mod root;
 mod rows;
 mod verify;
@@ -35,7 +36,7 @@ pub struct Scene {
 }
 
 fn main() -> ExitCode {
-    let cases = [rows::CASES, columns::CASES, verify::CASES, root::CASES].concat();
+    let cases = [rows::CASES, columns::CASES, verify::CASES, root::CASES, memory::CASES].concat();
     let scenes = [failures::SCENES, root::SCENES].concat();
     launch::run(&cases, &scenes)
 }

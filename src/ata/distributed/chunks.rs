@@ -22,13 +22,13 @@ pub struct Chunks {
 /// Entries of a chunk above which it is cut: 8 MiB of f64, so that latency does not count.
 const CHUNK: usize = 1 << 20;
 /// Rows of a chunk that products are still efficient on.
-const SHORTEST: usize = 256;
+const SHORTEST: usize = 128;
 
 impl Chunks {
     /// The chunks for C n x n on `ranks >= 1` ranks: of about the same number of entries, few enough for
     /// long products, many enough for a rank to hold no more than its share of all.
     pub fn new(n: usize, ranks: usize) -> Self {
-        let wanted = packed_len(n).div_ceil(CHUNK).max(ranks);
+        let wanted = packed_len(n).div_ceil(CHUNK).max(2 * ranks);
         // The last chunk has the fewest rows: about n / (2 count).
         Self::with_count(n, ranks, wanted.min(n / (2 * SHORTEST)).max(1))
     }

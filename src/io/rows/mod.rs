@@ -1,0 +1,305 @@
+//! Matrix files that are read by blocks of rows, never as a whole.
+
+#[cfg(feature = "hdf5")]
+mod dataset;
+mod npy;
+#[cfg(test)]
+mod tests;
+
+use std::fmt;
+use std::fs::{self, Metadata};
+use std::io;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use faer::MatMut;
+
+#[cfg(feature = "hdf5")]
+use self::dataset::DatasetRows;
+use self::npy::NpyRows;
+use super::checked_columns;
+use super::source::{error, error_at};
+use crate::ata::RowBlocks;
+use crate::base::{Error, Real, Result};
+
+/// Bytes of a file that are converted at a time.
+const BUFFER: usize = 1 << 18;
+
+/// A matrix in a file whose rows are read block by block, so that the matrix may be larger than
+/// memory. It can be sent to a thread that reads.
+///
+/// - `NAME.npy`: two dimensions, or one (a column); f4, f8 and integers. In C order a block of whole
+///   rows is one piece of the file. In Fortran order it is one piece for every column, which is much
+///   slower when blocks are small.
+/// - `NAME.h5:/path/to/dataset`, also `.hdf5` and `.he5` (feature `hdf5`): a dataset of two
+///   dimensions, or one (a column), of floats of 4 or 8 bytes or integers of 1 to 8. A packed
+///   chunk is unpacked once, however many blocks it spans, if a row of chunks takes at most 32 MiB. Datasets
+///   whose entries lie in other files (virtual, external) are refused: their changes would go
+///   unnoticed. `NAME.h5` alone means its only dataset of two dimensions.
+///
+/// Rows go straight from the file into a destination of the precision of the file whose rows are
+/// contiguous; other destinations, and columns left out, go through a buffer of a few MiB. Entries
+/// are those that [`read`](super::read()) gives: f4 is exact in f32, all others are rounded to f64 first.
+///
+/// A file that is changed, shrinks or vanishes while it is read is an error; of a `.npy` that was
+/// replaced by another file of its name, the old rows are read.
+///
+/// ```
+/// use catamaran::ata::RowBlocks;
+/// use catamaran::faer::Mat;
+/// use catamaran::io::{self, Output, Overwrite, RowFile};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let name = &folder.path().join("a.npy");
+/// let a = Mat::<f64>::from_fn(7, 3, |i, j| (10 * i + j) as f64);
+/// io::write(Output::create(name, Overwrite::Never)?, a.as_ref())?;
+/// let mut rows = RowFile::open(name)?;
+/// let mut block = Mat::<f64>::zeros(2, 3);
+/// rows.read(5, block.as_mut())?;
+/// assert_eq!(block, a.get(5..7, ..));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct RowFile {
+    /// As given to [`RowFile::open`].
+    name: PathBuf,
+    content: Content,
+    /// The columns that are part of the matrix.
+    columns: Range<usize>,
+}
+
+impl RowFile {
+    /// Opens the file (and dataset) of this name and checks its header and, of `.npy`, its size.
+    ///
+    /// # Errors
+    /// [`Error::Io`]: no such file or dataset (the message lists those that exist), a gzipped or unknown
+    /// kind of file, HDF5 without feature `hdf5`, a broken header, too few or too many bytes,
+    /// entries that are not real numbers, neither one nor two dimensions.
+    pub fn open(name: impl AsRef<Path>) -> Result<Self> {
+        let name = name.as_ref();
+        let content = match Kind::of(name)? {
+            Kind::Npy => Content::Npy(NpyRows::open(name)?),
+            Kind::Hdf5 { path, dataset } => open_dataset(&path, dataset.as_deref())?,
+        };
+        let columns = 0..content.shape().1;
+        Ok(Self { name: name.into(), content, columns })
+    }
+
+    /// Keeps only these columns of the file, from 0, half open.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when they are not inside the matrix of the file.
+    pub fn with_columns(mut self, columns: Range<usize>) -> Result<Self> {
+        self.columns = checked_columns(Some(&columns), self.content.shape().1)?;
+        Ok(self)
+    }
+
+    /// Opens the same rows and columns once more, for another reader.
+    ///
+    /// # Errors
+    /// As [`RowFile::open`]; [`Error::Io`] when the file has changed since it was opened.
+    pub fn try_clone(&self) -> Result<Self> {
+        let other = Self::open(&self.name)?.with_columns(self.columns.clone())?;
+        if other.identity() == self.identity() {
+            Ok(other)
+        } else {
+            Err(error(self.path(), 0, CHANGED))
+        }
+    }
+
+    /// Number of rows.
+    pub fn nrows(&self) -> usize {
+        self.content.shape().0
+    }
+
+    /// Number of columns.
+    pub fn ncols(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Whether the file holds single precision; f64 holds everything else (integers beyond 2^53 are
+    /// rounded).
+    pub fn is_single(&self) -> bool {
+        self.content.is_single()
+    }
+
+    /// The file; for HDF5 without the name of the dataset.
+    pub fn path(&self) -> &Path {
+        self.content.path()
+    }
+
+    /// What tells these rows from others and from themselves after a change: canonical path, dataset,
+    /// shape, type, columns, size and time of modification of the file, in one line. Equal lines mean
+    /// the same rows, as far as the file system knows.
+    pub fn identity(&self) -> String {
+        let (m, n) = self.content.shape();
+        let Range { start, end } = self.columns;
+        let (origin, stamp) = (self.content.origin(), self.content.stamp());
+        format!("{origin}, {m} x {n}, columns {start}..{end}, {stamp}")
+    }
+}
+
+impl<T: Real> RowBlocks<T> for RowFile {
+    fn nrows(&self) -> usize {
+        self.nrows()
+    }
+
+    fn ncols(&self) -> usize {
+        self.ncols()
+    }
+
+    fn read(&mut self, first: usize, out: MatMut<'_, T>) -> Result<()> {
+        let nrows = self.nrows();
+        let rows = match first.checked_add(out.nrows()) {
+            Some(end) if end <= nrows => first..end,
+            _ => {
+                let why = format!("{} from {first} on are not inside its {nrows}", out.nrows());
+                return Err(Error::Argument { what: "rows", why });
+            }
+        };
+        Error::check_shape("block of rows", (rows.len(), self.ncols()), out.shape())?;
+        if rows.is_empty() || self.columns.is_empty() {
+            return Ok(());
+        }
+        match &mut self.content {
+            Content::Npy(npy) => npy.read(rows, self.columns.clone(), out),
+            #[cfg(feature = "hdf5")]
+            Content::Hdf5(dataset) => dataset.read(rows, self.columns.clone(), out),
+        }
+    }
+}
+
+#[derive(Debug)]
+enum Content {
+    Npy(NpyRows),
+    #[cfg(feature = "hdf5")]
+    Hdf5(DatasetRows),
+}
+
+macro_rules! content {
+    ($($name:ident -> $type:ty),* $(,)?) => {
+        impl Content {
+            $(fn $name(&self) -> $type {
+                match self {
+                    Self::Npy(npy) => npy.$name(),
+                    #[cfg(feature = "hdf5")]
+                    Self::Hdf5(dataset) => dataset.$name(),
+                }
+            })*
+        }
+    };
+}
+
+content! {
+    shape -> (usize, usize),
+    is_single -> bool,
+    path -> &Path,
+    origin -> String,
+    stamp -> Stamp,
+}
+
+/// What a name says about its file.
+#[derive(Debug, PartialEq, Eq)]
+enum Kind {
+    Npy,
+    Hdf5 { path: PathBuf, dataset: Option<String> },
+}
+
+impl Kind {
+    fn of(name: &Path) -> Result<Self> {
+        let fail = |what: &str| Err(error(name, 0, what));
+        let text = name.to_string_lossy().to_ascii_lowercase();
+        let is_hdf5 = |text: &str| [".h5", ".hdf5", ".he5"].iter().any(|end| text.ends_with(end));
+        // A name that is not text can't be cut, nor could a dataset be called that.
+        if let Some(whole) = name.to_str() {
+            let colon = text.match_indices(':').find(|&(at, _)| is_hdf5(&text[..at]));
+            if let Some((at, _)) = colon {
+                let dataset = Some(whole[at + 1..].into());
+                return Ok(Self::Hdf5 { path: whole[..at].into(), dataset });
+            }
+        }
+        if is_hdf5(&text) {
+            return Ok(Self::Hdf5 { path: name.into(), dataset: None });
+        }
+        if text.ends_with(".npy") {
+            return Ok(Self::Npy);
+        }
+        if text.ends_with(".npy.gz") {
+            return fail("gzipped, so rows can't be read from its middle: unpack it first");
+        }
+        fail(
+            "unknown kind of file for reading by rows: the name must end in .npy, .h5, .hdf5 or .he5, \
+             and the last three may have :/path/to/dataset after it",
+        )
+    }
+}
+
+#[cfg(feature = "hdf5")]
+fn open_dataset(path: &Path, name: Option<&str>) -> Result<Content> {
+    DatasetRows::open(path, name).map(Content::Hdf5)
+}
+
+#[cfg(not(feature = "hdf5"))]
+fn open_dataset(path: &Path, _: Option<&str>) -> Result<Content> {
+    Err(error(path, 0, "HDF5 is not part of this program: build it with --features hdf5"))
+}
+
+const CHANGED: &str = "changed since it was opened";
+
+/// Size and time of modification of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Stamp {
+    len: u64,
+    /// `None` where the system does not tell.
+    modified: Option<SystemTime>,
+}
+
+impl Stamp {
+    fn of(metadata: &Metadata) -> Self {
+        Self { len: metadata.len(), modified: metadata.modified().ok() }
+    }
+
+    /// Refuses a file that is no longer as it was.
+    fn check(self, path: &Path, now: io::Result<Metadata>) -> Result<()> {
+        let now = Self::of(&now.map_err(|e| error_at(path, 0, &e))?);
+        match now {
+            _ if now == self => Ok(()),
+            _ if now.len < self.len => Err(shrank(path)),
+            _ => Err(error(path, 0, CHANGED)),
+        }
+    }
+}
+
+impl fmt::Display for Stamp {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} bytes", self.len)?;
+        let Some(modified) = self.modified else { return Ok(()) };
+        let (sign, since) = match modified.duration_since(UNIX_EPOCH) {
+            Ok(since) => ("", since),
+            Err(before) => ("-", before.duration()),
+        };
+        write!(f, ", modified {sign}{}.{:09}", since.as_secs(), since.subsec_nanos())
+    }
+}
+
+fn shrank(path: &Path) -> Error {
+    error(path, 0, "truncated: it shrank since it was opened")
+}
+
+/// The size and time of a file that has a middle.
+fn seekable(path: &Path) -> Result<Stamp> {
+    let metadata = fs::metadata(path).map_err(|e| error_at(path, 0, &e))?;
+    if metadata.is_dir() {
+        return Err(error(path, 0, "is a directory"));
+    }
+    if !metadata.is_file() {
+        return Err(error(path, 0, "not a plain file, so rows can't be read from its middle"));
+    }
+    Ok(Stamp::of(&metadata))
+}
+
+/// `path` without links and relative parts, where the system can tell.
+fn canonical(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| path.into())
+}
