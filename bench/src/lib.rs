@@ -16,6 +16,7 @@ pub mod product;
 pub mod race;
 pub mod record;
 pub mod reference;
+pub mod scale;
 pub mod scatter;
 pub mod table;
 

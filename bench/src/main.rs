@@ -8,7 +8,7 @@ use catamaran_bench::product::Operation;
 use catamaran_bench::{Result, host};
 use clap::Parser;
 
-use commands::{accuracy, exact, grid, race};
+use commands::{accuracy, exact, grid, race, scale};
 
 /// Races against other libraries, and errors beside theirs.
 #[derive(Parser)]
@@ -23,6 +23,8 @@ enum Command {
     Accuracy(accuracy::Arguments),
     /// Stages of the exact path, and the rates of its kernels.
     Exact(exact::Arguments),
+    /// A^T A on many ranks, as the plans predict it.
+    Scale(scale::Arguments),
 }
 
 fn main() {
@@ -36,6 +38,7 @@ fn main() {
         Command::Grid(a) => beside(&a.common.libraries, &|| grid::run(a)),
         Command::Accuracy(a) => beside(&a.common.libraries, &|| accuracy::run(a)),
         Command::Exact(a) => exact::run(a),
+        Command::Scale(a) => scale::run(a),
     };
     if let Err(error) = done {
         eprintln!("catamaran-bench: {error}");

@@ -36,7 +36,7 @@ pub struct Scene {
 }
 
 fn main() -> ExitCode {
-    let cases = [rows::CASES, columns::CASES, verify::CASES, root::CASES, memory::CASES].concat();
+    let cases = [rows::CASES, columns::CASES, root::CASES, verify::CASES, memory::CASES].concat();
     let scenes = [failures::SCENES, root::SCENES].concat();
     launch::run(&cases, &scenes)
 }

@@ -3,15 +3,19 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use catamaran::ata::distributed::TaskTree;
 use catamaran::base::release_memory;
 use catamaran::faer::{Mat, MatRef};
-use catamaran::mpi::{Symmetric, World, ata_columns, ata_rows};
+use catamaran::mpi::{Symmetric, World, ata_columns, ata_root, ata_rows};
 use catamaran::{AtaOptions, Result, SchemeChoice};
 
 use crate::Case;
 use crate::matrices::{options, part};
 
-pub const CASES: &[Case] = &[("no_rank_holds_more_than_twice_its_share", shares)];
+pub const CASES: &[Case] = &[
+    ("no_rank_holds_more_than_twice_its_share", shares),
+    ("ranks_of_the_tree_hold_what_is_planned", tree),
+];
 
 /// Counts the bytes that are allocated and not freed, and their peak.
 struct Counting;
@@ -61,4 +65,21 @@ fn shares(world: &World) {
     };
     check("rows", part(own.clone(), 0..n), ata_rows);
     check("columns", part(0..n, own), ata_columns);
+}
+
+fn tree(world: &World) {
+    let (m, n) = (1600, 1200);
+    let is_root = world.rank() == 0;
+    let options = AtaOptions { scheme: SchemeChoice::Float, ..options() };
+    let matrices = is_root.then(|| (part::<f64>(0..m, 0..n), Mat::zeros(n, n)));
+    let (a, mut c) = matrices.unzip();
+    release_memory();
+    let before = NOW.load(Ordering::SeqCst);
+    PEAK.store(before, Ordering::SeqCst);
+    let a = a.as_ref().map(Mat::as_ref);
+    ata_root(world, 0, 1.0, a, 0.0, c.as_mut().map(Mat::as_mut), &options).unwrap();
+    let own = if is_root { m * n + n * n } else { 0 };
+    let held = PEAK.load(Ordering::SeqCst) - before + 8 * own;
+    let planned = 8 * TaskTree::new(m, n, world.size()).loads()[world.rank()].memory;
+    assert!(held <= planned + SCRATCH, "{held} bytes held, planned {planned}");
 }

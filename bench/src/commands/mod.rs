@@ -4,6 +4,7 @@ pub mod accuracy;
 pub mod exact;
 pub mod grid;
 pub mod race;
+pub mod scale;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
