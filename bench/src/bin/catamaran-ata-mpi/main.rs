@@ -116,17 +116,19 @@ fn main() {
     let arguments = Arguments::parse();
     let done = host::with_environment_for_rivals(Path::new("target/rivals"))
         .and_then(|()| with_mpi(&arguments));
-    if let Err(error) = done {
-        // Errors are those of all ranks, and one tells them.
-        if !error.to_string().is_empty() {
+    match done {
+        Ok(true) => {}
+        Ok(false) => std::process::exit(1),
+        Err(error) => {
             eprintln!("catamaran-ata-mpi: {error}");
+            std::process::exit(1);
         }
-        std::process::exit(1);
     }
 }
 
-/// The race between the start and the end of MPI; the error is empty but on rank 0.
-fn with_mpi(arguments: &Arguments) -> Result<()> {
+/// The race between the start and the end of MPI. Its errors are those of all ranks: one tells them, and all return
+/// false.
+fn with_mpi(arguments: &Arguments) -> Result<bool> {
     let (universe, _) =
         mpi::initialize_with_threading(mpi::Threading::Funneled).ok_or("MPI runs already")?;
     let comm = universe.world();
@@ -136,5 +138,10 @@ fn with_mpi(arguments: &Arguments) -> Result<()> {
     } else {
         race::race::<f64>(arguments, &ranks)
     };
-    done.map_err(|error| if ranks.own() == 0 { error } else { "".into() })
+    if let Err(error) = &done
+        && ranks.own() == ours::ROOT
+    {
+        eprintln!("catamaran-ata-mpi: {error}");
+    }
+    Ok(done.is_ok())
 }

@@ -10,6 +10,7 @@ use catamaran_bench::Result;
 use faer::{MatMut, MatRef};
 
 use crate::job::{Job, filled};
+use crate::ranks::Ranks;
 
 /// The rank that has A and C in [`Mode::Root`], and to which results are gathered.
 pub const ROOT: usize = 0;
@@ -86,7 +87,7 @@ impl<'w, T: MpiReal> Ours<'w, T> {
     /// Checks the last result with `rounds` random vectors; the verdict, on the root at least.
     ///
     /// # Errors
-    /// Those of the library.
+    /// Those of the library, in [`Mode::Root`] on the root alone.
     pub fn verify(&self, rounds: u32) -> Result<Option<Verification>> {
         let a = view(&self.a, &self.part);
         let distributed = match self.job.mode {
@@ -107,12 +108,12 @@ impl<'w, T: MpiReal> Ours<'w, T> {
     /// C on the root, n x n, row-major, in its lower triangle; nothing elsewhere.
     ///
     /// # Errors
-    /// Those of the library.
-    pub fn into_lower(mut self) -> Result<Vec<T>> {
+    /// Those of the library, or when there is not enough memory; on all ranks.
+    pub fn into_lower(mut self, ranks: &Ranks<'_>) -> Result<Vec<T>> {
         let Some(result) = self.result else { return Ok(self.c) };
         let side = if self.world.rank() == ROOT { self.job.shape.n } else { 0 };
         self.a = Vec::new();
-        self.c = filled(side, side, |_, _| T::from_f64(f64::NAN))?;
+        self.c = ranks.agree(filled(side, side, |_, _| T::from_f64(f64::NAN)))?;
         let c = MatMut::from_row_major_slice_mut(&mut self.c, side, side);
         result.gather(self.world, ROOT, (side > 0).then_some(c), Uplo::Lower)?;
         Ok(self.c)

@@ -3,6 +3,7 @@
 use std::thread;
 use std::time::Duration;
 
+use catamaran::base::available_cores;
 use catamaran::mpi::{MpiReal, Traffic, World};
 use catamaran_bench::race::Outcome;
 use catamaran_bench::{Result, host, peak, record};
@@ -35,11 +36,14 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<()> 
     ranks.agree(threads.map_err(Into::into))?;
     let mpi = mpi_version();
     let (peak, peak_line) = peak_of_all::<T>(ranks, job.threads);
-    let (counts, machines) =
-        (format!("{} x {} threads", ranks.count(), job.threads), ranks.machines());
+    let machines = ranks.machines();
+    say(&format!("A         {job}, {}", scalar::<T>()));
     say(&format!(
-        "A         {job}, {}\nranks     {counts}, machines: {machines}, {mpi}",
-        scalar::<T>()
+        "ranks     {}, machines: {}, threads of a rank: {}, cores it may use: {}, {mpi}",
+        ranks.count(),
+        machines,
+        job.threads,
+        available_cores()
     ));
     say(&peak_line);
 
@@ -87,24 +91,25 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<()> 
     if arguments.explain {
         say(&format!("\n{}", report::costs(&job, ranks.count(), &measured.counted)));
     }
-    let Some(name) = &arguments.record else { return Ok(()) };
-    let row = Row {
-        job: &job,
-        ranks: ranks.count(),
-        scalar: scalar::<T>(),
-        ours: &measured.ours(),
-        rival: measured.rival().zip(seat.as_ref().map(|(best, _)| best.to_string())),
-        error,
-        words: measured.counted.most.words,
-    };
-    let library = scalapack.as_ref().map_or("", |s| &s.description);
-    let written = (ranks.own() == ROOT).then(|| {
-        let host =
-            host::describe(&[]) + &format!("mpi       {mpi}\nscalapack {library}\n{peak_line}\n");
-        record::put(name, Row::HEADER, Row::KEYS, &row.to_string(), host)
-    });
-    if let Some(folder) = ranks.agree(written.transpose())? {
-        say(&format!("\nrecorded in {}", folder.display()));
+    if let Some(name) = &arguments.record {
+        let row = Row {
+            job: &job,
+            ranks: ranks.count(),
+            scalar: scalar::<T>(),
+            ours: &measured.ours(),
+            rival: measured.rival().zip(seat.as_ref().map(|(best, _)| best.to_string())),
+            error,
+            words: measured.counted.most.words,
+        };
+        let library = scalapack.as_ref().map_or("none", |s| &s.description);
+        let about = format!("mpi       {mpi}\nscalapack {library}\n{peak_line}\n");
+        let written = (ranks.own() == ROOT).then(|| {
+            let host = host::describe(&[]) + &about;
+            record::put(name, Row::HEADER, Row::KEYS, &row.to_string(), host)
+        });
+        if let Some(folder) = ranks.agree(written.transpose())? {
+            say(&format!("\nrecorded in {}", folder.display()));
+        }
     }
     Ok(())
 }
@@ -195,7 +200,7 @@ fn count(ranks: &Ranks<'_>, traffic: Traffic) -> Counted {
 /// Checks our last result with random vectors.
 fn verify<T: MpiReal>(ours: &Ours<'_, T>, ranks: &Ranks<'_>, say: impl Fn(&str)) -> Result<()> {
     let mut passed = true;
-    if let Some(verification) = ours.verify(ROUNDS)? {
+    if let Some(verification) = ranks.agree(ours.verify(ROUNDS))? {
         passed = verification.passed;
         let (residual, tolerance) = (verification.residual, verification.tolerance);
         let verdict = if passed { "passed" } else { "failed" };
@@ -213,10 +218,10 @@ fn difference<T: MpiReal>(
     ranks: &Ranks<'_>,
 ) -> Result<f64> {
     let n = job.shape.n;
-    let (ours, rival) = (ours.into_lower()?, rival.into_lower(grid, ranks, n)?);
+    let (ours, rival) = (ours.into_lower(ranks)?, rival.into_lower(grid, ranks, n)?);
     let difference = if ranks.own() == ROOT { report::difference(n, &ours, &rival) } else { 0.0 };
     // A NaN is one everywhere, for the largest of two it is not.
-    let right = difference <= f64::from(T::UNIT_ROUNDOFF) * job.shape.m.max(32) as f64;
+    let right = difference <= T::UNIT_ROUNDOFF * job.shape.m.max(32) as f64;
     let wrong = format!("the results differ: {difference:.1e} of the largest entry");
     ranks.agree(if right { Ok(difference) } else { Err(wrong.into()) })
 }
