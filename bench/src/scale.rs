@@ -63,6 +63,9 @@ impl Row {
     }
 }
 
+/// A name, and what is drawn.
+type Curve = (&'static str, fn(&Row) -> f64);
+
 /// The rows as an SVG document: two panels for each shape, all axes logarithmic.
 pub fn svg(rows: &[Row], machine: &Machine) -> String {
     let shapes = distinct(rows.iter().map(|row| row.shape));
@@ -76,11 +79,11 @@ pub fn svg(rows: &[Row], machine: &Machine) -> String {
             8e-9 / seconds_per_word,
             latency * 1e6
         );
-        let least = ("even share of the flops", &|row: &Row| row.least_seconds);
-        panel(&mut out, 2 * s, &title, &own, &|row| row.cost.seconds, least);
+        let least: Curve = ("even share of the flops", |row| row.least_seconds);
+        panel(&mut out, 2 * s, &title, &own, |row| row.cost.seconds, least);
         let title = format!("A {shape}: words that a rank sends, or receives if they are more");
-        let least = ("lower bound", &|row: &Row| row.least_words);
-        panel(&mut out, 2 * s + 1, &title, &own, &|row| row.cost.words, least);
+        let least: Curve = ("lower bound", |row| row.least_words);
+        panel(&mut out, 2 * s + 1, &title, &own, |row| row.cost.words, least);
     }
     out.push_str("</svg>\n");
     out
@@ -92,8 +95,8 @@ fn panel(
     p: usize,
     title: &str,
     rows: &[&Row],
-    value: &dyn Fn(&Row) -> f64,
-    (least_name, least): (&str, &dyn Fn(&Row) -> f64),
+    value: fn(&Row) -> f64,
+    (least_name, least): Curve,
 ) {
     let panel = Panel::new(out, p, HEIGHT, title);
     let all = || rows.iter().flat_map(|row| [value(row), least(row)]).filter(|v| *v > 0.0);

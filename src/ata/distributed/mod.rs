@@ -13,6 +13,7 @@ mod cover;
 mod segment;
 mod tree;
 
+#[cfg(feature = "mpi")]
 pub(crate) use blocks::piece_height;
 pub use blocks::{Blocks, Product};
 pub use chunks::{Chunks, Round, rounds};
@@ -22,5 +23,6 @@ pub use cost::{
 };
 pub use cover::difference_cover;
 pub use segment::{Layout, Segment, packed_len};
+#[cfg(feature = "mpi")]
 pub(crate) use tree::RESULTS_AT_ONCE;
 pub use tree::{Load, TaskTree, TreeNode, levels};
