@@ -22,7 +22,7 @@ use ranks::Ranks;
 
 /// A^T A on the ranks of mpirun, repeated and measured.
 #[derive(Parser)]
-#[command(name = "catamaran-ata-mpi")]
+#[command(name = "catamaran-ata-mpi", args_override_self = true)]
 struct Arguments {
     /// Rows of A.
     #[arg(short, default_value_t = 4096, value_parser = side)]

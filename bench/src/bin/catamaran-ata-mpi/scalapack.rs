@@ -1,5 +1,6 @@
 //! ScaLAPACK, loaded at run time: the routines of the race.
 
+use std::error::Error;
 use std::ffi::{CStr, c_char, c_int};
 use std::path::Path;
 
@@ -103,8 +104,13 @@ impl<T> Scalapack<T> {
         let name = format!("libscalapack-{flavour}.so.2.2");
         let path = path.unwrap_or(Path::new(&name));
         // SAFETY: runs the library's initialisers; the user named it, or the system did.
-        let library = unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map_err(|e| {
-            format!("{e}; Debian has it in libscalapack-{flavour}-dev, --rival pdsyrk=PATH names another")
+        let library = unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) };
+        let library = library.map_err(|e| {
+            let why = e.source().map_or_else(|| e.to_string(), ToString::to_string);
+            format!(
+                "{}: {why}; Debian has it in libscalapack-{flavour}-dev, --rival pdsyrk=PATH names another",
+                path.display()
+            )
         })?;
         let precision = if size_of::<T>() == 8 { 'd' } else { 's' };
         // SAFETY: the signatures of ScaLAPACK with 32-bit integers; the library is kept beside the pointers.
