@@ -1,7 +1,7 @@
 //! The speed limit of one core: multiply-adds in f64 that touch nothing but registers.
 
 use std::hint::black_box;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// A measured limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,29 +18,48 @@ const PASSES: usize = 100_000;
 
 /// Measures for some 50 ms on the calling thread.
 pub fn measure() -> Peak {
+    of_windows(|window| {
+        let seconds = (0..WINDOWS).map(|_| window());
+        seconds.fold(f64::INFINITY, f64::min)
+    })
+}
+
+/// Measures for as long as `duration` on the calling thread, all windows: what is left of a core that others use
+/// too, so that the speeds of threads that measure at the same time may be added.
+pub fn sustained(duration: Duration) -> Peak {
+    of_windows(|window| {
+        let start = Instant::now();
+        let mut windows = 0;
+        while windows == 0 || start.elapsed() < duration {
+            window();
+            windows += 1;
+        }
+        start.elapsed().as_secs_f64() / f64::from(windows)
+    })
+}
+
+/// The speed for the seconds of a window that `seconds` finds by calling its argument, which passes one.
+fn of_windows(seconds: impl Fn(&dyn Fn() -> f64) -> f64) -> Peak {
+    let peak = |instructions, flops: usize, run: &dyn Fn() -> f64| {
+        let window = || {
+            let start = Instant::now();
+            black_box(run());
+            start.elapsed().as_secs_f64()
+        };
+        Peak { gflops: (PASSES * flops) as f64 / seconds(&window) / 1e9, instructions }
+    };
     #[cfg(target_arch = "x86_64")]
     {
         if is_x86_feature_detected!("avx512f") {
             // SAFETY: the CPU has the instructions.
-            return best("avx512f", x86::FLOPS_AVX512, || unsafe { x86::avx512(PASSES) });
+            return peak("avx512f", x86::FLOPS_AVX512, &|| unsafe { x86::avx512(PASSES) });
         }
         if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
             // SAFETY: the CPU has the instructions.
-            return best("avx2", x86::FLOPS_AVX2, || unsafe { x86::avx2(PASSES) });
+            return peak("avx2", x86::FLOPS_AVX2, &|| unsafe { x86::avx2(PASSES) });
         }
     }
-    best("portable", FLOPS_PORTABLE, || portable(PASSES))
-}
-
-/// The best window of `run`, which makes [`PASSES`] passes of `flops` operations each.
-fn best(instructions: &'static str, flops: usize, run: impl Fn() -> f64) -> Peak {
-    let seconds = (0..WINDOWS).map(|_| {
-        let start = Instant::now();
-        black_box(run());
-        start.elapsed().as_secs_f64()
-    });
-    let least = seconds.fold(f64::INFINITY, f64::min);
-    Peak { gflops: (PASSES * flops) as f64 / least / 1e9, instructions }
+    peak("portable", FLOPS_PORTABLE, &|| portable(PASSES))
 }
 
 /// What every chain multiplies by and adds: x := x / 2 + 1 stays near 2, far from slow numbers.
@@ -114,8 +133,7 @@ mod tests {
 
     #[test]
     fn a_peak_is_positive_and_finite() {
-        let portable = best("portable", FLOPS_PORTABLE, || portable(PASSES));
-        for peak in [measure(), portable] {
+        for peak in [measure(), sustained(Duration::ZERO), sustained(Duration::from_millis(5))] {
             assert!(peak.gflops > 0.0 && peak.gflops.is_finite(), "{peak:?}");
         }
     }

@@ -166,7 +166,8 @@ impl Outcome {
     }
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+/// The median; NaN of nothing.
+pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     match values.len() {
         0 => f64::NAN,

@@ -2,6 +2,7 @@ use std::cell::Cell;
 use std::mem::ManuallyDrop;
 use std::ops::{AddAssign, Range};
 use std::thread::{self, ThreadId};
+use std::time::{Duration, Instant};
 
 use ::mpi::collective::SystemOperation;
 use ::mpi::datatype::Equivalence;
@@ -52,6 +53,7 @@ pub struct World {
     rank: usize,
     size: usize,
     traffic: Cell<Traffic>,
+    work_time: Cell<Duration>,
     longest: Cell<usize>,
 }
 
@@ -101,7 +103,8 @@ impl World {
     fn owning(comm: SimpleCommunicator) -> Self {
         let (rank, size) = (comm.rank() as usize, comm.size() as usize);
         let comm = ManuallyDrop::new(comm);
-        Self { comm, rank, size, traffic: Cell::default(), longest: Cell::new(LONGEST) }
+        let (traffic, work_time) = (Cell::default(), Cell::default());
+        Self { comm, rank, size, traffic, work_time, longest: Cell::new(LONGEST) }
     }
 
     /// This rank, from 0.
@@ -127,6 +130,12 @@ impl World {
     /// [`World::traffic`], which begins anew.
     pub fn take_traffic(&self) -> Traffic {
         self.traffic.take()
+    }
+
+    /// Time that the local products of this rank took since the world was made, or since this was last called; what
+    /// travels meanwhile is hidden behind it.
+    pub fn take_work_time(&self) -> Duration {
+        self.work_time.take()
     }
 
     /// Entries of a message above which it is cut in several; default 2^30. All ranks must set the same.
@@ -160,7 +169,10 @@ impl World {
             let all = share.start + fraction * (share.end - share.start);
             options.progress.map_or(Flow::Continue, |progress| progress(all))
         };
-        work(&AtaOptions { progress: Some(&tell), ..options.clone() })
+        let start = Instant::now();
+        let done = work(&AtaOptions { progress: Some(&tell), ..options.clone() });
+        self.work_time.set(self.work_time.get() + start.elapsed());
+        done
     }
 
     /// Lets the MPI library get on with what has been started. Many do nothing between calls.

@@ -1,0 +1,78 @@
+//! What is computed, and A: seeded, each entry the same wherever it is made.
+
+use std::fmt;
+
+use catamaran::Real;
+use catamaran::ata::distributed::Mode;
+use catamaran_bench::Result;
+use catamaran_bench::input::Shape;
+use catamaran_bench::product::Operation;
+
+/// The product of a race.
+#[derive(Debug, Clone, Copy)]
+pub struct Job {
+    /// Where A is, and where C shall be.
+    pub mode: Mode,
+    /// Shape of A.
+    pub shape: Shape,
+    /// Seed of A.
+    pub seed: u64,
+    /// Threads of each rank.
+    pub threads: usize,
+}
+
+impl fmt::Display for Job {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, mode {}", self.shape, self.mode)
+    }
+}
+
+impl Job {
+    /// Operations of the classical algorithm.
+    pub fn flops(&self) -> f64 {
+        Operation::Syrk.flops(self.shape)
+    }
+
+    /// Entry (i, j) of A: uniform in [-1, 1). The index goes through the finaliser of SplitMix64 (Steele, Lea
+    /// and Flood 2014), so that nobody has to draw what others hold.
+    pub fn entry<T: Real>(&self, i: usize, j: usize) -> T {
+        let index = (i as u64) << 32 | j as u64;
+        let mut z = (index ^ self.seed.rotate_left(48)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^= z >> 31;
+        T::from_f64((z >> 11) as f64 * (2.0 / (1_u64 << 53) as f64) - 1.0)
+    }
+}
+
+/// A matrix of `outer * inner` entries, line by line; empty lines are allowed.
+///
+/// # Errors
+/// When there is not enough memory.
+pub fn filled<T>(outer: usize, inner: usize, entry: impl Fn(usize, usize) -> T) -> Result<Vec<T>> {
+    let mut entries = Vec::new();
+    entries.try_reserve_exact(outer * inner).map_err(|e| format!("{outer} x {inner}: {e}"))?;
+    for o in 0..outer {
+        entries.extend((0..inner).map(|i| entry(o, i)));
+    }
+    Ok(entries)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_are_uniform_and_differ() {
+        let job = |seed| Job { mode: Mode::Rows, shape: Shape { m: 99, n: 101 }, seed, threads: 1 };
+        let all = filled(99, 101, |i, j| job(1).entry::<f64>(i, j)).unwrap();
+        let mean = |power| all.iter().map(|x| x.powi(power)).sum::<f64>() / all.len() as f64;
+        assert!(mean(1).abs() < 0.03 && (mean(2) - 1.0 / 3.0).abs() < 0.02);
+        assert!(all.iter().all(|x| (-1.0..1.0).contains(x)));
+        assert_ne!(job(1).entry::<f64>(3, 4), job(1).entry::<f64>(4, 3));
+        assert_ne!(job(1).entry::<f64>(3, 4), job(2).entry::<f64>(3, 4));
+        // Neighbours have nothing to do with each other.
+        let products = all.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / all.len() as f64;
+        assert!(products.abs() < 0.02);
+    }
+}

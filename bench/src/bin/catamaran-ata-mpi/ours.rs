@@ -1,0 +1,125 @@
+//! Our side of the race: the parts of A that this rank has, and what is done with them.
+
+use std::ops::Range;
+
+use catamaran::ata::distributed::Mode;
+use catamaran::ata::{Verification, verify};
+use catamaran::mpi::{MpiReal, Symmetric, World, ata_columns, ata_root, ata_rows};
+use catamaran::{AtaOptions, Par, Uplo, mpi};
+use catamaran_bench::Result;
+use faer::{MatMut, MatRef};
+
+use crate::job::{Job, filled};
+use crate::ranks::Ranks;
+
+/// The rank that has A and C in [`Mode::Root`], and to which results are gathered.
+pub const ROOT: usize = 0;
+
+/// A product and its operands, in place.
+pub struct Ours<'w, T> {
+    world: &'w World,
+    job: Job,
+    options: AtaOptions<'static>,
+    /// Rows and columns of A that this rank has.
+    part: [Range<usize>; 2],
+    /// These, row-major.
+    a: Vec<T>,
+    /// C, n x n, row-major, on the root in [`Mode::Root`], else nothing.
+    c: Vec<T>,
+    result: Option<Symmetric<T>>,
+}
+
+impl<'w, T: MpiReal> Ours<'w, T> {
+    /// Makes this rank's part of A.
+    ///
+    /// # Errors
+    /// When there is not enough memory.
+    pub fn new(world: &'w World, job: Job) -> Result<Self> {
+        let (m, n) = (job.shape.m, job.shape.n);
+        let share = |len: usize| {
+            let start = |rank: usize| (len as u128 * rank as u128 / world.size() as u128) as usize;
+            start(world.rank())..start(world.rank() + 1)
+        };
+        let is_root = world.rank() == ROOT;
+        let part = match job.mode {
+            Mode::Root if is_root => [0..m, 0..n],
+            Mode::Root => [0..0, 0..n],
+            Mode::Rows => [share(m), 0..n],
+            Mode::Columns => [0..m, share(n)],
+        };
+        let [rows, cols] = &part;
+        let a = filled(rows.len(), cols.len(), |i, j| job.entry(rows.start + i, cols.start + j))?;
+        let side = if job.mode == Mode::Root && is_root { n } else { 0 };
+        let c = filled(side, side, |_, _| T::from_f64(f64::NAN))?;
+        let options = AtaOptions { par: Par::Threads(job.threads), ..AtaOptions::default() };
+        Ok(Self { world, job, options, part, a, c, result: None })
+    }
+
+    /// Drops the result before, or makes it unusable.
+    pub fn forget(&mut self) {
+        self.result = None;
+        self.c.fill(T::from_f64(f64::NAN));
+    }
+
+    /// Computes the product.
+    ///
+    /// # Errors
+    /// Those of the library, on all ranks.
+    pub fn run(&mut self) -> Result<()> {
+        let (world, one) = (self.world, T::ONE);
+        let a = view(&self.a, &self.part);
+        match self.job.mode {
+            Mode::Root => {
+                let n = self.job.shape.n;
+                let mine = (world.rank() == ROOT)
+                    .then(|| (a, MatMut::from_row_major_slice_mut(&mut self.c, n, n)));
+                let (a, c) = mine.unzip();
+                ata_root(world, ROOT, one, a, T::ZERO, c, &self.options)?;
+            }
+            Mode::Rows => self.result = Some(ata_rows(world, one, a, &self.options)?),
+            Mode::Columns => {
+                self.result = Some(ata_columns(world, one, a, &self.options)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks the last result with `rounds` random vectors; the verdict, on the root at least.
+    ///
+    /// # Errors
+    /// Those of the library, in [`Mode::Root`] on the root alone.
+    pub fn verify(&self, rounds: u32) -> Result<Option<Verification>> {
+        let a = view(&self.a, &self.part);
+        let distributed = match self.job.mode {
+            Mode::Rows => mpi::Distributed::Rows(a),
+            _ => mpi::Distributed::Columns(a),
+        };
+        let (n, seed) = (self.job.shape.n, self.job.seed);
+        Ok(match &self.result {
+            Some(result) => Some(mpi::verify(self.world, 1.0, distributed, result, rounds, seed)?),
+            None if self.world.rank() == ROOT => {
+                let c = MatRef::from_row_major_slice(&self.c, n, n);
+                Some(verify(1.0, a, c, Uplo::Lower, rounds, seed)?)
+            }
+            None => None,
+        })
+    }
+
+    /// C on the root, n x n, row-major, in its lower triangle; nothing elsewhere.
+    ///
+    /// # Errors
+    /// Those of the library, or when there is not enough memory; on all ranks.
+    pub fn into_lower(mut self, ranks: &Ranks<'_>) -> Result<Vec<T>> {
+        let Some(result) = self.result else { return Ok(self.c) };
+        let side = if self.world.rank() == ROOT { self.job.shape.n } else { 0 };
+        self.a = Vec::new();
+        self.c = ranks.agree(filled(side, side, |_, _| T::from_f64(f64::NAN)))?;
+        let c = MatMut::from_row_major_slice_mut(&mut self.c, side, side);
+        result.gather(self.world, ROOT, (side > 0).then_some(c), Uplo::Lower)?;
+        Ok(self.c)
+    }
+}
+
+fn view<'a, T>(a: &'a [T], [rows, cols]: &[Range<usize>; 2]) -> MatRef<'a, T> {
+    MatRef::from_row_major_slice(a, rows.len(), cols.len())
+}

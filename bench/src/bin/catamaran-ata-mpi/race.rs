@@ -1,0 +1,256 @@
+//! The race: ours and the rival by turns, what each repetition took, and what is to be said of it.
+
+use std::thread;
+use std::time::Duration;
+
+use catamaran::base::available_cores;
+use catamaran::mpi::{MpiReal, Traffic, World};
+use catamaran_bench::race::Outcome;
+use catamaran_bench::{Result, host, peak, record};
+
+use crate::Arguments;
+use crate::job::Job;
+use crate::ours::{Ours, ROOT};
+use crate::ranks::Ranks;
+use crate::report::{self, Cost, Counted, Row, Times};
+use crate::rival::{Distribution, Pdsyrk, fastest};
+use crate::scalapack::{Grid, Scalapack};
+
+/// How long the speed of all cores together is measured.
+const PEAK_TIME: Duration = Duration::from_millis(200);
+/// Random vectors of the check.
+const ROUNDS: u32 = 20;
+
+/// Runs it on all ranks; rank 0 tells.
+///
+/// # Errors
+/// On all ranks if there is one on any.
+pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<()> {
+    let say = |text: &str| {
+        if ranks.own() == ROOT {
+            println!("{text}");
+        }
+    };
+    let job = arguments.job(ranks.count());
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(job.threads).build_global();
+    ranks.agree(threads.map_err(Into::into))?;
+    let mpi = mpi_version();
+    let (peak, peak_line) = peak_of_all::<T>(ranks, job.threads);
+    let machines = ranks.machines();
+    say(&format!("A         {job}, {}", scalar::<T>()));
+    say(&format!(
+        "ranks     {}, machines: {}, threads of a rank: {}, cores it may use: {}, {mpi}",
+        ranks.count(),
+        machines,
+        job.threads,
+        available_cores()
+    ));
+    say(&peak_line);
+
+    let world = World::new(ranks.0);
+    let mut ours = ranks.agree(Ours::<T>::new(&world, job))?;
+    // The first run pays for threads and buffers.
+    ours.run()?;
+    let load = |path: Option<_>| ranks.agree(Scalapack::<T>::load(path, &mpi, job.threads));
+    let scalapack =
+        arguments.rival.as_ref().map(|rival| load(rival.path.as_deref())).transpose()?;
+    let tell = |distribution: &Distribution, seconds: f64| {
+        if arguments.explain {
+            say(&format!("tried     pdsyrk, {distribution}: {seconds:.6} s"));
+        }
+    };
+    let seat = |s| fastest(s, ranks, job, tell).map(|best| (best, best.grid(s)));
+    let seat = scalapack.as_ref().map(seat).transpose()?;
+    let enter = seat.as_ref().map(|(best, grid)| ranks.agree(Pdsyrk::new(grid, job, *best)));
+    let mut rival = enter.transpose()?;
+    if let (Some(rival), Some(scalapack), Some((best, _))) = (&mut rival, &scalapack, &seat) {
+        rival.run();
+        say(&format!("rival     pdsyrk, {best}; {}", scalapack.description));
+    }
+
+    say(&format!("\n{}", report::HEADER));
+    let mut measured = Measured::default();
+    for repetition in 1..=usize::from(arguments.repeat) {
+        measured.repeat(repetition, ranks, &world, &mut ours, rival.as_mut())?;
+        say(&measured.line(repetition - 1, &job, peak));
+    }
+    say(&measured.median_line(&job, peak));
+
+    let mut error = None;
+    if arguments.check {
+        say("");
+        verify(&ours, ranks, say)?;
+        if let (Some(rival), Some((_, grid))) = (rival, &seat) {
+            error = Some(difference(&job, ours, rival, grid, ranks)?);
+            say(&format!(
+                "error     {:.1e} of the largest entry, beside pdsyrk",
+                error.unwrap_or(0.0)
+            ));
+        }
+    }
+    if arguments.explain {
+        say(&format!("\n{}", report::costs(&job, ranks.count(), &measured.counted)));
+    }
+    if let Some(name) = &arguments.record {
+        let row = Row {
+            job: &job,
+            ranks: ranks.count(),
+            scalar: scalar::<T>(),
+            ours: &measured.ours(),
+            rival: measured.rival().zip(seat.as_ref().map(|(best, _)| best.to_string())),
+            error,
+            words: measured.counted.most.words,
+        };
+        let library = scalapack.as_ref().map_or("none", |s| &s.description);
+        let about = format!("mpi       {mpi}\nscalapack {library}\n{peak_line}\n");
+        let written = (ranks.own() == ROOT).then(|| {
+            let host = host::describe(&[]) + &about;
+            record::put(name, Row::HEADER, Row::KEYS, &row.to_string(), host)
+        });
+        if let Some(folder) = ranks.agree(written.transpose())? {
+            say(&format!("\nrecorded in {}", folder.display()));
+        }
+    }
+    Ok(())
+}
+
+/// What the repetitions took.
+#[derive(Default)]
+struct Measured {
+    times: Vec<Times>,
+    rival_seconds: Vec<f64>,
+    /// Of one repetition of ours; all are alike.
+    counted: Counted,
+}
+
+impl Measured {
+    /// One repetition of both, who is first by turns.
+    fn repeat<T: MpiReal>(
+        &mut self,
+        repetition: usize,
+        ranks: &Ranks<'_>,
+        world: &World,
+        ours: &mut Ours<'_, T>,
+        mut rival: Option<&mut Pdsyrk<'_, T>>,
+    ) -> Result<()> {
+        for turn in 0..2 {
+            if (repetition + turn) % 2 == 1 {
+                ours.forget();
+                world.take_traffic();
+                world.take_work_time();
+                let (wall, done) = ranks.time(|| ours.run());
+                done?;
+                let compute = world.take_work_time().as_secs_f64();
+                self.times.push(Times {
+                    compute: ranks.largest(compute),
+                    communication: ranks.largest(wall - compute),
+                    wall: ranks.largest(wall),
+                });
+                self.counted = count(ranks, world.take_traffic());
+            } else if let Some(rival) = &mut rival {
+                rival.forget();
+                self.rival_seconds.push(ranks.largest(ranks.time(|| rival.run()).0));
+            }
+        }
+        Ok(())
+    }
+
+    fn line(&self, i: usize, job: &Job, peak: f64) -> String {
+        let rival = self.rival_seconds.get(i).map(|&s| (s, s / self.times[i].wall));
+        report::line(&(i + 1).to_string(), job, &self.times[i], peak, rival)
+    }
+
+    fn median_line(&self, job: &Job, peak: f64) -> String {
+        let rival = self.rival().map(|rival| (rival.median(), self.ours().ratio_to(&rival)));
+        report::line("med.", job, &Times::median(&self.times), peak, rival)
+    }
+
+    fn ours(&self) -> Outcome {
+        outcome("cata", false, self.times.iter().map(|times| times.wall).collect())
+    }
+
+    fn rival(&self) -> Option<Outcome> {
+        let seconds = &self.rival_seconds;
+        (!seconds.is_empty()).then(|| outcome("pdsyrk", true, seconds.clone()))
+    }
+}
+
+fn outcome(contender: &str, is_rival: bool, seconds: Vec<f64>) -> Outcome {
+    Outcome { contender: contender.into(), is_rival, seconds, error: 0.0 }
+}
+
+/// The traffic of all ranks.
+fn count(ranks: &Ranks<'_>, traffic: Traffic) -> Counted {
+    let [words_sent, words_received, messages_sent, messages_received] = [
+        traffic.words_sent,
+        traffic.words_received,
+        traffic.messages_sent,
+        traffic.messages_received,
+    ]
+    .map(|count| count as f64);
+    let both_ways =
+        Cost { words: words_sent + words_received, messages: messages_sent + messages_received };
+    let most = Cost {
+        words: ranks.largest(words_sent.max(words_received)),
+        messages: ranks.largest(messages_sent.max(messages_received)),
+    };
+    Counted { most, both_ways }
+}
+
+/// Checks our last result with random vectors.
+fn verify<T: MpiReal>(ours: &Ours<'_, T>, ranks: &Ranks<'_>, say: impl Fn(&str)) -> Result<()> {
+    let mut passed = true;
+    if let Some(verification) = ranks.agree(ours.verify(ROUNDS))? {
+        passed = verification.passed;
+        let (residual, tolerance) = (verification.residual, verification.tolerance);
+        let verdict = if passed { "passed" } else { "failed" };
+        say(&format!("verified  {verdict}, residual {residual:.1e} of at most {tolerance:.1e}"));
+    }
+    ranks.agree(if passed { Ok(()) } else { Err("the result is wrong".into()) })
+}
+
+/// How far our last result is from the rival's, on the root; see [`report::difference`].
+fn difference<T: MpiReal>(
+    job: &Job,
+    ours: Ours<'_, T>,
+    rival: Pdsyrk<'_, T>,
+    grid: &Grid<'_, T>,
+    ranks: &Ranks<'_>,
+) -> Result<f64> {
+    let n = job.shape.n;
+    let (ours, rival) = (ours.into_lower(ranks)?, rival.into_lower(grid, ranks, n)?);
+    let difference = if ranks.own() == ROOT { report::difference(n, &ours, &rival) } else { 0.0 };
+    // A NaN is one everywhere, for the largest of two it is not.
+    let right = difference <= T::UNIT_ROUNDOFF * job.shape.m.max(32) as f64;
+    let wrong = format!("the results differ: {difference:.1e} of the largest entry");
+    ranks.agree(if right { Ok(difference) } else { Err(wrong.into()) })
+}
+
+/// GFLOP/s of all threads of all ranks together, in the precision of T, and a line that says so.
+fn peak_of_all<T>(ranks: &Ranks<'_>, threads: usize) -> (f64, String) {
+    let (_, peaks) = ranks.time(|| {
+        thread::scope(|scope| {
+            let all: Vec<_> =
+                (0..threads).map(|_| scope.spawn(|| peak::sustained(PEAK_TIME))).collect();
+            all.into_iter().filter_map(|thread| thread.join().ok()).collect::<Vec<_>>()
+        })
+    });
+    // A register holds twice as many f32.
+    let per_f64 = (8 / size_of::<T>()) as f64;
+    let sum = ranks.sum(per_f64 * peaks.iter().map(|peak| peak.gflops).sum::<f64>());
+    let instructions = peaks.first().map_or("no instructions", |peak| peak.instructions);
+    let what =
+        format!("all ranks at the same time, {} multiply-adds, {instructions}", scalar::<T>());
+    (sum, format!("peak      {sum:.1} GFLOP/s ({what})"))
+}
+
+fn scalar<T>() -> &'static str {
+    if size_of::<T>() == 8 { "f64" } else { "f32" }
+}
+
+/// What the MPI library calls itself.
+fn mpi_version() -> String {
+    let all = mpi::environment::library_version().unwrap_or_default();
+    let first = all.split([',', '\n']).next().unwrap_or_default();
+    first.replace('\t', " ").trim_end_matches(['\0', ' ']).to_owned()
+}

@@ -1,0 +1,158 @@
+//! The rival's side: pdsyrk or pssyrk, in the best of several distributions.
+
+use std::fmt;
+
+use catamaran::Real;
+use catamaran::ata::distributed::Mode;
+use catamaran_bench::Result;
+
+use crate::job::Job;
+use crate::ranks::Ranks;
+use crate::scalapack::{Distributed, Grid, Scalapack};
+
+/// Sides of blocks that are tried.
+const BLOCKS: [usize; 3] = [64, 128, 256];
+/// Runs of each distribution before the race; the first one pays for threads and buffers.
+const TRIALS: usize = 2;
+
+/// How the rival distributes its matrices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Distribution {
+    /// Processes: rows and columns of them.
+    grid: [usize; 2],
+    /// Rows and columns of a block.
+    block: usize,
+    /// It is given A^T.
+    transposed: bool,
+}
+
+impl Distribution {
+    /// Those that are tried on so many ranks: A on all grids of more than one row; A^T on a row of processes, where
+    /// it is the faster one.
+    fn all(ranks: usize) -> impl Iterator<Item = Self> {
+        let rows = (1..=ranks).filter(move |rows| ranks.is_multiple_of(*rows));
+        rows.flat_map(move |rows| {
+            let grid = [rows, ranks / rows];
+            BLOCKS.map(|block| Self { grid, block, transposed: rows == 1 })
+        })
+    }
+
+    /// Its processes.
+    pub fn grid<'s, T>(&self, scalapack: &'s Scalapack<T>) -> Grid<'s, T> {
+        scalapack.grid(self.grid[0], self.grid[1])
+    }
+}
+
+impl fmt::Display for Distribution {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { grid: [rows, cols], block, transposed } = self;
+        write!(f, "{} {rows}x{cols} NB {block}", if *transposed { "A^T" } else { "A" })
+    }
+}
+
+/// A product and its operands, in place.
+pub struct Pdsyrk<'g, T> {
+    transposed: bool,
+    a: Distributed<'g, T>,
+    c: Distributed<'g, T>,
+    /// A and C on the root alone, in [`Mode::Root`].
+    whole: Option<[Distributed<'g, T>; 2]>,
+}
+
+impl<'g, T: Real> Pdsyrk<'g, T> {
+    /// Makes this rank's part of A.
+    ///
+    /// # Errors
+    /// When there is not enough memory, or a side is too long.
+    pub fn new(grid: &'g Grid<'_, T>, job: Job, distribution: Distribution) -> Result<Self> {
+        let (m, n) = (job.shape.m, job.shape.n);
+        let Distribution { block, transposed, .. } = distribution;
+        let shape = if transposed { [n, m] } else { [m, n] };
+        let entry = |i, j| if transposed { job.entry(j, i) } else { job.entry(i, j) };
+        let nan = |_, _| T::from_f64(f64::NAN);
+        let c = grid.matrix([n; 2], [block; 2], nan)?;
+        let (a, whole) = match job.mode {
+            // One block is everything.
+            Mode::Root => {
+                let whole = [grid.matrix(shape, shape, entry)?, grid.matrix([n; 2], [n; 2], nan)?];
+                (grid.matrix(shape, [block; 2], nan)?, Some(whole))
+            }
+            _ => (grid.matrix(shape, [block; 2], entry)?, None),
+        };
+        Ok(Self { transposed, a, c, whole })
+    }
+
+    /// Makes the result before unusable.
+    pub fn forget(&mut self) {
+        self.c.entries.fill(T::from_f64(f64::NAN));
+        if let Some([_, c]) = &mut self.whole {
+            c.entries.fill(T::from_f64(f64::NAN));
+        }
+    }
+
+    /// Computes the product: from the root and back to it, in [`Mode::Root`].
+    pub fn run(&mut self) {
+        if let Some([a, _]) = &self.whole {
+            self.a.copy_from(a);
+        }
+        self.c.set_to_syrk(&self.a, self.transposed);
+        if let Some([_, c]) = &mut self.whole {
+            c.copy_lower_from(&self.c);
+        }
+    }
+
+    /// C on the root, n x n, column-major, in its lower triangle; nothing elsewhere.
+    ///
+    /// # Errors
+    /// When there is not enough memory.
+    pub fn into_lower(self, grid: &Grid<'_, T>, ranks: &Ranks<'_>, n: usize) -> Result<Vec<T>> {
+        let Self { a, c, whole, .. } = self;
+        drop(a);
+        if let Some([_, c]) = whole {
+            return Ok(c.entries);
+        }
+        let mut whole = ranks.agree(grid.matrix([n; 2], [n; 2], |_, _| T::ZERO))?;
+        whole.copy_lower_from(&c);
+        Ok(whole.entries)
+    }
+}
+
+/// The fastest distribution of all that are tried, the same on every rank; `tell` is told of each.
+///
+/// # Errors
+/// As [`Pdsyrk::new`].
+pub fn fastest<T: Real>(
+    scalapack: &Scalapack<T>,
+    ranks: &Ranks<'_>,
+    job: Job,
+    tell: impl Fn(&Distribution, f64),
+) -> Result<Distribution> {
+    let mut best: Option<(f64, Distribution)> = None;
+    for distribution in Distribution::all(ranks.count()) {
+        let grid = distribution.grid(scalapack);
+        let mut product = ranks.agree(Pdsyrk::new(&grid, job, distribution))?;
+        let seconds = (0..TRIALS).map(|_| ranks.largest(ranks.time(|| product.run()).0));
+        let seconds = seconds.fold(f64::INFINITY, f64::min);
+        tell(&distribution, seconds);
+        if best.is_none_or(|(least, _)| seconds < least) {
+            best = Some((seconds, distribution));
+        }
+    }
+    best.map(|(_, distribution)| distribution).ok_or_else(|| "no distribution to try".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_grid_is_tried() {
+        for ranks in 1..=12 {
+            let all: Vec<_> = Distribution::all(ranks).collect();
+            assert!(all.iter().all(|d| d.grid[0] * d.grid[1] == ranks));
+            assert!(all.iter().any(|d| d.grid == [ranks, 1]));
+            assert!(all.iter().any(|d| d.grid == [1, ranks] && d.transposed));
+        }
+        assert_eq!(Distribution::all(4).count(), 9);
+    }
+}
