@@ -60,7 +60,9 @@ pub fn ata_columns<T: MpiReal>(
         let beta = if piece == 0 { T::ZERO } else { T::ONE };
         let mut rest = &mut entries[packed_len(width)..];
         for (i, product) in products.iter().enumerate() {
-            let (left, right) = (seen.columns(product.left), seen.columns(product.right));
+            let first = product.rows.start - blocks.columns(product.left).start;
+            let left = seen.columns(product.left).subcols(first, product.rows.len());
+            let right = seen.columns(product.right);
             let on_diagonal = product.left == product.right;
             let result = if on_diagonal {
                 &mut square[..]

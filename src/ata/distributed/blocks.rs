@@ -1,7 +1,7 @@
 //! Each rank has some columns of A: blocks of them travel so that each pair meets on one rank.
 //!
 //! Rank p sees the column blocks `p + D mod P`, D a [`difference_cover`], and computes for every difference
-//! one block of C: all ranks compute the same number of blocks (one less, for some, when P is even), and
+//! one block of C (half of one for the difference P / 2, which two ranks see): all compute the same, and
 //! receive `(|D| - 1) m n / P` words, `m n / sqrt(P)` for perfect covers, which is the lower bound of
 //! the two-dimensional case. The triangle-block distribution of Al Daas, Ballard, Grigori, Kumar and
 //! Rouse (2023) is the same with other planes, for P = c (c + 1) only.
@@ -21,13 +21,15 @@ pub struct Blocks {
     pairs: Vec<(usize, usize)>,
 }
 
-/// The block `C[rows, cols] = A_left^T A_right` of column blocks `left >= right`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Rows of the block of C that is the product of the column blocks `left >= right`.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Product {
     /// Rank whose columns are the rows of the block.
     pub left: usize,
     /// Rank whose columns are the columns of the block; the same for a triangle on the diagonal.
     pub right: usize,
+    /// Rows of C: all those of the block, or half of them.
+    pub rows: Range<usize>,
 }
 
 impl Blocks {
@@ -39,14 +41,15 @@ impl Blocks {
             starts.push(starts[starts.len() - 1] + width);
         }
         let cover = difference_cover(ranks);
-        let pairs = (0..=ranks / 2)
-            .map(|d| {
-                let all = cover.iter().flat_map(|&a| cover.iter().map(move |&b| (a, b)));
-                all.into_iter()
-                    .find(|&(a, b)| (b + ranks - a) % ranks == d)
-                    .unwrap_or_else(|| unreachable!("a cover has every difference"))
-            })
-            .collect();
+        let mut pairs = vec![(0, 0); ranks / 2 + 1];
+        for &a in &cover {
+            for &b in &cover {
+                let d = (b + ranks - a) % ranks;
+                if 0 < d && d <= ranks / 2 {
+                    pairs[d] = (a, b);
+                }
+            }
+        }
         Self { starts, cover, pairs }
     }
 
@@ -79,31 +82,39 @@ impl Blocks {
     /// What `rank` computes and holds, in order; the triangle on the diagonal comes first.
     pub fn products(&self, rank: usize) -> impl Iterator<Item = Product> + '_ {
         let ranks = self.ranks();
-        self.pairs.iter().enumerate().filter_map(move |(d, &(a, b))| {
+        self.pairs.iter().enumerate().map(move |(d, &(a, b))| {
             let (x, y) = ((rank + a) % ranks, (rank + b) % ranks);
-            // Half way around, p and p + P/2 have the same pair.
-            let twice = d > 0 && 2 * d == ranks && x > y;
-            (!twice).then_some(Product { left: x.max(y), right: x.min(y) })
+            let (left, right) = (x.max(y), x.min(y));
+            let mut rows = self.columns(left);
+            // Half way around, the ranks p and p + P/2 have the same pair, one of them the other way round.
+            if d > 0 && 2 * d == ranks {
+                let middle = rows.start.midpoint(rows.end);
+                rows = if x < y { rows.start..middle } else { middle..rows.end };
+            }
+            Product { left, right, rows }
         })
     }
 
     /// The number of entries of a product.
-    pub fn product_len(&self, product: Product) -> usize {
-        let (rows, cols) = (self.columns(product.left).len(), self.columns(product.right).len());
-        if product.left == product.right { packed_len(rows) } else { rows * cols }
+    fn product_len(&self, product: &Product) -> usize {
+        let rows = product.rows.len();
+        let on_diagonal = product.left == product.right;
+        if on_diagonal { packed_len(rows) } else { rows * self.columns(product.right).len() }
     }
 
     pub(super) fn segments(&self, rank: usize) -> impl Iterator<Item = Segment> {
         self.products(rank).flat_map(move |product| {
-            let (rows, cols) = (self.columns(product.left), self.columns(product.right));
-            rows.map(move |row| Segment { row, cols: cols.start..cols.end.min(row + 1) })
+            let cols = self.columns(product.right);
+            product
+                .rows
+                .map(move |row| Segment { row, cols: cols.start..cols.end.min(row + 1) })
                 .filter(|segment| !segment.cols.is_empty())
         })
     }
 
     /// The number of entries that `rank` holds.
     pub fn len(&self, rank: usize) -> usize {
-        self.products(rank).map(|product| self.product_len(product)).sum()
+        self.products(rank).map(|product| self.product_len(&product)).sum()
     }
 }
 
@@ -164,9 +175,8 @@ mod tests {
     fn work_is_even() {
         for ranks in 2..=64 {
             let blocks = Blocks::new(&vec![10; ranks]);
-            let counts: Vec<usize> = (0..ranks).map(|r| blocks.products(r).count()).collect();
-            let (least, most) = (counts.iter().min().unwrap(), counts.iter().max().unwrap());
-            assert!(most - least <= 1, "{ranks}: {counts:?}");
+            let lens: Vec<usize> = (0..ranks).map(|r| blocks.len(r)).collect();
+            assert!(lens.iter().all(|&len| len == lens[0]), "{ranks}: {lens:?}");
         }
     }
 }

@@ -203,7 +203,7 @@ fn columns(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
     let (rows, width) = (m as f64, n.div_ceil(ranks) as f64);
     let others = (seen - 1) as f64;
     let triangle = width * (width + 1.0) / 2.0;
-    let entries = triangle + (ranks / 2) as f64 * width * width;
+    let entries = triangle + (ranks - 1) as f64 / 2.0 * width * width;
     let words = others * rows * width;
     let messages = others * pieces as f64;
     let products = rows * entries;
