@@ -935,6 +935,58 @@ cata_status cata_world_ata_columns_f32(const struct cata_world *world,
                                        struct cata_symmetric **c);
 
 /**
+ * C := alpha A^T A + beta C where one rank has A, m x n, and C, n x n: AtA-D. Collective.
+ *
+ * - `world`: not NULL.
+ * - `root`: the rank that has them, from 0.
+ * - `alpha`: the same on all ranks.
+ * - `layout`, `uplo`, `m`, `n`, `a`, `lda`, `beta`, `c`, `ldc`: on the root as in cata_ata_f64; ignored on
+ *   other ranks.
+ * - `params`: as in cata_world_ata_rows_f64.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (for a root out of range, too),
+ * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK when the roots, alpha or the precision differ between the ranks or another
+ * one failed, CATA_ERR_CANCELLED, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC. C is untouched after an error in
+ * arguments, and holds unspecified values in its wanted part after any other.
+ *
+ * The result depends, by rounding, on the number of ranks; not on that of threads.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_world_ata_root_f64(const struct cata_world *world,
+                                    size_t root,
+                                    int32_t layout,
+                                    int32_t uplo,
+                                    size_t m,
+                                    size_t n,
+                                    double alpha,
+                                    const double *a,
+                                    size_t lda,
+                                    double beta,
+                                    double *c,
+                                    size_t ldc,
+                                    const struct cata_ata_params *params);
+
+/**
+ * As cata_world_ata_root_f64, in float.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_world_ata_root_f32(const struct cata_world *world,
+                                    size_t root,
+                                    int32_t layout,
+                                    int32_t uplo,
+                                    size_t m,
+                                    size_t n,
+                                    float alpha,
+                                    const float *a,
+                                    size_t lda,
+                                    float beta,
+                                    float *c,
+                                    size_t ldc,
+                                    const struct cata_ata_params *params);
+
+/**
  * C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has them; what PDSYRK does
  * with TRANS = 'T' to whole matrices. Collective.
  *

@@ -292,6 +292,70 @@ pub unsafe extern "C" fn cata_world_ata_columns_f32(
     with_mpi!(ranks::columns(world, layout, m, cols, alpha, a, lda, params, c))
 }
 
+/// C := alpha A^T A + beta C where one rank has A, m x n, and C, n x n: AtA-D. Collective.
+///
+/// - `world`: not NULL.
+/// - `root`: the rank that has them, from 0.
+/// - `alpha`: the same on all ranks.
+/// - `layout`, `uplo`, `m`, `n`, `a`, `lda`, `beta`, `c`, `ldc`: on the root as in cata_ata_f64; ignored on
+///   other ranks.
+/// - `params`: as in cata_world_ata_rows_f64.
+///
+/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (for a root out of range, too),
+/// CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK when the roots, alpha or the precision differ between the ranks or another
+/// one failed, CATA_ERR_CANCELLED, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC. C is untouched after an error in
+/// arguments, and holds unspecified values in its wanted part after any other.
+///
+/// The result depends, by rounding, on the number of ranks; not on that of threads.
+///
+/// Not thread-safe: one call at a time for a world.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_world_ata_root_f64(
+    world: *const cata_world,
+    root: usize,
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: f64,
+    a: *const f64,
+    lda: usize,
+    beta: f64,
+    c: *mut f64,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    with_mpi!(ranks::root(world, root, layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params))
+}
+
+/// As cata_world_ata_root_f64, in float.
+///
+/// Not thread-safe: one call at a time for a world.
+///
+/// # Safety
+/// The pointers are as described at `cata_world_ata_root_f64`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_world_ata_root_f32(
+    world: *const cata_world,
+    root: usize,
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: f32,
+    a: *const f32,
+    lda: usize,
+    beta: f32,
+    c: *mut f32,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    with_mpi!(ranks::root(world, root, layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params))
+}
+
 /// C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has them; what PDSYRK does
 /// with TRANS = 'T' to whole matrices. Collective.
 ///

@@ -9,7 +9,7 @@ use super::status::{CATA_ERR_ARGUMENT, Failure};
 use crate::ata::distributed::{BlockCyclic, Grid, GridOrder};
 use crate::mpi::{
     CyclicMut, CyclicRef, Distributed, MpiReal, Operation, Symmetric, World, aat_cyclic,
-    ata_columns, ata_cyclic, ata_rows, verify,
+    ata_columns, ata_cyclic, ata_root, ata_rows, verify,
 };
 use crate::{AtaOptions, Error, Uplo};
 
@@ -260,6 +260,43 @@ pub(super) unsafe fn columns<T: Held>(
 
 fn handle<T: Held>(matrix: Symmetric<T>) -> *mut cata_symmetric {
     Box::into_raw(Box::new(cata_symmetric { entries: T::hold(matrix) }))
+}
+
+/// # Safety
+/// As the header says.
+pub(super) unsafe fn root<T: MpiReal>(
+    world: *const cata_world,
+    root: usize,
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: T,
+    a: *const T,
+    lda: usize,
+    beta: T,
+    c: *mut T,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> Outcome {
+    // SAFETY: the caller's promise.
+    unsafe {
+        collective(world, Operation::Root, |entrance| {
+            if entrance.world.rank() != root {
+                return with_options(params, Uplo::Lower, |options| {
+                    Ok(ata_root(entrance.enter(), root, alpha, None, beta, None, options)?)
+                });
+            }
+            let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
+            let a = matrix("a", layout, m, n, a, lda)?;
+            // Without columns there is nothing to multiply, and m may be beyond counting.
+            let a = if n == 0 { a.subrows(0, 0) } else { a };
+            let c = matrix_mut("c", layout, n, n, c, ldc)?;
+            with_options(params, uplo, |options| {
+                Ok(ata_root(entrance.enter(), root, alpha, Some(a), beta, Some(c), options)?)
+            })
+        })
+    }
 }
 
 /// # Safety

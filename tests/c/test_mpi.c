@@ -260,6 +260,49 @@ static void test_columns(void)
     CHECK(size == 1 || traffic.messages_sent > traffic.words_sent / 1000);
 }
 
+/* A and C on the last rank; the others say nothing of them. */
+static void test_root(void)
+{
+    static double a[M * N], c[N * N];
+    static float a32[M * N], c32[N * N];
+    int root = size - 1, here = rank == root;
+    for (int i = 0; i < M; i++) {
+        for (int j = 0; j < N; j++) {
+            a[i * N + j] = entry(i, j);
+            a32[i * N + j] = (float)entry(i, j);
+        }
+    }
+    for (int i = 0; i < N * N; i++) {
+        c[i] = c32[i] = -1.0f;
+    }
+    CHECK_STATUS(cata_world_ata_root_f64(world, (size_t)root, here ? CATA_ROW_MAJOR : 0,
+                                         here ? CATA_LOWER : 0, here ? M : 0, here ? N : 0, 2.0,
+                                         here ? a : NULL, here ? N : 0, 1.0, here ? c : NULL, here ? N : 0,
+                                         NULL),
+                 CATA_OK);
+    CHECK_STATUS(cata_world_ata_root_f32(world, (size_t)root, CATA_ROW_MAJOR, CATA_BOTH, M, N, 2.0f, a32, N,
+                                         0.0f, c32, N, NULL),
+                 CATA_OK);
+    for (int j = 0; j < N; j++) {
+        for (int k = 0; k < N; k++) {
+            CHECK(c[j * N + k] == (here && j >= k ? 2.0 * ata(j, k) - 1.0 : -1.0));
+            CHECK(c32[j * N + k] == (here ? (float)(2.0 * ata(j, k)) : -1.0f));
+        }
+    }
+    double old = c[0];
+    CHECK_STATUS(cata_world_ata_root_f64(world, (size_t)root, CATA_ROW_MAJOR, CATA_LOWER, M, N, 2.0, a, N,
+                                         1.0, here ? NULL : c, N, NULL),
+                 seen(root, CATA_ERR_NULL));
+    CHECK_MENTIONS("c: NULL");
+    CHECK_STATUS(cata_world_ata_root_f64(world, (size_t)root, CATA_ROW_MAJOR, CATA_LOWER, M, N, 2.0, a,
+                                         N - 1, 1.0, c, N, NULL),
+                 seen(root, CATA_ERR_SHAPE));
+    CHECK_STATUS(cata_world_ata_root_f64(world, (size_t)size, CATA_ROW_MAJOR, CATA_LOWER, M, N, 2.0, a, N,
+                                         1.0, c, N, NULL),
+                 CATA_ERR_ARGUMENT);
+    CHECK(c[0] == old);
+}
+
 static void test_errors(void)
 {
     double a[4 * N] = {0};
@@ -510,6 +553,7 @@ int main(int argc, char **argv)
     test_worlds();
     test_rows();
     test_columns();
+    test_root();
     test_errors();
     test_cyclic();
     test_cyclic_errors();

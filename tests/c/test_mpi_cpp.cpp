@@ -2,6 +2,8 @@
 
 #include <catamaran_mpi.h>
 
+#include <cstddef>
+
 #include "check.h"
 
 int main(int argc, char** argv)
