@@ -3,7 +3,9 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use catamaran::base::Flow;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::report;
 
 /// Set by the signal handler, which can reach nothing else.
 static CANCELLED: AtomicBool = AtomicBool::new(false);
@@ -31,7 +33,13 @@ impl Bar {
         let style = ProgressStyle::with_template("{msg:>9} [{bar:40}] {percent:>3} %  {eta}")
             .unwrap_or_else(|_| ProgressStyle::default_bar())
             .progress_chars("=> ");
-        Self(ProgressBar::new(STEPS).with_style(style).with_message(label))
+        let target = if report::is_quiet() {
+            ProgressDrawTarget::hidden()
+        } else {
+            ProgressDrawTarget::stderr()
+        };
+        let bar = ProgressBar::with_draw_target(Some(STEPS), target);
+        Self(bar.with_style(style).with_message(label))
     }
 
     /// Shows `fraction` of the work as done; never goes back.

@@ -1,12 +1,30 @@
 //! What goes to stdout.
 
 use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::Result;
 
+/// Set where another process tells the same.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// From now on nothing is reported, and no bar shown.
+#[cfg(feature = "mpi")]
+pub fn be_quiet() {
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+/// Whether nothing is to be reported.
+pub fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
 /// One line on stdout; a closed pipe is an error, not a panic.
 pub fn report(line: std::fmt::Arguments<'_>) -> Result<()> {
+    if is_quiet() {
+        return Ok(());
+    }
     Ok(writeln!(io::stdout(), "{line}")?)
 }
 

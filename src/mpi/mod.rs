@@ -13,6 +13,7 @@ mod reduction;
 mod root;
 mod rows;
 mod shipment;
+mod stream;
 mod symmetric;
 mod transfer;
 mod verify;
@@ -22,6 +23,7 @@ pub use columns::ata_columns;
 pub use cyclic::{CyclicMut, CyclicRef, aat_cyclic, ata_cyclic};
 pub use root::ata_root;
 pub use rows::{ata_rows, sum_symmetric};
+pub use stream::merge_accumulators;
 pub use symmetric::Symmetric;
 pub use verify::{Distributed, verify};
 #[cfg(feature = "capi")]

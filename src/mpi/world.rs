@@ -325,4 +325,5 @@ pub(crate) enum Operation {
     Gather,
     Verify,
     Sum,
+    Merge,
 }

@@ -3,6 +3,7 @@
 mod checkpoint;
 mod memory;
 pub mod parse;
+mod ranks;
 mod source;
 mod sparse;
 
@@ -21,6 +22,7 @@ use catamaran::io::{self as files, CsMat, Output, Overwrite, StripOutput};
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
 
 use self::checkpoint::Checkpoint;
+use self::ranks::{Part, Ranks, Scalar};
 use self::source::{Source, Watched};
 use crate::progress::{self, Bar};
 use crate::report::{report, seconds};
@@ -128,12 +130,20 @@ const SEED: u64 = 0xCA7A;
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
+    let ranks = Ranks::join()?;
+    let done = run_as(args, &ranks);
+    ranks.end(done)
+}
+
+fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     // What can be refused is refused before any work.
-    refuse(args)?;
+    refuse(args, ranks)?;
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let backend = backend::find(&args.backend)?;
-    let create =
-        |path: &Option<PathBuf>| path.as_deref().map(|p| Output::create(p, overwrite)).transpose();
+    let create = |path: &Option<PathBuf>| {
+        let path = path.as_deref().filter(|_| ranks.is_first());
+        path.map(|p| Output::create(p, overwrite)).transpose()
+    };
     let outputs = Outputs {
         c: create(&args.output)?,
         picture: create(&args.picture)?,
@@ -150,11 +160,14 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let name = args.input.display();
     report(format_args!("A         {name}: {m} x {n}, {}, {how}", a.kind()))?;
+    if ranks.size() > 1 {
+        report(format_args!("ranks     {}, each with its part of the rows", ranks.size()))?;
+    }
     let weights = match &args.weights {
         Some(path) => Some(source::read_weights(path, &args.input, m)?),
         None => None,
     };
-    let work = Work { args, a: &a, weights: weights.as_deref(), backend };
+    let work = Work { args, ranks, a: &a, weights: weights.as_deref(), backend };
     if args.double || !args.single && !a.is_single() {
         work.run::<f64>(outputs)
     } else {
@@ -163,7 +176,7 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// What is wrong with the arguments already.
-fn refuse(args: &Args) -> Result<()> {
+fn refuse(args: &Args, ranks: &Ranks) -> Result<()> {
     if args.reproducible && !matches!(args.scheme, SchemeChoice::Auto | SchemeChoice::Exact) {
         let name = parse::scheme_name(args.scheme);
         bail!("--reproducible is --scheme exact, and can't be combined with --scheme {name}");
@@ -174,7 +187,8 @@ fn refuse(args: &Args) -> Result<()> {
     if let Some(path) = &args.output {
         files::check_name(path)?;
     }
-    let checkpoint = args.checkpoint.as_ref().filter(|_| !args.resume);
+    let own_checkpoint = checkpoint_of(args, ranks);
+    let checkpoint = own_checkpoint.as_ref().filter(|_| !args.resume);
     let paths =
         [args.output.as_ref(), args.picture.as_ref(), args.accumulator.as_ref(), checkpoint];
     for path in paths.into_iter().flatten() {
@@ -183,11 +197,24 @@ fn refuse(args: &Args) -> Result<()> {
             bail!("{}: exists already (--force replaces it{goes_on})", path.display());
         }
     }
-    if let Some(path) = &args.checkpoint {
+    if let Some(path) = &own_checkpoint {
         // Hours later would be too late to find out.
         drop(Output::create(path, Overwrite::Replace)?);
     }
     Ok(())
+}
+
+/// Where this rank keeps its sums.
+fn checkpoint_of(args: &Args, ranks: &Ranks) -> Option<PathBuf> {
+    let path = args.checkpoint.as_ref()?;
+    Some(match ranks.label() {
+        Some(label) => {
+            let mut name = path.clone().into_os_string();
+            name.push(format!(".{label}"));
+            name.into()
+        }
+        None => path.clone(),
+    })
 }
 
 /// The files to write, already begun.
@@ -200,6 +227,7 @@ struct Outputs {
 /// A product to compute.
 struct Work<'w> {
     args: &'w Args,
+    ranks: &'w Ranks,
     a: &'w Source,
     weights: Option<&'w [f64]>,
     backend: Arc<dyn Backend>,
@@ -207,7 +235,7 @@ struct Work<'w> {
 
 impl Work<'_> {
     /// Computes C in the precision of T, and whatever else was asked for.
-    fn run<T: BlasReal>(&self, outputs: Outputs) -> Result<()> {
+    fn run<T: Scalar>(&self, outputs: Outputs) -> Result<()> {
         let Self { args, a, .. } = self;
         let (m, n) = a.shape();
         if args.covariance && m < 2 {
@@ -234,13 +262,17 @@ impl Work<'_> {
         }
         if plan.reads() == 1 {
             self.whole::<T>(&plan, &options, outputs)
+        } else if self.ranks.size() > 1 {
+            bail!(
+                "C of {n} x {n} entries does not fit in memory (--memory), and strips are for one process"
+            );
         } else {
             self.strips::<T>(&plan, &options, outputs)
         }
     }
 
     /// All of C, by one read of A.
-    fn whole<T: BlasReal>(
+    fn whole<T: Scalar>(
         &self,
         plan: &StreamPlan,
         options: &AtaOptions<'_>,
@@ -248,7 +280,8 @@ impl Work<'_> {
     ) -> Result<()> {
         let (args, n) = (self.args, self.a.shape().1);
         let labels = self.labels(options);
-        let begun = match &args.checkpoint {
+        let checkpoint = checkpoint_of(args, self.ranks);
+        let begun = match &checkpoint {
             Some(path) if args.resume => checkpoint::resume::<T>(path, n, &labels)?,
             _ => None,
         };
@@ -262,6 +295,8 @@ impl Work<'_> {
         let bar = Bar::new("computing");
         let sum = self.add(sum, plan, options, 0, &bar)?;
         drop(bar);
+        let sum = self.ranks.merge(sum)?;
+        let Some(sum) = sum else { return self.remove_checkpoint(checkpoint) };
         if let Some(output) = &mut outputs.accumulator {
             sum.write(output).map_err(|e| output.error(&e))?;
         }
@@ -276,8 +311,14 @@ impl Work<'_> {
             report(format_args!("kept      {}", path.display()))?;
         }
         self.write(c.as_ref(), outputs.c, outputs.picture)?;
-        match &args.checkpoint {
-            Some(path) if path.symlink_metadata().is_ok() => std::fs::remove_file(path)
+        self.remove_checkpoint(checkpoint)
+    }
+
+    /// When all ranks have done their work.
+    fn remove_checkpoint(&self, checkpoint: Option<PathBuf>) -> Result<()> {
+        self.ranks.wait();
+        match checkpoint {
+            Some(path) if path.symlink_metadata().is_ok() => std::fs::remove_file(&path)
                 .with_context(|| format!("{}: can't be removed", path.display())),
             _ => Ok(()),
         }
@@ -302,6 +343,7 @@ impl Work<'_> {
             !self.centered()
                 && !exact
                 && !streams
+                && self.ranks.size() == 1
                 && args.scheme == SchemeChoice::Auto
                 && sparse::is_faster(a)
         })
@@ -355,19 +397,20 @@ impl Work<'_> {
         let args = self.args;
         let update = |fraction| bar.update((read as f64 + fraction) / plan.reads() as f64);
         let options = AtaOptions { progress: Some(&update), ..options.clone() };
-        let weights: Option<Vec<T>> =
-            self.weights.map(|w| w.iter().map(|&w| T::from_f64(w)).collect());
-        let mut checkpoint =
-            args.checkpoint.as_deref().map(|path| Checkpoint::new(path, args.checkpoint_every));
+        let range = self.ranks.share(self.a.shape().0);
+        let weights = self.weights.map(|w| &w[range.clone()]);
+        let weights: Option<Vec<T>> = weights.map(|w| w.iter().map(|&w| T::from_f64(w)).collect());
+        let mut checkpoint = checkpoint_of(args, self.ranks)
+            .map(|path| Checkpoint::new(&path, args.checkpoint_every));
         let mut after_block = |sum: &Accumulator<T>| {
             if let Some(checkpoint) = &mut checkpoint {
                 checkpoint.after_block(sum);
             }
             progress::check()
         };
-        let mut rows = self.a.rows::<T>(args.strict)?;
+        let mut rows = Part { rows: self.a.rows::<T>(args.strict)?, range };
         let height = plan.block_rows();
-        stream(&mut *rows, weights.as_deref(), height, &mut sum, &options, &mut after_block)?;
+        stream(&mut rows, weights.as_deref(), height, &mut sum, &options, &mut after_block)?;
         Ok(sum)
     }
 
@@ -424,6 +467,7 @@ impl Work<'_> {
             ("reproducible", args.reproducible.to_string()),
             ("scaling of columns", args.scale_columns.to_string()),
             ("back end", options.backend.name().into()),
+            ("rank", self.ranks.label().unwrap_or_else(|| "alone".into())),
         ]
         .map(|(name, value)| (name.to_owned(), value))
         .into()

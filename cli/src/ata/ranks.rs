@@ -1,0 +1,154 @@
+//! The processes that `mpirun` started, each of which takes a part of the rows.
+
+use std::ops::Range;
+
+use anyhow::Result;
+use catamaran::ata::{Accumulator, RowBlocks};
+#[cfg(not(feature = "mpi"))]
+pub use catamaran::blas::BlasReal as Scalar;
+use catamaran::faer::MatMut;
+#[cfg(feature = "mpi")]
+pub use catamaran::mpi::MpiReal as Scalar;
+
+use super::source::Rows;
+use crate::report;
+
+/// This process among the others; alone without `mpirun`.
+pub struct Ranks {
+    #[cfg(feature = "mpi")]
+    // Dropped in this order: MPI ends last.
+    mpi: Option<(catamaran::mpi::World, mpi::environment::Universe)>,
+}
+
+/// What Open MPI, and MPICH and its relatives, tell the processes that they start.
+const SIZES: [&str; 2] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"];
+
+fn started_by_mpirun() -> bool {
+    let size = |name| std::env::var(name).ok().and_then(|text| text.parse::<usize>().ok());
+    SIZES.into_iter().filter_map(size).any(|size| size > 1)
+}
+
+#[cfg(not(feature = "mpi"))]
+impl Ranks {
+    /// Refuses `mpirun`: every process would do all of the work.
+    pub fn join() -> Result<Self> {
+        if started_by_mpirun() {
+            anyhow::bail!("this program was built without MPI: build it with --features mpi");
+        }
+        Ok(Self {})
+    }
+
+    fn rank(&self) -> usize {
+        0
+    }
+
+    /// The number of processes.
+    pub fn size(&self) -> usize {
+        1
+    }
+
+    /// The sums of all processes, on the first one.
+    pub fn merge<T: Scalar>(&self, sum: Accumulator<T>) -> Result<Option<Accumulator<T>>> {
+        Ok(Some(sum))
+    }
+
+    /// Waits for all.
+    pub fn wait(&self) {}
+
+    /// Passes the result on.
+    pub fn end(self, done: Result<()>) -> Result<()> {
+        done
+    }
+}
+
+#[cfg(feature = "mpi")]
+impl Ranks {
+    /// Starts MPI under `mpirun`; all but the first process are quiet from now on.
+    pub fn join() -> Result<Self> {
+        use anyhow::Context;
+        if !started_by_mpirun() {
+            return Ok(Self { mpi: None });
+        }
+        let universe = mpi::initialize().context("MPI is initialised already")?;
+        let ranks = Self { mpi: Some((catamaran::mpi::World::new(&universe.world()), universe)) };
+        if !ranks.is_first() {
+            report::be_quiet();
+        }
+        Ok(ranks)
+    }
+
+    fn rank(&self) -> usize {
+        self.mpi.as_ref().map_or(0, |(world, _)| world.rank())
+    }
+
+    /// The number of processes.
+    pub fn size(&self) -> usize {
+        self.mpi.as_ref().map_or(1, |(world, _)| world.size())
+    }
+
+    /// The sums of all processes, on the first one.
+    pub fn merge<T: Scalar>(&self, sum: Accumulator<T>) -> Result<Option<Accumulator<T>>> {
+        match &self.mpi {
+            Some((world, _)) => Ok(catamaran::mpi::merge_accumulators(world, sum)?),
+            None => Ok(Some(sum)),
+        }
+    }
+
+    /// Waits for all.
+    pub fn wait(&self) {
+        use mpi::collective::CommunicatorCollectives;
+        if let Some((world, _)) = &self.mpi {
+            world.communicator().barrier();
+        }
+    }
+
+    /// Passes the result on; an error on one of several processes ends all of them, or they would wait for ever.
+    pub fn end(self, done: Result<()>) -> Result<()> {
+        use mpi::topology::Communicator;
+        if let (Some((world, _)), Err(error)) = (&self.mpi, &done) {
+            eprintln!("catamaran: rank {}: {error:#}", world.rank());
+            world.communicator().abort(1);
+        }
+        done
+    }
+}
+
+impl Ranks {
+    /// Whether this process is the one that writes and reports.
+    pub fn is_first(&self) -> bool {
+        self.rank() == 0
+    }
+
+    /// The rows that this process takes, of `m`.
+    pub fn share(&self, m: usize) -> Range<usize> {
+        let bound = |rank: usize| m / self.size() * rank + (m % self.size()).min(rank);
+        bound(self.rank())..bound(self.rank() + 1)
+    }
+
+    /// Which of how many, for names and labels; `None` when alone.
+    pub fn label(&self) -> Option<String> {
+        (self.size() > 1).then(|| format!("{}-of-{}", self.rank(), self.size()))
+    }
+}
+
+/// Some of the rows of a source.
+pub struct Part<'a, T> {
+    /// All of them.
+    pub rows: Rows<'a, T>,
+    /// These.
+    pub range: Range<usize>,
+}
+
+impl<T> RowBlocks<T> for Part<'_, T> {
+    fn nrows(&self) -> usize {
+        self.range.len()
+    }
+
+    fn ncols(&self) -> usize {
+        self.rows.ncols()
+    }
+
+    fn read(&mut self, first: usize, out: MatMut<'_, T>) -> catamaran::Result<()> {
+        self.rows.read(self.range.start + first, out)
+    }
+}

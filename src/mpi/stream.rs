@@ -1,0 +1,146 @@
+//! Accumulators of streams, one on each rank.
+
+use std::io::{self, Read, Write};
+
+use ::mpi::datatype::Equivalence;
+use ::mpi::point_to_point::{Destination, Source};
+use ::mpi::topology::Communicator;
+
+use super::world::{MpiReal, Operation, Traffic, World};
+use crate::ata::Accumulator;
+use crate::base::{Error, Result};
+
+const TAG: i32 = 4;
+/// Bytes of a message.
+const MESSAGE: usize = 1 << 20;
+
+/// Merges the accumulators of all ranks, in a tree of `log2 P` levels that depends on P only: the sum on rank 0, and
+/// `None` on the others. Beside its own accumulator a rank holds one more.
+///
+/// # Errors
+/// [`Error::Rank`] when the columns or the centring differ, or another rank failed; else as
+/// [`Accumulator::merge`].
+pub fn merge_accumulators<T: MpiReal>(
+    world: &World,
+    mut sum: Accumulator<T>,
+) -> Result<Option<Accumulator<T>>> {
+    let _guard = world.abort_on_panic();
+    let facts = [
+        ("the number of columns", sum.ncols()),
+        ("centring", usize::from(sum.is_centered())),
+        ("the size of a scalar", size_of::<T>()),
+    ];
+    world.begin(Operation::Merge, &facts, Ok(()))?;
+    let (rank, size) = (world.rank(), world.size());
+    let mut done = Ok(());
+    let mut step = 1;
+    // A rank that fails goes on with what it has, so that nobody waits for it.
+    while step < size && rank.is_multiple_of(2 * step) {
+        if rank + step < size {
+            let mut stream = Incoming::new(world, rank + step);
+            let other = Accumulator::read(&mut stream)
+                .map_err(|e| Error::Rank { rank: rank + step, why: e.to_string() });
+            let end = io::copy(&mut stream, &mut io::sink());
+            stream.count::<T>();
+            let merged = other.and_then(|other| sum.merge(other));
+            debug_assert!(end.is_ok());
+            done = done.and(merged);
+        }
+        step *= 2;
+    }
+    if rank > 0 {
+        let mut stream = Outgoing::new(world, rank - step);
+        let sent = sum.write(&mut stream).and_then(|()| stream.end::<T>());
+        done = done.and(sent.map_err(|e| Error::Rank { rank, why: e.to_string() }));
+    }
+    world.agree(done)?;
+    Ok((rank == 0).then_some(sum))
+}
+
+/// Bytes to another rank, in messages of one length but the last, which is shorter.
+struct Outgoing<'w> {
+    world: &'w World,
+    to: usize,
+    buffer: Vec<u8>,
+    bytes: usize,
+}
+
+impl<'w> Outgoing<'w> {
+    fn new(world: &'w World, to: usize) -> Self {
+        Self { world, to, buffer: Vec::with_capacity(MESSAGE), bytes: 0 }
+    }
+
+    fn send(&mut self) {
+        self.world
+            .communicator()
+            .process_at_rank(self.to as i32)
+            .send_with_tag(&self.buffer[..], TAG);
+        self.bytes += self.buffer.len();
+        self.buffer.clear();
+    }
+
+    /// The last message, which may be empty.
+    fn end<T>(mut self) -> io::Result<()> {
+        self.send();
+        let messages_sent = (self.bytes / MESSAGE + 1) as u64;
+        let words_sent = self.bytes.div_ceil(size_of::<T>()) as u64;
+        self.world.count(Traffic { words_sent, messages_sent, ..Traffic::default() });
+        Ok(())
+    }
+}
+
+impl Write for Outgoing<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let taken = bytes.len().min(MESSAGE - self.buffer.len());
+        self.buffer.extend_from_slice(&bytes[..taken]);
+        if self.buffer.len() == MESSAGE {
+            self.send();
+        }
+        Ok(taken)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// What [`Outgoing`] sends.
+struct Incoming<'w> {
+    world: &'w World,
+    from: usize,
+    buffer: Vec<u8>,
+    taken: usize,
+    bytes: usize,
+    ended: bool,
+}
+
+impl<'w> Incoming<'w> {
+    fn new(world: &'w World, from: usize) -> Self {
+        Self { world, from, buffer: Vec::new(), taken: 0, bytes: 0, ended: false }
+    }
+
+    /// After the end.
+    fn count<T>(&self) {
+        let messages_received = (self.bytes / MESSAGE + 1) as u64;
+        let words_received = self.bytes.div_ceil(size_of::<T>()) as u64;
+        self.world.count(Traffic { words_received, messages_received, ..Traffic::default() });
+    }
+}
+
+impl Read for Incoming<'_> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        if self.taken == self.buffer.len() && !self.ended {
+            let from = self.world.communicator().process_at_rank(self.from as i32);
+            self.buffer.resize(MESSAGE, 0);
+            let status = from.receive_into_with_tag(&mut self.buffer[..], TAG);
+            self.buffer.truncate(status.count(u8::equivalent_datatype()) as usize);
+            self.taken = 0;
+            self.bytes += self.buffer.len();
+            self.ended = self.buffer.len() < MESSAGE;
+        }
+        let count = out.len().min(self.buffer.len() - self.taken);
+        out[..count].copy_from_slice(&self.buffer[self.taken..][..count]);
+        self.taken += count;
+        Ok(count)
+    }
+}
