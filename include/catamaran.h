@@ -25,7 +25,7 @@
 /** Bit of cata_capabilities: OpenBLAS is linked in (cata_backend_openblas works). */
 #define CATA_CAP_OPENBLAS 1
 
-/** Bit of cata_capabilities: distributed computation; not in this version, never set. */
+/** Bit of cata_capabilities: MPI is linked in (cata_world_new works). */
 #define CATA_CAP_MPI 2
 
 /** Bit of cata_capabilities: OpenCL devices; not in this version, never set. */
@@ -94,12 +94,39 @@
 /** `centering`: the row given is subtracted. */
 #define CATA_CENTER_GIVEN 2
 
+/** `spread`: every rank has rows of A, in any order and number. */
+#define CATA_BY_ROWS 141
+
+/** `spread`: every rank has columns of A, in the order of the ranks. */
+#define CATA_BY_COLUMNS 142
+
 /**
  * A BLAS library that computes the small products; made by cata_backend_load or
  * cata_backend_openblas, given back by cata_backend_free. It can be used by several calls and
  * threads at a time.
  */
 typedef struct cata_backend cata_backend;
+
+/**
+ * A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a world; made by
+ * cata_world_ata_rows_f64 and the like, given back by cata_symmetric_free.
+ */
+typedef struct cata_symmetric cata_symmetric;
+
+/**
+ * The ranks of an MPI communicator that work together; made by cata_world_new, given back by cata_world_free.
+ *
+ * It has a communicator of its own, so that no message of the caller is mistaken for one of the library's.
+ * The library never initialises or finalises MPI. MPI is called by the thread that calls, which must be
+ * one that may do so; other threads compute, so MPI_THREAD_FUNNELED is what to ask MPI_Init_thread for.
+ *
+ * Functions that are called collective are called by all ranks of the world, in the same order and with
+ * the same numbers unless said otherwise. An error on one rank is an error on all: its own there,
+ * CATA_ERR_RANK on the others, with a message that names the rank. What one rank alone notices of a world
+ * that is NULL, or freed, can't be told to the others. A panic aborts the job (MPI_Abort), as the others would
+ * wait for ever; so does, unless the communicator has another error handler, an error of MPI itself.
+ */
+typedef struct cata_world cata_world;
 
 /** What a call returns. A value, once given a meaning, keeps it for ever. */
 typedef int32_t cata_status;
@@ -167,6 +194,26 @@ typedef struct cata_ata_params {
     int32_t scale_columns;
 } cata_ata_params;
 
+/**
+ * What a rank has sent and received: words are matrix entries. The few numbers by which ranks agree on shapes
+ * and errors are not counted.
+ */
+typedef struct cata_traffic {
+    /**
+     * sizeof(cata_traffic) as the caller was compiled with; set it before the call. Later versions add
+     * fields at the end; those that this library does not know are set to 0.
+     */
+    size_t struct_size;
+    /** Entries sent. */
+    uint64_t words_sent;
+    /** Entries received. */
+    uint64_t words_received;
+    /** Messages sent. */
+    uint64_t messages_sent;
+    /** Messages received. */
+    uint64_t messages_received;
+} cata_traffic;
+
 /** Done. */
 #define CATA_OK 0
 
@@ -202,6 +249,9 @@ typedef struct cata_ata_params {
 
 /** A bug in Catamaran, caught at the border; the message says where. The library stays usable. */
 #define CATA_ERR_PANIC 11
+
+/** Another rank of a distributed call failed, or does not fit the others; the message names it. */
+#define CATA_ERR_RANK 12
 
 #ifdef __cplusplus
 extern "C" {
@@ -727,6 +777,371 @@ cata_status cata_verify_f32(int32_t layout,
                             int32_t *passed,
                             double *residual,
                             double *tolerance);
+
+/**
+ * The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over it.
+ * catamaran_mpi.h has cata_world_from_comm, which takes the communicator itself.
+ *
+ * - `fortran_comm`: MPI_Comm_c2f of the communicator.
+ * - `world`: one pointer, not NULL; written on success only. Free it by cata_world_free.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT when MPI is not initialised or is finalised already, or
+ * for a handle of no communicator, CATA_ERR_RANK, CATA_ERR_UNSUPPORTED without CATA_CAP_MPI, or CATA_ERR_PANIC.
+ *
+ * Not thread-safe: MPI_Comm_dup is called.
+ */
+cata_status cata_world_new(int32_t fortran_comm,
+                           struct cata_world **world);
+
+/**
+ * Gives a world back. Collective; after MPI_Finalize it is local, and leaves the communicator to MPI.
+ *
+ * `world`: made by cata_world_new and not yet freed; NULL does nothing.
+ *
+ * Not thread-safe.
+ */
+void cata_world_free(struct cata_world *world);
+
+/**
+ * The rank of the caller, from 0. Local.
+ *
+ * `world`: not NULL. `rank`: one size_t, not NULL; written on success.
+ * Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_UNSUPPORTED.
+ *
+ * Thread-safe.
+ */
+cata_status cata_world_rank(const struct cata_world *world, size_t *rank);
+
+/**
+ * The number of ranks, at least 1. Local.
+ *
+ * `world`: not NULL. `size`: one size_t, not NULL; written on success.
+ * Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_UNSUPPORTED.
+ *
+ * Thread-safe.
+ */
+cata_status cata_world_size(const struct cata_world *world, size_t *size);
+
+/**
+ * What this rank has sent and received since the world was made. Local.
+ *
+ * `world`: not NULL. `traffic`: one struct, not NULL, whose struct_size is set; the other fields are written on
+ * success.
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a size that no version has, or
+ * CATA_ERR_UNSUPPORTED.
+ *
+ * Not thread-safe.
+ */
+cata_status cata_world_traffic(const struct cata_world *world,
+                               struct cata_traffic *traffic);
+
+/**
+ * Sets the entries of a message above which it is cut in several; 2^30 in a new world. Local, but all
+ * ranks must set the same before the next collective call.
+ *
+ * `world`: not NULL. `entries`: any; taken as 1 if it is 0, and as 2^30 if it is more.
+ * Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_UNSUPPORTED.
+ *
+ * Not thread-safe.
+ */
+cata_status cata_world_set_longest_message(const struct cata_world *world,
+                                           size_t entries);
+
+/**
+ * C = alpha A^T A where every rank has some rows of A, in any order and number, 0 included; C is left spread
+ * over the ranks. Collective.
+ *
+ * - `world`: not NULL.
+ * - `layout`: of the rows of this rank; CATA_ROW_MAJOR or CATA_COL_MAJOR, its own on each rank.
+ * - `m`: rows of this rank, its own on each rank.
+ * - `n`: columns of A.
+ * - `a`: the rows of this rank, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of
+ *   n. Column-major: n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when m
+ *   or n is 0.
+ * - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
+ *   call. May differ between the ranks where it does not change the result.
+ * - `c`: one pointer, not NULL; written on success only. Free it by cata_symmetric_free.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK
+ * when n, alpha or the precision differ between the ranks or another one failed, CATA_ERR_CANCELLED,
+ * CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC.
+ *
+ * The result depends, by rounding, on the number of ranks and on which rank has which rows; not on that
+ * of threads.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_world_ata_rows_f64(const struct cata_world *world,
+                                    int32_t layout,
+                                    size_t m,
+                                    size_t n,
+                                    double alpha,
+                                    const double *a,
+                                    size_t lda,
+                                    const struct cata_ata_params *params,
+                                    struct cata_symmetric **c);
+
+/**
+ * As cata_world_ata_rows_f64, in float.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_world_ata_rows_f32(const struct cata_world *world,
+                                    int32_t layout,
+                                    size_t m,
+                                    size_t n,
+                                    float alpha,
+                                    const float *a,
+                                    size_t lda,
+                                    const struct cata_ata_params *params,
+                                    struct cata_symmetric **c);
+
+/**
+ * C = alpha A^T A where every rank has some columns of A, in the order of the ranks, 0 included; C is left
+ * spread over the ranks. Collective. Cheaper than cata_world_ata_rows_f64 where A is not much longer than wide.
+ *
+ * - `m`: rows of A.
+ * - `cols`: columns of this rank, its own on each rank.
+ * - `a`: the columns of this rank, read: an m x cols matrix as in cata_world_ata_rows_f64.
+ * - The rest as there.
+ *
+ * Returns what that does.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_world_ata_columns_f64(const struct cata_world *world,
+                                       int32_t layout,
+                                       size_t m,
+                                       size_t cols,
+                                       double alpha,
+                                       const double *a,
+                                       size_t lda,
+                                       const struct cata_ata_params *params,
+                                       struct cata_symmetric **c);
+
+/**
+ * As cata_world_ata_columns_f64, in float.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_world_ata_columns_f32(const struct cata_world *world,
+                                       int32_t layout,
+                                       size_t m,
+                                       size_t cols,
+                                       float alpha,
+                                       const float *a,
+                                       size_t lda,
+                                       const struct cata_ata_params *params,
+                                       struct cata_symmetric **c);
+
+/**
+ * C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has them; what PDSYRK does
+ * with TRANS = 'T' to whole matrices. Collective.
+ *
+ * - `world`: not NULL.
+ * - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict triangle that is
+ *   not, and what lies between columns, is neither read nor written.
+ * - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised. Otherwise, with
+ *   CATA_BOTH, it must be symmetric: each triangle is added to its own old one.
+ * - `a`: A's entries on this rank, read: column-major, with leading dimension LLD_ of `desc_a`. May be NULL
+ *   when there is none, as on ranks outside of the grid.
+ * - `desc_a`: 9 numbers, not NULL: DTYPE_ (1), CTXT_ (ignored), M_ >= 0, N_ >= 0, MB_ >= 1, NB_ >= 1, RSRC_,
+ *   CSRC_ (from 0, a row and a column of the grid), LLD_ (at least 1 and the rows on this rank; ignored
+ *   outside of the grid). The same on all ranks but for CTXT_ and LLD_.
+ * - `c`: C's entries on this rank, written, as `a` with `desc_c`. No element of A may be one of C's.
+ * - `desc_c`: as `desc_a`; M_ and N_ are A's N_. Its blocks and first processes may be others.
+ * - `grid_rows`, `grid_cols`: the process grid, at least 1 x 1, not more than the ranks of the world, of which it is
+ *   the first ones.
+ * - `grid_order`: CATA_ROW_MAJOR when ranks are numbered along the rows of the grid, as by Cblacs_gridinit
+ *   with "R", or CATA_COL_MAJOR, along its columns.
+ * - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the call.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (the message names the field),
+ * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK when something differs between the ranks or another one failed,
+ * CATA_ERR_CANCELLED, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC. C is untouched after any of them but the last.
+ *
+ * A is dealt out anew, in a copy, as rows or columns, whichever costs fewer words. The result depends, by
+ * rounding, on the number of ranks and on how A is dealt out; not on the number of threads.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_world_ata_cyclic_f64(const struct cata_world *world,
+                                      int32_t uplo,
+                                      double alpha,
+                                      const double *a,
+                                      const int32_t *desc_a,
+                                      double beta,
+                                      double *c,
+                                      const int32_t *desc_c,
+                                      size_t grid_rows,
+                                      size_t grid_cols,
+                                      int32_t grid_order,
+                                      const struct cata_ata_params *params);
+
+/**
+ * As cata_world_ata_cyclic_f64, in float; PSSYRK.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_world_ata_cyclic_f32(const struct cata_world *world,
+                                      int32_t uplo,
+                                      float alpha,
+                                      const float *a,
+                                      const int32_t *desc_a,
+                                      float beta,
+                                      float *c,
+                                      const int32_t *desc_c,
+                                      size_t grid_rows,
+                                      size_t grid_cols,
+                                      int32_t grid_order,
+                                      const struct cata_ata_params *params);
+
+/**
+ * C := alpha A A^T + beta C for block-cyclic A, m x n, and C, m x m; what PDSYRK does with TRANS = 'N' to whole
+ * matrices. Collective. M_ and N_ of `desc_c` are A's M_; the rest as in cata_world_ata_cyclic_f64.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_world_aat_cyclic_f64(const struct cata_world *world,
+                                      int32_t uplo,
+                                      double alpha,
+                                      const double *a,
+                                      const int32_t *desc_a,
+                                      double beta,
+                                      double *c,
+                                      const int32_t *desc_c,
+                                      size_t grid_rows,
+                                      size_t grid_cols,
+                                      int32_t grid_order,
+                                      const struct cata_ata_params *params);
+
+/**
+ * As cata_world_aat_cyclic_f64, in float.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_world_aat_cyclic_f32(const struct cata_world *world,
+                                      int32_t uplo,
+                                      float alpha,
+                                      const float *a,
+                                      const int32_t *desc_a,
+                                      float beta,
+                                      float *c,
+                                      const int32_t *desc_c,
+                                      size_t grid_rows,
+                                      size_t grid_cols,
+                                      int32_t grid_order,
+                                      const struct cata_ata_params *params);
+
+/**
+ * Rows and columns of a distributed matrix. Local.
+ *
+ * `symmetric`: not NULL. `n`: one size_t, not NULL; written on success.
+ * Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_UNSUPPORTED.
+ *
+ * Thread-safe.
+ */
+cata_status cata_symmetric_n(const struct cata_symmetric *symmetric, size_t *n);
+
+/**
+ * Gives the part that this rank has of a distributed matrix back. Local, before or after the end of its world.
+ *
+ * `symmetric`: made by this library and not yet freed; NULL does nothing.
+ *
+ * Thread-safe, but no call may be using it.
+ */
+void cata_symmetric_free(struct cata_symmetric *symmetric);
+
+/**
+ * Puts the whole of a distributed matrix of doubles into C on one rank. Collective.
+ *
+ * - `symmetric`: not NULL; made by a call of all ranks of `world`, in double.
+ * - `world`: not NULL.
+ * - `root`: the rank that gets C, from 0.
+ * - `layout`, `uplo`, `c`, `ldc`: on the root C, n x n, as in cata_ata_f64; ignored on other ranks.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (for a root out of range, or another
+ * precision, too), CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC. C is
+ * untouched after any of them but the last.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_symmetric_gather_f64(const struct cata_symmetric *symmetric,
+                                      const struct cata_world *world,
+                                      size_t root,
+                                      int32_t layout,
+                                      int32_t uplo,
+                                      double *c,
+                                      size_t ldc);
+
+/**
+ * As cata_symmetric_gather_f64, of floats.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_symmetric_gather_f32(const struct cata_symmetric *symmetric,
+                                      const struct cata_world *world,
+                                      size_t root,
+                                      int32_t layout,
+                                      int32_t uplo,
+                                      float *c,
+                                      size_t ldc);
+
+/**
+ * Checks that a distributed matrix of doubles is alpha A^T A, up to rounding, with `rounds` random vectors
+ * (Freivalds 1977). Collective; all ranks get the same answer.
+ *
+ * - `symmetric`: not NULL; n x n, in double, made by a call of all ranks of `world`. Read.
+ * - `world`: not NULL.
+ * - `spread`: CATA_BY_ROWS or CATA_BY_COLUMNS: how A is spread.
+ * - `layout`: of this rank's part of A.
+ * - `rows`, `cols`: of this rank's part of A: any number of rows and n columns, or as many rows as A and any
+ *   number of columns, n on all ranks together.
+ * - `a`, `lda`: this rank's part of A, read, as in cata_world_ata_rows_f64 or cata_world_ata_columns_f64.
+ * - `rounds`: 1 to 1000. A matrix with an entry wrong by more than twice the tolerance passes with probability at
+ *   most 2^-rounds.
+ * - `seed`: of the random vectors; the same seed gives the same answer.
+ * - `passed`, `residual`, `tolerance`: as in cata_verify_f64.
+ *
+ * Returns CATA_OK, whether it passed or not, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT,
+ * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_symmetric_verify_f64(const struct cata_symmetric *symmetric,
+                                      const struct cata_world *world,
+                                      int32_t spread,
+                                      int32_t layout,
+                                      size_t rows,
+                                      size_t cols,
+                                      double alpha,
+                                      const double *a,
+                                      size_t lda,
+                                      int32_t rounds,
+                                      uint64_t seed,
+                                      int32_t *passed,
+                                      double *residual,
+                                      double *tolerance);
+
+/**
+ * As cata_symmetric_verify_f64, for a product in float. The check itself is in double.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_symmetric_verify_f32(const struct cata_symmetric *symmetric,
+                                      const struct cata_world *world,
+                                      int32_t spread,
+                                      int32_t layout,
+                                      size_t rows,
+                                      size_t cols,
+                                      double alpha,
+                                      const float *a,
+                                      size_t lda,
+                                      int32_t rounds,
+                                      uint64_t seed,
+                                      int32_t *passed,
+                                      double *residual,
+                                      double *tolerance);
 
 /**
  * Gives back the memory that products keep for the next one: the scratch of the last large call, at

@@ -6,6 +6,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use catamaran::ata::{Accumulator, DenseRows, StreamPlan, stream};
 use catamaran::base::release_memory;
 use catamaran::faer::Mat;
 use catamaran::{AtaOptions, Par, SchemeChoice, ata, ata_scratch_len, atb, atb_scratch_len};
@@ -150,4 +151,36 @@ fn large_scratch_is_kept_for_the_next_call_until_it_is_released() {
     assert!(before - NOW.load(Ordering::SeqCst) >= len);
     work();
     release_memory();
+}
+
+#[test]
+fn a_stream_takes_c_two_blocks_and_the_scratch_that_its_plan_says() {
+    let _turn = turn();
+    // About C: with and without fast and exact products.
+    for (scheme, m, n, height, weighted) in [
+        (SchemeChoice::Classical, 5000, 400, 640, false),
+        (SchemeChoice::Classical, 5000, 400, 640, true),
+        (SchemeChoice::Exact, 3000, 300, 512, false),
+        (SchemeChoice::Classical, 500, 300, 640, false),
+    ] {
+        let a = Mat::<f64>::ones(m, n);
+        let weights = vec![0.5; m];
+        let weights = weighted.then_some(&weights[..]);
+        let par = Par::Threads(2);
+        let options = AtaOptions { scheme, par, ..AtaOptions::default() };
+        let plan =
+            StreamPlan::new::<f64>(m, n, weighted, Some(height), usize::MAX, &options).unwrap();
+        let used = peak(|| {
+            let mut sum = Accumulator::new(n, true).unwrap();
+            let rows = &mut DenseRows(a.as_ref());
+            stream(rows, weights, height, &mut sum, &options, &mut |_| Ok(())).unwrap();
+            drop(sum);
+            release_memory();
+        });
+        // Huge pages for the alignment of C, blocks and scratch; a second thread's stack is not ours.
+        let bound = plan.bytes() + 5 * (2 << 20) + SMALL;
+        assert!(used <= bound, "{scheme:?}: {used} bytes of {bound}");
+        let blocks = 8 * n * (n + height.min(m) * if m > height { 2 } else { 1 });
+        assert!(used >= blocks, "{scheme:?}: {used} bytes are less than {blocks}");
+    }
 }

@@ -8,7 +8,7 @@ use catamaran_bench::product::Operation;
 use catamaran_bench::{Result, host};
 use clap::Parser;
 
-use commands::{accuracy, exact, grid, race, scale};
+use commands::{accuracy, exact, grid, race, scale, stream};
 
 /// Races against other libraries, and errors beside theirs.
 #[derive(Parser)]
@@ -25,6 +25,8 @@ enum Command {
     Exact(exact::Arguments),
     /// A^T A on many ranks, as the plans predict it.
     Scale(scale::Arguments),
+    /// A^T A of a file, beside reading it alone and computing alone.
+    Stream(stream::Arguments),
 }
 
 fn main() {
@@ -39,6 +41,7 @@ fn main() {
         Command::Accuracy(a) => beside(&a.common.libraries, &|| accuracy::run(a)),
         Command::Exact(a) => exact::run(a),
         Command::Scale(a) => scale::run(a),
+        Command::Stream(a) => stream::run(a),
     };
     if let Err(error) = done {
         eprintln!("catamaran-bench: {error}");

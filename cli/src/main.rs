@@ -4,8 +4,10 @@ mod ata;
 mod backend;
 mod demo;
 mod info;
+mod merge;
 mod picture;
 mod progress;
+mod report;
 mod tune;
 
 use std::io;
@@ -24,6 +26,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Ata(ata::Args),
+    AtaMerge(merge::Args),
     Info(info::Args),
     Demo(demo::Args),
     Tune(tune::Args),
@@ -36,6 +39,7 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = progress::watch_ctrl_c().and_then(|()| match &cli.command {
         Command::Ata(args) => ata::run(args),
+        Command::AtaMerge(args) => merge::run(args),
         Command::Info(args) => info::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Tune(args) => tune::run(args),

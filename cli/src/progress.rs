@@ -37,8 +37,13 @@ impl Bar {
     /// Shows `fraction` of the work as done; never goes back.
     pub fn update(&self, fraction: f64) -> Flow {
         let position = (fraction * STEPS as f64) as u64;
-        if position > self.0.position() {
+        let before = self.0.position();
+        if position > before {
             self.0.set_position(position);
+            if before == 0 {
+                // What a run that was resumed begins with took no time.
+                self.0.reset_eta();
+            }
         }
         if check().is_err() { Flow::Cancel } else { Flow::Continue }
     }

@@ -14,6 +14,7 @@ mod plan;
 mod recurse;
 mod rows;
 pub mod scheme;
+mod stream;
 mod tree;
 mod verify;
 
@@ -25,6 +26,7 @@ pub use exact::Stages;
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 pub use plan::{Base, Plan, Recursion};
 pub use rows::{Center, DenseRows, RowBlocks, RowOptions, ata_rows};
+pub use stream::{Accumulator, AfterBlock, StreamPlan, Strip, block_rows, scalar_of, stream};
 pub use tree::{Node, Task, levels};
 pub use verify::{Verification, verify, verify_rows};
 #[cfg(feature = "mpi")]
@@ -305,6 +307,23 @@ fn run_symmetric<T: BlasReal>(
     scratch: &mut [T],
 ) -> Result<()> {
     symmetric(c, options.uplo, |lower| run(plan, alpha, a, b, beta, lower, options, scratch))
+}
+
+/// `C := alpha X^T (W X) + beta C`, the triangle or triangles of `options.uplo`; [`ata`] without weights.
+fn weighted_gram<T: BlasReal>(
+    alpha: T,
+    x: MatRef<'_, T>,
+    wx: Option<MatRef<'_, T>>,
+    beta: T,
+    c: MatMut<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    if wx.is_none() {
+        return ata(alpha, x, beta, c, options);
+    }
+    let plan = plan_ata(x, c.rb(), options)?;
+    let mut scratch = Scratch::new::<T>(plan.scratch_len::<T>(options.par.threads(), false))?;
+    run_symmetric(&plan, alpha, x, wx, beta, c, options, scratch.as_mut_slice())
 }
 
 /// Makes the triangles of `uplo` out of what `work` does to a lower one.

@@ -1,13 +1,13 @@
 //! A^T A of rows that come in blocks: converted, centred or weighted on the way, A never copied
 //! as a whole.
 
-use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
+use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
 use super::options::AtaOptions;
-use super::plan::Plan;
-use super::run_symmetric;
-use crate::base::{Error, Flow, Progress, Real, Result, Scratch, Workspace};
+use super::stream::{Moments, block_rows, check_weight, check_weights, for_each_block, with_part};
+use super::{symmetric, weighted_gram};
+use crate::base::{Error, Real, Result, Workspace};
 use crate::blas::BlasReal;
 
 /// A source of the rows of a matrix, block by block.
@@ -71,11 +71,44 @@ pub struct RowOptions<'a, T> {
     pub center: Center<'a, T>,
 }
 
+impl<T: Real> RowOptions<'_, T> {
+    /// Whether they suit m x n rows.
+    fn check(&self, m: usize, n: usize) -> Result<()> {
+        check_weights(m, self.weights)?;
+        match self.center {
+            Center::Given(center) => {
+                Error::check_shape("center", (n, 1), (center.len(), 1))?;
+                match center.iter().position(|x| !x.is_finite()) {
+                    Some(i) => Err(Error::NonFinite { what: "center", index: (i, 0) }),
+                    None => Ok(()),
+                }
+            }
+            Center::Mean if m > 0 => {
+                let (total, size) = weight_sums(m, self.weights);
+                check_weight(m as f64, total, size)
+            }
+            Center::Mean | Center::No => Ok(()),
+        }
+    }
+}
+
+/// Sum of `m` weights, and of their absolute values.
+fn weight_sums<T: Real>(m: usize, weights: Option<&[T]>) -> (f64, f64) {
+    let weights = match weights {
+        Some(weights) => weights,
+        None => return (m as f64, m as f64),
+    };
+    let values = || weights.iter().map(|w| w.to_f64());
+    (values().sum(), values().map(f64::abs).sum())
+}
+
 /// `C := alpha X^T W X + beta C`, where X are the rows less their centre and W the weights.
 ///
-/// Rows are read block by block (twice for [`Center::Mean`]: the mean first, for stability), so the
-/// extra memory is two blocks of rows and the scratch of [`ata`](super::ata) for one. C is n x n.
-/// The result is the same, bit for bit, for every `options.par`.
+/// Rows are read once, block by block, the next block by a thread of its own (unless `options.par` is
+/// [`Par::Seq`](crate::Par::Seq)). About the mean they are first taken about that of the first block, for stability.
+/// The extra memory is two blocks of rows, one more with weights, and the scratch of [`ata`](super::ata) for one.
+/// C is n x n. The result is the same, bit for bit, for every `options.par`. To keep, resume or merge sums there is
+/// [`stream`](super::stream()).
 ///
 /// # Errors
 /// [`Error::Shape`] for C, the weights or the centre; [`Error::NonFinite`] for a weight or a centre;
@@ -83,7 +116,7 @@ pub struct RowOptions<'a, T> {
 /// C holds the blocks before; else as [`ata`](super::ata).
 pub fn ata_rows<T: BlasReal>(
     alpha: T,
-    rows: &mut dyn RowBlocks<T>,
+    rows: &mut (dyn RowBlocks<T> + Send),
     row_options: &RowOptions<'_, T>,
     mut beta: T,
     mut c: MatMut<'_, T>,
@@ -94,55 +127,37 @@ pub fn ata_rows<T: BlasReal>(
     if n == 0 {
         return Ok(());
     }
-    let mut blocks = AdjustedRows::new(rows, row_options)?;
-    let height = block_height(m, n);
-    let weighted = row_options.weights.is_some();
-    let plan_for = |rows: usize| Plan::ata::<T>(rows, n, options);
-    let scratch_for = |plan: &Plan| plan.scratch_len::<T>(options.par.threads(), !weighted);
-    let mut plan = plan_for(height)?;
-    let mut scratch = Scratch::new::<T>(scratch_for(&plan))?;
-    let mut memory = Workspace::new(height * n * if weighted { 2 } else { 1 })?;
-    let mut first = 0;
-    // Once even without rows: C still gets its beta.
-    loop {
-        let count = height.min(m - first);
-        if count != height {
-            plan = plan_for(count)?;
-            scratch.reserve::<T>(scratch_for(&plan))?;
-        }
-        let (x, wx) = memory.as_mut_slice().split_at_mut(height * n);
-        let mut x = MatMut::from_row_major_slice_mut(&mut x[..count * n], count, n);
-        blocks.read(first, x.rb_mut())?;
-        let wx = row_options.weights.map(|weights| {
-            let mut wx = MatMut::from_row_major_slice_mut(&mut wx[..count * n], count, n);
-            for (i, &w) in weights[first..first + count].iter().enumerate() {
-                for j in 0..n {
-                    wx[(i, j)] = w * x[(i, j)];
-                }
-            }
-            wx.into_const()
-        });
-        // The fraction of a block, told as that of all rows.
-        let tell = |fraction: f64| {
-            let all = (first as f64 + fraction * count as f64) / m.max(1) as f64;
-            options.progress.map_or(Flow::Continue, |progress| progress(all))
-        };
-        let progress = options.progress.map(|_| &tell as Progress<'_>);
-        let options = AtaOptions { progress, ..options.clone() };
-        let scratch = scratch.as_mut_slice();
-        run_symmetric(&plan, alpha, x.rb(), wx, beta, c.rb_mut(), &options, scratch)?;
-        beta = T::ONE;
-        first += count;
-        if first >= m {
-            return Ok(());
-        }
+    row_options.check(m, n)?;
+    let weights = row_options.weights;
+    let mut moments = match row_options.center {
+        Center::No => Moments::new(n, false),
+        Center::Mean => Moments::new(n, true),
+        Center::Given(center) => Moments::with_shift(center),
+    };
+    if m == 0 {
+        // C still gets its beta.
+        let none = MatRef::from_row_major_slice(&[], 0, n);
+        return weighted_gram(alpha, none, None, beta, c, options);
     }
-}
-
-/// Rows of a block: about 4 million elements, and enough rows for the product to dominate its
-/// addition to C. Not a matter of threads, or results would be.
-pub(crate) fn block_height(m: usize, n: usize) -> usize {
-    ((1 << 22) / n.max(1)).max(1024).min(m)
+    let height = block_rows::<T>(n, weights.is_some());
+    let mut weighted = Workspace::new(if weights.is_some() { height.min(m) * n } else { 0 })?;
+    for_each_block(rows, 0, height, options.par, |first, block| {
+        let count = block.len() / n;
+        let weights = weights.map(|weights| &weights[first..first + count]);
+        let weighted = weighted.as_mut_slice();
+        moments.take(count, block, weights, weighted, options.par);
+        let x = MatRef::from_row_major_slice(block, count, n);
+        let wx = weights.map(|_| MatRef::from_row_major_slice(&weighted[..count * n], count, n));
+        with_part(options, first, count, m, |options| {
+            weighted_gram(alpha, x, wx, beta, c.rb_mut(), options)
+        })?;
+        beta = T::ONE;
+        Ok(())
+    })?;
+    if !moments.centered {
+        return Ok(());
+    }
+    symmetric(c, options.uplo, |lower| moments.correct(alpha.to_f64(), 0, lower))
 }
 
 /// Rows less their centre.
@@ -155,22 +170,10 @@ pub(crate) struct AdjustedRows<'r, T> {
 impl<'r, T: BlasReal> AdjustedRows<'r, T> {
     /// Checks the options and computes the mean if asked to.
     pub(crate) fn new(rows: &'r mut dyn RowBlocks<T>, options: &RowOptions<'_, T>) -> Result<Self> {
-        let (m, n) = (rows.nrows(), rows.ncols());
-        let finite = |what, values: &[T]| match values.iter().position(|v| !v.is_finite()) {
-            Some(i) => Err(Error::NonFinite { what, index: (i, 0) }),
-            None => Ok(()),
-        };
-        if let Some(weights) = options.weights {
-            Error::check_shape("weights", (m, 1), (weights.len(), 1))?;
-            finite("weights", weights)?;
-        }
+        options.check(rows.nrows(), rows.ncols())?;
         let center = match options.center {
             Center::No => Vec::new(),
-            Center::Given(center) => {
-                Error::check_shape("center", (n, 1), (center.len(), 1))?;
-                finite("center", center)?;
-                center.to_vec()
-            }
+            Center::Given(center) => center.to_vec(),
             Center::Mean => mean(rows, options.weights)?,
         };
         Ok(Self { rows, center })
@@ -196,12 +199,8 @@ fn mean<T: BlasReal>(rows: &mut dyn RowBlocks<T>, weights: Option<&[T]>) -> Resu
         return Ok(vec![T::ZERO; n]);
     }
     let weight = |i: usize| weights.map_or(1.0, |w| w[i].to_f64());
-    let total: f64 = (0..m).map(weight).sum();
-    let size: f64 = (0..m).map(|i| weight(i).abs()).sum();
-    if total.abs() <= m as f64 * f64::EPSILON * size {
-        return Err(Error::Argument { what: "weights", why: "they sum to zero: no mean".into() });
-    }
-    let height = block_height(m, n).min(4096);
+    let (total, _) = weight_sums(m, weights);
+    let height = block_rows::<T>(n, true).min(m).min(4096);
     let mut memory = Workspace::new(height * n)?;
     let mut sums = vec![0.0; n];
     for first in (0..m).step_by(height) {

@@ -4,7 +4,8 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Mat, MatMut, MatRef};
 
 use super::options::Uplo;
-use super::rows::{AdjustedRows, DenseRows, RowBlocks, RowOptions, block_height};
+use super::rows::{AdjustedRows, DenseRows, RowBlocks, RowOptions};
+use super::stream::block_rows;
 use crate::base::{Error, Real, Result, Rng, Workspace};
 use crate::blas;
 
@@ -72,7 +73,7 @@ pub fn verify_rows<T: Real>(
     let mut z = Mat::<f64>::zeros(n, r);
     let mut norms = vec![0.0; n];
     let mut blocks = AdjustedRows::new(rows, row_options)?;
-    let height = block_height(m, n);
+    let height = block_rows::<f64>(n, false).min(m);
     let mut memory = Workspace::new(height * n)?;
     for first in (0..m).step_by(height.max(1)) {
         let count = height.min(m - first);

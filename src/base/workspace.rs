@@ -48,6 +48,11 @@ impl<T: Real> Workspace<T> {
     }
 
     /// All of it.
+    pub fn as_slice(&self) -> &[T] {
+        &self.buffer[self.skipped..]
+    }
+
+    /// All of it.
     pub fn as_mut_slice(&mut self) -> &mut [T] {
         &mut self.buffer[self.skipped..]
     }

@@ -92,7 +92,7 @@ pub(super) unsafe fn matrix_mut<'a, T: Real>(
 ///
 /// # Safety
 /// They can be read, and nobody writes them, during `'a`.
-pub(super) unsafe fn slice<'a, T: Real>(
+pub(super) unsafe fn slice<'a, T: Copy>(
     what: &str,
     pointer: *const T,
     len: usize,

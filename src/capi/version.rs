@@ -7,7 +7,7 @@ use crate::base;
 
 /// Bit of cata_capabilities: OpenBLAS is linked in (cata_backend_openblas works).
 pub const CATA_CAP_OPENBLAS: u64 = 1;
-/// Bit of cata_capabilities: distributed computation; not in this version, never set.
+/// Bit of cata_capabilities: MPI is linked in (cata_world_new works).
 pub const CATA_CAP_MPI: u64 = 2;
 /// Bit of cata_capabilities: OpenCL devices; not in this version, never set.
 pub const CATA_CAP_OPENCL: u64 = 4;
@@ -63,5 +63,7 @@ pub extern "C" fn cata_version_string() -> *const c_char {
 /// Thread-safe.
 #[unsafe(no_mangle)]
 pub extern "C" fn cata_capabilities() -> u64 {
-    if cfg!(feature = "openblas") { CATA_CAP_OPENBLAS } else { 0 }
+    let openblas = if cfg!(feature = "openblas") { CATA_CAP_OPENBLAS } else { 0 };
+    let mpi = if cfg!(feature = "mpi") { CATA_CAP_MPI } else { 0 };
+    openblas | mpi
 }

@@ -6,6 +6,7 @@
 //! be, a truncated file and trailing data are errors that name the file and, in text, the line. A
 //! writer shows its file whole or not at all ([`Output`]).
 
+mod accumulator;
 mod csv;
 mod matrix;
 mod mtx;
@@ -13,18 +14,21 @@ mod npy;
 mod output;
 mod rows;
 mod source;
+mod strips;
 #[cfg(test)]
 mod tests;
 
 use std::ops::Range;
 use std::path::Path;
 
+pub use accumulator::{accumulator_scalar, read_accumulator, write_accumulator};
 use faer::MatRef;
 pub use matrix::{Dense, Matrix, SparseRows};
 pub use output::{Output, Overwrite};
 pub use rows::RowFile;
 /// The sparse matrix of [`Matrix::Sparse`], from crate sprs.
 pub use sprs::CsMat;
+pub use strips::StripOutput;
 
 use crate::base::{Error, Progress, Real, Result};
 use source::Source;

@@ -218,26 +218,37 @@ fn values<T: Real>(source: &mut Source<'_>, layout: &Layout) -> Result<Vec<T>> {
 }
 
 pub(super) fn write<T: Real>(sink: &mut dyn Write, matrix: MatRef<'_, T>) -> io::Result<()> {
+    write_header::<T>(sink, matrix.nrows(), matrix.ncols())?;
+    let mut row = Vec::with_capacity(matrix.ncols() * size_of::<T>());
+    for i in 0..matrix.nrows() {
+        row.clear();
+        encode((0..matrix.ncols()).map(|j| matrix[(i, j)]), &mut row);
+        sink.write_all(&row)?;
+    }
+    Ok(())
+}
+
+/// The header of an m x n matrix in C order and the precision of T.
+pub(super) fn write_header<T: Real>(sink: &mut dyn Write, m: usize, n: usize) -> io::Result<()> {
     let single = T::NAME == f32::NAME;
     let dtype = if single { f32::default_dtype() } else { f64::default_dtype() };
     npyz::WriteOptions::new_header_only()
         .dtype(dtype)
-        .shape(&[matrix.nrows() as u64, matrix.ncols() as u64])
-        .writer(&mut *sink)
-        .write_header_only()?;
-    let mut row = Vec::with_capacity(matrix.ncols() * size_of::<T>());
-    for i in 0..matrix.nrows() {
-        row.clear();
-        for j in 0..matrix.ncols() {
-            let value = matrix[(i, j)].to_f64();
-            // default_dtype is in the order of the machine; f32 survives f64 and back.
-            if single {
-                row.extend_from_slice(&(value as f32).to_ne_bytes());
-            } else {
-                row.extend_from_slice(&value.to_ne_bytes());
-            }
+        .shape(&[m as u64, n as u64])
+        .writer(sink)
+        .write_header_only()
+        .map(drop)
+}
+
+/// Appends the bytes of entries: default_dtype is in the order of the machine.
+pub(super) fn encode<T: Real>(values: impl Iterator<Item = T>, bytes: &mut Vec<u8>) {
+    for value in values {
+        let value = value.to_f64();
+        // An f32 survives f64 and back.
+        if T::NAME == f32::NAME {
+            bytes.extend_from_slice(&(value as f32).to_ne_bytes());
+        } else {
+            bytes.extend_from_slice(&value.to_ne_bytes());
         }
-        sink.write_all(&row)?;
     }
-    Ok(())
 }

@@ -1,4 +1,4 @@
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
@@ -77,6 +77,12 @@ impl Output {
         }
     }
 
+    /// Makes it this long; what was not written is zeros.
+    pub(super) fn set_len(&mut self, bytes: u64) -> io::Result<()> {
+        self.file.flush()?;
+        self.file.get_ref().as_file().set_len(bytes)
+    }
+
     /// A failed write, as an error that names the file.
     pub fn error(&self, e: &io::Error) -> Error {
         error(&self.path, 0, format!("can't be written: {}", reason(e)))
@@ -90,6 +96,12 @@ impl Write for Output {
 
     fn flush(&mut self) -> io::Result<()> {
         self.file.flush()
+    }
+}
+
+impl Seek for Output {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
     }
 }
 

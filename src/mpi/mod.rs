@@ -7,6 +7,7 @@
 //! number of ranks, not on that of threads nor on which message comes first.
 
 mod columns;
+mod cyclic;
 mod memory;
 mod reduction;
 mod root;
@@ -18,8 +19,11 @@ mod verify;
 mod world;
 
 pub use columns::ata_columns;
+pub use cyclic::{CyclicMut, CyclicRef, aat_cyclic, ata_cyclic};
 pub use root::ata_root;
 pub use rows::{ata_rows, sum_symmetric};
 pub use symmetric::Symmetric;
 pub use verify::{Distributed, verify};
+#[cfg(feature = "capi")]
+pub(crate) use world::Operation;
 pub use world::{MpiReal, Traffic, World};

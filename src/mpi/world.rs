@@ -186,7 +186,7 @@ impl World {
     ///
     /// # Errors
     /// The rank's own; [`Error::Rank`] for that of another one, and for facts that differ.
-    pub(super) fn begin<X>(
+    pub(crate) fn begin<X>(
         &self,
         operation: Operation,
         facts: &[(&'static str, usize)],
@@ -224,7 +224,7 @@ impl World {
     ///
     /// # Errors
     /// The rank's own; [`Error::Rank`] for that of another one.
-    pub(super) fn agree<X>(&self, own: Result<X>) -> Result<X> {
+    pub(crate) fn agree<X>(&self, own: Result<X>) -> Result<X> {
         use ::mpi::collective::CommunicatorCollectives;
         let at_fault = if own.is_err() { self.rank as i32 } else { i32::MAX };
         let mut first = 0_i32;
@@ -236,6 +236,9 @@ impl World {
     fn error_of<X>(&self, rank: usize, own: Result<X>) -> Result<X> {
         use ::mpi::collective::Root;
         let text = match &own {
+            Err(Error::Rank { rank: at_fault, why }) if rank == self.rank && *at_fault == rank => {
+                why.clone().into_bytes()
+            }
             Err(e) if rank == self.rank => e.to_string().into_bytes(),
             _ => Vec::new(),
         };
@@ -267,7 +270,7 @@ impl World {
     }
 
     /// Ends the whole job if the scope is left by a panic, as the other ranks would wait for ever.
-    pub(super) fn abort_on_panic(&self) -> impl Drop + '_ {
+    pub(crate) fn abort_on_panic(&self) -> impl Drop + '_ {
         struct Guard<'w>(&'w World);
         impl Drop for Guard<'_> {
             fn drop(&mut self) {
@@ -314,7 +317,7 @@ impl Drop for World {
 /// What all ranks do together, so that they notice when they don't.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u64)]
-pub(super) enum Operation {
+pub(crate) enum Operation {
     Rows = 1,
     Columns,
     Root,

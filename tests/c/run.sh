@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Every test of the C and C++ interface: the header's drift check, ctest plain, with
+# Every test of the C and C++ interface: the header's drift check, ctest plain, under mpirun, with
 # AddressSanitizer and under Valgrind, and a stranger's project against an installed copy.
 # Environment: CARGO_TARGET_DIR (default: target), CATAMARAN_C_BUILD (default: there, c-tests).
 set -euo pipefail
@@ -30,12 +30,20 @@ configure() { # BUILD_DIR OPTIONS...
     quietly "build-$dir" cmake --build "$build/$dir"
 }
 
+mpi=OFF
+if command -v mpicc > /dev/null && command -v mpirun > /dev/null; then mpi=ON; fi
+
 cargo xtask header --check
 kinds+=("header: include/catamaran.h is up to date")
 
-configure plain
+configure plain -DCATAMARAN_MPI=$mpi
 tests c plain -L '^c$'
-configure asan -DCATAMARAN_SANITIZE=address
+if [ $mpi = ON ]; then
+    tests mpi plain -L '^mpi$'
+else
+    kinds+=("mpi: mpicc or mpirun not installed, left out")
+fi
+configure asan -DCATAMARAN_MPI=$mpi -DCATAMARAN_SANITIZE=address
 tests asan asan -L '^c$'
 if command -v valgrind > /dev/null; then
     tests valgrind plain -L '^valgrind$'

@@ -276,6 +276,25 @@ static void test_loaded_backend(const char *path)
     cata_backend_free(backend);
 }
 
+/* Without the feature; with it see test_mpi.c. */
+static void test_without_mpi(void)
+{
+    if (cata_capabilities() & CATA_CAP_MPI) {
+        return;
+    }
+    cata_world *world = NULL;
+    cata_symmetric *product = NULL;
+    size_t n = 5;
+    CHECK_STATUS(cata_world_new(0, &world), CATA_ERR_UNSUPPORTED);
+    CHECK_MESSAGE("built without the feature mpi");
+    CHECK_STATUS(cata_world_rank(world, &n), CATA_ERR_UNSUPPORTED);
+    CHECK_STATUS(cata_world_ata_rows_f64(world, ROW, M, N, 1.0, a, N, NULL, &product),
+                 CATA_ERR_UNSUPPORTED);
+    CHECK(world == NULL && product == NULL && n == 5);
+    cata_world_free(NULL);
+    cata_symmetric_free(NULL);
+}
+
 static void test_verify(void)
 {
     int32_t passed = 5;
@@ -313,7 +332,7 @@ static void test_version(void)
     CHECK(strcmp(text, cata_version_string()) == 0);
     CHECK(strcmp(text, EXPECTED_VERSION) == 0); /* CMake's, from Cargo.toml */
     CHECK_STATUS(cata_version(NULL, NULL, NULL), CATA_OK);
-    CHECK((cata_capabilities() & ~(uint64_t)CATA_CAP_OPENBLAS) == 0);
+    CHECK((cata_capabilities() & ~(uint64_t)(CATA_CAP_OPENBLAS | CATA_CAP_MPI)) == 0);
 }
 
 static void test_status_names(void)
@@ -325,7 +344,7 @@ static void test_status_names(void)
     CHECK(CATA_OK == 0 && CATA_ERR_NULL == 1 && CATA_ERR_SHAPE == 2 && CATA_ERR_ARGUMENT == 3);
     CHECK(CATA_ERR_NON_FINITE == 4 && CATA_ERR_NOT_CONVERGED == 5 && CATA_ERR_IO == 6);
     CHECK(CATA_ERR_OUT_OF_MEMORY == 7 && CATA_ERR_BACKEND == 8 && CATA_ERR_CANCELLED == 9);
-    CHECK(CATA_ERR_UNSUPPORTED == 10 && CATA_ERR_PANIC == 11);
+    CHECK(CATA_ERR_UNSUPPORTED == 10 && CATA_ERR_PANIC == 11 && CATA_ERR_RANK == 12);
 }
 
 int main(int argc, char **argv)
@@ -346,6 +365,7 @@ int main(int argc, char **argv)
     test_params();
     test_progress();
     test_backend();
+    test_without_mpi();
     test_verify();
     test_version();
     test_status_names();

@@ -5,6 +5,7 @@
 //! arguments select cases by parts of their names.
 
 mod columns;
+mod cyclic;
 mod failures;
 mod launch;
 mod matrices;
@@ -36,7 +37,8 @@ pub struct Scene {
 }
 
 fn main() -> ExitCode {
-    let cases = [rows::CASES, columns::CASES, root::CASES, verify::CASES, memory::CASES].concat();
-    let scenes = [failures::SCENES, root::SCENES].concat();
-    launch::run(&cases, &scenes)
+    let cases =
+        [rows::CASES, columns::CASES, root::CASES, cyclic::CASES, verify::CASES, memory::CASES];
+    let scenes = [failures::SCENES, root::SCENES, cyclic::SCENES];
+    launch::run(&cases.concat(), &scenes.concat())
 }

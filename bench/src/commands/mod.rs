@@ -5,6 +5,7 @@ pub mod exact;
 pub mod grid;
 pub mod race;
 pub mod scale;
+pub mod stream;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

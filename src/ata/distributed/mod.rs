@@ -10,6 +10,7 @@ mod blocks;
 mod chunks;
 mod cost;
 mod cover;
+mod cyclic;
 mod segment;
 mod tree;
 
@@ -22,6 +23,7 @@ pub use cost::{
     proposition_8_3, simulate,
 };
 pub use cover::difference_cover;
+pub use cyclic::{BlockCyclic, Cut, Dealing, Delivery, Grid, GridOrder, Parts, Piece, Run};
 pub use segment::{Layout, Segment, packed_len};
 #[cfg(feature = "mpi")]
 pub(crate) use tree::RESULTS_AT_ONCE;

@@ -310,20 +310,19 @@ mod tests {
             let loads = tree.loads();
             assert_eq!(loads.len(), p);
             assert!(loads.iter().all(|load| load.products > 0.0), "P = {p}");
-            let owners: Vec<usize> = leaves(&tree).map(|leaf| leaf.task.process).collect();
-            // Two processes have three tasks: both triangles are for one of them (wherever two are left).
-            let twice = leaves(&tree).count() - p;
-            let mut distinct = owners.clone();
-            distinct.sort_unstable();
-            distinct.dedup();
-            assert_eq!(distinct.len() + twice, owners.len(), "P = {p}");
+            let mut owned = vec![[0; 2]; p];
+            leaves(&tree)
+                .for_each(|leaf| owned[leaf.task.process][usize::from(leaf.task.triangle)] += 1);
+            // One leaf each; where two processes are left for a triangle, one has both of its triangles.
+            let is_usual = |leaves: &[usize; 2]| [[1, 0], [0, 1], [0, 2]].contains(leaves);
+            assert!(owned.iter().all(is_usual), "P = {p}");
         }
     }
 
-    /// How many rows of A each entry of C gets, and how many distinct: by differences, so that it is quick.
+    /// Counts how often each entry of C gets each row of A.
     fn check_coverage(m: usize, n: usize, p: usize) {
         let tree = TaskTree::new(m, n, p);
-        let mut counts = vec![0_i64; n * n * m];
+        let mut counts = vec![0_u8; n * n * m];
         for leaf in leaves(&tree) {
             let Task { triangle, rows, cols, process } = leaf.task.clone();
             assert!(process < p);
@@ -338,7 +337,7 @@ mod tests {
         for i in 0..n {
             for j in 0..n {
                 for l in 0..m {
-                    let expected = i64::from(j <= i);
+                    let expected = u8::from(j <= i);
                     assert_eq!(counts[(i * n + j) * m + l], expected, "{m} x {n}, P = {p}");
                 }
             }

@@ -1,0 +1,531 @@
+//! `catamaran ata`.
+
+mod checkpoint;
+mod memory;
+pub mod parse;
+mod source;
+mod sparse;
+
+use std::num::NonZeroUsize;
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use catamaran::ata::{Accumulator, Center, RowOptions, StreamPlan, Strip, stream, verify_rows};
+use catamaran::base::Workspace;
+use catamaran::blas::{Backend, BlasReal};
+use catamaran::faer::{MatMut, MatRef};
+use catamaran::io::{self as files, CsMat, Output, Overwrite, StripOutput};
+use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
+
+use self::checkpoint::Checkpoint;
+use self::source::{Source, Watched};
+use crate::progress::{self, Bar};
+use crate::report::{report, seconds};
+use crate::{backend, picture};
+
+/// Compute C = A^T A of a matrix in a file.
+///
+/// Reads .npy, .mtx, .csv, .tsv and .txt, each also as .gz, and HDF5 where it is built in (FILE.h5:/dataset). Sparse
+/// .mtx files stay sparse. Files .npy and HDF5 are read once, block by block, while the last block is multiplied: they
+/// may be larger than memory.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The matrix A, m x n.
+    #[arg(value_name = "A")]
+    input: PathBuf,
+    /// Where C goes, n x n: .npy, .mtx, .csv, .tsv or .txt, and .gz after it.
+    #[arg(short, long, value_name = "C")]
+    output: Option<PathBuf>,
+    /// Use these columns of A only, counted from 0, the last one excluded.
+    #[arg(long, value_name = "FIRST..END", value_parser = parse::columns)]
+    columns: Option<Range<usize>>,
+    /// Triangle of C to compute; the other one is zero in the output.
+    #[arg(long, value_name = "TRIANGLE", default_value = "both", value_parser = parse::uplo())]
+    uplo: Uplo,
+    /// File of m weights W: compute A^T W A.
+    #[arg(long, value_name = "FILE")]
+    weights: Option<PathBuf>,
+    /// Subtract the mean of each column (the weighted mean if there are weights).
+    #[arg(long)]
+    center: bool,
+    /// Subtract the means, and divide by m - 1: the sample covariance.
+    #[arg(long, conflicts_with = "weights")]
+    covariance: bool,
+    /// Threads; all cores of the affinity mask unless given. Does not change C.
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// Recursion.
+    #[arg(long, value_name = "SCHEME", default_value = "auto", value_parser = parse::scheme())]
+    scheme: SchemeChoice,
+    /// Error allowed: max (the exact path), classical, default, fast, or a factor (>= 1) over the
+    /// classical algorithm.
+    #[arg(long, value_name = "ACCURACY", default_value = "default", value_parser = parse::accuracy)]
+    accuracy: Accuracy,
+    /// The same bytes on every machine: the exact path, which without AMX is slower than others.
+    #[arg(long)]
+    reproducible: bool,
+    /// Scale columns by powers of two around fast levels: for columns of very different sizes.
+    #[arg(long)]
+    scale_columns: bool,
+    /// BLAS: native (built in), openblas (if built in), or the path of a CBLAS library.
+    #[arg(long, value_name = "NAME", default_value = "native")]
+    backend: String,
+    /// Compute in single precision.
+    #[arg(long = "f32", conflicts_with = "double")]
+    single: bool,
+    /// Compute in double precision; the default unless A is single.
+    #[arg(long = "f64")]
+    double: bool,
+    /// Check C with random vectors; a failure is an error, and nothing is written.
+    #[arg(long)]
+    verify: bool,
+    /// Print the plan first.
+    #[arg(long)]
+    explain: bool,
+    /// Write a heat map (PNG) of C, scaled to a unit diagonal.
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+    /// Memory to use at most; default four fifths of what is available. When C does not fit, A is read several times,
+    /// for some rows of C each time.
+    #[arg(long, value_name = "GIB", value_parser = parse::gibibytes)]
+    memory: Option<usize>,
+    /// Rows of a block, two of which are in memory; default about 64 MiB. Changes last bits of C.
+    #[arg(long, value_name = "ROWS")]
+    block_rows: Option<NonZeroUsize>,
+    /// Keep the sums so far in this file, for --resume; it is removed in the end.
+    #[arg(long, value_name = "FILE")]
+    checkpoint: Option<PathBuf>,
+    /// Minutes between two checkpoints; 0: after each block.
+    #[arg(
+        long,
+        value_name = "MINUTES",
+        default_value = "10",
+        value_parser = parse::minutes,
+        requires = "checkpoint"
+    )]
+    checkpoint_every: Duration,
+    /// Go on from the checkpoint, if there is one: C will be the same bytes as without a stop.
+    #[arg(long, requires = "checkpoint")]
+    resume: bool,
+    /// Write the sums, which `ata-merge` adds to those of other rows.
+    #[arg(long, value_name = "FILE")]
+    accumulator: Option<PathBuf>,
+    /// Refuse an A with NaN or infinite entries.
+    #[arg(long)]
+    strict: bool,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Rounds of the check: a wrong C passes with a probability of 2^-20.
+const ROUNDS: u32 = 20;
+/// Any number does; a fixed one makes runs repeatable.
+const SEED: u64 = 0xCA7A;
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    // What can be refused is refused before any work.
+    refuse(args)?;
+    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
+    let backend = backend::find(&args.backend)?;
+    let create =
+        |path: &Option<PathBuf>| path.as_deref().map(|p| Output::create(p, overwrite)).transpose();
+    let outputs = Outputs {
+        c: create(&args.output)?,
+        picture: create(&args.picture)?,
+        accumulator: create(&args.accumulator)?,
+    };
+
+    let start = Instant::now();
+    let a = Source::open(&args.input, args.columns.clone())?;
+    let (m, n) = a.shape();
+    let how = if a.is_file() {
+        "read by blocks".into()
+    } else {
+        format!("read in {}", seconds(start.elapsed()))
+    };
+    let name = args.input.display();
+    report(format_args!("A         {name}: {m} x {n}, {}, {how}", a.kind()))?;
+    let weights = match &args.weights {
+        Some(path) => Some(source::read_weights(path, &args.input, m)?),
+        None => None,
+    };
+    let work = Work { args, a: &a, weights: weights.as_deref(), backend };
+    if args.double || !args.single && !a.is_single() {
+        work.run::<f64>(outputs)
+    } else {
+        work.run::<f32>(outputs)
+    }
+}
+
+/// What is wrong with the arguments already.
+fn refuse(args: &Args) -> Result<()> {
+    if args.reproducible && !matches!(args.scheme, SchemeChoice::Auto | SchemeChoice::Exact) {
+        let name = parse::scheme_name(args.scheme);
+        bail!("--reproducible is --scheme exact, and can't be combined with --scheme {name}");
+    }
+    if args.checkpoint.is_some() && args.output.is_none() && args.accumulator.is_none() {
+        bail!("--checkpoint needs -o or --accumulator: it is removed in the end");
+    }
+    if let Some(path) = &args.output {
+        files::check_name(path)?;
+    }
+    let checkpoint = args.checkpoint.as_ref().filter(|_| !args.resume);
+    let paths =
+        [args.output.as_ref(), args.picture.as_ref(), args.accumulator.as_ref(), checkpoint];
+    for path in paths.into_iter().flatten() {
+        if !args.force && path.symlink_metadata().is_ok() {
+            let goes_on = if Some(path) == checkpoint { ", --resume goes on from it" } else { "" };
+            bail!("{}: exists already (--force replaces it{goes_on})", path.display());
+        }
+    }
+    if let Some(path) = &args.checkpoint {
+        // Hours later would be too late to find out.
+        drop(Output::create(path, Overwrite::Replace)?);
+    }
+    Ok(())
+}
+
+/// The files to write, already begun.
+struct Outputs {
+    c: Option<Output>,
+    picture: Option<Output>,
+    accumulator: Option<Output>,
+}
+
+/// A product to compute.
+struct Work<'w> {
+    args: &'w Args,
+    a: &'w Source,
+    weights: Option<&'w [f64]>,
+    backend: Arc<dyn Backend>,
+}
+
+impl Work<'_> {
+    /// Computes C in the precision of T, and whatever else was asked for.
+    fn run<T: BlasReal>(&self, outputs: Outputs) -> Result<()> {
+        let Self { args, a, .. } = self;
+        let (m, n) = a.shape();
+        if args.covariance && m < 2 {
+            bail!("{}: {m} rows have no covariance; at least 2 do", args.input.display());
+        }
+        let options = AtaOptions {
+            uplo: args.uplo,
+            par: args.threads.map_or_else(Par::all, |n| Par::Threads(n.get())),
+            scheme: args.scheme,
+            accuracy: args.accuracy,
+            reproducible: args.reproducible,
+            scale_columns: args.scale_columns,
+            backend: self.backend.clone(),
+            ..AtaOptions::default()
+        };
+        if let Some(sparse) = self.sparse() {
+            return self.sparse_product::<T>(sparse, &options, outputs);
+        }
+        let memory = args.memory.unwrap_or_else(memory::allowed);
+        let height = args.block_rows.map(NonZeroUsize::get);
+        let plan = StreamPlan::new::<T>(m, n, self.weights.is_some(), height, memory, &options)?;
+        if args.explain {
+            self.explain(&plan, &options)?;
+        }
+        if plan.reads() == 1 {
+            self.whole::<T>(&plan, &options, outputs)
+        } else {
+            self.strips::<T>(&plan, &options, outputs)
+        }
+    }
+
+    /// All of C, by one read of A.
+    fn whole<T: BlasReal>(
+        &self,
+        plan: &StreamPlan,
+        options: &AtaOptions<'_>,
+        mut outputs: Outputs,
+    ) -> Result<()> {
+        let (args, n) = (self.args, self.a.shape().1);
+        let labels = self.labels(options);
+        let begun = match &args.checkpoint {
+            Some(path) if args.resume => checkpoint::resume::<T>(path, n, &labels)?,
+            _ => None,
+        };
+        let mut sum = match begun {
+            Some(sum) => sum,
+            None => Accumulator::new(n, self.centered())
+                .with_context(|| format!("C of {n} x {n} entries"))?,
+        };
+        sum.set_labels(labels);
+        let (start, done) = (Instant::now(), sum.rows() as usize);
+        let bar = Bar::new("computing");
+        let sum = self.add(sum, plan, options, 0, &bar)?;
+        drop(bar);
+        if let Some(output) = &mut outputs.accumulator {
+            sum.write(output).map_err(|e| output.error(&e))?;
+        }
+        let mean = sum.mean();
+        let c = sum.finish(self.alpha(), args.uplo)?;
+        self.report_time::<T>(self.a.shape().0 - done, start.elapsed())?;
+        self.check(&mean, c.as_ref())?;
+        progress::check()?;
+        if let Some(output) = outputs.accumulator {
+            let path = output.path().to_owned();
+            output.commit()?;
+            report(format_args!("kept      {}", path.display()))?;
+        }
+        self.write(c.as_ref(), outputs.c, outputs.picture)?;
+        match &args.checkpoint {
+            Some(path) if path.symlink_metadata().is_ok() => std::fs::remove_file(path)
+                .with_context(|| format!("{}: can't be removed", path.display())),
+            _ => Ok(()),
+        }
+    }
+
+    /// What C is multiplied by.
+    fn alpha(&self) -> f64 {
+        if self.args.covariance { 1.0 / (self.a.shape().0 - 1) as f64 } else { 1.0 }
+    }
+
+    fn centered(&self) -> bool {
+        self.args.center || self.args.covariance
+    }
+
+    /// The matrix, when it is sparse, its sparse product is the faster one, and is what was asked for: its sums are
+    /// those of the classical algorithm.
+    fn sparse(&self) -> Option<&CsMat<f64>> {
+        let args = self.args;
+        let exact = args.reproducible || args.accuracy == Accuracy::Max;
+        let streams = args.checkpoint.is_some() || args.accumulator.is_some();
+        self.a.sparse().filter(|a| {
+            !self.centered()
+                && !exact
+                && !streams
+                && args.scheme == SchemeChoice::Auto
+                && sparse::is_faster(a)
+        })
+    }
+
+    fn sparse_product<T: BlasReal>(
+        &self,
+        a: &CsMat<f64>,
+        options: &AtaOptions<'_>,
+        outputs: Outputs,
+    ) -> Result<()> {
+        let n = a.cols();
+        if self.args.strict
+            && let Some((value, (row, column))) = a.iter().find(|(x, _)| !x.is_finite())
+        {
+            let name = self.args.input.display();
+            bail!("{name}: {value} at row {row}, column {column} (counted from 0)");
+        }
+        let mut memory = Workspace::<T>::new(n.saturating_mul(n))
+            .with_context(|| format!("C of {n} x {n} entries"))?;
+        if self.args.explain {
+            let count = sparse::row_products(a);
+            report(format_args!(
+                "plan      sparse: the outer product of each row, {count} multiplications"
+            ))?;
+        }
+        let start = Instant::now();
+        let c = MatMut::from_row_major_slice_mut(&mut memory.as_mut_slice()[..n * n], n, n);
+        {
+            let bar = Bar::new("computing");
+            let update = |fraction| bar.update(fraction);
+            let options = AtaOptions { progress: Some(&update), ..options.clone() };
+            sparse::product(a, self.weights, c, &options)?;
+        }
+        self.report_time::<T>(a.rows(), start.elapsed())?;
+        let c = MatRef::from_row_major_slice(&memory.as_slice()[..n * n], n, n);
+        self.check(&[], c)?;
+        progress::check()?;
+        self.write(c, outputs.c, outputs.picture)
+    }
+
+    /// Adds the rows that `sum` lacks, with checkpoints; it is the `read`-th read of A, from 0.
+    fn add<T: BlasReal>(
+        &self,
+        mut sum: Accumulator<T>,
+        plan: &StreamPlan,
+        options: &AtaOptions<'_>,
+        read: usize,
+        bar: &Bar,
+    ) -> Result<Accumulator<T>> {
+        let args = self.args;
+        let update = |fraction| bar.update((read as f64 + fraction) / plan.reads() as f64);
+        let options = AtaOptions { progress: Some(&update), ..options.clone() };
+        let weights: Option<Vec<T>> =
+            self.weights.map(|w| w.iter().map(|&w| T::from_f64(w)).collect());
+        let mut checkpoint =
+            args.checkpoint.as_deref().map(|path| Checkpoint::new(path, args.checkpoint_every));
+        let mut after_block = |sum: &Accumulator<T>| {
+            if let Some(checkpoint) = &mut checkpoint {
+                checkpoint.after_block(sum);
+            }
+            progress::check()
+        };
+        let mut rows = self.a.rows::<T>(args.strict)?;
+        let height = plan.block_rows();
+        stream(&mut *rows, weights.as_deref(), height, &mut sum, &options, &mut after_block)?;
+        Ok(sum)
+    }
+
+    /// C strip by strip, each of which reads A again and goes to the disk.
+    fn strips<T: BlasReal>(
+        &self,
+        plan: &StreamPlan,
+        options: &AtaOptions<'_>,
+        outputs: Outputs,
+    ) -> Result<()> {
+        let args = self.args;
+        let (m, n) = self.a.shape();
+        let given = [
+            ("--verify", args.verify),
+            ("--picture", args.picture.is_some()),
+            ("--checkpoint", args.checkpoint.is_some()),
+            ("--accumulator", args.accumulator.is_some()),
+        ];
+        if let Some((name, _)) = given.into_iter().find(|(_, given)| *given) {
+            bail!(
+                "{name} needs all of C in memory, and C of {n} x {n} entries does not fit: see --memory"
+            );
+        }
+        let Some(output) = outputs.c else {
+            bail!("C of {n} x {n} entries does not fit in memory (--memory): name its file by -o");
+        };
+        let path = output.path().to_owned();
+        let mut output = StripOutput::new::<T>(output, n, args.uplo)?;
+        let start = Instant::now();
+        let bar = Bar::new("computing");
+        for (read, strip) in plan.strips().iter().enumerate() {
+            let sum = Accumulator::of_strip(n, strip.clone(), self.centered())?;
+            let sum = self.add(sum, plan, options, read, &bar)?;
+            let c: Strip<T> = sum.finish(self.alpha(), Uplo::Lower)?;
+            output.write(&c)?;
+        }
+        drop(bar);
+        self.report_time::<T>(m, start.elapsed())?;
+        progress::check()?;
+        output.commit()?;
+        report(format_args!("written   {}", path.display()))
+    }
+
+    /// What a checkpoint must have been made with.
+    fn labels(&self, options: &AtaOptions<'_>) -> Vec<(String, String)> {
+        let args = self.args;
+        let weights = self.weights.map_or("none".into(), |w| format!("{:016x}", fingerprint(w)));
+        [
+            ("A", self.a.identity()),
+            ("weights", weights),
+            ("centring", if self.centered() { "mean" } else { "none" }.into()),
+            ("scheme", parse::scheme_name(args.scheme).into()),
+            ("accuracy", format!("{:?}", args.accuracy).to_lowercase()),
+            ("reproducible", args.reproducible.to_string()),
+            ("scaling of columns", args.scale_columns.to_string()),
+            ("back end", options.backend.name().into()),
+        ]
+        .map(|(name, value)| (name.to_owned(), value))
+        .into()
+    }
+
+    /// What was computed, of `m` rows in this time.
+    fn report_time<T: BlasReal>(&self, m: usize, elapsed: Duration) -> Result<()> {
+        let n = self.a.shape().1;
+        let triangle = match self.args.uplo {
+            Uplo::Lower => "lower triangle",
+            Uplo::Upper => "upper triangle",
+            Uplo::Both => "both triangles",
+        };
+        report(format_args!("C         {n} x {n}, {}, {triangle}", T::NAME))?;
+        let rate = m as f64 * (n as f64).powi(2) / elapsed.as_secs_f64().max(1e-9) / 1e9;
+        report(format_args!(
+            "time      {}, {rate:.2} effective GFLOP/s (m n^2 / time)",
+            seconds(elapsed)
+        ))
+    }
+
+    /// Checks C, if asked to, with one more read of A.
+    fn check<T: BlasReal>(&self, mean: &[f64], c: MatRef<'_, T>) -> Result<()> {
+        if !self.args.verify {
+            return Ok(());
+        }
+        let bar = Bar::new("checking");
+        let center = match mean {
+            // Without rows there is none.
+            mean if self.centered() && self.a.shape().0 > 0 => Center::Given(mean),
+            _ => Center::No,
+        };
+        let row_options = RowOptions { weights: self.weights, center };
+        let mut rows = Watched { rows: self.a.rows::<f64>(false)?, bar: &bar };
+        let uplo = self.args.uplo;
+        let found = match verify_rows(self.alpha(), &mut rows, &row_options, c, uplo, ROUNDS, SEED)
+        {
+            // What is not finite has no mean that could be given.
+            Err(catamaran::Error::NonFinite { what: "center", .. }) => {
+                bail!("the check failed, and nothing is written: the mean is not finite")
+            }
+            found => found?,
+        };
+        drop(rows);
+        drop(bar);
+        let numbers = format!("residual {:.2e}, tolerance {:.2e}", found.residual, found.tolerance);
+        if !found.passed {
+            bail!("the check failed, and nothing is written: {numbers}");
+        }
+        report(format_args!(
+            "check     passed: {numbers}, false-accept probability {:.1e}",
+            found.false_accept_probability
+        ))
+    }
+
+    fn write<T: BlasReal>(
+        &self,
+        c: MatRef<'_, T>,
+        output: Option<Output>,
+        picture: Option<Output>,
+    ) -> Result<()> {
+        if let Some(output) = output {
+            write_matrix(output, c)?;
+        }
+        if let Some(output) = picture {
+            let path = output.path().to_owned();
+            picture::write(output, c, |i, j| match self.args.uplo {
+                Uplo::Upper => (i.min(j), i.max(j)),
+                Uplo::Lower | Uplo::Both => (i.max(j), i.min(j)),
+            })?;
+            report(format_args!("picture   {}", path.display()))?;
+        }
+        Ok(())
+    }
+
+    fn explain(&self, plan: &StreamPlan, options: &AtaOptions<'_>) -> Result<()> {
+        let mut text = plan.product().map_or_else(String::new, |plan| format!("{plan}\n"));
+        text += &plan.to_string();
+        for (i, line) in text.lines().enumerate() {
+            report(format_args!("{}{line}", if i == 0 { "plan      " } else { "          " }))?;
+        }
+        if self.args.verify {
+            report(format_args!("          check      one more read of A"))?;
+        }
+        let threads = options.par.threads();
+        if plan.product().is_some_and(|plan| plan.is_exact()) {
+            // No back end has a part in it.
+            return report(format_args!("          threads    {threads}"));
+        }
+        report(format_args!("          back end   {}, {threads} threads", options.backend.name()))
+    }
+}
+
+/// Writes C into a file.
+pub fn write_matrix<T: BlasReal>(output: Output, c: MatRef<'_, T>) -> Result<()> {
+    let path = output.path().to_owned();
+    files::write(output, c)?;
+    report(format_args!("written   {}", path.display()))
+}
+
+/// Tells weights from others: FNV-1a of their bits.
+fn fingerprint(weights: &[f64]) -> u64 {
+    let mix = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    weights.iter().flat_map(|w| w.to_le_bytes()).fold(0xcbf2_9ce4_8422_2325, mix)
+}

@@ -1,0 +1,73 @@
+//! Values of options.
+
+use std::ops::Range;
+use std::time::Duration;
+
+use catamaran::{Accuracy, SchemeChoice, Uplo};
+use clap::builder::PossibleValuesParser;
+use clap::builder::TypedValueParser as _;
+
+/// lower, upper or both.
+pub fn uplo() -> impl clap::builder::TypedValueParser<Value = Uplo> {
+    PossibleValuesParser::new(["lower", "upper", "both"]).map(|name| match name.as_str() {
+        "lower" => Uplo::Lower,
+        "upper" => Uplo::Upper,
+        _ => Uplo::Both,
+    })
+}
+
+/// A scheme by its name.
+pub fn scheme() -> impl clap::builder::TypedValueParser<Value = SchemeChoice> {
+    PossibleValuesParser::new(SchemeChoice::NAMES.map(|(name, _)| name)).map(|name| {
+        let found = SchemeChoice::NAMES.into_iter().find(|(known, _)| *known == name);
+        found.map_or(SchemeChoice::Auto, |(_, scheme)| scheme)
+    })
+}
+
+/// The name of a scheme.
+pub fn scheme_name(scheme: SchemeChoice) -> &'static str {
+    let found = SchemeChoice::NAMES.into_iter().find(|(_, known)| *known == scheme);
+    found.map_or("another", |(name, _)| name)
+}
+
+/// A name, or a factor.
+pub fn accuracy(text: &str) -> Result<Accuracy, String> {
+    match text {
+        "max" => Ok(Accuracy::Max),
+        "classical" => Ok(Accuracy::Classical),
+        "default" => Ok(Accuracy::Default),
+        "fast" => Ok(Accuracy::Fast),
+        _ => match text.parse() {
+            Ok(factor) if factor >= 1.0 && f64::is_finite(factor) => Ok(Accuracy::Bounded(factor)),
+            _ => {
+                Err("expected max, classical, default, fast, or a number that is at least 1".into())
+            }
+        },
+    }
+}
+
+/// FIRST..END.
+pub fn columns(text: &str) -> Result<Range<usize>, String> {
+    let bounds = text.split_once("..").map(|(first, end)| (first.parse(), end.parse()));
+    match bounds {
+        Some((Ok(first), Ok(end))) if first <= end => Ok(first..end),
+        _ => Err("expected FIRST..END, such as 0..64".into()),
+    }
+}
+
+/// Minutes, fractions of them too.
+pub fn minutes(text: &str) -> Result<Duration, String> {
+    let minutes = text.parse::<f64>().ok().map(|m| Duration::try_from_secs_f64(60.0 * m));
+    match minutes {
+        Some(Ok(time)) => Ok(time),
+        _ => Err("expected a number of minutes that is not negative".into()),
+    }
+}
+
+/// GiB, fractions of them too, as bytes.
+pub fn gibibytes(text: &str) -> Result<usize, String> {
+    match text.parse::<f64>() {
+        Ok(gib) if gib > 0.0 && gib.is_finite() => Ok((gib * f64::from(1 << 30)) as usize),
+        _ => Err("expected a number of GiB above 0".into()),
+    }
+}

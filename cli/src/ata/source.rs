@@ -1,0 +1,216 @@
+//! Where the rows of A come from: a file that is read block by block, or a matrix in memory.
+
+use std::fs;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use catamaran::ata::{DenseRows, RowBlocks};
+use catamaran::base::{Flow, Real};
+use catamaran::blas::BlasReal;
+use catamaran::faer::prelude::ReborrowMut;
+use catamaran::faer::{Mat, MatMut};
+use catamaran::io::{self as files, CsMat, Matrix, ReadOptions, RowFile, SparseRows};
+
+use crate::progress::Bar;
+
+/// The matrix A.
+pub struct Source {
+    name: PathBuf,
+    content: Content,
+}
+
+enum Content {
+    File(RowFile),
+    Whole(Matrix),
+}
+
+/// Rows that a thread may read.
+pub type Rows<'a, T> = Box<dyn RowBlocks<T> + Send + 'a>;
+
+impl Source {
+    /// Opens `.npy` and HDF5, and reads everything else.
+    pub fn open(name: &Path, columns: Option<Range<usize>>) -> Result<Self> {
+        let content = if is_file_of_rows(name) {
+            let file = RowFile::open(name)?;
+            let file = match columns {
+                Some(columns) => named(name, file.with_columns(columns))?,
+                None => file,
+            };
+            Content::File(file)
+        } else {
+            Content::Whole(read(name, "reading", columns)?)
+        };
+        Ok(Self { name: name.into(), content })
+    }
+
+    /// Whether it is read block by block.
+    pub fn is_file(&self) -> bool {
+        matches!(self.content, Content::File(_))
+    }
+
+    /// Number of rows and columns.
+    pub fn shape(&self) -> (usize, usize) {
+        match &self.content {
+            Content::File(file) => (file.nrows(), file.ncols()),
+            Content::Whole(matrix) => (matrix.nrows(), matrix.ncols()),
+        }
+    }
+
+    /// Whether it holds single precision.
+    pub fn is_single(&self) -> bool {
+        match &self.content {
+            Content::File(file) => file.is_single(),
+            Content::Whole(matrix) => matches!(matrix, Matrix::F32(_)),
+        }
+    }
+
+    /// The sparse matrix, if it is one.
+    pub fn sparse(&self) -> Option<&CsMat<f64>> {
+        match &self.content {
+            Content::Whole(Matrix::Sparse(sparse)) => Some(sparse),
+            _ => None,
+        }
+    }
+
+    /// The type of its entries, for people.
+    pub fn kind(&self) -> String {
+        match self.sparse() {
+            Some(sparse) => format!("f64, {} nonzeros", sparse.nnz()),
+            None => if self.is_single() { "f32" } else { "f64" }.into(),
+        }
+    }
+
+    /// What tells it from others, and from itself after a change.
+    pub fn identity(&self) -> String {
+        match &self.content {
+            Content::File(file) => file.identity(),
+            Content::Whole(matrix) => {
+                let path = fs::canonicalize(&self.name).unwrap_or_else(|_| self.name.clone());
+                let about = fs::metadata(&self.name).ok();
+                let changed = about.as_ref().and_then(|about| about.modified().ok());
+                let (bytes, columns) = (about.map(|about| about.len()), matrix.ncols());
+                format!("{}, {columns} columns, {bytes:?} bytes, {changed:?}", path.display())
+            }
+        }
+    }
+
+    /// The rows, converted to T; `strict` refuses NaN and infinities. Can be asked for again.
+    pub fn rows<T: BlasReal>(&self, strict: bool) -> Result<Rows<'_, T>> {
+        let rows = match &self.content {
+            Content::File(file) => Box::new(file.try_clone()?),
+            Content::Whole(matrix) => rows_of::<T>(matrix),
+        };
+        Ok(if strict { Box::new(Finite { rows, name: &self.name }) } else { rows })
+    }
+}
+
+/// Whether the name says so. What is no plain file, such as a pipe, is read as a whole.
+fn is_file_of_rows(name: &Path) -> bool {
+    let text = name.to_string_lossy().to_ascii_lowercase();
+    let hdf5 = [".h5", ".hdf5", ".he5"];
+    let is_hdf5 = |text: &str| hdf5.iter().any(|end| text.ends_with(end));
+    is_hdf5(&text)
+        || text.match_indices(':').any(|(at, _)| is_hdf5(&text[..at]))
+        || text.ends_with(".npy") && fs::metadata(name).is_ok_and(|about| about.is_file())
+}
+
+/// Rows that must be finite.
+struct Finite<'a, T> {
+    rows: Rows<'a, T>,
+    name: &'a Path,
+}
+
+impl<T: Real> RowBlocks<T> for Finite<'_, T> {
+    fn nrows(&self) -> usize {
+        self.rows.nrows()
+    }
+
+    fn ncols(&self) -> usize {
+        self.rows.ncols()
+    }
+
+    fn read(&mut self, first: usize, mut out: MatMut<'_, T>) -> catamaran::Result<()> {
+        self.rows.read(first, out.rb_mut())?;
+        for i in 0..out.nrows() {
+            if let Some(j) = (0..out.ncols()).find(|&j| !out[(i, j)].is_finite()) {
+                let value = out[(i, j)].to_f64();
+                let row = first + i;
+                let what = format!("{value} at row {row}, column {j} (counted from 0)");
+                return Err(catamaran::Error::Io { path: self.name.into(), line: 0, what });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Rows that tell a bar how far they were read, and stop when it says so.
+pub struct Watched<'a, T> {
+    /// The rows.
+    pub rows: Rows<'a, T>,
+    /// The bar.
+    pub bar: &'a Bar,
+}
+
+impl<T> RowBlocks<T> for Watched<'_, T> {
+    fn nrows(&self) -> usize {
+        self.rows.nrows()
+    }
+
+    fn ncols(&self) -> usize {
+        self.rows.ncols()
+    }
+
+    fn read(&mut self, first: usize, out: MatMut<'_, T>) -> catamaran::Result<()> {
+        match self.bar.update(first as f64 / self.rows.nrows().max(1) as f64) {
+            Flow::Cancel => Err(catamaran::Error::Cancelled),
+            Flow::Continue => self.rows.read(first, out),
+        }
+    }
+}
+
+fn rows_of<T: BlasReal>(a: &Matrix) -> Rows<'_, T> {
+    match a {
+        Matrix::F32(dense) => Box::new(DenseRows(dense.as_ref())),
+        Matrix::F64(dense) => Box::new(DenseRows(dense.as_ref())),
+        Matrix::Sparse(sparse) => Box::new(SparseRows(sparse)),
+        _ => unreachable!("no other kind of matrix comes out of a file"),
+    }
+}
+
+fn read(path: &Path, label: &'static str, columns: Option<Range<usize>>) -> Result<Matrix> {
+    let bar = Bar::new(label);
+    let update = |fraction| bar.update(fraction);
+    named(path, files::read(path, &ReadOptions { columns, progress: Some(&update) }))
+}
+
+/// The file, in errors that know none.
+fn named<R>(path: &Path, result: catamaran::Result<R>) -> Result<R> {
+    match result {
+        Err(e @ (catamaran::Error::Argument { .. } | catamaran::Error::OutOfMemory { .. })) => {
+            Err(e).with_context(|| path.display().to_string())
+        }
+        result => Ok(result?),
+    }
+}
+
+/// The `m` weights in a file with one row or one column.
+pub fn read_weights(path: &Path, input: &Path, m: usize) -> Result<Vec<f64>> {
+    let matrix = read(path, "weights", None)?;
+    let (nrows, ncols) = (matrix.nrows(), matrix.ncols());
+    if (nrows, ncols) != (m, 1) && (nrows, ncols) != (1, m) {
+        bail!(
+            "{}: {nrows} x {ncols} where the {m} rows of {} need {m} weights",
+            path.display(),
+            input.display()
+        );
+    }
+    let mut values = Mat::zeros(nrows, ncols);
+    rows_of::<f64>(&matrix).read(0, values.as_mut())?;
+    let weights: Vec<f64> =
+        (0..m).map(|i| if ncols == 1 { values[(i, 0)] } else { values[(0, i)] }).collect();
+    match weights.iter().position(|w| !w.is_finite()) {
+        Some(i) => bail!("{}: weight {i} (counted from 0) is not finite", path.display()),
+        None => Ok(weights),
+    }
+}

@@ -1,0 +1,117 @@
+//! `catamaran ata-merge`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use catamaran::Uplo;
+use catamaran::ata::Accumulator;
+use catamaran::blas::BlasReal;
+use catamaran::io::{self as files, Output, Overwrite};
+use clap::ArgGroup;
+
+use crate::ata::{parse, write_matrix};
+use crate::progress::{self, Bar};
+use crate::report::report;
+
+/// Compute C of the rows of several files or machines from the sums that `ata --accumulator` keeps.
+///
+/// Holds two of them in memory. The order of the files changes last bits only.
+#[derive(clap::Args)]
+#[command(group = ArgGroup::new("result").args(["output", "accumulator"]).required(true).multiple(true))]
+pub struct Args {
+    /// The sums, all of the same columns, precision and centring.
+    #[arg(value_name = "ACC", required = true)]
+    inputs: Vec<PathBuf>,
+    /// Where C goes, n x n: .npy, .mtx, .csv, .tsv or .txt, and .gz after it.
+    #[arg(short, long, value_name = "C")]
+    output: Option<PathBuf>,
+    /// Where the sums of all go, for another merge.
+    #[arg(long, value_name = "FILE")]
+    accumulator: Option<PathBuf>,
+    /// Triangle of C to compute; the other one is zero in the output.
+    #[arg(long, value_name = "TRIANGLE", default_value = "both", value_parser = parse::uplo())]
+    uplo: Uplo,
+    /// Divide by the number of rows less 1: the sample covariance, of centred sums without weights.
+    #[arg(long)]
+    covariance: bool,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    if let Some(path) = &args.output {
+        files::check_name(path)?;
+    }
+    for path in [&args.output, &args.accumulator].into_iter().flatten() {
+        if !args.force && path.symlink_metadata().is_ok() {
+            bail!("{}: exists already (--force replaces it)", path.display());
+        }
+    }
+    let Some(first) = args.inputs.first() else { bail!("no sums to merge") };
+    match files::accumulator_scalar(first)? {
+        "f32" => merge::<f32>(args),
+        _ => merge::<f64>(args),
+    }
+}
+
+fn merge<T: BlasReal>(args: &Args) -> Result<()> {
+    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
+    let create =
+        |path: &Option<PathBuf>| path.as_deref().map(|p| Output::create(p, overwrite)).transpose();
+    let (output, kept) = (create(&args.output)?, create(&args.accumulator)?);
+    let bar = Bar::new("merging");
+    let mut sum: Option<Accumulator<T>> = None;
+    for (i, path) in args.inputs.iter().enumerate() {
+        bar.update(i as f64 / args.inputs.len() as f64);
+        progress::check()?;
+        let next = read(path)?;
+        match &mut sum {
+            None => sum = Some(next),
+            Some(sum) => sum.merge(next).with_context(|| path.display().to_string())?,
+        }
+    }
+    drop(bar);
+    let Some(sum) = sum else { bail!("no sums to merge") };
+    let (rows, n) = (sum.rows(), sum.ncols());
+    let centring = if sum.is_centered() { "about the mean" } else { "not centred" };
+    let files = args.inputs.len();
+    report(format_args!(
+        "sums      {files} files: {rows} rows, {n} columns, {}, {centring}",
+        T::NAME
+    ))?;
+    let alpha = if args.covariance {
+        if !sum.is_centered() || sum.weight() != rows as f64 {
+            bail!("--covariance needs centred sums without weights (ata --center)");
+        }
+        if rows < 2 {
+            bail!("{rows} rows have no covariance; at least 2 do");
+        }
+        1.0 / (rows - 1) as f64
+    } else {
+        1.0
+    };
+    if let Some(output) = kept {
+        let path = output.path().to_owned();
+        files::write_accumulator(output, &sum)?;
+        report(format_args!("kept      {}", path.display()))?;
+    }
+    match output {
+        Some(output) => write_matrix(output, sum.finish(alpha, args.uplo)?.as_ref()),
+        None => Ok(()),
+    }
+}
+
+/// The sums in a file, when they are whole.
+fn read<T: BlasReal>(path: &Path) -> Result<Accumulator<T>> {
+    let sum = files::read_accumulator::<T>(path)?;
+    let (rows, all) = (sum.rows(), sum.expected_rows());
+    if rows < all {
+        bail!("{}: a checkpoint at row {rows} of {all}: finish it by ata --resume", path.display());
+    }
+    if sum.strip() != (0..sum.ncols()) {
+        bail!("{}: not of all of C", path.display());
+    }
+    Ok(sum)
+}

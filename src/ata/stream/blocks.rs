@@ -1,0 +1,117 @@
+//! One way through the rows of a source: block after block, the next one read while `work` has the last.
+
+use std::ops::ControlFlow;
+use std::sync::mpsc;
+use std::thread;
+
+use faer::MatMut;
+
+use super::super::rows::RowBlocks;
+use crate::base::{Par, Real, Result, Workspace};
+
+/// Bytes of the two blocks that are in memory; of all three where weights need one of their own.
+const BLOCKS_BYTES: usize = 128 << 20;
+
+/// Fewer rows do not pay for the pass over C that each block takes.
+const LEAST_ROWS: usize = 1024;
+
+/// Rows of a block of n columns: a multiple of 64, about 64 MiB. With weights there are three blocks, in the
+/// memory of two. Not a matter of threads or of the number of rows, or results would be.
+pub fn block_rows<T: Real>(n: usize, weighted: bool) -> usize {
+    let row = n.max(1).saturating_mul(size_of::<T>());
+    let rows = (BLOCKS_BYTES / 2 / row).max(LEAST_ROWS);
+    let rows = if weighted { rows * 2 / 3 } else { rows };
+    rows / 64 * 64
+}
+
+/// Calls `work(first, block)` with the rows from `start` on, `height` (>= 1) at a time, the last block with what
+/// is left; `block` holds row after row. Two blocks are allocated and no more; one where there is nothing to
+/// overlap: a single block, or [`Par::Seq`], which has no other thread to read.
+pub(crate) fn for_each_block<T: Real>(
+    rows: &mut (dyn RowBlocks<T> + Send),
+    start: usize,
+    height: usize,
+    par: Par,
+    mut work: impl FnMut(usize, &mut [T]) -> Result<()>,
+) -> Result<()> {
+    let left = rows.nrows().saturating_sub(start);
+    if left == 0 {
+        return Ok(());
+    }
+    let len = height.min(left).saturating_mul(rows.ncols());
+    if left > height
+        && par != Par::Seq
+        && let ControlFlow::Break(done) = overlapped(rows, start, height, len, &mut work)
+    {
+        return done;
+    }
+    let mut block = Workspace::new(len)?;
+    for first in (start..rows.nrows()).step_by(height) {
+        let filled = fill(rows, first, height, &mut block)?;
+        work(first, filled)?;
+    }
+    Ok(())
+}
+
+/// [`for_each_block`] with a thread that reads; `Continue` when there is none to be had, nothing done.
+fn overlapped<T: Real>(
+    rows: &mut (dyn RowBlocks<T> + Send),
+    start: usize,
+    height: usize,
+    len: usize,
+    work: &mut impl FnMut(usize, &mut [T]) -> Result<()>,
+) -> ControlFlow<Result<()>> {
+    let blocks = Workspace::new(len).and_then(|first| Ok([first, Workspace::new(len)?]));
+    let blocks = match blocks {
+        Ok(blocks) => blocks,
+        Err(e) => return ControlFlow::Break(Err(e)),
+    };
+    let (m, n) = (rows.nrows(), rows.ncols());
+    thread::scope(|scope| {
+        let (give, empty) = mpsc::channel();
+        let (full_end, full) = mpsc::channel();
+        let reader = move || {
+            for first in (start..m).step_by(height) {
+                // Both ends fail when the other side has given up.
+                let Ok(mut block) = empty.recv() else { return };
+                let filled = fill(rows, first, height, &mut block).map(drop);
+                let failed = filled.is_err();
+                if full_end.send(filled.map(|()| (first, block))).is_err() || failed {
+                    return;
+                }
+            }
+        };
+        let named = thread::Builder::new().name("catamaran-rows".into());
+        if named.spawn_scoped(scope, reader).is_err() {
+            return ControlFlow::Continue(());
+        }
+        for block in blocks {
+            // Who is gone says why below.
+            let _ = give.send(block);
+        }
+        // Ends with the last block, with the first error, or with a panic of the source, which the end of the
+        // scope passes on.
+        let done = full.iter().try_for_each(|filled| {
+            let (first, mut block): (usize, Workspace<T>) = filled?;
+            let count = height.min(m - first);
+            work(first, &mut block.as_mut_slice()[..count * n])?;
+            let _ = give.send(block);
+            Ok(())
+        });
+        drop((give, full));
+        ControlFlow::Break(done)
+    })
+}
+
+/// Reads the block from row `first` on.
+fn fill<'b, T: Real>(
+    rows: &mut (dyn RowBlocks<T> + Send),
+    first: usize,
+    height: usize,
+    block: &'b mut Workspace<T>,
+) -> Result<&'b mut [T]> {
+    let (count, n) = (height.min(rows.nrows() - first), rows.ncols());
+    let block = &mut block.as_mut_slice()[..count * n];
+    rows.read(first, MatMut::from_row_major_slice_mut(block, count, n))?;
+    Ok(block)
+}

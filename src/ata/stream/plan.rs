@@ -1,0 +1,134 @@
+use std::fmt;
+use std::ops::Range;
+
+use super::super::options::AtaOptions;
+use super::super::plan::Plan;
+use super::blocks::block_rows;
+use crate::base::{Error, Result};
+use crate::blas::BlasReal;
+
+/// How an m x n matrix A will be streamed, as data: blocks, reads, memory. Beside the shape it depends on the memory
+/// allowed: C is computed in strips of rows, and each strip reads A once. The cut into blocks does not.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StreamPlan {
+    rows: usize,
+    block_rows: usize,
+    strips: Vec<Range<usize>>,
+    bytes: usize,
+    /// Of the product of a block, when one strip is all of C.
+    product: Option<Plan>,
+}
+
+impl StreamPlan {
+    /// The plan for A m x n in blocks of `rows` rows (`None`: [`block_rows`]) that takes at most `memory` bytes: C or
+    /// a strip of it, two blocks (three in the memory of two with weights), and the scratch of a product.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when the memory is less than one row of C needs, for `rows` 0, and for options out of range.
+    pub fn new<T: BlasReal>(
+        m: usize,
+        n: usize,
+        weighted: bool,
+        rows: Option<usize>,
+        memory: usize,
+        options: &AtaOptions<'_>,
+    ) -> Result<Self> {
+        let block_rows = rows.unwrap_or_else(|| block_rows::<T>(n, weighted));
+        if block_rows == 0 {
+            return Err(Error::Argument { what: "block rows", why: "must be at least 1".into() });
+        }
+        let height = block_rows.min(m);
+        let count = if m > height { 2 } else { 1 } + usize::from(weighted);
+        let bytes = |elements: usize| elements.saturating_mul(size_of::<T>());
+        let blocks = bytes(count.saturating_mul(height).saturating_mul(n));
+        let product = Plan::ata::<T>(height, n, options)?;
+        let threads = options.par.threads();
+        // Of a strip, whichever of its two products needs more.
+        let scratch = |strip: &Range<usize>| -> Result<usize> {
+            let own = strip.len();
+            let square = Plan::ata::<T>(height, own, options)?.scratch_len::<T>(threads, !weighted);
+            if strip.start == 0 {
+                return Ok(square);
+            }
+            let left = Plan::atb::<T>(height, own, strip.start, options)?;
+            Ok(square.max(left.scratch_len::<T>(threads, false)))
+        };
+        let total = |strip: &Range<usize>| -> Result<usize> {
+            let c = bytes(strip.len().saturating_mul(strip.end));
+            Ok(c.saturating_add(blocks).saturating_add(bytes(scratch(strip)?)))
+        };
+        let all = 0..n;
+        let whole = total(&all)?;
+        if whole <= memory {
+            let (strips, product) = (vec![all], Some(product));
+            return Ok(Self { rows: m, block_rows, strips, bytes: whole, product });
+        }
+        let mut strips: Vec<Range<usize>> = Vec::new();
+        let mut largest = 0;
+        while strips.last().is_none_or(|s| s.end < n) {
+            let start = strips.last().map_or(0, |s| s.end);
+            // The longest that fits: scratch and C grow with its length.
+            let (mut fits, mut over) = (start, n + 1);
+            while over - fits > 1 {
+                let middle = fits.midpoint(over);
+                if total(&(start..middle))? <= memory { fits = middle } else { over = middle }
+            }
+            if fits == start {
+                let least = total(&(start..start + 1))?;
+                let why = format!(
+                    "{memory} bytes, where blocks of {height} rows and a row of C need {least}"
+                );
+                return Err(Error::Argument { what: "memory", why });
+            }
+            largest = largest.max(total(&(start..fits))?);
+            strips.push(start..fits);
+        }
+        Ok(Self { rows: m, block_rows, strips, bytes: largest, product: None })
+    }
+
+    /// Rows of a block.
+    pub fn block_rows(&self) -> usize {
+        self.block_rows
+    }
+
+    /// The rows of C that each read of A computes.
+    pub fn strips(&self) -> &[Range<usize>] {
+        &self.strips
+    }
+
+    /// How often A is read.
+    pub fn reads(&self) -> usize {
+        self.strips.len()
+    }
+
+    /// Bytes that it takes: the largest strip of C, blocks, scratch.
+    pub fn bytes(&self) -> usize {
+        self.bytes
+    }
+
+    /// The plan of the product of a block, when C is not cut into strips.
+    pub fn product(&self) -> Option<&Plan> {
+        self.product.as_ref()
+    }
+}
+
+/// Lines for people.
+impl fmt::Display for StreamPlan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (blocks, reads) = (self.rows.div_ceil(self.block_rows), self.reads());
+        let height = self.block_rows.min(self.rows);
+        let m = self.rows;
+        writeln!(f, "rows       {m} in {blocks} blocks of {height}, converted block by block")?;
+        write!(f, "reads      A is read {}", if reads == 1 { "once" } else { "" })?;
+        if reads > 1 {
+            write!(f, "{reads} times, for strips of at most ")?;
+            let longest = self.strips.iter().map(Range::len).max().unwrap_or(0);
+            write!(f, "{longest} rows of C")?;
+        }
+        write!(
+            f,
+            "\nmemory     {:.2} GiB: C, two blocks, scratch",
+            self.bytes as f64 / f64::from(1 << 30)
+        )
+    }
+}

@@ -1,0 +1,90 @@
+use std::io::{self, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use super::npy::{encode, write_header};
+use super::{Format, Output, format_of};
+use crate::ata::{Strip, Uplo};
+use crate::base::{Error, Real, Result};
+
+/// A symmetric n x n matrix on its way into a `.npy` file, strip by strip, because all of it is too large for memory.
+#[derive(Debug)]
+pub struct StripOutput {
+    output: Output,
+    n: usize,
+    uplo: Uplo,
+    /// Bytes before the first entry.
+    offset: u64,
+}
+
+impl StripOutput {
+    /// Starts the file of a matrix of entries T, of which the triangle or triangles of `uplo` are given, and the rest
+    /// is zero.
+    ///
+    /// # Errors
+    /// [`Error::Io`] for a name that does not end in `.npy`, and when it can't be written.
+    pub fn new<T: Real>(mut output: Output, n: usize, uplo: Uplo) -> Result<Self> {
+        check_strip_name(output.path())?;
+        let start = write_header::<T>(&mut output, n, n).and_then(|()| {
+            let offset = output.stream_position()?;
+            let entries = (n as u64).checked_mul(n as u64);
+            let bytes = entries.and_then(|e| e.checked_mul(size_of::<T>() as u64));
+            let end = bytes.and_then(|bytes| bytes.checked_add(offset));
+            output.set_len(end.ok_or_else(|| io::Error::other("too large for a file"))?)?;
+            Ok(offset)
+        });
+        let offset = start.map_err(|e| output.error(&e))?;
+        Ok(Self { output, n, uplo, offset })
+    }
+
+    /// Writes a strip of the lower triangle, and into the columns of its rows what `uplo` wants above the diagonal. Of
+    /// the type T that it was begun for.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when the strip is not of an n x n matrix, [`Error::Io`].
+    pub fn write<T: Real>(&mut self, strip: &Strip<T>) -> Result<()> {
+        let (rows, c) = (strip.rows(), strip.as_ref());
+        if rows.end > self.n {
+            return Err(Error::Shape { what: "strip", expected: (self.n, self.n), got: c.shape() });
+        }
+        let mut bytes = Vec::new();
+        if self.uplo != Uplo::Upper {
+            for i in rows.clone() {
+                bytes.clear();
+                encode((0..=i).map(|j| c[(i - rows.start, j)]), &mut bytes);
+                self.put::<T>(i, 0, &bytes)?;
+            }
+        }
+        if self.uplo != Uplo::Lower {
+            for j in 0..rows.end {
+                let first = rows.start.max(j);
+                bytes.clear();
+                encode((first..rows.end).map(|i| c[(i - rows.start, j)]), &mut bytes);
+                self.put::<T>(j, first, &bytes)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Puts the bytes of entries into row `i` of the file, from column `j` on.
+    fn put<T: Real>(&mut self, i: usize, j: usize, bytes: &[u8]) -> Result<()> {
+        let at = self.offset + (i as u64 * self.n as u64 + j as u64) * size_of::<T>() as u64;
+        let done = self.output.seek(SeekFrom::Start(at)).and_then(|_| self.output.write_all(bytes));
+        done.map_err(|e| self.output.error(&e))
+    }
+
+    /// Lets the file appear, as [`Output::commit`].
+    ///
+    /// # Errors
+    /// [`Error::Io`]; nothing is left behind then.
+    pub fn commit(self) -> Result<()> {
+        self.output.commit()
+    }
+}
+
+fn check_strip_name(path: &Path) -> Result<()> {
+    if format_of(path)? == (Format::Npy, false) {
+        return Ok(());
+    }
+    let what = "a matrix larger than memory can only be written to a .npy file";
+    Err(super::source::error(path, 0, what))
+}

@@ -1,0 +1,303 @@
+//! Block-cyclic A and C, as ScaLAPACK has them.
+
+use faer::{MatMut, MatRef};
+
+use super::columns::ata_columns;
+use super::memory::{append_rows, reserved, zeros};
+use super::rows::ata_rows;
+use super::symmetric::Symmetric;
+use super::transfer::Transfer;
+use super::world::{MpiReal, Operation, World};
+use crate::ata::distributed::{BlockCyclic, Cut, Delivery, GridOrder, Parts, Piece};
+use crate::ata::{AtaOptions, Uplo};
+use crate::base::{Error, Real, Result};
+
+const TAG: i32 = 4;
+
+/// What a rank has of a block-cyclic matrix.
+#[derive(Debug, Clone, Copy)]
+pub struct CyclicRef<'a, T> {
+    /// How the whole matrix is dealt out.
+    pub matrix: BlockCyclic,
+    /// The entries of this rank: [`BlockCyclic::local_shape`], any strides.
+    pub entries: MatRef<'a, T>,
+}
+
+impl<T> CyclicRef<'_, T> {
+    /// The transposed matrix, on the transposed grid.
+    pub fn transpose(self) -> Self {
+        Self { matrix: self.matrix.transpose(), entries: self.entries.transpose() }
+    }
+}
+
+/// [`CyclicRef`], to be written.
+#[derive(Debug)]
+pub struct CyclicMut<'a, T> {
+    /// How the whole matrix is dealt out.
+    pub matrix: BlockCyclic,
+    /// The entries of this rank: [`BlockCyclic::local_shape`], any strides.
+    pub entries: MatMut<'a, T>,
+}
+
+/// `C := alpha A^T A + beta C` for block-cyclic A, m x n, and C, n x n, the triangle or triangles of
+/// `options.uplo`; PDSYRK with TRANS = 'T', of whole matrices.
+///
+/// The blocks, the first processes and even the grids of A and C may differ. Ranks outside of a grid hold nothing,
+/// but take part in the product. A goes to parts of rows or columns, whichever costs fewer words (see
+/// [`Parts::new`]), [`ata_rows`] or [`ata_columns`] multiplies them, and the result goes to C: each rank sends
+/// about `m n / P` and `n^2 / (2 P)` words more than they do, in at most P - 1 messages each (`n^2 / P` for both
+/// triangles). Beside A and C a rank holds its part of A, as much
+/// again as one message each way, and what [`ata_rows`] or [`ata_columns`] holds.
+///
+/// With `beta == 0` C is not read. Otherwise each wanted triangle is added to its own old one, so that for
+/// [`Uplo::Both`] the old C must be symmetric. C is untouched after any error. The result depends,
+/// by rounding, on the number of ranks and on how A is dealt out.
+///
+/// # Errors
+/// [`Error::Shape`] when C is not n x n or entries are not those of the rank, [`Error::Argument`] when a grid
+/// has more ranks than there are, [`Error::Rank`] when a descriptor, alpha, beta, a triangle or the precision
+/// differs, or another rank failed; else as [`ata`](crate::ata()).
+pub fn ata_cyclic<T: MpiReal>(
+    world: &World,
+    alpha: T,
+    a: CyclicRef<'_, T>,
+    beta: T,
+    c: CyclicMut<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    product(world, alpha, a, false, beta, c, options)
+}
+
+/// `C := alpha A A^T + beta C` for block-cyclic A, n x m, and C, n x n; PDSYRK with TRANS = 'N', of whole
+/// matrices. It is [`ata_cyclic`] of the transposed A.
+///
+/// # Errors
+/// As [`ata_cyclic`].
+pub fn aat_cyclic<T: MpiReal>(
+    world: &World,
+    alpha: T,
+    a: CyclicRef<'_, T>,
+    beta: T,
+    c: CyclicMut<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    product(world, alpha, a, true, beta, c, options)
+}
+
+fn product<T: MpiReal>(
+    world: &World,
+    alpha: T,
+    a: CyclicRef<'_, T>,
+    transposed: bool,
+    beta: T,
+    c: CyclicMut<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    let _guard = world.abort_on_panic();
+    let given = a.matrix;
+    let a = if transposed { a.transpose() } else { a };
+    let prepared = check(world, a, &c)
+        .and_then(|()| Collection::new(Parts::new(a.matrix, world.size()), world));
+    let collection = begin(world, given, transposed, alpha, beta, &c, options.uplo, prepared)?;
+    let cut = collection.parts.cut();
+    let (entries, (height, width)) = collection.collect(world, a.entries);
+    let part = MatRef::from_column_major_slice(&entries, height, width);
+    let result = match cut {
+        Cut::Rows => ata_rows(world, alpha, part, options)?,
+        Cut::Columns => ata_columns(world, alpha, part, options)?,
+    };
+    drop(entries);
+    deliver(world, &result, beta, c, options.uplo)
+}
+
+/// What this rank alone can see.
+fn check<T>(world: &World, a: CyclicRef<'_, T>, c: &CyclicMut<'_, T>) -> Result<()> {
+    let n = a.matrix.shape().1;
+    Error::check_shape("C", (n, n), c.matrix.shape())?;
+    for grid in [a.matrix.grid(), c.matrix.grid()] {
+        if grid.size() > world.size() {
+            let (rows, cols, ranks) = (grid.rows(), grid.cols(), world.size());
+            let why = format!("{rows} x {cols} is more than there are ranks, {ranks}");
+            return Err(Error::Argument { what: "grid", why });
+        }
+    }
+    let rank = world.rank();
+    Error::check_shape("this rank's part of A", a.matrix.local_shape(rank), a.entries.shape())?;
+    Error::check_shape("this rank's part of C", c.matrix.local_shape(rank), c.entries.shape())
+}
+
+/// Agrees on everything that all ranks must say alike, a few numbers at a time.
+fn begin<T: MpiReal, X>(
+    world: &World,
+    a: BlockCyclic,
+    transposed: bool,
+    alpha: T,
+    beta: T,
+    c: &CyclicMut<'_, T>,
+    uplo: Uplo,
+    prepared: Result<X>,
+) -> Result<X> {
+    let bits = |value: T| value.to_f64().to_bits() as usize;
+    let scalars = [
+        ("the size of a scalar", size_of::<T>()),
+        ("the transposition", usize::from(transposed)),
+        ("alpha", bits(alpha)),
+        ("beta", bits(beta)),
+        ("the triangle", uplo as usize),
+    ];
+    let prepared = world.begin(Operation::Cyclic, &scalars, prepared)?;
+    let names = [
+        ["M_ of A", "N_ of A", "MB_ of A", "NB_ of A", "RSRC_ of A", "CSRC_ of A"],
+        ["M_ of C", "N_ of C", "MB_ of C", "NB_ of C", "RSRC_ of C", "CSRC_ of C"],
+    ];
+    for (names, matrix) in names.into_iter().zip([a, c.matrix]) {
+        let (rows, cols) = (matrix.rows(), matrix.cols());
+        let numbers =
+            [rows.len(), cols.len(), rows.block(), cols.block(), rows.first(), cols.first()];
+        let facts: Vec<_> = names.into_iter().zip(numbers).collect();
+        world.begin(Operation::Cyclic, &facts, Ok(()))?;
+    }
+    let (a, c) = (a.grid(), c.matrix.grid());
+    let grids = [
+        ("the rows of A's grid", a.rows()),
+        ("the columns of A's grid", a.cols()),
+        ("the order of A's grid", usize::from(a.order() == GridOrder::Columns)),
+        ("the rows of C's grid", c.rows()),
+        ("the columns of C's grid", c.cols()),
+        ("the order of C's grid", usize::from(c.order() == GridOrder::Columns)),
+    ];
+    world.begin(Operation::Cyclic, &grids, Ok(()))?;
+    Ok(prepared)
+}
+
+/// A's way from a grid to parts of rows or columns.
+struct Collection<T> {
+    parts: Parts,
+    buffers: Buffers<T>,
+    /// The part of this rank, column by column.
+    part: Vec<T>,
+}
+
+impl<T: MpiReal> Collection<T> {
+    fn new(parts: Parts, world: &World) -> Result<Self> {
+        let (height, width) = parts.shape(world.rank());
+        let len = |from, to| match parts.piece(from, to) {
+            Some(piece) if from != to => piece.len(),
+            _ => 0,
+        };
+        let buffers = Buffers::new(world, len)?;
+        Ok(Self { buffers, part: zeros(height.saturating_mul(width))?, parts })
+    }
+
+    /// The part of this rank, column by column, and its shape.
+    fn collect(self, world: &World, entries: MatRef<'_, T>) -> (Vec<T>, (usize, usize)) {
+        let Self { parts, buffers, mut part } = self;
+        let own = world.rank();
+        let shape = parts.shape(own);
+        let mut place = |from: usize, piece: Piece, held: MatRef<'_, T>| {
+            for (j, col) in piece.cols.enumerate() {
+                let at = parts.place_of_col(from, own, col) * shape.0 + piece.first_row;
+                let column = &mut part[at..at + held.nrows()];
+                match held.col(j).try_as_col_major() {
+                    Some(entries) => column.copy_from_slice(entries.as_slice()),
+                    None => column.iter_mut().zip(held.col(j).iter()).for_each(|(to, &x)| *to = x),
+                }
+            }
+        };
+        if let Some(piece) = parts.piece(own, own) {
+            let held = entries.get(piece.rows.clone(), piece.cols.clone());
+            place(own, piece, held);
+        }
+        let pack = |to: usize, buffer: &mut Vec<T>| {
+            let Some(piece) = parts.piece(own, to) else { return };
+            // Column by column.
+            append_rows(buffer, entries.get(piece.rows, piece.cols).transpose());
+        };
+        let unpack = |from: usize, buffer: &[T]| {
+            let Some(piece) = parts.piece(from, own) else { return };
+            let (rows, cols) = (piece.rows.len(), piece.cols.len());
+            place(from, piece, MatRef::from_column_major_slice(buffer, rows, cols));
+        };
+        exchange(world, buffers, pack, unpack);
+        (part, shape)
+    }
+}
+
+/// Adds the result to C.
+fn deliver<T: MpiReal>(
+    world: &World,
+    result: &Symmetric<T>,
+    beta: T,
+    c: CyclicMut<'_, T>,
+    uplo: Uplo,
+) -> Result<()> {
+    let own = world.rank();
+    let delivery = Delivery { result: result.layout(), target: c.matrix, uplo };
+    let buffers = Buffers::new(world, |from, to| delivery.len(from, to));
+    let mut buffers = world.agree(buffers)?;
+    let held = result.entries();
+    let mut entries = c.entries;
+    let pack = |to: usize, buffer: &mut Vec<T>| {
+        delivery.runs(own, to, |run| buffer.extend_from_slice(&held[run.at..run.at + run.len]));
+    };
+    let mut unpack = |from: usize, buffer: &[T]| {
+        let mut values = buffer.iter();
+        delivery.runs(from, own, |run| {
+            for (k, &value) in values.by_ref().take(run.len).enumerate() {
+                let (down, along) = if run.down { (k, 0) } else { (0, k) };
+                let entry = &mut entries[(run.row + down, run.col + along)];
+                *entry = if beta == T::ZERO { value } else { beta * *entry + value };
+            }
+        });
+    };
+    pack(own, &mut buffers.outgoing);
+    unpack(own, &buffers.outgoing);
+    exchange(world, buffers, pack, unpack);
+    Ok(())
+}
+
+/// Memory for one message each way, and their lengths.
+struct Buffers<T> {
+    outgoing: Vec<T>,
+    incoming: Vec<T>,
+    /// Entries to be received from each rank.
+    received: Vec<usize>,
+}
+
+impl<T: Real> Buffers<T> {
+    /// `len(from, to)` are the entries that rank `from` sends to rank `to`.
+    fn new(world: &World, len: impl Fn(usize, usize) -> usize) -> Result<Self> {
+        let (own, ranks) = (world.rank(), world.size());
+        let received: Vec<usize> = (0..ranks).map(|from| len(from, own)).collect();
+        let others = received.iter().enumerate().filter(|&(from, _)| from != own);
+        let incoming = reserved(others.map(|(_, len)| *len).max().unwrap_or(0))?;
+        let outgoing = reserved((0..ranks).map(|to| len(own, to)).max().unwrap_or(0))?;
+        Ok(Self { outgoing, incoming, received })
+    }
+}
+
+/// Sends to every other rank what `pack` appends for it, and gives `unpack` what comes from each.
+///
+/// In round k a rank sends to the k-th after it and receives from the k-th before it: nobody is sent to by two at
+/// once, and memory for one message each way is enough. An empty one is not sent.
+fn exchange<T: MpiReal>(
+    world: &World,
+    buffers: Buffers<T>,
+    mut pack: impl FnMut(usize, &mut Vec<T>),
+    mut unpack: impl FnMut(usize, &[T]),
+) {
+    let Buffers { mut outgoing, mut incoming, received } = buffers;
+    let (own, ranks) = (world.rank(), world.size());
+    for round in 1..ranks {
+        let (to, from) = ((own + round) % ranks, (own + ranks - round) % ranks);
+        incoming.clear();
+        incoming.resize(received[from], T::ZERO);
+        let arriving = Transfer::receive(world, incoming, from, TAG);
+        outgoing.clear();
+        pack(to, &mut outgoing);
+        let leaving = Transfer::send(world, outgoing, [to], TAG);
+        incoming = arriving.wait();
+        unpack(from, &incoming);
+        outgoing = leaving.wait();
+    }
+}
