@@ -75,7 +75,7 @@ pub fn costs(job: &Job, ranks: usize, counted: &Counted) -> String {
     )
 }
 
-/// The column names of [`line`].
+/// The column names of [`line()`].
 pub const HEADER: &str = "\
  rep  compute s   commun. s      wall s  GFLOP/s  % peak |     rival s  GFLOP/s  ratio";
 

@@ -107,10 +107,7 @@ impl<T> Scalapack<T> {
         let library = unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) };
         let library = library.map_err(|e| {
             let why = e.source().map_or_else(|| e.to_string(), ToString::to_string);
-            format!(
-                "{}: {why}; Debian has it in libscalapack-{flavour}-dev, --rival pdsyrk=PATH names another",
-                path.display()
-            )
+            format!("{why}; Debian has it in libscalapack-{flavour}-dev, --rival pdsyrk=PATH names another")
         })?;
         let precision = if size_of::<T>() == 8 { 'd' } else { 's' };
         // SAFETY: the signatures of ScaLAPACK with 32-bit integers; the library is kept beside the pointers.
