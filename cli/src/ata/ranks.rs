@@ -11,7 +11,6 @@ use catamaran::faer::MatMut;
 pub use catamaran::mpi::MpiReal as Scalar;
 
 use super::source::Rows;
-use crate::report;
 
 /// This process among the others; alone without `mpirun`.
 pub struct Ranks {
@@ -72,7 +71,7 @@ impl Ranks {
         let universe = mpi::initialize().context("MPI is initialised already")?;
         let ranks = Self { mpi: Some((catamaran::mpi::World::new(&universe.world()), universe)) };
         if !ranks.is_first() {
-            report::be_quiet();
+            crate::report::be_quiet();
         }
         Ok(ranks)
     }
