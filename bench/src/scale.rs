@@ -151,7 +151,7 @@ mod tests {
         assert!(rows.iter().all(|row| row.csv().split(',').count() == columns));
         let picture = svg(&rows, &machine);
         for text in
-            ["A 2000x2000: predicted", ">grid<", ">lower bound<", "root, 65536 ranks:", ">65536<"]
+            ["A 2000: predicted", ">grid<", ">lower bound<", "root, 65536 ranks:", ">65536<"]
         {
             assert!(picture.contains(text), "{text}");
         }
