@@ -3,7 +3,6 @@
 
 use std::fs::{self, OpenOptions};
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use catamaran::ata::RowBlocks;
 use catamaran::faer::prelude::ReborrowMut;
@@ -283,18 +282,6 @@ fn broken_and_missing_files_are_refused() {
     fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
     let what = refusal(&path, "/g/x");
     assert!(what.starts_with("HDF5 says: ") && what.contains("truncated"), "{what}");
-}
-
-/// In a process of its own, whose every test has a new thread.
-#[test]
-fn hdf5_prints_nothing_of_its_own() {
-    let tests = Command::new(std::env::current_exe().unwrap())
-        .args(["--nocapture", "broken_and_missing", "other_types", "shrink", "listed"])
-        .output()
-        .unwrap();
-    let text = String::from_utf8_lossy(&tests.stdout).into_owned();
-    assert!(tests.status.success() && text.contains("4 passed"), "{text}");
-    assert_eq!(String::from_utf8_lossy(&tests.stderr), "");
 }
 
 #[test]
