@@ -16,8 +16,9 @@
 //!
 //! The layers, from the bottom: [`base`] (scalars, errors, workspaces, threads), [`kernel`]
 //! (arithmetic per instruction set), [`blas`] (back ends), [`ata`](mod@ata) (schemes, plans,
-//! execution, the exact path, checks), [`io`] (matrix files), `mpi` (many machines) and the C ABI `capi`, features of
-//! these names. A layer imports only the layers below it; a test says so.
+//! execution, the exact path, checks), [`sparse`] (eigenpairs), [`ortho`] (Gram-Schmidt), [`mesh`] (triangle meshes),
+//! [`io`] (matrix files), [`spectral`] (eigenproducts, functional maps), `mpi` (many machines) and the C ABI `capi`,
+//! features of these names. A layer imports only the layers below it; a test says so.
 
 pub mod base;
 
@@ -27,7 +28,15 @@ pub mod blas;
 
 pub mod ata;
 
+pub mod sparse;
+
+pub mod ortho;
+
+pub mod mesh;
+
 pub mod io;
+
+pub mod spectral;
 
 #[cfg(feature = "mpi")]
 pub mod mpi;

@@ -54,6 +54,13 @@ pub enum Error {
         /// The size of the request.
         bytes: usize,
     },
+    /// A triangle mesh is not one, or not of the kind that is asked for.
+    Mesh {
+        /// What is wrong.
+        what: String,
+        /// The vertex, edge or face at fault, as in "face 12".
+        element: String,
+    },
     /// A BLAS back end could not be loaded, or refused.
     Backend {
         /// The library.
@@ -90,6 +97,7 @@ impl fmt::Display for Error {
             Self::Io { path, line: 0, what } => write!(f, "{}: {what}", path.display()),
             Self::Io { path, line, what } => write!(f, "{}:{line}: {what}", path.display()),
             Self::OutOfMemory { bytes } => write!(f, "out of memory: {bytes} bytes requested"),
+            Self::Mesh { what, element } => write!(f, "{element}: {what}"),
             Self::Backend { name, why } => write!(f, "back end {name}: {why}"),
             Self::Rank { rank, why } => write!(f, "rank {rank}: {why}"),
             Self::Cancelled => write!(f, "cancelled"),

@@ -32,6 +32,8 @@ pub const CATA_ERR_UNSUPPORTED: cata_status = 10;
 pub const CATA_ERR_PANIC: cata_status = 11;
 /// Another rank of a distributed call failed, or does not fit the others; the message names it.
 pub const CATA_ERR_RANK: cata_status = 12;
+/// A triangle mesh is not one, or not of the kind that is asked for; the message names the element.
+pub const CATA_ERR_MESH: cata_status = 13;
 
 /// The message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty when
 /// none has. A call that succeeds leaves it alone. Never NULL.
@@ -69,6 +71,7 @@ fn name(status: cata_status) -> &'static CStr {
         CATA_ERR_UNSUPPORTED => c"CATA_ERR_UNSUPPORTED",
         CATA_ERR_PANIC => c"CATA_ERR_PANIC",
         CATA_ERR_RANK => c"CATA_ERR_RANK",
+        CATA_ERR_MESH => c"CATA_ERR_MESH",
         _ => c"unknown status",
     }
 }
@@ -102,6 +105,7 @@ impl From<Error> for Failure {
             Error::OutOfMemory { .. } => CATA_ERR_OUT_OF_MEMORY,
             Error::Backend { .. } => CATA_ERR_BACKEND,
             Error::Rank { .. } => CATA_ERR_RANK,
+            Error::Mesh { .. } => CATA_ERR_MESH,
             Error::Cancelled => CATA_ERR_CANCELLED,
         };
         Self::new(status, error.to_string())

@@ -1,0 +1,5 @@
+//! Triangle meshes.
+
+mod trimesh;
+
+pub use trimesh::TriMesh;

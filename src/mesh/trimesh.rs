@@ -1,0 +1,63 @@
+use crate::base::{Error, Result};
+
+/// A triangle mesh: positions of vertices, and three of them a face.
+///
+/// Any set of triangles: several components, boundary, edges of three faces, unreferenced vertices and faces without area
+/// are allowed here, and reported or refused by what can't work with them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TriMesh {
+    vertices: Vec<[f64; 3]>,
+    faces: Vec<[u32; 3]>,
+}
+
+impl TriMesh {
+    /// A mesh of these positions and faces (three indices of vertices, from 0, counter-clockwise as seen from outside).
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] names a coordinate that is not finite, a face with an index out of range or with the same index
+    /// twice; [`Error::Argument`] if there are 2^32 vertices or more.
+    pub fn new(vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Result<Self> {
+        if u32::try_from(vertices.len()).is_err() {
+            return Err(Error::Argument {
+                what: "vertices",
+                why: format!("{} of them, where at most 2^32 - 1 can be numbered", vertices.len()),
+            });
+        }
+        let refused = |what: String, element: String| Err(Error::Mesh { what, element });
+        if let Some(v) = vertices.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+            return refused(
+                format!("position {:?} is not finite", vertices[v]),
+                format!("vertex {v}"),
+            );
+        }
+        for (f, face) in faces.iter().enumerate() {
+            if let Some(&v) = face.iter().find(|&&v| v as usize >= vertices.len()) {
+                let n = vertices.len();
+                return refused(
+                    format!("vertex {v} of {n} (numbered from 0)"),
+                    format!("face {f}"),
+                );
+            }
+            let [a, b, c] = *face;
+            if a == b || b == c || c == a {
+                return refused(format!("the same vertex twice in {face:?}"), format!("face {f}"));
+            }
+        }
+        Ok(Self { vertices, faces })
+    }
+
+    /// Positions of the vertices.
+    pub fn vertices(&self) -> &[[f64; 3]] {
+        &self.vertices
+    }
+
+    /// Vertices of the faces.
+    pub fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
+    }
+
+    /// Positions and faces.
+    pub fn into_parts(self) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+        (self.vertices, self.faces)
+    }
+}

@@ -1,0 +1,1 @@
+//! Gram-Schmidt in an M-inner product, blocked, with rank detection.

@@ -1,0 +1,1 @@
+//! Eigenproducts of the Laplacian, functional maps, filters, descriptors (thesis, chapter 1).
