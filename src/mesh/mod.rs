@@ -1,5 +1,14 @@
-//! Triangle meshes.
+//! Triangle meshes: what they are made of, how they hang together, what is wrong with them, files, and generated ones.
 
+pub mod families;
+mod measure;
+mod parts;
+pub mod topology;
 mod trimesh;
+mod validation;
 
+pub use measure::Normalization;
+pub use parts::Part;
+pub use topology::{Adjacency, Components, Edges, Genus};
 pub use trimesh::TriMesh;
+pub use validation::{Problem, Validation};
