@@ -9,6 +9,9 @@ use crate::sparse::Mass;
 /// Columns that are weighted at once: M X of all functions would take as much memory as they do.
 const PANEL: usize = 256;
 
+/// A function of which less than this part of its square is left beyond those before it depends on them, but for rounding.
+const DEPENDENT: f64 = 1e-14;
+
 /// Linearly independent functions on the n vertices of a mesh, as the columns of Q, and the inner product
 /// `<f, g> = f^T M g` of its mass.
 #[derive(Debug, Clone)]
@@ -46,10 +49,16 @@ impl Basis {
         let mut basis = Self::orthonormal(functions, mass)?;
         let q = basis.functions.as_ref();
         let gram = basis.inner_products(q, par)?;
-        let factor = dense::cholesky(gram).map_err(|column| Error::Argument {
+        let squares: Vec<f64> = (0..basis.len()).map(|j| gram[(j, j)]).collect();
+        let dependent = |column: usize| Error::Argument {
             what: "functions",
             why: format!("function {column} depends on those before it"),
-        })?;
+        };
+        let factor = dense::cholesky(gram).map_err(dependent)?;
+        let is_lost = |j: &usize| factor[(*j, *j)].powi(2) <= DEPENDENT * squares[*j];
+        if let Some(column) = (0..basis.len()).find(is_lost) {
+            return Err(dependent(column));
+        }
         basis.gram = Some(factor);
         Ok(basis)
     }
