@@ -28,13 +28,10 @@ impl Basis {
     /// `functions` is n x r, the mass n x n.
     ///
     /// # Errors
-    /// [`Error::Shape`] when the mass is not of n vertices, [`Error::NonFinite`].
+    /// [`Error::Shape`] when the mass is not of n vertices, [`Error::NonFinite`], [`Error::Argument`] for a mass that is
+    /// not positive or symmetric.
     pub fn orthonormal(functions: Mat<f64>, mass: Mass) -> Result<Self> {
-        Error::check_shape(
-            "mass",
-            (functions.nrows(), functions.nrows()),
-            (mass.len(), mass.len()),
-        )?;
+        mass.check(functions.nrows())?;
         dense::check_finite("functions", functions.as_ref())?;
         Ok(Self { functions, mass, gram: None })
     }
@@ -54,7 +51,7 @@ impl Basis {
             what: "functions",
             why: format!("function {column} depends on those before it"),
         };
-        let factor = dense::cholesky(gram).map_err(dependent)?;
+        let factor = dense::cholesky(gram)?.map_err(dependent)?;
         let is_lost = |j: &usize| factor[(*j, *j)].powi(2) <= DEPENDENT * squares[*j];
         if let Some(column) = (0..basis.len()).find(is_lost) {
             return Err(dependent(column));
@@ -151,7 +148,7 @@ impl Basis {
     /// # Errors
     /// [`Error::Argument`] when it is not positive, as without vertices.
     pub fn area(&self) -> Result<f64> {
-        let weighted = times_mass(&self.mass, Mat::ones(self.vertices(), 1).as_ref())?;
+        let weighted = times_mass(&self.mass, Mat::ones(self.vertices(), 1).as_ref(), Par::Seq)?;
         let area: f64 = weighted.col(0).iter().sum();
         if area.is_finite() && area > 0.0 {
             return Ok(area);
@@ -164,7 +161,7 @@ impl Basis {
         let mut out = dense::zeros(self.len(), f.ncols())?;
         for first in (0..f.ncols()).step_by(PANEL) {
             let width = PANEL.min(f.ncols() - first);
-            let weighted = times_mass(&self.mass, f.subcols(first, width))?;
+            let weighted = times_mass(&self.mass, f.subcols(first, width), par)?;
             let into = out.as_mut().subcols_mut(first, width);
             dense::transposed_product_into(self.functions(), weighted.as_ref(), into, par)?;
         }
@@ -185,7 +182,7 @@ pub fn relative_errors(f: MatRef<'_, f64>, g: MatRef<'_, f64>, mass: &Mass) -> R
     dense::check_finite("functions", f)?;
     dense::check_finite("approximation", g)?;
     let squares = |x: MatRef<'_, f64>| -> Result<Vec<f64>> {
-        let weighted = times_mass(mass, x)?;
+        let weighted = times_mass(mass, x, Par::Seq)?;
         let square = |j: usize| x.col(j).transpose() * weighted.col(j);
         Ok((0..x.ncols()).map(square).collect())
     };
@@ -197,23 +194,8 @@ pub fn relative_errors(f: MatRef<'_, f64>, g: MatRef<'_, f64>, mass: &Mass) -> R
 }
 
 /// `M X`.
-pub(super) fn times_mass(mass: &Mass, x: MatRef<'_, f64>) -> Result<Mat<f64>> {
+pub(super) fn times_mass(mass: &Mass, x: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
     let mut out = dense::zeros(x.nrows(), x.ncols())?;
-    match mass {
-        Mass::Lumped(diagonal) => {
-            for j in 0..x.ncols() {
-                for (i, weight) in diagonal.iter().enumerate() {
-                    out[(i, j)] = weight * x[(i, j)];
-                }
-            }
-        }
-        Mass::Full(matrix) => {
-            for j in 0..x.ncols() {
-                for (i, row) in matrix.outer_iterator().enumerate() {
-                    out[(i, j)] = row.iter().map(|(l, weight)| weight * x[(l, j)]).sum();
-                }
-            }
-        }
-    }
+    mass.multiply(x, out.as_mut(), par)?;
     Ok(out)
 }

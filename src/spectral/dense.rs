@@ -5,14 +5,14 @@
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::linalg::cholesky::llt;
 use faer::linalg::qr::no_pivoting as qr;
-use faer::linalg::{svd, triangular_solve};
+use faer::linalg::svd;
 use faer::prelude::ReborrowMut;
 use faer::{Mat, MatMut, MatRef, Spec};
 
 use crate::ata::{Accuracy, AtaOptions, atb};
 use crate::base::{Error, Par, Result};
+use crate::dense;
 
 const SEQ: faer::Par = faer::Par::Seq;
 
@@ -67,33 +67,14 @@ pub(super) fn check_finite(what: &'static str, a: MatRef<'_, f64>) -> Result<()>
 
 /// The Cholesky factor L, lower, of a symmetric matrix of which the lower triangle is read; or the index of the first
 /// pivot that is not positive.
-pub(super) fn cholesky(mut a: Mat<f64>) -> std::result::Result<Mat<f64>, usize> {
-    let n = a.nrows();
-    let mut memory =
-        MemBuffer::new(llt::factor::cholesky_in_place_scratch::<f64>(n, SEQ, Spec::default()));
-    let stack = MemStack::new(&mut memory);
-    let done = llt::factor::cholesky_in_place(
-        a.as_mut(),
-        llt::factor::LltRegularization::default(),
-        SEQ,
-        stack,
-        Spec::default(),
-    );
-    match done {
-        Ok(_) => Ok(a),
-        Err(llt::factor::LltError::NonPositivePivot { index }) => Err(index),
-    }
+pub(super) fn cholesky(mut a: Mat<f64>) -> Result<std::result::Result<Mat<f64>, usize>> {
+    Ok(dense::cholesky(a.as_mut())?.map(|()| a))
 }
 
 /// Solves `L L^T X = B` in place.
 pub(super) fn solve_cholesky(l: MatRef<'_, f64>, mut b: MatMut<'_, f64>) {
-    triangular_solve::solve_lower_triangular_in_place(l, b.rb_mut(), SEQ);
-    triangular_solve::solve_upper_triangular_in_place(l.transpose(), b, SEQ);
-}
-
-/// Solves `X U = B` in place for an upper triangular U.
-pub(super) fn solve_upper_from_the_right(u: MatRef<'_, f64>, b: MatMut<'_, f64>) {
-    triangular_solve::solve_lower_triangular_in_place(u.transpose(), b.transpose_mut(), SEQ);
+    dense::lower_solve_in_place(l, b.rb_mut());
+    dense::upper_solve_in_place(l.transpose(), b);
 }
 
 /// A thin singular value decomposition `A = U diag(s) V^T`, s descending.

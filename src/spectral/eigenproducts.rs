@@ -3,8 +3,8 @@
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
-use super::blocks::{for_each, row_blocks};
 use crate::base::{Error, Par, Result};
+use crate::dense::for_row_blocks;
 
 /// Products of more factors say nothing in f64.
 const MAX_ORDER: usize = 255;
@@ -167,16 +167,15 @@ impl Eigenproducts {
         Error::check_shape("out", (n, self.len()), out.shape())?;
         super::dense::check_finite("functions", functions)?;
         let steps = self.steps();
-        let blocks = row_blocks(out, BLOCK_ROWS);
-        let count = blocks.len();
-        for_each(blocks.into_iter().enumerate(), count, par, None, |(block, mut out)| {
-            let factors = functions.subrows(block * BLOCK_ROWS, out.nrows());
+        for_row_blocks(out, BLOCK_ROWS, par, |first, mut out| {
+            let factors = functions.subrows(first, out.nrows());
             out.rb_mut().col_mut(0).fill(1.0);
             for (before, &(parent, factor)) in steps.iter().enumerate() {
                 let (done, open) = out.rb_mut().split_at_col_mut(before + 1);
                 multiply(done.rb().col(parent), factors.col(factor - 1), open.col_mut(0));
             }
-        })
+        });
+        Ok(())
     }
 }
 

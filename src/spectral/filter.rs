@@ -120,7 +120,7 @@ pub fn dirichlet_energies(
     dense::check_finite("functions", functions)?;
     let energy = |j: usize| -> Result<f64> {
         let q = functions.col(j);
-        let weighted = times_mass(mass, functions.subcols(j, 1))?;
+        let weighted = times_mass(mass, functions.subcols(j, 1), Par::Seq)?;
         let square: f64 = q.transpose() * weighted.col(0);
         // W is symmetric: by rows or by columns is the same.
         let outer = stiffness.outer_iterator().enumerate();

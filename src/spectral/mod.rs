@@ -3,14 +3,15 @@
 //! See docs/algorithms/spectral.md for the mathematics.
 
 mod basis;
-mod blocks;
 mod dense;
+pub mod descriptors;
 mod eigenbasis;
 mod eigenproducts;
 mod filter;
 pub mod functional_map;
 mod product_basis;
 mod product_map;
+pub mod test_functions;
 mod transfer;
 mod transform;
 mod truncated_products;

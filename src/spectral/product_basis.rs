@@ -135,13 +135,13 @@ fn orthogonalize(
     let mut r = Mat::zeros(b.ncols(), b.ncols());
     for j in 0..b.ncols() {
         let norm = |x: MatRef<'_, f64>| -> Result<f64> {
-            let w = super::basis::times_mass(mass, x)?;
+            let w = super::basis::times_mass(mass, x, Par::Seq)?;
             Ok((x.col(0).transpose() * w.col(0)).sqrt())
         };
         let mut x = b.subcols(j, 1).to_owned();
         let before = norm(x.as_ref())?;
         for _ in 0..passes {
-            let w = super::basis::times_mass(mass, x.as_ref())?;
+            let w = super::basis::times_mass(mass, x.as_ref(), Par::Seq)?;
             let q = b.subcols(0, kept.len());
             let overlap = q.transpose() * &w;
             for i in 0..kept.len() {

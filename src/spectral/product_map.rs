@@ -5,11 +5,11 @@ use std::ops::Range;
 use faer::prelude::ReborrowMut;
 use faer::{ColMut, Mat, MatRef};
 
-use super::blocks::{column_blocks, for_each};
 use super::dense;
 use super::eigenbasis::Eigenbasis;
 use super::eigenproducts::Eigenproducts;
 use crate::base::{Error, Par, Result};
+use crate::dense::for_row_blocks;
 
 /// Columns that a thread computes at once.
 const PANEL: usize = 16;
@@ -81,12 +81,10 @@ impl ProductMap {
             return Err(Error::Argument { what: "indices", why });
         }
         let mut out = dense::zeros(self.target.len(), indices.len())?;
-        let panels = column_blocks(out.as_mut(), PANEL);
-        let count = panels.len();
-        for_each(panels.into_iter().enumerate(), count, par, None, |(panel, mut out)| {
+        for_row_blocks(out.as_mut().transpose_mut(), PANEL, par, |first, mut images| {
             let (mut polynomial, mut product) = (self.buffer(), self.buffer());
-            for j in 0..out.ncols() {
-                let index = indices[panel * PANEL + j];
+            for j in 0..images.nrows() {
+                let index = indices[first + j];
                 polynomial.fill(0.0);
                 polynomial[0] = 1.0;
                 let factors = self.source.factors(index).unwrap_or_default();
@@ -95,9 +93,9 @@ impl ProductMap {
                     self.add_times(&polynomial, degree, factor, &mut product);
                     std::mem::swap(&mut polynomial, &mut product);
                 }
-                copy(&polynomial, out.rb_mut().col_mut(j));
+                copy(&polynomial, images.rb_mut().row_mut(j).transpose_mut());
             }
-        })?;
+        });
         Ok(out)
     }
 
@@ -113,16 +111,18 @@ impl ProductMap {
         let mut out = dense::zeros(self.target.len(), x.ncols())?;
         let steps = self.source.steps();
         let children = children(&steps);
-        let columns = column_blocks(out.as_mut(), 1);
-        for_each(columns.into_iter().enumerate(), x.ncols(), par, None, |(j, mut out)| {
+        for_row_blocks(out.as_mut().transpose_mut(), 1, par, |j, mut image| {
             // The image of a product and all it is a factor of, at each depth of the walk.
             let mut images: Vec<Vec<f64>> = (0..=self.source.order())
                 .map(|depth| vec![0.0; self.target.len_up_to(self.source.order() - depth)])
                 .collect();
+            if image.nrows() == 0 {
+                return;
+            }
             let walk = Walk { map: self, x: x.col(j), steps: &steps, children: &children };
             walk.visit(0, 0, &mut images);
-            copy(&images[0], out.rb_mut().col_mut(0));
-        })?;
+            copy(&images[0], image.rb_mut().row_mut(0).transpose_mut());
+        });
         Ok(out)
     }
 

@@ -10,6 +10,7 @@ use super::dense;
 use super::product_basis::ProductBasis;
 use super::product_map::ProductMap;
 use crate::base::{Error, Par, Result};
+use crate::dense::divide_by_upper;
 
 /// Columns of C~ that exist at the same time.
 const PANEL: usize = 256;
@@ -50,7 +51,7 @@ pub fn transform_by_columns(
     check(map, source, target)?;
     let mut o = images(map, target, source.kept(), par)?;
     // Column i: (R C~)[.., i] less R[h, i] times the columns h before it, divided by R[i, i].
-    dense::solve_upper_from_the_right(source.triangle().as_ref(), o.as_mut());
+    divide_by_upper(o.as_mut(), source.triangle().transpose(), par);
     Ok(o)
 }
 

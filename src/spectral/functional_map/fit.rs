@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use faer::{Mat, MatRef};
 
 use crate::base::{Error, Par, Result};
-use crate::spectral::blocks::{column_blocks, for_each};
+use crate::dense::for_row_blocks;
 use crate::spectral::dense;
 use crate::spectral::eigenbasis::Eigenbasis;
 
@@ -165,10 +165,12 @@ impl<'a> MapFit<'a> {
         };
         let known = usize::from(first.is_some());
         let (source_values, target_values) = relative_values(self.source, self.target)?;
-        let mut transposed = dense::zeros(k, l)?;
+        let mut c = dense::zeros(l, k)?;
         let singular = AtomicBool::new(false);
-        let rows = column_blocks(transposed.as_mut(), 1);
-        for_each(rows.into_iter().enumerate(), l, self.par, None, |(i, mut row)| {
+        for_row_blocks(c.as_mut(), 1, self.par, |i, mut row| {
+            if row.nrows() == 0 {
+                return;
+            }
             let fixed = if i == 0 { first.unwrap_or(0.0) } else { 0.0 };
             let unknown = k - known;
             let mut equations =
@@ -184,20 +186,20 @@ impl<'a> MapFit<'a> {
                 (right[(p + known, i)] - with_fixed) / size
             });
             match dense::cholesky(equations) {
-                Ok(factor) => dense::solve_cholesky(factor.as_ref(), solution.as_mut()),
-                Err(_) => singular.store(true, Ordering::Relaxed),
+                Ok(Ok(factor)) => dense::solve_cholesky(factor.as_ref(), solution.as_mut()),
+                Ok(Err(_)) | Err(_) => singular.store(true, Ordering::Relaxed),
             }
             if known == 1 {
                 row[(0, 0)] = fixed;
             }
-            row.as_mut().subrows_mut(known, unknown).copy_from(&solution);
-        })?;
+            row.subcols_mut(known, unknown).copy_from(solution.transpose());
+        });
         if singular.into_inner() {
             let why =
                 "they do not determine the map; more of them, or more commutativity, may".into();
             return Err(Error::Argument { what: "functions", why });
         }
-        Ok(transposed.transpose().to_owned())
+        Ok(c)
     }
 }
 

@@ -3,10 +3,11 @@
 //! Exhaustive, by matrix products: in the 20 to 200 dimensions of spectral embeddings a k-d tree visits most of its leaves,
 //! at a fraction of the speed of a product.
 
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
 use faer::{Mat, MatRef, RowRef};
 
-use crate::base::{Error, Par, Progress, Result};
-use crate::spectral::blocks::for_each;
+use crate::base::{Error, Flow, Par, Progress, Result};
 use crate::spectral::dense;
 
 /// Queries and candidates of one product: their scores stay in the cache.
@@ -54,11 +55,18 @@ pub fn nearest_rows(
         query_norms: squares(&queries),
     };
     let mut nearest = vec![0u32; n];
-    let blocks = nearest.chunks_mut(QUERIES).enumerate();
-    for_each(blocks, n.div_ceil(QUERIES), par, progress, |(block, nearest)| {
-        search.run(block * QUERIES, nearest);
-    })?;
-    Ok(nearest)
+    let (done, cancelled) = (AtomicUsize::new(0), AtomicBool::new(false));
+    par.for_chunks(&mut nearest, QUERIES, |first, nearest| {
+        if cancelled.load(Ordering::Relaxed) {
+            return;
+        }
+        search.run(first, nearest);
+        let done = done.fetch_add(nearest.len(), Ordering::Relaxed) + nearest.len();
+        if progress.is_some_and(|progress| progress(done as f64 / n as f64) == Flow::Cancel) {
+            cancelled.store(true, Ordering::Relaxed);
+        }
+    });
+    if cancelled.into_inner() { Err(Error::Cancelled) } else { Ok(nearest) }
 }
 
 fn transposed(points: MatRef<'_, f64>) -> Result<Mat<f64>> {

@@ -115,7 +115,7 @@ struct Pair<'a> {
 impl<'a> Pair<'a> {
     fn new(source: &'a Eigenbasis, target: &'a Eigenbasis, par: Par) -> Result<Self> {
         let ratio = target.basis().area()? / source.basis().area()?;
-        let weighted = times_mass(target.basis().mass(), target.functions())?;
+        let weighted = times_mass(target.basis().mass(), target.functions(), par)?;
         Ok(Self { source, target, weighted, ratio, par })
     }
 
