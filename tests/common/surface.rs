@@ -1,9 +1,9 @@
 //! Small surfaces with their eigenfunctions, for tests of what stands on them.
 
 use catamaran::Par;
-use catamaran::faer::{Mat, Side};
-use catamaran::mesh::{TriMesh, families};
-use catamaran::sparse::{CsMat, Mass};
+use catamaran::faer::Mat;
+use catamaran::mesh::{self, LaplacianOptions, TriMesh, families};
+use catamaran::sparse::{CsMat, EigenOptions, Mass, eigs};
 use catamaran::spectral::Eigenbasis;
 
 /// A closed surface without any symmetry.
@@ -42,49 +42,19 @@ fn gcd(a: u32, b: u32) -> u32 {
 
 /// The cotangent stiffness and the lumped mass.
 pub fn laplacian(mesh: &TriMesh) -> (CsMat<f64>, Vec<f64>) {
-    let n = mesh.vertices().len();
-    let mut entries = sprs::TriMat::new((n, n));
-    let mut mass = vec![0.0; n];
-    for face in mesh.faces() {
-        let p = face.map(|x| mesh.vertices()[x as usize]);
-        for corner in 0..3 {
-            let [a, b, c] = [0, 1, 2].map(|step| (corner + step) % 3);
-            let (u, v) = (minus(p[b], p[a]), minus(p[c], p[a]));
-            let area = 0.5 * cross(u, v).iter().map(|x| x * x).sum::<f64>().sqrt();
-            let dot: f64 = (0..3).map(|l| u[l] * v[l]).sum();
-            let weight = 0.25 * dot / area;
-            let (i, j) = (face[b] as usize, face[c] as usize);
-            for (row, column, value) in
-                [(i, i, weight), (j, j, weight), (i, j, -weight), (j, i, -weight)]
-            {
-                entries.add_triplet(row, column, value);
-            }
-            mass[face[a] as usize] += area / 3.0;
-        }
-    }
-    (entries.to_csr(), mass)
-}
-
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    let options = LaplacianOptions { par: Par::Seq, ..Default::default() };
+    let found = mesh::laplacian(mesh, &options).unwrap();
+    let Mass::Lumped(mass) = found.mass else { panic!("a lumped mass") };
+    (found.stiffness, mass)
 }
 
 /// The first `len` eigenfunctions.
 pub fn eigenbasis(mesh: &TriMesh, len: usize) -> Eigenbasis {
     let (stiffness, mass) = laplacian(mesh);
-    let n = mass.len();
-    let mut symmetric = Mat::<f64>::zeros(n, n);
-    for (&value, (i, j)) in stiffness.iter() {
-        symmetric[(i, j)] += value / (mass[i] * mass[j]).sqrt();
-    }
-    let eigen = symmetric.self_adjoint_eigen(Side::Lower).unwrap();
-    let values = eigen.S().column_vector().iter().take(len).copied().collect();
-    let vectors = Mat::from_fn(n, len, |i, j| eigen.U()[(i, j)] / mass[i].sqrt());
-    Eigenbasis::new(values, vectors, Mass::Lumped(mass)).unwrap()
+    let mass = Mass::Lumped(mass);
+    let options = EigenOptions { k: len, tolerance: 1e-11, par: Par::Seq, ..Default::default() };
+    let pairs = eigs(stiffness.view(), &mass, &options).unwrap();
+    Eigenbasis::new(pairs.values, pairs.vectors, mass).unwrap()
 }
 
 /// Positions as three functions.
