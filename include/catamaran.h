@@ -253,6 +253,9 @@ typedef struct cata_traffic {
 /** Another rank of a distributed call failed, or does not fit the others; the message names it. */
 #define CATA_ERR_RANK 12
 
+/** A triangle mesh is not one, or not of the kind that is asked for; the message names the element. */
+#define CATA_ERR_MESH 13
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -935,7 +938,8 @@ cata_status cata_world_ata_columns_f32(const struct cata_world *world,
                                        struct cata_symmetric **c);
 
 /**
- * C := alpha A^T A + beta C where one rank has A, m x n, and C, n x n: AtA-D. Collective.
+ * C := alpha A^T A + beta C where one rank has A, m x n, and C, n x n: by AtA-D, or by dealing rows of A, whichever
+ * should be faster for this shape and number of ranks. Collective.
  *
  * - `world`: not NULL.
  * - `root`: the rank that has them, from 0.

@@ -1,9 +1,9 @@
 //! Memory: what the scratch queries promise, counted by the allocator.
 
 mod common;
+#[path = "common/counting.rs"]
+mod counting;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use catamaran::ata::{Accumulator, DenseRows, StreamPlan, stream};
@@ -11,30 +11,7 @@ use catamaran::base::release_memory;
 use catamaran::faer::Mat;
 use catamaran::{AtaOptions, Par, SchemeChoice, ata, ata_scratch_len, atb, atb_scratch_len};
 
-/// Counts the bytes that are allocated and not freed, and their peak.
-struct Counting;
-
-static NOW: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: everything is passed on to the system allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let now = NOW.fetch_add(layout.size(), Ordering::SeqCst) + layout.size();
-        PEAK.fetch_max(now, Ordering::SeqCst);
-        // SAFETY: passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, ptr: *mut u8, layout: Layout) {
-        NOW.fetch_sub(layout.size(), Ordering::SeqCst);
-        // SAFETY: passed on.
-        unsafe { System.dealloc(ptr, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
+use counting::{held, peak_of};
 
 /// One test at a time: what others allocate would count.
 fn turn() -> MutexGuard<'static, ()> {
@@ -49,10 +26,7 @@ fn turn() -> MutexGuard<'static, ()> {
 /// rayon keeps.
 fn peak(mut work: impl FnMut()) -> usize {
     work();
-    let before = NOW.load(Ordering::SeqCst);
-    PEAK.store(before, Ordering::SeqCst);
-    work();
-    PEAK.load(Ordering::SeqCst) - before
+    peak_of(work).0
 }
 
 /// Options with a back end that allocates nothing itself.
@@ -146,9 +120,9 @@ fn large_scratch_is_kept_for_the_next_call_until_it_is_released() {
     assert!(len > 4 << 20);
     let mut work = || ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
     assert!(peak(&mut work) <= SMALL, "the second call has the memory of the first");
-    let before = NOW.load(Ordering::SeqCst);
+    let before = held();
     release_memory();
-    assert!(before - NOW.load(Ordering::SeqCst) >= len);
+    assert!(before - held() >= len);
     work();
     release_memory();
 }

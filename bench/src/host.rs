@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use catamaran::base::{available_cores, cpu_features};
+use catamaran::base::cpu_features;
 
 use crate::Result;
 use crate::library::{Rival, find};
@@ -21,9 +21,15 @@ fn field<'a>(text: &'a str, key: &str) -> Option<&'a str> {
     Some(line.split_once(':')?.1.trim())
 }
 
+/// The cores of the machine, which may be more than this process may use.
+pub fn cores() -> usize {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    info.lines().filter(|line| line.starts_with("processor")).count().max(1)
+}
+
 /// A folder name for machines like this one: CPU model and cores.
 pub fn kind() -> String {
-    kind_of(&cpu_model(), available_cores())
+    kind_of(&cpu_model(), cores())
 }
 
 fn kind_of(model: &str, cores: usize) -> String {
@@ -43,7 +49,7 @@ pub fn describe(rivals: &[&Rival]) -> String {
         "cpu       {}\ncores     {}\nflags     {} {}\nmemory    {}\nrustc     {}\ndate      {}\n\
          commit    {}\nload      {}\n",
         cpu_model(),
-        available_cores(),
+        cores(),
         cpu_features().join(" "),
         amx.join(" "),
         field(&info, "MemTotal").unwrap_or("unknown"),

@@ -5,6 +5,7 @@
 
 pub mod accuracy;
 pub mod chart;
+pub mod child;
 pub mod contender;
 pub mod double;
 pub mod grid;

@@ -48,16 +48,16 @@ pub fn rows(shapes: &[Shape], machine: &Machine) -> Vec<Row> {
 
 /// The column names of the table.
 pub const CSV_HEADER: &str = "m,n,ranks,mode,words,least_words,messages,products,memory_words,\
-seconds,seconds_from_one_rank,least_seconds";
+seconds,least_seconds";
 
 impl Row {
     /// The values under [`CSV_HEADER`].
     pub fn csv(&self) -> String {
         let Self { shape, ranks, cost, least_words, least_seconds } = self;
-        let Cost { mode, words, messages, products, memory, seconds, seconds_from_one_rank } = cost;
+        let Cost { mode, words, messages, products, memory, seconds } = cost;
         format!(
             "{},{},{ranks},{mode},{words:.0},{least_words:.0},{messages},{products:.0},\
-             {memory:.0},{seconds:.4e},{seconds_from_one_rank:.4e},{least_seconds:.4e}",
+             {memory:.0},{seconds:.4e},{least_seconds:.4e}",
             shape.m, shape.n
         )
     }

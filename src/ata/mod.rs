@@ -26,6 +26,8 @@ pub use exact::Stages;
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 pub use plan::{Base, Plan, Recursion};
 pub use rows::{Center, DenseRows, RowBlocks, RowOptions, ata_rows};
+#[cfg(feature = "mpi")]
+pub(crate) use stream::with_share;
 pub use stream::{Accumulator, AfterBlock, StreamPlan, Strip, block_rows, scalar_of, stream};
 pub use tree::{Node, Task, levels};
 pub use verify::{Verification, verify, verify_rows};

@@ -5,7 +5,9 @@ use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
 use super::options::AtaOptions;
-use super::stream::{Moments, block_rows, check_weight, check_weights, for_each_block, with_part};
+use super::stream::{
+    Moments, block_rows, check_weight, check_weights, for_each_block, share_of_rows, with_share,
+};
 use super::{symmetric, weighted_gram};
 use crate::base::{Error, Real, Result, Workspace};
 use crate::blas::BlasReal;
@@ -148,7 +150,7 @@ pub fn ata_rows<T: BlasReal>(
         moments.take(count, block, weights, weighted, options.par);
         let x = MatRef::from_row_major_slice(block, count, n);
         let wx = weights.map(|_| MatRef::from_row_major_slice(&weighted[..count * n], count, n));
-        with_part(options, first, count, m, |options| {
+        with_share(options, share_of_rows(first, count, m), |options| {
             weighted_gram(alpha, x, wx, beta, c.rb_mut(), options)
         })?;
         beta = T::ONE;

@@ -16,5 +16,5 @@ pub use rng::Rng;
 pub use scalar::Real;
 pub(crate) use version::second_level_cache;
 pub use version::{VERSION, VersionNumber, cpu_features, version};
-pub(crate) use workspace::Scratch;
 pub use workspace::{Arena, Workspace, release_memory};
+pub(crate) use workspace::{Scratch, reserved};

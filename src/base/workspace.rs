@@ -58,6 +58,14 @@ impl<T: Real> Workspace<T> {
     }
 }
 
+/// An empty vector with room for `len` entries.
+pub(crate) fn reserved<T>(len: usize) -> Result<Vec<T>> {
+    let mut values = Vec::new();
+    let bytes = len.saturating_mul(size_of::<T>());
+    values.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;
+    Ok(values)
+}
+
 /// `len` zeros, which the system provides when they are touched.
 fn zeroed<T: Real>(len: usize) -> Option<Vec<T>> {
     if len == 0 {

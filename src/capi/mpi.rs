@@ -292,7 +292,8 @@ pub unsafe extern "C" fn cata_world_ata_columns_f32(
     with_mpi!(ranks::columns(world, layout, m, cols, alpha, a, lda, params, c))
 }
 
-/// C := alpha A^T A + beta C where one rank has A, m x n, and C, n x n: AtA-D. Collective.
+/// C := alpha A^T A + beta C where one rank has A, m x n, and C, n x n: by AtA-D, or by dealing rows of A, whichever
+/// should be faster for this shape and number of ranks. Collective.
 ///
 /// - `world`: not NULL.
 /// - `root`: the rank that has them, from 0.

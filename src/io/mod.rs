@@ -150,11 +150,3 @@ fn checked_columns(columns: Option<&Range<usize>>, ncols: usize) -> Result<Range
         }),
     }
 }
-
-/// An empty vector with room for `len` elements.
-fn reserved<T>(len: usize) -> Result<Vec<T>> {
-    let mut values = Vec::new();
-    let bytes = len.saturating_mul(size_of::<T>());
-    values.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;
-    Ok(values)
-}

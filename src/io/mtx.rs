@@ -7,10 +7,10 @@ use std::str::FromStr;
 use faer::MatRef;
 use sprs::TriMat;
 
+use super::checked_columns;
 use super::matrix::{Dense, Matrix};
 use super::source::Source;
-use super::{checked_columns, reserved};
-use crate::base::{Real, Result};
+use crate::base::{Real, Result, reserved};
 
 #[derive(Clone, Copy, PartialEq)]
 enum Symmetry {

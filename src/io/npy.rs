@@ -6,10 +6,10 @@ use std::ops::Range;
 use faer::MatRef;
 use npyz::{AutoSerialize, DType, Endianness, NpyHeader, Order, TypeChar, TypeStr, WriterBuilder};
 
+use super::checked_columns;
 use super::matrix::{Dense, Matrix};
 use super::source::Source;
-use super::{checked_columns, reserved};
-use crate::base::{Error, Real, Result};
+use crate::base::{Error, Real, Result, reserved};
 
 /// Bytes converted at a time; a multiple of every entry size.
 const CHUNK: usize = 1 << 16;

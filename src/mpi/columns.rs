@@ -5,13 +5,13 @@ use std::ops::Range;
 
 use faer::{MatMut, MatRef};
 
-use super::memory::{append_rows, reserved, zeros};
+use super::memory::{append_rows, zeros};
 use super::symmetric::Symmetric;
 use super::transfer::Transfer;
-use super::world::{MpiReal, Operation, World};
+use super::world::{MpiReal, Operation, World, number_fact, scalar_fact};
 use crate::ata::distributed::{Blocks, Layout, packed_len, piece_height};
 use crate::ata::{AtaOptions, Uplo, ata, atb};
-use crate::base::Result;
+use crate::base::{Result, reserved};
 
 /// Tags of the rows that travel; those of two pieces under way at the same time differ.
 const FIRST_TAG: i32 = 32;
@@ -36,11 +36,7 @@ pub fn ata_columns<T: MpiReal>(
 ) -> Result<Symmetric<T>> {
     let _guard = world.abort_on_panic();
     let (m, own) = (columns.nrows(), world.rank());
-    let facts = [
-        ("m", m),
-        ("the size of a scalar", size_of::<T>()),
-        ("alpha", alpha.to_f64().to_bits() as usize),
-    ];
+    let facts = [("m", m), scalar_fact::<T>(), number_fact("alpha", alpha)];
     world.begin(Operation::Columns, &facts, Ok(()))?;
     let blocks = Blocks::new(&world.gather_numbers(columns.ncols()));
     let width = columns.ncols();

@@ -3,14 +3,14 @@
 use faer::{MatMut, MatRef};
 
 use super::columns::ata_columns;
-use super::memory::{append_rows, reserved, zeros};
+use super::memory::{append_rows, zeros};
 use super::rows::ata_rows;
 use super::symmetric::Symmetric;
 use super::transfer::Transfer;
-use super::world::{MpiReal, Operation, World};
+use super::world::{MpiReal, Operation, World, number_fact, scalar_fact};
 use crate::ata::distributed::{BlockCyclic, Cut, Delivery, GridOrder, Parts, Piece};
 use crate::ata::{AtaOptions, Uplo};
-use crate::base::{Error, Real, Result};
+use crate::base::{Error, Real, Result, reserved};
 
 const TAG: i32 = 4;
 
@@ -137,12 +137,11 @@ fn begin<T: MpiReal, X>(
     uplo: Uplo,
     prepared: Result<X>,
 ) -> Result<X> {
-    let bits = |value: T| value.to_f64().to_bits() as usize;
     let scalars = [
-        ("the size of a scalar", size_of::<T>()),
+        scalar_fact::<T>(),
         ("the transposition", usize::from(transposed)),
-        ("alpha", bits(alpha)),
-        ("beta", bits(beta)),
+        number_fact("alpha", alpha),
+        number_fact("beta", beta),
         ("the triangle", uplo as usize),
     ];
     let prepared = world.begin(Operation::Cyclic, &scalars, prepared)?;

@@ -2,15 +2,7 @@
 
 use faer::MatRef;
 
-use crate::base::{Error, Real, Result};
-
-/// An empty vector with room for `len` entries.
-pub(super) fn reserved<T>(len: usize) -> Result<Vec<T>> {
-    let mut values = Vec::new();
-    let bytes = len.saturating_mul(size_of::<T>());
-    values.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;
-    Ok(values)
-}
+use crate::base::{Real, Result, reserved};
 
 /// `len` zeros.
 pub(super) fn zeros<T: Real>(len: usize) -> Result<Vec<T>> {

@@ -8,6 +8,7 @@
 
 mod columns;
 mod cyclic;
+mod deal;
 mod memory;
 mod reduction;
 mod root;
@@ -16,12 +17,13 @@ mod shipment;
 mod stream;
 mod symmetric;
 mod transfer;
+mod tree;
 mod verify;
 mod world;
 
 pub use columns::ata_columns;
 pub use cyclic::{CyclicMut, CyclicRef, aat_cyclic, ata_cyclic};
-pub use root::ata_root;
+pub use root::{ata_deal, ata_root, ata_tree};
 pub use rows::{ata_rows, sum_symmetric};
 pub use stream::merge_accumulators;
 pub use symmetric::Symmetric;

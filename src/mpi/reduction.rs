@@ -2,11 +2,11 @@ use std::ops::Range;
 
 use faer::MatRef;
 
-use super::memory::{append_rows, reserved};
+use super::memory::append_rows;
 use super::transfer::Transfer;
 use super::world::{MpiReal, World};
 use crate::ata::distributed::{Chunks, rounds};
-use crate::base::Result;
+use crate::base::{Result, reserved};
 
 /// Tags of the rounds; those of successive chunks differ.
 const FIRST_TAG: i32 = 64;

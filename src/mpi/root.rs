@@ -1,37 +1,27 @@
-//! A and C on one rank: AtA-D, algorithm 8.4 of the thesis.
-
-use std::collections::VecDeque;
-use std::ops::Range;
+//! A and C on one rank: AtA-D, or its rows dealt to all.
 
 use ::mpi::collective::Root;
 use ::mpi::topology::Communicator;
 use faer::prelude::ReborrowMut;
-use faer::{MatMut, MatRef, RowMut};
+use faer::{MatMut, MatRef};
 
-use super::memory::{reserved, zeros};
 use super::shipment::Shipment;
-use super::transfer::Transfer;
-use super::world::{MpiReal, Operation, World};
-use crate::ata::distributed::{RESULTS_AT_ONCE, TaskTree, TreeNode};
-use crate::ata::{AtaOptions, Uplo, ata, atb, mirror_lower};
-use crate::base::{Error, Real, Result};
-
-/// Tags: parts of A on the way down, parts of C on the way up.
-const DOWN: i32 = 2;
-const UP: i32 = 3;
+use super::world::{MpiReal, Operation, World, number_fact, scalar_fact};
+use super::{deal, tree};
+use crate::ata::distributed::{Machine, Mode, Place, choose};
+use crate::ata::{AtaOptions, Uplo, mirror_lower};
+use crate::base::{Error, Result};
 
 /// `C := alpha A^T A + beta C` where rank `root` has A, m x n, and C, n x n, the triangles of
 /// `options.uplo`; what other ranks give for A, beta and C is not read.
 ///
-/// This is AtA-D (thesis, algorithm 8.4): parts of A go down a [`TaskTree`], parts of C come up and are added in its order, so
-/// that the result depends on the number of ranks and on nothing else. The root sends its matrices from
-/// where they are. Beside them it holds two results of others, of at most `n^2 / 4` entries each. Another rank
-/// holds the part of A that it and the ranks below it read, at most `m n / 2` entries from six ranks on (with
-/// less, up to all of A), its block of C, at most `n^2 / 4`, and two results of others, at most half of that each.
+/// [`ata_tree`] or [`ata_deal`], whichever [`choose`] expects to be faster for this shape and number of ranks on the
+/// default [`Machine`]. The result depends on the shape and the number of ranks and on nothing else.
 ///
 /// # Errors
 /// [`Error::Argument`] for a root out of range, or A or C missing on it; [`Error::Rank`] when the roots,
-/// alpha or the precision differ, or another rank failed; else as [`ata`]. Then C holds unspecified values.
+/// alpha or the precision differ, or another rank failed; else as [`ata`](crate::ata()). Then C holds unspecified
+/// values.
 pub fn ata_root<T: MpiReal>(
     world: &World,
     root: usize,
@@ -41,44 +31,76 @@ pub fn ata_root<T: MpiReal>(
     c: Option<MatMut<'_, T>>,
     options: &AtaOptions<'_>,
 ) -> Result<()> {
+    let best =
+        |form: Form| choose(world.size(), form.m, form.n, &Machine::default(), Place::OneRank);
+    from_root(world, root, alpha, a, beta, c, options, best)
+}
+
+/// [`ata_root`] by AtA-D (thesis, algorithm 8.4).
+///
+/// Parts of A go down a [`TaskTree`](crate::ata::distributed::TaskTree), parts of C come up and are added in its order.
+/// The root sends its matrices from where they are. Beside them it holds two results of others, of at most `n^2 / 4`
+/// entries each. Another rank holds the part of A that it and the ranks below it read, at most `m n / 2` entries from six
+/// ranks on (with less, up to all of A), its block of C, at most `n^2 / 4`, and two results of others, at most half of
+/// that each.
+///
+/// # Errors
+/// As [`ata_root`].
+pub fn ata_tree<T: MpiReal>(
+    world: &World,
+    root: usize,
+    alpha: T,
+    a: Option<MatRef<'_, T>>,
+    beta: T,
+    c: Option<MatMut<'_, T>>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    from_root(world, root, alpha, a, beta, c, options, |_| Mode::Tree)
+}
+
+/// [`ata_root`] by rows: the root deals blocks of them, every rank adds up the products of its own, and the sums are
+/// added, chunk by chunk as by [`sum_symmetric`](super::sum_symmetric), and gathered.
+///
+/// For tall A: every entry of A travels once at most, and of C `n^2` in all. The root sends A from where it is, and
+/// computes its rows there meanwhile; another rank holds an n x n sum and two blocks of rows, each of at most 64 MiB
+/// (or 1024 rows), not more than its rows.
+///
+/// # Errors
+/// As [`ata_root`].
+pub fn ata_deal<T: MpiReal>(
+    world: &World,
+    root: usize,
+    alpha: T,
+    a: Option<MatRef<'_, T>>,
+    beta: T,
+    c: Option<MatMut<'_, T>>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    from_root(world, root, alpha, a, beta, c, options, |_| Mode::Deal)
+}
+
+fn from_root<T: MpiReal>(
+    world: &World,
+    root: usize,
+    alpha: T,
+    a: Option<MatRef<'_, T>>,
+    beta: T,
+    c: Option<MatMut<'_, T>>,
+    options: &AtaOptions<'_>,
+    mode: impl FnOnce(Form) -> Mode,
+) -> Result<()> {
     let _guard = world.abort_on_panic();
-    let facts = [
-        ("root", root),
-        ("the size of a scalar", size_of::<T>()),
-        ("alpha", alpha.to_f64().to_bits() as usize),
-    ];
-    let matrices = on_root(world, root, a, c);
-    let mut matrices = world.begin(Operation::Root, &facts, matrices)?;
+    let facts = [("root", root), scalar_fact::<T>(), number_fact("alpha", alpha)];
+    let mut matrices = world.begin(Operation::Root, &facts, on_root(world, root, a, c))?;
     let form = Form::told(world, root, matrices.as_ref(), options.uplo);
-
-    let tree = TaskTree::new(form.m, form.n, world.size());
-    let process = (world.rank() + world.size() - root) % world.size();
-    let memory = Memory::new(&tree, process);
-    let facts = [("m", form.m), ("n", form.n)];
-    let Memory { results, inputs, blocks } = world.begin(Operation::Root, &facts, memory)?;
-
-    let products = tree.loads()[process].products;
-    let mut worker = Worker {
-        world,
-        tree: &tree,
-        form,
-        root,
-        alpha,
-        options,
-        results,
-        products: (0.0, products),
-        done: Ok(()),
-    };
-    if let Some((a, c)) = &mut matrices {
-        let lower = match options.uplo {
-            Uplo::Upper => c.rb_mut().transpose_mut(),
-            Uplo::Lower | Uplo::Both => c.rb_mut(),
-        };
-        worker.run(0, [*a, *a], beta, lower);
-    } else {
-        worker.run_entries(&tree.entries(process), inputs, blocks);
+    let own = matrices.as_mut().map(|(a, c)| {
+        let c = c.rb_mut();
+        (*a, if options.uplo == Uplo::Upper { c.transpose_mut() } else { c })
+    });
+    match mode(form) {
+        Mode::Deal => deal::run(world, form, alpha, beta, own, options)?,
+        _ => tree::run(world, form, alpha, beta, own, options)?,
     }
-    world.agree(worker.done)?;
     if let (Some((_, c)), Uplo::Both) = (matrices, options.uplo) {
         mirror_lower(c);
     }
@@ -107,13 +129,14 @@ fn on_root<'a, 'c, T>(
 
 /// What the root tells the others.
 #[derive(Clone, Copy)]
-struct Form {
-    m: usize,
-    n: usize,
+pub(super) struct Form {
+    pub(super) root: usize,
+    pub(super) m: usize,
+    pub(super) n: usize,
     /// A and its parts are stored, and sent, row by row, and not column by column.
     a_by_rows: bool,
     /// The same of C, transposed if its upper triangle is wanted.
-    c_by_rows: bool,
+    pub(super) c_by_rows: bool,
 }
 
 impl Form {
@@ -133,303 +156,40 @@ impl Form {
         world.communicator().process_at_rank(root as i32).broadcast_into(&mut told);
         let [m, n, a_by_rows, c_by_rows] = told;
         let (m, n) = (m as usize, n as usize);
-        Self { m, n, a_by_rows: a_by_rows != 0, c_by_rows: c_by_rows != 0 }
+        Self { root, m, n, a_by_rows: a_by_rows != 0, c_by_rows: c_by_rows != 0 }
     }
 
-    /// The parts of A that `node` reads: the columns for the rows of its block, and those for its columns.
-    fn operands<'a, T>(&self, node: &TreeNode, entries: &'a [T]) -> [MatRef<'a, T>; 2] {
-        let rows = node.sums.len();
-        let view = |entries, cols| match self.a_by_rows {
+    /// The number of this rank in plans, in which the root is process 0.
+    pub(super) fn process(self, rank: usize, size: usize) -> usize {
+        (rank + size - self.root) % size
+    }
+
+    /// The rank of a process.
+    pub(super) fn rank(self, process: usize, size: usize) -> usize {
+        (process + self.root) % size
+    }
+
+    /// A part of A that has been sent by [`Form::ship`].
+    pub(super) fn part_of_a<T>(self, entries: &[T], rows: usize, cols: usize) -> MatRef<'_, T> {
+        match self.a_by_rows {
             true => MatRef::from_row_major_slice(entries, rows, cols),
             false => MatRef::from_column_major_slice(entries, rows, cols),
-        };
-        let (left, right) = entries.split_at(rows * node.task.rows.len());
-        let left = view(left, node.task.rows.len());
-        [left, if node.task.triangle { left } else { view(right, node.task.cols.len()) }]
-    }
-
-    fn block<'a, T>(&self, node: &TreeNode, entries: &'a mut [T]) -> MatMut<'a, T> {
-        let (rows, cols) = (node.task.rows.len(), node.task.cols.len());
-        match self.c_by_rows {
-            true => MatMut::from_row_major_slice_mut(entries, rows, cols),
-            false => MatMut::from_column_major_slice_mut(entries, rows, cols),
         }
     }
-}
 
-/// Everything that a process needs, so that nothing can fail for want of it later.
-struct Memory<T> {
-    results: Results<T>,
-    /// Of the nodes that are sent to it.
-    inputs: Vec<Vec<T>>,
-    blocks: Vec<Vec<T>>,
-}
-
-impl<T: Real> Memory<T> {
-    fn new(tree: &TaskTree, process: usize) -> Result<Self> {
-        let nodes = tree.nodes();
-        let entries = tree.entries(process);
-        let inputs =
-            entries.iter().map(|&id| zeros(nodes[id].input_len())).collect::<Result<_>>()?;
-        let blocks =
-            entries.iter().map(|&id| zeros(nodes[id].block_len())).collect::<Result<_>>()?;
-        let tops = if process == 0 { &[0][..] } else { &entries };
-        let expected = tops.iter().flat_map(|&id| tree.results(id)).collect();
-        Ok(Self { results: Results::new(tree, expected)?, inputs, blocks })
-    }
-}
-
-/// The results of others, received in the order in which they are added: the next one arrives while the
-/// process does something else.
-struct Results<T> {
-    /// Nodes.
-    expected: VecDeque<usize>,
-    under_way: VecDeque<Transfer<T>>,
-    spare: Vec<Vec<T>>,
-}
-
-impl<T> Results<T> {
-    fn new(tree: &TaskTree, expected: VecDeque<usize>) -> Result<Self> {
-        let longest = expected.iter().map(|&id| tree.nodes()[id].result_len()).max().unwrap_or(0);
-        let spare = (0..RESULTS_AT_ONCE).map(|_| reserved(longest)).collect::<Result<_>>()?;
-        Ok(Self { expected, under_way: VecDeque::new(), spare })
-    }
-}
-
-struct Worker<'w, T> {
-    world: &'w World,
-    tree: &'w TaskTree,
-    form: Form,
-    root: usize,
-    alpha: T,
-    options: &'w AtaOptions<'w>,
-    results: Results<T>,
-    /// Done, and in all.
-    products: (f64, f64),
-    /// The first error; after it the messages go on, with whatever is there, so that nobody waits for them.
-    done: Result<()>,
-}
-
-impl<T: MpiReal> Worker<'_, T> {
-    fn rank(&self, process: usize) -> usize {
-        (process + self.root) % self.world.size()
-    }
-
-    /// Receives, runs and returns the nodes `ids`.
-    fn run_entries(&mut self, ids: &[usize], inputs: Vec<Vec<T>>, blocks: Vec<Vec<T>>) {
-        let Some(parent) = ids.first().and_then(|&id| self.tree.nodes()[id].parent) else { return };
-        let above = self.rank(self.tree.nodes()[parent].task.process);
-        let receive = |input| Transfer::receive(self.world, input, above, DOWN);
-        let inputs: Vec<_> = inputs.into_iter().map(receive).collect();
-        let mut returned = Vec::new();
-        for ((&id, input), mut entries) in ids.iter().zip(inputs).zip(blocks) {
-            let node = &self.tree.nodes()[id];
-            let input = input.wait();
-            let block = self.form.block(node, &mut entries);
-            self.run(id, self.form.operands(node, &input), T::ZERO, block);
-            if node.task.triangle {
-                pack(&mut entries, node.task.rows.len(), self.form.c_by_rows);
-            }
-            returned.push(Transfer::send(self.world, entries, [above], UP));
-        }
-        returned.into_iter().for_each(|result| drop(result.wait()));
-    }
-
-    /// `C := beta C` + the product of node `id`, of which this process has the operands.
-    fn run(&mut self, id: usize, operands: [MatRef<'_, T>; 2], beta: T, mut c: MatMut<'_, T>) {
-        self.start_results();
-        let tree = self.tree;
-        let node = &tree.nodes()[id];
-        if node.is_leaf() {
-            return self.multiply(node, operands, beta, c);
-        }
-        // All others have what they need before this process begins.
-        let shipments: Vec<_> = node
-            .children
-            .clone()
-            .filter(|&child| tree.is_sent(child))
-            .map(|child| self.ship(node, &tree.nodes()[child], operands))
-            .collect();
-        for id in node.children.clone() {
-            let child = &tree.nodes()[id];
-            let rows = within(&child.task.rows, &node.task.rows);
-            let cols = within(&child.task.cols, &node.task.cols);
-            let block = c.rb_mut().get_mut(rows, cols);
-            let beta = if child.is_first { beta } else { T::ONE };
-            if tree.is_sent(id) {
-                self.add_result(child, beta, block);
-            } else {
-                self.run(id, operands_of(child, node, operands), beta, block);
-            }
-        }
-        drop(shipments);
-    }
-
-    fn multiply(
-        &mut self,
-        node: &TreeNode,
-        [left, right]: [MatRef<'_, T>; 2],
-        beta: T,
-        c: MatMut<'_, T>,
-    ) {
-        if self.done.is_err() {
-            return;
-        }
-        let (done, all) = (self.products.0, self.products.1.max(1.0));
-        self.products.0 += node.products();
-        let (world, alpha) = (self.world, self.alpha);
-        let share = done / all..self.products.0 / all;
-        self.done = world.with_progress(self.options, share, &|| world.poll(), |options| {
-            if node.task.triangle {
-                ata(alpha, left, beta, c, &AtaOptions { uplo: Uplo::Lower, ..options.clone() })
-            } else {
-                atb(alpha, left, right, beta, c, options)
-            }
-        });
-    }
-
-    /// Starts to send what `child` reads of its parent's operands.
-    fn ship<'a>(
-        &self,
-        parent: &TreeNode,
-        child: &TreeNode,
-        operands: [MatRef<'a, T>; 2],
-    ) -> Shipment<'a, T>
-    where
-        Self: 'a,
-    {
-        let parts = operands_of(child, parent, operands);
-        let parts = if child.task.triangle { &parts[..1] } else { &parts[..] };
-        let by_rows = |part: &MatRef<'a, T>| part.transpose();
-        let to = self.rank(child.task.process);
-        if self.form.a_by_rows {
-            let parts: Vec<_> = parts.iter().map(by_rows).collect();
-            Shipment::send(self.world, &parts, to, DOWN)
+    /// Starts to send parts of A to rank `to`.
+    pub(super) fn ship<'a, T: MpiReal>(
+        self,
+        world: &'a World,
+        parts: &[MatRef<'a, T>],
+        to: usize,
+        tag: i32,
+    ) -> Shipment<'a, T> {
+        if self.a_by_rows {
+            let parts: Vec<_> = parts.iter().map(|part| part.transpose()).collect();
+            Shipment::send(world, &parts, to, tag)
         } else {
-            Shipment::send(self.world, parts, to, DOWN)
-        }
-    }
-
-    /// Starts to receive as many of the next results as there is room for.
-    fn start_results(&mut self) {
-        while let Some(mut entries) = self.results.spare.pop() {
-            let Some(id) = self.results.expected.pop_front() else {
-                self.results.spare.push(entries);
-                return;
-            };
-            let node = &self.tree.nodes()[id];
-            entries.resize(node.result_len(), T::ZERO);
-            let from = self.rank(node.task.process);
-            let result = Transfer::receive(self.world, entries, from, UP);
-            self.results.under_way.push_back(result);
-        }
-    }
-
-    /// `C := beta C` + the next result, which is that of `child`.
-    fn add_result(&mut self, child: &TreeNode, beta: T, c: MatMut<'_, T>) {
-        self.start_results();
-        let Some(result) = self.results.under_way.pop_front() else {
-            unreachable!("results are expected in the order of the tree")
-        };
-        let result = result.wait();
-        add(c, beta, &result, child.task.triangle, self.form.c_by_rows);
-        self.results.spare.push(result);
-    }
-}
-
-/// A range inside another one, counted from its start.
-fn within(range: &Range<usize>, outer: &Range<usize>) -> Range<usize> {
-    range.start - outer.start..range.end - outer.start
-}
-
-/// The operands of a child, out of those of its parent.
-fn operands_of<'a, T>(
-    child: &TreeNode,
-    parent: &TreeNode,
-    [left, right]: [MatRef<'a, T>; 2],
-) -> [MatRef<'a, T>; 2] {
-    let sums = within(&child.sums, &parent.sums);
-    [
-        left.get(sums.clone(), within(&child.task.rows, &parent.task.rows)),
-        right.get(sums, within(&child.task.cols, &parent.task.cols)),
-    ]
-}
-
-/// Entries of line `line` of a lower triangle of n lines, rows or columns.
-fn triangle_line(line: usize, n: usize, by_rows: bool) -> Range<usize> {
-    if by_rows { 0..line + 1 } else { line..n }
-}
-
-/// Leaves of a square of n lines what is not above the diagonal.
-fn pack<T: Copy>(square: &mut Vec<T>, n: usize, by_rows: bool) {
-    let mut end = 0;
-    for line in 0..n {
-        let entries = triangle_line(line, n, by_rows);
-        let (start, len) = (line * n + entries.start, entries.len());
-        square.copy_within(start..start + len, end);
-        end += len;
-    }
-    square.truncate(end);
-}
-
-/// `C := beta C` + the lines of `result` one after another; with `beta == 0` C is not read.
-fn add<T: Real>(c: MatMut<'_, T>, beta: T, result: &[T], triangle: bool, by_rows: bool) {
-    let mut c = if by_rows { c } else { c.transpose_mut() };
-    let len = c.ncols();
-    let mut rest = result;
-    for line in 0..c.nrows() {
-        let entries = if triangle { triangle_line(line, len, by_rows) } else { 0..len };
-        let (terms, others) = rest.split_at(entries.len());
-        rest = others;
-        let sums = c.rb_mut().row_mut(line).subcols_mut(entries.start, entries.len());
-        add_line(sums, beta, terms);
-    }
-}
-
-fn add_line<T: Real>(mut sums: RowMut<'_, T>, beta: T, terms: &[T]) {
-    let add = |(sum, &term): (&mut T, &T)| {
-        *sum = if beta == T::ZERO { term } else { beta * *sum + term };
-    };
-    match sums.rb_mut().try_as_row_major_mut() {
-        Some(sums) => sums.as_slice_mut().iter_mut().zip(terms).for_each(add),
-        None => sums.iter_mut().zip(terms).for_each(add),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::ata::distributed::packed_len;
-
-    #[test]
-    fn packed_triangles_are_added_where_they_were() {
-        for n in [0_usize, 1, 2, 5, 7] {
-            let values: Vec<f64> = (0..n * n).map(|i| i as f64).collect();
-            for by_rows in [false, true] {
-                let mut packed = values.clone();
-                pack(&mut packed, n, by_rows);
-                assert_eq!(packed.len(), packed_len(n));
-                for (beta, stored_by_rows) in
-                    [(0.0, true), (0.0, false), (1.0, true), (-2.0, false)]
-                {
-                    let old = if beta == 0.0 { f64::NAN } else { 3.0 };
-                    let mut c = vec![old; n * n];
-                    let view = MatMut::from_row_major_slice_mut(&mut c, n, n);
-                    let mut c = if stored_by_rows { view } else { view.transpose_mut() };
-                    add(c.rb_mut(), beta, &packed, true, by_rows);
-                    for i in 0..n {
-                        for j in 0..n {
-                            let value = if by_rows { values[i * n + j] } else { values[j * n + i] };
-                            let expected = match (j <= i, beta == 0.0) {
-                                (true, true) => value,
-                                (true, false) => beta * old + value,
-                                (false, _) => old,
-                            };
-                            assert_eq!(c[(i, j)].to_bits(), expected.to_bits());
-                        }
-                    }
-                }
-            }
+            Shipment::send(world, parts, to, tag)
         }
     }
 }

@@ -6,13 +6,12 @@ use std::ops::Range;
 use faer::prelude::{IntoConst, ReborrowMut};
 use faer::{MatMut, MatRef};
 
-use super::memory::reserved;
 use super::reduction::Reduction;
 use super::symmetric::Symmetric;
-use super::world::{MpiReal, Operation, World};
+use super::world::{MpiReal, Operation, World, number_fact, scalar_fact};
 use crate::ata::distributed::{Chunks, Layout};
 use crate::ata::{AtaOptions, Uplo, ata, atb};
-use crate::base::{Error, Result, Workspace};
+use crate::base::{Error, Result, Workspace, reserved};
 
 /// `C = alpha A^T A` where every rank has some `rows` of A, in any order and number, 0 included.
 ///
@@ -29,11 +28,14 @@ pub fn ata_rows<T: MpiReal>(
     rows: MatRef<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<Symmetric<T>> {
+    let _guard = world.abort_on_panic();
     let n = rows.ncols();
-    let chunks = Chunks::new(n, world.size());
+    let facts = [("n", n), scalar_fact::<T>(), number_fact("alpha", alpha)];
+    world.begin(Operation::Rows, &facts, Ok(()))?;
+    let m = world.gather_numbers(rows.nrows()).iter().sum();
+    let chunks = Chunks::new(m, n, world.size());
     let panel = Workspace::<T>::new(chunks.longest_panel());
-    let facts = [("alpha", alpha.to_f64().to_bits() as usize)];
-    reduce(world, Operation::Rows, chunks, &facts, panel, |panel, span, meanwhile| {
+    reduce(world, chunks, panel, |panel, span, meanwhile| {
         let panel = &mut panel.as_mut_slice()[..span.len() * span.end];
         let mut panel = MatMut::from_row_major_slice_mut(panel, span.len(), span.end);
         let share = |rows: usize| (rows as f64 / n as f64).powi(2);
@@ -50,31 +52,27 @@ pub fn ata_rows<T: MpiReal>(
 /// [`Error::Rank`] when n or the precision differ, or another rank failed; [`Error::Shape`],
 /// [`Error::OutOfMemory`].
 pub fn sum_symmetric<T: MpiReal>(world: &World, c: MatRef<'_, T>) -> Result<Symmetric<T>> {
+    let _guard = world.abort_on_panic();
     let n = c.ncols();
     let square = Error::check_shape("C", (n, n), c.shape());
-    let c = square.map(|()| c);
-    reduce(world, Operation::Sum, Chunks::new(n, world.size()), &[], c, |c, span, _| {
-        Ok(c.get(span.clone(), ..span.end))
-    })
+    world.begin(Operation::Sum, &[("n", n), scalar_fact::<T>()], square)?;
+    // Every rank has n rows of C.
+    let chunks = Chunks::new(n * world.size(), n, world.size());
+    reduce(world, chunks, Ok(c), |c, span, _| Ok(c.get(span.clone(), ..span.end)))
 }
 
 /// Sums the chunks over the ranks: `panel` gives the rows of the next one, up to the diagonal and beyond, and
 /// calls its last argument now and then.
 fn reduce<T: MpiReal, S>(
     world: &World,
-    operation: Operation,
     chunks: Chunks,
-    facts: &[(&'static str, usize)],
     prepared: Result<S>,
     panel: impl for<'s> Fn(&'s mut S, Range<usize>, &dyn Fn()) -> Result<MatRef<'s, T>>,
 ) -> Result<Symmetric<T>> {
-    let _guard = world.abort_on_panic();
     let own = world.rank();
     let prepared = prepared
         .and_then(|state| Ok((state, Reduction::new(&chunks, own)?, reserved(chunks.len(own))?)));
-    let mut all_facts = vec![("n", chunks.n()), ("the size of a scalar", size_of::<T>())];
-    all_facts.extend_from_slice(facts);
-    let (mut state, reduction, mut entries) = world.begin(operation, &all_facts, prepared)?;
+    let (mut state, reduction, mut entries) = world.agree(prepared)?;
 
     // The reduction of a chunk goes on while the next one is computed.
     let reduction = RefCell::new(reduction);

@@ -6,7 +6,7 @@ use ::mpi::datatype::Equivalence;
 use ::mpi::point_to_point::{Destination, Source};
 use ::mpi::topology::Communicator;
 
-use super::world::{MpiReal, Operation, Traffic, World};
+use super::world::{MpiReal, Operation, Traffic, World, scalar_fact};
 use crate::ata::Accumulator;
 use crate::base::{Error, Result};
 
@@ -28,7 +28,7 @@ pub fn merge_accumulators<T: MpiReal>(
     let facts = [
         ("the number of columns", sum.ncols()),
         ("centring", usize::from(sum.is_centered())),
-        ("the size of a scalar", size_of::<T>()),
+        scalar_fact::<T>(),
     ];
     world.begin(Operation::Merge, &facts, Ok(()))?;
     let (rank, size) = (world.rank(), world.size());

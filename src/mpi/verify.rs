@@ -5,7 +5,7 @@ use faer::{MatMut, MatRef};
 
 use super::memory::zeros;
 use super::symmetric::Symmetric;
-use super::world::{MpiReal, Operation, World};
+use super::world::{MpiReal, Operation, World, number_fact};
 use crate::ata::{Verification, check_rounds, signs, verdict};
 use crate::base::{Error, Result};
 use crate::blas::{self, Kernels};
@@ -54,7 +54,7 @@ pub fn verify<T: MpiReal>(
         ("the distribution of A", usize::from(by_columns)),
         ("the number of rounds", r),
         ("the seed", seed as usize),
-        ("alpha", alpha.to_bits() as usize),
+        number_fact("alpha", alpha),
     ];
     let (x, mut z, mut block, mut y) = world.begin(Operation::Verify, &facts, prepared)?;
     let parts = world.gather_numbers(if by_columns { own.ncols() } else { own.nrows() });

@@ -10,8 +10,8 @@ use ::mpi::ffi;
 use ::mpi::raw::AsRaw;
 use ::mpi::topology::{Communicator, SimpleCommunicator};
 
-use crate::ata::AtaOptions;
-use crate::base::{Error, Flow, Result};
+use crate::ata::{AtaOptions, with_share};
+use crate::base::{Error, Flow, Real, Result};
 use crate::blas::BlasReal;
 
 /// A scalar that ranks can exchange: f32 or f64. Sealed, as [`BlasReal`] is.
@@ -166,11 +166,11 @@ impl World {
         let meanwhile = Here { work: meanwhile, thread: thread::current().id() };
         let tell = |fraction: f64| {
             meanwhile.call();
-            let all = share.start + fraction * (share.end - share.start);
-            options.progress.map_or(Flow::Continue, |progress| progress(all))
+            options.progress.map_or(Flow::Continue, |progress| progress(fraction))
         };
         let start = Instant::now();
-        let done = work(&AtaOptions { progress: Some(&tell), ..options.clone() });
+        let done =
+            with_share(&AtaOptions { progress: Some(&tell), ..options.clone() }, share, work);
         self.work_time.set(self.work_time.get() + start.elapsed());
         done
     }
@@ -312,6 +312,16 @@ impl Drop for World {
             unsafe { ManuallyDrop::drop(&mut self.comm) };
         }
     }
+}
+
+/// The fact that ranks have the same scalar T.
+pub(super) fn scalar_fact<T>() -> (&'static str, usize) {
+    ("the size of a scalar", size_of::<T>())
+}
+
+/// The fact that ranks have the same number `what`, bit for bit.
+pub(super) fn number_fact<T: Real>(what: &'static str, value: T) -> (&'static str, usize) {
+    (what, value.to_f64().to_bits() as usize)
 }
 
 /// What all ranks do together, so that they notice when they don't.

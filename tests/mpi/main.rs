@@ -5,6 +5,8 @@
 //! arguments select cases by parts of their names.
 
 mod columns;
+#[path = "../common/counting.rs"]
+mod counting;
 mod cyclic;
 mod failures;
 mod launch;

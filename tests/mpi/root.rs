@@ -1,11 +1,12 @@
-//! AtA-D: A and C on one rank.
+//! A and C on one rank: AtA-D, and rows that are dealt.
 
 use std::sync::Mutex;
 
-use catamaran::ata::distributed::TaskTree;
+use catamaran::ata::block_rows;
+use catamaran::ata::distributed::{Machine, TaskTree, deal, packed_len};
 use catamaran::base::Flow;
-use catamaran::faer::{Mat, MatRef};
-use catamaran::mpi::{MpiReal, Traffic, World, ata_root};
+use catamaran::faer::{Mat, MatMut, MatRef};
+use catamaran::mpi::{MpiReal, Traffic, World, ata_deal, ata_root, ata_tree};
 use catamaran::{AtaOptions, Error, Par, Uplo};
 
 use crate::matrices::{SHAPES, check_whole, expected, options, part};
@@ -16,7 +17,9 @@ pub const CASES: &[Case] = &[
     ("root_has_any_shape_and_storage_f32", shapes::<f32>),
     ("root_adds_to_what_is_there", adds),
     ("root_sends_strided_views_in_short_messages", strided),
-    ("root_communicates_as_planned", traffic),
+    ("root_communicates_as_planned_in_a_tree", tree_traffic),
+    ("root_sends_every_row_once_at_most_when_it_deals", deal_traffic),
+    ("root_deals_more_rows_than_a_block_has", many_blocks),
     ("root_gives_the_same_bits_every_time_for_any_number_of_threads", threads),
     ("root_tells_progress_up_to_the_end", progress),
 ];
@@ -58,6 +61,13 @@ pub const SCENES: &[Scene] = &[
         succeeds: true,
     },
     Scene {
+        name: "a_rank_that_is_dealt_to_and_cancels_ends_the_call_on_every_rank",
+        ranks: 8,
+        play: cancel_deal,
+        printed: &["0: rank 5: cancelled", "5: cancelled", "7: rank 5: cancelled"],
+        succeeds: true,
+    },
+    Scene {
         name: "a_killed_rank_of_the_tree_ends_the_job",
         ranks: 7,
         play: killed,
@@ -73,6 +83,21 @@ pub const SCENES: &[Scene] = &[
     },
 ];
 
+type Product<T> = fn(
+    &World,
+    usize,
+    T,
+    Option<MatRef<'_, T>>,
+    T,
+    Option<MatMut<'_, T>>,
+    &AtaOptions<'_>,
+) -> Result<(), Error>;
+
+/// Every way; the first one is whichever should be faster.
+fn products<T: MpiReal>() -> [Product<T>; 3] {
+    [ata_root, ata_tree, ata_deal]
+}
+
 /// `alpha A^T A + beta C` of the integer matrix, from the last rank but one.
 fn shapes<T: MpiReal>(world: &World) {
     let root = world.size().saturating_sub(2);
@@ -87,14 +112,16 @@ fn shapes<T: MpiReal>(world: &World) {
             (rows.transpose(), Uplo::Lower, true),
             (columns.as_ref(), Uplo::Upper, true),
         ] {
-            let mut c = Mat::<T>::from_fn(n, n, |_, _| T::from_f64(-77.0));
-            let view = if by_rows { c.as_mut().transpose_mut() } else { c.as_mut() };
-            let options = AtaOptions { uplo, ..options() };
-            let (a, view) = (is_root.then_some(a), is_root.then_some(view));
-            ata_root(world, root, T::from_f64(2.0), a, T::ZERO, view, &options).unwrap();
-            if is_root {
-                let c = if by_rows { c.as_ref().transpose() } else { c.as_ref() };
-                check_whole(c, 2.0, m, uplo);
+            for product in products() {
+                let mut c = Mat::<T>::from_fn(n, n, |_, _| T::from_f64(-77.0));
+                let view = if by_rows { c.as_mut().transpose_mut() } else { c.as_mut() };
+                let options = AtaOptions { uplo, ..options() };
+                let (a, view) = (is_root.then_some(a), is_root.then_some(view));
+                product(world, root, T::from_f64(2.0), a, T::ZERO, view, &options).unwrap();
+                if is_root {
+                    let c = if by_rows { c.as_ref().transpose() } else { c.as_ref() };
+                    check_whole(c, 2.0, m, uplo);
+                }
             }
         }
     }
@@ -105,16 +132,18 @@ fn adds(world: &World) {
     for (m, n) in SHAPES {
         let a = part::<f64>(0..m, 0..n);
         let old = |i: usize, j: usize| (i * 5 + j) as f64;
-        let mut c = Mat::from_fn(n, n, old);
-        // What others say about beta does not matter.
-        let beta = if is_root { -3.0 } else { 0.0 };
-        let (a, view) = (is_root.then_some(a.as_ref()), is_root.then_some(c.as_mut()));
-        ata_root(world, 0, 1.0, a, beta, view, &options()).unwrap();
-        for j in 0..n {
-            for i in 0..n {
-                let new = expected(1.0, m, i, j) - 3.0 * old(i, j);
-                let wanted = if is_root && i >= j { new } else { old(i, j) };
-                assert_eq!(c[(i, j)], wanted, "entry ({i}, {j}), m = {m}");
+        for product in products() {
+            let mut c = Mat::from_fn(n, n, old);
+            // What others say about beta does not matter.
+            let beta = if is_root { -3.0 } else { 0.0 };
+            let (a, view) = (is_root.then_some(a.as_ref()), is_root.then_some(c.as_mut()));
+            product(world, 0, 1.0, a, beta, view, &options()).unwrap();
+            for j in 0..n {
+                for i in 0..n {
+                    let new = expected(1.0, m, i, j) - 3.0 * old(i, j);
+                    let wanted = if is_root && i >= j { new } else { old(i, j) };
+                    assert_eq!(c[(i, j)], wanted, "entry ({i}, {j}), m = {m}");
+                }
             }
         }
     }
@@ -143,24 +172,26 @@ fn strided(world: &World) {
             )
         };
         for a in [a, part::<f64>(0..m, 0..n).as_ref()] {
-            let mut c = Mat::from_fn(n, n, |_, _| -77.0);
-            let (a, view) = (is_root.then_some(a), is_root.then_some(c.as_mut()));
-            ata_root(world, 0, 1.0, a, 0.0, view, &options()).unwrap();
-            if is_root {
-                check_whole(c.as_ref(), 1.0, m, Uplo::Lower);
+            for product in products() {
+                let mut c = Mat::from_fn(n, n, |_, _| -77.0);
+                let (a, view) = (is_root.then_some(a), is_root.then_some(c.as_mut()));
+                product(world, 0, 1.0, a, 0.0, view, &options()).unwrap();
+                if is_root {
+                    check_whole(c.as_ref(), 1.0, m, Uplo::Lower);
+                }
             }
         }
     }
 }
 
-fn traffic(world: &World) {
+fn tree_traffic(world: &World) {
     for (m, n) in [(128, 96), (1, 50), (40, 3)] {
         let a = part::<f64>(0..m, 0..n);
         let mut c = Mat::zeros(n, n);
         let is_root = world.rank() == 0;
         world.take_traffic();
         let (a, c) = (is_root.then_some(a.as_ref()), is_root.then_some(c.as_mut()));
-        ata_root(world, 0, 1.0, a, 0.0, c, &options()).unwrap();
+        ata_tree(world, 0, 1.0, a, 0.0, c, &options()).unwrap();
         let load = TaskTree::new(m, n, world.size()).loads()[world.rank()];
         let planned = Traffic {
             words_sent: load.words_sent as u64,
@@ -172,42 +203,89 @@ fn traffic(world: &World) {
     }
 }
 
+fn deal_traffic(world: &World) {
+    let (m, n) = (5000, 40);
+    let a = part::<f64>(0..m, 0..n);
+    let mut c = Mat::zeros(n, n);
+    let is_root = world.rank() == 0;
+    world.take_traffic();
+    let (a, c) = (is_root.then_some(a.as_ref()), is_root.then_some(c.as_mut()));
+    ata_deal(world, 0, 1.0, a, 0.0, c, &options()).unwrap();
+    let parts = deal(world.size(), m, n, &Machine::default());
+    let Traffic { words_sent, words_received, .. } = world.traffic();
+    let sums = 2 * packed_len(n);
+    if is_root {
+        let dealt = (m - parts[0].len()) * n;
+        assert!((dealt..=dealt + sums).contains(&(words_sent as usize)), "{words_sent}");
+        assert!(words_received as usize <= sums, "{words_received}");
+    } else {
+        let dealt = parts[world.rank()].len() * n;
+        assert!((dealt..=dealt + sums).contains(&(words_received as usize)), "{words_received}");
+        assert!(words_sent as usize <= sums, "{words_sent}");
+    }
+}
+
+/// Three blocks for each rank, and one that is not whole.
+fn many_blocks(world: &World) {
+    // Blocks are large, and there is no more to be seen with many ranks.
+    if world.size() > 2 {
+        return;
+    }
+    let n = 4099;
+    let m = world.size() * (3 * block_rows::<f64>(n, false) + 11);
+    let a = Mat::<f64>::from_fn(m, n, |i, j| if i % n == j { 1.0 } else { 0.0 });
+    let is_root = world.rank() == 0;
+    let mut c = Mat::<f64>::zeros(n, n);
+    let (a, view) = (is_root.then_some(a.as_ref()), is_root.then_some(c.as_mut()));
+    ata_deal(world, 0, 1.0, a, 0.0, view, &options()).unwrap();
+    if is_root {
+        for j in 0..n {
+            let times = (m - j).div_ceil(n);
+            assert!((j..n).all(|i| c[(i, j)] == if i == j { times as f64 } else { 0.0 }));
+        }
+    }
+}
+
 fn threads(world: &World) {
     let (m, n) = (700, 500);
     let is_root = world.rank() == 0;
     let a = Mat::from_fn(m, n, |i, j| (i as f64 * 0.37 + j as f64).sin());
-    let run = |par| {
-        let options = AtaOptions { par, ..AtaOptions::default() };
-        let mut c = Mat::zeros(n, n);
-        let (a, view) = (is_root.then_some(a.as_ref()), is_root.then_some(c.as_mut()));
-        ata_root(world, 0, 0.3, a, 0.0, view, &options).unwrap();
-        c
-    };
-    let once = run(Par::Seq);
-    assert_eq!(once, run(Par::Threads(2)));
-    assert_eq!(once, run(Par::Seq));
-    if is_root {
-        let mut c = Mat::zeros(n, n);
-        catamaran::ata(0.3, a.as_ref(), 0.0, c.as_mut(), &options()).unwrap();
-        let error = (&once - &c).norm_max();
-        assert!(error <= 1e-12 * m as f64, "{error}");
+    for product in products() {
+        let run = |par| {
+            let options = AtaOptions { par, ..AtaOptions::default() };
+            let mut c = Mat::zeros(n, n);
+            let (a, view) = (is_root.then_some(a.as_ref()), is_root.then_some(c.as_mut()));
+            product(world, 0, 0.3, a, 0.0, view, &options).unwrap();
+            c
+        };
+        let once = run(Par::Seq);
+        assert_eq!(once, run(Par::Threads(2)));
+        assert_eq!(once, run(Par::Seq));
+        if is_root {
+            let mut c = Mat::zeros(n, n);
+            catamaran::ata(0.3, a.as_ref(), 0.0, c.as_mut(), &options()).unwrap();
+            let error = (&once - &c).norm_max();
+            assert!(error <= 1e-12 * m as f64, "{error}");
+        }
     }
 }
 
 fn progress(world: &World) {
-    let seen = Mutex::new(Vec::new());
-    let note = |fraction| {
-        seen.lock().unwrap().push(fraction);
-        Flow::Continue
-    };
-    let options = AtaOptions { progress: Some(&note), ..options() };
-    let a = part::<f64>(0..300, 0..300);
-    let mut c = Mat::zeros(300, 300);
-    let is_root = world.rank() == 0;
-    let (a, view) = (is_root.then_some(a.as_ref()), is_root.then_some(c.as_mut()));
-    ata_root(world, 0, 1.0, a, 0.0, view, &options).unwrap();
-    let seen = seen.into_inner().unwrap();
-    assert!(seen.is_sorted() && seen.last() == Some(&1.0), "{seen:?}");
+    for product in products() {
+        let seen = Mutex::new(Vec::new());
+        let note = |fraction| {
+            seen.lock().unwrap().push(fraction);
+            Flow::Continue
+        };
+        let options = AtaOptions { progress: Some(&note), ..options() };
+        let a = part::<f64>(0..300, 0..300);
+        let mut c = Mat::zeros(300, 300);
+        let is_root = world.rank() == 0;
+        let (a, view) = (is_root.then_some(a.as_ref()), is_root.then_some(c.as_mut()));
+        product(world, 0, 1.0, a, 0.0, view, &options).unwrap();
+        let seen = seen.into_inner().unwrap();
+        assert!(seen.is_sorted() && seen.last() == Some(&1.0), "{seen:?}");
+    }
 }
 
 fn tell(world: &World, result: Result<(), Error>) {
@@ -236,12 +314,25 @@ fn another_shape(world: &World) {
     tell(world, ata_root(world, 0, 1.0, Some(a.as_ref()), 0.0, Some(c.as_mut()), &options()));
 }
 
-/// The product of a matrix large enough for every rank, with this progress callback.
+/// The product of a matrix large enough for every rank, with this progress callback, by a tree.
 fn product(world: &World, progress: &(dyn Fn(f64) -> Flow + Sync)) -> Result<(), Error> {
+    product_by(ata_tree, world, progress)
+}
+
+fn product_by(
+    product: Product<f64>,
+    world: &World,
+    progress: &(dyn Fn(f64) -> Flow + Sync),
+) -> Result<(), Error> {
     let a = part::<f64>(0..600, 0..400);
     let mut c = Mat::<f64>::zeros(400, 400);
     let options = AtaOptions { progress: Some(progress), ..options() };
-    ata_root(world, 0, 1.0, Some(a.as_ref()), 0.0, Some(c.as_mut()), &options)
+    product(world, 0, 1.0, Some(a.as_ref()), 0.0, Some(c.as_mut()), &options)
+}
+
+fn cancel_deal(world: &World) {
+    let flow = if world.rank() == 5 { Flow::Cancel } else { Flow::Continue };
+    tell(world, product_by(ata_deal, world, &|_| flow));
 }
 
 fn cancel(world: &World) {

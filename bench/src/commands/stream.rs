@@ -9,6 +9,7 @@ use catamaran::base::available_cores;
 use catamaran::io::{Output, Overwrite, RowFile, write};
 use catamaran::{AtaOptions, Par, Uplo};
 use catamaran_bench::input::{Distribution, Shape, matrix};
+use catamaran_bench::race::median;
 use catamaran_bench::{Result, host, record};
 use faer::{MatMut, MatRef};
 
@@ -140,9 +141,4 @@ fn forget(arguments: &Arguments, file: &Path) -> Result<()> {
     let done =
         Command::new("dd").arg(input).args(["iflag=nocache", "count=0", "status=none"]).status()?;
     if done.success() { Ok(()) } else { Err("dd failed; --cached needs none".into()) }
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }

@@ -19,21 +19,25 @@ pub struct Chunks {
     bounds: Vec<usize>,
 }
 
-/// Entries of a chunk above which it is cut: 8 MiB of f64, so that latency does not count.
-const CHUNK: usize = 1 << 20;
+/// Entries of C above which there are several chunks: 8 MiB of f64, whose reduction is worth hiding.
+const WHOLE: usize = 1 << 20;
 /// Rows of a chunk that products are still efficient on.
 const SHORTEST: usize = 128;
 
 impl Chunks {
-    /// The chunks for C n x n on `ranks >= 1` ranks: of about the same number of entries, few enough for
-    /// long products, many enough for a rank to hold no more than its share of all.
-    pub fn new(n: usize, ranks: usize) -> Self {
-        let wanted = packed_len(n).div_ceil(CHUNK).max(2 * ranks);
-        // The last chunk has the fewest rows: about n / (2 count).
-        Self::with_count(n, ranks, wanted.min(n / (2 * SHORTEST)).max(1))
+    /// The chunks for A m x n on `ranks >= 1` ranks, of about the same number of entries: the fewest, since products
+    /// are the faster the longer they are, for which a rank needs no more memory beside its share of A and C than that
+    /// share.
+    pub fn new(m: usize, n: usize, ranks: usize) -> Self {
+        let share = (m as f64 * n as f64 + packed_len(n) as f64) / ranks as f64;
+        let most = (n / (2 * SHORTEST)).max(1);
+        let least = if packed_len(n) > WHOLE { most.min(2) } else { 1 };
+        let fits = |count: &usize| Self::with_count(n, ranks, *count).scratch() as f64 <= share;
+        let count = (least..most).find(fits).unwrap_or(most);
+        Self::with_count(n, ranks, count)
     }
 
-    /// As [`Chunks::new`], with `count >= 1` chunks.
+    /// `count >= 1` chunks.
     pub fn with_count(n: usize, ranks: usize, count: usize) -> Self {
         // Rows up to n sqrt(k / count) hold k / count of the triangle.
         let bound = |k: usize| (n as f64 * (k as f64 / count as f64).sqrt()).round() as usize;
@@ -65,6 +69,13 @@ impl Chunks {
     /// Entries of the longest rectangle of rows of a chunk up to the end of its diagonal.
     pub fn longest_panel(&self) -> usize {
         (0..self.count()).map(|c| self.rows(c).len() * self.rows(c).end).max().unwrap_or(0)
+    }
+
+    /// Entries that a rank needs beside its share: the panel that is computed, two chunks on their way, and half as much
+    /// as one for what comes.
+    pub fn scratch(&self) -> usize {
+        let len = |chunk| packed_len(self.rows(chunk).end) - packed_len(self.rows(chunk).start);
+        self.longest_panel() + (0..self.count()).map(len).max().unwrap_or(0) * 5 / 2
     }
 
     /// The entries of `chunk` that `rank` holds, counted along the packed triangle.
@@ -165,9 +176,16 @@ mod tests {
     }
 
     #[test]
-    fn chunks_are_even_and_small() {
-        for (n, ranks) in [(4096, 2), (4096, 16), (20_000, 100), (500, 4)] {
-            let chunks = Chunks::new(n, ranks);
+    fn chunks_are_even_and_as_few_as_memory_allows() {
+        for (m, n, ranks, count) in [
+            (4096, 4096, 2, 4),
+            (4096, 4096, 16, 16),
+            (20_000, 20_000, 100, 78),
+            (600_000, 500, 4, 1),
+            (1_000_000, 4096, 4, 2),
+        ] {
+            let chunks = Chunks::new(m, n, ranks);
+            assert_eq!(chunks.count(), count, "{m} x {n} on {ranks} ranks");
             let sizes: Vec<usize> = (0..chunks.count())
                 .map(|c| packed_len(chunks.rows(c).end) - packed_len(chunks.rows(c).start))
                 .collect();

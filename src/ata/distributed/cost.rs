@@ -9,8 +9,10 @@ use std::fmt;
 use super::blocks::piece_height;
 use super::chunks::{Chunks, rounds};
 use super::cover::difference_cover;
+use super::deal::deal;
 use super::segment::packed_len;
 use super::tree::{TaskTree, levels};
+use crate::ata::stream::block_rows;
 
 /// A way to compute A^T A on many ranks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,20 +22,31 @@ pub enum Mode {
     /// Each rank has columns of A; those travel so that each pair meets once.
     Columns,
     /// One rank has A and gets C: AtA-D.
-    Root,
+    Tree,
+    /// One rank has A and gets C, and deals rows.
+    Deal,
 }
 
 impl Mode {
     /// Every mode and its name on the command line.
-    pub const NAMES: [(&'static str, Self); 3] =
-        [("rows", Self::Rows), ("grid", Self::Columns), ("root", Self::Root)];
+    pub const NAMES: [(&'static str, Self); 4] =
+        [("rows", Self::Rows), ("grid", Self::Columns), ("tree", Self::Tree), ("deal", Self::Deal)];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rows => "rows",
             Self::Columns => "grid",
-            Self::Root => "root",
+            Self::Tree => "tree",
+            Self::Deal => "deal",
+        }
+    }
+
+    /// Where it has A and C.
+    pub fn place(self) -> Place {
+        match self {
+            Self::Rows | Self::Columns => Place::EveryRank,
+            Self::Tree | Self::Deal => Place::OneRank,
         }
     }
 }
@@ -145,8 +158,6 @@ pub struct Cost {
     pub memory: f64,
     /// Seconds, from where A is in this mode to where C is.
     pub seconds: f64,
-    /// Seconds when one rank has A and gets C.
-    pub seconds_from_one_rank: f64,
 }
 
 /// What `mode` costs for A m x n on `ranks >= 1` ranks with even parts; `m n` and `n^2` below 2^60.
@@ -155,45 +166,31 @@ pub fn predict(mode: Mode, ranks: usize, m: usize, n: usize, machine: &Machine) 
     match mode {
         Mode::Rows => rows(ranks, m, n, machine),
         Mode::Columns => columns(ranks, m, n, machine),
-        Mode::Root => root(ranks, m, n, machine),
+        Mode::Tree => tree(ranks, m, n, machine),
+        Mode::Deal => dealt(ranks, m, n, machine),
     }
 }
 
-/// The mode with the least seconds.
+/// The mode with the least seconds, of those that have A and C at this place.
 pub fn choose(ranks: usize, m: usize, n: usize, machine: &Machine, place: Place) -> Mode {
-    let modes = Mode::NAMES.iter().map(|&(_, mode)| mode);
-    let seconds = |mode| {
-        let cost = predict(mode, ranks, m, n, machine);
-        match place {
-            Place::EveryRank => cost.seconds,
-            Place::OneRank => cost.seconds_from_one_rank,
-        }
-    };
-    // AtA-D has no business with what is spread already.
-    let fits = |mode: &Mode| place == Place::OneRank || *mode != Mode::Root;
-    let timed = modes.filter(fits).map(|mode| (mode, seconds(mode)));
+    let modes = Mode::NAMES.iter().map(|&(_, mode)| mode).filter(|mode| mode.place() == place);
+    let timed = modes.map(|mode| (mode, predict(mode, ranks, m, n, machine).seconds));
     timed.min_by(|x, y| x.1.total_cmp(&y.1)).map_or(Mode::Rows, |(mode, _)| mode)
 }
 
 fn rows(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
-    let chunks = Chunks::new(n, ranks);
+    let chunks = Chunks::new(m, n, ranks);
     let (p, count) = (ranks as f64, chunks.count());
     let triangle = packed_len(n) as f64;
     let height = m.div_ceil(ranks) as f64;
-    let longest =
-        (0..count).map(|c| packed_len(chunks.rows(c).end) - packed_len(chunks.rows(c).start)).max();
     let words = triangle * (1.0 - 1.0 / p);
     let messages = (rounds(ranks).len() * count) as f64;
     let products = height * triangle;
-    // Two chunks on their way, half as much again for what comes, and the panel that is computed.
-    let scratch = 3.0 * longest.unwrap_or(0) as f64 + chunks.longest_panel() as f64;
-    let memory = height * n as f64 + triangle / p + scratch;
+    let memory = height * n as f64 + triangle / p + chunks.scratch() as f64;
     let (computation, communication) =
         (machine.computation(products), machine.communication(messages, words));
     let seconds = pipeline(computation, communication, count);
-    let seconds_from_one_rank = seconds + scatter_and_gather(ranks, m, n, machine);
-    let mode = Mode::Rows;
-    Cost { mode, words, messages, products, memory, seconds, seconds_from_one_rank }
+    Cost { mode: Mode::Rows, words, messages, products, memory, seconds }
 }
 
 fn columns(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
@@ -213,24 +210,45 @@ fn columns(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
         (machine.computation(products), machine.communication(messages, words));
     // A piece is multiplied when it has arrived: the other way round, and as long.
     let seconds = pipeline(computation, communication, pieces);
-    let seconds_from_one_rank = seconds + scatter_and_gather(ranks, m, n, machine);
-    let mode = Mode::Columns;
-    Cost { mode, words, messages, products, memory, seconds, seconds_from_one_rank }
+    Cost { mode: Mode::Columns, words, messages, products, memory, seconds }
 }
 
-fn root(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
+fn tree(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
     let tree = TaskTree::new(m, n, ranks);
     let loads = tree.loads();
     let most = |of: &dyn Fn(&super::Load) -> f64| loads.iter().map(of).fold(0.0, f64::max);
-    let seconds = simulate(&tree, machine);
     Cost {
-        mode: Mode::Root,
+        mode: Mode::Tree,
         words: most(&|load| load.words_sent.max(load.words_received) as f64),
         messages: most(&|load| load.messages_sent.max(load.messages_received) as f64),
         products: most(&|load| load.products),
         memory: most(&|load| load.memory as f64),
-        seconds,
-        seconds_from_one_rank: seconds,
+        seconds: simulate(&tree, machine),
+    }
+}
+
+fn dealt(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
+    let parts = deal(ranks, m, n, machine);
+    let (kept, others) = (parts[0].len(), (ranks - 1) as f64);
+    let dealt = parts[1..].iter().map(ExactSizeIterator::len).max().unwrap_or(0);
+    let (triangle, square) = (packed_len(n) as f64, (n * n) as f64);
+    let height = block_rows::<f64>(n, false).min(dealt);
+    let blocks = if dealt == 0 { 0 } else { dealt.div_ceil(height) };
+    let sent = (m - kept) as f64 * n as f64;
+    // The sums are reduced as those of rows that have been multiplied already, and gathered.
+    let reduction = rows(ranks, 0, n, machine);
+    let gathering = machine.communication(others, triangle * others / ranks as f64);
+    let sending = machine.communication(others * blocks as f64, sent);
+    let own = machine.computation(kept as f64 * triangle);
+    let theirs = machine.computation(dealt as f64 * triangle)
+        + machine.communication(blocks as f64, dealt as f64 * n as f64);
+    Cost {
+        mode: Mode::Deal,
+        words: sent + reduction.words,
+        messages: others * blocks as f64 + reduction.messages,
+        products: kept.max(dealt) as f64 * triangle,
+        memory: (m as f64 * n as f64 + square).max(square + 2.0 * (height * n) as f64),
+        seconds: own.max(theirs).max(sending) + reduction.seconds + gathering,
     }
 }
 
@@ -238,13 +256,6 @@ fn root(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
 fn pipeline(computation: f64, communication: f64, count: usize) -> f64 {
     let count = count as f64;
     (computation + communication) / count + computation.max(communication) * (count - 1.0) / count
-}
-
-/// Seconds in which one rank sends the others their parts of A, one after another, and receives theirs of C.
-fn scatter_and_gather(ranks: usize, m: usize, n: usize, machine: &Machine) -> f64 {
-    let others = (ranks - 1) as f64;
-    let words = (m as f64 * n as f64 + packed_len(n) as f64) * others / ranks as f64;
-    machine.communication(2.0 * others, words)
 }
 
 /// Seconds of AtA-D: every owner sends its children their parts one after another, goes down itself, and
@@ -286,7 +297,7 @@ pub struct Explanation {
     ranks: usize,
     m: usize,
     n: usize,
-    costs: [Cost; 3],
+    costs: [Cost; Mode::NAMES.len()],
     /// Words and messages of process 0 of AtA-D, both ways.
     process_0: [usize; 2],
     spread: Mode,
@@ -306,7 +317,7 @@ impl Explanation {
     }
 
     /// What each mode costs, in the order of [`Mode::NAMES`].
-    pub fn costs(&self) -> &[Cost; 3] {
+    pub fn costs(&self) -> &[Cost; Mode::NAMES.len()] {
         &self.costs
     }
 }
@@ -319,29 +330,21 @@ impl fmt::Display for Explanation {
         writeln!(f, "lower bound ({dimensions}-D): {least:.3e} words per rank")?;
         writeln!(
             f,
-            "{:<5} {:>10} {:>8} {:>9} {:>10} {:>10} {:>10} {:>14}",
-            "mode",
-            "words/rank",
-            "x bound",
-            "messages",
-            "flops",
-            "memory",
-            "seconds",
-            "from one rank"
+            "{:<5} {:>10} {:>8} {:>9} {:>10} {:>10} {:>10}",
+            "mode", "words/rank", "x bound", "messages", "flops", "memory", "seconds"
         )?;
         for cost in &self.costs {
             let times = if least > 0.0 { format!("{:.2}", cost.words / least) } else { "-".into() };
             writeln!(
                 f,
-                "{:<5} {:>10.3e} {:>8} {:>9} {:>10.3e} {:>10.3e} {:>10.3e} {:>14.3e}",
+                "{:<5} {:>10.3e} {:>8} {:>9} {:>10.3e} {:>10.3e} {:>10.3e}",
                 cost.mode,
                 cost.words,
                 times,
                 cost.messages,
                 2.0 * cost.products,
                 cost.memory,
-                cost.seconds,
-                cost.seconds_from_one_rank
+                cost.seconds
             )?;
         }
         let (messages, words) = proposition_8_3(ranks, m, n);
@@ -349,7 +352,7 @@ impl fmt::Display for Explanation {
         let words_0 = words_0 as f64;
         writeln!(
             f,
-            "root, process 0, both ways: {words_0:.3e} words, {messages_0} messages; \
+            "tree, process 0, both ways: {words_0:.3e} words, {messages_0} messages; \
              proposition 8.3: {words:.3e} words, {messages} messages"
         )?;
         let (spread, one_rank) = (self.spread, self.one_rank);
@@ -392,7 +395,6 @@ mod tests {
                 let cost = predict(mode, 1, m, n, &Machine::default());
                 assert_eq!((cost.words, cost.messages), (0.0, 0.0), "{mode}");
                 assert_eq!(cost.products, (packed_len(n) * m) as f64, "{mode}");
-                assert_eq!(cost.seconds, cost.seconds_from_one_rank, "{mode}");
             }
         }
     }
@@ -418,7 +420,7 @@ mod tests {
         let machine = Machine::default();
         for ranks in [2, 5, 7, 8, 40] {
             let (m, n) = (3000, ranks * 50);
-            let chunks = Chunks::new(n, ranks);
+            let chunks = Chunks::new(m, n, ranks);
             let sent = (0..ranks).map(|rank| packed_len(n) - chunks.len(rank)).max().unwrap();
             let rows = predict(Mode::Rows, ranks, m, n, &machine);
             assert!((sent as f64 - rows.words).abs() <= chunks.count() as f64);
@@ -429,7 +431,7 @@ mod tests {
             let entries = (0..ranks).map(|rank| blocks.len(rank)).max().unwrap();
             assert_eq!(columns.products, (entries * m) as f64);
 
-            let root = predict(Mode::Root, ranks, m, n, &machine);
+            let root = predict(Mode::Tree, ranks, m, n, &machine);
             let loads = TaskTree::new(m, n, ranks).loads();
             let Load { words_sent, words_received, .. } = loads[0];
             assert_eq!(root.words, words_sent.max(words_received) as f64);
@@ -479,9 +481,9 @@ mod tests {
         let choice = |p, m, n, place| choose(p, m, n, &machine, place);
         assert_eq!(choice(64, 100_000_000, 1000, Place::EveryRank), Mode::Rows);
         assert_eq!(choice(64, 1000, 100_000, Place::EveryRank), Mode::Columns);
-        assert_eq!(choice(4, 600_000, 500, Place::OneRank), Mode::Rows);
+        assert_eq!(choice(4, 600_000, 500, Place::OneRank), Mode::Deal);
         // Where latency is everything, who sends to few at a time wins.
-        assert_eq!(choice(65_536, 200, 200, Place::OneRank), Mode::Root);
+        assert_eq!(choice(65_536, 200, 200, Place::OneRank), Mode::Tree);
         for (name, mode) in Mode::NAMES {
             assert_eq!(mode.to_string(), name);
         }
@@ -492,9 +494,10 @@ mod tests {
         for ranks in [0, 1, 2, 6, 97] {
             for (m, n) in SHAPES {
                 let text = Explanation::new(ranks, m, n, &Machine::default()).to_string();
-                for part in ["lower bound", "\nrows ", "\ngrid ", "\nroot ", "proposition 8.3"] {
-                    assert!(text.contains(part), "{part}: {text}");
+                for (name, _) in Mode::NAMES {
+                    assert!(text.contains(&format!("\n{name} ")), "{name}: {text}");
                 }
+                assert!(text.contains("lower bound") && text.contains("proposition 8.3"));
                 assert!(!text.contains("NaN") && !text.contains("inf"), "{text}");
             }
         }

@@ -3,14 +3,15 @@
 //! one; `mpi` executes them.
 //!
 //! Two ways leave the result distributed ([`Layout`]): rows of A summed chunk by chunk
-//! ([`Chunks`]), and columns of A exchanged so that each pair of them meets once ([`Blocks`]). The third is
-//! that of the thesis, from one rank and back to it ([`TaskTree`]). [`choose`] says which is the fastest.
+//! ([`Chunks`]), and columns of A exchanged so that each pair of them meets once ([`Blocks`]). From one rank and
+//! back to it there are that of the thesis ([`TaskTree`]) and dealing rows ([`deal()`]). [`choose`] says which is the fastest.
 
 mod blocks;
 mod chunks;
 mod cost;
 mod cover;
 mod cyclic;
+mod deal;
 mod segment;
 mod tree;
 
@@ -24,6 +25,7 @@ pub use cost::{
 };
 pub use cover::difference_cover;
 pub use cyclic::{BlockCyclic, Cut, Dealing, Delivery, Grid, GridOrder, Parts, Piece, Run};
+pub use deal::deal;
 pub use segment::{Layout, Segment, packed_len};
 #[cfg(feature = "mpi")]
 pub(crate) use tree::RESULTS_AT_ONCE;

@@ -16,6 +16,8 @@ pub(crate) use accumulator::check_weights;
 pub(crate) use blocks::for_each_block;
 pub(crate) use moments::{Moments, check_weight};
 
+use std::ops::Range;
+
 use super::options::AtaOptions;
 use super::rows::RowBlocks;
 use crate::base::{Error, Flow, Progress, Result};
@@ -68,25 +70,29 @@ pub fn stream<T: BlasReal>(
     for_each_block(rows, start, block_rows, options.par, |first, block| {
         let count = block_rows.min(m - first);
         let weights = weights.map(|weights| &weights[first..first + count]);
-        with_part(options, first, count, m, |options| {
+        with_share(options, share_of_rows(first, count, m), |options| {
             accumulator.add_block(count, block, weights, options)
         })?;
         after_block(accumulator)
     })
 }
 
-/// Calls `work` with options whose progress is the `count` rows from `first` on, of `m`.
-pub(crate) fn with_part<R>(
+/// Calls `work` with options whose progress is part `share` of the whole.
+pub(crate) fn with_share<R>(
     options: &AtaOptions<'_>,
-    first: usize,
-    count: usize,
-    m: usize,
+    share: Range<f64>,
     work: impl FnOnce(&AtaOptions<'_>) -> R,
 ) -> R {
     let tell = |fraction: f64| {
-        let all = (first as f64 + fraction * count as f64) / m.max(1) as f64;
+        let all = share.start + fraction * (share.end - share.start);
         options.progress.map_or(Flow::Continue, |progress| progress(all))
     };
     let progress = options.progress.map(|_| &tell as Progress<'_>);
     work(&AtaOptions { progress, ..options.clone() })
+}
+
+/// The share that `count` rows from `first` on, of `m`, have of the whole.
+pub(crate) fn share_of_rows(first: usize, count: usize, m: usize) -> Range<f64> {
+    let part = |rows: usize| rows as f64 / m.max(1) as f64;
+    part(first)..part(first + count)
 }

@@ -14,8 +14,7 @@ use faer::MatMut;
 use faer::prelude::ReborrowMut;
 
 use super::{BUFFER, Stamp, canonical, seekable};
-use crate::base::{Error, Real, Result};
-use crate::io::reserved;
+use crate::base::{Error, Real, Result, reserved};
 use crate::io::source::{error, error_at};
 
 /// Bytes of unpacked chunks that are kept, and slots of the table that finds them: a prime, as its

@@ -30,8 +30,9 @@ struct Arguments {
     /// Columns of A.
     #[arg(short, default_value_t = 4096, value_parser = side)]
     n: usize,
-    /// Where A is, and where C shall be: both on rank 0 (root), rows of A on every rank (rows), columns of A
-    /// on every rank (grid), or whichever of these two should be faster (auto).
+    /// Where A is, and where C shall be: rows of A on every rank (rows), columns of A on every rank (grid), or whichever
+    /// of these two should be faster (auto); or both on rank 0, by AtA-D (tree), by dealing rows (deal), or by whichever
+    /// of these two should be faster (root).
     #[arg(long, value_name = "MODE", default_value = "auto")]
     mode: Choice,
     /// Entries are f32 instead of f64.
@@ -61,19 +62,23 @@ struct Arguments {
     record: Option<String>,
 }
 
-/// A mode, or none for the best one.
+/// A mode, or the best one at a place.
 #[derive(Clone, Copy)]
-struct Choice(Option<Mode>);
+enum Choice {
+    Named(Mode),
+    Best(Place),
+}
 
 impl std::str::FromStr for Choice {
     type Err = String;
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
         let named = Mode::NAMES.iter().find(|(name, _)| *name == text);
-        match named {
-            Some((_, mode)) => Ok(Self(Some(*mode))),
-            None if text == "auto" => Ok(Self(None)),
-            None => Err("no such mode: root, rows, grid or auto".into()),
+        match (named, text) {
+            (Some((_, mode)), _) => Ok(Self::Named(*mode)),
+            (None, "auto") => Ok(Self::Best(Place::EveryRank)),
+            (None, "root") => Ok(Self::Best(Place::OneRank)),
+            _ => Err("no such mode: rows, grid, auto, tree, deal or root".into()),
         }
     }
 }
@@ -106,8 +111,10 @@ fn side(text: &str) -> std::result::Result<usize, String> {
 impl Arguments {
     fn job(&self, ranks: usize) -> Job {
         let shape = Shape { m: self.m, n: self.n };
-        let best = || choose(ranks, self.m, self.n, &Machine::default(), Place::EveryRank);
-        let mode = self.mode.0.unwrap_or_else(best);
+        let mode = match self.mode {
+            Choice::Named(mode) => mode,
+            Choice::Best(place) => choose(ranks, self.m, self.n, &Machine::default(), place),
+        };
         Job { mode, shape, seed: self.seed, threads: self.threads.into() }
     }
 }

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use catamaran::ata::distributed::Mode;
+use catamaran::ata::distributed::{Mode, Place};
 use catamaran::ata::{Verification, verify};
-use catamaran::mpi::{MpiReal, Symmetric, World, ata_columns, ata_root, ata_rows};
+use catamaran::mpi::{MpiReal, Symmetric, World, ata_columns, ata_deal, ata_rows, ata_tree};
 use catamaran::{AtaOptions, Par, Uplo, mpi};
 use catamaran_bench::Result;
 use faer::{MatMut, MatRef};
@@ -12,7 +12,7 @@ use faer::{MatMut, MatRef};
 use crate::job::{Job, filled};
 use crate::ranks::Ranks;
 
-/// The rank that has A and C in [`Mode::Root`], and to which results are gathered.
+/// The rank that has A and C in modes [`from one rank`](Place::OneRank), and to which results are gathered.
 pub const ROOT: usize = 0;
 
 /// A product and its operands, in place.
@@ -24,7 +24,7 @@ pub struct Ours<'w, T> {
     part: [Range<usize>; 2],
     /// These, row-major.
     a: Vec<T>,
-    /// C, n x n, row-major, on the root in [`Mode::Root`], else nothing.
+    /// C, n x n, row-major, on the root if it is in one place, else nothing.
     c: Vec<T>,
     result: Option<Symmetric<T>>,
 }
@@ -42,14 +42,14 @@ impl<'w, T: MpiReal> Ours<'w, T> {
         };
         let is_root = world.rank() == ROOT;
         let part = match job.mode {
-            Mode::Root if is_root => [0..m, 0..n],
-            Mode::Root => [0..0, 0..n],
+            Mode::Tree | Mode::Deal if is_root => [0..m, 0..n],
+            Mode::Tree | Mode::Deal => [0..0, 0..n],
             Mode::Rows => [share(m), 0..n],
             Mode::Columns => [0..m, share(n)],
         };
         let [rows, cols] = &part;
         let a = filled(rows.len(), cols.len(), |i, j| job.entry(rows.start + i, cols.start + j))?;
-        let side = if job.mode == Mode::Root && is_root { n } else { 0 };
+        let side = if job.mode.place() == Place::OneRank && is_root { n } else { 0 };
         let c = filled(side, side, |_, _| T::from_f64(f64::NAN))?;
         let options = AtaOptions { par: Par::Threads(job.threads), ..AtaOptions::default() };
         Ok(Self { world, job, options, part, a, c, result: None })
@@ -69,12 +69,13 @@ impl<'w, T: MpiReal> Ours<'w, T> {
         let (world, one) = (self.world, T::ONE);
         let a = view(&self.a, &self.part);
         match self.job.mode {
-            Mode::Root => {
+            Mode::Tree | Mode::Deal => {
                 let n = self.job.shape.n;
                 let mine = (world.rank() == ROOT)
                     .then(|| (a, MatMut::from_row_major_slice_mut(&mut self.c, n, n)));
                 let (a, c) = mine.unzip();
-                ata_root(world, ROOT, one, a, T::ZERO, c, &self.options)?;
+                let product = if self.job.mode == Mode::Tree { ata_tree } else { ata_deal };
+                product(world, ROOT, one, a, T::ZERO, c, &self.options)?;
             }
             Mode::Rows => self.result = Some(ata_rows(world, one, a, &self.options)?),
             Mode::Columns => {
@@ -87,7 +88,7 @@ impl<'w, T: MpiReal> Ours<'w, T> {
     /// Checks the last result with `rounds` random vectors; the verdict, on the root at least.
     ///
     /// # Errors
-    /// Those of the library, in [`Mode::Root`] on the root alone.
+    /// Those of the library; on the root alone if C is there.
     pub fn verify(&self, rounds: u32) -> Result<Option<Verification>> {
         let a = view(&self.a, &self.part);
         let distributed = match self.job.mode {

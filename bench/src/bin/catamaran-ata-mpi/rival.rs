@@ -55,7 +55,7 @@ pub struct Pdsyrk<'g, T> {
     transposed: bool,
     a: Distributed<'g, T>,
     c: Distributed<'g, T>,
-    /// A and C on the root alone, in [`Mode::Root`].
+    /// A and C on the root alone, if they are there before and after.
     whole: Option<[Distributed<'g, T>; 2]>,
 }
 
@@ -73,7 +73,7 @@ impl<'g, T: Real> Pdsyrk<'g, T> {
         let c = grid.matrix([n; 2], [block; 2], nan)?;
         let (a, whole) = match job.mode {
             // One block is everything.
-            Mode::Root => {
+            Mode::Tree | Mode::Deal => {
                 let whole = [grid.matrix(shape, shape, entry)?, grid.matrix([n; 2], [n; 2], nan)?];
                 (grid.matrix(shape, [block; 2], nan)?, Some(whole))
             }
@@ -90,10 +90,10 @@ impl<'g, T: Real> Pdsyrk<'g, T> {
         }
     }
 
-    /// Computes the product: from the root and back to it, in [`Mode::Root`].
+    /// Computes the product, from the root and back to it if A and C are there.
     pub fn run(&mut self) {
         if let Some([a, _]) = &self.whole {
-            self.a.copy_from(a);
+            self.a.copy_from_one(a);
         }
         self.c.set_to_syrk(&self.a, self.transposed);
         if let Some([_, c]) = &mut self.whole {

@@ -230,35 +230,58 @@ impl<T: catamaran::Real> Distributed<'_, T> {
         }
     }
 
-    /// `self := other`, of the same shape.
-    pub fn copy_from(&mut self, other: &Self) {
-        let [rows, cols] = self.sides();
-        // The library counts the bytes of a call in 32 bits.
-        const MOST: usize = 1 << 27;
-        let down = rows > cols;
-        let (long, short) = if down { (rows, cols) } else { (cols, rows) };
-        let step = (MOST / (short as usize).max(1)).max(1);
-        for first in (0..long as usize).step_by(step) {
-            let count = step.min(long as usize - first) as c_int;
-            let at = first as c_int + 1;
-            let (m, n, i, j) = if down { (count, cols, at, 1) } else { (rows, count, 1, at) };
-            // SAFETY: both matrices are as their descriptors say, and of this shape.
+    /// `self := other`, of the same shape, all of which one process has.
+    pub fn copy_from_one(&mut self, other: &Self) {
+        let [rows, cols] = self.sides().map(|side| side as usize);
+        // The library counts the bytes of its matrices in 32 bits: it is given strips of them.
+        const MOST: usize = 1 << 25;
+        let along = usize::from(rows <= cols);
+        let (long, short) = if along == 0 { (rows, cols) } else { (cols, rows) };
+        // Strips begin on the first process.
+        let round = self.axis(along).block * self.axis(along).sides;
+        let step = (MOST / short.max(1)).next_multiple_of(round);
+        for first in (0..long).step_by(step) {
+            let count = step.min(long - first);
+            let (from, from_offset) = other.strip(along, first, count);
+            let (to, to_offset) = self.strip(along, first, count);
+            let [m, n] = [to[2], to[3]];
+            // SAFETY: both strips are as their descriptors say, and of this shape.
             unsafe {
                 (self.grid.scalapack.copy)(
                     m,
                     n,
-                    other.entries.as_ptr(),
-                    i,
-                    j,
-                    &other.descriptor,
-                    self.entries.as_mut_ptr(),
-                    i,
-                    j,
-                    &self.descriptor,
+                    other.entries.as_ptr().add(from_offset),
+                    1,
+                    1,
+                    &from,
+                    self.entries.as_mut_ptr().add(to_offset),
+                    1,
+                    1,
+                    &to,
                     self.grid.context,
                 );
             }
         }
+    }
+
+    /// Direction 0 (rows) or 1 (columns) of the distribution.
+    fn axis(&self, along: usize) -> Axis {
+        let [len, block] = [2, 4].map(|slot| self.descriptor[slot + along] as usize);
+        Axis { len, block, sides: self.grid.sides[along], own: self.grid.own[along] }
+    }
+
+    /// The descriptor of `count` lines from `first` on, which is a line of process 0, and where their entries begin.
+    fn strip(&self, along: usize, first: usize, count: usize) -> ([c_int; 9], usize) {
+        let axis = self.axis(along);
+        let before = Axis { len: first, ..axis }.count();
+        let mut descriptor = self.descriptor;
+        descriptor[2 + along] = count as c_int;
+        // A block of everything goes on being one.
+        let block = if axis.block == axis.len { count } else { axis.block };
+        descriptor[4 + along] = block as c_int;
+        let leading = descriptor[8] as usize;
+        let offset = if along == 0 { before } else { before * leading };
+        (descriptor, offset.min(self.entries.len()))
     }
 
     /// The lower triangle of `self := that of other`, both square.

@@ -1,0 +1,56 @@
+"""One orthogonalisation of the columns of a matrix, in the inner product of a diagonal mass.
+
+    gram_schmidt.py FOLDER METHOD     reads a (n x c) and mass of FOLDER, .npy each; METHOD is columns (numpy,
+                                      column by column, twice) or dgeqp3 (LAPACK, pivoted QR of sqrt(M) A, with Q);
+                                      prints seconds, bytes, rank and the largest entry of |Q^T M Q - I|
+"""
+
+import resource
+import sys
+import time
+
+import numpy as np
+from scipy.linalg import qr
+
+
+def resident():
+    with open("/proc/self/statm") as statm:
+        return int(statm.read().split()[1]) * resource.getpagesize()
+
+
+def columns(a, mass, threshold=1e-9):
+    """Gram-Schmidt as it is usually written in numpy, with re-orthogonalisation."""
+    q = np.empty_like(a, order="F")
+    rank = 0
+    for j in range(a.shape[1]):
+        x = a[:, j].copy()
+        norm = np.sqrt(x @ (mass * x))
+        for _ in range(2):
+            basis = q[:, :rank]
+            x -= basis @ (basis.T @ (mass * x))
+        left = np.sqrt(x @ (mass * x))
+        if left > threshold * norm:
+            q[:, rank] = x / left
+            rank += 1
+    return q[:, :rank]
+
+
+def dgeqp3(a, mass, threshold=1e-9):
+    root = np.sqrt(mass)[:, None]
+    q, r, _ = qr(root * a, mode="economic", pivoting=True, overwrite_a=True, check_finite=False)
+    diagonal = np.abs(np.diag(r))
+    rank = int(np.count_nonzero(diagonal > threshold * diagonal[0]))
+    return q[:, :rank] / root
+
+
+folder, method = sys.argv[1:3]
+a = np.asfortranarray(np.load(f"{folder}/a.npy"))
+mass = np.load(f"{folder}/mass.npy").ravel()
+
+before = resident()
+start = time.perf_counter()
+q = {"columns": columns, "dgeqp3": dgeqp3}[method](a, mass)
+seconds = time.perf_counter() - start
+peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 - before
+gram = q.T @ (mass[:, None] * q)
+print(seconds, peak, q.shape[1], np.abs(gram - np.eye(q.shape[1])).max())

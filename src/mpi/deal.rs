@@ -1,0 +1,121 @@
+//! A and C on one rank, the root, which deals rows of A.
+
+use std::collections::VecDeque;
+
+use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
+use faer::{MatMut, MatRef};
+
+use super::memory::zeros;
+use super::root::Form;
+use super::rows::sum_symmetric;
+use super::transfer::Transfer;
+use super::world::{MpiReal, Operation, World};
+use crate::ata::distributed::{Machine, deal};
+use crate::ata::{AtaOptions, Uplo, ata, block_rows};
+use crate::base::Result;
+
+/// Tag of the rows that are dealt.
+const DEALT: i32 = 5;
+
+/// Computes the product: on the root, process 0, `own` is A and the lower triangle of C.
+pub(super) fn run<T: MpiReal>(
+    world: &World,
+    form: Form,
+    alpha: T,
+    beta: T,
+    own: Option<(MatRef<'_, T>, MatMut<'_, T>)>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    let size = world.size();
+    let parts = deal(size, form.m, form.n, &Machine::default());
+    let rows = parts[form.process(world.rank(), size)].len();
+    let height = block_rows::<T>(form.n, false);
+    let facts = [("m", form.m), ("n", form.n)];
+    // The root computes where its matrices are.
+    let memory =
+        if own.is_some() { Hand::new(0, 0, height) } else { Hand::new(rows, form.n, height) };
+    let mut hand = world.begin(Operation::Root, &facts, memory)?;
+
+    let lower = AtaOptions { uplo: Uplo::Lower, ..options.clone() };
+    let Some((a, mut c)) = own else {
+        let sum = hand.play(world, form, alpha, height, &lower);
+        let sum = sum_symmetric(world, world.agree(sum)?)?;
+        return sum.gather(world, form.root, None, Uplo::Lower);
+    };
+    // All the others have been sent what they need before the root begins.
+    let blocks = |process: usize| {
+        let rows = parts[process].clone();
+        let to = form.rank(process, size);
+        let end = rows.end;
+        rows.step_by(height).map(move |first| (to, first..end.min(first + height)))
+    };
+    let longest = parts[1..].iter().map(|rows| rows.len().div_ceil(height)).max().unwrap_or(0);
+    let shipments: Vec<_> = (0..longest)
+        .flat_map(|round| (1..size).filter_map(move |process| blocks(process).nth(round)))
+        .map(|(to, rows)| form.ship(world, &[a.subrows(rows.start, rows.len())], to, DEALT))
+        .collect();
+    let a = a.subrows(0, rows);
+    let done = world.with_progress(&lower, 0.0..1.0, &|| world.poll(), |options| {
+        ata(alpha, a, beta, c.rb_mut(), options)
+    });
+    drop(shipments);
+    world.agree(done)?;
+    let sum = sum_symmetric(world, c.rb())?;
+    sum.gather(world, form.root, Some(c), Uplo::Lower)
+}
+
+/// What a rank has that is dealt to.
+struct Hand<T> {
+    rows: usize,
+    sum: Vec<T>,
+    blocks: Vec<Vec<T>>,
+}
+
+impl<T: MpiReal> Hand<T> {
+    fn new(rows: usize, n: usize, height: usize) -> Result<Self> {
+        let block = || zeros(rows.min(height) * n);
+        let count = rows.div_ceil(height).min(2);
+        let blocks = (0..count).map(|_| block()).collect::<Result<_>>()?;
+        Ok(Self { rows, sum: zeros(n * n)?, blocks })
+    }
+
+    /// Receives the blocks, one while the product of the one before is added to the sum, which comes back.
+    fn play(
+        &mut self,
+        world: &World,
+        form: Form,
+        alpha: T,
+        height: usize,
+        options: &AtaOptions<'_>,
+    ) -> Result<MatRef<'_, T>> {
+        let n = form.n;
+        let mut sum = MatMut::from_row_major_slice_mut(&mut self.sum, n, n);
+        let count = |first: usize| height.min(self.rows - first);
+        let mut starts = (0..self.rows).step_by(height);
+        let mut receive = |mut block: Vec<T>| {
+            let first = starts.next()?;
+            block.truncate(count(first) * n);
+            Some(Transfer::receive(world, block, form.root, DEALT))
+        };
+        let mut arriving: VecDeque<_> =
+            std::mem::take(&mut self.blocks).into_iter().filter_map(&mut receive).collect();
+        let mut done = Ok(());
+        let mut first = 0;
+        while let Some(block) = arriving.pop_front() {
+            let block = block.wait();
+            let part = form.part_of_a(&block, block.len() / n.max(1), n);
+            // A rank that fails goes on receiving, so that the root need not wait.
+            if done.is_ok() {
+                let share = |rows: usize| rows as f64 / self.rows as f64;
+                let share = share(first)..share(first + part.nrows());
+                let beta = if first == 0 { T::ZERO } else { T::ONE };
+                done = world.with_progress(options, share, &|| world.poll(), |options| {
+                    ata(alpha, part, beta, sum.rb_mut(), options)
+                });
+            }
+            first += part.nrows();
+            arriving.extend(receive(block));
+        }
+        done.map(|()| sum.into_const())
+    }
+}
