@@ -7,6 +7,7 @@ pub mod accuracy;
 pub mod chart;
 pub mod child;
 pub mod contender;
+pub mod curves;
 pub mod double;
 pub mod grid;
 pub mod host;
@@ -19,6 +20,7 @@ pub mod record;
 pub mod reference;
 pub mod scale;
 pub mod scatter;
+pub mod spectral;
 pub mod table;
 
 /// The result of everything here; a message is all that its user needs.

@@ -146,12 +146,12 @@ mod tests {
         let shapes = [Shape { m: 2000, n: 2000 }, Shape { m: 100_000, n: 10 }];
         let machine = Machine::default();
         let rows = rows(&shapes, &machine);
-        assert_eq!(rows.len(), 2 * 3 * 17);
+        assert_eq!(rows.len(), 2 * Mode::NAMES.len() * 17);
         let columns = CSV_HEADER.split(',').count();
         assert!(rows.iter().all(|row| row.csv().split(',').count() == columns));
         let picture = svg(&rows, &machine);
         for text in
-            ["A 2000: predicted", ">grid<", ">lower bound<", "root, 65536 ranks:", ">65536<"]
+            ["A 2000: predicted", ">grid<", ">lower bound<", "tree, 65536 ranks:", ">65536<"]
         {
             assert!(picture.contains(text), "{text}");
         }

@@ -4,6 +4,7 @@ pub mod accuracy;
 pub mod exact;
 pub mod grid;
 pub mod race;
+pub mod reproduce;
 pub mod scale;
 pub mod stream;
 

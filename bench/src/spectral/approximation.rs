@@ -1,0 +1,81 @@
+//! Table 1.1: functions approximated in several bases.
+
+use catamaran::Par;
+use catamaran::spectral::{
+    Basis, Orthogonalization, ProductBasis, ProductBasisOptions, TruncatedProducts, relative_errors,
+};
+
+use super::shapes::{Shape, Shapes};
+use super::signals::signals;
+use super::table::{Table, average, mean};
+use crate::Result;
+
+/// Eigenfunctions beside the constant, and the order of products.
+const K: usize = 30;
+const ORDER: usize = 2;
+/// Products of at most that order: the eigenfunctions of the last column.
+const PRODUCTS: usize = 496;
+
+const COLUMNS: [&str; 6] = ["K", "prods", "ours", "ours*", "NK", "binom"];
+
+/// The thesis' errors in per cent; it has no ours* here.
+const THESIS: [[f64; 5]; 9] = [
+    [0.0, 0.0, 0.0, 0.0, 0.0],
+    [75.8, 18.1, 13.7, 61.1, 0.0],
+    [1.1, 0.0, 0.0, 0.4, 0.0],
+    [14.1, 0.0, 0.0, 5.7, 0.1],
+    [37.5, 33.8, 33.5, 37.2, 33.4],
+    [15.2, 2.0, 1.7, 7.6, 0.8],
+    [29.2, 12.5, 12.2, 23.6, 11.4],
+    [66.8, 35.4, 33.8, 58.8, 28.9],
+    [12.5, 5.9, 5.8, 10.5, 4.2],
+];
+
+/// The table, averaged over the shapes.
+///
+/// # Errors
+/// Those of the library.
+pub fn approximation(shapes: &Shapes) -> Result<Table> {
+    let shapes = shapes.single(PRODUCTS - 1)?;
+    let tables: Vec<_> = shapes.iter().map(errors).collect::<Result<_>>()?;
+    let names: Vec<_> = shapes.iter().map(|shape| shape.name.as_str()).collect();
+    Ok(Table {
+        number: "1.1",
+        title: format!("approximation, K = {K}, N = {ORDER}, on {}", names.join(", ")),
+        columns: &COLUMNS,
+        ours: average(&tables),
+        thesis: THESIS.map(|[k, prods, ours, nk, all]| vec![k, prods, ours, f64::NAN, nk, all]).into(),
+    })
+}
+
+fn errors(shape: &Shape) -> Result<Vec<Vec<f64>>> {
+    let par = Par::all();
+    let few = shape.first(K)?;
+    let basis = |orthogonalization| {
+        let options = ProductBasisOptions { orthogonalization, ..ProductBasisOptions::default() };
+        ProductBasis::new(&few, ORDER, &options)
+    };
+    let (ours, ours_star) =
+        (basis(Orthogonalization::SinglePass)?, basis(Orthogonalization::Reorthogonalized)?);
+    let prods = TruncatedProducts::new(&ours_star, 0.0, par)?;
+    let more = shape.first(ORDER * K)?;
+    let mass = few.basis().mass();
+    let mut rows = Vec::new();
+    for f in signals(shape, K)? {
+        let f = f.as_ref();
+        let of = |basis: &Basis| -> Result<f64> {
+            Ok(mean(&relative_errors(f, basis.approximation(f, par)?.as_ref(), mass)?))
+        };
+        let coefficients = prods.analysis(f, par)?;
+        let g = prods.synthesis(coefficients.as_ref(), par)?;
+        rows.push(vec![
+            of(few.basis())?,
+            mean(&relative_errors(f, g.as_ref(), mass)?),
+            of(ours.basis())?,
+            of(ours_star.basis())?,
+            of(more.basis())?,
+            of(shape.eigenbasis.basis())?,
+        ]);
+    }
+    Ok(rows)
+}

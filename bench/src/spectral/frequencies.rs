@@ -1,0 +1,73 @@
+//! Theorem 1.1 and figures 1.4 and 1.5: Dirichlet energies of eigenproducts.
+
+use catamaran::Par;
+use catamaran::faer::{Mat, Scale};
+use catamaran::spectral::{Eigenproducts, dirichlet_energies};
+
+use super::shapes::Shape;
+use crate::Result;
+use crate::curves::Plot;
+
+/// The largest relative error of equation 1.5, `E(phi_i^N) = N^2 / (2 N - 1) lambda_i`, over the first eigenfunctions, for
+/// each order from 2 on.
+///
+/// # Errors
+/// Those of the library.
+pub fn eigenpowers(shape: &Shape, functions: usize, orders: usize) -> Result<Vec<f64>> {
+    let basis = shape.first(functions)?;
+    (2..=orders)
+        .map(|order| {
+            let phi = basis.functions().subcols(1, functions);
+            let powers = Mat::from_fn(phi.nrows(), functions, |x, i| phi[(x, i)].powi(order as i32));
+            let mass = basis.basis().mass();
+            let energies = dirichlet_energies(powers.as_ref(), shape.stiffness.view(), mass)?;
+            let factor = (order * order) as f64 / (2 * order - 1) as f64;
+            let errors = energies.iter().zip(&basis.values()[1..]);
+            Ok(errors.map(|(e, lambda)| (e / (factor * lambda) - 1.0).abs()).fold(0.0, f64::max))
+        })
+        .collect()
+}
+
+/// Figure 1.4: for every one of the first N K eigenvalues the relative distance to the nearest frequency of a product of
+/// at most N of K functions; and figure 1.5, which is drawn of order 2: energies over the sums of the eigenvalues.
+///
+/// # Errors
+/// Those of the library.
+pub fn frequencies(shape: &Shape, k: usize, orders: usize) -> Result<(Vec<Vec<f64>>, Plot)> {
+    let basis = shape.first(k)?;
+    let constant = basis.constant().ok_or("a shape without constants")?;
+    let factors = Scale(1.0 / constant) * basis.functions().subcols(1, k);
+    let mass = basis.basis().mass();
+    let mut distances = Vec::new();
+    let mut scatter = Vec::new();
+    for order in 1..=orders {
+        let products = Eigenproducts::new(k, order)?;
+        let mut values = Mat::zeros(factors.nrows(), products.len());
+        products.evaluate(factors.as_ref(), values.as_mut(), Par::all())?;
+        let energies = dirichlet_energies(values.as_ref(), shape.stiffness.view(), mass)?;
+        let nearest = |lambda: f64| {
+            energies.iter().map(|e| (lambda - e).abs() / lambda).fold(f64::INFINITY, f64::min)
+        };
+        let eigenvalues = &shape.eigenbasis.values()[1..=order * k];
+        distances.push(eigenvalues.iter().map(|&lambda| nearest(lambda)).collect());
+        if order == 2 {
+            let sum = |index: usize| {
+                let factors = products.factors(index).unwrap_or_default();
+                factors.iter().map(|&i| basis.values()[i]).sum::<f64>()
+            };
+            scatter = (1..products.len()).map(|i| (sum(i), energies[i])).collect();
+        }
+    }
+    let ends = scatter.iter().map(|&(x, _)| x).fold(0.0, f64::max);
+    let plot = Plot {
+        title: format!("Figure 1.5, {}: energies of products of order 2", shape.name),
+        across: "sum of eigenvalues".into(),
+        logarithmic: false,
+        scattered: true,
+        series: vec![
+            ("energy".into(), scatter),
+            ("sum".into(), (0..=40).map(|i| ends * f64::from(i) / 40.0).map(|x| (x, x)).collect()),
+        ],
+    };
+    Ok((distances, plot))
+}

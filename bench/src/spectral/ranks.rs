@@ -1,0 +1,44 @@
+//! Figure 1.6: how many eigenproducts are linearly independent, beside a dense singular value decomposition.
+
+use catamaran::faer::{Mat, Scale};
+use catamaran::sparse::Mass;
+use catamaran::spectral::{Eigenproducts, Orthogonalization, ProductBasis, ProductBasisOptions};
+use catamaran::Par;
+
+use super::shapes::Shape;
+use crate::Result;
+
+/// Part of the norm that "ours*" drops a product at; that of a singular value, of columns of norm 1.
+const THRESHOLD: f64 = 1e-9;
+
+/// Numbers of products of at most `order` of `k` eigenfunctions: all, those of "ours*", and the numerical rank.
+///
+/// # Errors
+/// Those of the library.
+pub fn ranks(shape: &Shape, k: usize, order: usize) -> Result<[usize; 3]> {
+    let basis = shape.first(k)?;
+    let options = ProductBasisOptions {
+        orthogonalization: Orthogonalization::Reorthogonalized,
+        ..ProductBasisOptions::default()
+    };
+    let ours = ProductBasis::new(&basis, order, &options)?;
+    let products = Eigenproducts::new(k, order)?;
+    let constant = basis.constant().ok_or("a shape without constants")?;
+    let factors = Scale(1.0 / constant) * basis.functions().subcols(1, k);
+    let mut values = Mat::zeros(factors.nrows(), products.len());
+    products.evaluate(factors.as_ref(), values.as_mut(), Par::all())?;
+    let Mass::Lumped(mass) = basis.basis().mass() else { return Err("a full mass".into()) };
+    for j in 0..values.ncols() {
+        for i in 0..values.nrows() {
+            values[(i, j)] *= mass[i].sqrt();
+        }
+        let norm = values.col(j).norm_l2();
+        for i in 0..values.nrows() {
+            values[(i, j)] /= norm;
+        }
+    }
+    let singular = values.singular_values().map_err(|e| format!("singular values: {e:?}"))?;
+    let largest = singular.first().copied().unwrap_or(0.0);
+    let rank = singular.iter().filter(|s| **s > THRESHOLD * largest).count();
+    Ok([products.len(), ours.len(), rank])
+}
