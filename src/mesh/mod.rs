@@ -1,6 +1,7 @@
 //! Triangle meshes: what they are made of, how they hang together, what is wrong with them, files, and generated ones.
 
 pub mod families;
+pub mod io;
 mod measure;
 mod parts;
 pub mod topology;
