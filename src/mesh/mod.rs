@@ -3,6 +3,7 @@
 mod distance;
 mod edges;
 pub mod families;
+pub mod io;
 mod laplacian;
 mod measure;
 mod normals;
