@@ -16,7 +16,7 @@
 //!
 //! The layers, from the bottom: [`base`] (scalars, errors, workspaces, threads), [`kernel`]
 //! (arithmetic per instruction set), [`blas`] (back ends), [`ata`](mod@ata) (schemes, plans,
-//! execution, the exact path, checks), [`sparse`] (eigenpairs), [`ortho`] (Gram-Schmidt), [`mesh`] (triangle meshes),
+//! execution, the exact path, checks), [`dense`] (what is dense and small), [`sparse`] (eigenpairs), [`ortho`] (Gram-Schmidt), [`mesh`] (triangle meshes),
 //! [`io`] (matrix files), [`spectral`] (eigenproducts, functional maps), `mpi` (many machines) and the C ABI `capi`,
 //! features of these names. A layer imports only the layers below it; a test says so.
 
@@ -27,6 +27,8 @@ pub mod kernel;
 pub mod blas;
 
 pub mod ata;
+
+pub mod dense;
 
 pub mod sparse;
 

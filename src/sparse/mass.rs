@@ -1,4 +1,10 @@
+use faer::{MatMut, MatRef};
 use sprs::CsMat;
+
+use super::check::check_symmetric;
+use super::product::multiply_symmetric_or_rows;
+use crate::base::{Error, Par, Result};
+use crate::dense::{ROW_BLOCK, for_row_blocks};
 
 /// The matrix M of an inner product `<u, v> = u^T M v`: symmetric, positive definite.
 #[derive(Debug, Clone, PartialEq)]
@@ -10,6 +16,11 @@ pub enum Mass {
 }
 
 impl Mass {
+    /// The identity of n rows: the Euclidean inner product.
+    pub fn identity(n: usize) -> Self {
+        Self::Lumped(vec![1.0; n])
+    }
+
     /// Its number of rows.
     pub fn len(&self) -> usize {
         match self {
@@ -21,5 +32,60 @@ impl Mass {
     /// Whether it has no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Whether it is an inner product for vectors of n entries, as far as can be seen without a factorisation: n
+    /// rows, finite, symmetric, the diagonal positive.
+    ///
+    /// # Errors
+    /// [`Error::Shape`], [`Error::NonFinite`], [`Error::Argument`], all of "mass" and naming an entry.
+    pub fn check(&self, n: usize) -> Result<()> {
+        match self {
+            Self::Lumped(diagonal) => {
+                Error::check_shape("mass", (n, 1), (diagonal.len(), 1))?;
+                if let Some(i) = diagonal.iter().position(|m| !m.is_finite()) {
+                    return Err(Error::NonFinite { what: "mass", index: (i, 0) });
+                }
+            }
+            Self::Full(matrix) => {
+                Error::check_shape("mass", (n, n), matrix.shape())?;
+                check_symmetric("mass", matrix.view())?;
+            }
+        }
+        match (0..n).find(|&i| self.diagonal(i) <= 0.0) {
+            None => Ok(()),
+            Some(i) => Err(Error::Argument {
+                what: "mass",
+                why: format!("must be positive, but entry {i} is {:e}", self.diagonal(i)),
+            }),
+        }
+    }
+
+    /// The i-th diagonal entry, `i < self.len()`.
+    pub fn diagonal(&self, i: usize) -> f64 {
+        match self {
+            Self::Lumped(diagonal) => diagonal[i],
+            Self::Full(matrix) => matrix.get(i, i).copied().unwrap_or(0.0),
+        }
+    }
+
+    /// `Y := M X`; X and Y are n x c, any strides. The same for every `par`, bit for bit.
+    ///
+    /// # Errors
+    /// [`Error::Shape`].
+    pub fn multiply(&self, x: MatRef<'_, f64>, y: MatMut<'_, f64>, par: Par) -> Result<()> {
+        Error::check_shape("X", (self.len(), x.ncols()), x.shape())?;
+        Error::check_shape("Y", x.shape(), y.shape())?;
+        match self {
+            Self::Full(matrix) => multiply_symmetric_or_rows(matrix.view(), x, y, par),
+            Self::Lumped(diagonal) => for_row_blocks(y, ROW_BLOCK, par, |first, mut y| {
+                for j in 0..y.ncols() {
+                    for i in 0..y.nrows() {
+                        y[(i, j)] = diagonal[first + i] * x[(first + i, j)];
+                    }
+                }
+            }),
+        }
+        Ok(())
     }
 }

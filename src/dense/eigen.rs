@@ -1,0 +1,77 @@
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::{Mat, MatRef};
+
+use crate::base::{Error, Result};
+
+/// Eigenpairs of a dense symmetric matrix.
+#[derive(Debug, Clone)]
+pub struct SymmetricEigen {
+    /// n values, ascending.
+    pub values: Vec<f64>,
+    /// n x n, one orthonormal column for each value.
+    pub vectors: Mat<f64>,
+}
+
+/// All eigenpairs of the symmetric matrix (n x n) whose lower triangle is given, on the calling thread.
+///
+/// # Errors
+/// [`Error::NonFinite`] names the first entry of the lower triangle that is not finite; [`Error::OutOfMemory`];
+/// [`Error::NotConverged`].
+pub fn symmetric_eigen(matrix: MatRef<'_, f64>) -> Result<SymmetricEigen> {
+    let n = matrix.nrows();
+    Error::check_shape("matrix", (n, n), matrix.shape())?;
+    for j in 0..n {
+        if let Some(i) = (j..n).find(|&i| !matrix[(i, j)].is_finite()) {
+            return Err(Error::NonFinite { what: "matrix", index: (i, j) });
+        }
+    }
+    let par = faer::Par::Seq;
+    let requirement =
+        self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, par, Default::default());
+    let bytes = requirement.unaligned_bytes_required();
+    let mut memory =
+        MemBuffer::try_new(requirement).map_err(|_| Error::OutOfMemory { bytes })?;
+    let mut values = Diag::<f64>::zeros(n);
+    let mut vectors = Mat::zeros(n, n);
+    self_adjoint_evd(
+        matrix,
+        values.as_mut(),
+        Some(vectors.as_mut()),
+        par,
+        MemStack::new(&mut memory),
+        Default::default(),
+    )
+    .map_err(|_| Error::NotConverged { iterations: 0, residual: f64::NAN })?;
+    Ok(SymmetricEigen { values: values.column_vector().iter().copied().collect(), vectors })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Rng;
+
+    #[test]
+    fn the_factors_give_the_matrix_back() {
+        let mut rng = Rng::new(1);
+        for n in [0, 1, 2, 7, 33] {
+            let half = Mat::from_fn(n, n, |_, _| rng.normal());
+            let matrix = &half + half.transpose();
+            let SymmetricEigen { values, vectors } = symmetric_eigen(matrix.as_ref()).unwrap();
+            assert!(values.is_sorted());
+            let scaled = Mat::from_fn(n, n, |i, j| vectors[(i, j)] * values[j]);
+            let back = &scaled * vectors.transpose();
+            let gap = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+            assert!(gap.into_iter().all(|p| (back[p] - matrix[p]).abs() < 1e-12 * n as f64));
+        }
+    }
+
+    #[test]
+    fn what_is_not_finite_is_named() {
+        let mut matrix = Mat::<f64>::identity(3, 3);
+        matrix[(2, 1)] = f64::NAN;
+        let refused = symmetric_eigen(matrix.as_ref()).unwrap_err();
+        assert_eq!(refused, Error::NonFinite { what: "matrix", index: (2, 1) });
+    }
+}

@@ -1,0 +1,10 @@
+//! Dense matrices on top of faer: what the layers above need of it, one thread at a time where threads would change
+//! the rounding.
+
+mod eigen;
+mod rows;
+mod triangular;
+
+pub use eigen::{SymmetricEigen, symmetric_eigen};
+pub(crate) use rows::{ROW_BLOCK, for_row_blocks, multiply_in_place};
+pub(crate) use triangular::{cholesky, divide_by_upper, lower_solve_in_place, upper_solve_in_place};

@@ -1,0 +1,69 @@
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use faer::linalg::matmul::matmul;
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{Accum, Mat, MatMut, MatRef};
+
+use crate::base::Par;
+
+/// Rows of a block, for work whose blocks stay in the second-level cache.
+pub(crate) const ROW_BLOCK: usize = 1024;
+
+/// Calls `work(first row, block)` for blocks of `rows` rows each of the matrix, on the threads of `par`. The blocks
+/// are the same for any number of threads.
+pub(crate) fn for_row_blocks(
+    matrix: MatMut<'_, f64>,
+    rows: usize,
+    par: Par,
+    work: impl Fn(usize, MatMut<'_, f64>) + Sync,
+) {
+    let mut blocks = Vec::with_capacity(matrix.nrows().div_ceil(rows));
+    let mut rest = matrix;
+    while rest.nrows() > rows {
+        let (head, tail) = rest.split_at_row_mut(rows);
+        blocks.push(Mutex::new(Some(head)));
+        rest = tail;
+    }
+    blocks.push(Mutex::new(Some(rest)));
+    let next = AtomicUsize::new(0);
+    Par::Threads(par.threads().min(blocks.len())).run_lanes(|_| {
+        loop {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            let Some(block) = blocks.get(i) else { return };
+            let block = block.lock().expect("one block, one lock").take();
+            work(i * rows, block.expect("each block is handed out once"));
+        }
+    });
+}
+
+/// `X := X S` in place: S is p x q, `q <= p`, X has p columns, of which the first q hold the result. The same for
+/// every `par`, bit for bit.
+pub(crate) fn multiply_in_place(x: MatMut<'_, f64>, s: MatRef<'_, f64>, par: Par) {
+    for_row_blocks(x, ROW_BLOCK, par, |_, mut x| {
+        let mut product = Mat::zeros(x.nrows(), s.ncols());
+        matmul(product.as_mut(), Accum::Replace, x.rb(), s, 1.0, faer::Par::Seq);
+        x.rb_mut().subcols_mut(0, s.ncols()).copy_from(&product);
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_is_visited_once_for_any_number_of_threads() {
+        for n in [0, 1, 6, 7, 8, 29] {
+            for threads in 1..4 {
+                let mut matrix = Mat::<f64>::zeros(n, 2);
+                for_row_blocks(matrix.as_mut(), 7, Par::Threads(threads), |first, mut block| {
+                    for i in 0..block.nrows() {
+                        block[(i, 0)] += 1.0;
+                        block[(i, 1)] += (first + i) as f64;
+                    }
+                });
+                assert_eq!(matrix, Mat::from_fn(n, 2, |i, j| if j == 0 { 1.0 } else { i as f64 }));
+            }
+        }
+    }
+}

@@ -1,0 +1,46 @@
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::prelude::ReborrowMut;
+use faer::{MatMut, MatRef};
+
+use super::{ROW_BLOCK, for_row_blocks};
+use crate::base::{Error, Par, Result};
+
+/// L of `A = L L^T` into the lower triangle of A, of which nothing else is read or written. `Ok(Err(i))` when the
+/// i-th pivot is not positive.
+pub(crate) fn cholesky(mut a: MatMut<'_, f64>) -> Result<std::result::Result<(), usize>> {
+    let requirement =
+        cholesky_in_place_scratch::<f64>(a.nrows(), faer::Par::Seq, Default::default());
+    let bytes = requirement.unaligned_bytes_required();
+    let mut memory =
+        MemBuffer::try_new(requirement).map_err(|_| Error::OutOfMemory { bytes })?;
+    let stack = MemStack::new(&mut memory);
+    // NaN pivots are let through by comparisons that are written the other way round.
+    let nan = (0..a.nrows()).find(|&i| a[(i, i)].is_nan());
+    if let Some(i) = nan {
+        return Ok(Err(i));
+    }
+    let done = cholesky_in_place(a.rb_mut(), Default::default(), faer::Par::Seq, stack, Default::default());
+    Ok(match done {
+        Ok(_) => Ok(()),
+        Err(faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index }) => Err(index),
+    })
+}
+
+/// `X := X R^-1` for an upper triangular R, given as `L = R^T`: rows by blocks, each on one thread.
+pub(crate) fn divide_by_upper(x: MatMut<'_, f64>, l: MatRef<'_, f64>, par: Par) {
+    for_row_blocks(x, ROW_BLOCK, par, |_, block| lower_solve_in_place(l, block.transpose_mut()));
+}
+
+/// `X := L^-1 X` on the calling thread.
+pub(crate) fn lower_solve_in_place(l: MatRef<'_, f64>, x: MatMut<'_, f64>) {
+    solve_lower_triangular_in_place(l, x, faer::Par::Seq);
+}
+
+/// `X := U^-1 X` on the calling thread.
+pub(crate) fn upper_solve_in_place(u: MatRef<'_, f64>, x: MatMut<'_, f64>) {
+    solve_upper_triangular_in_place(u, x, faer::Par::Seq);
+}

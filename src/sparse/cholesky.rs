@@ -1,0 +1,203 @@
+//! faer's sparse Cholesky factorisations of `W - sigma M`, with memory that may be refused.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use faer::MatMut;
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::perm::PermRef;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::supernodal::SupernodalIntranodeLbltRef;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymmetricOrdering,
+    SymbolicCholeskyRaw, factorize_symbolic_cholesky,
+};
+
+use super::shifted::Shifted;
+use crate::base::{Error, Par, Result};
+
+/// Columns of the right-hand side that are solved for together, whatever the number of threads.
+const COLUMNS: usize = 8;
+
+/// The order of elimination (approximate minimum degree) and the places of the factor, the same for every shift.
+pub(crate) struct Symbolic(SymbolicCholesky<usize>);
+
+impl Symbolic {
+    pub fn new(shifted: &Shifted<'_>) -> Result<Self> {
+        let parameters = CholeskySymbolicParams {
+            // Supernodes solve for blocks of right-hand sides, and allow for pivots.
+            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            ..Default::default()
+        };
+        let places = shifted.symbolic();
+        factorize_symbolic_cholesky(places, faer::Side::Lower, SymmetricOrdering::Amd, parameters)
+            .map(Self)
+            .map_err(|_| Error::OutOfMemory { bytes: size_of_val(places.row_idx()) })
+    }
+
+    /// Entries of the factor.
+    pub fn entries(&self) -> usize {
+        self.0.len_val()
+    }
+}
+
+/// A factorisation of `W - sigma M`.
+pub(crate) struct Factor<'s> {
+    symbolic: &'s Symbolic,
+    values: Vec<f64>,
+    pivots: Option<Pivots>,
+}
+
+/// Of an indefinite factorisation: the part of B below its diagonal, and the order of rows inside supernodes.
+struct Pivots {
+    subdiagonal: Vec<f64>,
+    forward: Vec<usize>,
+    inverse: Vec<usize>,
+}
+
+impl<'s> Factor<'s> {
+    /// `L L^T`, on the calling thread; `Ok(None)` when the matrix is not positive definite.
+    pub fn positive(
+        symbolic: &'s Symbolic,
+        shifted: &Shifted<'_>,
+        sigma: f64,
+    ) -> Result<Option<Self>> {
+        let (mut values, entries) = (zeros(symbolic.entries())?, shifted.values(sigma));
+        let requirement =
+            symbolic.0.factorize_numeric_llt_scratch::<f64>(faer::Par::Seq, Default::default());
+        let mut memory = buffer(requirement)?;
+        let done = symbolic.0.factorize_numeric_llt(
+            &mut values,
+            shifted.matrix(&entries),
+            faer::Side::Lower,
+            Default::default(),
+            faer::Par::Seq,
+            MemStack::new(&mut memory),
+            Default::default(),
+        );
+        let positive = done.is_ok();
+        Ok(positive.then_some(Self { symbolic, values, pivots: None }))
+    }
+
+    /// `L B L^T`, B of blocks of one or two rows, pivoted inside supernodes, on the calling thread.
+    pub fn indefinite(symbolic: &'s Symbolic, shifted: &Shifted<'_>, sigma: f64) -> Result<Self> {
+        let n = shifted.len();
+        let (mut values, entries) = (zeros(symbolic.entries())?, shifted.values(sigma));
+        let mut pivots =
+            Pivots { subdiagonal: vec![0.0; n], forward: vec![0; n], inverse: vec![0; n] };
+        let requirement = symbolic
+            .0
+            .factorize_numeric_intranode_lblt_scratch::<f64>(faer::Par::Seq, Default::default());
+        let mut memory = buffer(requirement)?;
+        symbolic.0.factorize_numeric_intranode_lblt(
+            &mut values,
+            &mut pivots.subdiagonal,
+            &mut pivots.forward,
+            &mut pivots.inverse,
+            shifted.matrix(&entries),
+            faer::Side::Lower,
+            faer::Par::Seq,
+            MemStack::new(&mut memory),
+            Default::default(),
+        );
+        Ok(Self { symbolic, values, pivots: Some(pivots) })
+    }
+
+    /// `X := (W - sigma M)^-1 X`, in blocks of columns of a fixed width: the same for every `par`, bit for bit.
+    pub fn solve(&self, x: MatMut<'_, f64>, par: Par) -> Result<()> {
+        let requirement = self.symbolic.0.solve_in_place_scratch::<f64>(COLUMNS, faer::Par::Seq);
+        let mut blocks = Vec::new();
+        let mut rest = x;
+        while rest.ncols() > 0 {
+            let width = COLUMNS.min(rest.ncols());
+            let (head, tail) = rest.split_at_col_mut(width);
+            blocks.push(Mutex::new(Some(head)));
+            rest = tail;
+        }
+        let lanes = par.threads().min(blocks.len()).max(1);
+        let memory =
+            (0..lanes).map(|_| buffer(requirement).map(Mutex::new)).collect::<Result<Vec<_>>>()?;
+        let next = AtomicUsize::new(0);
+        Par::Threads(lanes).run_lanes(|lane| {
+            let mut memory = memory[lane].lock().expect("one lane, one lock");
+            while let Some(block) = blocks.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let block = block.lock().expect("one block, one lock").take();
+                self.solve_block(block.expect("each block is handed out once"), &mut memory);
+            }
+        });
+        Ok(())
+    }
+
+    fn solve_block(&self, x: MatMut<'_, f64>, memory: &mut MemBuffer) {
+        let stack = MemStack::new(memory);
+        match &self.pivots {
+            None => LltRef::new(&self.symbolic.0, &self.values).solve_in_place_with_conj(
+                faer::Conj::No,
+                x,
+                faer::Par::Seq,
+                stack,
+            ),
+            Some(Pivots { subdiagonal, forward, inverse }) => {
+                let order = PermRef::new_checked(forward, inverse, forward.len());
+                IntranodeLbltRef::new(&self.symbolic.0, &self.values, subdiagonal, order)
+                    .solve_in_place_with_conj(faer::Conj::No, x, faer::Par::Seq, stack);
+            }
+        }
+    }
+
+    /// Eigenvalues of `W phi = lambda M phi` below the shift, by Sylvester's law of inertia: negative eigenvalues of B.
+    pub fn below_shift(&self) -> usize {
+        let (Some(Pivots { subdiagonal, forward, inverse }), SymbolicCholeskyRaw::Supernodal(raw)) =
+            (&self.pivots, self.symbolic.0.raw())
+        else {
+            return 0;
+        };
+        let order = PermRef::new_checked(forward, inverse, forward.len());
+        let factor = SupernodalIntranodeLbltRef::new(raw, &self.values, subdiagonal, order);
+        let mut below = 0;
+        for s in 0..raw.n_supernodes() {
+            let node = factor.supernode(s);
+            let block = node.val();
+            let mut i = 0;
+            while i < block.ncols() {
+                let (d, coupling) = (block[(i, i)], subdiagonal[node.start() + i]);
+                if coupling == 0.0 {
+                    below += usize::from(d < 0.0);
+                    i += 1;
+                } else {
+                    let next = block[(i + 1, i + 1)];
+                    let determinant = d * next - coupling * coupling;
+                    below += match determinant < 0.0 {
+                        true => 1,
+                        false => 2 * usize::from(d < 0.0),
+                    };
+                    i += 2;
+                }
+            }
+        }
+        below
+    }
+
+    /// Whether it is `L L^T`: no eigenvalue lies below the shift.
+    pub fn is_positive(&self) -> bool {
+        self.pivots.is_none()
+    }
+
+    /// Whether all of it is finite: a shift that is an eigenvalue leaves a zero for a pivot.
+    pub fn is_finite(&self) -> bool {
+        self.values.iter().all(|x| x.is_finite())
+    }
+}
+
+fn zeros(len: usize) -> Result<Vec<f64>> {
+    let mut values = Vec::new();
+    let refused = Error::OutOfMemory { bytes: len.saturating_mul(size_of::<f64>()) };
+    values.try_reserve_exact(len).map_err(|_| refused)?;
+    values.resize(len, 0.0);
+    Ok(values)
+}
+
+fn buffer(requirement: StackReq) -> Result<MemBuffer> {
+    let bytes = requirement.unaligned_bytes_required();
+    MemBuffer::try_new(requirement).map_err(|_| Error::OutOfMemory { bytes })
+}

@@ -1,0 +1,376 @@
+//! Block Lanczos with thick restart for `(W - sigma M)^-1 M`, in the inner product of M.
+
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{ColMut, Mat, MatRef};
+use sprs::CsMatView;
+
+use super::Mass;
+use super::cholesky::Factor;
+use super::eigs::EigenOptions;
+use super::product::multiply_symmetric_or_rows;
+use crate::ata::{AtaOptions, atb};
+use crate::base::{Error, Result, Rng};
+use crate::dense::{SymmetricEigen, multiply_in_place, symmetric_eigen};
+
+/// Columns of a block: what the solves are fast at; multiplicities up to this are found at once.
+pub(crate) const WIDTH: usize = 8;
+
+/// Vectors of the basis, without the last block.
+pub(crate) fn basis_size(k: usize) -> usize {
+    (2 * k + 9 * WIDTH).next_multiple_of(WIDTH)
+}
+
+/// A Krylov space: a basis V, `V^T M V = I`, of which the first `len` columns satisfy
+/// `(W - sigma M)^-1 M V = V T + Q (B 0 .. 0 I)`, with the block Q of the next `WIDTH` columns.
+pub(crate) struct Krylov<'a> {
+    stiffness: CsMatView<'a, f64>,
+    mass: &'a Mass,
+    factor: &'a Factor<'a>,
+    options: &'a EigenOptions<'a>,
+    sigma: f64,
+    scale: f64,
+    /// Typical length of M phi.
+    mass_norm: f64,
+    /// V, then Q, then nothing yet.
+    basis: Mat<f64>,
+    len: usize,
+    /// T, and below it the coupling of Q to the columns from `coupled` on.
+    projected: Mat<f64>,
+    coupled: usize,
+    /// M Q.
+    weighted: Mat<f64>,
+    /// Two blocks of n rows.
+    work: [Mat<f64>; 2],
+    products: AtaOptions<'a>,
+    rng: Rng,
+    solves: usize,
+    restarts: usize,
+    /// Estimated residuals have to be this much smaller than the tolerance.
+    caution: f64,
+    /// Eigenvalues of the first columns of the basis, the wanted ones first, once converged.
+    found: Vec<f64>,
+    reported: f64,
+}
+
+impl<'a> Krylov<'a> {
+    /// An empty space.
+    pub fn new(
+        stiffness: CsMatView<'a, f64>,
+        mass: &'a Mass,
+        factor: &'a Factor<'a>,
+        sigma: f64,
+        scale: f64,
+        options: &'a EigenOptions<'a>,
+    ) -> Result<Self> {
+        let (n, size) = (stiffness.rows(), basis_size(options.k) + WIDTH);
+        let mean_mass = (0..n).map(|i| mass.diagonal(i)).sum::<f64>() / n as f64;
+        Ok(Self {
+            stiffness,
+            mass,
+            factor,
+            options,
+            sigma,
+            scale,
+            mass_norm: mean_mass.sqrt(),
+            basis: zeros(n, size)?,
+            len: 0,
+            projected: zeros(size, size)?,
+            coupled: 0,
+            weighted: zeros(n, WIDTH)?,
+            work: [zeros(n, WIDTH)?, zeros(n, WIDTH)?],
+            products: AtaOptions { par: options.par, ..AtaOptions::default() },
+            rng: Rng::new(options.seed),
+            solves: 0,
+            restarts: 0,
+            caution: 0.5,
+            found: vec![],
+            reported: 0.02,
+        })
+    }
+
+    /// Starts from null vectors that are 1 on these sets of rows, as many as are wanted, and random directions.
+    pub fn lock(&mut self, sets: &[Vec<usize>]) -> Result<()> {
+        let n = self.basis.nrows();
+        for rows in sets.iter().take(self.options.k) {
+            let mut column = self.basis.as_mut().col_mut(self.len);
+            rows.iter().for_each(|&i| column[i] = 1.0);
+            let mut product = Mat::zeros(n, 1);
+            self.mass.multiply(column.rb().as_mat(), product.as_mut(), self.options.par)?;
+            let norm = rows.iter().map(|&i| product[(i, 0)]).sum::<f64>().sqrt();
+            rows.iter().for_each(|&i| column[i] = 1.0 / norm);
+            self.projected[(self.len, self.len)] = -1.0 / self.sigma;
+            self.len += 1;
+        }
+        self.begin_anew()
+    }
+
+    /// Replaces Q by random directions that have been through the operator once, and couple to nothing.
+    fn begin_anew(&mut self) -> Result<()> {
+        for j in 0..WIDTH {
+            randomise(self.work[1].as_mut().col_mut(j), &mut self.rng, self.mass_norm);
+        }
+        let [x, random] = &mut self.work;
+        self.mass.multiply(random.as_ref(), x.as_mut(), self.options.par)?;
+        self.factor.solve(x.as_mut(), self.options.par)?;
+        self.solves += WIDTH;
+        self.orthonormalise(self.len, 0.0, None)?;
+        self.coupled = self.len;
+        self.append()
+    }
+
+    /// Puts the first work block into the basis as Q.
+    fn append(&mut self) -> Result<()> {
+        let x = self.work[0].as_ref();
+        self.basis.as_mut().subcols_mut(self.len, WIDTH).copy_from(x);
+        self.mass.multiply(x, self.weighted.as_mut(), self.options.par)
+    }
+
+    /// Adds Q to V, and finds the next Q.
+    fn expand(&mut self) -> Result<()> {
+        let (len, coupled, par) = (self.len, self.coupled, self.options.par);
+        let x = &mut self.work[0];
+        x.copy_from(&self.weighted);
+        self.factor.solve(x.as_mut(), par)?;
+        self.solves += WIDTH;
+        let mut diagonal = Mat::zeros(WIDTH, WIDTH);
+        atb(1.0, self.weighted.as_ref(), x.as_ref(), 0.0, diagonal.as_mut(), &self.products)?;
+        self.projected.as_mut().submatrix_mut(len, len, WIDTH, WIDTH).copy_from(&diagonal);
+        // What Q and its neighbours have of it.
+        let near = self.basis.as_ref().subcols(coupled, len + WIDTH - coupled);
+        let mut coefficients = Mat::zeros(near.ncols(), WIDTH);
+        let (mut above, mut own) = coefficients.as_mut().split_at_row_mut(len - coupled);
+        above.copy_from(self.projected.as_ref().submatrix(len, coupled, WIDTH, len - coupled).transpose());
+        own.copy_from(&diagonal);
+        let reference = coefficients.norm_l2();
+        atb(-1.0, near.transpose(), coefficients.as_ref(), 1.0, x.as_mut(), &self.products)?;
+        let coupling = self.orthonormalise(len + WIDTH, reference, Some(len))?;
+        let mut own = self.projected.as_mut().submatrix_mut(len, len, WIDTH, WIDTH);
+        for j in 0..WIDTH {
+            for i in 0..j {
+                let mean = 0.5 * (own[(i, j)] + own[(j, i)]);
+                (own[(i, j)], own[(j, i)]) = (mean, mean);
+            }
+        }
+        self.len += WIDTH;
+        self.coupled = len;
+        self.projected.as_mut().submatrix_mut(len + WIDTH, len, WIDTH, WIDTH).copy_from(&coupling);
+        self.append()
+    }
+
+    /// Makes the first work block X orthonormal and orthogonal to the first `count` columns of the basis, and returns
+    /// B with `X before = X after B + (columns of the basis)`. What is below rounding, of columns of the length
+    /// `reference`, gives way to random directions, with zeros in B. What is found of the block at `own` is added to T.
+    fn orthonormalise(
+        &mut self,
+        count: usize,
+        reference: f64,
+        own: Option<usize>,
+    ) -> Result<Mat<f64>> {
+        /// Length, relative to the reference, of what is only rounding.
+        const ROUNDING: f64 = 1e-14;
+        /// Each pass normalises columns that are shorter than the longest by up to this.
+        const RANGE: f64 = 1e-8;
+        /// A normalised column that projection leaves shorter than this had nothing of its own.
+        const SHRUNK: f64 = 1e-3;
+        const PASSES: usize = 12;
+        let par = self.options.par;
+        let mut coupling = Mat::<f64>::identity(WIDTH, WIDTH);
+        for pass in 0..PASSES {
+            let [x, mx] = &mut self.work;
+            if pass > 0 && count > 0 {
+                self.mass.multiply(x.as_ref(), mx.as_mut(), par)?;
+                let basis = self.basis.as_ref().subcols(0, count);
+                let mut overlap = Mat::zeros(count, WIDTH);
+                atb(1.0, basis, mx.as_ref(), 0.0, overlap.as_mut(), &self.products)?;
+                atb(-1.0, basis.transpose(), overlap.as_ref(), 1.0, x.as_mut(), &self.products)?;
+                if let Some(own) = own {
+                    let found = overlap.as_ref().subrows(own, WIDTH) * &coupling;
+                    let mut t = self.projected.as_mut().submatrix_mut(own, own, WIDTH, WIDTH);
+                    t += &found;
+                }
+            }
+            self.mass.multiply(x.as_ref(), mx.as_mut(), par)?;
+            let mut gram = Mat::zeros(WIDTH, WIDTH);
+            atb(1.0, x.as_ref(), mx.as_ref(), 0.0, gram.as_mut(), &self.products)?;
+            let SymmetricEigen { values, vectors } =
+                symmetric_eigen(gram.as_ref()).map_err(|_| not_finite(self.restarts))?;
+            let longest = values[WIDTH - 1].max(0.0).sqrt();
+            let lengths: Vec<f64> =
+                values.iter().map(|v| v.max(0.0).sqrt().max(RANGE * longest)).collect();
+            let turned = |i: usize| (0..WIDTH).map(move |j| (i, j));
+            let mut next = vectors.transpose() * &coupling;
+            for (i, length) in lengths.iter().enumerate() {
+                turned(i).for_each(|p| next[p] *= length);
+            }
+            let unit = Mat::from_fn(WIDTH, WIDTH, |i, j| vectors[(i, j)] / lengths[j].max(f64::MIN_POSITIVE));
+            multiply_in_place(x.as_mut(), unit.as_ref(), par);
+            let mut replaced = false;
+            for i in 0..WIDTH {
+                let length = turned(i).map(|p| next[p] * next[p]).sum::<f64>().sqrt();
+                if length <= ROUNDING * reference && (pass == 0 || lengths[i] < SHRUNK) {
+                    turned(i).for_each(|p| next[p] = 0.0);
+                    randomise(x.as_mut().col_mut(i), &mut self.rng, self.mass_norm);
+                    replaced = true;
+                }
+            }
+            coupling = next;
+            let steady = lengths.iter().all(|length| (0.5..2.0).contains(length));
+            if pass > 0 && steady && !replaced {
+                return Ok(coupling);
+            }
+        }
+        Err(not_finite(self.restarts))
+    }
+
+    /// Expands and restarts until the estimated residuals of the wanted pairs are small enough; the first columns of
+    /// the basis are their vectors then.
+    pub fn converge(&mut self) -> Result<()> {
+        let k = self.options.k;
+        if self.len >= k && self.found.is_empty() {
+            // Null vectors are all that is wanted.
+            self.found = vec![0.0; k];
+            return Ok(());
+        }
+        let size = basis_size(k);
+        let mut next = (k + k / 2 + 2 * WIDTH).max(self.len + 2 * WIDTH).min(size);
+        loop {
+            self.expand()?;
+            let full = self.len + WIDTH > size;
+            if self.len < next && !full {
+                self.report(0)?;
+                continue;
+            }
+            next = self.len + (k / 6).max(2 * WIDTH);
+            let t = self.projected.as_ref().submatrix(0, 0, self.len, self.len);
+            let ritz = symmetric_eigen(t).map_err(|_| not_finite(self.restarts))?;
+            let mut order: Vec<usize> = (0..self.len).collect();
+            order.sort_by(|&a, &b| ritz.values[b].abs().total_cmp(&ritz.values[a].abs()));
+            let residuals = self.estimates(&ritz, &order[..k])?;
+            let bound = self.options.tolerance * self.caution;
+            let good = residuals.iter().filter(|r| **r <= bound).count();
+            self.report(good)?;
+            if good == k {
+                self.restart(&ritz, &order[..k]);
+                self.found = self.eigenvalues(&ritz, &order[..k]);
+                return Ok(());
+            }
+            if full {
+                if self.restarts == self.options.max_restarts {
+                    let residual = residuals.into_iter().fold(0.0, f64::max);
+                    return Err(Error::NotConverged { iterations: self.restarts, residual });
+                }
+                let keep = k + (self.len - k) / 2;
+                self.restart(&ritz, &order[..keep.min(self.len - 2 * WIDTH)]);
+                self.restarts += 1;
+            }
+        }
+    }
+
+    /// Eigenvalues of the pencil, of these Ritz values.
+    fn eigenvalues(&self, ritz: &SymmetricEigen, order: &[usize]) -> Vec<f64> {
+        order.iter().map(|&i| self.sigma + 1.0 / ritz.values[i]).collect()
+    }
+
+    /// Residuals, as [`super::Eigenpairs::residuals`] defines them, without forming the vectors:
+    /// `(W - lambda M) phi = -(W - sigma M) Q B s / theta`.
+    fn estimates(&mut self, ritz: &SymmetricEigen, order: &[usize]) -> Result<Vec<f64>> {
+        let par = self.options.par;
+        let [w, _] = &mut self.work;
+        multiply_symmetric_or_rows(self.stiffness, self.basis.as_ref().subcols(self.len, WIDTH), w.as_mut(), par);
+        for j in 0..WIDTH {
+            for i in 0..w.nrows() {
+                w[(i, j)] -= self.sigma * self.weighted[(i, j)];
+            }
+        }
+        let mut gram = Mat::zeros(WIDTH, WIDTH);
+        atb(1.0, w.as_ref(), w.as_ref(), 0.0, gram.as_mut(), &self.products)?;
+        let coupling = self.coupling();
+        let last = ritz.vectors.as_ref().subrows(self.coupled, self.len - self.coupled);
+        let estimate = |(&i, lambda): (&usize, f64)| {
+            let e = coupling * last.col(i);
+            let square = e.transpose() * &gram * &e;
+            let length = lambda.abs().max(self.scale) * self.mass_norm;
+            square.max(0.0).sqrt() / (ritz.values[i].abs() * length)
+        };
+        Ok(order.iter().zip(self.eigenvalues(ritz, order)).map(estimate).collect())
+    }
+
+    /// B: the coupling of Q to the columns of V from `coupled` on.
+    fn coupling(&self) -> MatRef<'_, f64> {
+        let (len, coupled) = (self.len, self.coupled);
+        self.projected.as_ref().submatrix(len, coupled, WIDTH, len - coupled)
+    }
+
+    /// Keeps these Ritz vectors, and Q.
+    fn restart(&mut self, ritz: &SymmetricEigen, order: &[usize]) {
+        let (len, keep) = (self.len, order.len());
+        let turn = Mat::from_fn(len, keep, |i, j| ritz.vectors[(i, order[j])]);
+        let coupling = self.coupling() * turn.as_ref().subrows(self.coupled, len - self.coupled);
+        multiply_in_place(self.basis.as_mut().subcols_mut(0, len), turn.as_ref(), self.options.par);
+        let (mut kept, rest) = self.basis.as_mut().split_at_col_mut(len);
+        kept.rb_mut().subcols_mut(keep, WIDTH).copy_from(rest.subcols(0, WIDTH));
+        self.projected.fill(0.0);
+        order.iter().enumerate().for_each(|(j, &i)| self.projected[(j, j)] = ritz.values[i]);
+        self.projected.as_mut().submatrix_mut(keep, 0, WIDTH, keep).copy_from(&coupling);
+        (self.len, self.coupled) = (keep, 0);
+    }
+
+    /// After [`Krylov::converge`]: asks for residuals that are smaller by this factor.
+    pub fn tighten(&mut self, factor: f64) {
+        self.caution *= factor;
+    }
+
+    /// After [`Krylov::converge`]: goes on from the pairs found and random directions, for what these pairs and all
+    /// directions before have nothing of.
+    pub fn add_directions(&mut self) -> Result<()> {
+        self.projected.as_mut().subrows_mut(self.len, WIDTH).fill(0.0);
+        self.begin_anew()
+    }
+
+    /// After [`Krylov::converge`]: the eigenvalues, those nearest to the shift first.
+    pub fn values(&self) -> &[f64] {
+        &self.found
+    }
+
+    /// After [`Krylov::converge`]: their vectors.
+    pub fn vectors(&self) -> MatRef<'_, f64> {
+        self.basis.as_ref().subcols(0, self.found.len())
+    }
+
+    /// Vectors that the operator was applied to.
+    pub fn solves(&self) -> usize {
+        self.solves
+    }
+
+    /// Restarts done.
+    pub fn restarts(&self) -> usize {
+        self.restarts
+    }
+
+    /// Tells of progress, with this many pairs converged.
+    fn report(&mut self, good: usize) -> Result<()> {
+        let (k, size) = (self.options.k as f64, basis_size(self.options.k) as f64);
+        let filled = if self.restarts == 0 { 0.4 * self.len as f64 / size } else { 0.4 };
+        self.reported = self.reported.max(0.02 + filled + 0.5 * good as f64 / k);
+        self.options.report(self.reported)
+    }
+}
+
+/// A random direction, of length about 1 in the inner product.
+fn randomise(column: ColMut<'_, f64>, rng: &mut Rng, mass_norm: f64) {
+    let size = 12f64.sqrt() / ((column.nrows() as f64).sqrt() * mass_norm);
+    column.iter_mut().for_each(|x| *x = (rng.uniform() - 0.5) * size);
+}
+
+/// Something overflowed.
+fn not_finite(iterations: usize) -> Error {
+    Error::NotConverged { iterations, residual: f64::INFINITY }
+}
+
+fn zeros(rows: usize, cols: usize) -> Result<Mat<f64>> {
+    let mut matrix = Mat::new();
+    let bytes = rows.saturating_mul(cols).saturating_mul(size_of::<f64>());
+    matrix.try_reserve(rows, cols).map_err(|_| Error::OutOfMemory { bytes })?;
+    matrix.resize_with(rows, cols, |_, _| 0.0);
+    Ok(matrix)
+}

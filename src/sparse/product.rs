@@ -1,0 +1,50 @@
+use faer::prelude::ReborrowMut;
+use faer::{MatMut, MatRef};
+use sprs::CsMatView;
+
+use crate::base::{Error, Par, Result};
+use crate::dense::{ROW_BLOCK, for_row_blocks};
+
+/// `Y := A X` for a sparse A (n x m, by rows), X (m x c) and Y (n x c) of any strides: rows by blocks, so that the
+/// result is the same, bit for bit, for every `par`.
+///
+/// # Errors
+/// [`Error::Argument`] when A is stored by columns, [`Error::Shape`].
+pub fn multiply(
+    a: CsMatView<'_, f64>,
+    x: MatRef<'_, f64>,
+    y: MatMut<'_, f64>,
+    par: Par,
+) -> Result<()> {
+    if !a.is_csr() {
+        return Err(Error::Argument { what: "A", why: "must be stored by rows".into() });
+    }
+    Error::check_shape("X", (a.cols(), x.ncols()), x.shape())?;
+    Error::check_shape("Y", (a.rows(), x.ncols()), y.shape())?;
+    multiply_symmetric_or_rows(a, x, y, par);
+    Ok(())
+}
+
+/// [`multiply`] by the rows that A is stored in, or by the columns of a symmetric one.
+pub(crate) fn multiply_symmetric_or_rows(
+    a: CsMatView<'_, f64>,
+    x: MatRef<'_, f64>,
+    y: MatMut<'_, f64>,
+    par: Par,
+) {
+    for_row_blocks(y, ROW_BLOCK, par, |first, mut y| {
+        // The rows of a block stay in the cache from one column to the next.
+        for j in 0..x.ncols() {
+            let (x, mut y) = (x.col(j), y.rb_mut().col_mut(j));
+            let contiguous = x.try_as_col_major().map(|x| x.as_slice());
+            for i in 0..y.nrows() {
+                let row = a.outer_view(first + i).expect("as many rows as Y has");
+                let entries = row.indices().iter().zip(row.data());
+                y[i] = match contiguous {
+                    Some(x) => entries.map(|(&j, a)| a * x[j]).sum(),
+                    None => entries.map(|(&j, a)| a * x[j]).sum(),
+                };
+            }
+        }
+    });
+}
