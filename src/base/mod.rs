@@ -1,5 +1,6 @@
 //! What everything stands on: scalars, errors, threads, workspaces, progress, randomness.
 
+mod blocks;
 mod error;
 mod par;
 mod progress;

@@ -17,6 +17,7 @@ mod source;
 mod strips;
 #[cfg(test)]
 mod tests;
+mod xz;
 
 use std::ops::Range;
 use std::path::Path;
@@ -31,7 +32,7 @@ pub use sprs::CsMat;
 pub use strips::StripOutput;
 
 use crate::base::{Error, Progress, Real, Result};
-use source::Source;
+pub(crate) use source::{Packing, Source};
 
 /// How [`read`] reads. The default reads everything.
 #[derive(Clone, Default)]
@@ -91,7 +92,8 @@ fn format_of(path: &Path) -> Result<(Format, bool)> {
 /// [`Error::Argument`] when `options.columns` is not inside the matrix.
 pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Matrix> {
     let (format, gzipped) = format_of(path)?;
-    let mut source = Source::open(path, gzipped, options.progress)?;
+    let packing = if gzipped { Packing::Gzip } else { Packing::None };
+    let mut source = Source::open(path, packing, options.progress)?;
     match format {
         Format::Npy => npy::read(&mut source, options.columns.as_ref()),
         Format::Mtx => mtx::read(&mut source, options.columns.as_ref()),

@@ -4,24 +4,86 @@ use std::path::{Path, PathBuf};
 
 use flate2::bufread::MultiGzDecoder;
 
+use super::xz::Unpacker;
 use crate::base::{Error, Flow, Progress, Result};
 
 /// Bytes read from the disk at a time.
 const BUFFER: usize = 1 << 20;
 
+/// A bounded file may unpack to this many times its size, or to [`UNPACKED`] bytes if that is more. What people pack has
+/// ratios of up to about 20; a bomb has a thousand.
+const RATIO: u64 = 100;
+const UNPACKED: u64 = 1 << 28;
+
+/// The longest line of a bounded file.
+const LONGEST_LINE: usize = 1 << 24;
+
+/// How a file is packed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Packing {
+    None,
+    Gzip,
+    Xz,
+}
+
+impl Packing {
+    /// What a file name in lower case says, and the name without that.
+    pub(crate) fn of(name: &str) -> (&str, Self) {
+        if let Some(stem) = name.strip_suffix(".gz") {
+            (stem, Self::Gzip)
+        } else if let Some(stem) = name.strip_suffix(".xz") {
+            (stem, Self::Xz)
+        } else {
+            (name, Self::None)
+        }
+    }
+}
+
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// A file being read: unpacked, watched by a progress callback, and counting lines.
-pub(super) struct Source<'a> {
+pub(crate) struct Source<'a> {
     path: PathBuf,
     reader: Box<dyn BufRead + 'a>,
     /// Lines taken by [`Source::next_line`] so far.
     line: usize,
     buffer: Vec<u8>,
+    longest_line: usize,
 }
 
 impl<'a> Source<'a> {
-    pub(super) fn open(path: &Path, gzipped: bool, progress: Option<Progress<'a>>) -> Result<Self> {
+    pub(super) fn open(
+        path: &Path,
+        packing: Packing,
+        progress: Option<Progress<'a>>,
+    ) -> Result<Self> {
+        Self::open_within(path, packing, progress, |_| u64::MAX, usize::MAX)
+    }
+
+    /// As [`Source::open`], for formats that do not say how much there is to come: a file that unpacks to absurdly much, or
+    /// has an absurdly long line, is an error.
+    pub(crate) fn open_bounded(
+        path: &Path,
+        packing: Packing,
+        progress: Option<Progress<'a>>,
+    ) -> Result<Self> {
+        let unpacked = |size: u64| size.saturating_mul(RATIO).max(UNPACKED);
+        Self::open_within(path, packing, progress, unpacked, LONGEST_LINE)
+    }
+
+    /// The bytes of a file that would be called `path`.
+    pub(crate) fn of_bytes(path: &Path, bytes: &'a [u8]) -> Self {
+        let reader = Box::new(bytes);
+        Self { path: path.into(), reader, line: 0, buffer: Vec::new(), longest_line: LONGEST_LINE }
+    }
+
+    fn open_within(
+        path: &Path,
+        packing: Packing,
+        progress: Option<Progress<'a>>,
+        unpacked: impl Fn(u64) -> u64,
+        longest_line: usize,
+    ) -> Result<Self> {
         let opened = || {
             let file = File::open(path)?;
             let about = file.metadata()?;
@@ -31,21 +93,44 @@ impl<'a> Source<'a> {
             Ok(Watched { file, size: about.len(), done: 0, progress })
         };
         let watched = opened().map_err(|e| error_at(path, 0, &e))?;
+        let left = unpacked(watched.size);
         let raw = BufReader::with_capacity(BUFFER, watched);
-        let reader: Box<dyn BufRead + 'a> = if gzipped {
-            Box::new(BufReader::with_capacity(BUFFER, MultiGzDecoder::new(raw)))
-        } else {
-            Box::new(raw)
+        let reader: Box<dyn BufRead + 'a> = match packing {
+            Packing::None => Box::new(raw),
+            Packing::Gzip => {
+                let inner = MultiGzDecoder::new(raw);
+                Box::new(BufReader::with_capacity(BUFFER, Limited { inner, left }))
+            }
+            Packing::Xz => {
+                let inner = Unpacker::new(raw).map_err(|e| error_at(path, 0, &e))?;
+                Box::new(BufReader::with_capacity(BUFFER, Limited { inner, left }))
+            }
         };
-        Ok(Self { path: path.into(), reader, line: 0, buffer: Vec::new() })
+        Ok(Self { path: path.into(), reader, line: 0, buffer: Vec::new(), longest_line })
     }
 
     /// The next line, without its end, or `None` at the end of the file.
     pub(super) fn next_line(&mut self) -> Result<Option<&str>> {
+        if self.next_bytes()?.is_none() {
+            return Ok(None);
+        }
+        if std::str::from_utf8(&self.buffer).is_err() {
+            return Err(error(&self.path, self.line, "not text (UTF-8)"));
+        }
+        Ok(Some(self.last_line()))
+    }
+
+    /// The next line, of whatever bytes, without its end, or `None` at the end of the file.
+    pub(crate) fn next_bytes(&mut self) -> Result<Option<&[u8]>> {
         self.buffer.clear();
         self.line += 1;
-        match self.reader.read_until(b'\n', &mut self.buffer) {
+        let mut reader = (&mut self.reader).take(self.longest_line as u64);
+        match reader.read_until(b'\n', &mut self.buffer) {
             Ok(0) => return Ok(None),
+            Ok(count) if count == self.longest_line => {
+                let what = format!("a line of {count} bytes or more");
+                return Err(error(&self.path, self.line, what));
+            }
             Ok(_) => {}
             Err(e) => return Err(error_at(&self.path, self.line, &e)),
         }
@@ -55,10 +140,7 @@ impl<'a> Source<'a> {
         while self.buffer.last().is_some_and(|byte| matches!(byte, b'\n' | b'\r')) {
             self.buffer.pop();
         }
-        if std::str::from_utf8(&self.buffer).is_err() {
-            return Err(error(&self.path, self.line, "not text (UTF-8)"));
-        }
-        Ok(Some(self.last_line()))
+        Ok(Some(&self.buffer))
     }
 
     /// The line that [`Source::next_line`] returned last.
@@ -67,17 +149,22 @@ impl<'a> Source<'a> {
     }
 
     /// The number of the last line, from 1.
-    pub(super) fn line(&self) -> usize {
+    pub(crate) fn line(&self) -> usize {
         self.line
     }
 
     /// An error at the last line.
-    pub(super) fn fail(&self, what: impl Into<String>) -> Error {
+    pub(crate) fn fail(&self, what: impl Into<String>) -> Error {
         error(&self.path, self.line, what)
     }
 
+    /// An error at another line.
+    pub(crate) fn fail_at(&self, line: usize, what: impl Into<String>) -> Error {
+        error(&self.path, line, what)
+    }
+
     /// What went wrong in reading bytes.
-    pub(super) fn io_error(&self, e: &io::Error) -> Error {
+    pub(crate) fn io_error(&self, e: &io::Error) -> Error {
         error_at(&self.path, self.line, e)
     }
 }
@@ -85,6 +172,41 @@ impl<'a> Source<'a> {
 impl Read for Source<'_> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         self.reader.read(out)
+    }
+
+    fn read_exact(&mut self, out: &mut [u8]) -> io::Result<()> {
+        self.reader.read_exact(out)
+    }
+}
+
+impl BufRead for Source<'_> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        self.reader.fill_buf()
+    }
+
+    fn consume(&mut self, amount: usize) {
+        self.reader.consume(amount);
+    }
+}
+
+/// What comes out of a packed file, up to a limit.
+struct Limited<R> {
+    inner: R,
+    left: u64,
+}
+
+impl<R: Read> Read for Limited<R> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        let count = self.inner.read(out)?;
+        match self.left.checked_sub(count as u64) {
+            Some(left) => self.left = left,
+            None => {
+                return Err(io::Error::other(
+                    "unpacks to more than a hundred times its size: if that is meant, unpack it first",
+                ));
+            }
+        }
+        Ok(count)
     }
 }
 

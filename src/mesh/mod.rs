@@ -1,5 +1,24 @@
-//! Triangle meshes.
+//! Triangle meshes: what they are made of, how they hang together, what is wrong with them, files, and generated ones.
 
+mod distance;
+pub mod families;
+pub mod io;
+mod laplacian;
+mod measure;
+mod operators;
+mod parts;
+#[cfg(test)]
+pub(crate) mod shapes;
+pub mod topology;
 mod trimesh;
+mod validation;
+pub(crate) mod vector;
 
+pub use distance::{Dijkstra, Graph, HeatMethod, HeatOptions, SearchLimits};
+pub use laplacian::{Boundary, Laplacian, LaplacianKind, LaplacianOptions, MassKind, laplacian};
+pub use measure::Normalization;
+pub use operators::{divergence, gradient, vertex_areas};
+pub use parts::Part;
+pub use topology::{Adjacency, Components, Edges, Genus};
 pub use trimesh::TriMesh;
+pub use validation::{Problem, Validation};

@@ -15,12 +15,21 @@ impl TriMesh {
     ///
     /// # Errors
     /// [`Error::Mesh`] names a coordinate that is not finite, a face with an index out of range or with the same index
-    /// twice; [`Error::Argument`] if there are 2^32 vertices or more.
+    /// twice; [`Error::Argument`] if there are 2^32 vertices or corners of faces, or more.
     pub fn new(vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Result<Self> {
         if u32::try_from(vertices.len()).is_err() {
             return Err(Error::Argument {
                 what: "vertices",
                 why: format!("{} of them, where at most 2^32 - 1 can be numbered", vertices.len()),
+            });
+        }
+        if u32::try_from(faces.len().saturating_mul(3)).is_err() {
+            return Err(Error::Argument {
+                what: "faces",
+                why: format!(
+                    "{} of them, where at most 2^32 - 1 corners can be numbered",
+                    faces.len()
+                ),
             });
         }
         let refused = |what: String, element: String| Err(Error::Mesh { what, element });

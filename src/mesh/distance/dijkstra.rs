@@ -1,0 +1,225 @@
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use super::Graph;
+use crate::base::{Error, Result};
+
+/// No vertex.
+const NONE: u32 = u32::MAX;
+
+/// Where a search of [`Dijkstra`] may stop; the default is nowhere.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SearchLimits<'a> {
+    /// Vertices farther than this are not reached; in units of length, default infinite.
+    pub cutoff: f64,
+    /// The search ends as soon as all of these are reached; empty, the default: never.
+    pub targets: &'a [u32],
+}
+
+impl Default for SearchLimits<'_> {
+    fn default() -> Self {
+        Self { cutoff: f64::INFINITY, targets: &[] }
+    }
+}
+
+/// Shortest paths along the edges of a graph from the nearest of several sources (Dijkstra 1959).
+///
+/// Made once for many searches: a search undoes only what the one before it touched, so that a local one costs
+/// O(m log m) for m edges looked at, whatever the size of the graph.
+#[derive(Debug, Clone)]
+pub struct Dijkstra<'g> {
+    graph: &'g Graph,
+    distances: Vec<f64>,
+    /// The vertex before on the path, [`NONE`] at sources.
+    predecessors: Vec<u32>,
+    /// The source that the path starts from.
+    origins: Vec<u32>,
+    is_target: Vec<bool>,
+    /// Vertices whose distance is final, in this order.
+    reached: Vec<u32>,
+    /// Vertices that ever had a distance since the last reset.
+    touched: Vec<u32>,
+    /// Distances of vertices, as bits: those of non-negative numbers are ordered as they are. Equal ones by number.
+    heap: BinaryHeap<Reverse<(u64, u32)>>,
+}
+
+impl<'g> Dijkstra<'g> {
+    /// A solver for a graph. Takes 17 bytes for each vertex.
+    pub fn new(graph: &'g Graph) -> Self {
+        let n = graph.len();
+        Self {
+            graph,
+            distances: vec![f64::INFINITY; n],
+            predecessors: vec![NONE; n],
+            origins: vec![NONE; n],
+            is_target: vec![false; n],
+            reached: Vec::new(),
+            touched: Vec::new(),
+            heap: BinaryHeap::new(),
+        }
+    }
+
+    /// Forgets the search before and starts from these vertices, each at a distance of its own (0 usually).
+    ///
+    /// # Errors
+    /// [`Error::Argument`] names a source or target out of range, a distance that is negative or not finite, or a
+    /// cut-off that is negative or not a number; the solver is then as if nothing had been searched.
+    pub fn search(&mut self, sources: &[(u32, f64)], limits: &SearchLimits<'_>) -> Result<()> {
+        self.reset();
+        self.check(sources, limits)?;
+        let mut missing = 0;
+        for &target in limits.targets {
+            let mark = &mut self.is_target[target as usize];
+            missing += usize::from(!*mark);
+            *mark = true;
+        }
+        self.start(sources, limits.cutoff);
+        self.run(limits.cutoff, (missing > 0).then_some(missing));
+        // What is still waiting has no final distance.
+        for Reverse((bits, v)) in self.heap.drain() {
+            let v = v as usize;
+            if bits == self.distances[v].to_bits() {
+                self.distances[v] = f64::INFINITY;
+                self.predecessors[v] = NONE;
+                self.origins[v] = NONE;
+            }
+        }
+        for &target in limits.targets {
+            self.is_target[target as usize] = false;
+        }
+        Ok(())
+    }
+
+    /// Adds sources to the ones before, which must have had neither cut-off nor targets, and looks only at the vertices
+    /// that are nearer to the new ones, as farthest point sampling wants it. Afterwards [`Dijkstra::reached`] are those
+    /// vertices, the nearest first.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] as in [`Dijkstra::search`]; nothing is changed then.
+    pub fn insert(&mut self, sources: &[(u32, f64)]) -> Result<()> {
+        let limits = SearchLimits::default();
+        self.check(sources, &limits)?;
+        self.reached.clear();
+        self.start(sources, limits.cutoff);
+        self.run(limits.cutoff, None);
+        Ok(())
+    }
+
+    /// The distance of a vertex, infinite if it was not reached (or is not there).
+    pub fn distance(&self, vertex: u32) -> f64 {
+        self.distances.get(vertex as usize).copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// Distances of all vertices, infinite where none was reached.
+    pub fn distances(&self) -> &[f64] {
+        &self.distances
+    }
+
+    /// The vertex before this one on its path; `None` at sources and where none was reached.
+    pub fn predecessor(&self, vertex: u32) -> Option<u32> {
+        self.predecessors.get(vertex as usize).copied().filter(|&v| v != NONE)
+    }
+
+    /// The nearest source of a vertex, if it was reached.
+    pub fn origin(&self, vertex: u32) -> Option<u32> {
+        self.origins.get(vertex as usize).copied().filter(|&v| v != NONE)
+    }
+
+    /// The vertices that the last search reached, the nearest first.
+    pub fn reached(&self) -> &[u32] {
+        &self.reached
+    }
+
+    /// The path to a vertex from its source, both included; empty if it was not reached.
+    pub fn path(&self, vertex: u32) -> Vec<u32> {
+        let mut path = Vec::new();
+        let mut at = self.origin(vertex).map(|_| vertex);
+        while let Some(v) = at {
+            path.push(v);
+            at = self.predecessor(v);
+        }
+        path.reverse();
+        path
+    }
+
+    fn reset(&mut self) {
+        for v in self.touched.drain(..) {
+            self.distances[v as usize] = f64::INFINITY;
+            self.predecessors[v as usize] = NONE;
+            self.origins[v as usize] = NONE;
+        }
+        self.reached.clear();
+    }
+
+    fn check(&self, sources: &[(u32, f64)], limits: &SearchLimits<'_>) -> Result<()> {
+        let n = self.graph.len();
+        let there = |what, v: u32| {
+            let why = || format!("vertex {v} of {n} (numbered from 0)");
+            if (v as usize) < n { Ok(()) } else { Err(Error::Argument { what, why: why() }) }
+        };
+        for &(v, start) in sources {
+            there("sources", v)?;
+            if !(start >= 0.0 && start.is_finite()) {
+                let why = format!("vertex {v} starts at distance {start}");
+                return Err(Error::Argument { what: "sources", why });
+            }
+        }
+        for &v in limits.targets {
+            there("targets", v)?;
+        }
+        if limits.cutoff.is_nan() || limits.cutoff < 0.0 {
+            let why = format!("{}, where it is at least 0", limits.cutoff);
+            return Err(Error::Argument { what: "cutoff", why });
+        }
+        Ok(())
+    }
+
+    fn start(&mut self, sources: &[(u32, f64)], cutoff: f64) {
+        for &(v, start) in sources {
+            // Minus zero, which is allowed, has other bits than zero.
+            let start = start + 0.0;
+            if start <= cutoff {
+                self.improve(v, start, NONE, v);
+            }
+        }
+    }
+
+    /// Takes vertices in the order of their distance until there are none left, or none of the `missing` targets.
+    fn run(&mut self, cutoff: f64, mut missing: Option<usize>) {
+        let graph = self.graph;
+        while let Some(Reverse((bits, v))) = self.heap.pop() {
+            let from = self.distances[v as usize];
+            if bits != from.to_bits() {
+                continue; // a shorter path was found meanwhile
+            }
+            self.reached.push(v);
+            if let Some(missing) = missing.as_mut().filter(|_| self.is_target[v as usize]) {
+                *missing -= 1;
+                if *missing == 0 {
+                    return;
+                }
+            }
+            let origin = self.origins[v as usize];
+            for (neighbour, length) in graph.neighbours(v) {
+                let through = from + length;
+                if through <= cutoff {
+                    self.improve(neighbour, through, v, origin);
+                }
+            }
+        }
+    }
+
+    fn improve(&mut self, vertex: u32, distance: f64, predecessor: u32, origin: u32) {
+        let v = vertex as usize;
+        if distance >= self.distances[v] {
+            return;
+        }
+        if self.distances[v] == f64::INFINITY {
+            self.touched.push(vertex);
+        }
+        self.distances[v] = distance;
+        self.predecessors[v] = predecessor;
+        self.origins[v] = origin;
+        self.heap.push(Reverse((distance.to_bits(), vertex)));
+    }
+}

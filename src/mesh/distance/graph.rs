@@ -1,0 +1,82 @@
+use super::super::vector::distance;
+use super::super::{Edges, TriMesh};
+use crate::base::{Error, Result};
+
+/// An undirected graph whose edges have lengths, in compressed rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Graph {
+    /// Neighbours of v: entries `starts[v]..starts[v + 1]`.
+    starts: Vec<usize>,
+    neighbours: Vec<u32>,
+    lengths: Vec<f64>,
+}
+
+impl Graph {
+    /// The edges of a mesh with their Euclidean lengths. O(V + F).
+    pub fn of_mesh(mesh: &TriMesh) -> Self {
+        let p = mesh.vertices();
+        let edges = Edges::new(mesh);
+        Self::build(p.len(), || {
+            edges.ends().iter().map(|&[a, b]| (a, b, distance(p[a as usize], p[b as usize])))
+        })
+    }
+
+    /// A graph of n vertices with these edges: two ends and a length each, at most 2^32 - 1 vertices.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] names an edge whose end is out of range, or whose length is negative or not finite.
+    pub fn new(n: usize, edges: &[(u32, u32, f64)]) -> Result<Self> {
+        let refused = |why| Err(Error::Argument { what: "edges", why });
+        if u32::try_from(n).is_err() {
+            return refused(format!("{n} vertices, where at most 2^32 - 1 can be numbered"));
+        }
+        for (e, &(a, b, length)) in edges.iter().enumerate() {
+            if a as usize >= n || b as usize >= n {
+                return refused(format!("edge {e}, from {a} to {b}, among {n} vertices"));
+            }
+            if !(length >= 0.0 && length.is_finite()) {
+                return refused(format!("edge {e} has length {length}"));
+            }
+        }
+        Ok(Self::build(n, || edges.iter().copied()))
+    }
+
+    fn build<I: Iterator<Item = (u32, u32, f64)>>(n: usize, edges: impl Fn() -> I) -> Self {
+        let mut starts = vec![0; n + 1];
+        for (a, b, _) in edges() {
+            starts[a as usize + 1] += 1;
+            starts[b as usize + 1] += 1;
+        }
+        for v in 0..n {
+            starts[v + 1] += starts[v];
+        }
+        let mut next = starts.clone();
+        let mut neighbours = vec![0; starts[n]];
+        let mut lengths = vec![0.0; starts[n]];
+        for (a, b, length) in edges() {
+            for (from, to) in [(a, b), (b, a)] {
+                let place = &mut next[from as usize];
+                neighbours[*place] = to;
+                lengths[*place] = length;
+                *place += 1;
+            }
+        }
+        Self { starts, neighbours, lengths }
+    }
+
+    /// The number of vertices.
+    pub fn len(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Whether it has no vertices.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The neighbours of a vertex, which must exist, and the lengths of the edges that lead there.
+    pub fn neighbours(&self, vertex: u32) -> impl Iterator<Item = (u32, f64)> {
+        let range = self.starts[vertex as usize]..self.starts[vertex as usize + 1];
+        range.map(|e| (self.neighbours[e], self.lengths[e]))
+    }
+}

@@ -1,0 +1,206 @@
+use sprs::CsMat;
+
+use super::super::laplacian::{Complex, Element, assemble, of_mesh};
+use super::super::{LaplacianKind, MassKind, TriMesh};
+use super::cholesky::{Cholesky, Factor};
+use crate::base::{Error, Par, Result};
+use crate::sparse::Mass;
+
+/// Heat below this has lost digits, and with them the direction it flows in.
+const COLD: f64 = 1e-290;
+
+/// Options of [`HeatMethod`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeatOptions {
+    /// How long heat flows, in units of the squared mean edge length; positive, default 1. More is smoother.
+    pub time: f64,
+    /// Triangles to work on; default [`LaplacianKind::Cotangent`]. The others are better where triangles are bad, and bear
+    /// faces without area.
+    pub kind: LaplacianKind,
+    /// Threads; default all cores of the affinity mask. Does not change the result.
+    pub par: Par,
+}
+
+impl Default for HeatOptions {
+    fn default() -> Self {
+        Self { time: 1.0, kind: LaplacianKind::default(), par: Par::all() }
+    }
+}
+
+/// Distances over the surface by the heat method: Crane, Weischedel and Wardetzky, Geodesics in Heat (2013), with
+/// Neumann conditions at the boundary. Accurate to a few edges' share of the distance; not exact.
+///
+/// Two sparse Cholesky factorisations when it is made, two solves for every set of sources.
+#[derive(Debug)]
+pub struct HeatMethod {
+    faces: Vec<[u32; 3]>,
+    elements: Vec<Element>,
+    cholesky: Cholesky,
+    /// Of M + t W.
+    heat: Factor,
+    /// Of W, with one vertex of every component held at zero.
+    poisson: Factor,
+    /// The component of every vertex: its vertex with the lowest number.
+    components: Vec<u32>,
+}
+
+impl HeatMethod {
+    /// A solver for a mesh.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a time that is not positive and finite, or when the Laplacian is not positive definite to
+    /// working precision, which bad triangles can do to [`LaplacianKind::Cotangent`]; those of
+    /// [`laplacian`](super::super::laplacian); [`Error::OutOfMemory`].
+    pub fn new(mesh: &TriMesh, options: &HeatOptions) -> Result<Self> {
+        let n = mesh.vertices().len();
+        if !(options.time > 0.0 && options.time.is_finite()) {
+            let why = format!("{}, where it is positive and finite", options.time);
+            return Err(Error::Argument { what: "time", why });
+        }
+        let plain = Complex::of_mesh(mesh)?;
+        let lengths = plain.lengths.as_flattened();
+        let mean = lengths.iter().map(|l| l / lengths.len() as f64).sum::<f64>();
+        let (faces, elements) = match options.kind {
+            LaplacianKind::Cotangent => (plain.into_faces(), of_mesh(mesh, options.par)?),
+            kind => {
+                let complex = Complex::delaunay(mesh, kind)?;
+                let elements = complex.elements()?;
+                (complex.into_faces(), elements)
+            }
+        };
+        let components = components(n, &faces);
+        let (stiffness, mass) = assemble(n, &faces, &elements, MassKind::Barycentric, options.par);
+        let (Mass::Lumped(mass), time) = (mass, options.time * mean * mean) else {
+            let why = "barycentric masses are not a diagonal".into();
+            return Err(Error::Argument { what: "mass", why });
+        };
+        let cholesky = Cholesky::new(&stiffness)?;
+        let factor = |matrix: &CsMat<f64>| {
+            cholesky.factor(matrix)?.ok_or_else(|| {
+                let why = "its Laplacian is not positive definite to working precision; the tufted kind mends that";
+                Error::Argument { what: "mesh", why: why.into() }
+            })
+        };
+        let in_no_face = |v: usize| mass[v] == 0.0;
+        let heat = factor(&with_entries(&stiffness, |i, j, w| match (i == j, in_no_face(i)) {
+            (true, true) => 1.0,
+            (true, false) => time * w + mass[i],
+            (false, _) => time * w,
+        }))?;
+        let held = |v: usize| components[v] as usize == v;
+        let poisson =
+            factor(&with_entries(&stiffness, |i, j, w| match (i == j, held(i) || held(j)) {
+                (true, true) => 1.0,
+                (false, true) => 0.0,
+                (_, false) => w,
+            }))?;
+        Ok(Self { faces, elements, cholesky, heat, poisson, components })
+    }
+
+    /// The distance of every vertex from the nearest of the sources: 0 at sources, infinite in components without any.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] names a source that is not there. [`Error::Mesh`] names a vertex which is so many edges away
+    /// (about 650 with time 1) that no heat arrives: more time helps.
+    pub fn distances(&self, sources: &[u32]) -> Result<Vec<f64>> {
+        let n = self.components.len();
+        let mut right = vec![0.0; n];
+        let mut warm = vec![false; n];
+        for &source in sources {
+            let Some(heat) = right.get_mut(source as usize) else {
+                let why = format!("vertex {source} of {n} (numbered from 0)");
+                return Err(Error::Argument { what: "sources", why });
+            };
+            *heat = 1.0;
+            warm[self.components[source as usize] as usize] = true;
+        }
+        let warm = |v: usize| warm[self.components[v] as usize];
+        let heat = self.cholesky.solve(&self.heat, &right)?;
+        let is_cold = |v: usize| heat[v].is_nan() || heat[v].abs() <= COLD;
+        if let Some(v) = (0..n).find(|&v| warm(v) && is_cold(v)) {
+            let what = "too many edges away for the heat to arrive; it takes a longer time".into();
+            return Err(Error::Mesh { what, element: format!("vertex {v}") });
+        }
+        let mut slopes = self.against_the_flow(&heat);
+        for (v, slope) in slopes.iter_mut().enumerate() {
+            if self.components[v] as usize == v {
+                *slope = 0.0;
+            }
+        }
+        let mut distances = self.cholesky.solve(&self.poisson, &slopes)?;
+        let mut least = vec![f64::INFINITY; n];
+        for v in 0..n {
+            let least = &mut least[self.components[v] as usize];
+            *least = least.min(distances[v]);
+        }
+        for (v, distance) in distances.iter_mut().enumerate() {
+            let from = least[self.components[v] as usize];
+            *distance = if warm(v) { *distance - from } else { f64::INFINITY };
+        }
+        for &source in sources {
+            distances[source as usize] = 0.0;
+        }
+        Ok(distances)
+    }
+
+    /// The unit field against the gradient of heat u, integrated against the gradients of the hat functions: on a
+    /// triangle with stiffness S this is `-S u / |grad u|`, and `area |grad u|^2 = u^T S u`.
+    fn against_the_flow(&self, heat: &[f64]) -> Vec<f64> {
+        let mut slopes = vec![0.0; heat.len()];
+        for (face, element) in self.faces.iter().zip(&self.elements) {
+            let u = face.map(|v| heat[v as usize]);
+            let rise = [u[1] - u[0], u[2] - u[1], u[0] - u[2]];
+            // Far from the source heat is tiny, and its square zero.
+            let size = rise.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
+            if size == 0.0 {
+                continue;
+            }
+            let rise = rise.map(|d| d / size);
+            let w = element.weights;
+            let energy: f64 = (0..3).map(|k| w[k] * rise[k] * rise[k]).sum();
+            if energy <= 0.0 {
+                continue; // a sliver, and rounding
+            }
+            let unit = (element.area / energy).sqrt();
+            for k in 0..3 {
+                let before = (k + 2) % 3;
+                slopes[face[k] as usize] += unit * (w[k] * rise[k] - w[before] * rise[before]);
+            }
+        }
+        slopes
+    }
+}
+
+/// The matrix with the same places and other entries.
+fn with_entries(matrix: &CsMat<f64>, entry: impl Fn(usize, usize, f64) -> f64) -> CsMat<f64> {
+    let mut other = matrix.clone();
+    for (i, mut row) in other.outer_iterator_mut().enumerate() {
+        for (j, w) in row.iter_mut() {
+            *w = entry(i, j, *w);
+        }
+    }
+    other
+}
+
+/// For each vertex, the lowest of those that faces connect it to.
+fn components(n: usize, faces: &[[u32; 3]]) -> Vec<u32> {
+    fn root(parents: &mut [u32], mut v: u32) -> u32 {
+        while parents[v as usize] != v {
+            let above = parents[parents[v as usize] as usize];
+            parents[v as usize] = above;
+            v = above;
+        }
+        v
+    }
+    let mut parents: Vec<u32> = (0..n as u32).collect();
+    for &[a, b, c] in faces {
+        for other in [b, c] {
+            let (x, y) = (root(&mut parents, a), root(&mut parents, other));
+            parents[x.max(y) as usize] = x.min(y);
+        }
+    }
+    for v in 0..n as u32 {
+        parents[v as usize] = root(&mut parents, v);
+    }
+    parents
+}

@@ -1,0 +1,12 @@
+//! Distances on meshes: along edges ([`Dijkstra`]), and over the surface ([`HeatMethod`]).
+
+mod cholesky;
+mod dijkstra;
+mod graph;
+mod heat;
+#[cfg(test)]
+mod tests;
+
+pub use dijkstra::{Dijkstra, SearchLimits};
+pub use graph::Graph;
+pub use heat::{HeatMethod, HeatOptions};

@@ -1,0 +1,260 @@
+use super::*;
+use crate::base::{Error, Par, Rng};
+use crate::mesh::vector::{distance, dot};
+use crate::mesh::{LaplacianKind, TriMesh, families, shapes};
+
+/// Bellman and Ford's algorithm: distances from several sources.
+fn oracle(n: usize, edges: &[(u32, u32, f64)], sources: &[(u32, f64)]) -> Vec<f64> {
+    let mut distances = vec![f64::INFINITY; n];
+    for &(v, d) in sources {
+        distances[v as usize] = d.min(distances[v as usize]);
+    }
+    for _ in 0..n {
+        for &(a, b, length) in edges {
+            let (x, y) = (distances[a as usize], distances[b as usize]);
+            distances[a as usize] = x.min(y + length);
+            distances[b as usize] = y.min(x + length);
+        }
+    }
+    distances
+}
+
+fn random_graph(n: u32, m: usize, seed: u64) -> Vec<(u32, u32, f64)> {
+    let mut rng = Rng::new(seed);
+    let mut vertex = || (rng.bits() % u64::from(n)) as u32;
+    let ends: Vec<_> = (0..m).map(|_| (vertex(), vertex())).collect();
+    // Lengths of few digits, so that sums are exact and paths tie.
+    ends.into_iter().map(|(a, b)| (a, b, (rng.bits() % 16) as f64 / 8.0)).collect()
+}
+
+fn close(a: f64, b: f64) -> bool {
+    a == b || (a - b).abs() < 1e-12
+}
+
+#[test]
+fn the_distance_on_a_grid_graph_is_the_sum_of_steps() {
+    let (x, y) = (7, 5);
+    let mut edges = Vec::new();
+    for j in 0..y {
+        for i in 0..x {
+            if i + 1 < x {
+                edges.push((j * x + i, j * x + i + 1, 1.0));
+            }
+            if j + 1 < y {
+                edges.push((j * x + i, (j + 1) * x + i, 2.0));
+            }
+        }
+    }
+    let graph = Graph::new((x * y) as usize, &edges).unwrap();
+    let mut search = Dijkstra::new(&graph);
+    search.search(&[(0, 0.0)], &SearchLimits::default()).unwrap();
+    for v in 0..x * y {
+        assert_eq!(search.distance(v), f64::from(v % x + 2 * (v / x)));
+    }
+    assert_eq!(search.reached().len(), 35);
+    assert_eq!(search.path(34).len(), 11);
+}
+
+#[test]
+fn distances_paths_and_origins_agree_with_bellman_and_ford() {
+    for seed in 0..30 {
+        let n = [1, 2, 13, 40][seed as usize % 4];
+        let edges = random_graph(n, (seed as usize % 5) * n as usize / 2, seed);
+        let graph = Graph::new(n as usize, &edges).unwrap();
+        let mut search = Dijkstra::new(&graph);
+        let sources = [(0, 0.5), (n / 2, 0.0), (n - 1, 0.25), (0, 0.75)];
+        let expected = oracle(n as usize, &edges, &sources);
+        search.search(&sources, &SearchLimits::default()).unwrap();
+        assert_eq!(search.distances(), expected);
+        for v in 0..n {
+            let path = search.path(v);
+            assert_eq!(path.last().copied(), expected[v as usize].is_finite().then_some(v));
+            assert_eq!(path.first().copied(), search.origin(v));
+            for pair in path.windows(2) {
+                let step = search.distance(pair[1]) - search.distance(pair[0]);
+                assert!(graph.neighbours(pair[0]).any(|(w, l)| w == pair[1] && l == step));
+            }
+        }
+        let order: Vec<f64> = search.reached().iter().map(|&v| search.distance(v)).collect();
+        assert!(order.is_sorted());
+    }
+}
+
+#[test]
+fn one_solver_serves_many_limited_searches() {
+    let edges = random_graph(60, 100, 7);
+    let graph = Graph::new(60, &edges).unwrap();
+    let mut search = Dijkstra::new(&graph);
+    for source in 0..60 {
+        let expected = oracle(60, &edges, &[(source, 0.0)]);
+        let cutoff = f64::from(source % 7) / 2.0;
+        search.search(&[(source, 0.0)], &SearchLimits { cutoff, targets: &[] }).unwrap();
+        for v in 0..60 {
+            let d = expected[v as usize];
+            assert_eq!(search.distance(v), if d <= cutoff { d } else { f64::INFINITY });
+            assert_eq!(search.origin(v).is_some(), d <= cutoff);
+        }
+        let targets = [(source + 5) % 60, (source + 30) % 60, (source + 5) % 60];
+        let limits = SearchLimits { targets: &targets, ..Default::default() };
+        search.search(&[(source, 0.0)], &limits).unwrap();
+        for v in targets {
+            assert_eq!(search.distance(v), expected[v as usize]);
+        }
+        for v in 0..60 {
+            let reached = search.reached().contains(&v);
+            let expected = if reached { expected[v as usize] } else { f64::INFINITY };
+            assert_eq!(search.distance(v), expected, "what is not final is not told");
+        }
+    }
+}
+
+#[test]
+fn inserted_sources_change_only_what_they_are_nearer_to() {
+    let edges = random_graph(50, 90, 8);
+    let graph = Graph::new(50, &edges).unwrap();
+    let mut search = Dijkstra::new(&graph);
+    let mut sources = Vec::new();
+    let mut before = vec![f64::INFINITY; 50];
+    for source in [3, 17, 40, 3, 22] {
+        sources.push((source, 0.0));
+        search.insert(&[(source, 0.0)]).unwrap();
+        let now = oracle(50, &edges, &sources);
+        assert_eq!(search.distances(), now);
+        let changed = (0..50).filter(|&v| now[v as usize] < before[v as usize]);
+        let mut reached = search.reached().to_vec();
+        reached.sort_unstable();
+        assert_eq!(reached, changed.collect::<Vec<u32>>());
+        before = now;
+    }
+    search.search(&[(1, 0.0)], &SearchLimits::default()).unwrap();
+    assert_eq!(search.distances(), oracle(50, &edges, &[(1, 0.0)]), "all is forgotten");
+}
+
+#[test]
+fn a_mesh_is_the_graph_of_its_edges() {
+    let mesh = families::pages(3).unwrap();
+    let graph = Graph::of_mesh(&mesh);
+    assert_eq!(graph.len(), 5);
+    let near: Vec<_> = graph.neighbours(2).collect();
+    assert_eq!(near.iter().map(|e| e.0).collect::<Vec<_>>(), [0, 1]);
+    assert!(near.iter().all(|e| close(e.1, 1.25_f64.sqrt())));
+    assert_eq!(graph.neighbours(0).count(), 4, "the edge of three faces is one edge");
+}
+
+#[test]
+fn wrong_arguments_of_graphs_and_searches_are_named() {
+    for (edge, part) in [((0, 3, 1.0), "edge 0, from 0 to 3"), ((0, 1, -1.0), "length -1")] {
+        let error = Graph::new(3, &[edge]).unwrap_err().to_string();
+        assert!(error.contains(part), "{error}");
+    }
+    let graph = Graph::new(3, &[(0, 1, 1.0)]).unwrap();
+    let mut search = Dijkstra::new(&graph);
+    let all = SearchLimits::default();
+    assert!(search.search(&[(3, 0.0)], &all).is_err());
+    assert!(search.search(&[(0, f64::NAN)], &all).is_err());
+    assert!(search.search(&[(0, 0.0)], &SearchLimits { targets: &[9], ..all }).is_err());
+    assert!(search.search(&[(0, 0.0)], &SearchLimits { cutoff: -1.0, ..all }).is_err());
+    assert!(search.insert(&[(3, 0.0)]).is_err());
+    search.search(&[(0, -0.0)], &all).unwrap();
+    assert_eq!(search.distances(), [0.0, 1.0, f64::INFINITY]);
+    let empty = Graph::new(0, &[]).unwrap();
+    assert!(empty.is_empty());
+    Dijkstra::new(&empty).search(&[], &all).unwrap();
+}
+
+fn heat(mesh: &TriMesh, kind: LaplacianKind) -> HeatMethod {
+    HeatMethod::new(mesh, &HeatOptions { kind, par: Par::Seq, ..Default::default() }).unwrap()
+}
+
+/// The mean and the largest difference, relative to the largest distance.
+fn errors(found: &[f64], exact: impl Fn(usize) -> f64) -> (f64, f64) {
+    let largest = (0..found.len()).map(&exact).fold(0.0, f64::max);
+    let all = || found.iter().enumerate().map(|(v, d)| (d - exact(v)).abs() / largest);
+    (all().sum::<f64>() / found.len() as f64, all().fold(0.0, f64::max))
+}
+
+const KINDS: [LaplacianKind; 3] =
+    [LaplacianKind::Cotangent, LaplacianKind::IntrinsicDelaunay, LaplacianKind::Tufted];
+
+#[test]
+fn heat_distances_on_a_plane_are_euclidean() {
+    let mesh = shapes::shaken(&shapes::grid(30, 30), 0.0, 1);
+    let centre = 15 * 31 + 15;
+    for kind in KINDS {
+        let found = heat(&mesh, kind).distances(&[centre]).unwrap();
+        let p = mesh.vertices();
+        let (mean, largest) = errors(&found, |v| distance(p[v], p[centre as usize]));
+        assert!(mean < 0.015 && largest < 0.06, "{kind:?}: {mean} {largest}");
+        assert_eq!(found[centre as usize], 0.0);
+    }
+}
+
+#[test]
+fn heat_distances_on_a_sphere_are_arcs() {
+    let mesh = shapes::sphere(4);
+    let p = mesh.vertices();
+    for kind in KINDS {
+        let solver = heat(&mesh, kind);
+        for source in [0, 77] {
+            let found = solver.distances(&[source]).unwrap();
+            let arc = |v: usize| dot(p[v], p[source as usize]).clamp(-1.0, 1.0).acos();
+            let (mean, largest) = errors(&found, arc);
+            assert!(mean < 0.01 && largest < 0.04, "{kind:?}: {mean} {largest}");
+        }
+        let found = solver.distances(&[0, 1]).unwrap();
+        let arc = |v: usize| {
+            let nearer = dot(p[v], p[0]).max(dot(p[v], p[1]));
+            nearer.clamp(-1.0, 1.0).acos()
+        };
+        let (mean, largest) = errors(&found, arc);
+        assert!(mean < 0.02 && largest < 0.07, "{kind:?}, two sources: {mean} {largest}");
+    }
+}
+
+#[test]
+fn heat_distances_are_infinite_where_no_source_is() {
+    let (mut vertices, faces) =
+        shapes::both(&shapes::sphere(2), &shapes::sphere(2), 5.0).into_parts();
+    vertices.push([0.0, 9.0, 0.0]);
+    let n = vertices.len();
+    let mesh = TriMesh::new(vertices, faces).unwrap();
+    let solver = heat(&mesh, LaplacianKind::Cotangent);
+    let found = solver.distances(&[3]).unwrap();
+    assert!(found[..n / 2].iter().all(|d| d.is_finite()));
+    assert!(found[n / 2..].iter().all(|&d| d == f64::INFINITY));
+    let both = solver.distances(&[3, 3 + n as u32 / 2, n as u32 - 1]).unwrap();
+    for v in 0..n / 2 {
+        assert!((both[v] - found[v]).abs() < 1e-9 && (both[v + n / 2] - found[v]).abs() < 1e-9);
+    }
+    assert_eq!(both[n - 1], 0.0);
+    assert!(solver.distances(&[]).unwrap().iter().all(|&d| d == f64::INFINITY));
+    assert!(solver.distances(&[n as u32]).is_err());
+}
+
+#[test]
+fn heat_that_does_not_arrive_is_an_error_and_more_time_helps() {
+    let mesh = shapes::grid(1200, 1);
+    let solver = heat(&mesh, LaplacianKind::Cotangent);
+    let error = solver.distances(&[0]).unwrap_err();
+    assert!(matches!(error, Error::Mesh { .. }) && error.to_string().contains("longer time"));
+    let options = HeatOptions { time: 100.0, par: Par::Seq, ..Default::default() };
+    let found = HeatMethod::new(&mesh, &options).unwrap().distances(&[0]).unwrap();
+    assert!((found[1200] / 1200.0 - 1.0).abs() < 0.02, "{}", found[1200]);
+    for time in [0.0, -1.0, f64::NAN] {
+        assert!(HeatMethod::new(&mesh, &HeatOptions { time, ..options }).is_err());
+    }
+}
+
+#[test]
+fn heat_distances_survive_faces_without_area() {
+    let mut vertices = shapes::grid(20, 20).into_parts().0;
+    vertices[100] = vertices[101];
+    let mesh = TriMesh::new(vertices, shapes::grid(20, 20).into_parts().1).unwrap();
+    assert!(HeatMethod::new(&mesh, &HeatOptions::default()).is_err());
+    for kind in &KINDS[1..] {
+        let found = heat(&mesh, *kind).distances(&[0]).unwrap();
+        let p = mesh.vertices();
+        let (mean, largest) = errors(&found, |v| distance(p[v], p[0]));
+        assert!(mean < 0.03 && largest < 0.08, "{kind:?}: {mean} {largest}");
+    }
+}

@@ -1,0 +1,66 @@
+//! Bending, which changes lengths on thin shapes little: near-isometric copies.
+
+use super::super::TriMesh;
+use super::draft::positive;
+use crate::base::{Error, Result};
+
+/// A bend: space behind `at` stays, a slab of width `length` beyond it is bent around a circle, and what is behind that is
+/// turned with it. The middle plane through `at` keeps its lengths; at a height h in direction `towards`, they change by the
+/// factor 1 - h angle / length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bend {
+    /// Where it begins.
+    pub at: [f64; 3],
+    /// The direction that is bent, of length 1.
+    pub along: [f64; 3],
+    /// Where it is bent to: of length 1, orthogonal to `along`.
+    pub towards: [f64; 3],
+    /// The angle, in radians.
+    pub angle: f64,
+    /// The width of the slab, above 0.
+    pub length: f64,
+}
+
+impl Bend {
+    /// Where the point p goes.
+    pub fn apply(&self, p: [f64; 3]) -> [f64; 3] {
+        let dot = |a: [f64; 3]| (0..3).map(|k| a[k] * (p[k] - self.at[k])).sum::<f64>();
+        let (s, h) = (dot(self.along), dot(self.towards));
+        if s <= 0.0 || self.angle == 0.0 {
+            return p;
+        }
+        let radius = self.length / self.angle;
+        let (sin, cos) = (s.min(self.length) / radius).sin_cos();
+        let beyond = (s - self.length).max(0.0);
+        let s_new = (radius - h) * sin + beyond * cos;
+        let h_new = radius - (radius - h) * cos + beyond * sin;
+        std::array::from_fn(|k| p[k] + (s_new - s) * self.along[k] + (h_new - h) * self.towards[k])
+    }
+
+    fn check(&self) -> Result<()> {
+        positive("length", self.length)?;
+        let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| a[k] * b[k]).sum::<f64>();
+        let near = |value: f64, wanted: f64| (value - wanted).abs() <= 1e-9;
+        let units =
+            near(dot(self.along, self.along), 1.0) && near(dot(self.towards, self.towards), 1.0);
+        if !units || !near(dot(self.along, self.towards), 0.0) || !self.angle.is_finite() {
+            return Err(Error::Argument {
+                what: "bend",
+                why: format!(
+                    "{self:?}, where orthogonal unit vectors and a finite angle are needed"
+                ),
+            });
+        }
+        Ok(())
+    }
+}
+
+/// The mesh with every vertex moved by the bend; the same faces.
+///
+/// # Errors
+/// [`Error::Argument`] unless the directions are orthogonal and of length 1 (to 1e-9), the length positive and all finite.
+pub fn bent(mesh: &TriMesh, bend: &Bend) -> Result<TriMesh> {
+    bend.check()?;
+    let vertices = mesh.vertices().iter().map(|&p| bend.apply(p)).collect();
+    TriMesh::new(vertices, mesh.faces().to_vec())
+}

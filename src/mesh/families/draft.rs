@@ -1,0 +1,105 @@
+use super::super::TriMesh;
+use crate::base::{Error, Result};
+
+/// A mesh being made, with room for all of it.
+pub(super) struct Draft {
+    pub vertices: Vec<[f64; 3]>,
+    pub faces: Vec<[u32; 3]>,
+}
+
+impl Draft {
+    /// Room for that many; `None`, a count that overflowed, can't be had.
+    pub fn with_counts(vertices: Option<usize>, faces: Option<usize>) -> Result<Self> {
+        // What overflows or can't be numbered would be refused by `TriMesh::new`, but only after it was made.
+        let fits = |count: Option<usize>, each: u32| {
+            count.filter(|&n| n <= (u32::MAX / each) as usize).ok_or_else(|| Error::Argument {
+                what: "mesh",
+                why: "it would have 2^32 vertices or corners of faces, or more".into(),
+            })
+        };
+        let (vertices, faces) = (fits(vertices, 1)?, fits(faces, 3)?);
+        Ok(Self { vertices: reserved(vertices)?, faces: reserved(faces)? })
+    }
+
+    pub fn finish(self) -> Result<TriMesh> {
+        TriMesh::new(self.vertices, self.faces)
+    }
+}
+
+fn reserved<T>(len: usize) -> Result<Vec<T>> {
+    let mut items = Vec::new();
+    let bytes = len.saturating_mul(size_of::<T>());
+    items.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;
+    Ok(items)
+}
+
+/// How the last column of a sheet meets the first one.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Seam {
+    /// It doesn't.
+    Open,
+    /// Row by row.
+    Joined,
+    /// With the rows in reverse.
+    Twisted,
+}
+
+/// A sheet of `columns` x `rows` cells, each cut into two triangles; `position(i, j)` is that of the vertex in column i and
+/// row j. With joined rows the last row is the first one.
+pub(super) fn sheet(
+    columns: usize,
+    rows: usize,
+    seam: Seam,
+    rows_joined: bool,
+    position: impl Fn(usize, usize) -> [f64; 3],
+) -> Result<TriMesh> {
+    at_least("columns", columns, if seam == Seam::Open { 1 } else { 3 })?;
+    at_least("rows", rows, if rows_joined { 3 } else { 1 })?;
+    let plus_one = |cells: usize, joined: bool| cells.checked_add(usize::from(!joined));
+    let lines = plus_one(columns, seam != Seam::Open);
+    let per_line = plus_one(rows, rows_joined);
+    let (Some(lines), Some(per_line)) = (lines, per_line) else {
+        return Draft::with_counts(None, None)?.finish();
+    };
+    let faces = columns.checked_mul(rows).and_then(|cells| cells.checked_mul(2));
+    let mut draft = Draft::with_counts(lines.checked_mul(per_line), faces)?;
+    for i in 0..lines {
+        draft.vertices.extend((0..per_line).map(|j| position(i, j)));
+    }
+    let number = |i: usize, j: usize| {
+        let j = j % per_line;
+        let (i, j) = match seam {
+            Seam::Twisted if i == lines => (0, per_line - 1 - j),
+            _ => (i % lines, j),
+        };
+        (i * per_line + j) as u32
+    };
+    for i in 0..columns {
+        for j in 0..rows {
+            let [a, b] = [number(i, j), number(i + 1, j)];
+            let [c, d] = [number(i + 1, j + 1), number(i, j + 1)];
+            draft.faces.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    draft.finish()
+}
+
+pub(super) fn at_least(what: &'static str, value: usize, least: usize) -> Result<()> {
+    if value >= least {
+        return Ok(());
+    }
+    Err(Error::Argument { what, why: format!("{value}, where at least {least} is needed") })
+}
+
+/// `Ok` when `value` is finite and above 0.
+pub(super) fn positive(what: &'static str, value: f64) -> Result<()> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(Error::Argument { what, why: format!("{value}, where a positive number is needed") })
+}
+
+/// The angle of step `i` of `count` around a circle.
+pub(super) fn turn(i: usize, count: usize) -> f64 {
+    std::f64::consts::TAU * i as f64 / count as f64
+}

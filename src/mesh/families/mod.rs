@@ -1,0 +1,19 @@
+//! Generated meshes with known counts, genus and boundary, for tests and demonstrations.
+//!
+//! All faces are counter-clockwise as seen from outside (from above, for what is flat). V and F are the numbers of vertices
+//! and faces; a closed orientable surface of genus g has V = F / 2 + 2 - 2 g. The same arguments give the same mesh, but
+//! for last bits where machines round sines differently.
+
+mod bent;
+mod broken;
+mod closed;
+mod draft;
+mod figure;
+mod flat;
+mod voxels;
+
+pub use bent::{Bend, bent};
+pub use broken::{bow_tie, pages, slivers};
+pub use closed::{genus, icosphere, knot, spheres, torus};
+pub use figure::figure;
+pub use flat::{cylinder, disk, grid, moebius, terrain};

@@ -1,0 +1,162 @@
+use sprs::CsMat;
+
+use super::{Element, MassKind};
+use crate::base::Par;
+use crate::sparse::Mass;
+
+/// Rows a thread takes at a time.
+const BLOCK: usize = 1 << 13;
+
+/// Some rows of the matrices.
+#[derive(Default)]
+struct Rows {
+    /// Entries of each row.
+    counts: Vec<usize>,
+    columns: Vec<usize>,
+    stiffness: Vec<f64>,
+    /// Entries of the full mass matrix, if it is wanted.
+    full: Vec<f64>,
+    /// One mass for each row, if not.
+    lumped: Vec<f64>,
+}
+
+/// Sums the elements into matrices of n rows. A face may have a vertex twice (see [`super::Complex`]).
+///
+/// Every row is summed on its own in the order of faces: the result is symmetric bit for bit and the same for any
+/// number of threads.
+pub(crate) fn assemble(
+    n: usize,
+    faces: &[[u32; 3]],
+    elements: &[Element],
+    kind: MassKind,
+    par: Par,
+) -> (CsMat<f64>, Mass) {
+    let (starts, corners) = corners_of_vertices(n, faces);
+    let blocks = par.map_blocks(n, BLOCK, |range| {
+        let mut rows = Rows::default();
+        let mut edges = Vec::new();
+        for vertex in range {
+            let corners = &corners[starts[vertex]..starts[vertex + 1]];
+            rows.push(vertex, corners, faces, elements, kind, &mut edges);
+        }
+        rows
+    });
+    let entries = blocks.iter().map(|b| b.columns.len()).sum();
+    let mut starts = Vec::with_capacity(n + 1);
+    starts.push(0);
+    let mut columns = Vec::with_capacity(entries);
+    let mut stiffness = Vec::with_capacity(entries);
+    let mut full = Vec::new();
+    let mut lumped = Vec::new();
+    let mut end = 0;
+    for block in blocks {
+        for count in block.counts {
+            end += count;
+            starts.push(end);
+        }
+        columns.extend(block.columns);
+        stiffness.extend(block.stiffness);
+        full.extend(block.full);
+        lumped.extend(block.lumped);
+    }
+    let mass = match kind {
+        MassKind::Consistent => {
+            Mass::Full(CsMat::new((n, n), starts.clone(), columns.clone(), full))
+        }
+        MassKind::Barycentric | MassKind::MixedVoronoi => Mass::Lumped(lumped),
+    };
+    (CsMat::new((n, n), starts, columns, stiffness), mass)
+}
+
+impl Rows {
+    /// The row of a vertex from its corners; `edges` is a buffer.
+    fn push(
+        &mut self,
+        vertex: usize,
+        corners: &[u32],
+        faces: &[[u32; 3]],
+        elements: &[Element],
+        kind: MassKind,
+        edges: &mut Vec<(u32, u32)>,
+    ) {
+        // Neighbours with the edge that leads there, 3 face + edge: ascending, so that both ends of an edge of several
+        // faces sum them in the same order.
+        edges.clear();
+        let (mut own, mut lumped) = (0.0, 0.0);
+        for &corner in corners {
+            let (face, k) = (corner / 3, corner % 3);
+            let element = &elements[face as usize];
+            let others = [((k + 1) % 3, k), ((k + 2) % 3, (k + 2) % 3)];
+            for (other, edge) in others {
+                edges.push((faces[face as usize][other as usize], 3 * face + edge));
+            }
+            own += element.area / 6.0;
+            lumped += match kind {
+                MassKind::MixedVoronoi => element.mixed_voronoi(k as usize),
+                MassKind::Barycentric | MassKind::Consistent => element.area / 3.0,
+            };
+        }
+        edges.sort_unstable();
+        let before = self.columns.len();
+        let mut diagonal = 0.0;
+        let mut diagonal_at = None;
+        for run in edges.chunk_by(|a, b| a.0 == b.0) {
+            let neighbour = run[0].0 as usize;
+            let (mut weight, mut mass) = (0.0, 0.0);
+            for &(_, edge) in run {
+                let element = &elements[edge as usize / 3];
+                weight += element.weights[edge as usize % 3];
+                mass += element.area / 12.0;
+            }
+            if neighbour == vertex {
+                // An edge from a vertex to itself: its differences are zero.
+                own += mass;
+                continue;
+            }
+            diagonal += weight;
+            if neighbour > vertex && diagonal_at.is_none() {
+                diagonal_at = Some(self.reserve(vertex, kind));
+            }
+            self.columns.push(neighbour);
+            self.stiffness.push(-weight);
+            if kind == MassKind::Consistent {
+                self.full.push(mass);
+            }
+        }
+        let at = diagonal_at.unwrap_or_else(|| self.reserve(vertex, kind));
+        self.stiffness[at] = diagonal;
+        match kind {
+            MassKind::Consistent => self.full[at] = own,
+            MassKind::Barycentric | MassKind::MixedVoronoi => self.lumped.push(lumped),
+        }
+        self.counts.push(self.columns.len() - before);
+    }
+
+    /// A place for an entry of this column.
+    fn reserve(&mut self, column: usize, kind: MassKind) -> usize {
+        self.columns.push(column);
+        self.stiffness.push(0.0);
+        if kind == MassKind::Consistent {
+            self.full.push(0.0);
+        }
+        self.columns.len() - 1
+    }
+}
+
+/// The corners (3 face + corner) at each vertex, ascending: those at v are `corners[starts[v]..starts[v + 1]]`.
+fn corners_of_vertices(n: usize, faces: &[[u32; 3]]) -> (Vec<usize>, Vec<u32>) {
+    let mut starts = vec![0; n + 1];
+    for &v in faces.as_flattened() {
+        starts[v as usize + 1] += 1;
+    }
+    for v in 0..n {
+        starts[v + 1] += starts[v];
+    }
+    let mut next = starts.clone();
+    let mut corners = vec![0; 3 * faces.len()];
+    for (corner, &v) in faces.as_flattened().iter().enumerate() {
+        corners[next[v as usize]] = corner as u32;
+        next[v as usize] += 1;
+    }
+    (starts, corners)
+}

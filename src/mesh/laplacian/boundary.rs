@@ -1,0 +1,92 @@
+use sprs::CsMat;
+
+use super::super::{Edges, TriMesh};
+use super::{Boundary, Laplacian};
+use crate::base::{Error, Result};
+use crate::sparse::Mass;
+
+/// Which vertices have no row: those set to zero, and those in no face.
+pub(super) fn removed(mesh: &TriMesh, boundary: &Boundary) -> Result<Vec<bool>> {
+    let n = mesh.vertices().len();
+    let mut removed = vec![false; n];
+    for v in mesh.unreferenced_vertices() {
+        removed[v as usize] = true;
+    }
+    match boundary {
+        Boundary::Neumann => {}
+        Boundary::Dirichlet => {
+            let edges = Edges::new(mesh);
+            for v in edges.boundary().flat_map(|e| edges.ends()[e as usize]) {
+                removed[v as usize] = true;
+            }
+        }
+        Boundary::Mixed(vertices) => {
+            for &v in vertices {
+                *removed.get_mut(v as usize).ok_or_else(|| Error::Mesh {
+                    what: format!("set to zero, but there are {n} vertices (numbered from 0)"),
+                    element: format!("vertex {v}"),
+                })? = true;
+            }
+        }
+    }
+    Ok(removed)
+}
+
+/// The rows and columns of the vertices that are not removed.
+pub(super) fn restrict(stiffness: CsMat<f64>, mass: Mass, removed: &[bool]) -> Result<Laplacian> {
+    let vertices = removed.len();
+    let kept: Vec<usize> = (0..vertices).filter(|&v| !removed[v]).collect();
+    let (stiffness, mass) = if kept.len() == vertices {
+        (stiffness, mass)
+    } else {
+        let mut rows = vec![None; vertices];
+        for (row, &v) in kept.iter().enumerate() {
+            rows[v] = Some(row);
+        }
+        let mass = match mass {
+            Mass::Lumped(all) => Mass::Lumped(kept.iter().map(|&v| all[v]).collect()),
+            Mass::Full(matrix) => Mass::Full(submatrix(&matrix, &kept, &rows)),
+        };
+        (submatrix(&stiffness, &kept, &rows), mass)
+    };
+    check(&stiffness, &mass, &kept)?;
+    Ok(Laplacian { stiffness, mass, kept, vertices })
+}
+
+fn submatrix(matrix: &CsMat<f64>, kept: &[usize], rows: &[Option<usize>]) -> CsMat<f64> {
+    let mut starts = vec![0];
+    let (mut columns, mut values) = (Vec::new(), Vec::new());
+    for row in kept.iter().filter_map(|&v| matrix.outer_view(v)) {
+        for (column, &value) in row.iter() {
+            if let Some(column) = rows[column] {
+                columns.push(column);
+                values.push(value);
+            }
+        }
+        starts.push(columns.len());
+    }
+    CsMat::new((kept.len(), kept.len()), starts, columns, values)
+}
+
+/// Sums of finite numbers can overflow, and products of tiny ones vanish.
+fn check(stiffness: &CsMat<f64>, mass: &Mass, kept: &[usize]) -> Result<()> {
+    let culprit = |row: usize, what: &str| {
+        Err(Error::Mesh { what: what.into(), element: format!("vertex {}", kept[row]) })
+    };
+    for (row, entries) in stiffness.outer_iterator().enumerate() {
+        if entries.data().iter().any(|w| !w.is_finite()) {
+            return culprit(row, "its weights are not finite");
+        }
+    }
+    let sound = |m: f64| m > 0.0 && m.is_finite();
+    let wrong = match mass {
+        Mass::Lumped(all) => all.iter().position(|&m| !sound(m)),
+        Mass::Full(matrix) => {
+            matrix.outer_iterator().position(|row| !row.data().iter().all(|&m| sound(m)))
+        }
+    };
+    match wrong {
+        Some(row) => culprit(row, "its mass is not a positive finite number"),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,105 @@
+use super::super::TriMesh;
+use super::super::vector::{cross, dot, norm, sub};
+use crate::base::{Error, Par, Result};
+
+/// Faces a thread takes at a time.
+const BLOCK: usize = 1 << 14;
+
+/// What a triangle gives to the matrices. Edge k joins corners k and k + 1 (mod 3) and faces corner k + 2.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Element {
+    /// Half the cotangent of the angle that each edge faces.
+    pub weights: [f64; 3],
+    /// Its area.
+    pub area: f64,
+}
+
+impl Element {
+    /// Of the corners' positions; `None` when its area is zero to within rounding.
+    fn of_positions(p: [[f64; 3]; 3]) -> Option<Self> {
+        let edges = [sub(p[1], p[0]), sub(p[2], p[1]), sub(p[0], p[2])];
+        let longest = edges.iter().map(|&e| dot(e, e)).fold(0.0, f64::max);
+        let double = norm(cross(edges[0], edges[1]));
+        // The cross product of vectors with relative errors of eps is wrong by about eps times their lengths.
+        if double <= 16.0 * f64::EPSILON * longest {
+            return None;
+        }
+        // At corner k + 2 meet the edges k + 1, which ends there, and k + 2, which starts there.
+        let weights =
+            std::array::from_fn(|k| -dot(edges[(k + 1) % 3], edges[(k + 2) % 3]) / (2.0 * double));
+        Some(Self { weights, area: 0.5 * double })
+    }
+
+    /// Of the lengths of its edges.
+    pub fn of_lengths(l: [f64; 3]) -> Self {
+        let area = area(l);
+        let square = l.map(|x| x * x);
+        let weights = std::array::from_fn(|k| {
+            (square[(k + 1) % 3] + square[(k + 2) % 3] - square[k]) / (8.0 * area)
+        });
+        Self { weights, area }
+    }
+
+    /// Whether its area is positive and everything finite.
+    pub fn is_sound(&self) -> bool {
+        self.area > 0.0 && self.area.is_finite() && self.weights.iter().all(|w| w.is_finite())
+    }
+
+    /// This share of it.
+    pub fn scaled(self, share: f64) -> Self {
+        Self { weights: self.weights.map(|w| w * share), area: self.area * share }
+    }
+
+    /// The area nearest to corner k, or in place of it the share that Meyer et al. give in obtuse triangles.
+    pub fn mixed_voronoi(&self, k: usize) -> f64 {
+        // The angle at corner k faces edge k + 1.
+        let obtuse = |k: usize| self.weights[(k + 1) % 3] < 0.0;
+        if obtuse(k) {
+            return self.area / 2.0;
+        }
+        if obtuse((k + 1) % 3) || obtuse((k + 2) % 3) {
+            return self.area / 4.0;
+        }
+        let w = self.weights;
+        // The square of an edge is twice the area times the two cotangents at its ends; cotangents of a triangle have
+        // products in pairs that sum to 1, whatever share of them this element is.
+        let share = |e: usize| (w[(e + 1) % 3] + w[(e + 2) % 3]) * w[e];
+        let all = 4.0 * (w[0] * w[1] + w[1] * w[2] + w[2] * w[0]);
+        self.area * (share(k) + share((k + 2) % 3)) / all
+    }
+}
+
+/// The area of a triangle with these edges: Kahan, Miscalculating Area and Angles of a Needle-like Triangle (2014).
+/// NaN if there is no such triangle.
+pub(super) fn area(mut l: [f64; 3]) -> f64 {
+    l.sort_unstable_by(|x, y| y.total_cmp(x));
+    let [a, b, c] = l;
+    0.25 * ((a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))).sqrt()
+}
+
+/// Those of the faces of a mesh.
+pub(crate) fn of_mesh(mesh: &TriMesh, par: Par) -> Result<Vec<Element>> {
+    let (vertices, faces) = (mesh.vertices(), mesh.faces());
+    let blocks = par.map_blocks(faces.len(), BLOCK, |range| {
+        range
+            .map(|f| {
+                let found = Element::of_positions(faces[f].map(|v| vertices[v as usize]));
+                found.filter(Element::is_sound).ok_or_else(|| no_area(f))
+            })
+            .collect::<Result<Vec<_>>>()
+    });
+    let mut elements = Vec::with_capacity(faces.len());
+    for block in blocks {
+        elements.extend(block?);
+    }
+    Ok(elements)
+}
+
+/// The error for a face that has no area, or none that `f64` can hold.
+pub(super) fn no_area(face: usize) -> Error {
+    Error::Mesh {
+        what: "no area, or lengths out of range (the tufted Laplacian bears faces without area)"
+            .into(),
+        element: format!("face {face}"),
+    }
+}

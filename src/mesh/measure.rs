@@ -1,0 +1,163 @@
+//! Areas, normals, volume, quality, scale. Sums run in the order of faces, so results do not depend on threads.
+
+use super::TriMesh;
+use crate::base::{Error, Result};
+
+/// A face counts as without area when its area is at most this times the square of its longest edge: rounding of a
+/// degenerate triangle gives no less.
+const FLAT: f64 = 8.0 * f64::EPSILON;
+
+/// To what [`TriMesh::normalized`] scales.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Normalization {
+    /// Total area 1, the centroid of the surface at the origin.
+    UnitArea,
+    /// Longest side of the bounding box 1, its middle at the origin.
+    UnitBox,
+}
+
+impl TriMesh {
+    /// Twice the area of face f times its unit normal.
+    fn doubled_normal(&self, face: [u32; 3]) -> [f64; 3] {
+        let [a, b, c] = self.corners_of(face);
+        cross(minus(b, a), minus(c, a))
+    }
+
+    fn corners_of(&self, face: [u32; 3]) -> [[f64; 3]; 3] {
+        face.map(|v| self.vertices()[v as usize])
+    }
+
+    /// Area of each face.
+    pub fn face_areas(&self) -> Vec<f64> {
+        self.faces().iter().map(|&f| norm(self.doubled_normal(f)) / 2.0).collect()
+    }
+
+    /// Total area.
+    pub fn area(&self) -> f64 {
+        self.faces().iter().map(|&f| norm(self.doubled_normal(f)) / 2.0).sum()
+    }
+
+    /// Unit normal of each face; zero where a face has no area.
+    pub fn face_normals(&self) -> Vec<[f64; 3]> {
+        self.faces().iter().map(|&f| unit(self.doubled_normal(f))).collect()
+    }
+
+    /// Unit normal of each vertex, the mean of the normals of its faces weighted by area; zero where that is zero.
+    pub fn vertex_normals(&self) -> Vec<[f64; 3]> {
+        let mut sums = vec![[0.0; 3]; self.vertices().len()];
+        for &face in self.faces() {
+            let normal = self.doubled_normal(face);
+            for v in face {
+                let sum = &mut sums[v as usize];
+                *sum = plus(*sum, normal);
+            }
+        }
+        sums.into_iter().map(unit).collect()
+    }
+
+    /// Volume inside of a closed, oriented mesh, negative when its faces are seen clockwise from outside; of other meshes,
+    /// that of the cones over their faces with tip at the first vertex.
+    pub fn volume(&self) -> f64 {
+        let Some(&tip) = self.vertices().first() else { return 0.0 };
+        let cone = |&face: &[u32; 3]| {
+            let [a, b, c] = self.corners_of(face).map(|p| minus(p, tip));
+            dot(a, cross(b, c))
+        };
+        self.faces().iter().map(cone).sum::<f64>() / 6.0
+    }
+
+    /// Quality of each face, `Q(t) = 2 sqrt(3) A / (S l)` with area A, half the perimeter S and longest edge l (thesis,
+    /// section 5): 1 for equilateral triangles, 0 for those without area.
+    pub fn qualities(&self) -> Vec<f64> {
+        let quality = |&face: &[u32; 3]| {
+            let lengths = self.edge_lengths(face);
+            let longest = lengths.into_iter().fold(0.0, f64::max);
+            let half = lengths.into_iter().sum::<f64>() / 2.0;
+            let area = norm(self.doubled_normal(face)) / 2.0;
+            if longest > 0.0 { 2.0 * 3f64.sqrt() * area / (half * longest) } else { 0.0 }
+        };
+        self.faces().iter().map(quality).collect()
+    }
+
+    fn edge_lengths(&self, face: [u32; 3]) -> [f64; 3] {
+        let [a, b, c] = self.corners_of(face);
+        [norm(minus(b, a)), norm(minus(c, b)), norm(minus(a, c))]
+    }
+
+    /// The faces without area: at most 8 eps times the square of their longest edge, which is what rounding leaves.
+    pub fn faces_without_area(&self) -> Vec<u32> {
+        let flat = |&face: &[u32; 3]| {
+            let longest = self.edge_lengths(face).into_iter().fold(0.0, f64::max);
+            norm(self.doubled_normal(face)) / 2.0 <= FLAT * longest * longest
+        };
+        (0..).zip(self.faces()).filter(|(_, face)| flat(face)).map(|(f, _)| f).collect()
+    }
+
+    /// Lowest and highest coordinates of the vertices; `None` when there are none.
+    pub fn bounding_box(&self) -> Option<[[f64; 3]; 2]> {
+        let &first = self.vertices().first()?;
+        Some(self.vertices().iter().fold([first, first], |[low, high], p| {
+            [std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k]))]
+        }))
+    }
+
+    /// The mesh moved and scaled, alike in all directions.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] when area or box are zero, or too large to be computed with.
+    pub fn normalized(&self, to: Normalization) -> Result<TriMesh> {
+        let (centre, size) = match to {
+            Normalization::UnitArea => (self.centroid(), self.area().sqrt()),
+            Normalization::UnitBox => {
+                let [low, high] = self.bounding_box().unwrap_or_default();
+                let size = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+                (std::array::from_fn(|k| low[k] / 2.0 + high[k] / 2.0), size)
+            }
+        };
+        if !(size.is_normal() && centre.iter().all(|x: &f64| x.is_finite())) {
+            return Err(Error::Mesh {
+                what: format!("can't be scaled, its size is {size}"),
+                element: "mesh".into(),
+            });
+        }
+        let moved = |&p: &[f64; 3]| minus(p, centre).map(|x| x / size);
+        TriMesh::new(self.vertices().iter().map(moved).collect(), self.faces().to_vec())
+    }
+
+    /// The centroid of the surface; not finite when it has no area.
+    fn centroid(&self) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for &face in self.faces() {
+            let weight = norm(self.doubled_normal(face)) / 2.0;
+            let [a, b, c] = self.corners_of(face);
+            let third = plus(plus(a, b), c).map(|x| weight * x / 3.0);
+            sum = plus(sum, third);
+        }
+        sum.map(|x| x / self.area())
+    }
+}
+
+fn plus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn norm(a: [f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+fn unit(a: [f64; 3]) -> [f64; 3] {
+    let length = norm(a);
+    if length > 0.0 { a.map(|x| x / length) } else { [0.0; 3] }
+}

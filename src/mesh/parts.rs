@@ -1,0 +1,78 @@
+//! Parts of meshes as meshes.
+
+use super::{Components, TriMesh};
+use crate::base::{Error, Result};
+
+/// A part of a mesh, its vertices and faces in the order they had.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// The part.
+    pub mesh: TriMesh,
+    /// For each of its vertices the number it had.
+    pub vertices: Vec<u32>,
+    /// For each of its faces the number it had.
+    pub faces: Vec<u32>,
+}
+
+impl TriMesh {
+    /// The part of these faces, in the order of the mesh, with the vertices that they use.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a number that no face has, or that comes twice.
+    pub fn submesh(&self, faces: &[u32]) -> Result<Part> {
+        let mut wanted = vec![false; self.faces().len()];
+        for &f in faces {
+            let refused = |why| Err(Error::Argument { what: "faces", why });
+            match wanted.get_mut(f as usize) {
+                None => return refused(format!("{f} of {} (numbered from 0)", self.faces().len())),
+                Some(true) => return refused(format!("{f} twice")),
+                Some(wanted) => *wanted = true,
+            }
+        }
+        self.part(|f| wanted[f as usize])
+    }
+
+    /// Component number `component` of `components`, those of this mesh.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when there is none of that number.
+    pub fn component(&self, components: &Components, component: usize) -> Result<Part> {
+        let own = components.of_faces();
+        if component >= components.len() || own.len() != self.faces().len() {
+            return Err(Error::Argument {
+                what: "component",
+                why: format!("{component} of {} (numbered from 0)", components.len()),
+            });
+        }
+        self.part(|f| own[f as usize] as usize == component)
+    }
+
+    /// The mesh without vertices that no face has.
+    ///
+    /// # Errors
+    /// None that a mesh could cause.
+    pub fn without_unreferenced(&self) -> Result<Part> {
+        self.part(|_| true)
+    }
+
+    fn part(&self, wanted: impl Fn(u32) -> bool) -> Result<Part> {
+        let faces: Vec<u32> = (0..self.faces().len() as u32).filter(|&f| wanted(f)).collect();
+        let mut number = vec![u32::MAX; self.vertices().len()];
+        for &f in &faces {
+            for v in self.faces()[f as usize] {
+                number[v as usize] = 0;
+            }
+        }
+        let mut vertices = Vec::new();
+        for (v, number) in (0..).zip(&mut number) {
+            if *number == 0 {
+                *number = vertices.len() as u32;
+                vertices.push(v);
+            }
+        }
+        let positions = vertices.iter().map(|&v: &u32| self.vertices()[v as usize]).collect();
+        let numbered =
+            faces.iter().map(|&f| self.faces()[f as usize].map(|v| number[v as usize])).collect();
+        Ok(Part { mesh: TriMesh::new(positions, numbered)?, vertices, faces })
+    }
+}

@@ -1,0 +1,66 @@
+use super::super::TriMesh;
+use super::Edges;
+use crate::base::Result;
+
+impl TriMesh {
+    /// The boundary loops: the vertices of each in the order in which one walks along them, the first not repeated, the mesh
+    /// on the left where it is oriented. Where the boundary meets itself at a vertex, the walk stays with its fan of faces.
+    /// Ordered by their lowest boundary edge.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`](crate::Error::Mesh) when there is a boundary and an edge with three faces or more: such a boundary
+    /// need not be loops.
+    pub fn boundary_loops(&self, edges: &Edges) -> Result<Vec<Vec<u32>>> {
+        if edges.boundary().next().is_none() {
+            return Ok(Vec::new());
+        }
+        edges.require_manifold()?;
+        let mut seen = vec![false; edges.len()];
+        let mut loops = Vec::new();
+        for first in edges.boundary() {
+            if seen[first as usize] {
+                continue;
+            }
+            let mut corner = edges.corners().row(first as usize)[0];
+            let [start, mut vertex] = self.ends(corner);
+            let mut walk = vec![start];
+            seen[first as usize] = true;
+            loop {
+                let edge;
+                (edge, corner) = self.next_on_boundary(edges, corner, vertex);
+                if seen[edge as usize] {
+                    break;
+                }
+                seen[edge as usize] = true;
+                walk.push(vertex);
+                let [a, b] = self.ends(corner);
+                vertex = if a == vertex { b } else { a };
+            }
+            loops.push(walk);
+        }
+        Ok(loops)
+    }
+
+    /// The vertices of the edge that starts at a corner.
+    fn ends(&self, corner: u32) -> [u32; 2] {
+        let [f, i] = [corner as usize / 3, corner as usize % 3];
+        [self.faces()[f][i], self.faces()[f][(i + 1) % 3]]
+    }
+
+    /// From a boundary edge around one of its vertices, through the fan of faces, to the boundary edge at its other end.
+    fn next_on_boundary(&self, edges: &Edges, mut corner: u32, vertex: u32) -> (u32, u32) {
+        loop {
+            // The other edge of this face at the vertex; there is no orientation to rely on.
+            let face = corner / 3;
+            let others = (3 * face..3 * face + 3).filter(|&c| c != corner);
+            let other = others.into_iter().find(|&c| self.ends(c).contains(&vertex));
+            // There always is one, as a corner's edges are two.
+            let other = other.unwrap_or(corner);
+            let edge = edges.of_corners()[other as usize];
+            match edges.corners().row(edge as usize) {
+                &[a, b] => corner = if a == other { b } else { a },
+                _ => return (edge, other),
+            }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+use super::super::TriMesh;
+use super::sets::Sets;
+
+/// The connected components of a mesh: two faces with a common vertex are in the same one. Numbered by their lowest vertex;
+/// vertices without a face are in none.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Components {
+    of_vertex: Vec<u32>,
+    of_face: Vec<u32>,
+    faces: Vec<usize>,
+    vertices: Vec<usize>,
+}
+
+impl Components {
+    /// The component of a vertex without a face.
+    pub const NONE: u32 = u32::MAX;
+
+    /// The components of `mesh`.
+    pub fn new(mesh: &TriMesh) -> Self {
+        let mut sets = Sets::new(mesh.vertices().len());
+        for &[a, b, c] in mesh.faces() {
+            sets.join(a, b);
+            sets.join(b, c);
+        }
+        let used = mesh.referenced();
+        let mut vertices = Vec::new();
+        let mut of_vertex = vec![Self::NONE; used.len()];
+        for v in 0..used.len() {
+            if !used[v] {
+                continue;
+            }
+            // The root is the lowest vertex, so it was numbered before all others.
+            let root = sets.find(v as u32) as usize;
+            if root == v {
+                of_vertex[v] = vertices.len() as u32;
+                vertices.push(0);
+            }
+            of_vertex[v] = of_vertex[root];
+            vertices[of_vertex[v] as usize] += 1;
+        }
+        let mut faces = vec![0; vertices.len()];
+        let of_face: Vec<u32> = mesh.faces().iter().map(|f| of_vertex[f[0] as usize]).collect();
+        for &component in &of_face {
+            faces[component as usize] += 1;
+        }
+        Self { of_vertex, of_face, faces, vertices }
+    }
+
+    /// Number of components.
+    pub fn len(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.faces.is_empty()
+    }
+
+    /// The component of each vertex, or [`Components::NONE`].
+    pub fn of_vertices(&self) -> &[u32] {
+        &self.of_vertex
+    }
+
+    /// The component of each face.
+    pub fn of_faces(&self) -> &[u32] {
+        &self.of_face
+    }
+
+    /// The number of faces of each component.
+    pub fn face_counts(&self) -> &[usize] {
+        &self.faces
+    }
+
+    /// The number of vertices of each component.
+    pub fn vertex_counts(&self) -> &[usize] {
+        &self.vertices
+    }
+
+    /// The component with the most faces, the first of them; `None` when there is none.
+    pub fn largest(&self) -> Option<usize> {
+        (0..self.len()).rev().max_by_key(|&c| self.faces[c])
+    }
+}
+
+impl TriMesh {
+    /// The number of fans of each vertex: groups of its faces that hang together over edges at this vertex. A vertex of more
+    /// than one is non-manifold (a bow tie), one of none is in no face.
+    pub fn fans(&self, edges: &super::Edges) -> Vec<u32> {
+        let faces = self.faces();
+        let mut corners = Sets::new(3 * faces.len());
+        // The corners of a face at the start and the end of the edge that starts at this corner.
+        let both = |corner: u32| {
+            let next = if corner % 3 == 2 { corner - 2 } else { corner + 1 };
+            let [i, j] = [corner, next].map(|c| faces[c as usize / 3][c as usize % 3]);
+            if i < j { [corner, next] } else { [next, corner] }
+        };
+        for row in edges.corners().rows() {
+            for pair in row.windows(2) {
+                let ([a, b], [c, d]) = (both(pair[0]), both(pair[1]));
+                corners.join(a, c);
+                corners.join(b, d);
+            }
+        }
+        let mut fans = vec![0; self.vertices().len()];
+        for (&vertex, corner) in faces.as_flattened().iter().zip(0..) {
+            if corners.find(corner) == corner {
+                fans[vertex as usize] += 1;
+            }
+        }
+        fans
+    }
+}

@@ -1,0 +1,137 @@
+use super::super::TriMesh;
+use super::adjacency::Adjacency;
+use crate::base::{Error, Result};
+
+/// The edges of a mesh: sorted by their lower vertex, then by the other one, and numbered from 0 in this order.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Edges {
+    ends: Vec<[u32; 2]>,
+    corners: Adjacency,
+    of_corner: Vec<u32>,
+}
+
+impl Edges {
+    /// The edges of `mesh`.
+    pub fn new(mesh: &TriMesh) -> Self {
+        let faces = mesh.faces();
+        let end = |corner: u32| {
+            let [f, i] = [corner as usize / 3, corner as usize % 3];
+            [faces[f][i], faces[f][(i + 1) % 3]]
+        };
+        // Corners by the lower end of their edge, then sorted by the other end within.
+        let count = 3 * faces.len() as u32;
+        let by_lower = Adjacency::from_pairs(mesh.vertices().len(), || {
+            (0..count).map(|corner| (end(corner).into_iter().min().unwrap_or(0), corner))
+        });
+        let mut ends = Vec::with_capacity(count as usize / 2 + 1);
+        let mut starts = Vec::with_capacity(count as usize / 2 + 2);
+        let mut items = Vec::with_capacity(count as usize);
+        let mut of_corner = vec![0; count as usize];
+        let mut at_vertex: Vec<(u32, u32)> = Vec::new();
+        for (lower, row) in by_lower.rows().enumerate() {
+            let lower = lower as u32;
+            at_vertex.clear();
+            at_vertex.extend(row.iter().map(|&corner| {
+                let [a, b] = end(corner);
+                (a.max(b), corner)
+            }));
+            at_vertex.sort_unstable();
+            for &(upper, corner) in &at_vertex {
+                if ends.last() != Some(&[lower, upper]) {
+                    ends.push([lower, upper]);
+                    starts.push(items.len() as u32);
+                }
+                of_corner[corner as usize] = ends.len() as u32 - 1;
+                items.push(corner);
+            }
+        }
+        starts.push(items.len() as u32);
+        Self { ends, corners: Adjacency::from_parts(starts, items), of_corner }
+    }
+
+    /// Number of edges.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// The vertices of each edge, the lower number first.
+    pub fn ends(&self) -> &[[u32; 2]] {
+        &self.ends
+    }
+
+    /// For each edge the corners (3 f + i, ascending) at which it starts in its faces.
+    pub fn corners(&self) -> &Adjacency {
+        &self.corners
+    }
+
+    /// The faces of edge e, ascending.
+    pub fn faces(&self, e: usize) -> impl ExactSizeIterator<Item = u32> + '_ {
+        self.corners.row(e).iter().map(|corner| corner / 3)
+    }
+
+    /// For each corner 3 f + i the edge from corner i of face f to the next one.
+    pub fn of_corners(&self) -> &[u32] {
+        &self.of_corner
+    }
+
+    /// For each face the faces across its edges, ascending by corner, then by face.
+    pub fn face_neighbors(&self) -> Adjacency {
+        let pairs = || {
+            (0..).zip(&self.of_corner).flat_map(|(corner, &e)| {
+                let others = self.corners.row(e as usize).iter().filter(move |&&c| c != corner);
+                others.map(move |other| (corner / 3, other / 3))
+            })
+        };
+        Adjacency::from_pairs(self.of_corner.len() / 3, pairs)
+    }
+
+    /// Edges with one face.
+    pub fn boundary(&self) -> impl Iterator<Item = u32> + '_ {
+        self.with(|faces| faces == 1)
+    }
+
+    /// Edges with three faces or more.
+    pub fn non_manifold(&self) -> impl Iterator<Item = u32> + '_ {
+        self.with(|faces| faces > 2)
+    }
+
+    fn with(&self, wanted: impl Fn(usize) -> bool) -> impl Iterator<Item = u32> {
+        (0..).zip(self.corners.rows()).filter(move |(_, row)| wanted(row.len())).map(|(e, _)| e)
+    }
+
+    /// The edge as it is named in errors and reports.
+    pub fn name(&self, e: usize) -> String {
+        match self.ends.get(e) {
+            Some([a, b]) => format!("edge {a}-{b}"),
+            None => format!("edge number {e}"),
+        }
+    }
+
+    /// `Ok` when every edge has one or two faces.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] that names the first other edge and its faces.
+    pub fn require_manifold(&self) -> Result<()> {
+        match self.non_manifold().next() {
+            None => Ok(()),
+            Some(e) => Err(Error::Mesh {
+                what: format!("has {}, not one or two", face_list(self.faces(e as usize))),
+                element: self.name(e as usize),
+            }),
+        }
+    }
+}
+
+/// "3 faces (1, 5, 7)", cut when long.
+pub(in super::super) fn face_list(faces: impl ExactSizeIterator<Item = u32>) -> String {
+    const SHOWN: usize = 6;
+    let count = faces.len();
+    let numbers: Vec<_> = faces.take(SHOWN).map(|f| f.to_string()).collect();
+    let more = if count > SHOWN { ", ..." } else { "" };
+    format!("{count} faces ({}{more})", numbers.join(", "))
+}

@@ -1,0 +1,99 @@
+use std::fmt;
+
+use super::super::TriMesh;
+use super::{Components, Edges};
+use crate::base::{Error, Result};
+
+/// The genus of a surface with its boundary loops closed by disks, summed over its components.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Genus {
+    /// Of an orientable surface: its handles.
+    Orientable(usize),
+    /// Of a surface with a component that is not orientable: its cross-caps, a handle counted as two.
+    NonOrientable(usize),
+}
+
+impl fmt::Display for Genus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Orientable(genus) => write!(f, "{genus}"),
+            Self::NonOrientable(genus) => write!(f, "{genus} (not orientable)"),
+        }
+    }
+}
+
+impl TriMesh {
+    /// The Euler characteristic V - E + F, V without vertices that no face has.
+    pub fn euler_characteristic(&self, edges: &Edges) -> i64 {
+        let used = self.referenced().into_iter().filter(|&used| used).count();
+        used as i64 - edges.len() as i64 + self.faces().len() as i64
+    }
+
+    /// The genus g, from the Euler characteristic: V - E + F = sum over components of 2 - 2 g - (boundary loops), or of
+    /// 2 - g - (boundary loops) when not orientable.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] that names an edge of more than two faces, or a vertex at which the surface meets itself.
+    pub fn genus(&self, edges: &Edges) -> Result<Genus> {
+        edges.require_manifold()?;
+        if let Some(v) = self.fans(edges).into_iter().position(|fans| fans > 1) {
+            return Err(meets_itself(v));
+        }
+        let loops = self.boundary_loops(edges)?.len();
+        let components = Components::new(self).len();
+        let orientable = self.flips(edges).is_ok();
+        Ok(genus_of(self.euler_characteristic(edges), components, loops, orientable))
+    }
+
+    /// `Ok` when the mesh is a manifold, with or without boundary: every edge has one or two faces, and the faces at every
+    /// vertex hang together over edges.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] that names the first edge or vertex that is not so.
+    pub fn require_manifold(&self) -> Result<()> {
+        let edges = Edges::new(self);
+        edges.require_manifold()?;
+        match self.fans(&edges).into_iter().position(|fans| fans > 1) {
+            None => Ok(()),
+            Some(v) => Err(meets_itself(v)),
+        }
+    }
+
+    /// `Ok` when every edge has two faces.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] that names the first other edge.
+    pub fn require_closed(&self) -> Result<()> {
+        let edges = Edges::new(self);
+        edges.require_manifold()?;
+        match edges.boundary().next() {
+            None => Ok(()),
+            Some(e) => Err(Error::Mesh {
+                what: format!(
+                    "is on the boundary, of face {} only",
+                    edges.corners().row(e as usize)[0] / 3
+                ),
+                element: edges.name(e as usize),
+            }),
+        }
+    }
+}
+
+fn meets_itself(vertex: usize) -> Error {
+    Error::Mesh {
+        what: "the surface meets itself there in a single point".into(),
+        element: format!("vertex {vertex}"),
+    }
+}
+
+/// The genus of a manifold with these.
+pub(in super::super) fn genus_of(
+    euler: i64,
+    components: usize,
+    loops: usize,
+    orientable: bool,
+) -> Genus {
+    // Never negative: every component has at most characteristic 2 with its loops closed.
+    let caps = (2 * components as i64 - loops as i64 - euler).max(0) as usize;
+    if orientable { Genus::Orientable(caps / 2) } else { Genus::NonOrientable(caps) }
+}

@@ -1,0 +1,217 @@
+//! What there is to say about a mesh, and what is wrong with it.
+
+use std::fmt;
+
+use super::TriMesh;
+use super::topology::{Components, Edges, Genus, face_list, genus_of};
+
+/// Something that algorithms may stumble over, with the element that has it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Problem {
+    /// No face has this vertex.
+    UnreferencedVertex(u32),
+    /// An edge of three faces or more.
+    NonManifoldEdge {
+        /// Its vertices.
+        ends: [u32; 2],
+        /// Its faces.
+        faces: Vec<u32>,
+    },
+    /// A vertex whose faces do not hang together over edges at this vertex: the surface meets itself in a point.
+    NonManifoldVertex {
+        /// The vertex.
+        vertex: u32,
+        /// The number of groups of faces there.
+        fans: u32,
+    },
+    /// A face with the vertices of another one, in any order.
+    RepeatedFace {
+        /// The face.
+        face: u32,
+        /// The first one with these vertices.
+        first: u32,
+    },
+    /// A face without area ([`TriMesh::faces_without_area`]).
+    ZeroArea(u32),
+    /// An edge along which its two faces run in the same direction, so that they do not agree on what is outside.
+    Inconsistent {
+        /// Its vertices.
+        ends: [u32; 2],
+        /// Its faces.
+        faces: [u32; 2],
+    },
+    /// No flipping of faces makes them all agree; `why` names an edge.
+    NotOrientable {
+        /// The edge, and its faces.
+        why: String,
+    },
+}
+
+/// The headings of a report, and how a single problem is named.
+impl Problem {
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::UnreferencedVertex(_) => "vertices without a face",
+            Self::NonManifoldEdge { .. } => "edges with more than two faces",
+            Self::NonManifoldVertex { .. } => "vertices at which the surface meets itself",
+            Self::RepeatedFace { .. } => "repeated faces",
+            Self::ZeroArea(_) => "faces without area",
+            Self::Inconsistent { .. } => "edges whose faces run the same way",
+            Self::NotOrientable { .. } => "not orientable",
+        }
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::UnreferencedVertex(vertex) => write!(f, "vertex {vertex}"),
+            Self::NonManifoldEdge { ends: [a, b], faces } => {
+                write!(f, "edge {a}-{b} of {}", face_list(faces.iter().copied()))
+            }
+            Self::NonManifoldVertex { vertex, fans } => {
+                write!(f, "vertex {vertex} of {fans} groups of faces")
+            }
+            Self::RepeatedFace { face, first } => write!(f, "face {face} as face {first}"),
+            Self::ZeroArea(face) => write!(f, "face {face}"),
+            Self::Inconsistent { ends: [a, b], faces: [s, t] } => {
+                write!(f, "edge {a}-{b} of faces {s} and {t}")
+            }
+            Self::NotOrientable { why } => f.write_str(why),
+        }
+    }
+}
+
+/// The report on a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Validation {
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Number of edges.
+    pub edges: usize,
+    /// Number of faces.
+    pub faces: usize,
+    /// Number of connected components ([`Components`]).
+    pub components: usize,
+    /// Number of edges with one face.
+    pub boundary_edges: usize,
+    /// Number of boundary loops; `None` when they are none because of non-manifold edges.
+    pub boundary_loops: Option<usize>,
+    /// V - E + F, V without vertices that no face has.
+    pub euler_characteristic: i64,
+    /// The genus; `None` when the mesh is not a manifold.
+    pub genus: Option<Genus>,
+    /// What is wrong, kind by kind, elements ascending.
+    pub problems: Vec<Problem>,
+}
+
+impl Validation {
+    /// Whether every edge has two faces or more.
+    pub fn is_closed(&self) -> bool {
+        self.boundary_edges == 0
+    }
+
+    /// The problems of each kind that there is, under a heading.
+    fn groups(&self) -> impl Iterator<Item = &[Problem]> {
+        self.problems.chunk_by(|a, b| a.kind() == b.kind())
+    }
+}
+
+impl fmt::Display for Validation {
+    /// Counts, then for each kind of problem how many there are and the first of them; lines without an end of the last.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const SHOWN: usize = 5;
+        let Self { vertices, edges, faces, components, .. } = self;
+        let unknown = || "none to speak of (not a manifold)".to_owned();
+        writeln!(f, "vertices    {vertices}")?;
+        writeln!(f, "edges       {edges}, {} on the boundary", self.boundary_edges)?;
+        writeln!(f, "faces       {faces}")?;
+        writeln!(f, "components  {components}")?;
+        let loops = self.boundary_loops.map_or_else(unknown, |loops| loops.to_string());
+        writeln!(f, "loops       {loops}")?;
+        writeln!(f, "Euler       {}", self.euler_characteristic)?;
+        let genus = self.genus.map_or_else(unknown, |genus| genus.to_string());
+        write!(f, "genus       {genus}")?;
+        if self.problems.is_empty() {
+            return write!(f, "\nproblems    none");
+        }
+        for group in self.groups() {
+            let shown: Vec<_> = group.iter().take(SHOWN).map(Problem::to_string).collect();
+            let more = if group.len() > SHOWN { "; ..." } else { "" };
+            let list = shown.join("; ");
+            write!(f, "\nproblem     {} {}: {list}{more}", group.len(), group[0].kind())?;
+        }
+        Ok(())
+    }
+}
+
+impl TriMesh {
+    /// Looks at everything that [`Problem`] lists, and counts.
+    pub fn validate(&self) -> Validation {
+        let edges = Edges::new(self);
+        let fans = self.fans(&edges);
+        let flips = self.flips(&edges);
+        let components = Components::new(self).len();
+        let loops = self.boundary_loops(&edges).ok().map(|loops| loops.len());
+        let euler_characteristic = self.euler_characteristic(&edges);
+
+        let mut problems = Vec::new();
+        problems.extend(self.unreferenced_vertices().into_iter().map(Problem::UnreferencedVertex));
+        problems.extend(edges.non_manifold().map(|e| Problem::NonManifoldEdge {
+            ends: edges.ends()[e as usize],
+            faces: edges.faces(e as usize).collect(),
+        }));
+        problems.extend(
+            (0..)
+                .zip(&fans)
+                .filter(|(_, fans)| **fans > 1)
+                .map(|(vertex, &fans)| Problem::NonManifoldVertex { vertex, fans }),
+        );
+        let manifold = !problems.iter().any(|p| !matches!(p, Problem::UnreferencedVertex(_)));
+        problems.extend(
+            self.repeated_faces()
+                .into_iter()
+                .map(|[face, first]| Problem::RepeatedFace { face, first }),
+        );
+        problems.extend(self.faces_without_area().into_iter().map(Problem::ZeroArea));
+        problems.extend(self.inconsistent_edges(&edges).into_iter().filter_map(|e| {
+            let &[a, b] = edges.corners().row(e as usize) else { return None };
+            let ends = edges.ends()[e as usize];
+            Some(Problem::Inconsistent { ends, faces: [a / 3, b / 3] })
+        }));
+        let orientable = flips.is_ok();
+        if let Err(error) = flips {
+            problems.push(Problem::NotOrientable { why: error.to_string() });
+        }
+        let genus = loops
+            .filter(|_| manifold)
+            .map(|loops| genus_of(euler_characteristic, components, loops, orientable));
+        Validation {
+            vertices: self.vertices().len(),
+            edges: edges.len(),
+            faces: self.faces().len(),
+            components,
+            boundary_edges: edges.boundary().count(),
+            boundary_loops: loops,
+            euler_characteristic,
+            genus,
+            problems,
+        }
+    }
+
+    /// The faces that have the vertices of an earlier one, in any order, each with the first of these; ascending.
+    pub fn repeated_faces(&self) -> Vec<[u32; 2]> {
+        let mut keys: Vec<([u32; 3], u32)> = self.faces().iter().copied().zip(0..).collect();
+        for (face, _) in &mut keys {
+            face.sort_unstable();
+        }
+        keys.sort_unstable();
+        let groups = keys.chunk_by(|a, b| a.0 == b.0);
+        let mut repeated: Vec<[u32; 2]> = groups
+            .flat_map(|group| group[1..].iter().map(|(_, face)| [*face, group[0].1]))
+            .collect();
+        repeated.sort_unstable();
+        repeated
+    }
+}

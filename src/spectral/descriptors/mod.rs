@@ -1,0 +1,67 @@
+//! Functions that tell the points of a shape apart, many for each vertex (rows), for correspondences and as test signals.
+//!
+//! From eigenpairs of the Laplacian: heat and wave kernel signatures and their relatives, the same for isometric shapes.
+//! From the mesh: [`shot`], the same for rigid motions, and [`geodesic_rings`], intrinsic and local, which stands where the
+//! thesis has the anisotropic windowed Fourier transform.
+
+mod cells;
+mod rings;
+mod shot;
+mod signatures;
+#[cfg(test)]
+mod tests;
+
+pub use rings::{RingOptions, geodesic_rings};
+pub use shot::{SHOT_BINS, ShotOptions, shot};
+pub use signatures::{
+    WaveScales, global_point_signature, heat_kernel, heat_kernel_signature, heat_times, heat_trace,
+    wave_kernel_signature, wave_scales,
+};
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use faer::Mat;
+
+use crate::base::{Error, Flow, Par, Progress, Result};
+
+/// An n x columns matrix from blocks of rows, each written by `rows` one after the other (row-major) on some thread.
+fn by_rows(
+    n: usize,
+    columns: usize,
+    block: usize,
+    par: Par,
+    progress: Option<Progress<'_>>,
+    rows: impl Fn(Range<usize>, &mut [f64]) -> Result<()> + Sync,
+) -> Result<Mat<f64>> {
+    let (done, cancelled) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let blocks = par.map_blocks(n, block, |range| {
+        if cancelled.load(Ordering::Relaxed) {
+            return Err(Error::Cancelled);
+        }
+        let size = range.len();
+        let mut values = vec![0.0; size * columns];
+        rows(range, &mut values)?;
+        if let Some(progress) = progress {
+            let done = done.fetch_add(size, Ordering::Relaxed) + size;
+            if progress(done as f64 / n as f64) == Flow::Cancel {
+                cancelled.store(true, Ordering::Relaxed);
+                return Err(Error::Cancelled);
+            }
+        }
+        Ok(values)
+    });
+    let mut result = Mat::zeros(n, columns);
+    let mut start = 0;
+    for values in blocks {
+        let values = values?;
+        let size = block.min(n - start);
+        for j in 0..columns {
+            for i in 0..size {
+                result[(start + i, j)] = values[i * columns + j];
+            }
+        }
+        start += size;
+    }
+    Ok(result)
+}

@@ -1,0 +1,96 @@
+use std::sync::{Mutex, PoisonError};
+
+use faer::{Mat, MatRef};
+
+use super::by_rows;
+use super::shot::nearest_two;
+use crate::base::{Error, Par, Progress, Result};
+use crate::mesh::{Dijkstra, Graph, SearchLimits, TriMesh, vertex_areas};
+
+/// Vertices a thread takes at a time.
+const BLOCK: usize = 128;
+
+/// Options of [`geodesic_rings`]. There is no radius that suits all meshes, hence no default.
+#[derive(Clone, Copy)]
+pub struct RingOptions<'a> {
+    /// Radius of the patch, along edges, in units of length; positive.
+    pub radius: f64,
+    /// Rings it is divided into; at least 1.
+    pub rings: usize,
+    /// Threads. Does not change the result.
+    pub par: Par,
+    /// Told of progress; may cancel.
+    pub progress: Option<Progress<'a>>,
+}
+
+/// Means of functions over rings around every vertex: an intrinsic local descriptor of our own, in place of the anisotropic
+/// windowed Fourier transform (Melzi, Rodola, Castellani and Bronstein 2018) that the thesis uses. Like it, it looks
+/// at functions (heat kernel signatures, say) through windows on the surface.
+///
+/// `functions` are c values for each vertex (n x c). The patch of a vertex are the vertices at most the radius away along
+/// edges; each belongs to the two rings whose middles are next to it, by how near they are, with a third of the area of
+/// its faces. Returned are `rings * (1 + c)` columns, ring after ring from the middle: its share of the area of the patch,
+/// then the means of the functions; a ring without area has those of the vertex itself.
+///
+/// The same for meshes with the same connections and lengths of edges, if the functions are.
+///
+/// # Errors
+/// [`Error::Shape`] unless the functions have a row for each vertex, [`Error::NonFinite`], [`Error::Argument`] for a
+/// radius that is not positive and finite or no rings; [`Error::Cancelled`].
+pub fn geodesic_rings(
+    mesh: &TriMesh,
+    functions: MatRef<'_, f64>,
+    options: &RingOptions<'_>,
+) -> Result<Mat<f64>> {
+    let &RingOptions { radius, rings, par, progress } = options;
+    let (n, c) = (mesh.vertices().len(), functions.ncols());
+    Error::check_shape("functions", (n, c), (functions.nrows(), c))?;
+    for j in 0..c {
+        if let Some(i) = (0..n).find(|&i| !functions[(i, j)].is_finite()) {
+            return Err(Error::NonFinite { what: "functions", index: (i, j) });
+        }
+    }
+    if !(radius > 0.0 && radius.is_finite()) {
+        let why = format!("{radius}, where it is positive and finite");
+        return Err(Error::Argument { what: "radius", why });
+    }
+    if rings == 0 {
+        return Err(Error::Argument { what: "rings", why: "0, where at least 1 is needed".into() });
+    }
+    let areas = vertex_areas(mesh);
+    let graph = Graph::of_mesh(mesh);
+    // One solver for each thread, made when it first needs one.
+    let solvers: Mutex<Vec<Dijkstra<'_>>> = Mutex::default();
+    let lock = || solvers.lock().unwrap_or_else(PoisonError::into_inner);
+    let width = rings * (1 + c);
+    by_rows(n, width, BLOCK, par, progress, |range, rows| {
+        let idle = lock().pop();
+        let mut search = idle.unwrap_or_else(|| Dijkstra::new(&graph));
+        let limits = SearchLimits { cutoff: radius, ..Default::default() };
+        for (v, row) in range.zip(rows.chunks_exact_mut(width)) {
+            search.search(&[(v as u32, 0.0)], &limits)?;
+            let mut patch = 0.0;
+            for &u in search.reached() {
+                let (fraction, u_row) = (search.distance(u) / radius, u as usize);
+                patch += areas[u_row];
+                for (ring, share) in nearest_two(fraction, rings, false) {
+                    let area = share * areas[u_row];
+                    let sums = &mut row[ring * (1 + c)..(ring + 1) * (1 + c)];
+                    sums[0] += area;
+                    for (j, sum) in sums[1..].iter_mut().enumerate() {
+                        *sum += area * functions[(u_row, j)];
+                    }
+                }
+            }
+            for sums in row.chunks_exact_mut(1 + c) {
+                let area = sums[0];
+                for (j, sum) in sums[1..].iter_mut().enumerate() {
+                    *sum = if area > 0.0 { *sum / area } else { functions[(v, j)] };
+                }
+                sums[0] = if patch > 0.0 { area / patch } else { 0.0 };
+            }
+        }
+        lock().push(search);
+        Ok(())
+    })
+}

@@ -1,0 +1,153 @@
+use faer::{Mat, Side};
+
+use super::by_rows;
+use super::cells::Cells;
+use crate::base::{Error, Par, Progress, Result};
+use crate::mesh::TriMesh;
+use crate::mesh::vector::{Vector, cross, dot, scale, sub};
+
+/// Sectors around the axis, halves along it, shells, and cosines of normals.
+const PARTS: [usize; 4] = [8, 2, 2, 11];
+
+/// Entries of a descriptor: 8 sectors x 2 halves x 2 shells x 11 cosines.
+pub const SHOT_BINS: usize = PARTS[0] * PARTS[1] * PARTS[2] * PARTS[3];
+
+/// Neighbours below which there is no frame.
+const FEWEST: usize = 5;
+
+/// Vertices a thread takes at a time.
+const BLOCK: usize = 128;
+
+/// Options of [`shot`]. There is no radius that suits all meshes, hence no default.
+#[derive(Clone, Copy)]
+pub struct ShotOptions<'a> {
+    /// Radius of the ball that a vertex sees, in units of length; positive.
+    pub radius: f64,
+    /// Threads. Does not change the result.
+    pub par: Par,
+    /// Told of progress; may cancel.
+    pub progress: Option<Progress<'a>>,
+}
+
+/// A neighbour: where it is seen from the vertex, how far, and its normal.
+struct Neighbour {
+    offset: Vector,
+    distance: f64,
+    normal: Vector,
+}
+
+/// The signatures of histograms of orientations of Tombari, Salti and Di Stefano, Unique Signatures of Histograms for
+/// Local Surface Description (2010): for every vertex (row) the normals of the vertices within a ball, as cosines to the
+/// axis of a local frame, in a histogram for each of 32 parts of the ball; [`SHOT_BINS`] columns, of norm 1. Column
+/// `((sector * 2 + half) * 2 + shell) * 11 + cosine`.
+///
+/// Follows rigid motions and scale (with the radius), not mirrors. A vertex with fewer than five others in its ball has no
+/// frame, and zeros.
+///
+/// The axis points to the side of the vertex normal, where the paper counts points above and below: in a flat
+/// neighbourhood that count is chance. Ties of the other axis go by the weighted sum.
+///
+/// # Errors
+/// [`Error::Argument`] for a radius that is not positive and finite; [`Error::Cancelled`].
+pub fn shot(mesh: &TriMesh, options: &ShotOptions<'_>) -> Result<Mat<f64>> {
+    let &ShotOptions { radius, par, progress } = options;
+    if !(radius > 0.0 && radius.is_finite()) {
+        let why = format!("{radius}, where it is positive and finite");
+        return Err(Error::Argument { what: "radius", why });
+    }
+    let points = mesh.vertices();
+    let normals = mesh.vertex_normals();
+    let cells = Cells::new(points, radius);
+    by_rows(points.len(), SHOT_BINS, BLOCK, par, progress, |range, rows| {
+        let mut ball = Vec::new();
+        for (v, row) in range.zip(rows.chunks_exact_mut(SHOT_BINS)) {
+            ball.clear();
+            cells.near(&points[v], radius, |i, distance| {
+                if i as usize != v {
+                    let offset = sub(points[i as usize], points[v]);
+                    ball.push(Neighbour { offset, distance, normal: normals[i as usize] });
+                }
+            });
+            if ball.len() >= FEWEST
+                && let Some(frame) = frame(&ball, radius, normals[v])
+            {
+                for neighbour in &ball {
+                    count(neighbour, &frame, radius, row);
+                }
+                let norm = row.iter().map(|x| x * x).sum::<f64>().sqrt();
+                if norm > 0.0 {
+                    row.iter_mut().for_each(|x| *x /= norm);
+                }
+            }
+        }
+        Ok(())
+    })
+}
+
+/// The axes x, y, z: eigenvectors of the covariance of the offsets, the nearer the heavier (Tombari et al., equation 2).
+fn frame(ball: &[Neighbour], radius: f64, normal: Vector) -> Option<[Vector; 3]> {
+    let mut covariance = Mat::<f64>::zeros(3, 3);
+    for Neighbour { offset, distance, .. } in ball {
+        for i in 0..3 {
+            for j in 0..3 {
+                // Relative to the radius, so that no scale is out of range.
+                covariance[(i, j)] +=
+                    (1.0 - distance / radius) * (offset[i] / radius) * (offset[j] / radius);
+            }
+        }
+    }
+    let eigen = covariance.self_adjoint_eigen(Side::Lower).ok()?;
+    let vector = |j: usize| -> Vector { std::array::from_fn(|i| eigen.U()[(i, j)]) };
+    let (x, z) = (vector(2), vector(0));
+    let z = if dot(z, normal) < 0.0 { scale(z, -1.0) } else { z };
+    let mut balance = 0_i64;
+    let mut sum = 0.0;
+    for Neighbour { offset, distance, .. } in ball {
+        let along = dot(*offset, x);
+        balance += if along >= 0.0 { 1 } else { -1 };
+        sum += (radius - distance) * along;
+    }
+    let flipped = if balance == 0 { sum < 0.0 } else { balance < 0 };
+    let x = if flipped { scale(x, -1.0) } else { x };
+    Some([x, cross(z, x), z])
+}
+
+/// Adds a neighbour to the bins nearest to it, in each of the four directions in proportion to how near they are.
+fn count(neighbour: &Neighbour, [x, y, z]: &[Vector; 3], radius: f64, bins: &mut [f64]) {
+    let Neighbour { offset, distance, normal } = *neighbour;
+    let turn = dot(offset, *y).atan2(dot(offset, *x)) / std::f64::consts::TAU;
+    let height = if distance > 0.0 { (dot(offset, *z) / distance).clamp(-1.0, 1.0) } else { 0.0 };
+    let fractions = [
+        turn.rem_euclid(1.0),
+        height.acos() / std::f64::consts::PI,
+        distance / radius,
+        (dot(normal, *z).clamp(-1.0, 1.0) + 1.0) / 2.0,
+    ];
+    let mut shares = [[(0, 0.0); 2]; 4];
+    for (k, fraction) in fractions.into_iter().enumerate() {
+        shares[k] = nearest_two(fraction, PARTS[k], k == 0);
+    }
+    for (a, s) in shares[0] {
+        for (b, t) in shares[1] {
+            for (c, u) in shares[2] {
+                for (d, v) in shares[3] {
+                    let bin = ((a * PARTS[1] + b) * PARTS[2] + c) * PARTS[3] + d;
+                    bins[bin] += s * t * u * v;
+                }
+            }
+        }
+    }
+}
+
+/// The two of `parts` equal bins of [0, 1] whose middles are next to `fraction`, and their shares of it. At the ends there
+/// is one, unless the last is followed by the first.
+pub(super) fn nearest_two(fraction: f64, parts: usize, cyclic: bool) -> [(usize, f64); 2] {
+    let place = fraction * parts as f64 - 0.5;
+    let below = place.floor();
+    let share = place - below;
+    let bin = |i: f64| match cyclic {
+        true => (i.rem_euclid(parts as f64) as usize).min(parts - 1),
+        false => i.clamp(0.0, (parts - 1) as f64) as usize,
+    };
+    [(bin(below), 1.0 - share), (bin(below + 1.0), share)]
+}
