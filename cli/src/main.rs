@@ -5,6 +5,7 @@ mod backend;
 mod demo;
 mod info;
 mod merge;
+mod mesh;
 mod picture;
 mod progress;
 mod report;
@@ -15,7 +16,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// A^T A at scale.
+/// A^T A, spectra and geometry at scale.
 #[derive(Parser)]
 #[command(name = "catamaran", version, about, arg_required_else_help = true)]
 struct Cli {
@@ -27,6 +28,7 @@ struct Cli {
 enum Command {
     Ata(ata::Args),
     AtaMerge(merge::Args),
+    Mesh(mesh::Args),
     Info(info::Args),
     Demo(demo::Args),
     Tune(tune::Args),
@@ -40,6 +42,7 @@ fn main() -> ExitCode {
     let done = progress::watch_ctrl_c().and_then(|()| match &cli.command {
         Command::Ata(args) => ata::run(args),
         Command::AtaMerge(args) => merge::run(args),
+        Command::Mesh(args) => mesh::run(args),
         Command::Info(args) => info::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Tune(args) => tune::run(args),
