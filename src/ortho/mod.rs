@@ -1,1 +1,11 @@
-//! Gram-Schmidt in an M-inner product, blocked, with rank detection.
+//! Gram-Schmidt in an M-inner product, blocked, with rank detection; Cholesky QR (docs/algorithms/eigen.md).
+
+mod cholesky_qr;
+mod gram_schmidt;
+mod inner;
+mod panel;
+
+pub use cholesky_qr::cholesky_qr;
+pub use gram_schmidt::{
+    Factors, GramSchmidtOptions, Orthonormal, gram_schmidt, gram_schmidt_in_place,
+};

@@ -1,0 +1,63 @@
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{Mat, MatMut};
+
+use super::inner::{Inner, check_finite, zeros};
+use crate::base::{Error, Par, Result};
+use crate::dense::{cholesky, divide_by_upper};
+use crate::sparse::Mass;
+
+/// `A = Q R` with `Q^T M Q = I` by shifted Cholesky QR (Fukaya et al. 2020), for columns that are independent: A
+/// (n x c, any strides) becomes Q, R (c x c) is returned, upper triangular with a positive diagonal.
+///
+/// Two passes over A where its condition allows, up to five. About half the work of
+/// [`gram_schmidt`](super::gram_schmidt()), which also takes columns that depend on others. The result is the same,
+/// bit for bit, for every `par`.
+///
+/// # Errors
+/// [`Error::Argument`] of "A" when its columns are dependent as far as rounding can tell, and A is unspecified then;
+/// else as [`gram_schmidt`](super::gram_schmidt()).
+pub fn cholesky_qr(mut a: MatMut<'_, f64>, mass: &Mass, par: Par) -> Result<Mat<f64>> {
+    /// Distance of the Gram matrix from the identity from which on one more pass is the last.
+    const NEAR: f64 = 1e-4;
+    const PASSES: usize = 6;
+    let (n, c) = a.shape();
+    let dependent = |why: String| Err(Error::Argument { what: "A", why });
+    if c > n {
+        return dependent(format!("{c} columns of {n} rows can't be independent"));
+    }
+    check_finite(a.rb())?;
+    let mut inner = Inner::new(mass, n, c, par)?;
+    inner.enter(a.rb_mut());
+    let mut r = Mat::<f64>::identity(c, c);
+    for _ in 0..PASSES {
+        let gram = inner.gram(a.rb())?;
+        let far = (0..c).flat_map(|j| (j..c).map(move |i| (i, j)));
+        let far = far.map(|p| (gram[p] - f64::from(p.0 == p.1)).abs()).fold(0.0, f64::max);
+        if far.is_nan() {
+            break;
+        }
+        let mut l = gram.clone();
+        if cholesky(l.as_mut())?.is_err() {
+            // As much as rounding may have taken from the smallest eigenvalue.
+            let trace = (0..c).map(|j| gram[(j, j)]).sum::<f64>();
+            let shift = 11.0 * (n + c + 1) as f64 * f64::EPSILON / 2.0 * trace;
+            l = gram;
+            (0..c).for_each(|j| l[(j, j)] += shift);
+            if let Err(j) = cholesky(l.as_mut())? {
+                return dependent(format!("column {j} depends on those before it"));
+            }
+        }
+        for j in 0..c {
+            (0..j).for_each(|i| l[(i, j)] = 0.0);
+        }
+        divide_by_upper(a.rb_mut(), l.as_ref(), par);
+        let mut next = zeros(c, c)?;
+        inner.add_product(next.as_mut(), l.transpose(), r.as_ref())?;
+        r = next;
+        if far < NEAR {
+            inner.leave(a.rb_mut());
+            return Ok(r);
+        }
+    }
+    dependent("its columns depend on each other, as far as rounding can tell".into())
+}

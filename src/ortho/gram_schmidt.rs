@@ -1,0 +1,182 @@
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{Mat, MatMut, MatRef};
+
+use super::inner::{Inner, check_finite, report, zeros};
+use super::panel::pass;
+use crate::base::{Error, Par, Progress, Result};
+use crate::sparse::Mass;
+
+/// Columns that are projected together.
+const PANEL: usize = 256;
+
+/// How [`gram_schmidt`] works.
+#[derive(Clone)]
+pub struct GramSchmidtOptions<'a> {
+    /// A column is dropped when no more of it is left, relative to its length before, after what the columns before it
+    /// span was taken away; between 1e-13 and 1. A column of zeros is always dropped.
+    pub threshold: f64,
+    /// Whether columns are projected again, until nothing changes any more.
+    pub reorthogonalise: bool,
+    /// Threads; default all cores of the affinity mask. Does not change the result.
+    pub par: Par,
+    /// Told of progress; may cancel.
+    pub progress: Option<Progress<'a>>,
+}
+
+impl GramSchmidtOptions<'_> {
+    /// The thesis' mode `ours`: threshold 1e-2, one pass. `Q^T M Q` is the identity up to about 1e-13 / 1e-2 and
+    /// what the blocks before lose: good enough for least squares, not for inner products.
+    pub fn single_pass() -> Self {
+        Self { threshold: 1e-2, reorthogonalise: false, par: Par::all(), progress: None }
+    }
+
+    /// The thesis' mode `ours*`: threshold 1e-9, re-orthogonalised; `Q^T M Q` is the identity to rounding.
+    pub fn reorthogonalised() -> Self {
+        Self { threshold: 1e-9, reorthogonalise: true, ..Self::single_pass() }
+    }
+
+    fn check(&self) -> Result<()> {
+        if (1e-13..1.0).contains(&self.threshold) {
+            return Ok(());
+        }
+        let why = format!("{:e} is not between 1e-13 and 1", self.threshold);
+        Err(Error::Argument { what: "threshold", why })
+    }
+}
+
+/// `A[:, kept] = Q R[:, kept]`, and Q R is the rest of A up to what the threshold allows.
+#[derive(Debug, Clone)]
+pub struct Factors {
+    /// Rank x columns of A: coefficients of every column. Those of the kept ones are an upper triangle with a positive
+    /// diagonal.
+    pub r: Mat<f64>,
+    /// The columns of A that Q is made of, ascending.
+    pub kept: Vec<usize>,
+}
+
+/// [`Factors`] and their Q.
+#[derive(Debug, Clone)]
+pub struct Orthonormal {
+    /// n x rank, `Q^T M Q = I`.
+    pub q: Mat<f64>,
+    /// As [`Factors::r`].
+    pub r: Mat<f64>,
+    /// As [`Factors::kept`].
+    pub kept: Vec<usize>,
+}
+
+/// An M-orthonormal basis of the columns of A (n x c, any strides), taken from left to right: blocked classical
+/// Gram-Schmidt with rank detection (thesis, section 1.3; Stewart 2008 for the blocks, Giraud et al. 2005 for why
+/// twice is enough). The overlaps of either sign are projected away.
+///
+/// The result is the same, bit for bit, for every `options.par`. Memory: a copy of A, R, and two panels.
+///
+/// # Errors
+/// [`Error::Shape`] and [`Error::Argument`] of "mass", [`Error::NonFinite`] of "A", [`Error::Argument`] for a threshold
+/// out of range, [`Error::OutOfMemory`], [`Error::Cancelled`].
+pub fn gram_schmidt(
+    a: MatRef<'_, f64>,
+    mass: &Mass,
+    options: &GramSchmidtOptions<'_>,
+) -> Result<Orthonormal> {
+    let mut q = zeros(a.nrows(), a.ncols())?;
+    q.copy_from(a);
+    let Factors { r, kept } = gram_schmidt_in_place(q.as_mut(), mass, options)?;
+    q.truncate(a.nrows(), kept.len());
+    Ok(Orthonormal { q, r, kept })
+}
+
+/// [`gram_schmidt`] in the memory of A, whose first `kept.len()` columns are Q afterwards, and the others unspecified.
+/// It is fastest when the columns of A are contiguous.
+///
+/// # Errors
+/// As [`gram_schmidt`]; A is unspecified after [`Error::Cancelled`].
+pub fn gram_schmidt_in_place(
+    mut a: MatMut<'_, f64>,
+    mass: &Mass,
+    options: &GramSchmidtOptions<'_>,
+) -> Result<Factors> {
+    let (n, c) = a.shape();
+    options.check()?;
+    check_finite(a.rb())?;
+    let mut inner = Inner::new(mass, n, PANEL.min(c), options.par)?;
+    let mut r = zeros(n.min(c), c)?;
+    let mut kept = Vec::new();
+    inner.enter(a.rb_mut());
+    for start in (0..c).step_by(PANEL) {
+        let width = PANEL.min(c - start);
+        let (mut left, right) = a.rb_mut().split_at_col_mut(start);
+        let mut panel = right.subcols_mut(0, width);
+        let q = left.rb().subcols(0, kept.len());
+        let block = orthonormalise(&mut inner, q, panel.rb_mut(), options)?;
+        let rank = block.kept.len();
+        r.as_mut().submatrix_mut(0, start, kept.len(), width).copy_from(&block.above);
+        r.as_mut().submatrix_mut(kept.len(), start, rank, width).copy_from(&block.own);
+        // Columns move left, one by one: they may overlap.
+        for j in 0..rank {
+            let to = kept.len() + j;
+            match to < start {
+                true => left.rb_mut().col_mut(to).copy_from(panel.rb().col(j)),
+                false if to - start != j => {
+                    let (mut to_part, from_part) = panel.rb_mut().split_at_col_mut(j);
+                    to_part.rb_mut().col_mut(to - start).copy_from(from_part.rb().col(0));
+                }
+                false => {}
+            }
+        }
+        kept.extend(block.kept.iter().map(|j| start + j));
+        let done = (start + width) as f64 / c as f64;
+        report(options.progress, done * done)?;
+    }
+    inner.leave(a.rb_mut().subcols_mut(0, kept.len()));
+    r.truncate(kept.len(), c);
+    Ok(Factors { r, kept })
+}
+
+/// What becomes of a panel.
+struct Block {
+    kept: Vec<usize>,
+    /// Coefficients of its columns in the basis before, and in its own.
+    above: Mat<f64>,
+    own: Mat<f64>,
+}
+
+/// Makes the panel orthogonal to Q, and orthonormal, its first columns.
+fn orthonormalise(
+    inner: &mut Inner<'_>,
+    q: MatRef<'_, f64>,
+    mut panel: MatMut<'_, f64>,
+    options: &GramSchmidtOptions<'_>,
+) -> Result<Block> {
+    /// What a pass must leave of normalised columns for it to have been the last (Giraud et al.).
+    const ENOUGH: f64 = 0.5;
+    const PASSES: usize = 5;
+    let width = panel.ncols();
+    let mut limits: Vec<f64> =
+        inner.lengths(panel.rb())?.into_iter().map(|l| l * options.threshold).collect();
+    let mut above = inner.project(q, panel.rb_mut())?;
+    let first = pass(inner, panel.rb_mut(), &limits)?;
+    let (mut kept, mut own, mut lengths) = (first.kept, first.r, first.lengths);
+    limits = kept.iter().map(|&j| limits[j]).collect();
+    for _ in 1..PASSES {
+        if !options.reorthogonalise || kept.is_empty() {
+            break;
+        }
+        // Columns are of length 1 now, and so is what the limits are relative to.
+        limits.iter_mut().zip(&lengths).for_each(|(limit, length)| *limit /= length);
+        let mut x = panel.rb_mut().subcols_mut(0, kept.len());
+        let more = inner.project(q, x.rb_mut())?;
+        inner.add_product(above.as_mut(), more.as_ref(), own.as_ref())?;
+        let again = pass(inner, x.rb_mut(), &limits)?;
+        let mut next = zeros(again.kept.len(), width)?;
+        inner.add_product(next.as_mut(), again.r.as_ref(), own.as_ref())?;
+        own = next;
+        kept = again.kept.iter().map(|&i| kept[i]).collect();
+        limits = again.kept.iter().map(|&i| limits[i]).collect();
+        lengths = again.lengths;
+        if lengths.iter().all(|length| *length >= ENOUGH) {
+            break;
+        }
+    }
+    Ok(Block { kept, above, own })
+}

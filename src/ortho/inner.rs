@@ -1,0 +1,150 @@
+use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
+use faer::{Mat, MatMut, MatRef};
+
+use crate::ata::{AtaOptions, Uplo, ata, atb};
+use crate::base::{Error, Par, Progress, Result};
+use crate::dense::{ROW_BLOCK, for_row_blocks};
+use crate::sparse::Mass;
+
+/// An inner product and how to compute with it. Vectors are scaled by the square roots of lumped masses for the length
+/// of a computation, so that only a full mass is ever multiplied with.
+pub(super) struct Inner<'a> {
+    mass: &'a Mass,
+    par: Par,
+    products: AtaOptions<'a>,
+    /// M X, for a full mass.
+    weighted: Mat<f64>,
+}
+
+impl<'a> Inner<'a> {
+    /// For blocks of at most `width` columns of n rows.
+    pub fn new(mass: &'a Mass, n: usize, width: usize, par: Par) -> Result<Self> {
+        mass.check(n)?;
+        let width = if matches!(mass, Mass::Full(_)) { width } else { 0 };
+        let products = AtaOptions { par, uplo: Uplo::Both, ..AtaOptions::default() };
+        Ok(Self { mass, par, products, weighted: zeros(n, width)? })
+    }
+
+    /// Scales the rows of A by the square roots of lumped masses.
+    pub fn enter(&self, a: MatMut<'_, f64>) {
+        self.scale(a, f64::sqrt);
+    }
+
+    /// Undoes [`Inner::enter`].
+    pub fn leave(&self, a: MatMut<'_, f64>) {
+        self.scale(a, |m| m.sqrt().recip());
+    }
+
+    fn scale(&self, a: MatMut<'_, f64>, factor: impl Fn(f64) -> f64 + Sync) {
+        let Mass::Lumped(masses) = self.mass else { return };
+        for_row_blocks(a, ROW_BLOCK, self.par, |first, mut a| {
+            for j in 0..a.ncols() {
+                for i in 0..a.nrows() {
+                    a[(i, j)] *= factor(masses[first + i]);
+                }
+            }
+        });
+    }
+
+    /// M X, or X itself where the scaling stands for M.
+    pub fn weigh<'x>(&'x mut self, x: MatRef<'x, f64>) -> Result<MatRef<'x, f64>> {
+        if let Mass::Lumped(_) = self.mass {
+            return Ok(x);
+        }
+        let mut weighted = self.weighted.as_mut().subcols_mut(0, x.ncols());
+        self.mass.multiply(x, weighted.rb_mut(), self.par)?;
+        Ok(weighted.into_const())
+    }
+
+    /// Removes from X its projection onto the orthonormal columns of Q, and returns the coefficients `Q^T M X`.
+    pub fn project(&mut self, q: MatRef<'_, f64>, mut x: MatMut<'_, f64>) -> Result<Mat<f64>> {
+        let mut coefficients = zeros(q.ncols(), x.ncols())?;
+        let products = self.products.clone();
+        let weighted = self.weigh(x.rb())?;
+        atb(1.0, q, weighted, 0.0, coefficients.as_mut(), &products)?;
+        atb(-1.0, q.transpose(), coefficients.as_ref(), 1.0, x.rb_mut(), &products)?;
+        Ok(coefficients)
+    }
+
+    /// `X^T M X`.
+    pub fn gram(&mut self, x: MatRef<'_, f64>) -> Result<Mat<f64>> {
+        let mut gram = zeros(x.ncols(), x.ncols())?;
+        let products = self.products.clone();
+        match self.mass {
+            Mass::Lumped(_) => ata(1.0, x, 0.0, gram.as_mut(), &products)?,
+            Mass::Full(_) => {
+                let weighted = self.weigh(x)?;
+                atb(1.0, x, weighted, 0.0, gram.as_mut(), &products)?;
+            }
+        }
+        Ok(gram)
+    }
+
+    /// The lengths of the columns of X.
+    pub fn lengths(&mut self, x: MatRef<'_, f64>) -> Result<Vec<f64>> {
+        let weighted = self.weigh(x)?;
+        Ok((0..x.ncols()).map(|j| dot(x, j, weighted, j).max(0.0).sqrt()).collect())
+    }
+
+    /// `Y := Y + A B` for small matrices.
+    pub fn add_product(
+        &self,
+        y: MatMut<'_, f64>,
+        a: MatRef<'_, f64>,
+        b: MatRef<'_, f64>,
+    ) -> Result<()> {
+        atb(1.0, a.transpose(), b, 1.0, y, &self.products)
+    }
+
+    /// The threads.
+    pub fn par(&self) -> Par {
+        self.par
+    }
+}
+
+/// Of two columns.
+pub(super) fn dot(x: MatRef<'_, f64>, i: usize, y: MatRef<'_, f64>, j: usize) -> f64 {
+    /// Sums side by side.
+    const LANES: usize = 8;
+    let (x, y) = (x.col(i), y.col(j));
+    let (Some(a), Some(b)) = (x.try_as_col_major(), y.try_as_col_major()) else {
+        return x.iter().zip(y.iter()).map(|(a, b)| a * b).sum();
+    };
+    let (a, a_rest) = a.as_slice().as_chunks::<LANES>();
+    let (b, b_rest) = b.as_slice().as_chunks::<LANES>();
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        for l in 0..LANES {
+            sums[l] += a[l] * b[l];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f64>() + rest
+}
+
+/// Refuses what is not finite, by name.
+pub(super) fn check_finite(a: MatRef<'_, f64>) -> Result<()> {
+    for j in 0..a.ncols() {
+        if let Some(i) = a.col(j).iter().position(|x| !x.is_finite()) {
+            return Err(Error::NonFinite { what: "A", index: (i, j) });
+        }
+    }
+    Ok(())
+}
+
+/// Tells of progress.
+pub(super) fn report(progress: Option<Progress<'_>>, fraction: f64) -> Result<()> {
+    match progress.map(|progress| progress(fraction)) {
+        Some(crate::base::Flow::Cancel) => Err(Error::Cancelled),
+        _ => Ok(()),
+    }
+}
+
+/// Zeros, if there is memory.
+pub(super) fn zeros(rows: usize, cols: usize) -> Result<Mat<f64>> {
+    let mut matrix = Mat::new();
+    let bytes = rows.saturating_mul(cols).saturating_mul(size_of::<f64>());
+    matrix.try_reserve(rows, cols).map_err(|_| Error::OutOfMemory { bytes })?;
+    matrix.resize_with(rows, cols, |_, _| 0.0);
+    Ok(matrix)
+}

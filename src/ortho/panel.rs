@@ -1,0 +1,106 @@
+use std::ops::Range;
+
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{Mat, MatMut};
+
+use super::inner::{Inner, dot, zeros};
+use crate::base::Result;
+
+/// Columns that are made orthonormal one by one.
+const LEAF: usize = 8;
+
+/// One pass of Gram-Schmidt over the columns of a panel.
+pub(super) struct Pass {
+    /// Columns that stay, ascending; the first columns of the panel hold them now, orthonormal as far as one pass goes.
+    pub kept: Vec<usize>,
+    /// Their lengths, after what is before them was taken away.
+    pub lengths: Vec<f64>,
+    /// Kept x columns of the panel: the coefficients of all columns.
+    pub r: Mat<f64>,
+}
+
+/// Makes the columns of a panel orthonormal; a column of which no more than `limits[j]` is left is dropped. Halves are
+/// projected as blocks.
+pub(super) fn pass(
+    inner: &mut Inner<'_>,
+    mut panel: MatMut<'_, f64>,
+    limits: &[f64],
+) -> Result<Pass> {
+    let width = panel.ncols();
+    let mut pass = Pass { kept: vec![], lengths: vec![], r: zeros(width, width)? };
+    pass.columns(inner, panel.rb_mut(), limits, 0..width)?;
+    pass.r.truncate(pass.kept.len(), width);
+    Ok(pass)
+}
+
+impl Pass {
+    /// The columns of `range`, which are orthogonal to what was kept before them.
+    fn columns(
+        &mut self,
+        inner: &mut Inner<'_>,
+        mut panel: MatMut<'_, f64>,
+        limits: &[f64],
+        range: Range<usize>,
+    ) -> Result<()> {
+        if range.len() <= LEAF {
+            return self.leaf(inner, panel, limits, range);
+        }
+        let middle = range.start + range.len() / 2;
+        let before = self.kept.len();
+        self.columns(inner, panel.rb_mut(), limits, range.start..middle)?;
+        let after = self.kept.len();
+        if after > before {
+            let (left, right) = panel.rb_mut().split_at_col_mut(middle);
+            let q = left.rb().subcols(before, after - before);
+            let x = right.subcols_mut(0, range.end - middle);
+            let coefficients = inner.project(q, x)?;
+            let (rows, cols) = coefficients.shape();
+            self.r.as_mut().submatrix_mut(before, middle, rows, cols).copy_from(&coefficients);
+        }
+        self.columns(inner, panel, limits, middle..range.end)
+    }
+
+    fn leaf(
+        &mut self,
+        inner: &mut Inner<'_>,
+        mut panel: MatMut<'_, f64>,
+        limits: &[f64],
+        range: Range<usize>,
+    ) -> Result<()> {
+        let first = self.kept.len();
+        for j in range {
+            let count = self.kept.len();
+            for q in first..count {
+                let x = panel.rb();
+                let overlap = dot(x, q, inner.weigh(x.subcols(j, 1))?, 0);
+                self.r[(q, j)] = overlap;
+                add_multiple(panel.rb_mut(), j, -overlap, q);
+            }
+            let length = inner.lengths(panel.rb().subcols(j, 1))?[0];
+            if length > limits[j] {
+                scaled_move(panel.rb_mut(), j, length.recip(), count);
+                self.r[(count, j)] = length;
+                self.kept.push(j);
+                self.lengths.push(length);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Column j plus a multiple of column q, `q < j`.
+fn add_multiple(x: MatMut<'_, f64>, j: usize, factor: f64, q: usize) {
+    let (left, right) = x.split_at_col_mut(j);
+    let (from, to) = (left.rb().col(q), right.col_mut(0));
+    to.iter_mut().zip(from.iter()).for_each(|(to, from)| *to += factor * from);
+}
+
+/// A multiple of column j, into column `to <= j`.
+fn scaled_move(x: MatMut<'_, f64>, j: usize, factor: f64, to: usize) {
+    if to == j {
+        return x.col_mut(j).iter_mut().for_each(|x| *x *= factor);
+    }
+    let (left, right) = x.split_at_col_mut(j);
+    let (from, to) = (right.rb().col(0), left.col_mut(to));
+    to.iter_mut().zip(from.iter()).for_each(|(to, from)| *to = factor * from);
+}
