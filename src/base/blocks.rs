@@ -1,6 +1,6 @@
 use std::ops::Range;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::Par;
 
@@ -15,39 +15,18 @@ impl Par {
     ) -> Vec<T> {
         let blocks = n.div_ceil(size);
         let results: Vec<OnceLock<T>> = (0..blocks).map(|_| OnceLock::new()).collect();
-        self.share(blocks, |block| {
-            let range = block * size..n.min((block + 1) * size);
-            results[block].get_or_init(|| work(range));
-        });
-        results.into_iter().filter_map(OnceLock::into_inner).collect()
-    }
-
-    /// `work(start, chunk)` for the chunks of `size` entries that `data` falls into.
-    pub(crate) fn for_chunks<T: Send>(
-        self,
-        data: &mut [T],
-        size: usize,
-        work: impl Fn(usize, &mut [T]) + Sync,
-    ) {
-        let chunks: Vec<Mutex<&mut [T]>> = data.chunks_mut(size).map(Mutex::new).collect();
-        self.share(chunks.len(), |i| {
-            let mut chunk = chunks[i].lock().unwrap_or_else(PoisonError::into_inner);
-            work(i * size, &mut chunk);
-        });
-    }
-
-    /// `work(0), ..., work(n - 1)`, each by the first thread that is free.
-    fn share(self, n: usize, work: impl Fn(usize) + Sync) {
         let next = AtomicUsize::new(0);
-        Self::Threads(self.threads().min(n)).run_lanes(|_| {
+        Self::Threads(self.threads().min(blocks)).run_lanes(|_| {
             loop {
-                let i = next.fetch_add(1, Ordering::Relaxed);
-                if i >= n {
+                let block = next.fetch_add(1, Ordering::Relaxed);
+                if block >= blocks {
                     break;
                 }
-                work(i);
+                let range = block * size..n.min((block + 1) * size);
+                results[block].get_or_init(|| work(range));
             }
         });
+        results.into_iter().filter_map(OnceLock::into_inner).collect()
     }
 }
 
@@ -62,13 +41,6 @@ mod tests {
                 let ranges = Par::Threads(threads).map_blocks(n, 4, |r| r);
                 let all: Vec<usize> = ranges.into_iter().flatten().collect();
                 assert_eq!(all, (0..n).collect::<Vec<_>>());
-                let mut data = vec![0; n];
-                Par::Threads(threads).for_chunks(&mut data, 4, |start, chunk| {
-                    for (i, x) in chunk.iter_mut().enumerate() {
-                        *x = start + i;
-                    }
-                });
-                assert_eq!(data, all);
             }
         }
     }

@@ -64,6 +64,19 @@ pub fn divergence(mesh: &TriMesh) -> Result<CsMat<f64>> {
     Ok(CsMat::new((n, 3 * faces.len()), starts, columns, values))
 }
 
+/// A third of the area of the faces at each vertex, in units of area; zero where there are none. O(V + F).
+pub fn vertex_areas(mesh: &TriMesh) -> Vec<f64> {
+    let mut areas = vec![0.0; mesh.vertices().len()];
+    for face in mesh.faces() {
+        let p = face.map(|v| mesh.vertices()[v as usize]);
+        let area = norm(cross(sub(p[1], p[0]), sub(p[2], p[0]))) / 6.0;
+        for &v in face {
+            areas[v as usize] += area;
+        }
+    }
+    areas
+}
+
 /// The gradients of the functions that are 1 at one corner of a face and 0 at the others, and its area.
 fn of_hats(mesh: &TriMesh, f: usize) -> Result<([Vector; 3], f64)> {
     let p = mesh.faces()[f].map(|v| mesh.vertices()[v as usize]);
@@ -85,7 +98,7 @@ fn of_hats(mesh: &TriMesh, f: usize) -> Result<([Vector; 3], f64)> {
 mod tests {
     use super::*;
     use crate::base::Par;
-    use crate::mesh::{LaplacianOptions, laplacian, shapes};
+    use crate::mesh::{LaplacianOptions, families, laplacian, shapes};
 
     fn apply(matrix: &CsMat<f64>, x: &[f64]) -> Vec<f64> {
         matrix.outer_iterator().map(|row| row.iter().map(|(j, a)| a * x[j]).sum()).collect()
@@ -109,8 +122,11 @@ mod tests {
 
     #[test]
     fn divergence_of_gradient_is_minus_the_stiffness() {
-        let meshes =
-            [shapes::shaken(&shapes::grid(4, 3), 0.2, 5), shapes::book(), shapes::sphere(1)];
+        let meshes = [
+            shapes::shaken(&shapes::grid(4, 3), 0.2, 5),
+            families::pages(3).unwrap(),
+            shapes::sphere(1),
+        ];
         for mesh in meshes {
             let options = LaplacianOptions { par: Par::Seq, ..Default::default() };
             let w = laplacian(&mesh, &options).unwrap().stiffness;
@@ -122,6 +138,15 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn vertex_areas_sum_to_the_area() {
+        let grid = shapes::grid(3, 3);
+        let areas = vertex_areas(&grid);
+        assert!((areas[5] - 1.0).abs() < 1e-15 && (areas.iter().sum::<f64>() - 9.0).abs() < 1e-14);
+        let lonely = TriMesh::new(vec![[2.0; 3]], vec![]).unwrap();
+        assert_eq!(vertex_areas(&lonely), [0.0]);
     }
 
     #[test]

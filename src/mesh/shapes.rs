@@ -1,12 +1,9 @@
-//! Meshes for tests, with exact properties.
+//! Meshes for tests, beside those of [`super::families`].
 
-use std::collections::HashMap;
-
-use super::TriMesh;
-use super::vector::{add, unit};
+use super::{TriMesh, families};
 use crate::base::Rng;
 
-/// Squares of side 1, x by y, each cut along the diagonal from its lower left corner.
+/// Squares of side 1, x by y, each cut along the diagonal from its lower left corner; vertices are numbered along x first.
 pub(crate) fn grid(x: u32, y: u32) -> TriMesh {
     let at = |i, j| j * (x + 1) + i;
     let vertices = (0..=y).flat_map(|j| (0..=x).map(move |i| [f64::from(i), f64::from(j), 0.0]));
@@ -19,36 +16,9 @@ pub(crate) fn grid(x: u32, y: u32) -> TriMesh {
     TriMesh::new(vertices.collect(), faces.collect()).unwrap()
 }
 
-/// The unit sphere: an octahedron, its faces cut into four and pushed out this many times.
-pub(crate) fn sphere(levels: u32) -> TriMesh {
-    let mut vertices: Vec<[f64; 3]> = vec![
-        [1.0, 0.0, 0.0],
-        [-1.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, -1.0, 0.0],
-        [0.0, 0.0, 1.0],
-        [0.0, 0.0, -1.0],
-    ];
-    let mut faces = Vec::new();
-    for (x, y, z) in [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4)] {
-        faces.extend([[x, y, z], [y, x, 5]]);
-    }
-    for _ in 0..levels {
-        let mut middles = HashMap::new();
-        let mut middle = |a: u32, b: u32| {
-            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                vertices.push(unit(add(vertices[a as usize], vertices[b as usize])));
-                vertices.len() as u32 - 1
-            })
-        };
-        let mut finer = Vec::new();
-        for [a, b, c] in faces {
-            let (x, y, z) = (middle(a, b), middle(b, c), middle(c, a));
-            finer.extend([[a, x, z], [x, b, y], [z, y, c], [x, y, z]]);
-        }
-        faces = finer;
-    }
-    TriMesh::new(vertices, faces).unwrap()
+/// The unit sphere.
+pub(crate) fn sphere(subdivisions: u32) -> TriMesh {
+    families::icosphere(subdivisions).unwrap()
 }
 
 /// The same connections, every coordinate off by up to `by`.
@@ -75,14 +45,6 @@ pub(crate) fn soup(n: u32, faces: usize, seed: u64) -> TriMesh {
         .collect();
     let vertices = (0..n).map(|_| std::array::from_fn(|_| f64::from(below(5)))).collect();
     TriMesh::new(vertices, faces).unwrap()
-}
-
-/// Three triangles around the edge 0 1, at 120 degrees.
-pub(crate) fn book() -> TriMesh {
-    let h = 0.75_f64.sqrt();
-    let vertices =
-        vec![[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.5], [-0.5, h, 0.5], [-0.5, -h, 0.5]];
-    TriMesh::new(vertices, vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]]).unwrap()
 }
 
 /// Two meshes as one, the second moved along x.

@@ -1,6 +1,5 @@
-use super::super::TriMesh;
-use super::super::edges::edges;
 use super::super::vector::distance;
+use super::super::{Edges, TriMesh};
 use crate::base::{Error, Result};
 
 /// An undirected graph whose edges have lengths, in compressed rows.
@@ -16,12 +15,9 @@ impl Graph {
     /// The edges of a mesh with their Euclidean lengths. O(V + F).
     pub fn of_mesh(mesh: &TriMesh) -> Self {
         let p = mesh.vertices();
-        let grouped = edges(p.len(), mesh.faces());
+        let edges = Edges::new(mesh);
         Self::build(p.len(), || {
-            grouped.iter().map(|e| {
-                let [a, b] = e.vertices;
-                (a, b, distance(p[a as usize], p[b as usize]))
-            })
+            edges.ends().iter().map(|&[a, b]| (a, b, distance(p[a as usize], p[b as usize])))
         })
     }
 

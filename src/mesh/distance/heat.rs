@@ -116,7 +116,8 @@ impl HeatMethod {
         }
         let warm = |v: usize| warm[self.components[v] as usize];
         let heat = self.cholesky.solve(&self.heat, &right)?;
-        if let Some(v) = (0..n).find(|&v| warm(v) && !(heat[v].abs() > COLD)) {
+        let is_cold = |v: usize| heat[v].is_nan() || heat[v].abs() <= COLD;
+        if let Some(v) = (0..n).find(|&v| warm(v) && is_cold(v)) {
             let what = "too many edges away for the heat to arrive; it takes a longer time".into();
             return Err(Error::Mesh { what, element: format!("vertex {v}") });
         }

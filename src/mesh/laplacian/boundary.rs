@@ -1,7 +1,6 @@
 use sprs::CsMat;
 
-use super::super::TriMesh;
-use super::super::edges::edges;
+use super::super::{Edges, TriMesh};
 use super::{Boundary, Laplacian};
 use crate::base::{Error, Result};
 use crate::sparse::Mass;
@@ -9,17 +8,16 @@ use crate::sparse::Mass;
 /// Which vertices have no row: those set to zero, and those in no face.
 pub(super) fn removed(mesh: &TriMesh, boundary: &Boundary) -> Result<Vec<bool>> {
     let n = mesh.vertices().len();
-    let mut removed = vec![true; n];
-    for &v in mesh.faces().as_flattened() {
-        removed[v as usize] = false;
+    let mut removed = vec![false; n];
+    for v in mesh.unreferenced_vertices() {
+        removed[v as usize] = true;
     }
     match boundary {
         Boundary::Neumann => {}
         Boundary::Dirichlet => {
-            for edge in edges(n, mesh.faces()).iter().filter(|e| e.slots.len() == 1) {
-                for v in edge.vertices {
-                    removed[v as usize] = true;
-                }
+            let edges = Edges::new(mesh);
+            for v in edges.boundary().flat_map(|e| edges.ends()[e as usize]) {
+                removed[v as usize] = true;
             }
         }
         Boundary::Mixed(vertices) => {

@@ -1,6 +1,5 @@
-use super::super::TriMesh;
-use super::super::edges::{Edge, edges};
 use super::super::vector::{Vector, cross, distance, dot, scale, sub, unit};
+use super::super::{Edges, TriMesh};
 use super::{Element, LaplacianKind, element};
 use crate::base::{Error, Result};
 
@@ -62,10 +61,11 @@ impl Complex {
     /// Glues neighbours of a surface.
     fn glue(&mut self, mesh: &TriMesh) -> Result<()> {
         self.twins = vec![NONE; 3 * self.faces.len()];
-        for Edge { vertices: [a, b], slots } in edges(mesh.vertices().len(), mesh.faces()).iter() {
+        let edges = Edges::new(mesh);
+        for (e, slots) in edges.corners().rows().enumerate() {
             let refused = |what: &str| {
                 let what = format!("{what}; the tufted Laplacian bears that");
-                Err(Error::Mesh { what, element: format!("edge {a} {b}") })
+                Err(Error::Mesh { what, element: edges.name(e) })
             };
             match *slots {
                 [_] => {}
@@ -73,8 +73,8 @@ impl Complex {
                     self.twins[s as usize] = t;
                     self.twins[t as usize] = s;
                 }
-                [_, _] => return refused("its two faces disagree on the outside"),
-                _ => return refused("an edge of three faces or more"),
+                [_, _] => return refused("its faces disagree on the outside"),
+                _ => return refused("has three faces or more"),
             }
         }
         Ok(())
@@ -83,7 +83,7 @@ impl Complex {
     /// Replaces the mesh by its tufted cover (Sharp and Crane 2020, section 4.2): every face has a front and a back.
     /// Around each edge, the side of a face that looks one way is glued to the side of the next face that looks back.
     fn cover(&mut self, mesh: &TriMesh) {
-        let originals = std::mem::take(&mut self.faces);
+        let originals = mesh.faces();
         self.faces = originals.iter().flat_map(|&[a, b, c]| [[a, b, c], [a, c, b]]).collect();
         self.lengths = self.lengths.iter().flat_map(|&[a, b, c]| [[a, b, c], [c, b, a]]).collect();
         self.twins = vec![NONE; 3 * self.faces.len()];
@@ -92,12 +92,13 @@ impl Complex {
         let front = |slot: u32| 6 * (slot / 3) + slot % 3;
         let back = |slot: u32| 6 * (slot / 3) + 5 - slot % 3;
         let mut around = Vec::new();
-        for edge in edges(mesh.vertices().len(), &originals).iter() {
-            sort_around(mesh, &originals, &edge, &mut around);
+        let edges = Edges::new(mesh);
+        for (ends, slots) in edges.ends().iter().zip(edges.corners().rows()) {
+            sort_around(mesh, *ends, slots, &mut around);
             for (i, &slot) in around.iter().enumerate() {
                 let next = around[(i + 1) % around.len()];
                 // The side that looks ahead runs from the lower end of the edge to the upper one.
-                let up = |s: u32| originals[s as usize / 3][s as usize % 3] == edge.vertices[0];
+                let up = |s: u32| originals[s as usize / 3][s as usize % 3] == ends[0];
                 let ahead = if up(slot) { front(slot) } else { back(slot) };
                 let behind = if up(next) { back(next) } else { front(next) };
                 self.twins[ahead as usize] = behind;
@@ -161,17 +162,17 @@ impl Complex {
 }
 
 /// The slots of an edge in the order in which its faces lie around it, counter-clockwise as seen from its upper end.
-fn sort_around(mesh: &TriMesh, faces: &[[u32; 3]], edge: &Edge<'_>, around: &mut Vec<u32>) {
+fn sort_around(mesh: &TriMesh, ends: [u32; 2], slots: &[u32], around: &mut Vec<u32>) {
     around.clear();
-    around.extend_from_slice(edge.slots);
+    around.extend_from_slice(slots);
     if around.len() < 3 {
         return; // there is one cyclic order
     }
     let position = |v: u32| mesh.vertices()[v as usize];
-    let base = position(edge.vertices[0]);
-    let axis = unit(sub(position(edge.vertices[1]), base));
+    let base = position(ends[0]);
+    let axis = unit(sub(position(ends[1]), base));
     let direction = |slot: u32| -> Vector {
-        let opposite = faces[slot as usize / 3][(slot as usize % 3 + 2) % 3];
+        let opposite = mesh.faces()[slot as usize / 3][(slot as usize % 3 + 2) % 3];
         let d = sub(position(opposite), base);
         sub(d, scale(axis, dot(d, axis)))
     };

@@ -3,8 +3,8 @@ use faer::{Mat, Side};
 use super::by_rows;
 use super::cells::Cells;
 use crate::base::{Error, Par, Progress, Result};
+use crate::mesh::TriMesh;
 use crate::mesh::vector::{Vector, cross, dot, scale, sub};
-use crate::mesh::{TriMesh, vertex_normals};
 
 /// Sectors around the axis, halves along it, shells, and cosines of normals.
 const PARTS: [usize; 4] = [8, 2, 2, 11];
@@ -56,7 +56,7 @@ pub fn shot(mesh: &TriMesh, options: &ShotOptions<'_>) -> Result<Mat<f64>> {
         return Err(Error::Argument { what: "radius", why });
     }
     let points = mesh.vertices();
-    let normals = vertex_normals(mesh);
+    let normals = mesh.vertex_normals();
     let cells = Cells::new(points, radius);
     by_rows(points.len(), SHOT_BINS, BLOCK, par, progress, |range, rows| {
         let mut ball = Vec::new();
