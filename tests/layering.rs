@@ -13,7 +13,8 @@ const LAYERS: [(&str, u8, &[&str]); 19] = [
     ("dense", 2, &[]),
     ("sparse", 2, &["ata", "dense"]),
     ("ortho", 2, &["ata", "dense", "sparse"]),
-    ("mesh", 3, &[]),
+    // Mesh files are opened, unpacked and written like those of matrices.
+    ("mesh", 3, &["io"]),
     ("io", 3, &[]),
     ("spectral", 4, &[]),
     ("unions", 4, &[]),

@@ -2,6 +2,7 @@
 
 mod distance;
 pub mod families;
+pub mod io;
 mod laplacian;
 mod measure;
 mod operators;

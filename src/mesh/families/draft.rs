@@ -17,7 +17,8 @@ impl Draft {
                 why: "it would have 2^32 vertices or corners of faces, or more".into(),
             })
         };
-        Ok(Self { vertices: reserved(fits(vertices, 1)?)?, faces: reserved(fits(faces, 3)?)? })
+        let (vertices, faces) = (fits(vertices, 1)?, fits(faces, 3)?);
+        Ok(Self { vertices: reserved(vertices)?, faces: reserved(faces)? })
     }
 
     pub fn finish(self) -> Result<TriMesh> {

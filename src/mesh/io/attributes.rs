@@ -1,0 +1,95 @@
+use super::super::TriMesh;
+use crate::base::{Error, Result};
+
+/// What a mesh file holds.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct MeshFile {
+    /// The mesh.
+    pub mesh: TriMesh,
+    /// Texture coordinates (u, v).
+    pub uv: Option<Attribute<2>>,
+    /// Normals, as they are in the file: of any length.
+    pub normals: Option<Attribute<3>>,
+    /// Colours of the vertices: red, green, blue and opacity, usually from 0 to 1.
+    pub colors: Option<Vec<[f64; 4]>>,
+    /// How many facets of an STL file are left out because two of their corners are one vertex; 0 for other formats.
+    pub collapsed_faces: usize,
+}
+
+impl From<TriMesh> for MeshFile {
+    fn from(mesh: TriMesh) -> Self {
+        Self { mesh, uv: None, normals: None, colors: None, collapsed_faces: 0 }
+    }
+}
+
+impl MeshFile {
+    /// `Ok` when attributes fit the mesh.
+    pub(super) fn check(&self) -> Result<()> {
+        let vertices = self.mesh.vertices().len();
+        if let Some(colors) = &self.colors {
+            Error::check_shape("colors", (vertices, 4), (colors.len(), 4))?;
+        }
+        if let Some(uv) = &self.uv {
+            uv.check("uv", &self.mesh)?;
+        }
+        if let Some(normals) = &self.normals {
+            normals.check("normals", &self.mesh)?;
+        }
+        Ok(())
+    }
+}
+
+/// Values of the vertices of a mesh, or of the corners of its faces: where a texture is cut, a vertex has several.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Attribute<const N: usize> {
+    /// The values.
+    pub values: Vec<[f64; N]>,
+    /// For each face the numbers of the values of its corners, all three [`Attribute::ABSENT`] where a face has none. `None`
+    /// when the values are those of the vertices.
+    pub corners: Option<Vec<[u32; 3]>>,
+}
+
+impl<const N: usize> Attribute<N> {
+    /// The number of a value that is not there.
+    pub const ABSENT: u32 = u32::MAX;
+
+    /// The values of the corners of face f of `mesh`; `None` when it has none.
+    pub fn of_face(&self, mesh: &TriMesh, f: usize) -> Option<[[f64; N]; 3]> {
+        let numbers = self.corners.as_deref().unwrap_or(mesh.faces()).get(f)?;
+        let [a, b, c] = numbers.map(|i| self.values.get(i as usize).copied());
+        Some([a?, b?, c?])
+    }
+
+    /// The values of the vertices, if that is what they are.
+    pub fn of_vertices(&self) -> Option<&[[f64; N]]> {
+        if self.corners.is_none() { Some(&self.values) } else { None }
+    }
+
+    /// Values of corners, as values of vertices when they are that.
+    pub(super) fn simplified(
+        values: Vec<[f64; N]>,
+        corners: Vec<[u32; 3]>,
+        mesh: &TriMesh,
+    ) -> Self {
+        let by_vertex = values.len() == mesh.vertices().len() && corners == mesh.faces();
+        Self { values, corners: if by_vertex { None } else { Some(corners) } }
+    }
+
+    fn check(&self, what: &'static str, mesh: &TriMesh) -> Result<()> {
+        let Some(corners) = &self.corners else {
+            return Error::check_shape(what, (mesh.vertices().len(), N), (self.values.len(), N));
+        };
+        Error::check_shape(what, (mesh.faces().len(), 3), (corners.len(), 3))?;
+        let absent = [Self::ABSENT; 3];
+        let wrong =
+            |c: &[u32; 3]| *c != absent && c.iter().any(|&i| i as usize >= self.values.len());
+        match corners.iter().position(wrong) {
+            None => Ok(()),
+            Some(f) => Err(Error::Argument {
+                what,
+                why: format!("face {f} has {:?} of {} values", corners[f], self.values.len()),
+            }),
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! Words and numbers of a line of bytes.
+
+use super::draft::Checked;
+
+/// The words of a line.
+pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(|byte| byte.is_ascii_whitespace()).filter(|word| !word.is_empty())
+}
+
+/// A floating-point number.
+pub(super) fn number(word: &[u8]) -> Checked<f64> {
+    let parsed = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+    parsed.ok_or_else(|| format!("{} is not a number", quoted(word)).into())
+}
+
+/// A whole number.
+pub(super) fn integer(word: &[u8]) -> Checked<i64> {
+    let (negative, digits) = match word {
+        [b'-', digits @ ..] => (true, digits),
+        [b'+', digits @ ..] => (false, digits),
+        digits => (false, digits),
+    };
+    let magnitude = digits.iter().try_fold(0i64, |sum, byte| match byte {
+        b'0'..=b'9' => sum.checked_mul(10)?.checked_add(i64::from(byte - b'0')),
+        _ => None,
+    });
+    match magnitude.filter(|_| !digits.is_empty()) {
+        Some(value) => Ok(if negative { -value } else { value }),
+        None => Err(format!("{} is not a whole number", quoted(word)).into()),
+    }
+}
+
+/// A count, from 0.
+pub(super) fn count(word: &[u8]) -> Checked<usize> {
+    let value = integer(word)?;
+    usize::try_from(value).map_err(|_| format!("a count of {value}").into())
+}
+
+/// The next `N` numbers.
+pub(super) fn numbers<'a, const N: usize>(
+    words: &mut impl Iterator<Item = &'a [u8]>,
+) -> Checked<[f64; N]> {
+    let mut values = [0.0; N];
+    for (i, value) in values.iter_mut().enumerate() {
+        let word = words.next().ok_or_else(|| format!("{i} numbers where {N} are needed"))?;
+        *value = number(word)?;
+    }
+    Ok(values)
+}
+
+/// These numbers, when all are finite.
+pub(super) fn finite<const N: usize>(values: [f64; N]) -> Checked<[f64; N]> {
+    match values.iter().find(|x| !x.is_finite()) {
+        None => Ok(values),
+        Some(x) => Err(format!("{x} is not finite").into()),
+    }
+}
+
+/// The beginning of a word, for a message.
+pub(super) fn quoted(word: &[u8]) -> String {
+    const SHOWN: usize = 30;
+    let shown = String::from_utf8_lossy(&word[..word.len().min(SHOWN)]);
+    let more = if word.len() > SHOWN { "..." } else { "" };
+    format!("{:?}", format!("{shown}{more}"))
+}
+
+/// The colours of a file, whose numbers are from 0 to 255 if one of them is above 1.
+pub(super) fn scaled_colors(mut colors: Vec<[f64; 4]>, explicit_opacity: bool) -> Vec<[f64; 4]> {
+    let given = if explicit_opacity { 4 } else { 3 };
+    if colors.iter().any(|color| color[..given].iter().any(|&x| x > 1.0)) {
+        for x in colors.iter_mut().flat_map(|color| &mut color[..given]) {
+            *x /= 255.0;
+        }
+    }
+    colors
+}

@@ -1,0 +1,577 @@
+//! Mesh files: what is written is read back the same, and what is broken is an error that names its place.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use catamaran::base::{Flow, Rng};
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::io::{
+    Attribute, MeshFile, MeshFormat, PlyEncoding, StlEncoding, read, read_bytes, read_with, write,
+    write_as,
+};
+use catamaran::mesh::{TriMesh, families};
+use catamaran::{Error, Result};
+use tempfile::TempDir;
+
+const PLY: [MeshFormat; 3] = [
+    MeshFormat::Ply(PlyEncoding::Ascii),
+    MeshFormat::Ply(PlyEncoding::LittleEndian),
+    MeshFormat::Ply(PlyEncoding::BigEndian),
+];
+const OBJ: MeshFormat = MeshFormat::Obj;
+const OFF: MeshFormat = MeshFormat::Off;
+const STL_TEXT: MeshFormat = MeshFormat::Stl(StlEncoding::Ascii);
+const STL: MeshFormat = MeshFormat::Stl(StlEncoding::Binary);
+
+fn extension(format: MeshFormat) -> &'static str {
+    match format {
+        MeshFormat::Obj => "obj",
+        MeshFormat::Ply(_) => "ply",
+        MeshFormat::Off => "off",
+        MeshFormat::Stl(_) => "stl",
+    }
+}
+
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// The bytes of a file in a format.
+    fn bytes(&self, file: &MeshFile, format: MeshFormat) -> Vec<u8> {
+        let path = self.path(&format!("mesh.{}", extension(format)));
+        write_as(create(&path), file, format).expect("written");
+        fs::read(&path).expect("a file")
+    }
+}
+
+fn create(path: &Path) -> Output {
+    Output::create(path, Overwrite::Replace).expect("an output")
+}
+
+fn meshes() -> Vec<(&'static str, TriMesh)> {
+    let made = [
+        ("sphere", families::icosphere(2)),
+        ("spheres", families::spheres(2, 0)),
+        ("grid", families::grid(3, 2)),
+        ("disk", families::disk(3, 7)),
+        ("cylinder", families::cylinder(5, 2, 0.3, 1.0)),
+        ("torus", families::torus(7, 5, 1.0, 0.3)),
+        ("knot", families::knot(2, 3, 40, 4, 0.2)),
+        ("genus", families::genus(2, 1)),
+        ("terrain", families::terrain(6, 5, 3)),
+        ("figure", families::figure(1, 0.5)),
+        ("moebius", families::moebius(9, 2)),
+        ("slivers", families::slivers(4, 4, 1e-9)),
+        ("pages", families::pages(5)),
+        ("bow tie", families::bow_tie()),
+        ("nothing", TriMesh::new(vec![], vec![])),
+        (
+            "extremes",
+            TriMesh::new(
+                vec![
+                    [f64::MIN_POSITIVE, 5e-324, -0.0],
+                    [1.7e308, 0.1, 1e-7],
+                    [-1.0 / 3.0, 1e16, 1e22],
+                ],
+                vec![[2, 0, 1]],
+            ),
+        ),
+    ];
+    made.into_iter().map(|(name, mesh)| (name, mesh.expect(name))).collect()
+}
+
+#[test]
+fn every_family_comes_back_bit_for_bit() {
+    let folder = Folder::new();
+    for (name, mesh) in meshes() {
+        let file = MeshFile::from(mesh);
+        for format in [[OBJ, OFF].as_slice(), &PLY].concat() {
+            let back = read_bytes(&folder.bytes(&file, format), format).expect(name);
+            assert_eq!(back, file, "{name}, {format:?}");
+            let bits = |m: &TriMesh| {
+                m.vertices().as_flattened().iter().map(|x| x.to_bits()).collect::<Vec<_>>()
+            };
+            assert_eq!(bits(&back.mesh), bits(&file.mesh), "{name}, {format:?}");
+        }
+    }
+}
+
+#[test]
+fn stl_keeps_triangles_and_merges_their_corners() {
+    let folder = Folder::new();
+    for (name, mesh) in meshes() {
+        let corners = |mesh: &TriMesh| -> Vec<[f64; 3]> {
+            mesh.faces().as_flattened().iter().map(|&v| mesh.vertices()[v as usize]).collect()
+        };
+        let file = MeshFile::from(mesh);
+        let back = read_bytes(&folder.bytes(&file, STL_TEXT), STL_TEXT).expect(name);
+        assert_eq!(corners(&back.mesh), corners(&file.mesh), "{name}");
+        assert_eq!(back.mesh.vertices().len(), file.mesh.vertices().len(), "{name}");
+        if name == "extremes" || name == "slivers" {
+            continue;
+        }
+        let back = read_bytes(&folder.bytes(&file, STL), STL).expect(name);
+        let rounded: Vec<_> =
+            corners(&file.mesh).iter().map(|p| p.map(|x| f64::from(x as f32))).collect();
+        assert_eq!(corners(&back.mesh), rounded, "{name}");
+        assert_eq!(back.mesh.vertices().len(), file.mesh.vertices().len(), "{name}");
+    }
+    // Beyond single precision: refused, and nothing appears.
+    let path = folder.path("extremes.stl");
+    let extremes = meshes().pop().expect("the last one").1.into();
+    let refused = write(create(&path), &extremes).unwrap_err();
+    assert!(refused.to_string().contains("beyond single precision") && !path.exists(), "{refused}");
+}
+
+#[test]
+fn facets_that_collapse_are_counted() {
+    let text = b"solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex -0 0 0\nvertex 1 0 0\n\
+                 endloop\nendfacet\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n\
+                 endsolid s\n";
+    let file = read_bytes(text, STL_TEXT).unwrap();
+    assert_eq!((file.collapsed_faces, file.mesh.faces()), (1, &[[0, 1, 2]][..]));
+    assert_eq!(file.mesh.vertices().len(), 3);
+}
+
+/// A square with everything a file can hold, by vertex.
+fn painted() -> MeshFile {
+    let mut file = MeshFile::from(families::grid(1, 1).unwrap());
+    let at = |values: [[f64; 2]; 4]| Some(Attribute { values: values.to_vec(), corners: None });
+    file.uv = at([[0.0, 0.1], [1.0, 0.2], [0.3, 1.0], [0.5, 0.7]]);
+    file.normals = Some(Attribute { values: vec![[0.0, 0.1, 1.0]; 4], corners: None });
+    let colors =
+        [[0.0, 1.0, 0.2, 1.0], [1.0 / 255.0, 0.4, 0.6, 1.0], [0.8, 1.0, 1.0, 0.2], [1.0; 4]];
+    file.colors = Some(colors.to_vec());
+    file
+}
+
+#[test]
+fn attributes_of_vertices_come_back() {
+    let folder = Folder::new();
+    let mut other = painted();
+    // Not bytes, and opaque.
+    other.colors = Some(vec![[0.123456789, 0.5, 1.0, 1.0]; 4]);
+    for file in [painted(), other] {
+        for format in [[OBJ, OFF].as_slice(), &PLY].concat() {
+            let back = read_bytes(&folder.bytes(&file, format), format).unwrap();
+            assert_eq!(back, file, "{format:?}");
+        }
+    }
+    let header = String::from_utf8_lossy(&folder.bytes(&painted(), PLY[1])).into_owned();
+    assert!(
+        header.contains("property uchar alpha") && header.contains("property float x"),
+        "{header}"
+    );
+}
+
+#[test]
+fn attributes_of_corners_come_back() {
+    let folder = Folder::new();
+    let mut file = MeshFile::from(families::grid(2, 1).unwrap());
+    let absent = [Attribute::<2>::ABSENT; 3];
+    let values: Vec<_> = (0..5).map(|i| [f64::from(i) / 7.0, 0.25]).collect();
+    let corners = vec![[0, 1, 2], absent, [2, 3, 4], [4, 0, 1]];
+    file.uv = Some(Attribute { values, corners: Some(corners.clone()) });
+    let normals = vec![[0.0, 0.0, 1.0], [0.0, 0.6, 0.8]];
+    file.normals =
+        Some(Attribute { values: normals, corners: Some(vec![[0; 3], [1; 3], [0; 3], [1; 3]]) });
+    let back = read_bytes(&folder.bytes(&file, OBJ), OBJ).unwrap();
+    assert_eq!(back, file);
+    // In PLY each corner has a value of its own, and normals of corners have no place.
+    for format in PLY {
+        let back = read_bytes(&folder.bytes(&file, format), format).unwrap();
+        assert_eq!((&back.mesh, &back.normals), (&file.mesh, &None));
+        let (uv, expected) = (back.uv.unwrap(), file.uv.as_ref().unwrap());
+        for f in 0..4 {
+            assert_eq!(
+                uv.of_face(&back.mesh, f),
+                expected.of_face(&file.mesh, f),
+                "{format:?}, {f}"
+            );
+        }
+        assert_eq!(uv.of_face(&back.mesh, 1), None);
+    }
+    // What does not fit is not written.
+    let path = folder.path("wrong.obj");
+    for wrong in [vec![[0, 1, 9]; 4], vec![[0; 3]; 3]] {
+        file.uv.as_mut().unwrap().corners = Some(wrong);
+        assert!(write(create(&path), &file).is_err() && !path.exists());
+    }
+}
+
+#[test]
+fn packed_files_are_read_and_gzipped_ones_written() {
+    let folder = Folder::new();
+    let file = MeshFile::from(families::icosphere(1).unwrap());
+    for name in ["a.obj.gz", "a.ply.gz", "a.OFF.GZ", "a.off"] {
+        let path = folder.path(name);
+        write(create(&path), &file).unwrap();
+        assert_eq!(read(&path).unwrap(), file, "{name}");
+        let magic = fs::read(&path).unwrap()[..2] == [0x1f, 0x8b];
+        assert_eq!(magic, name != "a.off", "{name}");
+    }
+    let refused = write(create(&folder.path("a.ply.xz")), &file).unwrap_err();
+    assert!(refused.to_string().contains("only be read"), "{refused}");
+    let unknown = write(create(&folder.path("a.vtk")), &file).unwrap_err();
+    assert!(unknown.to_string().contains("unknown kind of mesh"), "{unknown}");
+
+    // `v 0 0 0, v 1 0 0, v 0 1 0, f 1 2 3` by xz 5.4.
+    let path = folder.path("triangle.obj.xz");
+    fs::write(&path, XZ).unwrap();
+    assert_eq!(read(&path).unwrap().mesh.faces(), [[0, 1, 2]]);
+    for cut in 0..XZ.len() {
+        fs::write(&path, &XZ[..cut]).unwrap();
+        assert!(read(&path).is_err(), "{cut}");
+    }
+    let mut rng = Rng::new(1);
+    for _ in 0..500 {
+        let mut bytes = XZ.to_vec();
+        let at = rng.bits() as usize % bytes.len();
+        bytes[at] ^= 1 << (rng.bits() % 8);
+        fs::write(&path, &bytes).unwrap();
+        drop(read(&path));
+    }
+    fs::write(&path, XZ_GREEDY).unwrap();
+    let refused = read(&path).unwrap_err();
+    assert!(refused.to_string().contains("dictionary"), "{refused}");
+}
+
+#[rustfmt::skip]
+const XZ: [u8; 80] = [
+    0xfd, 0x37, 0x7a, 0x58, 0x5a, 0x00, 0x00, 0x01, 0x69, 0x22, 0xde, 0x36, 0x02, 0x00, 0x21, 0x01,
+    0x00, 0x00, 0x00, 0x00, 0x37, 0x27, 0x97, 0xd6, 0xe0, 0x00, 0x1f, 0x00, 0x18, 0x5d, 0x00, 0x3b,
+    0x08, 0x02, 0x11, 0x02, 0x0a, 0x80, 0x5b, 0x9c, 0x91, 0xd6, 0x00, 0x57, 0xaf, 0xbe, 0x9d, 0x6f,
+    0x8d, 0xd0, 0xae, 0x4d, 0x9e, 0xbd, 0x00, 0x00, 0x43, 0xf9, 0x6e, 0x2a, 0x00, 0x01, 0x30, 0x20,
+    0x10, 0xa3, 0xae, 0xc4, 0x90, 0x42, 0x99, 0x0d, 0x01, 0x00, 0x00, 0x00, 0x00, 0x01, 0x59, 0x5a,
+];
+
+/// The same, asking for a dictionary of 1 GiB.
+#[rustfmt::skip]
+const XZ_GREEDY: [u8; 84] = [
+    0xfd, 0x37, 0x7a, 0x58, 0x5a, 0x00, 0x00, 0x04, 0xe6, 0xd6, 0xb4, 0x46, 0x02, 0x00, 0x21, 0x01,
+    0x24, 0x00, 0x00, 0x00, 0x5e, 0x1f, 0xc7, 0xf9, 0xe0, 0x00, 0x1f, 0x00, 0x18, 0x5d, 0x00, 0x3b,
+    0x08, 0x02, 0x11, 0x02, 0x0a, 0x80, 0x5b, 0x9c, 0x91, 0xd6, 0x00, 0x57, 0xaf, 0xbe, 0x9d, 0x6f,
+    0x8d, 0xd0, 0xae, 0x4d, 0x9e, 0xbd, 0x00, 0x00, 0xd2, 0x82, 0x02, 0x14, 0x72, 0x61, 0x16, 0x71,
+    0x00, 0x01, 0x34, 0x20, 0x14, 0x66, 0xc2, 0xa0, 0x1f, 0xb6, 0xf3, 0x7d, 0x01, 0x00, 0x00, 0x00,
+    0x00, 0x04, 0x59, 0x5a,
+];
+
+#[test]
+fn bombs_are_refused() {
+    let folder = Folder::new();
+    let path = folder.path("bomb.obj.gz");
+    let file = fs::File::create(&path).unwrap();
+    let mut gz = flate2::write::GzEncoder::new(file, flate2::Compression::fast());
+    let comments = [b"#\n".as_slice(); 1 << 16].concat();
+    for _ in 0..(1 << 28) / comments.len() + 1 {
+        gz.write_all(&comments).unwrap();
+    }
+    gz.finish().unwrap();
+    let refused = read(&path).unwrap_err();
+    assert!(refused.to_string().contains("unpacks to more than"), "{refused}");
+    // One long line.
+    let long = vec![b' '; (1 << 24) + 1];
+    for format in [OBJ, OFF, STL_TEXT, PLY[0]] {
+        let text = [b"solid\n".as_slice(), &long].concat();
+        let refused =
+            read_bytes(if format == STL_TEXT { &text } else { &long }, format).unwrap_err();
+        assert!(refused.to_string().contains("a line of 16777216 bytes or more"), "{refused}");
+    }
+}
+
+#[test]
+fn reading_reports_progress_and_can_be_cancelled() {
+    let folder = Folder::new();
+    let path = folder.path("mesh.ply");
+    write(create(&path), &families::icosphere(3).unwrap().into()).unwrap();
+    let last = std::sync::Mutex::new(0.0);
+    let file = read_with(
+        &path,
+        Some(&|fraction| {
+            *last.lock().unwrap() = fraction;
+            Flow::Continue
+        }),
+    );
+    assert!(file.is_ok() && *last.lock().unwrap() == 1.0);
+    assert_eq!(read_with(&path, Some(&|_| Flow::Cancel)).unwrap_err(), Error::Cancelled);
+}
+
+#[test]
+fn missing_and_nameless_files_are_named() {
+    let folder = Folder::new();
+    for (name, what) in [("none.obj", "no such file"), ("none.txt", "unknown kind of mesh")] {
+        let path = folder.path(name);
+        match read(&path) {
+            Err(Error::Io { path: named, line: 0, what: said }) => {
+                assert!(named == path && said.contains(what), "{said}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+fn mesh_of(text: &str, format: MeshFormat) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let file = read_bytes(text.as_bytes(), format).unwrap_or_else(|e| panic!("{e}: {text}"));
+    file.mesh.into_parts()
+}
+
+#[test]
+fn obj_is_read_in_its_many_dialects() {
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    let two = vec![[0, 1, 2], [0, 2, 3]];
+    for face in [
+        "f 1 2 3 4",
+        "f -4 -3 -2 -1",
+        "  f\t1 2 \\\n 3 \\\n4  ",
+        "f 1 2 3 4 # a comment",
+        "fo 1 2 3 4\r",
+        "vn 0 0 1\nf 1//1 2//1 3//-1 4//1",
+        "vt 0.5\nvt 1 1 0\nf 1/1 2/2 3/1 4/-1",
+        "o name with \u{e9}\ng a\ns off\nusemtl m\nmtllib f\nl 1 2\np 3\nf 1 2 3 4",
+    ] {
+        assert_eq!(
+            mesh_of(&format!("\u{feff}# a comment\n{square}{face}\n"), OBJ).1,
+            two,
+            "{face}"
+        );
+    }
+    // Latin-1, faces first, weights.
+    let odd = b"g caf\xe9\nf 1 2 3\nv 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1";
+    assert_eq!(read_bytes(odd, OBJ).unwrap().mesh.faces(), [[0, 1, 2]]);
+    let bytes = "v 0 0 0 255 0 0\nv 1 0 0 0 128 0\n";
+    let colors = read_bytes(bytes.as_bytes(), OBJ).unwrap().colors.unwrap();
+    assert_eq!(colors, [[1.0, 0.0, 0.0, 1.0], [0.0, 128.0 / 255.0, 0.0, 1.0]]);
+    // Colours of some vertices only are none.
+    assert_eq!(read_bytes(b"v 0 0 0 1 0 0\nv 1 0 0\n", OBJ).unwrap().colors, None);
+}
+
+#[test]
+fn off_is_read_in_its_many_dialects() {
+    let rest =
+        "# a comment\n\n 0 0 0 # here too\n1 0 0\n1 1 0\n\n0 1 0\n4 0 1 2 3 255 0 0\n\n#end\n";
+    for head in ["OFF\n4 1 0\n", "OFF 4 1 4\n", "# first\nOFF # then\n4 1\n"] {
+        assert_eq!(mesh_of(&format!("{head}{rest}"), OFF).1, [[0, 1, 2], [0, 2, 3]], "{head}");
+    }
+    let file = read_bytes(b"STCNOFF\n1 0 0\n1 2 3 0 0 1 255 0 0 51 0.5 0.25", OFF).unwrap();
+    assert_eq!(file.normals.unwrap().values, [[0.0, 0.0, 1.0]]);
+    assert_eq!(file.colors.unwrap(), [[1.0, 0.0, 0.0, 0.2]]);
+    assert_eq!(file.uv.unwrap().values, [[0.5, 0.25]]);
+}
+
+#[test]
+fn ply_is_read_with_any_properties_in_any_order() {
+    let text = "ply\r\nformat ascii 1.0\r\ncomment c\nobj_info o\nelement camera 1\nproperty list uchar int ids\n\
+                property double f\nelement nothing 99999999999\nelement face 1\nproperty uchar flags\n\
+                property list uint8 uint32 vertex_index\nelement vertex 4\nproperty uchar red\nproperty int8 z\n\
+                property uchar green\nproperty float64 y\nproperty short x\nproperty uchar blue\n\
+                element edge 1\nproperty int a\nend_header\n2 7 8 0.5\n1 4 3 2 1 0\n255 0 51 0.5 0 0\n\n0 0 0 0 1 0\n\
+                0 0 0 1 1 0\n0 0 0 1 0 0\n5\n\n";
+    let file = read_bytes(text.as_bytes(), PLY[0]).unwrap();
+    assert_eq!(file.mesh.faces(), [[3, 2, 1], [3, 1, 0]]);
+    assert_eq!(file.mesh.vertices()[0], [0.0, 0.5, 0.0]);
+    assert_eq!(file.colors.unwrap()[0], [1.0, 0.2, 0.0, 1.0]);
+    // The same numbers in binary, in both orders.
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty short z\nproperty list char float l\n\
+                  property uint x\nproperty double y\nelement face 1\nproperty list int ushort vertex_indices\n\
+                  end_header\n";
+    for (little, order) in [(true, "binary_little_endian"), (false, "binary_big_endian")] {
+        let mut bytes = header.replace("binary_little_endian", order).into_bytes();
+        let mut put = |mut number: Vec<u8>| {
+            if !little {
+                number.reverse();
+            }
+            bytes.extend(number);
+        };
+        for (x, y, z) in [(0u32, 0.0f64, -5i16), (4_000_000_000, 0.25, 300), (1, 1.0, 0)] {
+            put(z.to_le_bytes().to_vec());
+            put(vec![2]);
+            put(1.5f32.to_le_bytes().to_vec());
+            put(2.5f32.to_le_bytes().to_vec());
+            put(x.to_le_bytes().to_vec());
+            put(y.to_le_bytes().to_vec());
+        }
+        put(3i32.to_le_bytes().to_vec());
+        [2u16, 0, 1].into_iter().for_each(|v| put(v.to_le_bytes().to_vec()));
+        let mesh = read_bytes(&bytes, PLY[1]).unwrap().mesh;
+        assert_eq!(mesh.vertices()[..2], [[0.0, 0.0, -5.0], [4e9, 0.25, 300.0]], "{order}");
+        assert_eq!(mesh.faces(), [[2, 0, 1]], "{order}");
+    }
+}
+
+/// The line and the message of what reading says, or the element of what is no mesh.
+fn refusal(bytes: &[u8], format: MeshFormat) -> (usize, String) {
+    match read_bytes(bytes, format) {
+        Err(Error::Io { line, what, .. }) => (line, what),
+        Err(Error::Mesh { what, element }) => (0, format!("{element}: {what}")),
+        other => panic!("{other:?} of {:?}", String::from_utf8_lossy(bytes)),
+    }
+}
+
+#[test]
+fn broken_text_is_named_by_its_line() {
+    let v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
+    let face = "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n";
+    let cases: Vec<(String, MeshFormat, usize, &str)> = vec![
+        ("v 0 0\n".into(), OBJ, 1, "2 numbers where 3 are needed"),
+        ("v 0 0 x\n".into(), OBJ, 1, "\"x\" is not a number"),
+        ("\nv 0 0 nan\n".into(), OBJ, 2, "not finite"),
+        ("v 0 0 1e999\n".into(), OBJ, 1, "not finite"),
+        ("v 0 0 0 1 1\n".into(), OBJ, 1, "5 numbers"),
+        (format!("{v}f 1 2\n"), OBJ, 4, "a face of 2 corners"),
+        (format!("{v}f 1\n"), OBJ, 4, "a face of 1 corners"),
+        (format!("{v}f\n"), OBJ, 4, "a face of 0 corners"),
+        (format!("{v}f 1 2 2\n"), OBJ, 4, "vertex 1 (numbered from 0) twice"),
+        (format!("{v}f 1 2 4\n\n"), OBJ, 4, "vertex 4 of 3"),
+        (format!("{v}f 1 2 0\n"), OBJ, 4, "vertex 0 of 3"),
+        (format!("{v}f 1 2 -4\n"), OBJ, 4, "vertex -4 of 3"),
+        (format!("{v}f 1 2 99999999999999999999\n"), OBJ, 4, "not a whole number"),
+        (format!("{v}f 1 2 4294967296\n"), OBJ, 4, "vertex 4294967296 of 3"),
+        (format!("{v}f 1/1 2/1 3/1\n"), OBJ, 4, "texture coordinate 1 of 0"),
+        (format!("{v}vt 0 0\nf 1/1 2 3\n"), OBJ, 5, "corners of different kinds"),
+        (format!("{v}f 1/1/1/1 2 3\n"), OBJ, 4, "is not a corner"),
+        (format!("{v}hello\n"), OBJ, 4, "\"hello\" is not a statement"),
+        ("COFFEE\n".into(), OFF, 1, "is not OFF"),
+        ("4OFF\n".into(), OFF, 1, "is not OFF"),
+        ("OFF BINARY\n".into(), OFF, 1, "binary OFF"),
+        ("OFF\n1\n".into(), OFF, 2, "counts"),
+        ("OFF\n-1 0 0\n".into(), OFF, 2, "a count of -1"),
+        ("OFF\n2 0 0\n0 0 0\n".into(), OFF, 4, "truncated: no vertex 1 of 2"),
+        ("OFF\n3 1 0\n0 0 0\n0 0 1\n0 1 0\n3 0 1 3\n".into(), OFF, 6, "vertex 3 of 3"),
+        ("OFF\n3 1 0\n0 0 0\n0 0 1\n0 1 0\n3 0 1\n".into(), OFF, 6, "2 of 3 corners"),
+        ("OFF\n0 0 0\n1 2 3\n".into(), OFF, 3, "text after the faces"),
+        ("OFF\n1 0 0\n0 0 0 1\n".into(), OFF, 3, "1 numbers of a colour"),
+        ("OFF\n9999999999999 9999999999 0\n".into(), OFF, 3, "truncated"),
+        ("solid\nvertex 0 0\n".into(), STL_TEXT, 2, "2 numbers where 3"),
+        ("solid\nfacet\nendfacet\n".into(), STL_TEXT, 3, "a facet of 0 vertices"),
+        ("solid\nendsolid\nvertex 0 0 0\n".into(), STL_TEXT, 3, "out of place"),
+        ("solid\nfacet\nouter loop\n".into(), STL_TEXT, 4, "truncated: no endsolid"),
+        ("plyy\n".into(), PLY[0], 1, "must be 'ply'"),
+        ("ply\nformat ascii 1.0\n".into(), PLY[0], 3, "no end_header"),
+        ("ply\nformat ascii 2.0\n".into(), PLY[0], 2, "version"),
+        ("ply\nend_header\n".into(), PLY[0], 2, "without format"),
+        ("ply\nproperty int x\n".into(), PLY[0], 2, "a property of no element"),
+        ("ply\nelement vertex many\n".into(), PLY[0], 2, "not a whole number"),
+        ("ply\nelement a 1\nproperty quad x\n".into(), PLY[0], 3, "\"quad\""),
+        (format!("{ply}end_header\n0 0\n"), PLY[0], 8, "too few numbers"),
+        (format!("{ply}end_header\n0 0 0 0\n"), PLY[0], 8, "after the last number"),
+        (format!("{ply}end_header\n\n"), PLY[0], 9, "truncated: 0 of 1 elements vertex"),
+        (format!("{ply}end_header\n0 0 0\n0 0 0\n"), PLY[0], 9, "text after"),
+        (format!("{ply}{face}3 0 0 0\n"), PLY[0], 11, "face 0: vertex 0 (numbered from 0) twice"),
+        (format!("{ply}{face}3 0 -1 0\n"), PLY[0], 11, "face 0: vertex -1"),
+        (format!("{ply}{face}3 0 1 2\n"), PLY[0], 0, "mesh.ply: face 0: vertex 1 of 1"),
+        (format!("{ply}{face}999999999999 0 1 2\n"), PLY[0], 11, "too few numbers"),
+        (
+            "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n".into(),
+            PLY[0],
+            5,
+            "without x, y and z",
+        ),
+    ];
+    for (text, format, line, what) in cases {
+        let (found, said) = refusal(text.as_bytes(), format);
+        assert!(found == line && said.contains(what), "{text:?}: line {found}: {said}");
+        assert!(!said.contains('\n'), "{said}");
+    }
+}
+
+#[test]
+fn broken_binary_files_name_their_element() {
+    let folder = Folder::new();
+    let file = MeshFile::from(families::icosphere(0).unwrap());
+    let ply = folder.bytes(&file, PLY[1]);
+    assert_eq!(
+        refusal(&ply[..ply.len() - 1], PLY[1]).1,
+        "face 19: truncated: the file ends too early"
+    );
+    let more = [&ply[..], b"x"].concat();
+    assert_eq!(refusal(&more, PLY[1]).1, "bytes after the elements announced");
+    let mut wrong = ply.clone();
+    let last = wrong.len() - 2;
+    wrong[last] = 1;
+    assert!(refusal(&wrong, PLY[1]).1.starts_with("mesh.ply: face 19: vertex "));
+    let stl = folder.bytes(&file, STL);
+    assert_eq!(refusal(&stl[..stl.len() - 1], STL).1, "truncated: facet 19 of 20 is not whole");
+    assert_eq!(refusal(&stl[..83], STL).1, "truncated: the header is not whole");
+    let more = [&stl[..], b"x"].concat();
+    assert_eq!(refusal(&more, STL).1, "bytes after the 20 facets announced");
+    let mut wrong = stl.clone();
+    wrong[84 + 50 * 3 + 12..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
+    assert!(refusal(&wrong, STL).1.starts_with("facet 3 of 20: position [NaN"));
+    // A count that lies takes no memory.
+    let mut wrong = stl;
+    wrong[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
+    assert_eq!(refusal(&wrong, STL).1, format!("truncated: facet 20 of {} is not whole", u32::MAX));
+    let huge =
+        b"ply\nformat binary_little_endian 1.0\nelement vertex 18446744073709551615\nend_header\n";
+    assert!(refusal(huge, PLY[1]).1.contains("not a whole number"));
+    let lists = b"ply\nformat binary_little_endian 1.0\nelement a 1\nproperty list uint double l\nend_header\n\xff\xff\xff\xffabc";
+    assert_eq!(refusal(lists, PLY[1]).1, "a 0: truncated: the file ends too early");
+}
+
+/// Some files in every format.
+fn samples() -> Vec<(&'static str, MeshFormat, Vec<u8>)> {
+    let folder = Folder::new();
+    let mut found = Vec::new();
+    let files =
+        [painted(), families::bow_tie().unwrap().into(), families::moebius(3, 1).unwrap().into()];
+    for file in files {
+        for format in [[OBJ, OFF, STL_TEXT, STL].as_slice(), &PLY].concat() {
+            found.push((extension(format), format, folder.bytes(&file, format)));
+        }
+    }
+    found
+}
+
+#[test]
+fn every_truncation_is_an_error_or_a_mesh() {
+    for (name, format, bytes) in samples() {
+        for cut in 0..bytes.len() {
+            let read = read_bytes(&bytes[..cut], format);
+            // Text may lose its last digit, or whole statements, and be a file still.
+            let binary = format == STL || format == PLY[1] || format == PLY[2];
+            assert!(!binary || read.is_err(), "{name}, {cut} of {} bytes", bytes.len());
+        }
+    }
+}
+
+#[test]
+fn mutations_never_panic() {
+    let mut rng = Rng::new(20);
+    for (_, format, bytes) in samples() {
+        for _ in 0..1500 {
+            let mut mutant = bytes.clone();
+            for _ in 0..1 + rng.bits() % 4 {
+                let at = rng.bits() as usize % mutant.len();
+                match rng.bits() % 4 {
+                    0 => mutant[at] = rng.bits() as u8,
+                    1 => mutant[at] ^= 1 << (rng.bits() % 8),
+                    2 => drop(mutant.remove(at)),
+                    _ => mutant.insert(at, b" \n0-9e/.\xff"[rng.bits() as usize % 9]),
+                }
+            }
+            if let Ok(file) = read_bytes(&mutant, format) {
+                drop(file.mesh.validate().to_string());
+            }
+        }
+    }
+}
+
+#[test]
+#[ignore = "writes fuzz/seeds, from which scripts/fuzz starts"]
+fn seeds_for_fuzzing() -> Result<()> {
+    let seeds = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds");
+    for (i, (name, _, bytes)) in samples().into_iter().enumerate() {
+        fs::create_dir_all(seeds.join(name)).expect("a folder");
+        fs::write(seeds.join(name).join(format!("{i}.{name}")), bytes).expect("a seed");
+    }
+    Ok(())
+}
