@@ -98,6 +98,11 @@ impl ProductBasis {
         &self.basis
     }
 
+    /// The functions Q with their inner product, and nothing else.
+    pub fn into_basis(self) -> Basis {
+        self.basis
+    }
+
     /// The functions Q, n x r.
     pub fn functions(&self) -> MatRef<'_, f64> {
         self.basis.functions()
