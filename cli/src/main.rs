@@ -2,13 +2,17 @@
 
 mod ata;
 mod backend;
+mod basis;
 mod demo;
+mod filter;
 mod info;
 mod merge;
 mod mesh;
 mod picture;
 mod progress;
 mod report;
+mod shape;
+mod transfer;
 mod tune;
 
 use std::io;
@@ -32,6 +36,9 @@ enum Command {
     Info(info::Args),
     Demo(demo::Args),
     Tune(tune::Args),
+    Basis(basis::Args),
+    Transfer(transfer::Args),
+    Filter(filter::Args),
 }
 
 /// What a shell reports for a process that Ctrl-C ended.
@@ -46,6 +53,9 @@ fn main() -> ExitCode {
         Command::Info(args) => info::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Tune(args) => tune::run(args),
+        Command::Basis(args) => basis::run(args),
+        Command::Transfer(args) => transfer::run(args),
+        Command::Filter(args) => filter::run(args),
     });
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {

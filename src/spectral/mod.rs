@@ -5,6 +5,7 @@
 mod basis;
 mod dense;
 pub mod descriptors;
+mod details;
 mod eigenbasis;
 mod eigenproducts;
 mod filter;
@@ -17,6 +18,7 @@ mod transform;
 mod truncated_products;
 
 pub use basis::{Basis, relative_errors};
+pub use details::{Split, split, transfer_details};
 pub use eigenbasis::Eigenbasis;
 pub use eigenproducts::Eigenproducts;
 pub use filter::{Response, add_coefficient, dirichlet_energies, filter};

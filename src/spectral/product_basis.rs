@@ -7,6 +7,7 @@ use super::dense;
 use super::eigenbasis::Eigenbasis;
 use super::eigenproducts::Eigenproducts;
 use crate::base::{Par, Progress, Result};
+use crate::ortho::{Factors, GramSchmidtOptions, gram_schmidt_in_place};
 
 /// How eigenproducts are orthogonalised: the two ways of the thesis (section 1.4).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -54,7 +55,7 @@ pub struct ProductBasis {
 impl ProductBasis {
     /// The basis of all products of at most `order` of the eigenfunctions, the constant one excepted.
     ///
-    /// Besides the basis, as much memory again is needed for products that will be dropped.
+    /// The products are made and orthogonalised in the memory of the result; R needs more beside it.
     ///
     /// # Errors
     /// [`Error::Argument`](crate::Error::Argument) when the order is too large or the constant is not among the
@@ -72,10 +73,17 @@ impl ProductBasis {
         let factors = Scale(1.0 / constant) * eigenbasis.functions().subcols(1, k);
         products.evaluate(factors.as_ref(), matrix.as_mut(), options.par)?;
         let mass = eigenbasis.basis().mass().clone();
-        let (q, r, kept) = orthogonalize(matrix, &mass, options)?;
+        let defaults = match options.orthogonalization {
+            Orthogonalization::SinglePass => GramSchmidtOptions::single_pass(),
+            Orthogonalization::Reorthogonalized => GramSchmidtOptions::reorthogonalised(),
+        };
+        let gram_schmidt =
+            GramSchmidtOptions { par: options.par, progress: options.progress, ..defaults };
+        let Factors { r, kept } = gram_schmidt_in_place(matrix.as_mut(), &mass, &gram_schmidt)?;
+        matrix.truncate(matrix.nrows(), kept.len());
         let basis = match options.orthogonalization {
-            Orthogonalization::SinglePass => Basis::independent(q, mass, options.par)?,
-            Orthogonalization::Reorthogonalized => Basis::orthonormal(q, mass)?,
+            Orthogonalization::SinglePass => Basis::independent(matrix, mass, options.par)?,
+            Orthogonalization::Reorthogonalized => Basis::orthonormal(matrix, mass)?,
         };
         Ok(Self { products, kept, r, basis })
     }
@@ -88,6 +96,11 @@ impl ProductBasis {
     /// The functions Q, n x r, with their inner product.
     pub fn basis(&self) -> &Basis {
         &self.basis
+    }
+
+    /// The functions Q with their inner product, and nothing else.
+    pub fn into_basis(self) -> Basis {
+        self.basis
     }
 
     /// The functions Q, n x r.
@@ -119,45 +132,4 @@ impl ProductBasis {
     pub(super) fn triangle(&self) -> Mat<f64> {
         Mat::from_fn(self.len(), self.len(), |i, j| self.r[(i, self.kept[j])])
     }
-}
-
-// Until the branch `eigen` is merged.
-fn orthogonalize(
-    mut b: Mat<f64>,
-    mass: &crate::sparse::Mass,
-    options: &ProductBasisOptions<'_>,
-) -> Result<(Mat<f64>, Mat<f64>, Vec<usize>)> {
-    let (threshold, passes) = match options.orthogonalization {
-        Orthogonalization::SinglePass => (1e-2, 1),
-        Orthogonalization::Reorthogonalized => (1e-9, 3),
-    };
-    let mut kept = Vec::new();
-    let mut r = Mat::zeros(b.ncols(), b.ncols());
-    for j in 0..b.ncols() {
-        let norm = |x: MatRef<'_, f64>| -> Result<f64> {
-            let w = super::basis::times_mass(mass, x, Par::Seq)?;
-            Ok((x.col(0).transpose() * w.col(0)).sqrt())
-        };
-        let mut x = b.subcols(j, 1).to_owned();
-        let before = norm(x.as_ref())?;
-        for _ in 0..passes {
-            let w = super::basis::times_mass(mass, x.as_ref(), Par::Seq)?;
-            let q = b.subcols(0, kept.len());
-            let overlap = q.transpose() * &w;
-            for i in 0..kept.len() {
-                r[(i, j)] += overlap[(i, 0)];
-            }
-            x -= q * &overlap;
-        }
-        let left = norm(x.as_ref())?;
-        if left > threshold * before {
-            r[(kept.len(), j)] = left;
-            for i in 0..b.nrows() {
-                b[(i, kept.len())] = x[(i, 0)] / left;
-            }
-            kept.push(j);
-        }
-    }
-    let rank = kept.len();
-    Ok((b.subcols(0, rank).to_owned(), r.subrows(0, rank).to_owned(), kept))
 }

@@ -2,10 +2,11 @@
 
 use catamaran::faer::linalg::solvers::Solve;
 use catamaran::faer::{Mat, MatRef};
+use catamaran::mesh::TriMesh;
 use catamaran::spectral::functional_map::{map_from_points, points_from_map, pull_back};
 use catamaran::spectral::{
     Eigenbasis, Orthogonalization, ProductBasis, ProductMap, Transfer, TruncatedProducts,
-    relative_errors, transform_by_columns, transform_of_all_products,
+    relative_errors, split, transfer_details, transform_by_columns, transform_of_all_products,
 };
 use catamaran::{Error, Par};
 
@@ -177,4 +178,30 @@ fn maps_of_other_products_are_refused() {
     assert!(matches!(error, Error::Shape { what: "functional map", .. }), "{error}");
     let wrong = Transfer::new(source.basis(), target.basis(), Mat::zeros(2, 2));
     assert!(matches!(wrong.unwrap_err(), Error::Shape { what: "map", .. }));
+}
+
+#[test]
+fn details_come_back_on_a_smooth_copy_of_the_mesh() {
+    let mesh = blob(2);
+    let eigen = eigenbasis(&mesh, 60);
+    let smooth = eigen.truncated(5).unwrap();
+    let parts = split(smooth.basis(), coordinates(&mesh).as_ref(), Par::Seq).unwrap();
+    assert!((&parts.low + &parts.high - coordinates(&mesh)).norm_max() < 1e-14);
+    let low = (0..mesh.vertices().len()).map(|i| [0, 1, 2].map(|c| parts.low[(i, c)])).collect();
+    let low = TriMesh::new(low, mesh.faces().to_vec()).unwrap();
+    let identity = Mat::identity(60, 60);
+    let transfer = Transfer::new(eigen.basis(), eigen.basis(), identity).unwrap();
+    let bases = (smooth.basis(), smooth.basis());
+    let result = transfer_details(&mesh, &low, bases, &transfer, Par::Seq).unwrap();
+    let mass = eigen.basis().mass();
+    let error = |mesh: &TriMesh, other: &TriMesh| {
+        relative_errors(coordinates(mesh).as_ref(), coordinates(other).as_ref(), mass).unwrap()
+    };
+    // Along the normal most of what the low part lacks.
+    let (before, after) = (error(&mesh, &low), error(&mesh, &result));
+    assert!((0..3).all(|c| after[c] < 0.75 * before[c]), "{before:?} {after:?}");
+    // A target of another mesh than its basis is refused.
+    let other = blob(1);
+    let refused = transfer_details(&mesh, &other, bases, &transfer, Par::Seq).unwrap_err();
+    assert!(matches!(refused, Error::Shape { .. }), "{refused}");
 }

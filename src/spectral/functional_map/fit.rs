@@ -7,6 +7,7 @@ use faer::{Mat, MatRef};
 use crate::base::{Error, Par, Result};
 use crate::dense::for_row_blocks;
 use crate::spectral::dense;
+use crate::spectral::descriptors::heat_times;
 use crate::spectral::eigenbasis::Eigenbasis;
 
 /// Heat kernels per landmark, from narrow to wide.
@@ -70,7 +71,7 @@ impl<'a> MapFit<'a> {
     /// eigenvalues.
     ///
     /// # Errors
-    /// [`Error::Argument`] names the first pair that is not one of vertices.
+    /// [`Error::Argument`] names the first pair that is not one of vertices, or says that no eigenvalue is positive.
     pub fn landmarks(&mut self, pairs: &[(u32, u32)]) -> Result<()> {
         let (n, m) = (self.source.basis().vertices(), self.target.basis().vertices());
         let outside = |&(x, y): &(u32, u32)| x as usize >= n || y as usize >= m;
@@ -83,7 +84,10 @@ impl<'a> MapFit<'a> {
         if pairs.is_empty() {
             return Ok(());
         }
-        let times = heat_times(self.source, self.source.basis().area()?);
+        // In units of the area, the same for both.
+        let area = self.source.basis().area()?;
+        let values: Vec<f64> = self.source.values().iter().map(|value| value * area).collect();
+        let times = heat_times(&values, SCALES)?;
         let kernels = |basis: &Eigenbasis, vertex: &dyn Fn(usize) -> u32| -> Result<Mat<f64>> {
             let area = basis.basis().area()?;
             Ok(Mat::from_fn(basis.len(), pairs.len() * times.len(), |i, column| {
@@ -201,20 +205,6 @@ impl<'a> MapFit<'a> {
         }
         Ok(c)
     }
-}
-
-/// Times, in units of the area, from where only the highest functions have decayed to where only the lowest is left.
-fn heat_times(basis: &Eigenbasis, area: f64) -> Vec<f64> {
-    let values = basis.values();
-    let highest = values.last().copied().unwrap_or(0.0) * area;
-    let lowest =
-        values.iter().map(|value| value * area).find(|&value| value > 1e-8 * highest.max(1.0));
-    let lowest = lowest.unwrap_or(1.0);
-    let highest = highest.max(lowest);
-    // The usual range of heat kernel signatures (Sun, Ovsjanikov and Guibas 2009).
-    let decay = 4.0 * std::f64::consts::LN_10;
-    let (from, to) = ((decay / highest).ln(), (decay / lowest).ln());
-    (0..SCALES).map(|s| (from + (to - from) * s as f64 / (SCALES - 1) as f64).exp()).collect()
 }
 
 /// The eigenvalues of both, times the areas, as a part of the largest.

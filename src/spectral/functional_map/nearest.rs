@@ -3,6 +3,7 @@
 //! Exhaustive, by matrix products: in the 20 to 200 dimensions of spectral embeddings a k-d tree visits most of its leaves,
 //! at a fraction of the speed of a product.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use faer::{Mat, MatRef, RowRef};
@@ -54,19 +55,19 @@ pub fn nearest_rows(
         longest: norms.iter().copied().fold(0.0, f64::max),
         query_norms: squares(&queries),
     };
-    let mut nearest = vec![0u32; n];
     let (done, cancelled) = (AtomicUsize::new(0), AtomicBool::new(false));
-    par.for_chunks(&mut nearest, QUERIES, |first, nearest| {
+    let nearest = par.map_blocks(n, QUERIES, |block| {
         if cancelled.load(Ordering::Relaxed) {
-            return;
+            return vec![];
         }
-        search.run(first, nearest);
+        let nearest = search.run(block);
         let done = done.fetch_add(nearest.len(), Ordering::Relaxed) + nearest.len();
         if progress.is_some_and(|progress| progress(done as f64 / n as f64) == Flow::Cancel) {
             cancelled.store(true, Ordering::Relaxed);
         }
+        nearest
     });
-    if cancelled.into_inner() { Err(Error::Cancelled) } else { Ok(nearest) }
+    if cancelled.into_inner() { Err(Error::Cancelled) } else { Ok(nearest.concat()) }
 }
 
 fn transposed(points: MatRef<'_, f64>) -> Result<Mat<f64>> {
@@ -97,19 +98,19 @@ struct Best {
 }
 
 impl Search<'_> {
-    /// The nearest candidates of the queries from `first` on.
-    fn run(&self, first: usize, nearest: &mut [u32]) {
+    /// The nearest candidates of these queries.
+    fn run(&self, block: Range<usize>) -> Vec<u32> {
         let d = self.queries.nrows();
-        let queries = self.queries.subcols(first, nearest.len());
+        let queries = self.queries.subcols(block.start, block.len());
         // Twice the bound of a computed score, `(d + 2) u (|c|^2 + |q| |c|)`, and once more for the exact distance.
         let unit = 4.0 * (d as f64 + 2.0) * f64::EPSILON;
-        let mut best: Vec<Best> = (0..nearest.len())
+        let mut best: Vec<Best> = block
             .map(|j| {
-                let size = self.query_norms[first + j] + 2.0 * self.longest;
+                let size = self.query_norms[j] + 2.0 * self.longest;
                 Best { score: f64::INFINITY, slack: unit * size, open: Vec::new() }
             })
             .collect();
-        let mut scores = Mat::<f64>::zeros(CANDIDATES.min(self.candidates.ncols()), nearest.len());
+        let mut scores = Mat::<f64>::zeros(CANDIDATES.min(self.candidates.ncols()), best.len());
         for start in (0..self.candidates.ncols()).step_by(CANDIDATES) {
             let count = CANDIDATES.min(self.candidates.ncols() - start);
             let mut scores = scores.as_mut().subrows_mut(0, count);
@@ -138,9 +139,9 @@ impl Search<'_> {
                 }
             }
         }
-        for (j, best) in best.iter().enumerate() {
-            nearest[j] = self.nearest_of(queries.col(j).transpose(), &best.open);
-        }
+        let winner =
+            |(j, best): (usize, &Best)| self.nearest_of(queries.col(j).transpose(), &best.open);
+        best.iter().enumerate().map(winner).collect()
     }
 
     /// The nearest of these, by the definition.
