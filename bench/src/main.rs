@@ -8,7 +8,7 @@ use catamaran_bench::product::Operation;
 use catamaran_bench::{Result, host};
 use clap::Parser;
 
-use commands::{accuracy, exact, grid, race, reproduce, scale, stream};
+use commands::{accuracy, exact, grid, race, reproduce, scale, spectrum, stream};
 
 /// Races against other libraries, and errors beside theirs.
 #[derive(Parser)]
@@ -27,6 +27,8 @@ enum Command {
     Scale(scale::Arguments),
     /// A^T A of a file, beside reading it alone and computing alone.
     Stream(stream::Arguments),
+    /// Eigenpairs of the Laplacian of meshes beside scipy's.
+    Spectrum(spectrum::Arguments),
     /// Tables and figures of the thesis, measured again.
     Reproduce(reproduce::Arguments),
 }
@@ -44,6 +46,7 @@ fn main() {
         Command::Exact(a) => exact::run(a),
         Command::Scale(a) => scale::run(a),
         Command::Stream(a) => stream::run(a),
+        Command::Spectrum(a) => spectrum::run(a),
         Command::Reproduce(a) => reproduce::run(a),
     };
     if let Err(error) = done {

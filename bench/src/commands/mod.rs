@@ -6,6 +6,7 @@ pub mod grid;
 pub mod race;
 pub mod reproduce;
 pub mod scale;
+pub mod spectrum;
 pub mod stream;
 
 use std::path::{Path, PathBuf};

@@ -8,6 +8,7 @@ use catamaran::spectral::{
 use super::shapes::{Shape, Shapes};
 use super::signals::signals;
 use super::table::{Table, average, mean};
+use super::transfer::truncation;
 use crate::Result;
 
 /// Eigenfunctions beside the constant, and the order of products.
@@ -57,7 +58,7 @@ fn errors(shape: &Shape) -> Result<Vec<Vec<f64>>> {
     };
     let (ours, ours_star) =
         (basis(Orthogonalization::SinglePass)?, basis(Orthogonalization::Reorthogonalized)?);
-    let prods = TruncatedProducts::new(&ours_star, 0.0, par)?;
+    let prods = TruncatedProducts::new(&ours_star, truncation(K), par)?;
     let more = shape.first(ORDER * K)?;
     let mass = few.basis().mass();
     let mut rows = Vec::new();

@@ -67,7 +67,7 @@ impl Shapes {
     }
 
     fn read(folder: &Path, name: &str) -> Result<TriMesh> {
-        Err(format!("{} {name}: no reader", folder.display()).into())
+        Ok(catamaran::mesh::io::read(&folder.join(name))?.mesh)
     }
 
     /// The shapes for approximation, of `k` eigenfunctions each.

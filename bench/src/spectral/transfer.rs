@@ -145,6 +145,12 @@ pub fn fitted(pair: &Pair, source: &Eigenbasis, target: &Eigenbasis) -> Result<M
     Ok(fit.solve(MapFit::COMMUTATIVITY)?)
 }
 
+/// Singular values of products that are left out, as a part of the largest: as the code published with the thesis does, for
+/// `k` eigenfunctions beside the constant.
+pub fn truncation(k: usize) -> f64 {
+    2e-3 * (k as f64 - 1.0)
+}
+
 fn errors(pair: &Pair, order: usize, [k, l]: [usize; 2]) -> Result<Vec<Vec<f64>>> {
     let par = Par::all();
     let (source, target) = (pair.source.first(k)?, pair.target.first(l)?);
@@ -162,10 +168,8 @@ fn errors(pair: &Pair, order: usize, [k, l]: [usize; 2]) -> Result<Vec<Vec<f64>>
     };
     let (o, o_star) = (by_points(&ours)?, by_points(&ours_star)?);
 
-    // As the code published with the thesis truncates.
-    let threshold = |k: usize| 2e-3 * (k as f64 - 1.0);
-    let prods = TruncatedProducts::new(&ours_star[0], threshold(k), par)?;
-    let images = TruncatedProducts::new(&ours_star[1], threshold(l), par)?;
+    let prods = TruncatedProducts::new(&ours_star[0], truncation(k), par)?;
+    let images = TruncatedProducts::new(&ours_star[1], truncation(l), par)?;
     let extended = ProductMap::new(c.as_ref(), &source, &target, order)?;
 
     let (more, more_target) = (pair.source.first(order * k)?, pair.target.first(order * l)?);

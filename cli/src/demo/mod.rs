@@ -6,6 +6,7 @@ mod ata;
 mod chart;
 mod exact;
 mod page;
+mod spectral;
 mod task_tree;
 
 use std::fs;
@@ -32,7 +33,8 @@ pub struct Args {
 }
 
 /// In the order of the page.
-const STATIONS: [fn(&Site<'_>) -> Result<Station>; 2] = [ata::station, exact::station];
+const STATIONS: [fn(&Site<'_>) -> Result<Station>; 3] =
+    [ata::station, exact::station, spectral::station];
 
 /// Where stations put their files, and how much they may do.
 pub struct Site<'a> {

@@ -45,7 +45,6 @@ impl Image {
 }
 
 /// What only pictures of meshes need.
-#[cfg_attr(not(test), expect(dead_code))]
 impl Image {
     /// Pixels in a row.
     pub fn width(&self) -> usize {

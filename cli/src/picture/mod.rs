@@ -3,10 +3,8 @@
 mod color;
 mod image;
 mod matrix;
-// No command draws meshes yet; the tests do.
-#[cfg_attr(not(test), expect(dead_code))]
 mod mesh;
-#[cfg_attr(not(test), expect(dead_code))]
 mod text;
 
+pub use mesh::{Paint, Panel, Scene, Up, View, render};
 pub use matrix::{Scale, levels, write};

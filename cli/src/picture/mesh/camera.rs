@@ -39,10 +39,15 @@ pub struct View {
     pub projection: Projection,
 }
 
+impl View {
+    /// From the front, a little from the side and above; y is up.
+    pub const DEFAULT: Self =
+        Self { azimuth: 30.0, elevation: 15.0, up: Up::Y, projection: Projection::Perspective };
+}
+
 impl Default for View {
     fn default() -> Self {
-        let projection = Projection::Perspective;
-        Self { azimuth: 30.0, elevation: 15.0, up: Up::Y, projection }
+        Self::DEFAULT
     }
 }
 

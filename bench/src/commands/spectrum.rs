@@ -1,0 +1,203 @@
+//! `spectrum`: eigenpairs of the Laplacian of meshes beside scipy's, each solution in a process of its own.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use catamaran::Par;
+use catamaran::faer::{Mat, MatRef};
+use catamaran::io::{Matrix, Output, Overwrite, ReadOptions, read, write};
+use catamaran::mesh::{LaplacianOptions, families, laplacian};
+use catamaran::sparse::{CsMat, EigenOptions, Mass, eigs};
+use catamaran_bench::child::{self, Report};
+use catamaran_bench::race::median;
+use catamaran_bench::{Result, host, record};
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Meshes; by default a generated terrain of 100,172 vertices, and the armadillo if CATAMARAN_DATA (default
+    /// ../shared) has it.
+    meshes: Vec<PathBuf>,
+    /// Eigenpairs.
+    #[arg(short, default_value_t = 101)]
+    k: usize,
+    /// Thread counts.
+    #[arg(long, value_delimiter = ',', default_value = "1,2")]
+    threads: Vec<usize>,
+    /// Repetitions.
+    #[arg(long, default_value_t = 5)]
+    repeat: usize,
+    /// Where scripts/rivals installed scipy.
+    #[arg(long, default_value = "target/rivals")]
+    libraries: PathBuf,
+    /// Writes NAME.csv and host.txt under bench/record.
+    #[arg(long, value_name = "NAME")]
+    record: Option<String>,
+    /// Solves the problem in this folder once, and prints seconds and bytes.
+    #[arg(long, hide = true)]
+    solve: Option<PathBuf>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    if let Some(folder) = &arguments.solve {
+        return solve(folder, arguments.k, arguments.threads[0]);
+    }
+    let python = child::python(&arguments.libraries).ok_or("no scipy: run scripts/rivals first")?;
+    let host = host::describe(&[]);
+    println!("{host}\nk = {}\n", arguments.k);
+    println!(
+        "{:<14} {:>9} {:>2} {:>9} {:>9} {:>6} {:>7} {:>7} {:>9} {:>9} {:>9}",
+        "mesh", "vertices", "th", "ours s", "scipy s", "ratio", "ours MB", "scipy", "residual", "scipy", "difference"
+    );
+    let mut lines = Vec::new();
+    for (name, mesh) in meshes(&arguments.meshes)? {
+        let folder = tempfile::tempdir()?;
+        let n = mesh.vertices().len();
+        prepare(folder.path(), &mesh)?;
+        for &threads in &arguments.threads {
+            let outcome = race(arguments, folder.path(), &python, threads)?;
+            let Outcome { ours, scipy, ratio, bytes, residuals, difference } = outcome;
+            let [mb, scipy_mb] = bytes.map(|bytes| bytes / 1e6);
+            let [residual, scipy_residual] = residuals;
+            println!(
+                "{name:<14} {n:>9} {threads:>2} {ours:>9.2} {scipy:>9.2} {ratio:>6.2} {mb:>7.0} {scipy_mb:>7.0} \
+                 {residual:>9.1e} {scipy_residual:>9.1e} {difference:>9.1e}"
+            );
+            lines.push(format!(
+                "{name},{n},{},{threads},{},{ours:.4},{scipy:.4},{ratio:.3},{mb:.0},{scipy_mb:.0},{residual:.2e},\
+                 {scipy_residual:.2e},{difference:.2e}",
+                arguments.k, arguments.repeat
+            ));
+        }
+    }
+    if let Some(name) = &arguments.record {
+        let header = "mesh,vertices,k,threads,repetitions,ours_s,scipy_s,ratio,ours_mb,scipy_mb,ours_residual,\
+                      scipy_residual,value_difference";
+        let (name, csv) = (format!("{name}.csv"), record::csv(header, lines));
+        println!("\nrecorded in {}", record::write(&[(&name, csv), ("host.txt", host)])?.display());
+    }
+    Ok(())
+}
+
+fn meshes(paths: &[PathBuf]) -> Result<Vec<(String, catamaran::mesh::TriMesh)>> {
+    let read = |path: &Path| -> Result<_> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let name = name.split('.').next().unwrap_or_default().to_owned();
+        Ok((name, catamaran::mesh::io::read(path)?.mesh))
+    };
+    if !paths.is_empty() {
+        return paths.iter().map(|path| read(path)).collect();
+    }
+    let mut found = vec![("terrain".to_owned(), families::terrain(316, 316, 1)?)];
+    let data = std::env::var_os("CATAMARAN_DATA").map_or_else(|| "../shared".into(), PathBuf::from);
+    let armadillo = data.join("meshes/armadillo43k.obj.gz");
+    if armadillo.exists() {
+        found.push(read(&armadillo)?);
+    }
+    Ok(found)
+}
+
+/// Writes the problem where both contenders read it.
+fn prepare(folder: &Path, mesh: &catamaran::mesh::TriMesh) -> Result<()> {
+    let problem = laplacian(mesh, &LaplacianOptions::default())?;
+    let Mass::Lumped(mass) = &problem.mass else { return Err("a full mass".into()) };
+    let put = |name: &str, values: &[f64]| -> Result<()> {
+        let output = Output::create(&folder.join(name), Overwrite::Replace)?;
+        Ok(write(output, MatRef::from_column_major_slice(values, values.len(), 1))?)
+    };
+    let as_f64 = |indices: &[usize]| indices.iter().map(|&i| i as f64).collect::<Vec<_>>();
+    put("data.npy", problem.stiffness.data())?;
+    put("indices.npy", &as_f64(problem.stiffness.indices()))?;
+    put("indptr.npy", &as_f64(problem.stiffness.indptr().raw_storage()))?;
+    put("mass.npy", mass)
+}
+
+fn get(folder: &Path, name: &str) -> Result<Vec<f64>> {
+    match read(&folder.join(name), &ReadOptions::default())? {
+        Matrix::F64(dense) => Ok(dense.as_ref().col(0).iter().copied().collect()),
+        _ => Err(format!("{name}: not doubles").into()),
+    }
+}
+
+/// Our side, in its own process.
+fn solve(folder: &Path, k: usize, threads: usize) -> Result<()> {
+    let mass = get(folder, "mass.npy")?;
+    let n = mass.len();
+    let [indptr, indices] = ["indptr.npy", "indices.npy"].map(|name| get(folder, name));
+    let whole = |values: Vec<f64>| values.into_iter().map(|x| x as usize).collect::<Vec<_>>();
+    let stiffness = CsMat::new((n, n), whole(indptr?), whole(indices?), get(folder, "data.npy")?);
+    let mass = Mass::Lumped(mass);
+    let [before, _] = child::memory();
+    let start = Instant::now();
+    let options = EigenOptions { k, par: Par::Threads(threads), ..EigenOptions::default() };
+    let pairs = eigs(stiffness.view(), &mass, &options)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let [_, peak] = child::memory();
+    let put = |name: &str, values: &[f64]| -> Result<()> {
+        let output = Output::create(&folder.join(name), Overwrite::Replace)?;
+        Ok(write(output, MatRef::from_column_major_slice(values, values.len(), 1))?)
+    };
+    put("our-values.npy", &pairs.values)?;
+    let largest = residual(&stiffness, &mass, pairs.vectors.as_ref(), &pairs.values);
+    println!("{}", Report::line(seconds, peak - before, &[largest]));
+    Ok(())
+}
+
+/// The largest `|W phi - lambda M phi| / |W phi|` of pairs with a positive value.
+fn residual(w: &CsMat<f64>, mass: &Mass, vectors: MatRef<'_, f64>, values: &[f64]) -> f64 {
+    let Mass::Lumped(mass) = mass else { return f64::NAN };
+    let mut largest = 0.0_f64;
+    for (j, &value) in values.iter().enumerate().filter(|(_, value)| **value > 1e-6 * values[values.len() - 1]) {
+        let phi = vectors.col(j);
+        let (mut above, mut below) = (0.0, 0.0);
+        for (i, row) in w.outer_iterator().enumerate() {
+            let image: f64 = row.iter().map(|(c, x)| x * phi[c]).sum();
+            above += (image - value * mass[i] * phi[i]).powi(2);
+            below += image * image;
+        }
+        largest = largest.max((above / below).sqrt());
+    }
+    largest
+}
+
+struct Outcome {
+    ours: f64,
+    scipy: f64,
+    /// scipy's seconds over ours: the median over the repetitions.
+    ratio: f64,
+    bytes: [f64; 2],
+    residuals: [f64; 2],
+    /// Of eigenvalues, relative to the largest.
+    difference: f64,
+}
+
+fn race(arguments: &Arguments, folder: &Path, python: &Path, threads: usize) -> Result<Outcome> {
+    let this = std::env::current_exe()?;
+    let (k, t, place) = (arguments.k.to_string(), threads.to_string(), folder.display().to_string());
+    let ours = ["spectrum", "--solve", &place, "-k", &k, "--threads", &t];
+    let script = child::script("eigsh.py");
+    let mut reports: Vec<[Report; 2]> = Vec::new();
+    for _ in 0..arguments.repeat {
+        let mine = child::run(&this, &ours, threads)?;
+        reports.push([mine, child::run(python, &[&script, &place, &k], threads)?]);
+    }
+    let of = |who: usize, what: &dyn Fn(&Report) -> f64| {
+        median(reports.iter().map(|pair| what(&pair[who])).collect())
+    };
+    let (values, theirs) = (get(folder, "our-values.npy")?, get(folder, "values.npy")?);
+    let largest = theirs.last().copied().unwrap_or(1.0);
+    let differences = values.iter().zip(&theirs).map(|(x, y)| (x - y).abs() / largest);
+    // The first value of a connected mesh is zero, and so is what it is divided by.
+    let scipy_residuals = get(folder, "residuals.npy")?;
+    let positive = scipy_residuals.iter().zip(&theirs).filter(|(_, value)| **value > 1e-6 * largest);
+    Ok(Outcome {
+        ours: of(0, &|report| report.seconds),
+        scipy: of(1, &|report| report.seconds),
+        ratio: median(reports.iter().map(|[ours, scipy]| scipy.seconds / ours.seconds).collect()),
+        bytes: [0, 1].map(|who| of(who, &|report| report.bytes)),
+        residuals: [
+            reports[0][0].rest.first().copied().unwrap_or(f64::NAN),
+            positive.map(|(residual, _)| *residual).fold(0.0, f64::max),
+        ],
+        difference: differences.fold(0.0, f64::max),
+    })
+}

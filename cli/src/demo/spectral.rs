@@ -1,0 +1,240 @@
+//! The station of spectra: eigenfunctions of a figure, and what products of them are good for.
+
+use std::time::Instant;
+
+use anyhow::Result;
+use catamaran::Par;
+use catamaran::faer::{Mat, MatRef};
+use catamaran::mesh::{LaplacianOptions, Normalization, TriMesh, families, laplacian};
+use catamaran::sparse::{CsMat, EigenOptions, eigs};
+use catamaran::spectral::functional_map::{map_from_points, points_from_map};
+use catamaran::spectral::{
+    Basis, Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions, Transfer,
+    relative_errors,
+};
+
+use super::Site;
+use super::page::{Figure, Station, Table};
+use crate::picture::{Paint, Panel, Scene, Up, View, render};
+use crate::progress::Bar;
+
+/// Eigenfunctions that are multiplied, beside the constant, and the order of products.
+const K: usize = 30;
+const ORDER: usize = 2;
+/// The same for transfer.
+const TRANSFER: (usize, usize) = (12, 3);
+/// Size of the figure (F = 300 cells^2), and the same when small inputs are wanted.
+const CELLS: usize = 8;
+const SMALL_CELLS: usize = 4;
+/// Eigenfunctions that are shown.
+const SHOWN: [usize; 4] = [1, 4, 9, 25];
+/// The eigenfunction that is transferred: far beyond those that carry it.
+const HIGH: usize = 40;
+
+/// A pose of the figure and its eigenfunctions.
+struct Pose {
+    mesh: TriMesh,
+    eigenbasis: Eigenbasis,
+    stiffness: CsMat<f64>,
+}
+
+impl Pose {
+    fn new(cells: usize, pose: f64) -> Result<Self> {
+        let mesh = families::figure(cells, pose)?.normalized(Normalization::UnitArea)?;
+        let problem = laplacian(&mesh, &LaplacianOptions::default())?;
+        let options = EigenOptions { k: ORDER * K + 1, ..EigenOptions::default() };
+        let pairs = eigs(problem.stiffness.view(), &problem.mass, &options)?;
+        let eigenbasis = Eigenbasis::new(pairs.values, pairs.vectors, problem.mass)?;
+        Ok(Self { mesh, eigenbasis, stiffness: problem.stiffness })
+    }
+
+    fn products(&self, k: usize, order: usize) -> Result<ProductBasis> {
+        let orthogonalization = Orthogonalization::Reorthogonalized;
+        let options = ProductBasisOptions { orthogonalization, ..ProductBasisOptions::default() };
+        Ok(ProductBasis::new(&self.eigenbasis.truncated(k + 1)?, order, &options)?)
+    }
+}
+
+/// One line of the table: a basis, and how well it holds the coordinates.
+struct Outcome {
+    name: String,
+    functions: usize,
+    error: f64,
+}
+
+/// Computes and describes it.
+pub fn station(site: &Site<'_>) -> Result<Station> {
+    let bar = Bar::new("spectra");
+    let cells = if site.small { SMALL_CELLS } else { CELLS };
+    let start = Instant::now();
+    let source = Pose::new(cells, 0.2)?;
+    let seconds = start.elapsed().as_secs_f64();
+    bar.update(0.3);
+    let target = Pose::new(cells, 0.9)?;
+    bar.update(0.6);
+
+    eigenfunctions(site, &source)?;
+    let outcomes = approximation(site, &source)?;
+    bar.update(0.8);
+    let errors = transfer(site, &source, &target)?;
+    drop(bar);
+    let largest = residual(&source);
+    Ok(describe(&source, seconds, largest, &outcomes, errors))
+}
+
+const VIEW: View = View { azimuth: 20.0, elevation: 8.0, up: Up::Z, ..View::DEFAULT };
+
+fn panel<'a>(mesh: &'a TriMesh, values: &'a [f64], title: &'a str) -> Panel<'a> {
+    Panel { mesh, paint: Paint::Values(values), view: VIEW, title }
+}
+
+fn eigenfunctions(site: &Site<'_>, pose: &Pose) -> Result<()> {
+    let columns: Vec<Vec<f64>> = SHOWN
+        .iter()
+        .map(|&i| pose.eigenbasis.functions().col(i).iter().copied().collect())
+        .collect();
+    let titles = SHOWN.map(|i| format!("{i}"));
+    let panels = columns.iter().zip(&titles).map(|(values, title)| panel(&pose.mesh, values, title));
+    let scene = Scene { panels: panels.collect(), size: (460, 520), legend: false, ..Scene::default() };
+    render(&scene)?.write_png(site.file("eigenfunctions.png")?)
+}
+
+/// The figure as its coordinates are in three bases.
+fn approximation(site: &Site<'_>, pose: &Pose) -> Result<Vec<Outcome>> {
+    let points = pose.mesh.vertices();
+    let coordinates = Mat::from_fn(points.len(), 3, |i, j| points[i][j]);
+    let products = pose.products(K, ORDER)?;
+    let few = pose.eigenbasis.truncated(K + 1)?;
+    let bases: [(String, &Basis); 3] = [
+        (format!("{K} eigenfunctions"), few.basis()),
+        (format!("{} eigenfunctions", ORDER * K), pose.eigenbasis.basis()),
+        (format!("products of {K}"), products.basis()),
+    ];
+    let mut outcomes = Vec::new();
+    let mut meshes = vec![("the figure".to_owned(), pose.mesh.clone())];
+    for (name, basis) in bases {
+        let rebuilt = basis.approximation(coordinates.as_ref(), Par::all())?;
+        let errors = relative_errors(coordinates.as_ref(), rebuilt.as_ref(), basis.mass())?;
+        let vertices = (0..points.len()).map(|i| [0, 1, 2].map(|j| rebuilt[(i, j)])).collect();
+        meshes.push((name.clone(), TriMesh::new(vertices, pose.mesh.faces().to_vec())?));
+        let error = errors.iter().sum::<f64>() / errors.len() as f64;
+        outcomes.push(Outcome { name, functions: basis.len(), error });
+    }
+    let panels = meshes.iter().map(|(title, mesh)| Panel {
+        mesh,
+        paint: Paint::Plain([205, 214, 224]),
+        view: VIEW,
+        title,
+    });
+    let scene = Scene { panels: panels.collect(), size: (460, 520), ..Scene::default() };
+    render(&scene)?.write_png(site.file("rebuilt.png")?)?;
+    Ok(outcomes)
+}
+
+/// A high eigenfunction, transferred by few and by products of them; the errors of both.
+fn transfer(site: &Site<'_>, source: &Pose, target: &Pose) -> Result<[f64; 2]> {
+    let par = Par::all();
+    let (k, order) = TRANSFER;
+    let f = source.eigenbasis.functions().subcols(HIGH, 1);
+    // All poses have the same vertices; what is known of that is a small functional map.
+    let truth: Vec<u32> = (0..source.mesh.vertices().len() as u32).collect();
+    let (few, others) = (source.eigenbasis.truncated(k + 1)?, target.eigenbasis.truncated(k + 1)?);
+    let c = map_from_points(&truth, few.basis(), others.basis(), par)?;
+    let points = points_from_map(c.as_ref(), few.basis(), others.basis(), par, None)?;
+    let (from, to) = (source.products(k, order)?, target.products(k, order)?);
+    let o = map_from_points(&points, from.basis(), to.basis(), par)?;
+    let by_few = Transfer::new(few.basis(), others.basis(), c)?.apply(f, par)?;
+    let by_products = Transfer::new(from.basis(), to.basis(), o)?.apply(f, par)?;
+
+    let column = |g: MatRef<'_, f64>| g.col(0).iter().copied().collect::<Vec<f64>>();
+    let [original, few_image, image] = [f, by_few.as_ref(), by_products.as_ref()].map(column);
+    let titles = [format!("eigenfunction {HIGH}"), format!("by {k}"), format!("by products of {k}")];
+    let panels = vec![
+        panel(&source.mesh, &original, &titles[0]),
+        panel(&target.mesh, &few_image, &titles[1]),
+        panel(&target.mesh, &image, &titles[2]),
+    ];
+    let scene = Scene { panels, size: (520, 560), legend: false, ..Scene::default() };
+    render(&scene)?.write_png(site.file("transfer.png")?)?;
+    let error = |g: MatRef<'_, f64>| relative_errors(f, g, others.basis().mass());
+    Ok([error(by_few.as_ref())?[0], error(by_products.as_ref())?[0]])
+}
+
+/// The largest `|W phi - lambda M phi| / |W phi|`.
+fn residual(pose: &Pose) -> f64 {
+    let catamaran::sparse::Mass::Lumped(mass) = pose.eigenbasis.basis().mass() else { return f64::NAN };
+    let functions = pose.eigenbasis.functions();
+    let mut largest = 0.0_f64;
+    for (j, &value) in pose.eigenbasis.values().iter().enumerate().skip(1) {
+        let phi = functions.col(j);
+        let (mut above, mut below) = (0.0, 0.0);
+        for (i, row) in pose.stiffness.outer_iterator().enumerate() {
+            let image: f64 = row.iter().map(|(c, w)| w * phi[c]).sum();
+            above += (image - value * mass[i] * phi[i]).powi(2);
+            below += image * image;
+        }
+        largest = largest.max((above / below).sqrt());
+    }
+    largest
+}
+
+fn describe(
+    pose: &Pose,
+    seconds: f64,
+    residual: f64,
+    outcomes: &[Outcome],
+    [by_few, by_products]: [f64; 2],
+) -> Station {
+    let (k, order) = TRANSFER;
+    let picture = |name: &str, alt: &str| format!("<img src=\"{name}\" alt=\"{alt}\" width=\"100%\">");
+    let per_cent = |error: f64| format!("{:.1} %", 100.0 * error);
+    Station {
+        id: "spectral",
+        title: "Spectra and products",
+        text: format!(
+            "<p>The eigenfunctions of the Laplacian are the vibrations of a surface. The first {K} are quickly had; \
+             their products, made orthogonal, say as much as many hundreds of eigenfunctions would, which are not.</p>"
+        ),
+        numbers: vec![
+            (pose.mesh.vertices().len().to_string(), "vertices"),
+            (format!("{:.0} ms", seconds * 1e3), "for Laplacian and eigenfunctions"),
+            (format!("{residual:.0e}"), "largest residual of an eigenpair"),
+            (outcomes.last().map_or(0, |o| o.functions).to_string(), "orthogonal products"),
+        ],
+        figures: vec![
+            Figure {
+                body: picture("eigenfunctions.png", "Four eigenfunctions on a figure"),
+                caption: format!(
+                    "Eigenfunctions {}, from low to high: red above zero, blue below.",
+                    SHOWN.map(|i| i.to_string()).join(", ")
+                ),
+                wide: true,
+            },
+            Figure {
+                body: picture("rebuilt.png", "The figure in three bases"),
+                caption: "The coordinates of the figure as functions on it, and what is left of them in each basis."
+                    .into(),
+                wide: true,
+            },
+            Figure {
+                body: picture("transfer.png", "An eigenfunction transferred to another pose"),
+                caption: format!(
+                    "Eigenfunction {HIGH}, carried to another pose by a functional map of {k} eigenfunctions, which \
+                     hold nothing of it (error {}), and by products of up to {order} of the same ({}).",
+                    per_cent(by_few),
+                    per_cent(by_products)
+                ),
+                wide: true,
+            },
+        ],
+        tables: vec![Table {
+            caption: "Mean error of the coordinates, relative to their norm.".into(),
+            head: vec!["basis", "functions", "error"],
+            text_columns: 1,
+            rows: outcomes
+                .iter()
+                .map(|o| vec![o.name.clone(), o.functions.to_string(), per_cent(o.error)])
+                .collect(),
+        }],
+    }
+}
