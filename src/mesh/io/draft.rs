@@ -2,7 +2,7 @@ use super::super::TriMesh;
 use crate::base::{Error, Result};
 use crate::io::Source;
 
-/// What a reader of a line or an element finds wrong; where that is, [`Draft::blame`] knows.
+/// What a reader of a line or an element finds wrong; where that is, [`Fault::at`] and [`Fault::of`] say.
 pub(super) enum Fault {
     What(String),
     Error(Error),
