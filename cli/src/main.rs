@@ -9,6 +9,7 @@ mod mesh;
 mod picture;
 mod progress;
 mod report;
+mod spectrum;
 mod tune;
 
 use std::io;
@@ -31,6 +32,7 @@ enum Command {
     Mesh(mesh::Args),
     Info(info::Args),
     Demo(demo::Args),
+    Spectrum(spectrum::Args),
     Tune(tune::Args),
 }
 
@@ -45,6 +47,7 @@ fn main() -> ExitCode {
         Command::Mesh(args) => mesh::run(args),
         Command::Info(args) => info::run(args),
         Command::Demo(args) => demo::run(args),
+        Command::Spectrum(args) => spectrum::run(args),
         Command::Tune(args) => tune::run(args),
     });
     let Err(error) = done else { return ExitCode::SUCCESS };
