@@ -2,14 +2,18 @@
 
 mod ata;
 mod backend;
+mod basis;
 mod demo;
+mod filter;
 mod info;
 mod merge;
 mod mesh;
 mod picture;
 mod progress;
 mod report;
+mod shape;
 mod spectrum;
+mod transfer;
 mod tune;
 
 use std::io;
@@ -34,6 +38,9 @@ enum Command {
     Demo(demo::Args),
     Spectrum(spectrum::Args),
     Tune(tune::Args),
+    Basis(basis::Args),
+    Transfer(transfer::Args),
+    Filter(filter::Args),
 }
 
 /// What a shell reports for a process that Ctrl-C ended.
@@ -49,6 +56,9 @@ fn main() -> ExitCode {
         Command::Demo(args) => demo::run(args),
         Command::Spectrum(args) => spectrum::run(args),
         Command::Tune(args) => tune::run(args),
+        Command::Basis(args) => basis::run(args),
+        Command::Transfer(args) => transfer::run(args),
+        Command::Filter(args) => filter::run(args),
     });
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {

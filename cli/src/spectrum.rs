@@ -6,13 +6,11 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::faer::MatRef;
-use catamaran::io::{Output, Overwrite};
+use catamaran::io::{Array, Output, Overwrite, write_npz};
 use catamaran::mesh::io as files;
 use catamaran::mesh::{Boundary, LaplacianKind, LaplacianOptions, MassKind, laplacian};
 use catamaran::sparse::{EigenOptions, eigs};
 use clap::ValueEnum;
-use npyz::WriterBuilder;
 
 use crate::progress::Bar;
 use crate::report::{report, seconds};
@@ -59,6 +57,7 @@ pub struct Args {
     force: bool,
 }
 
+/// Which triangles.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Kind {
     Cotan,
@@ -66,12 +65,14 @@ enum Kind {
     Tufted,
 }
 
+/// Which mass matrix.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Mass {
     Lumped,
     Full,
 }
 
+/// What holds at the boundary.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Edge {
     Neumann,
@@ -107,7 +108,11 @@ pub fn run(args: &Args) -> Result<()> {
     let operator = laplacian(&file.mesh, &options).with_context(|| name.to_string())?;
     let (rows, vertices) = (operator.kept.len(), operator.vertices);
     report(format_args!("mesh        {name}: {vertices} vertices, {rows} of them free"))?;
-    report(format_args!("matrices    {} entries, in {}", operator.stiffness.nnz(), seconds(start.elapsed())))?;
+    report(format_args!(
+        "matrices    {} entries, in {}",
+        operator.stiffness.nnz(),
+        seconds(start.elapsed())
+    ))?;
 
     let start = Instant::now();
     let bar = Bar::new("spectrum");
@@ -127,7 +132,8 @@ pub fn run(args: &Args) -> Result<()> {
     report(format_args!("eigenpairs  {} in {}", args.k, seconds(start.elapsed())))?;
     let largest = pairs.residuals.iter().copied().fold(0.0, f64::max);
     report(format_args!("residual    {largest:.1e} at most"))?;
-    for (i, (value, residual)) in pairs.values.iter().zip(&pairs.residuals).take(SHOWN).enumerate() {
+    for (i, (value, residual)) in pairs.values.iter().zip(&pairs.residuals).take(SHOWN).enumerate()
+    {
         report(format_args!("{i:>10}  {value:<22.15e} {residual:.1e}"))?;
     }
     if args.k > SHOWN {
@@ -137,7 +143,12 @@ pub fn run(args: &Args) -> Result<()> {
     let Some(output) = output else { return Ok(()) };
     let vectors = operator.extend(pairs.vectors.as_ref())?;
     let path = output.path().display().to_string();
-    write(output, &pairs.values, vectors.as_ref(), &pairs.residuals)?;
+    let arrays = [
+        ("eigenvalues", Array::Vector(&pairs.values)),
+        ("eigenvectors", Array::Matrix(vectors.as_ref())),
+        ("residuals", Array::Vector(&pairs.residuals)),
+    ];
+    write_npz(output, &arrays)?;
     report(format_args!("written     {path}"))
 }
 
@@ -154,38 +165,4 @@ fn create(path: &Path, force: bool) -> Result<Output> {
     }
     let overwrite = if force { Overwrite::Replace } else { Overwrite::Never };
     Ok(Output::create(path, overwrite)?)
-}
-
-/// Writes the arrays, and lets the file appear.
-fn write(
-    mut output: Output,
-    values: &[f64],
-    vectors: MatRef<'_, f64>,
-    residuals: &[f64],
-) -> Result<()> {
-    let path = output.path().display().to_string();
-    let mut arrays = || -> std::io::Result<()> {
-        let mut npz = npyz::npz::NpzWriter::new(&mut output);
-        for (name, list) in [("eigenvalues", values), ("residuals", residuals)] {
-            let mut array = npz
-                .array(name, Default::default())?
-                .default_dtype()
-                .shape(&[list.len() as u64])
-                .begin_nd()?;
-            array.extend(list.iter().copied())?;
-            array.finish()?;
-        }
-        let mut array = npz
-            .array("eigenvectors", Default::default())?
-            .default_dtype()
-            .order(npyz::Order::Fortran)
-            .shape(&[vectors.nrows() as u64, vectors.ncols() as u64])
-            .begin_nd()?;
-        for column in vectors.col_iter() {
-            array.extend(column.iter().copied())?;
-        }
-        array.finish()
-    };
-    arrays().with_context(|| path)?;
-    Ok(output.commit()?)
 }
