@@ -12,6 +12,7 @@ mod picture;
 mod progress;
 mod report;
 mod shape;
+mod spectrum;
 mod transfer;
 mod tune;
 
@@ -35,6 +36,7 @@ enum Command {
     Mesh(mesh::Args),
     Info(info::Args),
     Demo(demo::Args),
+    Spectrum(spectrum::Args),
     Tune(tune::Args),
     Basis(basis::Args),
     Transfer(transfer::Args),
@@ -52,6 +54,7 @@ fn main() -> ExitCode {
         Command::Mesh(args) => mesh::run(args),
         Command::Info(args) => info::run(args),
         Command::Demo(args) => demo::run(args),
+        Command::Spectrum(args) => spectrum::run(args),
         Command::Tune(args) => tune::run(args),
         Command::Basis(args) => basis::run(args),
         Command::Transfer(args) => transfer::run(args),

@@ -96,7 +96,8 @@ fn coordinates_are_transferred_along_points_and_landmarks() {
     assert_eq!(read_points, points);
     let (a, b): (Vec<f64>, Vec<f64>) =
         (folder.read_npy("by_points.npy"), folder.read_npy("found.npy"));
-    assert_eq!(a, b);
+    // Other eigenfunctions were computed along, and so with other roundings.
+    assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-8));
     // What comes out is near the coordinates of the corresponding vertices.
     let distance = |x: &[f64; 3], y: &[f64]| (0..3).map(|c| (x[c] - y[c]).powi(2)).sum::<f64>();
     let truth: Vec<[f64; 3]> = points.iter().map(|&x| source.vertices()[x as usize]).collect();
@@ -169,7 +170,7 @@ fn filters_smooth_sharpen_and_split() {
         assert!((a[i] + b[i] - x).abs() < 1e-12);
     }
     assert_eq!(a, c);
-    let said = folder.fail("filter source.ply --heat -1 -o x.ply");
+    let said = folder.fail("filter source.ply --heat nan -o x.ply");
     assert!(said.contains("time"), "{said}");
     let said = folder.fail("filter source.ply --low-pass 3 -o x.xyz");
     assert!(said.contains("x.xyz"), "{said}");
