@@ -7,10 +7,12 @@ mod demo;
 mod filter;
 mod info;
 mod merge;
+mod mesh;
 mod picture;
 mod progress;
 mod report;
 mod shape;
+mod spectrum;
 mod transfer;
 mod tune;
 
@@ -19,7 +21,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// A^T A at scale.
+/// A^T A, spectra and geometry at scale.
 #[derive(Parser)]
 #[command(name = "catamaran", version, about, arg_required_else_help = true)]
 struct Cli {
@@ -31,8 +33,10 @@ struct Cli {
 enum Command {
     Ata(ata::Args),
     AtaMerge(merge::Args),
+    Mesh(mesh::Args),
     Info(info::Args),
     Demo(demo::Args),
+    Spectrum(spectrum::Args),
     Tune(tune::Args),
     Basis(basis::Args),
     Transfer(transfer::Args),
@@ -47,8 +51,10 @@ fn main() -> ExitCode {
     let done = progress::watch_ctrl_c().and_then(|()| match &cli.command {
         Command::Ata(args) => ata::run(args),
         Command::AtaMerge(args) => merge::run(args),
+        Command::Mesh(args) => mesh::run(args),
         Command::Info(args) => info::run(args),
         Command::Demo(args) => demo::run(args),
+        Command::Spectrum(args) => spectrum::run(args),
         Command::Tune(args) => tune::run(args),
         Command::Basis(args) => basis::run(args),
         Command::Transfer(args) => transfer::run(args),

@@ -3,10 +3,6 @@
 /// A point or direction in space.
 pub(crate) type Vector = [f64; 3];
 
-pub(crate) fn add(a: Vector, b: Vector) -> Vector {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
 pub(crate) fn sub(a: Vector, b: Vector) -> Vector {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }

@@ -17,7 +17,7 @@ use super::shifted::Shifted;
 use crate::base::{Error, Par, Result};
 
 /// Columns of the right-hand side that are solved for together, whatever the number of threads.
-const COLUMNS: usize = 8;
+const COLUMNS: usize = 4;
 
 /// The order of elimination (approximate minimum degree) and the places of the factor, the same for every shift.
 pub(crate) struct Symbolic(SymbolicCholesky<usize>);

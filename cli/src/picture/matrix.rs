@@ -1,13 +1,14 @@
 //! Heat maps of symmetric matrices.
 
-use std::io::Write;
 use std::ops::Range;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use catamaran::base::Real;
 use catamaran::faer::MatRef;
 use catamaran::io::Output;
 use colorous::{Color, Gradient, MAGMA, RED_BLUE};
+
+use super::image::Image;
 
 /// Longest side of a picture; larger matrices are averaged down to it.
 const LARGEST: usize = 1024;
@@ -101,28 +102,11 @@ fn span(cell: usize, cells: usize, n: usize) -> Range<usize> {
 }
 
 /// Writes a PNG of `cells` x `cells` values.
-fn draw(mut output: Output, values: &[f64], cells: usize, scale: Scale) -> Result<()> {
+fn draw(output: Output, values: &[f64], cells: usize, scale: Scale) -> Result<()> {
     let zoom = (SMALLEST / cells).max(1);
     let side = cells * zoom;
-    let mut pixels = Vec::with_capacity(side * side * 3);
-    for y in 0..side {
-        for x in 0..side {
-            let color = scale.color(values[y / zoom * cells + x / zoom]);
-            pixels.extend_from_slice(&[color.r, color.g, color.b]);
-        }
-    }
-    let name = output.path().display().to_string();
-    encode(&mut output, side as u32, &pixels)
-        .with_context(|| format!("{name}: can't be written"))?;
-    output.commit()?;
-    Ok(())
-}
-
-fn encode(sink: &mut dyn Write, side: u32, rgb: &[u8]) -> Result<(), png::EncodingError> {
-    let mut encoder = png::Encoder::new(sink, side, side);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(rgb)?;
-    writer.finish()
+    let image = Image::from_fn(side, side, |x, y| {
+        scale.color(values[y / zoom * cells + x / zoom]).into_array()
+    });
+    image.write_png(output)
 }

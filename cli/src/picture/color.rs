@@ -1,0 +1,107 @@
+//! Colours of numbers, and of light.
+#![cfg_attr(not(test), expect(dead_code))]
+
+use colorous::{Gradient, RED_BLUE, VIRIDIS};
+
+use super::image::Rgb;
+
+/// The colour of what is not a number.
+const MISSING: Rgb = [150, 150, 150];
+
+/// Which colours stand for numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ColorMap {
+    /// Blue, white, red, for numbers on both sides of a middle.
+    Diverging,
+    /// Dark blue, green, yellow, for numbers from little to much.
+    Sequential,
+}
+
+/// Numbers and the colours that stand for them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ColorScale {
+    /// The colours.
+    pub map: ColorMap,
+    /// The number at the low end.
+    pub low: f64,
+    /// The number at the high end.
+    pub high: f64,
+}
+
+impl ColorScale {
+    /// For these numbers: diverging with zero in the middle when they have both signs, else sequential from the least
+    /// to the greatest. What is not finite takes no part.
+    pub fn of(values: impl Iterator<Item = f64>) -> Self {
+        let (low, high) = values
+            .filter(|x| x.is_finite())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        let most = high.max(-low);
+        // A little over zero by rounding is no sign of its own.
+        if low < -1e-6 * most && high > 1e-6 * most {
+            return Self { map: ColorMap::Diverging, low: -most, high: most };
+        }
+        let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
+        Self { map: ColorMap::Sequential, low, high }
+    }
+
+    /// The colour of a number; those beyond the ends have the colours of the ends.
+    pub fn color(&self, value: f64) -> Rgb {
+        let t =
+            if self.high > self.low { (value - self.low) / (self.high - self.low) } else { 0.5 };
+        if t.is_nan() {
+            return MISSING;
+        }
+        let (gradient, t): (Gradient, f64) = match self.map {
+            // Without the darkest ends, on which no shading shows.
+            ColorMap::Diverging => (RED_BLUE, 0.94 - 0.88 * t.clamp(0.0, 1.0)),
+            ColorMap::Sequential => (VIRIDIS, t.clamp(0.0, 1.0)),
+        };
+        gradient.eval_continuous(t).into_array()
+    }
+}
+
+/// Amounts of light from the numbers of a screen (IEC 61966-2-1).
+pub fn to_light(color: Rgb) -> [f64; 3] {
+    color.map(|c| {
+        let c = f64::from(c) / 255.0;
+        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    })
+}
+
+/// The inverse of [`to_light`], rounded; light beyond 1 is white.
+pub fn to_screen(light: [f64; 3]) -> Rgb {
+    light.map(|l| {
+        let l = l.clamp(0.0, 1.0);
+        let c = if l <= 0.003_130_8 { 12.92 * l } else { 1.055 * l.powf(1.0 / 2.4) - 0.055 };
+        (255.0 * c).round() as u8
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_and_screen_are_inverse() {
+        for c in 0..=255 {
+            assert_eq!(to_screen(to_light([c, 255 - c, 7])), [c, 255 - c, 7]);
+        }
+    }
+
+    #[test]
+    fn a_scale_suits_its_numbers() {
+        let scale = ColorScale::of([-1.0, 3.0, f64::NAN, f64::INFINITY].into_iter());
+        assert_eq!(scale, ColorScale { map: ColorMap::Diverging, low: -3.0, high: 3.0 });
+        let [r, g, b] = scale.color(0.0);
+        assert!(r > 235 && g > 235 && b > 235, "the middle is white");
+        let ([r, _, b], [s, _, c]) = (scale.color(3.0), scale.color(-3.0));
+        assert!(r > b && c > s, "red is high, blue is low");
+        let scale = ColorScale::of([2.0, 5.0].into_iter());
+        assert_eq!(scale, ColorScale { map: ColorMap::Sequential, low: 2.0, high: 5.0 });
+        assert_eq!(scale.color(9.0), scale.color(5.0));
+        assert_eq!(scale.color(f64::NAN), MISSING);
+        let nothing = ColorScale::of(std::iter::empty());
+        assert_eq!((nothing.low, nothing.high), (0.0, 0.0));
+        assert_ne!(nothing.color(0.0), MISSING);
+    }
+}

@@ -1,0 +1,75 @@
+use std::io::Write;
+
+use anyhow::{Context, Result};
+use catamaran::io::Output;
+
+/// Red, green and blue as screens have them (sRGB).
+pub type Rgb = [u8; 3];
+
+/// A rectangle of pixels, the rows from the top.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Image {
+    width: usize,
+    height: usize,
+    pixels: Vec<Rgb>,
+}
+
+impl Image {
+    /// One of a single colour.
+    pub fn new(width: usize, height: usize, color: Rgb) -> Self {
+        Self { width, height, pixels: vec![color; width * height] }
+    }
+
+    /// One whose pixel in column x and row y is `color(x, y)`.
+    pub fn from_fn(width: usize, height: usize, color: impl Fn(usize, usize) -> Rgb) -> Self {
+        let pixels = (0..width * height).map(|i| color(i % width, i / width)).collect();
+        Self { width, height, pixels }
+    }
+
+    /// Writes it as PNG and lets the file appear.
+    pub fn write_png(&self, mut output: Output) -> Result<()> {
+        let name = output.path().display().to_string();
+        self.encode(&mut output).with_context(|| format!("{name}: can't be written"))?;
+        output.commit()?;
+        Ok(())
+    }
+
+    fn encode(&self, sink: &mut dyn Write) -> Result<(), png::EncodingError> {
+        let mut encoder = png::Encoder::new(sink, self.width as u32, self.height as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(self.pixels.as_flattened())?;
+        writer.finish()
+    }
+}
+
+/// What only pictures of meshes need.
+#[cfg_attr(not(test), expect(dead_code))]
+impl Image {
+    /// Pixels in a row.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> usize {
+        self.height
+    }
+
+    /// The pixel in column x and row y, if it is there.
+    pub fn pixel(&mut self, x: usize, y: usize) -> Option<&mut Rgb> {
+        if x < self.width { self.pixels.get_mut(y * self.width + x) } else { None }
+    }
+
+    /// Puts another over it, its upper left corner at column x and row y; what sticks out is cut.
+    pub fn paste(&mut self, other: &Self, x: usize, y: usize) {
+        for (row, line) in other.pixels.chunks_exact(other.width.max(1)).enumerate() {
+            for (column, &color) in line.iter().enumerate() {
+                if let Some(pixel) = self.pixel(x + column, y + row) {
+                    *pixel = color;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,193 @@
+use std::str::FromStr;
+
+use catamaran::mesh::TriMesh;
+
+/// A point or direction in space.
+pub type Vector = [f64; 3];
+
+/// Half the angle that a perspective view opens to, in radians.
+const HALF_ANGLE: f64 = 0.22;
+
+/// Which coordinate points up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Up {
+    /// y, as in most models.
+    Y,
+    /// z, as in maps and scans.
+    Z,
+}
+
+/// How what is far away looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Projection {
+    /// Smaller.
+    Perspective,
+    /// As large as what is near.
+    Orthographic,
+}
+
+/// From where a mesh is seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    /// Degrees around the upward axis. With y up 0 looks from z, 90 from x; with z up from -y and from x.
+    pub azimuth: f64,
+    /// Degrees above the horizon, from -90 to 90.
+    pub elevation: f64,
+    /// Which coordinate points up.
+    pub up: Up,
+    /// Perspective or not.
+    pub projection: Projection,
+}
+
+impl Default for View {
+    fn default() -> Self {
+        let projection = Projection::Perspective;
+        Self { azimuth: 30.0, elevation: 15.0, up: Up::Y, projection }
+    }
+}
+
+impl FromStr for View {
+    type Err = String;
+
+    /// "azimuth,elevation" in degrees, and ",z" if z is up.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let angle = |part: Option<&str>, most: f64| {
+            let angle = part.and_then(|p| p.trim().parse::<f64>().ok());
+            angle.filter(|a| a.abs() <= most)
+        };
+        let mut parts = text.split(',');
+        let (azimuth, elevation) = (angle(parts.next(), 360.0), angle(parts.next(), 90.0));
+        let up = match parts.next().map(str::trim) {
+            None | Some("y") => Some(Up::Y),
+            Some("z") => Some(Up::Z),
+            Some(_) => None,
+        };
+        match (azimuth, elevation, up, parts.next()) {
+            (Some(azimuth), Some(elevation), Some(up), None) => {
+                Ok(Self { azimuth, elevation, up, ..Self::default() })
+            }
+            _ => Err("azimuth,elevation in degrees (up to 360 and 90), then ,z if z is up".into()),
+        }
+    }
+}
+
+/// Where a point is on the screen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Projected {
+    /// Samples from the left.
+    pub x: f64,
+    /// Samples from the top.
+    pub y: f64,
+    /// Larger is nearer, and linear on the screen over a flat face.
+    pub nearness: f64,
+    /// What weights of corners are multiplied by for a mean that is linear in space.
+    pub weight: f64,
+}
+
+/// A view that a mesh just fits into.
+#[derive(Debug)]
+pub struct Camera {
+    /// To the right, up, and towards the viewer.
+    axes: [Vector; 3],
+    middle: Vector,
+    /// Distance of the viewer from the middle, relative to `size`; `None` from infinity.
+    distance: Option<f64>,
+    /// Radius of a ball around the middle that has the mesh inside.
+    size: f64,
+    zoom: f64,
+    /// Of the mesh on the screen, before zooming.
+    centre: [f64; 2],
+    screen: [f64; 2],
+}
+
+impl Camera {
+    /// For a screen of width x height samples, with a margin on all sides that is this share of the shorter one.
+    pub fn new(mesh: &TriMesh, view: &View, width: f64, height: f64, margin: f64) -> Self {
+        let axes = axes(view);
+        // Vertices in no face are not seen.
+        let mut seen = vec![false; mesh.vertices().len()];
+        for &v in mesh.faces().as_flattened() {
+            seen[v as usize] = true;
+        }
+        let points =
+            || mesh.vertices().iter().zip(&seen).filter(|(_, seen)| **seen).map(|(p, _)| *p);
+        let middle = middle(points().map(|p| inside(&axes, p)));
+        let spread = points().map(|p| norm(sub(inside(&axes, p), middle))).fold(0.0, f64::max);
+        let distance = match view.projection {
+            Projection::Perspective => Some(1.0 / HALF_ANGLE.sin()),
+            Projection::Orthographic => None,
+        };
+        let size = if spread > 0.0 { spread } else { 1.0 };
+        let mut camera =
+            Self { axes, middle, distance, size, zoom: 1.0, centre: [0.0; 2], screen: [0.0; 2] };
+        let flat = || {
+            points().map(|p| {
+                let Projected { x, y, .. } = camera.project(p);
+                [x, -y, 0.0]
+            })
+        };
+        let bounds = bounds(flat());
+        let centre = [0, 1].map(|k| bounds[0][k] / 2.0 + bounds[1][k] / 2.0);
+        let border = 2.0 * margin * width.min(height);
+        let fits = |k: usize, room: f64| (room - border) / (bounds[1][k] - bounds[0][k]).max(1e-9);
+        let zoom = fits(0, width).min(fits(1, height));
+        camera.centre = centre;
+        camera.zoom = zoom;
+        camera.screen = [width, height];
+        camera
+    }
+
+    /// A point of the mesh on the screen.
+    pub fn project(&self, p: Vector) -> Projected {
+        let [x, y, z] = sub(inside(&self.axes, p), self.middle).map(|c| c / self.size);
+        let weight = self.distance.map_or(1.0, |d| d / (d - z));
+        let place = |c: f64, k: usize| self.zoom * (c * weight - self.centre[k]);
+        Projected {
+            x: self.screen[0] / 2.0 + place(x, 0),
+            y: self.screen[1] / 2.0 - place(y, 1),
+            nearness: if self.distance.is_some() { weight } else { z },
+            weight,
+        }
+    }
+
+    /// A direction as the viewer sees it: right, up, near.
+    pub fn turn(&self, direction: Vector) -> Vector {
+        inside(&self.axes, direction)
+    }
+}
+
+/// The directions right, up and near.
+fn axes(view: &View) -> [Vector; 3] {
+    let (sa, ca) = view.azimuth.to_radians().sin_cos();
+    let (se, ce) = view.elevation.to_radians().sin_cos();
+    let axes = [[ca, 0.0, -sa], [-se * sa, ce, -se * ca], [ce * sa, se, ce * ca]];
+    match view.up {
+        Up::Y => axes,
+        Up::Z => axes.map(|[x, y, z]| [x, -z, y]),
+    }
+}
+
+fn inside(axes: &[Vector; 3], p: Vector) -> Vector {
+    axes.map(|a| a[0] * p[0] + a[1] * p[1] + a[2] * p[2])
+}
+
+fn sub(a: Vector, b: Vector) -> Vector {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+fn norm(a: Vector) -> f64 {
+    a.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn bounds(points: impl Iterator<Item = Vector>) -> [Vector; 2] {
+    let empty = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+    let bounds = points.fold(empty, |[low, high], p| {
+        [std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k]))]
+    });
+    if bounds[0][0] <= bounds[1][0] { bounds } else { [[0.0; 3]; 2] }
+}
+
+fn middle(points: impl Iterator<Item = Vector>) -> Vector {
+    let [low, high] = bounds(points);
+    std::array::from_fn(|k| low[k] / 2.0 + high[k] / 2.0)
+}

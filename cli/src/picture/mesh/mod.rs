@@ -1,0 +1,152 @@
+//! Meshes, seen from somewhere and coloured by something: a rasteriser of our own.
+
+mod camera;
+mod legend;
+mod raster;
+mod shade;
+#[cfg(test)]
+mod tests;
+
+use anyhow::{Result, bail};
+use catamaran::mesh::TriMesh;
+
+use super::color::ColorScale;
+use super::image::{Image, Rgb};
+use super::text::{Size, write_text};
+use camera::Camera;
+pub use camera::{Projection, Up, View};
+
+/// Samples along each side of a pixel.
+const SAMPLES: usize = 3;
+/// Longest side of a panel, in pixels.
+const LARGEST: usize = 4096;
+/// Between a panel's edge and what it shows, as a share of its shorter side.
+const MARGIN: f64 = 0.06;
+const PAPER: Rgb = [255; 3];
+const INK: Rgb = [60, 60, 65];
+
+/// What a surface is painted with.
+#[derive(Debug, Clone, Copy)]
+pub enum Paint<'a> {
+    /// One colour.
+    Plain(Rgb),
+    /// A number for each vertex, and the colours of [`Scene::scale`].
+    Values(&'a [f64]),
+    /// A colour for each vertex.
+    Colors(&'a [Rgb]),
+}
+
+/// One mesh in a picture.
+#[derive(Debug, Clone, Copy)]
+pub struct Panel<'a> {
+    /// The mesh.
+    pub mesh: &'a TriMesh,
+    /// Its colours.
+    pub paint: Paint<'a>,
+    /// From where it is seen.
+    pub view: View,
+    /// Written above it; empty for nothing.
+    pub title: &'a str,
+}
+
+/// Meshes side by side, each as large as its panel allows.
+#[derive(Debug, Clone)]
+pub struct Scene<'a> {
+    /// From left to right.
+    pub panels: Vec<Panel<'a>>,
+    /// Width and height of a panel, in pixels.
+    pub size: (usize, usize),
+    /// The scale of all numbers; `None`, the default: one that suits those of all panels.
+    pub scale: Option<ColorScale>,
+    /// Whether the scale is drawn, if there are numbers; default true.
+    pub legend: bool,
+    /// Whether edges of faces are drawn; default false.
+    pub edges: bool,
+    /// Whether the surface is shaded as a smooth one, not as flat faces; default true.
+    pub smooth: bool,
+}
+
+impl Default for Scene<'_> {
+    fn default() -> Self {
+        Self {
+            panels: Vec::new(),
+            size: (800, 800),
+            scale: None,
+            legend: true,
+            edges: false,
+            smooth: true,
+        }
+    }
+}
+
+/// Draws a scene. The same scene gives the same bytes.
+pub fn render(scene: &Scene<'_>) -> Result<Image> {
+    let (width, height) = scene.size;
+    if !(1..=LARGEST).contains(&width) || !(1..=LARGEST).contains(&height) {
+        bail!("a picture of {width} x {height} pixels, where sides are from 1 to {LARGEST}");
+    }
+    for panel in &scene.panels {
+        let n = panel.mesh.vertices().len();
+        let given = match panel.paint {
+            Paint::Plain(_) => n,
+            Paint::Values(values) => values.len(),
+            Paint::Colors(colors) => colors.len(),
+        };
+        if given != n {
+            bail!("{given} values or colours for a mesh of {n} vertices");
+        }
+    }
+    let numbers = || {
+        scene.panels.iter().filter_map(|p| match p.paint {
+            Paint::Values(values) => Some(values),
+            Paint::Plain(_) | Paint::Colors(_) => None,
+        })
+    };
+    let scale = scene.scale.unwrap_or_else(|| ColorScale::of(numbers().flatten().copied()));
+    let legend = scene.legend && numbers().next().is_some();
+    let all = width * scene.panels.len() + if legend { legend::WIDTH } else { 0 };
+    let mut image = Image::new(all.max(1), height, PAPER);
+    for (i, panel) in scene.panels.iter().enumerate() {
+        let top = if panel.title.is_empty() { 0 } else { 2 * Size::Large.height() };
+        let (left, below) = (i * width, height.saturating_sub(top));
+        if below > 0 {
+            image.paste(&draw(panel, scene, &scale, width, below), left, top);
+        }
+        let indent = width.saturating_sub(Size::Large.width(panel.title)) / 2;
+        let down = Size::Large.height() / 2;
+        write_text(&mut image, panel.title, Size::Large, left + indent, down, INK);
+    }
+    if legend {
+        legend::draw(&mut image, &scale, all - legend::WIDTH);
+    }
+    Ok(image)
+}
+
+/// One panel without its title.
+fn draw(
+    panel: &Panel<'_>,
+    scene: &Scene<'_>,
+    scale: &ColorScale,
+    width: usize,
+    height: usize,
+) -> Image {
+    let (w, h) = (width * SAMPLES, height * SAMPLES);
+    let camera = Camera::new(panel.mesh, &panel.view, w as f64, h as f64, MARGIN);
+    let points: Vec<camera::Projected> =
+        panel.mesh.vertices().iter().map(|p| camera.project(*p)).collect();
+    let buffer = raster::Buffer::of(w, h, &points, panel.mesh.faces());
+    let shader = shade::Shader::new(panel, scene, scale, &camera, &points);
+    Image::from_fn(width, height, |x, y| {
+        let mut light = [0.0; 3];
+        for j in 0..SAMPLES {
+            for i in 0..SAMPLES {
+                let sample = buffer.at(x * SAMPLES + i, y * SAMPLES + j);
+                let seen = sample.map_or([1.0; 3], |hit| shader.light(hit));
+                for k in 0..3 {
+                    light[k] += seen[k] / (SAMPLES * SAMPLES) as f64;
+                }
+            }
+        }
+        super::color::to_screen(light)
+    })
+}

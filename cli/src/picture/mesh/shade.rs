@@ -1,0 +1,131 @@
+use super::camera::{Camera, Projected, Vector};
+use super::raster::Hit;
+use super::{Paint, Panel, SAMPLES, Scene};
+use crate::picture::color::{ColorScale, to_light};
+
+/// Where the two lamps are as the viewer sees it (right, up, near; unit vectors), and how bright.
+const LAMPS: [(Vector, f64); 2] = [([-0.43, 0.62, 0.656], 0.72), ([0.77, 0.12, 0.627], 0.24)];
+/// Light from everywhere; from above and below it differs by this.
+const AMBIENT: (f64, f64) = (0.2, 0.08);
+/// Brightness and sharpness of the reflection of the first lamp.
+const GLOSS: (f64, i32) = (0.10, 28);
+/// How dark the surface is where it turns away from the viewer.
+const RIM: f64 = 0.45;
+/// How dark the inside is that an open surface shows.
+const INSIDE: f64 = 0.55;
+/// Half the width of an edge, in pixels, and how dark it is.
+const EDGE: (f64, f64) = (0.55, 0.6);
+
+/// Turns hits into light.
+pub struct Shader<'a> {
+    panel: &'a Panel<'a>,
+    scale: &'a ColorScale,
+    points: &'a [Projected],
+    edges: bool,
+    /// Normals as the viewer sees them.
+    face_normals: Vec<Vector>,
+    /// Of the vertices; empty for flat faces.
+    vertex_normals: Vec<Vector>,
+}
+
+impl<'a> Shader<'a> {
+    pub fn new(
+        panel: &'a Panel<'a>,
+        scene: &Scene<'_>,
+        scale: &'a ColorScale,
+        camera: &Camera,
+        points: &'a [Projected],
+    ) -> Self {
+        let turned = |normals: Vec<Vector>| normals.into_iter().map(|n| camera.turn(n)).collect();
+        let face_normals = turned(panel.mesh.face_normals());
+        let vertex_normals =
+            if scene.smooth { turned(panel.mesh.vertex_normals()) } else { Vec::new() };
+        Self { panel, scale, points, edges: scene.edges, face_normals, vertex_normals }
+    }
+
+    /// The light that a sample sends to the viewer.
+    pub fn light(&self, hit: Hit) -> Vector {
+        let face = self.panel.mesh.faces()[hit.face].map(|v| v as usize);
+        // Shares in space, not on the screen.
+        let weighted: [f64; 3] =
+            std::array::from_fn(|k| hit.shares[k] * self.points[face[k]].weight);
+        let sum: f64 = weighted.iter().sum();
+        let shares = weighted.map(|w| w / sum);
+        let flat = self.face_normals[hit.face];
+        let outside = self.is_outside(face);
+        let smooth = match &self.vertex_normals[..] {
+            [] => flat,
+            all => mix(shares, face.map(|v| all[v])),
+        };
+        let mut normal = unit(if smooth == [0.0; 3] { flat } else { smooth });
+        if !outside {
+            normal = normal.map(|x| -x);
+        }
+        let lit = lambert(normal);
+        let shine = GLOSS.0 * gloss(normal);
+        let facing = normal[2].clamp(0.0, 1.0);
+        let mut factor = lit * (RIM + (1.0 - RIM) * (facing * 1.9).min(1.0).powf(0.7));
+        if !outside {
+            factor *= INSIDE;
+        }
+        if self.edges {
+            factor *= self.edge(face, hit.shares);
+        }
+        self.color(face, shares).map(|c| c * factor + shine)
+    }
+
+    /// Whether the side is seen from which the corners are counter-clockwise (y points down on the screen).
+    fn is_outside(&self, face: [usize; 3]) -> bool {
+        let [a, b, c] = face.map(|v| self.points[v]);
+        (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) < 0.0
+    }
+
+    fn color(&self, face: [usize; 3], shares: [f64; 3]) -> Vector {
+        match self.panel.paint {
+            Paint::Plain(color) => to_light(color),
+            Paint::Values(values) => {
+                let value = (0..3).map(|k| shares[k] * values[face[k]]).sum();
+                to_light(self.scale.color(value))
+            }
+            Paint::Colors(colors) => mix(shares, face.map(|v| to_light(colors[v]))),
+        }
+    }
+
+    /// What is left of the light on or beside an edge: less, over a pixel.
+    fn edge(&self, face: [usize; 3], shares: [f64; 3]) -> f64 {
+        let p = face.map(|v| self.points[v]);
+        let doubled =
+            ((p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[1].y - p[0].y) * (p[2].x - p[0].x)).abs();
+        let nearest = (0..3).map(|k| {
+            let (a, b) = (p[(k + 1) % 3], p[(k + 2) % 3]);
+            shares[k] * doubled / (b.x - a.x).hypot(b.y - a.y)
+        });
+        let pixels = nearest.fold(f64::INFINITY, f64::min) / SAMPLES as f64;
+        if pixels < EDGE.0 { EDGE.1 } else { 1.0 }
+    }
+}
+
+/// Light from the lamps and from everywhere on a surface with this normal.
+fn lambert(normal: Vector) -> f64 {
+    let lamps: f64 = LAMPS.iter().map(|(to, bright)| bright * dot(normal, *to).max(0.0)).sum();
+    AMBIENT.0 + AMBIENT.1 * normal[1] + lamps
+}
+
+/// The reflection of the first lamp (Blinn 1977).
+fn gloss(normal: Vector) -> f64 {
+    let half = unit(std::array::from_fn(|k| LAMPS[0].0[k] + [0.0, 0.0, 1.0][k]));
+    dot(normal, half).max(0.0).powi(GLOSS.1)
+}
+
+fn mix(shares: [f64; 3], corners: [Vector; 3]) -> Vector {
+    std::array::from_fn(|i| (0..3).map(|k| shares[k] * corners[k][i]).sum())
+}
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn unit(a: Vector) -> Vector {
+    let length = dot(a, a).sqrt();
+    if length > 0.0 { a.map(|x| x / length) } else { a }
+}
