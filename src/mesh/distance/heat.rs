@@ -1,6 +1,6 @@
 use sprs::CsMat;
 
-use super::super::laplacian::{Complex, Element, assemble, of_mesh};
+use super::super::laplacian::{Complex, Element, ROUNDING, assemble, of_mesh};
 use super::super::{LaplacianKind, MassKind, TriMesh};
 use super::cholesky::{Cholesky, Factor};
 use crate::base::{Error, Par, Result};
@@ -60,16 +60,17 @@ impl HeatMethod {
         let plain = Complex::of_mesh(mesh)?;
         let lengths = plain.lengths.as_flattened();
         let mean = lengths.iter().map(|l| l / lengths.len() as f64).sum::<f64>();
-        let (faces, elements) = match options.kind {
-            LaplacianKind::Cotangent => (plain.into_faces(), of_mesh(mesh, options.par)?),
+        let (faces, elements, rounding) = match options.kind {
+            LaplacianKind::Cotangent => (plain.into_faces(), of_mesh(mesh, options.par)?, 0.0),
             kind => {
                 let complex = Complex::delaunay(mesh, kind)?;
                 let elements = complex.elements()?;
-                (complex.into_faces(), elements)
+                (complex.into_faces(), elements, ROUNDING)
             }
         };
         let components = components(n, &faces);
-        let (stiffness, mass) = assemble(n, &faces, &elements, MassKind::Barycentric, options.par);
+        let (stiffness, mass) =
+            assemble(n, &faces, &elements, rounding, MassKind::Barycentric, options.par);
         let (Mass::Lumped(mass), time) = (mass, options.time * mean * mean) else {
             let why = "barycentric masses are not a diagonal".into();
             return Err(Error::Argument { what: "mass", why });

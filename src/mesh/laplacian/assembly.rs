@@ -20,7 +20,8 @@ struct Rows {
     lumped: Vec<f64>,
 }
 
-/// Sums the elements into matrices of n rows. A face may have a vertex twice (see [`super::Complex`]).
+/// Sums the elements into matrices of n rows. A face may have a vertex twice (see [`super::Complex`]). Weights that are
+/// negative by less than `rounding`, relative to 1 and to the sizes of what they are summed from, are set to zero.
 ///
 /// Every row is summed on its own in the order of faces: the result is symmetric bit for bit and the same for any
 /// number of threads.
@@ -28,6 +29,7 @@ pub(crate) fn assemble(
     n: usize,
     faces: &[[u32; 3]],
     elements: &[Element],
+    rounding: f64,
     kind: MassKind,
     par: Par,
 ) -> (CsMat<f64>, Mass) {
@@ -37,7 +39,7 @@ pub(crate) fn assemble(
         let mut edges = Vec::new();
         for vertex in range {
             let corners = &corners[starts[vertex]..starts[vertex + 1]];
-            rows.push(vertex, corners, faces, elements, kind, &mut edges);
+            rows.push(vertex, corners, faces, elements, rounding, kind, &mut edges);
         }
         rows
     });
@@ -76,6 +78,7 @@ impl Rows {
         corners: &[u32],
         faces: &[[u32; 3]],
         elements: &[Element],
+        rounding: f64,
         kind: MassKind,
         edges: &mut Vec<(u32, u32)>,
     ) {
@@ -102,16 +105,21 @@ impl Rows {
         let mut diagonal_at = None;
         for run in edges.chunk_by(|a, b| a.0 == b.0) {
             let neighbour = run[0].0 as usize;
-            let (mut weight, mut mass) = (0.0, 0.0);
+            let (mut weight, mut mass, mut size) = (0.0, 0.0, 0.0);
             for &(_, edge) in run {
                 let element = &elements[edge as usize / 3];
-                weight += element.weights[edge as usize % 3];
+                let half_cotangent: f64 = element.weights[edge as usize % 3];
+                weight += half_cotangent;
+                size += 1.0 + half_cotangent.abs();
                 mass += element.area / 12.0;
             }
             if neighbour == vertex {
                 // An edge from a vertex to itself: its differences are zero.
                 own += mass;
                 continue;
+            }
+            if weight < 0.0 && weight > -rounding * size {
+                weight = 0.0;
             }
             diagonal += weight;
             if neighbour > vertex && diagonal_at.is_none() {

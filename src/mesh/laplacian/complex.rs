@@ -124,7 +124,10 @@ impl Complex {
         }
     }
 
-    /// What each triangle gives to the matrices. Weights of an edge that cancel but for rounding are zero.
+    /// What each triangle gives to the matrices.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] when a triangle has no area even now.
     pub fn elements(&self) -> Result<Vec<Element>> {
         let mut elements = Vec::with_capacity(self.faces.len());
         for (f, &lengths) in self.lengths.iter().enumerate() {
@@ -133,16 +136,6 @@ impl Complex {
                 return Err(element::no_area(f / usize::from(self.sheets)));
             }
             elements.push(element.scaled(1.0 / f64::from(self.sheets)));
-        }
-        for (slot, &twin) in self.twins.iter().enumerate() {
-            let twin = twin as usize;
-            if slot < twin && twin != NONE as usize {
-                let weight = |s: usize| elements[s / 3].weights[s % 3];
-                let (v, w) = (weight(slot), weight(twin));
-                if v + w < 0.0 && !super::delaunay::is_negative(v, w) {
-                    elements[twin / 3].weights[twin % 3] = -v;
-                }
-            }
         }
         Ok(elements)
     }

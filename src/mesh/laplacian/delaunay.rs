@@ -2,14 +2,15 @@ use super::complex::{Complex, NONE};
 use super::element::{Element, area};
 use crate::base::{Error, Result};
 
-/// Weights that sum to less than this share of their size count as negative; less is rounding.
-const ROUNDING: f64 = 1e-10;
+/// Weights of an edge with a sum that is negative by less than this, relative to 1 and to their sizes, cancel but for
+/// rounding.
+pub(crate) const ROUNDING: f64 = 1e-10;
 
 /// Flips for each edge, on average, after which the algorithm is taken not to end. It ends in exact arithmetic.
 const MOST_FLIPS: usize = 1000;
 
 /// Whether an edge with these weights from its two sides has a negative weight, beyond rounding.
-pub(super) fn is_negative(v: f64, w: f64) -> bool {
+fn is_negative(v: f64, w: f64) -> bool {
     v + w < -ROUNDING * (1.0 + v.abs() + w.abs())
 }
 

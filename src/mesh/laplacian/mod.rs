@@ -25,6 +25,7 @@ use crate::sparse::Mass;
 
 pub(crate) use assembly::assemble;
 pub(crate) use complex::Complex;
+pub(crate) use delaunay::ROUNDING;
 pub(crate) use element::{Element, of_mesh};
 
 /// Which triangles the functions are linear on.
@@ -152,15 +153,15 @@ pub fn laplacian(mesh: &TriMesh, options: &LaplacianOptions) -> Result<Laplacian
         return Err(Error::Argument { what: "faces", why });
     }
     let removed = boundary::removed(mesh, &options.boundary)?;
-    let (faces, elements) = match options.kind {
-        LaplacianKind::Cotangent => (Cow::Borrowed(mesh.faces()), of_mesh(mesh, options.par)?),
+    let (faces, elements, rounding) = match options.kind {
+        LaplacianKind::Cotangent => (Cow::Borrowed(mesh.faces()), of_mesh(mesh, options.par)?, 0.0),
         kind => {
             let complex = Complex::delaunay(mesh, kind)?;
             let elements = complex.elements()?;
-            (Cow::Owned(complex.into_faces()), elements)
+            (Cow::Owned(complex.into_faces()), elements, ROUNDING)
         }
     };
-    let (stiffness, mass) =
-        assemble(mesh.vertices().len(), &faces, &elements, options.mass, options.par);
+    let n = mesh.vertices().len();
+    let (stiffness, mass) = assemble(n, &faces, &elements, rounding, options.mass, options.par);
     boundary::restrict(stiffness, mass, &removed)
 }

@@ -4,17 +4,19 @@ use super::{Paint, Panel, SAMPLES, Scene};
 use crate::picture::color::{ColorScale, to_light};
 
 /// Where the two lamps are as the viewer sees it (right, up, near; unit vectors), and how bright.
-const LAMPS: [(Vector, f64); 2] = [([-0.43, 0.62, 0.656], 0.72), ([0.77, 0.12, 0.627], 0.24)];
+const LAMPS: [(Vector, f64); 2] = [([-0.43, 0.62, 0.656], 0.68), ([0.77, 0.12, 0.627], 0.28)];
 /// Light from everywhere; from above and below it differs by this.
-const AMBIENT: (f64, f64) = (0.2, 0.08);
+const AMBIENT: (f64, f64) = (0.30, 0.08);
 /// Brightness and sharpness of the reflection of the first lamp.
 const GLOSS: (f64, i32) = (0.10, 28);
 /// How dark the surface is where it turns away from the viewer.
 const RIM: f64 = 0.45;
 /// How dark the inside is that an open surface shows.
 const INSIDE: f64 = 0.55;
-/// Half the width of an edge, in pixels, and how dark it is.
-const EDGE: (f64, f64) = (0.55, 0.6);
+/// Half the width of an edge, in pixels, and how much light is left on it.
+const EDGE: (f64, f64) = (0.5, 0.45);
+/// Faces thinner than this many pixels have fainter edges, in proportion, or nothing else would be seen.
+const THIN: f64 = 16.0;
 
 /// Turns hits into light.
 pub struct Shader<'a> {
@@ -101,7 +103,15 @@ impl<'a> Shader<'a> {
             shares[k] * doubled / (b.x - a.x).hypot(b.y - a.y)
         });
         let pixels = nearest.fold(f64::INFINITY, f64::min) / SAMPLES as f64;
-        if pixels < EDGE.0 { EDGE.1 } else { 1.0 }
+        if pixels >= EDGE.0 {
+            return 1.0;
+        }
+        let longest = (0..3).map(|k| {
+            let (a, b) = (p[k], p[(k + 1) % 3]);
+            (b.x - a.x).hypot(b.y - a.y)
+        });
+        let thin = doubled / longest.fold(0.0, f64::max) / SAMPLES as f64;
+        1.0 - (1.0 - EDGE.1) * (thin / THIN).min(1.0)
     }
 }
 
