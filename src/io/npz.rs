@@ -97,7 +97,7 @@ mod tests {
         };
         let (values, none, all) = (read("values.npy"), read("none.npy"), read("matrix.npy"));
         let kept = read("kept.npy");
-        let open = |bytes| npyz::NpyFile::new(std::io::Cursor::new(bytes)).unwrap();
+        let open = |bytes| npyz::NpyFile::new(io::Cursor::new(bytes)).unwrap();
         assert_eq!(open(values).into_vec::<f64>().unwrap(), [0.5, f64::INFINITY]);
         assert_eq!(open(kept).into_vec::<u64>().unwrap(), [0, 7, u64::MAX]);
         assert_eq!(open(none).shape(), [0]);
