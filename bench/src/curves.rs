@@ -40,14 +40,14 @@ fn draw(out: &mut String, p: usize, plot: &Plot) {
     let shown = |&(x, y): &(f64, f64)| x.is_finite() && height(y).is_finite();
     let points = || plot.series.iter().flat_map(|(_, points)| points).copied().filter(shown);
     let range = |values: &mut dyn Iterator<Item = f64>| {
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(v), high.max(v))
-        });
+        let (low, high) = values
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         if low < high { (low, high) } else { (low.min(0.0), high.max(1.0)) }
     };
     let (left, right) = range(&mut points().map(|(x, _)| x));
     let (bottom, top) = range(&mut points().map(|(_, y)| height(y)));
-    let (bottom, top) = if plot.logarithmic { (bottom.floor(), top.ceil()) } else { (bottom.min(0.0), top) };
+    let (bottom, top) =
+        if plot.logarithmic { (bottom.floor(), top.ceil()) } else { (bottom.min(0.0), top) };
     let x = |value: f64| LEFT + 8.0 + (END - LEFT - 16.0) * (value - left) / (right - left);
     let y = |value: f64| panel.low - (panel.low - panel.high) * (value - bottom) / (top - bottom);
 

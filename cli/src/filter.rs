@@ -13,6 +13,7 @@ use catamaran::spectral::{
 };
 use clap::ArgGroup;
 
+use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
 use crate::progress::Bar;
 use crate::report::report;
 use crate::shape::{self, LaplacianArgs, Shape};
@@ -59,6 +60,8 @@ pub struct Args {
     /// Where the mesh goes (.obj, .ply, .off, .stl), or the functions (.npy, .csv, ...).
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
+    #[command(flatten)]
+    picture: PictureArgs,
     /// Replace a file that exists.
     #[arg(long)]
     force: bool,
@@ -71,6 +74,7 @@ pub fn run(args: &Args) -> Result<()> {
         files::check_name(&args.output)?;
     }
     let output = Output::create(&args.output, overwrite)?;
+    let picture = args.picture.create(overwrite)?;
     let shape = args.laplacian.shape(&args.mesh, args.k.saturating_add(1))?;
     let f = match &args.functions {
         Some(path) => shape::functions(path, shape.eigenbasis.basis().vertices())?,
@@ -89,8 +93,20 @@ pub fn run(args: &Args) -> Result<()> {
     let path = output.path().to_owned();
     if args.functions.is_some() {
         files::write(output, g.as_ref())?;
+        if let Some(picture) = picture {
+            let [before, after] = [&f, &g].map(first_column);
+            let mesh = &shape.file.mesh;
+            let panel = |values, title| (mesh, Paint::Values(values), title);
+            args.picture.draw(picture, &[panel(&before, "before"), panel(&after, "after")])?;
+        }
     } else {
-        write_mesh(output, shape.file, &g, &path)?;
+        let before = shape.file.mesh.clone();
+        let moved = moved(shape.file, &g, &path)?;
+        if let Some(picture) = picture {
+            let panels = [(&before, PLAIN, "before"), (&moved.mesh, PLAIN, "after")];
+            args.picture.draw(picture, &panels)?;
+        }
+        meshes::write(output, &moved)?;
     }
     report(format_args!("written   {}", path.display()))
 }
@@ -152,12 +168,7 @@ fn gains(args: &Args, shape: &Shape, frequencies: &[f64]) -> Result<(Vec<f64>, f
 }
 
 /// The mesh with its vertices moved; normals, which no longer fit, are left out.
-fn write_mesh(
-    output: Output,
-    file: MeshFile,
-    positions: &catamaran::faer::Mat<f64>,
-    path: &Path,
-) -> Result<()> {
+fn moved(file: MeshFile, positions: &catamaran::faer::Mat<f64>, path: &Path) -> Result<MeshFile> {
     if let Some(vertex) =
         (0..positions.nrows()).find(|&i| (0..3).any(|c| !positions[(i, c)].is_finite()))
     {
@@ -168,5 +179,5 @@ fn write_mesh(
     let mut moved = MeshFile::from(TriMesh::new(vertices, faces)?);
     moved.uv = file.uv;
     moved.colors = file.colors;
-    Ok(meshes::write(output, &moved)?)
+    Ok(moved)
 }

@@ -9,6 +9,7 @@ use catamaran::mesh::io::{self as files, MeshFile};
 use catamaran::mesh::{Components, Normalization, Problem, TriMesh, Validation};
 use clap::ValueEnum;
 
+use crate::picture::{PLAIN, Paint, PictureArgs};
 use crate::progress::Bar;
 use crate::report::{report, seconds};
 
@@ -36,6 +37,8 @@ pub struct Args {
     /// Move to the origin and scale: to a total area of 1, or to a longest side of the bounding box of 1.
     #[arg(long, value_name = "SIZE", requires = "output")]
     normalize: Option<Size>,
+    #[command(flatten)]
+    picture: PictureArgs,
     /// Fail when there is a problem.
     #[arg(long)]
     check: bool,
@@ -79,6 +82,7 @@ pub fn run(args: &Args) -> Result<()> {
         None => None,
     };
 
+    let picture = args.picture.create(overwrite)?;
     let start = Instant::now();
     let bar = Bar::new("reading");
     let file = files::read_with(&args.input, Some(&|fraction| bar.update(fraction)))?;
@@ -92,8 +96,15 @@ pub fn run(args: &Args) -> Result<()> {
     if args.check && !found.problems.is_empty() {
         bail!("{name}: {} problems", found.problems.len());
     }
-    let Some(output) = output else { return Ok(()) };
     let file = changed(args, file).with_context(|| name.to_string())?;
+    if let Some(picture) = picture {
+        let screen = |color: &[f64; 4]| [0, 1, 2].map(|k| (255.0 * color[k].clamp(0.0, 1.0)) as u8);
+        let colors =
+            file.colors.as_ref().map(|colors| colors.iter().map(screen).collect::<Vec<_>>());
+        let paint = colors.as_deref().map_or(PLAIN, Paint::Colors);
+        args.picture.draw(picture, &[(&file.mesh, paint, "")])?;
+    }
+    let Some(output) = output else { return Ok(()) };
     let path = output.path().display().to_string();
     files::write(output, &file)?;
     let (vertices, faces) = (file.mesh.vertices().len(), file.mesh.faces().len());

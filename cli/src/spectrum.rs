@@ -12,6 +12,7 @@ use catamaran::mesh::{Boundary, LaplacianKind, LaplacianOptions, MassKind, lapla
 use catamaran::sparse::{EigenOptions, eigs};
 use clap::ValueEnum;
 
+use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
 use crate::report::{report, seconds};
 
@@ -52,6 +53,8 @@ pub struct Args {
     /// Threads; all cores unless given. Does not change the result.
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..))]
     threads: Option<u32>,
+    #[command(flatten)]
+    picture: PictureArgs,
     /// Replace a file that exists.
     #[arg(long)]
     force: bool,
@@ -82,6 +85,8 @@ enum Edge {
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     let output = args.output.as_deref().map(|path| create(path, args.force)).transpose()?;
+    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
+    let picture = args.picture.create(overwrite)?;
     let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n as usize));
     let name = args.input.display();
 
@@ -140,8 +145,18 @@ pub fn run(args: &Args) -> Result<()> {
         report(format_args!("{:>10}  {:.15e}", args.k - 1, pairs.values[args.k - 1]))?;
     }
 
-    let Some(output) = output else { return Ok(()) };
     let vectors = operator.extend(pairs.vectors.as_ref())?;
+    if let Some(picture) = picture {
+        let columns: Vec<_> =
+            vectors.col_iter().take(DRAWN).map(|v| v.iter().copied().collect()).collect();
+        let titles: Vec<_> = pairs.values.iter().map(|value| format!("{value:.4}")).collect();
+        let panel = |(values, title)| {
+            (&file.mesh, Paint::Values(Vec::as_slice(values)), String::as_str(title))
+        };
+        let panels: Vec<_> = columns.iter().zip(&titles).map(panel).collect();
+        args.picture.draw(picture, &panels)?;
+    }
+    let Some(output) = output else { return Ok(()) };
     let path = output.path().display().to_string();
     let arrays = [
         ("eigenvalues", Array::Vector(&pairs.values)),
@@ -154,6 +169,9 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// Eigenvalues in the table.
 const SHOWN: usize = 10;
+
+/// Eigenfunctions in the picture.
+const DRAWN: usize = 4;
 
 /// Starts the output, whose name says .npz.
 fn create(path: &Path, force: bool) -> Result<Output> {

@@ -15,6 +15,7 @@ use catamaran::spectral::{
 };
 use clap::{ArgGroup, ValueEnum};
 
+use crate::picture::{Paint, PictureArgs, first_column};
 use crate::progress::Bar;
 use crate::report::report;
 use crate::shape::{self, LaplacianArgs, Mode, Shape};
@@ -76,6 +77,8 @@ pub struct Args {
     /// Where the correspondence that was used goes, as in --points.
     #[arg(long, value_name = "FILE")]
     points_output: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureArgs,
     /// Replace files that exist.
     #[arg(long)]
     force: bool,
@@ -97,6 +100,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let output = create(&args.output)?;
     let points_output = args.points_output.as_deref().map(create).transpose()?;
+    let picture = args.picture.create(overwrite)?;
     let par = args.laplacian.par();
     let lens = (args.k.saturating_add(1), args.target_k.unwrap_or(args.k).saturating_add(1));
     let zooms = args.landmarks.is_some() && args.refine == Refine::Zoomout;
@@ -127,6 +131,14 @@ pub fn run(args: &Args) -> Result<()> {
     ))?;
     if let Some(output) = points_output {
         write(output, &Mat::from_fn(points.len(), 1, |y, _| f64::from(points[y])))?;
+    }
+    if let Some(picture) = picture {
+        let [before, after] = [&f, &g].map(first_column);
+        let panels = [
+            (&source.file.mesh, Paint::Values(&before), "source"),
+            (&target.file.mesh, Paint::Values(&after), "target"),
+        ];
+        args.picture.draw(picture, &panels)?;
     }
     write(output, &g)
 }

@@ -119,7 +119,8 @@ fn theory(report: &mut Report, shapes: &[Shape]) -> Result<()> {
             for &k in ks {
                 let counts = ranks(shape, k, order)?;
                 let [all, ours, rank] = counts;
-                report.say(&format!("| {} | {order} | {k} | {all} | {ours} | {rank} |", shape.name));
+                report
+                    .say(&format!("| {} | {order} | {k} | {all} | {ours} | {rank} |", shape.name));
                 for (points, count) in series.iter_mut().zip(counts) {
                     points.push((k as f64, count as f64));
                 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use catamaran::Par;
-use catamaran::faer::{Mat, MatRef};
+use catamaran::faer::MatRef;
 use catamaran::io::{Matrix, Output, Overwrite, ReadOptions, read, write};
 use catamaran::mesh::{LaplacianOptions, families, laplacian};
 use catamaran::sparse::{CsMat, EigenOptions, Mass, eigs};
@@ -14,7 +14,7 @@ use catamaran_bench::{Result, host, record};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Meshes; by default a generated terrain of 100,172 vertices, and the armadillo if CATAMARAN_DATA (default
+    /// Meshes; by default a generated terrain of 100,489 vertices, and the armadillo if CATAMARAN_DATA (default
     /// ../shared) has it.
     meshes: Vec<PathBuf>,
     /// Eigenpairs.
@@ -46,7 +46,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     println!("{host}\nk = {}\n", arguments.k);
     println!(
         "{:<14} {:>9} {:>2} {:>9} {:>9} {:>6} {:>7} {:>7} {:>9} {:>9} {:>9}",
-        "mesh", "vertices", "th", "ours s", "scipy s", "ratio", "ours MB", "scipy", "residual", "scipy", "difference"
+        "mesh",
+        "vertices",
+        "th",
+        "ours s",
+        "scipy s",
+        "ratio",
+        "ours MB",
+        "scipy",
+        "residual",
+        "scipy",
+        "difference"
     );
     let mut lines = Vec::new();
     for (name, mesh) in meshes(&arguments.meshes)? {
@@ -146,7 +156,9 @@ fn solve(folder: &Path, k: usize, threads: usize) -> Result<()> {
 fn residual(w: &CsMat<f64>, mass: &Mass, vectors: MatRef<'_, f64>, values: &[f64]) -> f64 {
     let Mass::Lumped(mass) = mass else { return f64::NAN };
     let mut largest = 0.0_f64;
-    for (j, &value) in values.iter().enumerate().filter(|(_, value)| **value > 1e-6 * values[values.len() - 1]) {
+    for (j, &value) in
+        values.iter().enumerate().filter(|(_, value)| **value > 1e-6 * values[values.len() - 1])
+    {
         let phi = vectors.col(j);
         let (mut above, mut below) = (0.0, 0.0);
         for (i, row) in w.outer_iterator().enumerate() {
@@ -172,7 +184,8 @@ struct Outcome {
 
 fn race(arguments: &Arguments, folder: &Path, python: &Path, threads: usize) -> Result<Outcome> {
     let this = std::env::current_exe()?;
-    let (k, t, place) = (arguments.k.to_string(), threads.to_string(), folder.display().to_string());
+    let (k, t, place) =
+        (arguments.k.to_string(), threads.to_string(), folder.display().to_string());
     let ours = ["spectrum", "--solve", &place, "-k", &k, "--threads", &t];
     let script = child::script("eigsh.py");
     let mut reports: Vec<[Report; 2]> = Vec::new();
@@ -188,7 +201,8 @@ fn race(arguments: &Arguments, folder: &Path, python: &Path, threads: usize) -> 
     let differences = values.iter().zip(&theirs).map(|(x, y)| (x - y).abs() / largest);
     // The first value of a connected mesh is zero, and so is what it is divided by.
     let scipy_residuals = get(folder, "residuals.npy")?;
-    let positive = scipy_residuals.iter().zip(&theirs).filter(|(_, value)| **value > 1e-6 * largest);
+    let positive =
+        scipy_residuals.iter().zip(&theirs).filter(|(_, value)| **value > 1e-6 * largest);
     Ok(Outcome {
         ours: of(0, &|report| report.seconds),
         scipy: of(1, &|report| report.seconds),

@@ -45,7 +45,9 @@ pub fn approximation(shapes: &Shapes) -> Result<Table> {
         title: format!("approximation, K = {K}, N = {ORDER}, on {}", names.join(", ")),
         columns: &COLUMNS,
         ours: average(&tables),
-        thesis: THESIS.map(|[k, prods, ours, nk, all]| vec![k, prods, ours, f64::NAN, nk, all]).into(),
+        thesis: THESIS
+            .map(|[k, prods, ours, nk, all]| vec![k, prods, ours, f64::NAN, nk, all])
+            .into(),
     })
 }
 

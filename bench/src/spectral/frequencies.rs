@@ -18,7 +18,8 @@ pub fn eigenpowers(shape: &Shape, functions: usize, orders: usize) -> Result<Vec
     (2..=orders)
         .map(|order| {
             let phi = basis.functions().subcols(1, functions);
-            let powers = Mat::from_fn(phi.nrows(), functions, |x, i| phi[(x, i)].powi(order as i32));
+            let powers =
+                Mat::from_fn(phi.nrows(), functions, |x, i| phi[(x, i)].powi(order as i32));
             let mass = basis.basis().mass();
             let energies = dirichlet_energies(powers.as_ref(), shape.stiffness.view(), mass)?;
             let factor = (order * order) as f64 / (2 * order - 1) as f64;

@@ -1,9 +1,9 @@
 //! Figure 1.6: how many eigenproducts are linearly independent, beside a dense singular value decomposition.
 
+use catamaran::Par;
 use catamaran::faer::{Mat, Scale};
 use catamaran::sparse::Mass;
 use catamaran::spectral::{Eigenproducts, Orthogonalization, ProductBasis, ProductBasisOptions};
-use catamaran::Par;
 
 use super::shapes::Shape;
 use crate::Result;

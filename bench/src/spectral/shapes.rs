@@ -61,7 +61,8 @@ pub struct Shapes {
 impl Shapes {
     /// Those of CATAMARAN_DATA (default ../shared).
     pub fn new() -> Self {
-        let data = std::env::var_os("CATAMARAN_DATA").map_or_else(|| "../shared".into(), PathBuf::from);
+        let data =
+            std::env::var_os("CATAMARAN_DATA").map_or_else(|| "../shared".into(), PathBuf::from);
         let folder = data.join("meshes");
         Self { folder: folder.is_dir().then_some(folder) }
     }
@@ -92,13 +93,17 @@ impl Shapes {
     /// # Errors
     /// Those of the library.
     pub fn isometric(&self, k: usize) -> Result<Vec<Pair>> {
-        let pose = |pose: f64| Shape::new(&format!("figure {pose}"), &families::figure(5, pose)?, k);
+        let pose =
+            |pose: f64| Shape::new(&format!("figure {pose}"), &families::figure(5, pose)?, k);
         let pair = |from: f64, to: f64| -> Result<Pair> {
             let (source, target) = (pose(from)?, pose(to)?);
             let truth = (0..target.mesh.vertices().len() as u32).collect();
             Ok(Pair { source, target, truth })
         };
-        [(0.0, 0.5), (0.0, 1.0), (0.3, 0.9), (1.0, 0.6)].map(|(a, b)| pair(a, b)).into_iter().collect()
+        [(0.0, 0.5), (0.0, 1.0), (0.3, 0.9), (1.0, 0.6)]
+            .map(|(a, b)| pair(a, b))
+            .into_iter()
+            .collect()
     }
 
     /// Pairs that are not isometric, with the same connections: two people, two surfaces of a brain; none without data.
@@ -138,7 +143,12 @@ impl Shapes {
             let truth = nearest(rest(from.0)?.vertices(), rest(to.0)?.vertices());
             Ok(Pair { source, target, truth })
         };
-        let pairs = [((5, 0.0), (7, 0.6)), ((7, 0.2), (4, 1.0)), ((4, 0.8), (6, 0.1)), ((6, 0.5), (5, 1.0))];
+        let pairs = [
+            ((5, 0.0), (7, 0.6)),
+            ((7, 0.2), (4, 1.0)),
+            ((4, 0.8), (6, 0.1)),
+            ((6, 0.5), (5, 1.0)),
+        ];
         pairs.into_iter().map(|(from, to)| pair(from, to)).collect()
     }
 }

@@ -4,7 +4,9 @@ use catamaran::Par;
 use catamaran::base::Rng;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::spectral::functional_map::{map_from_points, points_from_map};
-use catamaran::spectral::{ProductBasis, ProductBasisOptions, ProductMap, transform_of_all_products};
+use catamaran::spectral::{
+    ProductBasis, ProductBasisOptions, ProductMap, transform_of_all_products,
+};
 
 use super::shapes::Pair;
 use crate::Result;

@@ -159,13 +159,15 @@ fn errors(pair: &Pair, order: usize, [k, l]: [usize; 2]) -> Result<Vec<Vec<f64>>
 
     let bases = |orthogonalization| -> Result<[ProductBasis; 2]> {
         let options = ProductBasisOptions { orthogonalization, ..ProductBasisOptions::default() };
-        Ok([ProductBasis::new(&source, order, &options)?, ProductBasis::new(&target, order, &options)?])
+        Ok([
+            ProductBasis::new(&source, order, &options)?,
+            ProductBasis::new(&target, order, &options)?,
+        ])
     };
     let ours = bases(Orthogonalization::SinglePass)?;
     let ours_star = bases(Orthogonalization::Reorthogonalized)?;
-    let by_points = |[from, to]: &[ProductBasis; 2]| {
-        map_from_points(&points, from.basis(), to.basis(), par)
-    };
+    let by_points =
+        |[from, to]: &[ProductBasis; 2]| map_from_points(&points, from.basis(), to.basis(), par);
     let (o, o_star) = (by_points(&ours)?, by_points(&ours_star)?);
 
     let prods = TruncatedProducts::new(&ours_star[0], truncation(k), par)?;

@@ -15,7 +15,7 @@ use catamaran::spectral::{
 
 use super::Site;
 use super::page::{Figure, Station, Table};
-use crate::picture::{Paint, Panel, Scene, Up, View, render};
+use crate::picture::{PLAIN, Paint, Panel, Scene, Up, View, render};
 use crate::progress::Bar;
 
 /// Eigenfunctions that are multiplied, beside the constant, and the order of products.
@@ -94,8 +94,10 @@ fn eigenfunctions(site: &Site<'_>, pose: &Pose) -> Result<()> {
         .map(|&i| pose.eigenbasis.functions().col(i).iter().copied().collect())
         .collect();
     let titles = SHOWN.map(|i| format!("{i}"));
-    let panels = columns.iter().zip(&titles).map(|(values, title)| panel(&pose.mesh, values, title));
-    let scene = Scene { panels: panels.collect(), size: (460, 520), legend: false, ..Scene::default() };
+    let panels =
+        columns.iter().zip(&titles).map(|(values, title)| panel(&pose.mesh, values, title));
+    let scene =
+        Scene { panels: panels.collect(), size: (460, 520), legend: false, ..Scene::default() };
     render(&scene)?.write_png(site.file("eigenfunctions.png")?)
 }
 
@@ -120,12 +122,7 @@ fn approximation(site: &Site<'_>, pose: &Pose) -> Result<Vec<Outcome>> {
         let error = errors.iter().sum::<f64>() / errors.len() as f64;
         outcomes.push(Outcome { name, functions: basis.len(), error });
     }
-    let panels = meshes.iter().map(|(title, mesh)| Panel {
-        mesh,
-        paint: Paint::Plain([205, 214, 224]),
-        view: VIEW,
-        title,
-    });
+    let panels = meshes.iter().map(|(title, mesh)| Panel { mesh, paint: PLAIN, view: VIEW, title });
     let scene = Scene { panels: panels.collect(), size: (460, 520), ..Scene::default() };
     render(&scene)?.write_png(site.file("rebuilt.png")?)?;
     Ok(outcomes)
@@ -148,7 +145,8 @@ fn transfer(site: &Site<'_>, source: &Pose, target: &Pose) -> Result<[f64; 2]> {
 
     let column = |g: MatRef<'_, f64>| g.col(0).iter().copied().collect::<Vec<f64>>();
     let [original, few_image, image] = [f, by_few.as_ref(), by_products.as_ref()].map(column);
-    let titles = [format!("eigenfunction {HIGH}"), format!("by {k}"), format!("by products of {k}")];
+    let titles =
+        [format!("eigenfunction {HIGH}"), format!("by {k}"), format!("by products of {k}")];
     let panels = vec![
         panel(&source.mesh, &original, &titles[0]),
         panel(&target.mesh, &few_image, &titles[1]),
@@ -162,7 +160,9 @@ fn transfer(site: &Site<'_>, source: &Pose, target: &Pose) -> Result<[f64; 2]> {
 
 /// The largest `|W phi - lambda M phi| / |W phi|`.
 fn residual(pose: &Pose) -> f64 {
-    let catamaran::sparse::Mass::Lumped(mass) = pose.eigenbasis.basis().mass() else { return f64::NAN };
+    let catamaran::sparse::Mass::Lumped(mass) = pose.eigenbasis.basis().mass() else {
+        return f64::NAN;
+    };
     let functions = pose.eigenbasis.functions();
     let mut largest = 0.0_f64;
     for (j, &value) in pose.eigenbasis.values().iter().enumerate().skip(1) {
@@ -186,7 +186,8 @@ fn describe(
     [by_few, by_products]: [f64; 2],
 ) -> Station {
     let (k, order) = TRANSFER;
-    let picture = |name: &str, alt: &str| format!("<img src=\"{name}\" alt=\"{alt}\" width=\"100%\">");
+    let picture =
+        |name: &str, alt: &str| format!("<img src=\"{name}\" alt=\"{alt}\" width=\"100%\">");
     let per_cent = |error: f64| format!("{:.1} %", 100.0 * error);
     Station {
         id: "spectral",

@@ -46,11 +46,6 @@ impl Image {
 
 /// What only pictures of meshes need.
 impl Image {
-    /// Pixels in a row.
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
     /// Rows.
     pub fn height(&self) -> usize {
         self.height

@@ -1,10 +1,22 @@
 //! Pictures as PNG: heat maps of matrices, and meshes coloured by a function.
 
+mod args;
 mod color;
 mod image;
 mod matrix;
 mod mesh;
 mod text;
 
-pub use mesh::{Paint, Panel, Scene, Up, View, render};
+pub use args::PictureArgs;
 pub use matrix::{Scale, levels, write};
+pub use mesh::{Paint, Panel, Scene, Up, View, render};
+
+use catamaran::faer::Mat;
+
+/// A surface that nothing is to be seen on but its shape.
+pub const PLAIN: Paint<'static> = Paint::Plain([205, 214, 224]);
+
+/// The first column of functions on a mesh, to be drawn.
+pub fn first_column(functions: &Mat<f64>) -> Vec<f64> {
+    functions.col_iter().next().map_or_else(Vec::new, |column| column.iter().copied().collect())
+}

@@ -54,7 +54,7 @@ impl Default for View {
 impl FromStr for View {
     type Err = String;
 
-    /// "azimuth,elevation" in degrees, and ",z" if z is up.
+    /// "azimuth,elevation" in degrees, then ",z" if z is up, then ",flat" for no perspective.
     fn from_str(text: &str) -> Result<Self, String> {
         let angle = |part: Option<&str>, most: f64| {
             let angle = part.and_then(|p| p.trim().parse::<f64>().ok());
@@ -62,16 +62,24 @@ impl FromStr for View {
         };
         let mut parts = text.split(',');
         let (azimuth, elevation) = (angle(parts.next(), 360.0), angle(parts.next(), 90.0));
-        let up = match parts.next().map(str::trim) {
-            None | Some("y") => Some(Up::Y),
-            Some("z") => Some(Up::Z),
-            Some(_) => None,
+        let mut rest: Vec<&str> = parts.map(str::trim).collect();
+        let mut given = |word: &str| {
+            let there = rest.first() == Some(&word);
+            rest.drain(..usize::from(there));
+            there
         };
-        match (azimuth, elevation, up, parts.next()) {
-            (Some(azimuth), Some(elevation), Some(up), None) => {
-                Ok(Self { azimuth, elevation, up, ..Self::default() })
+        let up = if given("z") { Up::Z } else { Up::Y };
+        let flat = given("flat");
+        let projection = if flat { Projection::Orthographic } else { Projection::Perspective };
+        match (azimuth, elevation, rest.is_empty()) {
+            (Some(azimuth), Some(elevation), true) => {
+                Ok(Self { azimuth, elevation, up, projection })
             }
-            _ => Err("azimuth,elevation in degrees (up to 360 and 90), then ,z if z is up".into()),
+            _ => Err(
+                "azimuth,elevation in degrees (up to 360 and 90), then ,z if z is up, then ,flat \
+                      for no perspective"
+                    .into(),
+            ),
         }
     }
 }

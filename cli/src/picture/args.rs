@@ -1,0 +1,40 @@
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::TriMesh;
+
+use super::mesh::{Paint, Panel, Scene, View, render};
+
+/// A picture of meshes, beside what a subcommand computes.
+#[derive(clap::Args)]
+pub struct PictureArgs {
+    /// Draw the result to this .png file.
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+    /// From where meshes are seen: degrees around the upward axis, degrees above the horizon, then ,z if z is up instead of
+    /// y, then ,flat for no perspective [default: 30,15].
+    #[arg(long, value_name = "AROUND,ABOVE", requires = "picture", allow_hyphen_values = true)]
+    view: Option<View>,
+}
+
+impl PictureArgs {
+    /// Begins the picture, if there shall be one.
+    pub fn create(&self, overwrite: Overwrite) -> Result<Option<Output>> {
+        let Some(path) = &self.picture else { return Ok(None) };
+        if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
+            bail!("{}: a picture must be called .png", path.display());
+        }
+        Ok(Some(Output::create(path, overwrite)?))
+    }
+
+    /// Draws meshes side by side: what each is painted with, and its title.
+    pub fn draw(&self, output: Output, panels: &[(&TriMesh, Paint<'_>, &str)]) -> Result<()> {
+        let view = self.view.unwrap_or_default();
+        let panels =
+            panels.iter().map(|&(mesh, paint, title)| Panel { mesh, paint, view, title }).collect();
+        let path = output.path().display().to_string();
+        render(&Scene { panels, ..Scene::default() })?.write_png(output)?;
+        crate::report::report(format_args!("picture   {path}"))
+    }
+}
