@@ -94,7 +94,7 @@ pub fn run(args: &Args) -> Result<()> {
     measures(&file, &found)?;
 
     if args.check && !found.problems.is_empty() {
-        bail!("{name}: {} problems", found.problems.len());
+        bail!("{name}: problems found: {}", found.problems.len());
     }
     let file = changed(args, file).with_context(|| name.to_string())?;
     if let Some(picture) = picture {
