@@ -17,8 +17,9 @@ fn sparse(n: usize, entries: impl IntoIterator<Item = (usize, usize, f64)>) -> C
 
 /// The Laplacian of a graph with these edges, all of weight 1.
 fn graph(n: usize, edges: impl IntoIterator<Item = (usize, usize)>) -> CsMat<f64> {
-    let entries =
-        edges.into_iter().flat_map(|(a, b)| [(a, b, -1.0), (b, a, -1.0), (a, a, 1.0), (b, b, 1.0)]);
+    let entries = edges.into_iter().flat_map(|(a, b)| {
+        [(a, b, -1.0), (b, a, -1.0), (a, a, 1.0), (b, b, 1.0)]
+    });
     sparse(n, entries.chain((0..n).map(|i| (i, i, 0.0))))
 }
 
@@ -56,11 +57,7 @@ fn check(w: &CsMat<f64>, mass: &Mass, pairs: &Eigenpairs, tolerance: f64) {
         let size = wv.col(j).norm_l2();
         assert!(pairs.residuals[j] <= tolerance, "pair {j}: {:e}", pairs.residuals[j]);
         if pairs.values[j] > 1e-6 {
-            assert!(
-                gap.norm_l2() <= 4.0 * tolerance * size,
-                "pair {j}: {:e}",
-                gap.norm_l2() / size
-            );
+            assert!(gap.norm_l2() <= 4.0 * tolerance * size, "pair {j}: {:e}", gap.norm_l2() / size);
         }
     }
     let identity = pairs.vectors.transpose() * &mv;

@@ -7,6 +7,4 @@ mod triangular;
 
 pub use eigen::{SymmetricEigen, symmetric_eigen};
 pub(crate) use rows::{ROW_BLOCK, for_row_blocks, multiply_in_place};
-pub(crate) use triangular::{
-    cholesky, divide_by_upper, lower_solve_in_place, upper_solve_in_place,
-};
+pub(crate) use triangular::{cholesky, divide_by_upper, lower_solve_in_place, upper_solve_in_place};

@@ -62,10 +62,7 @@ impl EigenOptions<'_> {
             return refuse("k", format!("{} eigenpairs of a matrix of {n} rows", self.k));
         }
         if !(1e-14..=1e-2).contains(&self.tolerance) {
-            return refuse(
-                "tolerance",
-                format!("{:e} is not between 1e-14 and 1e-2", self.tolerance),
-            );
+            return refuse("tolerance", format!("{:e} is not between 1e-14 and 1e-2", self.tolerance));
         }
         match self.shift {
             Some(shift) if !shift.is_finite() => refuse("shift", format!("{shift} is not finite")),

@@ -139,9 +139,7 @@ impl<'a> Krylov<'a> {
         let near = self.basis.as_ref().subcols(coupled, len + WIDTH - coupled);
         let mut coefficients = Mat::zeros(near.ncols(), WIDTH);
         let (mut above, mut own) = coefficients.as_mut().split_at_row_mut(len - coupled);
-        above.copy_from(
-            self.projected.as_ref().submatrix(len, coupled, WIDTH, len - coupled).transpose(),
-        );
+        above.copy_from(self.projected.as_ref().submatrix(len, coupled, WIDTH, len - coupled).transpose());
         own.copy_from(&diagonal);
         let reference = coefficients.norm_l2();
         atb(-1.0, near.transpose(), coefficients.as_ref(), 1.0, x.as_mut(), &self.products)?;
@@ -204,9 +202,7 @@ impl<'a> Krylov<'a> {
             for (i, length) in lengths.iter().enumerate() {
                 turned(i).for_each(|p| next[p] *= length);
             }
-            let unit = Mat::from_fn(WIDTH, WIDTH, |i, j| {
-                vectors[(i, j)] / lengths[j].max(f64::MIN_POSITIVE)
-            });
+            let unit = Mat::from_fn(WIDTH, WIDTH, |i, j| vectors[(i, j)] / lengths[j].max(f64::MIN_POSITIVE));
             multiply_in_place(x.as_mut(), unit.as_ref(), par);
             let mut replaced = false;
             for i in 0..WIDTH {
@@ -280,12 +276,7 @@ impl<'a> Krylov<'a> {
     fn estimates(&mut self, ritz: &SymmetricEigen, order: &[usize]) -> Result<Vec<f64>> {
         let par = self.options.par;
         let [w, _] = &mut self.work;
-        multiply_symmetric_or_rows(
-            self.stiffness,
-            self.basis.as_ref().subcols(self.len, WIDTH),
-            w.as_mut(),
-            par,
-        );
+        multiply_symmetric_or_rows(self.stiffness, self.basis.as_ref().subcols(self.len, WIDTH), w.as_mut(), par);
         for j in 0..WIDTH {
             for i in 0..w.nrows() {
                 w[(i, j)] -= self.sigma * self.weighted[(i, j)];
