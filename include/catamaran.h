@@ -195,6 +195,73 @@ typedef struct cata_ata_params {
 } cata_ata_params;
 
 /**
+ * How eigenpairs are computed. Every field but the first is 0 (NULL) by default, so that
+ * `cata_spectrum_params params = {.struct_size = sizeof params};` does what cata_spectrum_params_init does.
+ */
+typedef struct cata_spectrum_params {
+    /**
+     * sizeof(cata_spectrum_params) as the caller was compiled with. Later versions add fields at the
+     * end; one that this library does not know must be 0.
+     */
+    size_t struct_size;
+    /**
+     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
+     * bit for bit, for every value.
+     */
+    size_t threads;
+    /** Restarts after which CATA_ERR_NOT_CONVERGED is returned; 0: 60. */
+    size_t max_restarts;
+    /** Seed of the starting vectors. */
+    uint64_t seed;
+    /** Residual that every pair must reach, 1e-14 to 1e-2; 0: 1e-9. */
+    double tolerance;
+    /** With `has_shift` 1: the eigenvalues nearest to this finite number are wanted. Else not looked at. */
+    double shift;
+    /** Told of progress; NULL: nobody. */
+    cata_progress progress;
+    /** Handed to `progress` as it is; may be NULL. */
+    void *progress_user;
+    /** 1: `shift` counts; 0: the smallest eigenvalues are wanted. */
+    int32_t has_shift;
+    /**
+     * 1: counts, by one or two more factorisations, the eigenvalues that are there, and goes on until none is
+     * missing. 0: not asked for.
+     */
+    int32_t verify_count;
+} cata_spectrum_params;
+
+/**
+ * How columns are made orthonormal. Every field but the first is 0 (NULL) by default, so that
+ * `cata_ortho_params params = {.struct_size = sizeof params};` does what cata_ortho_params_init does.
+ */
+typedef struct cata_ortho_params {
+    /**
+     * sizeof(cata_ortho_params) as the caller was compiled with. Later versions add fields at the end;
+     * one that this library does not know must be 0.
+     */
+    size_t struct_size;
+    /**
+     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
+     * bit for bit, for every value.
+     */
+    size_t threads;
+    /**
+     * A column is dropped when no more of it is left, relative to its length before, after what the columns
+     * before it span was taken away: 1e-13 to 1; 0: 1e-9, or 1e-2 with `single_pass`.
+     */
+    double threshold;
+    /** Told of progress; NULL: nobody. */
+    cata_progress progress;
+    /** Handed to `progress` as it is; may be NULL. */
+    void *progress_user;
+    /**
+     * 1: columns are projected once, and are orthogonal as far as that goes. 0: until they are orthogonal to
+     * rounding.
+     */
+    int32_t single_pass;
+} cata_ortho_params;
+
+/**
  * What a rank has sent and received: words are matrix entries. The few numbers by which ranks agree on shapes
  * and errors are not counted.
  */
@@ -252,6 +319,9 @@ typedef struct cata_traffic {
 
 /** Another rank of a distributed call failed, or does not fit the others; the message names it. */
 #define CATA_ERR_RANK 12
+
+/** A triangle mesh is not one, or not of the kind that is asked for; the message names the element. */
+#define CATA_ERR_MESH 13
 
 #ifdef __cplusplus
 extern "C" {
@@ -777,6 +847,104 @@ cata_status cata_verify_f32(int32_t layout,
                             int32_t *passed,
                             double *residual,
                             double *tolerance);
+
+/**
+ * Fills a parameter struct with the defaults.
+ *
+ * `params`: one struct, not NULL; `struct_size` bytes are written.
+ * `struct_size`: sizeof(cata_spectrum_params).
+ * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+ *
+ * Thread-safe.
+ */
+cata_status cata_spectrum_params_init(struct cata_spectrum_params *params, size_t struct_size);
+
+/**
+ * The k smallest eigenvalues, or those nearest to a shift, of W phi = lambda M phi, and their
+ * eigenvectors. W is n x n, sparse, symmetric, and positive semi-definite unless a shift is given; M is
+ * a diagonal of positive masses.
+ *
+ * - `n`: any, 0 included.
+ * - `row_starts`: n + 1 elements, read: the entries of row i are those from row_starts[i] to
+ *   row_starts[i + 1] - 1, the first being 0. May be NULL when n is 0.
+ * - `columns`, `entries`: row_starts[n] elements each, read: columns ascending within a row, from 0,
+ *   and the entries of W there, both triangles. May be NULL when there are none.
+ * - `masses`: n elements, read: the diagonal of M; NULL: all 1.
+ * - `k`: number of pairs, at most n.
+ * - `eigenvalues`: k elements, written: ascending. May be NULL when k is 0.
+ * - `eigenvectors`: n x k, written, column-major: k columns of `ldv` >= max(1, n) elements, the last one
+ *   of n; orthonormal in the inner product of M. May be NULL when n or k is 0.
+ * - `residuals`: k elements, written: for each pair |W phi - lambda M phi| / max(|W phi|, s |M phi|),
+ *   n s being the median of W_ii / M_ii; NULL where not wanted.
+ * - `params`: NULL for the defaults; else read during the call.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
+ * CATA_ERR_NOT_CONVERGED, CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or
+ * CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
+ *
+ * The result does not depend on the number of threads, bit for bit.
+ *
+ * Thread-safe: calls may run at the same time as long as no output is shared.
+ */
+cata_status cata_spectrum(size_t n,
+                          const size_t *row_starts,
+                          const size_t *columns,
+                          const double *entries,
+                          const double *masses,
+                          size_t k,
+                          double *eigenvalues,
+                          double *eigenvectors,
+                          size_t ldv,
+                          double *residuals,
+                          const struct cata_spectrum_params *params);
+
+/**
+ * Fills a parameter struct with the defaults.
+ *
+ * `params`: one struct, not NULL; `struct_size` bytes are written.
+ * `struct_size`: sizeof(cata_ortho_params).
+ * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+ *
+ * Thread-safe.
+ */
+cata_status cata_ortho_params_init(struct cata_ortho_params *params, size_t struct_size);
+
+/**
+ * Gram-Schmidt with rank detection, in place: A (n x c) = Q R with Q^T M Q = I, for a diagonal M. Columns
+ * that depend on those before them are dropped.
+ *
+ * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of R; column-major is faster.
+ * - `n`, `c`: any, 0 included.
+ * - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64: its first `*rank` columns
+ *   are Q afterwards, the others unspecified. May be NULL when n or c is 0.
+ * - `masses`: n elements, read: the diagonal of M, positive; NULL: all 1.
+ * - `r`: min(n, c) x c with leading dimension `ldr`, written: R in its first `*rank` rows, zeros below;
+ *   coefficients of every column of A. NULL where not wanted; `ldr` is then not looked at.
+ * - `kept`: c elements, written: the first `*rank` are the columns that Q is made of, ascending, from 0;
+ *   the others are untouched. NULL where not wanted.
+ * - `rank`: one size_t, not NULL, written.
+ * - `params`: NULL for the defaults; else read during the call.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
+ * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC. Outputs but A are
+ * untouched unless it is CATA_OK; A is unspecified after CATA_ERR_OUT_OF_MEMORY, CATA_ERR_CANCELLED and
+ * CATA_ERR_PANIC, and untouched after any other error.
+ *
+ * The result does not depend on the number of threads, bit for bit.
+ *
+ * Thread-safe: calls may run at the same time as long as no A and no output is shared.
+ */
+cata_status cata_gram_schmidt(int32_t layout,
+                              size_t n,
+                              size_t c,
+                              double *a,
+                              size_t lda,
+                              const double *masses,
+                              double *r,
+                              size_t ldr,
+                              size_t *kept,
+                              size_t *rank,
+                              const struct cata_ortho_params *params);
 
 /**
  * The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over it.

@@ -519,3 +519,19 @@ fn a_progress_callback_may_use_the_threads_itself() {
     let options = AtaOptions { progress: Some(&work), ..deep(SchemeChoice::Winograd) };
     ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
 }
+
+#[test]
+fn products_without_rows_or_columns_take_any_number_of_the_others() {
+    // More columns than the kernels for small products can pack.
+    let b = integers::<f64>(9000, 3, 31);
+    let mut c = b.clone();
+    let none = Mat::<f64>::zeros(0, 9000);
+    let empty = Mat::<f64>::zeros(0, 3);
+    let options = AtaOptions::default();
+    atb(1.0, none.as_ref(), empty.as_ref(), 1.0, c.as_mut(), &options).unwrap();
+    assert_eq!(c, b);
+    atb(1.0, none.as_ref(), empty.as_ref(), 0.0, c.as_mut(), &options).unwrap();
+    assert_eq!(c, Mat::zeros(9000, 3));
+    let mut nothing = Mat::<f64>::zeros(0, 3);
+    atb(1.0, none.transpose(), b.as_ref(), 0.0, nothing.as_mut(), &options).unwrap();
+}

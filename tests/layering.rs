@@ -11,7 +11,7 @@ const LAYERS: [(&str, u8, &[&str]); 19] = [
     ("blas", 1, &["kernel"]),
     ("ata", 2, &[]),
     ("dense", 2, &[]),
-    ("sparse", 2, &["ata", "dense"]),
+    ("sparse", 2, &["dense"]),
     ("ortho", 2, &["ata", "dense", "sparse"]),
     // Mesh files are opened, unpacked and written like those of matrices.
     ("mesh", 3, &["io"]),

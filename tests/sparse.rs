@@ -17,9 +17,8 @@ fn sparse(n: usize, entries: impl IntoIterator<Item = (usize, usize, f64)>) -> C
 
 /// The Laplacian of a graph with these edges, all of weight 1.
 fn graph(n: usize, edges: impl IntoIterator<Item = (usize, usize)>) -> CsMat<f64> {
-    let entries = edges.into_iter().flat_map(|(a, b)| {
-        [(a, b, -1.0), (b, a, -1.0), (a, a, 1.0), (b, b, 1.0)]
-    });
+    let entries =
+        edges.into_iter().flat_map(|(a, b)| [(a, b, -1.0), (b, a, -1.0), (a, a, 1.0), (b, b, 1.0)]);
     sparse(n, entries.chain((0..n).map(|i| (i, i, 0.0))))
 }
 
@@ -53,11 +52,15 @@ fn check(w: &CsMat<f64>, mass: &Mass, pairs: &Eigenpairs, tolerance: f64) {
     multiply(w.view(), pairs.vectors.as_ref(), wv.as_mut(), Par::Seq).unwrap();
     mass.multiply(pairs.vectors.as_ref(), mv.as_mut(), Par::Seq).unwrap();
     for j in 0..k {
-        let gap = wv.col(j) - catamaran::faer::Scale(pairs.values[j]) * mv.col(j);
+        let gap = wv.col(j) - faer::Scale(pairs.values[j]) * mv.col(j);
         let size = wv.col(j).norm_l2();
         assert!(pairs.residuals[j] <= tolerance, "pair {j}: {:e}", pairs.residuals[j]);
         if pairs.values[j] > 1e-6 {
-            assert!(gap.norm_l2() <= 4.0 * tolerance * size, "pair {j}: {:e}", gap.norm_l2() / size);
+            assert!(
+                gap.norm_l2() <= 4.0 * tolerance * size,
+                "pair {j}: {:e}",
+                gap.norm_l2() / size
+            );
         }
     }
     let identity = pairs.vectors.transpose() * &mv;
@@ -85,4 +88,255 @@ fn a_grid_has_its_analytic_spectrum_multiplicities_included() {
         check(&w, &mass, &pairs, 1e-9);
         assert_close(&pairs.values, &grid_spectrum(a, b)[..k], 1e-9);
     }
+}
+
+#[test]
+fn a_cycle_has_pairs_of_equal_eigenvalues() {
+    let (n, k) = (1009, 25);
+    let w = graph(n, (0..n).map(|i| (i, (i + 1) % n)));
+    let mass = Mass::identity(n);
+    let pairs = eigs(w.view(), &mass, &options(k)).unwrap();
+    check(&w, &mass, &pairs, 1e-9);
+    let value = |i: usize| 2.0 - 2.0 * (2.0 * PI * i.div_ceil(2) as f64 / n as f64).cos();
+    assert_close(&pairs.values, &(0..k).map(value).collect::<Vec<_>>(), 1e-8);
+}
+
+#[test]
+fn multiplicities_larger_than_a_block_are_complete_when_counted() {
+    // 30 equal paths: every eigenvalue 30 times, none of them but 0 to be seen from the graph.
+    let (copies, length, k) = (30, 40, 75);
+    let edges = (0..copies)
+        .flat_map(move |c| (1..length).map(move |i| (c * length + i - 1, c * length + i)));
+    let w = graph(copies * length, edges);
+    let mass = Mass::identity(copies * length);
+    let counted = EigenOptions { verify_count: true, ..options(k) };
+    let pairs = eigs(w.view(), &mass, &counted).unwrap();
+    check(&w, &mass, &pairs, 1e-9);
+    let value = |i: usize| 2.0 - 2.0 * (PI * (i / copies) as f64 / length as f64).cos();
+    assert_close(&pairs.values, &(0..k).map(value).collect::<Vec<_>>(), 1e-8);
+}
+
+#[test]
+fn the_null_space_has_a_dimension_for_each_component() {
+    // Paths of different lengths, isolated nodes among them.
+    let lengths = [1, 700, 3, 1, 500, 11, 2, 1, 1, 1, 400, 5];
+    let starts: Vec<usize> =
+        lengths.iter().scan(0, |sum, l| Some(std::mem::replace(sum, *sum + l))).collect();
+    let n = lengths.iter().sum();
+    let edges =
+        starts.iter().zip(lengths).flat_map(|(s, l)| (1..l).map(move |i| (s + i - 1, s + i)));
+    let w = graph(n, edges.collect::<Vec<_>>());
+    let mut rng = Rng::new(5);
+    let mass = Mass::Lumped((0..n).map(|_| 0.5 + rng.uniform()).collect());
+    for k in [5, lengths.len(), lengths.len() + 6] {
+        let pairs = eigs(w.view(), &mass, &options(k)).unwrap();
+        check(&w, &mass, &pairs, 1e-9);
+        let zero = pairs.values.iter().filter(|v| **v < 1e-10).count();
+        assert_eq!(zero, k.min(lengths.len()));
+    }
+}
+
+/// A seeded pencil: a random graph with random weights, and a mass.
+fn random_pencil(n: usize, seed: u64, full: bool) -> (CsMat<f64>, Mass) {
+    let mut rng = Rng::new(seed);
+    let mut edges: Vec<(usize, usize, f64)> = Vec::new();
+    for i in 1..n {
+        for _ in 0..2 {
+            let j = (rng.uniform() * i as f64) as usize;
+            edges.push((i, j.max(i.saturating_sub(9)), 0.1 + rng.uniform()));
+        }
+    }
+    let laplacian = |edges: &[(usize, usize, f64)]| {
+        let entries: Vec<_> = edges
+            .iter()
+            .flat_map(|&(a, b, x)| [(a, b, -x), (b, a, -x), (a, a, x), (b, b, x)])
+            .collect();
+        sparse(n, entries)
+    };
+    let w = laplacian(&edges);
+    let lumped: Vec<f64> = (0..n).map(|_| 0.2 + rng.uniform()).collect();
+    let mass = match full {
+        false => Mass::Lumped(lumped),
+        // Diagonally dominant.
+        true => {
+            let off = edges.iter().flat_map(|&(a, b, x)| [(a, b, 0.05 * x), (b, a, 0.05 * x)]);
+            let own = lumped.into_iter().enumerate().map(|(i, m)| (i, i, 1.0 + m));
+            Mass::Full(sparse(n, off.chain(own).collect::<Vec<_>>()))
+        }
+    };
+    (w, mass)
+}
+
+#[test]
+fn sparse_and_dense_solvers_agree() {
+    for (full, seed) in [(false, 1), (true, 2)] {
+        let n = 331;
+        let (w, mass) = random_pencil(n, seed, full);
+        // For all of them the dense solver is taken.
+        let all = eigs(w.view(), &mass, &options(n)).unwrap();
+        assert_eq!(all.solves, 0);
+        check(&w, &mass, &all, 1e-9);
+        let some =
+            eigs(w.view(), &mass, &EigenOptions { verify_count: true, ..options(13) }).unwrap();
+        assert!(some.solves > 0);
+        check(&w, &mass, &some, 1e-9);
+        assert_close(&some.values, &all.values[..13], 1e-9);
+        let shift = 0.5 * (all.values[100] + all.values[101]) + 1e-4;
+        let inside = EigenOptions { shift: Some(shift), verify_count: true, ..options(12) };
+        let inside = eigs(w.view(), &mass, &inside).unwrap();
+        check(&w, &mass, &inside, 1e-9);
+        let mut nearest = all.values.clone();
+        nearest.sort_by(|a, b| (a - shift).abs().total_cmp(&(b - shift).abs()));
+        nearest.truncate(12);
+        nearest.sort_by(f64::total_cmp);
+        assert_close(&inside.values, &nearest, 1e-9);
+        // The same shift in the dense solver.
+        let dense = EigenOptions { shift: Some(shift), ..options(n / 2) };
+        assert!(eigs(w.view(), &mass, &dense).unwrap().values.is_sorted());
+    }
+}
+
+#[test]
+fn every_small_size_and_count_works() {
+    for n in [0, 1, 2, 3, 7, 31] {
+        let w = graph(n, (1..n).map(|i| (i - 1, i)));
+        let mass = Mass::identity(n);
+        for k in 0..=n {
+            let pairs = eigs(w.view(), &mass, &options(k)).unwrap();
+            check(&w, &mass, &pairs, 1e-9);
+            assert_close(&pairs.values, &grid_spectrum(n, 1)[..k], 1e-10);
+        }
+    }
+}
+
+#[test]
+fn a_matrix_of_zeros_has_only_null_vectors() {
+    let n = 200;
+    let (w, mass) = (graph(n, []), Mass::identity(n));
+    let pairs = eigs(w.view(), &mass, &options(7)).unwrap();
+    check(&w, &mass, &pairs, 1e-9);
+    assert_eq!(pairs.values, [0.0; 7]);
+}
+
+#[test]
+fn the_result_is_the_same_for_any_number_of_threads() {
+    let (w, mass) = random_pencil(5000, 3, true);
+    let run = |threads| {
+        let options = EigenOptions { par: Par::Threads(threads), ..options(20) };
+        eigs(w.view(), &mass, &options).unwrap()
+    };
+    let one = run(1);
+    for threads in [2, 3] {
+        let more = run(threads);
+        assert_eq!(one.values, more.values);
+        assert_eq!(one.vectors, more.vectors);
+        assert_eq!(one.residuals, more.residuals);
+    }
+    let other = EigenOptions { seed: 1, ..options(20) };
+    let other = eigs(w.view(), &mass, &other).unwrap();
+    assert_ne!(one.vectors, other.vectors);
+    assert_close(&one.values, &other.values, 1e-10);
+}
+
+#[test]
+fn progress_grows_to_one_and_cancels() {
+    let (w, mass) = (grid(60, 40), Mass::identity(2400));
+    let last = std::sync::Mutex::new(0.0);
+    let watch = |fraction: f64| {
+        let mut last = last.lock().unwrap();
+        assert!((*last..=1.0).contains(&fraction), "{fraction} after {}", *last);
+        *last = fraction;
+        Flow::Continue
+    };
+    eigs(w.view(), &mass, &EigenOptions { progress: Some(&watch), ..options(20) }).unwrap();
+    assert_eq!(*last.lock().unwrap(), 1.0);
+    let calls = AtomicUsize::new(0);
+    for limit in [0, 3, 6] {
+        calls.store(0, Ordering::Relaxed);
+        let stop = |_: f64| match calls.fetch_add(1, Ordering::Relaxed) {
+            done if done >= limit => Flow::Cancel,
+            _ => Flow::Continue,
+        };
+        let stopped = eigs(w.view(), &mass, &EigenOptions { progress: Some(&stop), ..options(20) });
+        assert_eq!(stopped.unwrap_err(), Error::Cancelled);
+        assert_eq!(calls.load(Ordering::Relaxed), limit + 1);
+    }
+}
+
+#[test]
+fn dirty_inputs_are_refused_by_name() {
+    let n = 500;
+    let (w, mass) = (grid(50, 10), Mass::identity(n));
+    let told = |w: &CsMat<f64>, mass: &Mass, options: &EigenOptions<'_>| {
+        eigs(w.view(), mass, options).unwrap_err().to_string()
+    };
+    let mut bad = w.clone();
+    bad.data_mut()[7] = f64::NAN;
+    assert!(told(&bad, &mass, &options(3)).starts_with("stiffness: not finite at row 2"));
+    let mut bad = w.clone();
+    bad.data_mut()[1] = -3.0;
+    assert!(
+        told(&bad, &mass, &options(3)).contains("stiffness: not symmetric: entry (0, 1) is -3")
+    );
+    let wide = CsMat::zero((3, 4));
+    assert!(matches!(
+        eigs(wide.view(), &mass, &options(1)).unwrap_err(),
+        Error::Shape { what: "stiffness", .. }
+    ));
+    let short = Mass::identity(n - 1);
+    assert!(matches!(
+        eigs(w.view(), &short, &options(1)).unwrap_err(),
+        Error::Shape { what: "mass", expected: (500, _), got: (499, _) }
+    ));
+    let masses = |at: usize, value: f64| {
+        Mass::Lumped((0..n).map(|i| if i == at { value } else { 1.0 }).collect())
+    };
+    assert!(told(&w, &masses(17, -1.0), &options(3)).contains("entry 17 is -1"));
+    assert!(told(&w, &masses(0, 0.0), &options(3)).contains("entry 0 is 0"));
+    assert_eq!(
+        eigs(w.view(), &masses(9, f64::INFINITY), &options(3)).unwrap_err(),
+        Error::NonFinite { what: "mass", index: (9, 0) }
+    );
+    assert!(told(&w, &mass, &options(501)).starts_with("k: 501 eigenpairs"));
+    let loose = EigenOptions { tolerance: 1.0, ..options(3) };
+    assert!(told(&w, &mass, &loose).starts_with("tolerance: "));
+    let nowhere = EigenOptions { shift: Some(f64::NAN), ..options(3) };
+    assert!(told(&w, &mass, &nowhere).starts_with("shift: "));
+    let negative = w.map(|x| -x);
+    assert!(told(&negative, &mass, &options(3)).contains("not positive semi-definite"));
+    // A mass that only elimination finds not to be positive.
+    let entries = [(0, 0, 1.0), (1, 1, 1.0), (0, 1, 2.0), (1, 0, 2.0)];
+    let small = graph(2, [(0, 1)]);
+    assert!(told(&small, &Mass::Full(sparse(2, entries)), &options(1)).contains("mass"));
+}
+
+#[test]
+fn what_does_not_converge_says_how_far_it_came() {
+    let (w, mass) = (grid(60, 60), Mass::identity(3600));
+    let hasty = EigenOptions { max_restarts: 0, tolerance: 1e-14, ..options(30) };
+    match eigs(w.view(), &mass, &hasty) {
+        Err(Error::NotConverged { iterations: 0, residual }) => assert!(residual > 1e-14),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn products_with_blocks_are_those_of_columns() {
+    let (w, _) = random_pencil(2500, 4, false);
+    let mut rng = Rng::new(9);
+    let x = Mat::from_fn(2500, 3, |_, _| rng.uniform());
+    for threads in [1, 2, 3] {
+        let mut y = Mat::zeros(2500, 3);
+        multiply(w.view(), x.as_ref(), y.as_mut(), Par::Threads(threads)).unwrap();
+        for i in (0..2500).step_by(97) {
+            for j in 0..3 {
+                let expected: f64 =
+                    w.outer_view(i).unwrap().iter().map(|(l, a)| a * x[(l, j)]).sum();
+                assert_eq!(y[(i, j)], expected);
+            }
+        }
+    }
+    let by_columns = w.to_csc();
+    let refused = multiply(by_columns.view(), x.as_ref(), Mat::zeros(2500, 3).as_mut(), Par::Seq);
+    assert!(matches!(refused, Err(Error::Argument { what: "A", .. })));
 }

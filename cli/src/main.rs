@@ -2,12 +2,18 @@
 
 mod ata;
 mod backend;
+mod basis;
 mod demo;
+mod filter;
 mod info;
 mod merge;
+mod mesh;
 mod picture;
 mod progress;
 mod report;
+mod shape;
+mod spectrum;
+mod transfer;
 mod tune;
 
 use std::io;
@@ -15,7 +21,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// A^T A at scale.
+/// A^T A, spectra and geometry at scale.
 #[derive(Parser)]
 #[command(name = "catamaran", version, about, arg_required_else_help = true)]
 struct Cli {
@@ -27,9 +33,14 @@ struct Cli {
 enum Command {
     Ata(ata::Args),
     AtaMerge(merge::Args),
+    Mesh(mesh::Args),
     Info(info::Args),
     Demo(demo::Args),
+    Spectrum(spectrum::Args),
     Tune(tune::Args),
+    Basis(basis::Args),
+    Transfer(transfer::Args),
+    Filter(filter::Args),
 }
 
 /// What a shell reports for a process that Ctrl-C ended.
@@ -40,9 +51,14 @@ fn main() -> ExitCode {
     let done = progress::watch_ctrl_c().and_then(|()| match &cli.command {
         Command::Ata(args) => ata::run(args),
         Command::AtaMerge(args) => merge::run(args),
+        Command::Mesh(args) => mesh::run(args),
         Command::Info(args) => info::run(args),
         Command::Demo(args) => demo::run(args),
+        Command::Spectrum(args) => spectrum::run(args),
         Command::Tune(args) => tune::run(args),
+        Command::Basis(args) => basis::run(args),
+        Command::Transfer(args) => transfer::run(args),
+        Command::Filter(args) => filter::run(args),
     });
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {

@@ -4,7 +4,7 @@ use std::mem::offset_of;
 use super::backend::cata_backend;
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, Failure, cata_status};
 use super::{boundary::boundary, pointer};
-use crate::base::{Flow, Par};
+use crate::base::{Flow, Par, Progress};
 use crate::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 
 /// Whatever is expected to be fastest within the accuracy asked for.
@@ -78,9 +78,6 @@ pub struct cata_ata_params {
     pub scale_columns: i32,
 }
 
-/// Size of the first published version of the struct: its fields are always there.
-const FIRST_SIZE: usize = offset_of!(cata_ata_params, scale_columns) + size_of::<i32>();
-
 /// More than any version will ever have: an uninitialised struct_size is caught, not followed.
 const LARGEST_SIZE: usize = 4096;
 
@@ -105,26 +102,49 @@ pub unsafe extern "C" fn cata_ata_params_init(
     params: *mut cata_ata_params,
     struct_size: usize,
 ) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { init(params, struct_size) }
+}
+
+/// A parameter struct of the ABI: `repr(C)`, struct_size first, and all fields may be 0.
+pub(super) trait Versioned: Copy {
+    /// Its name in the header.
+    const NAME: &'static str;
+    /// Size of its first published version, whose fields are always there.
+    const FIRST_SIZE: usize;
+}
+
+impl Versioned for cata_ata_params {
+    const NAME: &'static str = "cata_ata_params";
+    const FIRST_SIZE: usize = offset_of!(Self, scale_columns) + size_of::<i32>();
+}
+
+/// `cata_*_params_init`.
+///
+/// # Safety
+/// `params` points to `struct_size` writable bytes.
+pub(super) unsafe fn init<T: Versioned>(params: *mut T, struct_size: usize) -> cata_status {
     boundary(|| {
-        check_struct_size(struct_size)?;
+        check_struct_size::<T>(struct_size)?;
         // SAFETY: the caller's promise; `output` sees to NULL and alignment. All fields may be 0,
-        // and a newer caller's additional ones are within struct_size.
+        // and a newer caller's additional ones are within struct_size, which comes first.
         unsafe {
-            let params: *mut cata_ata_params = pointer::output("params", params)?;
+            let params: *mut T = pointer::output("params", params)?;
             params.cast::<u8>().write_bytes(0, struct_size);
-            (*params).struct_size = struct_size;
+            params.cast::<usize>().write(struct_size);
         }
         Ok(())
     })
 }
 
-fn check_struct_size(size: usize) -> Result<(), Failure> {
-    if (FIRST_SIZE..=LARGEST_SIZE).contains(&size) {
+fn check_struct_size<T: Versioned>(size: usize) -> Result<(), Failure> {
+    if (T::FIRST_SIZE..=LARGEST_SIZE).contains(&size) {
         return Ok(());
     }
     let why = format!(
-        "params.struct_size: must be sizeof(cata_ata_params), {} in this version, is {size}",
-        size_of::<cata_ata_params>()
+        "params.struct_size: must be sizeof({}), {} in this version, is {size}",
+        T::NAME,
+        size_of::<T>()
     );
     Err(Failure::new(CATA_ERR_ARGUMENT, why))
 }
@@ -133,16 +153,16 @@ fn check_struct_size(size: usize) -> Result<(), Failure> {
 ///
 /// # Safety
 /// `params` points to as many readable bytes as its `struct_size` says.
-unsafe fn read(params: *const cata_ata_params) -> Result<cata_ata_params, Failure> {
+pub(super) unsafe fn read<T: Versioned>(params: *const T) -> Result<T, Failure> {
     if !params.is_aligned() {
         return Err(Failure::new(CATA_ERR_ARGUMENT, "params: not aligned"));
     }
     // SAFETY: struct_size comes first in every version; the bytes up to it are the caller's
     // promise. No version is smaller than this one, the first.
     unsafe {
-        let size = (&raw const (*params).struct_size).read();
-        check_struct_size(size)?;
-        let known = size_of::<cata_ata_params>();
+        let size = params.cast::<usize>().read();
+        check_struct_size::<T>(size)?;
+        let known = size_of::<T>();
         let extra = size.saturating_sub(known);
         let rest = std::slice::from_raw_parts(params.cast::<u8>().add(size - extra), extra);
         if rest.iter().any(|&byte| byte != 0) {
@@ -195,13 +215,26 @@ pub(super) unsafe fn with_options(
     if let Some(backend) = unsafe { params.backend.as_ref() } {
         options.backend = backend.get();
     }
-    let Some(callback) = params.progress else { return work(&options) };
-    let user = User(params.progress_user);
-    let progress = move |fraction| match callback(fraction, user.get()) {
+    let watch = watcher(params.progress, params.progress_user);
+    let progress = watch.as_ref().map(|watch| watch as Progress<'_>);
+    work(&AtaOptions { progress, ..options })
+}
+
+/// A callback of the ABI as one of ours.
+pub(super) fn watcher(
+    progress: cata_progress,
+    user: *mut c_void,
+) -> Option<impl Fn(f64) -> Flow + Sync> {
+    let (callback, user) = (progress?, User(user));
+    Some(move |fraction| match callback(fraction, user.get()) {
         0 => Flow::Continue,
         _ => Flow::Cancel,
-    };
-    work(&AtaOptions { progress: Some(&progress), ..options })
+    })
+}
+
+/// Threads, of a field of that name: 0 stands for all.
+pub(super) fn par(threads: usize) -> Par {
+    if threads == 0 { Par::all() } else { Par::Threads(threads) }
 }
 
 fn at_most(what: &str, value: usize, most: usize) -> Result<(), Failure> {
@@ -211,7 +244,7 @@ fn at_most(what: &str, value: usize, most: usize) -> Result<(), Failure> {
     Err(Failure::new(CATA_ERR_ARGUMENT, format!("{what}: must be at most {most}, is {value}")))
 }
 
-fn flag(what: &str, value: i32) -> Result<bool, Failure> {
+pub(super) fn flag(what: &str, value: i32) -> Result<bool, Failure> {
     match value {
         0 => Ok(false),
         1 => Ok(true),

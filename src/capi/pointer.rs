@@ -107,7 +107,7 @@ pub(super) unsafe fn slice<'a, T: Copy>(
 ///
 /// # Safety
 /// They can be read and written, and nobody else does either, during `'a`.
-pub(super) unsafe fn slice_mut<'a, T: Real>(
+pub(super) unsafe fn slice_mut<'a, T: Copy>(
     what: &str,
     pointer: *mut T,
     len: usize,

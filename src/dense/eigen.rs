@@ -31,8 +31,7 @@ pub fn symmetric_eigen(matrix: MatRef<'_, f64>) -> Result<SymmetricEigen> {
     let requirement =
         self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, par, Default::default());
     let bytes = requirement.unaligned_bytes_required();
-    let mut memory =
-        MemBuffer::try_new(requirement).map_err(|_| Error::OutOfMemory { bytes })?;
+    let mut memory = MemBuffer::try_new(requirement).map_err(|_| Error::OutOfMemory { bytes })?;
     let mut values = Diag::<f64>::zeros(n);
     let mut vectors = Mat::zeros(n, n);
     self_adjoint_evd(

@@ -3,8 +3,12 @@
 
 mod eigen;
 mod rows;
+mod tall;
 mod triangular;
 
 pub use eigen::{SymmetricEigen, symmetric_eigen};
-pub(crate) use rows::{ROW_BLOCK, for_row_blocks, multiply_in_place};
-pub(crate) use triangular::{cholesky, divide_by_upper, lower_solve_in_place, upper_solve_in_place};
+pub(crate) use rows::{ROW_BLOCK, for_row_blocks};
+pub(crate) use tall::{multiply_in_place, subtract_product, transposed_product};
+pub(crate) use triangular::{
+    cholesky, divide_by_upper, lower_solve_in_place, upper_solve_in_place,
+};

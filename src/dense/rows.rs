@@ -1,9 +1,7 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use faer::linalg::matmul::matmul;
-use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{Accum, Mat, MatMut, MatRef};
+use faer::MatMut;
 
 use crate::base::Par;
 
@@ -37,19 +35,10 @@ pub(crate) fn for_row_blocks(
     });
 }
 
-/// `X := X S` in place: S is p x q, `q <= p`, X has p columns, of which the first q hold the result. The same for
-/// every `par`, bit for bit.
-pub(crate) fn multiply_in_place(x: MatMut<'_, f64>, s: MatRef<'_, f64>, par: Par) {
-    for_row_blocks(x, ROW_BLOCK, par, |_, mut x| {
-        let mut product = Mat::zeros(x.nrows(), s.ncols());
-        matmul(product.as_mut(), Accum::Replace, x.rb(), s, 1.0, faer::Par::Seq);
-        x.rb_mut().subcols_mut(0, s.ncols()).copy_from(&product);
-    });
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use faer::Mat;
 
     #[test]
     fn every_row_is_visited_once_for_any_number_of_threads() {

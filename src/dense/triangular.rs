@@ -15,18 +15,25 @@ pub(crate) fn cholesky(mut a: MatMut<'_, f64>) -> Result<std::result::Result<(),
     let requirement =
         cholesky_in_place_scratch::<f64>(a.nrows(), faer::Par::Seq, Default::default());
     let bytes = requirement.unaligned_bytes_required();
-    let mut memory =
-        MemBuffer::try_new(requirement).map_err(|_| Error::OutOfMemory { bytes })?;
+    let mut memory = MemBuffer::try_new(requirement).map_err(|_| Error::OutOfMemory { bytes })?;
     let stack = MemStack::new(&mut memory);
     // NaN pivots are let through by comparisons that are written the other way round.
     let nan = (0..a.nrows()).find(|&i| a[(i, i)].is_nan());
     if let Some(i) = nan {
         return Ok(Err(i));
     }
-    let done = cholesky_in_place(a.rb_mut(), Default::default(), faer::Par::Seq, stack, Default::default());
+    let done = cholesky_in_place(
+        a.rb_mut(),
+        Default::default(),
+        faer::Par::Seq,
+        stack,
+        Default::default(),
+    );
     Ok(match done {
         Ok(_) => Ok(()),
-        Err(faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index }) => Err(index),
+        Err(faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index }) => {
+            Err(index)
+        }
     })
 }
 

@@ -1,5 +1,5 @@
 //! Matrix files: NumPy `.npy`, MatrixMarket `.mtx` and text tables (`.csv`, `.tsv`, `.txt`), each
-//! also gzipped (`.gz`). Files of rows, read block by block ([`RowFile`]): `.npy`, and HDF5 with
+//! also gzipped (`.gz`); several arrays in one NumPy `.npz` ([`write_npz`]). Files of rows, read block by block ([`RowFile`]): `.npy`, and HDF5 with
 //! feature `hdf5`.
 //!
 //! A reader checks everything it reads: a broken header, a ragged row, text where a number should
@@ -11,6 +11,7 @@ mod csv;
 mod matrix;
 mod mtx;
 mod npy;
+mod npz;
 mod output;
 mod rows;
 mod source;
@@ -25,6 +26,7 @@ use std::path::Path;
 pub use accumulator::{accumulator_scalar, read_accumulator, write_accumulator};
 use faer::MatRef;
 pub use matrix::{Dense, Matrix, SparseRows};
+pub use npz::{Array, write_npz};
 pub use output::{Output, Overwrite};
 pub use rows::RowFile;
 /// The sparse matrix of [`Matrix::Sparse`], from crate sprs.

@@ -19,6 +19,8 @@ use crate::sparse::Mass;
 pub fn cholesky_qr(mut a: MatMut<'_, f64>, mass: &Mass, par: Par) -> Result<Mat<f64>> {
     /// Distance of the Gram matrix from the identity from which on one more pass is the last.
     const NEAR: f64 = 1e-4;
+    /// What is left of a column, relative to it, that may be rounding.
+    const DEPENDENT: f64 = 1e-14;
     const PASSES: usize = 6;
     let (n, c) = a.shape();
     let dependent = |why: String| Err(Error::Argument { what: "A", why });
@@ -56,7 +58,11 @@ pub fn cholesky_qr(mut a: MatMut<'_, f64>, mass: &Mass, par: Par) -> Result<Mat<
         r = next;
         if far < NEAR {
             inner.leave(a.rb_mut());
-            return Ok(r);
+            // The shift hides dependence behind a direction made of rounding.
+            return match (0..c).find(|&j| r[(j, j)] <= DEPENDENT * r.col(j).norm_l2()) {
+                Some(j) => dependent(format!("column {j} depends on those before it")),
+                None => Ok(r),
+            };
         }
     }
     dependent("its columns depend on each other, as far as rounding can tell".into())

@@ -59,6 +59,9 @@ impl<'a> Inner<'a> {
     /// Removes from X its projection onto the orthonormal columns of Q, and returns the coefficients `Q^T M X`.
     pub fn project(&mut self, q: MatRef<'_, f64>, mut x: MatMut<'_, f64>) -> Result<Mat<f64>> {
         let mut coefficients = zeros(q.ncols(), x.ncols())?;
+        if q.ncols() == 0 || x.ncols() == 0 {
+            return Ok(coefficients);
+        }
         let products = self.products.clone();
         let weighted = self.weigh(x.rb())?;
         atb(1.0, q, weighted, 0.0, coefficients.as_mut(), &products)?;
@@ -69,6 +72,9 @@ impl<'a> Inner<'a> {
     /// `X^T M X`.
     pub fn gram(&mut self, x: MatRef<'_, f64>) -> Result<Mat<f64>> {
         let mut gram = zeros(x.ncols(), x.ncols())?;
+        if x.ncols() == 0 {
+            return Ok(gram);
+        }
         let products = self.products.clone();
         match self.mass {
             Mass::Lumped(_) => ata(1.0, x, 0.0, gram.as_mut(), &products)?,
@@ -93,12 +99,10 @@ impl<'a> Inner<'a> {
         a: MatRef<'_, f64>,
         b: MatRef<'_, f64>,
     ) -> Result<()> {
+        if a.nrows() == 0 || a.ncols() == 0 || b.ncols() == 0 {
+            return Ok(());
+        }
         atb(1.0, a.transpose(), b, 1.0, y, &self.products)
-    }
-
-    /// The threads.
-    pub fn par(&self) -> Par {
-        self.par
     }
 }
 

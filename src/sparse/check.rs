@@ -25,7 +25,8 @@ pub(crate) fn check_symmetric(what: &'static str, matrix: CsMatView<'_, f64>) ->
             let mirrored = matrix.outer_view(j).and_then(|row| row.get(i).copied()).unwrap_or(0.0);
             let scale = x.abs().max(mirrored.abs()) + (diagonal[i] * diagonal[j]).sqrt();
             if (x - mirrored).abs() > SYMMETRY * scale {
-                let why = format!("not symmetric: entry ({i}, {j}) is {x:e}, ({j}, {i}) is {mirrored:e}");
+                let why =
+                    format!("not symmetric: entry ({i}, {j}) is {x:e}, ({j}, {i}) is {mirrored:e}");
                 return Err(Error::Argument { what, why });
             }
         }

@@ -9,15 +9,15 @@ use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::supernodal::SupernodalIntranodeLbltRef;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymmetricOrdering,
-    SymbolicCholeskyRaw, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
+    SymmetricOrdering, factorize_symbolic_cholesky,
 };
 
 use super::shifted::Shifted;
 use crate::base::{Error, Par, Result};
 
 /// Columns of the right-hand side that are solved for together, whatever the number of threads.
-const COLUMNS: usize = 8;
+const COLUMNS: usize = 4;
 
 /// The order of elimination (approximate minimum degree) and the places of the factor, the same for every shift.
 pub(crate) struct Symbolic(SymbolicCholesky<usize>);

@@ -62,7 +62,10 @@ impl EigenOptions<'_> {
             return refuse("k", format!("{} eigenpairs of a matrix of {n} rows", self.k));
         }
         if !(1e-14..=1e-2).contains(&self.tolerance) {
-            return refuse("tolerance", format!("{:e} is not between 1e-14 and 1e-2", self.tolerance));
+            return refuse(
+                "tolerance",
+                format!("{:e} is not between 1e-14 and 1e-2", self.tolerance),
+            );
         }
         match self.shift {
             Some(shift) if !shift.is_finite() => refuse("shift", format!("{shift} is not finite")),
@@ -91,7 +94,8 @@ pub struct Eigenpairs {
 /// Shift-invert block Lanczos with thick restart (Wu and Simon 2000; Grimes, Lewis and Simon 1994) on a sparse
 /// Cholesky factorisation of `W - sigma M`. Without a shift, `sigma = -s`, where n s is the median of `W_ii / M_ii`:
 /// for a surface of area A of equilateral triangles `s = 2 sqrt(3) / A`, the size of its first eigenvalues. Null
-/// vectors that are constant on components of the graph of W are taken as they are, however many there are.
+/// vectors that are constant on components of the graph of W are taken as they are, however many there are. Other
+/// eigenvalues of more than 8 dimensions are complete only under [`EigenOptions::verify_count`].
 ///
 /// The result is the same, bit for bit, for every `options.par`. Memory: about `2 k + 80` vectors of n, the result,
 /// and the factor.
@@ -129,10 +133,10 @@ pub fn eigs(
     };
     let mut krylov = Krylov::new(stiffness, mass, &factor, sigma, scale, options)?;
     krylov.lock(&null)?;
-    // Each round tightens the estimate, or adds directions that the earlier ones had nothing of.
-    const ROUNDS: usize = 8;
+    // Each round tightens the estimate, or adds a block of directions that the earlier ones had nothing of.
+    let rounds = 8 + options.k / WIDTH;
     let mut largest = f64::INFINITY;
-    for _ in 0..ROUNDS {
+    for _ in 0..rounds {
         krylov.converge()?;
         let (values, vectors) = (krylov.values(), krylov.vectors());
         let residuals = residuals(stiffness, mass, values, vectors, scale, options.par)?;
@@ -144,6 +148,7 @@ pub fn eigs(
         {
             krylov.add_directions()?;
         } else {
+            options.report(1.0)?;
             let positive = options.shift.is_none();
             return Ok(ascending(values, vectors, &residuals, krylov.solves(), positive));
         }

@@ -8,9 +8,10 @@ use super::Mass;
 use super::cholesky::Factor;
 use super::eigs::EigenOptions;
 use super::product::multiply_symmetric_or_rows;
-use crate::ata::{AtaOptions, atb};
 use crate::base::{Error, Result, Rng};
-use crate::dense::{SymmetricEigen, multiply_in_place, symmetric_eigen};
+use crate::dense::{
+    SymmetricEigen, multiply_in_place, subtract_product, symmetric_eigen, transposed_product,
+};
 
 /// Columns of a block: what the solves are fast at; multiplicities up to this are found at once.
 pub(crate) const WIDTH: usize = 8;
@@ -41,7 +42,6 @@ pub(crate) struct Krylov<'a> {
     weighted: Mat<f64>,
     /// Two blocks of n rows.
     work: [Mat<f64>; 2],
-    products: AtaOptions<'a>,
     rng: Rng,
     solves: usize,
     restarts: usize,
@@ -78,7 +78,6 @@ impl<'a> Krylov<'a> {
             coupled: 0,
             weighted: zeros(n, WIDTH)?,
             work: [zeros(n, WIDTH)?, zeros(n, WIDTH)?],
-            products: AtaOptions { par: options.par, ..AtaOptions::default() },
             rng: Rng::new(options.seed),
             solves: 0,
             restarts: 0,
@@ -132,17 +131,18 @@ impl<'a> Krylov<'a> {
         x.copy_from(&self.weighted);
         self.factor.solve(x.as_mut(), par)?;
         self.solves += WIDTH;
-        let mut diagonal = Mat::zeros(WIDTH, WIDTH);
-        atb(1.0, self.weighted.as_ref(), x.as_ref(), 0.0, diagonal.as_mut(), &self.products)?;
+        let diagonal = transposed_product(self.weighted.as_ref(), x.as_ref(), par);
         self.projected.as_mut().submatrix_mut(len, len, WIDTH, WIDTH).copy_from(&diagonal);
         // What Q and its neighbours have of it.
         let near = self.basis.as_ref().subcols(coupled, len + WIDTH - coupled);
         let mut coefficients = Mat::zeros(near.ncols(), WIDTH);
         let (mut above, mut own) = coefficients.as_mut().split_at_row_mut(len - coupled);
-        above.copy_from(self.projected.as_ref().submatrix(len, coupled, WIDTH, len - coupled).transpose());
+        above.copy_from(
+            self.projected.as_ref().submatrix(len, coupled, WIDTH, len - coupled).transpose(),
+        );
         own.copy_from(&diagonal);
         let reference = coefficients.norm_l2();
-        atb(-1.0, near.transpose(), coefficients.as_ref(), 1.0, x.as_mut(), &self.products)?;
+        subtract_product(x.as_mut(), near, coefficients.as_ref(), par);
         let coupling = self.orthonormalise(len + WIDTH, reference, Some(len))?;
         let mut own = self.projected.as_mut().submatrix_mut(len, len, WIDTH, WIDTH);
         for j in 0..WIDTH {
@@ -180,9 +180,8 @@ impl<'a> Krylov<'a> {
             if pass > 0 && count > 0 {
                 self.mass.multiply(x.as_ref(), mx.as_mut(), par)?;
                 let basis = self.basis.as_ref().subcols(0, count);
-                let mut overlap = Mat::zeros(count, WIDTH);
-                atb(1.0, basis, mx.as_ref(), 0.0, overlap.as_mut(), &self.products)?;
-                atb(-1.0, basis.transpose(), overlap.as_ref(), 1.0, x.as_mut(), &self.products)?;
+                let overlap = transposed_product(basis, mx.as_ref(), par);
+                subtract_product(x.as_mut(), basis, overlap.as_ref(), par);
                 if let Some(own) = own {
                     let found = overlap.as_ref().subrows(own, WIDTH) * &coupling;
                     let mut t = self.projected.as_mut().submatrix_mut(own, own, WIDTH, WIDTH);
@@ -190,8 +189,7 @@ impl<'a> Krylov<'a> {
                 }
             }
             self.mass.multiply(x.as_ref(), mx.as_mut(), par)?;
-            let mut gram = Mat::zeros(WIDTH, WIDTH);
-            atb(1.0, x.as_ref(), mx.as_ref(), 0.0, gram.as_mut(), &self.products)?;
+            let gram = transposed_product(x.as_ref(), mx.as_ref(), par);
             let SymmetricEigen { values, vectors } =
                 symmetric_eigen(gram.as_ref()).map_err(|_| not_finite(self.restarts))?;
             let longest = values[WIDTH - 1].max(0.0).sqrt();
@@ -202,7 +200,9 @@ impl<'a> Krylov<'a> {
             for (i, length) in lengths.iter().enumerate() {
                 turned(i).for_each(|p| next[p] *= length);
             }
-            let unit = Mat::from_fn(WIDTH, WIDTH, |i, j| vectors[(i, j)] / lengths[j].max(f64::MIN_POSITIVE));
+            let unit = Mat::from_fn(WIDTH, WIDTH, |i, j| {
+                vectors[(i, j)] / lengths[j].max(f64::MIN_POSITIVE)
+            });
             multiply_in_place(x.as_mut(), unit.as_ref(), par);
             let mut replaced = false;
             for i in 0..WIDTH {
@@ -276,14 +276,18 @@ impl<'a> Krylov<'a> {
     fn estimates(&mut self, ritz: &SymmetricEigen, order: &[usize]) -> Result<Vec<f64>> {
         let par = self.options.par;
         let [w, _] = &mut self.work;
-        multiply_symmetric_or_rows(self.stiffness, self.basis.as_ref().subcols(self.len, WIDTH), w.as_mut(), par);
+        multiply_symmetric_or_rows(
+            self.stiffness,
+            self.basis.as_ref().subcols(self.len, WIDTH),
+            w.as_mut(),
+            par,
+        );
         for j in 0..WIDTH {
             for i in 0..w.nrows() {
                 w[(i, j)] -= self.sigma * self.weighted[(i, j)];
             }
         }
-        let mut gram = Mat::zeros(WIDTH, WIDTH);
-        atb(1.0, w.as_ref(), w.as_ref(), 0.0, gram.as_mut(), &self.products)?;
+        let gram = transposed_product(w.as_ref(), w.as_ref(), par);
         let coupling = self.coupling();
         let last = ritz.vectors.as_ref().subrows(self.coupled, self.len - self.coupled);
         let estimate = |(&i, lambda): (&usize, f64)| {

@@ -4,7 +4,9 @@ use sprs::CsMatView;
 use super::Mass;
 use super::eigs::EigenOptions;
 use crate::base::{Error, Result};
-use crate::dense::{SymmetricEigen, cholesky, lower_solve_in_place, symmetric_eigen, upper_solve_in_place};
+use crate::dense::{
+    SymmetricEigen, cholesky, lower_solve_in_place, symmetric_eigen, upper_solve_in_place,
+};
 
 /// All eigenpairs of a pencil that is small enough to be dense: `M = L L^T`, and those of `L^-1 W L^-T`. Ascending,
 /// the vectors M-orthonormal.

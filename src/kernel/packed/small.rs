@@ -45,7 +45,8 @@ pub(crate) unsafe fn run_small<T: Real>(
     let packed = memory.0.as_mut_ptr().cast::<T>();
     let sums = packed.wrapping_add(PACKED);
     assert!(geometry.rows * geometry.width <= TILE);
-    let most = depth(kernel, shape);
+    // Without rows any number of columns is little work, and none of them fit.
+    let most = depth(kernel, shape).max(1);
     let steps = m.div_ceil(m.div_ceil(most).max(1)).max(1);
     let mut targets = [target];
     for first in (0..m.max(1)).step_by(steps) {

@@ -1,0 +1,78 @@
+//! `catamaran basis`.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use catamaran::io::{Array, Output, Overwrite, write_npz};
+use catamaran::sparse::Mass;
+use catamaran::spectral::{ProductBasis, ProductBasisOptions};
+
+use crate::progress::Bar;
+use crate::report::report;
+use crate::shape::{LaplacianArgs, Mode};
+
+/// Compute a basis of functions on a mesh: the products of its first eigenfunctions, orthogonalised.
+///
+/// Writes the arrays `functions` (a row for each vertex, a column for each function), `r` (the coefficients of every product
+/// in them), `kept` (the product that each comes from), `factors` (of every product: eigenfunctions, from 1; 0 where there are
+/// fewer), `eigenvalues` and `mass`.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The mesh: .obj, .ply, .off or .stl, and .gz after it.
+    #[arg(value_name = "MESH")]
+    mesh: PathBuf,
+    /// Eigenfunctions that are multiplied, the constant one not counted.
+    #[arg(short, value_name = "K", default_value_t = 30)]
+    k: usize,
+    /// Most factors of a product.
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    order: usize,
+    /// How products are orthogonalised.
+    #[arg(long, value_name = "MODE", default_value = "single-pass")]
+    mode: Mode,
+    #[command(flatten)]
+    laplacian: LaplacianArgs,
+    /// Where the basis goes: .npz.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Replace a file that exists.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
+    let output = Output::create(&args.output, overwrite)?;
+    let shape = args.laplacian.shape(&args.mesh, args.k.saturating_add(1))?;
+    let bar = Bar::new("products");
+    let update = |fraction| bar.update(fraction);
+    let options = ProductBasisOptions {
+        orthogonalization: args.mode.into(),
+        par: args.laplacian.par(),
+        progress: Some(&update),
+    };
+    let basis = ProductBasis::new(&shape.eigenbasis, args.order, &options)?;
+    drop(bar);
+    let products = basis.products();
+    let count = products.len();
+    report(format_args!("basis     {} functions of {count} products", basis.len()))?;
+    let factors = catamaran::faer::Mat::from_fn(count, args.order, |i, place| {
+        products.factors(i).and_then(|factors| factors.get(place).copied()).unwrap_or(0) as f64
+    });
+    let mass = match shape.eigenbasis.basis().mass() {
+        Mass::Lumped(mass) => mass.clone(),
+        Mass::Full(mass) => mass.diag().to_dense().to_vec(),
+    };
+    let arrays = [
+        ("functions", Array::Matrix(basis.functions())),
+        ("r", Array::Matrix(basis.r())),
+        ("kept", Array::Indices(basis.kept())),
+        ("factors", Array::Matrix(factors.as_ref())),
+        ("eigenvalues", Array::Vector(shape.eigenbasis.values())),
+        ("mass", Array::Vector(&mass)),
+    ];
+    let path = output.path().to_owned();
+    write_npz(output, &arrays)?;
+    report(format_args!("written   {}", path.display()))
+}

@@ -1,0 +1,147 @@
+//! A mesh with its first eigenfunctions, as several subcommands need it.
+
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+use catamaran::Par;
+use catamaran::faer::Mat;
+use catamaran::io::{self as files, Matrix, ReadOptions};
+use catamaran::mesh::io::{self as meshes, MeshFile};
+use catamaran::mesh::{LaplacianKind, LaplacianOptions, laplacian};
+use catamaran::sparse::{CsMat, EigenOptions, eigs};
+use catamaran::spectral::{Eigenbasis, Orthogonalization};
+use clap::ValueEnum;
+
+use crate::progress::Bar;
+use crate::report::report;
+
+/// What the Laplacian is made of, and with how many threads.
+#[derive(clap::Args)]
+pub struct LaplacianArgs {
+    /// Triangles of the Laplacian: of the mesh, of its intrinsic Delaunay triangulation, or of that of the tufted cover, for
+    /// meshes with edges of many faces or faces without area.
+    #[arg(long, value_name = "KIND", default_value = "cotan")]
+    laplacian: Kind,
+    /// Threads; all cores by default.
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Kind {
+    Cotan,
+    Intrinsic,
+    Tufted,
+}
+
+/// How products are orthogonalised.
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Mode {
+    /// One pass of Gram-Schmidt, threshold 1e-2 (the thesis' ours).
+    #[value(alias = "ours")]
+    SinglePass,
+    /// Repeated until orthogonal, threshold 1e-9 (the thesis' ours*).
+    #[value(alias = "ours*")]
+    Reorthogonalized,
+}
+
+impl From<Mode> for Orthogonalization {
+    fn from(mode: Mode) -> Self {
+        match mode {
+            Mode::SinglePass => Self::SinglePass,
+            Mode::Reorthogonalized => Self::Reorthogonalized,
+        }
+    }
+}
+
+/// A mesh and its spectrum.
+pub struct Shape {
+    pub file: MeshFile,
+    pub stiffness: CsMat<f64>,
+    pub eigenbasis: Eigenbasis,
+}
+
+impl LaplacianArgs {
+    pub fn par(&self) -> Par {
+        self.threads.map_or_else(Par::all, |n| Par::Threads(n.get()))
+    }
+
+    /// Reads a mesh and computes its first `len` eigenfunctions.
+    pub fn shape(&self, path: &Path, len: usize) -> Result<Shape> {
+        let file = meshes::read(path)?;
+        let vertices = file.mesh.vertices().len();
+        if len > vertices {
+            let k = len - 1;
+            bail!("{}: {k} eigenfunctions and the constant of {vertices} vertices", path.display());
+        }
+        let kind = match self.laplacian {
+            Kind::Cotan => LaplacianKind::Cotangent,
+            Kind::Intrinsic => LaplacianKind::IntrinsicDelaunay,
+            Kind::Tufted => LaplacianKind::Tufted,
+        };
+        let options = LaplacianOptions { kind, par: self.par(), ..LaplacianOptions::default() };
+        let found = laplacian(&file.mesh, &options).with_context(|| path.display().to_string())?;
+        if let Some(vertex) = (0..vertices).find(|&v| found.kept.get(v) != Some(&v)) {
+            bail!("{}: vertex {vertex} is in no face", path.display());
+        }
+        let bar = Bar::new("spectrum");
+        let update = |fraction| bar.update(fraction);
+        let options = EigenOptions {
+            k: len,
+            par: self.par(),
+            progress: Some(&update),
+            ..EigenOptions::default()
+        };
+        let pairs = eigs(found.stiffness.view(), &found.mass, &options)
+            .with_context(|| path.display().to_string())?;
+        drop(bar);
+        let worst = pairs.residuals.iter().copied().fold(0.0, f64::max);
+        let eigenbasis = Eigenbasis::new(pairs.values, pairs.vectors, found.mass)
+            .with_context(|| path.display().to_string())?;
+        report(format_args!(
+            "mesh      {}: {vertices} vertices, {} faces; {len} eigenpairs, residuals up to {worst:.0e}",
+            path.display(),
+            file.mesh.faces().len(),
+        ))?;
+        Ok(Shape { file, stiffness: found.stiffness, eigenbasis })
+    }
+}
+
+/// A matrix of numbers with a row for each of `rows` vertices.
+pub fn functions(path: &Path, rows: usize) -> Result<Mat<f64>> {
+    let matrix = dense(path)?;
+    if matrix.nrows() != rows {
+        bail!("{}: {} rows for {rows} vertices", path.display(), matrix.nrows());
+    }
+    Ok(matrix)
+}
+
+/// A matrix of numbers.
+pub fn dense(path: &Path) -> Result<Mat<f64>> {
+    match files::read(path, &ReadOptions::default())? {
+        Matrix::F64(dense) => Ok(dense.as_ref().to_owned()),
+        Matrix::F32(dense) => {
+            let dense = dense.as_ref();
+            Ok(Mat::from_fn(dense.nrows(), dense.ncols(), |i, j| f64::from(dense[(i, j)])))
+        }
+        _ => bail!("{}: sparse, where a dense matrix is needed", path.display()),
+    }
+}
+
+/// A matrix of vertex numbers, with this many columns, each column numbering vertices of a mesh of so many.
+pub fn vertices(path: &Path, counts: &[usize]) -> Result<Vec<Vec<u32>>> {
+    let matrix = dense(path)?;
+    if matrix.ncols() != counts.len() {
+        bail!("{}: {} columns instead of {}", path.display(), matrix.ncols(), counts.len());
+    }
+    let vertex = |i: usize, j: usize| {
+        let number = matrix[(i, j)];
+        if number.fract() != 0.0 || number < 0.0 || number >= counts[j] as f64 {
+            let count = counts[j];
+            bail!("{}: row {i}: {number} is not one of {count} vertices (from 0)", path.display());
+        }
+        Ok(number as u32)
+    };
+    (0..matrix.nrows()).map(|i| (0..counts.len()).map(|j| vertex(i, j)).collect()).collect()
+}

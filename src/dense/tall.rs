@@ -1,0 +1,64 @@
+//! Products of tall matrices with narrow ones: rows by blocks, so that nothing is packed that is used but once.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use faer::linalg::matmul::matmul;
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{Accum, Mat, MatMut, MatRef};
+
+use super::rows::for_row_blocks;
+use crate::base::Par;
+
+/// Rows of a block of a sum; they decide on its rounding.
+const SUMMED: usize = 4096;
+
+/// Rows of a block of a product without sums over rows.
+const BLOCK: usize = 1024;
+
+/// `A^T B` for A (n x p) and a narrow B (n x q): the sum over blocks of rows, in their order. The same for every
+/// `par`, bit for bit.
+pub(crate) fn transposed_product(a: MatRef<'_, f64>, b: MatRef<'_, f64>, par: Par) -> Mat<f64> {
+    let n = a.nrows();
+    let parts: Vec<_> = (0..n.div_ceil(SUMMED)).map(|_| Mutex::new(Mat::new())).collect();
+    let next = AtomicUsize::new(0);
+    Par::Threads(par.threads().min(parts.len())).run_lanes(|_| {
+        loop {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            let Some(part) = parts.get(i) else { return };
+            let (first, rows) = (i * SUMMED, SUMMED.min(n - i * SUMMED));
+            let mut product = Mat::zeros(a.ncols(), b.ncols());
+            let (a, b) = (a.subrows(first, rows), b.subrows(first, rows));
+            matmul(product.as_mut(), Accum::Replace, a.transpose(), b, 1.0, faer::Par::Seq);
+            *part.lock().expect("one part, one lock") = product;
+        }
+    });
+    let mut sum = Mat::zeros(a.ncols(), b.ncols());
+    for part in parts {
+        sum += part.into_inner().expect("no panic");
+    }
+    sum
+}
+
+/// `X := X - A B` for A (n x p) and a narrow X (n x q). The same for every `par`, bit for bit.
+pub(crate) fn subtract_product(
+    x: MatMut<'_, f64>,
+    a: MatRef<'_, f64>,
+    b: MatRef<'_, f64>,
+    par: Par,
+) {
+    for_row_blocks(x, BLOCK, par, |first, x| {
+        let a = a.subrows(first, x.nrows());
+        matmul(x, Accum::Add, a, b, -1.0, faer::Par::Seq);
+    });
+}
+
+/// `X := X S` in place: S is p x q, `q <= p`, X has p columns, of which the first q hold the result. The same for
+/// every `par`, bit for bit.
+pub(crate) fn multiply_in_place(x: MatMut<'_, f64>, s: MatRef<'_, f64>, par: Par) {
+    for_row_blocks(x, BLOCK, par, |_, mut x| {
+        let mut product = Mat::zeros(x.nrows(), s.ncols());
+        matmul(product.as_mut(), Accum::Replace, x.rb(), s, 1.0, faer::Par::Seq);
+        x.rb_mut().subcols_mut(0, s.ncols()).copy_from(&product);
+    });
+}

@@ -1,0 +1,201 @@
+//! Functions on a mesh as coefficients: analysis and synthesis in the inner product of its mass.
+
+use faer::{Mat, MatRef};
+
+use super::dense;
+use crate::base::{Error, Par, Result};
+use crate::sparse::Mass;
+
+/// Columns that are weighted at once: M X of all functions would take as much memory as they do.
+const PANEL: usize = 256;
+
+/// A function of which less than this part of its square is left beyond those before it depends on them, but for rounding.
+const DEPENDENT: f64 = 1e-14;
+
+/// Linearly independent functions on the n vertices of a mesh, as the columns of Q, and the inner product
+/// `<f, g> = f^T M g` of its mass.
+#[derive(Debug, Clone)]
+pub struct Basis {
+    functions: Mat<f64>,
+    mass: Mass,
+    /// The Cholesky factor of `Q^T M Q`; `None` stands for the identity.
+    gram: Option<Mat<f64>>,
+}
+
+impl Basis {
+    /// A basis of functions that are orthonormal, `Q^T M Q = I`, which is not checked.
+    ///
+    /// `functions` is n x r, the mass n x n.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when the mass is not of n vertices, [`Error::NonFinite`], [`Error::Argument`] for a mass that is
+    /// not positive or symmetric.
+    pub fn orthonormal(functions: Mat<f64>, mass: Mass) -> Result<Self> {
+        mass.check(functions.nrows())?;
+        dense::check_finite("functions", functions.as_ref())?;
+        Ok(Self { functions, mass, gram: None })
+    }
+
+    /// A basis of functions that are linearly independent but need not be orthogonal: projections onto their span
+    /// are by least squares.
+    ///
+    /// # Errors
+    /// As [`Basis::orthonormal`]; [`Error::Argument`] names the first function that depends, to rounding, on those
+    /// before it.
+    pub fn independent(functions: Mat<f64>, mass: Mass, par: Par) -> Result<Self> {
+        let mut basis = Self::orthonormal(functions, mass)?;
+        let q = basis.functions.as_ref();
+        let gram = basis.inner_products(q, par)?;
+        let squares: Vec<f64> = (0..basis.len()).map(|j| gram[(j, j)]).collect();
+        let dependent = |column: usize| Error::Argument {
+            what: "functions",
+            why: format!("function {column} depends on those before it"),
+        };
+        let factor = dense::cholesky(gram)?.map_err(dependent)?;
+        let is_lost = |j: &usize| factor[(*j, *j)].powi(2) <= DEPENDENT * squares[*j];
+        if let Some(column) = (0..basis.len()).find(is_lost) {
+            return Err(dependent(column));
+        }
+        basis.gram = Some(factor);
+        Ok(basis)
+    }
+
+    /// The functions, n x r.
+    pub fn functions(&self) -> MatRef<'_, f64> {
+        self.functions.as_ref()
+    }
+
+    /// The inner product.
+    pub fn mass(&self) -> &Mass {
+        &self.mass
+    }
+
+    /// Number n of vertices.
+    pub fn vertices(&self) -> usize {
+        self.functions.nrows()
+    }
+
+    /// Number r of functions.
+    pub fn len(&self) -> usize {
+        self.functions.ncols()
+    }
+
+    /// Whether it has no functions.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The coefficients, r x c, of the functions in the span that are nearest to the columns of `f`, n x c, in the
+    /// norm of the mass.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when `f` has not n rows, [`Error::NonFinite`], [`Error::OutOfMemory`].
+    pub fn analysis(&self, f: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
+        Error::check_shape("functions", (self.vertices(), f.ncols()), f.shape())?;
+        dense::check_finite("functions", f)?;
+        let mut coefficients = self.inner_products(f, par)?;
+        if let Some(factor) = &self.gram {
+            dense::solve_cholesky(factor.as_ref(), coefficients.as_mut());
+        }
+        Ok(coefficients)
+    }
+
+    /// The functions, n x c, with these coefficients, r x c.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when there are not r rows, [`Error::OutOfMemory`].
+    pub fn synthesis(&self, coefficients: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
+        let expected = (self.len(), coefficients.ncols());
+        Error::check_shape("coefficients", expected, coefficients.shape())?;
+        dense::product(self.functions(), coefficients, par)
+    }
+
+    /// The nearest functions in the span: analysis, then synthesis (thesis, section 1.4.3).
+    ///
+    /// # Errors
+    /// As [`Basis::analysis`].
+    pub fn approximation(&self, f: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
+        self.synthesis(self.analysis(f, par)?.as_ref(), par)
+    }
+
+    /// Reflects the first functions, orthonormal ones, such that the combination with these coefficients, of norm 1,
+    /// comes first (Householder 1958).
+    pub(super) fn reflect(&mut self, coefficients: &[f64]) {
+        // The mirror between `coefficients` and the first axis, on the side where nothing cancels.
+        let sign = if coefficients[0] > 0.0 { -1.0 } else { 1.0 };
+        let mut normal = coefficients.to_vec();
+        normal[0] -= sign;
+        let scale = 2.0 / normal.iter().map(|x| x * x).sum::<f64>();
+        for i in 0..self.vertices() {
+            let mut along = 0.0;
+            for (j, x) in normal.iter().enumerate() {
+                along += x * self.functions[(i, j)];
+            }
+            for (j, x) in normal.iter().enumerate() {
+                self.functions[(i, j)] -= scale * along * x;
+            }
+            self.functions[(i, 0)] *= sign;
+        }
+    }
+
+    /// Makes a function constant.
+    pub(super) fn set_constant(&mut self, column: usize, value: f64) {
+        self.functions.col_mut(column).fill(value);
+    }
+
+    /// The area of the mesh, `1^T M 1`.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when it is not positive, as without vertices.
+    pub fn area(&self) -> Result<f64> {
+        let weighted = times_mass(&self.mass, Mat::ones(self.vertices(), 1).as_ref(), Par::Seq)?;
+        let area: f64 = weighted.col(0).iter().sum();
+        if area.is_finite() && area > 0.0 {
+            return Ok(area);
+        }
+        Err(Error::Argument { what: "mass", why: format!("the area is {area}, not positive") })
+    }
+
+    /// `Q^T M F`.
+    fn inner_products(&self, f: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
+        let mut out = dense::zeros(self.len(), f.ncols())?;
+        for first in (0..f.ncols()).step_by(PANEL) {
+            let width = PANEL.min(f.ncols() - first);
+            let weighted = times_mass(&self.mass, f.subcols(first, width), par)?;
+            let into = out.as_mut().subcols_mut(first, width);
+            dense::transposed_product_into(self.functions(), weighted.as_ref(), into, par)?;
+        }
+        Ok(out)
+    }
+}
+
+/// `|f_j - g_j| / |f_j|` in the norm of the mass, of each column: the error of an approximation or a transfer g of
+/// f (thesis, sections 1.4.3 and 1.4.4).
+///
+/// Both are n x c. It is 0 where both columns are zero, infinite where only f is.
+///
+/// # Errors
+/// [`Error::Shape`] when shapes differ or the mass is not of n vertices, [`Error::NonFinite`].
+pub fn relative_errors(f: MatRef<'_, f64>, g: MatRef<'_, f64>, mass: &Mass) -> Result<Vec<f64>> {
+    Error::check_shape("approximation", f.shape(), g.shape())?;
+    Error::check_shape("mass", (f.nrows(), f.nrows()), (mass.len(), mass.len()))?;
+    dense::check_finite("functions", f)?;
+    dense::check_finite("approximation", g)?;
+    let squares = |x: MatRef<'_, f64>| -> Result<Vec<f64>> {
+        let weighted = times_mass(mass, x, Par::Seq)?;
+        let square = |j: usize| x.col(j).transpose() * weighted.col(j);
+        Ok((0..x.ncols()).map(square).collect())
+    };
+    let errors = squares((f - g).as_ref())?;
+    let relative = |(error, norm): (f64, f64)| {
+        if error == 0.0 { 0.0 } else { (error.max(0.0) / norm.max(0.0)).sqrt() }
+    };
+    Ok(errors.into_iter().zip(squares(f)?).map(relative).collect())
+}
+
+/// `M X`.
+pub(super) fn times_mass(mass: &Mass, x: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
+    let mut out = dense::zeros(x.nrows(), x.ncols())?;
+    mass.multiply(x, out.as_mut(), par)?;
+    Ok(out)
+}

@@ -1,0 +1,129 @@
+//! Dense matrices: products on our kernels, factorisations by faer.
+//!
+//! faer's factorisations run on the calling thread, as its parallel ones need not give the same bits for every number
+//! of threads; the matrices here have as many rows as there are basis functions, not vertices.
+
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::qr::no_pivoting as qr;
+use faer::linalg::svd;
+use faer::prelude::ReborrowMut;
+use faer::{Mat, MatMut, MatRef, Spec};
+
+use crate::ata::{Accuracy, AtaOptions, atb};
+use crate::base::{Error, Par, Result};
+use crate::dense;
+
+const SEQ: faer::Par = faer::Par::Seq;
+
+/// `A^T B`, classical: error bounds by entry.
+pub(super) fn transposed_product(
+    a: MatRef<'_, f64>,
+    b: MatRef<'_, f64>,
+    par: Par,
+) -> Result<Mat<f64>> {
+    let mut c = zeros(a.ncols(), b.ncols())?;
+    transposed_product_into(a, b, c.as_mut(), par)?;
+    Ok(c)
+}
+
+/// `A^T B` into the caller's matrix.
+pub(super) fn transposed_product_into(
+    a: MatRef<'_, f64>,
+    b: MatRef<'_, f64>,
+    c: MatMut<'_, f64>,
+    par: Par,
+) -> Result<()> {
+    let options = AtaOptions { par, accuracy: Accuracy::Classical, ..AtaOptions::default() };
+    atb(1.0, a, b, 0.0, c, &options)
+}
+
+/// `A B`.
+pub(super) fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
+    transposed_product(a.transpose(), b, par)
+}
+
+/// A zero matrix; one that can't be had is an error.
+pub(super) fn zeros(rows: usize, columns: usize) -> Result<Mat<f64>> {
+    let bytes = rows.saturating_mul(columns).saturating_mul(size_of::<f64>());
+    let too_much = |_| Error::OutOfMemory { bytes };
+    if bytes > isize::MAX as usize {
+        return Err(Error::OutOfMemory { bytes });
+    }
+    // faer aborts when memory is refused: ask first.
+    Vec::<u8>::new().try_reserve_exact(bytes).map_err(too_much)?;
+    Ok(Mat::zeros(rows, columns))
+}
+
+/// Refuses NaN and infinity by name.
+pub(super) fn check_finite(what: &'static str, a: MatRef<'_, f64>) -> Result<()> {
+    for j in 0..a.ncols() {
+        if let Some(i) = (0..a.nrows()).find(|&i| !a[(i, j)].is_finite()) {
+            return Err(Error::NonFinite { what, index: (i, j) });
+        }
+    }
+    Ok(())
+}
+
+/// The Cholesky factor L, lower, of a symmetric matrix of which the lower triangle is read; or the index of the first
+/// pivot that is not positive.
+pub(super) fn cholesky(mut a: Mat<f64>) -> Result<std::result::Result<Mat<f64>, usize>> {
+    Ok(dense::cholesky(a.as_mut())?.map(|()| a))
+}
+
+/// Solves `L L^T X = B` in place.
+pub(super) fn solve_cholesky(l: MatRef<'_, f64>, mut b: MatMut<'_, f64>) {
+    dense::lower_solve_in_place(l, b.rb_mut());
+    dense::upper_solve_in_place(l.transpose(), b);
+}
+
+/// A thin singular value decomposition `A = U diag(s) V^T`, s descending.
+pub(super) struct Svd {
+    pub u: Mat<f64>,
+    pub s: Vec<f64>,
+    pub v: Mat<f64>,
+}
+
+/// The singular value decomposition of a finite matrix.
+pub(super) fn thin_svd(what: &'static str, a: MatRef<'_, f64>) -> Result<Svd> {
+    check_finite(what, a)?;
+    let (m, n) = a.shape();
+    let size = m.min(n);
+    let (mut u, mut v, mut s) = (zeros(m, size)?, zeros(n, size)?, Diag::zeros(size));
+    let params = Spec::<svd::SvdParams, f64>::default();
+    let thin = svd::ComputeSvdVectors::Thin;
+    let mut memory = MemBuffer::new(svd::svd_scratch::<f64>(m, n, thin, thin, SEQ, params));
+    let stack = MemStack::new(&mut memory);
+    svd::svd(a, s.as_mut(), Some(u.as_mut()), Some(v.as_mut()), SEQ, stack, params)
+        .map_err(|_| Error::NotConverged { iterations: 0, residual: f64::NAN })?;
+    let s = s.column_vector().iter().copied().collect();
+    Ok(Svd { u, s, v })
+}
+
+/// The X with the least `|A X - B|`, for A of full column rank, by Householder's QR.
+pub(super) fn least_squares(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Result<Mat<f64>> {
+    let (m, n) = a.shape();
+    let mut basis = zeros(m, n)?;
+    basis.copy_from(a);
+    let mut x = zeros(m, b.ncols())?;
+    x.copy_from(b);
+    let block = qr::factor::recommended_block_size::<f64>(m, n).min(m.min(n)).max(1);
+    let mut coefficients = zeros(block, m.min(n))?;
+    let scratch = StackReq::any_of(&[
+        qr::factor::qr_in_place_scratch::<f64>(m, n, block, SEQ, Spec::default()),
+        qr::solve::solve_lstsq_in_place_scratch::<f64>(m, n, block, b.ncols(), SEQ),
+    ]);
+    let mut memory = MemBuffer::new(scratch);
+    let stack = MemStack::new(&mut memory);
+    qr::factor::qr_in_place(basis.as_mut(), coefficients.as_mut(), SEQ, stack, Spec::default());
+    let upper = basis.get(..m.min(n), ..);
+    qr::solve::solve_lstsq_in_place(
+        basis.as_ref(),
+        coefficients.as_ref(),
+        upper,
+        x.as_mut(),
+        SEQ,
+        stack,
+    );
+    Ok(x.subrows(0, n).to_owned())
+}

@@ -1,0 +1,76 @@
+//! Transfer of geometric detail (thesis, section 1.4.1).
+
+use faer::{Mat, MatRef};
+
+use super::basis::Basis;
+use super::test_functions::coordinates;
+use super::transfer::Transfer;
+use crate::base::{Error, Par, Result};
+use crate::mesh::TriMesh;
+
+/// The part of functions in a span, and what is left.
+#[derive(Debug, Clone)]
+pub struct Split {
+    /// The nearest functions in the span, n x c.
+    pub low: Mat<f64>,
+    /// What `low` lacks, n x c: the detail.
+    pub high: Mat<f64>,
+}
+
+/// Splits the columns of `f`, n x c, into their part in the span of a basis, as a few eigenfunctions, and the detail.
+///
+/// # Errors
+/// As [`Basis::analysis`].
+pub fn split(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Result<Split> {
+    let low = basis.approximation(f, par)?;
+    let high = f - &low;
+    Ok(Split { low, high })
+}
+
+/// Gives the smooth part of the target the detail of the source, as heights over its surface.
+///
+/// The coordinates of both meshes are split by `smooth`, a basis of low frequencies on each (source, target). The height of
+/// the source over its smooth part, along that one's normals, is carried over by `transfer`, times the ratio of lengths
+/// where the sizes differ, and added along the normals of the target's smooth part. Heights, unlike positions, do not
+/// change with the pose.
+///
+/// To replace all of the target's coordinates by the source's, as in figure 1.13, [`Transfer::apply`] does.
+///
+/// # Errors
+/// [`Error::Shape`] when a basis or the transfer is not of the mesh, as those of [`Transfer::apply`] and
+/// [`TriMesh::new`].
+pub fn transfer_details(
+    source: &TriMesh,
+    target: &TriMesh,
+    smooth: (&Basis, &Basis),
+    transfer: &Transfer<'_>,
+    par: Par,
+) -> Result<TriMesh> {
+    let (rough, rough_normals) = smooth_part(source, smooth.0, par)?;
+    let (mut positions, normals) = smooth_part(target, smooth.1, par)?;
+    let heights = Mat::from_fn(rough_normals.len(), 1, |i, _| {
+        (0..3).map(|c| rough.high[(i, c)] * rough_normals[i][c]).sum()
+    });
+    let heights = transfer.apply(heights.as_ref(), par)?;
+    Error::check_shape("transfer", (normals.len(), 1), heights.shape())?;
+    let scale = (smooth.1.area()? / smooth.0.area()?).sqrt();
+    for (i, normal) in normals.iter().enumerate() {
+        for c in 0..3 {
+            positions.low[(i, c)] += scale * heights[(i, 0)] * normal[c];
+        }
+    }
+    moved(target, positions.low.as_ref())
+}
+
+/// The coordinates, split, and the normals of the mesh that the low ones make.
+fn smooth_part(mesh: &TriMesh, basis: &Basis, par: Par) -> Result<(Split, Vec<[f64; 3]>)> {
+    let parts = split(basis, coordinates(mesh).as_ref(), par)?;
+    let normals = moved(mesh, parts.low.as_ref())?.vertex_normals();
+    Ok((parts, normals))
+}
+
+/// The mesh with its vertices at these positions.
+fn moved(mesh: &TriMesh, positions: MatRef<'_, f64>) -> Result<TriMesh> {
+    let vertices = (0..positions.nrows()).map(|i| [0, 1, 2].map(|c| positions[(i, c)])).collect();
+    TriMesh::new(vertices, mesh.faces().to_vec())
+}

@@ -1,0 +1,127 @@
+//! The first eigenfunctions of the Laplacian as a basis.
+
+use faer::{Mat, MatRef};
+
+use super::basis::Basis;
+use crate::base::{Error, Par, Result};
+use crate::sparse::Mass;
+
+/// Eigenvalues below this part of the largest one, or of 1 / area, are taken for zero.
+const NULL: f64 = 1e-8;
+
+/// What the squared norm of the constant function may lack, of its part in the null space.
+const CONSTANT: f64 = 1e-6;
+
+/// The first eigenfunctions of a Laplacian, `W phi = lambda M phi`, orthonormal in the inner product of the mass M.
+///
+/// Where the constant is among the functions with eigenvalue zero, as it is unless boundary values are prescribed, it
+/// is the first one, positive. A mesh in several pieces has several of these, any rotation of them as good as another:
+/// here they are rotated to have the constant among them.
+#[derive(Debug, Clone)]
+pub struct Eigenbasis {
+    values: Vec<f64>,
+    basis: Basis,
+    constant: Option<f64>,
+}
+
+impl Eigenbasis {
+    /// A basis of these eigenpairs: `values` ascending, `vectors` n x r, M-orthonormal (which is not checked).
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when numbers of values, columns, rows and masses don't fit, [`Error::NonFinite`],
+    /// [`Error::Argument`] when the values do not ascend.
+    pub fn new(values: Vec<f64>, vectors: Mat<f64>, mass: Mass) -> Result<Self> {
+        Error::check_shape("eigenvalues", (vectors.ncols(), 1), (values.len(), 1))?;
+        if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+            return Err(Error::NonFinite { what: "eigenvalues", index: (index, 0) });
+        }
+        if let Some(index) = (1..values.len()).find(|&i| values[i] < values[i - 1]) {
+            let why = format!("value {index} is less than the one before it");
+            return Err(Error::Argument { what: "eigenvalues", why });
+        }
+        let mut basis = Basis::orthonormal(vectors, mass)?;
+        let constant = constant_first(&values, &mut basis)?;
+        Ok(Self { values, basis, constant })
+    }
+
+    /// The first `len` functions only; all of them if there are fewer.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn truncated(&self, len: usize) -> Result<Self> {
+        let len = len.min(self.len());
+        let functions = self.functions().subcols(0, len).to_owned();
+        let basis = Basis::orthonormal(functions, self.basis.mass().clone())?;
+        let constant = self.constant.filter(|_| len > 0);
+        Ok(Self { values: self.values[..len].to_vec(), basis, constant })
+    }
+
+    /// The functions with their inner product.
+    pub fn basis(&self) -> &Basis {
+        &self.basis
+    }
+
+    /// The eigenvalues, ascending; in units of 1 / length^2.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// The functions, n x r; in units of 1 / length.
+    pub fn functions(&self) -> MatRef<'_, f64> {
+        self.basis.functions()
+    }
+
+    /// Number of functions, the constant included.
+    pub fn len(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Whether it has no functions.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// Value of the first function where that is the constant, `1 / sqrt(area)`.
+    pub fn constant(&self) -> Option<f64> {
+        self.constant
+    }
+
+    /// [`Eigenbasis::constant`], or an error that names the argument `what`.
+    pub(super) fn need_constant(&self, what: &'static str) -> Result<f64> {
+        let why = "the constant is not among its eigenfunctions (prescribed boundary values?)";
+        self.constant.ok_or_else(|| Error::Argument { what, why: why.into() })
+    }
+
+    /// Analysis of `f`, as [`Basis::analysis`].
+    ///
+    /// # Errors
+    /// As [`Basis::analysis`].
+    pub fn analysis(&self, f: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
+        self.basis.analysis(f, par)
+    }
+}
+
+/// Makes the first function the constant one, if it can be; returns its value.
+fn constant_first(values: &[f64], basis: &mut Basis) -> Result<Option<f64>> {
+    let Ok(area) = basis.area() else { return Ok(None) };
+    let largest = values.last().copied().unwrap_or(0.0);
+    let zero = NULL * largest.max(1.0 / area);
+    let null = values.partition_point(|&value| value <= zero);
+    if null == 0 {
+        return Ok(None);
+    }
+    let value = 1.0 / area.sqrt();
+    // Coefficients of the constant of norm 1 in the null space: a vector of norm 1 if it lies there.
+    let ones = Mat::<f64>::ones(basis.vertices(), 1);
+    let parts = basis.analysis(ones.as_ref(), Par::Seq)?;
+    let mut parts: Vec<f64> = parts.col(0).iter().take(null).map(|part| part * value).collect();
+    let norm: f64 = parts.iter().map(|part| part * part).sum();
+    if (norm - 1.0).abs() > CONSTANT {
+        return Ok(None);
+    }
+    parts.iter_mut().for_each(|part| *part /= norm.sqrt());
+    basis.reflect(&parts);
+    // But for rounding it is already.
+    basis.set_constant(0, value);
+    Ok(Some(value))
+}

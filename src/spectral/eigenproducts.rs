@@ -1,0 +1,306 @@
+//! Eigenproducts (thesis, definition 1.1): pointwise products of eigenfunctions, in a fixed order.
+
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{MatMut, MatRef};
+
+use crate::base::{Error, Par, Result};
+use crate::dense::for_row_blocks;
+
+/// Products of more factors say nothing in f64.
+const MAX_ORDER: usize = 255;
+
+/// Rows that are evaluated at once: their products stay in the cache until they are factors of others.
+const BLOCK_ROWS: usize = 256;
+
+/// The dictionary of all products of at most `order` of `k` functions, repetitions allowed.
+///
+/// A product is the sorted list of its factors, numbered from 1 to `k`: `[]` is the constant one, `[2, 2]` the square of the
+/// second function. Shorter products come first, those of one length as in a dictionary:
+///
+/// ```
+/// use catamaran::spectral::Eigenproducts;
+///
+/// let products = Eigenproducts::new(2, 2)?;
+/// let all: Vec<Vec<usize>> = (0..products.len()).filter_map(|i| products.factors(i)).collect();
+/// assert_eq!(all, [vec![], vec![1], vec![2], vec![1, 1], vec![1, 2], vec![2, 2]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// So the products of a lower order are the first ones of a higher order. There are `(k + order)! / (k! order!)`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Eigenproducts {
+    k: usize,
+    /// Index of the first product of each number of factors, and the number of all products.
+    starts: Vec<usize>,
+}
+
+impl Eigenproducts {
+    /// The products of at most `order` (0 to 255) of `k` functions.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when the order is larger, or the products are more than a `u32` can number.
+    pub fn new(k: usize, order: usize) -> Result<Self> {
+        if order > MAX_ORDER {
+            let why = format!("must be at most {MAX_ORDER}, is {order}");
+            return Err(Error::Argument { what: "order", why });
+        }
+        let mut starts = vec![0];
+        for degree in 0..=order {
+            let end = binomial(k as u128 + degree as u128, degree as u128);
+            let Some(end) = end.filter(|&end| end <= u128::from(u32::MAX)) else {
+                let why = format!("{k} functions have more than 2^32 - 1 products of {degree}");
+                return Err(Error::Argument { what: "order", why });
+            };
+            starts.push(end as usize);
+        }
+        Ok(Self { k, starts })
+    }
+
+    /// Number of functions that are multiplied.
+    pub fn k(&self) -> usize {
+        self.k
+    }
+
+    /// Largest number of factors.
+    pub fn order(&self) -> usize {
+        self.starts.len() - 2
+    }
+
+    /// Number of products, at least 1.
+    #[allow(clippy::len_without_is_empty)] // never empty
+    pub fn len(&self) -> usize {
+        self.starts[self.starts.len() - 1]
+    }
+
+    /// Number of products of at most `order` factors.
+    pub(super) fn len_up_to(&self, order: usize) -> usize {
+        self.starts[order.min(self.order()) + 1]
+    }
+
+    /// Number of factors of the product `index`, which is one.
+    fn degree(&self, index: usize) -> usize {
+        self.starts.partition_point(|&start| start <= index) - 1
+    }
+
+    /// The factors, from 1, ascending, of the product `index`; `None` when there is none.
+    pub fn factors(&self, index: usize) -> Option<Vec<usize>> {
+        if index >= self.len() {
+            return None;
+        }
+        let degree = self.degree(index);
+        let mut before = index - self.starts[degree];
+        let mut factors = Vec::with_capacity(degree);
+        let mut least = 1;
+        for place in 0..degree {
+            let open = degree - place;
+            // The largest factor whose first product comes no later.
+            let (mut low, mut high) = (least, self.k);
+            while low < high {
+                let middle = low + (high - low).div_ceil(2);
+                if self.skipped(least, middle, open) <= before {
+                    low = middle;
+                } else {
+                    high = middle - 1;
+                }
+            }
+            before -= self.skipped(least, low, open);
+            factors.push(low);
+            least = low;
+        }
+        Some(factors)
+    }
+
+    /// The index of the product of these factors (1 to k, in any order); `None` when there is none.
+    pub fn index(&self, factors: &[usize]) -> Option<usize> {
+        let degree = factors.len();
+        let known = degree <= self.order() && factors.iter().all(|i| (1..=self.k).contains(i));
+        if !known {
+            return None;
+        }
+        let mut sorted = factors.to_vec();
+        sorted.sort_unstable();
+        let mut index = self.starts[degree];
+        let mut least = 1;
+        for (place, &factor) in sorted.iter().enumerate() {
+            index += self.skipped(least, factor, degree - place);
+            least = factor;
+        }
+        Some(index)
+    }
+
+    /// How many sorted lists of `len` factors from `least` on have a first factor before `first`.
+    fn skipped(&self, least: usize, first: usize, len: usize) -> usize {
+        // Lists of `len` from `v` on: (k - v + len) over len. Those that begin before `first` are the difference.
+        let from = |v: usize| {
+            binomial((self.k - v + len) as u128, len as u128).expect("as many as all, or fewer")
+        };
+        (from(least) - from(first)) as usize
+    }
+
+    /// Of each product but the first: the index of the product without its last factor, and that factor.
+    pub(super) fn steps(&self) -> Vec<(usize, usize)> {
+        let mut steps: Vec<(usize, usize)> = Vec::with_capacity(self.len() - 1);
+        for degree in 1..=self.order() {
+            for parent in self.starts[degree - 1]..self.starts[degree] {
+                let least = if parent == 0 { 1 } else { steps[parent - 1].1 };
+                steps.extend((least..=self.k).map(|factor| (parent, factor)));
+            }
+        }
+        steps
+    }
+
+    /// All products of the given functions, pointwise.
+    ///
+    /// `functions` is n x k, a function in each column; `out` is n x [`Eigenproducts::len`] and is overwritten.
+    /// Fastest by columns (unit row stride). The same, bit for bit, for every `par`.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when a matrix has another shape, [`Error::NonFinite`] for the functions.
+    pub fn evaluate(
+        &self,
+        functions: MatRef<'_, f64>,
+        out: MatMut<'_, f64>,
+        par: Par,
+    ) -> Result<()> {
+        let n = functions.nrows();
+        Error::check_shape("functions", (n, self.k), functions.shape())?;
+        Error::check_shape("out", (n, self.len()), out.shape())?;
+        super::dense::check_finite("functions", functions)?;
+        let steps = self.steps();
+        for_row_blocks(out, BLOCK_ROWS, par, |first, mut out| {
+            let factors = functions.subrows(first, out.nrows());
+            out.rb_mut().col_mut(0).fill(1.0);
+            for (before, &(parent, factor)) in steps.iter().enumerate() {
+                let (done, open) = out.rb_mut().split_at_col_mut(before + 1);
+                multiply(done.rb().col(parent), factors.col(factor - 1), open.col_mut(0));
+            }
+        });
+        Ok(())
+    }
+}
+
+/// `out := a b`, pointwise.
+fn multiply(a: faer::ColRef<'_, f64>, b: faer::ColRef<'_, f64>, mut out: faer::ColMut<'_, f64>) {
+    let contiguous =
+        (a.try_as_col_major().map(|a| a.as_slice()), b.try_as_col_major().map(|b| b.as_slice()));
+    if let (Some(a), Some(b)) = contiguous
+        && let Some(out) = out.rb_mut().try_as_col_major_mut()
+    {
+        for ((out, a), b) in out.as_slice_mut().iter_mut().zip(a).zip(b) {
+            *out = a * b;
+        }
+        return;
+    }
+    for i in 0..out.nrows() {
+        out[i] = a[i] * b[i];
+    }
+}
+
+/// n over m; `None` beyond 128 bits.
+fn binomial(n: u128, m: u128) -> Option<u128> {
+    let m = m.min(n - m);
+    let mut result = 1u128;
+    for i in 0..m {
+        // Exact: the product of i + 1 consecutive numbers is divisible by (i + 1)!.
+        result = result.checked_mul(n - i)? / (i + 1);
+    }
+    Some(result)
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+
+    use super::*;
+    use crate::base::Rng;
+
+    /// The dictionary by the definition: all lists, the unsorted ones left out.
+    fn by_definition(k: usize, order: usize) -> Vec<Vec<usize>> {
+        let mut all = vec![vec![]];
+        let mut last: Vec<Vec<usize>> = vec![vec![]];
+        for _ in 0..order {
+            last = last
+                .iter()
+                .flat_map(|list| {
+                    (1..=k).map(move |i| list.iter().copied().chain([i]).collect::<Vec<_>>())
+                })
+                .collect();
+            all.extend(last.iter().filter(|list| list.is_sorted()).cloned());
+        }
+        all
+    }
+
+    #[test]
+    fn the_dictionary_is_in_order_and_indices_go_both_ways() {
+        for (k, order) in
+            [(0, 0), (0, 3), (1, 0), (1, 1), (1, 7), (2, 2), (3, 4), (5, 3), (7, 2), (13, 1)]
+        {
+            let products = Eigenproducts::new(k, order).unwrap();
+            let expected = by_definition(k, order);
+            assert_eq!(products.len(), expected.len(), "k {k}, order {order}");
+            for (i, factors) in expected.iter().enumerate() {
+                assert_eq!(products.factors(i).as_ref(), Some(factors));
+                assert_eq!(products.index(factors), Some(i));
+                let reversed: Vec<usize> = factors.iter().rev().copied().collect();
+                assert_eq!(products.index(&reversed), Some(i));
+            }
+            assert_eq!(products.factors(expected.len()), None);
+            assert_eq!(products.index(&vec![1; order + 1]), None);
+            assert_eq!(products.index(&[k + 1]), None);
+            assert_eq!(products.index(&[0]), None);
+        }
+    }
+
+    #[test]
+    fn the_count_is_the_binomial_of_the_thesis() {
+        for (k, order, count) in [(30, 2, 496), (29, 3, 4960), (20, 4, 10626), (100, 2, 5151)] {
+            assert_eq!(Eigenproducts::new(k, order).unwrap().len(), count);
+        }
+    }
+
+    #[test]
+    fn too_many_products_are_refused() {
+        for (k, order) in [(2, 256), (100_000, 2), (usize::MAX, 255), (usize::MAX, 1), (200, 200)] {
+            let error = Eigenproducts::new(k, order).unwrap_err();
+            assert!(matches!(error, Error::Argument { what: "order", .. }), "{error}");
+        }
+    }
+
+    #[test]
+    fn products_are_products_whatever_the_strides_and_threads() {
+        for (n, k, order) in [(0, 3, 2), (1, 1, 3), (600, 3, 3), (257, 4, 2), (5, 0, 2), (5, 2, 0)]
+        {
+            let mut rng = Rng::new(7);
+            let f = Mat::from_fn(n, k, |_, _| (rng.uniform() * 9.0).floor() - 4.0);
+            let products = Eigenproducts::new(k, order).unwrap();
+            let expected = Mat::from_fn(n, products.len(), |i, j| {
+                products.factors(j).unwrap().iter().map(|&a| f[(i, a - 1)]).product::<f64>()
+            });
+            let mut out = Mat::from_fn(n, products.len(), |_, _| f64::NAN);
+            for par in [Par::Seq, Par::Threads(2), Par::Threads(3)] {
+                products.evaluate(f.as_ref(), out.as_mut(), par).unwrap();
+                assert_eq!(out, expected);
+            }
+            let mut rows = Mat::from_fn(products.len(), n, |_, _| f64::NAN);
+            products.evaluate(f.as_ref(), rows.as_mut().transpose_mut(), Par::Seq).unwrap();
+            assert_eq!(rows.transpose(), expected);
+        }
+    }
+
+    #[test]
+    fn dirty_input_is_refused_by_name() {
+        let products = Eigenproducts::new(2, 2).unwrap();
+        let mut f = Mat::<f64>::ones(3, 2);
+        let mut out = Mat::zeros(3, 6);
+        f[(2, 1)] = f64::NAN;
+        assert_eq!(
+            products.evaluate(f.as_ref(), out.as_mut(), Par::Seq),
+            Err(Error::NonFinite { what: "functions", index: (2, 1) })
+        );
+        let short = out.as_mut().subcols_mut(0, 5);
+        let error = products.evaluate(Mat::ones(3, 2).as_ref(), short, Par::Seq).unwrap_err();
+        assert!(matches!(error, Error::Shape { what: "out", .. }));
+        let error = products.evaluate(Mat::ones(3, 3).as_ref(), out.as_mut(), Par::Seq);
+        assert!(matches!(error, Err(Error::Shape { what: "functions", .. })));
+    }
+}

@@ -1,0 +1,132 @@
+//! Filters of functions in the spectrum of a basis (thesis, section 1.4.2).
+
+use faer::{Mat, MatRef};
+
+use super::basis::{Basis, times_mass};
+use super::dense;
+use crate::base::{Error, Par, Result};
+use crate::sparse::{CsMatView, Mass};
+
+/// The gain of a filter for each frequency: an eigenvalue, or the Dirichlet energy of a basis function, in 1 / length^2.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Response {
+    /// 1 up to this frequency, 0 beyond.
+    LowPass(f64),
+    /// 0 up to this frequency, 1 beyond.
+    HighPass(f64),
+    /// 1 from the first to the second frequency, both included, 0 elsewhere.
+    BandPass(f64, f64),
+    /// `exp(-t frequency)`: what heat does in the time t, in length^2.
+    Heat(f64),
+    /// `1 + amount (1 - exp(-t frequency))`: strengthens what heat takes away in the time t.
+    Sharpen {
+        /// Time, in length^2.
+        time: f64,
+        /// How much is added to the highest frequencies.
+        amount: f64,
+    },
+}
+
+impl Response {
+    /// The gain for a frequency.
+    pub fn gain(self, frequency: f64) -> f64 {
+        let pass = |passes: bool| f64::from(u8::from(passes));
+        match self {
+            Self::LowPass(cutoff) => pass(frequency <= cutoff),
+            Self::HighPass(cutoff) => pass(frequency > cutoff),
+            Self::BandPass(from, to) => pass((from..=to).contains(&frequency)),
+            Self::Heat(time) => (-time * frequency.max(0.0)).exp(),
+            Self::Sharpen { time, amount } => 1.0 - amount * (-time * frequency.max(0.0)).exp_m1(),
+        }
+    }
+
+    /// The gain for what is beyond every frequency of a basis.
+    pub fn limit(self) -> f64 {
+        self.gain(f64::MAX)
+    }
+}
+
+/// Multiplies the coefficients of functions by gains.
+///
+/// `f` is n x c, and there is a gain for each function of the basis. What of `f` is outside of the span is multiplied by
+/// `rest`: 0 leaves it out, as the thesis does, and 1 keeps detail that is finer than the basis.
+///
+/// # Errors
+/// [`Error::Shape`] when `f` has not n rows or there are not as many gains as functions, [`Error::NonFinite`],
+/// [`Error::OutOfMemory`].
+pub fn filter(
+    basis: &Basis,
+    f: MatRef<'_, f64>,
+    gains: &[f64],
+    rest: f64,
+    par: Par,
+) -> Result<Mat<f64>> {
+    Error::check_shape("gains", (basis.len(), 1), (gains.len(), 1))?;
+    if let Some(index) = gains.iter().position(|gain| !gain.is_finite()) {
+        return Err(Error::NonFinite { what: "gains", index: (index, 0) });
+    }
+    if !rest.is_finite() {
+        return Err(Error::NonFinite { what: "rest", index: (0, 0) });
+    }
+    let mut coefficients = basis.analysis(f, par)?;
+    for j in 0..coefficients.ncols() {
+        for (i, gain) in gains.iter().enumerate() {
+            coefficients[(i, j)] *= gain - rest;
+        }
+    }
+    let mut out = basis.synthesis(coefficients.as_ref(), par)?;
+    for j in 0..out.ncols() {
+        for i in 0..out.nrows() {
+            out[(i, j)] += rest * f[(i, j)];
+        }
+    }
+    Ok(out)
+}
+
+/// Adds `amount` of one function of the basis to every column of `f`: changes a single coefficient (figure 1.15).
+///
+/// # Errors
+/// [`Error::Shape`] when `f` has not n rows, [`Error::Argument`] when there is no such function.
+pub fn add_coefficient(
+    basis: &Basis,
+    f: MatRef<'_, f64>,
+    index: usize,
+    amount: f64,
+) -> Result<Mat<f64>> {
+    Error::check_shape("functions", (basis.vertices(), f.ncols()), f.shape())?;
+    if index >= basis.len() {
+        let why = format!("{index} is not one of the {} functions", basis.len());
+        return Err(Error::Argument { what: "index", why });
+    }
+    let function = basis.functions().col(index);
+    Ok(Mat::from_fn(f.nrows(), f.ncols(), |i, j| f[(i, j)] + amount * function[i]))
+}
+
+/// The Dirichlet energy `<q, W q> / <q, q>` of each function (thesis, definition 7): for eigenfunctions the eigenvalue, for
+/// products what comes nearest to a frequency.
+///
+/// `functions` is n x r, the stiffness matrix W and the mass are n x n. The energy of the function zero is 0.
+///
+/// # Errors
+/// [`Error::Shape`] when they don't fit, [`Error::NonFinite`], [`Error::OutOfMemory`].
+pub fn dirichlet_energies(
+    functions: MatRef<'_, f64>,
+    stiffness: CsMatView<'_, f64>,
+    mass: &Mass,
+) -> Result<Vec<f64>> {
+    let n = functions.nrows();
+    Error::check_shape("stiffness", (n, n), (stiffness.rows(), stiffness.cols()))?;
+    Error::check_shape("mass", (n, n), (mass.len(), mass.len()))?;
+    dense::check_finite("functions", functions)?;
+    let energy = |j: usize| -> Result<f64> {
+        let q = functions.col(j);
+        let weighted = times_mass(mass, functions.subcols(j, 1), Par::Seq)?;
+        let square: f64 = q.transpose() * weighted.col(0);
+        // W is symmetric: by rows or by columns is the same.
+        let outer = stiffness.outer_iterator().enumerate();
+        let energy: f64 =
+            outer.map(|(i, row)| q[i] * row.iter().map(|(l, w)| w * q[l]).sum::<f64>()).sum();
+        Ok(if square == 0.0 { 0.0 } else { energy / square })
+    };
+    (0..functions.ncols()).map(energy).collect()
+}

@@ -1,0 +1,220 @@
+//! A functional map from functions that correspond (Ovsjanikov et al. 2012).
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use faer::{Mat, MatRef};
+
+use crate::base::{Error, Par, Result};
+use crate::dense::for_row_blocks;
+use crate::spectral::dense;
+use crate::spectral::descriptors::heat_times;
+use crate::spectral::eigenbasis::Eigenbasis;
+
+/// Heat kernels per landmark, from narrow to wide.
+const SCALES: usize = 8;
+
+/// Part of the mean diagonal entry that is added to the diagonal of the equations: with fewer functions than unknowns, and
+/// no commutativity, they have many solutions, of which this takes the least one.
+const RIDGE: f64 = 1e-12;
+
+/// Least-squares fit of a functional map C between two eigenbases, from functions known on both meshes.
+///
+/// Minimises `|C A - B|^2 / |A|^2 + weight |C L - L' C|^2`, where the columns of A and B are the coefficients of the
+/// corresponding functions and L, L' the eigenvalues, as a part of the largest one: isometries commute with
+/// Laplacians. Rows of C are independent of each other and solved for one by one. Where both bases have the constant,
+/// it is mapped to itself exactly.
+///
+/// ```no_run
+/// # use catamaran::spectral::{Eigenbasis, functional_map::MapFit};
+/// # use catamaran::{Par, faer::Mat};
+/// # fn fit(source: &Eigenbasis, target: &Eigenbasis, hks: Mat<f64>, target_hks: Mat<f64>) -> catamaran::Result<()> {
+/// let mut fit = MapFit::new(source, target, Par::all());
+/// fit.functions(hks.as_ref(), target_hks.as_ref())?;
+/// fit.landmarks(&[(12, 7), (150, 311)])?;
+/// let c = fit.solve(MapFit::COMMUTATIVITY)?;
+/// # Ok(())
+/// # }
+/// ```
+pub struct MapFit<'a> {
+    source: &'a Eigenbasis,
+    target: &'a Eigenbasis,
+    par: Par,
+    /// Coefficients of the functions, one after the other.
+    a: Vec<f64>,
+    b: Vec<f64>,
+}
+
+impl<'a> MapFit<'a> {
+    /// A usual weight of the commutativity with the Laplacians.
+    pub const COMMUTATIVITY: f64 = 1e-3;
+
+    /// A fit of maps from `source` to `target`, without functions yet.
+    pub fn new(source: &'a Eigenbasis, target: &'a Eigenbasis, par: Par) -> Self {
+        Self { source, target, par, a: Vec::new(), b: Vec::new() }
+    }
+
+    /// Adds functions: each column of `f`, n_source x c, corresponds to that of `g`, n_target x c. Each pair is scaled to
+    /// norm 1, so that all count the same.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when they have other rows than vertices or not as many columns, [`Error::NonFinite`].
+    pub fn functions(&mut self, f: MatRef<'_, f64>, g: MatRef<'_, f64>) -> Result<()> {
+        let expected = (self.target.basis().vertices(), f.ncols());
+        Error::check_shape("target functions", expected, g.shape())?;
+        let a = self.source.analysis(f, self.par)?;
+        let b = self.target.analysis(g, self.par)?;
+        self.add(a.as_ref(), b.as_ref());
+        Ok(())
+    }
+
+    /// Adds pairs of vertices (source, target) that correspond: heat kernels around them, at times that suit the
+    /// eigenvalues.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] names the first pair that is not one of vertices, or says that no eigenvalue is positive.
+    pub fn landmarks(&mut self, pairs: &[(u32, u32)]) -> Result<()> {
+        let (n, m) = (self.source.basis().vertices(), self.target.basis().vertices());
+        let outside = |&(x, y): &(u32, u32)| x as usize >= n || y as usize >= m;
+        if let Some(pair) = pairs.iter().find(|pair| outside(pair)) {
+            let why = format!(
+                "{pair:?} is not a pair of vertices, {n} on the source and {m} on the target"
+            );
+            return Err(Error::Argument { what: "landmarks", why });
+        }
+        if pairs.is_empty() {
+            return Ok(());
+        }
+        // In units of the area, the same for both.
+        let area = self.source.basis().area()?;
+        let values: Vec<f64> = self.source.values().iter().map(|value| value * area).collect();
+        let times = heat_times(&values, SCALES)?;
+        let kernels = |basis: &Eigenbasis, vertex: &dyn Fn(usize) -> u32| -> Result<Mat<f64>> {
+            let area = basis.basis().area()?;
+            Ok(Mat::from_fn(basis.len(), pairs.len() * times.len(), |i, column| {
+                let x = vertex(column / times.len()) as usize;
+                let time = times[column % times.len()] * area;
+                // Times the area: as a function that stays the same when the mesh grows.
+                area * (-basis.values()[i].max(0.0) * time).exp() * basis.functions()[(x, i)]
+            }))
+        };
+        let a = kernels(self.source, &|pair| pairs[pair].0)?;
+        let b = kernels(self.target, &|pair| pairs[pair].1)?;
+        self.add(a.as_ref(), b.as_ref());
+        Ok(())
+    }
+
+    /// Adds segments that correspond: vertices of the same label on both meshes. Every label is used, of which 0 is no
+    /// exception.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when there is not a label for each vertex, [`Error::Argument`] names the first label that only one
+    /// of the meshes has.
+    pub fn segments(&mut self, source: &[u32], target: &[u32]) -> Result<()> {
+        let (n, m) = (self.source.basis().vertices(), self.target.basis().vertices());
+        Error::check_shape("source labels", (n, 1), (source.len(), 1))?;
+        Error::check_shape("target labels", (m, 1), (target.len(), 1))?;
+        let distinct = |labels: &[u32]| {
+            let mut labels = labels.to_vec();
+            labels.sort_unstable();
+            labels.dedup();
+            labels
+        };
+        let (labels, others) = (distinct(source), distinct(target));
+        let missing =
+            |of: &[u32], from: &[u32]| of.iter().copied().find(|l| from.binary_search(l).is_err());
+        if let Some(label) = missing(&labels, &others).or(missing(&others, &labels)) {
+            let why = format!("label {label} is on one of the meshes only");
+            return Err(Error::Argument { what: "labels", why });
+        }
+        let indicators = |of: &[u32]| {
+            Mat::from_fn(of.len(), labels.len(), |i, j| f64::from(u8::from(of[i] == labels[j])))
+        };
+        self.functions(indicators(source).as_ref(), indicators(target).as_ref())
+    }
+
+    fn add(&mut self, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
+        for j in 0..a.ncols() {
+            let norm = (0.5 * (a.col(j).squared_norm_l2() + b.col(j).squared_norm_l2())).sqrt();
+            if norm > 0.0 {
+                self.a.extend(a.col(j).iter().map(|x| x / norm));
+                self.b.extend(b.col(j).iter().map(|x| x / norm));
+            }
+        }
+    }
+
+    /// The map, r_target x r_source; `commutativity` is the weight of the second term, at least 0.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for the weight, or when there are neither functions nor commutativity to determine anything;
+    /// [`Error::OutOfMemory`].
+    pub fn solve(&self, commutativity: f64) -> Result<Mat<f64>> {
+        if !(commutativity.is_finite() && commutativity >= 0.0) {
+            let why = format!("must be finite and at least 0, is {commutativity}");
+            return Err(Error::Argument { what: "commutativity", why });
+        }
+        if self.a.is_empty() {
+            let why = "there are none; a map needs some that are not zero".into();
+            return Err(Error::Argument { what: "functions", why });
+        }
+        let (k, l) = (self.source.len(), self.target.len());
+        let a = MatRef::from_column_major_slice(&self.a, k, self.a.len() / k.max(1));
+        let b = MatRef::from_column_major_slice(&self.b, l, a.ncols());
+        let size = a.squared_norm_l2();
+        let gram = dense::transposed_product(a.transpose(), a.transpose(), self.par)?;
+        let right = dense::transposed_product(a.transpose(), b.transpose(), self.par)?;
+        // The first column is known where both have the constant.
+        let first = match (self.source.constant(), self.target.constant()) {
+            (Some(source), Some(target)) => Some(source / target),
+            _ => None,
+        };
+        let known = usize::from(first.is_some());
+        let (source_values, target_values) = relative_values(self.source, self.target)?;
+        let mut c = dense::zeros(l, k)?;
+        let singular = AtomicBool::new(false);
+        for_row_blocks(c.as_mut(), 1, self.par, |i, mut row| {
+            if row.nrows() == 0 {
+                return;
+            }
+            let fixed = if i == 0 { first.unwrap_or(0.0) } else { 0.0 };
+            let unknown = k - known;
+            let mut equations =
+                Mat::from_fn(unknown, unknown, |p, q| gram[(p + known, q + known)] / size);
+            let diagonal: f64 = (0..unknown).map(|p| equations[(p, p)]).sum();
+            let ridge = RIDGE * (diagonal / unknown.max(1) as f64).max(f64::MIN_POSITIVE);
+            for p in 0..unknown {
+                let difference = source_values[p + known] - target_values[i];
+                equations[(p, p)] += commutativity * difference * difference + ridge;
+            }
+            let mut solution = Mat::from_fn(unknown, 1, |p, _| {
+                let with_fixed = if known == 1 { gram[(p + 1, 0)] * fixed } else { 0.0 };
+                (right[(p + known, i)] - with_fixed) / size
+            });
+            match dense::cholesky(equations) {
+                Ok(Ok(factor)) => dense::solve_cholesky(factor.as_ref(), solution.as_mut()),
+                Ok(Err(_)) | Err(_) => singular.store(true, Ordering::Relaxed),
+            }
+            if known == 1 {
+                row[(0, 0)] = fixed;
+            }
+            row.subcols_mut(known, unknown).copy_from(solution.transpose());
+        });
+        if singular.into_inner() {
+            let why =
+                "they do not determine the map; more of them, or more commutativity, may".into();
+            return Err(Error::Argument { what: "functions", why });
+        }
+        Ok(c)
+    }
+}
+
+/// The eigenvalues of both, times the areas, as a part of the largest.
+fn relative_values(source: &Eigenbasis, target: &Eigenbasis) -> Result<(Vec<f64>, Vec<f64>)> {
+    let scaled = |basis: &Eigenbasis| -> Result<Vec<f64>> {
+        let area = basis.basis().area()?;
+        Ok(basis.values().iter().map(|value| value * area).collect())
+    };
+    let (mut source, mut target) = (scaled(source)?, scaled(target)?);
+    let largest = source.iter().chain(&target).copied().fold(f64::MIN_POSITIVE, f64::max);
+    source.iter_mut().chain(&mut target).for_each(|value| *value /= largest);
+    Ok((source, target))
+}

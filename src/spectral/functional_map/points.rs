@@ -1,0 +1,102 @@
+//! Functional maps and point-to-point maps.
+
+use faer::{Mat, MatRef, Scale};
+
+use super::nearest::nearest_rows;
+use crate::base::{Error, Par, Progress, Result};
+use crate::spectral::basis::Basis;
+use crate::spectral::dense;
+
+/// Functions whose pull-backs are computed at once, to save memory.
+const PANEL: usize = 256;
+
+/// The point-to-point map of a functional map `c` (r_target x r_source) of two bases: to each vertex of the target, that of
+/// the source whose image under `c` is nearest in the basis (Ovsjanikov et al. 2012; thesis, section 1.3.4, step 1).
+///
+/// With Phi and Psi the functions on source and target, row y of Psi is matched with the rows of `Phi C^T`: the
+/// coefficients of a point mass at y, and of those that `c` makes of point masses on the source. Those hold the mass of
+/// an area on the source, so they are divided by the ratio of the areas of target and source; without that, meshes of
+/// different sizes would not match. The first of equally near vertices is taken.
+///
+/// # Errors
+/// [`Error::Shape`] when `c` has another shape, [`Error::NonFinite`], [`Error::Argument`] when the source has no vertices,
+/// [`Error::OutOfMemory`], [`Error::Cancelled`].
+pub fn points_from_map(
+    c: MatRef<'_, f64>,
+    source: &Basis,
+    target: &Basis,
+    par: Par,
+    progress: Option<Progress<'_>>,
+) -> Result<Vec<u32>> {
+    Error::check_shape("functional map", (target.len(), source.len()), c.shape())?;
+    dense::check_finite("functional map", c)?;
+    let ratio = target.area()? / source.area()?;
+    nearest_images(c, source.functions(), target.functions(), ratio, par, progress)
+}
+
+/// [`points_from_map`] of columns of the functions, for meshes with this ratio of areas.
+pub(super) fn nearest_images(
+    c: MatRef<'_, f64>,
+    source: MatRef<'_, f64>,
+    target: MatRef<'_, f64>,
+    ratio: f64,
+    par: Par,
+    progress: Option<Progress<'_>>,
+) -> Result<Vec<u32>> {
+    let unscaled = Scale(1.0 / ratio) * c;
+    let images = dense::product(source, unscaled.transpose(), par)?;
+    nearest_rows(target, images.as_ref(), par, progress)
+}
+
+/// The functional map, r_target x r_source, of a point-to-point map: the coefficients of the pulled-back functions
+/// `f o points`, nearest in the norm of the target's mass (thesis, section 1.3.4, step 2).
+///
+/// `points` holds a vertex of the source for each vertex of the target. Any bases: eigenfunctions give the functional map
+/// C, orthogonalised products the matrix O.
+///
+/// # Errors
+/// [`Error::Shape`] when there are not as many points as target vertices, [`Error::Argument`] names the first one
+/// that is not a vertex of the source, [`Error::OutOfMemory`].
+pub fn map_from_points(
+    points: &[u32],
+    source: &Basis,
+    target: &Basis,
+    par: Par,
+) -> Result<Mat<f64>> {
+    check_points(points, source.vertices(), target.vertices())?;
+    let mut c = dense::zeros(target.len(), source.len())?;
+    for first in (0..source.len()).step_by(PANEL) {
+        let width = PANEL.min(source.len() - first);
+        let pulled = pull_back(points, source.functions().subcols(first, width))?;
+        let coefficients = target.analysis(pulled.as_ref(), par)?;
+        c.as_mut().subcols_mut(first, width).copy_from(&coefficients);
+    }
+    Ok(c)
+}
+
+/// `f o points`: row y of the result is row `points[y]` of `f`.
+///
+/// # Errors
+/// [`Error::Argument`] names the first point that is not a row of `f`; [`Error::OutOfMemory`].
+pub fn pull_back(points: &[u32], f: MatRef<'_, f64>) -> Result<Mat<f64>> {
+    check_points(points, f.nrows(), points.len())?;
+    let mut out = dense::zeros(points.len(), f.ncols())?;
+    for j in 0..f.ncols() {
+        for (y, &x) in points.iter().enumerate() {
+            out[(y, j)] = f[(x as usize, j)];
+        }
+    }
+    Ok(out)
+}
+
+/// Refuses what is not a map from `target` vertices to `source` ones.
+fn check_points(points: &[u32], source: usize, target: usize) -> Result<()> {
+    Error::check_shape("points", (target, 1), (points.len(), 1))?;
+    match points.iter().position(|&x| x as usize >= source) {
+        None => Ok(()),
+        Some(y) => Err(Error::Argument {
+            what: "points",
+            why: format!("target vertex {y} is mapped to vertex {} of {source}", points[y]),
+        }),
+    }
+}

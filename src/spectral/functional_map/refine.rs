@@ -1,0 +1,141 @@
+//! Refinement of functional maps by way of point-to-point maps.
+
+use faer::{Mat, MatRef, Scale};
+
+use super::points::{nearest_images, pull_back};
+use crate::base::{Error, Flow, Par, Progress, Result};
+use crate::spectral::basis::times_mass;
+use crate::spectral::dense;
+use crate::spectral::eigenbasis::Eigenbasis;
+
+/// A refined map.
+#[derive(Debug, Clone)]
+pub struct Refined {
+    /// The functional map, r_target x r_source.
+    pub map: Mat<f64>,
+    /// The point-to-point map that it was computed from: a vertex of the source for each of the target.
+    pub points: Vec<u32>,
+}
+
+/// Iterative closest points in the spectral embedding (Ovsjanikov et al. 2012, section 6.2): in turns the point-to-point
+/// map of `c`, and the orthogonal matrix (Procrustes) that maps functions best along it, until the points stay the same
+/// or `iterations` (at least 1) are done.
+///
+/// `c` is r_target x r_source. The matrix is orthogonal up to the factor that meshes of different areas need.
+///
+/// # Errors
+/// [`Error::Shape`] when `c` is of another shape, [`Error::NonFinite`], [`Error::Argument`] for no iterations or a
+/// mesh without area, [`Error::OutOfMemory`], [`Error::Cancelled`].
+pub fn icp(
+    c: MatRef<'_, f64>,
+    source: &Eigenbasis,
+    target: &Eigenbasis,
+    iterations: usize,
+    par: Par,
+    progress: Option<Progress<'_>>,
+) -> Result<Refined> {
+    Error::check_shape("functional map", (target.len(), source.len()), c.shape())?;
+    dense::check_finite("functional map", c)?;
+    if iterations == 0 {
+        return Err(Error::Argument { what: "iterations", why: "must be at least 1".into() });
+    }
+    let pair = Pair::new(source, target, par)?;
+    let mut map = c.to_owned();
+    let mut points = Vec::new();
+    for done in 0..iterations {
+        let part = |fraction: f64| (done as f64 + fraction) / iterations as f64;
+        let before = std::mem::take(&mut points);
+        points = pair.points(map.as_ref(), progress, &part)?;
+        if points == before {
+            break;
+        }
+        let free = pair.map(&points, map.shape())?;
+        let svd = dense::thin_svd("functional map", free.as_ref())?;
+        map = Scale(pair.ratio.sqrt()) * dense::product(svd.u.as_ref(), svd.v.transpose(), par)?;
+    }
+    Ok(Refined { map, points })
+}
+
+/// ZoomOut (Melzi et al. 2019): in turns the point-to-point map of `c`, and its functional map between `step` (at least 1)
+/// functions more on both sides, until all functions of the two bases are used.
+///
+/// `c` is k_target x k_source, for the first functions of the bases, at most all of them. When one basis has all of
+/// its functions before the other, it waits.
+///
+/// # Errors
+/// [`Error::Shape`] when `c` has more rows or columns than the bases functions, [`Error::NonFinite`],
+/// [`Error::Argument`] for a step of 0, a map without rows or columns or a mesh without area, [`Error::OutOfMemory`],
+/// [`Error::Cancelled`].
+pub fn zoomout(
+    c: MatRef<'_, f64>,
+    source: &Eigenbasis,
+    target: &Eigenbasis,
+    step: usize,
+    par: Par,
+    progress: Option<Progress<'_>>,
+) -> Result<Refined> {
+    let full = (target.len(), source.len());
+    let (mut rows, mut columns) = c.shape();
+    if rows > full.0 || columns > full.1 {
+        return Err(Error::Shape { what: "functional map", expected: full, got: c.shape() });
+    }
+    dense::check_finite("functional map", c)?;
+    if step == 0 || rows == 0 || columns == 0 {
+        let why =
+            format!("{step} functions per step, from a {rows} x {columns} map: none can be 0");
+        return Err(Error::Argument { what: "step", why });
+    }
+    let pair = Pair::new(source, target, par)?;
+    let steps = (full.0 - rows).max(full.1 - columns).div_ceil(step);
+    let mut map = c.to_owned();
+    for done in 0..steps {
+        let part = |fraction: f64| (done as f64 + fraction) / (steps + 1) as f64;
+        let points = pair.points(map.as_ref(), progress, &part)?;
+        (rows, columns) = ((rows + step).min(full.0), (columns + step).min(full.1));
+        map = pair.map(&points, (rows, columns))?;
+    }
+    // What the last map says, so that map and points belong together.
+    let part = |fraction: f64| (steps as f64 + fraction) / (steps + 1) as f64;
+    let points = pair.points(map.as_ref(), progress, &part)?;
+    let map = pair.map(&points, full)?;
+    Ok(Refined { map, points })
+}
+
+/// Two eigenbases between which maps are refined.
+struct Pair<'a> {
+    source: &'a Eigenbasis,
+    target: &'a Eigenbasis,
+    /// The target's functions times its mass.
+    weighted: Mat<f64>,
+    /// Area of the target by that of the source.
+    ratio: f64,
+    par: Par,
+}
+
+impl<'a> Pair<'a> {
+    fn new(source: &'a Eigenbasis, target: &'a Eigenbasis, par: Par) -> Result<Self> {
+        let ratio = target.basis().area()? / source.basis().area()?;
+        let weighted = times_mass(target.basis().mass(), target.functions(), par)?;
+        Ok(Self { source, target, weighted, ratio, par })
+    }
+
+    /// The point-to-point map of a map between the first functions.
+    fn points(
+        &self,
+        map: MatRef<'_, f64>,
+        progress: Option<Progress<'_>>,
+        part: &(dyn Fn(f64) -> f64 + Sync),
+    ) -> Result<Vec<u32>> {
+        let source = self.source.functions().subcols(0, map.ncols());
+        let target = self.target.functions().subcols(0, map.nrows());
+        let report = |fraction: f64| progress.map_or(Flow::Continue, |p| p(part(fraction)));
+        nearest_images(map, source, target, self.ratio, self.par, Some(&report))
+    }
+
+    /// The functional map of a point-to-point map, between the first functions.
+    fn map(&self, points: &[u32], (rows, columns): (usize, usize)) -> Result<Mat<f64>> {
+        let pulled = pull_back(points, self.source.functions().subcols(0, columns))?;
+        let weighted = self.weighted.subcols(0, rows);
+        dense::transposed_product(weighted, pulled.as_ref(), self.par)
+    }
+}

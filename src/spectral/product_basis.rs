@@ -1,0 +1,135 @@
+//! The orthogonalised eigenproducts (thesis, section 1.3.3).
+
+use faer::{Mat, MatRef, Scale};
+
+use super::basis::Basis;
+use super::dense;
+use super::eigenbasis::Eigenbasis;
+use super::eigenproducts::Eigenproducts;
+use crate::base::{Par, Progress, Result};
+use crate::ortho::{Factors, GramSchmidtOptions, gram_schmidt_in_place};
+
+/// How eigenproducts are orthogonalised: the two ways of the thesis (section 1.4).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Orthogonalization {
+    /// "ours": one pass of Gram-Schmidt; a product is dropped when less than 1e-2 of its norm is left. Not exactly
+    /// orthogonal, so that projections are by least squares. The stabler one under transfer, and the default.
+    #[default]
+    SinglePass,
+    /// "ours*": repeated until orthogonal; a product is dropped when less than 1e-9 of its norm is left. The larger one,
+    /// for approximation and filters.
+    Reorthogonalized,
+}
+
+/// How [`ProductBasis::new`] works.
+#[derive(Clone)]
+pub struct ProductBasisOptions<'a> {
+    /// Default [`Orthogonalization::SinglePass`].
+    pub orthogonalization: Orthogonalization,
+    /// Threads; default all cores of the affinity mask. Does not change the result.
+    pub par: Par,
+    /// Told of progress; may cancel.
+    pub progress: Option<Progress<'a>>,
+}
+
+impl Default for ProductBasisOptions<'_> {
+    fn default() -> Self {
+        let orthogonalization = Orthogonalization::default();
+        Self { orthogonalization, par: Par::all(), progress: None }
+    }
+}
+
+/// A basis of the Fourier polynomials on a mesh: the eigenproducts of at most a given order, orthogonalised.
+///
+/// The factors are the eigenfunctions divided by the constant one, `phi_i / phi_0`: without a unit and of mean square 1, so
+/// that nothing depends on the size of the mesh. With the L products as columns of B, `Q R = B` to rounding in the columns
+/// that are kept, and up to the threshold in the others (equation 1.13).
+#[derive(Debug, Clone)]
+pub struct ProductBasis {
+    products: Eigenproducts,
+    kept: Vec<usize>,
+    r: Mat<f64>,
+    basis: Basis,
+}
+
+impl ProductBasis {
+    /// The basis of all products of at most `order` of the eigenfunctions, the constant one excepted.
+    ///
+    /// The products are made and orthogonalised in the memory of the result; R needs more beside it.
+    ///
+    /// # Errors
+    /// [`Error::Argument`](crate::Error::Argument) when the order is too large or the constant is not among the
+    /// eigenfunctions, [`Error::OutOfMemory`](crate::Error::OutOfMemory),
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
+    pub fn new(
+        eigenbasis: &Eigenbasis,
+        order: usize,
+        options: &ProductBasisOptions<'_>,
+    ) -> Result<Self> {
+        let constant = eigenbasis.need_constant("eigenbasis")?;
+        let k = eigenbasis.len() - 1;
+        let products = Eigenproducts::new(k, order)?;
+        let mut matrix = dense::zeros(eigenbasis.basis().vertices(), products.len())?;
+        let factors = Scale(1.0 / constant) * eigenbasis.functions().subcols(1, k);
+        products.evaluate(factors.as_ref(), matrix.as_mut(), options.par)?;
+        let mass = eigenbasis.basis().mass().clone();
+        let defaults = match options.orthogonalization {
+            Orthogonalization::SinglePass => GramSchmidtOptions::single_pass(),
+            Orthogonalization::Reorthogonalized => GramSchmidtOptions::reorthogonalised(),
+        };
+        let gram_schmidt =
+            GramSchmidtOptions { par: options.par, progress: options.progress, ..defaults };
+        let Factors { r, kept } = gram_schmidt_in_place(matrix.as_mut(), &mass, &gram_schmidt)?;
+        matrix.truncate(matrix.nrows(), kept.len());
+        let basis = match options.orthogonalization {
+            Orthogonalization::SinglePass => Basis::independent(matrix, mass, options.par)?,
+            Orthogonalization::Reorthogonalized => Basis::orthonormal(matrix, mass)?,
+        };
+        Ok(Self { products, kept, r, basis })
+    }
+
+    /// The products that were orthogonalised, L of them.
+    pub fn products(&self) -> &Eigenproducts {
+        &self.products
+    }
+
+    /// The functions Q, n x r, with their inner product.
+    pub fn basis(&self) -> &Basis {
+        &self.basis
+    }
+
+    /// The functions Q with their inner product, and nothing else.
+    pub fn into_basis(self) -> Basis {
+        self.basis
+    }
+
+    /// The functions Q, n x r.
+    pub fn functions(&self) -> MatRef<'_, f64> {
+        self.basis.functions()
+    }
+
+    /// R, r x L: the coefficients of every product in the basis.
+    pub fn r(&self) -> MatRef<'_, f64> {
+        self.r.as_ref()
+    }
+
+    /// The index of the product that each function comes from, r of them, ascending: `R[.., kept]` is upper triangular.
+    pub fn kept(&self) -> &[usize] {
+        &self.kept
+    }
+
+    /// Number r of functions.
+    pub fn len(&self) -> usize {
+        self.kept.len()
+    }
+
+    /// Whether it has no functions.
+    pub fn is_empty(&self) -> bool {
+        self.kept.is_empty()
+    }
+
+    /// `R[.., kept]`, r x r, upper triangular.
+    pub(super) fn triangle(&self) -> Mat<f64> {
+        Mat::from_fn(self.len(), self.len(), |i, j| self.r[(i, self.kept[j])])
+    }
+}

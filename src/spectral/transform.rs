@@ -1,0 +1,87 @@
+//! The matrix O that transfers orthogonalised eigenproducts (thesis, section 1.3.3), from the functional map itself.
+//!
+//! O is r_target x r_source: `T(Q_source) = Q_target O`. Both formulas need a functional map that is exact or nearly so,
+//! and lose accuracy fast when it is not (figure 1.10). The way of section 1.3.4, by points, does not:
+//! [`map_from_points`](super::functional_map::map_from_points) with the points of the functional map.
+
+use faer::Mat;
+
+use super::dense;
+use super::product_basis::ProductBasis;
+use super::product_map::ProductMap;
+use crate::base::{Error, Par, Result};
+use crate::dense::divide_by_upper;
+
+/// Columns of C~ that exist at the same time.
+const PANEL: usize = 256;
+
+/// O by equation 1.16, `O = R_target C~ R_source^T (R_source R_source^T)^-1`: the least-squares solution of `O R_source =
+/// R_target C~`, which has a column for every product.
+///
+/// It is computed from a QR factorisation of `R_source^T`, which does not square its condition number as the formula does.
+///
+/// # Errors
+/// [`Error::Argument`] when the map is of other products than the bases, [`Error::OutOfMemory`].
+pub fn transform_of_all_products(
+    map: &ProductMap,
+    source: &ProductBasis,
+    target: &ProductBasis,
+    par: Par,
+) -> Result<Mat<f64>> {
+    check(map, source, target)?;
+    let all: Vec<usize> = (0..map.source().len()).collect();
+    let images = images(map, target, &all, par)?;
+    // Transposed: R^T O^T = (R C~)^T.
+    let solution = dense::least_squares(source.r().transpose(), images.transpose())?;
+    Ok(solution.transpose().to_owned())
+}
+
+/// O by equation 1.18: column by column, each from those before it. It uses the products that were kept on the source.
+///
+/// The thesis writes `R[i, h]` for what is `R[h, i]` of its equation 1.13, and means the products that were kept.
+///
+/// # Errors
+/// As [`transform_of_all_products`].
+pub fn transform_by_columns(
+    map: &ProductMap,
+    source: &ProductBasis,
+    target: &ProductBasis,
+    par: Par,
+) -> Result<Mat<f64>> {
+    check(map, source, target)?;
+    let mut o = images(map, target, source.kept(), par)?;
+    // Column i: (R C~)[.., i] less R[h, i] times the columns h before it, divided by R[i, i].
+    divide_by_upper(o.as_mut(), source.triangle().transpose(), par);
+    Ok(o)
+}
+
+/// `R_target C~[.., indices]`: the coefficients of the images of products.
+fn images(
+    map: &ProductMap,
+    target: &ProductBasis,
+    indices: &[usize],
+    par: Par,
+) -> Result<Mat<f64>> {
+    let mut images = dense::zeros(target.len(), indices.len())?;
+    for (panel, indices) in indices.chunks(PANEL).enumerate() {
+        let columns = map.columns(indices, par)?;
+        let into = images.as_mut().subcols_mut(panel * PANEL, indices.len());
+        dense::transposed_product_into(target.r().transpose(), columns.as_ref(), into, par)?;
+    }
+    Ok(images)
+}
+
+fn check(map: &ProductMap, source: &ProductBasis, target: &ProductBasis) -> Result<()> {
+    if map.source() == source.products() && map.target() == target.products() {
+        return Ok(());
+    }
+    let say = |p: &super::Eigenproducts| format!("{} functions to order {}", p.k(), p.order());
+    let why = format!(
+        "maps products of {} to products of {}, where the bases have {} and {}",
+        say(map.source()),
+        say(map.target()),
+        say(source.products()),
+        say(target.products())
+    );
+    Err(Error::Argument { what: "map", why })
+}

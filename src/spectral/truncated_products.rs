@@ -1,0 +1,69 @@
+//! Eigenproducts without orthogonalisation: the baseline "prods" of the thesis (Nogneng et al. 2018).
+
+use faer::{Mat, MatRef};
+
+use super::dense;
+use super::product_basis::ProductBasis;
+use crate::base::{Error, Par, Result};
+
+/// Functions as coefficients of the eigenproducts themselves, of the many such coefficients the least ones, by a truncated
+/// singular value decomposition of the products.
+///
+/// For comparison with [`ProductBasis`]: it is larger, slower and less stable. Coefficients are transferred by
+/// [`ProductMap::apply`](super::ProductMap::apply).
+#[derive(Debug, Clone)]
+pub struct TruncatedProducts<'a> {
+    basis: &'a ProductBasis,
+    /// The pseudo-inverse of R, L x r, without the small singular values.
+    inverse: Mat<f64>,
+    rank: usize,
+}
+
+impl<'a> TruncatedProducts<'a> {
+    /// The products of `basis`, which should be [`Reorthogonalized`](super::Orthogonalization::Reorthogonalized): `Q R = B`, so
+    /// that R has the singular values of the products B in the norm of the mass.
+    ///
+    /// Singular values of at most `threshold`, in `[0, 1)`, times the largest are left out. The code published with the
+    /// thesis takes 2e-3 per eigenfunction but two, the constant included, for transfer, and 0 for approximation.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for the threshold, [`Error::NotConverged`] when the decomposition fails, [`Error::OutOfMemory`].
+    pub fn new(basis: &'a ProductBasis, threshold: f64, par: Par) -> Result<Self> {
+        if !(0.0..1.0).contains(&threshold) {
+            let why = format!("must be at least 0 and less than 1, is {threshold}");
+            return Err(Error::Argument { what: "threshold", why });
+        }
+        let svd = dense::thin_svd("R", basis.r())?;
+        let least = threshold * svd.s.first().copied().unwrap_or(0.0);
+        let rank = svd.s.iter().take_while(|&&s| s > least).count();
+        let scaled = Mat::from_fn(svd.v.nrows(), rank, |i, j| svd.v[(i, j)] / svd.s[j]);
+        let inverse = dense::product(scaled.as_ref(), svd.u.subcols(0, rank).transpose(), par)?;
+        Ok(Self { basis, inverse, rank })
+    }
+
+    /// Number of singular values that are used.
+    pub fn rank(&self) -> usize {
+        self.rank
+    }
+
+    /// The least coefficients of products, L x c, of the functions of their (truncated) span that are nearest to the columns of
+    /// `f`, n x c.
+    ///
+    /// # Errors
+    /// As [`Basis::analysis`](super::Basis::analysis).
+    pub fn analysis(&self, f: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
+        let coefficients = self.basis.basis().analysis(f, par)?;
+        dense::product(self.inverse.as_ref(), coefficients.as_ref(), par)
+    }
+
+    /// The functions, n x c, with these coefficients of products, L x c.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when there are not L rows, [`Error::OutOfMemory`].
+    pub fn synthesis(&self, coefficients: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
+        let expected = (self.basis.products().len(), coefficients.ncols());
+        Error::check_shape("coefficients", expected, coefficients.shape())?;
+        let coefficients = dense::product(self.basis.r(), coefficients, par)?;
+        self.basis.basis().synthesis(coefficients.as_ref(), par)
+    }
+}

@@ -1,0 +1,301 @@
+//! Gram-Schmidt and Cholesky QR: orthonormality, reconstruction, rank, thresholds, awkward inputs.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use catamaran::base::{Flow, Rng};
+use catamaran::faer::{Mat, MatRef};
+use catamaran::ortho::{
+    GramSchmidtOptions, Orthonormal, cholesky_qr, gram_schmidt, gram_schmidt_in_place,
+};
+use catamaran::sparse::{CsMat, Mass};
+use catamaran::{Error, Par};
+
+fn random(n: usize, c: usize, seed: u64) -> Mat<f64> {
+    let mut rng = Rng::new(seed);
+    Mat::from_fn(n, c, |_, _| rng.uniform() - 0.5)
+}
+
+fn lumped(n: usize) -> Mass {
+    Mass::Lumped((0..n).map(|i| 1.0 + 0.9 * (i as f64).sin()).collect())
+}
+
+/// A tridiagonal mass.
+fn full(n: usize) -> Mass {
+    let mut triplets = sprs::TriMat::new((n, n));
+    for i in 0..n {
+        triplets.add_triplet(i, i, 2.0 + (i as f64).cos());
+        if i + 1 < n {
+            triplets.add_triplet(i, i + 1, 0.3);
+            triplets.add_triplet(i + 1, i, 0.3);
+        }
+    }
+    let matrix: CsMat<f64> = triplets.to_csr();
+    Mass::Full(matrix)
+}
+
+/// The largest entry of `|Q^T M Q - I|`.
+fn defect(q: MatRef<'_, f64>, mass: &Mass) -> f64 {
+    let mut weighted = Mat::zeros(q.nrows(), q.ncols());
+    mass.multiply(q, weighted.as_mut(), Par::Seq).unwrap();
+    let gram = q.transpose() * &weighted;
+    let entries = (0..q.ncols()).flat_map(|j| (0..q.ncols()).map(move |i| (i, j)));
+    entries.map(|p| (gram[p] - f64::from(p.0 == p.1)).abs()).fold(0.0, f64::max)
+}
+
+/// The M-lengths of the columns.
+fn lengths(a: MatRef<'_, f64>, mass: &Mass) -> Vec<f64> {
+    let mut weighted = Mat::zeros(a.nrows(), a.ncols());
+    mass.multiply(a, weighted.as_mut(), Par::Seq).unwrap();
+    (0..a.ncols()).map(|j| (a.col(j).transpose() * weighted.col(j)).sqrt()).collect()
+}
+
+/// Checks shapes, the triangle, and that Q R is A up to `slack` of each column for dropped columns, up to rounding for
+/// the others.
+fn check_factors(a: MatRef<'_, f64>, mass: &Mass, found: &Orthonormal, slack: f64) {
+    let Orthonormal { q, r, kept } = found;
+    assert_eq!((q.nrows(), q.ncols()), (a.nrows(), kept.len()));
+    assert_eq!((r.nrows(), r.ncols()), (kept.len(), a.ncols()));
+    assert!(kept.is_sorted() && kept.windows(2).all(|w| w[0] < w[1]));
+    for (i, &j) in kept.iter().enumerate() {
+        assert!(r[(i, j)] > 0.0);
+        assert!((i + 1..kept.len()).all(|l| r[(l, j)] == 0.0));
+    }
+    let gap = a - q * r;
+    let (gaps, sizes) = (lengths(gap.as_ref(), mass), lengths(a, mass));
+    for j in 0..a.ncols() {
+        let allowed = if kept.contains(&j) { 1e-13 } else { slack };
+        assert!(gaps[j] <= allowed * sizes[j], "column {j}: {:e} of {:e}", gaps[j], sizes[j]);
+    }
+}
+
+fn precise() -> GramSchmidtOptions<'static> {
+    GramSchmidtOptions { par: Par::Seq, ..GramSchmidtOptions::reorthogonalised() }
+}
+
+#[test]
+fn independent_columns_stay_for_every_shape_and_mass() {
+    for (n, c) in
+        [(0, 0), (5, 0), (1, 1), (2, 1), (7, 7), (31, 8), (127, 9), (300, 257), (701, 523)]
+    {
+        for mass in [Mass::identity(n), lumped(n), full(n)] {
+            let a = random(n, c, 1);
+            let found = gram_schmidt(a.as_ref(), &mass, &precise()).unwrap();
+            assert_eq!(found.kept, (0..c).collect::<Vec<_>>(), "{n} x {c}");
+            check_factors(a.as_ref(), &mass, &found, 1e-9);
+            assert!(defect(found.q.as_ref(), &mass) < 1e-13, "{n} x {c}");
+        }
+    }
+}
+
+#[test]
+fn more_columns_than_rows_have_the_rank_of_the_rows() {
+    let (n, c) = (61, 700);
+    let a = random(n, c, 2);
+    let found = gram_schmidt(a.as_ref(), &lumped(n), &precise()).unwrap();
+    assert_eq!(found.kept, (0..n).collect::<Vec<_>>());
+    check_factors(a.as_ref(), &lumped(n), &found, 1e-9);
+}
+
+#[test]
+fn duplicates_zeros_and_sums_are_dropped() {
+    let (n, mass) = (400, full(400));
+    let mut a = random(n, 600, 3);
+    for j in 0..600 {
+        match j % 4 {
+            1 => a.col_mut(j).fill(0.0),
+            2 => a.copy_column(j - 2, j, -3.0),
+            3 => {
+                // The sum of two that stay, one of them far back.
+                let back = j - 3 - (j - 3) / 8 * 4;
+                let sum = Mat::from_fn(n, 1, |i, _| a[(i, j - 3)] + 7.0 * a[(i, back)]);
+                a.col_mut(j).copy_from(sum.col(0));
+            }
+            _ => {}
+        }
+    }
+    let found = gram_schmidt(a.as_ref(), &mass, &precise()).unwrap();
+    assert_eq!(found.kept, (0..600).step_by(4).collect::<Vec<_>>());
+    check_factors(a.as_ref(), &mass, &found, 1e-9);
+    assert!(defect(found.q.as_ref(), &mass) < 1e-12);
+}
+
+/// Columns of `Q0 D R0`-like grading: each has less and less that is new.
+trait CopyColumn {
+    fn copy_column(&mut self, from: usize, to: usize, factor: f64);
+}
+
+impl CopyColumn for Mat<f64> {
+    fn copy_column(&mut self, from: usize, to: usize, factor: f64) {
+        for i in 0..self.nrows() {
+            self[(i, to)] = factor * self[(i, from)];
+        }
+    }
+}
+
+#[test]
+fn small_and_large_columns_are_treated_alike() {
+    let (n, c) = (500, 90);
+    let mut a = random(n, c, 4);
+    for j in 0..c {
+        let size = 10f64.powi(-((j * 5 % 15) as i32));
+        a.col_mut(j).iter_mut().for_each(|x| *x *= size);
+    }
+    let found = gram_schmidt(a.as_ref(), &lumped(n), &precise()).unwrap();
+    assert_eq!(found.kept.len(), c);
+    check_factors(a.as_ref(), &lumped(n), &found, 1e-9);
+    assert!(defect(found.q.as_ref(), &lumped(n)) < 1e-13);
+}
+
+#[test]
+fn the_threshold_is_what_is_left_relative_to_the_column() {
+    // Column j is e_0 + 10^-j e_j: the rest after projection is 10^-j of it.
+    let (n, c) = (40, 13);
+    let a = Mat::from_fn(n, c, |i, j| match i {
+        0 => 1.0,
+        _ if i == j => 10f64.powi(-(j as i32)),
+        _ => 0.0,
+    });
+    let mass = Mass::identity(n);
+    for exponent in [1, 2, 5, 9, 11] {
+        let threshold = 0.3 * 10f64.powi(-exponent);
+        for reorthogonalise in [false, true] {
+            let options = GramSchmidtOptions { threshold, reorthogonalise, ..precise() };
+            let found = gram_schmidt(a.as_ref(), &mass, &options).unwrap();
+            assert_eq!(found.kept, (0..=exponent as usize).collect::<Vec<_>>(), "{threshold:e}");
+            check_factors(a.as_ref(), &mass, &found, 1.01 * threshold);
+        }
+    }
+}
+
+#[test]
+fn nearly_dependent_columns_are_orthogonal_to_rounding() {
+    // Two hundred columns near a space of twenty dimensions, at distances from 1 to 1e-8.
+    let (n, c) = (900, 600);
+    let mass = lumped(n);
+    let (base, noise) = (random(n, 20, 5), random(n, c, 6));
+    let mix = random(20, c, 7);
+    let mut a = &base * &mix;
+    for j in 0..c {
+        let size = 10f64.powi(-((j % 9) as i32));
+        (0..n).for_each(|i| a[(i, j)] += size * noise[(i, j)]);
+    }
+    let found = gram_schmidt(a.as_ref(), &mass, &precise()).unwrap();
+    check_factors(a.as_ref(), &mass, &found, 1e-9);
+    assert!(found.kept.len() > 590, "{}", found.kept.len());
+    let defect = defect(found.q.as_ref(), &mass);
+    assert!(defect < 1e-12, "{defect:e}");
+}
+
+#[test]
+fn negative_overlaps_are_repaired_like_positive_ones() {
+    // The thesis' reference code repairs only positive ones.
+    let (n, mass) = (300, lumped(300));
+    let base = random(n, 1, 8);
+    let noise = random(n, 40, 9);
+    for sign in [1.0, -1.0] {
+        let a = Mat::from_fn(n, 40, |i, j| match j {
+            0 => base[(i, 0)],
+            _ => sign * base[(i, 0)] + 1e-7 * noise[(i, j)],
+        });
+        let found = gram_schmidt(a.as_ref(), &mass, &precise()).unwrap();
+        assert_eq!(found.kept.len(), 40);
+        assert!((1..40).all(|j| sign * found.r[(0, j)] > 0.0));
+        assert!(defect(found.q.as_ref(), &mass) < 1e-13);
+    }
+}
+
+#[test]
+fn a_single_pass_is_orthogonal_as_far_as_its_threshold_allows() {
+    let (n, c) = (800, 300);
+    let a = random(n, c, 10);
+    let options = GramSchmidtOptions { par: Par::Seq, ..GramSchmidtOptions::single_pass() };
+    let found = gram_schmidt(a.as_ref(), &lumped(n), &options).unwrap();
+    check_factors(a.as_ref(), &lumped(n), &found, 1e-2);
+    assert!(defect(found.q.as_ref(), &lumped(n)) < 1e-9);
+}
+
+#[test]
+fn strides_and_threads_change_no_byte() {
+    let (n, c) = (3001, 270);
+    let a = random(n, c, 11);
+    for mass in [lumped(n), full(n)] {
+        let one = gram_schmidt(a.as_ref(), &mass, &precise()).unwrap();
+        for threads in [2, 3] {
+            let options = GramSchmidtOptions { par: Par::Threads(threads), ..precise() };
+            let more = gram_schmidt(a.as_ref(), &mass, &options).unwrap();
+            assert_eq!((&one.q, &one.r, &one.kept), (&more.q, &more.r, &more.kept));
+        }
+    }
+    // By rows, in place, in every second place.
+    let mass = lumped(n);
+    let mut by_rows = vec![f64::NAN; 2 * n * c];
+    let mut view = catamaran::faer::MatMut::from_row_major_slice_mut(&mut by_rows, n, 2 * c);
+    for j in 0..c {
+        view.as_mut().col_mut(2 * j).copy_from(a.col(j));
+    }
+    let (rows, cols) = (view.row_stride(), 2 * view.col_stride());
+    let start = view.as_ptr_mut();
+    // SAFETY: every second column of the matrix above, which is not used meanwhile.
+    let strided = unsafe { catamaran::faer::MatMut::from_raw_parts_mut(start, n, c, rows, cols) };
+    let factors = gram_schmidt_in_place(strided, &mass, &precise()).unwrap();
+    let q = Mat::from_fn(n, c, |i, j| by_rows[2 * (i * c + j)]);
+    assert!(by_rows.iter().skip(1).step_by(2).all(|x| x.is_nan()));
+    let found = Orthonormal { q, r: factors.r, kept: factors.kept };
+    check_factors(a.as_ref(), &mass, &found, 1e-9);
+    assert!(defect(found.q.as_ref(), &mass) < 1e-13);
+}
+
+#[test]
+fn cholesky_qr_agrees_and_refuses_dependent_columns() {
+    for (n, c) in [(0, 0), (4, 0), (1, 1), (13, 13), (997, 100)] {
+        for mass in [lumped(n), full(n)] {
+            let a = random(n, c, 12);
+            let mut q = a.clone();
+            let r = cholesky_qr(q.as_mut(), &mass, Par::Threads(2)).unwrap();
+            let found = Orthonormal { q, r, kept: (0..c).collect() };
+            check_factors(a.as_ref(), &mass, &found, 0.0);
+            assert!(defect(found.q.as_ref(), &mass) < 1e-13);
+        }
+    }
+    // A condition of about 1e12, which one Cholesky factorisation can't do.
+    let (n, mass) = (500, lumped(500));
+    let (base, noise) = (random(n, 1, 13), random(n, 10, 14));
+    let a = Mat::from_fn(n, 10, |i, j| base[(i, 0)] + 1e-12 * noise[(i, j)]);
+    let mut q = a.clone();
+    cholesky_qr(q.as_mut(), &mass, Par::Seq).unwrap();
+    assert!(defect(q.as_ref(), &mass) < 1e-13);
+    let mut twice = random(n, 10, 15);
+    twice.copy_column(2, 7, 1.0);
+    let refused = cholesky_qr(twice.as_mut(), &mass, Par::Seq).unwrap_err();
+    assert!(matches!(refused, Error::Argument { what: "A", .. }), "{refused}");
+    let refused = cholesky_qr(random(3, 4, 1).as_mut(), &lumped(3), Par::Seq).unwrap_err();
+    assert!(refused.to_string().contains("4 columns of 3 rows"));
+}
+
+#[test]
+fn dirty_inputs_are_refused_and_work_can_be_cancelled() {
+    let (n, c) = (50, 600);
+    let mut a = random(n, c, 16);
+    let short = Mass::identity(n - 1);
+    assert!(matches!(
+        gram_schmidt(a.as_ref(), &short, &precise()).unwrap_err(),
+        Error::Shape { what: "mass", .. }
+    ));
+    for threshold in [0.0, 1.0, -1.0, f64::NAN] {
+        let options = GramSchmidtOptions { threshold, ..precise() };
+        let refused = gram_schmidt(a.as_ref(), &lumped(n), &options).unwrap_err();
+        assert!(matches!(refused, Error::Argument { what: "threshold", .. }));
+    }
+    let calls = AtomicUsize::new(0);
+    let stop = |_: f64| match calls.fetch_add(1, Ordering::Relaxed) {
+        1 => Flow::Cancel,
+        _ => Flow::Continue,
+    };
+    let options = GramSchmidtOptions { progress: Some(&stop), ..precise() };
+    assert_eq!(gram_schmidt(a.as_ref(), &lumped(n), &options).unwrap_err(), Error::Cancelled);
+    a[(3, 5)] = f64::INFINITY;
+    assert_eq!(
+        gram_schmidt(a.as_ref(), &lumped(n), &precise()).unwrap_err(),
+        Error::NonFinite { what: "A", index: (3, 5) }
+    );
+}

@@ -1,0 +1,173 @@
+//! Functional maps: from functions and landmarks, from points, refined.
+
+use catamaran::base::Flow;
+use catamaran::faer::{Mat, MatRef};
+use catamaran::spectral::Eigenbasis;
+use catamaran::spectral::functional_map::{
+    MapFit, icp, map_from_points, points_from_map, pull_back, zoomout,
+};
+use catamaran::{Error, Par};
+
+use crate::common::{bits, gaussian};
+use crate::surface::{THREADS, blob, eigenbasis, shuffled};
+
+/// Two eigenbases of the same surface, in another order of vertices and another size, and the true points.
+fn pair(len: usize) -> (Eigenbasis, Eigenbasis, Vec<u32>) {
+    let mesh = blob(3);
+    let (other, points) = shuffled(&mesh, 2.5);
+    (eigenbasis(&mesh, len), eigenbasis(&other, len), points)
+}
+
+const LANDMARKS: [u32; 5] = [3, 50, 121, 300, 511];
+
+fn landmarks(points: &[u32]) -> Vec<(u32, u32)> {
+    let target = |x: u32| points.iter().position(|&p| p == x).unwrap() as u32;
+    LANDMARKS.iter().map(|&x| (x, target(x))).collect()
+}
+
+fn distance(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> f64 {
+    (a - b).norm_max()
+}
+
+#[test]
+fn the_map_of_a_mesh_to_itself_is_the_identity() {
+    let eigen = eigenbasis(&blob(2), 12);
+    let mut fit = MapFit::new(&eigen, &eigen, Par::Seq);
+    let f = eigen.functions() * gaussian::<f64>(12, 20, 2);
+    fit.functions(f.as_ref(), f.as_ref()).unwrap();
+    for weight in [0.0, 1e-3, 1.0] {
+        let c = fit.solve(weight).unwrap();
+        assert!(distance(c.as_ref(), Mat::identity(12, 12).as_ref()) < 1e-7, "{weight}");
+    }
+    let points: Vec<u32> = (0..eigen.basis().vertices() as u32).collect();
+    let c = map_from_points(&points, eigen.basis(), eigen.basis(), Par::Seq).unwrap();
+    assert!(distance(c.as_ref(), Mat::identity(12, 12).as_ref()) < 1e-12);
+    assert_eq!(
+        points_from_map(c.as_ref(), eigen.basis(), eigen.basis(), Par::Seq, None),
+        Ok(points)
+    );
+}
+
+#[test]
+fn functions_determine_the_map_of_a_shuffled_mesh_and_the_map_the_points() {
+    let (source, target, points) = pair(15);
+    let exact = map_from_points(&points, source.basis(), target.basis(), Par::Seq).unwrap();
+    let f = source.functions() * gaussian::<f64>(15, 30, 2);
+    let g = pull_back(&points, f.as_ref()).unwrap();
+    let mut fit = MapFit::new(&source, &target, Par::Seq);
+    fit.functions(f.as_ref(), g.as_ref()).unwrap();
+    let c = fit.solve(MapFit::COMMUTATIVITY).unwrap();
+    assert!(distance(c.as_ref(), exact.as_ref()) < 1e-6 * exact.norm_max());
+    // An isometry up to size: the map is diagonal, signs times the ratio of lengths, and so commutes with Laplacians.
+    for i in 0..15 {
+        for j in 0..15 {
+            let expected = if i == j { 2.5 } else { 0.0 };
+            assert!((c[(i, j)].abs() - expected).abs() < 1e-5);
+        }
+    }
+    let found = points_from_map(c.as_ref(), source.basis(), target.basis(), Par::Seq, None);
+    assert_eq!(found.unwrap(), points);
+}
+
+#[test]
+fn landmarks_and_zoomout_recover_the_permutation_exactly() {
+    let (source, target, points) = pair(40);
+    let (low, other) = (source.truncated(8).unwrap(), target.truncated(8).unwrap());
+    let mut fit = MapFit::new(&low, &other, Par::Seq);
+    fit.landmarks(&landmarks(&points)).unwrap();
+    let c = fit.solve(MapFit::COMMUTATIVITY).unwrap();
+    for step in [1, 5] {
+        let refined = zoomout(c.as_ref(), &source, &target, step, Par::all(), None).unwrap();
+        assert_eq!(refined.points, points);
+        assert_eq!(refined.map.shape(), (40, 40));
+        let exact = map_from_points(&points, source.basis(), target.basis(), Par::Seq).unwrap();
+        assert!(distance(refined.map.as_ref(), exact.as_ref()) < 1e-9);
+    }
+    let refined = icp(c.as_ref(), &low, &other, 30, Par::all(), None).unwrap();
+    let scaled = refined.map.transpose() * &refined.map;
+    let identity = Mat::from_fn(8, 8, |i, j| if i == j { 6.25 } else { 0.0 });
+    assert!(distance(scaled.as_ref(), identity.as_ref()) < 1e-9);
+    let right = refined.points.iter().zip(&points).filter(|(a, b)| a == b).count();
+    assert!(right * 10 > points.len() * 9, "{right} of {}", points.len());
+}
+
+#[test]
+fn segments_determine_a_map() {
+    let (source, target, points) = pair(6);
+    // Cells of the nearest of some vertices, by a function that both meshes know.
+    let labels: Vec<u32> = (0..points.len())
+        .map(|x| (0..3).map(|i| u32::from(source.functions()[(x, i + 1)] > 0.0) << i).sum())
+        .collect();
+    let moved: Vec<u32> = points.iter().map(|&x| labels[x as usize]).collect();
+    let mut fit = MapFit::new(&source, &target, Par::Seq);
+    fit.segments(&labels, &moved).unwrap();
+    let c = fit.solve(MapFit::COMMUTATIVITY).unwrap();
+    let exact = map_from_points(&points, source.basis(), target.basis(), Par::Seq).unwrap();
+    assert!(distance(c.as_ref(), exact.as_ref()) < 1e-5);
+}
+
+#[test]
+fn bases_of_different_sizes_map_to_each_other() {
+    let (source, target, points) = pair(20);
+    let small = target.truncated(13).unwrap();
+    let mut fit = MapFit::new(&source, &small, Par::Seq);
+    fit.landmarks(&landmarks(&points)).unwrap();
+    assert_eq!(fit.solve(1e-2).unwrap().shape(), (13, 20));
+    let c = map_from_points(&points, source.basis(), target.basis(), Par::Seq).unwrap();
+    let refined = zoomout(c.get(..4, ..6), &source, &small, 3, Par::Seq, None).unwrap();
+    assert_eq!(refined.map.shape(), (13, 20));
+    let refined = icp(c.get(..13, ..), &source, &small, 3, Par::Seq, None).unwrap();
+    assert_eq!(refined.map.shape(), (13, 20));
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let (source, target, points) = pair(14);
+    let low = (source.truncated(6).unwrap(), target.truncated(6).unwrap());
+    let mut all = THREADS.into_iter().map(|par| {
+        let mut fit = MapFit::new(&low.0, &low.1, par);
+        fit.landmarks(&landmarks(&points)).unwrap();
+        let c = fit.solve(MapFit::COMMUTATIVITY).unwrap();
+        let zoomed = zoomout(c.as_ref(), &source, &target, 2, par, None).unwrap();
+        let closest = icp(c.as_ref(), &low.0, &low.1, 4, par, None).unwrap();
+        (bits(c.as_ref()), bits(zoomed.map.as_ref()), zoomed.points, bits(closest.map.as_ref()))
+    });
+    let first = all.next().unwrap();
+    assert!(all.all(|other| other == first));
+}
+
+#[test]
+fn dirty_input_is_refused_by_name_and_refinement_can_be_cancelled() {
+    let eigen = eigenbasis(&blob(1), 5);
+    let n = eigen.basis().vertices() as u32;
+    let mut fit = MapFit::new(&eigen, &eigen, Par::Seq);
+    let argument = |error: Error, name: &str| {
+        assert!(matches!(error, Error::Argument { what, .. } if what == name), "{error}");
+    };
+    argument(fit.solve(1.0).unwrap_err(), "functions");
+    argument(fit.landmarks(&[(0, 0), (1, n)]).unwrap_err(), "landmarks");
+    let labels = vec![1; n as usize];
+    let mut others = labels.clone();
+    others[3] = 7;
+    let error = fit.segments(&labels, &others).unwrap_err();
+    assert!(error.to_string().contains("label 7"), "{error}");
+    assert!(matches!(fit.segments(&labels[1..], &others), Err(Error::Shape { .. })));
+    fit.landmarks(&[(0, 0)]).unwrap();
+    argument(fit.solve(-1.0).unwrap_err(), "commutativity");
+    argument(fit.solve(f64::NAN).unwrap_err(), "commutativity");
+    // One landmark and no commutativity: the least of many maps, but a finite one.
+    assert!(fit.solve(0.0).unwrap().norm_max().is_finite());
+
+    let c = Mat::<f64>::identity(5, 5);
+    argument(icp(c.as_ref(), &eigen, &eigen, 0, Par::Seq, None).unwrap_err(), "iterations");
+    argument(zoomout(c.as_ref(), &eigen, &eigen, 0, Par::Seq, None).unwrap_err(), "step");
+    let large = Mat::<f64>::identity(6, 6);
+    let error = zoomout(large.as_ref(), &eigen, &eigen, 1, Par::Seq, None).unwrap_err();
+    assert!(matches!(error, Error::Shape { what: "functional map", .. }), "{error}");
+    let points = vec![n; n as usize];
+    let error = map_from_points(&points, eigen.basis(), eigen.basis(), Par::Seq).unwrap_err();
+    assert!(error.to_string().contains("target vertex 0"), "{error}");
+    let cancel = |_: f64| Flow::Cancel;
+    let stopped = zoomout(c.get(..2, ..2), &eigen, &eigen, 1, Par::Seq, Some(&cancel));
+    assert_eq!(stopped.unwrap_err(), Error::Cancelled);
+}
