@@ -252,7 +252,11 @@ fn a_book_of_three_pages_has_a_non_manifold_edge() {
     let refused = mesh.require_manifold().unwrap_err().to_string();
     assert_eq!(refused, "edge 0-1: has 3 faces (0, 1, 2), not one or two");
     assert_eq!(mesh.oriented().unwrap_err().to_string(), refused);
-    assert!(report.to_string().contains("1 edges with more than two faces: edge 0-1 of 3 faces"));
+    assert!(
+        report
+            .to_string()
+            .contains("edges with more than two faces: 1 (edge 0-1 of 3 faces (0, 1, 2))")
+    );
 }
 
 #[test]

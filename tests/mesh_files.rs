@@ -144,8 +144,8 @@ fn facets_that_collapse_are_counted() {
 /// A square with everything a file can hold, by vertex.
 fn painted() -> MeshFile {
     let mut file = MeshFile::from(families::grid(1, 1).unwrap());
-    let at = |values: [[f64; 2]; 4]| Some(Attribute { values: values.to_vec(), corners: None });
-    file.uv = at([[0.0, 0.1], [1.0, 0.2], [0.3, 1.0], [0.5, 0.7]]);
+    let uv = vec![[0.0, 0.1], [1.0, 0.2], [0.3, 1.0], [0.5, 0.7]];
+    file.uv = Some(Attribute { values: uv, corners: None });
     file.normals = Some(Attribute { values: vec![[0.0, 0.1, 1.0]; 4], corners: None });
     let colors =
         [[0.0, 1.0, 0.2, 1.0], [1.0 / 255.0, 0.4, 0.6, 1.0], [0.8, 1.0, 1.0, 0.2], [1.0; 4]];

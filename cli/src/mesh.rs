@@ -90,7 +90,7 @@ pub fn run(args: &Args) -> Result<()> {
     measures(&file, &found)?;
 
     if args.check && !found.problems.is_empty() {
-        bail!("{name}: {} problems", found.problems.len());
+        bail!("{name}: problems found: {}", found.problems.len());
     }
     let Some(output) = output else { return Ok(()) };
     let file = changed(args, file).with_context(|| name.to_string())?;
@@ -107,7 +107,9 @@ fn measures(file: &MeshFile, found: &Validation) -> Result<()> {
     let oriented =
         |p: &Problem| !matches!(p, Problem::Inconsistent { .. } | Problem::NonManifoldEdge { .. });
     if found.is_closed() && found.faces > 0 && found.problems.iter().all(oriented) {
-        report(format_args!("volume      {}", mesh.volume()))?;
+        let volume = mesh.volume();
+        let note = if volume < 0.0 { ", faces clockwise from outside" } else { "" };
+        report(format_args!("volume      {volume}{note}"))?;
     }
     if let Some([low, high]) = mesh.bounding_box() {
         report(format_args!("box         {low:?} to {high:?}"))?;

@@ -38,16 +38,16 @@ fn problems_are_named_and_fail_only_on_demand() {
     let folder = Folder::new();
     folder.write("two.off", TWO);
     let report = folder.succeed("mesh two.off");
-    assert!(report.contains("problem     1 vertices without a face: vertex 4\n"), "{report}");
+    assert!(report.contains("problem     vertices without a face: 1 (vertex 4)\n"), "{report}");
     assert!(
         report.contains(
-            "problem     3 edges whose faces run the same way: edge 6-7 of faces 4 and 7;"
+            "problem     edges whose faces run the same way: 3 (edge 6-7 of faces 4 and 7;"
         ),
         "{report}"
     );
     assert!(report.contains("components  2\n"), "{report}");
     let refused = folder.fail("mesh two.off --check -o other.off");
-    assert_eq!(refused, "catamaran: two.off: 4 problems\n");
+    assert_eq!(refused, "catamaran: two.off: problems found: 4\n");
 }
 
 #[test]

@@ -140,7 +140,7 @@ impl fmt::Display for Validation {
             let shown: Vec<_> = group.iter().take(SHOWN).map(Problem::to_string).collect();
             let more = if group.len() > SHOWN { "; ..." } else { "" };
             let list = shown.join("; ");
-            write!(f, "\nproblem     {} {}: {list}{more}", group.len(), group[0].kind())?;
+            write!(f, "\nproblem     {}: {} ({list}{more})", group[0].kind(), group.len())?;
         }
         Ok(())
     }

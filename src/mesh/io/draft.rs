@@ -2,7 +2,7 @@ use super::super::TriMesh;
 use crate::base::{Error, Result};
 use crate::io::Source;
 
-/// What a reader of a line or an element finds wrong; where that is, [`Draft::blame`] knows.
+/// What a reader of a line or an element finds wrong; where that is, [`Fault::at`] and [`Fault::of`] say.
 pub(super) enum Fault {
     What(String),
     Error(Error),
@@ -77,16 +77,13 @@ impl Draft {
         Ok(push(&mut self.vertices, position)?)
     }
 
-    /// The triangles of a polygon: pairs of places in `corners` after its first one.
+    /// The triangles between the first corner of a polygon and each of its other edges.
     pub fn push_polygon(&mut self, corners: &[u32]) -> Checked<()> {
-        let &[first, .., _] = corners else {
-            return Err(format!("a face of {} corners", corners.len()).into());
-        };
         if corners.len() < 3 {
-            return Err("a face of 2 corners".into());
+            return Err(format!("a face of {} corners", corners.len()).into());
         }
         for pair in corners[1..].windows(2) {
-            let face = [first, pair[0], pair[1]];
+            let face = [corners[0], pair[0], pair[1]];
             let [a, b, c] = face;
             if a == b || b == c || c == a {
                 let twice = if b == c { b } else { a };

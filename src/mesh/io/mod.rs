@@ -3,7 +3,7 @@
 //! A reader trusts nothing: counts in a header reserve no memory before the bytes are there, what is broken is an error that
 //! names the file and the line or the element, and a packed file that unpacks to more than 256 MiB and a hundred times its
 //! size is refused. A writer keeps every bit of the coordinates, but for binary STL, which has single precision, and shows
-//! its file whole or not at all ([`Output`](crate::io::Output)).
+//! its file whole or not at all ([`Output`]).
 
 mod attributes;
 mod draft;

@@ -114,25 +114,26 @@ impl Reader {
         self.draft.faces = roomy(element.count);
         let mut polygon = Vec::new();
         while let Some(row) = rows.next()? {
-            let read = (|| -> Checked<()> {
-                polygon.clear();
-                for &number in &row.lists[corners] {
-                    // Every integer type of PLY is exact in a double.
-                    if !(number >= 0.0 && number < f64::from(u32::MAX) && number.fract() == 0.0) {
-                        return Err(format!("vertex {number}").into());
-                    }
-                    push(&mut polygon, number as u32)?;
-                }
-                let before = self.draft.faces.len();
-                self.draft.push_polygon(&polygon)?;
-                match uv {
-                    Some(uv) => self.corner_uv(&row.lists[uv], polygon.len(), before),
-                    None => Ok(()),
-                }
-            })();
+            let uv = uv.map(|uv| &row.lists[uv][..]);
+            let read = self.face(&row.lists[corners], uv, &mut polygon);
             read.map_err(|fault| fault.of(|| format!("face {}", row.index)))?;
         }
         Ok(())
+    }
+
+    /// A face of these vertices and texture coordinates; `polygon` is scratch.
+    fn face(&mut self, corners: &[f64], uv: Option<&[f64]>, polygon: &mut Vec<u32>) -> Checked<()> {
+        polygon.clear();
+        for &number in corners {
+            // Every integer type of PLY is exact in a double.
+            if !(number >= 0.0 && number < f64::from(u32::MAX) && number.fract() == 0.0) {
+                return Err(format!("vertex {number}").into());
+            }
+            push(polygon, number as u32)?;
+        }
+        let before = self.draft.faces.len();
+        self.draft.push_polygon(polygon)?;
+        uv.map_or(Ok(()), |uv| self.corner_uv(uv, polygon.len(), before))
     }
 
     /// The texture coordinates of the corners of a polygon, whose triangles begin at face `before`.
