@@ -33,7 +33,7 @@ pub fn gradient(mesh: &TriMesh) -> Result<CsMat<f64>> {
 
 /// What takes a vector field constant on faces (3 F values, as [`gradient`] returns them) to its divergence, integrated
 /// against the hat function of each vertex: a matrix D of V rows by 3 F columns, the adjoint of minus the gradient G.
-/// So `D G = -W` with the cotangent stiffness W of [`super::laplacian`], and with a lumped mass M the divergence at vertex
+/// So `D G = -W` with the cotangent stiffness W of [`laplacian`](fn@super::laplacian), and with a lumped mass M the divergence at vertex
 /// v is `(D x)_v / M_v`.
 ///
 /// # Errors

@@ -50,7 +50,7 @@ impl HeatMethod {
     /// # Errors
     /// [`Error::Argument`] for a time that is not positive and finite, or when the Laplacian is not positive definite to
     /// working precision, which bad triangles can do to [`LaplacianKind::Cotangent`]; those of
-    /// [`laplacian`](super::super::laplacian); [`Error::OutOfMemory`].
+    /// [`laplacian`](fn@super::super::laplacian); [`Error::OutOfMemory`].
     pub fn new(mesh: &TriMesh, options: &HeatOptions) -> Result<Self> {
         let n = mesh.vertices().len();
         if !(options.time > 0.0 && options.time.is_finite()) {

@@ -45,7 +45,7 @@ impl Complex {
     /// The intrinsic Delaunay triangulation of a mesh or, for [`LaplacianKind::Tufted`], of its tufted cover.
     ///
     /// # Errors
-    /// As [`super::laplacian`].
+    /// As [`laplacian`](fn@super::laplacian).
     pub fn delaunay(mesh: &TriMesh, kind: LaplacianKind) -> Result<Self> {
         let mut complex = Self::of_mesh(mesh)?;
         if kind == LaplacianKind::Tufted {

@@ -67,7 +67,7 @@ pub enum Boundary {
     Mixed(Vec<u32>),
 }
 
-/// Options of [`laplacian`].
+/// Options of [`laplacian()`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct LaplacianOptions {
     /// Triangles; default [`LaplacianKind::Cotangent`].

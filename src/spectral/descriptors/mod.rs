@@ -1,7 +1,7 @@
 //! Functions that tell the points of a shape apart, many for each vertex (rows), for correspondences and as test signals.
 //!
 //! From eigenpairs of the Laplacian: heat and wave kernel signatures and their relatives, the same for isometric shapes.
-//! From the mesh: [`shot`], the same for rigid motions, and [`geodesic_rings`], intrinsic and local, which stands where the
+//! From the mesh: [`shot()`], the same for rigid motions, and [`geodesic_rings`], intrinsic and local, which stands where the
 //! thesis has the anisotropic windowed Fourier transform.
 
 mod cells;

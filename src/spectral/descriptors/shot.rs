@@ -18,7 +18,7 @@ const FEWEST: usize = 5;
 /// Vertices a thread takes at a time.
 const BLOCK: usize = 128;
 
-/// Options of [`shot`]. There is no radius that suits all meshes, hence no default.
+/// Options of [`shot()`]. There is no radius that suits all meshes, hence no default.
 #[derive(Clone, Copy)]
 pub struct ShotOptions<'a> {
     /// Radius of the ball that a vertex sees, in units of length; positive.
