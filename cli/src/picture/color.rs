@@ -1,5 +1,4 @@
 //! Colours of numbers, and of light.
-#![cfg_attr(not(test), expect(dead_code))]
 
 use colorous::{Gradient, RED_BLUE, VIRIDIS};
 

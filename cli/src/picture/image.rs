@@ -42,12 +42,9 @@ impl Image {
         writer.write_image_data(self.pixels.as_flattened())?;
         writer.finish()
     }
-}
 
-/// What only pictures of meshes need.
-#[cfg_attr(not(test), expect(dead_code))]
-impl Image {
     /// Pixels in a row.
+    #[cfg(test)]
     pub fn width(&self) -> usize {
         self.width
     }

@@ -6,7 +6,6 @@ mod matrix;
 // No command draws meshes yet; the tests do.
 #[cfg_attr(not(test), expect(dead_code))]
 mod mesh;
-#[cfg_attr(not(test), expect(dead_code))]
 mod text;
 
 pub use matrix::{Scale, levels, write};

@@ -1,6 +1,6 @@
 //! Meshes, seen from somewhere and coloured by something: a rasteriser of our own.
 
-mod camera;
+pub mod camera;
 mod legend;
 mod raster;
 mod shade;
@@ -13,8 +13,7 @@ use catamaran::mesh::TriMesh;
 use super::color::ColorScale;
 use super::image::{Image, Rgb};
 use super::text::{Size, write_text};
-use camera::Camera;
-pub use camera::{Projection, Up, View};
+use camera::{Camera, View};
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 3;
