@@ -42,10 +42,13 @@ impl Image {
         writer.write_image_data(self.pixels.as_flattened())?;
         writer.finish()
     }
-}
 
-/// What only pictures of meshes need.
-impl Image {
+    /// Pixels in a row.
+    #[cfg(test)]
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
     /// Rows.
     pub fn height(&self) -> usize {
         self.height

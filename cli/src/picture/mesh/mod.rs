@@ -1,6 +1,6 @@
 //! Meshes, seen from somewhere and coloured by something: a rasteriser of our own.
 
-mod camera;
+pub mod camera;
 mod legend;
 mod raster;
 mod shade;

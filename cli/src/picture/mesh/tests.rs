@@ -1,3 +1,4 @@
+use super::camera::{Projection, Up};
 use super::*;
 use crate::picture::color::ColorMap;
 use catamaran::mesh::families;
