@@ -201,3 +201,74 @@ fn buffer(requirement: StackReq) -> Result<MemBuffer> {
     let bytes = requirement.unaligned_bytes_required();
     MemBuffer::try_new(requirement).map_err(|_| Error::OutOfMemory { bytes })
 }
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+    use sprs::{CsMat, TriMat};
+
+    use super::*;
+    use crate::base::Rng;
+    use crate::sparse::Mass;
+
+    /// The Laplacian of a path, whose eigenvalues are `2 - 2 cos(pi i / n)`.
+    fn path(n: usize) -> CsMat<f64> {
+        let mut entries = TriMat::new((n, n));
+        for i in 1..n {
+            for (a, b, x) in [(i, i, 1.0), (i - 1, i - 1, 1.0), (i, i - 1, -1.0), (i - 1, i, -1.0)]
+            {
+                entries.add_triplet(a, b, x);
+            }
+        }
+        entries.to_csr()
+    }
+
+    #[test]
+    fn inertia_counts_the_eigenvalues_below_a_shift() {
+        for n in [2, 3, 17, 200] {
+            let (w, mass) = (path(n), Mass::identity(n));
+            let shifted = Shifted::new(w.view(), &mass);
+            let symbolic = Symbolic::new(&shifted).unwrap();
+            let value = |i: usize| 2.0 - 2.0 * (std::f64::consts::PI * i as f64 / n as f64).cos();
+            for i in (0..n).step_by(1 + n / 9) {
+                let shift = if i == 0 { -0.1 } else { 0.5 * (value(i - 1) + value(i)) };
+                let factor = Factor::indefinite(&symbolic, &shifted, shift).unwrap();
+                assert_eq!(factor.below_shift(), i, "n = {n}");
+            }
+            assert!(Factor::positive(&symbolic, &shifted, 0.5 * value(1)).unwrap().is_none());
+        }
+    }
+
+    #[test]
+    fn both_factorisations_solve_for_any_number_of_columns_and_threads() {
+        let n = 150;
+        let (w, mass) = (path(n), Mass::Lumped((1..=n).map(|i| 1.0 / i as f64).collect()));
+        let shifted = Shifted::new(w.view(), &mass);
+        let symbolic = Symbolic::new(&shifted).unwrap();
+        let mut rng = Rng::new(2);
+        for (sigma, positive) in [(-0.5, true), (0.7, false)] {
+            let factor = match positive {
+                true => Factor::positive(&symbolic, &shifted, sigma).unwrap().unwrap(),
+                false => Factor::indefinite(&symbolic, &shifted, sigma).unwrap(),
+            };
+            assert_eq!(factor.is_positive(), positive);
+            for columns in [0, 1, 3, 4, 5, 9] {
+                let x = Mat::from_fn(n, columns, |_, _| rng.uniform());
+                let entry = |i: usize, j: usize| w.get(i, j).copied().unwrap_or(0.0);
+                let mut solved = Mat::from_fn(n, columns, |i, c| {
+                    let wx: f64 = (0..n).map(|j| entry(i, j) * x[(j, c)]).sum();
+                    wx - sigma * mass.diagonal(i) * x[(i, c)]
+                });
+                let mut again = solved.clone();
+                factor.solve(solved.as_mut(), Par::Seq).unwrap();
+                factor.solve(again.as_mut(), Par::Threads(3)).unwrap();
+                assert_eq!(solved, again);
+                assert!(
+                    (0..n).all(
+                        |i| (0..columns).all(|c| { (solved[(i, c)] - x[(i, c)]).abs() < 1e-9 })
+                    )
+                );
+            }
+        }
+    }
+}

@@ -44,3 +44,32 @@ pub(crate) fn null_components(stiffness: CsMatView<'_, f64>, mass: &Mass) -> Vec
     }
     components.into_iter().flatten().filter(|rows| !rows.is_empty()).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use sprs::TriMat;
+
+    use super::*;
+
+    #[test]
+    fn components_with_rows_that_sum_to_zero_are_found_in_the_order_of_their_rows() {
+        let mut entries = TriMat::new((7, 7));
+        // 0 - 4 and 1 - 2 - 6 are free; 5 is held; 3 is alone.
+        for (a, b) in [(0, 4), (1, 2), (2, 6)] {
+            for (i, j, x) in [(a, b, -2.0), (b, a, -2.0), (a, a, 2.0), (b, b, 2.0)] {
+                entries.add_triplet(i, j, x);
+            }
+        }
+        entries.add_triplet(5, 5, 1.0);
+        let w = entries.to_csr::<usize>();
+        let found = null_components(w.view(), &Mass::identity(7));
+        assert_eq!(found, [vec![0, 4], vec![1, 2, 6], vec![3]]);
+        // A mass that joins two of them.
+        let mut entries = TriMat::new((7, 7));
+        (0..7).for_each(|i| entries.add_triplet(i, i, 1.0));
+        entries.add_triplet(0, 1, 0.1);
+        entries.add_triplet(1, 0, 0.1);
+        let found = null_components(w.view(), &Mass::Full(entries.to_csr()));
+        assert_eq!(found, [vec![0, 1, 2, 4, 6], vec![3]]);
+    }
+}
