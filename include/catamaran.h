@@ -262,6 +262,35 @@ typedef struct cata_ortho_params {
 } cata_ortho_params;
 
 /**
+ * How functions are transferred. Every field but the first is 0 (NULL) by default, so that
+ * `cata_transfer_params params = {.struct_size = sizeof params};` does what cata_transfer_params_init
+ * does.
+ */
+typedef struct cata_transfer_params {
+    /**
+     * sizeof(cata_transfer_params) as the caller was compiled with. Later versions add fields at the end;
+     * one that this library does not know must be 0.
+     */
+    size_t struct_size;
+    /**
+     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
+     * bit for bit, for every value.
+     */
+    size_t threads;
+    /** Most factors of a product, at most 255; 1: eigenfunctions alone; 0: 2. */
+    size_t order;
+    /** Told of progress, once for each basis; NULL: nobody. */
+    cata_progress progress;
+    /** Handed to `progress` as it is; may be NULL. */
+    void *progress_user;
+    /**
+     * 0: products are orthogonalised once, and dropped when less than 1e-2 of them is left, which is
+     * stabler. 1: until they are orthogonal to rounding, and dropped below 1e-9: more functions.
+     */
+    int32_t reorthogonalised;
+} cata_transfer_params;
+
+/**
  * What a rank has sent and received: words are matrix entries. The few numbers by which ranks agree on shapes
  * and errors are not counted.
  */
@@ -945,6 +974,61 @@ cata_status cata_gram_schmidt(int32_t layout,
                               size_t *kept,
                               size_t *rank,
                               const struct cata_ortho_params *params);
+
+/**
+ * Fills a parameter struct with the defaults.
+ *
+ * `params`: one struct, not NULL; `struct_size` bytes are written.
+ * `struct_size`: sizeof(cata_transfer_params).
+ * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+ *
+ * Thread-safe.
+ */
+cata_status cata_transfer_params_init(struct cata_transfer_params *params, size_t struct_size);
+
+/**
+ * Transfers functions from a source mesh to a target mesh, through the orthogonalised products of their
+ * first eigenfunctions (as cata_spectrum computes them, without a shift).
+ *
+ * - `n`, `m`: vertices of source and target.
+ * - `k`, `l`: eigenfunctions of source and target, the constant among them: at least 1.
+ * - `source_masses`, `target_masses`: n and m elements, read: the masses of vertices; positive.
+ * - `source_values`, `target_values`: k and l elements, read: eigenvalues, ascending.
+ * - `source_vectors`, `target_vectors`: n x k and m x l, read, column-major with leading dimensions n and
+ *   m: eigenvectors, orthonormal in the inner products of the masses.
+ * - `points`: m elements, read: the vertex of the source, below n, of each vertex of the target.
+ * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of F and of G.
+ * - `functions`: number of functions, 0 included.
+ * - `f`: F, n x functions, read, with leading dimension `ldf`, as A in cata_ata_f64.
+ * - `g`: G, m x functions, written, with leading dimension `ldg`.
+ * - `params`: NULL for the defaults; else read during the call.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
+ * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; G is untouched
+ * unless it is CATA_OK.
+ *
+ * The result does not depend on the number of threads, bit for bit.
+ *
+ * Thread-safe: calls may run at the same time as long as no output is shared.
+ */
+cata_status cata_transfer(size_t n,
+                          size_t k,
+                          const double *source_masses,
+                          const double *source_values,
+                          const double *source_vectors,
+                          size_t m,
+                          size_t l,
+                          const double *target_masses,
+                          const double *target_values,
+                          const double *target_vectors,
+                          const uint32_t *points,
+                          int32_t layout,
+                          size_t functions,
+                          const double *f,
+                          size_t ldf,
+                          double *g,
+                          size_t ldg,
+                          const struct cata_transfer_params *params);
 
 /**
  * The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over it.

@@ -20,6 +20,7 @@ mod ranks;
 mod rows;
 mod spectrum;
 mod status;
+mod transfer;
 mod verify;
 mod version;
 
@@ -35,5 +36,6 @@ pub use pointer::{CATA_BOTH, CATA_COL_MAJOR, CATA_LOWER, CATA_ROW_MAJOR, CATA_UP
 pub use rows::*;
 pub use spectrum::*;
 pub use status::*;
+pub use transfer::*;
 pub use verify::*;
 pub use version::*;
