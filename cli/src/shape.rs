@@ -63,6 +63,14 @@ pub struct Shape {
 }
 
 impl LaplacianArgs {
+    pub fn kind(&self) -> LaplacianKind {
+        match self.laplacian {
+            Kind::Cotan => LaplacianKind::Cotangent,
+            Kind::Intrinsic => LaplacianKind::IntrinsicDelaunay,
+            Kind::Tufted => LaplacianKind::Tufted,
+        }
+    }
+
     pub fn par(&self) -> Par {
         self.threads.map_or_else(Par::all, |n| Par::Threads(n.get()))
     }
@@ -75,12 +83,8 @@ impl LaplacianArgs {
             let k = len - 1;
             bail!("{}: {k} eigenfunctions and the constant of {vertices} vertices", path.display());
         }
-        let kind = match self.laplacian {
-            Kind::Cotan => LaplacianKind::Cotangent,
-            Kind::Intrinsic => LaplacianKind::IntrinsicDelaunay,
-            Kind::Tufted => LaplacianKind::Tufted,
-        };
-        let options = LaplacianOptions { kind, par: self.par(), ..LaplacianOptions::default() };
+        let options =
+            LaplacianOptions { kind: self.kind(), par: self.par(), ..LaplacianOptions::default() };
         let found = laplacian(&file.mesh, &options).with_context(|| path.display().to_string())?;
         if let Some(vertex) = (0..vertices).find(|&v| found.kept.get(v) != Some(&v)) {
             bail!("{}: vertex {vertex} is in no face", path.display());

@@ -4,17 +4,17 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::io::{Array, Output, Overwrite, write_npz};
 use catamaran::mesh::io as files;
-use catamaran::mesh::{Boundary, LaplacianKind, LaplacianOptions, MassKind, laplacian};
+use catamaran::mesh::{Boundary, LaplacianOptions, MassKind, laplacian};
 use catamaran::sparse::{EigenOptions, eigs};
 use clap::ValueEnum;
 
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
 use crate::report::{report, seconds};
+use crate::shape::LaplacianArgs;
 
 /// Eigenvalues and eigenfunctions of the Laplacian of a triangle mesh.
 ///
@@ -34,10 +34,8 @@ pub struct Args {
     /// Those nearest to this number; the smallest unless given.
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     shift: Option<f64>,
-    /// Triangles: those of the mesh, those of its intrinsic Delaunay triangulation, or of that of its tufted cover, for
-    /// bad meshes.
-    #[arg(long, default_value = "cotan")]
-    laplacian: Kind,
+    #[command(flatten)]
+    laplacian: LaplacianArgs,
     /// Mass matrix: a diagonal, or the inner product of linear functions.
     #[arg(long, default_value = "lumped")]
     mass: Mass,
@@ -50,22 +48,11 @@ pub struct Args {
     /// Make sure, by another factorisation, that no eigenvalue is missing.
     #[arg(long)]
     verify: bool,
-    /// Threads; all cores unless given. Does not change the result.
-    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..))]
-    threads: Option<u32>,
     #[command(flatten)]
     picture: PictureArgs,
     /// Replace a file that exists.
     #[arg(long)]
     force: bool,
-}
-
-/// Which triangles.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Kind {
-    Cotan,
-    Intrinsic,
-    Tufted,
 }
 
 /// Which mass matrix.
@@ -87,7 +74,7 @@ pub fn run(args: &Args) -> Result<()> {
     let output = args.output.as_deref().map(|path| create(path, args.force)).transpose()?;
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let picture = args.picture.create(overwrite)?;
-    let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n as usize));
+    let par = args.laplacian.par();
     let name = args.input.display();
 
     let start = Instant::now();
@@ -95,11 +82,7 @@ pub fn run(args: &Args) -> Result<()> {
     let file = files::read_with(&args.input, Some(&|fraction| bar.update(fraction)))?;
     drop(bar);
     let options = LaplacianOptions {
-        kind: match args.laplacian {
-            Kind::Cotan => LaplacianKind::Cotangent,
-            Kind::Intrinsic => LaplacianKind::IntrinsicDelaunay,
-            Kind::Tufted => LaplacianKind::Tufted,
-        },
+        kind: args.laplacian.kind(),
         mass: match args.mass {
             Mass::Lumped => MassKind::Barycentric,
             Mass::Full => MassKind::Consistent,

@@ -14,8 +14,6 @@ use super::color::ColorScale;
 use super::image::{Image, Rgb};
 use super::text::{Size, write_text};
 use camera::Camera;
-#[cfg(test)]
-use camera::Projection;
 pub use camera::{Up, View};
 
 /// Samples along each side of a pixel.

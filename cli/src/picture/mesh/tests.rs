@@ -78,7 +78,7 @@ fn pictures_of_the_same_scene_have_the_same_bytes() {
     };
     let image = render(&scene).unwrap();
     assert_eq!(image, render(&scene).unwrap());
-    assert_eq!(image.height(), 90);
+    assert_eq!((image.width(), image.height()), (120 + legend::WIDTH, 90));
 }
 
 #[test]
