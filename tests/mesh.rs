@@ -228,6 +228,22 @@ fn edges_agree_with_a_set_of_pairs() {
 }
 
 #[test]
+fn edges_of_another_mesh_are_not_used() {
+    let others = [families::icosphere(1), families::moebius(5, 2), families::bow_tie()];
+    for other in others.map(Result::unwrap) {
+        let other = Edges::new(&other);
+        for Case { name, mesh, genus, .. } in manifolds() {
+            let own = Edges::new(&mesh);
+            assert_eq!(mesh.boundary_loops(&other), mesh.boundary_loops(&own), "{name}");
+            assert_eq!(mesh.fans(&other), mesh.fans(&own), "{name}");
+            assert_eq!(mesh.flips(&other), mesh.flips(&own), "{name}");
+            assert_eq!(mesh.inconsistent_edges(&other), mesh.inconsistent_edges(&own), "{name}");
+            assert_eq!(mesh.genus(&other), Ok(genus), "{name}");
+        }
+    }
+}
+
+#[test]
 fn the_empty_mesh_and_a_lone_vertex_have_nothing() {
     for vertices in [vec![], vec![[1.0; 3]]] {
         let mesh = TriMesh::new(vertices, vec![]).unwrap();

@@ -11,6 +11,7 @@ impl TriMesh {
     /// [`Error::Mesh`](crate::Error::Mesh) when there is a boundary and an edge with three faces or more: such a boundary
     /// need not be loops.
     pub fn boundary_loops(&self, edges: &Edges) -> Result<Vec<Vec<u32>>> {
+        let edges = &*edges.of(self);
         if edges.boundary().next().is_none() {
             return Ok(Vec::new());
         }

@@ -86,6 +86,7 @@ impl TriMesh {
     /// The number of fans of each vertex: groups of its faces that hang together over edges at this vertex. A vertex of more
     /// than one is non-manifold (a bow tie), one of none is in no face.
     pub fn fans(&self, edges: &super::Edges) -> Vec<u32> {
+        let edges = &*edges.of(self);
         let faces = self.faces();
         let mut corners = Sets::new(3 * faces.len());
         // The corners of a face at the start and the end of the edge that starts at this corner.

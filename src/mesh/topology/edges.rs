@@ -1,3 +1,5 @@
+use std::borrow::Cow;
+
 use super::super::TriMesh;
 use super::adjacency::Adjacency;
 use crate::base::{Error, Result};
@@ -8,6 +10,8 @@ pub struct Edges {
     ends: Vec<[u32; 2]>,
     corners: Adjacency,
     of_corner: Vec<u32>,
+    /// The faces of the mesh, by which it is known again.
+    mesh_faces: Vec<[u32; 3]>,
 }
 
 impl Edges {
@@ -46,7 +50,21 @@ impl Edges {
             }
         }
         starts.push(items.len() as u32);
-        Self { ends, corners: Adjacency::from_parts(starts, items), of_corner }
+        Self {
+            ends,
+            corners: Adjacency::from_parts(starts, items),
+            of_corner,
+            mesh_faces: faces.to_vec(),
+        }
+    }
+
+    /// These, when they are those of `mesh`; else those of `mesh`.
+    pub(super) fn of<'a>(&'a self, mesh: &TriMesh) -> Cow<'a, Self> {
+        if self.mesh_faces == mesh.faces() {
+            Cow::Borrowed(self)
+        } else {
+            Cow::Owned(Self::new(mesh))
+        }
     }
 
     /// Number of edges.

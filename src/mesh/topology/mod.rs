@@ -2,8 +2,7 @@
 //!
 //! A corner of a mesh is the number 3 f + i of corner i of face f; as an edge of that face it goes from its vertex to the
 //! next one of the face. Everything here takes time and memory linear in the size of the mesh, but for sorting the edges at
-//! each vertex. A function of a mesh that takes [`Edges`] means those of that very mesh; with those of another one it may
-//! panic or never end.
+//! each vertex. A function of a mesh that takes [`Edges`] does so to save time: those of another mesh are not used.
 
 mod adjacency;
 mod boundary;

@@ -6,6 +6,7 @@ impl TriMesh {
     /// The edges over which two faces do not agree on what is outside: their faces run along them in the same direction.
     /// Edges with one face, or with more than two, are not among them.
     pub fn inconsistent_edges(&self, edges: &Edges) -> Vec<u32> {
+        let edges = &*edges.of(self);
         let both = |row: &[u32]| matches!(row, &[a, b] if self.same_direction(a, b));
         (0..).zip(edges.corners().rows()).filter(|(_, row)| both(row)).map(|(e, _)| e).collect()
     }
@@ -21,6 +22,7 @@ impl TriMesh {
     /// # Errors
     /// [`Error::Mesh`] that names an edge over which no flipping makes its faces agree: the mesh is not orientable.
     pub fn flips(&self, edges: &Edges) -> Result<Vec<bool>> {
+        let edges = &*edges.of(self);
         let mut flip: Vec<Option<bool>> = vec![None; self.faces().len()];
         let mut open = Vec::new();
         for seed in 0..flip.len() {

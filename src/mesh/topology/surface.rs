@@ -25,6 +25,7 @@ impl fmt::Display for Genus {
 impl TriMesh {
     /// The Euler characteristic V - E + F, V without vertices that no face has.
     pub fn euler_characteristic(&self, edges: &Edges) -> i64 {
+        let edges = &*edges.of(self);
         let used = self.referenced().into_iter().filter(|&used| used).count();
         used as i64 - edges.len() as i64 + self.faces().len() as i64
     }
@@ -35,6 +36,7 @@ impl TriMesh {
     /// # Errors
     /// [`Error::Mesh`] that names an edge of more than two faces, or a vertex at which the surface meets itself.
     pub fn genus(&self, edges: &Edges) -> Result<Genus> {
+        let edges = &*edges.of(self);
         edges.require_manifold()?;
         if let Some(v) = self.fans(edges).into_iter().position(|fans| fans > 1) {
             return Err(meets_itself(v));
