@@ -145,6 +145,9 @@ fn dirty_input_is_refused_by_name_and_refinement_can_be_cancelled() {
         assert!(matches!(error, Error::Argument { what, .. } if what == name), "{error}");
     };
     argument(fit.solve(1.0).unwrap_err(), "functions");
+    let zero = Mat::<f64>::zeros(n as usize, 1);
+    fit.functions(zero.as_ref(), Mat::ones(n as usize, 1).as_ref()).unwrap();
+    argument(fit.solve(1.0).unwrap_err(), "functions");
     argument(fit.landmarks(&[(0, 0), (1, n)]).unwrap_err(), "landmarks");
     let labels = vec![1; n as usize];
     let mut others = labels.clone();

@@ -103,8 +103,7 @@ impl<'a> MapFit<'a> {
         Ok(())
     }
 
-    /// Adds segments that correspond: vertices of the same label on both meshes. Every label is used, of which 0 is no
-    /// exception.
+    /// Adds segments that correspond: vertices of the same label on both meshes. Every label is used, 0 too.
     ///
     /// # Errors
     /// [`Error::Shape`] when there is not a label for each vertex, [`Error::Argument`] names the first label that only one
@@ -145,21 +144,20 @@ impl<'a> MapFit<'a> {
     /// The map, r_target x r_source; `commutativity` is the weight of the second term, at least 0.
     ///
     /// # Errors
-    /// [`Error::Argument`] for the weight, or when there are neither functions nor commutativity to determine anything;
-    /// [`Error::OutOfMemory`].
+    /// [`Error::Argument`] for the weight, or when no function on the source is other than zero; [`Error::OutOfMemory`].
     pub fn solve(&self, commutativity: f64) -> Result<Mat<f64>> {
         if !(commutativity.is_finite() && commutativity >= 0.0) {
             let why = format!("must be finite and at least 0, is {commutativity}");
             return Err(Error::Argument { what: "commutativity", why });
         }
-        if self.a.is_empty() {
-            let why = "there are none; a map needs some that are not zero".into();
-            return Err(Error::Argument { what: "functions", why });
-        }
         let (k, l) = (self.source.len(), self.target.len());
         let a = MatRef::from_column_major_slice(&self.a, k, self.a.len() / k.max(1));
         let b = MatRef::from_column_major_slice(&self.b, l, a.ncols());
         let size = a.squared_norm_l2();
+        if size == 0.0 {
+            let why = "there are none on the source that are not zero".into();
+            return Err(Error::Argument { what: "functions", why });
+        }
         let gram = dense::transposed_product(a.transpose(), a.transpose(), self.par)?;
         let right = dense::transposed_product(a.transpose(), b.transpose(), self.par)?;
         // The first column is known where both have the constant.
