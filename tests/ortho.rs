@@ -229,14 +229,14 @@ fn strides_and_threads_change_no_byte() {
     // By rows, in place, in every second place.
     let mass = lumped(n);
     let mut by_rows = vec![f64::NAN; 2 * n * c];
-    let mut view = catamaran::faer::MatMut::from_row_major_slice_mut(&mut by_rows, n, 2 * c);
+    let mut view = faer::MatMut::from_row_major_slice_mut(&mut by_rows, n, 2 * c);
     for j in 0..c {
         view.as_mut().col_mut(2 * j).copy_from(a.col(j));
     }
     let (rows, cols) = (view.row_stride(), 2 * view.col_stride());
     let start = view.as_ptr_mut();
     // SAFETY: every second column of the matrix above, which is not used meanwhile.
-    let strided = unsafe { catamaran::faer::MatMut::from_raw_parts_mut(start, n, c, rows, cols) };
+    let strided = unsafe { faer::MatMut::from_raw_parts_mut(start, n, c, rows, cols) };
     let factors = gram_schmidt_in_place(strided, &mass, &precise()).unwrap();
     let q = Mat::from_fn(n, c, |i, j| by_rows[2 * (i * c + j)]);
     assert!(by_rows.iter().skip(1).step_by(2).all(|x| x.is_nan()));
