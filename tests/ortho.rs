@@ -119,7 +119,7 @@ fn duplicates_zeros_and_sums_are_dropped() {
     assert!(defect(found.q.as_ref(), &mass) < 1e-12);
 }
 
-/// Columns of `Q0 D R0`-like grading: each has less and less that is new.
+/// A multiple of a column, in place of another.
 trait CopyColumn {
     fn copy_column(&mut self, from: usize, to: usize, factor: f64);
 }

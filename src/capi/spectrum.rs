@@ -70,9 +70,9 @@ pub unsafe extern "C" fn cata_spectrum_params_init(
 /// a diagonal of positive masses.
 ///
 /// - `n`: any, 0 included.
-/// - `row_starts`: n + 1 elements, read: the entries of row i are those from row_starts[i] to
-///   row_starts[i + 1] - 1, the first being 0. May be NULL when n is 0.
-/// - `columns`, `entries`: row_starts[n] elements each, read: columns ascending within a row, from 0,
+/// - `row_starts`: n + 1 elements, read: the entries of row i are those from `row_starts[i]` to
+///   `row_starts[i + 1] - 1`, the first being 0. May be NULL when n is 0.
+/// - `columns`, `entries`: `row_starts[n]` elements each, read: columns ascending within a row, from 0,
 ///   and the entries of W there, both triangles. May be NULL when there are none.
 /// - `masses`: n elements, read: the diagonal of M; NULL: all 1.
 /// - `k`: number of pairs, at most n.

@@ -1,7 +1,7 @@
 //! Block Lanczos with thick restart for `(W - sigma M)^-1 M`, in the inner product of M.
 
 use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{ColMut, Mat, MatRef};
+use faer::{ColMut, Mat, MatRef, Scale};
 use sprs::CsMatView;
 
 use super::Mass;
@@ -317,6 +317,25 @@ impl<'a> Krylov<'a> {
         order.iter().enumerate().for_each(|(j, &i)| self.projected[(j, j)] = ritz.values[i]);
         self.projected.as_mut().submatrix_mut(keep, 0, WIDTH, keep).copy_from(&coupling);
         (self.len, self.coupled) = (keep, 0);
+    }
+
+    /// After [`Krylov::converge`]: applies the operator once to the vectors found (Ericsson and Ruhe 1980). What rounding
+    /// left in entries of little mass is large in W, but gone after this.
+    pub fn purify(&mut self) -> Result<()> {
+        let par = self.options.par;
+        for first in (0..self.found.len()).step_by(WIDTH) {
+            let width = WIDTH.min(self.found.len() - first);
+            let mut x = self.work[0].as_mut().subcols_mut(0, width);
+            let mut vectors = self.basis.as_mut().subcols_mut(first, width);
+            self.mass.multiply(vectors.rb(), x.rb_mut(), par)?;
+            self.factor.solve(x.rb_mut(), par)?;
+            for j in 0..width {
+                let back = self.found[first + j] - self.sigma;
+                vectors.rb_mut().col_mut(j).copy_from(Scale(back) * x.rb().col(j));
+            }
+            self.solves += width;
+        }
+        Ok(())
     }
 
     /// After [`Krylov::converge`]: asks for residuals that are smaller by this factor.
