@@ -16,7 +16,7 @@ const INSIDE: f64 = 0.55;
 /// Half the width of an edge, in pixels, and how much light is left on it.
 const EDGE: (f64, f64) = (0.5, 0.45);
 /// Faces thinner than this many pixels have fainter edges, in proportion, or nothing else would be seen.
-const THIN: f64 = 16.0;
+const THIN: f64 = 6.0;
 
 /// Turns hits into light.
 pub struct Shader<'a> {
