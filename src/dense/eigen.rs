@@ -27,6 +27,10 @@ pub fn symmetric_eigen(matrix: MatRef<'_, f64>) -> Result<SymmetricEigen> {
             return Err(Error::NonFinite { what: "matrix", index: (i, j) });
         }
     }
+    if n == 0 {
+        // faer's scratch query subtracts from the size.
+        return Ok(SymmetricEigen { values: vec![], vectors: Mat::new() });
+    }
     let par = faer::Par::Seq;
     let requirement =
         self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, par, Default::default());
