@@ -13,7 +13,7 @@ pub struct Table {
     pub columns: &'static [&'static str],
     /// Our errors, a row for each of the functions.
     pub ours: Vec<Vec<f64>>,
-    /// Those of the thesis, in per cent.
+    /// Those of the thesis, in per cent; NaN where it has none.
     pub thesis: Vec<Vec<f64>>,
 }
 
@@ -25,7 +25,10 @@ impl Table {
         out += &format!(" |\n|{}\n", "---|".repeat(self.columns.len() + 1));
         for ((name, ours), thesis) in NAMES.iter().zip(&self.ours).zip(&self.thesis) {
             let cells: Vec<_> = (ours.iter().zip(thesis))
-                .map(|(ours, thesis)| format!("{:.1} [{thesis:.1}]", 100.0 * ours))
+                .map(|(ours, thesis)| match thesis.is_nan() {
+                    true => format!("{:.1}", 100.0 * ours),
+                    false => format!("{:.1} [{thesis:.1}]", 100.0 * ours),
+                })
                 .collect();
             out += &format!("| {name} | {} |\n", cells.join(" | "));
         }
@@ -38,7 +41,8 @@ impl Table {
         for (f, name) in NAMES.iter().enumerate() {
             for (c, column) in self.columns.iter().enumerate() {
                 let (ours, thesis) = (self.ours[f][c], self.thesis[f][c] / 100.0);
-                lines.push(format!("{},{name},{column},{ours:.4},{thesis:.4}", self.number));
+                let thesis = if thesis.is_nan() { String::new() } else { format!("{thesis:.4}") };
+                lines.push(format!("{},{name},{column},{ours:.4},{thesis}", self.number));
             }
         }
         lines
