@@ -17,4 +17,4 @@ pub use scalar::Real;
 pub(crate) use version::second_level_cache;
 pub use version::{VERSION, VersionNumber, cpu_features, version};
 pub use workspace::{Arena, Workspace, release_memory};
-pub(crate) use workspace::{Scratch, reserved};
+pub(crate) use workspace::{Scratch, reserved, zeros};

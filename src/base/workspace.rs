@@ -66,6 +66,13 @@ pub(crate) fn reserved<T>(len: usize) -> Result<Vec<T>> {
     Ok(values)
 }
 
+/// `len` zeros; memory that can't be had is an error.
+pub(crate) fn zeros<T: Real>(len: usize) -> Result<Vec<T>> {
+    let mut values = reserved(len)?;
+    values.resize(len, T::ZERO);
+    Ok(values)
+}
+
 /// `len` zeros, which the system provides when they are touched.
 fn zeroed<T: Real>(len: usize) -> Option<Vec<T>> {
     if len == 0 {

@@ -1,8 +1,9 @@
 use faer::diag::Diag;
-use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::dyn_stack::MemStack;
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::{Mat, MatRef};
 
+use super::memory::buffer;
 use crate::base::{Error, Result};
 
 /// Eigenpairs of a dense symmetric matrix.
@@ -34,8 +35,7 @@ pub fn symmetric_eigen(matrix: MatRef<'_, f64>) -> Result<SymmetricEigen> {
     let par = faer::Par::Seq;
     let requirement =
         self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, par, Default::default());
-    let bytes = requirement.unaligned_bytes_required();
-    let mut memory = MemBuffer::try_new(requirement).map_err(|_| Error::OutOfMemory { bytes })?;
+    let mut memory = buffer(requirement)?;
     let mut values = Diag::<f64>::zeros(n);
     let mut vectors = Mat::zeros(n, n);
     self_adjoint_evd(

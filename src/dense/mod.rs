@@ -2,11 +2,13 @@
 //! the rounding.
 
 mod eigen;
+mod memory;
 mod rows;
 mod tall;
 mod triangular;
 
 pub use eigen::{SymmetricEigen, symmetric_eigen};
+pub(crate) use memory::{buffer, zeros};
 pub(crate) use rows::{ROW_BLOCK, for_row_blocks};
 pub(crate) use tall::{multiply_in_place, subtract_product, transposed_product};
 pub(crate) use triangular::{

@@ -1,4 +1,4 @@
-use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::dyn_stack::MemStack;
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
@@ -6,16 +6,16 @@ use faer::linalg::triangular_solve::{
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
+use super::memory::buffer;
 use super::{ROW_BLOCK, for_row_blocks};
-use crate::base::{Error, Par, Result};
+use crate::base::{Par, Result};
 
 /// L of `A = L L^T` into the lower triangle of A, of which nothing else is read or written. `Ok(Err(i))` when the
 /// i-th pivot is not positive.
 pub(crate) fn cholesky(mut a: MatMut<'_, f64>) -> Result<std::result::Result<(), usize>> {
     let requirement =
         cholesky_in_place_scratch::<f64>(a.nrows(), faer::Par::Seq, Default::default());
-    let bytes = requirement.unaligned_bytes_required();
-    let mut memory = MemBuffer::try_new(requirement).map_err(|_| Error::OutOfMemory { bytes })?;
+    let mut memory = buffer(requirement)?;
     let stack = MemStack::new(&mut memory);
     // NaN pivots are let through by comparisons that are written the other way round.
     let nan = (0..a.nrows()).find(|&i| a[(i, i)].is_nan());

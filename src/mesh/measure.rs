@@ -1,6 +1,7 @@
 //! Areas, normals, volume, quality, scale. Sums run in the order of faces, so results do not depend on threads.
 
 use super::TriMesh;
+use super::vector::{cross, dot, norm, sub};
 use crate::base::{Error, Result};
 
 /// A face counts as without area when its area is at most this times the square of its longest edge: rounding of a
@@ -20,7 +21,7 @@ impl TriMesh {
     /// Twice the area of face f times its unit normal.
     fn doubled_normal(&self, face: [u32; 3]) -> [f64; 3] {
         let [a, b, c] = self.corners_of(face);
-        cross(minus(b, a), minus(c, a))
+        cross(sub(b, a), sub(c, a))
     }
 
     fn corners_of(&self, face: [u32; 3]) -> [[f64; 3]; 3] {
@@ -60,7 +61,7 @@ impl TriMesh {
     pub fn volume(&self) -> f64 {
         let Some(&tip) = self.vertices().first() else { return 0.0 };
         let cone = |&face: &[u32; 3]| {
-            let [a, b, c] = self.corners_of(face).map(|p| minus(p, tip));
+            let [a, b, c] = self.corners_of(face).map(|p| sub(p, tip));
             dot(a, cross(b, c))
         };
         self.faces().iter().map(cone).sum::<f64>() / 6.0
@@ -81,7 +82,7 @@ impl TriMesh {
 
     fn edge_lengths(&self, face: [u32; 3]) -> [f64; 3] {
         let [a, b, c] = self.corners_of(face);
-        [norm(minus(b, a)), norm(minus(c, b)), norm(minus(a, c))]
+        [norm(sub(b, a)), norm(sub(c, b)), norm(sub(a, c))]
     }
 
     /// The faces without area: at most 8 eps times the square of their longest edge, which is what rounding leaves.
@@ -120,7 +121,7 @@ impl TriMesh {
                 element: "mesh".into(),
             });
         }
-        let moved = |&p: &[f64; 3]| minus(p, centre).map(|x| x / size);
+        let moved = |&p: &[f64; 3]| sub(p, centre).map(|x| x / size);
         TriMesh::new(self.vertices().iter().map(moved).collect(), self.faces().to_vec())
     }
 
@@ -139,22 +140,6 @@ impl TriMesh {
 
 fn plus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn norm(a: [f64; 3]) -> f64 {
-    dot(a, a).sqrt()
 }
 
 fn unit(a: [f64; 3]) -> [f64; 3] {

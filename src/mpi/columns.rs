@@ -5,13 +5,13 @@ use std::ops::Range;
 
 use faer::{MatMut, MatRef};
 
-use super::memory::{append_rows, zeros};
+use super::memory::append_rows;
 use super::symmetric::Symmetric;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, number_fact, scalar_fact};
 use crate::ata::distributed::{Blocks, Layout, packed_len, piece_height};
 use crate::ata::{AtaOptions, Uplo, ata, atb};
-use crate::base::{Result, reserved};
+use crate::base::{Result, reserved, zeros};
 
 /// Tags of the rows that travel; those of two pieces under way at the same time differ.
 const FIRST_TAG: i32 = 32;

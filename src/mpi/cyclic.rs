@@ -3,14 +3,14 @@
 use faer::{MatMut, MatRef};
 
 use super::columns::ata_columns;
-use super::memory::{append_rows, zeros};
+use super::memory::append_rows;
 use super::rows::ata_rows;
 use super::symmetric::Symmetric;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World, number_fact, scalar_fact};
 use crate::ata::distributed::{BlockCyclic, Cut, Delivery, GridOrder, Parts, Piece};
 use crate::ata::{AtaOptions, Uplo};
-use crate::base::{Error, Real, Result, reserved};
+use crate::base::{Error, Real, Result, reserved, zeros};
 
 const TAG: i32 = 4;
 

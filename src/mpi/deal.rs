@@ -5,14 +5,13 @@ use std::collections::VecDeque;
 use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
-use super::memory::zeros;
 use super::root::Form;
 use super::rows::sum_symmetric;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World};
 use crate::ata::distributed::{Machine, deal};
 use crate::ata::{AtaOptions, Uplo, ata, block_rows};
-use crate::base::Result;
+use crate::base::{Result, zeros};
 
 /// Tag of the rows that are dealt.
 const DEALT: i32 = 5;

@@ -2,14 +2,7 @@
 
 use faer::MatRef;
 
-use crate::base::{Real, Result, reserved};
-
-/// `len` zeros.
-pub(super) fn zeros<T: Real>(len: usize) -> Result<Vec<T>> {
-    let mut values = reserved(len)?;
-    values.resize(len, T::ZERO);
-    Ok(values)
-}
+use crate::base::Real;
 
 /// Appends the rows of `matrix`, one after another.
 pub(super) fn append_rows<T: Real>(buffer: &mut Vec<T>, matrix: MatRef<'_, T>) {

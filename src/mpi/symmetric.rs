@@ -1,12 +1,11 @@
 use faer::MatMut;
 use faer::prelude::ReborrowMut;
 
-use super::memory::zeros;
 use super::transfer::{receive, send};
 use super::world::{MpiReal, Operation, World};
 use crate::ata::Uplo;
 use crate::ata::distributed::Layout;
-use crate::base::{Error, Real, Result};
+use crate::base::{Error, Real, Result, zeros};
 
 /// A symmetric matrix whose lower triangle is spread over the ranks.
 #[derive(Debug, Clone)]

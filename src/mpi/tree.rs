@@ -6,14 +6,13 @@ use std::ops::Range;
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef, RowMut};
 
-use super::memory::zeros;
 use super::root::Form;
 use super::shipment::Shipment;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World};
 use crate::ata::distributed::{RESULTS_AT_ONCE, TaskTree, TreeNode};
 use crate::ata::{AtaOptions, Uplo, ata, atb};
-use crate::base::{Real, Result, reserved};
+use crate::base::{Real, Result, reserved, zeros};
 
 /// Tags: parts of A on the way down, parts of C on the way up.
 const DOWN: i32 = 2;

@@ -3,11 +3,10 @@
 use faer::prelude::Reborrow;
 use faer::{MatMut, MatRef};
 
-use super::memory::zeros;
 use super::symmetric::Symmetric;
 use super::world::{MpiReal, Operation, World, number_fact};
 use crate::ata::{Verification, check_rounds, signs, verdict};
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, zeros};
 use crate::blas::{self, Kernels};
 
 /// A matrix of which every rank has a part.

@@ -1,9 +1,9 @@
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Mat, MatMut};
 
-use super::inner::{Inner, check_finite, zeros};
+use super::inner::{Inner, check_finite};
 use crate::base::{Error, Par, Result};
-use crate::dense::{cholesky, divide_by_upper};
+use crate::dense::{cholesky, divide_by_upper, zeros};
 use crate::sparse::Mass;
 
 /// `A = Q R` with `Q^T M Q = I` by shifted Cholesky QR (Fukaya et al. 2020), for columns that are independent: A

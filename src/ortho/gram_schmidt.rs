@@ -1,9 +1,10 @@
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Mat, MatMut, MatRef};
 
-use super::inner::{Inner, check_finite, report, zeros};
+use super::inner::{Inner, check_finite, report};
 use super::panel::pass;
 use crate::base::{Error, Par, Progress, Result};
+use crate::dense::zeros;
 use crate::sparse::Mass;
 
 /// Columns that are projected together.

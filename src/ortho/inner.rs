@@ -3,7 +3,7 @@ use faer::{Mat, MatMut, MatRef};
 
 use crate::ata::{AtaOptions, Uplo, ata, atb};
 use crate::base::{Error, Par, Progress, Result};
-use crate::dense::{ROW_BLOCK, for_row_blocks};
+use crate::dense::{ROW_BLOCK, for_row_blocks, zeros};
 use crate::sparse::Mass;
 
 /// An inner product and how to compute with it. Vectors are scaled by the square roots of lumped masses for the length
@@ -142,13 +142,4 @@ pub(super) fn report(progress: Option<Progress<'_>>, fraction: f64) -> Result<()
         Some(crate::base::Flow::Cancel) => Err(Error::Cancelled),
         _ => Ok(()),
     }
-}
-
-/// Zeros, if there is memory.
-pub(super) fn zeros(rows: usize, cols: usize) -> Result<Mat<f64>> {
-    let mut matrix = Mat::new();
-    let bytes = rows.saturating_mul(cols).saturating_mul(size_of::<f64>());
-    matrix.try_reserve(rows, cols).map_err(|_| Error::OutOfMemory { bytes })?;
-    matrix.resize_with(rows, cols, |_, _| 0.0);
-    Ok(matrix)
 }

@@ -3,8 +3,9 @@ use std::ops::Range;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Mat, MatMut};
 
-use super::inner::{Inner, dot, zeros};
+use super::inner::{Inner, dot};
 use crate::base::Result;
+use crate::dense::zeros;
 
 /// Columns that are made orthonormal one by one.
 const LEAF: usize = 8;

@@ -4,7 +4,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::MatMut;
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::supernodal::SupernodalIntranodeLbltRef;
@@ -14,7 +14,8 @@ use faer::sparse::linalg::cholesky::{
 };
 
 use super::shifted::Shifted;
-use crate::base::{Error, Par, Result};
+use crate::base::{Error, Par, Result, zeros};
+use crate::dense::buffer;
 
 /// Columns of the right-hand side that are solved for together, whatever the number of threads.
 const COLUMNS: usize = 4;
@@ -187,19 +188,6 @@ impl<'s> Factor<'s> {
     pub fn is_finite(&self) -> bool {
         self.values.iter().all(|x| x.is_finite())
     }
-}
-
-fn zeros(len: usize) -> Result<Vec<f64>> {
-    let mut values = Vec::new();
-    let refused = Error::OutOfMemory { bytes: len.saturating_mul(size_of::<f64>()) };
-    values.try_reserve_exact(len).map_err(|_| refused)?;
-    values.resize(len, 0.0);
-    Ok(values)
-}
-
-fn buffer(requirement: StackReq) -> Result<MemBuffer> {
-    let bytes = requirement.unaligned_bytes_required();
-    MemBuffer::try_new(requirement).map_err(|_| Error::OutOfMemory { bytes })
 }
 
 #[cfg(test)]

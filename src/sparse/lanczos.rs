@@ -10,7 +10,7 @@ use super::eigs::EigenOptions;
 use super::product::multiply_symmetric_or_rows;
 use crate::base::{Error, Result, Rng};
 use crate::dense::{
-    SymmetricEigen, multiply_in_place, subtract_product, symmetric_eigen, transposed_product,
+    SymmetricEigen, multiply_in_place, subtract_product, symmetric_eigen, transposed_product, zeros,
 };
 
 /// Columns of a block: what the solves are fast at; multiplicities up to this are found at once.
@@ -388,12 +388,4 @@ fn randomise(column: ColMut<'_, f64>, rng: &mut Rng, mass_norm: f64) {
 /// Something overflowed.
 fn not_finite(iterations: usize) -> Error {
     Error::NotConverged { iterations, residual: f64::INFINITY }
-}
-
-fn zeros(rows: usize, cols: usize) -> Result<Mat<f64>> {
-    let mut matrix = Mat::new();
-    let bytes = rows.saturating_mul(cols).saturating_mul(size_of::<f64>());
-    matrix.try_reserve(rows, cols).map_err(|_| Error::OutOfMemory { bytes })?;
-    matrix.resize_with(rows, cols, |_, _| 0.0);
-    Ok(matrix)
 }

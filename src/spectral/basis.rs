@@ -4,6 +4,7 @@ use faer::{Mat, MatRef};
 
 use super::dense;
 use crate::base::{Error, Par, Result};
+use crate::dense::zeros;
 use crate::sparse::Mass;
 
 /// Columns that are weighted at once: M X of all functions would take as much memory as they do.
@@ -158,7 +159,7 @@ impl Basis {
 
     /// `Q^T M F`.
     fn inner_products(&self, f: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
-        let mut out = dense::zeros(self.len(), f.ncols())?;
+        let mut out = zeros(self.len(), f.ncols())?;
         for first in (0..f.ncols()).step_by(PANEL) {
             let width = PANEL.min(f.ncols() - first);
             let weighted = times_mass(&self.mass, f.subcols(first, width), par)?;
@@ -195,7 +196,7 @@ pub fn relative_errors(f: MatRef<'_, f64>, g: MatRef<'_, f64>, mass: &Mass) -> R
 
 /// `M X`.
 pub(super) fn times_mass(mass: &Mass, x: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
-    let mut out = dense::zeros(x.nrows(), x.ncols())?;
+    let mut out = zeros(x.nrows(), x.ncols())?;
     mass.multiply(x, out.as_mut(), par)?;
     Ok(out)
 }

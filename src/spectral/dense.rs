@@ -12,7 +12,7 @@ use faer::{Mat, MatMut, MatRef, Spec};
 
 use crate::ata::{Accuracy, AtaOptions, atb};
 use crate::base::{Error, Par, Result};
-use crate::dense;
+use crate::dense::{self, zeros};
 
 const SEQ: faer::Par = faer::Par::Seq;
 
@@ -41,18 +41,6 @@ pub(super) fn transposed_product_into(
 /// `A B`.
 pub(super) fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
     transposed_product(a.transpose(), b, par)
-}
-
-/// A zero matrix; one that can't be had is an error.
-pub(super) fn zeros(rows: usize, columns: usize) -> Result<Mat<f64>> {
-    let bytes = rows.saturating_mul(columns).saturating_mul(size_of::<f64>());
-    let too_much = |_| Error::OutOfMemory { bytes };
-    if bytes > isize::MAX as usize {
-        return Err(Error::OutOfMemory { bytes });
-    }
-    // faer aborts when memory is refused: ask first.
-    Vec::<u8>::new().try_reserve_exact(bytes).map_err(too_much)?;
-    Ok(Mat::zeros(rows, columns))
 }
 
 /// Refuses NaN and infinity by name.

@@ -3,10 +3,10 @@
 use faer::{Mat, MatRef, Scale};
 
 use super::basis::Basis;
-use super::dense;
 use super::eigenbasis::Eigenbasis;
 use super::eigenproducts::Eigenproducts;
 use crate::base::{Par, Progress, Result};
+use crate::dense::zeros;
 use crate::ortho::{Factors, GramSchmidtOptions, gram_schmidt_in_place};
 
 /// How eigenproducts are orthogonalised: the two ways of the thesis (section 1.4).
@@ -69,7 +69,7 @@ impl ProductBasis {
         let constant = eigenbasis.need_constant("eigenbasis")?;
         let k = eigenbasis.len() - 1;
         let products = Eigenproducts::new(k, order)?;
-        let mut matrix = dense::zeros(eigenbasis.basis().vertices(), products.len())?;
+        let mut matrix = zeros(eigenbasis.basis().vertices(), products.len())?;
         let factors = Scale(1.0 / constant) * eigenbasis.functions().subcols(1, k);
         products.evaluate(factors.as_ref(), matrix.as_mut(), options.par)?;
         let mass = eigenbasis.basis().mass().clone();

@@ -9,7 +9,7 @@ use super::dense;
 use super::eigenbasis::Eigenbasis;
 use super::eigenproducts::Eigenproducts;
 use crate::base::{Error, Par, Result};
-use crate::dense::for_row_blocks;
+use crate::dense::{for_row_blocks, zeros};
 
 /// Columns that a thread computes at once.
 const PANEL: usize = 16;
@@ -80,7 +80,7 @@ impl ProductMap {
             let why = format!("{index} is not one of the {} products", self.source.len());
             return Err(Error::Argument { what: "indices", why });
         }
-        let mut out = dense::zeros(self.target.len(), indices.len())?;
+        let mut out = zeros(self.target.len(), indices.len())?;
         for_row_blocks(out.as_mut().transpose_mut(), PANEL, par, |first, mut images| {
             let (mut polynomial, mut product) = (self.buffer(), self.buffer());
             for j in 0..images.nrows() {
@@ -108,7 +108,7 @@ impl ProductMap {
     pub fn apply(&self, x: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
         Error::check_shape("coefficients", (self.source.len(), x.ncols()), x.shape())?;
         dense::check_finite("coefficients", x)?;
-        let mut out = dense::zeros(self.target.len(), x.ncols())?;
+        let mut out = zeros(self.target.len(), x.ncols())?;
         let steps = self.source.steps();
         let children = children(&steps);
         for_row_blocks(out.as_mut().transpose_mut(), 1, par, |j, mut image| {

@@ -10,7 +10,7 @@ use super::dense;
 use super::product_basis::ProductBasis;
 use super::product_map::ProductMap;
 use crate::base::{Error, Par, Result};
-use crate::dense::divide_by_upper;
+use crate::dense::{divide_by_upper, zeros};
 
 /// Columns of C~ that exist at the same time.
 const PANEL: usize = 256;
@@ -62,7 +62,7 @@ fn images(
     indices: &[usize],
     par: Par,
 ) -> Result<Mat<f64>> {
-    let mut images = dense::zeros(target.len(), indices.len())?;
+    let mut images = zeros(target.len(), indices.len())?;
     for (panel, indices) in indices.chunks(PANEL).enumerate() {
         let columns = map.columns(indices, par)?;
         let into = images.as_mut().subcols_mut(panel * PANEL, indices.len());

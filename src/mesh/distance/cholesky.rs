@@ -1,5 +1,5 @@
 use faer::Mat;
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::dyn_stack::MemStack;
 use faer::sparse::linalg::cholesky::{
     LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
@@ -7,7 +7,8 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, Par, Side};
 use sprs::CsMat;
 
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, zeros};
+use crate::dense::buffer;
 
 /// faer's sparse Cholesky factorisations of matrices with the same places, on the calling thread.
 #[derive(Debug)]
@@ -33,11 +34,7 @@ impl Cholesky {
 
     /// Factorises a matrix with those places; `None` when it is not positive definite to working precision.
     pub fn factor(&self, matrix: &CsMat<f64>) -> Result<Option<Factor>> {
-        let mut factor = Vec::new();
-        let entries = self.symbolic.len_val();
-        let bytes = entries.saturating_mul(size_of::<f64>());
-        factor.try_reserve_exact(entries).map_err(|_| Error::OutOfMemory { bytes })?;
-        factor.resize(entries, 0.0);
+        let mut factor = zeros(self.symbolic.len_val())?;
         let scratch =
             self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let mut memory = buffer(scratch)?;
@@ -73,9 +70,4 @@ impl Cholesky {
 fn places<'a>(matrix: &'a CsMat<f64>, starts: &'a [usize]) -> SymbolicSparseColMatRef<'a, usize> {
     let n = matrix.rows();
     SymbolicSparseColMatRef::new_checked(n, n, starts, None, matrix.indices())
-}
-
-fn buffer(scratch: StackReq) -> Result<MemBuffer> {
-    let bytes = scratch.unaligned_bytes_required();
-    MemBuffer::try_new(scratch).map_err(|_| Error::OutOfMemory { bytes })
 }

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::super::TriMesh;
+use super::super::vector::cross;
 use super::draft::{Draft, Seam, at_least, positive, sheet, turn};
 use super::voxels;
 use crate::base::{Error, Result};
@@ -125,10 +126,6 @@ pub fn knot(p: u32, q: u32, along: usize, tube: usize, radius: f64) -> Result<Tr
         let centre = [distance * cos_u, distance * sin_u, sin_v];
         std::array::from_fn(|k| centre[k] + radius * (cos * normal[k] + sin * side[k]))
     })
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn common_divisor(a: u32, b: u32) -> u32 {

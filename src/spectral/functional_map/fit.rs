@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use faer::{Mat, MatRef};
 
 use crate::base::{Error, Par, Result};
-use crate::dense::for_row_blocks;
+use crate::dense::{for_row_blocks, zeros};
 use crate::spectral::dense;
 use crate::spectral::descriptors::heat_times;
 use crate::spectral::eigenbasis::Eigenbasis;
@@ -167,7 +167,7 @@ impl<'a> MapFit<'a> {
         };
         let known = usize::from(first.is_some());
         let (source_values, target_values) = relative_values(self.source, self.target)?;
-        let mut c = dense::zeros(l, k)?;
+        let mut c = zeros(l, k)?;
         let singular = AtomicBool::new(false);
         for_row_blocks(c.as_mut(), 1, self.par, |i, mut row| {
             if row.nrows() == 0 {

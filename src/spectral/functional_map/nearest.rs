@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use faer::{Mat, MatRef, RowRef};
 
 use crate::base::{Error, Flow, Par, Progress, Result};
+use crate::dense::zeros;
 use crate::spectral::dense;
 
 /// Queries and candidates of one product: their scores stay in the cache.
@@ -71,7 +72,7 @@ pub fn nearest_rows(
 }
 
 fn transposed(points: MatRef<'_, f64>) -> Result<Mat<f64>> {
-    let mut out = dense::zeros(points.ncols(), points.nrows())?;
+    let mut out = zeros(points.ncols(), points.nrows())?;
     out.copy_from(points.transpose());
     Ok(out)
 }

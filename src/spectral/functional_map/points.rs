@@ -4,6 +4,7 @@ use faer::{Mat, MatRef, Scale};
 
 use super::nearest::nearest_rows;
 use crate::base::{Error, Par, Progress, Result};
+use crate::dense::zeros;
 use crate::spectral::basis::Basis;
 use crate::spectral::dense;
 
@@ -64,7 +65,7 @@ pub fn map_from_points(
     par: Par,
 ) -> Result<Mat<f64>> {
     check_points(points, source.vertices(), target.vertices())?;
-    let mut c = dense::zeros(target.len(), source.len())?;
+    let mut c = zeros(target.len(), source.len())?;
     for first in (0..source.len()).step_by(PANEL) {
         let width = PANEL.min(source.len() - first);
         let pulled = pull_back(points, source.functions().subcols(first, width))?;
@@ -80,7 +81,7 @@ pub fn map_from_points(
 /// [`Error::Argument`] names the first point that is not a row of `f`; [`Error::OutOfMemory`].
 pub fn pull_back(points: &[u32], f: MatRef<'_, f64>) -> Result<Mat<f64>> {
     check_points(points, f.nrows(), points.len())?;
-    let mut out = dense::zeros(points.len(), f.ncols())?;
+    let mut out = zeros(points.len(), f.ncols())?;
     for j in 0..f.ncols() {
         for (y, &x) in points.iter().enumerate() {
             out[(y, j)] = f[(x as usize, j)];

@@ -1,0 +1,26 @@
+//! Memory for matrices and for faer's work, which may be refused.
+
+use faer::Mat;
+use faer::dyn_stack::{MemBuffer, StackReq};
+
+use crate::base::{Error, Result};
+
+/// A zero matrix; one that can't be had is an error.
+pub(crate) fn zeros(rows: usize, cols: usize) -> Result<Mat<f64>> {
+    let bytes = rows.saturating_mul(cols).saturating_mul(size_of::<f64>());
+    let refused = Error::OutOfMemory { bytes };
+    if bytes > isize::MAX as usize {
+        return Err(refused);
+    }
+    // faer's own zeros abort when memory is refused.
+    let mut matrix = Mat::new();
+    matrix.try_reserve(rows, cols).map_err(|_| refused)?;
+    matrix.resize_with(rows, cols, |_, _| 0.0);
+    Ok(matrix)
+}
+
+/// The memory that a function of faer asks for.
+pub(crate) fn buffer(requirement: StackReq) -> Result<MemBuffer> {
+    let bytes = requirement.unaligned_bytes_required();
+    MemBuffer::try_new(requirement).map_err(|_| Error::OutOfMemory { bytes })
+}
