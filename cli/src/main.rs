@@ -62,13 +62,13 @@ fn main() -> ExitCode {
     });
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {
-        eprintln!("catamaran: cancelled");
+        report::complain(format_args!("cancelled"));
         return ExitCode::from(INTERRUPTED);
     }
     // The reader of our output has gone, as in `catamaran info | head -1`: nobody to tell.
     if error.downcast_ref().is_some_and(|e: &io::Error| e.kind() == io::ErrorKind::BrokenPipe) {
         return ExitCode::SUCCESS;
     }
-    eprintln!("catamaran: {error:#}");
+    report::complain(format_args!("{error:#}"));
     ExitCode::FAILURE
 }

@@ -1,4 +1,4 @@
-//! What goes to stdout.
+//! What goes to stdout and stderr.
 
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,6 +26,13 @@ pub fn report(line: std::fmt::Arguments<'_>) -> Result<()> {
         return Ok(());
     }
     Ok(writeln!(io::stdout(), "{line}")?)
+}
+
+/// One line on stderr, after the program's name. It is written at once: other ranks write there too, and what is
+/// written in pieces gets mixed with theirs.
+pub fn complain(line: std::fmt::Arguments<'_>) {
+    // Nobody is left to tell that stderr is closed.
+    let _ = io::stderr().write_all(format!("catamaran: {line}\n").as_bytes());
 }
 
 /// A time with its unit.

@@ -8,7 +8,7 @@ use catamaran::ata::Accumulator;
 use catamaran::blas::BlasReal;
 use catamaran::io::{self as files, Output, Overwrite};
 
-use crate::report::report;
+use crate::report::{complain, report};
 
 /// A file that is replaced from time to time.
 pub struct Checkpoint {
@@ -31,7 +31,7 @@ impl Checkpoint {
         let written = Output::create(&self.path, Overwrite::Replace)
             .and_then(|output| files::write_accumulator(output, sum));
         if let Err(e) = written {
-            eprintln!("catamaran: {e}; going on with the last checkpoint, if there is one");
+            complain(format_args!("{e}; going on with the last checkpoint, if there is one"));
         }
         self.last = Instant::now();
     }

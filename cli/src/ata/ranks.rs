@@ -105,7 +105,7 @@ impl Ranks {
     pub fn end(self, done: Result<()>) -> Result<()> {
         use mpi::topology::Communicator;
         if let (Some((world, _)), Err(error)) = (&self.mpi, &done) {
-            eprintln!("catamaran: rank {}: {error:#}", world.rank());
+            crate::report::complain(format_args!("rank {}: {error:#}", world.rank()));
             world.communicator().abort(1);
         }
         done
