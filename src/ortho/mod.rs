@@ -6,6 +6,10 @@ mod inner;
 mod panel;
 
 pub use cholesky_qr::cholesky_qr;
+#[cfg(feature = "mpi")]
+pub(crate) use cholesky_qr::cholesky_qr_of;
+#[cfg(feature = "mpi")]
+pub(crate) use gram_schmidt::gram_schmidt_of;
 pub use gram_schmidt::{
     Factors, GramSchmidtOptions, Orthonormal, gram_schmidt, gram_schmidt_in_place,
 };

@@ -3,7 +3,7 @@ use std::ops::Range;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Mat, MatMut};
 
-use super::inner::{Inner, dot};
+use super::inner::Inner;
 use crate::base::Result;
 use crate::dense::zeros;
 
@@ -72,8 +72,7 @@ impl Pass {
         for j in range {
             let count = self.kept.len();
             for q in first..count {
-                let x = panel.rb();
-                let overlap = dot(x, q, inner.weigh(x.subcols(j, 1))?, 0);
+                let overlap = inner.overlap(panel.rb(), q, j)?;
                 self.r[(q, j)] = overlap;
                 add_multiple(panel.rb_mut(), j, -overlap, q);
             }

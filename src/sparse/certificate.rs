@@ -1,11 +1,9 @@
 use faer::prelude::ReborrowMut;
 use faer::{Mat, MatRef};
-use sprs::CsMatView;
 
-use super::Mass;
 use super::cholesky::{Factor, Symbolic};
-use super::product::multiply_symmetric_or_rows;
 use super::shifted::Shifted;
+use super::space::Pencil;
 use crate::base::{Par, Result};
 
 /// Columns that are looked at together.
@@ -13,22 +11,22 @@ const COLUMNS: usize = 8;
 
 /// The residuals of [`super::Eigenpairs`]; `scale` is its s.
 pub(crate) fn residuals(
-    stiffness: CsMatView<'_, f64>,
-    mass: &Mass,
+    pencil: &dyn Pencil,
     values: &[f64],
     vectors: MatRef<'_, f64>,
     scale: f64,
     par: Par,
 ) -> Result<Vec<f64>> {
-    let mut residuals = Vec::with_capacity(values.len());
+    // Squares of |W phi|, |M phi| and |W phi - lambda M phi|.
+    let mut squares = Mat::zeros(3, values.len());
     let mut w = Mat::zeros(vectors.nrows(), COLUMNS.min(values.len()));
     let mut m = w.clone();
     for (chunk, values) in values.chunks(COLUMNS).enumerate() {
         let x = vectors.subcols(chunk * COLUMNS, values.len());
         let mut w = w.as_mut().subcols_mut(0, values.len());
         let mut m = m.as_mut().subcols_mut(0, values.len());
-        multiply_symmetric_or_rows(stiffness, x, w.rb_mut(), par);
-        mass.multiply(x, m.rb_mut(), par)?;
+        pencil.apply_stiffness(x, w.rb_mut(), par)?;
+        pencil.inner().apply_mass(x, m.rb_mut(), par)?;
         for (j, value) in values.iter().enumerate() {
             let (mut left, mut right, mut gap) = (0.0f64, 0.0f64, 0.0f64);
             for i in 0..x.nrows() {
@@ -37,10 +35,16 @@ pub(crate) fn residuals(
                 right += m * m;
                 gap += (w - value * m).powi(2);
             }
-            residuals.push(gap.sqrt() / left.sqrt().max(scale * right.sqrt()));
+            let column = chunk * COLUMNS + j;
+            [left, right, gap].into_iter().enumerate().for_each(|(i, x)| squares[(i, column)] = x);
         }
     }
-    Ok(residuals)
+    pencil.inner().sum(squares.as_mut())?;
+    let residual = |j| {
+        let [left, right, gap] = [0, 1, 2].map(|i| squares[(i, j)].sqrt());
+        gap / left.max(scale * right)
+    };
+    Ok((0..values.len()).map(residual).collect())
 }
 
 /// Distance of two eigenvalues, relative to them, from which on they are counted apart.

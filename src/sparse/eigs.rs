@@ -7,6 +7,7 @@ use super::cholesky::{Factor, Symbolic};
 use super::lanczos::{Krylov, WIDTH, basis_size};
 use super::shifted::Shifted;
 use super::small::dense_pairs;
+use super::space::{Pencil, WholePencil};
 use super::{Mass, components};
 use crate::base::{Error, Flow, Par, Progress, Result};
 
@@ -112,14 +113,25 @@ pub fn eigs(
     let n = stiffness.rows();
     check_symmetric("stiffness", stiffness)?;
     mass.check(n)?;
+    eigs_of(&WholePencil { stiffness, mass }, stiffness, mass, options)
+}
+
+/// [`eigs`] with vectors of the rows that are here. The matrices, checked, are those of the pencil, with all rows.
+pub(crate) fn eigs_of(
+    pencil: &dyn Pencil,
+    stiffness: CsMatView<'_, f64>,
+    mass: &Mass,
+    options: &EigenOptions<'_>,
+) -> Result<Eigenpairs> {
+    let n = stiffness.rows();
     options.check(n)?;
     if options.k == 0 {
-        let vectors = Mat::zeros(n, 0);
+        let vectors = Mat::zeros(pencil.inner().rows().len(), 0);
         return Ok(Eigenpairs { values: vec![], vectors, residuals: vec![], solves: 0 });
     }
     let scale = scale(stiffness, mass);
     if basis_size(options.k) + 2 * WIDTH > n {
-        return small(stiffness, mass, scale, options);
+        return small(pencil, stiffness, mass, scale, options);
     }
     let shifted = Shifted::new(stiffness, mass);
     let symbolic = Symbolic::new(&shifted)?;
@@ -131,7 +143,8 @@ pub fn eigs(
         true => components::null_components(stiffness, mass),
         false => vec![],
     };
-    let mut krylov = Krylov::new(stiffness, mass, &factor, sigma, scale, options)?;
+    let mean_mass = (0..n).map(|i| mass.diagonal(i)).sum::<f64>() / n as f64;
+    let mut krylov = Krylov::new(pencil, &factor, sigma, scale, mean_mass.sqrt(), options)?;
     krylov.lock(&null)?;
     // Each round tightens the estimate, or adds a block of directions that the earlier ones had nothing of.
     let rounds = 8 + options.k / WIDTH;
@@ -139,10 +152,10 @@ pub fn eigs(
     for _ in 0..rounds {
         krylov.converge()?;
         let mut residuals;
-        (residuals, largest) = certify(&krylov, stiffness, mass, scale, options)?;
+        (residuals, largest) = certify(&krylov, pencil, scale, options)?;
         if largest > options.tolerance {
             krylov.purify()?;
-            (residuals, largest) = certify(&krylov, stiffness, mass, scale, options)?;
+            (residuals, largest) = certify(&krylov, pencil, scale, options)?;
         }
         let (values, vectors) = (krylov.values(), krylov.vectors());
         if largest > options.tolerance {
@@ -163,13 +176,12 @@ pub fn eigs(
 /// The residuals of what was found, and the largest of them; infinity where one is NaN.
 fn certify(
     krylov: &Krylov<'_>,
-    stiffness: CsMatView<'_, f64>,
-    mass: &Mass,
+    pencil: &dyn Pencil,
     scale: f64,
     options: &EigenOptions<'_>,
 ) -> Result<(Vec<f64>, f64)> {
     let (values, vectors) = (krylov.values(), krylov.vectors());
-    let residuals = residuals(stiffness, mass, values, vectors, scale, options.par)?;
+    let residuals = residuals(pencil, values, vectors, scale, options.par)?;
     let number = |r: &f64| if r.is_nan() { f64::INFINITY } else { *r };
     let largest = residuals.iter().map(number).fold(0.0, f64::max);
     Ok((residuals, largest))
@@ -213,6 +225,7 @@ fn factor<'s>(
 
 /// The wanted pairs of all.
 fn small(
+    pencil: &dyn Pencil,
     stiffness: CsMatView<'_, f64>,
     mass: &Mass,
     scale: f64,
@@ -226,8 +239,9 @@ fn small(
     order.truncate(options.k);
     order.sort_unstable();
     let values: Vec<f64> = order.iter().map(|&j| values[j]).collect();
-    let vectors = Mat::from_fn(vectors.nrows(), options.k, |i, j| vectors[(i, order[j])]);
-    let residuals = residuals(stiffness, mass, &values, vectors.as_ref(), scale, options.par)?;
+    let rows = pencil.inner().rows();
+    let vectors = Mat::from_fn(rows.len(), options.k, |i, j| vectors[(rows.start + i, order[j])]);
+    let residuals = residuals(pencil, &values, vectors.as_ref(), scale, options.par)?;
     options.report(1.0)?;
     let vectors = vectors.as_ref();
     Ok(ascending(&values, vectors, &residuals, 0, options.shift.is_none()))
