@@ -3,24 +3,39 @@ use faer::{Mat, MatRef};
 use sprs::CsMatView;
 
 use super::Mass;
-use super::cholesky::{Factor, Symbolic};
 use super::product::multiply_symmetric_or_rows;
-use super::shifted::Shifted;
 use crate::base::{Par, Result};
 
 /// Columns that are looked at together.
 const COLUMNS: usize = 8;
 
-/// The residuals of [`super::Eigenpairs`]; `scale` is its s.
-pub(crate) fn residuals(
+/// Roundings of each entry of W phi that no solver can do without, in units of epsilon.
+const ROUNDINGS: f64 = 8.0;
+
+/// How good pairs are.
+pub(crate) struct Certificate {
+    /// Those of [`super::Eigenpairs`].
+    pub residuals: Vec<f64>,
+    /// The largest of them.
+    pub largest: f64,
+    /// The largest of them as a part of what it may be: 1 or less is good; infinite where one is not a number.
+    pub excess: f64,
+}
+
+/// The certificate of pairs for residuals of `tolerance`, or of what the rounding of phi alone leaves, where that is
+/// more: `eps | |W| |phi| |` in place of `|W phi - lambda M phi|` (Oettli and Prager 1964). `scale` is the s of
+/// [`super::Eigenpairs`].
+pub(crate) fn certify(
     stiffness: CsMatView<'_, f64>,
     mass: &Mass,
     values: &[f64],
     vectors: MatRef<'_, f64>,
     scale: f64,
+    tolerance: f64,
     par: Par,
-) -> Result<Vec<f64>> {
-    let mut residuals = Vec::with_capacity(values.len());
+) -> Result<Certificate> {
+    let mut found =
+        Certificate { residuals: Vec::with_capacity(values.len()), largest: 0.0, excess: 0.0 };
     let mut w = Mat::zeros(vectors.nrows(), COLUMNS.min(values.len()));
     let mut m = w.clone();
     for (chunk, values) in values.chunks(COLUMNS).enumerate() {
@@ -37,35 +52,54 @@ pub(crate) fn residuals(
                 right += m * m;
                 gap += (w - value * m).powi(2);
             }
-            residuals.push(gap.sqrt() / left.sqrt().max(scale * right.sqrt()));
+            let size = left.sqrt().max(scale * right.sqrt());
+            let residual = gap.sqrt() / size;
+            let mut allowed = tolerance;
+            if residual > tolerance {
+                let rounding = magnitude(stiffness, x.subcols(j, 1)) / size;
+                allowed = allowed.max(ROUNDINGS * f64::EPSILON * rounding);
+            }
+            let number = |x: f64| if x.is_nan() { f64::INFINITY } else { x };
+            found.largest = found.largest.max(number(residual));
+            found.excess = found.excess.max(number(residual / allowed));
+            found.residuals.push(residual);
         }
     }
-    Ok(residuals)
+    Ok(found)
+}
+
+/// `| |W| |phi| |`.
+fn magnitude(stiffness: CsMatView<'_, f64>, phi: MatRef<'_, f64>) -> f64 {
+    let row_sum = |row: sprs::CsVecView<'_, f64>| -> f64 {
+        row.iter().map(|(j, w)| (w * phi[(j, 0)]).abs()).sum()
+    };
+    stiffness.outer_iterator().map(|row| row_sum(row).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Distance of two eigenvalues, relative to them, from which on they are counted apart.
 const APART: f64 = 1e-6;
 
+/// Whether two eigenvalues, the lower one first, are so far apart that a shift between them counts right.
+pub(crate) fn apart(low: f64, high: f64, scale: f64) -> bool {
+    high - low > APART * (high.abs() + scale)
+}
+
 /// Whether no eigenvalue is missing among `values` (any order), between two of them that are apart, as close to both
-/// ends as possible; `from_below`: from the lower end of the spectrum on.
+/// ends as possible; `from_below`: from the lower end of the spectrum on. `below` counts the eigenvalues below a shift.
 pub(crate) fn count_is_complete(
-    symbolic: &Symbolic,
-    shifted: &Shifted<'_>,
     values: &[f64],
     from_below: bool,
     scale: f64,
+    below: impl Fn(f64) -> Result<usize>,
 ) -> Result<bool> {
     let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);
-    let below = |i: usize| {
-        let middle = 0.5 * (values[i - 1] + values[i]);
-        Factor::indefinite(symbolic, shifted, middle).map(|factor| factor.below_shift())
-    };
-    let apart = |i: &usize| values[*i] - values[i - 1] > APART * (values[*i].abs() + scale);
-    let Some(last) = (1..values.len()).rev().find(apart) else { return Ok(true) };
+    let below = |i: usize| below(0.5 * (values[i - 1] + values[i]));
+    let is_gap = |i: &usize| apart(values[*i - 1], values[*i], scale);
+    let Some(last) = (1..values.len()).rev().find(is_gap) else { return Ok(true) };
     if from_below {
         return Ok(below(last)? == last);
     }
-    let first = (1..values.len()).find(apart).expect("there is a last one");
+    let first = (1..values.len()).find(is_gap).expect("there is a last one");
     Ok(first == last || below(last)?.checked_sub(below(first)?) == Some(last - first))
 }
