@@ -5,12 +5,13 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::base::Progress;
-use catamaran::io::{Array, Output, Overwrite, write_npz};
+use catamaran::io::{Array, NpzWriter, Output, Overwrite};
 use catamaran::mesh::io as files;
-use catamaran::mesh::{Boundary, LaplacianOptions, MassKind, laplacian};
-use catamaran::sparse::{EigenOptions, eigs};
+use catamaran::mesh::{Boundary, Laplacian, LaplacianOptions, MassKind, laplacian};
+use catamaran::sparse::{EigenOptions, Eigenpairs, eigs_sliced};
 use clap::ValueEnum;
 
+use crate::ata::parse;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
 use crate::report::{report, seconds};
@@ -48,6 +49,10 @@ pub struct Args {
     /// Make sure, by another factorisation, that no eigenvalue is missing.
     #[arg(long)]
     verify: bool,
+    /// Gibibytes that the eigensolver may take. Where all pairs at once would take more, they are found in slices of the
+    /// spectrum and written as they come; counted, so that none is missing. Not around a --shift.
+    #[arg(long, value_name = "GIB", value_parser = parse::gibibytes, default_value = "4.5")]
+    memory: usize,
     #[command(flatten)]
     picture: PictureArgs,
     /// Replace a file that exists.
@@ -114,40 +119,91 @@ pub fn run(args: &Args) -> Result<()> {
         progress: Some(&watch as Progress<'_>),
         ..EigenOptions::default()
     };
-    let pairs = eigs(operator.stiffness.view(), &operator.mass, &options)
-        .with_context(|| name.to_string())?;
+    // Only pictures need the mesh from here on.
+    let mesh = picture.is_some().then_some(file.mesh);
+    let mut results = Results::new(output, &operator, args.k)?;
+    eigs_sliced(operator.stiffness.view(), &operator.mass, &options, args.memory, |slice| {
+        results.take(&slice)
+    })
+    .with_context(|| name.to_string())?;
     drop(bar);
     report(format_args!("eigenpairs  {} in {}", args.k, seconds(start.elapsed())))?;
-    let largest = pairs.residuals.iter().copied().fold(0.0, f64::max);
+    if results.slices > 1 {
+        report(format_args!("slices      {}", results.slices))?;
+    }
+    let largest = results.residuals.iter().copied().fold(0.0, f64::max);
     report(format_args!("residual    {largest:.1e} at most"))?;
-    for (i, (value, residual)) in pairs.values.iter().zip(&pairs.residuals).take(SHOWN).enumerate()
-    {
+    let pairs = results.values.iter().zip(&results.residuals).enumerate();
+    for (i, (value, residual)) in pairs.take(SHOWN) {
         report(format_args!("{i:>10}  {value:<22.15e} {residual:.1e}"))?;
     }
     if args.k > SHOWN {
-        report(format_args!("{:>10}  {:.15e}", args.k - 1, pairs.values[args.k - 1]))?;
+        report(format_args!("{:>10}  {:.15e}", args.k - 1, results.values[args.k - 1]))?;
     }
 
-    let vectors = operator.extend(pairs.vectors.as_ref())?;
-    if let Some(picture) = picture {
-        let columns: Vec<_> =
-            vectors.col_iter().take(DRAWN).map(|v| v.iter().copied().collect()).collect();
-        let titles: Vec<_> = pairs.values.iter().map(|value| format!("{value:.4}")).collect();
-        let panel = |(values, title)| {
-            (&file.mesh, Paint::Values(Vec::as_slice(values)), String::as_str(title))
-        };
-        let panels: Vec<_> = columns.iter().zip(&titles).map(panel).collect();
+    if let (Some(picture), Some(mesh)) = (picture, mesh) {
+        let titles: Vec<_> = results.values.iter().map(|value| format!("{value:.4}")).collect();
+        let panel =
+            |(values, title)| (&mesh, Paint::Values(Vec::as_slice(values)), String::as_str(title));
+        let panels: Vec<_> = results.drawn.iter().zip(&titles).map(panel).collect();
         args.picture.draw(picture, &panels)?;
     }
-    let Some(output) = output else { return Ok(()) };
-    let path = output.path().display().to_string();
-    let arrays = [
-        ("eigenvalues", Array::Vector(&pairs.values)),
-        ("eigenvectors", Array::Matrix(vectors.as_ref())),
-        ("residuals", Array::Vector(&pairs.residuals)),
-    ];
-    write_npz(output, &arrays)?;
-    report(format_args!("written     {path}"))
+    results.finish()
+}
+
+/// What becomes of the pairs, slice by slice.
+struct Results<'a> {
+    operator: &'a Laplacian,
+    writer: Option<NpzWriter>,
+    path: String,
+    values: Vec<f64>,
+    residuals: Vec<f64>,
+    /// The first eigenfunctions.
+    drawn: Vec<Vec<f64>>,
+    slices: usize,
+}
+
+impl<'a> Results<'a> {
+    fn new(output: Option<Output>, operator: &'a Laplacian, k: usize) -> Result<Self> {
+        let path = output.as_ref().map(|output| output.path().display().to_string());
+        let mut writer = output.map(NpzWriter::new);
+        if let Some(writer) = &mut writer {
+            writer.matrix_by_columns("eigenvectors", operator.vertices, k)?;
+        }
+        Ok(Self {
+            operator,
+            writer,
+            path: path.unwrap_or_default(),
+            values: Vec::new(),
+            residuals: Vec::new(),
+            drawn: Vec::new(),
+            slices: 0,
+        })
+    }
+
+    fn take(&mut self, slice: &Eigenpairs) -> catamaran::base::Result<()> {
+        self.slices += 1;
+        self.values.extend(&slice.values);
+        self.residuals.extend(&slice.residuals);
+        for j in 0..slice.values.len() {
+            let vector = self.operator.extend(slice.vectors.as_ref().subcols(j, 1))?;
+            if let Some(writer) = &mut self.writer {
+                writer.columns(vector.as_ref())?;
+            }
+            if self.drawn.len() < DRAWN {
+                self.drawn.push(vector.col(0).iter().copied().collect());
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Result<()> {
+        let Some(mut writer) = self.writer else { return Ok(()) };
+        writer.array("eigenvalues", Array::Vector(&self.values))?;
+        writer.array("residuals", Array::Vector(&self.residuals))?;
+        writer.finish()?;
+        report(format_args!("written     {}", self.path))
+    }
 }
 
 /// Eigenvalues in the table.

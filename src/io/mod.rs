@@ -26,7 +26,7 @@ use std::path::Path;
 pub use accumulator::{accumulator_scalar, read_accumulator, write_accumulator};
 use faer::MatRef;
 pub use matrix::{Dense, Matrix, SparseRows};
-pub use npz::{Array, write_npz};
+pub use npz::{Array, NpzWriter, write_npz};
 pub use output::{Output, Overwrite};
 pub use rows::RowFile;
 /// The sparse matrix of [`Matrix::Sparse`], from crate sprs.

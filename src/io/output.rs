@@ -85,8 +85,13 @@ impl Output {
 
     /// A failed write, as an error that names the file.
     pub fn error(&self, e: &io::Error) -> Error {
-        error(&self.path, 0, format!("can't be written: {}", reason(e)))
+        write_error(&self.path, e)
     }
+}
+
+/// A failed write to the file that will have this path.
+pub(super) fn write_error(path: &Path, e: &io::Error) -> Error {
+    error(path, 0, format!("can't be written: {}", reason(e)))
 }
 
 impl Write for Output {

@@ -13,7 +13,7 @@ use super::spread::{
 use super::world::{Operation, World, number_fact};
 use crate::base::{Error, Par, Result};
 use crate::dense::zeros;
-use crate::sparse::{EigenOptions, Eigenpairs, InnerSpace, Mass, Pencil, check_symmetric, eigs_of};
+use crate::sparse::{EigenOptions, Eigenpairs, InnerSpace, Mass, Pencil, check_problem, eigs_of};
 
 /// [`sparse::eigs`](crate::sparse::eigs()) of matrices of which every rank has some rows, in the order of the ranks, 0
 /// included: `stiffness` is own rows x n, stored by rows; `mass` is the lumped masses of the own rows, or own rows x n of
@@ -51,8 +51,7 @@ pub fn eigs(
         check_mass_shape(mass, &rows)?;
         let whole = gather_matrix(call, &rows, stiffness)?;
         let whole_mass = gather_mass(call, &rows, mass)?;
-        check_symmetric("stiffness", whole.view())?;
-        whole_mass.check(n)?;
+        check_problem(whole.view(), &whole_mass, options)?;
         let pencil = SpreadPencil {
             call,
             rows: &rows,
@@ -79,21 +78,21 @@ impl Pencil for SpreadPencil<'_> {
         self.stiffness.multiply(self.call, x, y, par)
     }
 
-    fn solve(
+    fn map_columns(
         &self,
         x: MatMut<'_, f64>,
-        solve: &dyn Fn(MatMut<'_, f64>) -> Result<()>,
+        map: &dyn Fn(MatMut<'_, f64>) -> Result<()>,
     ) -> Result<()> {
-        by_columns(self.call, self.rows, x, solve)
+        by_columns(self.call, self.rows, x, map)
     }
 }
 
-/// Applies `solve` to X: to its share of the columns on each rank, with all rows.
+/// Applies `map` to X: to its share of the columns on each rank, with all rows.
 fn by_columns(
     call: &Call<'_>,
     rows: &Rows,
     mut x: MatMut<'_, f64>,
-    solve: &dyn Fn(MatMut<'_, f64>) -> Result<()>,
+    map: &dyn Fn(MatMut<'_, f64>) -> Result<()>,
 ) -> Result<()> {
     let (ranks, count) = (rows.ranks(), x.ncols());
     let columns = |rank: usize| rank * count / ranks..(rank + 1) * count / ranks;
@@ -109,7 +108,7 @@ fn by_columns(
         put_entries(whole.as_mut().subrows_mut(span.start, span.len()), part);
     }
     drop(parts);
-    solve(whole.as_mut())?;
+    map(whole.as_mut())?;
     let outgoing = (0..ranks)
         .map(|rank| entries(whole.as_ref().subrows(rows.of(rank).start, rows.of(rank).len())))
         .collect::<Result<_>>()?;

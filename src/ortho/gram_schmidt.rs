@@ -36,7 +36,7 @@ impl GramSchmidtOptions<'_> {
         Self { threshold: 1e-9, reorthogonalise: true, ..Self::single_pass() }
     }
 
-    fn check(&self) -> Result<()> {
+    pub(super) fn check(&self) -> Result<()> {
         if (1e-13..1.0).contains(&self.threshold) {
             return Ok(());
         }

@@ -23,7 +23,6 @@ pub(crate) fn basis_size(k: usize) -> usize {
 /// `(W - sigma M)^-1 M V = V T + Q (B 0 .. 0 I)`, with the block Q of the next `WIDTH` columns.
 pub(crate) struct Krylov<'a> {
     pencil: &'a dyn Pencil,
-    factor: &'a Factor<'a>,
     options: &'a EigenOptions<'a>,
     sigma: f64,
     scale: f64,
@@ -50,10 +49,9 @@ pub(crate) struct Krylov<'a> {
 }
 
 impl<'a> Krylov<'a> {
-    /// An empty space.
+    /// An empty space. The factor that the other functions take is that of `W - sigma M`.
     pub fn new(
         pencil: &'a dyn Pencil,
-        factor: &'a Factor<'a>,
         sigma: f64,
         scale: f64,
         mass_norm: f64,
@@ -62,7 +60,6 @@ impl<'a> Krylov<'a> {
         let (n, size) = (pencil.inner().rows().len(), basis_size(options.k) + WIDTH);
         Ok(Self {
             pencil,
-            factor,
             options,
             sigma,
             scale,
@@ -83,7 +80,7 @@ impl<'a> Krylov<'a> {
     }
 
     /// Starts from null vectors that are 1 on these sets of rows, as many as are wanted, and random directions.
-    pub fn lock(&mut self, sets: &[Vec<usize>]) -> Result<()> {
+    pub fn lock(&mut self, factor: &Factor<'_>, sets: &[Vec<usize>]) -> Result<()> {
         let space = self.pencil.inner();
         let here = space.rows();
         for rows in sets.iter().take(self.options.k) {
@@ -102,11 +99,11 @@ impl<'a> Krylov<'a> {
             self.projected[(self.len, self.len)] = -1.0 / self.sigma;
             self.len += 1;
         }
-        self.begin_anew()
+        self.begin_anew(factor)
     }
 
     /// Replaces Q by random directions that have been through the operator once, and couple to nothing.
-    fn begin_anew(&mut self) -> Result<()> {
+    fn begin_anew(&mut self, factor: &Factor<'_>) -> Result<()> {
         for j in 0..WIDTH {
             let column = self.work[1].as_mut().col_mut(j);
             randomise(column, self.pencil, &mut self.rng, self.mass_norm);
@@ -114,7 +111,7 @@ impl<'a> Krylov<'a> {
         let [x, random] = &mut self.work;
         let par = self.options.par;
         self.pencil.inner().apply_mass(random.as_ref(), x.as_mut(), par)?;
-        solve(self.pencil, self.factor, x.as_mut(), par)?;
+        solve(self.pencil, factor, x.as_mut(), par)?;
         self.solves += WIDTH;
         self.orthonormalise(self.len, 0.0, None)?;
         self.coupled = self.len;
@@ -129,11 +126,11 @@ impl<'a> Krylov<'a> {
     }
 
     /// Adds Q to V, and finds the next Q.
-    fn expand(&mut self) -> Result<()> {
+    fn expand(&mut self, factor: &Factor<'_>) -> Result<()> {
         let (len, coupled, par) = (self.len, self.coupled, self.options.par);
         let x = &mut self.work[0];
         x.copy_from(&self.weighted);
-        solve(self.pencil, self.factor, x.as_mut(), par)?;
+        solve(self.pencil, factor, x.as_mut(), par)?;
         self.solves += WIDTH;
         let diagonal = inner_products(self.pencil, self.weighted.as_ref(), x.as_ref(), par)?;
         self.projected.as_mut().submatrix_mut(len, len, WIDTH, WIDTH).copy_from(&diagonal);
@@ -228,7 +225,7 @@ impl<'a> Krylov<'a> {
 
     /// Expands and restarts until the estimated residuals of the wanted pairs are small enough; the first columns of
     /// the basis are their vectors then.
-    pub fn converge(&mut self) -> Result<()> {
+    pub fn converge(&mut self, factor: &Factor<'_>) -> Result<()> {
         let k = self.options.k;
         if self.len >= k && self.found.is_empty() {
             // Null vectors are all that is wanted.
@@ -238,7 +235,7 @@ impl<'a> Krylov<'a> {
         let size = basis_size(k);
         let mut next = (k + k / 2 + 2 * WIDTH).max(self.len + 2 * WIDTH).min(size);
         loop {
-            self.expand()?;
+            self.expand(factor)?;
             let full = self.len + WIDTH > size;
             if self.len < next && !full {
                 self.report(0)?;
@@ -321,14 +318,14 @@ impl<'a> Krylov<'a> {
 
     /// After [`Krylov::converge`]: applies the operator once to the vectors found (Ericsson and Ruhe 1980). What rounding
     /// left in entries of little mass is large in W, but gone after this.
-    pub fn purify(&mut self) -> Result<()> {
+    pub fn purify(&mut self, factor: &Factor<'_>) -> Result<()> {
         let par = self.options.par;
         for first in (0..self.found.len()).step_by(WIDTH) {
             let width = WIDTH.min(self.found.len() - first);
             let mut x = self.work[0].as_mut().subcols_mut(0, width);
             let mut vectors = self.basis.as_mut().subcols_mut(first, width);
             self.pencil.inner().apply_mass(vectors.rb(), x.rb_mut(), par)?;
-            solve(self.pencil, self.factor, x.rb_mut(), par)?;
+            solve(self.pencil, factor, x.rb_mut(), par)?;
             for j in 0..width {
                 let back = self.found[first + j] - self.sigma;
                 vectors.rb_mut().col_mut(j).copy_from(Scale(back) * x.rb().col(j));
@@ -345,9 +342,9 @@ impl<'a> Krylov<'a> {
 
     /// After [`Krylov::converge`]: goes on from the pairs found and random directions, for what these pairs and all
     /// directions before have nothing of.
-    pub fn add_directions(&mut self) -> Result<()> {
+    pub fn add_directions(&mut self, factor: &Factor<'_>) -> Result<()> {
         self.projected.as_mut().subrows_mut(self.len, WIDTH).fill(0.0);
-        self.begin_anew()
+        self.begin_anew(factor)
     }
 
     /// After [`Krylov::converge`]: the eigenvalues, those nearest to the shift first.
@@ -393,7 +390,7 @@ fn inner_products(
 
 /// `X := (W - sigma M)^-1 X`.
 fn solve(pencil: &dyn Pencil, factor: &Factor<'_>, x: MatMut<'_, f64>, par: Par) -> Result<()> {
-    pencil.solve(x, &|whole| factor.solve(whole, par))
+    pencil.map_columns(x, &|whole| factor.solve(whole, par))
 }
 
 /// A random direction, of length about 1 in the inner product.

@@ -40,11 +40,11 @@ pub(crate) trait Pencil {
     /// `Y := W X`, of the rows that are here.
     fn apply_stiffness(&self, x: MatRef<'_, f64>, y: MatMut<'_, f64>, par: Par) -> Result<()>;
 
-    /// Applies `solve`, which wants all rows and treats columns one by one, to X.
-    fn solve(
+    /// Applies `map`, which wants all rows and treats columns one by one, to X.
+    fn map_columns(
         &self,
         x: MatMut<'_, f64>,
-        solve: &dyn Fn(MatMut<'_, f64>) -> Result<()>,
+        map: &dyn Fn(MatMut<'_, f64>) -> Result<()>,
     ) -> Result<()>;
 }
 
@@ -90,11 +90,11 @@ impl Pencil for WholePencil<'_> {
         Ok(())
     }
 
-    fn solve(
+    fn map_columns(
         &self,
         x: MatMut<'_, f64>,
-        solve: &dyn Fn(MatMut<'_, f64>) -> Result<()>,
+        map: &dyn Fn(MatMut<'_, f64>) -> Result<()>,
     ) -> Result<()> {
-        solve(x)
+        map(x)
     }
 }
