@@ -5,14 +5,15 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::base::Progress;
-use catamaran::io::{Array, Output, Overwrite, write_npz};
+use catamaran::io::{Array, Output, Overwrite, check_arrays_name, write_arrays};
 use catamaran::mesh::io as files;
 use catamaran::mesh::{Boundary, LaplacianOptions, MassKind, laplacian};
-use catamaran::sparse::{EigenOptions, eigs};
+use catamaran::sparse::EigenOptions;
 use clap::ValueEnum;
 
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
+use crate::ranks::Ranks;
 use crate::report::{report, seconds};
 use crate::shape::LaplacianArgs;
 
@@ -20,12 +21,15 @@ use crate::shape::LaplacianArgs;
 ///
 /// The file has three arrays: `eigenvalues` (k, ascending), `eigenvectors` (vertices x k, orthonormal in the inner product
 /// of the mass matrix) and `residuals` (k), |W phi - lambda M phi| / |W phi|.
+///
+/// Under `mpirun` (where MPI is built in) the eigenvectors are spread over the processes until they are written; each uses
+/// `--threads`.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off or .stl, each also as .gz or .xz.
     #[arg(value_name = "MESH")]
     input: PathBuf,
-    /// Write the arrays to this .npz file.
+    /// Write the arrays to this .npz file, or .h5 where HDF5 is built in.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Number of eigenpairs; at most as many as vertices that are not held at zero.
@@ -71,9 +75,19 @@ enum Edge {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let output = args.output.as_deref().map(|path| create(path, args.force)).transpose()?;
+    let ranks = Ranks::join()?;
+    let done = run_as(args, &ranks);
+    ranks.end(done)
+}
+
+fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
-    let picture = args.picture.create(overwrite)?;
+    let path = args.output.as_deref().filter(|_| ranks.is_first());
+    let output = path.map(|path| create(path, overwrite)).transpose()?;
+    let picture = match ranks.is_first() {
+        true => args.picture.create(overwrite)?,
+        false => None,
+    };
     let par = args.laplacian.par();
     let name = args.input.display();
 
@@ -114,7 +128,8 @@ pub fn run(args: &Args) -> Result<()> {
         progress: Some(&watch as Progress<'_>),
         ..EigenOptions::default()
     };
-    let pairs = eigs(operator.stiffness.view(), &operator.mass, &options)
+    let pairs = ranks
+        .eigenpairs(&operator.stiffness, &operator.mass, &options)
         .with_context(|| name.to_string())?;
     drop(bar);
     report(format_args!("eigenpairs  {} in {}", args.k, seconds(start.elapsed())))?;
@@ -128,6 +143,9 @@ pub fn run(args: &Args) -> Result<()> {
         report(format_args!("{:>10}  {:.15e}", args.k - 1, pairs.values[args.k - 1]))?;
     }
 
+    if !ranks.is_first() {
+        return Ok(());
+    }
     let vectors = operator.extend(pairs.vectors.as_ref())?;
     if let Some(picture) = picture {
         let columns: Vec<_> =
@@ -146,7 +164,7 @@ pub fn run(args: &Args) -> Result<()> {
         ("eigenvectors", Array::Matrix(vectors.as_ref())),
         ("residuals", Array::Vector(&pairs.residuals)),
     ];
-    write_npz(output, &arrays)?;
+    write_arrays(output, &arrays)?;
     report(format_args!("written     {path}"))
 }
 
@@ -156,14 +174,11 @@ const SHOWN: usize = 10;
 /// Eigenfunctions in the picture.
 const DRAWN: usize = 4;
 
-/// Starts the output, whose name says .npz.
-fn create(path: &Path, force: bool) -> Result<Output> {
-    if path.extension().is_none_or(|extension| extension != "npz") {
-        bail!("{}: must be called .npz", path.display());
-    }
-    if !force && path.symlink_metadata().is_ok() {
+/// Starts the output, whose name says what it is.
+fn create(path: &Path, overwrite: Overwrite) -> Result<Output> {
+    check_arrays_name(path)?;
+    if overwrite == Overwrite::Never && path.symlink_metadata().is_ok() {
         bail!("{}: exists already (--force replaces it)", path.display());
     }
-    let overwrite = if force { Overwrite::Replace } else { Overwrite::Never };
     Ok(Output::create(path, overwrite)?)
 }
