@@ -10,6 +10,7 @@ mod merge;
 mod mesh;
 mod picture;
 mod progress;
+mod ranks;
 mod report;
 mod shape;
 mod spectrum;

@@ -24,6 +24,10 @@ impl<'a> Inner<'a> {
         Ok(Self { space, par, products, weighted: zeros(space.rows().len(), width)? })
     }
 
+    pub fn par(&self) -> Par {
+        self.par
+    }
+
     /// Scales the rows of A by the square roots of lumped masses.
     pub fn enter(&self, a: MatMut<'_, f64>) {
         self.scale(a, f64::sqrt);

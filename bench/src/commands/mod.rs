@@ -3,6 +3,7 @@
 pub mod accuracy;
 pub mod exact;
 pub mod grid;
+pub mod ortho;
 pub mod race;
 pub mod reproduce;
 pub mod scale;
