@@ -34,8 +34,8 @@ pub(super) fn add_samples(
 ) -> Result<()> {
     // At this distance about half of all fit into the area.
     let mut threshold = ((1.6 * surface.mesh.area() / n as f64).sqrt() / surface.scale) as f32;
-    let given = samples.len();
     let mut cutoff = DETOUR * threshold;
+    let mut settled = false;
     growth.grow(surface, &seeds(samples, 0), cutoff);
     while samples.len() < n {
         stages.report(samples.len() as f64 / n as f64)?;
@@ -43,6 +43,7 @@ pub(super) fn add_samples(
         if candidates.is_empty() {
             // From here on nothing is free, and cells end where others are nearer.
             cutoff = f32::INFINITY;
+            settled = true;
             let farthest = farthest(growth, surface.len());
             if farthest <= 0.0 {
                 let why = format!("{n}, but there are no more than {} vertices", samples.len());
@@ -53,7 +54,7 @@ pub(super) fn add_samples(
         }
         let left = n - samples.len();
         let mut taken = apart(surface, &candidates, f64::from(threshold) * surface.scale);
-        if samples.len() == given && taken.len() > (3 * left).div_ceil(4) {
+        if !settled && taken.len() > (3 * left).div_ceil(4) {
             // The area says little of how large this surface is.
             threshold *= 1.4;
             cutoff = DETOUR * threshold;
@@ -61,6 +62,7 @@ pub(super) fn add_samples(
             growth.grow(surface, &seeds(samples, 0), cutoff);
             continue;
         }
+        settled = true;
         taken.truncate(left);
         let first = samples.len();
         samples.extend(taken);

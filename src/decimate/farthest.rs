@@ -29,7 +29,8 @@ impl<'m> FarthestPoints<'m> {
     /// range; [`Error::OutOfMemory`].
     pub fn new(mesh: &'m TriMesh, first: Option<u32>) -> Result<Self> {
         let surface = Surface::of_edges(Cow::Borrowed(mesh), Par::Seq)?;
-        let sampler = Sampler::new(&surface, first_sample(&surface, first)?, Par::Seq)?;
+        let mut sampler = Sampler::empty(&surface, Par::Seq)?;
+        sampler.start(&surface, first_sample(&surface, first)?);
         Ok(Self { surface, sampler })
     }
 
@@ -56,8 +57,6 @@ impl<'m> FarthestPoints<'m> {
 pub(super) struct Sampler {
     growth: Growth,
     samples: Vec<u32>,
-    /// Whether samples were taken in batches: they are no farthest points then, and their cells may be others'.
-    batched: bool,
     /// Every vertex at least that far from the samples is waiting.
     threshold: f32,
     /// Vertices by their distance when they were put here, the farthest first, then the lowest: their distance may be less by
@@ -69,12 +68,23 @@ pub(super) struct Sampler {
 const WAITING: f32 = 0.9;
 
 impl Sampler {
-    pub fn new(surface: &Surface<'_>, first: u32, par: Par) -> Result<Self> {
-        let growth = Growth::new(surface, par)?;
-        let samples = vec![first];
-        growth.grow(surface, &seeds(&samples, 0), f32::INFINITY);
-        let waiting = BinaryHeap::new();
-        Ok(Self { growth, samples, batched: false, threshold: f32::INFINITY, waiting })
+    /// Without samples.
+    pub fn empty(surface: &Surface<'_>, par: Par) -> Result<Self> {
+        Ok(Self {
+            growth: Growth::new(surface, par)?,
+            samples: Vec::new(),
+            threshold: f32::INFINITY,
+            waiting: BinaryHeap::new(),
+        })
+    }
+
+    /// The first sample, and its cell, which is the whole component.
+    pub fn start(&mut self, surface: &Surface<'_>, first: u32) {
+        self.growth.clear();
+        self.samples = vec![first];
+        self.threshold = f32::INFINITY;
+        self.waiting.clear();
+        self.growth.grow(surface, &seeds(&self.samples, 0), f32::INFINITY);
     }
 
     pub fn samples(&self) -> &[u32] {
@@ -85,13 +95,8 @@ impl Sampler {
         &self.growth
     }
 
-    pub fn is_batched(&self) -> bool {
-        self.batched
-    }
-
     /// For samples in batches.
     pub fn in_batches(&mut self) -> (&mut Growth, &mut Vec<u32>) {
-        self.batched = true;
         (&mut self.growth, &mut self.samples)
     }
 

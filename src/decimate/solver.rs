@@ -65,7 +65,7 @@ impl<'m> Source<'m> {
         let at = component_of(&prepared.surface, &components, first);
         components[at].first = first;
         components.swap(0, at);
-        let sampler = Sampler::new(&prepared.surface, first, options.par)?;
+        let sampler = Sampler::empty(&prepared.surface, options.par)?;
         Ok(Self { prepared, components, sampler })
     }
 }
@@ -155,11 +155,10 @@ impl<'m, 'o> Decimator<'m, 'o> {
 
     /// Algorithm 5.1 with algorithm 5.2, and every three-cycle a face.
     fn thesis(&mut self, n: usize, stages: Stages<'_>) -> Result<Decimation> {
-        let Source { prepared, sampler, .. } = &mut self.source;
+        let Source { prepared, sampler, components } = &mut self.source;
         let surface = &prepared.surface;
-        if sampler.samples().len() > n || sampler.is_batched() {
-            let first = sampler.samples()[0];
-            *sampler = Sampler::new(surface, first, self.options.par)?;
+        if sampler.samples().is_empty() || sampler.samples().len() > n {
+            sampler.start(surface, components[0].first);
         }
         sampler.extend_to(surface, n, stages)?;
         let positions = sampler.samples().iter().map(|&v| surface.position(v)).collect();
