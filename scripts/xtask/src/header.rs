@@ -5,7 +5,7 @@ use std::path::Path;
 const HEADER: &str = "include/catamaran.h";
 
 /// The files of the C ABI, in the order of the header.
-const FILES: [&str; 15] = [
+const FILES: &[&str] = &[
     "version",
     "status",
     "backend",
@@ -19,6 +19,7 @@ const FILES: [&str; 15] = [
     "mesh_spectrum",
     "ortho",
     "transfer",
+    "decimate",
     "mpi",
     "memory",
 ];
