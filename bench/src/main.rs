@@ -8,7 +8,7 @@ use catamaran_bench::product::Operation;
 use catamaran_bench::{Result, host};
 use clap::Parser;
 
-use commands::{accuracy, exact, grid, ortho, race, reproduce, scale, spectrum, stream};
+use commands::{accuracy, decimate, exact, grid, ortho, race, reproduce, scale, spectrum, stream};
 
 /// Races against other libraries, and errors beside theirs.
 #[derive(Parser)]
@@ -31,6 +31,8 @@ enum Command {
     Spectrum(spectrum::Arguments),
     /// Gram-Schmidt beside column-wise numpy and LAPACK's pivoted QR.
     Ortho(ortho::Arguments),
+    /// Decimation of meshes beside other libraries.
+    Decimate(decimate::Arguments),
     /// Tables and figures of the thesis, measured again.
     Reproduce(reproduce::Arguments),
 }
@@ -50,6 +52,7 @@ fn main() {
         Command::Stream(a) => stream::run(a),
         Command::Spectrum(a) => spectrum::run(a),
         Command::Ortho(a) => ortho::run(a),
+        Command::Decimate(a) => decimate::run(a),
         Command::Reproduce(a) => reproduce::run(a),
     };
     if let Err(error) = done {

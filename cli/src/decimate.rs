@@ -177,7 +177,9 @@ fn tell(
     report(format_args!("{}", Quality::of(&found.mesh)))?;
     let difference = Difference::between(&input.mesh, &found.mesh, par)?;
     let Difference { hausdorff, chamfer, printed_hausdorff, printed_chamfer } = difference;
-    report(format_args!("Hausdorff   {hausdorff:.4e}, eq. 5.8 as printed {printed_hausdorff:.4e}"))?;
+    report(format_args!(
+        "Hausdorff   {hausdorff:.4e}, eq. 5.8 as printed {printed_hausdorff:.4e}"
+    ))?;
     report(format_args!("Chamfer     {chamfer:.4e}, eq. 5.8 as printed {printed_chamfer:.4e}"))?;
     let longest = edge_length_for(found.mesh.area(), vertices)?;
     report(format_args!("edges       {longest:.4e} long, were all triangles equilateral"))

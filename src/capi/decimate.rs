@@ -138,10 +138,8 @@ pub unsafe extern "C" fn cata_decimate(
                 outputs,
             )
         };
-        let mesh = TriMesh::new(
-            vertices.as_chunks::<3>().0.to_vec(),
-            faces.as_chunks::<3>().0.to_vec(),
-        )?;
+        let mesh =
+            TriMesh::new(vertices.as_chunks::<3>().0.to_vec(), faces.as_chunks::<3>().0.to_vec())?;
         // SAFETY: the caller's promise.
         unsafe { decimated(&mesh, n, outputs, params) }
     })

@@ -135,9 +135,10 @@ const CORNER: f64 = 0.5;
 
 /// Between the neighbours along the boundary.
 fn boundary_target(patch: &Patch, v: u32, here: Vector) -> Option<Vector> {
-    let mut ends = patch.neighbours(v).into_iter().filter(|&w| {
-        patch.sides(v, w).is_some_and(|sides| sides.second.is_none())
-    });
+    let mut ends = patch
+        .neighbours(v)
+        .into_iter()
+        .filter(|&w| patch.sides(v, w).is_some_and(|sides| sides.second.is_none()));
     let [a, b] = [ends.next()?, ends.next()?].map(|w| patch.positions[w as usize]);
     if dot(unit(sub(here, a)), unit(sub(b, here))) < CORNER {
         return None;

@@ -162,7 +162,10 @@ impl<'m, 'o> Decimator<'m, 'o> {
         }
         sampler.extend_to(surface, n, stages)?;
         let positions = sampler.samples().iter().map(|&v| surface.position(v)).collect();
-        let mesh = TriMesh::new(positions, dual::three_cycles(surface, sampler.growth(), self.options.par))?;
+        let mesh = TriMesh::new(
+            positions,
+            dual::three_cycles(surface, sampler.growth(), self.options.par),
+        )?;
         let places = sampler.samples().iter().map(|&v| at_vertex(surface, v)).collect();
         let cells = sampler.growth().cells(surface.scale);
         self.finish(mesh, cells, places)
