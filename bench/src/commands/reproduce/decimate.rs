@@ -67,7 +67,7 @@ fn uniformity(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<(
         "Figure 5.9: Hausdorff distance",
         "Figure 5.9: Chamfer distance",
     ];
-    let mut means: Vec<Vec<(String, Vec<(f64, f64)>)>> = vec![Vec::new(); titles.len()];
+    let mut means: Vec<Curves> = vec![Vec::new(); titles.len()];
     report.say("**Figures 5.6 to 5.9**\n");
     for input in &shapes {
         for n in SIZES {
@@ -114,8 +114,11 @@ fn uniformity(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<(
     Ok(())
 }
 
+/// Names, and points (x, y).
+type Curves = Vec<(String, Vec<(f64, f64)>)>;
+
 /// Adds `y` to the value of the curve `name` at `x`.
-fn add(series: &mut Vec<(String, Vec<(f64, f64)>)>, name: &str, x: f64, y: f64) {
+fn add(series: &mut Curves, name: &str, x: f64, y: f64) {
     let curve = match series.iter().position(|(known, _)| known == name) {
         Some(k) => &mut series[k].1,
         None => {
@@ -129,12 +132,7 @@ fn add(series: &mut Vec<(String, Vec<(f64, f64)>)>, name: &str, x: f64, y: f64) 
     }
 }
 
-fn plot(
-    title: &str,
-    across: &str,
-    logarithmic: bool,
-    series: Vec<(String, Vec<(f64, f64)>)>,
-) -> Plot {
+fn plot(title: &str, across: &str, logarithmic: bool, series: Curves) -> Plot {
     Plot { title: title.into(), across: across.into(), logarithmic, scattered: false, series }
 }
 
