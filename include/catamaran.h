@@ -94,6 +94,30 @@
 /** `centering`: the row given is subtracted. */
 #define CATA_CENTER_GIVEN 2
 
+/** The triangles of the mesh: the cotangent Laplacian. */
+#define CATA_LAPLACIAN_COTANGENT 0
+
+/** Those of the intrinsic Delaunay triangulation: no negative weights, for surfaces. */
+#define CATA_LAPLACIAN_INTRINSIC_DELAUNAY 1
+
+/** Those of the intrinsic Delaunay triangulation of the tufted cover: for any mesh. */
+#define CATA_LAPLACIAN_TUFTED 2
+
+/** A diagonal mass: a third of the area of a face to each vertex. */
+#define CATA_MASS_BARYCENTRIC 0
+
+/** A diagonal mass: what is nearest to each vertex. */
+#define CATA_MASS_MIXED_VORONOI 1
+
+/** The inner product of linear functions, a full matrix. */
+#define CATA_MASS_CONSISTENT 2
+
+/** The normal derivative is zero at the boundary. */
+#define CATA_BOUNDARY_NEUMANN 0
+
+/** Functions are zero at the boundary. */
+#define CATA_BOUNDARY_DIRICHLET 1
+
 /** `spread`: every rank has rows of A, in any order and number. */
 #define CATA_BY_ROWS 141
 
@@ -229,6 +253,25 @@ typedef struct cata_spectrum_params {
      */
     int32_t verify_count;
 } cata_spectrum_params;
+
+/**
+ * What the Laplacian of a mesh is made of. Every field but the first is 0 by default, so that
+ * `cata_laplacian_params params = {.struct_size = sizeof params};` does what cata_laplacian_params_init
+ * does.
+ */
+typedef struct cata_laplacian_params {
+    /**
+     * sizeof(cata_laplacian_params) as the caller was compiled with. Later versions add fields at the
+     * end; one that this library does not know must be 0.
+     */
+    size_t struct_size;
+    /** CATA_LAPLACIAN_*. */
+    int32_t kind;
+    /** CATA_MASS_*. */
+    int32_t mass;
+    /** CATA_BOUNDARY_*. */
+    int32_t boundary;
+} cata_laplacian_params;
 
 /**
  * How columns are made orthonormal. Every field but the first is 0 (NULL) by default, so that
@@ -926,6 +969,57 @@ cata_status cata_spectrum(size_t n,
                           size_t ldv,
                           double *residuals,
                           const struct cata_spectrum_params *params);
+
+/**
+ * Fills a parameter struct with the defaults.
+ *
+ * `params`: one struct, not NULL; `struct_size` bytes are written.
+ * `struct_size`: sizeof(cata_laplacian_params).
+ * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+ *
+ * Thread-safe.
+ */
+cata_status cata_laplacian_params_init(struct cata_laplacian_params *params, size_t struct_size);
+
+/**
+ * The k smallest eigenvalues, or those nearest to a shift, of the Laplacian of a triangle mesh,
+ * W phi = lambda M phi, and their eigenfunctions.
+ *
+ * - `vertices`: their number n, 0 included.
+ * - `positions`: 3 n elements, read: x, y, z of each vertex. May be NULL when n is 0.
+ * - `faces`: their number.
+ * - `corners`: 3 faces elements, read: three vertices of each face, from 0, counter-clockwise as seen from
+ *   outside. May be NULL when there are no faces.
+ * - `k`: number of pairs, at most the vertices that are in a face and not held at zero.
+ * - `eigenvalues`: k elements, written: ascending. May be NULL when k is 0.
+ * - `eigenvectors`: n x k, written, column-major: k columns of `ldv` >= max(1, n) elements, the last one
+ *   of n; orthonormal in the inner product of M, 0 where functions are held at zero and at vertices in no
+ *   face. May be NULL when n or k is 0.
+ * - `residuals`: k elements, written, as those of cata_spectrum; NULL where not wanted.
+ * - `masses`: n elements, written: the diagonal of M, 0 at vertices that it has no row for; NULL where not
+ *   wanted. CATA_MASS_CONSISTENT has none to give.
+ * - `laplacian_params`, `spectrum_params`: NULL for the defaults; else read during the call.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_MESH, CATA_ERR_NOT_CONVERGED,
+ * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are untouched
+ * unless it is CATA_OK.
+ *
+ * The result does not depend on the number of threads, bit for bit.
+ *
+ * Thread-safe: calls may run at the same time as long as no output is shared.
+ */
+cata_status cata_mesh_spectrum(size_t vertices,
+                               const double *positions,
+                               size_t faces,
+                               const uint32_t *corners,
+                               size_t k,
+                               double *eigenvalues,
+                               double *eigenvectors,
+                               size_t ldv,
+                               double *residuals,
+                               double *masses,
+                               const struct cata_laplacian_params *laplacian_params,
+                               const struct cata_spectrum_params *spectrum_params);
 
 /**
  * Fills a parameter struct with the defaults.
