@@ -9,6 +9,7 @@ pub mod child;
 pub mod contender;
 pub mod curves;
 pub mod double;
+pub mod exchange;
 pub mod grid;
 pub mod host;
 pub mod input;

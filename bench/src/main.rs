@@ -8,7 +8,9 @@ use catamaran_bench::product::Operation;
 use catamaran_bench::{Result, host};
 use clap::Parser;
 
-use commands::{accuracy, exact, grid, race, reproduce, scale, spectrum, stream};
+use commands::{
+    accuracy, exact, functional_map, grid, laplacian, race, reproduce, scale, spectrum, stream,
+};
 
 /// Races against other libraries, and errors beside theirs.
 #[derive(Parser)]
@@ -29,6 +31,10 @@ enum Command {
     Stream(stream::Arguments),
     /// Eigenpairs of the Laplacian of meshes beside scipy's.
     Spectrum(spectrum::Arguments),
+    /// Tufted Laplacians of meshes beside robust_laplacian's.
+    Laplacian(laplacian::Arguments),
+    /// A functional map, fitted and refined by ZoomOut, beside pyfmaps.
+    FunctionalMap(functional_map::Arguments),
     /// Tables and figures of the thesis, measured again.
     Reproduce(reproduce::Arguments),
 }
@@ -47,6 +53,8 @@ fn main() {
         Command::Scale(a) => scale::run(a),
         Command::Stream(a) => stream::run(a),
         Command::Spectrum(a) => spectrum::run(a),
+        Command::Laplacian(a) => laplacian::run(a),
+        Command::FunctionalMap(a) => functional_map::run(a),
         Command::Reproduce(a) => reproduce::run(a),
     };
     if let Err(error) = done {

@@ -3,14 +3,14 @@ use faer::{Mat, MatRef};
 use sprs::CsMatView;
 
 use super::Mass;
-use super::product::multiply_symmetric_or_rows;
+use super::product::multiply_by_differences;
 use crate::base::{Par, Result};
 
 /// Columns that are looked at together.
 const COLUMNS: usize = 8;
 
 /// Roundings of each entry of W phi that no solver can do without, in units of epsilon.
-const ROUNDINGS: f64 = 8.0;
+pub(crate) const ROUNDINGS: f64 = 8.0;
 
 /// How good pairs are.
 pub(crate) struct Certificate {
@@ -22,8 +22,8 @@ pub(crate) struct Certificate {
     pub excess: f64,
 }
 
-/// The certificate of pairs for residuals of `tolerance`, or of what the rounding of phi alone leaves, where that is
-/// more: `eps | |W| |phi| |` in place of `|W phi - lambda M phi|` (Oettli and Prager 1964). `scale` is the s of
+/// The certificate of pairs for residuals of `tolerance`, or of so many `roundings` of phi, where that is more:
+/// `eps | |W| |phi| |` each in place of `|W phi - lambda M phi|` (Oettli and Prager 1964). `scale` is the s of
 /// [`super::Eigenpairs`].
 pub(crate) fn certify(
     stiffness: CsMatView<'_, f64>,
@@ -31,7 +31,7 @@ pub(crate) fn certify(
     values: &[f64],
     vectors: MatRef<'_, f64>,
     scale: f64,
-    tolerance: f64,
+    (tolerance, roundings): (f64, f64),
     par: Par,
 ) -> Result<Certificate> {
     let mut found =
@@ -42,7 +42,7 @@ pub(crate) fn certify(
         let x = vectors.subcols(chunk * COLUMNS, values.len());
         let mut w = w.as_mut().subcols_mut(0, values.len());
         let mut m = m.as_mut().subcols_mut(0, values.len());
-        multiply_symmetric_or_rows(stiffness, x, w.rb_mut(), par);
+        multiply_by_differences(stiffness, x, w.rb_mut(), par);
         mass.multiply(x, m.rb_mut(), par)?;
         for (j, value) in values.iter().enumerate() {
             let (mut left, mut right, mut gap) = (0.0f64, 0.0f64, 0.0f64);
@@ -57,7 +57,7 @@ pub(crate) fn certify(
             let mut allowed = tolerance;
             if residual > tolerance {
                 let rounding = magnitude(stiffness, x.subcols(j, 1)) / size;
-                allowed = allowed.max(ROUNDINGS * f64::EPSILON * rounding);
+                allowed = allowed.max(roundings * f64::EPSILON * rounding);
             }
             let number = |x: f64| if x.is_nan() { f64::INFINITY } else { x };
             found.largest = found.largest.max(number(residual));

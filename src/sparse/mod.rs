@@ -13,6 +13,7 @@ mod shifted;
 mod slices;
 mod small;
 
+pub(crate) use cholesky::Symbolic;
 pub use eigs::{EigenOptions, Eigenpairs, eigs};
 pub use mass::Mass;
 pub use product::multiply;

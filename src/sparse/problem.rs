@@ -1,7 +1,7 @@
 use faer::{Mat, MatRef};
 use sprs::CsMatView;
 
-use super::certificate::certify;
+use super::certificate::{ROUNDINGS, certify};
 use super::cholesky::{Factor, Symbolic};
 use super::eigs::{EigenOptions, Eigenpairs};
 use super::lanczos::{Krylov, WIDTH};
@@ -23,7 +23,7 @@ impl<'a> Problem<'a> {
     /// Of matrices that are known to be symmetric.
     pub fn new(stiffness: CsMatView<'a, f64>, mass: &'a Mass) -> Result<Self> {
         let shifted = Shifted::new(stiffness, mass);
-        let symbolic = Symbolic::new(&shifted)?;
+        let symbolic = Symbolic::new(shifted.symbolic())?;
         Ok(Self { stiffness, mass, scale: scale(stiffness, mass), shifted, symbolic })
     }
 
@@ -77,8 +77,8 @@ impl<'a> Problem<'a> {
         krylov.lock(&factor, &null)?;
         let certify = |krylov: &Krylov<'_>| {
             let (values, vectors) = (krylov.values(), krylov.vectors());
-            let (w, tolerance) = (self.stiffness, options.tolerance);
-            certify(w, self.mass, values, vectors, self.scale, tolerance, options.par)
+            let (w, bounds) = (self.stiffness, (options.tolerance, ROUNDINGS));
+            certify(w, self.mass, values, vectors, self.scale, bounds, options.par)
         };
         // Each round tightens the estimate, or adds a block of directions that the earlier ones had nothing of.
         let rounds = 8 + options.k / WIDTH;

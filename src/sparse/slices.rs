@@ -7,7 +7,7 @@ use faer::{Mat, MatRef};
 use sprs::CsMatView;
 
 use super::Mass;
-use super::certificate::{apart, certify};
+use super::certificate::{ROUNDINGS, apart, certify};
 use super::cholesky::Factor;
 use super::eigs::{EigenOptions, Eigenpairs, check, one_window, small};
 use super::lanczos::{WIDTH, basis_size};
@@ -256,8 +256,8 @@ impl<'a> Slices<'a> {
         let solves = pairs.solves;
         drop(pairs.vectors);
         self.leave_guard(&mut vectors)?;
-        let tolerance = self.options.tolerance;
-        let found = certify(stiffness, mass, &values, vectors.as_ref(), scale, tolerance, par)?;
+        let bounds = (self.options.tolerance, 4.0 * ROUNDINGS);
+        let found = certify(stiffness, mass, &values, vectors.as_ref(), scale, bounds, par)?;
         if found.excess > 1.0 {
             return Err(Error::NotConverged { iterations: 0, residual: found.largest });
         }

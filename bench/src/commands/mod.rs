@@ -2,7 +2,9 @@
 
 pub mod accuracy;
 pub mod exact;
+pub mod functional_map;
 pub mod grid;
+pub mod laplacian;
 pub mod race;
 pub mod reproduce;
 pub mod scale;
