@@ -40,6 +40,8 @@ pub mod io;
 
 pub mod spectral;
 
+pub mod decimate;
+
 #[cfg(feature = "mpi")]
 pub mod mpi;
 

@@ -9,7 +9,8 @@ use catamaran_bench::{Result, host};
 use clap::Parser;
 
 use commands::{
-    accuracy, exact, functional_map, grid, laplacian, race, reproduce, scale, spectrum, stream,
+    accuracy, exact, functional_map, grid, laplacian, ortho, race, reproduce, scale, spectrum,
+    stream,
 };
 
 /// Races against other libraries, and errors beside theirs.
@@ -35,6 +36,8 @@ enum Command {
     Laplacian(laplacian::Arguments),
     /// A functional map, fitted and refined by ZoomOut, beside pyfmaps.
     FunctionalMap(functional_map::Arguments),
+    /// Gram-Schmidt beside column-wise numpy and LAPACK's pivoted QR.
+    Ortho(ortho::Arguments),
     /// Tables and figures of the thesis, measured again.
     Reproduce(reproduce::Arguments),
 }
@@ -55,6 +58,7 @@ fn main() {
         Command::Spectrum(a) => spectrum::run(a),
         Command::Laplacian(a) => laplacian::run(a),
         Command::FunctionalMap(a) => functional_map::run(a),
+        Command::Ortho(a) => ortho::run(a),
         Command::Reproduce(a) => reproduce::run(a),
     };
     if let Err(error) = done {

@@ -5,15 +5,16 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::base::Progress;
-use catamaran::io::{Array, NpzWriter, Output, Overwrite};
+use catamaran::io::{Array, ArraysWriter, Output, Overwrite, check_arrays_name};
 use catamaran::mesh::io as files;
 use catamaran::mesh::{Boundary, Laplacian, LaplacianOptions, MassKind, laplacian};
-use catamaran::sparse::{EigenOptions, Eigenpairs, eigs_sliced};
+use catamaran::sparse::{EigenOptions, Eigenpairs};
 use clap::ValueEnum;
 
 use crate::ata::parse;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
+use crate::ranks::Ranks;
 use crate::report::{report, seconds};
 use crate::shape::LaplacianArgs;
 
@@ -21,12 +22,15 @@ use crate::shape::LaplacianArgs;
 ///
 /// The file has three arrays: `eigenvalues` (k, ascending), `eigenvectors` (vertices x k, orthonormal in the inner product
 /// of the mass matrix) and `residuals` (k), |W phi - lambda M phi| / |W phi|.
+///
+/// Under `mpirun` (where MPI is built in) the eigenvectors are spread over the processes until they are written; each uses
+/// `--threads`.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off or .stl, each also as .gz or .xz.
     #[arg(value_name = "MESH")]
     input: PathBuf,
-    /// Write the arrays to this .npz file.
+    /// Write the arrays to this .npz file, or .h5 where HDF5 is built in.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Number of eigenpairs; at most as many as vertices that are not held at zero.
@@ -76,9 +80,19 @@ enum Edge {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let output = args.output.as_deref().map(|path| create(path, args.force)).transpose()?;
+    let ranks = Ranks::join()?;
+    let done = run_as(args, &ranks);
+    ranks.end(done)
+}
+
+fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
-    let picture = args.picture.create(overwrite)?;
+    let path = args.output.as_deref().filter(|_| ranks.is_first());
+    let output = path.map(|path| create(path, overwrite)).transpose()?;
+    let picture = match ranks.is_first() {
+        true => args.picture.create(overwrite)?,
+        false => None,
+    };
     let par = args.laplacian.par();
     let name = args.input.display();
 
@@ -122,10 +136,11 @@ pub fn run(args: &Args) -> Result<()> {
     // Only pictures need the mesh from here on.
     let mesh = picture.is_some().then_some(file.mesh);
     let mut results = Results::new(output, &operator, args.k)?;
-    eigs_sliced(operator.stiffness.view(), &operator.mass, &options, args.memory, |slice| {
-        results.take(&slice)
-    })
-    .with_context(|| name.to_string())?;
+    ranks
+        .eigenpairs(&operator.stiffness, &operator.mass, &options, args.memory, |slice| {
+            results.take(&slice, ranks)
+        })
+        .with_context(|| name.to_string())?;
     drop(bar);
     report(format_args!("eigenpairs  {} in {}", args.k, seconds(start.elapsed())))?;
     if results.slices > 1 {
@@ -154,7 +169,7 @@ pub fn run(args: &Args) -> Result<()> {
 /// What becomes of the pairs, slice by slice.
 struct Results<'a> {
     operator: &'a Laplacian,
-    writer: Option<NpzWriter>,
+    writer: Option<ArraysWriter>,
     path: String,
     values: Vec<f64>,
     residuals: Vec<f64>,
@@ -181,10 +196,14 @@ impl<'a> Results<'a> {
         })
     }
 
-    fn take(&mut self, slice: &Eigenpairs) -> catamaran::base::Result<()> {
+    fn take(&mut self, slice: &Eigenpairs, ranks: &Ranks) -> catamaran::Result<()> {
         self.slices += 1;
         self.values.extend(&slice.values);
         self.residuals.extend(&slice.residuals);
+        // The others have no vectors.
+        if !ranks.is_first() {
+            return Ok(());
+        }
         for j in 0..slice.values.len() {
             let vector = self.operator.extend(slice.vectors.as_ref().subcols(j, 1))?;
             if let Some(writer) = &mut self.writer {
@@ -212,14 +231,11 @@ const SHOWN: usize = 10;
 /// Eigenfunctions in the picture.
 const DRAWN: usize = 4;
 
-/// Starts the output, whose name says .npz.
-fn create(path: &Path, force: bool) -> Result<Output> {
-    if path.extension().is_none_or(|extension| extension != "npz") {
-        bail!("{}: must be called .npz", path.display());
-    }
-    if !force && path.symlink_metadata().is_ok() {
+/// Starts the output, whose name says what it is.
+fn create(path: &Path, overwrite: Overwrite) -> Result<Output> {
+    check_arrays_name(path)?;
+    if overwrite == Overwrite::Never && path.symlink_metadata().is_ok() {
         bail!("{}: exists already (--force replaces it)", path.display());
     }
-    let overwrite = if force { Overwrite::Replace } else { Overwrite::Never };
     Ok(Output::create(path, overwrite)?)
 }

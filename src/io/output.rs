@@ -57,6 +57,12 @@ impl Output {
         &self.path
     }
 
+    /// Where it is until then.
+    #[cfg(feature = "hdf5")]
+    pub(super) fn temporary_path(&self) -> &Path {
+        self.file.get_ref().path()
+    }
+
     /// Lets the file appear under its name.
     ///
     /// # Errors

@@ -7,6 +7,10 @@ mod panel;
 mod rank_revealing;
 
 pub use cholesky_qr::cholesky_qr;
+#[cfg(feature = "mpi")]
+pub(crate) use cholesky_qr::cholesky_qr_of;
+#[cfg(feature = "mpi")]
+pub(crate) use gram_schmidt::gram_schmidt_of;
 pub use gram_schmidt::{
     Factors, GramSchmidtOptions, Orthonormal, gram_schmidt, gram_schmidt_in_place,
 };

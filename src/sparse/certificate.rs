@@ -1,10 +1,11 @@
-use faer::prelude::ReborrowMut;
+use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Mat, MatRef};
 use sprs::CsMatView;
 
-use super::Mass;
+use super::eigs::EigenOptions;
 use super::product::multiply_by_differences;
-use crate::base::{Par, Result};
+use super::space::Pencil;
+use crate::base::Result;
 
 /// Columns that are looked at together.
 const COLUMNS: usize = 8;
@@ -22,28 +23,34 @@ pub(crate) struct Certificate {
     pub excess: f64,
 }
 
-/// The certificate of pairs for residuals of `tolerance`, or of so many `roundings` of phi, where that is more:
-/// `eps | |W| |phi| |` each in place of `|W phi - lambda M phi|` (Oettli and Prager 1964). `scale` is the s of
-/// [`super::Eigenpairs`].
+/// The certificate of pairs for residuals of `options.tolerance`, or of so many `roundings` of phi, where that is more:
+/// `eps | |W| |phi| |` each in place of `|W phi - lambda M phi|` (Oettli and Prager 1964). `stiffness` is that of the
+/// pencil, with all rows; `scale` is the s of [`super::Eigenpairs`].
 pub(crate) fn certify(
+    pencil: &dyn Pencil,
     stiffness: CsMatView<'_, f64>,
-    mass: &Mass,
     values: &[f64],
     vectors: MatRef<'_, f64>,
     scale: f64,
-    (tolerance, roundings): (f64, f64),
-    par: Par,
+    roundings: f64,
+    options: &EigenOptions<'_>,
 ) -> Result<Certificate> {
-    let mut found =
-        Certificate { residuals: Vec::with_capacity(values.len()), largest: 0.0, excess: 0.0 };
+    let (par, tolerance) = (options.par, options.tolerance);
+    // Squares of |W phi|, |M phi| and |W phi - lambda M phi|.
+    let mut squares = Mat::zeros(3, values.len());
     let mut w = Mat::zeros(vectors.nrows(), COLUMNS.min(values.len()));
     let mut m = w.clone();
     for (chunk, values) in values.chunks(COLUMNS).enumerate() {
         let x = vectors.subcols(chunk * COLUMNS, values.len());
         let mut w = w.as_mut().subcols_mut(0, values.len());
         let mut m = m.as_mut().subcols_mut(0, values.len());
-        multiply_by_differences(stiffness, x, w.rb_mut(), par);
-        mass.multiply(x, m.rb_mut(), par)?;
+        w.copy_from(x);
+        pencil.map_columns(w.rb_mut(), &|whole| {
+            let x = whole.rb().to_owned();
+            multiply_by_differences(stiffness, x.as_ref(), whole, par);
+            Ok(())
+        })?;
+        pencil.inner().apply_mass(x, m.rb_mut(), par)?;
         for (j, value) in values.iter().enumerate() {
             let (mut left, mut right, mut gap) = (0.0f64, 0.0f64, 0.0f64);
             for i in 0..x.nrows() {
@@ -52,28 +59,49 @@ pub(crate) fn certify(
                 right += m * m;
                 gap += (w - value * m).powi(2);
             }
-            let size = left.sqrt().max(scale * right.sqrt());
-            let residual = gap.sqrt() / size;
-            let mut allowed = tolerance;
-            if residual > tolerance {
-                let rounding = magnitude(stiffness, x.subcols(j, 1)) / size;
-                allowed = allowed.max(roundings * f64::EPSILON * rounding);
-            }
-            let number = |x: f64| if x.is_nan() { f64::INFINITY } else { x };
-            found.largest = found.largest.max(number(residual));
-            found.excess = found.excess.max(number(residual / allowed));
-            found.residuals.push(residual);
+            let column = chunk * COLUMNS + j;
+            [left, right, gap].into_iter().enumerate().for_each(|(i, x)| squares[(i, column)] = x);
         }
+    }
+    pencil.inner().sum(squares.as_mut())?;
+    let mut found =
+        Certificate { residuals: Vec::with_capacity(values.len()), largest: 0.0, excess: 0.0 };
+    let number = |x: f64| if x.is_nan() { f64::INFINITY } else { x };
+    for j in 0..values.len() {
+        let [left, right, gap] = [0, 1, 2].map(|i| squares[(i, j)].sqrt());
+        let size = left.max(scale * right);
+        let residual = gap / size;
+        let mut allowed = tolerance;
+        if residual > tolerance {
+            let rounding = magnitude(pencil, stiffness, vectors.subcols(j, 1))? / size;
+            allowed = allowed.max(roundings * f64::EPSILON * rounding);
+        }
+        found.largest = found.largest.max(number(residual));
+        found.excess = found.excess.max(number(residual / allowed));
+        found.residuals.push(residual);
     }
     Ok(found)
 }
 
 /// `| |W| |phi| |`.
-fn magnitude(stiffness: CsMatView<'_, f64>, phi: MatRef<'_, f64>) -> f64 {
-    let row_sum = |row: sprs::CsVecView<'_, f64>| -> f64 {
-        row.iter().map(|(j, w)| (w * phi[(j, 0)]).abs()).sum()
-    };
-    stiffness.outer_iterator().map(|row| row_sum(row).powi(2)).sum::<f64>().sqrt()
+fn magnitude(
+    pencil: &dyn Pencil,
+    stiffness: CsMatView<'_, f64>,
+    phi: MatRef<'_, f64>,
+) -> Result<f64> {
+    let mut sums = phi.to_owned();
+    pencil.map_columns(sums.as_mut(), &|mut whole| {
+        let phi = whole.rb().to_owned();
+        for j in 0..whole.ncols() {
+            for (i, row) in stiffness.outer_iterator().enumerate() {
+                whole[(i, j)] = row.iter().map(|(c, w)| (w * phi[(c, j)]).abs()).sum();
+            }
+        }
+        Ok(())
+    })?;
+    let mut square = Mat::from_fn(1, 1, |_, _| sums.squared_norm_l2());
+    pencil.inner().sum(square.as_mut())?;
+    Ok(square[(0, 0)].sqrt())
 }
 
 /// Distance of two eigenvalues, relative to them, from which on they are counted apart.

@@ -7,6 +7,7 @@ use super::check::check_symmetric;
 use super::lanczos::{WIDTH, basis_size};
 use super::problem::{Problem, ascending, scale};
 use super::small::dense_pairs;
+use super::space::{Pencil, WholePencil};
 use crate::base::{Error, Flow, Par, Progress, Result};
 
 /// What [`eigs`] is asked for.
@@ -110,21 +111,30 @@ pub fn eigs(
     options: &EigenOptions<'_>,
 ) -> Result<Eigenpairs> {
     check(stiffness, mass, options)?;
-    let n = stiffness.rows();
+    eigs_of(&WholePencil { stiffness, mass }, stiffness, mass, options)
+}
+
+/// [`eigs`] with vectors of the rows that are here. The matrices, checked, are those of the pencil, with all rows.
+pub(crate) fn eigs_of(
+    pencil: &dyn Pencil,
+    stiffness: CsMatView<'_, f64>,
+    mass: &Mass,
+    options: &EigenOptions<'_>,
+) -> Result<Eigenpairs> {
     if options.k == 0 {
-        let vectors = Mat::zeros(n, 0);
+        let vectors = Mat::zeros(pencil.inner().rows().len(), 0);
         return Ok(Eigenpairs { values: vec![], vectors, residuals: vec![], solves: 0 });
     }
-    if basis_size(options.k) + 2 * WIDTH > n {
-        return small(stiffness, mass, options);
+    if basis_size(options.k) + 2 * WIDTH > stiffness.rows() {
+        return small(pencil, stiffness, mass, options);
     }
-    let problem = Problem::new(stiffness, mass)?;
+    let problem = Problem::new(pencil, stiffness, mass)?;
     options.report(0.01)?;
     one_window(&problem, options)
 }
 
 /// Refuses what is not a problem.
-pub(super) fn check(
+pub(crate) fn check(
     stiffness: CsMatView<'_, f64>,
     mass: &Mass,
     options: &EigenOptions<'_>,
@@ -154,6 +164,7 @@ pub(super) fn one_window(problem: &Problem<'_>, options: &EigenOptions<'_>) -> R
 
 /// The wanted pairs of all.
 pub(super) fn small(
+    pencil: &dyn Pencil,
     stiffness: CsMatView<'_, f64>,
     mass: &Mass,
     options: &EigenOptions<'_>,
@@ -166,17 +177,11 @@ pub(super) fn small(
     order.truncate(options.k);
     order.sort_unstable();
     let values: Vec<f64> = order.iter().map(|&j| values[j]).collect();
-    let vectors = Mat::from_fn(vectors.nrows(), options.k, |i, j| vectors[(i, order[j])]);
+    let rows = pencil.inner().rows();
+    let vectors = Mat::from_fn(rows.len(), options.k, |i, j| vectors[(rows.start + i, order[j])]);
     let (scale, vectors) = (scale(stiffness, mass), vectors.as_ref());
-    let Certificate { residuals, .. } = certify(
-        stiffness,
-        mass,
-        &values,
-        vectors,
-        scale,
-        (options.tolerance, ROUNDINGS),
-        options.par,
-    )?;
+    let Certificate { residuals, .. } =
+        certify(pencil, stiffness, &values, vectors, scale, ROUNDINGS, options)?;
     options.report(1.0)?;
     Ok(ascending(&values, vectors, &residuals, 0, options.shift.is_none()))
 }

@@ -6,11 +6,13 @@ use super::cholesky::{Factor, Symbolic};
 use super::eigs::{EigenOptions, Eigenpairs};
 use super::lanczos::{Krylov, WIDTH};
 use super::shifted::Shifted;
+use super::space::Pencil;
 use super::{Mass, components};
 use crate::base::{Error, Result};
 
 /// W and M, and what all factorisations of `W - sigma M` have in common.
 pub(crate) struct Problem<'a> {
+    pub pencil: &'a dyn Pencil,
     pub stiffness: CsMatView<'a, f64>,
     pub mass: &'a Mass,
     /// The s of [`Eigenpairs`].
@@ -20,11 +22,15 @@ pub(crate) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    /// Of matrices that are known to be symmetric.
-    pub fn new(stiffness: CsMatView<'a, f64>, mass: &'a Mass) -> Result<Self> {
+    /// Of matrices that are known to be symmetric, those of the pencil with all rows.
+    pub fn new(
+        pencil: &'a dyn Pencil,
+        stiffness: CsMatView<'a, f64>,
+        mass: &'a Mass,
+    ) -> Result<Self> {
         let shifted = Shifted::new(stiffness, mass);
         let symbolic = Symbolic::new(shifted.symbolic())?;
-        Ok(Self { stiffness, mass, scale: scale(stiffness, mass), shifted, symbolic })
+        Ok(Self { pencil, stiffness, mass, scale: scale(stiffness, mass), shifted, symbolic })
     }
 
     /// Bytes that a factorisation takes, and those that are there anyway.
@@ -73,12 +79,13 @@ impl<'a> Problem<'a> {
             true => components::null_components(self.stiffness, self.mass),
             false => vec![],
         };
-        let mut krylov = Krylov::new(self.stiffness, self.mass, sigma, self.scale, options)?;
+        let n = self.stiffness.rows();
+        let mean_mass = (0..n).map(|i| self.mass.diagonal(i)).sum::<f64>() / n as f64;
+        let mut krylov = Krylov::new(self.pencil, sigma, self.scale, mean_mass.sqrt(), options)?;
         krylov.lock(&factor, &null)?;
         let certify = |krylov: &Krylov<'_>| {
             let (values, vectors) = (krylov.values(), krylov.vectors());
-            let (w, bounds) = (self.stiffness, (options.tolerance, ROUNDINGS));
-            certify(w, self.mass, values, vectors, self.scale, bounds, options.par)
+            certify(self.pencil, self.stiffness, values, vectors, self.scale, ROUNDINGS, options)
         };
         // Each round tightens the estimate, or adds a block of directions that the earlier ones had nothing of.
         let rounds = 8 + options.k / WIDTH;

@@ -12,6 +12,7 @@ use super::cholesky::Factor;
 use super::eigs::{EigenOptions, Eigenpairs, check, one_window, small};
 use super::lanczos::{WIDTH, basis_size};
 use super::problem::Problem;
+use super::space::WholePencil;
 use crate::base::{Error, Progress, Result};
 use crate::dense::{subtract_product, transposed_product, zeros};
 
@@ -52,9 +53,10 @@ pub fn eigs_sliced(
         return Ok(());
     }
     if basis_size(k) + 2 * WIDTH > n {
-        return sink(small(stiffness, mass, options)?);
+        return sink(small(&WholePencil { stiffness, mass }, stiffness, mass, options)?);
     }
-    let problem = Problem::new(stiffness, mass)?;
+    let pencil = WholePencil { stiffness, mass };
+    let problem = Problem::new(&pencil, stiffness, mass)?;
     options.report(0.01)?;
     let vectors = memory.saturating_sub(problem.bytes()) / (n * size_of::<f64>());
     let largest = vectors.saturating_sub(vectors_beside()) / 3;
@@ -79,7 +81,7 @@ pub fn eigs_sliced(
 
 /// Vectors that a run takes beside three for each pair: of its basis, its blocks, the certificate, and the guard.
 fn vectors_beside() -> usize {
-    basis_size(0) + 6 * WIDTH + GUARD
+    basis_size(0) + 7 * WIDTH + GUARD
 }
 
 /// What was found so far.
@@ -186,12 +188,13 @@ impl<'a> Slices<'a> {
         size: usize,
     ) -> Result<(Eigenpairs, End)> {
         let (k, done) = (self.options.k as f64, self.handed as f64);
+        let (told, progress) = (&self.told, self.options.progress);
         let watch = |fraction: f64| {
             let fraction = (done + fraction * size as f64).min(k) / k * 0.99;
             // Non-negative numbers are in the order of their bits. A run that is repeated tells nothing new.
-            let told = self.told.fetch_max(fraction.to_bits(), Ordering::Relaxed);
+            let told = told.fetch_max(fraction.to_bits(), Ordering::Relaxed);
             let fraction = fraction.max(f64::from_bits(told));
-            self.options.progress.map_or(crate::base::Flow::Continue, |tell| tell(fraction))
+            progress.map_or(crate::base::Flow::Continue, |tell| tell(fraction))
         };
         let options = EigenOptions {
             k: size,
@@ -246,8 +249,7 @@ impl<'a> Slices<'a> {
 
     /// What is wanted of a run, made orthogonal to what was handed out last.
     fn take(&mut self, pairs: Eigenpairs, cut: f64, count: usize) -> Result<Eigenpairs> {
-        let par = self.options.par;
-        let Problem { stiffness, mass, scale, .. } = *self.problem;
+        let Problem { pencil, stiffness, scale, .. } = *self.problem;
         let skip = pairs.values.partition_point(|v| *v <= self.cut);
         let wanted = count.min(self.options.k - self.handed);
         let values = pairs.values[skip..skip + wanted].to_vec();
@@ -256,8 +258,9 @@ impl<'a> Slices<'a> {
         let solves = pairs.solves;
         drop(pairs.vectors);
         self.leave_guard(&mut vectors)?;
-        let bounds = (self.options.tolerance, 4.0 * ROUNDINGS);
-        let found = certify(stiffness, mass, &values, vectors.as_ref(), scale, bounds, par)?;
+        let (roundings, vectors_found) = (4.0 * ROUNDINGS, vectors.as_ref());
+        let found =
+            certify(pencil, stiffness, &values, vectors_found, scale, roundings, self.options)?;
         if found.excess > 1.0 {
             return Err(Error::NotConverged { iterations: 0, residual: found.largest });
         }

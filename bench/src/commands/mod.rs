@@ -5,6 +5,7 @@ pub mod exact;
 pub mod functional_map;
 pub mod grid;
 pub mod laplacian;
+pub mod ortho;
 pub mod race;
 pub mod reproduce;
 pub mod scale;

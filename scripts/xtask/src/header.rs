@@ -5,9 +5,23 @@ use std::path::Path;
 const HEADER: &str = "include/catamaran.h";
 
 /// The files of the C ABI, in the order of the header.
-const FILES: [&str; 14] = [
-    "version", "status", "backend", "pointer", "params", "ata", "rows", "atb", "verify",
-    "spectrum", "ortho", "transfer", "mpi", "memory",
+const FILES: &[&str] = &[
+    "version",
+    "status",
+    "backend",
+    "pointer",
+    "params",
+    "ata",
+    "rows",
+    "atb",
+    "verify",
+    "spectrum",
+    "mesh_spectrum",
+    "ortho",
+    "transfer",
+    "decimate",
+    "mpi",
+    "memory",
 ];
 
 /// Exported for tests; last in the header.

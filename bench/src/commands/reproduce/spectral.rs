@@ -1,74 +1,27 @@
-//! `reproduce`: tables and figures of the thesis, measured again.
+//! Chapter 1: eigenproducts.
 
-use std::time::Instant;
-
-use catamaran_bench::curves::{Plot, svg};
+use catamaran_bench::Result;
+use catamaran_bench::curves::Plot;
 use catamaran_bench::race::median;
 use catamaran_bench::spectral::{
-    Setting, Shape, Shapes, approximation, eigenpowers, frequencies, ranks, stability, transfer,
+    Setting, Shape, Shapes, Table, approximation, eigenpowers, frequencies, ranks, stability,
+    transfer,
 };
-use catamaran_bench::{Result, host, record};
-use clap::ValueEnum;
 
-#[derive(clap::Args)]
-pub struct Arguments {
-    /// What is reproduced.
-    what: What,
-    /// Writes WHAT.md, WHAT.csv, WHAT.svg and host.txt under bench/record.
-    #[arg(long)]
-    record: bool,
-}
+use super::Report;
 
-#[derive(Clone, Copy, ValueEnum)]
-enum What {
-    /// Chapter 1: eigenproducts.
-    Spectral,
-}
+/// The columns of the record.
+pub const HEADER: &str = "table,function,method,ours,thesis";
 
-pub fn run(arguments: &Arguments) -> Result<()> {
-    let What::Spectral = arguments.what;
-    let host = host::describe(&[]);
-    let start = Instant::now();
-    let mut report = Report::default();
-    spectral(&mut report)?;
-    println!("\n{:.0} s", start.elapsed().as_secs_f64());
-    if arguments.record {
-        let csv = record::csv("table,function,method,ours,thesis", &report.lines);
-        let files = [
-            ("spectral.md", report.text),
-            ("spectral.csv", csv),
-            ("spectral.svg", svg(&report.plots)),
-            ("host.txt", host),
-        ];
-        println!("recorded in {}", record::write(&files)?.display());
-    }
-    Ok(())
-}
-
-/// What is found, as it is found.
-#[derive(Default)]
-struct Report {
-    text: String,
-    lines: Vec<String>,
-    plots: Vec<Plot>,
-}
-
-impl Report {
-    fn say(&mut self, text: &str) {
-        println!("{text}");
-        self.text += text;
-        self.text.push('\n');
-    }
-}
-
-fn spectral(report: &mut Report) -> Result<()> {
+/// Theorem 1.1, figures 1.4, 1.6 and 1.10, tables 1.1 to 1.4.
+pub fn run(report: &mut Report) -> Result<()> {
     report.say(
         "# Chapter 1, measured again\n\nOur errors in per cent, those of the thesis in brackets: the same protocol on \
          other shapes, so that the order of the methods can be compared, and not the values. `rings` stands for \
          AWFT.\n",
     );
     let shapes = Shapes::new();
-    let report_table = |report: &mut Report, table: catamaran_bench::spectral::Table| {
+    let report_table = |report: &mut Report, table: Table| {
         report.say(&table.markdown());
         report.lines.extend(table.lines());
     };

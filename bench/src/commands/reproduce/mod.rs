@@ -1,0 +1,64 @@
+//! `reproduce`: tables and figures of the thesis, measured again. A chapter a file.
+
+mod spectral;
+
+use std::time::Instant;
+
+use catamaran_bench::curves::{Plot, svg};
+use catamaran_bench::{Result, host, record};
+use clap::ValueEnum;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// What is reproduced.
+    what: What,
+    /// Writes WHAT.md, WHAT.csv, WHAT.svg and host.txt under bench/record.
+    #[arg(long)]
+    record: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum What {
+    /// Chapter 1: eigenproducts.
+    Spectral,
+}
+
+/// What is found, as it is found.
+#[derive(Default)]
+struct Report {
+    text: String,
+    lines: Vec<String>,
+    plots: Vec<Plot>,
+}
+
+impl Report {
+    /// A line of the text, which is Markdown.
+    fn say(&mut self, text: &str) {
+        println!("{text}");
+        self.text += text;
+        self.text.push('\n');
+    }
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let host = host::describe(&[]);
+    let start = Instant::now();
+    let mut report = Report::default();
+    let (name, header) = match arguments.what {
+        What::Spectral => {
+            spectral::run(&mut report)?;
+            ("spectral", spectral::HEADER)
+        }
+    };
+    println!("\n{:.0} s", start.elapsed().as_secs_f64());
+    if arguments.record {
+        let files = [
+            (&*format!("{name}.md"), report.text),
+            (&*format!("{name}.csv"), record::csv(header, &report.lines)),
+            (&*format!("{name}.svg"), svg(&report.plots)),
+            ("host.txt", host),
+        ];
+        println!("recorded in {}", record::write(&files)?.display());
+    }
+    Ok(())
+}
