@@ -9,8 +9,8 @@ use catamaran_bench::{Result, host};
 use clap::Parser;
 
 use commands::{
-    accuracy, exact, functional_map, grid, laplacian, ortho, race, reproduce, scale, spectrum,
-    stream,
+    accuracy, decimate, exact, functional_map, grid, laplacian, ortho, race, reproduce, scale,
+    spectrum, stream,
 };
 
 /// Races against other libraries, and errors beside theirs.
@@ -38,6 +38,8 @@ enum Command {
     FunctionalMap(functional_map::Arguments),
     /// Gram-Schmidt beside column-wise numpy and LAPACK's pivoted QR.
     Ortho(ortho::Arguments),
+    /// Decimation of meshes beside other libraries.
+    Decimate(decimate::Arguments),
     /// Tables and figures of the thesis, measured again.
     Reproduce(reproduce::Arguments),
 }
@@ -59,6 +61,7 @@ fn main() {
         Command::Laplacian(a) => laplacian::run(a),
         Command::FunctionalMap(a) => functional_map::run(a),
         Command::Ortho(a) => ortho::run(a),
+        Command::Decimate(a) => decimate::run(a),
         Command::Reproduce(a) => reproduce::run(a),
     };
     if let Err(error) = done {

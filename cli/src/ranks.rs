@@ -124,7 +124,7 @@ impl Ranks {
         };
         let found = catamaran::mpi::eigs(world, rows(stiffness).view(), &own_mass, options)?;
         let vectors = catamaran::mpi::gather_rows(world, 0, found.vectors.as_ref())?;
-        sink(Eigenpairs { vectors: vectors.unwrap_or_default(), ..found })
+        sink(Eigenpairs { vectors: vectors.unwrap_or_else(catamaran::faer::Mat::new), ..found })
     }
 
     /// Waits for all.

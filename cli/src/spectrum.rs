@@ -181,7 +181,7 @@ struct Results<'a> {
 impl<'a> Results<'a> {
     fn new(output: Option<Output>, operator: &'a Laplacian, k: usize) -> Result<Self> {
         let path = output.as_ref().map(|output| output.path().display().to_string());
-        let mut writer = output.map(NpzWriter::new);
+        let mut writer = output.map(ArraysWriter::new).transpose()?;
         if let Some(writer) = &mut writer {
             writer.matrix_by_columns("eigenvectors", operator.vertices, k)?;
         }

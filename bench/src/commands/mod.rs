@@ -1,6 +1,7 @@
 //! The commands, and what they share: options, and who takes part.
 
 pub mod accuracy;
+pub mod decimate;
 pub mod exact;
 pub mod functional_map;
 pub mod grid;

@@ -57,7 +57,7 @@ fn generate(root: &Path) -> Result<String, String> {
     config.header = Some(preamble());
     config.after_includes = Some(version_macros());
     let mut builder = cbindgen::Builder::new().with_config(config);
-    for name in FILES.into_iter().chain([INTERNAL]) {
+    for name in FILES.iter().chain(&[INTERNAL]) {
         builder = builder.with_src(capi.join(name).with_extension("rs"));
     }
     let bindings = builder.generate().map_err(|e| format!("cbindgen: {e}"))?;

@@ -1,5 +1,6 @@
 //! `reproduce`: tables and figures of the thesis, measured again. A chapter a file.
 
+mod decimate;
 mod spectral;
 
 use std::time::Instant;
@@ -21,6 +22,8 @@ pub struct Arguments {
 enum What {
     /// Chapter 1: eigenproducts.
     Spectral,
+    /// Chapter 5: decimation.
+    Decimate,
 }
 
 /// What is found, as it is found.
@@ -48,6 +51,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         What::Spectral => {
             spectral::run(&mut report)?;
             ("spectral", spectral::HEADER)
+        }
+        What::Decimate => {
+            decimate::run(&mut report)?;
+            ("decimate", decimate::HEADER)
         }
     };
     println!("\n{:.0} s", start.elapsed().as_secs_f64());
