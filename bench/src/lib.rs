@@ -10,6 +10,7 @@ pub mod contender;
 pub mod curves;
 pub mod decimate;
 pub mod double;
+pub mod exchange;
 pub mod grid;
 pub mod host;
 pub mod input;

@@ -7,7 +7,7 @@ use faer::{Mat, MatRef};
 use sprs::CsMatView;
 
 use super::Mass;
-use super::certificate::{apart, certify};
+use super::certificate::{ROUNDINGS, apart, certify};
 use super::cholesky::Factor;
 use super::eigs::{EigenOptions, Eigenpairs, check, one_window, small};
 use super::lanczos::{WIDTH, basis_size};
@@ -81,7 +81,7 @@ pub fn eigs_sliced(
 
 /// Vectors that a run takes beside three for each pair: of its basis, its blocks, the certificate, and the guard.
 fn vectors_beside() -> usize {
-    basis_size(0) + 6 * WIDTH + GUARD
+    basis_size(0) + 7 * WIDTH + GUARD
 }
 
 /// What was found so far.
@@ -258,7 +258,9 @@ impl<'a> Slices<'a> {
         let solves = pairs.solves;
         drop(pairs.vectors);
         self.leave_guard(&mut vectors)?;
-        let found = certify(pencil, stiffness, &values, vectors.as_ref(), scale, self.options)?;
+        let (roundings, vectors_found) = (4.0 * ROUNDINGS, vectors.as_ref());
+        let found =
+            certify(pencil, stiffness, &values, vectors_found, scale, roundings, self.options)?;
         if found.excess > 1.0 {
             return Err(Error::NotConverged { iterations: 0, residual: found.largest });
         }
