@@ -14,6 +14,7 @@ mod memory;
 mod mpi;
 mod ortho;
 mod params;
+mod plant;
 mod pointer;
 #[cfg(feature = "mpi")]
 mod ranks;
@@ -32,6 +33,7 @@ pub use memory::*;
 pub use mpi::*;
 pub use ortho::*;
 pub use params::*;
+pub use plant::*;
 pub use pointer::{CATA_BOTH, CATA_COL_MAJOR, CATA_LOWER, CATA_ROW_MAJOR, CATA_UPPER};
 pub use rows::*;
 pub use spectrum::*;

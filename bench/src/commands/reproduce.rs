@@ -1,8 +1,10 @@
 //! `reproduce`: tables and figures of the thesis, measured again.
 
+use std::path::PathBuf;
 use std::time::Instant;
 
 use catamaran_bench::curves::{Plot, svg};
+use catamaran_bench::plant;
 use catamaran_bench::spectral::{
     Setting, Shape, Shapes, approximation, eigenpowers, frequencies, ranks, stability, transfer,
 };
@@ -16,27 +18,47 @@ pub struct Arguments {
     /// Writes WHAT.md, WHAT.csv, WHAT.svg and host.txt under bench/record.
     #[arg(long)]
     record: bool,
+    /// Nodes of the largest plant of the race (plant).
+    #[arg(long, default_value_t = 1_000_000)]
+    largest: usize,
+    /// Repetitions of the race (plant).
+    #[arg(long, default_value_t = 5)]
+    repeat: usize,
+    /// Where scripts/rivals installed scipy and others (plant).
+    #[arg(long, default_value = "target/rivals")]
+    libraries: PathBuf,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum What {
     /// Chapter 1: eigenproducts.
     Spectral,
+    /// Chapter 4: plants that wilt.
+    Plant,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let What::Spectral = arguments.what;
     let host = host::describe(&[]);
     let start = Instant::now();
     let mut report = Report::default();
-    spectral(&mut report)?;
+    let (name, header) = match arguments.what {
+        What::Spectral => {
+            spectral(&mut report)?;
+            ("spectral", "table,function,method,ours,thesis")
+        }
+        What::Plant => {
+            plants(&mut report, arguments)?;
+            ("plant", "figure,case,quantity,value")
+        }
+    };
     println!("\n{:.0} s", start.elapsed().as_secs_f64());
     if arguments.record {
-        let csv = record::csv("table,function,method,ours,thesis", &report.lines);
+        let csv = record::csv(header, &report.lines);
+        let [md, table, picture] = ["md", "csv", "svg"].map(|ending| format!("{name}.{ending}"));
         let files = [
-            ("spectral.md", report.text),
-            ("spectral.csv", csv),
-            ("spectral.svg", svg(&report.plots)),
+            (md.as_str(), report.text),
+            (table.as_str(), csv),
+            (picture.as_str(), svg(&report.plots)),
             ("host.txt", host),
         ];
         println!("recorded in {}", record::write(&files)?.display());
@@ -58,6 +80,26 @@ impl Report {
         self.text += text;
         self.text.push('\n');
     }
+}
+
+fn plants(report: &mut Report, arguments: &Arguments) -> Result<()> {
+    report.say("# Chapter 4, measured again\n");
+    let mut keep = |part: plant::Part| {
+        report.say(&part.markdown());
+        report.lines.extend(part.lines());
+        report.plots.extend(part.plots);
+    };
+    let subjects = plant::subjects()?;
+    keep(plant::sections(&subjects)?);
+    for part in plant::errors_over_time(&subjects)? {
+        keep(part);
+    }
+    keep(plant::total_water(&subjects)?);
+    keep(plant::grid(&subjects)?);
+    keep(plant::cut(&subjects)?);
+    keep(plant::shares(&subjects)?);
+    keep(plant::race(arguments.largest, arguments.repeat, &arguments.libraries)?);
+    Ok(())
 }
 
 fn spectral(report: &mut Report) -> Result<()> {

@@ -6,6 +6,7 @@ mod ata;
 mod chart;
 mod exact;
 mod page;
+mod plant;
 mod spectral;
 mod task_tree;
 
@@ -33,8 +34,8 @@ pub struct Args {
 }
 
 /// In the order of the page.
-const STATIONS: [fn(&Site<'_>) -> Result<Station>; 3] =
-    [ata::station, exact::station, spectral::station];
+const STATIONS: [fn(&Site<'_>) -> Result<Station>; 4] =
+    [ata::station, exact::station, spectral::station, plant::station];
 
 /// Where stations put their files, and how much they may do.
 pub struct Site<'a> {
