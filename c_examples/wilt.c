@@ -47,8 +47,7 @@ int main(void)
     cata_plant_params params;
     check(cata_plant_params_init(&params, sizeof params));
     params.loss = 60.0 / 3.6e6;
-    params.conductance = 1e-6;
-    cata_plant *plant = NULL;
+        cata_plant *plant = NULL;
     check(cata_plant_new(N, tails, radii, parents, leaves, base, &params, &plant));
 
     double full[N], water[N], later[N], moduli[N];
@@ -56,7 +55,7 @@ int main(void)
     check(cata_plant_start(plant, N, NULL, hour / 4));
     for (int frame = 0; frame <= 8; frame++) {
         check(cata_plant_step(plant, frame == 0 ? 0 : 10, N, water));
-        check(cata_plant_stiffness(plant, N, water, 1e9, 3e5, 8.0, 0.6, moduli));
+        check(cata_plant_stiffness(plant, N, water, 5e7, 3e5, 10.0, 0.75, moduli));
         printf("%5.1f h: stem %.3f, leaves %.3f and %.3f; a leaf's E = %.2e Pa\n", 2.5 * frame,
                total(water, 0, STEM) / total(full, 0, STEM),
                total(water, STEM, LEAF) / total(full, STEM, LEAF),

@@ -29,7 +29,7 @@ pub struct cata_plant_params {
     pub loss: f64,
     /// What the root takes from the soil, in kg / s, at least 0.
     pub intake: f64,
-    /// Conductance of a segment, as a part of that of a pipe as wide; positive; 0: 1e-7.
+    /// Conductance of a segment, as a part of that of a pipe as wide; positive; 0: 1e-9.
     pub conductance: f64,
     /// Pressure in full cells, in Pa; positive; 0: 1e6.
     pub modulus: f64,
@@ -379,9 +379,9 @@ pub unsafe extern "C" fn cata_plant_step(
 /// - `plant`: a live model.
 /// - `n`: cata_plant_size.
 /// - `water`: n elements, read: in kg.
-/// - `full`, `dry`: of full cells and of dry ones, in Pa; 0 < dry <= full; such as 1e9 and 3e5.
-/// - `steepness`: k, positive; such as 8.
-/// - `shift`: x; such as 0.6.
+/// - `full`, `dry`: of full cells and of dry ones, in Pa; 0 < dry <= full; such as 5e7 and 3e5.
+/// - `steepness`: k, positive; such as 10.
+/// - `shift`: x; such as 0.75.
 /// - `moduli`: n elements, written: in Pa.
 ///
 /// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT or CATA_ERR_PANIC.

@@ -29,9 +29,9 @@ pub enum Elasticity {
 }
 
 impl Default for Elasticity {
-    /// 1 GPa full, 0.3 MPa dry, steepness 8, shift 0.6.
+    /// 50 MPa full, 0.3 MPa dry, steepness 10, shift 0.75: soft stems, which lose their turgor early.
     fn default() -> Self {
-        Self::Relative { dry: 3e5, full: 1e9, steepness: 8.0, shift: 0.6 }
+        Self::Relative { dry: 3e5, full: 5e7, steepness: 10.0, shift: 0.75 }
     }
 }
 

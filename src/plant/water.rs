@@ -29,7 +29,7 @@ pub struct WaterOptions {
     /// What a square metre of leaf loses when its cells are full, in kg / (s m^2), at least 0. 15 to 250 g / (h m^2) by day
     /// and 1 to 20 by night (thesis, section 4.3.1; [`grams_per_hour`]). Default 60 g / (h m^2).
     pub loss: f64,
-    /// Default [`Conductivity::Pipe`] with scale 1e-7.
+    /// Default [`Conductivity::Pipe`] with scale 1e-9.
     pub conductivity: Conductivity,
     /// The pressure in full cells, in Pa: `P = modulus * theta / theta_full`. Default 1 MPa.
     pub modulus: f64,
@@ -45,7 +45,7 @@ impl Default for WaterOptions {
     fn default() -> Self {
         Self {
             loss: grams_per_hour(60.0),
-            conductivity: Conductivity::Pipe { scale: 1e-7 },
+            conductivity: Conductivity::Pipe { scale: 1e-9 },
             modulus: 1e6,
             viscosity: 1e-3,
             density: 1000.0,

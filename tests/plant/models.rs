@@ -80,7 +80,7 @@ fn a_uniform_chain_has_the_rates_of_a_path() {
         let plant = chain(n, 0.01 * n as f64, 1e-3).unwrap();
         let model =
             WaterModel::new(&plant, &WaterOptions { loss: 0.0, ..Default::default() }).unwrap();
-        let unit = 1e6 * 1000.0 * PI * 1e-12 * 1e-7 / (8.0 * 1e-3 * 0.01) / model.full()[0];
+        let unit = 1e6 * 1000.0 * PI * 1e-12 * 1e-9 / (8.0 * 1e-3 * 0.01) / model.full()[0];
         let solution = SpectralSolution::new(&model).unwrap();
         for (k, rate) in solution.rates().iter().enumerate() {
             let exact = 4.0 * unit * (k as f64 * PI / (2.0 * n as f64)).sin().powi(2);
@@ -101,7 +101,7 @@ fn a_star_has_three_rates() {
     let edges: Vec<_> = (1..=arms as u32).map(|v| [v, 0]).collect();
     let plant = Plant::from_edges(segments, &edges, None).unwrap();
     let model = WaterModel::new(&plant, &WaterOptions { loss: 0.0, ..Default::default() }).unwrap();
-    let unit = 1e6 * 1000.0 * PI * 1e-12 * 1e-7 / (8.0 * 1e-3 * 0.1) / model.full()[0];
+    let unit = 1e6 * 1000.0 * PI * 1e-12 * 1e-9 / (8.0 * 1e-3 * 0.1) / model.full()[0];
     let rates = SpectralSolution::new(&model).unwrap().rates().to_vec();
     let exact = [0.0, 1.0, 1.0, 1.0, 1.0, 1.0 + arms as f64];
     for (rate, exact) in rates.iter().zip(exact) {
@@ -122,7 +122,7 @@ fn water_from_the_soil_keeps_a_plant_where_leaves_lose_as_much() {
         assert!((rational[v] - spectral[v]).abs() < 1e-6 * full[v], "{v}");
     }
     // In the end what comes in goes out.
-    let late = model.water_after(&full, 1e7, Par::Seq).unwrap();
+    let late = model.water_after(&full, 1e9, Par::Seq).unwrap();
     let out: f64 = late.iter().zip(model.losses()).map(|(m, l)| m * l).sum();
     close(out, lost / 2.0, 1e-9);
 }

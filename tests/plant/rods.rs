@@ -149,7 +149,8 @@ fn a_soft_chain_between_two_pins_hangs_as_a_catenary() {
 
 fn wilting(nodes: usize, hours: f64) -> (WaterModel, Rods) {
     let plant = grow(&GrowthOptions { nodes, ..GrowthOptions::default() }).unwrap();
-    let model = WaterModel::new(&plant, &WaterOptions::default()).unwrap();
+    let options = WaterOptions { loss: grams_per_hour(120.0), ..WaterOptions::default() };
+    let model = WaterModel::new(&plant, &options).unwrap();
     let full = model.full();
     let water = model.water_after(&full, hours * 3600.0, Par::Seq).unwrap();
     let moduli = Elasticity::default().moduli(&water, &full).unwrap();
@@ -164,13 +165,13 @@ fn a_plant_of_2000_nodes_wilts_in_at_most_50_iterations() {
     let mut pose = healthy.rest_pose();
     let first = healthy.relax(&mut pose, &RelaxOptions::default()).unwrap();
     let before = pose.clone();
-    let (_, dry) = wilting(2000, 24.0);
+    let (_, dry) = wilting(2000, 48.0);
     let second = dry.relax(&mut pose, &RelaxOptions::default()).unwrap();
     for done in [first, second] {
         assert!(done.iterations <= 50 && done.residual <= 1e-8, "{done:?}");
     }
     let height = |pose: &Pose| pose.tails.iter().map(|t| t[2]).sum::<f64>() / 2000.0;
-    assert!(height(&pose) < 0.9 * height(&before), "{} {}", height(&pose), height(&before));
+    assert!(height(&pose) < 0.5 * height(&before), "{} {}", height(&pose), height(&before));
 }
 
 #[test]

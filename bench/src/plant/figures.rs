@@ -203,7 +203,7 @@ fn height(pose: &Pose, members: &[usize]) -> f64 {
 pub fn grid(subjects: &[Subject]) -> Result<Part> {
     let subject = &subjects[0];
     let all: Vec<usize> = (0..subject.plant.len()).collect();
-    let steepnesses = [4.0, 8.0, 16.0];
+    let steepnesses = [5.0, 10.0, 20.0];
     let mut rows = Vec::new();
     let mut iterations = 0;
     for loss in [15.0, 30.0, 60.0, 120.0] {
@@ -211,7 +211,7 @@ pub fn grid(subjects: &[Subject]) -> Result<Part> {
         model.set_loss(grams_per_hour(loss))?;
         let mut cells = Vec::new();
         for steepness in steepnesses {
-            let e = Elasticity::Relative { dry: 3e5, full: 1e9, steepness, shift: 0.6 };
+            let e = Elasticity::Relative { dry: 3e5, full: 5e7, steepness, shift: 0.75 };
             let mut rods = Rods::new(&subject.plant, &RodOptions::default())?;
             let mut pose = rods.rest_pose();
             let full = model.full();

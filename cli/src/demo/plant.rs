@@ -30,7 +30,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         frames: if site.small { 6 } else { 12 },
         loss: 60.0,
         nights: false,
-        conductance: 1e-7,
+        conductance: 1e-9,
         elasticity: Elasticity::default(),
         damage: vec![],
         par: Par::all(),

@@ -45,16 +45,16 @@ pub struct Args {
     #[arg(long, value_name = "LOSS", default_value_t = 60.0)]
     delta: f64,
     /// Steepness of the elasticity as a function of the relative water content.
-    #[arg(long, value_name = "NUMBER", default_value_t = 8.0)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 10.0)]
     kappa: f64,
     /// Relative water content at which the elasticity is steepest.
-    #[arg(long, value_name = "W", default_value_t = 0.6)]
+    #[arg(long, value_name = "W", default_value_t = 0.75)]
     shift: f64,
     /// Modulus of elasticity of full cells and of dry ones, in Pa.
-    #[arg(long, value_name = "FULL,DRY", default_value = "1e9,3e5", value_parser = pair)]
+    #[arg(long, value_name = "FULL,DRY", default_value = "5e7,3e5", value_parser = pair)]
     elasticity: [f64; 2],
     /// Conductance, as a part of that of a pipe as wide as the segment: calibrates how far a plant dries unevenly.
-    #[arg(long, value_name = "CHI", default_value_t = 1e-7)]
+    #[arg(long, value_name = "CHI", default_value_t = 1e-9)]
     conductance: f64,
     /// By day (16 hours) leaves lose --delta, by night (8 hours) a twelfth of it.
     #[arg(long)]
