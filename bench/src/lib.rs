@@ -16,6 +16,7 @@ pub mod host;
 pub mod input;
 pub mod library;
 pub mod peak;
+pub mod plant;
 pub mod product;
 pub mod race;
 pub mod record;

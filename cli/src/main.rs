@@ -18,6 +18,7 @@ mod shape;
 mod spectrum;
 mod transfer;
 mod tune;
+mod wilt;
 
 use std::io;
 use std::process::ExitCode;
@@ -46,6 +47,7 @@ enum Command {
     Basis(basis::Args),
     Transfer(transfer::Args),
     Filter(filter::Args),
+    Wilt(wilt::Args),
 }
 
 /// What a shell reports for a process that Ctrl-C ended.
@@ -66,6 +68,7 @@ fn main() -> ExitCode {
         Command::Basis(args) => basis::run(args),
         Command::Transfer(args) => transfer::run(args),
         Command::Filter(args) => filter::run(args),
+        Command::Wilt(args) => wilt::run(args),
     });
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {

@@ -7,6 +7,7 @@ mod chart;
 mod decimate;
 mod exact;
 mod page;
+mod plant;
 mod spectral;
 mod task_tree;
 
@@ -34,8 +35,8 @@ pub struct Args {
 }
 
 /// In the order of the page.
-const STATIONS: [fn(&Site<'_>) -> Result<Station>; 4] =
-    [ata::station, exact::station, spectral::station, decimate::station];
+const STATIONS: &[fn(&Site<'_>) -> Result<Station>] =
+    &[ata::station, exact::station, spectral::station, plant::station, decimate::station];
 
 /// Where stations put their files, and how much they may do.
 pub struct Site<'a> {

@@ -8,8 +8,9 @@ mod mesh;
 mod text;
 
 pub use args::PictureArgs;
+pub use color::{ColorMap, ColorScale};
 pub use matrix::{Scale, levels, write};
-pub use mesh::{Paint, Panel, Scene, Up, View, render};
+pub use mesh::{Paint, Panel, Projection, Scene, Up, View, render};
 
 use catamaran::faer::Mat;
 

@@ -1,8 +1,10 @@
 //! `reproduce`: tables and figures of the thesis, measured again. A chapter a file.
 
 mod decimate;
+mod plant;
 mod spectral;
 
+use std::path::PathBuf;
 use std::time::Instant;
 
 use catamaran_bench::curves::{Plot, svg};
@@ -16,12 +18,23 @@ pub struct Arguments {
     /// Writes WHAT.md, WHAT.csv, WHAT.svg and host.txt under bench/record.
     #[arg(long)]
     record: bool,
+    /// Where scripts/rivals installed others.
+    #[arg(long, default_value = "target/rivals")]
+    libraries: PathBuf,
+    /// Chapter 4: nodes of the largest plant of the race.
+    #[arg(long, default_value_t = 1_000_000, value_name = "NODES")]
+    largest: usize,
+    /// Chapter 4: repetitions of the race.
+    #[arg(long, default_value_t = 5, value_name = "N")]
+    repeat: usize,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum What {
     /// Chapter 1: eigenproducts.
     Spectral,
+    /// Chapter 4: plants that wilt.
+    Plant,
     /// Chapter 5: decimation.
     Decimate,
 }
@@ -52,8 +65,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             spectral::run(&mut report)?;
             ("spectral", spectral::HEADER)
         }
+        What::Plant => {
+            plant::run(&mut report, arguments)?;
+            ("plant", plant::HEADER)
+        }
         What::Decimate => {
-            decimate::run(&mut report)?;
+            decimate::run(&mut report, arguments)?;
             ("decimate", decimate::HEADER)
         }
     };

@@ -14,7 +14,7 @@ use super::color::{ColorScale, Lights};
 use super::image::{Image, Rgb};
 use super::text::{Size, write_text};
 use camera::Camera;
-pub use camera::{Up, View};
+pub use camera::{Projection, Up, View};
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 3;
