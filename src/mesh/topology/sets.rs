@@ -1,5 +1,5 @@
 /// Disjoint sets of the numbers 0..n (Tarjan 1975), each known by its lowest number.
-pub(super) struct Sets {
+pub(crate) struct Sets {
     parent: Vec<u32>,
 }
 
