@@ -3,6 +3,7 @@
 mod ata;
 mod backend;
 mod basis;
+mod curve;
 mod demo;
 mod filter;
 mod info;
@@ -41,6 +42,7 @@ enum Command {
     Basis(basis::Args),
     Transfer(transfer::Args),
     Filter(filter::Args),
+    Curve(curve::Args),
 }
 
 /// What a shell reports for a process that Ctrl-C ended.
@@ -59,6 +61,7 @@ fn main() -> ExitCode {
         Command::Basis(args) => basis::run(args),
         Command::Transfer(args) => transfer::run(args),
         Command::Filter(args) => filter::run(args),
+        Command::Curve(args) => curve::run(args),
     });
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {

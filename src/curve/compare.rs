@@ -1,7 +1,5 @@
 //! How far a curve is from the one that it should be (thesis, section 6.4.2).
 
-use crate::mesh::vector::distance;
-
 /// Whether two orders of the same samples run around the same circle: equal up to where they start and which way they go.
 pub fn same_order(order: &[u32], truth: &[u32]) -> bool {
     let n = order.len();
@@ -41,11 +39,4 @@ pub fn root_mean_square_distance(truth: &[[f64; 3]], found: &[[f64; 3]]) -> f64 
 
 fn mean(values: impl Iterator<Item = f64>, count: usize) -> f64 {
     values.sum::<f64>() / count.max(1) as f64
-}
-
-/// The length of a polygon through these points, back to the first one.
-#[cfg(test)]
-pub(super) fn closed_length(points: &[[f64; 3]]) -> f64 {
-    let next = points.iter().cycle().skip(1);
-    points.iter().zip(next).map(|(&p, &q)| distance(p, q)).sum()
 }

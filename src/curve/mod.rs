@@ -24,17 +24,15 @@ mod refinement;
 mod result;
 mod route;
 mod search;
-//mod sites;
-//mod smooth;
+mod sites;
 mod solver;
 mod split;
 mod surface;
 #[cfg(test)]
-mod tests {}
+mod tests;
 mod tour;
 
 pub use compare::{hausdorff, root_mean_distance, root_mean_square_distance, same_order};
 pub use result::{Curve, Outcome, Reconstruction, Steiner};
-//pub use sites::{Placed, Placement, Site, place};
-//pub use smooth::{SmoothOptions, Smoothed, smooth};
+pub use sites::{Placed, Placement, Site, place, refined};
 pub use solver::{Count, CurveOptions, CurveSolver, Mode};

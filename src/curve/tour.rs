@@ -13,6 +13,10 @@ const KICKS: usize = 300;
 const KICK_SPAN: usize = 30;
 /// Weight of the angle at a sample beside the lengths of its edges.
 const BEND: f64 = 0.3;
+/// Lengths count to this power: above 1, even spacing is better than short edges beside long ones.
+const POWER: f64 = 1.0;
+/// Samples up to which all their distances are kept in a table.
+const TABLE: usize = 512;
 /// A move counts as one when it gains more than this, relative to the length of the tour.
 const GAIN: f64 = 1e-12;
 
@@ -23,12 +27,20 @@ pub(super) struct Costs<'a> {
     /// For each number here the sample.
     members: &'a [u32],
     open: bool,
+    /// Lengths of all edges, when there are few.
+    table: Option<Vec<f64>>,
 }
 
 impl<'a> Costs<'a> {
     /// For tours through these samples.
     pub fn new(proximity: &'a Proximity, members: &'a [u32], open: bool) -> Self {
-        Self { proximity, members, open }
+        let mut costs = Self { proximity, members, open, table: None };
+        let all = 0..members.len() as u32;
+        if members.len() <= TABLE {
+            let row = |i| all.clone().map(move |j| (i, j));
+            costs.table = Some(all.clone().flat_map(row).map(|(i, j)| costs.length(i, j)).collect());
+        }
+        costs
     }
 
     fn nodes(&self) -> usize {
@@ -43,7 +55,15 @@ impl<'a> Costs<'a> {
         if self.nowhere(i) || self.nowhere(j) {
             return 0.0;
         }
-        self.proximity.distance(self.members[i as usize], self.members[j as usize])
+        if let Some(table) = &self.table {
+            return table[i as usize * self.members.len() + j as usize];
+        }
+        self.length(i, j)
+    }
+
+    fn length(&self, i: u32, j: u32) -> f64 {
+        let [i, j] = [i, j].map(|i| self.members[i as usize]);
+        self.proximity.distance(i, j).powf(POWER)
     }
 
     /// How much a turn at j costs: nothing straight on, most when back to where it came from.
@@ -235,6 +255,11 @@ impl<'a> Tour<'a> {
         cost
     }
 
+    /// Whether an edge from v to u instead of one to `old` can be a gain: some edge of a move that gains is.
+    fn is_near(&self, v: u32, u: u32, old: u32) -> bool {
+        self.costs.edge(v, u) < (1.0 + 2.0 * BEND) * self.costs.edge(v, old)
+    }
+
     fn gains(&self, removed: &[(u32, u32)], added: &[(u32, u32)]) -> bool {
         self.cost(&Change { removed, added }) < -self.least_gain
     }
@@ -280,7 +305,7 @@ impl<'a> Tour<'a> {
             for ahead in [true, false] {
                 let next = |x: u32| if ahead { self.after(x, 1) } else { self.before(x, 1) };
                 let (v_next, u_next) = (next(v), next(u));
-                if u == v_next || v == u_next {
+                if u == v_next || v == u_next || !self.is_near(v, u, v_next) {
                     continue;
                 }
                 if self.gains(&[(v, v_next), (u, u_next)], &[(v, u), (v_next, u_next)]) {
@@ -325,7 +350,7 @@ impl<'a> Tour<'a> {
                 let neighbours = self.neighbours;
         for &u in &neighbours[v as usize] {
                     let inside = (0..count).any(|i| step(v, i) == u);
-                    if inside {
+                    if inside || !self.is_near(v, u, out_v) {
                         continue;
                     }
                     for beside in [self.after(u, 1), self.before(u, 1)] {

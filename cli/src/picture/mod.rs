@@ -6,10 +6,12 @@ mod image;
 mod matrix;
 mod mesh;
 mod text;
+mod tube;
 
 pub use args::PictureArgs;
 pub use matrix::{Scale, levels, write};
 pub use mesh::{Paint, Panel, Scene, Up, View, render};
+pub use tube::with_curves;
 
 use catamaran::faer::Mat;
 
