@@ -12,7 +12,7 @@ const SEGMENT: usize = 3;
 const KICKS: usize = 300;
 const KICK_SPAN: usize = 30;
 /// Weight of the angle at a sample beside the lengths of its edges.
-const BEND: f64 = 0.3;
+const BEND: f64 = 0.1;
 /// Lengths count to this power: above 1, even spacing is better than short edges beside long ones.
 const POWER: f64 = 1.0;
 /// Samples up to which all their distances are kept in a table.

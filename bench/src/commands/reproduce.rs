@@ -1,5 +1,7 @@
 //! `reproduce`: tables and figures of the thesis, measured again.
 
+mod curves;
+
 use std::time::Instant;
 
 use catamaran_bench::curves::{Plot, svg};
@@ -16,27 +18,41 @@ pub struct Arguments {
     /// Writes WHAT.md, WHAT.csv, WHAT.svg and host.txt under bench/record.
     #[arg(long)]
     record: bool,
+    /// Chapter 6: curves on each mesh; 50 by default.
+    #[arg(long, value_name = "N")]
+    curves: Option<usize>,
+    /// Chapter 6: only these meshes.
+    #[arg(long, value_delimiter = ',')]
+    meshes: Vec<String>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum What {
     /// Chapter 1: eigenproducts.
     Spectral,
+    /// Chapter 6: curves on surfaces.
+    Curves,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let What::Spectral = arguments.what;
     let host = host::describe(&[]);
     let start = Instant::now();
     let mut report = Report::default();
-    spectral(&mut report)?;
+    let (name, head) = match arguments.what {
+        What::Spectral => ("spectral", "table,function,method,ours,thesis"),
+        What::Curves => ("curves", curves::HEAD),
+    };
+    match arguments.what {
+        What::Spectral => spectral(&mut report)?,
+        What::Curves => curves::curves(&mut report, arguments)?,
+    }
     println!("\n{:.0} s", start.elapsed().as_secs_f64());
     if arguments.record {
-        let csv = record::csv("table,function,method,ours,thesis", &report.lines);
+        let names = ["md", "csv", "svg"].map(|ending| format!("{name}.{ending}"));
         let files = [
-            ("spectral.md", report.text),
-            ("spectral.csv", csv),
-            ("spectral.svg", svg(&report.plots)),
+            (names[0].as_str(), report.text),
+            (names[1].as_str(), record::csv(head, &report.lines)),
+            (names[2].as_str(), svg(&report.plots)),
             ("host.txt", host),
         ];
         println!("recorded in {}", record::write(&files)?.display());
