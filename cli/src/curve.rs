@@ -88,8 +88,8 @@ pub fn run(args: &Args) -> Result<()> {
     let file = meshes::read(&args.mesh)?;
     let sites = sites(&args.samples)?;
     let placement = if args.insert { Placement::Insert } else { Placement::Snap };
-    let placed = place(&file.mesh, &sites, placement)
-        .with_context(|| args.samples.display().to_string())?;
+    let placed =
+        place(&file.mesh, &sites, placement).with_context(|| args.samples.display().to_string())?;
     let mesh = placed.mesh.as_ref().unwrap_or(&file.mesh);
     let mut solver = CurveSolver::new(mesh)?;
     let bar = Bar::new("curve");

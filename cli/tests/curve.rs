@@ -9,11 +9,9 @@ use common::Folder;
 /// A folder with a mesh and samples.
 fn folder(mesh: &TriMesh, samples: &str) -> Folder {
     let folder = Folder::new();
-    let output = catamaran::io::Output::create(
-        &folder.path("mesh.obj"),
-        catamaran::io::Overwrite::Never,
-    )
-    .unwrap();
+    let output =
+        catamaran::io::Output::create(&folder.path("mesh.obj"), catamaran::io::Overwrite::Never)
+            .unwrap();
     write(output, &mesh.clone().into()).unwrap();
     folder.write("samples.txt", samples);
     folder

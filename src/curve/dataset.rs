@@ -1,7 +1,7 @@
 //! Curves to test reconstruction with: the generator of section 6.4.1 of the thesis, from a seed.
 
 use super::search::Search;
-use crate::base::{Rng, Result};
+use crate::base::{Result, Rng};
 use crate::mesh::{Dijkstra, Graph, SearchLimits, TriMesh};
 
 /// Vertices of a curve, at least.

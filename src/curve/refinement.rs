@@ -117,7 +117,8 @@ impl<'m> Refinement<'m> {
     pub fn to_mesh(&self) -> Result<TriMesh> {
         let vertices = [self.mesh.vertices(), &self.positions].concat();
         let all = self.mesh.faces().iter().chain(&self.faces);
-        let faces = (0..).zip(all).filter(|(f, _)| !self.cut.contains_key(f)).map(|(_, face)| *face);
+        let faces =
+            (0..).zip(all).filter(|(f, _)| !self.cut.contains_key(f)).map(|(_, face)| *face);
         TriMesh::new(vertices, faces.collect())
     }
 

@@ -164,9 +164,8 @@ impl Router<'_, '_> {
     /// Drops paths that meet others, those first that meet most, until none does.
     fn keep_apart(&mut self, nets: &[Net], paths: &mut [Option<Vec<u32>>]) {
         loop {
-            let meetings = |path: &Vec<u32>| {
-                path.iter().filter(|&&v| self.users[v as usize] > 1).count()
-            };
+            let meetings =
+                |path: &Vec<u32>| path.iter().filter(|&&v| self.users[v as usize] > 1).count();
             let count = |i: usize| paths[i].as_ref().map_or(0, meetings);
             let most = (0..nets.len()).rev().max_by_key(|&i| count(i)).filter(|&i| count(i) > 0);
             let Some(path) = most.and_then(|i| paths[i].take()) else { return };
@@ -194,9 +193,11 @@ impl Router<'_, '_> {
             if paths[i].is_none() && steiner {
                 let mut around: Vec<Vec<u32>> = paths.iter().flatten().cloned().collect();
                 // Samples that no path has reached are in the way as well.
-                around.extend(nets.iter().flat_map(|&(a, b)| [vec![a], vec![b]]).filter(|end| {
-                    !paths.iter().flatten().any(|path| path.contains(&end[0]))
-                }));
+                around.extend(
+                    nets.iter()
+                        .flat_map(|&(a, b)| [vec![a], vec![b]])
+                        .filter(|end| !paths.iter().flatten().any(|path| path.contains(&end[0]))),
+                );
                 self.surface.refine_around(&around)?;
                 let vertices = self.surface.len();
                 self.search.grow(vertices);

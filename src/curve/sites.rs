@@ -124,8 +124,7 @@ fn nearest(mesh: &TriMesh, used: &[bool], point: Vector, site: usize) -> Result<
 /// The vertex of a point on a face, which may have been cut for points before.
 fn insert(refinement: &mut Refinement<'_>, face: u32, weights: [f64; 3]) -> Result<u32> {
     let corners = refinement.face(face).map(|v| refinement.position(v));
-    let point: Vector =
-        std::array::from_fn(|k| (0..3).map(|i| weights[i] * corners[i][k]).sum());
+    let point: Vector = std::array::from_fn(|k| (0..3).map(|i| weights[i] * corners[i][k]).sum());
     let mut best = (f64::NEG_INFINITY, face, weights);
     let pieces: Vec<u32> = refinement.pieces(face).collect();
     for piece in pieces {

@@ -176,8 +176,7 @@ impl<'m> CurveSolver<'m> {
             samples,
         };
         let tell = |fraction| options.tell(fraction);
-        let walk =
-            walker.walk(options.start as u32, options.candidates, options.open, &tell)?;
+        let walk = walker.walk(options.start as u32, options.candidates, options.open, &tell)?;
         let outcome = match walk.outcome {
             Outcome::Blocked { .. } if components > 1 => Outcome::Disconnected { components },
             outcome => outcome,
@@ -235,7 +234,8 @@ impl<'m> CurveSolver<'m> {
         orders: &[Vec<u32>],
         options: &CurveOptions<'_>,
     ) -> Result<Reconstruction> {
-        let nets: Vec<Vec<Net>> = orders.iter().map(|order| nets(samples, order, options.open)).collect();
+        let nets: Vec<Vec<Net>> =
+            orders.iter().map(|order| nets(samples, order, options.open)).collect();
         let mut router = Router {
             surface: &mut self.surface,
             search: &mut self.search,
@@ -244,8 +244,7 @@ impl<'m> CurveSolver<'m> {
             history: &mut self.history,
         };
         let tell = |fraction: f64| options.tell(0.3 + 0.7 * fraction);
-        let mut paths =
-            router.route(&nets.concat(), samples, options.steiner, &tell)?.into_iter();
+        let mut paths = router.route(&nets.concat(), samples, options.steiner, &tell)?.into_iter();
         let mut outcome = if options.open { Outcome::Open } else { Outcome::Closed };
         let mut curves = Vec::new();
         for (order, nets) in orders.iter().zip(&nets) {

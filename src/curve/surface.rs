@@ -83,7 +83,8 @@ impl<'m> Surface<'m> {
     }
 
     fn bisect(&mut self, a: u32, b: u32) -> Result<()> {
-        let (_, around) = self.refinement.cut_edge([a, b], middle(self.position(a), self.position(b)))?;
+        let (_, around) =
+            self.refinement.cut_edge([a, b], middle(self.position(a), self.position(b)))?;
         self.ends.push([a, b]);
         for v in around {
             let p = self.position(v);

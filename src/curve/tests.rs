@@ -87,7 +87,10 @@ fn an_open_curve_has_its_ends_where_samples_end() {
     let options = CurveOptions { open: true, start: 1, ..FAITHFUL };
     let result = found(&mesh, &line, &options);
     check(&mesh, &line, &result);
-    assert_eq!((result.outcome, &result.curves[0].order[..]), (Outcome::Open, &[1, 3, 4, 0, 2][..]));
+    assert_eq!(
+        (result.outcome, &result.curves[0].order[..]),
+        (Outcome::Open, &[1, 3, 4, 0, 2][..])
+    );
 }
 
 #[test]
@@ -127,7 +130,10 @@ fn samples_on_two_components_are_two_curves_or_disconnected() {
     let disconnected = Outcome::Disconnected { components: 2 };
     // Two samples are no curve.
     assert_eq!(found(&mesh, &both[..5], &robust()).outcome, disconnected);
-    assert_eq!(found(&mesh, &both, &CurveOptions { count: Count::One, ..robust() }).outcome, disconnected);
+    assert_eq!(
+        found(&mesh, &both, &CurveOptions { count: Count::One, ..robust() }).outcome,
+        disconnected
+    );
     let result = found(&mesh, &both, &FAITHFUL);
     assert_eq!(result.outcome, disconnected);
     assert_eq!(result.curves[0].order.len(), 3, "the first component is walked all the same");
@@ -194,7 +200,8 @@ fn steiner_points_make_room_where_vertices_leave_none() {
         };
         let paths = router.route(&nets, &all, steiner, &|_| Ok(())).unwrap();
         assert_eq!(paths.iter().all(Option::is_some), complete);
-        let inner: Vec<u32> = paths.iter().flatten().flat_map(|p| p[1..p.len() - 1].to_vec()).collect();
+        let inner: Vec<u32> =
+            paths.iter().flatten().flat_map(|p| p[1..p.len() - 1].to_vec()).collect();
         assert_eq!(inner.iter().collect::<HashSet<_>>().len(), inner.len(), "paths meet");
         assert!(inner.iter().all(|v| !all.contains(v)), "a path over a sample");
         assert_eq!((marks.len(), marks.iter().sum::<u8>(), users.iter().sum::<u16>()), (n, 0, 0));

@@ -38,7 +38,8 @@ impl<'a> Costs<'a> {
         let all = 0..members.len() as u32;
         if members.len() <= TABLE {
             let row = |i| all.clone().map(move |j| (i, j));
-            costs.table = Some(all.clone().flat_map(row).map(|(i, j)| costs.length(i, j)).collect());
+            costs.table =
+                Some(all.clone().flat_map(row).map(|(i, j)| costs.length(i, j)).collect());
         }
         costs
     }
@@ -71,8 +72,7 @@ impl<'a> Costs<'a> {
         if [i, j, k].into_iter().any(|i| self.nowhere(i)) {
             return 0.0;
         }
-        let [a, b, c] =
-            [i, j, k].map(|i| self.proximity.position(self.members[i as usize]));
+        let [a, b, c] = [i, j, k].map(|i| self.proximity.position(self.members[i as usize]));
         let (x, y) = (sub(a, b), sub(c, b));
         let lengths = norm(x) * norm(y);
         let cosine = if lengths > 0.0 { (dot(x, y) / lengths).clamp(-1.0, 1.0) } else { 1.0 };
@@ -228,7 +228,8 @@ impl<'a> Tour<'a> {
 
     /// What a change costs, turns included.
     fn cost(&self, change: &Change<'_>) -> f64 {
-        let sum = |edges: &[(u32, u32)]| edges.iter().map(|&(i, j)| self.costs.edge(i, j)).sum::<f64>();
+        let sum =
+            |edges: &[(u32, u32)]| edges.iter().map(|&(i, j)| self.costs.edge(i, j)).sum::<f64>();
         let mut cost = sum(change.added) - sum(change.removed);
         let ends = || change.removed.iter().flat_map(|&(i, j)| [i, j]);
         for (i, v) in ends().enumerate() {
@@ -348,7 +349,7 @@ impl<'a> Tour<'a> {
                 let w = step(v, count - 1);
                 let (out_v, out_w) = (back(v), step(w, 1));
                 let neighbours = self.neighbours;
-        for &u in &neighbours[v as usize] {
+                for &u in &neighbours[v as usize] {
                     let inside = (0..count).any(|i| step(v, i) == u);
                     if inside || !self.is_near(v, u, out_v) {
                         continue;

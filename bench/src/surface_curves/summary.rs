@@ -27,7 +27,8 @@ const KINDS: [(Sampling, &str); 2] = [(Sampling::Even, "even"), (Sampling::Rando
 
 /// Per cent of runs.
 fn share<'r>(runs: impl Iterator<Item = &'r Run>, is: impl Fn(&Run) -> bool) -> f64 {
-    let (all, those) = runs.fold((0, 0), |(all, those), run| (all + 1, those + usize::from(is(run))));
+    let (all, those) =
+        runs.fold((0, 0), |(all, those), run| (all + 1, those + usize::from(is(run))));
     100.0 * f64::from(those as u32) / f64::from(all as u32)
 }
 
@@ -100,9 +101,9 @@ pub fn order_table(runs: &[Run]) -> String {
         );
         for (m, method) in Method::ALL.into_iter().enumerate() {
             let cell = |(k, &count): (usize, &usize)| {
-                let own = runs.iter().filter(|r| {
-                    r.method == method && r.sampling == sampling && r.samples == count
-                });
+                let own = runs
+                    .iter()
+                    .filter(|r| r.method == method && r.sampling == sampling && r.samples == count);
                 let ours = share(own, |r| r.ordered);
                 match thesis.get(m) {
                     Some(row) => format!("{ours:.1} ({})", row[k]),
@@ -154,7 +155,9 @@ pub fn bars(runs: &[Run]) -> String {
     };
     let mut times: Vec<f64> = robust().map(|r| r.seconds).collect();
     times.sort_by(f64::total_cmp);
-    let at = |part: f64| times.get(((times.len() as f64 * part) as usize).min(times.len().saturating_sub(1)));
+    let at = |part: f64| {
+        times.get(((times.len() as f64 * part) as usize).min(times.len().saturating_sub(1)))
+    };
     let seconds = |part| at(part).copied().unwrap_or_default();
     let faithful = || runs.iter().filter(|r| r.method != Method::Robust);
     format!(

@@ -73,7 +73,8 @@ fn tube(
     for end in [from, to] {
         for i in 0..SIDES {
             let (sin, cos) = (i as f64 * STEP).sin_cos();
-            vertices.push(std::array::from_fn(|k| end[k] + radius * (cos * side[k] + sin * other[k])));
+            vertices
+                .push(std::array::from_fn(|k| end[k] + radius * (cos * side[k] + sin * other[k])));
         }
     }
     let n = SIDES as u32;

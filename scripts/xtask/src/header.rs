@@ -5,9 +5,9 @@ use std::path::Path;
 const HEADER: &str = "include/catamaran.h";
 
 /// The files of the C ABI, in the order of the header.
-const FILES: [&str; 14] = [
+const FILES: [&str; 15] = [
     "version", "status", "backend", "pointer", "params", "ata", "rows", "atb", "verify",
-    "spectrum", "ortho", "transfer", "mpi", "memory",
+    "spectrum", "ortho", "transfer", "curve", "mpi", "memory",
 ];
 
 /// Exported for tests; last in the header.
