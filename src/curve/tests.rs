@@ -345,3 +345,45 @@ fn sites_are_snapped_or_inserted() {
     assert!(refused(Site::Face { face: 0, weights: [1.0, 0.5, -0.5] }).contains("barycentric"));
     assert!(refused(Site::Near([f64::NAN; 3])).contains("site 0"));
 }
+
+/// A part of `scripts/reproduce curves` whose counts are known: for each mode the runs that closed, those without Steiner
+/// points, and those in the right order.
+#[test]
+fn counts_on_a_part_of_the_data_set_are_as_they_were() {
+    // Meshes whose vertices come from square roots alone, so that they are the same on every machine.
+    let meshes = [families::icosphere(5).unwrap(), families::genus(3, 14).unwrap()];
+    let mut counts = [[0; 3]; 2];
+    let mut runs = 0;
+    for mesh in meshes {
+        let mesh = scaled(&mesh).unwrap();
+        let graph = Graph::of_mesh(&mesh);
+        let mut generator = Generator::new(&graph, 6).unwrap();
+        let mut rng = Rng::new(7);
+        let mut solver = CurveSolver::new(&mesh).unwrap();
+        for _ in 0..4 {
+            let curve = generator.curve().unwrap().unwrap();
+            for (k, sampling) in [
+                (10, Sampling::Even),
+                (25, Sampling::Even),
+                (25, Sampling::Random),
+                (70, Sampling::Even),
+                (100, Sampling::Random),
+            ] {
+                let x = samples(&curve, k, sampling, &mut rng);
+                runs += 1;
+                for (options, counts) in [FAITHFUL, robust()].iter().zip(&mut counts) {
+                    let result = solver.reconstruct(&x.vertices, options).unwrap();
+                    check(&mesh, &x.vertices, &result);
+                    let closed = result.outcome == Outcome::Closed;
+                    let right = result.curves.len() == 1
+                        && same_order(&result.curves[0].order, &x.order);
+                    counts[0] += usize::from(closed);
+                    counts[1] += usize::from(closed && result.steiner.is_empty());
+                    counts[2] += usize::from(right);
+                }
+            }
+        }
+    }
+    assert_eq!(runs, 40);
+    assert_eq!(counts, [[32, 32, 17], [40, 40, 28]]);
+}

@@ -4,6 +4,7 @@
 
 mod ata;
 mod chart;
+mod curves;
 mod exact;
 mod page;
 mod spectral;
@@ -33,8 +34,8 @@ pub struct Args {
 }
 
 /// In the order of the page.
-const STATIONS: [fn(&Site<'_>) -> Result<Station>; 3] =
-    [ata::station, exact::station, spectral::station];
+const STATIONS: [fn(&Site<'_>) -> Result<Station>; 4] =
+    [ata::station, exact::station, spectral::station, curves::station];
 
 /// Where stations put their files, and how much they may do.
 pub struct Site<'a> {
