@@ -53,43 +53,37 @@ std::vector<double> closed_form() {
     return values;
 }
 
-void check(cata_status status) {
-    if (status != CATA_OK) throw catamaran::error(status, cata_last_error_message());
-}
-
 }  // namespace
 
 int main() {
     try {
         const sparse w = grid();
-        std::vector<double> values(k), vectors(n * k), residuals(k);
-        cata_spectrum_params params;
-        check(cata_spectrum_params_init(&params, sizeof params));
-        params.verify_count = 1;
-        check(cata_spectrum(n, w.row_starts.data(), w.columns.data(), w.entries.data(), nullptr, k,
-                            values.data(), vectors.data(), n, residuals.data(), &params));
+        catamaran::spectrum_options how;
+        how.verify_count = true;
+        const catamaran::eigenpairs pairs = catamaran::spectrum(
+            {n, w.row_starts.data(), w.columns.data(), w.entries.data()}, k, {}, how);
         const std::vector<double> expected = closed_form();
         double worst = 0.0;
-        for (std::size_t i = 0; i < k; ++i) worst = std::max(worst, std::abs(values[i] - expected[i]));
-        const double residual = *std::max_element(residuals.begin(), residuals.end());
+        for (std::size_t i = 0; i < k; ++i) worst = std::max(worst, std::abs(pairs.values[i] - expected[i]));
+        const double residual = *std::max_element(pairs.residuals.begin(), pairs.residuals.end());
         std::cout << k << " eigenvalues off by " << worst << ", residuals of " << residual << '\n';
 
         // All products of two eigenvectors, of which the constant one is the first, orthonormalised.
+        const auto vectors = pairs.matrix();
         std::vector<double> products;
         for (std::size_t a = 0; a < k; ++a) {
             for (std::size_t b = a; b < k; ++b) {
-                for (std::size_t i = 0; i < n; ++i) products.push_back(vectors[i + a * n] * vectors[i + b * n]);
+                for (std::size_t i = 0; i < n; ++i) products.push_back(vectors(i, a) * vectors(i, b));
             }
         }
         const std::size_t count = k * (k + 1) / 2;
-        std::size_t rank = 0;
-        check(cata_gram_schmidt(CATA_COL_MAJOR, n, count, products.data(), n, nullptr, nullptr, 0,
-                                nullptr, &rank, nullptr));
+        const auto basis = catamaran::col_major(products.data(), n, count);
+        const std::size_t rank = catamaran::gram_schmidt(basis).kept.size();
         double defect = 0.0;
         for (std::size_t a = 0; a < rank; ++a) {
             for (std::size_t b = 0; b <= a; ++b) {
                 double sum = a == b ? -1.0 : 0.0;
-                for (std::size_t i = 0; i < n; ++i) sum += products[i + a * n] * products[i + b * n];
+                for (std::size_t i = 0; i < n; ++i) sum += basis(i, a) * basis(i, b);
                 defect = std::max(defect, std::abs(sum));
             }
         }

@@ -94,6 +94,30 @@
 /** `centering`: the row given is subtracted. */
 #define CATA_CENTER_GIVEN 2
 
+/** The triangles of the mesh: the cotangent Laplacian. */
+#define CATA_LAPLACIAN_COTANGENT 0
+
+/** Those of the intrinsic Delaunay triangulation: no negative weights, for surfaces. */
+#define CATA_LAPLACIAN_INTRINSIC_DELAUNAY 1
+
+/** Those of the intrinsic Delaunay triangulation of the tufted cover: for any mesh. */
+#define CATA_LAPLACIAN_TUFTED 2
+
+/** A diagonal mass: a third of the area of a face to each vertex. */
+#define CATA_MASS_BARYCENTRIC 0
+
+/** A diagonal mass: what is nearest to each vertex. */
+#define CATA_MASS_MIXED_VORONOI 1
+
+/** The inner product of linear functions, a full matrix. */
+#define CATA_MASS_CONSISTENT 2
+
+/** The normal derivative is zero at the boundary. */
+#define CATA_BOUNDARY_NEUMANN 0
+
+/** Functions are zero at the boundary. */
+#define CATA_BOUNDARY_DIRICHLET 1
+
 /** `spread`: every rank has rows of A, in any order and number. */
 #define CATA_BY_ROWS 141
 
@@ -231,6 +255,25 @@ typedef struct cata_spectrum_params {
 } cata_spectrum_params;
 
 /**
+ * What the Laplacian of a mesh is made of. Every field but the first is 0 by default, so that
+ * `cata_laplacian_params params = {.struct_size = sizeof params};` does what cata_laplacian_params_init
+ * does.
+ */
+typedef struct cata_laplacian_params {
+    /**
+     * sizeof(cata_laplacian_params) as the caller was compiled with. Later versions add fields at the
+     * end; one that this library does not know must be 0.
+     */
+    size_t struct_size;
+    /** CATA_LAPLACIAN_*. */
+    int32_t kind;
+    /** CATA_MASS_*. */
+    int32_t mass;
+    /** CATA_BOUNDARY_*. */
+    int32_t boundary;
+} cata_laplacian_params;
+
+/**
  * How columns are made orthonormal. Every field but the first is 0 (NULL) by default, so that
  * `cata_ortho_params params = {.struct_size = sizeof params};` does what cata_ortho_params_init does.
  */
@@ -289,6 +332,38 @@ typedef struct cata_transfer_params {
      */
     int32_t reorthogonalised;
 } cata_transfer_params;
+
+/**
+ * How a mesh is decimated. Every field but the first is 0 (NULL) by default, so that
+ * `cata_decimate_params params = {.struct_size = sizeof params};` does what cata_decimate_params_init
+ * does.
+ */
+typedef struct cata_decimate_params {
+    /**
+     * sizeof(cata_decimate_params) as the caller was compiled with. Later versions add fields at the end;
+     * one that this library does not know must be 0.
+     */
+    size_t struct_size;
+    /**
+     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
+     * bit for bit, for every value.
+     */
+    size_t threads;
+    /** Told of progress; NULL: nobody. */
+    cata_progress progress;
+    /** Handed to `progress` as it is; may be NULL. */
+    void *progress_user;
+    /** Passes that move samples to the centroids of their cells; 0: the default, 1; -1: none. */
+    int32_t lloyd;
+    /** Passes that flip edges and move vertices of the result; 0: the default, 12; -1: none. */
+    int32_t relaxation;
+    /** With `has_first` 1: the vertex that the first sample is. Else not looked at. */
+    uint32_t first;
+    /** 1: `first` counts; 0: the lowest vertex that a face has. */
+    int32_t has_first;
+    /** 1: edges longer than those of the result will be are split first. 0: not. */
+    int32_t resample;
+} cata_decimate_params;
 
 /**
  * What a rank has sent and received: words are matrix entries. The few numbers by which ranks agree on shapes
@@ -931,6 +1006,57 @@ cata_status cata_spectrum(size_t n,
  * Fills a parameter struct with the defaults.
  *
  * `params`: one struct, not NULL; `struct_size` bytes are written.
+ * `struct_size`: sizeof(cata_laplacian_params).
+ * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+ *
+ * Thread-safe.
+ */
+cata_status cata_laplacian_params_init(struct cata_laplacian_params *params, size_t struct_size);
+
+/**
+ * The k smallest eigenvalues, or those nearest to a shift, of the Laplacian of a triangle mesh,
+ * W phi = lambda M phi, and their eigenfunctions.
+ *
+ * - `vertices`: their number n, 0 included.
+ * - `positions`: 3 n elements, read: x, y, z of each vertex. May be NULL when n is 0.
+ * - `faces`: their number.
+ * - `corners`: 3 faces elements, read: three vertices of each face, from 0, counter-clockwise as seen from
+ *   outside. May be NULL when there are no faces.
+ * - `k`: number of pairs, at most the vertices that are in a face and not held at zero.
+ * - `eigenvalues`: k elements, written: ascending. May be NULL when k is 0.
+ * - `eigenvectors`: n x k, written, column-major: k columns of `ldv` >= max(1, n) elements, the last one
+ *   of n; orthonormal in the inner product of M, 0 where functions are held at zero and at vertices in no
+ *   face. May be NULL when n or k is 0.
+ * - `residuals`: k elements, written, as those of cata_spectrum; NULL where not wanted.
+ * - `masses`: n elements, written: the diagonal of M, 0 at vertices that it has no row for; NULL where not
+ *   wanted. CATA_MASS_CONSISTENT has none to give.
+ * - `laplacian_params`, `spectrum_params`: NULL for the defaults; else read during the call.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_MESH, CATA_ERR_NOT_CONVERGED,
+ * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are untouched
+ * unless it is CATA_OK.
+ *
+ * The result does not depend on the number of threads, bit for bit.
+ *
+ * Thread-safe: calls may run at the same time as long as no output is shared.
+ */
+cata_status cata_mesh_spectrum(size_t vertices,
+                               const double *positions,
+                               size_t faces,
+                               const uint32_t *corners,
+                               size_t k,
+                               double *eigenvalues,
+                               double *eigenvectors,
+                               size_t ldv,
+                               double *residuals,
+                               double *masses,
+                               const struct cata_laplacian_params *laplacian_params,
+                               const struct cata_spectrum_params *spectrum_params);
+
+/**
+ * Fills a parameter struct with the defaults.
+ *
+ * `params`: one struct, not NULL; `struct_size` bytes are written.
  * `struct_size`: sizeof(cata_ortho_params).
  * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
  *
@@ -1029,6 +1155,67 @@ cata_status cata_transfer(size_t n,
                           double *g,
                           size_t ldg,
                           const struct cata_transfer_params *params);
+
+/**
+ * Fills a parameter struct with the defaults.
+ *
+ * `params`: one struct, not NULL; `struct_size` bytes are written.
+ * `struct_size`: sizeof(cata_decimate_params).
+ * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+ *
+ * Thread-safe.
+ */
+cata_status cata_decimate_params_init(struct cata_decimate_params *params, size_t struct_size);
+
+/**
+ * The number of faces that cata_decimate never exceeds for a result of `n` vertices of a mesh of `n_faces`
+ * faces, whatever its topology: 2 n + n_faces; SIZE_MAX where that overflows.
+ *
+ * Thread-safe.
+ */
+size_t cata_decimate_faces_bound(size_t n,
+                                 size_t n_faces);
+
+/**
+ * Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components, boundary
+ * loops and genus of the input, which is cut along edges of more than two faces first. What can't be is
+ * refused, and the message says why.
+ *
+ * - `vertices`: 3 n_vertices elements, read: x, y, z of each vertex, finite.
+ * - `faces`: 3 n_faces elements, read: the vertices of each face, from 0, counter-clockwise as seen from
+ *   outside.
+ * - `n`: vertices of the result.
+ * - `new_vertices`: 3 n elements, written. May be NULL when n is 0.
+ * - `new_faces`: 3 faces_capacity elements, the first 3 `*n_new_faces` written.
+ * - `faces_capacity`: cata_decimate_faces_bound(n, n_faces) is always enough; with too few,
+ *   CATA_ERR_SHAPE, and the message tells how many it takes.
+ * - `n_new_faces`: one element, written: the number of faces of the result.
+ * - `cells`: n_vertices elements, written: for each vertex of the input the nearest one of the result along
+ *   edges, UINT32_MAX for those that no face has; NULL where not wanted.
+ * - `changed`: one element, written: 1 when the input had to be repaired (repeated faces and vertices
+ *   without a face left out, faces flipped, the mesh cut), 0 else; NULL where not wanted.
+ * - `params`: NULL for the defaults; else read during the call.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (also for an n that is more than
+ * there are vertices, or fewer than the topology needs), CATA_ERR_MESH, CATA_ERR_OUT_OF_MEMORY,
+ * CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
+ *
+ * The result does not depend on the number of threads, bit for bit.
+ *
+ * Thread-safe: calls may run at the same time as long as no output is shared.
+ */
+cata_status cata_decimate(size_t n_vertices,
+                          const double *vertices,
+                          size_t n_faces,
+                          const uint32_t *faces,
+                          size_t n,
+                          double *new_vertices,
+                          uint32_t *new_faces,
+                          size_t faces_capacity,
+                          size_t *n_new_faces,
+                          uint32_t *cells,
+                          int32_t *changed,
+                          const struct cata_decimate_params *params);
 
 /**
  * The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over it.

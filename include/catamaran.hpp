@@ -7,12 +7,14 @@
 
 #include "catamaran.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -168,28 +170,20 @@ struct options {
 
 namespace detail {
 
-/// cata_ata_params for the length of a call; carries an exception of the callback across it.
-class call {
+/// A progress callback for the length of a call; carries an exception of it across the call.
+class watcher {
 public:
-    explicit call(const options& options) : progress_(options.progress) {
-        check(cata_ata_params_init(&params_, sizeof params_));
-        params_.threads = options.threads;
-        params_.scheme = static_cast<std::int32_t>(options.scheme);
-        params_.error_factor = options.error_factor;
-        params_.reproducible = options.reproducible ? 1 : 0;
-        params_.scale_columns = options.scale_columns ? 1 : 0;
-        params_.leaf = options.leaf;
-        params_.tasks = options.tasks;
-        params_.backend = options.backend ? options.backend->get() : nullptr;
+    explicit watcher(const std::function<bool(double)>& progress) : progress_(progress) {}
+    watcher(const watcher&) = delete;
+    watcher& operator=(const watcher&) = delete;
+
+    template <class Params>
+    void attach(Params& params) {
         if (progress_) {
-            params_.progress = &report;
-            params_.progress_user = this;
+            params.progress = &report;
+            params.progress_user = this;
         }
     }
-    call(const call&) = delete;
-    call& operator=(const call&) = delete;
-
-    const cata_ata_params* params() const noexcept { return &params_; }
 
     void finish(cata_status status) {
         if (thrown_) {
@@ -200,7 +194,7 @@ public:
 
 private:
     static std::int32_t report(double fraction, void* user) noexcept {
-        call& self = *static_cast<call*>(user);
+        watcher& self = *static_cast<watcher*>(user);
         if (self.thrown_) {
             return 1;
         }
@@ -212,9 +206,33 @@ private:
         }
     }
 
-    cata_ata_params params_{};
     const std::function<bool(double)>& progress_;
     std::exception_ptr thrown_;
+};
+
+/// cata_ata_params for the length of a call.
+class call {
+public:
+    explicit call(const options& options) : watcher_(options.progress) {
+        check(cata_ata_params_init(&params_, sizeof params_));
+        params_.threads = options.threads;
+        params_.scheme = static_cast<std::int32_t>(options.scheme);
+        params_.error_factor = options.error_factor;
+        params_.reproducible = options.reproducible ? 1 : 0;
+        params_.scale_columns = options.scale_columns ? 1 : 0;
+        params_.leaf = options.leaf;
+        params_.tasks = options.tasks;
+        params_.backend = options.backend ? options.backend->get() : nullptr;
+        watcher_.attach(params_);
+    }
+
+    const cata_ata_params* params() const noexcept { return &params_; }
+
+    void finish(cata_status status) { watcher_.finish(status); }
+
+private:
+    cata_ata_params params_{};
+    watcher watcher_;
 };
 
 template <class T>
@@ -323,6 +341,258 @@ verification verify(double alpha, matrix_view<T> a, matrix_view<T> c, uplo part 
                     int rounds = 20, std::uint64_t seed = 1) {
     using S = std::remove_const_t<T>;
     return verify<S>(alpha, matrix_view<const S>(a), matrix_view<const S>(c), part, rounds, seed);
+}
+
+/// A sparse symmetric matrix by rows that somebody else owns: the entries of row i are those from `row_starts[i]` to
+/// `row_starts[i + 1] - 1`.
+struct sparse_view {
+    std::size_t rows = 0;
+    const std::size_t* row_starts = nullptr;
+    const std::size_t* columns = nullptr;
+    const double* entries = nullptr;
+};
+
+/// Which triangles the functions are linear on.
+enum class laplacian_kind : std::int32_t {
+    cotangent = CATA_LAPLACIAN_COTANGENT,
+    intrinsic_delaunay = CATA_LAPLACIAN_INTRINSIC_DELAUNAY,
+    tufted = CATA_LAPLACIAN_TUFTED,
+};
+
+/// How the mass of a triangle goes to its vertices.
+enum class mass_kind : std::int32_t {
+    barycentric = CATA_MASS_BARYCENTRIC,
+    mixed_voronoi = CATA_MASS_MIXED_VORONOI,
+    consistent = CATA_MASS_CONSISTENT,
+};
+
+/// What holds at the boundary.
+enum class boundary : std::int32_t {
+    neumann = CATA_BOUNDARY_NEUMANN,
+    dirichlet = CATA_BOUNDARY_DIRICHLET,
+};
+
+/// What the Laplacian of a mesh is made of.
+struct laplacian_options {
+    laplacian_kind kind = laplacian_kind::cotangent;
+    mass_kind mass = mass_kind::barycentric;
+    catamaran::boundary boundary = boundary::neumann;
+};
+
+/// How eigenpairs are computed: the fields of cata_spectrum_params.
+struct spectrum_options {
+    /// 0: all cores of the affinity mask.
+    std::size_t threads = 0;
+    /// 0: 60.
+    std::size_t max_restarts = 0;
+    std::uint64_t seed = 0;
+    /// 0: 1e-9.
+    double tolerance = 0.0;
+    /// The eigenvalues nearest to this number; nothing: the smallest.
+    std::optional<double> shift;
+    bool verify_count = false;
+    /// As options::progress.
+    std::function<bool(double)> progress;
+};
+
+/// Eigenpairs.
+struct eigenpairs {
+    /// Entries of an eigenvector.
+    std::size_t rows = 0;
+    /// Ascending.
+    std::vector<double> values;
+    /// rows x values.size(), column-major without gaps.
+    std::vector<double> vectors;
+    std::vector<double> residuals;
+    /// The diagonal of M; empty where it is not a diagonal, or all 1.
+    std::vector<double> masses;
+
+    matrix_view<const double> matrix() const noexcept {
+        return col_major(vectors.data(), rows, values.size());
+    }
+};
+
+namespace detail {
+
+/// cata_spectrum_params for the length of a call.
+class spectrum_call {
+public:
+    explicit spectrum_call(const spectrum_options& options) : watcher_(options.progress) {
+        check(cata_spectrum_params_init(&params_, sizeof params_));
+        params_.threads = options.threads;
+        params_.max_restarts = options.max_restarts;
+        params_.seed = options.seed;
+        params_.tolerance = options.tolerance;
+        params_.shift = options.shift.value_or(0.0);
+        params_.has_shift = options.shift ? 1 : 0;
+        params_.verify_count = options.verify_count ? 1 : 0;
+        watcher_.attach(params_);
+    }
+
+    const cata_spectrum_params* params() const noexcept { return &params_; }
+
+    void finish(cata_status status) { watcher_.finish(status); }
+
+private:
+    cata_spectrum_params params_{};
+    watcher watcher_;
+};
+
+inline eigenpairs room_for(std::size_t rows, std::size_t k) {
+    // More pairs than rows there never are, and the memory for them may not be.
+    require(k <= rows, CATA_ERR_ARGUMENT, "k: more eigenpairs than rows");
+    require(k == 0 || rows <= std::numeric_limits<std::size_t>::max() / sizeof(double) / k,
+            CATA_ERR_SHAPE, "k: the eigenvectors exceed the address space");
+    eigenpairs pairs;
+    pairs.rows = rows;
+    pairs.values.resize(k);
+    pairs.vectors.resize(rows * k);
+    pairs.residuals.resize(k);
+    return pairs;
+}
+
+inline const double* masses_of(const std::vector<double>& masses, std::size_t rows) {
+    require(masses.empty() || masses.size() == rows, CATA_ERR_SHAPE,
+            "masses: must be as many as rows, or none for all 1");
+    return masses.empty() ? nullptr : masses.data();
+}
+
+}  // namespace detail
+
+/// The k eigenpairs of W phi = lambda M phi that the options ask for; `masses`: the diagonal of M, empty: all 1.
+inline eigenpairs spectrum(const sparse_view& w, std::size_t k, std::vector<double> masses = {},
+                           const spectrum_options& how = {}) {
+    const double* diagonal = detail::masses_of(masses, w.rows);
+    eigenpairs pairs = detail::room_for(w.rows, k);
+    detail::spectrum_call call(how);
+    call.finish(cata_spectrum(w.rows, w.row_starts, w.columns, w.entries, diagonal, k,
+                              pairs.values.data(), pairs.vectors.data(), w.rows ? w.rows : 1,
+                              pairs.residuals.data(), call.params()));
+    pairs.masses = std::move(masses);
+    return pairs;
+}
+
+/// The k eigenpairs of the Laplacian of a triangle mesh: positions of vertices, and three of them a face.
+inline eigenpairs spectrum(const std::vector<std::array<double, 3>>& positions,
+                           const std::vector<std::array<std::uint32_t, 3>>& faces, std::size_t k,
+                           const laplacian_options& operators = {},
+                           const spectrum_options& how = {}) {
+    const std::size_t rows = positions.size();
+    eigenpairs pairs = detail::room_for(rows, k);
+    if (operators.mass != mass_kind::consistent) {
+        pairs.masses.resize(rows);
+    }
+    cata_laplacian_params params;
+    detail::check(cata_laplacian_params_init(&params, sizeof params));
+    params.kind = static_cast<std::int32_t>(operators.kind);
+    params.mass = static_cast<std::int32_t>(operators.mass);
+    params.boundary = static_cast<std::int32_t>(operators.boundary);
+    detail::spectrum_call call(how);
+    call.finish(cata_mesh_spectrum(
+        rows, positions.empty() ? nullptr : positions.front().data(), faces.size(),
+        faces.empty() ? nullptr : faces.front().data(), k, pairs.values.data(),
+        pairs.vectors.data(), rows ? rows : 1, pairs.residuals.data(),
+        pairs.masses.empty() ? nullptr : pairs.masses.data(), &params, call.params()));
+    return pairs;
+}
+
+/// How columns are made orthonormal: the fields of cata_ortho_params.
+struct ortho_options {
+    /// 0: all cores of the affinity mask.
+    std::size_t threads = 0;
+    /// 0: 1e-9, or 1e-2 with single_pass.
+    double threshold = 0.0;
+    bool single_pass = false;
+    /// As options::progress.
+    std::function<bool(double)> progress;
+};
+
+/// What gram_schmidt leaves beside Q.
+struct factors {
+    /// kept.size() x columns of A, in the layout of A without gaps: coefficients of every column.
+    std::vector<double> r;
+    /// The columns of A that Q is made of, ascending.
+    std::vector<std::size_t> kept;
+};
+
+/// A = Q R with Q^T M Q = I: the first kept.size() columns of `a` are Q afterwards. `masses`: the diagonal of M, empty:
+/// all 1.
+inline factors gram_schmidt(matrix_view<double> a, const std::vector<double>& masses = {},
+                            const ortho_options& how = {}) {
+    const double* diagonal = detail::masses_of(masses, a.rows);
+    const std::size_t most = a.rows < a.cols ? a.rows : a.cols;
+    const bool by_rows = a.order == layout::row_major;
+    const std::size_t leading = by_rows ? (a.cols ? a.cols : 1) : (most ? most : 1);
+    std::vector<double> r(most * a.cols);
+    factors found;
+    found.kept.resize(a.cols);
+    cata_ortho_params params;
+    detail::check(cata_ortho_params_init(&params, sizeof params));
+    params.threads = how.threads;
+    params.threshold = how.threshold;
+    params.single_pass = how.single_pass ? 1 : 0;
+    detail::watcher watcher(how.progress);
+    watcher.attach(params);
+    std::size_t rank = 0;
+    watcher.finish(cata_gram_schmidt(static_cast<std::int32_t>(a.order), a.rows, a.cols, a.data,
+                                     a.leading, diagonal, r.data(), leading, found.kept.data(),
+                                     &rank, &params));
+    found.kept.resize(rank);
+    if (!by_rows) {
+        // Rows below the rank are zeros.
+        for (std::size_t j = 0; j < a.cols; ++j) {
+            for (std::size_t i = 0; i < rank; ++i) {
+                r[i + j * rank] = r[i + j * leading];
+            }
+        }
+    }
+    r.resize(rank * a.cols);
+    found.r = std::move(r);
+    return found;
+}
+
+/// How functions are transferred: the fields of cata_transfer_params.
+struct transfer_options {
+    /// 0: all cores of the affinity mask.
+    std::size_t threads = 0;
+    /// Most factors of a product; 0: 2.
+    std::size_t order = 0;
+    bool reorthogonalised = false;
+    /// As options::progress.
+    std::function<bool(double)> progress;
+};
+
+/// Functions on the source mesh, one a column, as functions on the target mesh, in the same layout without gaps.
+/// `source` and `target` are eigenpairs of meshes, the constant among them; `points` has the vertex of the source for
+/// each vertex of the target.
+inline std::vector<double> transfer(const eigenpairs& source, const eigenpairs& target,
+                                    const std::vector<std::uint32_t>& points,
+                                    matrix_view<const double> functions,
+                                    const transfer_options& how = {}) {
+    for (const eigenpairs* basis : {&source, &target}) {
+        detail::require(basis->masses.size() == basis->rows, CATA_ERR_ARGUMENT,
+                        "source, target: must have masses");
+    }
+    detail::require(points.size() == target.rows, CATA_ERR_SHAPE,
+                    "points: must be as many as vertices of the target");
+    detail::require(functions.rows == source.rows, CATA_ERR_SHAPE,
+                    "functions: must have a row for each vertex of the source");
+    cata_transfer_params params;
+    detail::check(cata_transfer_params_init(&params, sizeof params));
+    params.threads = how.threads;
+    params.order = how.order;
+    params.reorthogonalised = how.reorthogonalised ? 1 : 0;
+    detail::watcher watcher(how.progress);
+    watcher.attach(params);
+    const std::size_t width = functions.order == layout::row_major ? functions.cols : target.rows;
+    std::vector<double> found(target.rows * functions.cols);
+    watcher.finish(cata_transfer(
+        source.rows, source.values.size(), source.masses.data(), source.values.data(),
+        source.vectors.data(), target.rows, target.values.size(), target.masses.data(),
+        target.values.data(), target.vectors.data(), points.data(),
+        static_cast<std::int32_t>(functions.order), functions.cols, functions.data,
+        functions.leading, found.data(), width ? width : 1, &params));
+    return found;
 }
 
 }  // namespace catamaran

@@ -41,6 +41,7 @@ pub mod io;
 pub mod spectral;
 
 pub mod curve;
+pub mod decimate;
 
 #[cfg(feature = "mpi")]
 pub mod mpi;

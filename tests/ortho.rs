@@ -6,6 +6,7 @@ use catamaran::base::{Flow, Rng};
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::ortho::{
     GramSchmidtOptions, Orthonormal, cholesky_qr, gram_schmidt, gram_schmidt_in_place,
+    rank_revealing,
 };
 use catamaran::sparse::{CsMat, Mass};
 use catamaran::{Error, Par};
@@ -298,4 +299,68 @@ fn dirty_inputs_are_refused_and_work_can_be_cancelled() {
         gram_schmidt(a.as_ref(), &lumped(n), &precise()).unwrap_err(),
         Error::NonFinite { what: "A", index: (3, 5) }
     );
+}
+
+/// Columns whose singular values, in the Euclidean inner product, fall to `least` by equal factors.
+fn decaying(n: usize, c: usize, least: f64) -> Mat<f64> {
+    let orthonormal = |n, seed| {
+        let a = random(n, c, seed);
+        gram_schmidt(a.as_ref(), &Mass::identity(n), &precise()).unwrap().q
+    };
+    let values = Mat::from_fn(c, c, |i, j| match i == j {
+        true => least.powf(i as f64 / (c - 1) as f64),
+        false => 0.0,
+    });
+    orthonormal(n, 11) * values * orthonormal(c, 12).transpose()
+}
+
+#[test]
+fn the_rank_is_that_of_the_singular_values() {
+    let (n, c) = (400, 120);
+    let a = decaying(n, c, 1e-16);
+    // Every column has something of its own.
+    let all = gram_schmidt(a.as_ref(), &Mass::identity(n), &precise()).unwrap();
+    for mass in [Mass::identity(n), lumped(n), full(n)] {
+        let scaled = {
+            // Singular values in the inner product of M are those of L^T A, M = L L^T.
+            let mut gram = Mat::<f64>::zeros(n, n);
+            mass.multiply(Mat::identity(n, n).as_ref(), gram.as_mut(), Par::Seq).unwrap();
+            let l = gram.llt(faer::Side::Lower).unwrap().L().to_owned();
+            let mut b = l.transpose() * &a;
+            for column in b.col_iter_mut() {
+                let length = column.norm_l2();
+                column.iter_mut().for_each(|x| *x /= length);
+            }
+            b
+        };
+        let values = scaled.singular_values().unwrap();
+        for threshold in [1e-2, 1e-6, 1e-9] {
+            let rank = values.iter().filter(|v| **v > threshold * values[0]).count();
+            assert!(rank < all.kept.len(), "{rank}, and Gram-Schmidt {}", all.kept.len());
+            let options = GramSchmidtOptions { threshold, ..precise() };
+            let found = rank_revealing(a.as_ref(), &mass, &options).unwrap();
+            assert_eq!(found.kept.len(), rank);
+            // What pivoting leaves is larger than the best by a moderate factor.
+            check_factors(a.as_ref(), &mass, &found, 30.0 * threshold * values[0]);
+            assert!(defect(found.q.as_ref(), &mass) < 1e-12);
+            let threads = GramSchmidtOptions { par: Par::Threads(3), ..options };
+            let again = rank_revealing(a.as_ref(), &mass, &threads).unwrap();
+            assert_eq!((again.q, again.r, again.kept), (found.q, found.r, found.kept));
+        }
+    }
+}
+
+#[test]
+fn rank_revealing_keeps_what_is_independent_and_drops_what_is_nothing() {
+    for (n, c) in [(0, 0), (5, 0), (1, 1), (7, 7), (127, 9), (300, 257)] {
+        let (mass, a) = (lumped(n), random(n, c, 1));
+        let plain = gram_schmidt(a.as_ref(), &mass, &precise()).unwrap();
+        let found = rank_revealing(a.as_ref(), &mass, &precise()).unwrap();
+        assert_eq!((found.kept.len(), found.q), (c, plain.q), "{n} x {c}");
+    }
+    let zeros = Mat::<f64>::zeros(9, 3);
+    assert_eq!(rank_revealing(zeros.as_ref(), &lumped(9), &precise()).unwrap().kept, []);
+    let wrong = GramSchmidtOptions { threshold: 2.0, ..precise() };
+    let refused = rank_revealing(zeros.as_ref(), &lumped(9), &wrong).unwrap_err();
+    assert!(refused.to_string().starts_with("threshold: "));
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use catamaran::base::{Flow, Rng};
 use catamaran::faer::Mat;
-use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, Mass, eigs, multiply};
+use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, Mass, eigs, eigs_sliced, multiply};
 use catamaran::{Error, Par};
 
 /// A sparse matrix of these entries; those of the same place are summed.
@@ -45,6 +45,11 @@ fn options(k: usize) -> EigenOptions<'static> {
 
 /// Checks the residuals, which it computes anew, and `V^T M V = I`.
 fn check(w: &CsMat<f64>, mass: &Mass, pairs: &Eigenpairs, tolerance: f64) {
+    check_to(w, mass, pairs, tolerance, 1e-11);
+}
+
+/// [`check`] with another bound for `V^T M V`.
+fn check_to(w: &CsMat<f64>, mass: &Mass, pairs: &Eigenpairs, tolerance: f64, orthogonality: f64) {
     let (n, k) = (pairs.vectors.nrows(), pairs.values.len());
     assert_eq!((pairs.vectors.ncols(), pairs.residuals.len()), (k, k));
     assert!(pairs.values.is_sorted());
@@ -67,7 +72,8 @@ fn check(w: &CsMat<f64>, mass: &Mass, pairs: &Eigenpairs, tolerance: f64) {
     for j in 0..k {
         for i in 0..k {
             let expected = f64::from(i == j);
-            assert!((identity[(i, j)] - expected).abs() < 1e-11, "{i} {j}: {}", identity[(i, j)]);
+            let found = identity[(i, j)];
+            assert!((found - expected).abs() < orthogonality, "{i} {j}: {found}");
         }
     }
 }
@@ -339,4 +345,128 @@ fn products_with_blocks_are_those_of_columns() {
     let by_columns = w.to_csc();
     let refused = multiply(by_columns.view(), x.as_ref(), Mat::zeros(2500, 3).as_mut(), Par::Seq);
     assert!(matches!(refused, Err(Error::Argument { what: "A", .. })));
+}
+
+/// The slices of the k smallest pairs within this memory, put together, and where each of them ends.
+fn sliced(
+    w: &CsMat<f64>,
+    mass: &Mass,
+    options: &EigenOptions<'_>,
+    memory: usize,
+) -> (Eigenpairs, Vec<usize>) {
+    let (mut slices, mut ends, n): (Vec<Eigenpairs>, _, _) = (vec![], vec![], w.rows());
+    eigs_sliced(w.view(), mass, options, memory, |slice| {
+        assert_eq!(slice.vectors.shape(), (n, slice.values.len()));
+        ends.push(ends.last().unwrap_or(&0) + slice.values.len());
+        slices.push(slice);
+        Ok(())
+    })
+    .unwrap();
+    let columns: Vec<_> = slices.iter().flat_map(|s| s.vectors.col_iter()).collect();
+    let pairs = Eigenpairs {
+        values: slices.iter().flat_map(|s| s.values.clone()).collect(),
+        vectors: Mat::from_fn(n, columns.len(), |i, j| columns[j][i]),
+        residuals: slices.iter().flat_map(|s| s.residuals.clone()).collect(),
+        solves: slices.iter().map(|s| s.solves).sum(),
+    };
+    (pairs, ends)
+}
+
+#[test]
+fn slices_have_the_pairs_that_a_whole_run_has() {
+    let (w, mass) = random_pencil(4001, 6, true);
+    let k = 150;
+    let whole = eigs(w.view(), &mass, &options(k)).unwrap();
+    // For slices of at most about 40 pairs.
+    let (pairs, ends) = sliced(&w, &mass, &options(k), 10_500_000);
+    assert!(ends.len() >= 4 && ends.last() == Some(&k), "{ends:?}");
+    assert!(pairs.values.is_sorted());
+    assert_close(&pairs.values, &whole.values, 1e-9);
+    check_to(&w, &mass, &pairs, 1e-9, 1e-7);
+    // The same for other threads; with more memory there is one slice, that of the whole run.
+    let threads = EigenOptions { par: Par::Threads(3), ..options(k) };
+    let (again, _) = sliced(&w, &mass, &threads, 10_500_000);
+    assert_eq!((again.values, again.vectors), (pairs.values, pairs.vectors));
+    let (one, ends) = sliced(&w, &mass, &options(k), 1 << 30);
+    assert_eq!((one.vectors, ends), (whole.vectors, vec![k]));
+}
+
+#[test]
+fn slices_do_not_cut_equal_eigenvalues() {
+    // 11 equal grids: every eigenvalue 11 times or 22 times.
+    let copies = 11;
+    let (a, b, k) = (17, 17, 170);
+    let node = move |c: usize, i: usize, j: usize| (c * a + i) * b + j;
+    let edges = (0..copies).flat_map(|c| (0..a).flat_map(move |i| (0..b).map(move |j| (c, i, j))));
+    let edges = edges.flat_map(|(c, i, j)| {
+        let right = (j + 1 < b).then(|| (node(c, i, j), node(c, i, j + 1)));
+        let down = (i + 1 < a).then(|| (node(c, i, j), node(c, i + 1, j)));
+        right.into_iter().chain(down)
+    });
+    let w = graph(copies * a * b, edges.collect::<Vec<_>>());
+    let mass = Mass::identity(w.rows());
+    let (pairs, ends) = sliced(&w, &mass, &options(k), 9_500_000);
+    let spectrum = grid_spectrum(a, b);
+    let expected: Vec<f64> = (0..k).map(|i| spectrum[i / copies]).collect();
+    assert_close(&pairs.values, &expected, 1e-8);
+    check_to(&w, &mass, &pairs, 1e-9, 1e-7);
+    assert!(ends.len() >= 3, "{ends:?}");
+    for end in &ends[..ends.len() - 1] {
+        assert!(pairs.values[*end] > pairs.values[end - 1] + 1e-6, "cut at {end}");
+    }
+}
+
+#[test]
+fn slices_refuse_too_little_memory_and_stop_when_told() {
+    let (w, mass) = (grid(60, 40), Mass::identity(2400));
+    let refused = |options: &EigenOptions<'_>, memory| {
+        eigs_sliced(w.view(), &mass, options, memory, |_| Ok(())).unwrap_err().to_string()
+    };
+    assert!(refused(&options(100), 1000).starts_with("memory: 1000 bytes, where at least"));
+    let around = EigenOptions { shift: Some(1.0), ..options(100) };
+    assert!(refused(&around, 1000).contains("100 pairs around a shift"));
+    // 120 equal paths: no slice has room for all the equal ones.
+    let edges: Vec<_> =
+        (0..120).flat_map(|c| (1..20).map(move |i| (c * 20 + i - 1, c * 20 + i))).collect();
+    let equal = graph(2400, edges);
+    let cluster = eigs_sliced(equal.view(), &mass, &options(200), 6_000_000, |_| Ok(()));
+    assert!(cluster.unwrap_err().to_string().contains("a cluster of eigenvalues"));
+    // Progress grows to one over all slices; what the sink says ends the work.
+    let last = std::sync::Mutex::new(0.0);
+    let watch = |fraction: f64| {
+        let mut last = last.lock().unwrap();
+        assert!((*last..=1.0).contains(&fraction), "{fraction} after {}", *last);
+        *last = fraction;
+        Flow::Continue
+    };
+    let watched = EigenOptions { progress: Some(&watch), ..options(100) };
+    sliced(&w, &mass, &watched, 6_000_000);
+    assert_eq!(*last.lock().unwrap(), 1.0);
+    let mut slices = 0;
+    let stopped = eigs_sliced(w.view(), &mass, &options(100), 6_000_000, |_| {
+        slices += 1;
+        Err(Error::Cancelled)
+    });
+    assert_eq!((stopped, slices), (Err(Error::Cancelled), 1));
+}
+
+#[test]
+fn what_rounding_leaves_of_huge_weights_is_no_reason_to_go_on() {
+    // A path with steps of weight 1e9: W phi has roundings that are larger than the tolerance.
+    let n = 900;
+    let mut entries = Vec::new();
+    for i in 1..n {
+        let x = if i % 90 == 0 { 1e9 } else { 1.0 };
+        entries.extend([(i - 1, i, -x), (i, i - 1, -x), (i, i, x), (i - 1, i - 1, x)]);
+    }
+    let (w, mass) = (sparse(n, entries), Mass::identity(n));
+    let pairs = eigs(w.view(), &mass, &options(6)).unwrap();
+    assert!(pairs.residuals.iter().any(|r| *r > 1e-9), "{:?}", pairs.residuals);
+    // Two nodes that such a step joins are one of mass 2.
+    let all = eigs(w.view(), &mass, &EigenOptions { k: n, ..options(6) }).unwrap();
+    let size = all.values[5];
+    for (found, expected) in pairs.values.iter().zip(&all.values) {
+        // The dense solver is exact to the largest eigenvalue only.
+        assert!((found - expected).abs() < 1e-5 + 1e-6 * size, "{found} instead of {expected}");
+    }
 }

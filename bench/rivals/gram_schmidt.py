@@ -1,11 +1,10 @@
 """One orthogonalisation of the columns of a matrix, in the inner product of a diagonal mass.
 
-    gram_schmidt.py FOLDER METHOD     reads a (n x c) and mass of FOLDER, .npy each; METHOD is columns (numpy,
+    gram_schmidt.py FOLDER METHOD     reads a (c x n: by columns) and mass of FOLDER, .npy each; METHOD is columns (numpy,
                                       column by column, twice) or dgeqp3 (LAPACK, pivoted QR of sqrt(M) A, with Q);
                                       prints seconds, bytes, rank and the largest entry of |Q^T M Q - I|
 """
 
-import resource
 import sys
 import time
 
@@ -13,9 +12,9 @@ import numpy as np
 from scipy.linalg import qr
 
 
-def resident():
-    with open("/proc/self/statm") as statm:
-        return int(statm.read().split()[1]) * resource.getpagesize()
+def memory(key):
+    with open("/proc/self/status") as status:
+        return next(int(line.split()[1]) << 10 for line in status if line.startswith(key))
 
 
 def columns(a, mass, threshold=1e-9):
@@ -44,13 +43,16 @@ def dgeqp3(a, mass, threshold=1e-9):
 
 
 folder, method = sys.argv[1:3]
-a = np.asfortranarray(np.load(f"{folder}/a.npy"))
+a = np.load(f"{folder}/a.npy").T
 mass = np.load(f"{folder}/mass.npy").ravel()
 
-before = resident()
+# The peak of what follows, not of reading.
+with open("/proc/self/clear_refs", "w") as peak:
+    peak.write("5")
+before = memory("VmRSS:")
 start = time.perf_counter()
 q = {"columns": columns, "dgeqp3": dgeqp3}[method](a, mass)
 seconds = time.perf_counter() - start
-peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 - before
+peak = memory("VmHWM:") - before
 gram = q.T @ (mass[:, None] * q)
 print(seconds, peak, q.shape[1], np.abs(gram - np.eye(q.shape[1])).max())

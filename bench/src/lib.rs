@@ -8,6 +8,7 @@ pub mod chart;
 pub mod child;
 pub mod contender;
 pub mod curves;
+pub mod decimate;
 pub mod double;
 pub mod grid;
 pub mod host;

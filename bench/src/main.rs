@@ -8,7 +8,7 @@ use catamaran_bench::product::Operation;
 use catamaran_bench::{Result, host};
 use clap::Parser;
 
-use commands::{accuracy, exact, grid, race, reproduce, scale, spectrum, stream};
+use commands::{accuracy, decimate, exact, grid, ortho, race, reproduce, scale, spectrum, stream};
 
 /// Races against other libraries, and errors beside theirs.
 #[derive(Parser)]
@@ -29,6 +29,10 @@ enum Command {
     Stream(stream::Arguments),
     /// Eigenpairs of the Laplacian of meshes beside scipy's.
     Spectrum(spectrum::Arguments),
+    /// Gram-Schmidt beside column-wise numpy and LAPACK's pivoted QR.
+    Ortho(ortho::Arguments),
+    /// Decimation of meshes beside other libraries.
+    Decimate(decimate::Arguments),
     /// Tables and figures of the thesis, measured again.
     Reproduce(reproduce::Arguments),
 }
@@ -47,6 +51,8 @@ fn main() {
         Command::Scale(a) => scale::run(a),
         Command::Stream(a) => stream::run(a),
         Command::Spectrum(a) => spectrum::run(a),
+        Command::Ortho(a) => ortho::run(a),
+        Command::Decimate(a) => decimate::run(a),
         Command::Reproduce(a) => reproduce::run(a),
     };
     if let Err(error) = done {

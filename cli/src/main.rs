@@ -4,13 +4,16 @@ mod ata;
 mod backend;
 mod basis;
 mod curve;
+mod decimate;
 mod demo;
 mod filter;
+mod fps;
 mod info;
 mod merge;
 mod mesh;
 mod picture;
 mod progress;
+mod ranks;
 mod report;
 mod shape;
 mod spectrum;
@@ -35,6 +38,8 @@ enum Command {
     Ata(ata::Args),
     AtaMerge(merge::Args),
     Mesh(mesh::Args),
+    Decimate(decimate::Args),
+    Fps(fps::Args),
     Info(info::Args),
     Demo(demo::Args),
     Spectrum(spectrum::Args),
@@ -54,6 +59,8 @@ fn main() -> ExitCode {
         Command::Ata(args) => ata::run(args),
         Command::AtaMerge(args) => merge::run(args),
         Command::Mesh(args) => mesh::run(args),
+        Command::Decimate(args) => decimate::run(args),
+        Command::Fps(args) => fps::run(args),
         Command::Info(args) => info::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Spectrum(args) => spectrum::run(args),

@@ -44,6 +44,8 @@ pub enum Mode {
     /// Repeated until orthogonal, threshold 1e-9 (the thesis' ours*).
     #[value(alias = "ours*")]
     Reorthogonalized,
+    /// As many products as their numerical rank, at singular values of 1e-9.
+    RankRevealing,
 }
 
 impl From<Mode> for Orthogonalization {
@@ -51,6 +53,7 @@ impl From<Mode> for Orthogonalization {
         match mode {
             Mode::SinglePass => Self::SinglePass,
             Mode::Reorthogonalized => Self::Reorthogonalized,
+            Mode::RankRevealing => Self::RankRevealing,
         }
     }
 }

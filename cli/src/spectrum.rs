@@ -5,14 +5,16 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::base::Progress;
-use catamaran::io::{Array, Output, Overwrite, write_npz};
+use catamaran::io::{Array, ArraysWriter, Output, Overwrite, check_arrays_name};
 use catamaran::mesh::io as files;
-use catamaran::mesh::{Boundary, LaplacianOptions, MassKind, laplacian};
-use catamaran::sparse::{EigenOptions, eigs};
+use catamaran::mesh::{Boundary, Laplacian, LaplacianOptions, MassKind, laplacian};
+use catamaran::sparse::{EigenOptions, Eigenpairs};
 use clap::ValueEnum;
 
+use crate::ata::parse;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
+use crate::ranks::Ranks;
 use crate::report::{report, seconds};
 use crate::shape::LaplacianArgs;
 
@@ -20,12 +22,15 @@ use crate::shape::LaplacianArgs;
 ///
 /// The file has three arrays: `eigenvalues` (k, ascending), `eigenvectors` (vertices x k, orthonormal in the inner product
 /// of the mass matrix) and `residuals` (k), |W phi - lambda M phi| / |W phi|.
+///
+/// Under `mpirun` (where MPI is built in) the eigenvectors are spread over the processes until they are written; each uses
+/// `--threads`.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off or .stl, each also as .gz or .xz.
     #[arg(value_name = "MESH")]
     input: PathBuf,
-    /// Write the arrays to this .npz file.
+    /// Write the arrays to this .npz file, or .h5 where HDF5 is built in.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Number of eigenpairs; at most as many as vertices that are not held at zero.
@@ -48,6 +53,10 @@ pub struct Args {
     /// Make sure, by another factorisation, that no eigenvalue is missing.
     #[arg(long)]
     verify: bool,
+    /// Gibibytes that the eigensolver may take. Where all pairs at once would take more, they are found in slices of the
+    /// spectrum and written as they come; counted, so that none is missing. Not around a --shift.
+    #[arg(long, value_name = "GIB", value_parser = parse::gibibytes, default_value = "4.5")]
+    memory: usize,
     #[command(flatten)]
     picture: PictureArgs,
     /// Replace a file that exists.
@@ -71,9 +80,19 @@ enum Edge {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let output = args.output.as_deref().map(|path| create(path, args.force)).transpose()?;
+    let ranks = Ranks::join()?;
+    let done = run_as(args, &ranks);
+    ranks.end(done)
+}
+
+fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
-    let picture = args.picture.create(overwrite)?;
+    let path = args.output.as_deref().filter(|_| ranks.is_first());
+    let output = path.map(|path| create(path, overwrite)).transpose()?;
+    let picture = match ranks.is_first() {
+        true => args.picture.create(overwrite)?,
+        false => None,
+    };
     let par = args.laplacian.par();
     let name = args.input.display();
 
@@ -114,40 +133,96 @@ pub fn run(args: &Args) -> Result<()> {
         progress: Some(&watch as Progress<'_>),
         ..EigenOptions::default()
     };
-    let pairs = eigs(operator.stiffness.view(), &operator.mass, &options)
+    // Only pictures need the mesh from here on.
+    let mesh = picture.is_some().then_some(file.mesh);
+    let mut results = Results::new(output, &operator, args.k)?;
+    ranks
+        .eigenpairs(&operator.stiffness, &operator.mass, &options, args.memory, |slice| {
+            results.take(&slice, ranks)
+        })
         .with_context(|| name.to_string())?;
     drop(bar);
     report(format_args!("eigenpairs  {} in {}", args.k, seconds(start.elapsed())))?;
-    let largest = pairs.residuals.iter().copied().fold(0.0, f64::max);
+    if results.slices > 1 {
+        report(format_args!("slices      {}", results.slices))?;
+    }
+    let largest = results.residuals.iter().copied().fold(0.0, f64::max);
     report(format_args!("residual    {largest:.1e} at most"))?;
-    for (i, (value, residual)) in pairs.values.iter().zip(&pairs.residuals).take(SHOWN).enumerate()
-    {
+    let pairs = results.values.iter().zip(&results.residuals).enumerate();
+    for (i, (value, residual)) in pairs.take(SHOWN) {
         report(format_args!("{i:>10}  {value:<22.15e} {residual:.1e}"))?;
     }
     if args.k > SHOWN {
-        report(format_args!("{:>10}  {:.15e}", args.k - 1, pairs.values[args.k - 1]))?;
+        report(format_args!("{:>10}  {:.15e}", args.k - 1, results.values[args.k - 1]))?;
     }
 
-    let vectors = operator.extend(pairs.vectors.as_ref())?;
-    if let Some(picture) = picture {
-        let columns: Vec<_> =
-            vectors.col_iter().take(DRAWN).map(|v| v.iter().copied().collect()).collect();
-        let titles: Vec<_> = pairs.values.iter().map(|value| format!("{value:.4}")).collect();
-        let panel = |(values, title)| {
-            (&file.mesh, Paint::Values(Vec::as_slice(values)), String::as_str(title))
-        };
-        let panels: Vec<_> = columns.iter().zip(&titles).map(panel).collect();
+    if let (Some(picture), Some(mesh)) = (picture, mesh) {
+        let titles: Vec<_> = results.values.iter().map(|value| format!("{value:.4}")).collect();
+        let panel =
+            |(values, title)| (&mesh, Paint::Values(Vec::as_slice(values)), String::as_str(title));
+        let panels: Vec<_> = results.drawn.iter().zip(&titles).map(panel).collect();
         args.picture.draw(picture, &panels)?;
     }
-    let Some(output) = output else { return Ok(()) };
-    let path = output.path().display().to_string();
-    let arrays = [
-        ("eigenvalues", Array::Vector(&pairs.values)),
-        ("eigenvectors", Array::Matrix(vectors.as_ref())),
-        ("residuals", Array::Vector(&pairs.residuals)),
-    ];
-    write_npz(output, &arrays)?;
-    report(format_args!("written     {path}"))
+    results.finish()
+}
+
+/// What becomes of the pairs, slice by slice.
+struct Results<'a> {
+    operator: &'a Laplacian,
+    writer: Option<ArraysWriter>,
+    path: String,
+    values: Vec<f64>,
+    residuals: Vec<f64>,
+    /// The first eigenfunctions.
+    drawn: Vec<Vec<f64>>,
+    slices: usize,
+}
+
+impl<'a> Results<'a> {
+    fn new(output: Option<Output>, operator: &'a Laplacian, k: usize) -> Result<Self> {
+        let path = output.as_ref().map(|output| output.path().display().to_string());
+        let mut writer = output.map(ArraysWriter::new).transpose()?;
+        if let Some(writer) = &mut writer {
+            writer.matrix_by_columns("eigenvectors", operator.vertices, k)?;
+        }
+        Ok(Self {
+            operator,
+            writer,
+            path: path.unwrap_or_default(),
+            values: Vec::new(),
+            residuals: Vec::new(),
+            drawn: Vec::new(),
+            slices: 0,
+        })
+    }
+
+    fn take(&mut self, slice: &Eigenpairs, ranks: &Ranks) -> catamaran::Result<()> {
+        self.slices += 1;
+        self.values.extend(&slice.values);
+        self.residuals.extend(&slice.residuals);
+        // The others have no vectors.
+        if !ranks.is_first() {
+            return Ok(());
+        }
+        for j in 0..slice.values.len() {
+            let vector = self.operator.extend(slice.vectors.as_ref().subcols(j, 1))?;
+            if let Some(writer) = &mut self.writer {
+                writer.columns(vector.as_ref())?;
+            }
+            if self.drawn.len() < DRAWN {
+                self.drawn.push(vector.col(0).iter().copied().collect());
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Result<()> {
+        let Some(mut writer) = self.writer else { return Ok(()) };
+        writer.array("eigenvalues", Array::Vector(&self.values))?;
+        writer.array("residuals", Array::Vector(&self.residuals))?;
+        writer.finish()?;
+        report(format_args!("written     {}", self.path))
+    }
 }
 
 /// Eigenvalues in the table.
@@ -156,14 +231,11 @@ const SHOWN: usize = 10;
 /// Eigenfunctions in the picture.
 const DRAWN: usize = 4;
 
-/// Starts the output, whose name says .npz.
-fn create(path: &Path, force: bool) -> Result<Output> {
-    if path.extension().is_none_or(|extension| extension != "npz") {
-        bail!("{}: must be called .npz", path.display());
-    }
-    if !force && path.symlink_metadata().is_ok() {
+/// Starts the output, whose name says what it is.
+fn create(path: &Path, overwrite: Overwrite) -> Result<Output> {
+    check_arrays_name(path)?;
+    if overwrite == Overwrite::Never && path.symlink_metadata().is_ok() {
         bail!("{}: exists already (--force replaces it)", path.display());
     }
-    let overwrite = if force { Overwrite::Replace } else { Overwrite::Never };
     Ok(Output::create(path, overwrite)?)
 }

@@ -1,10 +1,12 @@
-//! `mpirun catamaran ata`: each process streams its part of the rows.
+//! `mpirun catamaran`: each process has its part of the rows.
 #![cfg(feature = "mpi")]
 
 mod common;
 
 use std::process::Command;
 
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::{families, io};
 use common::{Folder, Run};
 
 /// `catamaran` in this folder, `ranks` times.
@@ -43,6 +45,40 @@ fn ranks_share_the_rows_and_give_the_same_product() {
         let read = |name: &str| std::fs::read(folder.path(name)).unwrap();
         assert!(read("one.csv") == read(&format!("{ranks}.csv")));
     }
+}
+
+/// An array of an .npz file.
+fn array(folder: &Folder, file: &str, name: &str) -> Vec<f64> {
+    let file = std::fs::File::open(folder.path(file)).unwrap();
+    let mut archive = zip::ZipArchive::new(file).unwrap();
+    let array = npyz::NpyFile::new(archive.by_name(&format!("{name}.npy")).unwrap()).unwrap();
+    array.into_vec().unwrap()
+}
+
+#[test]
+fn ranks_share_the_eigenvectors_and_find_the_same_eigenvalues() {
+    let folder = Folder::new();
+    let output = Output::create(&folder.path("sphere.ply"), Overwrite::Never).unwrap();
+    io::write(output, &families::icosphere(3).unwrap().into()).unwrap();
+    folder.succeed("spectrum sphere.ply -k 12 -o 1.npz");
+    let expected = array(&folder, "1.npz", "eigenvalues");
+    for (ranks, mass) in [(2, "lumped"), (3, "lumped"), (2, "full")] {
+        let file = format!("{ranks}-{mass}.npz");
+        let arguments = format!("spectrum sphere.ply -k 12 -o {file} --mass {mass} --threads 1");
+        let run = mpirun(&folder, ranks, &arguments);
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        assert_eq!(run.stdout.matches("written").count(), 1, "{}", run.stdout);
+        assert_eq!(array(&folder, &file, "eigenvectors").len(), 642 * 12);
+        let values = array(&folder, &file, "eigenvalues");
+        // The masses change the values a little.
+        let allowed = if mass == "lumped" { 1e-10 } else { 0.05 };
+        let close = |(x, y): (&f64, &f64)| (x - y).abs() <= allowed * y.max(1e-2);
+        assert!(values.iter().zip(&expected).all(close), "{values:?} {expected:?}");
+    }
+    let run = mpirun(&folder, 2, "spectrum sphere.ply -k 643 -o c.npz");
+    assert_ne!(run.code, Some(0));
+    assert!(run.stderr.contains("k: 643 eigenpairs of a matrix of 642 rows"), "{}", run.stderr);
+    assert!(!folder.path("c.npz").exists());
 }
 
 #[test]

@@ -5,6 +5,12 @@ mod common;
 use std::fs::File;
 use std::io::Read;
 
+#[cfg(feature = "hdf5")]
+use catamaran::ata::RowBlocks;
+#[cfg(feature = "hdf5")]
+use catamaran::faer::Mat;
+#[cfg(feature = "hdf5")]
+use catamaran::io::RowFile;
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::{TriMesh, families, io};
 use common::Folder;
@@ -63,13 +69,41 @@ fn options_change_the_problem() {
 }
 
 #[test]
+#[cfg(feature = "hdf5")]
+fn hdf5_holds_the_same_arrays() {
+    let folder = Folder::new();
+    write(&folder, "sphere.ply", families::icosphere(3).unwrap());
+    folder.succeed("spectrum sphere.ply -k 9 -o s.npz");
+    folder.succeed("spectrum sphere.ply -k 9 -o s.h5");
+    for name in ["eigenvalues", "eigenvectors", "residuals"] {
+        let mut rows = RowFile::open(folder.path(&format!("s.h5:{name}"))).unwrap();
+        let (m, n) = (rows.nrows(), rows.ncols());
+        let mut found = Mat::<f64>::zeros(m, n);
+        rows.read(0, found.as_mut()).unwrap();
+        let (shape, expected) = array(&folder, "s.npz", name);
+        assert_eq!(shape.iter().product::<u64>(), (m * n) as u64);
+        assert!((0..m * n).all(|i| found[(i / n, i % n)] == expected[i]), "{name}");
+    }
+    assert!(folder.fail("spectrum sphere.ply -k 9 -o s.h5").contains("exists already"));
+    folder.succeed("spectrum sphere.ply -k 2 -o s.h5 --force");
+}
+
+#[test]
+#[cfg(not(feature = "hdf5"))]
+fn hdf5_that_is_not_built_in_is_refused_before_any_work() {
+    let folder = Folder::new();
+    let refused = folder.fail("spectrum none.ply -k 9 -o s.h5");
+    assert!(refused.contains("s.h5: HDF5 is not part of this program"), "{refused}");
+}
+
+#[test]
 fn refusals_say_what_is_wrong_and_write_nothing() {
     let folder = Folder::new();
     folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     assert!(
         folder.fail("spectrum a.obj -k 4 -o s.npz").contains("k: 4 eigenpairs of a matrix of 3")
     );
-    assert!(folder.fail("spectrum a.obj -k 1 -o s.txt").contains("must be called .npz"));
+    assert!(folder.fail("spectrum a.obj -k 1 -o s.txt").contains("must be called .npz, .h5"));
     assert!(folder.fail("spectrum none.obj -k 1 -o s.npz").contains("none.obj"));
     folder.succeed("spectrum a.obj -k 1 -o s.npz");
     assert!(folder.fail("spectrum a.obj -k 1 -o s.npz").contains("exists already"));

@@ -1,7 +1,7 @@
 use std::ffi::c_void;
 use std::mem::offset_of;
 
-use faer::MatMut;
+use faer::{MatMut, MatRef};
 use sprs::CsMatView;
 
 use super::boundary::boundary;
@@ -111,7 +111,7 @@ pub unsafe extern "C" fn cata_spectrum(
         check_size::<f64>("eigenvectors", n, k)?;
         let none = [0];
         // SAFETY: the caller's promise.
-        let (row_starts, masses, outputs) = unsafe {
+        let (row_starts, masses, mut outputs) = unsafe {
             let row_starts =
                 if n == 0 { &none[..] } else { slice("row_starts", row_starts, n + 1)? };
             let masses = match masses.is_null() {
@@ -135,28 +135,39 @@ pub unsafe extern "C" fn cata_spectrum(
             |(_, _, _, why)| Failure::new(CATA_ERR_ARGUMENT, format!("row_starts, columns: {why}")),
         )?;
         // SAFETY: the caller's promise.
-        unsafe { spectrum(stiffness, &masses, k, outputs, params) }
+        let pairs = unsafe { eigenpairs(k, params, |options| eigs(stiffness, &masses, options)) }?;
+        outputs.write(&pairs.values, pairs.vectors.as_ref(), &pairs.residuals);
+        Ok(())
     })
 }
 
 /// Where results go.
-struct Outputs<'a> {
-    values: &'a mut [f64],
-    vectors: MatMut<'a, f64>,
-    residuals: Option<&'a mut [f64]>,
+pub(super) struct Outputs<'a> {
+    pub values: &'a mut [f64],
+    pub vectors: MatMut<'a, f64>,
+    pub residuals: Option<&'a mut [f64]>,
 }
 
-/// Computes and writes the pairs.
+impl Outputs<'_> {
+    /// Writes the pairs.
+    pub fn write(&mut self, values: &[f64], vectors: MatRef<'_, f64>, residuals: &[f64]) {
+        self.values.copy_from_slice(values);
+        self.vectors.copy_from(vectors);
+        if let Some(to) = &mut self.residuals {
+            to.copy_from_slice(residuals);
+        }
+    }
+}
+
+/// What `work` finds with the options of the caller.
 ///
 /// # Safety
 /// `params` is NULL or points to a struct as the header describes it.
-unsafe fn spectrum(
-    stiffness: CsMatView<'_, f64>,
-    mass: &Mass,
+pub(super) unsafe fn eigenpairs<X>(
     k: usize,
-    mut outputs: Outputs<'_>,
     params: *const cata_spectrum_params,
-) -> Result<(), Failure> {
+    work: impl FnOnce(&EigenOptions<'_>) -> crate::base::Result<X>,
+) -> Result<X, Failure> {
     let mut options = EigenOptions { k, ..EigenOptions::default() };
     let mut watch = None;
     if !params.is_null() {
@@ -175,11 +186,5 @@ unsafe fn spectrum(
         watch = watcher(params.progress, params.progress_user);
     }
     options.progress = watch.as_ref().map(|watch| watch as Progress<'_>);
-    let pairs = eigs(stiffness, mass, &options)?;
-    outputs.values.copy_from_slice(&pairs.values);
-    outputs.vectors.copy_from(&pairs.vectors);
-    if let Some(residuals) = outputs.residuals {
-        residuals.copy_from_slice(&pairs.residuals);
-    }
-    Ok(())
+    Ok(work(&options)?)
 }

@@ -3,12 +3,14 @@
 
 mod eigen;
 mod memory;
+mod rank;
 mod rows;
 mod tall;
 mod triangular;
 
 pub use eigen::{SymmetricEigen, symmetric_eigen};
 pub(crate) use memory::{buffer, zeros};
+pub(crate) use rank::{pivots, singular_values};
 pub(crate) use rows::{ROW_BLOCK, for_row_blocks};
 pub(crate) use tall::{multiply_in_place, subtract_product, transposed_product};
 pub(crate) use triangular::{

@@ -1,5 +1,6 @@
 //! Matrix files: NumPy `.npy`, MatrixMarket `.mtx` and text tables (`.csv`, `.tsv`, `.txt`), each
-//! also gzipped (`.gz`); several arrays in one NumPy `.npz` ([`write_npz`]). Files of rows, read block by block ([`RowFile`]): `.npy`, and HDF5 with
+//! also gzipped (`.gz`); several arrays in one NumPy `.npz` or HDF5
+//! file ([`write_arrays`]). Files of rows, read block by block ([`RowFile`]): `.npy`, and HDF5 with
 //! feature `hdf5`.
 //!
 //! A reader checks everything it reads: a broken header, a ragged row, text where a number should
@@ -7,7 +8,10 @@
 //! writer shows its file whole or not at all ([`Output`]).
 
 mod accumulator;
+mod arrays;
 mod csv;
+#[cfg(feature = "hdf5")]
+mod hdf5;
 mod matrix;
 mod mtx;
 mod npy;
@@ -24,9 +28,10 @@ use std::ops::Range;
 use std::path::Path;
 
 pub use accumulator::{accumulator_scalar, read_accumulator, write_accumulator};
+pub use arrays::{ArraysWriter, check_arrays_name, write_arrays};
 use faer::MatRef;
 pub use matrix::{Dense, Matrix, SparseRows};
-pub use npz::{Array, write_npz};
+pub use npz::{Array, NpzWriter, write_npz};
 pub use output::{Output, Overwrite};
 pub use rows::RowFile;
 /// The sparse matrix of [`Matrix::Sparse`], from crate sprs.

@@ -1,14 +1,16 @@
 //! Several arrays in one file, as `numpy.load` reads them: NumPy `.npz`, a zip archive of `.npy` files, not packed.
 
 use std::io::{self, Write};
+use std::path::PathBuf;
 
 use faer::MatRef;
-use npyz::WriterBuilder;
+use npyz::{Order, WriterBuilder};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
+use super::output::write_error;
 use super::{Output, npy};
-use crate::base::Result;
+use crate::base::{Error, Result};
 
 /// An array of an `.npz` file.
 #[derive(Debug, Clone, Copy)]
@@ -25,44 +27,129 @@ pub enum Array<'a> {
 ///
 /// # Errors
 /// [`Error::Io`](crate::Error::Io); nothing is left behind then.
-pub fn write_npz(mut output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
-    let written = write_archive(&mut output, arrays);
-    written.map_err(|e| output.error(&e))?;
-    output.commit()
+pub fn write_npz(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
+    let mut writer = NpzWriter::new(output);
+    for (name, array) in arrays {
+        writer.array(name, *array)?;
+    }
+    writer.finish()
 }
 
-fn write_archive(output: &mut Output, arrays: &[(&str, Array<'_>)]) -> io::Result<()> {
-    let mut archive = ZipWriter::new(output);
-    // Sizes are known only when all is written.
-    let options =
-        SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
-    for (name, array) in arrays {
-        archive.start_file(format!("{name}.npy"), options)?;
+/// An `.npz` file that is written array by array, and a matrix of it by blocks of columns, so that it may be larger than
+/// memory. It appears with [`NpzWriter::finish`]; dropped before that, it leaves nothing.
+pub struct NpzWriter {
+    archive: ZipWriter<Output>,
+    path: PathBuf,
+    /// Of the matrix that was begun.
+    rows: usize,
+    columns_left: usize,
+}
+
+impl NpzWriter {
+    /// A file without arrays yet.
+    pub fn new(output: Output) -> Self {
+        let path = output.path().to_path_buf();
+        Self { archive: ZipWriter::new(output), path, rows: 0, columns_left: 0 }
+    }
+
+    /// Adds an array.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::Shape`] when columns of the matrix before are missing.
+    pub fn array(&mut self, name: &str, array: Array<'_>) -> Result<()> {
+        self.begin(name)?;
+        let written = self.write_array(array);
+        self.told(written)
+    }
+
+    /// Begins a matrix, f8 in Fortran order, whose columns follow.
+    ///
+    /// # Errors
+    /// As [`NpzWriter::array`].
+    pub fn matrix_by_columns(&mut self, name: &str, rows: usize, columns: usize) -> Result<()> {
+        self.begin(name)?;
+        (self.rows, self.columns_left) = (rows, columns);
+        let written =
+            header::<f64>(&mut self.archive, Order::Fortran, &[rows as u64, columns as u64]);
+        self.told(written)
+    }
+
+    /// The next columns of the matrix that was begun.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when they have other rows, or are more than were announced; [`Error::Io`].
+    pub fn columns(&mut self, columns: MatRef<'_, f64>) -> Result<()> {
+        let (rows, left) = (self.rows, self.columns_left);
+        Error::check_shape("columns", (rows, left.min(columns.ncols())), columns.shape())?;
+        self.columns_left -= columns.ncols();
+        let mut bytes = Vec::new();
+        for column in columns.col_iter() {
+            bytes.clear();
+            npy::encode(column.iter().copied(), &mut bytes);
+            let written = self.archive.write_all(&bytes);
+            self.told(written)?;
+        }
+        Ok(())
+    }
+
+    /// Lets the file appear.
+    ///
+    /// # Errors
+    /// As [`NpzWriter::array`]; nothing is left behind then.
+    pub fn finish(self) -> Result<()> {
+        self.check_columns()?;
+        let Self { archive, path, .. } = self;
+        let output = archive.finish().map_err(|e| write_error(&path, &e.into()))?;
+        output.commit()
+    }
+
+    fn begin(&mut self, name: &str) -> Result<()> {
+        self.check_columns()?;
+        // Sizes are known only when all is written.
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Stored)
+            .large_file(true);
+        let begun = self.archive.start_file(format!("{name}.npy"), options);
+        self.told(begun.map_err(io::Error::from))
+    }
+
+    fn check_columns(&self) -> Result<()> {
+        let given = (self.rows, 0);
+        Error::check_shape("columns", (self.rows, self.columns_left), given)
+    }
+
+    fn told(&self, done: io::Result<()>) -> Result<()> {
+        done.map_err(|e| write_error(&self.path, &e))
+    }
+
+    fn write_array(&mut self, array: Array<'_>) -> io::Result<()> {
+        let archive = &mut self.archive;
         match array {
             Array::Vector(values) => {
-                vector_header::<f64>(&mut archive, values.len())?;
-                for value in *values {
-                    archive.write_all(&value.to_ne_bytes())?;
-                }
+                header::<f64>(archive, Order::C, &[values.len() as u64])?;
+                values.iter().try_for_each(|value| archive.write_all(&value.to_ne_bytes()))
             }
             Array::Indices(values) => {
-                vector_header::<u64>(&mut archive, values.len())?;
-                for &value in *values {
-                    archive.write_all(&(value as u64).to_ne_bytes())?;
-                }
+                header::<u64>(archive, Order::C, &[values.len() as u64])?;
+                values
+                    .iter()
+                    .try_for_each(|&value| archive.write_all(&(value as u64).to_ne_bytes()))
             }
-            Array::Matrix(matrix) => npy::write(&mut archive, *matrix)?,
+            Array::Matrix(matrix) => npy::write(archive, matrix),
         }
     }
-    archive.finish()?;
-    Ok(())
 }
 
-/// The header of a vector; default_dtype is in the order of the machine.
-fn vector_header<T: npyz::AutoSerialize>(sink: &mut dyn Write, len: usize) -> io::Result<()> {
+/// The header of an array; default_dtype is in the order of the machine.
+fn header<T: npyz::AutoSerialize>(
+    sink: &mut dyn Write,
+    order: Order,
+    shape: &[u64],
+) -> io::Result<()> {
     npyz::WriteOptions::new_header_only()
         .dtype(T::default_dtype())
-        .shape(&[len as u64])
+        .order(order)
+        .shape(shape)
         .writer(sink)
         .write_header_only()
         .map(drop)
@@ -104,5 +191,33 @@ mod tests {
         let file = open(all);
         assert_eq!(file.shape(), [3, 2]);
         assert_eq!(file.into_vec::<f64>().unwrap(), [1.0, 2.5, 3.0, -4.0, 0.0, 1e300]);
+    }
+    #[test]
+    fn a_matrix_comes_by_columns_and_not_without_all_of_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.npz");
+        let matrix = mat![[1.0, 2.5, 6.0], [3.0, -4.0, 7.0]];
+        let begun = || {
+            let mut writer = NpzWriter::new(Output::create(&path, Overwrite::Never).unwrap());
+            writer.matrix_by_columns("matrix", 2, 3).unwrap();
+            writer.columns(matrix.as_ref().subcols(0, 2)).unwrap();
+            writer
+        };
+        assert!(matches!(begun().finish().unwrap_err(), Error::Shape { .. }));
+        let mut writer = begun();
+        assert!(matches!(writer.array("v", Array::Vector(&[])).unwrap_err(), Error::Shape { .. }));
+        assert!(matches!(writer.columns(matrix.as_ref()).unwrap_err(), Error::Shape { .. }));
+        drop(writer);
+        assert!(!path.exists());
+        let mut writer = begun();
+        writer.columns(matrix.as_ref().subcols(2, 1)).unwrap();
+        writer.array("v", Array::Vector(&[8.0])).unwrap();
+        writer.finish().unwrap();
+        let mut archive = zip::ZipArchive::new(std::fs::File::open(&path).unwrap()).unwrap();
+        let mut bytes = Vec::new();
+        archive.by_name("matrix.npy").unwrap().read_to_end(&mut bytes).unwrap();
+        let file = npyz::NpyFile::new(io::Cursor::new(bytes)).unwrap();
+        assert_eq!((file.shape(), file.order()), (&[2, 3][..], Order::Fortran));
+        assert_eq!(file.into_vec::<f64>().unwrap(), [1.0, 3.0, 2.5, -4.0, 6.0, 7.0]);
     }
 }

@@ -57,6 +57,12 @@ impl Output {
         &self.path
     }
 
+    /// Where it is until then.
+    #[cfg(feature = "hdf5")]
+    pub(super) fn temporary_path(&self) -> &Path {
+        self.file.get_ref().path()
+    }
+
     /// Lets the file appear under its name.
     ///
     /// # Errors
@@ -85,8 +91,13 @@ impl Output {
 
     /// A failed write, as an error that names the file.
     pub fn error(&self, e: &io::Error) -> Error {
-        error(&self.path, 0, format!("can't be written: {}", reason(e)))
+        write_error(&self.path, e)
     }
+}
+
+/// A failed write to the file that will have this path.
+pub(super) fn write_error(path: &Path, e: &io::Error) -> Error {
+    error(path, 0, format!("can't be written: {}", reason(e)))
 }
 
 impl Write for Output {

@@ -1,8 +1,9 @@
 //! Buffers that can fail, and what goes into them.
 
-use faer::MatRef;
+use faer::prelude::ReborrowMut;
+use faer::{MatMut, MatRef};
 
-use crate::base::Real;
+use crate::base::{Real, Result, reserved};
 
 /// Appends the rows of `matrix`, one after another.
 pub(super) fn append_rows<T: Real>(buffer: &mut Vec<T>, matrix: MatRef<'_, T>) {
@@ -27,5 +28,21 @@ pub(super) fn append_rows<T: Real>(buffer: &mut Vec<T>, matrix: MatRef<'_, T>) {
                 copy[i * width + j] = rows[(i, j)];
             }
         }
+    }
+}
+
+/// The columns of a matrix, one after another.
+pub(super) fn entries(matrix: MatRef<'_, f64>) -> Result<Vec<f64>> {
+    let mut entries = reserved(matrix.nrows() * matrix.ncols())?;
+    for column in matrix.col_iter() {
+        entries.extend(column.iter());
+    }
+    Ok(entries)
+}
+
+/// The inverse of [`entries`].
+pub(super) fn put_entries(mut matrix: MatMut<'_, f64>, entries: &[f64]) {
+    for (j, column) in entries.chunks_exact(matrix.nrows().max(1)).enumerate() {
+        matrix.rb_mut().col_mut(j).iter_mut().zip(column).for_each(|(to, from)| *to = *from);
     }
 }

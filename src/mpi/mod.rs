@@ -1,19 +1,25 @@
-//! A^T A of matrices that are spread over the ranks of an MPI communicator: executes the plans of
-//! [`ata::distributed`](crate::ata::distributed).
+//! Matrices that are spread over the ranks of an MPI communicator: A^T A, by the plans of
+//! [`ata::distributed`](crate::ata::distributed); Gram-Schmidt and eigenpairs, by the algorithms of
+//! [`ortho`](crate::ortho) and [`sparse`](crate::sparse), where every rank has some rows.
 //!
 //! Every function is collective: all ranks of the [`World`] call it, with the same options. An error on
 //! one rank is an error on all ([`Error::Rank`](crate::Error::Rank)); a panic aborts the job, since the
 //! other ranks would wait for ever; so does, by default, an error of MPI itself. Results depend on the
 //! number of ranks, not on that of threads nor on which message comes first.
 
+mod call;
 mod columns;
 mod cyclic;
 mod deal;
+mod eigen;
+mod exchange;
 mod memory;
+mod ortho;
 mod reduction;
 mod root;
 mod rows;
 mod shipment;
+mod spread;
 mod stream;
 mod symmetric;
 mod transfer;
@@ -23,6 +29,9 @@ mod world;
 
 pub use columns::ata_columns;
 pub use cyclic::{CyclicMut, CyclicRef, aat_cyclic, ata_cyclic};
+pub use eigen::eigs;
+pub use exchange::gather_rows;
+pub use ortho::{cholesky_qr, gram_schmidt};
 pub use root::{ata_deal, ata_root, ata_tree};
 pub use rows::{ata_rows, sum_symmetric};
 pub use stream::merge_accumulators;

@@ -1,6 +1,8 @@
 use faer::MatMut;
 use faer::prelude::ReborrowMut;
 
+use super::call::Call;
+use super::exchange::all_gather;
 use super::transfer::{receive, send};
 use super::world::{MpiReal, Operation, World};
 use crate::ata::Uplo;
@@ -98,6 +100,23 @@ impl<T: MpiReal> Symmetric<T> {
             for segment in self.layout.segments(rank) {
                 for (j, &entry) in segment.cols.zip(&mut entries) {
                     put(c.rb_mut(), segment.row, j, entry, uplo);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<T: MpiReal> Symmetric<T> {
+    /// Puts the whole matrix, both triangles, into `c` (n x n) on every rank.
+    pub(super) fn spread(&self, call: &Call<'_>, mut c: MatMut<'_, T>) -> Result<()> {
+        let lens: Vec<usize> = (0..call.world.size()).map(|rank| self.layout.len(rank)).collect();
+        let entries = all_gather(call, &self.entries, &lens)?;
+        let mut entries = entries.iter();
+        for rank in 0..call.world.size() {
+            for segment in self.layout.segments(rank) {
+                for (j, &entry) in segment.cols.zip(&mut entries) {
+                    put(c.rb_mut(), segment.row, j, entry, Uplo::Both);
                 }
             }
         }

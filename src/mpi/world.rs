@@ -64,7 +64,7 @@ const SUMMED: usize = 1 << 16;
 /// Exit code of an abort because of a panic.
 pub(super) const PANICKED: i32 = 101;
 /// Numbers that ranks compare at the start of a call.
-const FACTS: usize = 8;
+const FACTS: usize = 10;
 
 impl World {
     /// A world of the ranks of `comm`, which all call this.
@@ -336,4 +336,8 @@ pub(crate) enum Operation {
     Verify,
     Sum,
     Merge,
+    GramSchmidt,
+    CholeskyQr,
+    Eigenpairs,
+    GatherRows,
 }

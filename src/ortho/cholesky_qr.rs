@@ -4,7 +4,7 @@ use faer::{Mat, MatMut};
 use super::inner::{Inner, check_finite};
 use crate::base::{Error, Par, Result};
 use crate::dense::{cholesky, divide_by_upper, zeros};
-use crate::sparse::Mass;
+use crate::sparse::{InnerSpace, Mass};
 
 /// `A = Q R` with `Q^T M Q = I` by shifted Cholesky QR (Fukaya et al. 2020), for columns that are independent: A
 /// (n x c, any strides) becomes Q, R (c x c) is returned, upper triangular with a positive diagonal.
@@ -16,19 +16,29 @@ use crate::sparse::Mass;
 /// # Errors
 /// [`Error::Argument`] of "A" when its columns are dependent as far as rounding can tell, and A is unspecified then;
 /// else as [`gram_schmidt`](super::gram_schmidt()).
-pub fn cholesky_qr(mut a: MatMut<'_, f64>, mass: &Mass, par: Par) -> Result<Mat<f64>> {
+pub fn cholesky_qr(a: MatMut<'_, f64>, mass: &Mass, par: Par) -> Result<Mat<f64>> {
+    mass.check(a.nrows())?;
+    cholesky_qr_of(a, mass, par)
+}
+
+/// [`cholesky_qr`] of the rows that are here; the mass is checked.
+pub(crate) fn cholesky_qr_of(
+    mut a: MatMut<'_, f64>,
+    space: &dyn InnerSpace,
+    par: Par,
+) -> Result<Mat<f64>> {
     /// Distance of the Gram matrix from the identity from which on one more pass is the last.
     const NEAR: f64 = 1e-4;
     /// What is left of a column, relative to it, that may be rounding.
     const DEPENDENT: f64 = 1e-14;
     const PASSES: usize = 6;
-    let (n, c) = a.shape();
+    let (n, c) = (space.dimension(), a.ncols());
     let dependent = |why: String| Err(Error::Argument { what: "A", why });
     if c > n {
         return dependent(format!("{c} columns of {n} rows can't be independent"));
     }
     check_finite(a.rb())?;
-    let mut inner = Inner::new(mass, n, c, par)?;
+    let mut inner = Inner::new(space, c, par)?;
     inner.enter(a.rb_mut());
     let mut r = Mat::<f64>::identity(c, c);
     for _ in 0..PASSES {

@@ -5,7 +5,7 @@ use super::inner::{Inner, check_finite, report};
 use super::panel::pass;
 use crate::base::{Error, Par, Progress, Result};
 use crate::dense::zeros;
-use crate::sparse::Mass;
+use crate::sparse::{InnerSpace, Mass};
 
 /// Columns that are projected together.
 const PANEL: usize = 256;
@@ -36,7 +36,7 @@ impl GramSchmidtOptions<'_> {
         Self { threshold: 1e-9, reorthogonalise: true, ..Self::single_pass() }
     }
 
-    fn check(&self) -> Result<()> {
+    pub(super) fn check(&self) -> Result<()> {
         if (1e-13..1.0).contains(&self.threshold) {
             return Ok(());
         }
@@ -93,15 +93,25 @@ pub fn gram_schmidt(
 /// # Errors
 /// As [`gram_schmidt`]; A is unspecified after [`Error::Cancelled`].
 pub fn gram_schmidt_in_place(
-    mut a: MatMut<'_, f64>,
+    a: MatMut<'_, f64>,
     mass: &Mass,
     options: &GramSchmidtOptions<'_>,
 ) -> Result<Factors> {
-    let (n, c) = a.shape();
+    mass.check(a.nrows())?;
+    gram_schmidt_of(a, mass, options)
+}
+
+/// [`gram_schmidt_in_place`] of the rows that are here; the mass is checked.
+pub(crate) fn gram_schmidt_of(
+    mut a: MatMut<'_, f64>,
+    space: &dyn InnerSpace,
+    options: &GramSchmidtOptions<'_>,
+) -> Result<Factors> {
+    let c = a.ncols();
     options.check()?;
     check_finite(a.rb())?;
-    let mut inner = Inner::new(mass, n, PANEL.min(c), options.par)?;
-    let mut r = zeros(n.min(c), c)?;
+    let mut inner = Inner::new(space, PANEL.min(c), options.par)?;
+    let mut r = zeros(space.dimension().min(c), c)?;
     let mut kept = Vec::new();
     inner.enter(a.rb_mut());
     for start in (0..c).step_by(PANEL) {

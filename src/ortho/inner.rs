@@ -4,12 +4,12 @@ use faer::{Mat, MatMut, MatRef};
 use crate::ata::{AtaOptions, Uplo, ata, atb};
 use crate::base::{Error, Par, Progress, Result};
 use crate::dense::{ROW_BLOCK, for_row_blocks, zeros};
-use crate::sparse::Mass;
+use crate::sparse::InnerSpace;
 
 /// An inner product and how to compute with it. Vectors are scaled by the square roots of lumped masses for the length
 /// of a computation, so that only a full mass is ever multiplied with.
 pub(super) struct Inner<'a> {
-    mass: &'a Mass,
+    space: &'a dyn InnerSpace,
     par: Par,
     products: AtaOptions<'a>,
     /// M X, for a full mass.
@@ -17,12 +17,15 @@ pub(super) struct Inner<'a> {
 }
 
 impl<'a> Inner<'a> {
-    /// For blocks of at most `width` columns of n rows.
-    pub fn new(mass: &'a Mass, n: usize, width: usize, par: Par) -> Result<Self> {
-        mass.check(n)?;
-        let width = if matches!(mass, Mass::Full(_)) { width } else { 0 };
+    /// For blocks of at most `width` columns.
+    pub fn new(space: &'a dyn InnerSpace, width: usize, par: Par) -> Result<Self> {
+        let width = if space.masses().is_none() { width } else { 0 };
         let products = AtaOptions { par, uplo: Uplo::Both, ..AtaOptions::default() };
-        Ok(Self { mass, par, products, weighted: zeros(n, width)? })
+        Ok(Self { space, par, products, weighted: zeros(space.rows().len(), width)? })
+    }
+
+    pub fn par(&self) -> Par {
+        self.par
     }
 
     /// Scales the rows of A by the square roots of lumped masses.
@@ -36,7 +39,7 @@ impl<'a> Inner<'a> {
     }
 
     fn scale(&self, a: MatMut<'_, f64>, factor: impl Fn(f64) -> f64 + Sync) {
-        let Mass::Lumped(masses) = self.mass else { return };
+        let Some(masses) = self.space.masses() else { return };
         for_row_blocks(a, ROW_BLOCK, self.par, |first, mut a| {
             for j in 0..a.ncols() {
                 for i in 0..a.nrows() {
@@ -48,11 +51,11 @@ impl<'a> Inner<'a> {
 
     /// M X, or X itself where the scaling stands for M.
     pub fn weigh<'x>(&'x mut self, x: MatRef<'x, f64>) -> Result<MatRef<'x, f64>> {
-        if let Mass::Lumped(_) = self.mass {
+        if self.space.masses().is_some() {
             return Ok(x);
         }
         let mut weighted = self.weighted.as_mut().subcols_mut(0, x.ncols());
-        self.mass.multiply(x, weighted.rb_mut(), self.par)?;
+        self.space.apply_mass(x, weighted.rb_mut(), self.par)?;
         Ok(weighted.into_const())
     }
 
@@ -62,9 +65,10 @@ impl<'a> Inner<'a> {
         if q.ncols() == 0 || x.ncols() == 0 {
             return Ok(coefficients);
         }
-        let products = self.products.clone();
+        let (space, products) = (self.space, self.products.clone());
         let weighted = self.weigh(x.rb())?;
         atb(1.0, q, weighted, 0.0, coefficients.as_mut(), &products)?;
+        space.sum(coefficients.as_mut())?;
         atb(-1.0, q.transpose(), coefficients.as_ref(), 1.0, x.rb_mut(), &products)?;
         Ok(coefficients)
     }
@@ -75,21 +79,33 @@ impl<'a> Inner<'a> {
         if x.ncols() == 0 {
             return Ok(gram);
         }
-        let products = self.products.clone();
-        match self.mass {
-            Mass::Lumped(_) => ata(1.0, x, 0.0, gram.as_mut(), &products)?,
-            Mass::Full(_) => {
+        let (space, products) = (self.space, self.products.clone());
+        match space.masses() {
+            Some(_) => ata(1.0, x, 0.0, gram.as_mut(), &products)?,
+            None => {
                 let weighted = self.weigh(x)?;
                 atb(1.0, x, weighted, 0.0, gram.as_mut(), &products)?;
             }
         }
+        space.sum_symmetric(gram.as_mut())?;
         Ok(gram)
     }
 
     /// The lengths of the columns of X.
     pub fn lengths(&mut self, x: MatRef<'_, f64>) -> Result<Vec<f64>> {
+        let space = self.space;
         let weighted = self.weigh(x)?;
-        Ok((0..x.ncols()).map(|j| dot(x, j, weighted, j).max(0.0).sqrt()).collect())
+        let mut squares = Mat::from_fn(x.ncols(), 1, |j, _| dot(x, j, weighted, j));
+        space.sum(squares.as_mut())?;
+        Ok(squares.col(0).iter().map(|square| square.max(0.0).sqrt()).collect())
+    }
+
+    /// `x_i^T M x_j` of two columns.
+    pub fn overlap(&mut self, x: MatRef<'_, f64>, i: usize, j: usize) -> Result<f64> {
+        let space = self.space;
+        let mut product = dot(x, i, self.weigh(x.subcols(j, 1))?, 0);
+        space.sum(MatMut::from_column_major_slice_mut(std::slice::from_mut(&mut product), 1, 1))?;
+        Ok(product)
     }
 
     /// `Y := Y + A B` for small matrices.
@@ -107,7 +123,7 @@ impl<'a> Inner<'a> {
 }
 
 /// Of two columns.
-pub(super) fn dot(x: MatRef<'_, f64>, i: usize, y: MatRef<'_, f64>, j: usize) -> f64 {
+fn dot(x: MatRef<'_, f64>, i: usize, y: MatRef<'_, f64>, j: usize) -> f64 {
     /// Sums side by side.
     const LANES: usize = 8;
     let (x, y) = (x.col(i), y.col(j));

@@ -4,8 +4,14 @@ mod cholesky_qr;
 mod gram_schmidt;
 mod inner;
 mod panel;
+mod rank_revealing;
 
 pub use cholesky_qr::cholesky_qr;
+#[cfg(feature = "mpi")]
+pub(crate) use cholesky_qr::cholesky_qr_of;
+#[cfg(feature = "mpi")]
+pub(crate) use gram_schmidt::gram_schmidt_of;
 pub use gram_schmidt::{
     Factors, GramSchmidtOptions, Orthonormal, gram_schmidt, gram_schmidt_in_place,
 };
+pub use rank_revealing::{rank_revealing, rank_revealing_in_place};

@@ -3,9 +3,9 @@ use std::ops::Range;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Mat, MatMut};
 
-use super::inner::{Inner, dot};
+use super::inner::Inner;
 use crate::base::Result;
-use crate::dense::zeros;
+use crate::dense::{cholesky, lower_solve_in_place, multiply_in_place, zeros};
 
 /// Columns that are made orthonormal one by one.
 const LEAF: usize = 8;
@@ -20,8 +20,8 @@ pub(super) struct Pass {
     pub r: Mat<f64>,
 }
 
-/// Makes the columns of a panel orthonormal; a column of which no more than `limits[j]` is left is dropped. Halves are
-/// projected as blocks.
+/// Makes the columns of a panel orthonormal; a column of which no more than `limits[j]` is left is dropped. Blocks are
+/// done at once where that is as good, else by halves, of which the second is projected by the first.
 pub(super) fn pass(
     inner: &mut Inner<'_>,
     mut panel: MatMut<'_, f64>,
@@ -43,6 +43,9 @@ impl Pass {
         limits: &[f64],
         range: Range<usize>,
     ) -> Result<()> {
+        if self.at_once(inner, panel.rb_mut(), limits, &range)? {
+            return Ok(());
+        }
         if range.len() <= LEAF {
             return self.leaf(inner, panel, limits, range);
         }
@@ -61,6 +64,45 @@ impl Pass {
         self.columns(inner, panel, limits, middle..range.end)
     }
 
+    /// Cholesky QR of the columns of `range`, if all are kept and so independent that their Gram matrix has lost nothing
+    /// that matters; whether it was done.
+    fn at_once(
+        &mut self,
+        inner: &mut Inner<'_>,
+        mut panel: MatMut<'_, f64>,
+        limits: &[f64],
+        range: &Range<usize>,
+    ) -> Result<bool> {
+        /// The mean square of singular values of the inverse, of columns of length 1: what may be lost, in units of
+        /// rounding.
+        const SPREAD: f64 = 100.0;
+        let (width, count) = (range.len(), self.kept.len());
+        let mut l = inner.gram(panel.rb().subcols(range.start, width))?;
+        let mut inverse = zeros(width, width)?;
+        (0..width).for_each(|j| inverse[(j, j)] = l[(j, j)].sqrt());
+        let lengths: Vec<f64> = (0..width).map(|j| inverse[(j, j)]).collect();
+        if cholesky(l.as_mut())?.is_err() {
+            return Ok(false);
+        }
+        lower_solve_in_place(l.as_ref(), inverse.as_mut());
+        let kept = (0..width).all(|j| l[(j, j)] > limits[range.start + j]);
+        if !(kept && inverse.squared_norm_l2() <= SPREAD * width as f64) {
+            return Ok(false);
+        }
+        for j in 0..width {
+            inverse.as_mut().col_mut(j).iter_mut().for_each(|x| *x /= lengths[j]);
+        }
+        let block = panel.rb_mut().subcols_mut(range.start, width);
+        multiply_in_place(block, inverse.transpose(), inner.par());
+        for j in 0..width {
+            scaled_move(panel.rb_mut(), range.start + j, 1.0, count + j);
+            (0..=j).for_each(|i| self.r[(count + i, range.start + j)] = l[(j, i)]);
+            self.kept.push(range.start + j);
+            self.lengths.push(l[(j, j)]);
+        }
+        Ok(true)
+    }
+
     fn leaf(
         &mut self,
         inner: &mut Inner<'_>,
@@ -72,8 +114,7 @@ impl Pass {
         for j in range {
             let count = self.kept.len();
             for q in first..count {
-                let x = panel.rb();
-                let overlap = dot(x, q, inner.weigh(x.subcols(j, 1))?, 0);
+                let overlap = inner.overlap(panel.rb(), q, j)?;
                 self.r[(q, j)] = overlap;
                 add_multiple(panel.rb_mut(), j, -overlap, q);
             }
@@ -98,6 +139,9 @@ fn add_multiple(x: MatMut<'_, f64>, j: usize, factor: f64, q: usize) {
 
 /// A multiple of column j, into column `to <= j`.
 fn scaled_move(x: MatMut<'_, f64>, j: usize, factor: f64, to: usize) {
+    if to == j && factor == 1.0 {
+        return;
+    }
     if to == j {
         return x.col_mut(j).iter_mut().for_each(|x| *x *= factor);
     }

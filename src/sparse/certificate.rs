@@ -1,34 +1,49 @@
-use faer::prelude::ReborrowMut;
+use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Mat, MatRef};
 use sprs::CsMatView;
 
-use super::Mass;
-use super::cholesky::{Factor, Symbolic};
-use super::product::multiply_symmetric_or_rows;
-use super::shifted::Shifted;
-use crate::base::{Par, Result};
+use super::eigs::EigenOptions;
+use super::space::Pencil;
+use crate::base::Result;
 
 /// Columns that are looked at together.
 const COLUMNS: usize = 8;
 
-/// The residuals of [`super::Eigenpairs`]; `scale` is its s.
-pub(crate) fn residuals(
+/// Roundings of each entry of W phi that no solver can do without, in units of epsilon.
+const ROUNDINGS: f64 = 8.0;
+
+/// How good pairs are.
+pub(crate) struct Certificate {
+    /// Those of [`super::Eigenpairs`].
+    pub residuals: Vec<f64>,
+    /// The largest of them.
+    pub largest: f64,
+    /// The largest of them as a part of what it may be: 1 or less is good; infinite where one is not a number.
+    pub excess: f64,
+}
+
+/// The certificate of pairs for residuals of `options.tolerance`, or of what the rounding of phi alone leaves, where that
+/// is more: `eps | |W| |phi| |` in place of `|W phi - lambda M phi|` (Oettli and Prager 1964). `stiffness` is that of the
+/// pencil, with all rows; `scale` is the s of [`super::Eigenpairs`].
+pub(crate) fn certify(
+    pencil: &dyn Pencil,
     stiffness: CsMatView<'_, f64>,
-    mass: &Mass,
     values: &[f64],
     vectors: MatRef<'_, f64>,
     scale: f64,
-    par: Par,
-) -> Result<Vec<f64>> {
-    let mut residuals = Vec::with_capacity(values.len());
+    options: &EigenOptions<'_>,
+) -> Result<Certificate> {
+    let (par, tolerance) = (options.par, options.tolerance);
+    // Squares of |W phi|, |M phi| and |W phi - lambda M phi|.
+    let mut squares = Mat::zeros(3, values.len());
     let mut w = Mat::zeros(vectors.nrows(), COLUMNS.min(values.len()));
     let mut m = w.clone();
     for (chunk, values) in values.chunks(COLUMNS).enumerate() {
         let x = vectors.subcols(chunk * COLUMNS, values.len());
         let mut w = w.as_mut().subcols_mut(0, values.len());
         let mut m = m.as_mut().subcols_mut(0, values.len());
-        multiply_symmetric_or_rows(stiffness, x, w.rb_mut(), par);
-        mass.multiply(x, m.rb_mut(), par)?;
+        pencil.apply_stiffness(x, w.rb_mut(), par)?;
+        pencil.inner().apply_mass(x, m.rb_mut(), par)?;
         for (j, value) in values.iter().enumerate() {
             let (mut left, mut right, mut gap) = (0.0f64, 0.0f64, 0.0f64);
             for i in 0..x.nrows() {
@@ -37,35 +52,75 @@ pub(crate) fn residuals(
                 right += m * m;
                 gap += (w - value * m).powi(2);
             }
-            residuals.push(gap.sqrt() / left.sqrt().max(scale * right.sqrt()));
+            let column = chunk * COLUMNS + j;
+            [left, right, gap].into_iter().enumerate().for_each(|(i, x)| squares[(i, column)] = x);
         }
     }
-    Ok(residuals)
+    pencil.inner().sum(squares.as_mut())?;
+    let mut found =
+        Certificate { residuals: Vec::with_capacity(values.len()), largest: 0.0, excess: 0.0 };
+    let number = |x: f64| if x.is_nan() { f64::INFINITY } else { x };
+    for j in 0..values.len() {
+        let [left, right, gap] = [0, 1, 2].map(|i| squares[(i, j)].sqrt());
+        let size = left.max(scale * right);
+        let residual = gap / size;
+        let mut allowed = tolerance;
+        if residual > tolerance {
+            let rounding = magnitude(pencil, stiffness, vectors.subcols(j, 1))? / size;
+            allowed = allowed.max(ROUNDINGS * f64::EPSILON * rounding);
+        }
+        found.largest = found.largest.max(number(residual));
+        found.excess = found.excess.max(number(residual / allowed));
+        found.residuals.push(residual);
+    }
+    Ok(found)
+}
+
+/// `| |W| |phi| |`.
+fn magnitude(
+    pencil: &dyn Pencil,
+    stiffness: CsMatView<'_, f64>,
+    phi: MatRef<'_, f64>,
+) -> Result<f64> {
+    let mut sums = phi.to_owned();
+    pencil.map_columns(sums.as_mut(), &|mut whole| {
+        let phi = whole.rb().to_owned();
+        for j in 0..whole.ncols() {
+            for (i, row) in stiffness.outer_iterator().enumerate() {
+                whole[(i, j)] = row.iter().map(|(c, w)| (w * phi[(c, j)]).abs()).sum();
+            }
+        }
+        Ok(())
+    })?;
+    let mut square = Mat::from_fn(1, 1, |_, _| sums.squared_norm_l2());
+    pencil.inner().sum(square.as_mut())?;
+    Ok(square[(0, 0)].sqrt())
 }
 
 /// Distance of two eigenvalues, relative to them, from which on they are counted apart.
 const APART: f64 = 1e-6;
 
+/// Whether two eigenvalues, the lower one first, are so far apart that a shift between them counts right.
+pub(crate) fn apart(low: f64, high: f64, scale: f64) -> bool {
+    high - low > APART * (high.abs() + scale)
+}
+
 /// Whether no eigenvalue is missing among `values` (any order), between two of them that are apart, as close to both
-/// ends as possible; `from_below`: from the lower end of the spectrum on.
+/// ends as possible; `from_below`: from the lower end of the spectrum on. `below` counts the eigenvalues below a shift.
 pub(crate) fn count_is_complete(
-    symbolic: &Symbolic,
-    shifted: &Shifted<'_>,
     values: &[f64],
     from_below: bool,
     scale: f64,
+    below: impl Fn(f64) -> Result<usize>,
 ) -> Result<bool> {
     let mut values = values.to_vec();
     values.sort_by(f64::total_cmp);
-    let below = |i: usize| {
-        let middle = 0.5 * (values[i - 1] + values[i]);
-        Factor::indefinite(symbolic, shifted, middle).map(|factor| factor.below_shift())
-    };
-    let apart = |i: &usize| values[*i] - values[i - 1] > APART * (values[*i].abs() + scale);
-    let Some(last) = (1..values.len()).rev().find(apart) else { return Ok(true) };
+    let below = |i: usize| below(0.5 * (values[i - 1] + values[i]));
+    let is_gap = |i: &usize| apart(values[*i - 1], values[*i], scale);
+    let Some(last) = (1..values.len()).rev().find(is_gap) else { return Ok(true) };
     if from_below {
         return Ok(below(last)? == last);
     }
-    let first = (1..values.len()).find(apart).expect("there is a last one");
+    let first = (1..values.len()).find(is_gap).expect("there is a last one");
     Ok(first == last || below(last)?.checked_sub(below(first)?) == Some(last - first))
 }

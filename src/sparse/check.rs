@@ -23,13 +23,23 @@ pub(crate) fn check_symmetric(what: &'static str, matrix: CsMatView<'_, f64>) ->
     for (i, row) in matrix.outer_iterator().enumerate() {
         for (j, &x) in row.iter().filter(|&(j, _)| j != i) {
             let mirrored = matrix.outer_view(j).and_then(|row| row.get(i).copied()).unwrap_or(0.0);
-            let scale = x.abs().max(mirrored.abs()) + (diagonal[i] * diagonal[j]).sqrt();
-            if (x - mirrored).abs() > SYMMETRY * scale {
-                let why =
-                    format!("not symmetric: entry ({i}, {j}) is {x:e}, ({j}, {i}) is {mirrored:e}");
-                return Err(Error::Argument { what, why });
-            }
+            check_mirrored(what, (i, j), [x, mirrored], [diagonal[i], diagonal[j]])?;
         }
     }
     Ok(())
+}
+
+/// Whether entries (i, j) and (j, i) are the same but for rounding, beside these magnitudes on the diagonal.
+pub(crate) fn check_mirrored(
+    what: &'static str,
+    (i, j): (usize, usize),
+    [x, mirrored]: [f64; 2],
+    [at_i, at_j]: [f64; 2],
+) -> Result<()> {
+    let scale = x.abs().max(mirrored.abs()) + (at_i * at_j).sqrt();
+    if (x - mirrored).abs() <= SYMMETRY * scale {
+        return Ok(());
+    }
+    let why = format!("not symmetric: entry ({i}, {j}) is {x:e}, ({j}, {i}) is {mirrored:e}");
+    Err(Error::Argument { what, why })
 }

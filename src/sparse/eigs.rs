@@ -1,13 +1,13 @@
-use faer::{Mat, MatRef};
+use faer::Mat;
 use sprs::CsMatView;
 
-use super::certificate::{count_is_complete, residuals};
+use super::Mass;
+use super::certificate::{Certificate, certify, count_is_complete};
 use super::check::check_symmetric;
-use super::cholesky::{Factor, Symbolic};
-use super::lanczos::{Krylov, WIDTH, basis_size};
-use super::shifted::Shifted;
+use super::lanczos::{WIDTH, basis_size};
+use super::problem::{Problem, ascending, scale};
 use super::small::dense_pairs;
-use super::{Mass, components};
+use super::space::{Pencil, WholePencil};
 use crate::base::{Error, Flow, Par, Progress, Result};
 
 /// What [`eigs`] is asked for.
@@ -109,113 +109,63 @@ pub fn eigs(
     mass: &Mass,
     options: &EigenOptions<'_>,
 ) -> Result<Eigenpairs> {
+    check(stiffness, mass, options)?;
+    eigs_of(&WholePencil { stiffness, mass }, stiffness, mass, options)
+}
+
+/// [`eigs`] with vectors of the rows that are here. The matrices, checked, are those of the pencil, with all rows.
+pub(crate) fn eigs_of(
+    pencil: &dyn Pencil,
+    stiffness: CsMatView<'_, f64>,
+    mass: &Mass,
+    options: &EigenOptions<'_>,
+) -> Result<Eigenpairs> {
+    if options.k == 0 {
+        let vectors = Mat::zeros(pencil.inner().rows().len(), 0);
+        return Ok(Eigenpairs { values: vec![], vectors, residuals: vec![], solves: 0 });
+    }
+    if basis_size(options.k) + 2 * WIDTH > stiffness.rows() {
+        return small(pencil, stiffness, mass, options);
+    }
+    let problem = Problem::new(pencil, stiffness, mass)?;
+    options.report(0.01)?;
+    one_window(&problem, options)
+}
+
+/// Refuses what is not a problem.
+pub(crate) fn check(
+    stiffness: CsMatView<'_, f64>,
+    mass: &Mass,
+    options: &EigenOptions<'_>,
+) -> Result<()> {
     let n = stiffness.rows();
     check_symmetric("stiffness", stiffness)?;
     mass.check(n)?;
-    options.check(n)?;
-    if options.k == 0 {
-        let vectors = Mat::zeros(n, 0);
-        return Ok(Eigenpairs { values: vec![], vectors, residuals: vec![], solves: 0 });
-    }
-    let scale = scale(stiffness, mass);
-    if basis_size(options.k) + 2 * WIDTH > n {
-        return small(stiffness, mass, scale, options);
-    }
-    let shifted = Shifted::new(stiffness, mass);
-    let symbolic = Symbolic::new(&shifted)?;
-    options.report(0.01)?;
-    let sigma = options.shift.unwrap_or(-scale);
-    let factor = factor(&symbolic, &shifted, sigma, options)?;
-    options.report(0.02)?;
-    let null = match sigma < 0.0 {
-        true => components::null_components(stiffness, mass),
-        false => vec![],
+    options.check(n)
+}
+
+/// All pairs at once.
+pub(super) fn one_window(problem: &Problem<'_>, options: &EigenOptions<'_>) -> Result<Eigenpairs> {
+    let (sigma, factor) = match options.shift {
+        Some(shift) => (shift, problem.any(shift)?),
+        None => (-problem.scale, problem.positive(-problem.scale)?),
     };
-    let mut krylov = Krylov::new(stiffness, mass, &factor, sigma, scale, options)?;
-    krylov.lock(&null)?;
-    // Each round tightens the estimate, or adds a block of directions that the earlier ones had nothing of.
-    let rounds = 8 + options.k / WIDTH;
-    let mut largest = f64::INFINITY;
-    for _ in 0..rounds {
-        krylov.converge()?;
-        let mut residuals;
-        (residuals, largest) = certify(&krylov, stiffness, mass, scale, options)?;
-        if largest > options.tolerance {
-            krylov.purify()?;
-            (residuals, largest) = certify(&krylov, stiffness, mass, scale, options)?;
-        }
-        let (values, vectors) = (krylov.values(), krylov.vectors());
-        if largest > options.tolerance {
-            krylov.tighten(0.1 * options.tolerance / largest);
-        } else if options.verify_count
-            && !count_is_complete(&symbolic, &shifted, values, factor.is_positive(), scale)?
-        {
-            krylov.add_directions()?;
-        } else {
-            options.report(1.0)?;
-            let positive = options.shift.is_none();
-            return Ok(ascending(values, vectors, &residuals, krylov.solves(), positive));
-        }
-    }
-    Err(Error::NotConverged { iterations: krylov.restarts(), residual: largest })
-}
-
-/// The residuals of what was found, and the largest of them; infinity where one is NaN.
-fn certify(
-    krylov: &Krylov<'_>,
-    stiffness: CsMatView<'_, f64>,
-    mass: &Mass,
-    scale: f64,
-    options: &EigenOptions<'_>,
-) -> Result<(Vec<f64>, f64)> {
-    let (values, vectors) = (krylov.values(), krylov.vectors());
-    let residuals = residuals(stiffness, mass, values, vectors, scale, options.par)?;
-    let number = |r: &f64| if r.is_nan() { f64::INFINITY } else { *r };
-    let largest = residuals.iter().map(number).fold(0.0, f64::max);
-    Ok((residuals, largest))
-}
-
-/// s of [`eigs`].
-fn scale(stiffness: CsMatView<'_, f64>, mass: &Mass) -> f64 {
-    let n = stiffness.rows();
-    let ratio = |i: usize| stiffness.get(i, i).copied().unwrap_or(0.0) / mass.diagonal(i);
-    let mut ratios: Vec<f64> = (0..n).map(ratio).filter(|x| *x > 0.0).collect();
-    if ratios.is_empty() {
-        return 1.0;
-    }
-    let middle = ratios.len() / 2;
-    *ratios.select_nth_unstable_by(middle, f64::total_cmp).1 / n as f64
-}
-
-/// `W - sigma M`, factorised.
-fn factor<'s>(
-    symbolic: &'s Symbolic,
-    shifted: &Shifted<'_>,
-    sigma: f64,
-    options: &EigenOptions<'_>,
-) -> Result<Factor<'s>> {
-    if sigma < 0.0
-        && let Some(factor) = Factor::positive(symbolic, shifted, sigma)?
-    {
-        return Ok(factor);
-    }
-    if options.shift.is_none() {
-        let why = "not positive semi-definite: give a shift".into();
-        return Err(Error::Argument { what: "stiffness", why });
-    }
-    let factor = Factor::indefinite(symbolic, shifted, sigma)?;
-    if !factor.is_finite() {
-        let why = format!("{sigma:e} is an eigenvalue, as far as elimination can tell");
-        return Err(Error::Argument { what: "shift", why });
-    }
-    Ok(factor)
+    options.report(0.02)?;
+    let from_below = factor.is_positive();
+    let below = |value| problem.below(value);
+    let pairs = problem.nearest(sigma, factor, options, |values| match options.verify_count {
+        true => count_is_complete(values, from_below, problem.scale, below),
+        false => Ok(true),
+    })?;
+    options.report(1.0)?;
+    Ok(pairs)
 }
 
 /// The wanted pairs of all.
-fn small(
+pub(super) fn small(
+    pencil: &dyn Pencil,
     stiffness: CsMatView<'_, f64>,
     mass: &Mass,
-    scale: f64,
     options: &EigenOptions<'_>,
 ) -> Result<Eigenpairs> {
     let (values, vectors) = dense_pairs(stiffness, mass, options)?;
@@ -226,28 +176,11 @@ fn small(
     order.truncate(options.k);
     order.sort_unstable();
     let values: Vec<f64> = order.iter().map(|&j| values[j]).collect();
-    let vectors = Mat::from_fn(vectors.nrows(), options.k, |i, j| vectors[(i, order[j])]);
-    let residuals = residuals(stiffness, mass, &values, vectors.as_ref(), scale, options.par)?;
+    let rows = pencil.inner().rows();
+    let vectors = Mat::from_fn(rows.len(), options.k, |i, j| vectors[(rows.start + i, order[j])]);
+    let (scale, vectors) = (scale(stiffness, mass), vectors.as_ref());
+    let Certificate { residuals, .. } =
+        certify(pencil, stiffness, &values, vectors, scale, options)?;
     options.report(1.0)?;
-    let vectors = vectors.as_ref();
     Ok(ascending(&values, vectors, &residuals, 0, options.shift.is_none()))
-}
-
-/// These pairs in ascending order; of a semi-definite matrix, for which rounding below zero is zero.
-fn ascending(
-    values: &[f64],
-    vectors: MatRef<'_, f64>,
-    residuals: &[f64],
-    solves: usize,
-    positive: bool,
-) -> Eigenpairs {
-    let least = if positive { 0.0 } else { f64::NEG_INFINITY };
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
-    Eigenpairs {
-        values: order.iter().map(|&j| values[j].max(least)).collect(),
-        vectors: Mat::from_fn(vectors.nrows(), order.len(), |i, j| vectors[(i, order[j])]),
-        residuals: order.iter().map(|&j| residuals[j]).collect(),
-        solves,
-    }
 }

@@ -1,14 +1,12 @@
 //! Block Lanczos with thick restart for `(W - sigma M)^-1 M`, in the inner product of M.
 
 use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{ColMut, Mat, MatRef, Scale};
-use sprs::CsMatView;
+use faer::{ColMut, Mat, MatMut, MatRef, Scale};
 
-use super::Mass;
 use super::cholesky::Factor;
 use super::eigs::EigenOptions;
-use super::product::multiply_symmetric_or_rows;
-use crate::base::{Error, Result, Rng};
+use super::space::Pencil;
+use crate::base::{Error, Par, Result, Rng};
 use crate::dense::{
     SymmetricEigen, multiply_in_place, subtract_product, symmetric_eigen, transposed_product, zeros,
 };
@@ -21,12 +19,10 @@ pub(crate) fn basis_size(k: usize) -> usize {
     (2 * k + 9 * WIDTH).next_multiple_of(WIDTH)
 }
 
-/// A Krylov space: a basis V, `V^T M V = I`, of which the first `len` columns satisfy
+/// A Krylov space, of which each process has the rows that the pencil says: a basis V, `V^T M V = I`, of which the first `len` columns satisfy
 /// `(W - sigma M)^-1 M V = V T + Q (B 0 .. 0 I)`, with the block Q of the next `WIDTH` columns.
 pub(crate) struct Krylov<'a> {
-    stiffness: CsMatView<'a, f64>,
-    mass: &'a Mass,
-    factor: &'a Factor<'a>,
+    pencil: &'a dyn Pencil,
     options: &'a EigenOptions<'a>,
     sigma: f64,
     scale: f64,
@@ -40,7 +36,7 @@ pub(crate) struct Krylov<'a> {
     coupled: usize,
     /// M Q.
     weighted: Mat<f64>,
-    /// Two blocks of n rows.
+    /// Two blocks.
     work: [Mat<f64>; 2],
     rng: Rng,
     solves: usize,
@@ -53,25 +49,21 @@ pub(crate) struct Krylov<'a> {
 }
 
 impl<'a> Krylov<'a> {
-    /// An empty space.
+    /// An empty space. The factor that the other functions take is that of `W - sigma M`.
     pub fn new(
-        stiffness: CsMatView<'a, f64>,
-        mass: &'a Mass,
-        factor: &'a Factor<'a>,
+        pencil: &'a dyn Pencil,
         sigma: f64,
         scale: f64,
+        mass_norm: f64,
         options: &'a EigenOptions<'a>,
     ) -> Result<Self> {
-        let (n, size) = (stiffness.rows(), basis_size(options.k) + WIDTH);
-        let mean_mass = (0..n).map(|i| mass.diagonal(i)).sum::<f64>() / n as f64;
+        let (n, size) = (pencil.inner().rows().len(), basis_size(options.k) + WIDTH);
         Ok(Self {
-            stiffness,
-            mass,
-            factor,
+            pencil,
             options,
             sigma,
             scale,
-            mass_norm: mean_mass.sqrt(),
+            mass_norm,
             basis: zeros(n, size)?,
             len: 0,
             projected: zeros(size, size)?,
@@ -88,29 +80,38 @@ impl<'a> Krylov<'a> {
     }
 
     /// Starts from null vectors that are 1 on these sets of rows, as many as are wanted, and random directions.
-    pub fn lock(&mut self, sets: &[Vec<usize>]) -> Result<()> {
-        let n = self.basis.nrows();
+    pub fn lock(&mut self, factor: &Factor<'_>, sets: &[Vec<usize>]) -> Result<()> {
+        let space = self.pencil.inner();
+        let here = space.rows();
         for rows in sets.iter().take(self.options.k) {
+            // They ascend.
+            let own =
+                rows.partition_point(|&i| i < here.start)..rows.partition_point(|&i| i < here.end);
+            let own = || rows[own.clone()].iter().map(|&i| i - here.start);
             let mut column = self.basis.as_mut().col_mut(self.len);
-            rows.iter().for_each(|&i| column[i] = 1.0);
-            let mut product = Mat::zeros(n, 1);
-            self.mass.multiply(column.rb().as_mat(), product.as_mut(), self.options.par)?;
-            let norm = rows.iter().map(|&i| product[(i, 0)]).sum::<f64>().sqrt();
-            rows.iter().for_each(|&i| column[i] = 1.0 / norm);
+            own().for_each(|i| column[i] = 1.0);
+            let mut product = Mat::zeros(here.len(), 1);
+            space.apply_mass(column.rb().as_mat(), product.as_mut(), self.options.par)?;
+            let mut square = Mat::from_fn(1, 1, |_, _| own().map(|i| product[(i, 0)]).sum());
+            space.sum(square.as_mut())?;
+            let norm = square[(0, 0)].sqrt();
+            own().for_each(|i| column[i] = 1.0 / norm);
             self.projected[(self.len, self.len)] = -1.0 / self.sigma;
             self.len += 1;
         }
-        self.begin_anew()
+        self.begin_anew(factor)
     }
 
     /// Replaces Q by random directions that have been through the operator once, and couple to nothing.
-    fn begin_anew(&mut self) -> Result<()> {
+    fn begin_anew(&mut self, factor: &Factor<'_>) -> Result<()> {
         for j in 0..WIDTH {
-            randomise(self.work[1].as_mut().col_mut(j), &mut self.rng, self.mass_norm);
+            let column = self.work[1].as_mut().col_mut(j);
+            randomise(column, self.pencil, &mut self.rng, self.mass_norm);
         }
         let [x, random] = &mut self.work;
-        self.mass.multiply(random.as_ref(), x.as_mut(), self.options.par)?;
-        self.factor.solve(x.as_mut(), self.options.par)?;
+        let par = self.options.par;
+        self.pencil.inner().apply_mass(random.as_ref(), x.as_mut(), par)?;
+        solve(self.pencil, factor, x.as_mut(), par)?;
         self.solves += WIDTH;
         self.orthonormalise(self.len, 0.0, None)?;
         self.coupled = self.len;
@@ -121,17 +122,17 @@ impl<'a> Krylov<'a> {
     fn append(&mut self) -> Result<()> {
         let x = self.work[0].as_ref();
         self.basis.as_mut().subcols_mut(self.len, WIDTH).copy_from(x);
-        self.mass.multiply(x, self.weighted.as_mut(), self.options.par)
+        self.pencil.inner().apply_mass(x, self.weighted.as_mut(), self.options.par)
     }
 
     /// Adds Q to V, and finds the next Q.
-    fn expand(&mut self) -> Result<()> {
+    fn expand(&mut self, factor: &Factor<'_>) -> Result<()> {
         let (len, coupled, par) = (self.len, self.coupled, self.options.par);
         let x = &mut self.work[0];
         x.copy_from(&self.weighted);
-        self.factor.solve(x.as_mut(), par)?;
+        solve(self.pencil, factor, x.as_mut(), par)?;
         self.solves += WIDTH;
-        let diagonal = transposed_product(self.weighted.as_ref(), x.as_ref(), par);
+        let diagonal = inner_products(self.pencil, self.weighted.as_ref(), x.as_ref(), par)?;
         self.projected.as_mut().submatrix_mut(len, len, WIDTH, WIDTH).copy_from(&diagonal);
         // What Q and its neighbours have of it.
         let near = self.basis.as_ref().subcols(coupled, len + WIDTH - coupled);
@@ -173,14 +174,14 @@ impl<'a> Krylov<'a> {
         /// A normalised column that projection leaves shorter than this had nothing of its own.
         const SHRUNK: f64 = 1e-3;
         const PASSES: usize = 12;
-        let par = self.options.par;
+        let (pencil, par) = (self.pencil, self.options.par);
         let mut coupling = Mat::<f64>::identity(WIDTH, WIDTH);
         for pass in 0..PASSES {
             let [x, mx] = &mut self.work;
             if pass > 0 && count > 0 {
-                self.mass.multiply(x.as_ref(), mx.as_mut(), par)?;
+                pencil.inner().apply_mass(x.as_ref(), mx.as_mut(), par)?;
                 let basis = self.basis.as_ref().subcols(0, count);
-                let overlap = transposed_product(basis, mx.as_ref(), par);
+                let overlap = inner_products(pencil, basis, mx.as_ref(), par)?;
                 subtract_product(x.as_mut(), basis, overlap.as_ref(), par);
                 if let Some(own) = own {
                     let found = overlap.as_ref().subrows(own, WIDTH) * &coupling;
@@ -188,8 +189,8 @@ impl<'a> Krylov<'a> {
                     t += &found;
                 }
             }
-            self.mass.multiply(x.as_ref(), mx.as_mut(), par)?;
-            let gram = transposed_product(x.as_ref(), mx.as_ref(), par);
+            pencil.inner().apply_mass(x.as_ref(), mx.as_mut(), par)?;
+            let gram = inner_products(pencil, x.as_ref(), mx.as_ref(), par)?;
             let SymmetricEigen { values, vectors } =
                 symmetric_eigen(gram.as_ref()).map_err(|_| not_finite(self.restarts))?;
             let longest = values[WIDTH - 1].max(0.0).sqrt();
@@ -209,7 +210,7 @@ impl<'a> Krylov<'a> {
                 let length = turned(i).map(|p| next[p] * next[p]).sum::<f64>().sqrt();
                 if length <= ROUNDING * reference && (pass == 0 || lengths[i] < SHRUNK) {
                     turned(i).for_each(|p| next[p] = 0.0);
-                    randomise(x.as_mut().col_mut(i), &mut self.rng, self.mass_norm);
+                    randomise(x.as_mut().col_mut(i), pencil, &mut self.rng, self.mass_norm);
                     replaced = true;
                 }
             }
@@ -224,7 +225,7 @@ impl<'a> Krylov<'a> {
 
     /// Expands and restarts until the estimated residuals of the wanted pairs are small enough; the first columns of
     /// the basis are their vectors then.
-    pub fn converge(&mut self) -> Result<()> {
+    pub fn converge(&mut self, factor: &Factor<'_>) -> Result<()> {
         let k = self.options.k;
         if self.len >= k && self.found.is_empty() {
             // Null vectors are all that is wanted.
@@ -234,7 +235,7 @@ impl<'a> Krylov<'a> {
         let size = basis_size(k);
         let mut next = (k + k / 2 + 2 * WIDTH).max(self.len + 2 * WIDTH).min(size);
         loop {
-            self.expand()?;
+            self.expand(factor)?;
             let full = self.len + WIDTH > size;
             if self.len < next && !full {
                 self.report(0)?;
@@ -276,18 +277,14 @@ impl<'a> Krylov<'a> {
     fn estimates(&mut self, ritz: &SymmetricEigen, order: &[usize]) -> Result<Vec<f64>> {
         let par = self.options.par;
         let [w, _] = &mut self.work;
-        multiply_symmetric_or_rows(
-            self.stiffness,
-            self.basis.as_ref().subcols(self.len, WIDTH),
-            w.as_mut(),
-            par,
-        );
+        let last = self.basis.as_ref().subcols(self.len, WIDTH);
+        self.pencil.apply_stiffness(last, w.as_mut(), par)?;
         for j in 0..WIDTH {
             for i in 0..w.nrows() {
                 w[(i, j)] -= self.sigma * self.weighted[(i, j)];
             }
         }
-        let gram = transposed_product(w.as_ref(), w.as_ref(), par);
+        let gram = inner_products(self.pencil, w.as_ref(), w.as_ref(), par)?;
         let coupling = self.coupling();
         let last = ritz.vectors.as_ref().subrows(self.coupled, self.len - self.coupled);
         let estimate = |(&i, lambda): (&usize, f64)| {
@@ -321,14 +318,14 @@ impl<'a> Krylov<'a> {
 
     /// After [`Krylov::converge`]: applies the operator once to the vectors found (Ericsson and Ruhe 1980). What rounding
     /// left in entries of little mass is large in W, but gone after this.
-    pub fn purify(&mut self) -> Result<()> {
+    pub fn purify(&mut self, factor: &Factor<'_>) -> Result<()> {
         let par = self.options.par;
         for first in (0..self.found.len()).step_by(WIDTH) {
             let width = WIDTH.min(self.found.len() - first);
             let mut x = self.work[0].as_mut().subcols_mut(0, width);
             let mut vectors = self.basis.as_mut().subcols_mut(first, width);
-            self.mass.multiply(vectors.rb(), x.rb_mut(), par)?;
-            self.factor.solve(x.rb_mut(), par)?;
+            self.pencil.inner().apply_mass(vectors.rb(), x.rb_mut(), par)?;
+            solve(self.pencil, factor, x.rb_mut(), par)?;
             for j in 0..width {
                 let back = self.found[first + j] - self.sigma;
                 vectors.rb_mut().col_mut(j).copy_from(Scale(back) * x.rb().col(j));
@@ -345,9 +342,9 @@ impl<'a> Krylov<'a> {
 
     /// After [`Krylov::converge`]: goes on from the pairs found and random directions, for what these pairs and all
     /// directions before have nothing of.
-    pub fn add_directions(&mut self) -> Result<()> {
+    pub fn add_directions(&mut self, factor: &Factor<'_>) -> Result<()> {
         self.projected.as_mut().subrows_mut(self.len, WIDTH).fill(0.0);
-        self.begin_anew()
+        self.begin_anew(factor)
     }
 
     /// After [`Krylov::converge`]: the eigenvalues, those nearest to the shift first.
@@ -379,10 +376,34 @@ impl<'a> Krylov<'a> {
     }
 }
 
+/// `X^T Y`, of all rows.
+fn inner_products(
+    pencil: &dyn Pencil,
+    x: MatRef<'_, f64>,
+    y: MatRef<'_, f64>,
+    par: Par,
+) -> Result<Mat<f64>> {
+    let mut products = transposed_product(x, y, par);
+    pencil.inner().sum(products.as_mut())?;
+    Ok(products)
+}
+
+/// `X := (W - sigma M)^-1 X`.
+fn solve(pencil: &dyn Pencil, factor: &Factor<'_>, x: MatMut<'_, f64>, par: Par) -> Result<()> {
+    pencil.map_columns(x, &|whole| factor.solve(whole, par))
+}
+
 /// A random direction, of length about 1 in the inner product.
-fn randomise(column: ColMut<'_, f64>, rng: &mut Rng, mass_norm: f64) {
-    let size = 12f64.sqrt() / ((column.nrows() as f64).sqrt() * mass_norm);
-    column.iter_mut().for_each(|x| *x = (rng.uniform() - 0.5) * size);
+fn randomise(mut column: ColMut<'_, f64>, pencil: &dyn Pencil, rng: &mut Rng, mass_norm: f64) {
+    let (n, here) = (pencil.inner().dimension(), pencil.inner().rows());
+    let size = 12f64.sqrt() / ((n as f64).sqrt() * mass_norm);
+    // Every process draws all entries, so that they do not depend on who has which.
+    for i in 0..n {
+        let entry = (rng.uniform() - 0.5) * size;
+        if here.contains(&i) {
+            column[i - here.start] = entry;
+        }
+    }
 }
 
 /// Something overflowed.

@@ -7,12 +7,23 @@ mod components;
 mod eigs;
 mod lanczos;
 mod mass;
+mod problem;
 mod product;
 mod shifted;
+mod slices;
 mod small;
+mod space;
 
+#[cfg(feature = "mpi")]
+pub(crate) use check::check_mirrored;
 pub use eigs::{EigenOptions, Eigenpairs, eigs};
+#[cfg(feature = "mpi")]
+pub(crate) use eigs::{check as check_problem, eigs_of};
 pub use mass::Mass;
 pub use product::multiply;
+pub use slices::eigs_sliced;
+pub(crate) use space::InnerSpace;
+#[cfg(feature = "mpi")]
+pub(crate) use space::Pencil;
 /// The sparse matrix, by rows, from crate sprs.
 pub use sprs::{CsMat, CsMatView};

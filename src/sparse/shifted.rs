@@ -52,6 +52,11 @@ impl<'a> Shifted<'a> {
         self.stiffness.rows()
     }
 
+    /// Bytes of the places, and of the entries while there are any.
+    pub fn bytes(&self) -> usize {
+        (self.column_starts.len() + 2 * self.rows.len()) * size_of::<usize>()
+    }
+
     /// The entries of the matrix for this sigma.
     pub fn values(&self, sigma: f64) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.rows.len());

@@ -7,9 +7,9 @@ use super::eigenbasis::Eigenbasis;
 use super::eigenproducts::Eigenproducts;
 use crate::base::{Par, Progress, Result};
 use crate::dense::zeros;
-use crate::ortho::{Factors, GramSchmidtOptions, gram_schmidt_in_place};
+use crate::ortho::{Factors, GramSchmidtOptions, gram_schmidt_in_place, rank_revealing_in_place};
 
-/// How eigenproducts are orthogonalised: the two ways of the thesis (section 1.4).
+/// How eigenproducts are orthogonalised: the two ways of the thesis (section 1.4), and by rank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Orthogonalization {
     /// "ours": one pass of Gram-Schmidt; a product is dropped when less than 1e-2 of its norm is left. Not exactly
@@ -19,6 +19,10 @@ pub enum Orthogonalization {
     /// "ours*": repeated until orthogonal; a product is dropped when less than 1e-9 of its norm is left. The larger one,
     /// for approximation and filters.
     Reorthogonalized,
+    /// As many products as their numerical rank: singular values above 1e-9 of the largest, of all products scaled to norm
+    /// 1 ([`rank_revealing`](crate::ortho::rank_revealing())). Orthogonal to rounding. Where "ours*" keeps nearly
+    /// dependent products this has fewer, and coefficients of moderate size.
+    RankRevealing,
 }
 
 /// How [`ProductBasis::new`] works.
@@ -75,15 +79,22 @@ impl ProductBasis {
         let mass = eigenbasis.basis().mass().clone();
         let defaults = match options.orthogonalization {
             Orthogonalization::SinglePass => GramSchmidtOptions::single_pass(),
-            Orthogonalization::Reorthogonalized => GramSchmidtOptions::reorthogonalised(),
+            Orthogonalization::Reorthogonalized | Orthogonalization::RankRevealing => {
+                GramSchmidtOptions::reorthogonalised()
+            }
         };
         let gram_schmidt =
             GramSchmidtOptions { par: options.par, progress: options.progress, ..defaults };
-        let Factors { r, kept } = gram_schmidt_in_place(matrix.as_mut(), &mass, &gram_schmidt)?;
+        let Factors { r, kept } = match options.orthogonalization {
+            Orthogonalization::RankRevealing => {
+                rank_revealing_in_place(matrix.as_mut(), &mass, &gram_schmidt)?
+            }
+            _ => gram_schmidt_in_place(matrix.as_mut(), &mass, &gram_schmidt)?,
+        };
         matrix.truncate(matrix.nrows(), kept.len());
         let basis = match options.orthogonalization {
             Orthogonalization::SinglePass => Basis::independent(matrix, mass, options.par)?,
-            Orthogonalization::Reorthogonalized => Basis::orthonormal(matrix, mass)?,
+            _ => Basis::orthonormal(matrix, mass)?,
         };
         Ok(Self { products, kept, r, basis })
     }

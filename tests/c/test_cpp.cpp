@@ -2,6 +2,7 @@
 
 #include <catamaran.hpp>
 
+#include <cmath>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -109,6 +110,63 @@ void progress() {
     CHECK(catamaran::ata(view, how)[0] == 300.0);
 }
 
+void spectra() {
+    // The path of three nodes: eigenvalues 0, 1, 3.
+    const std::vector<std::size_t> row_starts{0, 2, 5, 7}, columns{0, 1, 0, 1, 2, 1, 2};
+    const std::vector<double> entries{1, -1, -1, 2, -1, -1, 1};
+    const catamaran::sparse_view path{3, row_starts.data(), columns.data(), entries.data()};
+    const auto pairs = catamaran::spectrum(path, 3);
+    CHECK(std::abs(pairs.values[1] - 1) < 1e-12 && std::abs(pairs.values[2] - 3) < 1e-12);
+    CHECK(pairs.masses.empty() && std::abs(pairs.matrix()(1, 1)) < 1e-12);
+    catamaran::spectrum_options how;
+    how.shift = 2.9;
+    CHECK(std::abs(catamaran::spectrum(path, 1, {2, 2, 2}, how).values[0] - 1.5) < 1e-12);
+    CHECK(status_of([&] { catamaran::spectrum(path, 1, {2, 2}); }) == CATA_ERR_SHAPE);
+    CHECK(status_of([&] { catamaran::spectrum(path, 4); }) == CATA_ERR_ARGUMENT);
+    how.progress = [](double) { return false; };
+    CHECK(status_of([&] { catamaran::spectrum(path, 1, {}, how); }) == CATA_ERR_CANCELLED);
+
+    const auto square = catamaran::spectrum({{{0, 0, 0}}, {{1, 0, 0}}, {{1, 1, 0}}, {{0, 1, 0}}},
+                                            {{{0, 1, 2}}, {{0, 2, 3}}}, 2);
+    CHECK(square.masses.size() == 4 && square.vectors.size() == 8);
+    CHECK(status_of([] { catamaran::spectrum({{{0, 0, 0}}}, {{{0, 1, 2}}}, 1); }) == CATA_ERR_MESH);
+
+    // Through eigenfunctions that span everything, any function is carried as it is.
+    const auto whole = catamaran::spectrum({{{0, 0, 0}}, {{1, 0, 0}}, {{1, 1, 0}}, {{0, 1, 0}}},
+                                           {{{0, 1, 2}}, {{0, 2, 3}}}, 4);
+    const std::vector<double> f{1, 2, 3, 5};
+    const auto carried =
+        catamaran::transfer(whole, whole, {0, 1, 2, 3}, catamaran::col_major(f.data(), 4, 1));
+    for (std::size_t i = 0; i < 4; ++i) {
+        CHECK(std::abs(carried[i] - f[i]) < 1e-9);
+    }
+    CHECK(status_of([&] {
+              catamaran::transfer(whole, whole, {0}, catamaran::col_major(f.data(), 4, 1));
+          }) == CATA_ERR_SHAPE);
+}
+
+// The third column is the sum of the first two.
+void orthonormal_columns() {
+    for (const layout order : {layout::row_major, layout::col_major}) {
+        std::vector<double> data(9);
+        const catamaran::matrix_view<double> a{data.data(), 3, 3, 3, order};
+        const double entries[3][3] = {{3, 1, 4}, {0, 2, 2}, {4, 0, 4}};
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t j = 0; j < 3; ++j) a(i, j) = entries[i][j];
+        }
+        catamaran::factors found = catamaran::gram_schmidt(a);
+        CHECK((found.kept == std::vector<std::size_t>{0, 1}) && found.r.size() == 6);
+        const catamaran::matrix_view<double> r{found.r.data(), 2, 3,
+                                               order == layout::row_major ? 3u : 2u, order};
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t j = 0; j < 3; ++j) {
+                CHECK(std::abs(a(i, 0) * r(0, j) + a(i, 1) * r(1, j) - entries[i][j]) < 1e-13);
+            }
+        }
+        CHECK(status_of([&] { catamaran::gram_schmidt(a, {1, -1, 1}); }) == CATA_ERR_ARGUMENT);
+    }
+}
+
 void loaded_backend() {
     try {
         catamaran::backend first = catamaran::backend::load("libopenblas.so.0");
@@ -132,6 +190,8 @@ int main() {
     reproducible();
     errors();
     progress();
+    spectra();
+    orthonormal_columns();
     loaded_backend();
     CHECK(second_unit() == 25);
     return report("cpp");

@@ -94,6 +94,77 @@ static void test_spectrum_refusals(void)
     CHECK(values[0] == 5 && values[1] == 5 && values[2] == 5);
 }
 
+/* A square of four faces around one vertex, and a vertex in no face. */
+static const double positions[6 * 3] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0.5, 0.5, 0, 7, 7, 7};
+static const uint32_t corners[4 * 3] = {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4};
+
+static void test_mesh(void)
+{
+    double values[5], vectors[5 * 6], residuals[5], masses[6];
+    CHECK_STATUS(cata_mesh_spectrum(6, positions, 4, corners, 5, values, vectors, 6, residuals, masses,
+                                    NULL, NULL),
+                 CATA_OK);
+    double area = 0;
+    for (int i = 0; i < 6; i++) {
+        area += masses[i];
+        CHECK(fabs(vectors[i] - (i < 5 ? vectors[0] : 0)) < 1e-12);
+    }
+    CHECK(fabs(area - 1) < 1e-15 && masses[5] == 0 && fabs(masses[4] - 1.0 / 3) < 1e-15);
+    CHECK(fabs(values[0]) < 1e-12 && fabs(fabs(vectors[0]) - 1) < 1e-12);
+    for (int i = 0; i < 5; i++) {
+        CHECK(residuals[i] < 1e-12);
+    }
+    /* One vertex inside: its weights sum to 4, a third of the area is its mass. */
+    cata_laplacian_params params;
+    CHECK_STATUS(cata_laplacian_params_init(&params, sizeof params), CATA_OK);
+    params.boundary = CATA_BOUNDARY_DIRICHLET;
+    cata_spectrum_params spectrum = {.struct_size = sizeof spectrum, .threads = 1};
+    CHECK_STATUS(cata_mesh_spectrum(6, positions, 4, corners, 1, values, vectors, 6, NULL, masses,
+                                    &params, &spectrum),
+                 CATA_OK);
+    CHECK(fabs(values[0] - 12) < 1e-12 && vectors[0] == 0 && masses[0] == 0 && masses[4] > 0.3);
+    for (int kind = CATA_LAPLACIAN_COTANGENT; kind <= CATA_LAPLACIAN_TUFTED; kind++) {
+        for (int mass = CATA_MASS_BARYCENTRIC; mass <= CATA_MASS_CONSISTENT; mass++) {
+            cata_laplacian_params any = {.struct_size = sizeof any, .kind = kind, .mass = mass};
+            CHECK_STATUS(cata_mesh_spectrum(6, positions, 4, corners, 2, values, vectors, 6, NULL, NULL,
+                                            &any, NULL),
+                         CATA_OK);
+            CHECK(fabs(values[0]) < 1e-12 && values[1] > 1);
+        }
+    }
+    CHECK_STATUS(cata_mesh_spectrum(0, NULL, 0, NULL, 0, NULL, NULL, 1, NULL, NULL, NULL, NULL),
+                 CATA_OK);
+}
+
+static void test_mesh_refusals(void)
+{
+    double values[6] = {5}, vectors[6 * 6], masses[6] = {5};
+    const uint32_t beyond[3] = {0, 1, 6};
+    CHECK_STATUS(cata_mesh_spectrum(6, positions, 1, beyond, 1, values, vectors, 6, NULL, NULL, NULL,
+                                    NULL),
+                 CATA_ERR_MESH);
+    CHECK_MENTIONS("face 0");
+    CHECK_STATUS(cata_mesh_spectrum(6, NULL, 4, corners, 1, values, vectors, 6, NULL, NULL, NULL, NULL),
+                 CATA_ERR_NULL);
+    CHECK_MENTIONS("positions: NULL");
+    CHECK_STATUS(cata_mesh_spectrum(6, positions, 4, corners, 6, values, vectors, 6, NULL, NULL, NULL,
+                                    NULL),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("k: 6");
+    cata_laplacian_params params = {.struct_size = sizeof params, .kind = 3};
+    CHECK_STATUS(cata_mesh_spectrum(6, positions, 4, corners, 1, values, vectors, 6, NULL, NULL, &params,
+                                    NULL),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("params.kind: 3");
+    params.kind = 0;
+    params.mass = CATA_MASS_CONSISTENT;
+    CHECK_STATUS(cata_mesh_spectrum(6, positions, 4, corners, 1, values, vectors, 6, NULL, masses,
+                                    &params, NULL),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("masses");
+    CHECK(values[0] == 5 && masses[0] == 5);
+}
+
 static void test_gram_schmidt(void)
 {
     /* By rows; the third column is the sum of the first two. */
@@ -130,6 +201,8 @@ int main(void)
 {
     test_path();
     test_spectrum_refusals();
+    test_mesh();
+    test_mesh_refusals();
     test_gram_schmidt();
     return report("test_spectrum");
 }

@@ -2,13 +2,13 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use catamaran::AtaOptions;
 use catamaran::base::Flow;
 use catamaran::faer::Mat;
 use catamaran::mpi::{World, ata_rows};
-use catamaran::{AtaOptions, Error};
 
 use crate::Scene;
-use crate::matrices::{options, part};
+use crate::matrices::{options, part, tell};
 
 pub const SCENES: &[Scene] = &[
     Scene {
@@ -64,10 +64,6 @@ pub const SCENES: &[Scene] = &[
         succeeds: false,
     },
 ];
-
-fn tell(world: &World, error: Error) {
-    println!("{}: {error}", world.rank());
-}
 
 fn another_shape(world: &World) {
     let n = if world.rank() == 2 { 8 } else { 7 };

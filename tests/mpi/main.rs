@@ -1,4 +1,4 @@
-//! The distributed products under `mpirun`: every case on 1, 2, 3, 4, 7 and 8 ranks, and scenes that must
+//! What is distributed under `mpirun`: every case on 1, 2, 3, 4, 7 and 8 ranks, and scenes that must
 //! end in an error on every rank, or in an abort, but never hang.
 //!
 //! Started by cargo, this program starts itself under `mpirun`; `MPIRUN` names another launcher, and
@@ -8,10 +8,12 @@ mod columns;
 #[path = "../common/counting.rs"]
 mod counting;
 mod cyclic;
+mod eigen;
 mod failures;
 mod launch;
 mod matrices;
 mod memory;
+mod ortho;
 mod root;
 mod rows;
 mod verify;
@@ -39,8 +41,16 @@ pub struct Scene {
 }
 
 fn main() -> ExitCode {
-    let cases =
-        [rows::CASES, columns::CASES, root::CASES, cyclic::CASES, verify::CASES, memory::CASES];
-    let scenes = [failures::SCENES, root::SCENES, cyclic::SCENES];
+    let cases = [
+        rows::CASES,
+        columns::CASES,
+        root::CASES,
+        cyclic::CASES,
+        verify::CASES,
+        memory::CASES,
+        ortho::CASES,
+        eigen::CASES,
+    ];
+    let scenes = [failures::SCENES, root::SCENES, cyclic::SCENES, ortho::SCENES, eigen::SCENES];
     launch::run(&cases.concat(), &scenes.concat())
 }

@@ -3,7 +3,7 @@
 use catamaran::faer::prelude::Reborrow;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::mpi::{MpiReal, Symmetric, World};
-use catamaran::{AtaOptions, Par, Real, Uplo};
+use catamaran::{AtaOptions, Error, Par, Real, Uplo};
 
 /// Rows and columns that every mode runs through.
 pub const SHAPES: [(usize, usize); 8] =
@@ -33,6 +33,11 @@ pub fn uneven(len: usize, ranks: usize, rank: usize) -> std::ops::Range<usize> {
         r => len * r * r / (ranks * ranks),
     };
     bound(rank)..bound(rank + 1)
+}
+
+/// Prints an error after the rank that got it.
+pub fn tell(world: &World, error: Error) {
+    println!("{}: {error}", world.rank());
 }
 
 /// One thread per rank, native kernels.

@@ -1,8 +1,10 @@
 //! The commands, and what they share: options, and who takes part.
 
 pub mod accuracy;
+pub mod decimate;
 pub mod exact;
 pub mod grid;
+pub mod ortho;
 pub mod race;
 pub mod reproduce;
 pub mod scale;

@@ -9,5 +9,5 @@ mod runs;
 mod summary;
 
 pub use meshes::{Surface, surfaces};
-pub use runs::{Method, Run, SIZES, run};
+pub use runs::{Method, Run, SIZES, measure};
 pub use summary::{Cell, bars, cells, failures, order_table, plots};

@@ -81,7 +81,7 @@ pub struct Run {
 ///
 /// # Errors
 /// Those of the library.
-pub fn run(surface: &Surface, curves: usize, seed: u64) -> Result<Vec<Run>> {
+pub fn measure(surface: &Surface, curves: usize, seed: u64) -> Result<Vec<Run>> {
     let mesh = &surface.mesh;
     let graph = Graph::of_mesh(mesh);
     let mut generator = Generator::new(&graph, seed)?;

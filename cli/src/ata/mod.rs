@@ -3,7 +3,6 @@
 mod checkpoint;
 mod memory;
 pub mod parse;
-mod ranks;
 mod source;
 mod sparse;
 
@@ -22,9 +21,9 @@ use catamaran::io::{self as files, CsMat, Output, Overwrite, StripOutput};
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
 
 use self::checkpoint::Checkpoint;
-use self::ranks::{Part, Ranks, Scalar};
-use self::source::{Source, Watched};
+use self::source::{Part, Source, Watched};
 use crate::progress::{self, Bar};
+use crate::ranks::{Ranks, Scalar};
 use crate::report::{report, seconds};
 use crate::{backend, picture};
 

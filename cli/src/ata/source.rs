@@ -214,3 +214,25 @@ pub fn read_weights(path: &Path, input: &Path, m: usize) -> Result<Vec<f64>> {
         None => Ok(weights),
     }
 }
+
+/// Some of the rows of a source.
+pub struct Part<'a, T> {
+    /// All of them.
+    pub rows: Rows<'a, T>,
+    /// These.
+    pub range: Range<usize>,
+}
+
+impl<T> RowBlocks<T> for Part<'_, T> {
+    fn nrows(&self) -> usize {
+        self.range.len()
+    }
+
+    fn ncols(&self) -> usize {
+        self.rows.ncols()
+    }
+
+    fn read(&mut self, first: usize, out: MatMut<'_, T>) -> catamaran::Result<()> {
+        self.rows.read(self.range.start + first, out)
+    }
+}

@@ -5,6 +5,7 @@
 mod ata;
 mod chart;
 mod curves;
+mod decimate;
 mod exact;
 mod page;
 mod spectral;
@@ -34,8 +35,8 @@ pub struct Args {
 }
 
 /// In the order of the page.
-const STATIONS: [fn(&Site<'_>) -> Result<Station>; 4] =
-    [ata::station, exact::station, spectral::station, curves::station];
+const STATIONS: [fn(&Site<'_>) -> Result<Station>; 5] =
+    [ata::station, exact::station, spectral::station, decimate::station, curves::station];
 
 /// Where stations put their files, and how much they may do.
 pub struct Site<'a> {

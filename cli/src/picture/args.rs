@@ -30,11 +30,25 @@ impl PictureArgs {
 
     /// Draws meshes side by side: what each is painted with, and its title.
     pub fn draw(&self, output: Output, panels: &[(&TriMesh, Paint<'_>, &str)]) -> Result<()> {
+        self.draw_as(output, panels, Scene::default())
+    }
+
+    /// [`PictureArgs::draw`] with flat faces and their edges.
+    pub fn draw_faces(&self, output: Output, panels: &[(&TriMesh, Paint<'_>, &str)]) -> Result<()> {
+        self.draw_as(output, panels, Scene { edges: true, smooth: false, ..Scene::default() })
+    }
+
+    fn draw_as(
+        &self,
+        output: Output,
+        panels: &[(&TriMesh, Paint<'_>, &str)],
+        scene: Scene<'_>,
+    ) -> Result<()> {
         let view = self.view.unwrap_or_default();
         let panels =
             panels.iter().map(|&(mesh, paint, title)| Panel { mesh, paint, view, title }).collect();
         let path = output.path().display().to_string();
-        render(&Scene { panels, ..Scene::default() })?.write_png(output)?;
+        render(&Scene { panels, ..scene })?.write_png(output)?;
         crate::report::report(format_args!("picture   {path}"))
     }
 }

@@ -1,8 +1,8 @@
-//! `reproduce curves`: chapter 6.
+//! Chapter 6: curves on surfaces.
 
 use catamaran_bench::Result;
 use catamaran_bench::surface_curves::{
-    Cell, Run, bars, cells, failures, order_table, plots, run, surfaces,
+    Cell, Run, bars, cells, failures, measure, order_table, plots, surfaces,
 };
 
 use super::{Arguments, Report};
@@ -13,15 +13,16 @@ const SEED: u64 = 6;
 const CURVES: usize = 50;
 
 /// Columns of the record.
-pub const HEAD: &str = Cell::HEAD;
+pub const HEADER: &str = Cell::HEAD;
 
-pub fn curves(report: &mut Report, arguments: &Arguments) -> Result<()> {
+/// Figures 6.5, 6.6 and 6.9 to 6.11, tables 6.1 and 6.2.
+pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     let count = arguments.curves.unwrap_or(CURVES);
     let mut runs: Vec<Run> = Vec::new();
     for surface in surfaces(&arguments.meshes)? {
         let surface = surface?;
         let start = std::time::Instant::now();
-        let own = run(&surface, count, SEED)?;
+        let own = measure(&surface, count, SEED)?;
         println!(
             "{}: {} vertices, {} runs, {:.0} s",
             surface.name,

@@ -3,14 +3,12 @@
 use std::ops::Range;
 
 use anyhow::Result;
-use catamaran::ata::{Accumulator, RowBlocks};
+use catamaran::ata::Accumulator;
 #[cfg(not(feature = "mpi"))]
 pub use catamaran::blas::BlasReal as Scalar;
-use catamaran::faer::MatMut;
 #[cfg(feature = "mpi")]
 pub use catamaran::mpi::MpiReal as Scalar;
-
-use super::source::Rows;
+use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, Mass, eigs_sliced};
 
 /// This process among the others; alone without `mpirun`.
 pub struct Ranks {
@@ -49,6 +47,18 @@ impl Ranks {
     /// The sums of all processes, on the first one.
     pub fn merge<T: Scalar>(&self, sum: Accumulator<T>) -> Result<Option<Accumulator<T>>> {
         Ok(Some(sum))
+    }
+
+    /// The eigenpairs, in slices that fit into `memory` bytes.
+    pub fn eigenpairs(
+        &self,
+        stiffness: &CsMat<f64>,
+        mass: &Mass,
+        options: &EigenOptions<'_>,
+        memory: usize,
+        sink: impl FnMut(Eigenpairs) -> catamaran::Result<()>,
+    ) -> catamaran::Result<()> {
+        eigs_sliced(stiffness.view(), mass, options, memory, sink)
     }
 
     /// Waits for all.
@@ -93,6 +103,30 @@ impl Ranks {
         }
     }
 
+    /// The eigenpairs: alone in slices that fit into `memory` bytes; of several processes all at once, with all rows of the
+    /// vectors on the first one and none on the others.
+    pub fn eigenpairs(
+        &self,
+        stiffness: &CsMat<f64>,
+        mass: &Mass,
+        options: &EigenOptions<'_>,
+        memory: usize,
+        mut sink: impl FnMut(Eigenpairs) -> catamaran::Result<()>,
+    ) -> catamaran::Result<()> {
+        let Some((world, _)) = &self.mpi else {
+            return eigs_sliced(stiffness.view(), mass, options, memory, sink);
+        };
+        let own = self.share(stiffness.rows());
+        let rows = |matrix: &CsMat<f64>| matrix.slice_outer(own.clone()).to_owned();
+        let own_mass = match mass {
+            Mass::Lumped(masses) => Mass::Lumped(masses[own.clone()].to_vec()),
+            Mass::Full(matrix) => Mass::Full(rows(matrix)),
+        };
+        let found = catamaran::mpi::eigs(world, rows(stiffness).view(), &own_mass, options)?;
+        let vectors = catamaran::mpi::gather_rows(world, 0, found.vectors.as_ref())?;
+        sink(Eigenpairs { vectors: vectors.unwrap_or_else(catamaran::faer::Mat::new), ..found })
+    }
+
     /// Waits for all.
     pub fn wait(&self) {
         use mpi::collective::CommunicatorCollectives;
@@ -127,27 +161,5 @@ impl Ranks {
     /// Which of how many, for names and labels; `None` when alone.
     pub fn label(&self) -> Option<String> {
         (self.size() > 1).then(|| format!("{}-of-{}", self.rank(), self.size()))
-    }
-}
-
-/// Some of the rows of a source.
-pub struct Part<'a, T> {
-    /// All of them.
-    pub rows: Rows<'a, T>,
-    /// These.
-    pub range: Range<usize>,
-}
-
-impl<T> RowBlocks<T> for Part<'_, T> {
-    fn nrows(&self) -> usize {
-        self.range.len()
-    }
-
-    fn ncols(&self) -> usize {
-        self.rows.ncols()
-    }
-
-    fn read(&mut self, first: usize, out: MatMut<'_, T>) -> catamaran::Result<()> {
-        self.rows.read(self.range.start + first, out)
     }
 }

@@ -1,0 +1,112 @@
+"""One decimation of a mesh by another library.
+
+    decimate.py METHOD INPUT.ply N OUTPUT.ply     prints seconds and bytes of the call alone; reading is not counted
+
+METHOD: pyacvd, fast-simplification, meshoptimizer, qslim, igl-decimate (both libigl) or pymeshlab. All but pyacvd are
+asked for a number of faces: twice N, about as many as a closed mesh of N vertices has.
+"""
+
+import resource
+import sys
+import time
+
+import numpy as np
+
+
+def resident():
+    with open("/proc/self/statm") as statm:
+        return int(statm.read().split()[1]) * resource.getpagesize()
+
+
+method, source, n, target = sys.argv[1], sys.argv[2], int(sys.argv[3]), sys.argv[4]
+
+if method == "pymeshlab":
+    import pymeshlab
+
+    meshes = pymeshlab.MeshSet()
+    meshes.load_new_mesh(source)
+
+    def call():
+        meshes.meshing_decimation_quadric_edge_collapse(targetfacenum=2 * n, preservetopology=True)
+
+    def result():
+        mesh = meshes.current_mesh()
+        return mesh.vertex_matrix(), mesh.face_matrix()
+
+else:
+    import pyvista
+
+    mesh = pyvista.read(source)
+    points = np.asarray(mesh.points, dtype=np.float64)
+    faces = mesh.faces.reshape(-1, 4)[:, 1:].astype(np.int32)
+    if method == "pyacvd":
+        import pyacvd
+
+        def call():
+            clustering = pyacvd.Clustering(mesh)
+            clustering.cluster(n)
+            return clustering.create_mesh()
+
+        def result():
+            return made.points, made.faces.reshape(-1, 4)[:, 1:]
+
+    elif method == "fast-simplification":
+        import fast_simplification
+
+        points = points.astype(np.float32)
+
+        def call():
+            return fast_simplification.simplify(points, faces, target_count=2 * n)
+
+        def result():
+            return made[0], made[1]
+
+    elif method == "meshoptimizer":
+        import meshoptimizer
+
+        REGULARIZE = 1 << 4  # meshopt_SimplifyRegularize
+        points, corners = points.astype(np.float32), faces.astype(np.uint32).ravel()
+
+        def call():
+            kept = np.empty_like(corners)
+            count = meshoptimizer.simplify(
+                kept, corners, points, target_index_count=6 * n, target_error=1.0, options=REGULARIZE
+            )
+            return kept[:count]
+
+        def result():
+            used, corners = np.unique(made, return_inverse=True)
+            return points[used], corners.reshape(-1, 3)
+
+    else:
+        import igl
+
+        collapse = {"qslim": igl.qslim, "igl-decimate": igl.decimate}[method]
+        points, faces = np.asfortranarray(points), np.asfortranarray(faces)
+
+        def call():
+            return collapse(points, faces, 2 * n)
+
+        def result():
+            return made[0], made[1]
+
+
+before = resident()
+start = time.perf_counter()
+made = call()
+seconds = time.perf_counter() - start
+peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 - before
+
+vertices, triangles = (np.asarray(x) for x in result())
+with open(target, "wb") as file:
+    header = (
+        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\n"
+        "property double x\nproperty double y\nproperty double z\n"
+        f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    file.write(header.encode())
+    file.write(np.ascontiguousarray(vertices, dtype="<f8").tobytes())
+    rows = np.empty(len(triangles), dtype=[("count", "u1"), ("corners", "<i4", 3)])
+    rows["count"], rows["corners"] = 3, triangles
+    file.write(rows.tobytes())
+print(seconds, peak)

@@ -1,0 +1,380 @@
+//! Chapter 5: decimation.
+
+use std::path::Path;
+use std::time::Instant;
+
+use catamaran::decimate::{DecimateOptions, decimate, edge_length_for, resample};
+use catamaran::mesh::{LaplacianOptions, TriMesh, families, laplacian};
+use catamaran::sparse::{EigenOptions, eigs};
+use catamaran_bench::Result;
+use catamaran_bench::curves::Plot;
+use catamaran_bench::decimate::{Contender, Input, Inputs, Rivals, Row, race};
+use catamaran_bench::race::median;
+
+use super::Report;
+
+/// The columns of the record.
+pub const HEADER: &str = "figure,mesh,input_vertices,n,contender,measure,value";
+
+/// Those of figures 5.6 to 5.9: `qslim` stands for the modifier of Blender, which collapses by quadrics too.
+const FIGURES: [Contender; 5] =
+    [Contender::Ours, Contender::Thesis, Contender::Cgal, Contender::Qslim, Contender::Pyacvd];
+
+/// Sizes of the results there.
+const SIZES: [usize; 5] = [500, 1000, 2000, 5000, 10_000];
+
+/// Figures 5.6 to 5.16, and every mesh at three sizes.
+pub fn run(report: &mut Report) -> Result<()> {
+    let (inputs, rivals) = (Inputs::new()?, Rivals::find(Path::new("target/rivals")));
+    report.say(
+        "# Chapter 5, measured again\n\nThe longest side of every mesh is 1. Reading is not counted; two threads. \
+         Distances are those of vertices from the surface of the other mesh, both ways.\n",
+    );
+    uniformity(report, &inputs, &rivals)?;
+    spectra(report, &inputs, &rivals)?;
+    time(report, &inputs, &rivals)?;
+    resampling(report, &inputs)?;
+    everything(report, &inputs)
+}
+
+fn record(
+    report: &mut Report,
+    figure: &str,
+    (input, n): (&Input, usize),
+    who: &str,
+    measures: &[(&str, f64)],
+) {
+    let vertices = input.mesh.vertices().len();
+    for (measure, value) in measures {
+        report
+            .lines
+            .push(format!("{figure},{},{vertices},{n},{who},{measure},{value:.6e}", input.name));
+    }
+}
+
+/// Figures 5.6 to 5.9: uniformity and distances over the size of the result.
+fn uniformity(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
+    let mut shapes = vec![inputs.of("figure", &families::figure(9, 0.5)?)?];
+    for file in ["armadillo43k.obj.gz", "nefertiti35k.obj.gz", "refined_elephant44k.off.gz"] {
+        shapes.extend(inputs.real(file)?);
+    }
+    // Mean over the shapes, of every contender at every size.
+    let titles = [
+        "Figure 5.7: mean area of the faces times their number",
+        "Figure 5.7: standard deviation of the areas over their mean",
+        "Figure 5.8: mean quality",
+        "Figure 5.8: standard deviation of the quality",
+        "Figure 5.9: Hausdorff distance",
+        "Figure 5.9: Chamfer distance",
+    ];
+    let mut means: Vec<Curves> = vec![Vec::new(); titles.len()];
+    report.say("**Figures 5.6 to 5.9**\n");
+    for input in &shapes {
+        for n in SIZES {
+            report.say(&format!(
+                "{}, {} vertices, to {n}\n\n{}",
+                input.name,
+                input.mesh.vertices().len(),
+                Row::TITLES
+            ));
+            for row in race(&FIGURES, rivals, inputs, input, n, 2, 1)? {
+                report.say(&row.markdown());
+                let (who, q, d) =
+                    (row.contender.name(), &row.measures.quality, &row.measures.difference);
+                let total = q.mean_area * row.measures.faces as f64;
+                let values = [
+                    total,
+                    q.area_variation,
+                    q.mean_quality,
+                    q.quality_deviation,
+                    d.hausdorff,
+                    d.chamfer,
+                ];
+                let names = [
+                    "area",
+                    "area_variation",
+                    "quality",
+                    "quality_deviation",
+                    "hausdorff",
+                    "chamfer",
+                ];
+                let measures: Vec<_> = names.into_iter().zip(values).collect();
+                record(report, "5.7-5.9", (input, n), who, &measures);
+                for (series, value) in means.iter_mut().zip(values) {
+                    add(series, who, n as f64, value / shapes.len() as f64);
+                }
+            }
+            report.say("");
+        }
+    }
+    for (k, (title, series)) in titles.into_iter().zip(means).enumerate() {
+        let logarithmic = k >= 4;
+        report.plots.push(plot(title, "vertices", logarithmic, series));
+    }
+    Ok(())
+}
+
+/// Names, and points (x, y).
+type Curves = Vec<(String, Vec<(f64, f64)>)>;
+
+/// Adds `y` to the value of the curve `name` at `x`.
+fn add(series: &mut Curves, name: &str, x: f64, y: f64) {
+    let curve = match series.iter().position(|(known, _)| known == name) {
+        Some(k) => &mut series[k].1,
+        None => {
+            series.push((name.to_owned(), Vec::new()));
+            &mut series.last_mut().expect("just pushed").1
+        }
+    };
+    match curve.iter_mut().find(|point| point.0 == x) {
+        Some(point) => point.1 += y,
+        None => curve.push((x, y)),
+    }
+}
+
+fn plot(title: &str, across: &str, logarithmic: bool, series: Curves) -> Plot {
+    Plot { title: title.into(), across: across.into(), logarithmic, scattered: false, series }
+}
+
+/// Eigenvalues of figure 5.11, without the zero.
+const EIGENVALUES: usize = 50;
+
+/// Figure 5.11: eigenvalues of the input and of its decimations.
+fn spectra(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
+    let Some(input) = inputs.real("armadillo43k.obj.gz")? else {
+        report.say("Figure 5.11 needs CATAMARAN_DATA.\n");
+        return Ok(());
+    };
+    let truth = eigenvalues(&input.mesh)?;
+    report.say(&format!(
+        "**Figure 5.11**: the first {EIGENVALUES} eigenvalues of the armadillo and of its decimation to 5000 vertices, \
+         differences in per cent\n\n| contender | mean | largest |\n|---|---|---|"
+    ));
+    let points =
+        |values: &[f64]| values.iter().enumerate().map(|(i, v)| (i as f64 + 1.0, *v)).collect();
+    let mut series = vec![("input".to_owned(), points(&truth))];
+    for row in race(&FIGURES, rivals, inputs, &input, 5000, 2, 1)? {
+        let values = eigenvalues(&row.made)?;
+        let differences: Vec<_> =
+            values.iter().zip(&truth).map(|(x, y)| 100.0 * (x / y - 1.0).abs()).collect();
+        let mean = differences.iter().sum::<f64>() / differences.len() as f64;
+        let largest = differences.iter().copied().fold(0.0, f64::max);
+        let who = row.contender.name();
+        report.say(&format!("| {who} | {mean:.2} | {largest:.2} |"));
+        record(
+            report,
+            "5.11",
+            (&input, 5000),
+            who,
+            &[("mean_percent", mean), ("largest_percent", largest)],
+        );
+        series.push((who.to_owned(), points(&values)));
+    }
+    report.say("");
+    report.plots.push(plot("Figure 5.11: eigenvalues of the armadillo", "index", false, series));
+    Ok(())
+}
+
+fn eigenvalues(mesh: &TriMesh) -> Result<Vec<f64>> {
+    let mesh = mesh.without_unreferenced()?.mesh;
+    let problem = laplacian(&mesh, &LaplacianOptions::default())?;
+    let options = EigenOptions { k: EIGENVALUES + 1, ..EigenOptions::default() };
+    Ok(eigs(problem.stiffness.view(), &problem.mass, &options)?.values[1..].to_vec())
+}
+
+/// Repetitions of what is timed in this process.
+const REPETITIONS: usize = 3;
+
+/// Figures 5.10, 5.12 and 5.13: seconds over the size of the input.
+fn time(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
+    let mut terrains = Vec::new();
+    for side in [100, 178, 316, 562, 1000] {
+        terrains.push(inputs.of(&format!("terrain{side}"), &families::terrain(side, side, 1)?)?);
+    }
+    terrains.extend(inputs.real("srtm_n44w072_1p44M.ply.xz")?);
+
+    report.say("**Figure 5.12**: seconds over vertices of the input\n\n| n | vertices: seconds | exponent |\n|---|---|---|");
+    let mut series = Vec::new();
+    for n in [500, 1000, 5000, 10_000, 25_000] {
+        let mut points = Vec::new();
+        for input in terrains.iter().filter(|input| input.mesh.vertices().len() >= 2 * n) {
+            let seconds =
+                timed(|| decimate(&input.mesh, n, &DecimateOptions::default()).map(|_| ()))?;
+            record(report, "5.12", (input, n), "ours", &[("seconds", seconds)]);
+            points.push((input.mesh.vertices().len() as f64, seconds));
+        }
+        let cells: Vec<_> = points.iter().map(|(v, s)| format!("{v}: {s:.3}")).collect();
+        report.say(&format!("| {n} | {} | {:.2} |", cells.join(", "), exponent(&points)));
+        series.push((format!("n = {n}"), points));
+    }
+    report.plots.push(plot(
+        "Figure 5.12: seconds over the size of the input",
+        "vertices",
+        true,
+        series,
+    ));
+
+    report.say("\n**Figure 5.13**: seconds to 10000 vertices\n");
+    let mut series = Vec::new();
+    for input in terrains.iter().filter(|input| input.mesh.vertices().len() > 20_000) {
+        report.say(&format!("{} vertices\n\n{}", input.mesh.vertices().len(), Row::TITLES));
+        let many = input.mesh.vertices().len() > 500_000;
+        let contenders: Vec<_> = Contender::ALL
+            .into_iter()
+            .filter(|c| {
+                *c != Contender::Resampled
+                    && (!many
+                        || !matches!(
+                            c,
+                            Contender::Pymeshlab | Contender::IglDecimate | Contender::Qslim
+                        ))
+            })
+            .collect();
+        for row in race(&contenders, rivals, inputs, input, 10_000, 2, 1)? {
+            report.say(&row.markdown());
+            let who = row.contender.name();
+            record(report, "5.13", (input, 10_000), who, &[("seconds", row.seconds)]);
+            add(&mut series, who, input.mesh.vertices().len() as f64, row.seconds);
+        }
+        report.say("");
+    }
+    report.plots.push(plot("Figure 5.13: seconds to 10000 vertices", "vertices", true, series));
+
+    if let Some(input) = inputs.real("mni152_wm1p24M.ply.xz")? {
+        report.say(&format!("**Figure 5.10**: white matter to 50000 vertices\n\n{}", Row::TITLES));
+        for row in
+            race(&[Contender::Ours, Contender::Thesis], rivals, inputs, &input, 50_000, 2, 1)?
+        {
+            report.say(&row.markdown());
+            record(
+                report,
+                "5.10",
+                (&input, 50_000),
+                row.contender.name(),
+                &[("seconds", row.seconds)],
+            );
+        }
+        report.say("");
+    }
+    Ok(())
+}
+
+/// The median time of the call, in seconds.
+fn timed(mut call: impl FnMut() -> catamaran::Result<()>) -> Result<f64> {
+    let mut seconds = Vec::new();
+    for _ in 0..REPETITIONS {
+        let start = Instant::now();
+        call()?;
+        seconds.push(start.elapsed().as_secs_f64());
+    }
+    Ok(median(seconds))
+}
+
+/// The slope of the line through the logarithms, by least squares.
+fn exponent(points: &[(f64, f64)]) -> f64 {
+    let logarithms: Vec<_> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
+    let count = logarithms.len() as f64;
+    let (mx, my) =
+        logarithms.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x / count, b + y / count));
+    let (above, below) = (logarithms.iter())
+        .fold((0.0, 0.0), |(a, b), (x, y)| (a + (x - mx) * (y - my), b + (x - mx).powi(2)));
+    above / below
+}
+
+/// Figures 5.5 and 5.14 to 5.16: meshes of large faces, with and without resampling.
+fn resampling(report: &mut Report, inputs: &Inputs) -> Result<()> {
+    let mut shapes = vec![inputs.of("slivers", &families::slivers(60, 60, 0.05)?)?];
+    for file in ["adis16480_slivers.stl.gz", "counter42k.stl.gz", "blade.off.gz"] {
+        shapes.extend(inputs.real(file)?);
+    }
+    report.say(
+        "**Figures 5.14 to 5.16**: resampling\n\n| mesh | n | vertices after resampling | its s | Q without | Q with | \
+         CV without | CV with |\n|---|---|---|---|---|---|---|---|",
+    );
+    let mut series = Vec::new();
+    for input in &shapes {
+        for n in [500, 1000, 2000, 5000, 10_000, 25_000] {
+            let longest = edge_length_for(input.mesh.area(), n)?;
+            let finer = resample(&input.mesh, longest)?.mesh.vertices().len();
+            let seconds = timed(|| resample(&input.mesh, longest).map(|_| ()))?;
+            add(&mut series, &input.name, n as f64, seconds);
+            record(
+                report,
+                "5.14",
+                (input, n),
+                "ours",
+                &[("seconds", seconds), ("vertices", finer as f64)],
+            );
+            let quality = |resample: bool| {
+                let options = DecimateOptions { resample, ..DecimateOptions::default() };
+                decimate(&input.mesh, n, &options)
+                    .map(|made| catamaran::decimate::Quality::of(&made.mesh))
+            };
+            let [without, with] = [quality(false), quality(true)];
+            let cell = |found: &catamaran::Result<catamaran::decimate::Quality>,
+                        of: fn(&catamaran::decimate::Quality) -> f64| {
+                found.as_ref().map_or_else(|_| "refused".into(), |q| format!("{:.3}", of(q)))
+            };
+            report.say(&format!(
+                "| {} | {n} | {finer} | {seconds:.3} | {} | {} | {} | {} |",
+                input.name,
+                cell(&without, |q| q.mean_quality),
+                cell(&with, |q| q.mean_quality),
+                cell(&without, |q| q.area_variation),
+                cell(&with, |q| q.area_variation)
+            ));
+            for (who, found) in [("without", &without), ("with", &with)] {
+                if let Ok(q) = found {
+                    let measures =
+                        [("quality", q.mean_quality), ("area_variation", q.area_variation)];
+                    record(report, "5.16", (input, n), who, &measures);
+                }
+            }
+        }
+    }
+    report.say("");
+    report.plots.push(plot(
+        "Figure 5.14: seconds of resampling",
+        "vertices of the result",
+        true,
+        series,
+    ));
+    Ok(())
+}
+
+/// Every mesh at three sizes: exactly n vertices and a manifold, or why not.
+fn everything(report: &mut Report, inputs: &Inputs) -> Result<()> {
+    report.say("**Every mesh** at n = 100, 1000 and 10000\n\n| mesh | n | result |\n|---|---|---|");
+    for file in inputs.names() {
+        let Some(input) = inputs.real(&file)? else { continue };
+        for n in [100, 1000, 10_000] {
+            let found = match decimate(&input.mesh, n, &DecimateOptions::default()) {
+                Ok(made) => {
+                    let quality = catamaran::decimate::Quality::of(&made.mesh);
+                    record(
+                        report,
+                        "all",
+                        (&input, n),
+                        "ours",
+                        &[("vertices", made.mesh.vertices().len() as f64)],
+                    );
+                    let topology = match made.after {
+                        Some(after) if after == made.before => format!("{after}, as before"),
+                        Some(after) => format!("{after}; before: {}", made.before),
+                        None => "not a manifold".into(),
+                    };
+                    format!(
+                        "{} vertices, Q {:.3}, CV {:.3}, {} non-manifold edges, {topology}",
+                        made.mesh.vertices().len(),
+                        quality.mean_quality,
+                        quality.area_variation,
+                        quality.non_manifold_edges
+                    )
+                }
+                Err(error) => format!("refused: {error}"),
+            };
+            report.say(&format!("| {} | {n} | {found} |", input.name));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,84 @@
+//! `reproduce`: tables and figures of the thesis, measured again. A chapter a file.
+
+mod curves;
+mod decimate;
+mod spectral;
+
+use std::time::Instant;
+
+use catamaran_bench::curves::{Plot, svg};
+use catamaran_bench::{Result, host, record};
+use clap::ValueEnum;
+
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// What is reproduced.
+    what: What,
+    /// Writes WHAT.md, WHAT.csv, WHAT.svg and host.txt under bench/record.
+    #[arg(long)]
+    record: bool,
+    /// Chapter 6: curves on each mesh; 50 by default.
+    #[arg(long, value_name = "N")]
+    curves: Option<usize>,
+    /// Chapter 6: only these meshes.
+    #[arg(long, value_delimiter = ',')]
+    meshes: Vec<String>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum What {
+    /// Chapter 1: eigenproducts.
+    Spectral,
+    /// Chapter 5: decimation.
+    Decimate,
+    /// Chapter 6: curves on surfaces.
+    Curves,
+}
+
+/// What is found, as it is found.
+#[derive(Default)]
+struct Report {
+    text: String,
+    lines: Vec<String>,
+    plots: Vec<Plot>,
+}
+
+impl Report {
+    /// A line of the text, which is Markdown.
+    fn say(&mut self, text: &str) {
+        println!("{text}");
+        self.text += text;
+        self.text.push('\n');
+    }
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let host = host::describe(&[]);
+    let start = Instant::now();
+    let mut report = Report::default();
+    let (name, header) = match arguments.what {
+        What::Spectral => {
+            spectral::run(&mut report)?;
+            ("spectral", spectral::HEADER)
+        }
+        What::Decimate => {
+            decimate::run(&mut report)?;
+            ("decimate", decimate::HEADER)
+        }
+        What::Curves => {
+            curves::run(&mut report, arguments)?;
+            ("curves", curves::HEADER)
+        }
+    };
+    println!("\n{:.0} s", start.elapsed().as_secs_f64());
+    if arguments.record {
+        let files = [
+            (&*format!("{name}.md"), report.text),
+            (&*format!("{name}.csv"), record::csv(header, &report.lines)),
+            (&*format!("{name}.svg"), svg(&report.plots)),
+            ("host.txt", host),
+        ];
+        println!("recorded in {}", record::write(&files)?.display());
+    }
+    Ok(())
+}

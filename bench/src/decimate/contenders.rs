@@ -1,0 +1,162 @@
+//! Who decimates: this library and others, each call in a process of its own.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use catamaran::Par;
+use catamaran::decimate::{DecimateOptions, Method, decimate};
+use catamaran::io::Overwrite;
+
+use super::inputs;
+use crate::Result;
+use crate::child::{self, Report};
+
+/// Who decimates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Contender {
+    /// This library.
+    Ours,
+    /// This library, after edges were resampled (algorithm 5.3).
+    Resampled,
+    /// The thesis literally.
+    Thesis,
+    /// Clusters of faces (Valette and Chassery): PyPI `pyacvd`.
+    Pyacvd,
+    /// Quadric edge collapse: PyPI `fast-simplification`.
+    FastSimplification,
+    /// Regularised edge collapse: PyPI `meshoptimizer`.
+    Meshoptimizer,
+    /// Quadric edge collapse: PyPI `libigl`.
+    Qslim,
+    /// Collapse of the shortest edge: PyPI `libigl`.
+    IglDecimate,
+    /// Quadric edge collapse that keeps the topology: PyPI `pymeshlab`.
+    Pymeshlab,
+    /// Edge collapse by Lindstrom and Turk: Debian `libcgal-dev`.
+    Cgal,
+}
+
+impl Contender {
+    /// All, ours first.
+    pub const ALL: [Self; 10] = [
+        Self::Ours,
+        Self::Resampled,
+        Self::Thesis,
+        Self::Pyacvd,
+        Self::FastSimplification,
+        Self::Meshoptimizer,
+        Self::Qslim,
+        Self::IglDecimate,
+        Self::Pymeshlab,
+        Self::Cgal,
+    ];
+
+    /// What tables and arguments call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ours => "ours",
+            Self::Resampled => "resampled",
+            Self::Thesis => "thesis",
+            Self::Pyacvd => "pyacvd",
+            Self::FastSimplification => "fast-simplification",
+            Self::Meshoptimizer => "meshoptimizer",
+            Self::Qslim => "qslim",
+            Self::IglDecimate => "igl-decimate",
+            Self::Pymeshlab => "pymeshlab",
+            Self::Cgal => "cgal",
+        }
+    }
+
+    /// Whether it is this library.
+    pub fn is_ours(self) -> bool {
+        matches!(self, Self::Ours | Self::Resampled | Self::Thesis)
+    }
+
+    /// Does the job once; seconds and bytes of the call alone.
+    ///
+    /// # Errors
+    /// When the process can't be started or fails.
+    pub fn run(self, rivals: &Rivals, job: &Job<'_>) -> Result<Report> {
+        let [input, output] = [job.input, job.output].map(|path| path.display().to_string());
+        let (n, threads) = (job.n.to_string(), job.threads.to_string());
+        if self.is_ours() {
+            let arguments = [
+                "decimate",
+                "--solve",
+                self.name(),
+                &input,
+                "-n",
+                &n,
+                "--threads",
+                &threads,
+                "-o",
+                &output,
+            ];
+            return child::run(&std::env::current_exe()?, &arguments, job.threads);
+        }
+        if self == Self::Cgal {
+            let program = rivals.cgal.as_ref().ok_or("no CGAL: run scripts/rivals first")?;
+            return child::run(program, &[&input, &n, &output], job.threads);
+        }
+        let python = rivals.python.as_ref().ok_or("no Python: run scripts/rivals first")?;
+        let script = child::script("decimate.py");
+        child::run(python, &[&script, self.name(), &input, &n, &output], job.threads)
+    }
+}
+
+/// What one call reads and writes.
+pub struct Job<'a> {
+    /// A PLY file.
+    pub input: &'a Path,
+    /// Vertices wanted.
+    pub n: usize,
+    /// Threads of those that have threads.
+    pub threads: usize,
+    /// A PLY file.
+    pub output: &'a Path,
+}
+
+/// Where scripts/rivals put the others, as far as it could.
+pub struct Rivals {
+    python: Option<PathBuf>,
+    cgal: Option<PathBuf>,
+}
+
+impl Rivals {
+    /// Those in this folder.
+    pub fn find(folder: &Path) -> Self {
+        let cgal = folder.join("bin/cgal_collapse");
+        Self { python: child::python(folder), cgal: cgal.exists().then_some(cgal) }
+    }
+
+    /// Whether this contender can run.
+    pub fn have(&self, contender: Contender) -> bool {
+        match contender {
+            _ if contender.is_ours() => true,
+            Contender::Cgal => self.cgal.is_some(),
+            _ => self.python.is_some(),
+        }
+    }
+}
+
+/// Our side, in its own process: prints seconds and bytes.
+///
+/// # Errors
+/// Those of the library.
+pub fn solve(contender: Contender, job: &Job<'_>) -> Result<()> {
+    let mesh = catamaran::mesh::io::read(job.input)?.mesh;
+    let options = DecimateOptions {
+        method: if contender == Contender::Thesis { Method::Thesis } else { Method::Uniform },
+        resample: contender == Contender::Resampled,
+        par: Par::Threads(job.threads),
+        ..DecimateOptions::default()
+    };
+    let [before, _] = child::memory();
+    let start = Instant::now();
+    let made = decimate(&mesh, job.n, &options)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let [_, peak] = child::memory();
+    inputs::write(job.output, &made.mesh, Overwrite::Replace)?;
+    println!("{}", Report::line(seconds, peak.saturating_sub(before), &[]));
+    Ok(())
+}

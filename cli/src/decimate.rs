@@ -1,0 +1,193 @@
+//! `catamaran decimate`.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+use catamaran::Par;
+use catamaran::decimate::{
+    DecimateOptions, Decimation, Difference, Method, Quality, decimate, edge_length_for,
+};
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::io::{self as files, MeshFile};
+use catamaran::sparse::CsMat;
+use clap::ValueEnum;
+
+use crate::picture::{PLAIN, PictureArgs};
+use crate::progress::Bar;
+use crate::report::{report, seconds};
+
+/// Decimate a mesh to a number of vertices, uniformly.
+///
+/// The result has exactly that many vertices, is a manifold, and has the components, boundary loops and genus of the input; what
+/// can't be is refused, with the reason. Colours and texture coordinates are carried over.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
+    #[arg(value_name = "MESH")]
+    input: PathBuf,
+    /// Vertices of the result.
+    #[arg(short, value_name = "N", required_unless_present = "ratio", conflicts_with = "ratio")]
+    n: Option<usize>,
+    /// Vertices of the result as a part of those of the input, above 0.
+    #[arg(long, value_name = "R")]
+    ratio: Option<f64>,
+    /// Where the result goes: .obj, .ply, .off or .stl, and .gz after it.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Split edges that are longer than those of the result will be, first.
+    #[arg(long)]
+    resample: bool,
+    /// Passes that move samples to the centroids of their cells [default: 1].
+    #[arg(long, value_name = "N")]
+    lloyd: Option<usize>,
+    /// Passes that flip edges and move vertices of the result [default: 12].
+    #[arg(long, value_name = "N")]
+    relax: Option<usize>,
+    /// How faces are found and vertices placed.
+    #[arg(long, value_name = "METHOD", default_value = "uniform")]
+    method: Kind,
+    /// The first sample, a vertex from 0; the lowest by default.
+    #[arg(long, value_name = "VERTEX")]
+    first: Option<u32>,
+    /// Write the matrix that takes functions on the result to the input, .mtx: a row for each vertex of the input, a column
+    /// for each of the result.
+    #[arg(long, value_name = "FILE")]
+    weights: Option<PathBuf>,
+    /// Report on uniformity, and on the distance from the input.
+    #[arg(long)]
+    report: bool,
+    #[command(flatten)]
+    picture: PictureArgs,
+    /// Threads; all cores by default. The result is the same.
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Kind {
+    /// Manifold, relaxed, exactly N vertices.
+    Uniform,
+    /// The thesis literally: farthest points, every three-cycle of cells a face.
+    Thesis,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
+    files::check_name(&args.output)?;
+    let output = Output::create(&args.output, overwrite)?;
+    let picture = args.picture.create(overwrite)?;
+    let weights = match &args.weights {
+        Some(path) if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("mtx")) => {
+            bail!("{}: weights must be called .mtx", path.display())
+        }
+        Some(path) => Some(Output::create(path, overwrite)?),
+        None => None,
+    };
+    let input = read(&args.input)?;
+    let n = wanted(args, &input)?;
+    let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
+
+    let bar = Bar::new("decimate");
+    let update = |fraction| bar.update(fraction);
+    let defaults = DecimateOptions::default();
+    let options = DecimateOptions {
+        method: match args.method {
+            Kind::Uniform => Method::Uniform,
+            Kind::Thesis => Method::Thesis,
+        },
+        resample: args.resample,
+        lloyd: args.lloyd.unwrap_or(defaults.lloyd),
+        relaxation: args.relax.unwrap_or(defaults.relaxation),
+        first: args.first,
+        par,
+        progress: Some(&update),
+    };
+    let start = Instant::now();
+    let found = decimate(&input.mesh, n, &options)
+        .with_context(|| format!("{}: can't be decimated to {n}", args.input.display()))?;
+    let elapsed = start.elapsed();
+    drop(bar);
+    tell(args, &input, &found, elapsed, par)?;
+
+    if let Some(output) = weights {
+        let path = output.path().display().to_string();
+        let weights = found.weights(&input.mesh, par)?;
+        write_sparse(output, &weights)?;
+        let (rows, columns) = weights.shape();
+        report(format_args!("weights     {path}: {rows} x {columns}, {} entries", weights.nnz()))?;
+    }
+    if let Some(picture) = picture {
+        let panels = [(&input.mesh, PLAIN, "before"), (&found.mesh, PLAIN, "after")];
+        args.picture.draw_faces(picture, &panels)?;
+    }
+    let path = output.path().display().to_string();
+    files::write(output, &found.carry(&input)?)?;
+    report(format_args!("written     {path}"))
+}
+
+pub fn read(path: &std::path::Path) -> Result<MeshFile> {
+    let start = Instant::now();
+    let bar = Bar::new("reading");
+    let file = files::read_with(path, Some(&|fraction| bar.update(fraction)))?;
+    drop(bar);
+    let (vertices, faces) = (file.mesh.vertices().len(), file.mesh.faces().len());
+    let time = seconds(start.elapsed());
+    let name = path.display();
+    report(format_args!("mesh        {name}: {vertices} vertices, {faces} faces, read in {time}"))?;
+    Ok(file)
+}
+
+fn wanted(args: &Args, input: &MeshFile) -> Result<usize> {
+    match (args.n, args.ratio) {
+        (Some(n), _) => Ok(n),
+        (None, Some(ratio)) if ratio > 0.0 && ratio.is_finite() => {
+            Ok((ratio * input.mesh.vertices().len() as f64).round().max(1.0) as usize)
+        }
+        (None, Some(ratio)) => bail!("--ratio {ratio}: a positive number is needed"),
+        (None, None) => bail!("-n or --ratio is needed"),
+    }
+}
+
+fn tell(
+    args: &Args,
+    input: &MeshFile,
+    found: &Decimation,
+    elapsed: std::time::Duration,
+    par: Par,
+) -> Result<()> {
+    let (vertices, faces) = (found.mesh.vertices().len(), found.mesh.faces().len());
+    let time = seconds(elapsed);
+    report(format_args!("decimated   {vertices} vertices, {faces} faces, in {time}"))?;
+    report(format_args!("repairs     {}", found.repairs))?;
+    report(format_args!("topology    {}", found.before))?;
+    match found.after {
+        Some(after) if after == found.before => {}
+        Some(after) => report(format_args!("changed to  {after}"))?,
+        None => report(format_args!("changed to  no manifold"))?,
+    }
+    if !args.report {
+        return Ok(());
+    }
+    report(format_args!("{}", Quality::of(&found.mesh)))?;
+    let difference = Difference::between(&input.mesh, &found.mesh, par)?;
+    let Difference { hausdorff, chamfer, printed_hausdorff, printed_chamfer } = difference;
+    report(format_args!(
+        "Hausdorff   {hausdorff:.4e}, eq. 5.8 as printed {printed_hausdorff:.4e}"
+    ))?;
+    report(format_args!("Chamfer     {chamfer:.4e}, eq. 5.8 as printed {printed_chamfer:.4e}"))?;
+    let longest = edge_length_for(found.mesh.area(), vertices)?;
+    report(format_args!("edges       {longest:.4e} long, were all triangles equilateral"))
+}
+
+/// Matrix Market, coordinates.
+fn write_sparse(mut output: Output, matrix: &CsMat<f64>) -> Result<()> {
+    let written = sprs::io::write_matrix_market_to_bufwrite(&mut output, matrix);
+    written.map_err(|e| output.error(&e))?;
+    Ok(output.commit()?)
+}

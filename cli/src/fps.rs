@@ -1,0 +1,88 @@
+//! `catamaran fps`.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use catamaran::decimate::{Cells, FarthestPoints};
+use catamaran::faer::Mat;
+use catamaran::io::{self as files, Output, Overwrite};
+
+use crate::picture::{Paint, PictureArgs};
+use crate::progress::Bar;
+use crate::report::{report, seconds};
+
+/// Sample a mesh: each vertex is the farthest, along edges, from those before it.
+///
+/// The first K samples are the same for any N.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
+    #[arg(value_name = "MESH")]
+    input: PathBuf,
+    /// Samples.
+    #[arg(short, value_name = "N")]
+    n: usize,
+    /// The first sample, a vertex from 0; the lowest that a face has by default.
+    #[arg(long, value_name = "VERTEX")]
+    first: Option<u32>,
+    /// Where the samples go, a vertex a row (.npy, .csv, ...).
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Write for each vertex of the mesh the number of its cell, -1 for vertices without a face, and its distance from the
+    /// sample of the cell (.npy, .csv, ...).
+    #[arg(long, value_name = "FILE")]
+    cells: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureArgs,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
+    let create = |path: &PathBuf| -> Result<Output> {
+        files::check_name(path)?;
+        Ok(Output::create(path, overwrite)?)
+    };
+    let output = create(&args.output)?;
+    let of_cells = args.cells.as_ref().map(create).transpose()?;
+    let picture = args.picture.create(overwrite)?;
+    let input = crate::decimate::read(&args.input)?;
+
+    let bar = Bar::new("sampling");
+    let start = Instant::now();
+    let named = || args.input.display().to_string();
+    let mut points = FarthestPoints::new(&input.mesh, args.first).with_context(named)?;
+    points.extend_to(args.n, Some(&|fraction| bar.update(fraction))).with_context(named)?;
+    let elapsed = start.elapsed();
+    drop(bar);
+    let samples = points.samples();
+    let cells = points.cells();
+    report(format_args!(
+        "samples     {}, cells of radius {:.4e}, in {}",
+        samples.len(),
+        cells.radius(),
+        seconds(elapsed)
+    ))?;
+
+    if let Some(output) = of_cells {
+        let number = |cell: u32| if cell == Cells::NONE { -1.0 } else { f64::from(cell) };
+        let table = Mat::from_fn(cells.of_vertices().len(), 2, |v, column| match column {
+            0 => number(cells.of_vertices()[v]),
+            _ => f64::from(cells.distances()[v]),
+        });
+        files::write(output, table.as_ref())?;
+    }
+    if let Some(picture) = picture {
+        let far = |&distance: &f32| if distance.is_finite() { f64::from(distance) } else { 0.0 };
+        let values: Vec<f64> = cells.distances().iter().map(far).collect();
+        args.picture.draw(picture, &[(&input.mesh, Paint::Values(&values), "distance")])?;
+    }
+    let table = Mat::from_fn(samples.len(), 1, |i, _| f64::from(samples[i]));
+    let path = output.path().display().to_string();
+    files::write(output, table.as_ref())?;
+    report(format_args!("written     {path}"))
+}

@@ -1,0 +1,209 @@
+use std::ffi::c_void;
+use std::mem::offset_of;
+
+use super::boundary::boundary;
+use super::params::{Versioned, cata_progress, flag, init, par, read, watcher};
+use super::pointer::{check_size, optional_output, output, slice, slice_mut};
+use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
+use crate::base::Progress;
+use crate::decimate::{DecimateOptions, decimate};
+use crate::mesh::TriMesh;
+
+/// How a mesh is decimated. Every field but the first is 0 (NULL) by default, so that
+/// `cata_decimate_params params = {.struct_size = sizeof params};` does what cata_decimate_params_init
+/// does.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cata_decimate_params {
+    /// sizeof(cata_decimate_params) as the caller was compiled with. Later versions add fields at the end;
+    /// one that this library does not know must be 0.
+    pub struct_size: usize,
+    /// Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
+    /// bit for bit, for every value.
+    pub threads: usize,
+    /// Told of progress; NULL: nobody.
+    pub progress: cata_progress,
+    /// Handed to `progress` as it is; may be NULL.
+    pub progress_user: *mut c_void,
+    /// Passes that move samples to the centroids of their cells; 0: the default, 1; -1: none.
+    pub lloyd: i32,
+    /// Passes that flip edges and move vertices of the result; 0: the default, 12; -1: none.
+    pub relaxation: i32,
+    /// With `has_first` 1: the vertex that the first sample is. Else not looked at.
+    pub first: u32,
+    /// 1: `first` counts; 0: the lowest vertex that a face has.
+    pub has_first: i32,
+    /// 1: edges longer than those of the result will be are split first. 0: not.
+    pub resample: i32,
+}
+
+impl Versioned for cata_decimate_params {
+    const NAME: &'static str = "cata_decimate_params";
+    const FIRST_SIZE: usize = offset_of!(Self, resample) + size_of::<i32>();
+}
+
+/// Fills a parameter struct with the defaults.
+///
+/// `params`: one struct, not NULL; `struct_size` bytes are written.
+/// `struct_size`: sizeof(cata_decimate_params).
+/// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+///
+/// Thread-safe.
+///
+/// # Safety
+/// `params` points to `struct_size` writable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_decimate_params_init(
+    params: *mut cata_decimate_params,
+    struct_size: usize,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { init(params, struct_size) }
+}
+
+/// The number of faces that cata_decimate never exceeds for a result of `n` vertices of a mesh of `n_faces`
+/// faces, whatever its topology: 2 n + n_faces; SIZE_MAX where that overflows.
+///
+/// Thread-safe.
+#[unsafe(no_mangle)]
+pub extern "C" fn cata_decimate_faces_bound(n: usize, n_faces: usize) -> usize {
+    n.saturating_mul(2).saturating_add(n_faces)
+}
+
+/// Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components, boundary
+/// loops and genus of the input, which is cut along edges of more than two faces first. What can't be is
+/// refused, and the message says why.
+///
+/// - `vertices`: 3 n_vertices elements, read: x, y, z of each vertex, finite.
+/// - `faces`: 3 n_faces elements, read: the vertices of each face, from 0, counter-clockwise as seen from
+///   outside.
+/// - `n`: vertices of the result.
+/// - `new_vertices`: 3 n elements, written. May be NULL when n is 0.
+/// - `new_faces`: 3 faces_capacity elements, the first 3 `*n_new_faces` written.
+/// - `faces_capacity`: cata_decimate_faces_bound(n, n_faces) is always enough; with too few,
+///   CATA_ERR_SHAPE, and the message tells how many it takes.
+/// - `n_new_faces`: one element, written: the number of faces of the result.
+/// - `cells`: n_vertices elements, written: for each vertex of the input the nearest one of the result along
+///   edges, UINT32_MAX for those that no face has; NULL where not wanted.
+/// - `changed`: one element, written: 1 when the input had to be repaired (repeated faces and vertices
+///   without a face left out, faces flipped, the mesh cut), 0 else; NULL where not wanted.
+/// - `params`: NULL for the defaults; else read during the call.
+///
+/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (also for an n that is more than
+/// there are vertices, or fewer than the topology needs), CATA_ERR_MESH, CATA_ERR_OUT_OF_MEMORY,
+/// CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
+///
+/// The result does not depend on the number of threads, bit for bit.
+///
+/// Thread-safe: calls may run at the same time as long as no output is shared.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_decimate(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    n: usize,
+    new_vertices: *mut f64,
+    new_faces: *mut u32,
+    faces_capacity: usize,
+    n_new_faces: *mut usize,
+    cells: *mut u32,
+    changed: *mut i32,
+    params: *const cata_decimate_params,
+) -> cata_status {
+    boundary(|| {
+        check_size::<f64>("vertices", n_vertices, 3)?;
+        check_size::<u32>("faces", n_faces, 3)?;
+        check_size::<f64>("new_vertices", n, 3)?;
+        check_size::<u32>("new_faces", faces_capacity, 3)?;
+        // SAFETY: the caller's promise.
+        let (vertices, faces, outputs) = unsafe {
+            let cells = match cells.is_null() {
+                true => None,
+                false => Some(slice_mut("cells", cells, n_vertices)?),
+            };
+            let outputs = Outputs {
+                vertices: slice_mut("new_vertices", new_vertices, 3 * n)?,
+                faces: slice_mut("new_faces", new_faces, 3 * faces_capacity)?,
+                face_count: output("n_new_faces", n_new_faces)?,
+                cells,
+                changed: optional_output("changed", changed)?,
+            };
+            (
+                slice("vertices", vertices, 3 * n_vertices)?,
+                slice("faces", faces, 3 * n_faces)?,
+                outputs,
+            )
+        };
+        let mesh =
+            TriMesh::new(vertices.as_chunks::<3>().0.to_vec(), faces.as_chunks::<3>().0.to_vec())?;
+        // SAFETY: the caller's promise.
+        unsafe { decimated(&mesh, n, outputs, params) }
+    })
+}
+
+/// Where results go.
+struct Outputs<'a> {
+    vertices: &'a mut [f64],
+    faces: &'a mut [u32],
+    face_count: &'a mut usize,
+    cells: Option<&'a mut [u32]>,
+    changed: Option<&'a mut i32>,
+}
+
+/// Computes and writes the mesh.
+///
+/// # Safety
+/// `params` is NULL or points to a struct as the header describes it.
+unsafe fn decimated(
+    mesh: &TriMesh,
+    n: usize,
+    outputs: Outputs<'_>,
+    params: *const cata_decimate_params,
+) -> Result<(), Failure> {
+    let mut options = DecimateOptions::default();
+    let mut watch = None;
+    if !params.is_null() {
+        // SAFETY: the caller's promise.
+        let params = unsafe { read(params) }?;
+        options.par = par(params.threads);
+        options.lloyd = passes("params.lloyd", params.lloyd, options.lloyd)?;
+        options.relaxation = passes("params.relaxation", params.relaxation, options.relaxation)?;
+        options.first = flag("params.has_first", params.has_first)?.then_some(params.first);
+        options.resample = flag("params.resample", params.resample)?;
+        watch = watcher(params.progress, params.progress_user);
+    }
+    options.progress = watch.as_ref().map(|watch| watch as Progress<'_>);
+    let found = decimate(mesh, n, &options)?;
+    let (vertices, faces) = (found.mesh.vertices(), found.mesh.faces().as_flattened());
+    let Some(place) = outputs.faces.get_mut(..faces.len()) else {
+        let (needed, given) = (faces.len() / 3, outputs.faces.len() / 3);
+        let message = format!("new_faces: {needed} faces, but faces_capacity is {given}");
+        return Err(Failure::new(CATA_ERR_SHAPE, message));
+    };
+    place.copy_from_slice(faces);
+    outputs.vertices.copy_from_slice(vertices.as_flattened());
+    *outputs.face_count = faces.len() / 3;
+    if let Some(cells) = outputs.cells {
+        cells.copy_from_slice(found.cells.of_vertices());
+    }
+    if let Some(changed) = outputs.changed {
+        *changed = i32::from(found.repairs != Default::default());
+    }
+    Ok(())
+}
+
+/// 0 for the default, -1 for none.
+fn passes(what: &str, value: i32, default: usize) -> Result<usize, Failure> {
+    match value {
+        0 => Ok(default),
+        -1 => Ok(0),
+        _ => usize::try_from(value).map_err(|_| {
+            let message = format!("{what}: {value}, where -1, 0 or a positive number is needed");
+            Failure::new(CATA_ERR_ARGUMENT, message)
+        }),
+    }
+}

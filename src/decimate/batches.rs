@@ -1,0 +1,179 @@
+//! Farthest points in batches: as uniform as one after the other but for a factor, and in parallel.
+
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+
+use super::cells::{Growth, Seed};
+use super::stages::Stages;
+use super::surface::Surface;
+use crate::base::{Error, Par, Result};
+use crate::mesh::vector::distance;
+
+/// From one threshold to the next: the result covers the surface within 2 / 0.9 of the best radius, where single farthest
+/// points (Gonzalez 1985) do within 2.
+const SHRINK: f32 = 0.9;
+
+/// Paths along edges are longer than straight lines, but hardly by more than this.
+const DETOUR: f32 = 1.5;
+
+/// Vertices that one thread looks through at a time.
+const BLOCK: usize = 1 << 16;
+
+/// Adds samples, each the start of a cell, until there are `n`; those before have not grown yet.
+///
+/// All vertices farther from the samples than a threshold are candidates; of these, the farthest first, those are taken that
+/// are no nearer to each other in space, hence along edges, than the threshold. It is lowered when none is left. So samples
+/// are always as far apart as the threshold, and, when it is lowered, no vertex is farther from them.
+pub(super) fn add_samples(
+    surface: &Surface<'_>,
+    growth: &mut Growth,
+    samples: &mut Vec<u32>,
+    n: usize,
+    par: Par,
+    stages: Stages<'_>,
+) -> Result<()> {
+    // At this distance about half of all fit into the area.
+    let mut threshold = ((1.6 * surface.mesh.area() / n as f64).sqrt() / surface.scale) as f32;
+    let mut cutoff = DETOUR * threshold;
+    let mut settled = false;
+    growth.grow(surface, &seeds(samples, 0), cutoff);
+    while samples.len() < n {
+        stages.report(samples.len() as f64 / n as f64)?;
+        let candidates = farther_than(surface, growth, threshold, par);
+        if candidates.is_empty() {
+            // From here on nothing is free, and cells end where others are nearer.
+            cutoff = f32::INFINITY;
+            settled = true;
+            let farthest = farthest(growth, surface.len());
+            if farthest <= 0.0 {
+                let why = format!("{n}, but there are no more than {} vertices", samples.len());
+                return Err(Error::Argument { what: "n", why });
+            }
+            threshold = SHRINK * threshold.min(farthest);
+            continue;
+        }
+        let left = n - samples.len();
+        let mut taken = apart(surface, &candidates, f64::from(threshold) * surface.scale);
+        if !settled && taken.len() > (3 * left).div_ceil(4) {
+            // The area says little of how large this surface is.
+            threshold *= 1.4;
+            cutoff = DETOUR * threshold;
+            growth.clear();
+            growth.grow(surface, &seeds(samples, 0), cutoff);
+            continue;
+        }
+        settled = true;
+        taken.truncate(left);
+        let first = samples.len();
+        samples.extend(taken);
+        growth.grow(surface, &seeds(samples, first), cutoff);
+    }
+    growth.grow_on(surface);
+    Ok(())
+}
+
+/// The samples from `first` on as starts of cells of the same numbers.
+pub(super) fn seeds(samples: &[u32], first: usize) -> Vec<Seed> {
+    let numbered = samples.iter().zip(0..).skip(first);
+    numbered.map(|(&vertex, cell)| Seed { vertex, distance: 0.0, cell }).collect()
+}
+
+fn farthest(growth: &Growth, vertices: usize) -> f32 {
+    (0..vertices as u32).map(|v| growth.distance(v)).filter(|d| d.is_finite()).fold(0.0, f32::max)
+}
+
+/// The vertices that have faces and are at least that far from the samples, the farthest first, then the lowest.
+fn farther_than(surface: &Surface<'_>, growth: &Growth, threshold: f32, par: Par) -> Vec<u32> {
+    let blocks = par.map_blocks(surface.len(), BLOCK, |range| {
+        let keys = range.map(|v| (growth.distance(v as u32), v as u32));
+        let far =
+            keys.filter(|&(distance, v)| distance >= threshold && !surface.links(v).is_empty());
+        far.map(|(distance, v)| u64::from(!distance.to_bits()) << 32 | u64::from(v))
+            .collect::<Vec<_>>()
+    });
+    let mut keys = blocks.concat();
+    keys.sort_unstable();
+    keys.into_iter().map(|key| key as u32).collect()
+}
+
+/// Of these vertices, in their order, those at least `least` from all taken before.
+fn apart(surface: &Surface<'_>, candidates: &[u32], least: f64) -> Vec<u32> {
+    let mut taken: Vec<u32> = Vec::new();
+    // For each box of this size the last one taken in it, and for each taken the one before it in its box.
+    let mut boxes: HashMap<u64, u32, BuildHasherDefault<Multiply>> = HashMap::default();
+    let mut before: Vec<u32> = Vec::new();
+    let place = |p: [f64; 3]| p.map(|x| (x / least).floor() as i64);
+    // Neighbours in the list are neighbours in space: what covered the last one often covers this one.
+    let mut cover: Option<[f64; 3]> = None;
+    for &v in candidates {
+        let p = surface.position(v);
+        if cover.is_some_and(|q| distance(p, q) < least) {
+            continue;
+        }
+        let middle = place(p);
+        let covering = NEIGHBOURHOOD.iter().find_map(|step| {
+            let key = key([0, 1, 2].map(|k| middle[k].wrapping_add(step[k])));
+            let mut at = boxes.get(&key).copied();
+            while let Some(number) = at {
+                let q = surface.position(taken[number as usize]);
+                if distance(p, q) < least {
+                    return Some(q);
+                }
+                at = Some(before[number as usize]).filter(|&number| number != NONE);
+            }
+            None
+        });
+        cover = covering.or(Some(p));
+        if covering.is_none() {
+            let number = taken.len() as u32;
+            before.push(boxes.insert(key(middle), number).unwrap_or(NONE));
+            taken.push(v);
+        }
+    }
+    taken
+}
+
+const NONE: u32 = u32::MAX;
+
+/// The box itself and those around it.
+const NEIGHBOURHOOD: [[i64; 3]; 27] = {
+    let mut steps = [[0; 3]; 27];
+    let mut i = 0;
+    while i < 27 {
+        // From the middle: of the steps 0, 1, -1 each way.
+        let step = [i % 3, i / 3 % 3, i / 9];
+        let mut k = 0;
+        while k < 3 {
+            steps[i][k] = [0, 1, -1][step[k]];
+            k += 1;
+        }
+        i += 1;
+    }
+    steps
+};
+
+/// 21 bits a coordinate; boxes with the same key are told apart by distances.
+fn key(place: [i64; 3]) -> u64 {
+    place.iter().fold(0, |key, &x| key << 21 | (x as u64 & 0x1f_ffff))
+}
+
+/// A hash by one multiplication (Fibonacci hashing, Knuth): keys are numbers already.
+#[derive(Default)]
+struct Multiply(u64);
+
+impl Hasher for Multiply {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.write_u64(u64::from(byte));
+        }
+    }
+
+    fn write_u64(&mut self, x: u64) {
+        let product = (self.0 ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        self.0 = product ^ product >> 32;
+    }
+}

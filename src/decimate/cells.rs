@@ -1,0 +1,201 @@
+//! Voronoi cells of samples along the edges of a mesh, grown by Dijkstra's algorithm from each sample.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::surface::Surface;
+use crate::base::{Par, Result, reserved};
+
+/// A partition of the vertices of a mesh: each with its nearest sample, along edges.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Cells {
+    of_vertices: Vec<u32>,
+    distances: Vec<f32>,
+}
+
+impl Cells {
+    /// The cell of a vertex that no sample reaches: no face has it.
+    pub const NONE: u32 = u32::MAX;
+
+    pub(super) fn new(of_vertices: Vec<u32>, distances: Vec<f32>) -> Self {
+        Self { of_vertices, distances }
+    }
+
+    /// For each vertex of the mesh the number of its cell, from 0, or [`Cells::NONE`]. Of equally near samples, the first.
+    pub fn of_vertices(&self) -> &[u32] {
+        &self.of_vertices
+    }
+
+    /// For each vertex of the mesh its distance along edges to the sample of its cell, in units of length (single precision);
+    /// infinite where there is none.
+    pub fn distances(&self) -> &[f32] {
+        &self.distances
+    }
+
+    /// The largest distance of a vertex that is in a cell; 0 when there is none.
+    pub fn radius(&self) -> f32 {
+        self.distances.iter().copied().filter(|d| d.is_finite()).fold(0.0, f32::max)
+    }
+
+    /// The same cells by other vertices: vertex v is what was vertex `old[v]`, if that is one.
+    pub(super) fn seen_from(&self, old: &[u32]) -> Self {
+        let at = |&v: &u32| v as usize;
+        let known = |v: usize| self.of_vertices.get(v).copied().unwrap_or(Self::NONE);
+        let far = |v: usize| self.distances.get(v).copied().unwrap_or(f32::INFINITY);
+        Self {
+            of_vertices: old.iter().map(at).map(known).collect(),
+            distances: old.iter().map(at).map(far).collect(),
+        }
+    }
+}
+
+/// Not reached: farther than every distance.
+const FREE: u64 = u64::MAX;
+
+/// Distance and cell as one number; of two for a vertex, the lower wins. Distances are not negative, so that their bits are
+/// ordered as they are.
+fn pack(distance: f32, cell: u32) -> u64 {
+    u64::from(distance.to_bits()) << 32 | u64::from(cell)
+}
+
+fn distance_of(state: u64) -> f32 {
+    if state == FREE { f32::INFINITY } else { f32::from_bits((state >> 32) as u32) }
+}
+
+/// Cells being grown.
+///
+/// Each sample runs Dijkstra's algorithm as far as it wins, and several do so at the same time: the state of a vertex only
+/// falls, and where all have ended it is the least that any path gives, whoever was first. Hence the same for any number of
+/// threads.
+pub(super) struct Growth {
+    state: Vec<AtomicU64>,
+    par: Par,
+}
+
+/// Where a cell starts.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seed {
+    pub vertex: u32,
+    pub distance: f32,
+    pub cell: u32,
+}
+
+/// Waiting vertices, the nearest first: distance and vertex as one number.
+type Queue = BinaryHeap<Reverse<u64>>;
+
+/// Seeds that one thread takes at a time.
+const BATCH: usize = 8;
+
+impl Growth {
+    pub fn new(surface: &Surface<'_>, par: Par) -> Result<Self> {
+        let mut state = reserved(surface.len())?;
+        state.resize_with(surface.len(), || AtomicU64::new(FREE));
+        Ok(Self { state, par })
+    }
+
+    /// Every vertex is free again.
+    pub fn clear(&mut self) {
+        self.state.iter_mut().for_each(|state| *state.get_mut() = FREE);
+    }
+
+    pub fn distance(&self, v: u32) -> f32 {
+        distance_of(self.state[v as usize].load(Ordering::Relaxed))
+    }
+
+    /// The cell of a vertex, [`Cells::NONE`] if it is free.
+    pub fn cell(&self, v: u32) -> u32 {
+        self.state[v as usize].load(Ordering::Relaxed) as u32
+    }
+
+    /// Lets all seeds grow, not farther than `cutoff` (relative to the surface's scale).
+    pub fn grow(&self, surface: &Surface<'_>, seeds: &[Seed], cutoff: f32) {
+        if self.par.threads() == 1 {
+            let mut queue = Queue::new();
+            seeds.iter().for_each(|seed| self.grow_one::<true>(surface, seed, cutoff, &mut queue));
+            return;
+        }
+        self.par.map_blocks(seeds.len(), BATCH, |range| {
+            let mut queue = Queue::new();
+            seeds[range]
+                .iter()
+                .for_each(|seed| self.grow_one::<false>(surface, seed, cutoff, &mut queue));
+        });
+    }
+
+    /// Lets what is grown up to the cut-off go on to all that it can reach.
+    pub fn grow_on(&self, surface: &Surface<'_>) {
+        let free = |v: u32| self.state[v as usize].load(Ordering::Relaxed) == FREE;
+        let mut queue = Queue::new();
+        for v in 0..surface.len() as u32 {
+            if !free(v) && surface.links(v).iter().any(|link| free(link.to)) {
+                queue.push(Reverse(pack(self.distance(v), v)));
+            }
+        }
+        while let Some(Reverse(entry)) = queue.pop() {
+            let (from, v) = (distance_of(entry), entry as u32);
+            let cell = self.cell(v);
+            if self.state[v as usize].load(Ordering::Relaxed) != pack(from, cell) {
+                continue;
+            }
+            for link in surface.links(v) {
+                let through = from + link.length;
+                if self.improve::<true>(link.to, pack(through, cell)) {
+                    queue.push(Reverse(pack(through, link.to)));
+                }
+            }
+        }
+    }
+
+    /// One seed; `ALONE` when no other thread grows.
+    fn grow_one<const ALONE: bool>(
+        &self,
+        surface: &Surface<'_>,
+        seed: &Seed,
+        cutoff: f32,
+        queue: &mut Queue,
+    ) {
+        let cell = seed.cell;
+        queue.clear();
+        if self.improve::<ALONE>(seed.vertex, pack(seed.distance, cell)) {
+            queue.push(Reverse(pack(seed.distance, seed.vertex)));
+        }
+        while let Some(Reverse(entry)) = queue.pop() {
+            let (from, v) = (distance_of(entry), entry as u32);
+            if self.state[v as usize].load(Ordering::Relaxed) != pack(from, cell) {
+                continue; // nearer to something else by now
+            }
+            for link in surface.links(v) {
+                let through = from + link.length;
+                if through <= cutoff && self.improve::<ALONE>(link.to, pack(through, cell)) {
+                    queue.push(Reverse(pack(through, link.to)));
+                }
+            }
+        }
+    }
+
+    fn improve<const ALONE: bool>(&self, v: u32, state: u64) -> bool {
+        let place = &self.state[v as usize];
+        let mut now = place.load(Ordering::Relaxed);
+        if ALONE {
+            if state < now {
+                place.store(state, Ordering::Relaxed);
+            }
+            return state < now;
+        }
+        while state < now {
+            match place.compare_exchange_weak(now, state, Ordering::Relaxed, Ordering::Relaxed) {
+                Ok(_) => return true,
+                Err(other) => now = other,
+            }
+        }
+        false
+    }
+
+    /// What is grown, distances in units of length: [`Surface::scale`] times those relative to it.
+    pub fn cells(&self, scale: f64) -> Cells {
+        let vertices = 0..self.state.len() as u32;
+        let length = |v: u32| (f64::from(self.distance(v)) * scale) as f32;
+        Cells::new(vertices.clone().map(|v| self.cell(v)).collect(), vertices.map(length).collect())
+    }
+}

@@ -1,0 +1,86 @@
+//! Short edges collapsed: to the number of vertices that is asked for, and in exchange for long ones.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use super::patch::Patch;
+
+/// Collapses the shortest edges that can be, until `n` vertices are left; how many are left. First without turning faces over,
+/// then, if that is not enough, at any rate.
+pub(super) fn reduce(patch: &mut Patch, n: usize) -> usize {
+    for careful in [true, false] {
+        let mut waiting: BinaryHeap<Reverse<(u64, [u32; 2])>> =
+            patch.edges().into_iter().map(|[a, b]| Reverse((key(patch, a, b), [a, b]))).collect();
+        while patch.count > n {
+            let Some(Reverse((was, [a, b]))) = waiting.pop() else { break };
+            if patch.sides(a, b).is_none() || was != key(patch, a, b) {
+                continue; // gone, or moved since and here again
+            }
+            if let Some(left) = collapse(patch, a, b, careful) {
+                // Edges nearby have other lengths, and what could not collapse before may now.
+                let mut near = patch.neighbours(left);
+                near.push(left);
+                for &v in &near {
+                    for w in patch.neighbours(v) {
+                        waiting.push(Reverse((key(patch, v, w), [v.min(w), v.max(w)])));
+                    }
+                }
+            }
+        }
+    }
+    patch.count
+}
+
+/// Lengths are not negative, so that their bits are ordered as they are.
+fn key(patch: &Patch, a: u32, b: u32) -> u64 {
+    patch.length(a, b).to_bits()
+}
+
+/// Collapses the edge if it can be, into its middle, or into its end on the boundary; the vertex that is left.
+fn collapse(patch: &mut Patch, a: u32, b: u32, careful: bool) -> Option<u32> {
+    if !patch.can_collapse(a, b) {
+        return None;
+    }
+    let [p, q] = [a, b].map(|v| patch.positions[v as usize]);
+    let at = match [a, b].map(|v| patch.on_boundary[v as usize]) {
+        [true, false] => p,
+        [false, true] => q,
+        _ => std::array::from_fn(|k| 0.5 * (p[k] + q[k])),
+    };
+    if careful && !(patch.stays_upright(a, b, at) && patch.stays_upright(b, a, at)) {
+        return None;
+    }
+    patch.collapse(a, b, at);
+    Some(b)
+}
+
+/// An edge is short below, long above these parts of the mean length.
+const SHORT: f64 = 0.62;
+const LONG: f64 = 1.5;
+
+/// Collapses short edges and splits as many long ones: vertices go from where they are dense to where they are not.
+pub(super) fn exchange(patch: &mut Patch) {
+    let mut edges: Vec<(f64, [u32; 2])> =
+        patch.edges().into_iter().map(|[a, b]| (patch.length(a, b), [a, b])).collect();
+    edges.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mean = edges.iter().map(|edge| edge.0).sum::<f64>() / edges.len().max(1) as f64;
+    let short = edges.partition_point(|edge| edge.0 < SHORT * mean);
+    let long = edges.partition_point(|edge| edge.0 <= LONG * mean);
+    let mut pairs = edges[long..].iter().rev();
+    for &(was, [a, b]) in &edges[..short] {
+        // Only what no earlier exchange has touched.
+        let untouched = |patch: &Patch, &(was, [a, b]): &(f64, [u32; 2])| {
+            patch.sides(a, b).is_some() && patch.length(a, b) == was
+        };
+        if !untouched(patch, &(was, [a, b])) || !patch.can_collapse(a, b) {
+            continue;
+        }
+        let Some(&(_, [c, d])) = pairs.find(|edge| untouched(patch, edge)) else { break };
+        if [c, d].iter().any(|v| *v == a || *v == b) {
+            continue;
+        }
+        if collapse(patch, a, b, true).is_some() && patch.sides(c, d).is_some() {
+            patch.split(c, d);
+        }
+    }
+}

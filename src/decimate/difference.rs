@@ -1,0 +1,94 @@
+//! How far two meshes are from each other (thesis, equation 5.8).
+
+use rstar::{AABB, PointDistance, RTree, RTreeObject};
+
+use super::closest::weights_on_triangle;
+use crate::base::{Error, Par, Result};
+use crate::mesh::TriMesh;
+use crate::mesh::vector::{Vector, dot, sub};
+
+/// Distances between a mesh and its decimation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Difference {
+    /// The largest distance of a vertex of either mesh from the surface of the other, in units of length.
+    pub hausdorff: f64,
+    /// The mean square of the distances of the vertices of one mesh from the surface of the other, plus the same the other
+    /// way, in units of length squared.
+    pub chamfer: f64,
+    /// H of equation 5.8 as printed: the largest distance of a vertex of the first mesh from the vertices of the second.
+    pub printed_hausdorff: f64,
+    /// C of equation 5.8 as printed. Its first sum is over the second mesh only, and so 0: the mean square of the distances
+    /// of the vertices of the second mesh from those of the first.
+    pub printed_chamfer: f64,
+}
+
+/// Vertices that one thread takes at a time.
+const BLOCK: usize = 1024;
+
+impl Difference {
+    /// Between `first` and `second`. O(V log F).
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] when one of them has no face.
+    pub fn between(first: &TriMesh, second: &TriMesh, par: Par) -> Result<Self> {
+        for mesh in [first, second] {
+            if mesh.faces().is_empty() {
+                return Err(Error::Mesh { what: "it has no face".into(), element: "mesh".into() });
+            }
+        }
+        let out = squares(first.vertices(), &faces(second), par);
+        let back = squares(second.vertices(), &faces(first), par);
+        let points = |mesh: &TriMesh| RTree::bulk_load(mesh.vertices().to_vec());
+        Ok(Self {
+            hausdorff: largest(&out).max(largest(&back)).sqrt(),
+            chamfer: mean(&out) + mean(&back),
+            printed_hausdorff: largest(&squares(first.vertices(), &points(second), par)).sqrt(),
+            printed_chamfer: mean(&squares(second.vertices(), &points(first), par)),
+        })
+    }
+}
+
+fn faces(mesh: &TriMesh) -> RTree<Triangle> {
+    let corners = mesh.faces().iter().map(|face| face.map(|v| mesh.vertices()[v as usize]));
+    RTree::bulk_load(corners.map(Triangle).collect())
+}
+
+/// The squared distance of each point from what is nearest.
+fn squares<T>(points: &[Vector], tree: &RTree<T>, par: Par) -> Vec<f64>
+where
+    T: PointDistance + RTreeObject<Envelope = AABB<Vector>> + Sync,
+{
+    let blocks = par.map_blocks(points.len(), BLOCK, |range| {
+        let square = |p: &Vector| tree.nearest_neighbor(*p).map_or(0.0, |near| near.distance_2(p));
+        points[range].iter().map(square).collect::<Vec<_>>()
+    });
+    blocks.concat()
+}
+
+fn largest(squares: &[f64]) -> f64 {
+    squares.iter().copied().fold(0.0, f64::max)
+}
+
+fn mean(squares: &[f64]) -> f64 {
+    squares.iter().sum::<f64>() / squares.len().max(1) as f64
+}
+
+struct Triangle([Vector; 3]);
+
+impl RTreeObject for Triangle {
+    type Envelope = AABB<Vector>;
+
+    fn envelope(&self) -> Self::Envelope {
+        AABB::from_points(&self.0)
+    }
+}
+
+impl PointDistance for Triangle {
+    fn distance_2(&self, p: &Vector) -> f64 {
+        let [a, b, c] = self.0;
+        let [u, v, w] = weights_on_triangle(self.0, *p);
+        let nearest = std::array::from_fn(|k| u * a[k] + v * b[k] + w * c[k]);
+        let step = sub(nearest, *p);
+        dot(step, step)
+    }
+}

@@ -1,0 +1,166 @@
+//! Voronoi farthest point sampling, one sample after the other (thesis, algorithm 5.2).
+
+use std::borrow::Cow;
+use std::collections::BinaryHeap;
+
+use super::batches::seeds;
+use super::cells::{Cells, Growth};
+use super::stages::Stages;
+use super::surface::Surface;
+use crate::base::{Error, Par, Progress, Result};
+use crate::mesh::TriMesh;
+
+/// Farthest points of a mesh with their Voronoi cells, one after the other: each new sample is the vertex farthest along edges
+/// from those before it, the lowest of several; a component without a sample is infinitely far (thesis, algorithm 5.2, with
+/// the order of its inner queue corrected). Any mesh will do.
+///
+/// More can be added at any time, and the first samples are the same however many follow: prefixes are nested levels of
+/// detail. O(V log V log n) for n samples of V vertices.
+pub struct FarthestPoints<'m> {
+    surface: Surface<'m>,
+    sampler: Sampler,
+}
+
+impl<'m> FarthestPoints<'m> {
+    /// The first sample only: vertex `first`, or else the lowest that a face has.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when no face has vertex `first`, [`Error::Mesh`] when there is no face, or lengths are out of
+    /// range; [`Error::OutOfMemory`].
+    pub fn new(mesh: &'m TriMesh, first: Option<u32>) -> Result<Self> {
+        let surface = Surface::of_edges(Cow::Borrowed(mesh), Par::Seq)?;
+        let mut sampler = Sampler::empty(&surface, Par::Seq)?;
+        sampler.start(&surface, first_sample(&surface, first)?);
+        Ok(Self { surface, sampler })
+    }
+
+    /// Adds samples until there are n; does nothing when there are. A callback may cancel: the samples so far stay.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when there are not that many vertices with faces, [`Error::Cancelled`].
+    pub fn extend_to(&mut self, n: usize, progress: Option<Progress<'_>>) -> Result<()> {
+        self.sampler.extend_to(&self.surface, n, Stages::new(progress))
+    }
+
+    /// The samples, in the order in which they were taken.
+    pub fn samples(&self) -> &[u32] {
+        &self.sampler.samples
+    }
+
+    /// The cells of the samples, by their place in [`FarthestPoints::samples`].
+    pub fn cells(&self) -> Cells {
+        self.sampler.growth.cells(self.surface.scale)
+    }
+}
+
+/// Samples of a surface with their cells.
+pub(super) struct Sampler {
+    growth: Growth,
+    samples: Vec<u32>,
+    /// Every vertex at least that far from the samples is waiting.
+    threshold: f32,
+    /// Vertices by their distance when they were put here, the farthest first, then the lowest: their distance may be less by
+    /// now.
+    waiting: BinaryHeap<u64>,
+}
+
+/// The part of the largest distance from which on vertices wait in the heap: a heap of all would be slow.
+const WAITING: f32 = 0.9;
+
+impl Sampler {
+    /// Without samples.
+    pub fn empty(surface: &Surface<'_>, par: Par) -> Result<Self> {
+        Ok(Self {
+            growth: Growth::new(surface, par)?,
+            samples: Vec::new(),
+            threshold: f32::INFINITY,
+            waiting: BinaryHeap::new(),
+        })
+    }
+
+    /// The first sample, and its cell, which is the whole component.
+    pub fn start(&mut self, surface: &Surface<'_>, first: u32) {
+        self.growth.clear();
+        self.samples = vec![first];
+        self.threshold = f32::INFINITY;
+        self.waiting.clear();
+        self.growth.grow(surface, &seeds(&self.samples, 0), f32::INFINITY);
+    }
+
+    pub fn samples(&self) -> &[u32] {
+        &self.samples
+    }
+
+    pub fn growth(&self) -> &Growth {
+        &self.growth
+    }
+
+    /// For samples in batches.
+    pub fn in_batches(&mut self) -> (&mut Growth, &mut Vec<u32>) {
+        (&mut self.growth, &mut self.samples)
+    }
+
+    /// Adds farthest points until there are n.
+    pub fn extend_to(&mut self, surface: &Surface<'_>, n: usize, stages: Stages<'_>) -> Result<()> {
+        let start = self.samples.len();
+        while self.samples.len() < n {
+            let done = self.samples.len() - start;
+            if done % 64 == 0 {
+                stages.report(done as f64 / (n - start) as f64)?;
+            }
+            let Some(farthest) = self.farthest(surface) else {
+                let why = format!("{n}, but only {} vertices have faces", self.samples.len());
+                return Err(Error::Argument { what: "n", why });
+            };
+            self.samples.push(farthest);
+            let seed = seeds(&self.samples, self.samples.len() - 1);
+            self.growth.grow(surface, &seed, f32::INFINITY);
+        }
+        Ok(())
+    }
+
+    fn farthest(&mut self, surface: &Surface<'_>) -> Option<u32> {
+        loop {
+            while let Some(key) = self.waiting.pop() {
+                let (was, v) = (f32::from_bits((key >> 32) as u32), !key as u32);
+                let is = self.growth.distance(v);
+                if is == was {
+                    return Some(v);
+                }
+                if is >= self.threshold {
+                    self.waiting.push(waiting_key(is, v));
+                }
+            }
+            let growth = &self.growth;
+            let vertices = || (0..surface.len() as u32).filter(|&v| !surface.links(v).is_empty());
+            let largest = vertices().map(|v| growth.distance(v)).fold(0.0, f32::max);
+            if largest == 0.0 {
+                return None;
+            }
+            self.threshold = WAITING * largest;
+            let keys = vertices().map(|v| (growth.distance(v), v));
+            let far = keys.filter(|&(distance, _)| distance >= self.threshold);
+            self.waiting.extend(far.map(|(distance, v)| waiting_key(distance, v)));
+        }
+    }
+}
+
+/// The farthest is the greatest, then the lowest vertex.
+fn waiting_key(distance: f32, v: u32) -> u64 {
+    u64::from(distance.to_bits()) << 32 | u64::from(!v)
+}
+
+/// Vertex `first`, or the lowest with a face.
+pub(super) fn first_sample(surface: &Surface<'_>, first: Option<u32>) -> Result<u32> {
+    let has_face = |v: u32| (v as usize) < surface.len() && !surface.links(v).is_empty();
+    match first {
+        Some(v) if has_face(v) => Ok(v),
+        Some(v) => {
+            let why = format!("vertex {v}, which no face has, of {}", surface.len());
+            Err(Error::Argument { what: "first", why })
+        }
+        None => (0..surface.len() as u32)
+            .find(|&v| has_face(v))
+            .ok_or_else(|| Error::Mesh { what: "it has no face".into(), element: "mesh".into() }),
+    }
+}

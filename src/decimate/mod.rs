@@ -1,0 +1,37 @@
+//! Massive uniform decimation: farthest point sampling by Voronoi cells, their dual triangulation, resampling (thesis,
+//! chapter 5).
+//!
+//! See docs/algorithms/decimate.md for the mathematics.
+
+mod attributes;
+mod batches;
+mod cells;
+mod closest;
+mod collapse;
+mod difference;
+mod dual;
+mod farthest;
+mod lloyd;
+mod options;
+mod patch;
+mod prepare;
+mod quality;
+mod refine;
+mod relax;
+mod resample;
+mod result;
+mod solver;
+mod stages;
+mod surface;
+mod topology;
+mod weights;
+
+pub use cells::Cells;
+pub use difference::Difference;
+pub use farthest::FarthestPoints;
+pub use options::{DecimateOptions, Method};
+pub use prepare::Repairs;
+pub use quality::Quality;
+pub use resample::{Resampled, edge_length_for, resample};
+pub use result::{Decimation, Place, Topology};
+pub use solver::{Decimator, decimate};

@@ -1,0 +1,48 @@
+use crate::base::{Par, Progress};
+
+/// How faces are found and vertices placed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// Farthest points in batches, the dual triangulation made manifold, Lloyd passes, vertices moved over the surface:
+    /// exactly n vertices, the topology of the input.
+    #[default]
+    Uniform,
+    /// The thesis literally: one farthest point after the other (algorithm 5.2), every three-cycle of the graph of cells a
+    /// face. Not a manifold in general; for comparison. Passes count for nothing.
+    Thesis,
+}
+
+/// Options of [`decimate`](super::decimate()).
+#[derive(Clone, Copy)]
+pub struct DecimateOptions<'a> {
+    /// Default [`Method::Uniform`].
+    pub method: Method,
+    /// Whether edges longer than those of the result shall be ([`edge_length_for`](super::edge_length_for)) are split
+    /// first; default no.
+    pub resample: bool,
+    /// Lloyd passes over the input: each moves the sites to the centroids of their cells, and grows cells anew; default 1.
+    pub lloyd: usize,
+    /// Passes over the result: edges made Delaunay, vertices moved to the centroids of their faces on the surface, short
+    /// edges exchanged for long ones; default 12.
+    pub relaxation: usize,
+    /// The vertex that the first sample is; default the lowest that a face has. Must be one that a face has.
+    pub first: Option<u32>,
+    /// Threads; default all cores of the affinity mask. Does not change the result.
+    pub par: Par,
+    /// Told of progress; may cancel.
+    pub progress: Option<Progress<'a>>,
+}
+
+impl Default for DecimateOptions<'_> {
+    fn default() -> Self {
+        Self {
+            method: Method::default(),
+            resample: false,
+            lloyd: 1,
+            relaxation: 12,
+            first: None,
+            par: Par::all(),
+            progress: None,
+        }
+    }
+}

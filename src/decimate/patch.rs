@@ -1,0 +1,249 @@
+//! The new mesh while it changes: faces with the faces at each vertex, and the three changes that keep a manifold one.
+
+use crate::mesh::vector::{Vector, cross, distance, dot, sub, unit};
+
+/// No face any more.
+const GONE: [u32; 3] = [u32::MAX; 3];
+
+/// A manifold mesh, with boundary or without, whose edges can be collapsed, split and flipped.
+pub(super) struct Patch {
+    pub positions: Vec<Vector>,
+    /// For each vertex a vertex of the input near it, on the boundary when it is.
+    pub anchors: Vec<u32>,
+    pub on_boundary: Vec<bool>,
+    pub faces: Vec<[u32; 3]>,
+    /// For each vertex its faces; none when it is gone.
+    around: Vec<Vec<u32>>,
+    /// Vertices that are there.
+    pub count: usize,
+}
+
+/// The one or two faces of an edge.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sides {
+    pub first: u32,
+    pub second: Option<u32>,
+}
+
+impl Patch {
+    pub fn new(positions: Vec<Vector>, anchors: Vec<u32>, faces: Vec<[u32; 3]>) -> Self {
+        let mut around = vec![Vec::with_capacity(8); positions.len()];
+        for (face, f) in faces.iter().zip(0..) {
+            face.iter().for_each(|&v| around[v as usize].push(f));
+        }
+        let count = around.iter().filter(|faces| !faces.is_empty()).count();
+        let on_boundary = vec![false; positions.len()];
+        let mut patch = Self { positions, anchors, on_boundary, faces, around, count };
+        for v in 0..patch.positions.len() as u32 {
+            let neighbours = patch.neighbours(v);
+            patch.on_boundary[v as usize] = neighbours.len() > patch.around[v as usize].len();
+        }
+        patch
+    }
+
+    pub fn around(&self, v: u32) -> &[u32] {
+        &self.around[v as usize]
+    }
+
+    /// The neighbours of v, each once.
+    pub fn neighbours(&self, v: u32) -> Vec<u32> {
+        let mut neighbours = Vec::with_capacity(12);
+        for &f in self.around(v) {
+            for w in self.faces[f as usize] {
+                if w != v && !neighbours.contains(&w) {
+                    neighbours.push(w);
+                }
+            }
+        }
+        neighbours
+    }
+
+    pub fn sides(&self, a: u32, b: u32) -> Option<Sides> {
+        let with_b = |&f: &u32| self.faces[f as usize].contains(&b);
+        let mut sides = self.around(a).iter().copied().filter(with_b);
+        Some(Sides { first: sides.next()?, second: sides.next() })
+    }
+
+    /// The corner of face f that is neither a nor b.
+    pub fn opposite(&self, f: u32, a: u32, b: u32) -> u32 {
+        let [x, y, z] = self.faces[f as usize];
+        if x != a && x != b {
+            x
+        } else if y != a && y != b {
+            y
+        } else {
+            z
+        }
+    }
+
+    /// All edges, each once, the lower vertex first, in the order of faces.
+    pub fn edges(&self) -> Vec<[u32; 2]> {
+        let mut edges = Vec::with_capacity(3 * self.count);
+        for (&[a, b, c], f) in self.faces.iter().zip(0..) {
+            if [a, b, c] == GONE {
+                continue;
+            }
+            for (u, v) in [(a, b), (b, c), (c, a)] {
+                if self.sides(u, v).is_some_and(|sides| sides.first == f) {
+                    edges.push([u.min(v), u.max(v)]);
+                }
+            }
+        }
+        edges
+    }
+
+    pub fn length(&self, a: u32, b: u32) -> f64 {
+        distance(self.positions[a as usize], self.positions[b as usize])
+    }
+
+    /// Twice the area of a face times its normal.
+    pub fn normal(&self, face: [u32; 3]) -> Vector {
+        let [a, b, c] = face.map(|v| self.positions[v as usize]);
+        cross(sub(b, a), sub(c, a))
+    }
+
+    /// Whether the edge can be collapsed and leave the same surface: the links of its ends meet in the link of the edge (Dey et
+    /// al., Topology preserving edge contraction, 1999).
+    pub fn can_collapse(&self, a: u32, b: u32) -> bool {
+        let Some(Sides { first, second }) = self.sides(a, b) else { return false };
+        let both = self.on_boundary[a as usize] && self.on_boundary[b as usize];
+        if both && second.is_some() {
+            return false;
+        }
+        let c = self.opposite(first, a, b);
+        let d = second.map(|second| self.opposite(second, a, b));
+        let of_b = self.neighbours(b);
+        let common = self.neighbours(a).into_iter().filter(|v| of_b.contains(v));
+        if common.into_iter().any(|v| v != c && Some(v) != d) {
+            return false;
+        }
+        let one_face = |u, v| self.sides(u, v).is_some_and(|sides| sides.second.is_none());
+        match d {
+            // A tetrahedron, or the last triangle: their smaller copies would be no surface.
+            Some(d) => !(self.has_face(a, c, d) && self.has_face(b, c, d)),
+            None => !(one_face(a, c) && one_face(b, c)),
+        }
+    }
+
+    fn has_face(&self, a: u32, b: u32, c: u32) -> bool {
+        self.around(a).iter().any(|&f| {
+            let face = self.faces[f as usize];
+            face.contains(&b) && face.contains(&c)
+        })
+    }
+
+    /// Whether no face around a, without those at b, turns over when a goes to p.
+    pub fn stays_upright(&self, a: u32, b: u32, p: Vector) -> bool {
+        self.around(a).iter().map(|&f| self.faces[f as usize]).all(|face| {
+            if face.contains(&b) {
+                return true;
+            }
+            let corners = face.map(|v| if v == a { p } else { self.positions[v as usize] });
+            let new = cross(sub(corners[1], corners[0]), sub(corners[2], corners[0]));
+            dot(unit(new), unit(self.normal(face))) > 0.2
+        })
+    }
+
+    /// Makes b the vertex of all faces of a, at position p. The edge must be one that can be collapsed.
+    pub fn collapse(&mut self, a: u32, b: u32, p: Vector) {
+        for f in std::mem::take(&mut self.around[a as usize]) {
+            let face = &mut self.faces[f as usize];
+            if face.contains(&b) {
+                let [x, y, z] = *face;
+                *face = GONE;
+                for v in [x, y, z].into_iter().filter(|&v| v != a) {
+                    self.around[v as usize].retain(|&g| g != f);
+                }
+            } else {
+                *face = face.map(|v| if v == a { b } else { v });
+                self.around[b as usize].push(f);
+            }
+        }
+        self.positions[b as usize] = p;
+        if self.on_boundary[a as usize] && !self.on_boundary[b as usize] {
+            self.on_boundary[b as usize] = true;
+            self.anchors[b as usize] = self.anchors[a as usize];
+        }
+        self.count -= 1;
+    }
+
+    /// Puts a vertex into the middle of the edge from a to b, and returns it.
+    pub fn split(&mut self, a: u32, b: u32) -> Option<u32> {
+        let sides = self.sides(a, b)?;
+        let new = self.positions.len() as u32;
+        let [p, q] = [a, b].map(|v| self.positions[v as usize]);
+        self.positions.push(std::array::from_fn(|k| 0.5 * (p[k] + q[k])));
+        let on_boundary = sides.second.is_none();
+        // On the boundary, both ends are anchored there.
+        self.anchors.push(self.anchors[a as usize]);
+        self.on_boundary.push(on_boundary);
+        self.around.push(Vec::with_capacity(8));
+        for f in [Some(sides.first), sides.second].into_iter().flatten() {
+            let face = self.faces[f as usize];
+            let half = self.faces.len() as u32;
+            let c = self.opposite(f, a, b);
+            self.faces[f as usize] = face.map(|v| if v == b { new } else { v });
+            self.faces.push(face.map(|v| if v == a { new } else { v }));
+            self.around[b as usize].iter_mut().filter(|g| **g == f).for_each(|g| *g = half);
+            self.around[c as usize].push(half);
+            self.around[new as usize].extend([f, half]);
+        }
+        self.count += 1;
+        Some(new)
+    }
+
+    /// The faces that would be there if the edge from a to b joined its opposite corners instead; `None` when it can't.
+    pub fn flipped(&self, a: u32, b: u32) -> Option<Flip> {
+        let Sides { first, second: Some(second) } = self.sides(a, b)? else { return None };
+        let (c, d) = (self.opposite(first, a, b), self.opposite(second, a, b));
+        let follows = |f: u32, u: u32, v: u32| {
+            let [x, y, z] = self.faces[f as usize];
+            [[x, y], [y, z], [z, x]].contains(&[u, v])
+        };
+        let (a, b) = if follows(first, a, b) { (a, b) } else { (b, a) };
+        if c == d || !follows(second, b, a) || self.sides(c, d).is_some() {
+            return None;
+        }
+        let least = |v: u32| if self.on_boundary[v as usize] { 1 } else { 3 };
+        if self.around(a).len() <= least(a) || self.around(b).len() <= least(b) {
+            return None;
+        }
+        Some(Flip { old: [first, second], ends: [a, b], new: [[c, d, b], [d, c, a]] })
+    }
+
+    pub fn flip(&mut self, flip: &Flip) {
+        let Flip { old: [first, second], ends: [a, b], new } = *flip;
+        let [c, d, _] = new[0];
+        self.faces[first as usize] = new[0];
+        self.faces[second as usize] = new[1];
+        // The first face is now at b, the second at a, both at c and d.
+        self.around[a as usize].retain(|&f| f != first);
+        self.around[b as usize].retain(|&f| f != second);
+        self.around[c as usize].push(second);
+        self.around[d as usize].push(first);
+    }
+
+    /// Vertices that are there, renumbered: positions, anchors and faces.
+    pub fn compact(self) -> (Vec<Vector>, Vec<u32>, Vec<bool>, Vec<[u32; 3]>) {
+        let kept: Vec<usize> =
+            (0..self.positions.len()).filter(|&v| !self.around[v].is_empty()).collect();
+        let mut number = vec![u32::MAX; self.positions.len()];
+        kept.iter().zip(0..).for_each(|(&v, new)| number[v] = new);
+        let faces = self.faces.into_iter().filter(|&face| face != GONE);
+        (
+            kept.iter().map(|&v| self.positions[v]).collect(),
+            kept.iter().map(|&v| self.anchors[v]).collect(),
+            kept.iter().map(|&v| self.on_boundary[v]).collect(),
+            faces.map(|face| face.map(|v| number[v as usize])).collect(),
+        )
+    }
+}
+
+/// An edge that joins its opposite corners instead.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Flip {
+    old: [u32; 2],
+    ends: [u32; 2],
+    /// The faces that there would be.
+    pub new: [[u32; 3]; 2],
+}

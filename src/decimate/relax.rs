@@ -1,0 +1,147 @@
+//! Passes over the new mesh that make its triangles alike.
+
+use super::closest::{Found, on_boundary, on_surface};
+use super::collapse::exchange;
+use super::patch::Patch;
+use super::stages::Stages;
+use super::surface::Surface;
+use crate::base::{Par, Result};
+use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub, unit};
+
+/// Vertices that one thread moves at a time.
+const BLOCK: usize = 512;
+
+/// Sweeps over all edges for flips, at most: on a surface in space there is no order in which they must end.
+const SWEEPS: usize = 4;
+
+/// Passes: edges flipped to be Delaunay, short edges exchanged for long ones (but in the last passes), vertices moved to the
+/// centroids of their faces and back onto the surface.
+pub(super) fn relax(
+    surface: &Surface<'_>,
+    patch: &mut Patch,
+    passes: usize,
+    par: Par,
+    stages: Stages<'_>,
+) -> Result<()> {
+    for pass in 0..passes {
+        stages.report(pass as f64 / passes as f64)?;
+        if pass > 0 && 3 * pass < 2 * passes {
+            exchange(patch);
+        }
+        make_delaunay(patch);
+        move_vertices(surface, patch, par);
+    }
+    if passes > 0 {
+        make_delaunay(patch);
+    }
+    Ok(())
+}
+
+/// Flips edges whose opposite angles have a sum above pi.
+fn make_delaunay(patch: &mut Patch) {
+    let mut edges = patch.edges();
+    for _ in 0..SWEEPS {
+        let mut changed = Vec::new();
+        for &[a, b] in &edges {
+            let Some(flip) = patch.flipped(a, b) else { continue };
+            let [c, d, _] = flip.new[0];
+            if cotangent(patch, a, b, c) + cotangent(patch, a, b, d) >= -1e-9 {
+                continue;
+            }
+            if folds(patch, a, b, &flip.new) {
+                continue;
+            }
+            patch.flip(&flip);
+            for v in [a, b] {
+                for w in [c, d] {
+                    changed.push([v.min(w), v.max(w)]);
+                }
+            }
+        }
+        if changed.is_empty() {
+            break;
+        }
+        edges = changed;
+    }
+}
+
+/// Of the angle at v opposite to the edge from a to b.
+fn cotangent(patch: &Patch, a: u32, b: u32, v: u32) -> f64 {
+    let [a, b, v] = [a, b, v].map(|v| patch.positions[v as usize]);
+    let (p, q) = (sub(a, v), sub(b, v));
+    dot(p, q) / norm(cross(p, q)).max(f64::MIN_POSITIVE)
+}
+
+/// Whether the new faces do not look where the old ones do, or bend more than these.
+fn folds(patch: &Patch, a: u32, b: u32, new: &[[u32; 3]; 2]) -> bool {
+    let Some(sides) = patch.sides(a, b) else { return true };
+    let Some(second) = sides.second else { return true };
+    let old = [sides.first, second].map(|f| unit(patch.normal(patch.faces[f as usize])));
+    let new = new.map(|face| unit(patch.normal(face)));
+    let bend = dot(old[0], old[1]);
+    let mean: Vector = std::array::from_fn(|k| old[0][k] + old[1][k]);
+    new.iter().any(|&normal| dot(normal, mean) <= 0.0) || dot(new[0], new[1]) < bend.min(0.5)
+}
+
+fn move_vertices(surface: &Surface<'_>, patch: &mut Patch, par: Par) {
+    let vertices = patch.positions.len();
+    let moves = par.map_blocks(vertices, BLOCK, |range| {
+        range.map(|v| target(surface, patch, v as u32)).collect::<Vec<_>>()
+    });
+    for (v, found) in moves.into_iter().flatten().enumerate() {
+        if let Some(found) = found {
+            patch.positions[v] = found.point;
+            patch.anchors[v] = found.vertex;
+        }
+    }
+}
+
+/// Where a vertex goes; `None`: it stays.
+fn target(surface: &Surface<'_>, patch: &Patch, v: u32) -> Option<Found> {
+    let here = patch.positions[v as usize];
+    let anchor = patch.anchors[v as usize];
+    if patch.around(v).is_empty() {
+        return None;
+    }
+    if patch.on_boundary[v as usize] {
+        return on_boundary(surface, anchor, boundary_target(patch, v, here)?);
+    }
+    let mut sum = [0.0; 3];
+    let mut normal = [0.0; 3];
+    let mut weight = 0.0;
+    for &f in patch.around(v) {
+        let face = patch.faces[f as usize];
+        let [a, b, c] = face.map(|v| patch.positions[v as usize]);
+        let doubled = patch.normal(face);
+        let area = norm(doubled);
+        for k in 0..3 {
+            sum[k] += area * (a[k] + b[k] + c[k]) / 3.0;
+            normal[k] += doubled[k];
+        }
+        weight += area;
+    }
+    if weight <= 0.0 {
+        return on_surface(surface, anchor, here);
+    }
+    let normal = unit(normal);
+    let step = sub(scale(sum, 1.0 / weight), here);
+    let out = dot(step, normal);
+    let p = std::array::from_fn(|k| here[k] + step[k] - out * normal[k]);
+    on_surface(surface, anchor, p)
+}
+
+/// A turn of the boundary above 60 degrees is a corner, which stays.
+const CORNER: f64 = 0.5;
+
+/// Between the neighbours along the boundary.
+fn boundary_target(patch: &Patch, v: u32, here: Vector) -> Option<Vector> {
+    let mut ends = patch
+        .neighbours(v)
+        .into_iter()
+        .filter(|&w| patch.sides(v, w).is_some_and(|sides| sides.second.is_none()));
+    let [a, b] = [ends.next()?, ends.next()?].map(|w| patch.positions[w as usize]);
+    if dot(unit(sub(here, a)), unit(sub(b, here))) < CORNER {
+        return None;
+    }
+    Some(std::array::from_fn(|k| 0.5 * here[k] + 0.25 * (a[k] + b[k])))
+}

@@ -1,0 +1,126 @@
+//! Long edges split before a mesh is sampled (thesis, algorithm 5.3).
+
+use super::stages::Stages;
+use crate::base::{Error, Result};
+use crate::mesh::vector::{Vector, distance};
+use crate::mesh::{Edges, TriMesh};
+
+/// A mesh whose long edges were split.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Resampled {
+    /// The mesh: the vertices of the input first, then the new ones.
+    pub mesh: TriMesh,
+    /// For each face the face of the input that it is a part of.
+    pub parents: Vec<u32>,
+}
+
+/// The length of the edges when `n` vertices are spread over an area by equilateral triangles, of which there are 2 n:
+/// sqrt(4 A_E / sqrt 3) with A_E = area / (2 n), in units of length. (The thesis has 3 n triangles and a factor 2, which
+/// would be right for neither.)
+///
+/// # Errors
+/// [`Error::Argument`] when n is 0, or the area not positive and finite.
+pub fn edge_length_for(area: f64, n: usize) -> Result<f64> {
+    if n == 0 {
+        return Err(Error::Argument { what: "n", why: "0, where at least 1 is needed".into() });
+    }
+    if !(area > 0.0 && area.is_finite()) {
+        let why = format!("{area}, where a positive number is needed");
+        return Err(Error::Argument { what: "area", why });
+    }
+    Ok((2.0 * area / (n as f64 * 3f64.sqrt())).sqrt())
+}
+
+/// Splits edges in their middle until none is longer than `longest`, in units of length; each edge is split in both of its
+/// faces, so that the mesh stays as closed as it was. A face with one split edge becomes two, with two a triangle and four
+/// around the barycentre of the quadrilateral that is left, with three four (thesis, algorithm 5.3 and figure 5.4; lengths are
+/// measured anew in every round).
+///
+/// # Errors
+/// [`Error::Argument`] when `longest` is not positive, or so small that vertices could not be numbered.
+pub fn resample(mesh: &TriMesh, longest: f64) -> Result<Resampled> {
+    resample_with(mesh, longest, Stages::new(None))
+}
+
+pub(super) fn resample_with(mesh: &TriMesh, longest: f64, stages: Stages<'_>) -> Result<Resampled> {
+    if !(longest > 0.0) {
+        let why = format!("{longest}, where a positive number is needed");
+        return Err(Error::Argument { what: "longest", why });
+    }
+    let mut parents: Vec<u32> = (0..mesh.faces().len() as u32).collect();
+    let mut current = mesh.clone();
+    for round in 1.. {
+        stages.report(1.0 - 1.0 / f64::from(round))?;
+        let edges = Edges::new(&current);
+        let (mut vertices, faces) = current.into_parts();
+        // For each edge its middle, where it is split.
+        let mut middles: Vec<Option<u32>> = Vec::with_capacity(edges.len());
+        for &[a, b] in edges.ends() {
+            let (p, q) = (vertices[a as usize], vertices[b as usize]);
+            middles.push(if distance(p, q) > longest {
+                Some(add(&mut vertices, &[p, q])?)
+            } else {
+                None
+            });
+        }
+        if middles.iter().all(Option::is_none) {
+            return Ok(Resampled { mesh: TriMesh::new(vertices, faces)?, parents });
+        }
+        let mut new_faces = Vec::with_capacity(2 * faces.len());
+        let mut new_parents = Vec::with_capacity(2 * faces.len());
+        for ((face, corners), parent) in
+            faces.iter().zip(edges.of_corners().as_chunks::<3>().0).zip(parents)
+        {
+            let before = new_faces.len();
+            split_face(*face, corners.map(|e| middles[e as usize]), &mut vertices, &mut new_faces)?;
+            new_parents.resize(new_parents.len() + new_faces.len() - before, parent);
+        }
+        current = TriMesh::new(vertices, new_faces)?;
+        parents = new_parents;
+    }
+    Err(Error::Argument { what: "longest", why: format!("{longest}, too small") })
+}
+
+/// Adds the mean of these points to the vertices.
+fn add(vertices: &mut Vec<Vector>, points: &[Vector]) -> Result<u32> {
+    let number = u32::try_from(vertices.len()).ok().filter(|&number| number < u32::MAX / 8);
+    let Some(number) = number else {
+        let why = "so small that there would be 2^29 vertices".into();
+        return Err(Error::Argument { what: "longest", why });
+    };
+    let share = 1.0 / points.len() as f64;
+    vertices.push(std::array::from_fn(|k| points.iter().map(|p| share * p[k]).sum()));
+    Ok(number)
+}
+
+/// The parts of a face; `middles` are those of the edges that start at its corners.
+fn split_face(
+    face: [u32; 3],
+    middles: [Option<u32>; 3],
+    vertices: &mut Vec<Vector>,
+    faces: &mut Vec<[u32; 3]>,
+) -> Result<()> {
+    let split = middles.iter().flatten().count();
+    // Turned so that a single split edge, or a single whole one, comes first.
+    let alone = |middle: &Option<u32>| middle.is_some() == (split == 1);
+    let turn = middles.iter().position(alone).unwrap_or(0);
+    let [a, b, c] = [0, 1, 2].map(|k| face[(turn + k) % 3]);
+    match [0, 1, 2].map(|k| middles[(turn + k) % 3]) {
+        [None, None, None] => faces.push(face),
+        [Some(m), None, None] => faces.extend([[a, m, c], [m, b, c]]),
+        [None, Some(p), Some(q)] => {
+            // The triangle at c, and the quadrilateral a, b, p, q around its barycentre.
+            let corners = [a, b, p, q].map(|v| vertices[v as usize]);
+            let middle = add(vertices, &corners)?;
+            faces.push([q, p, c]);
+            faces.extend([[a, b], [b, p], [p, q], [q, a]].map(|[u, v]| [u, v, middle]));
+        }
+        [Some(m), Some(p), Some(q)] => {
+            faces.extend([[a, m, q], [m, b, p], [q, p, c], [m, p, q]]);
+        }
+        // Excluded by the turn.
+        _ => faces.push(face),
+    }
+    Ok(())
+}

@@ -1,0 +1,52 @@
+use std::fmt;
+
+use super::cells::Cells;
+use super::prepare::Repairs;
+use crate::mesh::{Genus, TriMesh};
+
+/// What the decimation of a mesh gives.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Decimation {
+    /// The new mesh.
+    pub mesh: TriMesh,
+    /// For each vertex of the input its nearest vertex of the new mesh, along edges, with the distance. When there are nearly
+    /// as many vertices as in the input, a cell may be empty.
+    pub cells: Cells,
+    /// Where each vertex of the new mesh is on the input.
+    pub places: Vec<Place>,
+    /// What had to be done to the input first.
+    pub repairs: Repairs,
+    /// The topology of the input, after repairs.
+    pub before: Topology,
+    /// The topology of the new mesh; `None` when it is not a manifold, which only [`Method::Thesis`](super::Method::Thesis)
+    /// makes.
+    pub after: Option<Topology>,
+}
+
+/// A point on a mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// Its face.
+    pub face: u32,
+    /// Its barycentric coordinates there, from 0 to 1, of sum 1.
+    pub weights: [f64; 3],
+}
+
+/// What deformations leave as it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Topology {
+    /// Connected components.
+    pub components: usize,
+    /// Boundary loops.
+    pub boundary_loops: usize,
+    /// Handles, or cross-caps.
+    pub genus: Genus,
+}
+
+impl fmt::Display for Topology {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { components, boundary_loops, genus } = self;
+        write!(f, "components {components}, boundary loops {boundary_loops}, genus {genus}")
+    }
+}

@@ -1,0 +1,302 @@
+//! The whole of it: from a mesh and a number to a mesh of that many vertices.
+
+use std::borrow::Cow;
+
+use super::batches::add_samples;
+use super::cells::{Cells, Growth, Seed};
+use super::closest::{on_boundary, on_face, on_surface};
+use super::collapse::reduce;
+use super::farthest::{Sampler, first_sample};
+use super::options::{DecimateOptions, Method};
+use super::patch::Patch;
+use super::prepare::{Prepared, prepare};
+use super::refine::refine;
+use super::relax::relax;
+use super::resample::{edge_length_for, resample_with};
+use super::result::{Decimation, Place};
+use super::stages::Stages;
+use super::surface::Surface;
+use super::topology::{Component, components, topology};
+use super::{dual, lloyd};
+use crate::base::{Error, Result};
+use crate::mesh::vector::distance;
+use crate::mesh::{TriMesh, vertex_areas};
+
+/// The mesh of `n` vertices that is like `mesh`, as uniform as can be.
+///
+/// # Errors
+/// As those of [`Decimator::new`] and [`Decimator::decimate`].
+pub fn decimate(mesh: &TriMesh, n: usize, options: &DecimateOptions<'_>) -> Result<Decimation> {
+    Decimator::new(mesh, options)?.decimate(n)
+}
+
+/// Decimations of one mesh to several sizes.
+///
+/// Samples that were taken stay: a larger mesh has those of a smaller one and more, so that levels of detail are nested in
+/// where they start from; a smaller one has the first of them.
+pub struct Decimator<'m, 'o> {
+    input: &'m TriMesh,
+    options: DecimateOptions<'o>,
+    source: Source<'m>,
+    /// The longest edge after resampling, and for each face then that of the input.
+    resampled: Option<(f64, Vec<u32>)>,
+}
+
+/// What samples are taken from.
+struct Source<'m> {
+    prepared: Prepared<'m>,
+    components: Vec<Component>,
+    sampler: Sampler,
+}
+
+impl<'m> Source<'m> {
+    fn new(mesh: Cow<'m, TriMesh>, options: &DecimateOptions<'_>) -> Result<Self> {
+        let prepared = prepare(mesh, options.par)?;
+        let first = match (options.first, &prepared.vertices) {
+            // Of a vertex that was split, the first part.
+            (Some(v), Some(vertices)) => Some(
+                vertices.iter().position(|&w| w == v).map_or(u32::MAX, |position| position as u32),
+            ),
+            (first, _) => first,
+        };
+        let first = first_sample(&prepared.surface, first)?;
+        let mut components = components(&prepared.surface);
+        // The samples of components come first; that of the first sample is where the caller wants it.
+        let at = component_of(&prepared.surface, &components, first);
+        components[at].first = first;
+        components.swap(0, at);
+        let sampler = Sampler::empty(&prepared.surface, options.par)?;
+        Ok(Self { prepared, components, sampler })
+    }
+}
+
+/// The component that vertex v is in.
+fn component_of(surface: &Surface<'_>, components: &[Component], v: u32) -> usize {
+    if components.len() == 1 {
+        return 0;
+    }
+    let mut seen = vec![false; surface.len()];
+    let mut open = vec![v];
+    let mut lowest = v;
+    while let Some(v) = open.pop() {
+        lowest = lowest.min(v);
+        for link in surface.links(v) {
+            if !std::mem::replace(&mut seen[link.to as usize], true) {
+                open.push(link.to);
+            }
+        }
+    }
+    components.iter().position(|component| component.first == lowest).unwrap_or(0)
+}
+
+impl<'m, 'o> Decimator<'m, 'o> {
+    /// Looks at the mesh, and repairs what is no manifold.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] for a mesh without faces, with lengths out of range, or with a vertex at which it can't be cut to a
+    /// manifold; [`Error::Argument`] when no face has vertex `options.first`; [`Error::OutOfMemory`].
+    pub fn new(mesh: &'m TriMesh, options: &DecimateOptions<'o>) -> Result<Self> {
+        let source = Source::new(Cow::Borrowed(mesh), options)?;
+        Ok(Self { input: mesh, options: *options, source, resampled: None })
+    }
+
+    /// The mesh of `n` vertices.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when n is more than there are vertices to choose from, or fewer than the topology needs: 4 for
+    /// every closed component, 3 for every other one, and more for handles and loops. [`Error::OutOfMemory`],
+    /// [`Error::Cancelled`].
+    pub fn decimate(&mut self, n: usize) -> Result<Decimation> {
+        let stages = Stages::new(self.options.progress);
+        stages.report(0.0)?;
+        if self.options.resample {
+            self.resample_for(n, stages.part(0.0, 0.2))?;
+        }
+        self.check(n)?;
+        let decimation = match self.options.method {
+            Method::Uniform => self.uniform(n, stages.part(0.2, 1.0))?,
+            Method::Thesis => self.thesis(n, stages.part(0.2, 1.0))?,
+        };
+        stages.report(1.0)?;
+        Ok(decimation)
+    }
+
+    fn resample_for(&mut self, n: usize, stages: Stages<'_>) -> Result<()> {
+        let longest = edge_length_for(self.input.area(), n)?;
+        if self.resampled.as_ref().is_some_and(|(before, _)| *before <= longest) {
+            return Ok(());
+        }
+        let resampled = resample_with(self.input, longest, stages)?;
+        self.source = Source::new(Cow::Owned(resampled.mesh), &self.options)?;
+        self.resampled = Some((longest, resampled.parents));
+        Ok(())
+    }
+
+    fn check(&self, n: usize) -> Result<()> {
+        let refused = |why| Err(Error::Argument { what: "n", why });
+        let surface = &self.source.prepared.surface;
+        let there = (0..surface.len() as u32).filter(|&v| !surface.links(v).is_empty()).count();
+        if n > there {
+            return refused(format!("{n}, but the mesh has {there} vertices: resample it"));
+        }
+        let components = &self.source.components;
+        if self.options.method == Method::Thesis && n < components.len() {
+            return refused(format!("{n}, but the mesh has {} components", components.len()));
+        }
+        let least: usize = components.iter().map(Component::least_vertices).sum();
+        if self.options.method == Method::Uniform && n < least {
+            return refused(format!(
+                "{n}, but {} components need {least} vertices: 4 each, 3 with boundary",
+                components.len()
+            ));
+        }
+        Ok(())
+    }
+
+    /// Algorithm 5.1 with algorithm 5.2, and every three-cycle a face.
+    fn thesis(&mut self, n: usize, stages: Stages<'_>) -> Result<Decimation> {
+        let Source { prepared, sampler, components } = &mut self.source;
+        let surface = &prepared.surface;
+        if sampler.samples().is_empty() || sampler.samples().len() > n {
+            sampler.start(surface, components[0].first);
+        }
+        sampler.extend_to(surface, n, stages)?;
+        let positions = sampler.samples().iter().map(|&v| surface.position(v)).collect();
+        let mesh = TriMesh::new(
+            positions,
+            dual::three_cycles(surface, sampler.growth(), self.options.par),
+        )?;
+        let places = sampler.samples().iter().map(|&v| at_vertex(surface, v)).collect();
+        let cells = sampler.growth().cells(surface.scale);
+        self.finish(mesh, cells, places)
+    }
+
+    fn uniform(&mut self, n: usize, stages: Stages<'_>) -> Result<Decimation> {
+        let par = self.options.par;
+        let Source { prepared, components, sampler } = &mut self.source;
+        let surface = &prepared.surface;
+        let (growth, taken) = sampler.in_batches();
+        let mut samples: Vec<u32> = components.iter().map(|component| component.first).collect();
+        let more = taken.iter().skip(samples.len()).take(n.saturating_sub(samples.len()));
+        samples.extend(more);
+        growth.clear();
+        add_samples(surface, growth, &mut samples, n, par, stages.part(0.0, 0.4))?;
+        if samples.len() > taken.len() {
+            taken.clone_from(&samples);
+        }
+
+        // Cells are about as large as what a sample has for its own.
+        let radius = (surface.mesh.area() / n as f64).sqrt() / surface.scale;
+        let cutoff = radius as f32;
+        let areas = vertex_areas(&surface.mesh);
+        for pass in 0..self.options.lloyd {
+            stages.part(0.4, 0.6).report(pass as f64 / self.options.lloyd as f64)?;
+            lloyd::pass(surface, growth, &mut samples, &areas, cutoff);
+        }
+        refine(surface, growth, &mut samples, par, stages.part(0.6, 0.7))?;
+
+        let mut patch = dual_patch(surface, growth, &samples, self.options);
+        let left = reduce(&mut patch, n);
+        if left != n {
+            return Err(Error::Argument {
+                what: "n",
+                why: format!(
+                    "{n}, but the topology ({}) could not be kept with fewer than {left} vertices",
+                    topology(surface, components.len())
+                ),
+            });
+        }
+        relax(surface, &mut patch, self.options.relaxation, par, stages.part(0.7, 0.95))?;
+        let (positions, anchors, on_rim, faces) = patch.compact();
+        let mesh = TriMesh::new(positions, faces)?;
+        let places: Vec<Place> = (0..n)
+            .map(|v| {
+                let p = mesh.vertices()[v];
+                let found = if on_rim[v] {
+                    on_boundary(surface, anchors[v], p)
+                } else {
+                    on_surface(surface, anchors[v], p)
+                };
+                found.map_or_else(|| at_vertex(surface, anchors[v]), |found| found.place)
+            })
+            .collect();
+        growth.clear();
+        growth.grow(surface, &place_seeds(surface, &mesh, &places), cutoff);
+        growth.grow_on(surface);
+        let cells = growth.cells(surface.scale);
+        self.finish(mesh, cells, places)
+    }
+
+    /// In terms of the input.
+    fn finish(&self, mesh: TriMesh, cells: Cells, mut places: Vec<Place>) -> Result<Decimation> {
+        let Prepared { surface, vertices, faces, repairs } = &self.source.prepared;
+        for (place, &p) in places.iter_mut().zip(mesh.vertices()) {
+            let mut face = place.face;
+            if let Some(faces) = faces {
+                face = faces[face as usize];
+            }
+            if let Some((_, parents)) = &self.resampled {
+                face = parents[face as usize];
+            }
+            *place = Place { face, weights: on_face(self.input, face, p).1 };
+        }
+        let count = self.input.vertices().len();
+        let mut seen_from = vec![u32::MAX; count];
+        for v in (0..surface.len() as u32).rev() {
+            let old = vertices.as_ref().map_or(v, |vertices| vertices[v as usize]);
+            if (old as usize) < count && !surface.links(v).is_empty() {
+                seen_from[old as usize] = v;
+            }
+        }
+        let cells = cells.seen_from(&seen_from);
+        let before = topology(surface, self.source.components.len());
+        let after = Surface::new(Cow::Borrowed(&mesh), self.options.par)
+            .map(|surface| topology(&surface, components(&surface).len()));
+        let after = match (self.options.method, after) {
+            (_, Ok(after)) => Some(after),
+            (Method::Thesis, Err(Error::Mesh { .. })) => None,
+            (_, Err(error)) => return Err(error),
+        };
+        Ok(Decimation { mesh, cells, places, repairs: *repairs, before, after })
+    }
+}
+
+/// The dual triangulation, a vertex at each sample, or on the boundary where its cell touches that.
+fn dual_patch(
+    surface: &Surface<'_>,
+    growth: &Growth,
+    samples: &[u32],
+    options: DecimateOptions<'_>,
+) -> Patch {
+    let faces = dual::faces(surface, growth, options.par);
+    let positions = samples.iter().map(|&v| surface.position(v)).collect();
+    let mut patch = Patch::new(positions, samples.to_vec(), faces);
+    let mut nearest = vec![f32::INFINITY; samples.len()];
+    for v in (0..surface.len() as u32).filter(|&v| surface.on_boundary[v as usize]) {
+        let (cell, distance) = (growth.cell(v) as usize, growth.distance(v));
+        if cell < samples.len() && distance < nearest[cell] && patch.on_boundary[cell] {
+            nearest[cell] = distance;
+            patch.anchors[cell] = v;
+            patch.positions[cell] = surface.position(v);
+        }
+    }
+    patch
+}
+
+/// Cells start at the corners of the faces in which the vertices are.
+fn place_seeds(surface: &Surface<'_>, mesh: &TriMesh, places: &[Place]) -> Vec<Seed> {
+    let starts = (0..).zip(places).zip(mesh.vertices());
+    let corners = starts.flat_map(|((cell, place), &p)| {
+        surface.mesh.faces()[place.face as usize].map(|vertex| {
+            let length = distance(p, surface.position(vertex)) / surface.scale;
+            Seed { vertex, distance: length as f32, cell }
+        })
+    });
+    corners.collect()
+}
+
+fn at_vertex(surface: &Surface<'_>, v: u32) -> Place {
+    let face = surface.faces_of.row(v as usize).first().copied().unwrap_or(0);
+    let corners = surface.mesh.faces()[face as usize];
+    Place { face, weights: corners.map(|w| if w == v { 1.0 } else { 0.0 }) }
+}

@@ -1,0 +1,61 @@
+//! Functions from the new mesh to the input.
+
+use std::borrow::Cow;
+
+use sprs::CsMat;
+
+use super::cells::Cells;
+use super::closest::on_surface;
+use super::result::Decimation;
+use super::surface::Surface;
+use crate::base::{Error, Par, Result};
+use crate::mesh::TriMesh;
+
+/// Vertices that one thread takes at a time.
+const BLOCK: usize = 4096;
+
+impl Decimation {
+    /// The matrix that takes functions on the new mesh to the input, one row for each vertex of the input, one column for each
+    /// of the new mesh: the barycentric coordinates of the point nearest to the vertex that is found by walking from the vertex
+    /// of its cell. At most three entries a row, positive, of sum 1; none in rows of vertices without a face.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when `input` has not as many vertices as the mesh that was decimated, [`Error::OutOfMemory`].
+    pub fn weights(&self, input: &TriMesh, par: Par) -> Result<CsMat<f64>> {
+        let rows = input.vertices().len();
+        let cells = self.cells.of_vertices();
+        Error::check_shape("input", (cells.len(), 3), (rows, 3))?;
+        let surface = Surface::of_edges(Cow::Borrowed(&self.mesh), par)?;
+        let blocks = par.map_blocks(rows, BLOCK, |range| {
+            range.map(|v| row(&surface, cells[v], input.vertices()[v])).collect::<Vec<_>>()
+        });
+        let mut starts = vec![0];
+        let (mut columns, mut values) = (Vec::new(), Vec::new());
+        for row in blocks.into_iter().flatten() {
+            for (column, value) in row {
+                if value > 0.0 {
+                    columns.push(column as usize);
+                    values.push(value);
+                }
+            }
+            starts.push(columns.len());
+        }
+        Ok(CsMat::new((rows, self.mesh.vertices().len()), starts, columns, values))
+    }
+}
+
+/// Columns and values, columns ascending.
+fn row(surface: &Surface<'_>, cell: u32, p: [f64; 3]) -> [(u32, f64); 3] {
+    let nothing = [(0, 0.0); 3];
+    if cell == Cells::NONE {
+        return nothing;
+    }
+    let Some(found) = on_surface(surface, cell, p) else {
+        // A vertex that no face of the new mesh has, which only the thesis' method leaves.
+        return [(cell, 1.0), (0, 0.0), (0, 0.0)];
+    };
+    let corners = surface.mesh.faces()[found.place.face as usize];
+    let mut row = [0, 1, 2].map(|k| (corners[k], found.place.weights[k]));
+    row.sort_unstable_by_key(|entry| entry.0);
+    row
+}

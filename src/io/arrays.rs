@@ -1,0 +1,126 @@
+//! Several arrays in one file, in the format that its name says.
+
+use std::path::Path;
+
+use faer::MatRef;
+
+#[cfg(feature = "hdf5")]
+use super::hdf5::Hdf5Writer;
+use super::npz::{Array, NpzWriter};
+use super::output::Output;
+use super::source::error;
+use crate::base::Result;
+
+enum Format {
+    Npz,
+    #[cfg(feature = "hdf5")]
+    Hdf5,
+}
+
+fn format_of(path: &Path) -> Result<Format> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    if name.ends_with(".npz") {
+        return Ok(Format::Npz);
+    }
+    if ![".h5", ".hdf5", ".he5"].iter().any(|end| name.ends_with(end)) {
+        return Err(error(path, 0, "must be called .npz, .h5, .hdf5 or .he5"));
+    }
+    #[cfg(feature = "hdf5")]
+    return Ok(Format::Hdf5);
+    #[cfg(not(feature = "hdf5"))]
+    Err(error(path, 0, "HDF5 is not part of this program: build it with --features hdf5"))
+}
+
+/// Whether [`write_arrays`] can write a file of this name.
+///
+/// # Errors
+/// [`Error::Io`](crate::Error::Io) for any other end of the name, and for HDF5 without feature `hdf5`.
+pub fn check_arrays_name(path: &Path) -> Result<()> {
+    format_of(path).map(drop)
+}
+
+/// Writes named arrays into `output`, as its name says, and lets it appear: `.npz` as [`write_npz`](super::write_npz);
+/// `.h5`, `.hdf5` and `.he5` (feature `hdf5`) with a dataset for each, of the same name, shape and type.
+///
+/// # Errors
+/// As [`check_arrays_name`]; [`Error::Io`](crate::Error::Io), and nothing is left behind then.
+pub fn write_arrays(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
+    let mut writer = ArraysWriter::new(output)?;
+    for (name, array) in arrays {
+        writer.array(name, *array)?;
+    }
+    writer.finish()
+}
+
+/// A file as [`write_arrays`] makes it, written array by array, and a matrix of it by blocks of columns, so that it may be
+/// larger than memory. It appears with [`ArraysWriter::finish`]; dropped before that, it leaves nothing.
+pub struct ArraysWriter(Writer);
+
+enum Writer {
+    Npz(Box<NpzWriter>),
+    #[cfg(feature = "hdf5")]
+    Hdf5(Hdf5Writer),
+}
+
+impl ArraysWriter {
+    /// A file without arrays yet.
+    ///
+    /// # Errors
+    /// As [`check_arrays_name`]; [`Error::Io`](crate::Error::Io).
+    pub fn new(output: Output) -> Result<Self> {
+        Ok(Self(match format_of(output.path())? {
+            Format::Npz => Writer::Npz(Box::new(NpzWriter::new(output))),
+            #[cfg(feature = "hdf5")]
+            Format::Hdf5 => Writer::Hdf5(Hdf5Writer::new(output)?),
+        }))
+    }
+
+    /// Adds an array.
+    ///
+    /// # Errors
+    /// [`Error::Io`](crate::Error::Io); [`Error::Shape`](crate::Error::Shape) when columns of the matrix before are missing.
+    pub fn array(&mut self, name: &str, array: Array<'_>) -> Result<()> {
+        match &mut self.0 {
+            Writer::Npz(writer) => writer.array(name, array),
+            #[cfg(feature = "hdf5")]
+            Writer::Hdf5(writer) => writer.array(name, array),
+        }
+    }
+
+    /// Begins a matrix, f8, whose columns follow.
+    ///
+    /// # Errors
+    /// As [`ArraysWriter::array`].
+    pub fn matrix_by_columns(&mut self, name: &str, rows: usize, columns: usize) -> Result<()> {
+        match &mut self.0 {
+            Writer::Npz(writer) => writer.matrix_by_columns(name, rows, columns),
+            #[cfg(feature = "hdf5")]
+            Writer::Hdf5(writer) => writer.matrix_by_columns(name, rows, columns),
+        }
+    }
+
+    /// The next columns of the matrix that was begun.
+    ///
+    /// # Errors
+    /// [`Error::Shape`](crate::Error::Shape) when they have other rows, or are more than were announced;
+    /// [`Error::Io`](crate::Error::Io).
+    pub fn columns(&mut self, columns: MatRef<'_, f64>) -> Result<()> {
+        match &mut self.0 {
+            Writer::Npz(writer) => writer.columns(columns),
+            #[cfg(feature = "hdf5")]
+            Writer::Hdf5(writer) => writer.columns(columns),
+        }
+    }
+
+    /// Lets the file appear.
+    ///
+    /// # Errors
+    /// As [`ArraysWriter::array`]; nothing is left behind then.
+    pub fn finish(self) -> Result<()> {
+        match self.0 {
+            Writer::Npz(writer) => writer.finish(),
+            #[cfg(feature = "hdf5")]
+            Writer::Hdf5(writer) => writer.finish(),
+        }
+    }
+}

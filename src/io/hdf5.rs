@@ -1,0 +1,156 @@
+//! Several arrays in one HDF5 file, each a dataset of its root.
+
+use ::hdf5::{Dataset, Dataspace, Datatype, File, Hyperslab, Selection};
+use faer::MatRef;
+
+use super::npz::Array;
+use super::output::Output;
+use super::source::error;
+use crate::base::{Error, Result, reserved};
+
+/// Entries of rows that are written together.
+const BUFFER: usize = 1 << 20;
+
+/// Most rows of a chunk of a matrix that is written by columns.
+const CHUNK: usize = 1 << 16;
+
+/// The HDF5 side of [`super::ArraysWriter`].
+pub(super) struct Hdf5Writer {
+    file: File,
+    output: Output,
+    /// The matrix that was begun, with the number of columns written.
+    matrix: Option<(Dataset, usize)>,
+}
+
+impl Hdf5Writer {
+    pub(super) fn new(output: Output) -> Result<Self> {
+        let file = File::create(output.temporary_path()).map_err(|e| failure(&output, e))?;
+        Ok(Self { file, output, matrix: None })
+    }
+
+    pub(super) fn array(&mut self, name: &str, array: Array<'_>) -> Result<()> {
+        self.check_columns()?;
+        let (file, fail) = (&self.file, |e| failure(&self.output, e));
+        match array {
+            Array::Vector(values) => {
+                let dataset = file.new_dataset::<f64>().shape(values.len()).create(name);
+                dataset.and_then(|dataset| dataset.write_raw(values)).map_err(fail)
+            }
+            Array::Indices(values) => {
+                let values: Vec<u64> = values.iter().map(|&value| value as u64).collect();
+                let dataset = file.new_dataset::<u64>().shape(values.len()).create(name);
+                dataset.and_then(|dataset| dataset.write_raw(&values)).map_err(fail)
+            }
+            Array::Matrix(matrix) => {
+                let dataset = file.new_dataset::<f64>().shape(matrix.shape()).create(name);
+                write_columns(&dataset.map_err(fail)?, 0, matrix, fail)
+            }
+        }
+    }
+
+    pub(super) fn matrix_by_columns(
+        &mut self,
+        name: &str,
+        rows: usize,
+        columns: usize,
+    ) -> Result<()> {
+        self.check_columns()?;
+        let dataset = self.file.new_dataset::<f64>();
+        let dataset = match rows.min(columns) {
+            0 => dataset.shape((rows, columns)).create(name),
+            // A column is not scattered over the whole file.
+            _ => dataset.chunk((rows.min(CHUNK), 1)).shape((rows, columns)).create(name),
+        };
+        self.matrix = Some((dataset.map_err(|e| failure(&self.output, e))?, 0));
+        Ok(())
+    }
+
+    pub(super) fn columns(&mut self, columns: MatRef<'_, f64>) -> Result<()> {
+        let Some((dataset, written)) = &mut self.matrix else {
+            return Error::check_shape("columns", (0, 0), columns.shape());
+        };
+        let (rows, all) = shape(dataset);
+        let expected = (rows, (all - *written).min(columns.ncols()));
+        Error::check_shape("columns", expected, columns.shape())?;
+        write_columns(dataset, *written, columns, |e| failure(&self.output, e))?;
+        *written += columns.ncols();
+        Ok(())
+    }
+
+    pub(super) fn finish(self) -> Result<()> {
+        self.check_columns()?;
+        let Self { file, output, matrix } = self;
+        drop(matrix);
+        file.close().map_err(|e| failure(&output, e))?;
+        output.commit()
+    }
+
+    fn check_columns(&self) -> Result<()> {
+        let Some((dataset, written)) = &self.matrix else { return Ok(()) };
+        let (rows, all) = shape(dataset);
+        Error::check_shape("columns", (rows, all - written), (rows, 0))
+    }
+}
+
+fn failure(output: &Output, e: ::hdf5::Error) -> Error {
+    error(output.path(), 0, format!("can't be written: HDF5 says: {e}"))
+}
+
+fn shape(dataset: &Dataset) -> (usize, usize) {
+    match dataset.shape()[..] {
+        [rows, columns] => (rows, columns),
+        _ => (0, 0),
+    }
+}
+
+/// Writes the columns of `matrix` from column `first` of the dataset on.
+fn write_columns(
+    dataset: &Dataset,
+    first: usize,
+    matrix: MatRef<'_, f64>,
+    fail: impl Fn(::hdf5::Error) -> Error,
+) -> Result<()> {
+    let (rows, width) = matrix.shape();
+    if width == 0 {
+        return Ok(());
+    }
+    let at_once = (BUFFER / width).clamp(1, rows.max(1));
+    let mut block = reserved(at_once * width)?;
+    for top in (0..rows).step_by(at_once) {
+        let height = at_once.min(rows - top);
+        block.clear();
+        for i in top..top + height {
+            block.extend((0..width).map(|j| matrix[(i, j)]));
+        }
+        write_block(dataset, [top, first], width, &block).map_err(&fail)?;
+    }
+    Ok(())
+}
+
+/// Rows of `width` entries, the first one at `corner`.
+fn write_block(
+    dataset: &Dataset,
+    corner: [usize; 2],
+    width: usize,
+    block: &[f64],
+) -> ::hdf5::Result<()> {
+    let rows = block.len() / width;
+    let span = [(corner[0]..corner[0] + rows).into(), (corner[1]..corner[1] + width).into()];
+    let target = dataset.space()?.select(Selection::from(Hyperslab::from(span.to_vec())))?;
+    let source = Dataspace::try_new([rows, width])?;
+    let memory = Datatype::from_type::<f64>()?;
+    ::hdf5::sync::sync(|| {
+        // SAFETY: the handles are alive; HDF5 reads rows x width entries, which the block has.
+        let status = unsafe {
+            ::hdf5_sys::h5d::H5Dwrite(
+                dataset.id(),
+                memory.id(),
+                source.id(),
+                target.id(),
+                ::hdf5_sys::h5p::H5P_DEFAULT,
+                block.as_ptr().cast(),
+            )
+        };
+        if status < 0 { Err(::hdf5::Error::query().unwrap_or_else(|e| e)) } else { Ok(()) }
+    })
+}

@@ -1,0 +1,50 @@
+use std::cell::Cell;
+
+use faer::MatMut;
+use faer::prelude::ReborrowMut;
+
+use super::memory::{entries, put_entries};
+use super::world::{Operation, World};
+use crate::base::Result;
+
+/// A call in which the ranks meet again and again. One that fails in between tells the others where they meet next,
+/// and all of them end with an error.
+pub(super) struct Call<'w> {
+    pub world: &'w World,
+    /// Whether all know already that the call has failed.
+    over: Cell<bool>,
+}
+
+impl<'w> Call<'w> {
+    /// Calls `work` on all ranks, which must call it with the same `facts`.
+    ///
+    /// # Errors
+    /// As [`World::begin`] and [`World::agree`].
+    pub fn run<X>(
+        world: &'w World,
+        operation: Operation,
+        facts: &[(&'static str, usize)],
+        work: impl FnOnce(&Self) -> Result<X>,
+    ) -> Result<X> {
+        let _guard = world.abort_on_panic();
+        world.begin(operation, facts, Ok(()))?;
+        let call = Self { world, over: Cell::new(false) };
+        let done = work(&call);
+        if call.over.get() { done } else { world.agree(done) }
+    }
+
+    /// Waits for the others: `Ok` everywhere if it is everywhere. Before anything that ranks do together.
+    pub fn meet<X>(&self, own: Result<X>) -> Result<X> {
+        let met = self.world.agree(own);
+        self.over.set(met.is_err());
+        met
+    }
+
+    /// The sum over the ranks of their matrices, on every rank.
+    pub fn sum(&self, mut partial: MatMut<'_, f64>) -> Result<()> {
+        let mut values = self.meet(entries(partial.as_ref()))?;
+        self.world.sum(&mut values);
+        put_entries(partial.rb_mut(), &values);
+        Ok(())
+    }
+}

@@ -1,0 +1,148 @@
+//! What ranks have, for all others or for each of them.
+
+use std::ops::Range;
+
+use ::mpi::collective::{CommunicatorCollectives, Root};
+use ::mpi::topology::Communicator;
+use faer::{Mat, MatRef};
+
+use super::call::Call;
+use super::memory::{entries, put_entries};
+use super::transfer::{Transfer, receive, send};
+use super::world::{MpiReal, Operation, World};
+use crate::base::{Error, Result, zeros};
+use crate::dense;
+
+const EXCHANGE: i32 = 2;
+const GATHER_ROWS: i32 = 3;
+
+/// One number for each rank: those for this rank, from each.
+pub(super) fn exchange_numbers(call: &Call<'_>, outgoing: &[usize]) -> Result<Vec<usize>> {
+    call.meet(Ok(()))?;
+    let outgoing: Vec<u64> = outgoing.iter().map(|&number| number as u64).collect();
+    let mut incoming = vec![0_u64; outgoing.len()];
+    call.world.communicator().all_to_all_into(&outgoing[..], &mut incoming[..]);
+    Ok(incoming.into_iter().map(|number| number as usize).collect())
+}
+
+/// `outgoing[r]` goes to rank r, and `lens[r]` numbers come from it.
+pub(super) fn exchange(
+    call: &Call<'_>,
+    mut outgoing: Vec<Vec<f64>>,
+    lens: &[usize],
+) -> Result<Vec<Vec<f64>>> {
+    let (world, own) = (call.world, call.world.rank());
+    let room = |(from, &len): (usize, &usize)| if from == own { Ok(vec![]) } else { zeros(len) };
+    let incoming: Vec<_> = call.meet(lens.iter().enumerate().map(room).collect::<Result<_>>())?;
+    let kept = std::mem::take(&mut outgoing[own]);
+    let receiving = |(from, buffer)| Transfer::receive(world, buffer, from, EXCHANGE);
+    let received: Vec<_> = incoming.into_iter().enumerate().map(receiving).collect();
+    let sending = |(to, buffer)| Transfer::send(world, buffer, [to], EXCHANGE);
+    let sent: Vec<_> = outgoing.into_iter().enumerate().map(sending).collect();
+    let mut incoming: Vec<_> = received.into_iter().map(Transfer::wait).collect();
+    incoming[own] = kept;
+    drop(sent);
+    Ok(incoming)
+}
+
+/// What every rank has, `lens[r]` entries of rank r, one after another, on every rank; by the MPI library, not counted.
+pub(super) fn all_gather<T: MpiReal>(call: &Call<'_>, own: &[T], lens: &[usize]) -> Result<Vec<T>> {
+    let world = call.world;
+    let mut all = call.meet(zeros::<T>(lens.iter().sum()))?;
+    let mut rest = &mut all[..];
+    for (rank, &len) in lens.iter().enumerate() {
+        let (part, others) = rest.split_at_mut(len);
+        if rank == world.rank() {
+            part.copy_from_slice(own);
+        }
+        let root = world.communicator().process_at_rank(rank as i32);
+        for piece in part.chunks_mut(world.longest_message()) {
+            root.broadcast_into(piece);
+        }
+        rest = others;
+    }
+    Ok(all)
+}
+
+/// The rows of a matrix, which are spread over the ranks in their order.
+pub(super) struct Rows {
+    rank: usize,
+    /// The first row of each rank, and their number.
+    starts: Vec<usize>,
+}
+
+impl Rows {
+    /// This rank has `own` of them.
+    pub fn new(call: &Call<'_>, own: usize) -> Result<Self> {
+        call.meet(Ok(()))?;
+        let mut starts = vec![0];
+        for rows in call.world.gather_numbers(own) {
+            starts.push(starts[starts.len() - 1] + rows);
+        }
+        Ok(Self { rank: call.world.rank(), starts })
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.starts[self.ranks()]
+    }
+
+    pub fn ranks(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// Those of a rank.
+    pub fn of(&self, rank: usize) -> Range<usize> {
+        self.starts[rank]..self.starts[rank + 1]
+    }
+
+    /// Those of this rank.
+    pub fn own(&self) -> Range<usize> {
+        self.of(self.rank)
+    }
+
+    /// Who has row i.
+    pub fn holder(&self, i: usize) -> usize {
+        self.starts.partition_point(|&start| start <= i) - 1
+    }
+}
+
+/// The matrix whose `rows` are spread over the ranks, in their order, on rank `root`; `None` on the others.
+///
+/// # Errors
+/// [`Error::Argument`] when there is no such root, [`Error::OutOfMemory`]; [`Error::Rank`] when arguments differ, or
+/// another rank failed.
+pub fn gather_rows(world: &World, root: usize, rows: MatRef<'_, f64>) -> Result<Option<Mat<f64>>> {
+    let columns = rows.ncols();
+    let facts = [("the number of columns", columns), ("root", root)];
+    Call::run(world, Operation::GatherRows, &facts, |call| {
+        if root >= world.size() {
+            let why = format!("must be less than {}, the number of ranks", world.size());
+            return Err(Error::Argument { what: "root", why });
+        }
+        let own = entries(rows);
+        let spread = Rows::new(call, rows.nrows())?;
+        if world.rank() != root {
+            send(world, &call.meet(own)?, root, GATHER_ROWS);
+            return Ok(None);
+        }
+        let longest = (0..world.size()).map(|rank| spread.of(rank).len()).max().unwrap_or(0);
+        let room = own.and_then(|own| {
+            Ok((own, zeros(longest * columns)?, dense::zeros(spread.count(), columns)?))
+        });
+        let (own, mut buffer, mut all) = call.meet(room)?;
+        for rank in 0..world.size() {
+            let span = spread.of(rank);
+            let part = all.as_mut().subrows_mut(span.start, span.len());
+            if rank == root {
+                put_entries(part, &own);
+            } else {
+                // One rank at a time: no more memory than a share.
+                let entries = &mut buffer[..span.len() * columns];
+                receive(world, entries, rank, GATHER_ROWS);
+                put_entries(part, entries);
+            }
+        }
+        Ok(Some(all))
+    })
+}

@@ -1,0 +1,66 @@
+//! Orthonormal bases of columns whose rows are spread over the ranks: the algorithms of [`crate::ortho`], their Gram
+//! matrices and overlaps summed over the ranks.
+
+use faer::{Mat, MatMut, MatRef};
+
+use super::call::Call;
+use super::exchange::Rows;
+use super::spread::{SpreadMass, check_mass, mass_fact};
+use super::world::{Operation, World, number_fact};
+use crate::base::{Par, Result};
+use crate::dense::zeros;
+use crate::ortho::{Factors, GramSchmidtOptions, Orthonormal, cholesky_qr_of, gram_schmidt_of};
+use crate::sparse::Mass;
+
+/// [`ortho::gram_schmidt`](crate::ortho::gram_schmidt()) of a matrix A (n x c) and an inner product of which every rank
+/// has some rows, in the order of the ranks, 0 included: `a` has the own rows of A, `mass` is the lumped masses of these
+/// rows or own rows x n of a full mass matrix, stored by rows. Every rank gets its rows of Q, and all of R and the kept
+/// columns.
+///
+/// The result depends, by rounding, on the number of ranks and on who has which rows, but not on threads. R and the
+/// small matrices are computed by every rank, and must be the same everywhere, so that all need the same instruction
+/// set. A full mass costs messages for every product with it: rows that are next to own ones.
+///
+/// # Errors
+/// [`Error::Rank`](crate::Error::Rank) when arguments differ, or another rank failed or cancelled; else as
+/// [`ortho::gram_schmidt`](crate::ortho::gram_schmidt()), rows of A counted from the first own one.
+pub fn gram_schmidt(
+    world: &World,
+    a: MatRef<'_, f64>,
+    mass: &Mass,
+    options: &GramSchmidtOptions<'_>,
+) -> Result<Orthonormal> {
+    let (own, c) = a.shape();
+    let facts = [
+        ("the number of columns", c),
+        mass_fact(mass),
+        number_fact("the threshold", options.threshold),
+        ("re-orthogonalisation", usize::from(options.reorthogonalise)),
+    ];
+    Call::run(world, Operation::GramSchmidt, &facts, |call| {
+        let rows = Rows::new(call, own)?;
+        check_mass(call, &rows, mass)?;
+        let mass = SpreadMass::new(call, &rows, mass)?;
+        let mut q = zeros(own, c)?;
+        q.copy_from(a);
+        let Factors { r, kept } = gram_schmidt_of(q.as_mut(), &mass, options)?;
+        q.truncate(own, kept.len());
+        Ok(Orthonormal { q, r, kept })
+    })
+}
+
+/// [`ortho::cholesky_qr`](crate::ortho::cholesky_qr()) of a matrix and an inner product that are spread as for
+/// [`gram_schmidt`]: the own rows of A become those of Q, and every rank gets R. For each of the two to five passes, a
+/// rank sends and receives the packed triangle of a c x c matrix at most twice.
+///
+/// # Errors
+/// [`Error::Rank`](crate::Error::Rank) when arguments differ, or another rank failed; else as
+/// [`ortho::cholesky_qr`](crate::ortho::cholesky_qr()).
+pub fn cholesky_qr(world: &World, a: MatMut<'_, f64>, mass: &Mass, par: Par) -> Result<Mat<f64>> {
+    let facts = [("the number of columns", a.ncols()), mass_fact(mass)];
+    Call::run(world, Operation::CholeskyQr, &facts, |call| {
+        let rows = Rows::new(call, a.nrows())?;
+        check_mass(call, &rows, mass)?;
+        cholesky_qr_of(a, &SpreadMass::new(call, &rows, mass)?, par)
+    })
+}

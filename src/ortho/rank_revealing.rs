@@ -1,0 +1,85 @@
+use faer::prelude::ReborrowMut;
+use faer::{Mat, MatMut, MatRef};
+
+use super::gram_schmidt::{
+    Factors, GramSchmidtOptions, Orthonormal, gram_schmidt, gram_schmidt_in_place,
+};
+use crate::base::Result;
+use crate::dense::{multiply_in_place, pivots, singular_values, transposed_product, zeros};
+use crate::sparse::Mass;
+
+/// What Gram-Schmidt drops at before the rank is known: as a part of the threshold, and at least.
+const FINER: f64 = 1e-3;
+const FINEST: f64 = 1e-13;
+
+/// An M-orthonormal basis of as many columns of A (n x c, any strides) as its numerical rank: the number of singular values
+/// above `options.threshold` times the largest, in the inner product of M, all columns scaled to length 1.
+///
+/// [`gram_schmidt`] keeps a column whenever *it* has something that the columns before it do not have, and there can be
+/// many more of these than the rank where singular values decay slowly, each nearly dependent on all others together. Here
+/// its R, whose singular values are those of A, tells the rank r; the columns kept are the first r that QR with column
+/// pivoting takes of R (Golub, Klema and Stewart 1976), in their own order. `A[:, kept] = Q R[:, kept]` as there, and
+/// Q R is the rest of A up to about the threshold times the largest singular value.
+///
+/// The result is the same, bit for bit, for every `options.par`; it is always re-orthogonalised. The singular values of
+/// an r x c matrix on one thread come on top of the time of [`gram_schmidt`], and two copies of it.
+///
+/// # Errors
+/// As [`gram_schmidt`]; [`Error::NotConverged`](crate::Error::NotConverged) when the singular values can't be found.
+pub fn rank_revealing(
+    a: MatRef<'_, f64>,
+    mass: &Mass,
+    options: &GramSchmidtOptions<'_>,
+) -> Result<Orthonormal> {
+    let mut q = zeros(a.nrows(), a.ncols())?;
+    q.copy_from(a);
+    let Factors { r, kept } = rank_revealing_in_place(q.as_mut(), mass, options)?;
+    q.truncate(a.nrows(), kept.len());
+    Ok(Orthonormal { q, r, kept })
+}
+
+/// [`rank_revealing`] in the memory of A, whose first `kept.len()` columns are Q afterwards, and the others unspecified.
+///
+/// # Errors
+/// As [`rank_revealing`]; A is unspecified after [`Error::Cancelled`](crate::Error::Cancelled).
+pub fn rank_revealing_in_place(
+    mut a: MatMut<'_, f64>,
+    mass: &Mass,
+    options: &GramSchmidtOptions<'_>,
+) -> Result<Factors> {
+    options.check()?;
+    let finer = GramSchmidtOptions {
+        threshold: (FINER * options.threshold).max(FINEST),
+        reorthogonalise: true,
+        ..options.clone()
+    };
+    let found = gram_schmidt_in_place(a.rb_mut(), mass, &finer)?;
+    let mut scaled = found.r.clone();
+    for column in scaled.col_iter_mut() {
+        let length = column.norm_l2();
+        if length > 0.0 {
+            column.iter_mut().for_each(|x| *x /= length);
+        }
+    }
+    let values = singular_values(scaled.as_ref())?;
+    let largest = values.first().copied().unwrap_or(0.0);
+    let rank = values.iter().filter(|value| **value > options.threshold * largest).count();
+    if rank == found.kept.len() {
+        return Ok(found);
+    }
+    let mut kept = pivots(scaled.as_ref())?;
+    kept.truncate(rank);
+    kept.sort_unstable();
+    let chosen = Mat::from_fn(found.kept.len(), rank, |i, j| found.r[(i, kept[j])]);
+    let finest = GramSchmidtOptions { threshold: FINEST, progress: None, ..finer };
+    let turn = gram_schmidt(chosen.as_ref(), &Mass::identity(chosen.nrows()), &finest)?;
+    // Columns that pivoting takes first are independent far above rounding, so all of them stay.
+    let kept: Vec<usize> = turn.kept.iter().map(|&j| kept[j]).collect();
+    multiply_in_place(a.subcols_mut(0, found.kept.len()), turn.q.as_ref(), options.par);
+    let mut r = transposed_product(turn.q.as_ref(), found.r.as_ref(), options.par);
+    for (j, &column) in kept.iter().enumerate() {
+        // Below the diagonal is rounding only.
+        (j + 1..r.nrows()).for_each(|i| r[(i, column)] = 0.0);
+    }
+    Ok(Factors { r, kept })
+}

@@ -1,0 +1,156 @@
+use faer::{Mat, MatRef};
+use sprs::CsMatView;
+
+use super::certificate::certify;
+use super::cholesky::{Factor, Symbolic};
+use super::eigs::{EigenOptions, Eigenpairs};
+use super::lanczos::{Krylov, WIDTH};
+use super::shifted::Shifted;
+use super::space::Pencil;
+use super::{Mass, components};
+use crate::base::{Error, Result};
+
+/// W and M, and what all factorisations of `W - sigma M` have in common.
+pub(crate) struct Problem<'a> {
+    pub pencil: &'a dyn Pencil,
+    pub stiffness: CsMatView<'a, f64>,
+    pub mass: &'a Mass,
+    /// The s of [`Eigenpairs`].
+    pub scale: f64,
+    shifted: Shifted<'a>,
+    symbolic: Symbolic,
+}
+
+impl<'a> Problem<'a> {
+    /// Of matrices that are known to be symmetric, those of the pencil with all rows.
+    pub fn new(
+        pencil: &'a dyn Pencil,
+        stiffness: CsMatView<'a, f64>,
+        mass: &'a Mass,
+    ) -> Result<Self> {
+        let shifted = Shifted::new(stiffness, mass);
+        let symbolic = Symbolic::new(&shifted)?;
+        Ok(Self { pencil, stiffness, mass, scale: scale(stiffness, mass), shifted, symbolic })
+    }
+
+    /// Bytes that a factorisation takes, and those that are there anyway.
+    pub fn bytes(&self) -> usize {
+        self.symbolic.entries() * size_of::<f64>() + self.shifted.bytes()
+    }
+
+    /// The number of eigenvalues below `value`.
+    pub fn below(&self, value: f64) -> Result<usize> {
+        Ok(Factor::indefinite(&self.symbolic, &self.shifted, value)?.below_shift())
+    }
+
+    /// `W - sigma M`, factorised, for a W that is semi-definite.
+    pub fn positive(&self, sigma: f64) -> Result<Factor<'_>> {
+        Factor::positive(&self.symbolic, &self.shifted, sigma)?.ok_or_else(|| {
+            let why = "not positive semi-definite: give a shift".into();
+            Error::Argument { what: "stiffness", why }
+        })
+    }
+
+    /// `W - sigma M`, factorised.
+    pub fn any(&self, sigma: f64) -> Result<Factor<'_>> {
+        if sigma < 0.0
+            && let Some(factor) = Factor::positive(&self.symbolic, &self.shifted, sigma)?
+        {
+            return Ok(factor);
+        }
+        let factor = Factor::indefinite(&self.symbolic, &self.shifted, sigma)?;
+        if !factor.is_finite() {
+            let why = format!("{sigma:e} is an eigenvalue, as far as elimination can tell");
+            return Err(Error::Argument { what: "shift", why });
+        }
+        Ok(factor)
+    }
+
+    /// The `options.k` pairs nearest to sigma, given the factor for it; goes on until `complete` says of their values
+    /// that none is missing. When that is asked, no factor is kept.
+    pub fn nearest<'s>(
+        &'s self,
+        sigma: f64,
+        factor: Factor<'s>,
+        options: &EigenOptions<'_>,
+        mut complete: impl FnMut(&[f64]) -> Result<bool>,
+    ) -> Result<Eigenpairs> {
+        let null = match sigma < 0.0 {
+            true => components::null_components(self.stiffness, self.mass),
+            false => vec![],
+        };
+        let n = self.stiffness.rows();
+        let mean_mass = (0..n).map(|i| self.mass.diagonal(i)).sum::<f64>() / n as f64;
+        let mut krylov = Krylov::new(self.pencil, sigma, self.scale, mean_mass.sqrt(), options)?;
+        krylov.lock(&factor, &null)?;
+        let certify = |krylov: &Krylov<'_>| {
+            let (values, vectors) = (krylov.values(), krylov.vectors());
+            certify(self.pencil, self.stiffness, values, vectors, self.scale, options)
+        };
+        // Each round tightens the estimate, or adds a block of directions that the earlier ones had nothing of.
+        let rounds = 8 + options.k / WIDTH;
+        let mut kept = Some(factor);
+        let mut largest = f64::INFINITY;
+        for _ in 0..rounds {
+            let factor = match kept.take() {
+                Some(factor) => factor,
+                None => {
+                    let factor = self.any(sigma)?;
+                    krylov.add_directions(&factor)?;
+                    factor
+                }
+            };
+            krylov.converge(&factor)?;
+            let mut certificate = certify(&krylov)?;
+            if certificate.excess > 1.0 {
+                krylov.purify(&factor)?;
+                certificate = certify(&krylov)?;
+            }
+            largest = certificate.largest;
+            if certificate.excess > 1.0 {
+                krylov.tighten(0.1 / certificate.excess);
+                kept = Some(factor);
+                continue;
+            }
+            drop(factor);
+            if complete(krylov.values())? {
+                let positive = options.shift.is_none();
+                let (values, vectors) = (krylov.values(), krylov.vectors());
+                let (residuals, solves) = (&certificate.residuals, krylov.solves());
+                return Ok(ascending(values, vectors, residuals, solves, positive));
+            }
+        }
+        Err(Error::NotConverged { iterations: krylov.restarts(), residual: largest })
+    }
+}
+
+/// s of [`super::eigs`].
+pub(crate) fn scale(stiffness: CsMatView<'_, f64>, mass: &Mass) -> f64 {
+    let n = stiffness.rows();
+    let ratio = |i: usize| stiffness.get(i, i).copied().unwrap_or(0.0) / mass.diagonal(i);
+    let mut ratios: Vec<f64> = (0..n).map(ratio).filter(|x| *x > 0.0).collect();
+    if ratios.is_empty() {
+        return 1.0;
+    }
+    let middle = ratios.len() / 2;
+    *ratios.select_nth_unstable_by(middle, f64::total_cmp).1 / n as f64
+}
+
+/// These pairs in ascending order; of a semi-definite matrix, for which rounding below zero is zero.
+pub(crate) fn ascending(
+    values: &[f64],
+    vectors: MatRef<'_, f64>,
+    residuals: &[f64],
+    solves: usize,
+    positive: bool,
+) -> Eigenpairs {
+    let least = if positive { 0.0 } else { f64::NEG_INFINITY };
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    Eigenpairs {
+        values: order.iter().map(|&j| values[j].max(least)).collect(),
+        vectors: Mat::from_fn(vectors.nrows(), order.len(), |i, j| vectors[(i, order[j])]),
+        residuals: order.iter().map(|&j| residuals[j]).collect(),
+        solves,
+    }
+}

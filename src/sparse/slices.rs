@@ -1,0 +1,300 @@
+//! Slices of the spectrum, one after the other, so that only one has to fit into memory.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{Mat, MatRef};
+use sprs::CsMatView;
+
+use super::Mass;
+use super::certificate::{apart, certify};
+use super::cholesky::Factor;
+use super::eigs::{EigenOptions, Eigenpairs, check, one_window, small};
+use super::lanczos::{WIDTH, basis_size};
+use super::problem::Problem;
+use super::space::WholePencil;
+use crate::base::{Error, Progress, Result};
+use crate::dense::{subtract_product, transposed_product, zeros};
+
+/// Least number of pairs that are looked for at once.
+const LEAST: usize = 32;
+
+/// Vectors handed out last, to which the next ones are made orthogonal.
+const GUARD: usize = 16;
+
+/// Shifts tried for a slice.
+const ATTEMPTS: usize = 20;
+
+/// The k smallest eigenpairs as [`eigs`](super::eigs()) finds them, in slices of the spectrum that are handed to `sink`
+/// in ascending order as soon as they are found, so that the computation takes no more than `memory` bytes beside W and M,
+/// and what `sink` keeps. If all pairs fit, there is one slice.
+///
+/// A slice is a run with a shift of its own, and ends in a gap between eigenvalues: equal ones are never in two slices
+/// (but k may end among them). The eigenvalues below each cut are counted by the inertia of a factorisation there
+/// (Sylvester), and the run goes on until none is missing, as under [`EigenOptions::verify_count`]. Vectors of one
+/// slice are orthonormal to rounding, and so are the last of a slice to those of the next; vectors farther apart
+/// to about the tolerance times the eigenvalue over the distance of their eigenvalues.
+///
+/// The result is the same, bit for bit, for every `options.par`; it is another one for another `memory`.
+///
+/// # Errors
+/// As [`eigs`](super::eigs()), those of `sink`, and [`Error::Argument`] of "memory": too little for any slice, for a
+/// cluster of eigenvalues, or for k pairs around a shift, which are never sliced.
+pub fn eigs_sliced(
+    stiffness: CsMatView<'_, f64>,
+    mass: &Mass,
+    options: &EigenOptions<'_>,
+    memory: usize,
+    mut sink: impl FnMut(Eigenpairs) -> Result<()>,
+) -> Result<()> {
+    check(stiffness, mass, options)?;
+    let (n, k) = (stiffness.rows(), options.k);
+    if k == 0 {
+        return Ok(());
+    }
+    if basis_size(k) + 2 * WIDTH > n {
+        return sink(small(&WholePencil { stiffness, mass }, stiffness, mass, options)?);
+    }
+    let pencil = WholePencil { stiffness, mass };
+    let problem = Problem::new(&pencil, stiffness, mass)?;
+    options.report(0.01)?;
+    let vectors = memory.saturating_sub(problem.bytes()) / (n * size_of::<f64>());
+    let largest = vectors.saturating_sub(vectors_beside()) / 3;
+    if k <= largest {
+        return sink(one_window(&problem, options)?);
+    }
+    let refuse = |why| Err(Error::Argument { what: "memory", why });
+    if options.shift.is_some() {
+        return refuse(format!("{memory} bytes, too little for {k} pairs around a shift"));
+    }
+    if largest < LEAST {
+        let least = problem.bytes() + (3 * LEAST + vectors_beside()) * n * size_of::<f64>();
+        return refuse(format!("{memory} bytes, where at least {least} are needed"));
+    }
+    let mut slices = Slices::new(&problem, options, largest);
+    while slices.handed < k {
+        let slice = slices.next()?;
+        sink(slice)?;
+    }
+    options.report(1.0)
+}
+
+/// Vectors that a run takes beside three for each pair: of its basis, its blocks, the certificate, and the guard.
+fn vectors_beside() -> usize {
+    basis_size(0) + 6 * WIDTH + GUARD
+}
+
+/// What was found so far.
+struct Slices<'a> {
+    problem: &'a Problem<'a>,
+    options: &'a EigenOptions<'a>,
+    /// Most pairs that a run may look for.
+    largest: usize,
+    /// Pairs handed out, which are all below the cut.
+    handed: usize,
+    cut: f64,
+    /// Mean distance of eigenvalues in the last slice.
+    spacing: f64,
+    /// The last vectors handed out.
+    guard: Mat<f64>,
+    /// Bits of the largest fraction that was told of.
+    told: AtomicU64,
+}
+
+/// How a run ended.
+enum End {
+    /// With all eigenvalues up to this cut, so many.
+    Slice { cut: f64, count: usize },
+    /// Before it reached the last cut.
+    Short,
+    /// With eigenvalues that are not apart.
+    Cluster,
+}
+
+impl<'a> Slices<'a> {
+    fn new(problem: &'a Problem<'a>, options: &'a EigenOptions<'a>, largest: usize) -> Self {
+        Self {
+            problem,
+            options,
+            largest,
+            handed: 0,
+            cut: f64::NEG_INFINITY,
+            spacing: 0.0,
+            guard: Mat::new(),
+            told: AtomicU64::new(0),
+        }
+    }
+
+    /// Pairs beyond those of a slice, among which its end is looked for.
+    fn margin(&self) -> usize {
+        (self.largest / 6).max(8)
+    }
+
+    /// The next slice.
+    fn next(&mut self) -> Result<Eigenpairs> {
+        let rest = self.options.k - self.handed;
+        let usable = self.largest - self.margin();
+        let aim = rest.div_ceil(rest.div_ceil(usable));
+        if self.handed == 0 {
+            let sigma = -self.problem.scale;
+            let factor = self.problem.positive(sigma)?;
+            let size = aim + self.margin();
+            return match self.run(sigma, factor, 0, size)? {
+                (pairs, End::Slice { cut, count }) => self.take(pairs, cut, count),
+                // From below nothing is short.
+                (_, End::Short | End::Cluster) if size == self.largest => self.too_large(),
+                _ => match self.run(sigma, self.problem.positive(sigma)?, 0, self.largest)? {
+                    (pairs, End::Slice { cut, count }) => self.take(pairs, cut, count),
+                    _ => self.too_large(),
+                },
+            };
+        }
+        let mut width = 0.5 * aim as f64 * self.spacing;
+        let (mut shrunk, mut clustered) = (false, false);
+        for _ in 0..ATTEMPTS {
+            let sigma = self.cut + width;
+            // Where a shift is an eigenvalue, another is not.
+            let Ok(factor) = self.problem.any(sigma) else {
+                width *= 0.97;
+                continue;
+            };
+            let left = factor.below_shift().saturating_sub(self.handed);
+            if 2 * left + self.margin() > self.largest {
+                (width, shrunk) = (width * (0.45 * aim as f64 / left as f64).min(0.8), true);
+                continue;
+            }
+            if 8 * left < aim && !shrunk {
+                width *= 2.0;
+                continue;
+            }
+            let size = (2 * left).max(aim) + self.margin();
+            let size = if clustered { self.largest } else { size.min(self.largest) };
+            match self.run(sigma, factor, left, size)? {
+                (pairs, End::Slice { cut, count }) => return self.take(pairs, cut, count),
+                (_, End::Cluster) if clustered => break,
+                (_, End::Cluster) => clustered = true,
+                (_, End::Short) => (width, shrunk) = (0.6 * width, true),
+            }
+        }
+        self.too_large()
+    }
+
+    /// The pairs nearest to sigma, below which there are `left` that were not handed out, and how that ended.
+    fn run(
+        &self,
+        sigma: f64,
+        factor: Factor<'_>,
+        left: usize,
+        size: usize,
+    ) -> Result<(Eigenpairs, End)> {
+        let (k, done) = (self.options.k as f64, self.handed as f64);
+        let (told, progress) = (&self.told, self.options.progress);
+        let watch = |fraction: f64| {
+            let fraction = (done + fraction * size as f64).min(k) / k * 0.99;
+            // Non-negative numbers are in the order of their bits. A run that is repeated tells nothing new.
+            let told = told.fetch_max(fraction.to_bits(), Ordering::Relaxed);
+            let fraction = fraction.max(f64::from_bits(told));
+            progress.map_or(crate::base::Flow::Continue, |tell| tell(fraction))
+        };
+        let options = EigenOptions {
+            k: size,
+            // What is taken away of the guard afterwards must leave residuals good enough.
+            tolerance: (0.25 * self.options.tolerance).max(1e-14),
+            progress: Some(&watch as Progress<'_>),
+            ..self.options.clone()
+        };
+        let mut end = End::Short;
+        let pairs = self.problem.nearest(sigma, factor, &options, |values| {
+            end = self.end(sigma, left, values);
+            match end {
+                End::Slice { cut, count } => Ok(self.problem.below(cut)? == self.handed + count),
+                _ => Ok(self.reached(sigma, left, values)),
+            }
+        })?;
+        Ok((pairs, end))
+    }
+
+    /// Whether what is missing on the left is missing because too few were looked for.
+    fn reached(&self, sigma: f64, left: usize, values: &[f64]) -> bool {
+        let radius = values.iter().map(|v| (v - sigma).abs()).fold(0.0, f64::max);
+        radius < sigma - self.cut || self.between(sigma, values) >= left
+    }
+
+    /// The number of values from the cut to sigma.
+    fn between(&self, sigma: f64, values: &[f64]) -> usize {
+        values.iter().filter(|v| (self.cut..sigma).contains(v)).count()
+    }
+
+    /// Where a slice with these values of a run can end, as far as they tell.
+    fn end(&self, sigma: f64, left: usize, values: &[f64]) -> End {
+        if self.between(sigma, values) != left {
+            return End::Short;
+        }
+        let mut above: Vec<f64> = values.iter().copied().filter(|v| *v > self.cut).collect();
+        above.sort_by(f64::total_cmp);
+        let len = above.len();
+        let widest = |from: usize| {
+            let gap = |i: &usize| above[*i] - above[*i - 1];
+            let gaps =
+                (from.max(1)..len).filter(|&i| apart(above[i - 1], above[i], self.problem.scale));
+            gaps.max_by(|i, j| gap(i).total_cmp(&gap(j)))
+        };
+        let rest = self.options.k - self.handed;
+        let late = len.saturating_sub(self.margin());
+        match widest(rest).or_else(|| widest(late)).or_else(|| widest(1)) {
+            Some(count) => End::Slice { cut: 0.5 * (above[count - 1] + above[count]), count },
+            None => End::Cluster,
+        }
+    }
+
+    /// What is wanted of a run, made orthogonal to what was handed out last.
+    fn take(&mut self, pairs: Eigenpairs, cut: f64, count: usize) -> Result<Eigenpairs> {
+        let Problem { pencil, stiffness, scale, .. } = *self.problem;
+        let skip = pairs.values.partition_point(|v| *v <= self.cut);
+        let wanted = count.min(self.options.k - self.handed);
+        let values = pairs.values[skip..skip + wanted].to_vec();
+        let mut vectors = zeros(stiffness.rows(), wanted)?;
+        vectors.copy_from(pairs.vectors.subcols(skip, wanted));
+        let solves = pairs.solves;
+        drop(pairs.vectors);
+        self.leave_guard(&mut vectors)?;
+        let found = certify(pencil, stiffness, &values, vectors.as_ref(), scale, self.options)?;
+        if found.excess > 1.0 {
+            return Err(Error::NotConverged { iterations: 0, residual: found.largest });
+        }
+        let first = if self.handed == 0 { values[0] } else { self.cut };
+        self.spacing = (cut - first) / count as f64;
+        let kept = GUARD.min(wanted);
+        self.guard = zeros(stiffness.rows(), kept)?;
+        self.guard.copy_from(vectors.subcols(wanted - kept, kept));
+        (self.handed, self.cut) = (self.handed + wanted, cut);
+        Ok(Eigenpairs { values, vectors, residuals: found.residuals, solves })
+    }
+
+    /// Takes the part of the guard from vectors, a few at a time.
+    fn leave_guard(&self, vectors: &mut Mat<f64>) -> Result<()> {
+        let par = self.options.par;
+        let guard: MatRef<'_, f64> = self.guard.as_ref();
+        if guard.ncols() == 0 {
+            return Ok(());
+        }
+        let mut weighted = zeros(vectors.nrows(), WIDTH)?;
+        for first in (0..vectors.ncols()).step_by(WIDTH) {
+            let width = WIDTH.min(vectors.ncols() - first);
+            let mut x = vectors.as_mut().subcols_mut(first, width);
+            let mut mx = weighted.as_mut().subcols_mut(0, width);
+            self.problem.mass.multiply(x.rb(), mx.rb_mut(), par)?;
+            let overlap = transposed_product(guard, mx.rb(), par);
+            subtract_product(x.rb_mut(), guard, overlap.as_ref(), par);
+        }
+        Ok(())
+    }
+
+    fn too_large(&self) -> Result<Eigenpairs> {
+        let (largest, handed) = (self.largest, self.handed);
+        let why = format!(
+            "too little for a cluster of eigenvalues after the first {handed}: a slice has at most {largest}"
+        );
+        Err(Error::Argument { what: "memory", why })
+    }
+}

@@ -1,0 +1,490 @@
+//! Decimation: farthest points against brute force, invariants of cells, duals, weights and resampling, and the promise of
+//! exactly n vertices on a manifold of the same topology, or a refusal that says why.
+
+mod common;
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use catamaran::base::Flow;
+use catamaran::decimate::{
+    Cells, DecimateOptions, Decimation, Decimator, Difference, FarthestPoints, Method, Quality,
+    decimate, edge_length_for, resample,
+};
+use catamaran::mesh::io::{self, Attribute, MeshFile};
+use catamaran::mesh::{Dijkstra, Edges, Graph, SearchLimits, TriMesh, families};
+use catamaran::{Error, Par};
+
+fn options() -> DecimateOptions<'static> {
+    DecimateOptions { par: Par::Seq, ..DecimateOptions::default() }
+}
+
+/// Everything that a decimation promises.
+fn check(name: &str, input: &TriMesh, n: usize, found: &Decimation) {
+    let mesh = &found.mesh;
+    assert_eq!(mesh.vertices().len(), n, "{name}");
+    assert!(mesh.unreferenced_vertices().is_empty(), "{name}");
+    mesh.require_manifold().unwrap_or_else(|e| panic!("{name}: {e}"));
+    let after = found.after.unwrap_or_else(|| panic!("{name}: no topology"));
+    assert_eq!(found.before, after, "{name}");
+    let validation = mesh.validate();
+    assert_eq!(validation.genus, Some(after.genus), "{name}");
+    assert_eq!(validation.components, after.components, "{name}");
+    assert_eq!(validation.boundary_loops, Some(after.boundary_loops), "{name}");
+    let vertices = input.vertices();
+    assert_eq!(found.cells.of_vertices().len(), vertices.len(), "{name}");
+    let unreferenced = input.unreferenced_vertices();
+    for (v, &cell) in found.cells.of_vertices().iter().enumerate() {
+        let lonely = unreferenced.contains(&(v as u32));
+        assert_eq!(cell == Cells::NONE, lonely, "{name}: vertex {v}");
+        assert!(lonely || (cell as usize) < n, "{name}: vertex {v}");
+    }
+    let size = found.mesh.bounding_box().map_or(0.0, |[low, high]| high[0] - low[0]).abs() + 1.0;
+    for (v, place) in found.places.iter().enumerate() {
+        let corners = input.faces()[place.face as usize].map(|w| vertices[w as usize]);
+        assert!(place.weights.iter().all(|w| (0.0..=1.0).contains(w)), "{name}: {place:?}");
+        assert!((place.weights.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{name}: {place:?}");
+        for k in 0..3 {
+            let there: f64 = (0..3).map(|i| place.weights[i] * corners[i][k]).sum();
+            let off = (there - mesh.vertices()[v][k]).abs();
+            // Vertices that have not moved since edges were collapsed are beside the surface.
+            assert!(off < 0.2 * size, "{name}: vertex {v} is {off} off the surface");
+        }
+    }
+}
+
+/// Farthest points by the definition.
+fn naive_farthest(mesh: &TriMesh, n: usize) -> Vec<u32> {
+    let graph = Graph::of_mesh(mesh);
+    let mut search = Dijkstra::new(&graph);
+    let mut samples = vec![0];
+    while samples.len() < n {
+        let sources: Vec<_> = samples.iter().map(|&v| (v, 0.0)).collect();
+        search.search(&sources, &SearchLimits::default()).unwrap();
+        let farthest = (0..mesh.vertices().len() as u32)
+            .max_by(|&a, &b| search.distance(a).total_cmp(&search.distance(b)).then(b.cmp(&a)));
+        samples.push(farthest.unwrap());
+    }
+    samples
+}
+
+/// A surface on which no two distances are equal, but for rounding.
+fn generic(subdivisions: u32) -> TriMesh {
+    let (mut vertices, faces) = families::icosphere(subdivisions).unwrap().into_parts();
+    let mut rng = catamaran::base::Rng::new(5);
+    for p in &mut vertices {
+        *p = p.map(|x| x * (1.0 + 0.05 * rng.uniform()));
+    }
+    TriMesh::new(vertices, faces).unwrap()
+}
+
+#[test]
+fn farthest_points_are_those_of_brute_force() {
+    for mesh in [generic(2), generic(3)] {
+        let mut points = FarthestPoints::new(&mesh, None).unwrap();
+        points.extend_to(40, None).unwrap();
+        assert_eq!(points.samples(), naive_farthest(&mesh, 40));
+    }
+}
+
+#[test]
+fn farthest_points_are_nested_and_cells_are_those_of_the_nearest_sample() {
+    let mesh = generic(3);
+    let mut points = FarthestPoints::new(&mesh, Some(17)).unwrap();
+    points.extend_to(10, None).unwrap();
+    let ten = points.samples().to_vec();
+    points.extend_to(30, None).unwrap();
+    assert_eq!(points.samples()[..10], ten);
+    assert_eq!(ten[0], 17);
+    let graph = Graph::of_mesh(&mesh);
+    let mut search = Dijkstra::new(&graph);
+    let sources: Vec<_> = points.samples().iter().map(|&v| (v, 0.0)).collect();
+    search.search(&sources, &SearchLimits::default()).unwrap();
+    let cells = points.cells();
+    for v in 0..mesh.vertices().len() {
+        let distance = search.distance(v as u32);
+        assert!((f64::from(cells.distances()[v]) - distance).abs() < 1e-5);
+        let sample = points.samples()[cells.of_vertices()[v] as usize];
+        assert_eq!(search.origin(v as u32), Some(sample), "vertex {v}");
+    }
+    assert!(cells.radius() > 0.0);
+}
+
+#[test]
+fn farthest_points_go_to_every_component_first_and_to_every_vertex_at_last() {
+    let mesh = families::spheres(5, 1).unwrap();
+    let mut points = FarthestPoints::new(&mesh, None).unwrap();
+    points.extend_to(5, None).unwrap();
+    let mut spheres: Vec<u32> = points.samples().iter().map(|v| v / 42).collect();
+    spheres.sort_unstable();
+    assert_eq!(spheres, [0, 1, 2, 3, 4]);
+    points.extend_to(210, None).unwrap();
+    let mut all = points.samples().to_vec();
+    all.sort_unstable();
+    assert_eq!(all, (0..210).collect::<Vec<_>>());
+    let refused = points.extend_to(211, None).unwrap_err();
+    assert!(refused.to_string().contains("only 210 vertices"), "{refused}");
+}
+
+#[test]
+fn every_family_is_decimated_with_its_topology() {
+    let cases = [
+        ("icosphere", families::icosphere(4), vec![4, 5, 17, 100, 500, 2562]),
+        ("spheres", families::spheres(3, 3), vec![12, 31, 200]),
+        ("torus", families::torus(61, 29, 2.0, 0.7), vec![13, 50, 300]),
+        ("trefoil", families::knot(2, 3, 301, 9, 0.2), vec![200, 701]),
+        ("genus 3", families::genus(3, 6), vec![60, 200, 997]),
+        ("figure", families::figure(5, 0.5), vec![60, 400]),
+        ("grid", families::grid(40, 30), vec![4, 10, 97, 500, 1271]),
+        ("terrain", families::terrain(60, 50, 3), vec![3, 101, 600]),
+        ("disk", families::disk(20, 60), vec![7, 100, 400]),
+        ("cylinder", families::cylinder(60, 20, 1.0, 1.0), vec![20, 100, 500]),
+        ("Moebius", families::moebius(100, 12), vec![20, 100, 500]),
+        ("slivers", families::slivers(40, 40, 0.01), vec![10, 100]),
+    ];
+    for (name, mesh, sizes) in cases {
+        let mesh = mesh.unwrap();
+        for n in sizes {
+            let name = format!("{name} to {n}");
+            let found = decimate(&mesh, n, &options()).unwrap_or_else(|e| panic!("{name}: {e}"));
+            check(&name, &mesh, n, &found);
+        }
+    }
+}
+
+#[test]
+fn results_are_uniform() {
+    for (mesh, n) in [
+        (families::terrain(200, 200, 1).unwrap(), 800),
+        (families::icosphere(5).unwrap(), 600),
+        (families::figure(12, 0.3).unwrap(), 1500),
+    ] {
+        let found = decimate(&mesh, n, &options()).unwrap();
+        let quality = Quality::of(&found.mesh);
+        assert!(quality.mean_quality > 0.85, "{quality}");
+        assert!(quality.area_variation < 0.25, "{quality}");
+        let literal = DecimateOptions { method: Method::Thesis, ..options() };
+        let thesis = Quality::of(&decimate(&mesh, n, &literal).unwrap().mesh);
+        assert!(thesis.mean_quality < quality.mean_quality, "{thesis}");
+    }
+}
+
+#[test]
+fn results_do_not_depend_on_threads() {
+    let mesh = families::genus(2, 14).unwrap();
+    let of = |threads| {
+        let options = DecimateOptions { par: Par::Threads(threads), lloyd: 2, ..options() };
+        let found = decimate(&mesh, 333, &options).unwrap();
+        let weights = found.weights(&mesh, Par::Threads(threads)).unwrap();
+        (found, weights)
+    };
+    let one = of(1);
+    for threads in [2, 3, 5] {
+        assert!(one == of(threads), "{threads} threads");
+    }
+}
+
+#[test]
+fn weights_take_linear_functions_over() {
+    let mesh = families::grid(50, 40).unwrap();
+    let found = decimate(&mesh, 200, &options()).unwrap();
+    let weights = found.weights(&mesh, Par::Seq).unwrap();
+    assert_eq!(weights.shape(), (51 * 41, 200));
+    let mut exact = 0;
+    for (row, p) in weights.outer_iterator().zip(mesh.vertices()) {
+        assert!(row.nnz() <= 3 && row.iter().all(|(_, &w)| w > 0.0));
+        assert!((row.iter().map(|(_, w)| w).sum::<f64>() - 1.0).abs() < 1e-12);
+        let at = |k: usize| row.iter().map(|(j, w)| w * found.mesh.vertices()[j][k]).sum::<f64>();
+        exact += usize::from((at(0) - p[0]).abs() + (at(1) - p[1]).abs() < 1e-9);
+    }
+    // All but what was cut off at the corners.
+    assert!(exact > 9 * mesh.vertices().len() / 10, "{exact}");
+}
+
+#[test]
+fn resampled_edges_are_short_and_the_surface_is_the_same() {
+    for (mesh, longest) in [
+        (families::slivers(5, 5, 0.05).unwrap(), 0.02),
+        (families::genus(1, 1).unwrap(), 0.2),
+        (families::moebius(5, 1).unwrap(), 0.17),
+        (families::pages(3).unwrap(), 0.3),
+    ] {
+        let found = resample(&mesh, longest).unwrap();
+        assert_eq!(found.mesh.vertices()[..mesh.vertices().len()], *mesh.vertices());
+        assert_eq!(found.parents.len(), found.mesh.faces().len());
+        for &[a, b] in Edges::new(&found.mesh).ends() {
+            let [p, q] = [a, b].map(|v| found.mesh.vertices()[v as usize]);
+            let square: f64 = (0..3).map(|k| (p[k] - q[k]).powi(2)).sum();
+            assert!(square.sqrt() <= longest);
+        }
+        assert!((found.mesh.area() / mesh.area() - 1.0).abs() < 1e-9);
+        let areas = mesh.face_areas();
+        let mut sums = vec![0.0; areas.len()];
+        for (area, &parent) in found.mesh.face_areas().iter().zip(&found.parents) {
+            sums[parent as usize] += area;
+        }
+        for (sum, area) in sums.iter().zip(&areas) {
+            assert!((sum / area - 1.0).abs() < 1e-9);
+        }
+        let (before, after) = (mesh.validate(), found.mesh.validate());
+        assert_eq!(before.euler_characteristic, after.euler_characteristic);
+        assert_eq!(before.boundary_loops, after.boundary_loops);
+        assert_eq!(before.genus, after.genus);
+    }
+    let refused = resample(&families::grid(1, 1).unwrap(), 0.0).unwrap_err();
+    assert!(refused.to_string().starts_with("longest: 0"), "{refused}");
+}
+
+#[test]
+fn resampling_makes_vertices_where_there_are_none() {
+    let mesh = families::grid(2, 2).unwrap();
+    let refused = decimate(&mesh, 50, &options()).unwrap_err();
+    assert!(refused.to_string().contains("has 9 vertices: resample"), "{refused}");
+    let with = DecimateOptions { resample: true, ..options() };
+    let found = decimate(&mesh, 50, &with).unwrap();
+    check("resampled grid", &mesh, 50, &found);
+    let length = edge_length_for(1.0, 50).unwrap();
+    // 100 equilateral triangles of that side cover the area.
+    assert!((100.0 * 3f64.sqrt() / 4.0 * length * length - 1.0).abs() < 1e-12);
+    assert!(edge_length_for(1.0, 0).is_err() && edge_length_for(f64::NAN, 1).is_err());
+}
+
+#[test]
+fn levels_of_detail_come_from_one_decimator() {
+    let mesh = families::figure(6, 0.2).unwrap();
+    let mut decimator = Decimator::new(&mesh, &options()).unwrap();
+    for n in [50, 500, 100, 200] {
+        check("figure", &mesh, n, &decimator.decimate(n).unwrap());
+    }
+    let literal = DecimateOptions { method: Method::Thesis, relaxation: 0, ..options() };
+    let mut decimator = Decimator::new(&mesh, &literal).unwrap();
+    let few = decimator.decimate(50).unwrap().mesh;
+    let many = decimator.decimate(90).unwrap().mesh;
+    assert_eq!(few.vertices(), &many.vertices()[..50]);
+    assert_eq!(decimator.decimate(50).unwrap().mesh, few);
+}
+
+#[test]
+fn the_thesis_literally_takes_vertices_of_the_input_and_all_three_cycles() {
+    // Cells of single vertices: the graph of cells is that of the mesh, and its three-cycles are the faces and more.
+    let mesh = families::icosphere(0).unwrap();
+    let literal = DecimateOptions { method: Method::Thesis, ..options() };
+    let found = decimate(&mesh, 12, &literal).unwrap();
+    assert_eq!(found.mesh.faces().len(), 20);
+    let back: Vec<u32> = found
+        .mesh
+        .vertices()
+        .iter()
+        .map(|p| mesh.vertices().iter().position(|q| p == q).unwrap() as u32)
+        .collect();
+    let sorted = |mut face: [u32; 3]| {
+        face.sort_unstable();
+        face
+    };
+    let mut new: Vec<_> =
+        found.mesh.faces().iter().map(|f| sorted(f.map(|v| back[v as usize]))).collect();
+    let mut old: Vec<_> = mesh.faces().iter().copied().map(sorted).collect();
+    new.sort_unstable();
+    old.sort_unstable();
+    assert_eq!(new, old);
+    assert!(found.mesh.volume() > 0.0);
+}
+
+#[test]
+fn refusals_say_why() {
+    let refused = |mesh: &TriMesh, n| decimate(mesh, n, &options()).unwrap_err().to_string();
+    let empty = TriMesh::new(vec![], vec![]).unwrap();
+    assert_eq!(refused(&empty, 0), "mesh: it has no face");
+    let lonely = TriMesh::new(vec![[1.0; 3]], vec![]).unwrap();
+    assert_eq!(refused(&lonely, 1), "mesh: it has no face");
+    let spheres = families::spheres(3, 2).unwrap();
+    assert!(refused(&spheres, 0).contains("3 components need 12 vertices"));
+    assert!(refused(&spheres, 11).contains("3 components need 12 vertices"));
+    assert!(refused(&spheres, 10_000).contains("has 486 vertices"));
+    let torus = families::torus(20, 20, 2.0, 1.0).unwrap();
+    // A torus needs seven.
+    assert!(refused(&torus, 6).contains("genus 1) could not be kept with fewer than"));
+    let first = DecimateOptions { first: Some(400), ..options() };
+    assert!(matches!(decimate(&torus, 20, &first), Err(Error::Argument { what: "first", .. })));
+    let huge = TriMesh::new(
+        vec![[1e308, 0.0, 0.0], [-1e308, 0.0, 0.0], [0.0, 1e308, 0.0]],
+        vec![[0, 1, 2]],
+    );
+    assert!(refused(&huge.unwrap(), 3).contains("out of range"));
+}
+
+#[test]
+fn what_is_no_manifold_is_cut_and_told() {
+    let pages = resample(&families::pages(3).unwrap(), 0.05).unwrap().mesh;
+    let found = decimate(&pages, 60, &options()).unwrap();
+    check("pages", &pages, 60, &found);
+    assert!(found.repairs.cut_edges > 0 && found.before.components == 3, "{}", found.repairs);
+    let tie = resample(&families::bow_tie().unwrap(), 0.1).unwrap().mesh;
+    let found = decimate(&tie, 60, &options()).unwrap();
+    check("bow tie", &tie, 60, &found);
+    assert_eq!((found.repairs.split_vertices, found.before.components), (1, 2));
+
+    // Twice the same face, a face the wrong way round, and a vertex of no face.
+    let (mut vertices, mut faces) = families::icosphere(3).unwrap().into_parts();
+    vertices.push([5.0; 3]);
+    faces.push(faces[7]);
+    faces[30].swap(0, 1);
+    let broken = TriMesh::new(vertices, faces).unwrap();
+    let found = decimate(&broken, 100, &options()).unwrap();
+    check("broken sphere", &broken, 100, &found);
+    let repairs = found.repairs;
+    assert_eq!((repairs.repeated_faces, repairs.unreferenced_vertices), (1, 1));
+    assert!(repairs.oriented && repairs.to_string().contains("1 repeated faces"), "{repairs}");
+}
+
+#[test]
+fn scale_and_coinciding_vertices_do_no_harm() {
+    for scale in [1e-200, 1e-30, 1e30, 1e150] {
+        let (vertices, faces) = families::icosphere(3).unwrap().into_parts();
+        let vertices = vertices.into_iter().map(|p| p.map(|x| x * scale)).collect();
+        let mesh = TriMesh::new(vertices, faces).unwrap();
+        let found = decimate(&mesh, 60, &options());
+        match found {
+            Ok(found) => assert_eq!(found.mesh.vertices().len(), 60),
+            Err(refused) => assert!(refused.to_string().contains("out of range"), "{refused}"),
+        }
+    }
+    // All in one point: faces without area, edges without length.
+    let (vertices, faces) = families::icosphere(2).unwrap().into_parts();
+    let point = TriMesh::new(vec![[1.0; 3]; vertices.len()], faces).unwrap();
+    let found = decimate(&point, 20, &options()).unwrap();
+    assert_eq!(found.mesh.vertices().len(), 20);
+    found.mesh.require_manifold().unwrap();
+}
+
+#[test]
+fn progress_rises_to_one_and_can_cancel() {
+    let mesh = families::icosphere(4).unwrap();
+    let last = AtomicUsize::new(0);
+    let calls = AtomicUsize::new(0);
+    let watch = |fraction: f64| {
+        let now = (fraction * 1e6) as usize;
+        assert!(now >= last.swap(now, Ordering::Relaxed), "{fraction}");
+        calls.fetch_add(1, Ordering::Relaxed);
+        Flow::Continue
+    };
+    decimate(&mesh, 300, &DecimateOptions { progress: Some(&watch), ..options() }).unwrap();
+    assert_eq!(last.load(Ordering::Relaxed), 1_000_000);
+    for stop in 0..calls.load(Ordering::Relaxed) {
+        let left = AtomicUsize::new(stop);
+        let cancel = |_: f64| match left
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1))
+        {
+            Ok(_) => Flow::Continue,
+            Err(_) => Flow::Cancel,
+        };
+        let options = DecimateOptions { progress: Some(&cancel), ..options() };
+        assert_eq!(decimate(&mesh, 300, &options).unwrap_err(), Error::Cancelled);
+    }
+    let mut points = FarthestPoints::new(&mesh, None).unwrap();
+    let cancel = |_: f64| Flow::Cancel;
+    assert_eq!(points.extend_to(9, Some(&cancel)), Err(Error::Cancelled));
+    points.extend_to(9, None).unwrap();
+    assert_eq!(points.samples().len(), 9);
+}
+
+#[test]
+fn quality_of_equal_triangles_is_one_and_their_variation_zero() {
+    let quality = Quality::of(&families::icosphere(0).unwrap());
+    assert!((quality.mean_quality - 1.0).abs() < 1e-12 && quality.area_variation < 1e-12);
+    assert_eq!((quality.mean_valence, quality.regular_vertices), (5.0, 0.0));
+    let nothing = Quality::of(&TriMesh::new(vec![], vec![]).unwrap());
+    assert_eq!((nothing.mean_area, nothing.mean_quality, nothing.mean_valence), (0.0, 0.0, 0.0));
+    assert_eq!(Quality::of(&families::pages(4).unwrap()).non_manifold_edges, 1);
+}
+
+#[test]
+fn differences_have_exact_values() {
+    let square = families::grid(1, 1).unwrap();
+    let (vertices, faces) = families::grid(2, 2).unwrap().into_parts();
+    let raised: Vec<_> = vertices.iter().map(|p| [p[0], p[1], 0.25]).collect();
+    let raised = TriMesh::new(raised, faces).unwrap();
+    let found = Difference::between(&square, &raised, Par::Seq).unwrap();
+    assert!((found.hausdorff - 0.25).abs() < 1e-15);
+    assert!((found.chamfer - 2.0 * 0.0625).abs() < 1e-15);
+    assert!((found.printed_hausdorff - 0.25).abs() < 1e-15);
+    // Four corners at 1/16, four middles of sides at 1/4 more, the centre at 1/2 more.
+    assert!((found.printed_chamfer - (9.0 / 16.0 + 1.0 + 0.5) / 9.0).abs() < 1e-15);
+    let empty = TriMesh::new(vec![], vec![]).unwrap();
+    assert!(Difference::between(&square, &empty, Par::Seq).is_err());
+    let found = Difference::between(&square, &square, Par::Threads(2)).unwrap();
+    assert_eq!((found.hausdorff, found.printed_chamfer), (0.0, 0.0));
+}
+
+#[test]
+fn colours_and_texture_coordinates_are_carried() {
+    let mesh = families::terrain(40, 40, 2).unwrap();
+    let mut file = MeshFile::from(mesh.clone());
+    file.colors = Some(mesh.vertices().iter().map(|p| [p[0], p[1], p[2] + 0.5, 1.0]).collect());
+    let plane = |p: &[f64; 3]| [2.0 * p[0], p[1] - 1.0];
+    file.uv =
+        Some(Attribute { values: mesh.vertices().iter().map(plane).collect(), corners: None });
+    let found = decimate(&mesh, 200, &options()).unwrap();
+    let carried = found.carry(&file).unwrap();
+    let (colors, uv) = (carried.colors.unwrap(), carried.uv.unwrap());
+    for (v, p) in found.mesh.vertices().iter().enumerate() {
+        for (is, should_be) in colors[v].iter().zip([p[0], p[1], p[2] + 0.5, 1.0]) {
+            assert!((is - should_be).abs() < 1e-9);
+        }
+        for (is, should_be) in uv.values[v].iter().zip(plane(p)) {
+            assert!((is - should_be).abs() < 1e-9);
+        }
+    }
+
+    // The square in two charts, cut where x is 1/2: the right half is moved by 10.
+    let chart = |f: usize| {
+        let x: f64 = mesh.faces()[f].iter().map(|&v| mesh.vertices()[v as usize][0]).sum();
+        x > 1.5
+    };
+    let n = mesh.vertices().len() as u32;
+    let mut values: Vec<_> = mesh.vertices().iter().map(plane).collect();
+    values.extend(mesh.vertices().iter().map(plane).map(|[u, v]| [u + 10.0, v]));
+    let corners = (0..mesh.faces().len())
+        .map(|f| mesh.faces()[f].map(|v| if chart(f) { v + n } else { v }))
+        .collect();
+    file.uv = Some(Attribute { values, corners: Some(corners) });
+    let uv = found.carry(&file).unwrap().uv.unwrap();
+    for (f, face) in found.mesh.faces().iter().enumerate() {
+        let corners = uv.of_face(&found.mesh, f).unwrap();
+        let right = corners[0][0] > 5.0;
+        for k in 0..3 {
+            let [u, _] = plane(&found.mesh.vertices()[face[k] as usize]);
+            let expected = if right { u + 10.0 } else { u };
+            // The terrain is not flat: beyond a cut, the plane of one of its faces is followed.
+            assert!((corners[k][0] - expected).abs() < 0.3, "{corners:?} {expected}");
+        }
+    }
+    let other = MeshFile::from(families::grid(3, 3).unwrap());
+    assert!(matches!(found.carry(&other), Err(Error::Shape { what: "input", .. })));
+    assert!(found.weights(&other.mesh, Par::Seq).is_err());
+}
+
+/// All meshes of ../shared that are quick to read, at 100 vertices: exact, or refused with the reason.
+#[test]
+fn shared_meshes_are_decimated_or_refused_by_name() {
+    let Some(folder) = common::data_folder() else { return };
+    let mut entries: Vec<_> =
+        std::fs::read_dir(folder.join("meshes")).unwrap().map(|e| e.unwrap()).collect();
+    entries.sort_by_key(|entry| entry.file_name());
+    for entry in entries {
+        let name = entry.file_name().into_string().unwrap();
+        if name.ends_with(".tsv") || entry.metadata().unwrap().len() > 2_000_000 {
+            continue;
+        }
+        let mesh = io::read(&entry.path()).unwrap().mesh;
+        for n in [100, 1000] {
+            match decimate(&mesh, n, &options()) {
+                Ok(found) => {
+                    assert_eq!(found.mesh.vertices().len(), n, "{name}");
+                    found.mesh.require_manifold().unwrap_or_else(|e| panic!("{name}: {e}"));
+                    assert_eq!(Some(found.before), found.after, "{name}");
+                }
+                Err(refused) => println!("{name} to {n}: {refused}"),
+            }
+        }
+    }
+}
