@@ -24,6 +24,7 @@ pub mod reference;
 pub mod scale;
 pub mod scatter;
 pub mod spectral;
+pub mod surface_curves;
 pub mod table;
 
 /// The result of everything here; a message is all that its user needs.

@@ -3,6 +3,7 @@
 mod ata;
 mod backend;
 mod basis;
+mod curve;
 mod decimate;
 mod demo;
 mod filter;
@@ -48,6 +49,7 @@ enum Command {
     Transfer(transfer::Args),
     Filter(filter::Args),
     Wilt(wilt::Args),
+    Curve(curve::Args),
 }
 
 /// What a shell reports for a process that Ctrl-C ended.
@@ -69,6 +71,7 @@ fn main() -> ExitCode {
         Command::Transfer(args) => transfer::run(args),
         Command::Filter(args) => filter::run(args),
         Command::Wilt(args) => wilt::run(args),
+        Command::Curve(args) => curve::run(args),
     });
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {

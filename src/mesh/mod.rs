@@ -19,6 +19,7 @@ pub use laplacian::{Boundary, Laplacian, LaplacianKind, LaplacianOptions, MassKi
 pub use measure::Normalization;
 pub use operators::{divergence, gradient, vertex_areas};
 pub use parts::Part;
+pub(crate) use topology::Sets;
 pub use topology::{Adjacency, Components, Edges, Genus};
 pub use trimesh::TriMesh;
 pub use validation::{Problem, Validation};

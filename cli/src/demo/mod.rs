@@ -4,6 +4,7 @@
 
 mod ata;
 mod chart;
+mod curves;
 mod decimate;
 mod exact;
 mod page;
@@ -35,8 +36,14 @@ pub struct Args {
 }
 
 /// In the order of the page.
-const STATIONS: &[fn(&Site<'_>) -> Result<Station>] =
-    &[ata::station, exact::station, spectral::station, plant::station, decimate::station];
+const STATIONS: &[fn(&Site<'_>) -> Result<Station>] = &[
+    ata::station,
+    exact::station,
+    spectral::station,
+    plant::station,
+    decimate::station,
+    curves::station,
+];
 
 /// Where stations put their files, and how much they may do.
 pub struct Site<'a> {

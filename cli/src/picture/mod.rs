@@ -6,11 +6,13 @@ mod image;
 mod matrix;
 mod mesh;
 mod text;
+mod tube;
 
 pub use args::PictureArgs;
 pub use color::{ColorMap, ColorScale};
 pub use matrix::{Scale, levels, write};
 pub use mesh::{Paint, Panel, Projection, Scene, Up, View, render};
+pub use tube::with_curves;
 
 use catamaran::faer::Mat;
 

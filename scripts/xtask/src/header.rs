@@ -21,6 +21,7 @@ const FILES: &[&str] = &[
     "transfer",
     "decimate",
     "plant",
+    "curve",
     "mpi",
     "memory",
 ];

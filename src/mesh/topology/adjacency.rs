@@ -119,7 +119,7 @@ impl TriMesh {
     }
 
     /// For each vertex whether a face has it.
-    pub(in super::super) fn referenced(&self) -> Vec<bool> {
+    pub(crate) fn referenced(&self) -> Vec<bool> {
         let mut used = vec![false; self.vertices().len()];
         for &v in self.faces().as_flattened() {
             used[v as usize] = true;

@@ -1,5 +1,6 @@
 //! `reproduce`: tables and figures of the thesis, measured again. A chapter a file.
 
+mod curves;
 mod decimate;
 mod plant;
 mod spectral;
@@ -27,6 +28,12 @@ pub struct Arguments {
     /// Chapter 4: repetitions of the race.
     #[arg(long, default_value_t = 5, value_name = "N")]
     repeat: usize,
+    /// Chapter 6: curves on each mesh; 50 by default.
+    #[arg(long, value_name = "N")]
+    curves: Option<usize>,
+    /// Chapter 6: only these meshes.
+    #[arg(long, value_delimiter = ',')]
+    meshes: Vec<String>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -37,6 +44,8 @@ enum What {
     Plant,
     /// Chapter 5: decimation.
     Decimate,
+    /// Chapter 6: curves on surfaces.
+    Curves,
 }
 
 /// What is found, as it is found.
@@ -72,6 +81,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         What::Decimate => {
             decimate::run(&mut report, arguments)?;
             ("decimate", decimate::HEADER)
+        }
+        What::Curves => {
+            curves::run(&mut report, arguments)?;
+            ("curves", curves::HEADER)
         }
     };
     println!("\n{:.0} s", start.elapsed().as_secs_f64());

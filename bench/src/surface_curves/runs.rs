@@ -1,0 +1,125 @@
+use std::time::Instant;
+
+use catamaran::base::Rng;
+use catamaran::curve::dataset::{Generator, Sampling, samples};
+use catamaran::curve::{
+    CurveOptions, CurveSolver, Mode, Outcome, hausdorff, root_mean_distance,
+    root_mean_square_distance, same_order,
+};
+use catamaran::mesh::Graph;
+
+use super::Surface;
+use crate::Result;
+
+/// Numbers of samples.
+pub const SIZES: [usize; 7] = [10, 25, 40, 55, 70, 85, 100];
+
+/// Who reconstructs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Method {
+    /// The thesis' algorithm with this many candidates.
+    Faithful(usize),
+    /// Ours.
+    Robust,
+}
+
+impl Method {
+    /// In the order of tables.
+    pub const ALL: [Self; 4] =
+        [Self::Faithful(1), Self::Faithful(3), Self::Faithful(5), Self::Robust];
+
+    /// For tables.
+    pub fn name(self) -> String {
+        match self {
+            Self::Faithful(candidates) => format!("faithful, l = {candidates}"),
+            Self::Robust => "robust".into(),
+        }
+    }
+
+    fn options(self) -> CurveOptions<'static> {
+        match self {
+            Self::Faithful(candidates) => {
+                CurveOptions { mode: Mode::Faithful, candidates, ..CurveOptions::default() }
+            }
+            Self::Robust => CurveOptions::default(),
+        }
+    }
+}
+
+/// What came of one reconstruction.
+#[derive(Debug, Clone, Copy)]
+pub struct Run {
+    /// The mesh.
+    pub mesh: &'static str,
+    /// Its vertices.
+    pub vertices: usize,
+    /// Whether it is connected and without boundary.
+    pub closed_mesh: bool,
+    /// Number of samples.
+    pub samples: usize,
+    /// How they were chosen.
+    pub sampling: Sampling,
+    /// By whom.
+    pub method: Method,
+    /// Closed, through all samples.
+    pub closed: bool,
+    /// Closed, and without Steiner points.
+    pub on_vertices: bool,
+    /// One curve with the samples in their order.
+    pub ordered: bool,
+    /// Hausdorff distance to the true curve.
+    pub hausdorff: f64,
+    /// R as the thesis writes it.
+    pub root_mean: f64,
+    /// R with squares.
+    pub root_mean_square: f64,
+    /// Seconds, without the solver's making.
+    pub seconds: f64,
+}
+
+/// Generates `curves` curves on a mesh and reconstructs each from samples of every size and kind by every method.
+///
+/// # Errors
+/// Those of the library.
+pub fn measure(surface: &Surface, curves: usize, seed: u64) -> Result<Vec<Run>> {
+    let mesh = &surface.mesh;
+    let graph = Graph::of_mesh(mesh);
+    let mut generator = Generator::new(&graph, seed)?;
+    let mut rng = Rng::new(seed + 1);
+    let mut solver = CurveSolver::new(mesh)?;
+    let mut runs = Vec::new();
+    for _ in 0..curves {
+        let Some(curve) = generator.curve()? else { break };
+        let truth: Vec<[f64; 3]> = curve.iter().map(|&v| mesh.vertices()[v as usize]).collect();
+        for count in SIZES {
+            for sampling in [Sampling::Even, Sampling::Random] {
+                let given = samples(&curve, count, sampling, &mut rng);
+                for method in Method::ALL {
+                    let start = Instant::now();
+                    let found = solver.reconstruct(&given.vertices, &method.options())?;
+                    let seconds = start.elapsed().as_secs_f64();
+                    let points: Vec<[f64; 3]> =
+                        found.curves.iter().flat_map(|c| c.points.iter().copied()).collect();
+                    let closed = found.outcome == Outcome::Closed;
+                    let single = found.curves.len() == 1;
+                    runs.push(Run {
+                        mesh: surface.name,
+                        vertices: mesh.vertices().len(),
+                        closed_mesh: surface.closed,
+                        samples: count,
+                        sampling,
+                        method,
+                        closed,
+                        on_vertices: closed && found.steiner.is_empty(),
+                        ordered: single && same_order(&found.curves[0].order, &given.order),
+                        hausdorff: hausdorff(&truth, &points),
+                        root_mean: root_mean_distance(&truth, &points),
+                        root_mean_square: root_mean_square_distance(&truth, &points),
+                        seconds,
+                    });
+                }
+            }
+        }
+    }
+    Ok(runs)
+}

@@ -1,0 +1,98 @@
+//! Curves on a surface as thin tubes, and samples as small balls, so that they are drawn as what they are.
+
+use anyhow::Result;
+use catamaran::curve::Curve;
+use catamaran::mesh::{TriMesh, families};
+
+use super::image::Rgb;
+
+type Vector = [f64; 3];
+
+/// Radius of a tube, and of a ball, relative to the diagonal of the bounding box.
+const TUBE: f64 = 0.0035;
+const BALL: f64 = 0.008;
+/// Sides of a tube.
+const SIDES: usize = 6;
+/// A full turn cut into sides.
+const STEP: f64 = std::f64::consts::TAU / SIDES as f64;
+
+const SURFACE: Rgb = [205, 214, 224];
+const SAMPLE: Rgb = [30, 34, 42];
+/// Of the curves, one after the other.
+const CURVES: [Rgb; 4] = [[214, 40, 57], [29, 92, 196], [26, 138, 68], [222, 138, 16]];
+
+/// The mesh with these curves and samples on it, and a colour for each vertex.
+pub fn with_curves(
+    mesh: &TriMesh,
+    curves: &[Curve],
+    samples: &[Vector],
+) -> Result<(TriMesh, Vec<Rgb>)> {
+    let [low, high] = mesh.bounding_box().unwrap_or_default();
+    let diagonal = norm(sub(high, low));
+    let (mut vertices, mut faces) = mesh.clone().into_parts();
+    let mut colors = vec![SURFACE; vertices.len()];
+    for (curve, color) in curves.iter().zip(CURVES.into_iter().cycle()) {
+        let next = curve.points.iter().skip(1).chain(curve.points.first().filter(|_| curve.closed));
+        for (&from, &to) in curve.points.iter().zip(next) {
+            tube(&mut vertices, &mut faces, from, to, TUBE * diagonal);
+        }
+        colors.resize(vertices.len(), color);
+    }
+    let ball = families::icosphere(1)?;
+    for p in samples {
+        let first = vertices.len() as u32;
+        let place = |q: &Vector| std::array::from_fn(|k| p[k] + BALL * diagonal * q[k]);
+        vertices.extend(ball.vertices().iter().map(place));
+        faces.extend(ball.faces().iter().map(|face| face.map(|v| first + v)));
+    }
+    colors.resize(vertices.len(), SAMPLE);
+    Ok((TriMesh::new(vertices, faces)?, colors))
+}
+
+/// The side of a prism around a line, without ends.
+fn tube(
+    vertices: &mut Vec<Vector>,
+    faces: &mut Vec<[u32; 3]>,
+    from: Vector,
+    to: Vector,
+    radius: f64,
+) {
+    let along = sub(to, from);
+    let length = norm(along);
+    if length == 0.0 {
+        return;
+    }
+    let along = along.map(|x| x / length);
+    let least = (0..3).min_by(|&i, &j| along[i].abs().total_cmp(&along[j].abs())).unwrap_or(0);
+    let mut axis = [0.0; 3];
+    axis[least] = 1.0;
+    let side = cross(along, axis);
+    let side = side.map(|x| x / norm(side));
+    let other = cross(along, side);
+    let first = vertices.len() as u32;
+    for end in [from, to] {
+        for i in 0..SIDES {
+            let (sin, cos) = (i as f64 * STEP).sin_cos();
+            vertices
+                .push(std::array::from_fn(|k| end[k] + radius * (cos * side[k] + sin * other[k])));
+        }
+    }
+    let n = SIDES as u32;
+    for i in 0..n {
+        let j = (i + 1) % n;
+        faces.push([first + i, first + j, first + n + j]);
+        faces.push([first + i, first + n + j, first + n + i]);
+    }
+}
+
+fn sub(a: Vector, b: Vector) -> Vector {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+fn norm(a: Vector) -> f64 {
+    a.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+fn cross(a: Vector, b: Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}

@@ -1,0 +1,42 @@
+//! How far a curve is from the one that it should be (thesis, section 6.4.2).
+
+/// Whether two orders of the same samples run around the same circle: equal up to where they start and which way they go.
+pub fn same_order(order: &[u32], truth: &[u32]) -> bool {
+    let n = order.len();
+    if n != truth.len() {
+        return false;
+    }
+    let Some(start) = truth.iter().position(|&i| Some(&i) == order.first()) else {
+        return n == 0;
+    };
+    let ahead = (0..n).all(|i| order[i] == truth[(start + i) % n]);
+    ahead || (0..n).all(|i| order[i] == truth[(start + n - i) % n])
+}
+
+/// For each point of one curve the distance to the nearest point of the other.
+fn nearest<'a>(from: &'a [[f64; 3]], to: &'a [[f64; 3]]) -> impl Iterator<Item = f64> {
+    from.iter().map(|&x| {
+        let square = |y: &[f64; 3]| (0..3).map(|k| (x[k] - y[k]).powi(2)).sum::<f64>();
+        to.iter().map(square).fold(f64::INFINITY, f64::min).sqrt()
+    })
+}
+
+/// The Hausdorff distance of two sets of points; infinite when one of them is empty, and 0 when both are.
+pub fn hausdorff(truth: &[[f64; 3]], found: &[[f64; 3]]) -> f64 {
+    nearest(truth, found).chain(nearest(found, truth)).fold(0.0, f64::max)
+}
+
+/// R of equation 6.1 as it is written: the root of the mean distance from the points of the true curve to the one found;
+/// infinite when nothing was found.
+pub fn root_mean_distance(truth: &[[f64; 3]], found: &[[f64; 3]]) -> f64 {
+    mean(nearest(truth, found), truth.len()).sqrt()
+}
+
+/// R with the square that its name says: the root of the mean of the squared distance; infinite when nothing was found.
+pub fn root_mean_square_distance(truth: &[[f64; 3]], found: &[[f64; 3]]) -> f64 {
+    mean(nearest(truth, found).map(|d| d * d), truth.len()).sqrt()
+}
+
+fn mean(values: impl Iterator<Item = f64>, count: usize) -> f64 {
+    values.sum::<f64>() / count.max(1) as f64
+}

@@ -1,0 +1,38 @@
+//! Closed and open curves on triangle meshes through samples without an order (thesis, chapter 6).
+//!
+//! [`Mode::Faithful`] is algorithm 6.1 with its maximum-angle heuristic: it grows the curve from one sample to the next and
+//! can lock itself in. [`Mode::Robust`] decides the order of all samples first and then finds paths that do not meet. What
+//! comes of it is an [`Outcome`], with as much of the curve as there is.
+//!
+//! ```
+//! use catamaran::curve::{CurveOptions, CurveSolver, Outcome};
+//! use catamaran::mesh::families;
+//!
+//! let mesh = families::torus(40, 20, 2.0, 0.8)?;
+//! let mut solver = CurveSolver::new(&mesh)?;
+//! // Vertices around the outer equator, not in order.
+//! let found = solver.reconstruct(&[0, 400, 200, 600, 100, 700], &CurveOptions::default())?;
+//! assert_eq!(found.outcome, Outcome::Closed);
+//! # Ok::<(), catamaran::Error>(())
+//! ```
+
+mod compare;
+pub mod dataset;
+mod faithful;
+mod proximity;
+mod refinement;
+mod result;
+mod route;
+mod search;
+mod sites;
+mod solver;
+mod split;
+mod surface;
+#[cfg(test)]
+mod tests;
+mod tour;
+
+pub use compare::{hausdorff, root_mean_distance, root_mean_square_distance, same_order};
+pub use result::{Curve, Outcome, Reconstruction, Steiner};
+pub use sites::{Placed, Placement, Site, place, refined};
+pub use solver::{Count, CurveOptions, CurveSolver, Mode};

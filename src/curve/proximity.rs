@@ -1,0 +1,140 @@
+//! Which samples are near one another: the dual of their geodesic Voronoi diagram, grown only as far as needed.
+
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
+
+use super::search::Search;
+use super::surface::Surface;
+use crate::mesh::Sets;
+use crate::mesh::vector::distance;
+
+/// Cells go on growing to this times the radius at which all samples hang together.
+const REACH: f64 = 2.0;
+/// For each sample the nearest ones that are kept, at most.
+const NEAREST: usize = 32;
+/// How much farther than any that is kept a sample counts as.
+const BEYOND: f64 = 3.0;
+
+/// The nearest samples of each sample, along the edges of the mesh through neighbouring cells.
+pub(super) struct Proximity {
+    /// For each sample others and their distances, by number of the sample.
+    rows: Vec<Vec<(u32, f64)>>,
+    /// The same, the nearest first.
+    nearest: Vec<Vec<u32>>,
+    /// For each sample the distance beyond which samples are not in its row.
+    horizon: Vec<f64>,
+    positions: Vec<[f64; 3]>,
+}
+
+impl Proximity {
+    /// Of samples on one component.
+    pub fn new(surface: &Surface<'_>, search: &mut Search, samples: &[u32]) -> Self {
+        let dual = dual(surface, search, samples);
+        let count = samples.len();
+        let mut distances = vec![f64::INFINITY; count];
+        let (mut rows, mut nearest, mut horizon) = (Vec::new(), Vec::new(), Vec::new());
+        for from in 0..count as u32 {
+            let mut row = Vec::new();
+            let mut touched = vec![from];
+            distances[from as usize] = 0.0;
+            let mut heap = BinaryHeap::from([Reverse((0_u64, from))]);
+            while let Some(Reverse((bits, i))) = heap.pop() {
+                let to_i = distances[i as usize];
+                if bits != to_i.to_bits() {
+                    continue;
+                }
+                if i != from {
+                    row.push((i, to_i));
+                    if row.len() == NEAREST {
+                        break;
+                    }
+                }
+                for &(j, length) in &dual[i as usize] {
+                    let through = to_i + length;
+                    if through < distances[j as usize] {
+                        touched.push(j);
+                        distances[j as usize] = through;
+                        heap.push(Reverse((through.to_bits(), j)));
+                    }
+                }
+            }
+            for i in touched {
+                distances[i as usize] = f64::INFINITY;
+            }
+            horizon.push(row.last().map_or(0.0, |r| r.1));
+            nearest.push(row.iter().map(|r| r.0).collect());
+            row.sort_unstable_by_key(|r| r.0);
+            rows.push(row);
+        }
+        let positions = samples.iter().map(|&v| surface.position(v)).collect();
+        Self { rows, nearest, horizon, positions }
+    }
+
+    /// The number of samples.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// The nearest samples, the nearest first.
+    pub fn nearest(&self, i: u32) -> &[u32] {
+        &self.nearest[i as usize]
+    }
+
+    /// The distance of two samples; that of two which are far apart is an estimate.
+    pub fn distance(&self, i: u32, j: u32) -> f64 {
+        let row = &self.rows[i as usize];
+        if let Ok(at) = row.binary_search_by_key(&j, |r| r.0) {
+            return row[at].1;
+        }
+        let row = &self.rows[j as usize];
+        if let Ok(at) = row.binary_search_by_key(&i, |r| r.0) {
+            return row[at].1;
+        }
+        let (i, j) = (i as usize, j as usize);
+        let straight = distance(self.positions[i], self.positions[j]);
+        BEYOND * straight.max(self.horizon[i]).max(self.horizon[j])
+    }
+
+    /// Where a sample is.
+    pub fn position(&self, i: u32) -> [f64; 3] {
+        self.positions[i as usize]
+    }
+}
+
+/// For each sample those whose cells touch its own, and the length of the shortest path through both.
+fn dual(surface: &Surface<'_>, search: &mut Search, samples: &[u32]) -> Vec<Vec<(u32, f64)>> {
+    // Sorted, so that nothing depends on the order in which cells meet.
+    let mut edges: BTreeMap<(u32, u32), f64> = BTreeMap::new();
+    let mut sets = Sets::new(samples.len());
+    let mut apart = samples.len();
+    let mut limit = f64::INFINITY;
+    search.start(samples);
+    while let Some((v, to_v)) = search.next() {
+        if to_v > limit {
+            break;
+        }
+        let Some((_, cell)) = search.known(v) else { break };
+        for (u, length) in surface.neighbours(v) {
+            search.relax(v, u, to_v + length, 0.0);
+            let Some((to_u, other)) = search.known(u).filter(|known| known.1 != cell) else {
+                continue;
+            };
+            let through = to_v + length + to_u;
+            let least = edges.entry((cell.min(other), cell.max(other))).or_insert(f64::INFINITY);
+            *least = least.min(through);
+            if sets.find(cell) != sets.find(other) {
+                sets.join(cell, other);
+                apart -= 1;
+                if apart == 1 {
+                    limit = REACH * to_v;
+                }
+            }
+        }
+    }
+    let mut dual = vec![Vec::new(); samples.len()];
+    for ((i, j), length) in edges {
+        dual[i as usize].push((j, length));
+        dual[j as usize].push((i, length));
+    }
+    dual
+}

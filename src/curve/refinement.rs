@@ -1,0 +1,170 @@
+use std::collections::HashMap;
+
+use crate::base::{Error, Result};
+use crate::mesh::vector::Vector;
+use crate::mesh::{Adjacency, TriMesh};
+
+/// A mesh with edges and faces that are cut at points, kept beside it: what was not cut costs nothing.
+pub(super) struct Refinement<'m> {
+    mesh: &'m TriMesh,
+    /// Faces of the mesh's vertices; made when first something is cut.
+    vertex_faces: Option<Adjacency>,
+    /// New vertices, numbered from the number of vertices on.
+    positions: Vec<Vector>,
+    /// New faces, numbered from the number of faces on.
+    faces: Vec<[u32; 3]>,
+    /// Faces that were cut, and the pieces.
+    cut: HashMap<u32, Vec<u32>>,
+    /// The faces of vertices whose faces are not those of the mesh.
+    changed: HashMap<u32, Vec<u32>>,
+}
+
+impl<'m> Refinement<'m> {
+    pub fn new(mesh: &'m TriMesh) -> Self {
+        Self {
+            mesh,
+            vertex_faces: None,
+            positions: Vec::new(),
+            faces: Vec::new(),
+            cut: HashMap::new(),
+            changed: HashMap::new(),
+        }
+    }
+
+    pub fn mesh(&self) -> &'m TriMesh {
+        self.mesh
+    }
+
+    /// New vertices.
+    pub fn positions(&self) -> &[Vector] {
+        &self.positions
+    }
+
+    pub fn position(&self, vertex: u32) -> Vector {
+        let old = self.mesh.vertices();
+        match (vertex as usize).checked_sub(old.len()) {
+            None => old[vertex as usize],
+            Some(new) => self.positions[new],
+        }
+    }
+
+    pub fn face(&self, face: u32) -> [u32; 3] {
+        let old = self.mesh.faces();
+        match (face as usize).checked_sub(old.len()) {
+            None => old[face as usize],
+            Some(new) => self.faces[new],
+        }
+    }
+
+    /// The vertices that share a face with this one, ascending.
+    pub fn neighbours(&mut self, vertex: u32) -> Vec<u32> {
+        let faces = self.faces_of(vertex).clone();
+        let others = faces.iter().flat_map(|&f| self.face(f)).filter(|&u| u != vertex);
+        let mut others: Vec<u32> = others.collect();
+        others.sort_unstable();
+        others.dedup();
+        others
+    }
+
+    /// Cuts an edge, and each of its faces in two, at a point of it. Gives the new vertex, and the vertices whose neighbours
+    /// are others now.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when vertices or faces can't be numbered any more.
+    pub fn cut_edge(&mut self, [a, b]: [u32; 2], at: Vector) -> Result<(u32, Vec<u32>)> {
+        let new = self.add_vertex(at)?;
+        let mut around = vec![a, b, new];
+        for f in self.faces_of(a).clone() {
+            let face = self.face(f);
+            if face.contains(&b) {
+                let with = |old: u32| face.map(|v| if v == old { new } else { v });
+                self.replace(f, &[with(b), with(a)]);
+                around.extend(face.into_iter().filter(|&v| v != a && v != b));
+            }
+        }
+        Ok((new, around))
+    }
+
+    /// Cuts a face into three at a point inside. Gives the new vertex.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when vertices or faces can't be numbered any more.
+    pub fn cut_face(&mut self, face: u32, at: Vector) -> Result<u32> {
+        let new = self.add_vertex(at)?;
+        let [a, b, c] = self.face(face);
+        self.replace(face, &[[a, b, new], [b, c, new], [c, a, new]]);
+        Ok(new)
+    }
+
+    /// What became of a face: those of it that were not cut.
+    pub fn pieces(&self, face: u32) -> impl Iterator<Item = u32> {
+        let mut waiting = vec![face];
+        std::iter::from_fn(move || {
+            while let Some(f) = waiting.pop() {
+                match self.cut.get(&f) {
+                    None => return Some(f),
+                    Some(pieces) => waiting.extend(pieces),
+                }
+            }
+            None
+        })
+    }
+
+    /// The refined mesh: its own vertices, then the new ones in the order in which they came.
+    ///
+    /// # Errors
+    /// None that a refinement could cause.
+    pub fn to_mesh(&self) -> Result<TriMesh> {
+        let vertices = [self.mesh.vertices(), &self.positions].concat();
+        let all = self.mesh.faces().iter().chain(&self.faces);
+        let faces =
+            (0..).zip(all).filter(|(f, _)| !self.cut.contains_key(f)).map(|(_, face)| *face);
+        TriMesh::new(vertices, faces.collect())
+    }
+
+    /// Back to the mesh.
+    pub fn forget(&mut self) {
+        self.positions.clear();
+        self.faces.clear();
+        self.cut.clear();
+        self.changed.clear();
+    }
+
+    fn add_vertex(&mut self, at: Vector) -> Result<u32> {
+        let number = self.mesh.vertices().len() + self.positions.len();
+        let faces = self.mesh.faces().len() + self.faces.len();
+        // Every cut makes a few faces; with this many more they can be numbered.
+        if number >= u32::MAX as usize || faces > u32::MAX as usize / 2 {
+            let why = "too many vertices or faces to add a point to".to_owned();
+            return Err(Error::Argument { what: "mesh", why });
+        }
+        self.positions.push(at);
+        self.changed.insert(number as u32, Vec::new());
+        Ok(number as u32)
+    }
+
+    /// The faces of a vertex, from now on kept here.
+    fn faces_of(&mut self, vertex: u32) -> &mut Vec<u32> {
+        let (mesh, all) = (self.mesh, &mut self.vertex_faces);
+        self.changed.entry(vertex).or_insert_with(|| {
+            let all = all.get_or_insert_with(|| mesh.vertex_faces());
+            all.row(vertex as usize).to_vec()
+        })
+    }
+
+    fn replace(&mut self, face: u32, pieces: &[[u32; 3]]) {
+        for v in self.face(face) {
+            self.faces_of(v).retain(|&f| f != face);
+        }
+        let mut numbers = Vec::new();
+        for &piece in pieces {
+            let number = (self.mesh.faces().len() + self.faces.len()) as u32;
+            self.faces.push(piece);
+            numbers.push(number);
+            for v in piece {
+                self.faces_of(v).push(number);
+            }
+        }
+        self.cut.insert(face, numbers);
+    }
+}

@@ -1,0 +1,100 @@
+use std::fmt;
+
+/// How a reconstruction ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Outcome {
+    /// Closed curves through all samples, which meet neither each other nor themselves.
+    Closed,
+    /// Curves from one end to another, as was asked for.
+    Open,
+    /// From a sample no way led on to one of the others.
+    Blocked {
+        /// The number of that sample in the list of samples.
+        at: u32,
+        /// Samples that the curve has not reached.
+        remaining: usize,
+    },
+    /// All samples are connected, but no way led back to the first one.
+    CloseBlocked,
+    /// Samples are on different components of the mesh, and no curve through all of them is there.
+    Disconnected {
+        /// On how many.
+        components: usize,
+    },
+}
+
+impl Outcome {
+    /// In one word, lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Closed => "closed",
+            Self::Open => "open",
+            Self::Blocked { .. } => "blocked",
+            Self::CloseBlocked => "close-blocked",
+            Self::Disconnected { .. } => "disconnected",
+        }
+    }
+
+    /// Whether the curves are those that were asked for.
+    pub fn is_complete(self) -> bool {
+        matches!(self, Self::Closed | Self::Open)
+    }
+}
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Blocked { at, remaining } => {
+                write!(f, "blocked at sample {at}, {remaining} samples not reached")
+            }
+            Self::Disconnected { components } => {
+                write!(f, "samples on {components} components of the mesh")
+            }
+            Self::Closed | Self::Open | Self::CloseBlocked => f.write_str(self.name()),
+        }
+    }
+}
+
+/// A curve along edges, or as much of it as was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// Numbers of samples in the list of samples, in the order of the curve.
+    pub order: Vec<u32>,
+    /// Its vertices, one after the other; the first one is not repeated where it closes. Those from the mesh's number of
+    /// vertices on are the [`Reconstruction::steiner`] points, in their order.
+    pub path: Vec<u32>,
+    /// Positions of the vertices.
+    pub points: Vec<[f64; 3]>,
+    /// Whether an edge leads from the last vertex to the first.
+    pub closed: bool,
+    /// Sum of the lengths of the edges.
+    pub length: f64,
+}
+
+/// A vertex that was put into the middle of an edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Steiner {
+    /// Ends of the edge: vertices of the mesh, or earlier Steiner points, numbered from the mesh's number of vertices on.
+    pub ends: [u32; 2],
+    /// Where it is.
+    pub position: [f64; 3],
+}
+
+/// What came of a reconstruction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reconstruction {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// The curves, or what there is of them; in the order of their lowest samples.
+    pub curves: Vec<Curve>,
+    /// Points in the middle of edges that were needed, in the order of their numbers; not all of them need be on a curve.
+    pub steiner: Vec<Steiner>,
+}
+
+impl Reconstruction {
+    /// The sum of the curves' lengths.
+    pub fn length(&self) -> f64 {
+        self.curves.iter().map(|curve| curve.length).sum()
+    }
+}

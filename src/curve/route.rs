@@ -1,0 +1,215 @@
+//! Paths between samples in their order, which must not meet: first each for itself, then by negotiation (McMurchie and
+//! Ebeling 1995), at last with room made by Steiner points.
+
+use super::search::Search;
+use super::surface::Surface;
+use crate::base::Result;
+use crate::mesh::vector::distance;
+
+/// Rounds of negotiation, and what the price of a vertex that others use is multiplied by in each.
+const ROUNDS: usize = 40;
+const GROWTH: f64 = 1.5;
+/// Vertices that negotiation may settle: a multiple of those that all first paths did, and a number that takes a fraction of
+/// a second, whatever the mesh.
+const PATIENCE: usize = 40;
+const MOST_SETTLED: usize = 1_500_000;
+
+/// A vertex that belongs to a sample.
+const SAMPLE: u8 = 1;
+
+/// Two samples' vertices that a path is wanted between.
+pub(super) type Net = (u32, u32);
+
+/// Who finds paths: the surface, and what is kept for each vertex, all 0 before and after.
+pub(super) struct Router<'a, 'm> {
+    pub surface: &'a mut Surface<'m>,
+    pub search: &'a mut Search,
+    /// [`SAMPLE`] or 0.
+    pub marks: &'a mut Vec<u8>,
+    /// Paths that use a vertex.
+    pub users: &'a mut Vec<u16>,
+    /// How often more than one path wanted it.
+    pub history: &'a mut Vec<f32>,
+}
+
+impl Router<'_, '_> {
+    /// A path for each net, none where there is no way. They meet only at their ends. `samples` are all vertices that paths
+    /// of others keep away from.
+    ///
+    /// # Errors
+    /// Those of `tell`; too many vertices.
+    pub fn route(
+        &mut self,
+        nets: &[Net],
+        samples: &[u32],
+        steiner: bool,
+        tell: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<Vec<Option<Vec<u32>>>> {
+        for &v in samples {
+            self.marks[v as usize] = SAMPLE;
+        }
+        let mut paths = vec![None; nets.len()];
+        let mut wanted = Vec::new();
+        let done = self.negotiate(nets, &mut paths, &mut wanted, tell).and_then(|()| {
+            self.keep_apart(nets, &mut paths);
+            self.insist(nets, &mut paths, steiner, tell)
+        });
+        for &v in samples {
+            self.marks[v as usize] = 0;
+        }
+        for v in wanted {
+            self.history[v as usize] = 0.0;
+        }
+        for path in paths.iter().flatten() {
+            self.count(path, false);
+        }
+        self.marks.truncate(self.surface.mesh().vertices().len());
+        self.users.truncate(self.surface.mesh().vertices().len());
+        self.history.truncate(self.surface.mesh().vertices().len());
+        done.map(|()| paths)
+    }
+
+    /// Adds a path to what uses the vertices inside of it, or takes it away.
+    fn count(&mut self, path: &[u32], add: bool) {
+        for &v in path.get(1..path.len().saturating_sub(1)).unwrap_or_default() {
+            let users = &mut self.users[v as usize];
+            *users = if add { users.saturating_add(1) } else { users.saturating_sub(1) };
+        }
+    }
+
+    /// The cheapest path of a net: lengths, times what others that use a vertex make it cost; `None` for the price: not at all.
+    fn path(&mut self, (from, to): Net, price: Option<f64>) -> Option<Vec<u32>> {
+        let aim = self.surface.position(to);
+        self.search.start(&[from]);
+        while let Some((v, cost)) = self.search.next() {
+            if v == to {
+                return Some(self.search.path(v));
+            }
+            for (u, length) in self.surface.neighbours(v) {
+                let i = u as usize;
+                if u == to {
+                    self.search.relax(v, u, cost + length, 0.0);
+                } else if self.marks[i] != SAMPLE {
+                    let users = f64::from(self.users[i]);
+                    let factor = match price {
+                        Some(price) => (1.0 + f64::from(self.history[i])) * (1.0 + price * users),
+                        None if self.users[i] > 0 => continue,
+                        None => 1.0,
+                    };
+                    let rest = distance(self.surface.position(u), aim);
+                    self.search.relax(v, u, cost + length * factor, rest);
+                }
+            }
+        }
+        None
+    }
+
+    fn is_contested(&self, path: &[u32]) -> bool {
+        path.iter().any(|&v| self.users[v as usize] > 1)
+    }
+
+    /// Until no vertex is used twice, or patience ends. A net without a path has none whatever the others do.
+    fn negotiate(
+        &mut self,
+        nets: &[Net],
+        paths: &mut [Option<Vec<u32>>],
+        wanted: &mut Vec<u32>,
+        tell: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<()> {
+        let before = self.search.settled();
+        for (i, &net) in nets.iter().enumerate() {
+            tell(0.5 * i as f64 / nets.len() as f64)?;
+            paths[i] = self.path(net, Some(0.0));
+            if let Some(path) = &paths[i] {
+                self.count(path, true);
+            }
+        }
+        let first = self.search.settled() - before;
+        let budget = before + (PATIENCE * first).min(first + MOST_SETTLED);
+        let mut price = 1.0;
+        for round in 0..ROUNDS {
+            tell(0.5 + 0.4 * round as f64 / ROUNDS as f64)?;
+            let mut contested = false;
+            for (i, &net) in nets.iter().enumerate() {
+                let Some(path) = paths[i].take_if(|path| self.is_contested(path)) else { continue };
+                if self.search.settled() > budget {
+                    paths[i] = Some(path);
+                    return Ok(());
+                }
+                contested = true;
+                self.count(&path, false);
+                paths[i] = self.path(net, Some(price));
+                if let Some(path) = &paths[i] {
+                    self.count(path, true);
+                }
+            }
+            if !contested {
+                return Ok(());
+            }
+            for path in paths.iter().flatten() {
+                for &v in path {
+                    if self.users[v as usize] > 1 {
+                        if self.history[v as usize] == 0.0 {
+                            wanted.push(v);
+                        }
+                        self.history[v as usize] += 1.0;
+                    }
+                }
+            }
+            price *= GROWTH;
+        }
+        Ok(())
+    }
+
+    /// Drops paths that meet others, those first that meet most, until none does.
+    fn keep_apart(&mut self, nets: &[Net], paths: &mut [Option<Vec<u32>>]) {
+        loop {
+            let meetings =
+                |path: &Vec<u32>| path.iter().filter(|&&v| self.users[v as usize] > 1).count();
+            let count = |i: usize| paths[i].as_ref().map_or(0, meetings);
+            let most = (0..nets.len()).rev().max_by_key(|&i| count(i)).filter(|&i| count(i) > 0);
+            let Some(path) = most.and_then(|i| paths[i].take()) else { return };
+            self.count(&path, false);
+        }
+    }
+
+    /// Finds paths that avoid the others for the nets that have none; where there is no way around, makes one.
+    ///
+    /// The paths that are there are arcs, and arcs that do not meet don't part a connected surface without boundary, so that
+    /// on such a one every net gets a path.
+    fn insist(
+        &mut self,
+        nets: &[Net],
+        paths: &mut [Option<Vec<u32>>],
+        steiner: bool,
+        tell: &dyn Fn(f64) -> Result<()>,
+    ) -> Result<()> {
+        for (i, &net) in nets.iter().enumerate() {
+            if paths[i].is_some() {
+                continue;
+            }
+            tell(0.9 + 0.1 * i as f64 / nets.len() as f64)?;
+            paths[i] = self.path(net, None);
+            if paths[i].is_none() && steiner {
+                let mut around: Vec<Vec<u32>> = paths.iter().flatten().cloned().collect();
+                // Samples that no path has reached are in the way as well.
+                around.extend(
+                    nets.iter()
+                        .flat_map(|&(a, b)| [vec![a], vec![b]])
+                        .filter(|end| !paths.iter().flatten().any(|path| path.contains(&end[0]))),
+                );
+                self.surface.refine_around(&around)?;
+                let vertices = self.surface.len();
+                self.search.grow(vertices);
+                self.marks.resize(vertices, 0);
+                self.users.resize(vertices, 0);
+                self.history.resize(vertices, 0.0);
+                paths[i] = self.path(net, None);
+            }
+            if let Some(path) = &paths[i] {
+                self.count(path, true);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,112 @@
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use crate::base::{Result, reserved};
+
+/// No vertex.
+const NONE: u32 = u32::MAX;
+
+/// What is known of a vertex; of this search only if `stamp` says so.
+#[derive(Debug, Clone, Copy)]
+struct Label {
+    distance: f64,
+    predecessor: u32,
+    origin: u32,
+    /// Twice the number of the search, plus one when the distance is final.
+    stamp: u64,
+}
+
+const BLANK: Label = Label { distance: f64::INFINITY, predecessor: NONE, origin: NONE, stamp: 0 };
+
+/// A search for shortest paths (Dijkstra 1959) that its user drives: [`Search::next`] gives the next vertex, and the user
+/// offers its neighbours, at whatever cost, to [`Search::relax`]. Starting again takes no time, whatever the last one touched.
+pub(super) struct Search {
+    labels: Vec<Label>,
+    current: u64,
+    /// Estimated lengths of whole paths, as bits (ordered as non-negative numbers are); equal ones by vertex.
+    heap: BinaryHeap<Reverse<(u64, u32)>>,
+    settled: usize,
+}
+
+impl Search {
+    /// A search among so many vertices.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
+    pub fn new(vertices: usize) -> Result<Self> {
+        let mut labels = reserved(vertices)?;
+        labels.resize(vertices, BLANK);
+        Ok(Self { labels, current: 0, heap: BinaryHeap::new(), settled: 0 })
+    }
+
+    /// Makes room for vertices that refinement added.
+    pub fn grow(&mut self, vertices: usize) {
+        if vertices > self.labels.len() {
+            self.labels.resize(vertices, BLANK);
+        }
+    }
+
+    /// Vertices settled by all searches.
+    pub fn settled(&self) -> usize {
+        self.settled
+    }
+
+    /// Forgets the last search and starts from these vertices; their place in the list is their number as origins.
+    pub fn start(&mut self, sources: &[u32]) {
+        self.current += 2;
+        self.heap.clear();
+        for (origin, &v) in (0..).zip(sources) {
+            self.labels[v as usize] =
+                Label { distance: 0.0, predecessor: NONE, origin, stamp: self.current };
+            self.heap.push(Reverse((0.0_f64.to_bits(), v)));
+        }
+    }
+
+    /// The next vertex whose distance is final, and the distance.
+    pub fn next(&mut self) -> Option<(u32, f64)> {
+        while let Some(Reverse((_, v))) = self.heap.pop() {
+            let label = &mut self.labels[v as usize];
+            if label.stamp == self.current {
+                label.stamp = self.current + 1;
+                self.settled += 1;
+                return Some((v, label.distance));
+            }
+        }
+        None
+    }
+
+    /// A way of this length to `vertex` by `from`; `rest` is at most what is left of it to where the search wants to go
+    /// (Hart, Nilsson and Raphael 1968), and never more than an edge longer than at the neighbour; 0 when there is no aim.
+    pub fn relax(&mut self, from: u32, vertex: u32, distance: f64, rest: f64) {
+        let origin = self.labels[from as usize].origin;
+        let current = self.current;
+        let label = &mut self.labels[vertex as usize];
+        let better = if label.stamp >= current {
+            label.stamp == current && distance < label.distance
+        } else {
+            true
+        };
+        if better {
+            *label = Label { distance, predecessor: from, origin, stamp: current };
+            self.heap.push(Reverse(((distance + rest).to_bits(), vertex)));
+        }
+    }
+
+    /// The distance and the origin of a vertex, if they are final.
+    pub fn known(&self, vertex: u32) -> Option<(f64, u32)> {
+        let label = self.labels[vertex as usize];
+        (label.stamp == self.current + 1).then_some((label.distance, label.origin))
+    }
+
+    /// The path to a vertex that was reached, from its source, both included.
+    pub fn path(&self, vertex: u32) -> Vec<u32> {
+        let mut path = vec![vertex];
+        let mut at = vertex;
+        while self.labels[at as usize].predecessor != NONE {
+            at = self.labels[at as usize].predecessor;
+            path.push(at);
+        }
+        path.reverse();
+        path
+    }
+}

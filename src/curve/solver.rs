@@ -1,0 +1,338 @@
+use std::collections::{BTreeMap, HashMap};
+
+use super::faithful::Walker;
+use super::proximity::Proximity;
+use super::result::{Curve, Outcome, Reconstruction, Steiner};
+use super::route::{Net, Router};
+use super::search::Search;
+use super::split::split;
+use super::surface::Surface;
+use super::tour::{Costs, tour};
+use crate::base::{Error, Flow, Progress, Result, reserved};
+use crate::mesh::vector::distance;
+use crate::mesh::{Components, TriMesh};
+
+/// Samples of a curve, at least.
+const LEAST: usize = 3;
+/// Seed of the kicks that tours get.
+const SEED: u64 = 6;
+
+/// How a curve is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Mode {
+    /// Algorithm 6.1 of the thesis: from sample to sample.
+    Faithful,
+    /// The order of all samples first, then paths that give way to each other. The default.
+    #[default]
+    Robust,
+}
+
+/// How many curves the samples are of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Count {
+    /// One.
+    One,
+    /// As many as there are gaps for; closed curves of the robust mode only, otherwise one. The default.
+    #[default]
+    Automatic,
+}
+
+/// What [`CurveSolver::reconstruct`] is asked for.
+#[derive(Clone)]
+pub struct CurveOptions<'a> {
+    /// How; default robust.
+    pub mode: Mode,
+    /// An open curve, from one end to the other; default false: closed.
+    pub open: bool,
+    /// How many curves; default automatic.
+    pub count: Count,
+    /// In the robust mode: whether vertices may be added in the middle of edges where there is no other way; default true.
+    pub steiner: bool,
+    /// In the faithful mode: l, among how many of the nearest samples the next one is chosen, at least 1; default 5.
+    pub candidates: usize,
+    /// In the faithful mode: the number of the sample that the curve starts at; default 0.
+    pub start: usize,
+    /// Told of progress; may cancel.
+    pub progress: Option<Progress<'a>>,
+}
+
+impl Default for CurveOptions<'_> {
+    fn default() -> Self {
+        Self {
+            mode: Mode::default(),
+            open: false,
+            count: Count::default(),
+            steiner: true,
+            candidates: 5,
+            start: 0,
+            progress: None,
+        }
+    }
+}
+
+impl CurveOptions<'_> {
+    fn tell(&self, fraction: f64) -> Result<()> {
+        match self.progress.map(|progress| progress(fraction)) {
+            Some(Flow::Cancel) => Err(Error::Cancelled),
+            Some(Flow::Continue) | None => Ok(()),
+        }
+    }
+}
+
+/// Finds curves on a mesh: made once, in O(V + F), for many reconstructions, which look only at what is near the samples.
+pub struct CurveSolver<'m> {
+    surface: Surface<'m>,
+    search: Search,
+    marks: Vec<u8>,
+    users: Vec<u16>,
+    history: Vec<f32>,
+}
+
+impl<'m> CurveSolver<'m> {
+    /// A solver for any mesh: several components, boundary and edges of many faces are allowed.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn new(mesh: &'m TriMesh) -> Result<Self> {
+        let n = mesh.vertices().len();
+        Ok(Self {
+            surface: Surface::new(mesh),
+            search: Search::new(n)?,
+            marks: filled(n)?,
+            users: filled(n)?,
+            history: filled(n)?,
+        })
+    }
+
+    /// A curve along edges through these vertices, in whatever order suits it.
+    ///
+    /// In the faithful mode the curve starts at sample `start`; in the robust one each starts at its sample of lowest number
+    /// and goes towards the lower one of that one's two neighbours. The same samples give the same result, bit for bit.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for fewer than three samples, a number that no vertex has, a vertex twice, no candidates, or a
+    /// start that is none of the samples; [`Error::Mesh`] for a vertex without a face; [`Error::Cancelled`].
+    pub fn reconstruct(
+        &mut self,
+        samples: &[u32],
+        options: &CurveOptions<'_>,
+    ) -> Result<Reconstruction> {
+        self.check(samples, options)?;
+        let found = match options.mode {
+            Mode::Faithful => self.faithful(samples, options),
+            Mode::Robust => self.robust(samples, options),
+        };
+        self.surface.forget_refinement();
+        found
+    }
+
+    fn check(&self, samples: &[u32], options: &CurveOptions<'_>) -> Result<()> {
+        let refused = |what, why| Err(Error::Argument { what, why });
+        let n = self.surface.mesh().vertices().len();
+        let mut first = HashMap::new();
+        for (i, &v) in samples.iter().enumerate() {
+            if v as usize >= n {
+                let why = format!("sample {i} is vertex {v} of {n} (numbered from 0)");
+                return refused("samples", why);
+            }
+            if self.surface.component(v) == Components::NONE {
+                let what = format!("sample {i} is in no face");
+                return Err(Error::Mesh { what, element: format!("vertex {v}") });
+            }
+            if let Some(before) = first.insert(v, i) {
+                return refused("samples", format!("sample {i} is vertex {v}, as sample {before}"));
+            }
+        }
+        if samples.len() < LEAST {
+            return refused("samples", format!("{}, where {LEAST} are needed", samples.len()));
+        }
+        if options.mode == Mode::Faithful {
+            if options.candidates == 0 {
+                return refused("candidates", "0, where 1 is needed".into());
+            }
+            if options.start >= samples.len() {
+                let why = format!("{} of {} (numbered from 0)", options.start, samples.len());
+                return refused("start", why);
+            }
+        }
+        Ok(())
+    }
+
+    /// The samples of each component of the mesh, by number.
+    fn groups(&self, samples: &[u32]) -> Vec<Vec<u32>> {
+        let mut groups: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for (i, &v) in (0..).zip(samples) {
+            groups.entry(self.surface.component(v)).or_default().push(i);
+        }
+        groups.into_values().collect()
+    }
+
+    fn faithful(&mut self, samples: &[u32], options: &CurveOptions<'_>) -> Result<Reconstruction> {
+        let components = self.groups(samples).len();
+        let mut walker = Walker {
+            surface: &self.surface,
+            search: &mut self.search,
+            marks: &mut self.marks,
+            samples,
+        };
+        let tell = |fraction| options.tell(fraction);
+        let walk = walker.walk(options.start as u32, options.candidates, options.open, &tell)?;
+        let outcome = match walk.outcome {
+            Outcome::Blocked { .. } if components > 1 => Outcome::Disconnected { components },
+            outcome => outcome,
+        };
+        let curve = self.curve(walk.order, walk.path, outcome == Outcome::Closed);
+        Ok(Reconstruction { outcome, curves: vec![curve], steiner: Vec::new() })
+    }
+
+    fn robust(&mut self, samples: &[u32], options: &CurveOptions<'_>) -> Result<Reconstruction> {
+        let groups = self.groups(samples);
+        let several = options.count == Count::Automatic && !options.open;
+        let components = groups.len();
+        let possible = components == 1 || several && groups.iter().all(|g| g.len() >= LEAST);
+        if !possible {
+            return Ok(Reconstruction {
+                outcome: Outcome::Disconnected { components },
+                curves: Vec::new(),
+                steiner: Vec::new(),
+            });
+        }
+        let mut orders = Vec::new();
+        for group in &groups {
+            options.tell(0.0)?;
+            orders.extend(self.orders(samples, group, options.open, several));
+        }
+        orders.sort_unstable_by_key(|order| order[0]);
+        self.routed(samples, &orders, options)
+    }
+
+    /// The order of each curve through a group of samples.
+    fn orders(
+        &mut self,
+        samples: &[u32],
+        group: &[u32],
+        open: bool,
+        several: bool,
+    ) -> Vec<Vec<u32>> {
+        let vertices: Vec<u32> = group.iter().map(|&i| samples[i as usize]).collect();
+        let proximity = Proximity::new(&self.surface, &mut self.search, &vertices);
+        let all: Vec<u32> = (0..group.len() as u32).collect();
+        let best = |members: &[u32]| tour(&Costs::new(&proximity, members, open), SEED);
+        let whole = best(&all);
+        let parts = if several { split(&proximity, whole) } else { vec![whole] };
+        let numbered = |tour: Vec<u32>| {
+            let order: Vec<u32> = tour.into_iter().map(|i| group[i as usize]).collect();
+            normalized(order, open)
+        };
+        parts.into_iter().map(numbered).collect()
+    }
+
+    /// Paths through samples in these orders.
+    fn routed(
+        &mut self,
+        samples: &[u32],
+        orders: &[Vec<u32>],
+        options: &CurveOptions<'_>,
+    ) -> Result<Reconstruction> {
+        let nets: Vec<Vec<Net>> =
+            orders.iter().map(|order| nets(samples, order, options.open)).collect();
+        let mut router = Router {
+            surface: &mut self.surface,
+            search: &mut self.search,
+            marks: &mut self.marks,
+            users: &mut self.users,
+            history: &mut self.history,
+        };
+        let tell = |fraction: f64| options.tell(0.3 + 0.7 * fraction);
+        let mut paths = router.route(&nets.concat(), samples, options.steiner, &tell)?.into_iter();
+        let mut outcome = if options.open { Outcome::Open } else { Outcome::Closed };
+        let mut curves = Vec::new();
+        for (order, nets) in orders.iter().zip(&nets) {
+            let own: Vec<_> = paths.by_ref().take(nets.len()).collect();
+            let (curve, ended) = self.joined(order.clone(), own, options.open);
+            if outcome.is_complete() {
+                outcome = ended;
+            }
+            curves.push(curve);
+        }
+        let steiner = self.surface.middles().map(|(ends, position)| Steiner { ends, position });
+        Ok(Reconstruction { outcome, curves, steiner: steiner.collect() })
+    }
+
+    /// A curve of its paths, from behind the first that is missing on to the next.
+    fn joined(
+        &self,
+        mut order: Vec<u32>,
+        mut paths: Vec<Option<Vec<u32>>>,
+        open: bool,
+    ) -> (Curve, Outcome) {
+        let missing = paths.iter().filter(|path| path.is_none()).count();
+        let outcome = match missing {
+            0 if open => Outcome::Open,
+            0 => Outcome::Closed,
+            1 if !open => Outcome::CloseBlocked,
+            _ => {
+                let gap = paths.iter().position(Option::is_none).unwrap_or_default();
+                Outcome::Blocked { at: order[gap], remaining: order.len() - gap - 1 }
+            }
+        };
+        if outcome == Outcome::CloseBlocked {
+            let gap = paths.iter().position(Option::is_none).unwrap_or_default();
+            let shift = (gap + 1) % order.len();
+            order.rotate_left(shift);
+            paths.rotate_left(shift);
+        }
+        let mut path = Vec::new();
+        for part in &paths {
+            match part {
+                Some(part) => path.extend(&part[..part.len() - 1]),
+                None => break,
+            }
+        }
+        if outcome != Outcome::Closed {
+            let last = paths.iter().map_while(|part| part.as_ref()?.last()).last();
+            path.extend(last);
+        }
+        (self.curve(order, path, outcome == Outcome::Closed), outcome)
+    }
+
+    fn curve(&self, order: Vec<u32>, path: Vec<u32>, closed: bool) -> Curve {
+        let points: Vec<[f64; 3]> = path.iter().map(|&v| self.surface.position(v)).collect();
+        let mut length = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+        if let (true, &[first, .., last]) = (closed, &points[..]) {
+            length += distance(last, first);
+        }
+        Curve { order, path, points, closed, length }
+    }
+}
+
+/// n zeros.
+fn filled<T: Clone + Default>(n: usize) -> Result<Vec<T>> {
+    let mut all = reserved(n)?;
+    all.resize(n, T::default());
+    Ok(all)
+}
+
+/// Pairs of vertices that follow one another.
+fn nets(samples: &[u32], order: &[u32], open: bool) -> Vec<Net> {
+    let next = order.iter().cycle().skip(1);
+    let pairs = order.iter().zip(next).map(|(&i, &j)| (samples[i as usize], samples[j as usize]));
+    pairs.take(order.len() - usize::from(open)).collect()
+}
+
+/// One of the ways to write an order down: from its lowest number on, to the lower one beside it; an open one from its lower
+/// end.
+fn normalized(mut order: Vec<u32>, open: bool) -> Vec<u32> {
+    if open {
+        if order.first() > order.last() {
+            order.reverse();
+        }
+        return order;
+    }
+    let lowest = (0..order.len()).min_by_key(|&i| order[i]).unwrap_or_default();
+    order.rotate_left(lowest);
+    if order.get(1) > order.last() {
+        order[1..].reverse();
+    }
+    order
+}

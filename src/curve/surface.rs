@@ -1,0 +1,101 @@
+use std::collections::HashMap;
+
+use super::refinement::Refinement;
+use crate::base::Result;
+use crate::mesh::vector::{Vector, distance};
+use crate::mesh::{Components, Graph, TriMesh};
+
+/// A mesh as paths see it: its edges, and where it was refined for one call, those of the refinement.
+pub(super) struct Surface<'m> {
+    graph: Graph,
+    components: Components,
+    refinement: Refinement<'m>,
+    /// The edges whose middles the new vertices are.
+    ends: Vec<[u32; 2]>,
+    /// Neighbours of vertices that were refined.
+    neighbours: HashMap<u32, Vec<(u32, f64)>>,
+}
+
+impl<'m> Surface<'m> {
+    pub fn new(mesh: &'m TriMesh) -> Self {
+        Self {
+            graph: Graph::of_mesh(mesh),
+            components: Components::new(mesh),
+            refinement: Refinement::new(mesh),
+            ends: Vec::new(),
+            neighbours: HashMap::new(),
+        }
+    }
+
+    pub fn mesh(&self) -> &'m TriMesh {
+        self.refinement.mesh()
+    }
+
+    /// Vertices of the mesh and of its refinement.
+    pub fn len(&self) -> usize {
+        self.graph.len() + self.ends.len()
+    }
+
+    /// The component of a vertex of the mesh.
+    pub fn component(&self, vertex: u32) -> u32 {
+        self.components.of_vertices()[vertex as usize]
+    }
+
+    pub fn position(&self, vertex: u32) -> Vector {
+        self.refinement.position(vertex)
+    }
+
+    /// The vertices of the refinement: the ends of the edges whose middles they are, and where they are.
+    pub fn middles(&self) -> impl Iterator<Item = ([u32; 2], Vector)> {
+        self.ends.iter().copied().zip(self.refinement.positions().iter().copied())
+    }
+
+    /// The neighbours of a vertex, and the lengths of the edges that lead there.
+    pub fn neighbours(&self, vertex: u32) -> impl Iterator<Item = (u32, f64)> {
+        let new = if self.neighbours.is_empty() { None } else { self.neighbours.get(&vertex) };
+        let old = new.is_none().then(|| self.graph.neighbours(vertex));
+        old.into_iter().flatten().chain(new.into_iter().flatten().copied())
+    }
+
+    /// Puts a vertex into the middle of every edge at these paths but their own edges: where they were in the way, there is
+    /// a way around them then.
+    ///
+    /// # Errors
+    /// [`Error::Argument`](crate::Error::Argument) when vertices can't be numbered any more.
+    pub fn refine_around(&mut self, paths: &[Vec<u32>]) -> Result<()> {
+        for path in paths {
+            for (i, &v) in path.iter().enumerate() {
+                let next = [i.checked_sub(1).map(|i| path[i]), path.get(i + 1).copied()];
+                let ends: Vec<u32> = self.neighbours(v).map(|(u, _)| u).collect();
+                for u in ends.into_iter().filter(|&u| !next.contains(&Some(u))) {
+                    self.bisect(v, u)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Back to the mesh.
+    pub fn forget_refinement(&mut self) {
+        self.refinement.forget();
+        self.ends.clear();
+        self.neighbours.clear();
+    }
+
+    fn bisect(&mut self, a: u32, b: u32) -> Result<()> {
+        let (_, around) =
+            self.refinement.cut_edge([a, b], middle(self.position(a), self.position(b)))?;
+        self.ends.push([a, b]);
+        for v in around {
+            let p = self.position(v);
+            let others = self.refinement.neighbours(v).into_iter();
+            let others = others.map(|u| (u, distance(p, self.refinement.position(u)))).collect();
+            self.neighbours.insert(v, others);
+        }
+        Ok(())
+    }
+}
+
+fn middle(p: Vector, q: Vector) -> Vector {
+    std::array::from_fn(|k| p[k] / 2.0 + q[k] / 2.0)
+}
