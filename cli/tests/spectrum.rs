@@ -76,7 +76,7 @@ fn hdf5_holds_the_same_arrays() {
     folder.succeed("spectrum sphere.ply -k 9 -o s.npz");
     folder.succeed("spectrum sphere.ply -k 9 -o s.h5");
     for name in ["eigenvalues", "eigenvectors", "residuals"] {
-        let mut rows = RowFile::open(&folder.path(&format!("s.h5:{name}"))).unwrap();
+        let mut rows = RowFile::open(folder.path(&format!("s.h5:{name}"))).unwrap();
         let (m, n) = (rows.nrows(), rows.ncols());
         let mut found = Mat::<f64>::zeros(m, n);
         rows.read(0, found.as_mut()).unwrap();
