@@ -10,7 +10,7 @@ use zip::{CompressionMethod, ZipWriter};
 use super::{Output, npy};
 use crate::base::Result;
 
-/// An array of an `.npz` file.
+/// An array of a file of several.
 #[derive(Debug, Clone, Copy)]
 pub enum Array<'a> {
     /// One dimension, f8.
