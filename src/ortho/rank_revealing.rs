@@ -18,8 +18,9 @@ const FINEST: f64 = 1e-13;
 /// [`gram_schmidt`] keeps a column whenever *it* has something that the columns before it do not have, and there can be
 /// many more of these than the rank where singular values decay slowly, each nearly dependent on all others together. Here
 /// its R, whose singular values are those of A, tells the rank r; the columns kept are the first r that QR with column
-/// pivoting takes of the r leading right singular vectors, as rows (Golub, Klema and Stewart 1976), in their own order. `A[:, kept] = Q R[:, kept]` up to the
-/// threshold, R a triangle there, and Q R is the rest of A up to about the threshold times the largest singular value.
+/// pivoting takes of the r leading right singular vectors, as rows (Golub, Klema and Stewart 1976), in their own order.
+/// `A[:, kept] = Q R[:, kept]` up to the threshold, R a triangle there, and Q R is the rest of A up to about the threshold
+/// times the largest singular value.
 ///
 /// The result is the same, bit for bit, for every `options.par`; it is always re-orthogonalised. The singular values and
 /// vectors of R, on one thread, come on top of the time of [`gram_schmidt`], and a few matrices of its size.
