@@ -169,6 +169,7 @@ fn solve(folder: &Path, arguments: &Arguments) -> Result<()> {
     let (source, target) = (basis("source")?, basis("target")?);
     let [f, g] = ["source", "target"].map(|side| get(folder, &format!("descriptors_{side}")));
     let (f, g) = (f?, g?);
+    child::forget_peak();
     let [before, _] = child::memory();
     let start = Instant::now();
     let (few, few_target) = (source.truncated(arguments.k)?, target.truncated(arguments.k)?);

@@ -99,6 +99,7 @@ fn solve(folder: &Path, threads: usize) -> Result<()> {
         (0..faces.nrows()).map(|i| row(&faces, i).map(|v| v as u32)).collect(),
     )?;
     let par = Par::Threads(threads);
+    child::forget_peak();
     let [before, _] = child::memory();
     let start = Instant::now();
     let options =
