@@ -34,8 +34,8 @@ pub(crate) const EXPONENTIAL: Rational = Rational {
 pub(crate) const RADAU: Rational = Rational {
     constant: 0.0,
     terms: &[
-        [3.637834252744495732, 0.0, -9.148749087422921637, 0.0],
-        [2.681082873627752134, 3.050430199247410569, 7.648749087422921637, 4.171640244747437405],
+        [3.637_834_252_744_496, 0.0, -9.148_749_087_422_921, 0.0],
+        [2.681_082_873_627_752_3, 3.050_430_199_247_410_5, 7.648_749_087_422_922, 4.171_640_244_747_437],
     ],
 };
 
@@ -86,7 +86,7 @@ impl Rational {
                 }
                 if range.contains(&model.root()) {
                     let b = &mut out[model.root() - range.start];
-                    *b = *b - c64::new(t * model.intake, 0.0) / z;
+                    *b -= c64::new(t * model.intake, 0.0) / z;
                 }
             };
             factor.solve(order, right, solution, par);

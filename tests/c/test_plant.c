@@ -11,7 +11,7 @@
 
 #define N 3
 
-static const double tails[3 * N] = {0, 0, 0.1, 0, 0, 0.2, 0.1, 0, 0.2};
+static const double tails[3 * N] = {0, 0, 0.1, 0, 0, 0.2, 0.1, 0, 0.1};
 static const double radii[N] = {1e-3, 1e-3, 1e-3};
 static const uint32_t parents[N] = {CATA_NO_PARENT, 0, 0};
 static const int32_t leaves[N] = {0, 1, 1};
