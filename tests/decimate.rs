@@ -11,11 +11,11 @@ use catamaran::decimate::{
     decimate, edge_length_for, resample,
 };
 use catamaran::mesh::io::{self, Attribute, MeshFile};
-use catamaran::mesh::{Dijkstra, Edges, Graph, SearchLimits, TriMesh, families};
+use catamaran::mesh::{Dijkstra, Edges, Genus, Graph, SearchLimits, TriMesh, families};
 use catamaran::{Error, Par};
 
 fn options() -> DecimateOptions<'static> {
-    DecimateOptions { par: Par::Seq, ..DecimateOptions::default() }
+    DecimateOptions { par: Par::Seq, keep_narrow_handles: true, ..DecimateOptions::default() }
 }
 
 /// Everything that a decimation promises.
@@ -152,6 +152,22 @@ fn every_family_is_decimated_with_its_topology() {
 }
 
 #[test]
+fn narrow_handles_are_cut_and_told_unless_they_are_to_be_kept() {
+    // A slab whose holes are one tenth of the whole, and a triangle of the result as large as a hole.
+    let mesh = families::genus(5, 4).unwrap();
+    let keep = decimate(&mesh, 70, &options()).unwrap();
+    check("slab", &mesh, 70, &keep);
+    let cut = DecimateOptions { keep_narrow_handles: false, ..options() };
+    // A tube around a torus that is as thin as a hair: its loops are all narrow.
+    let ring = families::torus(400, 5, 1.0, 0.002).unwrap();
+    let found = decimate(&ring, 60, &cut).unwrap();
+    assert_eq!(found.mesh.vertices().len(), 60);
+    found.mesh.require_manifold().unwrap();
+    assert_eq!(found.before.genus, Genus::Orientable(1));
+    assert_eq!(found.after.unwrap().genus, found.mesh.genus(&Edges::new(&found.mesh)).unwrap());
+}
+
+#[test]
 fn results_are_uniform() {
     for (mesh, n) in [
         (families::terrain(200, 200, 1).unwrap(), 800),
@@ -270,10 +286,18 @@ fn the_thesis_literally_takes_vertices_of_the_input_and_all_three_cycles() {
     let literal = DecimateOptions { method: Method::Thesis, ..options() };
     let found = decimate(&mesh, 12, &literal).unwrap();
     assert_eq!(found.mesh.faces().len(), 20);
-    let back: Vec<u32> = found.mesh.vertices().iter()
-        .map(|p| mesh.vertices().iter().position(|q| p == q).unwrap() as u32).collect();
-    let sorted = |mut face: [u32; 3]| { face.sort_unstable(); face };
-    let mut new: Vec<_> = found.mesh.faces().iter().map(|f| sorted(f.map(|v| back[v as usize]))).collect();
+    let back: Vec<u32> = found
+        .mesh
+        .vertices()
+        .iter()
+        .map(|p| mesh.vertices().iter().position(|q| p == q).unwrap() as u32)
+        .collect();
+    let sorted = |mut face: [u32; 3]| {
+        face.sort_unstable();
+        face
+    };
+    let mut new: Vec<_> =
+        found.mesh.faces().iter().map(|f| sorted(f.map(|v| back[v as usize]))).collect();
     let mut old: Vec<_> = mesh.faces().iter().copied().map(sorted).collect();
     new.sort_unstable();
     old.sort_unstable();
@@ -363,7 +387,9 @@ fn progress_rises_to_one_and_can_cancel() {
     assert_eq!(last.load(Ordering::Relaxed), 1_000_000);
     for stop in 0..calls.load(Ordering::Relaxed) {
         let left = AtomicUsize::new(stop);
-        let cancel = |_: f64| match left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1)) {
+        let cancel = |_: f64| match left
+            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1))
+        {
             Ok(_) => Flow::Continue,
             Err(_) => Flow::Cancel,
         };
@@ -411,7 +437,8 @@ fn colours_and_texture_coordinates_are_carried() {
     let mut file = MeshFile::from(mesh.clone());
     file.colors = Some(mesh.vertices().iter().map(|p| [p[0], p[1], p[2] + 0.5, 1.0]).collect());
     let plane = |p: &[f64; 3]| [2.0 * p[0], p[1] - 1.0];
-    file.uv = Some(Attribute { values: mesh.vertices().iter().map(plane).collect(), corners: None });
+    file.uv =
+        Some(Attribute { values: mesh.vertices().iter().map(plane).collect(), corners: None });
     let found = decimate(&mesh, 200, &options()).unwrap();
     let carried = found.carry(&file).unwrap();
     let (colors, uv) = (carried.colors.unwrap(), carried.uv.unwrap());
@@ -456,7 +483,8 @@ fn colours_and_texture_coordinates_are_carried() {
 #[test]
 fn shared_meshes_are_decimated_or_refused_by_name() {
     let Some(folder) = common::data_folder() else { return };
-    let mut entries: Vec<_> = std::fs::read_dir(folder.join("meshes")).unwrap().map(|e| e.unwrap()).collect();
+    let mut entries: Vec<_> =
+        std::fs::read_dir(folder.join("meshes")).unwrap().map(|e| e.unwrap()).collect();
     entries.sort_by_key(|entry| entry.file_name());
     for entry in entries {
         let name = entry.file_name().into_string().unwrap();

@@ -6,10 +6,10 @@ use super::closest::on_surface;
 use super::result::{Decimation, Place};
 use super::surface::Surface;
 use crate::base::{Error, Par, Result};
-use crate::mesh::io::{Attribute, MeshFile};
-use crate::mesh::vector::{Vector, cross, dot, sub};
 use crate::mesh::TriMesh;
+use crate::mesh::io::{Attribute, MeshFile};
 use crate::mesh::topology::Sets;
+use crate::mesh::vector::{Vector, cross, dot, sub};
 
 impl Decimation {
     /// The new mesh as a file with the colours and texture coordinates that the input has: those at the places of its vertices.
@@ -20,7 +20,9 @@ impl Decimation {
     pub fn carry(&self, input: &MeshFile) -> Result<MeshFile> {
         let vertices = input.mesh.vertices().len();
         Error::check_shape("input", (self.cells.of_vertices().len(), 3), (vertices, 3))?;
-        if let Some(place) = self.places.iter().find(|p| p.face as usize >= input.mesh.faces().len()) {
+        if let Some(place) =
+            self.places.iter().find(|p| p.face as usize >= input.mesh.faces().len())
+        {
             let faces = input.mesh.faces().len();
             return Err(Error::Shape {
                 what: "input",
@@ -68,8 +70,7 @@ impl Decimation {
         let mut corners = Vec::with_capacity(self.mesh.faces().len());
         for face in self.mesh.faces() {
             let points = face.map(|v| self.mesh.vertices()[v as usize]);
-            let middle: Vector =
-                std::array::from_fn(|k| points.iter().map(|p| p[k] / 3.0).sum());
+            let middle: Vector = std::array::from_fn(|k| points.iter().map(|p| p[k] / 3.0).sum());
             let start = self.places[face[0] as usize];
             let found = on_surface(&surface, input.faces()[start.face as usize][0], middle);
             let home = found.map_or(start.face, |found| found.place.face);
@@ -107,7 +108,8 @@ fn charts(uv: &Attribute<2>, input: &TriMesh) -> Vec<u32> {
         sets.join(corners[0], corners[1]);
         sets.join(corners[1], corners[2]);
     }
-    let chart = |corners: &[u32; 3]| if present(corners) { sets.find(corners[0]) } else { u32::MAX };
+    let chart =
+        |corners: &[u32; 3]| if present(corners) { sets.find(corners[0]) } else { u32::MAX };
     numbers.iter().map(chart).collect()
 }
 

@@ -86,7 +86,8 @@ fn farthest(growth: &Growth, vertices: usize) -> f32 {
 fn farther_than(surface: &Surface<'_>, growth: &Growth, threshold: f32, par: Par) -> Vec<u32> {
     let blocks = par.map_blocks(surface.len(), BLOCK, |range| {
         let keys = range.map(|v| (growth.distance(v as u32), v as u32));
-        let far = keys.filter(|&(distance, v)| distance >= threshold && !surface.links(v).is_empty());
+        let far =
+            keys.filter(|&(distance, v)| distance >= threshold && !surface.links(v).is_empty());
         far.map(|(distance, v)| u64::from(!distance.to_bits()) << 32 | u64::from(v))
             .collect::<Vec<_>>()
     });

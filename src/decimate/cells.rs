@@ -117,7 +117,9 @@ impl Growth {
         }
         self.par.map_blocks(seeds.len(), BATCH, |range| {
             let mut queue = Queue::new();
-            seeds[range].iter().for_each(|seed| self.grow_one::<false>(surface, seed, cutoff, &mut queue));
+            seeds[range]
+                .iter()
+                .for_each(|seed| self.grow_one::<false>(surface, seed, cutoff, &mut queue));
         });
     }
 

@@ -34,9 +34,8 @@ pub(super) fn on_surface(surface: &Surface<'_>, from: u32, p: Vector) -> Option<
         let found = best?;
         if before.is_some_and(|before| found.square >= before) {
             let corners = surface.mesh.faces()[found.place.face as usize];
-            let heaviest = (0..3).max_by(|&i, &j| {
-                found.place.weights[i].total_cmp(&found.place.weights[j])
-            });
+            let heaviest =
+                (0..3).max_by(|&i, &j| found.place.weights[i].total_cmp(&found.place.weights[j]));
             return Some(Found { vertex: corners[heaviest.unwrap_or(0)], ..found });
         }
         around = surface.mesh.faces()[found.place.face as usize];
@@ -90,8 +89,17 @@ fn downhill(surface: &Surface<'_>, from: u32, p: Vector) -> u32 {
 /// The point at the part `t` of the edge from a to b as a point of a face.
 fn on_edge(surface: &Surface<'_>, a: u32, b: u32, t: f64) -> Option<Place> {
     let faces = surface.mesh.faces();
-    let face = *surface.faces_of.row(a as usize).iter().find(|&&f| faces[f as usize].contains(&b))?;
-    let weight = |v: u32| if v == a { 1.0 - t } else if v == b { t } else { 0.0 };
+    let face =
+        *surface.faces_of.row(a as usize).iter().find(|&&f| faces[f as usize].contains(&b))?;
+    let weight = |v: u32| {
+        if v == a {
+            1.0 - t
+        } else if v == b {
+            t
+        } else {
+            0.0
+        }
+    };
     Some(Place { face, weights: faces[face as usize].map(weight) })
 }
 
@@ -111,8 +119,7 @@ fn square(a: Vector) -> f64 {
 pub(super) fn on_face(mesh: &TriMesh, face: u32, p: Vector) -> (Vector, [f64; 3]) {
     let [a, b, c] = mesh.faces()[face as usize].map(|v| mesh.vertices()[v as usize]);
     let weights = weights_on_triangle([a, b, c], p);
-    let point =
-        std::array::from_fn(|k| weights[0] * a[k] + weights[1] * b[k] + weights[2] * c[k]);
+    let point = std::array::from_fn(|k| weights[0] * a[k] + weights[1] * b[k] + weights[2] * c[k]);
     (point, weights)
 }
 

@@ -159,9 +159,8 @@ pub(super) fn first_sample(surface: &Surface<'_>, first: Option<u32>) -> Result<
             let why = format!("vertex {v}, which no face has, of {}", surface.len());
             Err(Error::Argument { what: "first", why })
         }
-        None => (0..surface.len() as u32).find(|&v| has_face(v)).ok_or_else(|| Error::Mesh {
-            what: "it has no face".into(),
-            element: "mesh".into(),
-        }),
+        None => (0..surface.len() as u32)
+            .find(|&v| has_face(v))
+            .ok_or_else(|| Error::Mesh { what: "it has no face".into(), element: "mesh".into() }),
     }
 }

@@ -26,9 +26,11 @@ pub(super) fn pass(
     let centroids: Vec<Vector> = sums
         .into_iter()
         .zip(samples.iter())
-        .map(|((sum, weight), &sample)| {
-            if weight > 0.0 { scale(sum, 1.0 / weight) } else { surface.position(sample) }
-        })
+        .map(
+            |((sum, weight), &sample)| {
+                if weight > 0.0 { scale(sum, 1.0 / weight) } else { surface.position(sample) }
+            },
+        )
         .collect();
     let mut nearest = vec![f64::INFINITY; samples.len()];
     for (v, cell) in each() {

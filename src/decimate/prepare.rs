@@ -119,7 +119,9 @@ fn fans(mesh: &TriMesh, edges: &Edges) -> (Vec<u32>, Vec<u32>) {
     for (v, row) in (0..).zip(mesh.vertex_faces().rows()) {
         for &face in row {
             let corner_at = |f: u32| {
-                (3 * f..3 * f + 3).find(|&c| faces[f as usize][c as usize % 3] == v).unwrap_or(3 * f)
+                (3 * f..3 * f + 3)
+                    .find(|&c| faces[f as usize][c as usize % 3] == v)
+                    .unwrap_or(3 * f)
             };
             if of_corners[corner_at(face) as usize] != u32::MAX {
                 continue;

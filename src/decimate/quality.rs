@@ -58,7 +58,11 @@ impl Quality {
 
 impl fmt::Display for Quality {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "area        {:.4e} mean, variation {:.3}", self.mean_area, self.area_variation)?;
+        writeln!(
+            f,
+            "area        {:.4e} mean, variation {:.3}",
+            self.mean_area, self.area_variation
+        )?;
         writeln!(
             f,
             "quality     {:.3} mean, deviation {:.3}, least {:.3} (1: equilateral)",

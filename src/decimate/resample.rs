@@ -2,7 +2,7 @@
 
 use super::stages::Stages;
 use crate::base::{Error, Result};
-use crate::mesh::vector::{distance, Vector};
+use crate::mesh::vector::{Vector, distance};
 use crate::mesh::{Edges, TriMesh};
 
 /// A mesh whose long edges were split.
@@ -43,11 +43,7 @@ pub fn resample(mesh: &TriMesh, longest: f64) -> Result<Resampled> {
     resample_with(mesh, longest, Stages::new(None))
 }
 
-pub(super) fn resample_with(
-    mesh: &TriMesh,
-    longest: f64,
-    stages: Stages<'_>,
-) -> Result<Resampled> {
+pub(super) fn resample_with(mesh: &TriMesh, longest: f64, stages: Stages<'_>) -> Result<Resampled> {
     if !(longest > 0.0) {
         let why = format!("{longest}, where a positive number is needed");
         return Err(Error::Argument { what: "longest", why });
@@ -62,7 +58,11 @@ pub(super) fn resample_with(
         let mut middles: Vec<Option<u32>> = Vec::with_capacity(edges.len());
         for &[a, b] in edges.ends() {
             let (p, q) = (vertices[a as usize], vertices[b as usize]);
-            middles.push(if distance(p, q) > longest { Some(add(&mut vertices, &[p, q])?) } else { None });
+            middles.push(if distance(p, q) > longest {
+                Some(add(&mut vertices, &[p, q])?)
+            } else {
+                None
+            });
         }
         if middles.iter().all(Option::is_none) {
             return Ok(Resampled { mesh: TriMesh::new(vertices, faces)?, parents });

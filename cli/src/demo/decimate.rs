@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use anyhow::Result;
+use catamaran::Par;
 use catamaran::decimate::{
     DecimateOptions, Decimation, Difference, FarthestPoints, Method, Quality, decimate,
 };
 use catamaran::mesh::{TriMesh, families};
-use catamaran::Par;
 
 use super::Site;
 use super::page::{Figure, Station, Table};
