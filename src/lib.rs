@@ -17,7 +17,7 @@
 //! The layers, from the bottom: [`base`] (scalars, errors, workspaces, threads), [`kernel`]
 //! (arithmetic per instruction set), [`blas`] (back ends), [`ata`](mod@ata) (schemes, plans,
 //! execution, the exact path, checks), [`dense`] (what is dense and small), [`sparse`] (eigenpairs), [`ortho`] (Gram-Schmidt), [`mesh`] (triangle meshes),
-//! [`io`] (matrix files), [`spectral`] (eigenproducts, functional maps), `mpi` (many machines) and the C ABI `capi`,
+//! [`io`] (matrix files), [`spectral`] (eigenproducts, functional maps), [`decimate`] (uniform decimation), `mpi` (many machines) and the C ABI `capi`,
 //! features of these names. A layer imports only the layers below it; a test says so.
 
 pub mod base;
