@@ -118,6 +118,21 @@
 /** Functions are zero at the boundary. */
 #define CATA_BOUNDARY_DIRICHLET 1
 
+/** The curve is closed, or all curves are. */
+#define CATA_CURVE_CLOSED 0
+
+/** The curve is open, as was asked for. */
+#define CATA_CURVE_OPEN 1
+
+/** From a sample no way led on. */
+#define CATA_CURVE_BLOCKED 2
+
+/** All samples are connected, but no way led back to the first one. */
+#define CATA_CURVE_CLOSE_BLOCKED 3
+
+/** Samples are on different components of the mesh. */
+#define CATA_CURVE_DISCONNECTED 4
+
 /** `spread`: every rank has rows of A, in any order and number. */
 #define CATA_BY_ROWS 141
 
@@ -130,6 +145,9 @@
  * threads at a time.
  */
 typedef struct cata_backend cata_backend;
+
+/** Curves that were found. Made by cata_curves_new; for one thread at a time unless it is only read. */
+typedef struct cata_curves cata_curves;
 
 /**
  * A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a world; made by
@@ -364,6 +382,34 @@ typedef struct cata_decimate_params {
     /** 1: edges longer than those of the result will be are split first. 0: not. */
     int32_t resample;
 } cata_decimate_params;
+
+/**
+ * How curves are found. Every field but the first is 0 (NULL) by default, so that
+ * `cata_curve_params params = {.struct_size = sizeof params};` does what cata_curve_params_init does.
+ */
+typedef struct cata_curve_params {
+    /**
+     * sizeof(cata_curve_params) as the caller was compiled with. Later versions add fields at the end;
+     * one that this library does not know must be 0.
+     */
+    size_t struct_size;
+    /** With `faithful` 1: among how many of the nearest samples the next one is chosen; 0: 5. */
+    size_t candidates;
+    /** With `faithful` 1: the number of the sample that the curve starts at. */
+    size_t start;
+    /** Told of progress; NULL: nobody. */
+    cata_progress progress;
+    /** Handed to `progress` as it is; may be NULL. */
+    void *progress_user;
+    /** 1: algorithm 6.1 of the thesis, from sample to sample. 0: the order first, then paths that do not meet. */
+    int32_t faithful;
+    /** 1: an open curve; 0: closed. */
+    int32_t open;
+    /** 1: one curve, even where there are gaps as between several; 0: as many as there are gaps for. */
+    int32_t single;
+    /** 1: vertices of the mesh alone; 0: points in the middle of edges are added where there is no other way. */
+    int32_t no_steiner;
+} cata_curve_params;
 
 /**
  * What a rank has sent and received: words are matrix entries. The few numbers by which ranks agree on shapes
@@ -1216,6 +1262,101 @@ cata_status cata_decimate(size_t n_vertices,
                           uint32_t *cells,
                           int32_t *changed,
                           const struct cata_decimate_params *params);
+
+/**
+ * Fills a parameter struct with the defaults.
+ *
+ * `params`: one struct, not NULL; `struct_size` bytes are written.
+ * `struct_size`: sizeof(cata_curve_params).
+ * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+ *
+ * Thread-safe.
+ */
+cata_status cata_curve_params_init(struct cata_curve_params *params, size_t struct_size);
+
+/**
+ * The curve on a triangle mesh, along its edges, that samples without an order are of.
+ *
+ * - `positions`: 3 `vertices` elements, read: x, y, z of each vertex. May be NULL when there are none.
+ * - `triangles`: 3 `faces` elements, read: three vertices of each face, from 0. May be NULL when there are none.
+ * - `samples`: `sample_count` elements, read: vertices, at least 3, none twice.
+ * - `params`: NULL for the defaults; else read during the call.
+ * - `curves`: one pointer, not NULL, written: the result, to be given to cata_curves_free.
+ *
+ * Returns CATA_OK also when there is no complete curve, as cata_curves_outcome then says; CATA_ERR_NULL,
+ * CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_MESH, CATA_ERR_OUT_OF_MEMORY, CATA_ERR_CANCELLED or
+ * CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
+ *
+ * Thread-safe.
+ */
+cata_status cata_curves_new(size_t vertices,
+                            const double *positions,
+                            size_t faces,
+                            const uint32_t *triangles,
+                            size_t sample_count,
+                            const uint32_t *samples,
+                            const struct cata_curve_params *params,
+                            struct cata_curves **curves);
+
+/**
+ * Gives curves back.
+ *
+ * `curves`: from cata_curves_new, not used any more afterwards; NULL is ignored.
+ *
+ * Thread-safe.
+ */
+void cata_curves_free(struct cata_curves *curves);
+
+/**
+ * How a reconstruction ended.
+ *
+ * - `curves`: from cata_curves_new, not NULL.
+ * - `outcome`: one element, written: CATA_CURVE_CLOSED, CATA_CURVE_OPEN, CATA_CURVE_BLOCKED,
+ *   CATA_CURVE_CLOSE_BLOCKED or CATA_CURVE_DISCONNECTED. NULL where not wanted.
+ * - `count`: one element, written: the number of curves, or of what there is of them. NULL where not wanted.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_PANIC. Thread-safe.
+ */
+cata_status cata_curves_outcome(const struct cata_curves *curves,
+                                int32_t *outcome,
+                                size_t *count);
+
+/**
+ * How large a curve is.
+ *
+ * - `curves`: from cata_curves_new, not NULL.
+ * - `curve`: its number, from 0.
+ * - `sample_count`, `vertex_count`: one element each, written: samples in its order, and vertices on its path.
+ *   NULL where not wanted.
+ * - `length`: one element, written: the sum of the lengths of its edges. NULL where not wanted.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a curve that is not there, or CATA_ERR_PANIC.
+ * Thread-safe.
+ */
+cata_status cata_curves_size(const struct cata_curves *curves,
+                             size_t curve,
+                             size_t *sample_count,
+                             size_t *vertex_count,
+                             double *length);
+
+/**
+ * A curve.
+ *
+ * - `curves`: from cata_curves_new, not NULL.
+ * - `curve`: its number, from 0.
+ * - `order`: as many elements as it has samples, written: numbers of samples in its order. NULL where not wanted.
+ * - `path`: as many elements as it has vertices, written: the vertices, the first one not repeated at the end;
+ *   those from the number of vertices of the mesh on are points that were added. NULL where not wanted.
+ * - `points`: three times as many elements, written: x, y, z of the vertices. NULL where not wanted.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a curve that is not there, or CATA_ERR_PANIC.
+ * Thread-safe.
+ */
+cata_status cata_curves_get(const struct cata_curves *curves,
+                            size_t curve,
+                            uint32_t *order,
+                            uint32_t *path,
+                            double *points);
 
 /**
  * The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over it.
