@@ -34,12 +34,14 @@ pub(super) struct Intrinsic {
     open: Vec<bool>,
 }
 
-fn next(slot: u32) -> u32 {
+/// The slot after this one in its face.
+pub(super) fn next(slot: u32) -> u32 {
     if slot % 3 == 2 { slot - 2 } else { slot + 1 }
 }
 
-fn previous(slot: u32) -> u32 {
-    if slot % 3 == 0 { slot + 2 } else { slot - 1 }
+/// The slot before this one in its face.
+pub(super) fn previous(slot: u32) -> u32 {
+    next(next(slot))
 }
 
 impl Intrinsic {

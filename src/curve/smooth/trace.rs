@@ -1,4 +1,4 @@
-use super::intrinsic::Intrinsic;
+use super::intrinsic::{Intrinsic, next, previous};
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{Vector, distance};
 
@@ -126,12 +126,4 @@ impl<'m> Tracer<'m> {
 /// Positive when b lies to the left of a.
 fn turn(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
-}
-
-fn next(slot: u32) -> u32 {
-    if slot % 3 == 2 { slot - 2 } else { slot + 1 }
-}
-
-fn previous(slot: u32) -> u32 {
-    if slot % 3 == 0 { slot + 2 } else { slot - 1 }
 }
