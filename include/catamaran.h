@@ -377,7 +377,7 @@ typedef struct cata_decimate_params {
     cata_progress progress;
     /** Handed to `progress` as it is; may be NULL. */
     void *progress_user;
-    /** Passes that move samples to the centroids of their cells; 0: the default, 1; -1: none. */
+    /** Passes that move samples to the centroids of their cells, at least 0. */
     int32_t lloyd;
     /** Passes that flip edges and move vertices of the result; 0: the default, 12; -1: none. */
     int32_t relaxation;
@@ -387,6 +387,8 @@ typedef struct cata_decimate_params {
     int32_t has_first;
     /** 1: edges longer than those of the result will be are split first. 0: not. */
     int32_t resample;
+    /** 1: handles too narrow for the triangles of the result are kept, too. 0: they are cut. */
+    int32_t keep_narrow_handles;
 } cata_decimate_params;
 
 /**
@@ -1259,8 +1261,8 @@ size_t cata_decimate_faces_bound(size_t n,
 
 /**
  * Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components, boundary
- * loops and genus of the input, which is cut along edges of more than two faces first. What can't be is
- * refused, and the message says why.
+ * loops and genus of the input, but for handles too narrow for its triangles. The input is cut along edges
+ * of more than two faces first. What can't be is refused, and the message says why.
  *
  * - `vertices`: 3 n_vertices elements, read: x, y, z of each vertex, finite.
  * - `faces`: 3 n_faces elements, read: the vertices of each face, from 0, counter-clockwise as seen from

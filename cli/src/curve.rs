@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::curve::{
-    Count, CurveOptions, CurveSolver, Mode, Placement, Reconstruction, Site, place,
+    Count, CurveOptions, CurveSolver, Mode, Placement, Reconstruction, Site, place, refined, smooth,
 };
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io as meshes;
@@ -16,7 +16,10 @@ use clap::ValueEnum;
 
 use crate::picture::{Paint, PictureArgs, with_curves};
 use crate::progress::Bar;
-use crate::report::{report, seconds};
+use crate::report::{complain, report, seconds};
+
+/// Steps of smoothing for each vertex of the curves, at most.
+const STEPS: usize = 100;
 
 /// Find the curve on a mesh that samples without an order are of.
 ///
@@ -49,6 +52,9 @@ pub struct Args {
     /// Only vertices of the mesh: no points are added where there is no other way.
     #[arg(long)]
     no_steiner: bool,
+    /// Straight over the faces between samples, not along edges (geodesics by edge flips).
+    #[arg(long)]
+    smooth: bool,
     /// Samples on faces become vertices; without this the nearest corner stands for them.
     #[arg(long)]
     insert: bool,
@@ -107,11 +113,24 @@ pub fn run(args: &Args) -> Result<()> {
         progress: Some(&update),
     };
     let start = Instant::now();
-    let found = solver
+    let mut found = solver
         .reconstruct(&placed.vertices, &options)
         .with_context(|| args.samples.display().to_string())?;
     let time = start.elapsed();
     drop(bar);
+    if args.smooth {
+        let refined = refined(mesh, &found.steiner)?;
+        let vertices: usize = found.curves.iter().map(|curve| curve.path.len()).sum();
+        let smoothed = smooth(&refined, &found.curves, &placed.vertices, STEPS * vertices)
+            .with_context(|| args.mesh.display().to_string())?;
+        if !smoothed.converged {
+            complain(format_args!("smoothing ended after {} steps, not done", smoothed.steps));
+        }
+        let all = smoothed.points.into_iter().zip(smoothed.lengths);
+        for (curve, (points, length)) in found.curves.iter_mut().zip(all) {
+            (curve.points, curve.length) = (points, length);
+        }
+    }
     report(format_args!(
         "samples   {} on {} vertices, {}",
         sites.len(),

@@ -32,6 +32,8 @@ fn a_ring_is_closed_and_written_as_json_lines_and_picture() {
     let obj = std::fs::read_to_string(folder.path("curve.obj")).unwrap();
     assert_eq!(obj.lines().filter(|line| line.starts_with("v ")).count(), 40);
     assert!(obj.lines().any(|line| line.starts_with("l 1 2 ") && line.ends_with(" 40 1")), "{obj}");
+    let smooth = folder.succeed("curve mesh.obj --samples samples.txt --smooth -o s.json");
+    assert!(smooth.contains("outcome   closed"), "{smooth}");
     // Nothing is replaced unasked.
     folder.fail("curve mesh.obj --samples samples.txt -o curve.obj");
     folder.succeed("curve mesh.obj --samples samples.txt -o curve.obj --force");

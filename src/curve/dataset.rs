@@ -72,6 +72,9 @@ impl<'g> Generator<'g> {
             at = up[below(&mut self.rng, up.len())];
             curve.push(at);
         }
+        if at == start {
+            return Ok(None); // a vertex without edges
+        }
         let top = height[at as usize];
         self.from_top.search(&[(at, 0.0)], &SearchLimits::default())?;
         let away = self.from_top.distances();
@@ -100,8 +103,7 @@ impl<'g> Generator<'g> {
                 return Some(self.back.path(v));
             }
             for (u, edge) in self.graph.neighbours(v) {
-                // Not over the edge that the walk began with.
-                if !walked.contains(&u) && !(u == to && v == from && walk.len() < 3) {
+                if !walked.contains(&u) {
                     self.back.relax(v, u, length + edge, 0.0);
                 }
             }

@@ -70,11 +70,17 @@ impl Walker<'_, '_> {
     ) -> Result<Outcome> {
         let count = self.samples.len();
         let mut previous = None;
+        // What the curve has shut off stays so, as the curve only grows: no search looks for it twice.
+        let mut reachable = count - 1;
         while walk.order.len() < count {
             tell(walk.order.len() as f64 / count as f64)?;
             let at = walk.order[walk.order.len() - 1];
             let blocked = Outcome::Blocked { at, remaining: count - walk.order.len() };
-            let near = self.nearest(at, candidates);
+            let wanted = candidates.min(reachable);
+            let near = self.nearest(at, wanted);
+            if near.len() < wanted {
+                reachable = near.len();
+            }
             let Some(next) = self.choose(previous, at, &near) else { return Ok(blocked) };
             let Some(path) = self.route(at, next) else { return Ok(blocked) };
             for &v in &path {
@@ -83,6 +89,7 @@ impl Walker<'_, '_> {
             walk.path.extend(&path[1..]);
             walk.order.push(next);
             previous = Some(at);
+            reachable -= 1;
         }
         if open {
             return Ok(Outcome::Open);
@@ -102,6 +109,9 @@ impl Walker<'_, '_> {
     /// The nearest waiting samples, the nearest first; ways lead over other waiting samples, but not over the curve.
     fn nearest(&mut self, at: u32, wanted: usize) -> Vec<Candidate> {
         let mut found = Vec::new();
+        if wanted == 0 {
+            return found;
+        }
         self.search.start(&[self.samples[at as usize]]);
         while let Some((v, from)) = self.search.next() {
             if self.marks[v as usize] == WAITING {

@@ -387,3 +387,88 @@ fn counts_on_a_part_of_the_data_set_are_as_they_were() {
     assert_eq!(runs, 40);
     assert_eq!(counts, [[32, 32, 17], [40, 40, 28]]);
 }
+
+/// The length of a polygon, back to its start when it is closed.
+fn polygon_length(points: &[[f64; 3]], closed: bool) -> f64 {
+    let next = points.iter().cycle().skip(1);
+    let count = points.len() - usize::from(!closed);
+    points.iter().zip(next).take(count).map(|(&p, &q)| distance(p, q)).sum()
+}
+
+fn along(path: &[u32], closed: bool) -> Curve {
+    Curve { order: vec![], path: path.to_vec(), points: vec![], closed, length: 0.0 }
+}
+
+#[test]
+fn a_path_in_the_plane_becomes_a_straight_line() {
+    let mesh = shapes::grid(9, 7);
+    // Up, then to the right, inside of the grid: from (1, 1) to (8, 5).
+    let path: Vec<u32> = (1..5).map(|y| at(9, 1, y)).chain((1..=8).map(|x| at(9, x, 5))).collect();
+    let result = smooth(&mesh, &[along(&path, false)], &[], 10_000).unwrap();
+    assert!(result.converged);
+    let straight = 65.0_f64.sqrt();
+    assert!((result.lengths[0] - straight).abs() < 1e-9, "{:?}", result.lengths);
+    assert!((polygon_length(&result.points[0], false) - straight).abs() < 1e-6);
+    // With its corner marked it stays as it is.
+    let result = smooth(&mesh, &[along(&path, false)], &[at(9, 1, 5)], 10_000).unwrap();
+    assert_eq!((result.lengths[0], result.steps), (11.0, 0));
+    // A step at a time: not there yet.
+    assert!(!smooth(&mesh, &[along(&path, false)], &[], 1).unwrap().converged);
+}
+
+#[test]
+fn smooth_curves_run_through_the_samples_and_stay_on_the_surface() {
+    let mesh = families::icosphere(4).unwrap();
+    let samples = [3, 700, 1200, 2000, 150, 999];
+    let found = found(&mesh, &samples, &robust());
+    let refined = refined(&mesh, &found.steiner).unwrap();
+    let result = smooth(&refined, &found.curves, &samples, 100_000).unwrap();
+    assert!(result.converged && result.lengths[0] < found.length());
+    let points = &result.points[0];
+    let length = polygon_length(points, true);
+    assert!((length - result.lengths[0]).abs() < 1e-4 * length, "{length} {:?}", result.lengths);
+    for &v in &samples {
+        assert!(points.contains(&mesh.vertices()[v as usize]));
+    }
+    // Great circles between samples, but for what the polyhedron is off the sphere.
+    let order = &found.curves[0].order;
+    let arcs: f64 = (order.iter().zip(order.iter().cycle().skip(1)))
+        .map(|(&i, &j)| {
+            let [p, q] = [i, j].map(|i| mesh.vertices()[samples[i as usize] as usize]);
+            2.0 * (distance(p, q) / 2.0).asin()
+        })
+        .sum();
+    assert!((length / arcs - 1.0).abs() < 0.01, "{length} {arcs}");
+}
+
+#[test]
+fn curves_of_the_data_set_are_smoothed_without_crossings() {
+    let mesh = scaled(&families::genus(2, 10).unwrap()).unwrap();
+    let graph = Graph::of_mesh(&mesh);
+    let mut generator = Generator::new(&graph, 1).unwrap();
+    let mut rng = Rng::new(2);
+    for _ in 0..3 {
+        let curve = generator.curve().unwrap().unwrap();
+        let x = samples(&curve, 25, Sampling::Even, &mut rng);
+        let found = found(&mesh, &x.vertices, &robust());
+        let refined = refined(&mesh, &found.steiner).unwrap();
+        let result = smooth(&refined, &found.curves, &x.vertices, 100_000).unwrap();
+        assert!(result.lengths[0] < found.length());
+        let drawn = polygon_length(&result.points[0], true);
+        assert!((drawn / result.lengths[0] - 1.0).abs() < 1e-4, "{drawn} {:?}", result.lengths);
+    }
+}
+
+#[test]
+fn what_cannot_be_smoothed_is_said() {
+    let mesh = shapes::grid(4, 4);
+    let told = |mesh: &TriMesh, path: &[u32]| {
+        smooth(mesh, &[along(path, false)], &[], 10).unwrap_err().to_string()
+    };
+    assert!(told(&mesh, &[0, 7]).contains("no edge from vertex 0 to 7"));
+    assert!(told(&mesh, &[0, 1, 0]).contains("vertex 0 twice"));
+    assert!(told(&mesh, &[25]).contains("vertex 25 of 25"));
+    assert!(told(&families::pages(3).unwrap(), &[0]).contains("faces"));
+    let none = smooth(&mesh, &[], &[], 10).unwrap();
+    assert!(none.converged && none.points.is_empty());
+}

@@ -1,0 +1,249 @@
+use std::f64::consts::PI;
+
+use crate::mesh::vector::distance;
+use crate::mesh::{Edges, TriMesh};
+
+/// No slot.
+const NONE: u32 = u32::MAX;
+
+/// On which side of a joint its smaller wedge is, counter-clockwise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    /// From the first slot to the second.
+    FromFirst,
+    /// From the second to the first.
+    FromSecond,
+}
+
+/// A triangulation of the surface by straight lines over it, known by their lengths, and by their directions at vertices
+/// (Sharp, Soliman and Crane, Navigating Intrinsic Triangulations, 2019). Slot 3 f + i is the edge of face f from its corner i to
+/// the next one.
+pub(super) struct Intrinsic {
+    tails: Vec<u32>,
+    twins: Vec<u32>,
+    lengths: Vec<f64>,
+    /// The angle of each slot at its tail, counter-clockwise from one that stays the same.
+    directions: Vec<f64>,
+    edges: Vec<u32>,
+    /// One of the slots of each edge.
+    slots: Vec<u32>,
+    flipped: Vec<bool>,
+    /// The angle around each vertex.
+    totals: Vec<f64>,
+    /// Vertices on the boundary.
+    open: Vec<bool>,
+}
+
+/// The slot after this one in its face.
+pub(super) fn next(slot: u32) -> u32 {
+    if slot % 3 == 2 { slot - 2 } else { slot + 1 }
+}
+
+/// The slot before this one in its face.
+pub(super) fn previous(slot: u32) -> u32 {
+    next(next(slot))
+}
+
+impl Intrinsic {
+    /// That of the faces themselves, which are manifold and oriented.
+    pub fn new(mesh: &TriMesh, edges: &Edges) -> Self {
+        let tails = mesh.faces().as_flattened().to_vec();
+        let p = mesh.vertices();
+        let of_corners = edges.of_corners().to_vec();
+        let mut twins = vec![NONE; tails.len()];
+        let mut slots = Vec::with_capacity(edges.len());
+        for row in edges.corners().rows() {
+            slots.push(row[0]);
+            if let &[s, t] = row {
+                twins[s as usize] = t;
+                twins[t as usize] = s;
+            }
+        }
+        let length =
+            |s: u32| distance(p[tails[s as usize] as usize], p[tails[next(s) as usize] as usize]);
+        let lengths = (0..tails.len() as u32).map(length).collect();
+        let count = slots.len();
+        let mut all = Self {
+            twins,
+            lengths,
+            directions: vec![f64::NAN; tails.len()],
+            edges: of_corners,
+            slots,
+            flipped: vec![false; count],
+            totals: vec![0.0; p.len()],
+            open: vec![false; p.len()],
+            tails,
+        };
+        all.lay_directions();
+        all
+    }
+
+    fn lay_directions(&mut self) {
+        let all = 0..self.tails.len() as u32;
+        // At the boundary from the slot that has nothing before it, elsewhere from any.
+        let first = all.clone().filter(|&s| self.twins[s as usize] == NONE).collect::<Vec<_>>();
+        for &s in &first {
+            self.open[self.tails[s as usize] as usize] = true;
+        }
+        for start in first.into_iter().chain(all) {
+            if !self.directions[start as usize].is_nan() {
+                continue;
+            }
+            let (mut s, mut angle) = (start, 0.0);
+            while s != NONE && self.directions[s as usize].is_nan() {
+                self.directions[s as usize] = angle;
+                angle += self.corner(s);
+                s = self.twins[previous(s) as usize];
+            }
+            self.totals[self.tails[start as usize] as usize] = angle;
+        }
+    }
+
+    /// The angle at the tail of a slot in its face.
+    pub fn corner(&self, s: u32) -> f64 {
+        let [a, b, c] = [s, next(s), previous(s)].map(|s| self.lengths[s as usize]);
+        angle(a, c, b)
+    }
+
+    pub fn directions(&self) -> &[f64] {
+        &self.directions
+    }
+
+    pub fn twins(&self) -> &[u32] {
+        &self.twins
+    }
+
+    pub fn direction(&self, slot: u32) -> f64 {
+        self.directions[slot as usize]
+    }
+
+    pub fn length(&self, slot: u32) -> f64 {
+        self.lengths[slot as usize]
+    }
+
+    /// The angle around a vertex.
+    pub fn total(&self, vertex: u32) -> f64 {
+        self.totals[vertex as usize]
+    }
+
+    /// Whether an edge is one of the mesh.
+    pub fn is_original(&self, edge: u32) -> bool {
+        !self.flipped[edge as usize]
+    }
+
+    /// The slot of an edge that starts at a vertex; a slot of the face beside it when there is none at the boundary.
+    pub fn slot(&self, edge: u32, tail: u32) -> u32 {
+        let slot = self.slots[edge as usize];
+        let twin = self.twins[slot as usize];
+        if self.tails[slot as usize] != tail && twin != NONE { twin } else { slot }
+    }
+
+    pub fn other_end(&self, edge: u32, vertex: u32) -> u32 {
+        let slot = self.slots[edge as usize];
+        let [a, b] = [slot, next(slot)].map(|s| self.tails[s as usize]);
+        if a == vertex { b } else { a }
+    }
+
+    /// The side on which two slots from one vertex enclose less than pi, if they do; none at the boundary, where paths stay.
+    pub fn wedge(&self, first: u32, second: u32, straight: f64) -> Option<Side> {
+        let v = self.tails[first as usize];
+        if v != self.tails[second as usize] || self.open[v as usize] {
+            return None;
+        }
+        let total = self.totals[v as usize];
+        let ahead =
+            (self.directions[second as usize] - self.directions[first as usize]).rem_euclid(total);
+        let (angle, side) = if ahead <= total - ahead {
+            (ahead, Side::FromFirst)
+        } else {
+            (total - ahead, Side::FromSecond)
+        };
+        (angle < PI - straight).then_some(side)
+    }
+
+    /// Flips edges at v between two of its edges, counter-clockwise, as long as the outer angle of one is less than pi, and
+    /// gives the edges of the outer arc, from the end of the first on; nothing when something is in the way.
+    pub fn flip_out(&mut self, v: u32, from: u32, to: u32, straight: f64) -> Option<Vec<u32>> {
+        // Every flip takes one edge from the wedge, and none comes.
+        'again: loop {
+            let mut arc = Vec::new();
+            let mut s = self.slot(from, v);
+            loop {
+                arc.push(self.edges[next(s) as usize]);
+                let t = self.twins[previous(s) as usize];
+                if t == NONE || arc.len() > self.tails.len() {
+                    return None;
+                }
+                if self.edges[t as usize] == to {
+                    return Some(arc);
+                }
+                // The angles at the far end, on both sides of the edge.
+                let outer = self.corner(previous(s)) + self.corner(next(t));
+                let inner = self.corner(s) + self.corner(t);
+                if outer < PI - straight && inner < PI - straight && self.flip(t) {
+                    continue 'again;
+                }
+                s = t;
+            }
+        }
+    }
+
+    /// Flips an edge inside, in a convex quadrilateral; not when it would become a loop.
+    fn flip(&mut self, h: u32) -> bool {
+        let t = self.twins[h as usize];
+        if t == NONE || t / 3 == h / 3 {
+            return false;
+        }
+        let sides = [previous(h), next(t), previous(t), next(h)];
+        let [c, d] = [previous(h), previous(t)].map(|s| self.tails[s as usize]);
+        if c == d {
+            return false;
+        }
+        let old = sides.map(|s| {
+            let i = s as usize;
+            let places = (self.tails[i], self.twins[i], self.edges[i]);
+            (places, self.lengths[i], self.directions[i])
+        });
+        let [ca, ad, db, bc] = old.map(|side| side.1);
+        let at_a = self.corner(h) + self.corner(next(t));
+        let length = (ca * ca + ad * ad - 2.0 * ca * ad * at_a.cos()).max(0.0).sqrt();
+        let edge = self.edges[h as usize];
+        // The new edge lies after c to a, and after d to b.
+        let turned = |direction: f64, by: f64, total: f64| (direction + by).rem_euclid(total);
+        let at_c = turned(old[0].2, angle(ca, length, ad), self.totals[c as usize]);
+        let at_d = turned(old[2].2, angle(db, length, bc), self.totals[d as usize]);
+        let (f, g) = (h / 3 * 3, t / 3 * 3);
+        // Faces d c a and c d b; outer twins may be slots that move themselves.
+        let place = [f + 1, f + 2, g + 1, g + 2];
+        let moved = |twin: u32| sides.iter().position(|&s| s == twin).map_or(twin, |i| place[i]);
+        let old = old.map(|((tail, twin, edge), length, direction)| {
+            ((tail, moved(twin), edge), length, direction)
+        });
+        for (&s, ((tail, twin, edge), length, direction)) in place.iter().zip(old) {
+            self.set(s, tail, twin, edge, length, direction);
+        }
+        self.set(f, d, g, edge, length, at_d);
+        self.set(g, c, f, edge, length, at_c);
+        self.flipped[edge as usize] = true;
+        true
+    }
+
+    fn set(&mut self, s: u32, tail: u32, twin: u32, edge: u32, length: f64, direction: f64) {
+        let i = s as usize;
+        self.tails[i] = tail;
+        self.twins[i] = twin;
+        if twin != NONE {
+            self.twins[twin as usize] = s;
+        }
+        self.edges[i] = edge;
+        self.slots[edge as usize] = s;
+        self.lengths[i] = length;
+        self.directions[i] = direction;
+    }
+}
+
+/// The angle between sides a and b of a triangle, opposite to c.
+fn angle(a: f64, b: f64, c: f64) -> f64 {
+    let cosine = (a * a + b * b - c * c) / (2.0 * a * b);
+    if cosine.is_finite() { cosine.clamp(-1.0, 1.0).acos() } else { 0.0 }
+}
