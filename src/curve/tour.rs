@@ -8,8 +8,9 @@ use crate::mesh::vector::{dot, norm, sub};
 const NEIGHBOURS: usize = 10;
 /// Samples that an Or-opt move takes along, at most.
 const SEGMENT: usize = 3;
-/// Kicks (Martin, Otto and Felten 1991), and the number of samples that each stays within.
-const KICKS: usize = 300;
+/// Kicks (Martin, Otto and Felten 1991) at most, for each node, and the number of nodes that each stays within.
+const KICKS: usize = 200;
+const KICKS_A_NODE: usize = 3;
 const KICK_SPAN: usize = 30;
 /// Weight of the angle at a sample beside the lengths of its edges.
 const BEND: f64 = 0.1;
@@ -122,7 +123,8 @@ pub(super) fn tour(costs: &Costs<'_>, seed: u64) -> Vec<u32> {
     let mut rng = Rng::new(seed);
     let n = state.order.len();
     // With fewer nodes there is no kick that a move would not undo.
-    for _ in 0..if n < 8 { 0 } else { KICKS } {
+    let kicks = if n < 8 { 0 } else { KICKS.min(KICKS_A_NODE * n) };
+    for _ in 0..kicks {
         let before = state.order.clone();
         let ends = state.kick(&mut rng);
         state.improve(ends);
