@@ -188,7 +188,8 @@ pub fn bars(runs: &[Run]) -> String {
 /// Figures 6.5, 6.6 and 6.9.
 pub fn plots(runs: &[Run]) -> Vec<Plot> {
     let mut plots = Vec::new();
-    let metrics: [(&str, fn(&Run) -> f64, f64); 2] = [
+    type Metric = fn(&Run) -> f64;
+    let metrics: [(&str, Metric, f64); 2] = [
         ("Figure 6.5: share of runs, % over Hausdorff distance", |r| r.hausdorff, 0.5),
         ("Figure 6.6: share of runs, % over RMSE (as written)", |r| r.root_mean, 0.5),
     ];
