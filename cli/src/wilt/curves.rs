@@ -36,11 +36,11 @@ pub fn svg(plant: &Plant, simulation: &Simulation) -> String {
         let w = f64::from(i) / 4.0;
         let (_, y) = at(0.0, w);
         let (x, _) = at(last * w, 0.0);
-        let _ = write!(
+        let _ = writeln!(
             svg,
             "<path d=\"M{left} {y:.1}H{right}M{x:.1} {bottom}v5\" stroke=\"#ddd\"/>\
              <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{w}</text>\
-             <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\n",
+             <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
             left - 8.0,
             y + 4.0,
             bottom + 20.0,
@@ -53,7 +53,8 @@ pub fn svg(plant: &Plant, simulation: &Simulation) -> String {
     for v in some {
         curve(&mut svg, simulation, &at, "#cbd5e1", 1.0, &|u| u == v);
     }
-    let groups: [(&str, &str, &dyn Fn(usize) -> bool); 3] = [
+    type Group<'a> = &'a dyn Fn(usize) -> bool;
+    let groups: [(&str, &str, Group<'_>); 3] = [
         ("leaves", "#16a34a", &leaf),
         ("stem", "#b45309", &|v| !leaf(v)),
         ("all", "#1d4ed8", &|_| true),
@@ -67,10 +68,10 @@ pub fn svg(plant: &Plant, simulation: &Simulation) -> String {
             right - 6.0
         );
     }
-    let _ = write!(
+    let _ = writeln!(
         svg,
         "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">hours</text>\
-         <text x=\"14\" y=\"{}\" transform=\"rotate(-90 14 {})\" text-anchor=\"middle\">relative water content</text>\n</svg>\n",
+         <text x=\"14\" y=\"{}\" transform=\"rotate(-90 14 {})\" text-anchor=\"middle\">relative water content</text>\n</svg>",
         (left + right) / 2.0,
         HEIGHT - 12.0,
         (top + bottom) / 2.0,
