@@ -14,6 +14,9 @@ const HEIGHT: f64 = 420.0;
 /// Left, right, top and bottom of the axes.
 const FRAME: [f64; 4] = [60.0, 740.0, 20.0, 370.0];
 
+/// Whether a node is in a group.
+type Group<'a> = &'a dyn Fn(usize) -> bool;
+
 /// The relative water content of leaves, stem and the whole plant, and that of some nodes.
 pub fn write(mut output: Output, plant: &Plant, simulation: &Simulation) -> Result<()> {
     let svg = svg(plant, simulation);
@@ -36,11 +39,11 @@ pub fn svg(plant: &Plant, simulation: &Simulation) -> String {
         let w = f64::from(i) / 4.0;
         let (_, y) = at(0.0, w);
         let (x, _) = at(last * w, 0.0);
-        let _ = write!(
+        let _ = writeln!(
             svg,
             "<path d=\"M{left} {y:.1}H{right}M{x:.1} {bottom}v5\" stroke=\"#ddd\"/>\
              <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{w}</text>\
-             <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\n",
+             <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
             left - 8.0,
             y + 4.0,
             bottom + 20.0,
@@ -53,7 +56,7 @@ pub fn svg(plant: &Plant, simulation: &Simulation) -> String {
     for v in some {
         curve(&mut svg, simulation, &at, "#cbd5e1", 1.0, &|u| u == v);
     }
-    let groups: [(&str, &str, &dyn Fn(usize) -> bool); 3] = [
+    let groups: [(&str, &str, Group<'_>); 3] = [
         ("leaves", "#16a34a", &leaf),
         ("stem", "#b45309", &|v| !leaf(v)),
         ("all", "#1d4ed8", &|_| true),
@@ -85,7 +88,7 @@ fn curve(
     at: &dyn Fn(f64, f64) -> (f64, f64),
     color: &str,
     width: f64,
-    group: &dyn Fn(usize) -> bool,
+    group: Group<'_>,
 ) {
     let members: Vec<usize> = (0..simulation.full.len()).filter(|&v| group(v)).collect();
     if members.is_empty() {
