@@ -92,7 +92,7 @@ pub fn errors_over_time(subjects: &[Subject]) -> Result<Vec<Part>> {
     {
         let mut series = Vec::new();
         for division in divisions {
-            let mut sums = vec![0.0; 17];
+            let mut sums = [0.0; 17];
             for subject in subjects {
                 let full = subject.model.full();
                 let step = subject.half_time() / f64::from(division);
