@@ -14,6 +14,9 @@ const HEIGHT: f64 = 420.0;
 /// Left, right, top and bottom of the axes.
 const FRAME: [f64; 4] = [60.0, 740.0, 20.0, 370.0];
 
+/// Whether a node is in a group.
+type Group<'a> = &'a dyn Fn(usize) -> bool;
+
 /// The relative water content of leaves, stem and the whole plant, and that of some nodes.
 pub fn write(mut output: Output, plant: &Plant, simulation: &Simulation) -> Result<()> {
     let svg = svg(plant, simulation);
@@ -53,7 +56,6 @@ pub fn svg(plant: &Plant, simulation: &Simulation) -> String {
     for v in some {
         curve(&mut svg, simulation, &at, "#cbd5e1", 1.0, &|u| u == v);
     }
-    type Group<'a> = &'a dyn Fn(usize) -> bool;
     let groups: [(&str, &str, Group<'_>); 3] = [
         ("leaves", "#16a34a", &leaf),
         ("stem", "#b45309", &|v| !leaf(v)),
@@ -68,10 +70,10 @@ pub fn svg(plant: &Plant, simulation: &Simulation) -> String {
             right - 6.0
         );
     }
-    let _ = writeln!(
+    let _ = write!(
         svg,
         "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">hours</text>\
-         <text x=\"14\" y=\"{}\" transform=\"rotate(-90 14 {})\" text-anchor=\"middle\">relative water content</text>\n</svg>",
+         <text x=\"14\" y=\"{}\" transform=\"rotate(-90 14 {})\" text-anchor=\"middle\">relative water content</text>\n</svg>\n",
         (left + right) / 2.0,
         HEIGHT - 12.0,
         (top + bottom) / 2.0,
@@ -86,7 +88,7 @@ fn curve(
     at: &dyn Fn(f64, f64) -> (f64, f64),
     color: &str,
     width: f64,
-    group: &dyn Fn(usize) -> bool,
+    group: Group<'_>,
 ) {
     let members: Vec<usize> = (0..simulation.full.len()).filter(|&v| group(v)).collect();
     if members.is_empty() {

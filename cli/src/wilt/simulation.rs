@@ -1,18 +1,21 @@
 //! Water, stiffness and pose at equal times.
 
 use anyhow::Result;
-use catamaran::Par;
 use catamaran::base::{Flow, Progress};
 use catamaran::plant::{
     Conductivity, CurveOptions, Elasticity, Interval, Plant, Pose, RelaxOptions, RodOptions, Rods,
     WaterModel, WaterOptions, grams_per_hour, water_curve,
 };
+use catamaran::{Error, Par};
 
 /// The hours of a day that are light, and those that are dark.
 const DAY: [f64; 2] = [16.0, 8.0];
 
 /// What leaves lose by night, as a part of what they lose by day.
 const NIGHT_LOSS: f64 = 1.0 / 12.0;
+
+/// A torque out of balance, as a part of the largest of a weight, that no picture shows.
+const SEEN: f64 = 1e-4;
 
 /// The share of the time that goes into water, not poses.
 const WATER_SHARE: f64 = 0.2;
@@ -98,8 +101,12 @@ pub fn simulate(
         let share = (1.0 - WATER_SHARE) / hours.len() as f64;
         let watch = |fraction: f64| tell(WATER_SHARE + share * (i as f64 + fraction));
         let options = RelaxOptions { progress: Some(&watch), ..RelaxOptions::default() };
-        let done = rods.relax(&mut pose, &options)?;
-        iterations = iterations.max(done.iterations);
+        iterations = iterations.max(match rods.relax(&mut pose, &options) {
+            Ok(done) => done.iterations,
+            // What is pulled straight between pins comes near balance, slowly.
+            Err(Error::NotConverged { iterations, residual }) if residual <= SEEN => iterations,
+            Err(error) => return Err(error.into()),
+        });
         moduli.push(stiffness);
         poses.push(pose.clone());
     }

@@ -43,6 +43,44 @@ pub(super) fn pins(rods: &Rods) -> Vec<Pin> {
         .collect()
 }
 
+/// Free segments that hang together, and the pins that they end at: no other pin moves them.
+#[derive(Debug, Clone)]
+pub(super) struct Group {
+    /// Numbers of pins.
+    pub pins: Vec<usize>,
+    /// The segments, every parent before its children.
+    pub nodes: Vec<u32>,
+}
+
+/// The pins by what hangs together.
+pub(super) fn groups(rods: &Rods, pins: &[Pin]) -> Vec<Group> {
+    let n = rods.len();
+    // The group of the first segment of each free part, and then of all.
+    let mut group = vec![usize::MAX; n];
+    let mut groups: Vec<Group> = Vec::new();
+    for (i, pin) in pins.iter().enumerate() {
+        let Some(&first) = pin.path.last() else { continue };
+        if group[first] == usize::MAX {
+            group[first] = groups.len();
+            groups.push(Group { pins: vec![], nodes: vec![] });
+        }
+        groups[group[first]].pins.push(i);
+    }
+    for &v in &rods.order {
+        let at = v as usize;
+        if rods.pinned[at] {
+            continue;
+        }
+        if let Some(p) = rods.parent(at).filter(|&p| !rods.pinned[p]) {
+            group[at] = group[p];
+        }
+        if let Some(group) = groups.get_mut(group[at]) {
+            group.nodes.push(v);
+        }
+    }
+    groups
+}
+
 /// The sum of all gaps.
 pub(super) fn total_gap(pins: &[Pin], tails: &[Vector]) -> f64 {
     pins.iter().map(|pin| norm(pin.gap(tails))).sum()

@@ -6,7 +6,7 @@
 
 use faer::Mat;
 
-use super::pins::{Pin, pins, solve_forces, total_gap};
+use super::pins::{Group, Pin, groups, pins, solve_forces, total_gap};
 use super::small::{
     Matrix, add, cholesky, cross_matrix, image, rotation_matrix, solve, solve_matrix, times,
     transposed, turned,
@@ -76,6 +76,7 @@ impl Rods {
     pub fn relax(&self, pose: &mut Pose, options: &RelaxOptions<'_>) -> Result<Relaxation> {
         Error::check_shape("pose", (self.len(), 4), (pose.rotations.len(), 4))?;
         let pins = pins(self);
+        let groups = groups(self, &pins);
         let mut forces = vec![[0.0; 3]; pins.len()];
         self.place(pose);
         let mut shift = 0.0;
@@ -88,7 +89,7 @@ impl Rods {
             let loads = self.loads(&pins, &forces);
             let quadratic = self.quadratic(pose, &loads);
             let (factors, used) = self.positive_factors(&quadratic, shift)?;
-            let (step, change) = self.newton_step(pose, &quadratic, &factors, &pins)?;
+            let (step, change) = self.newton_step(pose, &quadratic, &factors, &pins, &groups)?;
             for (force, change) in forces.iter_mut().zip(&change) {
                 *force = [0, 1, 2].map(|i| force[i] + change[i]);
             }
@@ -219,9 +220,9 @@ impl Rods {
         Some(Factors { pivots, couplings })
     }
 
-    /// `H^-1 b` in place.
-    fn solve(&self, factors: &Factors, b: &mut [Vector]) {
-        for &v in self.order.iter().rev() {
+    /// `H^-1 b` in place, for segments that hang together with no other free ones, parents first.
+    fn solve(&self, factors: &Factors, b: &mut [Vector], nodes: &[u32]) {
+        for &v in nodes.iter().rev() {
             let v = v as usize;
             if self.pinned[v] {
                 b[v] = [0.0; 3];
@@ -230,7 +231,7 @@ impl Rods {
                 b[p] = sub(b[p], up);
             }
         }
-        for &v in &self.order {
+        for &v in nodes {
             let v = v as usize;
             if self.pinned[v] {
                 continue;
@@ -249,51 +250,61 @@ impl Rods {
         quadratic: &Quadratic,
         factors: &Factors,
         pins: &[Pin],
+        groups: &[Group],
     ) -> Result<(Vec<Vector>, Vec<Vector>)> {
         let mut step: Vec<Vector> = quadratic.gradient.iter().map(|g| scale(*g, -1.0)).collect();
-        self.solve(factors, &mut step);
-        if pins.is_empty() {
-            return Ok((step, vec![]));
-        }
-        // The end of a path moves by the sum of a x y = -[y] a.
-        let arms: Vec<Matrix<3>> =
-            (0..self.len()).map(|v| cross_matrix(scale(self.along(pose, v), -1.0))).collect();
-        let moved = |pin: &Pin, a: &[Vector]| {
-            let mut sum = [0.0; 3];
-            for &u in &pin.path {
-                let part = image(&arms[u], &a[u]);
-                sum = [0, 1, 2].map(|i| sum[i] + part[i]);
-            }
-            sum
-        };
-        let rows = 3 * pins.len();
-        let mut matrix = dense::zeros(rows, rows)?;
-        let mut right: Mat<f64> = dense::zeros(rows, 1)?;
-        let mut columns = Vec::with_capacity(rows);
-        for (j, pin) in pins.iter().enumerate() {
-            let gap = pin.gap(&pose.tails);
-            let free = moved(pin, &step);
-            for axis in 0..3 {
-                right[(3 * j + axis, 0)] = gap[axis] + free[axis];
-                let mut column = vec![[0.0; 3]; self.len()];
-                pin.path.iter().for_each(|&u| column[u] = arms[u][axis]);
-                self.solve(factors, &mut column);
-                for (i, other) in pins.iter().enumerate() {
-                    let image = moved(other, &column);
-                    (0..3).for_each(|k| matrix[(3 * i + k, 3 * j + axis)] = image[k]);
+        self.solve(factors, &mut step, &self.order);
+        let mut changes = vec![[0.0; 3]; pins.len()];
+        let mut column = vec![[0.0; 3]; if pins.is_empty() { 0 } else { self.len() }];
+        for group in groups {
+            let rows = 3 * group.pins.len();
+            let mut matrix = dense::zeros(rows, rows)?;
+            let mut right: Mat<f64> = dense::zeros(rows, 1)?;
+            let mut columns = Vec::with_capacity(rows);
+            for (j, &number) in group.pins.iter().enumerate() {
+                let pin = &pins[number];
+                let gap = pin.gap(&pose.tails);
+                let free = self.moved(pose, pin, &step);
+                for axis in 0..3 {
+                    right[(3 * j + axis, 0)] = gap[axis] + free[axis];
+                    group.nodes.iter().for_each(|&v| column[v as usize] = [0.0; 3]);
+                    // The end moves by the sum of a x y = -[y] a.
+                    for &u in &pin.path {
+                        column[u] = cross_matrix(scale(self.along(pose, u), -1.0))[axis];
+                    }
+                    self.solve(factors, &mut column, &group.nodes);
+                    for (i, &other) in group.pins.iter().enumerate() {
+                        let image = self.moved(pose, &pins[other], &column);
+                        (0..3).for_each(|k| matrix[(3 * i + k, 3 * j + axis)] = image[k]);
+                    }
+                    let values = group.nodes.iter().map(|&v| column[v as usize]);
+                    columns.push(values.collect::<Vec<Vector>>());
                 }
-                columns.push(column);
+            }
+            if !solve_forces(matrix, &mut right)? {
+                return Err(Error::NotConverged { iterations: 0, residual: f64::NAN });
+            }
+            for (j, column) in columns.iter().enumerate() {
+                let force = right[(j, 0)];
+                for (&v, c) in group.nodes.iter().zip(column) {
+                    step[v as usize] = sub(step[v as usize], scale(*c, force));
+                }
+            }
+            for (j, &number) in group.pins.iter().enumerate() {
+                changes[number] = [0, 1, 2].map(|axis| right[(3 * j + axis, 0)]);
             }
         }
-        if !solve_forces(matrix, &mut right)? {
-            return Err(Error::NotConverged { iterations: 0, residual: f64::NAN });
+        Ok((step, changes))
+    }
+
+    /// How a step moves the end of a path.
+    fn moved(&self, pose: &Pose, pin: &Pin, step: &[Vector]) -> Vector {
+        let mut sum = [0.0; 3];
+        for &u in &pin.path {
+            let part = cross(step[u], self.along(pose, u));
+            sum = [0, 1, 2].map(|i| sum[i] + part[i]);
         }
-        for (j, column) in columns.iter().enumerate() {
-            let force = right[(j, 0)];
-            step.iter_mut().zip(column).for_each(|(a, c)| *a = sub(*a, scale(*c, force)));
-        }
-        let change = |j: usize| [0, 1, 2].map(|axis| right[(3 * j + axis, 0)]);
-        Ok((step, (0..pins.len()).map(change).collect()))
+        sum
     }
 
     /// Moves along the step as far as the energy, with a price on gaps at pins, falls; the fraction taken, or `None`.
