@@ -291,6 +291,40 @@ typedef struct cata_transfer_params {
 } cata_transfer_params;
 
 /**
+ * How a mesh is decimated. Every field but the first is 0 (NULL) by default, so that
+ * `cata_decimate_params params = {.struct_size = sizeof params};` does what cata_decimate_params_init
+ * does.
+ */
+typedef struct cata_decimate_params {
+    /**
+     * sizeof(cata_decimate_params) as the caller was compiled with. Later versions add fields at the end;
+     * one that this library does not know must be 0.
+     */
+    size_t struct_size;
+    /**
+     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
+     * bit for bit, for every value.
+     */
+    size_t threads;
+    /** Told of progress; NULL: nobody. */
+    cata_progress progress;
+    /** Handed to `progress` as it is; may be NULL. */
+    void *progress_user;
+    /** Passes that move samples to the centroids of their cells, at least 0. */
+    int32_t lloyd;
+    /** Passes that flip edges and move vertices of the result; 0: the default, 12; -1: none. */
+    int32_t relaxation;
+    /** With `has_first` 1: the vertex that the first sample is. Else not looked at. */
+    uint32_t first;
+    /** 1: `first` counts; 0: the lowest vertex that a face has. */
+    int32_t has_first;
+    /** 1: edges longer than those of the result will be are split first. 0: not. */
+    int32_t resample;
+    /** 1: handles too narrow for the triangles of the result are kept, too. 0: they are cut. */
+    int32_t keep_narrow_handles;
+} cata_decimate_params;
+
+/**
  * What a rank has sent and received: words are matrix entries. The few numbers by which ranks agree on shapes
  * and errors are not counted.
  */
@@ -1029,6 +1063,67 @@ cata_status cata_transfer(size_t n,
                           double *g,
                           size_t ldg,
                           const struct cata_transfer_params *params);
+
+/**
+ * Fills a parameter struct with the defaults.
+ *
+ * `params`: one struct, not NULL; `struct_size` bytes are written.
+ * `struct_size`: sizeof(cata_decimate_params).
+ * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+ *
+ * Thread-safe.
+ */
+cata_status cata_decimate_params_init(struct cata_decimate_params *params, size_t struct_size);
+
+/**
+ * The number of faces that cata_decimate never exceeds for a result of `n` vertices of a mesh of `n_faces`
+ * faces, whatever its topology: 2 n + n_faces; SIZE_MAX where that overflows.
+ *
+ * Thread-safe.
+ */
+size_t cata_decimate_faces_bound(size_t n,
+                                 size_t n_faces);
+
+/**
+ * Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components, boundary
+ * loops and genus of the input, but for handles too narrow for its triangles. The input is cut along edges
+ * of more than two faces first. What can't be is refused, and the message says why.
+ *
+ * - `vertices`: 3 n_vertices elements, read: x, y, z of each vertex, finite.
+ * - `faces`: 3 n_faces elements, read: the vertices of each face, from 0, counter-clockwise as seen from
+ *   outside.
+ * - `n`: vertices of the result.
+ * - `new_vertices`: 3 n elements, written. May be NULL when n is 0.
+ * - `new_faces`: 3 faces_capacity elements, the first 3 `*n_new_faces` written.
+ * - `faces_capacity`: cata_decimate_faces_bound(n, n_faces) is always enough; with too few,
+ *   CATA_ERR_SHAPE, and the message tells how many it takes.
+ * - `n_new_faces`: one element, written: the number of faces of the result.
+ * - `cells`: n_vertices elements, written: for each vertex of the input the nearest one of the result along
+ *   edges, UINT32_MAX for those that no face has; NULL where not wanted.
+ * - `changed`: one element, written: 1 when the input had to be repaired (repeated faces and vertices
+ *   without a face left out, faces flipped, the mesh cut), 0 else; NULL where not wanted.
+ * - `params`: NULL for the defaults; else read during the call.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (also for an n that is more than
+ * there are vertices, or fewer than the topology needs), CATA_ERR_MESH, CATA_ERR_OUT_OF_MEMORY,
+ * CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
+ *
+ * The result does not depend on the number of threads, bit for bit.
+ *
+ * Thread-safe: calls may run at the same time as long as no output is shared.
+ */
+cata_status cata_decimate(size_t n_vertices,
+                          const double *vertices,
+                          size_t n_faces,
+                          const uint32_t *faces,
+                          size_t n,
+                          double *new_vertices,
+                          uint32_t *new_faces,
+                          size_t faces_capacity,
+                          size_t *n_new_faces,
+                          uint32_t *cells,
+                          int32_t *changed,
+                          const struct cata_decimate_params *params);
 
 /**
  * The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over it.
