@@ -118,6 +118,9 @@
 /** Functions are zero at the boundary. */
 #define CATA_BOUNDARY_DIRICHLET 1
 
+/** The parent of the root of a plant. */
+#define CATA_NO_PARENT UINT32_MAX
+
 /** The curve is closed, or all curves are. */
 #define CATA_CURVE_CLOSED 0
 
@@ -148,6 +151,9 @@ typedef struct cata_backend cata_backend;
 
 /** Curves that were found. Made by cata_curves_new; for one thread at a time unless it is only read. */
 typedef struct cata_curves cata_curves;
+
+/** The water in a plant: its constants, the present, and what it takes to go on. Opaque. */
+typedef struct cata_plant cata_plant;
 
 /**
  * A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a world; made by
@@ -371,7 +377,7 @@ typedef struct cata_decimate_params {
     cata_progress progress;
     /** Handed to `progress` as it is; may be NULL. */
     void *progress_user;
-    /** Passes that move samples to the centroids of their cells; 0: the default, 1; -1: none. */
+    /** Passes that move samples to the centroids of their cells, at least 0. */
     int32_t lloyd;
     /** Passes that flip edges and move vertices of the result; 0: the default, 12; -1: none. */
     int32_t relaxation;
@@ -381,7 +387,38 @@ typedef struct cata_decimate_params {
     int32_t has_first;
     /** 1: edges longer than those of the result will be are split first. 0: not. */
     int32_t resample;
+    /** 1: handles too narrow for the triangles of the result are kept, too. 0: they are cut. */
+    int32_t keep_narrow_handles;
 } cata_decimate_params;
+
+/**
+ * The constants of the water of a plant, in SI units. Every field but the first is 0 by default, so that
+ * `cata_plant_params params = {.struct_size = sizeof params};` does what cata_plant_params_init does.
+ */
+typedef struct cata_plant_params {
+    /**
+     * sizeof(cata_plant_params) as the caller was compiled with. Later versions add fields at the end;
+     * one that this library does not know must be 0.
+     */
+    size_t struct_size;
+    /**
+     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
+     * bit for bit, for every value.
+     */
+    size_t threads;
+    /** What leaves lose, in kg / (s m^2), at least 0; 60 g / (h m^2) is 1.667e-5. */
+    double loss;
+    /** What the root takes from the soil, in kg / s, at least 0. */
+    double intake;
+    /** Conductance of a segment, as a part of that of a pipe as wide; positive; 0: 1e-9. */
+    double conductance;
+    /** Pressure in full cells, in Pa; positive; 0: 1e6. */
+    double modulus;
+    /** Viscosity of the sap, in Pa s; positive; 0: 1e-3. */
+    double viscosity;
+    /** Water in a cubic metre of full tissue, in kg; positive; 0: 1000. */
+    double density;
+} cata_plant_params;
 
 /**
  * How curves are found. Every field but the first is 0 (NULL) by default, so that
@@ -470,7 +507,7 @@ typedef struct cata_traffic {
 /** Another rank of a distributed call failed, or does not fit the others; the message names it. */
 #define CATA_ERR_RANK 12
 
-/** A triangle mesh is not one, or not of the kind that is asked for; the message names the element. */
+/** A triangle mesh or a plant is not one, or not of the kind that is asked for; the message names the element. */
 #define CATA_ERR_MESH 13
 
 #ifdef __cplusplus
@@ -1224,8 +1261,8 @@ size_t cata_decimate_faces_bound(size_t n,
 
 /**
  * Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components, boundary
- * loops and genus of the input, which is cut along edges of more than two faces first. What can't be is
- * refused, and the message says why.
+ * loops and genus of the input, but for handles too narrow for its triangles. The input is cut along edges
+ * of more than two faces first. What can't be is refused, and the message says why.
  *
  * - `vertices`: 3 n_vertices elements, read: x, y, z of each vertex, finite.
  * - `faces`: 3 n_faces elements, read: the vertices of each face, from 0, counter-clockwise as seen from
@@ -1262,6 +1299,192 @@ cata_status cata_decimate(size_t n_vertices,
                           uint32_t *cells,
                           int32_t *changed,
                           const struct cata_decimate_params *params);
+
+/**
+ * Fills a parameter struct with the defaults.
+ *
+ * `params`: one struct, not NULL; `struct_size` bytes are written.
+ * `struct_size`: sizeof(cata_plant_params).
+ * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+ *
+ * Thread-safe.
+ */
+cata_status cata_plant_params_init(struct cata_plant_params *params, size_t struct_size);
+
+/**
+ * The model of the water of a plant of n segments.
+ *
+ * - `n`: at least 1.
+ * - `tails`: 3 n elements, read: x, y, z of the end of every segment, in metres.
+ * - `radii`: n elements, read: in metres, positive.
+ * - `parents`: n elements, read: the segment at whose end each begins, below n; CATA_NO_PARENT for the root.
+ * - `leaves`: n elements, read: 1 for a vein of a leaf, 0 for stem.
+ * - `base`: 3 elements, read: where the root segment begins; NULL: it goes straight on into its first
+ *   child and is as long.
+ * - `params`: NULL for the defaults; else read during the call.
+ * - `plant`: written: the model, to be given to cata_plant_free.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_MESH (the message names the
+ * node: on a cycle, isolated, a second root, without positive radius or length), CATA_ERR_OUT_OF_MEMORY,
+ * CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC; `plant` is untouched unless it is CATA_OK.
+ *
+ * Thread-safe. Models share nothing: calls for different ones may run at the same time.
+ */
+cata_status cata_plant_new(size_t n,
+                           const double *tails,
+                           const double *radii,
+                           const uint32_t *parents,
+                           const int32_t *leaves,
+                           const double *base,
+                           const struct cata_plant_params *params,
+                           struct cata_plant **plant);
+
+/**
+ * The model of the water of the plant in a file: .txt (the reference format: `verts N`, ...), .swc, .mtg or
+ * .obj (polylines), each also as .gz or .xz.
+ *
+ * - `path`: NUL-terminated, in UTF-8.
+ * - `params`, `plant`: as in cata_plant_new.
+ *
+ * Returns what cata_plant_new returns, or CATA_ERR_IO with the file and the line in the message.
+ *
+ * Thread-safe.
+ */
+cata_status cata_plant_read(const char *path,
+                            const struct cata_plant_params *params,
+                            struct cata_plant **plant);
+
+/**
+ * Gives a model back.
+ *
+ * `plant`: made by cata_plant_new or cata_plant_read and not yet freed; NULL does nothing.
+ *
+ * Thread-safe, but no call may be using the model.
+ */
+void cata_plant_free(struct cata_plant *plant);
+
+/**
+ * The number of nodes of a plant; 0 for NULL.
+ *
+ * Thread-safe.
+ */
+size_t cata_plant_size(const struct cata_plant *plant);
+
+/**
+ * The water of every node when its cells are full, in kg: how a healthy plant begins.
+ *
+ * - `plant`: a live model.
+ * - `n`: cata_plant_size.
+ * - `water`: n elements, written.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE or CATA_ERR_PANIC.
+ *
+ * Thread-safe, but nothing may change the model meanwhile.
+ */
+cata_status cata_plant_full_water(const struct cata_plant *plant, size_t n, double *water);
+
+/**
+ * Sets what all leaves lose, in kg / (s m^2), from now on: another weather.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT or CATA_ERR_PANIC.
+ *
+ * Not for two threads at once on the same model.
+ */
+cata_status cata_plant_set_loss(struct cata_plant *plant, double loss);
+
+/**
+ * Sets what the root takes from the soil, in kg / s, from now on.
+ *
+ * Returns and threads: as cata_plant_set_loss.
+ */
+cata_status cata_plant_set_intake(struct cata_plant *plant, double intake);
+
+/**
+ * Multiplies the conductance between a node (below cata_plant_size, not the root) and its parent by
+ * `factor`, at least 0, from now on; 0 cuts the connection.
+ *
+ * Returns and threads: as cata_plant_set_loss.
+ */
+cata_status cata_plant_weaken(struct cata_plant *plant, size_t node, double factor);
+
+/**
+ * The water of every node some time after it was `water`, at once, without time steps: for any times.
+ * Does not read or change the present of cata_plant_start.
+ *
+ * - `plant`: a live model.
+ * - `n`: cata_plant_size.
+ * - `water`: n elements, read: in kg, finite.
+ * - `seconds`: at least 0.
+ * - `result`: n elements, written: in kg. May be the same memory as `water`.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
+ * CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC; `result` is untouched unless it is CATA_OK.
+ *
+ * Thread-safe, but nothing may change the model meanwhile.
+ */
+cata_status cata_plant_water_after(const struct cata_plant *plant,
+                                   size_t n,
+                                   const double *water,
+                                   double seconds,
+                                   double *result);
+
+/**
+ * Makes `water` the present, from which cata_plant_step goes on.
+ *
+ * - `plant`: a live model.
+ * - `n`: cata_plant_size.
+ * - `water`: n elements, read: in kg, finite; NULL: full cells.
+ * - `step`: seconds of a step, positive.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
+ * CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC.
+ *
+ * Not for two threads at once on the same model.
+ */
+cata_status cata_plant_start(struct cata_plant *plant, size_t n, const double *water, double step);
+
+/**
+ * Goes `count` steps ahead (0 included) and gives the water there.
+ *
+ * - `plant`: a live model, after cata_plant_start. What was changed since the last step counts from now on.
+ * - `n`: cata_plant_size.
+ * - `water`: n elements, written: in kg; NULL: not wanted.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (not started),
+ * CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC.
+ *
+ * Not for two threads at once on the same model.
+ */
+cata_status cata_plant_step(struct cata_plant *plant,
+                            size_t count,
+                            size_t n,
+                            double *water);
+
+/**
+ * The modulus of elasticity of every node, from its water:
+ * `dry + (full - dry) (s(k (w - x)) - s(-k x)) / (s(k (1 - x)) - s(-k x))` of the relative water content w,
+ * with s the logistic function.
+ *
+ * - `plant`: a live model.
+ * - `n`: cata_plant_size.
+ * - `water`: n elements, read: in kg.
+ * - `full`, `dry`: of full cells and of dry ones, in Pa; 0 < dry <= full; such as 5e7 and 3e5.
+ * - `steepness`: k, positive; such as 10.
+ * - `shift`: x; such as 0.75.
+ * - `moduli`: n elements, written: in Pa.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT or CATA_ERR_PANIC.
+ *
+ * Thread-safe, but nothing may change the model meanwhile.
+ */
+cata_status cata_plant_stiffness(const struct cata_plant *plant,
+                                 size_t n,
+                                 const double *water,
+                                 double full,
+                                 double dry,
+                                 double steepness,
+                                 double shift,
+                                 double *moduli);
 
 /**
  * Fills a parameter struct with the defaults.

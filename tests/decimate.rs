@@ -11,11 +11,11 @@ use catamaran::decimate::{
     decimate, edge_length_for, resample,
 };
 use catamaran::mesh::io::{self, Attribute, MeshFile};
-use catamaran::mesh::{Dijkstra, Edges, Graph, SearchLimits, TriMesh, families};
+use catamaran::mesh::{Dijkstra, Edges, Genus, Graph, SearchLimits, TriMesh, families};
 use catamaran::{Error, Par};
 
 fn options() -> DecimateOptions<'static> {
-    DecimateOptions { par: Par::Seq, ..DecimateOptions::default() }
+    DecimateOptions { par: Par::Seq, keep_narrow_handles: true, ..DecimateOptions::default() }
 }
 
 /// Everything that a decimation promises.
@@ -149,6 +149,22 @@ fn every_family_is_decimated_with_its_topology() {
             check(&name, &mesh, n, &found);
         }
     }
+}
+
+#[test]
+fn narrow_handles_are_cut_and_told_unless_they_are_to_be_kept() {
+    // A slab whose holes are one tenth of the whole, and a triangle of the result as large as a hole.
+    let mesh = families::genus(5, 4).unwrap();
+    let keep = decimate(&mesh, 70, &options()).unwrap();
+    check("slab", &mesh, 70, &keep);
+    let cut = DecimateOptions { keep_narrow_handles: false, ..options() };
+    // A tube around a torus that is as thin as a hair: its loops are all narrow.
+    let ring = families::torus(400, 5, 1.0, 0.002).unwrap();
+    let found = decimate(&ring, 60, &cut).unwrap();
+    assert_eq!(found.mesh.vertices().len(), 60);
+    found.mesh.require_manifold().unwrap();
+    assert_eq!(found.before.genus, Genus::Orientable(1));
+    assert_eq!(found.after.unwrap().genus, found.mesh.genus(&Edges::new(&found.mesh)).unwrap());
 }
 
 #[test]

@@ -53,6 +53,11 @@ fn lengths(a: MatRef<'_, f64>, mass: &Mass) -> Vec<f64> {
 /// Checks shapes, the triangle, and that Q R is A up to `slack` of each column for dropped columns, up to rounding for
 /// the others.
 fn check_factors(a: MatRef<'_, f64>, mass: &Mass, found: &Orthonormal, slack: f64) {
+    check_factors_to(a, mass, found, 1e-13, slack);
+}
+
+/// [`check_factors`] up to `exact` of each column for those that are kept.
+fn check_factors_to(a: MatRef<'_, f64>, mass: &Mass, found: &Orthonormal, exact: f64, slack: f64) {
     let Orthonormal { q, r, kept } = found;
     assert_eq!((q.nrows(), q.ncols()), (a.nrows(), kept.len()));
     assert_eq!((r.nrows(), r.ncols()), (kept.len(), a.ncols()));
@@ -64,7 +69,7 @@ fn check_factors(a: MatRef<'_, f64>, mass: &Mass, found: &Orthonormal, slack: f6
     let gap = a - q * r;
     let (gaps, sizes) = (lengths(gap.as_ref(), mass), lengths(a, mass));
     for j in 0..a.ncols() {
-        let allowed = if kept.contains(&j) { 1e-13 } else { slack };
+        let allowed = if kept.contains(&j) { exact } else { slack };
         assert!(gaps[j] <= allowed * sizes[j], "column {j}: {:e} of {:e}", gaps[j], sizes[j]);
     }
 }
@@ -341,7 +346,8 @@ fn the_rank_is_that_of_the_singular_values() {
             let found = rank_revealing(a.as_ref(), &mass, &options).unwrap();
             assert_eq!(found.kept.len(), rank);
             // What pivoting leaves is larger than the best by a moderate factor.
-            check_factors(a.as_ref(), &mass, &found, 30.0 * threshold * values[0]);
+            let slack = 30.0 * threshold * values[0];
+            check_factors_to(a.as_ref(), &mass, &found, 2.0 * threshold, slack);
             assert!(defect(found.q.as_ref(), &mass) < 1e-12);
             let threads = GramSchmidtOptions { par: Par::Threads(3), ..options };
             let again = rank_revealing(a.as_ref(), &mass, &threads).unwrap();

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::Result;
+use crate::race::median;
 
 /// What a process said of its call: seconds, bytes that it took at most beside its input, and whatever follows.
 #[derive(Debug, Clone)]
@@ -45,6 +46,50 @@ pub fn run(program: &Path, arguments: &[&str], threads: usize) -> Result<Report>
     match numbers[..] {
         [seconds, bytes, ref rest @ ..] => Ok(Report { seconds, bytes, rest: rest.to_vec() }),
         _ => Err(format!("{}: no numbers in {line:?}", named()).into()),
+    }
+}
+
+/// Reports of us and of a rival, in turns.
+pub struct Duel(Vec<[Report; 2]>);
+
+impl Duel {
+    /// Runs `ours` of this program, then a script of bench/rivals with its arguments, `repeat` times.
+    ///
+    /// # Errors
+    /// Those of [`run`].
+    pub fn new(
+        ours: &[&str],
+        python: &Path,
+        rival: (&str, &[&str]),
+        threads: usize,
+        repeat: usize,
+    ) -> Result<Self> {
+        let this = std::env::current_exe()?;
+        let script = script(rival.0);
+        let theirs: Vec<&str> =
+            std::iter::once(script.as_str()).chain(rival.1.iter().copied()).collect();
+        let turn = |_| Ok([run(&this, ours, threads)?, run(python, &theirs, threads)?]);
+        (0..repeat.max(1)).map(turn).collect::<Result<_>>().map(Self)
+    }
+
+    /// Medians of seconds: ours and theirs.
+    pub fn seconds(&self) -> [f64; 2] {
+        [0, 1].map(|who| median(self.0.iter().map(|pair| pair[who].seconds).collect()))
+    }
+
+    /// Medians of bytes: ours and theirs.
+    pub fn bytes(&self) -> [f64; 2] {
+        [0, 1].map(|who| median(self.0.iter().map(|pair| pair[who].bytes).collect()))
+    }
+
+    /// Their seconds over ours: the median over the repetitions.
+    pub fn ratio(&self) -> f64 {
+        median(self.0.iter().map(|[ours, theirs]| theirs.seconds / ours.seconds).collect())
+    }
+
+    /// Further numbers of the first repetition: ours and theirs.
+    pub fn rest(&self) -> [&[f64]; 2] {
+        [0, 1].map(|who| self.0[0][who].rest.as_slice())
     }
 }
 

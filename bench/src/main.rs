@@ -8,7 +8,10 @@ use catamaran_bench::product::Operation;
 use catamaran_bench::{Result, host};
 use clap::Parser;
 
-use commands::{accuracy, decimate, exact, grid, ortho, race, reproduce, scale, spectrum, stream};
+use commands::{
+    accuracy, decimate, exact, functional_map, grid, laplacian, ortho, race, reproduce, scale,
+    spectrum, stream,
+};
 
 /// Races against other libraries, and errors beside theirs.
 #[derive(Parser)]
@@ -29,6 +32,10 @@ enum Command {
     Stream(stream::Arguments),
     /// Eigenpairs of the Laplacian of meshes beside scipy's.
     Spectrum(spectrum::Arguments),
+    /// Tufted Laplacians of meshes beside robust_laplacian's.
+    Laplacian(laplacian::Arguments),
+    /// A functional map, fitted and refined by ZoomOut, beside pyfmaps.
+    FunctionalMap(functional_map::Arguments),
     /// Gram-Schmidt beside column-wise numpy and LAPACK's pivoted QR.
     Ortho(ortho::Arguments),
     /// Decimation of meshes beside other libraries.
@@ -51,6 +58,8 @@ fn main() {
         Command::Scale(a) => scale::run(a),
         Command::Stream(a) => stream::run(a),
         Command::Spectrum(a) => spectrum::run(a),
+        Command::Laplacian(a) => laplacian::run(a),
+        Command::FunctionalMap(a) => functional_map::run(a),
         Command::Ortho(a) => ortho::run(a),
         Command::Decimate(a) => decimate::run(a),
         Command::Reproduce(a) => reproduce::run(a),

@@ -20,8 +20,9 @@ use crate::report::{report, seconds};
 
 /// Decimate a mesh to a number of vertices, uniformly.
 ///
-/// The result has exactly that many vertices, is a manifold, and has the components, boundary loops and genus of the input; what
-/// can't be is refused, with the reason. Colours and texture coordinates are carried over.
+/// The result has exactly that many vertices, is a manifold, and has the components, boundary loops and genus of the input, but
+/// for handles too narrow for its triangles; what can't be is refused, with the reason. Colours and texture coordinates are
+/// carried over.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
@@ -39,12 +40,15 @@ pub struct Args {
     /// Split edges that are longer than those of the result will be, first.
     #[arg(long)]
     resample: bool,
-    /// Passes that move samples to the centroids of their cells [default: 1].
+    /// Passes that move samples to the centroids of their cells [default: 0].
     #[arg(long, value_name = "N")]
     lloyd: Option<usize>,
     /// Passes that flip edges and move vertices of the result [default: 12].
     #[arg(long, value_name = "N")]
     relax: Option<usize>,
+    /// Keep handles that are too narrow for the triangles of the result, too.
+    #[arg(long)]
+    keep_handles: bool,
     /// How faces are found and vertices placed.
     #[arg(long, value_name = "METHOD", default_value = "uniform")]
     method: Kind,
@@ -104,6 +108,7 @@ pub fn run(args: &Args) -> Result<()> {
         resample: args.resample,
         lloyd: args.lloyd.unwrap_or(defaults.lloyd),
         relaxation: args.relax.unwrap_or(defaults.relaxation),
+        keep_narrow_handles: args.keep_handles,
         first: args.first,
         par,
         progress: Some(&update),

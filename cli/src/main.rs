@@ -19,6 +19,7 @@ mod shape;
 mod spectrum;
 mod transfer;
 mod tune;
+mod wilt;
 
 use std::io;
 use std::process::ExitCode;
@@ -47,6 +48,7 @@ enum Command {
     Basis(basis::Args),
     Transfer(transfer::Args),
     Filter(filter::Args),
+    Wilt(wilt::Args),
     Curve(curve::Args),
 }
 
@@ -68,6 +70,7 @@ fn main() -> ExitCode {
         Command::Basis(args) => basis::run(args),
         Command::Transfer(args) => transfer::run(args),
         Command::Filter(args) => filter::run(args),
+        Command::Wilt(args) => wilt::run(args),
         Command::Curve(args) => curve::run(args),
     });
     let Err(error) = done else { return ExitCode::SUCCESS };

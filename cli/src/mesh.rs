@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io::{self as files, MeshFile};
-use catamaran::mesh::{Components, Normalization, Problem, TriMesh, Validation};
+use catamaran::mesh::{Components, Normalization, Part, Problem, TriMesh, Validation};
 use clap::ValueEnum;
 
 use crate::picture::{PLAIN, Paint, PictureArgs};
@@ -151,16 +151,16 @@ fn measures(file: &MeshFile, found: &Validation) -> Result<()> {
     Ok(())
 }
 
-/// The mesh as it is to be written. What changes its vertices or faces leaves attributes out.
+/// The mesh as it is to be written.
 fn changed(args: &Args, mut file: MeshFile) -> Result<MeshFile> {
     if let Some(which) = args.component {
-        file = one_component(&file.mesh, which)?.into();
+        file = file.part(one_component(&file.mesh, which)?)?;
     }
     if args.compact {
-        file = file.mesh.without_unreferenced()?.mesh.into();
+        file = file.part(file.mesh.without_unreferenced()?)?;
     }
     if args.orient {
-        file = file.mesh.oriented()?.into();
+        file = file.oriented()?;
     }
     if let Some(size) = args.normalize {
         file.mesh = file.mesh.normalized(match size {
@@ -171,11 +171,11 @@ fn changed(args: &Args, mut file: MeshFile) -> Result<MeshFile> {
     Ok(file)
 }
 
-fn one_component(mesh: &TriMesh, which: Which) -> Result<TriMesh> {
+fn one_component(mesh: &TriMesh, which: Which) -> Result<Part> {
     let components = Components::new(mesh);
     let number = match which {
         Which::Number(number) => number,
         Which::Largest => components.largest().context("no component, as there is no face")?,
     };
-    Ok(mesh.component(&components, number)?.mesh)
+    Ok(mesh.component(&components, number)?)
 }

@@ -7,6 +7,8 @@ use catamaran::ata::Accumulator;
 #[cfg(not(feature = "mpi"))]
 pub use catamaran::blas::BlasReal as Scalar;
 #[cfg(feature = "mpi")]
+use catamaran::faer::Mat;
+#[cfg(feature = "mpi")]
 pub use catamaran::mpi::MpiReal as Scalar;
 use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, Mass, eigs_sliced};
 
@@ -124,7 +126,7 @@ impl Ranks {
         };
         let found = catamaran::mpi::eigs(world, rows(stiffness).view(), &own_mass, options)?;
         let vectors = catamaran::mpi::gather_rows(world, 0, found.vectors.as_ref())?;
-        sink(Eigenpairs { vectors: vectors.unwrap_or_else(catamaran::faer::Mat::new), ..found })
+        sink(Eigenpairs { vectors: vectors.unwrap_or_else(Mat::new), ..found })
     }
 
     /// Waits for all.

@@ -77,6 +77,45 @@ fn a_conversion_keeps_attributes() {
 }
 
 #[test]
+fn parts_keep_the_attributes_of_their_vertices_and_corners() {
+    let folder = Folder::new();
+    // Two triangles apart, a vertex alone between them, the second one with the texture of a corner of its own.
+    let colors = ["1 0 0", "0 1 0", "0 0 1", "0 0 0", "1 1 0", "1 0 1", "0 1 1"];
+    let points = ["0 0 0", "1 0 0", "0 1 0", "9 9 9", "5 0 0", "6 0 0", "5 1 0"];
+    let vertices: String = points.iter().zip(colors).map(|(p, c)| format!("v {p} {c}\n")).collect();
+    let texture = "vt 0 0\nvt .5 0\nvt 0 .5\nvt 1 1\nvn 0 0 1\nvn 0 1 0\n";
+    folder.write("a.obj", format!("{vertices}{texture}f 1/1/1 2/2/1 3/3/1\nf 5/1/2 6/4/2 7/3/2\n"));
+    folder.succeed("mesh a.obj -o second.obj --component 1");
+    let read = |name: &str| io::read(&folder.path(name)).unwrap();
+    let second = read("second.obj");
+    assert_eq!(
+        second.colors.unwrap(),
+        [[1.0, 1.0, 0.0, 1.0], [1.0, 0.0, 1.0, 1.0], [0.0, 1.0, 1.0, 1.0]]
+    );
+    let of_face = second.uv.unwrap().of_face(&second.mesh, 0);
+    assert_eq!(of_face, Some([[0.0, 0.0], [1.0, 1.0], [0.0, 0.5]]));
+    assert_eq!(second.normals.unwrap().of_face(&second.mesh, 0), Some([[0.0, 1.0, 0.0]; 3]));
+    folder.succeed("mesh a.obj -o compact.obj --compact");
+    let compact = read("compact.obj");
+    assert_eq!(
+        (compact.mesh.vertices().len(), compact.colors.as_ref().unwrap()[3]),
+        (6, [1.0, 1.0, 0.0, 1.0])
+    );
+    let of_face = compact.uv.as_ref().unwrap().of_face(&compact.mesh, 1);
+    assert_eq!(of_face, Some([[0.0, 0.0], [1.0, 1.0], [0.0, 0.5]]));
+    // The second face of a square that runs the other way: its corners turn with it.
+    folder.write(
+        "square.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 4/4 3/3\n",
+    );
+    folder.succeed("mesh square.obj -o turned.obj --orient");
+    let turned = read("turned.obj");
+    assert_eq!(turned.mesh.faces()[1], [0, 2, 3]);
+    let uv = turned.uv.unwrap();
+    assert_eq!(uv.of_face(&turned.mesh, 1), Some([[0.0, 0.0], [1.0, 1.0], [0.0, 1.0]]));
+}
+
+#[test]
 fn nothing_is_overwritten_without_force() {
     let folder = Folder::new();
     folder.write("square.obj", SQUARE);

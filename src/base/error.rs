@@ -54,11 +54,11 @@ pub enum Error {
         /// The size of the request.
         bytes: usize,
     },
-    /// A triangle mesh is not one, or not of the kind that is asked for.
+    /// A triangle mesh or a plant is not one, or not of the kind that is asked for.
     Mesh {
         /// What is wrong.
         what: String,
-        /// The vertex, edge or face at fault, as in "face 12".
+        /// The vertex, node, edge or face at fault, as in "face 12".
         element: String,
     },
     /// A BLAS back end could not be loaded, or refused.

@@ -25,7 +25,7 @@ pub struct cata_decimate_params {
     pub progress: cata_progress,
     /// Handed to `progress` as it is; may be NULL.
     pub progress_user: *mut c_void,
-    /// Passes that move samples to the centroids of their cells; 0: the default, 1; -1: none.
+    /// Passes that move samples to the centroids of their cells, at least 0.
     pub lloyd: i32,
     /// Passes that flip edges and move vertices of the result; 0: the default, 12; -1: none.
     pub relaxation: i32,
@@ -35,11 +35,13 @@ pub struct cata_decimate_params {
     pub has_first: i32,
     /// 1: edges longer than those of the result will be are split first. 0: not.
     pub resample: i32,
+    /// 1: handles too narrow for the triangles of the result are kept, too. 0: they are cut.
+    pub keep_narrow_handles: i32,
 }
 
 impl Versioned for cata_decimate_params {
     const NAME: &'static str = "cata_decimate_params";
-    const FIRST_SIZE: usize = offset_of!(Self, resample) + size_of::<i32>();
+    const FIRST_SIZE: usize = offset_of!(Self, keep_narrow_handles) + size_of::<i32>();
 }
 
 /// Fills a parameter struct with the defaults.
@@ -71,8 +73,8 @@ pub extern "C" fn cata_decimate_faces_bound(n: usize, n_faces: usize) -> usize {
 }
 
 /// Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components, boundary
-/// loops and genus of the input, which is cut along edges of more than two faces first. What can't be is
-/// refused, and the message says why.
+/// loops and genus of the input, but for handles too narrow for its triangles. The input is cut along edges
+/// of more than two faces first. What can't be is refused, and the message says why.
 ///
 /// - `vertices`: 3 n_vertices elements, read: x, y, z of each vertex, finite.
 /// - `faces`: 3 n_faces elements, read: the vertices of each face, from 0, counter-clockwise as seen from
@@ -171,6 +173,8 @@ unsafe fn decimated(
         let params = unsafe { read(params) }?;
         options.par = par(params.threads);
         options.lloyd = passes("params.lloyd", params.lloyd, options.lloyd)?;
+        options.keep_narrow_handles =
+            flag("params.keep_narrow_handles", params.keep_narrow_handles)?;
         options.relaxation = passes("params.relaxation", params.relaxation, options.relaxation)?;
         options.first = flag("params.has_first", params.has_first)?.then_some(params.first);
         options.resample = flag("params.resample", params.resample)?;

@@ -32,7 +32,7 @@ pub const CATA_ERR_UNSUPPORTED: cata_status = 10;
 pub const CATA_ERR_PANIC: cata_status = 11;
 /// Another rank of a distributed call failed, or does not fit the others; the message names it.
 pub const CATA_ERR_RANK: cata_status = 12;
-/// A triangle mesh is not one, or not of the kind that is asked for; the message names the element.
+/// A triangle mesh or a plant is not one, or not of the kind that is asked for; the message names the element.
 pub const CATA_ERR_MESH: cata_status = 13;
 
 /// The message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty when

@@ -5,7 +5,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 
 use super::cells::{Growth, Seed};
 use super::stages::Stages;
-use super::surface::Surface;
+use super::surface::{SHORTEST, Surface};
 use crate::base::{Error, Par, Result};
 use crate::mesh::vector::distance;
 
@@ -33,7 +33,8 @@ pub(super) fn add_samples(
     stages: Stages<'_>,
 ) -> Result<()> {
     // At this distance about half of all fit into the area.
-    let mut threshold = ((1.6 * surface.mesh.area() / n as f64).sqrt() / surface.scale) as f32;
+    let spacing = (1.6 * surface.mesh.area() / n as f64).sqrt() / surface.scale;
+    let mut threshold = (spacing as f32).max(SHORTEST);
     let mut cutoff = DETOUR * threshold;
     let mut settled = false;
     growth.grow(surface, &seeds(samples, 0), cutoff);

@@ -54,9 +54,9 @@ fn collapse(patch: &mut Patch, a: u32, b: u32, careful: bool) -> Option<u32> {
     Some(b)
 }
 
-/// An edge is short below, long above these parts of the mean length.
-const SHORT: f64 = 0.62;
-const LONG: f64 = 1.5;
+/// An edge is short below, long above these parts of the mean length. Measured: nearer to 1, exchanges don't come to rest.
+const SHORT: f64 = 0.78;
+const LONG: f64 = 1.3;
 
 /// Collapses short edges and splits as many long ones: vertices go from where they are dense to where they are not.
 pub(super) fn exchange(patch: &mut Patch) {

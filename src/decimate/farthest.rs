@@ -105,7 +105,7 @@ impl Sampler {
         let start = self.samples.len();
         while self.samples.len() < n {
             let done = self.samples.len() - start;
-            if done % 64 == 0 {
+            if done.is_multiple_of(64) {
                 stages.report(done as f64 / (n - start) as f64)?;
             }
             let Some(farthest) = self.farthest(surface) else {

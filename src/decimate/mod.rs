@@ -11,6 +11,7 @@ mod collapse;
 mod difference;
 mod dual;
 mod farthest;
+mod handles;
 mod lloyd;
 mod options;
 mod patch;

@@ -20,11 +20,15 @@ pub struct DecimateOptions<'a> {
     /// Whether edges longer than those of the result shall be ([`edge_length_for`](super::edge_length_for)) are split
     /// first; default no.
     pub resample: bool,
-    /// Lloyd passes over the input: each moves the sites to the centroids of their cells, and grows cells anew; default 1.
+    /// Lloyd passes over the input: each moves the sites to the centroids of their cells, and grows cells anew; default 0, as
+    /// relaxation does more at less cost.
     pub lloyd: usize,
     /// Passes over the result: edges made Delaunay, vertices moved to the centroids of their faces on the surface, short
     /// edges exchanged for long ones; default 12.
     pub relaxation: usize,
+    /// Whether handles that are too narrow for the triangles of the result are kept; default no: they are cut and their ends
+    /// closed, as [`Decimation::after`](super::Decimation::after) tells.
+    pub keep_narrow_handles: bool,
     /// The vertex that the first sample is; default the lowest that a face has. Must be one that a face has.
     pub first: Option<u32>,
     /// Threads; default all cores of the affinity mask. Does not change the result.
@@ -38,8 +42,9 @@ impl Default for DecimateOptions<'_> {
         Self {
             method: Method::default(),
             resample: false,
-            lloyd: 1,
+            lloyd: 0,
             relaxation: 12,
+            keep_narrow_handles: false,
             first: None,
             par: Par::all(),
             progress: None,

@@ -223,6 +223,38 @@ impl Patch {
         self.around[d as usize].push(first);
     }
 
+    /// Cuts along a loop of three edges that is no face, and closes both ends with one. `ends` are the faces on one side of it
+    /// at each of its corners, the first of them at the edge from the first corner to the second.
+    pub fn pinch(&mut self, corners: [u32; 3], ends: &[Vec<u32>; 3]) {
+        let [a, b, _] = corners;
+        let [x, y, z] = self.faces[ends[0][0] as usize];
+        let forward = [[x, y], [y, z], [z, x]].contains(&[a, b]);
+        let new = [0, 1, 2].map(|k| self.positions.len() as u32 + k);
+        for (k, &v) in corners.iter().enumerate() {
+            self.positions.push(self.positions[v as usize]);
+            self.anchors.push(self.anchors[v as usize]);
+            self.on_boundary.push(false);
+            for &f in &ends[k] {
+                self.faces[f as usize] =
+                    self.faces[f as usize].map(|w| if w == v { new[k] } else { w });
+            }
+            self.around[v as usize].retain(|f| !ends[k].contains(f));
+            self.around.push(ends[k].clone());
+        }
+        // A cap runs along each edge against the face there.
+        let caps = if forward {
+            [corners, [new[1], new[0], new[2]]]
+        } else {
+            [[corners[1], corners[0], corners[2]], new]
+        };
+        for cap in caps {
+            let f = self.faces.len() as u32;
+            self.faces.push(cap);
+            cap.iter().for_each(|&v| self.around[v as usize].push(f));
+        }
+        self.count += 3;
+    }
+
     /// Vertices that are there, renumbered: positions, anchors and faces.
     pub fn compact(self) -> (Vec<Vector>, Vec<u32>, Vec<bool>, Vec<[u32; 3]>) {
         let kept: Vec<usize> =

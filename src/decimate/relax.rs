@@ -2,6 +2,7 @@
 
 use super::closest::{Found, on_boundary, on_surface};
 use super::collapse::exchange;
+use super::handles::cut_narrow_handles;
 use super::patch::Patch;
 use super::stages::Stages;
 use super::surface::Surface;
@@ -14,21 +15,31 @@ const BLOCK: usize = 512;
 /// Sweeps over all edges for flips, at most: on a surface in space there is no order in which they must end.
 const SWEEPS: usize = 4;
 
-/// Passes: edges flipped to be Delaunay, short edges exchanged for long ones (but in the last passes), vertices moved to the
-/// centroids of their faces and back onto the surface.
+/// Passes: edges flipped towards six at each vertex, in the last passes to be Delaunay; short edges exchanged for long ones,
+/// but in the last passes; vertices moved to the centroids of their faces and back onto the surface. Handles narrow for edges of the length `narrow` are cut.
 pub(super) fn relax(
     surface: &Surface<'_>,
     patch: &mut Patch,
     passes: usize,
+    narrow: f64,
     par: Par,
     stages: Stages<'_>,
 ) -> Result<()> {
+    // The last fifth of the passes lets everything settle.
+    let lively = 4 * passes / 5;
     for pass in 0..passes {
         stages.report(pass as f64 / passes as f64)?;
-        if pass > 0 && 3 * pass < 2 * passes {
-            exchange(patch);
+        if pass < lively {
+            if narrow > 0.0 && pass % 3 == 1 {
+                cut_narrow_handles(patch, narrow);
+            }
+            if pass > 0 {
+                exchange(patch);
+            }
+            make_regular(patch);
+        } else {
+            make_delaunay(patch);
         }
-        make_delaunay(patch);
         move_vertices(surface, patch, par);
     }
     if passes > 0 {
@@ -64,6 +75,31 @@ fn make_delaunay(patch: &mut Patch) {
         edges = changed;
     }
 }
+
+/// Flips edges where that brings the numbers of edges at the four vertices nearer to 6, or 4 on the boundary (Botsch and
+/// Kobbelt, A Remeshing Approach to Multiresolution Modeling, 2004), unless the angles opposite are far below pi in sum.
+fn make_regular(patch: &mut Patch) {
+    for [a, b] in patch.edges() {
+        let Some(flip) = patch.flipped(a, b) else { continue };
+        let [c, d, _] = flip.new[0];
+        if cotangent(patch, a, b, c) + cotangent(patch, a, b, d) > FAR_FROM_DELAUNAY {
+            continue;
+        }
+        // Faces at a vertex are as many as edges, but one less on the boundary.
+        let excess = |v: u32, change: i32| {
+            let wanted = if patch.on_boundary[v as usize] { 3 } else { 6 };
+            (patch.around(v).len() as i32 + change - wanted).pow(2)
+        };
+        let before = excess(a, 0) + excess(b, 0) + excess(c, 0) + excess(d, 0);
+        let after = excess(a, -1) + excess(b, -1) + excess(c, 1) + excess(d, 1);
+        if after < before && !folds(patch, a, b, &flip.new) {
+            patch.flip(&flip);
+        }
+    }
+}
+
+/// Sum of the cotangents of the angles opposite to an edge, above which flipping it would make slivers.
+const FAR_FROM_DELAUNAY: f64 = 2.0;
 
 /// Of the angle at v opposite to the edge from a to b.
 fn cotangent(patch: &Patch, a: u32, b: u32, v: u32) -> f64 {

@@ -44,7 +44,7 @@ pub fn resample(mesh: &TriMesh, longest: f64) -> Result<Resampled> {
 }
 
 pub(super) fn resample_with(mesh: &TriMesh, longest: f64, stages: Stages<'_>) -> Result<Resampled> {
-    if !(longest > 0.0) {
+    if longest.is_nan() || longest <= 0.0 {
         let why = format!("{longest}, where a positive number is needed");
         return Err(Error::Argument { what: "longest", why });
     }

@@ -196,17 +196,24 @@ impl<'m, 'o> Decimator<'m, 'o> {
         refine(surface, growth, &mut samples, par, stages.part(0.6, 0.7))?;
 
         let mut patch = dual_patch(surface, growth, &samples, self.options);
-        let left = reduce(&mut patch, n);
-        if left != n {
-            return Err(Error::Argument {
-                what: "n",
-                why: format!(
-                    "{n}, but the topology ({}) could not be kept with fewer than {left} vertices",
-                    topology(surface, components.len())
-                ),
-            });
-        }
-        relax(surface, &mut patch, self.options.relaxation, par, stages.part(0.7, 0.95))?;
+        let reach = |patch: &mut Patch| match reduce(patch, n) {
+            left if left == n => Ok(()),
+            left => {
+                let topology = topology(surface, components.len());
+                let why = format!(
+                    "{n}, but the topology ({topology}) could not be kept with fewer than {left} vertices"
+                );
+                Err(Error::Argument { what: "n", why })
+            }
+        };
+        reach(&mut patch)?;
+        let narrow = match self.options.keep_narrow_handles {
+            true => 0.0,
+            false => edge_length_for(surface.mesh.area(), n).unwrap_or(0.0),
+        };
+        let passes = self.options.relaxation;
+        relax(surface, &mut patch, passes, narrow, par, stages.part(0.7, 0.95))?;
+        reach(&mut patch)?;
         let (positions, anchors, on_rim, faces) = patch.compact();
         let mesh = TriMesh::new(positions, faces)?;
         let places: Vec<Place> = (0..n)

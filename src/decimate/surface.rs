@@ -10,7 +10,7 @@ use crate::mesh::{Adjacency, TriMesh};
 const BLOCK: usize = 8192;
 
 /// No length is less: where points coincide, each can still be told to be nearest to itself.
-const SHORTEST: f32 = 1e-30;
+pub(super) const SHORTEST: f32 = 1e-30;
 
 /// An edge as seen from a vertex.
 #[derive(Debug, Clone, Copy)]
@@ -67,16 +67,20 @@ impl Block {
     }
 }
 
+/// Sizes beyond which fourth powers of lengths, which areas take, would overflow or vanish.
+const SIZES: std::ops::RangeInclusive<f64> = 1e-70..=1e70;
+
 fn scale_of(mesh: &TriMesh) -> Result<f64> {
-    let scale = mesh.bounding_box().map_or(1.0, |[low, high]| distance(low, high));
-    if scale == 0.0 {
+    let Some([low, high]) = mesh.bounding_box() else { return Ok(1.0) };
+    let longest = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+    if longest == 0.0 {
         return Ok(1.0);
     }
-    if !scale.is_normal() {
-        let what = format!("the diagonal of its bounding box, {scale:e}, is out of range");
+    if !SIZES.contains(&longest) {
+        let what = format!("the longest side of its bounding box, {longest:e}, is out of range");
         return Err(Error::Mesh { what, element: "mesh".into() });
     }
-    Ok(scale)
+    Ok(distance(low, high))
 }
 
 impl<'m> Surface<'m> {

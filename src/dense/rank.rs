@@ -4,29 +4,31 @@ use faer::diag::Diag;
 use faer::dyn_stack::MemStack;
 use faer::linalg::qr::{col_pivoting, no_pivoting};
 use faer::linalg::svd;
-use faer::{MatRef, Spec};
+use faer::{Mat, MatRef, Spec};
 
 use super::memory::{buffer, zeros};
 use crate::base::{Error, Result};
 
 const SEQ: faer::Par = faer::Par::Seq;
 
-/// The singular values of a finite matrix, descending.
-pub(crate) fn singular_values(a: MatRef<'_, f64>) -> Result<Vec<f64>> {
+/// The singular values of a finite matrix (m x n), descending, and the right singular vectors, n x min(m, n).
+pub(crate) fn right_singular(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>)> {
     let (m, n) = a.shape();
-    if m.min(n) == 0 {
-        return Ok(vec![]);
+    let size = m.min(n);
+    let (mut values, mut vectors) = (Diag::zeros(size), zeros(n, size)?);
+    if size > 0 {
+        let params = Spec::<svd::SvdParams, f64>::default();
+        let (none, thin) = (svd::ComputeSvdVectors::No, svd::ComputeSvdVectors::Thin);
+        let mut memory = buffer(svd::svd_scratch::<f64>(m, n, none, thin, SEQ, params))?;
+        let stack = MemStack::new(&mut memory);
+        svd::svd(a, values.as_mut(), None, Some(vectors.as_mut()), SEQ, stack, params)
+            .map_err(|_| Error::NotConverged { iterations: 0, residual: f64::NAN })?;
     }
-    let params = Spec::<svd::SvdParams, f64>::default();
-    let none = svd::ComputeSvdVectors::No;
-    let mut values = Diag::zeros(m.min(n));
-    let mut memory = buffer(svd::svd_scratch::<f64>(m, n, none, none, SEQ, params))?;
-    svd::svd(a, values.as_mut(), None, None, SEQ, MemStack::new(&mut memory), params)
-        .map_err(|_| Error::NotConverged { iterations: 0, residual: f64::NAN })?;
-    Ok(values.column_vector().iter().copied().collect())
+    Ok((values.column_vector().iter().copied().collect(), vectors))
 }
 
-/// The columns of a matrix in the order in which QR with column pivoting takes them.
+/// The columns of a matrix in the order in which QR with column pivoting takes them. Not for columns of which less than
+/// the root of epsilon is left: their lengths are updated, not computed again.
 pub(crate) fn pivots(a: MatRef<'_, f64>) -> Result<Vec<usize>> {
     let (m, n) = a.shape();
     if m.min(n) == 0 {
@@ -60,16 +62,18 @@ mod tests {
 
     #[test]
     fn values_and_pivots_of_a_matrix_of_rank_two() {
-        // Orthogonal columns of length 5 and 2, a multiple of the second, and nothing.
-        let a = mat![[0.0, 3.0, 0.0, 0.0], [2.0, 0.0, 1.0, 0.0], [0.0, 4.0, 0.0, 0.0]];
-        let values = singular_values(a.as_ref()).unwrap();
+        // A multiple of the last column, of length 2, one orthogonal to it, of length 5, and nothing.
+        let a = mat![[0.0, 3.0, 0.0, 0.0], [1.0, 0.0, 0.0, 2.0], [0.0, 4.0, 0.0, 0.0]];
+        let (values, vectors) = right_singular(a.as_ref()).unwrap();
+        assert!((vectors[(1, 0)].abs() - 1.0).abs() < 1e-14);
         for (value, expected) in values.iter().zip([5.0, 5f64.sqrt(), 0.0]) {
             assert!((value - expected).abs() < 1e-14, "{values:?}");
         }
-        assert_eq!(pivots(a.as_ref()).unwrap()[..2], [1, 0]);
+        assert_eq!(pivots(a.as_ref()).unwrap()[..2], [1, 3]);
         for (m, n) in [(0, 3), (3, 0), (1, 1)] {
-            assert_eq!(singular_values(faer::Mat::ones(m, n).as_ref()).unwrap().len(), m.min(n));
-            assert_eq!(pivots(faer::Mat::ones(m, n).as_ref()).unwrap().len(), n);
+            let ones = Mat::ones(m, n);
+            assert_eq!(right_singular(ones.as_ref()).unwrap().1.shape(), (n, m.min(n)));
+            assert_eq!(pivots(ones.as_ref()).unwrap().len(), n);
         }
     }
 }

@@ -12,7 +12,7 @@ use super::output::write_error;
 use super::{Output, npy};
 use crate::base::{Error, Result};
 
-/// An array of an `.npz` file.
+/// An array of a file of several.
 #[derive(Debug, Clone, Copy)]
 pub enum Array<'a> {
     /// One dimension, f8.

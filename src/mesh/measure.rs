@@ -1,7 +1,7 @@
 //! Areas, normals, volume, quality, scale. Sums run in the order of faces, so results do not depend on threads.
 
 use super::TriMesh;
-use super::vector::{cross, dot, norm, sub};
+use super::vector::{cross, dot, norm, sub, unit};
 use crate::base::{Error, Result};
 
 /// A face counts as without area when its area is at most this times the square of its longest edge: rounding of a
@@ -140,9 +140,4 @@ impl TriMesh {
 
 fn plus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-fn unit(a: [f64; 3]) -> [f64; 3] {
-    let length = norm(a);
-    if length > 0.0 { a.map(|x| x / length) } else { [0.0; 3] }
 }

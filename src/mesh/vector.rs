@@ -26,7 +26,7 @@ pub(crate) fn norm(a: Vector) -> f64 {
 /// The direction of `a`; zero if it has none.
 pub(crate) fn unit(a: Vector) -> Vector {
     let length = norm(a);
-    if length > 0.0 { scale(a, 1.0 / length) } else { [0.0; 3] }
+    if length > 0.0 { a.map(|x| x / length) } else { [0.0; 3] }
 }
 
 pub(crate) fn distance(a: Vector, b: Vector) -> f64 {

@@ -43,6 +43,7 @@ impl<'w> Call<'w> {
     /// The sum over the ranks of their matrices, on every rank.
     pub fn sum(&self, mut partial: MatMut<'_, f64>) -> Result<()> {
         let mut values = self.meet(entries(partial.as_ref()))?;
+        // MPI promises the same result on every rank, bit for bit: what is decided by it is decided alike.
         self.world.sum(&mut values);
         put_entries(partial.rb_mut(), &values);
         Ok(())

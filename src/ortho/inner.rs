@@ -1,7 +1,7 @@
 use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
 use faer::{Mat, MatMut, MatRef};
 
-use crate::ata::{AtaOptions, Uplo, ata, atb};
+use crate::ata::{AtaOptions, SchemeChoice, Uplo, ata, atb};
 use crate::base::{Error, Par, Progress, Result};
 use crate::dense::{ROW_BLOCK, for_row_blocks, zeros};
 use crate::sparse::InnerSpace;
@@ -20,7 +20,9 @@ impl<'a> Inner<'a> {
     /// For blocks of at most `width` columns.
     pub fn new(space: &'a dyn InnerSpace, width: usize, par: Par) -> Result<Self> {
         let width = if space.masses().is_none() { width } else { 0 };
-        let products = AtaOptions { par, uplo: Uplo::Both, ..AtaOptions::default() };
+        // Of tall matrices with narrow ones the exact path has residues as large as the tall one, for nothing.
+        let scheme = SchemeChoice::Float;
+        let products = AtaOptions { par, scheme, uplo: Uplo::Both, ..AtaOptions::default() };
         Ok(Self { space, par, products, weighted: zeros(space.rows().len(), width)? })
     }
 

@@ -95,7 +95,9 @@ impl Pass {
         let block = panel.rb_mut().subcols_mut(range.start, width);
         multiply_in_place(block, inverse.transpose(), inner.par());
         for j in 0..width {
-            scaled_move(panel.rb_mut(), range.start + j, 1.0, count + j);
+            if count < range.start {
+                scaled_move(panel.rb_mut(), range.start + j, 1.0, count + j);
+            }
             (0..=j).for_each(|i| self.r[(count + i, range.start + j)] = l[(j, i)]);
             self.kept.push(range.start + j);
             self.lengths.push(l[(j, j)]);
@@ -139,9 +141,6 @@ fn add_multiple(x: MatMut<'_, f64>, j: usize, factor: f64, q: usize) {
 
 /// A multiple of column j, into column `to <= j`.
 fn scaled_move(x: MatMut<'_, f64>, j: usize, factor: f64, to: usize) {
-    if to == j && factor == 1.0 {
-        return;
-    }
     if to == j {
         return x.col_mut(j).iter_mut().for_each(|x| *x *= factor);
     }

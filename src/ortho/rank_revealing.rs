@@ -5,7 +5,7 @@ use super::gram_schmidt::{
     Factors, GramSchmidtOptions, Orthonormal, gram_schmidt, gram_schmidt_in_place,
 };
 use crate::base::Result;
-use crate::dense::{multiply_in_place, pivots, singular_values, transposed_product, zeros};
+use crate::dense::{multiply_in_place, pivots, right_singular, transposed_product, zeros};
 use crate::sparse::Mass;
 
 /// What Gram-Schmidt drops at before the rank is known: as a part of the threshold, and at least.
@@ -18,11 +18,12 @@ const FINEST: f64 = 1e-13;
 /// [`gram_schmidt`] keeps a column whenever *it* has something that the columns before it do not have, and there can be
 /// many more of these than the rank where singular values decay slowly, each nearly dependent on all others together. Here
 /// its R, whose singular values are those of A, tells the rank r; the columns kept are the first r that QR with column
-/// pivoting takes of R (Golub, Klema and Stewart 1976), in their own order. `A[:, kept] = Q R[:, kept]` as there, and
-/// Q R is the rest of A up to about the threshold times the largest singular value.
+/// pivoting takes of the r leading right singular vectors, as rows (Golub, Klema and Stewart 1976), in their own order.
+/// `A[:, kept] = Q R[:, kept]` up to the threshold, R a triangle there, and Q R is the rest of A up to about the threshold
+/// times the largest singular value.
 ///
-/// The result is the same, bit for bit, for every `options.par`; it is always re-orthogonalised. The singular values of
-/// an r x c matrix on one thread come on top of the time of [`gram_schmidt`], and two copies of it.
+/// The result is the same, bit for bit, for every `options.par`; it is always re-orthogonalised. The singular values and
+/// vectors of R, on one thread, come on top of the time of [`gram_schmidt`], and a few matrices of its size.
 ///
 /// # Errors
 /// As [`gram_schmidt`]; [`Error::NotConverged`](crate::Error::NotConverged) when the singular values can't be found.
@@ -61,14 +62,16 @@ pub fn rank_revealing_in_place(
             column.iter_mut().for_each(|x| *x /= length);
         }
     }
-    let values = singular_values(scaled.as_ref())?;
+    let (values, vectors) = right_singular(scaled.as_ref())?;
     let largest = values.first().copied().unwrap_or(0.0);
     let rank = values.iter().filter(|value| **value > options.threshold * largest).count();
     if rank == found.kept.len() {
         return Ok(found);
     }
-    let mut kept = pivots(scaled.as_ref())?;
-    kept.truncate(rank);
+    // Only columns that R has to rounding.
+    let leading = Mat::from_fn(rank, found.kept.len(), |i, j| vectors[(found.kept[j], i)]);
+    let mut kept: Vec<usize> =
+        pivots(leading.as_ref())?.into_iter().map(|j| found.kept[j]).take(rank).collect();
     kept.sort_unstable();
     let chosen = Mat::from_fn(found.kept.len(), rank, |i, j| found.r[(i, kept[j])]);
     let finest = GramSchmidtOptions { threshold: FINEST, progress: None, ..finer };

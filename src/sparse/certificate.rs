@@ -3,6 +3,7 @@ use faer::{Mat, MatRef};
 use sprs::CsMatView;
 
 use super::eigs::EigenOptions;
+use super::product::multiply_by_differences;
 use super::space::Pencil;
 use crate::base::Result;
 
@@ -10,7 +11,7 @@ use crate::base::Result;
 const COLUMNS: usize = 8;
 
 /// Roundings of each entry of W phi that no solver can do without, in units of epsilon.
-const ROUNDINGS: f64 = 8.0;
+pub(crate) const ROUNDINGS: f64 = 8.0;
 
 /// How good pairs are.
 pub(crate) struct Certificate {
@@ -22,8 +23,8 @@ pub(crate) struct Certificate {
     pub excess: f64,
 }
 
-/// The certificate of pairs for residuals of `options.tolerance`, or of what the rounding of phi alone leaves, where that
-/// is more: `eps | |W| |phi| |` in place of `|W phi - lambda M phi|` (Oettli and Prager 1964). `stiffness` is that of the
+/// The certificate of pairs for residuals of `options.tolerance`, or of so many `roundings` of phi, where that is more:
+/// `eps | |W| |phi| |` each in place of `|W phi - lambda M phi|` (Oettli and Prager 1964). `stiffness` is that of the
 /// pencil, with all rows; `scale` is the s of [`super::Eigenpairs`].
 pub(crate) fn certify(
     pencil: &dyn Pencil,
@@ -31,6 +32,7 @@ pub(crate) fn certify(
     values: &[f64],
     vectors: MatRef<'_, f64>,
     scale: f64,
+    roundings: f64,
     options: &EigenOptions<'_>,
 ) -> Result<Certificate> {
     let (par, tolerance) = (options.par, options.tolerance);
@@ -42,7 +44,12 @@ pub(crate) fn certify(
         let x = vectors.subcols(chunk * COLUMNS, values.len());
         let mut w = w.as_mut().subcols_mut(0, values.len());
         let mut m = m.as_mut().subcols_mut(0, values.len());
-        pencil.apply_stiffness(x, w.rb_mut(), par)?;
+        w.copy_from(x);
+        pencil.map_columns(w.rb_mut(), &|whole| {
+            let x = whole.rb().to_owned();
+            multiply_by_differences(stiffness, x.as_ref(), whole, par);
+            Ok(())
+        })?;
         pencil.inner().apply_mass(x, m.rb_mut(), par)?;
         for (j, value) in values.iter().enumerate() {
             let (mut left, mut right, mut gap) = (0.0f64, 0.0f64, 0.0f64);
@@ -67,7 +74,7 @@ pub(crate) fn certify(
         let mut allowed = tolerance;
         if residual > tolerance {
             let rounding = magnitude(pencil, stiffness, vectors.subcols(j, 1))? / size;
-            allowed = allowed.max(ROUNDINGS * f64::EPSILON * rounding);
+            allowed = allowed.max(roundings * f64::EPSILON * rounding);
         }
         found.largest = found.largest.max(number(residual));
         found.excess = found.excess.max(number(residual / allowed));

@@ -12,6 +12,7 @@ use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, IntranodeLbltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw,
     SymmetricOrdering, factorize_symbolic_cholesky,
 };
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
 use super::shifted::Shifted;
 use crate::base::{Error, Par, Result, zeros};
@@ -21,16 +22,17 @@ use crate::dense::buffer;
 const COLUMNS: usize = 4;
 
 /// The order of elimination (approximate minimum degree) and the places of the factor, the same for every shift.
+#[derive(Debug)]
 pub(crate) struct Symbolic(SymbolicCholesky<usize>);
 
 impl Symbolic {
-    pub fn new(shifted: &Shifted<'_>) -> Result<Self> {
+    /// For matrices with these places in the lower triangle; what is above is not looked at.
+    pub fn new(places: SymbolicSparseColMatRef<'_, usize>) -> Result<Self> {
         let parameters = CholeskySymbolicParams {
             // Supernodes solve for blocks of right-hand sides, and allow for pivots.
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
         };
-        let places = shifted.symbolic();
         factorize_symbolic_cholesky(places, faer::Side::Lower, SymmetricOrdering::Amd, parameters)
             .map(Self)
             .map_err(|_| Error::OutOfMemory { bytes: size_of_val(places.row_idx()) })
@@ -39,6 +41,37 @@ impl Symbolic {
     /// Entries of the factor.
     pub fn entries(&self) -> usize {
         self.0.len_val()
+    }
+
+    /// The values of L in `A = L L^T`, on the calling thread; `Ok(None)` when A is not positive definite.
+    pub fn positive(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Option<Vec<f64>>> {
+        let mut values = zeros(self.entries())?;
+        let requirement =
+            self.0.factorize_numeric_llt_scratch::<f64>(faer::Par::Seq, Default::default());
+        let mut memory = buffer(requirement)?;
+        let done = self.0.factorize_numeric_llt(
+            &mut values,
+            a,
+            faer::Side::Lower,
+            Default::default(),
+            faer::Par::Seq,
+            MemStack::new(&mut memory),
+            Default::default(),
+        );
+        Ok(done.is_ok().then_some(values))
+    }
+
+    /// `x := (L L^T)^-1 x`, on the calling thread.
+    pub fn solve_positive(&self, values: &[f64], x: &mut [f64]) -> Result<()> {
+        let n = x.len();
+        let mut memory = buffer(self.0.solve_in_place_scratch::<f64>(1, faer::Par::Seq))?;
+        LltRef::new(&self.0, values).solve_in_place_with_conj(
+            faer::Conj::No,
+            MatMut::from_column_major_slice_mut(x, n, 1),
+            faer::Par::Seq,
+            MemStack::new(&mut memory),
+        );
+        Ok(())
     }
 }
 
@@ -63,21 +96,9 @@ impl<'s> Factor<'s> {
         shifted: &Shifted<'_>,
         sigma: f64,
     ) -> Result<Option<Self>> {
-        let (mut values, entries) = (zeros(symbolic.entries())?, shifted.values(sigma));
-        let requirement =
-            symbolic.0.factorize_numeric_llt_scratch::<f64>(faer::Par::Seq, Default::default());
-        let mut memory = buffer(requirement)?;
-        let done = symbolic.0.factorize_numeric_llt(
-            &mut values,
-            shifted.matrix(&entries),
-            faer::Side::Lower,
-            Default::default(),
-            faer::Par::Seq,
-            MemStack::new(&mut memory),
-            Default::default(),
-        );
-        let positive = done.is_ok();
-        Ok(positive.then_some(Self { symbolic, values, pivots: None }))
+        let entries = shifted.values(sigma);
+        let values = symbolic.positive(shifted.matrix(&entries))?;
+        Ok(values.map(|values| Self { symbolic, values, pivots: None }))
     }
 
     /// `L B L^T`, B of blocks of one or two rows, pivoted inside supernodes, on the calling thread.
@@ -216,7 +237,7 @@ mod tests {
         for n in [2, 3, 17, 200] {
             let (w, mass) = (path(n), Mass::identity(n));
             let shifted = Shifted::new(w.view(), &mass);
-            let symbolic = Symbolic::new(&shifted).unwrap();
+            let symbolic = Symbolic::new(shifted.symbolic()).unwrap();
             let value = |i: usize| 2.0 - 2.0 * (std::f64::consts::PI * i as f64 / n as f64).cos();
             for i in (0..n).step_by(1 + n / 9) {
                 let shift = if i == 0 { -0.1 } else { 0.5 * (value(i - 1) + value(i)) };
@@ -232,7 +253,7 @@ mod tests {
         let n = 150;
         let (w, mass) = (path(n), Mass::Lumped((1..=n).map(|i| 1.0 / i as f64).collect()));
         let shifted = Shifted::new(w.view(), &mass);
-        let symbolic = Symbolic::new(&shifted).unwrap();
+        let symbolic = Symbolic::new(shifted.symbolic()).unwrap();
         let mut rng = Rng::new(2);
         for (sigma, positive) in [(-0.5, true), (0.7, false)] {
             let factor = match positive {

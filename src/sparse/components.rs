@@ -1,9 +1,7 @@
 use sprs::CsMatView;
 
 use super::Mass;
-
-/// Sum of a row of W that is still rounding, relative to the sum of its magnitudes.
-const ROUNDING: f64 = 1e-12;
+use super::product::row_sum;
 
 /// The null vectors of W that can be seen without arithmetic: each is 1 on one connected component of the graph of W
 /// and M, if the rows of W there sum to zero, and 0 elsewhere. As lists of rows, in the order of their first rows.
@@ -32,10 +30,8 @@ pub(crate) fn null_components(stiffness: CsMatView<'_, f64>, mass: &Mass) -> Vec
     }
     let mut components = vec![Some(Vec::new()); n];
     for (i, row) in stiffness.outer_iterator().enumerate() {
-        let (sum, magnitude) =
-            row.data().iter().fold((0.0, 0.0), |(s, m), x| (s + x, m + f64::abs(*x)));
         let component = &mut components[root(&mut parent, i)];
-        if f64::abs(sum) > ROUNDING * magnitude {
+        if row_sum(row.data()) != 0.0 {
             *component = None;
         }
         if let Some(rows) = component {

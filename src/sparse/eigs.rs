@@ -2,7 +2,7 @@ use faer::Mat;
 use sprs::CsMatView;
 
 use super::Mass;
-use super::certificate::{Certificate, certify, count_is_complete};
+use super::certificate::{Certificate, ROUNDINGS, certify, count_is_complete};
 use super::check::check_symmetric;
 use super::lanczos::{WIDTH, basis_size};
 use super::problem::{Problem, ascending, scale};
@@ -18,6 +18,7 @@ pub struct EigenOptions<'a> {
     /// The k eigenvalues nearest to this number; `None` (default): the k smallest.
     pub shift: Option<f64>,
     /// Residual that every pair must reach (as [`Eigenpairs::residuals`] says), between 1e-14 and 1e-2; default 1e-9.
+    /// Where a few roundings of the vector alone make it larger (`eps | |W| |phi| |`: huge weights), those are enough.
     pub tolerance: f64,
     /// Counts the eigenvalues that are there by the inertia of another factorisation (Sylvester), and goes on until
     /// none is missing; default false.
@@ -82,7 +83,8 @@ pub struct Eigenpairs {
     /// n x k: an eigenvector for each value, `V^T M V = I` (to rounding).
     pub vectors: Mat<f64>,
     /// For each pair `|W phi - lambda M phi| / max(|W phi|, s |M phi|)` in the Euclidean norm, as computed from the
-    /// result. The scale s of the smallest eigenvalues ([`eigs`]) stands for that of `W phi` where lambda is about 0.
+    /// result, `W phi` by differences in rows that sum to zero. The scale s of the smallest eigenvalues ([`eigs`])
+    /// stands for that of `W phi` where lambda is about 0.
     pub residuals: Vec<f64>,
     /// Vectors that `(W - sigma M)^-1 M` was applied to; 0 if the problem was solved as a dense one.
     pub solves: usize,
@@ -180,7 +182,7 @@ pub(super) fn small(
     let vectors = Mat::from_fn(rows.len(), options.k, |i, j| vectors[(rows.start + i, order[j])]);
     let (scale, vectors) = (scale(stiffness, mass), vectors.as_ref());
     let Certificate { residuals, .. } =
-        certify(pencil, stiffness, &values, vectors, scale, options)?;
+        certify(pencil, stiffness, &values, vectors, scale, ROUNDINGS, options)?;
     options.report(1.0)?;
     Ok(ascending(&values, vectors, &residuals, 0, options.shift.is_none()))
 }

@@ -16,6 +16,7 @@ mod space;
 
 #[cfg(feature = "mpi")]
 pub(crate) use check::check_mirrored;
+pub(crate) use cholesky::Symbolic;
 pub use eigs::{EigenOptions, Eigenpairs, eigs};
 #[cfg(feature = "mpi")]
 pub(crate) use eigs::{check as check_problem, eigs_of};

@@ -1,7 +1,7 @@
 use faer::{Mat, MatRef};
 use sprs::CsMatView;
 
-use super::certificate::certify;
+use super::certificate::{ROUNDINGS, certify};
 use super::cholesky::{Factor, Symbolic};
 use super::eigs::{EigenOptions, Eigenpairs};
 use super::lanczos::{Krylov, WIDTH};
@@ -29,7 +29,7 @@ impl<'a> Problem<'a> {
         mass: &'a Mass,
     ) -> Result<Self> {
         let shifted = Shifted::new(stiffness, mass);
-        let symbolic = Symbolic::new(&shifted)?;
+        let symbolic = Symbolic::new(shifted.symbolic())?;
         Ok(Self { pencil, stiffness, mass, scale: scale(stiffness, mass), shifted, symbolic })
     }
 
@@ -85,7 +85,7 @@ impl<'a> Problem<'a> {
         krylov.lock(&factor, &null)?;
         let certify = |krylov: &Krylov<'_>| {
             let (values, vectors) = (krylov.values(), krylov.vectors());
-            certify(self.pencil, self.stiffness, values, vectors, self.scale, options)
+            certify(self.pencil, self.stiffness, values, vectors, self.scale, ROUNDINGS, options)
         };
         // Each round tightens the estimate, or adds a block of directions that the earlier ones had nothing of.
         let rounds = 8 + options.k / WIDTH;

@@ -48,3 +48,33 @@ pub(crate) fn multiply_symmetric_or_rows(
         }
     });
 }
+
+/// The sum of these entries of a row; zero where it is but rounding.
+pub(crate) fn row_sum(entries: &[f64]) -> f64 {
+    /// Of the sum of magnitudes.
+    const ROUNDING: f64 = 1e-12;
+    let (sum, magnitude) =
+        entries.iter().fold((0.0, 0.0), |(sum, magnitude), x| (sum + x, magnitude + x.abs()));
+    if f64::abs(sum) > ROUNDING * magnitude { sum } else { 0.0 }
+}
+
+/// `Y := A X` for a symmetric A, as `sum of a_ij (x_j - x_i) + (sum of a_ij) x_i`: exact for the constants that a Laplacian
+/// with huge weights takes to nothing.
+pub(crate) fn multiply_by_differences(
+    a: CsMatView<'_, f64>,
+    x: MatRef<'_, f64>,
+    y: MatMut<'_, f64>,
+    par: Par,
+) {
+    for_row_blocks(y, ROW_BLOCK, par, |first, mut y| {
+        for i in 0..y.nrows() {
+            let row = a.outer_view(first + i).expect("as many rows as Y has");
+            let sum = row_sum(row.data());
+            for j in 0..x.ncols() {
+                let own = x[(first + i, j)];
+                let differences = row.iter().map(|(l, a)| a * (x[(l, j)] - own)).sum::<f64>();
+                y[(i, j)] = differences + sum * own;
+            }
+        }
+    });
+}

@@ -7,13 +7,13 @@ use faer::{Mat, MatRef};
 use sprs::CsMatView;
 
 use super::Mass;
-use super::certificate::{apart, certify};
+use super::certificate::{ROUNDINGS, apart, certify};
 use super::cholesky::Factor;
 use super::eigs::{EigenOptions, Eigenpairs, check, one_window, small};
 use super::lanczos::{WIDTH, basis_size};
 use super::problem::Problem;
 use super::space::WholePencil;
-use crate::base::{Error, Progress, Result};
+use crate::base::{Error, Flow, Progress, Result};
 use crate::dense::{subtract_product, transposed_product, zeros};
 
 /// Least number of pairs that are looked for at once.
@@ -81,7 +81,7 @@ pub fn eigs_sliced(
 
 /// Vectors that a run takes beside three for each pair: of its basis, its blocks, the certificate, and the guard.
 fn vectors_beside() -> usize {
-    basis_size(0) + 6 * WIDTH + GUARD
+    basis_size(0) + 7 * WIDTH + GUARD
 }
 
 /// What was found so far.
@@ -136,27 +136,20 @@ impl<'a> Slices<'a> {
         let usable = self.largest - self.margin();
         let aim = rest.div_ceil(rest.div_ceil(usable));
         if self.handed == 0 {
-            let sigma = -self.problem.scale;
-            let factor = self.problem.positive(sigma)?;
-            let size = aim + self.margin();
-            return match self.run(sigma, factor, 0, size)? {
-                (pairs, End::Slice { cut, count }) => self.take(pairs, cut, count),
-                // From below nothing is short.
-                (_, End::Short | End::Cluster) if size == self.largest => self.too_large(),
-                _ => match self.run(sigma, self.problem.positive(sigma)?, 0, self.largest)? {
-                    (pairs, End::Slice { cut, count }) => self.take(pairs, cut, count),
-                    _ => self.too_large(),
-                },
-            };
+            return self.first(aim);
         }
         let mut width = 0.5 * aim as f64 * self.spacing;
         let (mut shrunk, mut clustered) = (false, false);
         for _ in 0..ATTEMPTS {
             let sigma = self.cut + width;
-            // Where a shift is an eigenvalue, another is not.
-            let Ok(factor) = self.problem.any(sigma) else {
-                width *= 0.97;
-                continue;
+            let factor = match self.problem.any(sigma) {
+                Ok(factor) => factor,
+                // It is an eigenvalue; another is not.
+                Err(Error::Argument { what: "shift", .. }) => {
+                    width *= 0.97;
+                    continue;
+                }
+                Err(error) => return Err(error),
             };
             let left = factor.below_shift().saturating_sub(self.handed);
             if 2 * left + self.margin() > self.largest {
@@ -179,6 +172,19 @@ impl<'a> Slices<'a> {
         self.too_large()
     }
 
+    /// The first slice, from below.
+    fn first(&mut self, aim: usize) -> Result<Eigenpairs> {
+        let sigma = -self.problem.scale;
+        for size in [aim + self.margin(), self.largest] {
+            let factor = self.problem.positive(sigma)?;
+            let (pairs, end) = self.run(sigma, factor, 0, size)?;
+            if let End::Slice { cut, count } = end {
+                return self.take(pairs, cut, count);
+            }
+        }
+        self.too_large()
+    }
+
     /// The pairs nearest to sigma, below which there are `left` that were not handed out, and how that ended.
     fn run(
         &self,
@@ -194,7 +200,7 @@ impl<'a> Slices<'a> {
             // Non-negative numbers are in the order of their bits. A run that is repeated tells nothing new.
             let told = told.fetch_max(fraction.to_bits(), Ordering::Relaxed);
             let fraction = fraction.max(f64::from_bits(told));
-            progress.map_or(crate::base::Flow::Continue, |tell| tell(fraction))
+            progress.map_or(Flow::Continue, |tell| tell(fraction))
         };
         let options = EigenOptions {
             k: size,
@@ -258,7 +264,9 @@ impl<'a> Slices<'a> {
         let solves = pairs.solves;
         drop(pairs.vectors);
         self.leave_guard(&mut vectors)?;
-        let found = certify(pencil, stiffness, &values, vectors.as_ref(), scale, self.options)?;
+        let (roundings, vectors_found) = (4.0 * ROUNDINGS, vectors.as_ref());
+        let found =
+            certify(pencil, stiffness, &values, vectors_found, scale, roundings, self.options)?;
         if found.excess > 1.0 {
             return Err(Error::NotConverged { iterations: 0, residual: found.largest });
         }

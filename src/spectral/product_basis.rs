@@ -21,7 +21,7 @@ pub enum Orthogonalization {
     Reorthogonalized,
     /// As many products as their numerical rank: singular values above 1e-9 of the largest, of all products scaled to norm
     /// 1 ([`rank_revealing`](crate::ortho::rank_revealing())). Orthogonal to rounding. Where "ours*" keeps nearly
-    /// dependent products this has fewer, and coefficients of moderate size.
+    /// dependent products this has fewer, and coefficients of moderate size. `Q R = B` up to the threshold in all columns.
     RankRevealing,
 }
 

@@ -183,6 +183,23 @@ void loaded_backend() {
     }
 }
 
+void plants() {
+    catamaran::plant plant({0, 0, 0.1, 0, 0, 0.2}, {1e-3, 1e-3}, {CATA_NO_PARENT, 0}, {0, 1});
+    const std::vector<double> full = plant.full_water();
+    CHECK(plant.size() == 2 && full.size() == 2);
+    plant.set_loss(1e-5);
+    const std::vector<double> later = plant.water_after(full, 3600.0);
+    plant.start(full, 360.0);
+    const std::vector<double> stepped = plant.step(10);
+    CHECK(later[0] + later[1] < full[0] + full[1]);
+    CHECK(std::abs(stepped[1] - later[1]) < 1e-6 * full[1]);
+    CHECK(plant.stiffness(later, 5e7, 3e5, 10, 0.75)[1] < 5e7);
+    CHECK(status_of([&] { plant.weaken(0, 0.5); }) == CATA_ERR_ARGUMENT);
+    CHECK(status_of([&] { plant.water_after({1.0}, 1.0); }) == CATA_ERR_SHAPE);
+    CHECK(status_of([] { catamaran::plant("/no/such/plant.txt"); }) == CATA_ERR_IO);
+    CHECK(status_of([] { catamaran::plant({0, 0, 1}, {1, 1}, {0, 0}, {0, 0}); }) == CATA_ERR_SHAPE);
+}
+
 }  // namespace
 
 int main() {
@@ -193,6 +210,7 @@ int main() {
     spectra();
     orthonormal_columns();
     loaded_backend();
+    plants();
     CHECK(second_unit() == 25);
     return report("cpp");
 }

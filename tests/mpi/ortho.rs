@@ -104,25 +104,25 @@ fn check_same(world: &World, x: MatRef<'_, f64>) {
 }
 
 fn agreement(world: &World) {
-    for (n, c) in [(0, 3), (5, 0), (1, 1), (7, 3), (3, 7), (127, 31), (400, 300)] {
+    for (n, c) in [(0, 3), (5, 0), (1, 1), (7, 3), (3, 7), (127, 31), (300, 270)] {
         let own = uneven(n, world.size(), world.rank());
         let a = columns(n, c);
-        for mode in [GramSchmidtOptions::single_pass(), GramSchmidtOptions::reorthogonalised()] {
+        let [once, again] =
+            [GramSchmidtOptions::single_pass(), GramSchmidtOptions::reorthogonalised()];
+        let lumped = (lumped(0..n), lumped(own.clone()));
+        let full = (full(n, 0..n), full(n, own.clone()));
+        for (mode, (mass, part)) in [(once, full), (again, lumped)] {
             let options = GramSchmidtOptions { par: Par::Seq, ..mode };
-            for (mass, part) in
-                [(lumped(0..n), lumped(own.clone())), (full(n, 0..n), full(n, own.clone()))]
-            {
-                let expected = ortho::gram_schmidt(a.as_ref(), &mass, &options).unwrap();
-                let rows = a.as_ref().subrows(own.start, own.len());
-                let found = gram_schmidt(world, rows, &part, &options).unwrap();
-                assert_eq!(found.kept, expected.kept);
-                assert!(gap(found.r.as_ref(), expected.r.as_ref()) < 1e-11);
-                check_same(world, found.r.as_ref());
-                let Some(q) = gather_rows(world, 0, found.q.as_ref()).unwrap() else { continue };
-                assert!(gap(q.as_ref(), expected.q.as_ref()) < 1e-9);
-                let allowed = if options.reorthogonalise { 1e-12 } else { 1e-9 };
-                assert!(defect(q.as_ref(), &mass) <= allowed);
-            }
+            let expected = ortho::gram_schmidt(a.as_ref(), &mass, &options).unwrap();
+            let rows = a.as_ref().subrows(own.start, own.len());
+            let found = gram_schmidt(world, rows, &part, &options).unwrap();
+            assert_eq!(found.kept, expected.kept);
+            assert!(gap(found.r.as_ref(), expected.r.as_ref()) < 1e-11);
+            check_same(world, found.r.as_ref());
+            let Some(q) = gather_rows(world, 0, found.q.as_ref()).unwrap() else { continue };
+            assert!(gap(q.as_ref(), expected.q.as_ref()) < 1e-9);
+            let allowed = if options.reorthogonalise { 1e-12 } else { 1e-9 };
+            assert!(defect(q.as_ref(), &mass) <= allowed);
         }
     }
 }

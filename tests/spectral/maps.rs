@@ -70,6 +70,35 @@ fn functions_determine_the_map_of_a_shuffled_mesh_and_the_map_the_points() {
 }
 
 #[test]
+fn multiplications_by_few_functions_determine_a_map_that_their_coefficients_do_not() {
+    let (source, target, points) = pair(18);
+    let exact = map_from_points(&points, source.basis(), target.basis(), Par::Seq).unwrap();
+    let f = source.functions() * gaussian::<f64>(18, 3, 2);
+    let g = pull_back(&points, f.as_ref()).unwrap();
+    let fit = |weight: Option<f64>, par: Par| {
+        let mut fit = MapFit::new(&source, &target, par);
+        fit.functions(f.as_ref(), g.as_ref()).unwrap();
+        if let Some(weight) = weight {
+            fit.operators(f.as_ref(), g.as_ref(), weight).unwrap();
+        }
+        fit.solve(0.0).unwrap()
+    };
+    let gap = |c: &Mat<f64>| distance(c.as_ref(), exact.as_ref()) / exact.norm_max();
+    assert!(gap(&fit(None, Par::Seq)) > 0.1);
+    let c = fit(Some(MapFit::MULTIPLICATIONS), Par::Seq);
+    assert!(gap(&c) < 1e-5, "{}", gap(&c));
+    assert_eq!(fit(Some(MapFit::MULTIPLICATIONS), Par::Threads(3)), c);
+    let mut refused = MapFit::new(&source, &target, Par::Seq);
+    let wrong = refused.operators(f.as_ref(), g.as_ref(), f64::NAN).unwrap_err();
+    assert!(wrong.to_string().starts_with("weight: "));
+    let short = f.as_ref().subrows(0, 5);
+    assert!(matches!(
+        refused.operators(short, g.as_ref(), 1.0),
+        Err(Error::Shape { what: "source functions", .. })
+    ));
+}
+
+#[test]
 fn landmarks_and_zoomout_recover_the_permutation_exactly() {
     let (source, target, points) = pair(40);
     let (low, other) = (source.truncated(8).unwrap(), target.truncated(8).unwrap());

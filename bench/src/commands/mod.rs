@@ -3,7 +3,9 @@
 pub mod accuracy;
 pub mod decimate;
 pub mod exact;
+pub mod functional_map;
 pub mod grid;
+pub mod laplacian;
 pub mod ortho;
 pub mod race;
 pub mod reproduce;

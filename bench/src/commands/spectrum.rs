@@ -4,12 +4,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use catamaran::Par;
-use catamaran::faer::MatRef;
-use catamaran::io::{Matrix, Output, Overwrite, ReadOptions, read, write};
 use catamaran::mesh::{LaplacianOptions, families, laplacian};
 use catamaran::sparse::{CsMat, EigenOptions, Mass, eigs};
-use catamaran_bench::child::{self, Report};
-use catamaran_bench::race::median;
+use catamaran_bench::child::{self, Duel, Report};
+use catamaran_bench::exchange::{get_vector, put_vector};
 use catamaran_bench::{Result, host, record};
 
 #[derive(clap::Args)]
@@ -88,7 +86,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-fn meshes(paths: &[PathBuf]) -> Result<Vec<(String, catamaran::mesh::TriMesh)>> {
+/// The meshes at these paths, or the usual ones, and their names.
+pub fn meshes(paths: &[PathBuf]) -> Result<Vec<(String, catamaran::mesh::TriMesh)>> {
     let read = |path: &Path| -> Result<_> {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let name = name.split('.').next().unwrap_or_default().to_owned();
@@ -110,31 +109,21 @@ fn meshes(paths: &[PathBuf]) -> Result<Vec<(String, catamaran::mesh::TriMesh)>> 
 fn prepare(folder: &Path, mesh: &catamaran::mesh::TriMesh) -> Result<()> {
     let problem = laplacian(mesh, &LaplacianOptions::default())?;
     let Mass::Lumped(mass) = &problem.mass else { return Err("a full mass".into()) };
-    let put = |name: &str, values: &[f64]| -> Result<()> {
-        let output = Output::create(&folder.join(name), Overwrite::Replace)?;
-        Ok(write(output, MatRef::from_column_major_slice(values, values.len(), 1))?)
-    };
     let as_f64 = |indices: &[usize]| indices.iter().map(|&i| i as f64).collect::<Vec<_>>();
-    put("data.npy", problem.stiffness.data())?;
-    put("indices.npy", &as_f64(problem.stiffness.indices()))?;
-    put("indptr.npy", &as_f64(problem.stiffness.indptr().raw_storage()))?;
-    put("mass.npy", mass)
-}
-
-fn get(folder: &Path, name: &str) -> Result<Vec<f64>> {
-    match read(&folder.join(name), &ReadOptions::default())? {
-        Matrix::F64(dense) => Ok(dense.as_ref().col(0).iter().copied().collect()),
-        _ => Err(format!("{name}: not doubles").into()),
-    }
+    put_vector(folder, "data", problem.stiffness.data())?;
+    put_vector(folder, "indices", &as_f64(problem.stiffness.indices()))?;
+    put_vector(folder, "indptr", &as_f64(problem.stiffness.indptr().raw_storage()))?;
+    put_vector(folder, "mass", mass)
 }
 
 /// Our side, in its own process.
 fn solve(folder: &Path, k: usize, threads: usize) -> Result<()> {
-    let mass = get(folder, "mass.npy")?;
+    let mass = get_vector(folder, "mass")?;
     let n = mass.len();
-    let [indptr, indices] = ["indptr.npy", "indices.npy"].map(|name| get(folder, name));
+    let [indptr, indices] = ["indptr", "indices"].map(|name| get_vector(folder, name));
     let whole = |values: Vec<f64>| values.into_iter().map(|x| x as usize).collect::<Vec<_>>();
-    let stiffness = CsMat::new((n, n), whole(indptr?), whole(indices?), get(folder, "data.npy")?);
+    let stiffness =
+        CsMat::new((n, n), whole(indptr?), whole(indices?), get_vector(folder, "data")?);
     let mass = Mass::Lumped(mass);
     let [before, _] = child::memory();
     let start = Instant::now();
@@ -142,33 +131,10 @@ fn solve(folder: &Path, k: usize, threads: usize) -> Result<()> {
     let pairs = eigs(stiffness.view(), &mass, &options)?;
     let seconds = start.elapsed().as_secs_f64();
     let [_, peak] = child::memory();
-    let put = |name: &str, values: &[f64]| -> Result<()> {
-        let output = Output::create(&folder.join(name), Overwrite::Replace)?;
-        Ok(write(output, MatRef::from_column_major_slice(values, values.len(), 1))?)
-    };
-    put("our-values.npy", &pairs.values)?;
-    let largest = residual(&stiffness, &mass, pairs.vectors.as_ref(), &pairs.values);
+    put_vector(folder, "our-values", &pairs.values)?;
+    let largest = pairs.residuals.iter().copied().fold(0.0, f64::max);
     println!("{}", Report::line(seconds, peak - before, &[largest]));
     Ok(())
-}
-
-/// The largest `|W phi - lambda M phi| / |W phi|` of pairs with a positive value.
-fn residual(w: &CsMat<f64>, mass: &Mass, vectors: MatRef<'_, f64>, values: &[f64]) -> f64 {
-    let Mass::Lumped(mass) = mass else { return f64::NAN };
-    let mut largest = 0.0_f64;
-    for (j, &value) in
-        values.iter().enumerate().filter(|(_, value)| **value > 1e-6 * values[values.len() - 1])
-    {
-        let phi = vectors.col(j);
-        let (mut above, mut below) = (0.0, 0.0);
-        for (i, row) in w.outer_iterator().enumerate() {
-            let image: f64 = row.iter().map(|(c, x)| x * phi[c]).sum();
-            above += (image - value * mass[i] * phi[i]).powi(2);
-            below += image * image;
-        }
-        largest = largest.max((above / below).sqrt());
-    }
-    largest
 }
 
 struct Outcome {
@@ -183,33 +149,25 @@ struct Outcome {
 }
 
 fn race(arguments: &Arguments, folder: &Path, python: &Path, threads: usize) -> Result<Outcome> {
-    let this = std::env::current_exe()?;
     let (k, t, place) =
         (arguments.k.to_string(), threads.to_string(), folder.display().to_string());
     let ours = ["spectrum", "--solve", &place, "-k", &k, "--threads", &t];
-    let script = child::script("eigsh.py");
-    let mut reports: Vec<[Report; 2]> = Vec::new();
-    for _ in 0..arguments.repeat {
-        let mine = child::run(&this, &ours, threads)?;
-        reports.push([mine, child::run(python, &[&script, &place, &k], threads)?]);
-    }
-    let of = |who: usize, what: &dyn Fn(&Report) -> f64| {
-        median(reports.iter().map(|pair| what(&pair[who])).collect())
-    };
-    let (values, theirs) = (get(folder, "our-values.npy")?, get(folder, "values.npy")?);
+    let duel = Duel::new(&ours, python, ("eigsh.py", &[&place, &k]), threads, arguments.repeat)?;
+    let (values, theirs) = (get_vector(folder, "our-values")?, get_vector(folder, "values")?);
     let largest = theirs.last().copied().unwrap_or(1.0);
     let differences = values.iter().zip(&theirs).map(|(x, y)| (x - y).abs() / largest);
     // The first value of a connected mesh is zero, and so is what it is divided by.
-    let scipy_residuals = get(folder, "residuals.npy")?;
+    let scipy_residuals = get_vector(folder, "residuals")?;
     let positive =
         scipy_residuals.iter().zip(&theirs).filter(|(_, value)| **value > 1e-6 * largest);
+    let [ours, scipy] = duel.seconds();
     Ok(Outcome {
-        ours: of(0, &|report| report.seconds),
-        scipy: of(1, &|report| report.seconds),
-        ratio: median(reports.iter().map(|[ours, scipy]| scipy.seconds / ours.seconds).collect()),
-        bytes: [0, 1].map(|who| of(who, &|report| report.bytes)),
+        ours,
+        scipy,
+        ratio: duel.ratio(),
+        bytes: duel.bytes(),
         residuals: [
-            reports[0][0].rest.first().copied().unwrap_or(f64::NAN),
+            duel.rest()[0].first().copied().unwrap_or(f64::NAN),
             positive.map(|(residual, _)| *residual).fold(0.0, f64::max),
         ],
         difference: differences.fold(0.0, f64::max),

@@ -3,7 +3,7 @@
 use catamaran::Par;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::spectral::descriptors::{
-    heat_kernel_signature, heat_times, wave_kernel_signature, wave_scales,
+    heat_kernel, heat_kernel_signature, heat_times, wave_kernel_signature, wave_scales,
 };
 use catamaran::spectral::functional_map::{MapFit, map_from_points, points_from_map, pull_back};
 use catamaran::spectral::{
@@ -33,6 +33,8 @@ const COLUMNS: [&str; 5] = ["K", "prods", "ours", "ours*", "NK"];
 const LANDMARKS: usize = 7;
 /// Scales of the descriptors that the functional map is fitted to.
 const SCALES: usize = 20;
+/// The time of heat kernels around landmarks, on shapes of area 1.
+const TIME: f64 = 1e-2;
 
 /// The thesis' errors, in per cent.
 const THESIS: [[[f64; 5]; 9]; 3] = [
@@ -133,7 +135,8 @@ fn landmarks(pair: &Pair) -> Vec<(u32, u32)> {
     found.into_iter().map(|v| (pair.truth[v], v as u32)).collect()
 }
 
-/// The functional map between the first eigenfunctions, from descriptors and landmarks.
+/// The functional map between the first eigenfunctions, from descriptors, landmarks, and multiplications by functions around
+/// landmarks (the method of [194] in the thesis: Nogneng and Ovsjanikov 2017).
 pub fn fitted(pair: &Pair, source: &Eigenbasis, target: &Eigenbasis) -> Result<Mat<f64>> {
     let mut fit = MapFit::new(source, target, Par::all());
     let [many, others] = [&pair.source, &pair.target].map(|shape| shape.first(MANY));
@@ -141,8 +144,20 @@ pub fn fitted(pair: &Pair, source: &Eigenbasis, target: &Eigenbasis) -> Result<M
     for (f, g) in descriptors(&many)?.iter().zip(&descriptors(&others)?) {
         fit.functions(f.as_ref(), g.as_ref())?;
     }
-    fit.landmarks(&landmarks(pair))?;
+    let pairs = landmarks(pair);
+    fit.landmarks(&pairs)?;
+    // Signatures do not know left from right; what is around landmarks does.
+    let [f, g] =
+        [around(&many, pairs.iter().map(|p| p.0))?, around(&others, pairs.iter().map(|p| p.1))?];
+    fit.operators(f.as_ref(), g.as_ref(), MapFit::MULTIPLICATIONS)?;
     Ok(fit.solve(MapFit::COMMUTATIVITY)?)
+}
+
+/// Heat kernels around vertices.
+fn around(basis: &Eigenbasis, vertices: impl Iterator<Item = u32>) -> Result<Mat<f64>> {
+    let kernel = |v: u32| heat_kernel(basis.values(), basis.functions(), v as usize, TIME);
+    let kernels: Vec<_> = vertices.map(kernel).collect::<std::result::Result<_, _>>()?;
+    Ok(Mat::from_fn(basis.basis().vertices(), kernels.len(), |x, j| kernels[j][x]))
 }
 
 /// Singular values of products that are left out, as a part of the largest: as the code published with the thesis does, for

@@ -8,6 +8,7 @@ mod curves;
 mod decimate;
 mod exact;
 mod page;
+mod plant;
 mod spectral;
 mod task_tree;
 
@@ -35,8 +36,14 @@ pub struct Args {
 }
 
 /// In the order of the page.
-const STATIONS: [fn(&Site<'_>) -> Result<Station>; 5] =
-    [ata::station, exact::station, spectral::station, decimate::station, curves::station];
+const STATIONS: &[fn(&Site<'_>) -> Result<Station>] = &[
+    ata::station,
+    exact::station,
+    spectral::station,
+    plant::station,
+    decimate::station,
+    curves::station,
+];
 
 /// Where stations put their files, and how much they may do.
 pub struct Site<'a> {

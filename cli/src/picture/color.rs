@@ -45,17 +45,48 @@ impl ColorScale {
 
     /// The colour of a number; those beyond the ends have the colours of the ends.
     pub fn color(&self, value: f64) -> Rgb {
+        self.place(value).map_or(MISSING, |place| self.color_at(place))
+    }
+
+    /// Where a number is between the ends, from 0 to 1; `None` for what is not one.
+    fn place(&self, value: f64) -> Option<f64> {
         let t =
             if self.high > self.low { (value - self.low) / (self.high - self.low) } else { 0.5 };
-        if t.is_nan() {
-            return MISSING;
-        }
+        if t.is_nan() { None } else { Some(t.clamp(0.0, 1.0)) }
+    }
+
+    fn color_at(&self, place: f64) -> Rgb {
         let (gradient, t): (Gradient, f64) = match self.map {
             // Without the darkest ends, on which no shading shows.
-            ColorMap::Diverging => (RED_BLUE, 0.94 - 0.88 * t.clamp(0.0, 1.0)),
-            ColorMap::Sequential => (VIRIDIS, t.clamp(0.0, 1.0)),
+            ColorMap::Diverging => (RED_BLUE, 0.94 - 0.88 * place),
+            ColorMap::Sequential => (VIRIDIS, place),
         };
         gradient.eval_continuous(t).into_array()
+    }
+}
+
+/// The light of the colours of a scale, looked up: there are many samples to a picture, and few colours.
+pub struct Lights {
+    scale: ColorScale,
+    lights: Vec<[f64; 3]>,
+}
+
+impl Lights {
+    /// Colours looked up; neighbours differ by less than a step of a screen.
+    const STEPS: usize = 2048;
+
+    pub fn new(scale: ColorScale) -> Self {
+        let place = |i: usize| i as f64 / (Self::STEPS - 1) as f64;
+        let lights = (0..Self::STEPS).map(|i| to_light(scale.color_at(place(i)))).collect();
+        Self { scale, lights }
+    }
+
+    /// The light of the colour of a number.
+    pub fn of(&self, value: f64) -> [f64; 3] {
+        match self.scale.place(value) {
+            Some(place) => self.lights[(place * (Self::STEPS - 1) as f64).round() as usize],
+            None => to_light(MISSING),
+        }
     }
 }
 
@@ -102,5 +133,18 @@ mod tests {
         let nothing = ColorScale::of(std::iter::empty());
         assert_eq!((nothing.low, nothing.high), (0.0, 0.0));
         assert_ne!(nothing.color(0.0), MISSING);
+    }
+    #[test]
+    fn looked_up_light_is_that_of_the_colours() {
+        for scale in [
+            ColorScale { map: ColorMap::Diverging, low: -3.0, high: 3.0 },
+            ColorScale { map: ColorMap::Sequential, low: 2.0, high: 2.0 },
+        ] {
+            let lights = Lights::new(scale);
+            for value in [-4.0, -3.0, -1.234, 0.0, 2.0, 2.9, 7.0, f64::NAN] {
+                let [found, exact] = [to_screen(lights.of(value)), scale.color(value)];
+                assert!((0..3).all(|k| found[k].abs_diff(exact[k]) <= 1), "{value}: {found:?}");
+            }
+        }
     }
 }

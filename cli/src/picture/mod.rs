@@ -9,8 +9,9 @@ mod text;
 mod tube;
 
 pub use args::PictureArgs;
+pub use color::{ColorMap, ColorScale};
 pub use matrix::{Scale, levels, write};
-pub use mesh::{Paint, Panel, Scene, Up, View, render};
+pub use mesh::{Paint, Panel, Projection, Scene, Up, View, render};
 pub use tube::with_curves;
 
 use catamaran::faer::Mat;

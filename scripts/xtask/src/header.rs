@@ -20,6 +20,7 @@ const FILES: &[&str] = &[
     "ortho",
     "transfer",
     "decimate",
+    "plant",
     "curve",
     "mpi",
     "memory",

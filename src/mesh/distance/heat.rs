@@ -1,10 +1,10 @@
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use sprs::CsMat;
 
 use super::super::laplacian::{Complex, Element, ROUNDING, assemble, of_mesh};
 use super::super::{LaplacianKind, MassKind, TriMesh};
-use super::cholesky::{Cholesky, Factor};
 use crate::base::{Error, Par, Result};
-use crate::sparse::Mass;
+use crate::sparse::{Mass, Symbolic};
 
 /// Heat below this has lost digits, and with them the direction it flows in.
 const COLD: f64 = 1e-290;
@@ -35,11 +35,12 @@ impl Default for HeatOptions {
 pub struct HeatMethod {
     faces: Vec<[u32; 3]>,
     elements: Vec<Element>,
-    cholesky: Cholesky,
-    /// Of M + t W.
-    heat: Factor,
-    /// Of W, with one vertex of every component held at zero.
-    poisson: Factor,
+    /// Of both factorisations.
+    symbolic: Symbolic,
+    /// The Cholesky factor of M + t W.
+    heat: Vec<f64>,
+    /// That of W, with one vertex of every component held at zero.
+    poisson: Vec<f64>,
     /// The component of every vertex: its vertex with the lowest number.
     components: Vec<u32>,
 }
@@ -75,9 +76,19 @@ impl HeatMethod {
             let why = "barycentric masses are not a diagonal".into();
             return Err(Error::Argument { what: "mass", why });
         };
-        let cholesky = Cholesky::new(&stiffness)?;
+        let starts = stiffness.indptr();
+        // Symmetric: by rows or by columns is the same.
+        let places = SymbolicSparseColMatRef::new_checked(
+            n,
+            n,
+            starts.raw_storage(),
+            None,
+            stiffness.indices(),
+        );
+        let symbolic = Symbolic::new(places)?;
         let factor = |matrix: &CsMat<f64>| {
-            cholesky.factor(matrix)?.ok_or_else(|| {
+            let found = symbolic.positive(SparseColMatRef::new(places, matrix.data()))?;
+            found.filter(|values| values.iter().all(|x| x.is_finite())).ok_or_else(|| {
                 let why = "its Laplacian is not positive definite to working precision; the tufted kind mends that";
                 Error::Argument { what: "mesh", why: why.into() }
             })
@@ -95,7 +106,7 @@ impl HeatMethod {
                 (false, true) => 0.0,
                 (_, false) => w,
             }))?;
-        Ok(Self { faces, elements, cholesky, heat, poisson, components })
+        Ok(Self { faces, elements, symbolic, heat, poisson, components })
     }
 
     /// The distance of every vertex from the nearest of the sources: 0 at sources, infinite in components without any.
@@ -116,7 +127,8 @@ impl HeatMethod {
             warm[self.components[source as usize] as usize] = true;
         }
         let warm = |v: usize| warm[self.components[v] as usize];
-        let heat = self.cholesky.solve(&self.heat, &right)?;
+        let mut heat = right;
+        self.symbolic.solve_positive(&self.heat, &mut heat)?;
         let is_cold = |v: usize| heat[v].is_nan() || heat[v].abs() <= COLD;
         if let Some(v) = (0..n).find(|&v| warm(v) && is_cold(v)) {
             let what = "too many edges away for the heat to arrive; it takes a longer time".into();
@@ -128,7 +140,8 @@ impl HeatMethod {
                 *slope = 0.0;
             }
         }
-        let mut distances = self.cholesky.solve(&self.poisson, &slopes)?;
+        let mut distances = slopes;
+        self.symbolic.solve_positive(&self.poisson, &mut distances)?;
         let mut least = vec![f64::INFINITY; n];
         for v in 0..n {
             let least = &mut least[self.components[v] as usize];

@@ -1,6 +1,5 @@
 //! Distances on meshes: along edges ([`Dijkstra`]), and over the surface ([`HeatMethod`]).
 
-mod cholesky;
 mod dijkstra;
 mod graph;
 mod heat;

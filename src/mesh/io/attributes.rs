@@ -1,4 +1,4 @@
-use super::super::TriMesh;
+use super::super::{Part, TriMesh};
 use crate::base::{Error, Result};
 
 /// What a mesh file holds.
@@ -24,6 +24,51 @@ impl From<TriMesh> for MeshFile {
 }
 
 impl MeshFile {
+    /// A part of the mesh of this file, with the attributes of its vertices and corners.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] and [`Error::Argument`] when attributes do not fit the mesh, [`Error::Argument`] when the part has
+    /// other vertices or faces than the mesh.
+    pub fn part(&self, part: Part) -> Result<MeshFile> {
+        self.check()?;
+        let (vertices, faces) = (self.mesh.vertices().len(), self.mesh.faces().len());
+        let beyond = |numbers: &[u32], len: usize| numbers.iter().any(|&i| i as usize >= len);
+        if beyond(&part.vertices, vertices) || beyond(&part.faces, faces) {
+            let why = format!("not one of a mesh of {vertices} vertices and {faces} faces");
+            return Err(Error::Argument { what: "part", why });
+        }
+        let colors = self.colors.as_ref();
+        Ok(MeshFile {
+            uv: self.uv.as_ref().map(|uv| uv.part(&part)),
+            normals: self.normals.as_ref().map(|normals| normals.part(&part)),
+            colors: colors.map(|all| part.vertices.iter().map(|&v| all[v as usize]).collect()),
+            collapsed_faces: self.collapsed_faces,
+            mesh: part.mesh,
+        })
+    }
+
+    /// The file with faces flipped so that all agree ([`TriMesh::oriented`]), and their corners with them. Normals stay as
+    /// they are.
+    ///
+    /// # Errors
+    /// As [`TriMesh::oriented`]; [`Error::Shape`] and [`Error::Argument`] when attributes do not fit the mesh.
+    pub fn oriented(mut self) -> Result<MeshFile> {
+        self.check()?;
+        let mesh = self.mesh.oriented()?;
+        let flipped: Vec<bool> =
+            mesh.faces().iter().zip(self.mesh.faces()).map(|(new, old)| new != old).collect();
+        let corners = [
+            self.uv.as_mut().and_then(|uv| uv.corners.as_mut()),
+            self.normals.as_mut().and_then(|normals| normals.corners.as_mut()),
+        ];
+        for corners in corners.into_iter().flatten() {
+            for (corners, _) in corners.iter_mut().zip(&flipped).filter(|(_, flip)| **flip) {
+                corners.swap(1, 2);
+            }
+        }
+        Ok(MeshFile { mesh, ..self })
+    }
+
     /// `Ok` when attributes fit the mesh.
     pub(super) fn check(&self) -> Result<()> {
         let vertices = self.mesh.vertices().len();
@@ -64,6 +109,28 @@ impl<const N: usize> Attribute<N> {
     /// The values of the vertices, if that is what they are.
     pub fn of_vertices(&self) -> Option<&[[f64; N]]> {
         if self.corners.is_none() { Some(&self.values) } else { None }
+    }
+
+    /// Those of a part of the mesh that has these.
+    fn part(&self, part: &Part) -> Self {
+        let Some(corners) = &self.corners else {
+            let values = part.vertices.iter().map(|&v| self.values[v as usize]).collect();
+            return Self { values, corners: None };
+        };
+        let mut corners: Vec<[u32; 3]> = part.faces.iter().map(|&f| corners[f as usize]).collect();
+        let mut number = vec![Self::ABSENT; self.values.len()];
+        for &i in corners.as_flattened().iter().filter(|i| **i != Self::ABSENT) {
+            number[i as usize] = 0;
+        }
+        let mut values = Vec::new();
+        for (number, value) in number.iter_mut().zip(&self.values).filter(|(n, _)| **n == 0) {
+            *number = values.len() as u32;
+            values.push(*value);
+        }
+        for i in corners.as_flattened_mut().iter_mut().filter(|i| **i != Self::ABSENT) {
+            *i = number[*i as usize];
+        }
+        Self::simplified(values, corners, &part.mesh)
     }
 
     /// Values of corners, as values of vertices when they are that.

@@ -2,10 +2,12 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use faer::{Mat, MatRef};
+use faer::{Mat, MatRef, Scale};
 
+use super::operators::{Equations, Operators, multiplication};
 use crate::base::{Error, Par, Result};
 use crate::dense::{for_row_blocks, zeros};
+use crate::spectral::basis::{Basis, times_mass};
 use crate::spectral::dense;
 use crate::spectral::descriptors::heat_times;
 use crate::spectral::eigenbasis::Eigenbasis;
@@ -22,7 +24,8 @@ const RIDGE: f64 = 1e-12;
 /// Minimises `|C A - B|^2 / |A|^2 + weight |C L - L' C|^2`, where the columns of A and B are the coefficients of the
 /// corresponding functions and L, L' the eigenvalues, as a part of the largest one: isometries commute with
 /// Laplacians. Rows of C are independent of each other and solved for one by one. Where both bases have the constant,
-/// it is mapped to itself exactly.
+/// it is mapped to itself exactly. [`MapFit::operators`] adds a term that couples the rows, and then conjugate gradients
+/// solve for all of them.
 ///
 /// ```no_run
 /// # use catamaran::spectral::{Eigenbasis, functional_map::MapFit};
@@ -42,15 +45,19 @@ pub struct MapFit<'a> {
     /// Coefficients of the functions, one after the other.
     a: Vec<f64>,
     b: Vec<f64>,
+    operators: Vec<Operators>,
 }
 
 impl<'a> MapFit<'a> {
     /// A usual weight of the commutativity with the Laplacians.
     pub const COMMUTATIVITY: f64 = 1e-3;
 
+    /// A usual weight of the commutativity with multiplications by functions.
+    pub const MULTIPLICATIONS: f64 = 0.1;
+
     /// A fit of maps from `source` to `target`, without functions yet.
     pub fn new(source: &'a Eigenbasis, target: &'a Eigenbasis, par: Par) -> Self {
-        Self { source, target, par, a: Vec::new(), b: Vec::new() }
+        Self { source, target, par, a: Vec::new(), b: Vec::new(), operators: Vec::new() }
     }
 
     /// Adds functions: each column of `f`, n_source x c, corresponds to that of `g`, n_target x c. Each pair is scaled to
@@ -64,6 +71,43 @@ impl<'a> MapFit<'a> {
         let a = self.source.analysis(f, self.par)?;
         let b = self.target.analysis(g, self.par)?;
         self.add(a.as_ref(), b.as_ref());
+        Ok(())
+    }
+
+    /// Adds that C commutes with multiplications by functions that correspond, as [`MapFit::functions`] takes them (Nogneng and
+    /// Ovsjanikov 2017): `weight` times the mean of `|C D - D' C|^2`, D and D' multiplication by a pair of functions, scaled to
+    /// mean square 1. A function says far more of the map that way than by its coefficients alone, so that few of them
+    /// determine a large one.
+    ///
+    /// # Errors
+    /// As [`MapFit::functions`]; [`Error::Argument`] for a weight that is not finite or below 0, or a mesh without area.
+    pub fn operators(&mut self, f: MatRef<'_, f64>, g: MatRef<'_, f64>, weight: f64) -> Result<()> {
+        let (n, m) = (self.source.basis().vertices(), self.target.basis().vertices());
+        Error::check_shape("source functions", (n, f.ncols()), f.shape())?;
+        Error::check_shape("target functions", (m, f.ncols()), g.shape())?;
+        dense::check_finite("source functions", f)?;
+        dense::check_finite("target functions", g)?;
+        if !(weight.is_finite() && weight >= 0.0) {
+            let why = format!("must be finite and at least 0, is {weight}");
+            return Err(Error::Argument { what: "weight", why });
+        }
+        for j in 0..f.ncols() {
+            let (f, g) = (f.subcols(j, 1), g.subcols(j, 1));
+            let mean = |basis: &Basis, x: MatRef<'_, f64>| -> Result<f64> {
+                let weighted = times_mass(basis.mass(), x, self.par)?;
+                Ok(x.col(0).transpose() * weighted.col(0) / basis.area()?)
+            };
+            let means = mean(self.source.basis(), f)? + mean(self.target.basis(), g)?;
+            let size = (0.5 * means).sqrt();
+            if size > 0.0 {
+                let scaled = |x: MatRef<'_, f64>| Scale(1.0 / size) * x;
+                self.operators.push(Operators {
+                    source: multiplication(self.source.basis(), scaled(f).as_ref(), self.par)?,
+                    target: multiplication(self.target.basis(), scaled(g).as_ref(), self.par)?,
+                    weight: weight / f.ncols().max(1) as f64,
+                });
+            }
+        }
         Ok(())
     }
 
@@ -144,7 +188,8 @@ impl<'a> MapFit<'a> {
     /// The map, r_target x r_source; `commutativity` is the weight of the second term, at least 0.
     ///
     /// # Errors
-    /// [`Error::Argument`] for the weight, or when no function on the source is other than zero; [`Error::OutOfMemory`].
+    /// [`Error::Argument`] for the weight, or when no function on the source is other than zero; [`Error::OutOfMemory`];
+    /// [`Error::NotConverged`] when operators are too many or too different for conjugate gradients.
     pub fn solve(&self, commutativity: f64) -> Result<Mat<f64>> {
         if !(commutativity.is_finite() && commutativity >= 0.0) {
             let why = format!("must be finite and at least 0, is {commutativity}");
@@ -201,7 +246,18 @@ impl<'a> MapFit<'a> {
                 "they do not determine the map; more of them, or more commutativity, may".into();
             return Err(Error::Argument { what: "functions", why });
         }
-        Ok(c)
+        if self.operators.is_empty() {
+            return Ok(c);
+        }
+        let difference = |i: usize, j: usize| source_values[j] - target_values[i];
+        Equations {
+            gram: Scale(1.0 / size) * &gram,
+            right: Scale(1.0 / size) * right.transpose(),
+            weights: Mat::from_fn(l, k, |i, j| commutativity * difference(i, j).powi(2)),
+            operators: &self.operators,
+            known,
+        }
+        .solve(c)
     }
 }
 

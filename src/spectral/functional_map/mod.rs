@@ -5,6 +5,7 @@
 
 mod fit;
 mod nearest;
+mod operators;
 mod points;
 mod refine;
 

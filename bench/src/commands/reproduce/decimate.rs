@@ -1,6 +1,5 @@
 //! Chapter 5: decimation.
 
-use std::path::Path;
 use std::time::Instant;
 
 use catamaran::decimate::{DecimateOptions, decimate, edge_length_for, resample};
@@ -11,7 +10,7 @@ use catamaran_bench::curves::Plot;
 use catamaran_bench::decimate::{Contender, Input, Inputs, Rivals, Row, race};
 use catamaran_bench::race::median;
 
-use super::Report;
+use super::{Arguments, Report};
 
 /// The columns of the record.
 pub const HEADER: &str = "figure,mesh,input_vertices,n,contender,measure,value";
@@ -24,8 +23,8 @@ const FIGURES: [Contender; 5] =
 const SIZES: [usize; 5] = [500, 1000, 2000, 5000, 10_000];
 
 /// Figures 5.6 to 5.16, and every mesh at three sizes.
-pub fn run(report: &mut Report) -> Result<()> {
-    let (inputs, rivals) = (Inputs::new()?, Rivals::find(Path::new("target/rivals")));
+pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
+    let (inputs, rivals) = (Inputs::new()?, Rivals::find(&arguments.libraries));
     report.say(
         "# Chapter 5, measured again\n\nThe longest side of every mesh is 1. Reading is not counted; two threads. \
          Distances are those of vertices from the surface of the other mesh, both ways.\n",

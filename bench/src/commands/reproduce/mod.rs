@@ -2,8 +2,10 @@
 
 mod curves;
 mod decimate;
+mod plant;
 mod spectral;
 
+use std::path::PathBuf;
 use std::time::Instant;
 
 use catamaran_bench::curves::{Plot, svg};
@@ -17,6 +19,15 @@ pub struct Arguments {
     /// Writes WHAT.md, WHAT.csv, WHAT.svg and host.txt under bench/record.
     #[arg(long)]
     record: bool,
+    /// Where scripts/rivals installed others.
+    #[arg(long, default_value = "target/rivals")]
+    libraries: PathBuf,
+    /// Chapter 4: nodes of the largest plant of the race.
+    #[arg(long, default_value_t = 1_000_000, value_name = "NODES")]
+    largest: usize,
+    /// Chapter 4: repetitions of the race.
+    #[arg(long, default_value_t = 5, value_name = "N")]
+    repeat: usize,
     /// Chapter 6: curves on each mesh; 50 by default.
     #[arg(long, value_name = "N")]
     curves: Option<usize>,
@@ -29,6 +40,8 @@ pub struct Arguments {
 enum What {
     /// Chapter 1: eigenproducts.
     Spectral,
+    /// Chapter 4: plants that wilt.
+    Plant,
     /// Chapter 5: decimation.
     Decimate,
     /// Chapter 6: curves on surfaces.
@@ -61,8 +74,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             spectral::run(&mut report)?;
             ("spectral", spectral::HEADER)
         }
+        What::Plant => {
+            plant::run(&mut report, arguments)?;
+            ("plant", plant::HEADER)
+        }
         What::Decimate => {
-            decimate::run(&mut report)?;
+            decimate::run(&mut report, arguments)?;
             ("decimate", decimate::HEADER)
         }
         What::Curves => {

@@ -10,11 +10,11 @@ mod tests;
 use anyhow::{Result, bail};
 use catamaran::mesh::TriMesh;
 
-use super::color::ColorScale;
+use super::color::{ColorScale, Lights};
 use super::image::{Image, Rgb};
 use super::text::{Size, write_text};
 use camera::Camera;
-pub use camera::{Up, View};
+pub use camera::{Projection, Up, View};
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 3;
@@ -106,11 +106,12 @@ pub fn render(scene: &Scene<'_>) -> Result<Image> {
     let legend = scene.legend && numbers().next().is_some();
     let all = width * scene.panels.len() + if legend { legend::WIDTH } else { 0 };
     let mut image = Image::new(all.max(1), height, PAPER);
+    let lights = Lights::new(scale);
     for (i, panel) in scene.panels.iter().enumerate() {
         let top = if panel.title.is_empty() { 0 } else { 2 * Size::Large.height() };
         let (left, below) = (i * width, height.saturating_sub(top));
         if below > 0 {
-            image.paste(&draw(panel, scene, &scale, width, below), left, top);
+            image.paste(&draw(panel, scene, &lights, width, below), left, top);
         }
         let indent = width.saturating_sub(Size::Large.width(panel.title)) / 2;
         let down = Size::Large.height() / 2;
@@ -126,7 +127,7 @@ pub fn render(scene: &Scene<'_>) -> Result<Image> {
 fn draw(
     panel: &Panel<'_>,
     scene: &Scene<'_>,
-    scale: &ColorScale,
+    lights: &Lights,
     width: usize,
     height: usize,
 ) -> Image {
@@ -135,7 +136,7 @@ fn draw(
     let points: Vec<camera::Projected> =
         panel.mesh.vertices().iter().map(|p| camera.project(*p)).collect();
     let buffer = raster::Buffer::of(w, h, &points, panel.mesh.faces());
-    let shader = shade::Shader::new(panel, scene, scale, &camera, &points);
+    let shader = shade::Shader::new(panel, scene, lights, &camera, &points);
     Image::from_fn(width, height, |x, y| {
         let mut light = [0.0; 3];
         for j in 0..SAMPLES {

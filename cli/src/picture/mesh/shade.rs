@@ -1,7 +1,7 @@
 use super::camera::{Camera, Projected, Vector};
 use super::raster::Hit;
 use super::{Paint, Panel, SAMPLES, Scene};
-use crate::picture::color::{ColorScale, to_light};
+use crate::picture::color::{Lights, to_light};
 
 /// Where the two lamps are as the viewer sees it (right, up, near; unit vectors), and how bright.
 const LAMPS: [(Vector, f64); 2] = [([-0.43, 0.62, 0.656], 0.68), ([0.77, 0.12, 0.627], 0.28)];
@@ -21,7 +21,7 @@ const THIN: f64 = 6.0;
 /// Turns hits into light.
 pub struct Shader<'a> {
     panel: &'a Panel<'a>,
-    scale: &'a ColorScale,
+    lights: &'a Lights,
     points: &'a [Projected],
     edges: bool,
     /// Normals as the viewer sees them.
@@ -34,7 +34,7 @@ impl<'a> Shader<'a> {
     pub fn new(
         panel: &'a Panel<'a>,
         scene: &Scene<'_>,
-        scale: &'a ColorScale,
+        lights: &'a Lights,
         camera: &Camera,
         points: &'a [Projected],
     ) -> Self {
@@ -42,7 +42,7 @@ impl<'a> Shader<'a> {
         let face_normals = turned(panel.mesh.face_normals());
         let vertex_normals =
             if scene.smooth { turned(panel.mesh.vertex_normals()) } else { Vec::new() };
-        Self { panel, scale, points, edges: scene.edges, face_normals, vertex_normals }
+        Self { panel, lights, points, edges: scene.edges, face_normals, vertex_normals }
     }
 
     /// The light that a sample sends to the viewer.
@@ -86,8 +86,7 @@ impl<'a> Shader<'a> {
         match self.panel.paint {
             Paint::Plain(color) => to_light(color),
             Paint::Values(values) => {
-                let value = (0..3).map(|k| shares[k] * values[face[k]]).sum();
-                to_light(self.scale.color(value))
+                self.lights.of((0..3).map(|k| shares[k] * values[face[k]]).sum())
             }
             Paint::Colors(colors) => mix(shares, face.map(|v| to_light(colors[v]))),
         }

@@ -1,0 +1,183 @@
+//! Generated plants, of any size.
+
+use std::collections::VecDeque;
+use std::f64::consts::PI;
+
+use super::{Plant, Segment};
+use crate::base::{Error, Result, Rng, reserved};
+use crate::mesh::vector::{cross, dot, unit};
+
+/// Segments of an internode.
+const SEGMENTS: usize = 3;
+
+/// Generations that a lateral bud sleeps: the apex is dominant.
+const DORMANCY: u32 = 4;
+
+/// Generations after which an axis is spent and becomes a leaf's vein.
+const LIFE: u32 = 24;
+
+/// The divergence of successive laterals, 137.5 degrees.
+const GOLDEN_ANGLE: f64 = PI * 0.763_932_022_500_210_3;
+
+/// How a plant grows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GrowthOptions {
+    /// Nodes, at least 1. Default 500.
+    pub nodes: usize,
+    /// Seed of the variation of angles. Default 0.
+    pub seed: u64,
+    /// The radius of the stem at the ground, in metres. Default 2 mm.
+    pub radius: f64,
+    /// The length of the first internode, in metres. Default 2.5 cm.
+    pub internode: f64,
+    /// The angle between a branch and its axis, in radians. Default 0.9.
+    pub branching: f64,
+}
+
+impl Default for GrowthOptions {
+    fn default() -> Self {
+        Self { nodes: 500, seed: 0, radius: 2e-3, internode: 0.025, branching: 0.9 }
+    }
+}
+
+/// A bud: the state of the turtle, and the parameters of the module.
+struct Bud {
+    parent: Option<u32>,
+    tail: [f64; 3],
+    direction: [f64; 3],
+    /// At right angles to the direction; the next lateral is turned from it.
+    side: [f64; 3],
+    radius: f64,
+    length: f64,
+    asleep: u32,
+    age: u32,
+    /// 0 for the stem, 1 for its branches, and so on.
+    order: u32,
+}
+
+/// A plant of exactly `options.nodes` nodes from a parametric L-system (Prusinkiewicz and Lindenmayer 1990, section 1.10):
+/// `A(r, l) -> F(l, r) [+(branching) B(r / 2, 0.6 l, 4)] /(137.5) A(0.95 r, 0.95 l)` and `B(r, l, s) -> B(r, l, s - 1)`,
+/// `B(r, l, 0) -> A(r, l)`, with F cut into three segments. Axes of order 2 and more, old ones and all tips are veins of
+/// leaves. Nodes are numbered as they grow.
+///
+/// # Errors
+/// [`Error::Argument`] names the option that is out of its range; [`Error::OutOfMemory`].
+pub fn grow(options: &GrowthOptions) -> Result<Plant> {
+    let positive = [options.radius, options.internode].iter().all(|x| *x > 0.0 && x.is_finite());
+    if options.nodes == 0 || !positive || !options.branching.is_finite() {
+        let why = format!("{options:?}: nodes, radius and internode must be positive");
+        return Err(Error::Argument { what: "growth", why });
+    }
+    let mut rng = Rng::new(options.seed);
+    let mut segments: Vec<Segment> = reserved(options.nodes)?;
+    let mut parents: Vec<Option<u32>> = reserved(options.nodes)?;
+    let mut buds = VecDeque::from([Bud {
+        parent: None,
+        tail: [0.0; 3],
+        direction: [0.0, 0.0, 1.0],
+        side: [1.0, 0.0, 0.0],
+        radius: options.radius,
+        length: options.internode,
+        asleep: 0,
+        age: 0,
+        order: 0,
+    }]);
+    while segments.len() < options.nodes {
+        // There is always the apex of the stem: it never ends.
+        let Some(mut bud) = buds.pop_front() else { break };
+        if bud.asleep > 0 {
+            bud.asleep -= 1;
+            buds.push_back(bud);
+            continue;
+        }
+        for _ in 0..SEGMENTS.min(options.nodes - segments.len()) {
+            let step = bud.length / SEGMENTS as f64;
+            bud.tail = add(bud.tail, bud.direction, step);
+            let mut segment = Segment::stem(bud.tail, bud.radius);
+            segment.leaf = bud.order >= 2 || (bud.order > 0 && bud.age >= LIFE);
+            parents.push(bud.parent);
+            bud.parent = Some(segments.len() as u32);
+            segments.push(segment);
+        }
+        let turned = rotated(bud.side, bud.direction, GOLDEN_ANGLE + 0.2 * (rng.uniform() - 0.5));
+        let tilt = options.branching * (0.8 + 0.4 * rng.uniform());
+        let (along, across) = (tilt.cos(), tilt.sin());
+        let branch = unit([0, 1, 2].map(|i| along * bud.direction[i] + across * turned[i]));
+        buds.push_back(Bud {
+            direction: branch,
+            side: unit(cross(branch, bud.direction)),
+            radius: (0.5 * bud.radius).max(3e-5),
+            length: (0.6 * bud.length).max(2e-3),
+            asleep: DORMANCY,
+            age: 0,
+            order: bud.order + 1,
+            ..bud
+        });
+        let sway = rotated(bud.direction, turned, 0.15 * (rng.uniform() - 0.5));
+        let next = Bud {
+            direction: unit(sway),
+            side: unit(cross(cross(sway, turned), sway)),
+            radius: (0.95 * bud.radius).max(3e-5),
+            length: (0.95 * bud.length).max(2e-3),
+            age: bud.age + 1,
+            ..bud
+        };
+        if next.order == 0 || next.age < 2 * LIFE {
+            buds.push_back(next);
+        }
+    }
+    let mut is_tip = vec![true; segments.len()];
+    for parent in parents.iter().flatten() {
+        is_tip[*parent as usize] = false;
+    }
+    for (segment, is_tip) in segments.iter_mut().zip(is_tip) {
+        segment.leaf |= is_tip;
+    }
+    Plant::new(segments, &parents, Some([0.0; 3]))
+}
+
+/// A straight, vertical stem of `nodes` equal segments (at least 1), the last one a leaf's: a chain.
+///
+/// # Errors
+/// As those of [`Plant::new`].
+pub fn chain(nodes: usize, length: f64, radius: f64) -> Result<Plant> {
+    let step = length / nodes as f64;
+    let mut segments: Vec<Segment> = reserved(nodes)?;
+    segments.extend((1..=nodes).map(|i| Segment::stem([0.0, 0.0, step * i as f64], radius)));
+    if let Some(last) = segments.last_mut() {
+        last.leaf = true;
+    }
+    let parents: Vec<_> = (0..nodes as u32).map(|v| v.checked_sub(1)).collect();
+    Plant::new(segments, &parents, Some([0.0; 3]))
+}
+
+fn add(a: [f64; 3], b: [f64; 3], s: f64) -> [f64; 3] {
+    [0, 1, 2].map(|i| a[i] + s * b[i])
+}
+
+/// `a` turned about the unit vector `axis` (Rodrigues).
+fn rotated(a: [f64; 3], axis: [f64; 3], angle: f64) -> [f64; 3] {
+    let (s, c) = angle.sin_cos();
+    let across = cross(axis, a);
+    let along = dot(axis, a);
+    [0, 1, 2].map(|i| c * a[i] + s * across[i] + (1.0 - c) * along * axis[i])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plants_have_the_nodes_that_are_asked_for_and_only_the_seed_changes_them() {
+        for nodes in [1, 2, 3, 7, 127, 3001] {
+            let options = GrowthOptions { nodes, seed: 5, ..GrowthOptions::default() };
+            let plant = grow(&options).unwrap();
+            assert_eq!(plant.len(), nodes);
+            assert!(plant.segments().iter().any(|s| s.leaf));
+            assert_eq!(plant, grow(&options).unwrap());
+            assert!(nodes < 7 || plant != grow(&GrowthOptions { seed: 6, ..options }).unwrap());
+        }
+        assert!(grow(&GrowthOptions { nodes: 0, ..GrowthOptions::default() }).is_err());
+        assert_eq!(chain(3, 0.3, 1e-3).unwrap().len(), 3);
+    }
+}

@@ -1,0 +1,394 @@
+use crate::base::{Error, Result};
+use crate::mesh::vector::distance;
+
+/// No parent: the root.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// A straight piece of stem, branch or vein, named after the end at which it stops: a node of the plant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    /// Where it ends, in metres; it begins where its parent ends.
+    pub tail: [f64; 3],
+    /// Its radius, in metres, above 0.
+    pub radius: f64,
+    /// Whether it is a vein of a leaf, which loses water.
+    pub leaf: bool,
+    /// The area of leaf that it supplies, in square metres; `None`: radius times length (thesis, section 4.3.2).
+    pub leaf_area: Option<f64>,
+    /// Whether it is held where it is.
+    pub pinned: bool,
+}
+
+impl Segment {
+    /// A piece of stem: no leaf, not pinned.
+    pub fn stem(tail: [f64; 3], radius: f64) -> Self {
+        Self { tail, radius, leaf: false, leaf_area: None, pinned: false }
+    }
+
+    /// A vein of a leaf.
+    pub fn vein(tail: [f64; 3], radius: f64) -> Self {
+        Self { leaf: true, ..Self::stem(tail, radius) }
+    }
+}
+
+/// A plant: segments that hang together as a tree.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plant {
+    segments: Vec<Segment>,
+    parents: Vec<u32>,
+    /// Of each segment, in metres.
+    lengths: Vec<f64>,
+    root: u32,
+    base: [f64; 3],
+}
+
+fn refused<T>(element: String, what: impl Into<String>) -> Result<T> {
+    Err(Error::Mesh { what: what.into(), element })
+}
+
+impl Plant {
+    /// A plant of n >= 1 segments and the parent of each, `None` for the root. The root segment begins at `base`; without
+    /// one, or where it ends there, it is as long as its first child and goes straight on into it (of a plant of one
+    /// segment: it stands upright, 1 cm long).
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] names the node without a finite position, positive radius, leaf area at least 0, positive length, or
+    /// existing parent; the second root; an isolated node; a node on a cycle. [`Error::Argument`] for no nodes or 2^32 - 1
+    /// and more; [`Error::Shape`] for a number of parents that differs.
+    pub fn new(
+        segments: Vec<Segment>,
+        parents: &[Option<u32>],
+        base: Option<[f64; 3]>,
+    ) -> Result<Self> {
+        let n = segments.len();
+        check_segments(&segments)?;
+        Error::check_shape("parents", (n, 1), (parents.len(), 1))?;
+        let mut has_child = vec![false; n];
+        for (v, parent) in parents.iter().enumerate() {
+            match *parent {
+                Some(p) if p as usize >= n => {
+                    return refused(format!("node {v}"), format!("its parent {p} is not there"));
+                }
+                Some(p) if p as usize == v => {
+                    return refused(format!("node {v}"), "on a cycle: it is its own parent");
+                }
+                Some(p) => has_child[p as usize] = true,
+                None => {}
+            }
+        }
+        let Some(root) = parents.iter().position(Option::is_none) else {
+            return refused(
+                "node 0".into(),
+                "no root: every node has a parent, so there is a cycle",
+            );
+        };
+        if let Some(v) = (root + 1..n).find(|&v| parents[v].is_none()) {
+            let what = match has_child[v] {
+                true => format!("a second root, beside node {root}"),
+                false => "isolated: neither a parent nor a child".into(),
+            };
+            return refused(format!("node {v}"), what);
+        }
+        let parents: Vec<u32> = parents.iter().map(|p| p.unwrap_or(NONE)).collect();
+        check_cycles(&parents, root)?;
+        Self::measured(segments, parents, root as u32, base)
+    }
+
+    /// A plant of n >= 1 segments and edges between them (node numbers from 0, in either direction). The root is the node
+    /// whose tail is nearest to `base` (default: the origin), where the root segment begins, as in [`Plant::new`].
+    ///
+    /// # Errors
+    /// As those of [`Plant::new`]; an edge that closes a cycle, and a node that no edges connect to the root.
+    pub fn from_edges(
+        segments: Vec<Segment>,
+        edges: &[[u32; 2]],
+        base: Option<[f64; 3]>,
+    ) -> Result<Self> {
+        let n = segments.len();
+        check_segments(&segments)?;
+        let mut sets: Vec<u32> = (0..n as u32).collect();
+        let mut degrees = vec![0_u32; n + 1];
+        for (e, &[a, b]) in edges.iter().enumerate() {
+            let name = || format!("edge {e} ({a}, {b})");
+            if let Some(v) = [a, b].into_iter().find(|&v| v as usize >= n) {
+                return refused(name(), format!("node {v} of {n} (numbered from 0)"));
+            }
+            let [x, y] = [a, b].map(|v| find(&mut sets, v));
+            if x == y {
+                return refused(name(), "closes a cycle");
+            }
+            sets[x as usize] = y;
+            degrees[a as usize] += 1;
+            degrees[b as usize] += 1;
+        }
+        if let Some(v) = (0..n).find(|&v| n > 1 && degrees[v] == 0) {
+            return refused(format!("node {v}"), "isolated: in no edge");
+        }
+        let origin = base.unwrap_or_default();
+        let away = |v: &usize| distance(segments[*v].tail, origin);
+        let root = (0..n).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or_default();
+        let set = find(&mut sets, root as u32);
+        if let Some(v) = (0..n).find(|&v| find(&mut sets, v as u32) != set) {
+            let what = format!("not connected to the root, node {root}: a plant has one root");
+            return refused(format!("node {v}"), what);
+        }
+        let parents = away_from(root as u32, &degrees, edges);
+        Self::measured(segments, parents, root as u32, Some(origin))
+    }
+
+    fn measured(
+        segments: Vec<Segment>,
+        parents: Vec<u32>,
+        root: u32,
+        base: Option<[f64; 3]>,
+    ) -> Result<Self> {
+        let tail = segments[root as usize].tail;
+        if let Some(base) = base
+            && base.iter().any(|x| !x.is_finite())
+        {
+            return refused("base".into(), format!("position {base:?} is not finite"));
+        }
+        let base = base.filter(|&b| distance(b, tail) > 0.0).unwrap_or_else(|| {
+            let child = parents.iter().position(|&p| p == root);
+            match child.map(|c| segments[c].tail) {
+                Some(next) => [0, 1, 2].map(|i| 2.0 * tail[i] - next[i]),
+                None => [tail[0], tail[1], tail[2] - 0.01],
+            }
+        });
+        let mut plant = Self { lengths: vec![], segments, parents, root, base };
+        plant.lengths =
+            (0..plant.len()).map(|v| distance(plant.head(v), plant.segments[v].tail)).collect();
+        match plant.lengths.iter().position(|&h| h.is_nan() || h <= 0.0 || h.is_infinite()) {
+            Some(v) => refused(
+                format!("node {v}"),
+                format!("a segment of length {}: it must be positive", plant.lengths[v]),
+            ),
+            None => Ok(plant),
+        }
+    }
+
+    /// The number of segments, at least 1.
+    #[allow(clippy::len_without_is_empty)] // there is no empty plant
+    pub fn len(&self) -> usize {
+        self.segments.len()
+    }
+
+    /// The segments.
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    /// The node before node `v`; `None` for the root.
+    pub fn parent(&self, v: usize) -> Option<usize> {
+        self.parents.get(v).filter(|&&p| p != NONE).map(|&p| p as usize)
+    }
+
+    /// The parents as they are kept.
+    pub(crate) fn parents(&self) -> &[u32] {
+        &self.parents
+    }
+
+    /// The node that has no parent.
+    pub fn root(&self) -> usize {
+        self.root as usize
+    }
+
+    /// Where the root segment begins, in metres.
+    pub fn base(&self) -> [f64; 3] {
+        self.base
+    }
+
+    /// Where segment `v` begins, in metres.
+    pub fn head(&self, v: usize) -> [f64; 3] {
+        self.parent(v).map_or(self.base, |p| self.segments[p].tail)
+    }
+
+    /// The lengths of the segments, in metres.
+    pub fn lengths(&self) -> &[f64] {
+        &self.lengths
+    }
+
+    /// The volume of segment `v`, a cylinder, in cubic metres.
+    pub fn volume(&self, v: usize) -> f64 {
+        std::f64::consts::PI * self.segments[v].radius.powi(2) * self.lengths[v]
+    }
+
+    /// The area of leaf that node `v` supplies, in square metres; 0 if it is not on a leaf.
+    pub fn leaf_area(&self, v: usize) -> f64 {
+        let segment = &self.segments[v];
+        match segment.leaf {
+            true => segment.leaf_area.unwrap_or(segment.radius * self.lengths[v]),
+            false => 0.0,
+        }
+    }
+
+    /// The nodes, every parent before its children, these in ascending order, each with all that hangs on it.
+    pub(crate) fn preorder(&self) -> Vec<u32> {
+        let n = self.len();
+        // Children as linked lists, so that a node with thousands of them costs no more than others.
+        let (mut first, mut next) = (vec![NONE; n], vec![NONE; n]);
+        for v in (0..n).rev() {
+            if let Some(p) = self.parent(v) {
+                next[v] = first[p];
+                first[p] = v as u32;
+            }
+        }
+        let mut order = Vec::with_capacity(n);
+        let mut waiting = vec![self.root];
+        while let Some(v) = waiting.pop() {
+            order.push(v);
+            let before = waiting.len();
+            let mut child = first[v as usize];
+            while child != NONE {
+                waiting.push(child);
+                child = next[child as usize];
+            }
+            waiting[before..].reverse();
+        }
+        order
+    }
+}
+
+fn check_segments(segments: &[Segment]) -> Result<()> {
+    if segments.is_empty() || segments.len() >= NONE as usize {
+        let why = format!("{} nodes, where 1 to 2^32 - 2 are possible", segments.len());
+        return Err(Error::Argument { what: "plant", why });
+    }
+    for (v, segment) in segments.iter().enumerate() {
+        let name = || format!("node {v}");
+        if segment.tail.iter().any(|x| !x.is_finite()) {
+            return refused(name(), format!("position {:?} is not finite", segment.tail));
+        }
+        if !(segment.radius > 0.0 && segment.radius.is_finite()) {
+            let r = segment.radius;
+            return refused(name(), format!("radius {r}, where a positive number is needed"));
+        }
+        if let Some(area) = segment.leaf_area
+            && !(area >= 0.0 && area.is_finite())
+        {
+            return refused(name(), format!("leaf area {area}, where at least 0 is needed"));
+        }
+    }
+    Ok(())
+}
+
+/// Every node leads to the root.
+fn check_cycles(parents: &[u32], root: usize) -> Result<()> {
+    // 0: unknown, 1: on the way at hand, 2: leads to the root.
+    let mut states = vec![0_u8; parents.len()];
+    states[root] = 2;
+    for start in 0..parents.len() {
+        let mut v = start;
+        while states[v] == 0 {
+            states[v] = 1;
+            v = parents[v] as usize;
+        }
+        if states[v] == 1 {
+            return refused(format!("node {v}"), "on a cycle: its parents lead back to it");
+        }
+        let mut v = start;
+        while states[v] == 1 {
+            states[v] = 2;
+            v = parents[v] as usize;
+        }
+    }
+    Ok(())
+}
+
+/// The parents in the tree of these edges, seen from its root.
+fn away_from(root: u32, degrees: &[u32], edges: &[[u32; 2]]) -> Vec<u32> {
+    let n = degrees.len() - 1;
+    let mut starts = vec![0_u32; n + 1];
+    for v in 0..n {
+        starts[v + 1] = starts[v] + degrees[v];
+    }
+    let mut filled = starts.clone();
+    let mut neighbours = vec![0_u32; 2 * edges.len()];
+    for &[a, b] in edges {
+        for (v, other) in [(a, b), (b, a)] {
+            neighbours[filled[v as usize] as usize] = other;
+            filled[v as usize] += 1;
+        }
+    }
+    let mut parents = vec![NONE; n];
+    let mut waiting = vec![root];
+    while let Some(v) = waiting.pop() {
+        for &u in &neighbours[starts[v as usize] as usize..starts[v as usize + 1] as usize] {
+            if u != parents[v as usize] {
+                parents[u as usize] = v;
+                waiting.push(u);
+            }
+        }
+    }
+    parents
+}
+
+fn find(sets: &mut [u32], mut v: u32) -> u32 {
+    while sets[v as usize] != v {
+        sets[v as usize] = sets[sets[v as usize] as usize];
+        v = sets[v as usize];
+    }
+    v
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(n: usize) -> Vec<Segment> {
+        (0..n).map(|v| Segment::stem([0.0, 0.0, 0.1 * (v + 1) as f64], 1e-3)).collect()
+    }
+
+    fn named(result: Result<Plant>, element: &str, what: &str) {
+        match result.unwrap_err() {
+            Error::Mesh { what: w, element: e } => {
+                assert!(e == element && w.contains(what), "{e}: {w}");
+            }
+            other => panic!("{other}"),
+        }
+    }
+
+    #[test]
+    fn edges_and_parents_make_the_same_plant() {
+        for n in [1, 2, 3, 7, 31] {
+            let edges: Vec<_> = (1..n as u32).rev().map(|v| [v, v - 1]).collect();
+            let parents: Vec<_> = (0..n as u32).map(|v| v.checked_sub(1)).collect();
+            let a = Plant::from_edges(line(n), &edges, None).unwrap();
+            let b = Plant::new(line(n), &parents, Some([0.0; 3])).unwrap();
+            assert_eq!(a, b);
+            assert_eq!(a.preorder(), (0..n as u32).collect::<Vec<_>>());
+            assert!(a.lengths().iter().all(|h| (h - 0.1).abs() < 1e-12));
+        }
+    }
+
+    #[test]
+    fn a_root_at_the_base_goes_on_into_its_child() {
+        let mut segments = line(3);
+        segments[0].tail = [0.0; 3];
+        let plant = Plant::from_edges(segments, &[[0, 1], [1, 2]], None).unwrap();
+        assert_eq!(plant.base(), [0.0, 0.0, -0.2]);
+    }
+
+    #[test]
+    fn what_is_no_plant_is_named() {
+        let edges = |edges: &[[u32; 2]], n| Plant::from_edges(line(n), edges, None);
+        named(edges(&[[0, 1], [1, 2], [2, 0]], 3), "edge 2 (2, 0)", "closes a cycle");
+        named(edges(&[[0, 1], [1, 1]], 3), "edge 1 (1, 1)", "closes a cycle");
+        named(edges(&[[0, 1], [1, 5]], 3), "edge 1 (1, 5)", "node 5 of 3");
+        named(edges(&[[0, 1]], 3), "node 2", "isolated");
+        named(edges(&[[0, 1], [2, 3]], 4), "node 2", "one root");
+        let parents = |parents: &[Option<u32>]| Plant::new(line(parents.len()), parents, None);
+        named(parents(&[None, None, Some(1)]), "node 1", "a second root");
+        named(parents(&[None, Some(0), None]), "node 2", "isolated");
+        named(parents(&[None, Some(2), Some(1)]), "node 1", "cycle");
+        named(parents(&[Some(1), Some(0)]), "node 0", "no root");
+        named(parents(&[None, Some(7)]), "node 1", "parent 7");
+        let mut thin = line(3);
+        thin[1].radius = 0.0;
+        named(Plant::from_edges(thin, &[[0, 1], [1, 2]], None), "node 1", "radius 0");
+        let mut short = line(3);
+        short[2].tail = short[1].tail;
+        named(Plant::from_edges(short, &[[0, 1], [1, 2]], None), "node 2", "length 0");
+        assert!(matches!(Plant::new(vec![], &[], None), Err(Error::Argument { .. })));
+    }
+}

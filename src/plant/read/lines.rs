@@ -1,0 +1,65 @@
+use crate::base::{Error, Result};
+use crate::io::Source;
+
+/// The lines of a file of text; every error names the last one.
+pub(super) struct Lines<'a>(Source<'a>);
+
+impl<'a> Lines<'a> {
+    pub fn new(source: Source<'a>) -> Self {
+        Self(source)
+    }
+
+    /// The next line that is not blank, trimmed, or `None` at the end.
+    pub fn next(&mut self) -> Result<Option<String>> {
+        loop {
+            let Some(bytes) = self.0.next_bytes()? else { return Ok(None) };
+            let text = std::str::from_utf8(bytes).map(|line| line.trim().to_owned());
+            match text {
+                Ok(line) if line.is_empty() => {}
+                Ok(line) => return Ok(Some(line)),
+                Err(_) => return Err(self.fail("not text (UTF-8)")),
+            }
+        }
+    }
+
+    /// The next line that has more than a comment, with the tabs it begins with, less what follows a `#`.
+    pub fn next_row(&mut self) -> Result<Option<String>> {
+        loop {
+            let Some(bytes) = self.0.next_bytes()? else { return Ok(None) };
+            let text = std::str::from_utf8(bytes).map(str::to_owned);
+            let Ok(text) = text else { return Err(self.fail("not text (UTF-8)")) };
+            let row = text.split('#').next().unwrap_or_default();
+            if !row.trim().is_empty() {
+                return Ok(Some(row.to_owned()));
+            }
+        }
+    }
+
+    /// The next line, which must be there.
+    pub fn expect(&mut self, what: &str) -> Result<String> {
+        match self.next()? {
+            Some(line) => Ok(line),
+            None => Err(self.fail(format!("the file ends where {what} must follow"))),
+        }
+    }
+
+    pub fn fail(&self, what: impl Into<String>) -> Error {
+        self.0.fail(what)
+    }
+
+    /// A finite number.
+    pub fn number(&self, what: &str, word: Option<&str>) -> Result<f64> {
+        let word = word.unwrap_or_default().trim();
+        let number = word.parse().ok().filter(|x: &f64| x.is_finite());
+        number.ok_or_else(|| self.fail(format!("{what}: {word:?} is not a finite number")))
+    }
+
+    /// A whole number from 0, which may be written as 3.0 too.
+    pub fn count(&self, what: &str, word: Option<&str>) -> Result<usize> {
+        let value = self.number(what, word)?;
+        if value >= 0.0 && value < f64::from(u32::MAX) && value.fract() == 0.0 {
+            return Ok(value as usize);
+        }
+        Err(self.fail(format!("{what}: {value} is not a whole number from 0")))
+    }
+}

@@ -1,0 +1,96 @@
+//! Files of plants: the reference text format, SWC, MTG and polylines in OBJ.
+
+mod lines;
+mod mtg;
+mod obj;
+mod reference;
+mod swc;
+
+use std::path::Path;
+
+use self::lines::Lines;
+use super::Plant;
+use crate::base::{Error, Result};
+use crate::io::{Packing, Source};
+
+/// The format of a file of a plant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlantFormat {
+    /// `verts N`, N lines `id,x,y,z,radius,on_leaf[,fixed]`, `edges M`, M lines `id,id`: that of the reference
+    /// implementation of the thesis, in metres. The root is the node nearest to the origin, where its segment begins.
+    Reference,
+    /// Neuron and tree skeletons (Cannon et al. 1998): lines `id type x y z radius parent`, parent -1 for the root, taken as
+    /// metres. Type 7 ("custom") marks veins of leaves.
+    Swc,
+    /// Multiscale tree graphs (Godin and Caraglio 1998) with coordinates: the columns `XX`, `YY`, `ZZ` and `Radius` or
+    /// `Diameter` (taken as metres), `/`, `<` and `+` between components. Class `L...` (leaf) marks veins of leaves.
+    Mtg,
+    /// Wavefront OBJ with `v x y z [radius]` and polylines `l`: metres; where no radius is given it is 1 mm. The root is the
+    /// first vertex of the first line. End points of lines that nothing goes on from are on leaves.
+    Obj,
+}
+
+impl PlantFormat {
+    /// What the name of a file says: `.txt`, `.swc`, `.mtg`, `.obj`.
+    fn of(path: &Path) -> Result<(Self, Packing)> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        let (stem, packing) = Packing::of(&name);
+        let format = match stem.rsplit_once('.').map(|(_, extension)| extension) {
+            Some("txt") => Self::Reference,
+            Some("swc") => Self::Swc,
+            Some("mtg") => Self::Mtg,
+            Some("obj") => Self::Obj,
+            _ => {
+                let what = "unknown kind of plant: the name must end in .txt, .swc, .mtg or .obj, and may have .gz or .xz \
+                            after it";
+                return Err(Error::Io { path: path.into(), line: 0, what: what.into() });
+            }
+        };
+        Ok((format, packing))
+    }
+}
+
+/// Reads the plant in the file at `path`, of the format its name says; packed files (`.gz`, `.xz`) too.
+///
+/// # Errors
+/// [`Error::Io`] with file and line; [`Error::Mesh`], with the file, for nodes that make no plant ([`Plant::new`]).
+pub fn read(path: &Path) -> Result<Plant> {
+    let (format, packing) = PlantFormat::of(path)?;
+    read_source(Source::open_bounded(path, packing, None)?, format, path)
+}
+
+/// Reads the plant in these bytes as if they were a file.
+///
+/// # Errors
+/// As those of [`read()`]; the path is that of the format's usual name.
+pub fn read_bytes(bytes: &[u8], format: PlantFormat) -> Result<Plant> {
+    let path = Path::new(match format {
+        PlantFormat::Reference => "plant.txt",
+        PlantFormat::Swc => "plant.swc",
+        PlantFormat::Mtg => "plant.mtg",
+        PlantFormat::Obj => "plant.obj",
+    });
+    read_source(Source::of_bytes(path, bytes), format, path)
+}
+
+fn read_source(source: Source<'_>, format: PlantFormat, path: &Path) -> Result<Plant> {
+    let mut lines = Lines::new(source);
+    let plant = match format {
+        PlantFormat::Reference => reference::read(&mut lines),
+        PlantFormat::Swc => swc::read(&mut lines),
+        PlantFormat::Mtg => mtg::read(&mut lines),
+        PlantFormat::Obj => obj::read(&mut lines),
+    };
+    plant.map_err(|error| match error {
+        Error::Mesh { what, element } => {
+            Error::Mesh { what, element: format!("{}: {element}", path.display()) }
+        }
+        Error::Argument { what, why } => {
+            Error::Io { path: path.into(), line: 0, what: format!("{what}: {why}") }
+        }
+        other => other,
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,77 @@
+//! MTG, the multiscale tree graphs of AMAPmod and OpenAlea (Godin and Caraglio 1998): the finest scale with coordinates.
+
+use super::super::{Plant, Segment};
+use super::lines::Lines;
+use crate::base::Result;
+
+/// Columns of features by their names.
+struct Columns {
+    /// How many columns the code has before the first feature.
+    code: usize,
+    position: [usize; 3],
+    radius: usize,
+    /// What a number of that column is multiplied by to give a radius.
+    scale: f64,
+}
+
+pub(super) fn read(lines: &mut Lines<'_>) -> Result<Plant> {
+    let columns = header(lines)?;
+    let (mut segments, mut parents) = (Vec::new(), Vec::<Option<u32>>::new());
+    // The last node of the axis that each column of the code is on.
+    let mut last: Vec<Option<u32>> = vec![None; columns.code];
+    // Comments and blank lines are gone, tabs at the beginning of a line are not.
+    while let Some(line) = lines.next_row()? {
+        let cells: Vec<&str> = line.split('\t').map(str::trim).collect();
+        let Some(place) = cells.iter().take(columns.code).position(|cell| !cell.is_empty()) else {
+            continue;
+        };
+        let code = cells[place];
+        let cell = |column: usize| cells.get(column).copied().filter(|cell| !cell.is_empty());
+        if columns.position.iter().any(|&column| cell(column).is_none()) {
+            continue; // of a coarser scale: a plant or an axis, which has no place
+        }
+        // "^<I3" goes on from the last node of its column, "+I3" branches off from it, "/I3" begins.
+        let code = code.trim_start_matches('^');
+        let link = code.rfind(['/', '<', '+']).map(|i| (code.as_bytes()[i], &code[i + 1..]));
+        let Some((link, name)) = link else {
+            return Err(lines.fail(format!("{code:?} has none of the relations /, < and +")));
+        };
+        let known = last[..=place].iter().rev().find_map(|v| *v);
+        let parent = if link == b'/' && segments.is_empty() { None } else { known };
+        let mut tail = [0.0; 3];
+        for (x, &column) in tail.iter_mut().zip(&columns.position) {
+            *x = lines.number("coordinate", cell(column))?;
+        }
+        let radius = columns.scale * lines.number("radius", cell(columns.radius))?;
+        let mut segment = Segment::stem(tail, radius);
+        segment.leaf = name.starts_with(['L', 'l']);
+        last[place] = Some(segments.len() as u32);
+        last[place + 1..].fill(None);
+        parents.push(parent);
+        segments.push(segment);
+    }
+    Plant::new(segments, &parents, None)
+}
+
+/// Everything up to the line of column names after `MTG:`.
+fn header(lines: &mut Lines<'_>) -> Result<Columns> {
+    while !lines.expect("`MTG:`")?.starts_with("MTG") {}
+    let Some(line) = lines.next_row()? else {
+        return Err(lines.fail("no names of columns after `MTG:`"));
+    };
+    let names: Vec<String> =
+        line.split('\t').map(|name| name.trim().to_ascii_lowercase()).collect();
+    let find = |names_of: &[&str]| names.iter().position(|name| names_of.contains(&name.as_str()));
+    let (x, y, z) = (find(&["xx", "x"]), find(&["yy", "y"]), find(&["zz", "z"]));
+    let (Some(x), Some(y), Some(z)) = (x, y, z) else {
+        return Err(lines.fail("no columns XX, YY and ZZ: a plant needs positions"));
+    };
+    let (radius, scale) = match (find(&["radius"]), find(&["diameter"])) {
+        (Some(radius), _) => (radius, 1.0),
+        (None, Some(diameter)) => (diameter, 0.5),
+        (None, None) => return Err(lines.fail("no column Radius or Diameter")),
+    };
+    // The code has the columns up to the first name after ENTITY-CODE.
+    let code = (1..names.len()).find(|&i| !names[i].is_empty()).unwrap_or(1);
+    Ok(Columns { code, position: [x, y, z], radius, scale })
+}

@@ -1,0 +1,189 @@
+//! The plant as rods: rigid segments, joints that bend and twist but do not stretch.
+
+mod joint;
+mod motion;
+mod pins;
+mod small;
+mod statics;
+
+use std::f64::consts::PI;
+
+pub use motion::{Motion, MotionOptions};
+pub use statics::{RelaxOptions, Relaxation};
+
+use self::small::{Matrix, NO_ROTATION, Quaternion, image, rotation_matrix};
+use super::Plant;
+use super::graph::NONE;
+use super::water::{at_least_zero, positive};
+use crate::base::{Error, Result};
+use crate::mesh::vector::{Vector, scale, sub};
+
+/// The constants of rods, in SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RodOptions {
+    /// Default (0, 0, -9.81), in m / s^2.
+    pub gravity: [f64; 3],
+    /// Poisson's ratio nu, in (-1, 0.5]: the shear modulus is `E / (2 (1 + nu))`. Default 0.3.
+    pub poisson: f64,
+    /// What a cubic metre of tissue weighs without its water, in kg. Default 100.
+    pub dry_density: f64,
+}
+
+impl Default for RodOptions {
+    fn default() -> Self {
+        Self { gravity: [0.0, 0.0, -9.81], poisson: 0.3, dry_density: 100.0 }
+    }
+}
+
+/// Where the segments are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pose {
+    /// Where each segment begins, in metres.
+    pub heads: Vec<[f64; 3]>,
+    /// Where each segment ends, in metres.
+    pub tails: Vec<[f64; 3]>,
+    /// How each has turned from the plant as it was given: unit quaternions (w, x, y, z).
+    pub rotations: Vec<[f64; 4]>,
+}
+
+/// A plant whose segments have weight and joints stiffness. The joint of the root segment holds it to the ground; pinned
+/// segments stay where they are and carry what hangs on them.
+#[derive(Debug, Clone)]
+pub struct Rods {
+    /// Every parent before its children.
+    order: Vec<u32>,
+    parents: Vec<u32>,
+    pinned: Vec<bool>,
+    base: Vector,
+    /// Where each begins, as the plant was given.
+    rest_heads: Vec<Vector>,
+    /// From head to tail, as the plant was given.
+    rest: Vec<Vector>,
+    lengths: Vec<f64>,
+    radii: Vec<f64>,
+    volumes: Vec<f64>,
+    options: RodOptions,
+    /// In kg.
+    masses: Vec<f64>,
+    /// K of the joint to the parent, in N m.
+    stiffness: Vec<Matrix<3>>,
+}
+
+impl Rods {
+    /// The rods of a plant. They have no weight and the stiffness of E = 1 Pa until [`Rods::set_state`].
+    ///
+    /// # Errors
+    /// [`Error::Argument`] names the option that is out of its range.
+    pub fn new(plant: &Plant, options: &RodOptions) -> Result<Self> {
+        at_least_zero("dry density", options.dry_density)?;
+        if !(options.poisson > -1.0 && options.poisson <= 0.5) {
+            let why =
+                format!("{}, where more than -1 and at most 0.5 is possible", options.poisson);
+            return Err(Error::Argument { what: "poisson", why });
+        }
+        if options.gravity.iter().any(|x| !x.is_finite()) {
+            let why = format!("{:?} is not finite", options.gravity);
+            return Err(Error::Argument { what: "gravity", why });
+        }
+        let n = plant.len();
+        let mut rods = Self {
+            order: plant.preorder(),
+            parents: plant.parents().to_vec(),
+            pinned: plant.segments().iter().map(|s| s.pinned).collect(),
+            base: plant.base(),
+            rest_heads: (0..n).map(|v| plant.head(v)).collect(),
+            rest: (0..n).map(|v| sub(plant.segments()[v].tail, plant.head(v))).collect(),
+            lengths: plant.lengths().to_vec(),
+            radii: plant.segments().iter().map(|s| s.radius).collect(),
+            volumes: (0..n).map(|v| plant.volume(v)).collect(),
+            options: *options,
+            masses: vec![0.0; n],
+            stiffness: vec![[[0.0; 3]; 3]; n],
+        };
+        rods.set_moduli(&vec![1.0; n])?;
+        Ok(rods)
+    }
+
+    /// The number of segments.
+    #[allow(clippy::len_without_is_empty)] // there is no empty plant
+    pub fn len(&self) -> usize {
+        self.parents.len()
+    }
+
+    /// Sets the modulus of elasticity of every segment, in Pa, and its water, in kg.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] and [`Error::Argument`] name the argument at fault; water below 0 by rounding counts as 0.
+    pub fn set_state(&mut self, moduli: &[f64], water: &[f64]) -> Result<()> {
+        Error::check_shape("water", (self.len(), 1), (water.len(), 1))?;
+        if let Some(v) = water.iter().position(|x| !x.is_finite()) {
+            return Err(Error::NonFinite { what: "water", index: (v, 0) });
+        }
+        self.set_moduli(moduli)?;
+        for v in 0..self.len() {
+            self.masses[v] = self.options.dry_density * self.volumes[v] + water[v].max(0.0);
+        }
+        Ok(())
+    }
+
+    /// Half of the compliance of a joint is that of half the parent, the rest that of half the child.
+    fn set_moduli(&mut self, moduli: &[f64]) -> Result<()> {
+        Error::check_shape("moduli", (self.len(), 1), (moduli.len(), 1))?;
+        if let Some(&e) = moduli.iter().find(|e| positive("moduli", **e).is_err()) {
+            return positive("moduli", e);
+        }
+        let shear = 2.0 * (1.0 + self.options.poisson);
+        // 1 / (E I) and 1 / (G J), times half of the length, with J = 2 I.
+        let half = |v: usize| {
+            let bend = 0.5 * self.lengths[v] / (moduli[v] * PI * self.radii[v].powi(4) / 4.0);
+            [bend, 0.5 * bend * shear]
+        };
+        for v in 0..self.len() {
+            let [mut bend, mut twist] = half(v);
+            if let Some(p) = self.parent(v) {
+                let above = half(p);
+                bend += above[0];
+                twist += above[1];
+            }
+            let direction = scale(self.rest[v], 1.0 / self.lengths[v]);
+            self.stiffness[v] = joint::stiffness(1.0 / bend, 1.0 / twist, direction);
+        }
+        Ok(())
+    }
+
+    /// The pose in which the plant was given.
+    pub fn rest_pose(&self) -> Pose {
+        let mut pose = Pose {
+            heads: vec![[0.0; 3]; self.len()],
+            tails: vec![[0.0; 3]; self.len()],
+            rotations: vec![NO_ROTATION; self.len()],
+        };
+        self.place(&mut pose);
+        pose
+    }
+
+    fn parent(&self, v: usize) -> Option<usize> {
+        Some(self.parents[v]).filter(|&p| p != NONE).map(|p| p as usize)
+    }
+
+    /// The rotation of the parent of v; the ground has none.
+    fn parent_rotation(&self, rotations: &[Quaternion], v: usize) -> Quaternion {
+        self.parent(v).map_or(NO_ROTATION, |p| rotations[p])
+    }
+
+    /// Heads and tails from rotations, from the ground up; pinned segments are at rest.
+    fn place(&self, pose: &mut Pose) {
+        for &v in &self.order {
+            let v = v as usize;
+            let head = self.parent(v).map_or(self.base, |p| pose.tails[p]);
+            let along = image(&rotation_matrix(pose.rotations[v]), &self.rest[v]);
+            pose.heads[v] = head;
+            pose.tails[v] = [0, 1, 2].map(|i| head[i] + along[i]);
+            if self.pinned[v] {
+                let rest = self.rest_heads[v];
+                pose.heads[v] = rest;
+                pose.tails[v] = [0, 1, 2].map(|i| rest[i] + self.rest[v][i]);
+            }
+        }
+    }
+}

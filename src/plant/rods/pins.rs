@@ -1,0 +1,64 @@
+//! Pinned segments that free ones lead to: where a free path ends must stay where it was at rest.
+
+use faer::Mat;
+
+use super::Rods;
+use crate::base::Result;
+use crate::dense;
+use crate::mesh::vector::{Vector, norm, sub};
+
+/// One end that is held: the free segments from the one that ends there back to what is fixed.
+#[derive(Debug, Clone)]
+pub(super) struct Pin {
+    /// The segment that ends at the pin.
+    pub last: usize,
+    /// Where it must end.
+    target: Vector,
+    /// The free segments that lead there.
+    pub path: Vec<usize>,
+}
+
+impl Pin {
+    /// How far the end is from where it must be.
+    pub fn gap(&self, tails: &[Vector]) -> Vector {
+        sub(tails[self.last], self.target)
+    }
+}
+
+/// The pins of a plant.
+pub(super) fn pins(rods: &Rods) -> Vec<Pin> {
+    let entered = |v: &usize| rods.pinned[*v] && rods.parent(*v).is_some_and(|p| !rods.pinned[p]);
+    (0..rods.len())
+        .filter(entered)
+        .filter_map(|v| {
+            let last = rods.parent(v)?;
+            let mut path = Vec::new();
+            let mut at = Some(last);
+            while let Some(u) = at.filter(|&u| !rods.pinned[u]) {
+                path.push(u);
+                at = rods.parent(u);
+            }
+            Some(Pin { last, target: rods.rest_heads[v], path })
+        })
+        .collect()
+}
+
+/// The sum of all gaps.
+pub(super) fn total_gap(pins: &[Pin], tails: &[Vector]) -> f64 {
+    pins.iter().map(|pin| norm(pin.gap(tails))).sum()
+}
+
+/// Solves the symmetric positive definite equations of the forces of pins, in place. Where paths leave a force no say (one
+/// segment can't change its length) a little of the diagonal decides.
+pub(super) fn solve_forces(mut matrix: Mat<f64>, right: &mut Mat<f64>) -> Result<bool> {
+    const RIDGE: f64 = 1e-12;
+    let n = matrix.nrows();
+    let largest = (0..n).map(|i| matrix[(i, i)]).fold(0.0, f64::max);
+    (0..n).for_each(|i| matrix[(i, i)] += RIDGE * largest);
+    if dense::cholesky(matrix.as_mut())?.is_err() {
+        return Ok(false);
+    }
+    dense::lower_solve_in_place(matrix.as_ref(), right.as_mut());
+    dense::upper_solve_in_place(matrix.transpose(), right.as_mut());
+    Ok(true)
+}

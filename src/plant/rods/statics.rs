@@ -1,0 +1,359 @@
+//! The pose in which elastic and gravitational energy are least, by Newton's method on the rotations of segments.
+//!
+//! Positions are sums of rotated segments along the way from the root, so zero stretch needs no equation, and the energy of
+//! weight is a sum over segments of what hangs beyond them: with rotations in space as unknowns its Hessian has one 3 x 3
+//! block per segment and one per joint, a tree, which is eliminated from the leaves in O(n).
+
+use faer::Mat;
+
+use super::pins::{Pin, pins, solve_forces, total_gap};
+use super::small::{
+    Matrix, add, cholesky, cross_matrix, image, rotation_matrix, solve, solve_matrix, times,
+    transposed, turned,
+};
+use super::{Pose, Rods, joint};
+use crate::base::{Error, Flow, Progress, Result};
+use crate::dense;
+use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub};
+
+/// Options of [`Rods::relax`].
+#[derive(Clone, Copy)]
+pub struct RelaxOptions<'a> {
+    /// The largest torque out of balance, as a part of the largest torque of a weight, and the largest rotation (in
+    /// radians) of a last step that count as converged, between 1e-12 and 1e-2. Default 1e-8.
+    pub tolerance: f64,
+    /// Iterations after which [`Error::NotConverged`] is returned. Default 200.
+    pub max_iterations: usize,
+    /// Told of the fraction of the iterations; may cancel.
+    pub progress: Option<Progress<'a>>,
+}
+
+impl Default for RelaxOptions<'_> {
+    fn default() -> Self {
+        Self { tolerance: 1e-8, max_iterations: 200, progress: None }
+    }
+}
+
+/// What [`Rods::relax`] did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Relaxation {
+    /// Newton iterations.
+    pub iterations: usize,
+    /// The largest torque out of balance, as a part of the largest torque of a weight.
+    pub residual: f64,
+}
+
+/// The largest rotation of a step, in radians.
+const LARGEST_TURN: f64 = 0.7;
+
+/// Halvings of a step.
+const HALVINGS: usize = 12;
+
+/// The quadratic model of the energy at a pose.
+struct Quadratic {
+    gradient: Vec<Vector>,
+    diagonal: Vec<Matrix<3>>,
+    /// By the segment (rows) and its parent (columns).
+    coupling: Vec<Matrix<3>>,
+    /// What a shift of the diagonal is measured by.
+    scales: Vec<f64>,
+}
+
+/// The factors of its matrix.
+struct Factors {
+    /// L of every pivot.
+    pivots: Vec<Matrix<3>>,
+    /// Pivot^-1 coupling.
+    couplings: Vec<Matrix<3>>,
+}
+
+impl Rods {
+    /// Turns `pose` into one of equilibrium near it: the energy falls in every step.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] for a pose of another plant; [`Error::NotConverged`] with the pose as far as it came;
+    /// [`Error::Cancelled`], [`Error::OutOfMemory`].
+    pub fn relax(&self, pose: &mut Pose, options: &RelaxOptions<'_>) -> Result<Relaxation> {
+        Error::check_shape("pose", (self.len(), 4), (pose.rotations.len(), 4))?;
+        let pins = pins(self);
+        let mut forces = vec![[0.0; 3]; pins.len()];
+        self.place(pose);
+        let mut shift = 0.0;
+        let mut residual = f64::INFINITY;
+        for iteration in 0..options.max_iterations {
+            let fraction = iteration as f64 / options.max_iterations as f64;
+            if options.progress.map(|progress| progress(fraction)) == Some(Flow::Cancel) {
+                return Err(Error::Cancelled);
+            }
+            let loads = self.loads(&pins, &forces);
+            let quadratic = self.quadratic(pose, &loads);
+            let (factors, used) = self.positive_factors(&quadratic, shift)?;
+            let (step, change) = self.newton_step(pose, &quadratic, &factors, &pins)?;
+            for (force, change) in forces.iter_mut().zip(&change) {
+                *force = [0, 1, 2].map(|i| force[i] + change[i]);
+            }
+            residual = self.residual(pose, &self.loads(&pins, &forces));
+            let largest = step.iter().map(|a| norm(*a)).fold(0.0, f64::max);
+            let gap = total_gap(&pins, &pose.tails);
+            let length = self.lengths.iter().copied().fold(0.0, f64::max);
+            let is_small = residual <= options.tolerance && gap <= options.tolerance * length;
+            if is_small && largest <= options.tolerance.max(1e-6) && used == 0.0 {
+                return Ok(Relaxation { iterations: iteration, residual });
+            }
+            let taken = self.line_search(pose, &step, &quadratic.gradient, &pins, &forces);
+            shift = match taken {
+                Some(fraction) if fraction > 0.5 => used / 16.0,
+                Some(_) => used,
+                None if residual <= options.tolerance && largest <= 1e-6 => {
+                    return Ok(Relaxation { iterations: iteration, residual });
+                }
+                None => (16.0 * used).max(1e-6),
+            };
+            if shift < 1e-9 {
+                shift = 0.0;
+            }
+        }
+        Err(Error::NotConverged { iterations: options.max_iterations, residual })
+    }
+
+    /// The force at the tail of each free segment: the weight beyond it, half of its own, and those of pins.
+    fn loads(&self, pins: &[Pin], forces: &[Vector]) -> Vec<Vector> {
+        let gravity = self.options.gravity;
+        let mut beyond = vec![0.0; self.len()];
+        let mut loads = vec![[0.0; 3]; self.len()];
+        for &v in self.order.iter().rev() {
+            let v = v as usize;
+            loads[v] = scale(gravity, beyond[v] + 0.5 * self.masses[v]);
+            if let Some(p) = self.parent(v)
+                && !self.pinned[v]
+            {
+                beyond[p] += beyond[v] + self.masses[v];
+            }
+        }
+        for (pin, force) in pins.iter().zip(forces) {
+            for &u in &pin.path {
+                loads[u] = sub(loads[u], *force);
+            }
+        }
+        loads
+    }
+
+    fn along(&self, pose: &Pose, v: usize) -> Vector {
+        image(&rotation_matrix(pose.rotations[v]), &self.rest[v])
+    }
+
+    fn quadratic(&self, pose: &Pose, loads: &[Vector]) -> Quadratic {
+        let n = self.len();
+        let zero = [[0.0; 3]; 3];
+        let mut gradient = vec![[0.0; 3]; n];
+        let (mut diagonal, mut coupling) = (vec![zero; n], vec![zero; n]);
+        let mut scales = vec![0.0; n];
+        for v in 0..n {
+            let parent = self.parent_rotation(&pose.rotations, v);
+            let d = joint::derivatives(&self.stiffness[v], parent, pose.rotations[v]);
+            let size = (0..3).map(|i| self.stiffness[v][i][i]).sum::<f64>() / 3.0;
+            add(&mut diagonal[v], 1.0, &d.own);
+            coupling[v] = d.mixed;
+            scales[v] += size;
+            gradient[v] = [0, 1, 2].map(|i| gradient[v][i] + d.gradient[i]);
+            if let Some(p) = self.parent(v) {
+                add(&mut diagonal[p], 1.0, &d.own);
+                scales[p] += size;
+                gradient[p] = sub(gradient[p], d.gradient);
+            }
+            // The energy of a weight is -F . y; turned by a small a, y becomes y + a x y + a x (a x y) / 2.
+            let (y, f) = (self.along(pose, v), loads[v]);
+            gradient[v] = sub(gradient[v], cross(y, f));
+            for i in 0..3 {
+                for j in 0..3 {
+                    diagonal[v][i][j] -= 0.5 * (f[i] * y[j] + y[i] * f[j]);
+                }
+                diagonal[v][i][i] += dot(f, y);
+            }
+        }
+        Quadratic { gradient, diagonal, coupling, scales }
+    }
+
+    /// The largest torque out of balance, as a part of the largest of a weight.
+    fn residual(&self, pose: &Pose, loads: &[Vector]) -> f64 {
+        let gradient = self.quadratic(pose, loads).gradient;
+        let free = || (0..self.len()).filter(|&v| !self.pinned[v]);
+        let torque = free().map(|v| self.lengths[v] * norm(loads[v])).fold(0.0, f64::max);
+        let largest = free().map(|v| norm(gradient[v])).fold(0.0, f64::max);
+        if torque > 0.0 { largest / torque } else { largest }
+    }
+
+    /// The factors of the matrix, with the least of the tried shifts of the diagonal that makes it positive definite.
+    fn positive_factors(&self, quadratic: &Quadratic, first: f64) -> Result<(Factors, f64)> {
+        let mut shift: f64 = first;
+        for _ in 0..40 {
+            if let Some(factors) = self.factors(quadratic, shift) {
+                return Ok((factors, shift));
+            }
+            shift = (4.0 * shift).max(1e-6);
+        }
+        Err(Error::NotConverged { iterations: 0, residual: shift })
+    }
+
+    fn factors(&self, quadratic: &Quadratic, shift: f64) -> Option<Factors> {
+        let mut pivots = quadratic.diagonal.clone();
+        let mut couplings = quadratic.coupling.clone();
+        for &v in self.order.iter().rev() {
+            let v = v as usize;
+            if self.pinned[v] {
+                continue;
+            }
+            for i in 0..3 {
+                pivots[v][i][i] += shift * quadratic.scales[v];
+            }
+            let pivot = cholesky(&pivots[v])?;
+            if let Some(p) = self.parent(v)
+                && !self.pinned[p]
+            {
+                couplings[v] = solve_matrix(&pivot, &quadratic.coupling[v]);
+                let up = times(&transposed(&quadratic.coupling[v]), &couplings[v]);
+                add(&mut pivots[p], -1.0, &up);
+            }
+            pivots[v] = pivot;
+        }
+        Some(Factors { pivots, couplings })
+    }
+
+    /// `H^-1 b` in place.
+    fn solve(&self, factors: &Factors, b: &mut [Vector]) {
+        for &v in self.order.iter().rev() {
+            let v = v as usize;
+            if self.pinned[v] {
+                b[v] = [0.0; 3];
+            } else if let Some(p) = self.parent(v).filter(|&p| !self.pinned[p]) {
+                let up = image(&transposed(&factors.couplings[v]), &b[v]);
+                b[p] = sub(b[p], up);
+            }
+        }
+        for &v in &self.order {
+            let v = v as usize;
+            if self.pinned[v] {
+                continue;
+            }
+            b[v] = solve(&factors.pivots[v], &b[v]);
+            if let Some(p) = self.parent(v).filter(|&p| !self.pinned[p]) {
+                b[v] = sub(b[v], image(&factors.couplings[v], &b[p]));
+            }
+        }
+    }
+
+    /// The step of rotations, and that of the forces of pins: `H a + C^T f = -g`, `C a = -gaps`.
+    fn newton_step(
+        &self,
+        pose: &Pose,
+        quadratic: &Quadratic,
+        factors: &Factors,
+        pins: &[Pin],
+    ) -> Result<(Vec<Vector>, Vec<Vector>)> {
+        let mut step: Vec<Vector> = quadratic.gradient.iter().map(|g| scale(*g, -1.0)).collect();
+        self.solve(factors, &mut step);
+        if pins.is_empty() {
+            return Ok((step, vec![]));
+        }
+        // The end of a path moves by the sum of a x y = -[y] a.
+        let arms: Vec<Matrix<3>> =
+            (0..self.len()).map(|v| cross_matrix(scale(self.along(pose, v), -1.0))).collect();
+        let moved = |pin: &Pin, a: &[Vector]| {
+            let mut sum = [0.0; 3];
+            for &u in &pin.path {
+                let part = image(&arms[u], &a[u]);
+                sum = [0, 1, 2].map(|i| sum[i] + part[i]);
+            }
+            sum
+        };
+        let rows = 3 * pins.len();
+        let mut matrix = dense::zeros(rows, rows)?;
+        let mut right: Mat<f64> = dense::zeros(rows, 1)?;
+        let mut columns = Vec::with_capacity(rows);
+        for (j, pin) in pins.iter().enumerate() {
+            let gap = pin.gap(&pose.tails);
+            let free = moved(pin, &step);
+            for axis in 0..3 {
+                right[(3 * j + axis, 0)] = gap[axis] + free[axis];
+                let mut column = vec![[0.0; 3]; self.len()];
+                pin.path.iter().for_each(|&u| column[u] = arms[u][axis]);
+                self.solve(factors, &mut column);
+                for (i, other) in pins.iter().enumerate() {
+                    let image = moved(other, &column);
+                    (0..3).for_each(|k| matrix[(3 * i + k, 3 * j + axis)] = image[k]);
+                }
+                columns.push(column);
+            }
+        }
+        if !solve_forces(matrix, &mut right)? {
+            return Err(Error::NotConverged { iterations: 0, residual: f64::NAN });
+        }
+        for (j, column) in columns.iter().enumerate() {
+            let force = right[(j, 0)];
+            step.iter_mut().zip(column).for_each(|(a, c)| *a = sub(*a, scale(*c, force)));
+        }
+        let change = |j: usize| [0, 1, 2].map(|axis| right[(3 * j + axis, 0)]);
+        Ok((step, (0..pins.len()).map(change).collect()))
+    }
+
+    /// Moves along the step as far as the energy, with a price on gaps at pins, falls; the fraction taken, or `None`.
+    fn line_search(
+        &self,
+        pose: &mut Pose,
+        step: &[Vector],
+        gradient: &[Vector],
+        pins: &[Pin],
+        forces: &[Vector],
+    ) -> Option<f64> {
+        let largest = step.iter().map(|a| norm(*a)).fold(0.0, f64::max);
+        if largest == 0.0 {
+            return None;
+        }
+        let price = 2.0 * forces.iter().map(|f| norm(*f)).fold(0.0, f64::max);
+        let weights = self.loads(&[], &[]);
+        let merit = |pose: &Pose| {
+            let (energy, size) = self.energy(pose, &weights);
+            (energy + price * total_gap(pins, &pose.tails), size)
+        };
+        let (before, size) = merit(pose);
+        let slope: f64 = if pins.is_empty() {
+            step.iter().zip(gradient).map(|(a, g)| dot(*a, *g)).sum()
+        } else {
+            // Of the Lagrangian and the price; any decrease will do.
+            0.0
+        };
+        let mut fraction = (LARGEST_TURN / largest).min(1.0);
+        let mut moved = pose.clone();
+        for _ in 0..HALVINGS {
+            for (v, a) in step.iter().enumerate() {
+                moved.rotations[v] = turned(pose.rotations[v], scale(*a, fraction));
+            }
+            self.place(&mut moved);
+            let (after, _) = merit(&moved);
+            // What is lost in rounding is no increase.
+            if after <= before + 1e-4 * fraction * slope + 1e-13 * size {
+                std::mem::swap(pose, &mut moved);
+                return Some(fraction);
+            }
+            fraction *= 0.5;
+        }
+        None
+    }
+
+    /// Elastic and gravitational energy, in J, and the sum of the sizes of their terms.
+    fn energy(&self, pose: &Pose, weights: &[Vector]) -> (f64, f64) {
+        let (mut sum, mut size) = (0.0, 0.0);
+        for v in 0..self.len() {
+            let parent = self.parent_rotation(&pose.rotations, v);
+            let bent = joint::energy(&self.stiffness[v], parent, pose.rotations[v]);
+            // Against the rest pose, so that little is lost where little has moved.
+            let fallen = match self.pinned[v] {
+                true => 0.0,
+                false => -dot(weights[v], sub(self.along(pose, v), self.rest[v])),
+            };
+            sum += bent + fallen;
+            size += bent + fallen.abs();
+        }
+        (sum, size)
+    }
+}

@@ -1,0 +1,79 @@
+use faer::Mat;
+
+use super::water::{WaterModel, at_least_zero};
+use crate::base::{Result, zeros};
+use crate::dense::{self, SymmetricEigen, symmetric_eigen};
+
+/// The solution by eigenvalues (thesis, equations 4.6 and 4.7), of the symmetric matrix `D^(-1/2) S D^(1/2)`: real numbers,
+/// orthonormal vectors, no inverse.
+///
+/// O(n^3) once and O(n^2) per time: for small plants, and for looking at the modes. Dense eigenvalues are right up to
+/// rounding of the largest one, so slow rates of a stiff plant have few right digits; [`WaterModel::water_after`] has no such
+/// limit.
+#[derive(Debug, Clone)]
+pub struct SpectralSolution {
+    model: WaterModel,
+    /// Rates, ascending, in 1 / s.
+    rates: Vec<f64>,
+    modes: Mat<f64>,
+}
+
+impl SpectralSolution {
+    /// Decomposes the matrix of the model, n x n.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`](crate::Error::OutOfMemory), [`Error::NotConverged`](crate::Error::NotConverged).
+    pub fn new(model: &WaterModel) -> Result<Self> {
+        let n = model.len();
+        let roots: Vec<f64> = model.full.iter().map(|m| m.sqrt()).collect();
+        let mut matrix = dense::zeros(n, n)?;
+        for k in 0..n {
+            matrix[(k, k)] += model.losses[k];
+            if let Some(p) = model.order.parent(k) {
+                let w = model.exchange[k];
+                matrix[(k, k)] += w / model.full[k];
+                matrix[(p, p)] += w / model.full[p];
+                matrix[(k, p)] -= w / (roots[k] * roots[p]);
+                matrix[(p, k)] = matrix[(k, p)];
+            }
+        }
+        let SymmetricEigen { values, vectors } = symmetric_eigen(matrix.as_ref())?;
+        // Below zero is rounding.
+        let rates = values.into_iter().map(|x| x.max(0.0)).collect();
+        Ok(Self { model: model.clone(), rates, modes: vectors })
+    }
+
+    /// The rates of decay of the modes, ascending, in 1 / s.
+    pub fn rates(&self) -> &[f64] {
+        &self.rates
+    }
+
+    /// As [`WaterModel::water_after`].
+    ///
+    /// # Errors
+    /// As those of [`WaterModel::water_after`].
+    pub fn water_after(&self, water: &[f64], seconds: f64) -> Result<Vec<f64>> {
+        at_least_zero("seconds", seconds)?;
+        let mut relative = self.model.relative_by_positions(water)?;
+        let n = relative.len();
+        let roots: Vec<f64> = self.model.full.iter().map(|m| m.sqrt()).collect();
+        let root = self.model.root();
+        let mut result: Vec<f64> = zeros(n)?;
+        for (j, &rate) in self.rates.iter().enumerate() {
+            let mode = self.modes.col(j);
+            let part: f64 = (0..n).map(|k| mode[k] * relative[k] * roots[k]).sum();
+            // What the root takes in, worn off since then.
+            let z = rate * seconds;
+            let worn = if z == 0.0 { seconds } else { -(-z).exp_m1() / rate };
+            let intake = self.model.intake / roots[root] * mode[root] * worn;
+            let amount = part * (-z).exp() + intake;
+            for k in 0..n {
+                result[k] += amount * mode[k];
+            }
+        }
+        for k in 0..n {
+            relative[k] = result[k] / roots[k];
+        }
+        Ok(self.model.water_by_nodes(&relative))
+    }
+}
