@@ -64,7 +64,10 @@ fn what_is_wrong_is_said_with_its_place() {
     assert!(told("0\n1\n99\n").contains("vertex 99 of 84"));
     assert!(!folder.path("curve.json").exists());
     // An outcome, not an error: there is a file.
-    assert!(told("0\n1\n5\n42\n").contains("samples on 2 components of the mesh"));
+    folder.write("samples.txt", "0\n1\n5\n42\n");
+    let outcome = folder.run(run);
+    assert_eq!(outcome.code, Some(1));
+    assert!(outcome.stderr.contains("samples on 2 components of the mesh"), "{}", outcome.stderr);
     let json = std::fs::read_to_string(folder.path("curve.json")).unwrap();
     assert!(json.contains("\"outcome\": \"disconnected\""), "{json}");
     assert!(folder.fail("curve mesh.obj --samples samples.txt -o c.txt").contains(".obj or .json"));
