@@ -49,7 +49,8 @@ fn the_faithful_mode_needs_at_most_three_halves_n_squared_elements() {
             let mut c = Mat::<f64>::zeros(n, n);
             let used = peak(|| ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap());
             assert!(used <= 8 * len + SMALL, "n = {n}: {used} bytes for {len} elements");
-            assert!(used >= 8 * len, "n = {n}: the scratch is one allocation");
+            // The threads of the run before may still give memory back.
+            assert!(used + SMALL >= 8 * len, "n = {n}: the scratch is one allocation");
         }
     }
 }
