@@ -21,12 +21,21 @@ fn write(folder: &Folder, name: &str, mesh: TriMesh) {
 }
 
 /// An array of an .npz file, and its shape.
+/// Shape, and entries row by row.
 fn array(folder: &Folder, file: &str, name: &str) -> (Vec<u64>, Vec<f64>) {
     let mut archive = zip::ZipArchive::new(File::open(folder.path(file)).unwrap()).unwrap();
     let mut bytes = Vec::new();
     archive.by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
     let array = npyz::NpyFile::new(&bytes[..]).unwrap();
-    (array.shape().to_vec(), array.into_vec().unwrap())
+    let (shape, order) = (array.shape().to_vec(), array.order());
+    let entries: Vec<f64> = array.into_vec().unwrap();
+    match (order, &shape[..]) {
+        (npyz::Order::Fortran, &[rows, columns]) => {
+            let places = (0..rows).flat_map(|i| (0..columns).map(move |j| j * rows + i));
+            (shape, places.map(|place| entries[place as usize]).collect())
+        }
+        _ => (shape, entries),
+    }
 }
 
 #[test]
