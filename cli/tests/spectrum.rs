@@ -20,8 +20,7 @@ fn write(folder: &Folder, name: &str, mesh: TriMesh) {
     io::write(output, &mesh.into()).unwrap();
 }
 
-/// An array of an .npz file, and its shape.
-/// Shape, and entries row by row.
+/// An array of an .npz file: its shape, and its entries row by row.
 fn array(folder: &Folder, file: &str, name: &str) -> (Vec<u64>, Vec<f64>) {
     let mut archive = zip::ZipArchive::new(File::open(folder.path(file)).unwrap()).unwrap();
     let mut bytes = Vec::new();
