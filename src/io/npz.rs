@@ -26,7 +26,7 @@ pub enum Array<'a> {
 /// Writes named arrays into `output` and lets it appear.
 ///
 /// # Errors
-/// [`Error::Io`](crate::Error::Io); nothing is left behind then.
+/// [`Error::Io`]; nothing is left behind then.
 pub fn write_npz(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
     let mut writer = NpzWriter::new(output);
     for (name, array) in arrays {

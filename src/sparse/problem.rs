@@ -124,7 +124,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// s of [`super::eigs`].
+/// s of [`super::eigs()`].
 pub(crate) fn scale(stiffness: CsMatView<'_, f64>, mass: &Mass) -> f64 {
     let n = stiffness.rows();
     let ratio = |i: usize| stiffness.get(i, i).copied().unwrap_or(0.0) / mass.diagonal(i);

@@ -136,7 +136,7 @@ fn landmarks(pair: &Pair) -> Vec<(u32, u32)> {
 }
 
 /// The functional map between the first eigenfunctions, from descriptors, landmarks, and multiplications by functions around
-/// landmarks (the method of [194] in the thesis: Nogneng and Ovsjanikov 2017).
+/// landmarks (the method of reference 194 of the thesis: Nogneng and Ovsjanikov 2017).
 pub fn fitted(pair: &Pair, source: &Eigenbasis, target: &Eigenbasis) -> Result<Mat<f64>> {
     let mut fit = MapFit::new(source, target, Par::all());
     let [many, others] = [&pair.source, &pair.target].map(|shape| shape.first(MANY));
