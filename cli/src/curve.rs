@@ -31,7 +31,7 @@ pub struct Args {
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
     /// The samples, one a line: a vertex (from 0), a face and barycentric coordinates (`face a b c`), or a point in space
-    /// (`x y z`), which stands for the vertex nearest to it; what follows # is left out.
+    /// (`x y z`), which stands for the vertex nearest to it; what follows # is left out. What `catamaran fps` writes will do.
     #[arg(long, value_name = "FILE")]
     samples: PathBuf,
     /// How: from sample to sample (thesis, algorithm 6.1), or the order first and then paths that do not meet.
@@ -185,13 +185,16 @@ fn site(words: &[&str]) -> Option<Site> {
         all.try_into().ok()
     };
     match words {
-        [vertex] => Some(Site::Vertex(vertex.parse().ok()?)),
+        [vertex] => Some(Site::Vertex(index(vertex)?)),
         [_, _, _] => Some(Site::Near(numbers(words)?)),
-        [face, weights @ ..] => {
-            Some(Site::Face { face: face.parse().ok()?, weights: numbers(weights)? })
-        }
+        [face, weights @ ..] => Some(Site::Face { face: index(face)?, weights: numbers(weights)? }),
         [] => None,
     }
+}
+
+/// A number of a vertex or face; tables of numbers, such as `catamaran fps` writes, have it as 7.0.
+fn index(word: &str) -> Option<u32> {
+    word.strip_suffix(".0").unwrap_or(word).parse().ok()
 }
 
 fn write(mut output: Output, found: &Reconstruction, format: Format) -> Result<()> {
