@@ -93,6 +93,11 @@ fn lognormal(phi: f64, rng: &mut Rng) -> f64 {
     (rng.uniform() - 0.5) * (phi * rng.normal()).exp()
 }
 
+/// Where real inputs are: CATAMARAN_DATA, ../shared by default.
+pub fn data_folder() -> std::path::PathBuf {
+    std::env::var_os("CATAMARAN_DATA").map_or_else(|| "../shared".into(), Into::into)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

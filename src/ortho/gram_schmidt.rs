@@ -66,6 +66,20 @@ pub struct Orthonormal {
     pub kept: Vec<usize>,
 }
 
+impl Orthonormal {
+    /// That of A by a method that works in the memory of A.
+    pub(super) fn of(
+        a: MatRef<'_, f64>,
+        in_place: impl FnOnce(MatMut<'_, f64>) -> Result<Factors>,
+    ) -> Result<Self> {
+        let mut q = zeros(a.nrows(), a.ncols())?;
+        q.copy_from(a);
+        let Factors { r, kept } = in_place(q.as_mut())?;
+        q.truncate(a.nrows(), kept.len());
+        Ok(Self { q, r, kept })
+    }
+}
+
 /// An M-orthonormal basis of the columns of A (n x c, any strides), taken from left to right: blocked classical
 /// Gram-Schmidt with rank detection (thesis, section 1.3; Stewart 2008 for the blocks, Giraud et al. 2005 for why
 /// twice is enough). The overlaps of either sign are projected away.
@@ -80,11 +94,7 @@ pub fn gram_schmidt(
     mass: &Mass,
     options: &GramSchmidtOptions<'_>,
 ) -> Result<Orthonormal> {
-    let mut q = zeros(a.nrows(), a.ncols())?;
-    q.copy_from(a);
-    let Factors { r, kept } = gram_schmidt_in_place(q.as_mut(), mass, options)?;
-    q.truncate(a.nrows(), kept.len());
-    Ok(Orthonormal { q, r, kept })
+    Orthonormal::of(a, |q| gram_schmidt_in_place(q, mass, options))
 }
 
 /// [`gram_schmidt`] in the memory of A, whose first `kept.len()` columns are Q afterwards, and the others unspecified.

@@ -5,7 +5,7 @@ use super::gram_schmidt::{
     Factors, GramSchmidtOptions, Orthonormal, gram_schmidt, gram_schmidt_in_place,
 };
 use crate::base::Result;
-use crate::dense::{multiply_in_place, pivots, right_singular, transposed_product, zeros};
+use crate::dense::{multiply_in_place, pivots, right_singular, transposed_product};
 use crate::sparse::Mass;
 
 /// What Gram-Schmidt drops at before the rank is known: as a part of the threshold, and at least.
@@ -32,11 +32,7 @@ pub fn rank_revealing(
     mass: &Mass,
     options: &GramSchmidtOptions<'_>,
 ) -> Result<Orthonormal> {
-    let mut q = zeros(a.nrows(), a.ncols())?;
-    q.copy_from(a);
-    let Factors { r, kept } = rank_revealing_in_place(q.as_mut(), mass, options)?;
-    q.truncate(a.nrows(), kept.len());
-    Ok(Orthonormal { q, r, kept })
+    Orthonormal::of(a, |q| rank_revealing_in_place(q, mass, options))
 }
 
 /// [`rank_revealing`] in the memory of A, whose first `kept.len()` columns are Q afterwards, and the others unspecified.

@@ -1,7 +1,7 @@
 //! `functional-map`: a functional map fitted to descriptors and refined by ZoomOut, beside pyfmaps, each in a process of
 //! its own.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use catamaran::Par;
@@ -18,6 +18,8 @@ use catamaran_bench::{Result, host, record};
 /// Descriptors: energies of the wave kernel signature.
 const DESCRIPTORS: usize = 40;
 
+use super::Contest;
+
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Functions that are fitted, the constant one included.
@@ -29,31 +31,19 @@ pub struct Arguments {
     /// Functions more in each of its steps.
     #[arg(long, default_value_t = 5)]
     step: usize,
-    /// Thread counts.
-    #[arg(long, value_delimiter = ',', default_value = "1,2")]
-    threads: Vec<usize>,
-    /// Repetitions.
-    #[arg(long, default_value_t = 5)]
-    repeat: usize,
-    /// Where scripts/rivals installed pyfmaps.
-    #[arg(long, default_value = "target/rivals")]
-    libraries: PathBuf,
-    /// Writes NAME.csv and host.txt under bench/record.
-    #[arg(long, value_name = "NAME")]
-    record: Option<String>,
-    /// Solves the problem in this folder once, and prints what the rival's script does.
-    #[arg(long, hide = true)]
-    solve: Option<PathBuf>,
+    #[command(flatten)]
+    contest: Contest,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    if let Some(folder) = &arguments.solve {
+    if let Some(folder) = &arguments.contest.solve {
         return solve(folder, arguments);
     }
     if arguments.functions < arguments.k || arguments.step == 0 {
         return Err("ZoomOut goes from k to more functions, by at least one".into());
     }
-    let python = child::python(&arguments.libraries).ok_or("no scipy: run scripts/rivals first")?;
+    let python =
+        child::python(&arguments.contest.libraries).ok_or("no scipy: run scripts/rivals first")?;
     let host = host::describe(&[]);
     let (k, most, step) = (arguments.k, arguments.functions, arguments.step);
     println!("{host}\n{k} functions fitted, then by {step} to {most}\n");
@@ -78,13 +68,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         prepare(folder.path(), &pair)?;
         let name = format!("{} to {}", pair.source.name, pair.target.name);
         let n = pair.target.mesh.vertices().len();
-        for &threads in &arguments.threads {
+        for &threads in &arguments.contest.threads {
             let place = folder.path().display().to_string();
             let [k, step, t] = [k, step, threads].map(|number| number.to_string());
             let ours =
                 ["functional-map", "--solve", &place, "-k", &k, "--step", &step, "--threads", &t];
             let rival = ("functional_map.py", &[place.as_str(), &k, &step][..]);
-            let duel = Duel::new(&ours, &python, rival, threads, arguments.repeat)?;
+            let duel = Duel::new(&ours, &python, rival, threads, arguments.contest.repeat)?;
             let ([ours, theirs], ratio) = (duel.seconds(), duel.ratio());
             let [fit, their_fit] =
                 duel.rest().map(|rest| rest.first().copied().unwrap_or(f64::NAN));
@@ -100,11 +90,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             lines.push(format!(
                 "{name},{n},{k},{most},{step},{threads},{},{ours:.4},{theirs:.4},{ratio:.3},{fit:.4},{their_fit:.4},\
                  {mb:.0},{their_mb:.0},{error:.6},{their_error:.6}",
-                arguments.repeat
+                arguments.contest.repeat
             ));
         }
     }
-    if let Some(name) = &arguments.record {
+    if let Some(name) = &arguments.contest.record {
         let header = "pair,vertices,k,functions,step,threads,repetitions,ours_s,pyfmaps_s,ratio,ours_fit_s,\
                       pyfmaps_fit_s,ours_mb,pyfmaps_mb,ours_error,pyfmaps_error";
         let (name, csv) = (format!("{name}.csv"), record::csv(header, lines));
@@ -159,7 +149,7 @@ fn prepare(folder: &Path, pair: &Pair) -> Result<()> {
 
 /// Our side, in its own process.
 fn solve(folder: &Path, arguments: &Arguments) -> Result<()> {
-    let par = Par::Threads(arguments.threads[0]);
+    let par = Par::Threads(arguments.contest.threads[0]);
     let basis = |side: &str| -> Result<Eigenbasis> {
         let of = |what: &str| format!("{what}_{side}");
         let mass = Mass::Lumped(get_vector(folder, &of("mass"))?);

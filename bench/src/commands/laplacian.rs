@@ -11,6 +11,7 @@ use catamaran_bench::child::{self, Duel, Report};
 use catamaran_bench::exchange::{get, put};
 use catamaran_bench::{Result, host, record};
 
+use super::Contest;
 use super::spectrum::meshes;
 
 #[derive(clap::Args)]
@@ -18,28 +19,16 @@ pub struct Arguments {
     /// Meshes; by default a generated terrain of 100,489 vertices, and the armadillo if CATAMARAN_DATA (default
     /// ../shared) has it.
     meshes: Vec<PathBuf>,
-    /// Thread counts; robust_laplacian has one.
-    #[arg(long, value_delimiter = ',', default_value = "1,2")]
-    threads: Vec<usize>,
-    /// Repetitions.
-    #[arg(long, default_value_t = 5)]
-    repeat: usize,
-    /// Where scripts/rivals installed robust_laplacian.
-    #[arg(long, default_value = "target/rivals")]
-    libraries: PathBuf,
-    /// Writes NAME.csv and host.txt under bench/record.
-    #[arg(long, value_name = "NAME")]
-    record: Option<String>,
-    /// Solves the problem in this folder once, and prints what the rival's script does.
-    #[arg(long, hide = true)]
-    solve: Option<PathBuf>,
+    #[command(flatten)]
+    contest: Contest,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    if let Some(folder) = &arguments.solve {
-        return solve(folder, arguments.threads[0]);
+    if let Some(folder) = &arguments.contest.solve {
+        return solve(folder, arguments.contest.threads[0]);
     }
-    let python = child::python(&arguments.libraries).ok_or("no scipy: run scripts/rivals first")?;
+    let python =
+        child::python(&arguments.contest.libraries).ok_or("no scipy: run scripts/rivals first")?;
     let host = host::describe(&[]);
     println!("{host}");
     println!(
@@ -52,11 +41,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let n = mesh.vertices().len();
         let place = folder.path().display().to_string();
         prepare(folder.path(), &mesh)?;
-        for &threads in &arguments.threads {
+        for &threads in &arguments.contest.threads {
             let t = threads.to_string();
             let ours = ["laplacian", "--solve", &place, "--threads", &t];
             let rival = ("laplacian.py", &[place.as_str()][..]);
-            let duel = Duel::new(&ours, &python, rival, threads, arguments.repeat)?;
+            let duel = Duel::new(&ours, &python, rival, threads, arguments.contest.repeat)?;
             let ([ours, robust], ratio) = (duel.seconds(), duel.ratio());
             let [mb, robust_mb] = duel.bytes().map(|bytes| bytes / 1e6);
             // Area and energies, which a Delaunay triangulation determines.
@@ -69,11 +58,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             );
             lines.push(format!(
                 "{name},{n},{threads},{},{ours:.4},{robust:.4},{ratio:.3},{mb:.0},{robust_mb:.0},{difference:.2e}",
-                arguments.repeat
+                arguments.contest.repeat
             ));
         }
     }
-    if let Some(name) = &arguments.record {
+    if let Some(name) = &arguments.contest.record {
         let header =
             "mesh,vertices,threads,repetitions,ours_s,robust_s,ratio,ours_mb,robust_mb,difference";
         let (name, csv) = (format!("{name}.csv"), record::csv(header, lines));

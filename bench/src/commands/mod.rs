@@ -26,6 +26,26 @@ use catamaran_bench::race::Rules;
 use catamaran_bench::{Result, host, record};
 use clap::ValueEnum;
 
+/// How often, and beside what, processes of ours and of a rival take turns.
+#[derive(clap::Args)]
+pub struct Contest {
+    /// Thread counts, of those that have threads.
+    #[arg(long, value_delimiter = ',', default_value = "1,2")]
+    pub threads: Vec<usize>,
+    /// Repetitions.
+    #[arg(long, default_value_t = 5)]
+    pub repeat: usize,
+    /// Where scripts/rivals installed the rival.
+    #[arg(long, default_value = "target/rivals")]
+    pub libraries: PathBuf,
+    /// Writes NAME.csv and host.txt under bench/record.
+    #[arg(long, value_name = "NAME")]
+    pub record: Option<String>,
+    /// Solves the problem in this folder once, and prints what the rival's script does.
+    #[arg(long, hide = true)]
+    pub solve: Option<PathBuf>,
+}
+
 /// A scalar type.
 #[derive(Clone, Copy, ValueEnum)]
 pub enum Type {

@@ -10,6 +10,8 @@ use catamaran_bench::child::{self, Duel, Report};
 use catamaran_bench::exchange::{get_vector, put_vector};
 use catamaran_bench::{Result, host, record};
 
+use super::Contest;
+
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Meshes; by default a generated terrain of 100,489 vertices, and the armadillo if CATAMARAN_DATA (default
@@ -18,28 +20,16 @@ pub struct Arguments {
     /// Eigenpairs.
     #[arg(short, default_value_t = 101)]
     k: usize,
-    /// Thread counts.
-    #[arg(long, value_delimiter = ',', default_value = "1,2")]
-    threads: Vec<usize>,
-    /// Repetitions.
-    #[arg(long, default_value_t = 5)]
-    repeat: usize,
-    /// Where scripts/rivals installed scipy.
-    #[arg(long, default_value = "target/rivals")]
-    libraries: PathBuf,
-    /// Writes NAME.csv and host.txt under bench/record.
-    #[arg(long, value_name = "NAME")]
-    record: Option<String>,
-    /// Solves the problem in this folder once, and prints seconds and bytes.
-    #[arg(long, hide = true)]
-    solve: Option<PathBuf>,
+    #[command(flatten)]
+    contest: Contest,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    if let Some(folder) = &arguments.solve {
-        return solve(folder, arguments.k, arguments.threads[0]);
+    if let Some(folder) = &arguments.contest.solve {
+        return solve(folder, arguments.k, arguments.contest.threads[0]);
     }
-    let python = child::python(&arguments.libraries).ok_or("no scipy: run scripts/rivals first")?;
+    let python =
+        child::python(&arguments.contest.libraries).ok_or("no scipy: run scripts/rivals first")?;
     let host = host::describe(&[]);
     println!("{host}\nk = {}\n", arguments.k);
     println!(
@@ -61,7 +51,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let folder = tempfile::tempdir()?;
         let n = mesh.vertices().len();
         prepare(folder.path(), &mesh)?;
-        for &threads in &arguments.threads {
+        for &threads in &arguments.contest.threads {
             let outcome = race(arguments, folder.path(), &python, threads)?;
             let Outcome { ours, scipy, ratio, bytes, residuals, difference } = outcome;
             let [mb, scipy_mb] = bytes.map(|bytes| bytes / 1e6);
@@ -73,11 +63,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             lines.push(format!(
                 "{name},{n},{},{threads},{},{ours:.4},{scipy:.4},{ratio:.3},{mb:.0},{scipy_mb:.0},{residual:.2e},\
                  {scipy_residual:.2e},{difference:.2e}",
-                arguments.k, arguments.repeat
+                arguments.k, arguments.contest.repeat
             ));
         }
     }
-    if let Some(name) = &arguments.record {
+    if let Some(name) = &arguments.contest.record {
         let header = "mesh,vertices,k,threads,repetitions,ours_s,scipy_s,ratio,ours_mb,scipy_mb,ours_residual,\
                       scipy_residual,value_difference";
         let (name, csv) = (format!("{name}.csv"), record::csv(header, lines));
@@ -97,7 +87,7 @@ pub fn meshes(paths: &[PathBuf]) -> Result<Vec<(String, catamaran::mesh::TriMesh
         return paths.iter().map(|path| read(path)).collect();
     }
     let mut found = vec![("terrain".to_owned(), families::terrain(316, 316, 1)?)];
-    let data = std::env::var_os("CATAMARAN_DATA").map_or_else(|| "../shared".into(), PathBuf::from);
+    let data = catamaran_bench::input::data_folder();
     let armadillo = data.join("meshes/armadillo43k.obj.gz");
     if armadillo.exists() {
         found.push(read(&armadillo)?);
@@ -152,7 +142,8 @@ fn race(arguments: &Arguments, folder: &Path, python: &Path, threads: usize) -> 
     let (k, t, place) =
         (arguments.k.to_string(), threads.to_string(), folder.display().to_string());
     let ours = ["spectrum", "--solve", &place, "-k", &k, "--threads", &t];
-    let duel = Duel::new(&ours, python, ("eigsh.py", &[&place, &k]), threads, arguments.repeat)?;
+    let duel =
+        Duel::new(&ours, python, ("eigsh.py", &[&place, &k]), threads, arguments.contest.repeat)?;
     let (values, theirs) = (get_vector(folder, "our-values")?, get_vector(folder, "values")?);
     let largest = theirs.last().copied().unwrap_or(1.0);
     let differences = values.iter().zip(&theirs).map(|(x, y)| (x - y).abs() / largest);

@@ -30,8 +30,7 @@ impl Inputs {
     /// # Errors
     /// When there can't be a temporary folder.
     pub fn new() -> Result<Self> {
-        let data =
-            std::env::var_os("CATAMARAN_DATA").map_or_else(|| "../shared".into(), PathBuf::from);
+        let data = crate::input::data_folder();
         let folder = data.join("meshes");
         Ok(Self { data: folder.is_dir().then_some(folder), scratch: tempfile::tempdir()? })
     }

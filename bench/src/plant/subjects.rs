@@ -1,7 +1,5 @@
 //! The plants: those of CATAMARAN_DATA (default ../shared) if it is there, and generated ones.
 
-use std::path::PathBuf;
-
 use catamaran::plant::families::{GrowthOptions, grow};
 use catamaran::plant::{Plant, WaterModel, WaterOptions, read};
 
@@ -42,7 +40,7 @@ impl Subject {
 pub fn subjects() -> Result<Vec<Subject>> {
     let grown = grow(&GrowthOptions { nodes: 1000, ..GrowthOptions::default() })?;
     let mut subjects = vec![Subject::new("grown".into(), grown)?];
-    let data = std::env::var_os("CATAMARAN_DATA").map_or_else(|| "../shared".into(), PathBuf::from);
+    let data = crate::input::data_folder();
     for number in ["002", "001", "003", "000"] {
         let path = data.join(format!("plants/plant{number}.txt"));
         if path.is_file() {

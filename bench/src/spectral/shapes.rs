@@ -61,8 +61,7 @@ pub struct Shapes {
 impl Shapes {
     /// Those of CATAMARAN_DATA (default ../shared).
     pub fn new() -> Self {
-        let data =
-            std::env::var_os("CATAMARAN_DATA").map_or_else(|| "../shared".into(), PathBuf::from);
+        let data = crate::input::data_folder();
         let folder = data.join("meshes");
         Self { folder: folder.is_dir().then_some(folder) }
     }

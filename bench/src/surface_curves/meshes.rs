@@ -1,5 +1,3 @@
-use std::path::PathBuf;
-
 use catamaran::curve::dataset::scaled;
 use catamaran::mesh::{Components, TriMesh, families, io};
 
@@ -46,7 +44,7 @@ pub fn surfaces(names: &[String]) -> Result<impl Iterator<Item = Result<Surface>
         let known: Vec<_> = ALL.iter().map(|(known, _)| *known).collect();
         return Err(format!("{name}: none of the meshes {}", known.join(", ")).into());
     }
-    let data = std::env::var_os("CATAMARAN_DATA").map_or_else(|| "../shared".into(), PathBuf::from);
+    let data = crate::input::data_folder();
     let folder = data.join("meshes");
     let wanted = ALL.into_iter().filter({
         let names = names.to_vec();
