@@ -199,6 +199,12 @@ impl Newton {
         self.parameters.degree as usize
     }
 
+    /// t as a part of its range: 0 for a point at its root, 1 for one that goes on for ever.
+    pub fn share(&self, t: f32) -> f64 {
+        let Parameters { factor, shift, steps, .. } = self.parameters;
+        (f64::from((t - shift) / factor) / f64::from(steps)).clamp(0.0, 1.0)
+    }
+
     /// The fractal at these points. Points at the null cone (alpha or beta is 0 to within 1e-15), where a step has no length,
     /// stay where they are, and count as far from convergence.
     ///
