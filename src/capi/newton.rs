@@ -4,9 +4,9 @@ use std::mem::offset_of;
 use super::boundary::{boundary, text};
 use super::params::{Versioned, cata_progress, init, par, read, watcher};
 use super::pointer::{check_size, output, slice, slice_mut};
-use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
 #[cfg(not(feature = "opencl"))]
 use super::status::CATA_ERR_UNSUPPORTED;
+use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
 use crate::Par;
 use crate::base::Progress;
 #[cfg(feature = "opencl")]
@@ -141,8 +141,8 @@ pub unsafe extern "C" fn cata_newton_new(
                 // SAFETY: the caller's promise.
                 let name = unsafe { text("params.device", params.device) }?;
                 let name = name.to_str();
-                let name = name
-                    .map_err(|_| Failure::new(CATA_ERR_ARGUMENT, "params.device: not UTF-8"))?;
+                let name =
+                    name.map_err(|_| Failure::new(CATA_ERR_ARGUMENT, "params.device: not UTF-8"))?;
                 open(&mut made, name)?;
             }
         }

@@ -6,9 +6,7 @@ use anyhow::{Context, Result, bail};
 use catamaran::faer::MatRef;
 use catamaran::io::{self as files, Output, Overwrite};
 use catamaran::mesh::io::{self as meshes, MeshFile};
-use catamaran::texture::newton::{
-    Fractal, Grid, Newton, Points, Texels, darkened, root_color,
-};
+use catamaran::texture::newton::{Fractal, Grid, Newton, Points, Texels, darkened, root_color};
 
 use super::Args;
 use crate::picture::{Image, write_gray};
