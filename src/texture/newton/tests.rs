@@ -109,9 +109,10 @@ fn is_inside(options: &NewtonOptions, p: [f64; 4], root: u16) -> bool {
     [1e-4, 4e-5].iter().all(|&radius| around(p, radius).all(|q| oracle(options, q).0 == root))
 }
 
-/// How much t changes when a point is moved by as much as single precision rounds.
+/// How much t changes when a point is moved by as much as n products in single precision round.
 fn variation(options: &NewtonOptions, p: [f64; 4], t: f64) -> f64 {
-    around(p, 5e-7).map(|q| (oracle(options, q).1 - t).abs()).fold(0.0, f64::max)
+    let radius = 1.2e-7 * options.polynomial.roots().max(4) as f64;
+    around(p, radius).map(|q| (oracle(options, q).1 - t).abs()).fold(0.0, f64::max)
 }
 
 fn random_points(count: usize, size: f64, seed: u64) -> Vec<[f32; 3]> {
