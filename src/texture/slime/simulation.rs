@@ -172,6 +172,13 @@ impl Simulation {
         &self.state.texture[species * plane..(species + 1) * plane]
     }
 
+    /// The memory that it holds, in bytes.
+    pub fn bytes(&self) -> usize {
+        let textures = 2 * size_of_val(&self.next[..]) + 2 * size_of_val(&self.marked[..]);
+        let agents = self.state.triangles.len() * (size_of::<u32>() + 4 * size_of::<f32>());
+        textures + agents + self.ground.len() + self.texels.bytes() + self.surface.bytes()
+    }
+
     /// Number of species.
     pub fn species(&self) -> usize {
         self.parameters.species as usize

@@ -170,6 +170,17 @@ impl Surface {
         &self.flipped
     }
 
+    /// The memory of all of it.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&self.records[..])
+            + size_of_val(&self.across[..])
+            + size_of_val(&self.frames[..])
+            + size_of_val(&self.corners[..])
+            + size_of_val(&self.uv[..])
+            + size_of_val(&self.areas[..])
+            + size_of_val(&self.charts[..])
+    }
+
     /// A number that other surfaces do not share but by chance, for files.
     pub(super) fn fingerprint(&self) -> u64 {
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;

@@ -82,6 +82,13 @@ impl Texels {
         &self.links.weights
     }
 
+    /// The memory of all of it.
+    pub(super) fn bytes(&self) -> usize {
+        let links = &self.links;
+        self.size * self.size * (size_of::<u32>() + size_of::<f32>() + size_of::<u8>())
+            + 4 * (links.texels.len() + links.starts.len() + 2 * links.links.len())
+    }
+
     /// Whether a texel is on the surface.
     pub(super) fn is_owned(&self, texel: usize) -> bool {
         self.owners[texel] != NO_TRIANGLE
