@@ -15,16 +15,15 @@ use anyhow::{Context, Result, bail};
 use catamaran::base::Flow;
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io as meshes;
-use catamaran::mesh::io::MeshFile;
-use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas, smallest_size};
+use catamaran::mesh::io::{Attribute, MeshFile};
+use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas, fitted, smallest_size};
 use catamaran::{Error, Par};
 use clap::ValueEnum;
 
 use crate::picture::View;
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
-pub use curves::{Moment, svg};
-pub use view::draw;
+use view::draw;
 
 /// Pixels of a side of the picture of the mesh.
 const PIXELS: usize = 900;
@@ -32,7 +31,7 @@ const PIXELS: usize = 900;
 /// Grow slime moulds on a surface: textures of networks and cells (thesis, chapter 3).
 ///
 /// The folder gets the texture every so many steps, species in the channels of one .png up to three and in one .png each
-/// beyond, and coverage.csv. A mesh without texture coordinates gets an atlas of its triangles. Ctrl-C ends it; with --state
+/// beyond, coverage.csv, and the mesh with its texture coordinates, mesh.obj. A mesh without texture coordinates gets an atlas of its triangles. Ctrl-C ends it; with --state
 /// it can go on from there, with the same result as if it had never stopped.
 #[derive(clap::Args)]
 pub struct Args {
@@ -154,6 +153,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     ended?;
     curves::write_csv(outputs.table, &moments)?;
+    meshes::write(outputs.mesh, &textured(&file, &simulation))?;
     if let Some(output) = outputs.coverage {
         curves::write_svg(output, &moments)?;
     }
@@ -178,6 +178,7 @@ pub fn run(args: &Args) -> Result<()> {
 /// The files besides frames.
 struct Outputs {
     table: Output,
+    mesh: Output,
     coverage: Option<Output>,
     render: Option<Output>,
     state: Option<Output>,
@@ -198,10 +199,13 @@ impl Outputs {
         let state = of(&args.state, "")?;
         fs::create_dir_all(&args.output).with_context(|| args.output.display().to_string())?;
         let table = Output::create(&args.output.join(TABLE), overwrite)?;
-        Ok(Self { table, coverage, render, state })
+        let mesh = Output::create(&args.output.join(MESH), overwrite)?;
+        Ok(Self { table, mesh, coverage, render, state })
     }
 }
 
+/// The mesh with the texture coordinates of the frames.
+const MESH: &str = "mesh.obj";
 /// Coverage and presence after each step.
 const TABLE: &str = "coverage.csv";
 
@@ -241,7 +245,7 @@ impl Args {
         }
         let of = |&step: &u32| frame_names(step, self.steps, species);
         let mut files: Vec<String> = frames.iter().flat_map(of).collect();
-        files.push(TABLE.into());
+        files.extend([TABLE.into(), MESH.into()]);
         if !self.force
             && let Some(name) =
                 files.iter().find(|name| self.output.join(name).symlink_metadata().is_ok())
@@ -253,8 +257,14 @@ impl Args {
 
     fn simulation(&self, file: &MeshFile, options: &Options) -> Result<Simulation> {
         let surface = match &file.uv {
-            Some(uv) if !self.atlas => Surface::new(&file.mesh, uv)
-                .with_context(|| format!("{} (--atlas does without)", self.mesh.display()))?,
+            Some(uv) if !self.atlas => {
+                let inside = fitted(uv);
+                if inside != *uv {
+                    complain(format_args!("texture coordinates are made to fit into 0 to 1"));
+                }
+                Surface::new(&file.mesh, &inside)
+                    .with_context(|| format!("{} (--atlas does without)", self.mesh.display()))?
+            }
             _ => with_atlas(file, options.size, &self.mesh)?,
         };
         let folded = surface.flipped().len();
@@ -287,6 +297,15 @@ impl Args {
         ))?;
         Ok(simulation)
     }
+}
+
+/// The mesh with the texture coordinates that the frames are for.
+fn textured(file: &MeshFile, simulation: &Simulation) -> MeshFile {
+    let values = simulation.surface().uv().as_flattened().to_vec();
+    let corners = (0..values.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    let mut textured = MeshFile::from(file.mesh.clone());
+    textured.uv = Some(Attribute { values, corners: Some(corners) });
+    textured
 }
 
 fn with_atlas(file: &MeshFile, size: usize, path: &Path) -> Result<Surface> {

@@ -28,14 +28,17 @@ pub fn agent_step(
     step: u32,
 ) -> (Walker, u32) {
     let species = agent % parameters.species;
-    let sensed = |heading| {
+    let place = |heading| {
         let end = walk(surface, parameters, Walker { heading, ..walker }, parameters.sense);
-        smell(field, parameters, species, texel(surface, parameters.size, &end))
+        texel(surface, parameters.size, &end)
     };
     let [cos, sin] = parameters.vision;
-    let ahead = sensed(walker.heading);
-    let left = sensed(rotated(walker.heading, cos, sin));
-    let right = sensed(rotated(walker.heading, cos, -sin));
+    let ahead = place(walker.heading);
+    let left = place(rotated(walker.heading, cos, sin));
+    let right = place(rotated(walker.heading, cos, -sin));
+    // All three at once, so that one waits for memory once.
+    let [ahead, left, right] =
+        [ahead, left, right].map(|texel| smell(field, parameters, species, texel));
     let [choice, coin, ..] = draw(parameters.seed, agent, step, Purpose::Turn as u32);
     let [cos, sin] = parameters.turns[choice as usize % TURNS];
     let mut next = walker;
@@ -69,6 +72,7 @@ fn walk(surface: &Surface, parameters: &Parameters, walker: Walker, length: f32)
 }
 
 /// The pheromone of one's own species less that of the others; more in an attractor, nothing is worse than an obstacle.
+#[inline]
 fn smell(field: Field<'_>, parameters: &Parameters, species: u32, texel: u32) -> f32 {
     let plane = parameters.size as usize * parameters.size as usize;
     let at = |s: u32| field.texture[s as usize * plane + texel as usize];
@@ -84,15 +88,15 @@ fn smell(field: Field<'_>, parameters: &Parameters, species: u32, texel: u32) ->
 }
 
 /// The texel that a walker is in.
+#[inline]
 pub(super) fn texel(surface: &Surface, size: u32, walker: &Walker) -> u32 {
     let record = &surface.records()[walker.triangle as usize];
     let [x, y] = walker.position;
-    let at = |axis: usize| {
-        let [c, by_x, by_y] = [0, 1, 2].map(|i| record[UV + 3 * axis + i]);
-        // Out of range is cut off: below 0 to 0.
-        (((c + by_x * x + by_y * y) * size as f32) as u32).min(size - 1)
-    };
-    at(1) * size + at(0)
+    let u = record[UV] + record[UV + 1] * x + record[UV + 2] * y;
+    let v = record[UV + 3] + record[UV + 4] * x + record[UV + 5] * y;
+    // Out of range is cut off: below 0 to 0.
+    let at = |part: f32| ((part * size as f32) as u32).min(size - 1);
+    at(v) * size + at(u)
 }
 
 fn rotated([x, y]: [f32; 2], cos: f32, sin: f32) -> [f32; 2] {

@@ -16,7 +16,8 @@
 //!   unit of length the square root of the area of the surface. Records of triangles: [`Surface::records`],
 //!   [`Surface::across`], [`Surface::frames`].
 //! - An agent is a triangle, a position and a unit heading in its frame: [`State::triangles`], [`State::positions`],
-//!   [`State::headings`]. Agent i is of species i modulo their number.
+//!   [`State::headings`]. What it is does not depend on where it is kept: it has a number, [`State::ids`], by which it draws
+//!   random numbers, and which modulo the number of species is its species.
 //! - A texture of R x R texels and n species is n planes of R rows of R values in `[0, 1]`; texel (i, j), i along u and j
 //!   along v, is number `R j + i`, species s begins at `s R R`. Row 0 is v = 0. R is a multiple of 32.
 //! - Marks: bit b of word w is entry `32 w + b` of the texture.
@@ -28,6 +29,7 @@ mod diffuse;
 mod lanes;
 mod links;
 mod options;
+mod order;
 mod random;
 mod raster;
 mod simulation;
@@ -45,6 +47,6 @@ pub use options::{Blur, Options, Parameters, TURNS, TangentStep};
 pub use random::{Purpose, draw};
 pub use simulation::{Mask, Simulation};
 pub use state::State;
-pub use surface::{ACROSS_FLIP, HOPS, NO_TRIANGLE, RECORD, Surface, UV};
+pub use surface::{ACROSS_FLIP, HOPS, NO_TRIANGLE, RECORD, Surface, UV, fitted};
 pub use texels::{BORDER, FREE, GOAL, INSIDE, OBSTACLE, OUTSIDE, Texels};
 pub use walk::{MOST_HOPS, Walker, project, unfold};

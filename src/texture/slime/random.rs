@@ -12,6 +12,7 @@ pub enum Purpose {
 
 /// Four random numbers for an agent and a step, from a counter alone: PCG4D (Jarzynski and Olano, "Hash functions for GPU
 /// rendering", JCGT 9(3), 2020) of (agent, step, purpose, seed).
+#[inline]
 pub fn draw(seed: u32, agent: u32, step: u32, purpose: u32) -> [u32; 4] {
     let mut v = [agent, step, purpose, seed].map(|x| {
         let spread = x.wrapping_mul(1_664_525);
@@ -23,6 +24,7 @@ pub fn draw(seed: u32, agent: u32, step: u32, purpose: u32) -> [u32; 4] {
     v
 }
 
+#[inline]
 fn mix(v: &mut [u32; 4]) {
     for (to, a, b) in [(0, 1, 3), (1, 2, 0), (2, 0, 1), (3, 1, 2)] {
         v[to] = v[to].wrapping_add(v[a].wrapping_mul(v[b]));

@@ -5,6 +5,7 @@ use super::coverage::{Coverage, coverage};
 use super::diffuse::{diffuse_border, diffuse_row};
 use super::lanes::for_each;
 use super::options::{Options, Parameters};
+use super::order::{EVERY, order};
 use super::start::{everywhere, in_texels};
 use super::state::State;
 use super::surface::Surface;
@@ -77,6 +78,10 @@ impl Simulation {
 
     /// One step of all agents and of the texture.
     pub fn step(&mut self, par: Par) {
+        if self.state.step.is_multiple_of(EVERY) {
+            // Without memory for it, it goes on more slowly.
+            let _ = order(&mut self.state, &self.surface, self.texels.size());
+        }
         self.move_agents(par);
         self.collect_marks();
         self.diffuse(par);
@@ -102,16 +107,16 @@ impl Simulation {
     fn move_agents(&mut self, par: Par) {
         let (surface, parameters, marks) = (&self.surface, &self.parameters, &self.marks);
         let plane = parameters.size * parameters.size;
-        let State { step, triangles, positions, headings, texture } = &mut self.state;
+        let State { step, ids, triangles, positions, headings, texture } = &mut self.state;
         let field = Field { texture, ground: &self.ground };
         let blocks = triangles
             .chunks_mut(AGENTS)
             .zip(positions.chunks_mut(AGENTS))
-            .zip(headings.chunks_mut(AGENTS));
-        for_each(par, blocks, |block, ((triangles, positions), headings)| {
-            let first = (block * AGENTS) as u32;
-            let agents = triangles.iter_mut().zip(positions).zip(headings);
-            for (agent, ((triangle, position), heading)) in (first..).zip(agents) {
+            .zip(headings.chunks_mut(AGENTS))
+            .zip(ids.chunks(AGENTS));
+        for_each(par, blocks, |_, (((triangles, positions), headings), ids)| {
+            let agents = triangles.iter_mut().zip(positions).zip(headings).zip(ids);
+            for (((triangle, position), heading), &agent) in agents {
                 let walker = Walker { triangle: *triangle, position: *position, heading: *heading };
                 let (next, texel) = agent_step(surface, field, parameters, walker, agent, *step);
                 (*triangle, *position, *heading) = (next.triangle, next.position, next.heading);
@@ -175,7 +180,7 @@ impl Simulation {
     /// The memory that it holds, in bytes.
     pub fn bytes(&self) -> usize {
         let textures = 2 * size_of_val(&self.next[..]) + 2 * size_of_val(&self.marked[..]);
-        let agents = self.state.triangles.len() * (size_of::<u32>() + 4 * size_of::<f32>());
+        let agents = self.state.ids.len() * (2 * size_of::<u32>() + 4 * size_of::<f32>());
         textures + agents + self.ground.len() + self.texels.bytes() + self.surface.bytes()
     }
 

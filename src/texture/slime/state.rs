@@ -11,6 +11,8 @@ use crate::base::{Error, Result, reserved};
 pub struct State {
     /// Steps done.
     pub step: u32,
+    /// The number of each agent; every number below their count once, in an order that changes.
+    pub ids: Vec<u32>,
     /// The triangle of each agent.
     pub triangles: Vec<u32>,
     /// Positions of agents in the frames of their triangles.
@@ -26,20 +28,34 @@ const SLACK: f32 = 1e-4;
 
 impl State {
     pub(super) fn new(walkers: &[Walker], texture: Vec<f32>) -> Result<Self> {
-        let mut state = Self {
-            step: 0,
-            triangles: reserved(walkers.len())?,
-            positions: reserved(walkers.len())?,
-            headings: reserved(walkers.len())?,
-            texture,
-        };
-        state.triangles.extend(walkers.iter().map(|w| w.triangle));
-        state.positions.extend(walkers.iter().map(|w| w.position));
-        state.headings.extend(walkers.iter().map(|w| w.heading));
+        let mut state = Self { texture, ..Self::filled(walkers.len(), 0)? };
+        for (i, walker) in walkers.iter().enumerate() {
+            state.put(i, i as u32, *walker);
+        }
         Ok(state)
     }
 
-    /// An agent.
+    /// That many agents and entries of the texture, all zero.
+    pub(super) fn filled(agents: usize, entries: usize) -> Result<Self> {
+        Ok(Self {
+            step: 0,
+            ids: filled(agents, 0)?,
+            triangles: filled(agents, 0)?,
+            positions: filled(agents, [0.0; 2])?,
+            headings: filled(agents, [0.0; 2])?,
+            texture: filled(entries, 0.0)?,
+        })
+    }
+
+    /// Keeps an agent in place i.
+    pub(super) fn put(&mut self, i: usize, id: u32, walker: Walker) {
+        self.ids[i] = id;
+        self.triangles[i] = walker.triangle;
+        self.positions[i] = walker.position;
+        self.headings[i] = walker.heading;
+    }
+
+    /// The agent in place i.
     pub fn agent(&self, i: usize) -> Walker {
         Walker {
             triangle: self.triangles[i],
@@ -55,8 +71,19 @@ impl State {
     /// lengths.
     pub fn check(&self, surface: &Surface) -> Result<()> {
         let agents = self.triangles.len();
+        Error::check_shape("ids", (agents, 1), (self.ids.len(), 1))?;
         Error::check_shape("positions", (agents, 2), (self.positions.len(), 2))?;
         Error::check_shape("headings", (agents, 2), (self.headings.len(), 2))?;
+        let mut seen = filled(agents, false)?;
+        for &id in &self.ids {
+            match seen.get_mut(id as usize) {
+                Some(seen) if !*seen => *seen = true,
+                _ => {
+                    let why = format!("number {id} of {agents} is twice there, or too large");
+                    return Err(Error::Argument { what: "ids", why });
+                }
+            }
+        }
         if let Some(i) = (0..agents).find(|&i| !is_on(surface, self.agent(i))) {
             let why = format!("agent {i} is not on the surface: {:?}", self.agent(i));
             return Err(Error::Argument { what: "agents", why });
@@ -104,6 +131,7 @@ impl Simulation {
         let state = self.state();
         sink.write_all(MAGIC)?;
         put(sink, self.header().into_iter().chain([state.step]))?;
+        put(sink, state.ids.iter().copied())?;
         put(sink, state.triangles.iter().copied())?;
         put(sink, state.positions.as_flattened().iter().map(|x| x.to_bits()))?;
         put(sink, state.headings.as_flattened().iter().map(|x| x.to_bits()))?;
@@ -134,13 +162,9 @@ impl Simulation {
             }
         }
         let agents = self.state().triangles.len();
-        let mut state = State {
-            step: given[6],
-            triangles: filled(agents, 0)?,
-            positions: filled(agents, [0.0; 2])?,
-            headings: filled(agents, [0.0; 2])?,
-            texture: filled(self.state().texture.len(), 0.0)?,
-        };
+        let mut state = State::filled(agents, self.state().texture.len())?;
+        state.step = given[6];
+        take(source, &mut state.ids, |bits| bits).map_err(read)?;
         take(source, &mut state.triangles, |bits| bits).map_err(read)?;
         take(source, state.positions.as_flattened_mut(), f32::from_bits).map_err(read)?;
         take(source, state.headings.as_flattened_mut(), f32::from_bits).map_err(read)?;

@@ -213,6 +213,23 @@ fn checked(mesh: &TriMesh) -> Result<Edges> {
     Ok(edges)
 }
 
+/// Texture coordinates moved, and made smaller alike in both directions, so that they are in `[0, 1]`; as they are when they
+/// already are (up to 1e-6). Textures that repeat have such.
+pub fn fitted(uv: &Attribute<2>) -> Attribute<2> {
+    let ends = |axis: usize| {
+        let all = uv.values.iter().map(|p| p[axis]);
+        all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+    };
+    let [u, v] = [ends(0), ends(1)];
+    let is_inside = |(low, high): (f64, f64)| low >= -SLACK && high <= 1.0 + SLACK;
+    if is_inside(u) && is_inside(v) {
+        return uv.clone();
+    }
+    let size = (u.1 - u.0).max(v.1 - v.0).max(1.0);
+    let moved = |p: &[f64; 2]| [(p[0] - u.0) / size, (p[1] - v.0) / size];
+    Attribute { values: uv.values.iter().map(moved).collect(), corners: uv.corners.clone() }
+}
+
 /// Texture coordinates may miss `[0, 1]` by this: files have few digits.
 const SLACK: f64 = 1e-6;
 

@@ -17,12 +17,13 @@ pub struct Walker {
 /// Straight ahead by `length`: across an edge the next triangle is unfolded into the plane of this one, which is what a
 /// geodesic does; at a boundary edge the walker is reflected. Without `rescale`, `length` is one in the texture, whose side
 /// is 1 (thesis, figure 3.5).
+#[inline]
 pub fn unfold(surface: &Surface, mut walker: Walker, length: f32, rescale: bool) -> Walker {
     let mut remaining = length;
     let mut entered = 3;
     for _ in 0..MOST_HOPS {
         let stretch = if rescale { 1.0 } else { stretch(surface, &walker) };
-        let reach = remaining / stretch;
+        let reach = if rescale { remaining } else { remaining / stretch };
         let (exit, way) = first_exit(surface, &walker, reach, entered);
         let [x, y] = walker.position;
         let [dx, dy] = walker.heading;
@@ -37,6 +38,7 @@ pub fn unfold(surface: &Surface, mut walker: Walker, length: f32, rescale: bool)
 }
 
 /// The edge that a walker leaves its triangle by within `reach`, 3 for none, and how far it goes in the triangle.
+#[inline(always)]
 fn first_exit(surface: &Surface, walker: &Walker, reach: f32, entered: usize) -> (usize, f32) {
     let record = &surface.records()[walker.triangle as usize];
     let [x, y] = walker.position;
@@ -58,6 +60,7 @@ fn first_exit(surface: &Surface, walker: &Walker, reach: f32, entered: usize) ->
 }
 
 /// Takes a walker over edge k; the number of the edge in the triangle that it is in then.
+#[inline]
 fn cross(surface: &Surface, walker: &mut Walker, k: usize) -> usize {
     let t = walker.triangle as usize;
     let record = &surface.records()[t];
@@ -69,7 +72,8 @@ fn cross(surface: &Surface, walker: &mut Walker, k: usize) -> usize {
         walker.heading = [dx - twice * a, dy - twice * b];
         return k;
     }
-    let [p, q, x0, y0] = [0, 1, 2, 3].map(|i| record[HOPS + 4 * k + i]);
+    let hop = &record[HOPS + 4 * k..HOPS + 4 * k + 4];
+    let (p, q, x0, y0) = (hop[0], hop[1], hop[2], hop[3]);
     let r = if across & ACROSS_FLIP == 0 { p } else { -p };
     let s = if across & ACROSS_FLIP == 0 { -q } else { q };
     let [x, y] = walker.position;
