@@ -18,6 +18,7 @@ mod progress;
 mod ranks;
 mod report;
 mod shape;
+mod slime;
 mod spectrum;
 mod transfer;
 mod tune;
@@ -53,6 +54,7 @@ enum Command {
     Wilt(wilt::Args),
     Curve(curve::Args),
     Newton(newton::Args),
+    Slime(slime::Args),
 }
 
 /// What a shell reports for a process that Ctrl-C ended.
@@ -76,6 +78,7 @@ fn main() -> ExitCode {
         Command::Wilt(args) => wilt::run(args),
         Command::Curve(args) => curve::run(args),
         Command::Newton(args) => newton::run(args),
+        Command::Slime(args) => slime::run(args),
     });
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {
