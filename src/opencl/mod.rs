@@ -8,7 +8,9 @@
 mod device;
 mod newton;
 mod session;
+mod slime;
 
 pub use device::{DeviceInfo, DeviceKind, devices, find};
 pub use newton::{evaluate_newton, evaluate_newton_in_groups};
 pub use session::Device;
+pub use slime::SlimeOnDevice;

@@ -37,6 +37,7 @@ impl std::fmt::Debug for Device {
 /// A number that any bits are, of the same size here and on devices.
 pub(super) trait Number: Copy {}
 impl Number for f32 {}
+impl Number for u8 {}
 impl Number for u16 {}
 impl Number for u32 {}
 
