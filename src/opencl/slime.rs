@@ -164,6 +164,14 @@ impl<'a> SlimeOnDevice<'a> {
         })
     }
 
+    /// Gives agents and textures as they are now to the simulation that this began with.
+    ///
+    /// # Errors
+    /// As [`SlimeOnDevice::state`], and [`Error::Shape`] for a simulation of other numbers of agents or texels.
+    pub fn give_back(&self, simulation: &mut Simulation) -> Result<()> {
+        simulation.put_state(self.state()?)
+    }
+
     fn wait(&self) -> Result<()> {
         self.device.queue().finish().map_err(|e| self.device.failed("slime", e))
     }

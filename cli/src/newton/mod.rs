@@ -18,6 +18,7 @@ use crate::device::{self, Device, DeviceArgs};
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
 use crate::report::{report, seconds};
+pub use output::colors;
 use output::{Drawing, Job};
 
 /// Decorate a plane, a mesh or a volume with a Newton fractal in four dimensions (bicomplex numbers).
@@ -131,7 +132,7 @@ pub fn run(args: &Args) -> Result<()> {
         time += start.elapsed();
         points += fractal.roots.len();
         if let (Drawing::Vertices { file, .. }, Some(picture)) = (&drawing, picture.take()) {
-            let colors = output::colors(&newton, &fractal);
+            let colors = colors(&newton, &fractal);
             args.picture.draw(picture, &[(&file.mesh, Paint::Colors(&colors), "")])?;
         }
         job.write(&drawing, &newton, &fractal)?;

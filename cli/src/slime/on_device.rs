@@ -19,7 +19,7 @@ impl<'a> OnDevice<'a> {
     /// Takes the simulation one step on.
     pub fn step(&mut self, simulation: &mut Simulation) -> Result<()> {
         self.0.run(1, None)?;
-        Ok(simulation.set_state(self.0.state()?)?)
+        Ok(self.0.give_back(simulation)?)
     }
 }
 
