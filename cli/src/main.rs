@@ -6,16 +6,19 @@ mod basis;
 mod curve;
 mod decimate;
 mod demo;
+mod device;
 mod filter;
 mod fps;
 mod info;
 mod merge;
 mod mesh;
+mod newton;
 mod picture;
 mod progress;
 mod ranks;
 mod report;
 mod shape;
+mod slime;
 mod spectrum;
 mod transfer;
 mod tune;
@@ -50,6 +53,8 @@ enum Command {
     Filter(filter::Args),
     Wilt(wilt::Args),
     Curve(curve::Args),
+    Newton(newton::Args),
+    Slime(slime::Args),
 }
 
 /// What a shell reports for a process that Ctrl-C ended.
@@ -72,6 +77,8 @@ fn main() -> ExitCode {
         Command::Filter(args) => filter::run(args),
         Command::Wilt(args) => wilt::run(args),
         Command::Curve(args) => curve::run(args),
+        Command::Newton(args) => newton::run(args),
+        Command::Slime(args) => slime::run(args),
     });
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {

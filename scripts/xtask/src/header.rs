@@ -22,6 +22,8 @@ const FILES: &[&str] = &[
     "decimate",
     "plant",
     "curve",
+    "device",
+    "newton",
     "mpi",
     "memory",
 ];
