@@ -1,0 +1,1 @@
+//! The data set: spectra of parts and of their unions.

@@ -1,0 +1,1 @@
+//! Families of shapes with identities and poses, generated from a seed.
