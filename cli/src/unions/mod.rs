@@ -1,0 +1,29 @@
+//! `catamaran unions`.
+
+mod curve;
+mod predict;
+mod train;
+
+use anyhow::Result;
+use clap::Subcommand;
+
+/// Spectral unions of partial shapes: predict them, and data and training for that.
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Predict(predict::Args),
+    Train(train::Args),
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    match &args.command {
+        Command::Predict(args) => predict::run(args),
+        Command::Train(args) => train::run(args),
+    }
+}
