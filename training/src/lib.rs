@@ -5,3 +5,4 @@
 pub mod cuts;
 pub mod dataset;
 pub mod families;
+pub mod remesh;
