@@ -19,6 +19,7 @@ mod shape;
 mod spectrum;
 mod transfer;
 mod tune;
+mod unions;
 mod wilt;
 
 use std::io;
@@ -50,6 +51,7 @@ enum Command {
     Filter(filter::Args),
     Wilt(wilt::Args),
     Curve(curve::Args),
+    Unions(unions::Args),
 }
 
 /// What a shell reports for a process that Ctrl-C ended.
@@ -72,6 +74,7 @@ fn main() -> ExitCode {
         Command::Filter(args) => filter::run(args),
         Command::Wilt(args) => wilt::run(args),
         Command::Curve(args) => curve::run(args),
+        Command::Unions(args) => unions::run(args),
     });
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {

@@ -9,4 +9,5 @@ pub mod evaluate;
 pub mod families;
 pub mod mlp;
 pub mod network;
+pub mod remesh;
 pub mod train;

@@ -1,6 +1,7 @@
 //! `catamaran unions`.
 
 mod curve;
+mod dataset;
 mod predict;
 mod train;
 
@@ -17,6 +18,7 @@ pub struct Args {
 #[derive(Subcommand)]
 enum Command {
     Predict(predict::Args),
+    Dataset(dataset::Args),
     Train(train::Args),
 }
 
@@ -24,6 +26,7 @@ enum Command {
 pub fn run(args: &Args) -> Result<()> {
     match &args.command {
         Command::Predict(args) => predict::run(args),
+        Command::Dataset(args) => dataset::run(args),
         Command::Train(args) => train::run(args),
     }
 }

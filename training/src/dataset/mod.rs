@@ -1,10 +1,14 @@
 //! The data set: spectra of parts and of their unions.
 
 mod file;
+mod generate;
+mod plan;
 
 use catamaran::faer::Mat;
 
 pub use file::{read, write};
+pub use generate::generate;
+pub use plan::DatasetOptions;
 
 /// Eigenvalues of every spectrum.
 pub const EIGENVALUES: usize = 20;

@@ -1,0 +1,96 @@
+//! `catamaran unions predict`.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::io as meshes;
+use catamaran::mesh::LaplacianOptions;
+use catamaran::unions::{K, PartSpectra, SpectralUnion};
+
+use crate::report::report;
+
+/// Predict the spectrum of the union of parts of a surface from the spectra of the parts.
+///
+/// The parts are meshes with boundary, in any pose and position, of any connectivity; which of their points correspond is
+/// not needed. Prints 20 Dirichlet eigenvalues of each part, those predicted for the union, and how unlike the
+/// shapes of the training the parts are: above 1 the prediction is a guess.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Two parts or more: .obj, .ply, .off or .stl, each also as .gz or .xz.
+    #[arg(value_name = "PARTS", num_args = 2.., required = true)]
+    parts: Vec<PathBuf>,
+    /// Other weights than those that come with the program: .safetensors, of `unions train`.
+    #[arg(long, value_name = "FILE")]
+    weights: Option<PathBuf>,
+    /// Write the eigenvalues of the parts and of the union, in columns: .csv.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    if args.parts.len() < 2 {
+        bail!("a union is of two parts or more");
+    }
+    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
+    let output = args.output.as_deref().map(|path| Output::create(path, overwrite)).transpose()?;
+    let model = model(args.weights.as_deref())?;
+    let spectra: Vec<Vec<f64>> =
+        args.parts.iter().map(|path| spectrum(path)).collect::<Result<_>>()?;
+    let parts: Vec<&[f64]> = spectra.iter().map(Vec::as_slice).collect();
+    let union = model.predict_all(&parts)?;
+    let mut strangeness: f64 = 0.0;
+    for i in 0..parts.len() {
+        for j in 0..i {
+            strangeness = strangeness.max(model.strangeness(parts[i], parts[j])?);
+        }
+    }
+    let mut header = String::from("number");
+    for part in 1..=parts.len() {
+        header += &format!(",part {part}");
+    }
+    header += ",union";
+    let row = |i: usize| -> Vec<f64> {
+        parts.iter().map(|part| part[i]).chain([union[i]]).collect()
+    };
+    report(format_args!("{}", header.replace(',', "     ")))?;
+    for i in 0..K {
+        let cells: String = row(i).iter().map(|x| format!(" {x:>10.4}")).collect();
+        report(format_args!("{:>4}  {cells}", i + 1))?;
+    }
+    let verdict = if strangeness > 1.0 { "unlike the training: a guess" } else { "familiar" };
+    report(format_args!("strangeness {strangeness:.2}: {verdict}"))?;
+    if let Some(mut output) = output {
+        let lines: String = (0..K)
+            .map(|i| {
+                let cells: String = row(i).iter().map(|x| format!(",{x}")).collect();
+                format!("{}{cells}\n", i + 1)
+            })
+            .collect();
+        write!(output, "{header}\n{lines}").map_err(|e| output.error(&e))?;
+        output.commit()?;
+    }
+    Ok(())
+}
+
+/// The weights of a file, or those that come with the program.
+fn model(path: Option<&Path>) -> Result<SpectralUnion> {
+    Ok(match path {
+        Some(path) => SpectralUnion::read(path)?,
+        None => SpectralUnion::pretrained()?,
+    })
+}
+
+/// The Dirichlet spectrum of a mesh.
+fn spectrum(path: &Path) -> Result<Vec<f64>> {
+    let named = || path.display().to_string();
+    let mesh = meshes::read(path)?.mesh;
+    let all = vec![true; mesh.vertices().len()];
+    let spectra = PartSpectra::new(&mesh, &LaplacianOptions::default()).with_context(named)?;
+    spectra.dirichlet(&all, K).with_context(named)
+}
