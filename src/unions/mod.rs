@@ -4,6 +4,7 @@
 //! See docs/algorithms/unions.md for the mathematics.
 
 mod familiar;
+mod localizer;
 mod model;
 pub mod network;
 mod partial;
@@ -15,6 +16,7 @@ mod tensors;
 mod tests;
 
 pub use familiar::Familiar;
+pub use localizer::{Localizer, LocalizerOn, LocalizerParts};
 pub use model::{Scaling, SpectralUnion};
 pub use network::K;
 pub use partial::PartSpectra;

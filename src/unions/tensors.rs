@@ -67,6 +67,11 @@ impl<'a> Tensors<'a> {
             None => Ok(values),
         }
     }
+
+    /// The number of elements of a tensor, 0 if there is none.
+    pub(super) fn len(&self, name: &str) -> usize {
+        self.0.tensor(name).map_or(0, |tensor| tensor.data().len() / 4)
+    }
 }
 
 fn refuse(why: String) -> Error {

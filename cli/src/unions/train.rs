@@ -81,8 +81,9 @@ pub fn run(args: &Args) -> Result<()> {
         bail!("{}: exists already (--force replaces it, --resume goes on)", path.display());
     }
     let examples = Examples::new(&dataset::read(&args.data)?)?;
+    let (proper, _) = examples.mined.counts();
     report(format_args!(
-        "data      {}: {} pairs and {} triples to learn from, {} to choose by",
+        "data      {}: {} pairs and {} triples to learn from, {} to choose by; {proper} further unions of masks",
         args.data.display(),
         examples.training.len(),
         examples.triples.len(),

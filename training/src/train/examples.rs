@@ -3,6 +3,7 @@ use catamaran::unions::network::{FEATURES, K};
 use catamaran::unions::{Question, Scaling};
 use catamaran::{Error, Result};
 
+use super::Mined;
 use crate::dataset::{Dataset, KNOWN_IDENTITY, Spectrum, TRAIN};
 
 /// The spectra of two parts and of their union.
@@ -87,6 +88,8 @@ pub struct Examples {
     pub validation: Vec<Pair>,
     /// Triples to learn from.
     pub triples: Vec<Triple>,
+    /// Further unions to learn from.
+    pub mined: Mined,
 }
 
 impl Examples {
@@ -120,6 +123,7 @@ impl Examples {
             let parts = [triples.part1[i], triples.part2[i], triples.part3[i]];
             examples.triples.push(Triple { parts, whole: triples.whole[i] });
         }
+        examples.mined = Mined::new(dataset);
         Ok(examples)
     }
 

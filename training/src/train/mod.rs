@@ -2,9 +2,11 @@
 
 mod checkpoint;
 mod examples;
+mod mined;
 
 pub use checkpoint::{read_state, write_state};
 pub use examples::{Examples, LEAST_SHARE, Pair, TRAINED_TRIPLES, Triple};
+pub use mined::Mined;
 
 use catamaran::base::{Pin, Rng, Team};
 use catamaran::unions::network::{Architecture, FEATURES, K, Places, Tape, forward};
@@ -64,9 +66,10 @@ pub struct Epoch {
 
 /// Pairs that one task works on.
 const TASK: usize = 8;
-/// Shares of the examples that are pairs of known union, and triples.
+/// Shares of the examples that are parts and what contains them, triples, and further unions; the rest are samples.
 const CONTAINED: f64 = 0.08;
 const TRIPLES: f64 = 0.04;
+const MINED: f64 = 0.4;
 /// Longest gradient.
 const CLIP: f32 = 10.0;
 /// Errors of logarithms above this count less than by their square (pseudo-Huber).
@@ -190,14 +193,22 @@ impl Trainer {
         let work = |(task, worker): (usize, &mut Worker)| -> Result<()> {
             let mut rng = Rng::new(seed.wrapping_mul(1 << 10).wrapping_add(task as u64));
             for (slot, &i) in batch[task * TASK..(task + 1) * TASK].iter().enumerate() {
-                let pair = examples.training[i];
-                let choice = rng.uniform();
-                let pair = if choice < CONTAINED {
-                    pair.contained(&mut rng)
-                } else if choice < CONTAINED + TRIPLES && !triples.is_empty() {
+                let mut choice = rng.uniform();
+                let mut chosen = |share: f64| {
+                    choice -= share;
+                    (-share..0.0).contains(&choice)
+                };
+                let sample = examples.training[i];
+                let pair = if chosen(CONTAINED) {
+                    let mined = rng.sign() > 0.0;
+                    let pair = mined.then(|| examples.mined.draw(true, &mut rng)).flatten();
+                    pair.unwrap_or_else(|| sample.contained(&mut rng))
+                } else if chosen(TRIPLES) && !triples.is_empty() {
                     triples[(rng.uniform() * triples.len() as f64) as usize]
+                } else if chosen(MINED) {
+                    examples.mined.draw(false, &mut rng).unwrap_or(sample)
                 } else {
-                    pair
+                    sample
                 };
                 let (tokens, logs) = pair.disturbed(&mut rng).example(scaling)?;
                 worker.place(slot, &tokens, logs);

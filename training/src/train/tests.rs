@@ -38,6 +38,16 @@ fn dataset(pairs: &[Pair]) -> Dataset {
     samples.part2 = pairs.iter().map(|pair| pair.second).collect();
     samples.union = pairs.iter().map(|pair| pair.union).collect();
     samples.split = vec![TRAIN; pairs.len()];
+    for column in [
+        &mut samples.family,
+        &mut samples.identity,
+        &mut samples.pose,
+        &mut samples.mask1,
+        &mut samples.mask2,
+        &mut samples.mask_union,
+    ] {
+        column.resize(pairs.len(), 0);
+    }
     dataset
 }
 
