@@ -210,12 +210,136 @@ impl SpectralUnion {
         rest.iter().try_fold(first, |union, part| self.predict(&union, part))
     }
 
-    /// How unlike the pairs of the training a pair is: their Mahalanobis distance from the mean, in units of
-    /// that which 99.5 % of them keep. A prediction for a pair above 1 is a guess.
+    /// How unlike the pairs of the training parts are, the largest of all pairs of them: the Mahalanobis distance of a pair from the
+    /// mean, in units of that which 99.5 % of the training keep. A prediction for parts above 1 is a guess.
     ///
     /// # Errors
     /// As [`SpectralUnion::predict`].
-    pub fn strangeness(&self, first: &[f64], second: &[f64]) -> Result<f64> {
-        Ok(self.familiar.distance(&Question::new(first, second)?.symmetric()))
+    pub fn strangeness(&self, parts: &[&[f64]]) -> Result<f64> {
+        let mut largest: f64 = 0.0;
+        for (i, first) in parts.iter().enumerate() {
+            for second in &parts[i + 1..] {
+                let question = Question::new(first, second)?;
+                largest = largest.max(self.familiar.distance(&question.symmetric()));
+            }
+        }
+        Ok(largest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Rng;
+
+    const SIZES: Architecture =
+        Architecture { width: 16, heads: 4, hidden: 24, first_layers: 2, second_layers: 1 };
+
+    /// A network that nobody has trained.
+    fn random(seed: u64, size: f64) -> SpectralUnion {
+        let mut rng = Rng::new(seed);
+        let mut numbers = |n: usize| (0..n).map(|_| (size * rng.normal()) as f32).collect();
+        let parameters: Vec<f32> = numbers(SIZES.places().len);
+        let scaling = Scaling {
+            token_mean: numbers(K * FEATURES),
+            token_deviation: vec![1.5; K * FEATURES],
+            output_mean: numbers(K),
+            output_deviation: vec![2.0; K],
+        };
+        let pairs: Vec<[f64; JUDGED]> =
+            (0..50).map(|_| std::array::from_fn(|_| rng.normal())).collect();
+        SpectralUnion::new(SIZES, parameters, scaling, Familiar::fit(&pairs, 1.0).unwrap()).unwrap()
+    }
+
+    /// An ascending sequence with equal values among it, over some powers of ten.
+    fn spectrum(rng: &mut Rng) -> [f64; K] {
+        let mut value = 10_f64.powf(4.0 * rng.uniform() - 2.0);
+        std::array::from_fn(|_| {
+            value *= if rng.uniform() < 0.2 { 1.0 } else { 1.0 + rng.uniform() };
+            value
+        })
+    }
+
+    #[test]
+    fn predictions_are_spectra_below_the_bound_whatever_the_weights_are() {
+        let mut rng = Rng::new(1);
+        for size in [0.05, 0.5, 10.0, 1e30] {
+            let model = random(2, size);
+            for _ in 0..50 {
+                let (a, b) = (spectrum(&mut rng), spectrum(&mut rng));
+                let union = model.predict(&a, &b).unwrap();
+                assert!(union.is_sorted() && union[0] > 0.0, "{union:?}");
+                for i in 0..K {
+                    assert!(union[i] <= a[i].min(b[i]));
+                    // And so they are when they are rounded.
+                    assert!(union[i] as f32 <= (a[i] as f32).min(b[i] as f32));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_order_of_parts_does_not_matter() {
+        let (model, mut rng) = (random(3, 0.3), Rng::new(4));
+        for _ in 0..20 {
+            let parts: Vec<[f64; K]> = (0..4).map(|_| spectrum(&mut rng)).collect();
+            let [a, b, c, d] = std::array::from_fn(|i| &parts[i][..]);
+            assert_eq!(model.predict(a, b).unwrap(), model.predict(b, a).unwrap());
+            assert_eq!(model.strangeness(&[a, b]).unwrap(), model.strangeness(&[b, a]).unwrap());
+            let all = model.predict_all(&[a, b, c, d]).unwrap();
+            for order in [[d, c, b, a], [c, a, d, b]] {
+                assert_eq!(model.predict_all(&order).unwrap(), all);
+            }
+            assert_eq!(model.predict_all(&[a]).unwrap(), parts[0]);
+        }
+    }
+
+    #[test]
+    fn units_do_not_matter() {
+        let (model, mut rng) = (random(5, 0.3), Rng::new(6));
+        for _ in 0..20 {
+            let (a, b) = (spectrum(&mut rng), spectrum(&mut rng));
+            let union = model.predict(&a, &b).unwrap();
+            let with = |factor: f64| {
+                model.predict(&a.map(|x| factor * x), &b.map(|x| factor * x)).unwrap()
+            };
+            assert_eq!(with(1024.0), union.map(|x| 1024.0 * x), "powers of two are exact");
+            for (x, y) in with(3.7).into_iter().zip(union) {
+                assert!((x / (3.7 * y) - 1.0).abs() < 1e-4);
+            }
+        }
+    }
+
+    #[test]
+    fn files_give_the_same_network_back_and_broken_ones_are_refused() {
+        let (model, mut rng) = (random(7, 0.3), Rng::new(8));
+        let bytes = model.to_bytes().unwrap();
+        let again = SpectralUnion::from_bytes(&bytes).unwrap();
+        assert_eq!(again.to_bytes().unwrap(), bytes);
+        let (a, b) = (spectrum(&mut rng), spectrum(&mut rng));
+        assert_eq!(again.predict(&a, &b).unwrap(), model.predict(&a, &b).unwrap());
+        for broken in [&bytes[..50], &bytes[..bytes.len() - 4], &[][..]] {
+            assert!(matches!(
+                SpectralUnion::from_bytes(broken).unwrap_err(),
+                Error::Argument { what: "weights", .. }
+            ));
+        }
+        let mut rotten = bytes.clone();
+        let last = rotten.len() - 4;
+        rotten[last..].copy_from_slice(&f32::NAN.to_le_bytes());
+        assert!(SpectralUnion::from_bytes(&rotten).unwrap_err().to_string().contains("not finite"));
+        assert!(SpectralUnion::read(Path::new("/nowhere")).unwrap_err().to_string().contains("nowhere"));
+    }
+
+    #[test]
+    fn what_is_no_spectrum_is_refused_by_name() {
+        let model = random(9, 0.3);
+        let good: [f64; K] = std::array::from_fn(|i| (i + 1) as f64);
+        let mut bad = good;
+        bad[4] = 3.0;
+        assert!(model.predict(&good, &bad).unwrap_err().to_string().starts_with("second"));
+        assert!(model.predict(&good[..19], &good).unwrap_err().to_string().starts_with("first"));
+        assert!(model.predict_all(&[&good, &bad]).unwrap_err().to_string().starts_with("parts"));
+        assert!(model.predict_all(&[]).unwrap_err().to_string().starts_with("parts"));
     }
 }

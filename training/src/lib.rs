@@ -9,5 +9,6 @@ pub mod evaluate;
 pub mod families;
 pub mod mlp;
 pub mod network;
+pub mod regions;
 pub mod remesh;
 pub mod train;

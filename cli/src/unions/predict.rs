@@ -44,12 +44,7 @@ pub fn run(args: &Args) -> Result<()> {
         args.parts.iter().map(|path| spectrum(path)).collect::<Result<_>>()?;
     let parts: Vec<&[f64]> = spectra.iter().map(Vec::as_slice).collect();
     let union = model.predict_all(&parts)?;
-    let mut strangeness: f64 = 0.0;
-    for i in 0..parts.len() {
-        for j in 0..i {
-            strangeness = strangeness.max(model.strangeness(parts[i], parts[j])?);
-        }
-    }
+    let strangeness = model.strangeness(&parts)?;
     let mut header = String::from("number");
     for part in 1..=parts.len() {
         header += &format!(",part {part}");

@@ -82,11 +82,11 @@ fn unions_of_strips_are_learnt() {
     let model = trainer.model().unwrap();
     let after = relative_error(&model, &unseen);
     assert!(after < 0.7 * before, "{before} {after}");
-    let strange = |pair: &Pair| model.strangeness(&pair.first, &pair.second).unwrap();
+    let strange = |pair: &Pair| model.strangeness(&[&pair.first, &pair.second]).unwrap();
     assert!(unseen.iter().filter(|pair| strange(pair) > 1.0).count() <= 10);
     // An interval is no strip.
     let interval: Spectrum = std::array::from_fn(|i| ((i + 1) * (i + 1)) as f64);
-    assert!(model.strangeness(&interval, &interval).unwrap() > 1.0);
+    assert!(model.strangeness(&[&interval, &interval]).unwrap() > 1.0);
 }
 
 #[test]
