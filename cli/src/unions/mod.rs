@@ -4,6 +4,7 @@ mod curve;
 mod dataset;
 mod predict;
 mod train;
+mod train_regions;
 
 use anyhow::Result;
 use clap::Subcommand;
@@ -20,6 +21,7 @@ enum Command {
     Predict(predict::Args),
     Dataset(dataset::Args),
     Train(train::Args),
+    TrainRegions(train_regions::Args),
 }
 
 /// Runs the subcommand.
@@ -28,5 +30,6 @@ pub fn run(args: &Args) -> Result<()> {
         Command::Predict(args) => predict::run(args),
         Command::Dataset(args) => dataset::run(args),
         Command::Train(args) => train::run(args),
+        Command::TrainRegions(args) => train_regions::run(args),
     }
 }

@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io as meshes;
-use catamaran::mesh::LaplacianOptions;
-use catamaran::unions::{K, PartSpectra, SpectralUnion};
+use catamaran::mesh::{LaplacianOptions, TriMesh, laplacian};
+use catamaran::sparse::{EigenOptions, eigs};
+use catamaran::unions::{K, Localizer, PartSpectra, SpectralUnion};
 
+use crate::picture::{PLAIN, Paint, PictureArgs};
 use crate::report::report;
 
 /// Predict the spectrum of the union of parts of a surface from the spectra of the parts.
@@ -24,6 +26,14 @@ pub struct Args {
     /// Other weights than those that come with the program: .safetensors, of `unions train`.
     #[arg(long, value_name = "FILE")]
     weights: Option<PathBuf>,
+    /// Find the union on this template, a mesh: that of `unions train-regions`.
+    #[arg(long, value_name = "TEMPLATE", requires = "regions")]
+    localize: Option<PathBuf>,
+    /// Weights of `unions train-regions`: .safetensors. The parts are in the template's unit of length.
+    #[arg(long, value_name = "FILE", requires = "localize")]
+    regions: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureArgs,
     /// Write the eigenvalues of the parts and of the union, in columns: .csv.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -39,9 +49,16 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let output = args.output.as_deref().map(|path| Output::create(path, overwrite)).transpose()?;
+    let picture = args.picture.create(overwrite)?;
     let model = model(args.weights.as_deref())?;
-    let spectra: Vec<Vec<f64>> =
-        args.parts.iter().map(|path| spectrum(path)).collect::<Result<_>>()?;
+    let meshes: Vec<TriMesh> =
+        args.parts.iter().map(|path| Ok(meshes::read(path)?.mesh)).collect::<Result<_>>()?;
+    let spectra: Vec<Vec<f64>> = args
+        .parts
+        .iter()
+        .zip(&meshes)
+        .map(|(path, mesh)| spectrum(mesh).with_context(|| path.display().to_string()))
+        .collect::<Result<_>>()?;
     let parts: Vec<&[f64]> = spectra.iter().map(Vec::as_slice).collect();
     let union = model.predict_all(&parts)?;
     let strangeness = model.strangeness(&parts)?;
@@ -60,6 +77,24 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let verdict = if strangeness > 1.0 { "unlike the training: a guess" } else { "familiar" };
     report(format_args!("strangeness {strangeness:.2}: {verdict}"))?;
+    let found = match (&args.localize, &args.regions) {
+        (Some(template), Some(weights)) => Some(localized(template, weights, &union)?),
+        _ => None,
+    };
+    if let Some((mesh, inside)) = &found {
+        let (count, all) = (inside.iter().filter(|x| **x > 0.5).count(), mesh.vertices().len());
+        report(format_args!("region    {count} of {all} vertices of the template"))?;
+    }
+    if let Some(picture) = picture {
+        let clipped: Option<Vec<f64>> = found
+            .as_ref()
+            .map(|(_, inside)| inside.iter().map(|x| x.clamp(0.0, 1.0)).collect());
+        let mut panels: Vec<_> = meshes.iter().map(|mesh| (mesh, PLAIN, "part")).collect();
+        if let (Some((mesh, _)), Some(inside)) = (&found, &clipped) {
+            panels.push((mesh, Paint::Values(inside), "union"));
+        }
+        args.picture.draw(picture, &panels)?;
+    }
     if let Some(mut output) = output {
         let lines: String = (0..K)
             .map(|i| {
@@ -82,10 +117,23 @@ fn model(path: Option<&Path>) -> Result<SpectralUnion> {
 }
 
 /// The Dirichlet spectrum of a mesh.
-fn spectrum(path: &Path) -> Result<Vec<f64>> {
-    let named = || path.display().to_string();
-    let mesh = meshes::read(path)?.mesh;
+fn spectrum(mesh: &TriMesh) -> Result<Vec<f64>> {
     let all = vec![true; mesh.vertices().len()];
-    let spectra = PartSpectra::new(&mesh, &LaplacianOptions::default()).with_context(named)?;
-    spectra.dirichlet(&all, K).with_context(named)
+    let spectra = PartSpectra::new(mesh, &LaplacianOptions::default())?;
+    Ok(spectra.dirichlet(&all, K)?)
+}
+
+/// A template, and about 1 for each vertex in the region with this spectrum, 0 outside.
+fn localized(template: &Path, weights: &Path, union: &[f64]) -> Result<(TriMesh, Vec<f64>)> {
+    let named = || template.display().to_string();
+    let mesh = meshes::read(template)?.mesh;
+    let localizer = Localizer::read(weights)?;
+    let operator = laplacian(&mesh, &LaplacianOptions::default()).with_context(named)?;
+    let options = EigenOptions { k: localizer.eigenfunctions(), ..EigenOptions::default() };
+    let pairs =
+        eigs(operator.stiffness.view(), &operator.mass, &options).with_context(named)?;
+    let functions = operator.extend(pairs.vectors.as_ref())?;
+    let on = localizer.on(functions.as_ref()).with_context(named)?;
+    let inside = on.indicator(union)?;
+    Ok((mesh, inside))
 }
