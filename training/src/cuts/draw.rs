@@ -103,6 +103,6 @@ fn touching(surface: &Surface<'_>, segments: &[u32]) -> Vec<Vec<u32>> {
 }
 
 /// A number from 0 to n - 1.
-pub(super) fn below(n: usize, rng: &mut Rng) -> usize {
+pub(crate) fn below(n: usize, rng: &mut Rng) -> usize {
     ((rng.uniform() * n as f64) as usize).min(n.saturating_sub(1))
 }

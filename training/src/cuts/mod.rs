@@ -17,6 +17,7 @@ use catamaran::base::Rng;
 use catamaran::{Par, Result};
 
 use crate::families::Model;
+pub(crate) use draw::below;
 use regions::Surface;
 pub use regions::{Mask, id};
 
@@ -40,7 +41,7 @@ pub struct CutOptions {
 
 impl Default for CutOptions {
     fn default() -> Self {
-        Self { regions: 40, pairs: 60, splits: 40, triples: 10, seed: 1 }
+        Self { regions: 50, pairs: 90, splits: 60, triples: 12, seed: 1 }
     }
 }
 

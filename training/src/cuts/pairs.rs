@@ -13,6 +13,9 @@ const DOUBT: f64 = 0.02;
 /// Attempts for each pair that is wanted.
 const ATTEMPTS: usize = 30;
 
+/// Vertices that a part has inside at least, so that it has a spectrum also when 30 % of them are removed.
+const INSIDE: usize = 60;
+
 /// A part that adds less than this share of the union adds nothing.
 const LEAST_GAIN: f64 = 0.05;
 
@@ -113,7 +116,8 @@ pub(super) fn canonical(surface: &Surface<'_>, a: &[bool], b: &[bool]) -> Option
     };
     let area = surface.area(whole);
     let gains = [surface.area(a), surface.area(&b)].map(|part| area - part);
-    if overlap(a, &b) < OVERLAP || gains.iter().any(|&gain| gain < LEAST_GAIN * area) {
+    let too_thin = [a, &b].iter().any(|part| surface.inside(part) < INSIDE);
+    if too_thin || overlap(a, &b) < OVERLAP || gains.iter().any(|&gain| gain < LEAST_GAIN * area) {
         return None;
     }
     match surface.leaning(whole) >= 0.0 {

@@ -70,6 +70,12 @@ impl<'m> Surface<'m> {
         self.largest_piece(&smooth)
     }
 
+    /// The number of vertices whose neighbours are all in the mask as well.
+    pub fn inside(&self, mask: &[bool]) -> usize {
+        let closed = |v: &usize| self.neighbours.row(*v).iter().all(|&w| mask[w as usize]);
+        (0..self.len()).filter(|&v| mask[v]).filter(closed).count()
+    }
+
     /// The piece with the largest number of vertices.
     pub fn largest_piece(&self, mask: &[bool]) -> Mask {
         let mut left = mask.to_vec();

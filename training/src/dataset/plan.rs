@@ -6,7 +6,7 @@ use catamaran::{Error, Result};
 use super::{
     KNOWN_IDENTITY, TEST_A, TEST_B, TRAIN, UNKNOWN_BODY, UNKNOWN_FAMILY, UNKNOWN_IDENTITY,
 };
-use crate::cuts::{CutOptions, Cuts};
+use crate::cuts::{CutOptions, Cuts, Pair, below};
 use crate::families::{Family, mixed};
 
 /// How large a data set is.
@@ -14,11 +14,11 @@ use crate::families::{Family, mixed};
 pub struct DatasetOptions {
     /// Seed of everything. Default 1.
     pub seed: u64,
-    /// Vertices of a template, about. Default 5000.
+    /// Vertices of a template, about. Default 4000.
     pub vertices: usize,
     /// Humanoids of body type A to train on. Default 32.
     pub known: usize,
-    /// Humanoids never trained on, of each body type. Default 6.
+    /// Humanoids never trained on, of each body type. Default 5.
     pub unknown: usize,
     /// Identities of each other family. Default 2.
     pub others: usize,
@@ -31,7 +31,7 @@ pub struct DatasetOptions {
 impl Default for DatasetOptions {
     fn default() -> Self {
         let cuts = CutOptions::default();
-        Self { seed: 1, vertices: 5000, known: 32, unknown: 6, others: 2, poses: 3, cuts }
+        Self { seed: 1, vertices: 4000, known: 32, unknown: 5, others: 2, poses: 3, cuts }
     }
 }
 
@@ -87,9 +87,9 @@ impl Job {
 /// Of one in so many known identities the last pose is a test.
 const HELD_OUT_POSES: usize = 5;
 
-/// Shares of the unions and of the pairs that are tests.
-const HELD_OUT_UNIONS: f64 = 0.08;
-const HELD_OUT_PAIRS: f64 = 0.06;
+/// Of the unions one in so many is a test, of the pairs whose union others have as well.
+const HELD_OUT_UNIONS: usize = 12;
+const HELD_OUT_PAIRS: usize = 8;
 
 /// The shapes, in the order in which the data set has them: humanoids first.
 pub(super) fn jobs(options: &DatasetOptions) -> Vec<Job> {
@@ -137,17 +137,19 @@ impl HeldOut {
         unions.sort_unstable();
         unions.dedup();
         let complete = cuts.complete();
-        unions.retain(|&union| union != complete && rng.uniform() < HELD_OUT_UNIONS);
-        let mut splits: Vec<usize> = cuts
-            .pairs
-            .iter()
-            .map(|pair| if unions.contains(&pair.union) { TEST_B } else { TRAIN })
-            .collect();
-        for i in 0..splits.len() {
-            let shared = (0..splits.len()).any(|j| {
-                j != i && splits[j] == TRAIN && cuts.pairs[j].union == cuts.pairs[i].union
-            });
-            if splits[i] == TRAIN && shared && rng.uniform() < HELD_OUT_PAIRS * 2.0 {
+        unions.retain(|&union| union != complete);
+        let count = unions.len().div_ceil(HELD_OUT_UNIONS);
+        let unions = drawn(unions, count, &mut rng);
+        let split = |pair: &Pair| if unions.contains(&pair.union) { TEST_B } else { TRAIN };
+        let mut splits: Vec<usize> = cuts.pairs.iter().map(split).collect();
+        let trained: Vec<usize> = (0..splits.len()).filter(|&i| splits[i] == TRAIN).collect();
+        let shares = |i: usize, j: usize| i != j && cuts.pairs[i].union == cuts.pairs[j].union;
+        let shared: Vec<usize> =
+            trained.iter().copied().filter(|&i| trained.iter().any(|&j| shares(i, j))).collect();
+        let count = shared.len() / HELD_OUT_PAIRS;
+        for i in drawn(shared, count, &mut rng) {
+            // One of those that share a union stays to be trained on.
+            if trained.iter().any(|&j| shares(i, j) && splits[j] == TRAIN) {
                 splits[i] = TEST_A;
             }
         }
@@ -161,4 +163,14 @@ impl HeldOut {
             split => split,
         }
     }
+}
+
+/// `count` of these numbers, at random.
+fn drawn(mut numbers: Vec<usize>, count: usize, rng: &mut Rng) -> Vec<usize> {
+    for i in 0..count.min(numbers.len()) {
+        let j = i + below(numbers.len() - i, rng);
+        numbers.swap(i, j);
+    }
+    numbers.truncate(count);
+    numbers
 }
