@@ -22,6 +22,7 @@ mod slime;
 mod spectrum;
 mod transfer;
 mod tune;
+mod unions;
 mod wilt;
 
 use std::io;
@@ -55,6 +56,7 @@ enum Command {
     Curve(curve::Args),
     Newton(newton::Args),
     Slime(slime::Args),
+    Unions(unions::Args),
 }
 
 /// What a shell reports for a process that Ctrl-C ended.
@@ -79,6 +81,7 @@ fn main() -> ExitCode {
         Command::Curve(args) => curve::run(args),
         Command::Newton(args) => newton::run(args),
         Command::Slime(args) => slime::run(args),
+        Command::Unions(args) => unions::run(args),
     });
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {

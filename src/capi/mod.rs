@@ -27,6 +27,7 @@ mod rows;
 mod spectrum;
 mod status;
 mod transfer;
+mod unions;
 mod verify;
 mod version;
 
@@ -49,5 +50,6 @@ pub use rows::*;
 pub use spectrum::*;
 pub use status::*;
 pub use transfer::*;
+pub use unions::*;
 pub use verify::*;
 pub use version::*;

@@ -24,6 +24,7 @@ const FILES: &[&str] = &[
     "curve",
     "device",
     "newton",
+    "unions",
     "mpi",
     "memory",
 ];

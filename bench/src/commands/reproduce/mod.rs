@@ -5,6 +5,7 @@ mod decimate;
 mod plant;
 mod spectral;
 mod textures;
+mod unions;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -35,12 +36,23 @@ pub struct Arguments {
     /// Chapter 6: only these meshes.
     #[arg(long, value_delimiter = ',')]
     meshes: Vec<String>,
+    /// Chapter 2: the data set of `catamaran unions dataset`.
+    #[arg(long, value_name = "FILE")]
+    data: Option<PathBuf>,
+    /// Chapter 2: other weights than those of the library.
+    #[arg(long, value_name = "FILE")]
+    weights: Option<PathBuf>,
+    /// Chapter 2: weights of `catamaran unions train-regions`, for tables 2.2 and 2.3.
+    #[arg(long, value_name = "FILE")]
+    regions: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum What {
     /// Chapter 1: eigenproducts.
     Spectral,
+    /// Chapter 2: spectral unions.
+    Unions,
     /// Chapter 4: plants that wilt.
     Plant,
     /// Chapter 5: decimation.
@@ -76,6 +88,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         What::Spectral => {
             spectral::run(&mut report)?;
             ("spectral", spectral::HEADER)
+        }
+        What::Unions => {
+            unions::run(&mut report, arguments)?;
+            ("unions", unions::HEADER)
         }
         What::Plant => {
             plant::run(&mut report, arguments)?;
