@@ -40,7 +40,7 @@ impl Decimation {
                 // Rounded beyond 1, it would be read as one from 0 to 255.
                 std::array::from_fn(|k| {
                     let [a, b, c] = given.map(|color| color[k]);
-                    color[k].clamp(a.min(b).min(c), a.max(b).max(c))
+                    color[k].max(a.min(b).min(c)).min(a.max(b).max(c))
                 })
             };
             file.colors = Some(self.places.iter().map(at).collect());
