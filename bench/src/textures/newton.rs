@@ -84,6 +84,15 @@ pub fn newton_times(size: u32, repeat: usize) -> Result<Vec<Part>> {
         let grid = Grid::plane(size, size, [0.0; 2], 3.0);
         let ours = newton(n, 0.0)?;
         let n = n as i32;
+        // Before what borrows them.
+        #[cfg(feature = "opencl")]
+        let (device, theirs) = {
+            let device = catamaran::opencl::Device::open("")?;
+            let pixels = size as usize * size as usize;
+            let theirs = polar::OnDevice::new(device.info().index, pixels)?;
+            (device, theirs)
+        };
+        #[allow(unused_mut)]
         let mut contenders: Vec<Contender<'_>> = vec![
             (
                 "ours, processor".into(),
@@ -98,13 +107,6 @@ pub fn newton_times(size: u32, repeat: usize) -> Result<Vec<Part>> {
                 Box::new(|| Ok(polar::on_processor(&grid, n, 32, 3.5, true))),
             ),
         ];
-        #[cfg(feature = "opencl")]
-        let (device, theirs) = {
-            let device = catamaran::opencl::Device::open("")?;
-            let pixels = size as usize * size as usize;
-            let theirs = polar::OnDevice::new(device.info().index, pixels)?;
-            (device, theirs)
-        };
         #[cfg(feature = "opencl")]
         {
             let name = device.info().name.clone();
