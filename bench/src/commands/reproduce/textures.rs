@@ -21,6 +21,8 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
         report.plots.extend(part.plots);
     };
     newton_figures()?.into_iter().for_each(&mut keep);
-    newton_times(SIZE, arguments.repeat)?.into_iter().for_each(keep);
+    newton_times(SIZE, arguments.repeat)?.into_iter().for_each(&mut keep);
+    #[cfg(feature = "opencl")]
+    keep(catamaran_bench::textures::slime_times(arguments.repeat)?);
     Ok(())
 }
