@@ -9,6 +9,7 @@ mod decimate;
 mod exact;
 mod page;
 mod plant;
+mod slime;
 mod spectral;
 mod task_tree;
 
@@ -40,6 +41,7 @@ const STATIONS: &[fn(&Site<'_>) -> Result<Station>] = &[
     ata::station,
     exact::station,
     spectral::station,
+    slime::station,
     plant::station,
     decimate::station,
     curves::station,

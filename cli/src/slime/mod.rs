@@ -23,7 +23,8 @@ use clap::ValueEnum;
 use crate::picture::View;
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
-use view::draw;
+pub use curves::svg;
+pub use view::draw;
 
 /// Pixels of a side of the picture of the mesh.
 const PIXELS: usize = 900;

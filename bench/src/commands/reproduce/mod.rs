@@ -4,6 +4,7 @@ mod curves;
 mod decimate;
 mod plant;
 mod spectral;
+mod textures;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -28,6 +29,12 @@ pub struct Arguments {
     /// Chapter 4: repetitions of the race.
     #[arg(long, default_value_t = 5, value_name = "N")]
     repeat: usize,
+    /// Chapter 3: frames that are timed.
+    #[arg(long, default_value_t = 9, value_name = "N")]
+    frames: usize,
+    /// Chapter 3: texels of a side of the largest texture that is timed.
+    #[arg(long, default_value_t = 8192, value_name = "TEXELS")]
+    largest_texture: usize,
     /// Chapter 6: curves on each mesh; 50 by default.
     #[arg(long, value_name = "N")]
     curves: Option<usize>,
@@ -40,6 +47,8 @@ pub struct Arguments {
 enum What {
     /// Chapter 1: eigenproducts.
     Spectral,
+    /// Chapter 3: slime moulds.
+    Textures,
     /// Chapter 4: plants that wilt.
     Plant,
     /// Chapter 5: decimation.
@@ -73,6 +82,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         What::Spectral => {
             spectral::run(&mut report)?;
             ("spectral", spectral::HEADER)
+        }
+        What::Textures => {
+            textures::run(&mut report, arguments)?;
+            ("textures", textures::HEADER)
         }
         What::Plant => {
             plant::run(&mut report, arguments)?;
