@@ -6,11 +6,13 @@ mod basis;
 mod curve;
 mod decimate;
 mod demo;
+mod device;
 mod filter;
 mod fps;
 mod info;
 mod merge;
 mod mesh;
+mod newton;
 mod picture;
 mod progress;
 mod ranks;
@@ -20,6 +22,7 @@ mod slime;
 mod spectrum;
 mod transfer;
 mod tune;
+mod unions;
 mod wilt;
 
 use std::io;
@@ -51,7 +54,9 @@ enum Command {
     Filter(filter::Args),
     Wilt(wilt::Args),
     Curve(curve::Args),
+    Newton(newton::Args),
     Slime(slime::Args),
+    Unions(unions::Args),
 }
 
 /// What a shell reports for a process that Ctrl-C ended.
@@ -74,7 +79,9 @@ fn main() -> ExitCode {
         Command::Filter(args) => filter::run(args),
         Command::Wilt(args) => wilt::run(args),
         Command::Curve(args) => curve::run(args),
+        Command::Newton(args) => newton::run(args),
         Command::Slime(args) => slime::run(args),
+        Command::Unions(args) => unions::run(args),
     });
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {

@@ -11,13 +11,14 @@ use super::output::Output;
 use super::source::error;
 use crate::base::Result;
 
-enum Format {
+pub(super) enum Format {
     Npz,
     #[cfg(feature = "hdf5")]
     Hdf5,
 }
 
-fn format_of(path: &Path) -> Result<Format> {
+/// The format that the name of a file says.
+pub(super) fn format_of(path: &Path) -> Result<Format> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     if name.ends_with(".npz") {
         return Ok(Format::Npz);

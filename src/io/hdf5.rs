@@ -1,10 +1,15 @@
 //! Several arrays in one HDF5 file, each a dataset of its root.
 
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use ::hdf5::types::{IntSize, TypeDescriptor};
 use ::hdf5::{Dataset, Dataspace, Datatype, File, Hyperslab, Selection};
 use faer::MatRef;
 
 use super::npz::Array;
 use super::output::Output;
+use super::read_arrays::{Entries, Stored};
 use super::source::error;
 use crate::base::{Error, Result, reserved};
 
@@ -90,6 +95,25 @@ impl Hdf5Writer {
         let (rows, all) = shape(dataset);
         Error::check_shape("columns", (rows, all - written), (rows, 0))
     }
+}
+
+/// All datasets of the root.
+pub(super) fn read(path: &Path) -> Result<BTreeMap<String, Stored>> {
+    let fail = |e| error(path, 0, format!("can't be read: HDF5 says: {e}"));
+    let file = File::open(path).map_err(fail)?;
+    let mut arrays = BTreeMap::new();
+    for name in file.member_names().map_err(fail)? {
+        let dataset = file.dataset(&name).map_err(fail)?;
+        let kind = dataset.dtype().and_then(|kind| kind.to_descriptor()).map_err(fail)?;
+        let entries = match kind {
+            TypeDescriptor::Unsigned(IntSize::U8) => {
+                Entries::Indices(dataset.read_raw().map_err(fail)?)
+            }
+            _ => Entries::Numbers(dataset.read_raw().map_err(fail)?),
+        };
+        arrays.insert(name, Stored { shape: dataset.shape(), entries, by_columns: false });
+    }
+    Ok(arrays)
 }
 
 fn failure(output: &Output, e: ::hdf5::Error) -> Error {

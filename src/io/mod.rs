@@ -1,6 +1,6 @@
 //! Matrix files: NumPy `.npy`, MatrixMarket `.mtx` and text tables (`.csv`, `.tsv`, `.txt`), each
 //! also gzipped (`.gz`); several arrays in one NumPy `.npz` or HDF5
-//! file ([`write_arrays`]). Files of rows, read block by block ([`RowFile`]): `.npy`, and HDF5 with
+//! file ([`write_arrays`], [`read_arrays`]). Files of rows, read block by block ([`RowFile`]): `.npy`, and HDF5 with
 //! feature `hdf5`.
 //!
 //! A reader checks everything it reads: a broken header, a ragged row, text where a number should
@@ -17,6 +17,7 @@ mod mtx;
 mod npy;
 mod npz;
 mod output;
+mod read_arrays;
 mod rows;
 mod source;
 mod strips;
@@ -33,6 +34,7 @@ use faer::MatRef;
 pub use matrix::{Dense, Matrix, SparseRows};
 pub use npz::{Array, NpzWriter, write_npz};
 pub use output::{Output, Overwrite};
+pub use read_arrays::{Arrays, read_arrays};
 pub use rows::RowFile;
 /// The sparse matrix of [`Matrix::Sparse`], from crate sprs.
 pub use sprs::CsMat;

@@ -4,6 +4,7 @@ mod distance;
 pub mod families;
 pub mod io;
 mod laplacian;
+mod masks;
 mod measure;
 mod operators;
 mod parts;

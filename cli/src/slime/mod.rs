@@ -3,6 +3,7 @@
 mod config;
 mod curves;
 mod images;
+mod on_device;
 mod view;
 
 use std::fs::{self, File};
@@ -18,12 +19,13 @@ use catamaran::mesh::io as meshes;
 use catamaran::mesh::io::{Attribute, MeshFile};
 use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas, fitted, smallest_size};
 use catamaran::{Error, Par};
-use clap::ValueEnum;
 
+use crate::device::DeviceArgs;
 use crate::picture::View;
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
 pub use curves::svg;
+use on_device::OnDevice;
 pub use view::draw;
 
 /// Pixels of a side of the picture of the mesh.
@@ -86,22 +88,14 @@ pub struct Args {
     /// Go on from the state in this file; mesh, configuration and mask must be those that it began with.
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
-    /// What computes.
-    #[arg(long, value_name = "DEVICE", default_value = "cpu")]
-    device: Device,
+    #[command(flatten)]
+    device: DeviceArgs,
     /// Threads; all cores unless given. The result does not depend on it.
     #[arg(long, value_name = "NUMBER")]
     threads: Option<NonZeroUsize>,
     /// Replace files that exist.
     #[arg(long)]
     force: bool,
-}
-
-/// What can run the kernels.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Device {
-    /// The cores of this machine.
-    Cpu,
 }
 
 /// Runs the subcommand.
@@ -122,6 +116,9 @@ pub fn run(args: &Args) -> Result<()> {
     }
     fs::create_dir_all(&args.output).with_context(|| args.output.display().to_string())?;
 
+    let device = args.device.open()?;
+    let mut on_device =
+        device.as_ref().map(|device| OnDevice::new(device, &simulation)).transpose()?;
     let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
     let now = |s: &Simulation| (f64::from(s.state().step) * options.time_step, s.coverage(par));
     let mut moments = vec![now(&simulation)];
@@ -130,8 +127,9 @@ pub fn run(args: &Args) -> Result<()> {
     let mut done = first;
     let mut ended = Ok(());
     while done < args.steps && ended.is_ok() {
-        match args.device {
-            Device::Cpu => simulation.step(par),
+        match &mut on_device {
+            Some(kernels) => kernels.step(&mut simulation)?,
+            None => simulation.step(par),
         }
         done += 1;
         moments.push(now(&simulation));

@@ -23,6 +23,9 @@ const FILES: &[&str] = &[
     "plant",
     "curve",
     "slime",
+    "device",
+    "newton",
+    "unions",
     "mpi",
     "memory",
 ];

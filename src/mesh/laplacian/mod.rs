@@ -125,6 +125,16 @@ impl Laplacian {
         Ok(extended)
     }
 
+    /// The Laplacian with Dirichlet conditions at all vertices but those in the mask: only their rows and columns are kept,
+    /// as far as they were there.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] unless the mask has an entry for each vertex of the mesh.
+    pub fn restricted(&self, mask: &[bool]) -> Result<Self> {
+        Error::check_shape("mask", (self.vertices, 1), (mask.len(), 1))?;
+        Ok(boundary::part(self, mask))
+    }
+
     /// The rows, of functions on the mesh, of the vertices kept.
     ///
     /// # Errors

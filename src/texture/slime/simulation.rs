@@ -200,10 +200,15 @@ impl Simulation {
     /// [`Error::Shape`] when it has other numbers of agents or texels, [`Error::Argument`] when it is none of this
     /// simulation: names the agent or the entry of the texture.
     pub fn set_state(&mut self, state: State) -> Result<()> {
+        state.check(&self.surface)?;
+        self.put_state(state)
+    }
+
+    /// [`Simulation::set_state`] without a look at each agent: the state is that of its kernels.
+    pub(crate) fn put_state(&mut self, state: State) -> Result<()> {
         let count = |state: &State| (state.triangles.len(), 1);
         Error::check_shape("agents", count(&self.state), count(&state))?;
         Error::check_shape("texture", (self.next.len(), 1), (state.texture.len(), 1))?;
-        state.check(&self.surface)?;
         self.state = state;
         Ok(())
     }

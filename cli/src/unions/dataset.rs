@@ -1,0 +1,129 @@
+//! `catamaran unions dataset`.
+
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+use catamaran::Par;
+use catamaran::io::{Output, Overwrite, check_arrays_name};
+use catamaran_training::dataset::{
+    Dataset, DatasetOptions, TEST_A, TEST_B, TRAIN, generate, write,
+};
+use clap::ValueEnum;
+
+use crate::progress::Bar;
+use crate::report::{report, seconds};
+
+/// Generate shapes, cut parts out of them, and write the spectra of parts and of their unions.
+///
+/// Humanoids to train on, others to test with, and three more families; see docs/algorithms/unions.md. Shapes that are done
+/// stay in the folder FILE.parts until the file is there; the same command goes on from it. The same options give the same
+/// file for any number of threads.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The data set: .npz, or .h5 where HDF5 is built in.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Seed of everything.
+    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    seed: u64,
+    /// How much of it; the options below change parts of that.
+    #[arg(long, default_value = "full")]
+    size: Size,
+    /// Vertices of a shape, about.
+    #[arg(long, value_name = "NUMBER")]
+    vertices: Option<usize>,
+    /// Humanoids to train on.
+    #[arg(long, value_name = "NUMBER")]
+    known: Option<usize>,
+    /// Humanoids to test with, of each of two body types.
+    #[arg(long, value_name = "NUMBER")]
+    unknown: Option<usize>,
+    /// Quadrupeds, headphones and sheets to test with, of each.
+    #[arg(long, value_name = "NUMBER")]
+    others: Option<usize>,
+    /// Poses of each of them.
+    #[arg(long, value_name = "NUMBER")]
+    poses: Option<usize>,
+    /// Pairs of parts of a family.
+    #[arg(long, value_name = "NUMBER")]
+    pairs: Option<usize>,
+    /// Threads; all cores by default.
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// Replace a file that exists.
+    #[arg(long)]
+    force: bool,
+}
+
+/// A size with a name.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Size {
+    /// That of the pretrained weights.
+    Full,
+    /// About a tenth, of small meshes.
+    Small,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    check_arrays_name(&args.output)?;
+    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
+    if !args.force && args.output.symlink_metadata().is_ok() {
+        bail!("{}: exists already (--force replaces it)", args.output.display());
+    }
+    let options = options(args);
+    let folder = parts(&args.output);
+    let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
+    let start = Instant::now();
+    let bar = Bar::new("shapes");
+    let update = |fraction| bar.update(fraction);
+    let dataset = generate(&options, &folder, par, Some(&update))?;
+    drop(bar);
+    write(&dataset, Output::create(&args.output, overwrite)?)?;
+    std::fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;
+    summary(&dataset)?;
+    report(format_args!("written   {} in {}", args.output.display(), seconds(start.elapsed())))
+}
+
+fn options(args: &Args) -> DatasetOptions {
+    let mut options = match args.size {
+        Size::Full => DatasetOptions::default(),
+        Size::Small => DatasetOptions::small(),
+    };
+    options.seed = args.seed;
+    let changes = [
+        (&mut options.vertices, args.vertices),
+        (&mut options.known, args.known),
+        (&mut options.unknown, args.unknown),
+        (&mut options.others, args.others),
+        (&mut options.poses, args.poses),
+        (&mut options.cuts.pairs, args.pairs),
+    ];
+    for (option, given) in changes {
+        *option = given.unwrap_or(*option);
+    }
+    options
+}
+
+/// The folder of what is done.
+fn parts(output: &Path) -> PathBuf {
+    let mut name = output.as_os_str().to_owned();
+    name.push(".parts");
+    name.into()
+}
+
+fn summary(dataset: &Dataset) -> Result<()> {
+    let samples = &dataset.samples;
+    let of = |wanted: usize| samples.split.iter().filter(|&&split| split == wanted).count();
+    report(format_args!(
+        "samples   {}: {} to train on, {} of test A, {} of test B",
+        samples.split.len(),
+        of(TRAIN),
+        of(TEST_A),
+        of(TEST_B)
+    ))?;
+    report(format_args!("shapes    {}", dataset.shapes.area.len()))?;
+    report(format_args!("triples   {}", dataset.triples.mask.len()))
+}

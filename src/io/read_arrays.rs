@@ -1,0 +1,203 @@
+//! What [`write_arrays`](super::write_arrays) wrote, read back.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use faer::Mat;
+use npyz::{NpyFile, Order, TypeChar};
+
+use super::arrays::{Format, format_of};
+use super::source::error;
+use crate::base::{Error, Result, reserved};
+
+/// Named arrays of a file, in memory.
+#[derive(Debug, Clone)]
+pub struct Arrays {
+    path: PathBuf,
+    arrays: BTreeMap<String, Stored>,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Stored {
+    pub shape: Vec<usize>,
+    pub entries: Entries,
+    /// Whether the first index runs fastest.
+    pub by_columns: bool,
+}
+
+#[derive(Debug, Clone)]
+pub(super) enum Entries {
+    Numbers(Vec<f64>),
+    Indices(Vec<u64>),
+}
+
+/// Reads all arrays of an `.npz` (not packed) or, with feature `hdf5`, HDF5 file: numbers (f8) and unsigned integers (u8), as
+/// [`write_arrays`](super::write_arrays) writes them.
+///
+/// # Errors
+/// [`Error::Io`] names the file, and the array that is broken or of another type.
+pub fn read_arrays(path: &Path) -> Result<Arrays> {
+    let arrays = match format_of(path)? {
+        Format::Npz => read_npz(path)?,
+        #[cfg(feature = "hdf5")]
+        Format::Hdf5 => super::hdf5::read(path)?,
+    };
+    Ok(Arrays { path: path.into(), arrays })
+}
+
+impl Arrays {
+    /// The names, sorted.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.arrays.keys().map(String::as_str)
+    }
+
+    /// The array of one dimension of numbers with this name.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when there is none.
+    pub fn vector(&self, name: &str) -> Result<Vec<f64>> {
+        match self.stored(name)? {
+            Stored { shape, entries: Entries::Numbers(values), .. } if shape.len() == 1 => {
+                Ok(values.clone())
+            }
+            stored => Err(self.other(name, "a vector of numbers", stored)),
+        }
+    }
+
+    /// The array of one dimension of unsigned integers with this name.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when there is none, or a number in it is too large for this machine.
+    pub fn indices(&self, name: &str) -> Result<Vec<usize>> {
+        match self.stored(name)? {
+            Stored { shape, entries: Entries::Indices(values), .. } if shape.len() == 1 => values
+                .iter()
+                .map(|&value| usize::try_from(value))
+                .collect::<std::result::Result<_, _>>()
+                .map_err(|_| error(&self.path, 0, format!("{name}: too large a number"))),
+            stored => Err(self.other(name, "a vector of unsigned integers", stored)),
+        }
+    }
+
+    /// The array of two dimensions of numbers with this name.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when there is none.
+    pub fn matrix(&self, name: &str) -> Result<Mat<f64>> {
+        let stored = self.stored(name)?;
+        let (Entries::Numbers(values), &[rows, columns]) = (&stored.entries, &stored.shape[..])
+        else {
+            return Err(self.other(name, "a matrix of numbers", stored));
+        };
+        let at = |i: usize, j: usize| match stored.by_columns {
+            true => values[j * rows + i],
+            false => values[i * columns + j],
+        };
+        Ok(Mat::from_fn(rows, columns, at))
+    }
+
+    fn stored(&self, name: &str) -> Result<&Stored> {
+        self.arrays.get(name).ok_or_else(|| error(&self.path, 0, format!("has no array `{name}`")))
+    }
+
+    fn other(&self, name: &str, wanted: &str, stored: &Stored) -> Error {
+        let kind = match stored.entries {
+            Entries::Numbers(_) => "numbers",
+            Entries::Indices(_) => "unsigned integers",
+        };
+        let why = format!("`{name}` is not {wanted}, but {kind} of shape {:?}", stored.shape);
+        error(&self.path, 0, why)
+    }
+}
+
+fn read_npz(path: &Path) -> Result<BTreeMap<String, Stored>> {
+    let fail = |e: &dyn std::fmt::Display| error(path, 0, e.to_string());
+    let file = File::open(path).map_err(|e| fail(&e))?;
+    let mut archive = zip::ZipArchive::new(BufReader::new(file)).map_err(|e| fail(&e))?;
+    let mut arrays = BTreeMap::new();
+    for i in 0..archive.len() {
+        let mut entry = archive.by_index(i).map_err(|e| fail(&e))?;
+        let name = entry.name().map_err(|e| fail(&e))?.trim_end_matches(".npy").to_owned();
+        let bytes = usize::try_from(entry.size()).map_err(|e| fail(&e))?;
+        let mut content = reserved(bytes)?;
+        entry.read_to_end(&mut content).map_err(|e| fail(&format!("`{name}`: {e}")))?;
+        let stored = decode(&content).map_err(|e| fail(&format!("`{name}`: {e}")))?;
+        arrays.insert(name, stored);
+    }
+    Ok(arrays)
+}
+
+fn decode(content: &[u8]) -> std::io::Result<Stored> {
+    let file = NpyFile::new(content)?;
+    let lengths = file.shape().iter().map(|&n| usize::try_from(n));
+    let shape = lengths.collect::<std::result::Result<_, _>>().map_err(std::io::Error::other)?;
+    let by_columns = file.order() == Order::Fortran;
+    // The entries are all there: a header can't make more memory be taken than the file has bytes.
+    let entries = file.shape().iter().try_fold(8u64, |all, &n| all.checked_mul(n));
+    if entries.is_none_or(|bytes| bytes > content.len() as u64) {
+        return Err(std::io::Error::other("truncated, or not of entries of 8 bytes"));
+    }
+    let unsigned =
+        matches!(&file.dtype(), npyz::DType::Plain(t) if t.type_char() == TypeChar::Uint);
+    let entries = match unsigned {
+        true => Entries::Indices(file.into_vec()?),
+        false => Entries::Numbers(file.into_vec()?),
+    };
+    Ok(Stored { shape, entries, by_columns })
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::mat;
+
+    use super::*;
+    use crate::io::{Array, ArraysWriter, Output, Overwrite};
+
+    #[test]
+    fn what_was_written_is_read_in_every_format() {
+        let folder = tempfile::tempdir().unwrap();
+        let names = ["a.npz", "a.h5"];
+        for name in &names[..if cfg!(feature = "hdf5") { 2 } else { 1 }] {
+            let path = folder.path().join(name);
+            let matrix = mat![[1.0, 2.5, -1.0], [3.0, -4.0, f64::MAX]];
+            let output = Output::create(&path, Overwrite::Never).unwrap();
+            let mut writer = ArraysWriter::new(output).unwrap();
+            writer.array("v", Array::Vector(&[0.5, -0.0])).unwrap();
+            writer.array("i", Array::Indices(&[7, usize::MAX])).unwrap();
+            writer.array("none", Array::Indices(&[])).unwrap();
+            writer.array("m", Array::Matrix(matrix.as_ref())).unwrap();
+            writer.matrix_by_columns("c", 2, 3).unwrap();
+            writer.columns(matrix.as_ref()).unwrap();
+            writer.finish().unwrap();
+            let read = read_arrays(&path).unwrap();
+            assert_eq!(read.names().collect::<Vec<_>>(), ["c", "i", "m", "none", "v"]);
+            assert_eq!(read.vector("v").unwrap(), [0.5, -0.0]);
+            assert_eq!(read.indices("i").unwrap(), [7, usize::MAX]);
+            assert_eq!(read.indices("none").unwrap(), [0; 0]);
+            assert_eq!(read.matrix("m").unwrap(), matrix);
+            assert_eq!(read.matrix("c").unwrap(), matrix);
+            let said = read.matrix("v").unwrap_err().to_string();
+            assert!(said.contains("`v` is not a matrix"), "{said}");
+            let said = read.vector("w").unwrap_err().to_string();
+            assert!(said.contains("has no array `w`"), "{said}");
+        }
+    }
+
+    #[test]
+    fn truncated_files_and_other_files_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.npz");
+        let output = Output::create(&path, Overwrite::Never).unwrap();
+        let mut writer = ArraysWriter::new(output).unwrap();
+        writer.array("v", Array::Vector(&[0.5; 100])).unwrap();
+        writer.finish().unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        for length in (0..bytes.len()).step_by(50) {
+            std::fs::write(&path, &bytes[..length]).unwrap();
+            assert!(matches!(read_arrays(&path).unwrap_err(), Error::Io { .. }));
+        }
+        assert!(read_arrays(&folder.path().join("a.txt")).is_err());
+    }
+}

@@ -1,0 +1,95 @@
+//! Parts of a surface, and their spectra.
+
+use crate::base::{Error, Result};
+use crate::mesh::{Adjacency, Boundary, Edges, Laplacian, LaplacianOptions, TriMesh, laplacian};
+use crate::sparse::{EigenOptions, eigs};
+
+/// Residual of eigenpairs: eigenvalues are then right to about its square.
+const TOLERANCE: f64 = 1e-6;
+
+/// The spectra of parts of one surface: its Laplacian is assembled once for all of them.
+///
+/// A part is a mask: of each vertex whether it belongs to the part. Its faces are those whose three vertices do.
+///
+/// With Dirichlet conditions, eigenfunctions are zero at the vertices on the edge of the part, and on the boundary of the
+/// surface: the matrices are principal ones of those of the surface. So, of two parts of which one lies in the other, the
+/// inner one has no smaller eigenvalue anywhere in the sequence (domain monotonicity, here by Cauchy's interlacing, exactly
+/// for these matrices). Complete closed surfaces have nothing to hold at zero: their first eigenvalue is 0.
+#[derive(Debug, Clone)]
+pub struct PartSpectra<'m> {
+    mesh: &'m TriMesh,
+    options: LaplacianOptions,
+    operator: Laplacian,
+    neighbours: Adjacency,
+    on_boundary: Vec<bool>,
+}
+
+impl<'m> PartSpectra<'m> {
+    /// Assembles the Laplacian of the surface. The boundary conditions of the options count for nothing.
+    ///
+    /// # Errors
+    /// As [`laplacian()`].
+    pub fn new(mesh: &'m TriMesh, options: &LaplacianOptions) -> Result<Self> {
+        let options = LaplacianOptions { boundary: Boundary::Neumann, ..options.clone() };
+        let operator = laplacian(mesh, &options)?;
+        let edges = Edges::new(mesh);
+        let mut on_boundary = vec![false; mesh.vertices().len()];
+        for v in edges.boundary().flat_map(|e| edges.ends()[e as usize]) {
+            on_boundary[v as usize] = true;
+        }
+        let neighbours = mesh.vertex_neighbors();
+        Ok(Self { mesh, options, operator, neighbours, on_boundary })
+    }
+
+    /// The k smallest eigenvalues of the part under Dirichlet conditions, ascending; in units of 1 / length^2.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] unless the mask has an entry for each vertex; [`Error::Argument`] when the part has fewer than k
+    /// vertices inside; as [`eigs`] otherwise.
+    pub fn dirichlet(&self, mask: &[bool], k: usize) -> Result<Vec<f64>> {
+        let inside = self.inside(mask)?;
+        let operator = self.operator.restricted(&inside)?;
+        self.eigenvalues(&operator, k)
+    }
+
+    /// The k smallest eigenvalues of the part under Neumann conditions, ascending: 0 for each of its pieces, then what
+    /// follows; in units of 1 / length^2.
+    ///
+    /// # Errors
+    /// As [`PartSpectra::dirichlet`], and as [`laplacian()`] of the part.
+    pub fn neumann(&self, mask: &[bool], k: usize) -> Result<Vec<f64>> {
+        let part = self.mesh.masked(mask)?;
+        self.eigenvalues(&laplacian(&part.mesh, &self.options)?, k)
+    }
+
+    /// Of each vertex whether it is inside of the part: it and its neighbours belong to it, and it is not on the boundary
+    /// of the surface.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] unless the mask has an entry for each vertex.
+    pub fn inside(&self, mask: &[bool]) -> Result<Vec<bool>> {
+        let n = self.on_boundary.len();
+        Error::check_shape("mask", (n, 1), (mask.len(), 1))?;
+        let inside = |v: usize| {
+            let around = self.neighbours.row(v);
+            let closed = around.iter().all(|&w| mask[w as usize]);
+            mask[v] && !self.on_boundary[v] && closed && !around.is_empty()
+        };
+        Ok((0..n).map(inside).collect())
+    }
+
+    fn eigenvalues(&self, operator: &Laplacian, k: usize) -> Result<Vec<f64>> {
+        let rows = operator.kept.len();
+        if k > rows {
+            let why = format!("{k} eigenvalues of a part with {rows} vertices inside");
+            return Err(Error::Argument { what: "k", why });
+        }
+        let options = EigenOptions {
+            k,
+            tolerance: TOLERANCE,
+            par: self.options.par,
+            ..EigenOptions::default()
+        };
+        Ok(eigs(operator.stiffness.view(), &operator.mass, &options)?.values)
+    }
+}

@@ -1,0 +1,97 @@
+//! ShapeDNA: the first eigenvalues of a surface as its signature.
+//!
+//! Source: Reuter, Wolter and Peinecke, Laplace-Beltrami spectra as "Shape-DNA" of surfaces and solids (2006).
+
+use crate::base::{Error, Par, Result};
+use crate::mesh::{LaplacianOptions, TriMesh, laplacian};
+use crate::sparse::{EigenOptions, eigs};
+
+/// Options of [`shape_dna`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShapeDnaOptions {
+    /// Eigenvalues; default 20.
+    pub k: usize,
+    /// Whether they are multiplied by the area, so that they don't depend on the size of the shape; default true.
+    pub normalized: bool,
+    /// The Laplacian, with what holds at the boundary and threads.
+    pub laplacian: LaplacianOptions,
+}
+
+impl Default for ShapeDnaOptions {
+    fn default() -> Self {
+        Self { k: 20, normalized: true, laplacian: LaplacianOptions::default() }
+    }
+}
+
+/// The k smallest eigenvalues of a surface, ascending: in units of 1 / length^2, or pure numbers where they are normalized
+/// by area. Closed surfaces begin with 0.
+///
+/// # Errors
+/// As [`laplacian()`] and [`eigs`]; [`Error::Argument`] when there are fewer than k vertices that are not held at zero.
+pub fn shape_dna(mesh: &TriMesh, options: &ShapeDnaOptions) -> Result<Vec<f64>> {
+    let operator = laplacian(mesh, &options.laplacian)?;
+    let wanted = EigenOptions {
+        k: options.k,
+        par: options.laplacian.par,
+        // Eigenvalues are right to about its square.
+        tolerance: 1e-6,
+        ..EigenOptions::default()
+    };
+    let mut values = eigs(operator.stiffness.view(), &operator.mass, &wanted)?.values;
+    if options.normalized {
+        let area = mesh.area();
+        values.iter_mut().for_each(|value| *value *= area);
+    }
+    Ok(values)
+}
+
+/// What [`retrieve`] finds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Match {
+    /// Number of the signature, from 0.
+    pub index: usize,
+    /// Euclidean distance to it, in the unit of the signatures.
+    pub distance: f64,
+}
+
+/// The signatures nearest to `query`, the nearest first (of equally near ones the first), at most `count` of them.
+///
+/// # Errors
+/// [`Error::Shape`] when a signature is not as long as the query; [`Error::NonFinite`] for numbers that are none.
+pub fn retrieve<S: AsRef<[f64]> + Sync>(
+    query: &[f64],
+    signatures: &[S],
+    count: usize,
+    par: Par,
+) -> Result<Vec<Match>> {
+    let finite = |what, row: usize, values: &[f64]| match values.iter().position(|x| !x.is_finite())
+    {
+        Some(column) => Err(Error::NonFinite { what, index: (row, column) }),
+        None => Ok(()),
+    };
+    finite("query", 0, query)?;
+    for (i, signature) in signatures.iter().enumerate() {
+        let signature = signature.as_ref();
+        Error::check_shape("signature", (query.len(), 1), (signature.len(), 1))?;
+        finite("signature", i, signature)?;
+    }
+    let distance = |index: usize| {
+        let pairs = query.iter().zip(signatures[index].as_ref());
+        pairs.map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt()
+    };
+    let blocks = par.map_blocks(signatures.len(), BLOCK, |block| {
+        block.map(|index| Match { index, distance: distance(index) }).collect::<Vec<_>>()
+    });
+    let mut found: Vec<Match> = blocks.into_iter().flatten().collect();
+    let order =
+        |a: &Match, b: &Match| a.distance.total_cmp(&b.distance).then(a.index.cmp(&b.index));
+    if count < found.len() {
+        found.select_nth_unstable_by(count, order);
+        found.truncate(count);
+    }
+    found.sort_unstable_by(order);
+    Ok(found)
+}
+
+/// Signatures that a thread compares at a time.
+const BLOCK: usize = 4096;

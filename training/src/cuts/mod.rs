@@ -1,0 +1,106 @@
+//! Parts of the shapes of a family: masks over the vertices of its template, and pairs of them.
+//!
+//! Thesis, section 2.5: regions by geodesic balls, by segments and by planes, with smoothed edges; pairs of them that
+//! overlap; of the unions that the two spectra could mean, only one is kept (figure 2.3): that of the least area, on the
+//! left.
+
+mod draw;
+mod pairs;
+mod regions;
+#[cfg(test)]
+mod tests;
+mod triples;
+
+use std::collections::BTreeMap;
+
+use catamaran::base::Rng;
+use catamaran::{Par, Result};
+
+use crate::families::Model;
+pub(crate) use draw::below;
+use regions::Surface;
+pub use regions::{Mask, id};
+
+/// Vertices that two parts share at least.
+pub const OVERLAP: usize = 50;
+
+/// How many of each there shall be; fewer are found on small templates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CutOptions {
+    /// Regions: geodesic balls, unions of segments and half spaces, a third each.
+    pub regions: usize,
+    /// Pairs of regions.
+    pub pairs: usize,
+    /// Pairs into which one region is split; its spectrum is then that of the union. The first ones split the complete shape.
+    pub splits: usize,
+    /// Triples.
+    pub triples: usize,
+    /// Seed.
+    pub seed: u64,
+}
+
+impl Default for CutOptions {
+    fn default() -> Self {
+        Self { regions: 50, pairs: 90, splits: 60, triples: 12, seed: 1 }
+    }
+}
+
+/// Two parts and their union, by their ids.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Pair {
+    /// The parts, the smaller id first.
+    pub parts: [usize; 2],
+    /// The union.
+    pub union: usize,
+}
+
+/// Three parts, the first meeting the second and the second the third.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Triple {
+    /// The parts.
+    pub parts: [usize; 3],
+    /// Unions of the first two and of the last two.
+    pub unions: [usize; 2],
+    /// The union of all.
+    pub whole: usize,
+}
+
+/// The cuts of a family.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cuts {
+    /// All masks by their ids, no two alike.
+    pub masks: BTreeMap<usize, Mask>,
+    /// No two alike.
+    pub pairs: Vec<Pair>,
+    /// No two alike.
+    pub triples: Vec<Triple>,
+}
+
+impl Cuts {
+    /// The mask that covers everything.
+    pub fn complete(&self) -> usize {
+        let vertices = self.masks.values().next().map_or(0, Vec::len);
+        id(&vec![true; vertices])
+    }
+
+    fn keep(&mut self, mask: Mask) -> usize {
+        let id = id(&mask);
+        self.masks.insert(id, mask);
+        id
+    }
+}
+
+/// Cuts the template of a family. The same options give the same cuts, for any number of threads.
+///
+/// # Errors
+/// As [`HeatMethod`](catamaran::mesh::HeatMethod).
+pub fn cuts(model: &Model, options: &CutOptions, par: Par) -> Result<Cuts> {
+    let surface = Surface::new(model.template(), model.mirror(), par)?;
+    let mut rng = Rng::new(crate::families::mixed(&[options.seed, 0xC075]));
+    let regions = draw::regions(&surface, model.segments(), options.regions, &mut rng)?;
+    let mut cuts = Cuts { masks: BTreeMap::new(), pairs: vec![], triples: vec![] };
+    pairs::of_regions(&surface, &regions, options.pairs, &mut cuts, &mut rng);
+    pairs::by_splitting(&surface, &regions, options.splits, &mut cuts, &mut rng)?;
+    triples::find(&surface, options.triples, &mut cuts, &mut rng);
+    Ok(cuts)
+}

@@ -1,0 +1,127 @@
+//! Pairs of parts whose union is not in doubt.
+
+use catamaran::Result;
+use catamaran::base::Rng;
+
+use super::draw::below;
+use super::regions::{Mask, Surface, overlap, union};
+use super::{Cuts, OVERLAP, Pair};
+
+/// Unions whose areas differ by less than this part are in doubt.
+const DOUBT: f64 = 0.02;
+
+/// Attempts for each pair that is wanted.
+const ATTEMPTS: usize = 30;
+
+/// Vertices that a part has inside at least, so that it has a spectrum also when 30 % of them are removed.
+const INSIDE: usize = 60;
+
+/// A part that adds less than this share of the union adds nothing.
+const LEAST_GAIN: f64 = 0.05;
+
+/// Up to `count` pairs of regions, each as it is or mirrored.
+pub(super) fn of_regions(
+    surface: &Surface<'_>,
+    regions: &[Mask],
+    count: usize,
+    cuts: &mut Cuts,
+    rng: &mut Rng,
+) {
+    let wanted = cuts.pairs.len() + count;
+    for _ in 0..ATTEMPTS * count {
+        if cuts.pairs.len() == wanted || regions.len() < 2 {
+            break;
+        }
+        let (a, b) = (below(regions.len(), rng), below(regions.len(), rng));
+        if a != b {
+            add(surface, &regions[a], &regions[b], cuts);
+        }
+    }
+}
+
+/// Up to `count` pairs that split a region: the complete shape first, then regions in turn.
+pub(super) fn by_splitting(
+    surface: &Surface<'_>,
+    regions: &[Mask],
+    count: usize,
+    cuts: &mut Cuts,
+    rng: &mut Rng,
+) -> Result<()> {
+    let complete = vec![true; surface.len()];
+    let of_complete = count.div_ceil(4);
+    let mut found = 0;
+    for attempt in 0..ATTEMPTS * count {
+        if found == count {
+            break;
+        }
+        let region = match regions {
+            [] => &complete,
+            _ if found < of_complete => &complete,
+            _ => &regions[attempt % regions.len()],
+        };
+        let [a, b] = split(surface, region, rng)?;
+        found += usize::from(add(surface, &a, &b, cuts));
+    }
+    Ok(())
+}
+
+/// Two parts of a region: what is nearer to one of two of its vertices, and a band beyond the middle.
+fn split(surface: &Surface<'_>, region: &[bool], rng: &mut Rng) -> Result<[Mask; 2]> {
+    let inside: Vec<usize> = (0..surface.len()).filter(|&v| region[v]).collect();
+    let pick = |rng: &mut Rng| inside[below(inside.len(), rng)] as u32;
+    let (first, second) = (pick(rng), pick(rng));
+    let (to_first, to_second) = (surface.distances(first)?, surface.distances(second)?);
+    let band = (0.1 + 0.4 * rng.uniform()) * to_first[second as usize];
+    let part = |near: &[f64], far: &[f64]| {
+        let raw: Mask = (0..surface.len()).map(|v| region[v] && near[v] < far[v] + band).collect();
+        // Smoothed only where it ends inside of the region.
+        let smooth = surface.smoothed(&raw);
+        let kept: Mask = (0..surface.len()).map(|v| region[v] && (smooth[v] || raw[v])).collect();
+        surface.largest_piece(&kept)
+    };
+    Ok([part(&to_first, &to_second), part(&to_second, &to_first)])
+}
+
+/// Adds the pair, or one of the mirror images that its spectra could as well mean: that with the least union, on the left.
+/// Whether it was added: it must be a pair, clear, and not there yet.
+fn add(surface: &Surface<'_>, a: &[bool], b: &[bool], cuts: &mut Cuts) -> bool {
+    let Some([a, b]) = canonical(surface, a, b) else { return false };
+    let all = union(&a, &b);
+    let mut parts = [super::id(&a), super::id(&b)];
+    parts.sort_unstable();
+    if cuts.pairs.iter().any(|pair| pair.parts == parts) {
+        return false;
+    }
+    cuts.keep(a);
+    cuts.keep(b);
+    let union = cuts.keep(all);
+    cuts.pairs.push(Pair { parts, union });
+    true
+}
+
+/// The same two parts, mirrored where need be; `None` when they don't overlap enough, one adds too little, or the least
+/// union is in doubt.
+pub(super) fn canonical(surface: &Surface<'_>, a: &[bool], b: &[bool]) -> Option<[Mask; 2]> {
+    let other = surface.mirrored(b);
+    let unions = [union(a, b), union(a, &other)];
+    let areas = [0, 1].map(|i| surface.area(&unions[i]));
+    // The same class either way when one of the parts is its own mirror image, or the unions are mirror images.
+    let same = unions[0] == unions[1] || surface.mirrored(&unions[0]) == unions[1];
+    if !same && (areas[0] - areas[1]).abs() < DOUBT * areas[0].max(areas[1]) {
+        return None;
+    }
+    let (b, whole) = match areas[0] <= areas[1] {
+        true => (b.to_vec(), &unions[0]),
+        false => (other, &unions[1]),
+    };
+    let area = surface.area(whole);
+    let gains = [surface.area(a), surface.area(&b)].map(|part| area - part);
+    let too_thin = [a, &b].iter().any(|part| surface.inside(part) < INSIDE);
+    if too_thin || overlap(a, &b) < OVERLAP || gains.iter().any(|&gain| gain < LEAST_GAIN * area) {
+        return None;
+    }
+    match surface.leaning(whole) >= 0.0 {
+        true => Some([a.to_vec(), b]),
+        false => Some([surface.mirrored(a), surface.mirrored(&b)]),
+    }
+}

@@ -1,0 +1,126 @@
+//! Connected regions of a template, as masks.
+
+use catamaran::mesh::{Adjacency, HeatMethod, HeatOptions, TriMesh, vertex_areas};
+use catamaran::{Par, Result};
+
+/// Of each vertex of the template whether it is in.
+pub type Mask = Vec<bool>;
+
+/// A template, as cuts need it.
+pub(super) struct Surface<'m> {
+    pub mesh: &'m TriMesh,
+    pub mirror: &'m [u32],
+    pub areas: Vec<f64>,
+    pub neighbours: Adjacency,
+    heat: HeatMethod,
+}
+
+impl<'m> Surface<'m> {
+    pub fn new(mesh: &'m TriMesh, mirror: &'m [u32], par: Par) -> Result<Self> {
+        let heat = HeatMethod::new(mesh, &HeatOptions { par, ..HeatOptions::default() })?;
+        let (areas, neighbours) = (vertex_areas(mesh), mesh.vertex_neighbors());
+        Ok(Self { mesh, mirror, areas, neighbours, heat })
+    }
+
+    pub fn len(&self) -> usize {
+        self.mirror.len()
+    }
+
+    pub fn distances(&self, from: u32) -> Result<Vec<f64>> {
+        self.heat.distances(&[from])
+    }
+
+    pub fn area(&self, mask: &[bool]) -> f64 {
+        (0..self.len()).filter(|&v| mask[v]).map(|v| self.areas[v]).sum()
+    }
+
+    /// Its area relative to that of the whole.
+    pub fn share(&self, mask: &[bool]) -> f64 {
+        self.area(mask) / self.areas.iter().sum::<f64>()
+    }
+
+    pub fn mirrored(&self, mask: &[bool]) -> Mask {
+        self.mirror.iter().map(|&m| mask[m as usize]).collect()
+    }
+
+    /// How much more of it is on the left, the side of positive x, than on the right.
+    pub fn leaning(&self, mask: &[bool]) -> f64 {
+        let side = |v: usize| match self.mesh.vertices()[v][0] {
+            x if x > 0.0 => self.areas[v],
+            x if x < 0.0 => -self.areas[v],
+            _ => 0.0,
+        };
+        (0..self.len()).filter(|&v| mask[v]).map(side).sum()
+    }
+
+    /// The mask with a smooth edge and without holes of single vertices: rounds of taking what the majority of neighbours
+    /// has; then its largest piece.
+    pub fn smoothed(&self, mask: &[bool]) -> Mask {
+        let mut level: Vec<f64> = mask.iter().map(|&inside| f64::from(u8::from(inside))).collect();
+        // The width of the smoothing does not depend on the resolution.
+        let rounds = (self.len() as f64 / 400.0).ceil() as usize;
+        for _ in 0..rounds {
+            let mean = |(v, around): (usize, &[u32])| {
+                let sum: f64 = around.iter().map(|&w| level[w as usize]).sum();
+                0.5 * level[v] + 0.5 * sum / around.len().max(1) as f64
+            };
+            level = self.neighbours.rows().enumerate().map(mean).collect();
+        }
+        let smooth: Mask = level.iter().map(|&x| x > 0.5).collect();
+        self.largest_piece(&smooth)
+    }
+
+    /// The number of vertices whose neighbours are all in the mask as well.
+    pub fn inside(&self, mask: &[bool]) -> usize {
+        let closed = |v: &usize| self.neighbours.row(*v).iter().all(|&w| mask[w as usize]);
+        (0..self.len()).filter(|&v| mask[v]).filter(closed).count()
+    }
+
+    /// The piece with the largest number of vertices.
+    pub fn largest_piece(&self, mask: &[bool]) -> Mask {
+        let mut left = mask.to_vec();
+        let mut best: Vec<u32> = Vec::new();
+        for start in 0..self.len() {
+            if !std::mem::take(&mut left[start]) {
+                continue;
+            }
+            let mut piece = vec![start as u32];
+            let mut next = 0;
+            while let Some(&v) = piece.get(next) {
+                next += 1;
+                for &w in self.neighbours.row(v as usize) {
+                    if std::mem::take(&mut left[w as usize]) {
+                        piece.push(w);
+                    }
+                }
+            }
+            if piece.len() > best.len() {
+                best = piece;
+            }
+        }
+        let mut largest = vec![false; self.len()];
+        best.iter().for_each(|&v| largest[v as usize] = true);
+        largest
+    }
+}
+
+/// The vertices in both.
+pub(super) fn overlap(a: &[bool], b: &[bool]) -> usize {
+    a.iter().zip(b).filter(|(a, b)| **a && **b).count()
+}
+
+/// The vertices in either.
+pub(super) fn union(a: &[bool], b: &[bool]) -> Mask {
+    a.iter().zip(b).map(|(a, b)| *a || *b).collect()
+}
+
+/// A number that tells masks apart (FNV-1a over the vertices in it).
+pub fn id(mask: &[bool]) -> usize {
+    let inside = (0u64..).zip(mask).filter(|(_, inside)| **inside).map(|(v, _)| v);
+    let hash = inside.fold(0xcbf2_9ce4_8422_2325u64, |hash, v| {
+        v.to_le_bytes()
+            .iter()
+            .fold(hash, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+    });
+    hash as usize
+}

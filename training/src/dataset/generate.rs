@@ -1,0 +1,319 @@
+//! Data sets are generated shape by shape; what is done stays in a folder until all is.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use catamaran::base::{Flow, Pin, Progress, Team};
+use catamaran::io::{Array, ArraysWriter, Output, Overwrite, read_arrays};
+use catamaran::mesh::{LaplacianOptions, TriMesh, laplacian, vertex_areas};
+use catamaran::sparse::{EigenOptions, eigs};
+use catamaran::unions::PartSpectra;
+use catamaran::{Error, Par, Result, faer::MatRef};
+use rayon::prelude::*;
+
+use super::plan::{DatasetOptions, HeldOut, Job, jobs};
+use super::{Dataset, EIGENVALUES, Spectrum, Template};
+use crate::cuts::{Cuts, cuts};
+use crate::families::{Family, Model, mixed};
+use crate::remesh::remove_vertices;
+
+/// Eigenfunctions of a template.
+const EIGENFUNCTIONS: usize = 128;
+
+/// Share of the vertices that remeshed shapes lose.
+const REMOVED: f64 = 0.3;
+
+/// Generates a data set. Done shapes are kept in `folder`, made if it is not there, from where another call with the same
+/// options goes on; the folder is the caller's to delete. The same options give the same data set for any number of threads.
+///
+/// # Errors
+/// [`Error::Argument`] for sizes out of range; [`Error::Io`] when the folder is that of other options, or can't be written;
+/// [`Error::Cancelled`].
+pub fn generate(
+    options: &DatasetOptions,
+    folder: &Path,
+    par: Par,
+    progress: Option<Progress<'_>>,
+) -> Result<Dataset> {
+    options.check()?;
+    prepare(folder, &format!("{options:?}\n"))?;
+    let jobs = jobs(options);
+    let subjects = subjects(options, &jobs, par)?;
+    let done = AtomicUsize::new(0);
+    let one = |(number, job): (usize, &Job)| {
+        let found = shape(options, job, number, &subjects[job.family.number()], folder);
+        let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+        match progress.map(|progress| progress(done as f64 / jobs.len() as f64)) {
+            Some(Flow::Cancel) => Err(Error::Cancelled),
+            _ => found,
+        }
+    };
+    let team = Team::new(par.threads(), Pin::No)?;
+    let shapes: Vec<Found> =
+        team.run(|| jobs.par_iter().enumerate().map(one).collect::<Result<_>>())?;
+    let mut dataset = Dataset::default();
+    for subject in &subjects {
+        dataset.templates.push(template(subject, par)?);
+    }
+    for (job, found) in jobs.iter().zip(&shapes) {
+        add(&mut dataset, options, job, &subjects[job.family.number()], found);
+    }
+    Ok(dataset)
+}
+
+/// A family with its cuts.
+struct Subject {
+    model: Model,
+    cuts: Cuts,
+    held_out: HeldOut,
+}
+
+fn subjects(options: &DatasetOptions, jobs: &[Job], par: Par) -> Result<Vec<Subject>> {
+    let used = |family: &Family| jobs.iter().any(|job| job.family == *family);
+    let one = |family: Family| {
+        let model = Model::new(family, options.vertices)?;
+        let own = crate::cuts::CutOptions {
+            seed: mixed(&[options.seed, options.cuts.seed, family as u64]),
+            ..options.cuts
+        };
+        let cuts = cuts(&model, &own, par)?;
+        let held_out = HeldOut::new(&cuts, family, options.seed);
+        Ok(Subject { model, cuts, held_out })
+    };
+    // Those that are used come first.
+    Family::ALL.into_iter().filter(used).map(one).collect()
+}
+
+/// Spectra and areas of a shape: of all masks, ascending by id, then of the whole.
+struct Found {
+    spectra: Vec<Spectrum>,
+    areas: Vec<f64>,
+}
+
+/// Makes sure that the folder is there, and of these options.
+fn prepare(folder: &Path, options: &str) -> Result<()> {
+    let name = folder.join("options.txt");
+    let failed = |e: std::io::Error| io_error(&name, e.to_string());
+    fs::create_dir_all(folder).map_err(failed)?;
+    match fs::read_to_string(&name) {
+        Ok(there) if there == options => Ok(()),
+        Ok(_) => Err(io_error(&name, "the folder is of a data set with other options".into())),
+        Err(_) => fs::write(&name, options).map_err(failed),
+    }
+}
+
+fn io_error(path: &Path, what: String) -> Error {
+    Error::Io { path: path.into(), line: 0, what }
+}
+
+/// Spectra of a shape, as they were found before or are found now.
+fn shape(
+    options: &DatasetOptions,
+    job: &Job,
+    number: usize,
+    subject: &Subject,
+    folder: &Path,
+) -> Result<Found> {
+    let file: PathBuf = folder.join(format!("shape{number:05}.npz"));
+    let count = subject.cuts.masks.len() + 1;
+    if file.exists() {
+        let arrays = read_arrays(&file)?;
+        let (spectra, areas) = (arrays.matrix("spectra")?, arrays.vector("areas")?);
+        if spectra.shape() != (count, EIGENVALUES) || areas.len() != count {
+            return Err(io_error(&file, "not of this data set".into()));
+        }
+        let row = |i: usize| std::array::from_fn(|j| spectra[(i, j)]);
+        return Ok(Found { spectra: (0..count).map(row).collect(), areas });
+    }
+    let found = compute(options, job, subject)?;
+    let mut writer = ArraysWriter::new(Output::create(&file, Overwrite::Replace)?)?;
+    let rows = found.spectra.as_flattened();
+    let spectra = MatRef::from_row_major_slice(rows, count, EIGENVALUES);
+    writer.array("spectra", Array::Matrix(spectra))?;
+    writer.array("areas", Array::Vector(&found.areas))?;
+    writer.finish()?;
+    Ok(found)
+}
+
+fn compute(options: &DatasetOptions, job: &Job, subject: &Subject) -> Result<Found> {
+    let Job { identity, body, pose, .. } = *job;
+    let mesh = subject.model.shape(options.seed, identity, body, pose)?;
+    let (mesh, vertices): (TriMesh, Vec<u32>) = if job.remeshed {
+        let seed = mixed(&[options.seed, identity as u64, pose as u64, 0x4E35]);
+        let remeshed = remove_vertices(&mesh, REMOVED, seed)?;
+        (remeshed.mesh, remeshed.vertices)
+    } else {
+        let all = (0..mesh.vertices().len() as u32).collect();
+        (mesh, all)
+    };
+    // Shapes are done in parallel, not the work on one.
+    let settings = LaplacianOptions { par: Par::Seq, ..LaplacianOptions::default() };
+    let spectra = PartSpectra::new(&mesh, &settings)?;
+    let complete = vec![true; subject.model.mirror().len()];
+    let mut found = Found { spectra: vec![], areas: vec![] };
+    let face_areas = mesh.face_areas();
+    for mask in subject.cuts.masks.values().chain([&complete]) {
+        let own: Vec<bool> = vertices.iter().map(|&v| mask[v as usize]).collect();
+        let values = spectra.dirichlet(&own, EIGENVALUES)?;
+        found.spectra.push(std::array::from_fn(|i| values[i]));
+        let inside = |f: &[u32; 3]| f.iter().all(|&v| own[v as usize]);
+        let areas = mesh.faces().iter().zip(&face_areas).filter(|(f, _)| inside(f));
+        found.areas.push(areas.map(|(_, area)| area).sum());
+    }
+    Ok(found)
+}
+
+fn template(subject: &Subject, par: Par) -> Result<Template> {
+    let mesh = subject.model.template();
+    let settings = LaplacianOptions { par, ..LaplacianOptions::default() };
+    let operator = laplacian(mesh, &settings)?;
+    let k = EIGENFUNCTIONS.min(operator.kept.len());
+    let wanted = EigenOptions { k, par, ..EigenOptions::default() };
+    let pairs = eigs(operator.stiffness.view(), &operator.mass, &wanted)?;
+    let (mut mask_starts, mut mask_vertices) = (vec![0], vec![]);
+    for mask in subject.cuts.masks.values() {
+        mask_vertices.extend((0..mask.len()).filter(|&v| mask[v]));
+        mask_starts.push(mask_vertices.len());
+    }
+    Ok(Template {
+        vertices: mesh.vertices().to_vec(),
+        faces: mesh.faces().as_flattened().iter().map(|&v| v as usize).collect(),
+        mirror: subject.model.mirror().iter().map(|&v| v as usize).collect(),
+        mass: vertex_areas(mesh),
+        eigenvalues: pairs.values,
+        eigenfunctions: operator.extend(pairs.vectors.as_ref())?,
+        masks: subject.cuts.masks.keys().copied().collect(),
+        mask_starts,
+        mask_vertices,
+    })
+}
+
+/// Adds what was found of a shape.
+fn add(
+    dataset: &mut Dataset,
+    options: &DatasetOptions,
+    job: &Job,
+    subject: &Subject,
+    found: &Found,
+) {
+    let keys: Vec<usize> = subject.cuts.masks.keys().copied().collect();
+    let number = |id: usize| keys.partition_point(|&key| key < id);
+    let spectrum = |id: usize| found.spectra[number(id)];
+    let area = |id: usize| found.areas[number(id)];
+    let Dataset { samples, shapes, triples, .. } = dataset;
+    for (i, pair) in subject.cuts.pairs.iter().enumerate() {
+        let [a, b] = pair.parts;
+        samples.part1.push(spectrum(a));
+        samples.part2.push(spectrum(b));
+        samples.union.push(spectrum(pair.union));
+        samples.areas.push([a, b, pair.union].map(area));
+        samples.family.push(job.family.number());
+        samples.identity.push(job.identity);
+        samples.body.push(job.body);
+        samples.pose.push(job.pose);
+        samples.mask1.push(a);
+        samples.mask2.push(b);
+        samples.mask_union.push(pair.union);
+        samples.remeshed.push(usize::from(job.remeshed));
+        samples.split.push(subject.held_out.split(i, job, options.poses));
+        samples.knowledge.push(job.knowledge);
+    }
+    if job.remeshed {
+        return;
+    }
+    shapes.spectrum.push(found.spectra[keys.len()]);
+    shapes.area.push(found.areas[keys.len()]);
+    shapes.family.push(job.family.number());
+    shapes.identity.push(job.identity);
+    shapes.body.push(job.body);
+    shapes.pose.push(job.pose);
+    shapes.knowledge.push(job.knowledge);
+    // Those of shapes that are trained on say nothing new.
+    if !job.is_test(options.poses) {
+        return;
+    }
+    for triple in &subject.cuts.triples {
+        let [a, b, c] = triple.parts.map(spectrum);
+        let [ab, bc] = triple.unions.map(spectrum);
+        triples.part1.push(a);
+        triples.part2.push(b);
+        triples.part3.push(c);
+        triples.union12.push(ab);
+        triples.union23.push(bc);
+        triples.whole.push(spectrum(triple.whole));
+        triples.family.push(job.family.number());
+        triples.identity.push(job.identity);
+        triples.pose.push(job.pose);
+        triples.mask.push(triple.whole);
+        triples.knowledge.push(job.knowledge);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Samples, TEST_B, TRAIN, UNKNOWN_FAMILY, read, write};
+    use super::*;
+    use crate::cuts::CutOptions;
+
+    /// A few shapes of each kind.
+    fn tiny() -> DatasetOptions {
+        let cuts = CutOptions { regions: 9, pairs: 6, splits: 5, triples: 2, seed: 1 };
+        DatasetOptions { seed: 5, vertices: 900, known: 1, unknown: 1, others: 1, poses: 2, cuts }
+    }
+
+    #[test]
+    fn spectra_of_unions_are_below_those_of_parts() {
+        let folder = tempfile::tempdir().unwrap();
+        let set = generate(&tiny(), folder.path(), Par::all(), None).unwrap();
+        let Samples { part1, part2, union, areas, .. } = &set.samples;
+        assert!(set.templates.len() == 4 && part1.len() > 20);
+        for i in 0..part1.len() {
+            for j in 0..EIGENVALUES {
+                let bound = part1[i][j].min(part2[i][j]);
+                assert!(union[i][j] <= bound * (1.0 + 1e-6), "{i} {j}: {} {bound}", union[i][j]);
+                assert!(j == 0 || union[i][j] >= union[i][j - 1]);
+            }
+            let [a, b, all] = areas[i];
+            assert!(all < a + b && all > a && all > b);
+        }
+    }
+
+    #[test]
+    fn what_was_interrupted_goes_on_and_is_the_same_for_any_number_of_threads() {
+        let folder = tempfile::tempdir().unwrap();
+        let whole = generate(&tiny(), &folder.path().join("a"), Par::Seq, None).unwrap();
+        let other = folder.path().join("b");
+        let stop = |fraction: f64| if fraction > 0.4 { Flow::Cancel } else { Flow::Continue };
+        let stopped = generate(&tiny(), &other, Par::Seq, Some(&stop)).unwrap_err();
+        assert_eq!(stopped, Error::Cancelled);
+        assert!(other.join("shape00000.npz").exists());
+        assert_eq!(generate(&tiny(), &other, Par::Threads(2), None).unwrap(), whole);
+        let strange = DatasetOptions { seed: 6, ..tiny() };
+        let refused = generate(&strange, &other, Par::Seq, None).unwrap_err();
+        assert!(refused.to_string().contains("other options"), "{refused}");
+
+        let path = folder.path().join("set.npz");
+        write(&whole, Output::create(&path, Overwrite::Never).unwrap()).unwrap();
+        assert_eq!(read(&path).unwrap(), whole);
+    }
+
+    #[test]
+    fn no_training_sample_has_a_union_of_test_b() {
+        let folder = tempfile::tempdir().unwrap();
+        let cuts = CutOptions { regions: 12, pairs: 20, splits: 15, triples: 2, seed: 1 };
+        let options = DatasetOptions { known: 2, others: 0, cuts, ..tiny() };
+        let Samples { split, mask_union, knowledge, remeshed, .. } =
+            generate(&options, folder.path(), Par::all(), None).unwrap().samples;
+        let of = |wanted: usize| {
+            let rows = (0..split.len()).filter(|&i| split[i] == wanted);
+            rows.map(|i| mask_union[i]).collect::<std::collections::BTreeSet<_>>()
+        };
+        assert!(!of(TEST_B).is_empty());
+        assert!(of(TRAIN).is_disjoint(&of(TEST_B)));
+        for i in 0..split.len() {
+            assert!(split[i] != TRAIN || (knowledge[i] == 0 && remeshed[i] == 0));
+            assert!(knowledge[i] != UNKNOWN_FAMILY);
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! The data set: spectra of parts and of their unions.
+
+mod file;
+mod generate;
+mod plan;
+
+use catamaran::faer::Mat;
+
+pub use file::{read, write};
+pub use generate::generate;
+pub use plan::DatasetOptions;
+
+/// Eigenvalues of every spectrum.
+pub const EIGENVALUES: usize = 20;
+
+/// What training and evaluation read. Spectra are those of hard Dirichlet conditions where the part ends (and where the
+/// surface ends), ascending, in units of 1 / length^2, not scaled; areas belong to them.
+///
+/// In a file, every array is called as its field, after the name of its group: `samples_part1`, `shapes_spectrum`,
+/// `triples_whole`, and `template0_vertices` for the template of family 0.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Dataset {
+    /// One a family, in the order of their numbers (see [`Samples::family`]).
+    pub templates: Vec<Template>,
+    /// Pairs of parts of one shape, with their union.
+    pub samples: Samples,
+    /// Complete shapes, to retrieve from.
+    pub shapes: Shapes,
+    /// Three parts of one shape, for associativity.
+    pub triples: Triples,
+}
+
+/// The first eigenvalues of a part, ascending.
+pub type Spectrum = [f64; EIGENVALUES];
+
+/// A shape in rest pose, to whose vertices those of every shape of the family correspond.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Template {
+    /// Positions, vertices x 3.
+    pub vertices: Vec<[f64; 3]>,
+    /// Three vertices a face.
+    pub faces: Vec<usize>,
+    /// For each vertex the one that is its mirror image (itself in the plane x = 0).
+    pub mirror: Vec<usize>,
+    /// Area of each vertex: a third of its faces. The inner product of the eigenfunctions.
+    pub mass: Vec<f64>,
+    /// First 128 eigenvalues (Neumann), fewer if there are fewer vertices.
+    pub eigenvalues: Vec<f64>,
+    /// Their eigenfunctions, vertices x 128, orthonormal.
+    pub eigenfunctions: Mat<f64>,
+    /// Ids of all masks of parts and of unions, ascending. An id is a hash of the mask.
+    pub masks: Vec<usize>,
+    /// Where the vertices of each mask start in `mask_vertices`, and their number.
+    pub mask_starts: Vec<usize>,
+    /// Vertices in the masks, ascending in each.
+    pub mask_vertices: Vec<usize>,
+}
+
+impl Template {
+    /// The vertices in a mask, ascending; `None` if there is no such mask.
+    pub fn mask(&self, id: usize) -> Option<&[usize]> {
+        let at = self.masks.binary_search(&id).ok()?;
+        self.mask_vertices.get(*self.mask_starts.get(at)?..*self.mask_starts.get(at + 1)?)
+    }
+}
+
+/// A column an entry: one for each of n pairs.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Samples {
+    /// Spectrum of the first part, n x 20.
+    pub part1: Vec<Spectrum>,
+    /// Spectrum of the second part, n x 20.
+    pub part2: Vec<Spectrum>,
+    /// Spectrum of the union, n x 20.
+    pub union: Vec<Spectrum>,
+    /// Areas of first part, second part and union, n x 3.
+    pub areas: Vec<[f64; 3]>,
+    /// Family: 0 humanoids, 1 quadrupeds, 2 headphones, 3 sheets.
+    pub family: Vec<usize>,
+    /// Identity, numbered from 0 in its family.
+    pub identity: Vec<usize>,
+    /// Body type of the identity: 0 (A) or 1 (B).
+    pub body: Vec<usize>,
+    /// Pose, numbered from 0 in its identity; every identity has its own.
+    pub pose: Vec<usize>,
+    /// Id of the mask of the first part.
+    pub mask1: Vec<usize>,
+    /// Id of the mask of the second part.
+    pub mask2: Vec<usize>,
+    /// Id of the mask of the union.
+    pub mask_union: Vec<usize>,
+    /// 1 if 30 % of the vertices were removed before parts were cut, else 0.
+    pub remeshed: Vec<usize>,
+    /// What it is for: [`TRAIN`], [`TEST_A`] or [`TEST_B`].
+    pub split: Vec<usize>,
+    /// How strange the shape is: [`KNOWN_IDENTITY`], [`UNKNOWN_IDENTITY`], [`UNKNOWN_BODY`] or [`UNKNOWN_FAMILY`].
+    pub knowledge: Vec<usize>,
+}
+
+/// A sample to train on: never remeshed, of a known identity.
+pub const TRAIN: usize = 0;
+/// A pose or a pair of parts that no training sample has; its union one has, in another pose, identity or pair.
+pub const TEST_A: usize = 1;
+/// A union that no training sample has.
+pub const TEST_B: usize = 2;
+
+/// Training samples have this identity.
+pub const KNOWN_IDENTITY: usize = 0;
+/// Training samples have other identities of this body type.
+pub const UNKNOWN_IDENTITY: usize = 1;
+/// Training samples have the other body type only.
+pub const UNKNOWN_BODY: usize = 2;
+/// Training samples have another family only.
+pub const UNKNOWN_FAMILY: usize = 3;
+
+/// Complete shapes: closed ones have a first eigenvalue of zero.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Shapes {
+    /// Spectrum, n x 20.
+    pub spectrum: Vec<Spectrum>,
+    /// Area.
+    pub area: Vec<f64>,
+    /// As in [`Samples`].
+    pub family: Vec<usize>,
+    /// As in [`Samples`].
+    pub identity: Vec<usize>,
+    /// As in [`Samples`].
+    pub body: Vec<usize>,
+    /// As in [`Samples`].
+    pub pose: Vec<usize>,
+    /// As in [`Samples`].
+    pub knowledge: Vec<usize>,
+}
+
+/// Parts 1, 2, 3 of a shape, of which 1 meets 2 and 2 meets 3.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Triples {
+    /// Spectrum of part 1, n x 20.
+    pub part1: Vec<Spectrum>,
+    /// Spectrum of part 2, n x 20.
+    pub part2: Vec<Spectrum>,
+    /// Spectrum of part 3, n x 20.
+    pub part3: Vec<Spectrum>,
+    /// Spectrum of the union of 1 and 2, n x 20.
+    pub union12: Vec<Spectrum>,
+    /// Spectrum of the union of 2 and 3, n x 20.
+    pub union23: Vec<Spectrum>,
+    /// Spectrum of the union of all three, n x 20.
+    pub whole: Vec<Spectrum>,
+    /// As in [`Samples`].
+    pub family: Vec<usize>,
+    /// As in [`Samples`].
+    pub identity: Vec<usize>,
+    /// As in [`Samples`].
+    pub pose: Vec<usize>,
+    /// Id of the mask of the union of all three.
+    pub mask: Vec<usize>,
+    /// As in [`Samples`].
+    pub knowledge: Vec<usize>,
+}

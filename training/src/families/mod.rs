@@ -1,0 +1,150 @@
+//! Families of shapes with identities and poses, generated from a seed.
+//!
+//! All shapes of a family have the faces of its template, and vertices that correspond; a mask over the template is a part
+//! of every shape.
+
+mod bodies;
+mod field;
+mod isosurface;
+mod sheet;
+mod skeleton;
+mod vector;
+mod weights;
+
+use catamaran::base::Rng;
+use catamaran::mesh::TriMesh;
+use catamaran::{Error, Result};
+
+use field::Field;
+use sheet::Sheet;
+use skeleton::Skeleton;
+
+/// Kinds of shapes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Family {
+    /// Humans of 16 bones, arms stretched out at rest.
+    Humanoid,
+    /// Animals on four legs.
+    Quadruped,
+    /// Two cups on a band.
+    Headphones,
+    /// Folded sheets, with a boundary.
+    Sheet,
+}
+
+impl Family {
+    /// All, in the order of their numbers.
+    pub const ALL: [Self; 4] = [Self::Humanoid, Self::Quadruped, Self::Headphones, Self::Sheet];
+
+    /// Its number in data sets.
+    pub fn number(self) -> usize {
+        self as usize
+    }
+}
+
+/// A family with its template.
+#[derive(Debug, Clone)]
+pub struct Model {
+    family: Family,
+    template: TriMesh,
+    mirror: Vec<u32>,
+    segments: Vec<u32>,
+    kind: Kind,
+}
+
+#[derive(Debug, Clone)]
+enum Kind {
+    /// Bones, and those that hold each vertex, with weights that sum to 1.
+    Rigged(Skeleton, Vec<Vec<(u32, f64)>>),
+    Sheet(Sheet),
+}
+
+impl Model {
+    /// The family with a template of about so many vertices: at least 500, that limbs may be thicker than triangles are long.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for fewer vertices, or more than a million.
+    pub fn new(family: Family, vertices: usize) -> Result<Self> {
+        if !(500..=1_000_000).contains(&vertices) {
+            let why = format!("{vertices}, not from 500 to 1000000");
+            return Err(Error::Argument { what: "vertices", why });
+        }
+        let (specs, smoothness): (&[_], _) = match family {
+            Family::Humanoid => (&bodies::HUMANOID, 0.012),
+            Family::Quadruped => (&bodies::QUADRUPED, 0.012),
+            Family::Headphones => (&bodies::HEADPHONES, 0.006),
+            Family::Sheet => return Self::sheet(vertices),
+        };
+        let skeleton = Skeleton::new(specs);
+        let field = Field::new(&skeleton, smoothness);
+        let isosurface::Symmetric { mesh, mirror } = isosurface::surface(&field, vertices)?;
+        let weights = weights::weights(&skeleton, &mesh, &mirror);
+        // The heaviest; the first of equal ones.
+        let heaviest = |held: &Vec<(u32, f64)>| {
+            held.iter().fold((0, 0.0), |best, &next| if next.1 > best.1 { next } else { best }).0
+        };
+        let segments = weights.iter().map(heaviest).collect();
+        Ok(Self { family, template: mesh, mirror, segments, kind: Kind::Rigged(skeleton, weights) })
+    }
+
+    fn sheet(vertices: usize) -> Result<Self> {
+        let sheet = Sheet::new(vertices);
+        let (template, mirror) = sheet.template()?;
+        let segments = sheet.segments();
+        Ok(Self { family: Family::Sheet, template, mirror, segments, kind: Kind::Sheet(sheet) })
+    }
+
+    /// Which family.
+    pub fn family(&self) -> Family {
+        self.family
+    }
+
+    /// The shape at rest: its own mirror image in the plane x = 0, bit for bit.
+    pub fn template(&self) -> &TriMesh {
+        &self.template
+    }
+
+    /// For each vertex its mirror image.
+    pub fn mirror(&self) -> &[u32] {
+        &self.mirror
+    }
+
+    /// For each vertex the bone, or tile of a sheet, that it belongs to.
+    pub fn segments(&self) -> &[u32] {
+        &self.segments
+    }
+
+    /// The shape of an identity of a body type (0: A, 1: B) in one of its poses. The same arguments give the same shape.
+    ///
+    /// # Errors
+    /// None that an argument could cause.
+    pub fn shape(&self, seed: u64, identity: usize, body: usize, pose: usize) -> Result<TriMesh> {
+        let mut of_identity = Rng::new(mixed(&[seed, self.family as u64, identity as u64]));
+        let mut of_pose =
+            Rng::new(mixed(&[seed, self.family as u64, identity as u64, 1 + pose as u64]));
+        let positions = match &self.kind {
+            Kind::Rigged(skeleton, weights) => {
+                let proportions = skeleton.proportions(body, &mut of_identity);
+                let pose = skeleton.pose(&mut of_pose);
+                skeleton.skin(self.template.vertices(), weights, &proportions, &pose)
+            }
+            Kind::Sheet(sheet) => {
+                sheet.folded(self.template.vertices(), body, &mut of_identity, &mut of_pose)
+            }
+        };
+        TriMesh::new(positions, self.template.faces().to_vec())
+    }
+}
+
+/// One seed of several numbers (the finaliser of SplitMix64, Steele et al. 2014).
+pub(crate) fn mixed(numbers: &[u64]) -> u64 {
+    numbers.iter().fold(0x9e37_79b9_7f4a_7c15, |state, &number| {
+        let mut z = (state ^ number).wrapping_add(0x9e37_79b9_7f4a_7c15);
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    })
+}
+
+#[cfg(test)]
+mod tests;

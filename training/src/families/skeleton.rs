@@ -1,0 +1,181 @@
+//! Bones, what identities make of them, and poses.
+
+use catamaran::base::Rng;
+
+use super::vector::{
+    Rotation, Vector, about, add, compose, distance, dot, mirrored, rotate, scale, sub,
+};
+
+/// A bone as it is listed: in the middle, or on the side of positive x with its mirror image on the other.
+pub(super) struct Spec {
+    /// Its number in the list; a bone that comes before. The first bone has itself.
+    pub parent: usize,
+    pub head: Vector,
+    pub tail: Vector,
+    /// Radii of the flesh at head and tail.
+    pub radii: [f64; 2],
+    /// Ranges of the rotation vector about its head, in radians.
+    pub turns: [[f64; 2]; 3],
+    /// How many times as long and as thick it is in body type B.
+    pub body_b: [f64; 2],
+}
+
+/// A bone of a skeleton.
+#[derive(Debug, Clone)]
+pub(super) struct Bone {
+    pub parent: usize,
+    pub mirror: usize,
+    pub head: Vector,
+    pub tail: Vector,
+    pub radii: [f64; 2],
+    turns: [[f64; 2]; 3],
+    body_b: [f64; 2],
+    /// Of the bones that share an identity's factors.
+    spec: usize,
+}
+
+/// Bones, parents first.
+#[derive(Debug, Clone)]
+pub(super) struct Skeleton {
+    pub bones: Vec<Bone>,
+}
+
+/// How many times as long and as thick the bones of an identity are.
+pub(super) struct Proportions(Vec<[f64; 2]>);
+
+/// Where a bone is, in a pose of an identity.
+struct Placed {
+    /// Head at rest, head in the pose, rotation from rest.
+    rest: Vector,
+    head: Vector,
+    rotation: Rotation,
+}
+
+impl Skeleton {
+    pub fn new(specs: &[Spec]) -> Self {
+        let mut bones: Vec<Bone> = Vec::new();
+        // Right and left bone of every entry.
+        let mut numbers: Vec<[usize; 2]> = Vec::new();
+        for (number, spec) in specs.iter().enumerate() {
+            let right = bones.len();
+            let middle = spec.head[0] == 0.0 && spec.tail[0] == 0.0;
+            let left = if middle { right } else { right + 1 };
+            numbers.push([right, left]);
+            let parents = numbers[spec.parent];
+            bones.push(Bone {
+                parent: parents[0],
+                mirror: left,
+                head: spec.head,
+                tail: spec.tail,
+                radii: spec.radii,
+                turns: spec.turns,
+                body_b: spec.body_b,
+                spec: number,
+            });
+            if !middle {
+                let [x, y, z] = spec.turns;
+                bones.push(Bone {
+                    parent: parents[1],
+                    mirror: right,
+                    head: mirrored(spec.head),
+                    tail: mirrored(spec.tail),
+                    // Mirrored rotations turn the same way about x, the other way about y and z.
+                    turns: [x, [-y[1], -y[0]], [-z[1], -z[0]]],
+                    ..bones[right].clone()
+                });
+            }
+        }
+        Self { bones }
+    }
+
+    /// Whether one is the parent of the other, or they are the same.
+    pub fn adjacent(&self, a: usize, b: usize) -> bool {
+        a == b || self.bones[a].parent == b || self.bones[b].parent == a
+    }
+
+    /// Random proportions of body type A (0) or B (1): tall or small, thick or thin, and every bone for itself.
+    pub fn proportions(&self, body: usize, rng: &mut Rng) -> Proportions {
+        let mut about_one = |spread: f64| 1.0 + spread * (2.0 * rng.uniform() - 1.0);
+        let size = about_one(0.08);
+        let stout = about_one(0.15);
+        let specs = self.bones.iter().map(|bone| bone.spec + 1).max().unwrap_or(0);
+        let own: Vec<[f64; 2]> = (0..specs).map(|_| [about_one(0.12), about_one(0.08)]).collect();
+        let factors = self.bones.iter().map(|bone| {
+            let [length, radius] = if body == 0 { [1.0, 1.0] } else { bone.body_b };
+            [size * length * own[bone.spec][0], size * radius * stout * own[bone.spec][1]]
+        });
+        Proportions(factors.collect())
+    }
+
+    /// A random pose: a rotation for each bone.
+    pub fn pose(&self, rng: &mut Rng) -> Vec<Rotation> {
+        let mut within = |[low, high]: [f64; 2]| low + (high - low) * rng.uniform();
+        self.bones.iter().map(|bone| about(bone.turns.map(&mut within))).collect()
+    }
+
+    /// Where every vertex goes that is held by bones with these weights.
+    pub fn skin(
+        &self,
+        vertices: &[Vector],
+        weights: &[Vec<(u32, f64)>],
+        proportions: &Proportions,
+        pose: &[Rotation],
+    ) -> Vec<Vector> {
+        let placed = self.place(proportions, pose);
+        let moved = |b: usize, p: Vector| {
+            let at = &placed[b];
+            let from_head = sub(self.proportioned(b, p, proportions, at.rest), at.rest);
+            add(at.head, rotate(&at.rotation, from_head))
+        };
+        let blended = |(&p, held): (&Vector, &Vec<(u32, f64)>)| {
+            held.iter().fold([0.0; 3], |sum, &(b, w)| add(sum, scale(w, moved(b as usize, p))))
+        };
+        vertices.iter().zip(weights).map(blended).collect()
+    }
+
+    fn place(&self, proportions: &Proportions, pose: &[Rotation]) -> Vec<Placed> {
+        let mut placed: Vec<Placed> = Vec::new();
+        for (b, bone) in self.bones.iter().enumerate() {
+            let next = match placed.get(bone.parent) {
+                Some(parent) => {
+                    let rest = self.proportioned(bone.parent, bone.head, proportions, parent.rest);
+                    let from_head = rotate(&parent.rotation, sub(rest, parent.rest));
+                    let rotation = compose(&parent.rotation, &pose[b]);
+                    Placed { rest, head: add(parent.head, from_head), rotation }
+                }
+                None => Placed { rest: bone.head, head: bone.head, rotation: pose[b] },
+            };
+            placed.push(next);
+        }
+        placed
+    }
+
+    /// A point held by bone b whose head goes to `head`: stretched along the bone by its length, across and beyond its ends
+    /// by its thickness.
+    fn proportioned(&self, b: usize, p: Vector, proportions: &Proportions, head: Vector) -> Vector {
+        let bone = &self.bones[b];
+        let [longer, thicker] = proportions.0[b];
+        let length = distance(bone.head, bone.tail);
+        let axis = scale(1.0 / length, sub(bone.tail, bone.head));
+        let from_head = sub(p, bone.head);
+        let along = dot(from_head, axis);
+        let inside = along.clamp(0.0, length);
+        let across = sub(from_head, scale(along, axis));
+        let along = longer * inside + thicker * (along - inside);
+        add(head, add(scale(along, axis), scale(thicker, across)))
+    }
+}
+
+impl Proportions {
+    /// Those of the template.
+    #[cfg(test)]
+    pub fn of_template(skeleton: &Skeleton) -> Self {
+        Self(vec![[1.0; 2]; skeleton.bones.len()])
+    }
+}
+
+/// The pose at rest.
+#[cfg(test)]
+pub(super) fn rest(skeleton: &Skeleton) -> Vec<Rotation> {
+    vec![super::vector::IDENTITY; skeleton.bones.len()]
+}
