@@ -54,10 +54,12 @@ fn a_run_goes_on_where_it_ended() {
 #[test]
 fn species_have_channels_and_meshes_without_coordinates_an_atlas() {
     let folder = folder();
-    let bare: String = SQUARE.lines().filter(|l| l.starts_with("v ")).map(|l| format!("{l}\n")).collect();
+    let bare: String =
+        SQUARE.lines().filter(|l| l.starts_with("v ")).map(|l| format!("{l}\n")).collect();
     folder.write("bare.obj", &format!("{bare}f 1 2 3\nf 1 3 4\n"));
     folder.write("r.ini", "NumAgents=500\nMoveSpeed=0.05\nSensorRadius=1\n");
-    let said = folder.succeed("slime bare.obj --config r.ini --size 32 --species 3 --steps 3 -o three");
+    let said =
+        folder.succeed("slime bare.obj --config r.ini --size 32 --species 3 --steps 3 -o three");
     assert!(said.contains("2 charts") && said.contains("species 2"), "{said}");
     folder.succeed("slime bare.obj --config c.toml --species 4 --steps 2 -o four");
     assert!(folder.path("four/frame-0002-species3.png").exists());

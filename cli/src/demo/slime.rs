@@ -31,9 +31,8 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         ..Options::default()
     };
     let mut all = Simulation::new(surface, &options, &Mask::default())?;
-    let now = |s: &Simulation| {
-        (f64::from(s.state().step) * options.time_step, s.coverage(Par::all()))
-    };
+    let now =
+        |s: &Simulation| (f64::from(s.state().step) * options.time_step, s.coverage(Par::all()));
     let mut moments = vec![now(&all)];
     let view = View { up: Up::Z, azimuth: 10.0, elevation: 60.0, ..View::DEFAULT };
     let start = Instant::now();

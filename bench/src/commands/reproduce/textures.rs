@@ -31,5 +31,7 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     keep(evaporation()?);
     newton_figures()?.into_iter().for_each(&mut keep);
     newton_times(SIZE, arguments.repeat)?.into_iter().for_each(&mut keep);
+    #[cfg(feature = "opencl")]
+    keep(catamaran_bench::textures::slime_times(arguments.repeat)?);
     Ok(())
 }
