@@ -24,6 +24,7 @@ mod pointer;
 #[cfg(feature = "mpi")]
 mod ranks;
 mod rows;
+mod slime;
 mod spectrum;
 mod status;
 mod transfer;
@@ -47,6 +48,7 @@ pub use params::*;
 pub use plant::*;
 pub use pointer::{CATA_BOTH, CATA_COL_MAJOR, CATA_LOWER, CATA_ROW_MAJOR, CATA_UPPER};
 pub use rows::*;
+pub use slime::*;
 pub use spectrum::*;
 pub use status::*;
 pub use transfer::*;

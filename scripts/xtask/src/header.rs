@@ -22,6 +22,7 @@ const FILES: &[&str] = &[
     "decimate",
     "plant",
     "curve",
+    "slime",
     "device",
     "newton",
     "unions",
