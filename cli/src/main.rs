@@ -16,6 +16,7 @@ mod progress;
 mod ranks;
 mod report;
 mod shape;
+mod shapedna;
 mod spectrum;
 mod transfer;
 mod tune;
@@ -51,6 +52,8 @@ enum Command {
     Filter(filter::Args),
     Wilt(wilt::Args),
     Curve(curve::Args),
+    #[command(name = "shapedna")]
+    ShapeDna(shapedna::Args),
     Unions(unions::Args),
 }
 
@@ -74,6 +77,7 @@ fn main() -> ExitCode {
         Command::Filter(args) => filter::run(args),
         Command::Wilt(args) => wilt::run(args),
         Command::Curve(args) => curve::run(args),
+        Command::ShapeDna(args) => shapedna::run(args),
         Command::Unions(args) => unions::run(args),
     });
     let Err(error) = done else { return ExitCode::SUCCESS };

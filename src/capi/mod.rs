@@ -17,6 +17,7 @@ mod mesh_spectrum;
 mod mpi;
 mod ortho;
 mod params;
+mod parts;
 mod plant;
 mod pointer;
 #[cfg(feature = "mpi")]
@@ -39,6 +40,7 @@ pub use mesh_spectrum::*;
 pub use mpi::*;
 pub use ortho::*;
 pub use params::*;
+pub use parts::*;
 pub use plant::*;
 pub use pointer::{CATA_BOTH, CATA_COL_MAJOR, CATA_LOWER, CATA_ROW_MAJOR, CATA_UPPER};
 pub use rows::*;
