@@ -1,11 +1,25 @@
-//! Spectral unions of partial shapes (thesis, chapter 2): the spectrum of a part of a surface, signatures, retrieval.
+//! Spectral unions of partial shapes (thesis, chapter 2): the spectrum of a part of a surface, that of the union of parts from
+//! theirs, signatures, retrieval.
 //!
 //! See docs/algorithms/unions.md for the mathematics.
 
+mod familiar;
+mod localizer;
+mod model;
+pub mod network;
 mod partial;
+mod question;
 mod shape_dna;
+mod spectrum;
+mod tensors;
 #[cfg(test)]
 mod tests;
 
+pub use familiar::Familiar;
+pub use localizer::{Localizer, LocalizerOn, LocalizerParts};
+pub use model::{Scaling, SpectralUnion};
+pub use network::K;
 pub use partial::PartSpectra;
+pub use question::Question;
 pub use shape_dna::{Match, ShapeDnaOptions, retrieve, shape_dna};
+pub use spectrum::interpolate;

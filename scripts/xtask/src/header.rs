@@ -23,6 +23,9 @@ const FILES: &[&str] = &[
     "decimate",
     "plant",
     "curve",
+    "device",
+    "newton",
+    "unions",
     "mpi",
     "memory",
 ];

@@ -4,6 +4,8 @@ mod curves;
 mod decimate;
 mod plant;
 mod spectral;
+mod textures;
+mod unions;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -25,7 +27,7 @@ pub struct Arguments {
     /// Chapter 4: nodes of the largest plant of the race.
     #[arg(long, default_value_t = 1_000_000, value_name = "NODES")]
     largest: usize,
-    /// Chapter 4: repetitions of the race.
+    /// Chapters 4 and 7: repetitions of the race.
     #[arg(long, default_value_t = 5, value_name = "N")]
     repeat: usize,
     /// Chapter 6: curves on each mesh; 50 by default.
@@ -34,18 +36,31 @@ pub struct Arguments {
     /// Chapter 6: only these meshes.
     #[arg(long, value_delimiter = ',')]
     meshes: Vec<String>,
+    /// Chapter 2: the data set of `catamaran unions dataset`.
+    #[arg(long, value_name = "FILE")]
+    data: Option<PathBuf>,
+    /// Chapter 2: other weights than those of the library.
+    #[arg(long, value_name = "FILE")]
+    weights: Option<PathBuf>,
+    /// Chapter 2: weights of `catamaran unions train-regions`, for tables 2.2 and 2.3.
+    #[arg(long, value_name = "FILE")]
+    regions: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum What {
     /// Chapter 1: eigenproducts.
     Spectral,
+    /// Chapter 2: spectral unions.
+    Unions,
     /// Chapter 4: plants that wilt.
     Plant,
     /// Chapter 5: decimation.
     Decimate,
     /// Chapter 6: curves on surfaces.
     Curves,
+    /// Chapters 3 and 7: textures.
+    Textures,
 }
 
 /// What is found, as it is found.
@@ -74,6 +89,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             spectral::run(&mut report)?;
             ("spectral", spectral::HEADER)
         }
+        What::Unions => {
+            unions::run(&mut report, arguments)?;
+            ("unions", unions::HEADER)
+        }
         What::Plant => {
             plant::run(&mut report, arguments)?;
             ("plant", plant::HEADER)
@@ -85,6 +104,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         What::Curves => {
             curves::run(&mut report, arguments)?;
             ("curves", curves::HEADER)
+        }
+        What::Textures => {
+            textures::run(&mut report, arguments)?;
+            ("textures", textures::HEADER)
         }
     };
     println!("\n{:.0} s", start.elapsed().as_secs_f64());

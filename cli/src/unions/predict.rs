@@ -1,0 +1,139 @@
+//! `catamaran unions predict`.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::io as meshes;
+use catamaran::mesh::{LaplacianOptions, TriMesh, laplacian};
+use catamaran::sparse::{EigenOptions, eigs};
+use catamaran::unions::{K, Localizer, PartSpectra, SpectralUnion};
+
+use crate::picture::{PLAIN, Paint, PictureArgs};
+use crate::report::report;
+
+/// Predict the spectrum of the union of parts of a surface from the spectra of the parts.
+///
+/// The parts are meshes with boundary, in any pose and position, of any connectivity; which of their points correspond is
+/// not needed. Prints 20 Dirichlet eigenvalues of each part, those predicted for the union, and how unlike the
+/// shapes of the training the parts are: above 1 the prediction is a guess.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Two parts or more: .obj, .ply, .off or .stl, each also as .gz or .xz.
+    #[arg(value_name = "PARTS", num_args = 2.., required = true)]
+    parts: Vec<PathBuf>,
+    /// Other weights than those that come with the program: .safetensors, of `unions train`.
+    #[arg(long, value_name = "FILE")]
+    weights: Option<PathBuf>,
+    /// Find the union on this template, a mesh: that of `unions train-regions`.
+    #[arg(long, value_name = "TEMPLATE", requires = "regions")]
+    localize: Option<PathBuf>,
+    /// Weights of `unions train-regions`: .safetensors. The parts are in the template's unit of length.
+    #[arg(long, value_name = "FILE", requires = "localize")]
+    regions: Option<PathBuf>,
+    #[command(flatten)]
+    picture: PictureArgs,
+    /// Write the eigenvalues of the parts and of the union, in columns: .csv.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    if args.parts.len() < 2 {
+        bail!("a union is of two parts or more");
+    }
+    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
+    let output = args.output.as_deref().map(|path| Output::create(path, overwrite)).transpose()?;
+    let picture = args.picture.create(overwrite)?;
+    let model = model(args.weights.as_deref())?;
+    let meshes: Vec<TriMesh> =
+        args.parts.iter().map(|path| Ok(meshes::read(path)?.mesh)).collect::<Result<_>>()?;
+    let spectra: Vec<Vec<f64>> = args
+        .parts
+        .iter()
+        .zip(&meshes)
+        .map(|(path, mesh)| spectrum(mesh).with_context(|| path.display().to_string()))
+        .collect::<Result<_>>()?;
+    let parts: Vec<&[f64]> = spectra.iter().map(Vec::as_slice).collect();
+    let union = model.predict_all(&parts)?;
+    let strangeness = model.strangeness(&parts)?;
+    let mut header = String::from("number");
+    for part in 1..=parts.len() {
+        header += &format!(",part {part}");
+    }
+    header += ",union";
+    let row = |i: usize| -> Vec<f64> {
+        parts.iter().map(|part| part[i]).chain([union[i]]).collect()
+    };
+    report(format_args!("{}", header.replace(',', "     ")))?;
+    for i in 0..K {
+        let cells: String = row(i).iter().map(|x| format!(" {x:>10.4}")).collect();
+        report(format_args!("{:>4}  {cells}", i + 1))?;
+    }
+    let verdict = if strangeness > 1.0 { "unlike the training: a guess" } else { "familiar" };
+    report(format_args!("strangeness {strangeness:.2}: {verdict}"))?;
+    let found = match (&args.localize, &args.regions) {
+        (Some(template), Some(weights)) => Some(localized(template, weights, &union)?),
+        _ => None,
+    };
+    if let Some((mesh, inside)) = &found {
+        let (count, all) = (inside.iter().filter(|x| **x > 0.5).count(), mesh.vertices().len());
+        report(format_args!("region    {count} of {all} vertices of the template"))?;
+    }
+    if let Some(picture) = picture {
+        let clipped: Option<Vec<f64>> = found
+            .as_ref()
+            .map(|(_, inside)| inside.iter().map(|x| x.clamp(0.0, 1.0)).collect());
+        let mut panels: Vec<_> = meshes.iter().map(|mesh| (mesh, PLAIN, "part")).collect();
+        if let (Some((mesh, _)), Some(inside)) = (&found, &clipped) {
+            panels.push((mesh, Paint::Values(inside), "union"));
+        }
+        args.picture.draw(picture, &panels)?;
+    }
+    if let Some(mut output) = output {
+        let lines: String = (0..K)
+            .map(|i| {
+                let cells: String = row(i).iter().map(|x| format!(",{x}")).collect();
+                format!("{}{cells}\n", i + 1)
+            })
+            .collect();
+        write!(output, "{header}\n{lines}").map_err(|e| output.error(&e))?;
+        output.commit()?;
+    }
+    Ok(())
+}
+
+/// The weights of a file, or those that come with the program.
+fn model(path: Option<&Path>) -> Result<SpectralUnion> {
+    Ok(match path {
+        Some(path) => SpectralUnion::read(path)?,
+        None => SpectralUnion::pretrained()?,
+    })
+}
+
+/// The Dirichlet spectrum of a mesh.
+fn spectrum(mesh: &TriMesh) -> Result<Vec<f64>> {
+    let all = vec![true; mesh.vertices().len()];
+    let spectra = PartSpectra::new(mesh, &LaplacianOptions::default())?;
+    Ok(spectra.dirichlet(&all, K)?)
+}
+
+/// A template, and about 1 for each vertex in the region with this spectrum, 0 outside.
+fn localized(template: &Path, weights: &Path, union: &[f64]) -> Result<(TriMesh, Vec<f64>)> {
+    let named = || template.display().to_string();
+    let mesh = meshes::read(template)?.mesh;
+    let localizer = Localizer::read(weights)?;
+    let operator = laplacian(&mesh, &LaplacianOptions::default()).with_context(named)?;
+    let options = EigenOptions { k: localizer.eigenfunctions(), ..EigenOptions::default() };
+    let pairs =
+        eigs(operator.stiffness.view(), &operator.mass, &options).with_context(named)?;
+    let functions = operator.extend(pairs.vectors.as_ref())?;
+    let on = localizer.on(functions.as_ref()).with_context(named)?;
+    let inside = on.indicator(union)?;
+    Ok((mesh, inside))
+}

@@ -1,0 +1,147 @@
+//! `catamaran unions train`.
+
+use std::io::Write as _;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::{Result, bail};
+use catamaran::Par;
+use catamaran::io::{Output, Overwrite};
+use catamaran::unions::network::Architecture;
+use catamaran_training::dataset;
+use catamaran_training::train::{Examples, TrainOptions, Trainer, read_state, write_state};
+
+use super::curve;
+use crate::progress;
+use crate::report::report;
+
+/// How often the state is written.
+const PAUSE: Duration = Duration::from_secs(120);
+
+/// Train the network of `unions predict` on a data set of `unions dataset`.
+///
+/// Every two minutes, at the end, and after Ctrl-C the state goes to OUT.state.npz, from which --resume goes on, the best
+/// weights so far to OUT, and the learning curve to OUT.svg. The result is the same for any number of threads.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The data set.
+    #[arg(value_name = "DATA")]
+    data: PathBuf,
+    /// The weights: .safetensors.
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Passes over the data in all.
+    #[arg(long, value_name = "NUMBER", default_value_t = 300)]
+    epochs: usize,
+    /// Stop after this time, whatever the epoch.
+    #[arg(long, value_name = "NUMBER")]
+    minutes: Option<f64>,
+    /// Go on from OUT.state.npz; sizes and rates are then those of the state.
+    #[arg(long)]
+    resume: bool,
+    /// Layers of the first and of the second transformer.
+    #[arg(long, value_name = "A,B", value_delimiter = ',', num_args = 2, default_values_t = [3, 2])]
+    layers: Vec<usize>,
+    /// Numbers that stand for an eigenvalue.
+    #[arg(long, value_name = "NUMBER", default_value_t = 32)]
+    width: usize,
+    /// Attention heads.
+    #[arg(long, value_name = "NUMBER", default_value_t = 8)]
+    heads: usize,
+    /// Hidden neurons of a layer.
+    #[arg(long, value_name = "NUMBER", default_value_t = 64)]
+    hidden: usize,
+    /// Pairs a step.
+    #[arg(long, value_name = "NUMBER", default_value_t = 64)]
+    batch: usize,
+    /// Largest rate of the optimiser.
+    #[arg(long, value_name = "NUMBER", default_value_t = 1e-3)]
+    rate: f64,
+    /// Epochs until the rate restarts for the first time; then after twice as many each time.
+    #[arg(long, value_name = "NUMBER", default_value_t = 10)]
+    period: usize,
+    /// Seed of everything random.
+    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    seed: u64,
+    /// Threads; all cores by default.
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    let [state_path, curve_path] = [".state.npz", ".svg"].map(|end| beside(&args.output, end));
+    let files = [&args.output, &state_path, &curve_path];
+    let there = files.into_iter().find(|path| path.symlink_metadata().is_ok());
+    if let Some(path) = there.filter(|_| !args.force && !args.resume) {
+        bail!("{}: exists already (--force replaces it, --resume goes on)", path.display());
+    }
+    let examples = Examples::new(&dataset::read(&args.data)?)?;
+    let (proper, _) = examples.mined.counts();
+    report(format_args!(
+        "data      {}: {} pairs and {} triples to learn from, {} to choose by; {proper} further unions of masks",
+        args.data.display(),
+        examples.training.len(),
+        examples.triples.len(),
+        examples.validation.len()
+    ))?;
+    let (options, state) = if args.resume {
+        let (options, state) = read_state(&state_path)?;
+        (options, Some(state))
+    } else {
+        (options(args), None)
+    };
+    let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
+    let mut trainer = Trainer::new(examples, options, state, par)?;
+    report(format_args!("network   {} parameters", trainer.state().parameters.len()))?;
+    let save = |trainer: &Trainer| -> Result<()> {
+        let create = |path: &Path| Output::create(path, Overwrite::Replace);
+        write_state(create(&state_path)?, &options, trainer.state())?;
+        let mut weights = create(&args.output)?;
+        let bytes = trainer.model()?.to_bytes()?;
+        weights.write_all(&bytes).map_err(|e| weights.error(&e))?;
+        weights.commit()?;
+        curve::write(create(&curve_path)?, &trainer.state().history)
+    };
+    let start = Instant::now();
+    let mut saved = start;
+    let late = |now: Instant| {
+        args.minutes.is_some_and(|minutes| (now - start).as_secs_f64() > 60.0 * minutes)
+    };
+    while trainer.state().history.len() < args.epochs && !late(Instant::now()) {
+        let cancelled = progress::check();
+        if cancelled.is_err() || saved.elapsed() > PAUSE {
+            save(&trainer)?;
+            saved = Instant::now();
+        }
+        cancelled?;
+        let epoch = trainer.epoch()?;
+        report(format_args!(
+            "epoch     {}: error {:.3} %, of those to choose by {:.3} %, {:.0} s",
+            trainer.state().history.len(),
+            100.0 * epoch.training,
+            100.0 * epoch.validation,
+            start.elapsed().as_secs_f64()
+        ))?;
+    }
+    save(&trainer)?;
+    report(format_args!("written   {}", args.output.display()))
+}
+
+/// The file called as the output with something behind it.
+fn beside(output: &Path, end: &str) -> PathBuf {
+    let mut name = output.as_os_str().to_owned();
+    name.push(end);
+    name.into()
+}
+
+fn options(args: &Args) -> TrainOptions {
+    let Args { width, heads, hidden, batch, rate, period, seed, .. } = *args;
+    let (first_layers, second_layers) = (args.layers[0], args.layers[1]);
+    let sizes = Architecture { width, heads, hidden, first_layers, second_layers };
+    TrainOptions { sizes, batch, rate, period, seed, ..TrainOptions::default() }
+}

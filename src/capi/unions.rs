@@ -1,0 +1,156 @@
+use std::ffi::c_char;
+use std::path::Path;
+
+use super::boundary::{boundary, text};
+use super::pointer::{check_size, optional_output, output, slice, slice_mut};
+use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_NULL, Failure, cata_status};
+use crate::unions::{K, SpectralUnion, interpolate};
+
+/// Eigenvalues of the spectra that cata_unions_predict takes and gives.
+pub const CATA_UNION_EIGENVALUES: usize = 20;
+
+const _: () = assert!(CATA_UNION_EIGENVALUES == K);
+
+/// The spectral union operator: a network with its weights. Opaque.
+pub struct cata_unions {
+    model: SpectralUnion,
+}
+
+/// The network that predicts spectra of unions.
+///
+/// - `weights`: a file of `catamaran unions train`, NUL-terminated; NULL: the weights that come with the
+///   library.
+/// - `unions`: written: the network, to be given to cata_unions_free.
+///
+/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT (a path that is not UTF-8), CATA_ERR_IO (the message
+/// says what is wrong with the file) or CATA_ERR_PANIC; `unions` is untouched unless it is CATA_OK.
+///
+/// Thread-safe.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_unions_new(
+    weights: *const c_char,
+    unions: *mut *mut cata_unions,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let place = unsafe { output("unions", unions) }?;
+        let model = if weights.is_null() {
+            SpectralUnion::pretrained()?
+        } else {
+            // SAFETY: the caller's promise.
+            let path = unsafe { text("weights", weights) }?;
+            let path = path
+                .to_str()
+                .map_err(|_| Failure::new(CATA_ERR_ARGUMENT, "weights: a path that is not UTF-8"))?;
+            SpectralUnion::read(Path::new(path))?
+        };
+        *place = Box::into_raw(Box::new(cata_unions { model }));
+        Ok(())
+    })
+}
+
+/// Gives a network back.
+///
+/// `unions`: made by cata_unions_new and not yet freed; NULL does nothing.
+///
+/// Thread-safe, but no call may be using the network.
+///
+/// # Safety
+/// The pointer is as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_unions_free(unions: *mut cata_unions) {
+    boundary(|| {
+        if !unions.is_null() {
+            // SAFETY: it came from `Box::into_raw`, and the caller promises to free it once.
+            drop(unsafe { Box::from_raw(unions) });
+        }
+        Ok(())
+    });
+}
+
+/// The first eigenvalues of the union of parts of a surface, from those of the parts: Dirichlet spectra, in
+/// whatever unit.
+///
+/// - `unions`: of cata_unions_new.
+/// - `parts`: their number, at least 1.
+/// - `spectra`: CATA_UNION_EIGENVALUES parts elements, read: those of each part, ascending and positive, one
+///   part after the other.
+/// - `spectrum`: CATA_UNION_EIGENVALUES elements, written: ascending, positive, none larger than that of a part
+///   of the same number. The order of the parts does not matter, bit for bit.
+/// - `strangeness`: written: how unlike the parts are to those of the training; above 1 the prediction
+///   is a guess. NULL where not wanted.
+///
+/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (not positive, not ascending, no parts),
+/// CATA_ERR_NON_FINITE or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
+///
+/// Thread-safe, also for calls with the same network.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_unions_predict(
+    unions: *const cata_unions,
+    parts: usize,
+    spectra: *const f64,
+    spectrum: *mut f64,
+    strangeness: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        if unions.is_null() {
+            return Err(Failure::new(CATA_ERR_NULL, "unions: NULL"));
+        }
+        check_size::<f64>("spectra", parts, K)?;
+        // SAFETY: the caller's promise.
+        let (unions, spectra, spectrum, strangeness) = unsafe {
+            (
+                &*unions,
+                slice("spectra", spectra, K * parts)?,
+                slice_mut("spectrum", spectrum, K)?,
+                optional_output("strangeness", strangeness)?,
+            )
+        };
+        let parts: Vec<&[f64]> = spectra.chunks_exact(K).collect();
+        let union = unions.model.predict_all(&parts)?;
+        if let Some(place) = strangeness {
+            *place = unions.model.strangeness(&parts)?;
+        }
+        spectrum.copy_from_slice(&union);
+        Ok(())
+    })
+}
+
+/// A spectrum between two: (1 - t) first + t second.
+///
+/// - `first`, `second`: CATA_UNION_EIGENVALUES elements each, read: ascending and positive.
+/// - `t`: in [0, 1].
+/// - `spectrum`: CATA_UNION_EIGENVALUES elements, written; it may be one of the others.
+///
+/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE or CATA_ERR_PANIC; `spectrum` is
+/// untouched unless it is CATA_OK.
+///
+/// Thread-safe.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_unions_interpolate(
+    first: *const f64,
+    second: *const f64,
+    t: f64,
+    spectrum: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        let between = {
+            // SAFETY: the caller's promise.
+            let (first, second) =
+                unsafe { (slice("first", first, K)?, slice("second", second, K)?) };
+            interpolate(first, second, t)?
+        };
+        // SAFETY: the caller's promise; what was read is no longer looked at.
+        unsafe { slice_mut("spectrum", spectrum, K) }?.copy_from_slice(&between);
+        Ok(())
+    })
+}

@@ -1,0 +1,106 @@
+use faer::Mat;
+
+use super::network::K;
+use crate::base::{Error, Result};
+use crate::dense;
+
+/// Numbers that a pair is judged by.
+pub(super) const JUDGED: usize = 2 * K;
+
+/// Tells pairs that are like those of the training from others, by their Mahalanobis distance from the mean.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Familiar {
+    pub(super) mean: Vec<f32>,
+    /// Lower triangular, by rows: the inverse Cholesky factor of the covariance.
+    pub(super) whitening: Vec<f32>,
+    /// Distance that few pairs of the training exceed.
+    pub(super) limit: f32,
+}
+
+/// Added to variances of logarithms of eigenvalues: what is below 0.1 % is noise of the discretisation.
+const NOISE: f64 = 1e-6;
+
+impl Familiar {
+    /// From the symmetric features ([`Question::symmetric`](super::Question::symmetric)) of all pairs of the training, of
+    /// which the share `within` shall be familiar.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for no pairs, a share outside [0, 1], or features that are not finite.
+    pub fn fit(pairs: &[[f64; JUDGED]], within: f64) -> Result<Self> {
+        let refuse = |what, why: &str| Error::Argument { what, why: why.into() };
+        if pairs.is_empty() {
+            return Err(refuse("pairs", "there are none"));
+        }
+        if !(0.0..=1.0).contains(&within) {
+            return Err(refuse("within", "must be in [0, 1]"));
+        }
+        let count = pairs.len() as f64;
+        let mean: [f64; JUDGED] =
+            std::array::from_fn(|j| pairs.iter().map(|pair| pair[j]).sum::<f64>() / count);
+        let mut factor = Mat::from_fn(JUDGED, JUDGED, |i, j| {
+            let sum: f64 = pairs.iter().map(|p| (p[i] - mean[i]) * (p[j] - mean[j])).sum();
+            sum / count + if i == j { NOISE } else { 0.0 }
+        });
+        dense::cholesky(factor.as_mut())?
+            .map_err(|_| refuse("pairs", "their covariance is not finite"))?;
+        let mut whitening = Mat::<f64>::identity(JUDGED, JUDGED);
+        dense::lower_solve_in_place(factor.as_ref(), whitening.as_mut());
+        let mut found = Self {
+            mean: mean.iter().map(|&x| x as f32).collect(),
+            whitening: (0..JUDGED * JUDGED)
+                .map(|at| whitening[(at / JUDGED, at % JUDGED)] as f32)
+                .collect(),
+            limit: 1.0,
+        };
+        let mut distances: Vec<f64> = pairs.iter().map(|pair| found.distance(pair)).collect();
+        distances.sort_unstable_by(f64::total_cmp);
+        let last = (within * (count - 1.0)).round() as usize;
+        found.limit = (distances[last] as f32).max(f32::MIN_POSITIVE);
+        Ok(found)
+    }
+
+    /// The distance of a pair, in units of the limit: above 1 it is unlike those of the training.
+    pub(super) fn distance(&self, pair: &[f64; JUDGED]) -> f64 {
+        let centred: [f64; JUDGED] = std::array::from_fn(|j| pair[j] - f64::from(self.mean[j]));
+        let squares: f64 = self
+            .whitening
+            .chunks_exact(JUDGED)
+            .map(|row| {
+                let sum: f64 = row.iter().zip(centred).map(|(&w, x)| f64::from(w) * x).sum();
+                sum * sum
+            })
+            .sum();
+        squares.sqrt() / f64::from(self.limit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Rng;
+
+    #[test]
+    fn few_pairs_of_the_training_are_strange_and_others_are() {
+        let mut rng = Rng::new(5);
+        let pairs: Vec<[f64; JUDGED]> = (0..500)
+            .map(|_| {
+                let common = rng.normal();
+                std::array::from_fn(|j| common * j as f64 + 0.1 * rng.normal())
+            })
+            .collect();
+        let familiar = Familiar::fit(&pairs, 0.99).unwrap();
+        let strange = pairs.iter().filter(|pair| familiar.distance(pair) > 1.0 + 1e-6).count();
+        assert_eq!(strange, 5);
+        // As far from the mean as others, but across their direction.
+        let across = std::array::from_fn(|j| if j % 2 == 0 { 3.0 } else { -3.0 });
+        assert!(familiar.distance(&across) > 5.0);
+    }
+
+    #[test]
+    fn equal_pairs_and_none() {
+        let familiar = Familiar::fit(&[[1.0; JUDGED]; 3], 1.0).unwrap();
+        assert!(familiar.distance(&[2.0; JUDGED]) > 1.0);
+        assert!(Familiar::fit(&[], 0.5).is_err() && Familiar::fit(&[[1.0; JUDGED]], 2.0).is_err());
+        assert!(Familiar::fit(&[[f64::NAN; JUDGED]], 1.0).is_err());
+    }
+}

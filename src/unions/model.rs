@@ -1,0 +1,345 @@
+use std::path::Path;
+
+use super::familiar::{Familiar, JUDGED};
+use super::network::{Architecture, FEATURES, K, Places, Tape, forward};
+use super::question::Question;
+use super::spectrum;
+use super::tensors::{Tensor, Tensors, to_bytes};
+use crate::base::{Error, Result};
+
+/// The weights that come with the library (docs/model-card-unions.md).
+const PRETRAINED: &[u8] = include_bytes!("unions.safetensors");
+
+/// Numbers before this are as good as it.
+const LARGEST: f64 = 20.0;
+
+/// Means and deviations by which numbers are made of about the size 1, and back.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scaling {
+    /// Of the features of each position, K x FEATURES by rows.
+    pub token_mean: Vec<f32>,
+    /// Their deviations.
+    pub token_deviation: Vec<f32>,
+    /// Of the logits of union over bound, K.
+    pub output_mean: Vec<f32>,
+    /// Their deviations.
+    pub output_deviation: Vec<f32>,
+}
+
+impl Scaling {
+    /// The features of a question in units of their deviations, as the network reads them.
+    pub fn tokens(&self, question: &Question) -> [f32; 2 * K * FEATURES] {
+        std::array::from_fn(|j| {
+            let at = j % (K * FEATURES);
+            let value = question.tokens[j / FEATURES][j % FEATURES] - f64::from(self.token_mean[at]);
+            (value / f64::from(self.token_deviation[at])) as f32
+        })
+    }
+}
+
+/// The spectral union operator (thesis, section 2.4): from the first [`K`] Dirichlet eigenvalues of two parts of a surface
+/// those of their union, whatever its geometry is.
+///
+/// By construction a prediction is positive, ascending, at most the bound that domain monotonicity gives
+/// (`lambda_i <= min(lambda_i(first), lambda_i(second))`), the same for both orders of the parts, bit for bit, and grows with
+/// its arguments when both are multiplied by the same number.
+#[derive(Debug, Clone)]
+pub struct SpectralUnion {
+    sizes: Architecture,
+    places: Places,
+    parameters: Vec<f32>,
+    scaling: Scaling,
+    familiar: Familiar,
+}
+
+impl SpectralUnion {
+    /// With the weights that come with the library.
+    ///
+    /// # Errors
+    /// None in a sound build.
+    pub fn pretrained() -> Result<Self> {
+        Self::from_bytes(PRETRAINED)
+    }
+
+    /// From trained parameters, in the order of [`Architecture::places`].
+    ///
+    /// # Errors
+    /// [`Error::Argument`] and [`Error::Shape`] name what does not fit.
+    pub fn new(
+        sizes: Architecture,
+        parameters: Vec<f32>,
+        scaling: Scaling,
+        familiar: Familiar,
+    ) -> Result<Self> {
+        sizes.check()?;
+        let places = sizes.places();
+        let lengths = [
+            ("parameters", &parameters, places.len),
+            ("token_mean", &scaling.token_mean, K * FEATURES),
+            ("token_deviation", &scaling.token_deviation, K * FEATURES),
+            ("output_mean", &scaling.output_mean, K),
+            ("output_deviation", &scaling.output_deviation, K),
+        ];
+        for (what, values, len) in lengths {
+            Error::check_shape(what, (len, 1), (values.len(), 1))?;
+        }
+        if scaling.token_deviation.iter().any(|x| !x.is_normal()) {
+            let why = "must not be zero".into();
+            return Err(Error::Argument { what: "token_deviation", why });
+        }
+        Ok(Self { sizes, places, parameters, scaling, familiar })
+    }
+
+    /// From the bytes of a file that [`SpectralUnion::to_bytes`] made.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] says what is wrong with the weights.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
+        let tensors = Tensors::new(bytes)?;
+        let values = |name: &str, len| tensors.values(name, len);
+        let sizes = values("sizes", 5)?;
+        let [width, heads, hidden, first_layers, second_layers] =
+            std::array::from_fn(|i| sizes[i] as usize);
+        let sizes = Architecture { width, heads, hidden, first_layers, second_layers };
+        sizes.check()?;
+        let mut parameters = Vec::new();
+        for (name, place) in sizes.places().named {
+            parameters.extend(values(&name, place.range().len())?);
+        }
+        let scaling = Scaling {
+            token_mean: values("token_mean", K * FEATURES)?,
+            token_deviation: values("token_deviation", K * FEATURES)?,
+            output_mean: values("output_mean", K)?,
+            output_deviation: values("output_deviation", K)?,
+        };
+        let familiar = Familiar {
+            mean: values("familiar_mean", JUDGED)?,
+            whitening: values("familiar_whitening", JUDGED * JUDGED)?,
+            limit: values("familiar_limit", 1)?[0],
+        };
+        Self::new(sizes, parameters, scaling, familiar)
+    }
+
+    /// From a file of weights (safetensors).
+    ///
+    /// # Errors
+    /// [`Error::Io`] names the file.
+    pub fn read(path: &Path) -> Result<Self> {
+        let refuse = |what: String| Error::Io { path: path.into(), line: 0, what };
+        let bytes = std::fs::read(path).map_err(|e| refuse(e.to_string()))?;
+        Self::from_bytes(&bytes).map_err(|e| refuse(e.to_string()))
+    }
+
+    /// A file of the weights, in the safetensors format; the same weights give the same bytes.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when the format can't hold them.
+    pub fn to_bytes(&self) -> Result<Vec<u8>> {
+        let Architecture { width, heads, hidden, first_layers, second_layers } = self.sizes;
+        let sizes = [width, heads, hidden, first_layers, second_layers].map(|x| x as f32);
+        let (scaling, familiar) = (&self.scaling, &self.familiar);
+        let limit = [familiar.limit];
+        let mut tensors: Vec<(&str, Tensor<'_>)> = vec![
+            ("sizes", Tensor::new(5, &sizes)),
+            ("token_mean", Tensor::new(FEATURES, &scaling.token_mean)),
+            ("token_deviation", Tensor::new(FEATURES, &scaling.token_deviation)),
+            ("output_mean", Tensor::new(K, &scaling.output_mean)),
+            ("output_deviation", Tensor::new(K, &scaling.output_deviation)),
+            ("familiar_mean", Tensor::new(JUDGED, &familiar.mean)),
+            ("familiar_whitening", Tensor::new(JUDGED, &familiar.whitening)),
+            ("familiar_limit", Tensor::new(1, &limit)),
+        ];
+        for (name, place) in &self.places.named {
+            let values = &self.parameters[place.range()];
+            tensors.push((name, Tensor::new(place.columns, values)));
+        }
+        to_bytes(tensors)
+    }
+
+    /// The sizes of the network.
+    pub fn architecture(&self) -> Architecture {
+        self.sizes
+    }
+
+    /// The parameters, in the order of [`Architecture::places`].
+    pub fn parameters(&self) -> &[f32] {
+        &self.parameters
+    }
+
+    /// How numbers are scaled for the network.
+    pub fn scaling(&self) -> &Scaling {
+        &self.scaling
+    }
+
+    /// The K first eigenvalues of the union of two parts, from those of the parts, in whatever unit these have.
+    ///
+    /// # Errors
+    /// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] (not positive, not ascending) name the spectrum at
+    /// fault, `first` or `second`.
+    pub fn predict(&self, first: &[f64], second: &[f64]) -> Result<[f64; K]> {
+        let question = Question::new(first, second)?;
+        let mut tape = Tape::new(&self.sizes, 1);
+        tape.tokens.copy_from_slice(&self.scaling.tokens(&question));
+        forward(&self.sizes, &self.places, &self.parameters, &mut tape);
+        let below: [f64; K] = std::array::from_fn(|i| {
+            let output = f64::from(tape.output[i] * self.scaling.output_deviation[i]);
+            let logit = output + f64::from(self.scaling.output_mean[i]);
+            // Weights that are beyond all reason give NaN.
+            let logit = if logit.is_nan() { 0.0 } else { logit.clamp(-LARGEST, LARGEST) };
+            question.bound[i] / (1.0 + (-logit).exp())
+        });
+        Ok(spectrum::ascending(&below))
+    }
+
+    /// The eigenvalues of the union of any number of parts, by unions of two, one part after the other; the order of the
+    /// arguments does not matter, bit for bit: they are sorted by their eigenvalues, the first one first.
+    ///
+    /// # Errors
+    /// As [`SpectralUnion::predict`], but the name is `parts`; [`Error::Argument`] for no parts.
+    pub fn predict_all(&self, parts: &[&[f64]]) -> Result<[f64; K]> {
+        let mut parts: Vec<[f64; K]> =
+            parts.iter().map(|part| spectrum::check("parts", part)).collect::<Result<_>>()?;
+        let order = |a: &f64, b: &f64| a.total_cmp(b);
+        parts.sort_by(|a, b| {
+            let differing = a.iter().zip(b).map(|(a, b)| order(a, b)).find(|o| o.is_ne());
+            differing.unwrap_or(std::cmp::Ordering::Equal)
+        });
+        let Some((&first, rest)) = parts.split_first() else {
+            return Err(Error::Argument { what: "parts", why: "there are none".into() });
+        };
+        rest.iter().try_fold(first, |union, part| self.predict(&union, part))
+    }
+
+    /// How unlike the pairs of the training parts are, the largest of all pairs of them: the Mahalanobis distance of a pair from the
+    /// mean, in units of that which 99.5 % of the training keep. A prediction for parts above 1 is a guess.
+    ///
+    /// # Errors
+    /// As [`SpectralUnion::predict`].
+    pub fn strangeness(&self, parts: &[&[f64]]) -> Result<f64> {
+        let mut largest: f64 = 0.0;
+        for (i, first) in parts.iter().enumerate() {
+            for second in &parts[i + 1..] {
+                let question = Question::new(first, second)?;
+                largest = largest.max(self.familiar.distance(&question.symmetric()));
+            }
+        }
+        Ok(largest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Rng;
+
+    const SIZES: Architecture =
+        Architecture { width: 16, heads: 4, hidden: 24, first_layers: 2, second_layers: 1 };
+
+    /// A network that nobody has trained.
+    fn random(seed: u64, size: f64) -> SpectralUnion {
+        let mut rng = Rng::new(seed);
+        let mut numbers = |n: usize| (0..n).map(|_| (size * rng.normal()) as f32).collect();
+        let parameters: Vec<f32> = numbers(SIZES.places().len);
+        let scaling = Scaling {
+            token_mean: numbers(K * FEATURES),
+            token_deviation: vec![1.5; K * FEATURES],
+            output_mean: numbers(K),
+            output_deviation: vec![2.0; K],
+        };
+        let pairs: Vec<[f64; JUDGED]> =
+            (0..50).map(|_| std::array::from_fn(|_| rng.normal())).collect();
+        SpectralUnion::new(SIZES, parameters, scaling, Familiar::fit(&pairs, 1.0).unwrap()).unwrap()
+    }
+
+    /// An ascending sequence with equal values among it, over some powers of ten.
+    fn spectrum(rng: &mut Rng) -> [f64; K] {
+        let mut value = 10_f64.powf(4.0 * rng.uniform() - 2.0);
+        std::array::from_fn(|_| {
+            value *= if rng.uniform() < 0.2 { 1.0 } else { 1.0 + rng.uniform() };
+            value
+        })
+    }
+
+    #[test]
+    fn predictions_are_spectra_below_the_bound_whatever_the_weights_are() {
+        let mut rng = Rng::new(1);
+        for size in [0.05, 0.5, 10.0, 1e30] {
+            let model = random(2, size);
+            for _ in 0..50 {
+                let (a, b) = (spectrum(&mut rng), spectrum(&mut rng));
+                let union = model.predict(&a, &b).unwrap();
+                assert!(union.is_sorted() && union[0] > 0.0, "{union:?}");
+                for i in 0..K {
+                    assert!(union[i] <= a[i].min(b[i]));
+                    // And so they are when they are rounded.
+                    assert!(union[i] as f32 <= (a[i] as f32).min(b[i] as f32));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_order_of_parts_does_not_matter() {
+        let (model, mut rng) = (random(3, 0.3), Rng::new(4));
+        for _ in 0..20 {
+            let parts: Vec<[f64; K]> = (0..4).map(|_| spectrum(&mut rng)).collect();
+            let [a, b, c, d] = std::array::from_fn(|i| &parts[i][..]);
+            assert_eq!(model.predict(a, b).unwrap(), model.predict(b, a).unwrap());
+            assert_eq!(model.strangeness(&[a, b]).unwrap(), model.strangeness(&[b, a]).unwrap());
+            let all = model.predict_all(&[a, b, c, d]).unwrap();
+            for order in [[d, c, b, a], [c, a, d, b]] {
+                assert_eq!(model.predict_all(&order).unwrap(), all);
+            }
+            assert_eq!(model.predict_all(&[a]).unwrap(), parts[0]);
+        }
+    }
+
+    #[test]
+    fn units_do_not_matter() {
+        let (model, mut rng) = (random(5, 0.3), Rng::new(6));
+        for _ in 0..20 {
+            let (a, b) = (spectrum(&mut rng), spectrum(&mut rng));
+            let union = model.predict(&a, &b).unwrap();
+            let with = |factor: f64| {
+                model.predict(&a.map(|x| factor * x), &b.map(|x| factor * x)).unwrap()
+            };
+            assert_eq!(with(1024.0), union.map(|x| 1024.0 * x), "powers of two are exact");
+            for (x, y) in with(3.7).into_iter().zip(union) {
+                assert!((x / (3.7 * y) - 1.0).abs() < 1e-4);
+            }
+        }
+    }
+
+    #[test]
+    fn files_give_the_same_network_back_and_broken_ones_are_refused() {
+        let (model, mut rng) = (random(7, 0.3), Rng::new(8));
+        let bytes = model.to_bytes().unwrap();
+        let again = SpectralUnion::from_bytes(&bytes).unwrap();
+        assert_eq!(again.to_bytes().unwrap(), bytes);
+        let (a, b) = (spectrum(&mut rng), spectrum(&mut rng));
+        assert_eq!(again.predict(&a, &b).unwrap(), model.predict(&a, &b).unwrap());
+        for broken in [&bytes[..50], &bytes[..bytes.len() - 4], &[][..]] {
+            assert!(matches!(
+                SpectralUnion::from_bytes(broken).unwrap_err(),
+                Error::Argument { what: "weights", .. }
+            ));
+        }
+        let mut rotten = bytes.clone();
+        let last = rotten.len() - 4;
+        rotten[last..].copy_from_slice(&f32::NAN.to_le_bytes());
+        assert!(SpectralUnion::from_bytes(&rotten).unwrap_err().to_string().contains("not finite"));
+        assert!(SpectralUnion::read(Path::new("/nowhere")).unwrap_err().to_string().contains("nowhere"));
+    }
+
+    #[test]
+    fn what_is_no_spectrum_is_refused_by_name() {
+        let model = random(9, 0.3);
+        let good: [f64; K] = std::array::from_fn(|i| (i + 1) as f64);
+        let mut bad = good;
+        bad[4] = 3.0;
+        assert!(model.predict(&good, &bad).unwrap_err().to_string().starts_with("second"));
+        assert!(model.predict(&good[..19], &good).unwrap_err().to_string().starts_with("first"));
+        assert!(model.predict_all(&[&good, &bad]).unwrap_err().to_string().starts_with("parts"));
+        assert!(model.predict_all(&[]).unwrap_err().to_string().starts_with("parts"));
+    }
+}

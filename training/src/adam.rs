@@ -1,0 +1,95 @@
+//! Adam (Kingma and Ba 2015) with decoupled weight decay (Loshchilov and Hutter 2019), and its rates.
+
+/// The state of the optimiser.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Adam {
+    /// Steps done.
+    pub steps: usize,
+    /// Running means of the gradient.
+    pub mean: Vec<f32>,
+    /// Running means of its squares.
+    pub square: Vec<f32>,
+}
+
+const MEAN_DECAY: f32 = 0.9;
+const SQUARE_DECAY: f32 = 0.999;
+const SMALL: f32 = 1e-8;
+
+impl Adam {
+    /// For so many parameters.
+    pub fn new(len: usize) -> Self {
+        Self { steps: 0, mean: vec![0.0; len], square: vec![0.0; len] }
+    }
+
+    /// One step down the gradient; `decay` is the share of each parameter that it loses at rate 1.
+    pub fn step(&mut self, parameters: &mut [f32], gradient: &[f32], rate: f32, decay: f32) {
+        self.steps += 1;
+        let unbiased = |decay: f32| 1.0 - decay.powi(self.steps.min(100_000) as i32);
+        let (first, second) = (unbiased(MEAN_DECAY), unbiased(SQUARE_DECAY));
+        let states = self.mean.iter_mut().zip(&mut self.square);
+        for ((x, &g), (mean, square)) in parameters.iter_mut().zip(gradient).zip(states) {
+            *mean = MEAN_DECAY * *mean + (1.0 - MEAN_DECAY) * g;
+            *square = SQUARE_DECAY * *square + (1.0 - SQUARE_DECAY) * g * g;
+            let step = (*mean / first) / ((*square / second).sqrt() + SMALL);
+            *x -= rate * (step + decay * *x);
+        }
+    }
+}
+
+/// Scales a gradient down to this norm if it is longer; its norm before.
+pub fn clip(gradient: &mut [f32], longest: f32) -> f32 {
+    let norm = gradient.iter().map(|&g| f64::from(g) * f64::from(g)).sum::<f64>().sqrt() as f32;
+    if norm > longest {
+        gradient.iter_mut().for_each(|g| *g *= longest / norm);
+    }
+    norm
+}
+
+/// The share of the full rate at `time` (in epochs): cosine annealing with warm restarts, the first after `period` epochs, each
+/// time after twice as many (Loshchilov and Hutter 2017); never below 1 %.
+pub fn annealing(time: f64, period: f64) -> f64 {
+    let (mut start, mut length) = (0.0, period);
+    while time >= start + length {
+        start += length;
+        length *= 2.0;
+    }
+    let cosine = (std::f64::consts::PI * (time - start) / length).cos();
+    0.01 + 0.99 * 0.5 * (1.0 + cosine)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_restart_after_10_30_and_70_epochs() {
+        for start in [0.0, 10.0, 30.0, 70.0] {
+            assert!((annealing(start, 10.0) - 1.0).abs() < 1e-12);
+        }
+        for end in [10.0, 30.0, 70.0] {
+            assert!((annealing(end - 1e-6, 10.0) - 0.01).abs() < 1e-9);
+        }
+        assert!((annealing(50.0, 10.0) - 0.505).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_parabola_is_descended() {
+        let mut adam = Adam::new(2);
+        let mut x = [3.0, -2.0];
+        for _ in 0..2000 {
+            let gradient = [x[0] - 1.0, 10.0 * (x[1] - 0.5)];
+            adam.step(&mut x, &gradient, 1e-2, 0.0);
+        }
+        assert!((x[0] - 1.0).abs() < 1e-3 && (x[1] - 0.5).abs() < 1e-3, "{x:?}");
+    }
+
+    #[test]
+    fn long_gradients_are_cut() {
+        let mut long = [30.0, 40.0];
+        assert_eq!(clip(&mut long, 10.0), 50.0);
+        assert!((long[0] - 6.0).abs() < 1e-5 && (long[1] - 8.0).abs() < 1e-5);
+        let mut short = [0.3, 0.4];
+        clip(&mut short, 10.0);
+        assert_eq!(short, [0.3, 0.4]);
+    }
+}

@@ -1,0 +1,130 @@
+use catamaran::Result;
+use catamaran::unions::SpectralUnion;
+
+use crate::dataset::{Dataset, KNOWN_IDENTITY, Spectrum};
+use crate::train::{LEAST_SHARE, Pair, TRAINED_TRIPLES, Triple};
+
+/// What predicts the spectrum of a union from those of two parts.
+pub trait Predictor {
+    /// Its name in tables.
+    fn name(&self) -> &str;
+
+    /// The prediction.
+    ///
+    /// # Errors
+    /// Of spectra that are none.
+    fn predict(&self, first: &Spectrum, second: &Spectrum) -> Result<Spectrum>;
+}
+
+impl Predictor for SpectralUnion {
+    fn name(&self) -> &str {
+        "network"
+    }
+
+    fn predict(&self, first: &Spectrum, second: &Spectrum) -> Result<Spectrum> {
+        Self::predict(self, first, second)
+    }
+}
+
+/// Mean errors over pairs and their eigenvalues.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Errors {
+    /// Pairs.
+    pub pairs: usize,
+    /// Mean squared error, in 1 / length^4.
+    pub mse: f64,
+    /// Mean absolute error, in 1 / length^2.
+    pub mae: f64,
+    /// Mean relative error; zero eigenvalues, those of closed surfaces, are left out.
+    pub relative: f64,
+}
+
+/// The errors of a predictor.
+///
+/// # Errors
+/// Of spectra that are none.
+pub fn errors(predictor: &dyn Predictor, pairs: &[Pair]) -> Result<Errors> {
+    let (mut squares, mut absolute) = (0.0, 0.0);
+    let (mut relative, mut positive) = (0.0, 0.0);
+    for pair in pairs {
+        let found = predictor.predict(&pair.first, &pair.second)?;
+        let last = pair.union[pair.union.len() - 1];
+        for (found, truth) in found.into_iter().zip(pair.union) {
+            squares += (found - truth) * (found - truth);
+            absolute += (found - truth).abs();
+            if truth > LEAST_SHARE * last {
+                relative += (found / truth - 1.0).abs();
+                positive += 1.0;
+            }
+        }
+    }
+    let count = (pairs.len() * size_of::<Spectrum>() / size_of::<f64>()).max(1) as f64;
+    let relative = relative / f64::max(positive, 1.0);
+    Ok(Errors { pairs: pairs.len(), mse: squares / count, mae: absolute / count, relative })
+}
+
+/// The pairs of a data set with these numbers in columns `split`, `knowledge` and `remeshed`.
+pub fn select(dataset: &Dataset, split: usize, knowledge: usize, remeshed: bool) -> Vec<Pair> {
+    let samples = &dataset.samples;
+    (0..samples.part1.len())
+        .filter(|&i| {
+            samples.split[i] == split
+                && samples.knowledge[i] == knowledge
+                && samples.remeshed[i] == usize::from(remeshed)
+        })
+        .map(|i| Pair { first: samples.part1[i], second: samples.part2[i], union: samples.union[i] })
+        .collect()
+}
+
+/// How far from associative unions are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Associativity {
+    /// Triples tested: those that were not trained on.
+    pub triples: usize,
+    /// Share of them for which (1 2) 3 and 1 (2 3) are within 5 % of each other in the mean over eigenvalues.
+    pub within: f64,
+    /// Mean relative difference.
+    pub difference: f64,
+    /// Mean relative error of (1 2) 3.
+    pub error: f64,
+}
+
+/// Largest mean difference of the two orders.
+const CLOSE: f64 = 0.05;
+
+/// Measures it on the triples of a knowledge.
+///
+/// # Errors
+/// Of spectra that are none.
+pub fn associativity(
+    predictor: &dyn Predictor,
+    dataset: &Dataset,
+    knowledge: usize,
+) -> Result<Associativity> {
+    let triples = &dataset.triples;
+    let of_kind = (0..triples.part1.len()).filter(|&i| triples.knowledge[i] == knowledge);
+    let trained = |at: usize| knowledge == KNOWN_IDENTITY && at.is_multiple_of(TRAINED_TRIPLES);
+    let (mut count, mut within, mut difference, mut error) = (0, 0, 0.0, 0.0);
+    for (_, i) in of_kind.enumerate().filter(|&(at, _)| !trained(at)) {
+        let parts = [triples.part1[i], triples.part2[i], triples.part3[i]];
+        let triple = Triple { parts, whole: triples.whole[i] };
+        let [a, b, c] = &triple.parts;
+        let left = predictor.predict(&predictor.predict(a, b)?, c)?;
+        let right = predictor.predict(a, &predictor.predict(b, c)?)?;
+        let mean = |x: &Spectrum, y: &Spectrum| {
+            x.iter().zip(y).map(|(x, y)| (x - y).abs() / x.max(*y)).sum::<f64>() / x.len() as f64
+        };
+        let apart = mean(&left, &right);
+        count += 1;
+        within += usize::from(apart <= CLOSE);
+        difference += apart;
+        error += mean(&left, &triple.whole);
+    }
+    let all = f64::from(u32::try_from(count).unwrap_or(u32::MAX)).max(1.0);
+    Ok(Associativity {
+        triples: count,
+        within: within as f64 / all,
+        difference: difference / all,
+        error: error / all,
+    })
+}

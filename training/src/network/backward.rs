@@ -1,0 +1,270 @@
+use catamaran::base::Rng;
+use catamaran::unions::network::{
+    Architecture, FEATURES, K, LayerPlaces, LayerTape, Number, Place, Places, Tape, gemm, sum,
+};
+use pulp::Arch;
+
+use super::attention::AttentionBackward;
+
+/// Random parameters to begin with: weights uniform with the variance of Glorot and Bengio (2010), the last layer of each
+/// residual branch smaller the more of them there are, no bias, and a head that says nothing yet.
+pub fn initial_parameters(sizes: &Architecture, seed: u64) -> Vec<f32> {
+    let places = sizes.places();
+    let mut parameters = vec![0.0; places.len];
+    let mut rng = Rng::new(seed);
+    let depth = (2 * (sizes.first_layers + sizes.second_layers).max(1)) as f64;
+    for (name, place) in &places.named {
+        let part = &mut parameters[place.range()];
+        let limit = (6.0 / (place.rows + place.columns) as f64).sqrt();
+        let mut fill = |limit: f64| {
+            part.iter_mut().for_each(|x| *x = (limit * (2.0 * rng.uniform() - 1.0)) as f32);
+        };
+        match name.rsplit_once('.') {
+            None => fill(0.5),
+            Some((_, "bias")) => {}
+            Some((layer, _)) if layer.ends_with("norm") => part.fill(1.0),
+            Some((layer, _)) if layer.ends_with("mix") || layer.ends_with("down") => {
+                fill(limit / depth.sqrt());
+            }
+            Some(("head", _)) => fill(0.1 * limit),
+            Some(_) => fill(limit),
+        }
+    }
+    parameters
+}
+
+/// Buffers of back-propagation.
+#[derive(Debug, Clone)]
+pub struct Backward<T> {
+    /// With respect to the parameters; added to by [`Backward::run`].
+    pub gradient: Vec<T>,
+    transposed: Vec<T>,
+    hidden: Vec<T>,
+    wide: Vec<T>,
+    queries_keys_values: Vec<T>,
+}
+
+impl<T: Number> Backward<T> {
+    /// For networks of these sizes, and a tape of `pairs` pairs.
+    pub fn new(sizes: &Architecture, pairs: usize) -> Self {
+        let (rows, width) = (2 * pairs * K, sizes.width);
+        Self {
+            gradient: vec![T::ZERO; sizes.places().len],
+            transposed: vec![T::ZERO; width * (3 * width).max(sizes.hidden).max(FEATURES)],
+            hidden: vec![T::ZERO; rows * sizes.hidden],
+            wide: vec![T::ZERO; rows * width],
+            queries_keys_values: vec![T::ZERO; rows * 3 * width],
+        }
+    }
+
+    /// Adds to the gradient, from that with respect to the outputs of the forward pass that filled `tape`.
+    pub fn run(
+        &mut self,
+        sizes: &Architecture,
+        places: &Places,
+        parameters: &[T],
+        tape: &Tape<T>,
+        outputs: &[T],
+    ) {
+        let width = sizes.width;
+        let mut normed = vec![T::ZERO; outputs.len() * width];
+        self.linear(parameters, places.head, &tape.normed, outputs, Some(&mut normed));
+        let mut x = vec![T::ZERO; normed.len()];
+        self.norm(parameters, places.norm, [&tape.unit, &tape.inverse], &normed, &mut x);
+        for (layer, places) in tape.second.iter().zip(&places.second).rev() {
+            self.layer(sizes, places, parameters, layer, &mut x);
+        }
+        // The sum of both orders passes its gradient on to each.
+        x.extend_from_within(..);
+        for (layer, places) in tape.first.iter().zip(&places.first).rev() {
+            self.layer(sizes, places, parameters, layer, &mut x);
+        }
+        for sequence in x.chunks_exact(K * width) {
+            add(&mut self.gradient[places.position.range()], sequence);
+        }
+        let embedding = &mut self.gradient[places.embedding.range()];
+        gemm((FEATURES, x.len() / width, width), &tape.tokens, (1, FEATURES), &x, embedding);
+    }
+
+    /// `x`, with respect to the output of a layer, becomes that with respect to its input.
+    fn layer(
+        &mut self,
+        sizes: &Architecture,
+        places: &LayerPlaces,
+        parameters: &[T],
+        tape: &LayerTape<T>,
+        x: &mut [T],
+    ) {
+        let mut hidden = std::mem::take(&mut self.hidden);
+        let mut wide = std::mem::take(&mut self.wide);
+        let mut triple = std::mem::take(&mut self.queries_keys_values);
+        {
+            let hidden = &mut hidden[..tape.hidden.len()];
+            let wide = &mut wide[..x.len()];
+            let triple = &mut triple[..3 * x.len()];
+            self.linear(parameters, places.down, &tape.hidden, x, Some(hidden));
+            for (gradient, &value) in hidden.iter_mut().zip(&tape.hidden) {
+                *gradient = if value > T::ZERO { *gradient } else { T::ZERO };
+            }
+            self.linear(parameters, places.up, &tape.forward_normed, hidden, Some(wide));
+            let units = [&tape.forward_unit[..], &tape.forward_inverse];
+            self.norm(parameters, places.forward_norm, units, wide, x);
+
+            self.linear(parameters, places.mix, &tape.mixed, x, Some(wide));
+            Arch::new().dispatch(AttentionBackward {
+                sizes,
+                queries_keys_values: &tape.queries_keys_values,
+                attention: &tape.attention,
+                mixed: wide,
+                gradient: triple,
+            });
+            let normed = &tape.attention_normed;
+            self.linear(parameters, places.queries_keys_values, normed, triple, Some(wide));
+            let units = [&tape.attention_unit[..], &tape.attention_inverse];
+            self.norm(parameters, places.attention_norm, units, wide, x);
+        }
+        (self.hidden, self.wide, self.queries_keys_values) = (hidden, wide, triple);
+    }
+
+    /// Of `y = x weights + bias`; `dx` is written.
+    fn linear(
+        &mut self,
+        parameters: &[T],
+        [weights, bias]: [Place; 2],
+        x: &[T],
+        dy: &[T],
+        dx: Option<&mut [T]>,
+    ) {
+        let (inner, columns) = (weights.rows, weights.columns);
+        let rows = dy.len() / columns;
+        for row in dy.chunks_exact(columns) {
+            add(&mut self.gradient[bias.range()], row);
+        }
+        let gradient = &mut self.gradient[weights.range()];
+        gemm((inner, rows, columns), x, (1, inner), dy, gradient);
+        let Some(dx) = dx else { return };
+        let weights = &parameters[weights.range()];
+        let transposed = &mut self.transposed[..inner * columns];
+        for i in 0..inner {
+            for j in 0..columns {
+                transposed[j * inner + i] = weights[i * columns + j];
+            }
+        }
+        dx.fill(T::ZERO);
+        gemm((rows, columns, inner), dy, (columns, 1), transposed, dx);
+    }
+
+    /// Of layer normalisation; `dx` is added to.
+    fn norm(
+        &mut self,
+        parameters: &[T],
+        [scale, shift]: [Place; 2],
+        [unit, inverse]: [&[T]; 2],
+        dy: &[T],
+        dx: &mut [T],
+    ) {
+        let width = scale.columns;
+        let factors = &parameters[scale.range()];
+        let count = T::ONE / T::from_f64(width as f64);
+        for (row, dy) in dy.chunks_exact(width).enumerate() {
+            let unit = &unit[row * width..(row + 1) * width];
+            let dx = &mut dx[row * width..(row + 1) * width];
+            add(&mut self.gradient[shift.range()], dy);
+            let gradient = &mut self.gradient[scale.range()];
+            for j in 0..width {
+                gradient[j] += dy[j] * unit[j];
+            }
+            let mean = sum(width, |j| dy[j] * factors[j]) * count;
+            let along = sum(width, |j| dy[j] * factors[j] * unit[j]) * count;
+            for j in 0..width {
+                dx[j] += inverse[row] * (dy[j] * factors[j] - mean - unit[j] * along);
+            }
+        }
+    }
+}
+
+fn add<T: Number>(sum: &mut [T], x: &[T]) {
+    for (sum, &x) in sum.iter_mut().zip(x) {
+        *sum += x;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use catamaran::unions::network::forward;
+
+    use super::*;
+
+    /// A weighted sum of the outputs of a network on random tokens, and its gradient.
+    fn value_and_gradient(sizes: &Architecture, parameters: &[f64]) -> (f64, Vec<f64>) {
+        const PAIRS: usize = 2;
+        let places = sizes.places();
+        let mut tape = Tape::new(sizes, PAIRS);
+        let mut rng = Rng::new(4);
+        tape.tokens.iter_mut().for_each(|x| *x = rng.normal());
+        let weights: Vec<f64> = (0..PAIRS * K).map(|_| rng.normal()).collect();
+        forward(sizes, &places, parameters, &mut tape);
+        let value = tape.output.iter().zip(&weights).map(|(a, b)| a * b).sum();
+        let mut backward = Backward::new(sizes, PAIRS);
+        backward.run(sizes, &places, parameters, &tape, &weights);
+        (value, backward.gradient)
+    }
+
+    #[test]
+    fn gradients_are_those_of_finite_differences() {
+        for (heads, first_layers, second_layers) in [(1, 1, 0), (2, 2, 1), (4, 0, 1), (4, 0, 0)] {
+            let sizes = Architecture { width: 8, heads, hidden: 12, first_layers, second_layers };
+            let mut rng = Rng::new(2);
+            let mut parameters: Vec<f64> = initial_parameters(&sizes, 1)
+                .iter()
+                .map(|&x| f64::from(x) + 0.2 * rng.normal())
+                .collect();
+            let (_, gradient) = value_and_gradient(&sizes, &parameters);
+            for (name, place) in sizes.places().named {
+                for _ in 0..4 {
+                    let at = place.start + (rng.uniform() * place.range().len() as f64) as usize;
+                    let before = parameters[at];
+                    let step = 1e-6;
+                    let mut at_step = |sign: f64| {
+                        parameters[at] = before + sign * step;
+                        value_and_gradient(&sizes, &parameters).0
+                    };
+                    let slope = (at_step(1.0) - at_step(-1.0)) / (2.0 * step);
+                    parameters[at] = before;
+                    let error = (slope - gradient[at]).abs();
+                    assert!(
+                        error < 1e-6 * (1.0 + slope.abs()),
+                        "{name} {at}: {slope} is not {}",
+                        gradient[at]
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn gradients_in_single_precision_are_close_to_those_in_double() {
+        let sizes = Architecture { first_layers: 1, second_layers: 1, ..Architecture::default() };
+        let places = sizes.places();
+        let parameters = initial_parameters(&sizes, 3);
+        let mut rng = Rng::new(8);
+        let tokens: Vec<f32> = (0..2 * K * FEATURES).map(|_| rng.normal() as f32).collect();
+        let mut single = Tape::<f32>::new(&sizes, 1);
+        single.tokens.copy_from_slice(&tokens);
+        forward(&sizes, &places, &parameters, &mut single);
+        let mut backward = Backward::new(&sizes, 1);
+        backward.run(&sizes, &places, &parameters, &single, &[1.0; K]);
+
+        let exact: Vec<f64> = parameters.iter().map(|&x| f64::from(x)).collect();
+        let mut double = Tape::<f64>::new(&sizes, 1);
+        double.tokens = tokens.iter().map(|&x| f64::from(x)).collect();
+        forward(&sizes, &places, &exact, &mut double);
+        let mut reference = Backward::new(&sizes, 1);
+        reference.run(&sizes, &places, &exact, &double, &[1.0; K]);
+        let norm = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>().sqrt();
+        let difference = norm(
+            &mut backward.gradient.iter().zip(&reference.gradient).map(|(&a, b)| f64::from(a) - b),
+        );
+        assert!(difference < 1e-5 * norm(&mut reference.gradient.iter().copied()), "{difference}");
+    }
+}

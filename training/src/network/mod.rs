@@ -1,0 +1,6 @@
+//! Back-propagation through the transformer of [`catamaran::unions::network`].
+
+mod attention;
+mod backward;
+
+pub use backward::{Backward, initial_parameters};

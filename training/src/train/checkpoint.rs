@@ -1,0 +1,62 @@
+use std::path::Path;
+
+use catamaran::io::{Array, Output, read_arrays, write_arrays};
+use catamaran::unions::network::Architecture;
+use catamaran::{Error, Result};
+
+use super::{Epoch, State, TrainOptions};
+use crate::adam::Adam;
+
+/// Writes where training is, and how it is done, to an .npz file.
+///
+/// # Errors
+/// [`Error::Io`]; nothing is left behind then.
+pub fn write_state(output: Output, options: &TrainOptions, state: &State) -> Result<()> {
+    let Architecture { width, heads, hidden, first_layers, second_layers } = options.sizes;
+    let TrainOptions { batch, period, seed, .. } = *options;
+    let whole = [width, heads, hidden, first_layers, second_layers, batch, period, seed as usize];
+    let wide = |values: &[f32]| values.iter().map(|&x| f64::from(x)).collect::<Vec<f64>>();
+    let curve = |of: fn(&Epoch) -> f64| state.history.iter().map(of).collect::<Vec<f64>>();
+    write_arrays(
+        output,
+        &[
+            ("options", Array::Indices(&whole)),
+            ("rates", Array::Vector(&[options.rate, options.decay])),
+            ("parameters", Array::Vector(&wide(&state.parameters))),
+            ("best", Array::Vector(&wide(&state.best))),
+            ("adam_steps", Array::Indices(&[state.adam.steps])),
+            ("adam_mean", Array::Vector(&wide(&state.adam.mean))),
+            ("adam_square", Array::Vector(&wide(&state.adam.square))),
+            ("training", Array::Vector(&curve(|epoch| epoch.training))),
+            ("validation", Array::Vector(&curve(|epoch| epoch.validation))),
+        ],
+    )
+}
+
+/// Reads what [`write_state`] wrote.
+///
+/// # Errors
+/// [`Error::Io`] names the array that is missing or broken.
+pub fn read_state(path: &Path) -> Result<(TrainOptions, State)> {
+    let arrays = read_arrays(path)?;
+    let broken = |what: &str| {
+        let what = format!("{what}: not of a training state");
+        Error::Io { path: path.into(), line: 0, what }
+    };
+    let narrow = |name: &str| -> Result<Vec<f32>> {
+        Ok(arrays.vector(name)?.iter().map(|&x| x as f32).collect())
+    };
+    let whole = <[usize; 8]>::try_from(arrays.indices("options")?).map_err(|_| broken("options"))?;
+    let rates = <[f64; 2]>::try_from(arrays.vector("rates")?).map_err(|_| broken("rates"))?;
+    let [width, heads, hidden, first_layers, second_layers, batch, period, seed] = whole;
+    let sizes = Architecture { width, heads, hidden, first_layers, second_layers };
+    let options =
+        TrainOptions { sizes, batch, rate: rates[0], decay: rates[1], period, seed: seed as u64 };
+    let steps = *arrays.indices("adam_steps")?.first().ok_or_else(|| broken("adam_steps"))?;
+    let adam = Adam { steps, mean: narrow("adam_mean")?, square: narrow("adam_square")? };
+    let curves = arrays.vector("training")?.into_iter().zip(arrays.vector("validation")?);
+    let history = curves.map(|(training, validation)| Epoch { training, validation }).collect();
+    let state =
+        State { parameters: narrow("parameters")?, adam, best: narrow("best")?, history };
+    Ok((options, state))
+}

@@ -1,0 +1,323 @@
+//! Training of the spectral union operator (thesis, section 2.4).
+
+mod checkpoint;
+mod examples;
+mod mined;
+
+pub use checkpoint::{read_state, write_state};
+pub use examples::{Examples, LEAST_SHARE, Pair, TRAINED_TRIPLES, Triple};
+pub use mined::Mined;
+
+use catamaran::base::{Pin, Rng, Team};
+use catamaran::unions::network::{Architecture, FEATURES, K, Places, Tape, forward};
+use catamaran::unions::{Familiar, Question, Scaling, SpectralUnion};
+use catamaran::{Par, Result};
+use rayon::prelude::*;
+
+use crate::adam::{Adam, annealing, clip};
+use crate::mlp::shuffled;
+use crate::network::{Backward, initial_parameters};
+
+/// How the network is trained.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrainOptions {
+    /// Its sizes.
+    pub sizes: Architecture,
+    /// Pairs a step, a multiple of 8.
+    pub batch: usize,
+    /// Largest rate of the optimiser; thesis: 2e-4.
+    pub rate: f64,
+    /// Weight decay; thesis: 1e-5.
+    pub decay: f64,
+    /// Epochs until the first restart; thesis: 10.
+    pub period: usize,
+    /// Of everything random.
+    pub seed: u64,
+}
+
+impl Default for TrainOptions {
+    fn default() -> Self {
+        let sizes = Architecture::default();
+        Self { sizes, batch: 64, rate: 1e-3, decay: 1e-5, period: 10, seed: 1 }
+    }
+}
+
+/// Where training is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct State {
+    /// Parameters.
+    pub parameters: Vec<f32>,
+    /// The optimiser.
+    pub adam: Adam,
+    /// Those with the smallest error so far on the pairs to choose by.
+    pub best: Vec<f32>,
+    /// One an epoch.
+    pub history: Vec<Epoch>,
+}
+
+/// Mean errors of one pass over the data: of logarithms of eigenvalues, so relative ones where they are small.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Epoch {
+    /// On the pairs that were learnt from, disturbed.
+    pub training: f64,
+    /// On the pairs to choose by.
+    pub validation: f64,
+}
+
+/// Pairs that one task works on.
+const TASK: usize = 8;
+/// Shares of the examples that are parts and what contains them, triples, and further unions; the rest are samples.
+const CONTAINED: f64 = 0.08;
+const TRIPLES: f64 = 0.04;
+const MINED: f64 = 0.4;
+/// Longest gradient.
+const CLIP: f32 = 10.0;
+/// Errors of logarithms above this count less than by their square (pseudo-Huber).
+const OUTLIER: f32 = 0.05;
+/// Share of the training pairs that are familiar.
+const FAMILIAR: f64 = 0.995;
+
+/// Buffers of one task.
+struct Worker {
+    tape: Tape<f32>,
+    backward: Backward<f32>,
+    targets: Vec<[f32; K]>,
+    /// Sum of absolute errors of logarithms.
+    error: f64,
+}
+
+/// Trains on examples, an epoch a call.
+pub struct Trainer {
+    options: TrainOptions,
+    examples: Examples,
+    scaling: Scaling,
+    places: Places,
+    state: State,
+    workers: Vec<Worker>,
+    team: Option<Team>,
+}
+
+impl Trainer {
+    /// Begins, or goes on from a state. The result does not depend on the number of threads, nor on interruptions.
+    ///
+    /// # Errors
+    /// Of the architecture, of a state of another one, and of spectra that are none.
+    pub fn new(
+        examples: Examples,
+        options: TrainOptions,
+        state: Option<State>,
+        par: Par,
+    ) -> Result<Self> {
+        options.sizes.check()?;
+        let scaling = examples.scaling()?;
+        let places = options.sizes.places();
+        let state = state.unwrap_or_else(|| {
+            let parameters = initial_parameters(&options.sizes, options.seed);
+            let adam = Adam::new(parameters.len());
+            State { best: parameters.clone(), parameters, adam, history: Vec::new() }
+        });
+        let lengths = [&state.parameters, &state.best, &state.adam.mean, &state.adam.square];
+        if lengths.iter().any(|x| x.len() != places.len) {
+            let why = format!("not of a network with {} parameters", places.len);
+            return Err(catamaran::Error::Argument { what: "state", why });
+        }
+        let worker = || Worker {
+            tape: Tape::new(&options.sizes, TASK),
+            backward: Backward::new(&options.sizes, TASK),
+            targets: vec![[0.0; K]; TASK],
+            error: 0.0,
+        };
+        let workers = (0..options.batch.div_ceil(TASK).max(1)).map(|_| worker()).collect();
+        let team = match par.threads() {
+            1 => None,
+            threads => Some(Team::new(threads, Pin::No)?),
+        };
+        Ok(Self { options, examples, scaling, places, state, workers, team })
+    }
+
+    /// Where it is.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The best network so far.
+    ///
+    /// # Errors
+    /// As [`SpectralUnion::new`].
+    pub fn model(&self) -> Result<SpectralUnion> {
+        let symmetric = |pair: &Pair| Ok(Question::new(&pair.first, &pair.second)?.symmetric());
+        let pairs: Vec<_> = self.examples.training.iter().map(symmetric).collect::<Result<_>>()?;
+        let familiar = Familiar::fit(&pairs, FAMILIAR)?;
+        self.model_with(self.state.best.clone(), familiar)
+    }
+
+    fn model_with(&self, parameters: Vec<f32>, familiar: Familiar) -> Result<SpectralUnion> {
+        SpectralUnion::new(self.options.sizes, parameters, self.scaling.clone(), familiar)
+    }
+
+    /// One pass over the data.
+    ///
+    /// # Errors
+    /// Of spectra that are none.
+    pub fn epoch(&mut self) -> Result<Epoch> {
+        let number = self.state.history.len();
+        let seed = self.options.seed.wrapping_add((number as u64 + 1) << 20);
+        let mut rng = Rng::new(seed);
+        let triples = self.triples()?;
+        let count = self.examples.training.len();
+        let order = shuffled(count, &mut rng);
+        let whole = self.workers.len() * TASK;
+        let (mut error, mut seen) = (0.0, 0);
+        for (step, batch) in order.chunks(whole).enumerate() {
+            // The last tasks of a batch that is not full begin again at its first pairs.
+            let batch: Vec<usize> = batch.iter().copied().cycle().take(whole).collect();
+            let time = number as f64 + (step * whole) as f64 / count as f64;
+            let rate = self.options.rate * annealing(time, self.options.period as f64);
+            error += self.step(&batch, &triples, seed + 1 + step as u64, rate)?;
+            seen += whole;
+        }
+        let validation = self.validate()?;
+        let best = self.state.history.iter().map(|e| e.validation).fold(f64::INFINITY, f64::min);
+        if validation < best {
+            self.state.best.clone_from(&self.state.parameters);
+        }
+        let epoch = Epoch { training: error / (seen * K) as f64, validation };
+        self.state.history.push(epoch);
+        Ok(epoch)
+    }
+
+    /// One step of the optimiser; the sum of errors.
+    fn step(&mut self, batch: &[usize], triples: &[Pair], seed: u64, rate: f64) -> Result<f64> {
+        let Self { options, examples, scaling, places, state, workers, team } = self;
+        let parameters = &state.parameters;
+        let work = |(task, worker): (usize, &mut Worker)| -> Result<()> {
+            let mut rng = Rng::new(seed.wrapping_mul(1 << 10).wrapping_add(task as u64));
+            for (slot, &i) in batch[task * TASK..(task + 1) * TASK].iter().enumerate() {
+                let mut choice = rng.uniform();
+                let mut chosen = |share: f64| {
+                    choice -= share;
+                    (-share..0.0).contains(&choice)
+                };
+                let sample = examples.training[i];
+                let pair = if chosen(CONTAINED) {
+                    let mined = rng.sign() > 0.0;
+                    let pair = mined.then(|| examples.mined.draw(true, &mut rng)).flatten();
+                    pair.unwrap_or_else(|| sample.contained(&mut rng))
+                } else if chosen(TRIPLES) && !triples.is_empty() {
+                    triples[(rng.uniform() * triples.len() as f64) as usize]
+                } else if chosen(MINED) {
+                    examples.mined.draw(false, &mut rng).unwrap_or(sample)
+                } else {
+                    sample
+                };
+                let (tokens, logs) = pair.disturbed(&mut rng).example(scaling)?;
+                worker.place(slot, &tokens, logs);
+            }
+            worker.run(options, scaling, places, parameters);
+            Ok(())
+        };
+        let done: Result<Vec<()>> = match team {
+            Some(team) => team.run(|| workers.par_iter_mut().enumerate().map(work).collect()),
+            None => workers.iter_mut().enumerate().map(work).collect(),
+        };
+        done?;
+        // In the order of the tasks, whoever did them.
+        let (first, rest) = workers.split_at_mut(1);
+        let gradient = &mut first[0].backward.gradient;
+        for worker in rest.iter() {
+            gradient.iter_mut().zip(&worker.backward.gradient).for_each(|(sum, g)| *sum += g);
+        }
+        clip(gradient, CLIP);
+        state.adam.step(&mut state.parameters, gradient, rate as f32, options.decay as f32);
+        let error = first[0].error + rest.iter().map(|worker| worker.error).sum::<f64>();
+        Ok(error)
+    }
+
+    /// Unions of a part and of what the best network so far predicts for the two others.
+    fn triples(&self) -> Result<Vec<Pair>> {
+        if self.state.history.is_empty() || self.examples.triples.is_empty() {
+            return Ok(Vec::new());
+        }
+        let familiar = Familiar::fit(&[[0.0; 2 * K]], 1.0)?;
+        let model = self.model_with(self.state.best.clone(), familiar)?;
+        let mut pairs = Vec::new();
+        for Triple { parts: [a, b, c], whole } in &self.examples.triples {
+            for (x, y, z) in [(a, b, c), (b, c, a)] {
+                let first = model.predict(x, y)?;
+                pairs.push(Pair { first, second: *z, union: *whole });
+            }
+        }
+        Ok(pairs)
+    }
+
+    /// The mean error of logarithms on the pairs to choose by.
+    fn validate(&mut self) -> Result<f64> {
+        let Self { examples, scaling, options, places, state, workers, .. } = self;
+        let worker = &mut workers[0];
+        let mut error = 0.0;
+        for pairs in examples.validation.chunks(TASK) {
+            for (slot, pair) in pairs.iter().enumerate() {
+                let (tokens, logs) = pair.example(scaling)?;
+                worker.place(slot, &tokens, logs);
+            }
+            forward(&options.sizes, places, &state.parameters, &mut worker.tape);
+            for (slot, _) in pairs.iter().enumerate() {
+                for i in 0..K {
+                    let (log, _) = worker.log(scaling, slot, i);
+                    error += f64::from((log - worker.targets[slot][i]).abs());
+                }
+            }
+        }
+        Ok(error / (examples.validation.len() * K).max(1) as f64)
+    }
+}
+
+impl Worker {
+    fn place(&mut self, slot: usize, tokens: &[f32; 2 * K * FEATURES], logs: [f32; K]) {
+        let half = K * FEATURES;
+        let (first, second) = tokens.split_at(half);
+        let (firsts, seconds) = self.tape.tokens.split_at_mut(TASK * half);
+        firsts[slot * half..(slot + 1) * half].copy_from_slice(first);
+        seconds[slot * half..(slot + 1) * half].copy_from_slice(second);
+        self.targets[slot] = logs;
+    }
+
+    /// The logarithm of the share that is predicted, and its derivative by the output.
+    fn log(&self, scaling: &Scaling, slot: usize, i: usize) -> (f32, f32) {
+        let deviation = scaling.output_deviation[i];
+        let logit = self.tape.output[slot * K + i] * deviation + scaling.output_mean[i];
+        // ln(1 / (1 + e^-x)), without overflow.
+        let small = (-logit.abs()).exp();
+        let log = logit.min(0.0) - small.ln_1p();
+        let rest = if logit > 0.0 { small / (1.0 + small) } else { 1.0 / (1.0 + small) };
+        (log, rest * deviation)
+    }
+
+    /// Forward and back; the gradient of the mean over the batch.
+    fn run(
+        &mut self,
+        options: &TrainOptions,
+        scaling: &Scaling,
+        places: &Places,
+        parameters: &[f32],
+    ) {
+        forward(&options.sizes, places, parameters, &mut self.tape);
+        let mut outputs = [0.0; TASK * K];
+        self.error = 0.0;
+        let share = 1.0 / (options.batch * K) as f32;
+        for slot in 0..TASK {
+            for i in 0..K {
+                let (log, derivative) = self.log(scaling, slot, i);
+                let error = log - self.targets[slot][i];
+                let weakened = error / (OUTLIER + error.abs());
+                outputs[slot * K + i] = share * weakened * derivative;
+                self.error += f64::from(error.abs());
+            }
+        }
+        self.backward.gradient.fill(0.0);
+        self.backward.run(&options.sizes, places, parameters, &self.tape, &outputs);
+    }
+}
+
+#[cfg(test)]
+mod tests;
