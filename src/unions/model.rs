@@ -31,8 +31,7 @@ impl Scaling {
     pub fn tokens(&self, question: &Question) -> [f32; 2 * K * FEATURES] {
         std::array::from_fn(|j| {
             let at = j % (K * FEATURES);
-            let value =
-                question.tokens[j / FEATURES][j % FEATURES] - f64::from(self.token_mean[at]);
+            let value = question.tokens[j / FEATURES][j % FEATURES] - f64::from(self.token_mean[at]);
             (value / f64::from(self.token_deviation[at])) as f32
         })
     }
@@ -329,9 +328,7 @@ mod tests {
         let last = rotten.len() - 4;
         rotten[last..].copy_from_slice(&f32::NAN.to_le_bytes());
         assert!(SpectralUnion::from_bytes(&rotten).unwrap_err().to_string().contains("not finite"));
-        assert!(
-            SpectralUnion::read(Path::new("/nowhere")).unwrap_err().to_string().contains("nowhere")
-        );
+        assert!(SpectralUnion::read(Path::new("/nowhere")).unwrap_err().to_string().contains("nowhere"));
     }
 
     #[test]

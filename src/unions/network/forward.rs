@@ -66,11 +66,7 @@ impl<T: Number> LayerTape<T> {
             &mut self.attention_inverse,
             &mut self.attention_normed,
         );
-        linear(
-            &self.attention_normed,
-            of(places.queries_keys_values),
-            &mut self.queries_keys_values,
-        );
+        linear(&self.attention_normed, of(places.queries_keys_values), &mut self.queries_keys_values);
         Arch::new().dispatch(Attention {
             sizes,
             queries_keys_values: &self.queries_keys_values,

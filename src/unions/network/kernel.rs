@@ -148,8 +148,7 @@ pub fn sum<T: Number>(n: usize, f: impl Fn(usize) -> T) -> T {
     for i in whole..n {
         parts[i - whole] += f(i);
     }
-    ((parts[0] + parts[4]) + (parts[2] + parts[6]))
-        + ((parts[1] + parts[5]) + (parts[3] + parts[7]))
+    ((parts[0] + parts[4]) + (parts[2] + parts[6])) + ((parts[1] + parts[5]) + (parts[3] + parts[7]))
 }
 
 /// Layer normalisation (Ba, Kiros and Hinton 2016): each row of `x` less its mean, over its standard deviation, goes to
@@ -208,8 +207,7 @@ mod tests {
     #[test]
     fn the_exponential_in_single_precision_is_close() {
         for start in 0..500 {
-            let mut lanes: [f32; K] =
-                std::array::from_fn(|i| -(start as f32 * 0.17 + i as f32 * 0.009));
+            let mut lanes: [f32; K] = std::array::from_fn(|i| -(start as f32 * 0.17 + i as f32 * 0.009));
             let exact = lanes.map(|x| f64::from(x).exp());
             f32::exp_lanes(&mut lanes);
             for (found, exact) in lanes.iter().zip(exact) {
