@@ -71,7 +71,7 @@ impl Pair {
     pub fn example(&self, scaling: &Scaling) -> Result<([f32; 2 * K * FEATURES], [f32; K])> {
         let question = Question::new(&self.first, &self.second)?;
         let logs = self.shares(&question).map(|share| share.ln() as f32);
-        Ok((scaling.tokens(&question), logs))
+        Ok((scaling.features(&question), logs))
     }
 
     fn shares(&self, question: &Question) -> [f64; K] {
@@ -132,12 +132,12 @@ impl Examples {
     /// # Errors
     /// As [`Question::new`], for a part that has no Dirichlet spectrum.
     pub fn scaling(&self) -> Result<Scaling> {
-        let mut tokens = vec![Moments::default(); K * FEATURES];
+        let mut features = vec![Moments::default(); K * FEATURES];
         let mut outputs = vec![Moments::default(); K];
         for pair in &self.training {
             let question = Question::new(&pair.first, &pair.second)?;
-            for (j, &value) in question.tokens.as_flattened().iter().enumerate() {
-                tokens[j % (K * FEATURES)].add(value);
+            for (j, &value) in question.features.as_flattened().iter().enumerate() {
+                features[j % (K * FEATURES)].add(value);
             }
             for (moments, share) in outputs.iter_mut().zip(pair.shares(&question)) {
                 let share = share.min(LARGEST_SHARE);
@@ -147,8 +147,8 @@ impl Examples {
         let means = |all: &[Moments]| all.iter().map(|m| m.mean() as f32).collect();
         let deviations = |all: &[Moments]| all.iter().map(|m| m.deviation() as f32).collect();
         Ok(Scaling {
-            token_mean: means(&tokens),
-            token_deviation: deviations(&tokens),
+            feature_mean: means(&features),
+            feature_deviation: deviations(&features),
             output_mean: means(&outputs),
             output_deviation: deviations(&outputs),
         })
