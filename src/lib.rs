@@ -18,7 +18,8 @@
 //! (arithmetic per instruction set), [`blas`] (back ends), [`ata`](mod@ata) (schemes, plans,
 //! execution, the exact path, checks), [`dense`] (what is dense and small), [`sparse`] (eigenpairs), [`ortho`] (Gram-Schmidt), [`mesh`] (triangle meshes),
 //! [`io`] (matrix files), [`spectral`] (eigenproducts, functional maps), [`plant`] (water and wilting), [`decimate`]
-//! (uniform decimation), [`curve`] (curves through samples), [`unions`] (spectral unions of parts), `mpi` (many machines) and the C ABI `capi`,
+//! (uniform decimation), [`curve`] (curves through samples), [`texture`] (slime moulds and fractals),
+//! [`unions`] (spectral unions of parts), `mpi` (many machines), `opencl` (devices) and the C ABI `capi`,
 //! features of these names. A layer imports only the layers below it; a test says so.
 
 pub mod base;
@@ -44,10 +45,14 @@ pub mod spectral;
 pub mod curve;
 pub mod decimate;
 pub mod plant;
+pub mod texture;
 pub mod unions;
 
 #[cfg(feature = "mpi")]
 pub mod mpi;
+
+#[cfg(feature = "opencl")]
+pub mod opencl;
 
 #[cfg(feature = "capi")]
 pub mod capi;

@@ -9,6 +9,7 @@ asked for a number of faces: twice N, about as many as a closed mesh of N vertic
 import resource
 import sys
 import time
+import warnings
 
 import numpy as np
 
@@ -41,6 +42,9 @@ else:
     faces = mesh.faces.reshape(-1, 4)[:, 1:].astype(np.int32)
     if method == "pyacvd":
         import pyacvd
+
+        # It reads an attribute of meshes that pyvista says is deprecated.
+        warnings.filterwarnings("ignore", module="pyacvd")
 
         def call():
             clustering = pyacvd.Clustering(mesh)

@@ -26,6 +26,7 @@ pub mod scatter;
 pub mod spectral;
 pub mod surface_curves;
 pub mod table;
+pub mod textures;
 
 /// The result of everything here; a message is all that its user needs.
 pub type Result<T> = std::result::Result<T, Box<dyn std::error::Error + Send + Sync>>;

@@ -11,7 +11,7 @@ use catamaran::kernel::{int8, packed};
 use crate::backend;
 
 /// Print the version, the CPU, the BLAS back ends, the instruction sets of the native kernels and of
-/// the exact path, and what `tune` has measured.
+/// the exact path, what `tune` has measured, and the OpenCL devices.
 #[derive(clap::Args)]
 pub struct Args {
     /// Also load this CBLAS library and say what it is.
@@ -51,7 +51,11 @@ pub fn run(args: &Args) -> Result<()> {
     block(&mut out, "rates", &rates)?;
     let best = int8::Instance::best();
     let states = int8::Instance::ALL.map(|i| (i.name(), state(i.refusal(), i == best)));
-    block(&mut out, "exact path", &states)
+    block(&mut out, "exact path", &states)?;
+    for (i, line) in crate::device::described().iter().enumerate() {
+        writeln!(out, "{:14}{line}", if i == 0 { "opencl" } else { "" })?;
+    }
+    Ok(())
 }
 
 /// Lines `name: state`, the first one with a label.

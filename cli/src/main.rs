@@ -6,16 +6,20 @@ mod basis;
 mod curve;
 mod decimate;
 mod demo;
+mod device;
 mod filter;
 mod fps;
 mod info;
 mod merge;
 mod mesh;
+mod newton;
 mod picture;
 mod progress;
 mod ranks;
 mod report;
 mod shape;
+mod shapedna;
+mod slime;
 mod spectrum;
 mod transfer;
 mod tune;
@@ -51,6 +55,10 @@ enum Command {
     Filter(filter::Args),
     Wilt(wilt::Args),
     Curve(curve::Args),
+    #[command(name = "shapedna")]
+    ShapeDna(shapedna::Args),
+    Newton(newton::Args),
+    Slime(slime::Args),
     Unions(unions::Args),
 }
 
@@ -74,6 +82,9 @@ fn main() -> ExitCode {
         Command::Filter(args) => filter::run(args),
         Command::Wilt(args) => wilt::run(args),
         Command::Curve(args) => curve::run(args),
+        Command::ShapeDna(args) => shapedna::run(args),
+        Command::Newton(args) => newton::run(args),
+        Command::Slime(args) => slime::run(args),
         Command::Unions(args) => unions::run(args),
     });
     let Err(error) = done else { return ExitCode::SUCCESS };

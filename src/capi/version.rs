@@ -9,7 +9,7 @@ use crate::base;
 pub const CATA_CAP_OPENBLAS: u64 = 1;
 /// Bit of cata_capabilities: MPI is linked in (cata_world_new works).
 pub const CATA_CAP_MPI: u64 = 2;
-/// Bit of cata_capabilities: OpenCL devices; not in this version, never set.
+/// Bit of cata_capabilities: kernels run on OpenCL devices, where there are any (cata_device_name tells).
 pub const CATA_CAP_OPENCL: u64 = 4;
 /// Bit of cata_capabilities: HDF5 files; not in this version, never set.
 pub const CATA_CAP_HDF5: u64 = 8;
@@ -65,5 +65,6 @@ pub extern "C" fn cata_version_string() -> *const c_char {
 pub extern "C" fn cata_capabilities() -> u64 {
     let openblas = if cfg!(feature = "openblas") { CATA_CAP_OPENBLAS } else { 0 };
     let mpi = if cfg!(feature = "mpi") { CATA_CAP_MPI } else { 0 };
-    openblas | mpi
+    let opencl = if cfg!(feature = "opencl") { CATA_CAP_OPENCL } else { 0 };
+    openblas | mpi | opencl
 }

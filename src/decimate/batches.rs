@@ -160,7 +160,7 @@ fn key(place: [i64; 3]) -> u64 {
 
 /// A hash by one multiplication (Fibonacci hashing, Knuth): keys are numbers already.
 #[derive(Default)]
-struct Multiply(u64);
+pub(super) struct Multiply(u64);
 
 impl Hasher for Multiply {
     fn finish(&self) -> u64 {
@@ -171,6 +171,10 @@ impl Hasher for Multiply {
         for &byte in bytes {
             self.write_u64(u64::from(byte));
         }
+    }
+
+    fn write_u32(&mut self, x: u32) {
+        self.write_u64(u64::from(x));
     }
 
     fn write_u64(&mut self, x: u64) {

@@ -17,12 +17,11 @@ pub(super) struct Found {
 
 /// The nearest point of the surface that a walk from a vertex meets: over the vertices first, then over faces, downhill.
 pub(super) fn on_surface(surface: &Surface<'_>, from: u32, p: Vector) -> Option<Found> {
-    let vertex = downhill(surface, from, p);
     let mut best: Option<Found> = None;
-    let mut around = [vertex; 3];
+    let mut around = [Some(downhill(surface, from, p)), None];
     loop {
         let before = best.map(|found| found.square);
-        for &v in &around {
+        for v in around.into_iter().flatten() {
             for &face in surface.faces_of.row(v as usize) {
                 let (point, weights) = on_face(&surface.mesh, face, p);
                 let square = square(sub(point, p));
@@ -32,13 +31,15 @@ pub(super) fn on_surface(surface: &Surface<'_>, from: u32, p: Vector) -> Option<
             }
         }
         let found = best?;
-        if before.is_some_and(|before| found.square >= before) {
-            let corners = surface.mesh.faces()[found.place.face as usize];
-            let heaviest =
-                (0..3).max_by(|&i, &j| found.place.weights[i].total_cmp(&found.place.weights[j]));
-            return Some(Found { vertex: corners[heaviest.unwrap_or(0)], ..found });
+        let corners = surface.mesh.faces()[found.place.face as usize];
+        let weights = found.place.weights;
+        // Within a face, no other one is nearer nearby; else those may be that meet at its edge or corner.
+        if before == Some(found.square) || weights.iter().all(|&w| w > 0.0) {
+            let heaviest = (0..3).max_by(|&i, &j| weights[i].total_cmp(&weights[j])).unwrap_or(0);
+            return Some(Found { vertex: corners[heaviest], ..found });
         }
-        around = surface.mesh.faces()[found.place.face as usize];
+        let mut ends = (0..3).filter(|&k| weights[k] > 0.0).map(|k| corners[k]);
+        around = [ends.next(), ends.next()];
     }
 }
 

@@ -4,11 +4,20 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::patch::Patch;
+use super::reach::loss_of_collapse;
+use crate::mesh::vector::Vector;
 
-/// Collapses the shortest edges that can be, until `n` vertices are left; how many are left. First without turning faces over,
-/// then, if that is not enough, at any rate.
+/// A collapse leaves no end of the edge farther from the new faces than this part of the mean length.
+const LOSS: f64 = 0.15;
+
+/// Collapses the shortest edges that can be, until `n` vertices are left; how many are left. First without turning faces over
+/// or losing thin parts, then, if that is not enough, at any rate.
 pub(super) fn reduce(patch: &mut Patch, n: usize) -> usize {
-    for careful in [true, false] {
+    if patch.count <= n {
+        return patch.count;
+    }
+    let loss = LOSS * patch.mean_length();
+    for loss in [Some(loss), None] {
         let mut waiting: BinaryHeap<Reverse<(u64, [u32; 2])>> =
             patch.edges().into_iter().map(|[a, b]| Reverse((key(patch, a, b), [a, b]))).collect();
         while patch.count > n {
@@ -16,7 +25,7 @@ pub(super) fn reduce(patch: &mut Patch, n: usize) -> usize {
             if patch.sides(a, b).is_none() || was != key(patch, a, b) {
                 continue; // gone, or moved since and here again
             }
-            if let Some(left) = collapse(patch, a, b, careful) {
+            if let Some(left) = collapse(patch, a, b, loss) {
                 // Edges nearby have other lengths, and what could not collapse before may now.
                 let mut near = patch.neighbours(left);
                 near.push(left);
@@ -36,20 +45,27 @@ fn key(patch: &Patch, a: u32, b: u32) -> u64 {
     patch.length(a, b).to_bits()
 }
 
-/// Collapses the edge if it can be, into its middle, or into its end on the boundary; the vertex that is left.
-fn collapse(patch: &mut Patch, a: u32, b: u32, careful: bool) -> Option<u32> {
+/// Collapses the edge if it can be, into its middle, or else an end, or into its end on the boundary; the vertex that is left.
+/// With `loss`, only where no face turns over and neither end is farther than that from the new faces.
+fn collapse(patch: &mut Patch, a: u32, b: u32, loss: Option<f64>) -> Option<u32> {
     if !patch.can_collapse(a, b) {
         return None;
     }
     let [p, q] = [a, b].map(|v| patch.positions[v as usize]);
-    let at = match [a, b].map(|v| patch.on_boundary[v as usize]) {
-        [true, false] => p,
-        [false, true] => q,
-        _ => std::array::from_fn(|k| 0.5 * (p[k] + q[k])),
+    let middle = std::array::from_fn(|k| 0.5 * (p[k] + q[k]));
+    let places: &[_] = match [a, b].map(|v| patch.on_boundary[v as usize]) {
+        [true, false] => &[p],
+        [false, true] => &[q],
+        _ => &[middle, p, q],
     };
-    if careful && !(patch.stays_upright(a, b, at) && patch.stays_upright(b, a, at)) {
-        return None;
-    }
+    let allowed = |at: Vector| {
+        loss.is_none_or(|loss| {
+            patch.stays_upright(a, Some(b), at)
+                && patch.stays_upright(b, Some(a), at)
+                && loss_of_collapse(patch, a, b, at) <= loss
+        })
+    };
+    let at = places.iter().copied().find(|&at| allowed(at))?;
     patch.collapse(a, b, at);
     Some(b)
 }
@@ -79,7 +95,7 @@ pub(super) fn exchange(patch: &mut Patch) {
         if [c, d].iter().any(|v| *v == a || *v == b) {
             continue;
         }
-        if collapse(patch, a, b, true).is_some() && patch.sides(c, d).is_some() {
+        if collapse(patch, a, b, Some(LOSS * mean)).is_some() && patch.sides(c, d).is_some() {
             patch.split(c, d);
         }
     }

@@ -92,6 +92,18 @@ impl Patch {
         edges
     }
 
+    /// The mean length of all edges; 0 without.
+    pub fn mean_length(&self) -> f64 {
+        let edges = self.edges();
+        let total: f64 = edges.iter().map(|&[a, b]| self.length(a, b)).sum();
+        total / edges.len().max(1) as f64
+    }
+
+    /// The corners of a face, if it is still there.
+    pub fn face(&self, f: usize) -> Option<[u32; 3]> {
+        Some(self.faces[f]).filter(|&face| face != GONE)
+    }
+
     pub fn length(&self, a: u32, b: u32) -> f64 {
         distance(self.positions[a as usize], self.positions[b as usize])
     }
@@ -132,10 +144,10 @@ impl Patch {
         })
     }
 
-    /// Whether no face around a, without those at b, turns over when a goes to p.
-    pub fn stays_upright(&self, a: u32, b: u32, p: Vector) -> bool {
+    /// Whether no face around a, without those at `but`, turns over when a goes to p.
+    pub fn stays_upright(&self, a: u32, but: Option<u32>, p: Vector) -> bool {
         self.around(a).iter().map(|&f| self.faces[f as usize]).all(|face| {
-            if face.contains(&b) {
+            if but.is_some_and(|b| face.contains(&b)) {
                 return true;
             }
             let corners = face.map(|v| if v == a { p } else { self.positions[v as usize] });

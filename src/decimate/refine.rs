@@ -2,7 +2,7 @@
 
 use super::batches::seeds;
 use super::cells::Growth;
-use super::dual::faults;
+use super::faults::faults;
 use super::stages::Stages;
 use super::surface::Surface;
 use crate::base::{Par, Result};
@@ -19,53 +19,93 @@ pub(super) fn refine(
     par: Par,
     stages: Stages<'_>,
 ) -> Result<()> {
+    let mut census = Census::new(surface, samples.len());
     for round in 1.. {
         stages.report(1.0 - 1.0 / f64::from(round))?;
-        let bad = faults(surface, growth, samples.len(), par);
-        if bad.is_empty() {
-            break;
-        }
+        census.update(growth, samples.len());
+        let bad = faults(surface, growth, &census.doubtful, &census.sizes, par);
         let first = samples.len();
-        samples.extend(split(surface, growth, samples.len(), &bad));
+        samples.extend(census.split(surface, growth, samples, &bad));
         if samples.len() == first {
-            break; // nothing can be split: the caller checks what comes of it
+            break; // none is bad, or nothing can be split: the caller checks what comes of it
         }
+        // What was found to be right stays so where no cell changes.
+        census.doubtful.fill(false);
+        bad.into_iter().for_each(|cell| census.doubtful[cell as usize] = true);
         growth.grow(surface, &seeds(samples, first), f32::INFINITY);
     }
     Ok(())
 }
 
-/// The vertices of these cells farthest from their samples; where a cell is one vertex only, that of the largest neighbour.
-fn split(surface: &Surface<'_>, growth: &Growth, cells: usize, bad: &[u32]) -> Vec<u32> {
-    // The farthest vertex of each cell; the sample itself is none.
-    let mut farthest = vec![(0.0f32, u32::MAX); cells];
-    let mut only = vec![u32::MAX; cells];
-    for v in 0..surface.len() as u32 {
-        let (cell, distance) = (growth.cell(v) as usize, growth.distance(v));
-        if cell >= cells {
-            continue;
-        }
-        only[cell] = v;
-        if distance > farthest[cell].0 {
-            farthest[cell] = (distance, v);
+/// What is known of the cells from one round to the next.
+struct Census {
+    /// For each vertex its cell.
+    cells: Vec<u32>,
+    /// For each cell its number of vertices.
+    sizes: Vec<u32>,
+    /// For each cell its vertex farthest from the sample, and how far; the sample itself is none.
+    farthest: Vec<(f32, u32)>,
+    /// The cells that were at fault or have changed.
+    doubtful: Vec<bool>,
+}
+
+impl Census {
+    fn new(surface: &Surface<'_>, cells: usize) -> Self {
+        Self {
+            cells: vec![u32::MAX; surface.len()],
+            sizes: Vec::new(),
+            farthest: Vec::new(),
+            doubtful: vec![true; cells],
         }
     }
-    let mut chosen: Vec<u32> = bad
-        .iter()
-        .filter_map(|&cell| {
-            let of_cell = |cell: u32| farthest[cell as usize];
-            let v = match of_cell(cell) {
-                (_, u32::MAX) => {
-                    let neighbours = surface.links(only[cell as usize]).iter();
-                    let others = neighbours.map(|link| of_cell(growth.cell(link.to)));
-                    others.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))?.1
+
+    fn update(&mut self, growth: &Growth, cells: usize) {
+        self.doubtful.resize(cells, true);
+        self.sizes.clear();
+        self.sizes.resize(cells, 0);
+        self.farthest.clear();
+        self.farthest.resize(cells, (0.0, u32::MAX));
+        for (v, before) in (0..).zip(&mut self.cells) {
+            let cell = growth.cell(v);
+            if cell as usize >= cells {
+                continue; // no face has it
+            }
+            if cell != *before {
+                self.doubtful[cell as usize] = true;
+                if let Some(doubtful) = self.doubtful.get_mut(*before as usize) {
+                    *doubtful = true;
                 }
-                (_, v) => v,
-            };
-            (v != u32::MAX).then_some(v)
-        })
-        .collect();
-    chosen.sort_unstable();
-    chosen.dedup();
-    chosen
+                *before = cell;
+            }
+            self.sizes[cell as usize] += 1;
+            let distance = growth.distance(v);
+            let farthest = &mut self.farthest[cell as usize];
+            if distance > farthest.0 {
+                *farthest = (distance, v);
+            }
+        }
+    }
+
+    /// The vertices of these cells farthest from their samples; where a cell is one vertex only, that of the largest neighbour.
+    fn split(
+        &self,
+        surface: &Surface<'_>,
+        growth: &Growth,
+        samples: &[u32],
+        bad: &[u32],
+    ) -> Vec<u32> {
+        let of_cell = |cell: u32| self.farthest[cell as usize];
+        let chosen = bad.iter().filter_map(|&cell| match of_cell(cell) {
+            (_, u32::MAX) => {
+                let neighbours = surface.links(samples[cell as usize]).iter();
+                let others = neighbours.map(|link| of_cell(growth.cell(link.to)));
+                Some(others.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))?.1)
+            }
+            (_, v) => Some(v),
+        });
+        let mut chosen: Vec<u32> = chosen.filter(|&v| v != u32::MAX).collect();
+        chosen.sort_unstable();
+        chosen.dedup();
+        chosen
+    }
 }

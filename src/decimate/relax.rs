@@ -2,8 +2,10 @@
 
 use super::closest::{Found, on_boundary, on_surface};
 use super::collapse::exchange;
+use super::fit::fit;
 use super::handles::cut_narrow_handles;
 use super::patch::Patch;
+use super::reach::{gap_of_move, loss_of_flip, reach_out};
 use super::stages::Stages;
 use super::surface::Surface;
 use crate::base::{Par, Result};
@@ -16,7 +18,9 @@ const BLOCK: usize = 512;
 const SWEEPS: usize = 4;
 
 /// Passes: edges flipped towards six at each vertex, in the last passes to be Delaunay; short edges exchanged for long ones,
-/// but in the last passes; vertices moved to the centroids of their faces and back onto the surface. Handles narrow for edges of the length `narrow` are cut.
+/// but in the last passes; vertices moved to the centroids of their faces and back onto the surface; once, before the last
+/// passes, out to what is missed of it, and at the end off it by half its height above the faces. Handles narrow for edges of
+/// the length `narrow` are cut.
 pub(super) fn relax(
     surface: &Surface<'_>,
     patch: &mut Patch,
@@ -41,9 +45,13 @@ pub(super) fn relax(
             make_delaunay(patch);
         }
         move_vertices(surface, patch, par);
+        if pass + 1 == lively {
+            reach_out(surface, patch, par);
+        }
     }
     if passes > 0 {
         make_delaunay(patch);
+        fit(surface, patch, par);
     }
     Ok(())
 }
@@ -108,10 +116,17 @@ fn cotangent(patch: &Patch, a: u32, b: u32, v: u32) -> f64 {
     dot(p, q) / norm(cross(p, q)).max(f64::MIN_POSITIVE)
 }
 
-/// Whether the new faces do not look where the old ones do, or bend more than these.
+/// A flipped edge is no farther from the old one than this part of its length.
+const FLIP_LOSS: f64 = 0.25;
+
+/// Whether the new faces do not look where the old ones do, bend more than these, or miss the edge that was there.
 fn folds(patch: &Patch, a: u32, b: u32, new: &[[u32; 3]; 2]) -> bool {
     let Some(sides) = patch.sides(a, b) else { return true };
     let Some(second) = sides.second else { return true };
+    let [c, d, _] = new[0];
+    if loss_of_flip(patch, [a, b], [c, d]) > FLIP_LOSS * patch.length(a, b) {
+        return true;
+    }
     let old = [sides.first, second].map(|f| unit(patch.normal(patch.faces[f as usize])));
     let new = new.map(|face| unit(patch.normal(face)));
     let bend = dot(old[0], old[1]);
@@ -143,7 +158,7 @@ fn target(surface: &Surface<'_>, patch: &Patch, v: u32) -> Option<Found> {
         return on_boundary(surface, anchor, boundary_target(patch, v, here)?);
     }
     let mut sum = [0.0; 3];
-    let mut normal = [0.0; 3];
+    let mut normals = [0.0; 3];
     let mut weight = 0.0;
     for &f in patch.around(v) {
         let face = patch.faces[f as usize];
@@ -152,19 +167,34 @@ fn target(surface: &Surface<'_>, patch: &Patch, v: u32) -> Option<Found> {
         let area = norm(doubled);
         for k in 0..3 {
             sum[k] += area * (a[k] + b[k] + c[k]) / 3.0;
-            normal[k] += doubled[k];
+            normals[k] += doubled[k];
         }
         weight += area;
     }
     if weight <= 0.0 {
         return on_surface(surface, anchor, here);
     }
-    let normal = unit(normal);
+    let normal = unit(normals);
     let step = sub(scale(sum, 1.0 / weight), here);
     let out = dot(step, normal);
     let p = std::array::from_fn(|k| here[k] + step[k] - out * normal[k]);
-    on_surface(surface, anchor, p)
+    if norm(normals) >= FLAT * weight {
+        return on_surface(surface, anchor, p);
+    }
+    // At a tip or an edge, what the faces would lose is given back.
+    let back = gap_of_move(patch, v, p, here);
+    let found = on_surface(surface, anchor, std::array::from_fn(|k| p[k] + back[k]))?;
+    // Six equilateral triangles of side l have 3 sqrt(3) l^2 / 2, of which `weight` is twice.
+    let length = (weight / 27f64.sqrt()).sqrt();
+    let lost = norm(gap_of_move(patch, v, found.point, here));
+    (lost <= MOVE_LOSS * length).then_some(found)
 }
+
+/// Where the sum of normals is below this part of the sum of areas, moving a vertex may lose what it reaches.
+const FLAT: f64 = 0.95;
+
+/// A vertex does not move where its faces would be farther from where it was, as a part of the length of its edges.
+const MOVE_LOSS: f64 = 0.2;
 
 /// A turn of the boundary above 60 degrees is a corner, which stays.
 const CORNER: f64 = 0.5;

@@ -13,7 +13,8 @@ pub struct Decimation {
     /// For each vertex of the input its nearest vertex of the new mesh, along edges, with the distance. When there are nearly
     /// as many vertices as in the input, a cell may be empty.
     pub cells: Cells,
-    /// Where each vertex of the new mesh is on the input.
+    /// The place on the input nearest to each vertex of the new mesh, which is beside it by half the height of the input above
+    /// the faces around it.
     pub places: Vec<Place>,
     /// What had to be done to the input first.
     pub repairs: Repairs,

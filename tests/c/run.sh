@@ -36,14 +36,14 @@ if command -v mpicc > /dev/null && command -v mpirun > /dev/null; then mpi=ON; f
 cargo xtask header --check
 kinds+=("header: include/catamaran.h is up to date")
 
-configure plain -DCATAMARAN_MPI=$mpi
+configure plain -DCATAMARAN_MPI=$mpi -DCATAMARAN_OPENCL=ON
 tests c plain -L '^c$'
 if [ $mpi = ON ]; then
     tests mpi plain -L '^mpi$'
 else
     kinds+=("mpi: mpicc or mpirun not installed, left out")
 fi
-configure asan -DCATAMARAN_MPI=$mpi -DCATAMARAN_SANITIZE=address
+configure asan -DCATAMARAN_MPI=$mpi -DCATAMARAN_OPENCL=ON -DCATAMARAN_SANITIZE=address
 tests asan asan -L '^c$'
 if command -v valgrind > /dev/null; then
     tests valgrind plain -L '^valgrind$'

@@ -183,6 +183,43 @@ void loaded_backend() {
     }
 }
 
+// An octahedron, split into many faces by resampling, and taken back.
+void decimation() {
+    const std::vector<std::array<double, 3>> positions{{{1, 0, 0}}, {{-1, 0, 0}}, {{0, 1, 0}},
+                                                       {{0, -1, 0}}, {{0, 0, 1}}, {{0, 0, -1}}};
+    const std::vector<std::array<std::uint32_t, 3>> faces{
+        {{0, 2, 4}}, {{2, 1, 4}}, {{1, 3, 4}}, {{3, 0, 4}},
+        {{2, 0, 5}}, {{1, 2, 5}}, {{3, 1, 5}}, {{0, 3, 5}}};
+    catamaran::decimate_options how;
+    how.resample = true;
+    how.threads = 2;
+    const catamaran::decimation fine = catamaran::decimate(positions, faces, 102, how);
+    CHECK(fine.positions.size() == 102 && fine.faces.size() == 200);
+    CHECK(fine.cells.size() == 6 && !fine.changed);
+    how.resample = false;
+    how.first = 7;
+    const catamaran::decimation coarse =
+        catamaran::decimate(fine.positions, fine.faces, 20, how);
+    CHECK(coarse.positions.size() == 20 && coarse.faces.size() == 36);
+    for (const std::uint32_t cell : coarse.cells) {
+        CHECK(cell < 20);
+    }
+    how.threads = 1;
+    CHECK(catamaran::decimate(fine.positions, fine.faces, 20, how).positions == coarse.positions);
+    how.first.reset();
+    // The same face twice is left out, which is told.
+    std::vector<std::array<std::uint32_t, 3>> twice = fine.faces;
+    twice.push_back(twice[0]);
+    CHECK(catamaran::decimate(fine.positions, twice, 20, how).changed);
+    how.progress = [](double) { return false; };
+    CHECK(status_of([&] { catamaran::decimate(fine.positions, fine.faces, 20, how); }) ==
+          CATA_ERR_CANCELLED);
+    CHECK(status_of([&] { catamaran::decimate(positions, faces, 3); }) == CATA_ERR_ARGUMENT);
+    CHECK(status_of([&] { catamaran::decimate(positions, faces, 7); }) == CATA_ERR_ARGUMENT);
+    CHECK(status_of([&] { catamaran::decimate(positions, {{{0, 1, 6}}}, 4); }) == CATA_ERR_MESH);
+    CHECK(status_of([] { catamaran::decimate({}, {}, 0); }) == CATA_ERR_MESH);
+}
+
 void plants() {
     catamaran::plant plant({0, 0, 0.1, 0, 0, 0.2}, {1e-3, 1e-3}, {CATA_NO_PARENT, 0}, {0, 1});
     const std::vector<double> full = plant.full_water();
@@ -210,6 +247,7 @@ int main() {
     spectra();
     orthonormal_columns();
     loaded_backend();
+    decimation();
     plants();
     CHECK(second_unit() == 25);
     return report("cpp");

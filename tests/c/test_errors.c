@@ -332,7 +332,7 @@ static void test_version(void)
     CHECK(strcmp(text, cata_version_string()) == 0);
     CHECK(strcmp(text, EXPECTED_VERSION) == 0); /* CMake's, from Cargo.toml */
     CHECK_STATUS(cata_version(NULL, NULL, NULL), CATA_OK);
-    CHECK((cata_capabilities() & ~(uint64_t)(CATA_CAP_OPENBLAS | CATA_CAP_MPI)) == 0);
+    CHECK((cata_capabilities() & ~(uint64_t)(CATA_CAP_OPENBLAS | CATA_CAP_MPI | CATA_CAP_OPENCL)) == 0);
 }
 
 static void test_status_names(void)

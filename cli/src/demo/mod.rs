@@ -7,6 +7,7 @@ mod chart;
 mod curves;
 mod decimate;
 mod exact;
+mod newton;
 mod page;
 mod plant;
 mod spectral;
@@ -43,6 +44,7 @@ const STATIONS: &[fn(&Site<'_>) -> Result<Station>] = &[
     plant::station,
     decimate::station,
     curves::station,
+    newton::station,
 ];
 
 /// Where stations put their files, and how much they may do.

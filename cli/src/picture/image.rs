@@ -26,6 +26,11 @@ impl Image {
         Self { width, height, pixels }
     }
 
+    /// One of these pixels, rows of `width` from the top.
+    pub fn from_pixels(width: usize, pixels: Vec<Rgb>) -> Self {
+        Self { width, height: pixels.len() / width.max(1), pixels }
+    }
+
     /// Writes it as PNG and lets the file appear.
     pub fn write_png(&self, mut output: Output) -> Result<()> {
         let name = output.path().display().to_string();
@@ -69,4 +74,22 @@ impl Image {
             }
         }
     }
+}
+
+/// Writes numbers as a PNG of 16 bits, black for 0, and lets the file appear.
+pub fn write_gray(mut output: Output, width: usize, height: usize, values: &[u16]) -> Result<()> {
+    let name = output.path().display().to_string();
+    let encode = |sink: &mut dyn Write| -> Result<(), png::EncodingError> {
+        let mut encoder = png::Encoder::new(sink, width as u32, height as u32);
+        encoder.set_color(png::ColorType::Grayscale);
+        encoder.set_depth(png::BitDepth::Sixteen);
+        let mut writer = encoder.write_header()?;
+        // The larger byte first (PNG, third edition, section 7.1).
+        let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_be_bytes()).collect();
+        writer.write_image_data(&bytes)?;
+        writer.finish()
+    };
+    encode(&mut output).with_context(|| format!("{name}: can't be written"))?;
+    output.commit()?;
+    Ok(())
 }

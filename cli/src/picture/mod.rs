@@ -10,8 +10,9 @@ mod tube;
 
 pub use args::PictureArgs;
 pub use color::{ColorMap, ColorScale};
+pub use image::{Image, write_gray};
 pub use matrix::{Scale, levels, write};
-pub use mesh::{Paint, Panel, Projection, Scene, Up, View, render};
+pub use mesh::{Paint, Panel, Projection, Scene, Texture, Up, View, render};
 pub use tube::with_curves;
 
 use catamaran::faer::Mat;

@@ -4,6 +4,7 @@ mod curves;
 mod decimate;
 mod plant;
 mod spectral;
+mod textures;
 mod unions;
 
 use std::path::PathBuf;
@@ -26,7 +27,7 @@ pub struct Arguments {
     /// Chapter 4: nodes of the largest plant of the race.
     #[arg(long, default_value_t = 1_000_000, value_name = "NODES")]
     largest: usize,
-    /// Chapter 4: repetitions of the race.
+    /// Chapters 4 and 7: repetitions of the race.
     #[arg(long, default_value_t = 5, value_name = "N")]
     repeat: usize,
     /// Chapter 6: curves on each mesh; 50 by default.
@@ -58,6 +59,8 @@ enum What {
     Decimate,
     /// Chapter 6: curves on surfaces.
     Curves,
+    /// Chapters 3 and 7: textures.
+    Textures,
 }
 
 /// What is found, as it is found.
@@ -101,6 +104,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         What::Curves => {
             curves::run(&mut report, arguments)?;
             ("curves", curves::HEADER)
+        }
+        What::Textures => {
+            textures::run(&mut report, arguments)?;
+            ("textures", textures::HEADER)
         }
     };
     println!("\n{:.0} s", start.elapsed().as_secs_f64());

@@ -34,6 +34,37 @@ pub enum Paint<'a> {
     Values(&'a [f64]),
     /// A colour for each vertex.
     Colors(&'a [Rgb]),
+    /// A picture that is wrapped around it.
+    Texture(Texture<'a>),
+}
+
+/// A square picture, and where faces have their corners in it.
+#[derive(Debug, Clone, Copy)]
+pub struct Texture<'a> {
+    /// (u, v) of the corners of each face, from 0 to 1.
+    pub uv: &'a [[[f64; 2]; 3]],
+    /// Texels of a side.
+    pub size: usize,
+    /// Rows along u, the first at v = 0.
+    pub texels: &'a [Rgb],
+}
+
+impl Texture<'_> {
+    /// The colour of a point of a face, given by shares of its corners: mixed from the four texels around it.
+    fn light(&self, face: usize, shares: [f64; 3]) -> [f64; 3] {
+        let corners = self.uv[face];
+        let at = |axis: usize| {
+            let x: f64 = (0..3).map(|k| shares[k] * corners[k][axis]).sum();
+            let x = (x * self.size as f64 - 0.5).clamp(0.0, (self.size - 1) as f64);
+            let low = x.floor() as usize;
+            (low, (low + 1).min(self.size - 1), x - x.floor())
+        };
+        let ((left, right, s), (below, above, t)) = (at(0), at(1));
+        let texel = |i: usize, j: usize| super::color::to_light(self.texels[j * self.size + i]);
+        let mix = |a: [f64; 3], b: [f64; 3], s: f64| [0, 1, 2].map(|k| a[k] + s * (b[k] - a[k]));
+        let row = |j: usize| mix(texel(left, j), texel(right, j), s);
+        mix(row(below), row(above), t)
+    }
 }
 
 /// One mesh in a picture.
@@ -91,6 +122,13 @@ pub fn render(scene: &Scene<'_>) -> Result<Image> {
             Paint::Plain(_) => n,
             Paint::Values(values) => values.len(),
             Paint::Colors(colors) => colors.len(),
+            Paint::Texture(texture) => {
+                let (faces, texels) = (panel.mesh.faces().len(), texture.texels.len());
+                if texture.uv.len() != faces || texels != texture.size.pow(2) || texels == 0 {
+                    bail!("a texture of {texels} texels for a mesh of {faces} faces");
+                }
+                n
+            }
         };
         if given != n {
             bail!("{given} values or colours for a mesh of {n} vertices");
@@ -99,7 +137,7 @@ pub fn render(scene: &Scene<'_>) -> Result<Image> {
     let numbers = || {
         scene.panels.iter().filter_map(|p| match p.paint {
             Paint::Values(values) => Some(values),
-            Paint::Plain(_) | Paint::Colors(_) => None,
+            Paint::Plain(_) | Paint::Colors(_) | Paint::Texture(_) => None,
         })
     };
     let scale = scene.scale.unwrap_or_else(|| ColorScale::of(numbers().flatten().copied()));

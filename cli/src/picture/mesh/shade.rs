@@ -73,7 +73,7 @@ impl<'a> Shader<'a> {
         if self.edges {
             factor *= self.edge(face, hit.shares);
         }
-        self.color(face, shares).map(|c| c * factor + shine)
+        self.color(hit.face, shares).map(|c| c * factor + shine)
     }
 
     /// Whether the side is seen from which the corners are counter-clockwise (y points down on the screen).
@@ -82,13 +82,15 @@ impl<'a> Shader<'a> {
         (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) < 0.0
     }
 
-    fn color(&self, face: [usize; 3], shares: [f64; 3]) -> Vector {
+    fn color(&self, number: usize, shares: [f64; 3]) -> Vector {
+        let face = self.panel.mesh.faces()[number].map(|v| v as usize);
         match self.panel.paint {
             Paint::Plain(color) => to_light(color),
             Paint::Values(values) => {
                 self.lights.of((0..3).map(|k| shares[k] * values[face[k]]).sum())
             }
             Paint::Colors(colors) => mix(shares, face.map(|v| to_light(colors[v]))),
+            Paint::Texture(texture) => texture.light(number, shares),
         }
     }
 

@@ -1,0 +1,315 @@
+//! `catamaran slime`.
+
+mod config;
+mod curves;
+mod images;
+mod on_device;
+mod view;
+
+use std::fs::{self, File};
+use std::io::BufReader;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+use catamaran::base::Flow;
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::io as meshes;
+use catamaran::mesh::io::{Attribute, MeshFile};
+use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas, fitted, smallest_size};
+use catamaran::{Error, Par};
+
+use crate::device::DeviceArgs;
+use crate::picture::View;
+use crate::progress::Bar;
+use crate::report::{complain, report, seconds};
+use on_device::OnDevice;
+use view::draw;
+
+/// Pixels of a side of the picture of the mesh.
+const PIXELS: usize = 900;
+
+/// Grow slime moulds on a surface: textures of networks and cells (thesis, chapter 3).
+///
+/// The folder gets the texture every so many steps, species in the channels of one .png up to three and in one .png each
+/// beyond, coverage.csv, and the mesh with its texture coordinates, mesh.obj. A mesh without texture coordinates gets an atlas of its triangles. Ctrl-C ends it; with --state
+/// it can go on from there, with the same result as if it had never stopped.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
+    #[arg(value_name = "MESH")]
+    mesh: PathBuf,
+    /// What the simulation is like: .toml with the names of table 3.1 of the thesis (docs/algorithms/slime.md), or an .ini of
+    /// the reference implementation.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Steps, those of a run that is resumed among them.
+    #[arg(long, value_name = "NUMBER", default_value_t = 900)]
+    steps: u32,
+    /// The folder for frames.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Steps from frame to frame; only the last one unless given.
+    #[arg(long, value_name = "STEPS")]
+    every: Option<u32>,
+    /// Texels of a side of the texture, a multiple of 32; goes before the file.
+    #[arg(long, value_name = "TEXELS")]
+    size: Option<usize>,
+    /// Number of agents; goes before the file.
+    #[arg(long, value_name = "NUMBER")]
+    agents: Option<usize>,
+    /// Number of species; goes before the file.
+    #[arg(long, value_name = "NUMBER")]
+    species: Option<usize>,
+    /// Seed of all randomness; goes before the file.
+    #[arg(long, value_name = "NUMBER")]
+    seed: Option<u32>,
+    /// A .png over the texture: red where agents start, green where obstacles are, blue where attractors are.
+    #[arg(long, value_name = "FILE")]
+    mask: Option<PathBuf>,
+    /// An atlas of triangles even where the mesh has texture coordinates.
+    #[arg(long)]
+    atlas: bool,
+    /// Draw the mesh in its last texture to this .png file.
+    #[arg(long, value_name = "FILE")]
+    render: Option<PathBuf>,
+    /// From where it is seen: degrees around the upward axis, degrees above the horizon, then ,z if z is up instead of y, then
+    /// ,flat for no perspective [default: 30,15].
+    #[arg(long, value_name = "AROUND,ABOVE", requires = "render", allow_hyphen_values = true)]
+    view: Option<View>,
+    /// Draw coverage and presence over time to this .svg file.
+    #[arg(long, value_name = "FILE")]
+    coverage: Option<PathBuf>,
+    /// Write the state in the end, or at Ctrl-C, to this file.
+    #[arg(long, value_name = "FILE")]
+    state: Option<PathBuf>,
+    /// Go on from the state in this file; mesh, configuration and mask must be those that it began with.
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
+    #[command(flatten)]
+    device: DeviceArgs,
+    /// Threads; all cores unless given. The result does not depend on it.
+    #[arg(long, value_name = "NUMBER")]
+    threads: Option<NonZeroUsize>,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
+    let options = args.options()?;
+    let (frames, files) = args.frames(options.species)?;
+    let outputs = Outputs::create(args, overwrite)?;
+    let file = meshes::read(&args.mesh)?;
+    let mut simulation = args.simulation(&file, &options)?;
+    if let Some(path) = &args.resume {
+        let source = File::open(path).with_context(|| path.display().to_string())?;
+        simulation.resume(&mut BufReader::new(source), path)?;
+    }
+    let first = simulation.state().step;
+    if first > args.steps {
+        bail!("--steps: {}, but the state that is resumed is after {first}", args.steps);
+    }
+    fs::create_dir_all(&args.output).with_context(|| args.output.display().to_string())?;
+
+    let device = args.device.open()?;
+    let mut on_device =
+        device.as_ref().map(|device| OnDevice::new(device, &simulation)).transpose()?;
+    let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
+    let now = |s: &Simulation| (f64::from(s.state().step) * options.time_step, s.coverage(par));
+    let mut moments = vec![now(&simulation)];
+    let start = Instant::now();
+    let bar = Bar::new("slime");
+    let mut done = first;
+    let mut ended = Ok(());
+    while done < args.steps && ended.is_ok() {
+        match &mut on_device {
+            Some(kernels) => kernels.step(&mut simulation)?,
+            None => simulation.step(par),
+        }
+        done += 1;
+        moments.push(now(&simulation));
+        if frames.contains(&done) {
+            let create = |name| Output::create(&args.output.join(name), overwrite);
+            let files = frame_names(done, args.steps, options.species).into_iter().map(create);
+            images::write(&simulation, files.collect::<Result<_, _>>()?)?;
+        }
+        if bar.update(f64::from(done - first) / f64::from(args.steps - first)) == Flow::Cancel {
+            ended = Err(Error::Cancelled);
+        }
+    }
+    drop(bar);
+    let time = start.elapsed();
+    if let Some(mut output) = outputs.state {
+        simulation.save(&mut output).map_err(|e| output.error(&e))?;
+        let path = output.path().display().to_string();
+        output.commit()?;
+        report(format_args!("state     {path}: after {done} steps"))?;
+    }
+    ended?;
+    curves::write_csv(outputs.table, &moments)?;
+    meshes::write(outputs.mesh, &textured(&file, &simulation))?;
+    if let Some(output) = outputs.coverage {
+        curves::write_svg(output, &moments)?;
+    }
+    if let Some(output) = outputs.render {
+        let view = args.view.unwrap_or_default();
+        draw(&file.mesh, &simulation, view, PIXELS)?.write_png(output)?;
+    }
+    if done > first {
+        report(format_args!(
+            "time      {}, {} a step",
+            seconds(time),
+            seconds(time / (done - first))
+        ))?;
+    }
+    for (s, c) in simulation.coverage(par).iter().enumerate() {
+        let (coverage, presence) = (100.0 * c.coverage, 100.0 * c.presence);
+        report(format_args!("species {s} coverage {coverage:.2} %, presence {presence:.2} %"))?;
+    }
+    report(format_args!("written   {}: {} files", args.output.display(), files.len()))
+}
+
+/// The files besides frames.
+struct Outputs {
+    table: Output,
+    mesh: Output,
+    coverage: Option<Output>,
+    render: Option<Output>,
+    state: Option<Output>,
+}
+
+impl Outputs {
+    fn create(args: &Args, overwrite: Overwrite) -> Result<Self> {
+        let of = |path: &Option<PathBuf>, ending: &str| -> Result<Option<Output>> {
+            let Some(path) = path else { return Ok(None) };
+            if !ending.is_empty()
+                && path.extension().is_none_or(|e| !e.eq_ignore_ascii_case(ending))
+            {
+                bail!("{}: must be called .{ending}", path.display());
+            }
+            Ok(Some(Output::create(path, overwrite)?))
+        };
+        let (coverage, render) = (of(&args.coverage, "svg")?, of(&args.render, "png")?);
+        let state = of(&args.state, "")?;
+        fs::create_dir_all(&args.output).with_context(|| args.output.display().to_string())?;
+        let table = Output::create(&args.output.join(TABLE), overwrite)?;
+        let mesh = Output::create(&args.output.join(MESH), overwrite)?;
+        Ok(Self { table, mesh, coverage, render, state })
+    }
+}
+
+/// The mesh with the texture coordinates of the frames.
+const MESH: &str = "mesh.obj";
+/// Coverage and presence after each step.
+const TABLE: &str = "coverage.csv";
+
+fn frame_names(step: u32, last: u32, species: usize) -> Vec<String> {
+    let digits = last.to_string().len().max(4);
+    images::names(&format!("frame-{step:0digits$}"), species)
+}
+
+impl Args {
+    fn options(&self) -> Result<Options> {
+        let mut options = Options::default();
+        if let Some(path) = &self.config {
+            let loaded = config::load(path)?;
+            if !loaded.without_effect.is_empty() {
+                let names = loaded.without_effect.join(", ");
+                complain(format_args!("{}: without effect here: {names}", path.display()));
+            }
+            options = loaded.options;
+        }
+        options.size = self.size.unwrap_or(options.size);
+        options.agents = self.agents.unwrap_or(options.agents);
+        options.species = self.species.unwrap_or(options.species);
+        options.seed = self.seed.unwrap_or(options.seed);
+        options.check()?;
+        Ok(options)
+    }
+
+    /// The steps after which there is a frame, and the names of all files in the folder, none of which is there yet.
+    fn frames(&self, species: usize) -> Result<(Vec<u32>, Vec<String>)> {
+        let mut frames: Vec<u32> = match self.every {
+            Some(0) => bail!("--every: 0, where at least 1 is needed"),
+            Some(every) => (1..=self.steps / every).map(|i| i * every).collect(),
+            None => Vec::new(),
+        };
+        if self.steps > 0 && frames.last() != Some(&self.steps) {
+            frames.push(self.steps);
+        }
+        let of = |&step: &u32| frame_names(step, self.steps, species);
+        let mut files: Vec<String> = frames.iter().flat_map(of).collect();
+        files.extend([TABLE.into(), MESH.into()]);
+        if !self.force
+            && let Some(name) =
+                files.iter().find(|name| self.output.join(name).symlink_metadata().is_ok())
+        {
+            bail!("{}: exists already (--force replaces it)", self.output.join(name).display());
+        }
+        Ok((frames, files))
+    }
+
+    fn simulation(&self, file: &MeshFile, options: &Options) -> Result<Simulation> {
+        let surface = match &file.uv {
+            Some(uv) if !self.atlas => {
+                let inside = fitted(uv);
+                if inside != *uv {
+                    complain(format_args!("texture coordinates are made to fit into 0 to 1"));
+                }
+                Surface::new(&file.mesh, &inside)
+                    .with_context(|| format!("{} (--atlas does without)", self.mesh.display()))?
+            }
+            _ => with_atlas(file, options.size, &self.mesh)?,
+        };
+        let folded = surface.flipped().len();
+        if folded > 0 {
+            complain(format_args!(
+                "the texture is folded: {folded} triangles lie upside down in it, face {} first",
+                surface.flipped()[0]
+            ));
+        }
+        let mask = match &self.mask {
+            Some(path) => images::read_mask(path, options.size)?,
+            None => Mask::default(),
+        };
+        let mut charts = surface.charts().to_vec();
+        charts.sort_unstable();
+        charts.dedup();
+        report(format_args!(
+            "mesh      {} triangles, {} charts in the texture",
+            surface.len(),
+            charts.len()
+        ))?;
+        let simulation = Simulation::new(surface, options, &mask)?;
+        report(format_args!(
+            "slime     {} agents of {} species, {} x {} texels, {} MiB",
+            options.agents,
+            options.species,
+            options.size,
+            options.size,
+            simulation.bytes() >> 20
+        ))?;
+        Ok(simulation)
+    }
+}
+
+/// The mesh with the texture coordinates that the frames are for.
+fn textured(file: &MeshFile, simulation: &Simulation) -> MeshFile {
+    let values = simulation.surface().uv().as_flattened().to_vec();
+    let corners = (0..values.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    let mut textured = MeshFile::from(file.mesh.clone());
+    textured.uv = Some(Attribute { values, corners: Some(corners) });
+    textured
+}
+
+fn with_atlas(file: &MeshFile, size: usize, path: &Path) -> Result<Surface> {
+    let uv = atlas(&file.mesh, size).with_context(|| {
+        let least = smallest_size(file.mesh.faces().len());
+        format!("{}: its atlas needs --size {least} or more", path.display())
+    })?;
+    Surface::of_faces(&file.mesh, uv).with_context(|| path.display().to_string())
+}

@@ -1,0 +1,41 @@
+//! A simulation whose steps a device takes.
+
+use anyhow::Result;
+use catamaran::texture::slime::Simulation;
+
+use crate::device::Device;
+
+/// The kernels on a device.
+#[cfg(feature = "opencl")]
+pub struct OnDevice<'a>(catamaran::opencl::SlimeOnDevice<'a>);
+
+#[cfg(feature = "opencl")]
+impl<'a> OnDevice<'a> {
+    /// From where the simulation is.
+    pub fn new(device: &'a Device, simulation: &Simulation) -> Result<Self> {
+        Ok(Self(catamaran::opencl::SlimeOnDevice::new(device, simulation)?))
+    }
+
+    /// Takes the simulation one step on.
+    pub fn step(&mut self, simulation: &mut Simulation) -> Result<()> {
+        self.0.run(1, None)?;
+        Ok(self.0.give_back(simulation)?)
+    }
+}
+
+/// There is no device in this build.
+#[cfg(not(feature = "opencl"))]
+pub struct OnDevice<'a>(&'a Device);
+
+#[cfg(not(feature = "opencl"))]
+impl<'a> OnDevice<'a> {
+    /// Never called.
+    pub fn new(device: &'a Device, _simulation: &Simulation) -> Result<Self> {
+        Ok(Self(device))
+    }
+
+    /// Never called.
+    pub fn step(&mut self, _simulation: &mut Simulation) -> Result<()> {
+        match *self.0 {}
+    }
+}

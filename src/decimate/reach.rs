@@ -1,0 +1,148 @@
+//! What a change of the new mesh would lose of the surface: thin parts reach no farther than vertices do.
+
+use std::collections::HashSet;
+use std::hash::BuildHasherDefault;
+
+use super::batches::Multiply;
+use super::closest::weights_on_triangle;
+use super::collapse::reduce;
+use super::patch::Patch;
+use super::surface::Surface;
+use crate::base::Par;
+use crate::mesh::vector::{Vector, cross, distance, dot, norm, sub, unit};
+
+/// Vertices that one thread looks at at a time.
+const BLOCK: usize = 512;
+
+/// What is farther than this part of the mean edge from the faces around the nearest vertex is missed.
+const MISSED: f64 = 0.4;
+
+/// How far from a vertex is looked for what is missed, in mean edges.
+const NEAR: f64 = 1.0;
+
+/// A vertex does not move where it would have edges longer than this part of the mean.
+const LONGEST: f64 = 1.5;
+
+/// The sum of normals is above this part of the sum of areas where faces look so much the same way that they miss nothing.
+const FLAT: f64 = 0.9;
+
+/// From the nearest point of the faces around v, were it at p, to q.
+pub(super) fn gap_of_move(patch: &Patch, v: u32, p: Vector, q: Vector) -> Vector {
+    gap(patch, q, patch.around(v).iter(), [v, v], p)
+}
+
+/// How far the ends of the edge from a to b would be from the faces around p, were it collapsed to that.
+pub(super) fn loss_of_collapse(patch: &Patch, a: u32, b: u32, p: Vector) -> f64 {
+    let lost = |q: u32| {
+        let without = |v: u32| move |f: &&u32| !patch.faces[**f as usize].contains(&v);
+        let of_a = patch.around(a).iter().filter(without(b));
+        let of_b = patch.around(b).iter().filter(without(a));
+        norm(gap(patch, patch.positions[q as usize], of_a.chain(of_b), [a, b], p))
+    };
+    lost(a).max(lost(b))
+}
+
+/// How far the edge from a to b is from that from c to d, along the normal of both.
+pub(super) fn loss_of_flip(patch: &Patch, [a, b]: [u32; 2], [c, d]: [u32; 2]) -> f64 {
+    let [a, b, c, d] = [a, b, c, d].map(|v| patch.positions[v as usize]);
+    dot(sub(c, a), unit(cross(sub(b, a), sub(d, c)))).abs()
+}
+
+/// From the nearest point of these faces, with the vertices `moved` at p, to q.
+fn gap<'a>(
+    patch: &Patch,
+    q: Vector,
+    faces: impl Iterator<Item = &'a u32>,
+    moved: [u32; 2],
+    p: Vector,
+) -> Vector {
+    let mut nearest = ([0.0; 3], f64::INFINITY);
+    for &f in faces {
+        let corners = patch.faces[f as usize]
+            .map(|v| if moved.contains(&v) { p } else { patch.positions[v as usize] });
+        let [u, v, w] = weights_on_triangle(corners, q);
+        let [a, b, c] = corners;
+        let step = sub(q, std::array::from_fn(|k| u * a[k] + v * b[k] + w * c[k]));
+        let square = dot(step, step);
+        if square < nearest.1 {
+            nearest = (step, square);
+        }
+    }
+    nearest.0
+}
+
+/// Moves vertices to what is missed, so that thin parts that were cut short are reached again. Where that would miss what the
+/// vertex reaches now, an edge is split instead, and a short one elsewhere collapsed.
+pub(super) fn reach_out(surface: &Surface<'_>, patch: &mut Patch, par: Par) {
+    let mean = patch.mean_length();
+    let least = MISSED * mean;
+    let missed = par.map_blocks(patch.positions.len(), BLOCK, |range| {
+        range.map(|v| farthest_missed(surface, patch, v as u32, mean)).collect::<Vec<_>>()
+    });
+    let n = patch.count;
+    for (v, found) in (0..).zip(missed.into_iter().flatten()) {
+        let Some(w) = found else { continue };
+        let (here, p) = (patch.positions[v as usize], surface.position(w));
+        if norm(gap_of_move(patch, v, here, p)) <= least {
+            continue; // reached by now
+        }
+        let away = |u: u32| distance(patch.positions[u as usize], p);
+        let neighbours = patch.neighbours(v);
+        let stays = norm(gap_of_move(patch, v, p, here)) <= 0.5 * least;
+        if stays
+            && patch.stays_upright(v, None, p)
+            && neighbours.iter().all(|&u| away(u) <= LONGEST * mean)
+        {
+            patch.positions[v as usize] = p;
+            patch.anchors[v as usize] = w;
+            continue;
+        }
+        let nearest = neighbours.iter().copied().min_by(|&a, &b| away(a).total_cmp(&away(b)));
+        let Some(new) = nearest.and_then(|u| patch.split(v, u)) else { continue };
+        if patch.stays_upright(new, None, p) {
+            patch.positions[new as usize] = p;
+            patch.anchors[new as usize] = w;
+        }
+    }
+    reduce(patch, n);
+}
+
+/// Of the vertices of the input that are missed around v, connected to its anchor and nearer to it than to its neighbours, the
+/// farthest from its faces, then the lowest.
+fn farthest_missed(surface: &Surface<'_>, patch: &Patch, v: u32, mean: f64) -> Option<u32> {
+    let interior = !patch.on_boundary[v as usize] && !patch.around(v).is_empty();
+    if !interior || is_flat(patch, v) {
+        return None;
+    }
+    let here = patch.positions[v as usize];
+    let neighbours: Vec<Vector> =
+        patch.neighbours(v).into_iter().map(|w| patch.positions[w as usize]).collect();
+    let anchor = patch.anchors[v as usize];
+    let mut seen: HashSet<u32, BuildHasherDefault<Multiply>> = HashSet::from_iter([anchor]);
+    let mut open = vec![anchor];
+    let mut farthest = (MISSED * mean, None);
+    while let Some(w) = open.pop() {
+        let q = surface.position(w);
+        let own = distance(q, here);
+        if own > NEAR * mean || neighbours.iter().any(|&p| distance(p, q) < own) {
+            continue;
+        }
+        let missed = norm(gap_of_move(patch, v, here, q));
+        if missed > farthest.0 || (missed == farthest.0 && farthest.1.is_some_and(|u| w < u)) {
+            farthest = (missed, Some(w));
+        }
+        open.extend(surface.links(w).iter().map(|link| link.to).filter(|&to| seen.insert(to)));
+    }
+    farthest.1
+}
+
+fn is_flat(patch: &Patch, v: u32) -> bool {
+    let mut sum = [0.0; 3];
+    let mut areas = 0.0;
+    for &f in patch.around(v) {
+        let normal = patch.normal(patch.faces[f as usize]);
+        areas += norm(normal);
+        (0..3).for_each(|k| sum[k] += normal[k]);
+    }
+    norm(sum) >= FLAT * areas
+}

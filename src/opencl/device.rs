@@ -1,0 +1,185 @@
+//! Which devices there are, and which one is meant.
+
+use std::sync::{Mutex, PoisonError};
+
+use opencl3::device::{CL_DEVICE_TYPE_ALL, CL_DEVICE_TYPE_CPU, CL_DEVICE_TYPE_GPU, Device};
+use opencl3::error_codes::{
+    CL_DEVICE_NOT_FOUND, CL_PLATFORM_NOT_FOUND_KHR, ClError, DLOPEN_FUNCTION_NOT_AVAILABLE,
+    DLOPEN_RUNTIME_LOAD_FAILED,
+};
+use opencl3::platform::{Platform, get_platforms};
+
+use crate::base::{Error, Result};
+
+/// What a device is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DeviceKind {
+    /// The processor of this machine.
+    Cpu,
+    /// A graphics card.
+    Gpu,
+    /// Anything else.
+    Other,
+}
+
+/// A device, as it describes itself.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct DeviceInfo {
+    /// Its number, from 0, in the order of the loader.
+    pub index: usize,
+    /// Its name.
+    pub name: String,
+    /// The platform (driver) it belongs to.
+    pub platform: String,
+    /// The version of OpenCL it has.
+    pub version: String,
+    /// What it is.
+    pub kind: DeviceKind,
+    /// Its compute units.
+    pub compute_units: u32,
+    /// Its memory, in bytes.
+    pub memory: u64,
+}
+
+/// All devices of all platforms; never empty.
+///
+/// # Errors
+/// [`Error::Backend`] that says what is missing and how to install it, when there is no loader, no driver or no device.
+pub fn devices() -> Result<Vec<DeviceInfo>> {
+    Ok(all()?.into_iter().map(|(info, _)| info).collect())
+}
+
+/// The device that `selector` names: its number, or a part of its name or of its platform's, in any case. Of several that
+/// fit, and for an empty selector, the first GPU is taken, or else the first one.
+///
+/// # Errors
+/// As [`devices`], and [`Error::Argument`] with a list of the devices when none fits.
+pub fn find(selector: &str) -> Result<DeviceInfo> {
+    chosen(selector).map(|(info, _)| info)
+}
+
+/// [`find`], with the device itself.
+pub(super) fn chosen(selector: &str) -> Result<(DeviceInfo, Device)> {
+    let mut all = all()?;
+    let infos: Vec<&DeviceInfo> = all.iter().map(|(info, _)| info).collect();
+    match choice(&infos, selector) {
+        Some(i) => Ok(all.swap_remove(i)),
+        None => {
+            let known: Vec<_> =
+                infos.iter().map(|info| format!("{}: {}", info.index, info.name)).collect();
+            let why = format!("no OpenCL device is {selector:?}; there are {}", known.join(", "));
+            Err(Error::Argument { what: "device", why })
+        }
+    }
+}
+
+/// The place of the device that is meant.
+fn choice(devices: &[&DeviceInfo], selector: &str) -> Option<usize> {
+    if let Ok(index) = selector.parse::<usize>() {
+        return devices.iter().position(|device| device.index == index);
+    }
+    let wanted = selector.to_lowercase();
+    let fits = |info: &DeviceInfo| {
+        [&info.name, &info.platform].iter().any(|name| name.to_lowercase().contains(&wanted))
+    };
+    let gpu = devices.iter().position(|info| fits(info) && info.kind == DeviceKind::Gpu);
+    gpu.or_else(|| devices.iter().position(|info| fits(info)))
+}
+
+/// Held while drivers are asked: the first question starts them, and PoCL 3.1 has no devices for a second thread that asks
+/// meanwhile.
+static START: Mutex<()> = Mutex::new(());
+
+fn all() -> Result<Vec<(DeviceInfo, Device)>> {
+    let _one_at_a_time = START.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut found = Vec::new();
+    for platform in get_platforms().map_err(missing)? {
+        let ids = match platform.get_devices(CL_DEVICE_TYPE_ALL) {
+            Err(ClError(CL_DEVICE_NOT_FOUND)) => continue,
+            ids => ids.map_err(missing)?,
+        };
+        for id in ids {
+            let device = Device::new(id);
+            let info = describe(&platform, &device, found.len()).map_err(missing)?;
+            found.push((info, device));
+        }
+    }
+    if found.is_empty() { Err(missing(ClError(CL_DEVICE_NOT_FOUND))) } else { Ok(found) }
+}
+
+fn describe(
+    platform: &Platform,
+    device: &Device,
+    index: usize,
+) -> std::result::Result<DeviceInfo, ClError> {
+    let kind = device.dev_type()?;
+    Ok(DeviceInfo {
+        index,
+        name: device.name()?.trim().to_owned(),
+        platform: platform.name()?.trim().to_owned(),
+        version: device.version()?.trim().to_owned(),
+        kind: if kind & CL_DEVICE_TYPE_GPU != 0 {
+            DeviceKind::Gpu
+        } else if kind & CL_DEVICE_TYPE_CPU != 0 {
+            DeviceKind::Cpu
+        } else {
+            DeviceKind::Other
+        },
+        compute_units: device.max_compute_units()?,
+        memory: device.global_mem_size()?,
+    })
+}
+
+/// What an error on the way to a device means to the user of the machine.
+fn missing(error: ClError) -> Error {
+    let why = match error.0 {
+        DLOPEN_RUNTIME_LOAD_FAILED | DLOPEN_FUNCTION_NOT_AVAILABLE => {
+            "the OpenCL loader libOpenCL.so.1 is not installed (Debian: apt install ocl-icd-libopencl1 pocl-opencl-icd; for a \
+             GPU, its maker's driver instead of pocl-opencl-icd)"
+                .into()
+        }
+        CL_PLATFORM_NOT_FOUND_KHR | CL_DEVICE_NOT_FOUND => {
+            "the OpenCL loader is there, but no driver with a device (Debian: apt install pocl-opencl-icd for the processor; \
+             for a GPU, its maker's driver)"
+                .into()
+        }
+        _ => error.to_string(),
+    };
+    Error::Backend { name: "OpenCL".into(), why }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn device(index: usize, name: &str, platform: &str, kind: DeviceKind) -> DeviceInfo {
+        let (name, platform) = (name.to_owned(), platform.to_owned());
+        let version = "OpenCL 1.2".to_owned();
+        DeviceInfo { index, name, platform, version, kind, compute_units: 1, memory: 1 }
+    }
+
+    #[test]
+    fn a_device_is_found_by_number_or_by_part_of_a_name() {
+        let cpu = device(0, "pthread-Xeon", "Portable Computing Language", DeviceKind::Cpu);
+        let gpu = device(1, "RTX 4090", "NVIDIA CUDA", DeviceKind::Gpu);
+        let both = [&cpu, &gpu];
+        assert_eq!(choice(&both, ""), Some(1), "a GPU comes first");
+        assert_eq!(choice(&both, "0"), Some(0));
+        assert_eq!(choice(&both, "xeon"), Some(0));
+        assert_eq!(choice(&both, "nvidia"), Some(1));
+        assert_eq!(choice(&both, "radeon"), None);
+        assert_eq!(choice(&both, "2"), None);
+        assert_eq!(choice(&both[..1], ""), Some(0));
+        assert_eq!(choice(&[], ""), None);
+    }
+
+    #[test]
+    fn what_is_missing_comes_with_the_way_to_get_it() {
+        for code in [DLOPEN_RUNTIME_LOAD_FAILED, CL_PLATFORM_NOT_FOUND_KHR, CL_DEVICE_NOT_FOUND] {
+            let error = missing(ClError(code)).to_string();
+            assert!(error.contains("apt install") && error.contains("pocl"), "{error}");
+        }
+        assert!(missing(ClError(-5)).to_string().contains("RESOURCES"));
+    }
+}

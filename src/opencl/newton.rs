@@ -1,0 +1,184 @@
+//! Newton's fractals on a device.
+
+use opencl3::kernel::{ExecuteKernel, Kernel};
+use opencl3::memory::Buffer;
+
+use super::session::Device;
+use crate::base::{Error, Flow, Progress, Result, reserved};
+use crate::texture::newton::{Fractal, Newton, Points};
+
+const SOURCE: &str = include_str!("kernels/newton.cl");
+
+/// Points that go to the device at a time, a multiple of all lanes: 18 bytes of its memory each.
+const PART: usize = 1 << 22;
+
+/// What [`Newton::evaluate`] computes, on a device: the same bits where it rounds divisions and square roots correctly, as
+/// processors do; else roots and convergence differ at the few points (1 of 4,000, say) where fractals are chaotic.
+///
+/// # Errors
+/// As those of [`Newton::evaluate`]; [`Error::Backend`] when the device refuses.
+pub fn evaluate_newton(
+    device: &Device,
+    newton: &Newton,
+    points: Points<'_>,
+    progress: Option<Progress<'_>>,
+) -> Result<Fractal> {
+    evaluate_newton_in_groups(device, newton, points, None, progress)
+}
+
+/// [`evaluate_newton`] in work-groups of this many work-items, instead of as many as the driver likes; the result does not
+/// depend on it.
+///
+/// # Errors
+/// As [`evaluate_newton`]; [`Error::Backend`] also for groups that the device can't have.
+pub fn evaluate_newton_in_groups(
+    device: &Device,
+    newton: &Newton,
+    points: Points<'_>,
+    group: Option<usize>,
+    progress: Option<Progress<'_>>,
+) -> Result<Fractal> {
+    let parameters = &newton.parameters;
+    let count = points.check(parameters)?;
+    if group == Some(0) {
+        return Err(Error::Argument { what: "group", why: "must be at least 1, is 0".into() });
+    }
+    let mut fractal = Fractal::with_len(count)?;
+    let lanes = device.lanes();
+    let name = match points {
+        Points::Grid(_) => "newton_grid",
+        Points::List(_) => "newton_list",
+    };
+    let kernel = device.kernel(SOURCE, &format!("-DLANES={lanes}"), name)?;
+    let mut run =
+        Run { device, newton, kernel, lanes, group, memory: Memory::new(device, newton, count)? };
+    let outputs = fractal.roots.chunks_mut(PART).zip(fractal.convergence.chunks_mut(PART));
+    for (i, (roots, convergence)) in outputs.enumerate() {
+        let first = i * PART;
+        run.part(points, first, roots.len())?;
+        device.read(&run.memory.numbers, roots)?;
+        device.read(&run.memory.convergence, convergence)?;
+        let fraction = (first + roots.len()) as f64 / count as f64;
+        if progress.is_some_and(|tell| tell(fraction) == Flow::Cancel) {
+            return Err(Error::Cancelled);
+        }
+    }
+    Ok(fractal)
+}
+
+/// On the device.
+struct Memory {
+    /// Real and imaginary parts in turn.
+    roots: Buffer<f32>,
+    numbers: Buffer<u16>,
+    convergence: Buffer<f32>,
+    /// Coordinates of points of a list, made when there is one.
+    coordinates: Option<[Buffer<f32>; 3]>,
+    len: usize,
+}
+
+impl Memory {
+    fn new(device: &Device, newton: &Newton, count: usize) -> Result<Self> {
+        let roots = newton.parameters.roots.as_flattened();
+        let len = count.min(PART).next_multiple_of(16);
+        let mut memory = Self {
+            // At least one root, as kernels take no empty buffer.
+            roots: device.buffer(roots.len().max(2))?,
+            numbers: device.buffer(len)?,
+            convergence: device.buffer(len)?,
+            coordinates: None,
+            len,
+        };
+        device.write(&mut memory.roots, roots)?;
+        Ok(memory)
+    }
+}
+
+struct Run<'a> {
+    device: &'a Device,
+    newton: &'a Newton,
+    kernel: Kernel,
+    lanes: usize,
+    group: Option<usize>,
+    memory: Memory,
+}
+
+impl Run<'_> {
+    /// Computes `len` points from the one with this number on.
+    fn part(&mut self, points: Points<'_>, first: usize, len: usize) -> Result<()> {
+        let items = len.div_ceil(self.lanes);
+        if let Points::List(list) = points {
+            self.send(&list[first..first + len])?;
+        }
+        let mut call = ExecuteKernel::new(&self.kernel);
+        let wide = |p: [f32; 3]| [p[0], p[1], p[2], 0.0];
+        // SAFETY: numbers and types are those that the kernel declares, and `items` groups of lanes lie within the buffers.
+        unsafe {
+            call.set_arg(&(items as u32));
+            match (points, &self.memory.coordinates) {
+                (Points::Grid(grid), _) => {
+                    call.set_arg(&(first as u32))
+                        .set_arg(&grid.counts[0])
+                        .set_arg(&grid.counts[1])
+                        .set_arg(&wide(grid.origin))
+                        .set_arg(&wide(grid.steps[0]))
+                        .set_arg(&wide(grid.steps[1]))
+                        .set_arg(&wide(grid.steps[2]));
+                }
+                (Points::List(_), Some(coordinates)) => {
+                    for coordinate in coordinates {
+                        call.set_arg(coordinate);
+                    }
+                }
+                (Points::List(_), None) => return Ok(()),
+            }
+            let p = &self.newton.parameters;
+            call.set_arg(&self.memory.numbers)
+                .set_arg(&self.memory.convergence)
+                .set_arg(&self.memory.roots)
+                .set_arg(&i32::from(!p.roots.is_empty()))
+                .set_arg(&p.degree)
+                .set_arg(&p.steps)
+                .set_arg(&i32::from(p.squared))
+                .set_arg(&p.gain)
+                .set_arg(&p.factor)
+                .set_arg(&p.shift)
+                .set_arg(&p.scale)
+                .set_arg(&p.offset)
+                .set_arg(&p.nearest);
+        }
+        match self.group {
+            Some(group) => {
+                call.set_global_work_size(items.next_multiple_of(group)).set_local_work_size(group)
+            }
+            None => call.set_global_work_size(items),
+        };
+        // SAFETY: as above; the buffers outlive the queue's work, for reading them waits for it.
+        let queued = unsafe { call.enqueue_nd_range(self.device.queue()) };
+        queued.map(drop).map_err(|e| self.device.failed("newton", e))
+    }
+
+    /// Points of a list, each coordinate by itself; what fills the last lanes is zero.
+    fn send(&mut self, points: &[[f32; 3]]) -> Result<()> {
+        let len = self.memory.len;
+        let coordinates = match &mut self.memory.coordinates {
+            Some(coordinates) => coordinates,
+            none => {
+                let new = || self.device.buffer(len);
+                none.insert([new()?, new()?, new()?])
+            }
+        };
+        let padded = points.len().next_multiple_of(self.lanes);
+        let mut values: Vec<f32> = reserved(padded)?;
+        for (c, buffer) in coordinates.iter_mut().enumerate() {
+            values.clear();
+            values.extend(points.iter().map(|p| p[c]));
+            values.resize(padded, 0.0);
+            self.device.write(buffer, &values)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,199 @@
+//! A device that work is given to: its context, its queue, and the programs built for it.
+
+use std::collections::HashMap;
+use std::ptr;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use opencl3::command_queue::CommandQueue;
+use opencl3::context::Context;
+use opencl3::device::{CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT, Device as Handle};
+use opencl3::error_codes::{
+    CL_INVALID_BUFFER_SIZE, CL_MEM_OBJECT_ALLOCATION_FAILURE, CL_OUT_OF_HOST_MEMORY,
+    CL_OUT_OF_RESOURCES, ClError,
+};
+use opencl3::kernel::Kernel;
+use opencl3::memory::{Buffer, CL_MEM_READ_WRITE};
+use opencl3::program::Program;
+use opencl3::types::CL_BLOCKING;
+
+use super::device::{DeviceInfo, chosen};
+use crate::base::{Error, Result};
+
+/// A device that is ready for work. Programs are built once, when they are first used.
+pub struct Device {
+    info: DeviceInfo,
+    handle: Handle,
+    queue: CommandQueue,
+    context: Context,
+    programs: Mutex<HashMap<(&'static str, String), Arc<Program>>>,
+}
+
+impl std::fmt::Debug for Device {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Device").field("info", &self.info).finish_non_exhaustive()
+    }
+}
+
+/// A number that any bits are, of the same size here and on devices.
+pub(super) trait Number: Copy {}
+impl Number for f32 {}
+impl Number for u8 {}
+impl Number for u16 {}
+impl Number for u32 {}
+
+impl Device {
+    /// The device that `selector` names, as [`find`](super::find) says.
+    ///
+    /// # Errors
+    /// As [`find`](super::find); [`Error::Backend`] when the device refuses.
+    pub fn open(selector: &str) -> Result<Self> {
+        let (info, handle) = chosen(selector)?;
+        let refused = |e: ClError| refusal(&info, "no context", e);
+        let context = Context::from_device(&handle).map_err(refused)?;
+        // SAFETY: the device is the one of the context.
+        // The newer call is not in OpenCL 1.2.
+        #[allow(deprecated)]
+        let queue = unsafe { CommandQueue::create(&context, handle.id(), 0) }.map_err(refused)?;
+        Ok(Self { info, handle, queue, context, programs: Mutex::default() })
+    }
+
+    /// What it is.
+    pub fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    /// Numbers of 32 bits that it computes with at once: 16, 8, 4, or 1 where threads are what it has many of.
+    pub(super) fn lanes(&self) -> usize {
+        match self.handle.native_vector_width_float() {
+            Ok(16..) => 16,
+            Ok(8..) => 8,
+            Ok(4..) => 4,
+            _ => 1,
+        }
+    }
+
+    /// The kernel `name` of a program, which is built unless it was before. `source` is the text of the program, and
+    /// `options` is for its compiler.
+    pub(super) fn kernel(&self, source: &'static str, options: &str, name: &str) -> Result<Kernel> {
+        let program = self.program(source, options)?;
+        Kernel::create(&program, name).map_err(|e| self.failed(name, e))
+    }
+
+    fn program(&self, source: &'static str, options: &str) -> Result<Arc<Program>> {
+        let mut options = format!("-cl-std=CL1.2 {options}");
+        let rounding = self.handle.single_fp_config().unwrap_or(0);
+        if rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT != 0 {
+            options += " -cl-fp32-correctly-rounded-divide-sqrt";
+        }
+        let mut programs = self.programs.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(program) = programs.get(&(source, options.clone())) {
+            return Ok(program.clone());
+        }
+        let built = Program::create_and_build_from_source(&self.context, source, &options);
+        let program = Arc::new(built.map_err(|log| Error::Backend {
+            name: self.info.name.clone(),
+            why: format!("a program of ours is not accepted: {log}"),
+        })?);
+        programs.insert((source, options), program.clone());
+        Ok(program)
+    }
+
+    /// Memory for `len` numbers; at least one.
+    pub(super) fn buffer<T: Number>(&self, len: usize) -> Result<Buffer<T>> {
+        let len = len.max(1);
+        // SAFETY: the device's own memory, which no pointer of ours is behind.
+        unsafe { Buffer::create(&self.context, CL_MEM_READ_WRITE, len, ptr::null_mut()) }.map_err(
+            |e| match e.0 {
+                CL_MEM_OBJECT_ALLOCATION_FAILURE
+                | CL_OUT_OF_HOST_MEMORY
+                | CL_OUT_OF_RESOURCES
+                | CL_INVALID_BUFFER_SIZE => {
+                    Error::OutOfMemory { bytes: len.saturating_mul(size_of::<T>()) }
+                }
+                _ => self.failed("memory", e),
+            },
+        )
+    }
+
+    /// Puts `values` at the beginning of `buffer`, which is large enough, and waits until they are there.
+    pub(super) fn write<T: Number>(&self, buffer: &mut Buffer<T>, values: &[T]) -> Result<()> {
+        if values.is_empty() {
+            return Ok(());
+        }
+        // SAFETY: the call blocks until `values` were read.
+        let sent = unsafe { self.queue.enqueue_write_buffer(buffer, CL_BLOCKING, 0, values, &[]) };
+        sent.map(drop).map_err(|e| self.failed("sending", e))
+    }
+
+    /// Gets the beginning of `buffer`, which is large enough, after all work before it.
+    pub(super) fn read<T: Number>(&self, buffer: &Buffer<T>, values: &mut [T]) -> Result<()> {
+        if values.is_empty() {
+            return Ok(());
+        }
+        // SAFETY: the call blocks until `values` were written, and any bits are a `Number`.
+        let got = unsafe { self.queue.enqueue_read_buffer(buffer, CL_BLOCKING, 0, values, &[]) };
+        got.map(drop).map_err(|e| self.failed("receiving", e))
+    }
+
+    /// Where kernels wait for their turn, one after the other.
+    pub(super) fn queue(&self) -> &CommandQueue {
+        &self.queue
+    }
+
+    pub(super) fn failed(&self, what: &str, error: ClError) -> Error {
+        refusal(&self.info, what, error)
+    }
+}
+
+fn refusal(info: &DeviceInfo, what: &str, error: ClError) -> Error {
+    Error::Backend { name: info.name.clone(), why: format!("{what}: {error}") }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// The device of tests, or `None`, said aloud, where there may be none: `scripts/test` sets CATAMARAN_REQUIRE_OPENCL.
+    pub(crate) fn device() -> Option<Device> {
+        match Device::open(&std::env::var("CATAMARAN_OPENCL_DEVICE").unwrap_or_default()) {
+            Ok(device) => Some(device),
+            Err(e) if std::env::var_os("CATAMARAN_REQUIRE_OPENCL").is_some() => {
+                panic!("CATAMARAN_REQUIRE_OPENCL is set, and {e}")
+            }
+            Err(e) => {
+                println!("skipped: OpenCL: {e}");
+                None
+            }
+        }
+    }
+
+    #[test]
+    fn a_program_that_does_not_compile_comes_back_with_its_log() {
+        let Some(device) = device() else { return };
+        let source = "__kernel void f(__global float *x) { x[0] = no_such_name; }";
+        let error = device.kernel(source, "", "f").unwrap_err().to_string();
+        assert!(error.contains("no_such_name"), "{error}");
+    }
+
+    #[test]
+    fn programs_are_built_once_for_their_options() {
+        let Some(device) = device() else { return };
+        let source = "__kernel void f(__global float *x) { x[get_global_id(0)] += STEP; }";
+        let one = device.program(source, "-DSTEP=1.0f").unwrap();
+        assert!(Arc::ptr_eq(&one, &device.program(source, "-DSTEP=1.0f").unwrap()));
+        assert!(!Arc::ptr_eq(&one, &device.program(source, "-DSTEP=2.0f").unwrap()));
+        assert!(device.kernel(source, "-DSTEP=1.0f", "g").is_err(), "there is no such kernel");
+    }
+
+    #[test]
+    fn numbers_come_back_from_a_device() {
+        let Some(device) = device() else { return };
+        let sent: Vec<u32> = (0..257).collect();
+        let mut buffer = device.buffer(sent.len()).unwrap();
+        device.write(&mut buffer, &sent).unwrap();
+        let mut got = vec![0; 257];
+        device.read(&buffer, &mut got).unwrap();
+        assert_eq!(got, sent);
+        assert!(device.buffer::<f32>(usize::MAX / 8).is_err());
+    }
+}

@@ -1,0 +1,277 @@
+//! The iteration. `src/opencl/kernels/newton.cl` does the same in the same order: change both.
+//!
+//! A step of z^n - 1 is equation 7.2 of the thesis, z := ((n - 1) z + (1 / z)^(n - 1)) / n, the power by repeated squaring. A
+//! step of a polynomial with given roots is z := z - 1 / (1 / (z - r_1) + 1 / (z - r_2) + ...).
+
+use pulp::{Arch, Simd, WithSimd};
+
+use super::Parameters;
+use super::lanes::{Lanes, MOST_LANES, Mask, TO_NEAREST, to_nearest};
+use super::points::Cursor;
+
+/// |z|^2 below which z is 0.
+const ZERO: f32 = 1e-30;
+/// |step|^2 of a step that has no length because it goes to infinity.
+const ENDLESS: f32 = 1e30;
+/// |step|^2 below which a point has arrived: the next step would be rounding.
+const ARRIVED: f32 = 1e-10;
+/// A longer step counts as this long: 1 / (1 + exp(d + theta) - exp(theta)) is 0 for all theta.
+const LONG: f32 = 30.0;
+
+/// A complex number in each lane.
+#[derive(Clone, Copy)]
+struct Complex<S: Simd> {
+    re: Lanes<S>,
+    im: Lanes<S>,
+}
+
+impl<S: Simd> Complex<S> {
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        Self {
+            re: self.re * other.re - self.im * other.im,
+            im: self.re * other.im + self.im * other.re,
+        }
+    }
+
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        Self { re: self.re - other.re, im: self.im - other.im }
+    }
+
+    #[inline(always)]
+    fn scaled(self, by: Lanes<S>) -> Self {
+        Self { re: self.re * by, im: self.im * by }
+    }
+
+    /// |z|^2.
+    #[inline(always)]
+    fn norm2(self) -> Lanes<S> {
+        self.re * self.re + self.im * self.im
+    }
+
+    /// 1 / z, where `norm2` is |z|^2.
+    #[inline(always)]
+    fn inverse(self, norm2: Lanes<S>) -> Self {
+        let all = norm2.all(1.0) / norm2;
+        Self { re: self.re * all, im: norm2.all(0.0) - self.im * all }
+    }
+
+    #[inline(always)]
+    fn select(mask: Mask<S>, yes: Self, no: Self) -> Self {
+        Self { re: mask.select(yes.re, no.re), im: mask.select(yes.im, no.im) }
+    }
+}
+
+/// The fractal at as many points as `roots` and `convergence` have, from where `cursor` is.
+pub(super) fn evaluate(
+    parameters: &Parameters,
+    cursor: Cursor<'_>,
+    roots: &mut [u16],
+    convergence: &mut [f32],
+) {
+    Arch::new().dispatch(Block { parameters, cursor, roots, convergence });
+}
+
+struct Block<'a> {
+    parameters: &'a Parameters,
+    cursor: Cursor<'a>,
+    roots: &'a mut [u16],
+    convergence: &'a mut [f32],
+}
+
+impl WithSimd for Block<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { parameters, mut cursor, roots, convergence } = self;
+        let mut memory = [[0.0; MOST_LANES]; 3];
+        let outputs = roots.chunks_mut(S::F32_LANES).zip(convergence.chunks_mut(S::F32_LANES));
+        for (roots, convergence) in outputs {
+            for lane in 0..roots.len() {
+                let point = cursor.advance();
+                for c in 0..3 {
+                    memory[c][lane] = point[c];
+                }
+            }
+            let xyz = [0, 1, 2].map(|c| Lanes::load(simd, &memory[c]));
+            let (root, t) = iterate(parameters, xyz);
+            root.store(&mut memory[0]);
+            t.store(&mut memory[1]);
+            for (lane, (root, t)) in roots.iter_mut().zip(convergence).enumerate() {
+                *root = memory[0][lane] as u16;
+                *t = memory[1][lane];
+            }
+        }
+    }
+}
+
+/// Number of the root, and t.
+#[inline(always)]
+fn iterate<S: Simd>(p: &Parameters, [x, y, z]: [Lanes<S>; 3]) -> (Lanes<S>, Lanes<S>) {
+    let scale = x.all(p.scale);
+    let [x, y, z] = [(x, 0), (y, 1), (z, 2)].map(|(v, c)| (v + v.all(p.offset[c])) * scale);
+    let w = x.all(p.offset[3]) * scale;
+    let mut alpha = Complex { re: x + w, im: y - z };
+    let mut beta = Complex { re: x - w, im: y + z };
+    let mut sum = x.all(0.0);
+    // Nobody has arrived.
+    let mut active = sum.is_below(x.all(1.0));
+    for _ in 0..p.steps {
+        let (next_alpha, step_alpha) = step(p, alpha);
+        let (next_beta, step_beta) = step(p, beta);
+        let step2 = (step_alpha + step_beta) * x.all(0.5);
+        let length = if p.squared { step2 } else { step2.sqrt() };
+        let excess = exp_minus_one(length.min(x.all(LONG))) * x.all(p.gain);
+        sum = active.select(sum + excess / (excess + x.all(1.0)), sum);
+        alpha = Complex::select(active, next_alpha, alpha);
+        beta = Complex::select(active, next_beta, beta);
+        active = active & !step2.is_below(x.all(ARRIVED));
+        if !active.any() {
+            break;
+        }
+    }
+    let root = root_of(p, alpha) * x.all(p.degree as f32) + root_of(p, beta);
+    (root, sum * x.all(p.factor) + x.all(p.shift))
+}
+
+/// Where Newton's method goes from z, and the square of how far.
+#[inline(always)]
+fn step<S: Simd>(p: &Parameters, z: Complex<S>) -> (Complex<S>, Lanes<S>) {
+    if p.roots.is_empty() { step_of_power(p, z) } else { step_of_roots(p, z) }
+}
+
+#[inline(always)]
+fn step_of_power<S: Simd>(p: &Parameters, z: Complex<S>) -> (Complex<S>, Lanes<S>) {
+    let norm2 = z.norm2();
+    let n = norm2.all(p.degree as f32);
+    let (ours, next) = (norm2.all((p.degree - 1) as f32) / n, norm2.all(1.0) / n);
+    let nearest = norm2.all(p.nearest);
+    let near = norm2.is_below(nearest);
+    let go = |inverse: Complex<S>| {
+        let power = power(inverse, p.degree - 1);
+        Complex { re: z.re * ours + power.re * next, im: z.im * ours + power.im * next }
+    };
+    if !near.any() {
+        let to = go(z.inverse(norm2));
+        return (to, to.minus(z).norm2());
+    }
+    // The same direction, from a distance of which the power is a number.
+    let zero = norm2.is_below(norm2.all(ZERO));
+    let away = (nearest / norm2.max(norm2.all(ZERO))).sqrt();
+    let moved = Complex::select(near, z.scaled(away), z);
+    let to = go(moved.inverse(zero.select(norm2.all(1.0), moved.norm2())));
+    let to = Complex::select(zero, z, to);
+    (to, zero.select(norm2.all(ENDLESS), to.minus(z).norm2()))
+}
+
+/// z^n, n >= 1.
+#[inline(always)]
+fn power<S: Simd>(z: Complex<S>, n: u32) -> Complex<S> {
+    let mut result = z;
+    for bit in (0..n.ilog2()).rev() {
+        result = result.times(result);
+        if n >> bit & 1 == 1 {
+            result = result.times(z);
+        }
+    }
+    result
+}
+
+#[inline(always)]
+fn step_of_roots<S: Simd>(p: &Parameters, z: Complex<S>) -> (Complex<S>, Lanes<S>) {
+    let nothing = z.re.all(0.0);
+    let zero = nothing.all(ZERO);
+    let mut sum = Complex { re: nothing, im: nothing };
+    let mut closest = nothing.all(f32::MAX);
+    for &[re, im] in &p.roots {
+        let away = z.minus(Complex { re: nothing.all(re), im: nothing.all(im) });
+        let norm2 = away.norm2();
+        closest = closest.min(norm2);
+        let inverse = away.inverse(norm2.max(zero));
+        sum = Complex { re: sum.re + inverse.re, im: sum.im + inverse.im };
+    }
+    let norm2 = sum.norm2();
+    let (at_root, endless) = (closest.is_below(zero), norm2.is_below(zero));
+    let to = z.minus(sum.inverse(norm2.max(zero)));
+    let to = Complex::select(at_root, z, Complex::select(endless, z, to));
+    let step2 = endless.select(nothing.all(ENDLESS), to.minus(z).norm2());
+    (to, at_root.select(nothing, step2))
+}
+
+/// exp(x) - 1 for x from 0 to [`LONG`], with a relative error of some 1e-7 also where x is small: x = n ln 2 + r, and exp(x) -
+/// 1 = 2^n (exp(r) - 1) + (2^n - 1), exp(r) - 1 by its Taylor series.
+#[inline(always)]
+fn exp_minus_one<S: Simd>(x: Lanes<S>) -> Lanes<S> {
+    let c = |value: f32| x.all(value);
+    let shifted = to_nearest(x * c(std::f32::consts::LOG2_E));
+    let n = shifted - c(TO_NEAREST);
+    // ln 2 in two parts, the first of which has no more bits than its products with n leave room for.
+    let r = (x - n * c(0.693_359_4)) - n * c(-2.121_944_4e-4);
+    let mut series = c(1.0 / 5040.0);
+    for divisor in [720.0, 120.0, 24.0, 6.0, 2.0] {
+        series = series * r + c(1.0 / divisor);
+    }
+    let small = (series * r) * r + r;
+    let power = shifted.power_of_two();
+    power * small + (power - c(1.0))
+}
+
+/// The number, from 0, of the root that z is next to.
+#[inline(always)]
+fn root_of<S: Simd>(p: &Parameters, z: Complex<S>) -> Lanes<S> {
+    if p.roots.is_empty() { root_by_angle(p, z) } else { root_by_distance(p, z) }
+}
+
+/// Root k of z^n - 1 has the angle 2 pi k / n.
+#[inline(always)]
+fn root_by_angle<S: Simd>(p: &Parameters, z: Complex<S>) -> Lanes<S> {
+    let n = z.re.all(p.degree as f32);
+    let k = to_nearest(turn(z) * n) - n.all(TO_NEAREST);
+    k.is_below(n.all(0.0)).select(k + n, k)
+}
+
+/// The angle of z as a part of the full turn, from -1/2 to 1/2; 0 for 0. The error is some 1e-7: arcus tangens by
+/// Abramowitz and Stegun, equation 4.4.49.
+#[inline(always)]
+fn turn<S: Simd>(z: Complex<S>) -> Lanes<S> {
+    const SERIES: [f32; 9] = [
+        0.002_866_225_7,
+        -0.016_165_737,
+        0.042_909_614,
+        -0.075_289_64,
+        0.106_562_64,
+        -0.142_088_99,
+        0.199_935_51,
+        -0.333_331_45,
+        1.0,
+    ];
+    let c = |value: f32| z.re.all(value);
+    let (x, y) = (z.re.abs(), z.im.abs());
+    let (low, high) = (x.min(y), x.max(y));
+    // Not 0 / 0.
+    let q = low / high.max(c(1e-30));
+    let q2 = q * q;
+    let mut series = c(0.0);
+    for coefficient in SERIES {
+        series = series * q2 + c(coefficient);
+    }
+    let eighth = series * q * c(0.5 / std::f32::consts::PI);
+    let quarter = x.is_below(y).select(c(0.25) - eighth, eighth);
+    let half = z.re.is_below(c(0.0)).select(c(0.5) - quarter, quarter);
+    z.im.is_below(c(0.0)).select(c(0.0) - half, half)
+}
+
+#[inline(always)]
+fn root_by_distance<S: Simd>(p: &Parameters, z: Complex<S>) -> Lanes<S> {
+    let c = |value: f32| z.re.all(value);
+    let (mut best, mut closest) = (c(0.0), c(f32::MAX));
+    for (k, &[re, im]) in p.roots.iter().enumerate() {
+        let norm2 = z.minus(Complex { re: c(re), im: c(im) }).norm2();
+        let closer = norm2.is_below(closest);
+        best = closer.select(c(k as f32), best);
+        closest = closer.select(norm2, closest);
+    }
+    best
+}

@@ -1,0 +1,139 @@
+//! Arithmetic on as many numbers at a time as the processor has room for, written as on one.
+
+use std::ops::{Add, BitAnd, Div, Mul, Not, Sub};
+
+use pulp::Simd;
+
+/// Numbers, side by side.
+#[derive(Clone, Copy)]
+pub(super) struct Lanes<S: Simd> {
+    simd: S,
+    values: S::f32s,
+}
+
+/// Answers about numbers.
+#[derive(Clone, Copy)]
+pub(super) struct Mask<S: Simd> {
+    simd: S,
+    values: S::m32s,
+}
+
+/// Numbers side by side, at most.
+pub(super) const MOST_LANES: usize = 16;
+
+impl<S: Simd> Lanes<S> {
+    #[inline(always)]
+    pub fn splat(simd: S, x: f32) -> Self {
+        Self { simd, values: simd.splat_f32s(x) }
+    }
+
+    /// The first numbers of `x`.
+    #[inline(always)]
+    pub fn load(simd: S, x: &[f32; MOST_LANES]) -> Self {
+        Self { simd, values: simd.partial_load_f32s(&x[..S::F32_LANES]) }
+    }
+
+    /// To the beginning of `x`.
+    #[inline(always)]
+    pub fn store(self, x: &mut [f32; MOST_LANES]) {
+        self.simd.partial_store_f32s(&mut x[..S::F32_LANES], self.values);
+    }
+
+    /// The same number in all lanes.
+    #[inline(always)]
+    pub fn all(self, x: f32) -> Self {
+        Self::splat(self.simd, x)
+    }
+
+    #[inline(always)]
+    pub fn sqrt(self) -> Self {
+        Self { values: self.simd.sqrt_f32s(self.values), ..self }
+    }
+
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        Self { values: self.simd.abs_f32s(self.values), ..self }
+    }
+
+    #[inline(always)]
+    pub fn min(self, other: Self) -> Self {
+        Self { values: self.simd.min_f32s(self.values, other.values), ..self }
+    }
+
+    #[inline(always)]
+    pub fn max(self, other: Self) -> Self {
+        Self { values: self.simd.max_f32s(self.values, other.values), ..self }
+    }
+
+    #[inline(always)]
+    pub fn is_below(self, other: Self) -> Mask<S> {
+        Mask { simd: self.simd, values: self.simd.less_than_f32s(self.values, other.values) }
+    }
+
+    /// 2^n for a number that [`to_nearest`] made.
+    #[inline(always)]
+    pub fn power_of_two(self) -> Self {
+        let simd = self.simd;
+        let bits = simd.transmute_u32s_f32s(self.values);
+        let shifted = simd.wrapping_dyn_shl_u32s(bits, simd.splat_u32s(23));
+        let one = simd.splat_u32s(1.0_f32.to_bits());
+        Self { values: simd.transmute_f32s_u32s(simd.add_u32s(shifted, one)), ..self }
+    }
+}
+
+/// Added to a number below 2^22, this leaves no fraction, and the integer in the lowest bits: 1.5 2^23.
+pub(super) const TO_NEAREST: f32 = 12_582_912.0;
+
+/// [`TO_NEAREST`] plus the integer nearest to x.
+#[inline(always)]
+pub(super) fn to_nearest<S: Simd>(x: Lanes<S>) -> Lanes<S> {
+    x + x.all(TO_NEAREST)
+}
+
+macro_rules! operator {
+    ($name:ident, $method:ident, $call:ident) => {
+        impl<S: Simd> $name for Lanes<S> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self { values: self.simd.$call(self.values, other.values), ..self }
+            }
+        }
+    };
+}
+operator!(Add, add, add_f32s);
+operator!(Sub, sub, sub_f32s);
+operator!(Mul, mul, mul_f32s);
+operator!(Div, div, div_f32s);
+
+impl<S: Simd> Mask<S> {
+    /// `yes` where this says so, `no` elsewhere.
+    #[inline(always)]
+    pub fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
+        Lanes { values: self.simd.select_f32s(self.values, yes.values, no.values), ..yes }
+    }
+
+    #[inline(always)]
+    pub fn any(self) -> bool {
+        self.simd.first_true_m32s(self.values) < S::F32_LANES
+    }
+}
+
+impl<S: Simd> BitAnd for Mask<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self { values: self.simd.and_m32s(self.values, other.values), ..self }
+    }
+}
+
+impl<S: Simd> Not for Mask<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self { values: self.simd.not_m32s(self.values), ..self }
+    }
+}

@@ -1,0 +1,121 @@
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use super::options::{Parameters, TURNS};
+use super::random::{Purpose, draw};
+use super::surface::{Surface, UV};
+use super::texels::{GOAL, OBSTACLE};
+use super::walk::{Walker, project, unfold};
+
+/// What agents sense.
+#[derive(Debug, Clone, Copy)]
+pub struct Field<'a> {
+    /// The texture of all species, one after the other.
+    pub texture: &'a [f32],
+    /// [`FREE`](super::FREE), [`OBSTACLE`] or [`GOAL`] for each texel; empty: free everywhere.
+    pub ground: &'a [u8],
+}
+
+/// A step of agent number `agent` (algorithm 3.2, lines 11 to 20): returns it, and the texel that it is in.
+///
+/// Departures: it goes straight on where nothing is better than what is ahead; it picks one of [`Parameters::turns`] to turn
+/// by; it turns back instead of a step into an obstacle, or out of an attractor.
+pub fn agent_step(
+    surface: &Surface,
+    field: Field<'_>,
+    parameters: &Parameters,
+    walker: Walker,
+    agent: u32,
+    step: u32,
+) -> (Walker, u32) {
+    let species = agent % parameters.species;
+    let place = |heading| {
+        let end = walk(surface, parameters, Walker { heading, ..walker }, parameters.sense);
+        texel(surface, parameters.size, &end)
+    };
+    let [cos, sin] = parameters.vision;
+    let ahead = place(walker.heading);
+    let left = place(rotated(walker.heading, cos, sin));
+    let right = place(rotated(walker.heading, cos, -sin));
+    // All three at once, so that one waits for memory once.
+    let [ahead, left, right] =
+        [ahead, left, right].map(|texel| smell(field, parameters, species, texel));
+    let [choice, coin, ..] = draw(parameters.seed, agent, step, Purpose::Turn as u32);
+    let [cos, sin] = parameters.turns[choice as usize % TURNS];
+    let mut next = walker;
+    if ahead < left || ahead < right {
+        let to_left = if left == right { coin & 1 == 0 } else { left > right };
+        next.heading = rotated(walker.heading, cos, if to_left { sin } else { -sin });
+    }
+    next = walk(surface, parameters, next, parameters.advance);
+    let mut reached = texel(surface, parameters.size, &next);
+    if !field.ground.is_empty() {
+        let before = texel(surface, parameters.size, &walker);
+        let [from, to] = [before, reached].map(|t| field.ground[t as usize]);
+        if (to == OBSTACLE && from != OBSTACLE) || (from == GOAL && to != GOAL) {
+            let back = walker.heading.map(|x| -x);
+            let sin = if coin & 2 == 0 { sin } else { -sin };
+            next = Walker { heading: rotated(back, cos, sin), ..walker };
+            reached = before;
+        }
+    }
+    next.heading = normalized(next.heading);
+    (next, reached)
+}
+
+/// Along the heading by `length`, or by as many sub-steps of it as there are.
+fn walk(surface: &Surface, parameters: &Parameters, walker: Walker, length: f32) -> Walker {
+    let rescale = parameters.rescale != 0;
+    match parameters.substeps {
+        0 => unfold(surface, walker, length, rescale),
+        count => project(surface, walker, length, count, rescale),
+    }
+}
+
+/// The pheromone of one's own species less that of the others; more in an attractor, nothing is worse than an obstacle.
+#[inline]
+fn smell(field: Field<'_>, parameters: &Parameters, species: u32, texel: u32) -> f32 {
+    let plane = parameters.size as usize * parameters.size as usize;
+    let at = |s: u32| field.texture[s as usize * plane + texel as usize];
+    let mut sum = at(species);
+    for other in (0..parameters.species).filter(|&s| s != species) {
+        sum -= at(other);
+    }
+    match field.ground.get(texel as usize) {
+        Some(&OBSTACLE) => f32::NEG_INFINITY,
+        Some(&GOAL) => sum + parameters.attraction,
+        _ => sum,
+    }
+}
+
+/// The texel that a walker is in.
+#[inline]
+pub(super) fn texel(surface: &Surface, size: u32, walker: &Walker) -> u32 {
+    let record = &surface.records()[walker.triangle as usize];
+    let [x, y] = walker.position;
+    let u = record[UV] + record[UV + 1] * x + record[UV + 2] * y;
+    let v = record[UV + 3] + record[UV + 4] * x + record[UV + 5] * y;
+    // Out of range is cut off: below 0 to 0.
+    let at = |part: f32| ((part * size as f32) as u32).min(size - 1);
+    at(v) * size + at(u)
+}
+
+fn rotated([x, y]: [f32; 2], cos: f32, sin: f32) -> [f32; 2] {
+    [cos * x - sin * y, sin * x + cos * y]
+}
+
+/// One step of Newton's method to length 1: rounding has changed it little.
+fn normalized(heading: [f32; 2]) -> [f32; 2] {
+    let [x, y] = heading;
+    let factor = 1.5 - 0.5 * (x * x + y * y);
+    heading.map(|c| c * factor)
+}
+
+/// Sets the mark of an entry of the texture.
+pub fn mark(marks: &[AtomicU32], entry: u32) {
+    let bit = 1 << (entry % 32);
+    let word = &marks[entry as usize / 32];
+    // Most texels that an agent comes to are marked already, and reading is cheaper.
+    if word.load(Ordering::Relaxed) & bit == 0 {
+        word.fetch_or(bit, Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,60 @@
+use crate::base::{Error, Result, reserved};
+use crate::mesh::TriMesh;
+
+/// Texels between a triangle and the next one, so that none has texels of another.
+const GAP: f64 = 2.0;
+/// Legs of the triangles in texels, at least.
+const SHORTEST_LEG: f64 = 3.0;
+
+/// Cells of a side of the grid, two triangles a cell.
+fn cells(faces: usize) -> usize {
+    ((faces.div_ceil(2)) as f64).sqrt().ceil() as usize
+}
+
+/// The smallest texture that [`atlas`] has room in for this many faces: a multiple of 32, in texels of a side.
+pub fn smallest_size(faces: usize) -> usize {
+    let cell = SHORTEST_LEG + 2.0 * GAP + 1.0;
+    ((cells(faces) as f64 * cell) as usize).next_multiple_of(32).max(32)
+}
+
+/// Texture coordinates for a mesh without: every triangle is a chart of its own, half a cell of a square grid, its longest
+/// edge the diagonal. For a texture of `size` x `size` texels: charts are two texels apart.
+///
+/// # Errors
+/// [`Error::Argument`] when the size is below [`smallest_size`], [`Error::OutOfMemory`].
+pub fn atlas(mesh: &TriMesh, size: usize) -> Result<Vec<[[f64; 2]; 3]>> {
+    let faces = mesh.faces();
+    let least = smallest_size(faces.len());
+    if size < least {
+        let why = format!("{size}, where {} triangles need {least}", faces.len());
+        return Err(Error::Argument { what: "size", why });
+    }
+    let side = cells(faces.len()).max(1);
+    let cell = size as f64 / side as f64;
+    let leg = cell - 2.0 * GAP - 1.0;
+    let mut uv = reserved(faces.len())?;
+    for (f, face) in faces.iter().enumerate() {
+        let corner = [f / 2 % side, f / 2 / side].map(|i| i as f64 * cell);
+        // From the right angle, along both legs; the second triangle of a cell is turned around.
+        let (start, sign) = if f % 2 == 0 { (GAP / 2.0, 1.0) } else { (cell - GAP / 2.0, -1.0) };
+        let right = corner.map(|x| x + start);
+        let places = [right, [right[0] + sign * leg, right[1]], [right[0], right[1] + sign * leg]];
+        let first = opposite_longest(face.map(|v| mesh.vertices()[v as usize]));
+        let mut corners = [[0.0; 2]; 3];
+        for (k, place) in places.into_iter().enumerate() {
+            corners[(first + k) % 3] = place.map(|x| x / size as f64);
+        }
+        uv.push(corners);
+    }
+    Ok(uv)
+}
+
+/// The corner across the longest edge.
+fn opposite_longest(corners: [[f64; 3]; 3]) -> usize {
+    let square = |k: usize| {
+        let (a, b) = (corners[(k + 1) % 3], corners[(k + 2) % 3]);
+        (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>()
+    };
+    let longest = |a: usize, b: usize| if square(b) > square(a) { b } else { a };
+    longest(longest(0, 1), 2)
+}

@@ -1,0 +1,81 @@
+use super::options::Parameters;
+use super::texels::{OUTSIDE, Texels};
+
+/// Blurs and evaporates a row of one species: `next = max((1 - b) p + b G p - e, 0)` with b [`Parameters::blend`], e
+/// [`Parameters::evaporation`], and G the kernel (1 2 1)^T (1 2 1) / 16, which repeats the last texel beyond the texture.
+///
+/// `texture` and `marks` are those of the species, `row` below the size. With a seam-aware blur, texels outside of charts
+/// become 0, and those at their borders are [`diffuse_border`]'s. `rows` is scratch of four rows.
+pub fn diffuse_row(
+    parameters: &Parameters,
+    kinds: &[u8],
+    texture: &[f32],
+    marks: &[u32],
+    row: usize,
+    rows: &mut [f32],
+    next: &mut [f32],
+) {
+    let size = parameters.size as usize;
+    let [above, below] = [row.saturating_sub(1), (row + 1).min(size - 1)];
+    let (pheromone, sums) = rows.split_at_mut(size);
+    for (i, source) in [above, below, row].into_iter().enumerate() {
+        let from = source * size..(source + 1) * size;
+        marked(&texture[from.clone()], &marks[from.start / 32..from.end / 32], pheromone);
+        sum_along(pheromone, &mut sums[i * size..(i + 1) * size]);
+    }
+    // The row itself came last, so that `pheromone` is it.
+    let (up, rest) = sums.split_at(size);
+    let (down, middle) = rest.split_at(size);
+    let (blend, evaporation) = (parameters.blend, parameters.evaporation);
+    for i in 0..size {
+        let blurred = ((up[i] + down[i]) + 2.0 * middle[i]) * 0.0625;
+        let p = pheromone[i];
+        next[i] = (p + blend * (blurred - p) - evaporation).max(0.0);
+    }
+    if parameters.seam_aware != 0 {
+        let kinds = &kinds[row * size..(row + 1) * size];
+        for (x, &kind) in next.iter_mut().zip(kinds) {
+            *x = if kind == OUTSIDE { 0.0 } else { *x };
+        }
+    }
+}
+
+/// The row, with 1 where it is marked.
+fn marked(texture: &[f32], marks: &[u32], out: &mut [f32]) {
+    for ((out, from), &word) in out.chunks_mut(32).zip(texture.chunks(32)).zip(marks) {
+        for (bit, (out, &x)) in out.iter_mut().zip(from).enumerate() {
+            *out = if word >> bit & 1 == 1 { 1.0 } else { x };
+        }
+    }
+}
+
+/// (1 2 1) along a row.
+fn sum_along(row: &[f32], out: &mut [f32]) {
+    let last = row.len() - 1;
+    out[0] = (row[0] + row[1]) + 2.0 * row[0];
+    out[last] = (row[last - 1] + row[last]) + 2.0 * row[last];
+    for (out, w) in out[1..last].iter_mut().zip(row.windows(3)) {
+        *out = (w[0] + w[2]) + 2.0 * w[1];
+    }
+}
+
+/// [`diffuse_row`] for texel number `border` of [`Texels::border`], with the kernel of its links:
+/// `(G p)_i = p_i + sum_j w_ij (p_j - p_i)`, summed in their order.
+pub fn diffuse_border(
+    parameters: &Parameters,
+    texels: &Texels,
+    texture: &[f32],
+    marks: &[u32],
+    border: usize,
+) -> f32 {
+    let value = |t: u32| {
+        if marks[t as usize / 32] >> (t % 32) & 1 == 1 { 1.0 } else { texture[t as usize] }
+    };
+    let p = value(texels.border()[border]);
+    let mut flow = 0.0;
+    let starts = texels.link_starts();
+    for link in starts[border] as usize..starts[border + 1] as usize {
+        flow += texels.link_weights()[link] * (value(texels.links()[link]) - p);
+    }
+    (p + parameters.blend * flow - parameters.evaporation).max(0.0)
+}

@@ -1,0 +1,37 @@
+use super::agents::texel;
+use super::state::State;
+use super::surface::Surface;
+use crate::base::Result;
+
+/// Texels of a side of a tile, a power of two that divides the size of every texture.
+const TILE: usize = 16;
+
+/// Steps from one ordering to the next: agents hardly leave their tile in between.
+pub(super) const EVERY: u32 = 16;
+
+/// Orders agents by the tile of the texture that they are in, those of a tile as they were before: what one thread reads then
+/// is in its cache. Nothing else depends on the order, as agents have numbers.
+pub(super) fn order(state: &mut State, surface: &Surface, size: usize) -> Result<()> {
+    let tiles = size / TILE;
+    let tile = |i: usize| {
+        let t = texel(surface, size as u32, &state.agent(i)) as usize;
+        t / size / TILE * tiles + t % size / TILE
+    };
+    let count = state.ids.len();
+    let mut starts = vec![0_u32; tiles * tiles + 1];
+    for i in 0..count {
+        starts[tile(i) + 1] += 1;
+    }
+    for t in 0..tiles * tiles {
+        starts[t + 1] += starts[t];
+    }
+    let mut ordered = State::filled(count, 0)?;
+    for i in 0..count {
+        let place = &mut starts[tile(i)];
+        ordered.put(*place as usize, state.ids[i], state.agent(i));
+        *place += 1;
+    }
+    (ordered.step, ordered.texture) = (state.step, std::mem::take(&mut state.texture));
+    *state = ordered;
+    Ok(())
+}

@@ -1,0 +1,86 @@
+use crate::base::{Error, Result};
+use crate::mesh::Sets;
+
+/// Measures of the pattern in a square texture, in texels: what is covered are texels with more pheromone than a threshold,
+/// what hangs together does so over sides of texels. On a surface they mean what they say where its texture is flat.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pattern {
+    /// The part of the texture that is covered.
+    pub covered: f64,
+    /// The mean width of what is covered: twice its area by its perimeter.
+    pub thickness: f64,
+    /// The mean width of what is not: the scale of the pattern.
+    pub gap: f64,
+    /// The mean area of the patches that are covered, weighted by area: of the patch that a covered texel is in.
+    pub cluster: f64,
+    /// The mean area of the cells between, weighted alike.
+    pub cell: f64,
+    /// The number of cells of more than 20 texels.
+    pub cells: usize,
+}
+
+/// Cells below are noise.
+const SMALLEST_CELL: usize = 20;
+
+impl Pattern {
+    /// Of a texture of `size` rows of as many values.
+    ///
+    /// # Errors
+    /// [`Error::Shape`].
+    pub fn of(texture: &[f32], size: usize, threshold: f32) -> Result<Self> {
+        Error::check_shape("texture", (size, size), (texture.len() / size.max(1), size))?;
+        let covered: Vec<bool> = texture.iter().map(|&p| p > threshold).collect();
+        let mut sets = Sets::new(covered.len());
+        let mut perimeter = 0_usize;
+        for t in 0..covered.len() {
+            let right = (t % size + 1 < size).then_some(t + 1);
+            let below = (t + size < covered.len()).then_some(t + size);
+            for other in [right, below].into_iter().flatten() {
+                if covered[t] == covered[other] {
+                    sets.join(t as u32, other as u32);
+                } else {
+                    perimeter += 1;
+                }
+            }
+        }
+        let mut areas = vec![0_usize; covered.len()];
+        for t in 0..covered.len() as u32 {
+            areas[sets.find(t) as usize] += 1;
+        }
+        let count = covered.iter().filter(|&&c| c).count();
+        let mean = |wanted: bool, total: usize| {
+            let own = areas.iter().zip(&covered).filter(|(_, c)| **c == wanted);
+            own.map(|(&a, _)| (a * a) as f64).sum::<f64>() / total.max(1) as f64
+        };
+        let rest = covered.len() - count;
+        let width = |area: usize| 2.0 * area as f64 / perimeter.max(1) as f64;
+        let is_cell = |(area, covered): &(&usize, &bool)| !**covered && **area > SMALLEST_CELL;
+        Ok(Self {
+            covered: count as f64 / covered.len().max(1) as f64,
+            thickness: width(count),
+            gap: width(rest),
+            cluster: mean(true, count),
+            cell: mean(false, rest),
+            cells: areas.iter().zip(&covered).filter(is_cell).count(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stripes_have_their_widths() {
+        // Stripes of 3 covered rows and 5 others.
+        let size = 32;
+        let texture: Vec<f32> =
+            (0..size * size).map(|t| if t / size % 8 < 3 { 0.5 } else { 0.0 }).collect();
+        let p = Pattern::of(&texture, size, 0.1).unwrap();
+        assert_eq!((p.covered, p.cluster, p.cell, p.cells), (0.375, 96.0, 160.0, 4));
+        // Seven sides of 32 texels: one stripe ends at the edge of the texture.
+        assert_eq!((p.thickness, p.gap), (768.0 / 224.0, 1280.0 / 224.0));
+        let empty = Pattern::of(&[], 0, 0.1).unwrap();
+        assert_eq!((empty.covered, empty.cells), (0.0, 0));
+    }
+}

@@ -1,0 +1,251 @@
+use std::sync::atomic::AtomicU32;
+
+use super::agents::{Field, agent_step, mark};
+use super::coverage::{Coverage, coverage};
+use super::diffuse::{diffuse_border, diffuse_row};
+use super::lanes::for_each;
+use super::options::{Options, Parameters};
+use super::order::{EVERY, order};
+use super::start::{everywhere, in_texels};
+use super::state::State;
+use super::surface::Surface;
+use super::texels::{FREE, GOAL, OBSTACLE, Texels};
+use super::walk::Walker;
+use crate::base::{Error, Flow, Par, Progress, Result, reserved, zeros};
+
+/// Agents that one thread moves at a time.
+const AGENTS: usize = 4096;
+/// Rows that one thread blurs at a time; divides the size of every texture.
+const ROWS: usize = 32;
+
+/// Where agents start, and what stands in their way: a value for each texel, or none for no such mask.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Mask {
+    /// Whether agents start there; empty: anywhere.
+    pub start: Vec<bool>,
+    /// [`FREE`], [`OBSTACLE`] or [`GOAL`]; empty: free.
+    pub ground: Vec<u8>,
+}
+
+/// Slime moulds on a surface (thesis, algorithm 3.2), on the CPU. The state is the same, bit for bit, for any number of
+/// threads.
+#[derive(Debug)]
+pub struct Simulation {
+    surface: Surface,
+    texels: Texels,
+    parameters: Parameters,
+    ground: Vec<u8>,
+    state: State,
+    next: Vec<f32>,
+    marks: Vec<AtomicU32>,
+    marked: Vec<u32>,
+}
+
+impl Simulation {
+    /// Agents at their start, and no pheromone.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] names an option or the mask, [`Error::Shape`] a mask that is not of `size` x `size` texels;
+    /// [`Error::OutOfMemory`].
+    pub fn new(surface: Surface, options: &Options, mask: &Mask) -> Result<Self> {
+        let parameters = options.parameters()?;
+        let size = options.size;
+        check_mask(mask, size)?;
+        let texels = Texels::new(&surface, size)?;
+        let (agents, seed) = (options.agents, options.seed);
+        let walkers = if mask.start.is_empty() && mask.ground.is_empty() {
+            everywhere(&surface, agents, seed)?
+        } else {
+            let starts = |t: usize| mask.start.is_empty() || mask.start[t];
+            in_texels(&surface, &texels, starts, &mask.ground, agents, seed)?
+        };
+        let entries = options.species * size * size;
+        let mut marks = reserved(entries / 32)?;
+        marks.resize_with(entries / 32, AtomicU32::default);
+        let mut marked = reserved(entries / 32)?;
+        marked.resize(entries / 32, 0);
+        Ok(Self {
+            state: State::new(&walkers, zeros(entries)?)?,
+            ground: mask.ground.clone(),
+            next: zeros(entries)?,
+            surface,
+            texels,
+            parameters,
+            marks,
+            marked,
+        })
+    }
+
+    /// One step of all agents and of the texture.
+    pub fn step(&mut self, par: Par) {
+        if self.state.step.is_multiple_of(EVERY) {
+            // Without memory for it, it goes on more slowly.
+            let _ = order(&mut self.state, &self.surface, self.texels.size());
+        }
+        self.move_agents(par);
+        self.collect_marks();
+        self.diffuse(par);
+        self.state.step = self.state.step.wrapping_add(1);
+    }
+
+    /// Steps; `progress` is told after each.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`]; the steps before are done then, and it can go on.
+    pub fn run(&mut self, steps: u32, par: Par, progress: Option<Progress<'_>>) -> Result<()> {
+        for done in 1..=steps {
+            self.step(par);
+            if let Some(progress) = progress
+                && progress(f64::from(done) / f64::from(steps)) == Flow::Cancel
+            {
+                return Err(Error::Cancelled);
+            }
+        }
+        Ok(())
+    }
+
+    fn move_agents(&mut self, par: Par) {
+        let (surface, parameters, marks) = (&self.surface, &self.parameters, &self.marks);
+        let plane = parameters.size * parameters.size;
+        let State { step, ids, triangles, positions, headings, texture } = &mut self.state;
+        let field = Field { texture, ground: &self.ground };
+        let blocks = triangles
+            .chunks_mut(AGENTS)
+            .zip(positions.chunks_mut(AGENTS))
+            .zip(headings.chunks_mut(AGENTS))
+            .zip(ids.chunks(AGENTS));
+        for_each(par, blocks, |_, (((triangles, positions), headings), ids)| {
+            let agents = triangles.iter_mut().zip(positions).zip(headings).zip(ids);
+            for (((triangle, position), heading), &agent) in agents {
+                let walker = Walker { triangle: *triangle, position: *position, heading: *heading };
+                let (next, texel) = agent_step(surface, field, parameters, walker, agent, *step);
+                (*triangle, *position, *heading) = (next.triangle, next.position, next.heading);
+                mark(marks, agent % parameters.species * plane + texel);
+            }
+        });
+    }
+
+    /// Takes the marks of this step, and leaves none.
+    fn collect_marks(&mut self) {
+        for (out, word) in self.marked.iter_mut().zip(&mut self.marks) {
+            *out = std::mem::take(word.get_mut());
+        }
+    }
+
+    fn diffuse(&mut self, par: Par) {
+        let (parameters, texels, marked) = (&self.parameters, &self.texels, &self.marked);
+        let texture = &self.state.texture;
+        let size = parameters.size as usize;
+        let plane = size * size;
+        for_each(par, self.next.chunks_mut(ROWS * size), |block, next| {
+            let first = block * ROWS * size;
+            let (species, row) = (first / plane, first % plane / size);
+            let texture = &texture[species * plane..(species + 1) * plane];
+            let marks = &marked[species * plane / 32..(species + 1) * plane / 32];
+            let mut scratch = vec![0.0; 4 * size];
+            for (row, next) in (row..).zip(next.chunks_mut(size)) {
+                diffuse_row(parameters, texels.kinds(), texture, marks, row, &mut scratch, next);
+            }
+            if parameters.seam_aware == 0 {
+                return;
+            }
+            let from = (row * size) as u32;
+            let border = texels.border();
+            let start = border.partition_point(|&t| t < from);
+            let end = from + next.len() as u32;
+            let own = border[start..].iter().take_while(|&&t| t < end);
+            for (number, &texel) in (start..).zip(own) {
+                next[(texel - from) as usize] =
+                    diffuse_border(parameters, texels, texture, marks, number);
+            }
+        });
+        std::mem::swap(&mut self.next, &mut self.state.texture);
+    }
+
+    /// How much of the surface each species covers.
+    pub fn coverage(&self, par: Par) -> Vec<Coverage> {
+        let of = |s| coverage(&self.texels, self.texture(s), par);
+        (0..self.species()).map(of).collect()
+    }
+
+    /// The texture of a species: [`Texels::size`] rows of as many values in `[0, 1]`, row 0 at v = 0.
+    ///
+    /// # Panics
+    /// When there is no such species.
+    pub fn texture(&self, species: usize) -> &[f32] {
+        let plane = self.texels.size() * self.texels.size();
+        &self.state.texture[species * plane..(species + 1) * plane]
+    }
+
+    /// The memory that it holds, in bytes.
+    pub fn bytes(&self) -> usize {
+        let textures = 2 * size_of_val(&self.next[..]) + 2 * size_of_val(&self.marked[..]);
+        let agents = self.state.ids.len() * (2 * size_of::<u32>() + 4 * size_of::<f32>());
+        textures + agents + self.ground.len() + self.texels.bytes() + self.surface.bytes()
+    }
+
+    /// Number of species.
+    pub fn species(&self) -> usize {
+        self.parameters.species as usize
+    }
+
+    /// Agents and textures.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Goes on from another state.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when it has other numbers of agents or texels, [`Error::Argument`] when it is none of this
+    /// simulation: names the agent or the entry of the texture.
+    pub fn set_state(&mut self, state: State) -> Result<()> {
+        state.check(&self.surface)?;
+        self.put_state(state)
+    }
+
+    /// [`Simulation::set_state`] without a look at each agent: the state is that of its kernels.
+    pub(crate) fn put_state(&mut self, state: State) -> Result<()> {
+        let count = |state: &State| (state.triangles.len(), 1);
+        Error::check_shape("agents", count(&self.state), count(&state))?;
+        Error::check_shape("texture", (self.next.len(), 1), (state.texture.len(), 1))?;
+        self.state = state;
+        Ok(())
+    }
+
+    /// The surface.
+    pub fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    /// The texels of its texture.
+    pub fn texels(&self) -> &Texels {
+        &self.texels
+    }
+
+    /// What the kernels compute with.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// [`FREE`], [`OBSTACLE`] or [`GOAL`] for each texel; empty when all are free.
+    pub fn ground(&self) -> &[u8] {
+        &self.ground
+    }
+}
+
+fn check_mask(mask: &Mask, size: usize) -> Result<()> {
+    let expected = (size, size);
+    for (what, len) in [("mask.start", mask.start.len()), ("mask.ground", mask.ground.len())] {
+        if len != 0 && len != size * size {
+            return Err(Error::Shape { what, expected, got: (len / size, size) });
+        }
+    }
+    match mask.ground.iter().position(|g| ![FREE, OBSTACLE, GOAL].contains(g)) {
+        None => Ok(()),
+        Some(t) => Err(Error::Argument {
+            what: "mask.ground",
+            why: format!("{} at texel {t}, where 0, 1 or 2 is needed", mask.ground[t]),
+        }),
+    }
+}

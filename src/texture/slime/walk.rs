@@ -1,0 +1,184 @@
+use super::surface::{ACROSS_FLIP, HOPS, NO_TRIANGLE, Surface, UV};
+
+/// A walk ends after this many edges: none on a mesh whose steps are of a sensible length gets there.
+pub const MOST_HOPS: usize = 4096;
+
+/// A place on a surface and a direction: of an agent, or of what it senses with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Walker {
+    /// The triangle.
+    pub triangle: u32,
+    /// In its frame.
+    pub position: [f32; 2],
+    /// In its frame, of length 1.
+    pub heading: [f32; 2],
+}
+
+/// Straight ahead by `length`: across an edge the next triangle is unfolded into the plane of this one, which is what a
+/// geodesic does; at a boundary edge the walker is reflected. Without `rescale`, `length` is one in the texture, whose side
+/// is 1 (thesis, figure 3.5).
+#[inline]
+pub fn unfold(surface: &Surface, mut walker: Walker, length: f32, rescale: bool) -> Walker {
+    let mut remaining = length;
+    let mut entered = 3;
+    for _ in 0..MOST_HOPS {
+        let stretch = if rescale { 1.0 } else { stretch(surface, &walker) };
+        let reach = if rescale { remaining } else { remaining / stretch };
+        let (exit, way) = first_exit(surface, &walker, reach, entered);
+        let [x, y] = walker.position;
+        let [dx, dy] = walker.heading;
+        walker.position = [x + way * dx, y + way * dy];
+        if exit == 3 {
+            break;
+        }
+        remaining -= way * stretch;
+        entered = cross(surface, &mut walker, exit);
+    }
+    walker
+}
+
+/// The edge that a walker leaves its triangle by within `reach`, 3 for none, and how far it goes in the triangle.
+#[inline(always)]
+fn first_exit(surface: &Surface, walker: &Walker, reach: f32, entered: usize) -> (usize, f32) {
+    let record = &surface.records()[walker.triangle as usize];
+    let [x, y] = walker.position;
+    let [dx, dy] = walker.heading;
+    let (mut exit, mut way) = (3, reach);
+    for k in 0..3 {
+        let [a, b, c] = [record[3 * k], record[3 * k + 1], record[3 * k + 2]];
+        let inside = a * x + b * y + c;
+        let rate = a * dx + b * dy;
+        // Rounding may have left the walker a little outside: then it leaves at once.
+        if k != entered && rate < 0.0 && inside + rate * reach < 0.0 {
+            let at = inside.max(0.0) / -rate;
+            if at < way {
+                (exit, way) = (k, at);
+            }
+        }
+    }
+    (exit, way)
+}
+
+/// Takes a walker over edge k; the number of the edge in the triangle that it is in then.
+#[inline]
+fn cross(surface: &Surface, walker: &mut Walker, k: usize) -> usize {
+    let t = walker.triangle as usize;
+    let record = &surface.records()[t];
+    let [dx, dy] = walker.heading;
+    let across = surface.across()[t][k];
+    if across == NO_TRIANGLE {
+        let [a, b] = [record[3 * k], record[3 * k + 1]];
+        let twice = 2.0 * (a * dx + b * dy);
+        walker.heading = [dx - twice * a, dy - twice * b];
+        return k;
+    }
+    let hop = &record[HOPS + 4 * k..HOPS + 4 * k + 4];
+    let (p, q, x0, y0) = (hop[0], hop[1], hop[2], hop[3]);
+    let r = if across & ACROSS_FLIP == 0 { p } else { -p };
+    let s = if across & ACROSS_FLIP == 0 { -q } else { q };
+    let [x, y] = walker.position;
+    walker.triangle = across >> 3;
+    walker.position = [p * x + s * y + x0, q * x + r * y + y0];
+    walker.heading = [p * dx + s * dy, q * dx + r * dy];
+    (across & 3) as usize
+}
+
+/// By how much the texture stretches lengths in the direction of a walker.
+fn stretch(surface: &Surface, walker: &Walker) -> f32 {
+    let record = &surface.records()[walker.triangle as usize];
+    let [dx, dy] = walker.heading;
+    let u = record[UV + 1] * dx + record[UV + 2] * dy;
+    let v = record[UV + 4] * dx + record[UV + 5] * dy;
+    (u * u + v * v).sqrt()
+}
+
+/// Algorithm 3.1 of the thesis: `count` sub-steps of `step` each, on the plane of the triangle; one that ends beyond edges
+/// is projected onto the nearest plane of the triangles across them, and direction with it; reflected at boundary edges.
+///
+/// Departures: positions are in the frame of the triangle instead of the texture and the basis of space that its corners
+/// are, so that no matrix is singular; a point that projects beside the triangle is moved to its edge.
+pub fn project(
+    surface: &Surface,
+    mut walker: Walker,
+    step: f32,
+    count: u32,
+    rescale: bool,
+) -> Walker {
+    for _ in 0..count {
+        let length = if rescale { step } else { step / stretch(surface, &walker) };
+        substep(surface, &mut walker, length);
+    }
+    walker
+}
+
+fn substep(surface: &Surface, walker: &mut Walker, length: f32) {
+    let (exit, _) = first_exit(surface, walker, length, 3);
+    let [x, y] = walker.position;
+    let [dx, dy] = walker.heading;
+    let ahead = [x + length * dx, y + length * dy];
+    if exit == 3 {
+        walker.position = ahead;
+        return;
+    }
+    let t = walker.triangle as usize;
+    if surface.across()[t][exit] == NO_TRIANGLE {
+        let record = &surface.records()[t];
+        let [a, b, c] = [record[3 * exit], record[3 * exit + 1], record[3 * exit + 2]];
+        let twice = 2.0 * (a * ahead[0] + b * ahead[1] + c);
+        cross(surface, walker, exit);
+        walker.position = [ahead[0] - twice * a, ahead[1] - twice * b];
+    } else {
+        project_across(surface, walker, ahead, exit);
+    }
+    walker.position = moved_inside(surface, walker.triangle, walker.position);
+}
+
+fn project_across(surface: &Surface, walker: &mut Walker, ahead: [f32; 2], exit: usize) {
+    let t = walker.triangle as usize;
+    let from = &surface.frames()[t];
+    let in_space = |i: usize, [x, y]: [f32; 2]| x * from[3 + i] + y * from[6 + i];
+    let point = [0, 1, 2].map(|i| from[i] + in_space(i, ahead));
+    let direction = [0, 1, 2].map(|i| in_space(i, walker.heading));
+    let along = |a: [f32; 3], axis: &[f32]| a[0] * axis[0] + a[1] * axis[1] + a[2] * axis[2];
+    let relative = |frame: &[f32; 12]| [0, 1, 2].map(|i| point[i] - frame[i]);
+    let distance = |k: usize| {
+        let frame = &surface.frames()[(surface.across()[t][k] >> 3) as usize];
+        along(relative(frame), &frame[9..12]).abs()
+    };
+    let record = &surface.records()[t];
+    let mut nearest = (exit, distance(exit));
+    for k in 0..3 {
+        let inside = record[3 * k] * ahead[0] + record[3 * k + 1] * ahead[1] + record[3 * k + 2];
+        if k != exit && inside < 0.0 && surface.across()[t][k] != NO_TRIANGLE {
+            let other = distance(k);
+            if other < nearest.1 {
+                nearest = (k, other);
+            }
+        }
+    }
+    let onto = surface.across()[t][nearest.0] >> 3;
+    let frame = &surface.frames()[onto as usize];
+    let local = relative(frame);
+    let heading = [along(direction, &frame[3..6]), along(direction, &frame[6..9])];
+    let length = (heading[0] * heading[0] + heading[1] * heading[1]).sqrt();
+    // Across a fold of a right angle nothing is left of the direction: unfolding keeps it.
+    cross(surface, walker, nearest.0);
+    if length > 1e-3 {
+        walker.heading = heading.map(|x| x / length);
+    }
+    walker.position = [along(local, &frame[3..6]), along(local, &frame[6..9])];
+}
+
+/// A point moved to the edges that it is beyond.
+pub(super) fn moved_inside(surface: &Surface, triangle: u32, mut point: [f32; 2]) -> [f32; 2] {
+    let record = &surface.records()[triangle as usize];
+    // Where an edge is left by moving to the next one, it is looked at again.
+    for k in [0, 1, 2, 0, 1, 2] {
+        let [a, b, c] = [record[3 * k], record[3 * k + 1], record[3 * k + 2]];
+        let inside = a * point[0] + b * point[1] + c;
+        if inside < 0.0 {
+            point = [point[0] - inside * a, point[1] - inside * b];
+        }
+    }
+    point
+}
