@@ -12,6 +12,7 @@ mod page;
 mod plant;
 mod spectral;
 mod task_tree;
+mod unions;
 
 use std::fs;
 use std::io::{self, Write};
@@ -44,6 +45,7 @@ const STATIONS: &[fn(&Site<'_>) -> Result<Station>] = &[
     plant::station,
     decimate::station,
     curves::station,
+    unions::station,
     newton::station,
 ];
 

@@ -55,6 +55,9 @@ pub struct Args {
     /// Largest rate of the optimiser.
     #[arg(long, value_name = "NUMBER", default_value_t = 1e-3)]
     rate: f64,
+    /// Share of each parameter that it loses in a step, times the rate.
+    #[arg(long, value_name = "NUMBER", default_value_t = 0.01)]
+    decay: f64,
     /// Epochs until the rate restarts for the first time; then after twice as many each time.
     #[arg(long, value_name = "NUMBER", default_value_t = 10)]
     period: usize,
@@ -137,8 +140,8 @@ fn beside(output: &Path, end: &str) -> PathBuf {
 }
 
 fn options(args: &Args) -> TrainOptions {
-    let Args { width, hidden, batch, rate, period, seed, .. } = *args;
+    let Args { width, hidden, batch, rate, decay, period, seed, .. } = *args;
     let (first_layers, second_layers) = (args.layers[0], args.layers[1]);
     let sizes = Architecture { width, hidden, first_layers, second_layers };
-    TrainOptions { sizes, batch, rate, period, seed, ..TrainOptions::default() }
+    TrainOptions { sizes, batch, rate, decay, period, seed }
 }

@@ -31,8 +31,9 @@ pub const LEAST_SHARE: f64 = 1e-3;
 /// Logits of larger shares are taken for that of this.
 const LARGEST_SHARE: f64 = 0.999;
 
-/// One pair in so many is kept from the training, to choose among its results.
-const VALIDATION: usize = 25;
+/// To choose among results of the training, one pair in so many is kept from it, and one union in so many.
+const VALIDATION: usize = 50;
+const VALIDATION_UNIONS: usize = 16;
 /// One triple of known shapes in two is trained on; the others test.
 pub const TRAINED_TRIPLES: usize = 2;
 
@@ -100,15 +101,18 @@ impl Examples {
     pub fn new(dataset: &Dataset) -> Result<Self> {
         let samples = &dataset.samples;
         let mut examples = Self::default();
-        for i in (0..samples.part1.len()).filter(|&i| samples.split[i] == TRAIN) {
+        let train = |i: &usize| samples.split[*i] == TRAIN;
+        let indices = || (0..samples.part1.len()).filter(train);
+        let mut unions: Vec<usize> = indices().map(|i| samples.mask_union[i]).collect();
+        unions.sort_unstable();
+        unions.dedup();
+        // Ids are hashes: those that come last are any.
+        let kept = unions.split_off(unions.len() - unions.len() / VALIDATION_UNIONS);
+        for (count, i) in indices().enumerate() {
             let (first, second) = (samples.part1[i], samples.part2[i]);
             let pair = Pair { first, second, union: samples.union[i] };
-            let kept = &mut examples;
-            let count = kept.training.len() + kept.validation.len();
-            let list = match (count + 1).is_multiple_of(VALIDATION) {
-                true => &mut kept.validation,
-                false => &mut kept.training,
-            };
+            let chosen = kept.contains(&samples.mask_union[i]) || (count + 1).is_multiple_of(VALIDATION);
+            let list = if chosen { &mut examples.validation } else { &mut examples.training };
             list.push(pair);
         }
         if examples.training.is_empty() {
@@ -123,7 +127,7 @@ impl Examples {
             let parts = [triples.part1[i], triples.part2[i], triples.part3[i]];
             examples.triples.push(Triple { parts, whole: triples.whole[i] });
         }
-        examples.mined = Mined::new(dataset);
+        examples.mined = Mined::new(dataset, &kept);
         Ok(examples)
     }
 

@@ -27,7 +27,7 @@ pub struct TrainOptions {
     pub batch: usize,
     /// Largest rate of the optimiser; thesis: 2e-4.
     pub rate: f64,
-    /// Weight decay; thesis: 1e-5.
+    /// Weight decay, apart from the gradient; thesis: 1e-5, within it.
     pub decay: f64,
     /// Epochs until the first restart; thesis: 10.
     pub period: usize,
@@ -38,7 +38,7 @@ pub struct TrainOptions {
 impl Default for TrainOptions {
     fn default() -> Self {
         let sizes = Architecture::default();
-        Self { sizes, batch: 64, rate: 1e-3, decay: 1e-5, period: 10, seed: 1 }
+        Self { sizes, batch: 64, rate: 1e-3, decay: 1e-2, period: 10, seed: 1 }
     }
 }
 
