@@ -42,9 +42,9 @@ pub unsafe extern "C" fn cata_unions_new(
         } else {
             // SAFETY: the caller's promise.
             let path = unsafe { text("weights", weights) }?;
-            let path = path
-                .to_str()
-                .map_err(|_| Failure::new(CATA_ERR_ARGUMENT, "weights: a path that is not UTF-8"))?;
+            let path = path.to_str().map_err(|_| {
+                Failure::new(CATA_ERR_ARGUMENT, "weights: a path that is not UTF-8")
+            })?;
             SpectralUnion::read(Path::new(path))?
         };
         *place = Box::into_raw(Box::new(cata_unions { model }));

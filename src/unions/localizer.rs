@@ -147,9 +147,8 @@ impl Localizer {
     /// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] name `region`.
     pub fn coefficients(&self, region: &[f64]) -> Result<Vec<f32>> {
         let region = spectrum::check("region", region)?;
-        let mut x: Vec<f32> = (0..K)
-            .map(|i| (region[i].ln() as f32 - self.mean[i]) / self.deviation[i])
-            .collect();
+        let mut x: Vec<f32> =
+            (0..K).map(|i| (region[i].ln() as f32 - self.mean[i]) / self.deviation[i]).collect();
         let mut start = 0;
         for (layer, pair) in self.widths.windows(2).enumerate() {
             let (inner, columns) = (pair[0], pair[1]);
@@ -269,8 +268,7 @@ mod tests {
         let other = localizer.on(turned.as_ref()).unwrap().indicator(&region()).unwrap();
         let coefficients = localizer.coefficients(&region()).unwrap();
         for v in 0..VERTICES {
-            let sum: f64 =
-                (0..MODES).map(|j| f64::from(coefficients[j]) * functions[(v, j)]).sum();
+            let sum: f64 = (0..MODES).map(|j| f64::from(coefficients[j]) * functions[(v, j)]).sum();
             assert!((one[v] - sum).abs() < 1e-5 && (one[v] - other[v]).abs() < 1e-5);
         }
     }

@@ -31,7 +31,8 @@ impl Scaling {
     pub fn features(&self, question: &Question) -> [f32; 2 * K * FEATURES] {
         std::array::from_fn(|j| {
             let at = j % (K * FEATURES);
-            let value = question.features[j / FEATURES][j % FEATURES] - f64::from(self.feature_mean[at]);
+            let value =
+                question.features[j / FEATURES][j % FEATURES] - f64::from(self.feature_mean[at]);
             (value / f64::from(self.feature_deviation[at])) as f32
         })
     }
@@ -328,7 +329,9 @@ mod tests {
         let last = rotten.len() - 4;
         rotten[last..].copy_from_slice(&f32::NAN.to_le_bytes());
         assert!(SpectralUnion::from_bytes(&rotten).unwrap_err().to_string().contains("not finite"));
-        assert!(SpectralUnion::read(Path::new("/nowhere")).unwrap_err().to_string().contains("nowhere"));
+        assert!(
+            SpectralUnion::read(Path::new("/nowhere")).unwrap_err().to_string().contains("nowhere")
+        );
     }
 
     #[test]

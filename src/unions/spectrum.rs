@@ -20,7 +20,11 @@ pub(super) fn check(what: &'static str, values: &[f64]) -> Result<[f64; K]> {
         ));
     }
     if let Some(i) = (1..K).find(|&i| values[i] < values[i - 1]) {
-        return refuse(format!("not ascending: {:e} at {i} follows {:e}", values[i], values[i - 1]));
+        return refuse(format!(
+            "not ascending: {:e} at {i} follows {:e}",
+            values[i],
+            values[i - 1]
+        ));
     }
     if values[0] < LEAST || values[K - 1] > 1.0 / LEAST {
         return refuse(format!("must lie between {LEAST:e} and {:e}", 1.0 / LEAST));

@@ -1,8 +1,8 @@
 //! Multilayer perceptrons with rectified hidden layers, and their training: the baseline, and the decoder of regions.
 
+use catamaran::Result;
 use catamaran::base::Rng;
 use catamaran::unions::network::gemm;
-use catamaran::Result;
 
 use crate::adam::{Adam, annealing, clip};
 
@@ -83,8 +83,9 @@ impl Mlp {
             gemm((inner, rows, columns), &layers[layer], (1, inner), &dy, weights);
             if layer > 0 {
                 let weights = &self.parameters[start..start + inner * columns];
-                let transposed: Vec<f32> =
-                    (0..inner * columns).map(|at| weights[at % inner * columns + at / inner]).collect();
+                let transposed: Vec<f32> = (0..inner * columns)
+                    .map(|at| weights[at % inner * columns + at / inner])
+                    .collect();
                 let mut dx = vec![0.0; rows * inner];
                 gemm((rows, columns, inner), &dy, (columns, 1), &transposed, &mut dx);
                 for (gradient, &value) in dx.iter_mut().zip(&layers[layer]) {

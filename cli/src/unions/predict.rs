@@ -67,9 +67,8 @@ pub fn run(args: &Args) -> Result<()> {
         header += &format!(",part {part}");
     }
     header += ",union";
-    let row = |i: usize| -> Vec<f64> {
-        parts.iter().map(|part| part[i]).chain([union[i]]).collect()
-    };
+    let row =
+        |i: usize| -> Vec<f64> { parts.iter().map(|part| part[i]).chain([union[i]]).collect() };
     report(format_args!("{}", header.replace(',', "     ")))?;
     for i in 0..K {
         let cells: String = row(i).iter().map(|x| format!(" {x:>10.4}")).collect();
@@ -86,9 +85,8 @@ pub fn run(args: &Args) -> Result<()> {
         report(format_args!("region    {count} of {all} vertices of the template"))?;
     }
     if let Some(picture) = picture {
-        let clipped: Option<Vec<f64>> = found
-            .as_ref()
-            .map(|(_, inside)| inside.iter().map(|x| x.clamp(0.0, 1.0)).collect());
+        let clipped: Option<Vec<f64>> =
+            found.as_ref().map(|(_, inside)| inside.iter().map(|x| x.clamp(0.0, 1.0)).collect());
         let mut panels: Vec<_> = meshes.iter().map(|mesh| (mesh, PLAIN, "part")).collect();
         if let (Some((mesh, _)), Some(inside)) = (&found, &clipped) {
             panels.push((mesh, Paint::Values(inside), "union"));
@@ -130,8 +128,7 @@ fn localized(template: &Path, weights: &Path, union: &[f64]) -> Result<(TriMesh,
     let localizer = Localizer::read(weights)?;
     let operator = laplacian(&mesh, &LaplacianOptions::default()).with_context(named)?;
     let options = EigenOptions { k: localizer.eigenfunctions(), ..EigenOptions::default() };
-    let pairs =
-        eigs(operator.stiffness.view(), &operator.mass, &options).with_context(named)?;
+    let pairs = eigs(operator.stiffness.view(), &operator.mass, &options).with_context(named)?;
     let functions = operator.extend(pairs.vectors.as_ref())?;
     let on = localizer.on(functions.as_ref()).with_context(named)?;
     let inside = on.indicator(union)?;

@@ -56,7 +56,7 @@ pub struct Args {
     #[arg(long, value_name = "NUMBER", default_value_t = 1e-3)]
     rate: f64,
     /// Share of each parameter that it loses in a step, times the rate.
-    #[arg(long, value_name = "NUMBER", default_value_t = 0.01)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 0.1)]
     decay: f64,
     /// Epochs until the rate restarts for the first time; then after twice as many each time.
     #[arg(long, value_name = "NUMBER", default_value_t = 10)]

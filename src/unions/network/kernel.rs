@@ -120,7 +120,8 @@ pub fn sum<T: Number>(n: usize, f: impl Fn(usize) -> T) -> T {
     for i in whole..n {
         parts[i - whole] += f(i);
     }
-    ((parts[0] + parts[4]) + (parts[2] + parts[6])) + ((parts[1] + parts[5]) + (parts[3] + parts[7]))
+    ((parts[0] + parts[4]) + (parts[2] + parts[6]))
+        + ((parts[1] + parts[5]) + (parts[3] + parts[7]))
 }
 
 /// Layer normalisation (Ba, Kiros and Hinton 2016): each row of `x` less its mean, over its standard deviation, goes to

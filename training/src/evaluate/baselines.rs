@@ -1,7 +1,7 @@
+use catamaran::Result;
 use catamaran::faer::Mat;
 use catamaran::faer::linalg::solvers::SolveLstsq;
 use catamaran::unions::K;
-use catamaran::Result;
 
 use super::Predictor;
 use crate::dataset::Spectrum;
@@ -93,8 +93,7 @@ impl Predictor for Nearest {
         let mut best = (f32::INFINITY, *first);
         for (pair, union) in &self.pairs {
             for query in &queries {
-                let distance: f32 =
-                    pair.iter().zip(query).map(|(a, b)| (a - b) * (a - b)).sum();
+                let distance: f32 = pair.iter().zip(query).map(|(a, b)| (a - b) * (a - b)).sum();
                 if distance < best.0 {
                     best = (distance, *union);
                 }

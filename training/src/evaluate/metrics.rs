@@ -72,7 +72,11 @@ pub fn select(dataset: &Dataset, split: usize, knowledge: usize, remeshed: bool)
                 && samples.knowledge[i] == knowledge
                 && samples.remeshed[i] == usize::from(remeshed)
         })
-        .map(|i| Pair { first: samples.part1[i], second: samples.part2[i], union: samples.union[i] })
+        .map(|i| Pair {
+            first: samples.part1[i],
+            second: samples.part2[i],
+            union: samples.union[i],
+        })
         .collect()
 }
 

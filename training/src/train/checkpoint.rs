@@ -46,7 +46,8 @@ pub fn read_state(path: &Path) -> Result<(TrainOptions, State)> {
     let narrow = |name: &str| -> Result<Vec<f32>> {
         Ok(arrays.vector(name)?.iter().map(|&x| x as f32).collect())
     };
-    let whole = <[usize; 7]>::try_from(arrays.indices("options")?).map_err(|_| broken("options"))?;
+    let whole =
+        <[usize; 7]>::try_from(arrays.indices("options")?).map_err(|_| broken("options"))?;
     let rates = <[f64; 2]>::try_from(arrays.vector("rates")?).map_err(|_| broken("rates"))?;
     let [width, hidden, first_layers, second_layers, batch, period, seed] = whole;
     let sizes = Architecture { width, hidden, first_layers, second_layers };
@@ -56,7 +57,6 @@ pub fn read_state(path: &Path) -> Result<(TrainOptions, State)> {
     let adam = Adam { steps, mean: narrow("adam_mean")?, square: narrow("adam_square")? };
     let curves = arrays.vector("training")?.into_iter().zip(arrays.vector("validation")?);
     let history = curves.map(|(training, validation)| Epoch { training, validation }).collect();
-    let state =
-        State { parameters: narrow("parameters")?, adam, best: narrow("best")?, history };
+    let state = State { parameters: narrow("parameters")?, adam, best: narrow("best")?, history };
     Ok((options, state))
 }

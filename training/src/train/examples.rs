@@ -38,9 +38,9 @@ const VALIDATION_UNIONS: usize = 16;
 pub const TRAINED_TRIPLES: usize = 2;
 
 /// Coarser meshes have larger eigenvalues, by a share that grows with them: its standard deviation at the last one.
-const DRIFT: f64 = 0.015;
-/// What is left of the differences between meshes.
-const JITTER: f64 = 0.002;
+const DRIFT: f64 = 0.03;
+/// What is left of the differences between meshes; more than there is, as it keeps the network from learning the pairs by heart.
+const JITTER: f64 = 0.01;
 
 impl Pair {
     /// What a coarser or finer mesh might have given.
@@ -111,7 +111,8 @@ impl Examples {
         for (count, i) in indices().enumerate() {
             let (first, second) = (samples.part1[i], samples.part2[i]);
             let pair = Pair { first, second, union: samples.union[i] };
-            let chosen = kept.contains(&samples.mask_union[i]) || (count + 1).is_multiple_of(VALIDATION);
+            let chosen =
+                kept.contains(&samples.mask_union[i]) || (count + 1).is_multiple_of(VALIDATION);
             let list = if chosen { &mut examples.validation } else { &mut examples.training };
             list.push(pair);
         }

@@ -205,7 +205,11 @@ mod tests {
     #[test]
     fn unions_are_found_that_no_sample_has() {
         // [0, 180) and [120, 240) are of no sample together, but all three masks are there.
-        let set = dataset(&[([0, 180], [0, 100], TRAIN), ([100, 240], [0, 160], TRAIN), ([120, 240], [110, 130], TRAIN)]);
+        let set = dataset(&[
+            ([0, 180], [0, 100], TRAIN),
+            ([100, 240], [0, 160], TRAIN),
+            ([120, 240], [110, 130], TRAIN),
+        ]);
         let mined = Mined::new(&set, &[]);
         let (proper, contained) = mined.counts();
         assert!(proper >= 2 && contained >= 3, "{proper} {contained}");

@@ -38,7 +38,7 @@ pub struct TrainOptions {
 impl Default for TrainOptions {
     fn default() -> Self {
         let sizes = Architecture::default();
-        Self { sizes, batch: 64, rate: 1e-3, decay: 1e-2, period: 10, seed: 1 }
+        Self { sizes, batch: 64, rate: 1e-3, decay: 0.1, period: 10, seed: 1 }
     }
 }
 

@@ -74,7 +74,10 @@ impl Test {
 
 /// Tables 2.1 to 2.4, and associativity (figure 2.9), on the generated data set.
 pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
-    let path = arguments.data.as_deref().ok_or("reproduce unions needs --data, of `catamaran unions dataset`")?;
+    let path = arguments
+        .data
+        .as_deref()
+        .ok_or("reproduce unions needs --data, of `catamaran unions dataset`")?;
     let dataset = dataset::read(path)?;
     let model = match &arguments.weights {
         Some(path) => SpectralUnion::read(path)?,
@@ -162,7 +165,11 @@ fn table_errors(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -
 }
 
 /// Figure 2.9, in numbers.
-fn table_associativity(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -> Result<()> {
+fn table_associativity(
+    report: &mut Report,
+    dataset: &Dataset,
+    model: &SpectralUnion,
+) -> Result<()> {
     report.say(
         "## Associativity\n\nOf three parts, (1 2) 3 against 1 (2 3): the share of triples, none of which was trained on, within 5 % in \
          the mean.\n\n| shapes | triples | within 5 % | mean difference % | mean error of (1 2) 3 % |\n|---|---|---|---|---|",
@@ -202,7 +209,8 @@ fn table_regions(
         if found.regions == 0 {
             continue;
         }
-        let [iou, accuracy] = [2, 3].map(|i| test.thesis().map_or("-".into(), |t| t[i].to_string()));
+        let [iou, accuracy] =
+            [2, 3].map(|i| test.thesis().map_or("-".into(), |t| t[i].to_string()));
         report.say(&format!(
             "| {} | {} | {} | {:.2} ({iou}) | {:.2} ({accuracy}) |",
             test.letter(),
@@ -238,7 +246,9 @@ fn table_retrieval(report: &mut Report, dataset: &Dataset, model: &SpectralUnion
         let cells: Vec<String> =
             top.iter().zip(thesis).map(|(x, t)| format!("{:.2} ({t})", 100.0 * x)).collect();
         report.say(&format!("| {name} | {} |", cells.join(" | ")));
-        report.lines.push(format!("2.4,-,{},network,top-1,{:.4}", KNOWLEDGE[KNOWN_IDENTITY].0, top[0]));
+        report
+            .lines
+            .push(format!("2.4,-,{},network,top-1,{:.4}", KNOWLEDGE[KNOWN_IDENTITY].0, top[0]));
     }
     Ok(())
 }
