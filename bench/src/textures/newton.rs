@@ -123,11 +123,13 @@ fn polar_name(stops: bool) -> &'static str {
     if stops { "polar form that stops early" } else { "polar form" }
 }
 
+type Run<'a> = dyn Fn(&Grid) -> Result<Fractal> + 'a;
+
 /// What is timed, and where.
 struct Contender<'a> {
     name: String,
     grid: Grid,
-    run: Box<dyn Fn(&Grid) -> Result<Fractal> + 'a>,
+    run: Box<Run<'a>>,
 }
 
 impl<'a> Contender<'a> {
