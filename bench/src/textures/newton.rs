@@ -109,9 +109,8 @@ pub fn newton_times(size: u32, repeat: usize) -> Result<Vec<Part>> {
             }));
             for stops in [false, true] {
                 let name = format!("{}, {on}", polar_name(stops));
-                contenders.push(Contender::new(&name, coarse, move |grid| {
-                    theirs.run(grid, n, 32, 3.5, stops)
-                }));
+                contenders
+                    .push(Contender::new(&name, coarse, move |_| theirs.run(n, 32, 3.5, stops)));
             }
         }
         let title = format!("z^{n} - 1, {size} x {size} pixels, 32 iterations");
@@ -124,11 +123,13 @@ fn polar_name(stops: bool) -> &'static str {
     if stops { "polar form that stops early" } else { "polar form" }
 }
 
+type Run<'a> = dyn Fn(&Grid) -> Result<Fractal> + 'a;
+
 /// What is timed, and where.
 struct Contender<'a> {
     name: String,
     grid: Grid,
-    run: Box<dyn Fn(&Grid) -> Result<Fractal> + 'a>,
+    run: Box<Run<'a>>,
 }
 
 impl<'a> Contender<'a> {

@@ -73,11 +73,12 @@ mod device {
         kernel: Kernel,
         roots: Buffer<u16>,
         convergence: Buffer<f32>,
+        plane: Grid,
         _context: Context,
     }
 
     impl OnDevice {
-        /// On the device with this number, for so many pixels as this plane has.
+        /// On the device with this number, for the pixels of this plane.
         ///
         /// # Errors
         /// Where the device refuses.
@@ -98,21 +99,15 @@ mod device {
                 )
             };
             let kernel = Kernel::create(&program, "polar")?;
-            Ok(Self { queue, kernel, roots, convergence, _context: context })
+            Ok(Self { queue, kernel, roots, convergence, plane: *plane, _context: context })
         }
 
-        /// z^n - 1 at the pixels of a plane.
+        /// z^n - 1 at the pixels.
         ///
         /// # Errors
         /// Where the device refuses.
-        pub fn run(
-            &self,
-            grid: &Grid,
-            n: i32,
-            iterations: u32,
-            theta: f32,
-            stops: bool,
-        ) -> Result<Fractal> {
+        pub fn run(&self, n: i32, iterations: u32, theta: f32, stops: bool) -> Result<Fractal> {
+            let grid = &self.plane;
             let [width, height, _] = grid.counts.map(|count| count as usize);
             let mut fractal = Fractal::default();
             fractal.roots.resize(width * height, 0);

@@ -105,15 +105,14 @@ impl Job {
             }
             Drawing::Voxels { grid } => {
                 let numbers: Vec<f32> = fractal.roots.iter().copied().map(f32::from).collect();
-                Ok(files::write(self.output, lines(&numbers, grid))?)
+                Ok(files::write(self.output, lines(&numbers, grid.counts[0] as usize))?)
             }
         }
     }
 }
 
-/// Voxels as a matrix, a line of them a row.
-fn lines<'a>(values: &'a [f32], grid: &Grid) -> MatRef<'a, f32> {
-    let columns = grid.counts[0] as usize;
+/// Values of points as a matrix of so many columns: a line of them a row.
+fn lines(values: &[f32], columns: usize) -> MatRef<'_, f32> {
     MatRef::from_row_major_slice(values, values.len() / columns.max(1), columns)
 }
 
@@ -130,14 +129,11 @@ fn write_heights(
         return write_gray(output, width, height, &values);
     }
     let values = drawing.spread(fractal.convergence.clone(), f32::NAN);
-    Ok(match drawing {
-        Drawing::Voxels { grid } => files::write(output, lines(&values, grid))?,
-        _ => {
-            let width = drawing.pixels().map_or(1, |(width, _)| width);
-            let rows = values.len() / width.max(1);
-            files::write(output, MatRef::from_row_major_slice(&values, rows, width))?;
-        }
-    })
+    let width = match drawing {
+        Drawing::Voxels { grid } => grid.counts[0] as usize,
+        _ => drawing.pixels().map_or(1, |(width, _)| width),
+    };
+    Ok(files::write(output, lines(&values, width))?)
 }
 
 /// The colours of points: of their roots, darker the slower they converge.

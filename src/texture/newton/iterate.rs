@@ -3,6 +3,7 @@
 //! A step of z^n - 1 is equation 7.2 of the thesis, z := ((n - 1) z + (1 / z)^(n - 1)) / n, the power by repeated squaring. A
 //! step of a polynomial with given roots is z := z - 1 / (1 / (z - r_1) + 1 / (z - r_2) + ...).
 
+// Everything is inlined by force: what is not, closures above all, is compiled for processors without wide registers.
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Parameters;
@@ -95,8 +96,9 @@ impl WithSimd for Block<'_> {
                     memory[c][lane] = point[c];
                 }
             }
-            let xyz = [0, 1, 2].map(|c| Lanes::load(simd, &memory[c]));
-            let (root, t) = iterate(parameters, xyz);
+            let [x, y, z] = &memory;
+            let (x, y, z) = (Lanes::load(simd, x), Lanes::load(simd, y), Lanes::load(simd, z));
+            let (root, t) = iterate(parameters, x, y, z);
             root.store(&mut memory[0]);
             t.store(&mut memory[1]);
             for (lane, (root, t)) in roots.iter_mut().zip(convergence).enumerate() {
@@ -109,9 +111,11 @@ impl WithSimd for Block<'_> {
 
 /// Number of the root, and t.
 #[inline(always)]
-fn iterate<S: Simd>(p: &Parameters, [x, y, z]: [Lanes<S>; 3]) -> (Lanes<S>, Lanes<S>) {
+fn iterate<S: Simd>(p: &Parameters, x: Lanes<S>, y: Lanes<S>, z: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     let scale = x.all(p.scale);
-    let [x, y, z] = [(x, 0), (y, 1), (z, 2)].map(|(v, c)| (v + v.all(p.offset[c])) * scale);
+    let x = (x + x.all(p.offset[0])) * scale;
+    let y = (y + y.all(p.offset[1])) * scale;
+    let z = (z + z.all(p.offset[2])) * scale;
     let w = x.all(p.offset[3]) * scale;
     let mut alpha = Complex { re: x + w, im: y - z };
     let mut beta = Complex { re: x - w, im: y + z };
@@ -145,25 +149,28 @@ fn step<S: Simd>(p: &Parameters, z: Complex<S>) -> (Complex<S>, Lanes<S>) {
 #[inline(always)]
 fn step_of_power<S: Simd>(p: &Parameters, z: Complex<S>) -> (Complex<S>, Lanes<S>) {
     let norm2 = z.norm2();
-    let n = norm2.all(p.degree as f32);
-    let (ours, next) = (norm2.all((p.degree - 1) as f32) / n, norm2.all(1.0) / n);
     let nearest = norm2.all(p.nearest);
     let near = norm2.is_below(nearest);
-    let go = |inverse: Complex<S>| {
-        let power = power(inverse, p.degree - 1);
-        Complex { re: z.re * ours + power.re * next, im: z.im * ours + power.im * next }
-    };
     if !near.any() {
-        let to = go(z.inverse(norm2));
+        let to = mean_with_power(p, z, z.inverse(norm2));
         return (to, to.minus(z).norm2());
     }
     // The same direction, from a distance of which the power is a number.
     let zero = norm2.is_below(norm2.all(ZERO));
     let away = (nearest / norm2.max(norm2.all(ZERO))).sqrt();
     let moved = Complex::select(near, z.scaled(away), z);
-    let to = go(moved.inverse(zero.select(norm2.all(1.0), moved.norm2())));
-    let to = Complex::select(zero, z, to);
+    let inverse = moved.inverse(zero.select(norm2.all(1.0), moved.norm2()));
+    let to = Complex::select(zero, z, mean_with_power(p, z, inverse));
     (to, zero.select(norm2.all(ENDLESS), to.minus(z).norm2()))
+}
+
+/// ((n - 1) z + inverse^(n - 1)) / n.
+#[inline(always)]
+fn mean_with_power<S: Simd>(p: &Parameters, z: Complex<S>, inverse: Complex<S>) -> Complex<S> {
+    let n = z.re.all(p.degree as f32);
+    let (ours, other) = (z.re.all((p.degree - 1) as f32) / n, z.re.all(1.0) / n);
+    let power = power(inverse, p.degree - 1);
+    Complex { re: z.re * ours + power.re * other, im: z.im * ours + power.im * other }
 }
 
 /// z^n, n >= 1.
@@ -204,18 +211,17 @@ fn step_of_roots<S: Simd>(p: &Parameters, z: Complex<S>) -> (Complex<S>, Lanes<S
 /// 1 = 2^n (exp(r) - 1) + (2^n - 1), exp(r) - 1 by its Taylor series.
 #[inline(always)]
 fn exp_minus_one<S: Simd>(x: Lanes<S>) -> Lanes<S> {
-    let c = |value: f32| x.all(value);
-    let shifted = to_nearest(x * c(std::f32::consts::LOG2_E));
-    let n = shifted - c(TO_NEAREST);
+    let shifted = to_nearest(x * x.all(std::f32::consts::LOG2_E));
+    let n = shifted - x.all(TO_NEAREST);
     // ln 2 in two parts, the first of which has no more bits than its products with n leave room for.
-    let r = (x - n * c(0.693_359_4)) - n * c(-2.121_944_4e-4);
-    let mut series = c(1.0 / 5040.0);
+    let r = (x - n * x.all(0.693_359_4)) - n * x.all(-2.121_944_4e-4);
+    let mut series = x.all(1.0 / 5040.0);
     for divisor in [720.0, 120.0, 24.0, 6.0, 2.0] {
-        series = series * r + c(1.0 / divisor);
+        series = series * r + x.all(1.0 / divisor);
     }
     let small = (series * r) * r + r;
     let power = shifted.power_of_two();
-    power * small + (power - c(1.0))
+    power * small + (power - x.all(1.0))
 }
 
 /// The number, from 0, of the root that z is next to.
@@ -247,30 +253,28 @@ fn turn<S: Simd>(z: Complex<S>) -> Lanes<S> {
         -0.333_331_45,
         1.0,
     ];
-    let c = |value: f32| z.re.all(value);
     let (x, y) = (z.re.abs(), z.im.abs());
     let (low, high) = (x.min(y), x.max(y));
     // Not 0 / 0.
-    let q = low / high.max(c(1e-30));
+    let q = low / high.max(z.re.all(1e-30));
     let q2 = q * q;
-    let mut series = c(0.0);
+    let mut series = z.re.all(0.0);
     for coefficient in SERIES {
-        series = series * q2 + c(coefficient);
+        series = series * q2 + z.re.all(coefficient);
     }
-    let eighth = series * q * c(0.5 / std::f32::consts::PI);
-    let quarter = x.is_below(y).select(c(0.25) - eighth, eighth);
-    let half = z.re.is_below(c(0.0)).select(c(0.5) - quarter, quarter);
-    z.im.is_below(c(0.0)).select(c(0.0) - half, half)
+    let eighth = series * q * z.re.all(0.5 / std::f32::consts::PI);
+    let quarter = x.is_below(y).select(z.re.all(0.25) - eighth, eighth);
+    let half = z.re.is_below(z.re.all(0.0)).select(z.re.all(0.5) - quarter, quarter);
+    z.im.is_below(z.re.all(0.0)).select(z.re.all(0.0) - half, half)
 }
 
 #[inline(always)]
 fn root_by_distance<S: Simd>(p: &Parameters, z: Complex<S>) -> Lanes<S> {
-    let c = |value: f32| z.re.all(value);
-    let (mut best, mut closest) = (c(0.0), c(f32::MAX));
+    let (mut best, mut closest) = (z.re.all(0.0), z.re.all(f32::MAX));
     for (k, &[re, im]) in p.roots.iter().enumerate() {
-        let norm2 = z.minus(Complex { re: c(re), im: c(im) }).norm2();
+        let norm2 = z.minus(Complex { re: z.re.all(re), im: z.re.all(im) }).norm2();
         let closer = norm2.is_below(closest);
-        best = closer.select(c(k as f32), best);
+        best = closer.select(z.re.all(k as f32), best);
         closest = closer.select(norm2, closest);
     }
     best

@@ -178,7 +178,7 @@ fn roots_and_gradient_are_those_of_double_precision_away_from_borders() {
 
 #[test]
 fn polynomials_of_given_roots_converge_to_them() {
-    let roots = vec![[1.0, 0.5], [-0.5, 0.8], [-1.25, 0.25], [0.25, -1.0]];
+    let roots = [[1.0, 0.5], [-0.5, 0.8], [-1.25, 0.25], [0.25, -1.0]];
     for n in 1..=roots.len() {
         let polynomial = Polynomial::Roots(roots[..n].to_vec());
         let options = NewtonOptions { polynomial, w: 0.2, ..NewtonOptions::default() };
