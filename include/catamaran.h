@@ -1247,6 +1247,87 @@ cata_status cata_mesh_spectrum(size_t vertices,
                                const struct cata_spectrum_params *spectrum_params);
 
 /**
+ * The k smallest eigenvalues of the Laplacian of a part of a triangle mesh.
+ *
+ * The part has the faces whose three vertices are in the mask. Under CATA_BOUNDARY_DIRICHLET functions are zero where the
+ * part ends and at the boundary of the mesh: of two parts of which one lies in the other, the inner one then has no smaller
+ * eigenvalue anywhere in the sequence. Under CATA_BOUNDARY_NEUMANN the part is a mesh of its own.
+ *
+ * - `vertices`: their number.
+ * - `positions`: 3 `vertices` elements, read: x, y, z of each vertex. May be NULL when there are none.
+ * - `faces`: their number.
+ * - `corners`: 3 `faces` elements, read: three vertices of each face, from 0. May be NULL when there are none.
+ * - `mask`: `vertices` elements, read: 1 for a vertex of the part, 0 for any other. May be NULL when there are none.
+ * - `k`: number of eigenvalues, at most the vertices of the part that are not held at zero.
+ * - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2. May be NULL when k is 0.
+ * - `laplacian_params`: NULL for the defaults; else read during the call.
+ * - `threads`: 0: all cores of the affinity mask.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_MESH, CATA_ERR_NOT_CONVERGED,
+ * CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
+ *
+ * The result does not depend on the number of threads, bit for bit. Thread-safe.
+ */
+cata_status cata_part_spectrum(size_t vertices,
+                               const double *positions,
+                               size_t faces,
+                               const uint32_t *corners,
+                               const uint8_t *mask,
+                               size_t k,
+                               double *eigenvalues,
+                               const struct cata_laplacian_params *laplacian_params,
+                               size_t threads);
+
+/**
+ * ShapeDNA: the k smallest eigenvalues of the Laplacian of a triangle mesh as its signature (Reuter, Wolter and Peinecke
+ * 2006).
+ *
+ * - `vertices`, `positions`, `faces`, `corners`, `laplacian_params`, `threads`: as those of cata_part_spectrum.
+ * - `k`: number of eigenvalues, at most the vertices that are in a face and not held at zero.
+ * - `normalized`: 1: they are multiplied by the area, so that they do not depend on the size of the mesh; 0: they are not.
+ * - `signature`: k elements, written: ascending. May be NULL when k is 0.
+ *
+ * Returns as cata_part_spectrum.
+ *
+ * The result does not depend on the number of threads, bit for bit. Thread-safe.
+ */
+cata_status cata_shape_dna(size_t vertices,
+                           const double *positions,
+                           size_t faces,
+                           const uint32_t *corners,
+                           size_t k,
+                           int32_t normalized,
+                           double *signature,
+                           const struct cata_laplacian_params *laplacian_params,
+                           size_t threads);
+
+/**
+ * The signatures nearest to a query, in Euclidean distance; of equally near ones the first.
+ *
+ * - `k`: numbers of a signature.
+ * - `query`: k elements, read. May be NULL when k is 0.
+ * - `count`: number of signatures.
+ * - `signatures`: `count` x k elements, read, one after the other. May be NULL when there are none.
+ * - `wanted`: how many are wanted, at most `count`.
+ * - `indices`: `wanted` elements, written: numbers of signatures from 0, the nearest first. May be NULL when `wanted` is 0.
+ * - `distances`: `wanted` elements, written: their distances. May be NULL when `wanted` is 0.
+ * - `threads`: 0: all cores of the affinity mask.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE or CATA_ERR_PANIC; outputs are
+ * untouched unless it is CATA_OK.
+ *
+ * Thread-safe.
+ */
+cata_status cata_shape_dna_retrieve(size_t k,
+                                    const double *query,
+                                    size_t count,
+                                    const double *signatures,
+                                    size_t wanted,
+                                    size_t *indices,
+                                    double *distances,
+                                    size_t threads);
+
+/**
  * Fills a parameter struct with the defaults.
  *
  * `params`: one struct, not NULL; `struct_size` bytes are written.

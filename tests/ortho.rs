@@ -365,7 +365,7 @@ fn rank_revealing_keeps_what_is_independent_and_drops_what_is_nothing() {
         assert_eq!((found.kept.len(), found.q), (c, plain.q), "{n} x {c}");
     }
     let zeros = Mat::<f64>::zeros(9, 3);
-    assert_eq!(rank_revealing(zeros.as_ref(), &lumped(9), &precise()).unwrap().kept, []);
+    assert_eq!(rank_revealing(zeros.as_ref(), &lumped(9), &precise()).unwrap().kept, [0usize; 0]);
     let wrong = GramSchmidtOptions { threshold: 2.0, ..precise() };
     let refused = rank_revealing(zeros.as_ref(), &lumped(9), &wrong).unwrap_err();
     assert!(refused.to_string().starts_with("threshold: "));

@@ -18,6 +18,7 @@ mod progress;
 mod ranks;
 mod report;
 mod shape;
+mod shapedna;
 mod slime;
 mod spectrum;
 mod transfer;
@@ -54,6 +55,8 @@ enum Command {
     Filter(filter::Args),
     Wilt(wilt::Args),
     Curve(curve::Args),
+    #[command(name = "shapedna")]
+    ShapeDna(shapedna::Args),
     Newton(newton::Args),
     Slime(slime::Args),
     Unions(unions::Args),
@@ -79,6 +82,7 @@ fn main() -> ExitCode {
         Command::Filter(args) => filter::run(args),
         Command::Wilt(args) => wilt::run(args),
         Command::Curve(args) => curve::run(args),
+        Command::ShapeDna(args) => shapedna::run(args),
         Command::Newton(args) => newton::run(args),
         Command::Slime(args) => slime::run(args),
         Command::Unions(args) => unions::run(args),

@@ -166,7 +166,7 @@ pub unsafe extern "C" fn cata_mesh_spectrum(
 ///
 /// # Safety
 /// `params` is NULL or points to a struct as the header describes it.
-unsafe fn laplacian_options(
+pub(super) unsafe fn laplacian_options(
     params: *const cata_laplacian_params,
 ) -> Result<LaplacianOptions, Failure> {
     let mut options = LaplacianOptions::default();

@@ -19,6 +19,7 @@ mod mpi;
 mod newton;
 mod ortho;
 mod params;
+mod parts;
 mod plant;
 mod pointer;
 #[cfg(feature = "mpi")]
@@ -45,6 +46,7 @@ pub use mpi::*;
 pub use newton::*;
 pub use ortho::*;
 pub use params::*;
+pub use parts::*;
 pub use plant::*;
 pub use pointer::{CATA_BOTH, CATA_COL_MAJOR, CATA_LOWER, CATA_ROW_MAJOR, CATA_UPPER};
 pub use rows::*;

@@ -1,5 +1,6 @@
 //! Triangle meshes: what they are made of, how they hang together, what is wrong with them, files, and generated ones.
 
+mod cloud;
 mod distance;
 pub mod families;
 pub mod io;
@@ -15,6 +16,7 @@ mod trimesh;
 mod validation;
 pub(crate) mod vector;
 
+pub use cloud::{CloudOptions, cloud_laplacian};
 pub use distance::{Dijkstra, Graph, HeatMethod, HeatOptions, SearchLimits};
 pub use laplacian::{Boundary, Laplacian, LaplacianKind, LaplacianOptions, MassKind, laplacian};
 pub use measure::Normalization;

@@ -10,16 +10,16 @@ use crate::base::{Error, Result};
 /// The weights that come with the library (docs/model-card-unions.md).
 const PRETRAINED: &[u8] = include_bytes!("unions.safetensors");
 
-/// Numbers before this are as good as it.
+/// Logits beyond this say no more.
 const LARGEST: f64 = 20.0;
 
 /// Means and deviations by which numbers are made of about the size 1, and back.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scaling {
     /// Of the features of each position, K x FEATURES by rows.
-    pub token_mean: Vec<f32>,
+    pub feature_mean: Vec<f32>,
     /// Their deviations.
-    pub token_deviation: Vec<f32>,
+    pub feature_deviation: Vec<f32>,
     /// Of the logits of union over bound, K.
     pub output_mean: Vec<f32>,
     /// Their deviations.
@@ -28,12 +28,12 @@ pub struct Scaling {
 
 impl Scaling {
     /// The features of a question in units of their deviations, as the network reads them.
-    pub fn tokens(&self, question: &Question) -> [f32; 2 * K * FEATURES] {
+    pub fn features(&self, question: &Question) -> [f32; 2 * K * FEATURES] {
         std::array::from_fn(|j| {
             let at = j % (K * FEATURES);
             let value =
-                question.tokens[j / FEATURES][j % FEATURES] - f64::from(self.token_mean[at]);
-            (value / f64::from(self.token_deviation[at])) as f32
+                question.features[j / FEATURES][j % FEATURES] - f64::from(self.feature_mean[at]);
+            (value / f64::from(self.feature_deviation[at])) as f32
         })
     }
 }
@@ -76,17 +76,17 @@ impl SpectralUnion {
         let places = sizes.places();
         let lengths = [
             ("parameters", &parameters, places.len),
-            ("token_mean", &scaling.token_mean, K * FEATURES),
-            ("token_deviation", &scaling.token_deviation, K * FEATURES),
+            ("feature_mean", &scaling.feature_mean, K * FEATURES),
+            ("feature_deviation", &scaling.feature_deviation, K * FEATURES),
             ("output_mean", &scaling.output_mean, K),
             ("output_deviation", &scaling.output_deviation, K),
         ];
         for (what, values, len) in lengths {
             Error::check_shape(what, (len, 1), (values.len(), 1))?;
         }
-        if scaling.token_deviation.iter().any(|x| !x.is_normal()) {
+        if scaling.feature_deviation.iter().any(|x| !x.is_normal()) {
             let why = "must not be zero".into();
-            return Err(Error::Argument { what: "token_deviation", why });
+            return Err(Error::Argument { what: "feature_deviation", why });
         }
         Ok(Self { sizes, places, parameters, scaling, familiar })
     }
@@ -98,18 +98,18 @@ impl SpectralUnion {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let tensors = Tensors::new(bytes)?;
         let values = |name: &str, len| tensors.values(name, len);
-        let sizes = values("sizes", 5)?;
-        let [width, heads, hidden, first_layers, second_layers] =
+        let sizes = values("sizes", 4)?;
+        let [width, hidden, first_layers, second_layers] =
             std::array::from_fn(|i| sizes[i] as usize);
-        let sizes = Architecture { width, heads, hidden, first_layers, second_layers };
+        let sizes = Architecture { width, hidden, first_layers, second_layers };
         sizes.check()?;
         let mut parameters = Vec::new();
         for (name, place) in sizes.places().named {
             parameters.extend(values(&name, place.range().len())?);
         }
         let scaling = Scaling {
-            token_mean: values("token_mean", K * FEATURES)?,
-            token_deviation: values("token_deviation", K * FEATURES)?,
+            feature_mean: values("feature_mean", K * FEATURES)?,
+            feature_deviation: values("feature_deviation", K * FEATURES)?,
             output_mean: values("output_mean", K)?,
             output_deviation: values("output_deviation", K)?,
         };
@@ -136,14 +136,14 @@ impl SpectralUnion {
     /// # Errors
     /// [`Error::Argument`] when the format can't hold them.
     pub fn to_bytes(&self) -> Result<Vec<u8>> {
-        let Architecture { width, heads, hidden, first_layers, second_layers } = self.sizes;
-        let sizes = [width, heads, hidden, first_layers, second_layers].map(|x| x as f32);
+        let Architecture { width, hidden, first_layers, second_layers } = self.sizes;
+        let sizes = [width, hidden, first_layers, second_layers].map(|x| x as f32);
         let (scaling, familiar) = (&self.scaling, &self.familiar);
         let limit = [familiar.limit];
         let mut tensors: Vec<(&str, Tensor<'_>)> = vec![
-            ("sizes", Tensor::new(5, &sizes)),
-            ("token_mean", Tensor::new(FEATURES, &scaling.token_mean)),
-            ("token_deviation", Tensor::new(FEATURES, &scaling.token_deviation)),
+            ("sizes", Tensor::new(4, &sizes)),
+            ("feature_mean", Tensor::new(FEATURES, &scaling.feature_mean)),
+            ("feature_deviation", Tensor::new(FEATURES, &scaling.feature_deviation)),
             ("output_mean", Tensor::new(K, &scaling.output_mean)),
             ("output_deviation", Tensor::new(K, &scaling.output_deviation)),
             ("familiar_mean", Tensor::new(JUDGED, &familiar.mean)),
@@ -180,7 +180,7 @@ impl SpectralUnion {
     pub fn predict(&self, first: &[f64], second: &[f64]) -> Result<[f64; K]> {
         let question = Question::new(first, second)?;
         let mut tape = Tape::new(&self.sizes, 1);
-        tape.tokens.copy_from_slice(&self.scaling.tokens(&question));
+        tape.features.copy_from_slice(&self.scaling.features(&question));
         forward(&self.sizes, &self.places, &self.parameters, &mut tape);
         let below: [f64; K] = std::array::from_fn(|i| {
             let output = f64::from(tape.output[i] * self.scaling.output_deviation[i]);
@@ -234,7 +234,7 @@ mod tests {
     use crate::base::Rng;
 
     const SIZES: Architecture =
-        Architecture { width: 16, heads: 4, hidden: 24, first_layers: 2, second_layers: 1 };
+        Architecture { width: 16, hidden: 24, first_layers: 2, second_layers: 1 };
 
     /// A network that nobody has trained.
     fn random(seed: u64, size: f64) -> SpectralUnion {
@@ -242,8 +242,8 @@ mod tests {
         let mut numbers = |n: usize| (0..n).map(|_| (size * rng.normal()) as f32).collect();
         let parameters: Vec<f32> = numbers(SIZES.places().len);
         let scaling = Scaling {
-            token_mean: numbers(K * FEATURES),
-            token_deviation: vec![1.5; K * FEATURES],
+            feature_mean: numbers(K * FEATURES),
+            feature_deviation: vec![1.5; K * FEATURES],
             output_mean: numbers(K),
             output_deviation: vec![2.0; K],
         };

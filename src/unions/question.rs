@@ -9,9 +9,9 @@ pub struct Question {
     pub scale: f64,
     /// The union's eigenvalues are at most these (Dirichlet domain monotonicity): the smaller ones of both.
     pub bound: [f64; K],
-    /// K tokens of the first spectrum, then K of the second one: the logarithms of its eigenvalue and of the other's, and
+    /// K rows of the first spectrum, then K of the second one: the logarithms of its eigenvalue and of the other's, and
     /// K times the difference from the eigenvalue before, of both.
-    pub tokens: [[f64; FEATURES]; 2 * K],
+    pub features: [[f64; FEATURES]; 2 * K],
 }
 
 impl Question {
@@ -29,8 +29,8 @@ impl Question {
             let before = if i == 0 { 0.0 } else { values[i - 1] };
             K as f64 * ((values[i] - before) / scale)
         };
-        let tokens = std::array::from_fn(|token| {
-            let (own, i) = (token / K, token % K);
+        let features = std::array::from_fn(|row| {
+            let (own, i) = (row / K, row % K);
             let other = 1 - own;
             [
                 logarithms[own][i],
@@ -39,13 +39,13 @@ impl Question {
                 offset(&pair[other], i),
             ]
         });
-        Ok(Self { scale, bound, tokens })
+        Ok(Self { scale, bound, features })
     }
 
     /// What does not change when the two spectra are swapped: the mean and the distance of each pair of logarithms.
     pub fn symmetric(&self) -> [f64; 2 * K] {
         std::array::from_fn(|j| {
-            let [a, b, ..] = self.tokens[j % K];
+            let [a, b, ..] = self.features[j % K];
             if j < K { 0.5 * (a + b) } else { (a - b).abs() }
         })
     }

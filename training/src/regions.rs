@@ -12,7 +12,7 @@ use crate::dataset::{Dataset, Spectrum, TEST_B, TRAIN, Template};
 use crate::mlp::{Mlp, Schedule};
 
 /// How a localizer is trained.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct RegionOptions<'a> {
     /// Which template; default 0.
     pub family: usize,

@@ -13,6 +13,7 @@ mod plant;
 mod slime;
 mod spectral;
 mod task_tree;
+mod unions;
 
 use std::fs;
 use std::io::{self, Write};
@@ -46,6 +47,7 @@ const STATIONS: &[fn(&Site<'_>) -> Result<Station>] = &[
     plant::station,
     decimate::station,
     curves::station,
+    unions::station,
     newton::station,
 ];
 

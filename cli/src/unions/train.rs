@@ -40,17 +40,14 @@ pub struct Args {
     /// Go on from OUT.state.npz; sizes and rates are then those of the state.
     #[arg(long)]
     resume: bool,
-    /// Layers of the first and of the second transformer.
-    #[arg(long, value_name = "A,B", value_delimiter = ',', num_args = 2, default_values_t = [3, 2])]
+    /// Layers before and after the sum of both spectra.
+    #[arg(long, value_name = "A,B", value_delimiter = ',', num_args = 2, default_values_t = [2, 2])]
     layers: Vec<usize>,
-    /// Numbers that stand for an eigenvalue.
-    #[arg(long, value_name = "NUMBER", default_value_t = 32)]
+    /// Numbers that stand for a spectrum.
+    #[arg(long, value_name = "NUMBER", default_value_t = 160)]
     width: usize,
-    /// Attention heads.
-    #[arg(long, value_name = "NUMBER", default_value_t = 8)]
-    heads: usize,
     /// Hidden neurons of a layer.
-    #[arg(long, value_name = "NUMBER", default_value_t = 64)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 160)]
     hidden: usize,
     /// Pairs a step.
     #[arg(long, value_name = "NUMBER", default_value_t = 64)]
@@ -58,6 +55,9 @@ pub struct Args {
     /// Largest rate of the optimiser.
     #[arg(long, value_name = "NUMBER", default_value_t = 1e-3)]
     rate: f64,
+    /// Share of each parameter that it loses in a step, times the rate.
+    #[arg(long, value_name = "NUMBER", default_value_t = 0.1)]
+    decay: f64,
     /// Epochs until the rate restarts for the first time; then after twice as many each time.
     #[arg(long, value_name = "NUMBER", default_value_t = 10)]
     period: usize,
@@ -140,8 +140,8 @@ fn beside(output: &Path, end: &str) -> PathBuf {
 }
 
 fn options(args: &Args) -> TrainOptions {
-    let Args { width, heads, hidden, batch, rate, period, seed, .. } = *args;
+    let Args { width, hidden, batch, rate, decay, period, seed, .. } = *args;
     let (first_layers, second_layers) = (args.layers[0], args.layers[1]);
-    let sizes = Architecture { width, heads, hidden, first_layers, second_layers };
-    TrainOptions { sizes, batch, rate, period, seed, ..TrainOptions::default() }
+    let sizes = Architecture { width, hidden, first_layers, second_layers };
+    TrainOptions { sizes, batch, rate, decay, period, seed }
 }

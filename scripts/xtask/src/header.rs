@@ -17,6 +17,7 @@ const FILES: &[&str] = &[
     "verify",
     "spectrum",
     "mesh_spectrum",
+    "parts",
     "ortho",
     "transfer",
     "decimate",

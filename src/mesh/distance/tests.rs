@@ -262,7 +262,7 @@ fn heat_distances_survive_faces_without_area() {
 #[test]
 fn heat_distances_without_faces_are_zero_or_infinite() {
     let empty = TriMesh::new(vec![], vec![]).unwrap();
-    assert_eq!(heat(&empty, LaplacianKind::Cotangent).distances(&[]).unwrap(), []);
+    assert_eq!(heat(&empty, LaplacianKind::Cotangent).distances(&[]).unwrap(), [0.0; 0]);
     let points = TriMesh::new(vec![[0.0; 3]; 2], vec![]).unwrap();
     let found = heat(&points, LaplacianKind::Tufted).distances(&[1]).unwrap();
     assert_eq!(found, [f64::INFINITY, 0.0]);

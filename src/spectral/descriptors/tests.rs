@@ -69,7 +69,7 @@ fn scales_are_those_of_the_papers() {
     assert!((energies[0] - 2.0 * sigma - 2.0_f64.ln()).abs() < 1e-12);
     assert!((energies[8] + 2.0 * sigma - 32.0_f64.ln()).abs() < 1e-12);
     assert_eq!(heat_times(&values, 1).unwrap().len(), 1);
-    assert_eq!(wave_scales(&values, 0).unwrap().energies, []);
+    assert_eq!(wave_scales(&values, 0).unwrap().energies, [0.0; 0]);
     for nothing in [&[][..], &[0.0], &[0.0, -1.0]] {
         assert!(heat_times(nothing, 3).is_err() && wave_scales(nothing, 3).is_err());
     }

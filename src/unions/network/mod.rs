@@ -1,7 +1,8 @@
-//! The transformer behind [`SpectralUnion`](super::SpectralUnion): its parameters and its forward pass, generic over the scalar,
+//! The network behind [`SpectralUnion`](super::SpectralUnion): its parameters and its forward pass, generic over the scalar,
 //! with everything kept that back-propagation (the workspace member `training`) needs.
 //!
-//! Source: thesis, section 2.4, with the pre-norm layers of Xiong et al. 2020. Departures: docs/decisions/0026.
+//! Source: thesis, section 2.4 (a commutative sum between two parts); the layers are residual perceptrons with normalisation first
+//! (as in Xiong et al. 2020), not attention: docs/decisions/0026.
 
 mod forward;
 mod kernel;
@@ -11,8 +12,8 @@ pub use forward::{LayerTape, Tape, forward};
 pub use kernel::{Number, gemm, normalize, sum};
 pub use places::{Architecture, LayerPlaces, Place, Places};
 
-/// Eigenvalues of a spectrum, and so tokens of a sequence.
+/// Eigenvalues of a spectrum.
 pub const K: usize = 20;
 
-/// Numbers that a token begins with: see [`Question`](super::Question).
+/// Numbers for each eigenvalue that the network is given: see [`Question`](super::Question).
 pub const FEATURES: usize = 4;

@@ -6,22 +6,20 @@ use crate::base::{Error, Result};
 /// The sizes of a network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Architecture {
-    /// Numbers that stand for a token; thesis: 32.
+    /// Numbers that stand for a spectrum, or the union of two.
     pub width: usize,
-    /// Attention heads, a divisor of the width; thesis: 8.
-    pub heads: usize,
-    /// Neurons of the feed-forward part of a layer; thesis: 64.
+    /// Neurons of a layer.
     pub hidden: usize,
-    /// Layers of the first transformer, which sees one spectrum informed about the other; thesis: 6.
+    /// Layers of the first part, which sees one spectrum informed about the other.
     pub first_layers: usize,
-    /// Layers of the second transformer, which sees the sum of both; thesis: 3.
+    /// Layers of the second part, which sees the sum of both.
     pub second_layers: usize,
 }
 
 impl Default for Architecture {
-    /// That of the thesis.
+    /// That of the pretrained weights.
     fn default() -> Self {
-        Self { width: 32, heads: 8, hidden: 64, first_layers: 6, second_layers: 3 }
+        Self { width: 160, hidden: 160, first_layers: 2, second_layers: 2 }
     }
 }
 
@@ -46,14 +44,8 @@ impl Place {
 /// Where the parameters of a layer are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LayerPlaces {
-    /// Scale and shift of the normalisation before attention.
-    pub attention_norm: [Place; 2],
-    /// Weights and bias of queries, keys and values, in this order.
-    pub queries_keys_values: [Place; 2],
-    /// Weights and bias after attention.
-    pub mix: [Place; 2],
-    /// Scale and shift of the normalisation before the feed-forward part.
-    pub forward_norm: [Place; 2],
+    /// Scale and shift of the normalisation before the layer.
+    pub norm: [Place; 2],
     /// Weights and bias into the hidden neurons.
     pub up: [Place; 2],
     /// Weights and bias out of them.
@@ -63,17 +55,15 @@ pub struct LayerPlaces {
 /// Where the parameters of a network are in one array.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Places {
-    /// One row for each position in the sequence.
-    pub position: Place,
-    /// From the features of a token.
-    pub embedding: Place,
-    /// The first transformer.
+    /// Weights and bias, from the features of both spectra.
+    pub embedding: [Place; 2],
+    /// The first part.
     pub first: Vec<LayerPlaces>,
     /// The second one.
     pub second: Vec<LayerPlaces>,
     /// Scale and shift of the last normalisation.
     pub norm: [Place; 2],
-    /// Weights and bias of the one output of a token.
+    /// Weights and bias of the K outputs.
     pub head: [Place; 2],
     /// Name and place of every matrix, in their order.
     pub named: Vec<(String, Place)>,
@@ -87,18 +77,17 @@ impl Architecture {
     /// # Errors
     /// [`Error::Argument`] names the size.
     pub fn check(&self) -> Result<()> {
-        let refuse = |what, why: &str| Err(Error::Argument { what, why: why.into() });
-        if !(1..=1024).contains(&self.width) {
-            return refuse("width", "must be from 1 to 1024");
-        }
-        if self.heads == 0 || !self.width.is_multiple_of(self.heads) {
-            return refuse("heads", "must divide the width");
-        }
-        if !(1..=4096).contains(&self.hidden) {
-            return refuse("hidden", "must be from 1 to 4096");
-        }
-        if self.first_layers > 64 || self.second_layers > 64 {
-            return refuse("layers", "must be at most 64");
+        let ranges = [
+            ("width", self.width, 1, 4096),
+            ("hidden", self.hidden, 1, 4096),
+            ("first_layers", self.first_layers, 0, 64),
+            ("second_layers", self.second_layers, 0, 64),
+        ];
+        for (what, value, least, most) in ranges {
+            if !(least..=most).contains(&value) {
+                let why = format!("{value} is not from {least} to {most}");
+                return Err(Error::Argument { what, why });
+            }
         }
         Ok(())
     }
@@ -107,31 +96,22 @@ impl Architecture {
     pub fn places(&self) -> Places {
         let Self { width, hidden, .. } = *self;
         let mut list = List::default();
-        let position = list.add("position", K, width);
-        let embedding = list.add("embedding", FEATURES, width);
+        let embedding = list.linear("embedding", K * FEATURES, width);
         let mut layers = |name: &str, count: usize| -> Vec<LayerPlaces> {
             (0..count)
-                .map(|layer| {
-                    let mut linear = |part: &str, rows, columns| {
-                        list.linear(&format!("{name}.{layer}.{part}"), rows, columns)
-                    };
-                    LayerPlaces {
-                        attention_norm: linear("attention_norm", 1, width),
-                        queries_keys_values: linear("queries_keys_values", width, 3 * width),
-                        mix: linear("mix", width, width),
-                        forward_norm: linear("forward_norm", 1, width),
-                        up: linear("up", width, hidden),
-                        down: linear("down", hidden, width),
-                    }
+                .map(|layer| LayerPlaces {
+                    norm: list.linear(&format!("{name}.{layer}.norm"), 1, width),
+                    up: list.linear(&format!("{name}.{layer}.up"), width, hidden),
+                    down: list.linear(&format!("{name}.{layer}.down"), hidden, width),
                 })
                 .collect()
         };
         let first = layers("first", self.first_layers);
         let second = layers("second", self.second_layers);
         let norm = list.linear("norm", 1, width);
-        let head = list.linear("head", width, 1);
+        let head = list.linear("head", width, K);
         let List { named, len } = list;
-        Places { position, embedding, first, second, norm, head, named, len }
+        Places { embedding, first, second, norm, head, named, len }
     }
 }
 
@@ -142,19 +122,14 @@ struct List {
 }
 
 impl List {
-    fn add(&mut self, name: &str, rows: usize, columns: usize) -> Place {
-        let place = Place { start: self.len, rows, columns };
-        self.len += rows * columns;
-        self.named.push((name.to_owned(), place));
-        place
-    }
-
     /// Weights, and a bias for each column. (Of a normalisation: scale and shift.)
     fn linear(&mut self, name: &str, rows: usize, columns: usize) -> [Place; 2] {
-        [
-            self.add(&format!("{name}.weight"), rows, columns),
-            self.add(&format!("{name}.bias"), 1, columns),
-        ]
+        [("weight", rows), ("bias", 1)].map(|(part, rows)| {
+            let place = Place { start: self.len, rows, columns };
+            self.len += rows * columns;
+            self.named.push((format!("{name}.{part}"), place));
+            place
+        })
     }
 }
 
@@ -165,7 +140,7 @@ mod tests {
     #[test]
     fn places_follow_one_another_without_gaps() {
         for (first_layers, second_layers) in [(0, 0), (1, 0), (2, 3)] {
-            let sizes = Architecture { first_layers, second_layers, ..Architecture::default() };
+            let sizes = Architecture { width: 8, hidden: 6, first_layers, second_layers };
             let places = sizes.places();
             let mut next = 0;
             for (_, place) in &places.named {
@@ -174,22 +149,21 @@ mod tests {
             }
             assert_eq!(next, places.len);
             assert_eq!((places.first.len(), places.second.len()), (first_layers, second_layers));
+            let layer = 2 * 8 + 8 * 6 + 6 + 6 * 8 + 8;
+            let rest = 81 * 8 + 2 * 8 + 9 * 20;
+            assert_eq!(places.len, (first_layers + second_layers) * layer + rest);
         }
-        // 24 of 32 + 9 layers of 4 32^2 + 2 32 64 + biases and norms + the last norm and the head.
-        let layer = 4 * 32 * 32 + 2 * 32 * 64 + 4 * 32 + 64 + 32 + 4 * 32;
-        assert_eq!(Architecture::default().places().len, 24 * 32 + 9 * layer + 64 + 33);
     }
 
     #[test]
     fn sizes_that_are_no_network_are_named() {
-        let with = |width, heads, hidden| {
-            let sizes = Architecture { width, heads, hidden, ..Architecture::default() };
+        let with = |width, hidden, first_layers| {
+            let sizes = Architecture { width, hidden, first_layers, second_layers: 1 };
             sizes.check().map_err(|e| e.to_string())
         };
-        assert!(with(32, 8, 64).is_ok());
-        assert!(with(0, 1, 64).unwrap_err().starts_with("width"));
-        assert!(with(32, 5, 64).unwrap_err().starts_with("heads"));
-        assert!(with(32, 0, 64).unwrap_err().starts_with("heads"));
-        assert!(with(32, 8, 0).unwrap_err().starts_with("hidden"));
+        assert!(with(32, 64, 0).is_ok());
+        assert!(with(0, 64, 1).unwrap_err().starts_with("width"));
+        assert!(with(32, 0, 1).unwrap_err().starts_with("hidden"));
+        assert!(with(32, 64, 65).unwrap_err().starts_with("first_layers"));
     }
 }

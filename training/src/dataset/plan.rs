@@ -14,7 +14,7 @@ use crate::families::{Family, mixed};
 pub struct DatasetOptions {
     /// Seed of everything. Default 1.
     pub seed: u64,
-    /// Vertices of a template, about. Default 4000.
+    /// Vertices of a template, about. Default 2500.
     pub vertices: usize,
     /// Humanoids of body type A to train on. Default 32.
     pub known: usize,
@@ -22,7 +22,7 @@ pub struct DatasetOptions {
     pub unknown: usize,
     /// Identities of each other family. Default 2.
     pub others: usize,
-    /// Poses of each identity. Default 3.
+    /// Poses of each identity. Default 2.
     pub poses: usize,
     /// Parts of each family.
     pub cuts: CutOptions,
@@ -31,7 +31,7 @@ pub struct DatasetOptions {
 impl Default for DatasetOptions {
     fn default() -> Self {
         let cuts = CutOptions::default();
-        Self { seed: 1, vertices: 4000, known: 32, unknown: 5, others: 2, poses: 3, cuts }
+        Self { seed: 1, vertices: 2500, known: 32, unknown: 5, others: 2, poses: 2, cuts }
     }
 }
 

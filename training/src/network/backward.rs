@@ -1,10 +1,7 @@
 use catamaran::base::Rng;
 use catamaran::unions::network::{
-    Architecture, FEATURES, K, LayerPlaces, LayerTape, Number, Place, Places, Tape, gemm, sum,
+    Architecture, K, LayerPlaces, LayerTape, Number, Place, Places, Tape, gemm, sum,
 };
-use pulp::Arch;
-
-use super::attention::AttentionBackward;
 
 /// Random parameters to begin with: weights uniform with the variance of Glorot and Bengio (2010), the last layer of each
 /// residual branch smaller the more of them there are, no bias, and a head that says nothing yet.
@@ -12,7 +9,7 @@ pub fn initial_parameters(sizes: &Architecture, seed: u64) -> Vec<f32> {
     let places = sizes.places();
     let mut parameters = vec![0.0; places.len];
     let mut rng = Rng::new(seed);
-    let depth = (2 * (sizes.first_layers + sizes.second_layers).max(1)) as f64;
+    let depth = (sizes.first_layers + sizes.second_layers).max(1) as f64;
     for (name, place) in &places.named {
         let part = &mut parameters[place.range()];
         let limit = (6.0 / (place.rows + place.columns) as f64).sqrt();
@@ -20,14 +17,11 @@ pub fn initial_parameters(sizes: &Architecture, seed: u64) -> Vec<f32> {
             part.iter_mut().for_each(|x| *x = (limit * (2.0 * rng.uniform() - 1.0)) as f32);
         };
         match name.rsplit_once('.') {
-            None => fill(0.5),
             Some((_, "bias")) => {}
             Some((layer, _)) if layer.ends_with("norm") => part.fill(1.0),
-            Some((layer, _)) if layer.ends_with("mix") || layer.ends_with("down") => {
-                fill(limit / depth.sqrt());
-            }
+            Some((layer, _)) if layer.ends_with("down") => fill(limit / depth.sqrt()),
             Some(("head", _)) => fill(0.1 * limit),
-            Some(_) => fill(limit),
+            _ => fill(limit),
         }
     }
     parameters
@@ -39,91 +33,42 @@ pub struct Backward<T> {
     /// With respect to the parameters; added to by [`Backward::run`].
     pub gradient: Vec<T>,
     transposed: Vec<T>,
-    hidden: Vec<T>,
-    wide: Vec<T>,
-    queries_keys_values: Vec<T>,
 }
 
 impl<T: Number> Backward<T> {
-    /// For networks of these sizes, and a tape of `pairs` pairs.
-    pub fn new(sizes: &Architecture, pairs: usize) -> Self {
-        let (rows, width) = (2 * pairs * K, sizes.width);
-        Self {
-            gradient: vec![T::ZERO; sizes.places().len],
-            transposed: vec![T::ZERO; width * (3 * width).max(sizes.hidden).max(FEATURES)],
-            hidden: vec![T::ZERO; rows * sizes.hidden],
-            wide: vec![T::ZERO; rows * width],
-            queries_keys_values: vec![T::ZERO; rows * 3 * width],
-        }
+    /// For networks of these sizes.
+    pub fn new(sizes: &Architecture) -> Self {
+        let gradient = vec![T::ZERO; sizes.places().len];
+        Self { gradient, transposed: vec![T::ZERO; sizes.width * sizes.hidden.max(K)] }
     }
 
     /// Adds to the gradient, from that with respect to the outputs of the forward pass that filled `tape`.
-    pub fn run(
-        &mut self,
-        sizes: &Architecture,
-        places: &Places,
-        parameters: &[T],
-        tape: &Tape<T>,
-        outputs: &[T],
-    ) {
-        let width = sizes.width;
-        let mut normed = vec![T::ZERO; outputs.len() * width];
+    pub fn run(&mut self, places: &Places, parameters: &[T], tape: &Tape<T>, outputs: &[T]) {
+        let mut normed = vec![T::ZERO; tape.normed.len()];
         self.linear(parameters, places.head, &tape.normed, outputs, Some(&mut normed));
         let mut x = vec![T::ZERO; normed.len()];
         self.norm(parameters, places.norm, [&tape.unit, &tape.inverse], &normed, &mut x);
         for (layer, places) in tape.second.iter().zip(&places.second).rev() {
-            self.layer(sizes, places, parameters, layer, &mut x);
+            self.layer(places, parameters, layer, &mut x);
         }
         // The sum of both orders passes its gradient on to each.
         x.extend_from_within(..);
         for (layer, places) in tape.first.iter().zip(&places.first).rev() {
-            self.layer(sizes, places, parameters, layer, &mut x);
+            self.layer(places, parameters, layer, &mut x);
         }
-        for sequence in x.chunks_exact(K * width) {
-            add(&mut self.gradient[places.position.range()], sequence);
-        }
-        let embedding = &mut self.gradient[places.embedding.range()];
-        gemm((FEATURES, x.len() / width, width), &tape.tokens, (1, FEATURES), &x, embedding);
+        self.linear(parameters, places.embedding, &tape.features, &x, None);
     }
 
     /// `x`, with respect to the output of a layer, becomes that with respect to its input.
-    fn layer(
-        &mut self,
-        sizes: &Architecture,
-        places: &LayerPlaces,
-        parameters: &[T],
-        tape: &LayerTape<T>,
-        x: &mut [T],
-    ) {
-        let mut hidden = std::mem::take(&mut self.hidden);
-        let mut wide = std::mem::take(&mut self.wide);
-        let mut triple = std::mem::take(&mut self.queries_keys_values);
-        {
-            let hidden = &mut hidden[..tape.hidden.len()];
-            let wide = &mut wide[..x.len()];
-            let triple = &mut triple[..3 * x.len()];
-            self.linear(parameters, places.down, &tape.hidden, x, Some(hidden));
-            for (gradient, &value) in hidden.iter_mut().zip(&tape.hidden) {
-                *gradient = if value > T::ZERO { *gradient } else { T::ZERO };
-            }
-            self.linear(parameters, places.up, &tape.forward_normed, hidden, Some(wide));
-            let units = [&tape.forward_unit[..], &tape.forward_inverse];
-            self.norm(parameters, places.forward_norm, units, wide, x);
-
-            self.linear(parameters, places.mix, &tape.mixed, x, Some(wide));
-            Arch::new().dispatch(AttentionBackward {
-                sizes,
-                queries_keys_values: &tape.queries_keys_values,
-                attention: &tape.attention,
-                mixed: wide,
-                gradient: triple,
-            });
-            let normed = &tape.attention_normed;
-            self.linear(parameters, places.queries_keys_values, normed, triple, Some(wide));
-            let units = [&tape.attention_unit[..], &tape.attention_inverse];
-            self.norm(parameters, places.attention_norm, units, wide, x);
+    fn layer(&mut self, places: &LayerPlaces, parameters: &[T], tape: &LayerTape<T>, x: &mut [T]) {
+        let mut hidden = vec![T::ZERO; tape.hidden.len()];
+        self.linear(parameters, places.down, &tape.hidden, x, Some(&mut hidden));
+        for (gradient, &value) in hidden.iter_mut().zip(&tape.hidden) {
+            *gradient = if value > T::ZERO { *gradient } else { T::ZERO };
         }
-        (self.hidden, self.wide, self.queries_keys_values) = (hidden, wide, triple);
+        let mut normed = vec![T::ZERO; tape.normed.len()];
+        self.linear(parameters, places.up, &tape.normed, &hidden, Some(&mut normed));
+        self.norm(parameters, places.norm, [&tape.unit, &tape.inverse], &normed, x);
     }
 
     /// Of `y = x weights + bias`; `dx` is written.
@@ -191,29 +136,29 @@ fn add<T: Number>(sum: &mut [T], x: &[T]) {
 
 #[cfg(test)]
 mod tests {
-    use catamaran::unions::network::forward;
+    use catamaran::unions::network::{FEATURES, forward};
 
     use super::*;
 
-    /// A weighted sum of the outputs of a network on random tokens, and its gradient.
+    /// A weighted sum of the outputs of a network on random features, and its gradient.
     fn value_and_gradient(sizes: &Architecture, parameters: &[f64]) -> (f64, Vec<f64>) {
         const PAIRS: usize = 2;
         let places = sizes.places();
         let mut tape = Tape::new(sizes, PAIRS);
         let mut rng = Rng::new(4);
-        tape.tokens.iter_mut().for_each(|x| *x = rng.normal());
+        tape.features.iter_mut().for_each(|x| *x = rng.normal());
         let weights: Vec<f64> = (0..PAIRS * K).map(|_| rng.normal()).collect();
         forward(sizes, &places, parameters, &mut tape);
         let value = tape.output.iter().zip(&weights).map(|(a, b)| a * b).sum();
-        let mut backward = Backward::new(sizes, PAIRS);
-        backward.run(sizes, &places, parameters, &tape, &weights);
+        let mut backward = Backward::new(sizes);
+        backward.run(&places, parameters, &tape, &weights);
         (value, backward.gradient)
     }
 
     #[test]
     fn gradients_are_those_of_finite_differences() {
-        for (heads, first_layers, second_layers) in [(1, 1, 0), (2, 2, 1), (4, 0, 1), (4, 0, 0)] {
-            let sizes = Architecture { width: 8, heads, hidden: 12, first_layers, second_layers };
+        for (first_layers, second_layers) in [(1, 0), (2, 1), (0, 1), (0, 0)] {
+            let sizes = Architecture { width: 8, hidden: 12, first_layers, second_layers };
             let mut rng = Rng::new(2);
             let mut parameters: Vec<f64> = initial_parameters(&sizes, 1)
                 .iter()
@@ -248,19 +193,19 @@ mod tests {
         let places = sizes.places();
         let parameters = initial_parameters(&sizes, 3);
         let mut rng = Rng::new(8);
-        let tokens: Vec<f32> = (0..2 * K * FEATURES).map(|_| rng.normal() as f32).collect();
+        let features: Vec<f32> = (0..2 * K * FEATURES).map(|_| rng.normal() as f32).collect();
         let mut single = Tape::<f32>::new(&sizes, 1);
-        single.tokens.copy_from_slice(&tokens);
+        single.features.copy_from_slice(&features);
         forward(&sizes, &places, &parameters, &mut single);
-        let mut backward = Backward::new(&sizes, 1);
-        backward.run(&sizes, &places, &parameters, &single, &[1.0; K]);
+        let mut backward = Backward::new(&sizes);
+        backward.run(&places, &parameters, &single, &[1.0; K]);
 
         let exact: Vec<f64> = parameters.iter().map(|&x| f64::from(x)).collect();
         let mut double = Tape::<f64>::new(&sizes, 1);
-        double.tokens = tokens.iter().map(|&x| f64::from(x)).collect();
+        double.features = features.iter().map(|&x| f64::from(x)).collect();
         forward(&sizes, &places, &exact, &mut double);
-        let mut reference = Backward::new(&sizes, 1);
-        reference.run(&sizes, &places, &exact, &double, &[1.0; K]);
+        let mut reference = Backward::new(&sizes);
+        reference.run(&places, &exact, &double, &[1.0; K]);
         let norm = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>().sqrt();
         let difference = norm(
             &mut backward.gradient.iter().zip(&reference.gradient).map(|(&a, b)| f64::from(a) - b),

@@ -1,6 +1,5 @@
-//! Back-propagation through the transformer of [`catamaran::unions::network`].
+//! Back-propagation through the network of [`catamaran::unions::network`].
 
-mod attention;
 mod backward;
 
 pub use backward::{Backward, initial_parameters};

@@ -12,9 +12,9 @@ use crate::adam::Adam;
 /// # Errors
 /// [`Error::Io`]; nothing is left behind then.
 pub fn write_state(output: Output, options: &TrainOptions, state: &State) -> Result<()> {
-    let Architecture { width, heads, hidden, first_layers, second_layers } = options.sizes;
+    let Architecture { width, hidden, first_layers, second_layers } = options.sizes;
     let TrainOptions { batch, period, seed, .. } = *options;
-    let whole = [width, heads, hidden, first_layers, second_layers, batch, period, seed as usize];
+    let whole = [width, hidden, first_layers, second_layers, batch, period, seed as usize];
     let wide = |values: &[f32]| values.iter().map(|&x| f64::from(x)).collect::<Vec<f64>>();
     let curve = |of: fn(&Epoch) -> f64| state.history.iter().map(of).collect::<Vec<f64>>();
     write_arrays(
@@ -47,10 +47,10 @@ pub fn read_state(path: &Path) -> Result<(TrainOptions, State)> {
         Ok(arrays.vector(name)?.iter().map(|&x| x as f32).collect())
     };
     let whole =
-        <[usize; 8]>::try_from(arrays.indices("options")?).map_err(|_| broken("options"))?;
+        <[usize; 7]>::try_from(arrays.indices("options")?).map_err(|_| broken("options"))?;
     let rates = <[f64; 2]>::try_from(arrays.vector("rates")?).map_err(|_| broken("rates"))?;
-    let [width, heads, hidden, first_layers, second_layers, batch, period, seed] = whole;
-    let sizes = Architecture { width, heads, hidden, first_layers, second_layers };
+    let [width, hidden, first_layers, second_layers, batch, period, seed] = whole;
+    let sizes = Architecture { width, hidden, first_layers, second_layers };
     let options =
         TrainOptions { sizes, batch, rate: rates[0], decay: rates[1], period, seed: seed as u64 };
     let steps = *arrays.indices("adam_steps")?.first().ok_or_else(|| broken("adam_steps"))?;

@@ -31,15 +31,16 @@ pub const LEAST_SHARE: f64 = 1e-3;
 /// Logits of larger shares are taken for that of this.
 const LARGEST_SHARE: f64 = 0.999;
 
-/// One pair in so many is kept from the training, to choose among its results.
-const VALIDATION: usize = 25;
+/// To choose among results of the training, one pair in so many is kept from it, and one union in so many.
+const VALIDATION: usize = 50;
+const VALIDATION_UNIONS: usize = 16;
 /// One triple of known shapes in two is trained on; the others test.
 pub const TRAINED_TRIPLES: usize = 2;
 
 /// Coarser meshes have larger eigenvalues, by a share that grows with them: its standard deviation at the last one.
-const DRIFT: f64 = 0.015;
-/// What is left of the differences between meshes.
-const JITTER: f64 = 0.002;
+const DRIFT: f64 = 0.03;
+/// What is left of the differences between meshes; more than there is, as it keeps the network from learning the pairs by heart.
+const JITTER: f64 = 0.01;
 
 impl Pair {
     /// What a coarser or finer mesh might have given.
@@ -71,7 +72,7 @@ impl Pair {
     pub fn example(&self, scaling: &Scaling) -> Result<([f32; 2 * K * FEATURES], [f32; K])> {
         let question = Question::new(&self.first, &self.second)?;
         let logs = self.shares(&question).map(|share| share.ln() as f32);
-        Ok((scaling.tokens(&question), logs))
+        Ok((scaling.features(&question), logs))
     }
 
     fn shares(&self, question: &Question) -> [f64; K] {
@@ -100,15 +101,19 @@ impl Examples {
     pub fn new(dataset: &Dataset) -> Result<Self> {
         let samples = &dataset.samples;
         let mut examples = Self::default();
-        for i in (0..samples.part1.len()).filter(|&i| samples.split[i] == TRAIN) {
+        let train = |i: &usize| samples.split[*i] == TRAIN;
+        let indices = || (0..samples.part1.len()).filter(train);
+        let mut unions: Vec<usize> = indices().map(|i| samples.mask_union[i]).collect();
+        unions.sort_unstable();
+        unions.dedup();
+        // Ids are hashes: those that come last are any.
+        let kept = unions.split_off(unions.len() - unions.len() / VALIDATION_UNIONS);
+        for (count, i) in indices().enumerate() {
             let (first, second) = (samples.part1[i], samples.part2[i]);
             let pair = Pair { first, second, union: samples.union[i] };
-            let kept = &mut examples;
-            let count = kept.training.len() + kept.validation.len();
-            let list = match (count + 1).is_multiple_of(VALIDATION) {
-                true => &mut kept.validation,
-                false => &mut kept.training,
-            };
+            let chosen =
+                kept.contains(&samples.mask_union[i]) || (count + 1).is_multiple_of(VALIDATION);
+            let list = if chosen { &mut examples.validation } else { &mut examples.training };
             list.push(pair);
         }
         if examples.training.is_empty() {
@@ -123,7 +128,7 @@ impl Examples {
             let parts = [triples.part1[i], triples.part2[i], triples.part3[i]];
             examples.triples.push(Triple { parts, whole: triples.whole[i] });
         }
-        examples.mined = Mined::new(dataset);
+        examples.mined = Mined::new(dataset, &kept);
         Ok(examples)
     }
 
@@ -132,12 +137,12 @@ impl Examples {
     /// # Errors
     /// As [`Question::new`], for a part that has no Dirichlet spectrum.
     pub fn scaling(&self) -> Result<Scaling> {
-        let mut tokens = vec![Moments::default(); K * FEATURES];
+        let mut features = vec![Moments::default(); K * FEATURES];
         let mut outputs = vec![Moments::default(); K];
         for pair in &self.training {
             let question = Question::new(&pair.first, &pair.second)?;
-            for (j, &value) in question.tokens.as_flattened().iter().enumerate() {
-                tokens[j % (K * FEATURES)].add(value);
+            for (j, &value) in question.features.as_flattened().iter().enumerate() {
+                features[j % (K * FEATURES)].add(value);
             }
             for (moments, share) in outputs.iter_mut().zip(pair.shares(&question)) {
                 let share = share.min(LARGEST_SHARE);
@@ -147,8 +152,8 @@ impl Examples {
         let means = |all: &[Moments]| all.iter().map(|m| m.mean() as f32).collect();
         let deviations = |all: &[Moments]| all.iter().map(|m| m.deviation() as f32).collect();
         Ok(Scaling {
-            token_mean: means(&tokens),
-            token_deviation: deviations(&tokens),
+            feature_mean: means(&features),
+            feature_deviation: deviations(&features),
             output_mean: means(&outputs),
             output_deviation: deviations(&outputs),
         })

@@ -23,11 +23,11 @@ use crate::network::{Backward, initial_parameters};
 pub struct TrainOptions {
     /// Its sizes.
     pub sizes: Architecture,
-    /// Pairs a step, a multiple of 8.
+    /// Pairs a step, a multiple of 32.
     pub batch: usize,
     /// Largest rate of the optimiser; thesis: 2e-4.
     pub rate: f64,
-    /// Weight decay; thesis: 1e-5.
+    /// Weight decay, apart from the gradient; thesis: 1e-5, within it.
     pub decay: f64,
     /// Epochs until the first restart; thesis: 10.
     pub period: usize,
@@ -38,7 +38,7 @@ pub struct TrainOptions {
 impl Default for TrainOptions {
     fn default() -> Self {
         let sizes = Architecture::default();
-        Self { sizes, batch: 64, rate: 1e-3, decay: 1e-5, period: 10, seed: 1 }
+        Self { sizes, batch: 64, rate: 1e-3, decay: 0.1, period: 10, seed: 1 }
     }
 }
 
@@ -65,7 +65,7 @@ pub struct Epoch {
 }
 
 /// Pairs that one task works on.
-const TASK: usize = 8;
+const TASK: usize = 32;
 /// Shares of the examples that are parts and what contains them, triples, and further unions; the rest are samples.
 const CONTAINED: f64 = 0.08;
 const TRIPLES: f64 = 0.04;
@@ -123,7 +123,7 @@ impl Trainer {
         }
         let worker = || Worker {
             tape: Tape::new(&options.sizes, TASK),
-            backward: Backward::new(&options.sizes, TASK),
+            backward: Backward::new(&options.sizes),
             targets: vec![[0.0; K]; TASK],
             error: 0.0,
         };
@@ -210,8 +210,8 @@ impl Trainer {
                 } else {
                     sample
                 };
-                let (tokens, logs) = pair.disturbed(&mut rng).example(scaling)?;
-                worker.place(slot, &tokens, logs);
+                let (features, logs) = pair.disturbed(&mut rng).example(scaling)?;
+                worker.place(slot, &features, logs);
             }
             worker.run(options, scaling, places, parameters);
             Ok(())
@@ -257,8 +257,8 @@ impl Trainer {
         let mut error = 0.0;
         for pairs in examples.validation.chunks(TASK) {
             for (slot, pair) in pairs.iter().enumerate() {
-                let (tokens, logs) = pair.example(scaling)?;
-                worker.place(slot, &tokens, logs);
+                let (features, logs) = pair.example(scaling)?;
+                worker.place(slot, &features, logs);
             }
             forward(&options.sizes, places, &state.parameters, &mut worker.tape);
             for (slot, _) in pairs.iter().enumerate() {
@@ -273,10 +273,10 @@ impl Trainer {
 }
 
 impl Worker {
-    fn place(&mut self, slot: usize, tokens: &[f32; 2 * K * FEATURES], logs: [f32; K]) {
+    fn place(&mut self, slot: usize, features: &[f32; 2 * K * FEATURES], logs: [f32; K]) {
         let half = K * FEATURES;
-        let (first, second) = tokens.split_at(half);
-        let (firsts, seconds) = self.tape.tokens.split_at_mut(TASK * half);
+        let (first, second) = features.split_at(half);
+        let (firsts, seconds) = self.tape.features.split_at_mut(TASK * half);
         firsts[slot * half..(slot + 1) * half].copy_from_slice(first);
         seconds[slot * half..(slot + 1) * half].copy_from_slice(second);
         self.targets[slot] = logs;
@@ -315,7 +315,7 @@ impl Worker {
             }
         }
         self.backward.gradient.fill(0.0);
-        self.backward.run(&options.sizes, places, parameters, &self.tape, &outputs);
+        self.backward.run(places, parameters, &self.tape, &outputs);
     }
 }
 

@@ -52,11 +52,11 @@ fn dataset(pairs: &[Pair]) -> Dataset {
 }
 
 const SMALL: Architecture =
-    Architecture { width: 32, heads: 4, hidden: 32, first_layers: 1, second_layers: 1 };
+    Architecture { width: 32, hidden: 32, first_layers: 1, second_layers: 1 };
 
 fn trainer(par: Par) -> Trainer {
     let examples = Examples::new(&dataset(&strips(200, 1))).unwrap();
-    let options = TrainOptions { sizes: SMALL, batch: 16, period: 10, ..TrainOptions::default() };
+    let options = TrainOptions { sizes: SMALL, batch: 32, period: 10, ..TrainOptions::default() };
     Trainer::new(examples, options, None, par).unwrap()
 }
 

@@ -1,0 +1,105 @@
+//! The station of spectral unions: two parts of a figure in two poses, and the spectrum of what they make together.
+
+use std::time::Instant;
+
+use anyhow::Result;
+use catamaran::mesh::{LaplacianOptions, TriMesh};
+use catamaran::unions::{K, PartSpectra, SpectralUnion};
+use catamaran_training::families::{Family, Model};
+
+use super::Site;
+use super::page::{Figure, Station, Table};
+use crate::picture::{Paint, Panel, Scene, View, render};
+use crate::progress::Bar;
+
+/// Vertices of the figure, about, and the same when small inputs are wanted.
+const VERTICES: usize = 2500;
+const SMALL_VERTICES: usize = 1200;
+/// A figure that no data set has.
+const SEED: u64 = 77;
+/// Where the parts begin and end, as shares of the height.
+const PARTS: [[f64; 2]; 2] = [[0.5, 1.1], [0.2, 0.65]];
+/// Eigenvalues in the table.
+const SHOWN: [usize; 6] = [1, 2, 5, 10, 15, 20];
+
+/// Computes and describes it.
+pub fn station(site: &Site<'_>) -> Result<Station> {
+    let bar = Bar::new("unions");
+    let count = if site.small { SMALL_VERTICES } else { VERTICES };
+    let figure = Model::new(Family::Humanoid, count)?;
+    bar.update(0.4);
+    let poses = [figure.shape(SEED, 0, 0, 0)?, figure.shape(SEED, 0, 0, 1)?];
+    let masks = PARTS.map(|[low, high]| between(figure.template(), low, high));
+    let both: Vec<bool> = masks[0].iter().zip(&masks[1]).map(|(a, b)| *a || *b).collect();
+    let spectrum = |mesh: &TriMesh, mask: &[bool]| {
+        PartSpectra::new(mesh, &LaplacianOptions::default())?.dirichlet(mask, K)
+    };
+    let parts = [spectrum(&poses[0], &masks[0])?, spectrum(&poses[1], &masks[1])?];
+    let truth = spectrum(&poses[0], &both)?;
+    let model = SpectralUnion::pretrained()?;
+    let start = Instant::now();
+    let found = model.predict(&parts[0], &parts[1])?;
+    let seconds = start.elapsed().as_secs_f64();
+    let strangeness = model.strangeness(&[&parts[0], &parts[1]])?;
+    bar.update(0.8);
+
+    let painted = [&masks[0], &masks[1], &both].map(|mask| values(mask));
+    let meshes = [&poses[0], &poses[1], figure.template()];
+    let titles = ["first part", "second part, another pose", "their union"];
+    let panels = meshes.into_iter().zip(&painted).zip(titles).map(|((mesh, values), title)| {
+        Panel { mesh, paint: Paint::Values(values), view: View::DEFAULT, title }
+    });
+    let scene =
+        Scene { panels: panels.collect(), size: (420, 560), legend: false, ..Scene::default() };
+    render(&scene)?.write_png(site.file("unions.png")?)?;
+    drop(bar);
+
+    let error = |values: &dyn Fn(usize) -> f64| {
+        100.0 * (0..K).map(|i| (values(i) / truth[i] - 1.0).abs()).sum::<f64>() / K as f64
+    };
+    let rows = SHOWN
+        .iter()
+        .map(|&i| {
+            let cells = [parts[0][i - 1], parts[1][i - 1], found[i - 1], truth[i - 1]];
+            std::iter::once(i.to_string()).chain(cells.map(|x| format!("{x:.2}"))).collect()
+        })
+        .collect();
+    Ok(Station {
+        id: "unions",
+        title: "Spectral unions",
+        text: "<p>The frequencies of two parts of a body, which may be in two poses, are all that is known. From these alone a network predicts \
+               those of the union: never above those of a part, as the mathematics of drums demands, by construction.</p>"
+            .into(),
+        numbers: vec![
+            (format!("{:.1} %", error(&|i| found[i])), "mean error of the predicted eigenvalues"),
+            (
+                format!("{:.0} %", error(&|i| parts[0][i].min(parts[1][i]))),
+                "that of the smaller ones of the parts",
+            ),
+            (format!("{:.0} us", 1e6 * seconds), "for a prediction"),
+            (format!("{strangeness:.2}"), "strangeness; above 1 it is a guess"),
+        ],
+        figures: vec![Figure {
+            body: "<img src=\"unions.png\" alt=\"Two parts of a figure in two poses, and their union\" width=\"100%\">".into(),
+            caption: "Two parts of a figure that is not in the training, each in a pose of its own, and their union.".into(),
+            wide: true,
+        }],
+        tables: vec![Table {
+            caption: "Dirichlet eigenvalues.".into(),
+            head: vec!["number", "first part", "second part", "predicted union", "true union"],
+            text_columns: 0,
+            rows,
+        }],
+    })
+}
+
+/// The vertices between two shares of the height.
+fn between(mesh: &TriMesh, low: f64, high: f64) -> Vec<bool> {
+    let [bottom, top] = mesh.bounding_box().unwrap_or_default();
+    let at = |share: f64| bottom[1] + share * (top[1] - bottom[1]);
+    mesh.vertices().iter().map(|p| (at(low)..=at(high)).contains(&p[1])).collect()
+}
+
+fn values(mask: &[bool]) -> Vec<f64> {
+    mask.iter().map(|&inside| f64::from(u8::from(inside))).collect()
+}

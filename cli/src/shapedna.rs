@@ -1,0 +1,118 @@
+//! `catamaran shapedna`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use catamaran::faer::Mat;
+use catamaran::io::{self, Output, Overwrite};
+use catamaran::mesh::io as meshes;
+use catamaran::mesh::{Boundary, LaplacianOptions};
+use catamaran::unions::{ShapeDnaOptions, retrieve, shape_dna};
+
+use crate::progress::Bar;
+use crate::report::report;
+use crate::shape::LaplacianArgs;
+
+/// Compare triangle meshes by their spectra (ShapeDNA), whatever their pose and triangles.
+///
+/// The signature of a mesh is its first eigenvalues. For each mesh, the others are listed, the nearest first, with the
+/// Euclidean distances of the signatures.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Meshes: .obj, .ply, .off or .stl, each also as .gz or .xz.
+    #[arg(value_name = "MESH", required = true)]
+    inputs: Vec<PathBuf>,
+    /// Compare this mesh with the others, instead of each with each.
+    #[arg(long, value_name = "MESH")]
+    query: Option<PathBuf>,
+    /// Eigenvalues of a signature.
+    #[arg(short, default_value_t = 20, value_name = "NUMBER")]
+    k: usize,
+    /// How many of the nearest are listed.
+    #[arg(long, default_value_t = 5, value_name = "NUMBER")]
+    nearest: usize,
+    /// Meshes of different size are different: don't multiply eigenvalues by the area.
+    #[arg(long)]
+    sized: bool,
+    /// Functions are zero at the boundary; without this their normal derivative is.
+    #[arg(long)]
+    dirichlet: bool,
+    #[command(flatten)]
+    laplacian: LaplacianArgs,
+    /// Write the signatures, a row a mesh (that of the query first): .npy, .csv, .tsv, .txt or .mtx, and .gz after it.
+    #[arg(long, value_name = "FILE")]
+    signatures: Option<PathBuf>,
+    /// Write the table of distances, a row and a column a mesh (those of the query first), likewise.
+    #[arg(long, value_name = "FILE")]
+    distances: Option<PathBuf>,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    let signatures = create(args.signatures.as_deref(), args.force)?;
+    let distances = create(args.distances.as_deref(), args.force)?;
+    let names: Vec<&Path> = args.query.iter().chain(&args.inputs).map(PathBuf::as_path).collect();
+    let boundary = if args.dirichlet { Boundary::Dirichlet } else { Boundary::Neumann };
+    let par = args.laplacian.par();
+    let laplacian = LaplacianOptions {
+        kind: args.laplacian.kind(),
+        boundary,
+        par,
+        ..LaplacianOptions::default()
+    };
+    let options = ShapeDnaOptions { k: args.k, normalized: !args.sized, laplacian };
+    let bar = Bar::new("shapes");
+    let mut found = Vec::with_capacity(names.len());
+    for (i, name) in names.iter().enumerate() {
+        let mesh = meshes::read(name)?.mesh;
+        found.push(shape_dna(&mesh, &options).with_context(|| name.display().to_string())?);
+        bar.update((i + 1) as f64 / names.len() as f64);
+        crate::progress::check()?;
+    }
+    drop(bar);
+
+    let asked = if args.query.is_some() { 1 } else { names.len() };
+    for (i, name) in names.iter().enumerate().take(asked) {
+        report(format_args!("{}", name.display()))?;
+        // One more than is wanted: itself.
+        let nearest = retrieve(&found[i], &found, args.nearest.saturating_add(1), par)?;
+        let others = nearest.iter().filter(|other| other.index != i).take(args.nearest);
+        for other in others {
+            report(format_args!("  {:<12.6} {}", other.distance, names[other.index].display()))?;
+        }
+    }
+    let count = names.len();
+    if let Some(output) = signatures {
+        let rows = Mat::from_fn(count, args.k, |i, j| found[i][j]);
+        written(output, &rows)?;
+    }
+    if let Some(output) = distances {
+        let mut table = Mat::zeros(count, count);
+        for i in 0..count {
+            for other in retrieve(&found[i], &found, count, par)? {
+                table[(i, other.index)] = other.distance;
+            }
+        }
+        written(output, &table)?;
+    }
+    Ok(())
+}
+
+fn create(path: Option<&Path>, force: bool) -> Result<Option<Output>> {
+    let Some(path) = path else { return Ok(None) };
+    io::check_name(path)?;
+    if !force && path.symlink_metadata().is_ok() {
+        bail!("{}: exists already (--force replaces it)", path.display());
+    }
+    let overwrite = if force { Overwrite::Replace } else { Overwrite::Never };
+    Ok(Some(Output::create(path, overwrite)?))
+}
+
+fn written(output: Output, matrix: &Mat<f64>) -> Result<()> {
+    let path = output.path().display().to_string();
+    io::write(output, matrix.as_ref())?;
+    report(format_args!("written {path}: {} x {}", matrix.nrows(), matrix.ncols()))
+}

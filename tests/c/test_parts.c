@@ -1,0 +1,118 @@
+/* Spectra of parts and ShapeDNA through the C ABI: closed forms, domain monotonicity, refusals, outputs untouched. */
+
+#include <catamaran.h>
+
+#include <math.h>
+#include <string.h>
+
+#include "check.h"
+
+#define CHECK_MENTIONS(text) CHECK(strstr(cata_last_error_message(), text) != NULL)
+
+enum { SIDE = 41, V = SIDE * SIDE, F = 2 * (SIDE - 1) * (SIDE - 1), K = 8 };
+
+static double positions[3 * V];
+static uint32_t corners[3 * F];
+static uint8_t mask[V];
+
+/* The unit square. */
+static void make_square(void)
+{
+    size_t f = 0;
+    for (uint32_t i = 0; i < SIDE; i++) {
+        for (uint32_t j = 0; j < SIDE; j++) {
+            const uint32_t v = i * SIDE + j;
+            positions[3 * v] = i / (SIDE - 1.0);
+            positions[3 * v + 1] = j / (SIDE - 1.0);
+            if (i + 1 < SIDE && j + 1 < SIDE) {
+                const uint32_t two[6] = {v, v + SIDE, v + SIDE + 1, v, v + SIDE + 1, v + 1};
+                memcpy(corners + f, two, sizeof two);
+                f += 6;
+            }
+        }
+    }
+}
+
+/* Vertices with x of at most this. */
+static void mask_up_to(double x)
+{
+    for (size_t v = 0; v < V; v++) {
+        mask[v] = positions[3 * v] <= x + 1e-9;
+    }
+}
+
+static cata_status part(size_t k, double *values, int32_t boundary, size_t threads)
+{
+    cata_laplacian_params params;
+    CHECK_STATUS(cata_laplacian_params_init(&params, sizeof params), CATA_OK);
+    params.boundary = boundary;
+    return cata_part_spectrum(V, positions, F, corners, mask, k, values, &params, threads);
+}
+
+static void test_parts(void)
+{
+    const double pi2 = 9.869604401089358;
+    double whole[K], half[K], again[K], free_half[K];
+    mask_up_to(1.0);
+    CHECK_STATUS(part(K, whole, CATA_BOUNDARY_DIRICHLET, 0), CATA_OK);
+    CHECK(fabs(whole[0] / (2 * pi2) - 1) < 0.01 && fabs(whole[1] / (5 * pi2) - 1) < 0.01);
+    mask_up_to(0.5);
+    CHECK_STATUS(part(K, half, CATA_BOUNDARY_DIRICHLET, 1), CATA_OK);
+    CHECK(fabs(half[0] / (5 * pi2) - 1) < 0.01 && fabs(half[1] / (8 * pi2) - 1) < 0.01);
+    CHECK_STATUS(part(K, again, CATA_BOUNDARY_DIRICHLET, 3), CATA_OK);
+    CHECK(memcmp(half, again, sizeof half) == 0);
+    CHECK_STATUS(part(K, free_half, CATA_BOUNDARY_NEUMANN, 1), CATA_OK);
+    CHECK(fabs(free_half[0]) < 1e-9 && fabs(free_half[1] / pi2 - 1) < 0.01);
+    for (size_t i = 0; i < K; i++) {
+        CHECK(whole[i] <= half[i] && free_half[i] <= half[i]);
+    }
+    /* Nothing but what is not there is refused. */
+    CHECK_STATUS(part(0, NULL, CATA_BOUNDARY_DIRICHLET, 1), CATA_OK);
+    again[0] = -7;
+    CHECK_STATUS(part(V, again, CATA_BOUNDARY_DIRICHLET, 1), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("eigenvalues of a part with");
+    mask[3] = 2;
+    CHECK_STATUS(part(K, again, CATA_BOUNDARY_DIRICHLET, 1), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("mask: element 3 is 2");
+    CHECK_STATUS(cata_part_spectrum(V, positions, F, corners, NULL, K, again, NULL, 1), CATA_ERR_NULL);
+    CHECK_STATUS(cata_part_spectrum(2, positions, F, corners, mask, K, again, NULL, 1), CATA_ERR_MESH);
+    CHECK(again[0] == -7);
+}
+
+static void test_shape_dna(void)
+{
+    double one[K], scaled[K], plain[K];
+    CHECK_STATUS(cata_shape_dna(V, positions, F, corners, K, 1, one, NULL, 1), CATA_OK);
+    for (size_t i = 0; i < 3 * V; i++) {
+        positions[i] *= 2;
+    }
+    CHECK_STATUS(cata_shape_dna(V, positions, F, corners, K, 1, scaled, NULL, 1), CATA_OK);
+    CHECK_STATUS(cata_shape_dna(V, positions, F, corners, K, 0, plain, NULL, 1), CATA_OK);
+    for (size_t i = 1; i < K; i++) {
+        CHECK(fabs(scaled[i] / one[i] - 1) < 1e-9 && fabs(4 * plain[i] / one[i] - 1) < 1e-9);
+    }
+    CHECK_STATUS(cata_shape_dna(V, positions, F, corners, K, 2, plain, NULL, 1), CATA_ERR_ARGUMENT);
+
+    const double signatures[8] = {0, 5, 3, 4, 0, 5, 1, 1}, query[2] = {0, 4};
+    size_t found[3];
+    double distances[3];
+    CHECK_STATUS(cata_shape_dna_retrieve(2, query, 4, signatures, 3, found, distances, 1), CATA_OK);
+    CHECK(found[0] == 0 && found[1] == 2 && found[2] == 3);
+    CHECK(distances[0] == 1 && distances[1] == 1 && fabs(distances[2] - sqrt(10)) < 1e-15);
+    found[0] = 9;
+    CHECK_STATUS(cata_shape_dna_retrieve(2, query, 4, signatures, 5, found, distances, 1),
+                 CATA_ERR_ARGUMENT);
+    CHECK_STATUS(cata_shape_dna_retrieve(2, NULL, 4, signatures, 1, found, distances, 1), CATA_ERR_NULL);
+    const double broken[2] = {0, NAN};
+    CHECK_STATUS(cata_shape_dna_retrieve(2, broken, 4, signatures, 1, found, distances, 1),
+                 CATA_ERR_NON_FINITE);
+    CHECK(found[0] == 9);
+}
+
+int main(void)
+{
+    make_square();
+    test_parts();
+    test_shape_dna();
+    return report("test_parts");
+}
