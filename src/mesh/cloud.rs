@@ -150,9 +150,10 @@ fn star(
     for (k, &(a, i)) in hull.iter().enumerate() {
         let (b, j) = hull[(k + 1) % hull.len()];
         let lengths = a[0].hypot(a[1]) * b[0].hypot(b[1]);
-        if a[0] * b[1] - a[1] * b[0] > FLAT * lengths {
+        let sine = (a[0] * b[1] - a[1] * b[0]) / lengths;
+        if sine > FLAT {
             star.faces.push([centre, i, j]);
-        } else if a[0] * b[0] + a[1] * b[1] < 0.0 {
+        } else if sine < -FLAT || a[0] * b[0] + a[1] * b[1] < 0.0 {
             star.open = true;
         }
     }

@@ -173,7 +173,7 @@ mod tests {
             mirror: (0..400).rev().collect(),
             mass: vec![],
             eigenvalues: vec![],
-            eigenfunctions: Default::default(),
+            eigenfunctions: catamaran::faer::Mat::new(),
             masks: (0..ranges.len()).collect(),
             mask_starts: vec![0],
             mask_vertices: vec![],
