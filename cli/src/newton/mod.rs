@@ -258,7 +258,7 @@ fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
 /// `N` or `WIDTHxHEIGHT`.
 fn size(text: &str) -> Result<(u32, u32), String> {
     let (width, height) = text.split_once('x').unwrap_or((text, text));
-    let side = |text: &str| match text.trim().parse() {
+    let side = |text: &str| match text.trim().parse::<u32>() {
         Ok(n @ 1..=65_536) => Ok(n),
         Ok(n) => Err(format!("{n}: sides are from 1 to 65,536")),
         Err(e) => Err(e.to_string()),
