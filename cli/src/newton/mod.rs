@@ -33,8 +33,14 @@ pub struct Args {
     /// The polynomial is z^N - 1, with N^2 roots; N from 2 to 64 [default: 3].
     #[arg(long, value_name = "N", conflicts_with = "roots")]
     power: Option<u32>,
-    /// The polynomial has these roots, each RE,IM: --roots 1,0 -0.5,0.8 -1,-0.3.
-    #[arg(long, value_name = "RE,IM", num_args = 1.., allow_hyphen_values = true, value_parser = numbers::<2>)]
+    /// The polynomial has these roots, real and imaginary part: --roots 1,0:-0.5,0.8:-1,-0.3.
+    #[arg(
+        long,
+        value_name = "RE,IM:RE,IM...",
+        value_delimiter = ':',
+        allow_hyphen_values = true,
+        value_parser = numbers::<2>
+    )]
     roots: Vec<[f64; 2]>,
     /// The fourth coordinate.
     #[arg(long, value_name = "W", default_value_t = 0.0, allow_hyphen_values = true)]
