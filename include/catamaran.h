@@ -28,7 +28,7 @@
 /** Bit of cata_capabilities: MPI is linked in (cata_world_new works). */
 #define CATA_CAP_MPI 2
 
-/** Bit of cata_capabilities: OpenCL devices; not in this version, never set. */
+/** Bit of cata_capabilities: kernels run on OpenCL devices, where there are any (cata_device_name tells). */
 #define CATA_CAP_OPENCL 4
 
 /** Bit of cata_capabilities: HDF5 files; not in this version, never set. */
@@ -136,6 +136,15 @@
 /** Samples are on different components of the mesh. */
 #define CATA_CURVE_DISCONNECTED 4
 
+/** Equation 7.3 of the thesis: from -1 (at a root) to the number of iterations. */
+#define CATA_NEWTON_THESIS 0
+
+/** The gradient of the shader of the thesis' authors: from 0 to 1. */
+#define CATA_NEWTON_SHADER 1
+
+/** Eigenvalues of the spectra that cata_unions_predict takes and gives. */
+#define CATA_UNION_EIGENVALUES 20
+
 /** `spread`: every rank has rows of A, in any order and number. */
 #define CATA_BY_ROWS 141
 
@@ -152,6 +161,9 @@ typedef struct cata_backend cata_backend;
 /** Curves that were found. Made by cata_curves_new; for one thread at a time unless it is only read. */
 typedef struct cata_curves cata_curves;
 
+/** A fractal that points can be asked of. Made by cata_newton_new; for one thread at a time. */
+typedef struct cata_newton cata_newton;
+
 /** The water in a plant: its constants, the present, and what it takes to go on. Opaque. */
 typedef struct cata_plant cata_plant;
 
@@ -160,6 +172,9 @@ typedef struct cata_plant cata_plant;
  * cata_world_ata_rows_f64 and the like, given back by cata_symmetric_free.
  */
 typedef struct cata_symmetric cata_symmetric;
+
+/** The spectral union operator: a network with its weights. Opaque. */
+typedef struct cata_unions cata_unions;
 
 /**
  * The ranks of an MPI communicator that work together; made by cata_world_new, given back by cata_world_free.
@@ -447,6 +462,50 @@ typedef struct cata_curve_params {
     /** 1: vertices of the mesh alone; 0: points in the middle of edges are added where there is no other way. */
     int32_t no_steiner;
 } cata_curve_params;
+
+/**
+ * What a Newton fractal is of. Every field but the first is 0 (NULL) by default, so that
+ * `cata_newton_params params = {.struct_size = sizeof params};` does what cata_newton_params_init does.
+ */
+typedef struct cata_newton_params {
+    /**
+     * sizeof(cata_newton_params) as the caller was compiled with. Later versions add fields at the end;
+     * one that this library does not know must be 0.
+     */
+    size_t struct_size;
+    /** Threads of the processor; 0: all cores. Results do not depend on it. */
+    size_t threads;
+    /** Elements of `roots` / 2: roots of the polynomial, at most 64; 0: the polynomial is z^`power` - 1. */
+    size_t root_count;
+    /**
+     * 2 `root_count` elements, read by cata_newton_new: real and imaginary part of each root, within 1e4
+     * of 0. NULL when there are none.
+     */
+    const double *roots;
+    /**
+     * NULL: the processor. Else an OpenCL device: its number or a part of its name, NUL-terminated; "" is
+     * the first GPU, or else the first device. Needs CATA_CAP_OPENCL.
+     */
+    const char *device;
+    /** Told of progress; NULL: nobody. */
+    cata_progress progress;
+    /** Handed to `progress` as it is; may be NULL. */
+    void *progress_user;
+    /** What points are multiplied by after `offset` and `w` are added; 0: 1. */
+    double scale;
+    /** The theta of the gradient, from -10 to 20; 0: 3.5. */
+    double theta;
+    /** The fourth coordinate of all points. */
+    double w;
+    /** Added to x, y and z of each point. */
+    double offset[3];
+    /** With `root_count` 0: from 2 to 64; 0: 3. */
+    uint32_t power;
+    /** Iterations, at most 1000; 0: 32. */
+    uint32_t iterations;
+    /** CATA_NEWTON_THESIS or CATA_NEWTON_SHADER. */
+    int32_t gradient;
+} cata_newton_params;
 
 /**
  * What a rank has sent and received: words are matrix entries. The few numbers by which ranks agree on shapes
@@ -1137,6 +1196,87 @@ cata_status cata_mesh_spectrum(size_t vertices,
                                const struct cata_spectrum_params *spectrum_params);
 
 /**
+ * The k smallest eigenvalues of the Laplacian of a part of a triangle mesh.
+ *
+ * The part has the faces whose three vertices are in the mask. Under CATA_BOUNDARY_DIRICHLET functions are zero where the
+ * part ends and at the boundary of the mesh: of two parts of which one lies in the other, the inner one then has no smaller
+ * eigenvalue anywhere in the sequence. Under CATA_BOUNDARY_NEUMANN the part is a mesh of its own.
+ *
+ * - `vertices`: their number.
+ * - `positions`: 3 `vertices` elements, read: x, y, z of each vertex. May be NULL when there are none.
+ * - `faces`: their number.
+ * - `corners`: 3 `faces` elements, read: three vertices of each face, from 0. May be NULL when there are none.
+ * - `mask`: `vertices` elements, read: 1 for a vertex of the part, 0 for any other. May be NULL when there are none.
+ * - `k`: number of eigenvalues, at most the vertices of the part that are not held at zero.
+ * - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2. May be NULL when k is 0.
+ * - `laplacian_params`: NULL for the defaults; else read during the call.
+ * - `threads`: 0: all cores of the affinity mask.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_MESH, CATA_ERR_NOT_CONVERGED,
+ * CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
+ *
+ * The result does not depend on the number of threads, bit for bit. Thread-safe.
+ */
+cata_status cata_part_spectrum(size_t vertices,
+                               const double *positions,
+                               size_t faces,
+                               const uint32_t *corners,
+                               const uint8_t *mask,
+                               size_t k,
+                               double *eigenvalues,
+                               const struct cata_laplacian_params *laplacian_params,
+                               size_t threads);
+
+/**
+ * ShapeDNA: the k smallest eigenvalues of the Laplacian of a triangle mesh as its signature (Reuter, Wolter and Peinecke
+ * 2006).
+ *
+ * - `vertices`, `positions`, `faces`, `corners`, `laplacian_params`, `threads`: as those of cata_part_spectrum.
+ * - `k`: number of eigenvalues, at most the vertices that are in a face and not held at zero.
+ * - `normalized`: 1: they are multiplied by the area, so that they do not depend on the size of the mesh; 0: they are not.
+ * - `signature`: k elements, written: ascending. May be NULL when k is 0.
+ *
+ * Returns as cata_part_spectrum.
+ *
+ * The result does not depend on the number of threads, bit for bit. Thread-safe.
+ */
+cata_status cata_shape_dna(size_t vertices,
+                           const double *positions,
+                           size_t faces,
+                           const uint32_t *corners,
+                           size_t k,
+                           int32_t normalized,
+                           double *signature,
+                           const struct cata_laplacian_params *laplacian_params,
+                           size_t threads);
+
+/**
+ * The signatures nearest to a query, in Euclidean distance; of equally near ones the first.
+ *
+ * - `k`: numbers of a signature.
+ * - `query`: k elements, read. May be NULL when k is 0.
+ * - `count`: number of signatures.
+ * - `signatures`: `count` x k elements, read, one after the other. May be NULL when there are none.
+ * - `wanted`: how many are wanted, at most `count`.
+ * - `indices`: `wanted` elements, written: numbers of signatures from 0, the nearest first. May be NULL when `wanted` is 0.
+ * - `distances`: `wanted` elements, written: their distances. May be NULL when `wanted` is 0.
+ * - `threads`: 0: all cores of the affinity mask.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE or CATA_ERR_PANIC; outputs are
+ * untouched unless it is CATA_OK.
+ *
+ * Thread-safe.
+ */
+cata_status cata_shape_dna_retrieve(size_t k,
+                                    const double *query,
+                                    size_t count,
+                                    const double *signatures,
+                                    size_t wanted,
+                                    size_t *indices,
+                                    double *distances,
+                                    size_t threads);
+
+/**
  * Fills a parameter struct with the defaults.
  *
  * `params`: one struct, not NULL; `struct_size` bytes are written.
@@ -1580,6 +1720,203 @@ cata_status cata_curves_get(const struct cata_curves *curves,
                             uint32_t *order,
                             uint32_t *path,
                             double *points);
+
+/**
+ * An OpenCL device of this machine, by its number.
+ *
+ * - `index`: from 0.
+ * - `count`: one element, written: how many devices there are. NULL where not wanted.
+ * - `size`: elements of `name`; 0 where the name is not wanted.
+ * - `name`: `size` elements, written: what the device is called, cut to fit, NUL-terminated. May be NULL
+ *   when `size` is 0; `index` is not looked at then.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a device that is not there, CATA_ERR_BACKEND when
+ * there is none at all (the message says what is missing), CATA_ERR_UNSUPPORTED without CATA_CAP_OPENCL,
+ * or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
+ *
+ * Thread-safe.
+ */
+cata_status cata_device_name(size_t index,
+                             size_t *count,
+                             size_t size,
+                             char *name);
+
+/**
+ * Fills a parameter struct with the defaults.
+ *
+ * `params`: one struct, not NULL; `struct_size` bytes are written.
+ * `struct_size`: sizeof(cata_newton_params).
+ * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+ *
+ * Thread-safe.
+ */
+cata_status cata_newton_params_init(struct cata_newton_params *params, size_t struct_size);
+
+/**
+ * A Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial with n roots
+ * has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and exp(2 pi i b / n).
+ *
+ * - `params`: NULL for the defaults; else read during the call, but for `progress_user`, which is handed on.
+ * - `newton`: one pointer, not NULL, written: the fractal, to be given to cata_newton_free.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT, CATA_ERR_BACKEND when there is no such device or
+ * no OpenCL on this machine, CATA_ERR_UNSUPPORTED for a device without CATA_CAP_OPENCL, or
+ * CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
+ *
+ * Thread-safe.
+ */
+cata_status cata_newton_new(const struct cata_newton_params *params,
+                            struct cata_newton **newton);
+
+/**
+ * Gives a fractal back.
+ *
+ * `newton`: from cata_newton_new, not used any more afterwards; NULL is ignored.
+ *
+ * Thread-safe.
+ */
+void cata_newton_free(struct cata_newton *newton);
+
+/**
+ * Changes the fourth coordinate of all points, as time goes on.
+ *
+ * - `newton`: from cata_newton_new, not NULL.
+ * - `w`: the coordinate; finite.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT or CATA_ERR_PANIC.
+ *
+ * Not thread-safe for one fractal.
+ */
+cata_status cata_newton_set_w(struct cata_newton *newton, double w);
+
+/**
+ * The fractal at points in space, such as the vertices of a mesh.
+ *
+ * - `newton`: from cata_newton_new, not NULL.
+ * - `count`: points, less than 2^31.
+ * - `positions`: 3 `count` elements, read: x, y, z of each point. May be NULL when there are none.
+ * - `roots`: `count` elements, written: the number of the root that each point converges to.
+ * - `convergence`: `count` elements, written: how slowly.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE for a point that
+ * is not finite or beyond 1e9, CATA_ERR_BACKEND when the device refuses, CATA_ERR_OUT_OF_MEMORY,
+ * CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
+ *
+ * Not thread-safe for one fractal.
+ */
+cata_status cata_newton_points(const struct cata_newton *newton,
+                               size_t count,
+                               const float *positions,
+                               uint16_t *roots,
+                               float *convergence);
+
+/**
+ * The fractal on the plane z = 0: at the centres of the pixels of a picture, rows from the top (large y).
+ *
+ * - `newton`: from cata_newton_new, not NULL.
+ * - `width`, `height`: pixels, at most 65,536 each and less than 2^31 in all.
+ * - `center_x`, `center_y`: the middle of the picture.
+ * - `extent`: how wide it is, positive.
+ * - `roots`: `width` `height` elements, written: the number of the root of each pixel.
+ * - `convergence`: `width` `height` elements, written: how slowly it converges.
+ *
+ * Returns what cata_newton_points returns; outputs are untouched unless it is CATA_OK.
+ *
+ * Not thread-safe for one fractal.
+ */
+cata_status cata_newton_plane(const struct cata_newton *newton,
+                              uint32_t width,
+                              uint32_t height,
+                              double center_x,
+                              double center_y,
+                              double extent,
+                              uint16_t *roots,
+                              float *convergence);
+
+/**
+ * Colours of points: each root has its own, darker the slower a point converges.
+ *
+ * - `newton`: from cata_newton_new, not NULL.
+ * - `count`: points.
+ * - `roots`, `convergence`: `count` elements each, read: as cata_newton_points or cata_newton_plane wrote
+ *   them.
+ * - `colors`: 3 `count` elements, written: red, green and blue of each point, as screens have them (sRGB).
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE or CATA_ERR_PANIC; outputs are untouched unless it is
+ * CATA_OK.
+ *
+ * Not thread-safe for one fractal.
+ */
+cata_status cata_newton_colors(const struct cata_newton *newton,
+                               size_t count,
+                               const uint16_t *roots,
+                               const float *convergence,
+                               uint8_t *colors);
+
+/**
+ * The network that predicts spectra of unions.
+ *
+ * - `weights`: a file of `catamaran unions train`, NUL-terminated; NULL: the weights that come with the
+ *   library.
+ * - `unions`: written: the network, to be given to cata_unions_free.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT (a path that is not UTF-8), CATA_ERR_IO (the message
+ * says what is wrong with the file) or CATA_ERR_PANIC; `unions` is untouched unless it is CATA_OK.
+ *
+ * Thread-safe.
+ */
+cata_status cata_unions_new(const char *weights,
+                            struct cata_unions **unions);
+
+/**
+ * Gives a network back.
+ *
+ * `unions`: made by cata_unions_new and not yet freed; NULL does nothing.
+ *
+ * Thread-safe, but no call may be using the network.
+ */
+void cata_unions_free(struct cata_unions *unions);
+
+/**
+ * The first eigenvalues of the union of parts of a surface, from those of the parts: Dirichlet spectra, in
+ * whatever unit.
+ *
+ * - `unions`: of cata_unions_new.
+ * - `parts`: their number, at least 1.
+ * - `spectra`: CATA_UNION_EIGENVALUES parts elements, read: those of each part, ascending and positive, one
+ *   part after the other.
+ * - `spectrum`: CATA_UNION_EIGENVALUES elements, written: ascending, positive, none larger than that of a part
+ *   of the same number. The order of the parts does not matter, bit for bit.
+ * - `strangeness`: written: how unlike the parts are to those of the training; above 1 the prediction
+ *   is a guess. NULL where not wanted.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (not positive, not ascending, no parts),
+ * CATA_ERR_NON_FINITE or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
+ *
+ * Thread-safe, also for calls with the same network.
+ */
+cata_status cata_unions_predict(const struct cata_unions *unions,
+                                size_t parts,
+                                const double *spectra,
+                                double *spectrum,
+                                double *strangeness);
+
+/**
+ * A spectrum between two: (1 - t) first + t second.
+ *
+ * - `first`, `second`: CATA_UNION_EIGENVALUES elements each, read: ascending and positive.
+ * - `t`: in [0, 1].
+ * - `spectrum`: CATA_UNION_EIGENVALUES elements, written; it may be one of the others.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE or CATA_ERR_PANIC; `spectrum` is
+ * untouched unless it is CATA_OK.
+ *
+ * Thread-safe.
+ */
+cata_status cata_unions_interpolate(const double *first,
+                                    const double *second,
+                                    double t,
+                                    double *spectrum);
 
 /**
  * The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over it.
