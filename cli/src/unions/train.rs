@@ -9,7 +9,7 @@ use anyhow::{Result, bail};
 use catamaran::Par;
 use catamaran::io::{Output, Overwrite};
 use catamaran::unions::network::Architecture;
-use catamaran_training::dataset;
+use catamaran_training::dataset::{self, Dataset};
 use catamaran_training::train::{Examples, TrainOptions, Trainer, read_state, write_state};
 
 use super::curve;
@@ -25,9 +25,9 @@ const PAUSE: Duration = Duration::from_secs(120);
 /// weights so far to OUT, and the learning curve to OUT.svg. The result is the same for any number of threads.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The data set.
-    #[arg(value_name = "DATA")]
-    data: PathBuf,
+    /// Data sets, of the same templates; what tests in one of them is left out of all.
+    #[arg(value_name = "DATA", num_args = 1.., required = true)]
+    data: Vec<PathBuf>,
     /// The weights: .safetensors.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
@@ -80,11 +80,14 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(path) = there.filter(|_| !args.force && !args.resume) {
         bail!("{}: exists already (--force replaces it, --resume goes on)", path.display());
     }
-    let examples = Examples::new(&dataset::read(&args.data)?)?;
+    let datasets: Vec<Dataset> =
+        args.data.iter().map(|path| dataset::read(path)).collect::<catamaran::Result<_>>()?;
+    let examples = Examples::new(&datasets)?;
+    drop(datasets);
     let (proper, _) = examples.mined.counts();
     report(format_args!(
-        "data      {}: {} pairs and {} triples to learn from, {} to choose by; {proper} further unions of masks",
-        args.data.display(),
+        "data      {} sets: {} pairs and {} triples to learn from, {} to choose by; {proper} further unions of masks",
+        args.data.len(),
         examples.training.len(),
         examples.triples.len(),
         examples.validation.len()

@@ -1,10 +1,12 @@
+use std::collections::BTreeSet;
+
 use catamaran::base::Rng;
 use catamaran::unions::network::{FEATURES, K};
 use catamaran::unions::{Question, Scaling};
 use catamaran::{Error, Result};
 
 use super::Mined;
-use crate::dataset::{Dataset, KNOWN_IDENTITY, Spectrum, TRAIN};
+use crate::dataset::{Dataset, KNOWN_IDENTITY, Spectrum, TEST_B, TRAIN};
 
 /// The spectra of two parts and of their union.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,27 +96,39 @@ pub struct Examples {
 }
 
 impl Examples {
-    /// Those of a data set that are for training.
+    /// Those of data sets that are for training. What tests in one of them is left out of all.
     ///
     /// # Errors
     /// [`Error::Argument`] when there are none.
-    pub fn new(dataset: &Dataset) -> Result<Self> {
-        let samples = &dataset.samples;
+    pub fn new(datasets: &[Dataset]) -> Result<Self> {
         let mut examples = Self::default();
-        let train = |i: &usize| samples.split[*i] == TRAIN;
-        let indices = || (0..samples.part1.len()).filter(train);
-        let mut unions: Vec<usize> = indices().map(|i| samples.mask_union[i]).collect();
-        unions.sort_unstable();
-        unions.dedup();
+        let of_split = |wanted: fn(usize) -> bool| {
+            datasets.iter().flat_map(move |dataset| {
+                let samples = &dataset.samples;
+                let all = 0..samples.part1.len();
+                all.filter(move |&i| wanted(samples.split[i])).map(move |i| samples.mask_union[i])
+            })
+        };
+        let mut without: BTreeSet<usize> = of_split(|split| split == TEST_B).collect();
+        let unions: BTreeSet<usize> =
+            of_split(|split| split == TRAIN).filter(|union| !without.contains(union)).collect();
         // Ids are hashes: those that come last are any.
-        let kept = unions.split_off(unions.len() - unions.len() / VALIDATION_UNIONS);
-        for (count, i) in indices().enumerate() {
-            let (first, second) = (samples.part1[i], samples.part2[i]);
-            let pair = Pair { first, second, union: samples.union[i] };
-            let chosen =
-                kept.contains(&samples.mask_union[i]) || (count + 1).is_multiple_of(VALIDATION);
-            let list = if chosen { &mut examples.validation } else { &mut examples.training };
-            list.push(pair);
+        let kept: BTreeSet<usize> =
+            unions.iter().rev().take(unions.len() / VALIDATION_UNIONS).copied().collect();
+        let mut count = 0;
+        for dataset in datasets {
+            let samples = &dataset.samples;
+            for i in (0..samples.part1.len()).filter(|&i| samples.split[i] == TRAIN) {
+                let (first, second) = (samples.part1[i], samples.part2[i]);
+                let pair = Pair { first, second, union: samples.union[i] };
+                count += 1;
+                if without.contains(&samples.mask_union[i]) {
+                    continue;
+                }
+                let chosen = kept.contains(&samples.mask_union[i]) || count % VALIDATION == 0;
+                let list = if chosen { &mut examples.validation } else { &mut examples.training };
+                list.push(pair);
+            }
         }
         if examples.training.is_empty() {
             return Err(Error::Argument { what: "data set", why: "no samples to train on".into() });
@@ -122,13 +136,17 @@ impl Examples {
         if examples.validation.is_empty() {
             examples.validation = examples.training.clone();
         }
-        let triples = &dataset.triples;
-        let known = (0..triples.part1.len()).filter(|&i| triples.knowledge[i] == KNOWN_IDENTITY);
-        for i in known.step_by(TRAINED_TRIPLES) {
-            let parts = [triples.part1[i], triples.part2[i], triples.part3[i]];
-            examples.triples.push(Triple { parts, whole: triples.whole[i] });
+        without.extend(kept);
+        for dataset in datasets {
+            examples.mined.add(dataset, &without);
+            let triples = &dataset.triples;
+            let known =
+                (0..triples.part1.len()).filter(|&i| triples.knowledge[i] == KNOWN_IDENTITY);
+            for i in known.step_by(TRAINED_TRIPLES) {
+                let parts = [triples.part1[i], triples.part2[i], triples.part3[i]];
+                examples.triples.push(Triple { parts, whole: triples.whole[i] });
+            }
         }
-        examples.mined = Mined::new(dataset, &kept);
         Ok(examples)
     }
 

@@ -35,13 +35,14 @@ struct Family {
 }
 
 impl Mined {
-    /// All of a data set, but for unions `without`.
-    pub fn new(dataset: &Dataset, without: &[usize]) -> Self {
+    /// Adds those of a data set, but for unions `without`.
+    pub fn add(&mut self, dataset: &Dataset, without: &BTreeSet<usize>) {
+        let before = self.families.len();
         let samples = &dataset.samples;
         let all = 0..samples.part1.len();
         let mut shapes: BTreeMap<[usize; 3], Shape> = BTreeMap::new();
         let (mut trained, mut tested) = (BTreeSet::new(), BTreeSet::new());
-        let mut unions: BTreeSet<usize> = without.iter().copied().collect();
+        let mut unions = without.clone();
         for i in all {
             let family = samples.family[i];
             let pair = sorted(samples.mask1[i], samples.mask2[i]);
@@ -55,31 +56,29 @@ impl Mined {
             trained.insert((family, pair));
             let shape = shapes
                 .entry([family, samples.identity[i], samples.pose[i]])
-                .or_insert_with(|| Shape { family, spectra: BTreeMap::new() });
+                .or_insert_with(|| Shape { family: before + family, spectra: BTreeMap::new() });
             shape.spectra.insert(samples.mask1[i], samples.part1[i]);
             shape.spectra.insert(samples.mask2[i], samples.part2[i]);
             shape.spectra.insert(samples.mask_union[i], samples.union[i]);
         }
         let shapes: Vec<Shape> = shapes.into_values().collect();
-        let families = (0..dataset.templates.len())
-            .map(|family| {
-                let mut ids: Vec<usize> = shapes
-                    .iter()
-                    .filter(|shape| shape.family == family)
-                    .flat_map(|shape| shape.spectra.keys().copied())
-                    .collect();
-                ids.sort_unstable();
-                ids.dedup();
-                ids.retain(|id| !unions.contains(id));
-                let mut found = unions_among(&dataset.templates[family], &ids);
-                found.proper.retain(|[a, b, _]| {
-                    let pair = (family, sorted(*a, *b));
-                    trained.contains(&pair) || !tested.contains(&pair)
-                });
-                found
-            })
-            .collect();
-        Self { shapes, families }
+        for (family, template) in dataset.templates.iter().enumerate() {
+            let mut ids: Vec<usize> = shapes
+                .iter()
+                .filter(|shape| shape.family == before + family)
+                .flat_map(|shape| shape.spectra.keys().copied())
+                .collect();
+            ids.sort_unstable();
+            ids.dedup();
+            ids.retain(|id| !unions.contains(id));
+            let mut found = unions_among(template, &ids);
+            found.proper.retain(|[a, b, _]| {
+                let pair = (family, sorted(*a, *b));
+                trained.contains(&pair) || !tested.contains(&pair)
+            });
+            self.families.push(found);
+        }
+        self.shapes.extend(shapes);
     }
 
     /// Pairs of masks with a union that is neither of them, and pairs of which one lies in the other.
@@ -202,6 +201,12 @@ mod tests {
         dataset
     }
 
+    fn mined(dataset: &Dataset) -> Mined {
+        let mut mined = Mined::default();
+        mined.add(dataset, &BTreeSet::new());
+        mined
+    }
+
     #[test]
     fn unions_are_found_that_no_sample_has() {
         // [0, 180) and [120, 240) are of no sample together, but all three masks are there.
@@ -210,14 +215,16 @@ mod tests {
             ([100, 240], [0, 160], TRAIN),
             ([120, 240], [110, 130], TRAIN),
         ]);
-        let mined = Mined::new(&set, &[]);
-        let (proper, contained) = mined.counts();
+        let mut both = mined(&set);
+        let (proper, contained) = both.counts();
+        both.add(&set, &BTreeSet::new());
+        assert_eq!(both.counts(), (2 * proper, 2 * contained));
         assert!(proper >= 2 && contained >= 3, "{proper} {contained}");
         let mut rng = Rng::new(1);
         for _ in 0..50 {
-            let pair = mined.draw(false, &mut rng).unwrap();
+            let pair = both.draw(false, &mut rng).unwrap();
             assert!(pair.union[0] < pair.first[0].min(pair.second[0]));
-            let pair = mined.draw(true, &mut rng).unwrap();
+            let pair = both.draw(true, &mut rng).unwrap();
             assert_eq!(pair.union, pair.second);
         }
     }
@@ -225,13 +232,13 @@ mod tests {
     #[test]
     fn what_tests_is_left_out_and_so_is_what_is_ambiguous() {
         let known = ([0, 180], [120, 240], TRAIN);
-        assert_eq!(Mined::new(&dataset(&[known]), &[]).counts().0, 1);
+        assert_eq!(mined(&dataset(&[known])).counts().0, 1);
         // The same pair, and the same union of others, as a test.
         let tested = ([0, 200], [100, 240], TEST_B);
-        assert_eq!(Mined::new(&dataset(&[known, tested]), &[]).counts().0, 0);
+        assert_eq!(mined(&dataset(&[known, tested])).counts().0, 0);
         // The mirror image of [0, 180), [220, 400), gives a smaller union with [150, 400).
         let ambiguous = ([0, 180], [120, 400], TRAIN);
-        assert_eq!(Mined::new(&dataset(&[ambiguous]), &[]).counts().0, 0);
-        assert!(Mined::new(&Dataset::default(), &[]).draw(false, &mut Rng::new(1)).is_none());
+        assert_eq!(mined(&dataset(&[ambiguous])).counts().0, 0);
+        assert!(mined(&Dataset::default()).draw(false, &mut Rng::new(1)).is_none());
     }
 }

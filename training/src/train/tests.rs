@@ -1,7 +1,7 @@
 use catamaran::io::{Output, Overwrite};
 
 use super::*;
-use crate::dataset::{Dataset, Spectrum, TRAIN};
+use crate::dataset::{Dataset, Spectrum, TEST_B, TRAIN};
 
 /// Rectangles of height 1 that overlap to one of the widths 2 and 3: unions in closed form.
 pub fn strips(count: usize, seed: u64) -> Vec<Pair> {
@@ -55,7 +55,7 @@ const SMALL: Architecture =
     Architecture { width: 32, hidden: 32, first_layers: 1, second_layers: 1 };
 
 fn trainer(par: Par) -> Trainer {
-    let examples = Examples::new(&dataset(&strips(200, 1))).unwrap();
+    let examples = Examples::new(&[dataset(&strips(200, 1))]).unwrap();
     let options = TrainOptions { sizes: SMALL, batch: 32, period: 10, ..TrainOptions::default() };
     Trainer::new(examples, options, None, par).unwrap()
 }
@@ -103,7 +103,7 @@ fn training_does_not_depend_on_threads_nor_interruptions() {
     write_state(output, &whole.options, whole.state()).unwrap();
     let (options, state) = read_state(&path).unwrap();
     assert_eq!((options, &state), (whole.options, whole.state()));
-    let examples = Examples::new(&dataset(&strips(200, 1))).unwrap();
+    let examples = Examples::new(&[dataset(&strips(200, 1))]).unwrap();
     let mut resumed = Trainer::new(examples, options, Some(state), Par::Seq).unwrap();
     whole.epoch().unwrap();
     resumed.epoch().unwrap();
@@ -115,11 +115,11 @@ fn training_does_not_depend_on_threads_nor_interruptions() {
 #[test]
 fn states_of_other_networks_and_empty_data_are_refused() {
     let one = trainer(Par::Seq);
-    let examples = Examples::new(&dataset(&strips(30, 1))).unwrap();
+    let examples = Examples::new(&[dataset(&strips(30, 1))]).unwrap();
     let other = TrainOptions::default();
     let refused = Trainer::new(examples, other, Some(one.state().clone()), Par::Seq);
     assert!(refused.err().unwrap().to_string().starts_with("state"));
-    assert!(Examples::new(&Dataset::default()).unwrap_err().to_string().starts_with("data set"));
+    assert!(Examples::new(&[]).unwrap_err().to_string().starts_with("data set"));
 }
 
 #[test]
@@ -134,4 +134,18 @@ fn pairs_of_known_union_are_right_and_within_the_bound() {
         }
         assert!((disturbed.first[K - 1] / pair.first[K - 1] - 1.0).abs() < 0.1);
     }
+}
+
+#[test]
+fn what_tests_in_one_data_set_is_left_out_of_all() {
+    let pairs = strips(40, 5);
+    let (mut one, mut other) = (dataset(&pairs), dataset(&pairs));
+    for (i, union) in other.samples.mask_union.iter_mut().enumerate() {
+        *union = i % 4;
+    }
+    one.samples.split.fill(TEST_B);
+    one.samples.mask_union.fill(2);
+    let examples = Examples::new(&[one, other]).unwrap();
+    assert_eq!(examples.training.len() + examples.validation.len(), 30);
+    assert!(examples.training.iter().all(|pair| *pair != pairs[2] && *pair != pairs[6]));
 }

@@ -100,7 +100,7 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
 
 /// Table 2.1, with the baselines.
 fn table_errors(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -> Result<()> {
-    let training = Examples::new(dataset)?.training;
+    let training = Examples::new(std::slice::from_ref(dataset))?.training;
     let perceptron = Perceptron::fit(&training, EPOCHS, SEED)?;
     let (weyl, nearest) = (Weyl::fit(&training), Nearest::fit(&training));
     let predictors: [&dyn Predictor; 5] = [model, &Minimum, &weyl, &nearest, &perceptron];
