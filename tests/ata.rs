@@ -531,7 +531,7 @@ fn products_without_rows_or_columns_take_any_number_of_the_others() {
     atb(1.0, none.as_ref(), empty.as_ref(), 1.0, c.as_mut(), &options).unwrap();
     assert_eq!(c, b);
     atb(1.0, none.as_ref(), empty.as_ref(), 0.0, c.as_mut(), &options).unwrap();
-    assert_eq!(c, Mat::zeros(9000, 3));
+    assert_eq!(c, Mat::<f64>::zeros(9000, 3));
     let mut nothing = Mat::<f64>::zeros(0, 3);
     atb(1.0, none.transpose(), b.as_ref(), 0.0, nothing.as_mut(), &options).unwrap();
 }

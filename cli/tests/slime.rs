@@ -56,7 +56,7 @@ fn species_have_channels_and_meshes_without_coordinates_an_atlas() {
     let folder = folder();
     let bare: String =
         SQUARE.lines().filter(|l| l.starts_with("v ")).map(|l| format!("{l}\n")).collect();
-    folder.write("bare.obj", &format!("{bare}f 1 2 3\nf 1 3 4\n"));
+    folder.write("bare.obj", format!("{bare}f 1 2 3\nf 1 3 4\n"));
     folder.write("r.ini", "NumAgents=500\nMoveSpeed=0.05\nSensorRadius=1\n");
     let said =
         folder.succeed("slime bare.obj --config r.ini --size 32 --species 3 --steps 3 -o three");
@@ -71,7 +71,7 @@ fn what_is_wrong_is_named() {
     folder.write("bad.toml", "vision_angel = 3\n");
     let said = folder.fail("slime square.obj --config bad.toml -o out");
     assert!(said.contains("bad.toml") && said.contains("vision_angel"), "{said}");
-    folder.write("flat.obj", &SQUARE.replace("vt 1 1", "vt 0.5 0"));
+    folder.write("flat.obj", SQUARE.replace("vt 1 1", "vt 0.5 0"));
     let said = folder.fail("slime flat.obj --config c.toml -o out");
     assert!(said.contains("face 0") && said.contains("--atlas"), "{said}");
     folder.write("grey.png", "no picture");

@@ -116,9 +116,12 @@ fn no_agents_and_one_are_fine() {
     }
 }
 
+/// Makes one option wrong.
+type Change = fn(&mut Options);
+
 #[test]
 fn options_out_of_range_are_named() {
-    let bad: [(&str, fn(&mut Options)); 7] = [
+    let bad: [(&str, Change); 7] = [
         ("size", |o| o.size = 100),
         ("species", |o| o.species = 0),
         ("time_step", |o| o.time_step = 0.0),

@@ -112,12 +112,15 @@ pub fn train_regions(dataset: &Dataset, options: &RegionOptions<'_>) -> Result<L
 /// Coefficients of a region and of its mirror image.
 type Region = [Vec<f32>; 2];
 
+/// A spectrum and the number of its region.
+type Seen = (usize, Spectrum);
+
 /// All regions, and spectra with the number of their region.
 fn examples(
     dataset: &Dataset,
     family: usize,
     template: &Template,
-) -> Result<(Vec<Region>, Vec<(usize, Spectrum)>)> {
+) -> Result<(Vec<Region>, Vec<Seen>)> {
     let samples = &dataset.samples;
     let own = || (0..samples.part1.len()).filter(|&i| samples.family[i] == family);
     let tested: Vec<usize> =
