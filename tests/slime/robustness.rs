@@ -31,6 +31,22 @@ fn no_agent_is_lost() {
 }
 
 #[test]
+fn no_agent_is_beyond_a_sharp_corner() {
+    // Steps as long as the faces, on faces of which some are slivers.
+    let steps = TangentStep::Project { substeps: 2 };
+    let quick = Options { movement_speed: 2000.0, length_rescaling: false, ..options(2000, 128) };
+    for (name, mesh) in [
+        ("flat", families::grid(12, 12).unwrap()),
+        ("slivers", families::torus(120, 3, 2.0, 0.3).unwrap()),
+    ] {
+        let options = Options { tangent_step: steps, ..quick.clone() };
+        let mut all = simulation(with_atlas(&mesh, 128), &options);
+        all.run(60, Par::all(), None).unwrap();
+        assert_eq!(all.state().check(all.surface()), Ok(()), "{name}");
+    }
+}
+
+#[test]
 fn threads_do_not_show() {
     for blur in [Blur::SeamAware, Blur::Gaussian] {
         let run = |par: Par| {

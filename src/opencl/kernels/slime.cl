@@ -10,6 +10,7 @@
 #define RECORD 28
 #define FRAME 12
 #define TURNS 64u
+#define CORNER 1e-6f
 #define OUTSIDE 0
 #define OBSTACLE 1
 #define GOAL 2
@@ -105,6 +106,15 @@ inline void move_inside(const surface *s, walker *w) {
         if (inside < 0.0f) {
             w->x = w->x - inside * a;
             w->y = w->y - inside * b;
+        }
+    }
+    float p = r[6], q = r[7], l = r[8];
+    for (int k = 0; k < 2; k++) {
+        float a = r[3 * k], b = r[3 * k + 1], c = r[3 * k + 2];
+        if (a * w->x + b * w->y + c < -CORNER) {
+            float determinant = a * q - p * b;
+            w->x = (b * l - q * c) / determinant;
+            w->y = (p * c - a * l) / determinant;
         }
     }
 }

@@ -56,6 +56,7 @@ fn compare(
     kernels.run(12, None).unwrap();
     let (expected, found) = (twin.state(), kernels.state().unwrap());
     assert_eq!(found.step, expected.step);
+    found.check(twin.surface()).unwrap();
     let pairs = agents(expected).into_iter().zip(agents(&found));
     let moved = pairs.filter(|(a, b)| a != b).count();
     let texels = expected.texture.iter().zip(&found.texture).filter(|(a, b)| a != b).count();

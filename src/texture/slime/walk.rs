@@ -169,16 +169,28 @@ fn project_across(surface: &Surface, walker: &mut Walker, ahead: [f32; 2], exit:
     walker.position = [along(local, &frame[3..6]), along(local, &frame[6..9])];
 }
 
-/// A point moved to the edges that it is beyond.
+/// A point moved to the edges that it is beyond, or to the corner between them.
 pub(super) fn moved_inside(surface: &Surface, triangle: u32, mut point: [f32; 2]) -> [f32; 2] {
     let record = &surface.records()[triangle as usize];
+    let edge = |k: usize| [record[3 * k], record[3 * k + 1], record[3 * k + 2]];
+    let inside = |k: usize, [x, y]: [f32; 2]| edge(k)[0] * x + edge(k)[1] * y + edge(k)[2];
     // Where an edge is left by moving to the next one, it is looked at again.
     for k in [0, 1, 2, 0, 1, 2] {
-        let [a, b, c] = [record[3 * k], record[3 * k + 1], record[3 * k + 2]];
-        let inside = a * point[0] + b * point[1] + c;
-        if inside < 0.0 {
-            point = [point[0] - inside * a, point[1] - inside * b];
+        let beyond = inside(k, point);
+        if beyond < 0.0 {
+            point = [point[0] - beyond * edge(k)[0], point[1] - beyond * edge(k)[1]];
+        }
+    }
+    // At a sharp corner that would take many rounds. Edge 2 came last, so the point is not beyond it.
+    for k in [0, 1] {
+        if inside(k, point) < -CORNER {
+            let ([a, b, c], [p, q, r]) = (edge(k), edge(2));
+            let determinant = a * q - p * b;
+            point = [(b * r - q * c) / determinant, (p * c - a * r) / determinant];
         }
     }
     point
 }
+
+/// What rounding may leave between a point and its triangle.
+const CORNER: f32 = 1e-6;
