@@ -94,7 +94,7 @@ impl Mined {
         let below = |n: usize, rng: &mut Rng| (rng.uniform() * n as f64) as usize;
         (0..ATTEMPTS).find_map(|_| {
             let shape = self.shapes.get(below(self.shapes.len(), rng))?;
-            let family = &self.families[shape.family];
+            let family = self.families.get(shape.family)?;
             let [a, b, c] = if contained {
                 let [a, b] = *family.contained.get(below(family.contained.len(), rng))?;
                 [a, b, b]
@@ -158,6 +158,8 @@ fn unions_among(template: &Template, ids: &[usize]) -> Family {
 
 #[cfg(test)]
 mod tests {
+    use catamaran::faer::Mat;
+
     use super::*;
 
     /// A row of 400 vertices, mirrored end to end, whose masks are ranges; spectra tell them apart.
@@ -172,7 +174,7 @@ mod tests {
             mirror: (0..400).rev().collect(),
             mass: vec![],
             eigenvalues: vec![],
-            eigenfunctions: catamaran::faer::Mat::new(),
+            eigenfunctions: Mat::zeros(0, 0),
             masks: (0..ranges.len()).collect(),
             mask_starts: vec![0],
             mask_vertices: vec![],
