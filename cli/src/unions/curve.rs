@@ -42,7 +42,8 @@ fn svg(history: &[Epoch]) -> String {
             y + 4.0
         );
     }
-    let curves: [(&str, &str, fn(&Epoch) -> f64); 2] = [
+    type Curve = (&'static str, &'static str, fn(&Epoch) -> f64);
+    let curves: [Curve; 2] = [
         ("training", "#1d4ed8", |epoch| epoch.training),
         ("pairs to choose by", "#b45309", |epoch| epoch.validation),
     ];
