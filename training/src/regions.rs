@@ -111,16 +111,15 @@ pub fn train_regions(dataset: &Dataset, options: &RegionOptions<'_>) -> Result<L
 
 /// Coefficients of a region and of its mirror image.
 type Region = [Vec<f32>; 2];
-
-/// A spectrum and the number of its region.
-type Seen = (usize, Spectrum);
+/// A spectrum, and the number of its region.
+type Example = (usize, Spectrum);
 
 /// All regions, and spectra with the number of their region.
 fn examples(
     dataset: &Dataset,
     family: usize,
     template: &Template,
-) -> Result<(Vec<Region>, Vec<Seen>)> {
+) -> Result<(Vec<Region>, Vec<Example>)> {
     let samples = &dataset.samples;
     let own = || (0..samples.part1.len()).filter(|&i| samples.family[i] == family);
     let tested: Vec<usize> =
@@ -167,7 +166,7 @@ fn coefficients(template: &Template, vertices: &[usize]) -> Vec<f32> {
 }
 
 /// Means and deviations of logarithms of eigenvalues.
-fn units(examples: &[(usize, Spectrum)]) -> (Vec<f32>, Vec<f32>) {
+fn units(examples: &[Example]) -> (Vec<f32>, Vec<f32>) {
     let count = examples.len() as f64;
     let of = |j: usize| {
         let logs = || examples.iter().map(move |(_, spectrum)| spectrum[j].ln());

@@ -10,9 +10,6 @@ use catamaran_training::train::Epoch;
 /// Left, right, top and bottom of the axes.
 const FRAME: [f64; 4] = [60.0, 740.0, 20.0, 370.0];
 
-/// The errors of one curve.
-type Curve = fn(&Epoch) -> f64;
-
 /// Errors over epochs, on a logarithmic axis.
 pub fn write(mut output: Output, history: &[Epoch]) -> Result<()> {
     let svg = svg(history);
@@ -26,7 +23,7 @@ fn svg(history: &[Epoch]) -> String {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 760 420\" font-family=\"sans-serif\" \
          font-size=\"13\" fill=\"#444\">\n<rect width=\"760\" height=\"420\" fill=\"white\"/>\n",
     );
-    let shown = |of: Curve| {
+    let shown = |of: fn(&Epoch) -> f64| {
         let points = history.iter().enumerate().map(move |(i, epoch)| (i as f64, of(epoch)));
         points.filter(|(_, error)| *error > 0.0 && error.is_finite())
     };
@@ -45,7 +42,8 @@ fn svg(history: &[Epoch]) -> String {
             y + 4.0
         );
     }
-    let curves: [(_, _, Curve); 2] = [
+    type Curve = (&'static str, &'static str, fn(&Epoch) -> f64);
+    let curves: [Curve; 2] = [
         ("training", "#1d4ed8", |epoch| epoch.training),
         ("pairs to choose by", "#b45309", |epoch| epoch.validation),
     ];

@@ -73,7 +73,7 @@ impl Pair {
     /// As the network sees it, and logarithms of union over bound.
     ///
     /// # Errors
-    /// Those of [`Question::new`].
+    /// As [`Question::new`], for a part that has no Dirichlet spectrum.
     pub fn example(&self, scaling: &Scaling) -> Result<([f32; 2 * K * FEATURES], [f32; K])> {
         let question = Question::new(&self.first, &self.second)?;
         let logs = self.shares(&question).map(|share| share.ln() as f32);
