@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use catamaran::texture::slime::{Blur, Options, TangentStep};
 use serde::Deserialize;
 
@@ -66,7 +66,10 @@ pub fn load(path: &Path) -> Result<Loaded> {
 }
 
 fn toml(text: &str) -> Result<Options> {
-    let config: Config = toml::from_str(text)?;
+    let config: Config = toml::from_str(text).map_err(|error| {
+        let before = text.get(..error.span().map_or(0, |span| span.start)).unwrap_or(text);
+        anyhow!("line {}: {}", before.matches('\n').count() + 1, error.message())
+    })?;
     let default = Options::default();
     let tangent_step = match (config.tangent_step, config.substeps) {
         (Some(Step::Project), substeps) => {

@@ -103,7 +103,6 @@ pub fn run(args: &Args) -> Result<()> {
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let options = args.options()?;
     let (frames, files) = args.frames(options.species)?;
-    let outputs = Outputs::create(args, overwrite)?;
     let file = meshes::read(&args.mesh)?;
     let mut simulation = args.simulation(&file, &options)?;
     if let Some(path) = &args.resume {
@@ -114,11 +113,10 @@ pub fn run(args: &Args) -> Result<()> {
     if first > args.steps {
         bail!("--steps: {}, but the state that is resumed is after {first}", args.steps);
     }
-    fs::create_dir_all(&args.output).with_context(|| args.output.display().to_string())?;
-
     let device = args.device.open()?;
     let mut on_device =
         device.as_ref().map(|device| OnDevice::new(device, &simulation)).transpose()?;
+    let outputs = Outputs::create(args, overwrite)?;
     let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
     let now = |s: &Simulation| (f64::from(s.state().step) * options.time_step, s.coverage(par));
     let mut moments = vec![now(&simulation)];

@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 
 use catamaran::Result;
-use catamaran::mesh::TriMesh;
+use catamaran::mesh::{Edges, TriMesh};
 
 use super::field::Field;
 use super::vector::{Vector, add, distance, mirrored, scale};
@@ -20,19 +20,31 @@ pub(super) struct Symmetric {
     pub mirror: Vec<u32>,
 }
 
+/// Sizes of cells that are tried, as parts of the one that suits the number of vertices: a net is not manifold where two
+/// pieces of the surface pass through one cell.
+const SIDES: [f64; 7] = [1.0, 0.985, 1.015, 0.97, 1.03, 0.955, 1.045];
+
 /// The surface of the field, with about `vertices` vertices.
 ///
 /// # Errors
-/// None that a field could cause.
+/// [`catamaran::Error::Mesh`] where the surface is too thin for that many.
 pub(super) fn surface(field: &Field<'_>, vertices: usize) -> Result<Symmetric> {
     let [low, high] = field.bounds();
     let size = distance(low, high);
     let rough = size / 60.0;
     let found = Net::new(field, rough).positions.len();
     let side = rough * (found as f64 / vertices.max(1) as f64).sqrt();
-    let mut net = Net::new(field, side);
-    net.relax(field);
-    net.finish()
+    let attempts = SIDES.map(|part| {
+        move || {
+            let mut net = Net::new(field, part * side);
+            net.relax(field);
+            let found = net.finish()?;
+            Edges::new(&found.mesh).require_manifold()?;
+            Ok(found)
+        }
+    });
+    let [first, others @ ..] = attempts;
+    others.into_iter().fold(first(), |found, attempt| found.or_else(|_| attempt()))
 }
 
 /// Cells on the surface, and the quadrilaterals between them.
