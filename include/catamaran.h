@@ -167,6 +167,9 @@ typedef struct cata_newton cata_newton;
 /** The water in a plant: its constants, the present, and what it takes to go on. Opaque. */
 typedef struct cata_plant cata_plant;
 
+/** Slime moulds on a surface. Made by cata_slime_new; for one thread at a time unless it is only read. */
+typedef struct cata_slime cata_slime;
+
 /**
  * A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a world; made by
  * cata_world_ata_rows_f64 and the like, given back by cata_symmetric_free.
@@ -462,6 +465,54 @@ typedef struct cata_curve_params {
     /** 1: vertices of the mesh alone; 0: points in the middle of edges are added where there is no other way. */
     int32_t no_steiner;
 } cata_curve_params;
+
+/**
+ * What slime moulds are like (thesis, table 3.1; docs/algorithms/slime.md). Every field but the first is 0 (NULL) by
+ * default, so that `cata_slime_params params = {.struct_size = sizeof params};` does what cata_slime_params_init does.
+ * Lengths are in hundredths of the square root of the area of the surface, times in seconds of the simulation.
+ */
+typedef struct cata_slime_params {
+    /**
+     * sizeof(cata_slime_params) as the caller was compiled with. Later versions add fields at the end;
+     * one that this library does not know must be 0.
+     */
+    size_t struct_size;
+    /**
+     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
+     * bit for bit, for every value.
+     */
+    size_t threads;
+    /** Number of agents, below 2^32; 0: 1,000,000. */
+    size_t agents;
+    /** Number of species, from 1 to 15; 0: 1. */
+    size_t species;
+    /** Texels of a side of the texture, a multiple of 32, at most 16384; 0: 2048. */
+    size_t size;
+    /** Of all randomness. */
+    uint32_t seed;
+    /** 0: steps that are exact; else the number of sub-steps that are projected (thesis, algorithm 3.1). */
+    uint32_t substeps;
+    /** Seconds of a step; 0: 1 / 30. */
+    double time_step;
+    /** Hundredths a second, such as 1 to 2; 0: 1.5. */
+    double movement_speed;
+    /** Degrees a second; 0: 1800. */
+    double turn_speed;
+    /** From an agent to its sensors, in hundredths, such as 0.4 to 2; 0: 1. */
+    double vision_distance;
+    /** Between sensors, in degrees, such as 10 to 50; 0: 30. */
+    double vision_angle;
+    /** What evaporates in a second, such as 0.2 to 1; 0: 0.4. */
+    double evaporation_rate;
+    /** Blurs a second; 0: 6. */
+    double diffusion_rate;
+    /** 1: all turns are as large as the turn speed says; 0: up to that. */
+    int32_t even_turns;
+    /** 1: the blur is that of the texture alone; 0: it crosses seams. */
+    int32_t plain_blur;
+    /** 1: lengths are those of the texture, of side 1; 0: of the surface. */
+    int32_t no_length_rescaling;
+} cata_slime_params;
 
 /**
  * What a Newton fractal is of. Every field but the first is 0 (NULL) by default, so that
@@ -1720,6 +1771,128 @@ cata_status cata_curves_get(const struct cata_curves *curves,
                             uint32_t *order,
                             uint32_t *path,
                             double *points);
+
+/**
+ * Fills a parameter struct with the defaults.
+ *
+ * `params`: one struct, not NULL; `struct_size` bytes are written.
+ * `struct_size`: sizeof(cata_slime_params).
+ * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+ *
+ * Thread-safe.
+ */
+cata_status cata_slime_params_init(struct cata_slime_params *params, size_t struct_size);
+
+/**
+ * Agents spread over a surface, and a texture without pheromone.
+ *
+ * - `positions`: 3 `vertices` elements, read: x, y, z of each vertex.
+ * - `triangles`: 3 `faces` elements, read: three vertices of each face, from 0.
+ * - `uv`: 6 `faces` elements, read: u, v of the three corners of each face, from 0 to 1; NULL: every triangle gets a place
+ *   of its own in the texture, which cata_slime_uv gives.
+ * - `start`: size x size elements (of the texture), read: not 0 where agents start; NULL: anywhere.
+ * - `ground`: size x size elements, read: 0 free, 1 obstacle, 2 attractor; NULL: all free.
+ * - `params`: NULL for the defaults; else read during the call.
+ * - `slime`: one pointer, not NULL, written: to be given to cata_slime_free.
+ *
+ * Textures have rows along u, the first at v = 0.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_MESH (the message names the edge of three
+ * faces or more, or the face without area, in space or in the texture), CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED or
+ * CATA_ERR_PANIC; `slime` is untouched unless it is CATA_OK.
+ *
+ * Thread-safe.
+ */
+cata_status cata_slime_new(size_t vertices,
+                           const double *positions,
+                           size_t faces,
+                           const uint32_t *triangles,
+                           const double *uv,
+                           const uint8_t *start,
+                           const uint8_t *ground,
+                           const struct cata_slime_params *params,
+                           struct cata_slime **slime);
+
+/**
+ * Gives a simulation back.
+ *
+ * `slime`: from cata_slime_new, not used any more afterwards; NULL is ignored.
+ *
+ * Thread-safe.
+ */
+void cata_slime_free(struct cata_slime *slime);
+
+/**
+ * Goes `steps` steps ahead (0 included).
+ *
+ * - `slime`: from cata_slime_new, not NULL.
+ * - `progress`: told after each step; NULL: nobody.
+ * - `progress_user`: handed to `progress` as it is; may be NULL.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_CANCELLED (the steps before are done, and it can go on) or CATA_ERR_PANIC.
+ *
+ * Not for two threads at once on the same simulation.
+ */
+cata_status cata_slime_step(struct cata_slime *slime,
+                            uint32_t steps,
+                            cata_progress progress,
+                            void *progress_user);
+
+/**
+ * How large a simulation is.
+ *
+ * - `slime`: from cata_slime_new, not NULL.
+ * - `size`, `species`, `faces`: one element each, written: texels of a side of the texture, species, and triangles. NULL
+ *   where not wanted.
+ * - `steps`: one element, written: steps done. NULL where not wanted.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_PANIC. Thread-safe.
+ */
+cata_status cata_slime_size(const struct cata_slime *slime,
+                            size_t *size,
+                            size_t *species,
+                            size_t *faces,
+                            uint32_t *steps);
+
+/**
+ * The texture of a species, as it is now.
+ *
+ * - `slime`: from cata_slime_new, not NULL.
+ * - `species`: its number, from 0.
+ * - `texture`: size x size elements, written: pheromone from 0 to 1, rows along u, the first at v = 0.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a species that is not there, or CATA_ERR_PANIC. Thread-safe, but
+ * not while it steps.
+ */
+cata_status cata_slime_texture(const struct cata_slime *slime,
+                               size_t species,
+                               float *texture);
+
+/**
+ * How much of the surface a species covers (thesis, equation 3.2).
+ *
+ * - `slime`: from cata_slime_new, not NULL.
+ * - `species`: its number, from 0.
+ * - `coverage`: one element, written: the mean of the pheromone, from 0 to 1. NULL where not wanted.
+ * - `presence`: one element, written: the part of the surface that has any. NULL where not wanted.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a species that is not there, or CATA_ERR_PANIC. Thread-safe, but
+ * not while it steps.
+ */
+cata_status cata_slime_coverage(const struct cata_slime *slime,
+                                size_t species,
+                                double *coverage,
+                                double *presence);
+
+/**
+ * The texture coordinates of the corners of faces: those that were given, or those of the atlas.
+ *
+ * - `slime`: from cata_slime_new, not NULL.
+ * - `uv`: 6 elements a face, written: u, v of its three corners.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_PANIC. Thread-safe.
+ */
+cata_status cata_slime_uv(const struct cata_slime *slime, double *uv);
 
 /**
  * An OpenCL device of this machine, by its number.

@@ -51,7 +51,7 @@ fn a_volume_is_an_array_and_frames_are_numbered() {
     folder.succeed("newton --volume --size 9 --roots 1,0 -1,0.5 -o v.npy --heights t.npy");
     let roots = folder.read_npy::<f32>("v.npy");
     assert_eq!(roots.len(), 9 * 9 * 9);
-    assert!(roots.iter().all(|&root| root >= 0.0 && root < 4.0 && root.fract() == 0.0));
+    assert!(roots.iter().all(|&root| (0.0..4.0).contains(&root) && root.fract() == 0.0));
     assert_eq!(folder.read_npy::<f32>("t.npy").len(), roots.len());
     folder.succeed("newton --size 8 --frames 3 --w 0 --w-to 1 -o f.png");
     let names = folder.names();

@@ -25,6 +25,7 @@ mod pointer;
 #[cfg(feature = "mpi")]
 mod ranks;
 mod rows;
+mod slime;
 mod spectrum;
 mod status;
 mod transfer;
@@ -49,6 +50,7 @@ pub use parts::*;
 pub use plant::*;
 pub use pointer::{CATA_BOTH, CATA_COL_MAJOR, CATA_LOWER, CATA_ROW_MAJOR, CATA_UPPER};
 pub use rows::*;
+pub use slime::*;
 pub use spectrum::*;
 pub use status::*;
 pub use transfer::*;

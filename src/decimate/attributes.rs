@@ -35,7 +35,13 @@ impl Decimation {
             Error::check_shape("colors", (vertices, 4), (colors.len(), 4))?;
             let at = |place: &Place| {
                 let corners = input.mesh.faces()[place.face as usize];
-                mean(corners.map(|v| colors[v as usize]), place.weights)
+                let given = corners.map(|v| colors[v as usize]);
+                let color = mean(given, place.weights);
+                // Rounded beyond 1, it would be read as one from 0 to 255.
+                std::array::from_fn(|k| {
+                    let [a, b, c] = given.map(|color| color[k]);
+                    color[k].max(a.min(b).min(c)).min(a.max(b).max(c))
+                })
             };
             file.colors = Some(self.places.iter().map(at).collect());
         }

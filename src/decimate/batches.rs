@@ -19,13 +19,14 @@ const DETOUR: f32 = 1.5;
 /// Vertices that one thread looks through at a time.
 const BLOCK: usize = 1 << 16;
 
-/// Adds samples, each the start of a cell, until there are `n`; those before have not grown yet.
+/// Adds samples, each the start of a cell, until there are `n`; those before have not grown yet. `area` is that of the surface.
 ///
 /// All vertices farther from the samples than a threshold are candidates; of these, the farthest first, those are taken that
 /// are no nearer to each other in space, hence along edges, than the threshold. It is lowered when none is left. So samples
 /// are always as far apart as the threshold, and, when it is lowered, no vertex is farther from them.
 pub(super) fn add_samples(
     surface: &Surface<'_>,
+    area: f64,
     growth: &mut Growth,
     samples: &mut Vec<u32>,
     n: usize,
@@ -33,7 +34,7 @@ pub(super) fn add_samples(
     stages: Stages<'_>,
 ) -> Result<()> {
     // At this distance about half of all fit into the area.
-    let spacing = (1.6 * surface.mesh.area() / n as f64).sqrt() / surface.scale;
+    let spacing = (1.6 * area / n as f64).sqrt() / surface.scale;
     let mut threshold = (spacing as f32).max(SHORTEST);
     let mut cutoff = DETOUR * threshold;
     let mut settled = false;

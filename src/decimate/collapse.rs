@@ -76,19 +76,23 @@ const LONG: f64 = 1.3;
 
 /// Collapses short edges and splits as many long ones: vertices go from where they are dense to where they are not.
 pub(super) fn exchange(patch: &mut Patch) {
-    let mut edges: Vec<(f64, [u32; 2])> =
+    let edges: Vec<(f64, [u32; 2])> =
         patch.edges().into_iter().map(|[a, b]| (patch.length(a, b), [a, b])).collect();
-    edges.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mean = edges.iter().map(|edge| edge.0).sum::<f64>() / edges.len().max(1) as f64;
-    let short = edges.partition_point(|edge| edge.0 < SHORT * mean);
-    let long = edges.partition_point(|edge| edge.0 <= LONG * mean);
-    let mut pairs = edges[long..].iter().rev();
-    for &(was, [a, b]) in &edges[..short] {
-        // Only what no earlier exchange has touched.
-        let untouched = |patch: &Patch, &(was, [a, b]): &(f64, [u32; 2])| {
-            patch.sides(a, b).is_some() && patch.length(a, b) == was
-        };
-        if !untouched(patch, &(was, [a, b])) || !patch.can_collapse(a, b) {
+    let sorted = |wanted: fn(f64) -> bool| {
+        let mut some: Vec<_> = edges.iter().copied().filter(|edge| wanted(edge.0 / mean)).collect();
+        some.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        some
+    };
+    let (short, long) = (sorted(|part| part < SHORT), sorted(|part| part > LONG));
+    let mut pairs = long.iter().rev();
+    // Only what no earlier exchange has touched.
+    let untouched = |patch: &Patch, &(was, [a, b]): &(f64, [u32; 2])| {
+        patch.sides(a, b).is_some() && patch.length(a, b) == was
+    };
+    for edge in &short {
+        let [a, b] = edge.1;
+        if !untouched(patch, edge) || !patch.can_collapse(a, b) {
             continue;
         }
         let Some(&(_, [c, d])) = pairs.find(|edge| untouched(patch, edge)) else { break };

@@ -24,7 +24,8 @@ pub struct DecimateOptions<'a> {
     /// relaxation does more at less cost.
     pub lloyd: usize,
     /// Passes over the result: edges made Delaunay, vertices moved to the centroids of their faces on the surface, short
-    /// edges exchanged for long ones; default 12.
+    /// edges exchanged for long ones; then vertices are raised beside the surface, so that it is not all above the faces.
+    /// Default 12.
     pub relaxation: usize,
     /// Whether handles that are too narrow for the triangles of the result are kept; default no: they are cut and their ends
     /// closed, as [`Decimation::after`](super::Decimation::after) tells.

@@ -45,6 +45,8 @@ pub struct Decimator<'m, 'o> {
 /// What samples are taken from.
 struct Source<'m> {
     prepared: Prepared<'m>,
+    /// Of the surface.
+    area: f64,
     components: Vec<Component>,
     sampler: Sampler,
 }
@@ -66,7 +68,8 @@ impl<'m> Source<'m> {
         components[at].first = first;
         components.swap(0, at);
         let sampler = Sampler::empty(&prepared.surface, options.par)?;
-        Ok(Self { prepared, components, sampler })
+        let area = prepared.surface.mesh.area();
+        Ok(Self { prepared, area, components, sampler })
     }
 }
 
@@ -155,7 +158,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
 
     /// Algorithm 5.1 with algorithm 5.2, and every three-cycle a face.
     fn thesis(&mut self, n: usize, stages: Stages<'_>) -> Result<Decimation> {
-        let Source { prepared, sampler, components } = &mut self.source;
+        let Source { prepared, sampler, components, .. } = &mut self.source;
         let surface = &prepared.surface;
         if sampler.samples().is_empty() || sampler.samples().len() > n {
             sampler.start(surface, components[0].first);
@@ -173,22 +176,22 @@ impl<'m, 'o> Decimator<'m, 'o> {
 
     fn uniform(&mut self, n: usize, stages: Stages<'_>) -> Result<Decimation> {
         let par = self.options.par;
-        let Source { prepared, components, sampler } = &mut self.source;
-        let surface = &prepared.surface;
+        let Source { prepared, area, components, sampler } = &mut self.source;
+        let (surface, area) = (&prepared.surface, *area);
         let (growth, taken) = sampler.in_batches();
         let mut samples: Vec<u32> = components.iter().map(|component| component.first).collect();
         let more = taken.iter().skip(samples.len()).take(n.saturating_sub(samples.len()));
         samples.extend(more);
         growth.clear();
-        add_samples(surface, growth, &mut samples, n, par, stages.part(0.0, 0.4))?;
+        add_samples(surface, area, growth, &mut samples, n, par, stages.part(0.0, 0.4))?;
         if samples.len() > taken.len() {
             taken.clone_from(&samples);
         }
 
         // Cells are about as large as what a sample has for its own.
-        let radius = (surface.mesh.area() / n as f64).sqrt() / surface.scale;
+        let radius = (area / n as f64).sqrt() / surface.scale;
         let cutoff = radius as f32;
-        let areas = vertex_areas(&surface.mesh);
+        let areas = if self.options.lloyd > 0 { vertex_areas(&surface.mesh) } else { Vec::new() };
         for pass in 0..self.options.lloyd {
             stages.part(0.4, 0.6).report(pass as f64 / self.options.lloyd as f64)?;
             lloyd::pass(surface, growth, &mut samples, &areas, cutoff);
@@ -209,7 +212,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         reach(&mut patch)?;
         let narrow = match self.options.keep_narrow_handles {
             true => 0.0,
-            false => edge_length_for(surface.mesh.area(), n).unwrap_or(0.0),
+            false => edge_length_for(area, n).unwrap_or(0.0),
         };
         let passes = self.options.relaxation;
         relax(surface, &mut patch, passes, narrow, par, stages.part(0.7, 0.95))?;

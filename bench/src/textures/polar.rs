@@ -77,11 +77,12 @@ mod device {
     }
 
     impl OnDevice {
-        /// On the device with this number, for so many pixels.
+        /// On the device with this number, for so many pixels as this plane has.
         ///
         /// # Errors
         /// Where the device refuses.
-        pub fn new(index: usize, pixels: usize) -> Result<Self> {
+        pub fn new(index: usize, plane: &Grid) -> Result<Self> {
+            let pixels = plane.counts[0] as usize * plane.counts[1] as usize;
             let id = get_all_devices(CL_DEVICE_TYPE_ALL)?[index];
             let context = Context::from_device(&Device::new(id))?;
             // SAFETY: the device is that of the context; the newer call is not in OpenCL 1.2.

@@ -10,6 +10,7 @@ mod exact;
 mod newton;
 mod page;
 mod plant;
+mod slime;
 mod spectral;
 mod task_tree;
 mod unions;
@@ -42,6 +43,7 @@ const STATIONS: &[fn(&Site<'_>) -> Result<Station>] = &[
     ata::station,
     exact::station,
     spectral::station,
+    slime::station,
     plant::station,
     decimate::station,
     curves::station,

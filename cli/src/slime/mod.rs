@@ -24,8 +24,9 @@ use crate::device::DeviceArgs;
 use crate::picture::View;
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
+pub use curves::svg;
 use on_device::OnDevice;
-use view::draw;
+pub use view::draw;
 
 /// Pixels of a side of the picture of the mesh.
 const PIXELS: usize = 900;

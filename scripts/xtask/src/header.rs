@@ -23,6 +23,7 @@ const FILES: &[&str] = &[
     "decimate",
     "plant",
     "curve",
+    "slime",
     "device",
     "newton",
     "unions",

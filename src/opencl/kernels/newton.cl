@@ -147,7 +147,7 @@ inline real turn(number z) {
     series = series * q2 + 0.042909614f;
     series = series * q2 + -0.07528964f;
     series = series * q2 + 0.10656264f;
-    series = series * q2 + -0.14208899f;
+    series = series * q2 + -0.142089f;
     series = series * q2 + 0.19993551f;
     series = series * q2 + -0.33333145f;
     series = series * q2 + 1.0f;

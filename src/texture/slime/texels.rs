@@ -19,7 +19,7 @@ pub const GOAL: u8 = 2;
 
 /// What the texels of a texture are on the surface.
 ///
-/// Memory, in bytes: 9 a texel, and 8.125 a texel and species for the textures, besides 32 or so a texel at a seam: for one
+/// Memory, in bytes: 9 a texel, and 8.25 a texel and species for the textures, besides 32 or so a texel at a seam: for one
 /// species 72 MiB at 2048 x 2048 and 4.6 GB at 16384 x 16384.
 #[derive(Debug, Clone)]
 pub struct Texels {

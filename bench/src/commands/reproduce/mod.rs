@@ -30,6 +30,12 @@ pub struct Arguments {
     /// Chapters 4 and 7: repetitions of the race.
     #[arg(long, default_value_t = 5, value_name = "N")]
     repeat: usize,
+    /// Chapter 3: frames that are timed.
+    #[arg(long, default_value_t = 9, value_name = "N")]
+    frames: usize,
+    /// Chapter 3: texels of a side of the largest texture that is timed.
+    #[arg(long, default_value_t = 8192, value_name = "TEXELS")]
+    largest_texture: usize,
     /// Chapter 6: curves on each mesh; 50 by default.
     #[arg(long, value_name = "N")]
     curves: Option<usize>,

@@ -1,0 +1,61 @@
+//! The surfaces of the figures, each with its texture.
+
+use std::f64::consts::{PI, TAU};
+
+use catamaran::mesh::{TriMesh, families};
+use catamaran::texture::slime::Surface;
+
+use crate::Result;
+
+/// The unit square, flat in its texture.
+pub fn square() -> Result<Surface> {
+    let mesh = families::grid(40, 40)?;
+    let at = |v: u32| [mesh.vertices()[v as usize][0], mesh.vertices()[v as usize][1]];
+    Ok(Surface::of_faces(&mesh, mesh.faces().iter().map(|face| face.map(at)).collect())?)
+}
+
+/// A torus that its texture is wrapped around once either way: stretched outside, squeezed inside.
+pub fn torus(around: usize, tube: usize) -> Result<Surface> {
+    wrapped(around, tube, [true, true], |u, v| {
+        let ring = 1.0 + 0.5 * (TAU * v).cos();
+        [ring * (TAU * u).cos(), ring * (TAU * u).sin(), 0.5 * (TAU * v).sin()]
+    })
+}
+
+/// A sphere by longitude and latitude, open at its poles by a thousandth of its height.
+pub fn sphere(around: usize, along: usize) -> Result<Surface> {
+    wrapped(around, along, [true, false], |u, v| {
+        let latitude = PI * (0.001 + 0.998 * v - 0.5);
+        [latitude.cos() * (TAU * u).cos(), latitude.cos() * (TAU * u).sin(), latitude.sin()]
+    })
+}
+
+/// The unit square in the texture, mapped into space; sides that are joined share vertices.
+fn wrapped(
+    columns: usize,
+    rows: usize,
+    joined: [bool; 2],
+    place: impl Fn(f64, f64) -> [f64; 3],
+) -> Result<Surface> {
+    let lines = [columns + usize::from(!joined[0]), rows + usize::from(!joined[1])];
+    let part = |i: usize, of: usize| i as f64 / of as f64;
+    let mut vertices = Vec::new();
+    for i in 0..lines[0] {
+        vertices.extend((0..lines[1]).map(|j| place(part(i, columns), part(j, rows))));
+    }
+    let (mut faces, mut uv) = (Vec::new(), Vec::new());
+    for i in 0..columns {
+        for j in 0..rows {
+            let corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
+            for face in [[0, 1, 2], [0, 2, 3]] {
+                let number = |k: usize| {
+                    let [i, j] = corners[k];
+                    (i % lines[0] * lines[1] + j % lines[1]) as u32
+                };
+                faces.push(face.map(number));
+                uv.push(face.map(|k| [part(corners[k][0], columns), part(corners[k][1], rows)]));
+            }
+        }
+    }
+    Ok(Surface::of_faces(&TriMesh::new(vertices, faces)?, uv)?)
+}
