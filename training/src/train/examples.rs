@@ -45,9 +45,9 @@ const DRIFT: f64 = 0.03;
 const JITTER: f64 = 0.01;
 
 impl Pair {
-    /// What a coarser or finer mesh might have given.
-    pub fn disturbed(&self, rng: &mut Rng) -> Self {
-        let drift = DRIFT * rng.normal() / self.first[K - 1].max(self.second[K - 1]);
+    /// What a coarser or finer mesh might have given; less so for a `size` below 1.
+    pub fn disturbed(&self, size: f64, rng: &mut Rng) -> Self {
+        let drift = size * DRIFT * rng.normal() / self.first[K - 1].max(self.second[K - 1]);
         let drift = drift.max(-0.5 / self.first[K - 1].max(self.second[K - 1]));
         let mut change = |values: &Spectrum, jitter: f64| {
             let mut changed = values.map(|x| x * (1.0 + drift * x) * (1.0 + jitter * rng.normal()));
@@ -55,7 +55,8 @@ impl Pair {
             changed
         };
         let union = change(&self.union, 0.0);
-        Self { first: change(&self.first, JITTER), second: change(&self.second, JITTER), union }
+        let jitter = size * JITTER;
+        Self { first: change(&self.first, jitter), second: change(&self.second, jitter), union }
     }
 
     /// A pair whose union is known for certain: a part, or the union, with the union, or a part with itself.

@@ -172,8 +172,8 @@ impl Trainer {
             // The last tasks of a batch that is not full begin again at its first pairs.
             let batch: Vec<usize> = batch.iter().copied().cycle().take(whole).collect();
             let time = number as f64 + (step * whole) as f64 / count as f64;
-            let rate = self.options.rate * annealing(time, self.options.period as f64);
-            error += self.step(&batch, &triples, seed + 1 + step as u64, rate)?;
+            let share = annealing(time, self.options.period as f64);
+            error += self.step(&batch, &triples, seed + 1 + step as u64, share)?;
             seen += whole;
         }
         let validation = self.validate()?;
@@ -186,8 +186,8 @@ impl Trainer {
         Ok(epoch)
     }
 
-    /// One step of the optimiser; the sum of errors.
-    fn step(&mut self, batch: &[usize], triples: &[Pair], seed: u64, rate: f64) -> Result<f64> {
+    /// One step of the optimiser, at this share of the full rate; the sum of errors. Disturbances shrink with the rate.
+    fn step(&mut self, batch: &[usize], triples: &[Pair], seed: u64, share: f64) -> Result<f64> {
         let Self { options, examples, scaling, places, state, workers, team } = self;
         let parameters = &state.parameters;
         let work = |(task, worker): (usize, &mut Worker)| -> Result<()> {
@@ -210,7 +210,7 @@ impl Trainer {
                 } else {
                     sample
                 };
-                let (features, logs) = pair.disturbed(&mut rng).example(scaling)?;
+                let (features, logs) = pair.disturbed(share, &mut rng).example(scaling)?;
                 worker.place(slot, &features, logs);
             }
             worker.run(options, scaling, places, parameters);
@@ -228,7 +228,8 @@ impl Trainer {
             gradient.iter_mut().zip(&worker.backward.gradient).for_each(|(sum, g)| *sum += g);
         }
         clip(gradient, CLIP);
-        state.adam.step(&mut state.parameters, gradient, rate as f32, options.decay as f32);
+        let rate = (options.rate * share) as f32;
+        state.adam.step(&mut state.parameters, gradient, rate, options.decay as f32);
         let error = first[0].error + rest.iter().map(|worker| worker.error).sum::<f64>();
         Ok(error)
     }

@@ -128,7 +128,7 @@ fn pairs_of_known_union_are_right_and_within_the_bound() {
     for pair in strips(50, 3) {
         let known = pair.contained(&mut rng);
         assert!(known.union == known.first || known.union == known.second);
-        let disturbed = pair.disturbed(&mut rng);
+        let disturbed = pair.disturbed(1.0, &mut rng);
         for values in [disturbed.first, disturbed.second, disturbed.union] {
             assert!(values.is_sorted() && values[0] > 0.0);
         }
