@@ -37,7 +37,7 @@ fn no_agent_is_beyond_a_sharp_corner() {
     let quick = Options { movement_speed: 2000.0, length_rescaling: false, ..options(2000, 128) };
     for (name, mesh) in [
         ("flat", families::grid(12, 12).unwrap()),
-        ("slivers", families::torus(120, 3, 2.0, 0.3).unwrap()),
+        ("slivers", families::torus(36, 3, 2.0, 0.1).unwrap()),
     ] {
         let options = Options { tangent_step: steps, ..quick.clone() };
         let mut all = simulation(with_atlas(&mesh, 128), &options);
