@@ -39,7 +39,7 @@ fn no_agent_is_beyond_a_sharp_corner() {
         ("flat", families::grid(12, 12).unwrap()),
         ("slivers", families::torus(36, 3, 2.0, 0.1).unwrap()),
     ] {
-        let options = Options { tangent_step: steps, ..quick.clone() };
+        let options = Options { tangent_step: steps, ..quick };
         let mut all = simulation(with_atlas(&mesh, 128), &options);
         all.run(60, Par::all(), None).unwrap();
         assert_eq!(all.state().check(all.surface()), Ok(()), "{name}");
