@@ -72,8 +72,8 @@ const TRIPLES: f64 = 0.04;
 const MINED: f64 = 0.4;
 /// Longest gradient.
 const CLIP: f32 = 10.0;
-/// Errors of logarithms above this count less than by their square (pseudo-Huber).
-const OUTLIER: f32 = 0.05;
+/// Errors of logarithms about as large as this, and larger, count less than by their square (Fair 1974).
+const OUTLIER: f32 = 0.3;
 /// Share of the training pairs that are familiar.
 const FAMILIAR: f64 = 0.995;
 
