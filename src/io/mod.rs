@@ -1,6 +1,6 @@
 //! Matrix files: NumPy `.npy`, MatrixMarket `.mtx` and text tables (`.csv`, `.tsv`, `.txt`), each
 //! also gzipped (`.gz`); several arrays in one NumPy `.npz` or HDF5
-//! file ([`write_arrays`], [`read_arrays`]). Files of rows, read block by block ([`RowFile`]): `.npy`, and HDF5 with
+//! file ([`write_arrays`], [`read_arrays()`]). Files of rows, read block by block ([`RowFile`]): `.npy`, and HDF5 with
 //! feature `hdf5`.
 //!
 //! A reader checks everything it reads: a broken header, a ragged row, text where a number should

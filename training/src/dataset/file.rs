@@ -107,7 +107,7 @@ pub fn write(dataset: &Dataset, output: Output) -> Result<()> {
 /// Reads what [`write`](fn@write) wrote.
 ///
 /// # Errors
-/// [`Error::Io`](catamaran::Error::Io) names the array that is missing or broken.
+/// [`Error::Io`] names the array that is missing or broken.
 pub fn read(path: &Path) -> Result<Dataset> {
     let arrays = read_arrays(path)?;
     let templates = (0..)
