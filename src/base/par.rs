@@ -1,3 +1,6 @@
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use super::{Error, Result};
 
 /// How many threads a call may use. Results do not depend on it, bit for bit.
@@ -22,6 +25,29 @@ impl Par {
             Self::Seq => 1,
             Self::Threads(n) => n.max(1),
         }
+    }
+
+    /// Calls `work(i, item)` for every item, each once, in order on one thread.
+    pub(crate) fn for_each<T: Send>(
+        self,
+        items: impl Iterator<Item = T>,
+        work: impl Fn(usize, T) + Sync,
+    ) {
+        if self.threads() == 1 {
+            items.enumerate().for_each(|(i, item)| work(i, item));
+            return;
+        }
+        let items: Vec<_> = items.map(|item| Mutex::new(Some(item))).collect();
+        let next = AtomicUsize::new(0);
+        Self::Threads(self.threads().min(items.len())).run_lanes(|_| {
+            loop {
+                let i = next.fetch_add(1, Ordering::Relaxed);
+                let Some(item) = items.get(i) else { return };
+                if let Some(item) = item.lock().ok().and_then(|mut item| item.take()) {
+                    work(i, item);
+                }
+            }
+        });
     }
 
     /// Runs `lane(0), ..., lane(n - 1)` on up to `n = self.threads()` threads and waits for all.

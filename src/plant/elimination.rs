@@ -5,8 +5,6 @@
 //! on the diagonal `d_v` plus the couplings of all edges at v. Real and complex excesses share this code.
 
 use std::ops::{Add, Mul, Range};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::c64;
 
@@ -175,23 +173,8 @@ impl Order {
         items: impl Iterator<Item = W>,
         work: impl Fn(Range<usize>, W) + Sync,
     ) {
-        let items = items.enumerate().map(|(i, item)| (self.bin(i), item));
-        if par.threads() == 1 || self.bins.len() <= 2 {
-            items.for_each(|(range, item)| work(range, item));
-            return;
-        }
-        let items: Vec<_> = items.map(|item| Mutex::new(Some(item))).collect();
-        let next = AtomicUsize::new(0);
-        Par::Threads(par.threads().min(items.len())).run_lanes(|_| {
-            loop {
-                let i = next.fetch_add(1, Ordering::Relaxed);
-                let Some(item) = items.get(i) else { return };
-                let item = item.lock().ok().and_then(|mut item| item.take());
-                if let Some((range, item)) = item {
-                    work(range, item);
-                }
-            }
-        });
+        let par = if self.bins.len() <= 2 { Par::Seq } else { par };
+        par.for_each(items, |i, item| work(self.bin(i), item));
     }
 }
 

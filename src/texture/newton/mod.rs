@@ -17,8 +17,7 @@ mod points;
 mod tests;
 mod texels;
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use palette::{darkened, root_color};
 pub use points::{Grid, Points};
@@ -220,24 +219,19 @@ impl Newton {
         let count = points.check(&self.parameters)?;
         let mut fractal = Fractal::with_len(count)?;
         let blocks = fractal.roots.chunks_mut(BLOCK).zip(fractal.convergence.chunks_mut(BLOCK));
-        let blocks: Vec<_> = blocks.map(|block| Mutex::new(Some(block))).collect();
-        let (next, cancelled) = (AtomicUsize::new(0), AtomicBool::new(false));
-        Par::Threads(par.threads().min(blocks.len())).run_lanes(|_| {
-            while !cancelled.load(Ordering::Relaxed) {
-                let i = next.fetch_add(1, Ordering::Relaxed);
-                let Some(block) = blocks.get(i) else { return };
-                let block = block.lock().ok().and_then(|mut block| block.take());
-                let Some((roots, convergence)) = block else { return };
-                let cursor = Cursor::new(points, i * BLOCK);
-                iterate::evaluate(&self.parameters, cursor, roots, convergence);
-                let fraction = (i + 1) as f64 / blocks.len() as f64;
-                if progress.is_some_and(|tell| tell(fraction) == Flow::Cancel) {
-                    cancelled.store(true, Ordering::Relaxed);
-                }
+        let number = count.div_ceil(BLOCK) as f64;
+        let cancelled = AtomicBool::new(false);
+        par.for_each(blocks, |i, (roots, convergence)| {
+            if cancelled.load(Ordering::Relaxed) {
+                return;
+            }
+            iterate::evaluate(&self.parameters, Cursor::new(points, i * BLOCK), roots, convergence);
+            let fraction = (i + 1) as f64 / number;
+            if progress.is_some_and(|tell| tell(fraction) == Flow::Cancel) {
+                cancelled.store(true, Ordering::Relaxed);
             }
         });
         let was_cancelled = cancelled.into_inner();
-        drop(blocks);
         if was_cancelled { Err(Error::Cancelled) } else { Ok(fractal) }
     }
 }

@@ -26,7 +26,6 @@ mod agents;
 mod atlas;
 mod coverage;
 mod diffuse;
-mod lanes;
 mod links;
 mod options;
 mod order;

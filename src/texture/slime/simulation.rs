@@ -3,7 +3,6 @@ use std::sync::atomic::AtomicU32;
 use super::agents::{Field, agent_step, mark};
 use super::coverage::{Coverage, coverage};
 use super::diffuse::{diffuse_border, diffuse_row};
-use super::lanes::for_each;
 use super::options::{Options, Parameters};
 use super::order::{EVERY, order};
 use super::start::{everywhere, in_texels};
@@ -114,7 +113,7 @@ impl Simulation {
             .zip(positions.chunks_mut(AGENTS))
             .zip(headings.chunks_mut(AGENTS))
             .zip(ids.chunks(AGENTS));
-        for_each(par, blocks, |_, (((triangles, positions), headings), ids)| {
+        par.for_each(blocks, |_, (((triangles, positions), headings), ids)| {
             let agents = triangles.iter_mut().zip(positions).zip(headings).zip(ids);
             for (((triangle, position), heading), &agent) in agents {
                 let walker = Walker { triangle: *triangle, position: *position, heading: *heading };
@@ -137,7 +136,7 @@ impl Simulation {
         let texture = &self.state.texture;
         let size = parameters.size as usize;
         let plane = size * size;
-        for_each(par, self.next.chunks_mut(ROWS * size), |block, next| {
+        par.for_each(self.next.chunks_mut(ROWS * size), |block, next| {
             let first = block * ROWS * size;
             let (species, row) = (first / plane, first % plane / size);
             let texture = &texture[species * plane..(species + 1) * plane];
