@@ -4,7 +4,7 @@ use super::familiar::{Familiar, JUDGED};
 use super::network::{Architecture, FEATURES, K, Places, Tape, forward};
 use super::question::Question;
 use super::spectrum;
-use super::tensors::{Tensor, Tensors, to_bytes};
+use super::tensors::{Tensor, Tensors, rounded, to_bytes};
 use crate::base::{Error, Result};
 
 /// The weights that come with the library (docs/model-card-unions.md).
@@ -62,13 +62,14 @@ impl SpectralUnion {
         Self::from_bytes(PRETRAINED)
     }
 
-    /// From trained parameters, in the order of [`Architecture::places`].
+    /// From trained parameters, in the order of [`Architecture::places`]; they are rounded to half precision, as files
+    /// have them.
     ///
     /// # Errors
     /// [`Error::Argument`] and [`Error::Shape`] name what does not fit.
     pub fn new(
         sizes: Architecture,
-        parameters: Vec<f32>,
+        mut parameters: Vec<f32>,
         scaling: Scaling,
         familiar: Familiar,
     ) -> Result<Self> {
@@ -88,6 +89,7 @@ impl SpectralUnion {
             let why = "must not be zero".into();
             return Err(Error::Argument { what: "feature_deviation", why });
         }
+        parameters.iter_mut().for_each(|x| *x = rounded(*x));
         Ok(Self { sizes, places, parameters, scaling, familiar })
     }
 
@@ -152,7 +154,7 @@ impl SpectralUnion {
         ];
         for (name, place) in &self.places.named {
             let values = &self.parameters[place.range()];
-            tensors.push((name, Tensor::new(place.columns, values)));
+            tensors.push((name, Tensor::half(place.columns, values)));
         }
         to_bytes(tensors)
     }
@@ -327,7 +329,7 @@ mod tests {
         }
         let mut rotten = bytes.clone();
         let last = rotten.len() - 4;
-        rotten[last..].copy_from_slice(&f32::NAN.to_le_bytes());
+        rotten[last..].copy_from_slice(&[0xff; 4]);
         assert!(SpectralUnion::from_bytes(&rotten).unwrap_err().to_string().contains("not finite"));
         assert!(
             SpectralUnion::read(Path::new("/nowhere")).unwrap_err().to_string().contains("nowhere")

@@ -1,13 +1,15 @@
-//! Named arrays of f32 in the safetensors format.
+//! Named arrays in the safetensors format, of single or of half precision.
 
 use std::borrow::Cow;
 
+use half::f16;
 use safetensors::{Dtype, SafeTensors, View};
 
 use crate::base::{Error, Result};
 
 /// A matrix that is written.
 pub(super) struct Tensor<'a> {
+    dtype: Dtype,
     shape: [usize; 2],
     values: &'a [f32],
 }
@@ -15,13 +17,24 @@ pub(super) struct Tensor<'a> {
 impl<'a> Tensor<'a> {
     /// `values` in rows of `columns`.
     pub(super) fn new(columns: usize, values: &'a [f32]) -> Self {
-        Self { shape: [values.len() / columns.max(1), columns], values }
+        let shape = [values.len() / columns.max(1), columns];
+        Self { dtype: Dtype::F32, shape, values }
     }
+
+    /// [`Tensor::new`] of numbers that are [`rounded`].
+    pub(super) fn half(columns: usize, values: &'a [f32]) -> Self {
+        Self { dtype: Dtype::F16, ..Self::new(columns, values) }
+    }
+}
+
+/// The nearest number of half precision, of at most 65504.
+pub(super) fn rounded(x: f32) -> f32 {
+    f16::from_f32(x.clamp(f16::MIN.to_f32(), f16::MAX.to_f32())).to_f32()
 }
 
 impl View for Tensor<'_> {
     fn dtype(&self) -> Dtype {
-        Dtype::F32
+        self.dtype
     }
 
     fn shape(&self) -> &[usize] {
@@ -29,11 +42,16 @@ impl View for Tensor<'_> {
     }
 
     fn data(&self) -> Cow<'_, [u8]> {
-        self.values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>().into()
+        let values = self.values.iter();
+        let bytes: Vec<u8> = match self.dtype {
+            Dtype::F16 => values.flat_map(|&x| f16::from_f32(x).to_le_bytes()).collect(),
+            _ => values.flat_map(|x| x.to_le_bytes()).collect(),
+        };
+        bytes.into()
     }
 
     fn data_len(&self) -> usize {
-        4 * self.values.len()
+        self.values.len() * self.dtype.bitsize() / 8
     }
 }
 
@@ -54,14 +72,20 @@ impl<'a> Tensors<'a> {
     /// The tensor of this name, with `len` elements, all finite.
     pub(super) fn values(&self, name: &str, len: usize) -> Result<Vec<f32>> {
         let tensor = self.0.tensor(name).map_err(|e| refuse(e.to_string()))?;
-        if tensor.dtype() != Dtype::F32 || tensor.data().len() != 4 * len {
-            let (dtype, shape) = (tensor.dtype(), tensor.shape());
+        let data = tensor.data();
+        let values: Vec<f32> = match tensor.dtype() {
+            Dtype::F32 => data.as_chunks().0.iter().map(|x| f32::from_le_bytes(*x)).collect(),
+            Dtype::F16 => {
+                data.as_chunks().0.iter().map(|x| f16::from_le_bytes(*x).to_f32()).collect()
+            }
+            other => return Err(refuse(format!("{name}: {other:?}, not F32 or F16"))),
+        };
+        if values.len() != len {
+            let shape = tensor.shape();
             return Err(refuse(format!(
-                "{name}: {len} elements of F32 are needed, it is {dtype:?} of shape {shape:?}"
+                "{name}: {len} elements are needed, its shape is {shape:?}"
             )));
         }
-        let values: Vec<f32> =
-            tensor.data().as_chunks::<4>().0.iter().map(|x| f32::from_le_bytes(*x)).collect();
         match values.iter().position(|x| !x.is_finite()) {
             Some(at) => Err(refuse(format!("{name}: element {at} is not finite"))),
             None => Ok(values),
@@ -70,7 +94,7 @@ impl<'a> Tensors<'a> {
 
     /// The number of elements of a tensor, 0 if there is none.
     pub(super) fn len(&self, name: &str) -> usize {
-        self.0.tensor(name).map_or(0, |tensor| tensor.data().len() / 4)
+        self.0.tensor(name).map_or(0, |tensor| tensor.shape().iter().product())
     }
 }
 

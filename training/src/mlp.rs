@@ -20,7 +20,7 @@ pub struct Mlp {
 pub struct Schedule {
     /// Passes over the data.
     pub epochs: usize,
-    /// Largest rate; it falls as a cosine to 1 % of that.
+    /// Largest rate, of [`annealing`].
     pub rate: f64,
     /// Examples a step.
     pub batch: usize,
@@ -131,7 +131,7 @@ impl Mlp {
                 let mut gradient = self.gradient(&layers, dy);
                 clip(&mut gradient, 10.0);
                 let time = epoch as f64 + (step * schedule.batch) as f64 / count as f64;
-                let rate = schedule.rate * annealing(time, schedule.epochs as f64);
+                let rate = schedule.rate * annealing(time / schedule.epochs as f64);
                 adam.step(&mut self.parameters, &gradient, rate as f32, 1e-5);
             }
             watch(epoch, total / count.max(1) as f64)?;

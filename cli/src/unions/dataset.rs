@@ -49,6 +49,9 @@ pub struct Args {
     /// Pairs of parts of a family.
     #[arg(long, value_name = "NUMBER")]
     pairs: Option<usize>,
+    /// Further shapes to train on, each a known humanoid in another pose, with other parts than all others.
+    #[arg(long, value_name = "NUMBER")]
+    varied: Option<usize>,
     /// Threads; all cores by default.
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
@@ -100,6 +103,7 @@ fn options(args: &Args) -> DatasetOptions {
         (&mut options.others, args.others),
         (&mut options.poses, args.poses),
         (&mut options.cuts.pairs, args.pairs),
+        (&mut options.varied, args.varied),
     ];
     for (option, given) in changes {
         *option = given.unwrap_or(*option);

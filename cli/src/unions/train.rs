@@ -31,23 +31,23 @@ pub struct Args {
     /// The weights: .safetensors.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Passes over the data in all.
-    #[arg(long, value_name = "NUMBER", default_value_t = 300)]
+    /// Passes over the data in all; the rate falls over them.
+    #[arg(long, value_name = "NUMBER", default_value_t = 40)]
     epochs: usize,
     /// Stop after this time, whatever the epoch.
     #[arg(long, value_name = "NUMBER")]
     minutes: Option<f64>,
-    /// Go on from OUT.state.npz; sizes and rates are then those of the state.
+    /// Go on from OUT.state.npz; sizes, rates and epochs are then those of the state.
     #[arg(long)]
     resume: bool,
     /// Layers before and after the sum of both spectra.
     #[arg(long, value_name = "A,B", value_delimiter = ',', num_args = 2, default_values_t = [2, 2])]
     layers: Vec<usize>,
     /// Numbers that stand for a spectrum.
-    #[arg(long, value_name = "NUMBER", default_value_t = 160)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 192)]
     width: usize,
     /// Hidden neurons of a layer.
-    #[arg(long, value_name = "NUMBER", default_value_t = 160)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 320)]
     hidden: usize,
     /// Pairs a step.
     #[arg(long, value_name = "NUMBER", default_value_t = 64)]
@@ -58,9 +58,6 @@ pub struct Args {
     /// Share of each parameter that it loses in a step, times the rate.
     #[arg(long, value_name = "NUMBER", default_value_t = 0.1)]
     decay: f64,
-    /// Epochs until the rate restarts for the first time; then after twice as many each time.
-    #[arg(long, value_name = "NUMBER", default_value_t = 10)]
-    period: usize,
     /// Seed of everything random.
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     seed: u64,
@@ -84,9 +81,8 @@ pub fn run(args: &Args) -> Result<()> {
         args.data.iter().map(|path| dataset::read(path)).collect::<catamaran::Result<_>>()?;
     let examples = Examples::new(&datasets)?;
     drop(datasets);
-    let (proper, _) = examples.mined.counts();
     report(format_args!(
-        "data      {} sets: {} pairs and {} triples to learn from, {} to choose by; {proper} further unions of masks",
+        "data      {} sets: {} pairs and {} triples to learn from, {} to choose by",
         args.data.len(),
         examples.training.len(),
         examples.triples.len(),
@@ -115,7 +111,7 @@ pub fn run(args: &Args) -> Result<()> {
     let late = |now: Instant| {
         args.minutes.is_some_and(|minutes| (now - start).as_secs_f64() > 60.0 * minutes)
     };
-    while trainer.state().history.len() < args.epochs && !late(Instant::now()) {
+    while trainer.state().history.len() < options.epochs && !late(Instant::now()) {
         let cancelled = progress::check();
         if cancelled.is_err() || saved.elapsed() > PAUSE {
             save(&trainer)?;
@@ -143,8 +139,8 @@ fn beside(output: &Path, end: &str) -> PathBuf {
 }
 
 fn options(args: &Args) -> TrainOptions {
-    let Args { width, hidden, batch, rate, decay, period, seed, .. } = *args;
+    let Args { width, hidden, batch, rate, decay, epochs, seed, .. } = *args;
     let (first_layers, second_layers) = (args.layers[0], args.layers[1]);
     let sizes = Architecture { width, hidden, first_layers, second_layers };
-    TrainOptions { sizes, batch, rate, decay, period, seed }
+    TrainOptions { sizes, batch, rate, decay, epochs, seed }
 }

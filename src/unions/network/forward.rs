@@ -1,7 +1,7 @@
 use super::kernel::{Number, gemm, normalize};
-use super::{Architecture, FEATURES, K, LayerPlaces, Place, Places};
+use super::{Architecture, FEATURES, INPUTS, K, LayerPlaces, Place, Places};
 
-/// What a layer computed, a row for each of its inputs: `x + down(rectified(up(normalised x)))`.
+/// What a layer computed, a row for each of its inputs: `x + down(a g / (1 + e^-g))` with `(a, g) = up(normalised x)`.
 #[derive(Debug, Clone, Default)]
 pub struct LayerTape<T> {
     /// The input, normalised, before scale and shift.
@@ -10,7 +10,9 @@ pub struct LayerTape<T> {
     pub inverse: Vec<T>,
     /// The input, normalised, with scale and shift.
     pub normed: Vec<T>,
-    /// Hidden neurons, after rectification.
+    /// Hidden neurons and gates before they are multiplied, `2 hidden` a row.
+    pub up: Vec<T>,
+    /// Hidden neurons, through their gates.
     pub hidden: Vec<T>,
 }
 
@@ -21,6 +23,7 @@ impl<T: Number> LayerTape<T> {
             unit: zeros(sizes.width),
             inverse: zeros(1),
             normed: zeros(sizes.width),
+            up: zeros(2 * sizes.hidden),
             hidden: zeros(sizes.hidden),
         }
     }
@@ -29,15 +32,42 @@ impl<T: Number> LayerTape<T> {
     fn run(&mut self, places: &LayerPlaces, parameters: &[T], x: &mut [T]) {
         let norm = of(parameters, places.norm);
         normalize(x, norm, &mut self.unit, &mut self.inverse, &mut self.normed);
-        linear(&self.normed, of(parameters, places.up), &mut self.hidden);
-        for value in &mut self.hidden {
-            *value = if *value > T::ZERO { *value } else { T::ZERO };
+        linear(&self.normed, of(parameters, places.up), &mut self.up);
+        let hidden = places.down[0].rows;
+        for (hidden, up) in
+            self.hidden.chunks_exact_mut(hidden).zip(self.up.chunks_exact(2 * hidden))
+        {
+            let (values, gates) = up.split_at(hidden.len());
+            for (hidden, (&value, &gate)) in hidden.iter_mut().zip(values.iter().zip(gates)) {
+                *hidden = value * gate * sigmoid(gate);
+            }
         }
         let [weights, bias] = of(parameters, places.down);
         for row in x.chunks_exact_mut(bias.len()) {
             add(row, bias);
         }
         product(&self.hidden, weights, bias.len(), x);
+    }
+}
+
+/// `1 / (1 + e^-x)`.
+pub fn sigmoid<T: Number>(x: T) -> T {
+    T::ONE / (T::ONE + (-x).exp())
+}
+
+/// Features and their waves, `K x INPUTS` a row, for each `K x FEATURES`.
+fn waves<T: Number>(features: &[T], inputs: &mut [T]) {
+    let rows = features.chunks_exact(K * FEATURES).zip(inputs.chunks_exact_mut(K * INPUTS));
+    for (features, inputs) in rows {
+        let (plain, waves) = inputs.split_at_mut(K * FEATURES);
+        plain.copy_from_slice(features);
+        // The logarithms come first for each eigenvalue.
+        let logarithms = features.chunks_exact(FEATURES).flat_map(|row| [row[0], row[1]]);
+        for (wave, logarithm) in waves.chunks_exact_mut(4).zip(logarithms) {
+            let (sine, cosine) = logarithm.sin_cos();
+            let twice = T::from_f64(2.0) * sine;
+            wave.copy_from_slice(&[sine, cosine, twice * cosine, T::ONE - twice * sine]);
+        }
     }
 }
 
@@ -71,6 +101,8 @@ pub struct Tape<T> {
     /// Features, `K x FEATURES` a row: those of the first spectrum of every pair informed about the second, then those of the
     /// second ones informed about the first. To be filled in before [`forward`].
     pub features: Vec<T>,
+    /// What the first layer reads, `K x INPUTS` a row.
+    pub inputs: Vec<T>,
     /// The layers of the first part, on twice as many rows as there are pairs.
     pub first: Vec<LayerTape<T>>,
     /// Those of the second one.
@@ -93,6 +125,7 @@ impl<T: Number> Tape<T> {
         };
         Self {
             features: vec![T::ZERO; 2 * pairs * K * FEATURES],
+            inputs: vec![T::ZERO; 2 * pairs * K * INPUTS],
             first: layers(sizes.first_layers, 2 * pairs),
             second: layers(sizes.second_layers, pairs),
             unit: vec![T::ZERO; pairs * sizes.width],
@@ -116,7 +149,8 @@ pub fn forward<T: Number>(
 ) {
     let rows = tape.features.len() / (K * FEATURES);
     let mut x = vec![T::ZERO; rows * sizes.width];
-    linear(&tape.features, of(parameters, places.embedding), &mut x);
+    waves(&tape.features, &mut tape.inputs);
+    linear(&tape.inputs, of(parameters, places.embedding), &mut x);
     for (layer, places) in tape.first.iter_mut().zip(&places.first) {
         layer.run(places, parameters, &mut x);
     }

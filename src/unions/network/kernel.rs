@@ -1,5 +1,5 @@
-//! Small dense arithmetic. Every sum is taken in one order, so that results depend neither on the CPU nor on how rows are
-//! grouped.
+//! Small dense arithmetic. Every sum is taken in one order, with one rounding a term, so that results depend neither on the CPU
+//! nor on how rows are grouped.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -9,17 +9,49 @@ use crate::base::Real;
 pub trait Number: Real {
     /// The square root.
     fn sqrt(self) -> Self;
+    /// `self * factor + term`, rounded once.
+    fn mul_add(self, factor: Self, term: Self) -> Self;
+    /// The exponential function.
+    fn exp(self) -> Self;
+    /// Sine and cosine.
+    fn sin_cos(self) -> (Self, Self);
 }
 
 impl Number for f32 {
     fn sqrt(self) -> Self {
         self.sqrt()
     }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        self.mul_add(factor, term)
+    }
+
+    fn exp(self) -> Self {
+        self.exp()
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        self.sin_cos()
+    }
 }
 
 impl Number for f64 {
     fn sqrt(self) -> Self {
         self.sqrt()
+    }
+
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        self.mul_add(factor, term)
+    }
+
+    fn exp(self) -> Self {
+        self.exp()
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        self.sin_cos()
     }
 }
 
@@ -73,9 +105,10 @@ impl<T: Number> Gemm<'_, T> {
     #[inline(always)]
     fn strip<const WIDE: usize>(&mut self, column: usize) {
         let mut row = 0;
-        while row + 4 <= self.rows {
-            self.tile::<4, WIDE>(row, column);
-            row += 4;
+        // Twice 32 sums are what the registers of AVX2 hold; with more of them compilers spill.
+        while row + 2 <= self.rows {
+            self.tile::<2, WIDE>(row, column);
+            row += 2;
         }
         while row < self.rows {
             self.tile::<1, WIDE>(row, column);
@@ -96,7 +129,7 @@ impl<T: Number> Gemm<'_, T> {
             for i in 0..TALL {
                 let a = self.a[(row + i) * self.strides.0 + k * self.strides.1];
                 for j in 0..WIDE {
-                    sums[i][j] += a * b[j];
+                    sums[i][j] = a.mul_add(b[j], sums[i][j]);
                 }
             }
         }

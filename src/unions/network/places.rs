@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use super::{FEATURES, K};
+use super::{INPUTS, K};
 use crate::base::{Error, Result};
 
 /// The sizes of a network.
@@ -19,7 +19,7 @@ pub struct Architecture {
 impl Default for Architecture {
     /// That of the pretrained weights.
     fn default() -> Self {
-        Self { width: 160, hidden: 160, first_layers: 2, second_layers: 2 }
+        Self { width: 192, hidden: 320, first_layers: 2, second_layers: 2 }
     }
 }
 
@@ -46,7 +46,7 @@ impl Place {
 pub struct LayerPlaces {
     /// Scale and shift of the normalisation before the layer.
     pub norm: [Place; 2],
-    /// Weights and bias into the hidden neurons.
+    /// Weights and bias into the hidden neurons, then into their gates.
     pub up: [Place; 2],
     /// Weights and bias out of them.
     pub down: [Place; 2],
@@ -96,12 +96,12 @@ impl Architecture {
     pub fn places(&self) -> Places {
         let Self { width, hidden, .. } = *self;
         let mut list = List::default();
-        let embedding = list.linear("embedding", K * FEATURES, width);
+        let embedding = list.linear("embedding", K * INPUTS, width);
         let mut layers = |name: &str, count: usize| -> Vec<LayerPlaces> {
             (0..count)
                 .map(|layer| LayerPlaces {
                     norm: list.linear(&format!("{name}.{layer}.norm"), 1, width),
-                    up: list.linear(&format!("{name}.{layer}.up"), width, hidden),
+                    up: list.linear(&format!("{name}.{layer}.up"), width, 2 * hidden),
                     down: list.linear(&format!("{name}.{layer}.down"), hidden, width),
                 })
                 .collect()
@@ -149,8 +149,8 @@ mod tests {
             }
             assert_eq!(next, places.len);
             assert_eq!((places.first.len(), places.second.len()), (first_layers, second_layers));
-            let layer = 2 * 8 + 8 * 6 + 6 + 6 * 8 + 8;
-            let rest = 81 * 8 + 2 * 8 + 9 * 20;
+            let layer = 2 * 8 + 8 * 12 + 12 + 6 * 8 + 8;
+            let rest = 241 * 8 + 2 * 8 + 9 * 20;
             assert_eq!(places.len, (first_layers + second_layers) * layer + rest);
         }
     }

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::plan::{DatasetOptions, HeldOut, Job, jobs};
 use super::{Dataset, EIGENVALUES, Spectrum, Template};
-use crate::cuts::{Cuts, cuts};
+use crate::cuts::{Cuts, Pair, cuts};
 use crate::families::{Family, Model, mixed};
 use crate::remesh::remove_vertices;
 
@@ -85,10 +85,28 @@ fn subjects(options: &DatasetOptions, jobs: &[Job], par: Par) -> Result<Vec<Subj
     Family::ALL.into_iter().filter(used).map(one).collect()
 }
 
-/// Spectra and areas of a shape: of all masks, ascending by id, then of the whole.
+/// What is known of a shape.
 struct Found {
+    pairs: Vec<Pair>,
+    /// Ids of the masks, ascending.
+    masks: Vec<usize>,
+    /// Of all masks, then of the whole.
     spectra: Vec<Spectrum>,
     areas: Vec<f64>,
+}
+
+impl Found {
+    fn number(&self, id: usize) -> usize {
+        self.masks.partition_point(|&mask| mask < id)
+    }
+
+    fn spectrum(&self, id: usize) -> Spectrum {
+        self.spectra[self.number(id)]
+    }
+
+    fn area(&self, id: usize) -> f64 {
+        self.areas[self.number(id)]
+    }
 }
 
 /// Makes sure that the folder is there, and of these options.
@@ -107,7 +125,7 @@ fn io_error(path: &Path, what: String) -> Error {
     Error::Io { path: path.into(), line: 0, what }
 }
 
-/// Spectra of a shape, as they were found before or are found now.
+/// What is known of a shape, as it was found before or is found now.
 fn shape(
     options: &DatasetOptions,
     job: &Job,
@@ -116,27 +134,44 @@ fn shape(
     folder: &Path,
 ) -> Result<Found> {
     let file: PathBuf = folder.join(format!("shape{number:05}.npz"));
-    let count = subject.cuts.masks.len() + 1;
     if file.exists() {
-        let arrays = read_arrays(&file)?;
-        let (spectra, areas) = (arrays.matrix("spectra")?, arrays.vector("areas")?);
-        if spectra.shape() != (count, EIGENVALUES) || areas.len() != count {
-            return Err(io_error(&file, "not of this data set".into()));
-        }
-        let row = |i: usize| std::array::from_fn(|j| spectra[(i, j)]);
-        return Ok(Found { spectra: (0..count).map(row).collect(), areas });
+        return read_found(&file);
     }
-    let found = compute(options, job, subject)?;
+    let found = if job.varied {
+        let mut own = cuts(&subject.model, &options.own_cuts(job), Par::Seq)?;
+        subject.held_out.withhold(&subject.cuts, &mut own);
+        compute(options, job, subject, &own)?
+    } else {
+        compute(options, job, subject, &subject.cuts)?
+    };
     let mut writer = ArraysWriter::new(Output::create(&file, Overwrite::Replace)?)?;
     let rows = found.spectra.as_flattened();
-    let spectra = MatRef::from_row_major_slice(rows, count, EIGENVALUES);
+    let spectra = MatRef::from_row_major_slice(rows, found.spectra.len(), EIGENVALUES);
+    let pairs: Vec<usize> =
+        found.pairs.iter().flat_map(|pair| [pair.parts[0], pair.parts[1], pair.union]).collect();
+    writer.array("pairs", Array::Indices(&pairs))?;
+    writer.array("masks", Array::Indices(&found.masks))?;
     writer.array("spectra", Array::Matrix(spectra))?;
     writer.array("areas", Array::Vector(&found.areas))?;
     writer.finish()?;
     Ok(found)
 }
 
-fn compute(options: &DatasetOptions, job: &Job, subject: &Subject) -> Result<Found> {
+fn read_found(file: &Path) -> Result<Found> {
+    let arrays = read_arrays(file)?;
+    let (masks, spectra) = (arrays.indices("masks")?, arrays.matrix("spectra")?);
+    let (pairs, areas) = (arrays.indices("pairs")?, arrays.vector("areas")?);
+    let count = masks.len() + 1;
+    if spectra.shape() != (count, EIGENVALUES) || areas.len() != count {
+        return Err(io_error(file, "not of this data set".into()));
+    }
+    let row = |i: usize| std::array::from_fn(|j| spectra[(i, j)]);
+    let pair = |ids: &[usize]| Pair { parts: [ids[0], ids[1]], union: ids[2] };
+    let pairs = pairs.chunks_exact(3).map(pair).collect();
+    Ok(Found { pairs, masks, spectra: (0..count).map(row).collect(), areas })
+}
+
+fn compute(options: &DatasetOptions, job: &Job, subject: &Subject, cuts: &Cuts) -> Result<Found> {
     let Job { identity, body, pose, .. } = *job;
     let mesh = subject.model.shape(options.seed, identity, body, pose)?;
     let (mesh, vertices): (TriMesh, Vec<u32>) = if job.remeshed {
@@ -151,9 +186,10 @@ fn compute(options: &DatasetOptions, job: &Job, subject: &Subject) -> Result<Fou
     let settings = LaplacianOptions { par: Par::Seq, ..LaplacianOptions::default() };
     let spectra = PartSpectra::new(&mesh, &settings)?;
     let complete = vec![true; subject.model.mirror().len()];
-    let mut found = Found { spectra: vec![], areas: vec![] };
+    let masks = cuts.masks.keys().copied().collect();
+    let mut found = Found { pairs: cuts.pairs.clone(), masks, spectra: vec![], areas: vec![] };
     let face_areas = mesh.face_areas();
-    for mask in subject.cuts.masks.values().chain([&complete]) {
+    for mask in cuts.masks.values().chain([&complete]) {
         let own: Vec<bool> = vertices.iter().map(|&v| mask[v as usize]).collect();
         let values = spectra.dirichlet(&own, EIGENVALUES)?;
         found.spectra.push(std::array::from_fn(|i| values[i]));
@@ -197,17 +233,13 @@ fn add(
     subject: &Subject,
     found: &Found,
 ) {
-    let keys: Vec<usize> = subject.cuts.masks.keys().copied().collect();
-    let number = |id: usize| keys.partition_point(|&key| key < id);
-    let spectrum = |id: usize| found.spectra[number(id)];
-    let area = |id: usize| found.areas[number(id)];
     let Dataset { samples, shapes, triples, .. } = dataset;
-    for (i, pair) in subject.cuts.pairs.iter().enumerate() {
+    for (i, pair) in found.pairs.iter().enumerate() {
         let [a, b] = pair.parts;
-        samples.part1.push(spectrum(a));
-        samples.part2.push(spectrum(b));
-        samples.union.push(spectrum(pair.union));
-        samples.areas.push([a, b, pair.union].map(area));
+        samples.part1.push(found.spectrum(a));
+        samples.part2.push(found.spectrum(b));
+        samples.union.push(found.spectrum(pair.union));
+        samples.areas.push([a, b, pair.union].map(|id| found.area(id)));
         samples.family.push(job.family.number());
         samples.identity.push(job.identity);
         samples.body.push(job.body);
@@ -219,11 +251,11 @@ fn add(
         samples.split.push(subject.held_out.split(i, job, options.poses));
         samples.knowledge.push(job.knowledge);
     }
-    if job.remeshed {
+    if job.remeshed || job.varied {
         return;
     }
-    shapes.spectrum.push(found.spectra[keys.len()]);
-    shapes.area.push(found.areas[keys.len()]);
+    shapes.spectrum.push(found.spectra[found.masks.len()]);
+    shapes.area.push(found.areas[found.masks.len()]);
     shapes.family.push(job.family.number());
     shapes.identity.push(job.identity);
     shapes.body.push(job.body);
@@ -234,14 +266,14 @@ fn add(
         return;
     }
     for triple in &subject.cuts.triples {
-        let [a, b, c] = triple.parts.map(spectrum);
-        let [ab, bc] = triple.unions.map(spectrum);
+        let [a, b, c] = triple.parts.map(|id| found.spectrum(id));
+        let [ab, bc] = triple.unions.map(|id| found.spectrum(id));
         triples.part1.push(a);
         triples.part2.push(b);
         triples.part3.push(c);
         triples.union12.push(ab);
         triples.union23.push(bc);
-        triples.whole.push(spectrum(triple.whole));
+        triples.whole.push(found.spectrum(triple.whole));
         triples.family.push(job.family.number());
         triples.identity.push(job.identity);
         triples.pose.push(job.pose);
@@ -259,7 +291,16 @@ mod tests {
     /// A few shapes of each kind.
     fn tiny() -> DatasetOptions {
         let cuts = CutOptions { regions: 9, pairs: 6, splits: 5, triples: 2, seed: 1 };
-        DatasetOptions { seed: 5, vertices: 900, known: 1, unknown: 1, others: 1, poses: 2, cuts }
+        DatasetOptions {
+            seed: 5,
+            vertices: 900,
+            known: 1,
+            unknown: 1,
+            others: 1,
+            poses: 2,
+            cuts,
+            varied: 1,
+        }
     }
 
     #[test]

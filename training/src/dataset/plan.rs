@@ -1,12 +1,14 @@
 //! Which shapes a data set has, and what they are for.
 
+use std::collections::BTreeSet;
+
 use catamaran::base::Rng;
 use catamaran::{Error, Result};
 
 use super::{
     KNOWN_IDENTITY, TEST_A, TEST_B, TRAIN, UNKNOWN_BODY, UNKNOWN_FAMILY, UNKNOWN_IDENTITY,
 };
-use crate::cuts::{CutOptions, Cuts, Pair, below};
+use crate::cuts::{CutOptions, Cuts, Mask, Pair, below};
 use crate::families::{Family, mixed};
 
 /// How large a data set is.
@@ -26,12 +28,24 @@ pub struct DatasetOptions {
     pub poses: usize,
     /// Parts of each family.
     pub cuts: CutOptions,
+    /// Further shapes to train on: the known humanoids in turn, each time in another pose and with parts of its own, of
+    /// [`DatasetOptions::own_cuts`]. What is learnt about unions never seen comes from them. Default 320.
+    pub varied: usize,
 }
 
 impl Default for DatasetOptions {
     fn default() -> Self {
         let cuts = CutOptions::default();
-        Self { seed: 1, vertices: 2500, known: 32, unknown: 5, others: 2, poses: 2, cuts }
+        Self {
+            seed: 1,
+            vertices: 2500,
+            known: 32,
+            unknown: 5,
+            others: 2,
+            poses: 2,
+            cuts,
+            varied: 320,
+        }
     }
 }
 
@@ -39,7 +53,24 @@ impl DatasetOptions {
     /// A tenth, with small templates: to try things.
     pub fn small() -> Self {
         let cuts = CutOptions { regions: 24, pairs: 36, splits: 24, triples: 5, seed: 1 };
-        Self { vertices: 2000, known: 8, unknown: 2, others: 1, poses: 2, cuts, ..Self::default() }
+        Self {
+            vertices: 2000,
+            known: 8,
+            unknown: 2,
+            others: 1,
+            poses: 2,
+            cuts,
+            varied: 8,
+            ..Self::default()
+        }
+    }
+
+    /// How a varied shape is cut: into as many regions as a family, with more pairs, and no triples.
+    pub(super) fn own_cuts(&self, job: &Job) -> CutOptions {
+        let seed =
+            mixed(&[self.seed, self.cuts.seed, job.identity as u64, job.pose as u64, 0x0C75]);
+        let CutOptions { regions, pairs, splits, .. } = self.cuts;
+        CutOptions { regions, pairs: 3 * pairs, splits: 2 * splits, triples: 0, seed }
     }
 
     /// [`Error::Argument`] names what is too small or too large.
@@ -53,6 +84,7 @@ impl DatasetOptions {
             ("pairs", self.cuts.pairs, 1),
             ("splits", self.cuts.splits, 0),
             ("triples", self.cuts.triples, 0),
+            ("varied", self.varied, 0),
         ];
         for (what, value, least) in ranges {
             if !(least..=10_000).contains(&value) {
@@ -73,14 +105,17 @@ pub(super) struct Job {
     pub pose: usize,
     pub knowledge: usize,
     pub remeshed: bool,
+    /// Whether its parts are its own, not those of its family.
+    pub varied: bool,
 }
 
 impl Job {
     /// Whether no training sample has this pose.
     pub fn is_test(&self, poses: usize) -> bool {
+        let last = poses > 1 && self.pose + 1 == poses;
         self.remeshed
             || self.knowledge != KNOWN_IDENTITY
-            || (poses > 1 && self.pose + 1 == poses && self.identity.is_multiple_of(HELD_OUT_POSES))
+            || (last && !self.varied && self.identity.is_multiple_of(HELD_OUT_POSES))
     }
 }
 
@@ -91,7 +126,7 @@ const HELD_OUT_POSES: usize = 5;
 const HELD_OUT_UNIONS: usize = 12;
 const HELD_OUT_PAIRS: usize = 8;
 
-/// The shapes, in the order in which the data set has them: humanoids first.
+/// The shapes, in the order in which the data set has them: humanoids first, the varied ones last.
 pub(super) fn jobs(options: &DatasetOptions) -> Vec<Job> {
     let DatasetOptions { known, unknown, .. } = *options;
     let mut jobs = Vec::new();
@@ -108,7 +143,8 @@ pub(super) fn jobs(options: &DatasetOptions) -> Vec<Job> {
                 _ => (identity % 2, UNKNOWN_FAMILY),
             };
             for pose in 0..options.poses {
-                let job = Job { family, identity, body, pose, knowledge, remeshed: false };
+                let (remeshed, varied) = (false, false);
+                let job = Job { family, identity, body, pose, knowledge, remeshed, varied };
                 jobs.push(job);
                 // Of every tested identity one pose.
                 if pose + 1 == options.poses && job.is_test(options.poses) {
@@ -116,6 +152,18 @@ pub(super) fn jobs(options: &DatasetOptions) -> Vec<Job> {
                 }
             }
         }
+    }
+    for number in 0..options.varied {
+        jobs.push(Job {
+            family: Family::Humanoid,
+            identity: number % known,
+            body: 0,
+            // Those below are taken.
+            pose: options.poses + number / known,
+            knowledge: KNOWN_IDENTITY,
+            remeshed: false,
+            varied: true,
+        });
     }
     jobs
 }
@@ -158,11 +206,41 @@ impl HeldOut {
 
     /// What a pair of a shape is for.
     pub fn split(&self, pair: usize, job: &Job, poses: usize) -> usize {
+        if job.varied {
+            return TRAIN;
+        }
         match self.splits[pair] {
             TRAIN if job.is_test(poses) => TEST_A,
             split => split,
         }
     }
+}
+
+/// Masks nearer to each other than this (intersection over union) count as the same union.
+const SAME: f64 = 0.95;
+
+impl HeldOut {
+    /// Takes the pairs out of the cuts of a varied shape whose union is a test of its family, or close to one, and the masks
+    /// that nothing needs any more.
+    pub fn withhold(&self, family: &Cuts, own: &mut Cuts) {
+        let tests = family.pairs.iter().zip(&self.splits).filter(|(_, split)| **split == TEST_B);
+        let tests: BTreeSet<usize> = tests.map(|(pair, _)| pair.union).collect();
+        let tests: Vec<&Mask> = tests.iter().map(|union| &family.masks[union]).collect();
+        let masks = &own.masks;
+        own.pairs.retain(|pair| {
+            let union = &masks[&pair.union];
+            tests.iter().all(|test| overlap_over_union(test, union) < SAME)
+        });
+        let used: BTreeSet<usize> =
+            own.pairs.iter().flat_map(|pair| [pair.parts[0], pair.parts[1], pair.union]).collect();
+        own.masks.retain(|id, _| used.contains(id));
+    }
+}
+
+/// Vertices in both masks over vertices in either.
+fn overlap_over_union(a: &[bool], b: &[bool]) -> f64 {
+    let count = |of: fn(bool, bool) -> bool| a.iter().zip(b).filter(|(a, b)| of(**a, **b)).count();
+    count(|a, b| a && b) as f64 / count(|a, b| a || b).max(1) as f64
 }
 
 /// `count` of these numbers, at random.

@@ -1,6 +1,6 @@
 use catamaran::base::Rng;
 use catamaran::unions::network::{
-    Architecture, K, LayerPlaces, LayerTape, Number, Place, Places, Tape, gemm, sum,
+    Architecture, K, LayerPlaces, LayerTape, Number, Place, Places, Tape, gemm, sigmoid, sum,
 };
 
 /// Random parameters to begin with: weights uniform with the variance of Glorot and Bengio (2010), the last layer of each
@@ -39,7 +39,7 @@ impl<T: Number> Backward<T> {
     /// For networks of these sizes.
     pub fn new(sizes: &Architecture) -> Self {
         let gradient = vec![T::ZERO; sizes.places().len];
-        Self { gradient, transposed: vec![T::ZERO; sizes.width * sizes.hidden.max(K)] }
+        Self { gradient, transposed: vec![T::ZERO; sizes.width * (2 * sizes.hidden).max(K)] }
     }
 
     /// Adds to the gradient, from that with respect to the outputs of the forward pass that filled `tape`.
@@ -56,18 +56,26 @@ impl<T: Number> Backward<T> {
         for (layer, places) in tape.first.iter().zip(&places.first).rev() {
             self.layer(places, parameters, layer, &mut x);
         }
-        self.linear(parameters, places.embedding, &tape.features, &x, None);
+        self.linear(parameters, places.embedding, &tape.inputs, &x, None);
     }
 
     /// `x`, with respect to the output of a layer, becomes that with respect to its input.
     fn layer(&mut self, places: &LayerPlaces, parameters: &[T], tape: &LayerTape<T>, x: &mut [T]) {
         let mut hidden = vec![T::ZERO; tape.hidden.len()];
         self.linear(parameters, places.down, &tape.hidden, x, Some(&mut hidden));
-        for (gradient, &value) in hidden.iter_mut().zip(&tape.hidden) {
-            *gradient = if value > T::ZERO { *gradient } else { T::ZERO };
+        let mut up = vec![T::ZERO; tape.up.len()];
+        let count = places.down[0].rows;
+        let rows = up.chunks_exact_mut(2 * count).zip(tape.up.chunks_exact(2 * count));
+        for (hidden, (gradient, up)) in hidden.chunks_exact(count).zip(rows) {
+            for (i, &hidden) in hidden.iter().enumerate() {
+                let (value, gate) = (up[i], up[count + i]);
+                let open = sigmoid(gate);
+                gradient[i] = hidden * gate * open;
+                gradient[count + i] = hidden * value * open * (T::ONE + gate * (T::ONE - open));
+            }
         }
         let mut normed = vec![T::ZERO; tape.normed.len()];
-        self.linear(parameters, places.up, &tape.normed, &hidden, Some(&mut normed));
+        self.linear(parameters, places.up, &tape.normed, &up, Some(&mut normed));
         self.norm(parameters, places.norm, [&tape.unit, &tape.inverse], &normed, x);
     }
 

@@ -13,8 +13,8 @@ use crate::adam::Adam;
 /// [`Error::Io`]; nothing is left behind then.
 pub fn write_state(output: Output, options: &TrainOptions, state: &State) -> Result<()> {
     let Architecture { width, hidden, first_layers, second_layers } = options.sizes;
-    let TrainOptions { batch, period, seed, .. } = *options;
-    let whole = [width, hidden, first_layers, second_layers, batch, period, seed as usize];
+    let TrainOptions { batch, epochs, seed, .. } = *options;
+    let whole = [width, hidden, first_layers, second_layers, batch, epochs, seed as usize];
     let wide = |values: &[f32]| values.iter().map(|&x| f64::from(x)).collect::<Vec<f64>>();
     let curve = |of: fn(&Epoch) -> f64| state.history.iter().map(of).collect::<Vec<f64>>();
     write_arrays(
@@ -49,10 +49,10 @@ pub fn read_state(path: &Path) -> Result<(TrainOptions, State)> {
     let whole =
         <[usize; 7]>::try_from(arrays.indices("options")?).map_err(|_| broken("options"))?;
     let rates = <[f64; 2]>::try_from(arrays.vector("rates")?).map_err(|_| broken("rates"))?;
-    let [width, hidden, first_layers, second_layers, batch, period, seed] = whole;
+    let [width, hidden, first_layers, second_layers, batch, epochs, seed] = whole;
     let sizes = Architecture { width, hidden, first_layers, second_layers };
     let options =
-        TrainOptions { sizes, batch, rate: rates[0], decay: rates[1], period, seed: seed as u64 };
+        TrainOptions { sizes, batch, rate: rates[0], decay: rates[1], epochs, seed: seed as u64 };
     let steps = *arrays.indices("adam_steps")?.first().ok_or_else(|| broken("adam_steps"))?;
     let adam = Adam { steps, mean: narrow("adam_mean")?, square: narrow("adam_square")? };
     let curves = arrays.vector("training")?.into_iter().zip(arrays.vector("validation")?);

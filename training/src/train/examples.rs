@@ -5,7 +5,6 @@ use catamaran::unions::network::{FEATURES, K};
 use catamaran::unions::{Question, Scaling};
 use catamaran::{Error, Result};
 
-use super::Mined;
 use crate::dataset::{Dataset, KNOWN_IDENTITY, Spectrum, TEST_B, TRAIN};
 
 /// The spectra of two parts and of their union.
@@ -34,15 +33,15 @@ pub const LEAST_SHARE: f64 = 1e-3;
 const LARGEST_SHARE: f64 = 0.999;
 
 /// To choose among results of the training, one pair in so many is kept from it, and one union in so many.
-const VALIDATION: usize = 50;
-const VALIDATION_UNIONS: usize = 16;
+const VALIDATION: usize = 100;
+const VALIDATION_UNIONS: usize = 40;
 /// One triple of known shapes in two is trained on; the others test.
 pub const TRAINED_TRIPLES: usize = 2;
 
 /// Coarser meshes have larger eigenvalues, by a share that grows with them: its standard deviation at the last one.
 const DRIFT: f64 = 0.03;
-/// What is left of the differences between meshes; more than there is, as it keeps the network from learning the pairs by heart.
-const JITTER: f64 = 0.01;
+/// What is left of the differences between meshes.
+const JITTER: f64 = 0.003;
 
 impl Pair {
     /// What a coarser or finer mesh might have given; less so for a `size` below 1.
@@ -95,8 +94,6 @@ pub struct Examples {
     pub validation: Vec<Pair>,
     /// Triples to learn from.
     pub triples: Vec<Triple>,
-    /// Further unions to learn from.
-    pub mined: Mined,
 }
 
 impl Examples {
@@ -113,7 +110,7 @@ impl Examples {
                 all.filter(move |&i| wanted(samples.split[i])).map(move |i| samples.mask_union[i])
             })
         };
-        let mut without: BTreeSet<usize> = of_split(|split| split == TEST_B).collect();
+        let without: BTreeSet<usize> = of_split(|split| split == TEST_B).collect();
         let unions: BTreeSet<usize> =
             of_split(|split| split == TRAIN).filter(|union| !without.contains(union)).collect();
         // Ids are hashes: those that come last are any.
@@ -140,9 +137,7 @@ impl Examples {
         if examples.validation.is_empty() {
             examples.validation = examples.training.clone();
         }
-        without.extend(kept);
         for dataset in datasets {
-            examples.mined.add(dataset, &without);
             let triples = &dataset.triples;
             let known =
                 (0..triples.part1.len()).filter(|&i| triples.knowledge[i] == KNOWN_IDENTITY);

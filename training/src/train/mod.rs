@@ -2,11 +2,9 @@
 
 mod checkpoint;
 mod examples;
-mod mined;
 
 pub use checkpoint::{read_state, write_state};
 pub use examples::{Examples, LEAST_SHARE, Pair, TRAINED_TRIPLES, Triple};
-pub use mined::Mined;
 
 use catamaran::base::{Pin, Rng, Team};
 use catamaran::unions::network::{Architecture, FEATURES, K, Places, Tape, forward};
@@ -29,8 +27,8 @@ pub struct TrainOptions {
     pub rate: f64,
     /// Weight decay, apart from the gradient; thesis: 1e-5, within it.
     pub decay: f64,
-    /// Epochs until the first restart; thesis: 10.
-    pub period: usize,
+    /// Passes over the data, during which the rate rises, then falls as half a cosine; thesis: restarts after 10, 30, 70, ...
+    pub epochs: usize,
     /// Of everything random.
     pub seed: u64,
 }
@@ -38,7 +36,7 @@ pub struct TrainOptions {
 impl Default for TrainOptions {
     fn default() -> Self {
         let sizes = Architecture::default();
-        Self { sizes, batch: 64, rate: 1e-3, decay: 0.1, period: 10, seed: 1 }
+        Self { sizes, batch: 64, rate: 1e-3, decay: 0.1, epochs: 40, seed: 1 }
     }
 }
 
@@ -66,10 +64,9 @@ pub struct Epoch {
 
 /// Pairs that one task works on.
 const TASK: usize = 32;
-/// Shares of the examples that are parts and what contains them, triples, and further unions; the rest are samples.
-const CONTAINED: f64 = 0.08;
-const TRIPLES: f64 = 0.04;
-const MINED: f64 = 0.4;
+/// Shares of the examples that are parts and what contains them, and triples; the rest are samples.
+const CONTAINED: f64 = 0.06;
+const TRIPLES: f64 = 0.02;
 /// Longest gradient.
 const CLIP: f32 = 10.0;
 /// Errors of logarithms about as large as this, and larger, count less than by their square (Fair 1974).
@@ -172,7 +169,7 @@ impl Trainer {
             // The last tasks of a batch that is not full begin again at its first pairs.
             let batch: Vec<usize> = batch.iter().copied().cycle().take(whole).collect();
             let time = number as f64 + (step * whole) as f64 / count as f64;
-            let share = annealing(time, self.options.period as f64);
+            let share = annealing(time / self.options.epochs as f64);
             error += self.step(&batch, &triples, seed + 1 + step as u64, share)?;
             seen += whole;
         }
@@ -200,13 +197,9 @@ impl Trainer {
                 };
                 let sample = examples.training[i];
                 let pair = if chosen(CONTAINED) {
-                    let mined = rng.sign() > 0.0;
-                    let pair = mined.then(|| examples.mined.draw(true, &mut rng)).flatten();
-                    pair.unwrap_or_else(|| sample.contained(&mut rng))
+                    sample.contained(&mut rng)
                 } else if chosen(TRIPLES) && !triples.is_empty() {
                     triples[(rng.uniform() * triples.len() as f64) as usize]
-                } else if chosen(MINED) {
-                    examples.mined.draw(false, &mut rng).unwrap_or(sample)
                 } else {
                     sample
                 };

@@ -56,7 +56,7 @@ const SMALL: Architecture =
 
 fn trainer(par: Par) -> Trainer {
     let examples = Examples::new(&[dataset(&strips(200, 1))]).unwrap();
-    let options = TrainOptions { sizes: SMALL, batch: 32, period: 10, ..TrainOptions::default() };
+    let options = TrainOptions { sizes: SMALL, batch: 32, epochs: 10, ..TrainOptions::default() };
     Trainer::new(examples, options, None, par).unwrap()
 }
 
