@@ -29,7 +29,7 @@ pub struct DatasetOptions {
     /// Parts of each family.
     pub cuts: CutOptions,
     /// Further shapes to train on: the known humanoids in turn, each time in another pose and with parts of its own, of
-    /// [`DatasetOptions::own_cuts`]. What is learnt about unions never seen comes from them. Default 320.
+    /// [`DatasetOptions::own_cuts`]. What is learnt about unions never seen comes from them. Default 256.
     pub varied: usize,
 }
 

@@ -2,7 +2,7 @@ use catamaran::unions::retrieve;
 use catamaran::{Par, Result};
 
 use super::Predictor;
-use crate::dataset::{Dataset, Spectrum};
+use crate::dataset::{Dataset, Spectrum, TRAIN};
 
 /// Shares of queries that have the right identity among the first 1, 5 and 10 shapes found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,7 +14,7 @@ pub struct Retrieval {
 }
 
 /// Queries the complete shapes of family 0 by spectra of unions that are complete, predicted and true (ShapeDNA).
-/// A shape is not asked for itself, nor for shapes of which no other pose is there.
+/// A shape is not asked for itself, nor for shapes of which no other pose is there; samples that were trained on do not ask.
 ///
 /// # Errors
 /// Of spectra that are none.
@@ -30,8 +30,8 @@ pub fn retrieval(predictor: &dyn Predictor, dataset: &Dataset) -> Result<[Retrie
     let mut counts = [[0; 3]; 2];
     let mut queries = 0;
     for i in 0..samples.part1.len() {
-        if samples.family[i] != 0 || samples.remeshed[i] != 0 || !is_complete(samples.mask_union[i])
-        {
+        let asks = samples.split[i] != TRAIN && samples.family[i] == 0 && samples.remeshed[i] == 0;
+        if !asks || !is_complete(samples.mask_union[i]) {
             continue;
         }
         let who = (samples.identity[i], samples.pose[i]);

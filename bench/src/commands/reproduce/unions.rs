@@ -1,13 +1,20 @@
 //! Chapter 2: spectral unions of partial shapes.
 
-use catamaran::unions::{Localizer, SpectralUnion};
+use std::hint::black_box;
+use std::time::Instant;
+
+use catamaran::Par;
+use catamaran::mesh::LaplacianOptions;
+use catamaran::unions::{Localizer, PartSpectra, SpectralUnion};
 use catamaran_bench::Result;
 use catamaran_bench::curves::Plot;
-use catamaran_training::dataset::{self, Dataset, KNOWN_IDENTITY, TEST_A, TEST_B};
+use catamaran_bench::race::median;
+use catamaran_training::dataset::{self, Dataset, EIGENVALUES, KNOWN_IDENTITY, TEST_A, TEST_B};
 use catamaran_training::evaluate::{
     Errors, Minimum, Nearest, Perceptron, Predictor, Weyl, associativity, errors, localization,
     retrieval, select,
 };
+use catamaran_training::families::{Family, Model};
 use catamaran_training::train::Examples;
 
 use super::{Arguments, Report};
@@ -95,7 +102,8 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.regions {
         table_regions(report, &dataset, &model, &Localizer::read(path)?)?;
     }
-    table_retrieval(report, &dataset, &model)
+    table_retrieval(report, &dataset, &model)?;
+    times(report, &dataset, &model)
 }
 
 /// Table 2.1, with the baselines.
@@ -250,5 +258,41 @@ fn table_retrieval(report: &mut Report, dataset: &Dataset, model: &SpectralUnion
             .lines
             .push(format!("2.4,-,{},network,top-1,{:.4}", KNOWLEDGE[KNOWN_IDENTITY].0, top[0]));
     }
+    Ok(())
+}
+
+/// Of a prediction, and of the spectra that it saves computing.
+fn times(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -> Result<()> {
+    let samples = &dataset.samples;
+    let seconds = |work: &mut dyn FnMut() -> catamaran::Result<()>| -> Result<f64> {
+        let start = Instant::now();
+        work()?;
+        Ok(start.elapsed().as_secs_f64())
+    };
+    let predict = |i: usize| {
+        seconds(&mut || {
+            model.predict(&samples.part1[i], &samples.part2[i]).map(|union| {
+                black_box(union);
+            })
+        })
+    };
+    let predictions = (0..samples.part1.len().min(999)).map(predict).collect::<Result<_>>()?;
+    let surface = Model::new(Family::Humanoid, 7000)?;
+    let mesh = surface.template();
+    let options = LaplacianOptions { par: Par::Seq, ..LaplacianOptions::default() };
+    let spectra = PartSpectra::new(mesh, &options)?;
+    let front = mesh.half_space([0.0, 0.0, 1.0], 0.0);
+    let [half, complete] = [front, vec![true; mesh.vertices().len()]].map(|mask| {
+        let once = |_| seconds(&mut || spectra.dirichlet(&mask, EIGENVALUES).map(drop));
+        (0..5).map(once).collect::<Result<Vec<f64>>>()
+    });
+    report.say(&format!(
+        "\n## Times\n\nMedians, one thread. A prediction: {:.3} ms. Twenty Dirichlet eigenvalues of half of a humanoid of {} vertices: \
+         {:.3} s, of all of it: {:.3} s.",
+        1e3 * median(predictions),
+        mesh.vertices().len(),
+        median(half?),
+        median(complete?)
+    ));
     Ok(())
 }
