@@ -10,7 +10,7 @@ use catamaran::plant::{Bdf6, Elasticity, Start, WaterModel, WaterOptions};
 use super::Site;
 use super::page::{Figure, Station, Table};
 use crate::progress::Bar;
-use crate::wilt::{Simulation, Weather, draw_strip, simulate, svg};
+use crate::wilt::{Simulation, Weather, chart, draw_strip, simulate};
 
 /// Nodes, and the same when small inputs are wanted.
 const NODES: usize = 1500;
@@ -69,7 +69,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
             picture("wilting.png", format!("A plant of {nodes} nodes in 48 hours of drought. Colours: relative water content.")),
             picture("cut.png", "The same with a stem that passes no water, by days and nights.".into()),
             Figure {
-                body: svg(&plant, &dry),
+                body: chart(&plant, &dry).svg(),
                 caption: "Relative water content of leaves, stem and all; thin lines are single nodes.".into(),
                 wide: false,
             },

@@ -11,7 +11,7 @@ use super::Site;
 use super::page::{Figure, Station, Table};
 use crate::picture::{Up, View};
 use crate::progress::Bar;
-use crate::slime::{draw, svg};
+use crate::slime::{chart, draw};
 
 /// Pixels of a side of a picture.
 const PIXELS: usize = 560;
@@ -74,7 +74,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
             picture("slime-early.png", format!("After {} steps.", steps / 10)),
             picture("slime.png", format!("After {steps} steps.")),
             Figure {
-                body: svg(&moments),
+                body: chart(&moments).svg(),
                 caption: "What the species cover: pheromone, and dashed the part of the surface with any.".into(),
                 wide: false,
             },

@@ -1,6 +1,7 @@
-//! Pictures as PNG: heat maps of matrices, and meshes coloured by a function.
+//! Pictures: heat maps of matrices and meshes coloured by a function as PNG, curves as SVG.
 
 mod args;
+mod chart;
 mod color;
 mod image;
 mod matrix;
@@ -9,6 +10,7 @@ mod text;
 mod tube;
 
 pub use args::PictureArgs;
+pub use chart::{Chart, Curve, Upwards, write_chart};
 pub use color::{ColorMap, ColorScale};
 pub use image::{Image, write_gray};
 pub use matrix::{Scale, levels, write};

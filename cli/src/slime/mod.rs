@@ -21,10 +21,10 @@ use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas, fitte
 use catamaran::{Error, Par};
 
 use crate::device::DeviceArgs;
-use crate::picture::View;
+use crate::picture::{View, write_chart};
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
-pub use curves::svg;
+pub use curves::chart;
 use on_device::OnDevice;
 pub use view::draw;
 
@@ -152,7 +152,7 @@ pub fn run(args: &Args) -> Result<()> {
     curves::write_csv(outputs.table, &moments)?;
     meshes::write(outputs.mesh, &textured(&file, &simulation))?;
     if let Some(output) = outputs.coverage {
-        curves::write_svg(output, &moments)?;
+        write_chart(output, &chart(&moments))?;
     }
     if let Some(output) = outputs.render {
         let view = args.view.unwrap_or_default();

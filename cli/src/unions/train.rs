@@ -13,6 +13,7 @@ use catamaran_training::dataset::{self, Dataset};
 use catamaran_training::train::{Examples, TrainOptions, Trainer, read_state, write_state};
 
 use super::curve;
+use crate::picture::write_chart;
 use crate::progress;
 use crate::report::report;
 
@@ -104,7 +105,7 @@ pub fn run(args: &Args) -> Result<()> {
         let bytes = trainer.model()?.to_bytes()?;
         weights.write_all(&bytes).map_err(|e| weights.error(&e))?;
         weights.commit()?;
-        curve::write(create(&curve_path)?, &trainer.state().history)
+        write_chart(create(&curve_path)?, &curve::chart(&trainer.state().history))
     };
     let start = Instant::now();
     let mut saved = start;

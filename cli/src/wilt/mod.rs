@@ -16,9 +16,10 @@ use catamaran::plant::families::{GrowthOptions, grow};
 use catamaran::plant::{Plant, Segment, read, tubes};
 use clap::ValueEnum;
 
+use crate::picture::write_chart;
 use crate::progress::Bar;
 use crate::report::report;
-pub use curves::svg;
+pub use curves::chart;
 pub use simulation::{Simulation, Weather, simulate};
 pub use strip::draw_strip;
 
@@ -144,7 +145,7 @@ pub fn run(args: &Args) -> Result<()> {
         &simulation.moduli,
         |row| row.iter().sum::<f64>() / row.len() as f64,
     )?;
-    curves::write(file("water.svg")?, &plant, &simulation)?;
+    write_chart(file("water.svg")?, &chart(&plant, &simulation))?;
     draw_strip(&plant, &simulation, file("wilting.png")?)?;
     for (name, pose) in names.iter().filter(|name| name.starts_with("plant-")).zip(poses) {
         meshes::write(file(name)?, &MeshFile::from(tubes(&plant, pose, SIDES, 0.0)?))?;
