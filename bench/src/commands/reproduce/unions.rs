@@ -1,15 +1,21 @@
 //! Chapter 2: spectral unions of partial shapes.
 
+use std::fs;
 use std::hint::black_box;
+use std::path::Path;
 use std::time::Instant;
 
 use catamaran::Par;
+use catamaran::base::Flow;
+use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::LaplacianOptions;
 use catamaran::unions::{Localizer, PartSpectra, SpectralUnion};
 use catamaran_bench::Result;
 use catamaran_bench::curves::Plot;
 use catamaran_bench::race::median;
-use catamaran_training::dataset::{self, Dataset, EIGENVALUES, KNOWN_IDENTITY, TEST_A, TEST_B};
+use catamaran_training::dataset::{
+    self, Dataset, DatasetOptions, EIGENVALUES, KNOWN_IDENTITY, TEST_A, TEST_B,
+};
 use catamaran_training::evaluate::{
     Errors, Minimum, Nearest, Perceptron, Predictor, Weyl, associativity, errors, localization,
     retrieval, select,
@@ -21,6 +27,9 @@ use super::{Arguments, Report};
 
 /// The columns of the record.
 pub const HEADER: &str = "table,test,shapes,predictor,quantity,value";
+
+/// Where the data set is looked for, and put, when none is given.
+const DATASET: &str = "target/unions.npz";
 
 /// Of the perceptron that is a baseline.
 const EPOCHS: usize = 60;
@@ -81,10 +90,10 @@ impl Test {
 
 /// Tables 2.1 to 2.4, and associativity (figure 2.9), on the generated data set.
 pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
-    let path = arguments
-        .data
-        .as_deref()
-        .ok_or("reproduce unions needs --data, of `catamaran unions dataset`")?;
+    let path = arguments.data.as_deref().unwrap_or(Path::new(DATASET));
+    if arguments.data.is_none() && !path.exists() {
+        generate(path)?;
+    }
     let dataset = dataset::read(path)?;
     let model = match &arguments.weights {
         Some(path) => SpectralUnion::read(path)?,
@@ -104,6 +113,20 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     }
     table_retrieval(report, &dataset, &model)?;
     times(report, &dataset, &model)
+}
+
+/// The data set of the pretrained weights; what was done when it was interrupted is kept beside it.
+fn generate(path: &Path) -> Result<()> {
+    eprintln!("making {}: about an hour of one core's time", path.display());
+    let parts = path.with_extension("parts");
+    let tell = |done: f64| {
+        eprint!("\r{:3.0} % ", 100.0 * done);
+        Flow::Continue
+    };
+    let found = dataset::generate(&DatasetOptions::default(), &parts, Par::all(), Some(&tell))?;
+    eprintln!();
+    dataset::write(&found, Output::create(path, Overwrite::Never)?)?;
+    Ok(fs::remove_dir_all(&parts)?)
 }
 
 /// Table 2.1, with the baselines.
