@@ -147,7 +147,8 @@ fn examples(
                     why: format!("no mask {mask} on template {family}"),
                 })?;
                 let mirrored: Vec<usize> = vertices.iter().map(|&v| template.mirror[v]).collect();
-                regions.push([coefficients(template, vertices), coefficients(template, &mirrored)]);
+                regions
+                    .push([coefficients(template, &vertices), coefficients(template, &mirrored)]);
                 numbers.insert(mask, regions.len() - 1);
                 regions.len() - 1
             }

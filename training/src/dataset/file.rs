@@ -84,7 +84,7 @@ macro_rules! group {
     };
 }
 
-group!(Template: vertices, faces, mirror, mass, eigenvalues, eigenfunctions, masks, mask_starts, mask_vertices);
+group!(Template: vertices, faces, mirror, mass, eigenvalues, eigenfunctions, masks, mask_words);
 group!(Samples: part1, part2, union, areas, family, identity, body, pose, mask1, mask2, mask_union, remeshed, split, knowledge);
 group!(Shapes: spectrum, area, family, identity, body, pose, knowledge);
 group!(Triples: part1, part2, part3, union12, union23, whole, family, identity, pose, mask, knowledge);

@@ -1,5 +1,6 @@
 //! Data sets are generated shape by shape; what is done stays in a folder until all is.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -13,7 +14,7 @@ use catamaran::{Error, Par, Result, faer::MatRef};
 use rayon::prelude::*;
 
 use super::plan::{DatasetOptions, HeldOut, Job, jobs};
-use super::{Dataset, EIGENVALUES, Spectrum, Template};
+use super::{Dataset, EIGENVALUES, Spectrum, Template, WORD, packed};
 use crate::cuts::{Cuts, Pair, cuts};
 use crate::families::{Family, Model, mixed};
 use crate::remesh::remove_vertices;
@@ -54,7 +55,8 @@ pub fn generate(
         team.run(|| jobs.par_iter().enumerate().map(one).collect::<Result<_>>())?;
     let mut dataset = Dataset::default();
     for subject in &subjects {
-        dataset.templates.push(template(subject, par)?);
+        let own = jobs.iter().zip(&shapes).filter(|(job, _)| job.family == subject.model.family());
+        dataset.templates.push(template(subject, own.map(|(_, found)| found), par)?);
     }
     for (job, found) in jobs.iter().zip(&shapes) {
         add(&mut dataset, options, job, &subjects[job.family.number()], found);
@@ -90,6 +92,8 @@ struct Found {
     pairs: Vec<Pair>,
     /// Ids of the masks, ascending.
     masks: Vec<usize>,
+    /// The masks in words, as in [`Template`], of a varied shape; those of others are its family's.
+    mask_words: Vec<usize>,
     /// Of all masks, then of the whole.
     spectra: Vec<Spectrum>,
     areas: Vec<f64>,
@@ -140,7 +144,8 @@ fn shape(
     let found = if job.varied {
         let mut own = cuts(&subject.model, &options.own_cuts(job), Par::Seq)?;
         subject.held_out.withhold(&subject.cuts, &mut own);
-        compute(options, job, subject, &own)?
+        let mask_words = own.masks.values().flat_map(|mask| packed(mask)).collect();
+        Found { mask_words, ..compute(options, job, subject, &own)? }
     } else {
         compute(options, job, subject, &subject.cuts)?
     };
@@ -151,6 +156,7 @@ fn shape(
         found.pairs.iter().flat_map(|pair| [pair.parts[0], pair.parts[1], pair.union]).collect();
     writer.array("pairs", Array::Indices(&pairs))?;
     writer.array("masks", Array::Indices(&found.masks))?;
+    writer.array("mask_words", Array::Indices(&found.mask_words))?;
     writer.array("spectra", Array::Matrix(spectra))?;
     writer.array("areas", Array::Vector(&found.areas))?;
     writer.finish()?;
@@ -159,7 +165,8 @@ fn shape(
 
 fn read_found(file: &Path) -> Result<Found> {
     let arrays = read_arrays(file)?;
-    let (masks, spectra) = (arrays.indices("masks")?, arrays.matrix("spectra")?);
+    let (masks, mask_words) = (arrays.indices("masks")?, arrays.indices("mask_words")?);
+    let spectra = arrays.matrix("spectra")?;
     let (pairs, areas) = (arrays.indices("pairs")?, arrays.vector("areas")?);
     let count = masks.len() + 1;
     if spectra.shape() != (count, EIGENVALUES) || areas.len() != count {
@@ -168,7 +175,7 @@ fn read_found(file: &Path) -> Result<Found> {
     let row = |i: usize| std::array::from_fn(|j| spectra[(i, j)]);
     let pair = |ids: &[usize]| Pair { parts: [ids[0], ids[1]], union: ids[2] };
     let pairs = pairs.chunks_exact(3).map(pair).collect();
-    Ok(Found { pairs, masks, spectra: (0..count).map(row).collect(), areas })
+    Ok(Found { pairs, masks, mask_words, spectra: (0..count).map(row).collect(), areas })
 }
 
 fn compute(options: &DatasetOptions, job: &Job, subject: &Subject, cuts: &Cuts) -> Result<Found> {
@@ -187,7 +194,8 @@ fn compute(options: &DatasetOptions, job: &Job, subject: &Subject, cuts: &Cuts) 
     let spectra = PartSpectra::new(&mesh, &settings)?;
     let complete = vec![true; subject.model.mirror().len()];
     let masks = cuts.masks.keys().copied().collect();
-    let mut found = Found { pairs: cuts.pairs.clone(), masks, spectra: vec![], areas: vec![] };
+    let pairs = cuts.pairs.clone();
+    let mut found = Found { pairs, masks, mask_words: vec![], spectra: vec![], areas: vec![] };
     let face_areas = mesh.face_areas();
     for mask in cuts.masks.values().chain([&complete]) {
         let own: Vec<bool> = vertices.iter().map(|&v| mask[v as usize]).collect();
@@ -200,17 +208,24 @@ fn compute(options: &DatasetOptions, job: &Job, subject: &Subject, cuts: &Cuts) 
     Ok(found)
 }
 
-fn template(subject: &Subject, par: Par) -> Result<Template> {
+/// The template, with the masks of all shapes.
+fn template<'a>(
+    subject: &Subject,
+    shapes: impl Iterator<Item = &'a Found>,
+    par: Par,
+) -> Result<Template> {
     let mesh = subject.model.template();
     let settings = LaplacianOptions { par, ..LaplacianOptions::default() };
     let operator = laplacian(mesh, &settings)?;
     let k = EIGENFUNCTIONS.min(operator.kept.len());
     let wanted = EigenOptions { k, par, ..EigenOptions::default() };
     let pairs = eigs(operator.stiffness.view(), &operator.mass, &wanted)?;
-    let (mut mask_starts, mut mask_vertices) = (vec![0], vec![]);
-    for mask in subject.cuts.masks.values() {
-        mask_vertices.extend((0..mask.len()).filter(|&v| mask[v]));
-        mask_starts.push(mask_vertices.len());
+    let words = subject.model.mirror().len().div_ceil(WORD);
+    let mut masks: BTreeMap<usize, Vec<usize>> =
+        subject.cuts.masks.iter().map(|(&id, mask)| (id, packed(mask))).collect();
+    for found in shapes {
+        let own = found.masks.iter().zip(found.mask_words.chunks_exact(words));
+        masks.extend(own.map(|(&id, words)| (id, words.to_vec())));
     }
     Ok(Template {
         vertices: mesh.vertices().to_vec(),
@@ -219,9 +234,8 @@ fn template(subject: &Subject, par: Par) -> Result<Template> {
         mass: vertex_areas(mesh),
         eigenvalues: pairs.values,
         eigenfunctions: operator.extend(pairs.vectors.as_ref())?,
-        masks: subject.cuts.masks.keys().copied().collect(),
-        mask_starts,
-        mask_vertices,
+        masks: masks.keys().copied().collect(),
+        mask_words: masks.into_values().flatten().collect(),
     })
 }
 
@@ -284,6 +298,8 @@ fn add(
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::super::{Samples, TEST_B, TRAIN, UNKNOWN_FAMILY, read, write};
     use super::*;
     use crate::cuts::CutOptions;
@@ -318,6 +334,22 @@ mod tests {
             let [a, b, all] = areas[i];
             assert!(all < a + b && all > a && all > b);
         }
+    }
+
+    #[test]
+    fn templates_have_the_masks_of_all_samples() {
+        let folder = tempfile::tempdir().unwrap();
+        let Dataset { templates, samples, .. } =
+            generate(&tiny(), folder.path(), Par::all(), None).unwrap();
+        let varied = (0..samples.pose.len()).filter(|&i| samples.pose[i] >= tiny().poses).count();
+        assert!(varied > 0);
+        for i in 0..samples.part1.len() {
+            let template = &templates[samples.family[i]];
+            let [a, b, all] = [samples.mask1[i], samples.mask2[i], samples.mask_union[i]]
+                .map(|id| template.mask(id).unwrap().into_iter().collect::<BTreeSet<usize>>());
+            assert_eq!(&a | &b, all);
+        }
+        assert_eq!(templates[0].mask(12), None);
     }
 
     #[test]

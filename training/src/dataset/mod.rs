@@ -50,18 +50,29 @@ pub struct Template {
     pub eigenfunctions: Mat<f64>,
     /// Ids of all masks of parts and of unions, ascending. An id is a hash of the mask.
     pub masks: Vec<usize>,
-    /// Where the vertices of each mask start in `mask_vertices`, and their number.
-    pub mask_starts: Vec<usize>,
-    /// Vertices in the masks, ascending in each.
-    pub mask_vertices: Vec<usize>,
+    /// The masks, one after the other, each in as many words of 64 bits as it takes: bit `v % 64` of word `v / 64` says whether
+    /// vertex v is in it.
+    pub mask_words: Vec<usize>,
 }
 
 impl Template {
     /// The vertices in a mask, ascending; `None` if there is no such mask.
-    pub fn mask(&self, id: usize) -> Option<&[usize]> {
-        let at = self.masks.binary_search(&id).ok()?;
-        self.mask_vertices.get(*self.mask_starts.get(at)?..*self.mask_starts.get(at + 1)?)
+    pub fn mask(&self, id: usize) -> Option<Vec<usize>> {
+        let words = self.vertices.len().div_ceil(WORD);
+        let at = self.masks.binary_search(&id).ok()? * words;
+        let words = self.mask_words.get(at..at + words)?;
+        let inside = |v: &usize| words[v / WORD] >> (v % WORD) & 1 == 1;
+        Some((0..self.vertices.len()).filter(inside).collect())
     }
+}
+
+/// Vertices a word.
+const WORD: usize = 64;
+
+/// A mask in words.
+fn packed(mask: &[bool]) -> Vec<usize> {
+    let word = |bits: &[bool]| bits.iter().rev().fold(0, |word, &bit| word << 1 | usize::from(bit));
+    mask.chunks(WORD).map(word).collect()
 }
 
 /// A column an entry: one for each of n pairs.
