@@ -44,7 +44,7 @@ impl Default for DatasetOptions {
             others: 2,
             poses: 2,
             cuts,
-            varied: 320,
+            varied: 256,
         }
     }
 }
