@@ -58,12 +58,12 @@ fn a_network_and_a_localizer_are_trained_and_used() {
     let folder = Folder::new();
     folder.succeed(&format!("unions dataset -o data.npz {SIZES}"));
     let train = "unions train data.npz -o own.safetensors --width 16 --hidden 16 --threads";
-    folder.succeed(&format!("{train} 1 --epochs 2"));
+    folder.succeed(&format!("{train} 1 --epochs 3 --minutes 0"));
     for file in ["own.safetensors", "own.safetensors.state.npz", "own.safetensors.svg"] {
         assert!(folder.path(file).exists(), "{file}");
     }
     assert!(folder.fail(&format!("{train} 1 --epochs 3")).contains("--resume"));
-    folder.succeed(&format!("{train} 2 --epochs 3 --resume"));
+    folder.succeed(&format!("{train} 2 --resume"));
     let resumed = fs::read(folder.path("own.safetensors")).unwrap();
     folder.succeed(&format!("{train} 2 --epochs 3 --force"));
     assert_eq!(fs::read(folder.path("own.safetensors")).unwrap(), resumed);
@@ -73,9 +73,12 @@ fn a_network_and_a_localizer_are_trained_and_used() {
     let ours = folder.succeed("unions predict a.off b.off --weights own.safetensors");
     assert_ne!(ours, folder.succeed("unions predict a.off b.off"));
 
-    folder.succeed("unions train-regions data.npz -o regions.safetensors --epochs 2");
+    let train = "unions train-regions data.npz -o regions.safetensors --epochs 2";
+    folder.succeed(&format!("{train} --template template.ply"));
+    let predict = "unions predict a.off b.off --regions regions.safetensors --localize";
+    let found = folder.succeed(&format!("{predict} template.ply"));
+    assert!(found.contains("vertices of the template"), "{found}");
     // The template of the data set is not the rectangle.
-    let refused =
-        folder.fail("unions predict a.off b.off --localize a.off --regions regions.safetensors");
+    let refused = folder.fail(&format!("{predict} a.off"));
     assert!(refused.contains("a.off"), "{refused}");
 }

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use catamaran::base::{Flow, Progress};
 use catamaran::decimate::FarthestPoints;
-use catamaran::mesh::TriMesh;
 use catamaran::unions::{K, Localizer, LocalizerParts};
 use catamaran::{Error, Result};
 
@@ -180,8 +179,7 @@ fn units(examples: &[Example]) -> (Vec<f32>, Vec<f32>) {
 
 /// Vertices far from one another.
 fn anchors(template: &Template, count: usize) -> Result<Vec<usize>> {
-    let faces = template.faces.chunks_exact(3).map(|f| [f[0] as u32, f[1] as u32, f[2] as u32]);
-    let mesh = TriMesh::new(template.vertices.clone(), faces.collect())?;
+    let mesh = template.mesh()?;
     let mut sampler = FarthestPoints::new(&mesh, None)?;
     sampler.extend_to(count.min(template.vertices.len()), None)?;
     let mut anchors: Vec<usize> = sampler.samples().iter().map(|&v| v as usize).collect();

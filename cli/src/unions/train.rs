@@ -35,7 +35,7 @@ pub struct Args {
     /// Passes over the data in all; the rate falls over them.
     #[arg(long, value_name = "NUMBER", default_value_t = 40)]
     epochs: usize,
-    /// Stop after this time, whatever the epoch.
+    /// Stop after the epoch in which this time is over; --resume goes on.
     #[arg(long, value_name = "NUMBER")]
     minutes: Option<f64>,
     /// Go on from OUT.state.npz; sizes, rates and epochs are then those of the state.
@@ -109,10 +109,9 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let start = Instant::now();
     let mut saved = start;
-    let late = |now: Instant| {
-        args.minutes.is_some_and(|minutes| (now - start).as_secs_f64() > 60.0 * minutes)
-    };
-    while trainer.state().history.len() < options.epochs && !late(Instant::now()) {
+    let late =
+        || args.minutes.is_some_and(|minutes| start.elapsed().as_secs_f64() > 60.0 * minutes);
+    while trainer.state().history.len() < options.epochs {
         let cancelled = progress::check();
         if cancelled.is_err() || saved.elapsed() > PAUSE {
             save(&trainer)?;
@@ -127,6 +126,9 @@ pub fn run(args: &Args) -> Result<()> {
             100.0 * epoch.validation,
             start.elapsed().as_secs_f64()
         ))?;
+        if late() {
+            break;
+        }
     }
     save(&trainer)?;
     report(format_args!("written   {}", args.output.display()))

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::io::{self as meshes, MeshFile};
 use catamaran_training::dataset;
 use catamaran_training::regions::{RegionOptions, train_regions};
 
@@ -23,6 +24,9 @@ pub struct Args {
     /// Number of the family whose template is used, from 0.
     #[arg(long, value_name = "NUMBER", default_value_t = 0)]
     family: usize,
+    /// Write the template, which `unions predict --localize` needs: .obj, .ply, .off or .stl.
+    #[arg(long, value_name = "MESH")]
+    template: Option<PathBuf>,
     /// Passes over the data.
     #[arg(long, value_name = "NUMBER", default_value_t = 60)]
     epochs: usize,
@@ -38,6 +42,8 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let mut output = Output::create(&args.output, overwrite)?;
+    let create = |path: &PathBuf| Output::create(path, overwrite);
+    let template = args.template.as_ref().map(create).transpose()?;
     let dataset = dataset::read(&args.data)?;
     let bar = Bar::new("training");
     let update = |fraction| bar.update(fraction);
@@ -49,5 +55,8 @@ pub fn run(args: &Args) -> Result<()> {
     let bytes = localizer.to_bytes()?;
     output.write_all(&bytes).map_err(|e| output.error(&e))?;
     output.commit()?;
+    if let (Some(output), Some(template)) = (template, dataset.templates.get(family)) {
+        meshes::write(output, &MeshFile::from(template.mesh()?))?;
+    }
     report(format_args!("written   {}", args.output.display()))
 }

@@ -4,7 +4,9 @@ mod file;
 mod generate;
 mod plan;
 
+use catamaran::Result;
 use catamaran::faer::Mat;
+use catamaran::mesh::TriMesh;
 
 pub use file::{read, write};
 pub use generate::generate;
@@ -56,6 +58,15 @@ pub struct Template {
 }
 
 impl Template {
+    /// The shape.
+    ///
+    /// # Errors
+    /// As [`TriMesh::new`], for a file that is broken.
+    pub fn mesh(&self) -> Result<TriMesh> {
+        let faces = self.faces.chunks_exact(3).map(|f| [f[0] as u32, f[1] as u32, f[2] as u32]);
+        TriMesh::new(self.vertices.clone(), faces.collect())
+    }
+
     /// The vertices in a mask, ascending; `None` if there is no such mask.
     pub fn mask(&self, id: usize) -> Option<Vec<usize>> {
         let words = self.vertices.len().div_ceil(WORD);
