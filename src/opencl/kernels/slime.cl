@@ -169,28 +169,61 @@ inline void project_across(const surface *s, walker *w, float ahead_x, float ahe
     w->y = along(relative, frame + 6);
 }
 
+// How many of `most` sub-steps stay in the triangle for sure.
+inline uint steps_inside(const surface *s, const walker *w, float length_of, uint most) {
+    __global const float *r = s->records + (size_t)RECORD * w->triangle;
+    float steps = (float)most;
+    float way = length_of * steps;
+    float roundings = FLT_EPSILON * (steps + 16.0f);
+    for (int k = 0; k < 3; k++) {
+        float a = r[3 * k], b = r[3 * k + 1], c = r[3 * k + 2];
+        float inside = a * w->x + b * w->y + c;
+        float rate = a * w->dx + b * w->dy;
+        float margin = roundings * (fabs(w->x) + fabs(w->y) + fabs(c) + way);
+        if (rate < 0.0f) {
+            steps = fmin(steps, (inside - margin) / -(rate * length_of));
+        }
+    }
+    return min(convert_uint_sat(steps), most);
+}
+
+inline void substep(const surface *s, walker *w, float reach) {
+    float way;
+    int edge = first_exit(s, w, reach, 3, &way);
+    float ahead_x = w->x + reach * w->dx, ahead_y = w->y + reach * w->dy;
+    if (edge == 3) {
+        w->x = ahead_x;
+        w->y = ahead_y;
+        return;
+    }
+    if (s->across[(size_t)3 * w->triangle + edge] == NO_TRIANGLE) {
+        __global const float *r = s->records + (size_t)RECORD * w->triangle;
+        float a = r[3 * edge], b = r[3 * edge + 1], c = r[3 * edge + 2];
+        float twice = 2.0f * (a * ahead_x + b * ahead_y + c);
+        cross_edge(s, w, edge);
+        w->x = ahead_x - twice * a;
+        w->y = ahead_y - twice * b;
+    } else {
+        project_across(s, w, ahead_x, ahead_y, edge);
+    }
+    move_inside(s, w);
+}
+
 inline walker project(const surface *s, walker w, float step_length, uint count) {
-    for (uint i = 0; i < count; i++) {
+    uint left = count;
+    while (left > 0u) {
         float reach = s->rescale ? step_length : step_length / stretch(s, &w);
-        float way;
-        int edge = first_exit(s, &w, reach, 3, &way);
-        float ahead_x = w.x + reach * w.dx, ahead_y = w.y + reach * w.dy;
-        if (edge == 3) {
-            w.x = ahead_x;
-            w.y = ahead_y;
-            continue;
+        uint inside = steps_inside(s, &w, reach, left);
+        float dx = reach * w.dx, dy = reach * w.dy;
+        for (uint i = 0; i < inside; i++) {
+            w.x = w.x + dx;
+            w.y = w.y + dy;
         }
-        if (s->across[(size_t)3 * w.triangle + edge] == NO_TRIANGLE) {
-            __global const float *r = s->records + (size_t)RECORD * w.triangle;
-            float a = r[3 * edge], b = r[3 * edge + 1], c = r[3 * edge + 2];
-            float twice = 2.0f * (a * ahead_x + b * ahead_y + c);
-            cross_edge(s, &w, edge);
-            w.x = ahead_x - twice * a;
-            w.y = ahead_y - twice * b;
-        } else {
-            project_across(s, &w, ahead_x, ahead_y, edge);
+        left -= inside;
+        if (left > 0u) {
+            substep(s, &w, reach);
+            left--;
         }
-        move_inside(s, &w);
     }
     return w;
 }
@@ -314,6 +347,44 @@ __kernel void slime_agents(uint count, uint step, uint seed, uint size, uint spe
     }
 }
 
+// The tile of TILE x TILE texels that an agent is in.
+inline uint tile_of(__global const float *records, uint size, uint triangle, float2 position) {
+    surface s = {records, 0, 0, 1};
+    walker w = {triangle, position.x, position.y, 0.0f, 0.0f};
+    uint texel = texel_of(&s, size, &w);
+    return texel / size / TILE * (size / TILE) + texel % size / TILE;
+}
+
+// How many agents there are in each tile.
+__kernel void slime_count(uint count, uint size, __global const float *records,
+                          __global const uint *triangles, __global const float2 *positions,
+                          volatile __global uint *tiles) {
+    size_t i = get_global_id(0);
+    if (i < count) {
+        atomic_inc(&tiles[tile_of(records, size, triangles[i], positions[i])]);
+    }
+}
+
+// Each agent to the next place of its tile; `tiles` has the first ones.
+__kernel void slime_place(uint count, uint size, __global const float *records,
+                          __global const uint *ids, __global const uint *triangles,
+                          __global const float2 *positions, __global const float2 *headings,
+                          volatile __global uint *tiles, __global uint *new_ids,
+                          __global uint *new_triangles, __global float2 *new_positions,
+                          __global float2 *new_headings) {
+    size_t i = get_global_id(0);
+    if (i >= count) {
+        return;
+    }
+    uint triangle = triangles[i];
+    float2 position = positions[i];
+    uint to = atomic_inc(&tiles[tile_of(records, size, triangle, position)]);
+    new_ids[to] = ids[i];
+    new_triangles[to] = triangle;
+    new_positions[to] = position;
+    new_headings[to] = headings[i];
+}
+
 // 1 where a texel is marked, and no marks any more; a word of marks a work-item.
 __kernel void slime_deposit(uint words, __global uint *marks, __global float *texture) {
     size_t i = get_global_id(0);
@@ -407,4 +478,26 @@ __kernel void slime_border(uint count, uint plane, uint species_count, float ble
         flow += weights[link] * (from[links[link]] - p);
     }
     next[offset + border[number]] = fmax((p + blend * flow) - evaporation, 0.0f);
+}
+
+// Coverage and presence of species, summed by columns or rows of `size` texels: work-item i sums those at `across` i and following,
+// `along` apart.
+__kernel void slime_cover(uint size, uint species_count, uint across, uint along,
+                          __global const float *areas, __global const float *texture,
+                          __global ulong2 *sums) {
+    size_t i = get_global_id(0);
+    if (i >= (size_t)size * species_count) {
+        return;
+    }
+    size_t first = i % size * across;
+    __global const float *plane = texture + i / size * size * size;
+    ulong2 sum = 0;
+    for (uint k = 0; k < size; k++) {
+        size_t texel = first + (size_t)k * along;
+        float pheromone = plane[texel];
+        ulong area = convert_ulong(areas[texel] * AREA_UNIT);
+        sum.x += area * convert_ulong(pheromone * PHEROMONE_UNIT + 0.5f);
+        sum.y += pheromone > 0.0f ? area : 0;
+    }
+    sums[i] = sum;
 }

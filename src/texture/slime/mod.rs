@@ -42,7 +42,11 @@ mod walk;
 pub use agents::{Field, agent_step, mark};
 pub use atlas::{atlas, smallest_size};
 pub use coverage::Coverage;
+#[cfg(feature = "opencl")]
+pub(crate) use coverage::{AREA_UNIT, PHEROMONE_UNIT, sum_of};
 pub use diffuse::{diffuse_border, diffuse_row};
+#[cfg(feature = "opencl")]
+pub(crate) use order::{EVERY, TILE, starts_of};
 pub use options::{Blur, Options, Parameters, TURNS, TangentStep};
 pub use pattern::Pattern;
 pub use random::{Purpose, draw};
