@@ -8,7 +8,8 @@ use opencl3::memory::Buffer;
 use super::session::{Device, Number};
 use crate::base::{Error, Flow, Progress, Result, reserved};
 use crate::texture::slime::{
-    AREA_UNIT, Coverage, EVERY, MOST_HOPS, PHEROMONE_UNIT, Parameters, Simulation, State, TILE, sum_of,
+    AREA_UNIT, Coverage, EVERY, MOST_HOPS, PHEROMONE_UNIT, Parameters, Simulation, State, TILE,
+    sum_of,
 };
 use agents::{Agents, Ordering};
 
@@ -48,9 +49,9 @@ impl Launcher<'_> {
             return Ok(());
         }
         match self.group {
-            Some(group) => call
-                .set_global_work_size(items.next_multiple_of(group))
-                .set_local_work_size(group),
+            Some(group) => {
+                call.set_global_work_size(items.next_multiple_of(group)).set_local_work_size(group)
+            }
             None => call.set_global_work_size(items),
         };
         // SAFETY: as the caller says.

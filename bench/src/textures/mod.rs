@@ -2,6 +2,7 @@
 //! 7.2, and times of Newton's fractals.
 
 mod figures;
+mod long;
 mod newton;
 mod parameters;
 mod polar;
@@ -10,6 +11,7 @@ mod surfaces;
 mod times;
 
 pub use figures::{evaporation, maze, rescaling, substeps};
+pub use long::{long_walks, many_points};
 pub use newton::{newton_figures, newton_times};
 pub use parameters::{grid, table};
 #[cfg(feature = "opencl")]

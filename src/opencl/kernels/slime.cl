@@ -15,6 +15,9 @@
 #define OBSTACLE 1
 #define GOAL 2
 
+// PoCL leaves large functions as they are: walkers would go through memory at each call, for a third of the time.
+#define INLINE inline __attribute__((always_inline))
+
 typedef struct {
     uint triangle;
     float x, y, dx, dy;
@@ -27,7 +30,7 @@ typedef struct {
     int rescale;
 } surface;
 
-inline float stretch(const surface *s, const walker *w) {
+INLINE float stretch(const surface *s, const walker *w) {
     __global const float *r = s->records + (size_t)RECORD * w->triangle;
     float u = r[UV + 1] * w->dx + r[UV + 2] * w->dy;
     float v = r[UV + 4] * w->dx + r[UV + 5] * w->dy;
@@ -35,7 +38,7 @@ inline float stretch(const surface *s, const walker *w) {
 }
 
 // The edge by which a walker leaves its triangle within `reach`, 3 for none, and how far it goes in the triangle.
-inline int first_exit(const surface *s, const walker *w, float reach, int entered, float *way) {
+INLINE int first_exit(const surface *s, const walker *w, float reach, int entered, float *way) {
     __global const float *r = s->records + (size_t)RECORD * w->triangle;
     int exit_edge = 3;
     *way = reach;
@@ -44,7 +47,7 @@ inline int first_exit(const surface *s, const walker *w, float reach, int entere
         float inside = a * w->x + b * w->y + c;
         float rate = a * w->dx + b * w->dy;
         if (k != entered && rate < 0.0f && inside + rate * reach < 0.0f) {
-            float at = fmax(inside, 0.0f) / -rate;
+            float at = (inside > 0.0f ? inside : 0.0f) / -rate;
             if (at < *way) {
                 exit_edge = k;
                 *way = at;
@@ -55,7 +58,7 @@ inline int first_exit(const surface *s, const walker *w, float reach, int entere
 }
 
 // Over edge k; the number of the edge in the triangle beyond.
-inline int cross_edge(const surface *s, walker *w, int k) {
+INLINE int cross_edge(const surface *s, walker *w, int k) {
     __global const float *r = s->records + (size_t)RECORD * w->triangle;
     uint across = s->across[(size_t)3 * w->triangle + k];
     float dx = w->dx, dy = w->dy;
@@ -79,7 +82,7 @@ inline int cross_edge(const surface *s, walker *w, int k) {
     return (int)(across & 3u);
 }
 
-inline walker unfold(const surface *s, walker w, float length_left) {
+INLINE walker unfold(const surface *s, walker w, float length_left) {
     int entered = 3;
     for (int hops = 0; hops < MOST_HOPS; hops++) {
         float stretched = s->rescale ? 1.0f : stretch(s, &w);
@@ -97,8 +100,13 @@ inline walker unfold(const surface *s, walker w, float length_left) {
     return w;
 }
 
-inline void move_inside(const surface *s, walker *w) {
+INLINE void move_inside(const surface *s, walker *w) {
     __global const float *r = s->records + (size_t)RECORD * w->triangle;
+    float least = fmin(fmin(r[0] * w->x + r[1] * w->y + r[2], r[3] * w->x + r[4] * w->y + r[5]),
+                       r[6] * w->x + r[7] * w->y + r[8]);
+    if (least >= 0.0f) {
+        return;
+    }
     for (int i = 0; i < 6; i++) {
         int k = i % 3;
         float a = r[3 * k], b = r[3 * k + 1], c = r[3 * k + 2];
@@ -119,11 +127,11 @@ inline void move_inside(const surface *s, walker *w) {
     }
 }
 
-inline float along(const float *a, __global const float *axis) {
+INLINE float along(const float *a, __global const float *axis) {
     return a[0] * axis[0] + a[1] * axis[1] + a[2] * axis[2];
 }
 
-inline void project_across(const surface *s, walker *w, float ahead_x, float ahead_y, int edge) {
+INLINE void project_across(const surface *s, walker *w, float ahead_x, float ahead_y, int edge) {
     uint t = w->triangle;
     __global const float *from = s->frames + (size_t)FRAME * t;
     __global const uint *across = s->across + (size_t)3 * t;
@@ -170,7 +178,7 @@ inline void project_across(const surface *s, walker *w, float ahead_x, float ahe
 }
 
 // How many of `most` sub-steps stay in the triangle for sure.
-inline uint steps_inside(const surface *s, const walker *w, float length_of, uint most) {
+INLINE uint steps_inside(const surface *s, const walker *w, float length_of, uint most) {
     __global const float *r = s->records + (size_t)RECORD * w->triangle;
     float steps = (float)most;
     float way = length_of * steps;
@@ -181,13 +189,14 @@ inline uint steps_inside(const surface *s, const walker *w, float length_of, uin
         float rate = a * w->dx + b * w->dy;
         float margin = roundings * (fabs(w->x) + fabs(w->y) + fabs(c) + way);
         if (rate < 0.0f) {
-            steps = fmin(steps, (inside - margin) / -(rate * length_of));
+            float here = (inside - margin) / -(rate * length_of);
+            steps = here < steps ? here : steps;
         }
     }
     return min(convert_uint_sat(steps), most);
 }
 
-inline void substep(const surface *s, walker *w, float reach) {
+INLINE void substep(const surface *s, walker *w, float reach) {
     float way;
     int edge = first_exit(s, w, reach, 3, &way);
     float ahead_x = w->x + reach * w->dx, ahead_y = w->y + reach * w->dy;
@@ -209,7 +218,7 @@ inline void substep(const surface *s, walker *w, float reach) {
     move_inside(s, w);
 }
 
-inline walker project(const surface *s, walker w, float step_length, uint count) {
+INLINE walker project(const surface *s, walker w, float step_length, uint count) {
     uint left = count;
     while (left > 0u) {
         float reach = s->rescale ? step_length : step_length / stretch(s, &w);
@@ -228,11 +237,11 @@ inline walker project(const surface *s, walker w, float step_length, uint count)
     return w;
 }
 
-inline walker walk(const surface *s, walker w, float length_of, uint substeps) {
+INLINE walker walk(const surface *s, walker w, float length_of, uint substeps) {
     return substeps == 0u ? unfold(s, w, length_of) : project(s, w, length_of, substeps);
 }
 
-inline uint texel_of(const surface *s, uint size, const walker *w) {
+INLINE uint texel_of(const surface *s, uint size, const walker *w) {
     __global const float *r = s->records + (size_t)RECORD * w->triangle;
     float u = r[UV] + r[UV + 1] * w->x + r[UV + 2] * w->y;
     float v = r[UV + 3] + r[UV + 4] * w->x + r[UV + 5] * w->y;
@@ -241,20 +250,26 @@ inline uint texel_of(const surface *s, uint size, const walker *w) {
     return row * size + column;
 }
 
-inline walker rotated(walker w, float dx, float dy, float cosine, float sine) {
+INLINE walker rotated(walker w, float dx, float dy, float cosine, float sine) {
     w.dx = cosine * dx - sine * dy;
     w.dy = sine * dx + cosine * dy;
     return w;
 }
 
-inline void mix_bits(uint *v) {
+// The texel of the sensor of a walker.
+INLINE uint sensed(const surface *s, walker w, float sense, uint substeps, uint size) {
+    walker end = walk(s, w, sense, substeps);
+    return texel_of(s, size, &end);
+}
+
+INLINE void mix_bits(uint *v) {
     v[0] += v[1] * v[3];
     v[1] += v[2] * v[0];
     v[2] += v[0] * v[1];
     v[3] += v[1] * v[2];
 }
 
-inline float smell(__global const float *texture, __global const uchar *ground, int has_ground,
+INLINE float smell(__global const float *texture, __global const uchar *ground, int has_ground,
                    float attraction, uint plane, uint species_count, uint species, uint texel) {
     float sum = texture[(size_t)species * plane + texel];
     for (uint other = 0; other < species_count; other++) {
@@ -293,12 +308,12 @@ __kernel void slime_agents(uint count, uint step, uint seed, uint size, uint spe
     walker here = {triangles[i], position.x, position.y, heading.x, heading.y};
     uint species = agent % species_count, plane = size * size;
 
-    walker end = walk(&s, here, sense, substeps);
-    uint t_ahead = texel_of(&s, size, &end);
-    end = walk(&s, rotated(here, here.dx, here.dy, vision.x, vision.y), sense, substeps);
-    uint t_left = texel_of(&s, size, &end);
-    end = walk(&s, rotated(here, here.dx, here.dy, vision.x, -vision.y), sense, substeps);
-    uint t_right = texel_of(&s, size, &end);
+    uint t_ahead = sensed(&s, here, sense, substeps, size);
+    walker turned = rotated(here, here.dx, here.dy, vision.x, vision.y);
+    uint t_left = sensed(&s, turned, sense, substeps, size);
+    turned = rotated(here, here.dx, here.dy, vision.x, -vision.y);
+    uint t_right = sensed(&s, turned, sense, substeps, size);
+    // All three at once, so that one waits for memory once.
     float ahead =
         smell(texture, ground, has_ground, attraction, plane, species_count, species, t_ahead);
     float left =
@@ -348,7 +363,7 @@ __kernel void slime_agents(uint count, uint step, uint seed, uint size, uint spe
 }
 
 // The tile of TILE x TILE texels that an agent is in.
-inline uint tile_of(__global const float *records, uint size, uint triangle, float2 position) {
+INLINE uint tile_of(__global const float *records, uint size, uint triangle, float2 position) {
     surface s = {records, 0, 0, 1};
     walker w = {triangle, position.x, position.y, 0.0f, 0.0f};
     uint texel = texel_of(&s, size, &w);
@@ -418,7 +433,7 @@ typedef JOIN(float, LANES) real;
 #endif
 
 // (1 2 1) along a row, LANES texels from `first` on; beyond the ends the last texel is repeated.
-inline real sum_along(__global const float *row, uint first, uint size) {
+INLINE real sum_along(__global const float *row, uint first, uint size) {
     real middle = LOAD(row + first);
     real before, after;
     if (first > 0u && first + LANES < size) {

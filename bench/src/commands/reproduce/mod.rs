@@ -30,7 +30,7 @@ pub struct Arguments {
     /// Chapters 4 and 7: repetitions of the race.
     #[arg(long, default_value_t = 5, value_name = "N")]
     repeat: usize,
-    /// Chapters 3 and 7: only figures, or only the times.
+    /// Chapters 3 and 7: only a part of it.
     #[arg(long)]
     only: Option<textures::Share>,
     /// Chapter 3: rounds of 16 frames that are timed.
@@ -91,7 +91,9 @@ impl Report {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let shares = match (arguments.what, arguments.only) {
-        (What::Textures, None) => &[Some(textures::Share::Figures), Some(textures::Share::Tables)][..],
+        (What::Textures, None) => {
+            &[Some(textures::Share::Figures), Some(textures::Share::Tables)][..]
+        }
         (What::Textures, only) => &[only],
         (_, None) => &[None],
         (_, Some(_)) => return Err("--only: of textures".into()),

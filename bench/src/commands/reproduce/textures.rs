@@ -3,7 +3,8 @@
 use catamaran_bench::Result;
 use catamaran_bench::plant::Part;
 use catamaran_bench::textures::{
-    evaporation, grid, maze, newton_figures, newton_times, rescaling, substeps, table,
+    evaporation, grid, long_walks, many_points, maze, newton_figures, newton_times, rescaling,
+    substeps, table,
 };
 use clap::ValueEnum;
 
@@ -19,6 +20,8 @@ pub enum Share {
     Figures,
     /// What takes a quiet machine: tables 3.2 to 3.4, and times of Newton's fractals.
     Tables,
+    /// 10^9 steps of agents and 10^8 points of fractals, none of which may be lost; only when it is asked for.
+    Long,
 }
 
 impl Share {
@@ -27,6 +30,7 @@ impl Share {
         match self {
             Self::Figures => "textures",
             Self::Tables => "texture-times",
+            Self::Long => "texture-long",
         }
     }
 }
@@ -54,6 +58,10 @@ pub fn run(report: &mut Report, share: Share, arguments: &Arguments) -> Result<(
             #[cfg(feature = "opencl")]
             keep(catamaran_bench::textures::times(arguments.rounds, arguments.largest_texture)?);
             newton_times(SIZE, arguments.repeat)?.into_iter().for_each(keep);
+        }
+        Share::Long => {
+            keep(long_walks()?);
+            keep(many_points()?);
         }
     }
     Ok(())
