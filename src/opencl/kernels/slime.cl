@@ -180,7 +180,7 @@ INLINE void project_across(const surface *s, walker *w, float ahead_x, float ahe
 // How many of `most` sub-steps stay in the triangle for sure.
 INLINE uint steps_inside(const surface *s, const walker *w, float length_of, uint most) {
     __global const float *r = s->records + (size_t)RECORD * w->triangle;
-    float steps = (float)most;
+    float steps = (float)min(most, 1u << 24);
     float way = length_of * steps;
     float roundings = FLT_EPSILON * (steps + 16.0f);
     for (int k = 0; k < 3; k++) {
@@ -193,7 +193,7 @@ INLINE uint steps_inside(const surface *s, const walker *w, float length_of, uin
             steps = here < steps ? here : steps;
         }
     }
-    return min(convert_uint_sat(steps), most);
+    return (uint)(steps > 0.0f ? steps : 0.0f);
 }
 
 INLINE void substep(const surface *s, walker *w, float reach) {

@@ -130,7 +130,8 @@ fn steps_inside(surface: &Surface, walker: &Walker, length: f32, most: u32) -> u
     let record = &surface.records()[walker.triangle as usize];
     let [x, y] = walker.position;
     let [dx, dy] = walker.heading;
-    let mut steps = most as f32;
+    // A whole number that single precision has.
+    let mut steps = most.min(1 << 24) as f32;
     let way = length * steps;
     // Roundings of the steps and of what `first_exit` computes of each, twice of what they can be in all.
     let roundings = f32::EPSILON * (steps + 16.0);
@@ -145,7 +146,7 @@ fn steps_inside(surface: &Surface, walker: &Walker, length: f32, most: u32) -> u
         }
     }
     // Below 0: none.
-    (steps as u32).min(most)
+    steps as u32
 }
 
 fn substep(surface: &Surface, walker: &mut Walker, length: f32) {
