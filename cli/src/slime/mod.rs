@@ -34,8 +34,9 @@ const PIXELS: usize = 900;
 /// Grow slime moulds on a surface: textures of networks and cells (thesis, chapter 3).
 ///
 /// The folder gets the texture every so many steps, species in the channels of one .png up to three and in one .png each
-/// beyond, coverage.csv, and the mesh with its texture coordinates, mesh.obj. A mesh without texture coordinates gets an atlas of its triangles. Ctrl-C ends it; with --state
-/// it can go on from there, with the same result as if it had never stopped.
+/// beyond, coverage.csv, and the mesh with its texture coordinates, mesh.obj. A mesh without texture coordinates gets an
+/// atlas of its triangles. Ctrl-C ends it; with --state it can go on from there, with the same result as if it had never
+/// stopped.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
