@@ -40,6 +40,7 @@ impl Number for f32 {}
 impl Number for u8 {}
 impl Number for u16 {}
 impl Number for u32 {}
+impl Number for u64 {}
 
 impl Device {
     /// The device that `selector` names, as [`find`](super::find) says.

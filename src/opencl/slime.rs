@@ -1,11 +1,17 @@
 //! Slime moulds on a device.
 
+mod agents;
+
 use opencl3::kernel::{ExecuteKernel, Kernel};
 use opencl3::memory::Buffer;
 
 use super::session::{Device, Number};
 use crate::base::{Error, Flow, Progress, Result, reserved};
-use crate::texture::slime::{MOST_HOPS, Parameters, Simulation, State};
+use crate::texture::slime::{
+    AREA_UNIT, Coverage, EVERY, MOST_HOPS, PHEROMONE_UNIT, Parameters, Simulation, State, TILE,
+    sum_of,
+};
+use agents::{Agents, Ordering};
 
 const SOURCE: &str = include_str!("kernels/slime.cl");
 
@@ -16,12 +22,42 @@ pub struct SlimeOnDevice<'a> {
     device: &'a Device,
     parameters: Parameters,
     step: u32,
-    agents: usize,
     border: usize,
-    group: Option<usize>,
     lanes: usize,
     kernels: Kernels,
     memory: Memory,
+    agents: Agents,
+    ordering: Ordering,
+    launcher: Launcher<'a>,
+}
+
+/// Gives kernels to a device.
+#[derive(Debug, Clone, Copy)]
+struct Launcher<'a> {
+    device: &'a Device,
+    group: Option<usize>,
+}
+
+impl Launcher<'_> {
+    /// Puts a call with all its arguments behind what the device has to do already.
+    ///
+    /// # Safety
+    /// The arguments are those that the kernel declares, and `items` work-items stay within its buffers, which live until
+    /// the device is done.
+    unsafe fn enqueue(&self, mut call: ExecuteKernel<'_>, items: usize) -> Result<()> {
+        if items == 0 {
+            return Ok(());
+        }
+        match self.group {
+            Some(group) => {
+                call.set_global_work_size(items.next_multiple_of(group)).set_local_work_size(group)
+            }
+            None => call.set_global_work_size(items),
+        };
+        // SAFETY: as the caller says.
+        let queued = unsafe { call.enqueue_nd_range(self.device.queue()) };
+        queued.map(drop).map_err(|e| self.device.failed("slime", e))
+    }
 }
 
 #[derive(Debug)]
@@ -30,6 +66,7 @@ struct Kernels {
     deposit: Kernel,
     diffuse: Kernel,
     border: Kernel,
+    cover: Kernel,
 }
 
 #[derive(Debug)]
@@ -45,10 +82,8 @@ struct Memory {
     link_starts: Buffer<u32>,
     links: Buffer<u32>,
     link_weights: Buffer<f32>,
-    ids: Buffer<u32>,
-    triangles: Buffer<u32>,
-    positions: Buffer<f32>,
-    headings: Buffer<f32>,
+    areas: Buffer<f32>,
+    sums: Buffer<u64>,
     marks: Buffer<u32>,
     texture: Buffer<f32>,
     next: Buffer<f32>,
@@ -77,13 +112,17 @@ impl<'a> SlimeOnDevice<'a> {
             return Err(Error::Argument { what: "group", why: "must be at least 1, is 0".into() });
         }
         let lanes = device.lanes();
-        let options = format!("-DLANES={lanes} -DMOST_HOPS={MOST_HOPS}");
+        let options = format!(
+            "-DLANES={lanes} -DMOST_HOPS={MOST_HOPS} -DTILE={TILE} -DAREA_UNIT={AREA_UNIT:e}f \
+             -DPHEROMONE_UNIT={PHEROMONE_UNIT:e}f"
+        );
         let kernel = |name| device.kernel(SOURCE, &options, name);
         let kernels = Kernels {
             agents: kernel("slime_agents")?,
             deposit: kernel("slime_deposit")?,
             diffuse: kernel("slime_diffuse")?,
             border: kernel("slime_border")?,
+            cover: kernel("slime_cover")?,
         };
         let (surface, texels, state) =
             (simulation.surface(), simulation.texels(), simulation.state());
@@ -103,10 +142,8 @@ impl<'a> SlimeOnDevice<'a> {
             link_starts: filled(device, texels.link_starts())?,
             links: filled(device, texels.links())?,
             link_weights: filled(device, texels.link_weights())?,
-            ids: filled(device, &state.ids)?,
-            triangles: filled(device, &state.triangles)?,
-            positions: filled(device, state.positions.as_flattened())?,
-            headings: filled(device, state.headings.as_flattened())?,
+            areas: filled(device, texels.areas())?,
+            sums: device.buffer(2 * lines_of(&parameters))?,
             marks: filled(device, &no_marks)?,
             texture: filled(device, &state.texture)?,
             next: device.buffer(entries)?,
@@ -115,12 +152,13 @@ impl<'a> SlimeOnDevice<'a> {
             device,
             parameters,
             step: state.step,
-            agents: state.ids.len(),
             border: if parameters.seam_aware != 0 { texels.border().len() } else { 0 },
-            group,
             lanes,
             kernels,
             memory,
+            agents: Agents::of(device, state)?,
+            ordering: Ordering::new(device, kernel, state.ids.len(), parameters.size)?,
+            launcher: Launcher { device, group },
         })
     }
 
@@ -141,27 +179,38 @@ impl<'a> SlimeOnDevice<'a> {
         self.wait()
     }
 
-    /// Agents and textures as they are now.
+    /// Agents, by their numbers, and textures as they are now.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Backend`] when the device refuses.
     pub fn state(&self) -> Result<State> {
-        let (device, memory, agents) = (self.device, &self.memory, self.agents);
-        let pairs = |buffer: &Buffer<f32>| -> Result<Vec<[f32; 2]>> {
-            let mut pairs = reserved(agents)?;
-            pairs.resize(agents, [0.0; 2]);
-            device.read(buffer, pairs.as_flattened_mut())?;
-            Ok(pairs)
-        };
+        let mut state = self.agents.read(self.device)?;
         let size = self.parameters.size as usize;
-        Ok(State {
-            step: self.step,
-            ids: read(device, &memory.ids, agents)?,
-            triangles: read(device, &memory.triangles, agents)?,
-            positions: pairs(&memory.positions)?,
-            headings: pairs(&memory.headings)?,
-            texture: read(device, &memory.texture, self.parameters.species as usize * size * size)?,
-        })
+        let entries = self.parameters.species as usize * size * size;
+        state.step = self.step;
+        state.texture = read(self.device, &self.memory.texture, entries)?;
+        Ok(state)
+    }
+
+    /// [`Simulation::coverage`] of what is on the device.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`], [`Error::Backend`] when the device refuses.
+    pub fn coverage(&self) -> Result<Vec<Coverage>> {
+        let (p, m) = (&self.parameters, &self.memory);
+        // Rows on processors, which read on and on; columns on graphics cards, whose work-items are side by side.
+        let (across, along) = if self.lanes > 1 { (p.size, 1) } else { (1, p.size) };
+        let lines = lines_of(p);
+        let mut call = ExecuteKernel::new(&self.kernels.cover);
+        // SAFETY: as in `enqueue_step`; reading waits for the kernel.
+        unsafe {
+            call.set_arg(&p.size).set_arg(&p.species).set_arg(&across).set_arg(&along);
+            call.set_arg(&m.areas).set_arg(&m.texture).set_arg(&m.sums);
+            self.launcher.enqueue(call, lines)?;
+        }
+        let sums: Vec<u64> = read(self.device, &m.sums, 2 * lines)?;
+        let of = |sums: &[[u64; 2]]| sum_of(sums.iter().copied()).into();
+        Ok(sums.as_chunks().0.chunks(p.size as usize).map(of).collect())
     }
 
     /// Gives agents and textures as they are now to the simulation that this began with.
@@ -178,57 +227,54 @@ impl<'a> SlimeOnDevice<'a> {
 
     /// All kernels of a step, one after the other; the queue keeps their order.
     fn enqueue_step(&mut self) -> Result<()> {
-        let (p, m, k) = (&self.parameters, &self.memory, &self.kernels);
+        if self.step.is_multiple_of(EVERY) {
+            self.ordering.order(&self.launcher, &self.memory.records, &mut self.agents)?;
+        }
+        let (p, m, k, a) = (&self.parameters, &self.memory, &self.kernels, &self.agents);
         let plane = p.size * p.size;
         let words = plane / 32 * p.species;
-        let lines = p.size * p.species;
-        let agents = self.agents as u32;
-        let mut calls = [
-            ExecuteKernel::new(&k.agents),
-            ExecuteKernel::new(&k.deposit),
-            ExecuteKernel::new(&k.diffuse),
-            ExecuteKernel::new(&k.border),
-        ];
+        let lines = lines_of(p);
+        let mut calls =
+            [&k.agents, &k.deposit, &k.diffuse, &k.border].map(|k| ExecuteKernel::new(k));
         let [moving, deposit, diffuse, border] = &mut calls;
+        let items = [
+            a.len(),
+            words as usize,
+            lines * (p.size as usize / self.lanes),
+            self.border * p.species as usize,
+        ];
         // SAFETY: numbers and types are those that the kernels declare, and the buffers have the lengths that
-        // src/texture/slime/mod.rs says.
+        // src/texture/slime/mod.rs says; they live as long as the queue's work, which reading them, and `run`, wait for.
         unsafe {
-            moving.set_arg(&agents).set_arg(&self.step).set_arg(&p.seed).set_arg(&p.size);
+            moving.set_arg(&(a.len() as u32)).set_arg(&self.step).set_arg(&p.seed).set_arg(&p.size);
             moving.set_arg(&p.species).set_arg(&p.substeps).set_arg(&p.rescale);
             moving.set_arg(&p.sense).set_arg(&p.advance).set_arg(&p.vision).set_arg(&m.turns);
             moving.set_arg(&p.attraction).set_arg(&m.records).set_arg(&m.across);
             moving.set_arg(&m.frames).set_arg(&m.texture).set_arg(&m.ground);
-            moving.set_arg(&i32::from(m.has_ground)).set_arg(&m.ids).set_arg(&m.triangles);
-            moving.set_arg(&m.positions).set_arg(&m.headings).set_arg(&m.marks);
+            moving.set_arg(&i32::from(m.has_ground));
+            a.set_args(moving);
+            moving.set_arg(&m.marks);
             deposit.set_arg(&words).set_arg(&m.marks).set_arg(&m.texture);
-            diffuse.set_arg(&p.size).set_arg(&lines).set_arg(&p.blend).set_arg(&p.evaporation);
-            diffuse.set_arg(&p.seam_aware).set_arg(&m.kinds).set_arg(&m.texture).set_arg(&m.next);
+            diffuse.set_arg(&p.size).set_arg(&(lines as u32)).set_arg(&p.blend);
+            diffuse.set_arg(&p.evaporation).set_arg(&p.seam_aware).set_arg(&m.kinds);
+            diffuse.set_arg(&m.texture).set_arg(&m.next);
             border.set_arg(&(self.border as u32)).set_arg(&plane).set_arg(&p.species);
             border.set_arg(&p.blend).set_arg(&p.evaporation).set_arg(&m.border);
             border.set_arg(&m.link_starts).set_arg(&m.links).set_arg(&m.link_weights);
             border.set_arg(&m.texture).set_arg(&m.next);
-        }
-        let items = [
-            self.agents,
-            words as usize,
-            lines as usize * (p.size as usize / self.lanes),
-            self.border * p.species as usize,
-        ];
-        for (mut call, items) in calls.into_iter().zip(items).filter(|(_, items)| *items > 0) {
-            match self.group {
-                Some(group) => call
-                    .set_global_work_size(items.next_multiple_of(group))
-                    .set_local_work_size(group),
-                None => call.set_global_work_size(items),
-            };
-            // SAFETY: as above; the buffers live as long as the queue's work, which reading them, and `run`, wait for.
-            let queued = unsafe { call.enqueue_nd_range(self.device.queue()) };
-            queued.map_err(|e| self.device.failed("slime", e))?;
+            for (call, items) in calls.into_iter().zip(items) {
+                self.launcher.enqueue(call, items)?;
+            }
         }
         std::mem::swap(&mut self.memory.texture, &mut self.memory.next);
         self.step = self.step.wrapping_add(1);
         Ok(())
     }
+}
+
+/// Rows of the textures of all species.
+fn lines_of(parameters: &Parameters) -> usize {
+    parameters.size as usize * parameters.species as usize
 }
 
 /// Buffers go away with this; no work may be left on them.

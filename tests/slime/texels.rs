@@ -57,16 +57,20 @@ fn agents_start_evenly_by_area_and_direction() {
     assert!(ids.iter().zip(0..).all(|(&id, i)| id == i));
 }
 
-/// A simulation without agents, with this in its texture.
-fn spread(surface: Surface, from: &[usize]) -> (f64, f64) {
-    let options = Options {
+/// Without agents and without evaporation: pheromone is only blurred, fast.
+fn still() -> Options {
+    Options {
         agents: 0,
         size: 128,
         evaporation_rate: 0.0,
         diffusion_rate: 30.0,
         ..Options::default()
-    };
-    let mut all = simulation(surface, &options);
+    }
+}
+
+/// What is in the texture before and after it was blurred for a while, 1 at first in these texels.
+fn spread(surface: Surface, from: &[usize]) -> (f64, f64) {
+    let mut all = simulation(surface, &still());
     let mut texture = vec![0.0; 128 * 128];
     from.iter().for_each(|&t| texture[t] = 1.0);
     let sum = |state: &State| state.texture.iter().map(|&p| f64::from(p)).sum::<f64>();
@@ -103,14 +107,7 @@ fn the_seam_aware_blur_crosses_seams() {
         reached.dedup();
         reached.len()
     };
-    let options = Options {
-        agents: 0,
-        size: 128,
-        evaporation_rate: 0.0,
-        diffusion_rate: 30.0,
-        ..Options::default()
-    };
-    let mut all = simulation(surface.clone(), &options);
+    let mut all = simulation(surface.clone(), &still());
     let mut texture = vec![0.0; 128 * 128];
     let start = texels.kinds().iter().position(|&k| k == INSIDE).unwrap();
     texture[start] = 1.0;

@@ -1,18 +1,18 @@
 //! Chapters 3 and 7 of the thesis, measured again: figures 3.4, 3.5, 3.8, 3.9 and 3.10, tables 3.1 to 3.4; figures 7.1 and
 //! 7.2, and times of Newton's fractals.
 
-#[cfg(feature = "opencl")]
-mod devices;
 mod figures;
+mod long;
 mod newton;
 mod parameters;
 mod polar;
 mod surfaces;
+#[cfg(feature = "opencl")]
 mod times;
 
-#[cfg(feature = "opencl")]
-pub use devices::slime_times;
 pub use figures::{evaporation, maze, rescaling, substeps};
+pub use long::{long_walks, many_points};
 pub use newton::{newton_figures, newton_times};
 pub use parameters::{grid, table};
+#[cfg(feature = "opencl")]
 pub use times::times;

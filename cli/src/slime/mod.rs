@@ -34,8 +34,9 @@ const PIXELS: usize = 900;
 /// Grow slime moulds on a surface: textures of networks and cells (thesis, chapter 3).
 ///
 /// The folder gets the texture every so many steps, species in the channels of one .png up to three and in one .png each
-/// beyond, coverage.csv, and the mesh with its texture coordinates, mesh.obj. A mesh without texture coordinates gets an atlas of its triangles. Ctrl-C ends it; with --state
-/// it can go on from there, with the same result as if it had never stopped.
+/// beyond, coverage.csv, and the mesh with its texture coordinates, mesh.obj. A mesh without texture coordinates gets an
+/// atlas of its triangles. Ctrl-C ends it; with --state it can go on from there, with the same result as if it had never
+/// stopped.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
@@ -118,20 +119,26 @@ pub fn run(args: &Args) -> Result<()> {
         device.as_ref().map(|device| OnDevice::new(device, &simulation)).transpose()?;
     let outputs = Outputs::create(args, overwrite)?;
     let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
-    let now = |s: &Simulation| (f64::from(s.state().step) * options.time_step, s.coverage(par));
-    let mut moments = vec![now(&simulation)];
+    let time_at = |step: u32| f64::from(step) * options.time_step;
+    let mut moments = vec![(time_at(first), simulation.coverage(par))];
     let start = Instant::now();
     let bar = Bar::new("slime");
     let mut done = first;
     let mut ended = Ok(());
     while done < args.steps && ended.is_ok() {
-        match &mut on_device {
-            Some(kernels) => kernels.step(&mut simulation)?,
-            None => simulation.step(par),
-        }
+        let covered = match &mut on_device {
+            Some(kernels) => kernels.step()?,
+            None => {
+                simulation.step(par);
+                simulation.coverage(par)
+            }
+        };
         done += 1;
-        moments.push(now(&simulation));
+        moments.push((time_at(done), covered));
         if frames.contains(&done) {
+            if let Some(kernels) = &on_device {
+                kernels.give_back(&mut simulation)?;
+            }
             let create = |name| Output::create(&args.output.join(name), overwrite);
             let files = frame_names(done, args.steps, options.species).into_iter().map(create);
             images::write(&simulation, files.collect::<Result<_, _>>()?)?;
@@ -142,6 +149,9 @@ pub fn run(args: &Args) -> Result<()> {
     }
     drop(bar);
     let time = start.elapsed();
+    if let Some(kernels) = &on_device {
+        kernels.give_back(&mut simulation)?;
+    }
     if let Some(mut output) = outputs.state {
         simulation.save(&mut output).map_err(|e| output.error(&e))?;
         let path = output.path().display().to_string();

@@ -1,7 +1,7 @@
 //! A simulation whose steps a device takes.
 
 use anyhow::Result;
-use catamaran::texture::slime::Simulation;
+use catamaran::texture::slime::{Coverage, Simulation};
 
 use crate::device::Device;
 
@@ -16,9 +16,14 @@ impl<'a> OnDevice<'a> {
         Ok(Self(catamaran::opencl::SlimeOnDevice::new(device, simulation)?))
     }
 
-    /// Takes the simulation one step on.
-    pub fn step(&mut self, simulation: &mut Simulation) -> Result<()> {
+    /// One step, and what is covered then.
+    pub fn step(&mut self) -> Result<Vec<Coverage>> {
         self.0.run(1, None)?;
+        Ok(self.0.coverage()?)
+    }
+
+    /// Brings the simulation to where the device is.
+    pub fn give_back(&self, simulation: &mut Simulation) -> Result<()> {
         Ok(self.0.give_back(simulation)?)
     }
 }
@@ -35,7 +40,12 @@ impl<'a> OnDevice<'a> {
     }
 
     /// Never called.
-    pub fn step(&mut self, _simulation: &mut Simulation) -> Result<()> {
+    pub fn step(&mut self) -> Result<Vec<Coverage>> {
+        match *self.0 {}
+    }
+
+    /// Never called.
+    pub fn give_back(&self, _simulation: &mut Simulation) -> Result<()> {
         match *self.0 {}
     }
 }

@@ -15,6 +15,9 @@
 #define OBSTACLE 1
 #define GOAL 2
 
+// PoCL leaves large functions as they are: walkers would go through memory at each call, for a third of the time.
+#define INLINE inline __attribute__((always_inline))
+
 typedef struct {
     uint triangle;
     float x, y, dx, dy;
@@ -27,7 +30,7 @@ typedef struct {
     int rescale;
 } surface;
 
-inline float stretch(const surface *s, const walker *w) {
+INLINE float stretch(const surface *s, const walker *w) {
     __global const float *r = s->records + (size_t)RECORD * w->triangle;
     float u = r[UV + 1] * w->dx + r[UV + 2] * w->dy;
     float v = r[UV + 4] * w->dx + r[UV + 5] * w->dy;
@@ -35,7 +38,7 @@ inline float stretch(const surface *s, const walker *w) {
 }
 
 // The edge by which a walker leaves its triangle within `reach`, 3 for none, and how far it goes in the triangle.
-inline int first_exit(const surface *s, const walker *w, float reach, int entered, float *way) {
+INLINE int first_exit(const surface *s, const walker *w, float reach, int entered, float *way) {
     __global const float *r = s->records + (size_t)RECORD * w->triangle;
     int exit_edge = 3;
     *way = reach;
@@ -44,7 +47,7 @@ inline int first_exit(const surface *s, const walker *w, float reach, int entere
         float inside = a * w->x + b * w->y + c;
         float rate = a * w->dx + b * w->dy;
         if (k != entered && rate < 0.0f && inside + rate * reach < 0.0f) {
-            float at = fmax(inside, 0.0f) / -rate;
+            float at = (inside > 0.0f ? inside : 0.0f) / -rate;
             if (at < *way) {
                 exit_edge = k;
                 *way = at;
@@ -55,7 +58,7 @@ inline int first_exit(const surface *s, const walker *w, float reach, int entere
 }
 
 // Over edge k; the number of the edge in the triangle beyond.
-inline int cross_edge(const surface *s, walker *w, int k) {
+INLINE int cross_edge(const surface *s, walker *w, int k) {
     __global const float *r = s->records + (size_t)RECORD * w->triangle;
     uint across = s->across[(size_t)3 * w->triangle + k];
     float dx = w->dx, dy = w->dy;
@@ -79,7 +82,7 @@ inline int cross_edge(const surface *s, walker *w, int k) {
     return (int)(across & 3u);
 }
 
-inline walker unfold(const surface *s, walker w, float length_left) {
+INLINE walker unfold(const surface *s, walker w, float length_left) {
     int entered = 3;
     for (int hops = 0; hops < MOST_HOPS; hops++) {
         float stretched = s->rescale ? 1.0f : stretch(s, &w);
@@ -97,8 +100,13 @@ inline walker unfold(const surface *s, walker w, float length_left) {
     return w;
 }
 
-inline void move_inside(const surface *s, walker *w) {
+INLINE void move_inside(const surface *s, walker *w) {
     __global const float *r = s->records + (size_t)RECORD * w->triangle;
+    float least = fmin(fmin(r[0] * w->x + r[1] * w->y + r[2], r[3] * w->x + r[4] * w->y + r[5]),
+                       r[6] * w->x + r[7] * w->y + r[8]);
+    if (least >= 0.0f) {
+        return;
+    }
     for (int i = 0; i < 6; i++) {
         int k = i % 3;
         float a = r[3 * k], b = r[3 * k + 1], c = r[3 * k + 2];
@@ -119,11 +127,11 @@ inline void move_inside(const surface *s, walker *w) {
     }
 }
 
-inline float along(const float *a, __global const float *axis) {
+INLINE float along(const float *a, __global const float *axis) {
     return a[0] * axis[0] + a[1] * axis[1] + a[2] * axis[2];
 }
 
-inline void project_across(const surface *s, walker *w, float ahead_x, float ahead_y, int edge) {
+INLINE void project_across(const surface *s, walker *w, float ahead_x, float ahead_y, int edge) {
     uint t = w->triangle;
     __global const float *from = s->frames + (size_t)FRAME * t;
     __global const uint *across = s->across + (size_t)3 * t;
@@ -169,37 +177,71 @@ inline void project_across(const surface *s, walker *w, float ahead_x, float ahe
     w->y = along(relative, frame + 6);
 }
 
-inline walker project(const surface *s, walker w, float step_length, uint count) {
-    for (uint i = 0; i < count; i++) {
+// How many of `most` sub-steps stay in the triangle for sure.
+INLINE uint steps_inside(const surface *s, const walker *w, float length_of, uint most) {
+    __global const float *r = s->records + (size_t)RECORD * w->triangle;
+    float steps = (float)min(most, 1u << 24);
+    float way = length_of * steps;
+    float roundings = FLT_EPSILON * (steps + 16.0f);
+    for (int k = 0; k < 3; k++) {
+        float a = r[3 * k], b = r[3 * k + 1], c = r[3 * k + 2];
+        float inside = a * w->x + b * w->y + c;
+        float rate = a * w->dx + b * w->dy;
+        float margin = roundings * (fabs(w->x) + fabs(w->y) + fabs(c) + way);
+        if (rate < 0.0f) {
+            float here = (inside - margin) / -(rate * length_of);
+            steps = here < steps ? here : steps;
+        }
+    }
+    return (uint)(steps > 0.0f ? steps : 0.0f);
+}
+
+INLINE void substep(const surface *s, walker *w, float reach) {
+    float way;
+    int edge = first_exit(s, w, reach, 3, &way);
+    float ahead_x = w->x + reach * w->dx, ahead_y = w->y + reach * w->dy;
+    if (edge == 3) {
+        w->x = ahead_x;
+        w->y = ahead_y;
+        return;
+    }
+    if (s->across[(size_t)3 * w->triangle + edge] == NO_TRIANGLE) {
+        __global const float *r = s->records + (size_t)RECORD * w->triangle;
+        float a = r[3 * edge], b = r[3 * edge + 1], c = r[3 * edge + 2];
+        float twice = 2.0f * (a * ahead_x + b * ahead_y + c);
+        cross_edge(s, w, edge);
+        w->x = ahead_x - twice * a;
+        w->y = ahead_y - twice * b;
+    } else {
+        project_across(s, w, ahead_x, ahead_y, edge);
+    }
+    move_inside(s, w);
+}
+
+INLINE walker project(const surface *s, walker w, float step_length, uint count) {
+    uint left = count;
+    while (left > 0u) {
         float reach = s->rescale ? step_length : step_length / stretch(s, &w);
-        float way;
-        int edge = first_exit(s, &w, reach, 3, &way);
-        float ahead_x = w.x + reach * w.dx, ahead_y = w.y + reach * w.dy;
-        if (edge == 3) {
-            w.x = ahead_x;
-            w.y = ahead_y;
-            continue;
+        uint inside = steps_inside(s, &w, reach, left);
+        float dx = reach * w.dx, dy = reach * w.dy;
+        for (uint i = 0; i < inside; i++) {
+            w.x = w.x + dx;
+            w.y = w.y + dy;
         }
-        if (s->across[(size_t)3 * w.triangle + edge] == NO_TRIANGLE) {
-            __global const float *r = s->records + (size_t)RECORD * w.triangle;
-            float a = r[3 * edge], b = r[3 * edge + 1], c = r[3 * edge + 2];
-            float twice = 2.0f * (a * ahead_x + b * ahead_y + c);
-            cross_edge(s, &w, edge);
-            w.x = ahead_x - twice * a;
-            w.y = ahead_y - twice * b;
-        } else {
-            project_across(s, &w, ahead_x, ahead_y, edge);
+        left -= inside;
+        if (left > 0u) {
+            substep(s, &w, reach);
+            left--;
         }
-        move_inside(s, &w);
     }
     return w;
 }
 
-inline walker walk(const surface *s, walker w, float length_of, uint substeps) {
+INLINE walker walk(const surface *s, walker w, float length_of, uint substeps) {
     return substeps == 0u ? unfold(s, w, length_of) : project(s, w, length_of, substeps);
 }
 
-inline uint texel_of(const surface *s, uint size, const walker *w) {
+INLINE uint texel_of(const surface *s, uint size, const walker *w) {
     __global const float *r = s->records + (size_t)RECORD * w->triangle;
     float u = r[UV] + r[UV + 1] * w->x + r[UV + 2] * w->y;
     float v = r[UV + 3] + r[UV + 4] * w->x + r[UV + 5] * w->y;
@@ -208,20 +250,26 @@ inline uint texel_of(const surface *s, uint size, const walker *w) {
     return row * size + column;
 }
 
-inline walker rotated(walker w, float dx, float dy, float cosine, float sine) {
+INLINE walker rotated(walker w, float dx, float dy, float cosine, float sine) {
     w.dx = cosine * dx - sine * dy;
     w.dy = sine * dx + cosine * dy;
     return w;
 }
 
-inline void mix_bits(uint *v) {
+// The texel of the sensor of a walker.
+INLINE uint sensed(const surface *s, walker w, float sense, uint substeps, uint size) {
+    walker end = walk(s, w, sense, substeps);
+    return texel_of(s, size, &end);
+}
+
+INLINE void mix_bits(uint *v) {
     v[0] += v[1] * v[3];
     v[1] += v[2] * v[0];
     v[2] += v[0] * v[1];
     v[3] += v[1] * v[2];
 }
 
-inline float smell(__global const float *texture, __global const uchar *ground, int has_ground,
+INLINE float smell(__global const float *texture, __global const uchar *ground, int has_ground,
                    float attraction, uint plane, uint species_count, uint species, uint texel) {
     float sum = texture[(size_t)species * plane + texel];
     for (uint other = 0; other < species_count; other++) {
@@ -260,12 +308,12 @@ __kernel void slime_agents(uint count, uint step, uint seed, uint size, uint spe
     walker here = {triangles[i], position.x, position.y, heading.x, heading.y};
     uint species = agent % species_count, plane = size * size;
 
-    walker end = walk(&s, here, sense, substeps);
-    uint t_ahead = texel_of(&s, size, &end);
-    end = walk(&s, rotated(here, here.dx, here.dy, vision.x, vision.y), sense, substeps);
-    uint t_left = texel_of(&s, size, &end);
-    end = walk(&s, rotated(here, here.dx, here.dy, vision.x, -vision.y), sense, substeps);
-    uint t_right = texel_of(&s, size, &end);
+    uint t_ahead = sensed(&s, here, sense, substeps, size);
+    walker turned = rotated(here, here.dx, here.dy, vision.x, vision.y);
+    uint t_left = sensed(&s, turned, sense, substeps, size);
+    turned = rotated(here, here.dx, here.dy, vision.x, -vision.y);
+    uint t_right = sensed(&s, turned, sense, substeps, size);
+    // All three at once, so that one waits for memory once.
     float ahead =
         smell(texture, ground, has_ground, attraction, plane, species_count, species, t_ahead);
     float left =
@@ -314,6 +362,44 @@ __kernel void slime_agents(uint count, uint step, uint seed, uint size, uint spe
     }
 }
 
+// The tile of TILE x TILE texels that an agent is in.
+INLINE uint tile_of(__global const float *records, uint size, uint triangle, float2 position) {
+    surface s = {records, 0, 0, 1};
+    walker w = {triangle, position.x, position.y, 0.0f, 0.0f};
+    uint texel = texel_of(&s, size, &w);
+    return texel / size / TILE * (size / TILE) + texel % size / TILE;
+}
+
+// How many agents there are in each tile.
+__kernel void slime_count(uint count, uint size, __global const float *records,
+                          __global const uint *triangles, __global const float2 *positions,
+                          volatile __global uint *tiles) {
+    size_t i = get_global_id(0);
+    if (i < count) {
+        atomic_inc(&tiles[tile_of(records, size, triangles[i], positions[i])]);
+    }
+}
+
+// Each agent to the next place of its tile; `tiles` has the first ones.
+__kernel void slime_place(uint count, uint size, __global const float *records,
+                          __global const uint *ids, __global const uint *triangles,
+                          __global const float2 *positions, __global const float2 *headings,
+                          volatile __global uint *tiles, __global uint *new_ids,
+                          __global uint *new_triangles, __global float2 *new_positions,
+                          __global float2 *new_headings) {
+    size_t i = get_global_id(0);
+    if (i >= count) {
+        return;
+    }
+    uint triangle = triangles[i];
+    float2 position = positions[i];
+    uint to = atomic_inc(&tiles[tile_of(records, size, triangle, position)]);
+    new_ids[to] = ids[i];
+    new_triangles[to] = triangle;
+    new_positions[to] = position;
+    new_headings[to] = headings[i];
+}
+
 // 1 where a texel is marked, and no marks any more; a word of marks a work-item.
 __kernel void slime_deposit(uint words, __global uint *marks, __global float *texture) {
     size_t i = get_global_id(0);
@@ -347,7 +433,7 @@ typedef JOIN(float, LANES) real;
 #endif
 
 // (1 2 1) along a row, LANES texels from `first` on; beyond the ends the last texel is repeated.
-inline real sum_along(__global const float *row, uint first, uint size) {
+INLINE real sum_along(__global const float *row, uint first, uint size) {
     real middle = LOAD(row + first);
     real before, after;
     if (first > 0u && first + LANES < size) {
@@ -407,4 +493,26 @@ __kernel void slime_border(uint count, uint plane, uint species_count, float ble
         flow += weights[link] * (from[links[link]] - p);
     }
     next[offset + border[number]] = fmax((p + blend * flow) - evaporation, 0.0f);
+}
+
+// Coverage and presence of species, summed by columns or rows of `size` texels: work-item i sums those at `across` i and following,
+// `along` apart.
+__kernel void slime_cover(uint size, uint species_count, uint across, uint along,
+                          __global const float *areas, __global const float *texture,
+                          __global ulong2 *sums) {
+    size_t i = get_global_id(0);
+    if (i >= (size_t)size * species_count) {
+        return;
+    }
+    size_t first = i % size * across;
+    __global const float *plane = texture + i / size * size * size;
+    ulong2 sum = 0;
+    for (uint k = 0; k < size; k++) {
+        size_t texel = first + (size_t)k * along;
+        float pheromone = plane[texel];
+        ulong area = convert_ulong(areas[texel] * AREA_UNIT);
+        sum.x += area * convert_ulong(pheromone * PHEROMONE_UNIT + 0.5f);
+        sum.y += pheromone > 0.0f ? area : 0;
+    }
+    sums[i] = sum;
 }

@@ -42,8 +42,12 @@ mod walk;
 pub use agents::{Field, agent_step, mark};
 pub use atlas::{atlas, smallest_size};
 pub use coverage::Coverage;
+#[cfg(feature = "opencl")]
+pub(crate) use coverage::{AREA_UNIT, PHEROMONE_UNIT, sum_of};
 pub use diffuse::{diffuse_border, diffuse_row};
 pub use options::{Blur, Options, Parameters, TURNS, TangentStep};
+#[cfg(feature = "opencl")]
+pub(crate) use order::{EVERY, TILE, starts_of};
 pub use pattern::Pattern;
 pub use random::{Purpose, draw};
 pub use simulation::{Mask, Simulation};

@@ -4,10 +4,18 @@ use super::surface::Surface;
 use crate::base::Result;
 
 /// Texels of a side of a tile, a power of two that divides the size of every texture.
-const TILE: usize = 16;
+pub(crate) const TILE: usize = 16;
 
 /// Steps from one ordering to the next: agents hardly leave their tile in between.
-pub(super) const EVERY: u32 = 16;
+pub(crate) const EVERY: u32 = 16;
+
+/// Turns counts into where each begins when they are put one after the other.
+pub(crate) fn starts_of(counts: &mut [u32]) {
+    let mut start = 0;
+    for count in counts {
+        (*count, start) = (start, start + *count);
+    }
+}
 
 /// Orders agents by the tile of the texture that they are in, those of a tile as they were before: what one thread reads then
 /// is in its cache. Nothing else depends on the order, as agents have numbers.
@@ -18,13 +26,11 @@ pub(super) fn order(state: &mut State, surface: &Surface, size: usize) -> Result
         t / size / TILE * tiles + t % size / TILE
     };
     let count = state.ids.len();
-    let mut starts = vec![0_u32; tiles * tiles + 1];
+    let mut starts = vec![0_u32; tiles * tiles];
     for i in 0..count {
-        starts[tile(i) + 1] += 1;
+        starts[tile(i)] += 1;
     }
-    for t in 0..tiles * tiles {
-        starts[t + 1] += starts[t];
-    }
+    starts_of(&mut starts);
     let mut ordered = State::filled(count, 0)?;
     for i in 0..count {
         let place = &mut starts[tile(i)];

@@ -36,7 +36,7 @@ impl State {
     }
 
     /// That many agents and entries of the texture, all zero.
-    pub(super) fn filled(agents: usize, entries: usize) -> Result<Self> {
+    pub(crate) fn filled(agents: usize, entries: usize) -> Result<Self> {
         Ok(Self {
             step: 0,
             ids: filled(agents, 0)?,
@@ -48,7 +48,7 @@ impl State {
     }
 
     /// Keeps an agent in place i.
-    pub(super) fn put(&mut self, i: usize, id: u32, walker: Walker) {
+    pub(crate) fn put(&mut self, i: usize, id: u32, walker: Walker) {
         self.ids[i] = id;
         self.triangles[i] = walker.triangle;
         self.positions[i] = walker.position;

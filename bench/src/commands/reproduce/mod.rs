@@ -30,9 +30,12 @@ pub struct Arguments {
     /// Chapters 4 and 7: repetitions of the race.
     #[arg(long, default_value_t = 5, value_name = "N")]
     repeat: usize,
-    /// Chapter 3: frames that are timed.
-    #[arg(long, default_value_t = 9, value_name = "N")]
-    frames: usize,
+    /// Chapters 3 and 7: only a part of it.
+    #[arg(long)]
+    only: Option<textures::Share>,
+    /// Chapter 3: rounds of 16 frames that are timed.
+    #[arg(long, default_value_t = 2, value_name = "N")]
+    rounds: usize,
     /// Chapter 3: texels of a side of the largest texture that is timed.
     #[arg(long, default_value_t = 8192, value_name = "TEXELS")]
     largest_texture: usize,
@@ -87,6 +90,19 @@ impl Report {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
+    let shares = match (arguments.what, arguments.only) {
+        (What::Textures, None) => {
+            &[Some(textures::Share::Figures), Some(textures::Share::Tables)][..]
+        }
+        (What::Textures, only) => &[only],
+        (_, None) => &[None],
+        (_, Some(_)) => return Err("--only: of textures".into()),
+    };
+    shares.iter().try_for_each(|&share| run_share(arguments, share))
+}
+
+/// All of a chapter that is not taken in shares, or one of those.
+fn run_share(arguments: &Arguments, share: Option<textures::Share>) -> Result<()> {
     let host = host::describe(&[]);
     let start = Instant::now();
     let mut report = Report::default();
@@ -112,8 +128,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             ("curves", curves::HEADER)
         }
         What::Textures => {
-            textures::run(&mut report, arguments)?;
-            ("textures", textures::HEADER)
+            let share = share.unwrap_or(textures::Share::Figures);
+            textures::run(&mut report, share, arguments)?;
+            (share.name(), textures::HEADER)
         }
     };
     println!("\n{:.0} s", start.elapsed().as_secs_f64());

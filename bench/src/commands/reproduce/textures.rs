@@ -3,35 +3,66 @@
 use catamaran_bench::Result;
 use catamaran_bench::plant::Part;
 use catamaran_bench::textures::{
-    evaporation, grid, maze, newton_figures, newton_times, rescaling, substeps, table, times,
+    evaporation, grid, long_walks, many_points, maze, newton_figures, newton_times, rescaling,
+    substeps, table,
 };
+use clap::ValueEnum;
 
 use super::{Arguments, Report};
 
 /// The columns of the record.
 pub const HEADER: &str = "figure,case,quantity,value";
 
+/// What can be had by itself; each has files of its own in the record.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub enum Share {
+    /// Figures 3.4, 3.5, 3.8, 3.9 and 3.10, table 3.1; figures 7.1 and 7.2.
+    Figures,
+    /// What takes a quiet machine: tables 3.2 to 3.4, and times of Newton's fractals.
+    Tables,
+    /// 10^9 steps of agents and 10^8 points of fractals, none of which may be lost; only when it is asked for.
+    Long,
+}
+
+impl Share {
+    /// Of its files in the record.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Figures => "textures",
+            Self::Tables => "texture-times",
+            Self::Long => "texture-long",
+        }
+    }
+}
+
 /// Pixels along each side of the picture whose time is measured.
 const SIZE: u32 = 4096;
 
-/// Figures 3.4, 3.5, 3.8, 3.9 and 3.10, tables 3.1 to 3.4; figures 7.1 and 7.2, and times of Newton's fractals.
-pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
-    report.say("# Chapters 3 and 7, measured again\n");
+pub fn run(report: &mut Report, share: Share, arguments: &Arguments) -> Result<()> {
     let mut keep = |part: Part| {
         report.say(&part.markdown());
         report.lines.extend(part.lines());
         report.plots.extend(part.plots);
     };
-    keep(substeps()?);
-    keep(rescaling()?);
-    keep(table()?);
-    keep(grid()?);
-    keep(maze()?);
-    keep(times(arguments.frames, arguments.largest_texture)?);
-    keep(evaporation()?);
-    newton_figures()?.into_iter().for_each(&mut keep);
-    newton_times(SIZE, arguments.repeat)?.into_iter().for_each(&mut keep);
-    #[cfg(feature = "opencl")]
-    keep(catamaran_bench::textures::slime_times(arguments.repeat)?);
+    match share {
+        Share::Figures => {
+            keep(substeps()?);
+            keep(rescaling()?);
+            keep(table()?);
+            keep(grid()?);
+            keep(maze()?);
+            keep(evaporation()?);
+            newton_figures()?.into_iter().for_each(keep);
+        }
+        Share::Tables => {
+            #[cfg(feature = "opencl")]
+            keep(catamaran_bench::textures::times(arguments.rounds, arguments.largest_texture)?);
+            newton_times(SIZE, arguments.repeat)?.into_iter().for_each(keep);
+        }
+        Share::Long => {
+            keep(long_walks()?);
+            keep(many_points()?);
+        }
+    }
     Ok(())
 }

@@ -1,0 +1,87 @@
+//! Long runs: no agent is lost, and no point comes to no number.
+
+use catamaran::Par;
+use catamaran::mesh::{TriMesh, families};
+use catamaran::texture::newton::{Grid, Newton, NewtonOptions, Points, Polynomial};
+use catamaran::texture::slime::{Mask, Options, Simulation, Surface, TangentStep, atlas};
+
+use super::surfaces::torus;
+use crate::Result;
+use crate::plant::Part;
+
+/// 125 million steps of agents on each surface with each walk: 10^9 in all.
+const AGENTS: usize = 50_000;
+const STEPS: u32 = 2500;
+/// Steps from one look at all agents to the next.
+const LOOK: u32 = 50;
+/// Texels of a side, few, so that steps are what takes the time.
+const SIZE: usize = 256;
+/// Points of a side of a cube for each power from 2 to 16: 10^8 in all.
+const POINTS: u32 = 189;
+
+/// 10^9 steps of agents: on a torus, closed, with a boundary, and on a Moebius strip.
+///
+/// # Errors
+/// Names the first agent that is not on its surface, or has no number for a place or heading.
+pub fn long_walks() -> Result<Part> {
+    let with_atlas = |mesh: TriMesh| Surface::of_faces(&mesh, atlas(&mesh, SIZE)?);
+    let surfaces = [
+        ("torus", torus(24, 12)?),
+        ("closed, an atlas", with_atlas(families::icosphere(2)?)?),
+        ("with a boundary", with_atlas(families::terrain(10, 10, 1)?)?),
+        ("Moebius strip", with_atlas(families::moebius(40, 4)?)?),
+    ];
+    let mut rows = Vec::new();
+    for (name, surface) in surfaces {
+        for (walk, tangent_step) in [
+            ("unfolded", TangentStep::Unfold),
+            ("4 sub-steps", TangentStep::Project { substeps: 4 }),
+        ] {
+            // Ten times as fast as usual: a triangle is crossed every few steps.
+            let options = Options {
+                agents: AGENTS,
+                size: SIZE,
+                tangent_step,
+                movement_speed: 15.0,
+                ..Options::default()
+            };
+            let mut all = Simulation::new(surface.clone(), &options, &Mask::default())?;
+            for _ in 0..STEPS / LOOK {
+                all.run(LOOK, Par::all(), None)?;
+                all.state().check(all.surface())?;
+            }
+            rows.push((format!("{name}, {walk}"), vec![AGENTS as f64 * f64::from(STEPS), 0.0]));
+        }
+    }
+    Ok(Part {
+        figure: "long walks",
+        title: format!("steps of agents; all looked at after every {LOOK} steps"),
+        columns: ["agent steps", "lost"].map(String::from).into(),
+        rows,
+        plots: vec![],
+    })
+}
+
+/// 10^8 points of fractals of z^n - 1, n = 2 to 16, in cubes around the null cone's centre.
+///
+/// # Errors
+/// None that is to be expected.
+pub fn many_points() -> Result<Part> {
+    let mut rows = Vec::new();
+    for power in 2..=16 {
+        let polynomial = Polynomial::Power(power);
+        let newton = Newton::new(&NewtonOptions { polynomial, ..NewtonOptions::default() })?;
+        let grid = Points::Grid(Grid::cube(POINTS, 3.0));
+        let found = newton.evaluate(grid, Par::all(), None)?;
+        let wrong = |(root, t): &(&u16, &f32)| !t.is_finite() || u32::from(**root) >= power * power;
+        let wrong = found.roots.iter().zip(&found.convergence).filter(wrong).count();
+        rows.push((format!("n = {power}"), vec![found.roots.len() as f64, wrong as f64]));
+    }
+    Ok(Part {
+        figure: "many points",
+        title: "points of Newton's fractals, and how many have no root or no finite t".into(),
+        columns: ["points", "without"].map(String::from).into(),
+        rows,
+        plots: vec![],
+    })
+}
