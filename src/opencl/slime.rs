@@ -234,8 +234,7 @@ impl<'a> SlimeOnDevice<'a> {
         let plane = p.size * p.size;
         let words = plane / 32 * p.species;
         let lines = lines_of(p);
-        let mut calls =
-            [&k.agents, &k.deposit, &k.diffuse, &k.border].map(|k| ExecuteKernel::new(k));
+        let mut calls = [&k.agents, &k.deposit, &k.diffuse, &k.border].map(ExecuteKernel::new);
         let [moving, deposit, diffuse, border] = &mut calls;
         let items = [
             a.len(),

@@ -50,6 +50,7 @@ pub fn long_walks() -> Result<Part> {
                 all.run(LOOK, Par::all(), None)?;
                 all.state().check(all.surface())?;
             }
+            // The first that was lost would have ended the run.
             rows.push((format!("{name}, {walk}"), vec![AGENTS as f64 * f64::from(STEPS), 0.0]));
         }
     }

@@ -77,7 +77,7 @@ pub fn times(rounds: usize, largest: usize) -> Result<Part> {
         let mut kernels = SlimeOnDevice::new(&device, &twin)?;
         let mut found = [Vec::new(), Vec::new()];
         for round in 0..=rounds {
-            time(&mut found[0], || Ok(twin.step(par)))?;
+            time(&mut found[0], || Ok(twin.run(1, par, None)?))?;
             time(&mut found[1], || Ok(kernels.run(1, None)?))?;
             if round == 0 {
                 // It compiled, touched memory, and agents have found each other.

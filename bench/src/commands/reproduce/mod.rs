@@ -35,9 +35,11 @@ pub struct Arguments {
     only: Option<textures::Share>,
     /// Chapter 3: rounds of 16 frames that are timed.
     #[arg(long, default_value_t = 2, value_name = "N")]
+    #[cfg_attr(not(feature = "opencl"), allow(dead_code))]
     rounds: usize,
     /// Chapter 3: texels of a side of the largest texture that is timed.
     #[arg(long, default_value_t = 8192, value_name = "TEXELS")]
+    #[cfg_attr(not(feature = "opencl"), allow(dead_code))]
     largest_texture: usize,
     /// Chapter 6: curves on each mesh; 50 by default.
     #[arg(long, value_name = "N")]

@@ -33,12 +33,21 @@ impl Share {
             Self::Long => "texture-long",
         }
     }
+
+    fn title(self) -> &'static str {
+        match self {
+            Self::Figures => "# Chapters 3 and 7, measured again",
+            Self::Tables => "# Times of chapters 3 and 7, measured again",
+            Self::Long => "# Long runs of chapters 3 and 7",
+        }
+    }
 }
 
 /// Pixels along each side of the picture whose time is measured.
 const SIZE: u32 = 4096;
 
 pub fn run(report: &mut Report, share: Share, arguments: &Arguments) -> Result<()> {
+    report.say(&format!("{}\n", share.title()));
     let mut keep = |part: Part| {
         report.say(&part.markdown());
         report.lines.extend(part.lines());
