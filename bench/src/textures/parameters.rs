@@ -52,8 +52,8 @@ pub fn table() -> Result<Part> {
     row("turn speed 1800 to 3000: stabilisation (1 / change in 10 steps)", settled, false);
     let far = |vision_distance| pattern(&Options { vision_distance, ..base });
     row("vision distance 0.4 to 2: cells (mean area)", [far(0.4)?.cell, far(2.0)?.cell], true);
-    // Strands as a sparse network has them when it is there; turns of a frame as in the thesis, some 20 degrees: with those of
-    // 60 agents overshoot sensors at 10 degrees, and what is thick is the noise of the start.
+    // Of a sparse network that has settled, with turns of a frame as in the thesis, some 20 degrees: in crowds the sign is that of
+    // the thesis from 30 degrees on only (docs/algorithms/slime.md).
     let wide = |vision_angle| -> Result<f64> {
         let options = Options { vision_angle, agents: AGENTS / 5, turn_speed: 600.0, ..base };
         Ok(Pattern::of(grown(&options, 3 * STEPS)?.texture(0), SIZE, THRESHOLD)?.thickness)
