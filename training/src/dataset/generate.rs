@@ -380,7 +380,7 @@ mod tests {
             generate(&options, folder.path(), Par::all(), None).unwrap().samples;
         let of = |wanted: usize| {
             let rows = (0..split.len()).filter(|&i| split[i] == wanted);
-            rows.map(|i| mask_union[i]).collect::<std::collections::BTreeSet<_>>()
+            rows.map(|i| mask_union[i]).collect::<BTreeSet<_>>()
         };
         assert!(!of(TEST_B).is_empty());
         assert!(of(TRAIN).is_disjoint(&of(TEST_B)));

@@ -304,8 +304,8 @@ fn times(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -> Resul
     let mesh = surface.template();
     let options = LaplacianOptions { par: Par::Seq, ..LaplacianOptions::default() };
     let spectra = PartSpectra::new(mesh, &options)?;
-    let front = mesh.half_space([0.0, 0.0, 1.0], 0.0);
-    let [half, complete] = [front, vec![true; mesh.vertices().len()]].map(|mask| {
+    let left = mesh.half_space([1.0, 0.0, 0.0], 0.0);
+    let [half, complete] = [left, vec![true; mesh.vertices().len()]].map(|mask| {
         let once = |_| seconds(&mut || spectra.dirichlet(&mask, EIGENVALUES).map(drop));
         (0..5).map(once).collect::<Result<Vec<f64>>>()
     });
