@@ -376,8 +376,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let cuts = CutOptions { regions: 12, pairs: 20, splits: 15, triples: 2, seed: 1 };
         let options = DatasetOptions { known: 2, others: 0, cuts, ..tiny() };
-        let Samples { split, mask_union, knowledge, remeshed, .. } =
-            generate(&options, folder.path(), Par::all(), None).unwrap().samples;
+        let Dataset { templates, samples, .. } =
+            generate(&options, folder.path(), Par::all(), None).unwrap();
+        let Samples { split, mask_union, knowledge, remeshed, pose, .. } = samples;
         let of = |wanted: usize| {
             let rows = (0..split.len()).filter(|&i| split[i] == wanted);
             rows.map(|i| mask_union[i]).collect::<BTreeSet<_>>()
@@ -387,6 +388,17 @@ mod tests {
         for i in 0..split.len() {
             assert!(split[i] != TRAIN || (knowledge[i] == 0 && remeshed[i] == 0));
             assert!(knowledge[i] != UNKNOWN_FAMILY);
+        }
+        let mask = |id: &usize| -> BTreeSet<usize> {
+            templates[0].mask(*id).unwrap().into_iter().collect()
+        };
+        let tests: Vec<_> = of(TEST_B).iter().map(mask).collect();
+        for i in (0..split.len()).filter(|&i| pose[i] >= options.poses) {
+            let own = mask(&mask_union[i]);
+            for test in &tests {
+                let (both, either) = ((test & &own).len(), (test | &own).len());
+                assert!((both as f64) < 0.95 * either as f64);
+            }
         }
     }
 }

@@ -28,8 +28,8 @@ pub struct DatasetOptions {
     pub poses: usize,
     /// Parts of each family.
     pub cuts: CutOptions,
-    /// Further shapes to train on: the known humanoids in turn, each time in another pose and with parts of its own, of
-    /// [`DatasetOptions::own_cuts`]. What is learnt about unions never seen comes from them. Default 256.
+    /// Further shapes to train on: the known humanoids in turn, each time in another pose and with parts of its own: as
+    /// many regions as a family, more pairs, and no triples. What is learnt about unions never seen comes from them. Default 256.
     pub varied: usize,
 }
 
@@ -65,7 +65,7 @@ impl DatasetOptions {
         }
     }
 
-    /// How a varied shape is cut: into as many regions as a family, with more pairs, and no triples.
+    /// How a varied shape is cut.
     pub(super) fn own_cuts(&self, job: &Job) -> CutOptions {
         let seed =
             mixed(&[self.seed, self.cuts.seed, job.identity as u64, job.pose as u64, 0x0C75]);
@@ -125,6 +125,9 @@ const HELD_OUT_POSES: usize = 5;
 /// Of the unions one in so many is a test, of the pairs whose union others have as well.
 const HELD_OUT_UNIONS: usize = 12;
 const HELD_OUT_PAIRS: usize = 8;
+
+/// Masks nearer to each other than this (intersection over union) count as the same union.
+const SAME: f64 = 0.95;
 
 /// The shapes, in the order in which the data set has them: humanoids first, the varied ones last.
 pub(super) fn jobs(options: &DatasetOptions) -> Vec<Job> {
@@ -214,12 +217,7 @@ impl HeldOut {
             split => split,
         }
     }
-}
 
-/// Masks nearer to each other than this (intersection over union) count as the same union.
-const SAME: f64 = 0.95;
-
-impl HeldOut {
     /// Takes the pairs out of the cuts of a varied shape whose union is a test of its family, or close to one, and the masks
     /// that nothing needs any more.
     pub fn withhold(&self, family: &Cuts, own: &mut Cuts) {
