@@ -17,43 +17,30 @@ pub trait Number: Real {
     fn sin_cos(self) -> (Self, Self);
 }
 
-impl Number for f32 {
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
+macro_rules! number {
+    ($($type:ty),*) => {$(
+        impl Number for $type {
+            fn sqrt(self) -> Self {
+                self.sqrt()
+            }
 
-    #[inline(always)]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        self.mul_add(factor, term)
-    }
+            #[inline(always)]
+            fn mul_add(self, factor: Self, term: Self) -> Self {
+                self.mul_add(factor, term)
+            }
 
-    fn exp(self) -> Self {
-        self.exp()
-    }
+            fn exp(self) -> Self {
+                self.exp()
+            }
 
-    fn sin_cos(self) -> (Self, Self) {
-        self.sin_cos()
-    }
+            fn sin_cos(self) -> (Self, Self) {
+                self.sin_cos()
+            }
+        }
+    )*};
 }
 
-impl Number for f64 {
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-
-    #[inline(always)]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        self.mul_add(factor, term)
-    }
-
-    fn exp(self) -> Self {
-        self.exp()
-    }
-
-    fn sin_cos(self) -> (Self, Self) {
-        self.sin_cos()
-    }
-}
+number!(f32, f64);
 
 /// `c += a b` with b (inner x columns) and c (rows x columns) by rows; entry (i, k) of a is `a[i * strides.0 + k * strides.1]`.
 ///
