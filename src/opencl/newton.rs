@@ -3,7 +3,7 @@
 use opencl3::kernel::{ExecuteKernel, Kernel};
 use opencl3::memory::Buffer;
 
-use super::session::Device;
+use super::session::{Device, Launcher};
 use crate::base::{Error, Flow, Progress, Result, reserved};
 use crate::texture::newton::{Fractal, Newton, Points};
 
@@ -50,8 +50,13 @@ pub fn evaluate_newton_in_groups(
         Points::List(_) => "newton_list",
     };
     let kernel = device.kernel(SOURCE, &format!("-DLANES={lanes}"), name)?;
-    let mut run =
-        Run { device, newton, kernel, lanes, group, memory: Memory::new(device, newton, count)? };
+    let mut run = Run {
+        launcher: Launcher { device, group, what: "newton" },
+        newton,
+        kernel,
+        lanes,
+        memory: Memory::new(device, newton, count)?,
+    };
     let outputs = fractal.roots.chunks_mut(PART).zip(fractal.convergence.chunks_mut(PART));
     for (i, (roots, convergence)) in outputs.enumerate() {
         let first = i * PART;
@@ -95,11 +100,10 @@ impl Memory {
 }
 
 struct Run<'a> {
-    device: &'a Device,
+    launcher: Launcher<'a>,
     newton: &'a Newton,
     kernel: Kernel,
     lanes: usize,
-    group: Option<usize>,
     memory: Memory,
 }
 
@@ -147,15 +151,8 @@ impl Run<'_> {
                 .set_arg(&p.offset)
                 .set_arg(&p.nearest);
         }
-        match self.group {
-            Some(group) => {
-                call.set_global_work_size(items.next_multiple_of(group)).set_local_work_size(group)
-            }
-            None => call.set_global_work_size(items),
-        };
         // SAFETY: as above; the buffers outlive the queue's work, for reading them waits for it.
-        let queued = unsafe { call.enqueue_nd_range(self.device.queue()) };
-        queued.map(drop).map_err(|e| self.device.failed("newton", e))
+        unsafe { self.launcher.enqueue(call, items) }
     }
 
     /// Points of a list, each coordinate by itself; what fills the last lanes is zero.
@@ -164,7 +161,7 @@ impl Run<'_> {
         let coordinates = match &mut self.memory.coordinates {
             Some(coordinates) => coordinates,
             none => {
-                let new = || self.device.buffer(len);
+                let new = || self.launcher.device.buffer(len);
                 none.insert([new()?, new()?, new()?])
             }
         };
@@ -174,7 +171,7 @@ impl Run<'_> {
             values.clear();
             values.extend(points.iter().map(|p| p[c]));
             values.resize(padded, 0.0);
-            self.device.write(buffer, &values)?;
+            self.launcher.device.write(buffer, &values)?;
         }
         Ok(())
     }

@@ -11,7 +11,7 @@ use opencl3::error_codes::{
     CL_INVALID_BUFFER_SIZE, CL_MEM_OBJECT_ALLOCATION_FAILURE, CL_OUT_OF_HOST_MEMORY,
     CL_OUT_OF_RESOURCES, ClError,
 };
-use opencl3::kernel::Kernel;
+use opencl3::kernel::{ExecuteKernel, Kernel};
 use opencl3::memory::{Buffer, CL_MEM_READ_WRITE};
 use opencl3::program::Program;
 use opencl3::types::CL_BLOCKING;
@@ -143,6 +143,38 @@ impl Device {
 
     pub(super) fn failed(&self, what: &str, error: ClError) -> Error {
         refusal(&self.info, what, error)
+    }
+}
+
+/// Gives kernels to a device.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Launcher<'a> {
+    pub device: &'a Device,
+    /// Work-items of a work-group; as many as the driver likes without.
+    pub group: Option<usize>,
+    /// What is done, for errors.
+    pub what: &'static str,
+}
+
+impl Launcher<'_> {
+    /// Puts a call with all its arguments behind what the device has to do already.
+    ///
+    /// # Safety
+    /// The arguments are those that the kernel declares, and `items` work-items stay within its buffers, which live until
+    /// the device is done.
+    pub(super) unsafe fn enqueue(&self, mut call: ExecuteKernel<'_>, items: usize) -> Result<()> {
+        if items == 0 {
+            return Ok(());
+        }
+        match self.group {
+            Some(group) => {
+                call.set_global_work_size(items.next_multiple_of(group)).set_local_work_size(group)
+            }
+            None => call.set_global_work_size(items),
+        };
+        // SAFETY: as the caller says.
+        let queued = unsafe { call.enqueue_nd_range(self.device.queue()) };
+        queued.map(drop).map_err(|e| self.device.failed(self.what, e))
     }
 }
 

@@ -5,7 +5,7 @@ mod agents;
 use opencl3::kernel::{ExecuteKernel, Kernel};
 use opencl3::memory::Buffer;
 
-use super::session::{Device, Number};
+use super::session::{Device, Launcher, Number};
 use crate::base::{Error, Flow, Progress, Result, reserved};
 use crate::texture::slime::{
     AREA_UNIT, Coverage, EVERY, MOST_HOPS, PHEROMONE_UNIT, Parameters, Simulation, State, TILE,
@@ -29,35 +29,6 @@ pub struct SlimeOnDevice<'a> {
     agents: Agents,
     ordering: Ordering,
     launcher: Launcher<'a>,
-}
-
-/// Gives kernels to a device.
-#[derive(Debug, Clone, Copy)]
-struct Launcher<'a> {
-    device: &'a Device,
-    group: Option<usize>,
-}
-
-impl Launcher<'_> {
-    /// Puts a call with all its arguments behind what the device has to do already.
-    ///
-    /// # Safety
-    /// The arguments are those that the kernel declares, and `items` work-items stay within its buffers, which live until
-    /// the device is done.
-    unsafe fn enqueue(&self, mut call: ExecuteKernel<'_>, items: usize) -> Result<()> {
-        if items == 0 {
-            return Ok(());
-        }
-        match self.group {
-            Some(group) => {
-                call.set_global_work_size(items.next_multiple_of(group)).set_local_work_size(group)
-            }
-            None => call.set_global_work_size(items),
-        };
-        // SAFETY: as the caller says.
-        let queued = unsafe { call.enqueue_nd_range(self.device.queue()) };
-        queued.map(drop).map_err(|e| self.device.failed("slime", e))
-    }
 }
 
 #[derive(Debug)]
@@ -158,7 +129,7 @@ impl<'a> SlimeOnDevice<'a> {
             memory,
             agents: Agents::of(device, state)?,
             ordering: Ordering::new(device, kernel, state.ids.len(), parameters.size)?,
-            launcher: Launcher { device, group },
+            launcher: Launcher { device, group, what: "slime" },
         })
     }
 

@@ -5,9 +5,9 @@ use std::mem::swap;
 use opencl3::kernel::{ExecuteKernel, Kernel};
 use opencl3::memory::Buffer;
 
-use super::{Launcher, filled, read};
+use super::{filled, read};
 use crate::base::{Error, Result, reserved};
-use crate::opencl::Device;
+use crate::opencl::session::{Device, Launcher};
 use crate::texture::slime::{State, TILE, Walker, starts_of};
 
 /// What [`State`] has of agents.
