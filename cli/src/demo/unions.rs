@@ -9,7 +9,7 @@ use catamaran_training::families::{Family, Model};
 
 use super::Site;
 use super::page::{Figure, Station, Table};
-use crate::picture::{Paint, Panel, Scene, View, render};
+use crate::picture::{Paint, Panel, Scene, Up, View, render};
 use crate::progress::Bar;
 
 /// Vertices of the figure, about, and the same when small inputs are wanted.
@@ -21,6 +21,9 @@ const SEED: u64 = 77;
 const PARTS: [[f64; 2]; 2] = [[0.5, 1.1], [0.2, 0.65]];
 /// Eigenvalues in the table.
 const SHOWN: [usize; 6] = [1, 2, 5, 10, 15, 20];
+
+/// Figures stand along z.
+const VIEW: View = View { up: Up::Z, ..View::DEFAULT };
 
 /// Computes and describes it.
 pub fn station(site: &Site<'_>) -> Result<Station> {
@@ -47,7 +50,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     let meshes = [&poses[0], &poses[1], figure.template()];
     let titles = ["first part", "second part, another pose", "their union"];
     let panels = meshes.into_iter().zip(&painted).zip(titles).map(|((mesh, values), title)| {
-        Panel { mesh, paint: Paint::Values(values), view: View::DEFAULT, title }
+        Panel { mesh, paint: Paint::Values(values), view: VIEW, title }
     });
     let scene =
         Scene { panels: panels.collect(), size: (420, 560), legend: false, ..Scene::default() };
@@ -96,8 +99,8 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
 /// The vertices between two shares of the height.
 fn between(mesh: &TriMesh, low: f64, high: f64) -> Vec<bool> {
     let [bottom, top] = mesh.bounding_box().unwrap_or_default();
-    let at = |share: f64| bottom[1] + share * (top[1] - bottom[1]);
-    mesh.vertices().iter().map(|p| (at(low)..=at(high)).contains(&p[1])).collect()
+    let at = |share: f64| bottom[2] + share * (top[2] - bottom[2]);
+    mesh.vertices().iter().map(|p| (at(low)..=at(high)).contains(&p[2])).collect()
 }
 
 fn values(mask: &[bool]) -> Vec<f64> {
