@@ -2075,6 +2075,36 @@ cata_status cata_unions_predict(const struct cata_unions *unions,
                                 double *strangeness);
 
 /**
+ * Where the union of parts is on the template of the network: the mesh that `catamaran unions template` writes.
+ *
+ * - `unions`, `parts`, `spectra`: as those of cata_unions_predict.
+ * - `vertices`: those of the template.
+ * - `positions`: 3 `vertices` elements, read: x, y, z of each vertex.
+ * - `faces`: their number.
+ * - `corners`: 3 `faces` elements, read: three vertices of each face, from 0.
+ * - `indicator`: `vertices` elements, written: about 1 inside of the union and 0 outside; the union is what is above 1/2.
+ *   Mirror images have the same spectrum: it is one of the two.
+ * - `threads`: 0: all cores of the affinity mask.
+ *
+ * Each call computes the eigenfunctions of the template.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE (a mesh of another size), CATA_ERR_ARGUMENT (another mesh, or spectra that
+ * are none), CATA_ERR_NON_FINITE, CATA_ERR_MESH, CATA_ERR_NOT_CONVERGED, CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC;
+ * `indicator` is untouched unless it is CATA_OK.
+ *
+ * Thread-safe, also for calls with the same network.
+ */
+cata_status cata_unions_locate(const struct cata_unions *unions,
+                               size_t parts,
+                               const double *spectra,
+                               size_t vertices,
+                               const double *positions,
+                               size_t faces,
+                               const uint32_t *corners,
+                               double *indicator,
+                               size_t threads);
+
+/**
  * A spectrum between two: (1 - t) first + t second.
  *
  * - `first`, `second`: CATA_UNION_EIGENVALUES elements each, read: ascending and positive.

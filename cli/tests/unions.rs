@@ -1,4 +1,4 @@
-//! `catamaran unions predict`, `train` and `train-regions`, from outside.
+//! `catamaran unions predict`, `train` and `template`, from outside.
 
 mod common;
 
@@ -54,7 +54,7 @@ fn predictions_are_printed_written_and_below_those_of_the_parts() {
 }
 
 #[test]
-fn a_network_and_a_localizer_are_trained_and_used() {
+fn a_network_is_trained_and_used() {
     let folder = Folder::new();
     folder.succeed(&format!("unions dataset -o data.npz {SIZES}"));
     let train = "unions train data.npz -o own.safetensors --width 16 --hidden 16 --threads";
@@ -73,12 +73,11 @@ fn a_network_and_a_localizer_are_trained_and_used() {
     let ours = folder.succeed("unions predict a.off b.off --weights own.safetensors");
     assert_ne!(ours, folder.succeed("unions predict a.off b.off"));
 
-    let train = "unions train-regions data.npz -o regions.safetensors --epochs 2";
-    folder.succeed(&format!("{train} --template template.ply"));
-    let predict = "unions predict a.off b.off --regions regions.safetensors --localize";
+    folder.succeed("unions template --vertices 700 -o template.ply");
+    let predict = "unions predict a.off b.off --weights own.safetensors --localize";
     let found = folder.succeed(&format!("{predict} template.ply"));
     assert!(found.contains("vertices of the template"), "{found}");
-    // The template of the data set is not the rectangle.
+    // The template of the weights is not the rectangle.
     let refused = folder.fail(&format!("{predict} a.off"));
     assert!(refused.contains("a.off"), "{refused}");
 }

@@ -168,7 +168,7 @@ pub unsafe extern "C" fn cata_shape_dna_retrieve(
 ///
 /// # Safety
 /// The pointers are as the functions of this file say.
-unsafe fn mesh(
+pub(super) unsafe fn mesh(
     vertices: usize,
     positions: *const f64,
     faces: usize,

@@ -2,6 +2,8 @@ use std::ffi::c_char;
 use std::path::Path;
 
 use super::boundary::{boundary, text};
+use super::params::par;
+use super::parts::mesh;
 use super::pointer::{check_size, optional_output, output, slice, slice_mut};
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_NULL, Failure, cata_status};
 use crate::unions::{K, SpectralUnion, interpolate};
@@ -118,6 +120,61 @@ pub unsafe extern "C" fn cata_unions_predict(
             *place = unions.model.strangeness(&parts)?;
         }
         spectrum.copy_from_slice(&union);
+        Ok(())
+    })
+}
+
+/// Where the union of parts is on the template of the network: the mesh that `catamaran unions template` writes.
+///
+/// - `unions`, `parts`, `spectra`: as those of cata_unions_predict.
+/// - `vertices`: those of the template.
+/// - `positions`: 3 `vertices` elements, read: x, y, z of each vertex.
+/// - `faces`: their number.
+/// - `corners`: 3 `faces` elements, read: three vertices of each face, from 0.
+/// - `indicator`: `vertices` elements, written: about 1 inside of the union and 0 outside; the union is what is above 1/2.
+///   Mirror images have the same spectrum: it is one of the two.
+/// - `threads`: 0: all cores of the affinity mask.
+///
+/// Each call computes the eigenfunctions of the template.
+///
+/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE (a mesh of another size), CATA_ERR_ARGUMENT (another mesh, or spectra that
+/// are none), CATA_ERR_NON_FINITE, CATA_ERR_MESH, CATA_ERR_NOT_CONVERGED, CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC;
+/// `indicator` is untouched unless it is CATA_OK.
+///
+/// Thread-safe, also for calls with the same network.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_unions_locate(
+    unions: *const cata_unions,
+    parts: usize,
+    spectra: *const f64,
+    vertices: usize,
+    positions: *const f64,
+    faces: usize,
+    corners: *const u32,
+    indicator: *mut f64,
+    threads: usize,
+) -> cata_status {
+    boundary(|| {
+        if unions.is_null() {
+            return Err(Failure::new(CATA_ERR_NULL, "unions: NULL"));
+        }
+        check_size::<f64>("spectra", parts, K)?;
+        // SAFETY: the caller's promise.
+        let (unions, spectra, template, indicator) = unsafe {
+            (
+                &*unions,
+                slice("spectra", spectra, K * parts)?,
+                mesh(vertices, positions, faces, corners)?,
+                slice_mut("indicator", indicator, vertices)?,
+            )
+        };
+        let parts: Vec<&[f64]> = spectra.chunks_exact(K).collect();
+        let found = unions.model.locate(&parts)?;
+        let on = unions.model.localizer().on_mesh(&template, par(threads))?;
+        indicator.copy_from_slice(&on.indicator(&found)?);
         Ok(())
     })
 }

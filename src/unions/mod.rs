@@ -16,7 +16,7 @@ mod tensors;
 mod tests;
 
 pub use familiar::Familiar;
-pub use localizer::{Localizer, LocalizerOn, LocalizerParts};
+pub use localizer::{Localizer, LocalizerOn};
 pub use model::{Scaling, SpectralUnion};
 pub use network::K;
 pub use partial::PartSpectra;

@@ -1,10 +1,14 @@
 use std::path::Path;
 
 use super::familiar::{Familiar, JUDGED};
-use super::network::{Architecture, FEATURES, K, Places, Tape, forward};
+use super::localizer::Localizer;
+use super::network::{
+    Architecture, FEATURES, K, Place, Places, Tape, column_units, forward, from_whole,
+    is_quantized, quantize, to_whole,
+};
 use super::question::Question;
 use super::spectrum;
-use super::tensors::{Tensor, Tensors, rounded, to_bytes};
+use super::tensors::{Tensor, Tensors, to_bytes};
 use crate::base::{Error, Result};
 
 /// The weights that come with the library (docs/model-card-unions.md).
@@ -39,7 +43,7 @@ impl Scaling {
 }
 
 /// The spectral union operator (thesis, section 2.4): from the first [`K`] Dirichlet eigenvalues of two parts of a surface
-/// those of their union, whatever its geometry is.
+/// those of their union, whatever its geometry is, and where it is on a template.
 ///
 /// By construction a prediction is positive, ascending, at most the bound that domain monotonicity gives
 /// (`lambda_i <= min(lambda_i(first), lambda_i(second))`), the same for both orders of the parts, bit for bit, and grows with
@@ -49,8 +53,11 @@ pub struct SpectralUnion {
     sizes: Architecture,
     places: Places,
     parameters: Vec<f32>,
+    /// For each quantized weight matrix, in their order, what one is worth in each column.
+    units: Vec<Vec<f32>>,
     scaling: Scaling,
     familiar: Familiar,
+    localizer: Localizer,
 }
 
 impl SpectralUnion {
@@ -62,8 +69,8 @@ impl SpectralUnion {
         Self::from_bytes(PRETRAINED)
     }
 
-    /// From trained parameters, in the order of [`Architecture::places`]; they are rounded to half precision, as files
-    /// have them.
+    /// From trained parameters, in the order of [`Architecture::places`]; weights are rounded as files have them
+    /// ([`quantize`]).
     ///
     /// # Errors
     /// [`Error::Argument`] and [`Error::Shape`] name what does not fit.
@@ -72,11 +79,30 @@ impl SpectralUnion {
         mut parameters: Vec<f32>,
         scaling: Scaling,
         familiar: Familiar,
+        localizer: Localizer,
     ) -> Result<Self> {
         sizes.check()?;
         let places = sizes.places();
+        Error::check_shape("parameters", (places.len, 1), (parameters.len(), 1))?;
+        let matrices = places.named.iter().filter(|(_, place)| is_quantized(place));
+        let of =
+            |(_, place): &(String, Place)| column_units(&parameters[place.range()], place.columns);
+        let units = matrices.map(of).collect();
+        places.named.iter().for_each(|(_, place)| quantize(place, &mut parameters[place.range()]));
+        Self::assemble(sizes, parameters, units, scaling, familiar, localizer)
+    }
+
+    fn assemble(
+        sizes: Architecture,
+        parameters: Vec<f32>,
+        units: Vec<Vec<f32>>,
+        scaling: Scaling,
+        familiar: Familiar,
+        localizer: Localizer,
+    ) -> Result<Self> {
+        Error::check_shape("localizer", (sizes.modes, 1), (localizer.modes(), 1))?;
+        let places = sizes.places();
         let lengths = [
-            ("parameters", &parameters, places.len),
             ("feature_mean", &scaling.feature_mean, K * FEATURES),
             ("feature_deviation", &scaling.feature_deviation, K * FEATURES),
             ("output_mean", &scaling.output_mean, K),
@@ -89,8 +115,7 @@ impl SpectralUnion {
             let why = "must not be zero".into();
             return Err(Error::Argument { what: "feature_deviation", why });
         }
-        parameters.iter_mut().for_each(|x| *x = rounded(*x));
-        Ok(Self { sizes, places, parameters, scaling, familiar })
+        Ok(Self { sizes, places, parameters, units, scaling, familiar, localizer })
     }
 
     /// From the bytes of a file that [`SpectralUnion::to_bytes`] made.
@@ -100,14 +125,21 @@ impl SpectralUnion {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let tensors = Tensors::new(bytes)?;
         let values = |name: &str, len| tensors.values(name, len);
-        let sizes = values("sizes", 4)?;
-        let [width, hidden, first_layers, second_layers] =
+        let sizes = values("sizes", 5)?;
+        let [width, hidden, first_layers, second_layers, modes] =
             std::array::from_fn(|i| sizes[i] as usize);
-        let sizes = Architecture { width, hidden, first_layers, second_layers };
+        let sizes = Architecture { width, hidden, first_layers, second_layers, modes };
         sizes.check()?;
         let mut parameters = Vec::new();
+        let mut units = Vec::new();
         for (name, place) in sizes.places().named {
-            parameters.extend(values(&name, place.range().len())?);
+            let mut part = values(&name, place.range().len())?;
+            if is_quantized(&place) {
+                let own = values(&format!("{name}.unit"), place.columns)?;
+                from_whole(&mut part, &own);
+                units.push(own);
+            }
+            parameters.extend(part);
         }
         let scaling = Scaling {
             feature_mean: values("feature_mean", K * FEATURES)?,
@@ -120,7 +152,8 @@ impl SpectralUnion {
             whitening: values("familiar_whitening", JUDGED * JUDGED)?,
             limit: values("familiar_limit", 1)?[0],
         };
-        Self::new(sizes, parameters, scaling, familiar)
+        let localizer = Localizer::from_tensors(&tensors, modes)?;
+        Self::assemble(sizes, parameters, units, scaling, familiar, localizer)
     }
 
     /// From a file of weights (safetensors).
@@ -138,12 +171,13 @@ impl SpectralUnion {
     /// # Errors
     /// [`Error::Argument`] when the format can't hold them.
     pub fn to_bytes(&self) -> Result<Vec<u8>> {
-        let Architecture { width, hidden, first_layers, second_layers } = self.sizes;
-        let sizes = [width, hidden, first_layers, second_layers].map(|x| x as f32);
+        let Architecture { width, hidden, first_layers, second_layers, modes } = self.sizes;
+        let sizes = [width, hidden, first_layers, second_layers, modes].map(|x| x as f32);
+        let whole = self.localizer.whole();
         let (scaling, familiar) = (&self.scaling, &self.familiar);
         let limit = [familiar.limit];
         let mut tensors: Vec<(&str, Tensor<'_>)> = vec![
-            ("sizes", Tensor::new(4, &sizes)),
+            ("sizes", Tensor::new(5, &sizes)),
             ("feature_mean", Tensor::new(FEATURES, &scaling.feature_mean)),
             ("feature_deviation", Tensor::new(FEATURES, &scaling.feature_deviation)),
             ("output_mean", Tensor::new(K, &scaling.output_mean)),
@@ -152,9 +186,21 @@ impl SpectralUnion {
             ("familiar_whitening", Tensor::new(JUDGED, &familiar.whitening)),
             ("familiar_limit", Tensor::new(1, &limit)),
         ];
-        for (name, place) in &self.places.named {
-            let values = &self.parameters[place.range()];
-            tensors.push((name, Tensor::half(place.columns, values)));
+        tensors.extend(self.localizer.tensors(&whole));
+        let matrices = self.places.named.iter().filter(|(_, place)| is_quantized(place));
+        let quantized: Vec<_> = matrices
+            .zip(&self.units)
+            .map(|((name, place), units)| {
+                let whole = to_whole(&self.parameters[place.range()], units);
+                (name, format!("{name}.unit"), units, whole)
+            })
+            .collect();
+        for (name, unit, units, whole) in &quantized {
+            tensors.push((name, Tensor::whole(units.len(), whole)));
+            tensors.push((unit, Tensor::new(units.len(), units)));
+        }
+        for (name, place) in self.places.named.iter().filter(|(_, place)| !is_quantized(place)) {
+            tensors.push((name, Tensor::new(place.columns, &self.parameters[place.range()])));
         }
         to_bytes(tensors)
     }
@@ -181,9 +227,7 @@ impl SpectralUnion {
     /// fault, `first` or `second`.
     pub fn predict(&self, first: &[f64], second: &[f64]) -> Result<[f64; K]> {
         let question = Question::new(first, second)?;
-        let mut tape = Tape::new(&self.sizes, 1);
-        tape.features.copy_from_slice(&self.scaling.features(&question));
-        forward(&self.sizes, &self.places, &self.parameters, &mut tape);
+        let tape = self.run(&question);
         let below: [f64; K] = std::array::from_fn(|i| {
             let output = f64::from(tape.output[i] * self.scaling.output_deviation[i]);
             let logit = output + f64::from(self.scaling.output_mean[i]);
@@ -194,23 +238,39 @@ impl SpectralUnion {
         Ok(spectrum::ascending(&below))
     }
 
+    fn run(&self, question: &Question) -> Tape<f32> {
+        let mut tape = Tape::new(&self.sizes, 1);
+        tape.features.copy_from_slice(&self.scaling.features(question));
+        forward(&self.sizes, &self.places, &self.parameters, &mut tape);
+        tape
+    }
+
     /// The eigenvalues of the union of any number of parts, by unions of two, one part after the other; the order of the
     /// arguments does not matter, bit for bit: they are sorted by their eigenvalues, the first one first.
     ///
     /// # Errors
     /// As [`SpectralUnion::predict`], but the name is `parts`; [`Error::Argument`] for no parts.
     pub fn predict_all(&self, parts: &[&[f64]]) -> Result<[f64; K]> {
-        let mut parts: Vec<[f64; K]> =
-            parts.iter().map(|part| spectrum::check("parts", part)).collect::<Result<_>>()?;
-        let order = |a: &f64, b: &f64| a.total_cmp(b);
-        parts.sort_by(|a, b| {
-            let differing = a.iter().zip(b).map(|(a, b)| order(a, b)).find(|o| o.is_ne());
-            differing.unwrap_or(std::cmp::Ordering::Equal)
-        });
-        let Some((&first, rest)) = parts.split_first() else {
-            return Err(Error::Argument { what: "parts", why: "there are none".into() });
-        };
+        let (first, rest) = sorted(parts)?;
         rest.iter().try_fold(first, |union, part| self.predict(&union, part))
+    }
+
+    /// Where the union of any number of parts is on the template: coefficients in its eigenfunctions, which [`Localizer::on_mesh`]
+    /// makes a function of. The order of the parts does not matter, as in [`SpectralUnion::predict_all`].
+    ///
+    /// # Errors
+    /// As [`SpectralUnion::predict_all`].
+    pub fn locate(&self, parts: &[&[f64]]) -> Result<Vec<f32>> {
+        let (first, rest) = sorted(parts)?;
+        // A part is the union of itself with itself.
+        let (last, before) = rest.split_last().unwrap_or((&first, &[]));
+        let union = before.iter().try_fold(first, |union, part| self.predict(&union, part))?;
+        Ok(self.run(&Question::new(&union, last)?).region)
+    }
+
+    /// The template, for [`SpectralUnion::locate`].
+    pub fn localizer(&self) -> &Localizer {
+        &self.localizer
     }
 
     /// How unlike the pairs of the training parts are, the largest of all pairs of them: the Mahalanobis distance of a pair from the
@@ -230,13 +290,28 @@ impl SpectralUnion {
     }
 }
 
+/// The parts in the order of their eigenvalues: the first one, and the others.
+fn sorted(parts: &[&[f64]]) -> Result<([f64; K], Vec<[f64; K]>)> {
+    let mut parts: Vec<[f64; K]> =
+        parts.iter().map(|part| spectrum::check("parts", part)).collect::<Result<_>>()?;
+    let order = |a: &f64, b: &f64| a.total_cmp(b);
+    parts.sort_by(|a, b| {
+        let differing = a.iter().zip(b).map(|(a, b)| order(a, b)).find(|o| o.is_ne());
+        differing.unwrap_or(std::cmp::Ordering::Equal)
+    });
+    match parts.split_first() {
+        Some((&first, rest)) => Ok((first, rest.to_vec())),
+        None => Err(Error::Argument { what: "parts", why: "there are none".into() }),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::base::Rng;
 
     const SIZES: Architecture =
-        Architecture { width: 16, hidden: 24, first_layers: 2, second_layers: 1 };
+        Architecture { width: 16, hidden: 24, first_layers: 2, second_layers: 1, modes: 3 };
 
     /// A network that nobody has trained.
     fn random(seed: u64, size: f64) -> SpectralUnion {
@@ -251,7 +326,9 @@ mod tests {
         };
         let pairs: Vec<[f64; JUDGED]> =
             (0..50).map(|_| std::array::from_fn(|_| rng.normal())).collect();
-        SpectralUnion::new(SIZES, parameters, scaling, Familiar::fit(&pairs, 1.0).unwrap()).unwrap()
+        let familiar = Familiar::fit(&pairs, 1.0).unwrap();
+        let localizer = Localizer::new(3, vec![0, 2, 4, 7], vec![0.5; 12], 9).unwrap();
+        SpectralUnion::new(SIZES, parameters, scaling, familiar, localizer).unwrap()
     }
 
     /// An ascending sequence with equal values among it, over some powers of ten.
@@ -292,7 +369,9 @@ mod tests {
             let all = model.predict_all(&[a, b, c, d]).unwrap();
             for order in [[d, c, b, a], [c, a, d, b]] {
                 assert_eq!(model.predict_all(&order).unwrap(), all);
+                assert_eq!(model.locate(&order).unwrap(), model.locate(&[a, b, c, d]).unwrap());
             }
+            assert_eq!(model.locate(&[a]).unwrap(), model.locate(&[a, a]).unwrap());
             assert_eq!(model.predict_all(&[a]).unwrap(), parts[0]);
         }
     }
@@ -328,8 +407,9 @@ mod tests {
             ));
         }
         let mut rotten = bytes.clone();
-        let last = rotten.len() - 4;
-        rotten[last..].copy_from_slice(&[0xff; 4]);
+        // Numbers of single precision come first, behind the header.
+        let header = u64::from_le_bytes(*bytes.first_chunk().unwrap()) as usize;
+        rotten[8 + header..][..4].copy_from_slice(&[0xff; 4]);
         assert!(SpectralUnion::from_bytes(&rotten).unwrap_err().to_string().contains("not finite"));
         assert!(
             SpectralUnion::read(Path::new("/nowhere")).unwrap_err().to_string().contains("nowhere")

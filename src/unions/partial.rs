@@ -5,7 +5,7 @@ use crate::mesh::{Adjacency, Boundary, Edges, Laplacian, LaplacianOptions, TriMe
 use crate::sparse::{EigenOptions, eigs};
 
 /// Residual of eigenpairs: eigenvalues are then right to about its square.
-const TOLERANCE: f64 = 1e-6;
+const TOLERANCE: f64 = 1e-4;
 
 /// The spectra of parts of one surface: its Laplacian is assembled once for all of them.
 ///

@@ -1,4 +1,4 @@
-//! Named arrays in the safetensors format, of single or of half precision.
+//! Named arrays in the safetensors format: of single or of half precision, or whole numbers.
 
 use std::borrow::Cow;
 
@@ -25,6 +25,11 @@ impl<'a> Tensor<'a> {
     pub(super) fn half(columns: usize, values: &'a [f32]) -> Self {
         Self { dtype: Dtype::F16, ..Self::new(columns, values) }
     }
+
+    /// [`Tensor::new`] of whole numbers from -127 to 127.
+    pub(super) fn whole(columns: usize, values: &'a [f32]) -> Self {
+        Self { dtype: Dtype::I8, ..Self::new(columns, values) }
+    }
 }
 
 /// The nearest number of half precision, of at most 65504.
@@ -45,6 +50,7 @@ impl View for Tensor<'_> {
         let values = self.values.iter();
         let bytes: Vec<u8> = match self.dtype {
             Dtype::F16 => values.flat_map(|&x| f16::from_f32(x).to_le_bytes()).collect(),
+            Dtype::I8 => values.map(|&x| x as i8 as u8).collect(),
             _ => values.flat_map(|x| x.to_le_bytes()).collect(),
         };
         bytes.into()
@@ -78,7 +84,8 @@ impl<'a> Tensors<'a> {
             Dtype::F16 => {
                 data.as_chunks().0.iter().map(|x| f16::from_le_bytes(*x).to_f32()).collect()
             }
-            other => return Err(refuse(format!("{name}: {other:?}, not F32 or F16"))),
+            Dtype::I8 => data.iter().map(|&x| f32::from(x as i8)).collect(),
+            other => return Err(refuse(format!("{name}: {other:?}, not F32, F16 or I8"))),
         };
         if values.len() != len {
             let shape = tensor.shape();

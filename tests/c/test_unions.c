@@ -65,6 +65,22 @@ static void errors(const cata_unions *unions)
     cata_unions_free(NULL);
 }
 
+static void places(const cata_unions *unions)
+{
+    double parts[2 * K], positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, indicator[3] = {-7, -7, -7};
+    const uint32_t corners[3] = {0, 1, 2};
+    fill(parts, 10, 11);
+    fill(parts + K, 14, 9);
+    /* A triangle is not the template. */
+    CHECK_STATUS(cata_unions_locate(unions, 2, parts, 3, positions, 1, corners, indicator, 1),
+                 CATA_ERR_SHAPE);
+    CHECK_STATUS(cata_unions_locate(NULL, 2, parts, 3, positions, 1, corners, indicator, 1),
+                 CATA_ERR_NULL);
+    CHECK_STATUS(cata_unions_locate(unions, 0, parts, 3, positions, 1, corners, indicator, 1),
+                 CATA_ERR_ARGUMENT);
+    CHECK(indicator[0] == -7);
+}
+
 static void between(void)
 {
     double a[K], b[K];
@@ -81,6 +97,7 @@ int main(void)
     CHECK_STATUS(cata_unions_new(NULL, &unions), CATA_OK);
     predictions(unions);
     errors(unions);
+    places(unions);
     between();
     cata_unions_free(unions);
     return report("test_unions");

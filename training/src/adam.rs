@@ -1,5 +1,11 @@
 //! Adam (Kingma and Ba 2015) with decoupled weight decay (Loshchilov and Hutter 2019), and its rates.
 
+use catamaran::unions::network::sum;
+use rayon::prelude::*;
+
+/// Numbers that are worked on together.
+pub(crate) const CHUNK: usize = 1 << 14;
+
 /// The state of the optimiser.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adam {
@@ -24,10 +30,38 @@ impl Adam {
     /// One step down the gradient; `decay` is the share of each parameter that it loses at rate 1.
     pub fn step(&mut self, parameters: &mut [f32], gradient: &[f32], rate: f32, decay: f32) {
         self.steps += 1;
+        let descent = self.descent(rate, decay);
+        descent.apply(parameters, gradient, &mut self.mean, &mut self.square);
+    }
+
+    /// The same on the threads of the team that calls it.
+    pub fn par_step(&mut self, parameters: &mut [f32], gradient: &[f32], rate: f32, decay: f32) {
+        self.steps += 1;
+        let descent = self.descent(rate, decay);
+        let states = self.mean.par_chunks_mut(CHUNK).zip(self.square.par_chunks_mut(CHUNK));
+        let chunks = parameters.par_chunks_mut(CHUNK).zip(gradient.par_chunks(CHUNK));
+        chunks.zip(states).for_each(|((x, g), (mean, square))| descent.apply(x, g, mean, square));
+    }
+
+    fn descent(&self, rate: f32, decay: f32) -> Descent {
         let unbiased = |decay: f32| 1.0 - decay.powi(self.steps.min(100_000) as i32);
-        let (first, second) = (unbiased(MEAN_DECAY), unbiased(SQUARE_DECAY));
-        let states = self.mean.iter_mut().zip(&mut self.square);
-        for ((x, &g), (mean, square)) in parameters.iter_mut().zip(gradient).zip(states) {
+        Descent { rate, decay, first: unbiased(MEAN_DECAY), second: unbiased(SQUARE_DECAY) }
+    }
+}
+
+/// The numbers of a step.
+struct Descent {
+    rate: f32,
+    decay: f32,
+    first: f32,
+    second: f32,
+}
+
+impl Descent {
+    fn apply(&self, x: &mut [f32], gradient: &[f32], mean: &mut [f32], square: &mut [f32]) {
+        let Self { rate, decay, first, second } = *self;
+        let states = mean.iter_mut().zip(square);
+        for ((x, &g), (mean, square)) in x.iter_mut().zip(gradient).zip(states) {
             *mean = MEAN_DECAY * *mean + (1.0 - MEAN_DECAY) * g;
             *square = SQUARE_DECAY * *square + (1.0 - SQUARE_DECAY) * g * g;
             let step = (*mean / first) / ((*square / second).sqrt() + SMALL);
@@ -38,7 +72,8 @@ impl Adam {
 
 /// Scales a gradient down to this norm if it is longer; its norm before.
 pub fn clip(gradient: &mut [f32], longest: f32) -> f32 {
-    let norm = gradient.iter().map(|&g| f64::from(g) * f64::from(g)).sum::<f64>().sqrt() as f32;
+    let square = |part: &[f32]| f64::from(sum(part.len(), |i| part[i] * part[i]));
+    let norm = gradient.chunks(CHUNK).map(square).sum::<f64>().sqrt() as f32;
     if norm > longest {
         gradient.iter_mut().for_each(|g| *g *= longest / norm);
     }

@@ -3,8 +3,10 @@
 use std::time::Instant;
 
 use anyhow::Result;
+use catamaran::Par;
 use catamaran::mesh::{LaplacianOptions, TriMesh};
 use catamaran::unions::{K, PartSpectra, SpectralUnion};
+use catamaran_training::dataset::DatasetOptions;
 use catamaran_training::families::{Family, Model};
 
 use super::Site;
@@ -46,9 +48,13 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     let strangeness = model.strangeness(&[&parts[0], &parts[1]])?;
     bar.update(0.8);
 
-    let painted = [&masks[0], &masks[1], &both].map(|mask| values(mask));
-    let meshes = [&poses[0], &poses[1], figure.template()];
-    let titles = ["first part", "second part, another pose", "their union"];
+    let training = Model::new(Family::Humanoid, DatasetOptions::default().vertices)?;
+    let on = model.localizer().on_mesh(training.template(), Par::all())?;
+    let located = on.indicator(&model.locate(&[&parts[0], &parts[1]])?)?;
+    let located = located.into_iter().map(|x| x.clamp(0.0, 1.0)).collect();
+    let painted = [values(&masks[0]), values(&masks[1]), values(&both), located];
+    let meshes = [&poses[0], &poses[1], figure.template(), training.template()];
+    let titles = ["first part", "second part, another pose", "their union", "found by the network"];
     let panels = meshes.into_iter().zip(&painted).zip(titles).map(|((mesh, values), title)| {
         Panel { mesh, paint: Paint::Values(values), view: VIEW, title }
     });
@@ -71,7 +77,8 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         id: "unions",
         title: "Spectral unions",
         text: "<p>The frequencies of two parts of a body, which may be in two poses, are all that is known. From these alone a network predicts \
-               those of the union: never above those of a part, as the mathematics of drums demands, by construction.</p>"
+               those of the union: never above those of a part, as the mathematics of drums demands, by construction. It also says where the union is \
+               on a figure that it knows.</p>"
             .into(),
         numbers: vec![
             (format!("{:.1} %", error(&|i| found[i])), "mean error of the predicted eigenvalues"),
@@ -83,8 +90,8 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
             (format!("{strangeness:.2}"), "strangeness; above 1 it is a guess"),
         ],
         figures: vec![Figure {
-            body: "<img src=\"unions.png\" alt=\"Two parts of a figure in two poses, and their union\" width=\"100%\">".into(),
-            caption: "Two parts of a figure that is not in the training, each in a pose of its own, and their union.".into(),
+            body: "<img src=\"unions.png\" alt=\"Two parts of a figure in two poses, their union, and where it is found\" width=\"100%\">".into(),
+            caption: "Two parts of a figure that is not in the training, each in a pose of its own, and their union; last where the network finds it, from 40 numbers.".into(),
             wide: true,
         }],
         tables: vec![Table {

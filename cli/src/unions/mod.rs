@@ -3,8 +3,8 @@
 mod curve;
 mod dataset;
 mod predict;
+mod template;
 mod train;
-mod train_regions;
 
 use anyhow::Result;
 use clap::Subcommand;
@@ -21,7 +21,7 @@ enum Command {
     Predict(predict::Args),
     Dataset(dataset::Args),
     Train(train::Args),
-    TrainRegions(train_regions::Args),
+    Template(template::Args),
 }
 
 /// Runs the subcommand.
@@ -30,6 +30,6 @@ pub fn run(args: &Args) -> Result<()> {
         Command::Predict(args) => predict::run(args),
         Command::Dataset(args) => dataset::run(args),
         Command::Train(args) => train::run(args),
-        Command::TrainRegions(args) => train_regions::run(args),
+        Command::Template(args) => template::run(args),
     }
 }

@@ -4,11 +4,11 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use catamaran::Par;
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io as meshes;
-use catamaran::mesh::{LaplacianOptions, TriMesh, laplacian};
-use catamaran::sparse::{EigenOptions, eigs};
-use catamaran::unions::{K, Localizer, PartSpectra, SpectralUnion};
+use catamaran::mesh::{LaplacianOptions, TriMesh};
+use catamaran::unions::{K, PartSpectra, SpectralUnion};
 
 use crate::picture::{PLAIN, Paint, PictureArgs};
 use crate::report::report;
@@ -26,12 +26,9 @@ pub struct Args {
     /// Other weights than those that come with the program: .safetensors, of `unions train`.
     #[arg(long, value_name = "FILE")]
     weights: Option<PathBuf>,
-    /// Find the union on this template, a mesh: that of `unions train-regions`.
-    #[arg(long, value_name = "TEMPLATE", requires = "regions")]
+    /// Find the union on this template, a mesh: that of `unions template`.
+    #[arg(long, value_name = "TEMPLATE")]
     localize: Option<PathBuf>,
-    /// Weights of `unions train-regions`: .safetensors. The parts are in the template's unit of length.
-    #[arg(long, value_name = "FILE", requires = "localize")]
-    regions: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureArgs,
     /// Write the eigenvalues of the parts and of the union, in columns: .csv.
@@ -76,10 +73,8 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let verdict = if strangeness > 1.0 { "unlike the training: a guess" } else { "familiar" };
     report(format_args!("strangeness {strangeness:.2}: {verdict}"))?;
-    let found = match (&args.localize, &args.regions) {
-        (Some(template), Some(weights)) => Some(localized(template, weights, &union)?),
-        _ => None,
-    };
+    let localized = |template: &PathBuf| localized(template, &model, &parts);
+    let found = args.localize.as_ref().map(localized).transpose()?;
     if let Some((mesh, inside)) = &found {
         let (count, all) = (inside.iter().filter(|x| **x > 0.5).count(), mesh.vertices().len());
         report(format_args!("region    {count} of {all} vertices of the template"))?;
@@ -121,16 +116,15 @@ fn spectrum(mesh: &TriMesh) -> Result<Vec<f64>> {
     Ok(spectra.dirichlet(&all, K)?)
 }
 
-/// A template, and about 1 for each vertex in the region with this spectrum, 0 outside.
-fn localized(template: &Path, weights: &Path, union: &[f64]) -> Result<(TriMesh, Vec<f64>)> {
+/// A template, and about 1 for each vertex in the union of these parts, 0 outside.
+fn localized(
+    template: &Path,
+    model: &SpectralUnion,
+    parts: &[&[f64]],
+) -> Result<(TriMesh, Vec<f64>)> {
     let named = || template.display().to_string();
     let mesh = meshes::read(template)?.mesh;
-    let localizer = Localizer::read(weights)?;
-    let operator = laplacian(&mesh, &LaplacianOptions::default()).with_context(named)?;
-    let options = EigenOptions { k: localizer.eigenfunctions(), ..EigenOptions::default() };
-    let pairs = eigs(operator.stiffness.view(), &operator.mass, &options).with_context(named)?;
-    let functions = operator.extend(pairs.vectors.as_ref())?;
-    let on = localizer.on(functions.as_ref()).with_context(named)?;
-    let inside = on.indicator(union)?;
+    let on = model.localizer().on_mesh(&mesh, Par::all()).with_context(named)?;
+    let inside = on.indicator(&model.locate(parts)?)?;
     Ok((mesh, inside))
 }

@@ -9,7 +9,7 @@ use anyhow::{Result, bail};
 use catamaran::Par;
 use catamaran::io::{Output, Overwrite};
 use catamaran::unions::network::Architecture;
-use catamaran_training::dataset::{self, Dataset};
+use catamaran_training::dataset;
 use catamaran_training::train::{Examples, TrainOptions, Trainer, read_state, write_state};
 
 use super::curve;
@@ -26,35 +26,35 @@ const PAUSE: Duration = Duration::from_secs(120);
 /// weights so far to OUT, and the learning curve to OUT.svg. The result is the same for any number of threads.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Data sets, of the same templates; what tests in one of them is left out of all.
-    #[arg(value_name = "DATA", num_args = 1.., required = true)]
-    data: Vec<PathBuf>,
+    /// The data set.
+    #[arg(value_name = "DATA")]
+    data: PathBuf,
     /// The weights: .safetensors.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Passes over the data in all; the rate falls over them.
-    #[arg(long, value_name = "NUMBER", default_value_t = 40)]
-    epochs: usize,
+    /// Passes over the data in all; the rate falls over them. Default 64; with --resume that of the state, which may be given more.
+    #[arg(long, value_name = "NUMBER")]
+    epochs: Option<usize>,
     /// Stop after the epoch in which this time is over; --resume goes on.
     #[arg(long, value_name = "NUMBER")]
     minutes: Option<f64>,
-    /// Go on from OUT.state.npz; sizes, rates and epochs are then those of the state.
+    /// Go on from OUT.state.npz; sizes and rates are then those of the state.
     #[arg(long)]
     resume: bool,
     /// Layers before and after the sum of both spectra.
     #[arg(long, value_name = "A,B", value_delimiter = ',', num_args = 2, default_values_t = [2, 2])]
     layers: Vec<usize>,
     /// Numbers that stand for a spectrum.
-    #[arg(long, value_name = "NUMBER", default_value_t = 192)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 256)]
     width: usize,
     /// Hidden neurons of a layer.
-    #[arg(long, value_name = "NUMBER", default_value_t = 320)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 512)]
     hidden: usize,
     /// Pairs a step.
-    #[arg(long, value_name = "NUMBER", default_value_t = 64)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 128)]
     batch: usize,
     /// Largest rate of the optimiser.
-    #[arg(long, value_name = "NUMBER", default_value_t = 1e-3)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 2.5e-3)]
     rate: f64,
     /// Share of each parameter that it loses in a step, times the rate.
     #[arg(long, value_name = "NUMBER", default_value_t = 0.1)]
@@ -78,24 +78,21 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(path) = there.filter(|_| !args.force && !args.resume) {
         bail!("{}: exists already (--force replaces it, --resume goes on)", path.display());
     }
-    let datasets: Vec<Dataset> =
-        args.data.iter().map(|path| dataset::read(path)).collect::<catamaran::Result<_>>()?;
-    let examples = Examples::new(&datasets)?;
-    drop(datasets);
+    let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
+    let examples = Examples::new(&dataset::read(&args.data)?, par)?;
     report(format_args!(
-        "data      {} sets: {} pairs and {} triples to learn from, {} to choose by",
-        args.data.len(),
+        "data      {} pairs to learn from ({} of unions and more parts), {} to choose by",
         examples.training.len(),
-        examples.triples.len(),
+        examples.composites.len(),
         examples.validation.len()
     ))?;
     let (options, state) = if args.resume {
-        let (options, state) = read_state(&state_path)?;
+        let (mut options, state) = read_state(&state_path)?;
+        options.epochs = args.epochs.unwrap_or(options.epochs);
         (options, Some(state))
     } else {
-        (options(args), None)
+        (options(args, examples.regions.modes()), None)
     };
-    let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
     let mut trainer = Trainer::new(examples, options, state, par)?;
     report(format_args!("network   {} parameters", trainer.state().parameters.len()))?;
     let save = |trainer: &Trainer| -> Result<()> {
@@ -141,9 +138,10 @@ fn beside(output: &Path, end: &str) -> PathBuf {
     name.into()
 }
 
-fn options(args: &Args) -> TrainOptions {
-    let Args { width, hidden, batch, rate, decay, epochs, seed, .. } = *args;
+fn options(args: &Args, modes: usize) -> TrainOptions {
+    let Args { width, hidden, batch, rate, decay, seed, .. } = *args;
+    let epochs = args.epochs.unwrap_or(TrainOptions::default().epochs);
     let (first_layers, second_layers) = (args.layers[0], args.layers[1]);
-    let sizes = Architecture { width, hidden, first_layers, second_layers };
+    let sizes = Architecture { width, hidden, first_layers, second_layers, modes };
     TrainOptions { sizes, batch, rate, decay, epochs, seed }
 }

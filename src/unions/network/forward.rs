@@ -115,6 +115,16 @@ pub struct Tape<T> {
     pub normed: Vec<T>,
     /// The output: a number for each eigenvalue of the union.
     pub output: Vec<T>,
+    /// Where the union is: coefficients in eigenfunctions of a template.
+    pub region: Vec<T>,
+    /// What the first part gave, normalised; twice as many rows as there are pairs.
+    pub part_unit: Vec<T>,
+    /// One over the deviations of its rows.
+    pub part_inverse: Vec<T>,
+    /// With scale and shift.
+    pub part_normed: Vec<T>,
+    /// Where the parts are, coefficients: of the first spectrum of every pair, then of the second ones.
+    pub part_region: Vec<T>,
 }
 
 impl<T: Number> Tape<T> {
@@ -132,12 +142,17 @@ impl<T: Number> Tape<T> {
             inverse: vec![T::ZERO; pairs],
             normed: vec![T::ZERO; pairs * sizes.width],
             output: vec![T::ZERO; pairs * K],
+            region: vec![T::ZERO; pairs * sizes.modes],
+            part_unit: vec![T::ZERO; 2 * pairs * sizes.width],
+            part_inverse: vec![T::ZERO; 2 * pairs],
+            part_normed: vec![T::ZERO; 2 * pairs * sizes.width],
+            part_region: vec![T::ZERO; 2 * pairs * sizes.modes],
         }
     }
 }
 
-/// From `tape.features` to `tape.output`. Swapping the two spectra of a pair leaves its output as it is, bit for bit: the first
-/// part runs on both orders, and the two results are added.
+/// From `tape.features` to `tape.output` and the regions. Swapping the two spectra of a pair leaves output and region of the union as they
+/// are, bit for bit: the first part runs on both orders, and the two results are added.
 ///
 /// # Panics
 /// When `tape` or `parameters` are of another architecture.
@@ -154,6 +169,10 @@ pub fn forward<T: Number>(
     for (layer, places) in tape.first.iter_mut().zip(&places.first) {
         layer.run(places, parameters, &mut x);
     }
+    let norm = of(parameters, places.part_norm);
+    let Tape { part_unit, part_inverse, part_normed, .. } = tape;
+    normalize(&x, norm, part_unit, part_inverse, part_normed);
+    linear(&tape.part_normed, of(parameters, places.part_region), &mut tape.part_region);
     let mut union = x.split_off(x.len() / 2);
     add(&mut union, &x);
     for (layer, places) in tape.second.iter_mut().zip(&places.second) {
@@ -162,4 +181,5 @@ pub fn forward<T: Number>(
     let norm = of(parameters, places.norm);
     normalize(&union, norm, &mut tape.unit, &mut tape.inverse, &mut tape.normed);
     linear(&tape.normed, of(parameters, places.head), &mut tape.output);
+    linear(&tape.normed, of(parameters, places.region), &mut tape.region);
 }

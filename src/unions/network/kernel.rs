@@ -1,12 +1,15 @@
 //! Small dense arithmetic. Every sum is taken in one order, with one rounding a term, so that results depend neither on the CPU
 //! nor on how rows are grouped.
 
-use pulp::{Arch, Simd, WithSimd};
+use std::array::from_fn;
+use std::ops::Range;
+
+use pulp::{Arch, Scalar, Simd, WithSimd};
 
 use crate::base::Real;
 
 /// A scalar with what a network needs.
-pub trait Number: Real {
+pub trait Number: Real + Lanes {
     /// The square root.
     fn sqrt(self) -> Self;
     /// `self * factor + term`, rounded once.
@@ -42,6 +45,64 @@ macro_rules! number {
 
 number!(f32, f64);
 
+/// Scalars in vectors of the processor.
+pub trait Lanes: Sized {
+    /// Scalars side by side.
+    type Vector<S: Simd>: Copy;
+
+    /// Scalars of a vector.
+    fn lanes<S: Simd>() -> usize;
+    /// `x` in all lanes.
+    fn splat<S: Simd>(simd: S, x: Self) -> Self::Vector<S>;
+    /// The first vectors of `x`.
+    fn load<S: Simd, const N: usize>(x: &[Self]) -> [Self::Vector<S>; N];
+    /// To the beginning of `x`.
+    fn store<S: Simd, const N: usize>(x: &mut [Self], vectors: [Self::Vector<S>; N]);
+    /// `a * b + c`, rounded once.
+    fn fused<S: Simd>(
+        simd: S,
+        a: Self::Vector<S>,
+        b: Self::Vector<S>,
+        c: Self::Vector<S>,
+    ) -> Self::Vector<S>;
+}
+
+macro_rules! lanes {
+    ($type:ty: $vector:ident, $lanes:ident, $splat:ident, $load:ident, $store:ident, $fused:ident) => {
+        impl Lanes for $type {
+            type Vector<S: Simd> = S::$vector;
+
+            #[inline(always)]
+            fn lanes<S: Simd>() -> usize {
+                S::$lanes
+            }
+
+            #[inline(always)]
+            fn splat<S: Simd>(simd: S, x: Self) -> S::$vector {
+                simd.$splat(x)
+            }
+
+            #[inline(always)]
+            fn load<S: Simd, const N: usize>(x: &[Self]) -> [S::$vector; N] {
+                *S::$load(x).0.first_chunk().unwrap()
+            }
+
+            #[inline(always)]
+            fn store<S: Simd, const N: usize>(x: &mut [Self], vectors: [S::$vector; N]) {
+                *S::$store(x).0.first_chunk_mut().unwrap() = vectors;
+            }
+
+            #[inline(always)]
+            fn fused<S: Simd>(simd: S, a: S::$vector, b: S::$vector, c: S::$vector) -> S::$vector {
+                simd.$fused(a, b, c)
+            }
+        }
+    };
+}
+
+lanes!(f32: f32s, F32_LANES, splat_f32s, as_simd_f32s, as_mut_simd_f32s, mul_add_f32s);
+lanes!(f64: f64s, F64_LANES, splat_f64s, as_simd_f64s, as_mut_simd_f64s, mul_add_f64s);
+
 /// `c += a b` with b (inner x columns) and c (rows x columns) by rows; entry (i, k) of a is `a[i * strides.0 + k * strides.1]`.
 ///
 /// # Panics
@@ -70,60 +131,132 @@ impl<T: Number> WithSimd for Gemm<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, _: S) {
-        let mut column = 0;
-        while column + 32 <= self.columns {
-            self.strip::<32>(column);
-            column += 32;
-        }
-        while column + 4 <= self.columns {
-            self.strip::<4>(column);
-            column += 4;
-        }
-        while column < self.columns {
-            self.strip::<1>(column);
-            column += 1;
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        for start in (0..self.inner).step_by(DEPTH) {
+            let terms = start..self.inner.min(start + DEPTH);
+            if self.columns >= T::lanes::<S>() {
+                self.add(simd, terms);
+            } else if self.columns > 0 {
+                self.add(Scalar, terms);
+            }
         }
     }
 }
 
+/// Terms that are added at a time: what a tile needs of a for them stays in the fastest cache.
+const DEPTH: usize = 128;
+
+/// Scalars of the longest vectors.
+const MOST_LANES: usize = 16;
+
 impl<T: Number> Gemm<'_, T> {
-    /// `WIDE` columns.
+    /// Adds some of the terms, tile by tile of c. The sums of a tile stay in registers: 12 vectors where there are 16, 24 where
+    /// there are 32. Tiles of fewer rows are wider, as 8 sums at once hide how long one addition takes.
     #[inline(always)]
-    fn strip<const WIDE: usize>(&mut self, column: usize) {
-        let mut row = 0;
-        // Twice 32 sums are what the registers of AVX2 hold; with more of them compilers spill.
-        while row + 2 <= self.rows {
-            self.tile::<2, WIDE>(row, column);
-            row += 2;
-        }
-        while row < self.rows {
-            self.tile::<1, WIDE>(row, column);
-            row += 1;
+    fn add<S: Simd>(&mut self, simd: S, terms: Range<usize>) {
+        let terms = &terms;
+        if S::REGISTER_COUNT >= 32 {
+            let row = self.add_to_rows::<S, 8, 3>(simd, terms, 0);
+            let row = self.add_to_rows::<S, 4, 6>(simd, terms, row);
+            let row = self.add_to_rows::<S, 2, 6>(simd, terms, row);
+            self.add_to_rows::<S, 1, 12>(simd, terms, row);
+        } else {
+            let row = self.add_to_rows::<S, 4, 3>(simd, terms, 0);
+            let row = self.add_to_rows::<S, 2, 4>(simd, terms, row);
+            self.add_to_rows::<S, 1, 8>(simd, terms, row);
         }
     }
 
+    /// From `row` on, in tiles of `TALL` rows and `WIDE` vectors, or one where columns run out. Gives the first row left over.
     #[inline(always)]
-    fn tile<const TALL: usize, const WIDE: usize>(&mut self, row: usize, column: usize) {
-        let mut sums = [[T::ZERO; WIDE]; TALL];
-        for i in 0..TALL {
-            let start = (row + i) * self.columns + column;
-            sums[i].copy_from_slice(&self.c[start..start + WIDE]);
+    fn add_to_rows<S: Simd, const TALL: usize, const WIDE: usize>(
+        &mut self,
+        simd: S,
+        terms: &Range<usize>,
+        mut row: usize,
+    ) -> usize {
+        let Self { rows, columns, a, strides, b, .. } = *self;
+        if row + TALL > rows {
+            return row;
         }
-        for k in 0..self.inner {
-            let start = k * self.columns + column;
-            let b = &self.b[start..start + WIDE];
-            for i in 0..TALL {
-                let a = self.a[(row + i) * self.strides.0 + k * self.strides.1];
-                for j in 0..WIDE {
-                    sums[i][j] = a.mul_add(b[j], sums[i][j]);
+        let lanes = T::lanes::<S>();
+        let b = &b[terms.start * columns..];
+        let mut packed = [[T::ZERO; TALL]; DEPTH];
+        let packed = &mut packed[..terms.len()];
+        while row + TALL <= rows {
+            pack(&a[row * strides.0 + terms.start * strides.1..], strides, packed);
+            let c = &mut self.c[row * columns..];
+            let mut column = 0;
+            while column + WIDE * lanes <= columns {
+                let (b, c) = (&b[column..], &mut c[column..]);
+                tile::<T, S, TALL, WIDE>(simd, packed, (b, columns), (c, columns));
+                column += WIDE * lanes;
+            }
+            while column + lanes <= columns {
+                let (b, c) = (&b[column..], &mut c[column..]);
+                tile::<T, S, TALL, 1>(simd, packed, (b, columns), (c, columns));
+                column += lanes;
+            }
+            if column < columns {
+                // Of the last vector of columns, some are done already: new sums of those are dropped.
+                let last = columns - lanes;
+                let mut sums = [[T::ZERO; MOST_LANES]; TALL];
+                for i in 0..TALL {
+                    sums[i][..lanes].copy_from_slice(&c[i * columns + last..][..lanes]);
+                }
+                let (b, new) = (&b[last..], sums.as_flattened_mut());
+                tile::<T, S, TALL, 1>(simd, packed, (b, columns), (new, MOST_LANES));
+                for i in 0..TALL {
+                    c[i * columns + column..][..columns - column]
+                        .copy_from_slice(&sums[i][column - last..lanes]);
                 }
             }
+            row += TALL;
         }
+        row
+    }
+}
+
+/// The first rows of `a`, by columns.
+#[inline(always)]
+fn pack<T: Number, const TALL: usize>(a: &[T], strides: (usize, usize), packed: &mut [[T; TALL]]) {
+    if strides.0 == 1 {
+        for (k, packed) in packed.iter_mut().enumerate() {
+            packed.copy_from_slice(&a[k * strides.1..][..TALL]);
+        }
+    } else if strides.1 == 1 {
+        let rows: [_; TALL] = from_fn(|i| &a[i * strides.0..][..packed.len()]);
+        for (k, packed) in packed.iter_mut().enumerate() {
+            *packed = from_fn(|i| rows[i][k]);
+        }
+    } else {
+        for (k, packed) in packed.iter_mut().enumerate() {
+            *packed = from_fn(|i| a[i * strides.0 + k * strides.1]);
+        }
+    }
+}
+
+/// `c += a b` for `TALL` rows of c and the first `WIDE` vectors of them, with `a` by columns. Rows of b and of c come with how
+/// far apart they are.
+#[inline(always)]
+fn tile<T: Number, S: Simd, const TALL: usize, const WIDE: usize>(
+    simd: S,
+    a: &[[T; TALL]],
+    (b, b_stride): (&[T], usize),
+    (c, c_stride): (&mut [T], usize),
+) {
+    let mut sums: [[_; WIDE]; TALL] = from_fn(|i| T::load::<S, WIDE>(&c[i * c_stride..]));
+    for (k, a) in a.iter().enumerate() {
+        let b = T::load::<S, WIDE>(&b[k * b_stride..]);
         for i in 0..TALL {
-            let start = (row + i) * self.columns + column;
-            self.c[start..start + WIDE].copy_from_slice(&sums[i]);
+            let a = T::splat(simd, a[i]);
+            for j in 0..WIDE {
+                sums[i][j] = T::fused(simd, a, b[j], sums[i][j]);
+            }
         }
+    }
+    for i in 0..TALL {
+        T::store(&mut c[i * c_stride..], sums[i]);
     }
 }
 
@@ -176,22 +309,48 @@ mod tests {
     use super::*;
     use crate::base::Rng;
 
-    #[test]
-    fn products_are_those_of_the_definition_with_any_strides() {
+    /// The instruction sets that can be tried here.
+    fn instruction_sets() -> Vec<Arch> {
+        let mut sets = vec![Arch::new(), Arch::Scalar];
+        #[cfg(target_arch = "x86_64")]
+        sets.extend(pulp::x86::V3::try_new().map(Arch::V3));
+        sets
+    }
+
+    fn products_are_those_of_the_definition<T: Number>(
+        (rows, inner, columns): (usize, usize, usize),
+    ) {
         let mut rng = Rng::new(3);
-        for (rows, inner, columns) in [(0, 3, 3), (1, 1, 1), (3, 0, 2), (5, 7, 33), (8, 20, 64)] {
-            let mut random = |n: usize| (0..n).map(|_| rng.normal()).collect::<Vec<f64>>();
-            let (a, b, c) = (random(rows * inner), random(inner * columns), random(rows * columns));
-            for strides in [(inner, 1), (1, rows)] {
-                let mut found = c.clone();
-                gemm((rows, inner, columns), &a, strides, &b, &mut found);
-                for i in 0..rows {
-                    for j in 0..columns {
-                        let sum: f64 = (0..inner)
-                            .map(|k| a[i * strides.0 + k * strides.1] * b[k * columns + j])
-                            .sum();
-                        assert!((found[i * columns + j] - c[i * columns + j] - sum).abs() < 1e-12);
+        let mut random = |n: usize| (0..n).map(|_| T::from_f64(rng.normal())).collect::<Vec<_>>();
+        let (a, b, c) = (random(3 * rows * inner), random(inner * columns), random(rows * columns));
+        for strides in [(inner, 1), (1, rows), (3 * inner, 2)] {
+            let mut expected = c.clone();
+            for i in 0..rows {
+                for j in 0..columns {
+                    for k in 0..inner {
+                        let (a, b) = (a[i * strides.0 + k * strides.1], b[k * columns + j]);
+                        let sum = &mut expected[i * columns + j];
+                        *sum = a.mul_add(b, *sum);
                     }
+                }
+            }
+            for set in instruction_sets() {
+                let (a, b, mut found) = (&a, &b, c.clone());
+                set.dispatch(Gemm { rows, inner, columns, a, strides, b, c: &mut found });
+                let bits = |x: &[T]| x.iter().map(|x| x.to_f64().to_bits()).collect::<Vec<_>>();
+                let case = format!("{rows} {inner} {columns} {strides:?} {set:?}");
+                assert_eq!(bits(&found), bits(&expected), "{case}");
+            }
+        }
+    }
+
+    #[test]
+    fn products_are_those_of_the_definition_to_the_bit() {
+        for rows in [0, 1, 2, 3, 7, 15] {
+            for inner in [0, 1, 5, 128, 131] {
+                for columns in [0, 1, 3, 8, 13, 16, 31, 100, 201] {
+                    products_are_those_of_the_definition::<f32>((rows, inner, columns));
+                    products_are_those_of_the_definition::<f64>((rows, inner, columns));
                 }
             }
         }

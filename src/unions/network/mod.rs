@@ -7,10 +7,13 @@
 mod forward;
 mod kernel;
 mod places;
+mod quantize;
 
 pub use forward::{LayerTape, Tape, forward, sigmoid};
 pub use kernel::{Number, gemm, normalize, sum};
 pub use places::{Architecture, LayerPlaces, Place, Places};
+pub use quantize::quantize;
+pub(super) use quantize::{column_units, from_whole, is_quantized, to_whole};
 
 /// Eigenvalues of a spectrum.
 pub const K: usize = 20;

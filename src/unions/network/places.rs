@@ -14,12 +14,14 @@ pub struct Architecture {
     pub first_layers: usize,
     /// Layers of the second part, which sees the sum of both.
     pub second_layers: usize,
+    /// Coefficients of a region on a template.
+    pub modes: usize,
 }
 
 impl Default for Architecture {
     /// That of the pretrained weights.
     fn default() -> Self {
-        Self { width: 192, hidden: 320, first_layers: 2, second_layers: 2 }
+        Self { width: 256, hidden: 512, first_layers: 2, second_layers: 2, modes: 128 }
     }
 }
 
@@ -65,6 +67,12 @@ pub struct Places {
     pub norm: [Place; 2],
     /// Weights and bias of the K outputs.
     pub head: [Place; 2],
+    /// Weights and bias of the region of the union.
+    pub region: [Place; 2],
+    /// Scale and shift of the normalisation after the first part.
+    pub part_norm: [Place; 2],
+    /// Weights and bias of the region of each part.
+    pub part_region: [Place; 2],
     /// Name and place of every matrix, in their order.
     pub named: Vec<(String, Place)>,
     /// Number of parameters.
@@ -82,6 +90,7 @@ impl Architecture {
             ("hidden", self.hidden, 1, 4096),
             ("first_layers", self.first_layers, 0, 64),
             ("second_layers", self.second_layers, 0, 64),
+            ("modes", self.modes, 1, 4096),
         ];
         for (what, value, least, most) in ranges {
             if !(least..=most).contains(&value) {
@@ -110,8 +119,11 @@ impl Architecture {
         let second = layers("second", self.second_layers);
         let norm = list.linear("norm", 1, width);
         let head = list.linear("head", width, K);
+        let region = list.linear("region", width, self.modes);
+        let part_norm = list.linear("part.norm", 1, width);
+        let part_region = list.linear("part.region", width, self.modes);
         let List { named, len } = list;
-        Places { embedding, first, second, norm, head, named, len }
+        Places { embedding, first, second, norm, head, region, part_norm, part_region, named, len }
     }
 }
 
@@ -140,7 +152,7 @@ mod tests {
     #[test]
     fn places_follow_one_another_without_gaps() {
         for (first_layers, second_layers) in [(0, 0), (1, 0), (2, 3)] {
-            let sizes = Architecture { width: 8, hidden: 6, first_layers, second_layers };
+            let sizes = Architecture { width: 8, hidden: 6, first_layers, second_layers, modes: 5 };
             let places = sizes.places();
             let mut next = 0;
             for (_, place) in &places.named {
@@ -150,7 +162,7 @@ mod tests {
             assert_eq!(next, places.len);
             assert_eq!((places.first.len(), places.second.len()), (first_layers, second_layers));
             let layer = 2 * 8 + 8 * 12 + 12 + 6 * 8 + 8;
-            let rest = 241 * 8 + 2 * 8 + 9 * 20;
+            let rest = 241 * 8 + 2 * 8 + 9 * 20 + 2 * 8 + 2 * 9 * 5;
             assert_eq!(places.len, (first_layers + second_layers) * layer + rest);
         }
     }
@@ -158,7 +170,7 @@ mod tests {
     #[test]
     fn sizes_that_are_no_network_are_named() {
         let with = |width, hidden, first_layers| {
-            let sizes = Architecture { width, hidden, first_layers, second_layers: 1 };
+            let sizes = Architecture { width, hidden, first_layers, second_layers: 1, modes: 3 };
             sizes.check().map_err(|e| e.to_string())
         };
         assert!(with(32, 64, 0).is_ok());

@@ -31,6 +31,8 @@ pub struct CutOptions {
     pub regions: usize,
     /// Pairs of regions.
     pub pairs: usize,
+    /// Pairs of a region and the union of an earlier pair, as unions of many parts have them.
+    pub composites: usize,
     /// Pairs into which one region is split; its spectrum is then that of the union. The first ones split the complete shape.
     pub splits: usize,
     /// Triples.
@@ -41,7 +43,7 @@ pub struct CutOptions {
 
 impl Default for CutOptions {
     fn default() -> Self {
-        Self { regions: 50, pairs: 90, splits: 60, triples: 12, seed: 1 }
+        Self { regions: 50, pairs: 90, composites: 0, splits: 60, triples: 12, seed: 1 }
     }
 }
 
@@ -100,6 +102,7 @@ pub fn cuts(model: &Model, options: &CutOptions, par: Par) -> Result<Cuts> {
     let regions = draw::regions(&surface, model.segments(), options.regions, &mut rng)?;
     let mut cuts = Cuts { masks: BTreeMap::new(), pairs: vec![], triples: vec![] };
     pairs::of_regions(&surface, &regions, options.pairs, &mut cuts, &mut rng);
+    pairs::of_unions(&surface, &regions, options.composites, &mut cuts, &mut rng);
     pairs::by_splitting(&surface, &regions, options.splits, &mut cuts, &mut rng)?;
     triples::find(&surface, options.triples, &mut cuts, &mut rng);
     Ok(cuts)

@@ -39,6 +39,25 @@ pub(super) fn of_regions(
     }
 }
 
+/// Up to `count` pairs of a region and the union of one of the pairs that are there, each as it is or mirrored.
+pub(super) fn of_unions(
+    surface: &Surface<'_>,
+    regions: &[Mask],
+    count: usize,
+    cuts: &mut Cuts,
+    rng: &mut Rng,
+) {
+    let wanted = cuts.pairs.len() + count;
+    let unions: Vec<Mask> = cuts.pairs.iter().map(|pair| cuts.masks[&pair.union].clone()).collect();
+    for _ in 0..ATTEMPTS * count {
+        if cuts.pairs.len() == wanted || unions.is_empty() || regions.is_empty() {
+            break;
+        }
+        let (union, region) = (below(unions.len(), rng), below(regions.len(), rng));
+        add(surface, &unions[union], &regions[region], cuts);
+    }
+}
+
 /// Up to `count` pairs that split a region: the complete shape first, then regions in turn.
 pub(super) fn by_splitting(
     surface: &Surface<'_>,

@@ -5,7 +5,7 @@ use super::*;
 use crate::families::Family;
 
 fn options() -> CutOptions {
-    CutOptions { regions: 15, pairs: 15, splits: 12, triples: 4, seed: 3 }
+    CutOptions { regions: 15, pairs: 15, composites: 5, splits: 12, triples: 4, seed: 3 }
 }
 
 fn of(family: Family) -> (Model, Cuts) {

@@ -13,7 +13,7 @@ use catamaran::unions::PartSpectra;
 use catamaran::{Error, Par, Result, faer::MatRef};
 use rayon::prelude::*;
 
-use super::plan::{DatasetOptions, HeldOut, Job, jobs};
+use super::plan::{DatasetOptions, HeldOut, Job, Parts, jobs};
 use super::{Dataset, EIGENVALUES, Spectrum, Template, WORD, packed};
 use crate::cuts::{Cuts, Pair, cuts};
 use crate::families::{Family, Model, mixed};
@@ -21,6 +21,9 @@ use crate::remesh::remove_vertices;
 
 /// Eigenfunctions of a template.
 const EIGENFUNCTIONS: usize = 128;
+
+/// Vertices that a part has inside at least.
+const INSIDE: usize = 40;
 
 /// Share of the vertices that remeshed shapes lose.
 const REMOVED: f64 = 0.3;
@@ -80,7 +83,11 @@ fn subjects(options: &DatasetOptions, jobs: &[Job], par: Par) -> Result<Vec<Subj
             ..options.cuts
         };
         let cuts = cuts(&model, &own, par)?;
-        let held_out = HeldOut::new(&cuts, family, options.seed);
+        let mut held_out = HeldOut::new(&cuts, family, options.seed);
+        let fresh = |job: &&Job| job.family == family && job.parts == Parts::Fresh && !job.remeshed;
+        for job in jobs.iter().filter(fresh) {
+            held_out.test_with(&crate::cuts::cuts(&model, &options.own_cuts(job), par)?);
+        }
         Ok(Subject { model, cuts, held_out })
     };
     // Those that are used come first.
@@ -92,7 +99,7 @@ struct Found {
     pairs: Vec<Pair>,
     /// Ids of the masks, ascending.
     masks: Vec<usize>,
-    /// The masks in words, as in [`Template`], of a varied shape; those of others are its family's.
+    /// The masks in words, as in [`Template`], where they are not those of the family.
     mask_words: Vec<usize>,
     /// Of all masks, then of the whole.
     spectra: Vec<Spectrum>,
@@ -141,13 +148,16 @@ fn shape(
     if file.exists() {
         return read_found(&file);
     }
-    let found = if job.varied {
-        let mut own = cuts(&subject.model, &options.own_cuts(job), Par::Seq)?;
-        subject.held_out.withhold(&subject.cuts, &mut own);
-        let mask_words = own.masks.values().flat_map(|mask| packed(mask)).collect();
-        Found { mask_words, ..compute(options, job, subject, &own)? }
-    } else {
+    let found = if job.parts == Parts::Common {
         compute(options, job, subject, &subject.cuts)?
+    } else {
+        let mut own = cuts(&subject.model, &options.own_cuts(job), Par::Seq)?;
+        if job.parts == Parts::Varied {
+            subject.held_out.withhold(&mut own);
+        }
+        let found = compute(options, job, subject, &own)?;
+        let mask_words = found.masks.iter().flat_map(|id| packed(&own.masks[id])).collect();
+        Found { mask_words, ..found }
     };
     let mut writer = ArraysWriter::new(Output::create(&file, Overwrite::Replace)?)?;
     let rows = found.spectra.as_flattened();
@@ -193,12 +203,23 @@ fn compute(options: &DatasetOptions, job: &Job, subject: &Subject, cuts: &Cuts) 
     let settings = LaplacianOptions { par: Par::Seq, ..LaplacianOptions::default() };
     let spectra = PartSpectra::new(&mesh, &settings)?;
     let complete = vec![true; subject.model.mirror().len()];
-    let masks = cuts.masks.keys().copied().collect();
-    let pairs = cuts.pairs.clone();
+    let here =
+        |mask: &[bool]| -> Vec<bool> { vertices.iter().map(|&v| mask[v as usize]).collect() };
+    let mut masks = Vec::new();
+    for (&id, mask) in &cuts.masks {
+        let inside = spectra.inside(&here(mask))?.iter().filter(|inside| **inside).count();
+        // Remeshing may leave too little of a part. Pairs of the family are the same for all shapes.
+        if inside >= INSIDE || job.parts == Parts::Common {
+            masks.push(id);
+        }
+    }
+    let kept = |id: usize| masks.binary_search(&id).is_ok();
+    let whole = |pair: &&Pair| kept(pair.parts[0]) && kept(pair.parts[1]) && kept(pair.union);
+    let pairs = cuts.pairs.iter().filter(whole).copied().collect();
     let mut found = Found { pairs, masks, mask_words: vec![], spectra: vec![], areas: vec![] };
     let face_areas = mesh.face_areas();
-    for mask in cuts.masks.values().chain([&complete]) {
-        let own: Vec<bool> = vertices.iter().map(|&v| mask[v as usize]).collect();
+    for mask in found.masks.iter().map(|id| &cuts.masks[id]).chain([&complete]) {
+        let own = here(mask);
         let values = spectra.dirichlet(&own, EIGENVALUES)?;
         found.spectra.push(std::array::from_fn(|i| values[i]));
         let inside = |f: &[u32; 3]| f.iter().all(|&v| own[v as usize]);
@@ -262,10 +283,10 @@ fn add(
         samples.mask2.push(b);
         samples.mask_union.push(pair.union);
         samples.remeshed.push(usize::from(job.remeshed));
-        samples.split.push(subject.held_out.split(i, job, options.poses));
+        samples.split.push(subject.held_out.split(i, pair.union, job, options.poses));
         samples.knowledge.push(job.knowledge);
     }
-    if job.remeshed || job.varied {
+    if job.remeshed || job.parts != Parts::Common {
         return;
     }
     shapes.spectrum.push(found.spectra[found.masks.len()]);
@@ -306,7 +327,8 @@ mod tests {
 
     /// A few shapes of each kind.
     fn tiny() -> DatasetOptions {
-        let cuts = CutOptions { regions: 9, pairs: 6, splits: 5, triples: 2, seed: 1 };
+        let cuts =
+            CutOptions { regions: 9, pairs: 6, composites: 0, splits: 5, triples: 2, seed: 1 };
         DatasetOptions {
             seed: 5,
             vertices: 900,
@@ -374,7 +396,8 @@ mod tests {
     #[test]
     fn no_training_sample_has_a_union_of_test_b() {
         let folder = tempfile::tempdir().unwrap();
-        let cuts = CutOptions { regions: 12, pairs: 20, splits: 15, triples: 2, seed: 1 };
+        let cuts =
+            CutOptions { regions: 12, pairs: 20, composites: 0, splits: 15, triples: 2, seed: 1 };
         let options = DatasetOptions { known: 2, others: 0, cuts, ..tiny() };
         let Dataset { templates, samples, .. } =
             generate(&options, folder.path(), Par::all(), None).unwrap();
@@ -386,14 +409,15 @@ mod tests {
         assert!(!of(TEST_B).is_empty());
         assert!(of(TRAIN).is_disjoint(&of(TEST_B)));
         for i in 0..split.len() {
-            assert!(split[i] != TRAIN || (knowledge[i] == 0 && remeshed[i] == 0));
+            let varied = pose[i] > options.poses;
+            assert!(split[i] != TRAIN || knowledge[i] == 0 && (varied || remeshed[i] == 0));
             assert!(knowledge[i] != UNKNOWN_FAMILY);
         }
         let mask = |id: &usize| -> BTreeSet<usize> {
             templates[0].mask(*id).unwrap().into_iter().collect()
         };
         let tests: Vec<_> = of(TEST_B).iter().map(mask).collect();
-        for i in (0..split.len()).filter(|&i| pose[i] >= options.poses) {
+        for i in (0..split.len()).filter(|&i| pose[i] > options.poses) {
             let own = mask(&mask_union[i]);
             for test in &tests {
                 let (both, either) = ((test & &own).len(), (test | &own).len());

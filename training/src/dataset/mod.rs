@@ -101,7 +101,7 @@ pub struct Samples {
     pub family: Vec<usize>,
     /// Identity, numbered from 0 in its family.
     pub identity: Vec<usize>,
-    /// Body type of the identity: 0 (A) or 1 (B).
+    /// Body type of the identity: 0 (A), 1 (B) or 2 (caricatures of A, to train on).
     pub body: Vec<usize>,
     /// Pose, numbered from 0 in its identity; every identity has its own.
     pub pose: Vec<usize>,

@@ -6,10 +6,10 @@ use catamaran::base::Rng;
 use catamaran::{Error, Result};
 
 use super::{
-    KNOWN_IDENTITY, TEST_A, TEST_B, TRAIN, UNKNOWN_BODY, UNKNOWN_FAMILY, UNKNOWN_IDENTITY,
+    KNOWN_IDENTITY, TEST_A, TEST_B, TRAIN, UNKNOWN_BODY, UNKNOWN_FAMILY, UNKNOWN_IDENTITY, packed,
 };
-use crate::cuts::{CutOptions, Cuts, Mask, Pair, below};
-use crate::families::{Family, mixed};
+use crate::cuts::{CutOptions, Cuts, Pair, below};
+use crate::families::{CARICATURE, Family, mixed};
 
 /// How large a data set is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,8 +28,8 @@ pub struct DatasetOptions {
     pub poses: usize,
     /// Parts of each family.
     pub cuts: CutOptions,
-    /// Further shapes to train on: the known humanoids in turn, each time in another pose and with parts of its own: as
-    /// many regions as a family, more pairs, and no triples. What is learnt about unions never seen comes from them. Default 256.
+    /// Further shapes to train on: the known humanoids in turn, each time in another pose and with parts of its own, half of
+    /// them remeshed; in every fourth round new caricatures. What is learnt about unions never seen comes from them. Default 768.
     pub varied: usize,
 }
 
@@ -44,7 +44,7 @@ impl Default for DatasetOptions {
             others: 2,
             poses: 2,
             cuts,
-            varied: 256,
+            varied: 768,
         }
     }
 }
@@ -52,7 +52,8 @@ impl Default for DatasetOptions {
 impl DatasetOptions {
     /// A tenth, with small templates: to try things.
     pub fn small() -> Self {
-        let cuts = CutOptions { regions: 24, pairs: 36, splits: 24, triples: 5, seed: 1 };
+        let cuts =
+            CutOptions { regions: 24, pairs: 36, composites: 0, splits: 24, triples: 5, seed: 1 };
         Self {
             vertices: 2000,
             known: 8,
@@ -65,12 +66,29 @@ impl DatasetOptions {
         }
     }
 
-    /// How a varied shape is cut.
+    /// How a shape is cut that has parts of its own.
     pub(super) fn own_cuts(&self, job: &Job) -> CutOptions {
         let seed =
             mixed(&[self.seed, self.cuts.seed, job.identity as u64, job.pose as u64, 0x0C75]);
         let CutOptions { regions, pairs, splits, .. } = self.cuts;
-        CutOptions { regions, pairs: 3 * pairs, splits: 2 * splits, triples: 0, seed }
+        match job.parts {
+            Parts::Fresh => CutOptions {
+                regions: regions / 2,
+                pairs: pairs / 2,
+                composites: pairs / 4,
+                splits: splits / 2,
+                triples: 0,
+                seed,
+            },
+            _ => CutOptions {
+                regions,
+                pairs: 2 * pairs,
+                composites: 2 * pairs,
+                splits,
+                triples: 0,
+                seed,
+            },
+        }
     }
 
     /// [`Error::Argument`] names what is too small or too large.
@@ -105,17 +123,32 @@ pub(super) struct Job {
     pub pose: usize,
     pub knowledge: usize,
     pub remeshed: bool,
-    /// Whether its parts are its own, not those of its family.
-    pub varied: bool,
+    pub parts: Parts,
+}
+
+/// Which parts a shape has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Parts {
+    /// Those of its family.
+    Common,
+    /// Its own, to test with.
+    Fresh,
+    /// Its own, to train on.
+    Varied,
 }
 
 impl Job {
     /// Whether no training sample has this pose.
     pub fn is_test(&self, poses: usize) -> bool {
         let last = poses > 1 && self.pose + 1 == poses;
-        self.remeshed
-            || self.knowledge != KNOWN_IDENTITY
-            || (last && !self.varied && self.identity.is_multiple_of(HELD_OUT_POSES))
+        match self.parts {
+            Parts::Varied => false,
+            Parts::Fresh => true,
+            Parts::Common => {
+                let held_out = last && self.identity.is_multiple_of(HELD_OUT_POSES);
+                self.remeshed || self.knowledge != KNOWN_IDENTITY || held_out
+            }
+        }
     }
 }
 
@@ -128,6 +161,11 @@ const HELD_OUT_PAIRS: usize = 8;
 
 /// Masks nearer to each other than this (intersection over union) count as the same union.
 const SAME: f64 = 0.95;
+
+/// Of the rounds of varied shapes through the known humanoids, one in so many has caricatures in their place.
+const CARICATURES: usize = 4;
+/// Identities from here on are those of caricatures.
+const FIRST_CARICATURE: usize = 100_000;
 
 /// The shapes, in the order in which the data set has them: humanoids first, the varied ones last.
 pub(super) fn jobs(options: &DatasetOptions) -> Vec<Job> {
@@ -146,26 +184,35 @@ pub(super) fn jobs(options: &DatasetOptions) -> Vec<Job> {
                 _ => (identity % 2, UNKNOWN_FAMILY),
             };
             for pose in 0..options.poses {
-                let (remeshed, varied) = (false, false);
-                let job = Job { family, identity, body, pose, knowledge, remeshed, varied };
+                let (remeshed, parts) = (false, Parts::Common);
+                let job = Job { family, identity, body, pose, knowledge, remeshed, parts };
                 jobs.push(job);
                 // Of every tested identity one pose.
                 if pose + 1 == options.poses && job.is_test(options.poses) {
                     jobs.push(Job { remeshed: true, ..job });
+                    if family == Family::Humanoid {
+                        let fresh = Job { pose: options.poses, parts: Parts::Fresh, ..job };
+                        jobs.extend([fresh, Job { remeshed: true, ..fresh }]);
+                    }
                 }
             }
         }
     }
     for number in 0..options.varied {
+        let round = number / known;
+        let (identity, body) = match round % CARICATURES {
+            last if last + 1 == CARICATURES => (FIRST_CARICATURE + number, CARICATURE),
+            _ => (number % known, 0),
+        };
         jobs.push(Job {
             family: Family::Humanoid,
-            identity: number % known,
-            body: 0,
+            identity,
+            body,
             // Those below are taken.
-            pose: options.poses + number / known,
+            pose: options.poses + 1 + round,
             knowledge: KNOWN_IDENTITY,
-            remeshed: false,
-            varied: true,
+            remeshed: (number + round) % 2 == 1,
+            parts: Parts::Varied,
         });
     }
     jobs
@@ -175,19 +222,26 @@ pub(super) fn jobs(options: &DatasetOptions) -> Vec<Job> {
 pub(super) struct HeldOut {
     /// For each pair [`TRAIN`], [`TEST_A`] or [`TEST_B`].
     splits: Vec<usize>,
+    /// The complete shape.
+    complete: usize,
+    /// Unions of fresh parts that are complete, or close to it: some training samples have them.
+    nearly_complete: BTreeSet<usize>,
+    /// Unions that test, packed.
+    tests: Vec<Vec<usize>>,
 }
 
 impl HeldOut {
     /// Some unions, and some pairs whose union others have.
     pub fn new(cuts: &Cuts, family: Family, seed: u64) -> Self {
+        let complete = cuts.complete();
         if family != Family::Humanoid {
-            return Self { splits: vec![TEST_B; cuts.pairs.len()] };
+            let splits = vec![TEST_B; cuts.pairs.len()];
+            return Self { splits, complete, nearly_complete: BTreeSet::new(), tests: vec![] };
         }
         let mut rng = Rng::new(mixed(&[seed, 0x5911]));
         let mut unions: Vec<usize> = cuts.pairs.iter().map(|pair| pair.union).collect();
         unions.sort_unstable();
         unions.dedup();
-        let complete = cuts.complete();
         unions.retain(|&union| union != complete);
         let count = unions.len().div_ceil(HELD_OUT_UNIONS);
         let unions = drawn(unions, count, &mut rng);
@@ -204,30 +258,44 @@ impl HeldOut {
                 splits[i] = TEST_A;
             }
         }
-        Self { splits }
+        let tests = unions.iter().map(|union| packed(&cuts.masks[union])).collect();
+        Self { splits, complete, nearly_complete: BTreeSet::from([complete]), tests }
     }
 
-    /// What a pair of a shape is for.
-    pub fn split(&self, pair: usize, job: &Job, poses: usize) -> usize {
-        if job.varied {
-            return TRAIN;
-        }
-        match self.splits[pair] {
-            TRAIN if job.is_test(poses) => TEST_A,
-            split => split,
+    /// What the pair of this number and union is for, of a shape.
+    pub fn split(&self, pair: usize, union: usize, job: &Job, poses: usize) -> usize {
+        match job.parts {
+            Parts::Varied => TRAIN,
+            Parts::Fresh if self.nearly_complete.contains(&union) => TEST_A,
+            Parts::Fresh => TEST_B,
+            Parts::Common => match self.splits[pair] {
+                TRAIN if job.is_test(poses) => TEST_A,
+                split => split,
+            },
         }
     }
 
-    /// Takes the pairs out of the cuts of a varied shape whose union is a test of its family, or close to one, and the masks
+    /// Counts the unions of these fresh parts among those that test.
+    pub fn test_with(&mut self, fresh: &Cuts) {
+        let unions: BTreeSet<usize> = fresh.pairs.iter().map(|pair| pair.union).collect();
+        for union in unions.into_iter().filter(|union| *union != self.complete) {
+            let mask = &fresh.masks[&union];
+            let inside = mask.iter().filter(|inside| **inside).count();
+            if inside as f64 >= SAME * mask.len() as f64 {
+                self.nearly_complete.insert(union);
+            }
+            self.tests.push(packed(mask));
+        }
+    }
+
+    /// Takes the pairs out of the cuts of a varied shape whose union is a test, or close to one, but not complete, and the masks
     /// that nothing needs any more.
-    pub fn withhold(&self, family: &Cuts, own: &mut Cuts) {
-        let tests = family.pairs.iter().zip(&self.splits).filter(|(_, split)| **split == TEST_B);
-        let tests: BTreeSet<usize> = tests.map(|(pair, _)| pair.union).collect();
-        let tests: Vec<&Mask> = tests.iter().map(|union| &family.masks[union]).collect();
+    pub fn withhold(&self, own: &mut Cuts) {
         let masks = &own.masks;
         own.pairs.retain(|pair| {
-            let union = &masks[&pair.union];
-            tests.iter().all(|test| overlap_over_union(test, union) < SAME)
+            let union = packed(&masks[&pair.union]);
+            pair.union == self.complete
+                || self.tests.iter().all(|test| overlap_over_union(test, &union) < SAME)
         });
         let used: BTreeSet<usize> =
             own.pairs.iter().flat_map(|pair| [pair.parts[0], pair.parts[1], pair.union]).collect();
@@ -235,10 +303,12 @@ impl HeldOut {
     }
 }
 
-/// Vertices in both masks over vertices in either.
-fn overlap_over_union(a: &[bool], b: &[bool]) -> f64 {
-    let count = |of: fn(bool, bool) -> bool| a.iter().zip(b).filter(|(a, b)| of(**a, **b)).count();
-    count(|a, b| a && b) as f64 / count(|a, b| a || b).max(1) as f64
+/// Vertices in both packed masks over vertices in either.
+fn overlap_over_union(a: &[usize], b: &[usize]) -> f64 {
+    let count = |of: fn(usize, usize) -> usize| -> u32 {
+        a.iter().zip(b).map(|(&a, &b)| of(a, b).count_ones()).sum()
+    };
+    f64::from(count(|a, b| a & b)) / f64::from(count(|a, b| a | b).max(1))
 }
 
 /// `count` of these numbers, at random.

@@ -2,6 +2,7 @@ use catamaran::Result;
 use catamaran::faer::Mat;
 use catamaran::faer::linalg::solvers::SolveLstsq;
 use catamaran::unions::K;
+use catamaran::unions::network::sum;
 
 use super::Predictor;
 use crate::dataset::Spectrum;
@@ -93,7 +94,7 @@ impl Predictor for Nearest {
         let mut best = (f32::INFINITY, *first);
         for (pair, union) in &self.pairs {
             for query in &queries {
-                let distance: f32 = pair.iter().zip(query).map(|(a, b)| (a - b) * (a - b)).sum();
+                let distance = sum(2 * K, |j| (pair[j] - query[j]) * (pair[j] - query[j]));
                 if distance < best.0 {
                     best = (distance, *union);
                 }
@@ -218,6 +219,7 @@ mod tests {
                 first: of_area(a),
                 second: of_area(b),
                 union: of_area(0.5 * a + b),
+                regions: None,
             })
             .collect()
     }
@@ -233,7 +235,7 @@ mod tests {
     fn the_nearest_pair_is_found_in_both_orders() {
         let pairs = scaled();
         let nearest = Nearest::fit(&pairs);
-        let Pair { first, second, union } = pairs[3];
+        let Pair { first, second, union, .. } = pairs[3];
         assert_eq!(nearest.predict(&second, &first).unwrap(), union);
     }
 

@@ -1,8 +1,8 @@
 use catamaran::Result;
 use catamaran::unions::SpectralUnion;
 
-use crate::dataset::{Dataset, KNOWN_IDENTITY, Spectrum};
-use crate::train::{LEAST_SHARE, Pair, TRAINED_TRIPLES, Triple};
+use crate::dataset::{Dataset, Spectrum};
+use crate::train::{LEAST_SHARE, Pair};
 
 /// What predicts the spectrum of a union from those of two parts.
 pub trait Predictor {
@@ -76,6 +76,7 @@ pub fn select(dataset: &Dataset, split: usize, knowledge: usize, remeshed: bool)
             first: samples.part1[i],
             second: samples.part2[i],
             union: samples.union[i],
+            regions: None,
         })
         .collect()
 }
@@ -83,7 +84,7 @@ pub fn select(dataset: &Dataset, split: usize, knowledge: usize, remeshed: bool)
 /// How far from associative unions are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Associativity {
-    /// Triples tested: those that were not trained on.
+    /// Triples tested; none is trained on.
     pub triples: usize,
     /// Share of them for which (1 2) 3 and 1 (2 3) are within 5 % of each other in the mean over eigenvalues.
     pub within: f64,
@@ -107,12 +108,9 @@ pub fn associativity(
 ) -> Result<Associativity> {
     let triples = &dataset.triples;
     let of_kind = (0..triples.part1.len()).filter(|&i| triples.knowledge[i] == knowledge);
-    let trained = |at: usize| knowledge == KNOWN_IDENTITY && at.is_multiple_of(TRAINED_TRIPLES);
     let (mut count, mut within, mut difference, mut error) = (0, 0, 0.0, 0.0);
-    for (_, i) in of_kind.enumerate().filter(|&(at, _)| !trained(at)) {
-        let parts = [triples.part1[i], triples.part2[i], triples.part3[i]];
-        let triple = Triple { parts, whole: triples.whole[i] };
-        let [a, b, c] = &triple.parts;
+    for i in of_kind {
+        let [a, b, c] = [&triples.part1[i], &triples.part2[i], &triples.part3[i]];
         let left = predictor.predict(&predictor.predict(a, b)?, c)?;
         let right = predictor.predict(a, &predictor.predict(b, c)?)?;
         let mean = |x: &Spectrum, y: &Spectrum| {
@@ -122,7 +120,7 @@ pub fn associativity(
         count += 1;
         within += usize::from(apart <= CLOSE);
         difference += apart;
-        error += mean(&left, &triple.whole);
+        error += mean(&left, &triples.whole[i]);
     }
     let all = f64::from(u32::try_from(count).unwrap_or(u32::MAX)).max(1.0);
     Ok(Associativity {

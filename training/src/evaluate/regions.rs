@@ -1,7 +1,6 @@
 use catamaran::Result;
-use catamaran::unions::{K, Localizer};
+use catamaran::unions::SpectralUnion;
 
-use super::Predictor;
 use crate::dataset::Dataset;
 
 /// How well regions are found on a template.
@@ -15,13 +14,12 @@ pub struct Localization {
     pub accuracy: f64,
 }
 
-/// Predicts the spectra of unions of the template's family (0), finds their regions, and compares; complete shapes are left out.
+/// Finds unions of the template's family (0) on the template, and compares; complete shapes are left out.
 ///
 /// # Errors
-/// Of spectra that are none, and of a localizer of another template.
+/// Of spectra that are none, and of a network of another template.
 pub fn localization(
-    predictor: &dyn Predictor,
-    localizer: &Localizer,
+    model: &SpectralUnion,
     dataset: &Dataset,
     split: usize,
     knowledge: usize,
@@ -31,7 +29,7 @@ pub fn localization(
     let Some(template) = dataset.templates.first() else {
         return Ok(Localization { regions: 0, intersection_over_union: 0.0, accuracy: 0.0 });
     };
-    let on = localizer.on(template.eigenfunctions.as_ref())?;
+    let on = model.localizer().on(template.eigenfunctions.as_ref())?;
     let n = template.vertices.len();
     let (mut regions, mut shares, mut accuracy) = (0, 0.0, 0.0);
     for i in 0..samples.part1.len() {
@@ -42,9 +40,9 @@ pub fn localization(
         let Some(mask) = template.mask(samples.mask_union[i]).filter(|mask| mask.len() < n) else {
             continue;
         };
-        let union = predictor.predict(&samples.part1[i], &samples.part2[i])?;
+        let found = model.locate(&[&samples.part1[i], &samples.part2[i]])?;
         let mut inside = vec![false; n];
-        for (inside, value) in inside.iter_mut().zip(on.indicator(&union[..K])?) {
+        for (inside, value) in inside.iter_mut().zip(on.indicator(&found)?) {
             *inside = value > 0.5;
         }
         let score = |region: &mut dyn Iterator<Item = usize>| {
@@ -68,4 +66,43 @@ pub fn localization(
         intersection_over_union: shares / count,
         accuracy: accuracy / count,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use catamaran::Par;
+    use catamaran::mesh::LaplacianOptions;
+    use catamaran::unions::{K, PartSpectra};
+
+    use super::*;
+    use crate::dataset::DatasetOptions;
+    use crate::families::{Family, Model};
+
+    /// Both parts of a figure of a seed that no data set has, each in another pose, are above these shares of the height.
+    #[test]
+    fn pretrained_weights_find_the_upper_half_of_a_figure() {
+        let family = Model::new(Family::Humanoid, DatasetOptions::default().vertices).unwrap();
+        let template = family.template();
+        let [bottom, top] = template.bounding_box().unwrap();
+        let height = |v: usize| (template.vertices()[v][2] - bottom[2]) / (top[2] - bottom[2]);
+        let n = template.vertices().len();
+        let between = |low, high| -> Vec<bool> {
+            (0..n).map(|v| (low..=high).contains(&height(v))).collect()
+        };
+        let parts = [between(0.7, 1.1), between(0.5, 0.8)];
+        let spectra = [0, 1].map(|pose| {
+            let shape = family.shape(77, 0, 0, pose).unwrap();
+            let spectra = PartSpectra::new(&shape, &LaplacianOptions::default()).unwrap();
+            spectra.dirichlet(&parts[pose], K).unwrap()
+        });
+        let model = SpectralUnion::pretrained().unwrap();
+        let on = model.localizer().on_mesh(template, Par::all()).unwrap();
+        let found = on.indicator(&model.locate(&[&spectra[0], &spectra[1]]).unwrap()).unwrap();
+        let inside = |v: usize| found[v] > 0.5;
+        let wanted = |v: usize| parts[0][v] || parts[1][v];
+        let count = |of: &dyn Fn(usize) -> bool| (0..n).filter(|&v| of(v)).count() as f64;
+        let both = count(&|v| inside(v) && wanted(v));
+        let either = count(&|v| inside(v) || wanted(v));
+        assert!(both > 0.85 * either, "{both} of {either}");
+    }
 }

@@ -17,6 +17,7 @@ use catamaran::{Error, Result};
 
 use field::Field;
 use sheet::Sheet;
+pub(crate) use skeleton::CARICATURE;
 use skeleton::Skeleton;
 
 /// Kinds of shapes.
@@ -114,7 +115,7 @@ impl Model {
         &self.segments
     }
 
-    /// The shape of an identity of a body type (0: A, 1: B) in one of its poses. The same arguments give the same shape.
+    /// The shape of an identity of a body type (0: A, 1: B, 2: a caricature of A) in one of its poses. The same arguments give the same shape.
     ///
     /// # Errors
     /// None that an argument could cause.

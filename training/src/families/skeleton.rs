@@ -6,6 +6,10 @@ use super::vector::{
     Rotation, Vector, about, add, compose, distance, dot, mirrored, rotate, scale, sub,
 };
 
+/// The body type whose proportions are this many times as far from those of the template as those of type A.
+pub(crate) const CARICATURE: usize = 2;
+const EXAGGERATION: f64 = 3.0;
+
 /// A bone as it is listed: in the middle, or on the side of positive x with its mirror image on the other.
 pub(super) struct Spec {
     /// Its number in the list; a bone that comes before. The first bone has itself.
@@ -93,15 +97,17 @@ impl Skeleton {
         a == b || self.bones[a].parent == b || self.bones[b].parent == a
     }
 
-    /// Random proportions of body type A (0) or B (1): tall or small, thick or thin, and every bone for itself.
+    /// Random proportions of body type A (0), B (1) or caricatures of A (2): tall or small, thick or thin, and every bone for
+    /// itself.
     pub fn proportions(&self, body: usize, rng: &mut Rng) -> Proportions {
-        let mut about_one = |spread: f64| 1.0 + spread * (2.0 * rng.uniform() - 1.0);
+        let more = if body == CARICATURE { EXAGGERATION } else { 1.0 };
+        let mut about_one = |spread: f64| 1.0 + more * spread * (2.0 * rng.uniform() - 1.0);
         let size = about_one(0.08);
         let stout = about_one(0.15);
         let specs = self.bones.iter().map(|bone| bone.spec + 1).max().unwrap_or(0);
         let own: Vec<[f64; 2]> = (0..specs).map(|_| [about_one(0.12), about_one(0.08)]).collect();
         let factors = self.bones.iter().map(|bone| {
-            let [length, radius] = if body == 0 { [1.0, 1.0] } else { bone.body_b };
+            let [length, radius] = if body == 1 { bone.body_b } else { [1.0, 1.0] };
             [size * length * own[bone.spec][0], size * radius * stout * own[bone.spec][1]]
         });
         Proportions(factors.collect())

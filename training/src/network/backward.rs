@@ -20,11 +20,33 @@ pub fn initial_parameters(sizes: &Architecture, seed: u64) -> Vec<f32> {
             Some((_, "bias")) => {}
             Some((layer, _)) if layer.ends_with("norm") => part.fill(1.0),
             Some((layer, _)) if layer.ends_with("down") => fill(limit / depth.sqrt()),
-            Some(("head", _)) => fill(0.1 * limit),
+            Some(("head" | "region" | "part.region", _)) => fill(0.1 * limit),
             _ => fill(limit),
         }
     }
     parameters
+}
+
+/// What a forward pass gives, or a gradient with respect to it, as in [`Tape`].
+#[derive(Debug, Clone)]
+pub struct Outputs<T> {
+    /// Of the eigenvalues.
+    pub output: Vec<T>,
+    /// Of the region of the union.
+    pub region: Vec<T>,
+    /// Of the regions of the parts.
+    pub part_region: Vec<T>,
+}
+
+impl<T: Number> Outputs<T> {
+    /// Zeros for `pairs` pairs.
+    pub fn new(sizes: &Architecture, pairs: usize) -> Self {
+        Self {
+            output: vec![T::ZERO; pairs * K],
+            region: vec![T::ZERO; pairs * sizes.modes],
+            part_region: vec![T::ZERO; 2 * pairs * sizes.modes],
+        }
+    }
 }
 
 /// Buffers of back-propagation.
@@ -39,13 +61,17 @@ impl<T: Number> Backward<T> {
     /// For networks of these sizes.
     pub fn new(sizes: &Architecture) -> Self {
         let gradient = vec![T::ZERO; sizes.places().len];
-        Self { gradient, transposed: vec![T::ZERO; sizes.width * (2 * sizes.hidden).max(K)] }
+        Self {
+            gradient,
+            transposed: vec![T::ZERO; sizes.width * (2 * sizes.hidden).max(K).max(sizes.modes)],
+        }
     }
 
-    /// Adds to the gradient, from that with respect to the outputs of the forward pass that filled `tape`.
-    pub fn run(&mut self, places: &Places, parameters: &[T], tape: &Tape<T>, outputs: &[T]) {
+    /// Adds to the gradient, from those with respect to what the forward pass that filled `tape` gave.
+    pub fn run(&mut self, places: &Places, parameters: &[T], tape: &Tape<T>, by: &Outputs<T>) {
         let mut normed = vec![T::ZERO; tape.normed.len()];
-        self.linear(parameters, places.head, &tape.normed, outputs, Some(&mut normed));
+        self.linear(parameters, places.head, &tape.normed, &by.output, Some(&mut normed));
+        self.linear(parameters, places.region, &tape.normed, &by.region, Some(&mut normed));
         let mut x = vec![T::ZERO; normed.len()];
         self.norm(parameters, places.norm, [&tape.unit, &tape.inverse], &normed, &mut x);
         for (layer, places) in tape.second.iter().zip(&places.second).rev() {
@@ -53,6 +79,11 @@ impl<T: Number> Backward<T> {
         }
         // The sum of both orders passes its gradient on to each.
         x.extend_from_within(..);
+        let (normed, parts) = (&tape.part_normed, &by.part_region);
+        let mut own = vec![T::ZERO; normed.len()];
+        self.linear(parameters, places.part_region, normed, parts, Some(&mut own));
+        let [unit, inverse] = [&tape.part_unit, &tape.part_inverse];
+        self.norm(parameters, places.part_norm, [unit, inverse], &own, &mut x);
         for (layer, places) in tape.first.iter().zip(&places.first).rev() {
             self.layer(places, parameters, layer, &mut x);
         }
@@ -79,7 +110,7 @@ impl<T: Number> Backward<T> {
         self.norm(parameters, places.norm, [&tape.unit, &tape.inverse], &normed, x);
     }
 
-    /// Of `y = x weights + bias`; `dx` is written.
+    /// Of `y = x weights + bias`; `dx` is added to.
     fn linear(
         &mut self,
         parameters: &[T],
@@ -98,12 +129,7 @@ impl<T: Number> Backward<T> {
         let Some(dx) = dx else { return };
         let weights = &parameters[weights.range()];
         let transposed = &mut self.transposed[..inner * columns];
-        for i in 0..inner {
-            for j in 0..columns {
-                transposed[j * inner + i] = weights[i * columns + j];
-            }
-        }
-        dx.fill(T::ZERO);
+        transpose(weights, columns, transposed);
         gemm((rows, columns, inner), dy, (columns, 1), transposed, dx);
     }
 
@@ -136,6 +162,21 @@ impl<T: Number> Backward<T> {
     }
 }
 
+/// Rows of `columns` to rows of as many as there were, square by square.
+fn transpose<T: Number>(matrix: &[T], columns: usize, transposed: &mut [T]) {
+    const SIDE: usize = 16;
+    let rows = matrix.len() / columns;
+    for first in (0..rows).step_by(SIDE) {
+        for column in (0..columns).step_by(SIDE) {
+            for j in column..columns.min(column + SIDE) {
+                for i in first..rows.min(first + SIDE) {
+                    transposed[j * rows + i] = matrix[i * columns + j];
+                }
+            }
+        }
+    }
+}
+
 fn add<T: Number>(sum: &mut [T], x: &[T]) {
     for (sum, &x) in sum.iter_mut().zip(x) {
         *sum += x;
@@ -155,9 +196,15 @@ mod tests {
         let mut tape = Tape::new(sizes, PAIRS);
         let mut rng = Rng::new(4);
         tape.features.iter_mut().for_each(|x| *x = rng.normal());
-        let weights: Vec<f64> = (0..PAIRS * K).map(|_| rng.normal()).collect();
+        let mut weights = Outputs::new(sizes, PAIRS);
+        let Outputs { output, region, part_region } = &mut weights;
+        let all = || output.iter_mut().chain(region).chain(part_region);
+        all().for_each(|x| *x = rng.normal());
         forward(sizes, &places, parameters, &mut tape);
-        let value = tape.output.iter().zip(&weights).map(|(a, b)| a * b).sum();
+        let found = tape.output.iter().chain(&tape.region).chain(&tape.part_region);
+        let Outputs { output, region, part_region } = &weights;
+        let value = found.zip(output.iter().chain(region).chain(part_region));
+        let value = value.map(|(a, b)| a * b).sum();
         let mut backward = Backward::new(sizes);
         backward.run(&places, parameters, &tape, &weights);
         (value, backward.gradient)
@@ -166,7 +213,8 @@ mod tests {
     #[test]
     fn gradients_are_those_of_finite_differences() {
         for (first_layers, second_layers) in [(1, 0), (2, 1), (0, 1), (0, 0)] {
-            let sizes = Architecture { width: 8, hidden: 12, first_layers, second_layers };
+            let sizes =
+                Architecture { width: 8, hidden: 12, first_layers, second_layers, modes: 7 };
             let mut rng = Rng::new(2);
             let mut parameters: Vec<f64> = initial_parameters(&sizes, 1)
                 .iter()
@@ -206,14 +254,16 @@ mod tests {
         single.features.copy_from_slice(&features);
         forward(&sizes, &places, &parameters, &mut single);
         let mut backward = Backward::new(&sizes);
-        backward.run(&places, &parameters, &single, &[1.0; K]);
+        let ones = Outputs { output: vec![1.0; K], ..Outputs::new(&sizes, 1) };
+        backward.run(&places, &parameters, &single, &ones);
 
         let exact: Vec<f64> = parameters.iter().map(|&x| f64::from(x)).collect();
         let mut double = Tape::<f64>::new(&sizes, 1);
         double.features = features.iter().map(|&x| f64::from(x)).collect();
         forward(&sizes, &places, &exact, &mut double);
         let mut reference = Backward::new(&sizes);
-        reference.run(&places, &exact, &double, &[1.0; K]);
+        let ones = Outputs { output: vec![1.0; K], ..Outputs::new(&sizes, 1) };
+        reference.run(&places, &exact, &double, &ones);
         let norm = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>().sqrt();
         let difference = norm(
             &mut backward.gradient.iter().zip(&reference.gradient).map(|(&a, b)| f64::from(a) - b),

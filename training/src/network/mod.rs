@@ -2,4 +2,4 @@
 
 mod backward;
 
-pub use backward::{Backward, initial_parameters};
+pub use backward::{Backward, Outputs, initial_parameters};

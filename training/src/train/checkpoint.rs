@@ -1,6 +1,7 @@
 use std::path::Path;
 
 use catamaran::io::{Array, Output, read_arrays, write_arrays};
+use catamaran::unions::Scaling;
 use catamaran::unions::network::Architecture;
 use catamaran::{Error, Result};
 
@@ -12,9 +13,9 @@ use crate::adam::Adam;
 /// # Errors
 /// [`Error::Io`]; nothing is left behind then.
 pub fn write_state(output: Output, options: &TrainOptions, state: &State) -> Result<()> {
-    let Architecture { width, hidden, first_layers, second_layers } = options.sizes;
+    let Architecture { width, hidden, first_layers, second_layers, modes } = options.sizes;
     let TrainOptions { batch, epochs, seed, .. } = *options;
-    let whole = [width, hidden, first_layers, second_layers, batch, epochs, seed as usize];
+    let whole = [width, hidden, first_layers, second_layers, modes, batch, epochs, seed as usize];
     let wide = |values: &[f32]| values.iter().map(|&x| f64::from(x)).collect::<Vec<f64>>();
     let curve = |of: fn(&Epoch) -> f64| state.history.iter().map(of).collect::<Vec<f64>>();
     write_arrays(
@@ -29,6 +30,10 @@ pub fn write_state(output: Output, options: &TrainOptions, state: &State) -> Res
             ("adam_square", Array::Vector(&wide(&state.adam.square))),
             ("training", Array::Vector(&curve(|epoch| epoch.training))),
             ("validation", Array::Vector(&curve(|epoch| epoch.validation))),
+            ("feature_mean", Array::Vector(&wide(&state.scaling.feature_mean))),
+            ("feature_deviation", Array::Vector(&wide(&state.scaling.feature_deviation))),
+            ("output_mean", Array::Vector(&wide(&state.scaling.output_mean))),
+            ("output_deviation", Array::Vector(&wide(&state.scaling.output_deviation))),
         ],
     )
 }
@@ -47,16 +52,23 @@ pub fn read_state(path: &Path) -> Result<(TrainOptions, State)> {
         Ok(arrays.vector(name)?.iter().map(|&x| x as f32).collect())
     };
     let whole =
-        <[usize; 7]>::try_from(arrays.indices("options")?).map_err(|_| broken("options"))?;
+        <[usize; 8]>::try_from(arrays.indices("options")?).map_err(|_| broken("options"))?;
     let rates = <[f64; 2]>::try_from(arrays.vector("rates")?).map_err(|_| broken("rates"))?;
-    let [width, hidden, first_layers, second_layers, batch, epochs, seed] = whole;
-    let sizes = Architecture { width, hidden, first_layers, second_layers };
+    let [width, hidden, first_layers, second_layers, modes, batch, epochs, seed] = whole;
+    let sizes = Architecture { width, hidden, first_layers, second_layers, modes };
     let options =
         TrainOptions { sizes, batch, rate: rates[0], decay: rates[1], epochs, seed: seed as u64 };
     let steps = *arrays.indices("adam_steps")?.first().ok_or_else(|| broken("adam_steps"))?;
     let adam = Adam { steps, mean: narrow("adam_mean")?, square: narrow("adam_square")? };
     let curves = arrays.vector("training")?.into_iter().zip(arrays.vector("validation")?);
     let history = curves.map(|(training, validation)| Epoch { training, validation }).collect();
-    let state = State { parameters: narrow("parameters")?, adam, best: narrow("best")?, history };
+    let scaling = Scaling {
+        feature_mean: narrow("feature_mean")?,
+        feature_deviation: narrow("feature_deviation")?,
+        output_mean: narrow("output_mean")?,
+        output_deviation: narrow("output_deviation")?,
+    };
+    let (parameters, best) = (narrow("parameters")?, narrow("best")?);
+    let state = State { parameters, adam, best, history, scaling };
     Ok((options, state))
 }

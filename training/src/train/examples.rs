@@ -1,11 +1,13 @@
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use catamaran::base::Rng;
 use catamaran::unions::network::{FEATURES, K};
-use catamaran::unions::{Question, Scaling};
-use catamaran::{Error, Result};
+use catamaran::unions::{Localizer, Question, Scaling};
+use catamaran::{Error, Par, Result};
 
-use crate::dataset::{Dataset, KNOWN_IDENTITY, Spectrum, TEST_B, TRAIN};
+use crate::cuts::id;
+use crate::dataset::{Dataset, Samples, Spectrum, TEST_B, TRAIN};
+use crate::regions::{Regions, localizer};
 
 /// The spectra of two parts and of their union.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,15 +18,17 @@ pub struct Pair {
     pub second: Spectrum,
     /// Of the union.
     pub union: Spectrum,
+    /// The numbers of all three in [`Examples::regions`], where they are known.
+    pub regions: Option<[usize; 3]>,
 }
 
-/// Unions of a part and another union, of which the first has to be predicted itself: (1, 2), 3 and 1, (2, 3).
+/// A pair of which one part is a union itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Triple {
-    /// Of the three parts.
-    pub parts: [Spectrum; 3],
-    /// Of all three.
-    pub whole: Spectrum,
+pub struct Composite {
+    /// The parts of the first part of the pair.
+    pub parts: [Spectrum; 2],
+    /// The pair.
+    pub pair: Pair,
 }
 
 /// Smaller shares of the bound are taken for this: a closed union has a first eigenvalue of zero.
@@ -32,11 +36,13 @@ pub const LEAST_SHARE: f64 = 1e-3;
 /// Logits of larger shares are taken for that of this.
 const LARGEST_SHARE: f64 = 0.999;
 
+/// How often pairs count that several shapes have, and others whose union is complete: there are few of them, and users cut at
+/// joints and middles, and want all of a shape.
+const COMMON: usize = 12;
+const COMPLETE: usize = 4;
 /// To choose among results of the training, one pair in so many is kept from it, and one union in so many.
 const VALIDATION: usize = 100;
 const VALIDATION_UNIONS: usize = 40;
-/// One triple of known shapes in two is trained on; the others test.
-pub const TRAINED_TRIPLES: usize = 2;
 
 /// Coarser meshes have larger eigenvalues, by a share that grows with them: its standard deviation at the last one.
 const DRIFT: f64 = 0.03;
@@ -55,18 +61,37 @@ impl Pair {
         };
         let union = change(&self.union, 0.0);
         let jitter = size * JITTER;
-        Self { first: change(&self.first, jitter), second: change(&self.second, jitter), union }
+        let (first, second) = (change(&self.first, jitter), change(&self.second, jitter));
+        Self { first, second, union, regions: self.regions }
+    }
+
+    /// The second part first.
+    pub fn swapped(&self) -> Self {
+        let regions = self.regions.map(|[first, second, union]| [second, first, union]);
+        Self { first: self.second, second: self.first, union: self.union, regions }
     }
 
     /// A pair whose union is known for certain: a part, or the union, with the union, or a part with itself.
     pub fn contained(&self, rng: &mut Rng) -> Self {
-        let part = if rng.sign() > 0.0 { self.first } else { self.second };
+        let which = usize::from(rng.sign() <= 0.0);
+        let part = [self.first, self.second][which];
+        let numbers = |of: [usize; 3]| self.regions.map(|own| of.map(|i| own[i]));
         // The union of a closed surface is no part.
         let proper = self.union[0] > LEAST_SHARE * part[0];
         match (3.0 * rng.uniform()) as usize {
-            0 if proper => Self { first: self.union, second: part, union: self.union },
-            1 if proper => Self { first: self.union, second: self.union, union: self.union },
-            _ => Self { first: part, second: part, union: part },
+            0 if proper => Self {
+                first: self.union,
+                second: part,
+                union: self.union,
+                regions: numbers([2, which, 2]),
+            },
+            1 if proper => Self {
+                first: self.union,
+                second: self.union,
+                union: self.union,
+                regions: numbers([2; 3]),
+            },
+            _ => Self { first: part, second: part, union: part, regions: numbers([which; 3]) },
         }
     }
 
@@ -86,65 +111,87 @@ impl Pair {
 }
 
 /// What is learnt from, and what the result is chosen by.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Examples {
-    /// Pairs to learn from.
+    /// Pairs to learn from; those that several shapes have are there [`COMMON`] times, others with a complete union [`COMPLETE`] times.
     pub training: Vec<Pair>,
-    /// Pairs to choose by.
+    /// Pairs to choose by, likewise.
     pub validation: Vec<Pair>,
-    /// Triples to learn from.
-    pub triples: Vec<Triple>,
+    /// Pairs to learn from whose first part may be predicted as well.
+    pub composites: Vec<Composite>,
+    /// Where parts and unions are.
+    pub regions: Regions,
+    /// The template that they are on.
+    pub localizer: Localizer,
 }
 
 impl Examples {
-    /// Those of data sets that are for training. What tests in one of them is left out of all.
+    /// Those of a data set that are for training.
     ///
     /// # Errors
-    /// [`Error::Argument`] when there are none.
-    pub fn new(datasets: &[Dataset]) -> Result<Self> {
-        let mut examples = Self::default();
-        let of_split = |wanted: fn(usize) -> bool| {
-            datasets.iter().flat_map(move |dataset| {
-                let samples = &dataset.samples;
-                let all = 0..samples.part1.len();
-                all.filter(move |&i| wanted(samples.split[i])).map(move |i| samples.mask_union[i])
-            })
+    /// [`Error::Argument`] when there are none, or there is no template.
+    pub fn new(dataset: &Dataset, par: Par) -> Result<Self> {
+        let none = |why: &str| Error::Argument { what: "data set", why: why.into() };
+        let template = dataset.templates.first().ok_or_else(|| none("no template"))?;
+        let mut examples = Self {
+            training: vec![],
+            validation: vec![],
+            composites: vec![],
+            regions: Regions::new(template, par)?,
+            localizer: localizer(template)?,
         };
-        let without: BTreeSet<usize> = of_split(|split| split == TEST_B).collect();
-        let unions: BTreeSet<usize> =
-            of_split(|split| split == TRAIN).filter(|union| !without.contains(union)).collect();
+        let samples = &dataset.samples;
+        let all = 0..samples.part1.len();
+        let unions = |split: usize| -> BTreeSet<usize> {
+            let own = all.clone().filter(|&i| samples.split[i] == split);
+            own.map(|i| samples.mask_union[i]).collect()
+        };
+        let without = unions(TEST_B);
+        let mut unions = unions(TRAIN);
+        unions.retain(|union| !without.contains(union));
         // Ids are hashes: those that come last are any.
         let kept: BTreeSet<usize> =
             unions.iter().rev().take(unions.len() / VALIDATION_UNIONS).copied().collect();
-        let mut count = 0;
-        for dataset in datasets {
-            let samples = &dataset.samples;
-            for i in (0..samples.part1.len()).filter(|&i| samples.split[i] == TRAIN) {
-                let (first, second) = (samples.part1[i], samples.part2[i]);
-                let pair = Pair { first, second, union: samples.union[i] };
-                count += 1;
-                if without.contains(&samples.mask_union[i]) {
-                    continue;
+        let common = common(samples);
+        let complete = id(&vec![true; template.vertices.len()]);
+        // Of each shape the last pair that makes a union.
+        let mut makers = BTreeMap::new();
+        for (count, i) in all.filter(|&i| samples.split[i] == TRAIN).enumerate() {
+            let masks = [samples.mask1[i], samples.mask2[i], samples.mask_union[i]];
+            if without.contains(&masks[2]) {
+                continue;
+            }
+            let number = |id: usize| examples.regions.number(id);
+            let regions = match masks.map(number) {
+                [Some(first), Some(second), Some(union)] => Some([first, second, union]),
+                _ => None,
+            };
+            let (first, second) = (samples.part1[i], samples.part2[i]);
+            let pair = Pair { first, second, union: samples.union[i], regions };
+            let times = match masks[2] == complete {
+                _ if common.contains(&[masks[0], masks[1]]) => COMMON,
+                true => COMPLETE,
+                false => 1,
+            };
+            if kept.contains(&masks[2]) || (count + 1) % VALIDATION == 0 {
+                examples.validation.extend(std::iter::repeat_n(pair, times));
+            } else {
+                let shape = (samples.identity[i], samples.pose[i]);
+                let orders = [(masks[0], pair), (masks[1], pair.swapped())];
+                for (part, pair) in orders {
+                    if let Some(&parts) = makers.get(&(shape, part)) {
+                        examples.composites.push(Composite { parts, pair });
+                    }
                 }
-                let chosen = kept.contains(&samples.mask_union[i]) || count % VALIDATION == 0;
-                let list = if chosen { &mut examples.validation } else { &mut examples.training };
-                list.push(pair);
+                makers.insert((shape, masks[2]), [first, second]);
+                examples.training.extend(std::iter::repeat_n(pair, times));
             }
         }
         if examples.training.is_empty() {
-            return Err(Error::Argument { what: "data set", why: "no samples to train on".into() });
+            return Err(none("no samples to train on"));
         }
         if examples.validation.is_empty() {
             examples.validation = examples.training.clone();
-        }
-        for dataset in datasets {
-            let triples = &dataset.triples;
-            let known =
-                (0..triples.part1.len()).filter(|&i| triples.knowledge[i] == KNOWN_IDENTITY);
-            for i in known.step_by(TRAINED_TRIPLES) {
-                let parts = [triples.part1[i], triples.part2[i], triples.part3[i]];
-                examples.triples.push(Triple { parts, whole: triples.whole[i] });
-            }
         }
         Ok(examples)
     }
@@ -175,6 +222,15 @@ impl Examples {
             output_deviation: deviations(&outputs),
         })
     }
+}
+
+/// Masks of the parts of pairs to train on that several shapes have.
+fn common(samples: &Samples) -> BTreeSet<[usize; 2]> {
+    let mut shapes = BTreeMap::new();
+    for i in (0..samples.part1.len()).filter(|&i| samples.split[i] == TRAIN) {
+        *shapes.entry([samples.mask1[i], samples.mask2[i]]).or_insert(0) += 1;
+    }
+    shapes.into_iter().filter(|(_, count)| *count > 1).map(|(pair, _)| pair).collect()
 }
 
 #[derive(Clone, Default)]

@@ -4,24 +4,27 @@ mod checkpoint;
 mod examples;
 
 pub use checkpoint::{read_state, write_state};
-pub use examples::{Examples, LEAST_SHARE, Pair, TRAINED_TRIPLES, Triple};
+pub use examples::{Composite, Examples, LEAST_SHARE, Pair};
+
+use std::borrow::Cow;
 
 use catamaran::base::{Pin, Rng, Team};
-use catamaran::unions::network::{Architecture, FEATURES, K, Places, Tape, forward};
+use catamaran::unions::network::{Architecture, FEATURES, K, Places, Tape, forward, quantize};
 use catamaran::unions::{Familiar, Question, Scaling, SpectralUnion};
 use catamaran::{Par, Result};
 use rayon::prelude::*;
 
-use crate::adam::{Adam, annealing, clip};
+use crate::adam::{Adam, CHUNK, annealing, clip};
 use crate::mlp::shuffled;
-use crate::network::{Backward, initial_parameters};
+use crate::network::{Backward, Outputs, initial_parameters};
+use crate::regions::{Regions, UNIT};
 
 /// How the network is trained.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrainOptions {
     /// Its sizes.
     pub sizes: Architecture,
-    /// Pairs a step, a multiple of 32.
+    /// Pairs a step, a multiple of 64.
     pub batch: usize,
     /// Largest rate of the optimiser; thesis: 2e-4.
     pub rate: f64,
@@ -36,7 +39,7 @@ pub struct TrainOptions {
 impl Default for TrainOptions {
     fn default() -> Self {
         let sizes = Architecture::default();
-        Self { sizes, batch: 64, rate: 1e-3, decay: 0.1, epochs: 40, seed: 1 }
+        Self { sizes, batch: 128, rate: 2.5e-3, decay: 0.1, epochs: 64, seed: 1 }
     }
 }
 
@@ -51,6 +54,8 @@ pub struct State {
     pub best: Vec<f32>,
     /// One an epoch.
     pub history: Vec<Epoch>,
+    /// The units of the network, which further data do not change.
+    pub scaling: Scaling,
 }
 
 /// Mean errors of one pass over the data: of logarithms of eigenvalues, so relative ones where they are small.
@@ -63,14 +68,16 @@ pub struct Epoch {
 }
 
 /// Pairs that one task works on.
-const TASK: usize = 32;
-/// Shares of the examples that are parts and what contains them, and triples; the rest are samples.
+const TASK: usize = 64;
+/// Shares of the examples that are parts and what contains them, and pairs of which one part is predicted itself; the rest are samples.
 const CONTAINED: f64 = 0.06;
-const TRIPLES: f64 = 0.02;
+const COMPOSITES: f64 = 0.06;
 /// Longest gradient.
 const CLIP: f32 = 10.0;
 /// Errors of logarithms about as large as this, and larger, count less than by their square (Fair 1974).
 const OUTLIER: f32 = 0.3;
+/// What the squared distance of a region from its prediction counts, as a share of the area of the template.
+const REGION: f64 = 0.2;
 /// Share of the training pairs that are familiar.
 const FAMILIAR: f64 = 0.995;
 
@@ -79,6 +86,10 @@ struct Worker {
     tape: Tape<f32>,
     backward: Backward<f32>,
     targets: Vec<[f32; K]>,
+    /// Of the pair in each slot.
+    regions: Vec<Option<[usize; 3]>>,
+    /// With respect to the results.
+    outputs: Outputs<f32>,
     /// Sum of absolute errors of logarithms.
     error: f64,
 }
@@ -87,9 +98,12 @@ struct Worker {
 pub struct Trainer {
     options: TrainOptions,
     examples: Examples,
-    scaling: Scaling,
     places: Places,
     state: State,
+    /// The parameters, rounded: what is trained is what a file can keep.
+    rounded: Vec<f32>,
+    /// The error of the best network on the pairs to choose by.
+    best: f64,
     workers: Vec<Worker>,
     team: Option<Team>,
 }
@@ -106,13 +120,21 @@ impl Trainer {
         par: Par,
     ) -> Result<Self> {
         options.sizes.check()?;
-        let scaling = examples.scaling()?;
+        let modes = examples.regions.modes();
+        if options.sizes.modes != modes {
+            let why = format!("{}, but regions have {modes} coefficients", options.sizes.modes);
+            return Err(catamaran::Error::Argument { what: "modes", why });
+        }
         let places = options.sizes.places();
-        let state = state.unwrap_or_else(|| {
-            let parameters = initial_parameters(&options.sizes, options.seed);
-            let adam = Adam::new(parameters.len());
-            State { best: parameters.clone(), parameters, adam, history: Vec::new() }
-        });
+        let state = match state {
+            Some(state) => state,
+            None => {
+                let parameters = initial_parameters(&options.sizes, options.seed);
+                let adam = Adam::new(parameters.len());
+                let (best, scaling) = (parameters.clone(), examples.scaling()?);
+                State { best, parameters, adam, history: Vec::new(), scaling }
+            }
+        };
         let lengths = [&state.parameters, &state.best, &state.adam.mean, &state.adam.square];
         if lengths.iter().any(|x| x.len() != places.len) {
             let why = format!("not of a network with {} parameters", places.len);
@@ -122,6 +144,8 @@ impl Trainer {
             tape: Tape::new(&options.sizes, TASK),
             backward: Backward::new(&options.sizes),
             targets: vec![[0.0; K]; TASK],
+            regions: vec![None; TASK],
+            outputs: Outputs::new(&options.sizes, TASK),
             error: 0.0,
         };
         let workers = (0..options.batch.div_ceil(TASK).max(1)).map(|_| worker()).collect();
@@ -129,7 +153,14 @@ impl Trainer {
             1 => None,
             threads => Some(Team::new(threads, Pin::No)?),
         };
-        Ok(Self { options, examples, scaling, places, state, workers, team })
+        let rounded = vec![0.0; places.len];
+        let mut trainer =
+            Self { options, examples, places, state, rounded, best: f64::INFINITY, workers, team };
+        if !trainer.state.history.is_empty() {
+            // On these examples, which may not be those that it was chosen by.
+            trainer.best = trainer.validate(true)?;
+        }
+        Ok(trainer)
     }
 
     /// Where it is.
@@ -149,7 +180,8 @@ impl Trainer {
     }
 
     fn model_with(&self, parameters: Vec<f32>, familiar: Familiar) -> Result<SpectralUnion> {
-        SpectralUnion::new(self.options.sizes, parameters, self.scaling.clone(), familiar)
+        let (scaling, localizer) = (self.state.scaling.clone(), self.examples.localizer.clone());
+        SpectralUnion::new(self.options.sizes, parameters, scaling, familiar, localizer)
     }
 
     /// One pass over the data.
@@ -160,7 +192,7 @@ impl Trainer {
         let number = self.state.history.len();
         let seed = self.options.seed.wrapping_add((number as u64 + 1) << 20);
         let mut rng = Rng::new(seed);
-        let triples = self.triples()?;
+        let composites = self.composites(&mut rng)?;
         let count = self.examples.training.len();
         let order = shuffled(count, &mut rng);
         let whole = self.workers.len() * TASK;
@@ -170,12 +202,12 @@ impl Trainer {
             let batch: Vec<usize> = batch.iter().copied().cycle().take(whole).collect();
             let time = number as f64 + (step * whole) as f64 / count as f64;
             let share = annealing(time / self.options.epochs as f64);
-            error += self.step(&batch, &triples, seed + 1 + step as u64, share)?;
+            error += self.step(&batch, &composites, seed + 1 + step as u64, share)?;
             seen += whole;
         }
-        let validation = self.validate()?;
-        let best = self.state.history.iter().map(|e| e.validation).fold(f64::INFINITY, f64::min);
-        if validation < best {
+        let validation = self.validate(false)?;
+        if validation < self.best {
+            self.best = validation;
             self.state.best.clone_from(&self.state.parameters);
         }
         let epoch = Epoch { training: error / (seen * K) as f64, validation };
@@ -184,9 +216,10 @@ impl Trainer {
     }
 
     /// One step of the optimiser, at this share of the full rate; the sum of errors. Disturbances shrink with the rate.
-    fn step(&mut self, batch: &[usize], triples: &[Pair], seed: u64, share: f64) -> Result<f64> {
-        let Self { options, examples, scaling, places, state, workers, team } = self;
-        let parameters = &state.parameters;
+    fn step(&mut self, batch: &[usize], composites: &[Pair], seed: u64, share: f64) -> Result<f64> {
+        self.round(false);
+        let Self { options, examples, places, state, rounded, workers, team, .. } = self;
+        let (parameters, scaling) = (&*rounded, &state.scaling);
         let work = |(task, worker): (usize, &mut Worker)| -> Result<()> {
             let mut rng = Rng::new(seed.wrapping_mul(1 << 10).wrapping_add(task as u64));
             for (slot, &i) in batch[task * TASK..(task + 1) * TASK].iter().enumerate() {
@@ -198,15 +231,16 @@ impl Trainer {
                 let sample = examples.training[i];
                 let pair = if chosen(CONTAINED) {
                     sample.contained(&mut rng)
-                } else if chosen(TRIPLES) && !triples.is_empty() {
-                    triples[(rng.uniform() * triples.len() as f64) as usize]
+                } else if chosen(COMPOSITES) && !composites.is_empty() {
+                    composites[(rng.uniform() * composites.len() as f64) as usize]
                 } else {
                     sample
                 };
                 let (features, logs) = pair.disturbed(share, &mut rng).example(scaling)?;
                 worker.place(slot, &features, logs);
+                worker.regions[slot] = pair.regions;
             }
-            worker.run(options, scaling, places, parameters);
+            worker.run(options, examples, scaling, places, parameters);
             Ok(())
         };
         let done: Result<Vec<()>> = match team {
@@ -217,44 +251,81 @@ impl Trainer {
         // In the order of the tasks, whoever did them.
         let (first, rest) = workers.split_at_mut(1);
         let gradient = &mut first[0].backward.gradient;
-        for worker in rest.iter() {
-            gradient.iter_mut().zip(&worker.backward.gradient).for_each(|(sum, g)| *sum += g);
+        let add = |(chunk, sum): (usize, &mut [f32])| {
+            for worker in rest.iter() {
+                let part = &worker.backward.gradient[chunk * CHUNK..];
+                sum.iter_mut().zip(part).for_each(|(sum, g)| *sum += g);
+            }
+        };
+        let (rate, decay) = ((options.rate * share) as f32, options.decay as f32);
+        let State { parameters, adam, .. } = state;
+        match team {
+            Some(team) => {
+                team.run(|| gradient.par_chunks_mut(CHUNK).enumerate().for_each(add));
+                clip(gradient, CLIP);
+                team.run(|| adam.par_step(parameters, gradient, rate, decay));
+            }
+            None => {
+                gradient.chunks_mut(CHUNK).enumerate().for_each(add);
+                clip(gradient, CLIP);
+                adam.step(parameters, gradient, rate, decay);
+            }
         }
-        clip(gradient, CLIP);
-        let rate = (options.rate * share) as f32;
-        state.adam.step(&mut state.parameters, gradient, rate, options.decay as f32);
         let error = first[0].error + rest.iter().map(|worker| worker.error).sum::<f64>();
         Ok(error)
     }
 
-    /// Unions of a part and of what the best network so far predicts for the two others.
-    fn triples(&self) -> Result<Vec<Pair>> {
-        if self.state.history.is_empty() || self.examples.triples.is_empty() {
-            return Ok(Vec::new());
+    /// Rounds the parameters, or the best ones.
+    fn round(&mut self, best: bool) {
+        let State { parameters, best: best_ones, .. } = &self.state;
+        self.rounded.copy_from_slice(if best { best_ones } else { parameters });
+        let mut parts = Vec::new();
+        let mut rest = self.rounded.as_mut_slice();
+        for (_, place) in &self.places.named {
+            let (part, behind) = rest.split_at_mut(place.range().len());
+            parts.push((place, part));
+            rest = behind;
         }
-        let familiar = Familiar::fit(&[[0.0; 2 * K]], 1.0)?;
-        let model = self.model_with(self.state.best.clone(), familiar)?;
-        let mut pairs = Vec::new();
-        for Triple { parts: [a, b, c], whole } in &self.examples.triples {
-            for (x, y, z) in [(a, b, c), (b, c, a)] {
-                let first = model.predict(x, y)?;
-                pairs.push(Pair { first, second: *z, union: *whole });
+        match &self.team {
+            Some(team) => {
+                team.run(|| parts.into_par_iter().for_each(|(place, part)| quantize(place, part)));
             }
+            None => parts.into_iter().for_each(|(place, part)| quantize(place, part)),
         }
-        Ok(pairs)
     }
 
-    /// The mean error of logarithms on the pairs to choose by.
-    fn validate(&mut self) -> Result<f64> {
-        let Self { examples, scaling, options, places, state, workers, .. } = self;
-        let worker = &mut workers[0];
+    /// Some of the composites, with what the best network so far predicts for their first parts.
+    fn composites(&self, rng: &mut Rng) -> Result<Vec<Pair>> {
+        let Self { examples, state, team, .. } = self;
+        if state.history.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut order = shuffled(examples.composites.len(), rng);
+        order.truncate((COMPOSITES * examples.training.len() as f64) as usize);
+        let familiar = Familiar::fit(&[[0.0; 2 * K]], 1.0)?;
+        let model = self.model_with(state.best.clone(), familiar)?;
+        let one = |i: usize| {
+            let Composite { parts: [a, b], pair } = &examples.composites[i];
+            Ok(Pair { first: model.predict(a, b)?, ..*pair })
+        };
+        match team {
+            Some(team) => team.run(|| order.into_par_iter().map(one).collect()),
+            None => order.into_iter().map(one).collect(),
+        }
+    }
+
+    /// The mean error of logarithms on the pairs to choose by, of the network as it is or of the best one.
+    fn validate(&mut self, best: bool) -> Result<f64> {
+        self.round(best);
+        let Self { examples, options, places, state, rounded, workers, .. } = self;
+        let (worker, scaling) = (&mut workers[0], &state.scaling);
         let mut error = 0.0;
         for pairs in examples.validation.chunks(TASK) {
             for (slot, pair) in pairs.iter().enumerate() {
                 let (features, logs) = pair.example(scaling)?;
                 worker.place(slot, &features, logs);
             }
-            forward(&options.sizes, places, &state.parameters, &mut worker.tape);
+            forward(&options.sizes, places, rounded, &mut worker.tape);
             for (slot, _) in pairs.iter().enumerate() {
                 for i in 0..K {
                     let (log, _) = worker.log(scaling, slot, i);
@@ -291,12 +362,12 @@ impl Worker {
     fn run(
         &mut self,
         options: &TrainOptions,
+        examples: &Examples,
         scaling: &Scaling,
         places: &Places,
         parameters: &[f32],
     ) {
         forward(&options.sizes, places, parameters, &mut self.tape);
-        let mut outputs = [0.0; TASK * K];
         self.error = 0.0;
         let share = 1.0 / (options.batch * K) as f32;
         for slot in 0..TASK {
@@ -304,12 +375,44 @@ impl Worker {
                 let (log, derivative) = self.log(scaling, slot, i);
                 let error = log - self.targets[slot][i];
                 let weakened = error / (OUTLIER + error.abs());
-                outputs[slot * K + i] = share * weakened * derivative;
+                self.outputs.output[slot * K + i] = share * weakened * derivative;
                 self.error += f64::from(error.abs());
             }
         }
+        self.compare_regions(&examples.regions, options.batch);
         self.backward.gradient.fill(0.0);
-        self.backward.run(places, parameters, &self.tape, &outputs);
+        self.backward.run(places, parameters, &self.tape, &self.outputs);
+    }
+
+    /// The gradient with respect to the regions.
+    fn compare_regions(&mut self, regions: &Regions, batch: usize) {
+        let modes = regions.modes();
+        let factor = (2.0 * REGION * UNIT * UNIT / batch as f64) as f32;
+        let difference = |gradient: &mut [f32], found: &[f32], wanted: &[f32]| {
+            for (gradient, (found, wanted)) in gradient.iter_mut().zip(found.iter().zip(wanted)) {
+                *gradient = factor * (found - wanted);
+            }
+        };
+        let Self { tape, outputs, .. } = self;
+        for slot in 0..TASK {
+            let [first, second] = [slot, TASK + slot].map(|row| row * modes..(row + 1) * modes);
+            let union = first.clone();
+            let Some(numbers) = self.regions[slot] else {
+                outputs.region[union].fill(0.0);
+                outputs.part_region[first].fill(0.0);
+                outputs.part_region[second].fill(0.0);
+                continue;
+            };
+            let alone = numbers.iter().all(|&number| number == numbers[2]);
+            let [a, b, whole] = numbers.map(|number| match alone {
+                true => Cow::Owned(regions.on_the_left(number)),
+                false => Cow::Borrowed(regions.coefficients(number)),
+            });
+            difference(&mut outputs.region[union.clone()], &tape.region[union], &whole);
+            let parts = &tape.part_region;
+            difference(&mut outputs.part_region[first.clone()], &parts[first], &a);
+            difference(&mut outputs.part_region[second.clone()], &parts[second], &b);
+        }
     }
 }
 

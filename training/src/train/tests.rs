@@ -1,7 +1,9 @@
 use catamaran::io::{Output, Overwrite};
 
 use super::*;
-use crate::dataset::{Dataset, Spectrum, TEST_B, TRAIN};
+use catamaran::faer::Mat;
+
+use crate::dataset::{Dataset, Spectrum, TEST_B, TRAIN, Template};
 
 /// Rectangles of height 1 that overlap to one of the widths 2 and 3: unions in closed form.
 pub fn strips(count: usize, seed: u64) -> Vec<Pair> {
@@ -16,6 +18,7 @@ pub fn strips(count: usize, seed: u64) -> Vec<Pair> {
                 first: rectangle(end),
                 second: rectangle(width - start),
                 union: rectangle(width),
+                regions: Some([0; 3]),
             }
         })
         .collect()
@@ -31,8 +34,22 @@ fn rectangle(width: f64) -> Spectrum {
     std::array::from_fn(|i| all[i])
 }
 
+/// A square with the masks 0 to 3, which all cover it.
+fn template() -> Template {
+    Template {
+        vertices: vec![[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
+        faces: vec![0, 1, 2, 0, 2, 3],
+        mirror: vec![1, 0, 3, 2],
+        mass: vec![0.5; 4],
+        eigenvalues: vec![0.0],
+        eigenfunctions: Mat::full(4, 1, 0.5_f64.sqrt()),
+        masks: (0..4).collect(),
+        mask_words: vec![15; 4],
+    }
+}
+
 fn dataset(pairs: &[Pair]) -> Dataset {
-    let mut dataset = Dataset::default();
+    let mut dataset = Dataset { templates: vec![template()], ..Dataset::default() };
     let samples = &mut dataset.samples;
     samples.part1 = pairs.iter().map(|pair| pair.first).collect();
     samples.part2 = pairs.iter().map(|pair| pair.second).collect();
@@ -48,15 +65,17 @@ fn dataset(pairs: &[Pair]) -> Dataset {
     ] {
         column.resize(pairs.len(), 0);
     }
+    samples.mask1.fill(1);
+    samples.mask2.fill(2);
     dataset
 }
 
 const SMALL: Architecture =
-    Architecture { width: 32, hidden: 32, first_layers: 1, second_layers: 1 };
+    Architecture { width: 32, hidden: 32, first_layers: 1, second_layers: 1, modes: 1 };
 
 fn trainer(par: Par) -> Trainer {
-    let examples = Examples::new(&[dataset(&strips(200, 1))]).unwrap();
-    let options = TrainOptions { sizes: SMALL, batch: 32, epochs: 10, ..TrainOptions::default() };
+    let examples = Examples::new(&dataset(&strips(200, 1)), Par::Seq).unwrap();
+    let options = TrainOptions { sizes: SMALL, batch: 64, epochs: 20, ..TrainOptions::default() };
     Trainer::new(examples, options, None, par).unwrap()
 }
 
@@ -76,7 +95,7 @@ fn unions_of_strips_are_learnt() {
     let mut trainer = trainer(Par::Seq);
     let unseen = strips(60, 7);
     let before = relative_error(&trainer.model().unwrap(), &unseen);
-    for _ in 0..10 {
+    for _ in 0..20 {
         trainer.epoch().unwrap();
     }
     let model = trainer.model().unwrap();
@@ -103,7 +122,7 @@ fn training_does_not_depend_on_threads_nor_interruptions() {
     write_state(output, &whole.options, whole.state()).unwrap();
     let (options, state) = read_state(&path).unwrap();
     assert_eq!((options, &state), (whole.options, whole.state()));
-    let examples = Examples::new(&[dataset(&strips(200, 1))]).unwrap();
+    let examples = Examples::new(&dataset(&strips(200, 1)), Par::Seq).unwrap();
     let mut resumed = Trainer::new(examples, options, Some(state), Par::Seq).unwrap();
     whole.epoch().unwrap();
     resumed.epoch().unwrap();
@@ -115,11 +134,13 @@ fn training_does_not_depend_on_threads_nor_interruptions() {
 #[test]
 fn states_of_other_networks_and_empty_data_are_refused() {
     let one = trainer(Par::Seq);
-    let examples = Examples::new(&[dataset(&strips(30, 1))]).unwrap();
-    let other = TrainOptions::default();
+    let examples = Examples::new(&dataset(&strips(30, 1)), Par::Seq).unwrap();
+    let sizes = Architecture { width: 16, ..SMALL };
+    let other = TrainOptions { sizes, ..TrainOptions::default() };
     let refused = Trainer::new(examples, other, Some(one.state().clone()), Par::Seq);
     assert!(refused.err().unwrap().to_string().starts_with("state"));
-    assert!(Examples::new(&[]).unwrap_err().to_string().starts_with("data set"));
+    let empty = Examples::new(&Dataset::default(), Par::Seq);
+    assert!(empty.unwrap_err().to_string().starts_with("data set"));
 }
 
 #[test]
@@ -137,15 +158,31 @@ fn pairs_of_known_union_are_right_and_within_the_bound() {
 }
 
 #[test]
-fn what_tests_in_one_data_set_is_left_out_of_all() {
+fn parts_that_are_unions_come_with_their_own_parts() {
+    let pairs = strips(3, 2);
+    let mut set = dataset(&pairs);
+    let samples = &mut set.samples;
+    (samples.mask1, samples.mask2, samples.mask_union) =
+        (vec![1, 3, 1], vec![2, 1, 3], vec![3, 0, 0]);
+    let examples = Examples::new(&set, Par::Seq).unwrap();
+    let parts = [pairs[0].first, pairs[0].second];
+    let found: Vec<_> = examples.composites.iter().map(|c| (c.parts, c.pair.first)).collect();
+    assert_eq!(found, [(parts, pairs[1].first), (parts, pairs[2].second)]);
+    assert_eq!(examples.composites[1].pair.regions, Some([3, 1, 0]));
+}
+
+#[test]
+fn unions_that_test_are_not_trained_on() {
     let pairs = strips(40, 5);
-    let (mut one, mut other) = (dataset(&pairs), dataset(&pairs));
-    for (i, union) in other.samples.mask_union.iter_mut().enumerate() {
+    let mut set = dataset(&pairs);
+    for (i, union) in set.samples.mask_union.iter_mut().enumerate() {
         *union = i % 4;
     }
-    one.samples.split.fill(TEST_B);
-    one.samples.mask_union.fill(2);
-    let examples = Examples::new(&[one, other]).unwrap();
+    set.samples.split[2] = TEST_B;
+    // No two pairs are of the same parts.
+    set.samples.mask1 = (0..40).collect();
+    let examples = Examples::new(&set, Par::Seq).unwrap();
     assert_eq!(examples.training.len(), 30);
-    assert!(examples.training.iter().all(|pair| *pair != pairs[2] && *pair != pairs[6]));
+    assert!(examples.training.iter().all(|pair| pair.union != pairs[2].union
+        || pairs.iter().enumerate().any(|(i, other)| i % 4 != 2 && other.first == pair.first)));
 }

@@ -53,9 +53,6 @@ pub struct Arguments {
     /// Chapter 2: other weights than those of the library.
     #[arg(long, value_name = "FILE")]
     weights: Option<PathBuf>,
-    /// Chapter 2: weights of `catamaran unions train-regions`, for tables 2.2 and 2.3.
-    #[arg(long, value_name = "FILE")]
-    regions: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]

@@ -9,7 +9,7 @@ use catamaran::Par;
 use catamaran::base::Flow;
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::LaplacianOptions;
-use catamaran::unions::{Localizer, PartSpectra, SpectralUnion};
+use catamaran::unions::{PartSpectra, SpectralUnion};
 use catamaran_bench::Result;
 use catamaran_bench::curves::Plot;
 use catamaran_bench::race::median;
@@ -108,9 +108,7 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     ));
     table_errors(report, &dataset, &model)?;
     table_associativity(report, &dataset, &model)?;
-    if let Some(path) = &arguments.regions {
-        table_regions(report, &dataset, &model, &Localizer::read(path)?)?;
-    }
+    table_regions(report, &dataset, &model)?;
     table_retrieval(report, &dataset, &model)?;
     times(report, &dataset, &model)
 }
@@ -131,7 +129,7 @@ fn generate(path: &Path) -> Result<()> {
 
 /// Table 2.1, with the baselines.
 fn table_errors(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -> Result<()> {
-    let training = Examples::new(std::slice::from_ref(dataset))?.training;
+    let training = Examples::new(dataset, Par::all())?.training;
     let perceptron = Perceptron::fit(&training, EPOCHS, SEED)?;
     let (weyl, nearest) = (Weyl::fit(&training), Nearest::fit(&training));
     let predictors: [&dyn Predictor; 5] = [model, &Minimum, &weyl, &nearest, &perceptron];
@@ -224,19 +222,14 @@ fn table_associativity(
 }
 
 /// Tables 2.2 and 2.3, which differ in the identities that were trained on.
-fn table_regions(
-    report: &mut Report,
-    dataset: &Dataset,
-    model: &SpectralUnion,
-    localizer: &Localizer,
-) -> Result<()> {
+fn table_regions(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -> Result<()> {
     report.say(
         "## Tables 2.2 and 2.3: regions on a template\n\nTrained on all known identities; in brackets the thesis' table 2.3, six identities.\n\n\
          | test | shapes | regions | IoU % | accuracy % |\n|---|---|---|---|---|",
     );
     for test in Test::all() {
         let Test { split, knowledge, remeshed } = test;
-        let found = localization(model, localizer, dataset, split, knowledge, remeshed)?;
+        let found = localization(model, dataset, split, knowledge, remeshed)?;
         if found.regions == 0 {
             continue;
         }

@@ -1,0 +1,74 @@
+use super::Place;
+
+/// Largest whole number of a quantized weight.
+const LARGEST: f32 = 127.0;
+/// From here on to twice as much, numbers of single precision are whole.
+const ROUNDING: f32 = 1.5 * (1 << 23) as f32;
+
+/// The numbers of each column of these weights that one is worth: the largest one is 127.
+pub fn column_units(weights: &[f32], columns: usize) -> Vec<f32> {
+    let mut units = vec![0.0f32; columns];
+    for row in weights.chunks_exact(columns) {
+        units.iter_mut().zip(row).for_each(|(unit, x)| *unit = unit.max(x.abs()));
+    }
+    // So small that nothing is lost, but no zero to divide by.
+    units.iter_mut().for_each(|unit| *unit = (*unit / LARGEST).max(f32::MIN_POSITIVE));
+    units
+}
+
+/// The nearest whole numbers of units, from -127 to 127.
+pub fn to_whole(weights: &[f32], units: &[f32]) -> Vec<f32> {
+    let mut whole = weights.to_vec();
+    for row in whole.chunks_exact_mut(units.len()) {
+        for (x, unit) in row.iter_mut().zip(units) {
+            // Adding and taking away rounds numbers below 2^22, and is done in vectors, unlike `round`.
+            *x = ((*x / unit).clamp(-LARGEST, LARGEST) + ROUNDING) - ROUNDING;
+        }
+    }
+    whole
+}
+
+/// Back from whole numbers.
+pub fn from_whole(whole: &mut [f32], units: &[f32]) {
+    for row in whole.chunks_exact_mut(units.len()) {
+        row.iter_mut().zip(units).for_each(|(x, unit)| *x *= unit);
+    }
+}
+
+/// Whether these parameters are kept as whole numbers: the matrices, which are nearly all there is.
+pub fn is_quantized(place: &Place) -> bool {
+    place.rows > 1
+}
+
+/// The parameters of a place as a file keeps them: weights rounded to one of 255 numbers for each column, others as they are.
+pub fn quantize(place: &Place, part: &mut [f32]) {
+    if is_quantized(place) {
+        let units = column_units(part, place.columns);
+        part.copy_from_slice(&to_whole(part, &units));
+        from_whole(part, &units);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Rng;
+
+    #[test]
+    fn weights_are_kept_to_half_a_unit_of_their_column() {
+        let mut rng = Rng::new(6);
+        let columns = 5;
+        let weights: Vec<f32> =
+            (0..40).map(|at| (rng.normal() * 10f64.powi((at % columns) as i32)) as f32).collect();
+        let units = column_units(&weights, columns as usize);
+        let mut whole = to_whole(&weights, &units);
+        assert!(whole.iter().all(|x| x.abs() <= 127.0 && x.fract() == 0.0));
+        let kept = whole.clone();
+        from_whole(&mut whole, &units);
+        for (at, (x, y)) in whole.iter().zip(&weights).enumerate() {
+            assert!((x - y).abs() <= 0.5001 * units[at % columns as usize], "{at}: {x} {y}");
+        }
+        assert_eq!(to_whole(&whole, &units), kept);
+        assert!(column_units(&[0.0; 4], 2).iter().all(|unit| *unit > 0.0));
+    }
+}
