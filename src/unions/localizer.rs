@@ -6,8 +6,8 @@ use crate::dense;
 use crate::mesh::{LaplacianOptions, TriMesh, laplacian};
 use crate::sparse::{EigenOptions, eigs};
 
-/// The template on which [`SpectralUnion::locate`](super::SpectralUnion::locate) finds regions, as coefficients of its eigenfunctions
-/// (thesis, section 2.6.2, but for the coefficients: docs/decisions/0026).
+/// The template on which [`SpectralUnion::locate`](super::SpectralUnion::locate) finds regions, as coefficients of its
+/// eigenfunctions (thesis, section 2.6.2, but for the coefficients: docs/decisions/0026).
 ///
 /// Eigenfunctions have no sign of their own, and others that span the same space do as well. So the values that
 /// those of the training have at some vertices, the anchors, are kept, and [`Localizer::on`] turns others into these.
@@ -132,8 +132,8 @@ pub struct LocalizerOn {
 }
 
 impl LocalizerOn {
-    /// For each vertex about 1 inside of the region with these coefficients and 0 outside; the region is what is above 1/2. Mirror
-    /// images have the same spectrum, and one of them is found.
+    /// For each vertex about 1 inside of the region with these coefficients and 0 outside; the region is what is above 1/2.
+    /// Mirror images have the same spectrum, and one of them is found.
     ///
     /// # Errors
     /// [`Error::Shape`] unless there is a coefficient for each eigenfunction.

@@ -255,8 +255,8 @@ impl SpectralUnion {
         rest.iter().try_fold(first, |union, part| self.predict(&union, part))
     }
 
-    /// Where the union of any number of parts is on the template: coefficients in its eigenfunctions, which [`Localizer::on_mesh`]
-    /// makes a function of. The order of the parts does not matter, as in [`SpectralUnion::predict_all`].
+    /// Where the union of any number of parts is on the template: coefficients in its eigenfunctions, which
+    /// [`Localizer::on_mesh`] makes a function of. The order of the parts does not matter, as in [`SpectralUnion::predict_all`].
     ///
     /// # Errors
     /// As [`SpectralUnion::predict_all`].

@@ -13,7 +13,7 @@ use crate::dataset::Template;
 /// Anchors for each eigenfunction.
 const ANCHORS: usize = 2;
 
-/// Typical size of a coefficient, in units of the coefficient of the complete shape: the network learns numbers of about the size 1.
+/// Typical size of a coefficient, in units of that of the complete shape: the network learns numbers of about the size 1.
 pub const UNIT: f64 = 1.0 / 16.0;
 
 /// The regions of a template.
@@ -32,6 +32,9 @@ pub struct Regions {
 
 impl Regions {
     /// Those of all masks of the template. The result does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// When threads can't be had.
     pub fn new(template: &Template, par: Par) -> Result<Self> {
         let functions = &template.eigenfunctions;
         let modes = functions.ncols();

@@ -151,8 +151,8 @@ impl<T: Number> Tape<T> {
     }
 }
 
-/// From `tape.features` to `tape.output` and the regions. Swapping the two spectra of a pair leaves output and region of the union as they
-/// are, bit for bit: the first part runs on both orders, and the two results are added.
+/// From `tape.features` to `tape.output` and the regions. Swapping the two spectra of a pair leaves output and region of the
+/// union as they are, bit for bit: the first part runs on both orders, and the two results are added.
 ///
 /// # Panics
 /// When `tape` or `parameters` are of another architecture.

@@ -57,16 +57,16 @@ mod tests {
     #[test]
     fn weights_are_kept_to_half_a_unit_of_their_column() {
         let mut rng = Rng::new(6);
-        let columns = 5;
+        const COLUMNS: usize = 5;
         let weights: Vec<f32> =
-            (0..40).map(|at| (rng.normal() * 10f64.powi((at % columns) as i32)) as f32).collect();
-        let units = column_units(&weights, columns as usize);
+            (0..40).map(|at| (rng.normal() * 10f64.powi((at % COLUMNS) as i32)) as f32).collect();
+        let units = column_units(&weights, COLUMNS);
         let mut whole = to_whole(&weights, &units);
         assert!(whole.iter().all(|x| x.abs() <= 127.0 && x.fract() == 0.0));
         let kept = whole.clone();
         from_whole(&mut whole, &units);
         for (at, (x, y)) in whole.iter().zip(&weights).enumerate() {
-            assert!((x - y).abs() <= 0.5001 * units[at % columns as usize], "{at}: {x} {y}");
+            assert!((x - y).abs() <= 0.5001 * units[at % COLUMNS], "{at}: {x} {y}");
         }
         assert_eq!(to_whole(&whole, &units), kept);
         assert!(column_units(&[0.0; 4], 2).iter().all(|unit| *unit > 0.0));

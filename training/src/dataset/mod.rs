@@ -119,9 +119,9 @@ pub struct Samples {
     pub knowledge: Vec<usize>,
 }
 
-/// A sample to train on: never remeshed, of a known identity.
+/// A sample to train on: of a known identity or a caricature; remeshed only where parts are the shape's own.
 pub const TRAIN: usize = 0;
-/// A pose or a pair of parts that no training sample has; its union one has, in another pose, identity or pair.
+/// A pose or a pair of parts that no training sample has; its union one has, or nearly, in another pose, identity or pair.
 pub const TEST_A: usize = 1;
 /// A union that no training sample has.
 pub const TEST_B: usize = 2;

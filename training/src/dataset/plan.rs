@@ -29,7 +29,8 @@ pub struct DatasetOptions {
     /// Parts of each family.
     pub cuts: CutOptions,
     /// Further shapes to train on: the known humanoids in turn, each time in another pose and with parts of its own, half of
-    /// them remeshed; in every fourth round new caricatures. What is learnt about unions never seen comes from them. Default 768.
+    /// them remeshed; in every fourth round new caricatures. What is learnt about unions never seen comes from them.
+    /// Default 768.
     pub varied: usize,
 }
 

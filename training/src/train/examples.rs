@@ -113,7 +113,7 @@ impl Pair {
 /// What is learnt from, and what the result is chosen by.
 #[derive(Debug, Clone)]
 pub struct Examples {
-    /// Pairs to learn from; those that several shapes have are there [`COMMON`] times, others with a complete union [`COMPLETE`] times.
+    /// Pairs to learn from; those that several shapes have are there 12 times, others with a complete union 4 times.
     pub training: Vec<Pair>,
     /// Pairs to choose by, likewise.
     pub validation: Vec<Pair>,

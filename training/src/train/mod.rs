@@ -69,7 +69,8 @@ pub struct Epoch {
 
 /// Pairs that one task works on.
 const TASK: usize = 64;
-/// Shares of the examples that are parts and what contains them, and pairs of which one part is predicted itself; the rest are samples.
+/// Shares of the examples that are parts and what contains them, and pairs of which one part is predicted itself; the rest are
+/// samples.
 const CONTAINED: f64 = 0.06;
 const COMPOSITES: f64 = 0.06;
 /// Longest gradient.
