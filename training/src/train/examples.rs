@@ -38,8 +38,7 @@ const LARGEST_SHARE: f64 = 0.999;
 
 /// How often pairs count that several shapes have, and others whose union is complete: there are few of them, and users cut at
 /// joints and middles, and want all of a shape.
-const COMMON: usize = 12;
-const COMPLETE: usize = 4;
+const FAVOURED: usize = 4;
 /// To choose among results of the training, one pair in so many is kept from it, and one union in so many.
 const VALIDATION: usize = 100;
 const VALIDATION_UNIONS: usize = 40;
@@ -113,7 +112,7 @@ impl Pair {
 /// What is learnt from, and what the result is chosen by.
 #[derive(Debug, Clone)]
 pub struct Examples {
-    /// Pairs to learn from; those that several shapes have are there 12 times, others with a complete union 4 times.
+    /// Pairs to learn from; those that several shapes have and those with a complete union are there 4 times.
     pub training: Vec<Pair>,
     /// Pairs to choose by, likewise.
     pub validation: Vec<Pair>,
@@ -168,11 +167,8 @@ impl Examples {
             };
             let (first, second) = (samples.part1[i], samples.part2[i]);
             let pair = Pair { first, second, union: samples.union[i], regions };
-            let times = match masks[2] == complete {
-                _ if common.contains(&[masks[0], masks[1]]) => COMMON,
-                true => COMPLETE,
-                false => 1,
-            };
+            let favoured = masks[2] == complete || common.contains(&[masks[0], masks[1]]);
+            let times = if favoured { FAVOURED } else { 1 };
             if kept.contains(&masks[2]) || (count + 1) % VALIDATION == 0 {
                 examples.validation.extend(std::iter::repeat_n(pair, times));
             } else {
