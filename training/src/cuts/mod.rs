@@ -101,8 +101,9 @@ pub fn cuts(model: &Model, options: &CutOptions, par: Par) -> Result<Cuts> {
     let mut rng = Rng::new(crate::families::mixed(&[options.seed, 0xC075]));
     let regions = draw::regions(&surface, model.segments(), options.regions, &mut rng)?;
     let mut cuts = Cuts { masks: BTreeMap::new(), pairs: vec![], triples: vec![] };
-    pairs::of_regions(&surface, &regions, options.pairs, &mut cuts, &mut rng);
-    pairs::of_unions(&surface, &regions, options.composites, &mut cuts, &mut rng);
+    pairs::of_regions(&surface, [&regions, &regions], options.pairs, &mut cuts, &mut rng);
+    let unions: Vec<Mask> = cuts.pairs.iter().map(|pair| cuts.masks[&pair.union].clone()).collect();
+    pairs::of_regions(&surface, [&unions, &regions], options.composites, &mut cuts, &mut rng);
     pairs::by_splitting(&surface, &regions, options.splits, &mut cuts, &mut rng)?;
     triples::find(&surface, options.triples, &mut cuts, &mut rng);
     Ok(cuts)

@@ -19,42 +19,21 @@ const INSIDE: usize = 60;
 /// A part that adds less than this share of the union adds nothing.
 const LEAST_GAIN: f64 = 0.05;
 
-/// Up to `count` pairs of regions, each as it is or mirrored.
+/// Up to `count` pairs of one of `first` and one of `second`, each as it is or mirrored.
 pub(super) fn of_regions(
     surface: &Surface<'_>,
-    regions: &[Mask],
+    [first, second]: [&[Mask]; 2],
     count: usize,
     cuts: &mut Cuts,
     rng: &mut Rng,
 ) {
     let wanted = cuts.pairs.len() + count;
     for _ in 0..ATTEMPTS * count {
-        if cuts.pairs.len() == wanted || regions.len() < 2 {
+        if cuts.pairs.len() == wanted || first.is_empty() || second.is_empty() {
             break;
         }
-        let (a, b) = (below(regions.len(), rng), below(regions.len(), rng));
-        if a != b {
-            add(surface, &regions[a], &regions[b], cuts);
-        }
-    }
-}
-
-/// Up to `count` pairs of a region and the union of one of the pairs that are there, each as it is or mirrored.
-pub(super) fn of_unions(
-    surface: &Surface<'_>,
-    regions: &[Mask],
-    count: usize,
-    cuts: &mut Cuts,
-    rng: &mut Rng,
-) {
-    let wanted = cuts.pairs.len() + count;
-    let unions: Vec<Mask> = cuts.pairs.iter().map(|pair| cuts.masks[&pair.union].clone()).collect();
-    for _ in 0..ATTEMPTS * count {
-        if cuts.pairs.len() == wanted || unions.is_empty() || regions.is_empty() {
-            break;
-        }
-        let (union, region) = (below(unions.len(), rng), below(regions.len(), rng));
-        add(surface, &unions[union], &regions[region], cuts);
+        let (a, b) = (below(first.len(), rng), below(second.len(), rng));
+        add(surface, &first[a], &second[b], cuts);
     }
 }
 
