@@ -4,6 +4,7 @@ use anyhow::{Result, bail};
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::TriMesh;
 
+use super::color::ColorScale;
 use super::mesh::{Paint, Panel, Scene, View, render};
 
 /// A picture of meshes, beside what a subcommand computes.
@@ -31,6 +32,16 @@ impl PictureArgs {
     /// Draws meshes side by side: what each is painted with, and its title.
     pub fn draw(&self, output: Output, panels: &[(&TriMesh, Paint<'_>, &str)]) -> Result<()> {
         self.draw_as(output, panels, Scene::default())
+    }
+
+    /// [`PictureArgs::draw`] of values from 0 to 1, whatever the least and the largest of them are.
+    pub fn draw_shares(
+        &self,
+        output: Output,
+        panels: &[(&TriMesh, Paint<'_>, &str)],
+    ) -> Result<()> {
+        let scale = Some(ColorScale::of([0.0, 1.0].into_iter()));
+        self.draw_as(output, panels, Scene { scale, ..Scene::default() })
     }
 
     /// [`PictureArgs::draw`] with flat faces and their edges.

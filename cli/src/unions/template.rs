@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::TriMesh;
 use catamaran::mesh::io::{self as meshes, MeshFile};
 use catamaran_training::dataset::DatasetOptions;
 use catamaran_training::families::{Family, Model};
@@ -29,6 +30,10 @@ pub fn run(args: &Args) -> Result<()> {
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let output = Output::create(&args.output, overwrite)?;
     let model = Model::new(Family::Humanoid, args.vertices)?;
-    meshes::write(output, &MeshFile::from(model.template().clone()))?;
+    let template = model.template();
+    // Along y, as pictures have it; families stand along z.
+    let upright = template.vertices().iter().map(|&[x, y, z]| [x, z, -y]).collect();
+    let mesh = TriMesh::new(upright, template.faces().to_vec())?;
+    meshes::write(output, &MeshFile::from(mesh))?;
     report(format_args!("written   {}", args.output.display()))
 }
