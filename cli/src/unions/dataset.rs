@@ -17,7 +17,7 @@ use crate::report::{report, seconds};
 
 /// Generate shapes, cut parts out of them, and write the spectra of parts and of their unions.
 ///
-/// Humanoids to train on, others to test with, and three more families; see docs/algorithms/unions.md. Shapes that are done
+/// Humanoids and creatures of random bones to train on, other humanoids and three more families to test with; see docs/algorithms/unions.md. Shapes that are done
 /// stay in the folder FILE.parts until the file is there; the same command goes on from it. The same options give the same
 /// file for any number of threads.
 #[derive(clap::Args)]
@@ -52,6 +52,9 @@ pub struct Args {
     /// Further shapes to train on, each a known humanoid in another pose, with other parts than all others.
     #[arg(long, value_name = "NUMBER")]
     varied: Option<usize>,
+    /// Bodies of random bones to train on.
+    #[arg(long, value_name = "NUMBER")]
+    creatures: Option<usize>,
     /// Threads; all cores by default.
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
@@ -104,6 +107,7 @@ fn options(args: &Args) -> DatasetOptions {
         (&mut options.poses, args.poses),
         (&mut options.cuts.pairs, args.pairs),
         (&mut options.varied, args.varied),
+        (&mut options.creatures, args.creatures),
     ];
     for (option, given) in changes {
         *option = given.unwrap_or(*option);

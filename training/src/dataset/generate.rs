@@ -14,7 +14,7 @@ use catamaran::{Error, Par, Result, faer::MatRef};
 use rayon::prelude::*;
 
 use super::plan::{DatasetOptions, HeldOut, Job, Parts, jobs};
-use super::{Dataset, EIGENVALUES, Spectrum, Template, WORD, packed};
+use super::{Dataset, EIGENVALUES, Spectrum, TRAIN, Template, WORD, packed};
 use crate::cuts::{Cuts, Pair, cuts};
 use crate::families::{Family, Model, mixed};
 use crate::remesh::remove_vertices;
@@ -46,7 +46,7 @@ pub fn generate(
     let subjects = subjects(options, &jobs, par)?;
     let done = AtomicUsize::new(0);
     let one = |(number, job): (usize, &Job)| {
-        let found = shape(options, job, number, &subjects[job.family.number()], folder);
+        let found = shape(options, job, number, subjects.get(job.family.number()), folder);
         let done = 1 + done.fetch_add(1, Ordering::Relaxed);
         match progress.map(|progress| progress(done as f64 / jobs.len() as f64)) {
             Some(Flow::Cancel) => Err(Error::Cancelled),
@@ -62,7 +62,7 @@ pub fn generate(
         dataset.templates.push(template(subject, own.map(|(_, found)| found), par)?);
     }
     for (job, found) in jobs.iter().zip(&shapes) {
-        add(&mut dataset, options, job, &subjects[job.family.number()], found);
+        add(&mut dataset, options, job, subjects.get(job.family.number()), found);
     }
     Ok(dataset)
 }
@@ -91,7 +91,7 @@ fn subjects(options: &DatasetOptions, jobs: &[Job], par: Par) -> Result<Vec<Subj
         Ok(Subject { model, cuts, held_out })
     };
     // Those that are used come first.
-    Family::ALL.into_iter().filter(used).map(one).collect()
+    Family::TEMPLATED.into_iter().filter(used).map(one).collect()
 }
 
 /// What is known of a shape.
@@ -141,23 +141,31 @@ fn shape(
     options: &DatasetOptions,
     job: &Job,
     number: usize,
-    subject: &Subject,
+    subject: Option<&Subject>,
     folder: &Path,
 ) -> Result<Found> {
     let file: PathBuf = folder.join(format!("shape{number:05}.npz"));
     if file.exists() {
         return read_found(&file);
     }
-    let found = if job.parts == Parts::Common {
-        compute(options, job, subject, &subject.cuts)?
-    } else {
-        let mut own = cuts(&subject.model, &options.own_cuts(job), Par::Seq)?;
-        if job.parts == Parts::Varied {
-            subject.held_out.withhold(&mut own);
+    let found = match subject {
+        None => {
+            let creature = Model::creature(options.seed, job.identity, options.vertices)?;
+            let own = cuts(&creature, &options.own_cuts(job), Par::Seq)?;
+            compute(options, job, &creature, &own)?
         }
-        let found = compute(options, job, subject, &own)?;
-        let mask_words = found.masks.iter().flat_map(|id| packed(&own.masks[id])).collect();
-        Found { mask_words, ..found }
+        Some(subject) if job.parts == Parts::Common => {
+            compute(options, job, &subject.model, &subject.cuts)?
+        }
+        Some(Subject { model, held_out, .. }) => {
+            let mut own = cuts(model, &options.own_cuts(job), Par::Seq)?;
+            if job.parts == Parts::Varied {
+                held_out.withhold(&mut own);
+            }
+            let found = compute(options, job, model, &own)?;
+            let mask_words = found.masks.iter().flat_map(|id| packed(&own.masks[id])).collect();
+            Found { mask_words, ..found }
+        }
     };
     let mut writer = ArraysWriter::new(Output::create(&file, Overwrite::Replace)?)?;
     let rows = found.spectra.as_flattened();
@@ -188,9 +196,9 @@ fn read_found(file: &Path) -> Result<Found> {
     Ok(Found { pairs, masks, mask_words, spectra: (0..count).map(row).collect(), areas })
 }
 
-fn compute(options: &DatasetOptions, job: &Job, subject: &Subject, cuts: &Cuts) -> Result<Found> {
+fn compute(options: &DatasetOptions, job: &Job, model: &Model, cuts: &Cuts) -> Result<Found> {
     let Job { identity, body, pose, .. } = *job;
-    let mesh = subject.model.shape(options.seed, identity, body, pose)?;
+    let mesh = model.shape(options.seed, identity, body, pose)?;
     let (mesh, vertices): (TriMesh, Vec<u32>) = if job.remeshed {
         let seed = mixed(&[options.seed, identity as u64, pose as u64, 0x4E35]);
         let remeshed = remove_vertices(&mesh, REMOVED, seed)?;
@@ -202,7 +210,7 @@ fn compute(options: &DatasetOptions, job: &Job, subject: &Subject, cuts: &Cuts) 
     // Shapes are done in parallel, not the work on one.
     let settings = LaplacianOptions { par: Par::Seq, ..LaplacianOptions::default() };
     let spectra = PartSpectra::new(&mesh, &settings)?;
-    let complete = vec![true; subject.model.mirror().len()];
+    let complete = vec![true; model.mirror().len()];
     let here =
         |mask: &[bool]| -> Vec<bool> { vertices.iter().map(|&v| mask[v as usize]).collect() };
     let mut masks = Vec::new();
@@ -265,7 +273,7 @@ fn add(
     dataset: &mut Dataset,
     options: &DatasetOptions,
     job: &Job,
-    subject: &Subject,
+    subject: Option<&Subject>,
     found: &Found,
 ) {
     let Dataset { samples, shapes, triples, .. } = dataset;
@@ -283,7 +291,8 @@ fn add(
         samples.mask2.push(b);
         samples.mask_union.push(pair.union);
         samples.remeshed.push(usize::from(job.remeshed));
-        samples.split.push(subject.held_out.split(i, pair.union, job, options.poses));
+        let split = |s: &Subject| s.held_out.split(i, pair.union, job, options.poses);
+        samples.split.push(subject.map_or(TRAIN, split));
         samples.knowledge.push(job.knowledge);
     }
     if job.remeshed || job.parts != Parts::Common {
@@ -300,7 +309,7 @@ fn add(
     if !job.is_test(options.poses) {
         return;
     }
-    for triple in &subject.cuts.triples {
+    for triple in subject.iter().flat_map(|subject| &subject.cuts.triples) {
         let [a, b, c] = triple.parts.map(|id| found.spectrum(id));
         let [ab, bc] = triple.unions.map(|id| found.spectrum(id));
         triples.part1.push(a);
@@ -338,6 +347,7 @@ mod tests {
             poses: 2,
             cuts,
             varied: 1,
+            creatures: 1,
         }
     }
 
@@ -364,14 +374,36 @@ mod tests {
         let Dataset { templates, samples, .. } =
             generate(&tiny(), folder.path(), Par::all(), None).unwrap();
         let varied = (0..samples.pose.len()).filter(|&i| samples.pose[i] >= tiny().poses).count();
-        assert!(varied > 0);
-        for i in 0..samples.part1.len() {
+        let creature = Family::Creature.number();
+        assert!(varied > 0 && samples.family.contains(&creature));
+        for i in (0..samples.part1.len()).filter(|&i| samples.family[i] != creature) {
             let template = &templates[samples.family[i]];
             let [a, b, all] = [samples.mask1[i], samples.mask2[i], samples.mask_union[i]]
                 .map(|id| template.mask(id).unwrap().into_iter().collect::<BTreeSet<usize>>());
             assert_eq!(&a | &b, all);
         }
         assert_eq!(templates[0].mask(12), None);
+    }
+
+    #[test]
+    fn creatures_train_and_each_differs() {
+        let folder = tempfile::tempdir().unwrap();
+        let options = DatasetOptions { creatures: 2, others: 0, varied: 0, ..tiny() };
+        let Dataset { templates, samples, .. } =
+            generate(&options, folder.path(), Par::all(), None).unwrap();
+        assert_eq!(templates.len(), 1);
+        let creature = Family::Creature.number();
+        let own = |identity: usize| -> Vec<usize> {
+            let is = |i: &usize| samples.family[*i] == creature && samples.identity[*i] == identity;
+            (0..samples.family.len()).filter(is).collect()
+        };
+        for identity in 0..2 {
+            assert!(!own(identity).is_empty());
+            assert!(own(identity).iter().all(|&i| samples.split[i] == TRAIN));
+            assert!(own(identity).iter().all(|&i| samples.remeshed[i] == identity));
+        }
+        let unions = |identity| own(identity).into_iter().map(|i| samples.mask_union[i]);
+        assert!(unions(0).all(|union| unions(1).all(|other| other != union)));
     }
 
     #[test]

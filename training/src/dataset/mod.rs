@@ -22,7 +22,7 @@ pub const EIGENVALUES: usize = 20;
 /// `triples_whole`, and `template0_vertices` for the template of family 0.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Dataset {
-    /// One a family, in the order of their numbers (see [`Samples::family`]).
+    /// One a family, in the order of their numbers (see [`Samples::family`]); none of creatures.
     pub templates: Vec<Template>,
     /// Pairs of parts of one shape, with their union.
     pub samples: Samples,
@@ -97,7 +97,7 @@ pub struct Samples {
     pub union: Vec<Spectrum>,
     /// Areas of first part, second part and union, n x 3.
     pub areas: Vec<[f64; 3]>,
-    /// Family: 0 humanoids, 1 quadrupeds, 2 headphones, 3 sheets.
+    /// Family: 0 humanoids, 1 quadrupeds, 2 headphones, 3 sheets, 4 creatures (to train on).
     pub family: Vec<usize>,
     /// Identity, numbered from 0 in its family.
     pub identity: Vec<usize>,
@@ -119,7 +119,7 @@ pub struct Samples {
     pub knowledge: Vec<usize>,
 }
 
-/// A sample to train on: of a known identity or a caricature; remeshed only where parts are the shape's own.
+/// A sample to train on: of a known identity, a caricature or a creature; remeshed only where parts are the shape's own.
 pub const TRAIN: usize = 0;
 /// A pose or a pair of parts that no training sample has; its union one has, or nearly, in another pose, identity or pair.
 pub const TEST_A: usize = 1;

@@ -30,8 +30,11 @@ pub struct DatasetOptions {
     pub cuts: CutOptions,
     /// Further shapes to train on: the known humanoids in turn, each time in another pose and with parts of its own, half of
     /// them remeshed; in every fourth round new caricatures. What is learnt about unions never seen comes from them.
-    /// Default 768.
+    /// Default 1280.
     pub varied: usize,
+    /// Creatures to train on, half of them remeshed: what is learnt about shapes of families never seen comes from them.
+    /// Default 320.
+    pub creatures: usize,
 }
 
 impl Default for DatasetOptions {
@@ -45,7 +48,8 @@ impl Default for DatasetOptions {
             others: 2,
             poses: 2,
             cuts,
-            varied: 768,
+            varied: 1280,
+            creatures: 320,
         }
     }
 }
@@ -63,17 +67,22 @@ impl DatasetOptions {
             poses: 2,
             cuts,
             varied: 8,
+            creatures: 4,
             ..Self::default()
         }
     }
 
     /// How a shape is cut that has parts of its own.
     pub(super) fn own_cuts(&self, job: &Job) -> CutOptions {
-        let seed =
-            mixed(&[self.seed, self.cuts.seed, job.identity as u64, job.pose as u64, 0x0C75]);
+        let mut seeds =
+            vec![self.seed, self.cuts.seed, job.identity as u64, job.pose as u64, 0x0C75];
+        if job.parts == Parts::Creature {
+            seeds.push(job.family as u64);
+        }
+        let seed = mixed(&seeds);
         let CutOptions { regions, pairs, splits, .. } = self.cuts;
         match job.parts {
-            Parts::Fresh => CutOptions {
+            Parts::Fresh | Parts::Creature => CutOptions {
                 regions: regions / 2,
                 pairs: pairs / 2,
                 composites: pairs / 4,
@@ -81,7 +90,7 @@ impl DatasetOptions {
                 triples: 0,
                 seed,
             },
-            _ => CutOptions {
+            Parts::Common | Parts::Varied => CutOptions {
                 regions,
                 pairs: 2 * pairs,
                 composites: 2 * pairs,
@@ -104,6 +113,7 @@ impl DatasetOptions {
             ("splits", self.cuts.splits, 0),
             ("triples", self.cuts.triples, 0),
             ("varied", self.varied, 0),
+            ("creatures", self.creatures, 0),
         ];
         for (what, value, least) in ranges {
             if !(least..=10_000).contains(&value) {
@@ -136,6 +146,8 @@ pub(super) enum Parts {
     Fresh,
     /// Its own, to train on.
     Varied,
+    /// Its own, on a template of its own, to train on.
+    Creature,
 }
 
 impl Job {
@@ -143,7 +155,7 @@ impl Job {
     pub fn is_test(&self, poses: usize) -> bool {
         let last = poses > 1 && self.pose + 1 == poses;
         match self.parts {
-            Parts::Varied => false,
+            Parts::Varied | Parts::Creature => false,
             Parts::Fresh => true,
             Parts::Common => {
                 let held_out = last && self.identity.is_multiple_of(HELD_OUT_POSES);
@@ -168,11 +180,12 @@ const CARICATURES: usize = 4;
 /// Identities from here on are those of caricatures.
 const FIRST_CARICATURE: usize = 100_000;
 
-/// The shapes, in the order in which the data set has them: humanoids first, the varied ones last.
+/// The shapes, in the order in which the data set has them: humanoids first, then the other families, the varied ones and
+/// creatures.
 pub(super) fn jobs(options: &DatasetOptions) -> Vec<Job> {
     let DatasetOptions { known, unknown, .. } = *options;
     let mut jobs = Vec::new();
-    for family in Family::ALL {
+    for family in Family::TEMPLATED {
         let identities = match family {
             Family::Humanoid => known + 2 * unknown,
             _ => options.others,
@@ -216,6 +229,15 @@ pub(super) fn jobs(options: &DatasetOptions) -> Vec<Job> {
             parts: Parts::Varied,
         });
     }
+    jobs.extend((0..options.creatures).map(|identity| Job {
+        family: Family::Creature,
+        identity,
+        body: 0,
+        pose: 0,
+        knowledge: KNOWN_IDENTITY,
+        remeshed: identity % 2 == 1,
+        parts: Parts::Creature,
+    }));
     jobs
 }
 
@@ -266,7 +288,7 @@ impl HeldOut {
     /// What the pair of this number and union is for, of a shape.
     pub fn split(&self, pair: usize, union: usize, job: &Job, poses: usize) -> usize {
         match job.parts {
-            Parts::Varied => TRAIN,
+            Parts::Varied | Parts::Creature => TRAIN,
             Parts::Fresh if self.nearly_complete.contains(&union) => TEST_A,
             Parts::Fresh => TEST_B,
             Parts::Common => match self.splits[pair] {

@@ -4,6 +4,7 @@
 //! of every shape.
 
 mod bodies;
+mod creatures;
 mod field;
 mod isosurface;
 mod sheet;
@@ -12,13 +13,13 @@ mod vector;
 mod weights;
 
 use catamaran::base::Rng;
-use catamaran::mesh::TriMesh;
+use catamaran::mesh::{Components, TriMesh};
 use catamaran::{Error, Result};
 
 use field::Field;
 use sheet::Sheet;
 pub(crate) use skeleton::CARICATURE;
-use skeleton::Skeleton;
+use skeleton::{Skeleton, Spec};
 
 /// Kinds of shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,11 +32,14 @@ pub enum Family {
     Headphones,
     /// Folded sheets, with a boundary.
     Sheet,
+    /// Bodies of random bones. Every one has a template of its own: see [`Model::creature`].
+    Creature,
 }
 
 impl Family {
-    /// All, in the order of their numbers.
-    pub const ALL: [Self; 4] = [Self::Humanoid, Self::Quadruped, Self::Headphones, Self::Sheet];
+    /// Those whose shapes share a template, in the order of their numbers.
+    pub const TEMPLATED: [Self; 4] =
+        [Self::Humanoid, Self::Quadruped, Self::Headphones, Self::Sheet];
 
     /// Its number in data sets.
     pub fn number(self) -> usize {
@@ -43,7 +47,7 @@ impl Family {
     }
 }
 
-/// A family with its template.
+/// A family, or one creature, with its template.
 #[derive(Debug, Clone)]
 pub struct Model {
     family: Family,
@@ -64,18 +68,46 @@ impl Model {
     /// The family with a template of about so many vertices: at least 500, that limbs may be thicker than triangles are long.
     ///
     /// # Errors
-    /// [`Error::Argument`] for fewer vertices, or more than a million.
+    /// [`Error::Argument`] for fewer vertices, or more than a million, and for creatures, which have no common template.
     pub fn new(family: Family, vertices: usize) -> Result<Self> {
-        if !(500..=1_000_000).contains(&vertices) {
-            let why = format!("{vertices}, not from 500 to 1000000");
-            return Err(Error::Argument { what: "vertices", why });
-        }
         let (specs, smoothness): (&[_], _) = match family {
             Family::Humanoid => (&bodies::HUMANOID, 0.012),
             Family::Quadruped => (&bodies::QUADRUPED, 0.012),
             Family::Headphones => (&bodies::HEADPHONES, 0.006),
             Family::Sheet => return Self::sheet(vertices),
+            Family::Creature => {
+                let why = "creatures have no common template".into();
+                return Err(Error::Argument { what: "family", why });
+            }
         };
+        Self::rigged(family, specs, smoothness, vertices)
+    }
+
+    /// A creature of so many vertices, as [`new`](Self::new). The same seed and number give the same creature.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); [`Error::Mesh`] if none of a few attempts gives a surface.
+    pub fn creature(seed: u64, number: usize, vertices: usize) -> Result<Self> {
+        let attempt = |attempt: u64| {
+            let seed = mixed(&[seed, Family::Creature as u64, number as u64, attempt, 0xB0DE]);
+            let specs = creatures::specs(vertices, &mut Rng::new(seed));
+            let model = Self::rigged(Family::Creature, &specs, creatures::SMOOTHNESS, vertices)?;
+            match Components::new(&model.template).len() {
+                1 => Ok(model),
+                pieces => Err(Error::Mesh {
+                    what: format!("{pieces} pieces"),
+                    element: format!("creature {number}"),
+                }),
+            }
+        };
+        (1..ATTEMPTS).fold(attempt(0), |found, next| match found {
+            Err(Error::Mesh { .. }) => attempt(next),
+            found => found,
+        })
+    }
+
+    fn rigged(family: Family, specs: &[Spec], smoothness: f64, vertices: usize) -> Result<Self> {
+        check(vertices)?;
         let skeleton = Skeleton::new(specs);
         let field = Field::new(&skeleton, smoothness);
         let isosurface::Symmetric { mesh, mirror } = isosurface::surface(&field, vertices)?;
@@ -89,6 +121,7 @@ impl Model {
     }
 
     fn sheet(vertices: usize) -> Result<Self> {
+        check(vertices)?;
         let sheet = Sheet::new(vertices);
         let (template, mirror) = sheet.template()?;
         let segments = sheet.segments();
@@ -135,6 +168,17 @@ impl Model {
         };
         TriMesh::new(positions, self.template.faces().to_vec())
     }
+}
+
+/// Attempts for a creature: thin limbs that nearly touch may leave no surface.
+const ATTEMPTS: u64 = 20;
+
+fn check(vertices: usize) -> Result<()> {
+    if !(500..=1_000_000).contains(&vertices) {
+        let why = format!("{vertices}, not from 500 to 1000000");
+        return Err(Error::Argument { what: "vertices", why });
+    }
+    Ok(())
 }
 
 /// One seed of several numbers (the finaliser of SplitMix64, Steele et al. 2014).

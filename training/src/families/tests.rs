@@ -9,7 +9,7 @@ const VERTICES: usize = 1500;
 
 #[test]
 fn templates_are_their_own_mirror_images() {
-    for family in Family::ALL {
+    for family in Family::TEMPLATED {
         let model = Model::new(family, VERTICES).unwrap();
         let (mesh, mirror) = (model.template(), model.mirror());
         for (v, &m) in mirror.iter().enumerate() {
@@ -30,7 +30,7 @@ fn templates_are_their_own_mirror_images() {
 
 #[test]
 fn templates_are_surfaces_of_one_piece_of_about_the_size_asked_for() {
-    for family in Family::ALL {
+    for family in Family::TEMPLATED {
         for vertices in [VERTICES, 2 * VERTICES] {
             let mesh = Model::new(family, vertices).unwrap().template().clone();
             let found = mesh.vertices().len() as f64;
@@ -73,7 +73,7 @@ fn at_rest_with_its_own_proportions_the_template_stays() {
 
 #[test]
 fn shapes_follow_from_their_numbers_and_poses_keep_lengths_about() {
-    for family in Family::ALL {
+    for family in Family::TEMPLATED {
         let model = Model::new(family, VERTICES).unwrap();
         let shape = |seed, identity, body, pose| model.shape(seed, identity, body, pose).unwrap();
         assert_eq!(shape(1, 2, 0, 3), shape(1, 2, 0, 3));
@@ -97,6 +97,27 @@ fn folds_are_isometric() {
             |mesh: &TriMesh| distance(mesh.vertices()[a as usize], mesh.vertices()[b as usize]);
         assert!((length(&one) / length(&other) - 1.0).abs() < 0.02);
     }
+}
+
+#[test]
+fn creatures_are_surfaces_of_one_piece_and_their_own_mirror_images() {
+    for number in 0..6 {
+        let creature = Model::creature(3, number, VERTICES).unwrap();
+        let (mesh, mirror) = (creature.template(), creature.mirror());
+        assert_eq!(mesh, Model::creature(3, number, VERTICES).unwrap().template());
+        let found = mesh.vertices().len() as f64;
+        assert!((0.8..1.25).contains(&(found / VERTICES as f64)), "{number}: {found}");
+        for (v, &m) in mirror.iter().enumerate() {
+            assert_eq!(mesh.vertices()[m as usize], mirrored(mesh.vertices()[v]).map(|x| x + 0.0));
+        }
+        let edges = Edges::new(mesh);
+        edges.require_manifold().unwrap();
+        assert_eq!((edges.boundary().count(), Components::new(mesh).len()), (0, 1));
+        let posed = creature.shape(1, number, 0, 0).unwrap();
+        assert!((0.4..2.5).contains(&(posed.area() / mesh.area())), "{number}");
+    }
+    let common = Model::new(Family::Creature, VERTICES).unwrap_err();
+    assert!(matches!(common, Error::Argument { what: "family", .. }));
 }
 
 #[test]

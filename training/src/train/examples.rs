@@ -172,7 +172,7 @@ impl Examples {
             if kept.contains(&masks[2]) || (count + 1) % VALIDATION == 0 {
                 examples.validation.extend(std::iter::repeat_n(pair, times));
             } else {
-                let shape = (samples.identity[i], samples.pose[i]);
+                let shape = (samples.family[i], samples.identity[i], samples.pose[i]);
                 let orders = [(masks[0], pair), (masks[1], pair.swapped())];
                 for (part, pair) in orders {
                     if let Some(&parts) = makers.get(&(shape, part)) {

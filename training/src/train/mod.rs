@@ -72,7 +72,7 @@ const TASK: usize = 64;
 /// Shares of the examples that are parts and what contains them, and pairs of which one part is predicted itself; the rest are
 /// samples.
 const CONTAINED: f64 = 0.06;
-const COMPOSITES: f64 = 0.06;
+const COMPOSITES: f64 = 0.12;
 /// Longest gradient.
 const CLIP: f32 = 10.0;
 /// Errors of logarithms about as large as this, and larger, count less than by their square (Fair 1974).

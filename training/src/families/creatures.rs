@@ -1,0 +1,98 @@
+//! Skeletons of creatures that no list has: every one has bones of its own.
+
+use std::f64::consts::TAU;
+
+use catamaran::base::Rng;
+
+use super::skeleton::Spec;
+use super::vector::{Vector, add, distance, scale};
+use crate::cuts::below;
+
+/// How wide creases between limbs are rounded, in metres.
+pub(super) const SMOOTHNESS: f64 = 0.015;
+
+/// Entries of a skeleton; those to the side are there twice.
+const ENTRIES: [usize; 2] = [2, 9];
+/// Lengths of bones, in metres.
+const LENGTHS: [f64; 2] = [0.1, 0.7];
+/// Radii, as parts of the length.
+const RADII: [f64; 2] = [0.12, 0.7];
+/// How many times as thick a bone is at its tail.
+const TAPER: [f64; 2] = [0.6, 1.15];
+/// Share of the bones that are on both sides.
+const PAIRED: f64 = 0.6;
+/// Share of the bones that begin where others end; the rest begin anywhere on them.
+const CHAINED: f64 = 0.5;
+/// Turns are up to this, either way, in radians.
+const TURN: f64 = 0.35;
+/// Radii are at least so many times the mean distance of vertices.
+const RESOLVED: f64 = 1.5;
+
+/// The bones of a creature whose surface has about `vertices` vertices.
+pub(super) fn specs(vertices: usize, rng: &mut Rng) -> Vec<Spec> {
+    let count = ENTRIES[0] + below(ENTRIES[1] - ENTRIES[0] + 1, rng);
+    let mut specs: Vec<Spec> = Vec::with_capacity(count);
+    for number in 0..count {
+        let length = between_evenly(LENGTHS, rng);
+        let parent = below(number, rng);
+        let along = if rng.uniform() < CHAINED { 1.0 } else { rng.uniform() };
+        let (head, beside, thickest) = match specs.get(parent) {
+            None => ([0.0; 3], false, f64::INFINITY),
+            Some(Spec { head, tail, radii, .. }) => {
+                let p = add(scale(1.0 - along, *head), scale(along, *tail));
+                (p, p[0] > 0.0, radii[0].max(radii[1]))
+            }
+        };
+        let paired = beside || number > 0 && rng.uniform() < PAIRED;
+        let direction = if paired { to_the_right(rng) } else { in_the_plane(rng) };
+        // Limbs are no thicker than what they are on.
+        let radius = (length * between_evenly(RADII, rng)).min(thickest);
+        let mut head = head;
+        if paired && !beside {
+            head[0] = 0.3 * thickest;
+        }
+        specs.push(Spec {
+            parent,
+            head,
+            tail: add(head, scale(length, direction)),
+            radii: [radius, radius * between_evenly(TAPER, rng)],
+            turns: if number == 0 { [[0.0; 2]; 3] } else { [[-TURN, TURN]; 3] },
+            body_b: [1.0; 2],
+        });
+    }
+    thickened(specs, vertices)
+}
+
+/// Not thinner than triangles can follow.
+fn thickened(mut specs: Vec<Spec>, vertices: usize) -> Vec<Spec> {
+    let flesh = |spec: &Spec| {
+        let sides = if spec.tail[0] > 0.0 { 2.0 } else { 1.0 };
+        let radius = 0.5 * (spec.radii[0] + spec.radii[1]);
+        sides * TAU * radius * (distance(spec.head, spec.tail) + radius)
+    };
+    let area: f64 = specs.iter().map(flesh).sum();
+    let least = RESOLVED * (area / vertices.max(1) as f64).sqrt();
+    for spec in &mut specs {
+        spec.radii = spec.radii.map(|radius| radius.max(least));
+    }
+    specs
+}
+
+/// Its logarithm is even.
+fn between_evenly([low, high]: [f64; 2], rng: &mut Rng) -> f64 {
+    low * (high / low).powf(rng.uniform())
+}
+
+/// A direction away from the plane x = 0.
+fn to_the_right(rng: &mut Rng) -> Vector {
+    let x = rng.uniform();
+    let across = (1.0 - x * x).sqrt();
+    let [_, y, z] = in_the_plane(rng);
+    [x, across * y, across * z]
+}
+
+/// A direction in the plane x = 0.
+fn in_the_plane(rng: &mut Rng) -> Vector {
+    let (sin, cos) = (TAU * rng.uniform()).sin_cos();
+    [0.0, cos, sin]
+}
