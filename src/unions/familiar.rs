@@ -7,7 +7,8 @@ use crate::dense;
 /// Numbers that a pair is judged by.
 pub(super) const JUDGED: usize = 2 * K;
 
-/// Tells pairs that are like those of the training from others, by their Mahalanobis distance from the mean.
+/// Tells pairs that are like those of the training from others: by their Mahalanobis distance from the mean, and by the doubt of
+/// the network.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Familiar {
     pub(super) mean: Vec<f32>,
@@ -15,14 +16,19 @@ pub struct Familiar {
     pub(super) whitening: Vec<f32>,
     /// Distance that few pairs of the training exceed.
     pub(super) limit: f32,
+    /// Doubt that few of them exceed.
+    pub(super) doubt_limit: f32,
 }
+
+/// Smaller doubts are none.
+const LEAST_DOUBT: f32 = 0.05;
 
 /// Added to variances of logarithms of eigenvalues: what is below 0.1 % is noise of the discretisation.
 const NOISE: f64 = 1e-6;
 
 impl Familiar {
     /// From the symmetric features ([`Question::symmetric`](super::Question::symmetric)) of all pairs of the training, of
-    /// which the share `within` shall be familiar.
+    /// which the share `within` shall be familiar. Doubts do not count yet.
     ///
     /// # Errors
     /// [`Error::Argument`] for no pairs, a share outside [0, 1], or features that are not finite.
@@ -51,16 +57,32 @@ impl Familiar {
                 .map(|at| whitening[(at / JUDGED, at % JUDGED)] as f32)
                 .collect(),
             limit: 1.0,
+            doubt_limit: 1.0,
         };
-        let mut distances: Vec<f64> = pairs.iter().map(|pair| found.distance(pair)).collect();
-        distances.sort_unstable_by(f64::total_cmp);
-        let last = (within * (count - 1.0)).round() as usize;
-        found.limit = (distances[last] as f32).max(f32::MIN_POSITIVE);
+        let distances = pairs.iter().map(|pair| found.distance(pair)).collect();
+        found.limit = (quantile(distances, within) as f32).max(f32::MIN_POSITIVE);
         Ok(found)
     }
 
-    /// The distance of a pair, in units of the limit: above 1 it is unlike those of the training.
-    pub(super) fn distance(&self, pair: &[f64; JUDGED]) -> f64 {
+    /// Lets doubts count, given those of some pairs like those of the training
+    /// ([`SpectralUnion::doubt`](super::SpectralUnion::doubt)), of which the share `within` shall be familiar; as it is for no pairs.
+    ///
+    /// # Panics
+    /// For a share outside [0, 1].
+    pub fn with_doubts(self, doubts: Vec<f64>, within: f64) -> Self {
+        if doubts.is_empty() {
+            return self;
+        }
+        Self { doubt_limit: (quantile(doubts, within) as f32).max(LEAST_DOUBT), ..self }
+    }
+
+    /// How strange a pair is; above 1 it is unlike those of the training.
+    pub(super) fn strangeness(&self, pair: &[f64; JUDGED], doubt: f64) -> f64 {
+        self.distance(pair).max(doubt / f64::from(self.doubt_limit))
+    }
+
+    /// The distance of a pair, in units of the limit.
+    fn distance(&self, pair: &[f64; JUDGED]) -> f64 {
         let centred: [f64; JUDGED] = std::array::from_fn(|j| pair[j] - f64::from(self.mean[j]));
         let squares: f64 = self
             .whitening
@@ -72,6 +94,12 @@ impl Familiar {
             .sum();
         squares.sqrt() / f64::from(self.limit)
     }
+}
+
+/// What this share of the values does not exceed.
+fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values[(share * (values.len() - 1) as f64).round() as usize]
 }
 
 #[cfg(test)]
@@ -94,6 +122,12 @@ mod tests {
         // As far from the mean as others, but across their direction.
         let across = std::array::from_fn(|j| if j % 2 == 0 { 3.0 } else { -3.0 });
         assert!(familiar.distance(&across) > 5.0);
+        // A doubt counts once it is known which ones are usual.
+        assert!(familiar.strangeness(&pairs[0], 0.9) < 1.0 + 1e-6);
+        let doubts = (0..=100).map(|i| f64::from(i) / 200.0).collect();
+        let familiar = familiar.with_doubts(doubts, 0.8);
+        let mean = std::array::from_fn(|j| f64::from(familiar.mean[j]));
+        assert!((familiar.strangeness(&mean, 0.8) - 2.0).abs() < 1e-6);
     }
 
     #[test]

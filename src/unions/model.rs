@@ -151,6 +151,7 @@ impl SpectralUnion {
             mean: values("familiar_mean", JUDGED)?,
             whitening: values("familiar_whitening", JUDGED * JUDGED)?,
             limit: values("familiar_limit", 1)?[0],
+            doubt_limit: values("doubt_limit", 1)?[0],
         };
         let localizer = Localizer::from_tensors(&tensors, modes)?;
         Self::assemble(sizes, parameters, units, scaling, familiar, localizer)
@@ -175,7 +176,7 @@ impl SpectralUnion {
         let sizes = [width, hidden, first_layers, second_layers, modes].map(|x| x as f32);
         let whole = self.localizer.whole();
         let (scaling, familiar) = (&self.scaling, &self.familiar);
-        let limit = [familiar.limit];
+        let limits = [familiar.limit, familiar.doubt_limit];
         let mut tensors: Vec<(&str, Tensor<'_>)> = vec![
             ("sizes", Tensor::new(5, &sizes)),
             ("feature_mean", Tensor::new(FEATURES, &scaling.feature_mean)),
@@ -184,7 +185,8 @@ impl SpectralUnion {
             ("output_deviation", Tensor::new(K, &scaling.output_deviation)),
             ("familiar_mean", Tensor::new(JUDGED, &familiar.mean)),
             ("familiar_whitening", Tensor::new(JUDGED, &familiar.whitening)),
-            ("familiar_limit", Tensor::new(1, &limit)),
+            ("familiar_limit", Tensor::new(1, &limits[..1])),
+            ("doubt_limit", Tensor::new(1, &limits[1..])),
         ];
         tensors.extend(self.localizer.tensors(&whole));
         let matrices = self.places.named.iter().filter(|(_, place)| is_quantized(place));
@@ -273,8 +275,23 @@ impl SpectralUnion {
         &self.localizer
     }
 
+    /// The probability that two parts are of another kind of shape than the template, among the kinds of the training.
+    ///
+    /// # Errors
+    /// As [`SpectralUnion::predict`].
+    pub fn doubt(&self, first: &[f64], second: &[f64]) -> Result<f64> {
+        Ok(self.doubt_about(&Question::new(first, second)?))
+    }
+
+    fn doubt_about(&self, question: &Question) -> f64 {
+        let logit = f64::from(self.run(question).doubt[0]);
+        // Weights that are beyond all reason give NaN.
+        if logit.is_nan() { 1.0 } else { 1.0 / (1.0 + (-logit).exp()) }
+    }
+
     /// How unlike the pairs of the training parts are, the largest of all pairs of them: the Mahalanobis distance of a pair from the
-    /// mean, in units of that which 99.5 % of the training keep. A prediction for parts above 1 is a guess.
+    /// mean or the [doubt](SpectralUnion::doubt), whichever is larger, each in units of what 99.5 % of such pairs keep. A prediction for
+    /// parts above 1 is a guess.
     ///
     /// # Errors
     /// As [`SpectralUnion::predict`].
@@ -283,7 +300,8 @@ impl SpectralUnion {
         for (i, first) in parts.iter().enumerate() {
             for second in &parts[i + 1..] {
                 let question = Question::new(first, second)?;
-                largest = largest.max(self.familiar.distance(&question.symmetric()));
+                let doubt = self.doubt_about(&question);
+                largest = largest.max(self.familiar.strangeness(&question.symmetric(), doubt));
             }
         }
         Ok(largest)

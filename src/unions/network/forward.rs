@@ -117,6 +117,8 @@ pub struct Tape<T> {
     pub output: Vec<T>,
     /// Where the union is: coefficients in eigenfunctions of a template.
     pub region: Vec<T>,
+    /// The logit of the probability that the parts are of another kind of shape than the template.
+    pub doubt: Vec<T>,
     /// What the first part gave, normalised; twice as many rows as there are pairs.
     pub part_unit: Vec<T>,
     /// One over the deviations of its rows.
@@ -143,6 +145,7 @@ impl<T: Number> Tape<T> {
             normed: vec![T::ZERO; pairs * sizes.width],
             output: vec![T::ZERO; pairs * K],
             region: vec![T::ZERO; pairs * sizes.modes],
+            doubt: vec![T::ZERO; pairs],
             part_unit: vec![T::ZERO; 2 * pairs * sizes.width],
             part_inverse: vec![T::ZERO; 2 * pairs],
             part_normed: vec![T::ZERO; 2 * pairs * sizes.width],
@@ -151,8 +154,8 @@ impl<T: Number> Tape<T> {
     }
 }
 
-/// From `tape.features` to `tape.output` and the regions. Swapping the two spectra of a pair leaves output and region of the
-/// union as they are, bit for bit: the first part runs on both orders, and the two results are added.
+/// From `tape.features` to `tape.output`, the regions and the doubt. Swapping the two spectra of a pair leaves output, region of
+/// the union and doubt as they are, bit for bit: the first part runs on both orders, and the two results are added.
 ///
 /// # Panics
 /// When `tape` or `parameters` are of another architecture.
@@ -182,4 +185,5 @@ pub fn forward<T: Number>(
     normalize(&union, norm, &mut tape.unit, &mut tape.inverse, &mut tape.normed);
     linear(&tape.normed, of(parameters, places.head), &mut tape.output);
     linear(&tape.normed, of(parameters, places.region), &mut tape.region);
+    linear(&tape.normed, of(parameters, places.doubt), &mut tape.doubt);
 }

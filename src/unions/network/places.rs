@@ -69,6 +69,8 @@ pub struct Places {
     pub head: [Place; 2],
     /// Weights and bias of the region of the union.
     pub region: [Place; 2],
+    /// Weights and bias of the doubt.
+    pub doubt: [Place; 2],
     /// Scale and shift of the normalisation after the first part.
     pub part_norm: [Place; 2],
     /// Weights and bias of the region of each part.
@@ -120,10 +122,23 @@ impl Architecture {
         let norm = list.linear("norm", 1, width);
         let head = list.linear("head", width, K);
         let region = list.linear("region", width, self.modes);
+        let doubt = list.linear("doubt", width, 1);
         let part_norm = list.linear("part.norm", 1, width);
         let part_region = list.linear("part.region", width, self.modes);
         let List { named, len } = list;
-        Places { embedding, first, second, norm, head, region, part_norm, part_region, named, len }
+        Places {
+            embedding,
+            first,
+            second,
+            norm,
+            head,
+            region,
+            doubt,
+            part_norm,
+            part_region,
+            named,
+            len,
+        }
     }
 }
 
@@ -162,7 +177,7 @@ mod tests {
             assert_eq!(next, places.len);
             assert_eq!((places.first.len(), places.second.len()), (first_layers, second_layers));
             let layer = 2 * 8 + 8 * 12 + 12 + 6 * 8 + 8;
-            let rest = 241 * 8 + 2 * 8 + 9 * 20 + 2 * 8 + 2 * 9 * 5;
+            let rest = 241 * 8 + 2 * 8 + 9 * 20 + 9 + 2 * 8 + 2 * 9 * 5;
             assert_eq!(places.len, (first_layers + second_layers) * layer + rest);
         }
     }

@@ -20,7 +20,7 @@ pub fn initial_parameters(sizes: &Architecture, seed: u64) -> Vec<f32> {
             Some((_, "bias")) => {}
             Some((layer, _)) if layer.ends_with("norm") => part.fill(1.0),
             Some((layer, _)) if layer.ends_with("down") => fill(limit / depth.sqrt()),
-            Some(("head" | "region" | "part.region", _)) => fill(0.1 * limit),
+            Some(("head" | "region" | "doubt" | "part.region", _)) => fill(0.1 * limit),
             _ => fill(limit),
         }
     }
@@ -34,6 +34,8 @@ pub struct Outputs<T> {
     pub output: Vec<T>,
     /// Of the region of the union.
     pub region: Vec<T>,
+    /// Of the doubt.
+    pub doubt: Vec<T>,
     /// Of the regions of the parts.
     pub part_region: Vec<T>,
 }
@@ -44,6 +46,7 @@ impl<T: Number> Outputs<T> {
         Self {
             output: vec![T::ZERO; pairs * K],
             region: vec![T::ZERO; pairs * sizes.modes],
+            doubt: vec![T::ZERO; pairs],
             part_region: vec![T::ZERO; 2 * pairs * sizes.modes],
         }
     }
@@ -72,6 +75,7 @@ impl<T: Number> Backward<T> {
         let mut normed = vec![T::ZERO; tape.normed.len()];
         self.linear(parameters, places.head, &tape.normed, &by.output, Some(&mut normed));
         self.linear(parameters, places.region, &tape.normed, &by.region, Some(&mut normed));
+        self.linear(parameters, places.doubt, &tape.normed, &by.doubt, Some(&mut normed));
         let mut x = vec![T::ZERO; normed.len()];
         self.norm(parameters, places.norm, [&tape.unit, &tape.inverse], &normed, &mut x);
         for (layer, places) in tape.second.iter().zip(&places.second).rev() {
@@ -197,13 +201,15 @@ mod tests {
         let mut rng = Rng::new(4);
         tape.features.iter_mut().for_each(|x| *x = rng.normal());
         let mut weights = Outputs::new(sizes, PAIRS);
-        let Outputs { output, region, part_region } = &mut weights;
-        let all = || output.iter_mut().chain(region).chain(part_region);
-        all().for_each(|x| *x = rng.normal());
+        let Outputs { output, region, doubt, part_region } = &mut weights;
+        for x in [output, region, doubt, part_region].into_iter().flatten() {
+            *x = rng.normal();
+        }
         forward(sizes, &places, parameters, &mut tape);
-        let found = tape.output.iter().chain(&tape.region).chain(&tape.part_region);
-        let Outputs { output, region, part_region } = &weights;
-        let value = found.zip(output.iter().chain(region).chain(part_region));
+        let found = [&tape.output, &tape.region, &tape.doubt, &tape.part_region];
+        let Outputs { output, region, doubt, part_region } = &weights;
+        let by = [output, region, doubt, part_region];
+        let value = found.into_iter().flatten().zip(by.into_iter().flatten());
         let value = value.map(|(a, b)| a * b).sum();
         let mut backward = Backward::new(sizes);
         backward.run(&places, parameters, &tape, &weights);

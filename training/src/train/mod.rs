@@ -9,7 +9,9 @@ pub use examples::{Composite, Examples, LEAST_SHARE, Pair};
 use std::borrow::Cow;
 
 use catamaran::base::{Pin, Rng, Team};
-use catamaran::unions::network::{Architecture, FEATURES, K, Places, Tape, forward, quantize};
+use catamaran::unions::network::{
+    Architecture, FEATURES, K, Places, Tape, forward, quantize, sigmoid,
+};
 use catamaran::unions::{Familiar, Question, Scaling, SpectralUnion};
 use catamaran::{Par, Result};
 use rayon::prelude::*;
@@ -79,7 +81,9 @@ const CLIP: f32 = 10.0;
 const OUTLIER: f32 = 0.3;
 /// What the squared distance of a region from its prediction counts, as a share of the area of the template.
 const REGION: f64 = 0.2;
-/// Share of the training pairs that are familiar.
+/// What the logarithm of the probability counts that it is told rightly whether a pair is of the template.
+const DOUBT: f64 = 0.05;
+/// Share of the pairs of the template that are familiar.
 const FAMILIAR: f64 = 0.995;
 
 /// Buffers of one task.
@@ -175,9 +179,13 @@ impl Trainer {
     /// As [`SpectralUnion::new`].
     pub fn model(&self) -> Result<SpectralUnion> {
         let symmetric = |pair: &Pair| Ok(Question::new(&pair.first, &pair.second)?.symmetric());
-        let pairs: Vec<_> = self.examples.training.iter().map(symmetric).collect::<Result<_>>()?;
+        let pairs: Vec<_> =
+            of_template(&self.examples.training).map(symmetric).collect::<Result<_>>()?;
         let familiar = Familiar::fit(&pairs, FAMILIAR)?;
-        self.model_with(self.state.best.clone(), familiar)
+        let model = self.model_with(self.state.best.clone(), familiar.clone())?;
+        let doubt = |pair: &Pair| model.doubt(&pair.first, &pair.second);
+        let doubts = of_template(&self.examples.validation).map(doubt).collect::<Result<_>>()?;
+        self.model_with(self.state.best.clone(), familiar.with_doubts(doubts, FAMILIAR))
     }
 
     fn model_with(&self, parameters: Vec<f32>, familiar: Familiar) -> Result<SpectralUnion> {
@@ -338,6 +346,11 @@ impl Trainer {
     }
 }
 
+/// Those of the template's kind.
+fn of_template(pairs: &[Pair]) -> impl Iterator<Item = &Pair> {
+    pairs.iter().filter(|pair| pair.regions.is_some())
+}
+
 impl Worker {
     fn place(&mut self, slot: usize, features: &[f32; 2 * K * FEATURES], logs: [f32; K]) {
         let half = K * FEATURES;
@@ -379,6 +392,12 @@ impl Worker {
                 self.outputs.output[slot * K + i] = share * weakened * derivative;
                 self.error += f64::from(error.abs());
             }
+        }
+        for (doubt, (found, regions)) in
+            self.outputs.doubt.iter_mut().zip(self.tape.doubt.iter().zip(&self.regions))
+        {
+            let truth = if regions.is_none() { 1.0 } else { 0.0 };
+            *doubt = (DOUBT / options.batch as f64) as f32 * (sigmoid(*found) - truth);
         }
         self.compare_regions(&examples.regions, options.batch);
         self.backward.gradient.fill(0.0);

@@ -109,6 +109,32 @@ fn unions_of_strips_are_learnt() {
 }
 
 #[test]
+fn shapes_of_another_kind_are_told_from_the_template() {
+    let interval =
+        |length: f64| -> Spectrum { std::array::from_fn(|i| ((i + 1) as f64 / length).powi(2)) };
+    let mut pairs = strips(300, 3);
+    for (i, pair) in pairs.iter_mut().enumerate().filter(|(i, _)| i % 3 == 0) {
+        let [a, b] = [i % 7, i % 11].map(|j| 1.0 + 0.1 * j as f64);
+        *pair = Pair { first: interval(a), second: interval(b), union: interval(a + b), ..*pair };
+    }
+    let mut set = dataset(&pairs);
+    // Of a mask that the template has not.
+    (0..300).step_by(3).for_each(|i| set.samples.mask_union[i] = 9);
+    let examples = Examples::new(&set, Par::Seq).unwrap();
+    let options = TrainOptions { sizes: SMALL, batch: 64, epochs: 20, ..TrainOptions::default() };
+    let mut trainer = Trainer::new(examples, options, None, Par::Seq).unwrap();
+    for _ in 0..20 {
+        trainer.epoch().unwrap();
+    }
+    let model = trainer.model().unwrap();
+    for pair in strips(30, 4) {
+        assert!(model.doubt(&pair.first, &pair.second).unwrap() < 0.2);
+        let (a, b) = (interval(1.33), interval(1.77));
+        assert!(model.doubt(&a, &b).unwrap() > 0.8 && model.strangeness(&[&a, &b]).unwrap() > 1.0);
+    }
+}
+
+#[test]
 fn training_does_not_depend_on_threads_nor_interruptions() {
     let mut whole = trainer(Par::Seq);
     let folder = tempfile::tempdir().unwrap();

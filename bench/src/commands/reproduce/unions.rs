@@ -107,6 +107,7 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
         path.file_name().unwrap_or_default().to_string_lossy()
     ));
     table_errors(report, &dataset, &model)?;
+    table_strangeness(report, &dataset, &model)?;
     table_associativity(report, &dataset, &model)?;
     table_regions(report, &dataset, &model)?;
     table_retrieval(report, &dataset, &model)?;
@@ -190,6 +191,44 @@ fn table_errors(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -
         scattered: true,
         series,
     });
+    Ok(())
+}
+
+/// How many pairs of each test are said to be strange.
+fn table_strangeness(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -> Result<()> {
+    report.say(
+        "## Strangeness\n\nPairs that are unlike those of the training, by the network's own judgement (`strangeness` above 1), and the mean \
+         relative error of these and of the others.\n\n\
+         | test | shapes | pairs | strange % | error of strange ones % | of the others % |\n|---|---|---|---|---|---|",
+    );
+    for test in Test::all() {
+        let pairs = select(dataset, test.split, test.knowledge, test.remeshed);
+        if pairs.is_empty() {
+            continue;
+        }
+        let (mut strange, mut others) = (Vec::new(), Vec::new());
+        for pair in &pairs {
+            match model.strangeness(&[&pair.first, &pair.second])? {
+                x if x > 1.0 => strange.push(*pair),
+                _ => others.push(*pair),
+            }
+        }
+        let share = 100.0 * strange.len() as f64 / pairs.len() as f64;
+        let [of_strange, of_others] = [&strange, &others].map(|pairs| match pairs.is_empty() {
+            true => Ok("-".to_owned()),
+            false => errors(model, pairs).map(|found| format!("{:.2}", 100.0 * found.relative)),
+        });
+        let (letter, shapes) = (test.letter(), test.shapes());
+        report.say(&format!(
+            "| {letter} | {shapes} | {} | {share:.1} | {} | {} |",
+            pairs.len(),
+            of_strange?,
+            of_others?
+        ));
+        let shapes = shapes.replace(',', "");
+        report.lines.push(format!("strangeness,{letter},{shapes},network,share,{share:.2}"));
+    }
+    report.say("");
     Ok(())
 }
 
