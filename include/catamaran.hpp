@@ -438,6 +438,15 @@ private:
     watcher watcher_;
 };
 
+inline cata_laplacian_params params_of(const laplacian_options& operators) {
+    cata_laplacian_params params;
+    check(cata_laplacian_params_init(&params, sizeof params));
+    params.kind = static_cast<std::int32_t>(operators.kind);
+    params.mass = static_cast<std::int32_t>(operators.mass);
+    params.boundary = static_cast<std::int32_t>(operators.boundary);
+    return params;
+}
+
 inline eigenpairs room_for(std::size_t rows, std::size_t k) {
     // More pairs than rows there never are, and the memory for them may not be.
     require(k <= rows, CATA_ERR_ARGUMENT, "k: more eigenpairs than rows");
@@ -482,11 +491,7 @@ inline eigenpairs spectrum(const std::vector<std::array<double, 3>>& positions,
     if (operators.mass != mass_kind::consistent) {
         pairs.masses.resize(rows);
     }
-    cata_laplacian_params params;
-    detail::check(cata_laplacian_params_init(&params, sizeof params));
-    params.kind = static_cast<std::int32_t>(operators.kind);
-    params.mass = static_cast<std::int32_t>(operators.mass);
-    params.boundary = static_cast<std::int32_t>(operators.boundary);
+    const cata_laplacian_params params = detail::params_of(operators);
     detail::spectrum_call call(how);
     call.finish(cata_mesh_spectrum(
         rows, positions.empty() ? nullptr : positions.front().data(), faces.size(),
@@ -495,6 +500,88 @@ inline eigenpairs spectrum(const std::vector<std::array<double, 3>>& positions,
         pairs.masses.empty() ? nullptr : pairs.masses.data(), &params, call.params()));
     return pairs;
 }
+
+/// The k smallest eigenvalues of a part of a triangle mesh, ascending: cata_part_spectrum. mask: 1 for each vertex of the
+/// part, 0 for each other.
+inline std::vector<double> part_spectrum(
+    const std::vector<std::array<double, 3>>& positions,
+    const std::vector<std::array<std::uint32_t, 3>>& faces, const std::vector<std::uint8_t>& mask,
+    std::size_t k,
+    const laplacian_options& operators = {laplacian_kind::cotangent, mass_kind::barycentric,
+                                          boundary::dirichlet},
+    std::size_t threads = 0) {
+    detail::require(mask.size() == positions.size(), CATA_ERR_SHAPE,
+                    "mask: must have a value for each vertex");
+    // More eigenvalues than vertices there never are, and the memory for them may not be.
+    detail::require(k <= positions.size(), CATA_ERR_ARGUMENT, "k: more eigenvalues than vertices");
+    const cata_laplacian_params params = detail::params_of(operators);
+    std::vector<double> values(k);
+    detail::check(cata_part_spectrum(
+        positions.size(), positions.empty() ? nullptr : positions.front().data(), faces.size(),
+        faces.empty() ? nullptr : faces.front().data(), mask.data(), k, values.data(), &params,
+        threads));
+    return values;
+}
+
+/// The network that predicts spectra of unions of parts from those of the parts. One owner; calls may run at the same time.
+class unions {
+public:
+    /// The first Dirichlet eigenvalues of a part, ascending and positive, in whatever unit.
+    using eigenvalues = std::array<double, CATA_UNION_EIGENVALUES>;
+
+    /// With the weights that come with the library.
+    unions() : handle_(made(nullptr)) {}
+
+    /// With weights of `catamaran unions train`.
+    explicit unions(const std::string& weights) : handle_(made(weights.c_str())) {}
+
+    struct prediction {
+        eigenvalues values;
+        /// Above 1 the prediction is a guess.
+        double strangeness;
+    };
+
+    /// Of the union of these parts, at least one.
+    prediction predict(const std::vector<eigenvalues>& parts) const {
+        prediction found{};
+        detail::check(cata_unions_predict(handle_.get(), parts.size(), first_of(parts),
+                                          found.values.data(), &found.strangeness));
+        return found;
+    }
+
+    /// Where the union is on the template, the mesh that `catamaran unions template` writes: for each vertex about 1
+    /// inside and 0 outside.
+    std::vector<double> locate(const std::vector<eigenvalues>& parts,
+                               const std::vector<std::array<double, 3>>& positions,
+                               const std::vector<std::array<std::uint32_t, 3>>& faces,
+                               std::size_t threads = 0) const {
+        std::vector<double> indicator(positions.size());
+        detail::check(cata_unions_locate(
+            handle_.get(), parts.size(), first_of(parts), positions.size(),
+            positions.empty() ? nullptr : positions.front().data(), faces.size(),
+            faces.empty() ? nullptr : faces.front().data(), indicator.data(), threads));
+        return indicator;
+    }
+
+    const cata_unions* get() const noexcept { return handle_.get(); }
+
+private:
+    struct free {
+        void operator()(cata_unions* handle) const noexcept { cata_unions_free(handle); }
+    };
+
+    static cata_unions* made(const char* weights) {
+        cata_unions* handle = nullptr;
+        detail::check(cata_unions_new(weights, &handle));
+        return handle;
+    }
+
+    static const double* first_of(const std::vector<eigenvalues>& parts) noexcept {
+        return parts.empty() ? nullptr : parts.front().data();
+    }
+
+    std::unique_ptr<cata_unions, free> handle_;
+};
 
 /// How columns are made orthonormal: the fields of cata_ortho_params.
 struct ortho_options {

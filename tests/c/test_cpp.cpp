@@ -2,6 +2,7 @@
 
 #include <catamaran.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <type_traits>
@@ -200,13 +201,16 @@ void slimes() {
     CHECK(status_of([&] { catamaran::slime(square, {0, 1}); }) == CATA_ERR_SHAPE);
 }
 
+const std::vector<std::array<double, 3>> octahedron{{{1, 0, 0}},  {{-1, 0, 0}}, {{0, 1, 0}},
+                                                    {{0, -1, 0}}, {{0, 0, 1}},  {{0, 0, -1}}};
+const std::vector<std::array<std::uint32_t, 3>> octants{
+    {{0, 2, 4}}, {{2, 1, 4}}, {{1, 3, 4}}, {{3, 0, 4}},
+    {{2, 0, 5}}, {{1, 2, 5}}, {{3, 1, 5}}, {{0, 3, 5}}};
+
 // An octahedron, split into many faces by resampling, and taken back.
 void decimation() {
-    const std::vector<std::array<double, 3>> positions{{{1, 0, 0}}, {{-1, 0, 0}}, {{0, 1, 0}},
-                                                       {{0, -1, 0}}, {{0, 0, 1}}, {{0, 0, -1}}};
-    const std::vector<std::array<std::uint32_t, 3>> faces{
-        {{0, 2, 4}}, {{2, 1, 4}}, {{1, 3, 4}}, {{3, 0, 4}},
-        {{2, 0, 5}}, {{1, 2, 5}}, {{3, 1, 5}}, {{0, 3, 5}}};
+    const auto& positions = octahedron;
+    const auto& faces = octants;
     catamaran::decimate_options how;
     how.resample = true;
     how.threads = 2;
@@ -237,6 +241,37 @@ void decimation() {
     CHECK(status_of([] { catamaran::decimate({}, {}, 0); }) == CATA_ERR_MESH);
 }
 
+// Two halves of an octahedron that overlap, and their union.
+void parts_and_unions() {
+    catamaran::decimate_options how;
+    how.resample = true;
+    const catamaran::decimation fine = catamaran::decimate(octahedron, octants, 402, how);
+    const auto spectrum_of = [&](double low, double high) {
+        std::vector<std::uint8_t> mask;
+        for (const auto& p : fine.positions) {
+            mask.push_back(low <= p[2] && p[2] <= high ? 1 : 0);
+        }
+        const auto found = catamaran::part_spectrum(fine.positions, fine.faces, mask,
+                                                    CATA_UNION_EIGENVALUES);
+        catamaran::unions::eigenvalues values;
+        std::copy(found.begin(), found.end(), values.begin());
+        return values;
+    };
+    const auto lower = spectrum_of(-1, 0.2), upper = spectrum_of(-0.2, 1);
+    const catamaran::unions unions;
+    const auto found = unions.predict({lower, upper});
+    for (std::size_t i = 0; i < found.values.size(); ++i) {
+        CHECK(0 < found.values[i] && found.values[i] <= std::min(lower[i], upper[i]));
+    }
+    CHECK(found.strangeness > 0);
+    CHECK(unions.predict({upper, lower}).values == found.values);
+    CHECK(status_of([&] { unions.predict({}); }) == CATA_ERR_ARGUMENT);
+    CHECK(status_of([&] { unions.locate({lower}, fine.positions, fine.faces); }) == CATA_ERR_SHAPE);
+    CHECK(status_of([] { catamaran::unions("/no/such/weights"); }) == CATA_ERR_IO);
+    CHECK(status_of([&] { catamaran::part_spectrum(fine.positions, fine.faces, {1}, 2); }) ==
+          CATA_ERR_SHAPE);
+}
+
 void plants() {
     catamaran::plant plant({0, 0, 0.1, 0, 0, 0.2}, {1e-3, 1e-3}, {CATA_NO_PARENT, 0}, {0, 1});
     const std::vector<double> full = plant.full_water();
@@ -265,6 +300,7 @@ int main() {
     orthonormal_columns();
     loaded_backend();
     decimation();
+    parts_and_unions();
     plants();
     slimes();
     CHECK(second_unit() == 25);
