@@ -742,6 +742,91 @@ inline decimation decimate(const std::vector<std::array<double, 3>>& positions,
     return found;
 }
 
+/// How a search for curves ended.
+enum class curve_outcome : std::int32_t {
+    closed = CATA_CURVE_CLOSED,
+    open = CATA_CURVE_OPEN,
+    blocked = CATA_CURVE_BLOCKED,
+    close_blocked = CATA_CURVE_CLOSE_BLOCKED,
+    disconnected = CATA_CURVE_DISCONNECTED,
+};
+
+/// How curves are found: the fields of cata_curve_params.
+struct curve_options {
+    /// With faithful: among how many of the nearest samples the next one is chosen; 0: 5.
+    std::size_t candidates = 0;
+    /// With faithful: the number of the sample that the curve starts at.
+    std::size_t start = 0;
+    /// Algorithm 6.1 of the thesis, from sample to sample; else the order first, then paths that do not meet.
+    bool faithful = false;
+    /// Open curves; else closed ones.
+    bool open = false;
+    /// One curve, even where there are gaps as between several.
+    bool single = false;
+    /// Vertices of the mesh alone; else points on edges are added where there is no other way.
+    bool no_steiner = false;
+    /// As options::progress.
+    std::function<bool(double)> progress;
+};
+
+/// A curve on a mesh.
+struct curve {
+    /// Numbers of samples, in its order.
+    std::vector<std::uint32_t> order;
+    /// Its vertices, the first one not repeated; those from the number of vertices of the mesh on were added.
+    std::vector<std::uint32_t> path;
+    /// Where they are.
+    std::vector<std::array<double, 3>> points;
+    double length = 0.0;
+};
+
+/// What curves finds.
+struct found_curves {
+    curve_outcome outcome = curve_outcome::closed;
+    /// Or what there is of them.
+    std::vector<curve> curves;
+};
+
+/// The curves along the edges of a mesh that samples (vertices) without an order are of: cata_curves_new.
+inline found_curves curves(const std::vector<std::array<double, 3>>& positions,
+                           const std::vector<std::array<std::uint32_t, 3>>& faces,
+                           const std::vector<std::uint32_t>& samples,
+                           const curve_options& how = {}) {
+    cata_curve_params params;
+    detail::check(cata_curve_params_init(&params, sizeof params));
+    params.candidates = how.candidates;
+    params.start = how.start;
+    params.faithful = how.faithful ? 1 : 0;
+    params.open = how.open ? 1 : 0;
+    params.single = how.single ? 1 : 0;
+    params.no_steiner = how.no_steiner ? 1 : 0;
+    detail::watcher watcher(how.progress);
+    watcher.attach(params);
+    cata_curves* made = nullptr;
+    watcher.finish(cata_curves_new(
+        positions.size(), positions.empty() ? nullptr : positions.front().data(), faces.size(),
+        faces.empty() ? nullptr : faces.front().data(), samples.size(), samples.data(), &params,
+        &made));
+    const std::unique_ptr<cata_curves, void (*)(cata_curves*)> handle(made, cata_curves_free);
+    found_curves found;
+    std::int32_t outcome = 0;
+    std::size_t count = 0;
+    detail::check(cata_curves_outcome(handle.get(), &outcome, &count));
+    found.outcome = static_cast<curve_outcome>(outcome);
+    found.curves.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        curve& one = found.curves[i];
+        std::size_t of_order = 0, of_path = 0;
+        detail::check(cata_curves_size(handle.get(), i, &of_order, &of_path, &one.length));
+        one.order.resize(of_order);
+        one.path.resize(of_path);
+        one.points.resize(of_path);
+        detail::check(cata_curves_get(handle.get(), i, one.order.data(), one.path.data(),
+                                      one.points.empty() ? nullptr : one.points.front().data()));
+    }
+    return found;
+}
+
 /// The water in a plant. One owner; models share nothing.
 class plant {
 public:
@@ -883,6 +968,72 @@ private:
     };
 
     std::unique_ptr<cata_slime, free> handle_;
+};
+
+/// A Newton fractal in four dimensions. One owner; fractals share nothing.
+class newton {
+public:
+    /// For each point the number of the root that it converges to, and how slowly.
+    struct values {
+        std::vector<std::uint16_t> roots;
+        std::vector<float> convergence;
+    };
+
+    explicit newton(const cata_newton_params* params = nullptr) {
+        cata_newton* handle = nullptr;
+        detail::check(cata_newton_new(params, &handle));
+        handle_.reset(handle);
+    }
+
+    /// Changes the fourth coordinate of all points.
+    void set_w(double w) { detail::check(cata_newton_set_w(handle_.get(), w)); }
+
+    /// At points in space, such as the vertices of a mesh: three coordinates each.
+    values points(const std::vector<float>& positions) const {
+        detail::require(positions.size() % 3 == 0, CATA_ERR_SHAPE, "positions: must be in threes");
+        values found = room_for(positions.size() / 3);
+        detail::check(cata_newton_points(handle_.get(), found.roots.size(), positions.data(),
+                                         found.roots.data(), found.convergence.data()));
+        return found;
+    }
+
+    /// At the centres of the pixels of a picture of the plane z = 0, rows from the top; extent: how wide it is.
+    values plane(std::uint32_t width, std::uint32_t height, std::array<double, 2> center,
+                 double extent) const {
+        // Before there is room for them.
+        detail::require(std::uint64_t{width} * height < std::uint64_t{1} << 31, CATA_ERR_ARGUMENT,
+                        "width and height: 2^31 pixels or more");
+        values found = room_for(std::size_t{width} * height);
+        detail::check(cata_newton_plane(handle_.get(), width, height, center[0], center[1], extent,
+                                        found.roots.data(), found.convergence.data()));
+        return found;
+    }
+
+    /// Red, green and blue of each point, as screens have them.
+    std::vector<std::uint8_t> colors(const values& of) const {
+        detail::require(of.roots.size() == of.convergence.size(), CATA_ERR_SHAPE,
+                        "roots and convergence: must be as many");
+        std::vector<std::uint8_t> colors(3 * of.roots.size());
+        detail::check(cata_newton_colors(handle_.get(), of.roots.size(), of.roots.data(),
+                                         of.convergence.data(), colors.data()));
+        return colors;
+    }
+
+    const cata_newton* get() const noexcept { return handle_.get(); }
+
+private:
+    struct free {
+        void operator()(cata_newton* handle) const noexcept { cata_newton_free(handle); }
+    };
+
+    static values room_for(std::size_t count) {
+        values found;
+        found.roots.resize(count);
+        found.convergence.resize(count);
+        return found;
+    }
+
+    std::unique_ptr<cata_newton, free> handle_;
 };
 
 }  // namespace catamaran

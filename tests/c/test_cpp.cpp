@@ -272,6 +272,31 @@ void parts_and_unions() {
           CATA_ERR_SHAPE);
 }
 
+// Once around the equator of an octahedron.
+void curves() {
+    const auto found = catamaran::curves(octahedron, octants, {0, 1, 2, 3});
+    CHECK(found.outcome == catamaran::curve_outcome::closed && found.curves.size() == 1);
+    const catamaran::curve& one = found.curves[0];
+    CHECK(one.order.size() == 4 && one.path.size() == 4 && one.points[0] == octahedron[one.path[0]]);
+    CHECK(std::abs(one.length - 4 * std::sqrt(2.0)) < 1e-12);
+    CHECK(status_of([] { catamaran::curves(octahedron, octants, {0, 1, 6}); }) == CATA_ERR_ARGUMENT);
+    catamaran::curve_options how;
+    how.progress = [](double) { return false; };
+    CHECK(status_of([&] { catamaran::curves(octahedron, octants, {0, 1, 2}, how); }) ==
+          CATA_ERR_CANCELLED);
+}
+
+void newton_fractals() {
+    catamaran::newton newton;
+    const auto found = newton.points({1, 0, 0, -0.5F, 0.8660254F, 0});
+    CHECK((found.roots == std::vector<std::uint16_t>{0, 4}) && found.convergence[0] == -1);
+    CHECK(newton.colors(found).size() == 6);
+    CHECK(newton.plane(3, 2, {{0, 0}}, 2.0).roots.size() == 6);
+    newton.set_w(0.5);
+    CHECK(status_of([&] { newton.points({1, 2}); }) == CATA_ERR_SHAPE);
+    CHECK(status_of([&] { newton.plane(2, 2, {{0, 0}}, 0.0); }) == CATA_ERR_ARGUMENT);
+}
+
 void plants() {
     catamaran::plant plant({0, 0, 0.1, 0, 0, 0.2}, {1e-3, 1e-3}, {CATA_NO_PARENT, 0}, {0, 1});
     const std::vector<double> full = plant.full_water();
@@ -301,6 +326,8 @@ int main() {
     loaded_backend();
     decimation();
     parts_and_unions();
+    curves();
+    newton_fractals();
     plants();
     slimes();
     CHECK(second_unit() == 25);
