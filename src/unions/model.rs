@@ -17,6 +17,9 @@ const PRETRAINED: &[u8] = include_bytes!("unions.safetensors");
 /// Logits beyond this say no more.
 const LARGEST: f64 = 20.0;
 
+/// Pairs that the network sees at once.
+const AT_ONCE: usize = 64;
+
 /// Means and deviations by which numbers are made of about the size 1, and back.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scaling {
@@ -229,22 +232,50 @@ impl SpectralUnion {
     /// fault, `first` or `second`.
     pub fn predict(&self, first: &[f64], second: &[f64]) -> Result<[f64; K]> {
         let question = Question::new(first, second)?;
-        let tape = self.run(&question);
+        let tape = self.run(&[&question]);
+        Ok(self.union(&question, &tape.output))
+    }
+
+    /// The unions of many pairs of parts: as [`SpectralUnion::predict`] of each, bit for bit, in a fraction of the time.
+    ///
+    /// # Errors
+    /// As [`SpectralUnion::predict`], of the first pair at fault.
+    pub fn predict_each(&self, pairs: &[[&[f64]; 2]]) -> Result<Vec<[f64; K]>> {
+        let mut unions = Vec::with_capacity(pairs.len());
+        for pairs in pairs.chunks(AT_ONCE) {
+            let question = |[first, second]: &[&[f64]; 2]| Question::new(first, second);
+            let questions = pairs.iter().map(question).collect::<Result<Vec<Question>>>()?;
+            let tape = self.run(&questions.iter().collect::<Vec<_>>());
+            let outputs = questions.iter().zip(tape.output.chunks_exact(K));
+            unions.extend(outputs.map(|(question, output)| self.union(question, output)));
+        }
+        Ok(unions)
+    }
+
+    fn run(&self, questions: &[&Question]) -> Tape<f32> {
+        const HALF: usize = K * FEATURES;
+        let mut tape = Tape::new(&self.sizes, questions.len());
+        let (firsts, seconds) = tape.features.split_at_mut(HALF * questions.len());
+        let places = firsts.chunks_exact_mut(HALF).zip(seconds.chunks_exact_mut(HALF));
+        for ((first, second), question) in places.zip(questions) {
+            let features = self.scaling.features(question);
+            first.copy_from_slice(&features[..HALF]);
+            second.copy_from_slice(&features[HALF..]);
+        }
+        forward(&self.sizes, &self.places, &self.parameters, &mut tape);
+        tape
+    }
+
+    /// The spectrum that an output of the network means.
+    fn union(&self, question: &Question, output: &[f32]) -> [f64; K] {
         let below: [f64; K] = std::array::from_fn(|i| {
-            let output = f64::from(tape.output[i] * self.scaling.output_deviation[i]);
+            let output = f64::from(output[i] * self.scaling.output_deviation[i]);
             let logit = output + f64::from(self.scaling.output_mean[i]);
             // Weights that are beyond all reason give NaN.
             let logit = if logit.is_nan() { 0.0 } else { logit.clamp(-LARGEST, LARGEST) };
             question.bound[i] / (1.0 + (-logit).exp())
         });
-        Ok(spectrum::ascending(&below))
-    }
-
-    fn run(&self, question: &Question) -> Tape<f32> {
-        let mut tape = Tape::new(&self.sizes, 1);
-        tape.features.copy_from_slice(&self.scaling.features(question));
-        forward(&self.sizes, &self.places, &self.parameters, &mut tape);
-        tape
+        spectrum::ascending(&below)
     }
 
     /// The eigenvalues of the union of any number of parts, by unions of two, one part after the other; the order of the
@@ -267,7 +298,7 @@ impl SpectralUnion {
         // A part is the union of itself with itself.
         let (last, before) = rest.split_last().unwrap_or((&first, &[]));
         let union = before.iter().try_fold(first, |union, part| self.predict(&union, part))?;
-        Ok(self.run(&Question::new(&union, last)?).region)
+        Ok(self.run(&[&Question::new(&union, last)?]).region)
     }
 
     /// The template, for [`SpectralUnion::locate`].
@@ -284,7 +315,7 @@ impl SpectralUnion {
     }
 
     fn doubt_about(&self, question: &Question) -> f64 {
-        let logit = f64::from(self.run(question).doubt[0]);
+        let logit = f64::from(self.run(&[question]).doubt[0]);
         // Weights that are beyond all reason give NaN.
         if logit.is_nan() { 1.0 } else { 1.0 / (1.0 + (-logit).exp()) }
     }
@@ -392,6 +423,21 @@ mod tests {
             assert_eq!(model.locate(&[a]).unwrap(), model.locate(&[a, a]).unwrap());
             assert_eq!(model.predict_all(&[a]).unwrap(), parts[0]);
         }
+    }
+
+    #[test]
+    fn many_pairs_at_once_are_as_one_by_one() {
+        let (model, mut rng) = (random(11, 0.3), Rng::new(12));
+        let parts: Vec<[f64; K]> = (0..AT_ONCE + 6).map(|_| spectrum(&mut rng)).collect();
+        let mut pairs: Vec<[&[f64]; 2]> = parts.windows(2).map(|w| [&w[0][..], &w[1]]).collect();
+        let each = model.predict_each(&pairs).unwrap();
+        assert_eq!(each.len(), pairs.len());
+        for ([a, b], union) in pairs.iter().zip(&each) {
+            assert_eq!(model.predict(a, b).unwrap(), *union);
+        }
+        assert!(model.predict_each(&[]).unwrap().is_empty());
+        pairs[AT_ONCE + 2][1] = &[];
+        assert!(model.predict_each(&pairs).unwrap_err().to_string().starts_with("second"));
     }
 
     #[test]

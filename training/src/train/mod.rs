@@ -313,14 +313,18 @@ impl Trainer {
         order.truncate((COMPOSITES * examples.training.len() as f64) as usize);
         let familiar = Familiar::fit(&[[0.0; 2 * K]], 1.0)?;
         let model = self.model_with(state.best.clone(), familiar)?;
-        let one = |i: usize| {
-            let Composite { parts: [a, b], pair } = &examples.composites[i];
-            Ok(Pair { first: model.predict(a, b)?, ..*pair })
+        let some = |numbers: &[usize]| -> Result<Vec<Pair>> {
+            let chosen = || numbers.iter().map(|&i| &examples.composites[i]);
+            let parts: Vec<[&[f64]; 2]> =
+                chosen().map(|Composite { parts: [a, b], .. }| [&a[..], b]).collect();
+            let pairs = chosen().zip(model.predict_each(&parts)?);
+            Ok(pairs.map(|(Composite { pair, .. }, first)| Pair { first, ..*pair }).collect())
         };
-        match team {
-            Some(team) => team.run(|| order.into_par_iter().map(one).collect()),
-            None => order.into_iter().map(one).collect(),
-        }
+        let found: Vec<Vec<Pair>> = match team {
+            Some(team) => team.run(|| order.par_chunks(TASK).map(some).collect::<Result<_>>())?,
+            None => order.chunks(TASK).map(some).collect::<Result<_>>()?,
+        };
+        Ok(found.into_iter().flatten().collect())
     }
 
     /// The mean error of logarithms on the pairs to choose by, of the network as it is or of the best one.
