@@ -32,7 +32,7 @@ pub struct Args {
     /// The weights: .safetensors.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Passes over the data in all; the rate falls over them. Default 64; with --resume that of the state, which may be given
+    /// Passes over the data in all; the rate falls over them. Default 40; with --resume that of the state, which may be given
     /// more.
     #[arg(long, value_name = "NUMBER")]
     epochs: Option<usize>,

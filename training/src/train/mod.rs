@@ -41,7 +41,7 @@ pub struct TrainOptions {
 impl Default for TrainOptions {
     fn default() -> Self {
         let sizes = Architecture::default();
-        Self { sizes, batch: 128, rate: 2.5e-3, decay: 0.1, epochs: 64, seed: 1 }
+        Self { sizes, batch: 128, rate: 2.5e-3, decay: 0.1, epochs: 40, seed: 1 }
     }
 }
 

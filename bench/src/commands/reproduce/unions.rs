@@ -116,7 +116,7 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
 
 /// The data set of the pretrained weights; what was done when it was interrupted is kept beside it.
 fn generate(path: &Path) -> Result<()> {
-    eprintln!("making {}: about an hour of one core's time", path.display());
+    eprintln!("making {}: about an hour of two cores", path.display());
     let parts = path.with_extension("parts");
     let tell = |done: f64| {
         eprint!("\r{:3.0} % ", 100.0 * done);
