@@ -109,6 +109,8 @@ pub struct Trainer {
     rounded: Vec<f32>,
     /// The error of the best network on the pairs to choose by.
     best: f64,
+    /// What is familiar to it.
+    familiar: Familiar,
     workers: Vec<Worker>,
     team: Option<Team>,
 }
@@ -159,13 +161,25 @@ impl Trainer {
             threads => Some(Team::new(threads, Pin::No)?),
         };
         let rounded = vec![0.0; places.len];
+        let symmetric = |pair: &Pair| Ok(Question::new(&pair.first, &pair.second)?.symmetric());
+        let of_template = examples.training.iter().filter(|pair| pair.regions.is_some());
+        let familiar =
+            Familiar::fit(&of_template.map(symmetric).collect::<Result<Vec<_>>>()?, FAMILIAR)?;
+        let best = f64::INFINITY;
         let mut trainer =
-            Self { options, examples, places, state, rounded, best: f64::INFINITY, workers, team };
+            Self { options, examples, places, state, rounded, best, familiar, workers, team };
         if !trainer.state.history.is_empty() {
             // On these examples, which may not be those that it was chosen by.
-            trainer.best = trainer.validate(true)?;
+            let (error, doubts) = trainer.validate(true)?;
+            trainer.choose(error, doubts);
         }
         Ok(trainer)
+    }
+
+    /// The best network is one with this error and these doubts about pairs of the template.
+    fn choose(&mut self, error: f64, doubts: Vec<f64>) {
+        self.best = error;
+        self.familiar = self.familiar.clone().with_doubts(doubts, FAMILIAR);
     }
 
     /// Where it is.
@@ -178,19 +192,9 @@ impl Trainer {
     /// # Errors
     /// As [`SpectralUnion::new`].
     pub fn model(&self) -> Result<SpectralUnion> {
-        let symmetric = |pair: &Pair| Ok(Question::new(&pair.first, &pair.second)?.symmetric());
-        let pairs: Vec<_> =
-            of_template(&self.examples.training).map(symmetric).collect::<Result<_>>()?;
-        let familiar = Familiar::fit(&pairs, FAMILIAR)?;
-        let model = self.model_with(self.state.best.clone(), familiar.clone())?;
-        let doubt = |pair: &Pair| model.doubt(&pair.first, &pair.second);
-        let doubts = of_template(&self.examples.validation).map(doubt).collect::<Result<_>>()?;
-        self.model_with(self.state.best.clone(), familiar.with_doubts(doubts, FAMILIAR))
-    }
-
-    fn model_with(&self, parameters: Vec<f32>, familiar: Familiar) -> Result<SpectralUnion> {
-        let (scaling, localizer) = (self.state.scaling.clone(), self.examples.localizer.clone());
-        SpectralUnion::new(self.options.sizes, parameters, scaling, familiar, localizer)
+        let State { best, scaling, .. } = self.state.clone();
+        let localizer = self.examples.localizer.clone();
+        SpectralUnion::new(self.options.sizes, best, scaling, self.familiar.clone(), localizer)
     }
 
     /// One pass over the data.
@@ -214,10 +218,10 @@ impl Trainer {
             error += self.step(&batch, &composites, seed + 1 + step as u64, share)?;
             seen += whole;
         }
-        let validation = self.validate(false)?;
+        let (validation, doubts) = self.validate(false)?;
         if validation < self.best {
-            self.best = validation;
             self.state.best.clone_from(&self.state.parameters);
+            self.choose(validation, doubts);
         }
         let epoch = Epoch { training: error / (seen * K) as f64, validation };
         self.state.history.push(epoch);
@@ -311,8 +315,7 @@ impl Trainer {
         }
         let mut order = shuffled(examples.composites.len(), rng);
         order.truncate((COMPOSITES * examples.training.len() as f64) as usize);
-        let familiar = Familiar::fit(&[[0.0; 2 * K]], 1.0)?;
-        let model = self.model_with(state.best.clone(), familiar)?;
+        let model = self.model()?;
         let some = |numbers: &[usize]| -> Result<Vec<Pair>> {
             let chosen = || numbers.iter().map(|&i| &examples.composites[i]);
             let parts: Vec<[&[f64]; 2]> =
@@ -327,32 +330,31 @@ impl Trainer {
         Ok(found.into_iter().flatten().collect())
     }
 
-    /// The mean error of logarithms on the pairs to choose by, of the network as it is or of the best one.
-    fn validate(&mut self, best: bool) -> Result<f64> {
+    /// The mean error of logarithms on the pairs to choose by, of the network as it is or of the best one, and its doubts about
+    /// those of the template.
+    fn validate(&mut self, best: bool) -> Result<(f64, Vec<f64>)> {
         self.round(best);
         let Self { examples, options, places, state, rounded, workers, .. } = self;
         let (worker, scaling) = (&mut workers[0], &state.scaling);
-        let mut error = 0.0;
+        let (mut error, mut doubts) = (0.0, Vec::new());
         for pairs in examples.validation.chunks(TASK) {
             for (slot, pair) in pairs.iter().enumerate() {
                 let (features, logs) = pair.example(scaling)?;
                 worker.place(slot, &features, logs);
             }
             forward(&options.sizes, places, rounded, &mut worker.tape);
-            for (slot, _) in pairs.iter().enumerate() {
+            for (slot, pair) in pairs.iter().enumerate() {
                 for i in 0..K {
                     let (log, _) = worker.log(scaling, slot, i);
                     error += f64::from((log - worker.targets[slot][i]).abs());
                 }
+                if pair.regions.is_some() {
+                    doubts.push(sigmoid(f64::from(worker.tape.doubt[slot])));
+                }
             }
         }
-        Ok(error / (examples.validation.len() * K).max(1) as f64)
+        Ok((error / (examples.validation.len() * K).max(1) as f64, doubts))
     }
-}
-
-/// Those of the template's kind.
-fn of_template(pairs: &[Pair]) -> impl Iterator<Item = &Pair> {
-    pairs.iter().filter(|pair| pair.regions.is_some())
 }
 
 impl Worker {
