@@ -99,6 +99,12 @@ inline void require(bool condition, cata_status status, const char* message) {
     }
 }
 
+/// The numbers of rows of equal length, one row after the other; null when there are none.
+template <class Rows>
+auto* first_of(Rows& rows) noexcept {
+    return rows.empty() ? nullptr : rows.front().data();
+}
+
 /// T where it must not take part in deducing the scalar.
 template <class T>
 struct identity {
@@ -494,8 +500,8 @@ inline eigenpairs spectrum(const std::vector<std::array<double, 3>>& positions,
     const cata_laplacian_params params = detail::params_of(operators);
     detail::spectrum_call call(how);
     call.finish(cata_mesh_spectrum(
-        rows, positions.empty() ? nullptr : positions.front().data(), faces.size(),
-        faces.empty() ? nullptr : faces.front().data(), k, pairs.values.data(),
+        rows, detail::first_of(positions), faces.size(), detail::first_of(faces), k,
+        pairs.values.data(),
         pairs.vectors.data(), rows ? rows : 1, pairs.residuals.data(),
         pairs.masses.empty() ? nullptr : pairs.masses.data(), &params, call.params()));
     return pairs;
@@ -517,9 +523,8 @@ inline std::vector<double> part_spectrum(
     const cata_laplacian_params params = detail::params_of(operators);
     std::vector<double> values(k);
     detail::check(cata_part_spectrum(
-        positions.size(), positions.empty() ? nullptr : positions.front().data(), faces.size(),
-        faces.empty() ? nullptr : faces.front().data(), mask.data(), k, values.data(), &params,
-        threads));
+        positions.size(), detail::first_of(positions), faces.size(), detail::first_of(faces),
+        mask.data(), k, values.data(), &params, threads));
     return values;
 }
 
@@ -544,7 +549,7 @@ public:
     /// Of the union of these parts, at least one.
     prediction predict(const std::vector<eigenvalues>& parts) const {
         prediction found{};
-        detail::check(cata_unions_predict(handle_.get(), parts.size(), first_of(parts),
+        detail::check(cata_unions_predict(handle_.get(), parts.size(), detail::first_of(parts),
                                           found.values.data(), &found.strangeness));
         return found;
     }
@@ -557,9 +562,9 @@ public:
                                std::size_t threads = 0) const {
         std::vector<double> indicator(positions.size());
         detail::check(cata_unions_locate(
-            handle_.get(), parts.size(), first_of(parts), positions.size(),
-            positions.empty() ? nullptr : positions.front().data(), faces.size(),
-            faces.empty() ? nullptr : faces.front().data(), indicator.data(), threads));
+            handle_.get(), parts.size(), detail::first_of(parts), positions.size(),
+            detail::first_of(positions), faces.size(), detail::first_of(faces), indicator.data(),
+            threads));
         return indicator;
     }
 
@@ -574,10 +579,6 @@ private:
         cata_unions* handle = nullptr;
         detail::check(cata_unions_new(weights, &handle));
         return handle;
-    }
-
-    static const double* first_of(const std::vector<eigenvalues>& parts) noexcept {
-        return parts.empty() ? nullptr : parts.front().data();
     }
 
     std::unique_ptr<cata_unions, free> handle_;
@@ -732,11 +733,9 @@ inline decimation decimate(const std::vector<std::array<double, 3>>& positions,
     std::size_t count = 0;
     std::int32_t changed = 0;
     watcher.finish(cata_decimate(
-        positions.size(), positions.empty() ? nullptr : positions.front().data(), faces.size(),
-        faces.empty() ? nullptr : faces.front().data(), n,
-        found.positions.empty() ? nullptr : found.positions.front().data(),
-        found.faces.empty() ? nullptr : found.faces.front().data(), found.faces.size(), &count,
-        found.cells.empty() ? nullptr : found.cells.data(), &changed, &params));
+        positions.size(), detail::first_of(positions), faces.size(), detail::first_of(faces), n,
+        detail::first_of(found.positions), detail::first_of(found.faces), found.faces.size(),
+        &count, found.cells.empty() ? nullptr : found.cells.data(), &changed, &params));
     found.faces.resize(count);
     found.changed = changed != 0;
     return found;
@@ -804,9 +803,8 @@ inline found_curves curves(const std::vector<std::array<double, 3>>& positions,
     watcher.attach(params);
     cata_curves* made = nullptr;
     watcher.finish(cata_curves_new(
-        positions.size(), positions.empty() ? nullptr : positions.front().data(), faces.size(),
-        faces.empty() ? nullptr : faces.front().data(), samples.size(), samples.data(), &params,
-        &made));
+        positions.size(), detail::first_of(positions), faces.size(), detail::first_of(faces),
+        samples.size(), samples.data(), &params, &made));
     const std::unique_ptr<cata_curves, void (*)(cata_curves*)> handle(made, cata_curves_free);
     found_curves found;
     std::int32_t outcome = 0;
@@ -822,7 +820,7 @@ inline found_curves curves(const std::vector<std::array<double, 3>>& positions,
         one.path.resize(of_path);
         one.points.resize(of_path);
         detail::check(cata_curves_get(handle.get(), i, one.order.data(), one.path.data(),
-                                      one.points.empty() ? nullptr : one.points.front().data()));
+                                      detail::first_of(one.points)));
     }
     return found;
 }
