@@ -161,8 +161,6 @@ struct options {
     double error_factor = 0.0;
     /// The same bytes on every machine: scheme::exact everywhere, and no other may be asked for.
     bool reproducible = false;
-    /// Exact scaling of columns by powers of two, for accuracy; only with the built-in kernels.
-    bool scale_columns = false;
     /// 0: chosen by the library.
     std::size_t leaf = 0;
     /// 0: chosen by the library.
@@ -225,7 +223,6 @@ public:
         params_.scheme = static_cast<std::int32_t>(options.scheme);
         params_.error_factor = options.error_factor;
         params_.reproducible = options.reproducible ? 1 : 0;
-        params_.scale_columns = options.scale_columns ? 1 : 0;
         params_.leaf = options.leaf;
         params_.tasks = options.tasks;
         params_.backend = options.backend ? options.backend->get() : nullptr;

@@ -2,8 +2,10 @@
 
 mod common;
 
+use std::ops::ControlFlow;
+
 use catamaran::ata::{Center, DenseRows, RowOptions, ata_rows, verify};
-use catamaran::base::{Flow, Pin, Team};
+use catamaran::base::{Pin, ThreadPool};
 use catamaran::blas::BlasReal;
 use catamaran::faer::prelude::{Reborrow, ReborrowMut};
 use catamaran::faer::{Mat, MatMut, MatRef};
@@ -19,13 +21,7 @@ fn schemes() -> impl Iterator<Item = SchemeChoice> {
 
 /// Options that recurse as deep as the shape allows.
 fn deep(scheme: SchemeChoice) -> AtaOptions<'static> {
-    AtaOptions {
-        scheme,
-        leaf: Some(1),
-        accuracy: Accuracy::Fast,
-        par: Par::Threads(2),
-        ..AtaOptions::default()
-    }
+    AtaOptions::new().scheme(scheme).leaf(1).accuracy(Accuracy::Fast).threads(2)
 }
 
 /// Checks `ata_with_scratch` in dirty scratch, on a C whose other triangle is poisoned.
@@ -44,7 +40,7 @@ fn check_ata<T: BlasReal>(a: MatRef<'_, T>, uplo: Uplo, options: &AtaOptions<'_>
         let expected = oracle(alpha, a, None, a, beta, start.as_ref());
         let poisoned = |i, j| if wanted(i, j) && beta != 0.0 { start[(i, j)] } else { nan };
         let mut c = Mat::from_fn(n, n, poisoned);
-        let options = AtaOptions { uplo, ..options.clone() };
+        let options = options.clone().uplo(uplo);
         let mut scratch = vec![nan; ata_scratch_len::<T>(a.nrows(), n, &options).unwrap()];
         let (alpha, beta) = (T::from_f64(alpha), T::from_f64(beta));
         ata_with_scratch(alpha, a, beta, c.as_mut(), &options, &mut scratch).unwrap();
@@ -93,7 +89,7 @@ fn every_triangle_of_every_scheme_and_backend_is_right() {
     for backend in backends() {
         for scheme in schemes() {
             for uplo in [Uplo::Lower, Uplo::Upper, Uplo::Both] {
-                let options = AtaOptions { backend: backend.clone(), ..deep(scheme) };
+                let options = deep(scheme).backend(backend.clone());
                 check_ata(integers::<f64>(41, 37, 3).as_ref(), uplo, &options);
             }
         }
@@ -106,7 +102,7 @@ fn leaves_tasks_and_threads_of_all_sizes_agree_with_the_oracle() {
     for scheme in schemes() {
         for leaf in [1, 3, 8, 16, 100] {
             for tasks in [1, 2, 3, 5, 16, 40] {
-                let options = AtaOptions { leaf: Some(leaf), tasks: Some(tasks), ..deep(scheme) };
+                let options = deep(scheme).leaf(leaf).tasks(tasks);
                 check_ata(a.as_ref(), Uplo::Lower, &options);
             }
         }
@@ -126,8 +122,7 @@ fn any_strides_are_taken() {
     for backend in backends() {
         for scheme in schemes() {
             for (_, view) in views {
-                let options =
-                    AtaOptions { backend: backend.clone(), leaf: Some(8), ..deep(scheme) };
+                let options = deep(scheme).backend(backend.clone()).leaf(8);
                 check_ata(view, Uplo::Lower, &options);
             }
         }
@@ -153,7 +148,7 @@ fn c_may_have_any_strides() {
     let expected = oracle(1.0, a.as_ref(), None, a.as_ref(), 0.0, Mat::zeros(20, 20).as_ref());
     for backend in backends() {
         for scheme in schemes() {
-            let options = AtaOptions { uplo: Uplo::Both, backend: backend.clone(), ..deep(scheme) };
+            let options = deep(scheme).uplo(Uplo::Both).backend(backend.clone());
             let mut memory = vec![0.0; 4000];
             // SAFETY: 20 x 20 entries with strides 100 and 3 end below 19 * 100 + 19 * 3 < 4000.
             let mut c = unsafe { MatMut::from_raw_parts_mut(memory.as_mut_ptr(), 20, 20, 100, 3) };
@@ -167,7 +162,7 @@ fn c_may_have_any_strides() {
 fn aat_is_ata_of_the_transpose() {
     let a = integers::<f64>(23, 31, 8);
     let mut c = Mat::zeros(23, 23);
-    let options = AtaOptions { uplo: Uplo::Both, ..deep(SchemeChoice::Rxtx) };
+    let options = deep(SchemeChoice::Rxtx).uplo(Uplo::Both);
     aat(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
     let t = a.transpose();
     assert_eq!(c, oracle(1.0, t, None, t, 0.0, c.as_ref()));
@@ -203,7 +198,7 @@ fn results_are_bitwise_equal_for_any_number_of_threads() {
             let a = gaussian::<f64>(m, n, 12);
             let run = |par| {
                 let mut c = Mat::zeros(n, n);
-                let options = AtaOptions { par, leaf: Some(32), ..deep(scheme) };
+                let options = deep(scheme).par(par).leaf(32);
                 ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
                 bits(c.as_ref())
             };
@@ -220,7 +215,7 @@ fn both_triangles_are_bitwise_symmetric() {
     for scheme in schemes() {
         let a = gaussian::<f32>(150, 131, 13);
         let mut c = Mat::zeros(131, 131);
-        let options = AtaOptions { uplo: Uplo::Both, leaf: Some(16), ..deep(scheme) };
+        let options = deep(scheme).uplo(Uplo::Both).leaf(16);
         ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
         assert_eq!(bits(c.as_ref()), bits(c.transpose()));
     }
@@ -234,7 +229,7 @@ fn a_pinned_team_gives_the_same_result() {
         ata(1.0, a.as_ref(), 0.0, c.as_mut(), &deep(SchemeChoice::Auto)).unwrap();
         c
     };
-    let team = Team::new(2, Pin::Cores).unwrap();
+    let team = ThreadPool::new(2, Pin::Cores).unwrap();
     assert_eq!(team.run(run), run());
 }
 
@@ -243,7 +238,7 @@ fn weights_and_centre_match_the_definition() {
     let (m, n) = (3000, 37);
     let a = integers::<f64>(m, n, 15);
     let weights: Vec<f64> = integers::<f64>(m, 1, 16).col(0).iter().copied().collect();
-    let options = AtaOptions { uplo: Uplo::Both, ..deep(SchemeChoice::Kgp4) };
+    let options = deep(SchemeChoice::Kgp4).uplo(Uplo::Both);
     let start = Mat::from_fn(n, n, |i, j| (i + j) as f64);
 
     let mut c = start.clone();
@@ -265,7 +260,7 @@ fn covariance_survives_a_mean_a_million_times_the_deviation() {
     let (m, n) = (4000, 5);
     let noise = gaussian::<f64>(m, n, 17);
     let a = Mat::from_fn(m, n, |i, j| noise[(i, j)] + 1e6);
-    let options = AtaOptions { uplo: Uplo::Both, ..AtaOptions::default() };
+    let options = AtaOptions::new().uplo(Uplo::Both);
     let row_options = RowOptions { weights: None, center: Center::Mean };
     let alpha = 1.0 / (m as f64 - 1.0);
     let run = |a: MatRef<'_, f64>| {
@@ -296,7 +291,7 @@ fn a_weighted_mean_of_weight_zero_is_refused() {
 fn f32_input_with_f64_result_is_the_f64_result_of_the_same_numbers() {
     let a = gaussian::<f32>(2500, 30, 19);
     let wide = Mat::from_fn(2500, 30, |i, j| f64::from(a[(i, j)]));
-    let options = AtaOptions { uplo: Uplo::Both, ..AtaOptions::default() };
+    let options = AtaOptions::new().uplo(Uplo::Both);
     let row_options = RowOptions::default();
     let (mut c, mut d) = (Mat::<f64>::zeros(30, 30), Mat::<f64>::zeros(30, 30));
     ata_rows(1.0, &mut DenseRows(a.as_ref()), &row_options, 0.0, c.as_mut(), &options).unwrap();
@@ -306,7 +301,7 @@ fn f32_input_with_f64_result_is_the_f64_result_of_the_same_numbers() {
 
 #[test]
 fn no_rows_leave_beta_c() {
-    let options = AtaOptions { uplo: Uplo::Both, ..AtaOptions::default() };
+    let options = AtaOptions::new().uplo(Uplo::Both);
     let a = Mat::<f64>::zeros(0, 3);
     let mut c = Mat::from_fn(3, 3, |i, j| (i + j) as f64);
     ata(1.0, a.as_ref(), 2.0, c.as_mut(), &options).unwrap();
@@ -348,10 +343,10 @@ fn options_out_of_range_are_refused() {
     let mut c = Mat::zeros(3, 3);
     let defaults = AtaOptions::default;
     for options in [
-        AtaOptions { leaf: Some(0), ..defaults() },
-        AtaOptions { tasks: Some(0), ..defaults() },
-        AtaOptions { accuracy: Accuracy::Bounded(0.5), ..defaults() },
-        AtaOptions { accuracy: Accuracy::Bounded(f64::NAN), ..defaults() },
+        defaults().leaf(0),
+        defaults().tasks(0),
+        defaults().accuracy(Accuracy::Bounded(0.5)),
+        defaults().accuracy(Accuracy::Bounded(f64::NAN)),
     ] {
         let result = ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options);
         assert!(matches!(result, Err(Error::Argument { .. })));
@@ -363,7 +358,7 @@ fn a_scratch_too_short_is_an_error() {
     let a = integers::<f64>(64, 64, 23);
     let mut c = Mat::zeros(64, 64);
     let options = deep(SchemeChoice::Ata2);
-    let options = AtaOptions { leaf: Some(4), ..options };
+    let options = options.leaf(4);
     let len = ata_scratch_len::<f64>(64, 64, &options).unwrap();
     assert!(len > 0);
     let mut scratch = vec![0.0; len - 1];
@@ -382,16 +377,16 @@ fn progress_ends_at_one_and_can_cancel() {
     let seen = Mutex::new(Vec::new());
     let note = |fraction| {
         seen.lock().unwrap().push(fraction);
-        Flow::Continue
+        ControlFlow::Continue(())
     };
-    let options = AtaOptions { progress: Some(&note), ..deep(SchemeChoice::Ata2) };
+    let options = deep(SchemeChoice::Ata2).progress(&note);
     ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
     let seen = seen.into_inner().unwrap();
     assert!(seen.is_sorted());
     assert!((seen.last().unwrap() - 1.0).abs() < 1e-12);
 
-    let cancel = |_| Flow::Cancel;
-    let options = AtaOptions { progress: Some(&cancel), ..deep(SchemeChoice::Ata2) };
+    let cancel = |_| ControlFlow::Break(());
+    let options = deep(SchemeChoice::Ata2).progress(&cancel);
     let result = ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options);
     assert_eq!(result, Err(Error::Cancelled));
 }
@@ -402,7 +397,7 @@ fn verify_accepts_every_scheme_and_rejects_one_wrong_entry() {
         let a = gaussian::<f64>(400, 150, 25);
         for uplo in [Uplo::Lower, Uplo::Upper, Uplo::Both] {
             let mut c = Mat::from_fn(150, 150, |_, _| f64::NAN);
-            let options = AtaOptions { uplo, leaf: Some(16), ..deep(scheme) };
+            let options = deep(scheme).uplo(uplo).leaf(16);
             ata(-2.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
             let check = |c: &Mat<f64>| verify(-2.0, a.as_ref(), c.as_ref(), uplo, 20, 1).unwrap();
             assert!(check(&c).passed, "{scheme:?} {uplo:?} {:?}", check(&c));
@@ -426,13 +421,8 @@ fn default_accuracy_stays_within_four_times_the_classical_error() {
         let exact = oracle(1.0, a.as_ref(), None, a.as_ref(), 0.0, Mat::zeros(n, n).as_ref());
         let error = |scheme, accuracy| {
             let mut c = Mat::<f32>::zeros(n, n);
-            let options = AtaOptions {
-                uplo: Uplo::Both,
-                scheme,
-                accuracy,
-                leaf: Some(64),
-                ..AtaOptions::default()
-            };
+            let options =
+                AtaOptions::new().uplo(Uplo::Both).scheme(scheme).accuracy(accuracy).leaf(64);
             ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
             Mat::from_fn(n, n, |i, j| f64::from(c[(i, j)]) - exact[(i, j)]).norm_max()
         };
@@ -450,12 +440,7 @@ fn classical_accuracy_keeps_an_infinity_in_its_row_and_column() {
     let mut a = gaussian::<f64>(n, n, 27);
     a[(5, 9)] = f64::INFINITY;
     let mut c = Mat::zeros(n, n);
-    let options = AtaOptions {
-        accuracy: Accuracy::Classical,
-        leaf: Some(8),
-        uplo: Uplo::Both,
-        ..AtaOptions::default()
-    };
+    let options = AtaOptions::new().accuracy(Accuracy::Classical).leaf(8).uplo(Uplo::Both);
     ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
     for j in 0..n {
         for i in 0..n {
@@ -490,7 +475,7 @@ fn sizes_that_overflow_are_refused() {
 #[test]
 fn scratch_of_a_tall_matrix_does_not_grow_with_its_rows() {
     for scheme in [SchemeChoice::Classical, SchemeChoice::Winograd, SchemeChoice::Kgp4] {
-        let options = AtaOptions { scheme, ..AtaOptions::default() };
+        let options = AtaOptions::new().scheme(scheme);
         let len = |m| ata_scratch_len::<f64>(m, 4096, &options).unwrap();
         for m in [4096, 40 * 4096] {
             assert!(len(m) <= 4096 * 4096 / 2, "{scheme:?}: more than half of C");
@@ -502,7 +487,7 @@ fn scratch_of_a_tall_matrix_does_not_grow_with_its_rows() {
 fn a_tall_matrix_taken_in_chunks_is_exact() {
     for scheme in schemes() {
         check_ata(integers::<f64>(1000, 41, 28).as_ref(), Uplo::Lower, &deep(scheme));
-        let tasks = AtaOptions { tasks: Some(3), ..deep(scheme) };
+        let tasks = deep(scheme).tasks(3);
         check_ata(integers::<f64>(333, 50, 29).as_ref(), Uplo::Both, &tasks);
     }
 }
@@ -513,10 +498,10 @@ fn a_progress_callback_may_use_the_threads_itself() {
     let work = |_| {
         let mut c = Mat::zeros(64, 64);
         ata(1.0, a.as_ref(), 0.0, c.as_mut(), &deep(SchemeChoice::Winograd)).unwrap();
-        Flow::Continue
+        ControlFlow::Continue(())
     };
     let mut c = Mat::zeros(64, 64);
-    let options = AtaOptions { progress: Some(&work), ..deep(SchemeChoice::Winograd) };
+    let options = deep(SchemeChoice::Winograd).progress(&work);
     ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
 }
 

@@ -3,9 +3,10 @@
 
 mod common;
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use catamaran::base::Flow;
+use catamaran::base::Progress;
 use catamaran::decimate::{
     Cells, DecimateOptions, Decimation, Decimator, Difference, FarthestPoints, Method, Quality,
     decimate, edge_length_for, resample,
@@ -81,7 +82,7 @@ fn generic(subdivisions: u32) -> TriMesh {
 fn farthest_points_are_those_of_brute_force() {
     for mesh in [generic(2), generic(3)] {
         let mut points = FarthestPoints::new(&mesh, None).unwrap();
-        points.extend_to(40, None).unwrap();
+        points.extend_to(40, Progress::none()).unwrap();
         assert_eq!(points.samples(), naive_farthest(&mesh, 40));
     }
 }
@@ -90,9 +91,9 @@ fn farthest_points_are_those_of_brute_force() {
 fn farthest_points_are_nested_and_cells_are_those_of_the_nearest_sample() {
     let mesh = generic(3);
     let mut points = FarthestPoints::new(&mesh, Some(17)).unwrap();
-    points.extend_to(10, None).unwrap();
+    points.extend_to(10, Progress::none()).unwrap();
     let ten = points.samples().to_vec();
-    points.extend_to(30, None).unwrap();
+    points.extend_to(30, Progress::none()).unwrap();
     assert_eq!(points.samples()[..10], ten);
     assert_eq!(ten[0], 17);
     let graph = Graph::of_mesh(&mesh);
@@ -113,15 +114,15 @@ fn farthest_points_are_nested_and_cells_are_those_of_the_nearest_sample() {
 fn farthest_points_go_to_every_component_first_and_to_every_vertex_at_last() {
     let mesh = families::spheres(5, 1).unwrap();
     let mut points = FarthestPoints::new(&mesh, None).unwrap();
-    points.extend_to(5, None).unwrap();
+    points.extend_to(5, Progress::none()).unwrap();
     let mut spheres: Vec<u32> = points.samples().iter().map(|v| v / 42).collect();
     spheres.sort_unstable();
     assert_eq!(spheres, [0, 1, 2, 3, 4]);
-    points.extend_to(210, None).unwrap();
+    points.extend_to(210, Progress::none()).unwrap();
     let mut all = points.samples().to_vec();
     all.sort_unstable();
     assert_eq!(all, (0..210).collect::<Vec<_>>());
-    let refused = points.extend_to(211, None).unwrap_err();
+    let refused = points.extend_to(211, Progress::none()).unwrap_err();
     assert!(refused.to_string().contains("only 210 vertices"), "{refused}");
 }
 
@@ -427,25 +428,25 @@ fn progress_rises_to_one_and_can_cancel() {
         let now = (fraction * 1e6) as usize;
         assert!(now >= last.swap(now, Ordering::Relaxed), "{fraction}");
         calls.fetch_add(1, Ordering::Relaxed);
-        Flow::Continue
+        ControlFlow::Continue(())
     };
-    decimate(&mesh, 300, &DecimateOptions { progress: Some(&watch), ..options() }).unwrap();
+    decimate(&mesh, 300, &DecimateOptions { progress: (&watch).into(), ..options() }).unwrap();
     assert_eq!(last.load(Ordering::Relaxed), 1_000_000);
     for stop in 0..calls.load(Ordering::Relaxed) {
         let left = AtomicUsize::new(stop);
         let cancel = |_: f64| match left
             .fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1))
         {
-            Ok(_) => Flow::Continue,
-            Err(_) => Flow::Cancel,
+            Ok(_) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
         };
-        let options = DecimateOptions { progress: Some(&cancel), ..options() };
+        let options = DecimateOptions { progress: (&cancel).into(), ..options() };
         assert_eq!(decimate(&mesh, 300, &options).unwrap_err(), Error::Cancelled);
     }
     let mut points = FarthestPoints::new(&mesh, None).unwrap();
-    let cancel = |_: f64| Flow::Cancel;
-    assert_eq!(points.extend_to(9, Some(&cancel)), Err(Error::Cancelled));
-    points.extend_to(9, None).unwrap();
+    let cancel = |_: f64| ControlFlow::Break(());
+    assert_eq!(points.extend_to(9, (&cancel).into()), Err(Error::Cancelled));
+    points.extend_to(9, Progress::none()).unwrap();
     assert_eq!(points.samples().len(), 9);
 }
 

@@ -7,17 +7,12 @@ use catamaran::base::Rng;
 use catamaran::blas::BlasReal;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::{
-    Accuracy, AtaOptions, Error, Par, Plan, SchemeChoice, Uplo, ata, atb, kernel::int8::Instance,
+    Accuracy, AtaOptions, Error, Par, Plan, SchemeChoice, Uplo, ata, atb, kernel::int8::Isa,
 };
 use common::{bits, gaussian};
 
 fn reproducible() -> AtaOptions<'static> {
-    AtaOptions {
-        reproducible: true,
-        uplo: Uplo::Both,
-        par: Par::Threads(2),
-        ..AtaOptions::default()
-    }
+    AtaOptions::new().reproducible(true).uplo(Uplo::Both).threads(2)
 }
 
 fn product<T: BlasReal>(a: MatRef<'_, T>, options: &AtaOptions<'_>) -> Mat<T> {
@@ -37,7 +32,7 @@ fn threads_layouts_and_the_order_of_rows_do_not_change_a_byte() {
         let a = gaussian::<f64>(m, n, 1);
         let expected = bits(product(a.as_ref(), &reproducible()).as_ref());
         for threads in [1, 3, 7] {
-            let options = AtaOptions { par: Par::Threads(threads), ..reproducible() };
+            let options = reproducible().threads(threads);
             assert_eq!(bits(product(a.as_ref(), &options).as_ref()), expected, "{threads} threads");
         }
         let by_rows = a.transpose().to_owned();
@@ -52,8 +47,7 @@ fn threads_layouts_and_the_order_of_rows_do_not_change_a_byte() {
             expected,
             "shuffled"
         );
-        let scheme =
-            AtaOptions { scheme: SchemeChoice::Exact, reproducible: false, ..reproducible() };
+        let scheme = reproducible().scheme(SchemeChoice::Exact).reproducible(false);
         assert_eq!(bits(product(a.as_ref(), &scheme).as_ref()), expected, "by name");
     }
 }
@@ -68,7 +62,7 @@ fn checksum<T: BlasReal>(c: MatRef<'_, T>) -> u64 {
 fn golden<T: BlasReal>(accuracy: Accuracy) -> u64 {
     let (m, n) = (333, 77);
     let a = uniform::<T>(m, n, 42);
-    let options = AtaOptions { accuracy, ..reproducible() };
+    let options = reproducible().accuracy(accuracy);
     let start = uniform::<T>(n, n, 43);
     let mut c = Mat::from_fn(n, n, |i, j| start[(i.max(j), i.min(j))]);
     ata(T::from_f64(0.3), a.as_ref(), T::from_f64(0.7), c.as_mut(), &options).unwrap();
@@ -80,7 +74,7 @@ fn golden<T: BlasReal>(accuracy: Accuracy) -> u64 {
 fn every_machine_finds_the_same_bytes() {
     let found = [Accuracy::Fast, Accuracy::Default, Accuracy::Max]
         .map(|accuracy| [golden::<f64>(accuracy), golden::<f32>(accuracy)]);
-    println!("instance {}: {found:#018x?}", Instance::best().name());
+    println!("isa {}: {found:#018x?}", Isa::best().name());
     assert_eq!(found, GOLDEN);
 }
 
@@ -97,7 +91,7 @@ fn weights_and_centres_are_reproducible_too() {
     let a = uniform::<f64>(m, n, 5);
     let weights: Vec<f64> = (0..m).map(|i| (i % 5) as f64 - 1.5).collect();
     let run = |threads: usize| {
-        let options = AtaOptions { par: Par::Threads(threads), ..reproducible() };
+        let options = reproducible().threads(threads);
         let rows = RowOptions { weights: Some(&weights), center: Center::Mean };
         let mut c = Mat::zeros(n, n);
         ata_rows(1.0, &mut DenseRows(a.as_ref()), &rows, 0.0, c.as_mut(), &options).unwrap();
@@ -143,7 +137,7 @@ fn nan_and_infinities_reach_exactly_the_entries_that_they_should() {
     let zeroed = Mat::from_fn(m, n, |i, j| if special.contains(&j) { 0.0 } else { a[(i, j)] });
     let finite = product(zeroed.as_ref(), &reproducible());
     for uplo in [Uplo::Lower, Uplo::Upper, Uplo::Both] {
-        let c = product(a.as_ref(), &AtaOptions { uplo, ..reproducible() });
+        let c = product(a.as_ref(), &reproducible().uplo(uplo));
         for j in 0..n {
             for i in 0..n {
                 let wanted = match uplo {
@@ -312,15 +306,12 @@ fn check_errors<T: BlasReal>(limits: [f64; 3]) {
             }),
         ];
         for (kind, a) in inputs.iter().enumerate() {
-            let classical = AtaOptions {
-                scheme: SchemeChoice::Classical,
-                accuracy: Accuracy::Classical,
-                ..AtaOptions::default()
-            };
+            let classical =
+                AtaOptions::new().scheme(SchemeChoice::Classical).accuracy(Accuracy::Classical);
             let classical = error(a, &product(a.as_ref(), &classical));
             let accuracies = [Accuracy::Fast, Accuracy::Default, Accuracy::Max];
             for (accuracy, limit) in accuracies.into_iter().zip(limits) {
-                let options = AtaOptions { accuracy, ..reproducible() };
+                let options = reproducible().accuracy(accuracy);
                 let error = error(a, &product(a.as_ref(), &options));
                 assert!(error <= limit, "input {kind}, {accuracy:?}: {error:e}");
                 if accuracy != Accuracy::Fast {
@@ -342,28 +333,28 @@ fn errors_stay_within_the_bounds_of_each_accuracy() {
 #[test]
 fn accuracy_max_is_the_exact_path_and_classical_is_not() {
     let plan = |accuracy| {
-        let options = AtaOptions { accuracy, ..AtaOptions::default() };
+        let options = AtaOptions::new().accuracy(accuracy);
         Plan::ata::<f64>(500, 400, &options).unwrap()
     };
     assert!(plan(Accuracy::Max).is_exact());
     assert!(!plan(Accuracy::Classical).is_exact());
-    let named = AtaOptions { scheme: SchemeChoice::Exact, ..AtaOptions::default() };
+    let named = AtaOptions::new().scheme(SchemeChoice::Exact);
     let plan = Plan::atb::<f32>(500, 400, 30, &named).unwrap();
     assert!(plan.is_exact() && !plan.is_fast());
     let text = plan.to_string();
-    assert!(text.contains("modulo 7 numbers") && text.contains(Instance::best().name()), "{text}");
+    assert!(text.contains("modulo 7 numbers") && text.contains(Isa::best().name()), "{text}");
 }
 
 #[test]
 fn without_amx_the_planner_takes_the_exact_path_only_when_asked() {
     let automatic = Plan::ata::<f64>(4096, 4096, &AtaOptions::default()).unwrap();
-    assert_eq!(automatic.is_exact(), Instance::best() == Instance::Amx);
+    assert_eq!(automatic.is_exact(), Isa::best() == Isa::Amx);
 }
 
 #[test]
 fn no_other_scheme_is_reproducible() {
     for (name, scheme) in SchemeChoice::NAMES {
-        let options = AtaOptions { scheme, ..reproducible() };
+        let options = reproducible().scheme(scheme);
         let mut c = Mat::<f64>::zeros(3, 3);
         let result = ata(1.0, Mat::ones(4, 3).as_ref(), 0.0, c.as_mut(), &options);
         match scheme {
@@ -375,19 +366,19 @@ fn no_other_scheme_is_reproducible() {
 
 #[test]
 fn it_can_be_cancelled_and_tells_how_far_it_is() {
-    use catamaran::base::Flow;
+    use std::ops::ControlFlow;
     use std::sync::Mutex;
     let a = uniform::<f64>(500, 300, 3);
     let told = Mutex::new(Vec::new());
     let listen = |fraction: f64| {
         told.lock().unwrap().push(fraction);
-        Flow::Continue
+        ControlFlow::Continue(())
     };
-    product(a.as_ref(), &AtaOptions { progress: Some(&listen), par: Par::Seq, ..reproducible() });
+    product(a.as_ref(), &reproducible().progress(&listen).par(Par::Seq));
     let told = told.into_inner().unwrap();
     assert!(told.len() > 2 && told.is_sorted() && told.last() == Some(&1.0), "{told:?}");
-    let stop = |_: f64| Flow::Cancel;
+    let stop = |_: f64| ControlFlow::Break(());
     let mut c = Mat::zeros(300, 300);
-    let options = AtaOptions { progress: Some(&stop), ..reproducible() };
+    let options = reproducible().progress(&stop);
     assert_eq!(ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options), Err(Error::Cancelled));
 }

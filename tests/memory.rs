@@ -31,7 +31,7 @@ fn peak(mut work: impl FnMut()) -> usize {
 
 /// Options with a back end that allocates nothing itself.
 fn lean() -> AtaOptions<'static> {
-    AtaOptions { backend: Arc::new(common::Naive), ..AtaOptions::default() }
+    AtaOptions::new().backend(Arc::new(common::Naive))
 }
 
 /// What the bookkeeping of a call may take: tasks, lanes, block lists, a pool of threads.
@@ -42,7 +42,7 @@ fn the_faithful_mode_needs_at_most_three_halves_n_squared_elements() {
     let _turn = turn();
     for n in [128, 250, 389] {
         for par in [Par::Seq, Par::Threads(2)] {
-            let options = AtaOptions { scheme: SchemeChoice::Ata2, leaf: Some(32), par, ..lean() };
+            let options = lean().scheme(SchemeChoice::Ata2).leaf(32).par(par);
             let len = ata_scratch_len::<f64>(n, n, &options).unwrap();
             assert!(len > 0 && 2 * len <= 3 * n * n, "n = {n}: {len} elements");
             let a = Mat::<f64>::ones(n, n);
@@ -59,13 +59,7 @@ fn the_faithful_mode_needs_at_most_three_halves_n_squared_elements() {
 fn faststrassen_needs_at_most_three_halves_n_squared_elements() {
     let _turn = turn();
     for n in [128, 255, 300] {
-        let options = AtaOptions {
-            scheme: SchemeChoice::Ata2,
-            leaf: Some(32),
-            tasks: Some(1),
-            par: Par::Seq,
-            ..lean()
-        };
+        let options = lean().scheme(SchemeChoice::Ata2).leaf(32).tasks(1).par(Par::Seq);
         let len = atb_scratch_len::<f64>(n, n, n, &options).unwrap();
         assert!(len > 0 && 2 * len <= 3 * n * n, "n = {n}: {len} elements");
         let (a, b) = (Mat::<f64>::ones(n, n), Mat::<f64>::ones(n, n));
@@ -82,7 +76,7 @@ fn every_scheme_stays_within_its_scratch_query() {
     let a = Mat::<f32>::ones(m, n);
     let mut c = Mat::<f32>::zeros(n, n);
     for (name, scheme) in SchemeChoice::NAMES {
-        let options = AtaOptions { scheme, leaf: Some(20), ..lean() };
+        let options = lean().scheme(scheme).leaf(20);
         let len = ata_scratch_len::<f32>(m, n, &options).unwrap();
         let used = peak(|| ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap());
         assert!(used <= 4 * len + SMALL, "{name}: {used} bytes for {len} elements");
@@ -96,7 +90,7 @@ fn the_exact_path_needs_at_most_the_size_of_a_and_256_mib() {
         let a = Mat::<f64>::ones(m, n);
         let mut c = Mat::<f64>::zeros(n, n);
         let par = Par::Threads(threads);
-        let options = AtaOptions { scheme: SchemeChoice::Exact, par, ..AtaOptions::default() };
+        let options = AtaOptions::new().scheme(SchemeChoice::Exact).par(par);
         let len = ata_scratch_len::<f64>(m, n, &options).unwrap();
         let used = peak(|| {
             ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
@@ -115,8 +109,7 @@ fn large_scratch_is_kept_for_the_next_call_until_it_is_released() {
     let (m, n) = (2000, 400);
     let a = Mat::<f64>::ones(m, n);
     let mut c = Mat::<f64>::zeros(n, n);
-    let options =
-        AtaOptions { scheme: SchemeChoice::Exact, par: Par::Seq, ..AtaOptions::default() };
+    let options = AtaOptions::new().scheme(SchemeChoice::Exact).par(Par::Seq);
     let len = 8 * ata_scratch_len::<f64>(m, n, &options).unwrap();
     assert!(len > 4 << 20);
     let mut work = || ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options).unwrap();
@@ -142,7 +135,7 @@ fn a_stream_takes_c_two_blocks_and_the_scratch_that_its_plan_says() {
         let weights = vec![0.5; m];
         let weights = weighted.then_some(&weights[..]);
         let par = Par::Threads(2);
-        let options = AtaOptions { scheme, par, ..AtaOptions::default() };
+        let options = AtaOptions::new().scheme(scheme).par(par);
         let plan =
             StreamPlan::new::<f64>(m, n, weighted, Some(height), usize::MAX, &options).unwrap();
         let used = peak(|| {

@@ -2,9 +2,10 @@
 
 use std::fs;
 use std::io::Write;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use catamaran::base::{Flow, Rng};
+use catamaran::base::{Progress, Rng};
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io::{
     Attribute, MeshFile, MeshFormat, PlyEncoding, StlEncoding, read, read_bytes, read_with, write,
@@ -295,13 +296,16 @@ fn reading_reports_progress_and_can_be_cancelled() {
     let last = std::sync::Mutex::new(0.0);
     let file = read_with(
         &path,
-        Some(&|fraction| {
+        Progress::new(&|fraction| {
             *last.lock().unwrap() = fraction;
-            Flow::Continue
+            ControlFlow::Continue(())
         }),
     );
     assert!(file.is_ok() && *last.lock().unwrap() == 1.0);
-    assert_eq!(read_with(&path, Some(&|_| Flow::Cancel)).unwrap_err(), Error::Cancelled);
+    assert_eq!(
+        read_with(&path, Progress::new(&|_| ControlFlow::Break(()))).unwrap_err(),
+        Error::Cancelled
+    );
 }
 
 #[test]

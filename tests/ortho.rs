@@ -1,8 +1,9 @@
 //! Gram-Schmidt and Cholesky QR: orthonormality, reconstruction, rank, thresholds, awkward inputs.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use catamaran::base::{Flow, Rng};
+use catamaran::base::Rng;
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::ortho::{
     GramSchmidtOptions, Orthonormal, cholesky_qr, gram_schmidt, gram_schmidt_in_place,
@@ -294,10 +295,10 @@ fn dirty_inputs_are_refused_and_work_can_be_cancelled() {
     }
     let calls = AtomicUsize::new(0);
     let stop = |_: f64| match calls.fetch_add(1, Ordering::Relaxed) {
-        1 => Flow::Cancel,
-        _ => Flow::Continue,
+        1 => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
     };
-    let options = GramSchmidtOptions { progress: Some(&stop), ..precise() };
+    let options = GramSchmidtOptions { progress: (&stop).into(), ..precise() };
     assert_eq!(gram_schmidt(a.as_ref(), &lumped(n), &options).unwrap_err(), Error::Cancelled);
     a[(3, 5)] = f64::INFINITY;
     assert_eq!(

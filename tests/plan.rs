@@ -1,7 +1,7 @@
 //! Plans are data: they can be checked for any number of processes without running anything.
 
 use catamaran::ata::{Node, Task, levels};
-use catamaran::kernel::int8::Instance;
+use catamaran::kernel::int8::Isa;
 use catamaran::{Accuracy, AtaOptions, Par, Plan, SchemeChoice};
 
 /// Equation 8.6 as printed, `P / 2` in integers.
@@ -99,7 +99,7 @@ fn a_complete_level_balances_the_work() {
 fn a_plan_does_not_depend_on_the_number_of_threads() {
     for (m, n) in [(500, 500), (8192, 8192), (1_000_000, 100), (30_000, 2_500)] {
         let plan = |par| {
-            let options = AtaOptions { par, ..AtaOptions::default() };
+            let options = AtaOptions::new().par(par);
             Plan::ata::<f64>(m, n, &options).unwrap()
         };
         for threads in [1, 2, 7, 64] {
@@ -112,7 +112,7 @@ fn a_plan_does_not_depend_on_the_number_of_threads() {
 fn small_products_are_classical_and_classical_accuracy_always_is() {
     let options = AtaOptions::default();
     assert!(!Plan::ata::<f64>(100, 100, &options).unwrap().is_fast());
-    let options = AtaOptions { accuracy: Accuracy::Classical, ..AtaOptions::default() };
+    let options = AtaOptions::new().accuracy(Accuracy::Classical);
     assert!(!Plan::ata::<f64>(20_000, 20_000, &options).unwrap().is_fast());
 }
 
@@ -120,7 +120,7 @@ fn small_products_are_classical_and_classical_accuracy_always_is() {
 fn large_products_are_fast() {
     let options = AtaOptions::default();
     // With AMX the exact path is faster still.
-    let fast = |plan: Plan| plan.is_fast() || Instance::best() == Instance::Amx && plan.is_exact();
+    let fast = |plan: Plan| plan.is_fast() || Isa::best() == Isa::Amx && plan.is_exact();
     assert!(fast(Plan::ata::<f64>(16_384, 16_384, &options).unwrap()));
     assert!(fast(Plan::atb::<f32>(16_384, 16_384, 16_384, &options).unwrap()));
 }
@@ -128,7 +128,7 @@ fn large_products_are_fast() {
 #[test]
 fn a_printed_plan_names_scheme_tasks_and_scratch() {
     let check = |scheme, words: &[&str]| {
-        let options = AtaOptions { scheme, ..AtaOptions::default() };
+        let options = AtaOptions::new().scheme(scheme);
         let text = Plan::ata::<f64>(4096, 4096, &options).unwrap().to_string();
         for word in ["4096 x 4096", "f64", "estimate"].iter().chain(words) {
             assert!(text.contains(word), "{word} not in:\n{text}");

@@ -60,16 +60,7 @@ proptest! {
         let start = Mat::from_fn(n, n, |i, j| start[(i.max(j), i.min(j))]);
         let (alpha, beta) = (f64::from(alpha), f64::from(beta));
         let uplo = [Uplo::Lower, Uplo::Upper, Uplo::Both][uplo];
-        let options = AtaOptions {
-            uplo,
-            par: Par::Threads(threads),
-            scheme: SchemeChoice::NAMES[scheme].1,
-            accuracy: Accuracy::Fast,
-            backend: backends()[backend].clone(),
-            leaf: Some(leaf),
-            tasks: Some(tasks),
-            ..AtaOptions::default()
-        };
+        let options = AtaOptions::new().uplo(uplo).threads(threads).scheme(SchemeChoice::NAMES[scheme].1).accuracy(Accuracy::Fast).backend(backends()[backend].clone()).leaf(leaf).tasks(tasks);
         let mut c = start.clone();
         ata(alpha, a, beta, c.as_mut(), &options).unwrap();
         let full = oracle(alpha, a, None, a, beta, start.as_ref());
@@ -98,15 +89,7 @@ proptest! {
         let (left, right) = (integers::<f64>(120, 120, seed), integers::<f64>(120, 120, !seed));
         let a = view(&left, m, n, steps, flips);
         let b = view(&right, m, k, steps, (flips.1, flips.2, flips.0));
-        let options = AtaOptions {
-            par: Par::Threads(2),
-            scheme: SchemeChoice::NAMES[scheme].1,
-            accuracy: Accuracy::Fast,
-            backend: backends()[backend].clone(),
-            leaf: Some(leaf),
-            tasks: Some(tasks),
-            ..AtaOptions::default()
-        };
+        let options = AtaOptions::new().threads(2).scheme(SchemeChoice::NAMES[scheme].1).accuracy(Accuracy::Fast).backend(backends()[backend].clone()).leaf(leaf).tasks(tasks);
         let mut c = Mat::from_fn(n, k, |_, _| f64::NAN);
         atb(1.0, a, b, 0.0, c.as_mut(), &options).unwrap();
         prop_assert_eq!(c, oracle(1.0, a, None, b, 0.0, Mat::zeros(n, k).as_ref()));

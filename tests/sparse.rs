@@ -1,9 +1,10 @@
 //! Eigenpairs of sparse symmetric pencils: analytic spectra, dense oracles, invariants, refusals.
 
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use catamaran::base::{Flow, Rng};
+use catamaran::base::Rng;
 use catamaran::faer::Mat;
 use catamaran::sparse::{CsMat, EigenOptions, Eigenpairs, Mass, eigs, eigs_sliced, multiply};
 use catamaran::{Error, Par};
@@ -252,18 +253,19 @@ fn progress_grows_to_one_and_cancels() {
         let mut last = last.lock().unwrap();
         assert!((*last..=1.0).contains(&fraction), "{fraction} after {}", *last);
         *last = fraction;
-        Flow::Continue
+        ControlFlow::Continue(())
     };
-    eigs(w.view(), &mass, &EigenOptions { progress: Some(&watch), ..options(20) }).unwrap();
+    eigs(w.view(), &mass, &EigenOptions { progress: (&watch).into(), ..options(20) }).unwrap();
     assert_eq!(*last.lock().unwrap(), 1.0);
     let calls = AtomicUsize::new(0);
     for limit in [0, 3, 6] {
         calls.store(0, Ordering::Relaxed);
         let stop = |_: f64| match calls.fetch_add(1, Ordering::Relaxed) {
-            done if done >= limit => Flow::Cancel,
-            _ => Flow::Continue,
+            done if done >= limit => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
         };
-        let stopped = eigs(w.view(), &mass, &EigenOptions { progress: Some(&stop), ..options(20) });
+        let stopped =
+            eigs(w.view(), &mass, &EigenOptions { progress: (&stop).into(), ..options(20) });
         assert_eq!(stopped.unwrap_err(), Error::Cancelled);
         assert_eq!(calls.load(Ordering::Relaxed), limit + 1);
     }
@@ -437,9 +439,9 @@ fn slices_refuse_too_little_memory_and_stop_when_told() {
         let mut last = last.lock().unwrap();
         assert!((*last..=1.0).contains(&fraction), "{fraction} after {}", *last);
         *last = fraction;
-        Flow::Continue
+        ControlFlow::Continue(())
     };
-    let watched = EigenOptions { progress: Some(&watch), ..options(100) };
+    let watched = EigenOptions { progress: (&watch).into(), ..options(100) };
     sliced(&w, &mass, &watched, 6_000_000);
     assert_eq!(*last.lock().unwrap(), 1.0);
     let mut slices = 0;

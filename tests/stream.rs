@@ -2,13 +2,14 @@
 
 mod common;
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use catamaran::ata::{
     Accumulator, DenseRows, RowBlocks, StreamPlan, block_rows, scalar_of, stream,
 };
-use catamaran::base::{Flow, Rng};
+use catamaran::base::Rng;
 use catamaran::blas::BlasReal;
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::{AtaOptions, Error, Par, Result, SchemeChoice, Uplo};
@@ -175,7 +176,7 @@ fn bits_do_not_depend_on_threads_or_on_the_speed_of_the_source() {
     let run = |par, centered, slow| {
         let mut source = Source { slow, ..Source::new(a.as_ref()) };
         let mut sum = Accumulator::new(n, centered).unwrap();
-        let options = AtaOptions { par, ..AtaOptions::default() };
+        let options = AtaOptions::new().par(par);
         stream(&mut source, Some(&weights), 700, &mut sum, &options, &mut |_| Ok(())).unwrap();
         bytes(&sum)
     };
@@ -369,7 +370,7 @@ fn error_of_the_source_ends_the_stream_and_what_was_kept_goes_on() {
     for fails_at in [0, 32, 100, 299] {
         for par in [Par::Seq, Par::Threads(2)] {
             let mut source = Source { fails_at: Some(fails_at), ..Source::new(a.as_ref()) };
-            let options = AtaOptions { par, ..AtaOptions::default() };
+            let options = AtaOptions::new().par(par);
             let mut sum = Accumulator::new(n, true).unwrap();
             let mut kept = bytes(&sum);
             let mut keep = |sum: &Accumulator<f64>| {
@@ -407,15 +408,17 @@ fn progress_rises_to_one_and_cancels() {
     let told = |fraction: f64| {
         let mut last = last.lock().unwrap();
         *last = f64::max(*last, fraction);
-        Flow::Continue
+        ControlFlow::Continue(())
     };
     let mut sum = Accumulator::<f64>::new(60, true).unwrap();
-    let options = AtaOptions { progress: Some(&told), ..AtaOptions::default() };
+    let options = AtaOptions::new().progress(&told);
     stream(&mut DenseRows(a.as_ref()), None, 300, &mut sum, &options, &mut |_| Ok(())).unwrap();
     assert_eq!(*last.lock().unwrap(), 1.0);
 
-    let cancel = |fraction: f64| if fraction > 0.4 { Flow::Cancel } else { Flow::Continue };
-    let options = AtaOptions { progress: Some(&cancel), ..AtaOptions::default() };
+    let cancel = |fraction: f64| {
+        if fraction > 0.4 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let options = AtaOptions::new().progress(&cancel);
     let mut sum = Accumulator::<f64>::new(60, true).unwrap();
     let result = stream(&mut DenseRows(a.as_ref()), None, 300, &mut sum, &options, &mut |_| Ok(()));
     assert_eq!(result, Err(Error::Cancelled));
@@ -438,7 +441,7 @@ fn next_block_is_read_while_the_last_is_at_work_and_no_third() {
     };
     let mut blocks = 0;
     let mut sum = Accumulator::new(4, false).unwrap();
-    let options = AtaOptions { par: Par::Threads(1), ..AtaOptions::default() };
+    let options = AtaOptions::new().threads(1);
     let mut source = source;
     let mut check = |_: &Accumulator<f64>| {
         blocks += 1;
@@ -476,7 +479,7 @@ fn strips_are_the_rows_of_the_whole() {
 fn strips_of_the_exact_path_have_the_bits_of_the_whole() {
     let (m, n) = (300, 50);
     let a = gaussian::<f64>(m, n, 21);
-    let options = AtaOptions { scheme: SchemeChoice::Exact, ..AtaOptions::default() };
+    let options = AtaOptions::new().scheme(SchemeChoice::Exact);
     let run = |strip: std::ops::Range<usize>| {
         let mut sum = Accumulator::<f64>::of_strip(n, strip, true).unwrap();
         stream(&mut DenseRows(a.as_ref()), None, 100, &mut sum, &options, &mut |_| Ok(())).unwrap();

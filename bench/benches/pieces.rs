@@ -53,7 +53,7 @@ fn leaves(criterion: &mut Criterion) {
 }
 
 fn sequential(scheme: SchemeChoice, leaf: Option<usize>) -> AtaOptions<'static> {
-    AtaOptions { par: Par::Seq, scheme, leaf, ..AtaOptions::default() }
+    AtaOptions::new().par(Par::Seq).scheme(scheme).leaf(leaf)
 }
 
 /// One level of each scheme over 256-long leaves: what its sums of blocks cost beside them.
@@ -69,7 +69,7 @@ fn one_level(criterion: &mut Criterion) {
         let a = square(n);
         let a = MatRef::from_row_major_slice(&a, n, n);
         let mut c = Mat::zeros(n, n);
-        let options = AtaOptions { tasks: Some(1), ..sequential(scheme, Some(256)) };
+        let options = sequential(scheme, Some(256)).tasks(1);
         group.bench_function(BenchmarkId::new(name, n), |b| {
             b.iter(|| ata(1.0, a, 0.0, c.as_mut(), &options).expect("valid options"));
         });

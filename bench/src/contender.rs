@@ -5,9 +5,9 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use catamaran::base::Team;
+use catamaran::base::ThreadPool;
 use catamaran::blas::BlasReal;
-use catamaran::{AtaOptions, Par, Plan, ata, atb};
+use catamaran::{AtaOptions, Plan, ata, atb};
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, MatMut, MatRef};
@@ -127,7 +127,7 @@ impl Contender {
         mut c: MatMut<'_, T>,
         calls: usize,
         threads: usize,
-        team: &Team,
+        team: &ThreadPool,
     ) -> Result<Duration> {
         match self {
             Self::Cblas { rival, routine } => {
@@ -153,7 +153,7 @@ impl Contender {
                 }))
             }
             Self::Ours { options, .. } => {
-                let options = AtaOptions { par: Par::Threads(threads), ..(**options).clone() };
+                let options = (**options).clone().threads(threads);
                 let time = team.run(|| {
                     let start = Instant::now();
                     for _ in 0..calls {

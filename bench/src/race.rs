@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use catamaran::base::Team;
+use catamaran::base::ThreadPool;
 use faer::MatMut;
 
 use crate::Result;
@@ -63,7 +63,7 @@ pub fn race<T: Scalar>(
     contenders: &[Contender],
     product: Product<'_, T>,
     threads: usize,
-    team: &Team,
+    team: &ThreadPool,
     reference: &Reference,
     rules: &Rules,
 ) -> Result<Vec<Outcome>> {
@@ -218,7 +218,7 @@ mod tests {
 
     fn small(product: Product<'_, f64>, answer_to: Product<'_, f64>) -> Result<Vec<Outcome>> {
         let reference = Reference::new(&answer_to, 1, 1);
-        let team = Team::new(1, Pin::No)?;
+        let team = ThreadPool::new(1, Pin::No)?;
         let rules = Rules { repeat: 3, deadline: None, patience: None };
         let ours = Contender::Ours { name: "auto/native".into(), options: Box::default() };
         race(&[Contender::Faer, ours], product, 1, &team, &reference, &rules)

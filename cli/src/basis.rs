@@ -50,7 +50,7 @@ pub fn run(args: &Args) -> Result<()> {
     let options = ProductBasisOptions {
         orthogonalization: args.mode.into(),
         par: args.laplacian.par(),
-        progress: Some(&update),
+        progress: (&update).into(),
     };
     let basis = ProductBasis::new(&shape.eigenbasis, args.order, &options)?;
     drop(bar);

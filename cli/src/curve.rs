@@ -110,7 +110,7 @@ pub fn run(args: &Args) -> Result<()> {
         steiner: !args.no_steiner,
         candidates: args.candidates,
         start: args.start,
-        progress: Some(&update),
+        progress: (&update).into(),
     };
     let start = Instant::now();
     let mut found = solver

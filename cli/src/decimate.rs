@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::decimate::{
     DecimateOptions, Decimation, Difference, Method, Quality, decimate, edge_length_for,
 };
@@ -111,7 +112,7 @@ pub fn run(args: &Args) -> Result<()> {
         keep_narrow_handles: args.keep_handles,
         first: args.first,
         par,
-        progress: Some(&update),
+        progress: (&update).into(),
     };
     let start = Instant::now();
     let found = decimate(&input.mesh, n, &options)
@@ -139,7 +140,7 @@ pub fn run(args: &Args) -> Result<()> {
 pub fn read(path: &std::path::Path) -> Result<MeshFile> {
     let start = Instant::now();
     let bar = Bar::new("reading");
-    let file = files::read_with(path, Some(&|fraction| bar.update(fraction)))?;
+    let file = files::read_with(path, Progress::new(&|fraction| bar.update(fraction)))?;
     drop(bar);
     let (vertices, faces) = (file.mesh.vertices().len(), file.mesh.faces().len());
     let time = seconds(start.elapsed());

@@ -118,7 +118,7 @@ fn products(args: &Args, shape: &Shape) -> Result<(Basis, Vec<f64>)> {
     let options = ProductBasisOptions {
         orthogonalization: Orthogonalization::Reorthogonalized,
         par: args.laplacian.par(),
-        progress: Some(&update),
+        progress: (&update).into(),
     };
     let basis = ProductBasis::new(&shape.eigenbasis, args.order, &options)?;
     drop(bar);

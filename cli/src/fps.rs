@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
+use catamaran::base::Progress;
 use catamaran::decimate::{Cells, FarthestPoints};
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Output, Overwrite};
@@ -56,7 +57,9 @@ pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     let named = || args.input.display().to_string();
     let mut points = FarthestPoints::new(&input.mesh, args.first).with_context(named)?;
-    points.extend_to(args.n, Some(&|fraction| bar.update(fraction))).with_context(named)?;
+    points
+        .extend_to(args.n, Progress::new(&|fraction| bar.update(fraction)))
+        .with_context(named)?;
     let elapsed = start.elapsed();
     drop(bar);
     let samples = points.samples();

@@ -43,14 +43,14 @@ pub fn run(args: &Args) -> Result<()> {
         )?;
     }
     writeln!(out, "              any CBLAS library: --backend PATH")?;
-    let best = packed::Instance::best();
-    let states = packed::Instance::ALL.map(|i| (i.name(), state(i.refusal(), i == best)));
+    let best = packed::Isa::best();
+    let states = packed::Isa::ALL.map(|i| (i.name(), state(i.refusal(), i == best)));
     block(&mut out, "native path", &states)?;
-    let usable = packed::Instance::ALL.into_iter().filter(|i| i.refusal().is_none());
+    let usable = packed::Isa::ALL.into_iter().filter(|i| i.refusal().is_none());
     let rates: Vec<_> = usable.map(|i| (i.name(), rates(i))).collect();
     block(&mut out, "rates", &rates)?;
-    let best = int8::Instance::best();
-    let states = int8::Instance::ALL.map(|i| (i.name(), state(i.refusal(), i == best)));
+    let best = int8::Isa::best();
+    let states = int8::Isa::ALL.map(|i| (i.name(), state(i.refusal(), i == best)));
     block(&mut out, "exact path", &states)?;
     for (i, line) in crate::device::described().iter().enumerate() {
         writeln!(out, "{:14}{line}", if i == 0 { "opencl" } else { "" })?;
@@ -72,13 +72,13 @@ fn state(refusal: Option<&'static str>, is_best: bool) -> &'static str {
 }
 
 /// Where the planner has the rates of an instruction set from.
-fn rates(instance: packed::Instance) -> String {
+fn rates(isa: packed::Isa) -> String {
     const NONE: &str = "built in (`catamaran tune` measures them)";
-    let Some(path) = Rates::path(instance) else { return NONE.into() };
+    let Some(path) = Rates::path(isa) else { return NONE.into() };
     if !path.exists() {
         return NONE.into();
     }
-    match Rates::load(&path, instance) {
+    match Rates::load(&path, isa) {
         Ok(_) => format!("measured, {}", path.display()),
         Err(e) => format!("built in, as this file is refused: {e}"),
     }

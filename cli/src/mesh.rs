@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
+use catamaran::base::Progress;
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io::{self as files, MeshFile};
 use catamaran::mesh::{Components, Normalization, Part, Problem, TriMesh, Validation};
@@ -85,7 +86,7 @@ pub fn run(args: &Args) -> Result<()> {
     let picture = args.picture.create(overwrite)?;
     let start = Instant::now();
     let bar = Bar::new("reading");
-    let file = files::read_with(&args.input, Some(&|fraction| bar.update(fraction)))?;
+    let file = files::read_with(&args.input, Progress::new(&|fraction| bar.update(fraction)))?;
     drop(bar);
     let name = args.input.display();
     report(format_args!("mesh        {name}, read in {}", seconds(start.elapsed())))?;

@@ -1,8 +1,8 @@
 //! Progress bars, and Ctrl-C.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use catamaran::base::Flow;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::report;
@@ -10,7 +10,7 @@ use crate::report;
 /// Set by the signal handler, which can reach nothing else.
 static CANCELLED: AtomicBool = AtomicBool::new(false);
 
-/// From now on Ctrl-C (or SIGTERM, SIGHUP) makes every [`Bar`] answer [`Flow::Cancel`].
+/// From now on Ctrl-C (or SIGTERM, SIGHUP) makes every [`Bar`] answer [`ControlFlow::Break(())`].
 pub fn watch_ctrl_c() -> anyhow::Result<()> {
     ctrlc::set_handler(|| CANCELLED.store(true, Ordering::Relaxed))?;
     Ok(())
@@ -43,7 +43,7 @@ impl Bar {
     }
 
     /// Shows `fraction` of the work as done; never goes back.
-    pub fn update(&self, fraction: f64) -> Flow {
+    pub fn update(&self, fraction: f64) -> ControlFlow<()> {
         let position = (fraction * STEPS as f64) as u64;
         let before = self.0.position();
         if position > before {
@@ -53,7 +53,7 @@ impl Bar {
                 self.0.reset_eta();
             }
         }
-        if check().is_err() { Flow::Cancel } else { Flow::Continue }
+        if check().is_err() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 

@@ -97,7 +97,7 @@ impl LaplacianArgs {
         let options = EigenOptions {
             k: len,
             par: self.par(),
-            progress: Some(&update),
+            progress: (&update).into(),
             ..EigenOptions::default()
         };
         let pairs = eigs(found.stiffness.view(), &found.mass, &options)

@@ -98,7 +98,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
 
     let start = Instant::now();
     let bar = Bar::new("reading");
-    let file = files::read_with(&args.input, Some(&|fraction| bar.update(fraction)))?;
+    let file = files::read_with(&args.input, Progress::new(&|fraction| bar.update(fraction)))?;
     drop(bar);
     let options = LaplacianOptions {
         kind: args.laplacian.kind(),
@@ -130,7 +130,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         tolerance: args.tolerance,
         verify_count: args.verify,
         par,
-        progress: Some(&watch as Progress<'_>),
+        progress: Progress::new(&watch),
         ..EigenOptions::default()
     };
     // Only pictures need the mesh from here on.

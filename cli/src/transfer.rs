@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::faer::{Mat, Scale};
 use catamaran::io::{self as files, Output, Overwrite};
 use catamaran::spectral::descriptors::{wave_kernel_signature, wave_scales};
@@ -114,7 +115,7 @@ pub fn run(args: &Args) -> Result<()> {
         let bar = Bar::new("products");
         let update = |fraction| bar.update(fraction);
         let orthogonalization = Orthogonalization::from(args.mode);
-        let options = ProductBasisOptions { orthogonalization, par, progress: Some(&update) };
+        let options = ProductBasisOptions { orthogonalization, par, progress: (&update).into() };
         Ok(ProductBasis::new(&shape.eigenbasis.truncated(len)?, args.order, &options)?)
     };
     let from = transfer_basis(&source, lens.0)?;
@@ -181,7 +182,7 @@ fn correspondence(
     let c = fit.solve(MapFit::COMMUTATIVITY)?;
     let bar = Bar::new("points");
     let update = |fraction| bar.update(fraction);
-    let progress = Some(&update as _);
+    let progress = Progress::new(&update);
     Ok(match args.refine {
         Refine::None => points_from_map(c.as_ref(), low.0.basis(), low.1.basis(), par, progress)?,
         Refine::Icp => icp(c.as_ref(), &low.0, &low.1, ITERATIONS, par, progress)?.points,

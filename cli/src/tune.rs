@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use anyhow::Result;
-use catamaran::kernel::packed::{Instance, Rates};
+use catamaran::kernel::packed::{Isa, Rates};
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
 
@@ -16,31 +16,31 @@ use crate::progress;
 pub struct Args {
     /// Only this instruction set; all that the machine has unless given.
     #[arg(long, value_name = "NAME", value_parser = instance_parser())]
-    instance: Option<Instance>,
+    isa: Option<Isa>,
     /// Keep nothing.
     #[arg(long)]
     dry_run: bool,
 }
 
-fn instance_parser() -> impl clap::builder::TypedValueParser<Value = Instance> {
-    PossibleValuesParser::new(Instance::ALL.map(Instance::name)).map(|name| {
-        let found = Instance::ALL.into_iter().find(|instance| instance.name() == name);
-        found.unwrap_or(Instance::Portable)
+fn instance_parser() -> impl clap::builder::TypedValueParser<Value = Isa> {
+    PossibleValuesParser::new(Isa::ALL.map(Isa::name)).map(|name| {
+        let found = Isa::ALL.into_iter().find(|isa| isa.name() == name);
+        found.unwrap_or(Isa::Portable)
     })
 }
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
-    let instances = match args.instance {
+    let isas = match args.isa {
         // Refused by the measurement, if at all, which says why.
-        Some(instance) => vec![instance],
-        None => Instance::ALL.into_iter().filter(|i| i.refusal().is_none()).collect(),
+        Some(isa) => vec![isa],
+        None => Isa::ALL.into_iter().filter(|i| i.refusal().is_none()).collect(),
     };
     let mut measured = Vec::new();
-    for instance in instances {
+    for isa in isas {
         progress::check()?;
-        eprintln!("measuring {}", instance.name());
-        measured.push((instance, Rates::measure(instance)?));
+        eprintln!("measuring {}", isa.name());
+        measured.push((isa, Rates::measure(isa)?));
     }
     progress::check()?;
     let mut out = io::stdout().lock();
@@ -50,16 +50,16 @@ pub fn run(args: &Args) -> Result<()> {
         "{:10}{:>18}{:>18}{:>18}{:>18}",
         "", "GFLOP/s f64", "GB/s read", "GB/s pack", "GB/s update"
     )?;
-    for (instance, rates) in &measured {
-        write!(out, "{:10}", instance.name())?;
-        for (rate, default) in values(rates).into_iter().zip(values(&Rates::of(*instance))) {
+    for (isa, rates) in &measured {
+        write!(out, "{:10}", isa.name())?;
+        for (rate, default) in values(rates).into_iter().zip(values(&Rates::of(*isa))) {
             write!(out, "{:>18}", format!("{:.1} ({:.1})", rate / 1e9, default / 1e9))?;
         }
         writeln!(out)?;
     }
     if !args.dry_run {
-        for (instance, rates) in &measured {
-            writeln!(out, "written   {}", rates.save(*instance)?.display())?;
+        for (isa, rates) in &measured {
+            writeln!(out, "written   {}", rates.save(*isa)?.display())?;
         }
     }
     Ok(())

@@ -16,13 +16,12 @@ fn info_names_version_cpu_back_ends_and_instances() {
     let state = |refusal: Option<&'static str>, best| {
         refusal.unwrap_or(if best { "used" } else { "available" })
     };
-    let best = packed::Instance::best();
+    let best = packed::Isa::best();
     let native =
-        packed::Instance::ALL.map(|i| format!("{}: {}", i.name(), state(i.refusal(), i == best)));
+        packed::Isa::ALL.map(|i| format!("{}: {}", i.name(), state(i.refusal(), i == best)));
     assert_eq!(block(&text, "native path"), native);
-    let best = int8::Instance::best();
-    let exact =
-        int8::Instance::ALL.map(|i| format!("{}: {}", i.name(), state(i.refusal(), i == best)));
+    let best = int8::Isa::best();
+    let exact = int8::Isa::ALL.map(|i| format!("{}: {}", i.name(), state(i.refusal(), i == best)));
     assert_eq!(block(&text, "exact path"), exact);
     for line in block(&text, "rates") {
         assert!(line.ends_with("built in (`catamaran tune` measures them)"), "{line}");

@@ -4,7 +4,7 @@ mod common;
 
 use std::fs;
 
-use catamaran::kernel::packed::{Instance, Rates};
+use catamaran::kernel::packed::{Isa, Rates};
 use common::{CACHE, Folder};
 
 /// The four rates of the table's only line, each with the built-in one.
@@ -18,9 +18,9 @@ fn table(report: &str) -> Vec<(f64, f64)> {
 #[test]
 fn dry_run_prints_a_table_and_writes_nothing() {
     let folder = Folder::new();
-    let report = folder.succeed("tune --dry-run --instance portable");
+    let report = folder.succeed("tune --dry-run --isa portable");
     let rates = table(&report);
-    let of = Rates::of(Instance::Portable);
+    let of = Rates::of(Isa::Portable);
     let built_in = [of.flops, of.read_bytes, of.pack_bytes, of.update_bytes];
     assert_eq!(rates.iter().map(|r| r.1).collect::<Vec<_>>(), built_in.map(|rate| rate / 1e9));
     assert!(rates.iter().all(|r| r.0 >= 0.0), "{report}");
@@ -33,10 +33,10 @@ fn dry_run_prints_a_table_and_writes_nothing() {
 #[test]
 fn measured_rates_are_kept_and_info_says_where() {
     let folder = Folder::new();
-    let report = folder.succeed("tune --instance portable");
+    let report = folder.succeed("tune --isa portable");
     let path = report.lines().find_map(|line| line.strip_prefix("written   ")).expect("a file");
     assert!(path.starts_with(&*folder.path(CACHE).to_string_lossy()), "{path}");
-    let kept = Rates::load(path.as_ref(), Instance::Portable).unwrap();
+    let kept = Rates::load(path.as_ref(), Isa::Portable).unwrap();
     for (rate, (shown, _)) in
         [kept.flops, kept.read_bytes, kept.pack_bytes, kept.update_bytes].iter().zip(table(&report))
     {
@@ -59,7 +59,7 @@ fn measured_rates_are_kept_and_info_says_where() {
 
 #[test]
 fn unknown_instances_say_what_is_known() {
-    let run = Folder::new().run("tune --instance magic");
+    let run = Folder::new().run("tune --isa magic");
     assert_eq!(run.code, Some(2));
     assert!(run.stderr.contains("magic") && run.stderr.contains("portable"), "{}", run.stderr);
 }
@@ -67,9 +67,9 @@ fn unknown_instances_say_what_is_known() {
 #[test]
 fn an_instance_that_the_machine_lacks_is_refused() {
     let folder = Folder::new();
-    for instance in Instance::ALL {
-        if let Some(why) = instance.refusal() {
-            let run = folder.run(&format!("tune --instance {}", instance.name()));
+    for isa in Isa::ALL {
+        if let Some(why) = isa.refusal() {
+            let run = folder.run(&format!("tune --isa {}", isa.name()));
             assert_eq!(run.code, Some(1));
             assert!(run.stderr.contains(why) && folder.names().is_empty(), "{}", run.stderr);
         }

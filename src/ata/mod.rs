@@ -34,9 +34,9 @@ pub use verify::{Verification, verify, verify_rows};
 #[cfg(feature = "mpi")]
 pub(crate) use verify::{check_rounds, signs, verdict};
 
-use crate::base::{Error, Flow, Result, Scratch};
+use crate::base::{Error, Result, Scratch};
 use crate::blas::{BlasReal, Kernels};
-use crate::kernel::int8::Instance;
+use crate::kernel::int8::Isa;
 
 /// `C := alpha A^T A + beta C`, the triangle or triangles of `options.uplo`.
 ///
@@ -221,10 +221,7 @@ fn small<'o, T: BlasReal>(
 
 /// All of a small product at once.
 fn report_end(options: &AtaOptions<'_>) -> Result<()> {
-    match options.progress.map(|progress| progress(1.0)) {
-        Some(Flow::Cancel) => Err(Error::Cancelled),
-        Some(Flow::Continue) | None => Ok(()),
-    }
+    options.progress.report(1.0)
 }
 
 fn check_atb<T>(a: MatRef<'_, T>, b: MatRef<'_, T>, c: MatRef<'_, T>) -> Result<()> {
@@ -249,26 +246,26 @@ fn check_scratch<T>(scratch: &[T], len: usize) -> Result<()> {
     Err(Error::Shape { what: "scratch", expected: (len, 1), got: (scratch.len(), 1) })
 }
 
-/// The lower triangle of `C := A^T A` by the exact path on `instance`, and what its stages took. For
-/// benchmarks: [`ata`] does the same on the fastest instance.
+/// The lower triangle of `C := A^T A` by the exact path on `isa`, and what its stages took. For
+/// benchmarks: [`ata`] does the same on the fastest isa.
 ///
 /// # Errors
-/// As [`ata`]; [`Error::Argument`] when the machine refuses the instance.
+/// As [`ata`]; [`Error::Argument`] when the machine refuses the isa.
 pub fn exact_stages<T: BlasReal>(
-    instance: Instance,
+    isa: Isa,
     a: MatRef<'_, T>,
     c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<Stages> {
-    if let Some(why) = instance.refusal() {
-        return Err(Error::Argument { what: "instance", why: why.into() });
+    if let Some(why) = isa.refusal() {
+        return Err(Error::Argument { what: "isa", why: why.into() });
     }
     let options = AtaOptions { scheme: SchemeChoice::Exact, ..options.clone() };
     let plan = plan_ata(a, c.rb(), &options)?;
     let len = plan.scratch_len::<T>(options.par.threads(), true);
     let mut scratch = Scratch::new::<T>(len)?;
     let layout = plan.exact_layout::<T>(true).expect("asked for");
-    let (kernel, scratch) = (instance.kernel(), scratch.as_mut_slice());
+    let (kernel, scratch) = (isa.kernel(), scratch.as_mut_slice());
     exact::execute(kernel, &layout, T::ONE, a, None, T::ZERO, c, &options, scratch)
 }
 
@@ -285,13 +282,11 @@ fn run<T: BlasReal>(
 ) -> Result<()> {
     match plan.exact_layout::<T>(b.is_none()) {
         Some(layout) => {
-            let kernel = Instance::best().kernel();
+            let kernel = Isa::best().kernel();
             exact::execute(kernel, &layout, alpha, a, b, beta, c, options, scratch).map(drop)
         }
         None => match plan.native {
-            Some(instance) => {
-                native::execute(instance, plan, alpha, a, b, beta, c, options, scratch)
-            }
+            Some(isa) => native::execute(isa, plan, alpha, a, b, beta, c, options, scratch),
             None => exec::execute(plan, alpha, a, b, beta, c, options, scratch),
         },
     }

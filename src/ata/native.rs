@@ -2,20 +2,19 @@
 
 use std::ops::Range;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
 use super::combine::{accumulate, accumulate_lower};
-use super::exec::{Tracker, partial};
+use super::exec::partial;
 use super::fused::{self, Block, FusedProduct};
 use super::options::AtaOptions;
 use super::plan::Plan;
 use super::recurse::block_start;
-use crate::base::{Arena, Error, Par, Result};
+use crate::base::{Arena, Par, Result, Tracker, tickets};
 use crate::kernel::packed::{
-    Destination, Instance, Job, Operand, Part, Product, Source, run, scratch_len,
+    Destination, Isa, Job, Operand, Part, Product, Source, run, scratch_len,
 };
 
 /// The products of a plan, for one slab of its rows.
@@ -33,13 +32,8 @@ pub(crate) fn budget<T>(n: usize, k: usize) -> usize {
 }
 
 /// Scalars of scratch that one slab needs on `lanes` threads.
-fn slab_scratch_len<T: Operand>(
-    instance: Instance,
-    plan: &Plan,
-    same: bool,
-    lanes: usize,
-) -> usize {
-    let geometry = T::kernel(instance).geometry();
+fn slab_scratch_len<T: Operand>(isa: Isa, plan: &Plan, same: bool, lanes: usize) -> usize {
+    let geometry = T::kernel(isa).geometry();
     let budget = budget::<T>(plan.n, plan.k);
     let len = |rows| {
         let program = program(plan, same, rows);
@@ -50,22 +44,22 @@ fn slab_scratch_len<T: Operand>(
 
 /// Scalars of scratch of [`execute`].
 pub(crate) fn plan_scratch_len<T: Operand>(
-    instance: Instance,
+    isa: Isa,
     plan: &Plan,
     same: bool,
     threads: usize,
 ) -> usize {
     if plan.slabs == 1 {
-        return slab_scratch_len::<T>(instance, plan, same, threads);
+        return slab_scratch_len::<T>(isa, plan, same, threads);
     }
     let lanes = threads.min(plan.slabs);
-    (plan.slabs - 1) * plan.n * plan.k + lanes * slab_scratch_len::<T>(instance, plan, same, 1)
+    (plan.slabs - 1) * plan.n * plan.k + lanes * slab_scratch_len::<T>(isa, plan, same, 1)
 }
 
 /// `C := alpha A^T B + beta C` by `plan`; B is `None` for A^T A. Symmetric plans touch only the
 /// lower triangle.
 pub(crate) fn execute<T: Operand>(
-    instance: Instance,
+    isa: Isa,
     plan: &Plan,
     alpha: T,
     a: MatRef<'_, T>,
@@ -81,20 +75,16 @@ pub(crate) fn execute<T: Operand>(
     let work: f64 = programs.iter().flatten().map(|p| p.work(plan.symmetric)).sum();
     // Over before another thread has woken up.
     let par = if work < 4e6 { Par::Seq } else { options.par };
-    let tracker = Tracker::new(options, work);
-    let progress = |work: f64| {
-        tracker.add(work);
-        !tracker.cancelled()
-    };
-    let kernel = T::kernel(instance);
+    let tracker = Tracker::new(options.progress, work);
+    let kernel = T::kernel(isa);
     let budget = budget::<T>(plan.n, plan.k);
     let sides = [a, b.unwrap_or(a)];
     // Classical products have componentwise bounds whatever the scales of the columns.
-    let scales = (options.scale_columns && plan.is_fast()).then(|| sides.map(Scales::of));
+    let scales = plan.is_fast().then(|| sides.map(Scales::of));
     let slab = |i: usize, beta, c: MatMut<'_, T>, par, scratch: &mut [T]| {
         let sides = sides.map(|matrix| sub_rows(matrix, rows(i)));
         let products = bind(plan, &programs[i], alpha, sides, scales.as_ref(), beta, c);
-        let job = Job { kernel, products: &products, budget, progress: &progress };
+        let job = Job { kernel, products: &products, budget, progress: &tracker };
         // SAFETY: the targets are of `c`, which is borrowed mutably for this call.
         unsafe { run(&job, par, scratch) };
     };
@@ -109,21 +99,13 @@ pub(crate) fn execute<T: Operand>(
             results.push(Mutex::new((T::ZERO, zero)));
         }
         let par = Par::Threads(par.threads().min(slabs));
-        let lane_len = slab_scratch_len::<T>(instance, plan, same, 1);
-        let lanes: Vec<_> = (0..par.threads()).map(|_| Mutex::new(arena.take(lane_len))).collect();
-        let next = AtomicUsize::new(0);
-        par.run_lanes(|lane| {
-            let mut scratch = lanes[lane].lock().expect("one lane, one lock");
-            loop {
-                let i = next.fetch_add(1, Ordering::Relaxed);
-                let Some(result) = results.get(i) else { return };
-                if tracker.cancelled() {
-                    return;
-                }
-                let mut result = result.lock().expect("one slab, one lock");
-                let (beta, c) = &mut *result;
-                slab(i, *beta, c.rb_mut(), Par::Seq, &mut scratch);
-            }
+        let lane_len = slab_scratch_len::<T>(isa, plan, same, 1);
+        let mut workers: Vec<_> = (0..par.threads()).map(|_| arena.take(lane_len)).collect();
+        tickets(&mut workers, slabs, |scratch, i| {
+            let mut result = results[i].lock().expect("one slab, one lock");
+            let (beta, c) = &mut *result;
+            slab(i, *beta, c.rb_mut(), Par::Seq, scratch);
+            tracker.state()
         });
         let mut results = results.into_iter().map(|r| r.into_inner().expect("no panic").1);
         let Some(mut sum) = results.next() else { return Ok(()) };
@@ -135,7 +117,7 @@ pub(crate) fn execute<T: Operand>(
             }
         }
     }
-    if tracker.cancelled() { Err(Error::Cancelled) } else { Ok(()) }
+    tracker.finish()
 }
 
 fn sub_rows<T>(matrix: MatRef<'_, T>, rows: Range<usize>) -> MatRef<'_, T> {

@@ -1,3 +1,4 @@
+use std::fmt;
 use std::sync::Arc;
 
 use crate::base::{Par, Progress};
@@ -88,34 +89,33 @@ impl SchemeChoice {
 }
 
 /// How [`ata`](super::ata) and its relatives work; the default suits most callers.
+///
+/// ```
+/// use catamaran::{Accuracy, AtaOptions, Uplo};
+///
+/// let options = AtaOptions::new().uplo(Uplo::Both).threads(4).accuracy(Accuracy::Max);
+/// ```
 #[derive(Clone)]
+#[non_exhaustive]
 pub struct AtaOptions<'a> {
-    /// Which triangle; default [`Uplo::Lower`].
+    /// Which triangle of the result. [`AtaOptions::uplo()`] sets it.
     pub uplo: Uplo,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
+    /// Threads. [`AtaOptions::par()`] sets it.
     pub par: Par,
-    /// Which recursion; default [`SchemeChoice::Auto`].
+    /// Which recursion. [`AtaOptions::scheme()`] sets it.
     pub scheme: SchemeChoice,
-    /// Error allowed to fast products; default [`Accuracy::Default`].
+    /// Error that fast products may cause. [`AtaOptions::accuracy()`] sets it.
     pub accuracy: Accuracy,
-    /// The same bytes on any machine, which is [`SchemeChoice::Exact`] everywhere: no other scheme may be asked
-    /// for. Without AMX it is slower than the classical way. Default false.
+    /// The same bytes on every machine. [`AtaOptions::reproducible()`] sets it.
     pub reproducible: bool,
-    /// Multiplies columns by powers of two while fast levels pack them, and divides the products again:
-    /// exactly, so that columns of very different sizes do not spoil each other's accuracy. Costs a pass
-    /// over A and slower packing. Native kernels only; without effect on classical and exact products.
-    /// Default false.
-    pub scale_columns: bool,
-    /// What computes the leaves; default [`blas::native()`].
+    /// What computes the leaves. [`AtaOptions::backend()`] sets it.
     pub backend: Arc<dyn Backend>,
-    /// Smallest block side a fast level may produce (elements, >= 1); in [`SchemeChoice::Ata2`] the
-    /// side of the square that fits the cache. `None`: what the planner finds best.
+    /// Smallest block side of a fast level. [`AtaOptions::leaf()`] sets it.
     pub leaf: Option<usize>,
-    /// Tasks that C is split into, whatever the number of threads; `None`: by shape. The native kernels
-    /// share C by items of their own, and need none but for the schemes of the thesis, RXTX and Kgp3.
+    /// Number of tasks that C is split into. [`AtaOptions::tasks()`] sets it.
     pub tasks: Option<usize>,
-    /// Told of progress; may cancel.
-    pub progress: Option<Progress<'a>>,
+    /// Told of progress; may cancel. [`AtaOptions::progress()`] sets it.
+    pub progress: Progress<'a>,
 }
 
 impl Default for AtaOptions<'_> {
@@ -126,11 +126,93 @@ impl Default for AtaOptions<'_> {
             scheme: SchemeChoice::default(),
             accuracy: Accuracy::default(),
             reproducible: false,
-            scale_columns: false,
             backend: blas::native(),
             leaf: None,
             tasks: None,
-            progress: None,
+            progress: Progress::none(),
         }
+    }
+}
+
+impl fmt::Debug for AtaOptions<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("AtaOptions")
+            .field("uplo", &self.uplo)
+            .field("par", &self.par)
+            .field("scheme", &self.scheme)
+            .field("accuracy", &self.accuracy)
+            .field("reproducible", &self.reproducible)
+            .field("backend", &self.backend.name())
+            .field("leaf", &self.leaf)
+            .field("tasks", &self.tasks)
+            .field("progress", &self.progress)
+            .finish()
+    }
+}
+
+impl<'a> AtaOptions<'a> {
+    /// The defaults.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Sets which triangle of the result is wanted; [`Uplo::Lower`] by default.
+    pub fn uplo(self, uplo: Uplo) -> Self {
+        Self { uplo, ..self }
+    }
+
+    /// Sets how many threads a call may use; all cores of the affinity mask by default. The result
+    /// does not depend on it.
+    pub fn par(self, par: Par) -> Self {
+        Self { par, ..self }
+    }
+
+    /// Sets the number of threads: [`Par::Threads`].
+    pub fn threads(self, threads: usize) -> Self {
+        self.par(Par::Threads(threads))
+    }
+
+    /// Sets which recursion runs; [`SchemeChoice::Auto`] by default.
+    pub fn scheme(self, scheme: SchemeChoice) -> Self {
+        Self { scheme, ..self }
+    }
+
+    /// Sets the error that fast products may cause; [`Accuracy::Default`] by default.
+    pub fn accuracy(self, accuracy: Accuracy) -> Self {
+        Self { accuracy, ..self }
+    }
+
+    /// Asks for the same bytes on every machine, for any number of threads: [`SchemeChoice::Exact`]
+    /// everywhere, so that no other scheme may be asked for. It is slower than the classical way on
+    /// CPUs without AMX. False by default.
+    pub fn reproducible(self, reproducible: bool) -> Self {
+        Self { reproducible, ..self }
+    }
+
+    /// Sets what computes the leaves; [`blas::native()`] by default.
+    pub fn backend(self, backend: Arc<dyn Backend>) -> Self {
+        Self { backend, ..self }
+    }
+
+    /// Sets the smallest block side (in elements, at least 1) that a fast level may produce; in
+    /// [`SchemeChoice::Ata2`] the side of the square that fits the cache. `None`, the default, leaves it
+    /// to the planner.
+    pub fn leaf(self, leaf: impl Into<Option<usize>>) -> Self {
+        Self { leaf: leaf.into(), ..self }
+    }
+
+    /// Sets the number of tasks that C is split into, whatever the number of threads. `None`, the
+    /// default, decides by shape. The native kernels share C by items of their own and need none, but
+    /// for the schemes of the thesis, RXTX and Kgp3.
+    pub fn tasks(self, tasks: impl Into<Option<usize>>) -> Self {
+        Self { tasks: tasks.into(), ..self }
+    }
+
+    /// Sets what is told of progress and may cancel; nobody by default.
+    pub fn progress<'b>(self, progress: impl Into<Progress<'b>>) -> AtaOptions<'b>
+    where
+        'a: 'b,
+    {
+        AtaOptions { progress: progress.into(), ..self }
     }
 }

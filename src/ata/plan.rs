@@ -12,7 +12,7 @@ use super::scheme::SchemeId;
 use super::tree::{Node, Task};
 use crate::base::{Error, Real, Result};
 use crate::blas::{Native, Rates};
-use crate::kernel::int8::{Instance, Operand};
+use crate::kernel::int8::{Isa, Operand};
 use crate::kernel::packed::{self, Blocking};
 
 /// How blocks are taken apart: at each node the first scheme whose blocks are not too small.
@@ -110,7 +110,7 @@ pub struct Plan {
     /// The exact path instead, with this many moduli.
     pub(crate) exact: Option<usize>,
     /// The native kernels instead: the recursion is flattened, there is one task.
-    pub(crate) native: Option<packed::Instance>,
+    pub(crate) native: Option<packed::Isa>,
     /// Expected seconds on one core, and those of the classical plan.
     estimate: f64,
     classical_estimate: f64,
@@ -265,7 +265,7 @@ impl Plan {
         let chunks = chunks_of(&recursion);
         let mut estimate = seconds(&recursion);
         let moduli = exact_moduli::<T>(options.accuracy);
-        let exact_estimate = exact::estimate(Instance::best(), [m, n, k], moduli, symmetric);
+        let exact_estimate = exact::estimate(Isa::best(), [m, n, k], moduli, symmetric);
         let wanted = options.reproducible
             || options.scheme == SchemeChoice::Exact
             || options.accuracy == Accuracy::Max && options.scheme == SchemeChoice::Auto;
@@ -288,7 +288,7 @@ impl Plan {
             chunks,
             recursion,
             exact,
-            native: native.map(Native::instance),
+            native: native.map(Native::isa),
             estimate,
             classical_estimate,
         })
@@ -309,8 +309,8 @@ impl Plan {
         if let Some(layout) = self.exact_layout::<T>(same) {
             return exact::scratch_len::<T>([self.m, self.n, self.k], &layout, threads);
         }
-        if let Some(instance) = self.native {
-            return native::plan_scratch_len::<T>(instance, self, same, threads);
+        if let Some(isa) = self.native {
+            return native::plan_scratch_len::<T>(isa, self, same, threads);
         }
         self.lane_scratch_len(same) * self.lanes(threads) + (self.slabs - 1) * self.n * self.k
     }
@@ -388,9 +388,6 @@ pub(super) fn check(options: &AtaOptions<'_>) -> Result<()> {
             && !matches!(options.scheme, SchemeChoice::Auto | SchemeChoice::Exact) =>
         {
             refuse("scheme", "only the exact one is reproducible on every machine")
-        }
-        _ if options.scale_columns && options.backend.native().is_none() => {
-            refuse("scale_columns", "only the native kernels can")
         }
         _ if options.leaf == Some(0) => refuse("leaf", "must be at least 1"),
         _ if options.tasks.is_some_and(|t| t == 0 || t > MAX_TASKS) => {
@@ -477,7 +474,7 @@ fn native_seconds<T: packed::Operand>(
     k: usize,
     symmetric: bool,
 ) -> f64 {
-    let geometry = T::kernel(native.instance()).geometry();
+    let geometry = T::kernel(native.isa()).geometry();
     let budget = native::budget::<T>(n, k);
     let one = |p: &FusedProduct| {
         let chunks = Blocking::new(geometry, size_of::<T>(), p.shape, budget).chunks(p.shape);
@@ -585,22 +582,18 @@ impl fmt::Display for Plan {
             writeln!(f, "C = A^T B, A {m} x {n}, B {m} x {k}, {scalar}")?;
         }
         if let Some(moduli) = self.exact {
-            writeln!(
-                f,
-                "exact      modulo {moduli} numbers of 8 bits, by {}",
-                Instance::best().name()
-            )?;
+            writeln!(f, "exact      modulo {moduli} numbers of 8 bits, by {}", Isa::best().name())?;
             return self.write_estimate(f);
         }
         let slab_word = if *slabs == 1 { "slab" } else { "slabs" };
         match self.native {
-            Some(instance) => {
+            Some(isa) => {
                 let products = fused::products(recursion, self.op(true), m / slabs, *n, *k).len();
                 let products = match products {
                     1 => "one product".to_owned(),
                     _ => format!("{products} products with the additions fused"),
                 };
-                let name = instance.name();
+                let name = isa.name();
                 writeln!(f, "kernels    {name}, {products}, {slabs} {slab_word} of rows")?;
             }
             None => writeln!(

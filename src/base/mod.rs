@@ -1,6 +1,6 @@
 //! What everything stands on: scalars, errors, threads, workspaces, progress, randomness.
 
-mod blocks;
+mod disjoint;
 mod error;
 mod par;
 mod progress;
@@ -9,9 +9,12 @@ mod scalar;
 mod version;
 mod workspace;
 
+pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Error, Result};
-pub use par::{Par, Pin, Team, available_cores};
-pub use progress::{Flow, Progress};
+pub(crate) use par::{Latch, tickets};
+pub use par::{Par, Pin, ThreadPool, available_cores};
+pub use progress::Progress;
+pub(crate) use progress::Tracker;
 pub use rng::Rng;
 pub use scalar::Real;
 pub(crate) use version::second_level_cache;

@@ -1,5 +1,8 @@
-use std::sync::Mutex;
+//! Threads: how many, who they are, and the one loop by which they share work.
+
+use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Condvar, Mutex, OnceLock, PoisonError};
 
 use super::{Error, Result};
 
@@ -9,21 +12,33 @@ pub enum Par {
     /// The calling thread only.
     Seq,
     /// At most this many threads (at least 1): those of the rayon pool the call runs in, or a pool
-    /// made for the call when that one is smaller.
+    /// made for the call when that one is smaller. More than [`Par::MOST_PER_CORE`] a core are never
+    /// used: they would only wait for each other.
     Threads(usize),
 }
 
 impl Par {
+    /// Threads for each core, at most.
+    pub const MOST_PER_CORE: usize = 4;
+
     /// All cores in the affinity mask of this process.
     pub fn all() -> Self {
         Self::Threads(available_cores())
     }
 
-    /// The number of threads.
+    /// The number of threads that are used.
     pub fn threads(self) -> usize {
         match self {
             Self::Seq => 1,
-            Self::Threads(n) => n.max(1),
+            Self::Threads(n) => n.clamp(1, Self::MOST_PER_CORE * available_cores()),
+        }
+    }
+
+    /// The same, with no more threads than there are pieces of work.
+    pub(crate) fn at_most(self, pieces: usize) -> Self {
+        match self.threads().min(pieces) {
+            0 | 1 => Self::Seq,
+            n => Self::Threads(n),
         }
     }
 
@@ -38,56 +53,146 @@ impl Par {
             return;
         }
         let items: Vec<_> = items.map(|item| Mutex::new(Some(item))).collect();
-        let next = AtomicUsize::new(0);
-        Self::Threads(self.threads().min(items.len())).run_lanes(|_| {
-            loop {
-                let i = next.fetch_add(1, Ordering::Relaxed);
-                let Some(item) = items.get(i) else { return };
-                if let Some(item) = item.lock().ok().and_then(|mut item| item.take()) {
-                    work(i, item);
-                }
+        self.tickets(items.len(), |i| {
+            if let Some(item) = items[i].lock().ok().and_then(|mut item| item.take()) {
+                work(i, item);
             }
+            ControlFlow::Continue(())
         });
     }
 
-    /// Runs `lane(0), ..., lane(n - 1)` on up to `n = self.threads()` threads and waits for all.
-    pub(crate) fn run_lanes(self, lane: impl Fn(usize) + Sync) {
-        let lanes = self.threads();
-        let run = || {
-            rayon::in_place_scope(|scope| {
-                for i in 1..lanes {
-                    let lane = &lane;
-                    scope.spawn(move |_| lane(i));
-                }
-                lane(0);
-            });
-        };
-        if lanes == 1 {
-            lane(0);
-        } else if enough_threads(lanes) {
-            run();
-        } else {
-            match Team::new(lanes, Pin::No) {
-                Ok(team) => team.run(run),
-                // No more threads to be had: slower, but the same result.
-                Err(_) => (0..lanes).for_each(lane),
+    /// What `work` returns for `0..size`, `size..2 size`, ... below `n`, in this order.
+    pub(crate) fn map_blocks<T: Send + Sync>(
+        self,
+        n: usize,
+        size: usize,
+        work: impl Fn(Range<usize>) -> T + Sync,
+    ) -> Vec<T> {
+        let results: Vec<OnceLock<T>> = (0..n.div_ceil(size)).map(|_| OnceLock::new()).collect();
+        self.tickets(results.len(), |block| {
+            let range = block * size..n.min((block + 1) * size);
+            results[block].get_or_init(|| work(range));
+            ControlFlow::Continue(())
+        });
+        results.into_iter().filter_map(OnceLock::into_inner).collect()
+    }
+
+    /// [`tickets`] for workers without memory of their own.
+    pub(crate) fn tickets(self, count: usize, work: impl Fn(usize) -> ControlFlow<()> + Sync) {
+        let mut workers = vec![(); self.at_most(count).threads()];
+        tickets(&mut workers, count, |(), i| work(i));
+    }
+}
+
+/// Calls `work(worker, i)` for every ticket `i` in `0..count`, each once, from one thread for each of
+/// `workers`; waits for all. Tickets are handed out in ascending order, and none after a `Break`.
+///
+/// Which worker gets which ticket is a matter of chance, so that results must not depend on it. The
+/// calling thread is the first worker; a worker whose thread never starts leaves its tickets to others.
+pub(crate) fn tickets<W: Send>(
+    workers: &mut [W],
+    count: usize,
+    work: impl Fn(&mut W, usize) -> ControlFlow<()> + Sync,
+) {
+    let next = AtomicUsize::new(0);
+    let serve = |worker: &mut W| {
+        loop {
+            let ticket = next.fetch_add(1, Ordering::Relaxed);
+            if ticket >= count {
+                return;
+            }
+            if work(worker, ticket).is_break() {
+                next.store(count, Ordering::Relaxed);
             }
         }
+    };
+    let [first, others @ ..] = workers else { return };
+    if others.is_empty() {
+        return serve(first);
+    }
+    let wanted = others.len() + 1;
+    let run = |first: &mut W, others: &mut [W]| {
+        rayon::in_place_scope(|scope| {
+            for worker in others {
+                scope.spawn(|_| serve(worker));
+            }
+            serve(first);
+        });
+    };
+    if enough_threads(wanted) {
+        return run(first, others);
+    }
+    match ThreadPool::new(wanted, Pin::No) {
+        Ok(pool) => pool.run(|| run(first, others)),
+        // No more threads to be had: slower, but the same result.
+        Err(_) => serve(first),
     }
 }
 
 /// Whether the rayon pool that the caller is in, or else the global one, has that many. The global
 /// pool is started by this; where the system refuses its threads, rayon panics.
-fn enough_threads(lanes: usize) -> bool {
-    std::panic::catch_unwind(rayon::current_num_threads).is_ok_and(|threads| threads >= lanes)
+fn enough_threads(wanted: usize) -> bool {
+    std::panic::catch_unwind(rayon::current_num_threads).is_ok_and(|threads| threads >= wanted)
 }
 
-/// The number of cores in the affinity mask of this process, at least 1.
+/// The number of cores in the affinity mask of this process when it was first asked for, at least 1.
 pub fn available_cores() -> usize {
-    std::thread::available_parallelism().map_or(1, |n| n.get())
+    // Asking the system takes longer than a small product.
+    static CORES: OnceLock<usize> = OnceLock::new();
+    *CORES.get_or_init(|| std::thread::available_parallelism().map_or(1, |n| n.get()))
 }
 
-/// Whether the threads of a [`Team`] stay on one core each.
+/// Something that is over when it has been counted down: threads wait for it.
+#[derive(Debug)]
+pub(crate) struct Latch {
+    left: AtomicUsize,
+    /// Threads asleep.
+    asleep: Mutex<usize>,
+    over: Condvar,
+}
+
+impl Latch {
+    /// Over after `count` calls of [`Latch::count_down`].
+    pub fn new(count: usize) -> Self {
+        Self { left: AtomicUsize::new(count), asleep: Mutex::new(0), over: Condvar::new() }
+    }
+
+    /// One of the pieces is done; what its thread wrote is visible to those that wait.
+    pub fn count_down(&self) {
+        if self.left.fetch_sub(1, Ordering::AcqRel) == 1 {
+            // Under the lock: who has seen a piece left is asleep by now, and hears it.
+            let asleep = self.asleep.lock().unwrap_or_else(PoisonError::into_inner);
+            if *asleep > 0 {
+                self.over.notify_all();
+            }
+        }
+    }
+
+    fn is_over(&self) -> bool {
+        self.left.load(Ordering::Acquire) == 0
+    }
+
+    /// Waits until it is over: some microseconds awake, for the next piece of work usually is as near,
+    /// then asleep.
+    pub fn wait(&self) {
+        const SPINS: usize = 2000;
+        const YIELDS: usize = 20;
+        for spin in 0..SPINS + YIELDS {
+            if self.is_over() {
+                return;
+            }
+            if spin < SPINS { std::hint::spin_loop() } else { std::thread::yield_now() }
+        }
+        let mut asleep = self.asleep.lock().unwrap_or_else(PoisonError::into_inner);
+        *asleep += 1;
+        while !self.is_over() {
+            asleep = self.over.wait(asleep).unwrap_or_else(PoisonError::into_inner);
+        }
+        *asleep -= 1;
+    }
+}
+
+/// Whether the threads of a [`ThreadPool`] stay on one core each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pin {
     /// The operating system moves them as it likes.
@@ -97,14 +202,14 @@ pub enum Pin {
 }
 
 /// A group of threads, made once and used for many calls: everything called inside
-/// [`Team::run`] uses these threads and no others.
+/// [`ThreadPool::run`] uses these threads and no others.
 #[derive(Debug)]
-pub struct Team {
+pub struct ThreadPool {
     pool: rayon::ThreadPool,
 }
 
-impl Team {
-    /// A team of `threads` threads (at least 1).
+impl ThreadPool {
+    /// A pool of `threads` threads (at least 1).
     ///
     /// # Errors
     /// [`Error::Argument`] when the operating system gives no more threads.
@@ -123,8 +228,78 @@ impl Team {
         Ok(Self { pool })
     }
 
-    /// Calls `work` on a thread of the team.
+    /// Calls `work` on a thread of the pool.
     pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         self.pool.install(work)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_come_back_in_order_and_cover_everything() {
+        for n in [0, 1, 7, 8, 23] {
+            for threads in 1..4 {
+                let ranges = Par::Threads(threads).map_blocks(n, 4, |r| r);
+                let all: Vec<usize> = ranges.into_iter().flatten().collect();
+                assert_eq!(all, (0..n).collect::<Vec<_>>());
+            }
+        }
+    }
+
+    #[test]
+    fn every_ticket_is_served_once_by_any_number_of_workers() {
+        for workers in [1, 2, 3, 8] {
+            for count in [0, 1, 2, 100] {
+                let served: Vec<_> = (0..count).map(|_| AtomicUsize::new(0)).collect();
+                let mut own = vec![0_usize; workers];
+                tickets(&mut own, count, |own, i| {
+                    *own += 1;
+                    served[i].fetch_add(1, Ordering::Relaxed);
+                    ControlFlow::Continue(())
+                });
+                assert!(served.iter().all(|s| s.load(Ordering::Relaxed) == 1));
+                assert_eq!(own.iter().sum::<usize>(), count);
+            }
+        }
+    }
+
+    #[test]
+    fn no_ticket_is_handed_out_after_a_break() {
+        let served = AtomicUsize::new(0);
+        Par::Seq.tickets(1000, |i| {
+            served.fetch_add(1, Ordering::Relaxed);
+            if i == 5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        assert_eq!(served.into_inner(), 6);
+    }
+
+    #[test]
+    fn thousands_of_threads_are_capped() {
+        let most = Par::MOST_PER_CORE * available_cores();
+        assert_eq!(Par::Threads(8000).threads(), most);
+        assert_eq!((Par::Threads(0).threads(), Par::Seq.threads()), (1, 1));
+    }
+
+    #[test]
+    fn who_waits_for_a_latch_sleeps_until_the_last_piece() {
+        let latch = Latch::new(2);
+        let value = AtomicUsize::new(0);
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    latch.wait();
+                    assert_eq!(value.load(Ordering::Relaxed), 7);
+                });
+            }
+            latch.count_down();
+            // Long enough for them to fall asleep.
+            std::thread::sleep(std::time::Duration::from_millis(20));
+            value.store(7, Ordering::Relaxed);
+            latch.count_down();
+        });
+        Latch::new(0).wait();
     }
 }

@@ -1,12 +1,222 @@
-/// What a progress callback answers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Flow {
-    /// Go on.
-    Continue,
-    /// Stop soon; the call returns [`Error::Cancelled`](crate::Error::Cancelled).
-    Cancel,
+//! Progress of long work, and requests to stop it.
+
+use std::ops::{ControlFlow, Range};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use super::{Error, Result};
+
+/// A function that is told the fraction of the work that is done.
+type Callback<'a> = &'a (dyn Fn(f64) -> ControlFlow<()> + Sync);
+
+/// Reports the fraction of the work that is done to a callback, or to nobody ([`Progress::none`], the
+/// default).
+///
+/// The callback gets a fraction in `[0, 1]` that never decreases, and stops the work soon by returning
+/// [`ControlFlow::Break`]; the call then returns [`Error::Cancelled`]. It is called from any thread of
+/// the call, but one call at a time, and never while other threads wait for its thread: it may take
+/// its time, use rayon, or call this library.
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use catamaran::base::Progress;
+///
+/// let print = |fraction: f64| {
+///     println!("{:.0} %", 100.0 * fraction);
+///     ControlFlow::Continue(())
+/// };
+/// Progress::new(&print).part(0.5..1.0).report(0.5)?; // prints 75 %
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+#[derive(Clone, Copy)]
+pub struct Progress<'a> {
+    callback: Option<Callback<'a>>,
+    start: f64,
+    length: f64,
 }
 
-/// A progress callback: called with the fraction of the work done, in `[0, 1]`, never decreasing
-/// as seen by one thread, from whichever thread finished a piece. It must be cheap.
-pub type Progress<'a> = &'a (dyn Fn(f64) -> Flow + Sync);
+impl Default for Progress<'_> {
+    fn default() -> Self {
+        Self::none()
+    }
+}
+
+impl std::fmt::Debug for Progress<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if self.is_watched() { "Progress(callback)" } else { "Progress(none)" })
+    }
+}
+
+impl<'a, F: Fn(f64) -> ControlFlow<()> + Sync> From<&'a F> for Progress<'a> {
+    fn from(callback: &'a F) -> Self {
+        Self::new(callback)
+    }
+}
+
+impl<'a> Progress<'a> {
+    /// Reports to nobody, and never stops.
+    pub const fn none() -> Self {
+        Self { callback: None, start: 0.0, length: 1.0 }
+    }
+
+    /// Reports to `callback`.
+    pub const fn new(callback: Callback<'a>) -> Self {
+        Self { callback: Some(callback), start: 0.0, length: 1.0 }
+    }
+
+    /// The progress of a part of the work: its fractions 0 and 1 are `range.start` and `range.end` of
+    /// this one.
+    pub fn part(self, range: Range<f64>) -> Self {
+        let start = self.start + range.start * self.length;
+        Self { start, length: (range.end - range.start) * self.length, ..self }
+    }
+
+    /// Whether anybody listens.
+    pub const fn is_watched(self) -> bool {
+        self.callback.is_some()
+    }
+
+    /// Reports that `fraction` of the work is done. For work on several threads there is [`Tracker`].
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] when the callback asks to stop.
+    pub fn report(self, fraction: f64) -> Result<()> {
+        match self.tell(fraction) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(Error::Cancelled),
+        }
+    }
+
+    /// [`Progress::report`] for callbacks that hand a report on.
+    pub fn tell(self, fraction: f64) -> ControlFlow<()> {
+        let Some(callback) = self.callback else { return ControlFlow::Continue(()) };
+        callback((self.start + fraction.clamp(0.0, 1.0) * self.length).clamp(0.0, 1.0))
+    }
+}
+
+/// Adds up what several threads have done and reports it, one call at a time.
+///
+/// A thread that finds another one in the callback goes on at once: what it has done is in the next
+/// report. [`Tracker::add`] must be called when no thread waits for what the caller is at: the callback
+/// may run other work on this thread.
+pub(crate) struct Tracker<'a> {
+    progress: Progress<'a>,
+    total: f64,
+    /// Bits of the work done, an f64.
+    done: AtomicU64,
+    /// The work that was reported; held during a call.
+    reported: Mutex<f64>,
+    cancelled: AtomicBool,
+}
+
+impl<'a> Tracker<'a> {
+    /// Nothing of `total` is done.
+    pub fn new(progress: Progress<'a>, total: f64) -> Self {
+        Self {
+            progress,
+            total,
+            done: AtomicU64::new(0),
+            reported: Mutex::new(0.0),
+            cancelled: AtomicBool::new(false),
+        }
+    }
+
+    /// More is done; whether to go on.
+    pub fn add(&self, work: f64) -> ControlFlow<()> {
+        if !self.progress.is_watched() {
+            return ControlFlow::Continue(());
+        }
+        let sum = |done: u64| Some((f64::from_bits(done) + work).to_bits());
+        // The closure never returns None.
+        let _ = self.done.fetch_update(Ordering::Relaxed, Ordering::Relaxed, sum);
+        // `try_lock` also refuses a callback that is called from within itself.
+        if let Ok(mut reported) = self.reported.try_lock() {
+            self.report(&mut reported);
+        }
+        self.state()
+    }
+
+    fn report(&self, reported: &mut f64) {
+        // Read under the lock: fractions must not decrease.
+        *reported = f64::from_bits(self.done.load(Ordering::Relaxed));
+        let fraction = if self.total > 0.0 { *reported / self.total } else { 1.0 };
+        if self.progress.tell(fraction).is_break() {
+            self.cancelled.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Whether to go on.
+    pub fn state(&self) -> ControlFlow<()> {
+        match self.cancelled.load(Ordering::Relaxed) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    }
+
+    /// The end of the work, when no thread is at it any more; reports what has not been reported.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] when the callback asked to stop.
+    pub fn finish(&self) -> Result<()> {
+        let mut reported = self.reported.lock().unwrap_or_else(PoisonError::into_inner);
+        let done = f64::from_bits(self.done.load(Ordering::Relaxed));
+        if self.progress.is_watched() && self.state().is_continue() && *reported < done {
+            self.report(&mut reported);
+        }
+        match self.state() {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(Error::Cancelled),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Par;
+
+    #[test]
+    fn parts_of_parts_are_parts_of_the_whole() {
+        let told = Mutex::new(Vec::new());
+        let note = |fraction: f64| {
+            told.lock().unwrap().push(fraction);
+            ControlFlow::Continue(())
+        };
+        let half = Progress::new(&note).part(0.5..1.0);
+        half.report(0.0).unwrap();
+        half.part(0.5..1.0).report(0.5).unwrap();
+        half.report(7.0).unwrap();
+        assert_eq!(*told.lock().unwrap(), [0.5, 0.875, 1.0]);
+        assert!(Progress::none().report(0.3).is_ok());
+    }
+
+    #[test]
+    fn calls_of_many_threads_never_overlap_and_never_decrease() {
+        let inside = AtomicBool::new(false);
+        let last = AtomicU64::new(0);
+        let callback = |fraction: f64| {
+            assert!(!inside.swap(true, Ordering::SeqCst), "two calls at a time");
+            let before = f64::from_bits(last.swap(fraction.to_bits(), Ordering::SeqCst));
+            assert!(before <= fraction && fraction <= 1.0);
+            std::thread::yield_now();
+            inside.store(false, Ordering::SeqCst);
+            ControlFlow::Continue(())
+        };
+        let tracker = Tracker::new(Progress::new(&callback), 10_000.0);
+        Par::Threads(4).for_each(0..10_000, |_, _| assert!(tracker.add(1.0).is_continue()));
+        tracker.finish().unwrap();
+        assert_eq!(f64::from_bits(last.into_inner()), 1.0);
+    }
+
+    #[test]
+    fn a_request_to_stop_is_remembered() {
+        let stop = |fraction: f64| {
+            if fraction >= 0.5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let tracker = Tracker::new(Progress::new(&stop), 4.0);
+        assert!(tracker.add(1.0).is_continue());
+        assert!(tracker.add(1.0).is_break());
+        assert!(tracker.state().is_break());
+        assert_eq!(tracker.finish(), Err(Error::Cancelled));
+    }
+}

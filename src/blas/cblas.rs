@@ -469,6 +469,6 @@ fn hold(
 
 /// What computes operands that CBLAS can't express.
 fn fallback() -> Native {
-    let best = packed::Instance::best();
+    let best = packed::Isa::best();
     Native::new(best, packed::Rates::of(best))
 }

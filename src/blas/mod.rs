@@ -19,7 +19,7 @@ use std::sync::Arc;
 use faer::{MatMut, MatRef};
 
 use crate::base::{Real, Result};
-use crate::kernel::packed::Instance;
+use crate::kernel::packed::Isa;
 use crate::kernel::{int8, packed};
 
 pub use native::Native;
@@ -112,17 +112,17 @@ impl BlasReal for f64 {
 
 /// The default back end: our own kernels for the best instruction set of this machine.
 pub fn native() -> Arc<dyn Backend> {
-    native_on(Instance::best())
+    native_on(Isa::best())
 }
 
 /// Our own kernels for one instruction set; the portable ones where the machine refuses it.
-pub fn native_on(instance: Instance) -> Arc<dyn Backend> {
-    native_with(instance, packed::Rates::of(instance))
+pub fn native_on(isa: Isa) -> Arc<dyn Backend> {
+    native_with(isa, packed::Rates::of(isa))
 }
 
 /// The native kernels for one instruction set, as [`native_on`], with these rates for the planner.
-pub fn native_with(instance: Instance, rates: packed::Rates) -> Arc<dyn Backend> {
-    Arc::new(Native::new(instance, rates))
+pub fn native_with(isa: Isa, rates: packed::Rates) -> Arc<dyn Backend> {
+    Arc::new(Native::new(isa, rates))
 }
 
 /// The native kernels with the rates that were measured on this machine (`catamaran tune`), built-in
@@ -131,9 +131,9 @@ pub fn native_with(instance: Instance, rates: packed::Rates) -> Arc<dyn Backend>
 /// This reads a file in the user's cache directory, and the plans, so the roundings of results too,
 /// may depend on it: [`native()`] does neither.
 pub fn tuned() -> Arc<dyn Backend> {
-    let instance = Instance::best();
-    let rates = packed::Rates::cached(instance).unwrap_or_else(|| packed::Rates::of(instance));
-    native_with(instance, rates)
+    let isa = Isa::best();
+    let rates = packed::Rates::cached(isa).unwrap_or_else(|| packed::Rates::of(isa));
+    native_with(isa, rates)
 }
 
 /// OpenBLAS, as linked at build time.

@@ -1,10 +1,10 @@
 use faer::{MatMut, MatRef};
 
 use super::{Backend, Kernels, Rates};
-use crate::base::{Par, Scratch};
+use crate::base::{Par, Progress, Scratch, Tracker};
 use crate::kernel::packed::{
-    self, Destination, Instance, Job, Operand, Part, Product, Shape, Source, is_small, run,
-    run_small, scratch_len,
+    self, Destination, Isa, Job, Operand, Part, Product, Shape, Source, is_small, run, run_small,
+    scratch_len,
 };
 
 /// The kernels of this crate, for one instruction set: one product at a time, on the calling thread.
@@ -13,7 +13,7 @@ use crate::kernel::packed::{
 /// share packed operands, and additions fused into packing and writing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Native {
-    instance: Instance,
+    isa: Isa,
     rates: packed::Rates,
 }
 
@@ -24,15 +24,15 @@ const BLOCK: usize = 2048;
 const BUDGET: usize = 1 << 20;
 
 impl Native {
-    /// For `instance`, or the portable one where this machine refuses that, with rates as measured.
-    pub fn new(instance: Instance, rates: packed::Rates) -> Self {
-        let usable = instance.refusal().is_none();
-        Self { instance: if usable { instance } else { Instance::Portable }, rates }
+    /// For `isa`, or the portable one where this machine refuses that, with rates as measured.
+    pub fn new(isa: Isa, rates: packed::Rates) -> Self {
+        let usable = isa.refusal().is_none();
+        Self { isa: if usable { isa } else { Isa::Portable }, rates }
     }
 
     /// The instruction set.
-    pub fn instance(&self) -> Instance {
-        self.instance
+    pub fn isa(&self) -> Isa {
+        self.isa
     }
 
     /// Their speed, as assumed.
@@ -42,7 +42,7 @@ impl Native {
 
     /// Whether a product is over before it could be planned: at most about 30 microseconds.
     pub(crate) fn is_small<T: Operand>(&self, m: usize, n: usize, k: usize, same: bool) -> bool {
-        is_small(T::kernel(self.instance), Shape { depth: m, rows: n, cols: k, same })
+        is_small(T::kernel(self.isa), Shape { depth: m, rows: n, cols: k, same })
     }
 
     /// The part of `C := alpha A^T B + beta C`, B being A when `None`.
@@ -60,7 +60,7 @@ impl Native {
         assert_eq!(b.unwrap_or(a).ncols(), k);
         let by_columns = c.row_stride() == 1 && c.col_stride() != 1;
         let destination = Destination::new(c, part);
-        let kernel = T::kernel(self.instance);
+        let kernel = T::kernel(self.isa);
         let shape = Shape { depth: a.nrows(), rows: n, cols: k, same: b.is_none() };
         if is_small(kernel, shape) {
             let source = |matrix| Source { coefficient: T::ONE, matrix, scale: None };
@@ -92,7 +92,8 @@ impl Native {
         let shapes = products.iter().map(|p| p.shape);
         let len = scratch_len::<T>(kernel.geometry(), shapes, BUDGET, 1);
         let mut scratch = Scratch::new::<T>(len).expect("a few megabytes");
-        let job = Job { kernel, products: &products, budget: BUDGET, progress: &|_| true };
+        let progress = &Tracker::new(Progress::none(), 0.0);
+        let job = Job { kernel, products: &products, budget: BUDGET, progress };
         // SAFETY: C is borrowed for the length of this call.
         unsafe { run(&job, Par::Seq, scratch.as_mut_slice()) };
     }
@@ -123,7 +124,7 @@ impl Backend for Native {
     }
 
     fn description(&self) -> &str {
-        self.instance.name()
+        self.isa.name()
     }
 
     fn native(&self) -> Option<&Self> {

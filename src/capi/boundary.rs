@@ -98,8 +98,7 @@ mod tests {
     #[test]
     fn panic_of_a_worker_becomes_status() {
         let work = || {
-            let lane = |lane| assert_eq!(lane, 0, "worker");
-            crate::Par::Threads(2).run_lanes(lane);
+            super::super::internal::on_a_worker(|| panic!("worker"));
             Ok(())
         };
         assert_eq!(boundary(work), CATA_ERR_PANIC);

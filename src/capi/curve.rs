@@ -134,7 +134,7 @@ pub unsafe extern "C" fn cata_curves_new(
             }
             watch = watcher(params.progress, params.progress_user);
         }
-        options.progress = watch.as_ref().map(|watch| watch as Progress<'_>);
+        options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
         let found = CurveSolver::new(&mesh)?.reconstruct(samples, &options)?;
         *curves = Box::into_raw(Box::new(cata_curves { found }));
         Ok(())

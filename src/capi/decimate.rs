@@ -180,7 +180,7 @@ unsafe fn decimated(
         options.resample = flag("params.resample", params.resample)?;
         watch = watcher(params.progress, params.progress_user);
     }
-    options.progress = watch.as_ref().map(|watch| watch as Progress<'_>);
+    options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
     let found = decimate(mesh, n, &options)?;
     let (vertices, faces) = (found.mesh.vertices(), found.mesh.faces().as_flattened());
     let Some(place) = outputs.faces.get_mut(..faces.len()) else {

@@ -1,6 +1,8 @@
+use std::ops::ControlFlow;
+
 use super::boundary::boundary;
 use super::status::cata_status;
-use crate::Par;
+use crate::base::{Latch, tickets};
 
 /// For the tests of this ABI only: panics inside the library, on the calling thread if `worker` is
 /// 0 and else on a thread of its own, to show that no panic reaches the caller.
@@ -12,12 +14,21 @@ pub extern "C" fn cata_internal_panic(worker: i32) -> cata_status {
         if worker == 0 {
             panic!("forced by cata_internal_panic");
         }
-        let lane = |lane: usize| {
-            if lane > 0 {
-                panic!("forced by cata_internal_panic, on a worker");
-            }
-        };
-        Par::Threads(2).run_lanes(lane);
+        on_a_worker(|| panic!("forced by cata_internal_panic, on a worker"));
         Ok(())
     })
+}
+
+/// Does `work` on a thread that is not the caller's.
+pub(super) fn on_a_worker(work: impl Fn() + Sync) {
+    // Two tickets that wait for each other are on two threads.
+    let both = Latch::new(2);
+    tickets(&mut [(), ()], 2, |(), ticket| {
+        both.count_down();
+        both.wait();
+        if ticket == 1 {
+            work();
+        }
+        ControlFlow::Continue(())
+    });
 }

@@ -370,7 +370,8 @@ unsafe fn write(
         (slice_mut("roots", roots, count)?, slice_mut("convergence", convergence, count)?)
     };
     let watch = watcher(newton.progress, newton.user);
-    let fractal = evaluate(newton, points, watch.as_ref().map(|watch| watch as Progress<'_>))?;
+    let fractal =
+        evaluate(newton, points, watch.as_ref().map_or(Progress::none(), Progress::from))?;
     roots.copy_from_slice(&fractal.roots);
     convergence.copy_from_slice(&fractal.convergence);
     Ok(())
@@ -379,7 +380,7 @@ unsafe fn write(
 fn evaluate(
     newton: &cata_newton,
     points: Points<'_>,
-    progress: Option<Progress<'_>>,
+    progress: Progress<'_>,
 ) -> Result<Fractal, Failure> {
     #[cfg(feature = "opencl")]
     if let Some(device) = &newton.device {

@@ -129,7 +129,7 @@ pub unsafe extern "C" fn cata_gram_schmidt(
             options.par = par(params.threads);
             watch = watcher(params.progress, params.progress_user);
         }
-        options.progress = watch.as_ref().map(|watch| watch as Progress<'_>);
+        options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
         let factors = gram_schmidt_in_place(a, &mass, &options)?;
         let Factors { r: found, kept: columns } = factors;
         if let Some(mut r) = r {

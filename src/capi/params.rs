@@ -1,10 +1,11 @@
 use std::ffi::c_void;
 use std::mem::offset_of;
+use std::ops::ControlFlow;
 
 use super::backend::cata_backend;
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, Failure, cata_status};
 use super::{boundary::boundary, pointer};
-use crate::base::{Flow, Par, Progress};
+use crate::base::{Par, Progress};
 use crate::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 
 /// Whatever is expected to be fastest within the accuracy asked for.
@@ -72,10 +73,6 @@ pub struct cata_ata_params {
     /// 1: the same bytes on every machine, which takes CATA_SCHEME_EXACT everywhere, slower than others
     /// on CPUs without AMX; the scheme must be that or CATA_SCHEME_AUTO. 0: not asked for.
     pub reproducible: i32,
-    /// 1: fast levels multiply columns by powers of two while they pack them, and divide the products
-    /// again, so that columns of very different sizes do not spoil each other's accuracy; nothing is
-    /// rounded for it. Only without `backend`. 0: not asked for.
-    pub scale_columns: i32,
 }
 
 /// More than any version will ever have: an uninitialised struct_size is caught, not followed.
@@ -116,7 +113,7 @@ pub(super) trait Versioned: Copy {
 
 impl Versioned for cata_ata_params {
     const NAME: &'static str = "cata_ata_params";
-    const FIRST_SIZE: usize = offset_of!(Self, scale_columns) + size_of::<i32>();
+    const FIRST_SIZE: usize = offset_of!(Self, reproducible) + size_of::<i32>();
 }
 
 /// `cata_*_params_init`.
@@ -203,7 +200,6 @@ pub(super) unsafe fn with_options(
     options.scheme = scheme(params.scheme)?;
     options.accuracy = accuracy(params.error_factor);
     options.reproducible = flag("params.reproducible", params.reproducible)?;
-    options.scale_columns = flag("params.scale_columns", params.scale_columns)?;
     if params.threads > 0 {
         options.par = Par::Threads(params.threads);
     }
@@ -216,7 +212,7 @@ pub(super) unsafe fn with_options(
         options.backend = backend.get();
     }
     let watch = watcher(params.progress, params.progress_user);
-    let progress = watch.as_ref().map(|watch| watch as Progress<'_>);
+    let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
     work(&AtaOptions { progress, ..options })
 }
 
@@ -224,11 +220,11 @@ pub(super) unsafe fn with_options(
 pub(super) fn watcher(
     progress: cata_progress,
     user: *mut c_void,
-) -> Option<impl Fn(f64) -> Flow + Sync> {
+) -> Option<impl Fn(f64) -> ControlFlow<()> + Sync> {
     let (callback, user) = (progress?, User(user));
     Some(move |fraction| match callback(fraction, user.get()) {
-        0 => Flow::Continue,
-        _ => Flow::Cancel,
+        0 => ControlFlow::Continue(()),
+        _ => ControlFlow::Break(()),
     })
 }
 

@@ -237,7 +237,7 @@ pub unsafe extern "C" fn cata_slime_step(
         // SAFETY: the caller's promise.
         let slime = unsafe { slime.as_mut() }.ok_or_else(|| Failure::null("slime"))?;
         let watch = watcher(progress, progress_user);
-        let watch = watch.as_ref().map(|watch| watch as Progress<'_>);
+        let watch = watch.as_ref().map_or(Progress::none(), Progress::from);
         Ok(slime.simulation.run(steps, slime.par, watch)?)
     })
 }

@@ -185,6 +185,6 @@ pub(super) unsafe fn eigenpairs<X>(
         }
         watch = watcher(params.progress, params.progress_user);
     }
-    options.progress = watch.as_ref().map(|watch| watch as Progress<'_>);
+    options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
     Ok(work(&options)?)
 }

@@ -143,7 +143,7 @@ pub unsafe extern "C" fn cata_transfer(
             }
             watch = watcher(params.progress, params.progress_user);
         }
-        let progress = watch.as_ref().map(|watch| watch as Progress<'_>);
+        let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
         let options = ProductBasisOptions { orthogonalization, par: threads, progress };
         let source = ProductBasis::new(&source, order, &options)?.into_basis();
         let target = ProductBasis::new(&target, order, &options)?.into_basis();

@@ -8,7 +8,7 @@ use super::search::Search;
 use super::split::split;
 use super::surface::Surface;
 use super::tour::{Costs, tour};
-use crate::base::{Error, Flow, Progress, Result, reserved};
+use crate::base::{Error, Progress, Result, reserved};
 use crate::mesh::vector::distance;
 use crate::mesh::{Components, TriMesh};
 
@@ -53,7 +53,7 @@ pub struct CurveOptions<'a> {
     /// In the faithful mode: the number of the sample that the curve starts at; default 0.
     pub start: usize,
     /// Told of progress; may cancel.
-    pub progress: Option<Progress<'a>>,
+    pub progress: Progress<'a>,
 }
 
 impl Default for CurveOptions<'_> {
@@ -65,17 +65,14 @@ impl Default for CurveOptions<'_> {
             steiner: true,
             candidates: 5,
             start: 0,
-            progress: None,
+            progress: Progress::none(),
         }
     }
 }
 
 impl CurveOptions<'_> {
     fn tell(&self, fraction: f64) -> Result<()> {
-        match self.progress.map(|progress| progress(fraction)) {
-            Some(Flow::Cancel) => Err(Error::Cancelled),
-            Some(Flow::Continue) | None => Ok(()),
-        }
+        self.progress.report(fraction)
     }
 }
 

@@ -1,8 +1,9 @@
 use std::collections::HashSet;
+use std::ops::ControlFlow;
 
 use super::dataset::{Generator, Sampling, samples, scaled};
 use super::*;
-use crate::base::{Error, Flow, Rng};
+use crate::base::{Error, Progress, Rng};
 use crate::mesh::vector::distance;
 use crate::mesh::{Adjacency, Graph, TriMesh, families, shapes};
 
@@ -13,7 +14,7 @@ const FAITHFUL: CurveOptions<'_> = CurveOptions {
     steiner: true,
     candidates: 5,
     start: 0,
-    progress: None,
+    progress: Progress::none(),
 };
 
 fn robust() -> CurveOptions<'static> {
@@ -247,9 +248,9 @@ fn a_call_can_be_cancelled_and_leaves_the_solver_as_it_was() {
         let whole = solver.reconstruct(&samples, &options).unwrap();
         for limit in [0.0, 0.3, 0.6] {
             let watch = move |fraction: f64| {
-                if fraction < limit { Flow::Continue } else { Flow::Cancel }
+                if fraction < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
             };
-            let cancelled = CurveOptions { progress: Some(&watch), ..options.clone() };
+            let cancelled = CurveOptions { progress: (&watch).into(), ..options.clone() };
             assert_eq!(solver.reconstruct(&samples, &cancelled), Err(Error::Cancelled));
         }
         assert_eq!(solver.reconstruct(&samples, &options).unwrap(), whole);

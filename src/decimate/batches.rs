@@ -4,9 +4,8 @@ use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
 use super::cells::{Growth, Seed};
-use super::stages::Stages;
 use super::surface::{SHORTEST, Surface};
-use crate::base::{Error, Par, Result};
+use crate::base::{Error, Par, Progress, Result};
 use crate::mesh::vector::distance;
 
 /// From one threshold to the next: the result covers the surface within 2 / 0.9 of the best radius, where single farthest
@@ -31,7 +30,7 @@ pub(super) fn add_samples(
     samples: &mut Vec<u32>,
     n: usize,
     par: Par,
-    stages: Stages<'_>,
+    progress: Progress<'_>,
 ) -> Result<()> {
     // At this distance about half of all fit into the area.
     let spacing = (1.6 * area / n as f64).sqrt() / surface.scale;
@@ -40,7 +39,7 @@ pub(super) fn add_samples(
     let mut settled = false;
     growth.grow(surface, &seeds(samples, 0), cutoff);
     while samples.len() < n {
-        stages.report(samples.len() as f64 / n as f64)?;
+        progress.report(samples.len() as f64 / n as f64)?;
         let candidates = farther_than(surface, growth, threshold, par);
         if candidates.is_empty() {
             // From here on nothing is free, and cells end where others are nearer.

@@ -5,7 +5,6 @@ use std::collections::BinaryHeap;
 
 use super::batches::seeds;
 use super::cells::{Cells, Growth};
-use super::stages::Stages;
 use super::surface::Surface;
 use crate::base::{Error, Par, Progress, Result};
 use crate::mesh::TriMesh;
@@ -38,8 +37,8 @@ impl<'m> FarthestPoints<'m> {
     ///
     /// # Errors
     /// [`Error::Argument`] when there are not that many vertices with faces, [`Error::Cancelled`].
-    pub fn extend_to(&mut self, n: usize, progress: Option<Progress<'_>>) -> Result<()> {
-        self.sampler.extend_to(&self.surface, n, Stages::new(progress))
+    pub fn extend_to(&mut self, n: usize, progress: Progress<'_>) -> Result<()> {
+        self.sampler.extend_to(&self.surface, n, progress)
     }
 
     /// The samples, in the order in which they were taken.
@@ -101,12 +100,17 @@ impl Sampler {
     }
 
     /// Adds farthest points until there are n.
-    pub fn extend_to(&mut self, surface: &Surface<'_>, n: usize, stages: Stages<'_>) -> Result<()> {
+    pub fn extend_to(
+        &mut self,
+        surface: &Surface<'_>,
+        n: usize,
+        progress: Progress<'_>,
+    ) -> Result<()> {
         let start = self.samples.len();
         while self.samples.len() < n {
             let done = self.samples.len() - start;
             if done.is_multiple_of(64) {
-                stages.report(done as f64 / (n - start) as f64)?;
+                progress.report(done as f64 / (n - start) as f64)?;
             }
             let Some(farthest) = self.farthest(surface) else {
                 let why = format!("{n}, but only {} vertices have faces", self.samples.len());

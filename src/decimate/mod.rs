@@ -25,7 +25,6 @@ mod relax;
 mod resample;
 mod result;
 mod solver;
-mod stages;
 mod surface;
 mod topology;
 mod weights;

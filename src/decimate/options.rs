@@ -35,7 +35,7 @@ pub struct DecimateOptions<'a> {
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
     /// Told of progress; may cancel.
-    pub progress: Option<Progress<'a>>,
+    pub progress: Progress<'a>,
 }
 
 impl Default for DecimateOptions<'_> {
@@ -48,7 +48,7 @@ impl Default for DecimateOptions<'_> {
             keep_narrow_handles: false,
             first: None,
             par: Par::all(),
-            progress: None,
+            progress: Progress::none(),
         }
     }
 }

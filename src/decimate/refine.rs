@@ -3,9 +3,8 @@
 use super::batches::seeds;
 use super::cells::Growth;
 use super::faults::faults;
-use super::stages::Stages;
 use super::surface::Surface;
-use crate::base::{Par, Result};
+use crate::base::{Par, Progress, Result};
 
 /// Splits cells at their farthest vertices until the dual of all is a triangulation of the surface. It ends: when every
 /// vertex is a sample, the dual is the surface itself.
@@ -17,11 +16,11 @@ pub(super) fn refine(
     growth: &Growth,
     samples: &mut Vec<u32>,
     par: Par,
-    stages: Stages<'_>,
+    progress: Progress<'_>,
 ) -> Result<()> {
     let mut census = Census::new(surface, samples.len());
     for round in 1.. {
-        stages.report(1.0 - 1.0 / f64::from(round))?;
+        progress.report(1.0 - 1.0 / f64::from(round))?;
         census.update(growth, samples.len());
         let bad = faults(surface, growth, &census.doubtful, &census.sizes, par);
         let first = samples.len();

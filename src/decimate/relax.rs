@@ -6,9 +6,8 @@ use super::fit::fit;
 use super::handles::cut_narrow_handles;
 use super::patch::Patch;
 use super::reach::{gap_of_move, loss_of_flip, reach_out};
-use super::stages::Stages;
 use super::surface::Surface;
-use crate::base::{Par, Result};
+use crate::base::{Par, Progress, Result};
 use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub, unit};
 
 /// Vertices that one thread moves at a time.
@@ -27,12 +26,12 @@ pub(super) fn relax(
     passes: usize,
     narrow: f64,
     par: Par,
-    stages: Stages<'_>,
+    progress: Progress<'_>,
 ) -> Result<()> {
     // The last fifth of the passes lets everything settle.
     let lively = 4 * passes / 5;
     for pass in 0..passes {
-        stages.report(pass as f64 / passes as f64)?;
+        progress.report(pass as f64 / passes as f64)?;
         if pass < lively {
             if narrow > 0.0 && pass % 3 == 1 {
                 cut_narrow_handles(patch, narrow);

@@ -1,7 +1,6 @@
 //! Long edges split before a mesh is sampled (thesis, algorithm 5.3).
 
-use super::stages::Stages;
-use crate::base::{Error, Result};
+use crate::base::{Error, Progress, Result};
 use crate::mesh::vector::{Vector, distance};
 use crate::mesh::{Edges, TriMesh};
 
@@ -40,10 +39,14 @@ pub fn edge_length_for(area: f64, n: usize) -> Result<f64> {
 /// # Errors
 /// [`Error::Argument`] when `longest` is not positive, or so small that vertices could not be numbered.
 pub fn resample(mesh: &TriMesh, longest: f64) -> Result<Resampled> {
-    resample_with(mesh, longest, Stages::new(None))
+    resample_with(mesh, longest, Progress::none())
 }
 
-pub(super) fn resample_with(mesh: &TriMesh, longest: f64, stages: Stages<'_>) -> Result<Resampled> {
+pub(super) fn resample_with(
+    mesh: &TriMesh,
+    longest: f64,
+    progress: Progress<'_>,
+) -> Result<Resampled> {
     if longest.is_nan() || longest <= 0.0 {
         let why = format!("{longest}, where a positive number is needed");
         return Err(Error::Argument { what: "longest", why });
@@ -51,7 +54,7 @@ pub(super) fn resample_with(mesh: &TriMesh, longest: f64, stages: Stages<'_>) ->
     let mut parents: Vec<u32> = (0..mesh.faces().len() as u32).collect();
     let mut current = mesh.clone();
     for round in 1.. {
-        stages.report(1.0 - 1.0 / f64::from(round))?;
+        progress.report(1.0 - 1.0 / f64::from(round))?;
         let edges = Edges::new(&current);
         let (mut vertices, faces) = current.into_parts();
         // For each edge its middle, where it is split.

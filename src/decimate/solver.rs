@@ -14,11 +14,10 @@ use super::refine::refine;
 use super::relax::relax;
 use super::resample::{edge_length_for, resample_with};
 use super::result::{Decimation, Place};
-use super::stages::Stages;
 use super::surface::Surface;
 use super::topology::{Component, components, topology};
 use super::{dual, lloyd};
-use crate::base::{Error, Result};
+use crate::base::{Error, Progress, Result};
 use crate::mesh::vector::distance;
 use crate::mesh::{TriMesh, vertex_areas};
 
@@ -110,26 +109,26 @@ impl<'m, 'o> Decimator<'m, 'o> {
     /// every closed component, 3 for every other one, and more for handles and loops. [`Error::OutOfMemory`],
     /// [`Error::Cancelled`].
     pub fn decimate(&mut self, n: usize) -> Result<Decimation> {
-        let stages = Stages::new(self.options.progress);
-        stages.report(0.0)?;
+        let progress = self.options.progress;
+        progress.report(0.0)?;
         if self.options.resample {
-            self.resample_for(n, stages.part(0.0, 0.2))?;
+            self.resample_for(n, progress.part(0.0..0.2))?;
         }
         self.check(n)?;
         let decimation = match self.options.method {
-            Method::Uniform => self.uniform(n, stages.part(0.2, 1.0))?,
-            Method::Thesis => self.thesis(n, stages.part(0.2, 1.0))?,
+            Method::Uniform => self.uniform(n, progress.part(0.2..1.0))?,
+            Method::Thesis => self.thesis(n, progress.part(0.2..1.0))?,
         };
-        stages.report(1.0)?;
+        progress.report(1.0)?;
         Ok(decimation)
     }
 
-    fn resample_for(&mut self, n: usize, stages: Stages<'_>) -> Result<()> {
+    fn resample_for(&mut self, n: usize, progress: Progress<'_>) -> Result<()> {
         let longest = edge_length_for(self.input.area(), n)?;
         if self.resampled.as_ref().is_some_and(|(before, _)| *before <= longest) {
             return Ok(());
         }
-        let resampled = resample_with(self.input, longest, stages)?;
+        let resampled = resample_with(self.input, longest, progress)?;
         self.source = Source::new(Cow::Owned(resampled.mesh), &self.options)?;
         self.resampled = Some((longest, resampled.parents));
         Ok(())
@@ -157,13 +156,13 @@ impl<'m, 'o> Decimator<'m, 'o> {
     }
 
     /// Algorithm 5.1 with algorithm 5.2, and every three-cycle a face.
-    fn thesis(&mut self, n: usize, stages: Stages<'_>) -> Result<Decimation> {
+    fn thesis(&mut self, n: usize, progress: Progress<'_>) -> Result<Decimation> {
         let Source { prepared, sampler, components, .. } = &mut self.source;
         let surface = &prepared.surface;
         if sampler.samples().is_empty() || sampler.samples().len() > n {
             sampler.start(surface, components[0].first);
         }
-        sampler.extend_to(surface, n, stages)?;
+        sampler.extend_to(surface, n, progress)?;
         let positions = sampler.samples().iter().map(|&v| surface.position(v)).collect();
         let mesh = TriMesh::new(
             positions,
@@ -174,7 +173,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         self.finish(mesh, cells, places)
     }
 
-    fn uniform(&mut self, n: usize, stages: Stages<'_>) -> Result<Decimation> {
+    fn uniform(&mut self, n: usize, progress: Progress<'_>) -> Result<Decimation> {
         let par = self.options.par;
         let Source { prepared, area, components, sampler } = &mut self.source;
         let (surface, area) = (&prepared.surface, *area);
@@ -183,7 +182,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         let more = taken.iter().skip(samples.len()).take(n.saturating_sub(samples.len()));
         samples.extend(more);
         growth.clear();
-        add_samples(surface, area, growth, &mut samples, n, par, stages.part(0.0, 0.4))?;
+        add_samples(surface, area, growth, &mut samples, n, par, progress.part(0.0..0.4))?;
         if samples.len() > taken.len() {
             taken.clone_from(&samples);
         }
@@ -193,10 +192,10 @@ impl<'m, 'o> Decimator<'m, 'o> {
         let cutoff = radius as f32;
         let areas = if self.options.lloyd > 0 { vertex_areas(&surface.mesh) } else { Vec::new() };
         for pass in 0..self.options.lloyd {
-            stages.part(0.4, 0.6).report(pass as f64 / self.options.lloyd as f64)?;
+            progress.part(0.4..0.6).report(pass as f64 / self.options.lloyd as f64)?;
             lloyd::pass(surface, growth, &mut samples, &areas, cutoff);
         }
-        refine(surface, growth, &mut samples, par, stages.part(0.6, 0.7))?;
+        refine(surface, growth, &mut samples, par, progress.part(0.6..0.7))?;
 
         let mut patch = dual_patch(surface, growth, &samples, self.options);
         let reach = |patch: &mut Patch| match reduce(patch, n) {
@@ -215,7 +214,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
             false => edge_length_for(area, n).unwrap_or(0.0),
         };
         let passes = self.options.relaxation;
-        relax(surface, &mut patch, passes, narrow, par, stages.part(0.7, 0.95))?;
+        relax(surface, &mut patch, passes, narrow, par, progress.part(0.7..0.95))?;
         reach(&mut patch)?;
         let (positions, anchors, on_rim, faces) = patch.compact();
         let mesh = TriMesh::new(positions, faces)?;

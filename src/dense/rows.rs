@@ -1,6 +1,3 @@
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use faer::MatMut;
 
 use crate::base::Par;
@@ -20,19 +17,11 @@ pub(crate) fn for_row_blocks(
     let mut rest = matrix;
     while rest.nrows() > rows {
         let (head, tail) = rest.split_at_row_mut(rows);
-        blocks.push(Mutex::new(Some(head)));
+        blocks.push(head);
         rest = tail;
     }
-    blocks.push(Mutex::new(Some(rest)));
-    let next = AtomicUsize::new(0);
-    Par::Threads(par.threads().min(blocks.len())).run_lanes(|_| {
-        loop {
-            let i = next.fetch_add(1, Ordering::Relaxed);
-            let Some(block) = blocks.get(i) else { return };
-            let block = block.lock().expect("one block, one lock").take();
-            work(i * rows, block.expect("each block is handed out once"));
-        }
-    });
+    blocks.push(rest);
+    par.for_each(blocks.into_iter(), |i, block| work(i * rows, block));
 }
 
 #[cfg(test)]

@@ -1,8 +1,5 @@
 //! Products of tall matrices with narrow ones: rows by blocks, so that nothing is packed that is used but once.
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use faer::linalg::matmul::matmul;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, MatRef};
@@ -20,22 +17,15 @@ const BLOCK: usize = 1024;
 /// `par`, bit for bit.
 pub(crate) fn transposed_product(a: MatRef<'_, f64>, b: MatRef<'_, f64>, par: Par) -> Mat<f64> {
     let n = a.nrows();
-    let parts: Vec<_> = (0..n.div_ceil(SUMMED)).map(|_| Mutex::new(Mat::new())).collect();
-    let next = AtomicUsize::new(0);
-    Par::Threads(par.threads().min(parts.len())).run_lanes(|_| {
-        loop {
-            let i = next.fetch_add(1, Ordering::Relaxed);
-            let Some(part) = parts.get(i) else { return };
-            let (first, rows) = (i * SUMMED, SUMMED.min(n - i * SUMMED));
-            let mut product = Mat::zeros(a.ncols(), b.ncols());
-            let (a, b) = (a.subrows(first, rows), b.subrows(first, rows));
-            matmul(product.as_mut(), Accum::Replace, a.transpose(), b, 1.0, faer::Par::Seq);
-            *part.lock().expect("one part, one lock") = product;
-        }
+    let parts = par.map_blocks(n, SUMMED, |rows| {
+        let mut product = Mat::<f64>::zeros(a.ncols(), b.ncols());
+        let (a, b) = (a.subrows(rows.start, rows.len()), b.subrows(rows.start, rows.len()));
+        matmul(product.as_mut(), Accum::Replace, a.transpose(), b, 1.0, faer::Par::Seq);
+        product
     });
     let mut sum = Mat::zeros(a.ncols(), b.ncols());
     for part in parts {
-        sum += part.into_inner().expect("no panic");
+        sum += part;
     }
     sum
 }

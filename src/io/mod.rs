@@ -50,7 +50,7 @@ pub struct ReadOptions<'a> {
     /// anything.
     pub columns: Option<Range<usize>>,
     /// Told the fraction of the file read; may cancel.
-    pub progress: Option<Progress<'a>>,
+    pub progress: Progress<'a>,
 }
 
 /// What a file name says about its content.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use flate2::bufread::MultiGzDecoder;
 
 use super::xz::Unpacker;
-use crate::base::{Error, Flow, Progress, Result};
+use crate::base::{Error, Progress, Result};
 
 /// Bytes read from the disk at a time.
 const BUFFER: usize = 1 << 20;
@@ -52,11 +52,7 @@ pub(crate) struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    pub(super) fn open(
-        path: &Path,
-        packing: Packing,
-        progress: Option<Progress<'a>>,
-    ) -> Result<Self> {
+    pub(super) fn open(path: &Path, packing: Packing, progress: Progress<'a>) -> Result<Self> {
         Self::open_within(path, packing, progress, |_| u64::MAX, usize::MAX)
     }
 
@@ -65,7 +61,7 @@ impl<'a> Source<'a> {
     pub(crate) fn open_bounded(
         path: &Path,
         packing: Packing,
-        progress: Option<Progress<'a>>,
+        progress: Progress<'a>,
     ) -> Result<Self> {
         let unpacked = |size: u64| size.saturating_mul(RATIO).max(UNPACKED);
         Self::open_within(path, packing, progress, unpacked, LONGEST_LINE)
@@ -80,7 +76,7 @@ impl<'a> Source<'a> {
     fn open_within(
         path: &Path,
         packing: Packing,
-        progress: Option<Progress<'a>>,
+        progress: Progress<'a>,
         unpacked: impl Fn(u64) -> u64,
         longest_line: usize,
     ) -> Result<Self> {
@@ -232,19 +228,15 @@ struct Watched<'a> {
     file: File,
     size: u64,
     done: u64,
-    progress: Option<Progress<'a>>,
+    progress: Progress<'a>,
 }
 
 impl Read for Watched<'_> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         let count = self.file.read(out)?;
         self.done += count as u64;
-        if let Some(progress) = self.progress {
-            let fraction = (self.done as f64 / self.size.max(1) as f64).min(1.0);
-            if progress(fraction) == Flow::Cancel {
-                return Err(io::Error::other(Stopped));
-            }
-        }
+        let fraction = self.done as f64 / self.size.max(1) as f64;
+        self.progress.report(fraction).map_err(|_| io::Error::other(Stopped))?;
         Ok(count)
     }
 }

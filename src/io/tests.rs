@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::io::Write;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use faer::Mat;
@@ -9,7 +10,6 @@ use tempfile::TempDir;
 
 use super::*;
 use crate::ata::RowBlocks;
-use crate::base::Flow;
 
 pub(super) struct Folder(TempDir);
 
@@ -206,7 +206,7 @@ fn broken_text_is_refused_with_its_line() {
 #[test]
 fn columns_are_selected_and_others_may_hold_text() {
     let folder = Folder::new();
-    let options = ReadOptions { columns: Some(1..3), progress: None };
+    let options = ReadOptions { columns: Some(1..3), progress: Progress::none() };
     let expected = Mat::from_fn(2, 2, |i, j| (3 * i + j + 2) as f64);
     let csv = folder.file("a.csv", "name,u,v\nann,2,3\nbob,5,6\n");
     assert_eq!(doubles(&read(&csv, &options).unwrap()), expected);
@@ -217,7 +217,7 @@ fn columns_are_selected_and_others_may_hold_text() {
         "%%MatrixMarket matrix coordinate integer general\n2 3 5\n1 1 1\n1 2 2\n1 3 3\n2 2 5\n2 3 6\n",
     );
     assert_eq!(doubles(&read(&mtx, &options).unwrap()), expected);
-    let outside = ReadOptions { columns: Some(1..4), progress: None };
+    let outside = ReadOptions { columns: Some(1..4), progress: Progress::none() };
     for path in [csv, npy, mtx] {
         let error = read(&path, &outside).unwrap_err();
         assert!(matches!(error, Error::Argument { what: "columns", .. }), "{error}");
@@ -318,8 +318,8 @@ fn missing_files_folders_and_unknown_names_are_refused() {
 fn reading_stops_when_progress_says_so() {
     let folder = Folder::new();
     let path = folder.file("a.csv", "1,2\n");
-    let stop = |_: f64| Flow::Cancel;
-    let options = ReadOptions { columns: None, progress: Some(&stop) };
+    let stop = |_: f64| ControlFlow::Break(());
+    let options = ReadOptions { columns: None, progress: (&stop).into() };
     assert_eq!(read(&path, &options).unwrap_err(), Error::Cancelled);
 }
 

@@ -1,5 +1,6 @@
 use std::cell::Cell;
 use std::mem::ManuallyDrop;
+use std::ops::ControlFlow;
 use std::ops::{AddAssign, Range};
 use std::thread::{self, ThreadId};
 use std::time::{Duration, Instant};
@@ -10,8 +11,8 @@ use ::mpi::ffi;
 use ::mpi::raw::AsRaw;
 use ::mpi::topology::{Communicator, SimpleCommunicator};
 
-use crate::ata::{AtaOptions, with_share};
-use crate::base::{Error, Flow, Real, Result};
+use crate::ata::AtaOptions;
+use crate::base::{Error, Real, Result};
 use crate::blas::BlasReal;
 
 /// A scalar that ranks can exchange: f32 or f64. Sealed, as [`BlasReal`] is.
@@ -164,13 +165,13 @@ impl World {
         work: impl FnOnce(&AtaOptions<'_>) -> X,
     ) -> X {
         let meanwhile = Here { work: meanwhile, thread: thread::current().id() };
+        let progress = options.progress.part(share);
         let tell = |fraction: f64| {
             meanwhile.call();
-            options.progress.map_or(Flow::Continue, |progress| progress(fraction))
+            progress.tell(fraction)
         };
         let start = Instant::now();
-        let done =
-            with_share(&AtaOptions { progress: Some(&tell), ..options.clone() }, share, work);
+        let done = work(&AtaOptions { progress: Progress::new(&tell), ..options.clone() });
         self.work_time.set(self.work_time.get() + start.elapsed());
         done
     }

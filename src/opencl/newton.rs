@@ -4,7 +4,7 @@ use opencl3::kernel::{ExecuteKernel, Kernel};
 use opencl3::memory::Buffer;
 
 use super::session::{Device, Launcher};
-use crate::base::{Error, Flow, Progress, Result, reserved};
+use crate::base::{Error, Progress, Result, reserved};
 use crate::texture::newton::{Fractal, Newton, Points};
 
 const SOURCE: &str = include_str!("kernels/newton.cl");
@@ -21,7 +21,7 @@ pub fn evaluate_newton(
     device: &Device,
     newton: &Newton,
     points: Points<'_>,
-    progress: Option<Progress<'_>>,
+    progress: Progress<'_>,
 ) -> Result<Fractal> {
     evaluate_newton_in_groups(device, newton, points, None, progress)
 }
@@ -36,7 +36,7 @@ pub fn evaluate_newton_in_groups(
     newton: &Newton,
     points: Points<'_>,
     group: Option<usize>,
-    progress: Option<Progress<'_>>,
+    progress: Progress<'_>,
 ) -> Result<Fractal> {
     let parameters = &newton.parameters;
     let count = points.check(parameters)?;
@@ -64,9 +64,7 @@ pub fn evaluate_newton_in_groups(
         device.read(&run.memory.numbers, roots)?;
         device.read(&run.memory.convergence, convergence)?;
         let fraction = (first + roots.len()) as f64 / count as f64;
-        if progress.is_some_and(|tell| tell(fraction) == Flow::Cancel) {
-            return Err(Error::Cancelled);
-        }
+        progress.report(fraction)?;
     }
     Ok(fractal)
 }

@@ -6,7 +6,7 @@ use opencl3::kernel::{ExecuteKernel, Kernel};
 use opencl3::memory::Buffer;
 
 use super::session::{Device, Launcher, Number};
-use crate::base::{Error, Flow, Progress, Result, reserved};
+use crate::base::{Error, Progress, Result, reserved};
 use crate::texture::slime::{
     AREA_UNIT, Coverage, EVERY, MOST_HOPS, PHEROMONE_UNIT, Parameters, Simulation, State, TILE,
     sum_of,
@@ -137,14 +137,12 @@ impl<'a> SlimeOnDevice<'a> {
     ///
     /// # Errors
     /// [`Error::Backend`] when the device refuses; [`Error::Cancelled`]: the steps before are done then, and it can go on.
-    pub fn run(&mut self, steps: u32, progress: Option<Progress<'_>>) -> Result<()> {
+    pub fn run(&mut self, steps: u32, progress: Progress<'_>) -> Result<()> {
         for done in 1..=steps {
             self.enqueue_step()?;
-            if let Some(progress) = progress {
+            if progress.is_watched() {
                 self.wait()?;
-                if progress(f64::from(done) / f64::from(steps)) == Flow::Cancel {
-                    return Err(Error::Cancelled);
-                }
+                progress.report(f64::from(done) / f64::from(steps))?;
             }
         }
         self.wait()

@@ -1,7 +1,7 @@
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Mat, MatMut, MatRef};
 
-use super::inner::{Inner, check_finite, report};
+use super::inner::{Inner, check_finite};
 use super::panel::pass;
 use crate::base::{Error, Par, Progress, Result};
 use crate::dense::zeros;
@@ -21,14 +21,19 @@ pub struct GramSchmidtOptions<'a> {
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
     /// Told of progress; may cancel.
-    pub progress: Option<Progress<'a>>,
+    pub progress: Progress<'a>,
 }
 
 impl GramSchmidtOptions<'_> {
     /// The thesis' mode `ours`: threshold 1e-2, one pass. `Q^T M Q` is the identity up to about 1e-13 / 1e-2 and
     /// what the blocks before lose: good enough for least squares, not for inner products.
     pub fn single_pass() -> Self {
-        Self { threshold: 1e-2, reorthogonalise: false, par: Par::all(), progress: None }
+        Self {
+            threshold: 1e-2,
+            reorthogonalise: false,
+            par: Par::all(),
+            progress: Progress::none(),
+        }
     }
 
     /// The thesis' mode `ours*`: threshold 1e-9, re-orthogonalised; `Q^T M Q` is the identity to rounding.
@@ -147,7 +152,7 @@ pub(crate) fn gram_schmidt_of(
         }
         kept.extend(block.kept.iter().map(|j| start + j));
         let done = (start + width) as f64 / c as f64;
-        report(options.progress, done * done)?;
+        options.progress.report(done * done)?;
     }
     inner.leave(a.rb_mut().subcols_mut(0, kept.len()));
     r.truncate(kept.len(), c);

@@ -2,7 +2,7 @@ use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
 use faer::{Mat, MatMut, MatRef};
 
 use crate::ata::{AtaOptions, SchemeChoice, Uplo, ata, atb};
-use crate::base::{Error, Par, Progress, Result};
+use crate::base::{Error, Par, Result};
 use crate::dense::{ROW_BLOCK, for_row_blocks, zeros};
 use crate::sparse::InnerSpace;
 
@@ -152,12 +152,4 @@ pub(super) fn check_finite(a: MatRef<'_, f64>) -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// Tells of progress.
-pub(super) fn report(progress: Option<Progress<'_>>, fraction: f64) -> Result<()> {
-    match progress.map(|progress| progress(fraction)) {
-        Some(crate::base::Flow::Cancel) => Err(Error::Cancelled),
-        _ => Ok(()),
-    }
 }

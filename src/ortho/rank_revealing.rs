@@ -4,7 +4,7 @@ use faer::{Mat, MatMut, MatRef};
 use super::gram_schmidt::{
     Factors, GramSchmidtOptions, Orthonormal, gram_schmidt, gram_schmidt_in_place,
 };
-use crate::base::Result;
+use crate::base::{Progress, Result};
 use crate::dense::{multiply_in_place, pivots, right_singular, transposed_product};
 use crate::sparse::Mass;
 
@@ -70,7 +70,7 @@ pub fn rank_revealing_in_place(
         pivots(leading.as_ref())?.into_iter().map(|j| found.kept[j]).take(rank).collect();
     kept.sort_unstable();
     let chosen = Mat::from_fn(found.kept.len(), rank, |i, j| found.r[(i, kept[j])]);
-    let finest = GramSchmidtOptions { threshold: FINEST, progress: None, ..finer };
+    let finest = GramSchmidtOptions { threshold: FINEST, progress: Progress::none(), ..finer };
     let turn = gram_schmidt(chosen.as_ref(), &Mass::identity(chosen.nrows()), &finest)?;
     // Columns that pivoting takes first are independent far above rounding, so all of them stay.
     let kept: Vec<usize> = turn.kept.iter().map(|&j| kept[j]).collect();

@@ -2,7 +2,7 @@ use super::bdf::{Bdf6, Start};
 use super::rational::{EXPONENTIAL, Workspace};
 use super::spectral::SpectralSolution;
 use super::water::{WaterModel, at_least_zero, positive};
-use crate::base::{Error, Flow, Par, Progress, Result};
+use crate::base::{Error, Par, Progress, Result};
 
 /// How water is computed at many times.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,12 +41,12 @@ pub struct CurveOptions<'a> {
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
     /// Told of progress; may cancel.
-    pub progress: Option<Progress<'a>>,
+    pub progress: Progress<'a>,
 }
 
 impl Default for CurveOptions<'_> {
     fn default() -> Self {
-        Self { method: Method::Auto, cycle: vec![], par: Par::all(), progress: None }
+        Self { method: Method::Auto, cycle: vec![], par: Par::all(), progress: Progress::none() }
     }
 }
 
@@ -78,9 +78,7 @@ pub fn water_curve(
     for (i, &time) in times.iter().enumerate() {
         curve.push(walk.to(time)?);
         let fraction = (i + 1) as f64 / times.len() as f64;
-        if options.progress.map(|progress| progress(fraction)) == Some(Flow::Cancel) {
-            return Err(Error::Cancelled);
-        }
+        options.progress.report(fraction)?;
     }
     Ok(curve)
 }

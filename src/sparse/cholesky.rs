@@ -1,7 +1,7 @@
 //! faer's sparse Cholesky factorisations of `W - sigma M`, with memory that may be refused.
 
+use std::ops::ControlFlow;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::MatMut;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -15,7 +15,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
 use super::shifted::Shifted;
-use crate::base::{Error, Par, Result, zeros};
+use crate::base::{Error, Par, Result, tickets, zeros};
 use crate::dense::buffer;
 
 /// Columns of the right-hand side that are solved for together, whatever the number of threads.
@@ -136,16 +136,12 @@ impl<'s> Factor<'s> {
             blocks.push(Mutex::new(Some(head)));
             rest = tail;
         }
-        let lanes = par.threads().min(blocks.len()).max(1);
-        let memory =
-            (0..lanes).map(|_| buffer(requirement).map(Mutex::new)).collect::<Result<Vec<_>>>()?;
-        let next = AtomicUsize::new(0);
-        Par::Threads(lanes).run_lanes(|lane| {
-            let mut memory = memory[lane].lock().expect("one lane, one lock");
-            while let Some(block) = blocks.get(next.fetch_add(1, Ordering::Relaxed)) {
-                let block = block.lock().expect("one block, one lock").take();
-                self.solve_block(block.expect("each block is handed out once"), &mut memory);
-            }
+        let workers = par.at_most(blocks.len()).threads();
+        let mut memory = (0..workers).map(|_| buffer(requirement)).collect::<Result<Vec<_>>>()?;
+        tickets(&mut memory, blocks.len(), |memory, i| {
+            let block = blocks[i].lock().expect("one block, one lock").take();
+            self.solve_block(block.expect("each block is handed out once"), memory);
+            ControlFlow::Continue(())
         });
         Ok(())
     }

@@ -8,7 +8,7 @@ use super::lanczos::{WIDTH, basis_size};
 use super::problem::{Problem, ascending, scale};
 use super::small::dense_pairs;
 use super::space::{Pencil, WholePencil};
-use crate::base::{Error, Flow, Par, Progress, Result};
+use crate::base::{Error, Par, Progress, Result};
 
 /// What [`eigs`] is asked for.
 #[derive(Clone)]
@@ -30,7 +30,7 @@ pub struct EigenOptions<'a> {
     /// Restarts after which [`Error::NotConverged`] is returned; default 60.
     pub max_restarts: usize,
     /// Told of progress; may cancel.
-    pub progress: Option<Progress<'a>>,
+    pub progress: Progress<'a>,
 }
 
 impl Default for EigenOptions<'_> {
@@ -43,7 +43,7 @@ impl Default for EigenOptions<'_> {
             par: Par::all(),
             seed: 0,
             max_restarts: 60,
-            progress: None,
+            progress: Progress::none(),
         }
     }
 }
@@ -51,10 +51,7 @@ impl Default for EigenOptions<'_> {
 impl EigenOptions<'_> {
     /// Tells of progress.
     pub(super) fn report(&self, fraction: f64) -> Result<()> {
-        match self.progress.map(|progress| progress(fraction)) {
-            Some(Flow::Cancel) => Err(Error::Cancelled),
-            Some(Flow::Continue) | None => Ok(()),
-        }
+        self.progress.report(fraction)
     }
 
     fn check(&self, n: usize) -> Result<()> {

@@ -13,7 +13,7 @@ use super::eigs::{EigenOptions, Eigenpairs, check, one_window, small};
 use super::lanczos::{WIDTH, basis_size};
 use super::problem::Problem;
 use super::space::WholePencil;
-use crate::base::{Error, Flow, Progress, Result};
+use crate::base::{Error, Progress, Result};
 use crate::dense::{subtract_product, transposed_product, zeros};
 
 /// Least number of pairs that are looked for at once.
@@ -200,13 +200,13 @@ impl<'a> Slices<'a> {
             // Non-negative numbers are in the order of their bits. A run that is repeated tells nothing new.
             let told = told.fetch_max(fraction.to_bits(), Ordering::Relaxed);
             let fraction = fraction.max(f64::from_bits(told));
-            progress.map_or(Flow::Continue, |tell| tell(fraction))
+            progress.tell(fraction)
         };
         let options = EigenOptions {
             k: size,
             // What is taken away of the guard afterwards must leave residuals good enough.
             tolerance: (0.25 * self.options.tolerance).max(1e-14),
-            progress: Some(&watch as Progress<'_>),
+            progress: Progress::new(&watch),
             ..self.options.clone()
         };
         let mut end = End::Short;

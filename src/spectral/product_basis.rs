@@ -33,13 +33,13 @@ pub struct ProductBasisOptions<'a> {
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
     /// Told of progress; may cancel.
-    pub progress: Option<Progress<'a>>,
+    pub progress: Progress<'a>,
 }
 
 impl Default for ProductBasisOptions<'_> {
     fn default() -> Self {
         let orthogonalization = Orthogonalization::default();
-        Self { orthogonalization, par: Par::all(), progress: None }
+        Self { orthogonalization, par: Par::all(), progress: Progress::none() }
     }
 }
 

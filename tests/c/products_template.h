@@ -340,7 +340,6 @@ static void LOCAL(test_all)(int quick)
             CHECK_STATUS(cata_ata_params_init(&forced, sizeof forced), CATA_OK);
             forced.scheme = scheme;
             forced.leaf = 8;
-            forced.scale_columns = scheme % 2;
             forced.threads = quick ? 1 : 2;
             forced.error_factor = INFINITY;
             LOCAL(test_ata)(layouts[l], CATA_BOTH, 61, 59, 1, &forced);

@@ -177,10 +177,6 @@ static void test_params(void)
     CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("params.reproducible");
     params = initialised;
-    params.scale_columns = 2;
-    CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
-    CHECK_MESSAGE("params.scale_columns: must be 0 or 1, is 2");
-    params.scale_columns = 0;
     params.reproducible = 1;
     for (params.scheme = CATA_SCHEME_CLASSICAL; params.scheme < CATA_SCHEME_EXACT; params.scheme++) {
         CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);

@@ -54,7 +54,7 @@ fn threads(world: &World) {
     let own = uneven(n, world.size(), world.rank());
     let a = Mat::from_fn(m, own.len(), |i, j| (i as f64 * 0.37 + (own.start + j) as f64).sin());
     let run = |par| {
-        let options = AtaOptions { par, ..AtaOptions::default() };
+        let options = AtaOptions::new().par(par);
         ata_columns(world, 0.3, a.as_ref(), &options).unwrap().entries().to_vec()
     };
     assert_eq!(run(Par::Seq), run(Par::Threads(2)));

@@ -107,7 +107,7 @@ fn shapes<T: MpiReal>(world: &World) {
                 CyclicRef { matrix: a, entries: a_entries.as_ref() },
                 T::from_f64(beta),
                 CyclicMut { matrix: c, entries: c_entries.as_mut() },
-                &AtaOptions { uplo, ..options() },
+                &options().uplo(uplo),
             )
             .unwrap();
             check(world, &c, &c_entries, uplo, |i, j| {
@@ -137,7 +137,7 @@ fn transposed(world: &World) {
             CyclicRef { matrix: a, entries: entries.as_ref() },
             0.0,
             CyclicMut { matrix: c, entries: by_rows.as_mut().transpose_mut() },
-            &AtaOptions { uplo: Uplo::Both, ..options() },
+            &options().uplo(Uplo::Both),
         )
         .unwrap();
         check(world, &c, &by_rows.transpose().to_owned(), Uplo::Both, |i, j| {
@@ -191,7 +191,7 @@ fn threads(world: &World) {
             CyclicRef { matrix: a, entries: entries.as_ref() },
             0.0,
             CyclicMut { matrix: c, entries: result.as_mut() },
-            &AtaOptions { par, ..AtaOptions::default() },
+            &AtaOptions::new().par(par),
         )
         .unwrap();
         result

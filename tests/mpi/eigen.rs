@@ -1,8 +1,8 @@
 //! Eigenpairs of rows that are spread, beside the same on one process.
 
+use std::ops::ControlFlow;
 use std::ops::Range;
 
-use catamaran::base::Flow;
 use catamaran::faer::Mat;
 use catamaran::mesh::{LaplacianOptions, MassKind, families, laplacian};
 use catamaran::mpi::{World, eigs, gather_rows};
@@ -169,11 +169,13 @@ fn refusals(world: &World) {
 
 fn cancel(world: &World) {
     let second = world.rank() == 1;
-    let progress = move |done| if second && done > 0.1 { Flow::Cancel } else { Flow::Continue };
+    let progress = move |done| {
+        if second && done > 0.1 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
     let w = two_grids(20, 15);
     let own = uneven(w.rows(), world.size(), world.rank());
     let (part, mass) = (rows(&w, own.clone()), mass_rows(&Mass::identity(w.rows()), own));
-    let options = EigenOptions { progress: Some(&progress), ..options(20) };
+    let options = EigenOptions { progress: (&progress).into(), ..options(20) };
     tell(world, eigs(world, part.view(), &mass, &options).unwrap_err());
 }
 

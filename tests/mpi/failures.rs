@@ -1,9 +1,9 @@
 //! What goes wrong on one rank: an error on every rank, or an abort, within the time limit.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use catamaran::AtaOptions;
-use catamaran::base::Flow;
 use catamaran::faer::Mat;
 use catamaran::mpi::{World, ata_rows};
 
@@ -99,9 +99,9 @@ fn cancel(world: &World) {
     let calls = AtomicUsize::new(0);
     let progress = |_| {
         let enough = calls.fetch_add(1, Ordering::Relaxed) > 2;
-        if enough && world_rank() == 3 { Flow::Cancel } else { Flow::Continue }
+        if enough && world_rank() == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let options = AtaOptions { progress: Some(&progress), ..options() };
+    let options = options().progress(&progress);
     let a = Mat::<f64>::from_fn(600, 1500, |i, j| (i + j) as f64);
     tell(world, ata_rows(world, 1.0, a.as_ref(), &options).unwrap_err());
 }
@@ -132,9 +132,10 @@ fn killed(world: &World) {
 }
 
 fn panicking(world: &World) {
-    let progress =
-        |_| -> Flow { if world_rank() == 1 { panic!("this rank panics") } else { Flow::Continue } };
-    let options = AtaOptions { progress: Some(&progress), ..options() };
+    let progress = |_| -> ControlFlow<()> {
+        if world_rank() == 1 { panic!("this rank panics") } else { ControlFlow::Continue(()) }
+    };
+    let options = options().progress(&progress);
     let a = part::<f64>(0..50, 0..700);
     let _ = ata_rows(world, 1.0, a.as_ref(), &options);
 }

@@ -42,7 +42,7 @@ pub fn tell(world: &World, error: Error) {
 
 /// One thread per rank, native kernels.
 pub fn options() -> AtaOptions<'static> {
-    AtaOptions { par: Par::Seq, ..AtaOptions::default() }
+    AtaOptions::new().par(Par::Seq)
 }
 
 /// Checks a distributed result: on each rank, and gathered on the last one.

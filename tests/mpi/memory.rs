@@ -25,7 +25,7 @@ fn shares(world: &World) {
     let n = 2048 / ranks * ranks;
     let own = rank * (n / ranks)..(rank + 1) * (n / ranks);
     // The exact path has residues of the operands beside them.
-    let options = AtaOptions { scheme: SchemeChoice::Float, ..options() };
+    let options = options().scheme(SchemeChoice::Float);
     let check = |name: &str, a: Mat<f64>, product: Mode| {
         release_memory();
         let (peak, c) = peak_of(|| product(world, 1.0, a.as_ref(), &options));
@@ -41,7 +41,7 @@ fn shares(world: &World) {
 fn tree(world: &World) {
     let (m, n) = (1600, 1200);
     let is_root = world.rank() == 0;
-    let options = AtaOptions { scheme: SchemeChoice::Float, ..options() };
+    let options = options().scheme(SchemeChoice::Float);
     let matrices = is_root.then(|| (part::<f64>(0..m, 0..n), Mat::zeros(n, n)));
     let (a, mut c) = matrices.unzip();
     release_memory();

@@ -1,8 +1,9 @@
 //! Gram-Schmidt and Cholesky QR of rows that are spread, beside the same on one process.
 
+use std::ops::ControlFlow;
 use std::ops::Range;
 
-use catamaran::base::{Flow, Rng};
+use catamaran::base::Rng;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::mpi::{World, cholesky_qr, gather_rows, gram_schmidt};
 use catamaran::ortho::{self, GramSchmidtOptions};
@@ -209,11 +210,11 @@ fn asymmetric(world: &World) {
 
 fn cancel(world: &World) {
     let last = world.rank() == 1;
-    let progress = move |_| if last { Flow::Cancel } else { Flow::Continue };
+    let progress = move |_| if last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let own = own_rows(world);
     let a = columns(6 * world.size(), 3);
     let options =
-        GramSchmidtOptions { progress: Some(&progress), ..GramSchmidtOptions::single_pass() };
+        GramSchmidtOptions { progress: (&progress).into(), ..GramSchmidtOptions::single_pass() };
     let rows = a.as_ref().subrows(own.start, 6);
     tell(world, gram_schmidt(world, rows, &lumped(own), &options).unwrap_err());
 }

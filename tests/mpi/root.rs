@@ -1,10 +1,10 @@
 //! A and C on one rank: AtA-D, and rows that are dealt.
 
+use std::ops::ControlFlow;
 use std::sync::Mutex;
 
 use catamaran::ata::block_rows;
 use catamaran::ata::distributed::{Machine, TaskTree, deal, packed_len};
-use catamaran::base::Flow;
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::mpi::{MpiReal, Traffic, World, ata_deal, ata_root, ata_tree};
 use catamaran::{AtaOptions, Error, Par, Uplo};
@@ -115,7 +115,7 @@ fn shapes<T: MpiReal>(world: &World) {
             for product in products() {
                 let mut c = Mat::<T>::from_fn(n, n, |_, _| T::from_f64(-77.0));
                 let view = if by_rows { c.as_mut().transpose_mut() } else { c.as_mut() };
-                let options = AtaOptions { uplo, ..options() };
+                let options = options().uplo(uplo);
                 let (a, view) = (is_root.then_some(a), is_root.then_some(view));
                 product(world, root, T::from_f64(2.0), a, T::ZERO, view, &options).unwrap();
                 if is_root {
@@ -252,7 +252,7 @@ fn threads(world: &World) {
     let a = Mat::from_fn(m, n, |i, j| (i as f64 * 0.37 + j as f64).sin());
     for product in products() {
         let run = |par| {
-            let options = AtaOptions { par, ..AtaOptions::default() };
+            let options = AtaOptions::new().par(par);
             let mut c = Mat::zeros(n, n);
             let (a, view) = (is_root.then_some(a.as_ref()), is_root.then_some(c.as_mut()));
             product(world, 0, 0.3, a, 0.0, view, &options).unwrap();
@@ -275,9 +275,9 @@ fn progress(world: &World) {
         let seen = Mutex::new(Vec::new());
         let note = |fraction| {
             seen.lock().unwrap().push(fraction);
-            Flow::Continue
+            ControlFlow::Continue(())
         };
-        let options = AtaOptions { progress: Some(&note), ..options() };
+        let options = options().progress(&note);
         let a = part::<f64>(0..300, 0..300);
         let mut c = Mat::zeros(300, 300);
         let is_root = world.rank() == 0;
@@ -315,29 +315,34 @@ fn another_shape(world: &World) {
 }
 
 /// The product of a matrix large enough for every rank, with this progress callback, by a tree.
-fn product(world: &World, progress: &(dyn Fn(f64) -> Flow + Sync)) -> Result<(), Error> {
+fn product(world: &World, progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync)) -> Result<(), Error> {
     product_by(ata_tree, world, progress)
 }
 
 fn product_by(
     product: Product<f64>,
     world: &World,
-    progress: &(dyn Fn(f64) -> Flow + Sync),
+    progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
 ) -> Result<(), Error> {
     let a = part::<f64>(0..600, 0..400);
     let mut c = Mat::<f64>::zeros(400, 400);
-    let options = AtaOptions { progress: Some(progress), ..options() };
+    let options = options().progress(Progress::new(progress));
     product(world, 0, 1.0, Some(a.as_ref()), 0.0, Some(c.as_mut()), &options)
 }
 
 fn cancel_deal(world: &World) {
-    let flow = if world.rank() == 5 { Flow::Cancel } else { Flow::Continue };
+    let flow = if world.rank() == 5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     tell(world, product_by(ata_deal, world, &|_| flow));
 }
 
 fn cancel(world: &World) {
     let own = world.rank();
-    tell(world, product(world, &|_| if own == 5 { Flow::Cancel } else { Flow::Continue }));
+    tell(
+        world,
+        product(world, &|_| {
+            if own == 5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        }),
+    );
 }
 
 fn killed(world: &World) {
@@ -345,10 +350,12 @@ fn killed(world: &World) {
         // SAFETY: ends this process, at once.
         unsafe { libc::raise(libc::SIGKILL) };
     }
-    let _ = product(world, &|_| Flow::Continue);
+    let _ = product(world, &|_| ControlFlow::Continue(()));
 }
 
 fn panicking(world: &World) {
     let own = world.rank();
-    let _ = product(world, &|_| if own == 1 { panic!("this rank panics") } else { Flow::Continue });
+    let _ = product(world, &|_| {
+        if own == 1 { panic!("this rank panics") } else { ControlFlow::Continue(()) }
+    });
 }

@@ -70,7 +70,7 @@ fn threads(world: &World) {
     let own = uneven(m, world.size(), world.rank());
     let a = Mat::from_fn(own.len(), n, |i, j| ((own.start + i) as f64 * 0.37 + j as f64).sin());
     let run = |par| {
-        let options = AtaOptions { par, ..AtaOptions::default() };
+        let options = AtaOptions::new().par(par);
         ata_rows(world, 0.3, a.as_ref(), &options).unwrap().entries().to_vec()
     };
     assert_eq!(run(Par::Seq), run(Par::Threads(2)));

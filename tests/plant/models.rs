@@ -1,6 +1,7 @@
 //! The model against closed forms.
 
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
 use catamaran::Par;
 use catamaran::plant::families::{GrowthOptions, chain, grow};
@@ -204,8 +205,8 @@ fn arguments_out_of_range_are_named() {
     says(model.water_after(&[1.0; 3], -1.0, Par::Seq).unwrap_err(), "seconds");
     let times = [2.0, 1.0];
     says(water_curve(&model, &[1.0; 3], &times, &CurveOptions::default()).unwrap_err(), "ascend");
-    let cancel = |_: f64| catamaran::base::Flow::Cancel;
-    let options = CurveOptions { progress: Some(&cancel), ..CurveOptions::default() };
+    let cancel = |_: f64| ControlFlow::Break(());
+    let options = CurveOptions { progress: (&cancel).into(), ..CurveOptions::default() };
     says(water_curve(&model, &[1.0; 3], &[1.0], &options).unwrap_err(), "cancelled");
     says(Bdf6::new(&model, &[1.0; 3], 0.0, Start::Exact, Par::Seq).unwrap_err(), "step");
     let options = WaterOptions { viscosity: 0.0, ..Default::default() };

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use catamaran::base::Progress;
 use catamaran::mesh::io::{self as meshes, Attribute};
 use catamaran::mesh::{TriMesh, families};
 use catamaran::texture::slime::{Surface, Texels, atlas, fitted, smallest_size};
@@ -88,7 +89,7 @@ fn real_meshes_carry_slime() {
         };
         let size = smallest_size(file.mesh.faces().len());
         let mut all = simulation(surface, &options(2000, size));
-        all.run(20, Par::all(), None).unwrap();
+        all.run(20, Par::all(), Progress::none()).unwrap();
         assert_eq!(all.state().check(all.surface()), Ok(()), "{name}");
         assert!(all.coverage(Par::Seq)[0].coverage > 0.0);
     }

@@ -1,6 +1,7 @@
 //! Species, obstacles and attractors.
 
 use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::texture::slime::{FREE, GOAL, Mask, OBSTACLE, Options, Simulation};
 
 use crate::support::{options, simulation, square};
@@ -51,7 +52,7 @@ fn agents_go_around_walls_and_stay_where_they_want_to_be() {
     let arrived = |all: &Simulation| places(all).iter().filter(|&&t| ground[t] == GOAL).count();
     let mut before = 0;
     for _ in 0..20 {
-        all.run(40, Par::all(), None).unwrap();
+        all.run(40, Par::all(), Progress::none()).unwrap();
         assert!(places(&all).iter().all(|&t| ground[t] != OBSTACLE));
         let now = arrived(&all);
         assert!(now >= before, "an agent left the attractor");
@@ -64,7 +65,7 @@ fn agents_go_around_walls_and_stay_where_they_want_to_be() {
 fn species_keep_apart() {
     let options = Options { species: 2, ..options(6000, 128) };
     let mut all = simulation(square(4), &options);
-    all.run(120, Par::all(), None).unwrap();
+    all.run(120, Par::all(), Progress::none()).unwrap();
     let (a, b) = (all.texture(0), all.texture(1));
     let product: f32 = a.iter().zip(b).map(|(x, y)| x * y).sum();
     let [first, second] = [a, b].map(|t| t.iter().sum::<f32>());

@@ -2,6 +2,7 @@
 //! one, so lengths are twice those of the table.
 
 use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::texture::slime::{Options, Pattern, Simulation};
 
 use crate::support::{options, simulation, square};
@@ -15,7 +16,7 @@ fn grown(change: impl Fn(&mut Options)) -> Simulation {
     let mut options = Options { movement_speed: 3.0, vision_distance: 2.0, ..small };
     change(&mut options);
     let mut all = simulation(square(8), &options);
-    all.run(200, Par::all(), None).unwrap();
+    all.run(200, Par::all(), Progress::none()).unwrap();
     all
 }
 
@@ -48,7 +49,7 @@ fn vision_angle_thickens() {
             ..options(5000, SIZE)
         };
         let mut all = simulation(square(8), &sparse);
-        all.run(900, Par::all(), None).unwrap();
+        all.run(900, Par::all(), Progress::none()).unwrap();
         Pattern::of(all.texture(0), SIZE, THRESHOLD).unwrap().thickness
     };
     let [narrow, middle, wide] = [10.0, 30.0, 50.0].map(thickness);
@@ -66,7 +67,7 @@ fn turn_speed_keeps_the_pattern_from_settling() {
     let [slow, fast] = [1800.0, 3000.0].map(|speed| {
         let mut all = grown(|o| o.turn_speed = speed);
         let before = all.texture(0).to_vec();
-        all.run(10, Par::all(), None).unwrap();
+        all.run(10, Par::all(), Progress::none()).unwrap();
         let change = |(a, b): (&f32, &f32)| f64::from((a - b).abs());
         let changed: f64 = before.iter().zip(all.texture(0)).map(change).sum();
         changed / before.iter().map(|&p| f64::from(p)).sum::<f64>()

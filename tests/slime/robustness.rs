@@ -1,8 +1,9 @@
 //! No agent is ever lost, and nothing depends on threads or interruptions.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
-use catamaran::base::Flow;
+use catamaran::base::Progress;
 use catamaran::mesh::{TriMesh, families};
 use catamaran::texture::slime::{Blur, Options, TangentStep};
 use catamaran::{Error, Par};
@@ -22,7 +23,7 @@ fn no_agent_is_lost() {
             let options = Options { tangent_step, ..options(1500, 256) };
             let mut all = simulation(with_atlas(&mesh, 256), &options);
             for _ in 0..5 {
-                all.run(50, Par::all(), None).unwrap();
+                all.run(50, Par::all(), Progress::none()).unwrap();
                 let state = all.state().check(all.surface());
                 assert_eq!(state, Ok(()), "{name}, {tangent_step:?}");
             }
@@ -41,7 +42,7 @@ fn no_agent_is_beyond_a_sharp_corner() {
     ] {
         let options = Options { tangent_step: steps, ..quick };
         let mut all = simulation(with_atlas(&mesh, 128), &options);
-        all.run(60, Par::all(), None).unwrap();
+        all.run(60, Par::all(), Progress::none()).unwrap();
         assert_eq!(all.state().check(all.surface()), Ok(()), "{name}");
     }
 }
@@ -53,7 +54,7 @@ fn threads_do_not_show() {
             let mesh = families::torus(16, 8, 2.0, 0.7).unwrap();
             let options = Options { blur, species: 2, ..options(9001, 128) };
             let mut all = simulation(with_atlas(&mesh, 128), &options);
-            all.run(40, par, None).unwrap();
+            all.run(40, par, Progress::none()).unwrap();
             (all.state().clone(), all.coverage(par))
         };
         let alone = run(Par::Seq);
@@ -68,14 +69,14 @@ fn a_run_that_stopped_goes_on_as_if_it_had_not() {
     let options = Options { species: 3, ..options(700, 64) };
     let begin = || simulation(square(5), &options);
     let mut whole = begin();
-    whole.run(37, Par::Seq, None).unwrap();
+    whole.run(37, Par::Seq, Progress::none()).unwrap();
     let mut first = begin();
-    first.run(20, Par::Seq, None).unwrap();
+    first.run(20, Par::Seq, Progress::none()).unwrap();
     let mut file = Vec::new();
     first.save(&mut file).unwrap();
     let mut second = begin();
     second.resume(&mut &file[..], Path::new("state")).unwrap();
-    second.run(17, Par::Seq, None).unwrap();
+    second.run(17, Par::Seq, Progress::none()).unwrap();
     assert!(second.state() == whole.state());
 }
 
@@ -115,18 +116,18 @@ fn progress_is_told_and_can_cancel() {
     let calls = std::sync::atomic::AtomicU32::new(0);
     let stop = |fraction: f64| {
         calls.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-        if fraction >= 0.3 { Flow::Cancel } else { Flow::Continue }
+        if fraction >= 0.3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    assert_eq!(all.run(10, Par::Seq, Some(&stop)), Err(Error::Cancelled));
+    assert_eq!(all.run(10, Par::Seq, (&stop).into()), Err(Error::Cancelled));
     assert_eq!((calls.into_inner(), all.state().step), (3, 3));
-    all.run(0, Par::Seq, Some(&|_| Flow::Cancel)).unwrap();
+    all.run(0, Par::Seq, Progress::new(&|_| ControlFlow::Break(()))).unwrap();
 }
 
 #[test]
 fn no_agents_and_one_are_fine() {
     for agents in [0, 1, 4097] {
         let mut all = simulation(square(1), &options(agents, 32));
-        all.run(20, Par::Threads(2), None).unwrap();
+        all.run(20, Par::Threads(2), Progress::none()).unwrap();
         assert_eq!(all.coverage(Par::Seq)[0].coverage > 0.0, agents > 0);
         assert_eq!(all.state().check(all.surface()), Ok(()));
     }

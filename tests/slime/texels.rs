@@ -1,6 +1,7 @@
 //! What texels are on the surface, how agents are spread, and how pheromone spreads.
 
 use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::mesh::families;
 use catamaran::texture::slime::{
     BORDER, Blur, INSIDE, NO_TRIANGLE, OUTSIDE, Options, State, Surface, Texels,
@@ -77,7 +78,7 @@ fn spread(surface: Surface, from: &[usize]) -> (f64, f64) {
     let state = State { texture, ..all.state().clone() };
     let before = sum(&state);
     all.set_state(state).unwrap();
-    all.run(60, Par::Seq, None).unwrap();
+    all.run(60, Par::Seq, Progress::none()).unwrap();
     assert!(all.state().texture.iter().all(|p| (0.0..=1.0).contains(p)));
     (before, sum(all.state()))
 }
@@ -112,7 +113,7 @@ fn the_seam_aware_blur_crosses_seams() {
     let start = texels.kinds().iter().position(|&k| k == INSIDE).unwrap();
     texture[start] = 1.0;
     all.set_state(State { texture, ..all.state().clone() }).unwrap();
-    all.run(200, Par::Seq, None).unwrap();
+    all.run(200, Par::Seq, Progress::none()).unwrap();
     // All 80 triangles are charts, and pheromone came to all.
     assert_eq!(charts(&all.state().texture), 80);
 }
@@ -122,7 +123,7 @@ fn inside_of_a_chart_both_blurs_are_the_same() {
     let run = |blur: Blur| {
         let options = Options { blur, ..options(500, 64) };
         let mut all = simulation(square(4), &options);
-        all.run(3, Par::Seq, None).unwrap();
+        all.run(3, Par::Seq, Progress::none()).unwrap();
         all.state().texture.clone()
     };
     let (gaussian, aware) = (run(Blur::Gaussian), run(Blur::SeamAware));

@@ -1,5 +1,6 @@
 //! Eigenbases and orthogonalised eigenproducts.
 
+use catamaran::base::Progress;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::mesh::families;
 use catamaran::sparse::{CsMat, Mass};
@@ -241,7 +242,8 @@ fn threads_do_not_change_a_bit() {
     let f = coordinates(&blob(2));
     for orthogonalization in [OURS, OURS_STAR] {
         let mut all = THREADS.into_iter().map(|par| {
-            let options = ProductBasisOptions { orthogonalization, par, progress: None };
+            let options =
+                ProductBasisOptions { orthogonalization, par, progress: Progress::none() };
             let basis = ProductBasis::new(&eigen, 3, &options).unwrap();
             let g = basis.basis().approximation(f.as_ref(), par).unwrap();
             (bits(basis.functions()), bits(basis.r()), bits(g.as_ref()))

@@ -1,6 +1,8 @@
 //! Functional maps: from functions and landmarks, from points, refined.
 
-use catamaran::base::Flow;
+use std::ops::ControlFlow;
+
+use catamaran::base::Progress;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::spectral::Eigenbasis;
 use catamaran::spectral::functional_map::{
@@ -43,7 +45,7 @@ fn the_map_of_a_mesh_to_itself_is_the_identity() {
     let c = map_from_points(&points, eigen.basis(), eigen.basis(), Par::Seq).unwrap();
     assert!(distance(c.as_ref(), Mat::identity(12, 12).as_ref()) < 1e-12);
     assert_eq!(
-        points_from_map(c.as_ref(), eigen.basis(), eigen.basis(), Par::Seq, None),
+        points_from_map(c.as_ref(), eigen.basis(), eigen.basis(), Par::Seq, Progress::none()),
         Ok(points)
     );
 }
@@ -65,7 +67,8 @@ fn functions_determine_the_map_of_a_shuffled_mesh_and_the_map_the_points() {
             assert!((c[(i, j)].abs() - expected).abs() < 1e-5);
         }
     }
-    let found = points_from_map(c.as_ref(), source.basis(), target.basis(), Par::Seq, None);
+    let found =
+        points_from_map(c.as_ref(), source.basis(), target.basis(), Par::Seq, Progress::none());
     assert_eq!(found.unwrap(), points);
 }
 
@@ -106,13 +109,14 @@ fn landmarks_and_zoomout_recover_the_permutation_exactly() {
     fit.landmarks(&landmarks(&points)).unwrap();
     let c = fit.solve(MapFit::COMMUTATIVITY).unwrap();
     for step in [1, 5] {
-        let refined = zoomout(c.as_ref(), &source, &target, step, Par::all(), None).unwrap();
+        let refined =
+            zoomout(c.as_ref(), &source, &target, step, Par::all(), Progress::none()).unwrap();
         assert_eq!(refined.points, points);
         assert_eq!(refined.map.shape(), (40, 40));
         let exact = map_from_points(&points, source.basis(), target.basis(), Par::Seq).unwrap();
         assert!(distance(refined.map.as_ref(), exact.as_ref()) < 1e-9);
     }
-    let refined = icp(c.as_ref(), &low, &other, 30, Par::all(), None).unwrap();
+    let refined = icp(c.as_ref(), &low, &other, 30, Par::all(), Progress::none()).unwrap();
     let scaled = refined.map.transpose() * &refined.map;
     let identity = Mat::from_fn(8, 8, |i, j| if i == j { 6.25 } else { 0.0 });
     assert!(distance(scaled.as_ref(), identity.as_ref()) < 1e-9);
@@ -143,9 +147,9 @@ fn bases_of_different_sizes_map_to_each_other() {
     fit.landmarks(&landmarks(&points)).unwrap();
     assert_eq!(fit.solve(1e-2).unwrap().shape(), (13, 20));
     let c = map_from_points(&points, source.basis(), target.basis(), Par::Seq).unwrap();
-    let refined = zoomout(c.get(..4, ..6), &source, &small, 3, Par::Seq, None).unwrap();
+    let refined = zoomout(c.get(..4, ..6), &source, &small, 3, Par::Seq, Progress::none()).unwrap();
     assert_eq!(refined.map.shape(), (13, 20));
-    let refined = icp(c.get(..13, ..), &source, &small, 3, Par::Seq, None).unwrap();
+    let refined = icp(c.get(..13, ..), &source, &small, 3, Par::Seq, Progress::none()).unwrap();
     assert_eq!(refined.map.shape(), (13, 20));
 }
 
@@ -157,8 +161,8 @@ fn threads_do_not_change_a_bit() {
         let mut fit = MapFit::new(&low.0, &low.1, par);
         fit.landmarks(&landmarks(&points)).unwrap();
         let c = fit.solve(MapFit::COMMUTATIVITY).unwrap();
-        let zoomed = zoomout(c.as_ref(), &source, &target, 2, par, None).unwrap();
-        let closest = icp(c.as_ref(), &low.0, &low.1, 4, par, None).unwrap();
+        let zoomed = zoomout(c.as_ref(), &source, &target, 2, par, Progress::none()).unwrap();
+        let closest = icp(c.as_ref(), &low.0, &low.1, 4, par, Progress::none()).unwrap();
         (bits(c.as_ref()), bits(zoomed.map.as_ref()), zoomed.points, bits(closest.map.as_ref()))
     });
     let first = all.next().unwrap();
@@ -191,15 +195,21 @@ fn dirty_input_is_refused_by_name_and_refinement_can_be_cancelled() {
     assert!(fit.solve(0.0).unwrap().norm_max().is_finite());
 
     let c = Mat::<f64>::identity(5, 5);
-    argument(icp(c.as_ref(), &eigen, &eigen, 0, Par::Seq, None).unwrap_err(), "iterations");
-    argument(zoomout(c.as_ref(), &eigen, &eigen, 0, Par::Seq, None).unwrap_err(), "step");
+    argument(
+        icp(c.as_ref(), &eigen, &eigen, 0, Par::Seq, Progress::none()).unwrap_err(),
+        "iterations",
+    );
+    argument(
+        zoomout(c.as_ref(), &eigen, &eigen, 0, Par::Seq, Progress::none()).unwrap_err(),
+        "step",
+    );
     let large = Mat::<f64>::identity(6, 6);
-    let error = zoomout(large.as_ref(), &eigen, &eigen, 1, Par::Seq, None).unwrap_err();
+    let error = zoomout(large.as_ref(), &eigen, &eigen, 1, Par::Seq, Progress::none()).unwrap_err();
     assert!(matches!(error, Error::Shape { what: "functional map", .. }), "{error}");
     let points = vec![n; n as usize];
     let error = map_from_points(&points, eigen.basis(), eigen.basis(), Par::Seq).unwrap_err();
     assert!(error.to_string().contains("target vertex 0"), "{error}");
-    let cancel = |_: f64| Flow::Cancel;
-    let stopped = zoomout(c.get(..2, ..2), &eigen, &eigen, 1, Par::Seq, Some(&cancel));
+    let cancel = |_: f64| ControlFlow::Break(());
+    let stopped = zoomout(c.get(..2, ..2), &eigen, &eigen, 1, Par::Seq, (&cancel).into());
     assert_eq!(stopped.unwrap_err(), Error::Cancelled);
 }

@@ -1,5 +1,6 @@
 //! The matrix O, and transfer through it.
 
+use catamaran::base::Progress;
 use catamaran::faer::linalg::solvers::Solve;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::mesh::TriMesh;
@@ -118,7 +119,7 @@ fn products_carry_functions_that_the_eigenfunctions_can_not() {
     let k = errors(eigen.apply(f.as_ref(), Par::Seq).unwrap());
     // The points come from the functional map, as in section 1.3.4.
     let (s, t) = (pair.source.basis(), pair.target.basis());
-    let points = points_from_map(pair.c.as_ref(), s, t, Par::Seq, None).unwrap();
+    let points = points_from_map(pair.c.as_ref(), s, t, Par::Seq, Progress::none()).unwrap();
     assert_eq!(points, pair.points);
     for mode in [OURS, OURS_STAR] {
         let (source, target) = bases(&pair, 3, mode);

@@ -1,7 +1,7 @@
 //! Regions on a template, as coefficients of its eigenfunctions: what the network says of where unions are
 //! (thesis, section 2.6.2).
 
-use catamaran::base::{Pin, Team};
+use catamaran::base::{Pin, Progress, ThreadPool};
 use catamaran::decimate::FarthestPoints;
 use catamaran::faer::Mat;
 use catamaran::unions::Localizer;
@@ -58,7 +58,7 @@ impl Regions {
             }
             (sums, mask.iter().map(|&v| side(v)).sum::<f64>() < 0.0)
         };
-        let team = Team::new(par.threads(), Pin::No)?;
+        let team = ThreadPool::new(par.threads(), Pin::No)?;
         let found: Vec<(Vec<f32>, bool)> =
             team.run(|| template.masks.par_iter().map(one).collect());
         let mirrored =
@@ -115,7 +115,7 @@ pub fn localizer(template: &Template) -> Result<Localizer> {
     let modes = template.eigenfunctions.ncols();
     let mesh = template.mesh()?;
     let mut sampler = FarthestPoints::new(&mesh, None)?;
-    sampler.extend_to((ANCHORS * modes).min(template.vertices.len()), None)?;
+    sampler.extend_to((ANCHORS * modes).min(template.vertices.len()), Progress::none())?;
     let mut anchors: Vec<usize> = sampler.samples().iter().map(|&v| v as usize).collect();
     anchors.sort_unstable();
     let unit = unit(template);

@@ -1,6 +1,6 @@
 //! `accuracy`: a table of errors.
 
-use catamaran::base::{Pin, Team, available_cores};
+use catamaran::base::{Pin, ThreadPool, available_cores};
 use catamaran::{Accuracy, AtaOptions, SchemeChoice};
 use catamaran_bench::accuracy::{CSV_HEADER, Row, header, summarise};
 use catamaran_bench::contender::{Contender, Scalar};
@@ -46,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let rivals = libraries_of(&contenders);
     print!("{}", host::describe(&rivals));
     let before = peak::measure();
-    let team = Team::new(arguments.threads, Pin::No)?;
+    let team = ThreadPool::new(arguments.threads, Pin::No)?;
     let distributions = match &arguments.distributions {
         Some(distributions) => distributions,
         None => Distribution::value_variants(),
@@ -77,7 +77,7 @@ fn one_input<T: Scalar>(
     contenders: &[Contender],
     shape: Shape,
     distribution: Distribution,
-    team: &Team,
+    team: &ThreadPool,
 ) -> Result<Vec<Row>> {
     let a = matrix::<T>(shape, distribution, arguments.common.seed);
     let product = Product::syrk(shape, &a);
@@ -120,17 +120,13 @@ fn contenders(arguments: &Arguments) -> Result<Vec<Contender>> {
     let (backend_name, backend) = backend(&arguments.backend, libraries)?;
     contenders.push(Contender::Ours {
         name: format!("classical/{backend_name}"),
-        options: Box::new(AtaOptions {
-            scheme: SchemeChoice::Classical,
-            backend,
-            ..AtaOptions::default()
-        }),
+        options: Box::new(AtaOptions::new().scheme(SchemeChoice::Classical).backend(backend)),
     });
     let accuracies =
         [("fast", Accuracy::Fast), ("default", Accuracy::Default), ("max", Accuracy::Max)];
     for (name, accuracy) in accuracies {
         let scheme = SchemeChoice::Exact;
-        let options = AtaOptions { scheme, accuracy, ..AtaOptions::default() };
+        let options = AtaOptions::new().scheme(scheme).accuracy(accuracy);
         contenders
             .push(Contender::Ours { name: format!("exact-{name}"), options: Box::new(options) });
     }

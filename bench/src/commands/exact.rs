@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use catamaran::ata::{Stages, exact_stages};
-use catamaran::base::{Pin, Team};
+use catamaran::base::{Pin, ThreadPool};
 use catamaran::blas::BlasReal;
-use catamaran::kernel::int8::Instance;
+use catamaran::kernel::int8::Isa;
 use catamaran::{AtaOptions, Par};
 use catamaran_bench::input::{Distribution, Shape, matrix};
 use catamaran_bench::{Result, host};
@@ -26,7 +26,7 @@ pub struct Arguments {
     types: Vec<Type>,
     /// amx, vnni, avx2, portable; default the fastest that this machine has.
     #[arg(long, value_delimiter = ',')]
-    instances: Vec<String>,
+    isas: Vec<String>,
     /// Repetitions; the fastest is shown.
     #[arg(long, default_value_t = 5)]
     repeat: usize,
@@ -34,31 +34,20 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     print!("{}", host::describe(&[]));
-    println!("\n{:<10} {:>22} {:>22}", "instance", "registers, GOP/s", "first cache, GOP/s");
-    for instance in Instance::ALL {
-        match (instance.measure(), instance.refusal()) {
+    println!("\n{:<10} {:>22} {:>22}", "isa", "registers, GOP/s", "first cache, GOP/s");
+    for isa in Isa::ALL {
+        match (isa.measure(), isa.refusal()) {
             (Some([registers, cache]), _) => {
                 // A multiplication and an addition are two operations.
                 let rate = |r: f64| if r == 0.0 { "-".into() } else { format!("{:.1}", 2e-9 * r) };
-                println!("{:<10} {:>22} {:>22}", instance.name(), rate(registers), rate(cache));
+                println!("{:<10} {:>22} {:>22}", isa.name(), rate(registers), rate(cache));
             }
-            (None, why) => println!("{:<10} {}", instance.name(), why.unwrap_or("refused")),
+            (None, why) => println!("{:<10} {}", isa.name(), why.unwrap_or("refused")),
         }
     }
     println!(
         "\n{:>8} {:>6} {:>4} {:>2}  {:<8} {:>9} {:>8} {:>6} {:>6} {:>6} {:>6} {:>9}",
-        "m",
-        "n",
-        "type",
-        "th",
-        "instance",
-        "s",
-        "GFLOP/s",
-        "norms",
-        "conv",
-        "prod",
-        "recomb",
-        "GOP/s"
+        "m", "n", "type", "th", "isa", "s", "GFLOP/s", "norms", "conv", "prod", "recomb", "GOP/s"
     );
     for &shape in &arguments.sizes {
         for scalar in &arguments.types {
@@ -77,14 +66,14 @@ fn one_shape<T: BlasReal>(arguments: &Arguments, shape: Shape, moduli: usize) ->
     let a = MatRef::from_row_major_slice(&a, m, n);
     let mut c = vec![T::ZERO; n * n];
     for &threads in &arguments.threads {
-        let team = Team::new(threads, Pin::Cores)?;
-        for instance in instances(&arguments.instances)? {
-            let options = AtaOptions { par: Par::Threads(threads), ..AtaOptions::default() };
+        let team = ThreadPool::new(threads, Pin::Cores)?;
+        for isa in isas(&arguments.isas)? {
+            let options = AtaOptions::new().threads(threads);
             let mut best: Option<(f64, Stages)> = None;
             for _ in 0..arguments.repeat.max(1) {
                 let c = MatMut::from_row_major_slice_mut(&mut c, n, n);
                 let start = Instant::now();
-                let stages = team.run(|| exact_stages(instance, a, c, &options))?;
+                let stages = team.run(|| exact_stages(isa, a, c, &options))?;
                 let seconds = start.elapsed().as_secs_f64();
                 if best.is_none_or(|(fastest, _)| seconds < fastest) {
                     best = Some((seconds, stages));
@@ -97,7 +86,7 @@ fn one_shape<T: BlasReal>(arguments: &Arguments, shape: Shape, moduli: usize) ->
             println!(
                 "{m:>8} {n:>6} {:>4} {threads:>2}  {:<8} {seconds:>9.5} {:>8.1} {:>6} {:>6} {:>6} {:>6} {:>9.1}",
                 T::NAME,
-                instance.name(),
+                isa.name(),
                 work / seconds,
                 share(norms),
                 share(conversion),
@@ -110,13 +99,13 @@ fn one_shape<T: BlasReal>(arguments: &Arguments, shape: Shape, moduli: usize) ->
     Ok(())
 }
 
-fn instances(names: &[String]) -> Result<Vec<Instance>> {
+fn isas(names: &[String]) -> Result<Vec<Isa>> {
     if names.is_empty() {
-        return Ok(vec![Instance::best()]);
+        return Ok(vec![Isa::best()]);
     }
     let find = |name: &String| {
-        let found = Instance::ALL.into_iter().find(|i| i.name() == name);
-        found.ok_or_else(|| format!("{name}: no such instance").into())
+        let found = Isa::ALL.into_iter().find(|i| i.name() == name);
+        found.ok_or_else(|| format!("{name}: no such isa").into())
     };
     names.iter().map(find).collect()
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::faer::Mat;
 use catamaran::sparse::Mass;
 use catamaran::spectral::Eigenbasis;
@@ -167,7 +168,7 @@ fn solve(folder: &Path, arguments: &Arguments) -> Result<()> {
     fit.functions(f.as_ref(), g.as_ref())?;
     let c = fit.solve(MapFit::COMMUTATIVITY)?;
     let fitted = start.elapsed().as_secs_f64();
-    let refined = zoomout(c.as_ref(), &source, &target, arguments.step, par, None)?;
+    let refined = zoomout(c.as_ref(), &source, &target, arguments.step, par, Progress::none())?;
     let seconds = start.elapsed().as_secs_f64();
     let [_, peak] = child::memory();
     let points: Vec<f64> = refined.points.into_iter().map(f64::from).collect();

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use catamaran::base::{Pin, Team};
+use catamaran::base::{Pin, ThreadPool};
 use catamaran::blas::{self, Backend};
 use catamaran::{AtaOptions, SchemeChoice};
 use catamaran_bench::contender::Contender;
@@ -110,8 +110,8 @@ impl Pace {
     }
 
     /// Our threads.
-    fn team(&self, threads: usize) -> Result<Team> {
-        Ok(Team::new(threads, if self.pin { Pin::Cores } else { Pin::No })?)
+    fn team(&self, threads: usize) -> Result<ThreadPool> {
+        Ok(ThreadPool::new(threads, if self.pin { Pin::Cores } else { Pin::No })?)
     }
 }
 
@@ -157,7 +157,7 @@ fn ours(scheme: &str, (backend_name, backend): &(String, Arc<dyn Backend>)) -> R
         .find(|(name, _)| *name == scheme)
         .ok_or_else(|| format!("{scheme}: no such scheme"))?;
     let backend = backend.clone();
-    let options = AtaOptions { scheme: choice, backend, ..AtaOptions::default() };
+    let options = AtaOptions::new().scheme(choice).backend(backend);
     let name = format!("{scheme}/{backend_name}");
     Ok(Contender::Ours { name, options: Box::new(options) })
 }

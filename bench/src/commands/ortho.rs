@@ -179,7 +179,7 @@ fn defect(q: &mut Mat<f64>, masses: &[f64]) -> Result<f64> {
     }
     let c = q.ncols();
     let mut gram = Mat::zeros(c, c);
-    let options = AtaOptions { uplo: Uplo::Both, ..AtaOptions::default() };
+    let options = AtaOptions::new().uplo(Uplo::Both);
     ata(1.0, q.as_ref(), 0.0, gram.as_mut(), &options)?;
     let far = |gram: MatRef<'_, f64>| {
         let places = (0..c).flat_map(|j| (0..c).map(move |i| (i, j)));

@@ -85,7 +85,7 @@ fn measure(arguments: &Arguments, shape: Shape, file: &Path) -> Result<Vec<Sampl
     let mut block = a[..height.min(m) * n].to_vec();
     drop(a);
 
-    let options = AtaOptions { par: Par::Threads(arguments.threads), ..AtaOptions::default() };
+    let options = AtaOptions::new().par(Par::Threads(arguments.threads));
     let mut samples = Vec::new();
     for _ in 0..arguments.repeat {
         let mut sample = [0.0; 3];

@@ -1,7 +1,7 @@
 //! Figure 1.10: errors of O by equation 1.16, and by points, when the functional map has errors.
 
 use catamaran::Par;
-use catamaran::base::Rng;
+use catamaran::base::{Progress, Rng};
 use catamaran::faer::{Mat, MatRef};
 use catamaran::spectral::functional_map::{map_from_points, points_from_map};
 use catamaran::spectral::{
@@ -40,7 +40,8 @@ pub fn stability(pair: &Pair, k: usize) -> Result<Plot> {
         }
         let extended = ProductMap::new(c.as_ref(), &source, &target, ORDER)?;
         let o = transform_of_all_products(&extended, &from, &to, par)?;
-        let points = points_from_map(c.as_ref(), source.basis(), target.basis(), par, None)?;
+        let points =
+            points_from_map(c.as_ref(), source.basis(), target.basis(), par, Progress::none())?;
         let by_points = map_from_points(&points, from.basis(), to.basis(), par)?;
         let errors = [
             relative(c.as_ref(), truth.as_ref()),

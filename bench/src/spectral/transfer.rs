@@ -1,6 +1,7 @@
 //! Tables 1.2 to 1.4: functions transferred between two shapes.
 
 use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::spectral::descriptors::{
     heat_kernel, heat_kernel_signature, heat_times, wave_kernel_signature, wave_scales,
@@ -170,7 +171,8 @@ fn errors(pair: &Pair, order: usize, [k, l]: [usize; 2]) -> Result<Vec<Vec<f64>>
     let par = Par::all();
     let (source, target) = (pair.source.first(k)?, pair.target.first(l)?);
     let c = fitted(pair, &source, &target)?;
-    let points = points_from_map(c.as_ref(), source.basis(), target.basis(), par, None)?;
+    let points =
+        points_from_map(c.as_ref(), source.basis(), target.basis(), par, Progress::none())?;
 
     let bases = |orthogonalization| -> Result<[ProductBasis; 2]> {
         let options = ProductBasisOptions { orthogonalization, ..ProductBasisOptions::default() };

@@ -1,7 +1,7 @@
 //! Figures of walks, of coverage, and of a maze.
 
 use catamaran::Par;
-use catamaran::base::Rng;
+use catamaran::base::{Progress, Rng};
 use catamaran::texture::slime::{
     FREE, GOAL, Mask, OBSTACLE, Options, Simulation, Surface, Walker, project, unfold,
 };
@@ -126,7 +126,7 @@ pub fn evaporation() -> Result<Part> {
         let mut all = Simulation::new(torus(48, 24)?, &options, &Mask::default())?;
         let (mut coverage, mut presence) = (Vec::new(), Vec::new());
         for _ in 0..steps / 10 {
-            all.run(10, Par::all(), None)?;
+            all.run(10, Par::all(), Progress::none())?;
             let seconds = f64::from(all.state().step) * options.time_step;
             let now = all.coverage(Par::all())[0];
             coverage.push((seconds, now.coverage));
@@ -205,7 +205,7 @@ pub fn maze() -> Result<Part> {
     let mut all = Simulation::new(sphere(64, 48)?, &options, &mask)?;
     let (mut rows, mut points) = (Vec::new(), Vec::new());
     for tens in 1..=12 {
-        all.run((10.0 / options.time_step) as u32, Par::all(), None)?;
+        all.run((10.0 / options.time_step) as u32, Par::all(), Progress::none())?;
         let mut counts = [0_usize; 3];
         for i in 0..all.state().ids.len() {
             let w = all.state().agent(i);
@@ -241,6 +241,6 @@ pub fn maze() -> Result<Part> {
 /// A square for patterns, and how they are grown on it.
 pub(super) fn grown(options: &Options, steps: u32) -> Result<Simulation> {
     let mut all = Simulation::new(square()?, options, &Mask::default())?;
-    all.run(steps, Par::all(), None)?;
+    all.run(steps, Par::all(), Progress::none())?;
     Ok(all)
 }

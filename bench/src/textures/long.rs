@@ -1,6 +1,7 @@
 //! Long runs: no agent is lost, and no point comes to no number.
 
 use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::mesh::{TriMesh, families};
 use catamaran::texture::newton::{Grid, Newton, NewtonOptions, Points, Polynomial};
 use catamaran::texture::slime::{Mask, Options, Simulation, Surface, TangentStep, atlas};
@@ -47,7 +48,7 @@ pub fn long_walks() -> Result<Part> {
             };
             let mut all = Simulation::new(surface.clone(), &options, &Mask::default())?;
             for _ in 0..STEPS / LOOK {
-                all.run(LOOK, Par::all(), None)?;
+                all.run(LOOK, Par::all(), Progress::none())?;
                 all.state().check(all.surface())?;
             }
             // The first that was lost would have ended the run.
@@ -73,7 +74,7 @@ pub fn many_points() -> Result<Part> {
         let polynomial = Polynomial::Power(power);
         let newton = Newton::new(&NewtonOptions { polynomial, ..NewtonOptions::default() })?;
         let grid = Points::Grid(Grid::cube(POINTS, 3.0));
-        let found = newton.evaluate(grid, Par::all(), None)?;
+        let found = newton.evaluate(grid, Par::all(), Progress::none())?;
         let wrong = |(root, t): &(&u16, &f32)| !t.is_finite() || u32::from(**root) >= power * power;
         let wrong = found.roots.iter().zip(&found.convergence).filter(wrong).count();
         rows.push((format!("n = {power}"), vec![found.roots.len() as f64, wrong as f64]));

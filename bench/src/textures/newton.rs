@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::mesh::{TriMesh, families, vertex_areas};
 use catamaran::texture::newton::{Fractal, Grid, Newton, NewtonOptions, Points, Polynomial};
 
@@ -29,7 +30,11 @@ pub fn newton_figures() -> Result<Vec<Part>> {
     for (name, mesh) in &surfaces {
         for w in [0.0, 0.25] {
             let areas = vertex_areas(mesh);
-            let found = newton(3, w)?.evaluate(Points::List(&positions(mesh)), Par::all(), None)?;
+            let found = newton(3, w)?.evaluate(
+                Points::List(&positions(mesh)),
+                Par::all(),
+                Progress::none(),
+            )?;
             rows.push((format!("{name}, w = {w}"), shares(&found, &areas)));
         }
     }
@@ -42,7 +47,7 @@ pub fn newton_figures() -> Result<Vec<Part>> {
     };
     let side = 200;
     let grid = Points::Grid(Grid::cube(side, 3.0));
-    let found = newton(3, 0.0)?.evaluate(grid, Par::all(), None)?;
+    let found = newton(3, 0.0)?.evaluate(grid, Par::all(), Progress::none())?;
     let volume = Part {
         figure: "figure 7.2",
         title: format!("the same of a cube of edge 3 with {side}^3 voxels"),
@@ -92,7 +97,7 @@ pub fn newton_times(size: u32, repeat: usize) -> Result<Vec<Part>> {
         let ours = newton(power, 0.0)?;
         let (ours, n) = (&ours, power as i32);
         let mut contenders = vec![Contender::new("ours, processor", fine, move |grid| {
-            Ok(ours.evaluate(Points::Grid(*grid), Par::all(), None)?)
+            Ok(ours.evaluate(Points::Grid(*grid), Par::all(), Progress::none())?)
         })];
         for stops in [false, true] {
             let name = format!("{}, processor", polar_name(stops));
@@ -105,7 +110,12 @@ pub fn newton_times(size: u32, repeat: usize) -> Result<Vec<Part>> {
             let (device, theirs) = (&device, &theirs);
             let on = &device.info().name;
             contenders.push(Contender::new(&format!("ours, {on}"), fine, move |grid| {
-                Ok(catamaran::opencl::evaluate_newton(device, ours, Points::Grid(*grid), None)?)
+                Ok(catamaran::opencl::evaluate_newton(
+                    device,
+                    ours,
+                    Points::Grid(*grid),
+                    Progress::none(),
+                )?)
             }));
             for stops in [false, true] {
                 let name = format!("{}, {on}", polar_name(stops));
@@ -143,7 +153,7 @@ fn race(title: &str, ours: &Newton, contenders: &[Contender<'_>], repeat: usize)
     let mut different = Vec::new();
     for contender in contenders {
         let found = (contender.run)(&contender.grid)?;
-        let expected = ours.evaluate(Points::Grid(contender.grid), Par::all(), None)?;
+        let expected = ours.evaluate(Points::Grid(contender.grid), Par::all(), Progress::none())?;
         let count = expected.roots.iter().zip(&found.roots).filter(|(a, b)| a != b).count();
         different.push(count as f64 / found.roots.len().max(1) as f64);
     }

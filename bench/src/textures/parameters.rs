@@ -1,6 +1,7 @@
 //! What the parameters do to the pattern: table 3.1 and figure 3.10.
 
 use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::texture::slime::{Options, Pattern};
 
 use super::figures::grown;
@@ -27,7 +28,7 @@ fn pattern(options: &Options) -> Result<Pattern> {
 fn unrest(options: &Options) -> Result<f64> {
     let mut all = grown(options, STEPS)?;
     let before = all.texture(0).to_vec();
-    all.run(10, Par::all(), None)?;
+    all.run(10, Par::all(), Progress::none())?;
     let changes = before.iter().zip(all.texture(0)).map(|(a, b)| f64::from((a - b).abs()));
     Ok(changes.sum::<f64>() / before.iter().map(|&p| f64::from(p)).sum::<f64>())
 }

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::opencl::{Device, SlimeOnDevice};
 use catamaran::texture::slime::{Mask, Options, Simulation, TangentStep};
 
@@ -77,8 +78,8 @@ pub fn times(rounds: usize, largest: usize) -> Result<Part> {
         let mut kernels = SlimeOnDevice::new(&device, &twin)?;
         let mut found = [Vec::new(), Vec::new()];
         for round in 0..=rounds {
-            time(&mut found[0], || Ok(twin.run(1, par, None)?))?;
-            time(&mut found[1], || Ok(kernels.run(1, None)?))?;
+            time(&mut found[0], || Ok(twin.run(1, par, Progress::none())?))?;
+            time(&mut found[1], || Ok(kernels.run(1, Progress::none())?))?;
             if round == 0 {
                 // It compiled, touched memory, and agents have found each other.
                 found = [Vec::new(), Vec::new()];

@@ -68,9 +68,6 @@ pub struct Args {
     /// The same bytes on every machine: the exact path, which without AMX is slower than others.
     #[arg(long)]
     reproducible: bool,
-    /// Scale columns by powers of two around fast levels: for columns of very different sizes.
-    #[arg(long)]
-    scale_columns: bool,
     /// BLAS: native (built in), openblas (if built in), or the path of a CBLAS library.
     #[arg(long, value_name = "NAME", default_value = "native")]
     backend: String,
@@ -240,16 +237,13 @@ impl Work<'_> {
         if args.covariance && m < 2 {
             bail!("{}: {m} rows have no covariance; at least 2 do", args.input.display());
         }
-        let options = AtaOptions {
-            uplo: args.uplo,
-            par: args.threads.map_or_else(Par::all, |n| Par::Threads(n.get())),
-            scheme: args.scheme,
-            accuracy: args.accuracy,
-            reproducible: args.reproducible,
-            scale_columns: args.scale_columns,
-            backend: self.backend.clone(),
-            ..AtaOptions::default()
-        };
+        let options = AtaOptions::new()
+            .uplo(args.uplo)
+            .par(args.threads.map_or_else(Par::all, |n| Par::Threads(n.get())))
+            .scheme(args.scheme)
+            .accuracy(args.accuracy)
+            .reproducible(args.reproducible)
+            .backend(self.backend.clone());
         if let Some(sparse) = self.sparse() {
             return self.sparse_product::<T>(sparse, &options, outputs);
         }
@@ -374,7 +368,7 @@ impl Work<'_> {
         {
             let bar = Bar::new("computing");
             let update = |fraction| bar.update(fraction);
-            let options = AtaOptions { progress: Some(&update), ..options.clone() };
+            let options = options.clone().progress(&update);
             sparse::product(a, self.weights, c, &options)?;
         }
         self.report_time::<T>(a.rows(), start.elapsed())?;
@@ -395,7 +389,7 @@ impl Work<'_> {
     ) -> Result<Accumulator<T>> {
         let args = self.args;
         let update = |fraction| bar.update((read as f64 + fraction) / plan.reads() as f64);
-        let options = AtaOptions { progress: Some(&update), ..options.clone() };
+        let options = options.clone().progress(&update);
         let range = self.ranks.share(self.a.shape().0);
         let weights = self.weights.map(|w| &w[range.clone()]);
         let weights: Option<Vec<T>> = weights.map(|w| w.iter().map(|&w| T::from_f64(w)).collect());
@@ -464,7 +458,6 @@ impl Work<'_> {
             ("scheme", parse::scheme_name(args.scheme).into()),
             ("accuracy", format!("{:?}", args.accuracy).to_lowercase()),
             ("reproducible", args.reproducible.to_string()),
-            ("scaling of columns", args.scale_columns.to_string()),
             ("back end", options.backend.name().into()),
             ("rank", self.ranks.label().unwrap_or_else(|| "alone".into())),
         ]

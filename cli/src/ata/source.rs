@@ -1,12 +1,13 @@
 //! Where the rows of A come from: a file that is read block by block, or a matrix in memory.
 
 use std::fs;
+use std::ops::ControlFlow;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use catamaran::ata::{DenseRows, RowBlocks};
-use catamaran::base::{Flow, Real};
+use catamaran::base::Real;
 use catamaran::blas::BlasReal;
 use catamaran::faer::prelude::ReborrowMut;
 use catamaran::faer::{Mat, MatMut};
@@ -163,8 +164,8 @@ impl<T> RowBlocks<T> for Watched<'_, T> {
 
     fn read(&mut self, first: usize, out: MatMut<'_, T>) -> catamaran::Result<()> {
         match self.bar.update(first as f64 / self.rows.nrows().max(1) as f64) {
-            Flow::Cancel => Err(catamaran::Error::Cancelled),
-            Flow::Continue => self.rows.read(first, out),
+            ControlFlow::Break(()) => Err(catamaran::Error::Cancelled),
+            ControlFlow::Continue(()) => self.rows.read(first, out),
         }
     }
 }
@@ -181,7 +182,7 @@ fn rows_of<T: BlasReal>(a: &Matrix) -> Rows<'_, T> {
 fn read(path: &Path, label: &'static str, columns: Option<Range<usize>>) -> Result<Matrix> {
     let bar = Bar::new(label);
     let update = |fraction| bar.update(fraction);
-    named(path, files::read(path, &ReadOptions { columns, progress: Some(&update) }))
+    named(path, files::read(path, &ReadOptions { columns, progress: (&update).into() }))
 }
 
 /// The file, in errors that know none.

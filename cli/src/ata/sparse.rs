@@ -5,8 +5,6 @@ use catamaran::faer::MatMut;
 use catamaran::io::CsMat;
 use catamaran::{AtaOptions, Uplo};
 
-use crate::progress;
-
 /// Multiplications of [`product`]: the square of the nonzeros of each row.
 pub fn row_products(a: &CsMat<f64>) -> usize {
     a.outer_iterator().map(|row| row.nnz() * row.nnz()).sum()
@@ -28,10 +26,7 @@ pub fn product<T: BlasReal>(
 ) -> catamaran::Result<()> {
     for (i, row) in a.outer_iterator().enumerate() {
         if i % 4096 == 0 {
-            if let Some(progress) = options.progress {
-                progress(i as f64 / a.rows() as f64);
-            }
-            progress::check()?;
+            options.progress.report(i as f64 / a.rows() as f64)?;
         }
         let weight = weights.map_or(1.0, |w| w[i]);
         for (j, &left) in row.iter() {

@@ -53,12 +53,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     let mut c = Mat::<f64>::zeros(side, side);
     let mut outcomes = Vec::new();
     for (done, (name, scheme)) in SchemeChoice::NAMES.into_iter().enumerate() {
-        let mut options = AtaOptions {
-            uplo: Uplo::Both,
-            scheme,
-            backend: blas::tuned(),
-            ..AtaOptions::default()
-        };
+        let mut options = AtaOptions::new().uplo(Uplo::Both).scheme(scheme).backend(blas::tuned());
         let fast =
             [SchemeChoice::Winograd, SchemeChoice::Rxtx, SchemeChoice::Kgp4, SchemeChoice::Kgp3];
         if fast.contains(&scheme) {

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::decimate::{
     DecimateOptions, Decimation, Difference, FarthestPoints, Method, Quality, decimate,
 };
@@ -73,7 +74,7 @@ fn cells(site: &Site<'_>, mesh: &TriMesh) -> Result<()> {
     let mut points = FarthestPoints::new(mesh, None)?;
     let mut distances = Vec::new();
     for n in [SHOWN / 10, SHOWN] {
-        points.extend_to(n, None)?;
+        points.extend_to(n, Progress::none())?;
         let far: Vec<f64> = points.cells().distances().iter().map(|&d| f64::from(d)).collect();
         distances.push((far, format!("{n} samples")));
     }

@@ -7,7 +7,7 @@ use anyhow::Result;
 use catamaran::base::{Rng, available_cores};
 use catamaran::blas;
 use catamaran::faer::{Mat, MatRef};
-use catamaran::kernel::int8::Instance;
+use catamaran::kernel::int8::Isa;
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice};
 
 use super::page::{Figure, Station, Table};
@@ -133,7 +133,7 @@ fn product(way: &Way, a: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
     progress::check()?;
     let Way { scheme, accuracy, .. } = *way;
     let options =
-        AtaOptions { scheme, accuracy, par, backend: blas::tuned(), ..AtaOptions::default() };
+        AtaOptions::new().scheme(scheme).accuracy(accuracy).par(par).backend(blas::tuned());
     let mut c = Mat::zeros(a.ncols(), a.ncols());
     catamaran::ata(1.0, a, 0.0, c.as_mut(), &options)?;
     Ok(c)
@@ -182,10 +182,10 @@ fn describe(
     scale: picture::Scale,
 ) -> Station {
     let [classical, _, exact, _] = outcomes else { unreachable!("one outcome a way") };
-    let instance = Instance::best();
+    let isa = Isa::best();
     let ratio = exact.seconds / classical.seconds;
-    let speed = match instance {
-        Instance::Amx => format!(
+    let speed = match isa {
+        Isa::Amx => format!(
             "The matrix tiles of this CPU (<code>amx</code>) compute it in {ratio:.2} of the time of \
              the classical one; the larger the matrix, the better for them."
         ),
@@ -194,7 +194,7 @@ fn describe(
              <code>{}</code> it takes {ratio:.1} times as long as the classical one here, and is \
              worth asking for (<code>--reproducible</code>, <code>--accuracy max</code>) for its \
              bytes and its errors only.",
-            instance.name()
+            isa.name()
         ),
     };
     let total = entries(side);
@@ -293,7 +293,7 @@ fn describe(
                     "Errors of all entries against integer arithmetic in 128 bits, which A allows: \
                      it is rounded to multiples of 2<sup>&minus;56</sup>. In units of {unit}. Times \
                      are the best of {RUNS}, with <code>{}</code>.",
-                    instance.name()
+                    isa.name()
                 ),
                 head: vec!["", "", "max error", "rms error", "ms", "&times; classical"],
                 text_columns: 2,

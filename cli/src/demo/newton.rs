@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::mesh::families;
 use catamaran::texture::newton::{Fractal, Grid, Newton, NewtonOptions, Points, Polynomial};
 
@@ -28,7 +29,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     bar.update(0.4);
     let newton = power(5, 0.0)?;
     let plane = Points::Grid(Grid::plane(SHOWN, SHOWN, [0.0; 2], 3.0));
-    let fractal = newton.evaluate(plane, Par::all(), None)?;
+    let fractal = newton.evaluate(plane, Par::all(), Progress::none())?;
     Image::from_pixels(SHOWN as usize, colors(&newton, &fractal))
         .write_png(site.file("newton-plane.png")?)?;
     bar.update(0.6);
@@ -76,7 +77,7 @@ fn surface(site: &Site<'_>) -> Result<usize> {
     let positions: Vec<_> = mesh.vertices().iter().map(|p| p.map(|x| x as f32)).collect();
     let at = |w: f64| -> Result<(Newton, Fractal)> {
         let newton = power(3, w)?;
-        let fractal = newton.evaluate(Points::List(&positions), Par::all(), None)?;
+        let fractal = newton.evaluate(Points::List(&positions), Par::all(), Progress::none())?;
         Ok((newton, fractal))
     };
     let ((newton, first), (other, moved)) = (at(0.0)?, at(0.4)?);
@@ -100,7 +101,7 @@ fn row(n: u32, size: u32) -> Result<Vec<String>> {
     let newton = power(n, 0.0)?;
     let points = Points::Grid(Grid::plane(size, size, [0.0; 2], 3.0));
     let start = Instant::now();
-    newton.evaluate(points, Par::all(), None)?;
+    newton.evaluate(points, Par::all(), Progress::none())?;
     let seconds = start.elapsed().as_secs_f64();
     let rate = f64::from(size) * f64::from(size) / seconds / 1e6;
     Ok(vec![

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::plant::families::{GrowthOptions, grow};
 use catamaran::plant::{Bdf6, Elasticity, Start, WaterModel, WaterOptions};
 
@@ -36,11 +37,11 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         par: Par::all(),
     };
     let start = Instant::now();
-    let dry = simulate(&plant, &weather, Some(&|done| bar.update(0.4 * done)))?;
+    let dry = simulate(&plant, &weather, Progress::new(&|done| bar.update(0.4 * done)))?;
     let seconds = start.elapsed().as_secs_f64();
     draw_strip(&plant, &dry, site.file("wilting.png")?)?;
     let damaged = Weather { damage: vec![(CUT, 0.0)], nights: true, ..weather };
-    let cut = simulate(&plant, &damaged, Some(&|done| bar.update(0.4 + 0.4 * done)))?;
+    let cut = simulate(&plant, &damaged, Progress::new(&|done| bar.update(0.4 + 0.4 * done)))?;
     draw_strip(&plant, &cut, site.file("cut.png")?)?;
     let timed = if site.small { &TIMED[..1] } else { &TIMED[..] };
     let times = timed.iter().map(|&nodes| times(nodes)).collect::<Result<Vec<_>>>()?;

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::mesh::{LaplacianOptions, Normalization, TriMesh, families, laplacian};
 use catamaran::sparse::{EigenOptions, eigs};
@@ -138,7 +139,7 @@ fn transfer(site: &Site<'_>, source: &Pose, target: &Pose) -> Result<[f64; 2]> {
     let truth: Vec<u32> = (0..source.mesh.vertices().len() as u32).collect();
     let (few, others) = (source.eigenbasis.truncated(k + 1)?, target.eigenbasis.truncated(k + 1)?);
     let c = map_from_points(&truth, few.basis(), others.basis(), par)?;
-    let points = points_from_map(c.as_ref(), few.basis(), others.basis(), par, None)?;
+    let points = points_from_map(c.as_ref(), few.basis(), others.basis(), par, Progress::none())?;
     let (from, to) = (source.products(k, order)?, target.products(k, order)?);
     let o = map_from_points(&points, from.basis(), to.basis(), par)?;
     let by_few = Transfer::new(few.basis(), others.basis(), c)?.apply(f, par)?;

@@ -134,7 +134,7 @@ pub fn run(args: &Args) -> Result<()> {
         let newton = Newton::new(&NewtonOptions { w: frame.w, ..options.clone() })?;
         let update = |fraction: f64| bar.update((i as f64 + fraction) / frames.len() as f64);
         let start = Instant::now();
-        let fractal = evaluate(device.as_ref(), &newton, drawing.points(), par, &update)?;
+        let fractal = evaluate(device.as_ref(), &newton, drawing.points(), par, (&update).into())?;
         time += start.elapsed();
         points += fractal.roots.len();
         if let (Drawing::Vertices { file, .. }, Some(picture)) = (&drawing, picture.take()) {
@@ -167,8 +167,8 @@ fn evaluate(
     update: Progress<'_>,
 ) -> Result<Fractal> {
     Ok(match device {
-        Some(device) => catamaran::opencl::evaluate_newton(device, newton, points, Some(update))?,
-        None => newton.evaluate(points, par, Some(update))?,
+        Some(device) => catamaran::opencl::evaluate_newton(device, newton, points, update)?,
+        None => newton.evaluate(points, par, update)?,
     })
 }
 
@@ -182,7 +182,7 @@ fn evaluate(
 ) -> Result<Fractal> {
     match device {
         Some(device) => match *device {},
-        None => Ok(newton.evaluate(points, par, Some(update))?),
+        None => Ok(newton.evaluate(points, par, update)?),
     }
 }
 

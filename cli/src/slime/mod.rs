@@ -9,11 +9,11 @@ mod view;
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use catamaran::base::Flow;
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io as meshes;
 use catamaran::mesh::io::{Attribute, MeshFile};
@@ -143,7 +143,9 @@ pub fn run(args: &Args) -> Result<()> {
             let files = frame_names(done, args.steps, options.species).into_iter().map(create);
             images::write(&simulation, files.collect::<Result<_, _>>()?)?;
         }
-        if bar.update(f64::from(done - first) / f64::from(args.steps - first)) == Flow::Cancel {
+        if bar.update(f64::from(done - first) / f64::from(args.steps - first))
+            == ControlFlow::Break(())
+        {
             ended = Err(Error::Cancelled);
         }
     }

@@ -1,6 +1,7 @@
 //! A simulation whose steps a device takes.
 
 use anyhow::Result;
+use catamaran::base::Progress;
 use catamaran::texture::slime::{Coverage, Simulation};
 
 use crate::device::Device;
@@ -18,7 +19,7 @@ impl<'a> OnDevice<'a> {
 
     /// One step, and what is covered then.
     pub fn step(&mut self) -> Result<Vec<Coverage>> {
-        self.0.run(1, None)?;
+        self.0.run(1, Progress::none())?;
         Ok(self.0.coverage()?)
     }
 

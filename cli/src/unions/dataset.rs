@@ -85,7 +85,7 @@ pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     let bar = Bar::new("shapes");
     let update = |fraction| bar.update(fraction);
-    let dataset = generate(&options, &folder, par, Some(&update))?;
+    let dataset = generate(&options, &folder, par, (&update).into())?;
     drop(bar);
     write(&dataset, Output::create(&args.output, overwrite)?)?;
     std::fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;

@@ -10,6 +10,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io::{self as meshes, MeshFile};
 use catamaran::plant::families::{GrowthOptions, grow};
@@ -121,7 +122,8 @@ pub fn run(args: &Args) -> Result<()> {
     let leaves = plant.segments().iter().filter(|s| s.leaf).count();
     report(format_args!("plant     {} nodes, {leaves} of them on leaves", plant.len()))?;
     let bar = Bar::new("wilting");
-    let simulation = simulate(&plant, &args.weather(&plant)?, Some(&|done| bar.update(done)))?;
+    let simulation =
+        simulate(&plant, &args.weather(&plant)?, Progress::new(&|done| bar.update(done)))?;
     drop(bar);
     let poses = &simulation.poses;
     report(format_args!(

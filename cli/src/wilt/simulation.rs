@@ -1,7 +1,9 @@
 //! Water, stiffness and pose at equal times.
 
+use std::ops::ControlFlow;
+
 use anyhow::Result;
-use catamaran::base::{Flow, Progress};
+use catamaran::base::Progress;
 use catamaran::plant::{
     Conductivity, CurveOptions, Elasticity, Interval, Plant, Pose, RelaxOptions, RodOptions, Rods,
     WaterModel, WaterOptions, grams_per_hour, water_curve,
@@ -58,11 +60,7 @@ pub struct Simulation {
 }
 
 /// Lets a plant wilt.
-pub fn simulate(
-    plant: &Plant,
-    weather: &Weather,
-    progress: Option<Progress<'_>>,
-) -> Result<Simulation> {
+pub fn simulate(plant: &Plant, weather: &Weather, progress: Progress<'_>) -> Result<Simulation> {
     let loss = grams_per_hour(weather.loss);
     let options = WaterOptions {
         loss,
@@ -86,10 +84,12 @@ pub fn simulate(
         ],
         false => vec![],
     };
-    let tell = |fraction: f64| progress.map_or(Flow::Continue, |progress| progress(fraction));
-    let watch = |fraction: f64| tell(WATER_SHARE * fraction);
-    let options =
-        CurveOptions { cycle, par: weather.par, progress: Some(&watch), ..CurveOptions::default() };
+    let options = CurveOptions {
+        cycle,
+        par: weather.par,
+        progress: progress.part(0.0..WATER_SHARE),
+        ..CurveOptions::default()
+    };
     let water = water_curve(&model, &full, &times, &options)?;
 
     let mut rods = Rods::new(plant, &RodOptions::default())?;
@@ -98,9 +98,9 @@ pub fn simulate(
     for (i, water) in water.iter().enumerate() {
         let stiffness = weather.elasticity.moduli(water, &full)?;
         rods.set_state(&stiffness, water)?;
-        let share = (1.0 - WATER_SHARE) / hours.len() as f64;
-        let watch = |fraction: f64| tell(WATER_SHARE + share * (i as f64 + fraction));
-        let options = RelaxOptions { progress: Some(&watch), ..RelaxOptions::default() };
+        let at = |i: usize| WATER_SHARE + (1.0 - WATER_SHARE) * i as f64 / hours.len() as f64;
+        let progress = progress.part(at(i)..at(i + 1));
+        let options = RelaxOptions { progress, ..RelaxOptions::default() };
         iterations = iterations.max(match rods.relax(&mut pose, &options) {
             Ok(done) => done.iterations,
             // What is pulled straight between pins comes near balance, slowly.

@@ -4,8 +4,7 @@ use std::ops::Range;
 
 use faer::MatRef;
 
-use super::lanes::{Shared, split};
-use crate::base::{Arena, Par};
+use crate::base::{Arena, Disjoint, Par};
 use crate::kernel::int8::{
     EMPTY, Kernel, Moduli, NON_FINITE, NORM_BITS, Operand, PANEL, STEP, Tile, TileNorms, WIDTH,
 };
@@ -45,8 +44,8 @@ impl Columns {
         let exponents = arena.take_as::<[i32; WIDTH]>(bands * tiles);
         let squares = arena.take_as::<[f64; WIDTH]>(bands * tiles);
         {
-            let exponents = Shared::new(exponents);
-            let squares = Shared::new(squares);
+            let exponents = Disjoint::of_slice(exponents);
+            let squares = Disjoint::of_slice(squares);
             for_tiles(a, 0..bands, 0..tiles, par, |tile, band, column| {
                 let norms = T::norms(kernel, tile);
                 let at = band * tiles + column;
@@ -138,9 +137,11 @@ pub(super) fn for_tiles<T: Operand>(
     let by_rows = a.row_stride().unsigned_abs() >= a.col_stride().unsigned_abs();
     let inner = if by_rows { columns.len() } else { bands.len() };
     let total = bands.len() * columns.len();
-    par.run_lanes(|lane| {
+    /// Tiles that are worth a ticket.
+    const RUN: usize = 64;
+    par.map_blocks(total, RUN, |tiles| {
         let mut tile = Tile::zeros();
-        for i in split(total, par.threads(), lane) {
+        for i in tiles {
             let (outer, inner) = (i / inner, i % inner);
             let (band, column) = if by_rows { (outer, inner) } else { (inner, outer) };
             let (band, column) = (bands.start + band, columns.start + column);

@@ -1,15 +1,12 @@
 //! The work on the blocks of C, by all threads.
 
+use std::ops::ControlFlow;
 use std::ops::Range;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::clock::Clock;
-use super::lanes::Shared;
 use super::layout::{Layout, Pair, Unit};
 use super::product::{Lane, Round, Target};
-use crate::ata::exec::{Blocks, Tracker};
-use crate::base::Par;
+use crate::base::{Disjoint, Tracker, tickets};
 use crate::kernel::int8::{Block, Kernel, Operand, PANEL};
 
 /// What all rounds share.
@@ -17,21 +14,20 @@ pub(super) struct Job<'j, 'm, T> {
     pub layout: &'j Layout,
     pub target: Target<'j, T>,
     /// Residues of C between the chunks of a round.
-    pub kept: Shared<'m, Block<i8>>,
-    pub destination: Blocks<'j, T>,
-    pub lanes: Vec<Mutex<Lane<'m>>>,
+    pub kept: Disjoint<'m, Block<i8>>,
+    pub destination: Disjoint<'j, T>,
     pub progress: Tracker<'j>,
     pub clock: &'j Clock,
 }
 
-impl<'m, T: Operand> Job<'_, 'm, T> {
+impl<T: Operand> Job<'_, '_, T> {
     /// Multiplies and writes C, block by block: for rounds of one chunk.
-    pub fn finish(&self, round: &Round<'_, '_>, pair: Pair) {
+    pub fn finish(&self, workers: &mut [Lane<'_>], round: &Round<'_, '_>, pair: Pair) {
         let units = self.layout.units(pair);
         let moduli = self.target.moduli.len();
-        self.each(units.len(), |lane, i| {
+        tickets(workers, units.len(), |lane, i| {
             let unit = &units[i];
-            let residues = &Shared::new(&mut *lane.residues);
+            let residues = &Disjoint::of_slice(&mut *lane.residues);
             let (rows, cols) = (unit.rows.len(), unit.cols.len());
             let place = |l: usize| {
                 move |i: usize, j: usize| {
@@ -51,14 +47,14 @@ impl<'m, T: Operand> Job<'_, 'm, T> {
             );
             // SAFETY: as above; a block of C is in one unit.
             unsafe { self.write(round.kernel, unit, residues, place) };
-            self.done(round, unit, moduli);
+            self.done(round, unit, moduli)
         });
     }
 
     /// Adds the product of a chunk to the residues kept.
-    pub fn accumulate(&self, round: &Round<'_, '_>, pair: Pair) {
+    pub fn accumulate(&self, workers: &mut [Lane<'_>], round: &Round<'_, '_>, pair: Pair) {
         let units = self.layout.units(pair);
-        self.each(units.len() * self.target.moduli.len(), |lane, i| {
+        tickets(workers, units.len() * self.target.moduli.len(), |lane, i| {
             let (l, unit) = (i / units.len(), &units[i % units.len()]);
             self.clock.time(
                 |s| &mut s.products,
@@ -69,16 +65,17 @@ impl<'m, T: Operand> Job<'_, 'm, T> {
                     unsafe { round.multiply(unit, l, left, sums, &self.kept, self.place(pair, l)) };
                 },
             );
-            self.done(round, unit, 1);
+            self.done(round, unit, 1)
         });
     }
 
     /// Writes C from the residues kept.
-    pub fn recombine(&self, kernel: &dyn Kernel, pair: Pair) {
+    pub fn recombine(&self, workers: &mut [Lane<'_>], kernel: &dyn Kernel, pair: Pair) {
         let units = self.layout.units(pair);
-        self.each(units.len(), |_, i| {
+        tickets(workers, units.len(), |_, i| {
             // SAFETY: nobody writes the residues now; a block of C is in one unit.
             unsafe { self.write(kernel, &units[i], &self.kept, |l| self.place(pair, l)) };
+            self.progress.state()
         });
     }
 
@@ -88,23 +85,8 @@ impl<'m, T: Operand> Job<'_, 'm, T> {
         move |i, j| first + layout.place(pair, i, j)
     }
 
-    /// Calls `work` for `0..count`, each once, from all threads, until it is cancelled.
-    fn each(&self, count: usize, work: impl Fn(&mut Lane<'m>, usize) + Sync) {
-        let next = AtomicUsize::new(0);
-        Par::Threads(self.lanes.len()).run_lanes(|lane| {
-            let mut lane = self.lanes[lane].lock().expect("one lane, one lock");
-            loop {
-                let i = next.fetch_add(1, Ordering::Relaxed);
-                if i >= count || self.progress.cancelled() {
-                    return;
-                }
-                work(&mut lane, i);
-            }
-        });
-    }
-
-    fn done(&self, round: &Round<'_, '_>, unit: &Unit, moduli: usize) {
-        self.progress.add((self.layout.cost(unit) * round.steps() * moduli) as f64);
+    fn done(&self, round: &Round<'_, '_>, unit: &Unit, moduli: usize) -> ControlFlow<()> {
+        self.progress.add((self.layout.cost(unit) * round.steps() * moduli) as f64)
     }
 
     /// Writes a block of C from its residues, those of panels (i, j) modulo the l-th number at
@@ -116,7 +98,7 @@ impl<'m, T: Operand> Job<'_, 'm, T> {
         &self,
         kernel: &dyn Kernel,
         unit: &Unit,
-        residues: &Shared<'_, Block<i8>>,
+        residues: &Disjoint<'_, Block<i8>>,
         place: impl Fn(usize) -> P,
     ) {
         self.clock.time(

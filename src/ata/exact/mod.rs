@@ -9,7 +9,6 @@
 mod clock;
 mod columns;
 mod job;
-mod lanes;
 mod layout;
 mod non_finite;
 mod product;
@@ -17,34 +16,25 @@ mod store;
 #[cfg(test)]
 mod tests;
 
-use std::sync::Mutex;
-
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
 use self::clock::Clock;
 use self::columns::Columns;
 use self::job::Job;
-use self::lanes::Shared;
 use self::product::{Lane, Round, Target};
 use self::store::Residents;
 use super::combine::{scale, scale_lower};
-use super::exec::{Blocks, Tracker};
 use super::options::AtaOptions;
-use crate::base::{Arena, Error, Real, Result};
-use crate::kernel::int8::{Block, Instance, Kernel, Moduli, Operand, PANEL, Slice};
+use crate::base::{Arena, Disjoint, Real, Result, Tracker};
+use crate::kernel::int8::{Block, Isa, Kernel, Moduli, Operand, PANEL, Slice};
 
 pub use self::clock::Stages;
 pub(crate) use self::layout::Layout;
 
 /// Expected seconds on one core.
-pub(crate) fn estimate(
-    instance: Instance,
-    [m, n, k]: [usize; 3],
-    moduli: usize,
-    symmetric: bool,
-) -> f64 {
-    let rates = instance.rates();
+pub(crate) fn estimate(isa: Isa, [m, n, k]: [usize; 3], moduli: usize, symmetric: bool) -> f64 {
+    let rates = isa.rates();
     let [m, n, k] = [m, n, k].map(|side| side.max(1) as f64);
     let entries = if symmetric { n * (n + PANEL as f64) / 2.0 } else { n * k };
     let operands = if symmetric { m * n } else { m * (n + k) };
@@ -126,19 +116,17 @@ pub(crate) fn execute<T: Operand>(
     let mut residents =
         Residents::new(layout.stores().map(|bytes| arena.take_as(bytes / size_of::<Slice>())));
     let kept: &mut [Block<i8>] = arena.take_as(kept_blocks(layout));
-    let lanes = (0..lanes(layout, par.threads()))
-        .map(|_| Mutex::new(Lane::new(&mut arena, layout)))
-        .collect();
+    let mut workers: Vec<_> =
+        (0..lanes(layout, par.threads())).map(|_| Lane::new(&mut arena, layout)).collect();
     let pairs = layout.pairs();
     let cost: usize = pairs.iter().flat_map(|&p| layout.units(p)).map(|u| layout.cost(&u)).sum();
     let target = Target { alpha, beta, moduli, left: left.1, right: right.1, symmetric };
     let job = Job {
         layout,
         target,
-        kept: Shared::new(kept),
-        destination: Blocks::new(c.rb_mut()),
-        lanes,
-        progress: Tracker::new(options, (cost * layout.steps * moduli.len()) as f64),
+        kept: Disjoint::of_slice(kept),
+        destination: Disjoint::new(c.rb_mut()),
+        progress: Tracker::new(options.progress, (cost * layout.steps * moduli.len()) as f64),
         clock,
     };
     for pair in pairs {
@@ -156,18 +144,19 @@ pub(crate) fn execute<T: Operand>(
             });
             let round = Round { kernel, layout, moduli, left, right, continued };
             if layout.accumulates() {
-                job.accumulate(&round, pair)
+                job.accumulate(&mut workers, &round, pair)
             } else {
-                job.finish(&round, pair)
+                job.finish(&mut workers, &round, pair)
             }
         }
         if layout.accumulates() {
-            job.recombine(kernel, pair);
+            job.recombine(&mut workers, kernel, pair);
         }
-        if job.progress.cancelled() {
-            return Err(Error::Cancelled);
+        if job.progress.state().is_break() {
+            break;
         }
     }
+    job.progress.finish()?;
     non_finite::add(alpha, left, right, symmetric, c);
     Ok(clock.stages())
 }

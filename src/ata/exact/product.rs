@@ -4,10 +4,9 @@ use faer::MatMut;
 use faer::prelude::ReborrowMut;
 
 use super::columns::Columns;
-use super::lanes::Shared;
 use super::layout::{DEPTH, Layout, SLAB, Unit};
 use super::store::Store;
-use crate::base::{Arena, Real};
+use crate::base::{Arena, Disjoint, Real};
 use crate::kernel::int8::{Block, Kernel, Moduli, Operand, Quarter, Slice, WIDTH};
 
 /// The memory of one thread.
@@ -72,7 +71,7 @@ impl Round<'_, '_> {
         l: usize,
         left: &mut [Slice],
         sums: &mut [Block<i32>],
-        residues: &Shared<'_, Block<i8>>,
+        residues: &Disjoint<'_, Block<i8>>,
         place: impl Fn(usize, usize) -> usize,
     ) {
         let Self { kernel, layout, .. } = self;

@@ -5,9 +5,8 @@ use std::ops::Range;
 use faer::MatRef;
 
 use super::columns::{Columns, for_tiles};
-use super::lanes::Shared;
 use super::layout::{Extent, Layout, Need, Pair};
-use crate::base::Par;
+use crate::base::{Disjoint, Par};
 use crate::kernel::int8::{Kernel, Moduli, Operand, Powers, Residues, Slice};
 
 /// For each modulus, panel by panel, the slices of its steps.
@@ -34,7 +33,7 @@ impl<'a> Store<'a> {
         let Extent { panels, steps } = extent.clone();
         let modulus_len = panels.len() * steps.len();
         let tiles: &mut [Residues] = self.memory[..moduli.len() * modulus_len].as_flattened_mut();
-        let tiles = Shared::new(tiles);
+        let tiles = Disjoint::of_slice(tiles);
         let tile_columns = 2 * panels.start..2 * panels.end;
         for_tiles(a, steps.clone(), tile_columns, par, |tile, band, column| {
             columns.clear_non_finite(tile, column);

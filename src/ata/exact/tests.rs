@@ -151,11 +151,11 @@ fn general_products_are_the_same_bytes_for_every_kernel_and_layout() {
 fn only_amx_is_expected_to_beat_a_classical_product_and_only_a_long_one() {
     // Of the fastest back end that the planner knows.
     let classical = |n: f64| n * n * n / 106e9 * (1.0 + 180.0 / n);
-    for instance in Instance::ALL {
+    for isa in Isa::ALL {
         for n in [100, 200, 300, 1024, 4096, 16_384] {
-            let exact = estimate(instance, [n, n, n], 14, true);
-            let wins = instance == Instance::Amx && n >= 1024;
-            assert_eq!(exact < 0.98 * classical(n as f64), wins, "{}, n = {n}", instance.name());
+            let exact = estimate(isa, [n, n, n], 14, true);
+            let wins = isa == Isa::Amx && n >= 1024;
+            assert_eq!(exact < 0.98 * classical(n as f64), wins, "{}, n = {n}", isa.name());
         }
     }
 }

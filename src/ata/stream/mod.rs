@@ -20,7 +20,7 @@ use std::ops::Range;
 
 use super::options::AtaOptions;
 use super::rows::RowBlocks;
-use crate::base::{Error, Flow, Progress, Result};
+use crate::base::{Error, Result};
 use crate::blas::BlasReal;
 
 /// Called after each block; an error ends the pass.
@@ -83,12 +83,7 @@ pub(crate) fn with_share<R>(
     share: Range<f64>,
     work: impl FnOnce(&AtaOptions<'_>) -> R,
 ) -> R {
-    let tell = |fraction: f64| {
-        let all = share.start + fraction * (share.end - share.start);
-        options.progress.map_or(Flow::Continue, |progress| progress(all))
-    };
-    let progress = options.progress.map(|_| &tell as Progress<'_>);
-    work(&AtaOptions { progress, ..options.clone() })
+    work(&AtaOptions { progress: options.progress.part(share), ..options.clone() })
 }
 
 /// The share that `count` rows from `first` on, of `m`, have of the whole.

@@ -1,8 +1,5 @@
 //! What a pass keeps of the rows beside their product: weights, and sums for the mean.
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use faer::MatMut;
 
 use crate::base::{Error, Par, Real, Result};
@@ -84,23 +81,17 @@ impl<T: Real> Moments<T> {
         let sums = if self.centered { n } else { 0 };
         let mut weighted = weighted.chunks_mut(PIECE * n);
         let mut weights = weights.map(|w| w.chunks(PIECE));
-        let pieces: Vec<_> = block
+        let mut pieces: Vec<_> = block
             .chunks_mut(PIECE * n)
             .map(|rows| {
                 let weights = weights.as_mut().and_then(Iterator::next);
                 let weighted = weighted.next().unwrap_or_default();
-                Mutex::new(Piece { rows, weights, weighted, sum: vec![0.0; sums] })
+                Piece { rows, weights, weighted, sum: vec![0.0; sums] }
             })
             .collect();
-        let next = AtomicUsize::new(0);
-        par.run_lanes(|_| {
-            while let Some(piece) = pieces.get(next.fetch_add(1, Ordering::Relaxed)) {
-                adjust(&mut piece.lock().expect("one taker"), n, &self.shift);
-            }
-        });
+        par.for_each(pieces.iter_mut(), |_, piece| adjust(piece, n, &self.shift));
         // In order, whoever did them.
         for piece in pieces {
-            let piece = piece.into_inner().expect("no panic");
             for (sum, part) in self.sum.iter_mut().zip(piece.sum) {
                 *sum += part;
             }

@@ -12,7 +12,7 @@ use faer::MatMut;
 use faer::prelude::ReborrowMut;
 
 use super::{BUFFER, Stamp, canonical, seekable, shrank};
-use crate::base::{Real, Result};
+use crate::base::{Progress, Real, Result};
 use crate::io::npy::Layout;
 use crate::io::source::{Packing, Source, error, error_at};
 
@@ -34,7 +34,7 @@ impl NpyRows {
     pub(super) fn open(path: &Path) -> Result<Self> {
         // A pipe would be waited for.
         seekable(path)?;
-        let layout = Layout::read(&mut Source::open(path, Packing::None, None)?)?;
+        let layout = Layout::read(&mut Source::open(path, Packing::None, Progress::none())?)?;
         let opened = File::open(path).and_then(|file| file.metadata().map(|about| (file, about)));
         let (file, metadata) = opened.map_err(|e| error_at(path, 0, &e))?;
         let stamp = Stamp::of(&metadata);

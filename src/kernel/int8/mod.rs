@@ -3,7 +3,7 @@
 //! Integers below 2^59 in magnitude are taken modulo up to 15 numbers of 8 bits, the residues are
 //! multiplied by byte instructions with 32-bit sums, and the Chinese remainder theorem gives the
 //! products back (Ozaki, Uchino and Imamura 2025, "Ozaki scheme II"). Since nothing is rounded, every
-//! [`Instance`] computes the same bytes, and so does any order of work.
+//! [`Isa`] computes the same bytes, and so does any order of work.
 
 #[cfg(target_arch = "x86_64")]
 mod amx;
@@ -32,7 +32,7 @@ use crate::base::Real;
 
 /// An instruction set that the kernels are written for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Instance {
+pub enum Isa {
     /// Intel's matrix tiles (AMX-INT8) for the products, AVX-512 for the rest.
     Amx,
     /// AVX-512 with dot products of bytes (VNNI).
@@ -43,7 +43,7 @@ pub enum Instance {
     Portable,
 }
 
-impl Instance {
+impl Isa {
     /// All of them, the fastest first.
     pub const ALL: [Self; 4] = [Self::Amx, Self::Vnni, Self::Avx2, Self::Portable];
 
@@ -79,7 +79,7 @@ impl Instance {
     }
 
     /// Multiplications of residues per second of one core, with operands in registers and with operands in the
-    /// first-level cache; the first is 0 where it means nothing; `None` when the instance is refused. For
+    /// first-level cache; the first is 0 where it means nothing; `None` when the isa is refused. For
     /// benchmarks: takes about a tenth of a second.
     pub fn measure(self) -> Option<[f64; 2]> {
         const SECONDS: f64 = 0.05;
@@ -118,7 +118,7 @@ impl Instance {
         }
     }
 
-    /// The kernel; that of [`Instance::Portable`] when this one is refused.
+    /// The kernel; that of [`Isa::Portable`] when this one is refused.
     pub(crate) fn kernel(self) -> &'static dyn Kernel {
         let portable: &'static dyn Kernel = &portable::Portable;
         match self {

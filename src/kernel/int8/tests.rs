@@ -356,12 +356,12 @@ fn tiles_are_read_from_any_layout_and_padded_with_zeros() {
 
 #[test]
 fn a_refused_instance_says_why_and_falls_back() {
-    for instance in Instance::ALL {
-        match instance.refusal() {
-            None => println!("{}: used", instance.name()),
+    for isa in Isa::ALL {
+        match isa.refusal() {
+            None => println!("{}: used", isa.name()),
             Some(why) => assert!(why.len() > 10, "{why}"),
         }
     }
-    assert_eq!(Instance::best().refusal(), None);
-    assert_eq!(Instance::Portable.refusal(), None);
+    assert_eq!(Isa::best().refusal(), None);
+    assert_eq!(Isa::Portable.refusal(), None);
 }

@@ -33,7 +33,7 @@ use crate::base::Real;
 
 /// An instruction set that the kernels are written for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Instance {
+pub enum Isa {
     /// AVX-512.
     Avx512,
     /// AVX2 with FMA.
@@ -42,7 +42,7 @@ pub enum Instance {
     Portable,
 }
 
-impl Instance {
+impl Isa {
     /// All of them, the fastest first.
     pub const ALL: [Self; 3] = [Self::Avx512, Self::Avx2, Self::Portable];
 
@@ -85,22 +85,22 @@ pub(crate) mod sealed {
     use super::*;
 
     pub trait Kernels: Sized {
-        /// The kernel; that of [`Instance::Portable`] when this machine refuses the instance.
+        /// The kernel; that of [`Isa::Portable`] when this machine refuses the isa.
         #[allow(private_interfaces)]
-        fn kernel(instance: Instance) -> &'static dyn Kernel<Self>;
+        fn kernel(isa: Isa) -> &'static dyn Kernel<Self>;
     }
 
     macro_rules! kernels {
         ($t:ident) => {
             impl Kernels for $t {
                 #[allow(private_interfaces)]
-                fn kernel(instance: Instance) -> &'static dyn Kernel<Self> {
+                fn kernel(isa: Isa) -> &'static dyn Kernel<Self> {
                     let portable: &'static dyn Kernel<Self> = &portable::Portable;
-                    match instance {
+                    match isa {
                         #[cfg(target_arch = "x86_64")]
-                        Instance::Avx512 => x86::Avx512::new().map_or(portable, |kernel| kernel),
+                        Isa::Avx512 => x86::Avx512::new().map_or(portable, |kernel| kernel),
                         #[cfg(target_arch = "x86_64")]
-                        Instance::Avx2 => x86::Avx2::new().map_or(portable, |kernel| kernel),
+                        Isa::Avx2 => x86::Avx2::new().map_or(portable, |kernel| kernel),
                         _ => portable,
                     }
                 }

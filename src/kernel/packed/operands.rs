@@ -1,12 +1,11 @@
 //! What is multiplied, and where the product goes.
 
-use std::marker::PhantomData;
 use std::ops::Range;
 
 use faer::{MatMut, MatRef};
 
 use super::generic::{Stream, line_len};
-use crate::base::Real;
+use crate::base::{Disjoint, Real, SharedPtr};
 
 /// A signed block: one term of the sum that is packed.
 #[derive(Debug, Clone, Copy)]
@@ -39,7 +38,7 @@ pub(crate) struct Target<T> {
     pub part: Part,
     /// Row less column of the block's corner in C: where the diagonal runs.
     pub diagonal: isize,
-    start: *mut T,
+    start: SharedPtr<T>,
     /// What rows and columns of the product are divided by, having been scaled in the sources.
     scales: Option<Scales<T>>,
 }
@@ -47,45 +46,25 @@ pub(crate) struct Target<T> {
 /// Powers of two, one for each row and column of a target, which keeps them alive.
 #[derive(Debug, Clone, Copy)]
 struct Scales<T> {
-    rows: *const T,
-    cols: *const T,
+    rows: SharedPtr<T>,
+    cols: SharedPtr<T>,
 }
-
-// SAFETY: a pointer and numbers; `at` only computes addresses, and who writes through them has
-// promised to be alone there.
-unsafe impl<T: Send> Send for Target<T> {}
-// SAFETY: as above.
-unsafe impl<T: Send> Sync for Target<T> {}
 
 /// A matrix, to take targets from: they may overlap, the products that write them are in order.
 pub(crate) struct Destination<'a, T> {
-    start: *mut T,
-    rows: usize,
-    cols: usize,
-    row_stride: isize,
-    col_stride: isize,
+    matrix: Disjoint<'a, T>,
     part: Part,
     scales: Option<(&'a [T], &'a [T])>,
-    borrow: PhantomData<MatMut<'a, T>>,
 }
 
 impl<'a, T: Real> Destination<'a, T> {
     pub fn new(matrix: MatMut<'a, T>, part: Part) -> Self {
-        Self {
-            start: matrix.as_ptr_mut(),
-            rows: matrix.nrows(),
-            cols: matrix.ncols(),
-            row_stride: matrix.row_stride(),
-            col_stride: matrix.col_stride(),
-            part,
-            scales: None,
-            borrow: PhantomData,
-        }
+        Self { matrix: Disjoint::new(matrix), part, scales: None }
     }
 
     /// Divides rows and columns of products by these powers of two.
     pub fn unscaling(mut self, rows: &'a [T], cols: &'a [T]) -> Self {
-        assert_eq!((rows.len(), cols.len()), (self.rows, self.cols));
+        assert_eq!((rows.len(), cols.len()), (self.matrix.nrows(), self.matrix.ncols()));
         self.scales = Some((rows, cols));
         self
     }
@@ -98,22 +77,21 @@ impl<'a, T: Real> Destination<'a, T> {
         coefficient: T,
         beta: T,
     ) -> Target<T> {
-        assert!(rows.start <= rows.end && rows.end <= self.rows);
-        assert!(cols.start <= cols.end && cols.end <= self.cols);
-        let offset = rows.start as isize * self.row_stride + cols.start as isize * self.col_stride;
+        // Read only; the type is for its address.
+        let scale = |s: &[T]| SharedPtr::new(s.as_ptr().cast_mut());
         Target {
             coefficient,
             beta,
             rows: rows.len(),
             cols: cols.len(),
-            row_stride: self.row_stride,
-            col_stride: self.col_stride,
+            row_stride: self.matrix.row_stride(),
+            col_stride: self.matrix.col_stride(),
             part: self.part,
             diagonal: rows.start as isize - cols.start as isize,
-            start: self.start.wrapping_offset(offset),
+            start: self.matrix.pointer(&rows, &cols),
             scales: self
                 .scales
-                .map(|(r, c)| Scales { rows: r[rows].as_ptr(), cols: c[cols].as_ptr() }),
+                .map(|(r, c)| Scales { rows: scale(&r[rows]), cols: scale(&c[cols]) }),
         }
     }
 }
@@ -169,7 +147,7 @@ impl<T> Target<T> {
     {
         match self.scales {
             // SAFETY: entry (i, j) is inside the target, and the scales are those of its extents.
-            Some(s) => unsafe { sum / *s.rows.add(i) / *s.cols.add(j) },
+            Some(s) => unsafe { sum / *s.rows.at(i as isize) / *s.cols.at(j as isize) },
             None => sum,
         }
     }
@@ -177,7 +155,7 @@ impl<T> Target<T> {
     /// The address of entry `(i, j)`.
     #[inline(always)]
     pub fn at(&self, i: usize, j: usize) -> *mut T {
-        self.start.wrapping_offset(i as isize * self.row_stride + j as isize * self.col_stride)
+        self.start.at(i as isize * self.row_stride + j as isize * self.col_stride)
     }
 
     /// What writing a tile of `height` x `width` at `(row, col)` will read.

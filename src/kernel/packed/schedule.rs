@@ -6,14 +6,12 @@
 //! of the threads asked for exist. There are two buffers for packed chunks: who finds no more to
 //! multiply goes on and packs the next chunk, while others still work on this one.
 
-use std::ops::Range;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::ops::{ControlFlow, Range};
 
 use super::generic::line_len;
 use super::operands::{Product, Shape, Source, Target};
 use super::{Area, Blocking, Geometry, Kernel, Row, piece};
-use crate::base::{Arena, Par, Real};
+use crate::base::{Arena, Latch, Par, Real, SharedPtr, Tracker, tickets};
 
 /// Products and how to run them.
 pub(crate) struct Job<'a, T: 'static> {
@@ -21,8 +19,8 @@ pub(crate) struct Job<'a, T: 'static> {
     pub products: &'a [Product<'a, T>],
     /// Scalars that packed operands may take, if that is possible.
     pub budget: usize,
-    /// Told of work done (products of scalars); false cancels.
-    pub progress: &'a (dyn Fn(f64) -> bool + Sync),
+    /// Told of work done (products of scalars).
+    pub progress: &'a Tracker<'a>,
 }
 
 /// Scalars of scratch that [`run`] needs for products of these shapes on `lanes` threads.
@@ -52,14 +50,14 @@ fn aligned<'a, T: Real>(arena: &mut Arena<'a, T>, len: usize) -> &'a mut [T] {
     &mut piece[skipped..skipped + len]
 }
 
-/// Runs the products in order, on `par` threads. False when it was cancelled.
+/// Runs the products in order, on `par` threads.
 ///
 /// Entries of the targets belong to the caller's borrow ([`super::Destination`]); the result does not
 /// depend on the number of threads.
 ///
 /// # Safety
 /// Nobody else uses the matrices that the targets come from.
-pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T]) -> bool {
+pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T]) {
     let geometry = job.kernel.geometry();
     let plans: Vec<_> = job.products.iter().map(|p| Plan::new(geometry, p, job.budget)).collect();
     let len = |f: &dyn Fn(&Plan<'_, T>) -> usize| plans.iter().map(f).max().unwrap_or(0);
@@ -68,62 +66,57 @@ pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T])
     let chunks: usize = plans.iter().map(|p| p.blocking.chunks(p.product.shape)).sum();
     let mut arena = Arena::new(scratch);
     let buffers: Vec<_> = (0..chunks.min(BUFFERS))
-        .map(|_| Packed { start: aligned(&mut arena, packed_len).as_mut_ptr() })
+        .map(|_| SharedPtr::new(aligned(&mut arena, packed_len).as_mut_ptr()))
         .collect();
     let mut phases = Vec::with_capacity(2 * chunks);
-    let mut tickets = 0;
+    let mut tickets_in_all = 0;
     for plan in &plans {
         let depth = plan.product.shape.depth;
         for first in (0..depth.max(1)).step_by(plan.blocking.chunk) {
             let rows = first..depth.min(first + plan.blocking.chunk);
             let packed = buffers[phases.len() / 2 % BUFFERS];
             for step in [Step::Pack, Step::Multiply] {
-                let start = tickets;
-                tickets += plan.tickets(step, &rows);
-                let (rows, tickets) = (rows.clone(), start..tickets);
-                phases.push(Phase { plan, step, rows, packed, tickets, done: AtomicUsize::new(0) });
+                let start = tickets_in_all;
+                tickets_in_all += plan.tickets(step, &rows);
+                let (rows, tickets) = (rows.clone(), start..tickets_in_all);
+                let done = Latch::new(tickets.len());
+                phases.push(Phase { plan, step, rows, packed, tickets, done });
             }
         }
     }
-    let lanes = par.threads();
-    let sums: Vec<_> = (0..lanes).map(|_| Mutex::new(aligned(&mut arena, sums_len))).collect();
-
-    let next = AtomicUsize::new(0);
-    let cancelled = AtomicBool::new(false);
-    par.run_lanes(|lane| {
-        let mut sums = sums[lane].lock().expect("one lane, one lock");
-        let mut p = 0;
-        loop {
-            let ticket = next.fetch_add(1, Ordering::Relaxed);
-            while phases.get(p).is_some_and(|phase| ticket >= phase.tickets.end) {
-                p += 1;
-            }
-            let Some(phase) = phases.get(p) else { return };
-            for needed in needed_by(p) {
-                phases[needed].wait();
-            }
+    let workers = par.at_most(tickets_in_all).threads();
+    let mut workers: Vec<_> = (0..workers).map(|_| (0, aligned(&mut arena, sums_len))).collect();
+    tickets(&mut workers, tickets_in_all, |(p, sums), ticket| {
+        while ticket >= phases[*p].tickets.end {
+            *p += 1;
+        }
+        let phase = &phases[*p];
+        for needed in needed_by(*p) {
+            phases[needed].done.wait();
+        }
+        let work = {
             // Counted even if it panics: the others would wait for ever.
-            let _done = Finally(|| {
-                phase.done.fetch_add(1, Ordering::Release);
-            });
-            if cancelled.load(Ordering::Relaxed) {
-                continue;
-            }
+            let _done = Finally(|| phase.done.count_down());
             let i = ticket - phase.tickets.start;
+            if job.progress.state().is_break() {
+                // All tickets are handed out, for some wait for others.
+                return ControlFlow::Continue(());
+            }
             // SAFETY: what this phase needs is done, each ticket is handed out once, and pieces of a
             // phase write disjoint memory: panels, or entries of C.
-            let work = unsafe {
+            unsafe {
                 match phase.step {
                     Step::Pack => phase.pack(job.kernel, i),
-                    Step::Multiply => phase.multiply(job.kernel, i, &mut sums),
+                    Step::Multiply => phase.multiply(job.kernel, i, sums),
                 }
-            };
-            if work > 0.0 && !(job.progress)(work) {
-                cancelled.store(true, Ordering::Relaxed);
             }
+        };
+        if work > 0.0 {
+            // The next tickets look at the state; nobody waits for this one any more.
+            let _ = job.progress.add(work);
         }
+        ControlFlow::Continue(())
     });
-    !cancelled.into_inner()
 }
 
 /// The phases that have to be done before phase `p`: packing, the one that read the buffer before;
@@ -139,27 +132,6 @@ struct Finally<F: Fn()>(F);
 impl<F: Fn()> Drop for Finally<F> {
     fn drop(&mut self) {
         (self.0)();
-    }
-}
-
-/// Memory for panels.
-struct Packed<T> {
-    start: *mut T,
-}
-
-impl<T> Clone for Packed<T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-impl<T> Copy for Packed<T> {}
-
-// SAFETY: a pointer; who uses it keeps the threads' parts disjoint.
-unsafe impl<T: Send> Sync for Packed<T> {}
-
-impl<T> Packed<T> {
-    fn at(self, offset: usize) -> *mut T {
-        self.start.wrapping_add(offset)
     }
 }
 
@@ -257,25 +229,15 @@ struct Phase<'p, 'a, T> {
     plan: &'p Plan<'a, T>,
     step: Step,
     rows: Range<usize>,
-    packed: Packed<T>,
+    packed: SharedPtr<T>,
     tickets: Range<usize>,
-    done: AtomicUsize,
+    done: Latch,
 }
 
 impl<T: Real> Phase<'_, '_, T> {
-    /// Waits until all of it is done.
-    fn wait(&self) {
-        /// Some microseconds; then others may need the core more.
-        const SPINS: usize = 2000;
-        let mut spins = 0;
-        while self.done.load(Ordering::Acquire) < self.tickets.len() {
-            spins += 1;
-            if spins < SPINS {
-                std::hint::spin_loop();
-            } else {
-                std::thread::yield_now();
-            }
-        }
+    /// An address in the packed chunk.
+    fn at(&self, offset: usize) -> *mut T {
+        self.packed.at(offset as isize)
     }
 
     /// Where the panels of block `b` begin, left and right, and its rows.
@@ -307,7 +269,7 @@ impl<T: Real> Phase<'_, '_, T> {
             (&product.right, right, group - left_groups, product.shape.cols)
         };
         let panel_stride = rows.len() * geometry.width;
-        let out = self.packed.at(start + group * GROUP * panel_stride);
+        let out = self.at(start + group * GROUP * panel_stride);
         let cols = piece(&(0..width), group, GROUP * geometry.width);
         // SAFETY: the group's panels lie in the memory, which `packed_len` has measured.
         unsafe { kernel.pack(sources, &Area { rows, cols }, out, panel_stride) };
@@ -335,7 +297,7 @@ impl<T: Real> Phase<'_, '_, T> {
             let last = b + 1 == blocks;
             let left_of = |row: usize| {
                 let corner = row * height;
-                self.packed.at(left + corner / width * steps * width + corner % width)
+                self.at(left + corner / width * steps * width + corner % width)
             };
             let (_, next_right, next_rows) = self.block(b + 1);
             let next_right = next_right + item.cols.start * next_rows.len() * width;
@@ -352,9 +314,9 @@ impl<T: Real> Phase<'_, '_, T> {
                     steps,
                     left: left_of(row),
                     next_left: left_of(row + 1),
-                    next_right: self.packed.at(next_right + fetched),
+                    next_right: self.at(next_right + fetched),
                     next_lines,
-                    right: self.packed.at(right + item.cols.start * steps * width),
+                    right: self.at(right + item.cols.start * steps * width),
                     panels: item.cols.clone(),
                     wanted: wanted.start..wanted.end.min(product.shape.cols),
                     sums: sums[first..first + len].as_mut_ptr(),

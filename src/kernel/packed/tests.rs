@@ -1,18 +1,19 @@
-//! One suite for every instance, against the definition in integers, which nothing rounds.
+//! One suite for every isa, against the definition in integers, which nothing rounds.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::{MatMut, MatRef};
 
 use super::*;
-use crate::base::{Par, Pin, Rng, Team};
+use crate::base::{Par, Pin, Progress, Rng, ThreadPool, Tracker};
 
-/// The instances that this machine has.
-fn instances() -> impl Iterator<Item = Instance> {
-    Instance::ALL.into_iter().filter(|instance| match instance.refusal() {
+/// The isas that this machine has.
+fn isas() -> impl Iterator<Item = Isa> {
+    Isa::ALL.into_iter().filter(|isa| match isa.refusal() {
         None => true,
         Some(why) => {
-            println!("skipped: {}, {why}", instance.name());
+            println!("skipped: {}, {why}", isa.name());
             false
         }
     })
@@ -71,6 +72,9 @@ struct Stored<T> {
     row_stride: isize,
     col_stride: isize,
 }
+
+/// The work that all of a case counts as: more than there is.
+const WORK: f64 = 1e12;
 
 impl<T: Real> Stored<T> {
     /// Entries are `entry(i, j)`, and the memory around them holds `around`.
@@ -259,15 +263,10 @@ impl<T: Operand> Case<T> {
     }
 
     /// C after [`run`] in scratch of the very length asked for, full of NaN; and whether it finished.
-    fn run(
-        &self,
-        instance: Instance,
-        lanes: usize,
-        progress: &(dyn Fn(f64) -> bool + Sync),
-    ) -> (Stored<T>, bool) {
+    fn run(&self, isa: Isa, lanes: usize, progress: Progress<'_>) -> (Stored<T>, bool) {
         /// Places on either side of the scratch; an odd number, so that nothing is aligned.
         const GUARD: usize = 131;
-        let kernel = T::kernel(instance);
+        let kernel = T::kernel(isa);
         let mut c = self.c.clone();
         let destination = Destination::new(c.view_mut(), self.part);
         let products: Vec<_> = self.specs.iter().map(|s| s.product(&destination)).collect();
@@ -276,21 +275,22 @@ impl<T: Operand> Case<T> {
         let mut scratch = vec![T::from_f64(POISON); len + 2 * GUARD];
         let own = &mut scratch[GUARD..GUARD + len];
         own.fill(T::from_f64(f64::NAN));
-        let job = Job { kernel, products: &products, budget: self.budget, progress };
+        let tracker = &Tracker::new(progress, WORK);
+        let job = Job { kernel, products: &products, budget: self.budget, progress: tracker };
         let par = if lanes == 1 { Par::Seq } else { Par::Threads(lanes) };
         // SAFETY: `c` is ours.
-        let finished = unsafe { run(&job, par, own) };
+        unsafe { run(&job, par, own) };
         let guards = scratch[..GUARD].iter().chain(&scratch[GUARD + len..]);
         assert!(guards.copied().all(|x| x == T::from_f64(POISON)), "scratch overrun");
-        (c, finished)
+        (c, tracker.finish().is_ok())
     }
 
-    /// Every instance gives the integers of the definition, and leaves all else as it was.
+    /// Every isa gives the integers of the definition, and leaves all else as it was.
     fn check(&self, lanes: &[usize]) {
         let expected = self.expected()[0].bits();
-        for instance in instances() {
+        for isa in isas() {
             for &lanes in lanes {
-                let (c, finished) = self.run(instance, lanes, &|_| true);
+                let (c, finished) = self.run(isa, lanes, Progress::none());
                 assert!(finished);
                 if c.bits() == expected {
                     continue;
@@ -302,7 +302,7 @@ impl<T: Operand> Case<T> {
                 panic!(
                     "{} {}, {lanes} lanes, budget {budget}, {part:?}: {wrong} entries wrong\n\
                      shapes {shapes:?}\noutputs {outputs:?}",
-                    instance.name(),
+                    isa.name(),
                     T::NAME
                 );
             }
@@ -402,7 +402,7 @@ fn square(depth: usize, side: usize) -> Shape {
 /// Runs a test in both precisions, with threads enough for its lanes.
 macro_rules! in_both_precisions {
     ($test:ident) => {{
-        let team = Team::new(3, Pin::No).expect("threads");
+        let team = ThreadPool::new(3, Pin::No).expect("threads");
         team.run(|| {
             $test::<f64>(&mut Rng::new(1));
             $test::<f32>(&mut Rng::new(2));
@@ -580,8 +580,8 @@ fn check_reals<T: Operand>(rng: &mut Rng) {
         let [expected, sizes] = case.expected();
         // Each product and sum, the factors, and as much for the reference, which is in f64.
         let bound = 2.0 * (depth + 6) as f64 * T::UNIT_ROUNDOFF;
-        for instance in instances() {
-            let (c, _) = case.run(instance, 1, &|_| true);
+        for isa in isas() {
+            let (c, _) = case.run(isa, 1, Progress::none());
             for i in 0..c.rows {
                 for j in (0..c.cols).filter(|&j| case.wants(i, j)) {
                     let [got, expected, size] =
@@ -590,7 +590,7 @@ fn check_reals<T: Operand>(rng: &mut Rng) {
                     assert!(
                         (got - expected).abs() <= bound * size,
                         "{} {}, depth {depth}, ({i}, {j}): {got} for {expected}",
-                        instance.name(),
+                        isa.name(),
                         T::NAME
                     );
                 }
@@ -607,11 +607,11 @@ fn errors_of_reals_stay_within_the_bound_of_dot_products() {
 fn check_lanes<T: Operand>(rng: &mut Rng) {
     for budget in [1, 40_000, PLENTY] {
         let case = reals::<T>(500, 151, budget, rng);
-        for instance in instances() {
-            let bits = |lanes| case.run(instance, lanes, &|_| true).0.memory_bits();
+        for isa in isas() {
+            let bits = |lanes| case.run(isa, lanes, Progress::none()).0.memory_bits();
             let alone = bits(1);
             for lanes in [2, 3] {
-                assert!(bits(lanes) == alone, "{}, {lanes} lanes", instance.name());
+                assert!(bits(lanes) == alone, "{}, {lanes} lanes", isa.name());
             }
         }
     }
@@ -624,16 +624,19 @@ fn results_do_not_depend_on_the_number_of_lanes() {
 
 fn check_cancelling<T: Operand>(rng: &mut Rng) {
     let case = reals::<T>(300, 150, 1, rng);
-    for instance in instances() {
+    for isa in isas() {
         for lanes in [1, 3] {
             for allowed in [0, 1, 4] {
                 let calls = AtomicUsize::new(0);
-                let progress = |work: f64| {
-                    assert!(work > 0.0);
-                    calls.fetch_add(1, Ordering::Relaxed) < allowed
+                let progress = |done: f64| {
+                    assert!(done > 0.0);
+                    match calls.fetch_add(1, Ordering::Relaxed) < allowed {
+                        true => ControlFlow::Continue(()),
+                        false => ControlFlow::Break(()),
+                    }
                 };
-                let (_, finished) = case.run(instance, lanes, &progress);
-                assert!(!finished, "{}, {lanes} lanes, {allowed} calls", instance.name());
+                let (_, finished) = case.run(isa, lanes, (&progress).into());
+                assert!(!finished, "{}, {lanes} lanes, {allowed} calls", isa.name());
                 // Each lane may be amid one piece.
                 assert!(calls.into_inner() <= allowed + lanes);
             }
@@ -650,7 +653,7 @@ fn a_cancelled_run_says_so_and_returns() {
 fn a_panic_in_progress_reaches_the_caller() {
     let case = reals::<f64>(300, 150, 1, &mut Rng::new(3));
     for lanes in [1, 3] {
-        let run = || case.run(Instance::best(), lanes, &|_| panic!("told so"));
+        let run = || case.run(Isa::best(), lanes, Progress::new(&|_| panic!("told so")));
         assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).is_err());
     }
 }
@@ -661,8 +664,8 @@ fn more_lanes_than_threads_finish() {
     let specs = vec![spec::<f64>(general(50, 200, 200), (1, 1), (1, 1), &mut rng)];
     let case = case(specs, PLENTY, &mut rng);
     // A pool that is too small, and one whose threads are busy with each other's lanes.
-    Team::new(1, Pin::No).expect("a thread").run(|| case.check(&[3, 17]));
-    Team::new(2, Pin::No).expect("threads").run(|| {
+    ThreadPool::new(1, Pin::No).expect("a thread").run(|| case.check(&[3, 17]));
+    ThreadPool::new(2, Pin::No).expect("threads").run(|| {
         rayon::join(
             || rayon::join(|| case.check(&[2, 1]), || case.check(&[2])),
             || rayon::join(|| case.check(&[2]), || case.check(&[2, 2])),
@@ -677,13 +680,13 @@ fn the_work_reported_is_that_of_the_entries_wanted() {
         let case = Case { part, ..reals::<f64>(100, 300, 1, &mut rng) };
         let wanted = (0..300).flat_map(|i| (0..305).map(move |j| (i, j)));
         let exact = wanted.filter(|&(i, j)| case.wants(i, j)).count() as f64 * 100.0;
-        for instance in instances() {
+        for isa in isas() {
             let total = std::sync::Mutex::new(0.0);
-            let progress = |work: f64| {
-                *total.lock().expect("no panic") += work;
-                true
+            let progress = |done: f64| {
+                *total.lock().expect("no panic") = done * WORK;
+                ControlFlow::Continue(())
             };
-            case.run(instance, 2, &progress);
+            case.run(isa, 2, (&progress).into());
             let total = total.into_inner().expect("no panic");
             assert!(total >= exact && total <= 1.2 * exact, "{part:?}: {total} for {exact}");
         }
@@ -691,8 +694,8 @@ fn the_work_reported_is_that_of_the_entries_wanted() {
 }
 
 fn check_blocking<T: Operand>(rng: &mut Rng) {
-    for instance in instances() {
-        let geometry = T::kernel(instance).geometry();
+    for isa in isas() {
+        let geometry = T::kernel(isa).geometry();
         for _ in 0..2000 {
             let mut extent = |most: f64| (most.powf(rng.uniform()) - 1.0) as usize;
             let (depth, rows, cols) = (extent(1e6), extent(1e5), extent(1e5));

@@ -76,14 +76,14 @@ impl MeshFormat {
 /// [`Error::Io`] with file and line or element; [`Error::Mesh`], with the file, for positions or faces that make no mesh;
 /// [`Error::OutOfMemory`].
 pub fn read(path: &Path) -> Result<MeshFile> {
-    read_with(path, None)
+    read_with(path, Progress::none())
 }
 
 /// [`read()`] with a callback that is told the fraction of the file read, and may cancel.
 ///
 /// # Errors
 /// As those of [`read()`], and [`Error::Cancelled`].
-pub fn read_with(path: &Path, progress: Option<Progress<'_>>) -> Result<MeshFile> {
+pub fn read_with(path: &Path, progress: Progress<'_>) -> Result<MeshFile> {
     let (format, packing) = MeshFormat::of(path)?;
     read_source(&mut Source::open_bounded(path, packing, progress)?, format, path)
 }

@@ -1,6 +1,8 @@
+use std::ops::ControlFlow;
+
 use super::super::session::tests::device;
 use super::*;
-use crate::base::{Par, Rng};
+use crate::base::{Par, Progress, Rng};
 use crate::texture::newton::{Gradient, Grid, NewtonOptions, Polynomial};
 
 /// Points that may differ: 1 of 4,000, as fractals are chaotic and devices may round divisions their own way.
@@ -8,8 +10,9 @@ const BUDGET: usize = 4_000;
 
 fn compare(device: &Device, options: &NewtonOptions, points: Points<'_>, group: Option<usize>) {
     let newton = Newton::new(options).unwrap();
-    let twin = newton.evaluate(points, Par::Threads(2), None).unwrap();
-    let found = evaluate_newton_in_groups(device, &newton, points, group, None).unwrap();
+    let twin = newton.evaluate(points, Par::Threads(2), Progress::none()).unwrap();
+    let found =
+        evaluate_newton_in_groups(device, &newton, points, group, Progress::none()).unwrap();
     assert_eq!(found.roots.len(), twin.roots.len());
     let tolerance = 1e-4 * if options.gradient == Gradient::Shader { 1.0 } else { 32.0 };
     let different = (0..twin.roots.len())
@@ -57,7 +60,10 @@ fn groups_of_any_size_give_the_same() {
     }
     let newton = Newton::new(&options(Polynomial::Power(3))).unwrap();
     let points = Points::List(&list);
-    assert!(evaluate_newton_in_groups(&device, &newton, points, Some(0), None).is_err());
-    let cancelled = evaluate_newton(&device, &newton, points, Some(&|_| Flow::Cancel));
+    assert!(
+        evaluate_newton_in_groups(&device, &newton, points, Some(0), Progress::none()).is_err()
+    );
+    let cancelled =
+        evaluate_newton(&device, &newton, points, Progress::new(&|_| ControlFlow::Break(())));
     assert_eq!(cancelled, Err(Error::Cancelled));
 }

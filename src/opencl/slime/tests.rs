@@ -1,6 +1,8 @@
+use std::ops::ControlFlow;
+
 use super::super::session::tests::device;
 use super::*;
-use crate::base::Par;
+use crate::base::{Par, Progress};
 use crate::mesh::io::Attribute;
 use crate::mesh::{TriMesh, families};
 use crate::texture::slime::{
@@ -54,8 +56,8 @@ fn compare(
     let mut kernels = SlimeOnDevice::in_groups(device, &twin, group).unwrap();
     // Agents are put in order twice.
     let steps = EVERY + 2;
-    twin.run(steps, Par::Threads(2), None).unwrap();
-    kernels.run(steps, None).unwrap();
+    twin.run(steps, Par::Threads(2), Progress::none()).unwrap();
+    kernels.run(steps, Progress::none()).unwrap();
     let (expected, found) = (twin.state(), kernels.state().unwrap());
     assert_eq!(found.step, expected.step);
     assert!(found.ids.is_sorted());
@@ -136,11 +138,13 @@ fn a_run_that_is_cancelled_goes_on() {
     let Some(device) = device() else { return };
     let simulation = Simulation::new(square(), &options(), &Mask::default()).unwrap();
     let mut stopped = SlimeOnDevice::new(&device, &simulation).unwrap();
-    let stop = |fraction: f64| if fraction > 0.2 { Flow::Cancel } else { Flow::Continue };
-    assert_eq!(stopped.run(8, Some(&stop)), Err(Error::Cancelled));
+    let stop = |fraction: f64| {
+        if fraction > 0.2 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    assert_eq!(stopped.run(8, (&stop).into()), Err(Error::Cancelled));
     assert_eq!(stopped.state().unwrap().step, 2);
-    stopped.run(6, None).unwrap();
+    stopped.run(6, Progress::none()).unwrap();
     let mut whole = SlimeOnDevice::new(&device, &simulation).unwrap();
-    whole.run(8, Some(&|_| Flow::Continue)).unwrap();
+    whole.run(8, Progress::new(&|_| ControlFlow::Continue(()))).unwrap();
     assert_eq!(stopped.state().unwrap(), whole.state().unwrap());
 }

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use self::lines::Lines;
 use super::Plant;
-use crate::base::{Error, Result};
+use crate::base::{Error, Progress, Result};
 use crate::io::{Packing, Source};
 
 /// The format of a file of a plant.
@@ -56,7 +56,7 @@ impl PlantFormat {
 /// [`Error::Io`] with file and line; [`Error::Mesh`], with the file, for nodes that make no plant ([`Plant::new`]).
 pub fn read(path: &Path) -> Result<Plant> {
     let (format, packing) = PlantFormat::of(path)?;
-    read_source(Source::open_bounded(path, packing, None)?, format, path)
+    read_source(Source::open_bounded(path, packing, Progress::none())?, format, path)
 }
 
 /// Reads the plant in these bytes as if they were a file.

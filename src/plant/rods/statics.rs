@@ -12,7 +12,7 @@ use super::small::{
     transposed, turned,
 };
 use super::{Pose, Rods, joint};
-use crate::base::{Error, Flow, Progress, Result};
+use crate::base::{Error, Progress, Result};
 use crate::dense;
 use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub};
 
@@ -25,12 +25,12 @@ pub struct RelaxOptions<'a> {
     /// Iterations after which [`Error::NotConverged`] is returned. Default 200.
     pub max_iterations: usize,
     /// Told of the fraction of the iterations; may cancel.
-    pub progress: Option<Progress<'a>>,
+    pub progress: Progress<'a>,
 }
 
 impl Default for RelaxOptions<'_> {
     fn default() -> Self {
-        Self { tolerance: 1e-8, max_iterations: 200, progress: None }
+        Self { tolerance: 1e-8, max_iterations: 200, progress: Progress::none() }
     }
 }
 
@@ -83,9 +83,7 @@ impl Rods {
         let mut residual = f64::INFINITY;
         for iteration in 0..options.max_iterations {
             let fraction = iteration as f64 / options.max_iterations as f64;
-            if options.progress.map(|progress| progress(fraction)) == Some(Flow::Cancel) {
-                return Err(Error::Cancelled);
-            }
+            options.progress.report(fraction)?;
             let loads = self.loads(&pins, &forces);
             let quadratic = self.quadratic(pose, &loads);
             let (factors, used) = self.positive_factors(&quadratic, shift)?;

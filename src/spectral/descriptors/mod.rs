@@ -18,12 +18,12 @@ pub use signatures::{
     wave_kernel_signature, wave_scales,
 };
 
+use std::ops::ControlFlow;
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use faer::Mat;
 
-use crate::base::{Error, Flow, Par, Progress, Result};
+use crate::base::{Error, Par, Progress, Result, Tracker};
 
 /// An n x columns matrix from blocks of rows, each written by `rows` one after the other (row-major) on some thread.
 fn by_rows(
@@ -31,25 +31,21 @@ fn by_rows(
     columns: usize,
     block: usize,
     par: Par,
-    progress: Option<Progress<'_>>,
+    progress: Progress<'_>,
     rows: impl Fn(Range<usize>, &mut [f64]) -> Result<()> + Sync,
 ) -> Result<Mat<f64>> {
-    let (done, cancelled) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let tracker = Tracker::new(progress, n as f64);
     let blocks = par.map_blocks(n, block, |range| {
-        if cancelled.load(Ordering::Relaxed) {
+        if tracker.state().is_break() {
             return Err(Error::Cancelled);
         }
         let size = range.len();
         let mut values = vec![0.0; size * columns];
         rows(range, &mut values)?;
-        if let Some(progress) = progress {
-            let done = done.fetch_add(size, Ordering::Relaxed) + size;
-            if progress(done as f64 / n as f64) == Flow::Cancel {
-                cancelled.store(true, Ordering::Relaxed);
-                return Err(Error::Cancelled);
-            }
+        match tracker.add(size as f64) {
+            ControlFlow::Continue(()) => Ok(values),
+            ControlFlow::Break(()) => Err(Error::Cancelled),
         }
-        Ok(values)
     });
     let mut result = Mat::zeros(n, columns);
     let mut start = 0;

@@ -20,7 +20,7 @@ pub struct RingOptions<'a> {
     /// Threads. Does not change the result.
     pub par: Par,
     /// Told of progress; may cancel.
-    pub progress: Option<Progress<'a>>,
+    pub progress: Progress<'a>,
 }
 
 /// Means of functions over rings around every vertex: an intrinsic local descriptor of our own, in place of the anisotropic

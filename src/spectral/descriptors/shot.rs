@@ -26,7 +26,7 @@ pub struct ShotOptions<'a> {
     /// Threads. Does not change the result.
     pub par: Par,
     /// Told of progress; may cancel.
-    pub progress: Option<Progress<'a>>,
+    pub progress: Progress<'a>,
 }
 
 /// A neighbour: where it is seen from the vertex, how far, and its normal.

@@ -2,7 +2,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef};
 
 use super::by_rows;
-use crate::base::{Error, Par, Result};
+use crate::base::{Error, Par, Progress, Result};
 
 /// Rows that are worked on together.
 const BLOCK: usize = 1 << 10;
@@ -160,7 +160,7 @@ pub fn global_point_signature(values: &[f64], vectors: MatRef<'_, f64>) -> Resul
 /// The squares of all entries, times a matrix.
 fn squares_times(vectors: MatRef<'_, f64>, weights: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
     let (n, k, columns) = (vectors.nrows(), vectors.ncols(), weights.ncols());
-    by_rows(n, columns, BLOCK, par, None, |range, rows| {
+    by_rows(n, columns, BLOCK, par, Progress::none(), |range, rows| {
         let squares = Mat::from_fn(range.len(), k, |i, j| vectors[(range.start + i, j)].powi(2));
         let rows = faer::MatMut::from_row_major_slice_mut(rows, range.len(), columns);
         matmul(rows, Accum::Replace, squares.as_ref(), weights, 1.0, faer::Par::Seq);

@@ -1,3 +1,5 @@
+use std::ops::ControlFlow;
+
 use super::*;
 use crate::base::Rng;
 use crate::mesh::vector::Vector;
@@ -152,11 +154,11 @@ fn wrong_arguments_of_signatures_are_named() {
 }
 
 fn shot_of(mesh: &TriMesh, radius: f64, par: Par) -> Mat<f64> {
-    shot(mesh, &ShotOptions { radius, par, progress: None }).unwrap()
+    shot(mesh, &ShotOptions { radius, par, progress: Progress::none() }).unwrap()
 }
 
 fn rings_of(mesh: &TriMesh, functions: &Mat<f64>, par: Par) -> Mat<f64> {
-    let options = RingOptions { radius: 0.7, rings: 4, par, progress: None };
+    let options = RingOptions { radius: 0.7, rings: 4, par, progress: Progress::none() };
     geodesic_rings(mesh, functions.as_ref(), &options).unwrap()
 }
 
@@ -202,7 +204,10 @@ fn shot_of_lonely_vertices_is_zero_and_its_radius_is_checked() {
     let mesh = shapes::grid(3, 3);
     assert_eq!(shot_of(&mesh, 0.5, Par::Seq).norm_max(), 0.0);
     for radius in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(shot(&mesh, &ShotOptions { radius, par: Par::Seq, progress: None }).is_err());
+        assert!(
+            shot(&mesh, &ShotOptions { radius, par: Par::Seq, progress: Progress::none() })
+                .is_err()
+        );
     }
     let empty = TriMesh::new(vec![], vec![]).unwrap();
     assert_eq!(shot_of(&empty, 1.0, Par::Seq).shape(), (0, 352));
@@ -250,7 +255,7 @@ fn rings_are_intrinsic_and_have_means_and_shares() {
     });
     let rolled = TriMesh::new(rolled.collect(), flat.faces().to_vec()).unwrap();
     let functions = Mat::from_fn(flat.vertices().len(), 1, |i, _| (i % 7) as f64);
-    let options = RingOptions { radius: 3.1, rings: 3, par: Par::Seq, progress: None };
+    let options = RingOptions { radius: 3.1, rings: 3, par: Par::Seq, progress: Progress::none() };
     let of = |mesh| geodesic_rings(mesh, functions.as_ref(), &options).unwrap();
     assert!(difference(&of(&flat), &of(&rolled)) < 1e-9);
 }
@@ -259,7 +264,7 @@ fn rings_are_intrinsic_and_have_means_and_shares() {
 fn rings_check_their_arguments() {
     let mesh = shapes::grid(2, 2);
     let functions = Mat::<f64>::zeros(9, 1);
-    let good = RingOptions { radius: 1.0, rings: 2, par: Par::Seq, progress: None };
+    let good = RingOptions { radius: 1.0, rings: 2, par: Par::Seq, progress: Progress::none() };
     assert!(geodesic_rings(&mesh, functions.as_ref(), &good).is_ok());
     for bad in [RingOptions { radius: 0.0, ..good }, RingOptions { rings: 0, ..good }] {
         assert!(geodesic_rings(&mesh, functions.as_ref(), &bad).is_err());
@@ -291,13 +296,13 @@ fn long_work_tells_its_progress_and_can_be_cancelled() {
     let seen = std::sync::Mutex::new(Vec::new());
     let progress = |done: f64| {
         seen.lock().unwrap().push(done);
-        Flow::Continue
+        ControlFlow::Continue(())
     };
-    let options = ShotOptions { radius: 0.3, par: Par::Seq, progress: Some(&progress) };
+    let options = ShotOptions { radius: 0.3, par: Par::Seq, progress: (&progress).into() };
     shot(&mesh, &options).unwrap();
     let seen = seen.lock().unwrap().clone();
     assert!(seen.is_sorted() && seen.last() == Some(&1.0));
-    let cancel = |_: f64| Flow::Cancel;
-    let options = ShotOptions { progress: Some(&cancel), ..options };
+    let cancel = |_: f64| ControlFlow::Break(());
+    let options = ShotOptions { progress: (&cancel).into(), ..options };
     assert_eq!(shot(&mesh, &options).unwrap_err(), Error::Cancelled);
 }

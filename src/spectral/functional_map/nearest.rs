@@ -4,11 +4,10 @@
 //! at a fraction of the speed of a product.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use faer::{Mat, MatRef, RowRef};
 
-use crate::base::{Error, Flow, Par, Progress, Result};
+use crate::base::{Error, Par, Progress, Result, Tracker};
 use crate::dense::zeros;
 use crate::spectral::dense;
 
@@ -32,7 +31,7 @@ pub fn nearest_rows(
     queries: MatRef<'_, f64>,
     candidates: MatRef<'_, f64>,
     par: Par,
-    progress: Option<Progress<'_>>,
+    progress: Progress<'_>,
 ) -> Result<Vec<u32>> {
     let (n, d) = queries.shape();
     Error::check_shape("candidates", (candidates.nrows(), d), candidates.shape())?;
@@ -56,19 +55,17 @@ pub fn nearest_rows(
         longest: norms.iter().copied().fold(0.0, f64::max),
         query_norms: squares(&queries),
     };
-    let (done, cancelled) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let tracker = Tracker::new(progress, n as f64);
     let nearest = par.map_blocks(n, QUERIES, |block| {
-        if cancelled.load(Ordering::Relaxed) {
+        if tracker.state().is_break() {
             return vec![];
         }
         let nearest = search.run(block);
-        let done = done.fetch_add(nearest.len(), Ordering::Relaxed) + nearest.len();
-        if progress.is_some_and(|progress| progress(done as f64 / n as f64) == Flow::Cancel) {
-            cancelled.store(true, Ordering::Relaxed);
-        }
+        // The blocks that are left look at the tracker's state.
+        let _ = tracker.add(nearest.len() as f64);
         nearest
     });
-    if cancelled.into_inner() { Err(Error::Cancelled) } else { Ok(nearest.concat()) }
+    tracker.finish().map(|()| nearest.concat())
 }
 
 fn transposed(points: MatRef<'_, f64>) -> Result<Mat<f64>> {
@@ -167,7 +164,9 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::{Flow, Rng};
+    use std::ops::ControlFlow;
+
+    use crate::base::Rng;
 
     fn by_definition(queries: &Mat<f64>, candidates: &Mat<f64>) -> Vec<u32> {
         (0..queries.nrows())
@@ -197,7 +196,9 @@ mod tests {
             let candidates = Mat::from_fn(m, d, |_, _| rng.normal());
             let expected = by_definition(&queries, &candidates);
             for par in [Par::Seq, Par::Threads(2), Par::Threads(3)] {
-                let found = nearest_rows(queries.as_ref(), candidates.as_ref(), par, None).unwrap();
+                let found =
+                    nearest_rows(queries.as_ref(), candidates.as_ref(), par, Progress::none())
+                        .unwrap();
                 assert_eq!(found, expected, "{n} {m} {d}");
             }
         }
@@ -208,10 +209,12 @@ mod tests {
         let mut rng = Rng::new(9);
         let candidates = Mat::from_fn(700, 5, |i, j| ((i % 50) * 7 + j) as f64 / 3.0);
         let queries = Mat::from_fn(50, 5, |i, j| candidates[(i, j)] + 1e-9 * rng.normal());
-        let found = nearest_rows(queries.as_ref(), candidates.as_ref(), Par::Seq, None).unwrap();
+        let found = nearest_rows(queries.as_ref(), candidates.as_ref(), Par::Seq, Progress::none())
+            .unwrap();
         assert_eq!(found, (0..50).collect::<Vec<u32>>());
         let same = Mat::from_fn(700, 3, |_, j| j as f64 * 0.1);
-        let found = nearest_rows(same.as_ref(), same.as_ref(), Par::Threads(2), None).unwrap();
+        let found =
+            nearest_rows(same.as_ref(), same.as_ref(), Par::Threads(2), Progress::none()).unwrap();
         assert!(found.iter().all(|&i| i == 0));
     }
 
@@ -220,15 +223,18 @@ mod tests {
         // Far from the origin products lose the difference; the definition does not.
         let candidates =
             Mat::from_fn(40, 2, |i, j| if j == 0 { 1e8 + i as f64 * 1e-7 } else { 0.0 });
-        let found = nearest_rows(candidates.as_ref(), candidates.as_ref(), Par::Seq, None).unwrap();
+        let found =
+            nearest_rows(candidates.as_ref(), candidates.as_ref(), Par::Seq, Progress::none())
+                .unwrap();
         assert_eq!(found, by_definition(&candidates, &candidates));
     }
 
     #[test]
     fn dirty_input_is_refused_by_name_and_work_can_be_cancelled() {
         let points = Mat::<f64>::zeros(3, 2);
-        let call =
-            |q: &Mat<f64>, c: &Mat<f64>| nearest_rows(q.as_ref(), c.as_ref(), Par::Seq, None);
+        let call = |q: &Mat<f64>, c: &Mat<f64>| {
+            nearest_rows(q.as_ref(), c.as_ref(), Par::Seq, Progress::none())
+        };
         let nan = Mat::from_fn(3, 2, |i, _| if i == 1 { f64::NAN } else { 0.0 });
         assert_eq!(call(&nan, &points), Err(Error::NonFinite { what: "queries", index: (1, 0) }));
         assert_eq!(
@@ -238,8 +244,8 @@ mod tests {
         assert!(matches!(call(&points, &Mat::zeros(3, 1)), Err(Error::Shape { .. })));
         let none = call(&points, &Mat::zeros(0, 2));
         assert!(matches!(none, Err(Error::Argument { what: "candidates", .. })));
-        let cancel = |_: f64| Flow::Cancel;
-        let stopped = nearest_rows(points.as_ref(), points.as_ref(), Par::Seq, Some(&cancel));
+        let cancel = |_: f64| ControlFlow::Break(());
+        let stopped = nearest_rows(points.as_ref(), points.as_ref(), Par::Seq, (&cancel).into());
         assert_eq!(stopped, Err(Error::Cancelled));
     }
 }

@@ -27,7 +27,7 @@ pub fn points_from_map(
     source: &Basis,
     target: &Basis,
     par: Par,
-    progress: Option<Progress<'_>>,
+    progress: Progress<'_>,
 ) -> Result<Vec<u32>> {
     Error::check_shape("functional map", (target.len(), source.len()), c.shape())?;
     dense::check_finite("functional map", c)?;
@@ -42,7 +42,7 @@ pub(super) fn nearest_images(
     target: MatRef<'_, f64>,
     ratio: f64,
     par: Par,
-    progress: Option<Progress<'_>>,
+    progress: Progress<'_>,
 ) -> Result<Vec<u32>> {
     let unscaled = Scale(1.0 / ratio) * c;
     let images = dense::product(source, unscaled.transpose(), par)?;

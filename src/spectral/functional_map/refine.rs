@@ -3,7 +3,7 @@
 use faer::{Mat, MatRef, Scale};
 
 use super::points::{nearest_images, pull_back};
-use crate::base::{Error, Flow, Par, Progress, Result};
+use crate::base::{Error, Par, Progress, Result};
 use crate::spectral::basis::times_mass;
 use crate::spectral::dense;
 use crate::spectral::eigenbasis::Eigenbasis;
@@ -32,7 +32,7 @@ pub fn icp(
     target: &Eigenbasis,
     iterations: usize,
     par: Par,
-    progress: Option<Progress<'_>>,
+    progress: Progress<'_>,
 ) -> Result<Refined> {
     Error::check_shape("functional map", (target.len(), source.len()), c.shape())?;
     dense::check_finite("functional map", c)?;
@@ -43,9 +43,9 @@ pub fn icp(
     let mut map = c.to_owned();
     let mut points = Vec::new();
     for done in 0..iterations {
-        let part = |fraction: f64| (done as f64 + fraction) / iterations as f64;
+        let at = |i: usize| i as f64 / iterations as f64;
         let before = std::mem::take(&mut points);
-        points = pair.points(map.as_ref(), progress, &part)?;
+        points = pair.points(map.as_ref(), progress.part(at(done)..at(done + 1)))?;
         if points == before {
             break;
         }
@@ -72,7 +72,7 @@ pub fn zoomout(
     target: &Eigenbasis,
     step: usize,
     par: Par,
-    progress: Option<Progress<'_>>,
+    progress: Progress<'_>,
 ) -> Result<Refined> {
     let full = (target.len(), source.len());
     let (mut rows, mut columns) = c.shape();
@@ -87,16 +87,18 @@ pub fn zoomout(
     }
     let pair = Pair::new(source, target, par)?;
     let steps = (full.0 - rows).max(full.1 - columns).div_ceil(step);
+    let step_of = |i: usize| {
+        let at = |i: usize| i as f64 / (steps + 1) as f64;
+        progress.part(at(i)..at(i + 1))
+    };
     let mut map = c.to_owned();
     for done in 0..steps {
-        let part = |fraction: f64| (done as f64 + fraction) / (steps + 1) as f64;
-        let points = pair.points(map.as_ref(), progress, &part)?;
+        let points = pair.points(map.as_ref(), step_of(done))?;
         (rows, columns) = ((rows + step).min(full.0), (columns + step).min(full.1));
         map = pair.map(&points, (rows, columns))?;
     }
     // What the last map says, so that map and points belong together.
-    let part = |fraction: f64| (steps as f64 + fraction) / (steps + 1) as f64;
-    let points = pair.points(map.as_ref(), progress, &part)?;
+    let points = pair.points(map.as_ref(), step_of(steps))?;
     let map = pair.map(&points, full)?;
     Ok(Refined { map, points })
 }
@@ -120,16 +122,10 @@ impl<'a> Pair<'a> {
     }
 
     /// The point-to-point map of a map between the first functions.
-    fn points(
-        &self,
-        map: MatRef<'_, f64>,
-        progress: Option<Progress<'_>>,
-        part: &(dyn Fn(f64) -> f64 + Sync),
-    ) -> Result<Vec<u32>> {
+    fn points(&self, map: MatRef<'_, f64>, progress: Progress<'_>) -> Result<Vec<u32>> {
         let source = self.source.functions().subcols(0, map.ncols());
         let target = self.target.functions().subcols(0, map.nrows());
-        let report = |fraction: f64| progress.map_or(Flow::Continue, |p| p(part(fraction)));
-        nearest_images(map, source, target, self.ratio, self.par, Some(&report))
+        nearest_images(map, source, target, self.ratio, self.par, progress)
     }
 
     /// The functional map of a point-to-point map, between the first functions.

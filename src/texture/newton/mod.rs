@@ -17,13 +17,11 @@ mod points;
 mod tests;
 mod texels;
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 pub use palette::{darkened, root_color};
 pub use points::{Grid, Points};
 pub use texels::{Texels, texels};
 
-use crate::base::{Error, Flow, Par, Progress, Result, reserved};
+use crate::base::{Error, Par, Progress, Result, Tracker, reserved};
 use points::Cursor;
 
 /// The polynomial whose roots are looked for.
@@ -214,25 +212,22 @@ impl Newton {
         &self,
         points: Points<'_>,
         par: Par,
-        progress: Option<Progress<'_>>,
+        progress: Progress<'_>,
     ) -> Result<Fractal> {
         let count = points.check(&self.parameters)?;
         let mut fractal = Fractal::with_len(count)?;
         let blocks = fractal.roots.chunks_mut(BLOCK).zip(fractal.convergence.chunks_mut(BLOCK));
         let number = count.div_ceil(BLOCK) as f64;
-        let cancelled = AtomicBool::new(false);
+        let tracker = Tracker::new(progress, number);
         par.for_each(blocks, |i, (roots, convergence)| {
-            if cancelled.load(Ordering::Relaxed) {
+            if tracker.state().is_break() {
                 return;
             }
             iterate::evaluate(&self.parameters, Cursor::new(points, i * BLOCK), roots, convergence);
-            let fraction = (i + 1) as f64 / number;
-            if progress.is_some_and(|tell| tell(fraction) == Flow::Cancel) {
-                cancelled.store(true, Ordering::Relaxed);
-            }
+            // The blocks that are left look at the tracker's state.
+            let _ = tracker.add(1.0);
         });
-        let was_cancelled = cancelled.into_inner();
-        if was_cancelled { Err(Error::Cancelled) } else { Ok(fractal) }
+        tracker.finish().map(|()| fractal)
     }
 }
 

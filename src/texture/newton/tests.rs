@@ -1,8 +1,9 @@
 //! Against double precision in polar form, which is what the thesis describes.
 
 use super::*;
-use crate::base::Rng;
+use crate::base::{Progress, Rng};
 use std::f64::consts::TAU;
+use std::ops::ControlFlow;
 
 type Complex = [f64; 2];
 
@@ -121,7 +122,7 @@ fn random_points(count: usize, size: f64, seed: u64) -> Vec<[f32; 3]> {
 }
 
 fn evaluate(options: &NewtonOptions, points: Points<'_>) -> Fractal {
-    Newton::new(options).unwrap().evaluate(points, Par::Threads(2), None).unwrap()
+    Newton::new(options).unwrap().evaluate(points, Par::Threads(2), Progress::none()).unwrap()
 }
 
 /// What was found of points inside of basins.
@@ -227,8 +228,9 @@ fn points_at_roots_and_at_the_null_cone_are_defined() {
             .unwrap()
     };
     for n in 2..=16 {
-        let at =
-            |points: &[[f32; 3]]| newton(n).evaluate(Points::List(points), Par::Seq, None).unwrap();
+        let at = |points: &[[f32; 3]]| {
+            newton(n).evaluate(Points::List(points), Par::Seq, Progress::none()).unwrap()
+        };
         // 1 is the root (0, 0); 0 is nowhere; alpha is 0 at y = z, and beta at y = -z, if x is 0.
         let found =
             at(&[[1.0, 0.0, 0.0], [0.0; 3], [0.0, 0.5, 0.5], [0.0, 0.5, -0.5], [1e-30, 0.0, 0.0]]);
@@ -294,14 +296,15 @@ fn threads_decide_nothing() {
     let newton = Newton::new(&NewtonOptions::default()).unwrap();
     for len in [0, 1, 7, BLOCK, 3 * BLOCK + 1] {
         let points = random_points(len, 1.5, 9);
-        let one = newton.evaluate(Points::List(&points), Par::Seq, None).unwrap();
+        let one = newton.evaluate(Points::List(&points), Par::Seq, Progress::none()).unwrap();
         for threads in [2, 3] {
             let par = Par::Threads(threads);
-            assert_eq!(newton.evaluate(Points::List(&points), par, None).unwrap(), one);
+            assert_eq!(newton.evaluate(Points::List(&points), par, Progress::none()).unwrap(), one);
         }
         // Lanes know nothing of their neighbours.
         if let [first, ..] = points[..] {
-            let alone = newton.evaluate(Points::List(&[first]), Par::Seq, None).unwrap();
+            let alone =
+                newton.evaluate(Points::List(&[first]), Par::Seq, Progress::none()).unwrap();
             assert_eq!((alone.roots[0], alone.convergence[0]), (one.roots[0], one.convergence[0]));
         }
     }
@@ -324,13 +327,14 @@ fn what_can_not_be_computed_is_refused() {
     assert!(with(&|o| o.w = f64::INFINITY).is_err());
     let newton = Newton::new(&NewtonOptions::default()).unwrap();
     let points = [[0.0; 3], [0.0, f32::NAN, 0.0]];
-    let found = newton.evaluate(Points::List(&points), Par::Seq, None);
+    let found = newton.evaluate(Points::List(&points), Par::Seq, Progress::none());
     assert_eq!(found, Err(Error::NonFinite { what: "points", index: (1, 0) }));
     let large = Grid { counts: [1 << 17, 1, 1], ..Grid::plane(1, 1, [0.0; 2], 1.0) };
-    assert!(newton.evaluate(Points::Grid(large), Par::Seq, None).is_err());
+    assert!(newton.evaluate(Points::Grid(large), Par::Seq, Progress::none()).is_err());
     let large = Grid::plane(1 << 16, 1 << 16, [0.0; 2], 1.0);
-    assert!(newton.evaluate(Points::Grid(large), Par::Seq, None).is_err());
+    assert!(newton.evaluate(Points::Grid(large), Par::Seq, Progress::none()).is_err());
     let plane = Points::Grid(Grid::plane(64, 64, [0.0; 2], 1.0));
-    let cancelled = newton.evaluate(plane, Par::Threads(2), Some(&|_| Flow::Cancel));
+    let cancelled =
+        newton.evaluate(plane, Par::Threads(2), Progress::new(&|_| ControlFlow::Break(())));
     assert_eq!(cancelled, Err(Error::Cancelled));
 }

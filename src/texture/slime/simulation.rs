@@ -10,7 +10,7 @@ use super::state::State;
 use super::surface::Surface;
 use super::texels::{FREE, GOAL, OBSTACLE, Texels};
 use super::walk::Walker;
-use crate::base::{Error, Flow, Par, Progress, Result, reserved, zeros};
+use crate::base::{Error, Par, Progress, Result, reserved, zeros};
 
 /// Agents that one thread moves at a time.
 const AGENTS: usize = 4096;
@@ -91,14 +91,10 @@ impl Simulation {
     ///
     /// # Errors
     /// [`Error::Cancelled`]; the steps before are done then, and it can go on.
-    pub fn run(&mut self, steps: u32, par: Par, progress: Option<Progress<'_>>) -> Result<()> {
+    pub fn run(&mut self, steps: u32, par: Par, progress: Progress<'_>) -> Result<()> {
         for done in 1..=steps {
             self.step(par);
-            if let Some(progress) = progress
-                && progress(f64::from(done) / f64::from(steps)) == Flow::Cancel
-            {
-                return Err(Error::Cancelled);
-            }
+            progress.report(f64::from(done) / f64::from(steps))?;
         }
         Ok(())
     }

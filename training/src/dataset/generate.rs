@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use catamaran::base::{Flow, Pin, Progress, Team};
+use catamaran::base::{Pin, Progress, ThreadPool};
 use catamaran::io::{Array, ArraysWriter, Output, Overwrite, read_arrays};
 use catamaran::mesh::{LaplacianOptions, TriMesh, laplacian, vertex_areas};
 use catamaran::sparse::{EigenOptions, eigs};
@@ -38,7 +39,7 @@ pub fn generate(
     options: &DatasetOptions,
     folder: &Path,
     par: Par,
-    progress: Option<Progress<'_>>,
+    progress: Progress<'_>,
 ) -> Result<Dataset> {
     options.check()?;
     prepare(folder, &format!("{options:?}\n"))?;
@@ -48,12 +49,10 @@ pub fn generate(
     let one = |(number, job): (usize, &Job)| {
         let found = shape(options, job, number, subjects.get(job.family.number()), folder);
         let done = 1 + done.fetch_add(1, Ordering::Relaxed);
-        match progress.map(|progress| progress(done as f64 / jobs.len() as f64)) {
-            Some(Flow::Cancel) => Err(Error::Cancelled),
-            _ => found,
-        }
+        progress.report(done as f64 / jobs.len() as f64)?;
+        found
     };
-    let team = Team::new(par.threads(), Pin::No)?;
+    let team = ThreadPool::new(par.threads(), Pin::No)?;
     let shapes: Vec<Found> =
         team.run(|| jobs.par_iter().enumerate().map(one).collect::<Result<_>>())?;
     let mut dataset = Dataset::default();
@@ -354,7 +353,7 @@ mod tests {
     #[test]
     fn spectra_of_unions_are_below_those_of_parts() {
         let folder = tempfile::tempdir().unwrap();
-        let set = generate(&tiny(), folder.path(), Par::all(), None).unwrap();
+        let set = generate(&tiny(), folder.path(), Par::all(), Progress::none()).unwrap();
         let Samples { part1, part2, union, areas, .. } = &set.samples;
         assert!(set.templates.len() == 4 && part1.len() > 20);
         for i in 0..part1.len() {
@@ -372,7 +371,7 @@ mod tests {
     fn templates_have_the_masks_of_all_samples() {
         let folder = tempfile::tempdir().unwrap();
         let Dataset { templates, samples, .. } =
-            generate(&tiny(), folder.path(), Par::all(), None).unwrap();
+            generate(&tiny(), folder.path(), Par::all(), Progress::none()).unwrap();
         let varied = (0..samples.pose.len()).filter(|&i| samples.pose[i] >= tiny().poses).count();
         let creature = Family::Creature.number();
         assert!(varied > 0 && samples.family.contains(&creature));
@@ -390,7 +389,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let options = DatasetOptions { creatures: 2, others: 0, varied: 0, ..tiny() };
         let Dataset { templates, samples, .. } =
-            generate(&options, folder.path(), Par::all(), None).unwrap();
+            generate(&options, folder.path(), Par::all(), Progress::none()).unwrap();
         assert_eq!(templates.len(), 1);
         let creature = Family::Creature.number();
         let own = |identity: usize| -> Vec<usize> {
@@ -409,15 +408,18 @@ mod tests {
     #[test]
     fn what_was_interrupted_goes_on_and_is_the_same_for_any_number_of_threads() {
         let folder = tempfile::tempdir().unwrap();
-        let whole = generate(&tiny(), &folder.path().join("a"), Par::Seq, None).unwrap();
+        let whole =
+            generate(&tiny(), &folder.path().join("a"), Par::Seq, Progress::none()).unwrap();
         let other = folder.path().join("b");
-        let stop = |fraction: f64| if fraction > 0.4 { Flow::Cancel } else { Flow::Continue };
-        let stopped = generate(&tiny(), &other, Par::Seq, Some(&stop)).unwrap_err();
+        let stop = |fraction: f64| {
+            if fraction > 0.4 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let stopped = generate(&tiny(), &other, Par::Seq, (&stop).into()).unwrap_err();
         assert_eq!(stopped, Error::Cancelled);
         assert!(other.join("shape00000.npz").exists());
-        assert_eq!(generate(&tiny(), &other, Par::Threads(2), None).unwrap(), whole);
+        assert_eq!(generate(&tiny(), &other, Par::Threads(2), Progress::none()).unwrap(), whole);
         let strange = DatasetOptions { seed: 6, ..tiny() };
-        let refused = generate(&strange, &other, Par::Seq, None).unwrap_err();
+        let refused = generate(&strange, &other, Par::Seq, Progress::none()).unwrap_err();
         assert!(refused.to_string().contains("other options"), "{refused}");
 
         let path = folder.path().join("set.npz");
@@ -432,7 +434,7 @@ mod tests {
             CutOptions { regions: 12, pairs: 20, composites: 0, splits: 15, triples: 2, seed: 1 };
         let options = DatasetOptions { known: 2, others: 0, cuts, ..tiny() };
         let Dataset { templates, samples, .. } =
-            generate(&options, folder.path(), Par::all(), None).unwrap();
+            generate(&options, folder.path(), Par::all(), Progress::none()).unwrap();
         let Samples { split, mask_union, knowledge, remeshed, pose, .. } = samples;
         let of = |wanted: usize| {
             let rows = (0..split.len()).filter(|&i| split[i] == wanted);

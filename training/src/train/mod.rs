@@ -8,7 +8,7 @@ pub use examples::{Composite, Examples, LEAST_SHARE, Pair};
 
 use std::borrow::Cow;
 
-use catamaran::base::{Pin, Rng, Team};
+use catamaran::base::{Pin, Rng, ThreadPool};
 use catamaran::unions::network::{
     Architecture, FEATURES, K, Places, Tape, forward, quantize, sigmoid,
 };
@@ -112,7 +112,7 @@ pub struct Trainer {
     /// What is familiar to it.
     familiar: Familiar,
     workers: Vec<Worker>,
-    team: Option<Team>,
+    team: Option<ThreadPool>,
 }
 
 impl Trainer {
@@ -158,7 +158,7 @@ impl Trainer {
         let workers = (0..options.batch.div_ceil(TASK).max(1)).map(|_| worker()).collect();
         let team = match par.threads() {
             1 => None,
-            threads => Some(Team::new(threads, Pin::No)?),
+            threads => Some(ThreadPool::new(threads, Pin::No)?),
         };
         let rounded = vec![0.0; places.len];
         let symmetric = |pair: &Pair| Ok(Question::new(&pair.first, &pair.second)?.symmetric());

@@ -51,7 +51,7 @@ impl<'w, T: MpiReal> Ours<'w, T> {
         let a = filled(rows.len(), cols.len(), |i, j| job.entry(rows.start + i, cols.start + j))?;
         let side = if job.mode.place() == Place::OneRank && is_root { n } else { 0 };
         let c = filled(side, side, |_, _| T::from_f64(f64::NAN))?;
-        let options = AtaOptions { par: Par::Threads(job.threads), ..AtaOptions::default() };
+        let options = AtaOptions::new().par(Par::Threads(job.threads));
         Ok(Self { world, job, options, part, a, c, result: None })
     }
 

@@ -2,11 +2,11 @@
 
 use std::fs;
 use std::hint::black_box;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
 use catamaran::Par;
-use catamaran::base::Flow;
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::LaplacianOptions;
 use catamaran::unions::{PartSpectra, SpectralUnion};
@@ -120,9 +120,9 @@ fn generate(path: &Path) -> Result<()> {
     let parts = path.with_extension("parts");
     let tell = |done: f64| {
         eprint!("\r{:3.0} % ", 100.0 * done);
-        Flow::Continue
+        ControlFlow::Continue(())
     };
-    let found = dataset::generate(&DatasetOptions::default(), &parts, Par::all(), Some(&tell))?;
+    let found = dataset::generate(&DatasetOptions::default(), &parts, Par::all(), (&tell).into())?;
     eprintln!();
     dataset::write(&found, Output::create(path, Overwrite::Never)?)?;
     Ok(fs::remove_dir_all(&parts)?)

@@ -8,34 +8,30 @@ use tempfile::NamedTempFile;
 
 use super::Rates;
 use crate::base::{Error, Result};
-use crate::kernel::packed::Instance;
+use crate::kernel::packed::Isa;
 
 impl Rates {
-    /// The rates that [`Rates::save`] left for this instance on this machine; `None` when there are
+    /// The rates that [`Rates::save`] left for this isa on this machine; `None` when there are
     /// none, or when [`Rates::load`] refuses the file.
-    pub fn cached(instance: Instance) -> Option<Self> {
-        Self::load(&Self::path(instance)?, instance).ok()
+    pub fn cached(isa: Isa) -> Option<Self> {
+        Self::load(&Self::path(isa)?, isa).ok()
     }
 
-    /// Where they are kept: `catamaran/rates-<instance>.txt` in `$XDG_CACHE_HOME` or `~/.cache`
+    /// Where they are kept: `catamaran/rates-<isa>.txt` in `$XDG_CACHE_HOME` or `~/.cache`
     /// (macOS: `~/Library/Caches`, Windows: `%LOCALAPPDATA%`); `None` when the environment names no
     /// such directory. The file need not be there.
-    pub fn path(instance: Instance) -> Option<PathBuf> {
-        Some(file_in(&directory()?, instance))
+    pub fn path(isa: Isa) -> Option<PathBuf> {
+        Some(file_in(&directory()?, isa))
     }
 
     /// The rates in a file.
     ///
     /// # Errors
     /// [`Error::Io`] with the file, and the line where one is at fault, when it can't be read, is
-    /// broken, or is of another CPU or instance ([`Rates::parse`]).
-    pub fn load(path: &Path, instance: Instance) -> Result<Self> {
+    /// broken, or is of another CPU or isa ([`Rates::parse`]).
+    pub fn load(path: &Path, isa: Isa) -> Result<Self> {
         let text = std::fs::read_to_string(path).map_err(|e| error(path, e.to_string()))?;
-        Self::parse(&text, instance).map_err(|(line, what)| Error::Io {
-            path: path.into(),
-            line,
-            what,
-        })
+        Self::parse(&text, isa).map_err(|(line, what)| Error::Io { path: path.into(), line, what })
     }
 
     /// Writes them to [`Rates::path`], in one step, and says where that is.
@@ -43,18 +39,18 @@ impl Rates {
     /// # Errors
     /// [`Error::Argument`] when there is no such directory to be had, [`Error::Io`] when it can't be
     /// written.
-    pub fn save(&self, instance: Instance) -> Result<PathBuf> {
+    pub fn save(&self, isa: Isa) -> Result<PathBuf> {
         let why = "the environment names none: set XDG_CACHE_HOME or HOME (Windows: LOCALAPPDATA)";
         let none = || Error::Argument { what: "cache directory", why: why.into() };
-        self.save_in(&directory().ok_or_else(none)?, instance)
+        self.save_in(&directory().ok_or_else(none)?, isa)
     }
 
-    fn save_in(&self, directory: &Path, instance: Instance) -> Result<PathBuf> {
-        let path = file_in(directory, instance);
+    fn save_in(&self, directory: &Path, isa: Isa) -> Result<PathBuf> {
+        let path = file_in(directory, isa);
         let write = || -> io::Result<()> {
             std::fs::create_dir_all(directory)?;
             let mut file = NamedTempFile::new_in(directory)?;
-            file.write_all(self.to_text(instance).as_bytes())?;
+            file.write_all(self.to_text(isa).as_bytes())?;
             file.persist(&path)?;
             Ok(())
         };
@@ -65,8 +61,8 @@ impl Rates {
     }
 }
 
-fn file_in(directory: &Path, instance: Instance) -> PathBuf {
-    directory.join(format!("rates-{}.txt", instance.name()))
+fn file_in(directory: &Path, isa: Isa) -> PathBuf {
+    directory.join(format!("rates-{}.txt", isa.name()))
 }
 
 /// The directory of our files.
@@ -99,13 +95,13 @@ mod tests {
     fn what_is_saved_is_loaded_for_the_same_instance_only() {
         let folder = tempfile::tempdir().unwrap();
         let directory = folder.path().join("not there yet");
-        for rates in [Rates::of(Instance::Avx2), RATES] {
-            let path = rates.save_in(&directory, Instance::Avx2).unwrap();
+        for rates in [Rates::of(Isa::Avx2), RATES] {
+            let path = rates.save_in(&directory, Isa::Avx2).unwrap();
             assert_eq!(path, directory.join("rates-avx2.txt"));
-            assert_eq!(Rates::load(&path, Instance::Avx2), Ok(rates));
+            assert_eq!(Rates::load(&path, Isa::Avx2), Ok(rates));
             // Nothing else stays behind.
             assert_eq!(std::fs::read_dir(&directory).unwrap().count(), 1);
-            let Err(Error::Io { line, .. }) = Rates::load(&path, Instance::Portable) else {
+            let Err(Error::Io { line, .. }) = Rates::load(&path, Isa::Portable) else {
                 panic!("rates of avx2 for portable");
             };
             assert_eq!(line, 1);
@@ -115,13 +111,13 @@ mod tests {
     #[test]
     fn a_file_that_is_broken_or_absent_is_refused_by_path_and_line() {
         let folder = tempfile::tempdir().unwrap();
-        let path = RATES.save_in(folder.path(), Instance::Portable).unwrap();
-        let text = RATES.to_text(Instance::Portable).replace("1250000000", "fast");
+        let path = RATES.save_in(folder.path(), Isa::Portable).unwrap();
+        let text = RATES.to_text(Isa::Portable).replace("1250000000", "fast");
         std::fs::write(&path, text).unwrap();
-        let message = Rates::load(&path, Instance::Portable).unwrap_err().to_string();
+        let message = Rates::load(&path, Isa::Portable).unwrap_err().to_string();
         assert!(message.contains("rates-portable.txt:4: pack_bytes: \"fast\""), "{message}");
         std::fs::remove_file(&path).unwrap();
-        let message = Rates::load(&path, Instance::Portable).unwrap_err().to_string();
+        let message = Rates::load(&path, Isa::Portable).unwrap_err().to_string();
         assert!(message.contains("rates-portable.txt: "), "{message}");
     }
 
@@ -130,7 +126,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("file");
         std::fs::write(&file, "").unwrap();
-        let message = RATES.save_in(&file, Instance::Portable).unwrap_err().to_string();
+        let message = RATES.save_in(&file, Isa::Portable).unwrap_err().to_string();
         assert!(message.contains("file") && message.contains("can't be written"), "{message}");
     }
 }

@@ -7,9 +7,7 @@ use faer::MatRef;
 use super::Rates;
 use crate::base::{Error, Result, Workspace};
 use crate::kernel::packed::sealed::Kernels;
-use crate::kernel::packed::{
-    Area, Destination, Geometry, Instance, Kernel, Part, Row, Source, Target,
-};
+use crate::kernel::packed::{Area, Destination, Geometry, Isa, Kernel, Part, Row, Source, Target};
 
 /// Rows and columns of the matrix that fits no cache: 133 MB. No power of two, whose rows would all
 /// fall on the same few places of a cache.
@@ -18,7 +16,7 @@ const SIDE: usize = 4080;
 /// Rows packed at a time: with all columns, panels of 8 MB.
 const DEPTH: usize = 256;
 
-/// Columns packed at a time, and sides of an item, at most: whole panels of every instance.
+/// Columns packed at a time, and sides of an item, at most: whole panels of every isa.
 const ITEM: usize = 120;
 
 /// Blocks that are summed while packed: enough to see what reading costs.
@@ -34,16 +32,16 @@ impl Rates {
     /// Measures them on the calling thread, in about half a second, with 142 MB of memory; f64.
     ///
     /// # Errors
-    /// [`Error::Argument`] when this machine refuses the instance, [`Error::OutOfMemory`].
-    pub fn measure(instance: Instance) -> Result<Self> {
-        if let Some(why) = instance.refusal() {
-            let why = format!("{}: {why}", instance.name());
-            return Err(Error::Argument { what: "instance", why });
+    /// [`Error::Argument`] when this machine refuses the isa, [`Error::OutOfMemory`].
+    pub fn measure(isa: Isa) -> Result<Self> {
+        if let Some(why) = isa.refusal() {
+            let why = format!("{}: {why}", isa.name());
+            return Err(Error::Argument { what: "isa", why });
         }
         let mut matrix = Workspace::new(SIDE * SIDE)?;
         let mut panels = Workspace::new(DEPTH * SIDE)?;
         let mut bench = Bench::new(
-            f64::kernel(instance),
+            f64::kernel(isa),
             &mut matrix.as_mut_slice()[..SIDE * SIDE],
             &mut panels.as_mut_slice()[..DEPTH * SIDE],
         );
@@ -231,16 +229,16 @@ mod tests {
 
     #[test]
     fn measured_rates_are_rates_and_refused_instances_are_named() {
-        for instance in Instance::ALL {
-            match (instance.refusal(), Rates::measure(instance)) {
+        for isa in Isa::ALL {
+            match (isa.refusal(), Rates::measure(isa)) {
                 (None, Ok(rates)) => {
-                    let text = rates.to_text(instance);
-                    assert_eq!(Rates::parse(&text, instance), Ok(rates), "positive and finite");
+                    let text = rates.to_text(isa);
+                    assert_eq!(Rates::parse(&text, isa), Ok(rates), "positive and finite");
                 }
                 (Some(why), Err(e)) => {
-                    assert_eq!(e.to_string(), format!("instance: {}: {why}", instance.name()));
+                    assert_eq!(e.to_string(), format!("isa: {}: {why}", isa.name()));
                 }
-                (refusal, measured) => panic!("{instance:?}: {refusal:?}, {measured:?}"),
+                (refusal, measured) => panic!("{isa:?}: {refusal:?}, {measured:?}"),
             }
         }
     }

@@ -5,7 +5,7 @@ mod cpu;
 mod measure;
 mod text;
 
-use super::Instance;
+use super::Isa;
 
 /// Speed of one core with one instruction set, for the planner. Estimates: a wrong one costs time,
 /// never correctness.
@@ -27,11 +27,11 @@ pub struct Rates {
 
 impl Rates {
     /// The built-in ones, which serve where nothing was measured.
-    pub fn of(instance: Instance) -> Self {
-        let flops = match instance {
-            Instance::Avx512 => 85e9,
-            Instance::Avx2 => 50e9,
-            Instance::Portable => 14e9,
+    pub fn of(isa: Isa) -> Self {
+        let flops = match isa {
+            Isa::Avx512 => 85e9,
+            Isa::Avx2 => 50e9,
+            Isa::Portable => 14e9,
         };
         Self { flops, read_bytes: 15e9, pack_bytes: 20e9, update_bytes: 20e9 }
     }

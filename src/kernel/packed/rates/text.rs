@@ -1,7 +1,7 @@
 //! The text form of rates: a line that says whose they are, then lines `key = value`.
 
 use super::{Rates, cpu};
-use crate::kernel::packed::Instance;
+use crate::kernel::packed::Isa;
 
 /// A fault of a text: its line, from 1 (0 when no line is to blame), and what is wrong.
 pub(super) type Fault = (usize, String);
@@ -10,31 +10,31 @@ pub(super) type Fault = (usize, String);
 const KEYS: [&str; 4] = ["flops", "read_bytes", "pack_bytes", "update_bytes"];
 
 impl Rates {
-    /// The rates as text, for [`Rates::parse`] on the same kind of CPU: a line with the instance, the
+    /// The rates as text, for [`Rates::parse`] on the same kind of CPU: a line with the isa, the
     /// CPU and the kind of build (debug or not), then a line `key = value` for each field, in units per second.
-    pub fn to_text(&self, instance: Instance) -> String {
-        self.to_text_of(instance, &cpu::name())
+    pub fn to_text(&self, isa: Isa) -> String {
+        self.to_text_of(isa, &cpu::name())
     }
 
-    fn to_text_of(self, instance: Instance, cpu: &str) -> String {
+    fn to_text_of(self, isa: Isa, cpu: &str) -> String {
         let values = [self.flops, self.read_bytes, self.pack_bytes, self.update_bytes];
         let lines = KEYS.iter().zip(values).map(|(key, value)| format!("{key} = {value}\n"));
-        header(instance, cpu) + "\n" + &lines.collect::<String>()
+        header(isa, cpu) + "\n" + &lines.collect::<String>()
     }
 
-    /// Rates from text that [`Rates::to_text`] wrote on this kind of CPU for the same instance.
+    /// Rates from text that [`Rates::to_text`] wrote on this kind of CPU for the same isa.
     ///
     /// # Errors
     /// The line at fault (from 1; 0 for a key that is not there) and what is wrong with it: another
-    /// CPU, instance or kind of build, a key that is unknown, missing or there twice, a value that is not a finite
+    /// CPU, isa or kind of build, a key that is unknown, missing or there twice, a value that is not a finite
     /// number above 0.
-    pub fn parse(text: &str, instance: Instance) -> Result<Self, (usize, String)> {
-        Self::parse_of(text, instance, &cpu::name())
+    pub fn parse(text: &str, isa: Isa) -> Result<Self, (usize, String)> {
+        Self::parse_of(text, isa, &cpu::name())
     }
 
-    fn parse_of(text: &str, instance: Instance, cpu: &str) -> Result<Self, Fault> {
+    fn parse_of(text: &str, isa: Isa, cpu: &str) -> Result<Self, Fault> {
         let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
-        let (first, expected) = (lines.next().map_or("", |(_, line)| line), header(instance, cpu));
+        let (first, expected) = (lines.next().map_or("", |(_, line)| line), header(isa, cpu));
         if first != expected {
             return Err((1, format!("{first:?} where this machine needs {expected:?}")));
         }
@@ -60,10 +60,10 @@ impl Rates {
 }
 
 /// The first line.
-fn header(instance: Instance, cpu: &str) -> String {
+fn header(isa: Isa, cpu: &str) -> String {
     // Slow code is no measure of fast code.
     let build = if cfg!(debug_assertions) { ", debug build" } else { "" };
-    format!("catamaran rates of {} on {cpu}{build}", instance.name())
+    format!("catamaran rates of {} on {cpu}{build}", isa.name())
 }
 
 #[cfg(test)]
@@ -76,28 +76,28 @@ mod tests {
 
     #[test]
     fn text_gives_the_same_rates_back() {
-        for instance in Instance::ALL {
-            let text = RATES.to_text(instance);
-            assert_eq!(Rates::parse(&text, instance), Ok(RATES));
-            assert_eq!(Rates::parse(&text.replace('\n', "\r\n\r\n"), instance), Ok(RATES));
+        for isa in Isa::ALL {
+            let text = RATES.to_text(isa);
+            assert_eq!(Rates::parse(&text, isa), Ok(RATES));
+            assert_eq!(Rates::parse(&text.replace('\n', "\r\n\r\n"), isa), Ok(RATES));
         }
     }
 
     #[test]
     fn text_of_another_cpu_or_instance_is_refused() {
-        let text = RATES.to_text_of(Instance::Avx2, CPU);
-        assert_eq!(Rates::parse_of(&text, Instance::Avx2, CPU), Ok(RATES));
-        for (instance, cpu) in [(Instance::Avx2, "Another"), (Instance::Portable, CPU)] {
-            let (line, what) = Rates::parse_of(&text, instance, cpu).unwrap_err();
+        let text = RATES.to_text_of(Isa::Avx2, CPU);
+        assert_eq!(Rates::parse_of(&text, Isa::Avx2, CPU), Ok(RATES));
+        for (isa, cpu) in [(Isa::Avx2, "Another"), (Isa::Portable, CPU)] {
+            let (line, what) = Rates::parse_of(&text, isa, cpu).unwrap_err();
             assert_eq!(line, 1);
             assert!(what.contains(CPU) && what.contains("avx2"), "{what}");
-            assert!(what.contains(cpu) && what.contains(instance.name()), "{what}");
+            assert!(what.contains(cpu) && what.contains(isa.name()), "{what}");
         }
     }
 
     #[test]
     fn a_broken_text_is_refused_by_line_and_key() {
-        let whole = RATES.to_text_of(Instance::Avx2, CPU);
+        let whole = RATES.to_text_of(Isa::Avx2, CPU);
         let changed = |from: &str, to: &str| {
             assert!(whole.contains(from));
             whole.replace(from, to)
@@ -114,7 +114,7 @@ mod tests {
             (changed("= 7", "7"), 4, "\"pack_bytes 7\" is not of the form"),
             (whole.clone() + "flops = 1\n", 6, "flops: there twice"),
         ] {
-            let (found, what) = Rates::parse_of(&text, Instance::Avx2, CPU).unwrap_err();
+            let (found, what) = Rates::parse_of(&text, Isa::Avx2, CPU).unwrap_err();
             assert_eq!(found, line, "{what}");
             assert!(what.contains(part), "{part:?} in {what}");
         }

@@ -1,0 +1,193 @@
+//! Memory that several threads write, each its own part: the one type that all executors share.
+
+use std::marker::PhantomData;
+use std::ops::Range;
+
+use faer::{MatMut, MatRef};
+
+/// A pointer that threads may share. Using it is unsafe, and who uses it keeps their parts disjoint.
+#[derive(Debug)]
+pub(crate) struct SharedPtr<T>(*mut T);
+
+impl<T> Clone for SharedPtr<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for SharedPtr<T> {}
+
+// SAFETY: only an address. Every access through it is unsafe and asks for disjointness; elements move
+// between threads, hence `T: Send`.
+unsafe impl<T: Send> Send for SharedPtr<T> {}
+// SAFETY: as above.
+unsafe impl<T: Send> Sync for SharedPtr<T> {}
+
+impl<T> SharedPtr<T> {
+    pub fn new(start: *mut T) -> Self {
+        Self(start)
+    }
+
+    /// The address `offset` elements further on, which need not be one of the memory.
+    #[inline(always)]
+    pub fn at(self, offset: isize) -> *mut T {
+        self.0.wrapping_offset(offset)
+    }
+}
+
+/// A matrix (or a slice, which is one column) whose disjoint parts are written from several threads.
+///
+/// The borrow of the matrix lasts as long as this. Each access is unsafe: the caller promises that no
+/// two parts that are alive at a time overlap, usually because tickets hand out each part once.
+pub(crate) struct Disjoint<'a, T> {
+    start: SharedPtr<T>,
+    rows: usize,
+    cols: usize,
+    row_stride: isize,
+    col_stride: isize,
+    borrow: PhantomData<MatMut<'a, T>>,
+}
+
+impl<'a, T> Disjoint<'a, T> {
+    pub fn new(matrix: MatMut<'a, T>) -> Self {
+        Self {
+            start: SharedPtr::new(matrix.as_ptr_mut()),
+            rows: matrix.nrows(),
+            cols: matrix.ncols(),
+            row_stride: matrix.row_stride(),
+            col_stride: matrix.col_stride(),
+            borrow: PhantomData,
+        }
+    }
+
+    pub fn of_slice(slice: &'a mut [T]) -> Self {
+        let len = slice.len();
+        Self::new(MatMut::from_column_major_slice_mut(slice, len, 1))
+    }
+
+    pub fn nrows(&self) -> usize {
+        self.rows
+    }
+
+    pub fn ncols(&self) -> usize {
+        self.cols
+    }
+
+    pub fn row_stride(&self) -> isize {
+        self.row_stride
+    }
+
+    pub fn col_stride(&self) -> isize {
+        self.col_stride
+    }
+
+    /// The address of the first entry of a block inside the matrix.
+    fn corner(&self, rows: &Range<usize>, cols: &Range<usize>) -> *mut T {
+        assert!(rows.start <= rows.end && rows.end <= self.rows, "rows {rows:?} of {}", self.rows);
+        assert!(cols.start <= cols.end && cols.end <= self.cols, "cols {cols:?} of {}", self.cols);
+        let (row, col) = (rows.start as isize, cols.start as isize);
+        self.start.at(row * self.row_stride + col * self.col_stride)
+    }
+
+    /// The start of the block of these rows and columns, for kernels that compute addresses.
+    pub fn pointer(&self, rows: &Range<usize>, cols: &Range<usize>) -> SharedPtr<T> {
+        SharedPtr::new(self.corner(rows, cols))
+    }
+
+    /// The block of these rows and columns.
+    ///
+    /// # Safety
+    /// No other part that is alive meanwhile overlaps it.
+    #[allow(clippy::mut_from_ref)]
+    pub unsafe fn block(&self, rows: Range<usize>, cols: Range<usize>) -> MatMut<'_, T> {
+        let corner = self.corner(&rows, &cols);
+        // SAFETY: the block lies inside the matrix, as asserted; the caller sees to the rest.
+        unsafe {
+            let (down, across) = (self.row_stride, self.col_stride);
+            MatMut::from_raw_parts_mut(corner, rows.len(), cols.len(), down, across)
+        }
+    }
+
+    /// The same, to read.
+    ///
+    /// # Safety
+    /// Nobody writes it meanwhile.
+    pub unsafe fn read_block(&self, rows: Range<usize>, cols: Range<usize>) -> MatRef<'_, T> {
+        let corner = self.corner(&rows, &cols);
+        // SAFETY: as in `block`.
+        unsafe {
+            let (down, across) = (self.row_stride, self.col_stride);
+            MatRef::from_raw_parts(corner, rows.len(), cols.len(), down, across)
+        }
+    }
+
+    /// Entry `i` of the first column: element `i` of a slice.
+    ///
+    /// # Safety
+    /// No other part that is alive meanwhile overlaps it.
+    #[allow(clippy::mut_from_ref)]
+    pub unsafe fn get(&self, i: usize) -> &mut T {
+        assert!(i < self.rows, "element {i} of {}", self.rows);
+        // SAFETY: inside the matrix; the caller sees to the rest.
+        unsafe { &mut *self.start.at(i as isize * self.row_stride) }
+    }
+
+    /// Entry `i` of the first column, to read.
+    ///
+    /// # Safety
+    /// Nobody writes it meanwhile.
+    pub unsafe fn read(&self, i: usize) -> &T {
+        assert!(i < self.rows, "element {i} of {}", self.rows);
+        // SAFETY: as in `get`.
+        unsafe { &*self.start.at(i as isize * self.row_stride) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+    use faer::prelude::ReborrowMut;
+
+    use super::*;
+    use crate::base::Par;
+
+    /// ThreadSanitizer watches this one (`scripts/test --sanitize`).
+    #[test]
+    fn blocks_written_by_many_threads_arrive_whole_and_once() {
+        for (n, k, side) in [(0, 3, 2), (1, 1, 4), (37, 53, 8), (64, 64, 16)] {
+            let mut matrix = Mat::<f64>::zeros(n, k);
+            let (down, across) = (n.div_ceil(side), k.div_ceil(side));
+            let shared = Disjoint::new(matrix.as_mut());
+            Par::Threads(4).for_each(0..down * across, |_, block| {
+                let (i, j) = (block / across * side, block % across * side);
+                // SAFETY: each block of the grid is visited once.
+                let mut part = unsafe { shared.block(i..n.min(i + side), j..k.min(j + side)) };
+                for row in 0..part.nrows() {
+                    for col in 0..part.ncols() {
+                        part.rb_mut()[(row, col)] += ((i + row) * k + j + col) as f64;
+                    }
+                }
+            });
+            assert_eq!(matrix, Mat::from_fn(n, k, |i, j| (i * k + j) as f64));
+        }
+    }
+
+    #[test]
+    fn elements_of_a_slice_are_its_own() {
+        let mut values = vec![0_usize; 1000];
+        let shared = Disjoint::of_slice(&mut values);
+        // SAFETY: each element is visited once.
+        Par::Threads(3).for_each(0..1000, |_, i| unsafe { *shared.get(i) = i });
+        // SAFETY: nobody writes any more.
+        assert!((0..1000).all(|i| unsafe { *shared.read(i) } == i));
+    }
+
+    #[test]
+    #[should_panic(expected = "rows 3..5 of 4")]
+    fn a_block_beyond_the_matrix_is_refused() {
+        let mut matrix = Mat::<f64>::zeros(4, 4);
+        let shared = Disjoint::new(matrix.as_mut());
+        // SAFETY: never made.
+        let _ = unsafe { shared.block(3..5, 0..1) };
+    }
+}
