@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use faer::{MatMut, MatRef};
+use faer::MatMut;
 
 /// A pointer that threads may share. Using it is unsafe, and who uses it keeps their parts disjoint.
 #[derive(Debug)]
@@ -105,19 +105,6 @@ impl<'a, T> Disjoint<'a, T> {
         unsafe {
             let (down, across) = (self.row_stride, self.col_stride);
             MatMut::from_raw_parts_mut(corner, rows.len(), cols.len(), down, across)
-        }
-    }
-
-    /// The same, to read.
-    ///
-    /// # Safety
-    /// Nobody writes it meanwhile.
-    pub unsafe fn read_block(&self, rows: Range<usize>, cols: Range<usize>) -> MatRef<'_, T> {
-        let corner = self.corner(&rows, &cols);
-        // SAFETY: as in `block`.
-        unsafe {
-            let (down, across) = (self.row_stride, self.col_stride);
-            MatRef::from_raw_parts(corner, rows.len(), cols.len(), down, across)
         }
     }
 
