@@ -1,21 +1,25 @@
-//! A^T A: schemes as data, plans as data, one engine, rows from anywhere, and a check.
+//! A^T A: options, a plan, its execution; rows from anywhere; and a check.
 //!
-//! `C := alpha A^T A + beta C` for any m x n matrix A in f32 or f64, with any strides. See
-//! docs/algorithms/ata.md for the mathematics.
+//! `C := alpha A^T A + beta C` for any m x n matrix A in f32 or f64, with any strides. A call makes a
+//! [`Plan`] from the shape and the [`AtaOptions`], and runs it: `plan/` holds the data, `execute/` one
+//! executor for each strategy. See docs/algorithms/ata.md for the mathematics.
+//!
+//! # Accuracy
+//! With k rows, u the unit roundoff and `|a_i|` the Euclidean norm of a column, every entry of a result
+//! of the default options satisfies `|C_ij - exact| <= 4 k u |a_i| |b_j|`, whatever the norms of the
+//! other columns: columns whose norms differ are scaled by powers of two around fast levels. The bound
+//! holds for [`ata()`], [`atb`], [`ata_rows`], streams and ranks, unless products of the norms leave the
+//! range of the numbers.
 
 mod combine;
 pub mod distributed;
 mod exact;
-mod exec;
-mod fused;
-mod native;
+mod execute;
 mod options;
 mod plan;
-mod recurse;
 mod rows;
 pub mod scheme;
 mod stream;
-mod tree;
 mod verify;
 
 use faer::prelude::{Reborrow, ReborrowMut};
@@ -24,24 +28,34 @@ use faer::{MatMut, MatRef};
 pub(crate) use combine::mirror_lower;
 pub use exact::Stages;
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
-pub use plan::{Base, Plan, Recursion};
+pub use plan::{Node, Plan, Task, levels};
 pub use rows::{Center, DenseRows, RowBlocks, RowOptions, ata_rows};
-#[cfg(feature = "mpi")]
-pub(crate) use stream::with_share;
 pub use stream::{Accumulator, AfterBlock, StreamPlan, Strip, block_rows, scalar_of, stream};
-pub use tree::{Node, Task, levels};
 pub use verify::{Verification, verify, verify_rows};
 #[cfg(feature = "mpi")]
 pub(crate) use verify::{check_rounds, signs, verdict};
 
-use crate::base::{Error, Result, Scratch};
-use crate::blas::{BlasReal, Kernels};
-use crate::kernel::int8::Isa;
+pub(crate) use execute::{Product, execute, scratch_len};
+pub(crate) use plan::Op;
 
-/// `C := alpha A^T A + beta C`, the triangle or triangles of `options.uplo`.
+use crate::base::{Error, Result, Scratch};
+use crate::blas::BlasReal;
+use crate::kernel::int8;
+
+/// Computes `C := alpha A^T A + beta C`, the triangle or triangles of `options.uplo`.
 ///
-/// A is m x n, C is n x n; any strides; any sizes, 0 included. With `beta == 0` C is not read.
-/// The result is the same, bit for bit, for every `options.par`.
+/// A is m x n, C is n x n; any strides; any sizes, 0 included. With `beta == 0` C is not read, with
+/// `alpha == 0` A is not. The result is the same, bit for bit, for every `options.par`.
+///
+/// ```
+/// use catamaran::{AtaOptions, Uplo, ata, faer::{Mat, mat}};
+///
+/// let a = mat![[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]];
+/// let mut c = Mat::zeros(2, 2);
+/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new().uplo(Uplo::Both))?;
+/// assert_eq!(c, mat![[35.0, 44.0], [44.0, 56.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Shape`] when C is not n x n, [`Error::Argument`] for options out of range,
@@ -53,19 +67,22 @@ pub fn ata<T: BlasReal>(
     c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<()> {
-    if let Some(kernels) = small(a, a, true, options)? {
-        Error::check_shape("C", (a.ncols(), a.ncols()), c.shape())?;
-        return symmetric(c, options.uplo, |c| {
-            kernels.syrk(alpha, a, beta, c);
-            report_end(options)
-        });
-    }
-    let plan = plan_ata(a, c.rb(), options)?;
-    let mut scratch = Scratch::new::<T>(plan.scratch_len::<T>(options.par.threads(), true))?;
-    run_symmetric(&plan, alpha, a, None, beta, c, options, scratch.as_mut_slice())
+    run(gram_plan(a, None, c.rb(), options)?, gram(alpha, a, None, beta, c, options), options)
 }
 
-/// [`ata`] in the caller's scratch of at least [`ata_scratch_len`] elements, whatever they hold.
+/// Computes [`ata`] in the caller's scratch of at least [`ata_scratch_len`] elements, whatever they hold.
+///
+/// ```
+/// use catamaran::{AtaOptions, ata_scratch_len, ata_with_scratch, faer::Mat};
+///
+/// let options = AtaOptions::new();
+/// let mut scratch = vec![0.0; ata_scratch_len::<f64>(200, 100, &options)?];
+/// let a = Mat::<f64>::from_fn(200, 100, |i, j| (i * j % 7) as f64);
+/// let mut c = Mat::zeros(100, 100);
+/// ata_with_scratch(1.0, a.as_ref(), 0.0, c.as_mut(), &options, &mut scratch)?;
+/// assert_eq!(c[(3, 2)], a.col(3).transpose() * a.col(2));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`ata`]; [`Error::Shape`] too when the scratch is short.
@@ -77,23 +94,28 @@ pub fn ata_with_scratch<T: BlasReal>(
     options: &AtaOptions<'_>,
     scratch: &mut [T],
 ) -> Result<()> {
-    if small(a, a, true, options)?.is_some() {
-        return ata(alpha, a, beta, c, options);
-    }
-    let plan = plan_ata(a, c.rb(), options)?;
-    check_scratch(scratch, plan.scratch_len::<T>(options.par.threads(), true))?;
-    run_symmetric(&plan, alpha, a, None, beta, c, options, scratch)
+    let plan = gram_plan(a, None, c.rb(), options)?;
+    run_in(scratch, plan, gram(alpha, a, None, beta, c, options), options)
 }
 
-/// Elements of scratch that [`ata_with_scratch`] needs for A m x n.
+/// Returns the elements of scratch that [`ata_with_scratch`] needs for A m x n.
 ///
 /// # Errors
 /// [`Error::Argument`] for options out of range.
 pub fn ata_scratch_len<T: BlasReal>(m: usize, n: usize, options: &AtaOptions<'_>) -> Result<usize> {
-    Ok(Plan::ata::<T>(m, n, options)?.scratch_len::<T>(options.par.threads(), true))
+    Ok(scratch_len::<T>(&Plan::ata::<T>(m, n, options)?, options.par))
 }
 
-/// `C := alpha A A^T + beta C`: [`ata`] of the transposed view. A is m x n, C is m x m.
+/// Computes `C := alpha A A^T + beta C`: [`ata`] of the transposed view. A is m x n, C is m x m.
+///
+/// ```
+/// use catamaran::{AtaOptions, aat, faer::{Mat, mat}};
+///
+/// let mut c = Mat::zeros(1, 1);
+/// aat(1.0, mat![[3.0, 4.0]].as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
+/// assert_eq!(c[(0, 0)], 25.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`ata`].
@@ -107,7 +129,7 @@ pub fn aat<T: BlasReal>(
     ata(alpha, a.transpose(), beta, c, options)
 }
 
-/// [`aat`] in the caller's scratch of at least [`aat_scratch_len`] elements.
+/// Computes [`aat`] in the caller's scratch of at least [`aat_scratch_len`] elements.
 ///
 /// # Errors
 /// As [`ata_with_scratch`].
@@ -122,7 +144,7 @@ pub fn aat_with_scratch<T: BlasReal>(
     ata_with_scratch(alpha, a.transpose(), beta, c, options, scratch)
 }
 
-/// Elements of scratch that [`aat_with_scratch`] needs for A m x n.
+/// Returns the elements of scratch that [`aat_with_scratch`] needs for A m x n.
 ///
 /// # Errors
 /// [`Error::Argument`] for options out of range.
@@ -130,11 +152,22 @@ pub fn aat_scratch_len<T: BlasReal>(m: usize, n: usize, options: &AtaOptions<'_>
     ata_scratch_len::<T>(n, m, options)
 }
 
-/// `C := alpha A^T B + beta C`, all of it (`options.uplo` does not matter); FastStrassen of the
+/// Computes `C := alpha A^T B + beta C`, all of it (`options.uplo` does not matter); FastStrassen of the
 /// thesis' algorithm 8.1 under [`SchemeChoice::Ata2`].
 ///
-/// A is m x n, B is m x k, C is n x k; any strides; any sizes, 0 included. With `beta == 0` C is
-/// not read. The result is the same, bit for bit, for every `options.par`.
+/// A is m x n, B is m x k, C is n x k; any strides; any sizes, 0 included. With `beta == 0` C is not
+/// read, with `alpha == 0` A and B are not. The result is the same, bit for bit, for every
+/// `options.par`.
+///
+/// ```
+/// use catamaran::{AtaOptions, atb, faer::{Mat, mat}};
+///
+/// let (a, b) = (mat![[1.0, 2.0], [3.0, 4.0]], mat![[1.0], [10.0]]);
+/// let mut c = Mat::zeros(2, 1);
+/// atb(1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
+/// assert_eq!(c, mat![[31.0], [42.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Shape`] when B has not m rows or C is not n x k; else as [`ata`].
@@ -146,17 +179,11 @@ pub fn atb<T: BlasReal>(
     c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<()> {
-    if let Some(kernels) = small(a, b, false, options)? {
-        check_atb(a, b, c.rb())?;
-        kernels.gemm(alpha, a, b, beta, c);
-        return report_end(options);
-    }
-    let plan = plan_atb(a, b, c.rb(), options)?;
-    let mut scratch = Scratch::new::<T>(plan.scratch_len::<T>(options.par.threads(), false))?;
-    run(&plan, alpha, a, Some(b), beta, c, options, scratch.as_mut_slice())
+    let plan = atb_plan(a, b, c.rb(), options)?;
+    run(plan, Product { alpha, a, b: Some(b), beta, c, uplo: None }, options)
 }
 
-/// [`atb`] in the caller's scratch of at least [`atb_scratch_len`] elements, whatever they hold.
+/// Computes [`atb`] in the caller's scratch of at least [`atb_scratch_len`] elements, whatever they hold.
 ///
 /// # Errors
 /// As [`atb`]; [`Error::Shape`] too when the scratch is short.
@@ -169,15 +196,11 @@ pub fn atb_with_scratch<T: BlasReal>(
     options: &AtaOptions<'_>,
     scratch: &mut [T],
 ) -> Result<()> {
-    if small(a, b, false, options)?.is_some() {
-        return atb(alpha, a, b, beta, c, options);
-    }
-    let plan = plan_atb(a, b, c.rb(), options)?;
-    check_scratch(scratch, plan.scratch_len::<T>(options.par.threads(), false))?;
-    run(&plan, alpha, a, Some(b), beta, c, options, scratch)
+    let plan = atb_plan(a, b, c.rb(), options)?;
+    run_in(scratch, plan, Product { alpha, a, b: Some(b), beta, c, uplo: None }, options)
 }
 
-/// Elements of scratch that [`atb_with_scratch`] needs for A m x n and B m x k.
+/// Returns the elements of scratch that [`atb_with_scratch`] needs for A m x n and B m x k.
 ///
 /// # Errors
 /// [`Error::Argument`] for options out of range.
@@ -187,72 +210,73 @@ pub fn atb_scratch_len<T: BlasReal>(
     k: usize,
     options: &AtaOptions<'_>,
 ) -> Result<usize> {
-    Ok(Plan::atb::<T>(m, n, k, options)?.scratch_len::<T>(options.par.threads(), false))
+    Ok(scratch_len::<T>(&Plan::atb::<T>(m, n, k, options)?, options.par))
 }
 
-fn plan_ata<T: BlasReal>(
+/// The plan of `A^T W A`; `wa` is W A, or `None` without weights.
+fn gram_plan<T: BlasReal>(
     a: MatRef<'_, T>,
+    wa: Option<MatRef<'_, T>>,
     c: MatRef<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<Plan> {
     let (m, n) = a.shape();
     Error::check_shape("C", (n, n), c.shape())?;
-    Plan::ata::<T>(m, n, options)
+    let op = if wa.is_none() { Op::Syrk } else { Op::Gemmt };
+    Plan::new::<T>(op, m, n, n, options)
 }
 
-/// The kernels that compute a product which is over before it could be planned, if it is one and
-/// the options leave us the choice.
-fn small<'o, T: BlasReal>(
-    a: MatRef<'_, T>,
-    b: MatRef<'_, T>,
-    same: bool,
-    options: &'o AtaOptions<'_>,
-) -> Result<Option<&'o dyn Kernels<T>>> {
-    plan::check(options)?;
-    let ours = matches!(
-        options.scheme,
-        SchemeChoice::Auto | SchemeChoice::Float | SchemeChoice::Classical
-    ) && options.accuracy != Accuracy::Max
-        && !options.reproducible;
-    let native = options.backend.native().filter(|_| ours);
-    let found = native.filter(|n| n.is_small::<T>(a.nrows(), a.ncols(), b.ncols(), same));
-    Ok(found.map(|_| T::kernels(options.backend.as_ref())))
+fn gram<'p, T>(
+    alpha: T,
+    a: MatRef<'p, T>,
+    wa: Option<MatRef<'p, T>>,
+    beta: T,
+    c: MatMut<'p, T>,
+    options: &AtaOptions<'_>,
+) -> Product<'p, T> {
+    Product { alpha, a, b: wa, beta, c, uplo: Some(options.uplo) }
 }
 
-/// All of a small product at once.
-fn report_end(options: &AtaOptions<'_>) -> Result<()> {
-    options.progress.report(1.0)
-}
-
-fn check_atb<T>(a: MatRef<'_, T>, b: MatRef<'_, T>, c: MatRef<'_, T>) -> Result<()> {
-    Error::check_shape("B", (a.nrows(), b.ncols()), b.shape())?;
-    Error::check_shape("C", (a.ncols(), b.ncols()), c.shape())
-}
-
-fn plan_atb<T: BlasReal>(
+fn atb_plan<T: BlasReal>(
     a: MatRef<'_, T>,
     b: MatRef<'_, T>,
     c: MatRef<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<Plan> {
-    check_atb(a, b, c)?;
+    Error::check_shape("B", (a.nrows(), b.ncols()), b.shape())?;
+    Error::check_shape("C", (a.ncols(), b.ncols()), c.shape())?;
     Plan::atb::<T>(a.nrows(), a.ncols(), b.ncols(), options)
 }
 
-fn check_scratch<T>(scratch: &[T], len: usize) -> Result<()> {
-    if scratch.len() >= len {
-        return Ok(());
+/// Executes a plan in scratch of its own.
+fn run<T: BlasReal>(plan: Plan, product: Product<'_, T>, options: &AtaOptions<'_>) -> Result<()> {
+    match scratch_len::<T>(&plan, options.par) {
+        0 => execute(&plan, product, options, &mut []),
+        len => execute(&plan, product, options, Scratch::new::<T>(len)?.as_mut_slice()),
     }
-    Err(Error::Shape { what: "scratch", expected: (len, 1), got: (scratch.len(), 1) })
 }
 
-/// The lower triangle of `C := A^T A` by the exact path on `isa`, and what its stages took. For
-/// benchmarks: [`ata`] does the same on the fastest isa.
+/// Executes a plan in the caller's scratch.
+fn run_in<T: BlasReal>(
+    scratch: &mut [T],
+    plan: Plan,
+    product: Product<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    let len = scratch_len::<T>(&plan, options.par);
+    if scratch.len() < len {
+        return Err(Error::Shape { what: "scratch", expected: (len, 1), got: (scratch.len(), 1) });
+    }
+    execute(&plan, product, options, scratch)
+}
+
+/// Computes the lower triangle of `C := A^T A` by the exact path on `isa`, and returns what its stages
+/// took. For benchmarks: [`ata`] does the same on the fastest instruction set.
 ///
 /// # Errors
-/// As [`ata`]; [`Error::Argument`] when the machine refuses the isa.
+/// As [`ata`]; [`Error::Argument`] when the machine refuses the instruction set.
 pub fn exact_stages<T: BlasReal>(
-    isa: Isa,
+    isa: int8::Isa,
     a: MatRef<'_, T>,
     c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
@@ -260,53 +284,15 @@ pub fn exact_stages<T: BlasReal>(
     if let Some(why) = isa.refusal() {
         return Err(Error::Argument { what: "isa", why: why.into() });
     }
-    let options = AtaOptions { scheme: SchemeChoice::Exact, ..options.clone() };
-    let plan = plan_ata(a, c.rb(), &options)?;
-    let len = plan.scratch_len::<T>(options.par.threads(), true);
-    let mut scratch = Scratch::new::<T>(len)?;
-    let layout = plan.exact_layout::<T>(true).expect("asked for");
-    let (kernel, scratch) = (isa.kernel(), scratch.as_mut_slice());
-    exact::execute(kernel, &layout, T::ONE, a, None, T::ZERO, c, &options, scratch)
+    let options = options.clone().scheme(SchemeChoice::Exact).uplo(Uplo::Lower);
+    let plan = gram_plan(a, None, c.rb(), &options)?.on(isa);
+    let mut scratch = Scratch::new::<T>(scratch_len::<T>(&plan, options.par))?;
+    let product = gram(T::ONE, a, None, T::ZERO, c, &options);
+    execute::exact_stages(&plan, product, &options, scratch.as_mut_slice())
 }
 
-/// Runs a plan, along the way that it chose.
-fn run<T: BlasReal>(
-    plan: &Plan,
-    alpha: T,
-    a: MatRef<'_, T>,
-    b: Option<MatRef<'_, T>>,
-    beta: T,
-    c: MatMut<'_, T>,
-    options: &AtaOptions<'_>,
-    scratch: &mut [T],
-) -> Result<()> {
-    match plan.exact_layout::<T>(b.is_none()) {
-        Some(layout) => {
-            let kernel = Isa::best().kernel();
-            exact::execute(kernel, &layout, alpha, a, b, beta, c, options, scratch).map(drop)
-        }
-        None => match plan.native {
-            Some(isa) => native::execute(isa, plan, alpha, a, b, beta, c, options, scratch),
-            None => exec::execute(plan, alpha, a, b, beta, c, options, scratch),
-        },
-    }
-}
-
-/// Runs a symmetric plan, B given or the same as A, into the triangle asked for.
-fn run_symmetric<T: BlasReal>(
-    plan: &Plan,
-    alpha: T,
-    a: MatRef<'_, T>,
-    b: Option<MatRef<'_, T>>,
-    beta: T,
-    c: MatMut<'_, T>,
-    options: &AtaOptions<'_>,
-    scratch: &mut [T],
-) -> Result<()> {
-    symmetric(c, options.uplo, |lower| run(plan, alpha, a, b, beta, lower, options, scratch))
-}
-
-/// `C := alpha X^T (W X) + beta C`, the triangle or triangles of `options.uplo`; [`ata`] without weights.
+/// Computes `C := alpha X^T (W X) + beta C`, the triangle or triangles of `options.uplo`; [`ata`] without
+/// weights.
 fn weighted_gram<T: BlasReal>(
     alpha: T,
     x: MatRef<'_, T>,
@@ -315,12 +301,7 @@ fn weighted_gram<T: BlasReal>(
     c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<()> {
-    if wx.is_none() {
-        return ata(alpha, x, beta, c, options);
-    }
-    let plan = plan_ata(x, c.rb(), options)?;
-    let mut scratch = Scratch::new::<T>(plan.scratch_len::<T>(options.par.threads(), false))?;
-    run_symmetric(&plan, alpha, x, wx, beta, c, options, scratch.as_mut_slice())
+    run(gram_plan(x, wx, c.rb(), options)?, gram(alpha, x, wx, beta, c, options), options)
 }
 
 /// Makes the triangles of `uplo` out of what `work` does to a lower one.

@@ -1,7 +1,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use crate::base::{Par, Progress};
+use crate::base::{Error, Par, Progress, Result};
 use crate::blas::{self, Backend};
 
 /// Which triangle of the symmetric result is wanted.
@@ -147,6 +147,32 @@ impl fmt::Debug for AtaOptions<'_> {
             .field("tasks", &self.tasks)
             .field("progress", &self.progress)
             .finish()
+    }
+}
+
+/// More tasks would only cost memory.
+const MAX_TASKS: usize = 1 << 16;
+
+impl AtaOptions<'_> {
+    /// # Errors
+    /// [`Error::Argument`] that names the option out of range.
+    pub(super) fn check(&self) -> Result<()> {
+        let refuse = |what, why: &str| Err(Error::Argument { what, why: why.into() });
+        match self.accuracy {
+            Accuracy::Bounded(f) if !f.is_finite() || f < 1.0 => {
+                refuse("accuracy", "the error factor must be finite and at least 1")
+            }
+            _ if self.reproducible
+                && !matches!(self.scheme, SchemeChoice::Auto | SchemeChoice::Exact) =>
+            {
+                refuse("scheme", "only the exact one is reproducible on every machine")
+            }
+            _ if self.leaf == Some(0) => refuse("leaf", "must be at least 1"),
+            _ if self.tasks.is_some_and(|t| t == 0 || t > MAX_TASKS) => {
+                refuse("tasks", &format!("must be between 1 and {MAX_TASKS}"))
+            }
+            _ => Ok(()),
+        }
     }
 }
 

@@ -9,7 +9,7 @@
 use std::ops::Range;
 
 use super::segment::{Segment, packed_len};
-use crate::ata::recurse::block_start;
+use crate::ata::plan::block_start;
 
 /// The lower triangle of C as chunks of rows; each chunk is shared evenly among all ranks.
 #[derive(Debug, Clone, PartialEq, Eq)]

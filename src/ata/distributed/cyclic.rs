@@ -12,7 +12,7 @@ use std::ops::Range;
 use super::cover::difference_cover;
 use super::segment::{Layout, packed_len};
 use crate::ata::Uplo;
-use crate::ata::recurse::block_start;
+use crate::ata::plan::block_start;
 use crate::base::{Error, Result};
 
 /// The only type of descriptor that ScaLAPACK has for dense matrices.

@@ -12,8 +12,7 @@
 use std::ops::Range;
 
 use super::segment::packed_len;
-use crate::ata::recurse::block_start;
-use crate::ata::tree::{Node, Task};
+use crate::ata::plan::{Node, Task, block_start};
 
 /// The task tree for the lower triangle of A^T A.
 #[derive(Debug, Clone, PartialEq)]

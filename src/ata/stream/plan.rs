@@ -2,7 +2,8 @@ use std::fmt;
 use std::ops::Range;
 
 use super::super::options::AtaOptions;
-use super::super::plan::Plan;
+use super::super::plan::{Op, Plan};
+use super::super::scratch_len;
 use super::blocks::block_rows;
 use crate::base::{Error, Result};
 use crate::blas::BlasReal;
@@ -42,16 +43,17 @@ impl StreamPlan {
         let bytes = |elements: usize| elements.saturating_mul(size_of::<T>());
         let blocks = bytes(count.saturating_mul(height).saturating_mul(n));
         let product = Plan::ata::<T>(height, n, options)?;
-        let threads = options.par.threads();
         // Of a strip, whichever of its two products needs more.
         let scratch = |strip: &Range<usize>| -> Result<usize> {
             let own = strip.len();
-            let square = Plan::ata::<T>(height, own, options)?.scratch_len::<T>(threads, !weighted);
+            let op = if weighted { Op::Gemmt } else { Op::Syrk };
+            let square = Plan::new::<T>(op, height, own, own, options)?;
+            let square = scratch_len::<T>(&square, options.par);
             if strip.start == 0 {
                 return Ok(square);
             }
             let left = Plan::atb::<T>(height, own, strip.start, options)?;
-            Ok(square.max(left.scratch_len::<T>(threads, false)))
+            Ok(square.max(scratch_len::<T>(&left, options.par)))
         };
         let total = |strip: &Range<usize>| -> Result<usize> {
             let c = bytes(strip.len().saturating_mul(strip.end));

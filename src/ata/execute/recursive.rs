@@ -4,14 +4,16 @@
 //! sum of blocks of B, M for a product that goes into several blocks of C. A sum of one block is
 //! that block itself; a product with one destination goes straight there.
 
-use std::collections::HashMap;
-
 use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
-use super::combine::{accumulate, accumulate_lower, combine, mirror_lower, scale, scale_lower};
-use super::plan::Recursion;
-use super::scheme::{Product, ProductKind, Scheme, Term};
+use crate::ata::combine::{
+    accumulate, accumulate_lower, combine, mirror_lower, scale, scale_lower,
+};
+use crate::ata::plan::{
+    Extent, LevelScratch, Op, Recursion, block_start, cheapest_update, leading,
+};
+use crate::ata::scheme::{ProductKind, Scheme, Term};
 use crate::base::{Arena, Real};
 use crate::blas::Kernels;
 
@@ -19,48 +21,6 @@ use crate::blas::Kernels;
 pub(crate) struct Engine<'a, T> {
     pub(crate) kernels: &'a dyn Kernels<T>,
     pub(crate) recursion: &'a Recursion,
-}
-
-/// What a node computes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Op {
-    /// The lower triangle of A^T A.
-    Syrk,
-    /// The lower triangle of A^T B.
-    Gemmt,
-    /// A^T B.
-    Gemm,
-}
-
-impl Op {
-    pub(crate) fn symmetric(self) -> bool {
-        self != Self::Gemm
-    }
-
-    /// What a product of a scheme becomes inside a node of this kind: without A = B there are no
-    /// squares.
-    pub(crate) fn of_product(self, kind: ProductKind) -> Self {
-        match (kind, self) {
-            (ProductKind::Gemm, _) => Self::Gemm,
-            (ProductKind::SyrkFull, Self::Syrk) => Self::Syrk,
-            (ProductKind::SyrkFull, _) => Self::Gemm,
-            (ProductKind::Syrk, Self::Syrk) => Self::Syrk,
-            (ProductKind::Syrk | ProductKind::Gemmt, _) => Self::Gemmt,
-        }
-    }
-}
-
-/// The start of block `i` of `parts` along an extent of `len`: blocks differ by at most one, the
-/// shorter ones first, so that two halves are floor and ceiling as in the thesis.
-pub(crate) fn block_start(len: usize, parts: usize, i: usize) -> usize {
-    let long = len % parts;
-    let short_blocks = parts - long;
-    (len / parts) * i + i.saturating_sub(short_blocks)
-}
-
-/// Leading dimension of a scratch matrix: lines at multiples of the page size collide in the cache.
-fn leading(len: usize) -> usize {
-    if len >= 256 && len.is_multiple_of(64) { len + 16 } else { len }
 }
 
 impl<T: Real> Engine<'_, T> {
@@ -248,123 +208,6 @@ impl<'a, T> Grid<'a, T> {
     }
 }
 
-/// The shape of a scratch matrix; zero by zero when a level does not need it.
-#[derive(Debug, Clone, Copy, Default)]
-struct Extent {
-    rows: usize,
-    cols: usize,
-}
-
-impl Extent {
-    /// Elements, whichever way it is stored.
-    fn len(self) -> usize {
-        (self.rows * leading(self.cols)).max(leading(self.rows) * self.cols)
-    }
-}
-
-/// What one level needs beside what its products need.
-struct LevelScratch {
-    p: Extent,
-    q: Extent,
-    m: Extent,
-}
-
-impl LevelScratch {
-    fn of(scheme: &Scheme, op: Op, m: usize, n: usize, k: usize) -> Self {
-        let rows = m.div_ceil(scheme.inner);
-        let (left, right) = (n.div_ceil(scheme.left), k.div_ceil(scheme.right));
-        let needs =
-            |used: bool, rows, cols| if used { Extent { rows, cols } } else { Extent::default() };
-        let products = || scheme.products.iter();
-        let widened = |p: &Product| p.kind == ProductKind::Gemmt && !n.is_multiple_of(scheme.left);
-        let square = |p: &Product| op.of_product(p.kind) == Op::Syrk;
-        Self {
-            p: needs(products().any(|p| p.left.len() > 1 || widened(p)), rows, left),
-            q: needs(
-                products().any(|p| p.right.len() > 1 && !square(p) || widened(p)),
-                rows,
-                right,
-            ),
-            m: needs(
-                products().any(|p| p.outputs.len() > 1 || p.kind == ProductKind::SyrkFull),
-                left,
-                right,
-            ),
-        }
-    }
-
-    fn len(&self) -> usize {
-        self.p.len() + self.q.len() + self.m.len()
-    }
-}
-
-/// Elements of scratch that [`Engine::run`] needs for A m x n and B m x k.
-pub(crate) fn scratch_len(recursion: &Recursion, op: Op, m: usize, n: usize, k: usize) -> usize {
-    /// Operation, m, n, k, fast levels left.
-    type Key = (Op, [usize; 3], usize);
-    fn visit(recursion: &Recursion, key: Key, known: &mut HashMap<Key, usize>) -> usize {
-        let (op, [m, n, k], levels) = key;
-        let Some(id) = recursion.choose(op.symmetric(), m, n, k, levels) else { return 0 };
-        if let Some(&len) = known.get(&key) {
-            return len;
-        }
-        let scheme = id.scheme();
-        let levels = levels - usize::from(scheme.is_fast());
-        let own = LevelScratch::of(scheme, op, m, n, k).len();
-        let mut below = 0;
-        // Blocks come in at most two lengths along each extent.
-        let both = |len: usize, parts: usize| [len / parts, len.div_ceil(parts)];
-        for product in &scheme.products {
-            let child = op.of_product(product.kind);
-            for m in both(m, scheme.inner) {
-                for n in both(n, scheme.left) {
-                    for k in both(k, scheme.right) {
-                        if !child.symmetric() || n == k {
-                            let key = (child, [m, n, k], levels);
-                            below = below.max(visit(recursion, key, known));
-                        }
-                    }
-                }
-            }
-        }
-        known.insert(key, own + below);
-        own + below
-    }
-    visit(recursion, (op, [m, n, k], recursion.fast_levels), &mut HashMap::new())
-}
-
-/// What the sums of one level move: transfers of a block of A's, of B's and of C's size, counting
-/// reads, writes, and the read that a write to uncached memory implies.
-pub(crate) struct Traffic {
-    pub(crate) p: f64,
-    pub(crate) q: f64,
-    pub(crate) m: f64,
-}
-
-impl Traffic {
-    pub(crate) fn of(scheme: &Scheme, op: Op) -> Self {
-        let sums = |sum_of: fn(&Product) -> &[Term], skip_squares: bool| {
-            let mut held: &[Term] = &[];
-            let mut moved = 0;
-            for product in &scheme.products {
-                let terms = sum_of(product);
-                if terms.len() > 1 && !(skip_squares && op.of_product(product.kind) == Op::Syrk) {
-                    let (_, change) = cheapest_update(held, terms);
-                    moved += change.len() + 2;
-                    held = terms;
-                }
-            }
-            moved as f64
-        };
-        let outputs = scheme.products.iter().map(|p| p.outputs.len()).filter(|&n| n > 1);
-        Self {
-            p: sums(|p| &p.left, false),
-            q: sums(|p| &p.right, true),
-            m: outputs.map(|n| 1.0 + 2.0 * n as f64).sum(),
-        }
-    }
-}
-
 /// P or Q: holds the last sum that had more than one term, and makes the next one from it when
 /// that takes fewer terms.
 struct SumBuffer<'a, T> {
@@ -403,30 +246,6 @@ impl<'a, T: Real> SumBuffer<'a, T> {
     }
 }
 
-/// How to get from the sum `held` to the sum `wanted`: `wanted = reuse * held + change`, with
-/// reuse 0, 1 or -1, whichever reads least.
-fn cheapest_update(held: &[Term], wanted: &[Term]) -> (i8, Vec<Term>) {
-    let mut best = (0, wanted.to_vec());
-    if held.is_empty() {
-        return best;
-    }
-    for reuse in [1, -1] {
-        let mut change: Vec<Term> = wanted.to_vec();
-        for &h in held {
-            match change.iter_mut().find(|t| (t.row, t.col) == (h.row, h.col)) {
-                Some(t) => t.coefficient -= reuse * h.coefficient,
-                None => change.push(Term { coefficient: -reuse * h.coefficient, ..h }),
-            }
-        }
-        change.retain(|t| t.coefficient != 0);
-        // Updating in place reads the held sum too.
-        if change.len() + 1 < best.1.len() + usize::from(best.0 != 0) {
-            best = (reuse, change);
-        }
-    }
-    best
-}
-
 /// A rows x cols matrix at the start of `memory`, stored the way `like` is.
 fn scratch_matrix<'a, T>(
     memory: &'a mut [T],
@@ -458,9 +277,9 @@ fn matrix<T>(
 mod tests {
     use faer::{Mat, MatRef};
 
-    use super::super::plan::{Base, Recursion};
-    use super::super::scheme::SchemeId;
-    use super::{Engine, Op, scratch_len};
+    use super::*;
+    use crate::ata::plan::{Base, scratch_len};
+    use crate::ata::scheme::SchemeId;
     use crate::base::Rng;
     use crate::blas::{self, BlasReal};
 

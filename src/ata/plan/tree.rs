@@ -6,7 +6,8 @@
 
 use std::ops::Range;
 
-use super::recurse::{Op, block_start};
+use super::problem::Op;
+use super::split::block_start;
 
 /// What a leaf computes: the block `C[rows, cols]`, from columns `rows` of A and `cols` of B.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -60,12 +61,9 @@ impl Node {
 }
 
 impl Task {
-    pub(crate) fn op(&self, same: bool) -> Op {
-        match (self.triangle, same) {
-            (true, true) => Op::Syrk,
-            (true, false) => Op::Gemmt,
-            (false, _) => Op::Gemm,
-        }
+    /// What it computes when the whole is `op`.
+    pub(crate) fn op(&self, op: Op) -> Op {
+        if self.triangle { op } else { Op::Gemm }
     }
 
     /// Share of the work: entries of C.

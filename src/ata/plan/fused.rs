@@ -3,10 +3,11 @@
 
 use std::ops::Range;
 
-use super::plan::Recursion;
-use super::recurse::{Op, block_start};
-use super::scheme::{Product, Scheme, Term};
-use crate::kernel::packed::{Rates, Shape};
+use super::problem::Op;
+use super::recursion::Recursion;
+use super::split::block_start;
+use crate::ata::scheme::{Product, Scheme, Term};
+use crate::kernel::packed::Shape;
 
 /// A signed block of A, B or C.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -35,25 +36,6 @@ impl FusedProduct {
         let triangle = symmetric && self.outputs.iter().all(|o| o.rows.start == o.cols.start);
         let entries = if triangle { rows * (rows + 1) / 2 } else { rows * cols };
         entries as f64 * depth as f64
-    }
-
-    /// Seconds on one core, in `chunks` chunks of rows.
-    pub fn seconds(&self, rates: &Rates, scalar_bytes: f64, chunks: usize, symmetric: bool) -> f64 {
-        /// Share of the time for additions to C that products do not hide.
-        const SEEN: f64 = 0.5;
-        let Shape { depth, rows, cols, same } = self.shape;
-        let work = self.work(symmetric);
-        let area = |b: &Block| b.rows.len() as f64 * b.cols.len() as f64;
-        let read: f64 = self.left.iter().chain(&self.right).map(area).sum();
-        let packed = (rows + if same { 0 } else { cols }) as f64 * depth as f64;
-        let entries = work / depth.max(1) as f64;
-        let updated = 2.0 * (self.outputs.len() * chunks) as f64 * entries;
-        // The rate of products is that of f64.
-        scalar_bytes
-            * (work / 4.0 / rates.flops
-                + read / rates.read_bytes
-                + packed / rates.pack_bytes
-                + SEEN * updated / rates.update_bytes)
     }
 }
 
@@ -185,9 +167,9 @@ fn sub_block(block: &Block, term: Term, extents: (usize, usize), parts: (usize, 
 
 #[cfg(test)]
 mod tests {
-    use super::super::plan::Base;
-    use super::super::scheme::SchemeId::{self, Kgp4, Split, Strassen, Winograd};
+    use super::super::recursion::Base;
     use super::*;
+    use crate::ata::scheme::SchemeId::{self, Kgp4, Split, Strassen, Winograd};
     use crate::base::Rng;
 
     /// Integers by rows.

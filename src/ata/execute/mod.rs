@@ -1,0 +1,85 @@
+//! Runs a [`Plan`] on matrices: each strategy has its executor, and none of them decides anything.
+
+mod balance;
+mod fused;
+mod product;
+mod recursive;
+mod tasks;
+
+pub(crate) use product::Product;
+
+use super::exact::{self, Stages};
+use super::options::AtaOptions;
+use super::plan::{Exact, Op, Plan, Strategy};
+use crate::base::{Par, Result};
+use crate::blas::BlasReal;
+
+/// Elements of scratch that [`execute`] needs.
+pub(crate) fn scratch_len<T: BlasReal>(plan: &Plan, par: Par) -> usize {
+    let problem = &plan.problem;
+    match &plan.strategy {
+        Strategy::Direct(_) => 0,
+        Strategy::Fused(fused) => fused::scratch_len::<T>(fused, problem, par),
+        Strategy::Tasks(tasks) => tasks::scratch_len(tasks, problem, par),
+        Strategy::Exact(exact) => {
+            let extents = [problem.m, problem.n, problem.k];
+            exact::scratch_len::<T>(extents, &exact.layout, par.threads())
+        }
+    }
+}
+
+/// Computes `product`, of the shape that `plan` is for, in scratch of [`scratch_len`] elements, whatever
+/// they hold. Of the options only threads, back end and progress matter: the rest is in the plan.
+pub(crate) fn execute<T: BlasReal>(
+    plan: &Plan,
+    product: Product<'_, T>,
+    options: &AtaOptions<'_>,
+    scratch: &mut [T],
+) -> Result<()> {
+    if product.is_scaling() {
+        product.scale()?;
+        return options.progress.report(1.0);
+    }
+    product.into_lower(|product| match &plan.strategy {
+        Strategy::Direct(_) => direct(plan.problem.op, product, options),
+        Strategy::Fused(fused) => fused::execute(fused, &plan.problem, product, options, scratch),
+        Strategy::Tasks(tasks) => tasks::execute(tasks, &plan.problem, product, options, scratch),
+        Strategy::Exact(exact) => exactly(exact, product, options, scratch).map(drop),
+    })
+}
+
+/// [`execute`] of an exact plan for the lower triangle, and what its stages took.
+pub(super) fn exact_stages<T: BlasReal>(
+    plan: &Plan,
+    product: Product<'_, T>,
+    options: &AtaOptions<'_>,
+    scratch: &mut [T],
+) -> Result<Stages> {
+    match &plan.strategy {
+        Strategy::Exact(exact) => exactly(exact, product, options, scratch),
+        _ => execute(plan, product, options, scratch).map(|()| Stages::default()),
+    }
+}
+
+fn exactly<T: BlasReal>(
+    plan: &Exact,
+    product: Product<'_, T>,
+    options: &AtaOptions<'_>,
+    scratch: &mut [T],
+) -> Result<Stages> {
+    let Product { alpha, a, b, beta, c, .. } = product;
+    exact::execute(plan.isa.kernel(), &plan.layout, alpha, a, b, beta, c, options, scratch)
+}
+
+/// One product on the calling thread.
+fn direct<T: BlasReal>(op: Op, product: Product<'_, T>, options: &AtaOptions<'_>) -> Result<()> {
+    let kernels = T::kernels(options.backend.as_ref());
+    let right = product.b.unwrap_or(product.a);
+    let Product { alpha, a, beta, c, .. } = product;
+    match op {
+        Op::Syrk => kernels.syrk(alpha, a, beta, c),
+        Op::Gemmt => kernels.gemmt(alpha, a, right, beta, c),
+        Op::Gemm => kernels.gemm(alpha, a, right, beta, c),
+    }
+    options.progress.report(1.0)
+}

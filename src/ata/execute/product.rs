@@ -1,0 +1,57 @@
+use faer::prelude::ReborrowMut;
+use faer::{MatMut, MatRef};
+
+use crate::ata::combine::{mirror_lower, scale, scale_lower};
+use crate::ata::options::Uplo;
+use crate::base::{Real, Result};
+
+/// `C := alpha A^T B + beta C`, B being A when `None`: the matrices of one call.
+///
+/// A is m x n, B is m x k, C is n x k. A symmetric product touches the triangle or triangles of `uplo`
+/// alone; with `beta == 0` C is not read.
+pub(crate) struct Product<'p, T> {
+    pub alpha: T,
+    pub a: MatRef<'p, T>,
+    pub b: Option<MatRef<'p, T>>,
+    pub beta: T,
+    pub c: MatMut<'p, T>,
+    /// `None` when all of C is wanted and no symmetry known.
+    pub uplo: Option<Uplo>,
+}
+
+impl<T: Real> Product<'_, T> {
+    /// Whether nothing of A and B is looked at: `C := beta C`.
+    pub fn is_scaling(&self) -> bool {
+        self.alpha == T::ZERO || self.a.nrows() == 0
+    }
+
+    /// `C := beta C`.
+    pub fn scale(self) -> Result<()> {
+        let beta = self.beta;
+        let symmetric = self.uplo.is_some();
+        self.into_lower(|lower| {
+            if symmetric {
+                scale_lower(lower.c, beta)
+            } else {
+                scale(lower.c, beta)
+            }
+            Ok(())
+        })
+    }
+
+    /// Does `work` to the same product with its triangle turned into the lower one, and mirrors it when
+    /// both are wanted.
+    pub fn into_lower(self, work: impl FnOnce(Product<'_, T>) -> Result<()>) -> Result<()> {
+        let Self { alpha, a, b, beta, mut c, uplo } = self;
+        let lower = match uplo {
+            // A^T W A is symmetric, so that its transpose is the same product.
+            Some(Uplo::Upper) => c.rb_mut().transpose_mut(),
+            Some(Uplo::Lower | Uplo::Both) | None => c.rb_mut(),
+        };
+        work(Product { alpha, a, b, beta, c: lower, uplo: uplo.map(|_| Uplo::Lower) })?;
+        if uplo == Some(Uplo::Both) {
+            mirror_lower(c);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,121 @@
+//! Blocks of C as tasks, each by a recursion over a back end.
+
+use std::ops::ControlFlow;
+
+use faer::MatMut;
+use faer::prelude::{Reborrow, ReborrowMut};
+
+use super::balance::Balance;
+use super::product::Product;
+use super::recursive::Engine;
+use crate::ata::combine::{accumulate, accumulate_lower};
+use crate::ata::options::AtaOptions;
+use crate::ata::plan::{Op, Problem, Recursion, Task, Tasks};
+use crate::base::{Arena, Disjoint, Par, Result, Tracker, tickets};
+use crate::blas::BlasReal;
+
+/// Elements of scratch that [`execute`] needs.
+pub(super) fn scratch_len(plan: &Tasks, problem: &Problem, par: Par) -> usize {
+    let partials = (plan.slabs.len() - 1) * problem.n * problem.k;
+    plan.worker_scratch_len(problem.op) * workers(plan, par) + partials
+}
+
+/// Threads that can be busy.
+fn workers(plan: &Tasks, par: Par) -> usize {
+    par.at_most(plan.slabs.len() * plan.tasks.len()).threads()
+}
+
+/// Computes `product`, whose lower triangle alone is touched where the problem is symmetric.
+pub(super) fn execute<T: BlasReal>(
+    plan: &Tasks,
+    problem: &Problem,
+    product: Product<'_, T>,
+    options: &AtaOptions<'_>,
+    scratch: &mut [T],
+) -> Result<()> {
+    let Tasks { tasks, slabs, .. } = plan;
+    let (alpha, a, b, beta) =
+        (product.alpha, product.a, product.b.unwrap_or(product.a), product.beta);
+    let mut c = product.c;
+    let mut arena = Arena::new(scratch);
+    // Stored as C is: back ends are not equally fast at both.
+    let row_major = c.col_stride() == 1;
+    let partials: Vec<MatMut<'_, T>> = (1..slabs.len())
+        .map(|_| partial(arena.take(problem.n * problem.k), problem, row_major))
+        .collect();
+    let worker_len = plan.worker_scratch_len(problem.op);
+    let mut workers: Vec<_> =
+        (0..workers(plan, options.par)).map(|_| arena.take(worker_len)).collect();
+    let threads = Par::Threads(workers.len());
+
+    let destinations: Vec<_> = std::iter::once(Disjoint::new(c.rb_mut()))
+        .chain(partials.into_iter().map(Disjoint::new))
+        .collect();
+    let even = |matrix| matches!(Balance::of(matrix, options.par), Balance::Even);
+    let classical = Recursion::none();
+    let recursion = match plan.fast && plan.guarded {
+        true if !(even(a) && (problem.same() || even(b))) => &classical,
+        _ => &plan.recursion,
+    };
+    let engine = Engine { kernels: T::kernels(options.backend.as_ref()), recursion };
+    let total = slabs.len() as f64 * tasks.iter().map(Task::cost).sum::<f64>();
+    let tracker = Tracker::new(options.progress, total);
+
+    let _held = options.backend.single_threaded();
+    // Which worker computes a task does not matter to its result.
+    tickets(&mut workers, slabs.len() * tasks.len(), |scratch, ticket| {
+        let _held = options.backend.single_threaded();
+        let (slab, task) = (ticket / tasks.len(), &tasks[ticket % tasks.len()]);
+        // SAFETY: the tasks of a tree own disjoint blocks, each slab has its own destination, and each
+        // ticket is handed out once.
+        let mut block = unsafe { block_of(&destinations[slab], task) };
+        let mut beta = if slab == 0 { beta } else { T::ZERO };
+        for rows in &slabs[slab] {
+            let left = a.submatrix(rows.start, task.rows.start, rows.len(), task.rows.len());
+            let right = b.submatrix(rows.start, task.cols.start, rows.len(), task.cols.len());
+            engine.run(task.op(problem.op), alpha, left, right, beta, block.rb_mut(), scratch);
+            beta = T::ONE;
+        }
+        tracker.add(task.cost())
+    });
+    tracker.finish()?;
+
+    threads.tickets(if slabs.len() > 1 { tasks.len() } else { 0 }, |i| {
+        let task = &tasks[i];
+        // SAFETY: as above; the first pass is over.
+        let mut sum = unsafe { block_of(&destinations[0], task) };
+        for partial in &destinations[1..] {
+            // SAFETY: as above.
+            let partial = unsafe { block_of(partial, task) };
+            if task.op(problem.op) == Op::Gemm {
+                accumulate(sum.rb_mut(), T::ONE, T::ONE, partial.rb());
+            } else {
+                accumulate_lower(sum.rb_mut(), T::ONE, T::ONE, partial.rb());
+            }
+        }
+        ControlFlow::Continue(())
+    });
+    Ok(())
+}
+
+/// A matrix of C's shape in `memory`.
+pub(super) fn partial<'m, T>(
+    memory: &'m mut [T],
+    problem: &Problem,
+    row_major: bool,
+) -> MatMut<'m, T> {
+    if row_major {
+        MatMut::from_row_major_slice_mut(memory, problem.n, problem.k)
+    } else {
+        MatMut::from_column_major_slice_mut(memory, problem.n, problem.k)
+    }
+}
+
+/// The block of `matrix` that `task` owns.
+///
+/// # Safety
+/// As for [`Disjoint::block`].
+unsafe fn block_of<'m, T>(matrix: &'m Disjoint<'_, T>, task: &Task) -> MatMut<'m, T> {
+    // SAFETY: the caller's promise.
+    unsafe { matrix.block(task.rows.clone(), task.cols.clone()) }
+}

@@ -1,0 +1,353 @@
+//! Which strategy a product gets: the cheapest one within the accuracy asked for.
+
+use super::cost::{FusedCost, RecursionCost};
+use super::fused::{self, FusedProduct};
+use super::problem::Problem;
+use super::recursion::{Base, Recursion};
+use super::split::block_start;
+use super::strategy::{Exact, Fused, Slab, Strategy, Tasks};
+use super::tree::Node;
+use crate::ata::exact::{self, Layout};
+use crate::ata::options::{Accuracy, AtaOptions, SchemeChoice};
+use crate::ata::scheme::SchemeId;
+use crate::base::Real;
+use crate::blas::{BlasReal, Native};
+use crate::kernel::int8;
+
+/// A strategy and the seconds on one core that it is expected to take.
+pub(super) struct Choice {
+    pub strategy: Strategy,
+    pub seconds: f64,
+    /// Of products in floating point without fast levels.
+    pub classical_seconds: f64,
+}
+
+/// Growth of the max-norm error per fast level, measured on uniform, Gaussian and positive random
+/// matrices (docs/algorithms/ata.md): Winograd's variant over a BLAS, and Strassen's algorithm fused.
+const ERROR_GROWTH_PER_LEVEL: f64 = 1.9;
+const ERROR_GROWTH_PER_FUSED_LEVEL: f64 = 2.4;
+
+/// Growth of the error that [`Accuracy::Default`] allows.
+const DEFAULT_GROWTH: f64 = 4.0;
+
+/// Elements that count as fitting the cache in the faithful mode: 2 MiB of f64, a second-level cache.
+const FAITHFUL_CACHE: usize = 1 << 18;
+
+/// Smallest side of a block when a scheme is asked for by name.
+const NAMED_SIDE: usize = 256;
+
+/// Fast levels that our own kernels fuse: more would read every block too often.
+const MOST_FUSED: usize = 2;
+
+/// Tasks of the faithful mode; the thesis takes the number of threads, which would make results
+/// depend on it.
+const FAITHFUL_TASKS: usize = 16;
+
+/// Share of the classical time that a fast plan must stay below: within the error of the models the
+/// simpler way is the better one. Fused levels are not quite as cheap as the model of their traffic
+/// says.
+const GAIN_OF_FUSED: f64 = 0.96;
+const GAIN_OF_TASKS: f64 = 0.98;
+const GAIN_OF_EXACT: f64 = 0.98;
+
+/// The strategy for `problem`.
+pub(super) fn choose<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
+    let float = |options: &AtaOptions<'_>| match native_for(options) {
+        Some(native) if is_direct::<T>(native, &problem, options) => direct(native),
+        Some(native) => fused::<T>(native, problem, options),
+        None => tasks::<T>(problem, options),
+    };
+    if options.reproducible
+        || options.scheme == SchemeChoice::Exact
+        || options.accuracy == Accuracy::Max && options.scheme == SchemeChoice::Auto
+    {
+        let classical = AtaOptions { scheme: SchemeChoice::Classical, ..options.clone() };
+        return exact::<T>(problem, options, float(&classical).classical_seconds);
+    }
+    let float = float(options);
+    if options.scheme != SchemeChoice::Auto
+        || options.accuracy == Accuracy::Classical
+        || matches!(float.strategy, Strategy::Direct(_))
+    {
+        return float;
+    }
+    let exact = exact::<T>(problem, options, float.classical_seconds);
+    if exact.seconds < GAIN_OF_EXACT * float.seconds { exact } else { float }
+}
+
+/// Our own kernels, when they are the back end and the scheme is one that they fuse.
+fn native_for<'o>(options: &'o AtaOptions<'_>) -> Option<&'o Native> {
+    options.backend.native().filter(|_| match options.scheme {
+        SchemeChoice::Auto | SchemeChoice::Float => true,
+        SchemeChoice::Winograd | SchemeChoice::Kgp4 => {
+            allowed_levels(options.accuracy, ERROR_GROWTH_PER_FUSED_LEVEL) <= MOST_FUSED
+        }
+        SchemeChoice::Classical | SchemeChoice::Exact => true,
+        // Their tables are for an engine that keeps sums, or mirror products.
+        SchemeChoice::Ata2 | SchemeChoice::Rxtx | SchemeChoice::Kgp3 => false,
+    })
+}
+
+/// Whether the product is over before it could be planned, and the options leave us the choice.
+fn is_direct<T: BlasReal>(native: &Native, problem: &Problem, options: &AtaOptions<'_>) -> bool {
+    matches!(options.scheme, SchemeChoice::Auto | SchemeChoice::Float | SchemeChoice::Classical)
+        && native.is_small::<T>(problem.m, problem.n, problem.k, problem.same())
+}
+
+fn direct(native: &Native) -> Choice {
+    /// Seconds, at most: what counts as direct is less work than that of 30 microseconds.
+    const SECONDS: f64 = 3e-5;
+    let strategy = Strategy::Direct(native.isa());
+    Choice { strategy, seconds: SECONDS, classical_seconds: SECONDS }
+}
+
+/// The fused strategy on our own kernels.
+fn fused<T: BlasReal>(native: &Native, problem: Problem, options: &AtaOptions<'_>) -> Choice {
+    let Problem { op, m, n, k } = problem;
+    let slabs = fused_slabs(m, n, k);
+    let budget = packing_budget::<T>(n, k);
+    let cost = FusedCost {
+        rates: native.rates(),
+        geometry: T::kernel(native.isa()).geometry(),
+        scalar_bytes: size_of::<T>(),
+        budget,
+        symmetric: op.symmetric(),
+    };
+    let program = |recursion: &Recursion, rows| fused::products(recursion, op, rows, n, k);
+    let seconds =
+        |recursion: &Recursion| slabs as f64 * cost.seconds(&program(recursion, m.div_ceil(slabs)));
+    let classical = Recursion::none();
+    let classical_seconds = seconds(&classical);
+    let allowed = allowed_levels(options.accuracy, ERROR_GROWTH_PER_FUSED_LEVEL).min(MOST_FUSED);
+    let (recursion, seconds) = match options.scheme {
+        SchemeChoice::Auto | SchemeChoice::Float => {
+            let found = candidates(options.leaf, m.min(n).min(k), allowed, SchemeId::Strassen);
+            cheapest(found, seconds, GAIN_OF_FUSED, classical_seconds)
+        }
+        SchemeChoice::Winograd | SchemeChoice::Kgp4 => {
+            let named = named(options, SchemeId::Strassen, allowed);
+            let seconds = seconds(&named);
+            (named, seconds)
+        }
+        _ => (classical.clone(), classical_seconds),
+    };
+    let slab = |i: usize| {
+        let rows = block_start(m, slabs, i)..block_start(m, slabs, i + 1);
+        let fast = recursion.is_fast(op, rows.len(), n, k);
+        let program_of = |recursion| -> Vec<FusedProduct> { program(recursion, rows.len()) };
+        Slab {
+            program: program_of(&recursion),
+            classical: if fast { program_of(&classical) } else { Vec::new() },
+            rows: rows.clone(),
+        }
+    };
+    let slabs = (0..slabs).map(slab).collect();
+    let strategy = Strategy::Fused(Fused { isa: native.isa(), recursion, budget, slabs });
+    Choice { strategy, seconds, classical_seconds }
+}
+
+/// The recursive strategy over any back end.
+fn tasks<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
+    let Problem { op, m, n, k } = problem;
+    let faithful = options.scheme == SchemeChoice::Ata2;
+    let count =
+        options.tasks.unwrap_or(if faithful { FAITHFUL_TASKS } else { default_tasks(n, k) });
+    let tree = if op.symmetric() { Node::symmetric(n, count) } else { Node::general(n, k, count) };
+    let mut tasks = tree.tasks();
+    let slabs = if faithful { 1 } else { task_slabs(m, n, k) };
+    let chunks_of = |recursion: &Recursion| match recursion.fast_levels {
+        0 => 1,
+        _ if faithful => 1,
+        _ => (m / slabs).div_ceil(n.max(k).max(1)).max(1),
+    };
+    let mut cost = RecursionCost::new::<T>(options.backend.rates());
+    let mut seconds = |recursion: &Recursion| {
+        let parts = slabs * chunks_of(recursion);
+        let rows = m.div_ceil(parts);
+        let one = |t: &super::tree::Task| {
+            cost.seconds(recursion, t.op(op), [rows, t.rows.len(), t.cols.len()])
+        };
+        parts as f64 * tasks.iter().map(one).sum::<f64>()
+    };
+    let classical = Recursion::none();
+    let classical_seconds = seconds(&classical);
+    let allowed = allowed_levels(options.accuracy, ERROR_GROWTH_PER_LEVEL);
+    let mut guarded = false;
+    let (recursion, seconds) = match options.scheme {
+        SchemeChoice::Auto | SchemeChoice::Float => {
+            guarded = true;
+            let shortest = tasks.iter().map(|t| t.rows.len().min(t.cols.len())).min();
+            let shortest = shortest.unwrap_or(0).min(m);
+            let found = candidates(options.leaf, shortest, allowed, SchemeId::Winograd);
+            cheapest(found, seconds, GAIN_OF_TASKS, classical_seconds)
+        }
+        SchemeChoice::Classical | SchemeChoice::Exact => (classical, classical_seconds),
+        _ => {
+            let recursion = if faithful {
+                thesis(options, allowed)
+            } else {
+                named(options, SchemeId::Winograd, allowed)
+            };
+            let seconds = seconds(&recursion);
+            (recursion, seconds)
+        }
+    };
+    let chunks = chunks_of(&recursion);
+    let start = |part| block_start(m, slabs * chunks, part);
+    let slab = |i: usize| (i * chunks..(i + 1) * chunks).map(|j| start(j)..start(j + 1)).collect();
+    let slabs: Vec<Vec<_>> = (0..slabs).map(slab).collect();
+    let rows = m / (slabs.len() * chunks);
+    let fast = tasks.iter().any(|t| recursion.is_fast(t.op(op), rows, t.rows.len(), t.cols.len()));
+    tasks.sort_by(|a, b| b.cost().total_cmp(&a.cost()));
+    let strategy = Strategy::Tasks(Tasks { tree, tasks, slabs, recursion, fast, guarded });
+    Choice { strategy, seconds, classical_seconds }
+}
+
+/// The exact strategy.
+fn exact<T: Real>(problem: Problem, options: &AtaOptions<'_>, classical_seconds: f64) -> Choice {
+    let Problem { op, m, n, k } = problem;
+    let isa = int8::Isa::best();
+    let moduli = exact_moduli::<T>(options.accuracy);
+    let seconds = exact::estimate(isa, [m, n, k], moduli, op.symmetric());
+    let layout = Layout::new([m, n, k], size_of::<T>(), moduli, op.symmetric(), problem.same());
+    let strategy = Strategy::Exact(Exact { isa, layout });
+    Choice { strategy, seconds, classical_seconds }
+}
+
+/// The cheapest of the recursions, unless it gains less than that over the classical one.
+fn cheapest(
+    found: Vec<Recursion>,
+    mut seconds: impl FnMut(&Recursion) -> f64,
+    gain: f64,
+    classical_seconds: f64,
+) -> (Recursion, f64) {
+    found
+        .into_iter()
+        .map(|recursion| (seconds(&recursion), recursion))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .filter(|(seconds, _)| *seconds < gain * classical_seconds)
+        .map_or((Recursion::none(), classical_seconds), |(seconds, best)| (best, seconds))
+}
+
+/// The recursion of a scheme that the caller named.
+fn named(options: &AtaOptions<'_>, general: SchemeId, fast_levels: usize) -> Recursion {
+    let symmetric = match options.scheme {
+        SchemeChoice::Rxtx => vec![SchemeId::Rxtx, SchemeId::Split],
+        SchemeChoice::Kgp4 => vec![SchemeId::Kgp4, SchemeId::Split],
+        SchemeChoice::Kgp3 => vec![SchemeId::Kgp3, SchemeId::Split],
+        _ => vec![SchemeId::Split],
+    };
+    let base = Base::side(options.leaf.unwrap_or(NAMED_SIDE));
+    Recursion { symmetric, general: vec![general], base, fast_levels }
+}
+
+/// Algorithm 8.1 of the thesis.
+fn thesis(options: &AtaOptions<'_>, allowed: usize) -> Recursion {
+    let cache = options.leaf.map_or(FAITHFUL_CACHE, |side| side.saturating_mul(side));
+    Recursion {
+        symmetric: vec![SchemeId::Ata2],
+        general: vec![SchemeId::Strassen],
+        base: Base::Cache(cache),
+        // The thesis knows no limit; a caller who names one gets it.
+        fast_levels: if options.accuracy == Accuracy::Default { usize::MAX } else { allowed },
+    }
+}
+
+/// The recursions worth a look, for blocks of C with sides of `shortest` or more.
+fn candidates(
+    leaf: Option<usize>,
+    shortest: usize,
+    allowed: usize,
+    general_scheme: SchemeId,
+) -> Vec<Recursion> {
+    /// Shorter blocks never gain, and estimating them would take a visible part of the time.
+    const WORTHWHILE: usize = 768;
+    /// Deeper recursions never gain.
+    const DEEPEST: usize = 5;
+    let mut found = Vec::new();
+    if leaf.is_none() && shortest < WORTHWHILE {
+        return found;
+    }
+    for general in leaf.map_or(vec![256, 384, 512, 768, 1024, 2048], |l| vec![l]) {
+        for symmetric in leaf.map_or(vec![512, 1024, 2048, 4096], |l| vec![l]) {
+            for fast_levels in 1..=allowed.min(DEEPEST) {
+                for symmetric_schemes in
+                    [vec![SchemeId::Split], vec![SchemeId::Kgp4, SchemeId::Split]]
+                {
+                    found.push(Recursion {
+                        symmetric: symmetric_schemes,
+                        general: vec![general_scheme],
+                        base: Base::Side { general, symmetric },
+                        fast_levels,
+                    });
+                }
+            }
+        }
+    }
+    found
+}
+
+fn allowed_levels(accuracy: Accuracy, growth: f64) -> usize {
+    match accuracy {
+        Accuracy::Max | Accuracy::Classical => 0,
+        Accuracy::Bounded(factor) => (factor.ln() / growth.ln()) as usize,
+        Accuracy::Default => allowed_levels(Accuracy::Bounded(DEFAULT_GROWTH), growth),
+        Accuracy::Fast => usize::MAX,
+    }
+}
+
+/// Moduli of the exact path; the table of [`Accuracy`].
+fn exact_moduli<T: Real>(accuracy: Accuracy) -> usize {
+    /// The growth from which the fewest moduli will do.
+    const COARSE: f64 = 8.0;
+    let (most, default, least) = if size_of::<T>() == 8 { (15, 14, 13) } else { (8, 7, 6) };
+    match accuracy {
+        Accuracy::Max | Accuracy::Classical => most,
+        Accuracy::Bounded(factor) if factor < COARSE => default,
+        Accuracy::Default => default,
+        Accuracy::Bounded(_) | Accuracy::Fast => least,
+    }
+}
+
+/// Few enough tasks that blocks stay long, for long blocks are what back ends are fast at; a caller
+/// with many cores may ask for more.
+fn default_tasks(n: usize, k: usize) -> usize {
+    match n.min(k) {
+        0..256 => 1,
+        256..1024 => 2,
+        1024..12288 => 4,
+        12288..24576 => 16,
+        _ => 64,
+    }
+}
+
+/// Slabs for a tall A, whose C offers too few tasks.
+fn task_slabs(m: usize, n: usize, k: usize) -> usize {
+    let side = n.max(k).max(1);
+    if side <= 768 { (m / (16 * side).max(2048)).clamp(1, 8) } else { 1 }
+}
+
+/// Slabs for a C that is too small to be shared by threads: a power of two, long enough for the sum of
+/// their results not to matter.
+fn fused_slabs(m: usize, n: usize, k: usize) -> usize {
+    const SMALL: usize = 256;
+    const SHORTEST: usize = 500;
+    /// Rows from which on many threads are worth their while.
+    const MANY: usize = 50_000;
+    let side = n.max(k);
+    if side > SMALL {
+        return 1;
+    }
+    let most = if m < MANY { 4 } else { 16 };
+    let slabs = m / SHORTEST.max(5 * side);
+    slabs.checked_ilog2().map_or(1, |log| 1 << log).min(most)
+}
+
+/// Scalars that a packed chunk may take, of which there are two: with the sums of the threads less
+/// than half of C, but what the third-level cache of a core holds at most, and a chunk that is worth
+/// its while at least.
+fn packing_budget<T>(n: usize, k: usize) -> usize {
+    const LEAST: usize = 256 << 10;
+    const MOST: usize = 64 << 20;
+    (n * k / 6).clamp(LEAST / size_of::<T>(), MOST / size_of::<T>())
+}

@@ -1,0 +1,114 @@
+//! What will be done, as data: no threads, no matrices, nothing but shapes and counts. The plan that is
+//! printed is the object that [`execute`](super::execute) takes.
+
+mod choose;
+mod cost;
+mod explain;
+mod fused;
+mod levels;
+mod problem;
+mod recursion;
+mod split;
+mod strategy;
+mod tree;
+
+pub(crate) use fused::{Block, FusedProduct};
+#[cfg(test)]
+pub(crate) use levels::scratch_len;
+pub(crate) use levels::{Extent, LevelScratch, cheapest_update, leading};
+pub(crate) use problem::{Op, Problem};
+#[cfg(test)]
+pub(crate) use recursion::Base;
+pub(crate) use recursion::Recursion;
+pub(crate) use split::block_start;
+pub(crate) use strategy::{Exact, Fused, Slab, Strategy, Tasks};
+pub use tree::{Node, Task, levels};
+
+use super::options::AtaOptions;
+use crate::base::Result;
+use crate::blas::BlasReal;
+use crate::kernel::int8;
+
+/// A plan for `C := alpha A^T A + beta C` or `C := alpha A^T B + beta C`.
+///
+/// It depends on the shape, the precision and the options, but never on the number of threads:
+/// that is why results don't either. What it prints is what runs.
+///
+/// ```
+/// use catamaran::{AtaOptions, Plan};
+///
+/// let plan = Plan::ata::<f64>(100_000, 500, &AtaOptions::new())?;
+/// assert!(plan.to_string().starts_with("C = A^T A, A 100000 x 500, f64"));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    pub(crate) problem: Problem,
+    pub(crate) strategy: Strategy,
+    scalar: &'static str,
+    /// Expected seconds on one core, and those of classical products in floating point.
+    seconds: f64,
+    classical_seconds: f64,
+}
+
+impl Plan {
+    /// The plan of [`ata`](super::ata) for A m x n.
+    ///
+    /// # Errors
+    /// [`Error::Argument`](crate::Error::Argument) for options out of range,
+    /// [`Error::OutOfMemory`](crate::Error::OutOfMemory) for matrices that no memory holds.
+    pub fn ata<T: BlasReal>(m: usize, n: usize, options: &AtaOptions<'_>) -> Result<Self> {
+        Self::new::<T>(Op::Syrk, m, n, n, options)
+    }
+
+    /// The plan of [`atb`](super::atb) for A m x n and B m x k.
+    ///
+    /// # Errors
+    /// As [`Plan::ata`].
+    pub fn atb<T: BlasReal>(
+        m: usize,
+        n: usize,
+        k: usize,
+        options: &AtaOptions<'_>,
+    ) -> Result<Self> {
+        Self::new::<T>(Op::Gemm, m, n, k, options)
+    }
+
+    /// The plan for `op` with A m x n and B m x k.
+    pub(crate) fn new<T: BlasReal>(
+        op: Op,
+        m: usize,
+        n: usize,
+        k: usize,
+        options: &AtaOptions<'_>,
+    ) -> Result<Self> {
+        options.check()?;
+        let problem = Problem::new(op, m, n, k)?;
+        let choose::Choice { strategy, seconds, classical_seconds } =
+            choose::choose::<T>(problem, options);
+        Ok(Self { problem, strategy, scalar: T::NAME, seconds, classical_seconds })
+    }
+
+    /// The same on another instruction set, when it takes the exact path.
+    pub(crate) fn on(mut self, isa: int8::Isa) -> Self {
+        if let Strategy::Exact(exact) = &mut self.strategy {
+            exact.isa = isa;
+        }
+        self
+    }
+
+    /// Whether it takes the exact path, which gives the same bytes on every machine.
+    pub fn is_exact(&self) -> bool {
+        matches!(self.strategy, Strategy::Exact(_))
+    }
+
+    /// Whether any product is computed with fewer multiplications than the classical count, unless the
+    /// norms of the columns forbid it.
+    pub fn is_fast(&self) -> bool {
+        match &self.strategy {
+            Strategy::Fused(fused) => fused.is_fast(),
+            Strategy::Tasks(tasks) => tasks.fast,
+            Strategy::Direct(_) | Strategy::Exact(_) => false,
+        }
+    }
+}

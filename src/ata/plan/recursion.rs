@@ -1,0 +1,88 @@
+use crate::ata::scheme::SchemeId;
+
+use super::problem::Op;
+
+/// How blocks are taken apart: at each node the first scheme whose blocks are not too small.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Recursion {
+    /// For products of which the lower triangle is wanted, in order of preference.
+    pub symmetric: Vec<SchemeId>,
+    /// For general products, in order of preference.
+    pub general: Vec<SchemeId>,
+    /// Where it ends.
+    pub base: Base,
+    /// Levels of schemes with additions, at most.
+    pub fast_levels: usize,
+}
+
+/// When a block is left to the back end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Base {
+    /// When the next level's blocks would have a side shorter than this (>= 1).
+    Side {
+        /// For general products.
+        general: usize,
+        /// For products of which the lower triangle is wanted: back ends need longer sides to be
+        /// fast at those.
+        symmetric: usize,
+    },
+    /// When the operands hold at most this many elements (thesis: `cache_size`).
+    Cache(usize),
+}
+
+impl Base {
+    /// The same side for both.
+    pub fn side(side: usize) -> Self {
+        Self::Side { general: side, symmetric: side }
+    }
+}
+
+impl Recursion {
+    /// No recursion at all.
+    pub fn none() -> Self {
+        Self { symmetric: vec![], general: vec![], base: Base::side(1), fast_levels: 0 }
+    }
+
+    /// The scheme for a node with A m x n and B m x k, or `None` for the back end.
+    pub fn choose(
+        &self,
+        symmetric: bool,
+        m: usize,
+        n: usize,
+        k: usize,
+        fast_levels: usize,
+    ) -> Option<SchemeId> {
+        if let Base::Cache(size) = self.base
+            && m.saturating_mul(if symmetric { n } else { n.saturating_add(k) }) <= size
+        {
+            return None;
+        }
+        let side = match self.base {
+            Base::Side { symmetric: side, .. } if symmetric => side.max(1),
+            Base::Side { general: side, .. } => side.max(1),
+            Base::Cache(_) => 1,
+        };
+        let list = if symmetric { &self.symmetric } else { &self.general };
+        list.iter().copied().find(|id| {
+            let s = id.scheme();
+            (fast_levels > 0 || !s.is_fast())
+                // Splitting rows must leave long ones; not splitting them is always allowed.
+                && (s.inner == 1 || m / s.inner >= side)
+                && n / s.left >= side
+                && k / s.right >= side
+        })
+    }
+
+    /// Whether a node of this shape leads to a scheme with additions.
+    pub fn is_fast(&self, op: Op, m: usize, n: usize, k: usize) -> bool {
+        let Some(id) = self.choose(op.symmetric(), m, n, k, self.fast_levels) else {
+            return false;
+        };
+        let s = id.scheme();
+        s.is_fast()
+            || s.products.iter().any(|p| {
+                let (m, n, k) = (m.div_ceil(s.inner), n.div_ceil(s.left), k.div_ceil(s.right));
+                self.is_fast(op.of_product(p.kind), m, n, k)
+            })
+    }
+}

@@ -1,0 +1,89 @@
+use std::ops::Range;
+
+use super::fused::FusedProduct;
+use super::levels::scratch_len;
+use super::problem::Op;
+use super::recursion::Recursion;
+use super::tree::{Node, Task};
+use crate::ata::exact::Layout;
+use crate::kernel::{int8, packed};
+
+/// How a product is computed. Each variant holds all that its executor needs beside the matrices.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Strategy {
+    /// One product on the calling thread: over before another thread has woken up.
+    Direct(packed::Isa),
+    /// Packed products of sums of blocks, on our own kernels.
+    Fused(Fused),
+    /// A recursion for each block of C, over any back end.
+    Tasks(Tasks),
+    /// Integer products modulo small primes.
+    Exact(Exact),
+}
+
+/// Products on our own kernels, whose additions are made while packing and writing.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Fused {
+    pub isa: packed::Isa,
+    /// What the programs come from.
+    pub recursion: Recursion,
+    /// Scalars that packed operands may take, if that is possible.
+    pub budget: usize,
+    /// Slabs of rows, each with its own partial result, added up in order.
+    pub slabs: Vec<Slab>,
+}
+
+/// A slab of rows and its products, one after another.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Slab {
+    pub rows: Range<usize>,
+    pub program: Vec<FusedProduct>,
+    /// Instead of the program when a column is not finite: fast levels would spread it. Empty when the
+    /// program is classical itself.
+    pub classical: Vec<FusedProduct>,
+}
+
+impl Fused {
+    pub fn is_fast(&self) -> bool {
+        self.slabs.iter().any(|slab| !slab.classical.is_empty())
+    }
+}
+
+/// Blocks of C that threads compute one at a time, by a recursion over a back end.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Tasks {
+    /// Which process computes which block of C.
+    pub tree: Node,
+    /// The leaves of the tree, the largest first, so that the small ones fill the gaps at the end.
+    pub tasks: Vec<Task>,
+    /// Slabs of rows, each with its own partial result, added up in order; a task takes the chunks of a
+    /// slab one after another, adding up in C: a tall A would otherwise need sums of blocks as tall.
+    pub slabs: Vec<Vec<Range<usize>>>,
+    pub recursion: Recursion,
+    /// Whether the recursion has levels with additions.
+    pub fast: bool,
+    /// Whether columns whose norms differ much, or are not finite, make it classical: the caller named
+    /// no scheme, so that accuracy goes first.
+    pub guarded: bool,
+}
+
+/// The exact path.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Exact {
+    pub isa: int8::Isa,
+    pub layout: Layout,
+}
+
+impl Tasks {
+    /// Elements of scratch that a thread needs for the tasks of `op`.
+    pub fn worker_scratch_len(&self, op: Op) -> usize {
+        let mut longest = 0;
+        for task in &self.tasks {
+            for rows in self.slabs.iter().flatten().map(Range::len) {
+                let (op, n, k) = (task.op(op), task.rows.len(), task.cols.len());
+                longest = longest.max(scratch_len(&self.recursion, op, rows, n, k));
+            }
+        }
+        longest
+    }
+}
