@@ -2,15 +2,15 @@
 
 mod common;
 
-use std::sync::Arc;
-
 use catamaran::base::Rng;
 use catamaran::blas::{self, Backend, BlasReal, Native};
+use std::sync::Arc;
+
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::kernel::packed::{Isa, Rates};
 use catamaran::{
-    AtaOptions, Error, Par, Plan, SchemeChoice, Uplo, aat, ata, ata_scratch_len, ata_with_scratch,
-    atb, atb_scratch_len, atb_with_scratch,
+    AtaOptions, Par, Plan, SchemeChoice, Uplo, aat, ata, ata_scratch_len, ata_with_scratch, atb,
+    atb_scratch_len, atb_with_scratch,
 };
 use common::{bits, gaussian, integers, oracle};
 
