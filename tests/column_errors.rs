@@ -44,40 +44,57 @@ fn spreads(n: usize, smallest: i32) -> Vec<Vec<Option<i32>>> {
     found
 }
 
-/// The largest error of an entry by `k u |a_i| |b_j|`; `a` and `b` are the columns without their powers.
-fn largest_error<T: BlasReal>(
-    c: MatRef<'_, T>,
-    (a, a_powers): (&Mat<f64>, &[Option<i32>]),
-    (b, b_powers): (&Mat<f64>, &[Option<i32>]),
-    lower: bool,
-) -> f64 {
-    let k = a.nrows() as f64;
-    let smallest = if size_of::<T>() == 8 { -960 } else { -100 };
-    let mut largest = 0.0_f64;
-    for j in 0..c.ncols() {
-        for i in if lower { j } else { 0 }..c.nrows() {
-            let (Some(p), Some(q)) = (a_powers[i], b_powers[j]) else {
-                assert_eq!(c[(i, j)].to_f64(), 0.0, "({i}, {j}) of a column of zeros");
-                continue;
-            };
-            // Below, products leave the range of the numbers.
-            if p + q < smallest {
-                continue;
-            }
-            let exact: f64 = dot(a, i, b, j);
-            let norms = dot(a, i, a, i).sqrt() * dot(b, j, b, j).sqrt();
-            let up = |x: f64| {
-                x * 2_f64.powi(-p / 2)
-                    * 2_f64.powi(-(p - p / 2))
-                    * 2_f64.powi(-q / 2)
-                    * 2_f64.powi(-(q - q / 2))
-            };
-            let error = (up(c[(i, j)].to_f64()) - exact).abs() / (k * T::UNIT_ROUNDOFF * norms);
-            assert!(error.is_finite(), "({i}, {j})");
-            largest = largest.max(error);
+/// `A^T B` in twice the precision, rounded, and the products of the norms of its columns.
+struct Exact {
+    rows: usize,
+    products: Mat<f64>,
+    norms: Mat<f64>,
+}
+
+impl Exact {
+    fn new(a: &Mat<f64>, b: &Mat<f64>) -> Self {
+        let norms = |m: &Mat<f64>| (0..m.ncols()).map(|j| dot(m, j, m, j).sqrt()).collect();
+        let (left, right): (Vec<f64>, Vec<f64>) = (norms(a), norms(b));
+        let (n, k) = (a.ncols(), b.ncols());
+        Self {
+            rows: a.nrows(),
+            products: Mat::from_fn(n, k, |i, j| dot(a, i, b, j)),
+            norms: Mat::from_fn(n, k, |i, j| left[i] * right[j]),
         }
     }
-    largest
+
+    /// The largest error of an entry of C by `k u |a_i| |b_j|`, for columns times powers of two.
+    fn error<T: BlasReal>(
+        &self,
+        c: MatRef<'_, T>,
+        a_powers: &[Option<i32>],
+        b_powers: &[Option<i32>],
+        lower: bool,
+    ) -> f64 {
+        /// Below, products leave the range of the numbers.
+        const SMALLEST: [i32; 2] = [-100, -960];
+        let smallest = SMALLEST[usize::from(size_of::<T>() == 8)];
+        let mut largest = 0.0_f64;
+        for j in 0..c.ncols() {
+            for i in if lower { j } else { 0 }..c.nrows() {
+                let (Some(p), Some(q)) = (a_powers[i], b_powers[j]) else {
+                    assert_eq!(c[(i, j)].to_f64(), 0.0, "({i}, {j}) of a column of zeros");
+                    continue;
+                };
+                if p + q < smallest {
+                    continue;
+                }
+                // In two steps, for one power may not be a number.
+                let (half, rest) = ((p + q) / 2, (p + q) - (p + q) / 2);
+                let entry = c[(i, j)].to_f64() * 2_f64.powi(-half) * 2_f64.powi(-rest);
+                let unit = self.rows as f64 * T::UNIT_ROUNDOFF * self.norms[(i, j)];
+                let error = (entry - self.products[(i, j)]).abs() / unit;
+                assert!(error.is_finite(), "({i}, {j})");
+                largest = largest.max(error);
+            }
+        }
+        largest
+    }
 }
 
 /// A product of columns in twice the precision, rounded.
@@ -104,27 +121,27 @@ fn check<T: BlasReal>(options: &AtaOptions<'_>, smallest: i32, what: &str) {
         |m: Mat<f64>| Mat::from_fn(m.nrows(), m.ncols(), |i, j| T::from_f64(m[(i, j)]).to_f64());
     let (m, n, k) = (210, 96, 80);
     let (a, b) = (round(gaussian::<f64>(m, n, 1)), round(gaussian::<f64>(m, k, 2)));
+    let (gram, product) = (Exact::new(&a, &a), Exact::new(&a, &b));
     for powers in spreads(n, smallest) {
         let mut b_powers: Vec<_> = powers[..k].to_vec();
         b_powers.reverse();
         let (sa, sb) = (scaled::<T>(&a, &powers), scaled::<T>(&b, &b_powers));
-        let left = (&a, &powers[..]);
         let name = format!("{what}, {}, {powers:?}", T::NAME);
 
         let mut c = Mat::from_fn(n, n, |_, _| T::ZERO);
         ata(T::ONE, sa.as_ref(), T::ZERO, c.as_mut(), options).unwrap();
-        let error = largest_error(c.as_ref(), left, left, true);
+        let error = gram.error(c.as_ref(), &powers, &powers, true);
         assert!(error <= FACTOR, "ata, {name}: {error}");
 
         let mut d = Mat::from_fn(n, k, |_, _| T::ZERO);
         atb(T::ONE, sa.as_ref(), sb.as_ref(), T::ZERO, d.as_mut(), options).unwrap();
-        let error = largest_error(d.as_ref(), left, (&b, &b_powers), false);
+        let error = product.error(d.as_ref(), &powers, &b_powers, false);
         assert!(error <= FACTOR, "atb, {name}: {error}");
 
         let mut e = Mat::from_fn(n, n, |_, _| T::ZERO);
         let rows = &mut DenseRows(sa.as_ref());
         ata_rows(T::ONE, rows, &RowOptions::default(), T::ZERO, e.as_mut(), options).unwrap();
-        let error = largest_error(e.as_ref(), left, left, true);
+        let error = gram.error(e.as_ref(), &powers, &powers, true);
         assert!(error <= FACTOR, "ata_rows, {name}: {error}");
     }
 }

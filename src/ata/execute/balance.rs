@@ -12,8 +12,9 @@ use crate::base::{Par, Real};
 pub(super) enum Balance {
     /// They are alike: fast levels as they are.
     Even,
-    /// They differ, and are alike once column j is multiplied by `2^exponents[j]`.
-    Uneven(Vec<i32>),
+    /// They differ, and are alike once column j is multiplied by `2^exponents[j]`. A column of zeros has
+    /// no exponent: its products must be zero, which a fast level does not see to.
+    Uneven(Vec<Option<i32>>),
     /// A column is not finite. A fast level would spread that.
     NotFinite,
 }
@@ -28,15 +29,16 @@ impl Balance {
     /// Of the columns of `a`.
     pub fn of<T: Real>(a: MatRef<'_, T>, par: Par) -> Self {
         let Some(norms) = norm_exponents(a, par) else { return Self::NotFinite };
-        let known = || norms.iter().flatten();
-        match (known().min(), known().max()) {
-            (Some(least), Some(most)) if most - least >= ALIKE => {
+        // A missing exponent, that of a column of zeros, is less than all others.
+        match (norms.iter().min(), norms.iter().max()) {
+            (Some(&Some(least)), Some(&Some(most))) if most - least < ALIKE => Self::Even,
+            (None, _) | (_, None) => Self::Even,
+            _ => {
                 // The scale must be a number of T, and its inverse too.
                 let (least, most) = if size_of::<T>() == 8 { (-1022, 1023) } else { (-126, 127) };
-                let scale = |norm: &Option<i32>| (-norm.unwrap_or(0)).clamp(least, most);
-                Self::Uneven(norms.iter().map(scale).collect())
+                let scale = |norm: Option<i32>| norm.map(|norm| (-norm).clamp(least, most));
+                Self::Uneven(norms.into_iter().map(scale).collect())
             }
-            _ => Self::Even,
         }
     }
 }
@@ -166,7 +168,8 @@ mod tests {
     fn zero_columns_have_no_exponent_and_columns_that_are_not_finite_refuse_all() {
         let mut a = Mat::from_fn(30, 3, |i, j| if j == 1 { 0.0 } else { i as f64 });
         assert_eq!(exponents(&a).unwrap()[1], None);
-        assert!(matches!(Balance::of(a.as_ref(), Par::Seq), Balance::Even));
+        assert!(matches!(Balance::of(a.as_ref(), Par::Seq), Balance::Uneven(_)));
+        assert!(matches!(Balance::of(a.as_ref().subcols(0, 1), Par::Seq), Balance::Even));
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             a[(17, 2)] = bad;
             assert_eq!(exponents(&a), None);
@@ -178,8 +181,9 @@ mod tests {
     fn scales_bring_norms_together() {
         let a = Mat::from_fn(64, 5, |i, j| (1 + i % 3) as f64 * 10_f64.powi(-60 * j as i32));
         let Balance::Uneven(scales) = Balance::of(a.as_ref(), Par::Seq) else { panic!("uneven") };
-        for (j, &scale) in scales.iter().enumerate() {
-            let norm = (0..64).map(|i| (a[(i, j)] * 2_f64.powi(scale)).powi(2)).sum::<f64>().sqrt();
+        for (j, scale) in scales.into_iter().enumerate() {
+            let scale = 2_f64.powi(scale.unwrap());
+            let norm = (0..64).map(|i| (a[(i, j)] * scale).powi(2)).sum::<f64>().sqrt();
             assert!((0.99..2.01).contains(&norm), "{norm}");
         }
     }

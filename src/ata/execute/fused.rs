@@ -107,20 +107,34 @@ pub(super) fn execute<T: BlasReal>(
     Ok(())
 }
 
-/// Powers of two that the columns of A and B are multiplied by while they are packed.
-type Scales<T> = [Vec<T>; 2];
+/// Powers of two for the columns of A, or of B.
+struct Scales<T> {
+    /// What columns are multiplied by while they are packed.
+    factors: Vec<T>,
+    /// What their products are divided by: the same, but for columns of zeros, whose products come out
+    /// as zeros this way.
+    divisors: Vec<T>,
+}
+
+impl<T: BlasReal> Scales<T> {
+    fn new(balance: &Balance, columns: usize) -> Self {
+        let Balance::Uneven(exponents) = balance else {
+            return Self { factors: vec![T::ONE; columns], divisors: vec![T::ONE; columns] };
+        };
+        let power = |e: i32| T::from_f64(f64::from(e).exp2());
+        let of = |zero: f64| {
+            exponents.iter().map(|e| e.map_or(T::from_f64(zero), power)).collect::<Vec<_>>()
+        };
+        Self { factors: of(1.0), divisors: of(f64::INFINITY) }
+    }
+}
 
 /// The scales that fast levels need, if any, and whether to do without such levels.
 fn balance<T: BlasReal>(
     a: MatRef<'_, T>,
     b: Option<MatRef<'_, T>>,
     par: Par,
-) -> (Option<Scales<T>>, bool) {
-    let power = |&e: &i32| T::from_f64(f64::from(e).exp2());
-    let scales = |balance: &Balance, n: usize| match balance {
-        Balance::Uneven(exponents) => exponents.iter().map(power).collect(),
-        Balance::Even | Balance::NotFinite => vec![T::ONE; n],
-    };
+) -> (Option<[Scales<T>; 2]>, bool) {
     let left = Balance::of(a, par);
     let right = b.map(|b| (Balance::of(b, par), b.ncols()));
     let of_right = right.as_ref().map_or(&left, |(balance, _)| balance);
@@ -129,7 +143,7 @@ fn balance<T: BlasReal>(
         (Balance::Even, Balance::Even) => (None, false),
         _ => {
             let k = right.as_ref().map_or(a.ncols(), |(_, k)| *k);
-            (Some([scales(&left, a.ncols()), scales(of_right, k)]), false)
+            (Some([Scales::new(&left, a.ncols()), Scales::new(of_right, k)]), false)
         }
     }
 }
@@ -140,7 +154,7 @@ fn bind<'a, T: BlasReal>(
     part: Part,
     alpha: T,
     [a, b]: [MatRef<'a, T>; 2],
-    scales: Option<&'a Scales<T>>,
+    scales: Option<&'a [Scales<T>; 2]>,
     beta: T,
     c: MatMut<'_, T>,
 ) -> Vec<packed::Product<'a, T>> {
@@ -148,14 +162,14 @@ fn bind<'a, T: BlasReal>(
     let by_columns = c.row_stride() == 1 && c.col_stride() != 1;
     let destination = Destination::new(c, part);
     let destination = match scales {
-        Some([left, right]) => destination.unscaling(left, right),
+        Some([left, right]) => destination.unscaling(&left.divisors, &right.divisors),
         None => destination,
     };
     let sources = |blocks: &[Block], matrix: MatRef<'a, T>, side: usize| {
         let source = |b: &Block| Source {
             coefficient: T::from_f64(f64::from(b.coefficient)),
             matrix: matrix.submatrix(b.rows.start, b.cols.start, b.rows.len(), b.cols.len()),
-            scale: scales.map(|s| &s[side][b.cols.clone()]),
+            scale: scales.map(|s| &s[side].factors[b.cols.clone()]),
         };
         blocks.iter().map(source).collect()
     };
