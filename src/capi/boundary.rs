@@ -1,15 +1,11 @@
 //! The one door between C and Rust.
 
 use std::any::Any;
-use std::cell::RefCell;
-use std::ffi::{CStr, CString, c_char};
+use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use super::message::set_last_message;
 use super::status::{CATA_ERR_PANIC, CATA_OK, Failure, cata_status};
-
-thread_local! {
-    static LAST_MESSAGE: RefCell<CString> = RefCell::default();
-}
 
 /// Calls `work`; turns its failure, or its panic, into a status and this thread's last message.
 pub(super) fn boundary(work: impl FnOnce() -> Result<(), Failure>) -> cata_status {
@@ -24,15 +20,8 @@ pub(super) fn boundary(work: impl FnOnce() -> Result<(), Failure>) -> cata_statu
     }
 }
 
-/// This thread's last message.
-pub(super) fn last_message() -> *const c_char {
-    // The thread-local is gone while the thread's other thread-locals are being destroyed.
-    LAST_MESSAGE.try_with(|m| m.borrow().as_ptr()).unwrap_or(c"".as_ptr())
-}
-
 fn fail(Failure { status, message }: Failure) -> cata_status {
-    let message = CString::new(message.replace('\0', "\\0")).unwrap_or_default();
-    let _ = LAST_MESSAGE.try_with(|m| *m.borrow_mut() = message);
+    set_last_message(&message);
     status
 }
 
@@ -65,6 +54,7 @@ pub(super) unsafe fn text<'a>(what: &str, text: *const c_char) -> Result<&'a CSt
 
 #[cfg(test)]
 mod tests {
+    use super::super::message::last_message;
     use super::super::status::{CATA_ERR_NULL, CATA_ERR_SHAPE};
     use super::*;
     use crate::Error;

@@ -12,9 +12,12 @@ mod boundary;
 mod curve;
 mod decimate;
 mod device;
+#[cfg(feature = "mpi")]
+mod entries;
 mod internal;
 mod memory;
 mod mesh_spectrum;
+mod message;
 mod mpi;
 mod newton;
 mod ortho;
@@ -32,6 +35,7 @@ mod transfer;
 mod unions;
 mod verify;
 mod version;
+mod world;
 
 pub use ata::*;
 pub use atb::*;
@@ -57,3 +61,4 @@ pub use transfer::*;
 pub use unions::*;
 pub use verify::*;
 pub use version::*;
+pub use world::*;

@@ -2,10 +2,11 @@
 
 use std::cell::Cell;
 
-use super::mpi::{CATA_BY_COLUMNS, CATA_BY_ROWS, cata_symmetric, cata_traffic, cata_world};
+use super::entries::{Entries, Held};
 use super::params::{cata_ata_params, with_options};
 use super::pointer::{Layout, matrix, matrix_mut, optional_output, output, slice, uplo_from};
 use super::status::{CATA_ERR_ARGUMENT, Failure};
+use super::world::{CATA_BY_COLUMNS, CATA_BY_ROWS, cata_symmetric, cata_traffic, cata_world};
 use crate::ata::distributed::{BlockCyclic, Grid, GridOrder};
 use crate::mpi::{
     CyclicMut, CyclicRef, Distributed, MpiReal, Operation, Symmetric, World, aat_cyclic,
@@ -14,54 +15,6 @@ use crate::mpi::{
 use crate::{AtaOptions, Error, Uplo};
 
 type Outcome = Result<(), Failure>;
-
-/// A distributed matrix of either precision.
-pub enum Entries {
-    F32(Symmetric<f32>),
-    F64(Symmetric<f64>),
-}
-
-impl Entries {
-    pub(super) fn n(&self) -> usize {
-        match self {
-            Self::F32(matrix) => matrix.n(),
-            Self::F64(matrix) => matrix.n(),
-        }
-    }
-}
-
-/// A scalar in a handle.
-pub(super) trait Held: MpiReal {
-    fn hold(matrix: Symmetric<Self>) -> Entries;
-
-    fn held(entries: &Entries) -> Option<&Symmetric<Self>>;
-}
-
-impl Held for f32 {
-    fn hold(matrix: Symmetric<Self>) -> Entries {
-        Entries::F32(matrix)
-    }
-
-    fn held(entries: &Entries) -> Option<&Symmetric<Self>> {
-        match entries {
-            Entries::F32(matrix) => Some(matrix),
-            Entries::F64(_) => None,
-        }
-    }
-}
-
-impl Held for f64 {
-    fn hold(matrix: Symmetric<Self>) -> Entries {
-        Entries::F64(matrix)
-    }
-
-    fn held(entries: &Entries) -> Option<&Symmetric<Self>> {
-        match entries {
-            Entries::F64(matrix) => Some(matrix),
-            Entries::F32(_) => None,
-        }
-    }
-}
 
 /// The only way from the checks that one rank makes of its arguments to what all ranks do together.
 pub(super) struct Entrance<'w> {

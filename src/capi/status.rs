@@ -1,6 +1,6 @@
 use std::ffi::{CStr, c_char};
 
-use super::boundary::last_message;
+use super::message::last_message;
 use crate::Error;
 
 /// What a call returns. A value, once given a meaning, keeps it for ever.

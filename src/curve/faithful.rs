@@ -3,7 +3,7 @@
 use super::result::Outcome;
 use super::search::Search;
 use super::surface::Surface;
-use crate::base::Result;
+use crate::base::{Progress, Result};
 use crate::mesh::vector::{cross, dot, norm, sub};
 
 /// What was found: the order of samples, and the vertices of the curve.
@@ -34,16 +34,16 @@ pub(super) struct Walker<'a, 'm> {
 }
 
 impl Walker<'_, '_> {
-    /// Walks from sample number `start` to one of the `candidates` nearest, and so on, and back; `tell` hears of each sample.
+    /// Walks from sample number `start` to one of the `candidates` nearest, and so on, and back; reports each sample.
     ///
     /// # Errors
-    /// Those of `tell`.
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
     pub fn walk(
         &mut self,
         start: u32,
         candidates: usize,
         open: bool,
-        tell: &dyn Fn(f64) -> Result<()>,
+        progress: Progress<'_>,
     ) -> Result<Walk> {
         for &v in self.samples {
             self.marks[v as usize] = WAITING;
@@ -54,7 +54,7 @@ impl Walker<'_, '_> {
             path: vec![self.samples[start as usize]],
         };
         self.marks[walk.path[0] as usize] = CURVE;
-        let done = self.grow(&mut walk, candidates, open, tell);
+        let done = self.grow(&mut walk, candidates, open, progress);
         for &v in self.samples.iter().chain(&walk.path) {
             self.marks[v as usize] = FREE;
         }
@@ -66,14 +66,14 @@ impl Walker<'_, '_> {
         walk: &mut Walk,
         candidates: usize,
         open: bool,
-        tell: &dyn Fn(f64) -> Result<()>,
+        progress: Progress<'_>,
     ) -> Result<Outcome> {
         let count = self.samples.len();
         let mut previous = None;
         // What the curve has shut off stays so, as the curve only grows: no search looks for it twice.
         let mut reachable = count - 1;
         while walk.order.len() < count {
-            tell(walk.order.len() as f64 / count as f64)?;
+            progress.report(walk.order.len() as f64 / count as f64)?;
             let at = walk.order[walk.order.len() - 1];
             let blocked = Outcome::Blocked { at, remaining: count - walk.order.len() };
             let wanted = candidates.min(reachable);

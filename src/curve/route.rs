@@ -3,12 +3,14 @@
 
 use super::search::Search;
 use super::surface::Surface;
-use crate::base::Result;
+use crate::base::{Progress, Result};
 use crate::mesh::vector::distance;
 
 /// Rounds of negotiation, and what the price of a vertex that others use is multiplied by in each.
 const ROUNDS: usize = 40;
 const GROWTH: f64 = 1.5;
+/// Part of the progress of negotiation that the first paths are.
+const FIRST_PATHS: f64 = 5.0 / 9.0;
 /// Vertices that negotiation may settle: a multiple of those that all first paths did, and a number that takes a fraction of
 /// a second, whatever the mesh.
 const PATIENCE: usize = 40;
@@ -37,23 +39,24 @@ impl Router<'_, '_> {
     /// of others keep away from.
     ///
     /// # Errors
-    /// Those of `tell`; too many vertices.
+    /// [`Error::Cancelled`](crate::Error::Cancelled); too many vertices.
     pub fn route(
         &mut self,
         nets: &[Net],
         samples: &[u32],
         steiner: bool,
-        tell: &dyn Fn(f64) -> Result<()>,
+        progress: Progress<'_>,
     ) -> Result<Vec<Option<Vec<u32>>>> {
         for &v in samples {
             self.marks[v as usize] = SAMPLE;
         }
         let mut paths = vec![None; nets.len()];
         let mut wanted = Vec::new();
-        let done = self.negotiate(nets, &mut paths, &mut wanted, tell).and_then(|()| {
-            self.keep_apart(nets, &mut paths);
-            self.insist(nets, &mut paths, steiner, tell)
-        });
+        let done =
+            self.negotiate(nets, &mut paths, &mut wanted, progress.part(0.0..0.9)).and_then(|()| {
+                self.keep_apart(nets, &mut paths);
+                self.insist(nets, &mut paths, steiner, progress.part(0.9..1.0))
+            });
         for &v in samples {
             self.marks[v as usize] = 0;
         }
@@ -114,11 +117,13 @@ impl Router<'_, '_> {
         nets: &[Net],
         paths: &mut [Option<Vec<u32>>],
         wanted: &mut Vec<u32>,
-        tell: &dyn Fn(f64) -> Result<()>,
+        progress: Progress<'_>,
     ) -> Result<()> {
         let before = self.search.settled();
+        let [first_paths, rounds] =
+            [0.0..FIRST_PATHS, FIRST_PATHS..1.0].map(|part| progress.part(part));
         for (i, &net) in nets.iter().enumerate() {
-            tell(0.5 * i as f64 / nets.len() as f64)?;
+            first_paths.report(i as f64 / nets.len() as f64)?;
             paths[i] = self.path(net, Some(0.0));
             if let Some(path) = &paths[i] {
                 self.count(path, true);
@@ -128,7 +133,7 @@ impl Router<'_, '_> {
         let budget = before + (PATIENCE * first).min(first + MOST_SETTLED);
         let mut price = 1.0;
         for round in 0..ROUNDS {
-            tell(0.5 + 0.4 * round as f64 / ROUNDS as f64)?;
+            rounds.report(round as f64 / ROUNDS as f64)?;
             let mut contested = false;
             for (i, &net) in nets.iter().enumerate() {
                 let Some(path) = paths[i].take_if(|path| self.is_contested(path)) else { continue };
@@ -182,13 +187,13 @@ impl Router<'_, '_> {
         nets: &[Net],
         paths: &mut [Option<Vec<u32>>],
         steiner: bool,
-        tell: &dyn Fn(f64) -> Result<()>,
+        progress: Progress<'_>,
     ) -> Result<()> {
         for (i, &net) in nets.iter().enumerate() {
             if paths[i].is_some() {
                 continue;
             }
-            tell(0.9 + 0.1 * i as f64 / nets.len() as f64)?;
+            progress.report(i as f64 / nets.len() as f64)?;
             paths[i] = self.path(net, None);
             if paths[i].is_none() && steiner {
                 let mut around: Vec<Vec<u32>> = paths.iter().flatten().cloned().collect();

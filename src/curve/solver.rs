@@ -70,12 +70,6 @@ impl Default for CurveOptions<'_> {
     }
 }
 
-impl CurveOptions<'_> {
-    fn tell(&self, fraction: f64) -> Result<()> {
-        self.progress.report(fraction)
-    }
-}
-
 /// Finds curves on a mesh: made once, in O(V + F), for many reconstructions, which look only at what is near the samples.
 pub struct CurveSolver<'m> {
     surface: Surface<'m>,
@@ -172,8 +166,8 @@ impl<'m> CurveSolver<'m> {
             marks: &mut self.marks,
             samples,
         };
-        let tell = |fraction| options.tell(fraction);
-        let walk = walker.walk(options.start as u32, options.candidates, options.open, &tell)?;
+        let (start, progress) = (options.start as u32, options.progress);
+        let walk = walker.walk(start, options.candidates, options.open, progress)?;
         let outcome = match walk.outcome {
             Outcome::Blocked { .. } if components > 1 => Outcome::Disconnected { components },
             outcome => outcome,
@@ -196,7 +190,7 @@ impl<'m> CurveSolver<'m> {
         }
         let mut orders = Vec::new();
         for group in &groups {
-            options.tell(0.0)?;
+            options.progress.report(0.0)?;
             orders.extend(self.orders(samples, group, options.open, several));
         }
         orders.sort_unstable_by_key(|order| order[0]);
@@ -240,8 +234,9 @@ impl<'m> CurveSolver<'m> {
             users: &mut self.users,
             history: &mut self.history,
         };
-        let tell = |fraction: f64| options.tell(0.3 + 0.7 * fraction);
-        let mut paths = router.route(&nets.concat(), samples, options.steiner, &tell)?.into_iter();
+        let progress = options.progress.part(0.3..1.0);
+        let paths = router.route(&nets.concat(), samples, options.steiner, progress)?;
+        let mut paths = paths.into_iter();
         let mut outcome = if options.open { Outcome::Open } else { Outcome::Closed };
         let mut curves = Vec::new();
         for (order, nets) in orders.iter().zip(&nets) {

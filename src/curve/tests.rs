@@ -199,7 +199,7 @@ fn steiner_points_make_room_where_vertices_leave_none() {
             users: &mut users,
             history: &mut history,
         };
-        let paths = router.route(&nets, &all, steiner, &|_| Ok(())).unwrap();
+        let paths = router.route(&nets, &all, steiner, Progress::none()).unwrap();
         assert_eq!(paths.iter().all(Option::is_some), complete);
         let inner: Vec<u32> =
             paths.iter().flatten().flat_map(|p| p[1..p.len() - 1].to_vec()).collect();

@@ -3,8 +3,8 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use super::loss::loss_of_collapse;
 use super::patch::Patch;
-use super::reach::loss_of_collapse;
 use crate::mesh::vector::Vector;
 
 /// A collapse leaves no end of the edge farther from the new faces than this part of the mean length.

@@ -15,6 +15,7 @@ mod faults;
 mod fit;
 mod handles;
 mod lloyd;
+mod loss;
 mod options;
 mod patch;
 mod prepare;

@@ -1,15 +1,15 @@
-//! What a change of the new mesh would lose of the surface: thin parts reach no farther than vertices do.
+//! Thin parts of the surface that the new mesh misses, since it reaches no farther than its vertices do.
 
 use std::collections::HashSet;
 use std::hash::BuildHasherDefault;
 
 use super::batches::Multiply;
-use super::closest::weights_on_triangle;
 use super::collapse::reduce;
+use super::loss::gap_of_move;
 use super::patch::Patch;
 use super::surface::Surface;
 use crate::base::Par;
-use crate::mesh::vector::{Vector, cross, distance, dot, norm, sub, unit};
+use crate::mesh::vector::{Vector, distance, norm};
 
 /// Vertices that one thread looks at at a time.
 const BLOCK: usize = 512;
@@ -25,51 +25,6 @@ const LONGEST: f64 = 1.5;
 
 /// The sum of normals is above this part of the sum of areas where faces look so much the same way that they miss nothing.
 const FLAT: f64 = 0.9;
-
-/// From the nearest point of the faces around v, were it at p, to q.
-pub(super) fn gap_of_move(patch: &Patch, v: u32, p: Vector, q: Vector) -> Vector {
-    gap(patch, q, patch.around(v).iter(), [v, v], p)
-}
-
-/// How far the ends of the edge from a to b would be from the faces around p, were it collapsed to that.
-pub(super) fn loss_of_collapse(patch: &Patch, a: u32, b: u32, p: Vector) -> f64 {
-    let lost = |q: u32| {
-        let without = |v: u32| move |f: &&u32| !patch.faces[**f as usize].contains(&v);
-        let of_a = patch.around(a).iter().filter(without(b));
-        let of_b = patch.around(b).iter().filter(without(a));
-        norm(gap(patch, patch.positions[q as usize], of_a.chain(of_b), [a, b], p))
-    };
-    lost(a).max(lost(b))
-}
-
-/// How far the edge from a to b is from that from c to d, along the normal of both.
-pub(super) fn loss_of_flip(patch: &Patch, [a, b]: [u32; 2], [c, d]: [u32; 2]) -> f64 {
-    let [a, b, c, d] = [a, b, c, d].map(|v| patch.positions[v as usize]);
-    dot(sub(c, a), unit(cross(sub(b, a), sub(d, c)))).abs()
-}
-
-/// From the nearest point of these faces, with the vertices `moved` at p, to q.
-fn gap<'a>(
-    patch: &Patch,
-    q: Vector,
-    faces: impl Iterator<Item = &'a u32>,
-    moved: [u32; 2],
-    p: Vector,
-) -> Vector {
-    let mut nearest = ([0.0; 3], f64::INFINITY);
-    for &f in faces {
-        let corners = patch.faces[f as usize]
-            .map(|v| if moved.contains(&v) { p } else { patch.positions[v as usize] });
-        let [u, v, w] = weights_on_triangle(corners, q);
-        let [a, b, c] = corners;
-        let step = sub(q, std::array::from_fn(|k| u * a[k] + v * b[k] + w * c[k]));
-        let square = dot(step, step);
-        if square < nearest.1 {
-            nearest = (step, square);
-        }
-    }
-    nearest.0
-}
 
 /// Moves vertices to what is missed, so that thin parts that were cut short are reached again. Where that would miss what the
 /// vertex reaches now, an edge is split instead, and a short one elsewhere collapsed.

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use faer::MatRef;
 
-use super::checked_columns;
+use super::columns::checked_columns;
 use super::matrix::{Dense, Matrix};
 use super::source::Source;
 use crate::base::{Error, Real, Result};

@@ -9,8 +9,8 @@ use faer::MatRef;
 
 use super::npz::Array;
 use super::output::Output;
-use super::read_arrays::{Entries, Stored};
 use super::source::error;
+use super::stored::{Entries, Stored};
 use crate::base::{Error, Result, reserved};
 
 /// Entries of rows that are written together.

@@ -9,6 +9,7 @@
 
 mod accumulator;
 mod arrays;
+mod columns;
 mod csv;
 #[cfg(feature = "hdf5")]
 mod hdf5;
@@ -20,6 +21,7 @@ mod output;
 mod read_arrays;
 mod rows;
 mod source;
+mod stored;
 mod strips;
 #[cfg(test)]
 mod tests;
@@ -146,16 +148,4 @@ pub fn write<T: Real>(mut output: Output, matrix: MatRef<'_, T>) -> Result<()> {
 /// [`Error::Io`] when they don't.
 pub fn check_name(path: &Path) -> Result<()> {
     format_of(path).map(|_| ())
-}
-
-/// `columns`, checked against a matrix of `ncols` columns; all of them when `None`.
-fn checked_columns(columns: Option<&Range<usize>>, ncols: usize) -> Result<Range<usize>> {
-    match columns {
-        None => Ok(0..ncols),
-        Some(r) if r.start <= r.end && r.end <= ncols => Ok(r.clone()),
-        Some(r) => Err(Error::Argument {
-            what: "columns",
-            why: format!("{}..{} is not inside the {ncols} columns of the matrix", r.start, r.end),
-        }),
-    }
 }

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use faer::MatRef;
 use sprs::TriMat;
 
-use super::checked_columns;
+use super::columns::checked_columns;
 use super::matrix::{Dense, Matrix};
 use super::source::Source;
 use crate::base::{Real, Result, reserved};

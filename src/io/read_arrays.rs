@@ -10,6 +10,7 @@ use npyz::{NpyFile, Order, TypeChar};
 
 use super::arrays::{Format, format_of};
 use super::source::error;
+use super::stored::{Entries, Stored};
 use crate::base::{Error, Result, reserved};
 
 /// Named arrays of a file, in memory.
@@ -17,20 +18,6 @@ use crate::base::{Error, Result, reserved};
 pub struct Arrays {
     path: PathBuf,
     arrays: BTreeMap<String, Stored>,
-}
-
-#[derive(Debug, Clone)]
-pub(super) struct Stored {
-    pub shape: Vec<usize>,
-    pub entries: Entries,
-    /// Whether the first index runs fastest.
-    pub by_columns: bool,
-}
-
-#[derive(Debug, Clone)]
-pub(super) enum Entries {
-    Numbers(Vec<f64>),
-    Indices(Vec<u64>),
 }
 
 /// Reads all arrays of an `.npz` (not packed) or, with feature `hdf5`, HDF5 file: numbers (f8) and unsigned integers (u8), as

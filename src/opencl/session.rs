@@ -17,7 +17,7 @@ use opencl3::program::Program;
 use opencl3::types::CL_BLOCKING;
 
 use super::device::{DeviceInfo, chosen};
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, reserved};
 
 /// A device that is ready for work. Programs are built once, when they are first used.
 pub struct Device {
@@ -134,6 +134,25 @@ impl Device {
         // SAFETY: the call blocks until `values` were written, and any bits are a `Number`.
         let got = unsafe { self.queue.enqueue_read_buffer(buffer, CL_BLOCKING, 0, values, &[]) };
         got.map(drop).map_err(|e| self.failed("receiving", e))
+    }
+
+    /// Memory that holds these numbers.
+    pub(super) fn filled<T: Number>(&self, values: &[T]) -> Result<Buffer<T>> {
+        let mut buffer = self.buffer(values.len())?;
+        self.write(&mut buffer, values)?;
+        Ok(buffer)
+    }
+
+    /// The first `len` numbers of `buffer`, after all work before it.
+    pub(super) fn values<T: Number + Default>(
+        &self,
+        buffer: &Buffer<T>,
+        len: usize,
+    ) -> Result<Vec<T>> {
+        let mut values = reserved(len)?;
+        values.resize(len, T::default());
+        self.read(buffer, &mut values)?;
+        Ok(values)
     }
 
     /// Where kernels wait for their turn, one after the other.

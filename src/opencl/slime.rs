@@ -5,7 +5,7 @@ mod agents;
 use opencl3::kernel::{ExecuteKernel, Kernel};
 use opencl3::memory::Buffer;
 
-use super::session::{Device, Launcher, Number};
+use super::session::{Device, Launcher};
 use crate::base::{Error, Progress, Result, reserved};
 use crate::texture::slime::{
     AREA_UNIT, Coverage, EVERY, MOST_HOPS, PHEROMONE_UNIT, Parameters, Simulation, State, TILE,
@@ -102,21 +102,21 @@ impl<'a> SlimeOnDevice<'a> {
         let mut no_marks: Vec<u32> = reserved(entries / 32)?;
         no_marks.resize(entries / 32, 0);
         let memory = Memory {
-            turns: filled(device, parameters.turns.as_flattened())?,
-            records: filled(device, surface.records().as_flattened())?,
-            across: filled(device, surface.across().as_flattened())?,
-            frames: filled(device, surface.frames().as_flattened())?,
-            kinds: filled(device, texels.kinds())?,
-            ground: filled(device, simulation.ground())?,
+            turns: device.filled(parameters.turns.as_flattened())?,
+            records: device.filled(surface.records().as_flattened())?,
+            across: device.filled(surface.across().as_flattened())?,
+            frames: device.filled(surface.frames().as_flattened())?,
+            kinds: device.filled(texels.kinds())?,
+            ground: device.filled(simulation.ground())?,
             has_ground: !simulation.ground().is_empty(),
-            border: filled(device, texels.border())?,
-            link_starts: filled(device, texels.link_starts())?,
-            links: filled(device, texels.links())?,
-            link_weights: filled(device, texels.link_weights())?,
-            areas: filled(device, texels.areas())?,
+            border: device.filled(texels.border())?,
+            link_starts: device.filled(texels.link_starts())?,
+            links: device.filled(texels.links())?,
+            link_weights: device.filled(texels.link_weights())?,
+            areas: device.filled(texels.areas())?,
             sums: device.buffer(2 * lines_of(&parameters))?,
-            marks: filled(device, &no_marks)?,
-            texture: filled(device, &state.texture)?,
+            marks: device.filled(&no_marks)?,
+            texture: device.filled(&state.texture)?,
             next: device.buffer(entries)?,
         };
         Ok(Self {
@@ -157,7 +157,7 @@ impl<'a> SlimeOnDevice<'a> {
         let size = self.parameters.size as usize;
         let entries = self.parameters.species as usize * size * size;
         state.step = self.step;
-        state.texture = read(self.device, &self.memory.texture, entries)?;
+        state.texture = self.device.values(&self.memory.texture, entries)?;
         Ok(state)
     }
 
@@ -177,7 +177,7 @@ impl<'a> SlimeOnDevice<'a> {
             call.set_arg(&m.areas).set_arg(&m.texture).set_arg(&m.sums);
             self.launcher.enqueue(call, lines)?;
         }
-        let sums: Vec<u64> = read(self.device, &m.sums, 2 * lines)?;
+        let sums: Vec<u64> = self.device.values(&m.sums, 2 * lines)?;
         let of = |sums: &[[u64; 2]]| sum_of(sums.iter().copied()).into();
         Ok(sums.as_chunks().0.chunks(p.size as usize).map(of).collect())
     }
@@ -251,20 +251,6 @@ impl Drop for SlimeOnDevice<'_> {
         // Whatever is wrong with the device, its user was told by the call before.
         let _ = self.wait();
     }
-}
-
-/// These numbers on the device.
-fn filled<T: Number>(device: &Device, values: &[T]) -> Result<Buffer<T>> {
-    let mut buffer = device.buffer(values.len())?;
-    device.write(&mut buffer, values)?;
-    Ok(buffer)
-}
-
-fn read<T: Number + Default>(device: &Device, buffer: &Buffer<T>, len: usize) -> Result<Vec<T>> {
-    let mut values = reserved(len)?;
-    values.resize(len, T::default());
-    device.read(buffer, &mut values)?;
-    Ok(values)
 }
 
 #[cfg(test)]

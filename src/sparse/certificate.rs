@@ -2,7 +2,7 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Mat, MatRef};
 use sprs::CsMatView;
 
-use super::eigs::EigenOptions;
+use super::options::EigenOptions;
 use super::product::multiply_by_differences;
 use super::space::Pencil;
 use crate::base::Result;

@@ -4,88 +4,13 @@ use sprs::CsMatView;
 use super::Mass;
 use super::certificate::{Certificate, ROUNDINGS, certify, count_is_complete};
 use super::check::check_symmetric;
+use super::eigenpairs::{Eigenpairs, ascending};
 use super::lanczos::{WIDTH, basis_size};
-use super::problem::{Problem, ascending, scale};
+use super::options::EigenOptions;
+use super::problem::{Problem, scale};
 use super::small::dense_pairs;
 use super::space::{Pencil, WholePencil};
-use crate::base::{Error, Par, Progress, Result};
-
-/// What [`eigs`] is asked for.
-#[derive(Clone)]
-pub struct EigenOptions<'a> {
-    /// Number of eigenpairs, at most the number of rows. Default 100.
-    pub k: usize,
-    /// The k eigenvalues nearest to this number; `None` (default): the k smallest.
-    pub shift: Option<f64>,
-    /// Residual that every pair must reach (as [`Eigenpairs::residuals`] says), between 1e-14 and 1e-2; default 1e-9.
-    /// Where a few roundings of the vector alone make it larger (`eps | |W| |phi| |`: huge weights), those are enough.
-    pub tolerance: f64,
-    /// Counts the eigenvalues that are there by the inertia of another factorisation (Sylvester), and goes on until
-    /// none is missing; default false.
-    pub verify_count: bool,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
-    pub par: Par,
-    /// Seed of the starting block. Default 0.
-    pub seed: u64,
-    /// Restarts after which [`Error::NotConverged`] is returned; default 60.
-    pub max_restarts: usize,
-    /// Told of progress; may cancel.
-    pub progress: Progress<'a>,
-}
-
-impl Default for EigenOptions<'_> {
-    fn default() -> Self {
-        Self {
-            k: 100,
-            shift: None,
-            tolerance: 1e-9,
-            verify_count: false,
-            par: Par::all(),
-            seed: 0,
-            max_restarts: 60,
-            progress: Progress::none(),
-        }
-    }
-}
-
-impl EigenOptions<'_> {
-    /// Tells of progress.
-    pub(super) fn report(&self, fraction: f64) -> Result<()> {
-        self.progress.report(fraction)
-    }
-
-    fn check(&self, n: usize) -> Result<()> {
-        let refuse = |what, why: String| Err(Error::Argument { what, why });
-        if self.k > n {
-            return refuse("k", format!("{} eigenpairs of a matrix of {n} rows", self.k));
-        }
-        if !(1e-14..=1e-2).contains(&self.tolerance) {
-            return refuse(
-                "tolerance",
-                format!("{:e} is not between 1e-14 and 1e-2", self.tolerance),
-            );
-        }
-        match self.shift {
-            Some(shift) if !shift.is_finite() => refuse("shift", format!("{shift} is not finite")),
-            _ => Ok(()),
-        }
-    }
-}
-
-/// Eigenpairs of `W phi = lambda M phi`.
-#[derive(Debug, Clone)]
-pub struct Eigenpairs {
-    /// k eigenvalues, ascending.
-    pub values: Vec<f64>,
-    /// n x k: an eigenvector for each value, `V^T M V = I` (to rounding).
-    pub vectors: Mat<f64>,
-    /// For each pair `|W phi - lambda M phi| / max(|W phi|, s |M phi|)` in the Euclidean norm, as computed from the
-    /// result, `W phi` by differences in rows that sum to zero. The scale s of the smallest eigenvalues ([`eigs`])
-    /// stands for that of `W phi` where lambda is about 0.
-    pub residuals: Vec<f64>,
-    /// Vectors that `(W - sigma M)^-1 M` was applied to; 0 if the problem was solved as a dense one.
-    pub solves: usize,
-}
+use crate::base::Result;
 
 /// The k smallest eigenvalues, or the k nearest to a shift, of `W phi = lambda M phi`, and their eigenvectors.
 ///
@@ -103,6 +28,13 @@ pub struct Eigenpairs {
 /// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] name W ("stiffness"), "mass" or the option at fault;
 /// [`Error::OutOfMemory`], [`Error::Cancelled`]; [`Error::NotConverged`] with the restarts done and the largest
 /// residual.
+///
+/// [`Error::Shape`]: crate::Error::Shape
+/// [`Error::NonFinite`]: crate::Error::NonFinite
+/// [`Error::Argument`]: crate::Error::Argument
+/// [`Error::OutOfMemory`]: crate::Error::OutOfMemory
+/// [`Error::Cancelled`]: crate::Error::Cancelled
+/// [`Error::NotConverged`]: crate::Error::NotConverged
 pub fn eigs(
     stiffness: CsMatView<'_, f64>,
     mass: &Mass,
@@ -127,7 +59,7 @@ pub(crate) fn eigs_of(
         return small(pencil, stiffness, mass, options);
     }
     let problem = Problem::new(pencil, stiffness, mass)?;
-    options.report(0.01)?;
+    options.progress.report(0.01)?;
     one_window(&problem, options)
 }
 
@@ -149,14 +81,14 @@ pub(super) fn one_window(problem: &Problem<'_>, options: &EigenOptions<'_>) -> R
         Some(shift) => (shift, problem.any(shift)?),
         None => (-problem.scale, problem.positive(-problem.scale)?),
     };
-    options.report(0.02)?;
+    options.progress.report(0.02)?;
     let from_below = factor.is_positive();
     let below = |value| problem.below(value);
     let pairs = problem.nearest(sigma, factor, options, |values| match options.verify_count {
         true => count_is_complete(values, from_below, problem.scale, below),
         false => Ok(true),
     })?;
-    options.report(1.0)?;
+    options.progress.report(1.0)?;
     Ok(pairs)
 }
 
@@ -180,6 +112,6 @@ pub(super) fn small(
     let (scale, vectors) = (scale(stiffness, mass), vectors.as_ref());
     let Certificate { residuals, .. } =
         certify(pencil, stiffness, &values, vectors, scale, ROUNDINGS, options)?;
-    options.report(1.0)?;
+    options.progress.report(1.0)?;
     Ok(ascending(&values, vectors, &residuals, 0, options.shift.is_none()))
 }

@@ -4,7 +4,7 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{ColMut, Mat, MatMut, MatRef, Scale};
 
 use super::cholesky::Factor;
-use super::eigs::EigenOptions;
+use super::options::EigenOptions;
 use super::space::Pencil;
 use crate::base::{Error, Par, Result, Rng};
 use crate::dense::{
@@ -372,7 +372,7 @@ impl<'a> Krylov<'a> {
         let (k, size) = (self.options.k as f64, basis_size(self.options.k) as f64);
         let filled = if self.restarts == 0 { 0.4 * self.len as f64 / size } else { 0.4 };
         self.reported = self.reported.max(0.02 + filled + 0.5 * good as f64 / k);
-        self.options.report(self.reported)
+        self.options.progress.report(self.reported)
     }
 }
 

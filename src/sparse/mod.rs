@@ -4,9 +4,11 @@ mod certificate;
 mod check;
 mod cholesky;
 mod components;
+mod eigenpairs;
 mod eigs;
 mod lanczos;
 mod mass;
+mod options;
 mod problem;
 mod product;
 mod shifted;
@@ -17,10 +19,12 @@ mod space;
 #[cfg(feature = "mpi")]
 pub(crate) use check::check_mirrored;
 pub(crate) use cholesky::Symbolic;
-pub use eigs::{EigenOptions, Eigenpairs, eigs};
+pub use eigenpairs::Eigenpairs;
+pub use eigs::eigs;
 #[cfg(feature = "mpi")]
 pub(crate) use eigs::{check as check_problem, eigs_of};
 pub use mass::Mass;
+pub use options::EigenOptions;
 pub use product::multiply;
 pub use slices::eigs_sliced;
 pub(crate) use space::InnerSpace;

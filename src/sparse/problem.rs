@@ -1,10 +1,10 @@
-use faer::{Mat, MatRef};
 use sprs::CsMatView;
 
 use super::certificate::{ROUNDINGS, certify};
 use super::cholesky::{Factor, Symbolic};
-use super::eigs::{EigenOptions, Eigenpairs};
+use super::eigenpairs::{Eigenpairs, ascending};
 use super::lanczos::{Krylov, WIDTH};
+use super::options::EigenOptions;
 use super::shifted::Shifted;
 use super::space::Pencil;
 use super::{Mass, components};
@@ -134,23 +134,4 @@ pub(crate) fn scale(stiffness: CsMatView<'_, f64>, mass: &Mass) -> f64 {
     }
     let middle = ratios.len() / 2;
     *ratios.select_nth_unstable_by(middle, f64::total_cmp).1 / n as f64
-}
-
-/// These pairs in ascending order; of a semi-definite matrix, for which rounding below zero is zero.
-pub(crate) fn ascending(
-    values: &[f64],
-    vectors: MatRef<'_, f64>,
-    residuals: &[f64],
-    solves: usize,
-    positive: bool,
-) -> Eigenpairs {
-    let least = if positive { 0.0 } else { f64::NEG_INFINITY };
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
-    Eigenpairs {
-        values: order.iter().map(|&j| values[j].max(least)).collect(),
-        vectors: Mat::from_fn(vectors.nrows(), order.len(), |i, j| vectors[(i, order[j])]),
-        residuals: order.iter().map(|&j| residuals[j]).collect(),
-        solves,
-    }
 }

@@ -1,7 +1,5 @@
 //! Slices of the spectrum, one after the other, so that only one has to fit into memory.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Mat, MatRef};
 use sprs::CsMatView;
@@ -9,11 +7,13 @@ use sprs::CsMatView;
 use super::Mass;
 use super::certificate::{ROUNDINGS, apart, certify};
 use super::cholesky::Factor;
-use super::eigs::{EigenOptions, Eigenpairs, check, one_window, small};
+use super::eigenpairs::Eigenpairs;
+use super::eigs::{check, one_window, small};
 use super::lanczos::{WIDTH, basis_size};
+use super::options::EigenOptions;
 use super::problem::Problem;
 use super::space::WholePencil;
-use crate::base::{Error, Progress, Result};
+use crate::base::{Error, Result};
 use crate::dense::{subtract_product, transposed_product, zeros};
 
 /// Least number of pairs that are looked for at once.
@@ -21,6 +21,13 @@ const LEAST: usize = 32;
 
 /// Vectors handed out last, to which the next ones are made orthogonal.
 const GUARD: usize = 16;
+
+/// Progress of the checks and of the analysis of the matrices, before the first run.
+const PREPARED: f64 = 0.01;
+
+/// Part of the progress of a slice that is left after the earlier runs for it, which the next one takes: it may not be the
+/// last one.
+const RUN_SHARE: f64 = 0.8;
 
 /// Shifts tried for a slice.
 const ATTEMPTS: usize = 20;
@@ -57,7 +64,7 @@ pub fn eigs_sliced(
     }
     let pencil = WholePencil { stiffness, mass };
     let problem = Problem::new(&pencil, stiffness, mass)?;
-    options.report(0.01)?;
+    options.progress.report(PREPARED)?;
     let vectors = memory.saturating_sub(problem.bytes()) / (n * size_of::<f64>());
     let largest = vectors.saturating_sub(vectors_beside()) / 3;
     if k <= largest {
@@ -76,7 +83,7 @@ pub fn eigs_sliced(
         let slice = slices.next()?;
         sink(slice)?;
     }
-    options.report(1.0)
+    options.progress.report(1.0)
 }
 
 /// Vectors that a run takes beside three for each pair: of its basis, its blocks, the certificate, and the guard.
@@ -97,8 +104,8 @@ struct Slices<'a> {
     spacing: f64,
     /// The last vectors handed out.
     guard: Mat<f64>,
-    /// Bits of the largest fraction that was told of.
-    told: AtomicU64,
+    /// Progress up to here belongs to earlier runs.
+    reported: f64,
 }
 
 /// How a run ended.
@@ -121,7 +128,7 @@ impl<'a> Slices<'a> {
             cut: f64::NEG_INFINITY,
             spacing: 0.0,
             guard: Mat::new(),
-            told: AtomicU64::new(0),
+            reported: PREPARED,
         }
     }
 
@@ -187,26 +194,21 @@ impl<'a> Slices<'a> {
 
     /// The pairs nearest to sigma, below which there are `left` that were not handed out, and how that ended.
     fn run(
-        &self,
+        &mut self,
         sigma: f64,
         factor: Factor<'_>,
         left: usize,
         size: usize,
     ) -> Result<(Eigenpairs, End)> {
-        let (k, done) = (self.options.k as f64, self.handed as f64);
-        let (told, progress) = (&self.told, self.options.progress);
-        let watch = |fraction: f64| {
-            let fraction = (done + fraction * size as f64).min(k) / k * 0.99;
-            // Non-negative numbers are in the order of their bits. A run that is repeated tells nothing new.
-            let told = told.fetch_max(fraction.to_bits(), Ordering::Relaxed);
-            let fraction = fraction.max(f64::from_bits(told));
-            progress.tell(fraction)
-        };
+        let expected = (self.handed + size - self.margin()).min(self.options.k);
+        let end = 0.99 * expected as f64 / self.options.k as f64;
+        let start = self.reported;
+        self.reported += RUN_SHARE * (end - start).max(0.0);
         let options = EigenOptions {
             k: size,
             // What is taken away of the guard afterwards must leave residuals good enough.
             tolerance: (0.25 * self.options.tolerance).max(1e-14),
-            progress: Progress::new(&watch),
+            progress: self.options.progress.part(start..self.reported),
             ..self.options.clone()
         };
         let mut end = End::Short;

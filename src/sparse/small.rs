@@ -2,7 +2,7 @@ use faer::Mat;
 use sprs::CsMatView;
 
 use super::Mass;
-use super::eigs::EigenOptions;
+use super::options::EigenOptions;
 use crate::base::{Error, Result};
 use crate::dense::{
     SymmetricEigen, cholesky, lower_solve_in_place, symmetric_eigen, upper_solve_in_place,
@@ -29,7 +29,7 @@ pub(crate) fn dense_pairs(
     scatter(stiffness, &mut w);
     lower_solve_in_place(l.as_ref(), w.as_mut());
     lower_solve_in_place(l.as_ref(), w.as_mut().transpose_mut());
-    options.report(0.1)?;
+    options.progress.report(0.1)?;
     let SymmetricEigen { values, mut vectors } = symmetric_eigen(w.as_ref())?;
     upper_solve_in_place(l.transpose(), vectors.as_mut());
     Ok((values, vectors))

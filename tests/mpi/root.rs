@@ -5,6 +5,7 @@ use std::sync::Mutex;
 
 use catamaran::ata::block_rows;
 use catamaran::ata::distributed::{Machine, TaskTree, deal, packed_len};
+use catamaran::base::Progress;
 use catamaran::faer::{Mat, MatMut, MatRef};
 use catamaran::mpi::{MpiReal, Traffic, World, ata_deal, ata_root, ata_tree};
 use catamaran::{AtaOptions, Error, Par, Uplo};

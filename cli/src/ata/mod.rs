@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use catamaran::ata::{Accumulator, Center, RowOptions, StreamPlan, Strip, stream, verify_rows};
-use catamaran::base::Workspace;
+use catamaran::base::{Progress, Workspace};
 use catamaran::blas::{Backend, BlasReal};
 use catamaran::faer::{MatMut, MatRef};
 use catamaran::io::{self as files, CsMat, Output, Overwrite, StripOutput};
@@ -388,8 +388,10 @@ impl Work<'_> {
         bar: &Bar,
     ) -> Result<Accumulator<T>> {
         let args = self.args;
-        let update = |fraction| bar.update((read as f64 + fraction) / plan.reads() as f64);
-        let options = options.clone().progress(&update);
+        let update = |fraction| bar.update(fraction);
+        let share = |read: usize| read as f64 / plan.reads() as f64;
+        let progress = Progress::new(&update).part(share(read)..share(read + 1));
+        let options = options.clone().progress(progress);
         let range = self.ranks.share(self.a.shape().0);
         let weights = self.weights.map(|w| &w[range.clone()]);
         let weights: Option<Vec<T>> = weights.map(|w| w.iter().map(|&w| T::from_f64(w)).collect());

@@ -36,12 +36,14 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         damage: vec![],
         par: Par::all(),
     };
+    let update = |done| bar.update(done);
+    let progress = Progress::new(&update);
     let start = Instant::now();
-    let dry = simulate(&plant, &weather, Progress::new(&|done| bar.update(0.4 * done)))?;
+    let dry = simulate(&plant, &weather, progress.part(0.0..0.4))?;
     let seconds = start.elapsed().as_secs_f64();
     draw_strip(&plant, &dry, site.file("wilting.png")?)?;
     let damaged = Weather { damage: vec![(CUT, 0.0)], nights: true, ..weather };
-    let cut = simulate(&plant, &damaged, Progress::new(&|done| bar.update(0.4 + 0.4 * done)))?;
+    let cut = simulate(&plant, &damaged, progress.part(0.4..0.8))?;
     draw_strip(&plant, &cut, site.file("cut.png")?)?;
     let timed = if site.small { &TIMED[..1] } else { &TIMED[..] };
     let times = timed.iter().map(|&nodes| times(nodes)).collect::<Result<Vec<_>>>()?;

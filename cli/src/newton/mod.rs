@@ -129,12 +129,14 @@ pub fn run(args: &Args) -> Result<()> {
     let drawing = drawing(args)?;
     let par = args.threads.map_or(Par::all(), Par::Threads);
     let bar = Bar::new("newton");
+    let update = |fraction| bar.update(fraction);
+    let share = |i: usize| i as f64 / frames.len() as f64;
     let (mut time, mut points) = (Duration::ZERO, 0);
     for (i, (job, frame)) in jobs.into_iter().zip(&frames).enumerate() {
         let newton = Newton::new(&NewtonOptions { w: frame.w, ..options.clone() })?;
-        let update = |fraction: f64| bar.update((i as f64 + fraction) / frames.len() as f64);
+        let progress = Progress::new(&update).part(share(i)..share(i + 1));
         let start = Instant::now();
-        let fractal = evaluate(device.as_ref(), &newton, drawing.points(), par, (&update).into())?;
+        let fractal = evaluate(device.as_ref(), &newton, drawing.points(), par, progress)?;
         time += start.elapsed();
         points += fractal.roots.len();
         if let (Drawing::Vertices { file, .. }, Some(picture)) = (&drawing, picture.take()) {
@@ -164,11 +166,11 @@ fn evaluate(
     newton: &Newton,
     points: Points<'_>,
     par: Par,
-    update: Progress<'_>,
+    progress: Progress<'_>,
 ) -> Result<Fractal> {
     Ok(match device {
-        Some(device) => catamaran::opencl::evaluate_newton(device, newton, points, update)?,
-        None => newton.evaluate(points, par, update)?,
+        Some(device) => catamaran::opencl::evaluate_newton(device, newton, points, progress)?,
+        None => newton.evaluate(points, par, progress)?,
     })
 }
 
@@ -178,11 +180,11 @@ fn evaluate(
     newton: &Newton,
     points: Points<'_>,
     par: Par,
-    update: Progress<'_>,
+    progress: Progress<'_>,
 ) -> Result<Fractal> {
     match device {
         Some(device) => match *device {},
-        None => Ok(newton.evaluate(points, par, update)?),
+        None => Ok(newton.evaluate(points, par, progress)?),
     }
 }
 

@@ -13,7 +13,7 @@ use ::hdf5::{
 use faer::MatMut;
 use faer::prelude::ReborrowMut;
 
-use super::{BUFFER, Stamp, canonical, seekable};
+use super::file::{BUFFER, Stamp, canonical, seekable};
 use crate::base::{Error, Real, Result, reserved};
 use crate::io::source::{error, error_at};
 

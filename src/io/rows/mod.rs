@@ -2,29 +2,24 @@
 
 #[cfg(feature = "hdf5")]
 mod dataset;
+mod file;
 mod npy;
 #[cfg(test)]
 mod tests;
 
-use std::fmt;
-use std::fs::{self, Metadata};
-use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use faer::MatMut;
 
 #[cfg(feature = "hdf5")]
 use self::dataset::DatasetRows;
+use self::file::{CHANGED, Stamp};
 use self::npy::NpyRows;
-use super::checked_columns;
-use super::source::{error, error_at};
+use super::columns::checked_columns;
+use super::source::error;
 use crate::ata::RowBlocks;
 use crate::base::{Error, Real, Result};
-
-/// Bytes of a file that are converted at a time.
-const BUFFER: usize = 1 << 18;
 
 /// A matrix in a file whose rows are read block by block, so that the matrix may be larger than
 /// memory. It can be sent to a thread that reads.
@@ -243,63 +238,4 @@ fn open_dataset(path: &Path, name: Option<&str>) -> Result<Content> {
 #[cfg(not(feature = "hdf5"))]
 fn open_dataset(path: &Path, _: Option<&str>) -> Result<Content> {
     Err(error(path, 0, "HDF5 is not part of this program: build it with --features hdf5"))
-}
-
-const CHANGED: &str = "changed since it was opened";
-
-/// Size and time of modification of a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Stamp {
-    len: u64,
-    /// `None` where the system does not tell.
-    modified: Option<SystemTime>,
-}
-
-impl Stamp {
-    fn of(metadata: &Metadata) -> Self {
-        Self { len: metadata.len(), modified: metadata.modified().ok() }
-    }
-
-    /// Refuses a file that is no longer as it was.
-    fn check(self, path: &Path, now: io::Result<Metadata>) -> Result<()> {
-        let now = Self::of(&now.map_err(|e| error_at(path, 0, &e))?);
-        match now {
-            _ if now == self => Ok(()),
-            _ if now.len < self.len => Err(shrank(path)),
-            _ => Err(error(path, 0, CHANGED)),
-        }
-    }
-}
-
-impl fmt::Display for Stamp {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} bytes", self.len)?;
-        let Some(modified) = self.modified else { return Ok(()) };
-        let (sign, since) = match modified.duration_since(UNIX_EPOCH) {
-            Ok(since) => ("", since),
-            Err(before) => ("-", before.duration()),
-        };
-        write!(f, ", modified {sign}{}.{:09}", since.as_secs(), since.subsec_nanos())
-    }
-}
-
-fn shrank(path: &Path) -> Error {
-    error(path, 0, "truncated: it shrank since it was opened")
-}
-
-/// The size and time of a file that has a middle.
-fn seekable(path: &Path) -> Result<Stamp> {
-    let metadata = fs::metadata(path).map_err(|e| error_at(path, 0, &e))?;
-    if metadata.is_dir() {
-        return Err(error(path, 0, "is a directory"));
-    }
-    if !metadata.is_file() {
-        return Err(error(path, 0, "not a plain file, so rows can't be read from its middle"));
-    }
-    Ok(Stamp::of(&metadata))
-}
-
-/// `path` without links and relative parts, where the system can tell.
-fn canonical(path: &Path) -> PathBuf {
-    fs::canonicalize(path).unwrap_or_else(|_| path.into())
 }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use faer::MatMut;
 use faer::prelude::ReborrowMut;
 
-use super::{BUFFER, Stamp, canonical, seekable, shrank};
+use super::file::{BUFFER, Stamp, canonical, seekable, shrank};
 use crate::base::{Progress, Real, Result};
 use crate::io::npy::Layout;
 use crate::io::source::{Packing, Source, error, error_at};

@@ -1,11 +1,14 @@
 //! Blocks of rows out of `.npy`, against the reader of whole matrices. HDF5: `tests/rows_hdf5.rs`.
 
+use std::fmt;
 use std::fs::{self, OpenOptions};
 use std::io::Write;
+use std::time::UNIX_EPOCH;
 
 use faer::Mat;
 use faer::prelude::ReborrowMut;
 
+use super::file::BUFFER;
 use super::*;
 use crate::io::tests::{Folder, doubles, npy, read_all};
 use crate::io::{Output, Overwrite, write};

@@ -1,7 +1,8 @@
 use sprs::CsMat;
 
 use super::super::{Edges, TriMesh};
-use super::{Boundary, Laplacian};
+use super::matrices::{Laplacian, submatrix};
+use super::options::Boundary;
 use crate::base::{Error, Result};
 use crate::sparse::Mass;
 
@@ -51,41 +52,6 @@ pub(super) fn restrict(stiffness: CsMat<f64>, mass: Mass, removed: &[bool]) -> R
     };
     check(&stiffness, &mass, &kept)?;
     Ok(Laplacian { stiffness, mass, kept, vertices })
-}
-
-/// The rows and columns of the vertices in the mask, as far as they are there.
-pub(super) fn part(laplacian: &Laplacian, mask: &[bool]) -> Laplacian {
-    let all = &laplacian.kept;
-    let kept: Vec<usize> = (0..all.len()).filter(|&row| mask[all[row]]).collect();
-    let mut rows = vec![None; all.len()];
-    for (row, &old) in kept.iter().enumerate() {
-        rows[old] = Some(row);
-    }
-    let mass = match &laplacian.mass {
-        Mass::Lumped(all) => Mass::Lumped(kept.iter().map(|&row| all[row]).collect()),
-        Mass::Full(matrix) => Mass::Full(submatrix(matrix, &kept, &rows)),
-    };
-    Laplacian {
-        stiffness: submatrix(&laplacian.stiffness, &kept, &rows),
-        mass,
-        kept: kept.iter().map(|&row| all[row]).collect(),
-        vertices: laplacian.vertices,
-    }
-}
-
-fn submatrix(matrix: &CsMat<f64>, kept: &[usize], rows: &[Option<usize>]) -> CsMat<f64> {
-    let mut starts = vec![0];
-    let (mut columns, mut values) = (Vec::new(), Vec::new());
-    for row in kept.iter().filter_map(|&v| matrix.outer_view(v)) {
-        for (column, &value) in row.iter() {
-            if let Some(column) = rows[column] {
-                columns.push(column);
-                values.push(value);
-            }
-        }
-        starts.push(columns.len());
-    }
-    CsMat::new((kept.len(), kept.len()), starts, columns, values)
 }
 
 /// Sums of finite numbers can overflow, and products of tiny ones vanish.

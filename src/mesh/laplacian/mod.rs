@@ -11,141 +11,22 @@ mod boundary;
 mod complex;
 mod delaunay;
 mod element;
+mod matrices;
+mod options;
 #[cfg(test)]
 mod tests;
 
 use std::borrow::Cow;
 
-use faer::{Mat, MatRef};
-use sprs::CsMat;
-
 use super::TriMesh;
-use crate::base::{Error, Par, Result};
-use crate::sparse::Mass;
+use crate::base::{Error, Result};
 
 pub(crate) use assembly::assemble;
 pub(crate) use complex::Complex;
 pub(crate) use delaunay::ROUNDING;
 pub(crate) use element::{Element, of_mesh};
-
-/// Which triangles the functions are linear on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LaplacianKind {
-    /// Those of the mesh: the cotangent Laplacian. Any set of triangles, as long as each has an area.
-    #[default]
-    Cotangent,
-    /// Those of the intrinsic Delaunay triangulation of the same surface and vertices: no edge inside has a negative
-    /// weight. For surfaces: no edge of three faces, neighbours that agree on the outside. Lengths are mollified first.
-    IntrinsicDelaunay,
-    /// Those of the intrinsic Delaunay triangulation of the tufted cover, which has each face twice, front and back;
-    /// both matrices are halved. No edge has a negative weight. Any mesh whatever; lengths are mollified first.
-    Tufted,
-}
-
-/// How the mass of a triangle goes to its vertices.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum MassKind {
-    /// A third to each, a diagonal.
-    #[default]
-    Barycentric,
-    /// What is nearest to each, a diagonal; of an obtuse triangle half to the obtuse corner and a quarter to the others
-    /// (Meyer et al. 2003, section 3.3).
-    MixedVoronoi,
-    /// The inner product of linear functions, a full matrix: of the area a 6th on the diagonal, a 12th beside it.
-    Consistent,
-}
-
-/// What holds at the boundary: the edges with one face.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub enum Boundary {
-    /// The normal derivative is zero, which takes no doing.
-    #[default]
-    Neumann,
-    /// Functions are zero at the vertices of the boundary; these are left out of the matrices.
-    Dirichlet,
-    /// Functions are zero at these vertices, on the boundary or not; Neumann elsewhere.
-    Mixed(Vec<u32>),
-}
-
-/// Options of [`laplacian()`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct LaplacianOptions {
-    /// Triangles; default [`LaplacianKind::Cotangent`].
-    pub kind: LaplacianKind,
-    /// Mass; default [`MassKind::Barycentric`].
-    pub mass: MassKind,
-    /// Boundary; default [`Boundary::Neumann`].
-    pub boundary: Boundary,
-    /// Threads; default all cores of the affinity mask. Does not change the result.
-    pub par: Par,
-}
-
-impl Default for LaplacianOptions {
-    fn default() -> Self {
-        Self {
-            kind: LaplacianKind::default(),
-            mass: MassKind::default(),
-            boundary: Boundary::default(),
-            par: Par::all(),
-        }
-    }
-}
-
-/// The matrices of the eigenproblem `W phi = lambda M phi`. Rows stand for the vertices in [`Laplacian::kept`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct Laplacian {
-    /// W: symmetric, positive semi-definite, by rows, both triangles, a diagonal entry in every row. Off the diagonal,
-    /// minus the weights: halves of the cotangents that face an edge. `W 1 = 0` but for rounding (Neumann).
-    pub stiffness: CsMat<f64>,
-    /// M: positive definite; its entries sum to the area (Neumann).
-    pub mass: Mass,
-    /// The vertices that the rows stand for, ascending. Left out are those that the boundary conditions set to zero,
-    /// and those in no face, which have no area, whatever the kind.
-    pub kept: Vec<usize>,
-    /// The number of vertices of the mesh.
-    pub vertices: usize,
-}
-
-impl Laplacian {
-    /// Functions on the mesh (one row a vertex, one column a function) from functions on the rows: zero at vertices
-    /// that have none.
-    ///
-    /// # Errors
-    /// [`Error::Shape`] unless it has one row for each vertex kept.
-    pub fn extend(&self, functions: MatRef<'_, f64>) -> Result<Mat<f64>> {
-        let columns = functions.ncols();
-        let expected = (self.kept.len(), columns);
-        Error::check_shape("functions", expected, (functions.nrows(), columns))?;
-        let mut extended = Mat::zeros(self.vertices, columns);
-        for j in 0..columns {
-            for (row, &vertex) in self.kept.iter().enumerate() {
-                extended[(vertex, j)] = functions[(row, j)];
-            }
-        }
-        Ok(extended)
-    }
-
-    /// The Laplacian with Dirichlet conditions at all vertices but those in the mask: only their rows and columns are kept,
-    /// as far as they were there.
-    ///
-    /// # Errors
-    /// [`Error::Shape`] unless the mask has an entry for each vertex of the mesh.
-    pub fn restricted(&self, mask: &[bool]) -> Result<Self> {
-        Error::check_shape("mask", (self.vertices, 1), (mask.len(), 1))?;
-        Ok(boundary::part(self, mask))
-    }
-
-    /// The rows, of functions on the mesh, of the vertices kept.
-    ///
-    /// # Errors
-    /// [`Error::Shape`] unless it has one row for each vertex of the mesh.
-    pub fn restrict(&self, functions: MatRef<'_, f64>) -> Result<Mat<f64>> {
-        let columns = functions.ncols();
-        let expected = (self.vertices, columns);
-        Error::check_shape("functions", expected, (functions.nrows(), columns))?;
-        Ok(Mat::from_fn(self.kept.len(), columns, |row, j| functions[(self.kept[row], j)]))
-    }
-}
+pub use matrices::Laplacian;
+pub use options::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
 
 /// The Laplacian of a mesh, with nothing but finite numbers.
 ///

@@ -1,7 +1,10 @@
-use faer::Side;
+use faer::{Mat, Side};
+use sprs::CsMat;
 
 use super::*;
+use crate::base::Par;
 use crate::mesh::{families, shapes};
+use crate::sparse::Mass;
 
 const KINDS: [LaplacianKind; 3] =
     [LaplacianKind::Cotangent, LaplacianKind::IntrinsicDelaunay, LaplacianKind::Tufted];

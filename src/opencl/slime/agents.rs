@@ -5,7 +5,6 @@ use std::mem::swap;
 use opencl3::kernel::{ExecuteKernel, Kernel};
 use opencl3::memory::Buffer;
 
-use super::{filled, read};
 use crate::base::{Error, Result, reserved};
 use crate::opencl::session::{Device, Launcher};
 use crate::texture::slime::{State, TILE, Walker, starts_of};
@@ -25,10 +24,10 @@ impl Agents {
     pub(super) fn of(device: &Device, state: &State) -> Result<Self> {
         Ok(Self {
             len: state.ids.len(),
-            ids: filled(device, &state.ids)?,
-            triangles: filled(device, &state.triangles)?,
-            positions: filled(device, state.positions.as_flattened())?,
-            headings: filled(device, state.headings.as_flattened())?,
+            ids: device.filled(&state.ids)?,
+            triangles: device.filled(&state.triangles)?,
+            positions: device.filled(state.positions.as_flattened())?,
+            headings: device.filled(state.headings.as_flattened())?,
         })
     }
 
@@ -61,10 +60,10 @@ impl Agents {
 
     /// A state of them, each in the place of its number, without a texture.
     pub(super) fn read(&self, device: &Device) -> Result<State> {
-        let ids = read(device, &self.ids, self.len)?;
-        let triangles = read(device, &self.triangles, self.len)?;
-        let positions: Vec<f32> = read(device, &self.positions, 2 * self.len)?;
-        let headings: Vec<f32> = read(device, &self.headings, 2 * self.len)?;
+        let ids = device.values(&self.ids, self.len)?;
+        let triangles = device.values(&self.triangles, self.len)?;
+        let positions: Vec<f32> = device.values(&self.positions, 2 * self.len)?;
+        let headings: Vec<f32> = device.values(&self.headings, 2 * self.len)?;
         let pairs = positions.as_chunks().0.iter().zip(headings.as_chunks().0);
         let mut state = State::filled(self.len, 0)?;
         for ((&id, &triangle), (&position, &heading)) in ids.iter().zip(&triangles).zip(pairs) {

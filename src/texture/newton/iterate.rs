@@ -6,8 +6,8 @@
 // Everything is inlined by force: what is not, closures above all, is compiled for processors without wide registers.
 use pulp::{Arch, Simd, WithSimd};
 
-use super::Parameters;
 use super::lanes::{Lanes, MOST_LANES, Mask, TO_NEAREST, to_nearest};
+use super::options::Parameters;
 use super::points::Cursor;
 
 /// |z|^2 below which z is 0.

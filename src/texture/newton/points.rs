@@ -1,6 +1,6 @@
 //! Where fractals are computed.
 
-use super::{FARTHEST, Parameters};
+use super::options::{FARTHEST, Parameters};
 use crate::base::{Error, Result};
 
 /// A lattice of points: a plane, or a volume. Point (i, j, k) is `origin` + i `steps[0]` + j `steps[1]` + k `steps[2]`, and

@@ -1,7 +1,7 @@
 //! Against double precision in polar form, which is what the thesis describes.
 
 use super::*;
-use crate::base::{Progress, Rng};
+use crate::base::{Error, Progress, Rng};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 

@@ -1,9 +1,10 @@
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use super::kinds::{GOAL, OBSTACLE};
+use super::locate::texel;
 use super::options::{Parameters, TURNS};
 use super::random::{Purpose, draw};
-use super::surface::{Surface, UV};
-use super::texels::{GOAL, OBSTACLE};
+use super::surface::Surface;
 use super::walk::{Walker, project, unfold};
 
 /// What agents sense.
@@ -85,18 +86,6 @@ fn smell(field: Field<'_>, parameters: &Parameters, species: u32, texel: u32) ->
         Some(&GOAL) => sum + parameters.attraction,
         _ => sum,
     }
-}
-
-/// The texel that a walker is in.
-#[inline]
-pub(super) fn texel(surface: &Surface, size: u32, walker: &Walker) -> u32 {
-    let record = &surface.records()[walker.triangle as usize];
-    let [x, y] = walker.position;
-    let u = record[UV] + record[UV + 1] * x + record[UV + 2] * y;
-    let v = record[UV + 3] + record[UV + 4] * x + record[UV + 5] * y;
-    // Out of range is cut off: below 0 to 0.
-    let at = |part: f32| ((part * size as f32) as u32).min(size - 1);
-    at(v) * size + at(u)
 }
 
 fn rotated([x, y]: [f32; 2], cos: f32, sin: f32) -> [f32; 2] {

@@ -1,5 +1,6 @@
+use super::kinds::OUTSIDE;
 use super::options::Parameters;
-use super::texels::{OUTSIDE, Texels};
+use super::texels::Texels;
 
 /// Blurs and evaporates a row of one species: `next = max((1 - b) p + b G p - e, 0)` with b [`Parameters::blend`], e
 /// [`Parameters::evaporation`], and G the kernel (1 2 1)^T (1 2 1) / 16, which repeats the last texel beyond the texture.

@@ -1,7 +1,6 @@
-use super::agents::texel;
-use super::start::anchor;
+use super::kinds::{BORDER, INSIDE};
+use super::locate::{anchor, texel};
 use super::surface::{NO_TRIANGLE, Surface, UV};
-use super::texels::{BORDER, INSIDE};
 use super::walk::{Walker, unfold};
 use crate::base::Result;
 

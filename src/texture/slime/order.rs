@@ -1,4 +1,4 @@
-use super::agents::texel;
+use super::locate::texel;
 use super::state::State;
 use super::surface::Surface;
 use crate::base::Result;

@@ -3,12 +3,13 @@ use std::sync::atomic::AtomicU32;
 use super::agents::{Field, agent_step, mark};
 use super::coverage::{Coverage, coverage};
 use super::diffuse::{diffuse_border, diffuse_row};
+use super::kinds::{FREE, GOAL, OBSTACLE};
 use super::options::{Options, Parameters};
 use super::order::{EVERY, order};
 use super::start::{everywhere, in_texels};
 use super::state::State;
 use super::surface::Surface;
-use super::texels::{FREE, GOAL, OBSTACLE, Texels};
+use super::texels::Texels;
 use super::walk::Walker;
 use crate::base::{Error, Par, Progress, Result, reserved, zeros};
 

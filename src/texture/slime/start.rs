@@ -1,22 +1,13 @@
+use super::kinds::OBSTACLE;
+use super::locate::anchor;
 use super::random::{Purpose, draw};
-use super::surface::{NO_TRIANGLE, Surface, UV};
-use super::texels::{OBSTACLE, Texels};
-use super::walk::{Walker, moved_inside};
+use super::surface::{NO_TRIANGLE, Surface};
+use super::texels::Texels;
+use super::walk::Walker;
 use crate::base::{Error, Result, reserved};
 
 /// Headings are drawn until one is found, hardly ever this often.
 const TRIES: u32 = 64;
-
-/// The point of a triangle that is nearest to the centre of a texel, in its frame.
-pub(super) fn anchor(surface: &Surface, size: usize, triangle: u32, texel: usize) -> [f32; 2] {
-    let record = &surface.records()[triangle as usize];
-    let [u0, a, b, v0, c, d] = [0, 1, 2, 3, 4, 5].map(|i| f64::from(record[UV + i]));
-    let at = |i: usize| (i as f64 + 0.5) / size as f64;
-    let (u, v) = (at(texel % size) - u0, at(texel / size) - v0);
-    let determinant = a * d - b * c;
-    let point = [(d * u - b * v) / determinant, (a * v - c * u) / determinant];
-    moved_inside(surface, triangle, point.map(|x| x as f32))
-}
 
 /// Agents anywhere, with equal probability for equal areas.
 pub(super) fn everywhere(surface: &Surface, agents: usize, seed: u32) -> Result<Vec<Walker>> {

@@ -1,21 +1,8 @@
+use super::kinds::OUTSIDE;
 use super::links::{Links, links};
 use super::raster::{Raster, raster};
 use super::surface::{NO_TRIANGLE, Surface};
 use crate::base::{Result, reserved};
-
-/// Not on the surface.
-pub const OUTSIDE: u8 = 0;
-/// On the surface, with all texels around it in the same chart.
-pub const INSIDE: u8 = 1;
-/// On the surface, at a seam or the boundary.
-pub const BORDER: u8 = 2;
-
-/// Nothing is there.
-pub const FREE: u8 = 0;
-/// Agents do not go there.
-pub const OBSTACLE: u8 = 1;
-/// An attractor: agents do not leave it.
-pub const GOAL: u8 = 2;
 
 /// What the texels of a texture are on the surface.
 ///
@@ -57,12 +44,12 @@ impl Texels {
         &self.areas
     }
 
-    /// [`OUTSIDE`], [`INSIDE`] or [`BORDER`].
+    /// [`OUTSIDE`], [`INSIDE`](super::INSIDE) or [`BORDER`](super::BORDER).
     pub fn kinds(&self) -> &[u8] {
         &self.kinds
     }
 
-    /// The texels of kind [`BORDER`], ascending.
+    /// The texels of kind [`BORDER`](super::BORDER), ascending.
     pub fn border(&self) -> &[u32] {
         &self.links.texels
     }

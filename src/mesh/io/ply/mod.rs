@@ -1,29 +1,22 @@
 //! Stanford PLY (Turk 1994): ASCII, and binary in both byte orders.
 
+mod element;
+mod encoding;
 mod header;
 mod rows;
 mod write;
 
-use self::header::{Element, Header};
-use self::rows::{Name, Rows};
+use self::element::{Element, Name};
+use self::header::Header;
+use self::rows::Rows;
 use super::attributes::{Attribute, MeshFile};
 use super::draft::{Checked, Draft, push, roomy};
 use super::text::finite;
 use crate::base::Result;
 use crate::io::Source;
 
+pub use self::encoding::PlyEncoding;
 pub(super) use self::write::write;
-
-/// How the numbers of a PLY file are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PlyEncoding {
-    /// Text.
-    Ascii,
-    /// Binary, lowest byte first.
-    LittleEndian,
-    /// Binary, highest byte first.
-    BigEndian,
-}
 
 pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     let header = Header::read(source)?;

@@ -2,50 +2,9 @@ use std::io::Read;
 
 use super::super::draft::{Checked, Fault, push};
 use super::super::text;
-use super::PlyEncoding;
-use super::header::{Element, Property, Type};
+use super::element::{Element, Property, Type};
+use super::encoding::PlyEncoding;
 use crate::io::Source;
-
-/// The properties that mean something to us.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Name {
-    X,
-    Y,
-    Z,
-    NormalX,
-    NormalY,
-    NormalZ,
-    U,
-    V,
-    Red,
-    Green,
-    Blue,
-    Alpha,
-    Corners,
-    CornerUv,
-}
-
-impl Name {
-    pub fn parse(word: &[u8]) -> Option<Self> {
-        Some(match word {
-            b"x" => Self::X,
-            b"y" => Self::Y,
-            b"z" => Self::Z,
-            b"nx" => Self::NormalX,
-            b"ny" => Self::NormalY,
-            b"nz" => Self::NormalZ,
-            b"s" | b"u" | b"texture_u" => Self::U,
-            b"t" | b"v" | b"texture_v" => Self::V,
-            b"red" | b"diffuse_red" | b"r" => Self::Red,
-            b"green" | b"diffuse_green" | b"g" => Self::Green,
-            b"blue" | b"diffuse_blue" | b"b" => Self::Blue,
-            b"alpha" | b"a" => Self::Alpha,
-            b"vertex_indices" | b"vertex_index" => Self::Corners,
-            b"texcoord" => Self::CornerUv,
-            _ => return None,
-        })
-    }
-}
 
 /// One row of an element.
 #[derive(Default)]

@@ -1,7 +1,7 @@
 use std::io::{self, Write};
 
 use super::super::attributes::{Attribute, MeshFile};
-use super::PlyEncoding;
+use super::encoding::PlyEncoding;
 
 /// Writes numbers in one of the encodings.
 struct Sink<'a> {

@@ -2,7 +2,8 @@
 //! module, or the siblings listed here.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+
+use super::{rust_files, src};
 
 /// Module, layer, and the modules of the same layer that it may import.
 const LAYERS: [(&str, u8, &[&str]); 19] = [
@@ -33,19 +34,6 @@ const TOP: u8 = 6;
 
 fn layer(module: &str) -> Option<&'static (&'static str, u8, &'static [&'static str])> {
     LAYERS.iter().find(|l| l.0 == module)
-}
-
-fn rust_files(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(rust_files(&path));
-        } else if path.extension().is_some_and(|e| e == "rs") {
-            found.push(path);
-        }
-    }
-    found
 }
 
 /// The modules named right after each `crate::` in `text`, groups (`crate::{a, b}`) included.
@@ -96,7 +84,7 @@ fn breaches(module: &str, text: &str) -> Vec<String> {
 
 #[test]
 fn every_module_imports_only_from_below() {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let src = src();
     let mut wrong = Vec::new();
     for file in rust_files(&src) {
         let relative = file.strip_prefix(&src).unwrap();

@@ -1,0 +1,73 @@
+//! Files that are read in pieces, in any order: they must not change meanwhile.
+
+use std::fmt;
+use std::fs::{self, Metadata};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use crate::base::{Error, Result};
+use crate::io::source::{error, error_at};
+
+/// Bytes of a file that are converted at a time.
+pub(super) const BUFFER: usize = 1 << 18;
+
+/// Why a file that was changed is refused.
+pub(super) const CHANGED: &str = "changed since it was opened";
+
+/// Size and time of modification of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Stamp {
+    pub len: u64,
+    /// `None` where the system does not tell.
+    modified: Option<SystemTime>,
+}
+
+impl Stamp {
+    pub fn of(metadata: &Metadata) -> Self {
+        Self { len: metadata.len(), modified: metadata.modified().ok() }
+    }
+
+    /// Refuses a file that is no longer as it was.
+    pub fn check(self, path: &Path, now: io::Result<Metadata>) -> Result<()> {
+        let now = Self::of(&now.map_err(|e| error_at(path, 0, &e))?);
+        match now {
+            _ if now == self => Ok(()),
+            _ if now.len < self.len => Err(shrank(path)),
+            _ => Err(error(path, 0, CHANGED)),
+        }
+    }
+}
+
+impl fmt::Display for Stamp {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} bytes", self.len)?;
+        let Some(modified) = self.modified else { return Ok(()) };
+        let (sign, since) = match modified.duration_since(UNIX_EPOCH) {
+            Ok(since) => ("", since),
+            Err(before) => ("-", before.duration()),
+        };
+        write!(f, ", modified {sign}{}.{:09}", since.as_secs(), since.subsec_nanos())
+    }
+}
+
+pub(super) fn shrank(path: &Path) -> Error {
+    error(path, 0, "truncated: it shrank since it was opened")
+}
+
+/// The size and time of a file that has a middle.
+pub(super) fn seekable(path: &Path) -> Result<Stamp> {
+    let metadata = fs::metadata(path).map_err(|e| error_at(path, 0, &e))?;
+    if metadata.is_dir() {
+        return Err(error(path, 0, "is a directory"));
+    }
+    if !metadata.is_file() {
+        return Err(error(path, 0, "not a plain file, so rows can't be read from its middle"));
+    }
+    Ok(Stamp::of(&metadata))
+}
+
+/// `path` without links and relative parts, where the system can tell.
+pub(super) fn canonical(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| path.into())
+}

@@ -1,0 +1,138 @@
+//! Elements of a PLY file and their properties.
+
+use super::super::draft::Checked;
+use super::super::text::quoted;
+
+/// The type of a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Type {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Type {
+    pub fn parse(word: &[u8]) -> Checked<Self> {
+        Ok(match word {
+            b"char" | b"int8" => Self::I8,
+            b"uchar" | b"uint8" => Self::U8,
+            b"short" | b"int16" => Self::I16,
+            b"ushort" | b"uint16" => Self::U16,
+            b"int" | b"int32" => Self::I32,
+            b"uint" | b"uint32" => Self::U32,
+            b"float" | b"float32" => Self::F32,
+            b"double" | b"float64" => Self::F64,
+            _ => return Err(format!("type {} is not of PLY", quoted(word)).into()),
+        })
+    }
+
+    /// Its bytes in a binary file.
+    pub fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
+    /// What stands for 1 where integers stand for fractions.
+    fn full_scale(self) -> f64 {
+        match self {
+            Self::I8 => f64::from(i8::MAX),
+            Self::U8 => f64::from(u8::MAX),
+            Self::I16 => f64::from(i16::MAX),
+            Self::U16 => f64::from(u16::MAX),
+            Self::I32 => f64::from(i32::MAX),
+            Self::U32 => f64::from(u32::MAX),
+            Self::F32 | Self::F64 => 1.0,
+        }
+    }
+}
+
+/// The properties that mean something to us.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Name {
+    X,
+    Y,
+    Z,
+    NormalX,
+    NormalY,
+    NormalZ,
+    U,
+    V,
+    Red,
+    Green,
+    Blue,
+    Alpha,
+    Corners,
+    CornerUv,
+}
+
+impl Name {
+    pub fn parse(word: &[u8]) -> Option<Self> {
+        Some(match word {
+            b"x" => Self::X,
+            b"y" => Self::Y,
+            b"z" => Self::Z,
+            b"nx" => Self::NormalX,
+            b"ny" => Self::NormalY,
+            b"nz" => Self::NormalZ,
+            b"s" | b"u" | b"texture_u" => Self::U,
+            b"t" | b"v" | b"texture_v" => Self::V,
+            b"red" | b"diffuse_red" | b"r" => Self::Red,
+            b"green" | b"diffuse_green" | b"g" => Self::Green,
+            b"blue" | b"diffuse_blue" | b"b" => Self::Blue,
+            b"alpha" | b"a" => Self::Alpha,
+            b"vertex_indices" | b"vertex_index" => Self::Corners,
+            b"texcoord" => Self::CornerUv,
+            _ => return None,
+        })
+    }
+}
+
+/// A property: its place among the scalars or the lists of a row.
+#[derive(Debug)]
+pub(super) struct Property {
+    pub name: Option<Name>,
+    pub item: Type,
+    /// The type of the count of a list.
+    pub counted_by: Option<Type>,
+}
+
+/// Rows of one kind.
+#[derive(Debug)]
+pub(super) struct Element {
+    pub name: String,
+    pub count: usize,
+    pub properties: Vec<Property>,
+}
+
+impl Element {
+    /// The place of a scalar among the scalars.
+    pub fn scalar(&self, name: Name) -> Option<usize> {
+        self.properties.iter().filter(|p| p.counted_by.is_none()).position(|p| p.name == Some(name))
+    }
+
+    /// The places of scalars, when all are there.
+    pub fn scalars<const N: usize>(&self, names: [Name; N]) -> Option<[usize; N]> {
+        let places = names.map(|name| self.scalar(name));
+        places.iter().all(Option::is_some).then(|| places.map(Option::unwrap_or_default))
+    }
+
+    /// The place of a list among the lists.
+    pub fn list(&self, name: Name) -> Option<usize> {
+        self.properties.iter().filter(|p| p.counted_by.is_some()).position(|p| p.name == Some(name))
+    }
+
+    /// What scalar number i has for 1, as a colour.
+    pub fn full_scale(&self, i: usize) -> f64 {
+        let mut scalars = self.properties.iter().filter(|p| p.counted_by.is_none());
+        scalars.nth(i).map_or(1.0, |p| p.item.full_scale())
+    }
+}

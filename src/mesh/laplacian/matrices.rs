@@ -1,0 +1,94 @@
+//! The matrices of a Laplacian, and the rows of them that are kept.
+
+use faer::{Mat, MatRef};
+use sprs::CsMat;
+
+use crate::base::{Error, Result};
+use crate::sparse::Mass;
+
+/// The matrices of the eigenproblem `W phi = lambda M phi`. Rows stand for the vertices in [`Laplacian::kept`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Laplacian {
+    /// W: symmetric, positive semi-definite, by rows, both triangles, a diagonal entry in every row. Off the diagonal,
+    /// minus the weights: halves of the cotangents that face an edge. `W 1 = 0` but for rounding (Neumann).
+    pub stiffness: CsMat<f64>,
+    /// M: positive definite; its entries sum to the area (Neumann).
+    pub mass: Mass,
+    /// The vertices that the rows stand for, ascending. Left out are those that the boundary conditions set to zero,
+    /// and those in no face, which have no area, whatever the kind.
+    pub kept: Vec<usize>,
+    /// The number of vertices of the mesh.
+    pub vertices: usize,
+}
+
+impl Laplacian {
+    /// Functions on the mesh (one row a vertex, one column a function) from functions on the rows: zero at vertices
+    /// that have none.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] unless it has one row for each vertex kept.
+    pub fn extend(&self, functions: MatRef<'_, f64>) -> Result<Mat<f64>> {
+        let columns = functions.ncols();
+        let expected = (self.kept.len(), columns);
+        Error::check_shape("functions", expected, (functions.nrows(), columns))?;
+        let mut extended = Mat::zeros(self.vertices, columns);
+        for j in 0..columns {
+            for (row, &vertex) in self.kept.iter().enumerate() {
+                extended[(vertex, j)] = functions[(row, j)];
+            }
+        }
+        Ok(extended)
+    }
+
+    /// The Laplacian with Dirichlet conditions at all vertices but those in the mask: only their rows and columns are kept,
+    /// as far as they were there.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] unless the mask has an entry for each vertex of the mesh.
+    pub fn restricted(&self, mask: &[bool]) -> Result<Self> {
+        Error::check_shape("mask", (self.vertices, 1), (mask.len(), 1))?;
+        let all = &self.kept;
+        let kept: Vec<usize> = (0..all.len()).filter(|&row| mask[all[row]]).collect();
+        let mut rows = vec![None; all.len()];
+        for (row, &old) in kept.iter().enumerate() {
+            rows[old] = Some(row);
+        }
+        let mass = match &self.mass {
+            Mass::Lumped(all) => Mass::Lumped(kept.iter().map(|&row| all[row]).collect()),
+            Mass::Full(matrix) => Mass::Full(submatrix(matrix, &kept, &rows)),
+        };
+        Ok(Self {
+            stiffness: submatrix(&self.stiffness, &kept, &rows),
+            mass,
+            kept: kept.iter().map(|&row| all[row]).collect(),
+            vertices: self.vertices,
+        })
+    }
+
+    /// The rows, of functions on the mesh, of the vertices kept.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] unless it has one row for each vertex of the mesh.
+    pub fn restrict(&self, functions: MatRef<'_, f64>) -> Result<Mat<f64>> {
+        let columns = functions.ncols();
+        let expected = (self.vertices, columns);
+        Error::check_shape("functions", expected, (functions.nrows(), columns))?;
+        Ok(Mat::from_fn(self.kept.len(), columns, |row, j| functions[(self.kept[row], j)]))
+    }
+}
+
+/// The entries in the rows and columns that are kept; `rows` has the new number of each.
+pub(super) fn submatrix(matrix: &CsMat<f64>, kept: &[usize], rows: &[Option<usize>]) -> CsMat<f64> {
+    let mut starts = vec![0];
+    let (mut columns, mut values) = (Vec::new(), Vec::new());
+    for row in kept.iter().filter_map(|&v| matrix.outer_view(v)) {
+        for (column, &value) in row.iter() {
+            if let Some(column) = rows[column] {
+                columns.push(column);
+                values.push(value);
+            }
+        }
+        starts.push(columns.len());
+    }
+    CsMat::new((kept.len(), kept.len()), starts, columns, values)
+}

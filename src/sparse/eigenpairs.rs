@@ -1,0 +1,35 @@
+use faer::{Mat, MatRef};
+
+/// Eigenpairs of `W phi = lambda M phi`.
+#[derive(Debug, Clone)]
+pub struct Eigenpairs {
+    /// k eigenvalues, ascending.
+    pub values: Vec<f64>,
+    /// n x k: an eigenvector for each value, `V^T M V = I` (to rounding).
+    pub vectors: Mat<f64>,
+    /// For each pair `|W phi - lambda M phi| / max(|W phi|, s |M phi|)` in the Euclidean norm, as computed from the
+    /// result, `W phi` by differences in rows that sum to zero. The scale s of the smallest eigenvalues ([`eigs`](super::eigs()))
+    /// stands for that of `W phi` where lambda is about 0.
+    pub residuals: Vec<f64>,
+    /// Vectors that `(W - sigma M)^-1 M` was applied to; 0 if the problem was solved as a dense one.
+    pub solves: usize,
+}
+
+/// These pairs in ascending order; of a semi-definite matrix, for which rounding below zero is zero.
+pub(crate) fn ascending(
+    values: &[f64],
+    vectors: MatRef<'_, f64>,
+    residuals: &[f64],
+    solves: usize,
+    positive: bool,
+) -> Eigenpairs {
+    let least = if positive { 0.0 } else { f64::NEG_INFINITY };
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+    Eigenpairs {
+        values: order.iter().map(|&j| values[j].max(least)).collect(),
+        vectors: Mat::from_fn(vectors.nrows(), order.len(), |i, j| vectors[(i, order[j])]),
+        residuals: order.iter().map(|&j| residuals[j]).collect(),
+        solves,
+    }
+}

@@ -1,0 +1,59 @@
+use crate::base::{Error, Par, Progress, Result};
+
+/// What [`eigs`](super::eigs()) is asked for.
+#[derive(Clone)]
+pub struct EigenOptions<'a> {
+    /// Number of eigenpairs, at most the number of rows. Default 100.
+    pub k: usize,
+    /// The k eigenvalues nearest to this number; `None` (default): the k smallest.
+    pub shift: Option<f64>,
+    /// Residual that every pair must reach (as [`Eigenpairs::residuals`](super::Eigenpairs::residuals) says), between 1e-14 and 1e-2; default 1e-9.
+    /// Where a few roundings of the vector alone make it larger (`eps | |W| |phi| |`: huge weights), those are enough.
+    pub tolerance: f64,
+    /// Counts the eigenvalues that are there by the inertia of another factorisation (Sylvester), and goes on until
+    /// none is missing; default false.
+    pub verify_count: bool,
+    /// Threads; default all cores of the affinity mask. Does not change the result.
+    pub par: Par,
+    /// Seed of the starting block. Default 0.
+    pub seed: u64,
+    /// Restarts after which [`Error::NotConverged`] is returned; default 60.
+    pub max_restarts: usize,
+    /// Told of progress; may cancel.
+    pub progress: Progress<'a>,
+}
+
+impl Default for EigenOptions<'_> {
+    fn default() -> Self {
+        Self {
+            k: 100,
+            shift: None,
+            tolerance: 1e-9,
+            verify_count: false,
+            par: Par::all(),
+            seed: 0,
+            max_restarts: 60,
+            progress: Progress::none(),
+        }
+    }
+}
+
+impl EigenOptions<'_> {
+    /// Refuses what is out of range for a matrix of `n` rows.
+    pub(super) fn check(&self, n: usize) -> Result<()> {
+        let refuse = |what, why: String| Err(Error::Argument { what, why });
+        if self.k > n {
+            return refuse("k", format!("{} eigenpairs of a matrix of {n} rows", self.k));
+        }
+        if !(1e-14..=1e-2).contains(&self.tolerance) {
+            return refuse(
+                "tolerance",
+                format!("{:e} is not between 1e-14 and 1e-2", self.tolerance),
+            );
+        }
+        match self.shift {
+            Some(shift) if !shift.is_finite() => refuse("shift", format!("{shift} is not finite")),
+            _ => Ok(()),
+        }
+    }
+}

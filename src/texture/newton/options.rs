@@ -1,0 +1,150 @@
+//! What a fractal is of, and the numbers that its loops take from that.
+
+use crate::base::{Error, Result};
+
+/// The polynomial whose roots are looked for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Polynomial {
+    /// z^n - 1, n from 2 to [`Polynomial::MOST_ROOTS`]. Root a is exp(2 pi i a / n).
+    Power(u32),
+    /// The product of all (z - root), each root a real and an imaginary part within 1e4 of zero; from 1 to
+    /// [`Polynomial::MOST_ROOTS`] of them. Root a is the a-th one. What is there twice is approached slowly, and of several
+    /// equal ones the first is found.
+    Roots(Vec<[f64; 2]>),
+}
+
+impl Polynomial {
+    /// Roots in C, at most.
+    pub const MOST_ROOTS: usize = 64;
+
+    /// Roots in C, n; there are n^2 bicomplex ones.
+    pub fn roots(&self) -> usize {
+        match self {
+            Self::Power(n) => *n as usize,
+            Self::Roots(roots) => roots.len(),
+        }
+    }
+}
+
+/// How the speed of convergence becomes a number t. With d_k the length of step k, P iterations and f(d) = 1 / (1 + exp(d +
+/// theta) - exp(theta)), which is 1 for a point that stays and 0 for one that goes far:
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Gradient {
+    /// Equation 7.3: t = P - (f(d_0) + ... + f(d_P)), P + 1 terms: from -1 (at a root) to P. P + 1 steps are taken.
+    #[default]
+    Thesis,
+    /// What the shader of the authors computes: t = (P - (f(e_0) + ... + f(e_{P-1}))) / P, from 0 to 1, with
+    /// e_k = d_k^2, no square root taken.
+    Shader,
+}
+
+/// What a fractal is of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NewtonOptions {
+    /// The polynomial; z^3 - 1 by default.
+    pub polynomial: Polynomial,
+    /// Iterations P, from 1 to 1,000; 32 by default.
+    pub iterations: u32,
+    /// Theta of [`Gradient`], from -10 to 20; 3.5 by default. The larger, the earlier a point counts as not converged.
+    pub theta: f64,
+    /// How t is computed.
+    pub gradient: Gradient,
+    /// What points are multiplied by, after `offset` and `w` have been added; 1 by default.
+    pub scale: f64,
+    /// What is added to x, y and z of each point; 0 by default.
+    pub offset: [f64; 3],
+    /// The fourth coordinate of each point: fixed, or a time; 0 by default.
+    pub w: f64,
+}
+
+impl Default for NewtonOptions {
+    fn default() -> Self {
+        Self {
+            polynomial: Polynomial::Power(3),
+            iterations: 32,
+            theta: 3.5,
+            gradient: Gradient::default(),
+            scale: 1.0,
+            offset: [0.0; 3],
+            w: 0.0,
+        }
+    }
+}
+
+/// What the loops, here and on devices, need to know.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Parameters {
+    /// The roots, for [`Polynomial::Roots`]; empty for powers.
+    pub roots: Vec<[f32; 2]>,
+    /// Roots in C.
+    pub degree: u32,
+    /// Steps taken.
+    pub steps: u32,
+    /// Whether steps are measured squared.
+    pub squared: bool,
+    /// exp(theta).
+    pub gain: f32,
+    /// t is `factor` times the sum of the 1 - f(d_k), plus `shift`.
+    pub factor: f32,
+    pub shift: f32,
+    pub scale: f32,
+    /// Added before scaling: x, y, z, w.
+    pub offset: [f32; 4],
+    /// Squared, the distance from the null cone below which z^(1 - n) would overflow.
+    pub nearest: f32,
+}
+
+/// Coordinates, scaled, are not beyond this: their squares and quotients then are numbers.
+pub(super) const FARTHEST: f64 = 1e9;
+/// |z^(1 - n)| at most, for the square of it to be a number.
+const LARGEST: f64 = 1e18;
+
+impl NewtonOptions {
+    /// The numbers for the loops, if all options are in their ranges.
+    pub(super) fn parameters(&self) -> Result<Parameters> {
+        let out = |what: &'static str, why: String| Err(Error::Argument { what, why });
+        let n = self.polynomial.roots();
+        let (least, most) = match self.polynomial {
+            Polynomial::Power(_) => (2, Polynomial::MOST_ROOTS),
+            Polynomial::Roots(_) => (1, Polynomial::MOST_ROOTS),
+        };
+        if !(least..=most).contains(&n) {
+            return out("polynomial", format!("{n} roots, where {least} to {most} are possible"));
+        }
+        let roots = match &self.polynomial {
+            Polynomial::Power(_) => Vec::new(),
+            Polynomial::Roots(roots) => {
+                if let Some(i) = roots.iter().position(|r| !r.iter().all(|x| x.abs() <= 1e4)) {
+                    return out("polynomial", format!("root {i}, {:?}, is beyond 1e4", roots[i]));
+                }
+                roots.iter().map(|root| root.map(|x| x as f32)).collect()
+            }
+        };
+        let iterations = self.iterations;
+        if !(1..=1000).contains(&iterations) {
+            return out("iterations", format!("must be from 1 to 1,000, is {iterations}"));
+        }
+        let theta = self.theta;
+        if !(-10.0..=20.0).contains(&theta) {
+            return out("theta", format!("must be from -10 to 20, is {theta}"));
+        }
+        let numbers = [self.scale, self.w, self.offset[0], self.offset[1]];
+        if !numbers.iter().chain(&self.offset[2..]).all(|x| x.abs() <= FARTHEST) {
+            return out("scale, offset or w", format!("beyond {FARTHEST:e}, or not a number"));
+        }
+        let squared = self.gradient == Gradient::Shader;
+        let [x, y, z] = self.offset;
+        Ok(Parameters {
+            roots,
+            degree: n as u32,
+            steps: if squared { iterations } else { iterations + 1 },
+            squared,
+            gain: theta.exp() as f32,
+            factor: if squared { 1.0 / iterations as f32 } else { 1.0 },
+            shift: if squared { 0.0 } else { -1.0 },
+            scale: self.scale as f32,
+            offset: [x, y, z, self.w].map(|x| x as f32),
+            nearest: LARGEST.powf(-2.0 / (n as f64 - 1.0).max(1.0)) as f32,
+        })
+    }
+}

@@ -1,0 +1,102 @@
+//! States in files.
+
+use std::io::{self, Read, Write};
+use std::path::Path;
+
+use super::simulation::Simulation;
+use super::state::State;
+use crate::base::{Error, Result};
+
+/// The first bytes of a state file; the digit is the version of the format.
+const MAGIC: &[u8; 16] = b"catamaran slime1";
+
+/// Numbers that are read and written at a time.
+const PIECE: usize = 1 << 14;
+
+impl Simulation {
+    /// What a state file has to agree with.
+    fn header(&self) -> [u32; 6] {
+        let surface = self.surface().fingerprint();
+        let p = self.parameters();
+        let agents = self.state().triangles.len() as u32;
+        [surface as u32, (surface >> 32) as u32, p.seed, p.size, p.species, agents]
+    }
+
+    /// Writes the state: with it, and the same surface and options, a simulation goes on as if it had never stopped. Little
+    /// endian: 16 bytes that name the format, 32-bit numbers that name surface, seed, size, species and agents, the step, then
+    /// the arrays of [`State`] in its order.
+    ///
+    /// # Errors
+    /// Those of the sink.
+    pub fn save(&self, sink: &mut dyn Write) -> io::Result<()> {
+        let state = self.state();
+        sink.write_all(MAGIC)?;
+        put(sink, self.header().into_iter().chain([state.step]))?;
+        put(sink, state.ids.iter().copied())?;
+        put(sink, state.triangles.iter().copied())?;
+        put(sink, state.positions.as_flattened().iter().map(|x| x.to_bits()))?;
+        put(sink, state.headings.as_flattened().iter().map(|x| x.to_bits()))?;
+        put(sink, state.texture.iter().map(|x| x.to_bits()))
+    }
+
+    /// Goes on from a state that was saved. `path` is what errors name.
+    ///
+    /// # Errors
+    /// [`Error::Io`] when it can't be read, is no state file, or one of another surface, seed, size, or number of species or
+    /// agents; [`Error::Argument`] when its contents are no state; [`Error::OutOfMemory`]. The state is as before then.
+    pub fn resume(&mut self, source: &mut dyn Read, path: &Path) -> Result<()> {
+        let failed = |what: String| Error::Io { path: path.into(), line: 0, what };
+        let read = |e: io::Error| failed(e.to_string());
+        let mut magic = [0; MAGIC.len()];
+        source.read_exact(&mut magic).map_err(read)?;
+        if &magic != MAGIC {
+            return Err(failed("is not a state of slime moulds of this version".into()));
+        }
+        let names = ["surface", "surface", "seed", "size", "number of species", "number of agents"];
+        let mut given = [0; 7];
+        take(source, &mut given, |bits| bits).map_err(read)?;
+        for ((name, own), given) in names.into_iter().zip(self.header()).zip(given) {
+            if own != given {
+                let numbers =
+                    if name == "surface" { String::new() } else { format!(": {given}, not {own}") };
+                return Err(failed(format!("is of another {name}{numbers}")));
+            }
+        }
+        let agents = self.state().triangles.len();
+        let mut state = State::filled(agents, self.state().texture.len())?;
+        state.step = given[6];
+        take(source, &mut state.ids, |bits| bits).map_err(read)?;
+        take(source, &mut state.triangles, |bits| bits).map_err(read)?;
+        take(source, state.positions.as_flattened_mut(), f32::from_bits).map_err(read)?;
+        take(source, state.headings.as_flattened_mut(), f32::from_bits).map_err(read)?;
+        take(source, &mut state.texture, f32::from_bits).map_err(read)?;
+        if source.read(&mut [0]).map_err(read)? > 0 {
+            return Err(failed("goes on after its end".into()));
+        }
+        self.set_state(state)
+    }
+}
+
+fn put(sink: &mut dyn Write, words: impl Iterator<Item = u32>) -> io::Result<()> {
+    let mut bytes = Vec::with_capacity(4 * PIECE);
+    for word in words {
+        bytes.extend(word.to_le_bytes());
+        if bytes.len() == 4 * PIECE {
+            sink.write_all(&bytes)?;
+            bytes.clear();
+        }
+    }
+    sink.write_all(&bytes)
+}
+
+fn take<T>(source: &mut dyn Read, out: &mut [T], value: impl Fn(u32) -> T) -> io::Result<()> {
+    let mut bytes = vec![0; 4 * PIECE];
+    for out in out.chunks_mut(PIECE) {
+        let bytes = &mut bytes[..4 * out.len()];
+        source.read_exact(bytes)?;
+        for (out, word) in out.iter_mut().zip(bytes.chunks_exact(4)) {
+            *out = value(u32::from_le_bytes([word[0], word[1], word[2], word[3]]));
+        }
+    }
+    Ok(())
+}
