@@ -94,7 +94,7 @@ fn every_backend_takes_any_layout_of_its_operands() {
 #[test]
 fn a_library_that_is_none_is_refused_with_its_name() {
     let refused = |path: &str| match blas::load(Path::new(path)) {
-        Err(Error::Backend { name, why }) => (name, why),
+        Err(Error::Backend { name, why, .. }) => (name, why),
         _ => panic!("{path} was taken for a BLAS"),
     };
     let (name, why) = refused("/nowhere/libnone.so");

@@ -56,7 +56,7 @@ fn block<T: Real>(rows: &mut RowFile, first: usize, count: usize) -> Mat<f64> {
 /// The `what` of an error that names the file.
 fn what<T: std::fmt::Debug>(path: &Path, result: Result<T, Error>) -> String {
     match result {
-        Err(Error::Io { path: named, line: 0, what }) => {
+        Err(Error::Io { path: named, line: None, what, .. }) => {
             assert_eq!(named, path);
             assert!(!what.contains('\n'), "{what}");
             what

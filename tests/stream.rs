@@ -571,7 +571,7 @@ impl RowBlocks<f64> for Source<'_> {
             std::thread::sleep(Duration::from_micros((self.rng.uniform() * 3000.0) as u64));
         }
         if self.fails_at.is_some_and(|row| (first..first + out.nrows()).contains(&row)) {
-            return Err(Error::Io { path: "a.h5".into(), line: 0, what: "vanished".into() });
+            return Err(Error::file("a.h5", "vanished"));
         }
         DenseRows(self.a).read(first, out)?;
         self.read.fetch_add(1, Ordering::SeqCst);

@@ -202,7 +202,7 @@ fn write(mut output: Output, found: &Reconstruction, format: Format) -> Result<(
         Format::Obj => obj(found),
         Format::Json => json(found),
     };
-    output.write_all(text.as_bytes()).map_err(|e| output.error(&e))?;
+    output.write_all(text.as_bytes()).map_err(|e| output.error(e))?;
     Ok(output.commit()?)
 }
 

@@ -194,6 +194,6 @@ fn tell(
 /// Matrix Market, coordinates.
 fn write_sparse(mut output: Output, matrix: &CsMat<f64>) -> Result<()> {
     let written = sprs::io::write_matrix_market_to_bufwrite(&mut output, matrix);
-    written.map_err(|e| output.error(&e))?;
+    written.map_err(|e| output.error(e))?;
     Ok(output.commit()?)
 }

@@ -96,6 +96,6 @@ fn main() -> ExitCode {
     if error.downcast_ref().is_some_and(|e: &io::Error| e.kind() == io::ErrorKind::BrokenPipe) {
         return ExitCode::SUCCESS;
     }
-    report::complain(format_args!("{error:#}"));
+    report::complain(format_args!("{}", report::message(&error)));
     ExitCode::FAILURE
 }

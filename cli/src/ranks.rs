@@ -141,7 +141,8 @@ impl Ranks {
     pub fn end(self, done: Result<()>) -> Result<()> {
         use mpi::topology::Communicator;
         if let (Some((world, _)), Err(error)) = (&self.mpi, &done) {
-            crate::report::complain(format_args!("rank {}: {error:#}", world.rank()));
+            let said = crate::report::message(error);
+            crate::report::complain(format_args!("rank {}: {said}", world.rank()));
             world.communicator().abort(1);
         }
         done

@@ -35,11 +35,43 @@ pub fn complain(line: std::fmt::Arguments<'_>) {
     let _ = io::stderr().write_all(format!("catamaran: {line}\n").as_bytes());
 }
 
+/// An error with its context. What the library says contains what its sources say.
+pub fn message(error: &anyhow::Error) -> String {
+    let mut message = String::new();
+    for cause in error.chain() {
+        if !message.is_empty() {
+            message += ": ";
+        }
+        message += &cause.to_string();
+        if cause.is::<catamaran::Error>() {
+            break;
+        }
+    }
+    message
+}
+
 /// A time with its unit.
 pub fn seconds(time: Duration) -> String {
     match time.as_secs_f64() {
         s if s < 1e-3 => format!("{:.1} us", s * 1e6),
         s if s < 1.0 => format!("{:.1} ms", s * 1e3),
         s => format!("{s:.2} s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use anyhow::Context;
+
+    use super::*;
+
+    #[test]
+    fn a_message_has_the_context_and_no_cause_twice() {
+        let refused = || io::Error::from(io::ErrorKind::PermissionDenied);
+        let cause = refused().to_string();
+        let error = Err::<(), _>(catamaran::Error::io("a.npy", refused())).context("weights");
+        assert_eq!(message(&error.unwrap_err()), format!("weights: a.npy: {cause}"));
+        let error = Err::<(), _>(refused()).context("weights").unwrap_err();
+        assert_eq!(message(&error), format!("weights: {cause}"));
     }
 }

@@ -1,12 +1,26 @@
+use std::error::Error as StdError;
 use std::fmt;
+use std::io;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// The result of every fallible function of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// What a caller can get wrong, or the world can refuse; every variant names the culprit.
+/// Everything that can fail, with the argument, file or rank at fault.
 ///
-/// A panic out of this crate is a bug of this crate.
+/// A message is complete by itself: it contains what [`source`](StdError::source) says. A panic out
+/// of this crate is a bug of this crate.
+///
+/// ```
+/// use std::error::Error as _;
+/// use catamaran::{Error, ata, AtaOptions, faer::Mat};
+///
+/// let (a, mut c) = (Mat::<f64>::zeros(5, 3), Mat::zeros(4, 4));
+/// let error = ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::default()).unwrap_err();
+/// assert!(matches!(error, Error::Shape { expected: (3, 3), got: (4, 4), .. }));
+/// assert!(error.source().is_none());
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
@@ -44,10 +58,12 @@ pub enum Error {
     Io {
         /// The file.
         path: PathBuf,
-        /// The line at fault, from 1; 0 when no line is to blame.
-        line: usize,
+        /// The line at fault, from 1.
+        line: Option<usize>,
         /// What is wrong with it.
         what: String,
+        /// The error of the operating system, if there is one.
+        cause: Option<Cause>,
     },
     /// Memory for a result or a workspace could not be had.
     OutOfMemory {
@@ -67,6 +83,8 @@ pub enum Error {
         name: String,
         /// What it said.
         why: String,
+        /// The error of the loader, if there is one.
+        cause: Option<Cause>,
     },
     /// Another rank of a distributed call failed, or does not fit the others.
     Rank {
@@ -94,20 +112,70 @@ impl fmt::Display for Error {
             Self::NotConverged { iterations, residual } => {
                 write!(f, "not converged after {iterations} iterations, residual {residual:e}")
             }
-            Self::Io { path, line: 0, what } => write!(f, "{}: {what}", path.display()),
-            Self::Io { path, line, what } => write!(f, "{}:{line}: {what}", path.display()),
+            Self::Io { path, line: None, what, .. } => write!(f, "{}: {what}", path.display()),
+            Self::Io { path, line: Some(line), what, .. } => {
+                write!(f, "{}:{line}: {what}", path.display())
+            }
             Self::OutOfMemory { bytes } => write!(f, "out of memory: {bytes} bytes requested"),
             Self::Mesh { what, element } => write!(f, "{element}: {what}"),
-            Self::Backend { name, why } => write!(f, "back end {name}: {why}"),
+            Self::Backend { name, why, .. } => write!(f, "back end {name}: {why}"),
             Self::Rank { rank, why } => write!(f, "rank {rank}: {why}"),
             Self::Cancelled => write!(f, "cancelled"),
         }
     }
 }
 
-impl std::error::Error for Error {}
+impl StdError for Error {
+    fn source(&self) -> Option<&(dyn StdError + 'static)> {
+        match self {
+            Self::Io { cause: Some(cause), .. } | Self::Backend { cause: Some(cause), .. } => {
+                Some(&*cause.0)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The error of the operating system or of a library that led to an [`Error`].
+///
+/// It is shared, so that an [`Error`] can be cloned, and equal to another one when their messages
+/// are.
+///
+/// ```
+/// use std::{error::Error as _, io, path::Path};
+/// use catamaran::Error;
+///
+/// let error = Error::io(Path::new("a.npy"), io::ErrorKind::PermissionDenied.into());
+/// let cause = error.source().and_then(|e| e.downcast_ref::<io::Error>()).unwrap();
+/// assert_eq!(cause.kind(), io::ErrorKind::PermissionDenied);
+/// assert_eq!(error.to_string(), format!("a.npy: {cause}"));
+/// ```
+#[derive(Debug, Clone)]
+pub struct Cause(Arc<dyn StdError + Send + Sync>);
+
+impl<E: StdError + Send + Sync + 'static> From<E> for Cause {
+    fn from(error: E) -> Self {
+        Self(Arc::new(error))
+    }
+}
+
+impl PartialEq for Cause {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.to_string() == other.0.to_string()
+    }
+}
 
 impl Error {
+    /// An [`Error::Io`] of a file as a whole, with its path.
+    pub fn file(path: impl Into<PathBuf>, what: impl Into<String>) -> Self {
+        Self::Io { path: path.into(), line: None, what: what.into(), cause: None }
+    }
+
+    /// An [`Error::Io`] of what the operating system refused, which becomes its source.
+    pub fn io(path: impl Into<PathBuf>, e: io::Error) -> Self {
+        Self::Io { path: path.into(), line: None, what: e.to_string(), cause: Some(e.into()) }
+    }
+
     /// `Ok` when `got == expected`, else [`Error::Shape`].
     pub(crate) fn check_shape(
         what: &'static str,

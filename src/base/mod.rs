@@ -10,7 +10,7 @@ mod version;
 mod workspace;
 
 pub(crate) use disjoint::{Disjoint, SharedPtr};
-pub use error::{Error, Result};
+pub use error::{Cause, Error, Result};
 pub(crate) use par::{Latch, tickets};
 pub use par::{Par, Pin, ThreadPool, available_cores};
 pub use progress::Progress;

@@ -77,12 +77,13 @@ pub(super) struct Cblas {
 impl Cblas {
     pub(super) fn load(path: &Path) -> Result<Self> {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        let refuse = |why: String| Error::Backend { name: name.clone(), why };
+        let refuse = |why: String| Error::Backend { name: name.clone(), why, cause: None };
         // SAFETY: runs the library's initialisers; the caller named it as a BLAS to be trusted.
         let library = unsafe { Library::new(path) }.map_err(|e| {
             // What the loader said is in the source.
             let said = std::error::Error::source(&e).map(ToString::to_string);
-            refuse(said.unwrap_or_else(|| e.to_string()))
+            let why = said.unwrap_or_else(|| e.to_string());
+            Error::Backend { name: name.clone(), why, cause: Some(e.into()) }
         })?;
         // Never unloaded: it may have threads of its own, and guards outlive the back end.
         let library = ManuallyDrop::new(library);

@@ -1,13 +1,13 @@
 //! Accumulators in files.
 
 use std::fs::File;
-use std::io::{self, BufReader};
+use std::io::BufReader;
 use std::path::Path;
 
 use super::Output;
-use super::source::error;
+use super::source::error_at;
 use crate::ata::{Accumulator, scalar_of};
-use crate::base::{Error, Result};
+use crate::base::Result;
 use crate::blas::BlasReal;
 
 const BUFFER: usize = 1 << 20;
@@ -15,39 +15,32 @@ const BUFFER: usize = 1 << 20;
 /// Writes an accumulator into `output` and lets it appear.
 ///
 /// # Errors
-/// [`Error::Io`]; nothing is left behind then, and a file that was to be replaced stays.
+/// [`Error::Io`](crate::Error::Io); nothing is left behind then, and a file that was to be replaced stays.
 pub fn write_accumulator<T: BlasReal>(
     mut output: Output,
     accumulator: &Accumulator<T>,
 ) -> Result<()> {
-    accumulator.write(&mut output).map_err(|e| output.error(&e))?;
+    accumulator.write(&mut output).map_err(|e| output.error(e))?;
     output.commit()
 }
 
 /// Reads the accumulator of scalars T in the file at `path`.
 ///
 /// # Errors
-/// [`Error::Io`]: no such file, or not a whole and undamaged accumulator of T; [`Error::OutOfMemory`].
+/// [`Error::Io`](crate::Error::Io): no such file, or not a whole and undamaged accumulator of T; [`Error::OutOfMemory`](crate::Error::OutOfMemory).
 pub fn read_accumulator<T: BlasReal>(path: &Path) -> Result<Accumulator<T>> {
-    Accumulator::read(&mut open(path)?).map_err(|e| failed(path, &e))
+    Accumulator::read(&mut open(path)?).map_err(|e| error_at(path, None, e))
 }
 
 /// The scalar of the accumulator in the file at `path`, `"f32"` or `"f64"`.
 ///
 /// # Errors
-/// [`Error::Io`]: no such file, or not an accumulator.
+/// [`Error::Io`](crate::Error::Io): no such file, or not an accumulator.
 pub fn accumulator_scalar(path: &Path) -> Result<&'static str> {
-    scalar_of(&mut open(path)?).map_err(|e| failed(path, &e))
+    scalar_of(&mut open(path)?).map_err(|e| error_at(path, None, e))
 }
 
 fn open(path: &Path) -> Result<BufReader<File>> {
-    let file = File::open(path).map_err(|e| failed(path, &e))?;
+    let file = File::open(path).map_err(|e| error_at(path, None, e))?;
     Ok(BufReader::with_capacity(BUFFER, file))
-}
-
-fn failed(path: &Path, e: &io::Error) -> Error {
-    match e.kind() {
-        io::ErrorKind::NotFound => error(path, 0, "no such file"),
-        _ => error(path, 0, e.to_string()),
-    }
 }

@@ -24,12 +24,12 @@ pub(super) fn format_of(path: &Path) -> Result<Format> {
         return Ok(Format::Npz);
     }
     if ![".h5", ".hdf5", ".he5"].iter().any(|end| name.ends_with(end)) {
-        return Err(error(path, 0, "must be called .npz, .h5, .hdf5 or .he5"));
+        return Err(error(path, None, "must be called .npz, .h5, .hdf5 or .he5"));
     }
     #[cfg(feature = "hdf5")]
     return Ok(Format::Hdf5);
     #[cfg(not(feature = "hdf5"))]
-    Err(error(path, 0, "HDF5 is not part of this program: build it with --features hdf5"))
+    Err(error(path, None, "HDF5 is not part of this program: build it with --features hdf5"))
 }
 
 /// Whether [`write_arrays`] can write a file of this name.

@@ -99,7 +99,7 @@ impl Hdf5Writer {
 
 /// All datasets of the root.
 pub(super) fn read(path: &Path) -> Result<BTreeMap<String, Stored>> {
-    let fail = |e| error(path, 0, format!("can't be read: HDF5 says: {e}"));
+    let fail = |e| error(path, None, format!("can't be read: HDF5 says: {e}"));
     let file = File::open(path).map_err(fail)?;
     let mut arrays = BTreeMap::new();
     for name in file.member_names().map_err(fail)? {
@@ -117,7 +117,7 @@ pub(super) fn read(path: &Path) -> Result<BTreeMap<String, Stored>> {
 }
 
 fn failure(output: &Output, e: ::hdf5::Error) -> Error {
-    error(output.path(), 0, format!("can't be written: HDF5 says: {e}"))
+    error(output.path(), None, format!("can't be written: HDF5 says: {e}"))
 }
 
 fn shape(dataset: &Dataset) -> (usize, usize) {

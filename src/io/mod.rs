@@ -74,13 +74,11 @@ fn format_of(path: &Path) -> Result<(Format, bool)> {
         Some("npy") => Ok((Format::Npy, gzipped)),
         Some("mtx") => Ok((Format::Mtx, gzipped)),
         Some("csv" | "tsv" | "txt") => Ok((Format::Csv, gzipped)),
-        _ => Err(Error::Io {
-            path: path.into(),
-            line: 0,
-            what: "unknown kind of file: the name must end in .npy, .mtx, .csv, .tsv or .txt, \
-                   and may have .gz after it"
-                .into(),
-        }),
+        _ => Err(Error::file(
+            path,
+            "unknown kind of file: the name must end in .npy, .mtx, .csv, .tsv or .txt, and may \
+             have .gz after it",
+        )),
     }
 }
 
@@ -138,7 +136,7 @@ pub fn write<T: Real>(mut output: Output, matrix: MatRef<'_, T>) -> Result<()> {
     } else {
         body(&mut output)
     };
-    written.map_err(|e| output.error(&e))?;
+    written.map_err(|e| output.error(e))?;
     output.commit()
 }
 

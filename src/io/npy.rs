@@ -96,16 +96,16 @@ pub(super) struct Layout {
 impl Layout {
     /// Takes the header from the start of `source`.
     pub(super) fn read(source: &mut Source<'_>) -> Result<Self> {
-        let head = head(source).map_err(|e| source.io_error(&e))?;
+        let head = head(source).map_err(|e| source.io_error(e))?;
         if shape_overflows(&head) {
             return Err(source.fail("shape too large"));
         }
         let header = NpyHeader::from_reader(&head[..]);
-        let header = header.map_err(|e| match source.io_error(&e) {
-            Error::Io { path, line, what } => {
+        let header = header.map_err(|e| match source.io_error(e) {
+            Error::Io { path, line, what, cause } => {
                 // Where the syntax is wrong is drawn on further lines.
                 let what = what.split(":  -->").next().unwrap_or_default();
-                Error::Io { path, line, what: format!("broken npy header: {what}") }
+                Error::Io { path, line, what: format!("broken npy header: {what}"), cause }
             }
             other => other,
         })?;
@@ -206,14 +206,14 @@ fn values<T: Real>(source: &mut Source<'_>, layout: &Layout) -> Result<Vec<T>> {
         let chunk = &mut chunk[..bytes];
         source.read_exact(chunk).map_err(|e| match e.kind() {
             io::ErrorKind::UnexpectedEof => source.fail(layout.truncated()),
-            _ => source.io_error(&e),
+            _ => source.io_error(e),
         })?;
         layout.entry.decode(layout.big, chunk, &mut values);
     }
     match source.read(&mut chunk[..1]) {
         Ok(0) => Ok(values),
         Ok(_) => Err(source.fail(layout.trailing())),
-        Err(e) => Err(source.io_error(&e)),
+        Err(e) => Err(source.io_error(e)),
     }
 }
 

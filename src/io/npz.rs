@@ -99,7 +99,7 @@ impl NpzWriter {
     pub fn finish(self) -> Result<()> {
         self.check_columns()?;
         let Self { archive, path, .. } = self;
-        let output = archive.finish().map_err(|e| write_error(&path, &e.into()))?;
+        let output = archive.finish().map_err(|e| write_error(&path, e.into()))?;
         output.commit()
     }
 
@@ -119,7 +119,7 @@ impl NpzWriter {
     }
 
     fn told(&self, done: io::Result<()>) -> Result<()> {
-        done.map_err(|e| write_error(&self.path, &e))
+        done.map_err(|e| write_error(&self.path, e))
     }
 
     fn write_array(&mut self, array: Array<'_>) -> io::Result<()> {

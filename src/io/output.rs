@@ -34,7 +34,7 @@ impl Output {
             return Err(exists(path));
         }
         if path.is_dir() {
-            return Err(error(path, 0, "is a directory"));
+            return Err(error(path, None, "is a directory"));
         }
         let folder = match path.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -45,9 +45,7 @@ impl Output {
         // As any new file, less what the umask forbids; temporaries are private by default.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let file = builder
-            .tempfile_in(folder)
-            .map_err(|e| error(path, 0, format!("can't be written: {}", reason(&e))))?;
+        let file = builder.tempfile_in(folder).map_err(|e| write_error(path, e))?;
         let file = BufWriter::with_capacity(1 << 20, file);
         Ok(Self { path: path.into(), file, overwrite })
     }
@@ -69,9 +67,9 @@ impl Output {
     /// [`Error::Io`]; nothing is left behind then.
     pub fn commit(mut self) -> Result<()> {
         let flushed = self.file.flush().and_then(|()| self.file.get_ref().as_file().sync_all());
-        flushed.map_err(|e| self.error(&e))?;
+        flushed.map_err(|e| self.error(e))?;
         let Self { path, file, overwrite } = self;
-        let file = file.into_inner().map_err(|e| error(&path, 0, reason(e.error())))?;
+        let file = file.into_inner().map_err(|e| write_error(&path, e.into_error()))?;
         let renamed = match overwrite {
             Overwrite::Replace => file.persist(&path),
             Overwrite::Never => file.persist_noclobber(&path),
@@ -79,7 +77,7 @@ impl Output {
         match renamed {
             Ok(_) => Ok(()),
             Err(e) if e.error.kind() == io::ErrorKind::AlreadyExists => Err(exists(&path)),
-            Err(e) => Err(error(&path, 0, format!("can't be written: {}", reason(&e.error)))),
+            Err(e) => Err(write_error(&path, e.error)),
         }
     }
 
@@ -90,14 +88,15 @@ impl Output {
     }
 
     /// A failed write, as an error that names the file.
-    pub fn error(&self, e: &io::Error) -> Error {
+    pub fn error(&self, e: io::Error) -> Error {
         write_error(&self.path, e)
     }
 }
 
 /// A failed write to the file that will have this path.
-pub(super) fn write_error(path: &Path, e: &io::Error) -> Error {
-    error(path, 0, format!("can't be written: {}", reason(e)))
+pub(super) fn write_error(path: &Path, e: io::Error) -> Error {
+    let what = format!("can't be written: {}", reason(&e));
+    Error::Io { path: path.into(), line: None, what, cause: Some(e.into()) }
 }
 
 impl Write for Output {
@@ -117,7 +116,7 @@ impl Seek for Output {
 }
 
 fn exists(path: &Path) -> Error {
-    error(path, 0, "exists already and is not replaced")
+    error(path, None, "exists already and is not replaced")
 }
 
 /// The message without the name of the temporary, which means nothing to the reader.

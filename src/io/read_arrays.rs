@@ -63,7 +63,7 @@ impl Arrays {
                 .iter()
                 .map(|&value| usize::try_from(value))
                 .collect::<std::result::Result<_, _>>()
-                .map_err(|_| error(&self.path, 0, format!("{name}: too large a number"))),
+                .map_err(|_| error(&self.path, None, format!("{name}: too large a number"))),
             stored => Err(self.other(name, "a vector of unsigned integers", stored)),
         }
     }
@@ -86,7 +86,9 @@ impl Arrays {
     }
 
     fn stored(&self, name: &str) -> Result<&Stored> {
-        self.arrays.get(name).ok_or_else(|| error(&self.path, 0, format!("has no array `{name}`")))
+        self.arrays
+            .get(name)
+            .ok_or_else(|| error(&self.path, None, format!("has no array `{name}`")))
     }
 
     fn other(&self, name: &str, wanted: &str, stored: &Stored) -> Error {
@@ -95,12 +97,12 @@ impl Arrays {
             Entries::Indices(_) => "unsigned integers",
         };
         let why = format!("`{name}` is not {wanted}, but {kind} of shape {:?}", stored.shape);
-        error(&self.path, 0, why)
+        error(&self.path, None, why)
     }
 }
 
 fn read_npz(path: &Path) -> Result<BTreeMap<String, Stored>> {
-    let fail = |e: &dyn std::fmt::Display| error(path, 0, e.to_string());
+    let fail = |e: &dyn std::fmt::Display| error(path, None, e.to_string());
     let file = File::open(path).map_err(|e| fail(&e))?;
     let mut archive = zip::ZipArchive::new(BufReader::new(file)).map_err(|e| fail(&e))?;
     let mut arrays = BTreeMap::new();

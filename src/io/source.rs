@@ -88,7 +88,7 @@ impl<'a> Source<'a> {
             }
             Ok(Watched { file, size: about.len(), done: 0, progress })
         };
-        let watched = opened().map_err(|e| error_at(path, 0, &e))?;
+        let watched = opened().map_err(|e| error_at(path, None, e))?;
         let left = unpacked(watched.size);
         let raw = BufReader::with_capacity(BUFFER, watched);
         let reader: Box<dyn BufRead + 'a> = match packing {
@@ -98,7 +98,7 @@ impl<'a> Source<'a> {
                 Box::new(BufReader::with_capacity(BUFFER, Limited { inner, left }))
             }
             Packing::Xz => {
-                let inner = Unpacker::new(raw).map_err(|e| error_at(path, 0, &e))?;
+                let inner = Unpacker::new(raw).map_err(|e| error_at(path, None, e))?;
                 Box::new(BufReader::with_capacity(BUFFER, Limited { inner, left }))
             }
         };
@@ -111,7 +111,7 @@ impl<'a> Source<'a> {
             return Ok(None);
         }
         if std::str::from_utf8(&self.buffer).is_err() {
-            return Err(error(&self.path, self.line, "not text (UTF-8)"));
+            return Err(self.fail("not text (UTF-8)"));
         }
         Ok(Some(self.last_line()))
     }
@@ -125,10 +125,10 @@ impl<'a> Source<'a> {
             Ok(0) => return Ok(None),
             Ok(count) if count == self.longest_line => {
                 let what = format!("a line of {count} bytes or more");
-                return Err(error(&self.path, self.line, what));
+                return Err(self.fail(what));
             }
             Ok(_) => {}
-            Err(e) => return Err(error_at(&self.path, self.line, &e)),
+            Err(e) => return Err(self.io_error(e)),
         }
         if self.line == 1 && self.buffer.starts_with(BYTE_ORDER_MARK) {
             self.buffer.drain(..BYTE_ORDER_MARK.len());
@@ -151,17 +151,22 @@ impl<'a> Source<'a> {
 
     /// An error at the last line.
     pub(crate) fn fail(&self, what: impl Into<String>) -> Error {
-        error(&self.path, self.line, what)
+        error(&self.path, self.at(), what)
     }
 
-    /// An error at another line.
-    pub(crate) fn fail_at(&self, line: usize, what: impl Into<String>) -> Error {
+    /// An error at another line, or none.
+    pub(crate) fn fail_at(&self, line: impl Into<Option<usize>>, what: impl Into<String>) -> Error {
         error(&self.path, line, what)
     }
 
     /// What went wrong in reading bytes.
-    pub(crate) fn io_error(&self, e: &io::Error) -> Error {
-        error_at(&self.path, self.line, e)
+    pub(crate) fn io_error(&self, e: io::Error) -> Error {
+        error_at(&self.path, self.at(), e)
+    }
+
+    /// The last line for an error: none before the first, or in a file that is not text.
+    fn at(&self) -> Option<usize> {
+        (self.line > 0).then_some(self.line)
     }
 }
 
@@ -207,20 +212,21 @@ impl<R: Read> Read for Limited<R> {
 }
 
 /// An [`Error::Io`].
-pub(super) fn error(path: &Path, line: usize, what: impl Into<String>) -> Error {
-    Error::Io { path: path.into(), line, what: what.into() }
+pub(super) fn error(path: &Path, line: impl Into<Option<usize>>, what: impl Into<String>) -> Error {
+    Error::Io { path: path.into(), line: line.into(), what: what.into(), cause: None }
 }
 
 /// An [`Error::Io`] out of the system's, or the request to stop that it carries.
-pub(super) fn error_at(path: &Path, line: usize, e: &io::Error) -> Error {
+pub(super) fn error_at(path: &Path, line: Option<usize>, e: io::Error) -> Error {
     if e.get_ref().is_some_and(|inner| inner.is::<Stopped>()) {
         return Error::Cancelled;
     }
-    match e.kind() {
-        io::ErrorKind::UnexpectedEof => error(path, line, "truncated: the file ends too early"),
-        io::ErrorKind::NotFound => error(path, line, "no such file"),
-        _ => error(path, line, e.to_string()),
-    }
+    let what = match e.kind() {
+        io::ErrorKind::UnexpectedEof => "truncated: the file ends too early".into(),
+        io::ErrorKind::NotFound => "no such file".into(),
+        _ => e.to_string(),
+    };
+    Error::Io { path: path.into(), line, what, cause: Some(e.into()) }
 }
 
 /// The file itself; each read of a buffer is progress.

@@ -32,7 +32,7 @@ impl StripOutput {
             output.set_len(end.ok_or_else(|| io::Error::other("too large for a file"))?)?;
             Ok(offset)
         });
-        let offset = start.map_err(|e| output.error(&e))?;
+        let offset = start.map_err(|e| output.error(e))?;
         Ok(Self { output, n, uplo, offset })
     }
 
@@ -69,7 +69,7 @@ impl StripOutput {
     fn put<T: Real>(&mut self, i: usize, j: usize, bytes: &[u8]) -> Result<()> {
         let at = self.offset + (i as u64 * self.n as u64 + j as u64) * size_of::<T>() as u64;
         let done = self.output.seek(SeekFrom::Start(at)).and_then(|_| self.output.write_all(bytes));
-        done.map_err(|e| self.output.error(&e))
+        done.map_err(|e| self.output.error(e))
     }
 
     /// Lets the file appear, as [`Output::commit`].
@@ -86,5 +86,5 @@ fn check_strip_name(path: &Path) -> Result<()> {
         return Ok(());
     }
     let what = "a matrix larger than memory can only be written to a .npy file";
-    Err(super::source::error(path, 0, what))
+    Err(super::source::error(path, None, what))
 }

@@ -52,11 +52,11 @@ pub(super) fn doubles(matrix: &Matrix) -> Mat<f64> {
 }
 
 /// The `line` and `what` of the error that reading `content` gives, which names the file.
-fn refusal(name: &str, content: impl AsRef<[u8]>) -> (usize, String) {
+fn refusal(name: &str, content: impl AsRef<[u8]>) -> (Option<usize>, String) {
     let folder = Folder::new();
     let path = folder.file(name, content);
     match read_all(&path) {
-        Err(Error::Io { path: named, line, what }) => {
+        Err(Error::Io { path: named, line, what, .. }) => {
             assert_eq!(named, path);
             assert!(!what.contains('\n'), "{what}");
             (line, what)
@@ -163,7 +163,7 @@ fn broken_npy_is_refused() {
     ];
     for (content, expected) in cases {
         let (line, what) = refusal("a.npy", content);
-        assert_eq!(line, 0);
+        assert_eq!(line, None);
         assert!(what.starts_with(expected), "{what:?} instead of {expected:?}");
     }
 }
@@ -198,9 +198,9 @@ fn broken_text_is_refused_with_its_line() {
         ("", 1, "the file ends without a row of numbers"),
     ];
     for (content, line, what) in cases {
-        assert_eq!(refusal("a.csv", content), (line, what.into()), "{content:?}");
+        assert_eq!(refusal("a.csv", content), (Some(line), what.into()), "{content:?}");
     }
-    assert_eq!(refusal("a.csv", b"1,2\n\xff\xfe,3\n"), (2, "not text (UTF-8)".into()));
+    assert_eq!(refusal("a.csv", b"1,2\n\xff\xfe,3\n"), (Some(2), "not text (UTF-8)".into()));
 }
 
 #[test]
@@ -280,8 +280,19 @@ fn broken_matrix_market_is_refused_with_its_line() {
     for (content, line, expected) in cases {
         let (at, what) = refusal("a.mtx", content);
         assert!(what.starts_with(expected), "{what:?} instead of {expected:?}");
-        assert_eq!(at, line, "{content}");
+        assert_eq!(at, Some(line), "{content}");
     }
+}
+
+#[test]
+fn an_error_of_the_system_is_the_source_and_no_line_is_named() {
+    let path = Folder::new().path("absent.csv");
+    let error = read_all(&path).unwrap_err();
+    assert!(matches!(&error, Error::Io { path: named, line: None, .. } if *named == path));
+    let cause = std::error::Error::source(&error).unwrap();
+    let cause: &std::io::Error = cause.downcast_ref().unwrap();
+    assert_eq!(cause.kind(), std::io::ErrorKind::NotFound);
+    assert_eq!(error.clone(), error);
 }
 
 #[test]

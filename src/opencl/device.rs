@@ -146,7 +146,7 @@ fn missing(error: ClError) -> Error {
         }
         _ => error.to_string(),
     };
-    Error::Backend { name: "OpenCL".into(), why }
+    Error::Backend { name: "OpenCL".into(), why, cause: Some(error.into()) }
 }
 
 #[cfg(test)]

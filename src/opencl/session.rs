@@ -94,6 +94,7 @@ impl Device {
         let program = Arc::new(built.map_err(|log| Error::Backend {
             name: self.info.name.clone(),
             why: format!("a program of ours is not accepted: {log}"),
+            cause: None,
         })?);
         programs.insert((source, options), program.clone());
         Ok(program)
@@ -198,7 +199,8 @@ impl Launcher<'_> {
 }
 
 fn refusal(info: &DeviceInfo, what: &str, error: ClError) -> Error {
-    Error::Backend { name: info.name.clone(), why: format!("{what}: {error}") }
+    let why = format!("{what}: {error}");
+    Error::Backend { name: info.name.clone(), why, cause: Some(error.into()) }
 }
 
 #[cfg(test)]

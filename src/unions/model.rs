@@ -165,9 +165,8 @@ impl SpectralUnion {
     /// # Errors
     /// [`Error::Io`] names the file.
     pub fn read(path: &Path) -> Result<Self> {
-        let refuse = |what: String| Error::Io { path: path.into(), line: 0, what };
-        let bytes = std::fs::read(path).map_err(|e| refuse(e.to_string()))?;
-        Self::from_bytes(&bytes).map_err(|e| refuse(e.to_string()))
+        let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
+        Self::from_bytes(&bytes).map_err(|e| Error::file(path, e.to_string()))
     }
 
     /// A file of the weights, in the safetensors format; the same weights give the same bytes.

@@ -47,6 +47,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut output = Output::create(&arguments.output, overwrite)?;
     let rows = rows(&arguments.sizes, &machine);
     print!("{}", record::csv(CSV_HEADER, rows.iter().map(|row| row.csv())));
-    output.write_all(svg(&rows, &machine).as_bytes()).map_err(|e| output.error(&e))?;
+    output.write_all(svg(&rows, &machine).as_bytes()).map_err(|e| output.error(e))?;
     Ok(output.commit()?)
 }

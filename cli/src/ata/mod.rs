@@ -291,7 +291,7 @@ impl Work<'_> {
         let sum = self.ranks.merge(sum)?;
         let Some(sum) = sum else { return self.remove_checkpoint(checkpoint) };
         if let Some(output) = &mut outputs.accumulator {
-            sum.write(output).map_err(|e| output.error(&e))?;
+            sum.write(output).map_err(|e| output.error(e))?;
         }
         let mean = sum.mean();
         let c = sum.finish(self.alpha(), args.uplo)?;

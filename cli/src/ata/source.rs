@@ -138,7 +138,7 @@ impl<T: Real> RowBlocks<T> for Finite<'_, T> {
                 let value = out[(i, j)].to_f64();
                 let row = first + i;
                 let what = format!("{value} at row {row}, column {j} (counted from 0)");
-                return Err(catamaran::Error::Io { path: self.name.into(), line: 0, what });
+                return Err(catamaran::Error::file(self.name, what));
             }
         }
         Ok(())

@@ -84,7 +84,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let mut index = site.file("index.html")?;
     let html = page::render(&stations, start.elapsed());
-    index.write_all(html.as_bytes()).map_err(|e| index.error(&e))?;
+    index.write_all(html.as_bytes()).map_err(|e| index.error(e))?;
     index.commit()?;
     writeln!(io::stdout(), "written   {}", folder.join("index.html").display())?;
     Ok(())

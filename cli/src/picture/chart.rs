@@ -49,7 +49,7 @@ pub struct Curve<'a> {
 
 /// Writes the picture.
 pub fn write_chart(mut output: Output, chart: &Chart<'_>) -> Result<()> {
-    output.write_all(chart.svg().as_bytes()).map_err(|e| output.error(&e))?;
+    output.write_all(chart.svg().as_bytes()).map_err(|e| output.error(e))?;
     Ok(output.commit()?)
 }
 

@@ -29,7 +29,7 @@ pub fn write_csv(mut output: Output, moments: &[Moment]) -> Result<()> {
         }
         text.push('\n');
     }
-    output.write_all(text.as_bytes()).map_err(|e| output.error(&e))?;
+    output.write_all(text.as_bytes()).map_err(|e| output.error(e))?;
     Ok(output.commit()?)
 }
 

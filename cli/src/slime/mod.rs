@@ -155,7 +155,7 @@ pub fn run(args: &Args) -> Result<()> {
         kernels.give_back(&mut simulation)?;
     }
     if let Some(mut output) = outputs.state {
-        simulation.save(&mut output).map_err(|e| output.error(&e))?;
+        simulation.save(&mut output).map_err(|e| output.error(e))?;
         let path = output.path().display().to_string();
         output.commit()?;
         report(format_args!("state     {path}: after {done} steps"))?;

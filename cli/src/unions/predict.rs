@@ -95,7 +95,7 @@ pub fn run(args: &Args) -> Result<()> {
                 format!("{}{cells}\n", i + 1)
             })
             .collect();
-        write!(output, "{header}\n{lines}").map_err(|e| output.error(&e))?;
+        write!(output, "{header}\n{lines}").map_err(|e| output.error(e))?;
         output.commit()?;
     }
     Ok(())

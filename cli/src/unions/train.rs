@@ -101,7 +101,7 @@ pub fn run(args: &Args) -> Result<()> {
         write_state(create(&state_path)?, &options, trainer.state())?;
         let mut weights = create(&args.output)?;
         let bytes = trainer.model()?.to_bytes()?;
-        weights.write_all(&bytes).map_err(|e| weights.error(&e))?;
+        weights.write_all(&bytes).map_err(|e| weights.error(e))?;
         weights.commit()?;
         write_chart(create(&curve_path)?, &curve::chart(&trainer.state().history))
     };

@@ -22,6 +22,6 @@ pub fn write(
         text.extend(row.iter().map(|x| format!(",{x}")));
         text.push('\n');
     }
-    output.write_all(text.as_bytes()).map_err(|e| output.error(&e))?;
+    output.write_all(text.as_bytes()).map_err(|e| output.error(e))?;
     Ok(output.commit()?)
 }

@@ -48,7 +48,7 @@ impl DatasetRows {
             .with_fapl(|access| access.chunk_cache(CACHE.1, CACHE.0, 1.0))
             .open(path)
             .map_err(|e| match e.contains_minor(MinorErrorCode::NotHdf5) {
-                true => error(path, 0, "not an HDF5 file"),
+                true => error(path, None, "not an HDF5 file"),
                 false => fail(path, &e),
             })?;
         let name = match name {
@@ -59,11 +59,11 @@ impl DatasetRows {
             Ok(dataset) => dataset,
             Err(_) if file.loc_type_by_name(&name).ok() != Some(LocationType::Dataset) => {
                 let what = format!("no dataset {name}; {}", listing(path, &file)?);
-                return Err(error(path, 0, what));
+                return Err(error(path, None, what));
             }
-            Err(e) => return Err(error(path, 0, format!("dataset {name}: HDF5 says: {e}"))),
+            Err(e) => return Err(error(path, None, format!("dataset {name}: HDF5 says: {e}"))),
         };
-        let refuse = |why: String| error(path, 0, format!("dataset {name} {why}"));
+        let refuse = |why: String| error(path, None, format!("dataset {name} {why}"));
         let shape = match dataset.shape()[..] {
             [rows] => (rows, 1),
             [rows, columns] => (rows, columns),
@@ -96,7 +96,7 @@ impl DatasetRows {
             return Err(refuse(format!("is packed by {filter:?}, which this HDF5 library lacks")));
         }
         let holder = PathBuf::from(dataset.filename());
-        let metadata = fs::metadata(&holder).map_err(|e| error_at(&holder, 0, &e))?;
+        let metadata = fs::metadata(&holder).map_err(|e| error_at(&holder, None, e))?;
         Ok(Self {
             path: path.into(),
             name: dataset.name(),
@@ -244,13 +244,13 @@ impl DatasetRows {
             })
         };
         transfer().map_err(|e: ::hdf5::Error| {
-            error(&self.path, 0, format!("dataset {}: HDF5 says: {e}", self.name))
+            error(&self.path, None, format!("dataset {}: HDF5 says: {e}", self.name))
         })
     }
 }
 
 fn fail(path: &Path, e: &::hdf5::Error) -> Error {
-    error(path, 0, format!("HDF5 says: {e}"))
+    error(path, None, format!("HDF5 says: {e}"))
 }
 
 /// The name of the only dataset of two dimensions.
@@ -266,7 +266,7 @@ fn only(path: &Path, file: &File) -> Result<String> {
                 path.file_name().unwrap_or_default().display(),
                 listing(path, file)?
             );
-            Err(error(path, 0, what))
+            Err(error(path, None, what))
         }
     }
 }

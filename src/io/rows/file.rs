@@ -30,11 +30,11 @@ impl Stamp {
 
     /// Refuses a file that is no longer as it was.
     pub fn check(self, path: &Path, now: io::Result<Metadata>) -> Result<()> {
-        let now = Self::of(&now.map_err(|e| error_at(path, 0, &e))?);
+        let now = Self::of(&now.map_err(|e| error_at(path, None, e))?);
         match now {
             _ if now == self => Ok(()),
             _ if now.len < self.len => Err(shrank(path)),
-            _ => Err(error(path, 0, CHANGED)),
+            _ => Err(error(path, None, CHANGED)),
         }
     }
 }
@@ -52,17 +52,17 @@ impl fmt::Display for Stamp {
 }
 
 pub(super) fn shrank(path: &Path) -> Error {
-    error(path, 0, "truncated: it shrank since it was opened")
+    error(path, None, "truncated: it shrank since it was opened")
 }
 
 /// The size and time of a file that has a middle.
 pub(super) fn seekable(path: &Path) -> Result<Stamp> {
-    let metadata = fs::metadata(path).map_err(|e| error_at(path, 0, &e))?;
+    let metadata = fs::metadata(path).map_err(|e| error_at(path, None, e))?;
     if metadata.is_dir() {
-        return Err(error(path, 0, "is a directory"));
+        return Err(error(path, None, "is a directory"));
     }
     if !metadata.is_file() {
-        return Err(error(path, 0, "not a plain file, so rows can't be read from its middle"));
+        return Err(error(path, None, "not a plain file, so rows can't be read from its middle"));
     }
     Ok(Stamp::of(&metadata))
 }

@@ -99,7 +99,7 @@ impl RowFile {
         if other.identity() == self.identity() {
             Ok(other)
         } else {
-            Err(error(self.path(), 0, CHANGED))
+            Err(error(self.path(), None, CHANGED))
         }
     }
 
@@ -203,7 +203,7 @@ enum Kind {
 
 impl Kind {
     fn of(name: &Path) -> Result<Self> {
-        let fail = |what: &str| Err(error(name, 0, what));
+        let fail = |what: &str| Err(error(name, None, what));
         let text = name.to_string_lossy().to_ascii_lowercase();
         let is_hdf5 = |text: &str| [".h5", ".hdf5", ".he5"].iter().any(|end| text.ends_with(end));
         // A name that is not text can't be cut, nor could a dataset be called that.
@@ -237,5 +237,5 @@ fn open_dataset(path: &Path, name: Option<&str>) -> Result<Content> {
 
 #[cfg(not(feature = "hdf5"))]
 fn open_dataset(path: &Path, _: Option<&str>) -> Result<Content> {
-    Err(error(path, 0, "HDF5 is not part of this program: build it with --features hdf5"))
+    Err(error(path, None, "HDF5 is not part of this program: build it with --features hdf5"))
 }

@@ -36,14 +36,14 @@ impl NpyRows {
         seekable(path)?;
         let layout = Layout::read(&mut Source::open(path, Packing::None, Progress::none())?)?;
         let opened = File::open(path).and_then(|file| file.metadata().map(|about| (file, about)));
-        let (file, metadata) = opened.map_err(|e| error_at(path, 0, &e))?;
+        let (file, metadata) = opened.map_err(|e| error_at(path, None, e))?;
         let stamp = Stamp::of(&metadata);
         let entries = (layout.len() as u64).checked_mul(layout.entry.bytes() as u64);
         let end = entries.and_then(|bytes| bytes.checked_add(layout.offset));
         match end {
             Some(end) if stamp.len == end => {}
-            Some(end) if stamp.len > end => return Err(error(path, 0, layout.trailing())),
-            _ => return Err(error(path, 0, layout.truncated())),
+            Some(end) if stamp.len > end => return Err(error(path, None, layout.trailing())),
+            _ => return Err(error(path, None, layout.truncated())),
         }
         Ok(Self { path: path.into(), file, layout, stamp, buffer: Vec::new() })
     }
@@ -152,7 +152,7 @@ fn read_at(
     let at = layout.offset + start as u64 * layout.entry.bytes() as u64;
     file.seek(SeekFrom::Start(at)).and_then(|_| file.read_exact(out)).map_err(|e| match e.kind() {
         ErrorKind::UnexpectedEof => shrank(path),
-        _ => error_at(path, 0, &e),
+        _ => error_at(path, None, e),
     })
 }
 

@@ -28,7 +28,7 @@ fn refusal(name: &str, content: impl AsRef<[u8]>) -> String {
 
 fn what<T: fmt::Debug>(path: &Path, result: Result<T>) -> String {
     match result {
-        Err(Error::Io { path: named, line: 0, what }) => {
+        Err(Error::Io { path: named, line: None, what, .. }) => {
             assert_eq!(named, path);
             assert!(!what.contains('\n'), "{what}");
             what

@@ -47,13 +47,9 @@ impl MeshFormat {
             Some("off") => Self::Off,
             Some("stl") => Self::Stl(StlEncoding::Binary),
             _ => {
-                return Err(Error::Io {
-                    path: path.into(),
-                    line: 0,
-                    what: "unknown kind of mesh: the name must end in .obj, .ply, .off or .stl, and may have .gz or \
-                           (for reading) .xz after it"
-                        .into(),
-                });
+                let what = "unknown kind of mesh: the name must end in .obj, .ply, .off or .stl, and may have .gz or \
+                            (for reading) .xz after it";
+                return Err(Error::file(path, what));
             }
         };
         Ok((format, packing))
@@ -150,7 +146,7 @@ pub fn write_as(mut output: Output, file: &MeshFile, format: MeshFormat) -> Resu
         }
         Packing::Xz => Err(std::io::Error::other("files .xz can only be read; .gz can be written")),
     };
-    written.map_err(|e| output.error(&e))?;
+    written.map_err(|e| output.error(e))?;
     output.commit()
 }
 
@@ -160,11 +156,9 @@ pub fn write_as(mut output: Output, file: &MeshFile, format: MeshFormat) -> Resu
 /// [`Error::Io`] when it doesn't.
 pub fn check_name(path: &Path) -> Result<()> {
     match MeshFormat::of(path)? {
-        (_, Packing::Xz) => Err(Error::Io {
-            path: path.into(),
-            line: 0,
-            what: "files .xz can only be read; .gz can be written".into(),
-        }),
+        (_, Packing::Xz) => {
+            Err(Error::file(path, "files .xz can only be read; .gz can be written"))
+        }
         _ => Ok(()),
     }
 }

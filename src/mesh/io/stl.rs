@@ -36,7 +36,7 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     });
     let mut soup = Soup::default();
     match is_text {
-        Err(e) => return Err(source.io_error(&e)),
+        Err(e) => return Err(source.io_error(e)),
         Ok(true) => text(source, &mut soup)?,
         Ok(false) => binary(source, &mut soup).map_err(|fault| fault.at(source))?,
     }
@@ -80,17 +80,17 @@ impl Soup {
 }
 
 fn binary(source: &mut Source<'_>, soup: &mut Soup) -> Checked<()> {
-    let truncated = |what: &str, e: &io::Error, source: &Source<'_>| match e.kind() {
+    let truncated = |what: &str, e: io::Error, source: &Source<'_>| match e.kind() {
         io::ErrorKind::UnexpectedEof => Fault::from(format!("truncated: {what} is not whole")),
         _ => Fault::Error(source.io_error(e)),
     };
     let mut header = [0; HEADER + 4];
-    source.read_exact(&mut header).map_err(|e| truncated("the header", &e, source))?;
+    source.read_exact(&mut header).map_err(|e| truncated("the header", e, source))?;
     let count = u32::from_le_bytes([header[80], header[81], header[82], header[83]]);
     let mut facet = [0; FACET];
     for f in 0..count {
         let what = || format!("facet {f} of {count}");
-        source.read_exact(&mut facet).map_err(|e| truncated(&what(), &e, source))?;
+        source.read_exact(&mut facet).map_err(|e| truncated(&what(), e, source))?;
         // The normal comes first, two bytes of attributes last.
         let x = |i: usize| {
             let at = 12 + 4 * i;
@@ -103,7 +103,7 @@ fn binary(source: &mut Source<'_>, soup: &mut Soup) -> Checked<()> {
     match source.fill_buf().map(<[u8]>::is_empty) {
         Ok(true) => Ok(()),
         Ok(false) => Err(format!("bytes after the {count} facets announced").into()),
-        Err(e) => Err(Fault::Error(source.io_error(&e))),
+        Err(e) => Err(Fault::Error(source.io_error(e))),
     }
 }
 

@@ -69,7 +69,8 @@ impl Agents {
         for ((&id, &triangle), (&position, &heading)) in ids.iter().zip(&triangles).zip(pairs) {
             if id as usize >= self.len {
                 let name = device.info().name.clone();
-                return Err(Error::Backend { name, why: format!("there is no agent {id}") });
+                let why = format!("there is no agent {id}");
+                return Err(Error::Backend { name, why, cause: None });
             }
             state.put(id as usize, id, Walker { triangle, position, heading });
         }

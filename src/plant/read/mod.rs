@@ -43,7 +43,7 @@ impl PlantFormat {
             _ => {
                 let what = "unknown kind of plant: the name must end in .txt, .swc, .mtg or .obj, and may have .gz or .xz \
                             after it";
-                return Err(Error::Io { path: path.into(), line: 0, what: what.into() });
+                return Err(Error::file(path, what));
             }
         };
         Ok((format, packing))
@@ -85,9 +85,7 @@ fn read_source(source: Source<'_>, format: PlantFormat, path: &Path) -> Result<P
         Error::Mesh { what, element } => {
             Error::Mesh { what, element: format!("{}: {element}", path.display()) }
         }
-        Error::Argument { what, why } => {
-            Error::Io { path: path.into(), line: 0, what: format!("{what}: {why}") }
-        }
+        Error::Argument { what, why } => Error::file(path, format!("{what}: {why}")),
         other => other,
     })
 }

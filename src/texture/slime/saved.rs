@@ -45,8 +45,8 @@ impl Simulation {
     /// [`Error::Io`] when it can't be read, is no state file, or one of another surface, seed, size, or number of species or
     /// agents; [`Error::Argument`] when its contents are no state; [`Error::OutOfMemory`]. The state is as before then.
     pub fn resume(&mut self, source: &mut dyn Read, path: &Path) -> Result<()> {
-        let failed = |what: String| Error::Io { path: path.into(), line: 0, what };
-        let read = |e: io::Error| failed(e.to_string());
+        let failed = |what: String| Error::file(path, what);
+        let read = |e: io::Error| Error::io(path, e);
         let mut magic = [0; MAGIC.len()];
         source.read_exact(&mut magic).map_err(read)?;
         if &magic != MAGIC {

@@ -122,17 +122,13 @@ impl Found {
 /// Makes sure that the folder is there, and of these options.
 fn prepare(folder: &Path, options: &str) -> Result<()> {
     let name = folder.join("options.txt");
-    let failed = |e: std::io::Error| io_error(&name, e.to_string());
+    let failed = |e: std::io::Error| Error::io(&name, e);
     fs::create_dir_all(folder).map_err(failed)?;
     match fs::read_to_string(&name) {
         Ok(there) if there == options => Ok(()),
-        Ok(_) => Err(io_error(&name, "the folder is of a data set with other options".into())),
+        Ok(_) => Err(Error::file(&name, "the folder is of a data set with other options")),
         Err(_) => fs::write(&name, options).map_err(failed),
     }
-}
-
-fn io_error(path: &Path, what: String) -> Error {
-    Error::Io { path: path.into(), line: 0, what }
 }
 
 /// What is known of a shape, as it was found before or is found now.
@@ -187,7 +183,7 @@ fn read_found(file: &Path) -> Result<Found> {
     let (pairs, areas) = (arrays.indices("pairs")?, arrays.vector("areas")?);
     let count = masks.len() + 1;
     if spectra.shape() != (count, EIGENVALUES) || areas.len() != count {
-        return Err(io_error(file, "not of this data set".into()));
+        return Err(Error::file(file, "not of this data set"));
     }
     let row = |i: usize| std::array::from_fn(|j| spectra[(i, j)]);
     let pair = |ids: &[usize]| Pair { parts: [ids[0], ids[1]], union: ids[2] };

@@ -44,10 +44,7 @@ pub fn write_state(output: Output, options: &TrainOptions, state: &State) -> Res
 /// [`Error::Io`] names the array that is missing or broken.
 pub fn read_state(path: &Path) -> Result<(TrainOptions, State)> {
     let arrays = read_arrays(path)?;
-    let broken = |what: &str| {
-        let what = format!("{what}: not of a training state");
-        Error::Io { path: path.into(), line: 0, what }
-    };
+    let broken = |what: &str| Error::file(path, format!("{what}: not of a training state"));
     let narrow = |name: &str| -> Result<Vec<f32>> {
         Ok(arrays.vector(name)?.iter().map(|&x| x as f32).collect())
     };

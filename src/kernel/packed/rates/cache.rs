@@ -30,8 +30,13 @@ impl Rates {
     /// [`Error::Io`] with the file, and the line where one is at fault, when it can't be read, is
     /// broken, or is of another CPU or isa ([`Rates::parse`]).
     pub fn load(path: &Path, isa: Isa) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|e| error(path, e.to_string()))?;
-        Self::parse(&text, isa).map_err(|(line, what)| Error::Io { path: path.into(), line, what })
+        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+        Self::parse(&text, isa).map_err(|(line, what)| Error::Io {
+            path: path.into(),
+            line,
+            what,
+            cause: None,
+        })
     }
 
     /// Writes them to [`Rates::path`], in one step, and says where that is.
@@ -56,7 +61,10 @@ impl Rates {
         };
         match write() {
             Ok(()) => Ok(path),
-            Err(e) => Err(error(&path, format!("can't be written: {e}"))),
+            Err(e) => {
+                let what = format!("can't be written: {e}");
+                Err(Error::Io { path, line: None, what, cause: Some(e.into()) })
+            }
         }
     }
 }
@@ -80,10 +88,6 @@ fn directory() -> Option<PathBuf> {
     Some(caches?.join("catamaran"))
 }
 
-fn error(path: &Path, what: String) -> Error {
-    Error::Io { path: path.into(), line: 0, what }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -104,7 +108,7 @@ mod tests {
             let Err(Error::Io { line, .. }) = Rates::load(&path, Isa::Portable) else {
                 panic!("rates of avx2 for portable");
             };
-            assert_eq!(line, 1);
+            assert_eq!(line, Some(1));
         }
     }
 

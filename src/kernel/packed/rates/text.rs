@@ -3,8 +3,8 @@
 use super::{Rates, cpu};
 use crate::kernel::packed::Isa;
 
-/// A fault of a text: its line, from 1 (0 when no line is to blame), and what is wrong.
-pub(super) type Fault = (usize, String);
+/// A fault of a text: its line, from 1, and what is wrong.
+pub(super) type Fault = (Option<usize>, String);
 
 /// The keys, in the order of the fields.
 const KEYS: [&str; 4] = ["flops", "read_bytes", "pack_bytes", "update_bytes"];
@@ -25,10 +25,10 @@ impl Rates {
     /// Rates from text that [`Rates::to_text`] wrote on this kind of CPU for the same isa.
     ///
     /// # Errors
-    /// The line at fault (from 1; 0 for a key that is not there) and what is wrong with it: another
+    /// The line at fault (from 1; `None` for a key that is not there) and what is wrong with it: another
     /// CPU, isa or kind of build, a key that is unknown, missing or there twice, a value that is not a finite
     /// number above 0.
-    pub fn parse(text: &str, isa: Isa) -> Result<Self, (usize, String)> {
+    pub fn parse(text: &str, isa: Isa) -> Result<Self, (Option<usize>, String)> {
         Self::parse_of(text, isa, &cpu::name())
     }
 
@@ -36,11 +36,11 @@ impl Rates {
         let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
         let (first, expected) = (lines.next().map_or("", |(_, line)| line), header(isa, cpu));
         if first != expected {
-            return Err((1, format!("{first:?} where this machine needs {expected:?}")));
+            return Err((Some(1), format!("{first:?} where this machine needs {expected:?}")));
         }
         let mut values = [None; KEYS.len()];
         for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
-            let fault = |what| Err((number, what));
+            let fault = |what| Err((Some(number), what));
             let Some((key, value)) = line.split_once('=') else {
                 return fault(format!("{line:?} is not of the form key = value"));
             };
@@ -54,7 +54,7 @@ impl Rates {
                 _ => return fault(format!("{key}: {value:?} is not a finite number above 0")),
             }
         }
-        let get = |i: usize| values[i].ok_or_else(|| (0, format!("{}: missing", KEYS[i])));
+        let get = |i: usize| values[i].ok_or_else(|| (None, format!("{}: missing", KEYS[i])));
         Ok(Self { flops: get(0)?, read_bytes: get(1)?, pack_bytes: get(2)?, update_bytes: get(3)? })
     }
 }
@@ -89,7 +89,7 @@ mod tests {
         assert_eq!(Rates::parse_of(&text, Isa::Avx2, CPU), Ok(RATES));
         for (isa, cpu) in [(Isa::Avx2, "Another"), (Isa::Portable, CPU)] {
             let (line, what) = Rates::parse_of(&text, isa, cpu).unwrap_err();
-            assert_eq!(line, 1);
+            assert_eq!(line, Some(1));
             assert!(what.contains(CPU) && what.contains("avx2"), "{what}");
             assert!(what.contains(cpu) && what.contains(isa.name()), "{what}");
         }
@@ -103,16 +103,20 @@ mod tests {
             whole.replace(from, to)
         };
         for (text, line, part) in [
-            (String::new(), 1, "catamaran rates of avx2"),
-            (changed("pack_bytes = 7\n", ""), 0, "pack_bytes: missing"),
-            (changed("pack_bytes", "page_bytes"), 4, "page_bytes: unknown key; known are flops"),
-            (changed("= 7", "= -7"), 4, "pack_bytes: \"-7\" is not"),
-            (changed("= 7", "= 0"), 4, "pack_bytes: \"0\" is not"),
-            (changed("= 7", "= inf"), 4, "pack_bytes: \"inf\" is not"),
-            (changed("= 7", "= NaN"), 4, "pack_bytes: \"NaN\" is not"),
-            (changed("= 7", "="), 4, "pack_bytes: \"\" is not"),
-            (changed("= 7", "7"), 4, "\"pack_bytes 7\" is not of the form"),
-            (whole.clone() + "flops = 1\n", 6, "flops: there twice"),
+            (String::new(), Some(1), "catamaran rates of avx2"),
+            (changed("pack_bytes = 7\n", ""), None, "pack_bytes: missing"),
+            (
+                changed("pack_bytes", "page_bytes"),
+                Some(4),
+                "page_bytes: unknown key; known are flops",
+            ),
+            (changed("= 7", "= -7"), Some(4), "pack_bytes: \"-7\" is not"),
+            (changed("= 7", "= 0"), Some(4), "pack_bytes: \"0\" is not"),
+            (changed("= 7", "= inf"), Some(4), "pack_bytes: \"inf\" is not"),
+            (changed("= 7", "= NaN"), Some(4), "pack_bytes: \"NaN\" is not"),
+            (changed("= 7", "="), Some(4), "pack_bytes: \"\" is not"),
+            (changed("= 7", "7"), Some(4), "\"pack_bytes 7\" is not of the form"),
+            (whole.clone() + "flops = 1\n", Some(6), "flops: there twice"),
         ] {
             let (found, what) = Rates::parse_of(&text, Isa::Avx2, CPU).unwrap_err();
             assert_eq!(found, line, "{what}");

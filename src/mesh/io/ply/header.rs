@@ -48,8 +48,8 @@ impl Header {
         }
         match source.fill_buf().map(<[u8]>::is_empty) {
             Ok(true) => Ok(()),
-            Ok(false) => Err(source.fail_at(0, "bytes after the elements announced")),
-            Err(e) => Err(source.io_error(&e)),
+            Ok(false) => Err(source.fail_at(None, "bytes after the elements announced")),
+            Err(e) => Err(source.io_error(e)),
         }
     }
 }

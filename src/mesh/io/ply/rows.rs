@@ -149,7 +149,7 @@ fn fill(source: &mut Source<'_>, bytes: &mut Vec<u8>, size: usize) -> Checked<()
     bytes.resize(size, 0);
     source.read_exact(bytes).map_err(|e| match e.kind() {
         std::io::ErrorKind::UnexpectedEof => Fault::from("truncated: the file ends too early"),
-        _ => Fault::Error(source.io_error(&e)),
+        _ => Fault::Error(source.io_error(e)),
     })
 }
 
