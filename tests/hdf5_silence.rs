@@ -1,7 +1,6 @@
 //! Errors of the HDF5 library are errors of this one, and nothing is printed.
 //!
 //! A binary of its own: HDF5 locks the files that it opens, and a process started meanwhile would inherit the lock.
-#![cfg(feature = "hdf5")]
 
 use std::fs;
 use std::process::Command;

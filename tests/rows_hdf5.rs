@@ -1,5 +1,4 @@
 //! Blocks of rows out of HDF5 datasets, which the HDF5 library itself writes here.
-#![cfg(feature = "hdf5")]
 
 use std::fs::{self, OpenOptions};
 use std::path::{Path, PathBuf};

@@ -10,7 +10,7 @@
 
 use std::io::{self, Read, Write};
 
-use flate2::Crc;
+use crc32fast::Hasher;
 
 use super::accumulator::Accumulator;
 use crate::base::Real;
@@ -156,12 +156,12 @@ fn invalid(what: impl Into<String>) -> io::Error {
 /// A stream, and the checksum of what went through it.
 struct Checked<S> {
     stream: S,
-    check: Crc,
+    check: Hasher,
 }
 
 impl<S> Checked<S> {
     fn new(stream: S) -> Self {
-        Self { stream, check: Crc::new() }
+        Self { stream, check: Hasher::new() }
     }
 }
 
@@ -188,7 +188,7 @@ impl<S: Write> Checked<S> {
     }
 
     fn put_check(&mut self) -> io::Result<()> {
-        let sum = self.check.sum();
+        let sum = self.check.clone().finalize();
         self.check.reset();
         self.stream.write_all(&sum.to_le_bytes())
     }
@@ -238,7 +238,7 @@ impl<S: Read> Checked<S> {
     }
 
     fn get_check(&mut self) -> io::Result<()> {
-        let sum = self.check.sum();
+        let sum = self.check.clone().finalize();
         if u32::from_le_bytes(self.bytes()?) != sum {
             return Err(invalid("damaged: its checksum is another"));
         }

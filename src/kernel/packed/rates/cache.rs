@@ -1,10 +1,9 @@
 //! Rates in the user's cache directory.
 
 use std::env;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
-
-use tempfile::NamedTempFile;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Rates;
 use crate::base::{Error, Result};
@@ -51,17 +50,20 @@ impl Rates {
     }
 
     fn save_in(&self, directory: &Path, isa: Isa) -> Result<PathBuf> {
+        // Of this call only: other threads and processes may save too.
+        static CALLS: AtomicUsize = AtomicUsize::new(0);
+        let call = CALLS.fetch_add(1, Ordering::Relaxed);
         let path = file_in(directory, isa);
+        let temporary = path.with_extension(format!("{}-{call}.tmp", std::process::id()));
         let write = || -> io::Result<()> {
             std::fs::create_dir_all(directory)?;
-            let mut file = NamedTempFile::new_in(directory)?;
-            file.write_all(self.to_text(isa).as_bytes())?;
-            file.persist(&path)?;
-            Ok(())
+            std::fs::write(&temporary, self.to_text(isa))?;
+            std::fs::rename(&temporary, &path)
         };
         match write() {
             Ok(()) => Ok(path),
             Err(e) => {
+                let _ = std::fs::remove_file(&temporary);
                 let what = format!("can't be written: {e}");
                 Err(Error::Io { path, line: None, what, cause: Some(e.into()) })
             }
