@@ -15,11 +15,10 @@ mod combine;
 pub mod distributed;
 mod exact;
 mod execute;
+mod gram;
 mod options;
 mod plan;
-mod rows;
 pub mod scheme;
-mod stream;
 mod verify;
 
 use faer::prelude::{Reborrow, ReborrowMut};
@@ -27,10 +26,12 @@ use faer::{MatMut, MatRef};
 
 pub(crate) use combine::mirror_lower;
 pub use exact::Stages;
+pub use gram::{
+    Accumulator, AfterBlock, Center, DenseRows, RowBlocks, RowBounds, RowOptions, StreamPlan, Strip,
+    ata_rows, block_rows, scalar_of, stream,
+};
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 pub use plan::{Node, Plan, Task, levels};
-pub use rows::{Center, DenseRows, RowBlocks, RowOptions, ata_rows};
-pub use stream::{Accumulator, AfterBlock, StreamPlan, Strip, block_rows, scalar_of, stream};
 pub use verify::{Verification, verify, verify_rows};
 #[cfg(feature = "mpi")]
 pub(crate) use verify::{check_rounds, signs, verdict};

@@ -1,6 +1,5 @@
 use std::cell::Cell;
 use std::mem::ManuallyDrop;
-use std::ops::ControlFlow;
 use std::ops::{AddAssign, Range};
 use std::thread::{self, ThreadId};
 use std::time::{Duration, Instant};
@@ -12,7 +11,7 @@ use ::mpi::raw::AsRaw;
 use ::mpi::topology::{Communicator, SimpleCommunicator};
 
 use crate::ata::AtaOptions;
-use crate::base::{Error, Real, Result};
+use crate::base::{Error, Progress, Real, Result};
 use crate::blas::BlasReal;
 
 /// A scalar that ranks can exchange: f32 or f64. Sealed, as [`BlasReal`] is.
