@@ -60,7 +60,7 @@ impl StreamPlan {
                 };
                 return Ok(len(own, true).max(len(strip.start, false)));
             }
-            let op = if = if weighted { Op::Gemmt } else { Op::Syrk };
+            let op = if weighted { Op::Gemmt } else { Op::Syrk };
             let square = Plan::new::<T>(op, height, own, own, options)?;
             let square = scratch_len::<T>(&square, options.par);
             if strip.start == 0 {
@@ -140,7 +140,10 @@ impl fmt::Display for StreamPlan {
         let m = self.rows;
         writeln!(f, "rows       {m} in {blocks} blocks of {height}, converted block by block")?;
         if self.exact {
-            writeln!(f, "sums       exact, in any order the same; A is read once more, for its bounds")?;
+            writeln!(
+                f,
+                "sums       exact, in any order the same; A is read once more, for its bounds"
+            )?;
         }
         write!(f, "reads      A is read {}", if reads == 1 { "once" } else { "" })?;
         if reads > 1 {

@@ -12,7 +12,7 @@ use super::moments::{Moments, check_weight};
 use super::source::RowBlocks;
 use super::{FIRST_PASS, asks_for_exact, float, for_each_block_of};
 use crate::ata::options::AtaOptions;
-use crate::ata::{symmetric, weighted_gram};
+use crate::ata::{ata, symmetric};
 use crate::base::{Error, Real, Result, Workspace};
 use crate::blas::BlasReal;
 
@@ -105,7 +105,7 @@ pub fn ata_rows<T: BlasReal>(
     if m == 0 {
         // C still gets its beta.
         let none = MatRef::from_row_major_slice(&[], 0, n);
-        return weighted_gram(alpha, none, None, beta, c, options);
+        return ata(alpha, none, beta, c, options);
     }
     let height = block_rows::<T>(n, weights.is_some());
     if asks_for_exact(options) {
