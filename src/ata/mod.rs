@@ -15,11 +15,10 @@ mod combine;
 pub mod distributed;
 mod exact;
 mod execute;
+mod gram;
 mod options;
 mod plan;
-mod rows;
 pub mod scheme;
-mod stream;
 mod verify;
 
 use faer::prelude::{Reborrow, ReborrowMut};
@@ -27,16 +26,17 @@ use faer::{MatMut, MatRef};
 
 pub(crate) use combine::mirror_lower;
 pub use exact::Stages;
+pub use gram::{
+    Accumulator, AfterBlock, Center, DenseRows, RowBlocks, RowBounds, RowOptions, StreamPlan,
+    Strip, ata_rows, block_rows, scalar_of, stream,
+};
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 pub use plan::{Node, Plan, Task, levels};
-pub use rows::{Center, DenseRows, RowBlocks, RowOptions, ata_rows};
-pub use stream::{Accumulator, AfterBlock, StreamPlan, Strip, block_rows, scalar_of, stream};
 pub use verify::{Verification, verify, verify_rows};
 #[cfg(feature = "mpi")]
 pub(crate) use verify::{check_rounds, signs, verdict};
 
 pub(crate) use execute::{Product, execute, scratch_len};
-pub(crate) use plan::Op;
 
 use crate::base::{Error, Result, Scratch};
 use crate::blas::BlasReal;
@@ -67,7 +67,7 @@ pub fn ata<T: BlasReal>(
     c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<()> {
-    run(gram_plan(a, None, c.rb(), options)?, gram(alpha, a, None, beta, c, options), options)
+    run(gram_plan(a, c.rb(), options)?, gram(alpha, a, beta, c, options), options)
 }
 
 /// Computes [`ata`] in the caller's scratch of at least [`ata_scratch_len`] elements, whatever they hold.
@@ -94,8 +94,8 @@ pub fn ata_with_scratch<T: BlasReal>(
     options: &AtaOptions<'_>,
     scratch: &mut [T],
 ) -> Result<()> {
-    let plan = gram_plan(a, None, c.rb(), options)?;
-    run_in(scratch, plan, gram(alpha, a, None, beta, c, options), options)
+    let plan = gram_plan(a, c.rb(), options)?;
+    run_in(scratch, plan, gram(alpha, a, beta, c, options), options)
 }
 
 /// Returns the elements of scratch that [`ata_with_scratch`] needs for A m x n.
@@ -213,28 +213,25 @@ pub fn atb_scratch_len<T: BlasReal>(
     Ok(scratch_len::<T>(&Plan::atb::<T>(m, n, k, options)?, options.par))
 }
 
-/// The plan of `A^T W A`; `wa` is W A, or `None` without weights.
+/// The plan of `A^T A`.
 fn gram_plan<T: BlasReal>(
     a: MatRef<'_, T>,
-    wa: Option<MatRef<'_, T>>,
     c: MatRef<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<Plan> {
     let (m, n) = a.shape();
     Error::check_shape("C", (n, n), c.shape())?;
-    let op = if wa.is_none() { Op::Syrk } else { Op::Gemmt };
-    Plan::new::<T>(op, m, n, n, options)
+    Plan::ata::<T>(m, n, options)
 }
 
 fn gram<'p, T>(
     alpha: T,
     a: MatRef<'p, T>,
-    wa: Option<MatRef<'p, T>>,
     beta: T,
     c: MatMut<'p, T>,
     options: &AtaOptions<'_>,
 ) -> Product<'p, T> {
-    Product { alpha, a, b: wa, beta, c, uplo: Some(options.uplo) }
+    Product { alpha, a, b: None, beta, c, uplo: Some(options.uplo) }
 }
 
 fn atb_plan<T: BlasReal>(
@@ -285,23 +282,10 @@ pub fn exact_stages<T: BlasReal>(
         return Err(Error::Argument { what: "isa", why: why.into() });
     }
     let options = options.clone().scheme(SchemeChoice::Exact).uplo(Uplo::Lower);
-    let plan = gram_plan(a, None, c.rb(), &options)?.on(isa);
+    let plan = gram_plan(a, c.rb(), &options)?.on(isa);
     let mut scratch = Scratch::new::<T>(scratch_len::<T>(&plan, options.par))?;
-    let product = gram(T::ONE, a, None, T::ZERO, c, &options);
+    let product = gram(T::ONE, a, T::ZERO, c, &options);
     execute::exact_stages(&plan, product, &options, scratch.as_mut_slice())
-}
-
-/// Computes `C := alpha X^T (W X) + beta C`, the triangle or triangles of `options.uplo`; [`ata`] without
-/// weights.
-fn weighted_gram<T: BlasReal>(
-    alpha: T,
-    x: MatRef<'_, T>,
-    wx: Option<MatRef<'_, T>>,
-    beta: T,
-    c: MatMut<'_, T>,
-    options: &AtaOptions<'_>,
-) -> Result<()> {
-    run(gram_plan(x, wx, c.rb(), options)?, gram(alpha, x, wx, beta, c, options), options)
 }
 
 /// Makes the triangles of `uplo` out of what `work` does to a lower one.

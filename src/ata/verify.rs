@@ -3,9 +3,9 @@
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Mat, MatMut, MatRef};
 
+use super::gram::block_rows;
+use super::gram::{AdjustedRows, DenseRows, RowBlocks, RowOptions};
 use super::options::Uplo;
-use super::rows::{AdjustedRows, DenseRows, RowBlocks, RowOptions};
-use super::stream::block_rows;
 use crate::base::{Error, Real, Result, Rng, Workspace};
 use crate::blas;
 

@@ -12,7 +12,7 @@ use super::cover::difference_cover;
 use super::deal::deal;
 use super::segment::packed_len;
 use super::tree::{TaskTree, levels};
-use crate::ata::stream::block_rows;
+use crate::ata::gram::block_rows;
 
 /// A way to compute A^T A on many ranks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

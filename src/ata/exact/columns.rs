@@ -10,7 +10,7 @@ use crate::kernel::int8::{
 };
 
 /// How the columns of an operand become integers.
-pub(super) struct Columns {
+pub(crate) struct Columns {
     /// Column j is multiplied by `2^exponents[j]`; zeros up to a whole panel.
     pub exponents: Vec<i32>,
     /// Columns with a NaN or an infinity, in order; they count as zeros.
@@ -29,6 +29,13 @@ pub(super) fn scratch_len<T: Operand>(m: usize, n: usize) -> usize {
 }
 
 impl Columns {
+    /// Columns of finite entries that are multiplied by these powers.
+    pub fn given(powers: impl Iterator<Item = i32>) -> Self {
+        let mut exponents: Vec<i32> = powers.collect();
+        exponents.resize(exponents.len().next_multiple_of(PANEL), 0);
+        Self { exponents, non_finite: Vec::new() }
+    }
+
     /// Chooses the powers so that the integers are as large as products of two columns allow: by the
     /// Cauchy-Schwarz inequality those are below P/2. The norms are sums of integers, and so the same in
     /// any order.

@@ -1,33 +1,32 @@
 //! The work on the blocks of C, by all threads.
 
 use std::ops::ControlFlow;
-use std::ops::Range;
 
 use super::clock::Clock;
 use super::layout::{Layout, Pair, Unit};
-use super::product::{Lane, Round, Target};
+use super::product::{Round, Worker};
+use super::sink::Sink;
 use crate::base::{Disjoint, Tracker, tickets};
-use crate::kernel::int8::{Block, Kernel, Operand, PANEL};
+use crate::kernel::int8::{Block, Kernel};
 
 /// What all rounds share.
-pub(super) struct Job<'j, 'm, T> {
+pub(super) struct Job<'j, 'm, S> {
     pub layout: &'j Layout,
-    pub target: Target<'j, T>,
+    pub sink: S,
     /// Residues of C between the chunks of a round.
     pub kept: Disjoint<'m, Block<i8>>,
-    pub destination: Disjoint<'j, T>,
-    pub progress: Tracker<'j>,
+    pub progress: &'j Tracker<'j>,
     pub clock: &'j Clock,
 }
 
-impl<T: Operand> Job<'_, '_, T> {
+impl<S: Sink> Job<'_, '_, S> {
     /// Multiplies and writes C, block by block: for rounds of one chunk.
-    pub fn finish(&self, workers: &mut [Lane<'_>], round: &Round<'_, '_>, pair: Pair) {
+    pub fn finish(&self, workers: &mut [Worker<'_>], round: &Round<'_, '_>, pair: Pair) {
         let units = self.layout.units(pair);
-        let moduli = self.target.moduli.len();
-        tickets(workers, units.len(), |lane, i| {
+        let moduli = self.layout.moduli;
+        tickets(workers, units.len(), |worker, i| {
             let unit = &units[i];
-            let residues = &Disjoint::of_slice(&mut *lane.residues);
+            let residues = &Disjoint::of_slice(&mut *worker.residues);
             let (rows, cols) = (unit.rows.len(), unit.cols.len());
             let place = |l: usize| {
                 move |i: usize, j: usize| {
@@ -39,7 +38,7 @@ impl<T: Operand> Job<'_, '_, T> {
                 1,
                 || {
                     for l in 0..moduli {
-                        let (left, sums) = (&mut *lane.left, &mut *lane.sums);
+                        let (left, sums) = (&mut *worker.left, &mut *worker.sums);
                         // SAFETY: the residues are this thread's own.
                         unsafe { round.multiply(unit, l, left, sums, residues, place(l)) };
                     }
@@ -52,15 +51,15 @@ impl<T: Operand> Job<'_, '_, T> {
     }
 
     /// Adds the product of a chunk to the residues kept.
-    pub fn accumulate(&self, workers: &mut [Lane<'_>], round: &Round<'_, '_>, pair: Pair) {
+    pub fn accumulate(&self, workers: &mut [Worker<'_>], round: &Round<'_, '_>, pair: Pair) {
         let units = self.layout.units(pair);
-        tickets(workers, units.len() * self.target.moduli.len(), |lane, i| {
+        tickets(workers, units.len() * self.layout.moduli, |worker, i| {
             let (l, unit) = (i / units.len(), &units[i % units.len()]);
             self.clock.time(
                 |s| &mut s.products,
                 1,
                 || {
-                    let (left, sums) = (&mut *lane.left, &mut *lane.sums);
+                    let (left, sums) = (&mut *worker.left, &mut *worker.sums);
                     // SAFETY: a pair of panels is in one unit, which is taken once for each modulus.
                     unsafe { round.multiply(unit, l, left, sums, &self.kept, self.place(pair, l)) };
                 },
@@ -70,7 +69,7 @@ impl<T: Operand> Job<'_, '_, T> {
     }
 
     /// Writes C from the residues kept.
-    pub fn recombine(&self, workers: &mut [Lane<'_>], kernel: &dyn Kernel, pair: Pair) {
+    pub fn recombine(&self, workers: &mut [Worker<'_>], kernel: &dyn Kernel, pair: Pair) {
         let units = self.layout.units(pair);
         tickets(workers, units.len(), |_, i| {
             // SAFETY: nobody writes the residues now; a block of C is in one unit.
@@ -109,19 +108,11 @@ impl<T: Operand> Job<'_, '_, T> {
                     for i in self.layout.first_row(unit, j)..unit.rows.end {
                         // SAFETY: the caller's promise.
                         let residues = |l: usize| unsafe { residues.read(place(l)(i, j)) };
-                        let rows = panel(i, self.destination.nrows());
-                        let cols = panel(j, self.destination.ncols());
                         // SAFETY: the caller's promise; blocks of different panels are disjoint.
-                        let c = unsafe { self.destination.block(rows, cols) };
-                        self.target.write(kernel, (i, j), residues, c);
+                        unsafe { self.sink.take(kernel, (i, j), residues) };
                     }
                 }
             },
         );
     }
-}
-
-/// The rows or columns of panel `i` among `count`.
-fn panel(i: usize, count: usize) -> Range<usize> {
-    i * PANEL..count.min((i + 1) * PANEL)
 }

@@ -12,6 +12,7 @@ mod job;
 mod layout;
 mod non_finite;
 mod product;
+mod sink;
 mod store;
 #[cfg(test)]
 mod tests;
@@ -20,17 +21,20 @@ use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
 use self::clock::Clock;
-use self::columns::Columns;
 use self::job::Job;
-use self::product::{Lane, Round, Target};
+use self::product::{Round, Worker};
+use self::sink::{Floats, Integers, Sink};
 use self::store::Residents;
 use super::combine::{scale, scale_lower};
 use super::options::AtaOptions;
-use crate::base::{Arena, Disjoint, Real, Result, Tracker};
+use crate::base::{Arena, Disjoint, Par, Real, Result, Tracker};
 use crate::kernel::int8::{Block, Isa, Kernel, Moduli, Operand, PANEL, Slice};
 
 pub use self::clock::Stages;
+pub(crate) use self::columns::Columns;
 pub(crate) use self::layout::Layout;
+pub(crate) use self::non_finite::{Flags, Signs};
+pub(crate) use self::sink::{TriangleRows, triangle_len};
 
 /// Expected seconds on one core.
 pub(crate) fn estimate(isa: Isa, [m, n, k]: [usize; 3], moduli: usize, symmetric: bool) -> f64 {
@@ -55,9 +59,9 @@ pub(crate) fn scratch_len<T: Operand>(
     let norms = columns::scratch_len::<T>(m, n).max(columns::scratch_len::<T>(m, k));
     let slices: usize = layout.stores().iter().map(|bytes| slices_len::<T>(*bytes)).sum();
     let kept = Arena::<T>::len_of::<Block<i8>>(kept_blocks(layout));
-    let lanes = Lane::scratch_len::<T>(layout) * lanes(layout, threads);
+    let workers = Worker::scratch_len::<T>(layout) * workers(layout, threads);
     // The norms are done with before the rest is needed.
-    norms.max(slices + kept + lanes)
+    norms.max(slices + kept + workers)
 }
 
 fn slices_len<T: Real>(bytes: usize) -> usize {
@@ -70,7 +74,7 @@ fn kept_blocks(layout: &Layout) -> usize {
 }
 
 /// Threads that can be busy with products.
-fn lanes(layout: &Layout, threads: usize) -> usize {
+fn workers(layout: &Layout, threads: usize) -> usize {
     let blocks = |panels: usize, size: usize| panels.div_ceil(layout.groups).div_ceil(size);
     let units = blocks(layout.left, layout.block.0) * blocks(layout.right, layout.block.1);
     threads.min(units * if layout.accumulates() { layout.moduli } else { 1 }).max(1)
@@ -112,24 +116,80 @@ pub(crate) fn execute<T: Operand>(
     );
     let left = (a, &of_a);
     let right = (b.unwrap_or(a), of_b.as_ref().unwrap_or(&of_a));
+    let signs = Signs::of_product(left, right, par)?;
+    let sink = Floats {
+        alpha,
+        beta,
+        moduli,
+        left: left.1,
+        right: right.1,
+        symmetric,
+        c: Disjoint::new(c.rb_mut()),
+    };
+    let more = signs.as_ref().map_or(0.0, |signs| signs.cost(symmetric));
+    let progress = Tracker::new(options.progress, cost(layout) + more);
+    multiply(kernel, layout, moduli, [left, right], sink, par, &progress, clock, &mut arena);
+    if let Some(signs) = signs {
+        signs.add(alpha, symmetric, c, par, &progress);
+    }
+    progress.finish()?;
+    Ok(clock.stages())
+}
 
+/// An operand of an integer product, and the powers of two that its columns are multiplied by before
+/// they are rounded to integers.
+pub(crate) type Scaled<'a, T> = (MatRef<'a, T>, &'a Columns);
+
+/// Adds the integer product of `left^T right`, of finite entries, to the part of the triangle `sums` that
+/// begins at `corner`, or subtracts it; of a symmetric layout only the lower triangle of the product.
+///
+/// The caller sees to it that all entries of the product are below P/2 ([`Moduli::largest_norm`], squared),
+/// and that sums do not overflow.
+pub(crate) fn accumulate<T: Operand>(
+    kernel: &dyn Kernel,
+    layout: &Layout,
+    operands: [Scaled<'_, T>; 2],
+    sums: &TriangleRows<'_>,
+    corner: (usize, usize),
+    subtract: bool,
+    options: &AtaOptions<'_>,
+    scratch: &mut [T],
+) -> Result<()> {
+    let moduli = &Moduli::new(layout.moduli);
+    let shape = (operands[0].0.ncols(), operands[1].0.ncols());
+    let sink = Integers { moduli, sums, corner, shape, symmetric: layout.symmetric, subtract };
+    let progress = Tracker::new(options.progress, cost(layout));
+    let (clock, arena) = (&Clock::default(), &mut Arena::new(scratch));
+    multiply(kernel, layout, moduli, operands, sink, options.par, &progress, clock, arena);
+    progress.finish()
+}
+
+/// What progress counts: products of panels, step by step and modulus by modulus.
+fn cost(layout: &Layout) -> f64 {
+    let pairs = layout.pairs();
+    let cost: usize = pairs.iter().flat_map(|&p| layout.units(p)).map(|u| layout.cost(&u)).sum();
+    (cost * layout.steps * layout.moduli) as f64
+}
+
+/// Hands the residues of `left^T right` to the sink, block by block, until someone cancels.
+fn multiply<T: Operand>(
+    kernel: &dyn Kernel,
+    layout: &Layout,
+    moduli: &Moduli,
+    [left, right]: [Scaled<'_, T>; 2],
+    sink: impl Sink,
+    par: Par,
+    progress: &Tracker<'_>,
+    clock: &Clock,
+    arena: &mut Arena<'_, T>,
+) {
     let mut residents =
         Residents::new(layout.stores().map(|bytes| arena.take_as(bytes / size_of::<Slice>())));
     let kept: &mut [Block<i8>] = arena.take_as(kept_blocks(layout));
     let mut workers: Vec<_> =
-        (0..lanes(layout, par.threads())).map(|_| Lane::new(&mut arena, layout)).collect();
-    let pairs = layout.pairs();
-    let cost: usize = pairs.iter().flat_map(|&p| layout.units(p)).map(|u| layout.cost(&u)).sum();
-    let target = Target { alpha, beta, moduli, left: left.1, right: right.1, symmetric };
-    let job = Job {
-        layout,
-        target,
-        kept: Disjoint::of_slice(kept),
-        destination: Disjoint::new(c.rb_mut()),
-        progress: Tracker::new(options.progress, (cost * layout.steps * moduli.len()) as f64),
-        clock,
-    };
-    for pair in pairs {
+        (0..workers(layout, par.threads())).map(|_| Worker::new(arena, layout)).collect();
+    let job = Job { layout, sink, kept: Disjoint::of_slice(kept), progress, clock };
+    for pair in layout.pairs() {
         for chunk in layout.chunks() {
             let continued = chunk.start > 0;
             let [left, right] = residents.load(layout, pair, chunk, |store, need, extent| {
@@ -152,11 +212,8 @@ pub(crate) fn execute<T: Operand>(
         if layout.accumulates() {
             job.recombine(&mut workers, kernel, pair);
         }
-        if job.progress.state().is_break() {
+        if progress.state().is_break() {
             break;
         }
     }
-    job.progress.finish()?;
-    non_finite::add(alpha, left, right, symmetric, c);
-    Ok(clock.stages())
 }

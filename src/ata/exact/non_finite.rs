@@ -1,96 +1,193 @@
 //! Entries of C that a NaN or an infinity of A or B reaches: what the classical algorithm gives, without
 //! its overflows.
+//!
+//! Every term that is not finite decides alone or with its opposite, so that the others need not be
+//! looked at. A term needs one infinite factor and the signs of both: a few bits of each entry say all.
 
-use faer::prelude::Reborrow;
 use faer::{MatMut, MatRef};
 
 use super::columns::Columns;
-use crate::base::Real;
+use crate::base::{Disjoint, Error, Par, Real, Result, Tracker};
 
-/// The entries of a column that are not finite.
-enum Column {
-    /// There is a NaN, which alone decides.
-    Nan,
-    /// The rows of the infinities.
-    Infinite(Vec<usize>),
+/// Rows of a word.
+const BITS: usize = u64::BITS as usize;
+
+/// Bits of [`BITS`] entries of a column.
+#[derive(Debug, Clone, Copy, Default)]
+struct Word {
+    positive: u64,
+    negative: u64,
+    infinite: u64,
 }
 
-impl Column {
-    fn of<T: Real>(a: MatRef<'_, T>, j: usize) -> Self {
-        let mut rows = Vec::new();
-        for i in 0..a.nrows() {
-            let value = a[(i, j)].to_f64();
-            if value.is_nan() {
-                return Self::Nan;
-            }
-            if value.is_infinite() {
-                rows.push(i);
-            }
-        }
-        Self::Infinite(rows)
-    }
+/// The columns of an operand as sets of rows.
+struct Columnwise {
+    /// Column by column.
+    words: Vec<Word>,
+    /// Words of a column.
+    height: usize,
+    /// Whether a column has an infinity or a NaN.
+    finite: Vec<bool>,
+    /// Whether a column has a NaN, which alone decides.
+    nan: Vec<bool>,
 }
 
-/// Adds to C what the columns that counted as zeros contribute. Every term that is not finite
-/// decides alone or with its opposite, so that the others need not be looked at.
-pub(super) fn add<T: Real>(
-    alpha: T,
-    (a, left): (MatRef<'_, T>, &Columns),
-    (b, right): (MatRef<'_, T>, &Columns),
-    symmetric: bool,
-    mut c: MatMut<'_, T>,
-) {
-    if left.non_finite.is_empty() && right.non_finite.is_empty() {
-        return;
-    }
-    let of = |m: MatRef<'_, T>, columns: &Columns| {
-        let mut all: Vec<Option<Column>> = (0..m.ncols()).map(|_| None).collect();
-        for &j in &columns.non_finite {
-            all[j] = Some(Column::of(m, j));
-        }
-        all
-    };
-    let (rows, cols) = (of(a, left), of(b, right));
-    let mut add = |i: usize, j: usize| {
-        let sum = sum(a.rb(), i, rows[i].as_ref(), b.rb(), j, cols[j].as_ref());
-        let value = c[(i, j)] + alpha * T::from_f64(sum);
-        // One NaN, whatever the machine made of it.
-        c[(i, j)] = if value.to_f64().is_nan() { T::from_f64(f64::NAN) } else { value };
-    };
-    for &i in &left.non_finite {
-        for j in 0..if symmetric { i + 1 } else { b.ncols() } {
-            add(i, j);
-        }
-    }
-    for &j in &right.non_finite {
-        for i in if symmetric { j } else { 0 }..a.ncols() {
-            if rows[i].is_none() {
-                add(i, j);
-            }
-        }
-    }
-}
-
-/// The sum of the products of column i of A and j of B that are not finite.
-fn sum<T: Real>(
-    a: MatRef<'_, T>,
-    i: usize,
-    left: Option<&Column>,
-    b: MatRef<'_, T>,
-    j: usize,
-    right: Option<&Column>,
-) -> f64 {
-    let mut sum = 0.0;
-    for column in [left, right].into_iter().flatten() {
-        match column {
-            Column::Nan => return f64::NAN,
-            // A row with two infinities counts twice, which changes nothing.
-            Column::Infinite(rows) => {
-                for &k in rows {
-                    sum += a[(k, i)].to_f64() * b[(k, j)].to_f64();
+impl Columnwise {
+    fn new<T: Real>(a: MatRef<'_, T>, non_finite: &[usize], par: Par) -> Result<Self> {
+        let (m, n) = a.shape();
+        let height = m.div_ceil(BITS);
+        let mut words: Vec<Word> = Vec::new();
+        let bytes = height.saturating_mul(n).saturating_mul(size_of::<Word>());
+        words.try_reserve_exact(height * n).map_err(|_| Error::OutOfMemory { bytes })?;
+        words.resize(height * n, Word::default());
+        let mut finite = vec![true; n];
+        non_finite.iter().for_each(|&j| finite[j] = false);
+        let shared = Disjoint::of_slice(&mut words);
+        let nan = par.map_blocks(height, 1, |bands| {
+            let mut nan = vec![false; n];
+            for band in bands {
+                // SAFETY: each band is visited once, and has words of its own in every column.
+                let word = |j: usize| unsafe { shared.get(j * height + band) };
+                for i in band * BITS..m.min((band + 1) * BITS) {
+                    for (j, nan) in nan.iter_mut().enumerate() {
+                        let (value, word) = (a[(i, j)].to_f64(), word(j));
+                        word.positive |= u64::from(value > 0.0) << (i % BITS);
+                        word.negative |= u64::from(value < 0.0) << (i % BITS);
+                        word.infinite |= u64::from(value.is_infinite()) << (i % BITS);
+                        *nan |= value.is_nan();
+                    }
                 }
             }
+            nan
+        });
+        let any = |j: usize| nan.iter().any(|of_bands| of_bands[j]);
+        let nan = (0..n).map(any).collect();
+        Ok(Self { words, height, finite, nan })
+    }
+
+    fn column(&self, j: usize) -> &[Word] {
+        &self.words[j * self.height..(j + 1) * self.height]
+    }
+}
+
+/// Which terms that are not finite an entry of C has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Flags(pub u8);
+
+impl Flags {
+    const PLUS: u8 = 1;
+    const MINUS: u8 = 2;
+    const NAN: u8 = 4;
+
+    /// All flags that there are.
+    pub const MOST: u8 = 7;
+
+    /// The sum of the terms; `None` when there are none.
+    pub fn sum(self) -> Option<f64> {
+        match self.0 {
+            0 => None,
+            Self::PLUS => Some(f64::INFINITY),
+            Self::MINUS => Some(f64::NEG_INFINITY),
+            _ => Some(f64::NAN),
         }
     }
-    sum
+
+    /// Those of `x^T y`: of infinities times a sign, or times zero.
+    fn of(x: &[Word], y: &[Word]) -> Self {
+        let mut found = 0;
+        for (x, y) in x.iter().zip(y) {
+            let terms = x.infinite | y.infinite;
+            if terms == 0 {
+                continue;
+            }
+            let plus = x.positive & y.positive | x.negative & y.negative;
+            let minus = x.positive & y.negative | x.negative & y.positive;
+            found |= u8::from(terms & plus != 0) * Self::PLUS;
+            found |= u8::from(terms & minus != 0) * Self::MINUS;
+            found |= u8::from(terms & !(plus | minus) != 0) * Self::NAN;
+            if Self(found).sum().is_some_and(f64::is_nan) {
+                break;
+            }
+        }
+        Self(found)
+    }
+}
+
+/// The operands of a product of which one has columns that are not finite.
+pub(crate) struct Signs {
+    left: Columnwise,
+    /// `None` when it is the left one.
+    right: Option<Columnwise>,
+}
+
+impl Signs {
+    /// Those of A and B; `None` when all columns are finite.
+    pub fn of_product<T: Real>(
+        (a, left): (MatRef<'_, T>, &Columns),
+        (b, right): (MatRef<'_, T>, &Columns),
+        par: Par,
+    ) -> Result<Option<Self>> {
+        if left.non_finite.is_empty() && right.non_finite.is_empty() {
+            return Ok(None);
+        }
+        let same = std::ptr::eq(left, right);
+        let right = (!same).then(|| Columnwise::new(b, &right.non_finite, par)).transpose()?;
+        Ok(Some(Self { left: Columnwise::new(a, &left.non_finite, par)?, right }))
+    }
+
+    fn right(&self) -> &Columnwise {
+        self.right.as_ref().unwrap_or(&self.left)
+    }
+
+    /// The flags of entry (i, j) of C.
+    pub fn flags(&self, i: usize, j: usize) -> Flags {
+        let (left, right) = (&self.left, self.right());
+        if left.finite[i] && right.finite[j] {
+            return Flags(0);
+        }
+        if left.nan[i] || right.nan[j] {
+            return Flags(Flags::NAN);
+        }
+        Flags::of(left.column(i), right.column(j))
+    }
+
+    /// The work of a row of C with all its columns, in the unit of [`super::cost`]: what a product of
+    /// panels takes about 150 words are compared in.
+    fn row_cost(&self) -> f64 {
+        (self.right().finite.len() * self.left.height) as f64 / 150.0
+    }
+
+    /// The work of [`Signs::add`].
+    pub fn cost(&self, symmetric: bool) -> f64 {
+        let rows = self.left.finite.len() as f64;
+        self.row_cost() * if symmetric { rows / 2.0 } else { rows }
+    }
+
+    /// Adds to C what the columns that counted as zeros contribute.
+    pub fn add<T: Real>(
+        &self,
+        alpha: T,
+        symmetric: bool,
+        c: MatMut<'_, T>,
+        par: Par,
+        progress: &Tracker<'_>,
+    ) {
+        let (n, k) = c.shape();
+        let c = Disjoint::new(c);
+        let share = self.cost(symmetric) / n.max(1) as f64;
+        par.tickets(n, |i| {
+            let columns = if symmetric { i + 1 } else { k };
+            // SAFETY: each row is visited once.
+            let mut row = unsafe { c.block(i..i + 1, 0..columns) };
+            for j in 0..columns {
+                if let Some(sum) = self.flags(i, j).sum() {
+                    let value = row[(0, j)] + alpha * T::from_f64(sum);
+                    // One NaN, whatever the machine made of it.
+                    let value = if value.to_f64().is_nan() { T::from_f64(f64::NAN) } else { value };
+                    row[(0, j)] = value;
+                }
+            }
+            progress.add(share)
+        });
+    }
 }

@@ -1,16 +1,12 @@
-//! Blocks of C modulo one number, and their way back to numbers.
+//! Blocks of C modulo one number.
 
-use faer::MatMut;
-use faer::prelude::ReborrowMut;
-
-use super::columns::Columns;
 use super::layout::{DEPTH, Layout, SLAB, Unit};
 use super::store::Store;
 use crate::base::{Arena, Disjoint, Real};
-use crate::kernel::int8::{Block, Kernel, Moduli, Operand, Quarter, Slice, WIDTH};
+use crate::kernel::int8::{Block, Kernel, Moduli, Slice, WIDTH};
 
 /// The memory of one thread.
-pub(super) struct Lane<'a> {
+pub(super) struct Worker<'a> {
     /// The left side of a block, one slab of it.
     pub left: &'a mut [Slice],
     /// Sums of the block.
@@ -19,7 +15,7 @@ pub(super) struct Lane<'a> {
     pub residues: &'a mut [Block<i8>],
 }
 
-impl<'a> Lane<'a> {
+impl<'a> Worker<'a> {
     pub fn new<T: Real>(arena: &mut Arena<'a, T>, layout: &Layout) -> Self {
         let [left, sums, residues] = Self::lengths(layout);
         Self {
@@ -122,71 +118,6 @@ fn start(sums: &mut Block<i32>, residues: Option<&Block<i8>>) {
             let residues = residues.as_flattened().as_flattened();
             for (sum, &r) in sums.as_flattened_mut().as_flattened_mut().iter_mut().zip(residues) {
                 *sum = r.into();
-            }
-        }
-    }
-}
-
-/// What becomes of a product, and where it goes.
-pub(super) struct Target<'c, T> {
-    pub alpha: T,
-    pub beta: T,
-    pub moduli: &'c Moduli,
-    pub left: &'c Columns,
-    pub right: &'c Columns,
-    /// Only the lower triangle of C.
-    pub symmetric: bool,
-}
-
-impl<T: Operand> Target<'_, T> {
-    /// `C := alpha X + beta C` for the block of panels (i, j) of C, `c`, where `residues(l)` are those of X.
-    pub fn write<'r>(
-        &self,
-        kernel: &dyn Kernel,
-        (i, j): (usize, usize),
-        residues: impl Fn(usize) -> &'r Block<i8>,
-        mut c: MatMut<'_, T>,
-    ) {
-        let mut values = [[0.0; WIDTH]; WIDTH];
-        let mut of_quarter: Vec<&Quarter<i8>> = Vec::with_capacity(self.moduli.len());
-        for quarter in 0..4 {
-            let (row, col) = (quarter / 2 * WIDTH, quarter % 2 * WIDTH);
-            let above = self.symmetric && i == j && row < col;
-            if row >= c.nrows() || col >= c.ncols() || above {
-                continue;
-            }
-            of_quarter.clear();
-            of_quarter.extend((0..self.moduli.len()).map(|l| &residues(l)[quarter]));
-            let rows = self.left.exponents_of(2 * i + quarter / 2).map(|e| -e);
-            let cols = self.right.exponents_of(2 * j + quarter % 2).map(|e| -e);
-            kernel.recombine(&of_quarter, self.moduli, &rows, &cols, &mut values);
-            let (nrows, ncols) = (WIDTH.min(c.nrows() - row), WIDTH.min(c.ncols() - col));
-            let c = c.rb_mut().submatrix_mut(row, col, nrows, ncols);
-            let triangle = self.symmetric && i == j && row == col;
-            self.store(&values, triangle, c);
-        }
-    }
-
-    /// At most 16 x 16 values, or their lower triangle.
-    fn store(&self, values: &Quarter<f64>, triangle: bool, mut c: MatMut<'_, T>) {
-        let update = |value: f64, c: &mut T| {
-            let value = T::from_f64(value);
-            let value = if self.alpha == T::ONE { value } else { self.alpha * value };
-            *c = if self.beta == T::ZERO { value } else { value + self.beta * *c };
-        };
-        if c.row_stride() == 1 {
-            for j in 0..c.ncols() {
-                let first = if triangle { j } else { 0 };
-                for (i, c) in c.rb_mut().col_mut(j).iter_mut().enumerate().skip(first) {
-                    update(values[i][j], c);
-                }
-            }
-        } else {
-            for (i, values) in values.iter().enumerate().take(c.nrows()) {
-                let count = if triangle { i + 1 } else { WIDTH };
-                for (&value, c) in values.iter().zip(c.rb_mut().row_mut(i).iter_mut()).take(count) {
-                    update(value, c);
-                }
             }
         }
     }

@@ -21,9 +21,10 @@ pub(crate) mod tests;
 mod tile;
 
 pub(crate) use moduli::{Moduli, Modulus};
+pub(crate) use recombine::{integers, scaled};
 pub(crate) use tile::{
     Block, EMPTY, NON_FINITE, NORM_BITS, PANEL, Powers, Quarter, Residues, STEP, Slice, Tile,
-    TileNorms, WIDTH,
+    TileNorms, WIDTH, power_of_two,
 };
 
 use std::time::Instant;

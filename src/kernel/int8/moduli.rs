@@ -82,6 +82,8 @@ pub(crate) struct Moduli {
     pub units: Vec<[f64; 3]>,
     /// P.
     pub product: [f64; 3],
+    /// log2 of the unit of each part: all parts of it are multiples.
+    pub bottoms: [u32; 3],
     /// 1 / P, rounded.
     pub inverse: f64,
     /// Norms up to this: the product of two is below P/2, with a margin for the rounding of quotients.
@@ -94,11 +96,12 @@ impl Moduli {
         let list: Vec<Modulus> = MODULI[..count].iter().map(|&p| Modulus::new(p)).collect();
         let product: u128 = list.iter().map(|m| m.p as u128).product();
         let bits = u128::BITS - product.leading_zeros();
+        let top = |i: u32| bits.saturating_sub(i * PART_BITS);
+        let bottoms = [1, 2, 3].map(top);
         let parts = |v: u128| -> [f64; 3] {
             std::array::from_fn(|i| {
-                let top = bits.saturating_sub(i as u32 * PART_BITS);
-                let bottom = top.saturating_sub(PART_BITS);
-                ((v & ((1 << top) - 1)) >> bottom << bottom) as f64
+                let below = v & ((1 << top(i as u32)) - 1);
+                (below >> bottoms[i] << bottoms[i]) as f64
             })
         };
         let unit = |m: &Modulus| {
@@ -112,6 +115,7 @@ impl Moduli {
             units: list.iter().map(unit).collect(),
             list,
             product: parts(product),
+            bottoms,
             inverse: 1.0 / product as f64,
             largest_norm: (product as f64 / 2.0).sqrt() * (1.0 - 1.0 / f64::from(1 << 20)),
         }

@@ -3,13 +3,58 @@
 use super::moduli::Moduli;
 use super::tile::{Quarter, WIDTH, power_of_two};
 
-/// A quarter of a block of C from its residues: for row i and column j the integer R of least magnitude, of
-/// which |R| < P/2 is known by less than one part in 2^20, times `2^(rows[i] + columns[j])`.
+/// The integers R of least magnitude, of which |R| < P/2 is known by less than one part in 2^20, with
+/// these residues. All arithmetic is exact, as in [`quarter`].
+pub(crate) fn integers(residues: &[&Quarter<i8>], moduli: &Moduli, out: &mut Quarter<i128>) {
+    let units = moduli.bottoms.map(|bottom| power_of_two(-(bottom as i32)));
+    // Dispatched once, so that the loops inside use the widest registers there are.
+    pulp::Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            for (i, out) in out.iter_mut().enumerate() {
+                let parts = row::<false>(residues, moduli, i);
+                // In units of their own the parts are below 2^53.
+                let parts: [[i64; WIDTH]; 3] =
+                    std::array::from_fn(|p| parts[p].map(|part| (part * units[p]) as i64));
+                for (j, out) in out.iter_mut().enumerate() {
+                    *out = (0..3).map(|p| i128::from(parts[p][j]) << moduli.bottoms[p]).sum();
+                }
+            }
+        },
+    );
+}
+
+/// The three parts of the integers of row `i` of a quarter.
 ///
 /// `V = sum residue * unit` is congruent to R; so `R = V - round(V / P) P`. Each of the three parts of
 /// the sum and of the product has fewer than 53 bits, so that they and their differences are exact,
-/// with fused multiplications or without (`FUSED`); one rounding follows, and a second one where the
-/// result is subnormal.
+/// with fused multiplications or without (`FUSED`).
+#[inline(always)]
+fn row<const FUSED: bool>(
+    residues: &[&Quarter<i8>],
+    moduli: &Moduli,
+    i: usize,
+) -> [[f64; WIDTH]; 3] {
+    let mut parts = [[0.0; WIDTH]; 3];
+    for (unit, residues) in moduli.units.iter().zip(residues) {
+        for j in 0..WIDTH {
+            let r = f64::from(residues[i][j]);
+            for (part, &unit) in parts.iter_mut().zip(unit) {
+                part[j] = multiply_add::<FUSED>(r, unit, part[j]);
+            }
+        }
+    }
+    for j in 0..WIDTH {
+        let quotient = -((parts[0][j] + parts[1][j]) * moduli.inverse).round_ties_even();
+        for (part, &product) in parts.iter_mut().zip(&moduli.product) {
+            part[j] = multiply_add::<FUSED>(quotient, product, part[j]);
+        }
+    }
+    parts
+}
+
+/// A quarter of a block of C from its residues: for row i and column j the integer of [`integers`] times
+/// `2^(rows[i] + columns[j])`, rounded once, and a second time where the result is subnormal.
 #[inline(always)]
 pub(super) fn quarter<const FUSED: bool>(
     residues: &[&Quarter<i8>],
@@ -19,31 +64,23 @@ pub(super) fn quarter<const FUSED: bool>(
     out: &mut Quarter<f64>,
 ) {
     for (i, out) in out.iter_mut().enumerate() {
-        let mut high = [0.0; WIDTH];
-        let mut middle = [0.0; WIDTH];
-        let mut low = [0.0; WIDTH];
-        for (unit, residues) in moduli.units.iter().zip(residues) {
-            for j in 0..WIDTH {
-                let r = f64::from(residues[i][j]);
-                high[j] = multiply_add::<FUSED>(r, unit[0], high[j]);
-                middle[j] = multiply_add::<FUSED>(r, unit[1], middle[j]);
-                low[j] = multiply_add::<FUSED>(r, unit[2], low[j]);
-            }
-        }
+        let [high, middle, low] = row::<FUSED>(residues, moduli, i);
         for j in 0..WIDTH {
-            let quotient = -((high[j] + middle[j]) * moduli.inverse).round_ties_even();
-            let high = multiply_add::<FUSED>(quotient, moduli.product[0], high[j]);
-            let middle = multiply_add::<FUSED>(quotient, moduli.product[1], middle[j]);
-            let low = multiply_add::<FUSED>(quotient, moduli.product[2], low[j]);
-            let (tail, tail_error) = two_sum(middle, low);
-            let (head, head_error) = two_sum(high, tail);
+            let (tail, tail_error) = two_sum(middle[j], low[j]);
+            let (head, head_error) = two_sum(high[j], tail);
             let value = head + (head_error + tail_error);
-            // Two factors: one may be no finite number. Below -1300 every value vanishes.
-            let exponent = (rows[i] + columns[j]).clamp(-1300, 2040);
-            let (first, second) = (exponent >> 1, exponent - (exponent >> 1));
-            out[j] = value * power_of_two(first) * power_of_two(second);
+            out[j] = scaled(value, rows[i] + columns[j]);
         }
     }
+}
+
+/// `value 2^exponent`, for a value that is no more than P: rounded where it is subnormal.
+#[inline(always)]
+pub(crate) fn scaled(value: f64, exponent: i32) -> f64 {
+    // Two factors: one may be no finite number. Below -1300 every value vanishes.
+    let exponent = exponent.clamp(-1300, 2040);
+    let (first, second) = (exponent >> 1, exponent - (exponent >> 1));
+    value * power_of_two(first) * power_of_two(second)
 }
 
 #[inline(always)]

@@ -1,10 +1,13 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::super::options::AtaOptions;
-use super::super::plan::{Op, Plan};
-use super::super::scratch_len;
+use super::asks_for_exact;
 use super::blocks::block_rows;
+use super::product::integer_layout;
+use crate::ata::exact::{self, triangle_len};
+use crate::ata::options::AtaOptions;
+use crate::ata::plan::{Op, Plan};
+use crate::ata::scratch_len;
 use crate::base::{Error, Result};
 use crate::blas::BlasReal;
 
@@ -16,6 +19,8 @@ pub struct StreamPlan {
     block_rows: usize,
     strips: Vec<Range<usize>>,
     bytes: usize,
+    /// Whether sums are exact, after a pass for the bounds.
+    exact: bool,
     /// Of the product of a block, when one strip is all of C.
     product: Option<Plan>,
 }
@@ -43,9 +48,18 @@ impl StreamPlan {
         let bytes = |elements: usize| elements.saturating_mul(size_of::<T>());
         let blocks = bytes(count.saturating_mul(height).saturating_mul(n));
         let product = Plan::ata::<T>(height, n, options)?;
+        let exact = asks_for_exact(options);
         // Of a strip, whichever of its two products needs more.
         let scratch = |strip: &Range<usize>| -> Result<usize> {
             let own = strip.len();
+            if exact {
+                let len = |k: usize, symmetric: bool| {
+                    let same = symmetric && !weighted;
+                    let layout = integer_layout::<T>([height, own, k], symmetric, same);
+                    exact::scratch_len::<T>([height, own, k], &layout, options.par.threads())
+                };
+                return Ok(len(own, true).max(len(strip.start, false)));
+            }
             let op = if weighted { Op::Gemmt } else { Op::Syrk };
             let square = Plan::new::<T>(op, height, own, own, options)?;
             let square = scratch_len::<T>(&square, options.par);
@@ -56,14 +70,18 @@ impl StreamPlan {
             Ok(square.max(scratch_len::<T>(&left, options.par)))
         };
         let total = |strip: &Range<usize>| -> Result<usize> {
-            let c = bytes(strip.len().saturating_mul(strip.end));
+            let mut c = bytes(strip.len().saturating_mul(strip.end));
+            if exact {
+                let entries = triangle_len(strip.end) - triangle_len(strip.start);
+                c = c.saturating_add(entries.saturating_mul(size_of::<i128>()));
+            }
             Ok(c.saturating_add(blocks).saturating_add(bytes(scratch(strip)?)))
         };
         let all = 0..n;
         let whole = total(&all)?;
         if whole <= memory {
             let (strips, product) = (vec![all], Some(product));
-            return Ok(Self { rows: m, block_rows, strips, bytes: whole, product });
+            return Ok(Self { rows: m, block_rows, strips, bytes: whole, exact, product });
         }
         let mut strips: Vec<Range<usize>> = Vec::new();
         let mut largest = 0;
@@ -85,7 +103,7 @@ impl StreamPlan {
             largest = largest.max(total(&(start..fits))?);
             strips.push(start..fits);
         }
-        Ok(Self { rows: m, block_rows, strips, bytes: largest, product: None })
+        Ok(Self { rows: m, block_rows, strips, bytes: largest, exact, product: None })
     }
 
     /// Rows of a block.
@@ -121,6 +139,12 @@ impl fmt::Display for StreamPlan {
         let height = self.block_rows.min(self.rows);
         let m = self.rows;
         writeln!(f, "rows       {m} in {blocks} blocks of {height}, converted block by block")?;
+        if self.exact {
+            writeln!(
+                f,
+                "sums       exact, in any order the same; A is read once more, for its bounds"
+            )?;
+        }
         write!(f, "reads      A is read {}", if reads == 1 { "once" } else { "" })?;
         if reads > 1 {
             write!(f, "{reads} times, for strips of at most ")?;

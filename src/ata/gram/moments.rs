@@ -2,7 +2,7 @@
 
 use faer::MatMut;
 
-use crate::base::{Error, Par, Real, Result};
+use crate::base::{Error, Par, Real, Result, zeros};
 
 /// Rows that one thread takes at a time, and whose sums are added up before they go to the total.
 const PIECE: usize = 1024;
@@ -39,14 +39,14 @@ struct Piece<'p, T> {
 
 impl<T: Real> Moments<T> {
     /// Of no rows of `n` columns; the mean of the first block becomes the shift when `centered`.
-    pub fn new(n: usize, centered: bool) -> Self {
-        let sum = if centered { vec![0.0; n] } else { Vec::new() };
-        Self { rows: 0, weight: 0.0, weight_size: 0.0, centered, shift: Vec::new(), sum }
+    pub fn new(n: usize, centered: bool) -> Result<Self> {
+        let sum = zeros(if centered { n } else { 0 })?;
+        Ok(Self { rows: 0, weight: 0.0, weight_size: 0.0, centered, shift: Vec::new(), sum })
     }
 
     /// Of no rows, which are taken as they are less `shift`.
-    pub fn with_shift(shift: &[T]) -> Self {
-        Self { shift: shift.to_vec(), ..Self::new(shift.len(), false) }
+    pub fn with_shift(shift: &[T]) -> Result<Self> {
+        Ok(Self { shift: shift.to_vec(), ..Self::new(shift.len(), false)? })
     }
 
     /// Takes in `count` rows of `n` columns: subtracts the shift from them, adds them to the sums, and puts them

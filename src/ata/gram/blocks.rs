@@ -6,7 +6,7 @@ use std::thread;
 
 use faer::MatMut;
 
-use super::super::rows::RowBlocks;
+use super::source::RowBlocks;
 use crate::base::{Par, Real, Result, Workspace};
 
 /// Bytes of the two blocks that are in memory; of all three where weights need one of their own.

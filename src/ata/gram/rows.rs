@@ -4,52 +4,17 @@
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
-use super::options::AtaOptions;
-use super::stream::{
-    Moments, block_rows, check_weight, check_weights, for_each_block, share_of_rows, with_share,
-};
-use super::{symmetric, weighted_gram};
+use super::accumulator::check_weights;
+use super::blocks::block_rows;
+use super::exact::ExactSums;
+use super::grid::{RowBounds, Shift};
+use super::moments::{Moments, check_weight};
+use super::source::RowBlocks;
+use super::{FIRST_PASS, asks_for_exact, float, for_each_block_of};
+use crate::ata::options::AtaOptions;
+use crate::ata::{ata, symmetric};
 use crate::base::{Error, Real, Result, Workspace};
 use crate::blas::BlasReal;
-
-/// A source of the rows of a matrix, block by block.
-pub trait RowBlocks<T> {
-    /// Number of rows.
-    fn nrows(&self) -> usize;
-
-    /// Number of columns.
-    fn ncols(&self) -> usize;
-
-    /// Fills `out` with the rows from `first` on; every entry of `out` is written. Rows may be
-    /// asked for more than once, always in blocks of consecutive rows inside the matrix.
-    ///
-    /// # Errors
-    /// Whatever keeps the rows from being read.
-    fn read(&mut self, first: usize, out: MatMut<'_, T>) -> Result<()>;
-}
-
-/// The rows of a matrix in memory, converted to the scalar asked for (f32 to f64 is exact).
-#[derive(Debug, Clone, Copy)]
-pub struct DenseRows<'a, S>(pub MatRef<'a, S>);
-
-impl<S: Real, T: Real> RowBlocks<T> for DenseRows<'_, S> {
-    fn nrows(&self) -> usize {
-        self.0.nrows()
-    }
-
-    fn ncols(&self) -> usize {
-        self.0.ncols()
-    }
-
-    fn read(&mut self, first: usize, mut out: MatMut<'_, T>) -> Result<()> {
-        for i in 0..out.nrows() {
-            for j in 0..out.ncols() {
-                out[(i, j)] = T::from_f64(self.0[(first + i, j)].to_f64());
-            }
-        }
-        Ok(())
-    }
-}
 
 /// What is subtracted from every row before the product.
 #[derive(Debug, Clone, Copy, Default)]
@@ -108,14 +73,19 @@ fn weight_sums<T: Real>(m: usize, weights: Option<&[T]>) -> (f64, f64) {
 ///
 /// Rows are read once, block by block, the next block by a thread of its own (unless `options.par` is
 /// [`Par::Seq`](crate::Par::Seq)). About the mean they are first taken about that of the first block, for stability.
-/// The extra memory is two blocks of rows, one more with weights, and the scratch of [`ata`](super::ata) for one.
+/// The extra memory is two blocks of rows, one more with weights, and the scratch of [`ata`](crate::ata()) for one.
 /// C is n x n. The result is the same, bit for bit, for every `options.par`. To keep, resume or merge sums there is
 /// [`stream`](super::stream()).
+///
+/// On the exact path, when the options ask for it, rows are read twice, once for their bounds, and 16 bytes for each
+/// entry of a triangle of C are needed. The result then does not depend on the order of the rows either, as that of
+/// [`Accumulator::exact`](super::Accumulator::exact); in its last bits it differs from [`ata`](crate::ata()),
+/// which knows the norms of the columns.
 ///
 /// # Errors
 /// [`Error::Shape`] for C, the weights or the centre; [`Error::NonFinite`] for a weight or a centre;
 /// [`Error::Argument`] when the weights of a mean sum to zero; the errors of the source, after which
-/// C holds the blocks before; else as [`ata`](super::ata).
+/// C holds the blocks before; else as [`ata`](crate::ata()).
 pub fn ata_rows<T: BlasReal>(
     alpha: T,
     rows: &mut (dyn RowBlocks<T> + Send),
@@ -126,33 +96,29 @@ pub fn ata_rows<T: BlasReal>(
 ) -> Result<()> {
     let (m, n) = (rows.nrows(), rows.ncols());
     Error::check_shape("C", (n, n), c.shape())?;
+    options.check()?;
     if n == 0 {
         return Ok(());
     }
     row_options.check(m, n)?;
     let weights = row_options.weights;
-    let mut moments = match row_options.center {
-        Center::No => Moments::new(n, false),
-        Center::Mean => Moments::new(n, true),
-        Center::Given(center) => Moments::with_shift(center),
-    };
     if m == 0 {
         // C still gets its beta.
         let none = MatRef::from_row_major_slice(&[], 0, n);
-        return weighted_gram(alpha, none, None, beta, c, options);
+        return ata(alpha, none, beta, c, options);
     }
     let height = block_rows::<T>(n, weights.is_some());
-    let mut weighted = Workspace::new(if weights.is_some() { height.min(m) * n } else { 0 })?;
-    for_each_block(rows, 0, height, options.par, |first, block| {
-        let count = block.len() / n;
-        let weights = weights.map(|weights| &weights[first..first + count]);
-        let weighted = weighted.as_mut_slice();
-        moments.take(count, block, weights, weighted, options.par);
-        let x = MatRef::from_row_major_slice(block, count, n);
-        let wx = weights.map(|_| MatRef::from_row_major_slice(&weighted[..count * n], count, n));
-        with_share(options, share_of_rows(first, count, m), |options| {
-            weighted_gram(alpha, x, wx, beta, c.rb_mut(), options)
-        })?;
+    if asks_for_exact(options) {
+        return exact_rows(alpha, rows, row_options, height, beta, c, options);
+    }
+    let mut moments = match row_options.center {
+        Center::No => Moments::new(n, false)?,
+        Center::Mean => Moments::new(n, true)?,
+        Center::Given(center) => Moments::with_shift(center)?,
+    };
+    for_each_block_of(rows, weights, height, 0, options, |count, block, weights, pass| {
+        let rows = (count, block, weights);
+        float::add(&mut moments, rows, &(0..n), alpha, beta, None, c.rb_mut(), pass)?;
         beta = T::ONE;
         Ok(())
     })?;
@@ -160,6 +126,38 @@ pub fn ata_rows<T: BlasReal>(
         return Ok(());
     }
     symmetric(c, options.uplo, |lower| moments.correct(alpha.to_f64(), 0, lower))
+}
+
+/// [`ata_rows`] in integers.
+fn exact_rows<T: BlasReal>(
+    alpha: T,
+    rows: &mut (dyn RowBlocks<T> + Send),
+    row_options: &RowOptions<'_, T>,
+    height: usize,
+    beta: T,
+    c: MatMut<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    let weights = row_options.weights;
+    let shift = match row_options.center {
+        Center::No => Shift::No,
+        Center::Mean => Shift::Near,
+        Center::Given(center) => Shift::Given(center),
+    };
+    let [first, rest] = [0.0..FIRST_PASS, FIRST_PASS..1.0].map(|part| options.progress.part(part));
+    let bounds = RowBounds::of(rows, weights, height, &options.clone().progress(first))?;
+    let mut sums = ExactSums::new(&bounds, 0..rows.ncols(), shift)?;
+    let options = options.clone().progress(rest);
+    for_each_block_of(rows, weights, height, 0, &options, |count, block, weights, pass| {
+        sums.add(count, block, weights, false, pass)
+    })?;
+    symmetric(c, options.uplo, |mut lower| {
+        sums.for_each_value(|i, j, value| {
+            let value = T::from_f64(alpha.to_f64() * value);
+            let c = &mut lower[(i, j)];
+            *c = if beta == T::ZERO { value } else { value + beta * *c };
+        })
+    })
 }
 
 /// Rows less their centre.

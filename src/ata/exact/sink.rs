@@ -1,0 +1,171 @@
+//! Where the blocks of a product go once their residues are known.
+
+use faer::MatMut;
+use faer::prelude::ReborrowMut;
+
+use super::columns::Columns;
+use crate::base::Disjoint;
+use crate::kernel::int8::{Block, Kernel, Moduli, Operand, PANEL, Quarter, WIDTH, integers};
+
+/// Takes the blocks of a product.
+pub(super) trait Sink: Sync {
+    /// Takes the block of panels (i, j), whose residues modulo the l-th number are `residues(l)`.
+    ///
+    /// # Safety
+    /// No two calls at a time are for the same block.
+    unsafe fn take<'r>(
+        &self,
+        kernel: &dyn Kernel,
+        block: (usize, usize),
+        residues: impl Fn(usize) -> &'r Block<i8>,
+    );
+}
+
+/// Calls `visit(row, col, triangle, residues)` for each of the four quarters of the block of panels
+/// (i, j) that is inside an n x k matrix; `row` and `col` are those of its first entry, `triangle` says
+/// whether only its lower triangle is wanted.
+fn for_quarters<'r>(
+    (i, j): (usize, usize),
+    (n, k): (usize, usize),
+    (symmetric, moduli): (bool, usize),
+    residues: impl Fn(usize) -> &'r Block<i8>,
+    mut visit: impl FnMut(usize, usize, bool, &[&Quarter<i8>]),
+) {
+    let mut of_quarter: Vec<&Quarter<i8>> = Vec::with_capacity(moduli);
+    for quarter in 0..4 {
+        let (row, col) = (i * PANEL + quarter / 2 * WIDTH, j * PANEL + quarter % 2 * WIDTH);
+        if row >= n || col >= k || symmetric && row < col {
+            continue;
+        }
+        of_quarter.clear();
+        of_quarter.extend((0..moduli).map(|l| &residues(l)[quarter]));
+        visit(row, col, symmetric && row == col, &of_quarter);
+    }
+}
+
+/// `C := alpha X + beta C` for the product X.
+pub(super) struct Floats<'c, T> {
+    pub alpha: T,
+    pub beta: T,
+    pub moduli: &'c Moduli,
+    pub left: &'c Columns,
+    pub right: &'c Columns,
+    /// Only the lower triangle of C.
+    pub symmetric: bool,
+    pub c: Disjoint<'c, T>,
+}
+
+impl<T: Operand> Sink for Floats<'_, T> {
+    unsafe fn take<'r>(
+        &self,
+        kernel: &dyn Kernel,
+        block: (usize, usize),
+        residues: impl Fn(usize) -> &'r Block<i8>,
+    ) {
+        let (n, k) = (self.c.nrows(), self.c.ncols());
+        let kind = (self.symmetric, self.moduli.len());
+        let mut values = [[0.0; WIDTH]; WIDTH];
+        for_quarters(block, (n, k), kind, residues, |row, col, triangle, residues| {
+            let rows = self.left.exponents_of(row / WIDTH).map(|e| -e);
+            let cols = self.right.exponents_of(col / WIDTH).map(|e| -e);
+            kernel.recombine(residues, self.moduli, &rows, &cols, &mut values);
+            let (rows, cols) = (row..n.min(row + WIDTH), col..k.min(col + WIDTH));
+            // SAFETY: the caller's promise; quarters are disjoint.
+            let c = unsafe { self.c.block(rows, cols) };
+            self.store(&values, triangle, c);
+        });
+    }
+}
+
+impl<T: Operand> Floats<'_, T> {
+    /// At most 16 x 16 values, or their lower triangle.
+    fn store(&self, values: &Quarter<f64>, triangle: bool, mut c: MatMut<'_, T>) {
+        let update = |value: f64, c: &mut T| {
+            let value = T::from_f64(value);
+            let value = if self.alpha == T::ONE { value } else { self.alpha * value };
+            *c = if self.beta == T::ZERO { value } else { value + self.beta * *c };
+        };
+        if c.row_stride() == 1 {
+            for j in 0..c.ncols() {
+                let first = if triangle { j } else { 0 };
+                for (i, c) in c.rb_mut().col_mut(j).iter_mut().enumerate().skip(first) {
+                    update(values[i][j], c);
+                }
+            }
+        } else {
+            for (i, values) in values.iter().enumerate().take(c.nrows()) {
+                let count = if triangle { i + 1 } else { WIDTH };
+                for (&value, c) in values.iter().zip(c.rb_mut().row_mut(i).iter_mut()).take(count) {
+                    update(value, c);
+                }
+            }
+        }
+    }
+}
+
+/// Rows of a lower triangle of integers, one after another, row i with i + 1 entries.
+pub(crate) struct TriangleRows<'s> {
+    entries: Disjoint<'s, i128>,
+    /// Entries of the triangle before the first of these.
+    skipped: usize,
+}
+
+impl<'s> TriangleRows<'s> {
+    /// The rows from `first` on.
+    pub fn new(entries: &'s mut [i128], first: usize) -> Self {
+        Self { entries: Disjoint::of_slice(entries), skipped: triangle_len(first) }
+    }
+
+    /// Entry (i, j).
+    ///
+    /// # Safety
+    /// Nobody else uses it meanwhile.
+    #[allow(clippy::mut_from_ref)]
+    unsafe fn get(&self, i: usize, j: usize) -> &mut i128 {
+        // SAFETY: the caller's promise.
+        unsafe { self.entries.get(triangle_len(i) + j - self.skipped) }
+    }
+}
+
+/// Entries of the first `rows` rows of a lower triangle.
+pub(crate) fn triangle_len(rows: usize) -> usize {
+    rows * (rows + 1) / 2
+}
+
+/// `S += X` or `S -= X` for the integer product X, which is a part of the lower triangle S.
+pub(super) struct Integers<'s> {
+    pub moduli: &'s Moduli,
+    pub sums: &'s TriangleRows<'s>,
+    /// Where in S the first entry of X goes.
+    pub corner: (usize, usize),
+    /// Rows and columns of X.
+    pub shape: (usize, usize),
+    /// Only the lower triangle of X.
+    pub symmetric: bool,
+    pub subtract: bool,
+}
+
+impl Sink for Integers<'_> {
+    unsafe fn take<'r>(
+        &self,
+        _kernel: &dyn Kernel,
+        block: (usize, usize),
+        residues: impl Fn(usize) -> &'r Block<i8>,
+    ) {
+        let (n, k) = self.shape;
+        let kind = (self.symmetric, self.moduli.len());
+        let mut values = [[0; WIDTH]; WIDTH];
+        for_quarters(block, self.shape, kind, residues, |row, col, triangle, residues| {
+            integers(residues, self.moduli, &mut values);
+            for (i, values) in values.iter().enumerate().take(n - row) {
+                let count = if triangle { i + 1 } else { WIDTH.min(k - col) };
+                for (j, &value) in values.iter().enumerate().take(count) {
+                    let (i, j) = (self.corner.0 + row + i, self.corner.1 + col + j);
+                    // SAFETY: the caller's promise; quarters are disjoint.
+                    let sum = unsafe { self.sums.get(i, j) };
+                    *sum += if self.subtract { -value } else { value };
+                }
+            }
+        });
+    }
+}

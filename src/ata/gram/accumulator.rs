@@ -1,0 +1,364 @@
+use std::ops::Range;
+
+use super::exact::ExactSums;
+use super::float::FloatSums;
+use super::grid::{RowBounds, Shift};
+use super::product::Pass;
+use super::strip::Strip;
+use crate::ata::combine::{mirror_lower, scale_lower};
+use crate::ata::options::{AtaOptions, Uplo};
+use crate::base::{Error, Real, Result};
+use crate::blas::BlasReal;
+
+/// `C = sum of w_i (x_i - s)(x_i - s)^T` over rows `x_i` of n columns that come in blocks, with what it takes to go
+/// on later, elsewhere, or together with another one; s is zero, or the mean of the rows.
+///
+/// There are two kinds. [`Accumulator::new`] adds in floating point: the last bits depend on the blocks and their
+/// order. [`Accumulator::exact`] adds integers on a grid that is chosen before the first row: C is the same
+/// bytes for any blocks, order, threads, machines and merges, and rows can be removed again. See
+/// docs/algorithms/ata.md, "Streaming".
+///
+/// C may be a strip of rows of the whole matrix, when all of it is too large.
+///
+/// ```
+/// use catamaran::ata::{Accumulator, RowBounds};
+/// use catamaran::{AtaOptions, Uplo};
+///
+/// let bounds = RowBounds::new(vec![-1.0, 0.0], vec![1.0, 9.0], 1000)?;
+/// let options = AtaOptions::default();
+/// let mut sum = Accumulator::<f64>::exact(&bounds, false)?;
+/// sum.add_block(2, &mut [1.0, 2.0, 0.5, 4.0], None, &options)?;
+/// sum.remove_block(1, &mut [1.0, 2.0], None, &options)?;
+/// let c = sum.finish(1.0, Uplo::Both)?;
+/// assert_eq!(c.as_ref()[(1, 0)], 2.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct Accumulator<T> {
+    /// Columns of the rows.
+    pub(super) ncols: usize,
+    pub(super) sums: Sums<T>,
+    /// Rows that a source had which was streamed into this.
+    pub(super) expected_rows: u64,
+    /// Rows of its blocks; 0 before the first source.
+    pub(super) block_rows: u64,
+    /// What the caller wants to find again: name and value.
+    pub(super) labels: Vec<(String, String)>,
+}
+
+/// The sums of one kind or the other.
+#[derive(Debug)]
+pub(super) enum Sums<T> {
+    Float(FloatSums<T>),
+    Exact(ExactSums<T>),
+}
+
+impl<T: BlasReal> Accumulator<T> {
+    /// Of no rows, for all of C, in floating point; about the mean when `centered`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn new(ncols: usize, centered: bool) -> Result<Self> {
+        Self::of_strip(ncols, 0..ncols, centered)
+    }
+
+    /// As [`Accumulator::new`], for these rows of C.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when the rows are not in `0..ncols`, [`Error::OutOfMemory`].
+    pub fn of_strip(ncols: usize, rows: Range<usize>, centered: bool) -> Result<Self> {
+        check_strip(&rows, ncols)?;
+        Ok(Self::of(ncols, Sums::Float(FloatSums::new(ncols, rows, centered)?)))
+    }
+
+    /// Of no rows, for all of C, in integers; about the mean when `centered`. Rows must keep the bounds.
+    ///
+    /// Entries are rounded once, relative to the bounds of their column, products of entries with weights once
+    /// more, and C once at the end: `|C_ij - exact| <= 4 m u |x_i| |x_j|` for m rows and columns x (less their
+    /// mean) that reach their bounds.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when the bounds are too far apart, [`Error::OutOfMemory`].
+    pub fn exact(bounds: &RowBounds<T>, centered: bool) -> Result<Self> {
+        Self::exact_strip(bounds, 0..bounds.ncols(), centered)
+    }
+
+    /// As [`Accumulator::exact`], for these rows of C.
+    ///
+    /// # Errors
+    /// As [`Accumulator::exact`] and [`Accumulator::of_strip`].
+    pub fn exact_strip(bounds: &RowBounds<T>, rows: Range<usize>, centered: bool) -> Result<Self> {
+        check_strip(&rows, bounds.ncols())?;
+        let shift = if centered { Shift::Near } else { Shift::No };
+        Ok(Self::of(bounds.ncols(), Sums::Exact(ExactSums::new(bounds, rows, shift)?)))
+    }
+
+    pub(super) fn of(ncols: usize, sums: Sums<T>) -> Self {
+        Self { ncols, sums, expected_rows: 0, block_rows: 0, labels: Vec::new() }
+    }
+
+    /// Becomes exact, when it has no rows and is not; `bounds` are asked for then.
+    pub(super) fn make_exact(
+        &mut self,
+        bounds: impl FnOnce() -> Result<RowBounds<T>>,
+    ) -> Result<()> {
+        if self.is_exact() {
+            return Ok(());
+        }
+        if self.rows() > 0 {
+            let why = "floating-point sums can't be gone on with exactly: make it with `exact`";
+            return Err(Error::Argument { what: "accumulator", why: why.into() });
+        }
+        let shift = if self.is_centered() { Shift::Near } else { Shift::No };
+        self.sums = Sums::Exact(ExactSums::new(&bounds()?, self.strip(), shift)?);
+        Ok(())
+    }
+
+    /// Columns n of the rows.
+    pub fn ncols(&self) -> usize {
+        self.ncols
+    }
+
+    /// The rows of C that it is of.
+    pub fn strip(&self) -> Range<usize> {
+        match &self.sums {
+            Sums::Float(sums) => sums.c.rows(),
+            Sums::Exact(sums) => sums.strip.clone(),
+        }
+    }
+
+    /// Rows so far.
+    pub fn rows(&self) -> u64 {
+        match &self.sums {
+            Sums::Float(sums) => sums.moments.rows,
+            Sums::Exact(sums) => sums.rows,
+        }
+    }
+
+    /// Rows of all sources that were streamed into it; more than [`Accumulator::rows`] while one is on its way.
+    pub fn expected_rows(&self) -> u64 {
+        self.expected_rows.max(self.rows())
+    }
+
+    /// Sum of the weights of the rows so far; their number without weights.
+    pub fn weight(&self) -> f64 {
+        match &self.sums {
+            Sums::Float(sums) => sums.moments.weight,
+            Sums::Exact(sums) => sums.weight(),
+        }
+    }
+
+    /// Whether C is to be about the mean.
+    pub fn is_centered(&self) -> bool {
+        match &self.sums {
+            Sums::Float(sums) => sums.moments.centered,
+            Sums::Exact(sums) => sums.centered,
+        }
+    }
+
+    /// Whether it adds integers, in any order the same.
+    pub fn is_exact(&self) -> bool {
+        matches!(self.sums, Sums::Exact(_))
+    }
+
+    /// The (weighted) mean row so far; empty without centring.
+    pub fn mean(&self) -> Vec<f64> {
+        match &self.sums {
+            Sums::Float(sums) => sums.moments.mean(),
+            Sums::Exact(sums) => sums.mean(),
+        }
+    }
+
+    /// Names and values that are kept with it, for the caller's use.
+    pub fn labels(&self) -> &[(String, String)] {
+        &self.labels
+    }
+
+    /// Replaces the labels.
+    pub fn set_labels(&mut self, labels: Vec<(String, String)>) {
+        self.labels = labels;
+    }
+
+    /// Whether the labels are these.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] that names the first one that differs, and both values.
+    pub fn check_labels(&self, wanted: &[(String, String)]) -> Result<()> {
+        let value = |labels: &[(String, String)], name: &str| {
+            labels.iter().find(|l| l.0 == name).map(|l| l.1.clone())
+        };
+        for (name, _) in wanted.iter().chain(&self.labels) {
+            let (was, is) = (value(&self.labels, name), value(wanted, name));
+            if was != is {
+                let [was, is] = [was, is].map(|v| v.unwrap_or_else(|| "nothing".into()));
+                let why = format!("{name} was {was}, and is {is} now");
+                return Err(Error::Argument { what: "accumulator", why });
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds a block of `count` rows, one after another, with their weights if they have any. Their entries are
+    /// overwritten. `options.uplo` does not matter. [`stream`](super::stream()) plans once for all blocks of a source.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] for the block and the weights, [`Error::NonFinite`] for a weight; [`Error::Argument`] for
+    /// a row or a weight beyond the bounds of an exact accumulator, which is left as it was; else as
+    /// [`ata`](super::super::ata), after which the accumulator is of no use any more.
+    pub fn add_block(
+        &mut self,
+        count: usize,
+        block: &mut [T],
+        weights: Option<&[T]>,
+        options: &AtaOptions<'_>,
+    ) -> Result<()> {
+        self.check_block(count, block, weights)?;
+        self.add(count, block, weights, &mut Pass::new(options)?)
+    }
+
+    /// Removes rows that were added, in any blocks, with the same weights: what is left are the bytes of sums that
+    /// never had them. As [`Accumulator::add_block`] otherwise.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when the accumulator is not exact, or has fewer rows; [`Error::NonFinite`] for rows that are
+    /// not finite; else as [`Accumulator::add_block`].
+    pub fn remove_block(
+        &mut self,
+        count: usize,
+        block: &mut [T],
+        weights: Option<&[T]>,
+        options: &AtaOptions<'_>,
+    ) -> Result<()> {
+        self.check_block(count, block, weights)?;
+        match &mut self.sums {
+            Sums::Exact(sums) => sums.add(count, block, weights, true, &mut Pass::new(options)?),
+            Sums::Float(_) => {
+                let why = "rows can be removed from an exact one only: make it with `exact`";
+                Err(Error::Argument { what: "accumulator", why: why.into() })
+            }
+        }
+    }
+
+    fn check_block(&self, count: usize, block: &[T], weights: Option<&[T]>) -> Result<()> {
+        let n = self.ncols;
+        if Some(block.len()) != count.checked_mul(n) {
+            return Err(Error::Shape {
+                what: "block",
+                expected: (count, n),
+                got: (block.len(), 1),
+            });
+        }
+        check_weights(count, weights)
+    }
+
+    /// [`Accumulator::add_block`] in a pass.
+    pub(super) fn add(
+        &mut self,
+        count: usize,
+        block: &mut [T],
+        weights: Option<&[T]>,
+        pass: &mut Pass<'_, T>,
+    ) -> Result<()> {
+        match &mut self.sums {
+            Sums::Float(sums) => sums.add(count, block, weights, pass),
+            Sums::Exact(sums) => sums.add(count, block, weights, false, pass),
+        }
+    }
+
+    /// Adds the rows of `other`. Labels that differ are dropped.
+    ///
+    /// Exact sums with the same bounds merge to the same bytes in any order. With other bounds both move to the
+    /// finer grid of each column first, exactly.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when they differ in kind, columns, strip or centring, or when the grids of exact sums are
+    /// too far apart for 128 bits; the accumulator is of no use after that.
+    pub fn merge(&mut self, other: Self) -> Result<()> {
+        let different = |what, own: String, others: String| {
+            let why = format!("{what}: {own} and {others} can't be merged");
+            Err(Error::Argument { what: "accumulator", why })
+        };
+        if self.ncols != other.ncols {
+            return different("columns", self.ncols.to_string(), other.ncols.to_string());
+        }
+        if self.strip() != other.strip() {
+            let strips = [&*self, &other].map(|sum| format!("{:?}", sum.strip()));
+            let [own, others] = strips;
+            return different("rows of C", own, others);
+        }
+        if self.is_centered() != other.is_centered() {
+            let name = |c: bool| if c { "centred" } else { "not centred" }.to_owned();
+            return different("centring", name(self.is_centered()), name(other.is_centered()));
+        }
+        self.expected_rows = self.expected_rows() + other.expected_rows();
+        self.block_rows = 0;
+        self.labels.retain(|label| other.labels.contains(label));
+        match (&mut self.sums, other.sums) {
+            (Sums::Float(own), Sums::Float(others)) => {
+                own.merge(others);
+                Ok(())
+            }
+            (Sums::Exact(own), Sums::Exact(others)) => own.merge(others),
+            (own, _) => {
+                let (exact, float) = ("exact".to_owned(), "floating-point".to_owned());
+                let [own, others] =
+                    if matches!(own, Sums::Exact(_)) { [exact, float] } else { [float, exact] };
+                different("sums", own, others)
+            }
+        }
+    }
+
+    /// `alpha C`, about the mean when centred. Of all of C the triangle or triangles of `uplo`, the other one
+    /// zero. A strip has its part of the lower triangle and zeros above the diagonal, whatever `uplo` says. It is in
+    /// the memory of the accumulator, unless that is exact.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when the weights of a mean sum to zero; of an exact accumulator [`Error::OutOfMemory`].
+    pub fn finish(self, alpha: f64, uplo: Uplo) -> Result<Strip<T>> {
+        let ncols = self.ncols;
+        let mut c = match self.sums {
+            Sums::Float(sums) => sums.finish(alpha)?,
+            Sums::Exact(sums) => {
+                let mut c = Strip::new(sums.strip.clone())?;
+                let mut out = c.as_mut();
+                let first = sums.strip.start;
+                sums.for_each_value(|i, j, value| {
+                    out[(i - first, j)] = T::from_f64(alpha * value);
+                })?;
+                c
+            }
+        };
+        if c.rows() == (0..ncols) && uplo != Uplo::Lower {
+            mirror_lower(c.as_mut());
+            if uplo == Uplo::Upper {
+                // The strict lower triangle is the strict upper one of the transpose: spare the diagonal.
+                let below = c.as_mut().submatrix_mut(
+                    1.min(ncols),
+                    0,
+                    ncols.saturating_sub(1),
+                    ncols.saturating_sub(1),
+                );
+                scale_lower(below, T::ZERO);
+            }
+        }
+        Ok(c)
+    }
+}
+
+pub(super) fn check_strip(rows: &Range<usize>, ncols: usize) -> Result<()> {
+    if rows.start <= rows.end && rows.end <= ncols {
+        return Ok(());
+    }
+    let why = format!("{}..{} is not inside 0..{ncols}", rows.start, rows.end);
+    Err(Error::Argument { what: "strip", why })
+}
+
+/// `count` finite weights, if any.
+pub(crate) fn check_weights<T: Real>(count: usize, weights: Option<&[T]>) -> Result<()> {
+    let Some(weights) = weights else { return Ok(()) };
+    Error::check_shape("weights", (count, 1), (weights.len(), 1))?;
+    match weights.iter().position(|w| !w.is_finite()) {
+        Some(i) => Err(Error::NonFinite { what: "weights", index: (i, 0) }),
+        None => Ok(()),
+    }
+}

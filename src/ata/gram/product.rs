@@ -1,0 +1,146 @@
+//! The products of the blocks of one pass: planned once for each height, all in one scratch.
+
+use std::ops::Range;
+
+use faer::MatRef;
+
+use crate::ata::exact::{self, Columns, Layout, TriangleRows};
+use crate::ata::options::AtaOptions;
+use crate::ata::plan::{Op, Plan};
+use crate::ata::{Product, execute, scratch_len};
+use crate::base::{Progress, Result, Scratch, Workspace};
+use crate::blas::BlasReal;
+use crate::kernel::int8::{Isa, Kernel};
+
+use super::grid::moduli;
+
+/// What a pass over rows has beside its sums.
+pub(crate) struct Pass<'o, T> {
+    pub options: AtaOptions<'o>,
+    /// The part of `options.progress` that the block at hand is.
+    pub progress: Progress<'o>,
+    /// Rows times weights.
+    pub weighted: Workspace<T>,
+    pub engine: Engine,
+}
+
+/// What multiplies.
+pub(crate) struct Engine {
+    /// Of the exact path.
+    pub kernel: &'static dyn Kernel,
+    /// With what they are for: a pass has two heights of blocks at most.
+    plans: Vec<((Op, [usize; 3]), Plan)>,
+    scratch: Scratch,
+}
+
+impl<'o, T: BlasReal> Pass<'o, T> {
+    pub fn new(options: &AtaOptions<'o>) -> Result<Self> {
+        Ok(Self {
+            options: options.clone(),
+            progress: options.progress,
+            weighted: Workspace::new(0)?,
+            engine: Engine {
+                kernel: Isa::best().kernel(),
+                plans: Vec::new(),
+                scratch: Scratch::new::<T>(0)?,
+            },
+        })
+    }
+
+    /// The options for the block at hand, and what multiplies.
+    pub fn parts(&mut self) -> (AtaOptions<'o>, &mut Engine, &mut Workspace<T>) {
+        let options = AtaOptions { progress: self.progress, ..self.options.clone() };
+        (options, &mut self.engine, &mut self.weighted)
+    }
+}
+
+impl Engine {
+    /// `C := alpha A^T B + beta C`, B being A when `None`.
+    pub fn multiply<T: BlasReal>(
+        &mut self,
+        product: Product<'_, T>,
+        options: &AtaOptions<'_>,
+    ) -> Result<()> {
+        let op = match (product.uplo, product.b) {
+            (None, _) => Op::Gemm,
+            (Some(_), None) => Op::Syrk,
+            (Some(_), Some(_)) => Op::Gemmt,
+        };
+        let (m, n) = product.a.shape();
+        let key = (op, [m, n, product.c.ncols()]);
+        let plan = match self.plans.iter().position(|(of, _)| *of == key) {
+            Some(found) => &self.plans[found].1,
+            None => {
+                let plan = Plan::new::<T>(op, m, n, product.c.ncols(), options)?;
+                self.plans.push((key, plan));
+                &self.plans[self.plans.len() - 1].1
+            }
+        };
+        self.scratch.reserve::<T>(scratch_len::<T>(plan, options.par))?;
+        execute(plan, product, options, self.scratch.as_mut_slice())
+    }
+
+    /// Adds the integers of `X^T Y`, Y the weighted rows or X, to the rows `strip` of the triangle `sums`, or
+    /// subtracts them. Column j of X is multiplied by `2^powers[0][j]`, of Y by `2^powers[1][j]`.
+    pub fn integers<T: BlasReal>(
+        &mut self,
+        x: MatRef<'_, T>,
+        y: Option<MatRef<'_, T>>,
+        powers: &[Vec<i32>; 2],
+        (sums, strip): (&mut [i128], &Range<usize>),
+        subtract: bool,
+        options: &AtaOptions<'_>,
+    ) -> Result<()> {
+        let sums = &TriangleRows::new(sums, strip.start);
+        let of = |m, powers: &[i32], columns: &Range<usize>| {
+            (part(m, columns), Columns::given(powers[columns.clone()].iter().copied()))
+        };
+        let (rest, right) = (0..strip.start, y.unwrap_or(x));
+        let left = &of(x, &powers[0], strip);
+        let share = strip.start as f64 / (strip.start as f64 + strip.len() as f64 / 2.0);
+        if !rest.is_empty() {
+            let right = &of(right, &powers[1], &rest);
+            let options = options.clone().progress(options.progress.part(0.0..share));
+            let corner = (strip.start, 0);
+            self.add_integers([left, right], false, false, sums, corner, subtract, &options)?;
+        }
+        let square = &of(right, &powers[1], strip);
+        let square = if y.is_none() { left } else { square };
+        let options = options.clone().progress(options.progress.part(share..1.0));
+        let corner = (strip.start, strip.start);
+        self.add_integers([left, square], true, y.is_none(), sums, corner, subtract, &options)
+    }
+
+    fn add_integers<T: BlasReal>(
+        &mut self,
+        [left, right]: [&(MatRef<'_, T>, Columns); 2],
+        symmetric: bool,
+        same: bool,
+        sums: &TriangleRows<'_>,
+        corner: (usize, usize),
+        subtract: bool,
+        options: &AtaOptions<'_>,
+    ) -> Result<()> {
+        let extents = [left.0.nrows(), left.0.ncols(), right.0.ncols()];
+        let layout = integer_layout::<T>(extents, symmetric, same);
+        let len = exact::scratch_len::<T>(extents, &layout, options.par.threads());
+        self.scratch.reserve::<T>(len)?;
+        let scratch = self.scratch.as_mut_slice();
+        let operands = [(left.0, &left.1), (right.0, &right.1)];
+        exact::accumulate(self.kernel, &layout, operands, sums, corner, subtract, options, scratch)
+    }
+}
+
+/// How exact sums divide the product of a block.
+pub(super) fn integer_layout<T: BlasReal>(
+    extents: [usize; 3],
+    symmetric: bool,
+    same: bool,
+) -> Layout {
+    Layout::new(extents, size_of::<T>(), moduli::<T>(), symmetric, same)
+}
+
+/// Some columns of a matrix.
+pub(super) fn part<'a, T>(x: MatRef<'a, T>, columns: &Range<usize>) -> MatRef<'a, T> {
+    x.subcols(columns.start, columns.len())
+}
