@@ -8,7 +8,7 @@ use tempfile::NamedTempFile;
 
 use super::Rates;
 use crate::base::{Error, Result};
-use crate::kernel::packed::Isa;
+use crate::kernel::packed::isa::Isa;
 
 impl Rates {
     /// The rates that [`Rates::save`] left for this isa on this machine; `None` when there are
