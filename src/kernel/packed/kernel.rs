@@ -1,6 +1,7 @@
 //! The steps of a packed product behind one trait, instantiated for an instruction set and a scalar.
 
 use super::geometry::{Area, Geometry};
+use super::in_place::InPlace;
 use super::operands::Source;
 use super::tile::Row;
 
@@ -13,6 +14,12 @@ pub(crate) trait Kernel<T>: Sync {
     /// # Safety
     /// As there.
     unsafe fn multiply_row(&self, row: &Row<'_, T>);
+
+    /// See `in_place::multiply_in_place`.
+    ///
+    /// # Safety
+    /// As there.
+    unsafe fn multiply_in_place(&self, product: &InPlace<'_, T>);
 
     /// See `pack::pack`.
     ///
@@ -46,6 +53,19 @@ macro_rules! instantiate {
                 }
                 // SAFETY: the caller's promise; `self` exists, so the CPU has the instructions.
                 unsafe { multiply_row(row) }
+            }
+
+            unsafe fn multiply_in_place(&self, product: &super::in_place::InPlace<'_, $t>) {
+                $($enable)*
+                unsafe fn multiply_in_place(product: &super::in_place::InPlace<'_, $t>) {
+                    use super::vectors::Vectors as V;
+                    const ROWS: usize = <$vectors as V>::ROWS;
+                    const COUNT: usize = <$vectors as V>::COUNT;
+                    // SAFETY: the caller's promise.
+                    unsafe { super::in_place::multiply_in_place::<$vectors, ROWS, COUNT>(product) }
+                }
+                // SAFETY: the caller's promise; `self` exists, so the CPU has the instructions.
+                unsafe { multiply_in_place(product) }
             }
 
             unsafe fn pack(

@@ -61,8 +61,8 @@ pub(crate) struct Shape {
     pub same: bool,
 }
 
-/// Panels of the other side up to which a side is not packed but read in place: with more of them its
-/// rows are read so often that packing pays. Measured on Zen 4.
+/// Panels of a side, at most, that is not packed but read in place: with more of them rows are read so
+/// often that packing pays. Measured on Zen 4.
 const PANELS_IN_PLACE: usize = 2;
 
 impl<'a, T: Real> Product<'a, T> {
@@ -71,16 +71,15 @@ impl<'a, T: Real> Product<'a, T> {
         if side == 0 || self.shape.same { &self.left } else { &self.right }
     }
 
-    /// Whether tiles read the left and the right side straight from a matrix.
-    pub fn in_place(&self, geometry: Geometry) -> [bool; 2] {
+    /// Whether tiles read both sides straight from matrices.
+    pub fn in_place(&self, geometry: Geometry) -> bool {
         let Shape { depth, rows, cols, .. } = self.shape;
-        let side = |sources: &[Source<'_, T>], width: usize, other: usize| {
-            matches!(sources, [s] if s.is_plain(depth, width))
-                && other <= PANELS_IN_PLACE * geometry.width
-        };
-        [side(self.sources(0), rows, cols), side(self.sources(1), cols, rows)]
+        let plain = |side, width| matches!(self.sources(side), [s] if s.is_plain(depth, width));
+        plain(0, rows) && plain(1, cols) && rows.max(cols) <= PANELS_IN_PLACE * geometry.width
     }
+}
 
+impl<T: Real> Product<'_, T> {
     /// The same for the transposed targets.
     pub fn transposed(self) -> Self {
         let Self { left, right, targets, shape } = self;

@@ -7,7 +7,8 @@ use super::blocking::Blocking;
 use super::geometry::{Area, Geometry, line_len, piece};
 use super::kernel::Kernel;
 use super::operands::Product;
-use super::target::Target;
+use super::in_place::InPlace;
+use super::target::{Target, wanted_of};
 use super::tile::{Row, Side};
 use crate::base::{Latch, Real, SharedPtr};
 
@@ -23,11 +24,11 @@ pub(super) struct Plan<'a, T> {
     pub product: &'a Product<'a, T>,
     geometry: Geometry,
     pub blocking: Blocking,
-    /// Panels of each side that are packed: none of a side that is read in place, or that is the same
-    /// as the left one.
+    /// Panels of each side that are packed: none of those that are read in place, none of the right one
+    /// where it is the same as the left one.
     left_panels: usize,
     right_panels: usize,
-    in_place: [bool; 2],
+    in_place: bool,
     items: Vec<Item>,
     /// The targets after the first chunk.
     later: Vec<Target<T>>,
@@ -67,9 +68,8 @@ impl<'a, T: Real> Plan<'a, T> {
         items.sort_by_key(|item| std::cmp::Reverse(item.cost));
         let later = product.targets.iter().map(|t| t.accumulating()).collect();
         let in_place = product.in_place(geometry);
-        let packed = |side: usize, panels| if in_place[side] { 0 } else { panels };
-        let (left_panels, right_panels) =
-            (packed(0, left_panels), if shape.same { 0 } else { packed(1, right_panels) });
+        let left_panels = if in_place { 0 } else { left_panels };
+        let right_panels = if in_place || shape.same { 0 } else { right_panels };
         Self { product, geometry, blocking, left_panels, right_panels, in_place, items, later }
     }
 
@@ -139,7 +139,7 @@ impl<T: Real> Phase<'_, '_, T> {
         let Plan { geometry, product, in_place, .. } = self.plan;
         let (rows, starts) = (self.block_rows(b), self.packed_starts(b));
         let side = |i: usize| match product.sources(i) {
-            [source] if in_place[i] => source.in_place(rows.start, *geometry),
+            [source] if *in_place => source.in_place(rows.start, *geometry),
             _ => Side {
                 start: self.at(starts[i]),
                 row_stride: geometry.width as isize,
@@ -181,7 +181,6 @@ impl<T: Real> Phase<'_, '_, T> {
         let item = &items[i];
         let targets = if self.rows.start == 0 { &product.targets } else { later };
         let Geometry { rows: height, width, .. } = *geometry;
-        let in_place = in_place.contains(&true);
         let blocks = self.rows.len().div_ceil(blocking.depth).max(1);
         // Between blocks of rows the sums of all tiles have to be kept.
         let kept = blocks > 1;
@@ -192,6 +191,24 @@ impl<T: Real> Phase<'_, '_, T> {
             let [left, right] = self.sides(b);
             let steps = self.block_rows(b).len();
             let last = b + 1 == blocks;
+            if *in_place {
+                let rectangle = InPlace {
+                    steps,
+                    left,
+                    right,
+                    rows: item.rows.start * width..(item.rows.end * width).min(product.shape.rows),
+                    cols: item.cols.start * width..(item.cols.end * width).min(product.shape.cols),
+                    sums: sums.as_mut_ptr(),
+                    kept,
+                    add: b > 0,
+                    targets,
+                    last,
+                };
+                // SAFETY: the sides hold `steps` rows, the sums a tile per panel or one; the caller
+                // promises the rest.
+                unsafe { kernel.multiply_in_place(&rectangle) };
+                continue;
+            }
             let first_col = item.cols.start * width;
             let next_steps = self.block_rows(b + 1).len();
             let next_right = self.at(self.packed_starts(b + 1)[1] + first_col * next_steps);
@@ -208,8 +225,6 @@ impl<T: Real> Phase<'_, '_, T> {
                     steps,
                     left: left.from_column(corner, width),
                     right: right.from_column(first_col, width),
-                    in_place,
-                    height: height.min(product.shape.rows - corner),
                     next_left: left.from_column(corner + height, width).start,
                     next_right: next_right.wrapping_add(fetched),
                     next_lines,
@@ -228,10 +243,4 @@ impl<T: Real> Phase<'_, '_, T> {
         }
         item.cost as f64 * self.rows.len() as f64
     }
-}
-
-/// The columns that some target wants of these rows.
-fn wanted_of<T>(targets: &[Target<T>], rows: Range<usize>) -> Range<usize> {
-    let wanted = targets.iter().map(|t| t.wanted_of(rows.clone())).filter(|w| !w.is_empty());
-    wanted.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0)
 }

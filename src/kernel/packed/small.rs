@@ -5,6 +5,7 @@ use std::mem::MaybeUninit;
 
 use super::blocking::{Blocking, DEPTH};
 use super::geometry::Area;
+use super::in_place::InPlace;
 use super::kernel::Kernel;
 use super::operands::{Shape, Source};
 use super::target::Target;
@@ -51,16 +52,28 @@ pub(crate) unsafe fn run_small<T: Real>(
 ) {
     let geometry = kernel.geometry();
     let Shape { depth: m, rows, cols, same } = shape;
+    let mut sums = Aligned::<[T; LARGEST_TILE]>(MaybeUninit::uninit());
+    let sums = sums.0.as_mut_ptr().cast::<T>();
     if left.is_plain(m, rows) && right.is_plain(m, cols) {
-        let m = m.max(1);
-        let steps = m.div_ceil(m.div_ceil(DEPTH));
-        let mut target = target;
-        for first in (0..m).step_by(steps) {
-            let steps = steps.min(shape.depth - first);
-            let sides = [left, right].map(|source| source.in_place(first, geometry));
-            // SAFETY: the sources have these rows; the caller promises that the target is ours.
-            unsafe { multiply(kernel, steps, sides, true, target, shape) };
-            target = target.accumulating();
+        let mut targets = [target];
+        let steps = if m <= DEPTH { m.max(1) } else { m.div_ceil(m.div_ceil(DEPTH)) };
+        for first in (0..m.max(1)).step_by(steps) {
+            let product = InPlace {
+                steps: steps.min(m - first),
+                left: left.in_place(first, geometry),
+                right: right.in_place(first, geometry),
+                rows: 0..rows,
+                cols: 0..cols,
+                sums,
+                kept: false,
+                add: false,
+                targets: &targets,
+                last: true,
+            };
+            // SAFETY: the sources have these rows, the sums hold a tile; the caller promises that the
+            // target is ours.
+            unsafe { kernel.multiply_in_place(&product) };
+            targets = [targets[0].accumulating()];
         }
         return;
     }
@@ -84,26 +97,25 @@ pub(crate) unsafe fn run_small<T: Real>(
             if !same {
                 kernel.pack(&[right], &area(cols), packed.add(own), panel_stride);
             }
-            multiply(kernel, steps, sides, false, target, shape);
+            multiply(kernel, steps, sides, sums, target, shape);
         }
         target = target.accumulating();
     }
 }
 
-/// All tiles of a product of these sides.
+/// All tiles of a product of these packed sides.
 ///
 /// # Safety
-/// The sides have `steps` rows; nobody else uses the matrix that the target comes from.
+/// The sides have `steps` rows, the sums hold a tile; nobody else uses the matrix that the target comes from.
 unsafe fn multiply<T: Real>(
     kernel: &dyn Kernel<T>,
     steps: usize,
     [left, right]: [Side<T>; 2],
-    in_place: bool,
+    sums: *mut T,
     target: Target<T>,
     shape: Shape,
 ) {
     let geometry = kernel.geometry();
-    let mut sums = Aligned::<[T; LARGEST_TILE]>(MaybeUninit::uninit());
     for corner in (0..shape.rows).step_by(geometry.rows) {
         let left = left.from_column(corner, geometry.width);
         let wanted = target.wanted_of(corner..corner + geometry.rows);
@@ -111,14 +123,12 @@ unsafe fn multiply<T: Real>(
             steps,
             left,
             right,
-            in_place,
-            height: geometry.rows.min(shape.rows - corner),
             next_left: left.start,
             next_right: left.start,
             next_lines: 0,
             panels: 0..shape.cols.div_ceil(geometry.width),
             wanted: wanted.start..wanted.end.min(shape.cols),
-            sums: sums.0.as_mut_ptr().cast(),
+            sums,
             kept: false,
             add: false,
             targets: std::slice::from_ref(&target),

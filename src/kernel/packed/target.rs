@@ -50,6 +50,28 @@ impl<T> Scales<T> {
     }
 }
 
+/// The columns of a tile that are wanted, relative to its first one: between two diagonals and the end
+/// of the target.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WantedColumns {
+    /// First column of row 0; each row begins one further right.
+    first: isize,
+    /// End of row 0; each row ends one further right.
+    limit: isize,
+    /// End of all rows.
+    end: isize,
+}
+
+impl WantedColumns {
+    /// Those of row `i` of the tile.
+    #[inline(always)]
+    pub fn of_row(self, i: usize) -> Range<usize> {
+        let i = i as isize;
+        let end = (self.limit + i).clamp(0, self.end);
+        (self.first + i).clamp(0, end) as usize..end as usize
+    }
+}
+
 /// A matrix, to take targets from: they may overlap, the products that write them are in order.
 pub(crate) struct Destination<'a, T> {
     matrix: Disjoint<'a, T>,
@@ -121,6 +143,19 @@ impl<T> Target<T> {
         first.start.min(last.start)..first.end.max(last.end)
     }
 
+    /// What is wanted of the rows of a tile with this corner and width.
+    #[inline(always)]
+    pub(super) fn columns_from(&self, row: usize, col: usize, width: usize) -> WantedColumns {
+        let diagonal = row as isize + self.diagonal - col as isize;
+        let end = (self.cols.saturating_sub(col)).min(width) as isize;
+        let (first, limit) = match self.part {
+            Part::All => (isize::MIN / 2, isize::MAX / 2),
+            Part::Lower => (isize::MIN / 2, diagonal + 1),
+            Part::Upper => (diagonal, isize::MAX / 2),
+        };
+        WantedColumns { first, limit, end }
+    }
+
     /// Whether all of these entries are wanted.
     #[inline(always)]
     pub fn wants_all(&self, rows: Range<usize>, cols: Range<usize>) -> bool {
@@ -132,6 +167,12 @@ impl<T> Target<T> {
                 Part::Lower => corner(rows.start, cols.end) >= -1,
                 Part::Upper => corner(rows.end, cols.start) <= 1,
             }
+    }
+
+    /// Whether rows of it are contiguous, and written as they are.
+    #[inline(always)]
+    pub(super) fn is_plain(&self) -> bool {
+        self.col_stride == 1 && self.scales.is_none()
     }
 
     /// What its rows and columns are divided by.
@@ -181,4 +222,10 @@ impl<T> Target<T> {
             ..self
         }
     }
+}
+
+/// The columns that some target wants of these rows.
+pub(super) fn wanted_of<T>(targets: &[Target<T>], rows: Range<usize>) -> Range<usize> {
+    let wanted = targets.iter().map(|t| t.wanted_of(rows.clone())).filter(|w| !w.is_empty());
+    wanted.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0)
 }

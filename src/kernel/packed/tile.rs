@@ -24,7 +24,11 @@ pub(crate) struct Side<T> {
 impl<T> Side<T> {
     /// The same from column `col` on, in panels of `width` columns.
     pub fn from_column(self, col: usize, width: usize) -> Self {
-        let offset = col / width * self.panel_stride + col % width;
+        // In place, panels follow each other as columns do: no division.
+        let offset = match self.panel_stride == width {
+            true => col,
+            false => col / width * self.panel_stride + col % width,
+        };
         Self { start: self.start.wrapping_add(offset), ..self }
     }
 }
@@ -38,11 +42,6 @@ pub(crate) struct Row<'r, T> {
     pub left: Side<T>,
     /// From the first of `panels` on.
     pub right: Side<T>,
-    /// Whether a side is read in place, so that nothing beyond `height` columns of the left side and
-    /// the columns wanted of the right side may be read.
-    pub in_place: bool,
-    /// Rows of the product: ROWS of them, or fewer at its end.
-    pub height: usize,
     /// What the next row begins with, to be fetched meanwhile.
     pub next_left: *const T,
     /// A part of what the next steps begin with, to be fetched too: this many lines per tile.
@@ -71,8 +70,6 @@ pub(crate) struct Row<'r, T> {
 pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: usize>(
     row: &Row<'_, V::Scalar>,
 ) {
-    // Lines of the next left side that each tile fetches.
-    let share = row.steps.div_ceil(row.panels.len().max(1));
     for (j, panel) in row.panels.clone().enumerate() {
         let col = panel * V::WIDTH;
         if col >= row.wanted.end || col + V::WIDTH <= row.wanted.start {
@@ -94,98 +91,49 @@ pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: us
                 sums: sums.add(first * V::LANES),
                 add: row.add,
             };
-            if row.in_place {
-                let tail = V::mask(0..rest - (first + count - 1) * V::LANES);
-                multiply_in_place::<V, ROWS, COUNT>(tile, row.height, count, tail);
-            } else {
-                let left = Stream {
-                    start: row.next_left.wrapping_add(j * share * V::WIDTH),
-                    stride: V::WIDTH as isize,
-                    count: share,
-                    lines: 1,
-                };
-                let then = match row.targets.first() {
-                    Some(target) => target.stream(V::ROWS, V::WIDTH, row.corner, col),
-                    None => {
-                        let line = const { line_len::<V::Scalar>() };
-                        let start = row.next_right.wrapping_add(j * row.next_lines * line);
-                        Stream { start, stride: line as isize, count: row.next_lines, lines: 1 }
-                    }
-                };
-                let (ahead, all) = (&[then, left], V::mask(0..V::LANES));
-                match count {
-                    1 => multiply::<V, ROWS, 1, false>(tile, all, ahead),
-                    2 if COUNT > 2 => multiply::<V, ROWS, 2, false>(tile, all, ahead),
-                    _ => multiply::<V, ROWS, COUNT, false>(tile, all, ahead),
+            // Lines of the next left side that each tile fetches.
+            let share = row.steps.div_ceil(row.panels.len());
+            let left = Stream {
+                start: row.next_left.wrapping_add(j * share * V::WIDTH),
+                stride: V::WIDTH as isize,
+                count: share,
+                lines: 1,
+            };
+            let then = match row.targets.first() {
+                Some(target) => target.stream(V::ROWS, V::WIDTH, row.corner, col),
+                None => {
+                    let line = const { line_len::<V::Scalar>() };
+                    let start = row.next_right.wrapping_add(j * row.next_lines * line);
+                    Stream { start, stride: line as isize, count: row.next_lines, lines: 1 }
                 }
+            };
+            let (ahead, all) = (&[then, left], V::mask(0..V::LANES));
+            match count {
+                1 => tile.store::<V, ROWS, 1>(tile.multiply::<V, ROWS, 1, false>(all, ahead)),
+                2 if COUNT > 2 => {
+                    tile.store::<V, ROWS, 2>(tile.multiply::<V, ROWS, 2, false>(all, ahead));
+                }
+                _ => tile.store::<V, ROWS, COUNT>(tile.multiply::<V, ROWS, COUNT, false>(all, ahead)),
             }
             for target in row.targets {
-                write::<V>(sums, target, row.corner, col, row.height);
+                write::<V>(sums, target, row.corner, col, V::ROWS, V::WIDTH);
             }
         }
     }
 }
 
 /// The operands of one tile, and where its sums go.
-struct Tile<T> {
-    steps: usize,
-    left: *const T,
-    left_stride: isize,
-    right: *const T,
-    right_stride: isize,
-    sums: *mut T,
+#[derive(Clone, Copy)]
+pub(super) struct Tile<T> {
+    pub steps: usize,
+    pub left: *const T,
+    pub left_stride: isize,
+    pub right: *const T,
+    pub right_stride: isize,
+    /// Rows of WIDTH.
+    pub sums: *mut T,
     /// Whether the sums hold those of earlier steps.
-    add: bool,
-}
-
-impl<T> Tile<T> {
-    /// The part below the first `rows` rows.
-    unsafe fn below(&self, rows: usize, width: usize) -> Self {
-        // SAFETY: the caller's promise: there are more rows.
-        unsafe { Self { left: self.left.add(rows), sums: self.sums.add(rows * width), ..*self } }
-    }
-}
-
-/// [`multiply`] of `height` rows and `count` vectors, of which the last one has the lanes `tail`:
-/// nothing else is read.
-///
-/// # Safety
-/// As there, for what is read.
-#[inline(always)]
-unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUNT: usize>(
-    mut tile: Tile<V::Scalar>,
-    mut height: usize,
-    count: usize,
-    tail: V::Mask,
-) {
-    macro_rules! rows {
-        ($rows:expr) => {
-            match count {
-                1 => multiply::<V, { $rows }, 1, true>(tile, tail, &[]),
-                2 if COUNT > 2 => multiply::<V, { $rows }, 2, true>(tile, tail, &[]),
-                _ => multiply::<V, { $rows }, COUNT, true>(tile, tail, &[]),
-            }
-        };
-    }
-    // SAFETY: the caller's promise.
-    unsafe {
-        if height >= ROWS {
-            return rows!(ROWS);
-        }
-        if ROWS > 4 && height >= 4 {
-            let below = tile.below(4, V::WIDTH);
-            rows!(4);
-            (tile, height) = (below, height - 4);
-        }
-        if height >= 2 {
-            let below = tile.below(2, V::WIDTH);
-            rows!(2);
-            (tile, height) = (below, height - 2);
-        }
-        if height == 1 {
-            rows!(1);
-        }
-    }
+    pub add: bool,
 }
 
 /// Steps between the places of a [`Stream`].
@@ -194,76 +142,98 @@ const PACE: usize = 4;
 /// Steps ahead that operands are asked for.
 const AHEAD: isize = 16;
 
-/// `sums := left^T right`, or `+=` when `tile.add`: ROWS columns of the left side times N vectors of
-/// the right side. Sums start at zero each time, so that roundings stay those of short sums.
-/// Meanwhile what is `ahead` is fetched, a bit every few steps: all at once it would stand in the way
-/// of the operands. The last vector has the lanes `tail` when `MASKED`, else all.
-///
-/// # Safety
-/// Both sides hold `steps` rows, the sums ROWS x WIDTH.
-#[inline(always)]
-unsafe fn multiply<V: Vectors, const ROWS: usize, const N: usize, const MASKED: bool>(
-    mut from: Tile<V::Scalar>,
-    tail: V::Mask,
-    ahead: &[Stream<V::Scalar>],
-) {
-    // SAFETY: the caller's promise.
-    unsafe {
-        let mut tile = [[V::splat(V::Scalar::ZERO); N]; ROWS];
-        let mut rest = from.steps;
-        for stream in ahead {
-            let mut line = stream.start;
-            for _ in 0..stream.count.min(rest / PACE) {
-                for i in 0..stream.lines {
-                    V::prefetch_far(line.wrapping_add(i * const { line_len::<V::Scalar>() }));
+impl<T: Real> Tile<T> {
+    /// `left^T right`: ROWS columns of the left side times N vectors of the right side, in registers.
+    /// Meanwhile what is `ahead` is fetched, a bit every few steps: all at once it would stand in the way
+    /// of the operands. The last vector has the lanes `tail` when `MASKED`, else all.
+    ///
+    /// # Safety
+    /// Both sides hold `steps` rows.
+    #[inline(always)]
+    pub unsafe fn multiply<V, const ROWS: usize, const N: usize, const MASKED: bool>(
+        mut self,
+        tail: V::Mask,
+        ahead: &[Stream<T>],
+    ) -> [[V::Vector; N]; ROWS]
+    where
+        V: Vectors<Scalar = T>,
+    {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let mut tile = [[V::splat(T::ZERO); N]; ROWS];
+            let mut rest = self.steps;
+            for stream in ahead {
+                let mut line = stream.start;
+                for _ in 0..stream.count.min(rest / PACE) {
+                    for i in 0..stream.lines {
+                        V::prefetch_far(line.wrapping_add(i * const { line_len::<T>() }));
+                    }
+                    line = line.wrapping_offset(stream.stride);
+                    for _ in 0..PACE {
+                        self.step::<V, ROWS, N, MASKED>(tail, &mut tile);
+                    }
+                    rest -= PACE;
                 }
-                line = line.wrapping_offset(stream.stride);
-                for _ in 0..PACE {
-                    step::<V, ROWS, N, MASKED>(&mut from, tail, &mut tile);
-                }
-                rest -= PACE;
             }
-        }
-        for _ in 0..rest {
-            step::<V, ROWS, N, MASKED>(&mut from, tail, &mut tile);
-        }
-        for i in 0..ROWS {
-            for j in 0..N {
-                let at = from.sums.add(i * V::WIDTH + j * V::LANES);
-                let sum = if from.add { V::add(V::load(at), tile[i][j]) } else { tile[i][j] };
-                V::store(at, sum);
+            for _ in 0..rest {
+                self.step::<V, ROWS, N, MASKED>(tail, &mut tile);
             }
+            tile
         }
     }
-}
 
-/// One step of [`multiply`].
-///
-/// # Safety
-/// As there.
-#[inline(always)]
-unsafe fn step<V: Vectors, const ROWS: usize, const N: usize, const MASKED: bool>(
-    from: &mut Tile<V::Scalar>,
-    tail: V::Mask,
-    tile: &mut [[V::Vector; N]; ROWS],
-) {
-    // SAFETY: the caller's promise.
-    unsafe {
-        let right_ahead = from.right.wrapping_offset(AHEAD * from.right_stride);
-        let mut r = [V::splat(V::Scalar::ZERO); N];
-        for j in 0..N {
-            let at = from.right.add(j * V::LANES);
-            r[j] = if MASKED && j + 1 == N { V::load_masked(at, tail) } else { V::load(at) };
-            V::prefetch(right_ahead.wrapping_add(j * V::LANES));
-        }
-        V::prefetch(from.left.wrapping_offset(AHEAD * from.left_stride));
-        for i in 0..ROWS {
-            let l = V::splat(*from.left.add(i));
+    /// One step of [`Tile::multiply`].
+    ///
+    /// # Safety
+    /// As there.
+    #[inline(always)]
+    unsafe fn step<V, const ROWS: usize, const N: usize, const MASKED: bool>(
+        &mut self,
+        tail: V::Mask,
+        tile: &mut [[V::Vector; N]; ROWS],
+    ) where
+        V: Vectors<Scalar = T>,
+    {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let right_ahead = self.right.wrapping_offset(AHEAD * self.right_stride);
+            let mut r = [V::splat(T::ZERO); N];
             for j in 0..N {
-                tile[i][j] = V::mul_add(l, r[j], tile[i][j]);
+                let at = self.right.add(j * V::LANES);
+                r[j] = if MASKED && j + 1 == N { V::load_masked(at, tail) } else { V::load(at) };
+                V::prefetch(right_ahead.wrapping_add(j * V::LANES));
+            }
+            V::prefetch(self.left.wrapping_offset(AHEAD * self.left_stride));
+            for i in 0..ROWS {
+                let l = V::splat(*self.left.add(i));
+                for j in 0..N {
+                    tile[i][j] = V::mul_add(l, r[j], tile[i][j]);
+                }
+            }
+            self.left = self.left.wrapping_offset(self.left_stride);
+            self.right = self.right.wrapping_offset(self.right_stride);
+        }
+    }
+
+    /// `sums := tile`, or `+=` when `self.add`. The tile began at zero, so that roundings stay those of
+    /// short sums.
+    ///
+    /// # Safety
+    /// The sums hold ROWS x WIDTH.
+    #[inline(always)]
+    pub unsafe fn store<V, const ROWS: usize, const N: usize>(self, tile: [[V::Vector; N]; ROWS])
+    where
+        V: Vectors<Scalar = T>,
+    {
+        // SAFETY: the caller's promise.
+        unsafe {
+            for i in 0..ROWS {
+                for j in 0..N {
+                    let at = self.sums.add(i * V::WIDTH + j * V::LANES);
+                    let sum = if self.add { V::add(V::load(at), tile[i][j]) } else { tile[i][j] };
+                    V::store(at, sum);
+                }
             }
         }
-        from.left = from.left.wrapping_offset(from.left_stride);
-        from.right = from.right.wrapping_offset(from.right_stride);
     }
 }

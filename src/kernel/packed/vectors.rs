@@ -16,6 +16,8 @@ pub(super) trait Vectors {
     const ROWS: usize;
     /// Vectors of a row of a tile: 2 or 3.
     const COUNT: usize;
+    /// Whether masked stores cost about what plain ones do.
+    const MASKED_STORES: bool;
     /// Columns of a tile, and of a panel.
     const WIDTH: usize = Self::LANES * Self::COUNT;
 

@@ -12,11 +12,11 @@ use crate::base::Real;
 /// Scalars of the largest tile: 8 x 48, f32 with AVX-512.
 pub(super) const LARGEST_TILE: usize = 8 * 48;
 
-/// Adds a tile of `height` rows, whose corner is entry `(row, col)` of the product, to a block of C:
+/// Adds a tile of `height` x `width`, whose corner is entry `(row, col)` of the product, to a block of C:
 /// `C := beta C + coefficient sums`, where C is inside and wanted.
 ///
 /// # Safety
-/// `sums` holds ROWS x WIDTH, computed where they are wanted; nobody else uses these entries of C.
+/// `sums` holds rows of WIDTH, computed where they are wanted; nobody else uses these entries of C.
 #[inline(always)]
 pub(super) unsafe fn write<V: Vectors>(
     mut sums: *const V::Scalar,
@@ -24,6 +24,7 @@ pub(super) unsafe fn write<V: Vectors>(
     row: usize,
     col: usize,
     height: usize,
+    width: usize,
 ) {
     let height = height.min(target.rows.saturating_sub(row));
     let mut unscaled = MaybeUninit::<[V::Scalar; LARGEST_TILE]>::uninit();
@@ -31,17 +32,17 @@ pub(super) unsafe fn write<V: Vectors>(
     unsafe {
         if let Some(scales) = target.scales() {
             let wanted = target.wanted_of(row..row + height);
-            let wanted = wanted.start.saturating_sub(col)..wanted.end.saturating_sub(col);
+            let wanted = wanted.start.saturating_sub(col)..wanted.end.saturating_sub(col).min(width);
             let out = unscaled.as_mut_ptr().cast();
             unscale::<V>(sums, &scales.from(row, col), height, wanted, out);
             sums = out;
         }
         if target.col_stride != 1 {
-            write_elements::<V>(sums, target, row, col, height);
-        } else if target.wants_all(row..row + V::ROWS, col..col + V::WIDTH) {
+            write_elements::<V>(sums, target, row, col, height, width);
+        } else if width == V::WIDTH && target.wants_all(row..row + V::ROWS, col..col + V::WIDTH) {
             write_all::<V>(sums, target, row, col);
         } else {
-            write_wanted::<V>(sums, target, row, col, height);
+            write_wanted::<V>(sums, target, row, col, height, width);
         }
     }
 }
@@ -83,28 +84,73 @@ unsafe fn write_wanted<V: Vectors>(
     row: usize,
     col: usize,
     height: usize,
+    width: usize,
 ) {
     // SAFETY: as for `write`.
     unsafe {
         let (c, beta) = (V::splat(target.coefficient), V::splat(target.beta));
+        let reads = target.beta != V::Scalar::ZERO;
+        let columns = target.columns_from(row, col, width);
+        let mut start = target.at(row, col);
         for i in 0..height {
-            let wanted = target.wanted(row + i);
-            let first = wanted.start.saturating_sub(col);
-            let end = wanted.end.saturating_sub(col).min(V::WIDTH);
-            let start = target.at(row + i, col);
-            let mut at = first / V::LANES * V::LANES;
-            while at < end {
-                let sum = V::mul(c, V::load(sums.add(i * V::WIDTH + at)));
+            let wanted = columns.of_row(i);
+            let sums = sums.add(i * V::WIDTH);
+            let mut at = wanted.start / V::LANES * V::LANES;
+            while at < wanted.end {
+                let sum = V::mul(c, V::load(sums.add(at)));
                 let to = start.wrapping_add(at);
-                let mask = V::mask(first.saturating_sub(at)..V::LANES.min(end - at));
-                let sum = if target.beta == V::Scalar::ZERO {
-                    sum
+                if wanted.start <= at && at + V::LANES <= wanted.end {
+                    let sum = if reads { V::add(V::mul(beta, V::load(to)), sum) } else { sum };
+                    V::store(to, sum);
                 } else {
-                    V::add(V::mul(beta, V::load_masked(to, mask)), sum)
-                };
-                V::store_masked(to, mask, sum);
+                    let end = V::LANES.min(wanted.end - at);
+                    let mask = V::mask(wanted.start.saturating_sub(at)..end);
+                    let sum = match reads {
+                        true => V::add(V::mul(beta, V::load_masked(to, mask)), sum),
+                        false => sum,
+                    };
+                    V::store_masked(to, mask, sum);
+                }
                 at += V::LANES;
             }
+            start = start.wrapping_offset(target.row_stride);
+        }
+    }
+}
+
+/// [`write()`] of N vectors in each of ROWS rows, straight from registers into a target without scales
+/// that is stored by rows.
+///
+/// # Safety
+/// As for [`write()`].
+#[inline(always)]
+pub(super) unsafe fn write_registers<V: Vectors, const ROWS: usize, const N: usize>(
+    sums: [[V::Vector; N]; ROWS],
+    target: &Target<V::Scalar>,
+    row: usize,
+    col: usize,
+) {
+    // SAFETY: the caller's promise; the entries lie inside the block.
+    unsafe {
+        let (c, beta) = (V::splat(target.coefficient), V::splat(target.beta));
+        let reads = target.beta != V::Scalar::ZERO;
+        let columns = target.columns_from(row, col, N * V::LANES);
+        let mut start = target.at(row, col);
+        for i in 0..ROWS {
+            let wanted = columns.of_row(i);
+            for j in 0..N {
+                let lane = |column: usize| column.saturating_sub(j * V::LANES).min(V::LANES);
+                let (mask, to) = (
+                    V::mask(lane(wanted.start)..lane(wanted.end)),
+                    start.wrapping_add(j * V::LANES),
+                );
+                let mut sum = V::mul(c, sums[i][j]);
+                if reads {
+                    sum = V::add(V::mul(beta, V::load_masked(to, mask)), sum);
+                }
+                V::store_masked(to, mask, sum);
+            }
+            start = start.wrapping_offset(target.row_stride);
         }
     }
 }
@@ -117,12 +163,13 @@ unsafe fn write_elements<V: Vectors>(
     row: usize,
     col: usize,
     height: usize,
+    width: usize,
 ) {
     // SAFETY: as for `write`.
     unsafe {
         for i in 0..height {
             let wanted = target.wanted(row + i);
-            for j in wanted.start.max(col)..wanted.end.min(col + V::WIDTH) {
+            for j in wanted.start.max(col)..wanted.end.min(col + width) {
                 let to = target.at(row + i, j);
                 let sum = target.coefficient * *sums.add(i * V::WIDTH + j - col);
                 let zero = target.beta == V::Scalar::ZERO;
@@ -153,7 +200,7 @@ unsafe fn unscale<V: Vectors>(
     // SAFETY: the caller's promise.
     unsafe {
         let one = V::splat(V::Scalar::ONE);
-        let (first, end) = (wanted.start / V::LANES * V::LANES, wanted.end.min(V::WIDTH));
+        let (first, end) = (wanted.start / V::LANES * V::LANES, wanted.end);
         for at in (first..end).step_by(V::LANES) {
             let mask = V::mask(0..V::LANES.min(end - at));
             let factors = V::div(one, V::load_masked(scales.cols.at(at as isize), mask));

@@ -176,8 +176,6 @@ fn row<'r>(
         steps,
         left,
         right,
-        in_place: false,
-        height: geometry.rows,
         next_left: left.start,
         next_right: right.start,
         next_lines: 0,
