@@ -3,7 +3,8 @@
 
 use std::sync::OnceLock;
 
-use super::{Geometry, Shape};
+use super::geometry::Geometry;
+use super::operands::Shape;
 use crate::base::second_level_cache;
 
 /// Extents of the pieces of a product.

@@ -1,7 +1,9 @@
 //! Plain Rust: arrays for vectors, which compilers put into the registers of any CPU.
 
-use super::generic::Vectors;
-use super::instantiate;
+use std::ops::Range;
+
+use super::kernel::instantiate;
+use super::vectors::Vectors;
 use crate::base::Real;
 
 pub(super) struct Portable;
@@ -12,9 +14,11 @@ pub(super) struct Array<T, const N: usize>(std::marker::PhantomData<T>);
 impl<T: Real, const N: usize> Vectors for Array<T, N> {
     type Scalar = T;
     type Vector = [T; N];
+    type Mask = (usize, usize);
     const LANES: usize = N;
     const ROWS: usize = 4;
     const COUNT: usize = 2;
+    const MASKED_STORES: bool = false;
 
     #[inline(always)]
     unsafe fn splat(x: T) -> [T; N] {
@@ -31,6 +35,25 @@ impl<T: Real, const N: usize> Vectors for Array<T, N> {
         unsafe { to.cast::<[T; N]>().write(vector) }
     }
     #[inline(always)]
+    unsafe fn mask(lanes: Range<usize>) -> (usize, usize) {
+        (lanes.start, lanes.end)
+    }
+    #[inline(always)]
+    unsafe fn load_masked(from: *const T, (start, end): (usize, usize)) -> [T; N] {
+        // SAFETY: the caller's promise.
+        let lane = |i| if start <= i && i < end { unsafe { *from.add(i) } } else { T::ZERO };
+        std::array::from_fn(lane)
+    }
+    #[inline(always)]
+    unsafe fn store_masked(to: *mut T, (start, end): (usize, usize), vector: [T; N]) {
+        for i in 0..N {
+            if start <= i && i < end {
+                // SAFETY: the caller's promise.
+                unsafe { *to.add(i) = vector[i] };
+            }
+        }
+    }
+    #[inline(always)]
     unsafe fn mul_add(a: [T; N], b: [T; N], c: [T; N]) -> [T; N] {
         // Two roundings: without the instruction a fused one is a call.
         std::array::from_fn(|i| a[i] * b[i] + c[i])
@@ -42,6 +65,18 @@ impl<T: Real, const N: usize> Vectors for Array<T, N> {
     #[inline(always)]
     unsafe fn mul(a: [T; N], b: [T; N]) -> [T; N] {
         std::array::from_fn(|i| a[i] * b[i])
+    }
+    #[inline(always)]
+    unsafe fn div(a: [T; N], b: [T; N]) -> [T; N] {
+        std::array::from_fn(|i| a[i] / b[i])
+    }
+    #[inline(always)]
+    unsafe fn min(a: [T; N], b: [T; N]) -> [T; N] {
+        std::array::from_fn(|i| if a[i] < b[i] { a[i] } else { b[i] })
+    }
+    #[inline(always)]
+    unsafe fn max(a: [T; N], b: [T; N]) -> [T; N] {
+        std::array::from_fn(|i| if a[i] > b[i] { a[i] } else { b[i] })
     }
 }
 

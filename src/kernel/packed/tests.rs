@@ -1,12 +1,12 @@
 //! One suite for every isa, against the definition in integers, which nothing rounds.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::{MatMut, MatRef};
 
 use super::*;
-use crate::base::{Par, Pin, Progress, Rng, ThreadPool, Tracker};
+use crate::base::{Par, Pin, Progress, Real, Rng, ThreadPool, Tracker};
 
 /// The isas that this machine has.
 fn isas() -> impl Iterator<Item = Isa> {

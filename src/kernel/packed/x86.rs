@@ -1,24 +1,29 @@
 //! AVX-512 and AVX2 with FMA.
 
 use std::arch::x86_64::*;
+use std::ops::Range;
 
-use super::generic::Vectors;
-use super::instantiate;
+use super::kernel::instantiate;
+use super::vectors::Vectors;
 
 /// `Vectors` of one register type.
 macro_rules! vectors {
     (
-        $name:ident, $t:ident, $v:ident, $lanes:expr, rows: $rows:expr,
-        $splat:ident, $load:ident, $store:ident, $fma:ident, $add:ident, $mul:ident
+        $name:ident, $t:ident, $v:ident, $lanes:expr, rows: $rows:expr, masked_stores: $masked_stores:expr,
+        $splat:ident, $load:ident, $store:ident,
+        $m:ident, $mask:ident, $load_masked:ident, $store_masked:ident,
+        $fma:ident, $add:ident, $mul:ident, $div:ident, $min:ident, $max:ident
     ) => {
         pub(super) struct $name;
 
         impl Vectors for $name {
             type Scalar = $t;
             type Vector = $v;
+            type Mask = $m;
             const LANES: usize = $lanes;
             const ROWS: usize = $rows;
             const COUNT: usize = 3;
+            const MASKED_STORES: bool = $masked_stores;
 
             #[inline(always)]
             unsafe fn splat(x: $t) -> $v {
@@ -36,6 +41,21 @@ macro_rules! vectors {
                 unsafe { $store(to, vector) }
             }
             #[inline(always)]
+            unsafe fn mask(lanes: Range<usize>) -> $m {
+                // SAFETY: the caller's promise.
+                unsafe { $mask(lanes.start, lanes.end) }
+            }
+            #[inline(always)]
+            unsafe fn load_masked(from: *const $t, mask: $m) -> $v {
+                // SAFETY: the caller's promise: lanes outside of the mask are not read.
+                unsafe { $load_masked(from, mask) }
+            }
+            #[inline(always)]
+            unsafe fn store_masked(to: *mut $t, mask: $m, vector: $v) {
+                // SAFETY: the caller's promise: lanes outside of the mask are not written.
+                unsafe { $store_masked(to, mask, vector) }
+            }
+            #[inline(always)]
             unsafe fn mul_add(a: $v, b: $v, c: $v) -> $v {
                 // SAFETY: the caller's promise.
                 unsafe { $fma(a, b, c) }
@@ -51,6 +71,21 @@ macro_rules! vectors {
                 unsafe { $mul(a, b) }
             }
             #[inline(always)]
+            unsafe fn div(a: $v, b: $v) -> $v {
+                // SAFETY: the caller's promise.
+                unsafe { $div(a, b) }
+            }
+            #[inline(always)]
+            unsafe fn min(a: $v, b: $v) -> $v {
+                // SAFETY: the caller's promise.
+                unsafe { $min(a, b) }
+            }
+            #[inline(always)]
+            unsafe fn max(a: $v, b: $v) -> $v {
+                // SAFETY: the caller's promise.
+                unsafe { $max(a, b) }
+            }
+            #[inline(always)]
             fn prefetch(address: *const $t) {
                 // SAFETY: a hint, for any address.
                 unsafe { _mm_prefetch::<_MM_HINT_T0>(address.cast()) }
@@ -64,23 +99,81 @@ macro_rules! vectors {
     };
 }
 
+/// The bits `start..end`, which is at most 31.
+#[inline(always)]
+fn bits(start: usize, end: usize) -> u32 {
+    (1 << end) - (1 << start)
+}
+
+#[inline(always)]
+unsafe fn mask_8_bits(start: usize, end: usize) -> __mmask8 {
+    bits(start, end) as __mmask8
+}
+
+#[inline(always)]
+unsafe fn mask_16_bits(start: usize, end: usize) -> __mmask16 {
+    bits(start, end) as __mmask16
+}
+
+/// Ones in the 64-bit lanes `start..end`.
+#[inline(always)]
+unsafe fn mask_4_lanes(start: usize, end: usize) -> __m256i {
+    // SAFETY: the caller has AVX2.
+    unsafe {
+        let lanes = _mm256_set_epi64x(3, 2, 1, 0);
+        let from_start = _mm256_cmpgt_epi64(lanes, _mm256_set1_epi64x(start as i64 - 1));
+        _mm256_and_si256(from_start, _mm256_cmpgt_epi64(_mm256_set1_epi64x(end as i64), lanes))
+    }
+}
+
+/// Ones in the 32-bit lanes `start..end`.
+#[inline(always)]
+unsafe fn mask_8_lanes(start: usize, end: usize) -> __m256i {
+    // SAFETY: the caller has AVX2.
+    unsafe {
+        let lanes = _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0);
+        let from_start = _mm256_cmpgt_epi32(lanes, _mm256_set1_epi32(start as i32 - 1));
+        _mm256_and_si256(from_start, _mm256_cmpgt_epi32(_mm256_set1_epi32(end as i32), lanes))
+    }
+}
+
+#[inline(always)]
+unsafe fn load_f64x8(from: *const f64, mask: __mmask8) -> __m512d {
+    // SAFETY: the caller's promise.
+    unsafe { _mm512_maskz_loadu_pd(mask, from) }
+}
+
+#[inline(always)]
+unsafe fn load_f32x16(from: *const f32, mask: __mmask16) -> __m512 {
+    // SAFETY: the caller's promise.
+    unsafe { _mm512_maskz_loadu_ps(mask, from) }
+}
+
 // 8 x 3 sums, 3 vectors of the right panel and one of the left: 28 of 32 registers.
 vectors!(
-    Avx512F64, f64, __m512d, 8, rows: 8,
-    _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_fmadd_pd, _mm512_add_pd, _mm512_mul_pd
+    Avx512F64, f64, __m512d, 8, rows: 8, masked_stores: true,
+    _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd,
+    __mmask8, mask_8_bits, load_f64x8, _mm512_mask_storeu_pd,
+    _mm512_fmadd_pd, _mm512_add_pd, _mm512_mul_pd, _mm512_div_pd, _mm512_min_pd, _mm512_max_pd
 );
 vectors!(
-    Avx512F32, f32, __m512, 16, rows: 8,
-    _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_fmadd_ps, _mm512_add_ps, _mm512_mul_ps
+    Avx512F32, f32, __m512, 16, rows: 8, masked_stores: true,
+    _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps,
+    __mmask16, mask_16_bits, load_f32x16, _mm512_mask_storeu_ps,
+    _mm512_fmadd_ps, _mm512_add_ps, _mm512_mul_ps, _mm512_div_ps, _mm512_min_ps, _mm512_max_ps
 );
 // 4 x 3 sums, 3 and 1: all 16 registers.
 vectors!(
-    Avx2F64, f64, __m256d, 4, rows: 4,
-    _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_fmadd_pd, _mm256_add_pd, _mm256_mul_pd
+    Avx2F64, f64, __m256d, 4, rows: 4, masked_stores: false,
+    _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd,
+    __m256i, mask_4_lanes, _mm256_maskload_pd, _mm256_maskstore_pd,
+    _mm256_fmadd_pd, _mm256_add_pd, _mm256_mul_pd, _mm256_div_pd, _mm256_min_pd, _mm256_max_pd
 );
 vectors!(
-    Avx2F32, f32, __m256, 8, rows: 4,
-    _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_fmadd_ps, _mm256_add_ps, _mm256_mul_ps
+    Avx2F32, f32, __m256, 8, rows: 4, masked_stores: false,
+    _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps,
+    __m256i, mask_8_lanes, _mm256_maskload_ps, _mm256_maskstore_ps,
+    _mm256_fmadd_ps, _mm256_add_ps, _mm256_mul_ps, _mm256_div_ps, _mm256_min_ps, _mm256_max_ps
 );
 
 /// Exists only where the CPU has AVX-512: what makes its kernels sound.

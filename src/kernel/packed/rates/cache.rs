@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Rates;
 use crate::base::{Error, Result};
-use crate::kernel::packed::Isa;
+use crate::kernel::packed::isa::Isa;
 
 impl Rates {
     /// The rates that [`Rates::save`] left for this isa on this machine; `None` when there are

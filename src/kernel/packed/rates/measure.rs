@@ -6,8 +6,13 @@ use faer::MatRef;
 
 use super::Rates;
 use crate::base::{Error, Result, Workspace};
-use crate::kernel::packed::sealed::Kernels;
-use crate::kernel::packed::{Area, Destination, Geometry, Isa, Kernel, Part, Row, Source, Target};
+use crate::kernel::packed::geometry::{Area, Geometry};
+use crate::kernel::packed::isa::Isa;
+use crate::kernel::packed::kernel::Kernel;
+use crate::kernel::packed::operand::sealed::Kernels;
+use crate::kernel::packed::operands::Source;
+use crate::kernel::packed::target::{Destination, Part, Target};
+use crate::kernel::packed::tile::{Row, Side};
 
 /// Rows and columns of the matrix that fits no cache: 133 MB. No power of two, whose rows would all
 /// fall on the same few places of a cache.
@@ -83,18 +88,20 @@ impl<'a> Bench<'a> {
 
     /// Flops per second of an item: its panels and its sums lie in the second-level cache.
     fn flops(&mut self) -> f64 {
-        let Self { kernel, geometry: Geometry { rows, width, .. }, item, .. } = *self;
+        let Self { kernel, geometry, item, .. } = *self;
+        let Geometry { rows, width, .. } = geometry;
         let start = self.panels.as_mut_ptr();
         let (right, sums) =
             (start.wrapping_add(DEPTH * item), start.wrapping_add(2 * DEPTH * item));
         median_rate(|| {
             for corner in (0..item).step_by(rows) {
-                let left = corner / width * width * DEPTH + corner % width;
+                let left = side(start, DEPTH, geometry).from_column(corner, width);
+                let right = side(right, DEPTH, geometry);
                 let row = Row {
                     sums: sums.wrapping_add(corner * item),
                     kept: true,
                     add: true,
-                    ..row(DEPTH, start.wrapping_add(left), right, corner, 0..item / width, &[])
+                    ..row(DEPTH, [left, right], geometry, corner, 0..item / width, &[])
                 };
                 // SAFETY: whole panels of DEPTH rows, and tiles after them; `new` has measured
                 // their memory.
@@ -129,8 +136,10 @@ impl<'a> Bench<'a> {
 
     /// Bytes per second read and written by adding the tiles of one item after another.
     fn update_bytes(&mut self) -> f64 {
-        let Self { kernel, geometry: Geometry { rows, width, .. }, item, .. } = *self;
+        let Self { kernel, geometry, item, .. } = *self;
+        let Geometry { rows, width, .. } = geometry;
         let sums = self.panels.as_mut_ptr();
+        let sides = [side(sums, 0, geometry); 2];
         let matrix = faer::MatMut::from_row_major_slice_mut(self.matrix, SIDE, SIDE);
         let targets = [Destination::new(matrix, Part::All).block(0..SIDE, 0..SIDE, 1.0, 1.0)];
         let items = SIDE / item;
@@ -140,7 +149,7 @@ impl<'a> Bench<'a> {
             number += 1;
             let panels = first_col / width..(first_col + item) / width;
             for corner in (first_row..first_row + item).step_by(rows) {
-                let row = Row { sums, ..row(0, sums, sums, corner, panels.clone(), &targets) };
+                let row = Row { sums, ..row(0, sides, geometry, corner, panels.clone(), &targets) };
                 // SAFETY: without steps nothing is read, one tile is used; the matrix is borrowed.
                 unsafe { kernel.multiply_row(&row) };
             }
@@ -149,11 +158,16 @@ impl<'a> Bench<'a> {
     }
 }
 
+/// Packed panels of so many rows.
+fn side(start: *const f64, steps: usize, geometry: Geometry) -> Side<f64> {
+    Side { start, row_stride: geometry.width as isize, panel_stride: steps * geometry.width }
+}
+
 /// A row of tiles that fetches nothing for others.
 fn row<'r>(
     steps: usize,
-    left: *const f64,
-    right: *const f64,
+    [left, right]: [Side<f64>; 2],
+    geometry: Geometry,
     corner: usize,
     panels: std::ops::Range<usize>,
     targets: &'r [Target<f64>],
@@ -161,9 +175,9 @@ fn row<'r>(
     Row {
         steps,
         left,
-        next_left: left,
         right,
-        next_right: right,
+        next_left: left.start,
+        next_right: right.start,
         next_lines: 0,
         panels,
         wanted: 0..SIDE,

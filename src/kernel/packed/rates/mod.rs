@@ -5,7 +5,7 @@ mod cpu;
 mod measure;
 mod text;
 
-use super::Isa;
+use super::isa::Isa;
 
 /// Speed of one core with one instruction set, for the planner. Estimates: a wrong one costs time,
 /// never correctness.

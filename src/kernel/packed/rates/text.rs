@@ -1,7 +1,7 @@
 //! The text form of rates: a line that says whose they are, then lines `key = value`.
 
 use super::{Rates, cpu};
-use crate::kernel::packed::Isa;
+use crate::kernel::packed::isa::Isa;
 
 /// A fault of a text: its line, from 1, and what is wrong.
 pub(super) type Fault = (Option<usize>, String);

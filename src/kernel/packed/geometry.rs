@@ -1,0 +1,47 @@
+//! Extents: of tiles, of pieces of matrices, of cache lines.
+
+use std::ops::Range;
+
+/// The extents of a kernel's tiles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Geometry {
+    /// Scalars of a vector.
+    pub lanes: usize,
+    /// Rows of a tile; they divide the width.
+    pub rows: usize,
+    /// Columns of a tile, and of a panel.
+    pub width: usize,
+}
+
+/// Rows and columns.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Area {
+    pub rows: Range<usize>,
+    pub cols: Range<usize>,
+}
+
+/// The i-th piece of `range`, cut into pieces of `length`.
+pub(super) fn piece(range: &Range<usize>, i: usize, length: usize) -> Range<usize> {
+    let start = range.start + i * length;
+    start..range.end.min(start + length)
+}
+
+/// Bytes of a cache line.
+pub(super) const CACHE_LINE: usize = 64;
+
+/// Scalars of a cache line.
+pub(super) const fn line_len<T>() -> usize {
+    CACHE_LINE / size_of::<T>()
+}
+
+/// Cache lines to fetch: some at each of several places.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stream<T> {
+    pub start: *const T,
+    /// Scalars from one place to the next.
+    pub stride: isize,
+    /// Number of places.
+    pub count: usize,
+    /// Lines at each place.
+    pub lines: usize,
+}

@@ -1,0 +1,48 @@
+//! The instruction sets, and which of them this machine has.
+
+#[cfg(target_arch = "x86_64")]
+use super::x86::{Avx2, Avx512};
+
+/// An instruction set that the kernels are written for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Isa {
+    /// AVX-512.
+    Avx512,
+    /// AVX2 with FMA.
+    Avx2,
+    /// Plain Rust.
+    Portable,
+}
+
+impl Isa {
+    /// All of them, the fastest first.
+    pub const ALL: [Self; 3] = [Self::Avx512, Self::Avx2, Self::Portable];
+
+    /// Short name: `avx512`, `avx2`, `portable`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Avx512 => "avx512",
+            Self::Avx2 => "avx2",
+            Self::Portable => "portable",
+        }
+    }
+
+    /// The fastest one that this machine has.
+    pub fn best() -> Self {
+        let usable = |i: &Self| i.refusal().is_none();
+        Self::ALL.into_iter().find(usable).unwrap_or(Self::Portable)
+    }
+
+    /// Why this machine can't use it; `None` when it can.
+    pub fn refusal(self) -> Option<&'static str> {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => Avx512::new().err(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => Avx2::new().err(),
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Avx512 | Self::Avx2 => Some("not an x86-64 CPU"),
+            Self::Portable => None,
+        }
+    }
+}

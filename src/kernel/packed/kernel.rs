@@ -1,0 +1,94 @@
+//! The steps of a packed product behind one trait, instantiated for an instruction set and a scalar.
+
+use super::geometry::{Area, Geometry};
+use super::in_place::InPlace;
+use super::operands::Source;
+use super::tile::Row;
+
+/// The steps of a packed product, for one instruction set and scalar.
+pub(crate) trait Kernel<T>: Sync {
+    fn geometry(&self) -> Geometry;
+
+    /// See `tile::multiply_row`.
+    ///
+    /// # Safety
+    /// As there.
+    unsafe fn multiply_row(&self, row: &Row<'_, T>);
+
+    /// See `in_place::multiply_in_place`.
+    ///
+    /// # Safety
+    /// As there.
+    unsafe fn multiply_in_place(&self, product: &InPlace<'_, T>);
+
+    /// See `pack::pack`.
+    ///
+    /// # Safety
+    /// As there.
+    unsafe fn pack(&self, sources: &[Source<'_, T>], area: &Area, out: *mut T, panel_stride: usize);
+}
+
+/// Instantiates the algorithm: `instantiate!(Kernel, scalar, Vectors, attributes)`. The kernel exists
+/// only where the CPU has the instructions.
+macro_rules! instantiate {
+    ($kernel:ident, $t:ident, $vectors:ty, $($enable:tt)*) => {
+        impl super::kernel::Kernel<$t> for $kernel {
+            fn geometry(&self) -> super::geometry::Geometry {
+                use super::vectors::Vectors as V;
+                const { assert!(<$vectors>::WIDTH.is_multiple_of(<$vectors>::ROWS)) };
+                super::geometry::Geometry {
+                    lanes: <$vectors as V>::LANES,
+                    rows: <$vectors as V>::ROWS,
+                    width: <$vectors as V>::WIDTH,
+                }
+            }
+
+            unsafe fn multiply_row(&self, row: &super::tile::Row<'_, $t>) {
+                $($enable)*
+                unsafe fn multiply_row(row: &super::tile::Row<'_, $t>) {
+                    use super::tile::multiply_row;
+                    use super::vectors::Vectors as V;
+                    // SAFETY: the caller's promise.
+                    unsafe { multiply_row::<$vectors, { <$vectors as V>::ROWS }, { <$vectors as V>::COUNT }>(row) }
+                }
+                // SAFETY: the caller's promise; `self` exists, so the CPU has the instructions.
+                unsafe { multiply_row(row) }
+            }
+
+            unsafe fn multiply_in_place(&self, product: &super::in_place::InPlace<'_, $t>) {
+                $($enable)*
+                unsafe fn multiply_in_place(product: &super::in_place::InPlace<'_, $t>) {
+                    use super::vectors::Vectors as V;
+                    const ROWS: usize = <$vectors as V>::ROWS;
+                    const COUNT: usize = <$vectors as V>::COUNT;
+                    // SAFETY: the caller's promise.
+                    unsafe { super::in_place::multiply_in_place::<$vectors, ROWS, COUNT>(product) }
+                }
+                // SAFETY: the caller's promise; `self` exists, so the CPU has the instructions.
+                unsafe { multiply_in_place(product) }
+            }
+
+            unsafe fn pack(
+                &self,
+                sources: &[super::operands::Source<'_, $t>],
+                area: &super::geometry::Area,
+                out: *mut $t,
+                panel_stride: usize,
+            ) {
+                $($enable)*
+                unsafe fn pack(
+                    sources: &[super::operands::Source<'_, $t>],
+                    area: &super::geometry::Area,
+                    out: *mut $t,
+                    panel_stride: usize,
+                ) {
+                    // SAFETY: the caller's promise.
+                    unsafe { super::pack::pack::<$vectors>(sources, area, out, panel_stride) }
+                }
+                // SAFETY: the caller's promise; `self` exists, so the CPU has the instructions.
+                unsafe { pack(sources, area, out, panel_stride) }
+            }
+        }
+    };
+}
+pub(super) use instantiate;

@@ -1,0 +1,44 @@
+//! The scalars that kernels exist for.
+
+use super::isa::Isa;
+use super::kernel::Kernel;
+use super::portable::Portable;
+#[cfg(target_arch = "x86_64")]
+use super::x86::{Avx2, Avx512};
+use crate::base::Real;
+
+/// A scalar that the kernels are written for.
+pub trait Operand: Real + sealed::Kernels {}
+
+impl Operand for f32 {}
+impl Operand for f64 {}
+
+pub(crate) mod sealed {
+    use super::*;
+
+    pub trait Kernels: Sized {
+        /// Returns the kernel of an isa; that of [`Isa::Portable`] when this machine refuses it.
+        #[allow(private_interfaces)]
+        fn kernel(isa: Isa) -> &'static dyn Kernel<Self>;
+    }
+
+    macro_rules! kernels {
+        ($t:ident) => {
+            impl Kernels for $t {
+                #[allow(private_interfaces)]
+                fn kernel(isa: Isa) -> &'static dyn Kernel<Self> {
+                    let portable: &'static dyn Kernel<Self> = &Portable;
+                    match isa {
+                        #[cfg(target_arch = "x86_64")]
+                        Isa::Avx512 => Avx512::new().map_or(portable, |kernel| kernel),
+                        #[cfg(target_arch = "x86_64")]
+                        Isa::Avx2 => Avx2::new().map_or(portable, |kernel| kernel),
+                        _ => portable,
+                    }
+                }
+            }
+        };
+    }
+    kernels!(f32);
+    kernels!(f64);
+}

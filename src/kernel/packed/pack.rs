@@ -1,0 +1,232 @@
+//! Packing: signed sums of blocks into panels of WIDTH columns.
+//!
+//! Everything here is inlined into functions that enable the instructions of one [`Vectors`].
+
+use super::geometry::{Area, piece};
+use super::operands::Source;
+use super::vectors::Vectors;
+use crate::base::Real;
+
+/// Writes the panels that hold columns `area.cols` of the sum of `sources`, rows `area.rows`: the
+/// i-th panel at `out + i * panel_stride`, row after row, WIDTH columns each. What a source lacks
+/// counts as zero, and so do the columns between the end of the area and that of its last panel.
+///
+/// # Safety
+/// `out` has room for all panels.
+#[inline(always)]
+pub(super) unsafe fn pack<V: Vectors>(
+    sources: &[Source<'_, V::Scalar>],
+    area: &Area,
+    out: *mut V::Scalar,
+    panel_stride: usize,
+) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let by_rows = sources.iter().all(|s| s.matrix.col_stride() == 1);
+        let scaled = sources.iter().filter(|s| s.scale.is_some()).count();
+        let shortest = sources.iter().map(|s| s.matrix.nrows()).min().unwrap_or(0);
+        let narrowest = sources.iter().map(|s| s.matrix.ncols()).min().unwrap_or(0);
+        // What can be taken row by row: rows that all sources have, and all columns or whole panels.
+        let rows = shortest.min(area.rows.end).saturating_sub(area.rows.start);
+        let columns = match narrowest.min(area.cols.end).saturating_sub(area.cols.start) {
+            _ if !by_rows || rows == 0 => 0,
+            common if common == area.cols.len() => common,
+            common => common / V::WIDTH * V::WIDTH,
+        };
+        let common = Area {
+            rows: area.rows.start..area.rows.start + rows,
+            cols: area.cols.start..area.cols.start + columns,
+        };
+        macro_rules! by_rows {
+            ($scaled:expr) => {
+                match *sources {
+                    [a] => pack_rows::<V, 1, $scaled>(&[a], &common, out, panel_stride),
+                    [a, b] => pack_rows::<V, 2, $scaled>(&[a, b], &common, out, panel_stride),
+                    [a, b, c] => pack_rows::<V, 3, $scaled>(&[a, b, c], &common, out, panel_stride),
+                    [a, b, c, d] => {
+                        pack_rows::<V, 4, $scaled>(&[a, b, c, d], &common, out, panel_stride)
+                    }
+                    _ => pack_many_rows::<V>(sources, &common, out, panel_stride),
+                }
+            };
+        }
+        match columns {
+            0 => {}
+            _ if scaled == 0 => by_rows!(false),
+            _ if scaled == sources.len() => by_rows!(true),
+            _ => pack_many_rows::<V>(sources, &common, out, panel_stride),
+        }
+        if columns < area.cols.len() {
+            let rest = Area { cols: common.cols.end..area.cols.end, ..area.clone() };
+            let panels = columns / V::WIDTH;
+            pack_elements::<V>(sources, &rest, out.add(panels * panel_stride), panel_stride);
+        }
+        if columns > 0 && rows < area.rows.len() {
+            let rest = Area { rows: common.rows.end..area.rows.end, ..common };
+            pack_elements::<V>(sources, &rest, out.add(rows * V::WIDTH), panel_stride);
+        }
+    }
+}
+
+/// Rows ahead that sources are asked for.
+const ROWS_AHEAD: usize = 6;
+
+/// [`pack`] from N sources stored by rows, which have all of the area. Whether they are `SCALED`.
+#[inline(always)]
+unsafe fn pack_rows<V: Vectors, const N: usize, const SCALED: bool>(
+    sources: &[Source<'_, V::Scalar>; N],
+    area: &Area,
+    out: *mut V::Scalar,
+    panel_stride: usize,
+) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let (columns, first) = (area.cols.len(), area.cols.start);
+        let full = columns / V::WIDTH;
+        let scales = sources.map(|s| s.scale.map_or(std::ptr::null(), |d| d[area.cols.clone()].as_ptr()));
+        for (k, row) in area.rows.clone().enumerate() {
+            let rows = sources.map(|s| s.matrix.ptr_at(row, first));
+            let ahead = sources.map(|s| ahead_of(&s, row, first));
+            let sum = |at: usize, mask: Option<V::Mask>| {
+                sum_of::<V, N, SCALED>(sources, &rows, &scales, at, mask)
+            };
+            for panel in 0..full {
+                let to = out.add(panel * panel_stride + k * V::WIDTH);
+                for j in 0..V::COUNT {
+                    let at = panel * V::WIDTH + j * V::LANES;
+                    for s in 0..N {
+                        V::prefetch(ahead[s].wrapping_add(at));
+                    }
+                    V::store(to.add(j * V::LANES), sum(at, None));
+                }
+            }
+            if full * V::WIDTH < columns {
+                let to = out.add(full * panel_stride + k * V::WIDTH);
+                for j in 0..V::COUNT {
+                    let at = full * V::WIDTH + j * V::LANES;
+                    let vector = match columns.saturating_sub(at) {
+                        0 => V::splat(V::Scalar::ZERO),
+                        rest if rest >= V::LANES => sum(at, None),
+                        rest => sum(at, Some(V::mask(0..rest))),
+                    };
+                    V::store(to.add(j * V::LANES), vector);
+                }
+            }
+        }
+    }
+}
+
+/// A vector of the sum of the sources, whose rows and scales begin at `rows` and `scales`.
+#[inline(always)]
+unsafe fn sum_of<V: Vectors, const N: usize, const SCALED: bool>(
+    sources: &[Source<'_, V::Scalar>; N],
+    rows: &[*const V::Scalar; N],
+    scales: &[*const V::Scalar; N],
+    at: usize,
+    mask: Option<V::Mask>,
+) -> V::Vector {
+    // SAFETY: the caller's promise: the vector, or its masked lanes, lie inside of the rows.
+    unsafe {
+        let load = |from: *const V::Scalar| match mask {
+            None => V::load(from.add(at)),
+            Some(mask) => V::load_masked(from.add(at), mask),
+        };
+        let term = |s: usize| match SCALED {
+            false => load(rows[s]),
+            true => V::mul(load(scales[s]), load(rows[s])),
+        };
+        let mut sum = term(0);
+        if N > 1 || sources[0].coefficient != V::Scalar::ONE {
+            sum = V::mul(V::splat(sources[0].coefficient), sum);
+        }
+        for s in 1..N {
+            sum = V::mul_add(V::splat(sources[s].coefficient), term(s), sum);
+        }
+        sum
+    }
+}
+
+/// As [`pack_rows`], for any number of sources.
+#[inline(always)]
+unsafe fn pack_many_rows<V: Vectors>(
+    sources: &[Source<'_, V::Scalar>],
+    area: &Area,
+    out: *mut V::Scalar,
+    panel_stride: usize,
+) {
+    // SAFETY: as for `pack_rows`.
+    unsafe {
+        let columns = area.cols.len();
+        for (k, row) in area.rows.clone().enumerate() {
+            for first in (0..columns.next_multiple_of(V::WIDTH)).step_by(V::LANES) {
+                let (panel, within) = (first / V::WIDTH, first % V::WIDTH);
+                let at = area.cols.start + first;
+                let mask = V::mask(0..V::LANES.min(columns.saturating_sub(first)));
+                let mut sum = V::splat(V::Scalar::ZERO);
+                for s in sources {
+                    V::prefetch(ahead_of(s, row, at));
+                    let from = s.matrix.as_ptr();
+                    let from = from.wrapping_offset(row as isize * s.matrix.row_stride());
+                    let mut term = V::load_masked(from.wrapping_add(at), mask);
+                    if let Some(scale) = s.scale {
+                        term = V::mul(V::load_masked(scale.as_ptr().wrapping_add(at), mask), term);
+                    }
+                    sum = V::mul_add(V::splat(s.coefficient), term, sum);
+                }
+                V::store(out.add(panel * panel_stride + k * V::WIDTH + within), sum);
+            }
+        }
+    }
+}
+
+/// The same columns some rows further down.
+#[inline(always)]
+fn ahead_of<T>(source: &Source<'_, T>, row: usize, col: usize) -> *const T {
+    let down = (row + ROWS_AHEAD) as isize * source.matrix.row_stride();
+    source.matrix.as_ptr().wrapping_offset(down).wrapping_add(col)
+}
+
+/// [`pack`] for edges and for sources stored in any way.
+#[inline(always)]
+unsafe fn pack_elements<V: Vectors>(
+    sources: &[Source<'_, V::Scalar>],
+    area: &Area,
+    out: *mut V::Scalar,
+    panel_stride: usize,
+) {
+    /// Rows taken together, so that columns stored one after another are read in order.
+    const ROWS: usize = 16;
+    // SAFETY: the caller's promise; only entries inside of a source are read.
+    unsafe {
+        let panels = area.cols.len().div_ceil(V::WIDTH);
+        for panel in 0..panels {
+            let cols = piece(&area.cols, panel, V::WIDTH);
+            let to = out.add(panel * panel_stride);
+            for first in (0..area.rows.len()).step_by(ROWS) {
+                let count = ROWS.min(area.rows.len() - first);
+                let to = to.add(first * V::WIDTH);
+                for i in 0..count * V::COUNT {
+                    V::store(to.add(i * V::LANES), V::splat(V::Scalar::ZERO));
+                }
+                for s in sources {
+                    let m = s.matrix;
+                    let row = area.rows.start + first;
+                    let count = count.min(m.nrows().saturating_sub(row));
+                    let width = cols.end.min(m.ncols()).saturating_sub(cols.start);
+                    let (down, across) = (m.row_stride(), m.col_stride());
+                    let from = m
+                        .as_ptr()
+                        .wrapping_offset(row as isize * down + cols.start as isize * across);
+                    for j in 0..width {
+                        let from = from.wrapping_offset(j as isize * across);
+                        let scale = s.scale.map_or(V::Scalar::ONE, |d| d[cols.start + j]);
+                        for k in 0..count {
+                            let x = *from.wrapping_offset(k as isize * down);
+                            *to.add(k * V::WIDTH + j) += s.coefficient * (scale * x);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

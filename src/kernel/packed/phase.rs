@@ -1,0 +1,246 @@
+//! A product cut into pieces, and what each piece does: pack some panels, or compute a rectangle of
+//! tiles.
+
+use std::ops::Range;
+
+use super::blocking::Blocking;
+use super::geometry::{Area, Geometry, line_len, piece};
+use super::kernel::Kernel;
+use super::operands::Product;
+use super::in_place::InPlace;
+use super::target::{Target, wanted_of};
+use super::tile::{Row, Side};
+use crate::base::{Latch, Real, SharedPtr};
+
+/// What a phase does with a chunk.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Step {
+    Pack,
+    Multiply,
+}
+
+/// A product and its pieces.
+pub(super) struct Plan<'a, T> {
+    pub product: &'a Product<'a, T>,
+    geometry: Geometry,
+    pub blocking: Blocking,
+    /// Panels of each side that are packed: none of those that are read in place, none of the right one
+    /// where it is the same as the left one.
+    left_panels: usize,
+    right_panels: usize,
+    in_place: bool,
+    items: Vec<Item>,
+    /// The targets after the first chunk.
+    later: Vec<Target<T>>,
+}
+
+/// A rectangle of the product, in panels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Item {
+    rows: Range<usize>,
+    cols: Range<usize>,
+    /// Entries that somebody wants, roughly.
+    cost: usize,
+}
+
+/// Panels of a piece of packing.
+const GROUP: usize = 8;
+
+impl<'a, T: Real> Plan<'a, T> {
+    pub fn new(geometry: Geometry, product: &'a Product<'a, T>, budget: usize) -> Self {
+        let shape = product.shape;
+        let blocking = Blocking::new(geometry, size_of::<T>(), shape, budget);
+        let (left_panels, right_panels) =
+            (shape.rows.div_ceil(geometry.width), shape.cols.div_ceil(geometry.width));
+        let mut items = Vec::new();
+        // Items in a row share their right side, which then is in the cache already.
+        for j in (0..right_panels).step_by(blocking.panels) {
+            for i in (0..left_panels).step_by(blocking.panels) {
+                let rows = i..left_panels.min(i + blocking.panels);
+                let cols = j..right_panels.min(j + blocking.panels);
+                let cost = Self::wanted(geometry, product, &rows, &cols);
+                if cost > 0 {
+                    items.push(Item { rows, cols, cost });
+                }
+            }
+        }
+        // The smaller ones last, to fill the gaps at the end.
+        items.sort_by_key(|item| std::cmp::Reverse(item.cost));
+        let later = product.targets.iter().map(|t| t.accumulating()).collect();
+        let in_place = product.in_place(geometry);
+        let left_panels = if in_place { 0 } else { left_panels };
+        let right_panels = if in_place || shape.same { 0 } else { right_panels };
+        Self { product, geometry, blocking, left_panels, right_panels, in_place, items, later }
+    }
+
+    /// Entries of a rectangle of panels that a target wants.
+    fn wanted(
+        geometry: Geometry,
+        product: &Product<'_, T>,
+        rows: &Range<usize>,
+        cols: &Range<usize>,
+    ) -> usize {
+        let width = geometry.width;
+        let cols = cols.start * width..cols.end * width;
+        let of = |t: &Target<T>, panel: usize| {
+            let wanted = t.wanted_of(panel * width..(panel + 1) * width);
+            wanted.end.min(cols.end).saturating_sub(wanted.start.max(cols.start))
+        };
+        let most = |panel| product.targets.iter().map(|t| of(t, panel)).max().unwrap_or(0);
+        rows.clone().map(|panel| width * most(panel)).sum()
+    }
+
+    pub fn tickets(&self, step: Step, rows: &Range<usize>) -> usize {
+        match step {
+            Step::Multiply => self.items.len(),
+            Step::Pack => {
+                let (left, right) = self.groups();
+                rows.len().div_ceil(self.blocking.depth) * (left + right)
+            }
+        }
+    }
+
+    /// Groups of panels of each side that are packed.
+    fn groups(&self) -> (usize, usize) {
+        (self.left_panels.div_ceil(GROUP), self.right_panels.div_ceil(GROUP))
+    }
+}
+
+/// One step of one chunk of a product.
+pub(super) struct Phase<'p, 'a, T> {
+    pub plan: &'p Plan<'a, T>,
+    pub step: Step,
+    pub rows: Range<usize>,
+    pub packed: SharedPtr<T>,
+    pub tickets: Range<usize>,
+    pub done: Latch,
+}
+
+impl<T: Real> Phase<'_, '_, T> {
+    /// An address in the packed chunk.
+    fn at(&self, offset: usize) -> *mut T {
+        self.packed.at(offset as isize)
+    }
+
+    /// The rows of block `b`.
+    fn block_rows(&self, b: usize) -> Range<usize> {
+        piece(&self.rows, b, self.plan.blocking.depth)
+    }
+
+    /// Where the packed panels of block `b` begin, left and right.
+    fn packed_starts(&self, b: usize) -> [usize; 2] {
+        let Plan { geometry, blocking, left_panels, right_panels, .. } = self.plan;
+        let left = b * blocking.depth * (left_panels + right_panels) * geometry.width;
+        [left, left + self.block_rows(b).len() * left_panels * geometry.width]
+    }
+
+    /// Both sides of block `b`.
+    fn sides(&self, b: usize) -> [Side<T>; 2] {
+        let Plan { geometry, product, in_place, .. } = self.plan;
+        let (rows, starts) = (self.block_rows(b), self.packed_starts(b));
+        let side = |i: usize| match product.sources(i) {
+            [source] if *in_place => source.in_place(rows.start, *geometry),
+            _ => Side {
+                start: self.at(starts[i]),
+                row_stride: geometry.width as isize,
+                panel_stride: rows.len() * geometry.width,
+            },
+        };
+        let left = side(0);
+        [left, if product.shape.same { left } else { side(1) }]
+    }
+
+    /// Packs the i-th group of panels.
+    ///
+    /// # Safety
+    /// Nobody else uses that part of the memory.
+    pub unsafe fn pack(&self, kernel: &dyn Kernel<T>, i: usize) -> f64 {
+        let Plan { geometry, product, .. } = self.plan;
+        let (left_groups, right_groups) = self.plan.groups();
+        let (b, group) = (i / (left_groups + right_groups), i % (left_groups + right_groups));
+        let (rows, starts) = (self.block_rows(b), self.packed_starts(b));
+        let (side, group, width) = if group < left_groups {
+            (0, group, product.shape.rows)
+        } else {
+            (1, group - left_groups, product.shape.cols)
+        };
+        let panel_stride = rows.len() * geometry.width;
+        let out = self.at(starts[side] + group * GROUP * panel_stride);
+        let cols = piece(&(0..width), group, GROUP * geometry.width);
+        // SAFETY: the group's panels lie in the memory, which `packed_len` has measured.
+        unsafe { kernel.pack(product.sources(side), &Area { rows, cols }, out, panel_stride) };
+        0.0
+    }
+
+    /// Computes and writes the i-th item; how many products of scalars that is.
+    ///
+    /// # Safety
+    /// The panels are packed, and nobody else uses the item's entries of the targets.
+    pub unsafe fn multiply(&self, kernel: &dyn Kernel<T>, i: usize, sums: &mut [T]) -> f64 {
+        let Plan { geometry, blocking, product, items, later, in_place, .. } = self.plan;
+        let item = &items[i];
+        let targets = if self.rows.start == 0 { &product.targets } else { later };
+        let Geometry { rows: height, width, .. } = *geometry;
+        let blocks = self.rows.len().div_ceil(blocking.depth).max(1);
+        // Between blocks of rows the sums of all tiles have to be kept.
+        let kept = blocks > 1;
+        let row_len = item.cols.len() * height * width;
+        let first_row = item.rows.start * width / height;
+        let end_row = (item.rows.end * width / height).min(product.shape.rows.div_ceil(height));
+        for b in 0..blocks {
+            let [left, right] = self.sides(b);
+            let steps = self.block_rows(b).len();
+            let last = b + 1 == blocks;
+            if *in_place {
+                let rectangle = InPlace {
+                    steps,
+                    left,
+                    right,
+                    rows: item.rows.start * width..(item.rows.end * width).min(product.shape.rows),
+                    cols: item.cols.start * width..(item.cols.end * width).min(product.shape.cols),
+                    sums: sums.as_mut_ptr(),
+                    kept,
+                    add: b > 0,
+                    targets,
+                    last,
+                };
+                // SAFETY: the sides hold `steps` rows, the sums a tile per panel or one; the caller
+                // promises the rest.
+                unsafe { kernel.multiply_in_place(&rectangle) };
+                continue;
+            }
+            let first_col = item.cols.start * width;
+            let next_steps = self.block_rows(b + 1).len();
+            let next_right = self.at(self.packed_starts(b + 1)[1] + first_col * next_steps);
+            let tiles = (end_row - first_row) * item.cols.len();
+            let next_len = item.cols.len() * next_steps * width;
+            let next_lines = (next_len / line_len::<T>()).div_ceil(tiles);
+            for row in first_row..end_row {
+                let corner = row * height;
+                let fetched = (row - first_row) * item.cols.len() * next_lines * line_len::<T>();
+                let wanted = wanted_of(targets, corner..corner + height);
+                let first = if kept { (row - first_row) * row_len } else { 0 };
+                let len = if kept { row_len } else { height * width };
+                let row = Row {
+                    steps,
+                    left: left.from_column(corner, width),
+                    right: right.from_column(first_col, width),
+                    next_left: left.from_column(corner + height, width).start,
+                    next_right: next_right.wrapping_add(fetched),
+                    next_lines,
+                    panels: item.cols.clone(),
+                    wanted: wanted.start..wanted.end.min(product.shape.cols),
+                    sums: sums[first..first + len].as_mut_ptr(),
+                    kept,
+                    add: b > 0,
+                    targets: if last { targets } else { &[] },
+                    corner,
+                };
+                // SAFETY: the sides hold `steps` rows, the sums a tile per panel or one; the caller
+                // promises the rest.
+                unsafe { kernel.multiply_row(&row) };
+            }
+        }
+        item.cost as f64 * self.rows.len() as f64
+    }
+}

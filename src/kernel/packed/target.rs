@@ -1,0 +1,231 @@
+//! Where products go: blocks of a matrix.
+
+use std::ops::Range;
+
+use faer::MatMut;
+
+use super::geometry::{Stream, line_len};
+use crate::base::{Disjoint, Real, SharedPtr};
+
+/// Which entries of C are wanted; the others are neither read nor written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    All,
+    /// On and below the diagonal.
+    Lower,
+    /// On and above the diagonal.
+    Upper,
+}
+
+/// A block of C that receives `C := beta C + coefficient product`, as much of the product as fits.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Target<T> {
+    pub coefficient: T,
+    pub beta: T,
+    pub rows: usize,
+    pub cols: usize,
+    pub row_stride: isize,
+    pub col_stride: isize,
+    pub part: Part,
+    /// Row less column of the block's corner in C: where the diagonal runs.
+    pub diagonal: isize,
+    start: SharedPtr<T>,
+    /// What rows and columns of the product are divided by, because its sources were multiplied by it.
+    scales: Option<Scales<T>>,
+}
+
+/// Powers of two, one for each row and column of a target, which keeps them alive.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Scales<T> {
+    pub rows: SharedPtr<T>,
+    pub cols: SharedPtr<T>,
+}
+
+impl<T> Scales<T> {
+    /// Those of a tile with this corner.
+    #[inline(always)]
+    pub fn from(self, row: usize, col: usize) -> Self {
+        let from = |scales: SharedPtr<T>, i: usize| SharedPtr::new(scales.at(i as isize));
+        Self { rows: from(self.rows, row), cols: from(self.cols, col) }
+    }
+}
+
+/// The columns of a tile that are wanted, relative to its first one: between two diagonals and the end
+/// of the target.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WantedColumns {
+    /// First column of row 0; each row begins one further right.
+    first: isize,
+    /// End of row 0; each row ends one further right.
+    limit: isize,
+    /// End of all rows.
+    end: isize,
+}
+
+impl WantedColumns {
+    /// Those of row `i` of the tile.
+    #[inline(always)]
+    pub fn of_row(self, i: usize) -> Range<usize> {
+        let i = i as isize;
+        let end = (self.limit + i).clamp(0, self.end);
+        (self.first + i).clamp(0, end) as usize..end as usize
+    }
+}
+
+/// A matrix, to take targets from: they may overlap, the products that write them are in order.
+pub(crate) struct Destination<'a, T> {
+    matrix: Disjoint<'a, T>,
+    part: Part,
+    scales: Option<(&'a [T], &'a [T])>,
+}
+
+impl<'a, T: Real> Destination<'a, T> {
+    pub fn new(matrix: MatMut<'a, T>, part: Part) -> Self {
+        Self { matrix: Disjoint::new(matrix), part, scales: None }
+    }
+
+    /// Divides rows and columns of products by these powers of two, which were factors of the sources
+    /// ([`super::Source`]).
+    pub fn unscaling(mut self, rows: &'a [T], cols: &'a [T]) -> Self {
+        assert_eq!((rows.len(), cols.len()), (self.matrix.nrows(), self.matrix.ncols()));
+        self.scales = Some((rows, cols));
+        self
+    }
+
+    /// The block of these rows and columns.
+    pub fn block(
+        &self,
+        rows: Range<usize>,
+        cols: Range<usize>,
+        coefficient: T,
+        beta: T,
+    ) -> Target<T> {
+        // Read only; the type is for its address.
+        let scale = |s: &[T]| SharedPtr::new(s.as_ptr().cast_mut());
+        Target {
+            coefficient,
+            beta,
+            rows: rows.len(),
+            cols: cols.len(),
+            row_stride: self.matrix.row_stride(),
+            col_stride: self.matrix.col_stride(),
+            part: self.part,
+            diagonal: rows.start as isize - cols.start as isize,
+            start: self.matrix.pointer(&rows, &cols),
+            scales: self
+                .scales
+                .map(|(r, c)| Scales { rows: scale(&r[rows]), cols: scale(&c[cols]) }),
+        }
+    }
+}
+
+impl<T> Target<T> {
+    /// The columns of row `i` that are wanted.
+    #[inline(always)]
+    pub fn wanted(&self, i: usize) -> Range<usize> {
+        let cols = self.cols as isize;
+        let diagonal = (i as isize + self.diagonal).clamp(-1, cols);
+        match self.part {
+            Part::All => 0..self.cols,
+            Part::Lower => 0..(diagonal + 1).min(cols) as usize,
+            Part::Upper => diagonal.max(0) as usize..self.cols,
+        }
+    }
+
+    /// The columns wanted of any row of `rows`.
+    #[inline(always)]
+    pub fn wanted_of(&self, rows: Range<usize>) -> Range<usize> {
+        let end = rows.end.min(self.rows);
+        if rows.start >= end {
+            return 0..0;
+        }
+        let (first, last) = (self.wanted(rows.start), self.wanted(end - 1));
+        first.start.min(last.start)..first.end.max(last.end)
+    }
+
+    /// What is wanted of the rows of a tile with this corner and width.
+    #[inline(always)]
+    pub(super) fn columns_from(&self, row: usize, col: usize, width: usize) -> WantedColumns {
+        let diagonal = row as isize + self.diagonal - col as isize;
+        let end = (self.cols.saturating_sub(col)).min(width) as isize;
+        let (first, limit) = match self.part {
+            Part::All => (isize::MIN / 2, isize::MAX / 2),
+            Part::Lower => (isize::MIN / 2, diagonal + 1),
+            Part::Upper => (diagonal, isize::MAX / 2),
+        };
+        WantedColumns { first, limit, end }
+    }
+
+    /// Whether all of these entries are wanted.
+    #[inline(always)]
+    pub fn wants_all(&self, rows: Range<usize>, cols: Range<usize>) -> bool {
+        let inside = rows.end <= self.rows && cols.end <= self.cols;
+        let corner = |i: usize, j: usize| i as isize + self.diagonal - j as isize;
+        inside
+            && match self.part {
+                Part::All => true,
+                Part::Lower => corner(rows.start, cols.end) >= -1,
+                Part::Upper => corner(rows.end, cols.start) <= 1,
+            }
+    }
+
+    /// Whether rows of it are contiguous, and written as they are.
+    #[inline(always)]
+    pub(super) fn is_plain(&self) -> bool {
+        self.col_stride == 1 && self.scales.is_none()
+    }
+
+    /// What its rows and columns are divided by.
+    #[inline(always)]
+    pub(super) fn scales(&self) -> Option<Scales<T>>
+    where
+        T: Copy,
+    {
+        self.scales
+    }
+
+    /// The address of entry `(i, j)`.
+    #[inline(always)]
+    pub fn at(&self, i: usize, j: usize) -> *mut T {
+        self.start.at(i as isize * self.row_stride + j as isize * self.col_stride)
+    }
+
+    /// What writing a tile of `height` x `width` at `(row, col)` will read.
+    #[inline(always)]
+    pub fn stream(&self, height: usize, width: usize, row: usize, col: usize) -> Stream<T> {
+        let lines = if self.col_stride == 1 { width.div_ceil(line_len::<T>()) + 1 } else { 0 };
+        Stream { start: self.at(row, col), stride: self.row_stride, count: height, lines }
+    }
+
+    /// The same block once it holds a first product: later ones are added to it.
+    pub fn accumulating(self) -> Self
+    where
+        T: Real,
+    {
+        Self { beta: T::ONE, ..self }
+    }
+
+    /// The same block of the transposed matrix.
+    pub fn transposed(self) -> Self {
+        Self {
+            rows: self.cols,
+            cols: self.rows,
+            row_stride: self.col_stride,
+            col_stride: self.row_stride,
+            part: match self.part {
+                Part::All => Part::All,
+                Part::Lower => Part::Upper,
+                Part::Upper => Part::Lower,
+            },
+            diagonal: -self.diagonal,
+            scales: self.scales.map(|s| Scales { rows: s.cols, cols: s.rows }),
+            ..self
+        }
+    }
+}
+
+/// The columns that some target wants of these rows.
+pub(super) fn wanted_of<T>(targets: &[Target<T>], rows: Range<usize>) -> Range<usize> {
+    let wanted = targets.iter().map(|t| t.wanted_of(rows.clone())).filter(|w| !w.is_empty());
+    wanted.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0)
+}

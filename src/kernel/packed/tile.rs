@@ -1,0 +1,239 @@
+//! Tiles of products: the innermost loop.
+//!
+//! Everything here is inlined into functions that enable the instructions of one [`Vectors`].
+
+use std::ops::Range;
+
+use super::geometry::{Stream, line_len};
+use super::target::Target;
+use super::vectors::Vectors;
+use super::write::write;
+use crate::base::Real;
+
+/// One side of a product as tiles read it: panels of WIDTH columns. Packed panels are whole, padded
+/// with zeros; a matrix that is read in place ends where it ends.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Side<T> {
+    pub start: *const T,
+    /// Scalars from one row to the next.
+    pub row_stride: isize,
+    /// Scalars from one panel to the next.
+    pub panel_stride: usize,
+}
+
+impl<T> Side<T> {
+    /// The same from column `col` on, in panels of `width` columns.
+    pub fn from_column(self, col: usize, width: usize) -> Self {
+        // In place, panels follow each other as columns do: no division.
+        let offset = match self.panel_stride == width {
+            true => col,
+            false => col / width * self.panel_stride + col % width,
+        };
+        Self { start: self.start.wrapping_add(offset), ..self }
+    }
+}
+
+/// A row of tiles: ROWS columns of the left side times some panels of the right side, one after
+/// another.
+pub(crate) struct Row<'r, T> {
+    /// Rows of both sides.
+    pub steps: usize,
+    /// From the first column of the tiles on.
+    pub left: Side<T>,
+    /// From the first of `panels` on.
+    pub right: Side<T>,
+    /// What the next row begins with, to be fetched meanwhile.
+    pub next_left: *const T,
+    /// A part of what the next steps begin with, to be fetched too: this many lines per tile.
+    pub next_right: *const T,
+    pub next_lines: usize,
+    pub panels: Range<usize>,
+    /// Columns of the product that some target wants of these rows.
+    pub wanted: Range<usize>,
+    /// The sums of the tiles, ROWS x WIDTH each: one tile for all when `kept` is false.
+    pub sums: *mut T,
+    pub kept: bool,
+    /// Whether the sums hold those of earlier steps.
+    pub add: bool,
+    /// Where the sums go when they are complete; empty before.
+    pub targets: &'r [Target<T>],
+    /// First row of the product.
+    pub corner: usize,
+}
+
+/// Computes a row of tiles, and writes it if it is complete.
+///
+/// # Safety
+/// The sides hold `steps` rows, the sums a tile per panel (or one); nobody else uses the sums and
+/// these entries of the targets.
+#[inline(always)]
+pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: usize>(
+    row: &Row<'_, V::Scalar>,
+) {
+    for (j, panel) in row.panels.clone().enumerate() {
+        let col = panel * V::WIDTH;
+        if col >= row.wanted.end || col + V::WIDTH <= row.wanted.start {
+            continue;
+        }
+        // The vectors of the panel that somebody wants.
+        let first = row.wanted.start.saturating_sub(col) / V::LANES;
+        let rest = (row.wanted.end - col).min(V::WIDTH);
+        let count = rest.div_ceil(V::LANES) - first;
+        // SAFETY: the caller's promise.
+        unsafe {
+            let sums = row.sums.add(if row.kept { j * V::ROWS * V::WIDTH } else { 0 });
+            let tile = Tile {
+                steps: row.steps,
+                left: row.left.start,
+                left_stride: row.left.row_stride,
+                right: row.right.start.add(j * row.right.panel_stride + first * V::LANES),
+                right_stride: row.right.row_stride,
+                sums: sums.add(first * V::LANES),
+                add: row.add,
+            };
+            // Lines of the next left side that each tile fetches.
+            let share = row.steps.div_ceil(row.panels.len());
+            let left = Stream {
+                start: row.next_left.wrapping_add(j * share * V::WIDTH),
+                stride: V::WIDTH as isize,
+                count: share,
+                lines: 1,
+            };
+            let then = match row.targets.first() {
+                Some(target) => target.stream(V::ROWS, V::WIDTH, row.corner, col),
+                None => {
+                    let line = const { line_len::<V::Scalar>() };
+                    let start = row.next_right.wrapping_add(j * row.next_lines * line);
+                    Stream { start, stride: line as isize, count: row.next_lines, lines: 1 }
+                }
+            };
+            let (ahead, all) = (&[then, left], V::mask(0..V::LANES));
+            match count {
+                1 => tile.store::<V, ROWS, 1>(tile.multiply::<V, ROWS, 1, false>(all, ahead)),
+                2 if COUNT > 2 => {
+                    tile.store::<V, ROWS, 2>(tile.multiply::<V, ROWS, 2, false>(all, ahead));
+                }
+                _ => tile.store::<V, ROWS, COUNT>(tile.multiply::<V, ROWS, COUNT, false>(all, ahead)),
+            }
+            for target in row.targets {
+                write::<V>(sums, target, row.corner, col, V::ROWS, V::WIDTH);
+            }
+        }
+    }
+}
+
+/// The operands of one tile, and where its sums go.
+#[derive(Clone, Copy)]
+pub(super) struct Tile<T> {
+    pub steps: usize,
+    pub left: *const T,
+    pub left_stride: isize,
+    pub right: *const T,
+    pub right_stride: isize,
+    /// Rows of WIDTH.
+    pub sums: *mut T,
+    /// Whether the sums hold those of earlier steps.
+    pub add: bool,
+}
+
+/// Steps between the places of a [`Stream`].
+const PACE: usize = 4;
+
+/// Steps ahead that operands are asked for.
+const AHEAD: isize = 16;
+
+impl<T: Real> Tile<T> {
+    /// `left^T right`: ROWS columns of the left side times N vectors of the right side, in registers.
+    /// Meanwhile what is `ahead` is fetched, a bit every few steps: all at once it would stand in the way
+    /// of the operands. The last vector has the lanes `tail` when `MASKED`, else all.
+    ///
+    /// # Safety
+    /// Both sides hold `steps` rows.
+    #[inline(always)]
+    pub unsafe fn multiply<V, const ROWS: usize, const N: usize, const MASKED: bool>(
+        mut self,
+        tail: V::Mask,
+        ahead: &[Stream<T>],
+    ) -> [[V::Vector; N]; ROWS]
+    where
+        V: Vectors<Scalar = T>,
+    {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let mut tile = [[V::splat(T::ZERO); N]; ROWS];
+            let mut rest = self.steps;
+            for stream in ahead {
+                let mut line = stream.start;
+                for _ in 0..stream.count.min(rest / PACE) {
+                    for i in 0..stream.lines {
+                        V::prefetch_far(line.wrapping_add(i * const { line_len::<T>() }));
+                    }
+                    line = line.wrapping_offset(stream.stride);
+                    for _ in 0..PACE {
+                        self.step::<V, ROWS, N, MASKED>(tail, &mut tile);
+                    }
+                    rest -= PACE;
+                }
+            }
+            for _ in 0..rest {
+                self.step::<V, ROWS, N, MASKED>(tail, &mut tile);
+            }
+            tile
+        }
+    }
+
+    /// One step of [`Tile::multiply`].
+    ///
+    /// # Safety
+    /// As there.
+    #[inline(always)]
+    unsafe fn step<V, const ROWS: usize, const N: usize, const MASKED: bool>(
+        &mut self,
+        tail: V::Mask,
+        tile: &mut [[V::Vector; N]; ROWS],
+    ) where
+        V: Vectors<Scalar = T>,
+    {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let right_ahead = self.right.wrapping_offset(AHEAD * self.right_stride);
+            let mut r = [V::splat(T::ZERO); N];
+            for j in 0..N {
+                let at = self.right.add(j * V::LANES);
+                r[j] = if MASKED && j + 1 == N { V::load_masked(at, tail) } else { V::load(at) };
+                V::prefetch(right_ahead.wrapping_add(j * V::LANES));
+            }
+            V::prefetch(self.left.wrapping_offset(AHEAD * self.left_stride));
+            for i in 0..ROWS {
+                let l = V::splat(*self.left.add(i));
+                for j in 0..N {
+                    tile[i][j] = V::mul_add(l, r[j], tile[i][j]);
+                }
+            }
+            self.left = self.left.wrapping_offset(self.left_stride);
+            self.right = self.right.wrapping_offset(self.right_stride);
+        }
+    }
+
+    /// `sums := tile`, or `+=` when `self.add`. The tile began at zero, so that roundings stay those of
+    /// short sums.
+    ///
+    /// # Safety
+    /// The sums hold ROWS x WIDTH.
+    #[inline(always)]
+    pub unsafe fn store<V, const ROWS: usize, const N: usize>(self, tile: [[V::Vector; N]; ROWS])
+    where
+        V: Vectors<Scalar = T>,
+    {
+        // SAFETY: the caller's promise.
+        unsafe {
+            for i in 0..ROWS {
+                for j in 0..N {
+                    let at = self.sums.add(i * V::WIDTH + j * V::LANES);
+                    let sum = if self.add { V::add(V::load(at), tile[i][j]) } else { tile[i][j] };
+                    V::store(at, sum);
+                }
+            }
+        }
+    }
+}

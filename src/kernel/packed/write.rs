@@ -1,0 +1,217 @@
+//! Finished tiles go to blocks of C.
+//!
+//! Everything here is inlined into functions that enable the instructions of one [`Vectors`].
+
+use std::mem::MaybeUninit;
+use std::ops::Range;
+
+use super::target::{Scales, Target};
+use super::vectors::Vectors;
+use crate::base::Real;
+
+/// Scalars of the largest tile: 8 x 48, f32 with AVX-512.
+pub(super) const LARGEST_TILE: usize = 8 * 48;
+
+/// Adds a tile of `height` x `width`, whose corner is entry `(row, col)` of the product, to a block of C:
+/// `C := beta C + coefficient sums`, where C is inside and wanted.
+///
+/// # Safety
+/// `sums` holds rows of WIDTH, computed where they are wanted; nobody else uses these entries of C.
+#[inline(always)]
+pub(super) unsafe fn write<V: Vectors>(
+    mut sums: *const V::Scalar,
+    target: &Target<V::Scalar>,
+    row: usize,
+    col: usize,
+    height: usize,
+    width: usize,
+) {
+    let height = height.min(target.rows.saturating_sub(row));
+    let mut unscaled = MaybeUninit::<[V::Scalar; LARGEST_TILE]>::uninit();
+    // SAFETY: the caller's promise; the entries lie inside the block.
+    unsafe {
+        if let Some(scales) = target.scales() {
+            let wanted = target.wanted_of(row..row + height);
+            let wanted = wanted.start.saturating_sub(col)..wanted.end.saturating_sub(col).min(width);
+            let out = unscaled.as_mut_ptr().cast();
+            unscale::<V>(sums, &scales.from(row, col), height, wanted, out);
+            sums = out;
+        }
+        if target.col_stride != 1 {
+            write_elements::<V>(sums, target, row, col, height, width);
+        } else if width == V::WIDTH && target.wants_all(row..row + V::ROWS, col..col + V::WIDTH) {
+            write_all::<V>(sums, target, row, col);
+        } else {
+            write_wanted::<V>(sums, target, row, col, height, width);
+        }
+    }
+}
+
+/// [`write()`] of a whole tile, stored by rows.
+#[inline(always)]
+unsafe fn write_all<V: Vectors>(
+    sums: *const V::Scalar,
+    target: &Target<V::Scalar>,
+    row: usize,
+    col: usize,
+) {
+    // SAFETY: as for `write`.
+    unsafe {
+        let (c, beta) = (V::splat(target.coefficient), V::splat(target.beta));
+        let start = target.at(row, col);
+        for i in 0..V::ROWS {
+            let to = start.offset(i as isize * target.row_stride);
+            for j in 0..V::COUNT {
+                let sum = V::mul(c, V::load(sums.add(i * V::WIDTH + j * V::LANES)));
+                let to = to.add(j * V::LANES);
+                if target.beta == V::Scalar::ONE {
+                    V::store(to, V::add(V::load(to), sum));
+                } else if target.beta == V::Scalar::ZERO {
+                    V::store(to, sum);
+                } else {
+                    V::store(to, V::add(V::mul(beta, V::load(to)), sum));
+                }
+            }
+        }
+    }
+}
+
+/// [`write()`] of the entries wanted of a tile, stored by rows.
+#[inline(always)]
+unsafe fn write_wanted<V: Vectors>(
+    sums: *const V::Scalar,
+    target: &Target<V::Scalar>,
+    row: usize,
+    col: usize,
+    height: usize,
+    width: usize,
+) {
+    // SAFETY: as for `write`.
+    unsafe {
+        let (c, beta) = (V::splat(target.coefficient), V::splat(target.beta));
+        let reads = target.beta != V::Scalar::ZERO;
+        let columns = target.columns_from(row, col, width);
+        let mut start = target.at(row, col);
+        for i in 0..height {
+            let wanted = columns.of_row(i);
+            let sums = sums.add(i * V::WIDTH);
+            let mut at = wanted.start / V::LANES * V::LANES;
+            while at < wanted.end {
+                let sum = V::mul(c, V::load(sums.add(at)));
+                let to = start.wrapping_add(at);
+                if wanted.start <= at && at + V::LANES <= wanted.end {
+                    let sum = if reads { V::add(V::mul(beta, V::load(to)), sum) } else { sum };
+                    V::store(to, sum);
+                } else {
+                    let end = V::LANES.min(wanted.end - at);
+                    let mask = V::mask(wanted.start.saturating_sub(at)..end);
+                    let sum = match reads {
+                        true => V::add(V::mul(beta, V::load_masked(to, mask)), sum),
+                        false => sum,
+                    };
+                    V::store_masked(to, mask, sum);
+                }
+                at += V::LANES;
+            }
+            start = start.wrapping_offset(target.row_stride);
+        }
+    }
+}
+
+/// [`write()`] of N vectors in each of ROWS rows, straight from registers into a target without scales
+/// that is stored by rows.
+///
+/// # Safety
+/// As for [`write()`].
+#[inline(always)]
+pub(super) unsafe fn write_registers<V: Vectors, const ROWS: usize, const N: usize>(
+    sums: [[V::Vector; N]; ROWS],
+    target: &Target<V::Scalar>,
+    row: usize,
+    col: usize,
+) {
+    // SAFETY: the caller's promise; the entries lie inside the block.
+    unsafe {
+        let (c, beta) = (V::splat(target.coefficient), V::splat(target.beta));
+        let reads = target.beta != V::Scalar::ZERO;
+        let columns = target.columns_from(row, col, N * V::LANES);
+        let mut start = target.at(row, col);
+        for i in 0..ROWS {
+            let wanted = columns.of_row(i);
+            for j in 0..N {
+                let lane = |column: usize| column.saturating_sub(j * V::LANES).min(V::LANES);
+                let (mask, to) = (
+                    V::mask(lane(wanted.start)..lane(wanted.end)),
+                    start.wrapping_add(j * V::LANES),
+                );
+                let mut sum = V::mul(c, sums[i][j]);
+                if reads {
+                    sum = V::add(V::mul(beta, V::load_masked(to, mask)), sum);
+                }
+                V::store_masked(to, mask, sum);
+            }
+            start = start.wrapping_offset(target.row_stride);
+        }
+    }
+}
+
+/// [`write()`] one entry after another, for any strides.
+#[inline(always)]
+unsafe fn write_elements<V: Vectors>(
+    sums: *const V::Scalar,
+    target: &Target<V::Scalar>,
+    row: usize,
+    col: usize,
+    height: usize,
+    width: usize,
+) {
+    // SAFETY: as for `write`.
+    unsafe {
+        for i in 0..height {
+            let wanted = target.wanted(row + i);
+            for j in wanted.start.max(col)..wanted.end.min(col + width) {
+                let to = target.at(row + i, j);
+                let sum = target.coefficient * *sums.add(i * V::WIDTH + j - col);
+                let zero = target.beta == V::Scalar::ZERO;
+                *to = if zero { sum } else { target.beta * *to + sum };
+            }
+        }
+    }
+}
+
+/// Divides `height` rows and the columns `wanted` of a tile by their scales.
+///
+/// The quotient by both scales is exact unless it leaves the range of normal numbers, and what comes
+/// in between leaves it only then: a factor above 1 and one below 1 are multiplied by each other
+/// first, two factors on the same side of 1 are applied one after the other.
+///
+/// # Safety
+/// `sums` and `out` hold ROWS x WIDTH; there are scales for these rows and columns, powers of two whose
+/// inverses are normal numbers.
+#[inline(always)]
+unsafe fn unscale<V: Vectors>(
+    sums: *const V::Scalar,
+    scales: &Scales<V::Scalar>,
+    height: usize,
+    wanted: Range<usize>,
+    out: *mut V::Scalar,
+) {
+    const { assert!(V::ROWS * V::WIDTH <= LARGEST_TILE) };
+    // SAFETY: the caller's promise.
+    unsafe {
+        let one = V::splat(V::Scalar::ONE);
+        let (first, end) = (wanted.start / V::LANES * V::LANES, wanted.end);
+        for at in (first..end).step_by(V::LANES) {
+            let mask = V::mask(0..V::LANES.min(end - at));
+            let factors = V::div(one, V::load_masked(scales.cols.at(at as isize), mask));
+            let (up, down) = (V::max(factors, one), V::min(factors, one));
+            for i in 0..height {
+                let factor = V::Scalar::ONE / *scales.rows.at(i as isize);
+                let (against, along) = if factor < V::Scalar::ONE { (up, down) } else { (down, up) };
+                let sum = V::load(sums.add(i * V::WIDTH + at));
+                let sum = V::mul(V::mul(sum, V::mul(V::splat(factor), against)), along);
+                V::store(out.add(i * V::WIDTH + at), sum);
+            }
+        }
+    }
+}
