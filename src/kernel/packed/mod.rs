@@ -32,6 +32,7 @@ mod write;
 mod x86;
 
 pub(crate) use blocking::Blocking;
+pub(crate) use geometry::Geometry;
 pub use isa::Isa;
 pub use operand::Operand;
 pub(crate) use operands::{Product, Shape, Source};
