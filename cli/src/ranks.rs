@@ -142,7 +142,9 @@ impl Ranks {
         use mpi::topology::Communicator;
         if let (Some((world, _)), Err(error)) = (&self.mpi, &done) {
             crate::report::complain(format_args!("rank {}: {error:#}", world.rank()));
-            world.communicator().abort(1);
+            let cancelled = matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled));
+            let status = if cancelled { crate::signals::status() } else { 1 };
+            world.communicator().abort(status.into());
         }
         done
     }
