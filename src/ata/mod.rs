@@ -19,6 +19,7 @@ mod options;
 mod plan;
 mod rows;
 pub mod scheme;
+mod sparse;
 mod stream;
 mod verify;
 
@@ -30,6 +31,7 @@ pub use exact::Stages;
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 pub use plan::{Node, Plan, Task, levels};
 pub use rows::{Center, DenseRows, RowBlocks, RowOptions, ata_rows};
+pub use sparse::{ata_sparse, sparse_is_faster, sparse_multiplications};
 pub use stream::{Accumulator, AfterBlock, StreamPlan, Strip, block_rows, scalar_of, stream};
 pub use verify::{Verification, verify, verify_rows};
 #[cfg(feature = "mpi")]
