@@ -19,6 +19,7 @@ mod ranks;
 mod report;
 mod shape;
 mod shapedna;
+mod signals;
 mod slime;
 mod spectrum;
 mod transfer;
@@ -62,12 +63,9 @@ enum Command {
     Unions(unions::Args),
 }
 
-/// What a shell reports for a process that Ctrl-C ended.
-const INTERRUPTED: u8 = 130;
-
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    let done = progress::watch_ctrl_c().and_then(|()| match &cli.command {
+    let done = signals::watch().map_err(Into::into).and_then(|()| match &cli.command {
         Command::Ata(args) => ata::run(args),
         Command::AtaMerge(args) => merge::run(args),
         Command::Mesh(args) => mesh::run(args),
@@ -90,7 +88,7 @@ fn main() -> ExitCode {
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {
         report::complain(format_args!("cancelled"));
-        return ExitCode::from(INTERRUPTED);
+        return signals::exit_code();
     }
     // The reader of our output has gone, as in `catamaran info | head -1`: nobody to tell.
     if error.downcast_ref().is_some_and(|e: &io::Error| e.kind() == io::ErrorKind::BrokenPipe) {

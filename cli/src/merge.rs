@@ -10,7 +10,7 @@ use catamaran::io::{self as files, Output, Overwrite};
 use clap::ArgGroup;
 
 use crate::ata::{parse, write_matrix};
-use crate::progress::{self, Bar};
+use crate::progress::Bar;
 use crate::report::report;
 
 /// Compute C of the rows of several files or machines from the sums that `ata --accumulator` keeps.
@@ -64,8 +64,7 @@ fn merge<T: BlasReal>(args: &Args) -> Result<()> {
     let bar = Bar::new("merging");
     let mut sum: Option<Accumulator<T>> = None;
     for (i, path) in args.inputs.iter().enumerate() {
-        bar.update(i as f64 / args.inputs.len() as f64);
-        progress::check()?;
+        bar.step(i as f64 / args.inputs.len() as f64)?;
         let next = read(path)?;
         match &mut sum {
             None => sum = Some(next),

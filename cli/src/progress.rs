@@ -1,25 +1,11 @@
-//! Progress bars, and Ctrl-C.
+//! Progress bars.
 
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::report;
-
-/// Set by the signal handler, which can reach nothing else.
-static CANCELLED: AtomicBool = AtomicBool::new(false);
-
-/// From now on Ctrl-C (or SIGTERM, SIGHUP) makes every [`Bar`] answer [`ControlFlow::Break(())`].
-pub fn watch_ctrl_c() -> anyhow::Result<()> {
-    ctrlc::set_handler(|| CANCELLED.store(true, Ordering::Relaxed))?;
-    Ok(())
-}
-
-/// [`catamaran::Error::Cancelled`] after Ctrl-C.
-pub fn check() -> catamaran::Result<()> {
-    if CANCELLED.load(Ordering::Relaxed) { Err(catamaran::Error::Cancelled) } else { Ok(()) }
-}
+pub use crate::signals::check;
 
 /// Steps of a bar.
 const STEPS: u64 = 1000;
@@ -42,7 +28,7 @@ impl Bar {
         Self(bar.with_style(style).with_message(label))
     }
 
-    /// Shows `fraction` of the work as done; never goes back.
+    /// Shows `fraction` of the work as done, never less than before; asks to stop after a signal.
     pub fn update(&self, fraction: f64) -> ControlFlow<()> {
         let position = (fraction * STEPS as f64) as u64;
         let before = self.0.position();
@@ -54,6 +40,15 @@ impl Bar {
             }
         }
         if check().is_err() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    /// [`Bar::update`] between two parts of the work.
+    ///
+    /// # Errors
+    /// [`catamaran::Error::Cancelled`] after a signal.
+    pub fn step(&self, fraction: f64) -> catamaran::Result<()> {
+        let _ = self.update(fraction);
+        check()
     }
 }
 

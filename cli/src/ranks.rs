@@ -143,7 +143,9 @@ impl Ranks {
         if let (Some((world, _)), Err(error)) = (&self.mpi, &done) {
             let said = crate::report::message(error);
             crate::report::complain(format_args!("rank {}: {said}", world.rank()));
-            world.communicator().abort(1);
+            let cancelled = matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled));
+            let status = if cancelled { crate::signals::status() } else { 1 };
+            world.communicator().abort(status.into());
         }
         done
     }

@@ -69,8 +69,7 @@ pub fn run(args: &Args) -> Result<()> {
     for (i, name) in names.iter().enumerate() {
         let mesh = meshes::read(name)?.mesh;
         found.push(shape_dna(&mesh, &options).with_context(|| name.display().to_string())?);
-        bar.update((i + 1) as f64 / names.len() as f64);
-        crate::progress::check()?;
+        bar.step((i + 1) as f64 / names.len() as f64)?;
     }
     drop(bar);
 

@@ -474,3 +474,19 @@ fn ctrl_c_leaves_nothing() {
     assert_eq!((run.code, run.stderr.as_str()), (Some(130), "catamaran: cancelled\n"));
     assert_eq!(folder.names(), ["a.csv"]);
 }
+
+#[test]
+fn thousands_of_threads_are_capped_with_a_note() {
+    let folder = Folder::new();
+    folder.write_npy("a.npy", &[700, 700], &table(700, 700));
+    let start = std::time::Instant::now();
+    let report = folder.succeed("ata a.npy --threads 8000 --explain -o c.npy");
+    let cores = std::thread::available_parallelism().unwrap().get();
+    let note = format!("threads   {} of 8000 asked for: at most 4 for each core", 4 * cores);
+    assert_eq!(report.matches(&note).count(), 1, "{report}");
+    assert!(start.elapsed().as_secs() < 20, "it spins");
+    folder.succeed("ata a.npy -o few.npy");
+    let read = |name| fs::read(folder.path(name)).unwrap();
+    assert!(read("c.npy") == read("few.npy"));
+    assert!(!folder.succeed("ata a.npy --threads 1 --explain").contains("asked for"));
+}

@@ -68,6 +68,9 @@ fn a_network_is_trained_and_used() {
     folder.succeed(&format!("{train} 2 --epochs 3 --force"));
     assert_eq!(fs::read(folder.path("own.safetensors")).unwrap(), resumed);
 
+    #[cfg(unix)]
+    ends_soon(&folder, "unions train data.npz -o other.safetensors --epochs 1000000");
+
     rectangle(&folder, "a.off", 16, 10);
     rectangle(&folder, "b.off", 10, 14);
     let ours = folder.succeed("unions predict a.off b.off --weights own.safetensors");
@@ -80,4 +83,21 @@ fn a_network_is_trained_and_used() {
     // The template of the weights is not the rectangle.
     let refused = folder.fail(&format!("{predict} a.off"));
     assert!(refused.contains("a.off"), "{refused}");
+}
+
+/// Sends SIGTERM to a command that has said something.
+#[cfg(unix)]
+fn ends_soon(folder: &Folder, arguments: &str) {
+    use std::io::Read;
+    use std::process::{Command, Stdio};
+    let mut command = folder.program();
+    command.args(arguments.split_whitespace()).stdout(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    child.stdout.as_mut().unwrap().read_exact(&mut [0]).unwrap();
+    let start = std::time::Instant::now();
+    assert!(Command::new("kill").arg(child.id().to_string()).status().unwrap().success());
+    let status = child.wait().unwrap();
+    assert_eq!(status.code(), Some(143), "{arguments}");
+    assert!(start.elapsed().as_secs_f64() < 1.5, "{:?}", start.elapsed());
+    assert!(folder.names().iter().all(|name| !name.starts_with(".catamaran-")));
 }

@@ -32,6 +32,8 @@ pub use gram::{
 };
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 pub use plan::{Node, Plan, Task, levels};
+#[cfg(feature = "geometry")]
+pub use gram::{ata_sparse, sparse_is_faster, sparse_multiplications};
 pub use verify::{Verification, verify, verify_rows};
 #[cfg(feature = "mpi")]
 pub(crate) use verify::{check_rounds, signs, verdict};

@@ -6,6 +6,7 @@
 #![allow(non_camel_case_types)] // the names are those of the C header
 
 mod ata;
+mod ata_sparse;
 mod atb;
 mod backend;
 mod boundary;
@@ -38,6 +39,7 @@ mod version;
 mod world;
 
 pub use ata::*;
+pub use ata_sparse::*;
 pub use atb::*;
 pub use backend::*;
 pub use curve::*;

@@ -1,5 +1,5 @@
 use std::ffi::c_void;
-use std::mem::offset_of;
+use std::mem::{MaybeUninit, offset_of};
 use std::ops::ControlFlow;
 
 use super::backend::cata_backend;
@@ -35,8 +35,9 @@ pub const CATA_ERROR_LEAST: f64 = -1.0;
 /// A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything else
 /// asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
 ///
-/// It is called from whichever thread finished a piece, one call at a time; it must be quick, and
-/// must not leave by longjmp or a C++ exception.
+/// It is called from any thread that works for the call, one call at a time: each begins after the one
+/// before it has returned, and sees what that has written. No thread waits for it, so it may be slow,
+/// and it may call this library. It must not leave by longjmp or a C++ exception.
 pub type cata_progress = Option<extern "C" fn(fraction: f64, user: *mut c_void) -> i32>;
 
 /// How a product is computed. Every field but the first is 0 (NULL) by default, so that
@@ -122,11 +123,11 @@ impl Versioned for cata_ata_params {
 /// `params` points to `struct_size` writable bytes.
 pub(super) unsafe fn init<T: Versioned>(params: *mut T, struct_size: usize) -> cata_status {
     boundary(|| {
-        check_struct_size::<T>(struct_size)?;
-        // SAFETY: the caller's promise; `output` sees to NULL and alignment. All fields may be 0,
-        // and a newer caller's additional ones are within struct_size, which comes first.
+        check_struct_size::<T>("params", struct_size)?;
+        let params = pointer::checked("params", params, 1)?.cast_mut();
+        // SAFETY: not NULL, aligned, and struct_size writable bytes by the caller's promise; the size
+        // itself comes first. All fields may be 0, also those that only the caller knows.
         unsafe {
-            let params: *mut T = pointer::output("params", params)?;
             params.cast::<u8>().write_bytes(0, struct_size);
             params.cast::<usize>().write(struct_size);
         }
@@ -134,46 +135,71 @@ pub(super) unsafe fn init<T: Versioned>(params: *mut T, struct_size: usize) -> c
     })
 }
 
-fn check_struct_size<T: Versioned>(size: usize) -> Result<(), Failure> {
+fn check_struct_size<T: Versioned>(what: &str, size: usize) -> Result<(), Failure> {
     if (T::FIRST_SIZE..=LARGEST_SIZE).contains(&size) {
         return Ok(());
     }
     let why = format!(
-        "params.struct_size: must be sizeof({}), {} in this version, is {size}",
+        "{what}.struct_size: must be sizeof({}), {} in this version, is {size}",
         T::NAME,
         size_of::<T>()
     );
     Err(Failure::new(CATA_ERR_ARGUMENT, why))
 }
 
-/// Reads a struct of the caller's version.
+/// Reads a struct of the caller's version: the fields that both know; the others of ours are 0, and
+/// the others of the caller's must be.
 ///
 /// # Safety
 /// `params` points to as many readable bytes as its `struct_size` says.
 pub(super) unsafe fn read<T: Versioned>(params: *const T) -> Result<T, Failure> {
-    if !params.is_aligned() {
-        return Err(Failure::new(CATA_ERR_ARGUMENT, "params: not aligned"));
-    }
-    // SAFETY: struct_size comes first in every version; the bytes up to it are the caller's
-    // promise. No version is smaller than this one, the first.
+    let params = pointer::checked("params", params, 1)?;
+    let mut known = MaybeUninit::<T>::zeroed();
+    // SAFETY: struct_size comes first in every version, and the bytes up to it are the caller's
+    // promise; no more of them are touched. All fields may be 0.
     unsafe {
         let size = params.cast::<usize>().read();
-        check_struct_size::<T>(size)?;
-        let known = size_of::<T>();
-        let extra = size.saturating_sub(known);
-        let rest = std::slice::from_raw_parts(params.cast::<u8>().add(size - extra), extra);
-        if rest.iter().any(|&byte| byte != 0) {
+        check_struct_size::<T>("params", size)?;
+        let shared = size.min(size_of::<T>());
+        let bytes = params.cast::<u8>();
+        if std::slice::from_raw_parts(bytes.add(shared), size - shared).iter().any(|&b| b != 0) {
             let why = "params: a field that this version of the library does not know is set";
             return Err(Failure::new(CATA_ERR_UNSUPPORTED, why));
         }
-        Ok(params.read())
+        bytes.copy_to_nonoverlapping(known.as_mut_ptr().cast(), shared);
+        Ok(known.assume_init())
     }
+}
+
+/// Writes a struct of the caller's version, but for its `struct_size`: the fields that both know, and 0
+/// into those that only the caller knows.
+///
+/// # Safety
+/// `place` is NULL or points to as many writable bytes as its `struct_size` says.
+#[cfg(any(feature = "mpi", test))]
+pub(super) unsafe fn write<T: Versioned>(
+    what: &str,
+    place: *mut T,
+    value: &T,
+) -> Result<(), Failure> {
+    let place = pointer::checked(what, place, 1)?.cast_mut();
+    // SAFETY: as in `read`.
+    unsafe {
+        let size = place.cast::<usize>().read();
+        check_struct_size::<T>(what, size)?;
+        let (from, to) = ((&raw const *value).cast::<u8>(), place.cast::<u8>());
+        to.write_bytes(0, size);
+        from.copy_to_nonoverlapping(to, size.min(size_of::<T>()));
+        place.cast::<usize>().write(size);
+    }
+    Ok(())
 }
 
 /// The address that a progress callback asked for.
 struct User(*mut c_void);
 
-// SAFETY: the header says that the callback is called from any thread, one call at a time.
+// SAFETY: only handed to the callback, which the header tells to expect any thread; calls never overlap
+// and are ordered, as `Progress` promises.
 unsafe impl Sync for User {}
 
 impl User {
@@ -191,29 +217,28 @@ pub(super) unsafe fn with_options(
     uplo: Uplo,
     work: impl FnOnce(&AtaOptions<'_>) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let mut options = AtaOptions { uplo, ..AtaOptions::default() };
+    let options = AtaOptions::new().uplo(uplo);
     if params.is_null() {
         return work(&options);
     }
     // SAFETY: the caller's promise.
     let params = unsafe { read(params) }?;
-    options.scheme = scheme(params.scheme)?;
-    options.accuracy = accuracy(params.error_factor);
-    options.reproducible = flag("params.reproducible", params.reproducible)?;
-    if params.threads > 0 {
-        options.par = Par::Threads(params.threads);
-    }
     at_most("params.leaf", params.leaf, MOST_LEAF)?;
     at_most("params.tasks", params.tasks, MOST_TASKS)?;
-    options.leaf = (params.leaf > 0).then_some(params.leaf);
-    options.tasks = (params.tasks > 0).then_some(params.tasks);
+    let mut options = options
+        .par(par(params.threads))
+        .scheme(scheme(params.scheme)?)
+        .accuracy(accuracy(params.error_factor))
+        .reproducible(flag("params.reproducible", params.reproducible)?)
+        .leaf((params.leaf > 0).then_some(params.leaf))
+        .tasks((params.tasks > 0).then_some(params.tasks));
     // SAFETY: NULL or a live back end, as the header asks.
     if let Some(backend) = unsafe { params.backend.as_ref() } {
-        options.backend = backend.get();
+        options = options.backend(backend.get());
     }
     let watch = watcher(params.progress, params.progress_user);
     let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-    work(&AtaOptions { progress, ..options })
+    work(&options.progress(progress))
 }
 
 /// A callback of the ABI as one of ours.
@@ -278,5 +303,87 @@ fn accuracy(error_factor: f64) -> Accuracy {
         Accuracy::Fast
     } else {
         Accuracy::Bounded(error_factor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::status::CATA_OK;
+    use super::*;
+
+    /// A struct in its second version; the first one ended with `threads`.
+    #[repr(C)]
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    struct Second {
+        struct_size: usize,
+        threads: usize,
+        added: f64,
+    }
+
+    impl Versioned for Second {
+        const NAME: &'static str = "second";
+        const FIRST_SIZE: usize = offset_of!(Self, added);
+    }
+
+    /// As many words as the caller's version has; what is read or written beyond is found by Miri and
+    /// AddressSanitizer.
+    fn of_version(words: &[usize]) -> Box<[usize]> {
+        words.into()
+    }
+
+    fn read_words(words: &[usize]) -> Result<Second, Failure> {
+        let words = of_version(words);
+        // SAFETY: as many words as the first one says, or it is refused.
+        unsafe { read(words.as_ptr().cast::<Second>()) }
+    }
+
+    #[test]
+    fn an_older_struct_has_zeros_for_later_fields() {
+        let second = Second { struct_size: 16, threads: 3, added: 0.0 };
+        assert_eq!(read_words(&[16, 3]).unwrap(), second);
+    }
+
+    #[test]
+    fn a_newer_struct_is_read_unless_an_unknown_field_is_set() {
+        let added = 2.5_f64.to_bits() as usize;
+        let second = Second { struct_size: 40, threads: 3, added: 2.5 };
+        assert_eq!(read_words(&[40, 3, added, 0, 0]).unwrap(), second);
+        assert_eq!(read_words(&[40, 3, added, 0, 1]).unwrap_err().status, CATA_ERR_UNSUPPORTED);
+    }
+
+    #[test]
+    fn sizes_that_no_version_has_are_refused() {
+        for size in [0, 8, 15, LARGEST_SIZE + 1, usize::MAX] {
+            let failure = read_words(&[size]).unwrap_err();
+            assert_eq!(failure.status, CATA_ERR_ARGUMENT);
+            assert!(failure.message.contains("params.struct_size"), "{}", failure.message);
+        }
+    }
+
+    #[test]
+    fn results_are_written_as_far_as_the_caller_knows_them() {
+        let value = Second { struct_size: 0, threads: 7, added: 2.5 };
+        let added = 2.5_f64.to_bits() as usize;
+        let cases: [(&[usize], &[usize]); 3] = [
+            (&[16, 1], &[16, 7]),
+            (&[24, 1, 1], &[24, 7, added]),
+            (&[40, 1, 1, 1, 1], &[40, 7, added, 0, 0]),
+        ];
+        for (before, after) in cases {
+            let mut words = of_version(before);
+            // SAFETY: as many words as the first one says.
+            unsafe { write("second", words.as_mut_ptr().cast::<Second>(), &value) }.unwrap();
+            assert_eq!(*words, *after);
+        }
+    }
+
+    #[test]
+    fn defaults_fill_the_version_of_the_caller() {
+        for (words, size) in [(2, 16), (3, 24), (5, 40)] {
+            let mut place = of_version(&vec![9; words]);
+            // SAFETY: `size` bytes.
+            assert_eq!(unsafe { init(place.as_mut_ptr().cast::<Second>(), size) }, CATA_OK);
+            assert_eq!((place[0], place[1..].iter().sum::<usize>()), (size, 0));
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! Views of what C points to: every check that can be made of a pointer, and every raw cast.
 
 use faer::{MatMut, MatRef};
+use sprs::CsMatView;
 
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure};
 use crate::{Real, Uplo};
@@ -47,6 +48,33 @@ pub(super) fn uplo_from(uplo: i32) -> Result<Uplo, Failure> {
                 "uplo: must be CATA_UPPER (121), CATA_LOWER (122) or CATA_BOTH (123), is {other}"
             ),
         )),
+    }
+}
+
+/// A sparse m x n matrix by rows (CSR), read only: its entries are checked.
+///
+/// # Safety
+/// `row_starts` has rows + 1 elements (or may be NULL without rows), `columns` and `entries` as many as
+/// its last one says; they can be read, and nobody writes them, during `'a`.
+pub(super) unsafe fn sparse<'a, T: Real>(
+    rows: usize,
+    cols: usize,
+    row_starts: *const usize,
+    columns: *const usize,
+    entries: *const T,
+) -> Result<CsMatView<'a, T>, Failure> {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let row_starts = match rows {
+            0 => &[0],
+            _ => slice("row_starts", row_starts, rows.saturating_add(1))?,
+        };
+        let count = row_starts[rows];
+        let columns = slice("columns", columns, count)?;
+        let entries = slice("entries", entries, count)?;
+        CsMatView::try_new((rows, cols), row_starts, columns, entries).map_err(|(_, _, _, why)| {
+            Failure::new(CATA_ERR_ARGUMENT, format!("row_starts, columns: {why}"))
+        })
     }
 }
 
@@ -190,7 +218,7 @@ fn strides<T>(
 }
 
 /// `pointer`, or any aligned one when there is nothing to point to.
-fn checked<T>(what: &str, pointer: *const T, len: usize) -> Result<*const T, Failure> {
+pub(super) fn checked<T>(what: &str, pointer: *const T, len: usize) -> Result<*const T, Failure> {
     if len == 0 {
         return Ok(std::ptr::NonNull::dangling().as_ptr());
     }

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use super::entries::{Entries, Held};
-use super::params::{cata_ata_params, with_options};
+use super::params::{cata_ata_params, with_options, write};
 use super::pointer::{Layout, matrix, matrix_mut, optional_output, output, slice, uplo_from};
 use super::status::{CATA_ERR_ARGUMENT, Failure};
 use super::world::{CATA_BY_COLUMNS, CATA_BY_ROWS, cata_symmetric, cata_traffic, cata_world};
@@ -118,33 +118,17 @@ pub(super) unsafe fn number(what: &str, place: *mut usize, value: usize) -> Outc
 /// # Safety
 /// As the header says.
 pub(super) unsafe fn traffic(world: *const cata_world, place: *mut cata_traffic) -> Outcome {
-    /// More than any version will ever have.
-    const LARGEST_SIZE: usize = 4096;
     // SAFETY: the caller's promise.
-    let traffic = unsafe { self::world(world) }?.traffic();
-    // SAFETY: the caller's promise; no version is smaller than this one, the first.
-    let place: *mut cata_traffic = unsafe { output("traffic", place) }?;
-    // SAFETY: as above.
-    let size = unsafe { (&raw const (*place).struct_size).read() };
-    let known = size_of::<cata_traffic>();
-    if !(known..=LARGEST_SIZE).contains(&size) {
-        let why = format!(
-            "traffic.struct_size: must be sizeof(cata_traffic), {known} in this version, is {size}"
-        );
-        return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-    }
-    // SAFETY: the caller's promise of `size` bytes.
-    unsafe {
-        place.cast::<u8>().write_bytes(0, size);
-        place.write(cata_traffic {
-            struct_size: size,
-            words_sent: traffic.words_sent,
-            words_received: traffic.words_received,
-            messages_sent: traffic.messages_sent,
-            messages_received: traffic.messages_received,
-        });
-    }
-    Ok(())
+    let found = unsafe { self::world(world) }?.traffic();
+    let traffic = cata_traffic {
+        struct_size: 0,
+        words_sent: found.words_sent,
+        words_received: found.words_received,
+        messages_sent: found.messages_sent,
+        messages_received: found.messages_received,
+    };
+    // SAFETY: the caller's promise.
+    unsafe { write("traffic", place, &traffic) }
 }
 
 /// # Safety

@@ -2,12 +2,11 @@ use std::ffi::c_void;
 use std::mem::offset_of;
 
 use faer::{MatMut, MatRef};
-use sprs::CsMatView;
 
 use super::boundary::boundary;
 use super::params::{Versioned, cata_progress, flag, init, par, read, watcher};
-use super::pointer::{Layout, check_size, matrix_mut, slice, slice_mut};
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use super::pointer::{Layout, check_size, matrix_mut, slice, slice_mut, sparse};
+use super::status::{Failure, cata_status};
 use crate::base::Progress;
 use crate::sparse::{EigenOptions, Mass, eigs};
 
@@ -109,11 +108,9 @@ pub unsafe extern "C" fn cata_spectrum(
 ) -> cata_status {
     boundary(|| {
         check_size::<f64>("eigenvectors", n, k)?;
-        let none = [0];
         // SAFETY: the caller's promise.
-        let (row_starts, masses, mut outputs) = unsafe {
-            let row_starts =
-                if n == 0 { &none[..] } else { slice("row_starts", row_starts, n + 1)? };
+        let (stiffness, masses, mut outputs) = unsafe {
+            let stiffness = sparse(n, n, row_starts, columns, entries)?;
             let masses = match masses.is_null() {
                 true => Mass::identity(n),
                 false => Mass::Lumped(slice("masses", masses, n)?.to_vec()),
@@ -125,15 +122,8 @@ pub unsafe extern "C" fn cata_spectrum(
             let vectors = matrix_mut("v", Layout::ColMajor, n, k, eigenvectors, ldv)?;
             let outputs =
                 Outputs { values: slice_mut("eigenvalues", eigenvalues, k)?, vectors, residuals };
-            (row_starts, masses, outputs)
+            (stiffness, masses, outputs)
         };
-        let count = row_starts[n];
-        // SAFETY: the caller's promise.
-        let (columns, entries) =
-            unsafe { (slice("columns", columns, count)?, slice("entries", entries, count)?) };
-        let stiffness = CsMatView::try_new((n, n), row_starts, columns, entries).map_err(
-            |(_, _, _, why)| Failure::new(CATA_ERR_ARGUMENT, format!("row_starts, columns: {why}")),
-        )?;
         // SAFETY: the caller's promise.
         let pairs = unsafe { eigenpairs(k, params, |options| eigs(stiffness, &masses, options)) }?;
         outputs.write(&pairs.values, pairs.vectors.as_ref(), &pairs.residuals);

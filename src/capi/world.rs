@@ -1,7 +1,10 @@
 //! The ranks that work together, and what they hold in common.
 
+use std::mem::offset_of;
+
 #[cfg(feature = "mpi")]
 use super::entries::Entries;
+use super::params::Versioned;
 
 /// The ranks of an MPI communicator that work together; made by cata_world_new, given back by cata_world_free.
 ///
@@ -42,6 +45,11 @@ pub struct cata_traffic {
     pub messages_sent: u64,
     /// Messages received.
     pub messages_received: u64,
+}
+
+impl Versioned for cata_traffic {
+    const NAME: &'static str = "cata_traffic";
+    const FIRST_SIZE: usize = offset_of!(Self, messages_received) + size_of::<u64>();
 }
 
 /// `spread`: every rank has rows of A, in any order and number.

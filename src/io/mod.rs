@@ -35,7 +35,7 @@ pub use arrays::{ArraysWriter, check_arrays_name, write_arrays};
 use faer::MatRef;
 pub use matrix::{Dense, Matrix, SparseRows};
 pub use npz::{Array, NpzWriter, write_npz};
-pub use output::{Output, Overwrite};
+pub use output::{Output, Overwrite, discard_unfinished};
 pub use read_arrays::{Arrays, read_arrays};
 pub use rows::RowFile;
 /// The sparse matrix of [`Matrix::Sparse`], from crate sprs.

@@ -1,5 +1,6 @@
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
 
@@ -22,6 +23,37 @@ pub struct Output {
     path: PathBuf,
     file: BufWriter<NamedTempFile>,
     overwrite: Overwrite,
+    // Dropped after the file, which removes itself.
+    _listed: Listed,
+}
+
+/// The temporary files of all outputs.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A line of [`UNFINISHED`].
+#[derive(Debug)]
+struct Listed(PathBuf);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        unfinished().retain(|path| *path != self.0);
+    }
+}
+
+/// Removes the temporary file of every [`Output`] that is not committed; from now on creating,
+/// committing and dropping one wait for ever. For a program whose next act is to exit without
+/// destructors, such as after a signal: no file stays behind, and none is committed in part.
+pub fn discard_unfinished() {
+    let unfinished = unfinished();
+    for path in unfinished.iter() {
+        // Gone already, or nothing can be done about it.
+        let _ = std::fs::remove_file(path);
+    }
+    std::mem::forget(unfinished);
 }
 
 impl Output {
@@ -45,9 +77,13 @@ impl Output {
         // As any new file, less what the umask forbids; temporaries are private by default.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let mut unfinished = unfinished();
         let file = builder.tempfile_in(folder).map_err(|e| write_error(path, e))?;
+        unfinished.push(file.path().to_owned());
+        drop(unfinished);
+        let listed = Listed(file.path().to_owned());
         let file = BufWriter::with_capacity(1 << 20, file);
-        Ok(Self { path: path.into(), file, overwrite })
+        Ok(Self { path: path.into(), file, overwrite, _listed: listed })
     }
 
     /// The name it will have.
@@ -68,12 +104,15 @@ impl Output {
     pub fn commit(mut self) -> Result<()> {
         let flushed = self.file.flush().and_then(|()| self.file.get_ref().as_file().sync_all());
         flushed.map_err(|e| self.error(e))?;
-        let Self { path, file, overwrite } = self;
+        let Self { path, file, overwrite, _listed } = self;
         let file = file.into_inner().map_err(|e| write_error(&path, e.into_error()))?;
+        // Not while the files are discarded: the program ends without this one.
+        let unfinished = unfinished();
         let renamed = match overwrite {
             Overwrite::Replace => file.persist(&path),
             Overwrite::Never => file.persist_noclobber(&path),
         };
+        drop(unfinished);
         match renamed {
             Ok(_) => Ok(()),
             Err(e) if e.error.kind() == io::ErrorKind::AlreadyExists => Err(exists(&path)),

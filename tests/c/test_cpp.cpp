@@ -111,6 +111,41 @@ void progress() {
     CHECK(catamaran::ata(view, how)[0] == 300.0);
 }
 
+// Calls come from several threads, but never overlap: nothing here is atomic or locked. They may call the
+// library, and leave by an exception.
+void progress_of_many_threads() {
+    const std::vector<double> a(400 * 400, 1.0);
+    const auto view = catamaran::row_major(a.data(), 400, 400);
+    using catamaran::scheme;
+    for (const scheme wanted : {scheme::classical, scheme::ata2, scheme::rxtx, scheme::exact}) {
+        for (const int last : {1, 2, 1000000}) {
+            int calls = 0, inside = 0, overlaps = 0;
+            double nested = 0;
+            catamaran::options how;
+            how.threads = 4;
+            how.tasks = 16;
+            how.scheme = wanted;
+            how.progress = [&](double) -> bool {
+                overlaps += inside++;
+                catamaran::options inner;
+                inner.threads = 2;
+                nested = catamaran::ata(catamaran::row_major(a.data(), 100, 100), inner)[0];
+                --inside;
+                if (++calls == last) throw std::string("enough");
+                return true;
+            };
+            bool threw = false;
+            try {
+                CHECK(catamaran::ata(view, how)[0] == 400.0);
+            } catch (const std::string& text) {
+                threw = text == "enough";
+            }
+            CHECK(overlaps == 0 && calls > 0 && nested == 100.0);
+            CHECK(threw == (calls == last));
+        }
+    }
+}
+
 void spectra() {
     // The path of three nodes: eigenvalues 0, 1, 3.
     const std::vector<std::size_t> row_starts{0, 2, 5, 7}, columns{0, 1, 0, 1, 2, 1, 2};
@@ -321,6 +356,7 @@ int main() {
     reproducible();
     errors();
     progress();
+    progress_of_many_threads();
     spectra();
     orthonormal_columns();
     loaded_backend();

@@ -146,6 +146,12 @@ static void test_params(void)
     future.later[1] = 1;
     CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &future.known), CATA_ERR_UNSUPPORTED);
 
+    /* Of a struct that is too short no more than its size is read. */
+    size_t *lone = malloc(sizeof *lone);
+    *lone = sizeof *lone;
+    CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, (const cata_ata_params *)lone), CATA_ERR_ARGUMENT);
+    free(lone);
+
     cata_ata_params params = {.struct_size = sizeof params};
     cata_ata_params initialised;
     CHECK_STATUS(cata_ata_params_init(&initialised, sizeof initialised), CATA_OK);

@@ -69,6 +69,11 @@ static void test_world(void)
     CHECK_STATUS(cata_world_traffic(NULL, &traffic), CATA_ERR_NULL);
     CHECK_STATUS(cata_world_traffic(world, NULL), CATA_ERR_NULL);
 
+    /* Of a struct that is too short no more than its size is read, and nothing is written. */
+    size_t lone[2] = {sizeof lone[0], 7};
+    CHECK_STATUS(cata_world_traffic(world, (cata_traffic *)lone), CATA_ERR_ARGUMENT);
+    CHECK(lone[0] == sizeof lone[0] && lone[1] == 7);
+
     /* A later version's struct is longer. */
     struct {
         cata_traffic known;

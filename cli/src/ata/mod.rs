@@ -4,7 +4,6 @@ mod checkpoint;
 mod memory;
 pub mod parse;
 mod source;
-mod sparse;
 
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -13,7 +12,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use catamaran::ata::{Accumulator, Center, RowOptions, StreamPlan, Strip, stream, verify_rows};
+use catamaran::ata::{
+    Accumulator, Center, RowOptions, StreamPlan, Strip, ata_sparse, sparse_is_faster,
+    sparse_multiplications, stream, verify_rows,
+};
 use catamaran::base::{Progress, Workspace};
 use catamaran::blas::{Backend, BlasReal};
 use catamaran::faer::{MatMut, MatRef};
@@ -55,7 +57,7 @@ pub struct Args {
     /// Subtract the means, and divide by m - 1: the sample covariance.
     #[arg(long, conflicts_with = "weights")]
     covariance: bool,
-    /// Threads; all cores of the affinity mask unless given. Does not change C.
+    /// Threads, at most 4 for each core; all cores of the affinity mask unless given. Does not change C.
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
     /// Recursion.
@@ -244,6 +246,7 @@ impl Work<'_> {
             .accuracy(args.accuracy)
             .reproducible(args.reproducible)
             .backend(self.backend.clone());
+        self.report_cap(options.par)?;
         if let Some(sparse) = self.sparse() {
             return self.sparse_product::<T>(sparse, &options, outputs);
         }
@@ -261,6 +264,17 @@ impl Work<'_> {
             );
         } else {
             self.strips::<T>(&plan, &options, outputs)
+        }
+    }
+
+    /// Says when fewer threads are used than were asked for.
+    fn report_cap(&self, par: Par) -> Result<()> {
+        let (used, most) = (par.threads(), Par::MOST_PER_CORE);
+        match self.args.threads.map(NonZeroUsize::get) {
+            Some(asked) if used < asked => report(format_args!(
+                "threads   {used} of {asked} asked for: at most {most} for each core"
+            )),
+            _ => Ok(()),
         }
     }
 
@@ -338,7 +352,7 @@ impl Work<'_> {
                 && !streams
                 && self.ranks.size() == 1
                 && args.scheme == SchemeChoice::Auto
-                && sparse::is_faster(a)
+                && sparse_is_faster(a.view())
         })
     }
 
@@ -358,9 +372,10 @@ impl Work<'_> {
         let mut memory = Workspace::<T>::new(n.saturating_mul(n))
             .with_context(|| format!("C of {n} x {n} entries"))?;
         if self.args.explain {
-            let count = sparse::row_products(a);
+            let count = sparse_multiplications(a.view());
             report(format_args!(
-                "plan      sparse: the outer product of each row, {count} multiplications"
+                "plan      sparse: each row times its entries, {count} multiplications, {} threads",
+                options.par.threads()
             ))?;
         }
         let start = Instant::now();
@@ -369,7 +384,7 @@ impl Work<'_> {
             let bar = Bar::new("computing");
             let update = |fraction| bar.update(fraction);
             let options = options.clone().progress(&update);
-            sparse::product(a, self.weights, c, &options)?;
+            ata_sparse(T::ONE, a.view(), self.weights, T::ZERO, c, &options)?;
         }
         self.report_time::<T>(a.rows(), start.elapsed())?;
         let c = MatRef::from_row_major_slice(&memory.as_slice()[..n * n], n, n);

@@ -14,7 +14,7 @@ use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
 use super::page::{Figure, Station, Table};
 use super::{Site, chart, task_tree};
 use crate::picture;
-use crate::progress::{self, Bar};
+use crate::progress::Bar;
 
 /// Samples in time, and sensors.
 const SIDE: usize = 2048;
@@ -62,11 +62,10 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         }
         let mut seconds = f64::INFINITY;
         for run in 0..RUNS {
-            progress::check()?;
             let start = Instant::now();
             catamaran::ata(1.0, a, 0.0, c.as_mut(), &options)?;
             seconds = seconds.min(start.elapsed().as_secs_f64());
-            bar.update((done * RUNS + run + 1) as f64 / (SchemeChoice::NAMES.len() * RUNS) as f64);
+            bar.step((done * RUNS + run + 1) as f64 / (SchemeChoice::NAMES.len() * RUNS) as f64)?;
         }
         let mut error = 0.0_f64;
         for (r, &i) in checked.iter().enumerate() {

@@ -42,7 +42,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     let mut lines: [[Line; 2]; SIZES.len()] = Default::default();
     let mut shown = None;
     for number in 0..count {
-        bar.update(number as f64 / count as f64);
+        bar.step(number as f64 / count as f64)?;
         let curve = generator.curve()?.context("no curve on the torus")?;
         for (lines, k) in lines.iter_mut().zip(SIZES) {
             let given = samples(&curve, k, Sampling::Even, &mut rng);

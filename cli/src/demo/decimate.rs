@@ -40,7 +40,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     let mesh = families::figure(if site.small { SMALL_CELLS } else { CELLS }, 0.4)?;
     let n = mesh.vertices().len() / REDUCTION;
     cells(site, &mesh)?;
-    bar.update(0.3);
+    bar.step(0.3)?;
     let methods = [("thesis literally", Method::Thesis), ("default", Method::Uniform)];
     let mut outcomes = Vec::new();
     for (name, method) in methods {
@@ -51,7 +51,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         let difference = Difference::between(&mesh, &found.mesh, Par::all())?;
         outcomes.push(Outcome { name, found, quality, difference, seconds });
     }
-    bar.update(0.8);
+    bar.step(0.8)?;
     let panels = outcomes.iter().map(|outcome| panel(&outcome.found.mesh, PLAIN, outcome.name));
     let scene = Scene {
         panels: panels.collect(),

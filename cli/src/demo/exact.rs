@@ -97,7 +97,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     });
     let a = a.as_ref();
     let reference = Reference::new(a);
-    bar.update(0.3);
+    bar.step(0.3)?;
 
     let mut outcomes = Vec::new();
     let mut scale = picture::Scale::Sequential;
@@ -121,7 +121,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         }
         let typical = (squares / entries(side) as f64).sqrt();
         outcomes.push(Outcome { way, seconds, largest, typical });
-        bar.update(0.3 + 0.1 * outcomes.len() as f64);
+        bar.step(0.3 + 0.1 * outcomes.len() as f64)?;
     }
     let changes = changes(a)?;
     drop(bar);

@@ -26,13 +26,13 @@ const POWERS: [u32; 4] = [3, 5, 7, 16];
 pub fn station(site: &Site<'_>) -> Result<Station> {
     let bar = Bar::new("newton");
     let points = surface(site)?;
-    bar.update(0.4);
+    bar.step(0.4)?;
     let newton = power(5, 0.0)?;
     let plane = Points::Grid(Grid::plane(SHOWN, SHOWN, [0.0; 2], 3.0));
     let fractal = newton.evaluate(plane, Par::all(), Progress::none())?;
     Image::from_pixels(SHOWN as usize, colors(&newton, &fractal))
         .write_png(site.file("newton-plane.png")?)?;
-    bar.update(0.6);
+    bar.step(0.6)?;
     let size = if site.small { SMALL_SIZE } else { SIZE };
     let rows = POWERS.iter().map(|&n| row(n, size)).collect::<Result<Vec<_>>>()?;
     drop(bar);

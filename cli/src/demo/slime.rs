@@ -39,8 +39,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     for step in 1..=steps {
         all.step(Par::all());
         moments.push(now(&all));
-        bar.update(f64::from(step) / f64::from(steps));
-        crate::progress::check()?;
+        bar.step(f64::from(step) / f64::from(steps))?;
         if step == steps / 10 {
             draw(&mesh, &all, view, PIXELS)?.write_png(site.file("slime-early.png")?)?;
         }

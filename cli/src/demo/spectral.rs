@@ -72,13 +72,13 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     let start = Instant::now();
     let source = Pose::new(cells, 0.2)?;
     let seconds = start.elapsed().as_secs_f64();
-    bar.update(0.3);
+    bar.step(0.3)?;
     let target = Pose::new(cells, 0.9)?;
-    bar.update(0.6);
+    bar.step(0.6)?;
 
     eigenfunctions(site, &source)?;
     let outcomes = approximation(site, &source)?;
-    bar.update(0.8);
+    bar.step(0.8)?;
     let errors = transfer(site, &source, &target)?;
     drop(bar);
     Ok(describe(&source, seconds, &outcomes, errors))

@@ -32,7 +32,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     let bar = Bar::new("unions");
     let count = if site.small { SMALL_VERTICES } else { VERTICES };
     let figure = Model::new(Family::Humanoid, count)?;
-    bar.update(0.4);
+    bar.step(0.4)?;
     let poses = [figure.shape(SEED, 0, 0, 0)?, figure.shape(SEED, 0, 0, 1)?];
     let masks = PARTS.map(|[low, high]| between(figure.template(), low, high));
     let both: Vec<bool> = masks[0].iter().zip(&masks[1]).map(|(a, b)| *a || *b).collect();
@@ -46,7 +46,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     let found = model.predict(&parts[0], &parts[1])?;
     let seconds = start.elapsed().as_secs_f64();
     let strangeness = model.strangeness(&[&parts[0], &parts[1]])?;
-    bar.update(0.8);
+    bar.step(0.8)?;
 
     let training = Model::new(Family::Humanoid, DatasetOptions::default().vertices)?;
     let on = model.localizer().on_mesh(training.template(), Par::all())?;

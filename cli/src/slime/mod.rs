@@ -24,6 +24,7 @@ use crate::device::DeviceArgs;
 use crate::picture::{View, write_chart};
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
+use crate::signals;
 pub use curves::chart;
 use on_device::OnDevice;
 pub use view::draw;
@@ -125,6 +126,8 @@ pub fn run(args: &Args) -> Result<()> {
     let bar = Bar::new("slime");
     let mut done = first;
     let mut ended = Ok(());
+    // Ctrl-C keeps the state, which is whole after a step only.
+    let whole_steps = outputs.state.as_ref().map(|_| signals::finish_first());
     while done < args.steps && ended.is_ok() {
         let covered = match &mut on_device {
             Some(kernels) => kernels.step()?,
@@ -160,6 +163,7 @@ pub fn run(args: &Args) -> Result<()> {
         output.commit()?;
         report(format_args!("state     {path}: after {done} steps"))?;
     }
+    drop(whole_steps);
     ended?;
     curves::write_csv(outputs.table, &moments)?;
     meshes::write(outputs.mesh, &textured(&file, &simulation))?;

@@ -1,7 +1,6 @@
 //! A simulation whose steps a device takes.
 
 use anyhow::Result;
-use catamaran::base::Progress;
 use catamaran::texture::slime::{Coverage, Simulation};
 
 use crate::device::Device;

@@ -16,14 +16,15 @@ use super::curve;
 use crate::picture::write_chart;
 use crate::progress;
 use crate::report::report;
+use crate::signals;
 
-/// How often the state is written.
-const PAUSE: Duration = Duration::from_secs(120);
+/// Between two writes of the state, at least: what a stop amid an epoch loses besides the epoch.
+const PAUSE: Duration = Duration::from_secs(10);
 
 /// Train the network of `unions predict` on a data set of `unions dataset`.
 ///
-/// Every two minutes, at the end, and after Ctrl-C the state goes to OUT.state.npz, from which --resume goes on, the best
-/// weights so far to OUT, and the learning curve to OUT.svg. The result is the same for any number of threads.
+/// After epochs, at most every ten seconds, and at the end the state goes to OUT.state.npz, from which --resume goes on
+/// after Ctrl-C, the best weights so far to OUT, and the learning curve to OUT.svg. The result is the same for any number of threads.
 #[derive(clap::Args)]
 pub struct Args {
     /// The data set.
@@ -97,6 +98,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut trainer = Trainer::new(examples, options, state, par)?;
     report(format_args!("network   {} parameters", trainer.state().parameters.len()))?;
     let save = |trainer: &Trainer| -> Result<()> {
+        let _whole = signals::finish_first();
         let create = |path: &Path| Output::create(path, Overwrite::Replace);
         write_state(create(&state_path)?, &options, trainer.state())?;
         let mut weights = create(&args.output)?;

@@ -1,7 +1,5 @@
 //! Water, stiffness and pose at equal times.
 
-use std::ops::ControlFlow;
-
 use anyhow::Result;
 use catamaran::base::Progress;
 use catamaran::plant::{

@@ -12,6 +12,8 @@ mod plan;
 mod product;
 mod rows;
 mod source;
+#[cfg(feature = "geometry")]
+mod sparse;
 mod strip;
 #[cfg(test)]
 mod tests;
@@ -24,6 +26,8 @@ pub use grid::RowBounds;
 pub use plan::StreamPlan;
 pub use rows::{Center, RowOptions, ata_rows};
 pub use source::{DenseRows, RowBlocks};
+#[cfg(feature = "geometry")]
+pub use sparse::{ata_sparse, sparse_is_faster, sparse_multiplications};
 pub use strip::Strip;
 
 pub(crate) use rows::AdjustedRows;

@@ -1,0 +1,104 @@
+//! Signals that end the program: SIGINT (Ctrl-C), SIGTERM and SIGHUP.
+//!
+//! The first one asks the command to stop ([`check`], which every progress bar calls). A command that
+//! is still there after [`GRACE`] is ended from outside: outputs that are not committed are removed,
+//! and the process exits with the status of the signal. A second signal does that at once.
+
+use std::io;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use catamaran::{Error, io::discard_unfinished};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+
+/// The time that a command has to stop by itself: with what the exit takes, less than a second.
+const GRACE: Duration = Duration::from_millis(600);
+
+/// Between two looks at what came after the first signal.
+const POLL: Duration = Duration::from_millis(10);
+
+/// The first signal that came; 0 before.
+static RECEIVED: AtomicI32 = AtomicI32::new(0);
+
+/// Held while a command writes what it resumes from.
+static SAVING: Mutex<()> = Mutex::new(());
+
+/// Watches for signals from now on.
+///
+/// SIGHUP stays ignored where the parent process ignores it, as under `nohup`.
+///
+/// # Errors
+/// The operating system refuses the handlers or the thread.
+pub fn watch() -> io::Result<()> {
+    let mut wanted = vec![SIGINT, SIGTERM];
+    if !is_ignored(SIGHUP)? {
+        wanted.push(SIGHUP);
+    }
+    let signals = Signals::new(wanted)?;
+    thread::Builder::new().name("signals".into()).spawn(move || serve(signals))?;
+    Ok(())
+}
+
+/// Reports a signal as an error: every command asks now and then.
+///
+/// # Errors
+/// [`Error::Cancelled`] once a signal came.
+pub fn check() -> catamaran::Result<()> {
+    if RECEIVED.load(Ordering::Relaxed) == 0 { Ok(()) } else { Err(Error::Cancelled) }
+}
+
+/// The status of a cancelled command, as a shell reports it: 128 and the number of the signal.
+pub fn status() -> u8 {
+    // Without a signal nothing cancels a command.
+    status_of(RECEIVED.load(Ordering::Relaxed))
+}
+
+/// [`status`] as an exit code.
+pub fn exit_code() -> ExitCode {
+    ExitCode::from(status())
+}
+
+/// Lets the command outlive the first signal as long as the guard lives: it finishes its step and
+/// writes what it will be resumed from.
+pub fn finish_first() -> MutexGuard<'static, ()> {
+    SAVING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn serve(mut signals: Signals) {
+    let Some(first) = signals.forever().next() else { return };
+    RECEIVED.store(first, Ordering::Relaxed);
+    let received = Instant::now();
+    let is_saving = || matches!(SAVING.try_lock(), Err(TryLockError::WouldBlock));
+    while received.elapsed() < GRACE || is_saving() {
+        if let Some(second) = signals.pending().next() {
+            end(second);
+        }
+        thread::sleep(POLL);
+    }
+    end(first)
+}
+
+/// Ends the process without destructors and exit handlers: other threads are at work.
+fn end(signal: i32) -> ! {
+    discard_unfinished();
+    signal_hook::low_level::exit(i32::from(status_of(signal)))
+}
+
+fn status_of(signal: i32) -> u8 {
+    128 + signal as u8
+}
+
+fn is_ignored(signal: i32) -> io::Result<bool> {
+    let mut action = std::mem::MaybeUninit::<libc::sigaction>::uninit();
+    // SAFETY: only asks; the place is as large as the answer, and is read only when it was written.
+    unsafe {
+        if libc::sigaction(signal, std::ptr::null(), action.as_mut_ptr()) != 0 {
+            return Err(io::Error::last_os_error());
+        }
+        Ok(action.assume_init().sa_sigaction == libc::SIG_IGN)
+    }
+}

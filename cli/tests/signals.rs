@@ -1,0 +1,213 @@
+//! SIGINT, SIGTERM and SIGHUP end every command soon, and no temporary file stays.
+#![cfg(unix)]
+
+mod common;
+
+use std::fs::{self, File};
+use std::io::Write as _;
+use std::os::unix::process::ExitStatusExt as _;
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus};
+use std::time::{Duration, Instant};
+
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::{TriMesh, families, io};
+use common::Folder;
+
+/// What a signal may take: a second, and some patience with a busy machine.
+const SOON: Duration = Duration::from_millis(1500);
+
+/// Where the standard output and the errors go.
+const SAID: &str = "said.txt";
+
+/// A command at work.
+struct Run {
+    folder: Folder,
+    child: Child,
+}
+
+impl Run {
+    /// Starts the command and waits until it has begun: said something, or made a file.
+    fn start(folder: Folder, arguments: &str) -> Self {
+        let mut command = folder.program();
+        command.args(arguments.split_whitespace());
+        Self::begin(folder, command)
+    }
+
+    fn begin(folder: Folder, mut command: Command) -> Self {
+        let said = File::create(folder.path(SAID)).unwrap();
+        let before = folder.names();
+        let child = command.stderr(said.try_clone().unwrap()).stdout(said).spawn().unwrap();
+        let mut run = Self { folder, child };
+        let begun = |folder: &Folder| {
+            fs::metadata(folder.path(SAID)).unwrap().len() > 0 || folder.names() != before
+        };
+        while !begun(&run.folder) {
+            assert!(run.child.try_wait().unwrap().is_none(), "{command:?} ended");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        run
+    }
+
+    fn send(&self, signal: &str) {
+        let id = self.child.id().to_string();
+        assert!(Command::new("kill").args([signal, &id]).status().unwrap().success());
+    }
+
+    /// Waits for the end, which must come soon; no temporary file may be left then.
+    fn end(&mut self) -> ExitStatus {
+        let start = Instant::now();
+        let status = loop {
+            if let Some(status) = self.child.try_wait().unwrap() {
+                break status;
+            }
+            if start.elapsed() > SOON {
+                self.child.kill().unwrap();
+                panic!("still there {SOON:?} after the signal");
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        };
+        assert_eq!(temporaries(&self.folder.path(".")), [""; 0]);
+        status
+    }
+}
+
+/// Names of unfinished outputs, in subfolders too.
+fn temporaries(folder: &Path) -> Vec<String> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).unwrap().map(Result::unwrap) {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if entry.path().is_dir() {
+            found.extend(temporaries(&entry.path()));
+        } else if name.starts_with(".catamaran-") {
+            found.push(name);
+        }
+    }
+    found
+}
+
+fn with_mesh(mesh: TriMesh) -> Folder {
+    let folder = Folder::new();
+    let output = Output::create(&folder.path("mesh.ply"), Overwrite::Never).unwrap();
+    io::write(output, &mesh.into()).unwrap();
+    folder
+}
+
+/// A .npy file of zeros that takes no room on the disk.
+fn with_zeros(m: usize, n: usize) -> Folder {
+    let folder = Folder::new();
+    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({m}, {n}), }}");
+    let mut file = File::create(folder.path("a.npy")).unwrap();
+    file.write_all(b"\x93NUMPY\x01\x00\x76\x00").unwrap();
+    file.write_all(format!("{header:117}\n").as_bytes()).unwrap();
+    file.set_len((128 + 8 * m * n) as u64).unwrap();
+    folder
+}
+
+/// A folder with a pipe called a.csv, from which `ata` reads without an end.
+fn with_pipe() -> Folder {
+    let folder = Folder::new();
+    assert!(Command::new("mkfifo").arg(folder.path("a.csv")).status().unwrap().success());
+    folder
+}
+
+/// Sends SIGTERM a moment after the begin.
+fn ends_amid_its_work(folder: Folder, arguments: &str) -> Run {
+    let mut run = Run::start(folder, arguments);
+    std::thread::sleep(Duration::from_millis(150));
+    assert!(run.child.try_wait().unwrap().is_none(), "{arguments}: ended before the signal");
+    run.send("-TERM");
+    let status = run.end();
+    assert_eq!(status.code(), Some(143), "{arguments}: {status}");
+    run
+}
+
+#[test]
+fn ata_ends_and_keeps_its_checkpoint() {
+    let options = "--checkpoint sums --checkpoint-every 0 --block-rows 100";
+    let run =
+        ends_amid_its_work(with_zeros(60_000, 2000), &format!("ata a.npy -o c.npy {options}"));
+    assert!(run.folder.names().iter().all(|name| ["a.npy", SAID, "sums"].contains(&&**name)));
+    let threads = "--threads 8000 --scheme exact";
+    ends_amid_its_work(with_zeros(60_000, 2000), &format!("ata a.npy -o c.npy {threads}"));
+    let folder = Folder::new();
+    // The output of C, which tells no progress, takes most of the time.
+    folder.write("wide.csv", vec![vec!["1"; 4000].join(","); 3].join("\n"));
+    ends_amid_its_work(folder, "ata wide.csv -o c.csv.gz");
+}
+
+#[test]
+fn mesh_commands_end() {
+    let sphere = || with_mesh(families::icosphere(6).unwrap());
+    ends_amid_its_work(sphere(), "spectrum mesh.ply -k 400 -o s.npz");
+    ends_amid_its_work(sphere(), "decimate mesh.ply -n 30000 --lloyd 50 -o d.ply --report");
+    let folder = sphere();
+    folder.succeed("fps mesh.ply -n 3000 -o samples.csv");
+    ends_amid_its_work(folder, "curve mesh.ply --samples samples.csv --smooth -o c.json");
+    let folder = sphere();
+    folder.write_npy("f.npy", &[40962, 1], &vec![1.0; 40962]);
+    ends_amid_its_work(
+        folder,
+        "transfer mesh.ply mesh.ply --functions f.npy --identity -k 100 -o g.npy",
+    );
+}
+
+#[test]
+fn simulations_end_and_slime_keeps_its_state() {
+    let folder = Folder::new();
+    folder.write("square.obj", SQUARE);
+    let slime = "slime square.obj --size 256 --agents 2000 --steps 10000000 -o out";
+    let run = ends_amid_its_work(folder, &format!("{slime} --state some.state"));
+    assert!(run.folder.path("some.state").exists());
+    ends_amid_its_work(run.folder, slime);
+    ends_amid_its_work(Folder::new(), "wilt --grow 3000 --hours 480 --frames 300 -o out");
+    ends_amid_its_work(Folder::new(), "newton --power 7 --size 8000x8000 -o a.png");
+    ends_amid_its_work(Folder::new(), "demo --out page");
+    ends_amid_its_work(Folder::new(), "tune --dry-run");
+}
+
+/// A square with its own texture coordinates.
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+                      f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n";
+
+// `unions train` is in tests/unions.rs, which has a data set.
+#[test]
+fn the_data_set_of_unions_ends() {
+    ends_amid_its_work(Folder::new(), "unions dataset -o data.npz");
+}
+
+#[test]
+fn a_command_that_hears_nothing_is_ended_and_leaves_no_file() {
+    for (signal, status) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
+        // Blocked until somebody writes into the pipe, which nobody does.
+        let mut run = Run::start(with_pipe(), "ata a.csv -o c.npy");
+        run.send(signal);
+        assert_eq!(run.end().code(), Some(status));
+        assert_eq!(run.folder.names(), ["a.csv", SAID]);
+    }
+}
+
+#[test]
+fn the_second_signal_ends_at_once() {
+    let mut run = Run::start(with_pipe(), "ata a.csv -o c.npy");
+    run.send("-INT");
+    run.send("-TERM");
+    // Else it were the status of the first one, after the time that it leaves.
+    assert_eq!(run.end().code(), Some(143));
+}
+
+#[test]
+fn a_hangup_that_the_parent_ignores_stays_ignored() {
+    let folder = with_pipe();
+    let mut command = Command::new("nohup");
+    command.arg(folder.program().get_program()).args(["ata", "a.csv", "-o", "c.npy"]);
+    command.current_dir(folder.path("."));
+    let mut run = Run::begin(folder, command);
+    run.send("-HUP");
+    let mut pipe = File::options().write(true).open(run.folder.path("a.csv")).unwrap();
+    pipe.write_all(b"1,2\n3,4\n").unwrap();
+    drop(pipe);
+    let status = run.child.wait().unwrap();
+    assert_eq!((status.code(), status.signal()), (Some(0), None));
+    assert_eq!(run.folder.read_npy::<f64>("c.npy"), [10.0, 14.0, 14.0, 20.0]);
+}

@@ -1,0 +1,116 @@
+use super::boundary::boundary;
+use super::params::{cata_ata_params, with_options};
+use super::pointer::{Layout, matrix_mut, slice, sparse, uplo_from};
+use super::status::cata_status;
+use crate::ata::ata_sparse;
+use crate::blas::BlasReal;
+
+/// C := alpha A^T W A + beta C, for a sparse A, m x n, with weights W or none, and C n x n, dense.
+///
+/// - `layout`, `uplo`: of C, as in cata_ata_f64.
+/// - `m`, `n`: any, 0 included.
+/// - `row_starts`: m + 1 elements, read: the entries of row i are those from `row_starts[i]` to
+///   `row_starts[i + 1] - 1`, the first being 0. May be NULL when m is 0.
+/// - `columns`, `entries`: `row_starts[m]` elements each, read: columns ascending within a row, from 0,
+///   each at most once, and the entries of A there. May be NULL when there are none.
+/// - `weights`: m finite elements, read; NULL: all 1.
+/// - `alpha`, `beta`, `c`, `ldc`: as in cata_ata_f64.
+/// - `params`: NULL for the defaults; `threads` and `progress` count, the rest is checked only.
+///
+/// Returns what cata_ata_f64 does, or CATA_ERR_NON_FINITE for a weight. C is untouched after any error
+/// but CATA_ERR_CANCELLED and CATA_ERR_PANIC.
+///
+/// The sums are those of the classical algorithm, in double and in the order of the rows. The result does
+/// not depend on the number of threads, bit for bit.
+///
+/// Thread-safe: calls may run at the same time as long as no C is shared.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_ata_sparse_f64(
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: f64,
+    row_starts: *const usize,
+    columns: *const usize,
+    entries: *const f64,
+    weights: *const f64,
+    beta: f64,
+    c: *mut f64,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe {
+        product(
+            layout, uplo, m, n, alpha, row_starts, columns, entries, weights, beta, c, ldc, params,
+        )
+    }
+}
+
+/// As cata_ata_sparse_f64, with A and C in float; weights and sums are in double.
+///
+/// Thread-safe: calls may run at the same time as long as no C is shared.
+///
+/// # Safety
+/// The pointers are as described at `cata_ata_sparse_f64`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_ata_sparse_f32(
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: f32,
+    row_starts: *const usize,
+    columns: *const usize,
+    entries: *const f32,
+    weights: *const f64,
+    beta: f32,
+    c: *mut f32,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe {
+        product(
+            layout, uplo, m, n, alpha, row_starts, columns, entries, weights, beta, c, ldc, params,
+        )
+    }
+}
+
+/// `cata_ata_sparse_*`.
+///
+/// # Safety
+/// The pointers are as the header describes them.
+unsafe fn product<T: BlasReal>(
+    layout: i32,
+    uplo: i32,
+    m: usize,
+    n: usize,
+    alpha: T,
+    row_starts: *const usize,
+    columns: *const usize,
+    entries: *const T,
+    weights: *const f64,
+    beta: T,
+    c: *mut T,
+    ldc: usize,
+    params: *const cata_ata_params,
+) -> cata_status {
+    boundary(|| {
+        let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
+        // SAFETY: the caller's promise.
+        unsafe {
+            let a = sparse(m, n, row_starts, columns, entries)?;
+            let weights =
+                if weights.is_null() { None } else { Some(slice("weights", weights, m)?) };
+            let c = matrix_mut("c", layout, n, n, c, ldc)?;
+            with_options(params, uplo, |options| {
+                Ok(ata_sparse(alpha, a, weights, beta, c, options)?)
+            })
+        }
+    })
+}
