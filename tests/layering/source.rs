@@ -92,14 +92,13 @@ impl Source {
                         source.defined.push(path[0].clone());
                     }
                     // After a dot it is a field or a method, after `::` a rest.
-                    if before != "." && before != "::" {
-                        if let Some(path) = leave(path, inline.len()) {
-                            source
-                                .words
-                                .push(Reference { path: vec![path[0].clone()], line: token.line });
-                            if path.len() > 1 {
-                                source.references.push(Reference { path, line: token.line });
-                            }
+                    let starts = before != "." && before != "::";
+                    if let Some(path) = leave(path, inline.len()).filter(|_| starts) {
+                        source
+                            .words
+                            .push(Reference { path: vec![path[0].clone()], line: token.line });
+                        if path.len() > 1 {
+                            source.references.push(Reference { path, line: token.line });
                         }
                     }
                 }

@@ -323,6 +323,7 @@ fn add(
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
+    use std::ops::ControlFlow;
 
     use super::super::{Samples, TEST_B, TRAIN, UNKNOWN_FAMILY, read, write};
     use super::*;
