@@ -3,7 +3,7 @@
 mod common;
 
 use catamaran::faer::{Mat, MatRef};
-use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo, ata, atb};
+use catamaran::{Accuracy, AtaOptions, SchemeChoice, Uplo, ata, atb};
 use common::{backends, integers, oracle};
 use proptest::prelude::*;
 

@@ -8,7 +8,7 @@ use super::search::Search;
 use super::split::split;
 use super::surface::Surface;
 use super::tour::{Costs, tour};
-use crate::base::{Error, Progress, Result, reserved};
+use crate::base::{Error, Progress, Result, builder, reserved};
 use crate::mesh::vector::distance;
 use crate::mesh::{Components, TriMesh};
 
@@ -38,7 +38,8 @@ pub enum Count {
 }
 
 /// What [`CurveSolver::reconstruct`] is asked for.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct CurveOptions<'a> {
     /// How; default robust.
     pub mode: Mode,
@@ -69,6 +70,16 @@ impl Default for CurveOptions<'_> {
         }
     }
 }
+
+builder! { CurveOptions<'a> {
+    mode: Mode,
+    open: bool,
+    count: Count,
+    steiner: bool,
+    candidates: usize,
+    start: usize,
+    #[into] progress: Progress<'a>,
+}}
 
 /// Finds curves on a mesh: made once, in O(V + F), for many reconstructions, which look only at what is near the samples.
 pub struct CurveSolver<'m> {

@@ -42,11 +42,12 @@ pub use rows::RowFile;
 pub use sprs::CsMat;
 pub use strips::StripOutput;
 
-use crate::base::{Error, Progress, Real, Result};
+use crate::base::{Error, Progress, Real, Result, builder};
 pub(crate) use source::{Packing, Source};
 
 /// How [`read`] reads. The default reads everything.
-#[derive(Clone, Default)]
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
 pub struct ReadOptions<'a> {
     /// Columns to keep, from 0, half open; `None` keeps all. In a text table the others may hold
     /// anything.
@@ -54,6 +55,11 @@ pub struct ReadOptions<'a> {
     /// Told the fraction of the file read; may cancel.
     pub progress: Progress<'a>,
 }
+
+builder! { ReadOptions<'a> {
+    #[into] columns: Option<Range<usize>>,
+    #[into] progress: Progress<'a>,
+}}
 
 /// What a file name says about its content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

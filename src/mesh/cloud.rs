@@ -8,12 +8,13 @@ use rstar::primitives::GeomWithData;
 
 use super::vector::{Vector, cross, distance, dot, sub, unit};
 use super::{Boundary, Laplacian, LaplacianKind, LaplacianOptions, TriMesh, laplacian};
-use crate::base::{Error, Par, Result, Rng};
+use crate::base::{Error, Par, Result, Rng, builder};
 use crate::dense::symmetric_eigen;
 use crate::sparse::Mass;
 
 /// Options of [`cloud_laplacian`].
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct CloudOptions {
     /// Nearest points that a point is triangulated with; default 30, at least 3.
     pub neighbours: usize,
@@ -28,6 +29,12 @@ impl Default for CloudOptions {
         Self { neighbours: 30, boundary: Boundary::Neumann, par: Par::all() }
     }
 }
+
+builder! { CloudOptions {
+    neighbours: usize,
+    boundary: Boundary,
+    par: Par,
+}}
 
 /// Points that a thread triangulates at a time.
 const BLOCK: usize = 256;

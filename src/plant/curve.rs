@@ -2,7 +2,7 @@ use super::bdf::{Bdf6, Start};
 use super::rational::{EXPONENTIAL, Workspace};
 use super::spectral::SpectralSolution;
 use super::water::{WaterModel, at_least_zero, positive};
-use crate::base::{Error, Par, Progress, Result};
+use crate::base::{Error, Par, Progress, Result, builder};
 
 /// How water is computed at many times.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +31,8 @@ pub struct Interval {
 }
 
 /// Options of [`water_curve`].
-#[derive(Clone)]
+#[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct CurveOptions<'a> {
     /// Default [`Method::Auto`].
     pub method: Method,
@@ -49,6 +50,13 @@ impl Default for CurveOptions<'_> {
         Self { method: Method::Auto, cycle: vec![], par: Par::all(), progress: Progress::none() }
     }
 }
+
+builder! { CurveOptions<'a> {
+    method: Method,
+    cycle: Vec<Interval>,
+    par: Par,
+    #[into] progress: Progress<'a>,
+}}
 
 /// The water of every node, in kg, at each of `times` (seconds from 0, ascending), from `water` at time 0. Where the loss
 /// changes, one solution ends and the next begins: nothing is interpolated.

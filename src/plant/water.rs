@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use super::Plant;
 use super::elimination::{Factor, Order};
-use crate::base::{Error, Par, Result, zeros};
+use crate::base::{Error, Par, Result, builder, zeros};
 
 /// How well segments conduct water along themselves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +25,7 @@ pub enum Conductivity {
 
 /// The constants of the water of a plant, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct WaterOptions {
     /// What a square metre of leaf loses when its cells are full, in kg / (s m^2), at least 0. 15 to 250 g / (h m^2) by day
     /// and 1 to 20 by night (thesis, section 4.3.1; [`grams_per_hour`]). Default 60 g / (h m^2).
@@ -53,6 +54,15 @@ impl Default for WaterOptions {
         }
     }
 }
+
+builder! { WaterOptions {
+    loss: f64,
+    conductivity: Conductivity,
+    modulus: f64,
+    viscosity: f64,
+    density: f64,
+    intake: f64,
+}}
 
 /// A loss in g / (h m^2) as one in kg / (s m^2).
 pub fn grams_per_hour(loss: f64) -> f64 {

@@ -5,7 +5,7 @@ use faer::{Mat, MatRef, Scale};
 use super::basis::Basis;
 use super::eigenbasis::Eigenbasis;
 use super::eigenproducts::Eigenproducts;
-use crate::base::{Par, Progress, Result};
+use crate::base::{Par, Progress, Result, builder};
 use crate::dense::zeros;
 use crate::ortho::{Factors, GramSchmidtOptions, gram_schmidt_in_place, rank_revealing_in_place};
 
@@ -26,7 +26,8 @@ pub enum Orthogonalization {
 }
 
 /// How [`ProductBasis::new`] works.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct ProductBasisOptions<'a> {
     /// Default [`Orthogonalization::SinglePass`].
     pub orthogonalization: Orthogonalization,
@@ -42,6 +43,12 @@ impl Default for ProductBasisOptions<'_> {
         Self { orthogonalization, par: Par::all(), progress: Progress::none() }
     }
 }
+
+builder! { ProductBasisOptions<'a> {
+    orthogonalization: Orthogonalization,
+    par: Par,
+    #[into] progress: Progress<'a>,
+}}
 
 /// A basis of the Fourier polynomials on a mesh: the eigenproducts of at most a given order, orthogonalised.
 ///

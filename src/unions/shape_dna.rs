@@ -2,12 +2,13 @@
 //!
 //! Source: Reuter, Wolter and Peinecke, Laplace-Beltrami spectra as "Shape-DNA" of surfaces and solids (2006).
 
-use crate::base::{Error, Par, Result};
+use crate::base::{Error, Par, Result, builder};
 use crate::mesh::{LaplacianOptions, TriMesh, laplacian};
 use crate::sparse::{EigenOptions, eigs};
 
 /// Options of [`shape_dna`].
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ShapeDnaOptions {
     /// Eigenvalues; default 20.
     pub k: usize,
@@ -22,6 +23,12 @@ impl Default for ShapeDnaOptions {
         Self { k: 20, normalized: true, laplacian: LaplacianOptions::default() }
     }
 }
+
+builder! { ShapeDnaOptions {
+    k: usize,
+    normalized: bool,
+    laplacian: LaplacianOptions,
+}}
 
 /// The k smallest eigenvalues of a surface, ascending: in units of 1 / length^2, or pure numbers where they are normalized
 /// by area. Closed surfaces begin with 0.

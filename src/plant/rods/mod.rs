@@ -15,11 +15,12 @@ use self::small::{Matrix, NO_ROTATION, Quaternion, image, rotation_matrix};
 use super::Plant;
 use super::graph::NONE;
 use super::water::{at_least_zero, positive};
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, builder};
 use crate::mesh::vector::{Vector, scale, sub};
 
 /// The constants of rods, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct RodOptions {
     /// Default (0, 0, -9.81), in m / s^2.
     pub gravity: [f64; 3],
@@ -34,6 +35,12 @@ impl Default for RodOptions {
         Self { gravity: [0.0, 0.0, -9.81], poisson: 0.3, dry_density: 100.0 }
     }
 }
+
+builder! { RodOptions {
+    gravity: [f64; 3],
+    poisson: f64,
+    dry_density: f64,
+}}
 
 /// Where the segments are.
 #[derive(Debug, Clone, PartialEq)]

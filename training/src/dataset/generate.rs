@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -203,7 +202,7 @@ fn compute(options: &DatasetOptions, job: &Job, model: &Model, cuts: &Cuts) -> R
         (mesh, all)
     };
     // Shapes are done in parallel, not the work on one.
-    let settings = LaplacianOptions { par: Par::Seq, ..LaplacianOptions::default() };
+    let settings = LaplacianOptions::new().par(Par::Seq);
     let spectra = PartSpectra::new(&mesh, &settings)?;
     let complete = vec![true; model.mirror().len()];
     let here =
@@ -239,10 +238,10 @@ fn template<'a>(
     par: Par,
 ) -> Result<Template> {
     let mesh = subject.model.template();
-    let settings = LaplacianOptions { par, ..LaplacianOptions::default() };
+    let settings = LaplacianOptions::new().par(par);
     let operator = laplacian(mesh, &settings)?;
     let k = EIGENFUNCTIONS.min(operator.kept.len());
-    let wanted = EigenOptions { k, par, ..EigenOptions::default() };
+    let wanted = EigenOptions::new().k(k).par(par);
     let pairs = eigs(operator.stiffness.view(), &operator.mass, &wanted)?;
     let words = subject.model.mirror().len().div_ceil(WORD);
     let mut masks: BTreeMap<usize, Vec<usize>> =
@@ -324,6 +323,7 @@ fn add(
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
+    use std::ops::ControlFlow;
 
     use super::super::{Samples, TEST_B, TRAIN, UNKNOWN_FAMILY, read, write};
     use super::*;
