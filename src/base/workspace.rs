@@ -59,7 +59,6 @@ impl<T: Real> Workspace<T> {
 }
 
 /// An empty vector with room for `len` entries.
-#[cfg(feature = "geometry")]
 pub(crate) fn reserved<T>(len: usize) -> Result<Vec<T>> {
     let mut values = Vec::new();
     let bytes = len.saturating_mul(size_of::<T>());
@@ -68,7 +67,6 @@ pub(crate) fn reserved<T>(len: usize) -> Result<Vec<T>> {
 }
 
 /// `len` zeros; memory that can't be had is an error.
-#[cfg(feature = "geometry")]
 pub(crate) fn zeros<T: Real>(len: usize) -> Result<Vec<T>> {
     let mut values = reserved(len)?;
     values.resize(len, T::ZERO);
