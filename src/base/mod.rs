@@ -23,7 +23,5 @@ pub use rng::Rng;
 pub use scalar::Real;
 pub(crate) use version::second_level_cache;
 pub use version::{VERSION, VersionNumber, cpu_features, version};
-pub(crate) use workspace::Scratch;
 pub use workspace::{Arena, Workspace, release_memory};
-#[cfg(feature = "geometry")]
-pub(crate) use workspace::{reserved, zeros};
+pub(crate) use workspace::{Scratch, reserved, zeros};

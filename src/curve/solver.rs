@@ -82,6 +82,17 @@ builder! { CurveOptions<'a> {
 }}
 
 /// Finds curves on a mesh: made once, in O(V + F), for many reconstructions, which look only at what is near the samples.
+///
+/// ```
+/// use catamaran::{curve::{CurveOptions, CurveSolver, Outcome}, mesh::families};
+///
+/// let mesh = families::grid(8, 8)?;
+/// let corners = [10, 70, 16, 64]; // of a square of 6 x 6 cells, in no order
+/// let found = CurveSolver::new(&mesh)?.reconstruct(&corners, &CurveOptions::new())?;
+/// assert_eq!(found.outcome, Outcome::Closed);
+/// assert_eq!(found.curves[0].order.len(), 4);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub struct CurveSolver<'m> {
     surface: Surface<'m>,
     search: Search,

@@ -102,6 +102,18 @@ fn format_of(path: &Path) -> Result<(Format, bool)> {
 /// The extra memory beyond the entries of the file is a buffer; text tables, whose size is not known
 /// beforehand, may take twice their entries while they grow, and sparse matrices twice theirs.
 ///
+/// ```
+/// use catamaran::{faer::Mat, io::{Matrix, Output, Overwrite, ReadOptions, read, write}};
+///
+/// let path = std::env::temp_dir().join(format!("catamaran-read-{}.csv", std::process::id()));
+/// let a = Mat::<f64>::from_fn(3, 2, |i, j| i as f64 - j as f64 / 3.0);
+/// write(Output::create(&path, Overwrite::Replace)?, a.as_ref())?;
+/// let Matrix::F64(found) = read(&path, &ReadOptions::new().columns(1..2))? else { panic!() };
+/// assert_eq!(found.as_ref(), a.get(.., 1..2));
+/// # std::fs::remove_file(path).unwrap();
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Io`] with file and line, [`Error::OutOfMemory`], [`Error::Cancelled`];
 /// [`Error::Argument`] when `options.columns` is not inside the matrix.

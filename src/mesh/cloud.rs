@@ -54,6 +54,15 @@ const FLAT: f64 = 1e-4;
 /// Around each point its nearest ones are projected into the plane that fits best, where the point's triangles of the
 /// Delaunay triangulation are taken; the tufted Laplacian of all of these triangles, divided by three.
 ///
+/// ```
+/// use catamaran::mesh::{CloudOptions, cloud_laplacian, families};
+///
+/// let points = families::icosphere(2)?.into_parts().0;
+/// let found = cloud_laplacian(&points, &CloudOptions::new().neighbours(12))?;
+/// assert_eq!(found.kept.len(), points.len());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::NonFinite`] for a coordinate; [`Error::Argument`] for fewer than 3 neighbours; [`Error::Mesh`] for points at the
 /// same place, and as [`laplacian()`].

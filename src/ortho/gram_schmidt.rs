@@ -105,6 +105,17 @@ impl Orthonormal {
 ///
 /// The result is the same, bit for bit, for every `options.par`. Memory: a copy of A, R, and two panels.
 ///
+/// ```
+/// use catamaran::{prelude::*, sparse::Mass};
+///
+/// // The second column is twice the first.
+/// let a = Mat::<f64>::from_fn(5, 3, |i, j| [1.0, 2.0, i as f64][j]);
+/// let found = gram_schmidt(a.as_ref(), &Mass::identity(5), &GramSchmidtOptions::new())?;
+/// assert_eq!(found.kept, [0, 2]);
+/// assert!((found.q.transpose() * &found.q - Mat::<f64>::identity(2, 2)).norm_max() < 1e-14);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Shape`] and [`Error::Argument`] of "mass", [`Error::NonFinite`] of "A", [`Error::Argument`] for a threshold
 /// out of range, [`Error::OutOfMemory`], [`Error::Cancelled`].

@@ -61,6 +61,17 @@ builder! { CurveOptions<'a> {
 /// The water of every node, in kg, at each of `times` (seconds from 0, ascending), from `water` at time 0. Where the loss
 /// changes, one solution ends and the next begins: nothing is interpolated.
 ///
+/// ```
+/// use catamaran::plant::{CurveOptions, WaterModel, WaterOptions, families, water_curve};
+///
+/// let model = WaterModel::new(&families::chain(20, 0.3, 1e-3)?, &WaterOptions::new())?;
+/// let hours = [0.0, 3600.0, 7200.0];
+/// let curve = water_curve(&model, &model.full(), &hours, &CurveOptions::new())?;
+/// let total = curve.iter().map(|water| water.iter().sum()).collect::<Vec<f64>>();
+/// assert!(total[0] > total[1] && total[1] > total[2]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`], [`Error::Shape`] and [`Error::NonFinite`] name the argument at fault; [`Error::OutOfMemory`];
 /// [`Error::Cancelled`].

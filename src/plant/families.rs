@@ -69,6 +69,13 @@ struct Bud {
 /// `B(r, l, 0) -> A(r, l)`, with F cut into three segments. Axes of order 2 and more, old ones and all tips are veins of
 /// leaves. Nodes are numbered as they grow.
 ///
+/// ```
+/// use catamaran::plant::families::{GrowthOptions, grow};
+///
+/// assert_eq!(grow(&GrowthOptions::new().nodes(100))?.len(), 100);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] names the option that is out of its range; [`Error::OutOfMemory`].
 pub fn grow(options: &GrowthOptions) -> Result<Plant> {

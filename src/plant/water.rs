@@ -75,6 +75,16 @@ pub fn grams_per_hour(loss: f64) -> f64 {
 /// theta is the water of every node in kg; D the diagonal of `theta_full / modulus` in kg / Pa; L the Laplacian of the tree
 /// with the conductances of its edges, in kg / (s Pa); D_l the losses in 1 / s; s what the root takes from the soil. S is
 /// similar to a symmetric negative semi-definite matrix. Models share nothing that changes.
+///
+/// ```
+/// use catamaran::{Par, plant::{WaterModel, WaterOptions, families, grams_per_hour}};
+///
+/// let plant = families::chain(20, 0.3, 1e-3)?;
+/// let model = WaterModel::new(&plant, &WaterOptions::new().loss(grams_per_hour(100.0)))?;
+/// let after = model.water_after(&model.full(), 3600.0, Par::Seq)?;
+/// assert!(after.iter().zip(model.full()).all(|(&water, full)| 0.0 < water && water <= full));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct WaterModel {
     pub(super) order: Arc<Order>,

@@ -55,6 +55,18 @@ builder! { ProductBasisOptions<'a> {
 /// The factors are the eigenfunctions divided by the constant one, `phi_i / phi_0`: without a unit and of mean square 1, so
 /// that nothing depends on the size of the mesh. With the L products as columns of B, `Q R = B` to rounding in the columns
 /// that are kept, and up to the threshold in the others (equation 1.13).
+///
+/// ```
+/// use catamaran::{prelude::*, mesh::families, spectral::{Eigenbasis, ProductBasis, ProductBasisOptions}};
+///
+/// let Laplacian { stiffness, mass, .. } =
+///     laplacian(&families::icosphere(3)?, &LaplacianOptions::new())?;
+/// let pairs = eigs(stiffness.view(), &mass, &EigenOptions::new().k(5))?;
+/// let basis = Eigenbasis::new(pairs.values, pairs.vectors, mass)?;
+/// let products = ProductBasis::new(&basis, 2, &ProductBasisOptions::new())?;
+/// assert!(products.len() > basis.len());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct ProductBasis {
     products: Eigenproducts,

@@ -38,6 +38,16 @@ builder! { HeatOptions {
 /// Neumann conditions at the boundary. Accurate to a few edges' share of the distance; not exact.
 ///
 /// Two sparse Cholesky factorisations when it is made, two solves for every set of sources.
+///
+/// ```
+/// use catamaran::mesh::{HeatMethod, HeatOptions, families};
+///
+/// let sphere = families::icosphere(3)?;
+/// let distances = HeatMethod::new(&sphere, &HeatOptions::new())?.distances(&[0])?;
+/// assert!(distances[0].abs() < 1e-6);
+/// assert!((distances.iter().copied().fold(0.0, f64::max) - std::f64::consts::PI).abs() < 0.2);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct HeatMethod {
     faces: Vec<[u32; 3]>,

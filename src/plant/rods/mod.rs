@@ -55,6 +55,19 @@ pub struct Pose {
 
 /// A plant whose segments have weight and joints stiffness. The joint of the root segment holds it to the ground; pinned
 /// segments stay where they are and carry what hangs on them.
+///
+/// ```
+/// use catamaran::plant::{Elasticity, RelaxOptions, RodOptions, Rods, WaterModel, WaterOptions, families};
+///
+/// let plant = families::chain(20, 0.3, 1e-3)?;
+/// let full = WaterModel::new(&plant, &WaterOptions::new())?.full();
+/// let mut rods = Rods::new(&plant, &RodOptions::new())?;
+/// rods.set_state(&Elasticity::default().moduli(&full, &full)?, &full)?;
+/// let mut pose = rods.rest_pose();
+/// let found = rods.relax(&mut pose, &RelaxOptions::new())?;
+/// assert!(found.iterations > 0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Rods {
     /// Every parent before its children.

@@ -61,6 +61,15 @@ struct Neighbour {
 /// The axis points to the side of the vertex normal, where the paper counts points above and below: in a flat
 /// neighbourhood that count is chance. Ties of the other axis go by the weighted sum.
 ///
+/// ```
+/// use catamaran::{mesh::families, spectral::descriptors::{SHOT_BINS, ShotOptions, shot}};
+///
+/// let sphere = families::icosphere(2)?;
+/// let found = shot(&sphere, &ShotOptions::new(0.6))?;
+/// assert_eq!((found.nrows(), found.ncols()), (sphere.vertices().len(), SHOT_BINS));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] for a radius that is not positive and finite; [`Error::Cancelled`].
 pub fn shot(mesh: &TriMesh, options: &ShotOptions<'_>) -> Result<Mat<f64>> {
