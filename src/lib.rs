@@ -1,51 +1,91 @@
-//! **Catamaran**: A^T A, and what stands on it, at scale.
-//!
-//! The centre is the symmetric product `C := alpha A^T A + beta C` ([`ata()`]), computed by proven
-//! bilinear schemes (the 2 x 2 recursion over Strassen of the thesis, RXTX, KGP, ...) above any
-//! BLAS, or above a pure-Rust kernel when there is none.
+//! **Catamaran** computes symmetric products `C := alpha A^T A + beta C` of any matrix, at scale, and
+//! builds spectra and geometry on them.
 //!
 //! ```
-//! use catamaran::{ata, AtaOptions, faer::Mat};
+//! use catamaran::prelude::*;
 //!
 //! let a = Mat::<f64>::from_fn(5, 3, |i, j| (i + 2 * j) as f64);
 //! let mut c = Mat::<f64>::zeros(3, 3);
-//! ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::default())?;
+//! ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
 //! assert_eq!(c[(2, 1)], a.col(2).transpose() * a.col(1));
-//! # Ok::<(), catamaran::Error>(())
+//! # Ok::<(), Error>(())
 //! ```
 //!
-//! The layers, from the bottom: [`base`] (scalars, errors, workspaces, threads), [`kernel`]
-//! (arithmetic per instruction set), [`blas`] (back ends), [`ata`](mod@ata) (schemes, plans,
-//! execution, the exact path, checks), [`dense`] (what is dense and small), [`sparse`] (eigenpairs), [`ortho`] (Gram-Schmidt), [`mesh`] (triangle meshes),
-//! [`io`] (matrix files), [`spectral`] (eigenproducts, functional maps), [`plant`] (water and wilting), [`decimate`]
-//! (uniform decimation), [`curve`] (curves through samples), [`texture`] (slime moulds and fractals),
-//! [`unions`] (spectral unions of parts), `mpi` (many machines), `opencl` (devices) and the C ABI `capi`,
-//! features of these names. A layer imports only the layers below it; a test says so.
+//! [`ata()`] takes proven bilinear schemes (the 2 x 2 recursion over Strassen of the thesis, RXTX, KGP),
+//! integer products modulo small primes, or the classical algorithm, whichever the planner expects to
+//! be fastest. The arithmetic runs in kernels written in Rust or in any BLAS.
+//!
+//! # Modules
+//!
+//! A module imports only modules above it in this table; a test checks that.
+//!
+//! | Module | Content | Feature |
+//! |---|---|---|
+//! | [`base`] | scalars, errors, threads, progress, workspaces, random numbers | |
+//! | [`kernel`] | kernels for each instruction set | |
+//! | [`blas`] | back ends: the kernels of this crate, or a BLAS that is loaded at run time | |
+//! | [`mod@ata`] | A^T A, A A^T, A^T B, rows from anywhere, plans, the exact path, checks of results | |
+//! | `dense` | small dense factorisations | `geometry` |
+//! | `sparse` | eigenpairs of sparse pencils | `geometry` |
+//! | `ortho` | Gram-Schmidt, Cholesky QR, rank-revealing bases | `geometry` |
+//! | `io` | matrix files: `.npy`, `.npz`, `.mtx`, text tables, HDF5 | `geometry` |
+//! | `mesh` | triangle meshes: files, topology, distances, Laplacians | `geometry` |
+//! | `spectral` | eigenproducts, filters, functional maps, descriptors | `geometry` |
+//! | `decimate` | uniform decimation, farthest points | `geometry` |
+//! | `curve` | curves through unordered samples | `geometry` |
+//! | `plant` | water in plants, and wilting | `geometry` |
+//! | `texture` | slime moulds and Newton fractals on surfaces | `geometry` |
+//! | `unions` | spectra of unions of parts | `unions` |
+//! | `mpi` | the same products and decompositions over many machines | `mpi` |
+//! | `opencl` | kernels on OpenCL devices | `opencl` |
+//! | `capi` | the C ABI | `capi` |
+//!
+//! # Features
+//!
+//! Without features (`default-features = false`) the crate is A^T A: 53 packages instead of 107. Rows of
+//! a matrix that is larger than memory then come through [`ata::RowBlocks`]; readers of files are
+//! part of `geometry`.
+//!
+//! | Feature | Default | Adds | Implies |
+//! |---|---|---|---|
+//! | `geometry` | yes | everything from `dense` to `texture` in the table above | |
+//! | `unions` | | `unions`, with 1.8 MB of weights | `geometry` |
+//! | `capi` | | the C ABI, which has functions of all modules | `unions` |
+//! | `openblas` | | OpenBLAS, linked at build time (`blas::openblas`) | |
+//! | `mpi` | | `mpi`, over the MPI of the system | `geometry` |
+//! | `hdf5` | | rows and arrays in HDF5 files | `geometry` |
+//! | `opencl` | | `opencl`; the loader is opened at run time | `geometry` |
 
-pub mod base;
-
-pub mod kernel;
-
-pub mod blas;
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub mod ata;
+pub mod base;
+pub mod blas;
+pub mod kernel;
+pub mod prelude;
 
-pub mod dense;
-
-pub mod sparse;
-
-pub mod ortho;
-
-pub mod mesh;
-
-pub mod io;
-
-pub mod spectral;
-
+#[cfg(feature = "geometry")]
 pub mod curve;
+#[cfg(feature = "geometry")]
 pub mod decimate;
+#[cfg(feature = "geometry")]
+pub mod dense;
+#[cfg(feature = "geometry")]
+pub mod io;
+#[cfg(feature = "geometry")]
+pub mod mesh;
+#[cfg(feature = "geometry")]
+pub mod ortho;
+#[cfg(feature = "geometry")]
 pub mod plant;
+#[cfg(feature = "geometry")]
+pub mod sparse;
+#[cfg(feature = "geometry")]
+pub mod spectral;
+#[cfg(feature = "geometry")]
 pub mod texture;
+
+#[cfg(feature = "unions")]
 pub mod unions;
 
 #[cfg(feature = "mpi")]

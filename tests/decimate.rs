@@ -16,7 +16,7 @@ use catamaran::mesh::{Dijkstra, Edges, Genus, Graph, SearchLimits, TriMesh, fami
 use catamaran::{Error, Par};
 
 fn options() -> DecimateOptions<'static> {
-    DecimateOptions { par: Par::Seq, keep_narrow_handles: true, ..DecimateOptions::default() }
+    DecimateOptions::new().par(Par::Seq).keep_narrow_handles(true)
 }
 
 /// Everything that a decimation promises.
@@ -158,7 +158,7 @@ fn narrow_handles_are_cut_and_told_unless_they_are_to_be_kept() {
     let mesh = families::genus(5, 4).unwrap();
     let keep = decimate(&mesh, 70, &options()).unwrap();
     check("slab", &mesh, 70, &keep);
-    let cut = DecimateOptions { keep_narrow_handles: false, ..options() };
+    let cut = options().keep_narrow_handles(false);
     // A tube around a torus that is as thin as a hair: its loops are all narrow.
     let ring = families::torus(400, 5, 1.0, 0.002).unwrap();
     let found = decimate(&ring, 60, &cut).unwrap();
@@ -179,7 +179,7 @@ fn results_are_uniform() {
         let quality = Quality::of(&found.mesh);
         assert!(quality.mean_quality > 0.85, "{quality}");
         assert!(quality.area_variation < 0.25, "{quality}");
-        let literal = DecimateOptions { method: Method::Thesis, ..options() };
+        let literal = options().method(Method::Thesis);
         let thesis = Quality::of(&decimate(&mesh, n, &literal).unwrap().mesh);
         assert!(thesis.mean_quality < quality.mean_quality, "{thesis}");
     }
@@ -235,7 +235,7 @@ fn results_do_not_depend_on_threads() {
 
 fn same_for_all_threads(mesh: &TriMesh) {
     let of = |threads| {
-        let options = DecimateOptions { par: Par::Threads(threads), lloyd: 2, ..options() };
+        let options = options().threads(threads).lloyd(2);
         let found = decimate(mesh, 333, &options).unwrap();
         let weights = found.weights(mesh, Par::Threads(threads)).unwrap();
         (found, weights)
@@ -302,7 +302,7 @@ fn resampling_makes_vertices_where_there_are_none() {
     let mesh = families::grid(2, 2).unwrap();
     let refused = decimate(&mesh, 50, &options()).unwrap_err();
     assert!(refused.to_string().contains("has 9 vertices: resample"), "{refused}");
-    let with = DecimateOptions { resample: true, ..options() };
+    let with = options().resample(true);
     let found = decimate(&mesh, 50, &with).unwrap();
     check("resampled grid", &mesh, 50, &found);
     let length = edge_length_for(1.0, 50).unwrap();
@@ -318,7 +318,7 @@ fn levels_of_detail_come_from_one_decimator() {
     for n in [50, 500, 100, 200] {
         check("figure", &mesh, n, &decimator.decimate(n).unwrap());
     }
-    let literal = DecimateOptions { method: Method::Thesis, relaxation: 0, ..options() };
+    let literal = options().method(Method::Thesis).relaxation(0);
     let mut decimator = Decimator::new(&mesh, &literal).unwrap();
     let few = decimator.decimate(50).unwrap().mesh;
     let many = decimator.decimate(90).unwrap().mesh;
@@ -330,7 +330,7 @@ fn levels_of_detail_come_from_one_decimator() {
 fn the_thesis_literally_takes_vertices_of_the_input_and_all_three_cycles() {
     // Cells of single vertices: the graph of cells is that of the mesh, and its three-cycles are the faces and more.
     let mesh = families::icosphere(0).unwrap();
-    let literal = DecimateOptions { method: Method::Thesis, ..options() };
+    let literal = options().method(Method::Thesis);
     let found = decimate(&mesh, 12, &literal).unwrap();
     assert_eq!(found.mesh.faces().len(), 20);
     let back: Vec<u32> = found
@@ -366,7 +366,7 @@ fn refusals_say_why() {
     let torus = families::torus(20, 20, 2.0, 1.0).unwrap();
     // A torus needs seven.
     assert!(refused(&torus, 6).contains("genus 1) could not be kept with fewer than"));
-    let first = DecimateOptions { first: Some(400), ..options() };
+    let first = options().first(Some(400));
     assert!(matches!(decimate(&torus, 20, &first), Err(Error::Argument { what: "first", .. })));
     let huge = TriMesh::new(
         vec![[1e308, 0.0, 0.0], [-1e308, 0.0, 0.0], [0.0, 1e308, 0.0]],
@@ -430,7 +430,7 @@ fn progress_rises_to_one_and_can_cancel() {
         calls.fetch_add(1, Ordering::Relaxed);
         ControlFlow::Continue(())
     };
-    decimate(&mesh, 300, &DecimateOptions { progress: (&watch).into(), ..options() }).unwrap();
+    decimate(&mesh, 300, &options().progress(&watch)).unwrap();
     assert_eq!(last.load(Ordering::Relaxed), 1_000_000);
     for stop in 0..calls.load(Ordering::Relaxed) {
         let left = AtomicUsize::new(stop);
@@ -440,7 +440,7 @@ fn progress_rises_to_one_and_can_cancel() {
             Ok(_) => ControlFlow::Continue(()),
             Err(_) => ControlFlow::Break(()),
         };
-        let options = DecimateOptions { progress: (&cancel).into(), ..options() };
+        let options = options().progress(&cancel);
         assert_eq!(decimate(&mesh, 300, &options).unwrap_err(), Error::Cancelled);
     }
     let mut points = FarthestPoints::new(&mesh, None).unwrap();

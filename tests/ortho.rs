@@ -76,7 +76,7 @@ fn check_factors_to(a: MatRef<'_, f64>, mass: &Mass, found: &Orthonormal, exact:
 }
 
 fn precise() -> GramSchmidtOptions<'static> {
-    GramSchmidtOptions { par: Par::Seq, ..GramSchmidtOptions::reorthogonalised() }
+    GramSchmidtOptions::reorthogonalised().par(Par::Seq)
 }
 
 #[test]
@@ -166,7 +166,7 @@ fn the_threshold_is_what_is_left_relative_to_the_column() {
     for exponent in [1, 2, 5, 9, 11] {
         let threshold = 0.3 * 10f64.powi(-exponent);
         for reorthogonalise in [false, true] {
-            let options = GramSchmidtOptions { threshold, reorthogonalise, ..precise() };
+            let options = precise().threshold(threshold).reorthogonalise(reorthogonalise);
             let found = gram_schmidt(a.as_ref(), &mass, &options).unwrap();
             assert_eq!(found.kept, (0..=exponent as usize).collect::<Vec<_>>(), "{threshold:e}");
             check_factors(a.as_ref(), &mass, &found, 1.01 * threshold);
@@ -215,7 +215,7 @@ fn negative_overlaps_are_repaired_like_positive_ones() {
 fn a_single_pass_is_orthogonal_as_far_as_its_threshold_allows() {
     let (n, c) = (800, 300);
     let a = random(n, c, 10);
-    let options = GramSchmidtOptions { par: Par::Seq, ..GramSchmidtOptions::single_pass() };
+    let options = GramSchmidtOptions::single_pass().par(Par::Seq);
     let found = gram_schmidt(a.as_ref(), &lumped(n), &options).unwrap();
     check_factors(a.as_ref(), &lumped(n), &found, 1e-2);
     assert!(defect(found.q.as_ref(), &lumped(n)) < 1e-9);
@@ -228,7 +228,7 @@ fn strides_and_threads_change_no_byte() {
     for mass in [lumped(n), full(n)] {
         let one = gram_schmidt(a.as_ref(), &mass, &precise()).unwrap();
         for threads in [2, 3] {
-            let options = GramSchmidtOptions { par: Par::Threads(threads), ..precise() };
+            let options = precise().threads(threads);
             let more = gram_schmidt(a.as_ref(), &mass, &options).unwrap();
             assert_eq!((&one.q, &one.r, &one.kept), (&more.q, &more.r, &more.kept));
         }
@@ -289,7 +289,7 @@ fn dirty_inputs_are_refused_and_work_can_be_cancelled() {
         Error::Shape { what: "mass", .. }
     ));
     for threshold in [0.0, 1.0, -1.0, f64::NAN] {
-        let options = GramSchmidtOptions { threshold, ..precise() };
+        let options = precise().threshold(threshold);
         let refused = gram_schmidt(a.as_ref(), &lumped(n), &options).unwrap_err();
         assert!(matches!(refused, Error::Argument { what: "threshold", .. }));
     }
@@ -298,7 +298,7 @@ fn dirty_inputs_are_refused_and_work_can_be_cancelled() {
         1 => ControlFlow::Break(()),
         _ => ControlFlow::Continue(()),
     };
-    let options = GramSchmidtOptions { progress: (&stop).into(), ..precise() };
+    let options = precise().progress(&stop);
     assert_eq!(gram_schmidt(a.as_ref(), &lumped(n), &options).unwrap_err(), Error::Cancelled);
     a[(3, 5)] = f64::INFINITY;
     assert_eq!(
@@ -343,14 +343,14 @@ fn the_rank_is_that_of_the_singular_values() {
         for threshold in [1e-2, 1e-6, 1e-9] {
             let rank = values.iter().filter(|v| **v > threshold * values[0]).count();
             assert!(rank < all.kept.len(), "{rank}, and Gram-Schmidt {}", all.kept.len());
-            let options = GramSchmidtOptions { threshold, ..precise() };
+            let options = precise().threshold(threshold);
             let found = rank_revealing(a.as_ref(), &mass, &options).unwrap();
             assert_eq!(found.kept.len(), rank);
             // What pivoting leaves is larger than the best by a moderate factor.
             let slack = 30.0 * threshold * values[0];
             check_factors_to(a.as_ref(), &mass, &found, 2.0 * threshold, slack);
             assert!(defect(found.q.as_ref(), &mass) < 1e-12);
-            let threads = GramSchmidtOptions { par: Par::Threads(3), ..options };
+            let threads = options.threads(3);
             let again = rank_revealing(a.as_ref(), &mass, &threads).unwrap();
             assert_eq!((again.q, again.r, again.kept), (found.q, found.r, found.kept));
         }
@@ -367,7 +367,7 @@ fn rank_revealing_keeps_what_is_independent_and_drops_what_is_nothing() {
     }
     let zeros = Mat::<f64>::zeros(9, 3);
     assert_eq!(rank_revealing(zeros.as_ref(), &lumped(9), &precise()).unwrap().kept, [0usize; 0]);
-    let wrong = GramSchmidtOptions { threshold: 2.0, ..precise() };
+    let wrong = precise().threshold(2.0);
     let refused = rank_revealing(zeros.as_ref(), &lumped(9), &wrong).unwrap_err();
     assert!(refused.to_string().starts_with("threshold: "));
 }

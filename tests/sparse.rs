@@ -41,7 +41,7 @@ fn grid_spectrum(a: usize, b: usize) -> Vec<f64> {
 }
 
 fn options(k: usize) -> EigenOptions<'static> {
-    EigenOptions { k, par: Par::Seq, ..EigenOptions::default() }
+    EigenOptions::new().k(k).par(Par::Seq)
 }
 
 /// Checks the residuals, which it computes anew, and `V^T M V = I`.
@@ -116,7 +116,7 @@ fn multiplicities_larger_than_a_block_are_complete_when_counted() {
         .flat_map(move |c| (1..length).map(move |i| (c * length + i - 1, c * length + i)));
     let w = graph(copies * length, edges);
     let mass = Mass::identity(copies * length);
-    let counted = EigenOptions { verify_count: true, ..options(k) };
+    let counted = options(k).verify_count(true);
     let pairs = eigs(w.view(), &mass, &counted).unwrap();
     check(&w, &mass, &pairs, 1e-9);
     let value = |i: usize| 2.0 - 2.0 * (PI * (i / copies) as f64 / length as f64).cos();
@@ -183,13 +183,12 @@ fn sparse_and_dense_solvers_agree() {
         let all = eigs(w.view(), &mass, &options(n)).unwrap();
         assert_eq!(all.solves, 0);
         check(&w, &mass, &all, 1e-9);
-        let some =
-            eigs(w.view(), &mass, &EigenOptions { verify_count: true, ..options(13) }).unwrap();
+        let some = eigs(w.view(), &mass, &options(13).verify_count(true)).unwrap();
         assert!(some.solves > 0);
         check(&w, &mass, &some, 1e-9);
         assert_close(&some.values, &all.values[..13], 1e-9);
         let shift = 0.5 * (all.values[100] + all.values[101]) + 1e-4;
-        let inside = EigenOptions { shift: Some(shift), verify_count: true, ..options(12) };
+        let inside = options(12).shift(Some(shift)).verify_count(true);
         let inside = eigs(w.view(), &mass, &inside).unwrap();
         check(&w, &mass, &inside, 1e-9);
         let mut nearest = all.values.clone();
@@ -198,7 +197,7 @@ fn sparse_and_dense_solvers_agree() {
         nearest.sort_by(f64::total_cmp);
         assert_close(&inside.values, &nearest, 1e-9);
         // The same shift in the dense solver.
-        let dense = EigenOptions { shift: Some(shift), ..options(n / 2) };
+        let dense = options(n / 2).shift(Some(shift));
         assert!(eigs(w.view(), &mass, &dense).unwrap().values.is_sorted());
     }
 }
@@ -229,7 +228,7 @@ fn a_matrix_of_zeros_has_only_null_vectors() {
 fn the_result_is_the_same_for_any_number_of_threads() {
     let (w, mass) = random_pencil(5000, 3, true);
     let run = |threads| {
-        let options = EigenOptions { par: Par::Threads(threads), ..options(20) };
+        let options = options(20).threads(threads);
         eigs(w.view(), &mass, &options).unwrap()
     };
     let one = run(1);
@@ -239,7 +238,7 @@ fn the_result_is_the_same_for_any_number_of_threads() {
         assert_eq!(one.vectors, more.vectors);
         assert_eq!(one.residuals, more.residuals);
     }
-    let other = EigenOptions { seed: 1, ..options(20) };
+    let other = options(20).seed(1);
     let other = eigs(w.view(), &mass, &other).unwrap();
     assert_ne!(one.vectors, other.vectors);
     assert_close(&one.values, &other.values, 1e-10);
@@ -255,7 +254,7 @@ fn progress_grows_to_one_and_cancels() {
         *last = fraction;
         ControlFlow::Continue(())
     };
-    eigs(w.view(), &mass, &EigenOptions { progress: (&watch).into(), ..options(20) }).unwrap();
+    eigs(w.view(), &mass, &options(20).progress(&watch)).unwrap();
     assert_eq!(*last.lock().unwrap(), 1.0);
     let calls = AtomicUsize::new(0);
     for limit in [0, 3, 6] {
@@ -264,8 +263,7 @@ fn progress_grows_to_one_and_cancels() {
             done if done >= limit => ControlFlow::Break(()),
             _ => ControlFlow::Continue(()),
         };
-        let stopped =
-            eigs(w.view(), &mass, &EigenOptions { progress: (&stop).into(), ..options(20) });
+        let stopped = eigs(w.view(), &mass, &options(20).progress(&stop));
         assert_eq!(stopped.unwrap_err(), Error::Cancelled);
         assert_eq!(calls.load(Ordering::Relaxed), limit + 1);
     }
@@ -306,9 +304,9 @@ fn dirty_inputs_are_refused_by_name() {
         Error::NonFinite { what: "mass", index: (9, 0) }
     );
     assert!(told(&w, &mass, &options(501)).starts_with("k: 501 eigenpairs"));
-    let loose = EigenOptions { tolerance: 1.0, ..options(3) };
+    let loose = options(3).tolerance(1.0);
     assert!(told(&w, &mass, &loose).starts_with("tolerance: "));
-    let nowhere = EigenOptions { shift: Some(f64::NAN), ..options(3) };
+    let nowhere = options(3).shift(Some(f64::NAN));
     assert!(told(&w, &mass, &nowhere).starts_with("shift: "));
     let negative = w.map(|x| -x);
     assert!(told(&negative, &mass, &options(3)).contains("not positive semi-definite"));
@@ -321,7 +319,7 @@ fn dirty_inputs_are_refused_by_name() {
 #[test]
 fn what_does_not_converge_says_how_far_it_came() {
     let (w, mass) = (grid(60, 60), Mass::identity(3600));
-    let hasty = EigenOptions { max_restarts: 0, tolerance: 1e-14, ..options(30) };
+    let hasty = options(30).max_restarts(0).tolerance(1e-14);
     match eigs(w.view(), &mass, &hasty) {
         Err(Error::NotConverged { iterations: 0, residual }) => assert!(residual > 1e-14),
         other => panic!("{other:?}"),
@@ -386,7 +384,7 @@ fn slices_have_the_pairs_that_a_whole_run_has() {
     assert_close(&pairs.values, &whole.values, 1e-9);
     check_to(&w, &mass, &pairs, 1e-9, 1e-7);
     // The same for other threads; with more memory there is one slice, that of the whole run.
-    let threads = EigenOptions { par: Par::Threads(3), ..options(k) };
+    let threads = options(k).threads(3);
     let (again, _) = sliced(&w, &mass, &threads, 10_500_000);
     assert_eq!((again.values, again.vectors), (pairs.values, pairs.vectors));
     let (one, ends) = sliced(&w, &mass, &options(k), 1 << 30);
@@ -425,7 +423,7 @@ fn slices_refuse_too_little_memory_and_stop_when_told() {
         eigs_sliced(w.view(), &mass, options, memory, |_| Ok(())).unwrap_err().to_string()
     };
     assert!(refused(&options(100), 1000).starts_with("memory: 1000 bytes, where at least"));
-    let around = EigenOptions { shift: Some(1.0), ..options(100) };
+    let around = options(100).shift(Some(1.0));
     assert!(refused(&around, 1000).contains("100 pairs around a shift"));
     // 120 equal paths: no slice has room for all the equal ones.
     let edges: Vec<_> =
@@ -441,7 +439,7 @@ fn slices_refuse_too_little_memory_and_stop_when_told() {
         *last = fraction;
         ControlFlow::Continue(())
     };
-    let watched = EigenOptions { progress: (&watch).into(), ..options(100) };
+    let watched = options(100).progress(&watch);
     sliced(&w, &mass, &watched, 6_000_000);
     assert_eq!(*last.lock().unwrap(), 1.0);
     let mut slices = 0;
@@ -465,7 +463,7 @@ fn what_rounding_leaves_of_huge_weights_is_no_reason_to_go_on() {
     let pairs = eigs(w.view(), &mass, &options(6)).unwrap();
     assert!(pairs.residuals.iter().any(|r| *r > 1e-9), "{:?}", pairs.residuals);
     // Two nodes that such a step joins are one of mass 2.
-    let all = eigs(w.view(), &mass, &EigenOptions { k: n, ..options(6) }).unwrap();
+    let all = eigs(w.view(), &mass, &options(6).k(n)).unwrap();
     let size = all.values[5];
     for (found, expected) in pairs.values.iter().zip(&all.values) {
         // The dense solver is exact to the largest eigenvalue only.

@@ -47,11 +47,10 @@ pub fn run(args: &Args) -> Result<()> {
     let shape = args.laplacian.shape(&args.mesh, args.k.saturating_add(1))?;
     let bar = Bar::new("products");
     let update = |fraction| bar.update(fraction);
-    let options = ProductBasisOptions {
-        orthogonalization: args.mode.into(),
-        par: args.laplacian.par(),
-        progress: (&update).into(),
-    };
+    let options = ProductBasisOptions::new()
+        .orthogonalization(args.mode.into())
+        .par(args.laplacian.par())
+        .progress(&update);
     let basis = ProductBasis::new(&shape.eigenbasis, args.order, &options)?;
     drop(bar);
     let products = basis.products();

@@ -100,18 +100,17 @@ pub fn run(args: &Args) -> Result<()> {
     let mut solver = CurveSolver::new(mesh)?;
     let bar = Bar::new("curve");
     let update = |fraction| bar.update(fraction);
-    let options = CurveOptions {
-        mode: match args.mode {
+    let options = CurveOptions::new()
+        .mode(match args.mode {
             How::Faithful => Mode::Faithful,
             How::Robust => Mode::Robust,
-        },
-        open: args.open,
-        count: if args.single { Count::One } else { Count::Automatic },
-        steiner: !args.no_steiner,
-        candidates: args.candidates,
-        start: args.start,
-        progress: (&update).into(),
-    };
+        })
+        .open(args.open)
+        .count(if args.single { Count::One } else { Count::Automatic })
+        .steiner(!args.no_steiner)
+        .candidates(args.candidates)
+        .start(args.start)
+        .progress(&update);
     let start = Instant::now();
     let mut found = solver
         .reconstruct(&placed.vertices, &options)

@@ -101,19 +101,18 @@ pub fn run(args: &Args) -> Result<()> {
     let bar = Bar::new("decimate");
     let update = |fraction| bar.update(fraction);
     let defaults = DecimateOptions::default();
-    let options = DecimateOptions {
-        method: match args.method {
+    let options = DecimateOptions::new()
+        .method(match args.method {
             Kind::Uniform => Method::Uniform,
             Kind::Thesis => Method::Thesis,
-        },
-        resample: args.resample,
-        lloyd: args.lloyd.unwrap_or(defaults.lloyd),
-        relaxation: args.relax.unwrap_or(defaults.relaxation),
-        keep_narrow_handles: args.keep_handles,
-        first: args.first,
-        par,
-        progress: (&update).into(),
-    };
+        })
+        .resample(args.resample)
+        .lloyd(args.lloyd.unwrap_or(defaults.lloyd))
+        .relaxation(args.relax.unwrap_or(defaults.relaxation))
+        .keep_narrow_handles(args.keep_handles)
+        .first(args.first)
+        .par(par)
+        .progress(&update);
     let start = Instant::now();
     let found = decimate(&input.mesh, n, &options)
         .with_context(|| format!("{}: can't be decimated to {n}", args.input.display()))?;

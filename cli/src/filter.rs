@@ -115,11 +115,10 @@ pub fn run(args: &Args) -> Result<()> {
 fn products(args: &Args, shape: &Shape) -> Result<(Basis, Vec<f64>)> {
     let bar = Bar::new("products");
     let update = |fraction| bar.update(fraction);
-    let options = ProductBasisOptions {
-        orthogonalization: Orthogonalization::Reorthogonalized,
-        par: args.laplacian.par(),
-        progress: (&update).into(),
-    };
+    let options = ProductBasisOptions::new()
+        .orthogonalization(Orthogonalization::Reorthogonalized)
+        .par(args.laplacian.par())
+        .progress(&update);
     let basis = ProductBasis::new(&shape.eigenbasis, args.order, &options)?;
     drop(bar);
     report(format_args!(

@@ -86,20 +86,14 @@ impl LaplacianArgs {
             let k = len - 1;
             bail!("{}: {k} eigenfunctions and the constant of {vertices} vertices", path.display());
         }
-        let options =
-            LaplacianOptions { kind: self.kind(), par: self.par(), ..LaplacianOptions::default() };
+        let options = LaplacianOptions::new().kind(self.kind()).par(self.par());
         let found = laplacian(&file.mesh, &options).with_context(|| path.display().to_string())?;
         if let Some(vertex) = (0..vertices).find(|&v| found.kept.get(v) != Some(&v)) {
             bail!("{}: vertex {vertex} is in no face", path.display());
         }
         let bar = Bar::new("spectrum");
         let update = |fraction| bar.update(fraction);
-        let options = EigenOptions {
-            k: len,
-            par: self.par(),
-            progress: (&update).into(),
-            ..EigenOptions::default()
-        };
+        let options = EigenOptions::new().k(len).par(self.par()).progress(&update);
         let pairs = eigs(found.stiffness.view(), &found.mass, &options)
             .with_context(|| path.display().to_string())?;
         drop(bar);

@@ -57,13 +57,8 @@ pub fn run(args: &Args) -> Result<()> {
     let names: Vec<&Path> = args.query.iter().chain(&args.inputs).map(PathBuf::as_path).collect();
     let boundary = if args.dirichlet { Boundary::Dirichlet } else { Boundary::Neumann };
     let par = args.laplacian.par();
-    let laplacian = LaplacianOptions {
-        kind: args.laplacian.kind(),
-        boundary,
-        par,
-        ..LaplacianOptions::default()
-    };
-    let options = ShapeDnaOptions { k: args.k, normalized: !args.sized, laplacian };
+    let laplacian = LaplacianOptions::new().kind(args.laplacian.kind()).boundary(boundary).par(par);
+    let options = ShapeDnaOptions::new().k(args.k).normalized(!args.sized).laplacian(laplacian);
     let bar = Bar::new("shapes");
     let mut found = Vec::with_capacity(names.len());
     for (i, name) in names.iter().enumerate() {

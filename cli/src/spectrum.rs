@@ -100,18 +100,17 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let bar = Bar::new("reading");
     let file = files::read_with(&args.input, Progress::new(&|fraction| bar.update(fraction)))?;
     drop(bar);
-    let options = LaplacianOptions {
-        kind: args.laplacian.kind(),
-        mass: match args.mass {
+    let options = LaplacianOptions::new()
+        .kind(args.laplacian.kind())
+        .mass(match args.mass {
             Mass::Lumped => MassKind::Barycentric,
             Mass::Full => MassKind::Consistent,
-        },
-        boundary: match args.boundary {
+        })
+        .boundary(match args.boundary {
             Edge::Neumann => Boundary::Neumann,
             Edge::Dirichlet => Boundary::Dirichlet,
-        },
-        par,
-    };
+        })
+        .par(par);
     let operator = laplacian(&file.mesh, &options).with_context(|| name.to_string())?;
     let (rows, vertices) = (operator.kept.len(), operator.vertices);
     report(format_args!("mesh        {name}: {vertices} vertices, {rows} of them free"))?;
@@ -124,15 +123,13 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let start = Instant::now();
     let bar = Bar::new("spectrum");
     let watch = |fraction| bar.update(fraction);
-    let options = EigenOptions {
-        k: args.k,
-        shift: args.shift,
-        tolerance: args.tolerance,
-        verify_count: args.verify,
-        par,
-        progress: Progress::new(&watch),
-        ..EigenOptions::default()
-    };
+    let options = EigenOptions::new()
+        .k(args.k)
+        .shift(args.shift)
+        .tolerance(args.tolerance)
+        .verify_count(args.verify)
+        .par(par)
+        .progress(&watch);
     // Only pictures need the mesh from here on.
     let mesh = picture.is_some().then_some(file.mesh);
     let mut results = Results::new(output, &operator, args.k)?;

@@ -115,7 +115,10 @@ pub fn run(args: &Args) -> Result<()> {
         let bar = Bar::new("products");
         let update = |fraction| bar.update(fraction);
         let orthogonalization = Orthogonalization::from(args.mode);
-        let options = ProductBasisOptions { orthogonalization, par, progress: (&update).into() };
+        let options = ProductBasisOptions::new()
+            .orthogonalization(orthogonalization)
+            .par(par)
+            .progress(&update);
         Ok(ProductBasis::new(&shape.eigenbasis.truncated(len)?, args.order, &options)?)
     };
     let from = transfer_basis(&source, lens.0)?;

@@ -35,6 +35,18 @@ pub struct Verification {
 /// Higham and Mary (2019), `8 u sqrt(m n) max_j ||a_j||^2` with u the unit roundoff of T, so a
 /// correct result fails with negligible probability. The check itself runs in f64.
 ///
+/// ```
+/// use catamaran::{AtaOptions, Uplo, ata, ata::verify, faer::Mat};
+///
+/// let a = Mat::<f64>::from_fn(50, 8, |i, j| ((3 * i + j) % 7) as f64);
+/// let mut c = Mat::zeros(8, 8);
+/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
+/// assert!(verify(1.0, a.as_ref(), c.as_ref(), Uplo::Lower, 20, 0)?.passed);
+/// c[(5, 2)] += 1.0;
+/// assert!(!verify(1.0, a.as_ref(), c.as_ref(), Uplo::Lower, 20, 0)?.passed);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Shape`] when C is not n x n, [`Error::Argument`] unless `rounds` is in 1..=1000,
 /// [`Error::OutOfMemory`].

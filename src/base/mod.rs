@@ -1,5 +1,7 @@
 //! What everything stands on: scalars, errors, threads, workspaces, progress, randomness.
 
+#[cfg(feature = "geometry")]
+mod builder;
 mod disjoint;
 mod error;
 mod par;
@@ -9,6 +11,8 @@ mod scalar;
 mod version;
 mod workspace;
 
+#[cfg(feature = "geometry")]
+pub(crate) use builder::builder;
 pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};
 pub(crate) use par::{Latch, tickets};

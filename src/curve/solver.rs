@@ -8,7 +8,7 @@ use super::search::Search;
 use super::split::split;
 use super::surface::Surface;
 use super::tour::{Costs, tour};
-use crate::base::{Error, Progress, Result, reserved};
+use crate::base::{Error, Progress, Result, builder, reserved};
 use crate::mesh::vector::distance;
 use crate::mesh::{Components, TriMesh};
 
@@ -38,7 +38,8 @@ pub enum Count {
 }
 
 /// What [`CurveSolver::reconstruct`] is asked for.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct CurveOptions<'a> {
     /// How; default robust.
     pub mode: Mode,
@@ -70,7 +71,28 @@ impl Default for CurveOptions<'_> {
     }
 }
 
+builder! { CurveOptions<'a> {
+    mode: Mode,
+    open: bool,
+    count: Count,
+    steiner: bool,
+    candidates: usize,
+    start: usize,
+    #[into] progress: Progress<'a>,
+}}
+
 /// Finds curves on a mesh: made once, in O(V + F), for many reconstructions, which look only at what is near the samples.
+///
+/// ```
+/// use catamaran::{curve::{CurveOptions, CurveSolver, Outcome}, mesh::families};
+///
+/// let mesh = families::grid(8, 8)?;
+/// let corners = [10, 70, 16, 64]; // of a square of 6 x 6 cells, in no order
+/// let found = CurveSolver::new(&mesh)?.reconstruct(&corners, &CurveOptions::new())?;
+/// assert_eq!(found.outcome, Outcome::Closed);
+/// assert_eq!(found.curves[0].order.len(), 4);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub struct CurveSolver<'m> {
     surface: Surface<'m>,
     search: Search,

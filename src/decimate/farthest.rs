@@ -15,6 +15,16 @@ use crate::mesh::TriMesh;
 ///
 /// More can be added at any time, and the first samples are the same however many follow: prefixes are nested levels of
 /// detail. O(V log V log n) for n samples of V vertices.
+///
+/// ```
+/// use catamaran::{base::Progress, decimate::FarthestPoints, mesh::families};
+///
+/// let line = families::grid(10, 1)?;
+/// let mut points = FarthestPoints::new(&line, Some(0))?;
+/// points.extend_to(3, Progress::none())?;
+/// assert_eq!((points.samples().len(), points.samples()[0]), (3, 0));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub struct FarthestPoints<'m> {
     surface: Surface<'m>,
     sampler: Sampler,

@@ -1,4 +1,4 @@
-use crate::base::{Par, Progress};
+use crate::base::{Par, Progress, builder};
 
 /// How faces are found and vertices placed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -13,7 +13,8 @@ pub enum Method {
 }
 
 /// Options of [`decimate`](super::decimate()).
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct DecimateOptions<'a> {
     /// Default [`Method::Uniform`].
     pub method: Method,
@@ -52,3 +53,14 @@ impl Default for DecimateOptions<'_> {
         }
     }
 }
+
+builder! { DecimateOptions<'a> {
+    method: Method,
+    resample: bool,
+    lloyd: usize,
+    relaxation: usize,
+    keep_narrow_handles: bool,
+    #[into] first: Option<u32>,
+    par: Par,
+    #[into] progress: Progress<'a>,
+}}

@@ -36,6 +36,15 @@ pub fn edge_length_for(area: f64, n: usize) -> Result<f64> {
 /// around the barycentre of the quadrilateral that is left, with three four (thesis, algorithm 5.3 and figure 5.4; lengths are
 /// measured anew in every round).
 ///
+/// ```
+/// use catamaran::{decimate::resample, mesh::families};
+///
+/// let mesh = families::icosphere(1)?;
+/// let found = resample(&mesh, 0.2)?;
+/// assert!(found.mesh.vertices().len() > mesh.vertices().len());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] when `longest` is not positive, or so small that vertices could not be numbered.
 pub fn resample(mesh: &TriMesh, longest: f64) -> Result<Resampled> {

@@ -23,6 +23,16 @@ use crate::mesh::{TriMesh, vertex_areas};
 
 /// The mesh of `n` vertices that is like `mesh`, as uniform as can be.
 ///
+/// ```
+/// use catamaran::{decimate::{DecimateOptions, decimate}, mesh::families};
+///
+/// let sphere = families::icosphere(3)?;
+/// let found = decimate(&sphere, 100, &DecimateOptions::new().relaxation(4))?;
+/// assert_eq!(found.mesh.vertices().len(), 100);
+/// found.mesh.require_closed()?;
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As those of [`Decimator::new`] and [`Decimator::decimate`].
 pub fn decimate(mesh: &TriMesh, n: usize, options: &DecimateOptions<'_>) -> Result<Decimation> {
@@ -33,6 +43,17 @@ pub fn decimate(mesh: &TriMesh, n: usize, options: &DecimateOptions<'_>) -> Resu
 ///
 /// Samples that were taken stay: a larger mesh has those of a smaller one and more, so that levels of detail are nested in
 /// where they start from; a smaller one has the first of them.
+///
+/// ```
+/// use catamaran::{decimate::{DecimateOptions, Decimator}, mesh::families};
+///
+/// let sphere = families::icosphere(3)?;
+/// let mut decimator = Decimator::new(&sphere, &DecimateOptions::new())?;
+/// for n in [40, 80] {
+///     assert_eq!(decimator.decimate(n)?.mesh.vertices().len(), n);
+/// }
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub struct Decimator<'m, 'o> {
     input: &'m TriMesh,
     options: DecimateOptions<'o>,

@@ -17,6 +17,14 @@ pub struct SymmetricEigen {
 
 /// All eigenpairs of the symmetric matrix (n x n) whose lower triangle is given, on the calling thread.
 ///
+/// ```
+/// use catamaran::{dense::symmetric_eigen, faer::mat};
+///
+/// let found = symmetric_eigen(mat![[2.0, 1.0], [1.0, 2.0]].as_ref())?;
+/// assert!((found.values[0] - 1.0).abs() < 1e-14 && (found.values[1] - 3.0).abs() < 1e-14);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::NonFinite`] names the first entry of the lower triangle that is not finite; [`Error::OutOfMemory`];
 /// [`Error::NotConverged`].

@@ -42,11 +42,12 @@ pub use rows::RowFile;
 pub use sprs::CsMat;
 pub use strips::StripOutput;
 
-use crate::base::{Error, Progress, Real, Result};
+use crate::base::{Error, Progress, Real, Result, builder};
 pub(crate) use source::{Packing, Source};
 
 /// How [`read`] reads. The default reads everything.
-#[derive(Clone, Default)]
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
 pub struct ReadOptions<'a> {
     /// Columns to keep, from 0, half open; `None` keeps all. In a text table the others may hold
     /// anything.
@@ -54,6 +55,11 @@ pub struct ReadOptions<'a> {
     /// Told the fraction of the file read; may cancel.
     pub progress: Progress<'a>,
 }
+
+builder! { ReadOptions<'a> {
+    #[into] columns: Option<Range<usize>>,
+    #[into] progress: Progress<'a>,
+}}
 
 /// What a file name says about its content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,6 +101,18 @@ fn format_of(path: &Path) -> Result<(Format, bool)> {
 ///
 /// The extra memory beyond the entries of the file is a buffer; text tables, whose size is not known
 /// beforehand, may take twice their entries while they grow, and sparse matrices twice theirs.
+///
+/// ```
+/// use catamaran::{faer::Mat, io::{Matrix, Output, Overwrite, ReadOptions, read, write}};
+///
+/// let path = std::env::temp_dir().join(format!("catamaran-read-{}.csv", std::process::id()));
+/// let a = Mat::<f64>::from_fn(3, 2, |i, j| i as f64 - j as f64 / 3.0);
+/// write(Output::create(&path, Overwrite::Replace)?, a.as_ref())?;
+/// let Matrix::F64(found) = read(&path, &ReadOptions::new().columns(1..2))? else { panic!() };
+/// assert_eq!(found.as_ref(), a.get(.., 1..2));
+/// # std::fs::remove_file(path).unwrap();
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Io`] with file and line, [`Error::OutOfMemory`], [`Error::Cancelled`];

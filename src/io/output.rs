@@ -18,6 +18,20 @@ pub enum Overwrite {
 
 /// A file that appears whole or not at all: it is written under another name in the same folder,
 /// flushed to the disk, and renamed by [`Output::commit`]. Dropped before that, it leaves nothing.
+///
+/// ```
+/// use std::io::Write;
+/// use catamaran::io::{Output, Overwrite};
+///
+/// let path = std::env::temp_dir().join(format!("catamaran-output-{}.txt", std::process::id()));
+/// let mut output = Output::create(&path, Overwrite::Never)?;
+/// output.write_all(b"whole").map_err(|e| output.error(e))?;
+/// assert!(!path.exists());
+/// output.commit()?;
+/// assert!(path.exists() && Output::create(&path, Overwrite::Never).is_err());
+/// # std::fs::remove_file(path).unwrap();
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Output {
     path: PathBuf,

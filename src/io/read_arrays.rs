@@ -23,6 +23,19 @@ pub struct Arrays {
 /// Reads all arrays of an `.npz` (not packed) or, with feature `hdf5`, HDF5 file: numbers (f8) and unsigned integers (u8), as
 /// [`write_arrays`](super::write_arrays) writes them.
 ///
+/// ```
+/// use catamaran::{faer::Mat, io::{Array, Output, Overwrite, read_arrays, write_arrays}};
+///
+/// let path = std::env::temp_dir().join(format!("catamaran-arrays-{}.npz", std::process::id()));
+/// let (values, vectors) = ([1.0, 2.0], Mat::<f64>::identity(3, 2));
+/// let output = Output::create(&path, Overwrite::Replace)?;
+/// write_arrays(output, &[("values", Array::Vector(&values)), ("vectors", Array::Matrix(vectors.as_ref()))])?;
+/// let arrays = read_arrays(&path)?;
+/// assert_eq!((arrays.vector("values")?, arrays.matrix("vectors")?), (values.to_vec(), vectors));
+/// # std::fs::remove_file(path).unwrap();
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Io`] names the file, and the array that is broken or of another type.
 pub fn read_arrays(path: &Path) -> Result<Arrays> {

@@ -8,12 +8,13 @@ use rstar::primitives::GeomWithData;
 
 use super::vector::{Vector, cross, distance, dot, sub, unit};
 use super::{Boundary, Laplacian, LaplacianKind, LaplacianOptions, TriMesh, laplacian};
-use crate::base::{Error, Par, Result, Rng};
+use crate::base::{Error, Par, Result, Rng, builder};
 use crate::dense::symmetric_eigen;
 use crate::sparse::Mass;
 
 /// Options of [`cloud_laplacian`].
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct CloudOptions {
     /// Nearest points that a point is triangulated with; default 30, at least 3.
     pub neighbours: usize,
@@ -28,6 +29,12 @@ impl Default for CloudOptions {
         Self { neighbours: 30, boundary: Boundary::Neumann, par: Par::all() }
     }
 }
+
+builder! { CloudOptions {
+    neighbours: usize,
+    boundary: Boundary,
+    par: Par,
+}}
 
 /// Points that a thread triangulates at a time.
 const BLOCK: usize = 256;
@@ -46,6 +53,15 @@ const FLAT: f64 = 1e-4;
 ///
 /// Around each point its nearest ones are projected into the plane that fits best, where the point's triangles of the
 /// Delaunay triangulation are taken; the tufted Laplacian of all of these triangles, divided by three.
+///
+/// ```
+/// use catamaran::mesh::{CloudOptions, cloud_laplacian, families};
+///
+/// let points = families::icosphere(2)?.into_parts().0;
+/// let found = cloud_laplacian(&points, &CloudOptions::new().neighbours(12))?;
+/// assert_eq!(found.kept.len(), points.len());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::NonFinite`] for a coordinate; [`Error::Argument`] for fewer than 3 neighbours; [`Error::Mesh`] for points at the

@@ -10,6 +10,16 @@ use crate::base::{Error, Result};
 /// What takes a function (one value a vertex) to its gradient, constant on faces: a matrix of 3 F rows, F faces, by V
 /// columns, V vertices. Rows 3 f to 3 f + 2 are the components x, y, z in face f, per unit of length.
 ///
+/// ```
+/// use catamaran::mesh::{divergence, families, gradient};
+///
+/// let mesh = families::icosphere(1)?;
+/// let (grad, div) = (gradient(&mesh)?, divergence(&mesh)?);
+/// assert_eq!(grad.shape(), (3 * mesh.faces().len(), mesh.vertices().len()));
+/// assert_eq!(div.shape(), (mesh.vertices().len(), 3 * mesh.faces().len()));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Mesh`] names a face without area, or one out of the range of `f64`.
 pub fn gradient(mesh: &TriMesh) -> Result<CsMat<f64>> {
@@ -65,6 +75,15 @@ pub fn divergence(mesh: &TriMesh) -> Result<CsMat<f64>> {
 }
 
 /// A third of the area of the faces at each vertex, in units of area; zero where there are none. O(V + F).
+///
+/// ```
+/// use catamaran::mesh::{families, vertex_areas};
+///
+/// let mesh = families::icosphere(3)?;
+/// let area: f64 = vertex_areas(&mesh).iter().sum();
+/// assert!((area - 4.0 * std::f64::consts::PI).abs() < 0.1);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn vertex_areas(mesh: &TriMesh) -> Vec<f64> {
     let mut areas = vec![0.0; mesh.vertices().len()];
     for face in mesh.faces() {

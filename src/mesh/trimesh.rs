@@ -4,6 +4,18 @@ use crate::base::{Error, Result};
 ///
 /// Any set of triangles: several components, boundary, edges of three faces, unreferenced vertices and faces without area
 /// are allowed here, and reported or refused by what can't work with them.
+///
+/// ```
+/// use catamaran::mesh::{Edges, TriMesh};
+///
+/// let vertices = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// let mesh = TriMesh::new(vertices, faces)?;
+/// let edges = Edges::new(&mesh);
+/// mesh.require_closed()?;
+/// assert_eq!(mesh.euler_characteristic(&edges), 2);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct TriMesh {
     vertices: Vec<[f64; 3]>,

@@ -13,6 +13,17 @@ use crate::sparse::{InnerSpace, Mass};
 /// [`gram_schmidt`](super::gram_schmidt()), which also takes columns that depend on others. The result is the same,
 /// bit for bit, for every `par`.
 ///
+/// ```
+/// use catamaran::{prelude::*, sparse::Mass};
+///
+/// let a = Mat::<f64>::from_fn(6, 2, |i, j| ((i + 1) as f64).powi(j as i32));
+/// let mut q = a.clone();
+/// let r = cholesky_qr(q.as_mut(), &Mass::identity(6), Par::Seq)?;
+/// assert!((&q * &r - &a).norm_max() < 1e-13);
+/// assert!((q.transpose() * &q - Mat::<f64>::identity(2, 2)).norm_max() < 1e-13);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] of "A" when its columns are dependent as far as rounding can tell, and A is unspecified then;
 /// else as [`gram_schmidt`](super::gram_schmidt()).

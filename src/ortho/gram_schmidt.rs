@@ -3,15 +3,16 @@ use faer::{Mat, MatMut, MatRef};
 
 use super::inner::{Inner, check_finite};
 use super::panel::pass;
-use crate::base::{Error, Par, Progress, Result};
+use crate::base::{Error, Par, Progress, Result, builder};
 use crate::dense::zeros;
 use crate::sparse::{InnerSpace, Mass};
 
 /// Columns that are projected together.
 const PANEL: usize = 256;
 
-/// How [`gram_schmidt`] works.
-#[derive(Clone)]
+/// How [`gram_schmidt`] works; [`GramSchmidtOptions::reorthogonalised`] by default.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct GramSchmidtOptions<'a> {
     /// A column is dropped when no more of it is left, relative to its length before, after what the columns before it
     /// span was taken away; between 1e-13 and 1. A column of zeros is always dropped.
@@ -23,6 +24,19 @@ pub struct GramSchmidtOptions<'a> {
     /// Told of progress; may cancel.
     pub progress: Progress<'a>,
 }
+
+impl Default for GramSchmidtOptions<'_> {
+    fn default() -> Self {
+        Self::reorthogonalised()
+    }
+}
+
+builder! { GramSchmidtOptions<'a> {
+    threshold: f64,
+    reorthogonalise: bool,
+    par: Par,
+    #[into] progress: Progress<'a>,
+}}
 
 impl GramSchmidtOptions<'_> {
     /// The thesis' mode `ours`: threshold 1e-2, one pass. `Q^T M Q` is the identity up to about 1e-13 / 1e-2 and
@@ -90,6 +104,17 @@ impl Orthonormal {
 /// twice is enough). The overlaps of either sign are projected away.
 ///
 /// The result is the same, bit for bit, for every `options.par`. Memory: a copy of A, R, and two panels.
+///
+/// ```
+/// use catamaran::{prelude::*, sparse::Mass};
+///
+/// // The second column is twice the first.
+/// let a = Mat::<f64>::from_fn(5, 3, |i, j| [1.0, 2.0, i as f64][j]);
+/// let found = gram_schmidt(a.as_ref(), &Mass::identity(5), &GramSchmidtOptions::new())?;
+/// assert_eq!(found.kept, [0, 2]);
+/// assert!((found.q.transpose() * &found.q - Mat::<f64>::identity(2, 2)).norm_max() < 1e-14);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Shape`] and [`Error::Argument`] of "mass", [`Error::NonFinite`] of "A", [`Error::Argument`] for a threshold

@@ -25,6 +25,17 @@ const FINEST: f64 = 1e-13;
 /// The result is the same, bit for bit, for every `options.par`; it is always re-orthogonalised. The singular values and
 /// vectors of R, on one thread, come on top of the time of [`gram_schmidt`], and a few matrices of its size.
 ///
+/// ```
+/// use catamaran::{prelude::*, ortho::rank_revealing, sparse::Mass};
+///
+/// // The second column is twice the first.
+/// let a = Mat::<f64>::from_fn(5, 3, |i, j| [1.0, 2.0, i as f64][j]);
+/// let found = rank_revealing(a.as_ref(), &Mass::identity(5), &GramSchmidtOptions::new())?;
+/// assert_eq!(found.q.ncols(), 2);
+/// assert!((found.q.transpose() * &found.q - Mat::<f64>::identity(2, 2)).norm_max() < 1e-14);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`gram_schmidt`]; [`Error::NotConverged`](crate::Error::NotConverged) when the singular values can't be found.
 pub fn rank_revealing(

@@ -2,7 +2,7 @@ use super::bdf::{Bdf6, Start};
 use super::rational::{EXPONENTIAL, Workspace};
 use super::spectral::SpectralSolution;
 use super::water::{WaterModel, at_least_zero, positive};
-use crate::base::{Error, Par, Progress, Result};
+use crate::base::{Error, Par, Progress, Result, builder};
 
 /// How water is computed at many times.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +31,8 @@ pub struct Interval {
 }
 
 /// Options of [`water_curve`].
-#[derive(Clone)]
+#[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct CurveOptions<'a> {
     /// Default [`Method::Auto`].
     pub method: Method,
@@ -50,8 +51,26 @@ impl Default for CurveOptions<'_> {
     }
 }
 
+builder! { CurveOptions<'a> {
+    method: Method,
+    cycle: Vec<Interval>,
+    par: Par,
+    #[into] progress: Progress<'a>,
+}}
+
 /// The water of every node, in kg, at each of `times` (seconds from 0, ascending), from `water` at time 0. Where the loss
 /// changes, one solution ends and the next begins: nothing is interpolated.
+///
+/// ```
+/// use catamaran::plant::{CurveOptions, WaterModel, WaterOptions, families, water_curve};
+///
+/// let model = WaterModel::new(&families::chain(20, 0.3, 1e-3)?, &WaterOptions::new())?;
+/// let hours = [0.0, 3600.0, 7200.0];
+/// let curve = water_curve(&model, &model.full(), &hours, &CurveOptions::new())?;
+/// let total = curve.iter().map(|water| water.iter().sum()).collect::<Vec<f64>>();
+/// assert!(total[0] > total[1] && total[1] > total[2]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Argument`], [`Error::Shape`] and [`Error::NonFinite`] name the argument at fault; [`Error::OutOfMemory`];

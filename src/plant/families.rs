@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::f64::consts::PI;
 
 use super::{Plant, Segment};
-use crate::base::{Error, Result, Rng, reserved};
+use crate::base::{Error, Result, Rng, builder, reserved};
 use crate::mesh::vector::{cross, dot, unit};
 
 /// Segments of an internode.
@@ -21,6 +21,7 @@ const GOLDEN_ANGLE: f64 = PI * 0.763_932_022_500_210_3;
 
 /// How a plant grows.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct GrowthOptions {
     /// Nodes, at least 1. Default 500.
     pub nodes: usize,
@@ -39,6 +40,14 @@ impl Default for GrowthOptions {
         Self { nodes: 500, seed: 0, radius: 2e-3, internode: 0.025, branching: 0.9 }
     }
 }
+
+builder! { GrowthOptions {
+    nodes: usize,
+    seed: u64,
+    radius: f64,
+    internode: f64,
+    branching: f64,
+}}
 
 /// A bud: the state of the turtle, and the parameters of the module.
 struct Bud {
@@ -59,6 +68,13 @@ struct Bud {
 /// `A(r, l) -> F(l, r) [+(branching) B(r / 2, 0.6 l, 4)] /(137.5) A(0.95 r, 0.95 l)` and `B(r, l, s) -> B(r, l, s - 1)`,
 /// `B(r, l, 0) -> A(r, l)`, with F cut into three segments. Axes of order 2 and more, old ones and all tips are veins of
 /// leaves. Nodes are numbered as they grow.
+///
+/// ```
+/// use catamaran::plant::families::{GrowthOptions, grow};
+///
+/// assert_eq!(grow(&GrowthOptions::new().nodes(100))?.len(), 100);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Argument`] names the option that is out of its range; [`Error::OutOfMemory`].

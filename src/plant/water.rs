@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use super::Plant;
 use super::elimination::{Factor, Order};
-use crate::base::{Error, Par, Result, zeros};
+use crate::base::{Error, Par, Result, builder, zeros};
 
 /// How well segments conduct water along themselves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +25,7 @@ pub enum Conductivity {
 
 /// The constants of the water of a plant, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct WaterOptions {
     /// What a square metre of leaf loses when its cells are full, in kg / (s m^2), at least 0. 15 to 250 g / (h m^2) by day
     /// and 1 to 20 by night (thesis, section 4.3.1; [`grams_per_hour`]). Default 60 g / (h m^2).
@@ -54,6 +55,15 @@ impl Default for WaterOptions {
     }
 }
 
+builder! { WaterOptions {
+    loss: f64,
+    conductivity: Conductivity,
+    modulus: f64,
+    viscosity: f64,
+    density: f64,
+    intake: f64,
+}}
+
 /// A loss in g / (h m^2) as one in kg / (s m^2).
 pub fn grams_per_hour(loss: f64) -> f64 {
     loss / 3.6e6
@@ -65,6 +75,16 @@ pub fn grams_per_hour(loss: f64) -> f64 {
 /// theta is the water of every node in kg; D the diagonal of `theta_full / modulus` in kg / Pa; L the Laplacian of the tree
 /// with the conductances of its edges, in kg / (s Pa); D_l the losses in 1 / s; s what the root takes from the soil. S is
 /// similar to a symmetric negative semi-definite matrix. Models share nothing that changes.
+///
+/// ```
+/// use catamaran::{Par, plant::{WaterModel, WaterOptions, families, grams_per_hour}};
+///
+/// let plant = families::chain(20, 0.3, 1e-3)?;
+/// let model = WaterModel::new(&plant, &WaterOptions::new().loss(grams_per_hour(100.0)))?;
+/// let after = model.water_after(&model.full(), 3600.0, Par::Seq)?;
+/// assert!(after.iter().zip(model.full()).all(|(&water, full)| 0.0 < water && water <= full));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct WaterModel {
     pub(super) order: Arc<Order>,

@@ -24,6 +24,17 @@ use crate::base::Result;
 /// The result is the same, bit for bit, for every `options.par`. Memory: about `2 k + 80` vectors of n, the result,
 /// and the factor.
 ///
+/// ```
+/// use catamaran::{prelude::*, mesh::families};
+///
+/// let mesh = families::icosphere(3)?;
+/// let Laplacian { stiffness, mass, .. } = laplacian(&mesh, &LaplacianOptions::new())?;
+/// let pairs = eigs(stiffness.view(), &mass, &EigenOptions::new().k(4))?;
+/// assert!(pairs.values[0].abs() < 1e-9); // constants
+/// assert!((pairs.values[1] - 2.0).abs() < 0.05); // l (l + 1) on the unit sphere
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] name W ("stiffness"), "mass" or the option at fault;
 /// [`Error::OutOfMemory`], [`Error::Cancelled`]; [`Error::NotConverged`] with the restarts done and the largest

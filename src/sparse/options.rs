@@ -1,7 +1,8 @@
-use crate::base::{Error, Par, Progress, Result};
+use crate::base::{Error, Par, Progress, Result, builder};
 
 /// What [`eigs`](super::eigs()) is asked for.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct EigenOptions<'a> {
     /// Number of eigenpairs, at most the number of rows. Default 100.
     pub k: usize,
@@ -37,6 +38,17 @@ impl Default for EigenOptions<'_> {
         }
     }
 }
+
+builder! { EigenOptions<'a> {
+    k: usize,
+    #[into] shift: Option<f64>,
+    tolerance: f64,
+    verify_count: bool,
+    par: Par,
+    seed: u64,
+    max_restarts: usize,
+    #[into] progress: Progress<'a>,
+}}
 
 impl EigenOptions<'_> {
     /// Refuses what is out of range for a matrix of `n` rows.

@@ -8,6 +8,15 @@ use crate::dense::{ROW_BLOCK, for_row_blocks};
 /// `Y := A X` for a sparse A (n x m, by rows), X (m x c) and Y (n x c) of any strides: rows by blocks, so that the
 /// result is the same, bit for bit, for every `par`.
 ///
+/// ```
+/// use catamaran::{Par, faer::{Mat, mat}, sparse::{CsMat, multiply}};
+///
+/// let (x, mut y) = (mat![[1.0], [2.0], [3.0]], Mat::zeros(3, 1));
+/// multiply(CsMat::eye(3).view(), x.as_ref(), y.as_mut(), Par::Seq)?;
+/// assert_eq!(x, y);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] when A is stored by columns, [`Error::Shape`].
 pub fn multiply(

@@ -44,6 +44,21 @@ const ATTEMPTS: usize = 20;
 ///
 /// The result is the same, bit for bit, for every `options.par`; it is another one for another `memory`.
 ///
+/// ```
+/// use catamaran::{prelude::*, mesh::families, sparse::eigs_sliced};
+///
+/// let Laplacian { stiffness, mass, .. } =
+///     laplacian(&families::icosphere(3)?, &LaplacianOptions::new())?;
+/// let mut values = vec![];
+/// let options = EigenOptions::new().k(9);
+/// eigs_sliced(stiffness.view(), &mass, &options, 1 << 30, |pairs| {
+///     values.extend(pairs.values);
+///     Ok(())
+/// })?;
+/// assert_eq!(values.len(), 9);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`eigs`](super::eigs()), those of `sink`, and [`Error::Argument`] of "memory": too little for any slice, for a
 /// cluster of eigenvalues, or for k pairs around a shift, which are never sliced.

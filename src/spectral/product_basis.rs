@@ -5,7 +5,7 @@ use faer::{Mat, MatRef, Scale};
 use super::basis::Basis;
 use super::eigenbasis::Eigenbasis;
 use super::eigenproducts::Eigenproducts;
-use crate::base::{Par, Progress, Result};
+use crate::base::{Par, Progress, Result, builder};
 use crate::dense::zeros;
 use crate::ortho::{Factors, GramSchmidtOptions, gram_schmidt_in_place, rank_revealing_in_place};
 
@@ -26,7 +26,8 @@ pub enum Orthogonalization {
 }
 
 /// How [`ProductBasis::new`] works.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct ProductBasisOptions<'a> {
     /// Default [`Orthogonalization::SinglePass`].
     pub orthogonalization: Orthogonalization,
@@ -43,11 +44,29 @@ impl Default for ProductBasisOptions<'_> {
     }
 }
 
+builder! { ProductBasisOptions<'a> {
+    orthogonalization: Orthogonalization,
+    par: Par,
+    #[into] progress: Progress<'a>,
+}}
+
 /// A basis of the Fourier polynomials on a mesh: the eigenproducts of at most a given order, orthogonalised.
 ///
 /// The factors are the eigenfunctions divided by the constant one, `phi_i / phi_0`: without a unit and of mean square 1, so
 /// that nothing depends on the size of the mesh. With the L products as columns of B, `Q R = B` to rounding in the columns
 /// that are kept, and up to the threshold in the others (equation 1.13).
+///
+/// ```
+/// use catamaran::{prelude::*, mesh::families, spectral::{Eigenbasis, ProductBasis, ProductBasisOptions}};
+///
+/// let Laplacian { stiffness, mass, .. } =
+///     laplacian(&families::icosphere(3)?, &LaplacianOptions::new())?;
+/// let pairs = eigs(stiffness.view(), &mass, &EigenOptions::new().k(5))?;
+/// let basis = Eigenbasis::new(pairs.values, pairs.vectors, mass)?;
+/// let products = ProductBasis::new(&basis, 2, &ProductBasisOptions::new())?;
+/// assert!(products.len() > basis.len());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct ProductBasis {
     products: Eigenproducts,

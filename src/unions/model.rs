@@ -226,6 +226,16 @@ impl SpectralUnion {
 
     /// The K first eigenvalues of the union of two parts, from those of the parts, in whatever unit these have.
     ///
+    /// ```
+    /// use catamaran::unions::{K, SpectralUnion};
+    ///
+    /// let part: Vec<f64> = (1..=K).map(|k| 40.0 * k as f64).collect();
+    /// let union = SpectralUnion::pretrained()?.predict(&part, &part)?;
+    /// // A larger domain has smaller eigenvalues.
+    /// assert!(union.iter().zip(&part).all(|(union, part)| union <= part));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] (not positive, not ascending) name the spectrum at
     /// fault, `first` or `second`.

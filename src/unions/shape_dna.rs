@@ -2,12 +2,13 @@
 //!
 //! Source: Reuter, Wolter and Peinecke, Laplace-Beltrami spectra as "Shape-DNA" of surfaces and solids (2006).
 
-use crate::base::{Error, Par, Result};
+use crate::base::{Error, Par, Result, builder};
 use crate::mesh::{LaplacianOptions, TriMesh, laplacian};
 use crate::sparse::{EigenOptions, eigs};
 
 /// Options of [`shape_dna`].
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ShapeDnaOptions {
     /// Eigenvalues; default 20.
     pub k: usize,
@@ -23,8 +24,22 @@ impl Default for ShapeDnaOptions {
     }
 }
 
+builder! { ShapeDnaOptions {
+    k: usize,
+    normalized: bool,
+    laplacian: LaplacianOptions,
+}}
+
 /// The k smallest eigenvalues of a surface, ascending: in units of 1 / length^2, or pure numbers where they are normalized
 /// by area. Closed surfaces begin with 0.
+///
+/// ```
+/// use catamaran::{mesh::families, unions::{ShapeDnaOptions, shape_dna}};
+///
+/// let signature = shape_dna(&families::icosphere(2)?, &ShapeDnaOptions::new().k(5))?;
+/// assert_eq!(signature.len(), 5);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`laplacian()`] and [`eigs`]; [`Error::Argument`] when there are fewer than k vertices that are not held at zero.
@@ -55,6 +70,14 @@ pub struct Match {
 }
 
 /// The signatures nearest to `query`, the nearest first (of equally near ones the first), at most `count` of them.
+///
+/// ```
+/// use catamaran::{Par, unions::retrieve};
+///
+/// let found = retrieve(&[1.0, 2.0], &[[5.0, 5.0], [1.0, 2.5]], 1, Par::Seq)?;
+/// assert_eq!(found[0].index, 1);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Shape`] when a signature is not as long as the query; [`Error::NonFinite`] for numbers that are none.

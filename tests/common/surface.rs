@@ -42,7 +42,7 @@ fn gcd(a: u32, b: u32) -> u32 {
 
 /// The cotangent stiffness and the lumped mass.
 pub fn laplacian(mesh: &TriMesh) -> (CsMat<f64>, Vec<f64>) {
-    let options = LaplacianOptions { par: Par::Seq, ..Default::default() };
+    let options = LaplacianOptions::new().par(Par::Seq);
     let found = mesh::laplacian(mesh, &options).unwrap();
     let Mass::Lumped(mass) = found.mass else { panic!("a lumped mass") };
     (found.stiffness, mass)
@@ -52,7 +52,7 @@ pub fn laplacian(mesh: &TriMesh) -> (CsMat<f64>, Vec<f64>) {
 pub fn eigenbasis(mesh: &TriMesh, len: usize) -> Eigenbasis {
     let (stiffness, mass) = laplacian(mesh);
     let mass = Mass::Lumped(mass);
-    let options = EigenOptions { k: len, tolerance: 1e-11, par: Par::Seq, ..Default::default() };
+    let options = EigenOptions::new().k(len).tolerance(1e-11).par(Par::Seq);
     let pairs = eigs(stiffness.view(), &mass, &options).unwrap();
     Eigenbasis::new(pairs.values, pairs.vectors, mass).unwrap()
 }

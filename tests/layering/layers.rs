@@ -6,7 +6,7 @@ use std::fs;
 use super::{rust_files, src};
 
 /// Module, layer, and the modules of the same layer that it may import.
-const LAYERS: [(&str, u8, &[&str]); 19] = [
+const LAYERS: [(&str, u8, &[&str]); 20] = [
     ("base", 0, &[]),
     ("kernel", 1, &[]),
     ("blas", 1, &["kernel"]),
@@ -26,6 +26,7 @@ const LAYERS: [(&str, u8, &[&str]); 19] = [
     ("mpi", 5, &[]),
     ("opencl", 5, &[]),
     ("capi", 6, &[]),
+    ("prelude", 6, &[]),
     ("lib", 7, &[]),
 ];
 

@@ -113,21 +113,21 @@ fn check(world: &World, w: &CsMat<f64>, mass: &Mass, options: &EigenOptions<'_>)
 }
 
 fn options(k: usize) -> EigenOptions<'static> {
-    EigenOptions { k, par: Par::Seq, ..EigenOptions::default() }
+    EigenOptions::new().k(k).par(Par::Seq)
 }
 
 fn agreement(world: &World) {
     // Multiplets of five, and both kinds of mass.
     let sphere = families::icosphere(3).unwrap();
-    let near = EigenOptions { shift: Some(7.0), verify_count: true, ..options(9) };
+    let near = options(9).shift(Some(7.0)).verify_count(true);
     for (mass, wanted) in [(MassKind::Barycentric, options(17)), (MassKind::Consistent, near)] {
-        let kind = LaplacianOptions { mass, par: Par::Seq, ..LaplacianOptions::default() };
+        let kind = LaplacianOptions::new().mass(mass).par(Par::Seq);
         let problem = laplacian(&sphere, &kind).unwrap();
         check(world, &problem.stiffness, &problem.mass, &wanted);
     }
     // Two components.
     let w = two_grids(17, 12);
-    let counted = EigenOptions { verify_count: true, ..options(25) };
+    let counted = options(25).verify_count(true);
     check(world, &w, &Mass::identity(w.rows()), &counted);
 }
 
@@ -143,7 +143,7 @@ fn small(world: &World) {
 fn threads(world: &World) {
     let w = two_grids(20, 15);
     let mass = Mass::identity(w.rows());
-    let run = |par| spread(world, &w, &mass, &EigenOptions { par, ..options(12) });
+    let run = |par| spread(world, &w, &mass, &options(12).par(par));
     let (one, two) = (run(Par::Seq), run(Par::Threads(2)));
     assert!(one.values == two.values && one.vectors == two.vectors);
 }
@@ -175,7 +175,7 @@ fn cancel(world: &World) {
     let w = two_grids(20, 15);
     let own = uneven(w.rows(), world.size(), world.rank());
     let (part, mass) = (rows(&w, own.clone()), mass_rows(&Mass::identity(w.rows()), own));
-    let options = EigenOptions { progress: (&progress).into(), ..options(20) };
+    let options = options(20).progress(&progress);
     tell(world, eigs(world, part.view(), &mass, &options).unwrap_err());
 }
 

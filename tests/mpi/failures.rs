@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use catamaran::AtaOptions;
 use catamaran::faer::Mat;
 use catamaran::mpi::{World, ata_rows};
 

@@ -113,7 +113,7 @@ fn agreement(world: &World) {
         let lumped = (lumped(0..n), lumped(own.clone()));
         let full = (full(n, 0..n), full(n, own.clone()));
         for (mode, (mass, part)) in [(once, full), (again, lumped)] {
-            let options = GramSchmidtOptions { par: Par::Seq, ..mode };
+            let options = mode.par(Par::Seq);
             let expected = ortho::gram_schmidt(a.as_ref(), &mass, &options).unwrap();
             let rows = a.as_ref().subrows(own.start, own.len());
             let found = gram_schmidt(world, rows, &part, &options).unwrap();
@@ -133,7 +133,7 @@ fn threads(world: &World) {
     let own = uneven(n, world.size(), world.rank());
     let a = columns(n, c);
     let run = |par| {
-        let options = GramSchmidtOptions { par, ..GramSchmidtOptions::reorthogonalised() };
+        let options = GramSchmidtOptions::reorthogonalised().par(par);
         let rows = a.as_ref().subrows(own.start, own.len());
         gram_schmidt(world, rows, &lumped(own.clone()), &options).unwrap()
     };
@@ -213,8 +213,7 @@ fn cancel(world: &World) {
     let progress = move |_| if last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let own = own_rows(world);
     let a = columns(6 * world.size(), 3);
-    let options =
-        GramSchmidtOptions { progress: (&progress).into(), ..GramSchmidtOptions::single_pass() };
+    let options = GramSchmidtOptions::single_pass().progress(&progress);
     let rows = a.as_ref().subrows(own.start, 6);
     tell(world, gram_schmidt(world, rows, &lumped(own), &options).unwrap_err());
 }

@@ -8,9 +8,9 @@ use catamaran::plant::*;
 use super::reference::{Coefficients, relative_mse};
 
 fn grown(nodes: usize, scale: f64) -> (Plant, WaterOptions, WaterModel) {
-    let plant = grow(&GrowthOptions { nodes, ..GrowthOptions::default() }).unwrap();
+    let plant = grow(&GrowthOptions::new().nodes(nodes)).unwrap();
     let conductivity = Conductivity::Pipe { scale };
-    let options = WaterOptions { conductivity, ..WaterOptions::default() };
+    let options = WaterOptions::new().conductivity(conductivity);
     let model = WaterModel::new(&plant, &options).unwrap();
     (plant, options, model)
 }
@@ -66,8 +66,7 @@ fn the_slowest_rate_has_all_its_digits() {
 #[test]
 fn bdf6_has_order_6_and_a_constant_start_has_order_1() {
     let plant = chain(7, 0.07, 1e-3).unwrap();
-    let options =
-        WaterOptions { conductivity: Conductivity::Pipe { scale: 1e-11 }, ..Default::default() };
+    let options = WaterOptions::new().conductivity(Conductivity::Pipe { scale: 1e-11 });
     let model = WaterModel::new(&plant, &options).unwrap();
     let full = model.full();
     let seconds = 4e4;

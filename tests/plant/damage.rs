@@ -27,7 +27,7 @@ fn parted(plant: &Plant, node: usize) -> [(Plant, Vec<usize>); 2] {
 fn a_cut_plant_is_two_plants_bit_for_bit() {
     // The larger one has a trunk that threads share, and loses it by the cut.
     for (nodes, node) in [(200, 40), (12_000, 24)] {
-        let plant = grow(&GrowthOptions { nodes, ..GrowthOptions::default() }).unwrap();
+        let plant = grow(&GrowthOptions::new().nodes(nodes)).unwrap();
         let options = WaterOptions::default();
         let mut model = WaterModel::new(&plant, &options).unwrap();
         model.cut(node).unwrap();
@@ -50,7 +50,7 @@ fn a_cut_plant_is_two_plants_bit_for_bit() {
 
 #[test]
 fn a_leaf_dries_beyond_a_cut_and_less_where_the_stem_is_weak() {
-    let plant = grow(&GrowthOptions { nodes: 300, ..GrowthOptions::default() }).unwrap();
+    let plant = grow(&GrowthOptions::new().nodes(300)).unwrap();
     let model = WaterModel::new(&plant, &WaterOptions::default()).unwrap();
     let is_leaf = |v: usize| plant.segments()[v].leaf;
     let begins = |v: &usize| is_leaf(*v) && plant.parent(*v).is_some_and(|p| !is_leaf(p));

@@ -8,7 +8,7 @@ use catamaran::plant::families::{GrowthOptions, chain, grow};
 use catamaran::plant::*;
 
 fn grown(nodes: usize) -> Plant {
-    grow(&GrowthOptions { nodes, ..GrowthOptions::default() }).unwrap()
+    grow(&GrowthOptions::new().nodes(nodes)).unwrap()
 }
 
 fn close(a: f64, b: f64, tolerance: f64) {
@@ -51,7 +51,7 @@ fn two_nodes_follow_the_closed_form() {
     let segments = vec![Segment::stem([0.0, 0.0, 0.1], 2e-3), Segment::vein([0.0, 0.0, 0.2], 1e-3)];
     let plant = Plant::from_edges(segments, &[[0, 1]], None).unwrap();
     let scale = 1e-9;
-    let options = WaterOptions { conductivity: Conductivity::Pipe { scale }, ..Default::default() };
+    let options = WaterOptions::new().conductivity(Conductivity::Pipe { scale });
     let model = WaterModel::new(&plant, &options).unwrap();
     let resistance = |r: f64| 8.0 * 1e-3 * 0.1 / (PI * r.powi(4) * scale);
     let flow = 1e6 * 1000.0 / ((resistance(2e-3) + resistance(1e-3)) / 2.0);
@@ -79,8 +79,7 @@ fn two_nodes_follow_the_closed_form() {
 fn a_uniform_chain_has_the_rates_of_a_path() {
     for n in [2, 3, 31] {
         let plant = chain(n, 0.01 * n as f64, 1e-3).unwrap();
-        let model =
-            WaterModel::new(&plant, &WaterOptions { loss: 0.0, ..Default::default() }).unwrap();
+        let model = WaterModel::new(&plant, &WaterOptions::new().loss(0.0)).unwrap();
         let unit = 1e6 * 1000.0 * PI * 1e-12 * 1e-9 / (8.0 * 1e-3 * 0.01) / model.full()[0];
         let solution = SpectralSolution::new(&model).unwrap();
         for (k, rate) in solution.rates().iter().enumerate() {
@@ -101,7 +100,7 @@ fn a_star_has_three_rates() {
     }
     let edges: Vec<_> = (1..=arms as u32).map(|v| [v, 0]).collect();
     let plant = Plant::from_edges(segments, &edges, None).unwrap();
-    let model = WaterModel::new(&plant, &WaterOptions { loss: 0.0, ..Default::default() }).unwrap();
+    let model = WaterModel::new(&plant, &WaterOptions::new().loss(0.0)).unwrap();
     let unit = 1e6 * 1000.0 * PI * 1e-12 * 1e-9 / (8.0 * 1e-3 * 0.1) / model.full()[0];
     let rates = SpectralSolution::new(&model).unwrap().rates().to_vec();
     let exact = [0.0, 1.0, 1.0, 1.0, 1.0, 1.0 + arms as f64];
@@ -140,10 +139,7 @@ fn splitting_segments_changes_the_water_to_second_order() {
             .collect();
         let parents: Vec<_> = (0..n as u32).map(|v| v.checked_sub(1)).collect();
         let plant = Plant::new(segments, &parents, Some([0.0; 3])).unwrap();
-        let options = WaterOptions {
-            conductivity: Conductivity::Pipe { scale: 3e-11 },
-            ..Default::default()
-        };
+        let options = WaterOptions::new().conductivity(Conductivity::Pipe { scale: 3e-11 });
         let model = WaterModel::new(&plant, &options).unwrap();
         let water = model.water_after(&model.full(), 4e4, Par::Seq).unwrap();
         let moduli = Elasticity::default().moduli(&water, &model.full()).unwrap();
@@ -170,7 +166,7 @@ fn days_and_nights_are_exact_interval_by_interval() {
         Interval { seconds: 8.0 * 3600.0, loss: night },
     ];
     let times: Vec<f64> = (0..=30).map(|h| f64::from(h) * 3600.0).collect();
-    let options = CurveOptions { cycle: cycle.clone(), ..CurveOptions::default() };
+    let options = CurveOptions::new().cycle(cycle.clone());
     let curve = water_curve(&model, &model.full(), &times, &options).unwrap();
     let mut water = model.full();
     let mut by_hand = model.clone();
@@ -185,7 +181,7 @@ fn days_and_nights_are_exact_interval_by_interval() {
     assert!(total(15) - total(16) > 5.0 * (total(17) - total(18)));
     // The other methods agree.
     let step = 60.0;
-    let options = CurveOptions { cycle, method: Method::Bdf6 { step }, ..CurveOptions::default() };
+    let options = CurveOptions::new().cycle(cycle).method(Method::Bdf6 { step });
     let bdf = water_curve(&model, &model.full(), &times, &options).unwrap();
     let gap = |a: f64, b: f64| (a - b).abs();
     assert!((0..80).all(|v| gap(bdf[30][v], water[v]) < 1e-7 * model.full()[v]));
@@ -206,10 +202,10 @@ fn arguments_out_of_range_are_named() {
     let times = [2.0, 1.0];
     says(water_curve(&model, &[1.0; 3], &times, &CurveOptions::default()).unwrap_err(), "ascend");
     let cancel = |_: f64| ControlFlow::Break(());
-    let options = CurveOptions { progress: (&cancel).into(), ..CurveOptions::default() };
+    let options = CurveOptions::new().progress(&cancel);
     says(water_curve(&model, &[1.0; 3], &[1.0], &options).unwrap_err(), "cancelled");
     says(Bdf6::new(&model, &[1.0; 3], 0.0, Start::Exact, Par::Seq).unwrap_err(), "step");
-    let options = WaterOptions { viscosity: 0.0, ..Default::default() };
+    let options = WaterOptions::new().viscosity(0.0);
     says(WaterModel::new(&plant, &options).unwrap_err(), "viscosity");
     assert!(water_curve(&model, &[1.0; 3], &[], &CurveOptions::default()).unwrap().is_empty());
 }

@@ -19,7 +19,7 @@ fn chain(n: usize, length: f64, direction: [f64; 3]) -> (Vec<Segment>, Vec<Optio
 
 fn rods(segments: Vec<Segment>, parents: &[Option<u32>], dry_density: f64) -> Rods {
     let plant = Plant::new(segments, parents, Some([0.0; 3])).unwrap();
-    let options = RodOptions { dry_density, ..RodOptions::default() };
+    let options = RodOptions::new().dry_density(dry_density);
     Rods::new(&plant, &options).unwrap()
 }
 
@@ -148,8 +148,8 @@ fn a_soft_chain_between_two_pins_hangs_as_a_catenary() {
 }
 
 fn wilting(nodes: usize, hours: f64) -> (WaterModel, Rods) {
-    let plant = grow(&GrowthOptions { nodes, ..GrowthOptions::default() }).unwrap();
-    let options = WaterOptions { loss: grams_per_hour(120.0), ..WaterOptions::default() };
+    let plant = grow(&GrowthOptions::new().nodes(nodes)).unwrap();
+    let options = WaterOptions::new().loss(grams_per_hour(120.0));
     let model = WaterModel::new(&plant, &options).unwrap();
     let full = model.full();
     let water = model.water_after(&full, hours * 3600.0, Par::Seq).unwrap();
@@ -182,7 +182,7 @@ fn motion_settles_in_the_pose_of_equilibrium_without_stretch() {
     rods.set_state(&vec![2e7; n], &vec![0.0; n]).unwrap();
     let mut still = rods.rest_pose();
     rods.relax(&mut still, &RelaxOptions::default()).unwrap();
-    let options = MotionOptions { damping: 5.0, ..MotionOptions::default() };
+    let options = MotionOptions::new().damping(5.0);
     let mut motion = Motion::new(&rods, &rods.rest_pose(), &options).unwrap();
     for _ in 0..600 {
         motion.step().unwrap();
@@ -223,7 +223,7 @@ fn arguments_out_of_range_are_named() {
     let plant = Plant::new(segments, &parents, Some([0.0; 3])).unwrap();
     let says =
         |error: catamaran::Error, part: &str| assert!(error.to_string().contains(part), "{error}");
-    let wrong = RodOptions { poisson: 0.7, ..RodOptions::default() };
+    let wrong = RodOptions::new().poisson(0.7);
     says(Rods::new(&plant, &wrong).unwrap_err(), "poisson");
     let mut rods = Rods::new(&plant, &RodOptions::default()).unwrap();
     says(rods.set_state(&[1.0; 2], &[0.0; 3]).unwrap_err(), "moduli");

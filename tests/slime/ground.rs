@@ -2,7 +2,7 @@
 
 use catamaran::Par;
 use catamaran::base::Progress;
-use catamaran::texture::slime::{FREE, GOAL, Mask, OBSTACLE, Options, Simulation};
+use catamaran::texture::slime::{FREE, GOAL, Mask, OBSTACLE, Simulation};
 
 use crate::support::{options, simulation, square};
 
@@ -38,14 +38,12 @@ fn mask() -> Mask {
 
 #[test]
 fn agents_go_around_walls_and_stay_where_they_want_to_be() {
-    let options = Options {
-        species: 3,
-        movement_speed: 30.0,
-        vision_distance: 6.0,
+    let options = options(2000, SIZE)
+        .species(3)
+        .movement_speed(30.0)
+        .vision_distance(6.0)
         // Trails that last keep agents where they are.
-        evaporation_rate: 3.0,
-        ..options(2000, SIZE)
-    };
+        .evaporation_rate(3.0);
     let mut all = Simulation::new(square(6), &options, &mask()).unwrap();
     let ground = mask().ground;
     assert!(places(&all).iter().all(|&t| t % SIZE < 8 && t / SIZE < 8));
@@ -63,7 +61,7 @@ fn agents_go_around_walls_and_stay_where_they_want_to_be() {
 
 #[test]
 fn species_keep_apart() {
-    let options = Options { species: 2, ..options(6000, 128) };
+    let options = options(6000, 128).species(2);
     let mut all = simulation(square(4), &options);
     all.run(120, Par::all(), Progress::none()).unwrap();
     let (a, b) = (all.texture(0), all.texture(1));

@@ -13,7 +13,7 @@ const THRESHOLD: f32 = 0.3;
 
 fn grown(change: impl Fn(&mut Options)) -> Simulation {
     let small = options(25_000, SIZE);
-    let mut options = Options { movement_speed: 3.0, vision_distance: 2.0, ..small };
+    let mut options = small.movement_speed(3.0).vision_distance(2.0);
     change(&mut options);
     let mut all = simulation(square(8), &options);
     all.run(200, Par::all(), Progress::none()).unwrap();
@@ -41,13 +41,11 @@ fn vision_angle_thickens() {
     // Strands as a sparse network has them when it is there; before, what is thick is the noise of the start. Turns of up to 20
     // degrees a step, not 60: agents that turn by far more than their sensors are apart find no strand.
     let thickness = |vision_angle: f64| {
-        let sparse = Options {
-            movement_speed: 3.0,
-            vision_distance: 2.0,
-            turn_speed: 600.0,
-            vision_angle,
-            ..options(5000, SIZE)
-        };
+        let sparse = options(5000, SIZE)
+            .movement_speed(3.0)
+            .vision_distance(2.0)
+            .turn_speed(600.0)
+            .vision_angle(vision_angle);
         let mut all = simulation(square(8), &sparse);
         all.run(900, Par::all(), Progress::none()).unwrap();
         Pattern::of(all.texture(0), SIZE, THRESHOLD).unwrap().thickness

@@ -20,7 +20,7 @@ fn no_agent_is_lost() {
     ];
     for (name, mesh) in meshes {
         for tangent_step in [TangentStep::Unfold, TangentStep::Project { substeps: 4 }] {
-            let options = Options { tangent_step, ..options(1500, 256) };
+            let options = options(1500, 256).tangent_step(tangent_step);
             let mut all = simulation(with_atlas(&mesh, 256), &options);
             for _ in 0..5 {
                 all.run(50, Par::all(), Progress::none()).unwrap();
@@ -35,12 +35,12 @@ fn no_agent_is_lost() {
 fn no_agent_is_beyond_a_sharp_corner() {
     // Steps as long as the faces, on faces of which some are slivers.
     let steps = TangentStep::Project { substeps: 2 };
-    let quick = Options { movement_speed: 2000.0, length_rescaling: false, ..options(2000, 128) };
+    let quick = options(2000, 128).movement_speed(2000.0).length_rescaling(false);
     for (name, mesh) in [
         ("flat", families::grid(12, 12).unwrap()),
         ("slivers", families::torus(36, 3, 2.0, 0.1).unwrap()),
     ] {
-        let options = Options { tangent_step: steps, ..quick };
+        let options = quick.tangent_step(steps);
         let mut all = simulation(with_atlas(&mesh, 128), &options);
         all.run(60, Par::all(), Progress::none()).unwrap();
         assert_eq!(all.state().check(all.surface()), Ok(()), "{name}");
@@ -52,7 +52,7 @@ fn threads_do_not_show() {
     for blur in [Blur::SeamAware, Blur::Gaussian] {
         let run = |par: Par| {
             let mesh = families::torus(16, 8, 2.0, 0.7).unwrap();
-            let options = Options { blur, species: 2, ..options(9001, 128) };
+            let options = options(9001, 128).blur(blur).species(2);
             let mut all = simulation(with_atlas(&mesh, 128), &options);
             all.run(40, par, Progress::none()).unwrap();
             (all.state().clone(), all.coverage(par))
@@ -66,7 +66,7 @@ fn threads_do_not_show() {
 
 #[test]
 fn a_run_that_stopped_goes_on_as_if_it_had_not() {
-    let options = Options { species: 3, ..options(700, 64) };
+    let options = options(700, 64).species(3);
     let begin = || simulation(square(5), &options);
     let mut whole = begin();
     whole.run(37, Par::Seq, Progress::none()).unwrap();

@@ -20,7 +20,7 @@ pub fn square(cells: usize) -> Surface {
 
 /// Small, so that tests are fast.
 pub fn options(agents: usize, size: usize) -> Options {
-    Options { agents, size, seed: 7, ..Options::default() }
+    Options::new().agents(agents).size(size).seed(7)
 }
 
 pub fn simulation(surface: Surface, options: &Options) -> Simulation {

@@ -60,13 +60,7 @@ fn agents_start_evenly_by_area_and_direction() {
 
 /// Without agents and without evaporation: pheromone is only blurred, fast.
 fn still() -> Options {
-    Options {
-        agents: 0,
-        size: 128,
-        evaporation_rate: 0.0,
-        diffusion_rate: 30.0,
-        ..Options::default()
-    }
+    Options::new().agents(0).size(128).evaporation_rate(0.0).diffusion_rate(30.0)
 }
 
 /// What is in the texture before and after it was blurred for a while, 1 at first in these texels.
@@ -121,7 +115,7 @@ fn the_seam_aware_blur_crosses_seams() {
 #[test]
 fn inside_of_a_chart_both_blurs_are_the_same() {
     let run = |blur: Blur| {
-        let options = Options { blur, ..options(500, 64) };
+        let options = options(500, 64).blur(blur);
         let mut all = simulation(square(4), &options);
         all.run(3, Par::Seq, Progress::none()).unwrap();
         all.state().texture.clone()
@@ -136,13 +130,7 @@ fn inside_of_a_chart_both_blurs_are_the_same() {
 
 #[test]
 fn evaporation_is_what_it_says() {
-    let options = Options {
-        agents: 0,
-        size: 32,
-        time_step: 0.125,
-        evaporation_rate: 0.5,
-        ..Options::default()
-    };
+    let options = Options::new().agents(0).size(32).time_step(0.125).evaporation_rate(0.5);
     let mut all = simulation(square(2), &options);
     let texture = vec![0.5; 32 * 32];
     all.set_state(State { texture, ..all.state().clone() }).unwrap();

@@ -21,7 +21,7 @@ pub fn products(
     order: usize,
     orthogonalization: Orthogonalization,
 ) -> ProductBasis {
-    let options = ProductBasisOptions { orthogonalization, ..Default::default() };
+    let options = ProductBasisOptions::new().orthogonalization(orthogonalization);
     ProductBasis::new(eigenbasis, order, &options).unwrap()
 }
 
@@ -242,8 +242,10 @@ fn threads_do_not_change_a_bit() {
     let f = coordinates(&blob(2));
     for orthogonalization in [OURS, OURS_STAR] {
         let mut all = THREADS.into_iter().map(|par| {
-            let options =
-                ProductBasisOptions { orthogonalization, par, progress: Progress::none() };
+            let options = ProductBasisOptions::new()
+                .orthogonalization(orthogonalization)
+                .par(par)
+                .progress(Progress::none());
             let basis = ProductBasis::new(&eigen, 3, &options).unwrap();
             let g = basis.basis().approximation(f.as_ref(), par).unwrap();
             (bits(basis.functions()), bits(basis.r()), bits(g.as_ref()))

@@ -91,8 +91,7 @@ fn solve(folder: &Path, threads: usize) -> Result<()> {
     child::forget_peak();
     let [before, _] = child::memory();
     let start = Instant::now();
-    let options =
-        LaplacianOptions { kind: LaplacianKind::Tufted, par, ..LaplacianOptions::default() };
+    let options = LaplacianOptions::new().kind(LaplacianKind::Tufted).par(par);
     let found = laplacian(&mesh, &options)?;
     let seconds = start.elapsed().as_secs_f64();
     let [_, peak] = child::memory();

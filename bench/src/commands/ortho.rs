@@ -155,8 +155,8 @@ fn solve(folder: &Path, method: Method, threads: usize) -> Result<()> {
     child::forget_peak();
     let [before, _] = child::memory();
     let start = Instant::now();
-    let gram_schmidt = |a: &mut Mat<f64>, options| -> Result<usize> {
-        let options = GramSchmidtOptions { par, ..options };
+    let gram_schmidt = |a: &mut Mat<f64>, options: GramSchmidtOptions<'_>| -> Result<usize> {
+        let options = options.par(par);
         Ok(gram_schmidt_in_place(a.as_mut(), &mass, &options)?.kept.len())
     };
     let rank = match method {

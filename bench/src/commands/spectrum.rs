@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use catamaran::Par;
 use catamaran::mesh::{LaplacianOptions, families, laplacian};
 use catamaran::sparse::{CsMat, EigenOptions, Mass, eigs};
 use catamaran_bench::child::{self, Duel, Report};
@@ -117,7 +116,7 @@ fn solve(folder: &Path, k: usize, threads: usize) -> Result<()> {
     let mass = Mass::Lumped(mass);
     let [before, _] = child::memory();
     let start = Instant::now();
-    let options = EigenOptions { k, par: Par::Threads(threads), ..EigenOptions::default() };
+    let options = EigenOptions::new().k(k).threads(threads);
     let pairs = eigs(stiffness.view(), &mass, &options)?;
     let seconds = start.elapsed().as_secs_f64();
     let [_, peak] = child::memory();

@@ -145,12 +145,10 @@ impl Rivals {
 /// Those of the library.
 pub fn solve(contender: Contender, job: &Job<'_>) -> Result<()> {
     let mesh = catamaran::mesh::io::read(job.input)?.mesh;
-    let options = DecimateOptions {
-        method: if contender == Contender::Thesis { Method::Thesis } else { Method::Uniform },
-        resample: contender == Contender::Resampled,
-        par: Par::Threads(job.threads),
-        ..DecimateOptions::default()
-    };
+    let options = DecimateOptions::new()
+        .method(if contender == Contender::Thesis { Method::Thesis } else { Method::Uniform })
+        .resample(contender == Contender::Resampled)
+        .par(Par::Threads(job.threads));
     let [before, _] = child::memory();
     let start = Instant::now();
     let made = decimate(&mesh, job.n, &options)?;

@@ -36,7 +36,7 @@ pub fn race(largest: usize, repeat: usize, libraries: &Path) -> Result<Part> {
     for nodes in
         [2_000, 10_000, 100_000, 1_000_000, 10_000_000].into_iter().filter(|n| *n <= largest)
     {
-        let plant = grow(&GrowthOptions { nodes, ..GrowthOptions::default() })?;
+        let plant = grow(&GrowthOptions::new().nodes(nodes))?;
         let subject = Subject::new(format!("{nodes}"), plant)?;
         let folder = tempfile::tempdir()?;
         prepare(folder.path(), &subject)?;

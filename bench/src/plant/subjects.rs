@@ -38,7 +38,7 @@ impl Subject {
 /// # Errors
 /// When a file that is there can't be read.
 pub fn subjects() -> Result<Vec<Subject>> {
-    let grown = grow(&GrowthOptions { nodes: 1000, ..GrowthOptions::default() })?;
+    let grown = grow(&GrowthOptions::new().nodes(1000))?;
     let mut subjects = vec![Subject::new("grown".into(), grown)?];
     let data = crate::input::data_folder();
     for number in ["002", "001", "003", "000"] {

@@ -55,7 +55,7 @@ fn errors(shape: &Shape) -> Result<Vec<Vec<f64>>> {
     let par = Par::all();
     let few = shape.first(K)?;
     let basis = |orthogonalization| {
-        let options = ProductBasisOptions { orthogonalization, ..ProductBasisOptions::default() };
+        let options = ProductBasisOptions::new().orthogonalization(orthogonalization);
         ProductBasis::new(&few, ORDER, &options)
     };
     let (ours, ours_star) =

@@ -19,7 +19,7 @@ const THRESHOLD: f64 = 1e-9;
 pub fn ranks(shape: &Shape, k: usize, order: usize) -> Result<[usize; 4]> {
     let basis = shape.first(k)?;
     let kept = |orthogonalization| {
-        let options = ProductBasisOptions { orthogonalization, ..ProductBasisOptions::default() };
+        let options = ProductBasisOptions::new().orthogonalization(orthogonalization);
         ProductBasis::new(&basis, order, &options).map(|basis| basis.len())
     };
     let ours_star = kept(Orthogonalization::Reorthogonalized)?;

@@ -28,7 +28,7 @@ impl Shape {
     pub fn new(name: &str, mesh: &TriMesh, k: usize) -> Result<Self> {
         let mesh = mesh.normalized(Normalization::UnitArea)?;
         let problem = laplacian(&mesh, &LaplacianOptions::default())?;
-        let options = EigenOptions { k: k + 1, ..EigenOptions::default() };
+        let options = EigenOptions::new().k(k + 1);
         let pairs = eigs(problem.stiffness.view(), &problem.mass, &options)?;
         let eigenbasis = Eigenbasis::new(pairs.values, pairs.vectors, problem.mass)?;
         Ok(Self { name: name.into(), mesh, stiffness: problem.stiffness, eigenbasis })

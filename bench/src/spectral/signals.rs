@@ -1,7 +1,6 @@
 //! The functions that are approximated and transferred (thesis, section 1.4.3).
 
 use catamaran::Par;
-use catamaran::base::Progress;
 use catamaran::faer::Mat;
 use catamaran::spectral::descriptors::{
     RingOptions, ShotOptions, geodesic_rings, heat_kernel_signature, heat_times, shot,
@@ -43,7 +42,7 @@ pub fn signals(shape: &Shape, k: usize) -> Result<[Mat<f64>; NAMES.len()]> {
     let waves = wave_scales(many.values(), scales)?;
     let waves = wave_kernel_signature(many.values(), many.functions(), &waves, par)?;
     let heat = channels(heat.as_ref(), used)?;
-    let ring_options = RingOptions { radius: RADIUS, rings: 4, par, progress: Progress::none() };
+    let ring_options = RingOptions::new(RADIUS, 4).par(par);
     let some_heat = channels(heat.as_ref(), 3)?;
     Ok([
         heat_kernels(few.values(), few.functions(), TIME, COUNT, 1)?,
@@ -53,7 +52,7 @@ pub fn signals(shape: &Shape, k: usize) -> Result<[Mat<f64>; NAMES.len()]> {
         random(shape.mesh.vertices().len(), COUNT, 2),
         coordinates(&shape.mesh),
         geodesic_cells(&shape.mesh, SHARE, COUNT, 3)?,
-        shot(&shape.mesh, &ShotOptions { radius: RADIUS, par, progress: Progress::none() })?,
+        shot(&shape.mesh, &ShotOptions::new(RADIUS).par(par))?,
         geodesic_rings(&shape.mesh, some_heat.as_ref(), &ring_options)?,
     ])
 }

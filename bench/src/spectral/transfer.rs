@@ -175,7 +175,7 @@ fn errors(pair: &Pair, order: usize, [k, l]: [usize; 2]) -> Result<Vec<Vec<f64>>
         points_from_map(c.as_ref(), source.basis(), target.basis(), par, Progress::none())?;
 
     let bases = |orthogonalization| -> Result<[ProductBasis; 2]> {
-        let options = ProductBasisOptions { orthogonalization, ..ProductBasisOptions::default() };
+        let options = ProductBasisOptions::new().orthogonalization(orthogonalization);
         Ok([
             ProductBasis::new(&source, order, &options)?,
             ProductBasis::new(&target, order, &options)?,

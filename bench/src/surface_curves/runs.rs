@@ -39,7 +39,7 @@ impl Method {
     fn options(self) -> CurveOptions<'static> {
         match self {
             Self::Faithful(candidates) => {
-                CurveOptions { mode: Mode::Faithful, candidates, ..CurveOptions::default() }
+                CurveOptions::new().mode(Mode::Faithful).candidates(candidates)
             }
             Self::Robust => CurveOptions::default(),
         }

@@ -118,11 +118,11 @@ pub fn evaporation() -> Result<Part> {
     let rates = [0.2, 0.4, 0.6, 0.8, 1.0];
     // Turns from within the range of table 3.1. At its lower end, the default, strands go on merging for longer than this: the coverage
     // at 95 s is 4 to 10 % less than at 65 s.
-    let base = Options { agents: 60_000, size: 512, turn_speed: 3000.0, ..Options::default() };
+    let base = Options::new().agents(60_000).size(512).turn_speed(3000.0);
     let steps = (100.0 / base.time_step) as u32;
     let (mut rows, mut coverages, mut presences) = (Vec::new(), Vec::new(), Vec::new());
     for rate in rates {
-        let options = Options { evaporation_rate: rate, ..base };
+        let options = base.evaporation_rate(rate);
         let mut all = Simulation::new(torus(48, 24)?, &options, &Mask::default())?;
         let (mut coverage, mut presence) = (Vec::new(), Vec::new());
         for _ in 0..steps / 10 {
@@ -192,16 +192,14 @@ fn walls() -> Mask {
 /// Those of the simulation.
 pub fn maze() -> Result<Part> {
     let mask = walls();
-    let options = Options {
-        agents: 10_000,
-        species: 3,
-        size: MAZE,
-        movement_speed: 15.0,
-        vision_distance: 3.0,
+    let options = Options::new()
+        .agents(10_000)
+        .species(3)
+        .size(MAZE)
+        .movement_speed(15.0)
+        .vision_distance(3.0)
         // Trails that last keep agents where they are.
-        evaporation_rate: 3.0,
-        ..Options::default()
-    };
+        .evaporation_rate(3.0);
     let mut all = Simulation::new(sphere(64, 48)?, &options, &mask)?;
     let (mut rows, mut points) = (Vec::new(), Vec::new());
     for tens in 1..=12 {

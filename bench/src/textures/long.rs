@@ -39,13 +39,11 @@ pub fn long_walks() -> Result<Part> {
             ("4 sub-steps", TangentStep::Project { substeps: 4 }),
         ] {
             // Ten times as fast as usual: a triangle is crossed every few steps.
-            let options = Options {
-                agents: AGENTS,
-                size: SIZE,
-                tangent_step,
-                movement_speed: 15.0,
-                ..Options::default()
-            };
+            let options = Options::new()
+                .agents(AGENTS)
+                .size(SIZE)
+                .tangent_step(tangent_step)
+                .movement_speed(15.0);
             let mut all = Simulation::new(surface.clone(), &options, &Mask::default())?;
             for _ in 0..STEPS / LOOK {
                 all.run(LOOK, Par::all(), Progress::none())?;
@@ -72,7 +70,7 @@ pub fn many_points() -> Result<Part> {
     let mut rows = Vec::new();
     for power in 2..=16 {
         let polynomial = Polynomial::Power(power);
-        let newton = Newton::new(&NewtonOptions { polynomial, ..NewtonOptions::default() })?;
+        let newton = Newton::new(&NewtonOptions::new().polynomial(polynomial))?;
         let grid = Points::Grid(Grid::cube(POINTS, 3.0));
         let found = newton.evaluate(grid, Par::all(), Progress::none())?;
         let wrong = |(root, t): &(&u16, &f32)| !t.is_finite() || u32::from(**root) >= power * power;

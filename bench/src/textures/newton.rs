@@ -60,7 +60,7 @@ pub fn newton_figures() -> Result<Vec<Part>> {
 
 fn newton(n: u32, w: f64) -> Result<Newton> {
     let polynomial = Polynomial::Power(n);
-    Ok(Newton::new(&NewtonOptions { polynomial, w, ..NewtonOptions::default() })?)
+    Ok(Newton::new(&NewtonOptions::new().polynomial(polynomial).w(w))?)
 }
 
 fn positions(mesh: &TriMesh) -> Vec<[f32; 3]> {

@@ -68,12 +68,10 @@ pub fn times(rounds: usize, largest: usize) -> Result<Part> {
     let (device, par) = (Device::open("")?, Par::all());
     let (mut rows, mut by_agents) = (Vec::new(), [Vec::new(), Vec::new()]);
     for case in cases(largest) {
-        let options = Options {
-            agents: case.millions * 1_000_000,
-            size: case.size,
-            tangent_step: case.tangent_step,
-            ..Options::default()
-        };
+        let options = Options::new()
+            .agents(case.millions * 1_000_000)
+            .size(case.size)
+            .tangent_step(case.tangent_step);
         let mut twin = Simulation::new(torus(96, 48)?, &options, &Mask::default())?;
         let mut kernels = SlimeOnDevice::new(&device, &twin)?;
         let mut found = [Vec::new(), Vec::new()];

@@ -182,7 +182,7 @@ fn rows_of<T: BlasReal>(a: &Matrix) -> Rows<'_, T> {
 fn read(path: &Path, label: &'static str, columns: Option<Range<usize>>) -> Result<Matrix> {
     let bar = Bar::new(label);
     let update = |fraction| bar.update(fraction);
-    named(path, files::read(path, &ReadOptions { columns, progress: (&update).into() }))
+    named(path, files::read(path, &ReadOptions::new().columns(columns).progress(&update)))
 }
 
 /// The file, in errors that know none.

@@ -48,7 +48,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
             let given = samples(&curve, k, Sampling::Even, &mut rng);
             let found = [Mode::Faithful, Mode::Robust].map(|mode| {
                 let start = Instant::now();
-                let options = CurveOptions { mode, ..CurveOptions::default() };
+                let options = CurveOptions::new().mode(mode);
                 let found = solver.reconstruct(&given.vertices, &options);
                 (found, start.elapsed().as_secs_f64())
             });

@@ -45,7 +45,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     let mut outcomes = Vec::new();
     for (name, method) in methods {
         let start = Instant::now();
-        let found = decimate(&mesh, n, &DecimateOptions { method, ..DecimateOptions::default() })?;
+        let found = decimate(&mesh, n, &DecimateOptions::new().method(method))?;
         let seconds = start.elapsed().as_secs_f64();
         let quality = Quality::of(&found.mesh);
         let difference = Difference::between(&mesh, &found.mesh, Par::all())?;

@@ -67,7 +67,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
 
 fn power(n: u32, w: f64) -> Result<Newton> {
     let polynomial = Polynomial::Power(n);
-    Ok(Newton::new(&NewtonOptions { polynomial, w, ..NewtonOptions::default() })?)
+    Ok(Newton::new(&NewtonOptions::new().polynomial(polynomial).w(w))?)
 }
 
 /// Draws the surface; the number of its vertices.

@@ -25,7 +25,7 @@ const CUT: usize = 14;
 pub fn station(site: &Site<'_>) -> Result<Station> {
     let bar = Bar::new("plants");
     let nodes = if site.small { SMALL_NODES } else { NODES };
-    let plant = grow(&GrowthOptions { nodes, seed: 2, ..GrowthOptions::default() })?;
+    let plant = grow(&GrowthOptions::new().nodes(nodes).seed(2))?;
     let weather = Weather {
         hours: 48.0,
         frames: if site.small { 6 } else { 12 },
@@ -89,7 +89,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
 /// A row of the table: a step, and an evaluation at some time.
 fn times(nodes: usize) -> Result<Vec<String>> {
     const STEPS: usize = 10;
-    let plant = grow(&GrowthOptions { nodes, ..GrowthOptions::default() })?;
+    let plant = grow(&GrowthOptions::new().nodes(nodes))?;
     let model = WaterModel::new(&plant, &WaterOptions::default())?;
     let full = model.full();
     let mut bdf = Bdf6::new(&model, &full, 600.0, Start::Radau, Par::all())?;

@@ -22,14 +22,12 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     let (agents, size, steps) = if site.small { (20_000, 512, 60) } else { (200_000, 1024, 300) };
     let mesh = families::knot(2, 3, 120, 16, 0.45)?;
     let surface = Surface::of_faces(&mesh, atlas(&mesh, size)?)?;
-    let options = Options {
-        agents,
-        size,
-        species: 3,
-        vision_distance: 1.5,
-        movement_speed: 2.0,
-        ..Options::default()
-    };
+    let options = Options::new()
+        .agents(agents)
+        .size(size)
+        .species(3)
+        .vision_distance(1.5)
+        .movement_speed(2.0);
     let mut all = Simulation::new(surface, &options, &Mask::default())?;
     let now =
         |s: &Simulation| (f64::from(s.state().step) * options.time_step, s.coverage(Par::all()));

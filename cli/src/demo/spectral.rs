@@ -44,7 +44,7 @@ impl Pose {
     fn new(cells: usize, pose: f64) -> Result<Self> {
         let mesh = families::figure(cells, pose)?.normalized(Normalization::UnitArea)?;
         let problem = laplacian(&mesh, &LaplacianOptions::default())?;
-        let options = EigenOptions { k: ORDER * K + 1, ..EigenOptions::default() };
+        let options = EigenOptions::new().k(ORDER * K + 1);
         let pairs = eigs(problem.stiffness.view(), &problem.mass, &options)?;
         let residual = pairs.residuals.iter().copied().fold(0.0, f64::max);
         let eigenbasis = Eigenbasis::new(pairs.values, pairs.vectors, problem.mass)?;
@@ -53,7 +53,7 @@ impl Pose {
 
     fn products(&self, k: usize, order: usize) -> Result<ProductBasis> {
         let orthogonalization = Orthogonalization::Reorthogonalized;
-        let options = ProductBasisOptions { orthogonalization, ..ProductBasisOptions::default() };
+        let options = ProductBasisOptions::new().orthogonalization(orthogonalization);
         Ok(ProductBasis::new(&self.eigenbasis.truncated(k + 1)?, order, &options)?)
     }
 }

@@ -133,7 +133,7 @@ pub fn run(args: &Args) -> Result<()> {
     let share = |i: usize| i as f64 / frames.len() as f64;
     let (mut time, mut points) = (Duration::ZERO, 0);
     for (i, (job, frame)) in jobs.into_iter().zip(&frames).enumerate() {
-        let newton = Newton::new(&NewtonOptions { w: frame.w, ..options.clone() })?;
+        let newton = Newton::new(&options.clone().w(frame.w))?;
         let progress = Progress::new(&update).part(share(i)..share(i + 1));
         let start = Instant::now();
         let fractal = evaluate(device.as_ref(), &newton, drawing.points(), par, progress)?;
@@ -189,22 +189,21 @@ fn evaluate(
 }
 
 fn options(args: &Args) -> NewtonOptions {
-    NewtonOptions {
-        polynomial: if args.roots.is_empty() {
+    NewtonOptions::new()
+        .polynomial(if args.roots.is_empty() {
             Polynomial::Power(args.power.unwrap_or(3))
         } else {
             Polynomial::Roots(args.roots.clone())
-        },
-        iterations: args.iterations,
-        theta: args.theta,
-        gradient: match args.gradient {
+        })
+        .iterations(args.iterations)
+        .theta(args.theta)
+        .gradient(match args.gradient {
             Which::Thesis => Gradient::Thesis,
             Which::Shader => Gradient::Shader,
-        },
-        scale: args.scale,
-        offset: args.offset,
-        w: args.w,
-    }
+        })
+        .scale(args.scale)
+        .offset(args.offset)
+        .w(args.w)
 }
 
 /// What is computed, and where each result goes.

@@ -78,27 +78,26 @@ fn toml(text: &str) -> Result<Options> {
         (_, Some(_)) => bail!("substeps: only with tangent_step = \"project\""),
         (_, None) => TangentStep::Unfold,
     };
-    let options = Options {
-        agents: config.agents.unwrap_or(default.agents),
-        species: config.species.unwrap_or(default.species),
-        size: config.size.unwrap_or(default.size),
-        seed: config.seed.unwrap_or(default.seed),
-        time_step: config.time_step.unwrap_or(default.time_step),
-        movement_speed: config.movement_speed.unwrap_or(default.movement_speed),
-        turn_speed: config.turn_speed.unwrap_or(default.turn_speed),
-        vision_distance: config.vision_distance.unwrap_or(default.vision_distance),
-        vision_angle: config.vision_angle.unwrap_or(default.vision_angle),
-        evaporation_rate: config.evaporation_rate.unwrap_or(default.evaporation_rate),
-        diffusion_rate: config.diffusion_rate.unwrap_or(default.diffusion_rate),
-        turn_noise: config.turn_noise.unwrap_or(default.turn_noise),
-        tangent_step,
-        blur: match config.blur {
+    let options = Options::new()
+        .agents(config.agents.unwrap_or(default.agents))
+        .species(config.species.unwrap_or(default.species))
+        .size(config.size.unwrap_or(default.size))
+        .seed(config.seed.unwrap_or(default.seed))
+        .time_step(config.time_step.unwrap_or(default.time_step))
+        .movement_speed(config.movement_speed.unwrap_or(default.movement_speed))
+        .turn_speed(config.turn_speed.unwrap_or(default.turn_speed))
+        .vision_distance(config.vision_distance.unwrap_or(default.vision_distance))
+        .vision_angle(config.vision_angle.unwrap_or(default.vision_angle))
+        .evaporation_rate(config.evaporation_rate.unwrap_or(default.evaporation_rate))
+        .diffusion_rate(config.diffusion_rate.unwrap_or(default.diffusion_rate))
+        .turn_noise(config.turn_noise.unwrap_or(default.turn_noise))
+        .tangent_step(tangent_step)
+        .blur(match config.blur {
             Some(Spread::Gaussian) => Blur::Gaussian,
             Some(Spread::SeamAware) => Blur::SeamAware,
             None => default.blur,
-        },
-        length_rescaling: config.length_rescaling.unwrap_or(default.length_rescaling),
-    };
+        })
+        .length_rescaling(config.length_rescaling.unwrap_or(default.length_rescaling));
     options.check()?;
     Ok(options)
 }
@@ -148,23 +147,22 @@ mod tests {
         let text = "agents = 5\nspecies = 3\nsize = 64\nseed = 9\ntime_step = 0.1\nmovement_speed = 1.25\n\
             turn_speed = 900\nvision_distance = 0.5\nvision_angle = 20.5\nevaporation_rate = 0.25\ndiffusion_rate = 3\n\
             turn_noise = 0.5\ntangent_step = \"project\"\nsubsteps = 7\nblur = \"gaussian\"\nlength_rescaling = false\n";
-        let expected = Options {
-            agents: 5,
-            species: 3,
-            size: 64,
-            seed: 9,
-            time_step: 0.1,
-            movement_speed: 1.25,
-            turn_speed: 900.0,
-            vision_distance: 0.5,
-            vision_angle: 20.5,
-            evaporation_rate: 0.25,
-            diffusion_rate: 3.0,
-            turn_noise: 0.5,
-            tangent_step: TangentStep::Project { substeps: 7 },
-            blur: Blur::Gaussian,
-            length_rescaling: false,
-        };
+        let expected = Options::new()
+            .agents(5)
+            .species(3)
+            .size(64)
+            .seed(9)
+            .time_step(0.1)
+            .movement_speed(1.25)
+            .turn_speed(900.0)
+            .vision_distance(0.5)
+            .vision_angle(20.5)
+            .evaporation_rate(0.25)
+            .diffusion_rate(3.0)
+            .turn_noise(0.5)
+            .tangent_step(TangentStep::Project { substeps: 7 })
+            .blur(Blur::Gaussian)
+            .length_rescaling(false);
         assert_eq!(toml(text).unwrap(), expected);
         assert_eq!(toml("").unwrap(), Options::default());
     }

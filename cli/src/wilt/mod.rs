@@ -159,11 +159,9 @@ impl Args {
     fn plant(&self) -> Result<Plant> {
         let plant = match (&self.plant, self.grow) {
             (Some(path), _) => read(path)?,
-            (None, nodes) => grow(&GrowthOptions {
-                nodes: nodes.unwrap_or_default(),
-                seed: self.seed,
-                ..GrowthOptions::default()
-            })?,
+            (None, nodes) => {
+                grow(&GrowthOptions::new().nodes(nodes.unwrap_or_default()).seed(self.seed))?
+            }
         };
         if self.pin.is_empty() {
             return Ok(plant);

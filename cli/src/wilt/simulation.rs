@@ -60,11 +60,9 @@ pub struct Simulation {
 /// Lets a plant wilt.
 pub fn simulate(plant: &Plant, weather: &Weather, progress: Progress<'_>) -> Result<Simulation> {
     let loss = grams_per_hour(weather.loss);
-    let options = WaterOptions {
-        loss,
-        conductivity: Conductivity::Pipe { scale: weather.conductance },
-        ..WaterOptions::default()
-    };
+    let options = WaterOptions::new()
+        .loss(loss)
+        .conductivity(Conductivity::Pipe { scale: weather.conductance });
     let mut model = WaterModel::new(plant, &options)?;
     for &(node, factor) in &weather.damage {
         model.weaken(node, factor)?;
@@ -82,12 +80,8 @@ pub fn simulate(plant: &Plant, weather: &Weather, progress: Progress<'_>) -> Res
         ],
         false => vec![],
     };
-    let options = CurveOptions {
-        cycle,
-        par: weather.par,
-        progress: progress.part(0.0..WATER_SHARE),
-        ..CurveOptions::default()
-    };
+    let options =
+        CurveOptions::new().cycle(cycle).par(weather.par).progress(progress.part(0.0..WATER_SHARE));
     let water = water_curve(&model, &full, &times, &options)?;
 
     let mut rods = Rods::new(plant, &RodOptions::default())?;
@@ -98,7 +92,7 @@ pub fn simulate(plant: &Plant, weather: &Weather, progress: Progress<'_>) -> Res
         rods.set_state(&stiffness, water)?;
         let at = |i: usize| WATER_SHARE + (1.0 - WATER_SHARE) * i as f64 / hours.len() as f64;
         let progress = progress.part(at(i)..at(i + 1));
-        let options = RelaxOptions { progress, ..RelaxOptions::default() };
+        let options = RelaxOptions::new().progress(progress);
         iterations = iterations.max(match rods.relax(&mut pose, &options) {
             Ok(done) => done.iterations,
             // What is pulled straight between pins comes near balance, slowly.

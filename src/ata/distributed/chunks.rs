@@ -112,6 +112,13 @@ pub struct Round {
 }
 
 /// The `ceil(log2 P)` rounds after which each of `ranks` ranks has the whole sum of its own part.
+///
+/// ```
+/// use catamaran::ata::distributed::rounds;
+///
+/// assert_eq!(rounds(4).len(), 3); // each rank meets each other one
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn rounds(ranks: usize) -> Vec<Round> {
     let mut rounds = Vec::new();
     let mut end = ranks;

@@ -11,6 +11,16 @@ const SEARCHED: usize = 40;
 ///
 /// The shortest possible for up to 40 ranks; beyond that a ruler of B. Wichmann (1963), at most
 /// `1.25 sqrt(ranks) + 4` residues.
+///
+/// ```
+/// use catamaran::ata::distributed::difference_cover;
+///
+/// let cover = difference_cover(7);
+/// for difference in 0..7 {
+///     assert!(cover.iter().any(|i| cover.iter().any(|j| (7 + i - j) % 7 == difference)));
+/// }
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn difference_cover(ranks: usize) -> Vec<usize> {
     if ranks <= SEARCHED { shortest(ranks) } else { wichmann(ranks) }
 }

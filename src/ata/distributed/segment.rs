@@ -77,6 +77,13 @@ impl Layout {
 
 /// Entries of a lower triangle of `n` rows, the diagonal included; also where row `n` begins in the packed
 /// triangle.
+///
+/// ```
+/// use catamaran::ata::distributed::packed_len;
+///
+/// assert_eq!(packed_len(4), 10);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn packed_len(n: usize) -> usize {
     // One of the two is even, and halved before they overflow.
     if n.is_multiple_of(2) { n / 2 * (n + 1) } else { n.div_ceil(2) * n }

@@ -193,6 +193,14 @@ impl TreeNode {
 }
 
 /// Parallel levels of AtA-D on `p` processes: equation 8.5, `P / 4` rounded down.
+///
+/// ```
+/// use catamaran::ata::distributed::levels;
+///
+/// assert_eq!(levels(1), 0);
+/// assert!(levels(64) >= levels(8));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn levels(p: usize) -> usize {
     match p {
         0 | 1 => 0,

@@ -30,7 +30,10 @@ impl<T: Real> Source<'_, T> {
     /// as it has all `width` columns.
     pub fn in_place(&self, first_row: usize, geometry: Geometry) -> Side<T> {
         Side {
-            start: self.matrix.as_ptr().wrapping_offset(first_row as isize * self.matrix.row_stride()),
+            start: self
+                .matrix
+                .as_ptr()
+                .wrapping_offset(first_row as isize * self.matrix.row_stride()),
             row_stride: self.matrix.row_stride(),
             panel_stride: geometry.width,
         }

@@ -26,6 +26,16 @@ impl Default for SearchLimits<'_> {
 ///
 /// Made once for many searches: a search undoes only what the one before it touched, so that a local one costs
 /// O(m log m) for m edges looked at, whatever the size of the graph.
+///
+/// ```
+/// use catamaran::mesh::{Dijkstra, Graph, SearchLimits};
+///
+/// let graph = Graph::new(3, &[(0, 1, 1.0), (1, 2, 2.0), (0, 2, 5.0)])?;
+/// let mut search = Dijkstra::new(&graph);
+/// search.search(&[(0, 0.0)], &SearchLimits::default())?;
+/// assert_eq!((search.distance(2), search.path(2)), (3.0, vec![0, 1, 2]));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Dijkstra<'g> {
     graph: &'g Graph,

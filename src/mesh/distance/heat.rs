@@ -3,7 +3,7 @@ use sprs::CsMat;
 
 use super::super::laplacian::{Complex, Element, ROUNDING, assemble, of_mesh};
 use super::super::{LaplacianKind, MassKind, TriMesh};
-use crate::base::{Error, Par, Result};
+use crate::base::{Error, Par, Result, builder};
 use crate::sparse::{Mass, Symbolic};
 
 /// Heat below this has lost digits, and with them the direction it flows in.
@@ -11,6 +11,7 @@ const COLD: f64 = 1e-290;
 
 /// Options of [`HeatMethod`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct HeatOptions {
     /// How long heat flows, in units of the squared mean edge length; positive, default 1. More is smoother.
     pub time: f64,
@@ -27,10 +28,26 @@ impl Default for HeatOptions {
     }
 }
 
+builder! { HeatOptions {
+    time: f64,
+    kind: LaplacianKind,
+    par: Par,
+}}
+
 /// Distances over the surface by the heat method: Crane, Weischedel and Wardetzky, Geodesics in Heat (2013), with
 /// Neumann conditions at the boundary. Accurate to a few edges' share of the distance; not exact.
 ///
 /// Two sparse Cholesky factorisations when it is made, two solves for every set of sources.
+///
+/// ```
+/// use catamaran::mesh::{HeatMethod, HeatOptions, families};
+///
+/// let sphere = families::icosphere(3)?;
+/// let distances = HeatMethod::new(&sphere, &HeatOptions::new())?.distances(&[0])?;
+/// assert!(distances[0].abs() < 1e-6);
+/// assert!((distances.iter().copied().fold(0.0, f64::max) - std::f64::consts::PI).abs() < 0.2);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct HeatMethod {
     faces: Vec<[u32; 3]>,

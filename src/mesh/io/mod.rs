@@ -68,6 +68,17 @@ impl MeshFormat {
 /// - `.stl`: binary and text. Vertices with equal coordinates become one; facets that lose their corners by that are left
 ///   out and counted ([`MeshFile::collapsed_faces`]).
 ///
+/// ```
+/// use catamaran::{io::{Output, Overwrite}, mesh::{families, io}};
+///
+/// let path = std::env::temp_dir().join(format!("catamaran-{}.ply", std::process::id()));
+/// let sphere = families::icosphere(1)?;
+/// io::write(Output::create(&path, Overwrite::Replace)?, &sphere.clone().into())?;
+/// assert_eq!(io::read(&path)?.mesh.faces(), sphere.faces());
+/// # std::fs::remove_file(path).unwrap();
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Io`] with file and line or element; [`Error::Mesh`], with the file, for positions or faces that make no mesh;
 /// [`Error::OutOfMemory`].
@@ -85,6 +96,14 @@ pub fn read_with(path: &Path, progress: Progress<'_>) -> Result<MeshFile> {
 }
 
 /// Reads the mesh in these bytes, not packed, as if they were a file.
+///
+/// ```
+/// use catamaran::mesh::io::{MeshFormat, read_bytes};
+///
+/// let text = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+/// assert_eq!(read_bytes(text, MeshFormat::Obj)?.mesh.faces(), [[0, 1, 2]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As those of [`read()`]; the path is that of the format's usual name.

@@ -33,6 +33,18 @@ pub use options::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
 /// With V vertices and F faces this takes O(V + F) time and memory, and for the kinds other than
 /// [`LaplacianKind::Cotangent`] also O(1) for each flip of an edge.
 ///
+/// ```
+/// use catamaran::mesh::{LaplacianKind, LaplacianOptions, families, laplacian};
+///
+/// let mesh = families::icosphere(2)?;
+/// let found = laplacian(&mesh, &LaplacianOptions::new().kind(LaplacianKind::IntrinsicDelaunay))?;
+/// assert_eq!(found.stiffness.rows(), mesh.vertices().len());
+/// // Constants have no gradient.
+/// let sums = found.stiffness.outer_iterator().map(|row| row.data().iter().sum::<f64>());
+/// assert!(sums.into_iter().all(|sum| sum.abs() < 1e-12));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Mesh`] names a face without area (to within rounding: an angle of a few 1e-16), where the kind is
 /// [`LaplacianKind::Cotangent`] or all vertices of the face coincide; an edge that an intrinsic Delaunay triangulation

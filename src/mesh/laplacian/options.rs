@@ -1,6 +1,6 @@
 //! Which Laplacian is asked for.
 
-use crate::base::Par;
+use crate::base::{Par, builder};
 
 /// Which triangles the functions are linear on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -43,6 +43,7 @@ pub enum Boundary {
 
 /// Options of [`laplacian()`](super::laplacian()).
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct LaplacianOptions {
     /// Triangles; default [`LaplacianKind::Cotangent`].
     pub kind: LaplacianKind,
@@ -64,3 +65,10 @@ impl Default for LaplacianOptions {
         }
     }
 }
+
+builder! { LaplacianOptions {
+    kind: LaplacianKind,
+    mass: MassKind,
+    boundary: Boundary,
+    par: Par,
+}}

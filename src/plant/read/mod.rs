@@ -61,6 +61,14 @@ pub fn read(path: &Path) -> Result<Plant> {
 
 /// Reads the plant in these bytes as if they were a file.
 ///
+/// ```
+/// use catamaran::plant::{PlantFormat, read_bytes};
+///
+/// let swc = b"1 1 0 0 0 0.2 -1\n2 3 0 1 0 0.1 1\n3 3 0 2 0 0.1 2\n";
+/// assert_eq!(read_bytes(swc, PlantFormat::Swc)?.len(), 3);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As those of [`read()`]; the path is that of the format's usual name.
 pub fn read_bytes(bytes: &[u8], format: PlantFormat) -> Result<Plant> {

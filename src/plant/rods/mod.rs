@@ -15,11 +15,12 @@ use self::small::{Matrix, NO_ROTATION, Quaternion, image, rotation_matrix};
 use super::Plant;
 use super::graph::NONE;
 use super::water::{at_least_zero, positive};
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, builder};
 use crate::mesh::vector::{Vector, scale, sub};
 
 /// The constants of rods, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct RodOptions {
     /// Default (0, 0, -9.81), in m / s^2.
     pub gravity: [f64; 3],
@@ -35,6 +36,12 @@ impl Default for RodOptions {
     }
 }
 
+builder! { RodOptions {
+    gravity: [f64; 3],
+    poisson: f64,
+    dry_density: f64,
+}}
+
 /// Where the segments are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pose {
@@ -48,6 +55,19 @@ pub struct Pose {
 
 /// A plant whose segments have weight and joints stiffness. The joint of the root segment holds it to the ground; pinned
 /// segments stay where they are and carry what hangs on them.
+///
+/// ```
+/// use catamaran::plant::{Elasticity, RelaxOptions, RodOptions, Rods, WaterModel, WaterOptions, families};
+///
+/// let plant = families::chain(20, 0.3, 1e-3)?;
+/// let full = WaterModel::new(&plant, &WaterOptions::new())?.full();
+/// let mut rods = Rods::new(&plant, &RodOptions::new())?;
+/// rods.set_state(&Elasticity::default().moduli(&full, &full)?, &full)?;
+/// let mut pose = rods.rest_pose();
+/// let found = rods.relax(&mut pose, &RelaxOptions::new())?;
+/// assert!(found.iterations > 0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Rods {
     /// Every parent before its children.

@@ -10,12 +10,13 @@ use super::small::{
     logarithm, product, rotation_matrix, solve, solve_matrix, times, transposed, turned,
 };
 use super::{Pose, Rods};
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, builder};
 use crate::mesh::vector::{Vector, norm, scale, sub};
 use crate::plant::water::{at_least_zero, positive};
 
 /// Options of [`Motion`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct MotionOptions {
     /// Seconds of a step. Default 1 / 60.
     pub step: f64,
@@ -30,6 +31,12 @@ impl Default for MotionOptions {
         Self { step: 1.0 / 60.0, iterations: 3, damping: 1.0 }
     }
 }
+
+builder! { MotionOptions {
+    step: f64,
+    iterations: usize,
+    damping: f64,
+}}
 
 /// Rods in motion.
 #[derive(Debug, Clone)]

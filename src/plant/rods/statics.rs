@@ -12,12 +12,13 @@ use super::small::{
     transposed, turned,
 };
 use super::{Pose, Rods, joint};
-use crate::base::{Error, Progress, Result};
+use crate::base::{Error, Progress, Result, builder};
 use crate::dense;
 use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub};
 
 /// Options of [`Rods::relax`].
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct RelaxOptions<'a> {
     /// The largest torque out of balance, as a part of the largest torque of a weight, and the largest rotation (in
     /// radians) of a last step that count as converged, between 1e-12 and 1e-2. Default 1e-8.
@@ -33,6 +34,12 @@ impl Default for RelaxOptions<'_> {
         Self { tolerance: 1e-8, max_iterations: 200, progress: Progress::none() }
     }
 }
+
+builder! { RelaxOptions<'a> {
+    tolerance: f64,
+    max_iterations: usize,
+    #[into] progress: Progress<'a>,
+}}
 
 /// What [`Rods::relax`] did.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,14 +4,15 @@ use faer::{Mat, MatRef};
 
 use super::by_rows;
 use super::shot::nearest_two;
-use crate::base::{Error, Par, Progress, Result};
+use crate::base::{Error, Par, Progress, Result, builder};
 use crate::mesh::{Dijkstra, Graph, SearchLimits, TriMesh, vertex_areas};
 
 /// Vertices a thread takes at a time.
 const BLOCK: usize = 128;
 
 /// Options of [`geodesic_rings`]. There is no radius that suits all meshes, hence no default.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct RingOptions<'a> {
     /// Radius of the patch, along edges, in units of length; positive.
     pub radius: f64,
@@ -22,6 +23,20 @@ pub struct RingOptions<'a> {
     /// Told of progress; may cancel.
     pub progress: Progress<'a>,
 }
+
+impl RingOptions<'_> {
+    /// Returns the options with these values, all cores of the affinity mask, and no progress.
+    pub fn new(radius: f64, rings: usize) -> Self {
+        Self { radius, rings, par: Par::all(), progress: Progress::none() }
+    }
+}
+
+builder! { setters only RingOptions<'a> {
+    radius: f64,
+    rings: usize,
+    par: Par,
+    #[into] progress: Progress<'a>,
+}}
 
 /// Means of functions over rings around every vertex: an intrinsic local descriptor of our own, in place of the anisotropic
 /// windowed Fourier transform (Melzi, Rodola, Castellani and Bronstein 2018) that the thesis uses. Like it, it looks

@@ -2,7 +2,7 @@ use faer::{Mat, Side};
 
 use super::by_rows;
 use super::cells::Cells;
-use crate::base::{Error, Par, Progress, Result};
+use crate::base::{Error, Par, Progress, Result, builder};
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{Vector, cross, dot, scale, sub};
 
@@ -19,7 +19,8 @@ const FEWEST: usize = 5;
 const BLOCK: usize = 128;
 
 /// Options of [`shot()`]. There is no radius that suits all meshes, hence no default.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct ShotOptions<'a> {
     /// Radius of the ball that a vertex sees, in units of length; positive.
     pub radius: f64,
@@ -28,6 +29,19 @@ pub struct ShotOptions<'a> {
     /// Told of progress; may cancel.
     pub progress: Progress<'a>,
 }
+
+impl ShotOptions<'_> {
+    /// Returns the options with these values, all cores of the affinity mask, and no progress.
+    pub fn new(radius: f64) -> Self {
+        Self { radius, par: Par::all(), progress: Progress::none() }
+    }
+}
+
+builder! { setters only ShotOptions<'a> {
+    radius: f64,
+    par: Par,
+    #[into] progress: Progress<'a>,
+}}
 
 /// A neighbour: where it is seen from the vertex, how far, and its normal.
 struct Neighbour {
@@ -46,6 +60,15 @@ struct Neighbour {
 ///
 /// The axis points to the side of the vertex normal, where the paper counts points above and below: in a flat
 /// neighbourhood that count is chance. Ties of the other axis go by the weighted sum.
+///
+/// ```
+/// use catamaran::{mesh::families, spectral::descriptors::{SHOT_BINS, ShotOptions, shot}};
+///
+/// let sphere = families::icosphere(2)?;
+/// let found = shot(&sphere, &ShotOptions::new(0.6))?;
+/// assert_eq!((found.nrows(), found.ncols()), (sphere.vertices().len(), SHOT_BINS));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Argument`] for a radius that is not positive and finite; [`Error::Cancelled`].

@@ -17,6 +17,16 @@ const ZERO: f64 = 1e-9;
 /// times (length^2) are at least 0. Its unit is 1 / area. Divide column t by [`heat_trace`] for the scaled signature of
 /// that paper, whose columns all have a weighted sum of 1.
 ///
+/// ```
+/// use catamaran::{Par, faer::Mat, spectral::descriptors::heat_kernel_signature};
+///
+/// // At time 0 a signature is the sum of the squares of the functions.
+/// let vectors = Mat::<f64>::identity(3, 2);
+/// let found = heat_kernel_signature(&[0.0, 1.0], vectors.as_ref(), &[1e-9], Par::Seq)?;
+/// assert!((found[(0, 0)] - 1.0).abs() < 1e-6 && found[(2, 0)].abs() < 1e-6);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Shape`] unless there are as many values as vectors; [`Error::NonFinite`], [`Error::Argument`] for a time
 /// that is negative or not finite.
@@ -33,6 +43,13 @@ pub fn heat_kernel_signature(
 }
 
 /// The heat trace `sum_i exp(-lambda_i t)` of a time (length^2).
+///
+/// ```
+/// use catamaran::spectral::descriptors::heat_trace;
+///
+/// assert_eq!(heat_trace(&[0.0, 0.0], 3.0), 2.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn heat_trace(values: &[f64], time: f64) -> f64 {
     values.iter().map(|lambda| (-lambda * time).exp()).sum()
 }

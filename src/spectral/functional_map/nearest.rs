@@ -24,6 +24,15 @@ const OPEN: usize = 32;
 /// The distances that decide are sums of squared differences from the first coordinate to the last, so the result is
 /// exactly that of a search by the definition, for every `par`. It takes `2 n m d` flops.
 ///
+/// ```
+/// use catamaran::{Par, base::Progress, faer::mat, spectral::functional_map::nearest_rows};
+///
+/// let (queries, candidates) = (mat![[0.9, 0.1]], mat![[0.0, 0.0], [1.0, 0.0]]);
+/// let found = nearest_rows(queries.as_ref(), candidates.as_ref(), Par::Seq, Progress::none())?;
+/// assert_eq!(found, [1]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Shape`] when dimensions differ, [`Error::NonFinite`], [`Error::Argument`] when there are queries but no
 /// candidates, or 2^32 candidates or more; [`Error::OutOfMemory`], [`Error::Cancelled`].

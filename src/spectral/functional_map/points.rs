@@ -77,6 +77,13 @@ pub fn map_from_points(
 
 /// `f o points`: row y of the result is row `points[y]` of `f`.
 ///
+/// ```
+/// use catamaran::{faer::mat, spectral::functional_map::pull_back};
+///
+/// assert_eq!(pull_back(&[1, 0, 1], mat![[2.0], [3.0]].as_ref())?, mat![[3.0], [2.0], [3.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] names the first point that is not a row of `f`; [`Error::OutOfMemory`].
 pub fn pull_back(points: &[u32], f: MatRef<'_, f64>) -> Result<Mat<f64>> {

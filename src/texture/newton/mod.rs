@@ -37,6 +37,18 @@ pub struct Fractal {
 }
 
 /// Newton's method, ready for points.
+///
+/// ```
+/// use catamaran::{Par, base::Progress};
+/// use catamaran::texture::newton::{Grid, Newton, NewtonOptions, Points, Polynomial};
+///
+/// let newton = Newton::new(&NewtonOptions::new().polynomial(Polynomial::Power(3)))?;
+/// let plane = Grid::plane(32, 32, [0.0, 0.0], 2.0);
+/// let fractal = newton.evaluate(Points::Grid(plane), Par::all(), Progress::none())?;
+/// assert_eq!(fractal.roots.len(), 32 * 32);
+/// assert!(fractal.roots.iter().all(|&root| root < 9));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Newton {
     pub(crate) parameters: Parameters,

@@ -1,6 +1,6 @@
 //! What a fractal is of, and the numbers that its loops take from that.
 
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, builder};
 
 /// The polynomial whose roots are looked for.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,6 +40,7 @@ pub enum Gradient {
 
 /// What a fractal is of.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct NewtonOptions {
     /// The polynomial; z^3 - 1 by default.
     pub polynomial: Polynomial,
@@ -70,6 +71,16 @@ impl Default for NewtonOptions {
         }
     }
 }
+
+builder! { NewtonOptions {
+    polynomial: Polynomial,
+    iterations: u32,
+    theta: f64,
+    gradient: Gradient,
+    scale: f64,
+    offset: [f64; 3],
+    w: f64,
+}}
 
 /// What the loops, here and on devices, need to know.
 #[derive(Debug, Clone, PartialEq)]

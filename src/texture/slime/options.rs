@@ -1,4 +1,4 @@
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, builder};
 
 /// How an agent gets on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -28,6 +28,7 @@ pub enum Blur {
 /// of the square root of the area of the surface, angles in degrees, times in seconds of the simulation
 /// (docs/decisions/0020).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Options {
     /// Number of agents, at most 2^32 - 1. Default 1,000,000.
     pub agents: usize,
@@ -82,6 +83,24 @@ impl Default for Options {
         }
     }
 }
+
+builder! { Options {
+    agents: usize,
+    species: usize,
+    size: usize,
+    seed: u32,
+    time_step: f64,
+    movement_speed: f64,
+    turn_speed: f64,
+    vision_distance: f64,
+    vision_angle: f64,
+    evaporation_rate: f64,
+    diffusion_rate: f64,
+    turn_noise: f64,
+    tangent_step: TangentStep,
+    blur: Blur,
+    length_rescaling: bool,
+}}
 
 /// Texels of a side, at most.
 const LARGEST: usize = 16384;

@@ -29,6 +29,19 @@ pub struct Mask {
 
 /// Slime moulds on a surface (thesis, algorithm 3.2), on the CPU. The state is the same, bit for bit, for any number of
 /// threads.
+///
+/// ```
+/// use catamaran::{Par, base::Progress, mesh::families};
+/// use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas};
+///
+/// let sphere = families::icosphere(2)?;
+/// let surface = Surface::of_faces(&sphere, atlas(&sphere, 128)?)?;
+/// let options = Options::new().agents(1000).size(128);
+/// let mut simulation = Simulation::new(surface, &options, &Mask::default())?;
+/// simulation.run(5, Par::all(), Progress::none())?;
+/// assert!(simulation.texture(0).iter().any(|&trail| trail > 0.0));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Simulation {
     surface: Surface,

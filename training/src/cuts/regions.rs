@@ -17,7 +17,7 @@ pub(super) struct Surface<'m> {
 
 impl<'m> Surface<'m> {
     pub fn new(mesh: &'m TriMesh, mirror: &'m [u32], par: Par) -> Result<Self> {
-        let heat = HeatMethod::new(mesh, &HeatOptions { par, ..HeatOptions::default() })?;
+        let heat = HeatMethod::new(mesh, &HeatOptions::new().par(par))?;
         let (areas, neighbours) = (vertex_areas(mesh), mesh.vertex_neighbors());
         Ok(Self { mesh, mirror, areas, neighbours, heat })
     }

@@ -202,7 +202,7 @@ fn compute(options: &DatasetOptions, job: &Job, model: &Model, cuts: &Cuts) -> R
         (mesh, all)
     };
     // Shapes are done in parallel, not the work on one.
-    let settings = LaplacianOptions { par: Par::Seq, ..LaplacianOptions::default() };
+    let settings = LaplacianOptions::new().par(Par::Seq);
     let spectra = PartSpectra::new(&mesh, &settings)?;
     let complete = vec![true; model.mirror().len()];
     let here =
@@ -238,10 +238,10 @@ fn template<'a>(
     par: Par,
 ) -> Result<Template> {
     let mesh = subject.model.template();
-    let settings = LaplacianOptions { par, ..LaplacianOptions::default() };
+    let settings = LaplacianOptions::new().par(par);
     let operator = laplacian(mesh, &settings)?;
     let k = EIGENFUNCTIONS.min(operator.kept.len());
-    let wanted = EigenOptions { k, par, ..EigenOptions::default() };
+    let wanted = EigenOptions::new().k(k).par(par);
     let pairs = eigs(operator.stiffness.view(), &operator.mass, &wanted)?;
     let words = subject.model.mirror().len().div_ceil(WORD);
     let mut masks: BTreeMap<usize, Vec<usize>> =

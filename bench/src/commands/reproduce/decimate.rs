@@ -184,7 +184,7 @@ fn spectra(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> 
 fn eigenvalues(mesh: &TriMesh) -> Result<Vec<f64>> {
     let mesh = mesh.without_unreferenced()?.mesh;
     let problem = laplacian(&mesh, &LaplacianOptions::default())?;
-    let options = EigenOptions { k: EIGENVALUES + 1, ..EigenOptions::default() };
+    let options = EigenOptions::new().k(EIGENVALUES + 1);
     Ok(eigs(problem.stiffness.view(), &problem.mass, &options)?.values[1..].to_vec())
 }
 
@@ -318,7 +318,7 @@ fn resampling(report: &mut Report, inputs: &Inputs) -> Result<()> {
                 &[("seconds", seconds), ("vertices", finer as f64)],
             );
             let quality = |resample: bool| {
-                let options = DecimateOptions { resample, ..DecimateOptions::default() };
+                let options = DecimateOptions::new().resample(resample);
                 decimate(&input.mesh, n, &options)
                     .map(|made| catamaran::decimate::Quality::of(&made.mesh))
             };

@@ -334,7 +334,7 @@ fn times(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -> Resul
     let predictions = (0..samples.part1.len().min(999)).map(predict).collect::<Result<_>>()?;
     let surface = Model::new(Family::Humanoid, 7000)?;
     let mesh = surface.template();
-    let options = LaplacianOptions { par: Par::Seq, ..LaplacianOptions::default() };
+    let options = LaplacianOptions::new().par(Par::Seq);
     let spectra = PartSpectra::new(mesh, &options)?;
     let left = mesh.half_space([1.0, 0.0, 0.0], 0.0);
     let [half, complete] = [left, vec![true; mesh.vertices().len()]].map(|mask| {

@@ -1,0 +1,53 @@
+//! Setters of options.
+
+/// Defines `new` (the defaults) and a setter for each of the fields named, called as the field is. A
+/// field after `#[into]` takes whatever becomes its type; `par` gets `threads` too.
+///
+/// The form `setters only` leaves `new` to the type.
+macro_rules! builder {
+    ($options:ident$(<$generic:lifetime>)? { $($fields:tt)* }) => {
+        impl$(<$generic>)? $options$(<$generic>)? {
+            /// Returns the defaults.
+            pub fn new() -> Self {
+                Self::default()
+            }
+        }
+
+        $crate::base::builder! { setters only $options$(<$generic>)? { $($fields)* } }
+    };
+    (setters only $options:ident$(<$generic:lifetime>)? {
+        $($(#[$into:ident])? $field:ident: $type:ty,)*
+    }) => {
+        impl$(<$generic>)? $options$(<$generic>)? {
+            $($crate::base::builder! { @ $($into)? $field $type })*
+        }
+    };
+    (@ into $field:ident $type:ty) => {
+        #[doc = concat!("Sets [`", stringify!($field), "`](#structfield.", stringify!($field), ").")]
+        pub fn $field(mut self, $field: impl Into<$type>) -> Self {
+            self.$field = $field.into();
+            self
+        }
+    };
+    (@ par $type:ty) => {
+        /// Sets the [threads](#structfield.par).
+        pub fn par(mut self, par: $type) -> Self {
+            self.par = par;
+            self
+        }
+
+        /// Sets the number of threads: [`Par::Threads`](crate::Par::Threads).
+        pub fn threads(self, threads: usize) -> Self {
+            self.par($crate::base::Par::Threads(threads))
+        }
+    };
+    (@ $field:ident $type:ty) => {
+        #[doc = concat!("Sets [`", stringify!($field), "`](#structfield.", stringify!($field), ").")]
+        pub fn $field(mut self, $field: $type) -> Self {
+            self.$field = $field;
+            self
+        }
+    };
+}
+
+pub(crate) use builder;
