@@ -44,7 +44,9 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
     let mut sums = product.sums;
     // What is neither read again nor written twice need not go through memory.
     let direct = match targets {
-        [target] if V::MASKED_STORES && product.last && !product.kept && target.is_plain() => Some(target),
+        [target] if V::MASKED_STORES && product.last && !product.kept && target.is_plain() => {
+            Some(target)
+        }
         _ => None,
     };
     let mut row = product.rows.start;

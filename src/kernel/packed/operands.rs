@@ -30,7 +30,10 @@ impl<T: Real> Source<'_, T> {
     /// columns.
     pub fn in_place(&self, first_row: usize, width: usize) -> Side<T> {
         Side {
-            start: self.matrix.as_ptr().wrapping_offset(first_row as isize * self.matrix.row_stride()),
+            start: self
+                .matrix
+                .as_ptr()
+                .wrapping_offset(first_row as isize * self.matrix.row_stride()),
             row_stride: self.matrix.row_stride(),
             panel_stride: width,
         }

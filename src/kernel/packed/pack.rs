@@ -83,7 +83,8 @@ unsafe fn pack_rows<V: Vectors, const N: usize, const SCALED: bool>(
     unsafe {
         let (columns, first) = (area.cols.len(), area.cols.start);
         let full = columns / V::WIDTH;
-        let scales = sources.map(|s| s.scale.map_or(std::ptr::null(), |d| d[area.cols.clone()].as_ptr()));
+        let scales =
+            sources.map(|s| s.scale.map_or(std::ptr::null(), |d| d[area.cols.clone()].as_ptr()));
         for (k, row) in area.rows.clone().enumerate() {
             let rows = sources.map(|s| s.matrix.ptr_at(row, first));
             let ahead = sources.map(|s| ahead_of(&s, row, first));

@@ -5,9 +5,9 @@ use std::ops::Range;
 
 use super::blocking::Blocking;
 use super::geometry::{Area, Geometry, line_len, piece};
+use super::in_place::InPlace;
 use super::kernel::Kernel;
 use super::operands::Product;
-use super::in_place::InPlace;
 use super::target::{Target, wanted_of};
 use super::tile::{Row, Side};
 use crate::base::{Latch, Real, SharedPtr};

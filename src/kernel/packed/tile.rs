@@ -113,7 +113,9 @@ pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: us
                 2 if COUNT > 2 => {
                     tile.store::<V, ROWS, 2>(tile.multiply::<V, ROWS, 2, false>(all, ahead));
                 }
-                _ => tile.store::<V, ROWS, COUNT>(tile.multiply::<V, ROWS, COUNT, false>(all, ahead)),
+                _ => {
+                    tile.store::<V, ROWS, COUNT>(tile.multiply::<V, ROWS, COUNT, false>(all, ahead))
+                }
             }
             for target in row.targets {
                 write::<V>(sums, target, row.corner, col, V::ROWS, V::WIDTH);

@@ -32,7 +32,8 @@ pub(super) unsafe fn write<V: Vectors>(
     unsafe {
         if let Some(scales) = target.scales() {
             let wanted = target.wanted_of(row..row + height);
-            let wanted = wanted.start.saturating_sub(col)..wanted.end.saturating_sub(col).min(width);
+            let wanted =
+                wanted.start.saturating_sub(col)..wanted.end.saturating_sub(col).min(width);
             let out = unscaled.as_mut_ptr().cast();
             unscale::<V>(sums, &scales.from(row, col), height, wanted, out);
             sums = out;
@@ -208,7 +209,8 @@ unsafe fn unscale<V: Vectors>(
             let (up, down) = (V::max(factors, one), V::min(factors, one));
             for i in 0..height {
                 let factor = V::Scalar::ONE / *scales.rows.at(i as isize);
-                let (against, along) = if factor < V::Scalar::ONE { (up, down) } else { (down, up) };
+                let (against, along) =
+                    if factor < V::Scalar::ONE { (up, down) } else { (down, up) };
                 let sum = V::load(sums.add(i * V::WIDTH + at));
                 let sum = V::mul(V::mul(sum, V::mul(V::splat(factor), against)), along);
                 V::store(out.add(i * V::WIDTH + at), sum);
