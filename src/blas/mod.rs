@@ -14,7 +14,7 @@ mod native;
 mod triangle;
 
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use faer::{MatMut, MatRef};
 
@@ -112,7 +112,9 @@ impl BlasReal for f64 {
 
 /// The default back end: our own kernels for the best instruction set of this machine.
 pub fn native() -> Arc<dyn Backend> {
-    native_on(Isa::best())
+    // Every call of `ata` with default options asks for it: one allocation for all of them.
+    static NATIVE: LazyLock<Arc<dyn Backend>> = LazyLock::new(|| native_on(Isa::best()));
+    NATIVE.clone()
 }
 
 /// Our own kernels for one instruction set; the portable ones where the machine refuses it.

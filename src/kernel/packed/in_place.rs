@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use super::target::{Target, wanted_of};
 use super::tile::{Side, Tile};
-use super::vectors::Vectors;
+use super::vectors::{Vectors, low_bits};
 use super::write::{write, write_registers};
 use crate::base::Real;
 
@@ -63,7 +63,7 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
             let count = width.div_ceil(V::LANES);
             // SAFETY: the caller's promise; the tile lies inside of the sides.
             unsafe {
-                let tail = V::mask(0..width - (count - 1) * V::LANES);
+                let tail = V::mask(low_bits(width - (count - 1) * V::LANES));
                 let tile = Tile {
                     steps,
                     left: left.start.wrapping_add(row),

@@ -26,16 +26,16 @@ impl<T: Real> Source<'_, T> {
         complete && matrix.col_stride() == 1 && *coefficient == T::ONE && scale.is_none()
     }
 
-    /// The side that tiles read straight from the matrix: rows from `first_row` on, of which it has all,
-    /// as it has all `width` columns.
-    pub fn in_place(&self, first_row: usize, geometry: Geometry) -> Side<T> {
+    /// The side that tiles read straight from the matrix, from `first_row` on, in panels of `width`
+    /// columns.
+    pub fn in_place(&self, first_row: usize, width: usize) -> Side<T> {
         Side {
             start: self
                 .matrix
                 .as_ptr()
                 .wrapping_offset(first_row as isize * self.matrix.row_stride()),
             row_stride: self.matrix.row_stride(),
-            panel_stride: geometry.width,
+            panel_stride: width,
         }
     }
 }

@@ -4,7 +4,7 @@
 
 use super::geometry::{Area, piece};
 use super::operands::Source;
-use super::vectors::Vectors;
+use super::vectors::{Vectors, low_bits};
 use crate::base::Real;
 
 /// Writes the panels that hold columns `area.cols` of the sum of `sources`, rows `area.rows`: the
@@ -108,7 +108,7 @@ unsafe fn pack_rows<V: Vectors, const N: usize, const SCALED: bool>(
                     let vector = match columns.saturating_sub(at) {
                         0 => V::splat(V::Scalar::ZERO),
                         rest if rest >= V::LANES => sum(at, None),
-                        rest => sum(at, Some(V::mask(0..rest))),
+                        rest => sum(at, Some(V::mask(low_bits(rest)))),
                     };
                     V::store(to.add(j * V::LANES), vector);
                 }
@@ -162,7 +162,7 @@ unsafe fn pack_many_rows<V: Vectors>(
             for first in (0..columns.next_multiple_of(V::WIDTH)).step_by(V::LANES) {
                 let (panel, within) = (first / V::WIDTH, first % V::WIDTH);
                 let at = area.cols.start + first;
-                let mask = V::mask(0..V::LANES.min(columns.saturating_sub(first)));
+                let mask = V::mask(low_bits(V::LANES.min(columns.saturating_sub(first))));
                 let mut sum = V::splat(V::Scalar::ZERO);
                 for s in sources {
                     V::prefetch(ahead_of(s, row, at));

@@ -139,7 +139,7 @@ impl<T: Real> Phase<'_, '_, T> {
         let Plan { geometry, product, in_place, .. } = self.plan;
         let (rows, starts) = (self.block_rows(b), self.packed_starts(b));
         let side = |i: usize| match product.sources(i) {
-            [source] if *in_place => source.in_place(rows.start, *geometry),
+            [source] if *in_place => source.in_place(rows.start, geometry.width),
             _ => Side {
                 start: self.at(starts[i]),
                 row_stride: geometry.width as isize,

@@ -1,7 +1,5 @@
 //! Plain Rust: arrays for vectors, which compilers put into the registers of any CPU.
 
-use std::ops::Range;
-
 use super::kernel::instantiate;
 use super::vectors::Vectors;
 use crate::base::Real;
@@ -14,7 +12,7 @@ pub(super) struct Array<T, const N: usize>(std::marker::PhantomData<T>);
 impl<T: Real, const N: usize> Vectors for Array<T, N> {
     type Scalar = T;
     type Vector = [T; N];
-    type Mask = (usize, usize);
+    type Mask = u64;
     const LANES: usize = N;
     const ROWS: usize = 4;
     const COUNT: usize = 2;
@@ -35,19 +33,18 @@ impl<T: Real, const N: usize> Vectors for Array<T, N> {
         unsafe { to.cast::<[T; N]>().write(vector) }
     }
     #[inline(always)]
-    unsafe fn mask(lanes: Range<usize>) -> (usize, usize) {
-        (lanes.start, lanes.end)
+    unsafe fn mask(bits: u64) -> u64 {
+        bits
     }
     #[inline(always)]
-    unsafe fn load_masked(from: *const T, (start, end): (usize, usize)) -> [T; N] {
+    unsafe fn load_masked(from: *const T, mask: u64) -> [T; N] {
         // SAFETY: the caller's promise.
-        let lane = |i| if start <= i && i < end { unsafe { *from.add(i) } } else { T::ZERO };
-        std::array::from_fn(lane)
+        std::array::from_fn(|i| if mask >> i & 1 == 1 { unsafe { *from.add(i) } } else { T::ZERO })
     }
     #[inline(always)]
-    unsafe fn store_masked(to: *mut T, (start, end): (usize, usize), vector: [T; N]) {
+    unsafe fn store_masked(to: *mut T, mask: u64, vector: [T; N]) {
         for i in 0..N {
-            if start <= i && i < end {
+            if mask >> i & 1 == 1 {
                 // SAFETY: the caller's promise.
                 unsafe { *to.add(i) = vector[i] };
             }

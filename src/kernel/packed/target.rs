@@ -5,6 +5,7 @@ use std::ops::Range;
 use faer::MatMut;
 
 use super::geometry::{Stream, line_len};
+use super::vectors::low_bits;
 use crate::base::{Disjoint, Real, SharedPtr};
 
 /// Which entries of C are wanted; the others are neither read nor written.
@@ -69,6 +70,13 @@ impl WantedColumns {
         let i = i as isize;
         let end = (self.limit + i).clamp(0, self.end);
         (self.first + i).clamp(0, end) as usize..end as usize
+    }
+
+    /// A bit for each of them.
+    #[inline(always)]
+    pub fn bits_of_row(self, i: usize) -> u64 {
+        let wanted = self.of_row(i);
+        low_bits(wanted.end) - low_bits(wanted.start)
     }
 }
 

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::{MatMut, MatRef};
 
+use super::geometry::Area;
 use super::*;
 use crate::base::{Par, Pin, Progress, Real, Rng, ThreadPool, Tracker};
 
@@ -263,7 +264,7 @@ impl<T: Operand> Case<T> {
     }
 
     /// C after [`run`] in scratch of the very length asked for, full of NaN; and whether it finished.
-    fn run(&self, isa: Isa, lanes: usize, progress: Progress<'_>) -> (Stored<T>, bool) {
+    fn run(&self, isa: Isa, threads: usize, progress: Progress<'_>) -> (Stored<T>, bool) {
         /// Places on either side of the scratch; an odd number, so that nothing is aligned.
         const GUARD: usize = 131;
         let kernel = T::kernel(isa);
@@ -271,13 +272,13 @@ impl<T: Operand> Case<T> {
         let destination = Destination::new(c.view_mut(), self.part);
         let products: Vec<_> = self.specs.iter().map(|s| s.product(&destination)).collect();
         let shapes = products.iter().map(|p| p.shape);
-        let len = scratch_len::<T>(kernel.geometry(), shapes, self.budget, lanes);
+        let len = scratch_len::<T>(kernel.geometry(), shapes, self.budget, threads);
         let mut scratch = vec![T::from_f64(POISON); len + 2 * GUARD];
         let own = &mut scratch[GUARD..GUARD + len];
         own.fill(T::from_f64(f64::NAN));
         let tracker = &Tracker::new(progress, WORK);
         let job = Job { kernel, products: &products, budget: self.budget, progress: tracker };
-        let par = if lanes == 1 { Par::Seq } else { Par::Threads(lanes) };
+        let par = if threads == 1 { Par::Seq } else { Par::Threads(threads) };
         // SAFETY: `c` is ours.
         unsafe { run(&job, par, own) };
         let guards = scratch[..GUARD].iter().chain(&scratch[GUARD + len..]);
@@ -286,11 +287,11 @@ impl<T: Operand> Case<T> {
     }
 
     /// Every isa gives the integers of the definition, and leaves all else as it was.
-    fn check(&self, lanes: &[usize]) {
+    fn check(&self, threads: &[usize]) {
         let expected = self.expected()[0].bits();
         for isa in isas() {
-            for &lanes in lanes {
-                let (c, finished) = self.run(isa, lanes, Progress::none());
+            for &threads in threads {
+                let (c, finished) = self.run(isa, threads, Progress::none());
                 assert!(finished);
                 if c.bits() == expected {
                     continue;
@@ -300,7 +301,7 @@ impl<T: Operand> Case<T> {
                 let outputs: Vec<_> = self.specs.iter().map(|s| &s.outputs).collect();
                 let wrong = c.bits().iter().zip(&expected).filter(|(x, y)| x != y).count();
                 panic!(
-                    "{} {}, {lanes} lanes, budget {budget}, {part:?}: {wrong} entries wrong\n\
+                    "{} {}, {threads} threads, budget {budget}, {part:?}: {wrong} entries wrong\n\
                      shapes {shapes:?}\noutputs {outputs:?}",
                     isa.name(),
                     T::NAME
@@ -399,7 +400,7 @@ fn square(depth: usize, side: usize) -> Shape {
     Shape { depth, rows: side, cols: side, same: true }
 }
 
-/// Runs a test in both precisions, with threads enough for its lanes.
+/// Runs a test in both precisions, with threads enough for its workers.
 macro_rules! in_both_precisions {
     ($test:ident) => {{
         let team = ThreadPool::new(3, Pin::No).expect("threads");
@@ -604,28 +605,28 @@ fn errors_of_reals_stay_within_the_bound_of_dot_products() {
     in_both_precisions!(check_reals);
 }
 
-fn check_lanes<T: Operand>(rng: &mut Rng) {
+fn check_threads<T: Operand>(rng: &mut Rng) {
     for budget in [1, 40_000, PLENTY] {
         let case = reals::<T>(500, 151, budget, rng);
         for isa in isas() {
-            let bits = |lanes| case.run(isa, lanes, Progress::none()).0.memory_bits();
+            let bits = |threads| case.run(isa, threads, Progress::none()).0.memory_bits();
             let alone = bits(1);
-            for lanes in [2, 3] {
-                assert!(bits(lanes) == alone, "{}, {lanes} lanes", isa.name());
+            for threads in [2, 3] {
+                assert!(bits(threads) == alone, "{}, {threads} threads", isa.name());
             }
         }
     }
 }
 
 #[test]
-fn results_do_not_depend_on_the_number_of_lanes() {
-    in_both_precisions!(check_lanes);
+fn results_do_not_depend_on_the_number_of_threads() {
+    in_both_precisions!(check_threads);
 }
 
 fn check_cancelling<T: Operand>(rng: &mut Rng) {
     let case = reals::<T>(300, 150, 1, rng);
     for isa in isas() {
-        for lanes in [1, 3] {
+        for threads in [1, 3] {
             for allowed in [0, 1, 4] {
                 let calls = AtomicUsize::new(0);
                 let progress = |done: f64| {
@@ -635,10 +636,10 @@ fn check_cancelling<T: Operand>(rng: &mut Rng) {
                         false => ControlFlow::Break(()),
                     }
                 };
-                let (_, finished) = case.run(isa, lanes, (&progress).into());
-                assert!(!finished, "{}, {lanes} lanes, {allowed} calls", isa.name());
-                // Each lane may be amid one piece.
-                assert!(calls.into_inner() <= allowed + lanes);
+                let (_, finished) = case.run(isa, threads, (&progress).into());
+                assert!(!finished, "{}, {threads} threads, {allowed} calls", isa.name());
+                // Each thread may be amid one piece.
+                assert!(calls.into_inner() <= allowed + threads);
             }
         }
     }
@@ -652,18 +653,18 @@ fn a_cancelled_run_says_so_and_returns() {
 #[test]
 fn a_panic_in_progress_reaches_the_caller() {
     let case = reals::<f64>(300, 150, 1, &mut Rng::new(3));
-    for lanes in [1, 3] {
-        let run = || case.run(Isa::best(), lanes, Progress::new(&|_| panic!("told so")));
+    for threads in [1, 3] {
+        let run = || case.run(Isa::best(), threads, Progress::new(&|_| panic!("told so")));
         assert!(std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).is_err());
     }
 }
 
 #[test]
-fn more_lanes_than_threads_finish() {
+fn more_workers_than_threads_finish() {
     let mut rng = Rng::new(4);
     let specs = vec![spec::<f64>(general(50, 200, 200), (1, 1), (1, 1), &mut rng)];
     let case = case(specs, PLENTY, &mut rng);
-    // A pool that is too small, and one whose threads are busy with each other's lanes.
+    // A pool that is too small, and one whose threads are busy with each other's workers.
     ThreadPool::new(1, Pin::No).expect("a thread").run(|| case.check(&[3, 17]));
     ThreadPool::new(2, Pin::No).expect("threads").run(|| {
         rayon::join(
@@ -726,4 +727,165 @@ fn check_blocking<T: Operand>(rng: &mut Rng) {
 #[test]
 fn blocking_covers_the_depth_within_the_budget() {
     in_both_precisions!(check_blocking);
+}
+
+fn check_whole_panels<T: Operand>(rng: &mut Rng) {
+    const DEPTH: usize = 3;
+    for isa in isas() {
+        let kernel = T::kernel(isa);
+        let width = kernel.geometry().width;
+        for columns in 1..2 * width + 2 {
+            for count in [1, 2, 5] {
+                let layout = pick(rng, &LAYOUTS[..3]);
+                let matrices: Vec<_> =
+                    (0..count).map(|_| Stored::integers(layout, DEPTH, columns, rng)).collect();
+                let sources: Vec<_> = matrices.iter().map(|m| source(T::ONE, m.view())).collect();
+                let panel_stride = DEPTH * width;
+                let mut panels =
+                    vec![T::from_f64(f64::NAN); columns.div_ceil(width) * panel_stride];
+                let area = Area { rows: 0..DEPTH, cols: 0..columns };
+                // SAFETY: there is room for all panels.
+                unsafe { kernel.pack(&sources, &area, panels.as_mut_ptr(), panel_stride) };
+                for (at, &x) in panels.iter().enumerate() {
+                    let (row, column) =
+                        (at % panel_stride / width, at / panel_stride * width + at % width);
+                    let sum = |m: &Stored<T>| m.view()[(row, column)].to_f64();
+                    let inside = column < columns;
+                    let expected: f64 = if inside { matrices.iter().map(sum).sum() } else { 0.0 };
+                    assert!(
+                        x.to_f64() == expected,
+                        "{} {}, {columns} columns of {count} sources, ({row}, {column}): {x}",
+                        isa.name(),
+                        T::NAME
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn panels_are_written_to_their_end() {
+    in_both_precisions!(check_whole_panels);
+}
+
+fn check_small<T: Operand>(rng: &mut Rng) {
+    const EXTENTS: [usize; 11] = [0, 1, 2, 3, 6, 9, 16, 17, 31, 50, 66];
+    for depth in [0, 1, 2, 7, 33, 321, 700] {
+        for rows in EXTENTS {
+            for cols in EXTENTS {
+                let same = rows == cols && below(rng, 2) == 0;
+                let shape = Shape { depth, rows, cols, same };
+                if !is_small(shape) {
+                    continue;
+                }
+                let mut spec = spec(shape, (1, usize::from(!same)), (1, 1), rng);
+                spec.transposed = false;
+                for (coefficient, matrix) in spec.left.iter_mut().chain(&mut spec.right) {
+                    *coefficient = 1.0;
+                    if below(rng, 2) == 0 {
+                        *matrix = Stored::integers(Layout::Rows, matrix.rows, matrix.cols, rng);
+                    }
+                }
+                let case = case::<T>(vec![spec], PLENTY, rng);
+                let expected = case.expected()[0].bits();
+                for isa in isas() {
+                    let mut c = case.c.clone();
+                    let destination = Destination::new(c.view_mut(), case.part);
+                    let Product { left, right, targets, .. } = case.specs[0].product(&destination);
+                    let right = if same { left[0] } else { right[0] };
+                    // SAFETY: `c` is ours.
+                    unsafe { run_small(T::kernel(isa), left[0], right, targets[0], shape) };
+                    assert!(c.bits() == expected, "{} {}: {shape:?}", isa.name(), T::NAME);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn small_products_are_exact() {
+    in_both_precisions!(check_small);
+}
+
+/// `x 2^exponent`, infinite or zero where that is out of range.
+fn scaled(x: f64, exponent: i32) -> f64 {
+    let half = exponent / 2;
+    x * f64::from(half).exp2() * f64::from(exponent - half).exp2()
+}
+
+fn check_scales<T: Operand>(rng: &mut Rng) {
+    // All quotients are normal numbers, or far outside of the range.
+    let exponents: &[i32] = match size_of::<T>() {
+        8 => &[-1000, -990, -500, 0, 3, 500, 990, 1000],
+        _ => &[-120, -100, -60, 0, 3, 60, 100, 115],
+    };
+    const DEPTH: usize = 37;
+    for side in [1, 7, 24, 49, 101] {
+        for sources in [1, 2, 5] {
+            for (layout, part) in [(Layout::Rows, Part::Lower), (Layout::Rows, Part::Upper)]
+                .into_iter()
+                .chain([(Layout::Columns, Part::Lower), (Layout::Spread, Part::All)])
+            {
+                let powers: Vec<_> = (0..side).map(|_| pick(rng, exponents)).collect();
+                let scales: Vec<_> =
+                    powers.iter().map(|&e| T::from_f64(f64::from(-e).exp2())).collect();
+                let terms: Vec<(f64, Stored<T>)> = (0..sources)
+                    .map(|_| {
+                        let entry = |_: usize, j: usize| integer(rng) * f64::from(powers[j]).exp2();
+                        (1.0, Stored::new(Layout::Rows, DEPTH, side, f64::NAN, entry))
+                    })
+                    .collect();
+                let integer_at = |k: usize, j: usize| -> f64 {
+                    let sum = |m: &Stored<T>| m.view()[(k, j)].to_f64() * scales[j].to_f64();
+                    terms.iter().map(|(_, m)| sum(m)).sum()
+                };
+                let wants = |i: usize, j: usize| match part {
+                    Part::All => true,
+                    Part::Lower => i >= j,
+                    Part::Upper => i <= j,
+                };
+                let expected = Stored::<T>::new(layout, side, side, POISON, |i, j| {
+                    let dot = (0..DEPTH).map(|k| integer_at(k, i) * integer_at(k, j)).sum();
+                    if wants(i, j) { scaled(dot, powers[i] + powers[j]) } else { POISON }
+                });
+                for isa in isas() {
+                    let mut c = Stored::new(layout, side, side, POISON, |i, j| {
+                        if wants(i, j) { f64::NAN } else { POISON }
+                    });
+                    let destination =
+                        Destination::new(c.view_mut(), part).unscaling(&scales, &scales);
+                    let left = terms.iter().map(|(coefficient, m)| Source {
+                        coefficient: T::from_f64(*coefficient),
+                        matrix: m.view(),
+                        scale: Some(&scales),
+                    });
+                    let products = [Product {
+                        left: left.collect(),
+                        right: vec![],
+                        targets: vec![destination.block(0..side, 0..side, T::ONE, T::ZERO)],
+                        shape: square(DEPTH, side),
+                    }];
+                    let kernel = T::kernel(isa);
+                    let shapes = products.iter().map(|p| p.shape);
+                    let len = scratch_len::<T>(kernel.geometry(), shapes, PLENTY, 1);
+                    let progress = &Tracker::new(Progress::none(), WORK);
+                    let job = Job { kernel, products: &products, budget: PLENTY, progress };
+                    // SAFETY: `c` is ours.
+                    unsafe { run(&job, Par::Seq, &mut vec![T::from_f64(f64::NAN); len]) };
+                    assert!(
+                        c.bits() == expected.bits(),
+                        "{} {}, side {side}, {sources} sources, {layout:?}, {part:?}",
+                        isa.name(),
+                        T::NAME
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn scales_over_the_whole_range_of_exponents_are_exact() {
+    in_both_precisions!(check_scales);
 }

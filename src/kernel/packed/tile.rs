@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use super::geometry::{Stream, line_len};
 use super::target::Target;
-use super::vectors::Vectors;
+use super::vectors::{Vectors, low_bits};
 use super::write::write;
 use crate::base::Real;
 
@@ -107,7 +107,7 @@ pub(super) unsafe fn multiply_row<V: Vectors, const ROWS: usize, const COUNT: us
                     Stream { start, stride: line as isize, count: row.next_lines, lines: 1 }
                 }
             };
-            let (ahead, all) = (&[then, left], V::mask(0..V::LANES));
+            let (ahead, all) = (&[then, left], V::mask(low_bits(V::LANES)));
             match count {
                 1 => tile.store::<V, ROWS, 1>(tile.multiply::<V, ROWS, 1, false>(all, ahead)),
                 2 if COUNT > 2 => {

@@ -1,7 +1,5 @@
 //! What an instruction set has to offer: all that the algorithm is written in.
 
-use std::ops::Range;
-
 use crate::base::Real;
 
 /// Vectors of one instruction set, and the tiles that suit its registers.
@@ -30,11 +28,11 @@ pub(super) trait Vectors {
     /// # Safety
     /// `to` points to room for [`Vectors::LANES`] scalars.
     unsafe fn store(to: *mut Self::Scalar, vector: Self::Vector);
-    /// The mask of these lanes, which end at [`Vectors::LANES`] at most.
+    /// The mask of the lanes whose bits are set; bits beyond the lanes do not matter.
     ///
     /// # Safety
     /// As above.
-    unsafe fn mask(lanes: Range<usize>) -> Self::Mask;
+    unsafe fn mask(bits: u64) -> Self::Mask;
     /// Loads the lanes of the mask; the others are zero.
     ///
     /// # Safety
@@ -69,4 +67,10 @@ pub(super) trait Vectors {
     fn prefetch(_address: *const Self::Scalar) {}
     /// The same, for the second-level cache.
     fn prefetch_far(_address: *const Self::Scalar) {}
+}
+
+/// The lowest `count` bits, at most 63.
+#[inline(always)]
+pub(super) fn low_bits(count: usize) -> u64 {
+    (1 << count) - 1
 }

@@ -6,7 +6,7 @@ use std::mem::MaybeUninit;
 use std::ops::Range;
 
 use super::target::{Scales, Target};
-use super::vectors::Vectors;
+use super::vectors::{Vectors, low_bits};
 use crate::base::Real;
 
 /// Scalars of the largest tile: 8 x 48, f32 with AVX-512.
@@ -104,8 +104,7 @@ unsafe fn write_wanted<V: Vectors>(
                     let sum = if reads { V::add(V::mul(beta, V::load(to)), sum) } else { sum };
                     V::store(to, sum);
                 } else {
-                    let end = V::LANES.min(wanted.end - at);
-                    let mask = V::mask(wanted.start.saturating_sub(at)..end);
+                    let mask = V::mask(columns.bits_of_row(i) >> at);
                     let sum = match reads {
                         true => V::add(V::mul(beta, V::load_masked(to, mask)), sum),
                         false => sum,
@@ -134,24 +133,26 @@ pub(super) unsafe fn write_registers<V: Vectors, const ROWS: usize, const N: usi
     // SAFETY: the caller's promise; the entries lie inside the block.
     unsafe {
         let (c, beta) = (V::splat(target.coefficient), V::splat(target.beta));
-        let reads = target.beta != V::Scalar::ZERO;
         let columns = target.columns_from(row, col, N * V::LANES);
-        let mut start = target.at(row, col);
-        for i in 0..ROWS {
-            let wanted = columns.of_row(i);
-            for j in 0..N {
-                let lane = |column: usize| column.saturating_sub(j * V::LANES).min(V::LANES);
-                let (mask, to) = (
-                    V::mask(lane(wanted.start)..lane(wanted.end)),
-                    start.wrapping_add(j * V::LANES),
-                );
-                let mut sum = V::mul(c, sums[i][j]);
-                if reads {
-                    sum = V::add(V::mul(beta, V::load_masked(to, mask)), sum);
+        let start = target.at(row, col);
+        // A loop for each case, short enough to be unrolled: only then the sums stay in registers.
+        macro_rules! each_vector {
+            ($sum:expr) => {
+                for i in 0..ROWS {
+                    let bits = columns.bits_of_row(i);
+                    let row = start.wrapping_offset(i as isize * target.row_stride);
+                    for j in 0..N {
+                        let mask = V::mask(bits >> (j * V::LANES));
+                        let to = row.wrapping_add(j * V::LANES);
+                        V::store_masked(to, mask, $sum(to, mask, V::mul(c, sums[i][j])));
+                    }
                 }
-                V::store_masked(to, mask, sum);
-            }
-            start = start.wrapping_offset(target.row_stride);
+            };
+        }
+        if target.beta == V::Scalar::ZERO {
+            each_vector!(|_, _, sum| sum);
+        } else {
+            each_vector!(|to, mask, sum| V::add(V::mul(beta, V::load_masked(to, mask)), sum));
         }
     }
 }
@@ -203,7 +204,7 @@ unsafe fn unscale<V: Vectors>(
         let one = V::splat(V::Scalar::ONE);
         let (first, end) = (wanted.start / V::LANES * V::LANES, wanted.end);
         for at in (first..end).step_by(V::LANES) {
-            let mask = V::mask(0..V::LANES.min(end - at));
+            let mask = V::mask(low_bits(V::LANES.min(end - at)));
             let factors = V::div(one, V::load_masked(scales.cols.at(at as isize), mask));
             let (up, down) = (V::max(factors, one), V::min(factors, one));
             for i in 0..height {

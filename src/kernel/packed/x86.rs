@@ -1,7 +1,6 @@
 //! AVX-512 and AVX2 with FMA.
 
 use std::arch::x86_64::*;
-use std::ops::Range;
 
 use super::kernel::instantiate;
 use super::vectors::Vectors;
@@ -41,9 +40,9 @@ macro_rules! vectors {
                 unsafe { $store(to, vector) }
             }
             #[inline(always)]
-            unsafe fn mask(lanes: Range<usize>) -> $m {
+            unsafe fn mask(bits: u64) -> $m {
                 // SAFETY: the caller's promise.
-                unsafe { $mask(lanes.start, lanes.end) }
+                unsafe { $mask(bits) }
             }
             #[inline(always)]
             unsafe fn load_masked(from: *const $t, mask: $m) -> $v {
@@ -99,41 +98,33 @@ macro_rules! vectors {
     };
 }
 
-/// The bits `start..end`, which is at most 31.
 #[inline(always)]
-fn bits(start: usize, end: usize) -> u32 {
-    (1 << end) - (1 << start)
+unsafe fn mask_8_bits(bits: u64) -> __mmask8 {
+    bits as __mmask8
 }
 
 #[inline(always)]
-unsafe fn mask_8_bits(start: usize, end: usize) -> __mmask8 {
-    bits(start, end) as __mmask8
+unsafe fn mask_16_bits(bits: u64) -> __mmask16 {
+    bits as __mmask16
 }
 
+/// Ones in the 64-bit lanes whose bits are set.
 #[inline(always)]
-unsafe fn mask_16_bits(start: usize, end: usize) -> __mmask16 {
-    bits(start, end) as __mmask16
-}
-
-/// Ones in the 64-bit lanes `start..end`.
-#[inline(always)]
-unsafe fn mask_4_lanes(start: usize, end: usize) -> __m256i {
+unsafe fn mask_4_lanes(bits: u64) -> __m256i {
     // SAFETY: the caller has AVX2.
     unsafe {
-        let lanes = _mm256_set_epi64x(3, 2, 1, 0);
-        let from_start = _mm256_cmpgt_epi64(lanes, _mm256_set1_epi64x(start as i64 - 1));
-        _mm256_and_si256(from_start, _mm256_cmpgt_epi64(_mm256_set1_epi64x(end as i64), lanes))
+        let own = _mm256_set_epi64x(8, 4, 2, 1);
+        _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(bits as i64), own), own)
     }
 }
 
-/// Ones in the 32-bit lanes `start..end`.
+/// Ones in the 32-bit lanes whose bits are set.
 #[inline(always)]
-unsafe fn mask_8_lanes(start: usize, end: usize) -> __m256i {
+unsafe fn mask_8_lanes(bits: u64) -> __m256i {
     // SAFETY: the caller has AVX2.
     unsafe {
-        let lanes = _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0);
-        let from_start = _mm256_cmpgt_epi32(lanes, _mm256_set1_epi32(start as i32 - 1));
-        _mm256_and_si256(from_start, _mm256_cmpgt_epi32(_mm256_set1_epi32(end as i32), lanes))
+        let own = _mm256_set_epi32(128, 64, 32, 16, 8, 4, 2, 1);
+        _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(bits as i32), own), own)
     }
 }
 
