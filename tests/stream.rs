@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use catamaran::ata::{
-    Accumulator, DenseRows, RowBlocks, StreamPlan, block_rows, scalar_of, stream,
+    Accumulator, Center, DenseRows, RowBlocks, RowBounds, RowOptions, StreamPlan, ata_rows,
+    block_rows, scalar_of, stream,
 };
 use catamaran::base::Rng;
 use catamaran::blas::BlasReal;
@@ -36,6 +37,20 @@ fn accumulated<T: BlasReal>(
     let mut accumulator = Accumulator::new(a.ncols(), centered).unwrap();
     add(&mut accumulator, a, weights, block_rows).unwrap();
     accumulator
+}
+
+/// The exact sums of all rows of `a`.
+fn exactly<T: BlasReal>(
+    a: MatRef<'_, T>,
+    weights: Option<&[T]>,
+    centered: bool,
+    block_rows: usize,
+) -> Accumulator<T> {
+    let options = AtaOptions::new().reproducible(true).threads(2);
+    let mut sum = Accumulator::new(a.ncols(), centered).unwrap();
+    stream(&mut DenseRows(a), weights, block_rows, &mut sum, &options, &mut |_| Ok(())).unwrap();
+    assert!(sum.is_exact());
+    sum
 }
 
 fn bytes<T: BlasReal>(accumulator: &Accumulator<T>) -> Vec<u8> {
@@ -325,8 +340,12 @@ fn accumulators_that_do_not_fit_are_not_merged() {
 
 fn file_survives<T: BlasReal>() {
     let a = gaussian::<T>(70, 6, 14);
-    for centered in [false, true] {
-        let mut sum = accumulated(a.as_ref(), None, centered, 32);
+    let weights: Vec<T> = (0..70).map(|i| T::from_f64(f64::from(i) - 20.0)).collect();
+    for (exact, centered) in [(false, false), (false, true), (true, false), (true, true)] {
+        let mut sum = match exact {
+            false => accumulated(a.as_ref(), None, centered, 32),
+            true => exactly(a.as_ref(), Some(&weights), centered, 32),
+        };
         sum.set_labels(vec![("name".into(), "value ü".into()), ("empty".into(), String::new())]);
         let whole = bytes(&sum);
         assert_eq!(scalar_of(&mut &whole[..]).unwrap(), T::NAME);
@@ -347,8 +366,8 @@ fn file_survives<T: BlasReal>() {
         }
         assert!(refused(&[&whole[..], b"x"].concat()).contains("after its end"));
         let mut later = whole.clone();
-        later[8] = 2;
-        assert!(refused(&later).contains("version 2, where 1 is known"));
+        later[8] = 1;
+        assert!(refused(&later).contains("version 1, where 2 is known"));
         assert!(refused(b"something else").contains("not an accumulator"));
     }
 }
@@ -360,6 +379,134 @@ fn damaged_files_of_accumulators_are_refused() {
     let narrow = bytes(&Accumulator::<f32>::new(2, false).unwrap());
     let error = Accumulator::<f64>::read(&mut &narrow[..]).unwrap_err().to_string();
     assert_eq!(error, "an accumulator of f32, not of f64");
+}
+
+#[test]
+fn a_short_file_of_a_huge_accumulator_is_an_error_and_not_an_abort() {
+    for columns in [1_u64 << 40, 1 << 61, u64::MAX] {
+        for flags in [0, 1, 2, 4, 7, 31] {
+            let mut file = b"CATAACC\0\x02\0\0\0\x08\0\0\0".to_vec();
+            let numbers = [columns, 0, columns, 5, 5, 5];
+            let mut head: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+            head.extend([flags, 0, 0, 0, 0]);
+            file.extend((head.len() as u32).to_le_bytes());
+            file.extend(head);
+            let mut check = flate2::Crc::new();
+            check.update(&file);
+            file.extend(check.sum().to_le_bytes());
+            file.extend([0; 16]);
+            let error = Accumulator::<f64>::read(&mut &file[..]).map(drop).unwrap_err();
+            let kinds = [std::io::ErrorKind::InvalidData, std::io::ErrorKind::OutOfMemory];
+            assert!(kinds.contains(&error.kind()), "{columns}, {flags}: {error}");
+        }
+    }
+}
+
+#[test]
+fn exact_sums_are_the_same_bits_for_any_blocks_threads_stops_and_strips() {
+    let (m, n) = (341, 23);
+    let noise = gaussian::<f64>(m, n, 31);
+    let a = Mat::from_fn(m, n, |i, j| noise[(i, j)] + 1e6 * j as f64);
+    let weights: Vec<f64> =
+        gaussian::<f64>(m, 1, 32).col(0).iter().map(|w: &f64| w + 3.0).collect();
+    for (w, centered) in [(None, false), (None, true), (Some(&weights[..]), true)] {
+        let expected = both(exactly(a.as_ref(), w, centered, m));
+        for height in [1, 7, 64, 1000] {
+            let found = both(exactly(a.as_ref(), w, centered, height));
+            assert_eq!(bits(found.as_ref()), bits(expected.as_ref()), "blocks of {height}");
+        }
+        // Killed after every block, gone on with in other blocks.
+        let options = AtaOptions::new().reproducible(true);
+        let mut kept = Vec::new();
+        let mut keep = |sum: &Accumulator<f64>| {
+            kept.push(bytes(sum));
+            Ok(())
+        };
+        let mut sum = Accumulator::new(n, centered).unwrap();
+        stream(&mut DenseRows(a.as_ref()), w, 50, &mut sum, &options, &mut keep).unwrap();
+        assert_eq!(kept.len(), 7);
+        for start in kept {
+            let mut sum = Accumulator::read(&mut &start[..]).unwrap();
+            add(&mut sum, a.as_ref(), w, 33).unwrap();
+            assert_eq!(bits(both(sum).as_ref()), bits(expected.as_ref()));
+        }
+        // The same by `ata_rows`.
+        let center = if centered { Center::Mean } else { Center::No };
+        let rows = RowOptions { weights: w, center };
+        let both = AtaOptions::new().reproducible(true).uplo(Uplo::Both);
+        let mut c = Mat::from_fn(n, n, |_, _| f64::NAN);
+        ata_rows(1.0, &mut DenseRows(a.as_ref()), &rows, 0.0, c.as_mut(), &both).unwrap();
+        assert_eq!(bits(c.as_ref()), bits(expected.as_ref()));
+        for strip in [0..10, 10..22, 22..23, 4..4] {
+            let mut sum = Accumulator::of_strip(n, strip.clone(), centered).unwrap();
+            stream(&mut DenseRows(a.as_ref()), w, 99, &mut sum, &options, &mut |_| Ok(())).unwrap();
+            let c = sum.finish(1.0, Uplo::Lower).unwrap();
+            for (i, row) in strip.enumerate() {
+                for j in 0..=row {
+                    assert_eq!(c.as_ref()[(i, j)].to_bits(), expected[(row, j)].to_bits());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_about_a_given_centre_are_exact_in_any_order() {
+    let (m, n) = (200, 6);
+    let a = integers::<f64>(m, n, 33);
+    let reversed = Mat::from_fn(m, n, |i, j| a[(m - 1 - i, j)]);
+    let center: Vec<f64> = (0..n).map(|j| 0.5 * j as f64).collect();
+    let run = |a: MatRef<'_, f64>| {
+        let rows = RowOptions { weights: None, center: Center::Given(&center) };
+        let options = AtaOptions::new().reproducible(true).uplo(Uplo::Both);
+        let mut c = Mat::from_fn(n, n, |i, j| (i + j) as f64);
+        ata_rows(2.0, &mut DenseRows(a), &rows, 3.0, c.as_mut(), &options).unwrap();
+        c
+    };
+    let shifted = Mat::from_fn(m, n, |i, j| a[(i, j)] - center[j]);
+    let start = Mat::from_fn(n, n, |i, j| (i + j) as f64);
+    let expected = oracle(2.0, shifted.as_ref(), None, shifted.as_ref(), 3.0, start.as_ref());
+    assert_eq!(run(a.as_ref()), expected);
+    assert_eq!(run(reversed.as_ref()), expected);
+}
+
+#[test]
+fn floating_point_sums_are_not_gone_on_with_exactly_nor_merged_with_exact_ones() {
+    let a = integers::<f64>(10, 3, 34);
+    let options = AtaOptions::new().reproducible(true);
+    let mut sum = Accumulator::new(3, false).unwrap();
+    let mut block = vec![1.0; 3];
+    sum.add_block(1, &mut block, None, &AtaOptions::new()).unwrap();
+    sum = Accumulator::read(&mut &bytes(&sum)[..]).unwrap();
+    let error = sum.merge(exactly(a.as_ref(), None, false, 4)).unwrap_err().to_string();
+    assert!(error.contains("floating-point and exact"), "{error}");
+    let mut source = Source { fails_at: Some(8), ..Source::new(a.as_ref()) };
+    let mut sum = Accumulator::new(3, false).unwrap();
+    let result = stream(&mut source, None, 4, &mut sum, &AtaOptions::new(), &mut |_| Ok(()));
+    assert!(result.is_err() && sum.rows() == 8);
+    let mut rows = DenseRows(a.as_ref());
+    let error = stream(&mut rows, None, 4, &mut sum, &options, &mut |_| Ok(())).unwrap_err();
+    assert!(matches!(error, Error::Argument { what: "accumulator", .. }), "{error}");
+}
+
+#[test]
+fn declared_bounds_spare_the_first_pass() {
+    let a = integers::<f64>(50, 4, 35);
+    let bounds = RowBounds::new(vec![-100.0; 4], vec![100.0; 4], 50).unwrap();
+    let options = AtaOptions::new().reproducible(true).par(Par::Seq);
+    let mut sum = Accumulator::exact(&bounds, false).unwrap();
+    let mut source = Source::new(a.as_ref());
+    let read = source.read.clone();
+    stream(&mut source, None, 10, &mut sum, &options, &mut |_| Ok(())).unwrap();
+    assert_eq!(read.load(Ordering::SeqCst), 5);
+    let zero = Mat::zeros(4, 4);
+    assert_eq!(both(sum), oracle(1.0, a.as_ref(), None, a.as_ref(), 0.0, zero.as_ref()));
+    // A row that breaks them ends the stream.
+    let narrow = RowBounds::new(vec![-0.5; 4], vec![0.5; 4], 50).unwrap();
+    let mut sum = Accumulator::exact(&narrow, false).unwrap();
+    let mut rows = DenseRows(a.as_ref());
+    let error = stream(&mut rows, None, 10, &mut sum, &options, &mut |_| Ok(())).unwrap_err();
+    assert!(matches!(error, Error::Argument { what: "rows", .. }), "{error}");
 }
 
 #[test]

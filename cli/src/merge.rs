@@ -15,7 +15,8 @@ use crate::report::report;
 
 /// Compute C of the rows of several files or machines from the sums that `ata --accumulator` keeps.
 ///
-/// Holds two of them in memory. The order of the files changes last bits only.
+/// Holds two of them in memory. The order of the files changes last bits only, and nothing of exact sums
+/// (`ata --reproducible`).
 #[derive(clap::Args)]
 #[command(group = ArgGroup::new("result").args(["output", "accumulator"]).required(true).multiple(true))]
 pub struct Args {
@@ -76,8 +77,9 @@ fn merge<T: BlasReal>(args: &Args) -> Result<()> {
     let (rows, n) = (sum.rows(), sum.ncols());
     let centring = if sum.is_centered() { "about the mean" } else { "not centred" };
     let files = args.inputs.len();
+    let kind = if sum.is_exact() { ", exact" } else { "" };
     report(format_args!(
-        "sums      {files} files: {rows} rows, {n} columns, {}, {centring}",
+        "sums      {files} files: {rows} rows, {n} columns, {}, {centring}{kind}",
         T::NAME
     ))?;
     let alpha = if args.covariance {

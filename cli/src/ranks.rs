@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use anyhow::Result;
-use catamaran::ata::Accumulator;
+use catamaran::ata::{Accumulator, RowBounds};
 #[cfg(not(feature = "mpi"))]
 pub use catamaran::blas::BlasReal as Scalar;
 #[cfg(feature = "mpi")]
@@ -49,6 +49,11 @@ impl Ranks {
     /// The sums of all processes, on the first one.
     pub fn merge<T: Scalar>(&self, sum: Accumulator<T>) -> Result<Option<Accumulator<T>>> {
         Ok(Some(sum))
+    }
+
+    /// The bounds of the rows of all processes.
+    pub fn join<T: Scalar>(&self, bounds: RowBounds<T>) -> Result<RowBounds<T>> {
+        Ok(bounds)
     }
 
     /// The eigenpairs, in slices that fit into `memory` bytes.
@@ -102,6 +107,14 @@ impl Ranks {
         match &self.mpi {
             Some((world, _)) => Ok(catamaran::mpi::merge_accumulators(world, sum)?),
             None => Ok(Some(sum)),
+        }
+    }
+
+    /// The bounds of the rows of all processes, on each.
+    pub fn join<T: Scalar>(&self, bounds: RowBounds<T>) -> Result<RowBounds<T>> {
+        match &self.mpi {
+            Some((world, _)) => Ok(catamaran::mpi::agree_bounds(world, &bounds)?),
+            None => Ok(bounds),
         }
     }
 

@@ -25,7 +25,11 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
 pub(crate) use combine::mirror_lower;
+#[cfg(feature = "mpi")]
+pub(crate) use exact::Flags;
 pub use exact::Stages;
+#[cfg(feature = "mpi")]
+pub(crate) use gram::exact_sums;
 pub use gram::{
     Accumulator, AfterBlock, Center, DenseRows, RowBlocks, RowBounds, RowOptions, StreamPlan,
     Strip, ata_rows, block_rows, scalar_of, stream,

@@ -208,6 +208,14 @@ impl<'a> AtaOptions<'a> {
         Self { accuracy, ..self }
     }
 
+    /// Returns whether the exact path is asked for by name: by [`AtaOptions::reproducible()`],
+    /// [`SchemeChoice::Exact`] or [`Accuracy::Max`]. Sums of blocks of rows are then exact too.
+    pub fn asks_for_exact(&self) -> bool {
+        self.reproducible
+            || self.scheme == SchemeChoice::Exact
+            || self.accuracy == Accuracy::Max && self.scheme == SchemeChoice::Auto
+    }
+
     /// Asks for the same bytes on every machine, for any number of threads: [`SchemeChoice::Exact`]
     /// everywhere, so that no other scheme may be asked for. It is slower than the classical way on
     /// CPUs without AMX. False by default.

@@ -34,7 +34,7 @@ pub use exchange::gather_rows;
 pub use ortho::{cholesky_qr, gram_schmidt};
 pub use root::{ata_deal, ata_root, ata_tree};
 pub use rows::{ata_rows, sum_symmetric};
-pub use stream::merge_accumulators;
+pub use stream::{agree_bounds, merge_accumulators};
 pub use symmetric::Symmetric;
 pub use verify::{Distributed, verify};
 #[cfg(feature = "capi")]

@@ -7,11 +7,12 @@ use faer::prelude::{IntoConst, ReborrowMut};
 use faer::{MatMut, MatRef};
 
 use super::reduction::Reduction;
+use super::stream::joined_bounds;
 use super::symmetric::Symmetric;
 use super::world::{MpiReal, Operation, World, number_fact, scalar_fact};
 use crate::ata::distributed::{Chunks, Layout};
-use crate::ata::{AtaOptions, Uplo, ata, atb};
-use crate::base::{Error, Result, Workspace, reserved};
+use crate::ata::{AtaOptions, DenseRows, Flags, RowBounds, Uplo, ata, atb, block_rows, exact_sums};
+use crate::base::{Error, Progress, Result, Workspace, reserved};
 
 /// `C = alpha A^T A` where every rank has some `rows` of A, in any order and number, 0 included.
 ///
@@ -19,6 +20,10 @@ use crate::base::{Error, Result, Workspace, reserved};
 /// while it computes the next one. Rows are m_r x n with any strides; beside them and its part of C
 /// a rank holds a few chunks of C, which for large n are less than a part. `options.uplo` does not matter.
 /// The result depends, by rounding, on the number of ranks and on which rank has which rows.
+///
+/// On the exact path, when the options ask for it, it does not: the ranks agree on the bounds of the rows, their sums
+/// are integers ([`Accumulator::exact`](crate::ata::Accumulator::exact)), which are added up in parts of 32 bits, at
+/// five times the traffic of f64, and C is the same bytes for any ranks.
 ///
 /// # Errors
 /// [`Error::Rank`] when n, alpha or the precision differ, or another rank failed; else as [`ata`].
@@ -30,10 +35,14 @@ pub fn ata_rows<T: MpiReal>(
 ) -> Result<Symmetric<T>> {
     let _guard = world.abort_on_panic();
     let n = rows.ncols();
-    let facts = [("n", n), scalar_fact::<T>(), number_fact("alpha", alpha)];
+    let exact = ("whether it is exact", usize::from(options.asks_for_exact()));
+    let facts = [("n", n), scalar_fact::<T>(), number_fact("alpha", alpha), exact];
     world.begin(Operation::Rows, &facts, Ok(()))?;
     let m = world.gather_numbers(rows.nrows()).iter().sum();
     let chunks = Chunks::new(m, n, world.size());
+    if options.asks_for_exact() {
+        return reduce_exact(world, alpha, rows, chunks, options);
+    }
     let panel = Workspace::<T>::new(chunks.longest_panel());
     reduce(world, chunks, panel, |panel, span, meanwhile| {
         let panel = &mut panel.as_mut_slice()[..span.len() * span.end];
@@ -94,6 +103,91 @@ fn reduce<T: MpiReal, S>(
         reduction.start(world, chunk);
     }
     entries.extend_from_slice(reduction.borrow_mut().finish(world));
+    drop(reduction);
+    world.agree(done)?;
+    Ok(Symmetric::new(Layout::Chunks(chunks), own, entries))
+}
+
+/// Parts that a sum is sent in: 32 bits each, as floating-point numbers that add up exactly, and the number of ranks
+/// with each kind of terms that are not finite.
+const PARTS: usize = 5;
+
+/// What is sent of entry (i, j), part by part.
+fn part_of((c, flags): (i128, Flags), part: usize) -> f64 {
+    match part {
+        0..3 => f64::from((c >> (32 * part)) as u32),
+        3 => f64::from((c >> 96) as i32),
+        // Digits for up to 2^16 ranks.
+        _ => (0..2).map(|bit| f64::from(flags.0 >> bit & 1) * f64::from(16 * bit).exp2()).sum(),
+    }
+}
+
+/// The sum of the parts of all ranks.
+fn whole(parts: &[f64; PARTS]) -> (i128, Flags) {
+    let c = (0..4).map(|part| (parts[part] as i128) << (32 * part)).sum();
+    let counts = parts[4] as u64;
+    let flag = |bit: u32| u8::from(counts >> (16 * bit) & 0xffff != 0) << bit;
+    (c, Flags((0..2).map(flag).sum()))
+}
+
+/// [`ata_rows`] in integers.
+fn reduce_exact<T: MpiReal>(
+    world: &World,
+    alpha: T,
+    rows: MatRef<'_, T>,
+    chunks: Chunks,
+    options: &AtaOptions<'_>,
+) -> Result<Symmetric<T>> {
+    let (own, n) = (world.rank(), rows.ncols());
+    let height = block_rows::<T>(n, false);
+    let quiet = options.clone().progress(Progress::none());
+    let bounds = RowBounds::<T>::of(&mut DenseRows(rows), None, height, &quiet);
+    let bounds = joined_bounds(world, &world.agree(bounds)?)?;
+    let memory = Workspace::<f64>::new(chunks.longest_panel())
+        .and_then(|panel| Ok((panel, Reduction::<f64>::new(&chunks, own)?)))
+        .and_then(|(panel, reduction)| Ok((panel, reduction, reserved(chunks.len(own))?)));
+    let (mut panel, mut reduction, mut entries) = world.agree(memory)?;
+    let mut done = Ok(());
+    for chunk in 0..chunks.count() {
+        let span = chunks.rows(chunk);
+        let share = |rows: usize| (rows as f64 / n.max(1) as f64).powi(2);
+        // A rank that fails goes on with zeros, so that nobody waits for it.
+        let sums = match &done {
+            Ok(()) => {
+                let share = share(span.start)..share(span.end);
+                world.with_progress(options, share, &|| (), |options| {
+                    exact_sums(&mut DenseRows(rows), &bounds, span.clone(), options)
+                })
+            }
+            Err(_) => Err(Error::Cancelled),
+        };
+        let mut sums_of_own = vec![[0.0; PARTS]; chunks.entries(chunk, own).len()];
+        for part in 0..PARTS {
+            if let Ok(sums) = &sums {
+                let memory = &mut panel.as_mut_slice()[..span.len() * span.end];
+                let mut panel = MatMut::from_row_major_slice_mut(memory, span.len(), span.end);
+                for i in span.clone() {
+                    for j in 0..=i {
+                        panel[(i - span.start, j)] = part_of(sums.entry(i, j), part);
+                    }
+                }
+                reduction.fill(chunk, panel.into_const());
+            }
+            reduction.start(world, chunk);
+            for (parts, &sum) in sums_of_own.iter_mut().zip(reduction.finish(world)) {
+                parts[part] = sum;
+            }
+        }
+        if let Ok(sums) = &sums {
+            let places = chunks.segments_of(chunk, own);
+            let places = places.flat_map(|s| s.cols.map(move |j| (s.row, j)));
+            for ((i, j), parts) in places.zip(&sums_of_own) {
+                let (c, flags) = whole(parts);
+                entries.push(T::from_f64(alpha.to_f64() * sums.value(i, j, c, flags)));
+            }
+        }
+        done = done.and(sums.map(drop));
+    }
     drop(reduction);
     world.agree(done)?;
     Ok(Symmetric::new(Layout::Chunks(chunks), own, entries))

@@ -7,15 +7,51 @@ use ::mpi::point_to_point::{Destination, Source};
 use ::mpi::topology::Communicator;
 
 use super::world::{MpiReal, Operation, Traffic, World, scalar_fact};
-use crate::ata::Accumulator;
+use crate::ata::{Accumulator, RowBounds};
 use crate::base::{Error, Result};
 
 const TAG: i32 = 4;
 /// Bytes of a message.
 const MESSAGE: usize = 1 << 20;
 
+/// Joins the bounds of the rows of all ranks: the same on every rank, for [`Accumulator::exact`] sums that merge to
+/// the same bytes however the rows are shared out.
+///
+/// # Errors
+/// [`Error::Rank`] when the columns or the precision differ, only some have weights, or another rank failed.
+pub fn agree_bounds<T: MpiReal>(world: &World, bounds: &RowBounds<T>) -> Result<RowBounds<T>> {
+    let _guard = world.abort_on_panic();
+    let facts = [
+        ("the number of columns", bounds.ncols()),
+        ("whether there are weights", usize::from(bounds.weight().is_some())),
+        scalar_fact::<T>(),
+    ];
+    world.begin(Operation::Bounds, &facts, Ok(()))?;
+    joined_bounds(world, bounds)
+}
+
+/// [`agree_bounds`], inside of a call.
+pub(super) fn joined_bounds<T: MpiReal>(
+    world: &World,
+    bounds: &RowBounds<T>,
+) -> Result<RowBounds<T>> {
+    let n = bounds.ncols();
+    let rows = world.gather_numbers(bounds.rows() as usize).iter().sum::<usize>() as u64;
+    // The largest is the least of the negatives.
+    let weight = bounds.weight().map(|w| -w.to_f64());
+    let lower = bounds.lower().iter().map(|x| x.to_f64());
+    let upper = bounds.upper().iter().map(|x| -x.to_f64());
+    let mut values: Vec<f64> = lower.chain(upper).chain(weight).collect();
+    world.least(&mut values);
+    let part = |range: std::ops::Range<usize>, sign: f64| {
+        values[range].iter().map(|x| T::from_f64(sign * x)).collect()
+    };
+    let weight = weight.map(|_| T::from_f64(-values[2 * n]));
+    Ok(RowBounds::from_parts(part(0..n, 1.0), part(n..2 * n, -1.0), weight, rows))
+}
+
 /// Merges the accumulators of all ranks, in a tree of `log2 P` levels that depends on P only: the sum on rank 0, and
-/// `None` on the others. Beside its own accumulator a rank holds one more.
+/// `None` on the others. Exact sums on the same bounds ([`agree_bounds`]) are the same bytes for any P. Beside its own accumulator a rank holds one more.
 ///
 /// # Errors
 /// [`Error::Rank`] when the columns or the centring differ, or another rank failed; else as
@@ -28,6 +64,7 @@ pub fn merge_accumulators<T: MpiReal>(
     let facts = [
         ("the number of columns", sum.ncols()),
         ("centring", usize::from(sum.is_centered())),
+        ("exactness", usize::from(sum.is_exact())),
         scalar_fact::<T>(),
     ];
     world.begin(Operation::Merge, &facts, Ok(()))?;

@@ -269,6 +269,17 @@ impl World {
         }
     }
 
+    /// The least of each entry of `values` over the ranks, on every rank; by the MPI library, not counted.
+    pub(super) fn least(&self, values: &mut [f64]) {
+        use ::mpi::collective::CommunicatorCollectives;
+        let mut own = Vec::new();
+        for part in values.chunks_mut(SUMMED) {
+            own.clear();
+            own.extend_from_slice(part);
+            self.comm.all_reduce_into(&own[..], part, SystemOperation::min());
+        }
+    }
+
     /// Ends the whole job if the scope is left by a panic, as the other ranks would wait for ever.
     pub(crate) fn abort_on_panic(&self) -> impl Drop + '_ {
         struct Guard<'w>(&'w World);
@@ -340,4 +351,5 @@ pub(crate) enum Operation {
     CholeskyQr,
     Eigenpairs,
     GatherRows,
+    Bounds,
 }

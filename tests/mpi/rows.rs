@@ -1,9 +1,10 @@
 //! Mode (a): rows of A on every rank.
 
 use catamaran::ata::distributed::packed_len;
+use catamaran::ata::{Accumulator, DenseRows, RowBounds, RowOptions, stream};
 use catamaran::faer::Mat;
-use catamaran::mpi::{MpiReal, World, ata_rows, sum_symmetric};
-use catamaran::{AtaOptions, Par};
+use catamaran::mpi::{MpiReal, World, agree_bounds, ata_rows, merge_accumulators, sum_symmetric};
+use catamaran::{AtaOptions, Par, Uplo};
 
 use crate::Case;
 use crate::matrices::{SHAPES, check, expected, options, part, uneven};
@@ -14,6 +15,8 @@ pub const CASES: &[Case] = &[
     ("rows_in_many_chunks_and_short_messages", many_chunks),
     ("rows_send_no_more_than_they_must", traffic),
     ("rows_give_the_same_bits_for_any_number_of_threads", threads),
+    ("exact_rows_are_the_same_bits_for_any_ranks", exact),
+    ("exact_sums_of_all_ranks_merge_to_the_same_bits", exact_merge),
     ("sums_of_symmetric_matrices", sums),
 ];
 
@@ -74,6 +77,67 @@ fn threads(world: &World) {
         ata_rows(world, 0.3, a.as_ref(), &options).unwrap().entries().to_vec()
     };
     assert_eq!(run(Par::Seq), run(Par::Threads(2)));
+}
+
+/// All rows of a matrix with a NaN and infinities, and those of this rank.
+fn all_and_own<T: MpiReal>(world: &World, m: usize, n: usize) -> (Mat<T>, Mat<T>) {
+    let all = Mat::from_fn(m, n, |i, j| match (i, j) {
+        (3, 4) => T::from_f64(f64::NAN),
+        (5 | 60, 7) => T::from_f64(f64::INFINITY),
+        _ => T::from_f64((i as f64 * 0.37 + j as f64).sin() * (j as f64).exp2()),
+    });
+    let own = uneven(m, world.size(), world.rank());
+    let part = all.as_ref().subrows(own.start, own.len()).to_owned();
+    (all, part)
+}
+
+fn exact(world: &World) {
+    exact_of::<f64>(world);
+    exact_of::<f32>(world);
+}
+
+fn exact_of<T: MpiReal>(world: &World) {
+    let (m, n) = (83, 41);
+    let (all, own) = all_and_own::<T>(world, m, n);
+    let options = AtaOptions::new().reproducible(true).uplo(Uplo::Both);
+    let c = ata_rows(world, T::from_f64(0.3), own.as_ref(), &options).unwrap();
+    let mut expected = Mat::zeros(n, n);
+    let (rows, alpha) = (&mut DenseRows(all.as_ref()), T::from_f64(0.3));
+    let row_options = RowOptions::default();
+    catamaran::ata::ata_rows(alpha, rows, &row_options, T::ZERO, expected.as_mut(), &options)
+        .unwrap();
+    c.for_each_segment(|i, first, entries| {
+        for (j, value) in (first..).zip(entries) {
+            let (found, expected): (f64, f64) = (value.to_f64(), expected[(i, j)].to_f64());
+            let same = found.to_bits() == expected.to_bits() || found.is_nan() && expected.is_nan();
+            assert!(same, "entry ({i}, {j}): {found:e}, not {expected:e}");
+        }
+    });
+}
+
+fn exact_merge(world: &World) {
+    let (m, n) = (83, 11);
+    let (all, own) = all_and_own::<f64>(world, m, n);
+    let sums = |a: &Mat<f64>, bounds: &RowBounds<f64>| {
+        let mut sum = Accumulator::exact(bounds, true).unwrap();
+        let rows = &mut DenseRows(a.as_ref());
+        stream(rows, None, 7, &mut sum, &AtaOptions::new(), &mut |_| Ok(())).unwrap();
+        sum
+    };
+    let bounds = |a: &Mat<f64>| {
+        RowBounds::of(&mut DenseRows(a.as_ref()), None, 10, &AtaOptions::new()).unwrap()
+    };
+    let agreed = agree_bounds(world, &bounds(&own)).unwrap();
+    assert_eq!(agreed, bounds(&all));
+    let merged = merge_accumulators(world, sums(&own, &agreed)).unwrap();
+    let bits = |sum: Accumulator<f64>| {
+        let c = sum.finish(1.0, Uplo::Both).unwrap();
+        let entry = |i: usize, j: usize| c.as_ref()[(i, j)].to_bits();
+        (0..n * n).map(|k| entry(k / n, k % n)).collect::<Vec<_>>()
+    };
+    if let Some(merged) = merged {
+        assert_eq!(bits(merged), bits(sums(&all, &agreed)));
+    }
 }
 
 fn sums(world: &World) {

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use catamaran::ata::{
-    Accumulator, Center, RowOptions, StreamPlan, Strip, ata_sparse, sparse_is_faster,
+    Accumulator, Center, RowBounds, RowOptions, StreamPlan, Strip, ata_sparse, sparse_is_faster,
     sparse_multiplications, stream, verify_rows,
 };
 use catamaran::base::{Progress, Workspace};
@@ -92,7 +92,7 @@ pub struct Args {
     /// for some rows of C each time.
     #[arg(long, value_name = "GIB", value_parser = parse::gibibytes)]
     memory: Option<usize>,
-    /// Rows of a block, two of which are in memory; default about 64 MiB. Changes last bits of C.
+    /// Rows of a block, two of which are in memory; default about 64 MiB. Changes last bits of C unless sums are exact.
     #[arg(long, value_name = "ROWS")]
     block_rows: Option<NonZeroUsize>,
     /// Keep the sums so far in this file, for --resume; it is removed in the end.
@@ -292,9 +292,15 @@ impl Work<'_> {
             Some(path) if args.resume => checkpoint::resume::<T>(path, n, &labels)?,
             _ => None,
         };
+        // All processes agree on the bounds, whoever of them begins anew.
+        let bounds = match &begun {
+            Some(_) if self.ranks.size() == 1 => None,
+            _ => self.bounds::<T>(plan, options)?,
+        };
         let mut sum = match begun {
             Some(sum) => sum,
-            None => Accumulator::new(n, self.centered())
+            None => self
+                .empty(bounds.as_ref(), 0..n)
                 .with_context(|| format!("C of {n} x {n} entries"))?,
         };
         sum.set_labels(labels);
@@ -393,6 +399,43 @@ impl Work<'_> {
         self.write(c, outputs.c, outputs.picture)
     }
 
+    /// The bounds of all rows, by a pass over them, when sums are to be exact.
+    fn bounds<T: Scalar>(
+        &self,
+        plan: &StreamPlan,
+        options: &AtaOptions<'_>,
+    ) -> Result<Option<RowBounds<T>>> {
+        if !options.asks_for_exact() {
+            return Ok(None);
+        }
+        let bar = Bar::new("bounds");
+        let update = |fraction| bar.update(fraction);
+        let options = options.clone().progress(&update);
+        let (mut rows, weights) = self.rows::<T>()?;
+        let bounds = RowBounds::of(&mut rows, weights.as_deref(), plan.block_rows(), &options)?;
+        Ok(Some(self.ranks.join(bounds)?))
+    }
+
+    /// Sums of no rows, for some rows of C.
+    fn empty<T: BlasReal>(
+        &self,
+        bounds: Option<&RowBounds<T>>,
+        strip: Range<usize>,
+    ) -> catamaran::Result<Accumulator<T>> {
+        match bounds {
+            Some(bounds) => Accumulator::exact_strip(bounds, strip, self.centered()),
+            None => Accumulator::of_strip(self.a.shape().1, strip, self.centered()),
+        }
+    }
+
+    /// The rows of this process, and their weights.
+    fn rows<T: BlasReal>(&self) -> Result<(Part<'_, T>, Option<Vec<T>>)> {
+        let range = self.ranks.share(self.a.shape().0);
+        let weights = self.weights.map(|w| &w[range.clone()]);
+        let weights = weights.map(|w| w.iter().map(|&w| T::from_f64(w)).collect());
+        Ok((Part { rows: self.a.rows::<T>(self.args.strict)?, range }, weights))
+    }
+
     /// Adds the rows that `sum` lacks, with checkpoints; it is the `read`-th read of A, from 0.
     fn add<T: BlasReal>(
         &self,
@@ -407,9 +450,7 @@ impl Work<'_> {
         let share = |read: usize| read as f64 / plan.reads() as f64;
         let progress = Progress::new(&update).part(share(read)..share(read + 1));
         let options = options.clone().progress(progress);
-        let range = self.ranks.share(self.a.shape().0);
-        let weights = self.weights.map(|w| &w[range.clone()]);
-        let weights: Option<Vec<T>> = weights.map(|w| w.iter().map(|&w| T::from_f64(w)).collect());
+        let (mut rows, weights) = self.rows::<T>()?;
         let mut checkpoint = checkpoint_of(args, self.ranks)
             .map(|path| Checkpoint::new(&path, args.checkpoint_every));
         let mut after_block = |sum: &Accumulator<T>| {
@@ -418,14 +459,13 @@ impl Work<'_> {
             }
             progress::check()
         };
-        let mut rows = Part { rows: self.a.rows::<T>(args.strict)?, range };
         let height = plan.block_rows();
         stream(&mut rows, weights.as_deref(), height, &mut sum, &options, &mut after_block)?;
         Ok(sum)
     }
 
     /// C strip by strip, each of which reads A again and goes to the disk.
-    fn strips<T: BlasReal>(
+    fn strips<T: Scalar>(
         &self,
         plan: &StreamPlan,
         options: &AtaOptions<'_>,
@@ -450,9 +490,10 @@ impl Work<'_> {
         let path = output.path().to_owned();
         let mut output = StripOutput::new::<T>(output, n, args.uplo)?;
         let start = Instant::now();
+        let bounds = self.bounds::<T>(plan, options)?;
         let bar = Bar::new("computing");
         for (read, strip) in plan.strips().iter().enumerate() {
-            let sum = Accumulator::of_strip(n, strip.clone(), self.centered())?;
+            let sum = self.empty(bounds.as_ref(), strip.clone())?;
             let sum = self.add(sum, plan, options, read, &bar)?;
             let c: Strip<T> = sum.finish(self.alpha(), Uplo::Lower)?;
             output.write(&c)?;

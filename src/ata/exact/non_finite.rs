@@ -77,10 +77,11 @@ pub(crate) struct Flags(pub u8);
 impl Flags {
     const PLUS: u8 = 1;
     const MINUS: u8 = 2;
-    const NAN: u8 = 4;
+    /// A NaN among the terms, or infinities of both signs: the same for any order of the terms.
+    const NAN: u8 = 3;
 
     /// All flags that there are.
-    pub const MOST: u8 = 7;
+    pub const MOST: u8 = Self::NAN;
 
     /// The sum of the terms; `None` when there are none.
     pub fn sum(self) -> Option<f64> {
@@ -105,7 +106,7 @@ impl Flags {
             found |= u8::from(terms & plus != 0) * Self::PLUS;
             found |= u8::from(terms & minus != 0) * Self::MINUS;
             found |= u8::from(terms & !(plus | minus) != 0) * Self::NAN;
-            if Self(found).sum().is_some_and(f64::is_nan) {
+            if found == Self::NAN {
                 break;
             }
         }

@@ -426,36 +426,45 @@ impl<T: BlasReal> ExactSums<T> {
     /// [`Error::Argument`] when the weights of a mean sum to zero.
     pub fn for_each_value(&self, mut visit: impl FnMut(usize, usize, f64)) -> Result<()> {
         let centered = self.centered && self.rows > 0;
-        let w = self.weights[0];
         if centered {
             let size = scaled(self.weights[1] as f64, -self.grid.weight_power);
-            let weight = if w == 0 { 0.0 } else { self.weight() };
+            let weight = if self.weights[0] == 0 { 0.0 } else { self.weight() };
             check_weight(self.rows as f64, weight, size)?;
         }
-        let shift = (self.grid.weight_power + self.grid.weight_exponent) as u32;
-        let mut at = 0;
         for i in self.strip.clone() {
             for j in 0..=i {
-                let (c, exponent) = (self.entries[at], self.grid.exponent(i, j));
-                let flags = Flags(self.flags.get(at).copied().unwrap_or(0));
+                let (c, flags) = self.entry(i, j);
                 let value = match flags.sum() {
                     // An infinite mean leaves nothing.
                     Some(_) if centered => f64::NAN,
-                    Some(infinite) => infinite,
-                    None if centered => {
-                        let sums = [self.sums[i], self.sums[j]];
-                        wide::centered(c, sums, shift, w, exponent).ok_or_else(|| {
-                            let why = format!("column {i}: the sums have more than 256 bits");
-                            Error::Argument { what: "accumulator", why }
-                        })?
-                    }
-                    None => scaled(c as f64, exponent),
+                    None if centered => self.centered(c, i, j)?,
+                    _ => self.value(i, j, c, flags),
                 };
                 visit(i, j, value);
-                at += 1;
             }
         }
         Ok(())
+    }
+
+    /// Entry (i, j) in units of the grid, and which of its terms are not finite.
+    pub fn entry(&self, i: usize, j: usize) -> (i128, Flags) {
+        let at = triangle_len(i) + j - triangle_len(self.strip.start);
+        (self.entries[at], Flags(self.flags.get(at).copied().unwrap_or(0)))
+    }
+
+    /// The value of `c` as entry (i, j), rounded once.
+    pub fn value(&self, i: usize, j: usize, c: i128, flags: Flags) -> f64 {
+        flags.sum().unwrap_or_else(|| scaled(c as f64, self.grid.exponent(i, j)))
+    }
+
+    /// The value of `c` as entry (i, j) about the mean, rounded once.
+    fn centered(&self, c: i128, i: usize, j: usize) -> Result<f64> {
+        let shift = (self.grid.weight_power + self.grid.weight_exponent) as u32;
+        let (sums, exponent) = ([self.sums[i], self.sums[j]], self.grid.exponent(i, j));
+        wide::centered(c, sums, shift, self.weights[0], exponent).ok_or_else(|| {
+            let why = format!("column {i}: the sums have more than 256 bits");
+            Error::Argument { what: "accumulator", why }
+        })
     }
 }
 

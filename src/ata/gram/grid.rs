@@ -213,7 +213,7 @@ pub(super) struct Grid<T> {
 }
 
 /// How rows are shifted.
-pub(super) enum Shift<'s, T> {
+pub(crate) enum Shift<'s, T> {
     /// Not at all.
     No,
     /// By something near the middle of their bounds: the sums are to be about the mean.

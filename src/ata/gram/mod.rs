@@ -30,14 +30,18 @@ pub use source::{DenseRows, RowBlocks};
 pub use sparse::{ata_sparse, sparse_is_faster, sparse_multiplications};
 pub use strip::Strip;
 
+#[cfg(feature = "mpi")]
+pub(crate) use exact::ExactSums;
 pub(crate) use rows::AdjustedRows;
 
 use std::ops::Range;
 
 use self::accumulator::check_weights;
 use self::blocks::for_each_block;
+#[cfg(feature = "mpi")]
+use self::grid::Shift;
 use self::product::Pass;
-use super::options::{Accuracy, AtaOptions, SchemeChoice};
+use super::options::AtaOptions;
 use crate::base::{Error, Result};
 use crate::blas::BlasReal;
 
@@ -88,7 +92,7 @@ pub fn stream<T: BlasReal>(
         }
     }
     let mut progress = options.progress;
-    if asks_for_exact(options) && !accumulator.is_exact() {
+    if options.asks_for_exact() && !accumulator.is_exact() {
         let [first, rest] = [0.0..FIRST_PASS, FIRST_PASS..1.0].map(|part| progress.part(part));
         accumulator.make_exact(|| {
             RowBounds::of(rows, weights, block_rows, &options.clone().progress(first))
@@ -124,15 +128,24 @@ fn for_each_block_of<'o, T: BlasReal>(
     })
 }
 
-/// Whether the options ask for the exact path by name, where the planner does not choose.
-fn asks_for_exact(options: &AtaOptions<'_>) -> bool {
-    options.reproducible
-        || options.scheme == SchemeChoice::Exact
-        || options.accuracy == Accuracy::Max && options.scheme == SchemeChoice::Auto
-}
-
 /// The share that `count` rows from `first` on, of `m`, have of the whole.
 fn share_of_rows(first: usize, count: usize, m: usize) -> Range<f64> {
     let part = |rows: usize| rows as f64 / m.max(1) as f64;
     part(first)..part(first + count)
+}
+
+/// The exact sums of some rows of C, of all rows of a source.
+#[cfg(feature = "mpi")]
+pub(crate) fn exact_sums<T: BlasReal>(
+    rows: &mut (dyn RowBlocks<T> + Send),
+    bounds: &RowBounds<T>,
+    strip: Range<usize>,
+    options: &AtaOptions<'_>,
+) -> Result<ExactSums<T>> {
+    let mut sums = ExactSums::new(bounds, strip, Shift::No)?;
+    let height = block_rows::<T>(rows.ncols(), false);
+    for_each_block_of(rows, None, height, 0, options, |count, block, weights, pass| {
+        sums.add(count, block, weights, false, pass)
+    })?;
+    Ok(sums)
 }

@@ -1,7 +1,6 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::asks_for_exact;
 use super::blocks::block_rows;
 use super::product::integer_layout;
 use crate::ata::exact::{self, triangle_len};
@@ -48,7 +47,7 @@ impl StreamPlan {
         let bytes = |elements: usize| elements.saturating_mul(size_of::<T>());
         let blocks = bytes(count.saturating_mul(height).saturating_mul(n));
         let product = Plan::ata::<T>(height, n, options)?;
-        let exact = asks_for_exact(options);
+        let exact = options.asks_for_exact();
         // Of a strip, whichever of its two products needs more.
         let scratch = |strip: &Range<usize>| -> Result<usize> {
             let own = strip.len();

@@ -10,7 +10,7 @@ use super::exact::ExactSums;
 use super::grid::{RowBounds, Shift};
 use super::moments::{Moments, check_weight};
 use super::source::RowBlocks;
-use super::{FIRST_PASS, asks_for_exact, float, for_each_block_of};
+use super::{FIRST_PASS, float, for_each_block_of};
 use crate::ata::options::AtaOptions;
 use crate::ata::{ata, symmetric};
 use crate::base::{Error, Real, Result, Workspace};
@@ -108,7 +108,7 @@ pub fn ata_rows<T: BlasReal>(
         return ata(alpha, none, beta, c, options);
     }
     let height = block_rows::<T>(n, weights.is_some());
-    if asks_for_exact(options) {
+    if options.asks_for_exact() {
         return exact_rows(alpha, rows, row_options, height, beta, c, options);
     }
     let mut moments = match row_options.center {

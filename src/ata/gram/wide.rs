@@ -156,7 +156,8 @@ mod tests {
         );
         assert_eq!(centered(big, [big, big], 0, big, 0), Some(0.0));
         assert_eq!(centered(big, [big, -big], 0, -big, -121), Some(0.0));
-        assert_eq!(centered(big, [0, 5], 99, 3, -120), Some(1.0 / 3.0));
+        assert_eq!(centered(0, [1, -1], 120, 3, -120), Some(1.0 / 3.0));
+        assert_eq!(centered(1, [1, 2], 120, -3, -120), Some(2.0 / 3.0));
         assert_eq!(centered(i128::MAX, [i128::MAX, i128::MAX], 3, 1, 0), None);
         // A tie is broken by what is far below it: 2^53 + 1 + 2^-60.
         let c = (1_i128 << 113) + (1 << 60) + 1;

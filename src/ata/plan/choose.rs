@@ -57,10 +57,7 @@ pub(super) fn choose<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) ->
         Some(native) => fused::<T>(native, problem, options),
         None => tasks::<T>(problem, options),
     };
-    if options.reproducible
-        || options.scheme == SchemeChoice::Exact
-        || options.accuracy == Accuracy::Max && options.scheme == SchemeChoice::Auto
-    {
+    if options.asks_for_exact() {
         let classical = AtaOptions { scheme: SchemeChoice::Classical, ..options.clone() };
         return exact::<T>(problem, options, float(&classical).classical_seconds);
     }
