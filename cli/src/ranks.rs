@@ -52,7 +52,7 @@ impl Ranks {
     }
 
     /// The bounds of the rows of all processes.
-    pub fn join<T: Scalar>(&self, bounds: RowBounds<T>) -> Result<RowBounds<T>> {
+    pub fn common_bounds<T: Scalar>(&self, bounds: RowBounds<T>) -> Result<RowBounds<T>> {
         Ok(bounds)
     }
 
@@ -111,7 +111,7 @@ impl Ranks {
     }
 
     /// The bounds of the rows of all processes, on each.
-    pub fn join<T: Scalar>(&self, bounds: RowBounds<T>) -> Result<RowBounds<T>> {
+    pub fn common_bounds<T: Scalar>(&self, bounds: RowBounds<T>) -> Result<RowBounds<T>> {
         match &self.mpi {
             Some((world, _)) => Ok(catamaran::mpi::agree_bounds(world, &bounds)?),
             None => Ok(bounds),

@@ -7,7 +7,9 @@ use faer::prelude::Reborrow;
 use faer::{MatMut, MatRef};
 use libloading::Library;
 
-use super::{Backend, Kernels, Native, Rates, ThreadGuard, gemmt_by_gemm};
+use super::backend::{Backend, Kernels, Rates, ThreadGuard};
+use super::native::Native;
+use super::triangle::gemmt_by_gemm;
 use crate::base::{Error, Real, Result};
 use crate::kernel::packed;
 

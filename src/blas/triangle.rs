@@ -1,7 +1,7 @@
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
-use super::Kernels;
+use super::backend::Kernels;
 use crate::base::Real;
 
 /// Order of the diagonal blocks that are computed whole and then halved.

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
-use super::root::Form;
+use super::form::Form;
 use super::rows::sum_symmetric;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World};
@@ -51,7 +51,7 @@ pub(super) fn run<T: MpiReal>(
     let longest = parts[1..].iter().map(|rows| rows.len().div_ceil(height)).max().unwrap_or(0);
     let shipments: Vec<_> = (0..longest)
         .flat_map(|round| (1..size).filter_map(move |process| blocks(process).nth(round)))
-        .map(|(to, rows)| form.ship(world, &[a.subrows(rows.start, rows.len())], to, DEALT))
+        .map(|(to, rows)| form.start_send(world, &[a.subrows(rows.start, rows.len())], to, DEALT))
         .collect();
     let a = a.subrows(0, rows);
     let done = world.with_progress(&lower, 0.0..1.0, &|| world.poll(), |options| {

@@ -1,11 +1,9 @@
 //! A and C on one rank: AtA-D, or its rows dealt to all.
 
-use ::mpi::collective::Root;
-use ::mpi::topology::Communicator;
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
-use super::shipment::Shipment;
+use super::form::Form;
 use super::world::{MpiReal, Operation, World, number_fact, scalar_fact};
 use super::{deal, tree};
 use crate::ata::distributed::{Machine, Mode, Place, choose};
@@ -92,7 +90,7 @@ fn from_root<T: MpiReal>(
     let _guard = world.abort_on_panic();
     let facts = [("root", root), scalar_fact::<T>(), number_fact("alpha", alpha)];
     let mut matrices = world.begin(Operation::Root, &facts, on_root(world, root, a, c))?;
-    let form = Form::told(world, root, matrices.as_ref(), options.uplo);
+    let form = Form::broadcast(world, root, matrices.as_ref(), options.uplo);
     let own = matrices.as_mut().map(|(a, c)| {
         let c = c.rb_mut();
         (*a, if options.uplo == Uplo::Upper { c.transpose_mut() } else { c })
@@ -125,71 +123,4 @@ fn on_root<'a, 'c, T>(
     let (a, c) = (a.ok_or(missing("A"))?, c.ok_or(missing("C"))?);
     Error::check_shape("C", (a.ncols(), a.ncols()), c.shape())?;
     Ok(Some((a, c)))
-}
-
-/// What the root tells the others.
-#[derive(Clone, Copy)]
-pub(super) struct Form {
-    pub(super) root: usize,
-    pub(super) m: usize,
-    pub(super) n: usize,
-    /// A and its parts are stored, and sent, row by row, and not column by column.
-    a_by_rows: bool,
-    /// The same of C, transposed if its upper triangle is wanted.
-    pub(super) c_by_rows: bool,
-}
-
-impl Form {
-    fn told<T>(
-        world: &World,
-        root: usize,
-        matrices: Option<&(MatRef<'_, T>, MatMut<'_, T>)>,
-        uplo: Uplo,
-    ) -> Self {
-        let mut told = [0_u64; 4];
-        if let Some((a, c)) = matrices {
-            let by_rows = |x: isize, y: isize| x.unsigned_abs() > y.unsigned_abs();
-            let c_by_rows = by_rows(c.row_stride(), c.col_stride()) != (uplo == Uplo::Upper);
-            let a_by_rows = by_rows(a.row_stride(), a.col_stride());
-            told = [a.nrows() as u64, a.ncols() as u64, a_by_rows.into(), c_by_rows.into()];
-        }
-        world.communicator().process_at_rank(root as i32).broadcast_into(&mut told);
-        let [m, n, a_by_rows, c_by_rows] = told;
-        let (m, n) = (m as usize, n as usize);
-        Self { root, m, n, a_by_rows: a_by_rows != 0, c_by_rows: c_by_rows != 0 }
-    }
-
-    /// The number of this rank in plans, in which the root is process 0.
-    pub(super) fn process(self, rank: usize, size: usize) -> usize {
-        (rank + size - self.root) % size
-    }
-
-    /// The rank of a process.
-    pub(super) fn rank(self, process: usize, size: usize) -> usize {
-        (process + self.root) % size
-    }
-
-    /// A part of A that has been sent by [`Form::ship`].
-    pub(super) fn part_of_a<T>(self, entries: &[T], rows: usize, cols: usize) -> MatRef<'_, T> {
-        match self.a_by_rows {
-            true => MatRef::from_row_major_slice(entries, rows, cols),
-            false => MatRef::from_column_major_slice(entries, rows, cols),
-        }
-    }
-
-    /// Starts to send parts of A to rank `to`.
-    pub(super) fn ship<'a, T: MpiReal>(
-        self,
-        world: &'a World,
-        parts: &[MatRef<'a, T>],
-        to: usize,
-        tag: i32,
-    ) -> Shipment<'a, T> {
-        if self.a_by_rows {
-            let parts: Vec<_> = parts.iter().map(|part| part.transpose()).collect();
-            Shipment::send(world, &parts, to, tag)
-        } else {
-            Shipment::send(world, parts, to, tag)
-        }
-    }
 }

@@ -6,8 +6,8 @@ use std::ops::Range;
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef, RowMut};
 
-use super::root::Form;
-use super::shipment::Shipment;
+use super::form::Form;
+use super::pending_send::PendingSend;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World};
 use crate::ata::distributed::{RESULTS_AT_ONCE, TaskTree, TreeNode};
@@ -160,7 +160,7 @@ impl<T: MpiReal> Worker<'_, T> {
             .children
             .clone()
             .filter(|&child| tree.is_sent(child))
-            .map(|child| self.ship(node, &tree.nodes()[child], operands))
+            .map(|child| self.start_send(node, &tree.nodes()[child], operands))
             .collect();
         for id in node.children.clone() {
             let child = &tree.nodes()[id];
@@ -201,18 +201,18 @@ impl<T: MpiReal> Worker<'_, T> {
     }
 
     /// Starts to send what `child` reads of its parent's operands.
-    fn ship<'a>(
+    fn start_send<'a>(
         &self,
         parent: &TreeNode,
         child: &TreeNode,
         operands: [MatRef<'a, T>; 2],
-    ) -> Shipment<'a, T>
+    ) -> PendingSend<'a, T>
     where
         Self: 'a,
     {
         let parts = operands_of(child, parent, operands);
         let parts = if child.task.triangle { &parts[..1] } else { &parts[..] };
-        self.form.ship(self.world, parts, self.rank(child.task.process), DOWN)
+        self.form.start_send(self.world, parts, self.rank(child.task.process), DOWN)
     }
 
     /// Starts to receive as many of the next results as there is room for.

@@ -413,7 +413,7 @@ impl Work<'_> {
         let options = options.clone().progress(&update);
         let (mut rows, weights) = self.rows::<T>()?;
         let bounds = RowBounds::of(&mut rows, weights.as_deref(), plan.block_rows(), &options)?;
-        Ok(Some(self.ranks.join(bounds)?))
+        Ok(Some(self.ranks.common_bounds(bounds)?))
     }
 
     /// Sums of no rows, for some rows of C.

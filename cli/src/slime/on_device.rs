@@ -18,7 +18,7 @@ impl<'a> OnDevice<'a> {
 
     /// One step, and what is covered then.
     pub fn step(&mut self) -> Result<Vec<Coverage>> {
-        self.0.run(1, Progress::none())?;
+        self.0.run(1, catamaran::base::Progress::none())?;
         Ok(self.0.coverage()?)
     }
 

@@ -10,6 +10,7 @@ use super::blocks::piece_height;
 use super::chunks::{Chunks, rounds};
 use super::cover::difference_cover;
 use super::deal::deal;
+use super::machine::Machine;
 use super::segment::packed_len;
 use super::tree::{TaskTree, levels};
 use crate::ata::gram::block_rows;
@@ -64,35 +65,6 @@ pub enum Place {
     EveryRank,
     /// On one rank.
     OneRank,
-}
-
-/// A message of w words takes `latency + w * seconds_per_word`; a rank sends one at a time, and receives one at a
-/// time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Machine {
-    /// Seconds.
-    pub latency: f64,
-    /// Seconds; a word is an entry.
-    pub seconds_per_word: f64,
-    /// Floating-point operations of a rank per second, two for a product of scalars that is added.
-    pub flops: f64,
-}
-
-impl Default for Machine {
-    /// A rank per core of a cluster: 2 microseconds, 10 GB/s in f64, 50 GFLOP/s.
-    fn default() -> Self {
-        Self { latency: 2e-6, seconds_per_word: 8e-10, flops: 5e10 }
-    }
-}
-
-impl Machine {
-    fn communication(&self, messages: f64, words: f64) -> f64 {
-        messages * self.latency + words * self.seconds_per_word
-    }
-
-    fn computation(&self, products: f64) -> f64 {
-        2.0 * products / self.flops
-    }
 }
 
 /// The least that some rank must communicate when work and storage are even, whatever the algorithm.

@@ -10,7 +10,8 @@
 use std::ops::Range;
 
 use super::cover::difference_cover;
-use super::segment::{Layout, packed_len};
+use super::layout::Layout;
+use super::segment::packed_len;
 use crate::ata::Uplo;
 use crate::ata::plan::block_start;
 use crate::base::{Error, Result};

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::cost::Machine;
+use super::machine::Machine;
 use super::segment::packed_len;
 
 /// The rows of A, m x n, of each of `ranks >= 1` processes, in order; process 0 is the one that deals.

@@ -12,6 +12,8 @@ mod cost;
 mod cover;
 mod cyclic;
 mod deal;
+mod layout;
+mod machine;
 mod segment;
 mod tree;
 
@@ -20,13 +22,15 @@ pub(crate) use blocks::piece_height;
 pub use blocks::{Blocks, Product};
 pub use chunks::{Chunks, Round, rounds};
 pub use cost::{
-    Cost, Explanation, LowerBound, Machine, Mode, Place, choose, lower_bound, predict,
-    proposition_8_3, simulate,
+    Cost, Explanation, LowerBound, Mode, Place, choose, lower_bound, predict, proposition_8_3,
+    simulate,
 };
 pub use cover::difference_cover;
 pub use cyclic::{BlockCyclic, Cut, Dealing, Delivery, Grid, GridOrder, Parts, Piece, Run};
 pub use deal::deal;
-pub use segment::{Layout, Segment, packed_len};
+pub use layout::Layout;
+pub use machine::Machine;
+pub use segment::{Segment, packed_len};
 #[cfg(feature = "mpi")]
 pub(crate) use tree::RESULTS_AT_ONCE;
 pub use tree::{Load, TaskTree, TreeNode, levels};

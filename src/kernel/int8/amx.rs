@@ -6,9 +6,9 @@ use std::arch::x86_64::{__cpuid, __cpuid_count, _xgetbv};
 use std::sync::OnceLock;
 
 use super::avx512::Vnni;
+use super::kernel::{Kernel, Session};
 use super::moduli::{Moduli, Modulus};
 use super::tile::{Block, Powers, Quarter, Residues, Slice, Tile, TileNorms, WIDTH};
-use super::{Kernel, Session};
 
 /// Exists only where AMX works: what makes the assembly below sound.
 pub(super) struct Amx {

@@ -3,9 +3,10 @@
 
 use std::arch::x86_64::*;
 
+use super::kernel::Kernel;
 use super::moduli::{Moduli, Modulus};
 use super::tile::{Block, Powers, Quarter, Residues, Slice, Tile, TileNorms, WIDTH, tile_norms};
-use super::{Kernel, portable, recombine};
+use super::{portable, recombine};
 
 /// Exists only where the CPU has the instructions: what makes the calls below sound.
 pub(super) struct Avx2(());

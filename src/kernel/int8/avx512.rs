@@ -2,11 +2,12 @@
 
 use std::arch::x86_64::*;
 
+use super::kernel::Kernel;
 use super::moduli::{Moduli, Modulus};
+use super::recombine;
 use super::tile::{
     Block, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH, tile_norms,
 };
-use super::{Kernel, recombine};
 
 /// Exists only where the CPU has the instructions: what makes the calls below sound.
 pub(super) struct Vnni(());

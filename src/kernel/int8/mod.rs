@@ -13,6 +13,7 @@ mod avx2;
 mod avx512;
 #[cfg(all(test, target_arch = "x86_64", target_os = "linux"))]
 mod emulator;
+mod kernel;
 mod moduli;
 mod portable;
 mod recombine;
@@ -20,7 +21,8 @@ mod recombine;
 pub(crate) mod tests;
 mod tile;
 
-pub(crate) use moduli::{Moduli, Modulus};
+pub(crate) use kernel::Kernel;
+pub(crate) use moduli::Moduli;
 pub(crate) use recombine::{integers, scaled};
 pub(crate) use tile::{
     Block, EMPTY, NON_FINITE, NORM_BITS, PANEL, Powers, Quarter, Residues, STEP, Slice, Tile,
@@ -143,80 +145,8 @@ pub(crate) struct Rates {
     pub recombinations: f64,
 }
 
-/// The steps of the exact path, for one instruction set. All find the same numbers.
-pub(crate) trait Kernel: Sync {
-    /// Bounds of the columns of a tile.
-    fn norms_f64(&self, tile: &Tile<f64>) -> TileNorms;
-    /// As [`Kernel::norms_f64`].
-    fn norms_f32(&self, tile: &Tile<f32>) -> TileNorms;
-
-    /// Multiplies the columns by powers of two, rounds to integers (ties to even) of less than 2^62 in
-    /// magnitude, and writes the residues modulo the i-th modulus into `out[i]`.
-    fn convert_f64(
-        &self,
-        tile: &Tile<f64>,
-        powers: &Powers<f64>,
-        moduli: &Moduli,
-        out: &mut [&mut Residues],
-    );
-    /// As [`Kernel::convert_f64`]; the integers are of less than 2^31.
-    fn convert_f32(
-        &self,
-        tile: &Tile<f32>,
-        powers: &Powers<f32>,
-        moduli: &Moduli,
-        out: &mut [&mut Residues],
-    );
-
-    /// Rearranges residues for the left side of [`Kernel::multiply`].
-    fn to_left(&self, right: &[Slice], left: &mut [Slice]) {
-        left.copy_from_slice(right);
-    }
-
-    /// Adds `left^T right` to the sums, which must not overflow; `left` comes from [`Kernel::to_left`].
-    /// `ahead` is where to begin fetching 256 bytes per step into the second-level cache; any address
-    /// will do.
-    fn multiply(&self, left: &[Slice], right: &[Slice], sums: &mut Block<i32>, ahead: *const i8);
-
-    /// The sums modulo one number, between -128 and 127.
-    fn reduce(&self, sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>);
-
-    /// See [`recombine::quarter`].
-    fn recombine(
-        &self,
-        residues: &[&Quarter<i8>],
-        moduli: &Moduli,
-        rows: &[i32; WIDTH],
-        columns: &[i32; WIDTH],
-        out: &mut Quarter<f64>,
-    );
-
-    /// At least `count` multiplications of residues on registers alone, `None` where that means nothing; how
-    /// many.
-    fn spin(&self, _count: usize) -> Option<usize> {
-        None
-    }
-
-    /// Prepares the calling thread for [`Kernel::multiply`], until the session is dropped. Sessions of one thread
-    /// do not overlap.
-    fn session(&self) -> Session {
-        Session(None)
-    }
-}
-
 /// Rows whose products fit 32-bit sums, to which a residue has been added.
 pub(crate) const MOST_ROWS: usize = (1 << 17) - STEP;
-
-/// Undoes what [`Kernel::session`] did to the thread.
-pub(crate) struct Session(Option<fn()>);
-
-impl Drop for Session {
-    fn drop(&mut self) {
-        if let Some(end) = self.0 {
-            end();
-        }
-    }
-}
 
 /// A scalar that the exact path takes: picks its variant of each step.
 pub trait Operand: Real + sealed::Steps {}

@@ -1,10 +1,11 @@
 //! The kernel in plain Rust: for any CPU, and what the others are compared with.
 
+use super::kernel::Kernel;
 use super::moduli::{Moduli, Modulus};
+use super::recombine;
 use super::tile::{
     Block, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH, tile_norms,
 };
-use super::{Kernel, recombine};
 use crate::base::Real;
 
 pub(crate) struct Portable;

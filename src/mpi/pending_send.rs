@@ -11,13 +11,13 @@ use super::world::{MpiReal, PANICKED, Traffic, World};
 /// Blocks of matrices on their way to another rank, read where they are: no copy of ours is made.
 ///
 /// Never to be forgotten: the end of its life is what keeps the blocks in place until they have been read.
-pub(super) struct Shipment<'a, T> {
+pub(super) struct PendingSend<'a, T> {
     world: &'a World,
     requests: Vec<ffi::MPI_Request>,
     blocks: PhantomData<MatRef<'a, T>>,
 }
 
-impl<'a, T: MpiReal> Shipment<'a, T> {
+impl<'a, T: MpiReal> PendingSend<'a, T> {
     /// Starts to send `blocks`, one after another and each column by column, to rank `to`, which receives all
     /// their entries with one [`Transfer::receive`](super::transfer::Transfer::receive).
     pub(super) fn send(world: &'a World, blocks: &[MatRef<'a, T>], to: usize, tag: i32) -> Self {
@@ -59,7 +59,7 @@ impl<'a, T: MpiReal> Shipment<'a, T> {
     }
 }
 
-impl<T> Drop for Shipment<'_, T> {
+impl<T> Drop for PendingSend<'_, T> {
     fn drop(&mut self) {
         if std::thread::panicking() {
             // The other side may never come, and what is being sent may not be let go.

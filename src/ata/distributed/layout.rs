@@ -1,0 +1,49 @@
+use super::blocks::Blocks;
+use super::chunks::Chunks;
+use super::segment::Segment;
+
+/// Which rank holds which entries of the lower triangle of C, each exactly once.
+///
+/// A rank keeps its entries one after another, in the order of [`Layout::segments`]: whoever knows the
+/// layout can gather, redistribute or multiply without further talk.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Layout {
+    /// Ranges of the packed triangle.
+    Chunks(Chunks),
+    /// Rectangular blocks and triangles on the diagonal.
+    Blocks(Blocks),
+}
+
+impl Layout {
+    /// Rows and columns of C.
+    pub fn n(&self) -> usize {
+        match self {
+            Self::Chunks(chunks) => chunks.n(),
+            Self::Blocks(blocks) => blocks.n(),
+        }
+    }
+
+    /// The number of ranks.
+    pub fn ranks(&self) -> usize {
+        match self {
+            Self::Chunks(chunks) => chunks.ranks(),
+            Self::Blocks(blocks) => blocks.ranks(),
+        }
+    }
+
+    /// What `rank` holds, in the order in which it holds it.
+    pub fn segments(&self, rank: usize) -> Box<dyn Iterator<Item = Segment> + '_> {
+        match self {
+            Self::Chunks(chunks) => Box::new(chunks.segments(rank)),
+            Self::Blocks(blocks) => Box::new(blocks.segments(rank)),
+        }
+    }
+
+    /// The number of entries that `rank` holds.
+    pub fn len(&self, rank: usize) -> usize {
+        match self {
+            Self::Chunks(chunks) => chunks.len(rank),
+            Self::Blocks(blocks) => blocks.len(rank),
+        }
+    }
+}
