@@ -34,10 +34,10 @@ pub use gram::{
     Accumulator, AfterBlock, Center, DenseRows, RowBlocks, RowBounds, RowOptions, StreamPlan,
     Strip, ata_rows, block_rows, scalar_of, stream,
 };
-pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
-pub use plan::{Node, Plan, Task, levels};
 #[cfg(feature = "geometry")]
 pub use gram::{ata_sparse, sparse_is_faster, sparse_multiplications};
+pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
+pub use plan::{Node, Plan, Task, levels};
 pub use verify::{Verification, verify, verify_rows};
 #[cfg(feature = "mpi")]
 pub(crate) use verify::{check_rounds, signs, verdict};

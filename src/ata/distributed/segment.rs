@@ -82,7 +82,6 @@ impl Layout {
 /// use catamaran::ata::distributed::packed_len;
 ///
 /// assert_eq!(packed_len(4), 10);
-/// # Ok::<(), catamaran::Error>(())
 /// ```
 pub fn packed_len(n: usize) -> usize {
     // One of the two is even, and halved before they overflow.
