@@ -48,7 +48,7 @@
 //!
 //! | Feature | Default | Adds | Implies |
 //! |---|---|---|---|
-//! | `geometry` | yes | everything from `dense` to `texture` in the table above | |
+//! | `geometry` | yes | everything from `dense` to `texture` in the table above; A^T A of sparse matrices | |
 //! | `unions` | | `unions`, with 1.8 MB of weights | `geometry` |
 //! | `capi` | | the C ABI, which has functions of all modules | `unions` |
 //! | `openblas` | | OpenBLAS, linked at build time (`blas::openblas`) | |

@@ -76,7 +76,7 @@ impl<'a> Progress<'a> {
         self.callback.is_some()
     }
 
-    /// Reports that `fraction` of the work is done. For work on several threads there is [`Tracker`].
+    /// Reports that `fraction` of the work is done. For work on several threads there is `Tracker`.
     ///
     /// # Errors
     /// [`Error::Cancelled`] when the callback asks to stop.

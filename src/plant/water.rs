@@ -82,7 +82,7 @@ pub fn grams_per_hour(loss: f64) -> f64 {
 /// let plant = families::chain(20, 0.3, 1e-3)?;
 /// let model = WaterModel::new(&plant, &WaterOptions::new().loss(grams_per_hour(100.0)))?;
 /// let after = model.water_after(&model.full(), 3600.0, Par::Seq)?;
-/// assert!(after.iter().zip(model.full()).all(|(&water, full)| 0.0 < water && water <= full));
+/// assert!(after.iter().sum::<f64>() < model.full().iter().sum()); // the plant dries
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 #[derive(Debug, Clone)]

@@ -116,8 +116,7 @@ pub struct Round {
 /// ```
 /// use catamaran::ata::distributed::rounds;
 ///
-/// assert_eq!(rounds(4).len(), 3); // each rank meets each other one
-/// # Ok::<(), catamaran::Error>(())
+/// assert_eq!(rounds(8).len(), 3);
 /// ```
 pub fn rounds(ranks: usize) -> Vec<Round> {
     let mut rounds = Vec::new();

@@ -19,7 +19,6 @@ const SEARCHED: usize = 40;
 /// for difference in 0..7 {
 ///     assert!(cover.iter().any(|i| cover.iter().any(|j| (7 + i - j) % 7 == difference)));
 /// }
-/// # Ok::<(), catamaran::Error>(())
 /// ```
 pub fn difference_cover(ranks: usize) -> Vec<usize> {
     if ranks <= SEARCHED { shortest(ranks) } else { wichmann(ranks) }

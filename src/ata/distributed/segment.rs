@@ -34,7 +34,6 @@ impl Segment {
 /// use catamaran::ata::distributed::packed_len;
 ///
 /// assert_eq!(packed_len(4), 10);
-/// # Ok::<(), catamaran::Error>(())
 /// ```
 pub fn packed_len(n: usize) -> usize {
     // One of the two is even, and halved before they overflow.

@@ -199,7 +199,6 @@ impl TreeNode {
 ///
 /// assert_eq!(levels(1), 0);
 /// assert!(levels(64) >= levels(8));
-/// # Ok::<(), catamaran::Error>(())
 /// ```
 pub fn levels(p: usize) -> usize {
     match p {

@@ -48,7 +48,6 @@ pub fn heat_kernel_signature(
 /// use catamaran::spectral::descriptors::heat_trace;
 ///
 /// assert_eq!(heat_trace(&[0.0, 0.0], 3.0), 2.0);
-/// # Ok::<(), catamaran::Error>(())
 /// ```
 pub fn heat_trace(values: &[f64], time: f64) -> f64 {
     values.iter().map(|lambda| (-lambda * time).exp()).sum()
