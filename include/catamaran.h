@@ -201,8 +201,9 @@ typedef int32_t cata_status;
  * A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything else
  * asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
  *
- * It is called from whichever thread finished a piece, one call at a time; it must be quick, and
- * must not leave by longjmp or a C++ exception.
+ * It is called from any thread that works for the call, one call at a time: each begins after the one
+ * before it has returned, and sees what that has written. No thread waits for it, so it may be slow,
+ * and it may call this library. It must not leave by longjmp or a C++ exception.
  */
 typedef int32_t (*cata_progress)(double fraction, void *user);
 
@@ -252,12 +253,6 @@ typedef struct cata_ata_params {
      * on CPUs without AMX; the scheme must be that or CATA_SCHEME_AUTO. 0: not asked for.
      */
     int32_t reproducible;
-    /**
-     * 1: fast levels multiply columns by powers of two while they pack them, and divide the products
-     * again, so that columns of very different sizes do not spoil each other's accuracy; nothing is
-     * rounded for it. Only without `backend`. 0: not asked for.
-     */
-    int32_t scale_columns;
 } cata_ata_params;
 
 /**
@@ -911,6 +906,60 @@ cata_status cata_aat_f32(int32_t layout,
                          float *c,
                          size_t ldc,
                          const struct cata_ata_params *params);
+
+/**
+ * C := alpha A^T W A + beta C, for a sparse A, m x n, with weights W or none, and C n x n, dense.
+ *
+ * - `layout`, `uplo`: of C, as in cata_ata_f64.
+ * - `m`, `n`: any, 0 included.
+ * - `row_starts`: m + 1 elements, read: the entries of row i are those from `row_starts[i]` to
+ *   `row_starts[i + 1] - 1`, the first being 0. May be NULL when m is 0.
+ * - `columns`, `entries`: `row_starts[m]` elements each, read: columns ascending within a row, from 0,
+ *   each at most once, and the entries of A there. May be NULL when there are none.
+ * - `weights`: m finite elements, read; NULL: all 1.
+ * - `alpha`, `beta`, `c`, `ldc`: as in cata_ata_f64.
+ * - `params`: NULL for the defaults; `threads` and `progress` count, the rest is checked only.
+ *
+ * Returns what cata_ata_f64 does, or CATA_ERR_NON_FINITE for a weight. C is untouched after any error
+ * but CATA_ERR_CANCELLED and CATA_ERR_PANIC.
+ *
+ * The sums are those of the classical algorithm, in double and in the order of the rows. The result does
+ * not depend on the number of threads, bit for bit.
+ *
+ * Thread-safe: calls may run at the same time as long as no C is shared.
+ */
+cata_status cata_ata_sparse_f64(int32_t layout,
+                                int32_t uplo,
+                                size_t m,
+                                size_t n,
+                                double alpha,
+                                const size_t *row_starts,
+                                const size_t *columns,
+                                const double *entries,
+                                const double *weights,
+                                double beta,
+                                double *c,
+                                size_t ldc,
+                                const struct cata_ata_params *params);
+
+/**
+ * As cata_ata_sparse_f64, with A and C in float; weights and sums are in double.
+ *
+ * Thread-safe: calls may run at the same time as long as no C is shared.
+ */
+cata_status cata_ata_sparse_f32(int32_t layout,
+                                int32_t uplo,
+                                size_t m,
+                                size_t n,
+                                float alpha,
+                                const size_t *row_starts,
+                                const size_t *columns,
+                                const float *entries,
+                                const double *weights,
+                                float beta,
+                                float *c,
+                                size_t ldc,
+                                const struct cata_ata_params *params);
 
 /**
  * C := alpha X^T W X + beta C, where X is A with a row subtracted from every row, and W = diag(weights).

@@ -167,8 +167,9 @@ struct options {
     std::size_t tasks = 0;
     /// Null: the built-in one. Must outlive the call.
     const catamaran::backend* backend = nullptr;
-    /// Told the fraction done, one call at a time, from any thread; returns whether to go on. What
-    /// it throws stops the work and comes out of the call.
+    /// Told the fraction done; returns whether to go on. It is called from any thread that works for
+    /// the call, one call at a time, each after the one before it has returned. It may be slow, and may
+    /// call this library. What it throws stops the work and comes out of the call.
     std::function<bool(double)> progress;
 };
 
@@ -354,6 +355,20 @@ struct sparse_view {
     const std::size_t* columns = nullptr;
     const double* entries = nullptr;
 };
+
+/// A^T W A of a sparse A of `cols` columns, cols x cols, both triangles; no weights: all 1.
+inline std::vector<double> ata(const sparse_view& a, std::size_t cols,
+                               const std::vector<double>& weights = {}, const options& how = {}) {
+    const double* diagonal = weights.empty() ? nullptr : weights.data();
+    detail::require(!diagonal || weights.size() == a.rows, CATA_ERR_SHAPE,
+                    "weights: must have an element for each row of a");
+    std::vector<double> c(cols * cols);
+    detail::call call(how);
+    call.finish(cata_ata_sparse_f64(CATA_ROW_MAJOR, CATA_BOTH, a.rows, cols, 1.0, a.row_starts,
+                                    a.columns, a.entries, diagonal, 0.0, c.data(), cols ? cols : 1,
+                                    call.params()));
+    return c;
+}
 
 /// Which triangles the functions are linear on.
 enum class laplacian_kind : std::int32_t {

@@ -151,6 +151,8 @@ void spectra() {
     const std::vector<std::size_t> row_starts{0, 2, 5, 7}, columns{0, 1, 0, 1, 2, 1, 2};
     const std::vector<double> entries{1, -1, -1, 2, -1, -1, 1};
     const catamaran::sparse_view path{3, row_starts.data(), columns.data(), entries.data()};
+    CHECK((catamaran::ata(path, 3, {1, 2, 1}) == std::vector<double>{3, -5, 2, -5, 10, -5, 2, -5, 3}));
+    CHECK(status_of([&] { catamaran::ata(path, 3, {1, 2}); }) == CATA_ERR_SHAPE);
     const auto pairs = catamaran::spectrum(path, 3);
     CHECK(std::abs(pairs.values[1] - 1) < 1e-12 && std::abs(pairs.values[2] - 3) < 1e-12);
     CHECK(pairs.masses.empty() && std::abs(pairs.matrix()(1, 1)) < 1e-12);

@@ -380,7 +380,7 @@ impl Work<'_> {
         if self.args.explain {
             let count = sparse_multiplications(a.view());
             report(format_args!(
-                "plan      sparse: each row times its entries, {count} multiplications, {} threads",
+                "plan      sparse: the outer product of each row, {count} multiplications, {} threads",
                 options.par.threads()
             ))?;
         }

@@ -12,6 +12,7 @@ const FILES: &[&str] = &[
     "pointer",
     "params",
     "ata",
+    "ata_sparse",
     "rows",
     "atb",
     "verify",
