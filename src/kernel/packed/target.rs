@@ -93,7 +93,7 @@ impl<'a, T: Real> Destination<'a, T> {
     }
 
     /// Divides rows and columns of products by these powers of two, which were factors of the sources
-    /// ([`super::Source`]).
+    /// ([`super::Source`]); what is divided by infinity becomes zero.
     pub fn unscaling(mut self, rows: &'a [T], cols: &'a [T]) -> Self {
         assert_eq!((rows.len(), cols.len()), (self.matrix.nrows(), self.matrix.ncols()));
         self.scales = Some((rows, cols));

@@ -188,8 +188,8 @@ unsafe fn write_elements<V: Vectors>(
 /// first, two factors on the same side of 1 are applied one after the other.
 ///
 /// # Safety
-/// `sums` and `out` hold ROWS x WIDTH; there are scales for these rows and columns, powers of two whose
-/// inverses are normal numbers.
+/// `sums` and `out` hold rows of WIDTH; there are scales for these rows and columns: powers of two whose
+/// inverses are numbers, or infinities, which make zeros.
 #[inline(always)]
 unsafe fn unscale<V: Vectors>(
     sums: *const V::Scalar,
