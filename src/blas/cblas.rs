@@ -7,7 +7,10 @@ use faer::prelude::Reborrow;
 use faer::{MatMut, MatRef};
 use libloading::Library;
 
-use super::{Backend, Kernels, Native, Rates, ThreadGuard, gemmt_by_gemm};
+use super::backend::{Backend, Rates, ThreadGuard};
+use super::kernels::Kernels;
+use super::native::Native;
+use super::triangle::gemmt_by_gemm;
 use crate::base::{Error, Real, Result};
 use crate::kernel::packed;
 

@@ -9,106 +9,21 @@
 //!
 //! A back end computes with one thread: threads belong to the layers above.
 
+mod backend;
 mod cblas;
+mod kernels;
 mod native;
 mod triangle;
 
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
-use faer::{MatMut, MatRef};
+use crate::base::Result;
+use crate::kernel::packed::{self, Isa};
 
-use crate::base::{Real, Result};
-use crate::kernel::packed::Isa;
-use crate::kernel::{int8, packed};
-
+pub use backend::{Backend, BlasReal, Rates, ThreadGuard};
+pub use kernels::Kernels;
 pub use native::Native;
-pub(crate) use triangle::gemmt_by_gemm;
-
-/// The matrix products of one precision, sequential, transposed on the left.
-///
-/// Any strides are taken, negative and zero ones (in inputs) too. `beta == 0` means that `c` is
-/// not read. The three inputs never overlap `c`.
-pub trait Kernels<T>: Send + Sync {
-    /// `C := alpha A^T B + beta C`; A is m x n, B is m x k, C is n x k.
-    fn gemm(&self, alpha: T, a: MatRef<'_, T>, b: MatRef<'_, T>, beta: T, c: MatMut<'_, T>);
-
-    /// The lower triangle, diagonal included, of `C := alpha A^T A + beta C`; A is m x n. The
-    /// strict upper triangle of C is neither read nor written.
-    fn syrk(&self, alpha: T, a: MatRef<'_, T>, beta: T, c: MatMut<'_, T>);
-
-    /// The lower triangle, diagonal included, of `C := alpha A^T B + beta C`; A and B are m x n.
-    /// The strict upper triangle of C is neither read nor written.
-    fn gemmt(&self, alpha: T, a: MatRef<'_, T>, b: MatRef<'_, T>, beta: T, c: MatMut<'_, T>);
-}
-
-/// Sustained speed of a back end on one core, for the planner. Estimates: a wrong one costs time,
-/// never correctness.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rates {
-    /// Flops per second (a multiply-add counts two) of a large f64 `gemm`; f32 runs at twice that.
-    pub gemm_flops: f64,
-    /// Side at which `gemm` runs at a third of that, for the model `1 / (1 + half / n + half / k)`.
-    pub gemm_half_side: f64,
-    /// Useful flops per second of a large f64 `syrk`.
-    pub syrk_flops: f64,
-    /// Side at which `syrk` runs at half of that.
-    pub syrk_half_side: f64,
-    /// Bytes per second of a sum of matrices that do not fit the cache, reads and writes counted.
-    pub add_bytes: f64,
-}
-
-/// A BLAS library, or what stands in for one.
-pub trait Backend: Kernels<f32> + Kernels<f64> {
-    /// Short name, such as `native`, `openblas` or the file name of a loaded library.
-    fn name(&self) -> &str;
-
-    /// Its version, or what it says of itself; may be empty.
-    fn description(&self) -> &str;
-
-    /// What the planner assumes of it.
-    fn rates(&self) -> Rates;
-
-    /// Itself, when it is our own kernels: [`ata`](mod@crate::ata) then uses them without this trait.
-    fn native(&self) -> Option<&Native> {
-        None
-    }
-
-    /// Holds the library at one thread until the guard is dropped: on the calling thread (MKL), or in
-    /// the process (others), where the last guard restores what the first one found.
-    fn single_threaded(&self) -> ThreadGuard {
-        ThreadGuard(None)
-    }
-}
-
-/// Restores a library's thread count when dropped.
-pub struct ThreadGuard(Option<Box<dyn FnOnce()>>);
-
-impl Drop for ThreadGuard {
-    fn drop(&mut self) {
-        if let Some(restore) = self.0.take() {
-            restore();
-        }
-    }
-}
-
-/// A scalar whose kernels a [`Backend`] has: picks them out of the trait object.
-pub trait BlasReal: Real + int8::Operand + packed::Operand {
-    /// The kernels of this precision.
-    fn kernels(backend: &dyn Backend) -> &dyn Kernels<Self>;
-}
-
-impl BlasReal for f32 {
-    fn kernels(backend: &dyn Backend) -> &dyn Kernels<Self> {
-        backend
-    }
-}
-
-impl BlasReal for f64 {
-    fn kernels(backend: &dyn Backend) -> &dyn Kernels<Self> {
-        backend
-    }
-}
 
 /// The default back end: our own kernels for the best instruction set of this machine.
 pub fn native() -> Arc<dyn Backend> {

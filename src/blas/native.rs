@@ -1,6 +1,6 @@
 use faer::{MatMut, MatRef};
 
-use super::{Backend, Kernels, Rates};
+use super::kernels::Kernels;
 use crate::base::{Par, Progress, Scratch, Tracker};
 use crate::kernel::packed::{
     self, Destination, Isa, Job, Operand, Part, Product, Shape, Source, is_small, run, run_small,
@@ -42,7 +42,7 @@ impl Native {
 
     /// Whether a product is over before it could be planned: at most about 30 microseconds.
     #[inline]
-    pub(crate) fn is_small<T: Operand>(&self, m: usize, n: usize, k: usize, same: bool) -> bool {
+    pub(crate) fn is_small(&self, m: usize, n: usize, k: usize, same: bool) -> bool {
         is_small(Shape { depth: m, rows: n, cols: k, same })
     }
 
@@ -116,30 +116,5 @@ impl<T: Operand> Kernels<T> for Native {
 
     fn gemmt(&self, alpha: T, a: MatRef<'_, T>, b: MatRef<'_, T>, beta: T, c: MatMut<'_, T>) {
         self.product(alpha, a, Some(b), beta, c, Part::Lower);
-    }
-}
-
-impl Backend for Native {
-    fn name(&self) -> &str {
-        "native"
-    }
-
-    fn description(&self) -> &str {
-        self.isa.name()
-    }
-
-    fn native(&self) -> Option<&Self> {
-        Some(self)
-    }
-
-    fn rates(&self) -> Rates {
-        let packed::Rates { flops, update_bytes, .. } = self.rates;
-        Rates {
-            gemm_flops: flops,
-            gemm_half_side: 36.0,
-            syrk_flops: flops,
-            syrk_half_side: 60.0,
-            add_bytes: update_bytes,
-        }
     }
 }

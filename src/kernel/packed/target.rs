@@ -45,7 +45,7 @@ pub(super) struct Scales<T> {
 impl<T> Scales<T> {
     /// Those of a tile with this corner.
     #[inline(always)]
-    pub fn from(self, row: usize, col: usize) -> Self {
+    pub fn at(self, row: usize, col: usize) -> Self {
         let from = |scales: SharedPtr<T>, i: usize| SharedPtr::new(scales.at(i as isize));
         Self { rows: from(self.rows, row), cols: from(self.cols, col) }
     }

@@ -35,7 +35,7 @@ pub(super) unsafe fn write<V: Vectors>(
             let wanted =
                 wanted.start.saturating_sub(col)..wanted.end.saturating_sub(col).min(width);
             let out = unscaled.as_mut_ptr().cast();
-            unscale::<V>(sums, &scales.from(row, col), height, wanted, out);
+            unscale::<V>(sums, &scales.at(row, col), height, wanted, out);
             sums = out;
         }
         if target.col_stride != 1 {
