@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use catamaran::Plan;
+
 use crate::input::Shape;
 use crate::product::Operation;
 use crate::race::Outcome;
@@ -69,6 +71,10 @@ pub struct Row {
     pub rival_seconds: f64,
     /// Our time over the rival's; the median of paired ratios.
     pub ratio: f64,
+    /// What our plan does ([`catamaran::Plan::scheme`]).
+    pub scheme: String,
+    /// The instruction set of our kernels, or `-`.
+    pub isa: String,
     /// Our largest error, relative to the largest norms of columns of A.
     pub error: f64,
     /// The rival's.
@@ -76,12 +82,12 @@ pub struct Row {
 }
 
 /// The column names of the record.
-pub const CSV_HEADER: &str = "m,n,type,threads,repetitions,median_s,gflops,rival,rival_median_s,time_ratio,error,rival_error";
+pub const CSV_HEADER: &str = "m,n,type,threads,repetitions,median_s,gflops,rival,rival_median_s,time_ratio,scheme,isa,error,rival_error";
 
 /// The column names on the screen.
 pub fn header() -> String {
     format!(
-        "{:>8} {:>6} {:>4} {:>2} {:>4} {:>10} {:>8}  {:<16} {:>10} {:>6} {:>9} {:>9}",
+        "{:>8} {:>6} {:>4} {:>2} {:>4} {:>10} {:>8}  {:<16} {:>10} {:>6}  {:<20} {:<8} {:>9} {:>9}",
         "m",
         "n",
         "type",
@@ -92,6 +98,8 @@ pub fn header() -> String {
         "best rival",
         "median s",
         "ratio",
+        "scheme",
+        "isa",
         "error",
         "rival's"
     )
@@ -104,9 +112,10 @@ pub fn best_rival(outcomes: &[Outcome]) -> Option<&Outcome> {
     rivals().filter(|o| o.seconds.len() == most).min_by(|x, y| x.median().total_cmp(&y.median()))
 }
 
-/// The row of one race; `None` when nobody or no rival was measured.
+/// The row of one race, in which ours followed this plan; `None` when nobody or no rival was measured.
 pub fn row(
     outcomes: &[Outcome],
+    plan: Option<&Plan>,
     shape: Shape,
     scalar: &'static str,
     threads: usize,
@@ -123,6 +132,8 @@ pub fn row(
         rival: rival.contender.clone(),
         rival_seconds: rival.median(),
         ratio: rival.ratio_to(ours),
+        scheme: plan.map_or("-".into(), Plan::scheme),
+        isa: plan.and_then(Plan::isa).unwrap_or("-").into(),
         error: ours.error,
         rival_error: rival.error,
     })
@@ -131,10 +142,11 @@ pub fn row(
 impl Row {
     /// A line of the record.
     pub fn csv(&self) -> String {
-        let Self { shape: Shape { m, n }, scalar, threads, repetitions, rival, .. } = self;
+        let Self { shape: Shape { m, n }, scalar, threads, repetitions, .. } = self;
+        let Self { rival, scheme, isa, .. } = self;
         format!(
-            "{m},{n},{scalar},{threads},{repetitions},{:.4e},{:.2},{rival},{:.4e},{:.4},{:.3e},\
-             {:.3e}",
+            "{m},{n},{scalar},{threads},{repetitions},{:.4e},{:.2},{rival},{:.4e},{:.4},{scheme},{isa},\
+             {:.3e},{:.3e}",
             self.seconds, self.gflops, self.rival_seconds, self.ratio, self.error, self.rival_error
         )
     }
@@ -142,11 +154,12 @@ impl Row {
 
 impl fmt::Display for Row {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { shape: Shape { m, n }, scalar, threads, repetitions, rival, .. } = self;
+        let Self { shape: Shape { m, n }, scalar, threads, repetitions, .. } = self;
+        let Self { rival, scheme, isa, .. } = self;
         write!(
             f,
             "{m:>8} {n:>6} {scalar:>4} {threads:>2} {repetitions:>4} {:>10.3e} {:>8.1}  \
-             {rival:<16} {:>10.3e} {:>6.3} {:>9.2e} {:>9.2e}",
+             {rival:<16} {:>10.3e} {:>6.3}  {scheme:<20} {isa:<8} {:>9.2e} {:>9.2e}",
             self.seconds, self.gflops, self.rival_seconds, self.ratio, self.error, self.rival_error
         )
     }
@@ -207,6 +220,8 @@ pub(crate) mod tests {
             rival: "openblas gemm".into(),
             rival_seconds: 1e-6,
             ratio,
+            scheme: "kgp4 + strassen".into(),
+            isa: "avx512".into(),
             error: 1e-16,
             rival_error: 2e-16,
         }
@@ -248,7 +263,7 @@ pub(crate) mod tests {
             ours.clone(),
         ];
         assert_eq!(best_rival(&outcomes).unwrap().contender, "best");
-        let row = row(&outcomes, Shape { m: 1000, n: 1000 }, "f64", 1).unwrap();
+        let row = row(&outcomes, None, Shape { m: 1000, n: 1000 }, "f64", 1).unwrap();
         assert_eq!((row.rival.as_str(), row.seconds, row.rival_seconds), ("best", 1.0, 2.0));
         assert_eq!((row.ratio, row.gflops), (0.5, 1.0));
         assert_eq!(best_rival(&[ours, outcome("late", &[])]), None);
@@ -270,7 +285,8 @@ pub(crate) mod tests {
         let row = example(Shape { m: 64, n: 16 }, 2, 1.25);
         assert_eq!(
             row.csv(),
-            "64,16,f64,2,5,2.0000e-6,60.00,openblas gemm,1.0000e-6,1.2500,1.000e-16,2.000e-16"
+            "64,16,f64,2,5,2.0000e-6,60.00,openblas gemm,1.0000e-6,1.2500,\
+             kgp4 + strassen,avx512,1.000e-16,2.000e-16"
         );
         assert_eq!(row.csv().split(',').count(), CSV_HEADER.split(',').count());
         assert_eq!(row.to_string().len(), header().len());

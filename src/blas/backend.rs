@@ -1,25 +1,9 @@
-use faer::{MatMut, MatRef};
+//! What a back end is.
 
+use super::kernels::Kernels;
 use super::native::Native;
 use crate::base::Real;
 use crate::kernel::{int8, packed};
-
-/// The matrix products of one precision, sequential, transposed on the left.
-///
-/// Any strides are taken, negative and zero ones (in inputs) too. `beta == 0` means that `c` is
-/// not read. The three inputs never overlap `c`.
-pub trait Kernels<T>: Send + Sync {
-    /// `C := alpha A^T B + beta C`; A is m x n, B is m x k, C is n x k.
-    fn gemm(&self, alpha: T, a: MatRef<'_, T>, b: MatRef<'_, T>, beta: T, c: MatMut<'_, T>);
-
-    /// The lower triangle, diagonal included, of `C := alpha A^T A + beta C`; A is m x n. The
-    /// strict upper triangle of C is neither read nor written.
-    fn syrk(&self, alpha: T, a: MatRef<'_, T>, beta: T, c: MatMut<'_, T>);
-
-    /// The lower triangle, diagonal included, of `C := alpha A^T B + beta C`; A and B are m x n.
-    /// The strict upper triangle of C is neither read nor written.
-    fn gemmt(&self, alpha: T, a: MatRef<'_, T>, b: MatRef<'_, T>, beta: T, c: MatMut<'_, T>);
-}
 
 /// Sustained speed of a back end on one core, for the planner. Estimates: a wrong one costs time,
 /// never correctness.
@@ -86,5 +70,30 @@ impl BlasReal for f32 {
 impl BlasReal for f64 {
     fn kernels(backend: &dyn Backend) -> &dyn Kernels<Self> {
         backend
+    }
+}
+
+impl Backend for Native {
+    fn name(&self) -> &str {
+        "native"
+    }
+
+    fn description(&self) -> &str {
+        self.isa().name()
+    }
+
+    fn native(&self) -> Option<&Self> {
+        Some(self)
+    }
+
+    fn rates(&self) -> Rates {
+        let packed::Rates { flops, update_bytes, .. } = Native::rates(self);
+        Rates {
+            gemm_flops: flops,
+            gemm_half_side: 36.0,
+            syrk_flops: flops,
+            syrk_half_side: 60.0,
+            add_bytes: update_bytes,
+        }
     }
 }

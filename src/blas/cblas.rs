@@ -7,7 +7,8 @@ use faer::prelude::Reborrow;
 use faer::{MatMut, MatRef};
 use libloading::Library;
 
-use super::backend::{Backend, Kernels, Rates, ThreadGuard};
+use super::backend::{Backend, Rates, ThreadGuard};
+use super::kernels::Kernels;
 use super::native::Native;
 use super::triangle::gemmt_by_gemm;
 use crate::base::{Error, Real, Result};

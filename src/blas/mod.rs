@@ -11,8 +11,8 @@
 
 mod backend;
 mod cblas;
+mod kernels;
 mod native;
-mod native_products;
 mod triangle;
 
 use std::path::Path;
@@ -21,7 +21,8 @@ use std::sync::{Arc, LazyLock};
 use crate::base::Result;
 use crate::kernel::packed::{self, Isa};
 
-pub use backend::{Backend, BlasReal, Kernels, Rates, ThreadGuard};
+pub use backend::{Backend, BlasReal, Rates, ThreadGuard};
+pub use kernels::Kernels;
 pub use native::Native;
 
 /// The default back end: our own kernels for the best instruction set of this machine.

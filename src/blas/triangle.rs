@@ -1,7 +1,7 @@
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
-use super::backend::Kernels;
+use super::kernels::Kernels;
 use crate::base::Real;
 
 /// Order of the diagonal blocks that are computed whole and then halved.
@@ -9,7 +9,7 @@ const DIAGONAL: usize = 96;
 
 /// The lower triangle of `C := alpha A^T B + beta C` out of general products: halves C until its
 /// diagonal blocks are small, and computes those in a buffer on the stack.
-pub(crate) fn gemmt_by_gemm<T: Real>(
+pub(super) fn gemmt_by_gemm<T: Real>(
     kernels: &(impl Kernels<T> + ?Sized),
     alpha: T,
     a: MatRef<'_, T>,

@@ -76,10 +76,11 @@ fn one_shape<T: Scalar>(
     let a = matrix::<T>(shape, Distribution::Uniform, seed);
     let product = Product::syrk(shape, &a);
     let reference = Reference::new(&product, SAMPLE, seed);
+    let plan = contenders.iter().find_map(|c| c.plan::<T>(Operation::Syrk, shape));
     for &threads in &arguments.pace.threads {
         let team = arguments.pace.team(threads)?;
         let outcomes = race(contenders, product, threads, &team, &reference, rules)?;
-        let row = row(&outcomes, shape, T::NAME, threads);
+        let row = row(&outcomes, plan.as_ref(), shape, T::NAME, threads);
         if row.as_ref().is_none_or(|r| r.repetitions < rules.repeat) {
             eprintln!("{shape} {} {threads} threads: cut short, time is up", T::NAME);
         }

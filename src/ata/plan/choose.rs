@@ -53,7 +53,7 @@ const GAIN_OF_EXACT: f64 = 0.98;
 /// The strategy for `problem`.
 pub(super) fn choose<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
     let float = |options: &AtaOptions<'_>| match native_for(options) {
-        Some(native) if is_direct::<T>(native, &problem, options) => direct(native),
+        Some(native) if is_direct(native, &problem, options) => direct(native),
         Some(native) => fused::<T>(native, problem, options),
         None => tasks::<T>(problem, options),
     };
@@ -86,9 +86,9 @@ fn native_for<'o>(options: &'o AtaOptions<'_>) -> Option<&'o Native> {
 }
 
 /// Whether the product is over before it could be planned, and the options leave us the choice.
-fn is_direct<T: BlasReal>(native: &Native, problem: &Problem, options: &AtaOptions<'_>) -> bool {
+fn is_direct(native: &Native, problem: &Problem, options: &AtaOptions<'_>) -> bool {
     matches!(options.scheme, SchemeChoice::Auto | SchemeChoice::Float | SchemeChoice::Classical)
-        && native.is_small::<T>(problem.m, problem.n, problem.k, problem.same())
+        && native.is_small(problem.m, problem.n, problem.k, problem.same())
 }
 
 fn direct(native: &Native) -> Choice {

@@ -38,6 +38,34 @@ impl Display for Plan {
     }
 }
 
+impl Plan {
+    /// Returns what it does in a few words without commas, for tables: `direct`, `classical`, `exact`, or
+    /// the schemes of its fast levels, the symmetric ones first.
+    pub fn scheme(&self) -> String {
+        let recursion = match &self.strategy {
+            Strategy::Direct(_) => return "direct".into(),
+            Strategy::Exact(_) => return "exact".into(),
+            Strategy::Fused(fused) => &fused.recursion,
+            Strategy::Tasks(tasks) => &tasks.recursion,
+        };
+        if !self.is_fast() {
+            return "classical".into();
+        }
+        let schemes = recursion.symmetric.iter().chain(&recursion.general);
+        schemes.map(ToString::to_string).collect::<Vec<_>>().join(" + ")
+    }
+
+    /// Returns the name of the instruction set of our own kernels; `None` where a library computes.
+    pub fn isa(&self) -> Option<&'static str> {
+        match &self.strategy {
+            Strategy::Direct(isa) => Some(isa.name()),
+            Strategy::Fused(fused) => Some(fused.isa.name()),
+            Strategy::Exact(exact) => Some(exact.isa.name()),
+            Strategy::Tasks(_) => None,
+        }
+    }
+}
+
 impl Display for Exact {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let (moduli, isa) = (self.layout.moduli, self.isa.name());

@@ -8,7 +8,6 @@ use super::target::{Target, wanted_of};
 use super::tile::{Side, Tile};
 use super::vectors::{Vectors, low_bits};
 use super::write::{write, write_registers};
-use crate::base::Real;
 
 /// A rectangle of a product, whose sides may be read in place.
 pub(crate) struct InPlace<'r, T> {

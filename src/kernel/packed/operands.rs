@@ -12,8 +12,7 @@ use crate::base::Real;
 pub(crate) struct Source<'a, T> {
     pub coefficient: T,
     pub matrix: MatRef<'a, T>,
-    /// What each column is multiplied by: powers of two, so that nothing is rounded, between 2^-1022
-    /// and 2^1022 in f64, 2^-126 and 2^126 in f32. All sources of a product have them, or none.
+    /// What each column is multiplied by: powers of two, so that nothing is rounded.
     pub scale: Option<&'a [T]>,
 }
 

@@ -223,9 +223,9 @@ impl<T: Real> Phase<'_, '_, T> {
                 let len = if kept { row_len } else { height * width };
                 let row = Row {
                     steps,
-                    left: left.from_column(corner, width),
-                    right: right.from_column(first_col, width),
-                    next_left: left.from_column(corner + height, width).start,
+                    left: left.at_column(corner, width),
+                    right: right.at_column(first_col, width),
+                    next_left: left.at_column(corner + height, width).start,
                     next_right: next_right.wrapping_add(fetched),
                     next_lines,
                     panels: item.cols.clone(),

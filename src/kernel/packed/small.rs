@@ -14,7 +14,7 @@ use super::write::LARGEST_TILE;
 use crate::base::Real;
 
 /// Scalars that a chunk is packed into.
-const PACKED: usize = 6144;
+const PACKED: usize = 9216;
 
 /// Columns of the widest panel, f32 with AVX-512.
 const WIDEST: usize = 48;
@@ -139,7 +139,7 @@ unsafe fn multiply_packed<T: Real>(
             }
         }
         for corner in (0..rows).step_by(height) {
-            let left = side(0).from_column(corner, width);
+            let left = side(0).at_column(corner, width);
             let wanted = target.wanted_of(corner..corner + height);
             let row = Row {
                 steps,

@@ -45,7 +45,7 @@ pub(super) struct Scales<T> {
 impl<T> Scales<T> {
     /// Those of a tile with this corner.
     #[inline(always)]
-    pub fn from(self, row: usize, col: usize) -> Self {
+    pub fn at(self, row: usize, col: usize) -> Self {
         let from = |scales: SharedPtr<T>, i: usize| SharedPtr::new(scales.at(i as isize));
         Self { rows: from(self.rows, row), cols: from(self.cols, col) }
     }
@@ -93,7 +93,7 @@ impl<'a, T: Real> Destination<'a, T> {
     }
 
     /// Divides rows and columns of products by these powers of two, which were factors of the sources
-    /// ([`super::Source`]).
+    /// ([`super::Source`]); what is divided by infinity becomes zero.
     pub fn unscaling(mut self, rows: &'a [T], cols: &'a [T]) -> Self {
         assert_eq!((rows.len(), cols.len()), (self.matrix.nrows(), self.matrix.ncols()));
         self.scales = Some((rows, cols));

@@ -23,7 +23,7 @@ pub(crate) struct Side<T> {
 
 impl<T> Side<T> {
     /// The same from column `col` on, in panels of `width` columns.
-    pub fn from_column(self, col: usize, width: usize) -> Self {
+    pub fn at_column(self, col: usize, width: usize) -> Self {
         // In place, panels follow each other as columns do: no division.
         let offset = match self.panel_stride == width {
             true => col,

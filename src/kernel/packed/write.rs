@@ -35,7 +35,7 @@ pub(super) unsafe fn write<V: Vectors>(
             let wanted =
                 wanted.start.saturating_sub(col)..wanted.end.saturating_sub(col).min(width);
             let out = unscaled.as_mut_ptr().cast();
-            unscale::<V>(sums, &scales.from(row, col), height, wanted, out);
+            unscale::<V>(sums, &scales.at(row, col), height, wanted, out);
             sums = out;
         }
         if target.col_stride != 1 {
@@ -188,8 +188,8 @@ unsafe fn write_elements<V: Vectors>(
 /// first, two factors on the same side of 1 are applied one after the other.
 ///
 /// # Safety
-/// `sums` and `out` hold ROWS x WIDTH; there are scales for these rows and columns, powers of two whose
-/// inverses are normal numbers.
+/// `sums` and `out` hold rows of WIDTH; there are scales for these rows and columns: powers of two whose
+/// inverses are numbers, or infinities, which make zeros.
 #[inline(always)]
 unsafe fn unscale<V: Vectors>(
     sums: *const V::Scalar,

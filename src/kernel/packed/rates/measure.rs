@@ -95,13 +95,13 @@ impl<'a> Bench<'a> {
             (start.wrapping_add(DEPTH * item), start.wrapping_add(2 * DEPTH * item));
         median_rate(|| {
             for corner in (0..item).step_by(rows) {
-                let left = side(start, DEPTH, geometry).from_column(corner, width);
+                let left = side(start, DEPTH, geometry).at_column(corner, width);
                 let right = side(right, DEPTH, geometry);
                 let row = Row {
                     sums: sums.wrapping_add(corner * item),
                     kept: true,
                     add: true,
-                    ..row(DEPTH, [left, right], geometry, corner, 0..item / width, &[])
+                    ..row(DEPTH, [left, right], corner, 0..item / width, &[])
                 };
                 // SAFETY: whole panels of DEPTH rows, and tiles after them; `new` has measured
                 // their memory.
@@ -149,7 +149,7 @@ impl<'a> Bench<'a> {
             number += 1;
             let panels = first_col / width..(first_col + item) / width;
             for corner in (first_row..first_row + item).step_by(rows) {
-                let row = Row { sums, ..row(0, sides, geometry, corner, panels.clone(), &targets) };
+                let row = Row { sums, ..row(0, sides, corner, panels.clone(), &targets) };
                 // SAFETY: without steps nothing is read, one tile is used; the matrix is borrowed.
                 unsafe { kernel.multiply_row(&row) };
             }
@@ -167,7 +167,6 @@ fn side(start: *const f64, steps: usize, geometry: Geometry) -> Side<f64> {
 fn row<'r>(
     steps: usize,
     [left, right]: [Side<f64>; 2],
-    geometry: Geometry,
     corner: usize,
     panels: std::ops::Range<usize>,
     targets: &'r [Target<f64>],
