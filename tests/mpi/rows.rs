@@ -87,7 +87,7 @@ fn all_and_own<T: MpiReal>(world: &World, m: usize, n: usize) -> (Mat<T>, Mat<T>
         _ => T::from_f64((i as f64 * 0.37 + j as f64).sin() * (j as f64).exp2()),
     });
     let own = uneven(m, world.size(), world.rank());
-    let part = all.as_ref().subrows(own.start, own.len()).to_owned();
+    let part = Mat::from_fn(own.len(), n, |i, j| all[(own.start + i, j)]);
     (all, part)
 }
 
@@ -101,7 +101,7 @@ fn exact_of<T: MpiReal>(world: &World) {
     let (all, own) = all_and_own::<T>(world, m, n);
     let options = AtaOptions::new().reproducible(true).uplo(Uplo::Both);
     let c = ata_rows(world, T::from_f64(0.3), own.as_ref(), &options).unwrap();
-    let mut expected = Mat::zeros(n, n);
+    let mut expected = Mat::from_fn(n, n, |_, _| T::ZERO);
     let (rows, alpha) = (&mut DenseRows(all.as_ref()), T::from_f64(0.3));
     let row_options = RowOptions::default();
     catamaran::ata::ata_rows(alpha, rows, &row_options, T::ZERO, expected.as_mut(), &options)

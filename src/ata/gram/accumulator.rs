@@ -3,7 +3,7 @@ use std::ops::Range;
 use super::exact::ExactSums;
 use super::float::FloatSums;
 use super::grid::{RowBounds, Shift};
-use super::product::Pass;
+use super::pass::Pass;
 use super::strip::Strip;
 use crate::ata::combine::{mirror_lower, scale_lower};
 use crate::ata::options::{AtaOptions, Uplo};
@@ -204,7 +204,7 @@ impl<T: BlasReal> Accumulator<T> {
     /// # Errors
     /// [`Error::Shape`] for the block and the weights, [`Error::NonFinite`] for a weight; [`Error::Argument`] for
     /// a row or a weight beyond the bounds of an exact accumulator, which is left as it was; else as
-    /// [`ata`](super::super::ata), after which the accumulator is of no use any more.
+    /// [`ata`](crate::ata()), after which the accumulator is of no use any more.
     pub fn add_block(
         &mut self,
         count: usize,

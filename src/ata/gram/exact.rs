@@ -6,7 +6,7 @@ use faer::MatRef;
 
 use super::grid::{Grid, RowBounds, Shift};
 use super::moments::check_weight;
-use super::product::Pass;
+use super::pass::Pass;
 use super::wide;
 use crate::ata::exact::{Columns, Flags, Signs, triangle_len};
 use crate::base::{Error, Par, Real, Result, reserved};

@@ -5,7 +5,7 @@ use std::ops::Range;
 use faer::{MatMut, MatRef};
 
 use super::moments::Moments;
-use super::product::{Pass, part};
+use super::pass::{Pass, part};
 use super::strip::Strip;
 use crate::ata::Product;
 use crate::ata::options::Uplo;

@@ -2,7 +2,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::blocks::block_rows;
-use super::product::integer_layout;
+use super::pass::integer_layout;
 use crate::ata::exact::{self, triangle_len};
 use crate::ata::options::AtaOptions;
 use crate::ata::plan::{Op, Plan};

@@ -4,8 +4,11 @@
 use faer::Mat;
 
 use super::accumulator::Sums;
+use super::pass::Pass;
 use super::*;
+use crate::base::Result;
 use crate::base::{Par, Rng};
+use crate::blas::BlasReal;
 use crate::kernel::int8::Kernel;
 use crate::kernel::int8::tests::{PORTABLE, kernels};
 use crate::{AtaOptions, Error, Uplo};

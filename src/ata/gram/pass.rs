@@ -1,4 +1,4 @@
-//! The products of the blocks of one pass: planned once for each height, all in one scratch.
+//! One pass over rows: block after block, products planned once for each height of blocks, all in one scratch.
 
 use std::ops::Range;
 
@@ -12,7 +12,37 @@ use crate::base::{Progress, Result, Scratch, Workspace};
 use crate::blas::BlasReal;
 use crate::kernel::int8::{Isa, Kernel};
 
+use super::blocks::for_each_block;
 use super::grid::moduli;
+use super::source::RowBlocks;
+
+/// The share of a pass for bounds among two passes, as progress counts.
+pub(super) const FIRST_PASS: f64 = 0.1;
+
+/// Calls `work(count, block, weights, pass)` for each block of `height` rows from row `start` on.
+pub(super) fn for_each_block_of<'o, T: BlasReal>(
+    rows: &mut (dyn RowBlocks<T> + Send),
+    weights: Option<&[T]>,
+    height: usize,
+    start: usize,
+    options: &AtaOptions<'o>,
+    mut work: impl FnMut(usize, &mut [T], Option<&[T]>, &mut Pass<'o, T>) -> Result<()>,
+) -> Result<()> {
+    let m = rows.nrows();
+    let mut pass = Pass::new(options)?;
+    for_each_block(rows, start, height, options.par, |first, block| {
+        let count = height.min(m - first);
+        let weights = weights.map(|weights| &weights[first..first + count]);
+        pass.progress = options.progress.part(share_of_rows(first, count, m));
+        work(count, block, weights, &mut pass)
+    })
+}
+
+/// The share that `count` rows from `first` on, of `m`, have of the whole.
+fn share_of_rows(first: usize, count: usize, m: usize) -> Range<f64> {
+    let part = |rows: usize| rows as f64 / m.max(1) as f64;
+    part(first)..part(first + count)
+}
 
 /// What a pass over rows has beside its sums.
 pub(crate) struct Pass<'o, T> {

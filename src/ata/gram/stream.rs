@@ -1,0 +1,99 @@
+//! The rows of a source into an accumulator.
+
+#[cfg(feature = "mpi")]
+use std::ops::Range;
+
+use super::accumulator::{Accumulator, check_weights};
+#[cfg(feature = "mpi")]
+use super::blocks::block_rows;
+#[cfg(feature = "mpi")]
+use super::exact::ExactSums;
+use super::grid::RowBounds;
+#[cfg(feature = "mpi")]
+use super::grid::Shift;
+use super::pass::{FIRST_PASS, for_each_block_of};
+use super::source::RowBlocks;
+use crate::ata::options::AtaOptions;
+use crate::base::{Error, Result};
+use crate::blas::BlasReal;
+
+/// Called after each block; an error ends the pass.
+pub type AfterBlock<'a, T> = &'a mut dyn FnMut(&Accumulator<T>) -> Result<()>;
+
+/// Adds the m rows of a source, with m `weights` if there are any, to `accumulator`, in blocks of `block_rows`
+/// ([`block_rows()`] gives a good number). A thread reads the next block meanwhile, unless `options.par` is
+/// [`Par::Seq`](crate::Par::Seq).
+///
+/// An accumulator of the first k blocks of this source, such as `after_block` may have kept, goes on with the
+/// next one, and ends as the same bytes as if it had never stopped; any other must be empty. The result is the same,
+/// bit for bit, for every `options.par`. `options.progress` is told the fraction of all rows.
+///
+/// When the options ask for the exact path by name ([`AtaOptions::asks_for_exact`]), an empty accumulator becomes an
+/// exact one, of the bounds that a first pass over the rows finds: C is then the same bytes for any blocks. An
+/// accumulator that is exact already ([`Accumulator::exact`]) stays so, whatever the options say, and needs no such pass.
+///
+/// Memory beside the accumulator: two blocks, one more with weights, and the scratch of [`ata`](crate::ata()) for one.
+///
+/// # Errors
+/// [`Error::Shape`] and [`Error::NonFinite`] for the weights; [`Error::Argument`] when the accumulator is of a source
+/// of another shape, or of other blocks; those of the source and of `after_block`; else as [`ata`](crate::ata()).
+pub fn stream<T: BlasReal>(
+    rows: &mut (dyn RowBlocks<T> + Send),
+    weights: Option<&[T]>,
+    block_rows: usize,
+    accumulator: &mut Accumulator<T>,
+    options: &AtaOptions<'_>,
+    after_block: AfterBlock<'_, T>,
+) -> Result<()> {
+    let (m, n) = (rows.nrows(), rows.ncols());
+    check_weights(m, weights)?;
+    let same = |what: &str, was: u64, is: usize| {
+        if was == is as u64 {
+            return Ok(());
+        }
+        let why = format!("{what} was {was}, and is {is} now");
+        Err(Error::Argument { what: "accumulator", why })
+    };
+    same("the number of columns", accumulator.ncols as u64, n)?;
+    if block_rows == 0 {
+        return Err(Error::Argument { what: "block rows", why: "must be at least 1".into() });
+    }
+    if accumulator.rows() > 0 {
+        same("the number of rows", accumulator.expected_rows, m)?;
+        if !accumulator.is_exact() {
+            same("the number of rows of a block", accumulator.block_rows, block_rows)?;
+        }
+    }
+    let mut progress = options.progress;
+    if options.asks_for_exact() && !accumulator.is_exact() {
+        let [first, rest] = [0.0..FIRST_PASS, FIRST_PASS..1.0].map(|part| progress.part(part));
+        accumulator.make_exact(|| {
+            RowBounds::of(rows, weights, block_rows, &options.clone().progress(first))
+        })?;
+        progress = rest;
+    }
+    accumulator.expected_rows = m as u64;
+    accumulator.block_rows = block_rows as u64;
+    let start = accumulator.rows() as usize;
+    let options = &options.clone().progress(progress);
+    for_each_block_of(rows, weights, block_rows, start, options, |count, block, weights, pass| {
+        accumulator.add(count, block, weights, pass)?;
+        after_block(accumulator)
+    })
+}
+
+/// The exact sums of some rows of C, of all rows of a source.
+#[cfg(feature = "mpi")]
+pub(crate) fn exact_sums<T: BlasReal>(
+    rows: &mut (dyn RowBlocks<T> + Send),
+    bounds: &RowBounds<T>,
+    strip: Range<usize>,
+    options: &AtaOptions<'_>,
+) -> Result<ExactSums<T>> {
+    let mut sums = ExactSums::new(bounds, strip, Shift::No)?;
+    let height = block_rows::<T>(rows.ncols(), false);
+    for_each_block_of(rows, None, height, 0, options, |count, block, weights, pass| {
+        sums.add(count, block, weights, false, pass)
+    })?;
+    Ok(sums)
+}
