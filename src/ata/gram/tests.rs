@@ -6,12 +6,11 @@ use faer::Mat;
 use super::accumulator::Sums;
 use super::pass::Pass;
 use super::*;
-use crate::base::Result;
-use crate::base::{Par, Rng};
+use crate::ata::options::{AtaOptions, Uplo};
+use crate::base::{Error, Par, Result, Rng};
 use crate::blas::BlasReal;
 use crate::kernel::int8::Kernel;
 use crate::kernel::int8::tests::{PORTABLE, kernels};
-use crate::{AtaOptions, Error, Uplo};
 
 /// Rows with their weights, and bounds of both.
 struct Rows<T> {
