@@ -210,7 +210,7 @@ mod tests {
     use sprs::{CsMat, TriMat};
 
     use super::*;
-    use crate::Par;
+    use crate::base::Par;
     use crate::base::Rng;
 
     /// A random matrix; the triplets of some entries come in two parts, and some rows and columns are empty.
