@@ -1,8 +1,8 @@
 //! A^T A of a sparse matrix that never becomes dense.
 //!
 //! Line j of the triangle is the sum over the rows i that have an entry in column j, each row scaled by
-//! it: `c_j = sum w_i a_ij a_i`. A dense line of sums takes the scattered additions, and C is written
-//! once, line by line.
+//! it: `c_j = sum w_i a_ij a_i`. A panel of sums for a block of lines takes the scattered additions, row
+//! after row, and C is written once.
 
 use std::ops::Range;
 
@@ -16,8 +16,11 @@ use crate::ata::options::{AtaOptions, Uplo};
 use crate::base::{Disjoint, Error, Real, Result, Tracker, reserved, tickets, zeros};
 use crate::blas::BlasReal;
 
-/// Lines of C for a ticket: few enough to share, enough to be worth a ticket.
-const LINES: usize = 16;
+/// Sums of a block of lines: 512 KiB, half of a second level cache.
+const PANEL: usize = 1 << 16;
+
+/// Blocks of lines for each thread, so that threads end at about the same time.
+const BLOCKS_PER_THREAD: usize = 8;
 
 /// `C := alpha A^T W A + beta C` for a sparse A by rows (CSR), m x n, with m finite weights W or none:
 /// the triangle or triangles of `options.uplo`, of which `par` and `progress` count too.
@@ -25,8 +28,8 @@ const LINES: usize = 16;
 /// Sums are in f64 and in the order of the rows, rounded once to T: the result is the same, bit for
 /// bit, for every `options.par`. Entries that are not stored are zeros, and not multiplied: NaN and
 /// infinities reach those entries of C only whose columns share a row with them. With `beta == 0` C is
-/// not read, with `alpha == 0` A is not. The extra memory is 16 bytes for each entry of A, and n f64
-/// for each thread. [`sparse_is_faster`] says whether the dense product would take longer.
+/// not read, with `alpha == 0` A is not. The extra memory is at most 16 bytes for each entry of A, and for
+/// each thread n f64 or 512 KiB. [`sparse_is_faster`] says whether the dense product would take longer.
 ///
 /// ```
 /// use catamaran::ata::ata_sparse;
@@ -72,9 +75,10 @@ pub fn ata_sparse<S: Real, T: BlasReal>(
 
 /// Whether [`ata_sparse`] takes less time than the dense product of the same entries, as measured.
 pub fn sparse_is_faster<S: Real>(a: CsMatView<'_, S>) -> bool {
-    /// Multiplications of a dense product in the time of one of the sparse product, f64, any number of
-    /// threads. Measured on an AMD EPYC with AVX-512.
-    const DENSE_PER_SPARSE: f64 = 32.0;
+    /// Multiplications of a dense product in the time of one of the sparse product, both f64, where the
+    /// two take about as long: 12 to 34, for A from 500 x 4000 to 50000 x 100 on 1 and 2 threads of an
+    /// AMD EPYC with AVX-512.
+    const DENSE_PER_SPARSE: f64 = 24.0;
     let (m, n) = (a.rows() as f64, a.cols() as f64);
     DENSE_PER_SPARSE * sparse_multiplications(a) as f64 <= m * n * (n + 1.0) / 2.0
 }
@@ -94,111 +98,136 @@ fn lower_triangle<S: Real, T: BlasReal>(
     options: &AtaOptions<'_>,
 ) -> Result<()> {
     let n = a.cols();
-    let lines = Lines::new(a, c.row_stride().unsigned_abs() <= c.col_stride().unsigned_abs())?;
-    let c = Disjoint::new(c);
-    let blocks = n.div_ceil(LINES);
-    let mut sums = Vec::new();
-    for _ in 0..options.par.at_most(blocks).threads() {
-        sums.push(zeros::<f64>(n)?);
+    if n == 0 {
+        return options.progress.report(1.0);
     }
-    let tracker = Tracker::new(options.progress, lines.work(0..n) as f64);
+    let threads = options.par.at_most(n).threads();
+    let shares = if threads == 1 { 1 } else { threads * BLOCKS_PER_THREAD };
+    let height = (PANEL / n).min(n.div_ceil(shares)).max(1);
+    let by_columns = c.row_stride().unsigned_abs() <= c.col_stride().unsigned_abs();
+    let blocks = Blocks::new(a, height, by_columns)?;
+    let c = Disjoint::new(c);
+    let mut panels = Vec::new();
+    for _ in 0..threads {
+        panels.push(zeros::<f64>(height * n)?);
+    }
+    let tracker = Tracker::new(options.progress, blocks.work.iter().sum::<usize>() as f64);
     let (alpha, beta) = (alpha.to_f64(), beta.to_f64());
-    tickets(&mut sums, blocks, |sums, block| {
-        let block = block * LINES..n.min((block + 1) * LINES);
-        for j in block.clone() {
-            let range = lines.range(j);
-            sums[range.clone()].fill(0.0);
-            if alpha != 0.0 {
-                lines.add(j, weights, sums);
-            }
-            let (rows, cols) = match lines.by_columns {
+    tickets(&mut panels, blocks.work.len(), |panel, block| {
+        let lines = blocks.lines(block);
+        panel.fill(0.0);
+        if alpha != 0.0 {
+            blocks.add(block, weights, panel);
+        }
+        for (j, sums) in lines.zip(panel.chunks(n)) {
+            let range = if by_columns { j..n } else { 0..j + 1 };
+            let (rows, cols) = match by_columns {
                 true => (range.clone(), j..j + 1),
                 false => (j..j + 1, range.clone()),
             };
             // SAFETY: line j of the triangle, which belongs to this ticket alone.
             let line = unsafe { c.block(rows, cols) };
-            let line =
-                if lines.by_columns { line.col_mut(0) } else { line.row_mut(0).transpose_mut() };
+            let line = if by_columns { line.col_mut(0) } else { line.row_mut(0).transpose_mut() };
             for (entry, &sum) in line.iter_mut().zip(&sums[range]) {
                 let old = if beta == 0.0 { 0.0 } else { beta * entry.to_f64() };
                 *entry = T::from_f64(alpha * sum + old);
             }
         }
-        tracker.add(lines.work(block) as f64)
+        tracker.add(blocks.work[block] as f64)
     });
     tracker.finish()
 }
 
-/// The lines of the lower triangle of C, and the entries of A that they are made of.
-struct Lines<'a, S> {
+/// Blocks of consecutive lines of the lower triangle of C, and the entries of A that they are made of.
+struct Blocks<'a, S> {
     a: CsMatView<'a, S>,
+    /// Lines of a block.
+    height: usize,
     /// A line is the part of a column of C from the diagonal on, or else of a row up to it.
     by_columns: bool,
-    /// Where the entries of a column of A begin in `entries`, and the end of the last.
+    /// Where the entries of a block begin in `entries`, and the end of the last block.
     starts: Vec<usize>,
-    /// The entries of A by columns: the row, and the place among the stored entries.
+    /// A row of A with entries in the columns of the block, and the place of the first of them; ascending.
     entries: Vec<(usize, usize)>,
+    /// Additions of each block, and sums in its panel.
+    work: Vec<usize>,
 }
 
-impl<'a, S: Real> Lines<'a, S> {
-    fn new(a: CsMatView<'a, S>, by_columns: bool) -> Result<Self> {
-        let n = a.cols();
-        let mut starts = reserved(n + 1)?;
-        starts.resize(n + 1, 0_usize);
-        for &column in a.indices() {
-            starts[column] += 1;
+impl<'a, S: Real> Blocks<'a, S> {
+    fn new(a: CsMatView<'a, S>, height: usize, by_columns: bool) -> Result<Self> {
+        let count = a.cols().div_ceil(height);
+        let mut starts = reserved(count + 1)?;
+        starts.resize(count + 1, 0);
+        let mut blocks =
+            Self { a, height, by_columns, starts, entries: Vec::new(), work: Vec::new() };
+        let mut work = reserved(count)?;
+        work.extend((0..count).map(|block| blocks.lines(block).len() * a.cols()));
+        let mut starts = std::mem::take(&mut blocks.starts);
+        blocks.for_each_entry(|block, _, part| {
+            starts[block + 1] += 1;
+            work[block] += part;
+        });
+        for block in 0..count {
+            starts[block + 1] += starts[block];
         }
-        let mut end = 0;
-        for start in &mut starts {
-            end += *start;
-            *start = end;
-        }
-        // Each start is the end now, and goes back to the begin with the entries from the last row on.
-        let mut entries = reserved(a.nnz())?;
-        entries.resize(a.nnz(), (0, 0));
-        for i in (0..a.rows()).rev() {
-            for place in a.indptr().outer_inds_sz(i).rev() {
-                let start = &mut starts[a.indices()[place]];
-                *start -= 1;
-                entries[*start] = (i, place);
+        let mut entries = reserved(starts[count])?;
+        entries.resize(starts[count], (0, 0));
+        let mut ends = starts.clone();
+        blocks.for_each_entry(|block, entry, _| {
+            entries[ends[block]] = entry;
+            ends[block] += 1;
+        });
+        Ok(Self { starts, entries, work, ..blocks })
+    }
+
+    /// Calls `visit(block, (row, place), additions)` for every row and every block with columns of its
+    /// entries.
+    fn for_each_entry(&self, mut visit: impl FnMut(usize, (usize, usize), usize)) {
+        let columns = self.a.indices();
+        for row in 0..self.a.rows() {
+            let places = self.a.indptr().outer_inds_sz(row);
+            let mut place = places.start;
+            while place < places.end {
+                let block = columns[place] / self.height;
+                let (first, mut additions) = (place, 0);
+                while place < places.end && columns[place] / self.height == block {
+                    additions += self.part(&places, place).len();
+                    place += 1;
+                }
+                visit(block, (row, first), additions);
             }
         }
-        Ok(Self { a, by_columns, starts, entries })
     }
 
-    /// The entries of line j.
-    fn range(&self, j: usize) -> Range<usize> {
-        if self.by_columns { j..self.a.cols() } else { 0..j + 1 }
+    fn lines(&self, block: usize) -> Range<usize> {
+        block * self.height..self.a.cols().min((block + 1) * self.height)
     }
 
-    /// The entries of a row of A that line j takes, where the row has its entry of column j at `place`.
-    fn part(&self, row: usize, place: usize) -> Range<usize> {
-        let row = self.a.indptr().outer_inds_sz(row);
-        // Columns ascend within a row.
-        if self.by_columns { place..row.end } else { row.start..place + 1 }
+    /// The entries of a row of A (at these places) that a line takes of it, the row having its entry of
+    /// the line's column at `place`: columns ascend within a row.
+    fn part(&self, places: &Range<usize>, place: usize) -> Range<usize> {
+        if self.by_columns { place..places.end } else { places.start..place + 1 }
     }
 
-    fn of_column(&self, j: usize) -> &[(usize, usize)] {
-        &self.entries[self.starts[j]..self.starts[j + 1]]
-    }
-
-    /// Adds line j to the sums.
-    fn add(&self, j: usize, weights: Option<&[f64]>, sums: &mut [f64]) {
+    /// Adds the lines of a block to the sums in `panel`, which has a row of n for each.
+    fn add(&self, block: usize, weights: Option<&[f64]>, panel: &mut [f64]) {
+        let (n, lines) = (self.a.cols(), self.lines(block));
         let (columns, values) = (self.a.indices(), self.a.data());
-        for &(row, place) in self.of_column(j) {
-            let factor = weights.map_or(1.0, |w| w[row]) * values[place].to_f64();
-            let part = self.part(row, place);
-            for (&column, value) in columns[part.clone()].iter().zip(&values[part]) {
-                sums[column] += factor * value.to_f64();
+        for &(row, first) in &self.entries[self.starts[block]..self.starts[block + 1]] {
+            let places = self.a.indptr().outer_inds_sz(row);
+            let weight = weights.map_or(1.0, |w| w[row]);
+            for place in first..places.end {
+                if columns[place] >= lines.end {
+                    break;
+                }
+                let factor = weight * values[place].to_f64();
+                let sums = &mut panel[(columns[place] - lines.start) * n..][..n];
+                let part = self.part(&places, place);
+                for (&column, value) in columns[part.clone()].iter().zip(&values[part]) {
+                    sums[column] += factor * value.to_f64();
+                }
             }
         }
-    }
-
-    /// Additions and entries written.
-    fn work(&self, lines: Range<usize>) -> usize {
-        let additions =
-            |j| self.of_column(j).iter().map(|&(row, place)| self.part(row, place).len());
-        lines.map(|j| self.range(j).len() + additions(j).sum::<usize>()).sum()
     }
 }
 

@@ -139,7 +139,7 @@ fn fused<T: BlasReal>(native: &Native, problem: Problem, options: &AtaOptions<'_
         }
     };
     let slabs = (0..slabs).map(slab).collect();
-    let strategy = Strategy::Fused(Fused { isa: native.isa(), recursion, budget, slabs });
+    let strategy = Strategy::Fused(Box::new(Fused { isa: native.isa(), recursion, budget, slabs }));
     Choice { strategy, seconds, classical_seconds }
 }
 
@@ -196,7 +196,7 @@ fn tasks<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
     let rows = m / (slabs.len() * chunks);
     let fast = tasks.iter().any(|t| recursion.is_fast(t.op(op), rows, t.rows.len(), t.cols.len()));
     tasks.sort_by(|a, b| b.cost().total_cmp(&a.cost()));
-    let strategy = Strategy::Tasks(Tasks { tree, tasks, slabs, recursion, fast, guarded });
+    let strategy = Strategy::Tasks(Box::new(Tasks { tree, tasks, slabs, recursion, fast, guarded }));
     Choice { strategy, seconds, classical_seconds }
 }
 
@@ -207,7 +207,7 @@ fn exact<T: Real>(problem: Problem, options: &AtaOptions<'_>, classical_seconds:
     let moduli = exact_moduli::<T>(options.accuracy);
     let seconds = exact::estimate(isa, [m, n, k], moduli, op.symmetric());
     let layout = Layout::new([m, n, k], size_of::<T>(), moduli, op.symmetric(), problem.same());
-    let strategy = Strategy::Exact(Exact { isa, layout });
+    let strategy = Strategy::Exact(Box::new(Exact { isa, layout }));
     Choice { strategy, seconds, classical_seconds }
 }
 

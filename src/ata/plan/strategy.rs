@@ -8,17 +8,18 @@ use super::tree::{Node, Task};
 use crate::ata::exact::Layout;
 use crate::kernel::{int8, packed};
 
-/// How a product is computed. Each variant holds all that its executor needs beside the matrices.
+/// How a product is computed. Each variant holds all that its executor needs beside the
+/// matrices, boxed where it is large: a small product must not pay for moving it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Strategy {
     /// One product on the calling thread: over before another thread has woken up.
     Direct(packed::Isa),
     /// Packed products of sums of blocks, on our own kernels.
-    Fused(Fused),
+    Fused(Box<Fused>),
     /// A recursion for each block of C, over any back end.
-    Tasks(Tasks),
+    Tasks(Box<Tasks>),
     /// Integer products modulo small primes.
-    Exact(Exact),
+    Exact(Box<Exact>),
 }
 
 /// Products on our own kernels, whose additions are made while packing and writing.
