@@ -409,6 +409,10 @@ fn shared_meshes_agree_with_their_index() {
     }
     for line in index(&folder) {
         let name = line[0].rsplit('/').next().unwrap();
+        if line[1].is_empty() {
+            println!("skipped: the index has no numbers of {name}");
+            continue;
+        }
         let file = io::read(&folder.join(name)).unwrap_or_else(|e| panic!("{e}"));
         let report = file.mesh.validate();
         let manifold = line[7] == "0";
