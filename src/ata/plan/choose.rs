@@ -196,7 +196,8 @@ fn tasks<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
     let rows = m / (slabs.len() * chunks);
     let fast = tasks.iter().any(|t| recursion.is_fast(t.op(op), rows, t.rows.len(), t.cols.len()));
     tasks.sort_by(|a, b| b.cost().total_cmp(&a.cost()));
-    let strategy = Strategy::Tasks(Box::new(Tasks { tree, tasks, slabs, recursion, fast, guarded }));
+    let strategy =
+        Strategy::Tasks(Box::new(Tasks { tree, tasks, slabs, recursion, fast, guarded }));
     Choice { strategy, seconds, classical_seconds }
 }
 
