@@ -21,7 +21,7 @@ use crate::blas::BlasReal;
 pub type AfterBlock<'a, T> = &'a mut dyn FnMut(&Accumulator<T>) -> Result<()>;
 
 /// Adds the m rows of a source, with m `weights` if there are any, to `accumulator`, in blocks of `block_rows`
-/// ([`block_rows()`] gives a good number). A thread reads the next block meanwhile, unless `options.par` is
+/// ([`block_rows()`](super::block_rows()) gives a good number). A thread reads the next block meanwhile, unless `options.par` is
 /// [`Par::Seq`](crate::Par::Seq).
 ///
 /// An accumulator of the first k blocks of this source, such as `after_block` may have kept, goes on with the

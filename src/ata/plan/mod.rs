@@ -1,5 +1,5 @@
 //! What will be done, as data: no threads, no matrices, nothing but shapes and counts. The plan that is
-//! printed is the object that [`execute`](super::execute) takes.
+//! printed is the object that [`execute`](super::execute()) takes.
 
 mod choose;
 mod cost;
