@@ -6,7 +6,8 @@
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
-use crate::base::Real;
+use super::options::Uplo;
+use crate::base::{Real, Result};
 
 /// `dst := reuse * dst + sum coefficient * block`, where no block is larger than `dst` and what a
 /// block lacks counts as zero. `reuse == 0` does not read `dst`.
@@ -162,6 +163,22 @@ pub(crate) fn accumulate_lower<T: Real>(
             combine(piece, beta, &[(coefficient, src.submatrix(row, col, nrows, ncols))]);
         }
     }
+}
+
+/// Makes the triangles of `uplo` out of what `work` does to a lower one.
+pub(crate) fn in_lower<T: Real>(
+    mut c: MatMut<'_, T>,
+    uplo: Uplo,
+    work: impl FnOnce(MatMut<'_, T>) -> Result<()>,
+) -> Result<()> {
+    match uplo {
+        Uplo::Upper => work(c.rb_mut().transpose_mut())?,
+        Uplo::Lower | Uplo::Both => work(c.rb_mut())?,
+    }
+    if uplo == Uplo::Both {
+        mirror_lower(c);
+    }
+    Ok(())
 }
 
 /// Copies the strict lower triangle onto the strict upper one.

@@ -21,9 +21,10 @@ mod plan;
 pub mod scheme;
 mod verify;
 
-use faer::prelude::{Reborrow, ReborrowMut};
+use faer::prelude::Reborrow;
 use faer::{MatMut, MatRef};
 
+#[cfg(feature = "mpi")]
 pub(crate) use combine::mirror_lower;
 #[cfg(feature = "mpi")]
 pub(crate) use exact::Flags;
@@ -292,20 +293,4 @@ pub fn exact_stages<T: BlasReal>(
     let mut scratch = Scratch::new::<T>(scratch_len::<T>(&plan, options.par))?;
     let product = gram(T::ONE, a, T::ZERO, c, &options);
     execute::exact_stages(&plan, product, &options, scratch.as_mut_slice())
-}
-
-/// Makes the triangles of `uplo` out of what `work` does to a lower one.
-fn symmetric<T: BlasReal>(
-    mut c: MatMut<'_, T>,
-    uplo: Uplo,
-    work: impl FnOnce(MatMut<'_, T>) -> Result<()>,
-) -> Result<()> {
-    match uplo {
-        Uplo::Upper => work(c.rb_mut().transpose_mut())?,
-        Uplo::Lower | Uplo::Both => work(c.rb_mut())?,
-    }
-    if uplo == Uplo::Both {
-        mirror_lower(c);
-    }
-    Ok(())
 }

@@ -1,7 +1,6 @@
-use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
-use crate::ata::combine::{mirror_lower, scale, scale_lower};
+use crate::ata::combine::{in_lower, scale, scale_lower};
 use crate::ata::options::Uplo;
 use crate::base::{Real, Result};
 
@@ -42,16 +41,9 @@ impl<T: Real> Product<'_, T> {
     /// Does `work` to the same product with its triangle turned into the lower one, and mirrors it when
     /// both are wanted.
     pub fn into_lower(self, work: impl FnOnce(Product<'_, T>) -> Result<()>) -> Result<()> {
-        let Self { alpha, a, b, beta, mut c, uplo } = self;
-        let lower = match uplo {
-            // A^T W A is symmetric, so that its transpose is the same product.
-            Some(Uplo::Upper) => c.rb_mut().transpose_mut(),
-            Some(Uplo::Lower | Uplo::Both) | None => c.rb_mut(),
-        };
-        work(Product { alpha, a, b, beta, c: lower, uplo: uplo.map(|_| Uplo::Lower) })?;
-        if uplo == Some(Uplo::Both) {
-            mirror_lower(c);
-        }
-        Ok(())
+        let Some(uplo) = self.uplo else { return work(self) };
+        let Self { alpha, a, b, beta, c, .. } = self;
+        // A^T W A is symmetric, so that its transpose is the same product.
+        in_lower(c, uplo, |c| work(Product { alpha, a, b, beta, c, uplo: Some(Uplo::Lower) }))
     }
 }

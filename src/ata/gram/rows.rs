@@ -12,8 +12,9 @@ use super::grid::{RowBounds, Shift};
 use super::moments::{Moments, check_weight};
 use super::pass::{FIRST_PASS, for_each_block_of};
 use super::source::RowBlocks;
+use crate::ata::ata;
+use crate::ata::combine::in_lower;
 use crate::ata::options::AtaOptions;
-use crate::ata::{ata, symmetric};
 use crate::base::{Error, Real, Result, Workspace};
 use crate::blas::BlasReal;
 
@@ -126,7 +127,7 @@ pub fn ata_rows<T: BlasReal>(
     if !moments.centered {
         return Ok(());
     }
-    symmetric(c, options.uplo, |lower| moments.correct(alpha.to_f64(), 0, lower))
+    in_lower(c, options.uplo, |lower| moments.correct(alpha.to_f64(), 0, lower))
 }
 
 /// [`ata_rows`] in integers.
@@ -152,7 +153,7 @@ fn exact_rows<T: BlasReal>(
     for_each_block_of(rows, weights, height, 0, &options, |count, block, weights, pass| {
         sums.add(count, block, weights, false, pass)
     })?;
-    symmetric(c, options.uplo, |mut lower| {
+    in_lower(c, options.uplo, |mut lower| {
         sums.for_each_value(|i, j, value| {
             let value = T::from_f64(alpha.to_f64() * value);
             let c = &mut lower[(i, j)];
