@@ -166,15 +166,17 @@ pub(crate) fn accumulate_lower<T: Real>(
 }
 
 /// Makes the triangles of `uplo` out of what `work` does to a lower one.
+#[inline(always)]
 pub(crate) fn in_lower<T: Real>(
     mut c: MatMut<'_, T>,
     uplo: Uplo,
     work: impl FnOnce(MatMut<'_, T>) -> Result<()>,
 ) -> Result<()> {
-    match uplo {
-        Uplo::Upper => work(c.rb_mut().transpose_mut())?,
-        Uplo::Lower | Uplo::Both => work(c.rb_mut())?,
-    }
+    let lower = match uplo {
+        Uplo::Upper => c.rb_mut().transpose_mut(),
+        Uplo::Lower | Uplo::Both => c.rb_mut(),
+    };
+    work(lower)?;
     if uplo == Uplo::Both {
         mirror_lower(c);
     }

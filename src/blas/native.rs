@@ -3,8 +3,8 @@ use faer::{MatMut, MatRef};
 use super::kernels::Kernels;
 use crate::base::{Par, Progress, Scratch, Tracker};
 use crate::kernel::packed::{
-    self, Destination, Isa, Job, Operand, Part, Product, Shape, Source, is_small, run, run_small,
-    scratch_len,
+    self, Destination, Isa, Job, Kernel, Operand, Part, Product, Shape, Source, is_small, run,
+    run_small, scratch_len,
 };
 
 /// The kernels of this crate, for one instruction set: one product at a time, on the calling thread.
@@ -47,6 +47,9 @@ impl Native {
     }
 
     /// The part of `C := alpha A^T B + beta C`, B being A when `None`.
+    ///
+    /// Inlined into its three callers, so that a small product is not slowed down by what they differ in.
+    #[inline(always)]
     fn product<T: Operand>(
         self,
         alpha: T,
@@ -62,42 +65,57 @@ impl Native {
         let by_columns = c.row_stride() == 1 && c.col_stride() != 1;
         let destination = Destination::new(c, part);
         let kernel = T::kernel(self.isa);
-        let shape = Shape { depth: a.nrows(), rows: n, cols: k, same: b.is_none() };
-        if is_small(shape) {
-            let source = |matrix| Source { coefficient: T::ONE, matrix, scale: None };
-            let (mut left, mut right) = (source(a), source(b.unwrap_or(a)));
-            let mut target = destination.block(0..n, 0..k, alpha, beta);
-            let mut shape = shape;
-            if by_columns {
-                (left, right) = (right, left);
-                target = target.transposed();
-                (shape.rows, shape.cols) = (k, n);
-            }
-            // SAFETY: C is borrowed for the length of this call.
-            return unsafe { run_small(kernel, left, right, target, shape) };
+        let mut shape = Shape { depth: a.nrows(), rows: n, cols: k, same: b.is_none() };
+        if !is_small(shape) {
+            return large_product(kernel, alpha, a, b, beta, &destination, by_columns);
         }
-        let mut products = Vec::new();
-        for i in (0..n).step_by(BLOCK) {
-            for j in (0..k).step_by(BLOCK) {
-                let (rows, cols) = (BLOCK.min(n - i), BLOCK.min(k - j));
-                let same = b.is_none() && i == j;
-                let product = Product {
-                    left: side(a, i, rows),
-                    right: if same { vec![] } else { side(b.unwrap_or(a), j, cols) },
-                    targets: vec![destination.block(i..i + rows, j..j + cols, alpha, beta)],
-                    shape: Shape { depth: a.nrows(), rows, cols, same },
-                };
-                products.push(if by_columns { product.transposed() } else { product });
-            }
+        let source = |matrix| Source { coefficient: T::ONE, matrix, scale: None };
+        let (mut left, mut right) = (source(a), source(b.unwrap_or(a)));
+        let mut target = destination.block(0..n, 0..k, alpha, beta);
+        if by_columns {
+            (left, right) = (right, left);
+            target = target.transposed();
+            (shape.rows, shape.cols) = (k, n);
         }
-        let shapes = products.iter().map(|p| p.shape);
-        let len = scratch_len::<T>(kernel.geometry(), shapes, BUDGET, 1);
-        let mut scratch = Scratch::new::<T>(len).expect("a few megabytes");
-        let progress = &Tracker::new(Progress::none(), 0.0);
-        let job = Job { kernel, products: &products, budget: BUDGET, progress };
         // SAFETY: C is borrowed for the length of this call.
-        unsafe { run(&job, Par::Seq, scratch.as_mut_slice()) };
+        unsafe { run_small(kernel, left, right, target, shape) };
     }
+}
+
+/// [`Native::product`] of matrices that are worth packing block by block.
+#[inline(never)]
+fn large_product<T: Operand>(
+    kernel: &'static dyn Kernel<T>,
+    alpha: T,
+    a: MatRef<'_, T>,
+    b: Option<MatRef<'_, T>>,
+    beta: T,
+    destination: &Destination<'_, T>,
+    by_columns: bool,
+) {
+    let right = b.unwrap_or(a);
+    let (n, k) = (a.ncols(), right.ncols());
+    let mut products = Vec::new();
+    for i in (0..n).step_by(BLOCK) {
+        for j in (0..k).step_by(BLOCK) {
+            let (rows, cols) = (BLOCK.min(n - i), BLOCK.min(k - j));
+            let same = b.is_none() && i == j;
+            let product = Product {
+                left: side(a, i, rows),
+                right: if same { vec![] } else { side(right, j, cols) },
+                targets: vec![destination.block(i..i + rows, j..j + cols, alpha, beta)],
+                shape: Shape { depth: a.nrows(), rows, cols, same },
+            };
+            products.push(if by_columns { product.transposed() } else { product });
+        }
+    }
+    let shapes = products.iter().map(|p| p.shape);
+    let len = scratch_len::<T>(kernel.geometry(), shapes, BUDGET, 1);
+    let mut scratch = Scratch::new::<T>(len).expect("a few megabytes");
+    let progress = &Tracker::new(Progress::none(), 0.0);
+    let job = Job { kernel, products: &products, budget: BUDGET, progress };
+    // SAFETY: C is borrowed for the length of this call.
+    unsafe { run(&job, Par::Seq, scratch.as_mut_slice()) };
 }
 
 /// Some columns, as one side of a product.

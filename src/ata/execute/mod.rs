@@ -72,6 +72,7 @@ fn exactly<T: BlasReal>(
 }
 
 /// One product on the calling thread.
+#[inline(always)]
 fn direct<T: BlasReal>(op: Op, product: Product<'_, T>, options: &AtaOptions<'_>) -> Result<()> {
     let kernels = T::kernels(options.backend.as_ref());
     let right = product.b.unwrap_or(product.a);

@@ -40,6 +40,7 @@ impl<T: Real> Product<'_, T> {
 
     /// Does `work` to the same product with its triangle turned into the lower one, and mirrors it when
     /// both are wanted.
+    #[inline(always)]
     pub fn into_lower(self, work: impl FnOnce(Product<'_, T>) -> Result<()>) -> Result<()> {
         let Some(uplo) = self.uplo else { return work(self) };
         let Self { alpha, a, b, beta, c, .. } = self;

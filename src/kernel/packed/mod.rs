@@ -34,6 +34,7 @@ mod x86;
 pub(crate) use blocking::Blocking;
 pub(crate) use geometry::Geometry;
 pub use isa::Isa;
+pub(crate) use kernel::Kernel;
 pub use operand::Operand;
 pub(crate) use operands::{Product, Shape, Source};
 pub use rates::Rates;

@@ -73,6 +73,11 @@ impl<'a, T: Real> Plan<'a, T> {
         Self { product, geometry, blocking, left_panels, right_panels, in_place, items, later }
     }
 
+    /// Whether any entry of the product is wanted.
+    pub fn is_wanted(&self) -> bool {
+        !self.items.is_empty()
+    }
+
     /// Entries of a rectangle of panels that a target wants.
     fn wanted(
         geometry: Geometry,

@@ -61,7 +61,14 @@ fn aligned<'a, T: Real>(arena: &mut Arena<'a, T>, len: usize) -> &'a mut [T] {
 /// Nobody else uses the matrices that the targets come from.
 pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T]) {
     let geometry = job.kernel.geometry();
-    let plans: Vec<_> = job.products.iter().map(|p| Plan::new(geometry, p, job.budget)).collect();
+    // Products of which nothing is wanted would be packed for nobody; and phases wait for those before
+    // them by waiting for their pieces, of which there must be some.
+    let plans: Vec<_> = job
+        .products
+        .iter()
+        .map(|product| Plan::new(geometry, product, job.budget))
+        .filter(Plan::is_wanted)
+        .collect();
     let len = |f: &dyn Fn(&Plan<'_, T>) -> usize| plans.iter().map(f).max().unwrap_or(0);
     let packed_len = len(&|p| p.blocking.packed_len(geometry, p.product.shape));
     let sums_len = len(&|p| p.blocking.sums_len(geometry));

@@ -488,6 +488,34 @@ fn depths_of_several_blocks_and_chunks_are_exact() {
     in_both_precisions!(check_depths);
 }
 
+fn check_unwanted<T: Operand>(rng: &mut Rng) {
+    let mut c = Stored::<T>::integers(Layout::Rows, 130, 130, rng);
+    let a = Stored::integers(Layout::Rows, 700, 60, rng);
+    let before = c.memory_bits();
+    let destination = Destination::new(c.view_mut(), Part::Lower);
+    let product = Product {
+        left: vec![source(T::ONE, a.view())],
+        right: Vec::new(),
+        targets: vec![destination.block(0..60, 70..130, T::ONE, T::ONE)],
+        shape: square(700, 60),
+    };
+    let kernel = T::kernel(Isa::Portable);
+    let len = scratch_len::<T>(kernel.geometry(), [product.shape].into_iter(), 1, 1);
+    let mut scratch = vec![T::from_f64(f64::NAN); len];
+    let progress = &Tracker::new(Progress::none(), WORK);
+    let job = Job { kernel, products: &[product], budget: 1, progress };
+    // SAFETY: `c` is ours.
+    unsafe { run(&job, Par::Seq, &mut scratch) };
+    assert!(scratch.iter().all(|x| x.to_f64().is_nan()));
+    assert_eq!(c.memory_bits(), before);
+}
+
+/// Threads wait for a phase by waiting for its pieces: one without pieces would hold nobody back.
+#[test]
+fn what_nobody_wants_is_not_packed() {
+    in_both_precisions!(check_unwanted);
+}
+
 fn check_sums<T: Operand>(rng: &mut Rng) {
     const COUNTS: [usize; 6] = [1, 2, 3, 4, 5, 16];
     for left in COUNTS {

@@ -176,7 +176,8 @@ impl Avx512 {
             && is_x86_feature_detected!("avx512vl")
             && is_x86_feature_detected!("avx512dq")
             && is_x86_feature_detected!("avx512bw")
-            && is_x86_feature_detected!("fma");
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("bmi2");
         if found { Ok(&Self(())) } else { Err("the CPU has no AVX-512") }
     }
 }
@@ -186,12 +187,14 @@ pub(super) struct Avx2(());
 
 impl Avx2 {
     pub fn new() -> Result<&'static Self, &'static str> {
-        let found = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
-        if found { Ok(&Self(())) } else { Err("the CPU has no AVX2 with FMA") }
+        let found = is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("bmi2");
+        if found { Ok(&Self(())) } else { Err("the CPU has no AVX2 with FMA and BMI2") }
     }
 }
 
-instantiate!(Avx512, f64, Avx512F64, #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,fma")]);
-instantiate!(Avx512, f32, Avx512F32, #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,fma")]);
-instantiate!(Avx2, f64, Avx2F64, #[target_feature(enable = "avx2,fma")]);
-instantiate!(Avx2, f32, Avx2F32, #[target_feature(enable = "avx2,fma")]);
+instantiate!(Avx512, f64, Avx512F64, #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,fma,bmi2")]);
+instantiate!(Avx512, f32, Avx512F32, #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw,fma,bmi2")]);
+instantiate!(Avx2, f64, Avx2F64, #[target_feature(enable = "avx2,fma,bmi2")]);
+instantiate!(Avx2, f32, Avx2F32, #[target_feature(enable = "avx2,fma,bmi2")]);
