@@ -74,7 +74,7 @@ pub fn ata<T: BlasReal>(
     c: MatMut<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<()> {
-    run(gram_plan(a, c.rb(), options)?, gram(alpha, a, beta, c, options), options)
+    run(&gram_plan(a, c.rb(), options)?, gram(alpha, a, beta, c, options), options)
 }
 
 /// Computes [`ata`] in the caller's scratch of at least [`ata_scratch_len`] elements, whatever they hold.
@@ -102,7 +102,7 @@ pub fn ata_with_scratch<T: BlasReal>(
     scratch: &mut [T],
 ) -> Result<()> {
     let plan = gram_plan(a, c.rb(), options)?;
-    run_in(scratch, plan, gram(alpha, a, beta, c, options), options)
+    run_in(scratch, &plan, gram(alpha, a, beta, c, options), options)
 }
 
 /// Returns the elements of scratch that [`ata_with_scratch`] needs for A m x n.
@@ -187,7 +187,7 @@ pub fn atb<T: BlasReal>(
     options: &AtaOptions<'_>,
 ) -> Result<()> {
     let plan = atb_plan(a, b, c.rb(), options)?;
-    run(plan, Product { alpha, a, b: Some(b), beta, c, uplo: None }, options)
+    run(&plan, Product { alpha, a, b: Some(b), beta, c, uplo: None }, options)
 }
 
 /// Computes [`atb`] in the caller's scratch of at least [`atb_scratch_len`] elements, whatever they hold.
@@ -204,7 +204,7 @@ pub fn atb_with_scratch<T: BlasReal>(
     scratch: &mut [T],
 ) -> Result<()> {
     let plan = atb_plan(a, b, c.rb(), options)?;
-    run_in(scratch, plan, Product { alpha, a, b: Some(b), beta, c, uplo: None }, options)
+    run_in(scratch, &plan, Product { alpha, a, b: Some(b), beta, c, uplo: None }, options)
 }
 
 /// Returns the elements of scratch that [`atb_with_scratch`] needs for A m x n and B m x k.
@@ -253,25 +253,25 @@ fn atb_plan<T: BlasReal>(
 }
 
 /// Executes a plan in scratch of its own.
-fn run<T: BlasReal>(plan: Plan, product: Product<'_, T>, options: &AtaOptions<'_>) -> Result<()> {
-    match scratch_len::<T>(&plan, options.par) {
-        0 => execute(&plan, product, options, &mut []),
-        len => execute(&plan, product, options, Scratch::new::<T>(len)?.as_mut_slice()),
+fn run<T: BlasReal>(plan: &Plan, product: Product<'_, T>, options: &AtaOptions<'_>) -> Result<()> {
+    match scratch_len::<T>(plan, options.par) {
+        0 => execute(plan, product, options, &mut []),
+        len => execute(plan, product, options, Scratch::new::<T>(len)?.as_mut_slice()),
     }
 }
 
 /// Executes a plan in the caller's scratch.
 fn run_in<T: BlasReal>(
     scratch: &mut [T],
-    plan: Plan,
+    plan: &Plan,
     product: Product<'_, T>,
     options: &AtaOptions<'_>,
 ) -> Result<()> {
-    let len = scratch_len::<T>(&plan, options.par);
+    let len = scratch_len::<T>(plan, options.par);
     if scratch.len() < len {
         return Err(Error::Shape { what: "scratch", expected: (len, 1), got: (scratch.len(), 1) });
     }
-    execute(&plan, product, options, scratch)
+    execute(plan, product, options, scratch)
 }
 
 /// Computes the lower triangle of `C := A^T A` by the exact path on `isa`, and returns what its stages

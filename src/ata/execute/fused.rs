@@ -41,6 +41,7 @@ fn slab_scratch_len<T: BlasReal>(plan: &Fused, threads: usize) -> usize {
 }
 
 /// Computes `product`, whose lower triangle alone is touched where the problem is symmetric.
+#[inline(never)]
 pub(super) fn execute<T: BlasReal>(
     plan: &Fused,
     problem: &Problem,

@@ -30,6 +30,10 @@ pub(crate) fn scratch_len<T: BlasReal>(plan: &Plan, par: Par) -> usize {
 
 /// Computes `product`, of the shape that `plan` is for, in scratch of [`scratch_len`] elements, whatever
 /// they hold. Of the options only threads, back end and progress matter: the rest is in the plan.
+///
+/// What leads to a small product is inlined, that product being as fast as a handful of calls; the
+/// other executors are not.
+#[inline]
 pub(crate) fn execute<T: BlasReal>(
     plan: &Plan,
     product: Product<'_, T>,
@@ -40,12 +44,15 @@ pub(crate) fn execute<T: BlasReal>(
         product.scale()?;
         return options.progress.report(1.0);
     }
-    product.into_lower(|product| match &plan.strategy {
-        Strategy::Direct(_) => direct(plan.problem.op, product, options),
-        Strategy::Fused(fused) => fused::execute(fused, &plan.problem, product, options, scratch),
-        Strategy::Tasks(tasks) => tasks::execute(tasks, &plan.problem, product, options, scratch),
-        Strategy::Exact(exact) => exactly(exact, product, options, scratch).map(drop),
-    })
+    product.into_lower(
+        #[inline(always)]
+        |product| match &plan.strategy {
+            Strategy::Direct(_) => direct(plan.problem.op, product, options),
+            Strategy::Fused(it) => fused::execute(it, &plan.problem, product, options, scratch),
+            Strategy::Tasks(it) => tasks::execute(it, &plan.problem, product, options, scratch),
+            Strategy::Exact(it) => exactly(it, product, options, scratch).map(drop),
+        },
+    )
 }
 
 /// [`execute`] of an exact plan for the lower triangle, and what its stages took.
@@ -61,6 +68,7 @@ pub(super) fn exact_stages<T: BlasReal>(
     }
 }
 
+#[inline(never)]
 fn exactly<T: BlasReal>(
     plan: &Exact,
     product: Product<'_, T>,

@@ -26,6 +26,7 @@ fn workers(plan: &Tasks, par: Par) -> usize {
 }
 
 /// Computes `product`, whose lower triangle alone is touched where the problem is symmetric.
+#[inline(never)]
 pub(super) fn execute<T: BlasReal>(
     plan: &Tasks,
     problem: &Problem,

@@ -50,10 +50,25 @@ const GAIN_OF_FUSED: f64 = 0.96;
 const GAIN_OF_TASKS: f64 = 0.98;
 const GAIN_OF_EXACT: f64 = 0.98;
 
-/// The strategy for `problem`.
+/// The strategy for `problem`. Small products are chosen inline: they take no longer than the choice.
+#[inline]
 pub(super) fn choose<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
-    let float = |options: &AtaOptions<'_>| match native_for(options) {
-        Some(native) if is_direct(native, &problem, options) => direct(native),
+    match native_for(options) {
+        Some(native) if !options.asks_for_exact() && is_direct(native, &problem, options) => {
+            direct(native)
+        }
+        native => cheapest_strategy::<T>(native, problem, options),
+    }
+}
+
+/// The strategy for a `problem` that is worth an estimate.
+#[inline(never)]
+fn cheapest_strategy<T: BlasReal>(
+    native: Option<&Native>,
+    problem: Problem,
+    options: &AtaOptions<'_>,
+) -> Choice {
+    let float = |options: &AtaOptions<'_>| match native {
         Some(native) => fused::<T>(native, problem, options),
         None => tasks::<T>(problem, options),
     };
@@ -62,10 +77,7 @@ pub(super) fn choose<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) ->
         return exact::<T>(problem, options, float(&classical).classical_seconds);
     }
     let float = float(options);
-    if options.scheme != SchemeChoice::Auto
-        || options.accuracy == Accuracy::Classical
-        || matches!(float.strategy, Strategy::Direct(_))
-    {
+    if options.scheme != SchemeChoice::Auto || options.accuracy == Accuracy::Classical {
         return float;
     }
     let exact = exact::<T>(problem, options, float.classical_seconds);

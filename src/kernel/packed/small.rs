@@ -44,7 +44,7 @@ struct Aligned<M>(MaybeUninit<M>);
 ///
 /// # Safety
 /// Nobody else uses the matrix that the target comes from.
-#[inline]
+#[inline(always)]
 pub(crate) unsafe fn run_small<T: Real>(
     kernel: &dyn Kernel<T>,
     left: Source<'_, T>,
@@ -66,6 +66,7 @@ pub(crate) unsafe fn run_small<T: Real>(
 ///
 /// # Safety
 /// As for [`run_small`].
+#[inline(always)]
 unsafe fn multiply_in_place<T: Real>(
     kernel: &dyn Kernel<T>,
     left: Source<'_, T>,

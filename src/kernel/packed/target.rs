@@ -101,6 +101,7 @@ impl<'a, T: Real> Destination<'a, T> {
     }
 
     /// The block of these rows and columns.
+    #[inline]
     pub fn block(
         &self,
         rows: Range<usize>,
