@@ -58,7 +58,7 @@ pub fn verify<T: Real>(
     rounds: u32,
     seed: u64,
 ) -> Result<Verification> {
-    verify_rows(alpha, &mut DenseRows(a), &RowOptions::default(), c, uplo, rounds, seed)
+    verify_rows(alpha, &mut DenseRows(a), &RowOptions::new(), c, uplo, rounds, seed)
 }
 
 /// As [`verify`], for `C = alpha X^T W X` of [`ata_rows`](super::ata_rows).

@@ -550,7 +550,7 @@ impl Work<'_> {
             mean if self.centered() && self.a.shape().0 > 0 => Center::Given(mean),
             _ => Center::No,
         };
-        let row_options = RowOptions { weights: self.weights, center };
+        let row_options = RowOptions::new().weights(self.weights).center(center);
         let mut rows = Watched { rows: self.a.rows::<f64>(false)?, bar: &bar };
         let uplo = self.args.uplo;
         let found = match verify_rows(self.alpha(), &mut rows, &row_options, c, uplo, ROUNDS, SEED)
