@@ -138,6 +138,17 @@ pub fn aat<T: BlasReal>(
 
 /// Computes [`aat`] in the caller's scratch of at least [`aat_scratch_len`] elements.
 ///
+/// ```
+/// use catamaran::{AtaOptions, aat_scratch_len, aat_with_scratch, faer::{Mat, mat}};
+///
+/// let (a, options) = (mat![[1.0, 2.0, 2.0], [0.0, 3.0, 4.0]], AtaOptions::new());
+/// let mut scratch = vec![f64::NAN; aat_scratch_len::<f64>(2, 3, &options)?];
+/// let mut c = Mat::zeros(2, 2);
+/// aat_with_scratch(1.0, a.as_ref(), 0.0, c.as_mut(), &options, &mut scratch)?;
+/// assert_eq!((c[(0, 0)], c[(1, 0)], c[(1, 1)]), (9.0, 14.0, 25.0));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`ata_with_scratch`].
 pub fn aat_with_scratch<T: BlasReal>(
@@ -191,6 +202,18 @@ pub fn atb<T: BlasReal>(
 }
 
 /// Computes [`atb`] in the caller's scratch of at least [`atb_scratch_len`] elements, whatever they hold.
+///
+/// ```
+/// use catamaran::{AtaOptions, atb_scratch_len, atb_with_scratch, faer::{Mat, mat}};
+///
+/// let (a, b) = (mat![[1.0, 2.0], [3.0, 4.0]], mat![[1.0], [10.0]]);
+/// let options = AtaOptions::new();
+/// let mut scratch = vec![f64::NAN; atb_scratch_len::<f64>(2, 2, 1, &options)?];
+/// let mut c = Mat::zeros(2, 1);
+/// atb_with_scratch(1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &options, &mut scratch)?;
+/// assert_eq!(c, mat![[31.0], [42.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`atb`]; [`Error::Shape`] too when the scratch is short.
@@ -276,6 +299,18 @@ fn run_in<T: BlasReal>(
 
 /// Computes the lower triangle of `C := A^T A` by the exact path on `isa`, and returns what its stages
 /// took. For benchmarks: [`ata`] does the same on the fastest instruction set.
+///
+/// ```
+/// use catamaran::ata::exact_stages;
+/// use catamaran::{AtaOptions, faer::Mat, kernel::int8::Isa};
+///
+/// let a = Mat::<f64>::from_fn(300, 20, |i, j| ((7 * i + j) % 11) as f64);
+/// let mut c = Mat::zeros(20, 20);
+/// let stages = exact_stages(Isa::Portable, a.as_ref(), c.as_mut(), &AtaOptions::new())?;
+/// assert_eq!(c[(3, 2)], a.col(3).transpose() * a.col(2));
+/// assert!(stages.products > 0.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`ata`]; [`Error::Argument`] when the machine refuses the instruction set.

@@ -136,6 +136,12 @@ fn enough_threads(wanted: usize) -> bool {
 }
 
 /// The number of cores in the affinity mask of this process when it was first asked for, at least 1.
+///
+/// ```
+/// use catamaran::{Par, base::available_cores};
+///
+/// assert_eq!(Par::all().threads(), available_cores());
+/// ```
 pub fn available_cores() -> usize {
     // Asking the system takes longer than a small product.
     static CORES: OnceLock<usize> = OnceLock::new();
@@ -203,6 +209,17 @@ pub enum Pin {
 
 /// A group of threads, made once and used for many calls: everything called inside
 /// [`ThreadPool::run`] uses these threads and no others.
+///
+/// ```
+/// use catamaran::{AtaOptions, Uplo, ata, base::{Pin, ThreadPool}, faer::Mat};
+///
+/// let pool = ThreadPool::new(2, Pin::No)?;
+/// let (a, mut c) = (Mat::<f64>::identity(6, 3), Mat::zeros(3, 3));
+/// let options = AtaOptions::new().threads(2).uplo(Uplo::Both);
+/// pool.run(|| ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options))?;
+/// assert_eq!(c, Mat::<f64>::identity(3, 3));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct ThreadPool {
     pool: rayon::ThreadPool,

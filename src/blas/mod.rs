@@ -26,6 +26,16 @@ pub use kernels::Kernels;
 pub use native::Native;
 
 /// The default back end: our own kernels for the best instruction set of this machine.
+///
+/// ```
+/// use catamaran::{AtaOptions, Uplo, ata, blas, faer::Mat};
+///
+/// let options = AtaOptions::new().backend(blas::native()).uplo(Uplo::Both);
+/// let (a, mut c) = (Mat::<f64>::identity(6, 3), Mat::zeros(3, 3));
+/// ata(2.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
+/// assert_eq!(c[(2, 2)], 2.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn native() -> Arc<dyn Backend> {
     // Every call of `ata` with default options asks for it: one allocation for all of them.
     static NATIVE: LazyLock<Arc<dyn Backend>> = LazyLock::new(|| native_on(Isa::best()));
@@ -64,6 +74,14 @@ pub fn openblas() -> Arc<dyn Backend> {
 ///
 /// Operands that CBLAS can't express (no unit stride, or an extent over 2^31 - 1) are computed by
 /// [`native()`] instead.
+///
+/// ```no_run
+/// use catamaran::{AtaOptions, blas};
+///
+/// let backend = blas::load("/usr/lib/x86_64-linux-gnu/libblis.so.4".as_ref())?;
+/// let options = AtaOptions::new().backend(backend);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Backend`](crate::Error::Backend) when the file can't be loaded or lacks a symbol.

@@ -47,6 +47,15 @@ const NON_FINITE: u8 = 16;
 
 /// The scalar of the accumulator whose bytes `source` begins with, `"f32"` or `"f64"`.
 ///
+/// ```
+/// use catamaran::ata::{Accumulator, scalar_of};
+///
+/// let mut bytes = Vec::new();
+/// Accumulator::<f32>::new(3, false)?.write(&mut bytes).unwrap();
+/// assert_eq!(scalar_of(&mut &bytes[..]).unwrap(), "f32");
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// Those of the source; [`io::ErrorKind::InvalidData`] when they are of something else, or of another version.
 pub fn scalar_of(source: &mut dyn Read) -> io::Result<&'static str> {

@@ -33,6 +33,17 @@ const ZEROS: i32 = i32::MIN;
 ///
 /// They are declared ([`RowBounds::new`]), or found by a pass over the rows ([`RowBounds::of`]), in any
 /// order, and may be joined. Sums with the same bounds are the same bytes for any cut and order of the rows.
+///
+/// ```
+/// use catamaran::{AtaOptions, ata::{DenseRows, RowBounds}, faer::mat};
+///
+/// let a = mat![[1.0, -2.0], [3.0, 0.5]];
+/// let mut bounds = RowBounds::of(&mut DenseRows(a.as_ref()), None, 64, &AtaOptions::new())?;
+/// bounds.join(&RowBounds::new(vec![0.0, 0.0], vec![9.0, 0.0], 100)?)?;
+/// assert_eq!((bounds.lower(), bounds.upper()), (&[0.0, -2.0][..], &[9.0, 0.5][..]));
+/// assert_eq!(bounds.rows(), 102);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct RowBounds<T> {
     lower: Vec<T>,

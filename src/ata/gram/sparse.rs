@@ -74,6 +74,15 @@ pub fn ata_sparse<S: Real, T: BlasReal>(
 }
 
 /// Whether [`ata_sparse`] takes less time than the dense product of the same entries, as measured.
+///
+/// ```
+/// use catamaran::ata::{sparse_is_faster, sparse_multiplications};
+/// use catamaran::sparse::CsMat;
+///
+/// let diagonal = CsMat::<f64>::eye(1000);
+/// assert_eq!(sparse_multiplications(diagonal.view()), 1000);
+/// assert!(sparse_is_faster(diagonal.view()));
+/// ```
 pub fn sparse_is_faster<S: Real>(a: CsMatView<'_, S>) -> bool {
     /// Multiplications of a dense product in the time of one of the sparse product, both f64, where the
     /// two take about as long: 12 to 34, for A from 500 x 4000 to 50000 x 100 on 1 and 2 threads of an

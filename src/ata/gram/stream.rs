@@ -34,6 +34,21 @@ pub type AfterBlock<'a, T> = &'a mut dyn FnMut(&Accumulator<T>) -> Result<()>;
 ///
 /// Memory beside the accumulator: two blocks, one more with weights, and the scratch of [`ata`](crate::ata()) for one.
 ///
+/// ```
+/// use catamaran::ata::{Accumulator, DenseRows, stream};
+/// use catamaran::{AtaOptions, Uplo, faer::Mat};
+///
+/// let a = Mat::<f64>::from_fn(10, 2, |i, j| (i + j) as f64);
+/// let (mut sum, mut blocks) = (Accumulator::<f64>::new(2, false)?, 0);
+/// stream(&mut DenseRows(a.as_ref()), None, 4, &mut sum, &AtaOptions::new(), &mut |_| {
+///     blocks += 1; // a checkpoint could be written here
+///     Ok(())
+/// })?;
+/// assert_eq!((blocks, sum.rows()), (3, 10));
+/// assert_eq!(sum.finish(1.0, Uplo::Both)?.as_ref(), a.transpose() * &a);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Shape`] and [`Error::NonFinite`] for the weights; [`Error::Argument`] when the accumulator is of a source
 /// of another shape, or of other blocks; those of the source and of `after_block`; else as [`ata`](crate::ata()).

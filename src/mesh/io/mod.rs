@@ -88,6 +88,19 @@ pub fn read(path: &Path) -> Result<MeshFile> {
 
 /// [`read()`] with a callback that is told the fraction of the file read, and may cancel.
 ///
+/// ```
+/// use catamaran::{Error, base::Progress, mesh::{families, io}};
+/// use catamaran::io::{Output, Overwrite};
+/// use std::ops::ControlFlow;
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("sphere.obj");
+/// io::write(Output::create(path, Overwrite::Never)?, &families::icosphere(1)?.into())?;
+/// let cancel = |_| ControlFlow::Break(());
+/// assert_eq!(io::read_with(path, Progress::from(&cancel)), Err(Error::Cancelled));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As those of [`read()`], and [`Error::Cancelled`].
 pub fn read_with(path: &Path, progress: Progress<'_>) -> Result<MeshFile> {
@@ -144,6 +157,20 @@ pub fn write(output: Output, file: &MeshFile) -> Result<()> {
 
 /// [`write()`] in another format or encoding than that of the name; packed by `.gz` in the name all the same.
 ///
+/// ```
+/// use catamaran::io::{Output, Overwrite};
+/// use catamaran::mesh::{families, io::{MeshFormat, PlyEncoding, read, write_as}};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("sphere.ply");
+/// let sphere = families::icosphere(1)?;
+/// let output = Output::create(path, Overwrite::Never)?;
+/// write_as(output, &sphere.clone().into(), MeshFormat::Ply(PlyEncoding::Ascii))?;
+/// assert!(std::fs::read(path).unwrap().starts_with(b"ply\nformat ascii"));
+/// assert_eq!(read(path)?.mesh.faces(), sphere.faces());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As those of [`write()`].
 pub fn write_as(mut output: Output, file: &MeshFile, format: MeshFormat) -> Result<()> {
@@ -170,6 +197,13 @@ pub fn write_as(mut output: Output, file: &MeshFile, format: MeshFormat) -> Resu
 }
 
 /// Whether [`write()`] knows what the name of this file says.
+///
+/// ```
+/// use catamaran::mesh::io::check_name;
+///
+/// assert!(check_name("a.stl".as_ref()).is_ok());
+/// assert!(check_name("a.doc".as_ref()).is_err());
+/// ```
 ///
 /// # Errors
 /// [`Error::Io`] when it doesn't.
