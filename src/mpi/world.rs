@@ -48,6 +48,15 @@ impl AddAssign for Traffic {
 ///
 /// All calls are made by the thread that calls, which must be one that may call MPI. MPI is neither
 /// initialised nor finalised; a world should be dropped before the caller finalises it.
+///
+/// ```no_run
+/// use catamaran::mpi::World;
+///
+/// // Started by `mpirun -n 4`.
+/// let universe = mpi::initialize().expect("MPI is started once");
+/// let world = World::new(&universe.world());
+/// assert!(world.rank() < world.size());
+/// ```
 pub struct World {
     comm: ManuallyDrop<SimpleCommunicator>,
     rank: usize,

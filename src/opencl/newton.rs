@@ -15,6 +15,21 @@ const PART: usize = 1 << 22;
 /// What [`Newton::evaluate`] computes, on a device: the same bits where it rounds divisions and square roots correctly, as
 /// processors do; else roots and convergence differ at the few points (1 of 4,000, say) where fractals are chaotic.
 ///
+/// ```
+/// use catamaran::opencl::{Device, evaluate_newton};
+/// use catamaran::texture::newton::{Grid, Newton, NewtonOptions, Points};
+/// use catamaran::{Par, base::Progress};
+///
+/// let Ok(device) = Device::open("") else { return Ok(()) };
+/// let newton = Newton::new(&NewtonOptions::new())?;
+/// let points = Points::Grid(Grid::plane(32, 32, [0.0, 0.0], 2.0));
+/// let found = evaluate_newton(&device, &newton, points, Progress::none())?;
+/// let twin = newton.evaluate(points, Par::Seq, Progress::none())?;
+/// let differ = found.roots.iter().zip(&twin.roots).filter(|(x, y)| x != y).count();
+/// assert!(differ <= 1); // 0 on processors
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As those of [`Newton::evaluate`]; [`Error::Backend`] when the device refuses.
 pub fn evaluate_newton(
