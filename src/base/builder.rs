@@ -1,8 +1,8 @@
 //! Setters of options.
 
-/// Defines `new` (the defaults) and a setter for each of the fields named, called as the field is. A
-/// field after `#[into]` takes whatever becomes its type; `par` gets `threads` too. A type parameter
-/// of the options is a [`Real`](crate::Real).
+/// Defines `new` (the defaults) and a setter for each of the fields named, called as the field is.
+/// A field after `#[into]` takes whatever becomes its type; `par` gets `threads` too. A type
+/// parameter of the options is a [`Real`](crate::Real).
 ///
 /// The form `setters only` leaves `new` to the type.
 macro_rules! builder {

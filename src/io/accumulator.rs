@@ -33,7 +33,8 @@ const BUFFER: usize = 1 << 20;
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`](crate::Error::Io); nothing is left behind then, and a file that was to be replaced stays.
+/// [`Error::Io`](crate::Error::Io); nothing is left behind then, and a file that was to be replaced
+/// stays.
 pub fn write_accumulator<T: BlasReal>(
     mut output: Output,
     accumulator: &Accumulator<T>,
@@ -45,7 +46,8 @@ pub fn write_accumulator<T: BlasReal>(
 /// Reads the accumulator of scalars T in the file at `path`.
 ///
 /// # Errors
-/// [`Error::Io`](crate::Error::Io): no such file, or not a whole and undamaged accumulator of T; [`Error::OutOfMemory`](crate::Error::OutOfMemory).
+/// [`Error::Io`](crate::Error::Io): no such file, or not a whole and undamaged accumulator of T;
+/// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
 pub fn read_accumulator<T: BlasReal>(path: &Path) -> Result<Accumulator<T>> {
     Accumulator::read(&mut open(path)?).map_err(|e| error_at(path, None, e))
 }

@@ -21,9 +21,10 @@ use crate::base::{Error, Progress, Result, Workspace, reserved};
 /// a rank holds a few chunks of C, which for large n are less than a part. `options.uplo` does not matter.
 /// The result depends, by rounding, on the number of ranks and on which rank has which rows.
 ///
-/// On the exact path, when the options ask for it, it does not: the ranks agree on the bounds of the rows, their sums
-/// are integers ([`Accumulator::exact`](crate::ata::Accumulator::exact)), which are added up in parts of 32 bits, at
-/// five times the traffic of f64, and C is the same bytes for any ranks.
+/// On the exact path, when the options ask for it, it does not: the ranks agree on the bounds of
+/// the rows, their sums are integers ([`Accumulator::exact`](crate::ata::Accumulator::exact)),
+/// which are added up in parts of 32 bits, at five times the traffic of f64, and C is the same
+/// bytes for any ranks.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, ata_rows};
@@ -135,8 +136,8 @@ fn reduce<T: MpiReal, S>(
     Ok(Symmetric::new(Layout::Chunks(chunks), own, entries))
 }
 
-/// Parts that a sum is sent in: 32 bits each, as floating-point numbers that add up exactly, and the number of ranks
-/// with each kind of terms that are not finite.
+/// Parts that a sum is sent in: 32 bits each, as floating-point numbers that add up exactly, and
+/// the number of ranks with each kind of terms that are not finite.
 const PARTS: usize = 5;
 
 /// What is sent of entry (i, j), part by part.

@@ -14,8 +14,8 @@ const TAG: i32 = 4;
 /// Bytes of a message.
 const MESSAGE: usize = 1 << 20;
 
-/// Joins the bounds of the rows of all ranks: the same on every rank, for [`Accumulator::exact`] sums that merge to
-/// the same bytes however the rows are shared out.
+/// Joins the bounds of the rows of all ranks: the same on every rank, for [`Accumulator::exact`]
+/// sums that merge to the same bytes however the rows are shared out.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, agree_bounds, merge_accumulators};
@@ -37,7 +37,8 @@ const MESSAGE: usize = 1 << 20;
 /// ```
 ///
 /// # Errors
-/// [`Error::Rank`] when the columns or the precision differ, only some have weights, or another rank failed.
+/// [`Error::Rank`] when the columns or the precision differ, only some have weights, or another
+/// rank failed.
 pub fn agree_bounds<T: MpiReal>(world: &World, bounds: &RowBounds<T>) -> Result<RowBounds<T>> {
     let _guard = world.abort_on_panic();
     let facts = [
@@ -70,7 +71,8 @@ pub(super) fn joined_bounds<T: MpiReal>(
 }
 
 /// Merges the accumulators of all ranks, in a tree of `log2 P` levels that depends on P only: the sum on rank 0, and
-/// `None` on the others. Exact sums on the same bounds ([`agree_bounds`]) are the same bytes for any P. Beside its own accumulator a rank holds one more.
+/// `None` on the others. Exact sums on the same bounds ([`agree_bounds`]) are the same bytes for
+/// any P. Beside its own accumulator a rank holds one more.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, merge_accumulators};

@@ -278,7 +278,8 @@ impl World {
         }
     }
 
-    /// The least of each entry of `values` over the ranks, on every rank; by the MPI library, not counted.
+    /// The least of each entry of `values` over the ranks, on every rank; by the MPI library, not
+    /// counted.
     pub(super) fn least(&self, values: &mut [f64]) {
         use ::mpi::collective::CommunicatorCollectives;
         let mut own = Vec::new();
