@@ -43,6 +43,16 @@ pub fn native() -> Arc<dyn Backend> {
 }
 
 /// Our own kernels for one instruction set; the portable ones where the machine refuses it.
+///
+/// ```
+/// use catamaran::{AtaOptions, ata, blas, faer::Mat, kernel::packed::Isa};
+///
+/// let options = AtaOptions::new().backend(blas::native_on(Isa::Portable));
+/// let (a, mut c) = (Mat::<f64>::ones(5, 3), Mat::zeros(3, 3));
+/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
+/// assert_eq!(c[(2, 1)], 5.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn native_on(isa: Isa) -> Arc<dyn Backend> {
     native_with(isa, packed::Rates::of(isa))
 }
@@ -57,6 +67,16 @@ pub fn native_with(isa: Isa, rates: packed::Rates) -> Arc<dyn Backend> {
 ///
 /// This reads a file in the user's cache directory, and the plans, so the roundings of results too,
 /// may depend on it: [`native()`] does neither.
+///
+/// ```
+/// use catamaran::{AtaOptions, ata, blas, faer::Mat};
+///
+/// let options = AtaOptions::new().backend(blas::tuned());
+/// let (a, mut c) = (Mat::<f64>::ones(5, 3), Mat::zeros(3, 3));
+/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
+/// assert_eq!(c[(2, 1)], 5.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn tuned() -> Arc<dyn Backend> {
     let isa = Isa::best();
     let rates = packed::Rates::cached(isa).unwrap_or_else(|| packed::Rates::of(isa));
@@ -64,6 +84,16 @@ pub fn tuned() -> Arc<dyn Backend> {
 }
 
 /// OpenBLAS, as linked at build time.
+///
+/// ```
+/// use catamaran::{AtaOptions, ata, blas, faer::Mat};
+///
+/// let options = AtaOptions::new().backend(blas::openblas());
+/// let (a, mut c) = (Mat::<f64>::ones(5, 3), Mat::zeros(3, 3));
+/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
+/// assert_eq!(c[(2, 1)], 5.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[cfg(feature = "openblas")]
 pub fn openblas() -> Arc<dyn Backend> {
     Arc::new(cblas::Cblas::linked_openblas())

@@ -44,6 +44,19 @@ pub fn evaluate_newton(
 /// [`evaluate_newton`] in work-groups of this many work-items, instead of as many as the driver likes; the result does not
 /// depend on it.
 ///
+/// ```
+/// use catamaran::base::Progress;
+/// use catamaran::opencl::{Device, evaluate_newton_in_groups};
+/// use catamaran::texture::newton::{Grid, Newton, NewtonOptions, Points};
+///
+/// let Ok(device) = Device::open("") else { return Ok(()) };
+/// let newton = Newton::new(&NewtonOptions::new())?;
+/// let points = Points::Grid(Grid::plane(32, 32, [0.0, 0.0], 2.0));
+/// let run = |group| evaluate_newton_in_groups(&device, &newton, points, group, Progress::none());
+/// assert_eq!(run(Some(1))?, run(None)?);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`evaluate_newton`]; [`Error::Backend`] also for groups that the device can't have.
 pub fn evaluate_newton_in_groups(

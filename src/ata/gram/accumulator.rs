@@ -275,6 +275,23 @@ impl<T: BlasReal> Accumulator<T> {
     /// Exact sums with the same bounds merge to the same bytes in any order. With other bounds both
     /// move to the finer grid of each column first, exactly.
     ///
+    /// ```
+    /// use catamaran::ata::{Accumulator, RowBounds};
+    /// use catamaran::{AtaOptions, Uplo};
+    ///
+    /// let bounds = RowBounds::new(vec![0.0, 0.0], vec![9.0, 9.0], 100)?;
+    /// let of = |row: [f64; 2]| {
+    ///     let mut sum = Accumulator::exact(&bounds, false)?;
+    ///     sum.add_block(1, &mut row.clone(), None, &AtaOptions::new())?;
+    ///     Ok::<_, catamaran::Error>(sum)
+    /// };
+    /// let mut sum = of([1.0, 2.0])?;
+    /// sum.merge(of([3.0, 4.0])?)?;
+    /// assert_eq!(sum.rows(), 2);
+    /// assert_eq!(sum.finish(1.0, Uplo::Lower)?.as_ref()[(1, 0)], 14.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Argument`] when they differ in kind, columns, strip or centring, or when the grids
     /// of exact sums are too far apart for 128 bits; the accumulator is of no use after that.

@@ -74,6 +74,18 @@ pub fn scalar_of(source: &mut dyn Read) -> io::Result<&'static str> {
 impl<T: BlasReal> Accumulator<T> {
     /// Writes it, for [`Accumulator::read`].
     ///
+    /// ```
+    /// use catamaran::{AtaOptions, Uplo, ata::Accumulator};
+    ///
+    /// let mut sum = Accumulator::<f64>::new(2, false)?;
+    /// sum.add_block(1, &mut [1.0, 2.0], None, &AtaOptions::new())?;
+    /// let mut bytes = Vec::new();
+    /// sum.write(&mut bytes).unwrap();
+    /// let sum = Accumulator::<f64>::read(&mut &bytes[..]).unwrap();
+    /// assert_eq!(sum.finish(1.0, Uplo::Lower)?.as_ref()[(1, 0)], 2.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// Those of the sink.
     pub fn write(&self, sink: &mut dyn Write) -> io::Result<()> {

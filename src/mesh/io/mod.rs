@@ -148,6 +148,16 @@ fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resu
 /// Writes `file` into `output`, in the format its name says, and lets it appear. What the format has no place for is left
 /// out: STL takes positions only, PLY and OFF take normals of vertices only, OFF takes UV of vertices only.
 ///
+/// ```
+/// use catamaran::{io::{Output, Overwrite}, mesh::{families, io}};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("grid.off");
+/// io::write(Output::create(path, Overwrite::Never)?, &families::grid(2, 1)?.into())?;
+/// assert!(std::fs::read_to_string(path).unwrap().starts_with("OFF\n6 4 "));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Io`], [`Error::Shape`] when attributes do not fit the mesh; nothing is left behind then.
 pub fn write(output: Output, file: &MeshFile) -> Result<()> {

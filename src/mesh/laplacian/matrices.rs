@@ -45,6 +45,20 @@ impl Laplacian {
     /// The Laplacian with Dirichlet conditions at all vertices but those in the mask: only their
     /// rows and columns are kept, as far as they were there.
     ///
+    /// ```
+    /// use catamaran::{mesh::families, prelude::*};
+    ///
+    /// let mesh = families::icosphere(3)?;
+    /// let north: Vec<bool> = mesh.vertices().iter().map(|p| p[2] > 1e-9).collect();
+    /// let half = laplacian(&mesh, &LaplacianOptions::new())?.restricted(&north)?;
+    /// let pairs = eigs(half.stiffness.view(), &half.mass, &EigenOptions::new().k(1))?;
+    /// assert!((pairs.values[0] - 2.0).abs() < 0.05); // of the function z
+    /// // Zero on the other half.
+    /// let functions = half.extend(pairs.vectors.as_ref())?;
+    /// assert!(north.iter().enumerate().all(|(v, &kept)| kept || functions[(v, 0)] == 0.0));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Shape`] unless the mask has an entry for each vertex of the mesh.
     pub fn restricted(&self, mask: &[bool]) -> Result<Self> {

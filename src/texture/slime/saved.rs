@@ -27,6 +27,27 @@ impl Simulation {
     /// surface, seed, size, species and agents, the step, then the arrays of [`State`] in its
     /// order.
     ///
+    /// ```
+    /// use catamaran::{Par, base::Progress, mesh::families};
+    /// use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas};
+    ///
+    /// let sphere = families::icosphere(1)?;
+    /// let begin = || {
+    ///     let surface = Surface::of_faces(&sphere, atlas(&sphere, 64)?)?;
+    ///     Simulation::new(surface, &Options::new().agents(100).size(64), &Mask::default())
+    /// };
+    /// let (mut simulation, mut bytes) = (begin()?, Vec::new());
+    /// simulation.run(2, Par::Seq, Progress::none())?;
+    /// simulation.save(&mut bytes).unwrap();
+    ///
+    /// let mut resumed = begin()?;
+    /// resumed.resume(&mut &bytes[..], "state".as_ref())?;
+    /// simulation.run(1, Par::Seq, Progress::none())?;
+    /// resumed.run(1, Par::Seq, Progress::none())?;
+    /// assert_eq!(resumed.texture(0), simulation.texture(0));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// Those of the sink.
     pub fn save(&self, sink: &mut dyn Write) -> io::Result<()> {
