@@ -52,7 +52,8 @@ const GAIN_OF_FUSED: f64 = 0.96;
 const GAIN_OF_TASKS: f64 = 0.98;
 const GAIN_OF_EXACT: f64 = 0.98;
 
-/// The strategy for `problem`. Small products are chosen inline: they take no longer than the choice.
+/// The strategy for `problem`. Small products are chosen inline: they take no longer than the
+/// choice.
 #[inline]
 pub(super) fn choose<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
     match native_for(options) {

@@ -62,8 +62,8 @@ fn aligned<'a, T: Real>(arena: &mut Arena<'a, T>, len: usize) -> &'a mut [T] {
 /// Nobody else uses the matrices that the targets come from.
 pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T]) {
     let geometry = job.kernel.geometry();
-    // Products of which nothing is wanted would be packed for nobody; and phases wait for those before
-    // them by waiting for their pieces, of which there must be some.
+    // Products of which nothing is wanted would be packed for nobody; and phases wait for those
+    // before them by waiting for their pieces, of which there must be some.
     let plans: Vec<_> = job
         .products
         .iter()
