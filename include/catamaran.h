@@ -171,8 +171,8 @@ typedef struct cata_plant cata_plant;
 typedef struct cata_slime cata_slime;
 
 /**
- * A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a world; made by
- * cata_world_ata_rows_f64 and the like, given back by cata_symmetric_free.
+ * A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a world;
+ * made by cata_world_ata_rows_f64 and the like, given back by cata_symmetric_free.
  */
 typedef struct cata_symmetric cata_symmetric;
 
@@ -180,17 +180,20 @@ typedef struct cata_symmetric cata_symmetric;
 typedef struct cata_unions cata_unions;
 
 /**
- * The ranks of an MPI communicator that work together; made by cata_world_new, given back by cata_world_free.
+ * The ranks of an MPI communicator that work together; made by cata_world_new, given back by
+ * cata_world_free.
  *
- * It has a communicator of its own, so that no message of the caller is mistaken for one of the library's.
- * The library never initialises or finalises MPI. MPI is called by the thread that calls, which must be
- * one that may do so; other threads compute, so MPI_THREAD_FUNNELED is what to ask MPI_Init_thread for.
+ * It has a communicator of its own, so that no message of the caller is mistaken for one of the
+ * library's. The library never initialises or finalises MPI. MPI is called by the thread that
+ * calls, which must be one that may do so; other threads compute, so MPI_THREAD_FUNNELED is what
+ * to ask MPI_Init_thread for.
  *
- * Functions that are called collective are called by all ranks of the world, in the same order and with
- * the same numbers unless said otherwise. An error on one rank is an error on all: its own there,
- * CATA_ERR_RANK on the others, with a message that names the rank. What one rank alone notices of a world
- * that is NULL, or freed, can't be told to the others. A panic aborts the job (MPI_Abort), as the others would
- * wait for ever; so does, unless the communicator has another error handler, an error of MPI itself.
+ * Functions that are called collective are called by all ranks of the world, in the same order and
+ * with the same numbers unless said otherwise. An error on one rank is an error on all: its own
+ * there, CATA_ERR_RANK on the others, with a message that names the rank. What one rank alone
+ * notices of a world that is NULL, or freed, can't be told to the others. A panic aborts the job
+ * (MPI_Abort), as the others would wait for ever; so does, unless the communicator has another
+ * error handler, an error of MPI itself.
  */
 typedef struct cata_world cata_world;
 
@@ -201,9 +204,9 @@ typedef int32_t cata_status;
  * A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything else
  * asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
  *
- * It is called from any thread that works for the call, one call at a time: each begins after the one
- * before it has returned, and sees what that has written. No thread waits for it, so it may be slow,
- * and it may call this library. It must not leave by longjmp or a C++ exception.
+ * It is called from any thread that works for the call, one call at a time: each begins after the
+ * one before it has returned, and sees what that has written. No thread waits for it, so it may be
+ * slow, and it may call this library. It must not leave by longjmp or a C++ exception.
  */
 typedef int32_t (*cata_progress)(double fraction, void *user);
 
@@ -554,13 +557,13 @@ typedef struct cata_newton_params {
 } cata_newton_params;
 
 /**
- * What a rank has sent and received: words are matrix entries. The few numbers by which ranks agree on shapes
- * and errors are not counted.
+ * What a rank has sent and received: words are matrix entries. The few numbers by which ranks
+ * agree on shapes and errors are not counted.
  */
 typedef struct cata_traffic {
     /**
-     * sizeof(cata_traffic) as the caller was compiled with; set it before the call. Later versions add
-     * fields at the end; those that this library does not know are set to 0.
+     * sizeof(cata_traffic) as the caller was compiled with; set it before the call. Later versions
+     * add fields at the end; those that this library does not know are set to 0.
      */
     size_t struct_size;
     /** Entries sent. */
@@ -914,17 +917,17 @@ cata_status cata_aat_f32(int32_t layout,
  * - `m`, `n`: any, 0 included.
  * - `row_starts`: m + 1 elements, read: the entries of row i are those from `row_starts[i]` to
  *   `row_starts[i + 1] - 1`, the first being 0. May be NULL when m is 0.
- * - `columns`, `entries`: `row_starts[m]` elements each, read: columns ascending within a row, from 0,
- *   each at most once, and the entries of A there. May be NULL when there are none.
+ * - `columns`, `entries`: `row_starts[m]` elements each, read: columns ascending within a row,
+ *   from 0, each at most once, and the entries of A there. May be NULL when there are none.
  * - `weights`: m finite elements, read; NULL: all 1.
  * - `alpha`, `beta`, `c`, `ldc`: as in cata_ata_f64.
  * - `params`: NULL for the defaults; `threads` and `progress` count, the rest is checked only.
  *
- * Returns what cata_ata_f64 does, or CATA_ERR_NON_FINITE for a weight. C is untouched after any error
- * but CATA_ERR_CANCELLED and CATA_ERR_PANIC.
+ * Returns what cata_ata_f64 does, or CATA_ERR_NON_FINITE for a weight. C is untouched after any
+ * error but CATA_ERR_CANCELLED and CATA_ERR_PANIC.
  *
- * The sums are those of the classical algorithm, in double and in the order of the rows. The result does
- * not depend on the number of threads, bit for bit.
+ * The sums are those of the classical algorithm, in double and in the order of the rows. The
+ * result does not depend on the number of threads, bit for bit.
  *
  * Thread-safe: calls may run at the same time as long as no C is shared.
  */

@@ -1,5 +1,5 @@
-//! **Catamaran** computes symmetric products `C := alpha A^T A + beta C` of any matrix, at scale, and
-//! builds spectra and geometry on them.
+//! **Catamaran** computes symmetric products `C := alpha A^T A + beta C` of any matrix, at scale,
+//! and builds spectra and geometry on them.
 //!
 //! ```
 //! use catamaran::prelude::*;
@@ -11,9 +11,9 @@
 //! # Ok::<(), Error>(())
 //! ```
 //!
-//! [`ata()`] takes proven bilinear schemes (the 2 x 2 recursion over Strassen of the thesis, RXTX, KGP),
-//! integer products modulo small primes, or the classical algorithm, whichever the planner expects to
-//! be fastest. The arithmetic runs in kernels written in Rust or in any BLAS.
+//! [`ata()`] takes proven bilinear schemes (the 2 x 2 recursion over Strassen of the thesis, RXTX,
+//! KGP), integer products modulo small primes, or the classical algorithm, whichever the planner
+//! expects to be fastest. The arithmetic runs in kernels written in Rust or in any BLAS.
 //!
 //! # Modules
 //!
@@ -24,7 +24,8 @@
 //! | [`base`] | scalars, errors, threads, progress, workspaces, random numbers | |
 //! | [`kernel`] | kernels for each instruction set | |
 //! | [`blas`] | back ends: the kernels of this crate, or a BLAS that is loaded at run time | |
-//! | [`mod@ata`] | A^T A, A A^T, A^T B, rows from anywhere, plans, the exact path, checks of results | |
+//! | [`mod@ata`] | A^T A, A A^T, A^T B, rows from anywhere, plans, the exact path, checks of
+//! results | |
 //! | `dense` | small dense factorisations | `geometry` |
 //! | `sparse` | eigenpairs of sparse pencils | `geometry` |
 //! | `ortho` | Gram-Schmidt, Cholesky QR, rank-revealing bases | `geometry` |
@@ -42,13 +43,14 @@
 //!
 //! # Features
 //!
-//! Without features (`default-features = false`) the crate is A^T A: 53 packages instead of 107. Rows of
-//! a matrix that is larger than memory then come through [`ata::RowBlocks`]; readers of files are
-//! part of `geometry`.
+//! Without features (`default-features = false`) the crate is A^T A: 53 packages instead of 107.
+//! Rows of a matrix that is larger than memory then come through [`ata::RowBlocks`]; readers of
+//! files are part of `geometry`.
 //!
 //! | Feature | Default | Adds | Implies |
 //! |---|---|---|---|
-//! | `geometry` | yes | everything from `dense` to `texture` in the table above; A^T A of sparse matrices | |
+//! | `geometry` | yes | everything from `dense` to `texture` in the table above; A^T A of sparse
+//! matrices | |
 //! | `unions` | | `unions`, with 1.8 MB of weights | `geometry` |
 //! | `capi` | | the C ABI, which has functions of all modules | `unions` |
 //! | `openblas` | | OpenBLAS, linked at build time (`blas::openblas`) | |

@@ -242,14 +242,14 @@ fn weights_and_centre_match_the_definition() {
     let start = Mat::from_fn(n, n, |i, j| (i + j) as f64);
 
     let mut c = start.clone();
-    let row_options = RowOptions { weights: Some(&weights), center: Center::No };
+    let row_options = RowOptions::new().weights(&weights[..]);
     ata_rows(2.0, &mut DenseRows(a.as_ref()), &row_options, 3.0, c.as_mut(), &options).unwrap();
     let av = a.as_ref();
     assert_eq!(c, oracle(2.0, av, Some(&weights), av, 3.0, start.as_ref()));
 
     let center: Vec<f64> = (0..n).map(|j| j as f64).collect();
     let shifted = Mat::from_fn(m, n, |i, j| a[(i, j)] - center[j]);
-    let row_options = RowOptions { weights: Some(&weights), center: Center::Given(&center) };
+    let row_options = RowOptions::new().weights(&weights[..]).center(Center::Given(&center));
     ata_rows(1.0, &mut DenseRows(av), &row_options, 0.0, c.as_mut(), &options).unwrap();
     let sv = shifted.as_ref();
     assert_eq!(c, oracle(1.0, sv, Some(&weights), sv, 0.0, start.as_ref()));
@@ -261,7 +261,7 @@ fn covariance_survives_a_mean_a_million_times_the_deviation() {
     let noise = gaussian::<f64>(m, n, 17);
     let a = Mat::from_fn(m, n, |i, j| noise[(i, j)] + 1e6);
     let options = AtaOptions::new().uplo(Uplo::Both);
-    let row_options = RowOptions { weights: None, center: Center::Mean };
+    let row_options = RowOptions::new().center(Center::Mean);
     let alpha = 1.0 / (m as f64 - 1.0);
     let run = |a: MatRef<'_, f64>| {
         let mut c = Mat::zeros(n, n);
@@ -280,7 +280,7 @@ fn a_weighted_mean_of_weight_zero_is_refused() {
     let options = AtaOptions::default();
     // In the second, the sum is not zero only by rounding.
     for weights in [[1.0, -1.0, 0.0], [0.1, 0.2, -0.3]] {
-        let row_options = RowOptions { weights: Some(&weights), center: Center::Mean };
+        let row_options = RowOptions::new().weights(&weights[..]).center(Center::Mean);
         let mut rows = DenseRows(a.as_ref());
         let result = ata_rows(1.0, &mut rows, &row_options, 0.0, c.as_mut(), &options);
         assert!(matches!(result, Err(Error::Argument { what: "weights", .. })));
@@ -292,7 +292,7 @@ fn f32_input_with_f64_result_is_the_f64_result_of_the_same_numbers() {
     let a = gaussian::<f32>(2500, 30, 19);
     let wide = Mat::from_fn(2500, 30, |i, j| f64::from(a[(i, j)]));
     let options = AtaOptions::new().uplo(Uplo::Both);
-    let row_options = RowOptions::default();
+    let row_options = RowOptions::new();
     let (mut c, mut d) = (Mat::<f64>::zeros(30, 30), Mat::<f64>::zeros(30, 30));
     ata_rows(1.0, &mut DenseRows(a.as_ref()), &row_options, 0.0, c.as_mut(), &options).unwrap();
     ata_rows(1.0, &mut DenseRows(wide.as_ref()), &row_options, 0.0, d.as_mut(), &options).unwrap();
@@ -306,7 +306,7 @@ fn no_rows_leave_beta_c() {
     let mut c = Mat::from_fn(3, 3, |i, j| (i + j) as f64);
     ata(1.0, a.as_ref(), 2.0, c.as_mut(), &options).unwrap();
     assert_eq!(c, Mat::from_fn(3, 3, |i, j| 2.0 * (i + j) as f64));
-    let row_options = RowOptions { weights: None, center: Center::Mean };
+    let row_options = RowOptions::new().center(Center::Mean);
     ata_rows(1.0, &mut DenseRows(a.as_ref()), &row_options, 0.5, c.as_mut(), &options).unwrap();
     assert_eq!(c, Mat::from_fn(3, 3, |i, j| (i + j) as f64));
 }
@@ -326,12 +326,12 @@ fn wrong_shapes_name_the_argument_and_leave_c_alone() {
     let error = atb(1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &options).unwrap_err();
     assert_eq!(error, Error::Shape { what: "B", expected: (4, 3), got: (5, 3) });
 
-    let short = RowOptions { weights: Some(&[1.0]), center: Center::No };
+    let short = RowOptions::new().weights(&[1.0][..]);
     let error = ata_rows(1.0, &mut DenseRows(a.as_ref()), &short, 0.0, c.as_mut(), &options);
     assert!(matches!(error, Err(Error::Shape { what: "weights", .. })));
 
     let nan = [1.0, f64::NAN, 1.0, 1.0];
-    let nan = RowOptions { weights: Some(&nan), center: Center::No };
+    let nan = RowOptions::new().weights(&nan[..]);
     let error = ata_rows(1.0, &mut DenseRows(a.as_ref()), &nan, 0.0, c.as_mut(), &options);
     assert_eq!(error, Err(Error::NonFinite { what: "weights", index: (1, 0) }));
     assert_eq!(c, Mat::<f64>::ones(3, 3));

@@ -140,7 +140,7 @@ fn check<T: BlasReal>(options: &AtaOptions<'_>, smallest: i32, what: &str) {
 
         let mut e = Mat::from_fn(n, n, |_, _| T::ZERO);
         let rows = &mut DenseRows(sa.as_ref());
-        ata_rows(T::ONE, rows, &RowOptions::default(), T::ZERO, e.as_mut(), options).unwrap();
+        ata_rows(T::ONE, rows, &RowOptions::new(), T::ZERO, e.as_mut(), options).unwrap();
         let error = gram.error(e.as_ref(), &powers, &powers, true);
         assert!(error <= FACTOR, "ata_rows, {name}: {error}");
     }

@@ -92,7 +92,7 @@ fn weights_and_centres_are_reproducible_too() {
     let weights: Vec<f64> = (0..m).map(|i| (i % 5) as f64 - 1.5).collect();
     let run = |threads: usize| {
         let options = reproducible().threads(threads);
-        let rows = RowOptions { weights: Some(&weights), center: Center::Mean };
+        let rows = RowOptions::new().weights(&weights[..]).center(Center::Mean);
         let mut c = Mat::zeros(n, n);
         ata_rows(1.0, &mut DenseRows(a.as_ref()), &rows, 0.0, c.as_mut(), &options).unwrap();
         c

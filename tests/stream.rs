@@ -432,7 +432,7 @@ fn exact_sums_are_the_same_bits_for_any_blocks_threads_stops_and_strips() {
         }
         // The same by `ata_rows`.
         let center = if centered { Center::Mean } else { Center::No };
-        let rows = RowOptions { weights: w, center };
+        let rows = RowOptions::new().weights(w).center(center);
         let both = AtaOptions::new().reproducible(true).uplo(Uplo::Both);
         let mut c = Mat::from_fn(n, n, |_, _| f64::NAN);
         ata_rows(1.0, &mut DenseRows(a.as_ref()), &rows, 0.0, c.as_mut(), &both).unwrap();
@@ -457,7 +457,7 @@ fn rows_about_a_given_centre_are_exact_in_any_order() {
     let reversed = Mat::from_fn(m, n, |i, j| a[(m - 1 - i, j)]);
     let center: Vec<f64> = (0..n).map(|j| 0.5 * j as f64).collect();
     let run = |a: MatRef<'_, f64>| {
-        let rows = RowOptions { weights: None, center: Center::Given(&center) };
+        let rows = RowOptions::new().center(Center::Given(&center));
         let options = AtaOptions::new().reproducible(true).uplo(Uplo::Both);
         let mut c = Mat::from_fn(n, n, |i, j| (i + j) as f64);
         ata_rows(2.0, &mut DenseRows(a), &rows, 3.0, c.as_mut(), &options).unwrap();

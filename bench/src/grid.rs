@@ -112,7 +112,8 @@ pub fn best_rival(outcomes: &[Outcome]) -> Option<&Outcome> {
     rivals().filter(|o| o.seconds.len() == most).min_by(|x, y| x.median().total_cmp(&y.median()))
 }
 
-/// The row of one race, in which ours followed this plan; `None` when nobody or no rival was measured.
+/// The row of one race, in which ours followed this plan; `None` when nobody or no rival was
+/// measured.
 pub fn row(
     outcomes: &[Outcome],
     plan: Option<&Plan>,

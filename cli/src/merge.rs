@@ -15,8 +15,8 @@ use crate::report::report;
 
 /// Compute C of the rows of several files or machines from the sums that `ata --accumulator` keeps.
 ///
-/// Holds two of them in memory. The order of the files changes last bits only, and nothing of exact sums
-/// (`ata --reproducible`).
+/// Holds two of them in memory. The order of the files changes last bits only, and nothing of exact
+/// sums (`ata --reproducible`).
 #[derive(clap::Args)]
 #[command(group = ArgGroup::new("result").args(["output", "accumulator"]).required(true).multiple(true))]
 pub struct Args {

@@ -1,8 +1,8 @@
 //! Signals that end the program: SIGINT (Ctrl-C), SIGTERM and SIGHUP.
 //!
-//! The first one asks the command to stop ([`check`], which every progress bar calls). A command that
-//! is still there after [`GRACE`] is ended from outside: outputs that are not committed are removed,
-//! and the process exits with the status of the signal. A second signal does that at once.
+//! The first one asks the command to stop ([`check`], which every progress bar calls). A command
+//! that is still there after [`GRACE`] is ended from outside: outputs that are not committed are
+//! removed, and the process exits with the status of the signal. A second signal does that at once.
 
 use std::io;
 use std::process::ExitCode;

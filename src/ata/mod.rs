@@ -1,15 +1,15 @@
 //! A^T A: options, a plan, its execution; rows from anywhere; and a check.
 //!
-//! `C := alpha A^T A + beta C` for any m x n matrix A in f32 or f64, with any strides. A call makes a
-//! [`Plan`] from the shape and the [`AtaOptions`], and runs it: `plan/` holds the data, `execute/` one
-//! executor for each strategy. See docs/algorithms/ata.md for the mathematics.
+//! `C := alpha A^T A + beta C` for any m x n matrix A in f32 or f64, with any strides. A call makes
+//! a [`Plan`] from the shape and the [`AtaOptions`], and runs it: `plan/` holds the data,
+//! `execute/` one executor for each strategy. See docs/algorithms/ata.md for the mathematics.
 //!
 //! # Accuracy
-//! With k rows, u the unit roundoff and `|a_i|` the Euclidean norm of a column, every entry of a result
-//! of the default options satisfies `|C_ij - exact| <= 4 k u |a_i| |b_j|`, whatever the norms of the
-//! other columns: columns whose norms differ are scaled by powers of two around fast levels. The bound
-//! holds for [`ata()`], [`atb`], [`ata_rows`], streams and ranks, unless products of the norms leave the
-//! range of the numbers.
+//! With k rows, u the unit roundoff and `|a_i|` the Euclidean norm of a column, every entry of a
+//! result of the default options satisfies `|C_ij - exact| <= 4 k u |a_i| |b_j|`, whatever the
+//! norms of the other columns: columns whose norms differ are scaled by powers of two around fast
+//! levels. The bound holds for [`ata()`], [`atb`], [`ata_rows`], streams and ranks, unless products
+//! of the norms leave the range of the numbers.
 
 mod combine;
 pub mod distributed;
@@ -77,7 +77,8 @@ pub fn ata<T: BlasReal>(
     run(&gram_plan(a, c.rb(), options)?, gram(alpha, a, beta, c, options), options)
 }
 
-/// Computes [`ata`] in the caller's scratch of at least [`ata_scratch_len`] elements, whatever they hold.
+/// Computes [`ata`] in the caller's scratch of at least [`ata_scratch_len`] elements, whatever they
+/// hold.
 ///
 /// ```
 /// use catamaran::{AtaOptions, ata_scratch_len, ata_with_scratch, faer::Mat};
@@ -138,6 +139,17 @@ pub fn aat<T: BlasReal>(
 
 /// Computes [`aat`] in the caller's scratch of at least [`aat_scratch_len`] elements.
 ///
+/// ```
+/// use catamaran::{AtaOptions, aat_scratch_len, aat_with_scratch, faer::{Mat, mat}};
+///
+/// let (a, options) = (mat![[1.0, 2.0, 2.0], [0.0, 3.0, 4.0]], AtaOptions::new());
+/// let mut scratch = vec![f64::NAN; aat_scratch_len::<f64>(2, 3, &options)?];
+/// let mut c = Mat::zeros(2, 2);
+/// aat_with_scratch(1.0, a.as_ref(), 0.0, c.as_mut(), &options, &mut scratch)?;
+/// assert_eq!((c[(0, 0)], c[(1, 0)], c[(1, 1)]), (9.0, 14.0, 25.0));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`ata_with_scratch`].
 pub fn aat_with_scratch<T: BlasReal>(
@@ -159,11 +171,11 @@ pub fn aat_scratch_len<T: BlasReal>(m: usize, n: usize, options: &AtaOptions<'_>
     ata_scratch_len::<T>(n, m, options)
 }
 
-/// Computes `C := alpha A^T B + beta C`, all of it (`options.uplo` does not matter); FastStrassen of the
-/// thesis' algorithm 8.1 under [`SchemeChoice::Ata2`].
+/// Computes `C := alpha A^T B + beta C`, all of it (`options.uplo` does not matter); FastStrassen
+/// of the thesis' algorithm 8.1 under [`SchemeChoice::Ata2`].
 ///
-/// A is m x n, B is m x k, C is n x k; any strides; any sizes, 0 included. With `beta == 0` C is not
-/// read, with `alpha == 0` A and B are not. The result is the same, bit for bit, for every
+/// A is m x n, B is m x k, C is n x k; any strides; any sizes, 0 included. With `beta == 0` C is
+/// not read, with `alpha == 0` A and B are not. The result is the same, bit for bit, for every
 /// `options.par`.
 ///
 /// ```
@@ -190,7 +202,20 @@ pub fn atb<T: BlasReal>(
     run(&plan, Product { alpha, a, b: Some(b), beta, c, uplo: None }, options)
 }
 
-/// Computes [`atb`] in the caller's scratch of at least [`atb_scratch_len`] elements, whatever they hold.
+/// Computes [`atb`] in the caller's scratch of at least [`atb_scratch_len`] elements, whatever they
+/// hold.
+///
+/// ```
+/// use catamaran::{AtaOptions, atb_scratch_len, atb_with_scratch, faer::{Mat, mat}};
+///
+/// let (a, b) = (mat![[1.0, 2.0], [3.0, 4.0]], mat![[1.0], [10.0]]);
+/// let options = AtaOptions::new();
+/// let mut scratch = vec![f64::NAN; atb_scratch_len::<f64>(2, 2, 1, &options)?];
+/// let mut c = Mat::zeros(2, 1);
+/// atb_with_scratch(1.0, a.as_ref(), b.as_ref(), 0.0, c.as_mut(), &options, &mut scratch)?;
+/// assert_eq!(c, mat![[31.0], [42.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`atb`]; [`Error::Shape`] too when the scratch is short.
@@ -274,8 +299,20 @@ fn run_in<T: BlasReal>(
     execute(plan, product, options, scratch)
 }
 
-/// Computes the lower triangle of `C := A^T A` by the exact path on `isa`, and returns what its stages
-/// took. For benchmarks: [`ata`] does the same on the fastest instruction set.
+/// Computes the lower triangle of `C := A^T A` by the exact path on `isa`, and returns what its
+/// stages took. For benchmarks: [`ata`] does the same on the fastest instruction set.
+///
+/// ```
+/// use catamaran::ata::exact_stages;
+/// use catamaran::{AtaOptions, faer::Mat, kernel::int8::Isa};
+///
+/// let a = Mat::<f64>::from_fn(300, 20, |i, j| ((7 * i + j) % 11) as f64);
+/// let mut c = Mat::zeros(20, 20);
+/// let stages = exact_stages(Isa::Portable, a.as_ref(), c.as_mut(), &AtaOptions::new())?;
+/// assert_eq!(c[(3, 2)], a.col(3).transpose() * a.col(2));
+/// assert!(stages.products > 0.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`ata`]; [`Error::Argument`] when the machine refuses the instruction set.

@@ -229,15 +229,15 @@ impl<'a> AtaOptions<'a> {
     }
 
     /// Sets the smallest block side (in elements, at least 1) that a fast level may produce; in
-    /// [`SchemeChoice::Ata2`] the side of the square that fits the cache. `None`, the default, leaves it
-    /// to the planner.
+    /// [`SchemeChoice::Ata2`] the side of the square that fits the cache. `None`, the default,
+    /// leaves it to the planner.
     pub fn leaf(self, leaf: impl Into<Option<usize>>) -> Self {
         Self { leaf: leaf.into(), ..self }
     }
 
     /// Sets the number of tasks that C is split into, whatever the number of threads. `None`, the
-    /// default, decides by shape. The native kernels share C by items of their own and need none, but
-    /// for the schemes of the thesis, RXTX and Kgp3.
+    /// default, decides by shape. The native kernels share C by items of their own and need none,
+    /// but for the schemes of the thesis, RXTX and Kgp3.
     pub fn tasks(self, tasks: impl Into<Option<usize>>) -> Self {
         Self { tasks: tasks.into(), ..self }
     }

@@ -69,6 +69,13 @@ pub struct Scheme {
 }
 
 /// Names a scheme.
+///
+/// ```
+/// use catamaran::ata::scheme::SchemeId;
+///
+/// let strassen = SchemeId::Strassen.scheme();
+/// assert_eq!(strassen.products.len(), 7);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SchemeId {
     /// Symmetric: two triangles and the block between them, over all rows; no additions.

@@ -58,10 +58,25 @@ pub fn verify<T: Real>(
     rounds: u32,
     seed: u64,
 ) -> Result<Verification> {
-    verify_rows(alpha, &mut DenseRows(a), &RowOptions::default(), c, uplo, rounds, seed)
+    verify_rows(alpha, &mut DenseRows(a), &RowOptions::new(), c, uplo, rounds, seed)
 }
 
 /// As [`verify`], for `C = alpha X^T W X` of [`ata_rows`](super::ata_rows).
+///
+/// ```
+/// use catamaran::ata::{Center, DenseRows, RowOptions, ata_rows, verify_rows};
+/// use catamaran::{AtaOptions, Uplo, faer::Mat};
+///
+/// let a = Mat::<f64>::from_fn(50, 8, |i, j| ((3 * i + j) % 7) as f64);
+/// let (mut rows, about_mean) = (DenseRows(a.as_ref()), RowOptions::new().center(Center::Mean));
+/// let mut c = Mat::zeros(8, 8);
+/// ata_rows(1.0, &mut rows, &about_mean, 0.0, c.as_mut(), &AtaOptions::new())?;
+/// assert!(verify_rows(1.0, &mut rows, &about_mean, c.as_ref(), Uplo::Lower, 20, 0)?.passed);
+/// // It is not the product without the mean.
+/// let plain = RowOptions::new();
+/// assert!(!verify_rows(1.0, &mut rows, &plain, c.as_ref(), Uplo::Lower, 20, 0)?.passed);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`verify`] and [`ata_rows`](super::ata_rows).

@@ -1,24 +1,27 @@
 //! Setters of options.
 
-/// Defines `new` (the defaults) and a setter for each of the fields named, called as the field is. A
-/// field after `#[into]` takes whatever becomes its type; `par` gets `threads` too.
+/// Defines `new` (the defaults) and a setter for each of the fields named, called as the field is.
+/// A field after `#[into]` takes whatever becomes its type; `par` gets `threads` too. A type
+/// parameter of the options is a [`Real`](crate::Real).
 ///
 /// The form `setters only` leaves `new` to the type.
 macro_rules! builder {
-    ($options:ident$(<$generic:lifetime>)? { $($fields:tt)* }) => {
-        impl$(<$generic>)? $options$(<$generic>)? {
+    ($options:ident$(<$generic:lifetime $(, $scalar:ident)?>)? { $($fields:tt)* }) => {
+        impl$(<$generic $(, $scalar: $crate::base::Real)?>)? $options$(<$generic $(, $scalar)?>)? {
             /// Returns the defaults.
             pub fn new() -> Self {
                 Self::default()
             }
         }
 
-        $crate::base::builder! { setters only $options$(<$generic>)? { $($fields)* } }
+        $crate::base::builder! {
+            setters only $options$(<$generic $(, $scalar)?>)? { $($fields)* }
+        }
     };
-    (setters only $options:ident$(<$generic:lifetime>)? {
+    (setters only $options:ident$(<$generic:lifetime $(, $scalar:ident)?>)? {
         $($(#[$into:ident])? $field:ident: $type:ty,)*
     }) => {
-        impl$(<$generic>)? $options$(<$generic>)? {
+        impl$(<$generic $(, $scalar: $crate::base::Real)?>)? $options$(<$generic $(, $scalar)?>)? {
             $($crate::base::builder! { @ $($into)? $field $type })*
         }
     };

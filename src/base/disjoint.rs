@@ -5,7 +5,8 @@ use std::ops::Range;
 
 use faer::MatMut;
 
-/// A pointer that threads may share. Using it is unsafe, and who uses it keeps their parts disjoint.
+/// A pointer that threads may share. Using it is unsafe, and who uses it keeps their parts
+/// disjoint.
 #[derive(Debug)]
 pub(crate) struct SharedPtr<T>(*mut T);
 
@@ -17,8 +18,8 @@ impl<T> Clone for SharedPtr<T> {
 
 impl<T> Copy for SharedPtr<T> {}
 
-// SAFETY: only an address. Every access through it is unsafe and asks for disjointness; elements move
-// between threads, hence `T: Send`.
+// SAFETY: only an address. Every access through it is unsafe and asks for disjointness; elements
+// move between threads, hence `T: Send`.
 unsafe impl<T: Send> Send for SharedPtr<T> {}
 // SAFETY: as above.
 unsafe impl<T: Send> Sync for SharedPtr<T> {}
@@ -35,10 +36,11 @@ impl<T> SharedPtr<T> {
     }
 }
 
-/// A matrix (or a slice, which is one column) whose disjoint parts are written from several threads.
+/// A matrix (or a slice, which is one column) whose disjoint parts are written from several
+/// threads.
 ///
-/// The borrow of the matrix lasts as long as this. Each access is unsafe: the caller promises that no
-/// two parts that are alive at a time overlap, usually because tickets hand out each part once.
+/// The borrow of the matrix lasts as long as this. Each access is unsafe: the caller promises that
+/// no two parts that are alive at a time overlap, usually because tickets hand out each part once.
 pub(crate) struct Disjoint<'a, T> {
     start: SharedPtr<T>,
     rows: usize,

@@ -1,6 +1,5 @@
 //! What everything stands on: scalars, errors, threads, workspaces, progress, randomness.
 
-#[cfg(feature = "geometry")]
 mod builder;
 mod disjoint;
 mod error;
@@ -11,7 +10,6 @@ mod scalar;
 mod version;
 mod workspace;
 
-#[cfg(feature = "geometry")]
 pub(crate) use builder::builder;
 pub(crate) use disjoint::{Disjoint, SharedPtr};
 pub use error::{Cause, Error, Result};

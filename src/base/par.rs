@@ -12,8 +12,8 @@ pub enum Par {
     /// The calling thread only.
     Seq,
     /// At most this many threads (at least 1): those of the rayon pool the call runs in, or a pool
-    /// made for the call when that one is smaller. More than [`Par::MOST_PER_CORE`] a core are never
-    /// used: they would only wait for each other.
+    /// made for the call when that one is smaller. More than [`Par::MOST_PER_CORE`] a core are
+    /// never used: they would only wait for each other.
     Threads(usize),
 }
 
@@ -84,11 +84,13 @@ impl Par {
     }
 }
 
-/// Calls `work(worker, i)` for every ticket `i` in `0..count`, each once, from one thread for each of
-/// `workers`; waits for all. Tickets are handed out in ascending order, and none after a `Break`.
+/// Calls `work(worker, i)` for every ticket `i` in `0..count`, each once, from one thread for each
+/// of `workers`; waits for all. Tickets are handed out in ascending order, and none after a
+/// `Break`.
 ///
 /// Which worker gets which ticket is a matter of chance, so that results must not depend on it. The
-/// calling thread is the first worker; a worker whose thread never starts leaves its tickets to others.
+/// calling thread is the first worker; a worker whose thread never starts leaves its tickets to
+/// others.
 pub(crate) fn tickets<W: Send>(
     workers: &mut [W],
     count: usize,
@@ -135,7 +137,14 @@ fn enough_threads(wanted: usize) -> bool {
     std::panic::catch_unwind(rayon::current_num_threads).is_ok_and(|threads| threads >= wanted)
 }
 
-/// The number of cores in the affinity mask of this process when it was first asked for, at least 1.
+/// The number of cores in the affinity mask of this process when it was first asked for, at
+/// least 1.
+///
+/// ```
+/// use catamaran::{Par, base::available_cores};
+///
+/// assert_eq!(Par::all().threads(), available_cores());
+/// ```
 pub fn available_cores() -> usize {
     // Asking the system takes longer than a small product.
     static CORES: OnceLock<usize> = OnceLock::new();
@@ -172,8 +181,8 @@ impl Latch {
         self.left.load(Ordering::Acquire) == 0
     }
 
-    /// Waits until it is over: some microseconds awake, for the next piece of work usually is as near,
-    /// then asleep.
+    /// Waits until it is over: some microseconds awake, for the next piece of work usually is as
+    /// near, then asleep.
     pub fn wait(&self) {
         const SPINS: usize = 2000;
         const YIELDS: usize = 20;
@@ -203,6 +212,17 @@ pub enum Pin {
 
 /// A group of threads, made once and used for many calls: everything called inside
 /// [`ThreadPool::run`] uses these threads and no others.
+///
+/// ```
+/// use catamaran::{AtaOptions, Uplo, ata, base::{Pin, ThreadPool}, faer::Mat};
+///
+/// let pool = ThreadPool::new(2, Pin::No)?;
+/// let (a, mut c) = (Mat::<f64>::identity(6, 3), Mat::zeros(3, 3));
+/// let options = AtaOptions::new().threads(2).uplo(Uplo::Both);
+/// pool.run(|| ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options))?;
+/// assert_eq!(c, Mat::<f64>::identity(3, 3));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct ThreadPool {
     pool: rayon::ThreadPool,

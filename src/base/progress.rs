@@ -9,13 +9,13 @@ use super::{Error, Result};
 /// A function that is told the fraction of the work that is done.
 type Callback<'a> = &'a (dyn Fn(f64) -> ControlFlow<()> + Sync);
 
-/// Reports the fraction of the work that is done to a callback, or to nobody ([`Progress::none`], the
-/// default).
+/// Reports the fraction of the work that is done to a callback, or to nobody ([`Progress::none`],
+/// the default).
 ///
-/// The callback gets a fraction in `[0, 1]` that never decreases, and stops the work soon by returning
-/// [`ControlFlow::Break`]; the call then returns [`Error::Cancelled`]. It is called from any thread of
-/// the call, but one call at a time, and never while other threads wait for its thread: it may take
-/// its time, use rayon, or call this library.
+/// The callback gets a fraction in `[0, 1]` that never decreases, and stops the work soon by
+/// returning [`ControlFlow::Break`]; the call then returns [`Error::Cancelled`]. It is called from
+/// any thread of the call, but one call at a time, and never while other threads wait for its
+/// thread: it may take its time, use rayon, or call this library.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -64,8 +64,8 @@ impl<'a> Progress<'a> {
         Self { callback: Some(callback), start: 0.0, length: 1.0 }
     }
 
-    /// The progress of a part of the work: its fractions 0 and 1 are `range.start` and `range.end` of
-    /// this one.
+    /// The progress of a part of the work: its fractions 0 and 1 are `range.start` and `range.end`
+    /// of this one.
     pub fn part(self, range: Range<f64>) -> Self {
         let start = self.start + range.start * self.length;
         Self { start, length: (range.end - range.start) * self.length, ..self }
@@ -97,8 +97,8 @@ impl<'a> Progress<'a> {
 /// Adds up what several threads have done and reports it, one call at a time.
 ///
 /// A thread that finds another one in the callback goes on at once: what it has done is in the next
-/// report. [`Tracker::add`] must be called when no thread waits for what the caller is at: the callback
-/// may run other work on this thread.
+/// report. [`Tracker::add`] must be called when no thread waits for what the caller is at: the
+/// callback may run other work on this thread.
 pub(crate) struct Tracker<'a> {
     progress: Progress<'a>,
     total: f64,

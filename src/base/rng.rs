@@ -4,6 +4,15 @@ use rand_xoshiro::rand_core::{Rng as _, SeedableRng};
 /// A seeded generator (xoshiro256++, Blackman and Vigna 2021): the same seed gives the same numbers
 /// in every version of this crate, and but for [`Rng::normal`], which rounds as the machine's
 /// logarithm does, on every machine.
+///
+/// ```
+/// use catamaran::base::Rng;
+///
+/// let (mut a, mut b) = (Rng::new(7), Rng::new(7));
+/// assert_eq!(a.bits(), b.bits());
+/// assert!((0.0..1.0).contains(&a.uniform()));
+/// assert_eq!(a.sign().abs(), 1.0);
+/// ```
 #[derive(Debug, Clone)]
 pub struct Rng(Xoshiro256PlusPlus);
 

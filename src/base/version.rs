@@ -13,6 +13,13 @@ pub struct VersionNumber {
 }
 
 /// The parts of [`VERSION`].
+///
+/// ```
+/// use catamaran::base::{VERSION, version};
+///
+/// let found = version();
+/// assert_eq!(VERSION, format!("{}.{}.{}", found.major, found.minor, found.patch));
+/// ```
 pub fn version() -> VersionNumber {
     let mut parts = VERSION.split('.').map(|p| p.parse().unwrap_or(0));
     let mut next = || parts.next().unwrap_or(0);

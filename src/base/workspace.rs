@@ -150,6 +150,16 @@ fn spare<R>(work: impl FnOnce(&mut Option<Workspace<f64>>) -> R) -> R {
 }
 
 /// Gives the memory back that products keep for the next one: at most 1 GiB.
+///
+/// ```
+/// use catamaran::{AtaOptions, ata, base::release_memory, faer::Mat};
+///
+/// let (a, mut c) = (Mat::<f64>::ones(300, 300), Mat::zeros(300, 300));
+/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &AtaOptions::new())?;
+/// release_memory(); // as after the last of many products
+/// assert_eq!(c[(1, 0)], 300.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn release_memory() {
     drop(spare(Option::take));
 }

@@ -32,13 +32,14 @@ pub trait Backend: Kernels<f32> + Kernels<f64> {
     /// What the planner assumes of it.
     fn rates(&self) -> Rates;
 
-    /// Itself, when it is our own kernels: [`ata`](mod@crate::ata) then uses them without this trait.
+    /// Itself, when it is our own kernels: [`ata`](mod@crate::ata) then uses them without this
+    /// trait.
     fn native(&self) -> Option<&Native> {
         None
     }
 
-    /// Holds the library at one thread until the guard is dropped: on the calling thread (MKL), or in
-    /// the process (others), where the last guard restores what the first one found.
+    /// Holds the library at one thread until the guard is dropped: on the calling thread (MKL), or
+    /// in the process (others), where the last guard restores what the first one found.
     fn single_threaded(&self) -> ThreadGuard {
         ThreadGuard(None)
     }

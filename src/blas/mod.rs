@@ -26,6 +26,16 @@ pub use kernels::Kernels;
 pub use native::Native;
 
 /// The default back end: our own kernels for the best instruction set of this machine.
+///
+/// ```
+/// use catamaran::{AtaOptions, Uplo, ata, blas, faer::Mat};
+///
+/// let options = AtaOptions::new().backend(blas::native()).uplo(Uplo::Both);
+/// let (a, mut c) = (Mat::<f64>::identity(6, 3), Mat::zeros(3, 3));
+/// ata(2.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
+/// assert_eq!(c[(2, 2)], 2.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn native() -> Arc<dyn Backend> {
     // Every call of `ata` with default options asks for it: one allocation for all of them.
     static NATIVE: LazyLock<Arc<dyn Backend>> = LazyLock::new(|| native_on(Isa::best()));
@@ -33,6 +43,16 @@ pub fn native() -> Arc<dyn Backend> {
 }
 
 /// Our own kernels for one instruction set; the portable ones where the machine refuses it.
+///
+/// ```
+/// use catamaran::{AtaOptions, ata, blas, faer::Mat, kernel::packed::Isa};
+///
+/// let options = AtaOptions::new().backend(blas::native_on(Isa::Portable));
+/// let (a, mut c) = (Mat::<f64>::ones(5, 3), Mat::zeros(3, 3));
+/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
+/// assert_eq!(c[(2, 1)], 5.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn native_on(isa: Isa) -> Arc<dyn Backend> {
     native_with(isa, packed::Rates::of(isa))
 }
@@ -47,6 +67,16 @@ pub fn native_with(isa: Isa, rates: packed::Rates) -> Arc<dyn Backend> {
 ///
 /// This reads a file in the user's cache directory, and the plans, so the roundings of results too,
 /// may depend on it: [`native()`] does neither.
+///
+/// ```
+/// use catamaran::{AtaOptions, ata, blas, faer::Mat};
+///
+/// let options = AtaOptions::new().backend(blas::tuned());
+/// let (a, mut c) = (Mat::<f64>::ones(5, 3), Mat::zeros(3, 3));
+/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
+/// assert_eq!(c[(2, 1)], 5.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn tuned() -> Arc<dyn Backend> {
     let isa = Isa::best();
     let rates = packed::Rates::cached(isa).unwrap_or_else(|| packed::Rates::of(isa));
@@ -54,6 +84,16 @@ pub fn tuned() -> Arc<dyn Backend> {
 }
 
 /// OpenBLAS, as linked at build time.
+///
+/// ```
+/// use catamaran::{AtaOptions, ata, blas, faer::Mat};
+///
+/// let options = AtaOptions::new().backend(blas::openblas());
+/// let (a, mut c) = (Mat::<f64>::ones(5, 3), Mat::zeros(3, 3));
+/// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
+/// assert_eq!(c[(2, 1)], 5.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[cfg(feature = "openblas")]
 pub fn openblas() -> Arc<dyn Backend> {
     Arc::new(cblas::Cblas::linked_openblas())
@@ -64,6 +104,14 @@ pub fn openblas() -> Arc<dyn Backend> {
 ///
 /// Operands that CBLAS can't express (no unit stride, or an extent over 2^31 - 1) are computed by
 /// [`native()`] instead.
+///
+/// ```no_run
+/// use catamaran::{AtaOptions, blas};
+///
+/// let backend = blas::load("/usr/lib/x86_64-linux-gnu/libblis.so.4".as_ref())?;
+/// let options = AtaOptions::new().backend(backend);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Backend`](crate::Error::Backend) when the file can't be loaded or lacks a symbol.

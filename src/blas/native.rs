@@ -48,7 +48,8 @@ impl Native {
 
     /// The part of `C := alpha A^T B + beta C`, B being A when `None`.
     ///
-    /// Inlined into its three callers, so that a small product is not slowed down by what they differ in.
+    /// Inlined into its three callers, so that a small product is not slowed down by what they
+    /// differ in.
     #[inline(always)]
     fn product<T: Operand>(
         self,

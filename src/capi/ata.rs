@@ -119,7 +119,7 @@ pub unsafe extern "C" fn cata_ata_f32_f64(
                 return Ok(()); // m may be beyond counting
             }
             let rows = &mut DenseRows(a);
-            Ok(ata_rows(alpha, rows, &RowOptions::default(), beta, c, options)?)
+            Ok(ata_rows(alpha, rows, &RowOptions::new(), beta, c, options)?)
         };
         // SAFETY: the caller's promise.
         unsafe { with_options(params, uplo, work) }

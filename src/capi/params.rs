@@ -35,9 +35,9 @@ pub const CATA_ERROR_LEAST: f64 = -1.0;
 /// A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything else
 /// asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
 ///
-/// It is called from any thread that works for the call, one call at a time: each begins after the one
-/// before it has returned, and sees what that has written. No thread waits for it, so it may be slow,
-/// and it may call this library. It must not leave by longjmp or a C++ exception.
+/// It is called from any thread that works for the call, one call at a time: each begins after the
+/// one before it has returned, and sees what that has written. No thread waits for it, so it may be
+/// slow, and it may call this library. It must not leave by longjmp or a C++ exception.
 pub type cata_progress = Option<extern "C" fn(fraction: f64, user: *mut c_void) -> i32>;
 
 /// How a product is computed. Every field but the first is 0 (NULL) by default, so that
@@ -125,8 +125,8 @@ pub(super) unsafe fn init<T: Versioned>(params: *mut T, struct_size: usize) -> c
     boundary(|| {
         check_struct_size::<T>("params", struct_size)?;
         let params = pointer::checked("params", params, 1)?.cast_mut();
-        // SAFETY: not NULL, aligned, and struct_size writable bytes by the caller's promise; the size
-        // itself comes first. All fields may be 0, also those that only the caller knows.
+        // SAFETY: not NULL, aligned, and struct_size writable bytes by the caller's promise; the
+        // size itself comes first. All fields may be 0, also those that only the caller knows.
         unsafe {
             params.cast::<u8>().write_bytes(0, struct_size);
             params.cast::<usize>().write(struct_size);
@@ -171,8 +171,8 @@ pub(super) unsafe fn read<T: Versioned>(params: *const T) -> Result<T, Failure> 
     }
 }
 
-/// Writes a struct of the caller's version, but for its `struct_size`: the fields that both know, and 0
-/// into those that only the caller knows.
+/// Writes a struct of the caller's version, but for its `struct_size`: the fields that both know,
+/// and 0 into those that only the caller knows.
 ///
 /// # Safety
 /// `place` is NULL or points to as many writable bytes as its `struct_size` says.
@@ -198,8 +198,8 @@ pub(super) unsafe fn write<T: Versioned>(
 /// The address that a progress callback asked for.
 struct User(*mut c_void);
 
-// SAFETY: only handed to the callback, which the header tells to expect any thread; calls never overlap
-// and are ordered, as `Progress` promises.
+// SAFETY: only handed to the callback, which the header tells to expect any thread; calls never
+// overlap and are ordered, as `Progress` promises.
 unsafe impl Sync for User {}
 
 impl User {
@@ -325,8 +325,8 @@ mod tests {
         const FIRST_SIZE: usize = offset_of!(Self, added);
     }
 
-    /// As many words as the caller's version has; what is read or written beyond is found by Miri and
-    /// AddressSanitizer.
+    /// As many words as the caller's version has; what is read or written beyond is found by Miri
+    /// and AddressSanitizer.
     fn of_version(words: &[usize]) -> Box<[usize]> {
         words.into()
     }

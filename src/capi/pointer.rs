@@ -54,8 +54,8 @@ pub(super) fn uplo_from(uplo: i32) -> Result<Uplo, Failure> {
 /// A sparse m x n matrix by rows (CSR), read only: its entries are checked.
 ///
 /// # Safety
-/// `row_starts` has rows + 1 elements (or may be NULL without rows), `columns` and `entries` as many as
-/// its last one says; they can be read, and nobody writes them, during `'a`.
+/// `row_starts` has rows + 1 elements (or may be NULL without rows), `columns` and `entries` as
+/// many as its last one says; they can be read, and nobody writes them, during `'a`.
 pub(super) unsafe fn sparse<'a, T: Real>(
     rows: usize,
     cols: usize,

@@ -129,7 +129,7 @@ unsafe fn rows<T: BlasReal>(
             if n == 0 {
                 return Ok(()); // m may be beyond counting
             }
-            let row_options = RowOptions { weights, center };
+            let row_options = RowOptions::new().weights(weights).center(center);
             Ok(ata_rows(alpha, &mut DenseRows(a), &row_options, beta, c, options)?)
         };
         // SAFETY: the caller's promise.

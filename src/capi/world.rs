@@ -6,36 +6,39 @@ use std::mem::offset_of;
 use super::entries::Entries;
 use super::params::Versioned;
 
-/// The ranks of an MPI communicator that work together; made by cata_world_new, given back by cata_world_free.
+/// The ranks of an MPI communicator that work together; made by cata_world_new, given back by
+/// cata_world_free.
 ///
-/// It has a communicator of its own, so that no message of the caller is mistaken for one of the library's.
-/// The library never initialises or finalises MPI. MPI is called by the thread that calls, which must be
-/// one that may do so; other threads compute, so MPI_THREAD_FUNNELED is what to ask MPI_Init_thread for.
+/// It has a communicator of its own, so that no message of the caller is mistaken for one of the
+/// library's. The library never initialises or finalises MPI. MPI is called by the thread that
+/// calls, which must be one that may do so; other threads compute, so MPI_THREAD_FUNNELED is what
+/// to ask MPI_Init_thread for.
 ///
-/// Functions that are called collective are called by all ranks of the world, in the same order and with
-/// the same numbers unless said otherwise. An error on one rank is an error on all: its own there,
-/// CATA_ERR_RANK on the others, with a message that names the rank. What one rank alone notices of a world
-/// that is NULL, or freed, can't be told to the others. A panic aborts the job (MPI_Abort), as the others would
-/// wait for ever; so does, unless the communicator has another error handler, an error of MPI itself.
+/// Functions that are called collective are called by all ranks of the world, in the same order and
+/// with the same numbers unless said otherwise. An error on one rank is an error on all: its own
+/// there, CATA_ERR_RANK on the others, with a message that names the rank. What one rank alone
+/// notices of a world that is NULL, or freed, can't be told to the others. A panic aborts the job
+/// (MPI_Abort), as the others would wait for ever; so does, unless the communicator has another
+/// error handler, an error of MPI itself.
 pub struct cata_world {
     #[cfg(feature = "mpi")]
     pub(super) world: crate::mpi::World,
 }
 
-/// A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a world; made by
-/// cata_world_ata_rows_f64 and the like, given back by cata_symmetric_free.
+/// A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a world;
+/// made by cata_world_ata_rows_f64 and the like, given back by cata_symmetric_free.
 pub struct cata_symmetric {
     #[cfg(feature = "mpi")]
     pub(super) entries: Entries,
 }
 
-/// What a rank has sent and received: words are matrix entries. The few numbers by which ranks agree on shapes
-/// and errors are not counted.
+/// What a rank has sent and received: words are matrix entries. The few numbers by which ranks
+/// agree on shapes and errors are not counted.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_traffic {
-    /// sizeof(cata_traffic) as the caller was compiled with; set it before the call. Later versions add
-    /// fields at the end; those that this library does not know are set to 0.
+    /// sizeof(cata_traffic) as the caller was compiled with; set it before the call. Later versions
+    /// add fields at the end; those that this library does not know are set to 0.
     pub struct_size: usize,
     /// Entries sent.
     pub words_sent: u64,

@@ -1,6 +1,13 @@
 //! How far a curve is from the one that it should be (thesis, section 6.4.2).
 
 /// Whether two orders of the same samples run around the same circle: equal up to where they start and which way they go.
+///
+/// ```
+/// use catamaran::curve::same_order;
+///
+/// assert!(same_order(&[2, 1, 0, 3], &[0, 1, 2, 3]));
+/// assert!(!same_order(&[0, 2, 1, 3], &[0, 1, 2, 3]));
+/// ```
 pub fn same_order(order: &[u32], truth: &[u32]) -> bool {
     let n = order.len();
     if n != truth.len() {
@@ -22,17 +29,36 @@ fn nearest<'a>(from: &'a [[f64; 3]], to: &'a [[f64; 3]]) -> impl Iterator<Item =
 }
 
 /// The Hausdorff distance of two sets of points; infinite when one of them is empty, and 0 when both are.
+///
+/// ```
+/// use catamaran::curve::hausdorff;
+///
+/// let (one, two) = ([[0.0; 3]], [[0.0; 3], [3.0, 4.0, 0.0]]);
+/// assert_eq!(hausdorff(&one, &two), 5.0);
+/// ```
 pub fn hausdorff(truth: &[[f64; 3]], found: &[[f64; 3]]) -> f64 {
     nearest(truth, found).chain(nearest(found, truth)).fold(0.0, f64::max)
 }
 
 /// R of equation 6.1 as it is written: the root of the mean distance from the points of the true curve to the one found;
 /// infinite when nothing was found.
+///
+/// ```
+/// use catamaran::curve::root_mean_distance;
+///
+/// assert_eq!(root_mean_distance(&[[0.0; 3], [8.0, 0.0, 0.0]], &[[0.0; 3]]), 2.0);
+/// ```
 pub fn root_mean_distance(truth: &[[f64; 3]], found: &[[f64; 3]]) -> f64 {
     mean(nearest(truth, found), truth.len()).sqrt()
 }
 
 /// R with the square that its name says: the root of the mean of the squared distance; infinite when nothing was found.
+///
+/// ```
+/// use catamaran::curve::root_mean_square_distance;
+///
+/// assert_eq!(root_mean_square_distance(&[[1.0, 0.0, 0.0], [7.0, 0.0, 0.0]], &[[0.0; 3]]), 5.0);
+/// ```
 pub fn root_mean_square_distance(truth: &[[f64; 3]], found: &[[f64; 3]]) -> f64 {
     mean(nearest(truth, found).map(|d| d * d), truth.len()).sqrt()
 }

@@ -10,6 +10,19 @@ pub const LEAST_VERTICES: usize = 100;
 const ATTEMPTS: usize = 400;
 
 /// Generates curves on one mesh.
+///
+/// ```
+/// use catamaran::curve::dataset::{Generator, LEAST_VERTICES};
+/// use catamaran::mesh::{Graph, families};
+///
+/// let graph = Graph::of_mesh(&families::icosphere(5)?);
+/// let curve = Generator::new(&graph, 1)?.curve()?.unwrap();
+/// assert!(curve.len() >= LEAST_VERTICES);
+/// let next = |i: usize| curve[(i + 1) % curve.len()];
+/// let is_edge = |i: usize| graph.neighbours(curve[i]).any(|(v, _)| v == next(i));
+/// assert!((0..curve.len()).all(is_edge));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub struct Generator<'g> {
     graph: &'g Graph,
     from_start: Dijkstra<'g>,
@@ -136,6 +149,16 @@ pub struct Samples {
 }
 
 /// k samples of a curve, at most as many as it has vertices.
+///
+/// ```
+/// use catamaran::base::Rng;
+/// use catamaran::curve::dataset::{Sampling, samples};
+///
+/// let curve: Vec<u32> = (100..120).collect();
+/// let found = samples(&curve, 5, Sampling::Even, &mut Rng::new(1));
+/// let ordered: Vec<u32> = found.order.iter().map(|&i| found.vertices[i as usize]).collect();
+/// assert_eq!(ordered, [100, 104, 108, 112, 116]);
+/// ```
 pub fn samples(curve: &[u32], k: usize, sampling: Sampling, rng: &mut Rng) -> Samples {
     let n = curve.len();
     let k = k.min(n);
@@ -167,6 +190,13 @@ fn shuffle(items: &mut [usize], rng: &mut Rng) {
 }
 
 /// The mesh with a volume of 1 inside; one that is not closed, with the area of a ball of volume 1.
+///
+/// ```
+/// use catamaran::{curve::dataset::scaled, mesh::families};
+///
+/// assert!((scaled(&families::icosphere(2)?)?.volume() - 1.0).abs() < 1e-12);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Mesh`](crate::Error::Mesh) when that makes coordinates that are not finite, as of a mesh without area.

@@ -34,7 +34,8 @@ pub(super) struct Walker<'a, 'm> {
 }
 
 impl Walker<'_, '_> {
-    /// Walks from sample number `start` to one of the `candidates` nearest, and so on, and back; reports each sample.
+    /// Walks from sample number `start` to one of the `candidates` nearest, and so on, and back;
+    /// reports each sample.
     ///
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled).

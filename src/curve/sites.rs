@@ -43,6 +43,18 @@ pub struct Placed {
 
 /// The vertices of these sites.
 ///
+/// ```
+/// use catamaran::curve::{Placement, Site, place};
+/// use catamaran::mesh::families;
+///
+/// let mesh = families::grid(2, 2)?;
+/// let sites = [Site::Near([0.9, 0.1, 0.0]), Site::Face { face: 0, weights: [0.2, 0.3, 0.5] }];
+/// let placed = place(&mesh, &sites, Placement::Insert)?;
+/// assert_eq!(placed.vertices, [6, 9]); // a corner of the square, and a vertex that is new
+/// assert_eq!(placed.mesh.map(|mesh| mesh.vertices().len()), Some(10));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] names a site whose vertex or face is not there, whose weights are not barycentric coordinates, or
 /// whose point is not finite; also for a point on a mesh without faces.
@@ -66,6 +78,18 @@ pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Pla
 }
 
 /// The mesh with the Steiner points of a reconstruction as vertices after its own, so that the curves are along its edges.
+///
+/// ```
+/// use catamaran::curve::{Steiner, refined};
+/// use catamaran::mesh::families;
+///
+/// let mesh = families::grid(1, 1)?;
+/// let point = Steiner { ends: [0, 1], position: [0.0, 0.5, 0.0] };
+/// let found = refined(&mesh, &[point])?;
+/// assert_eq!((found.vertices().len(), found.faces().len()), (5, 3));
+/// assert_eq!(found.area(), mesh.area());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Argument`] for ends that are no vertices or earlier points.

@@ -15,6 +15,17 @@ impl Decimation {
     /// The new mesh as a file with the colours and texture coordinates that the input has: those at the places of its vertices.
     /// Where a texture is cut, each new face takes the side that its middle is on. Normals are left out.
     ///
+    /// ```
+    /// use catamaran::decimate::{DecimateOptions, decimate};
+    /// use catamaran::mesh::{families, io::MeshFile};
+    ///
+    /// let mut sphere = MeshFile::from(families::icosphere(3)?);
+    /// sphere.colors = Some(vec![[1.0, 0.5, 0.0, 1.0]; sphere.mesh.vertices().len()]);
+    /// let found = decimate(&sphere.mesh, 100, &DecimateOptions::new())?.carry(&sphere)?;
+    /// assert_eq!(found.colors, Some(vec![[1.0, 0.5, 0.0, 1.0]; 100]));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Shape`] when `input` is not of the mesh that was decimated.
     pub fn carry(&self, input: &MeshFile) -> Result<MeshFile> {

@@ -28,6 +28,15 @@ const BLOCK: usize = 1024;
 impl Difference {
     /// Between `first` and `second`. O(V log F).
     ///
+    /// ```
+    /// use catamaran::{Par, decimate::Difference, mesh::families};
+    ///
+    /// let mesh = families::icosphere(2)?;
+    /// let found = Difference::between(&mesh, &mesh, Par::Seq)?;
+    /// assert_eq!((found.hausdorff, found.chamfer), (0.0, 0.0));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Mesh`] when one of them has no face.
     pub fn between(first: &TriMesh, second: &TriMesh, par: Par) -> Result<Self> {

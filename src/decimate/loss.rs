@@ -9,7 +9,8 @@ pub(super) fn gap_of_move(patch: &Patch, v: u32, p: Vector, q: Vector) -> Vector
     gap(patch, q, patch.around(v).iter(), [v, v], p)
 }
 
-/// How far the ends of the edge from a to b would be from the faces around p, were it collapsed to that.
+/// How far the ends of the edge from a to b would be from the faces around p, were it collapsed to
+/// that.
 pub(super) fn loss_of_collapse(patch: &Patch, a: u32, b: u32, p: Vector) -> f64 {
     let lost = |q: u32| {
         let without = |v: u32| move |f: &&u32| !patch.faces[**f as usize].contains(&v);

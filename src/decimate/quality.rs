@@ -27,6 +27,15 @@ pub struct Quality {
 
 impl Quality {
     /// The measures of `mesh`; all 0 when it has no face.
+    ///
+    /// ```
+    /// use catamaran::{decimate::Quality, mesh::families};
+    ///
+    /// let quality = Quality::of(&families::icosphere(0)?);
+    /// assert!((quality.mean_quality - 1.0).abs() < 1e-12 && quality.area_variation < 1e-12);
+    /// assert_eq!(quality.mean_valence, 5.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     pub fn of(mesh: &TriMesh) -> Self {
         let (mean_area, area_deviation) = mean_and_deviation(&mesh.face_areas());
         let qualities = mesh.qualities();

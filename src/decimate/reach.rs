@@ -1,4 +1,5 @@
-//! Thin parts of the surface that the new mesh misses, since it reaches no farther than its vertices do.
+//! Thin parts of the surface that the new mesh misses, since it reaches no farther than its
+//! vertices do.
 
 use std::collections::HashSet;
 use std::hash::BuildHasherDefault;

@@ -18,6 +18,15 @@ pub struct Resampled {
 /// sqrt(4 A_E / sqrt 3) with A_E = area / (2 n), in units of length. (The thesis has 3 n triangles and a factor 2, which
 /// would be right for neither.)
 ///
+/// ```
+/// use catamaran::decimate::edge_length_for;
+///
+/// // 2 n equilateral triangles with this side have the area.
+/// let side = edge_length_for(10.0, 100)?;
+/// assert!((200.0 * side * side * 3_f64.sqrt() / 4.0 - 10.0).abs() < 1e-12);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] when n is 0, or the area not positive and finite.
 pub fn edge_length_for(area: f64, n: usize) -> Result<f64> {

@@ -14,8 +14,27 @@ const BUFFER: usize = 1 << 20;
 
 /// Writes an accumulator into `output` and lets it appear.
 ///
+/// ```
+/// use catamaran::{AtaOptions, Uplo, ata::Accumulator};
+/// use catamaran::io::{Output, Overwrite, accumulator_scalar};
+/// use catamaran::io::{read_accumulator, write_accumulator};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("sum.acc");
+/// let (mut sum, options) = (Accumulator::<f64>::new(2, false)?, AtaOptions::new());
+/// sum.add_block(1, &mut [1.0, 2.0], None, &options)?;
+/// write_accumulator(Output::create(path, Overwrite::Never)?, &sum)?;
+///
+/// assert_eq!(accumulator_scalar(path)?, "f64");
+/// let mut sum = read_accumulator::<f64>(path)?;
+/// sum.add_block(1, &mut [3.0, 4.0], None, &options)?;
+/// assert_eq!(sum.finish(1.0, Uplo::Lower)?.as_ref()[(1, 0)], 14.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
-/// [`Error::Io`](crate::Error::Io); nothing is left behind then, and a file that was to be replaced stays.
+/// [`Error::Io`](crate::Error::Io); nothing is left behind then, and a file that was to be replaced
+/// stays.
 pub fn write_accumulator<T: BlasReal>(
     mut output: Output,
     accumulator: &Accumulator<T>,
@@ -27,7 +46,8 @@ pub fn write_accumulator<T: BlasReal>(
 /// Reads the accumulator of scalars T in the file at `path`.
 ///
 /// # Errors
-/// [`Error::Io`](crate::Error::Io): no such file, or not a whole and undamaged accumulator of T; [`Error::OutOfMemory`](crate::Error::OutOfMemory).
+/// [`Error::Io`](crate::Error::Io): no such file, or not a whole and undamaged accumulator of T;
+/// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
 pub fn read_accumulator<T: BlasReal>(path: &Path) -> Result<Accumulator<T>> {
     Accumulator::read(&mut open(path)?).map_err(|e| error_at(path, None, e))
 }

@@ -34,6 +34,13 @@ pub(super) fn format_of(path: &Path) -> Result<Format> {
 
 /// Whether [`write_arrays`] can write a file of this name.
 ///
+/// ```
+/// use catamaran::io::check_arrays_name;
+///
+/// assert!(check_arrays_name("a.npz".as_ref()).is_ok());
+/// assert!(check_arrays_name("a.npy".as_ref()).is_err());
+/// ```
+///
 /// # Errors
 /// [`Error::Io`](crate::Error::Io) for any other end of the name, and for HDF5 without feature `hdf5`.
 pub fn check_arrays_name(path: &Path) -> Result<()> {
@@ -42,6 +49,19 @@ pub fn check_arrays_name(path: &Path) -> Result<()> {
 
 /// Writes named arrays into `output`, as its name says, and lets it appear: `.npz` as [`write_npz`](super::write_npz);
 /// `.h5`, `.hdf5` and `.he5` (feature `hdf5`) with a dataset for each, of the same name, shape and type.
+///
+/// ```
+/// use catamaran::io::{Array, Output, Overwrite, read_arrays, write_arrays};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("a.npz");
+/// let output = Output::create(path, Overwrite::Never)?;
+/// let (values, order) = (Array::Vector(&[1.0, 2.0]), Array::Indices(&[1, 0]));
+/// write_arrays(output, &[("values", values), ("order", order)])?;
+/// let arrays = read_arrays(path)?;
+/// assert_eq!(arrays.names().collect::<Vec<_>>(), ["order", "values"]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`check_arrays_name`]; [`Error::Io`](crate::Error::Io), and nothing is left behind then.
@@ -55,6 +75,22 @@ pub fn write_arrays(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> 
 
 /// A file as [`write_arrays`] makes it, written array by array, and a matrix of it by blocks of columns, so that it may be
 /// larger than memory. It appears with [`ArraysWriter::finish`]; dropped before that, it leaves nothing.
+///
+/// ```
+/// use catamaran::{faer::Mat, io::{Array, ArraysWriter, Output, Overwrite, read_arrays}};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("a.npz");
+/// let a = Mat::<f64>::from_fn(3, 4, |i, j| (4 * i + j) as f64);
+/// let mut writer = ArraysWriter::new(Output::create(path, Overwrite::Never)?)?;
+/// writer.array("values", Array::Vector(&[1.0, 2.0]))?;
+/// writer.matrix_by_columns("a", 3, 4)?;
+/// writer.columns(a.subcols(0, 3))?;
+/// writer.columns(a.subcols(3, 1))?;
+/// writer.finish()?;
+/// assert_eq!(read_arrays(path)?.matrix("a")?, a);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub struct ArraysWriter(Writer);
 
 enum Writer {

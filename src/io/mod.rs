@@ -132,6 +132,16 @@ pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Matrix> {
 /// appear: `.npy` in C order and the precision of T, `.mtx` as a general real array, text tables with
 /// commas (tabs in `.tsv`, blanks in `.txt`) and enough digits to read the same number back.
 ///
+/// ```
+/// use catamaran::{faer::mat, io::{Output, Overwrite, write}};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("a.csv");
+/// write(Output::create(path, Overwrite::Never)?, mat![[1.0, 0.5], [2.0, -3.0]].as_ref())?;
+/// assert_eq!(std::fs::read_to_string(path).unwrap(), "1.0,0.5\n2.0,-3.0\n");
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Io`]; nothing is left behind then.
 pub fn write<T: Real>(mut output: Output, matrix: MatRef<'_, T>) -> Result<()> {
@@ -159,6 +169,13 @@ pub fn write<T: Real>(mut output: Output, matrix: MatRef<'_, T>) -> Result<()> {
 }
 
 /// Whether [`read`] and [`write()`] know what the name of this file says.
+///
+/// ```
+/// use catamaran::io::check_name;
+///
+/// assert!(check_name("a.npy".as_ref()).is_ok());
+/// assert!(check_name("a.doc".as_ref()).is_err());
+/// ```
 ///
 /// # Errors
 /// [`Error::Io`] when they don't.

@@ -25,6 +25,17 @@ pub enum Array<'a> {
 
 /// Writes named arrays into `output` and lets it appear.
 ///
+/// ```
+/// use catamaran::io::{Array, Output, Overwrite, read_arrays, write_npz};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("a.npz");
+/// let output = Output::create(path, Overwrite::Never)?;
+/// write_npz(output, &[("indices", Array::Indices(&[3, 5]))])?;
+/// assert_eq!(read_arrays(path)?.indices("indices")?, [3, 5]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Io`]; nothing is left behind then.
 pub fn write_npz(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
@@ -37,6 +48,22 @@ pub fn write_npz(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
 
 /// An `.npz` file that is written array by array, and a matrix of it by blocks of columns, so that it may be larger than
 /// memory. It appears with [`NpzWriter::finish`]; dropped before that, it leaves nothing.
+///
+/// ```
+/// use catamaran::{faer::Mat, io::{Array, NpzWriter, Output, Overwrite, read_arrays}};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("a.npz");
+/// let a = Mat::<f64>::from_fn(3, 4, |i, j| (4 * i + j) as f64);
+/// let mut writer = NpzWriter::new(Output::create(path, Overwrite::Never)?);
+/// writer.array("values", Array::Vector(&[1.0, 2.0]))?;
+/// writer.matrix_by_columns("a", 3, 4)?;
+/// writer.columns(a.subcols(0, 3))?;
+/// writer.columns(a.subcols(3, 1))?;
+/// writer.finish()?;
+/// assert_eq!(read_arrays(path)?.matrix("a")?, a);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub struct NpzWriter {
     archive: ZipWriter<Output>,
     path: PathBuf,

@@ -29,7 +29,8 @@ pub struct Arrays {
 /// let path = std::env::temp_dir().join(format!("catamaran-arrays-{}.npz", std::process::id()));
 /// let (values, vectors) = ([1.0, 2.0], Mat::<f64>::identity(3, 2));
 /// let output = Output::create(&path, Overwrite::Replace)?;
-/// write_arrays(output, &[("values", Array::Vector(&values)), ("vectors", Array::Matrix(vectors.as_ref()))])?;
+/// let matrix = Array::Matrix(vectors.as_ref());
+/// write_arrays(output, &[("values", Array::Vector(&values)), ("vectors", matrix)])?;
 /// let arrays = read_arrays(&path)?;
 /// assert_eq!((arrays.vector("values")?, arrays.matrix("vectors")?), (values.to_vec(), vectors));
 /// # std::fs::remove_file(path).unwrap();

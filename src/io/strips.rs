@@ -7,6 +7,28 @@ use crate::ata::{Strip, Uplo};
 use crate::base::{Error, Real, Result};
 
 /// A symmetric n x n matrix on its way into a `.npy` file, strip by strip, because all of it is too large for memory.
+///
+/// ```
+/// use catamaran::ata::{Accumulator, DenseRows, stream};
+/// use catamaran::io::{Matrix, Output, Overwrite, ReadOptions, StripOutput, read};
+/// use catamaran::{AtaOptions, Uplo, faer::Mat};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("c.npy");
+/// let a = Mat::<f64>::from_fn(10, 4, |i, j| (i * j % 3) as f64);
+/// let output = Output::create(path, Overwrite::Never)?;
+/// let mut output = StripOutput::new::<f64>(output, 4, Uplo::Both)?;
+/// for rows in [0..3, 3..4] {
+///     let mut sum = Accumulator::<f64>::of_strip(4, rows, false)?;
+///     let (rows, options) = (&mut DenseRows(a.as_ref()), AtaOptions::new());
+///     stream(rows, None, 64, &mut sum, &options, &mut |_| Ok(()))?;
+///     output.write(&sum.finish(1.0, Uplo::Lower)?)?;
+/// }
+/// output.commit()?;
+/// let Matrix::F64(c) = read(path, &ReadOptions::new())? else { panic!() };
+/// assert_eq!(c.as_ref(), a.transpose() * &a);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct StripOutput {
     output: Output,

@@ -46,6 +46,18 @@ pub fn gradient(mesh: &TriMesh) -> Result<CsMat<f64>> {
 /// So `D G = -W` with the cotangent stiffness W of [`laplacian`](fn@super::laplacian), and with a lumped mass M the divergence at vertex
 /// v is `(D x)_v / M_v`.
 ///
+/// ```
+/// use catamaran::mesh::{LaplacianOptions, divergence, families, gradient, laplacian};
+/// use catamaran::sparse::CsMat;
+///
+/// let mesh = families::icosphere(1)?;
+/// let stiffness = laplacian(&mesh, &LaplacianOptions::new())?.stiffness;
+/// let product: CsMat<f64> = &divergence(&mesh)? * &gradient(&mesh)?;
+/// let sum = &product + &stiffness;
+/// assert!(sum.data().iter().all(|x| x.abs() < 1e-12)); // D G = -W
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`gradient`].
 pub fn divergence(mesh: &TriMesh) -> Result<CsMat<f64>> {

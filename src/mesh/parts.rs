@@ -17,6 +17,16 @@ pub struct Part {
 impl TriMesh {
     /// The part of these faces, in the order of the mesh, with the vertices that they use.
     ///
+    /// ```
+    /// use catamaran::mesh::families;
+    ///
+    /// let part = families::grid(1, 2)?.submesh(&[2, 3])?;
+    /// assert_eq!(part.mesh.faces().len(), 2);
+    /// assert_eq!(part.vertices.len(), 4);
+    /// assert_eq!(part.faces, [2, 3]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Argument`] for a number that no face has, or that comes twice.
     pub fn submesh(&self, faces: &[u32]) -> Result<Part> {

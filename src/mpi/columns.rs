@@ -25,6 +25,20 @@ const FIRST_TAG: i32 = 32;
 /// holds two pieces of the columns it sees, not more than its share of A and C together. `options.uplo` does not
 /// matter. The result depends, by rounding, on the number of ranks and the widths.
 ///
+/// ```no_run
+/// use catamaran::mpi::{World, ata_columns};
+/// use catamaran::{AtaOptions, faer::Mat};
+///
+/// # let universe = mpi::initialize().expect("MPI is started once");
+/// # let world = World::new(&universe.world());
+/// // Every rank has 8 columns.
+/// let own = Mat::<f64>::from_fn(100, 8, |i, j| (world.rank() + i * j % 7) as f64);
+/// let result = ata_columns(&world, 1.0, own.as_ref(), &AtaOptions::new())?;
+/// assert_eq!(result.n(), 8 * world.size());
+/// result.for_each_segment(|i, j, entries| println!("C[{i}, {j}..] = {entries:?}"));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Rank`](crate::Error::Rank) when m, alpha or the precision differ, or another rank failed; else
 /// as [`ata`].

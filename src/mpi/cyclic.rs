@@ -53,6 +53,28 @@ pub struct CyclicMut<'a, T> {
 /// [`Uplo::Both`] the old C must be symmetric. C is untouched after any error. The result depends,
 /// by rounding, on the number of ranks and on how A is dealt out.
 ///
+/// ```no_run
+/// use catamaran::ata::distributed::{BlockCyclic, Grid, GridOrder};
+/// use catamaran::mpi::{CyclicMut, CyclicRef, World, ata_cyclic};
+/// use catamaran::{AtaOptions, faer::Mat};
+///
+/// # let universe = mpi::initialize().expect("MPI is started once");
+/// # let world = World::new(&universe.world());
+/// // Blocks of 2 x 2 on a column of ranks, as ScaLAPACK has them.
+/// let grid = Grid::new(world.size(), 1, GridOrder::Rows)?;
+/// let a = BlockCyclic::new("A", (100, 8), (2, 2), (0, 0), grid)?;
+/// let c = BlockCyclic::new("C", (8, 8), (2, 2), (0, 0), grid)?;
+/// let [(m, n), (k, l)] = [a, c].map(|matrix| matrix.local_shape(world.rank()));
+/// let (own_a, mut own_c) = (Mat::<f64>::ones(m, n), Mat::<f64>::zeros(k, l));
+/// let a = CyclicRef { matrix: a, entries: own_a.as_ref() };
+/// let result = CyclicMut { matrix: c, entries: own_c.as_mut() };
+/// ata_cyclic(&world, 1.0, a, 0.0, result, &AtaOptions::new())?;
+/// if world.rank() == 0 {
+///     assert_eq!(own_c[(0, 0)], 100.0);
+/// }
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Shape`] when C is not n x n or entries are not those of the rank, [`Error::Argument`] when a grid
 /// has more ranks than there are, [`Error::Rank`] when a descriptor, alpha, beta, a triangle or the precision
@@ -70,6 +92,28 @@ pub fn ata_cyclic<T: MpiReal>(
 
 /// `C := alpha A A^T + beta C` for block-cyclic A, n x m, and C, n x n; PDSYRK with TRANS = 'N', of whole
 /// matrices. It is [`ata_cyclic`] of the transposed A.
+///
+/// ```no_run
+/// use catamaran::ata::distributed::{BlockCyclic, Grid, GridOrder};
+/// use catamaran::mpi::{CyclicMut, CyclicRef, World, aat_cyclic};
+/// use catamaran::{AtaOptions, faer::Mat};
+///
+/// # let universe = mpi::initialize().expect("MPI is started once");
+/// # let world = World::new(&universe.world());
+/// // Blocks of 2 x 2 on a column of ranks, as ScaLAPACK has them.
+/// let grid = Grid::new(world.size(), 1, GridOrder::Rows)?;
+/// let a = BlockCyclic::new("A", (100, 8), (2, 2), (0, 0), grid)?;
+/// let c = BlockCyclic::new("C", (100, 100), (2, 2), (0, 0), grid)?;
+/// let [(m, n), (k, l)] = [a, c].map(|matrix| matrix.local_shape(world.rank()));
+/// let (own_a, mut own_c) = (Mat::<f64>::ones(m, n), Mat::<f64>::zeros(k, l));
+/// let a = CyclicRef { matrix: a, entries: own_a.as_ref() };
+/// let result = CyclicMut { matrix: c, entries: own_c.as_mut() };
+/// aat_cyclic(&world, 1.0, a, 0.0, result, &AtaOptions::new())?;
+/// if world.rank() == 0 {
+///     assert_eq!(own_c[(0, 0)], 8.0);
+/// }
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`ata_cyclic`].

@@ -24,6 +24,24 @@ use crate::sparse::{EigenOptions, Eigenpairs, InnerSpace, Mass, Pencil, check_pr
 /// number of ranks, the rounding does. Small matrices are treated by every rank, and must come out the same everywhere,
 /// so that all need the same instruction set.
 ///
+/// ```no_run
+/// use catamaran::mpi::{World, eigs};
+/// use catamaran::sparse::{CsMat, EigenOptions, Mass};
+///
+/// # let universe = mpi::initialize().expect("MPI is started once");
+/// # let world = World::new(&universe.world());
+/// // The path with one vertex on each rank: its row of the Laplacian.
+/// let (own, n) = (world.rank(), world.size());
+/// let (first, last) = (own.saturating_sub(1), (own + 1).min(n - 1));
+/// let columns: Vec<usize> = (first..=last).collect();
+/// let degree = columns.len() as f64 - 1.0;
+/// let values = columns.iter().map(|&j| if j == own { degree } else { -1.0 }).collect();
+/// let row = CsMat::new((1, n), vec![0, columns.len()], columns, values);
+/// let pairs = eigs(&world, row.view(), &Mass::identity(1), &EigenOptions::new().k(1))?;
+/// assert!(pairs.values[0].abs() < 1e-9); // the constant
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Rank`] when arguments differ, or another rank failed or cancelled; [`Error::Argument`] of "stiffness" or
 /// "mass" that is stored by columns; else as [`sparse::eigs`](crate::sparse::eigs()).

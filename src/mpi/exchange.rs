@@ -109,6 +109,19 @@ impl Rows {
 
 /// The matrix whose `rows` are spread over the ranks, in their order, on rank `root`; `None` on the others.
 ///
+/// ```no_run
+/// use catamaran::{faer::Mat, mpi::{World, gather_rows}};
+///
+/// # let universe = mpi::initialize().expect("MPI is started once");
+/// # let world = World::new(&universe.world());
+/// let own = Mat::<f64>::full(2, 3, world.rank() as f64);
+/// if let Some(all) = gather_rows(&world, 0, own.as_ref())? {
+///     assert_eq!(all.shape(), (2 * world.size(), 3));
+///     assert_eq!(all[(all.nrows() - 1, 0)], (world.size() - 1) as f64);
+/// }
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] when there is no such root, [`Error::OutOfMemory`]; [`Error::Rank`] when arguments differ, or
 /// another rank failed.

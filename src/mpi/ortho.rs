@@ -21,6 +21,20 @@ use crate::sparse::Mass;
 /// small matrices are computed by every rank, and must be the same everywhere, so that all need the same instruction
 /// set. A full mass costs messages for every product with it: rows that are next to own ones.
 ///
+/// ```no_run
+/// use catamaran::mpi::{World, gram_schmidt};
+/// use catamaran::{faer::Mat, ortho::GramSchmidtOptions, sparse::Mass};
+///
+/// # let universe = mpi::initialize().expect("MPI is started once");
+/// # let world = World::new(&universe.world());
+/// // Every rank has 5 rows; the second column is twice the first.
+/// let own = Mat::<f64>::from_fn(5, 3, |i, j| [1.0, 2.0, i as f64][j]);
+/// let options = GramSchmidtOptions::new();
+/// let found = gram_schmidt(&world, own.as_ref(), &Mass::identity(5), &options)?;
+/// assert_eq!((found.q.shape(), found.kept), ((5, 2), vec![0, 2]));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Rank`](crate::Error::Rank) when arguments differ, or another rank failed or cancelled; else as
 /// [`ortho::gram_schmidt`](crate::ortho::gram_schmidt()), rows of A counted from the first own one.
@@ -52,6 +66,20 @@ pub fn gram_schmidt(
 /// [`ortho::cholesky_qr`](crate::ortho::cholesky_qr()) of a matrix and an inner product that are spread as for
 /// [`gram_schmidt`]: the own rows of A become those of Q, and every rank gets R. For each of the two to five passes, a
 /// rank sends and receives the packed triangle of a c x c matrix at most twice.
+///
+/// ```no_run
+/// use catamaran::mpi::{World, cholesky_qr};
+/// use catamaran::{Par, faer::Mat, sparse::Mass};
+///
+/// # let universe = mpi::initialize().expect("MPI is started once");
+/// # let world = World::new(&universe.world());
+/// // Every rank has 5 rows.
+/// let a = Mat::<f64>::from_fn(5, 2, |i, j| (i as f64).powi(j as i32));
+/// let mut q = a.clone();
+/// let r = cholesky_qr(&world, q.as_mut(), &Mass::identity(5), Par::Seq)?;
+/// assert!((q * r - a).norm_max() < 1e-12);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Rank`](crate::Error::Rank) when arguments differ, or another rank failed; else as

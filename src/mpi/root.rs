@@ -16,6 +16,21 @@ use crate::base::{Error, Result};
 /// [`ata_tree`] or [`ata_deal`], whichever [`choose`] expects to be faster for this shape and number of ranks on the
 /// default [`Machine`]. The result depends on the shape and the number of ranks and on nothing else.
 ///
+/// ```no_run
+/// use catamaran::mpi::{World, ata_root};
+/// use catamaran::{AtaOptions, faer::Mat};
+///
+/// let universe = mpi::initialize().expect("MPI is started once");
+/// let world = World::new(&universe.world());
+/// let is_root = world.rank() == 0;
+/// let a = is_root.then(|| Mat::<f64>::ones(100, 8));
+/// let mut c = is_root.then(|| Mat::zeros(8, 8));
+/// let (from, to) = (a.as_ref().map(|a| a.as_ref()), c.as_mut().map(|c| c.as_mut()));
+/// ata_root(&world, 0, 1.0, from, 0.0, to, &AtaOptions::new())?;
+/// assert!(c.is_none_or(|c| c[(7, 0)] == 100.0));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] for a root out of range, or A or C missing on it; [`Error::Rank`] when the roots,
 /// alpha or the precision differ, or another rank failed; else as [`ata`](crate::ata()). Then C holds unspecified
@@ -42,6 +57,21 @@ pub fn ata_root<T: MpiReal>(
 /// ranks on (with less, up to all of A), its block of C, at most `n^2 / 4`, and two results of others, at most half of
 /// that each.
 ///
+/// ```no_run
+/// use catamaran::mpi::{World, ata_tree};
+/// use catamaran::{AtaOptions, faer::Mat};
+///
+/// # let universe = mpi::initialize().expect("MPI is started once");
+/// # let world = World::new(&universe.world());
+/// let is_root = world.rank() == 0;
+/// let a = is_root.then(|| Mat::<f64>::ones(100, 8));
+/// let mut c = is_root.then(|| Mat::zeros(8, 8));
+/// let (from, to) = (a.as_ref().map(|a| a.as_ref()), c.as_mut().map(|c| c.as_mut()));
+/// ata_tree(&world, 0, 1.0, from, 0.0, to, &AtaOptions::new())?;
+/// assert!(c.is_none_or(|c| c[(7, 0)] == 100.0));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`ata_root`].
 pub fn ata_tree<T: MpiReal>(
@@ -62,6 +92,21 @@ pub fn ata_tree<T: MpiReal>(
 /// For tall A: every entry of A travels once at most, and of C `n^2` in all. The root sends A from where it is, and
 /// computes its rows there meanwhile; another rank holds an n x n sum and two blocks of rows, each of at most 64 MiB
 /// (or 1024 rows), not more than its rows.
+///
+/// ```no_run
+/// use catamaran::mpi::{World, ata_deal};
+/// use catamaran::{AtaOptions, faer::Mat};
+///
+/// # let universe = mpi::initialize().expect("MPI is started once");
+/// # let world = World::new(&universe.world());
+/// let is_root = world.rank() == 0;
+/// let a = is_root.then(|| Mat::<f64>::ones(100, 8));
+/// let mut c = is_root.then(|| Mat::zeros(8, 8));
+/// let (from, to) = (a.as_ref().map(|a| a.as_ref()), c.as_mut().map(|c| c.as_mut()));
+/// ata_deal(&world, 0, 1.0, from, 0.0, to, &AtaOptions::new())?;
+/// assert!(c.is_none_or(|c| c[(7, 0)] == 100.0));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`ata_root`].

@@ -21,9 +21,26 @@ use crate::base::{Error, Progress, Result, Workspace, reserved};
 /// a rank holds a few chunks of C, which for large n are less than a part. `options.uplo` does not matter.
 /// The result depends, by rounding, on the number of ranks and on which rank has which rows.
 ///
-/// On the exact path, when the options ask for it, it does not: the ranks agree on the bounds of the rows, their sums
-/// are integers ([`Accumulator::exact`](crate::ata::Accumulator::exact)), which are added up in parts of 32 bits, at
-/// five times the traffic of f64, and C is the same bytes for any ranks.
+/// On the exact path, when the options ask for it, it does not: the ranks agree on the bounds of
+/// the rows, their sums are integers ([`Accumulator::exact`](crate::ata::Accumulator::exact)),
+/// which are added up in parts of 32 bits, at five times the traffic of f64, and C is the same
+/// bytes for any ranks.
+///
+/// ```no_run
+/// use catamaran::mpi::{World, ata_rows};
+/// use catamaran::{AtaOptions, Uplo, faer::Mat};
+///
+/// let universe = mpi::initialize().expect("MPI is started once");
+/// let world = World::new(&universe.world());
+/// // Every rank has 100 rows.
+/// let own = Mat::<f64>::from_fn(100, 8, |i, j| (world.rank() + i * j % 7) as f64);
+/// let result = ata_rows(&world, 1.0, own.as_ref(), &AtaOptions::new())?;
+/// assert_eq!(result.n(), 8);
+/// // All of C on rank 0.
+/// let mut c = (world.rank() == 0).then(|| Mat::zeros(8, 8));
+/// result.gather(&world, 0, c.as_mut().map(|c| c.as_mut()), Uplo::Both)?;
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Rank`] when n, alpha or the precision differ, or another rank failed; else as [`ata`].
@@ -56,6 +73,17 @@ pub fn ata_rows<T: MpiReal>(
 }
 
 /// The sum over the ranks of their symmetric matrices `c`, n x n, of which the lower triangles are read.
+///
+/// ```no_run
+/// use catamaran::{faer::Mat, mpi::{World, sum_symmetric}};
+///
+/// # let universe = mpi::initialize().expect("MPI is started once");
+/// # let world = World::new(&universe.world());
+/// let result = sum_symmetric(&world, Mat::<f64>::identity(8, 8).as_ref())?;
+/// // The entries on the diagonal are the number of ranks.
+/// assert!(result.entries().iter().all(|&x| x == 0.0 || x == world.size() as f64));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Rank`] when n or the precision differ, or another rank failed; [`Error::Shape`],
@@ -108,8 +136,8 @@ fn reduce<T: MpiReal, S>(
     Ok(Symmetric::new(Layout::Chunks(chunks), own, entries))
 }
 
-/// Parts that a sum is sent in: 32 bits each, as floating-point numbers that add up exactly, and the number of ranks
-/// with each kind of terms that are not finite.
+/// Parts that a sum is sent in: 32 bits each, as floating-point numbers that add up exactly, and
+/// the number of ranks with each kind of terms that are not finite.
 const PARTS: usize = 5;
 
 /// What is sent of entry (i, j), part by part.

@@ -14,11 +14,31 @@ const TAG: i32 = 4;
 /// Bytes of a message.
 const MESSAGE: usize = 1 << 20;
 
-/// Joins the bounds of the rows of all ranks: the same on every rank, for [`Accumulator::exact`] sums that merge to
-/// the same bytes however the rows are shared out.
+/// Joins the bounds of the rows of all ranks: the same on every rank, for [`Accumulator::exact`]
+/// sums that merge to the same bytes however the rows are shared out.
+///
+/// ```no_run
+/// use catamaran::mpi::{World, agree_bounds, merge_accumulators};
+/// use catamaran::{AtaOptions, ata::{Accumulator, RowBounds}};
+///
+/// # let universe = mpi::initialize().expect("MPI is started once");
+/// # let world = World::new(&universe.world());
+/// let own = world.rank() as f64;
+/// let bounds = RowBounds::new(vec![own], vec![own], 1)?;
+/// let bounds = agree_bounds(&world, &bounds)?;
+/// assert_eq!(bounds.upper(), [(world.size() - 1) as f64]);
+///
+/// let mut sum = Accumulator::exact(&bounds, false)?;
+/// sum.add_block(1, &mut [own], None, &AtaOptions::new())?;
+/// if let Some(sum) = merge_accumulators(&world, sum)? {
+///     assert_eq!(sum.rows(), world.size() as u64);
+/// }
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
-/// [`Error::Rank`] when the columns or the precision differ, only some have weights, or another rank failed.
+/// [`Error::Rank`] when the columns or the precision differ, only some have weights, or another
+/// rank failed.
 pub fn agree_bounds<T: MpiReal>(world: &World, bounds: &RowBounds<T>) -> Result<RowBounds<T>> {
     let _guard = world.abort_on_panic();
     let facts = [
@@ -51,7 +71,23 @@ pub(super) fn joined_bounds<T: MpiReal>(
 }
 
 /// Merges the accumulators of all ranks, in a tree of `log2 P` levels that depends on P only: the sum on rank 0, and
-/// `None` on the others. Exact sums on the same bounds ([`agree_bounds`]) are the same bytes for any P. Beside its own accumulator a rank holds one more.
+/// `None` on the others. Exact sums on the same bounds ([`agree_bounds`]) are the same bytes for
+/// any P. Beside its own accumulator a rank holds one more.
+///
+/// ```no_run
+/// use catamaran::mpi::{World, merge_accumulators};
+/// use catamaran::{AtaOptions, Uplo, ata::Accumulator};
+///
+/// # let universe = mpi::initialize().expect("MPI is started once");
+/// # let world = World::new(&universe.world());
+/// let mut sum = Accumulator::<f64>::new(2, false)?;
+/// sum.add_block(1, &mut [1.0, 2.0], None, &AtaOptions::new())?;
+/// if let Some(sum) = merge_accumulators(&world, sum)? {
+///     let c = sum.finish(1.0, Uplo::Lower)?;
+///     assert_eq!(c.as_ref()[(1, 0)], 2.0 * world.size() as f64);
+/// }
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Rank`] when the columns or the centring differ, or another rank failed; else as

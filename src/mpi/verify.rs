@@ -28,6 +28,18 @@ const HEIGHT: usize = 1024;
 /// x rounds entries are summed over the ranks, of m x rounds too when A is spread by columns; they do not count as
 /// traffic.
 ///
+/// ```no_run
+/// use catamaran::mpi::{Distributed, World, ata_rows, verify};
+/// use catamaran::{AtaOptions, faer::Mat};
+///
+/// # let universe = mpi::initialize().expect("MPI is started once");
+/// # let world = World::new(&universe.world());
+/// let own = Mat::<f64>::from_fn(100, 8, |i, j| (world.rank() + i * j % 7) as f64);
+/// let c = ata_rows(&world, 1.0, own.as_ref(), &AtaOptions::new())?;
+/// assert!(verify(&world, 1.0, Distributed::Rows(own.as_ref()), &c, 20, 0)?.passed);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Rank`] when arguments differ, or another rank failed; [`Error::Argument`] unless `rounds` is in 1..=1000,
 /// [`Error::Shape`] when A has not n columns, [`Error::OutOfMemory`].

@@ -48,6 +48,15 @@ impl AddAssign for Traffic {
 ///
 /// All calls are made by the thread that calls, which must be one that may call MPI. MPI is neither
 /// initialised nor finalised; a world should be dropped before the caller finalises it.
+///
+/// ```no_run
+/// use catamaran::mpi::World;
+///
+/// // Started by `mpirun -n 4`.
+/// let universe = mpi::initialize().expect("MPI is started once");
+/// let world = World::new(&universe.world());
+/// assert!(world.rank() < world.size());
+/// ```
 pub struct World {
     comm: ManuallyDrop<SimpleCommunicator>,
     rank: usize,
@@ -269,7 +278,8 @@ impl World {
         }
     }
 
-    /// The least of each entry of `values` over the ranks, on every rank; by the MPI library, not counted.
+    /// The least of each entry of `values` over the ranks, on every rank; by the MPI library, not
+    /// counted.
     pub(super) fn least(&self, values: &mut [f64]) {
         use ::mpi::collective::CommunicatorCollectives;
         let mut own = Vec::new();

@@ -44,6 +44,16 @@ pub struct DeviceInfo {
 
 /// All devices of all platforms; never empty.
 ///
+/// ```
+/// use catamaran::opencl::devices;
+///
+/// // An error says what is missing.
+/// match devices() {
+///     Ok(devices) => assert_eq!(devices[0].index, 0),
+///     Err(error) => println!("{error}"),
+/// }
+/// ```
+///
 /// # Errors
 /// [`Error::Backend`] that says what is missing and how to install it, when there is no loader, no driver or no device.
 pub fn devices() -> Result<Vec<DeviceInfo>> {
@@ -52,6 +62,15 @@ pub fn devices() -> Result<Vec<DeviceInfo>> {
 
 /// The device that `selector` names: its number, or a part of its name or of its platform's, in any case. Of several that
 /// fit, and for an empty selector, the first GPU is taken, or else the first one.
+///
+/// ```
+/// use catamaran::opencl::{devices, find};
+///
+/// let Ok(all) = devices() else { return Ok(()) };
+/// assert_eq!(find("0")?, all[0]);
+/// assert!(find("no such device").is_err());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`devices`], and [`Error::Argument`] with a list of the devices when none fits.

@@ -15,6 +15,21 @@ const PART: usize = 1 << 22;
 /// What [`Newton::evaluate`] computes, on a device: the same bits where it rounds divisions and square roots correctly, as
 /// processors do; else roots and convergence differ at the few points (1 of 4,000, say) where fractals are chaotic.
 ///
+/// ```
+/// use catamaran::opencl::{Device, evaluate_newton};
+/// use catamaran::texture::newton::{Grid, Newton, NewtonOptions, Points};
+/// use catamaran::{Par, base::Progress};
+///
+/// let Ok(device) = Device::open("") else { return Ok(()) };
+/// let newton = Newton::new(&NewtonOptions::new())?;
+/// let points = Points::Grid(Grid::plane(32, 32, [0.0, 0.0], 2.0));
+/// let found = evaluate_newton(&device, &newton, points, Progress::none())?;
+/// let twin = newton.evaluate(points, Par::Seq, Progress::none())?;
+/// let differ = found.roots.iter().zip(&twin.roots).filter(|(x, y)| x != y).count();
+/// assert!(differ <= 1); // 0 on processors
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As those of [`Newton::evaluate`]; [`Error::Backend`] when the device refuses.
 pub fn evaluate_newton(
@@ -28,6 +43,19 @@ pub fn evaluate_newton(
 
 /// [`evaluate_newton`] in work-groups of this many work-items, instead of as many as the driver likes; the result does not
 /// depend on it.
+///
+/// ```
+/// use catamaran::base::Progress;
+/// use catamaran::opencl::{Device, evaluate_newton_in_groups};
+/// use catamaran::texture::newton::{Grid, Newton, NewtonOptions, Points};
+///
+/// let Ok(device) = Device::open("") else { return Ok(()) };
+/// let newton = Newton::new(&NewtonOptions::new())?;
+/// let points = Points::Grid(Grid::plane(32, 32, [0.0, 0.0], 2.0));
+/// let run = |group| evaluate_newton_in_groups(&device, &newton, points, group, Progress::none());
+/// assert_eq!(run(Some(1))?, run(None)?);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`evaluate_newton`]; [`Error::Backend`] also for groups that the device can't have.

@@ -20,6 +20,14 @@ use super::device::{DeviceInfo, chosen};
 use crate::base::{Error, Result, reserved};
 
 /// A device that is ready for work. Programs are built once, when they are first used.
+///
+/// ```
+/// use catamaran::opencl::{Device, find};
+///
+/// let Ok(device) = Device::open("") else { return Ok(()) };
+/// assert_eq!(*device.info(), find("")?);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub struct Device {
     info: DeviceInfo,
     handle: Handle,

@@ -17,6 +17,24 @@ const SOURCE: &str = include_str!("kernels/slime.cl");
 
 /// A simulation whose agents and textures are on a device: the same bits as [`Simulation::step`] where the device rounds
 /// divisions and square roots correctly, as processors do.
+///
+/// ```
+/// use catamaran::opencl::{Device, SlimeOnDevice};
+/// use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas};
+/// use catamaran::{base::Progress, mesh::families};
+///
+/// let Ok(device) = Device::open("") else { return Ok(()) };
+/// let sphere = families::icosphere(2)?;
+/// let surface = Surface::of_faces(&sphere, atlas(&sphere, 128)?)?;
+/// let options = Options::new().agents(1000).size(128);
+/// let mut simulation = Simulation::new(surface, &options, &Mask::default())?;
+/// let mut on_device = SlimeOnDevice::new(&device, &simulation)?;
+/// on_device.run(5, Progress::none())?;
+/// on_device.give_back(&mut simulation)?;
+/// assert_eq!(simulation.state().step, 5);
+/// assert!(simulation.texture(0).iter().any(|&trail| trail > 0.0));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct SlimeOnDevice<'a> {
     device: &'a Device,

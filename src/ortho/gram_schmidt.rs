@@ -130,6 +130,20 @@ pub fn gram_schmidt(
 /// [`gram_schmidt`] in the memory of A, whose first `kept.len()` columns are Q afterwards, and the others unspecified.
 /// It is fastest when the columns of A are contiguous.
 ///
+/// ```
+/// use catamaran::{ortho::gram_schmidt_in_place, prelude::*, sparse::Mass};
+///
+/// // The second column is twice the first.
+/// let a = Mat::<f64>::from_fn(5, 3, |i, j| [1.0, 2.0, i as f64][j]);
+/// let mut q = a.clone();
+/// let options = GramSchmidtOptions::new();
+/// let found = gram_schmidt_in_place(q.as_mut(), &Mass::identity(5), &options)?;
+/// let q = q.subcols(0, found.kept.len());
+/// assert_eq!(found.kept, [0, 2]);
+/// assert!((q * &found.r - &a).norm_max() < 1e-13);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`gram_schmidt`]; A is unspecified after [`Error::Cancelled`].
 pub fn gram_schmidt_in_place(

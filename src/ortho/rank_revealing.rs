@@ -48,6 +48,20 @@ pub fn rank_revealing(
 
 /// [`rank_revealing`] in the memory of A, whose first `kept.len()` columns are Q afterwards, and the others unspecified.
 ///
+/// ```
+/// use catamaran::{ortho::rank_revealing_in_place, prelude::*, sparse::Mass};
+///
+/// // The second column is twice the first.
+/// let a = Mat::<f64>::from_fn(5, 3, |i, j| [1.0, 2.0, i as f64][j]);
+/// let mut q = a.clone();
+/// let options = GramSchmidtOptions::new();
+/// let found = rank_revealing_in_place(q.as_mut(), &Mass::identity(5), &options)?;
+/// let q = q.subcols(0, found.kept.len());
+/// assert_eq!(q.ncols(), 2);
+/// assert!((q * &found.r - &a).norm_max() < 1e-13);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`rank_revealing`]; A is unspecified after [`Error::Cancelled`](crate::Error::Cancelled).
 pub fn rank_revealing_in_place(

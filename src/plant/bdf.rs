@@ -21,6 +21,20 @@ pub enum Start {
 
 /// The backward differentiation formula of order 6 with a fixed step (thesis, equation 4.8): a factorisation per change of
 /// the model or the step, and two passes over the tree per step.
+///
+/// ```
+/// use catamaran::Par;
+/// use catamaran::plant::{Bdf6, Start, WaterModel, WaterOptions, families};
+///
+/// let model = WaterModel::new(&families::chain(20, 0.3, 1e-3)?, &WaterOptions::new())?;
+/// let mut solver = Bdf6::new(&model, &model.full(), 10.0, Start::Radau, Par::Seq)?;
+/// for _ in 0..60 {
+///     solver.step();
+/// }
+/// let exact = model.water_after(&model.full(), solver.time(), Par::Seq)?;
+/// assert!(solver.water().iter().zip(&exact).all(|(x, y)| (x / y - 1.0).abs() < 1e-6));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Bdf6 {
     model: WaterModel,

@@ -154,6 +154,15 @@ pub fn grow(options: &GrowthOptions) -> Result<Plant> {
 
 /// A straight, vertical stem of `nodes` equal segments (at least 1), the last one a leaf's: a chain.
 ///
+/// ```
+/// use catamaran::plant::families::chain;
+///
+/// let plant = chain(10, 0.3, 1e-3)?;
+/// assert_eq!(plant.len(), 10);
+/// assert!((plant.lengths().iter().sum::<f64>() - 0.3).abs() < 1e-12);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As those of [`Plant::new`].
 pub fn chain(nodes: usize, length: f64, radius: f64) -> Result<Plant> {

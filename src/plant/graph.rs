@@ -32,6 +32,21 @@ impl Segment {
 }
 
 /// A plant: segments that hang together as a tree.
+///
+/// ```
+/// use catamaran::plant::{Plant, Segment};
+///
+/// // A stem and two leaves.
+/// let segments = vec![
+///     Segment::stem([0.0, 0.0, 0.1], 2e-3),
+///     Segment::vein([0.1, 0.0, 0.1], 1e-3),
+///     Segment::vein([-0.1, 0.0, 0.1], 1e-3),
+/// ];
+/// let plant = Plant::new(segments, &[None, Some(0), Some(0)], Some([0.0; 3]))?;
+/// assert_eq!((plant.root(), plant.parent(2)), (0, Some(0)));
+/// assert_eq!(plant.lengths(), [0.1; 3]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plant {
     segments: Vec<Segment>,

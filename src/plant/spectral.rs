@@ -10,6 +10,18 @@ use crate::dense::{self, SymmetricEigen, symmetric_eigen};
 /// O(n^3) once and O(n^2) per time: for small plants, and for looking at the modes. Dense eigenvalues are right up to
 /// rounding of the largest one, so slow rates of a stiff plant have few right digits; [`WaterModel::water_after`] has no such
 /// limit.
+///
+/// ```
+/// use catamaran::Par;
+/// use catamaran::plant::{SpectralSolution, WaterModel, WaterOptions, families};
+///
+/// let model = WaterModel::new(&families::chain(20, 0.3, 1e-3)?, &WaterOptions::new())?;
+/// let (full, solution) = (model.full(), SpectralSolution::new(&model)?);
+/// let exact = model.water_after(&full, 600.0, Par::Seq)?;
+/// let found = solution.water_after(&full, 600.0)?;
+/// assert!(found.iter().zip(&exact).all(|(x, y)| (x / y - 1.0).abs() < 1e-6));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct SpectralSolution {
     model: WaterModel,

@@ -8,6 +8,16 @@ use crate::mesh::vector::{cross, sub, unit};
 /// A plant as a mesh of tubes: a frustum of `sides` >= 3 flat sides for each segment, from the radius of its parent to its
 /// own, each at least `thinnest` metres. Segment v has the vertices `2 sides v .. 2 sides (v + 1)`.
 ///
+/// ```
+/// use catamaran::plant::{RodOptions, Rods, families, tubes};
+///
+/// let plant = families::chain(10, 0.3, 1e-3)?;
+/// let pose = Rods::new(&plant, &RodOptions::new())?.rest_pose();
+/// let mesh = tubes(&plant, &pose, 6, 0.0)?;
+/// assert_eq!(mesh.vertices().len(), 2 * 6 * 10);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Shape`] for a pose of another plant, [`Error::Argument`] for fewer than 3 sides, more vertices than can be
 /// numbered, or a radius that is negative; [`Error::Mesh`] for a pose that is not finite; [`Error::OutOfMemory`].

@@ -65,6 +65,10 @@ builder! { WaterOptions {
 }}
 
 /// A loss in g / (h m^2) as one in kg / (s m^2).
+///
+/// ```
+/// assert_eq!(catamaran::plant::grams_per_hour(3600.0), 1e-3);
+/// ```
 pub fn grams_per_hour(loss: f64) -> f64 {
     loss / 3.6e6
 }

@@ -7,15 +7,18 @@ pub struct Eigenpairs {
     pub values: Vec<f64>,
     /// n x k: an eigenvector for each value, `V^T M V = I` (to rounding).
     pub vectors: Mat<f64>,
-    /// For each pair `|W phi - lambda M phi| / max(|W phi|, s |M phi|)` in the Euclidean norm, as computed from the
-    /// result, `W phi` by differences in rows that sum to zero. The scale s of the smallest eigenvalues ([`eigs`](super::eigs()))
-    /// stands for that of `W phi` where lambda is about 0.
+    /// For each pair `|W phi - lambda M phi| / max(|W phi|, s |M phi|)` in the Euclidean norm, as
+    /// computed from the result, `W phi` by differences in rows that sum to zero. The scale s of
+    /// the smallest eigenvalues ([`eigs`](super::eigs())) stands for that of `W phi` where lambda
+    /// is about 0.
     pub residuals: Vec<f64>,
-    /// Vectors that `(W - sigma M)^-1 M` was applied to; 0 if the problem was solved as a dense one.
+    /// Vectors that `(W - sigma M)^-1 M` was applied to; 0 if the problem was solved as a dense
+    /// one.
     pub solves: usize,
 }
 
-/// These pairs in ascending order; of a semi-definite matrix, for which rounding below zero is zero.
+/// These pairs in ascending order; of a semi-definite matrix, for which rounding below zero is
+/// zero.
 pub(crate) fn ascending(
     values: &[f64],
     vectors: MatRef<'_, f64>,

@@ -8,11 +8,13 @@ pub struct EigenOptions<'a> {
     pub k: usize,
     /// The k eigenvalues nearest to this number; `None` (default): the k smallest.
     pub shift: Option<f64>,
-    /// Residual that every pair must reach (as [`Eigenpairs::residuals`](super::Eigenpairs::residuals) says), between 1e-14 and 1e-2; default 1e-9.
-    /// Where a few roundings of the vector alone make it larger (`eps | |W| |phi| |`: huge weights), those are enough.
+    /// Residual that every pair must reach (as
+    /// [`Eigenpairs::residuals`](super::Eigenpairs::residuals) says), between 1e-14 and 1e-2;
+    /// default 1e-9. Where a few roundings of the vector alone make it larger (`eps | |W| |phi| |`:
+    /// huge weights), those are enough.
     pub tolerance: f64,
-    /// Counts the eigenvalues that are there by the inertia of another factorisation (Sylvester), and goes on until
-    /// none is missing; default false.
+    /// Counts the eigenvalues that are there by the inertia of another factorisation (Sylvester),
+    /// and goes on until none is missing; default false.
     pub verify_count: bool,
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,

@@ -25,8 +25,8 @@ const GUARD: usize = 16;
 /// Progress of the checks and of the analysis of the matrices, before the first run.
 const PREPARED: f64 = 0.01;
 
-/// Part of the progress of a slice that is left after the earlier runs for it, which the next one takes: it may not be the
-/// last one.
+/// Part of the progress of a slice that is left after the earlier runs for it, which the next one
+/// takes: it may not be the last one.
 const RUN_SHARE: f64 = 0.8;
 
 /// Shifts tried for a slice.

@@ -15,6 +15,18 @@ const DEPENDENT: f64 = 1e-14;
 
 /// Linearly independent functions on the n vertices of a mesh, as the columns of Q, and the inner product
 /// `<f, g> = f^T M g` of its mass.
+///
+/// ```
+/// use catamaran::{Par, faer::Mat, sparse::Mass, spectral::Basis};
+///
+/// // The functions 1 and x on four points; x^2 is nearest to 3 x - 1.
+/// let functions = Mat::from_fn(4, 2, |i, j| (i as f64).powi(j as i32));
+/// let basis = Basis::independent(functions, Mass::identity(4), Par::Seq)?;
+/// let square = Mat::from_fn(4, 1, |i, _| (i * i) as f64);
+/// let found = basis.analysis(square.as_ref(), Par::Seq)?;
+/// assert!((found[(0, 0)] + 1.0).abs() < 1e-12 && (found[(1, 0)] - 3.0).abs() < 1e-12);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Basis {
     functions: Mat<f64>,
@@ -174,6 +186,14 @@ impl Basis {
 /// f (thesis, sections 1.4.3 and 1.4.4).
 ///
 /// Both are n x c. It is 0 where both columns are zero, infinite where only f is.
+///
+/// ```
+/// use catamaran::{faer::mat, sparse::Mass, spectral::relative_errors};
+///
+/// let (f, g) = (mat![[2.0], [4.0]], mat![[1.0], [2.0]]);
+/// assert_eq!(relative_errors(f.as_ref(), g.as_ref(), &Mass::identity(2))?, [0.5]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Shape`] when shapes differ or the mass is not of n vertices, [`Error::NonFinite`].

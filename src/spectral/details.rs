@@ -19,6 +19,15 @@ pub struct Split {
 
 /// Splits the columns of `f`, n x c, into their part in the span of a basis, as a few eigenfunctions, and the detail.
 ///
+/// ```
+/// use catamaran::{Par, faer::{Mat, mat}, sparse::Mass, spectral::{Basis, split}};
+///
+/// let basis = Basis::orthonormal(Mat::identity(3, 2), Mass::identity(3))?;
+/// let parts = split(&basis, mat![[1.0], [2.0], [3.0]].as_ref(), Par::Seq)?;
+/// assert_eq!((parts.low, parts.high), (mat![[1.0], [2.0], [0.0]], mat![[0.0], [0.0], [3.0]]));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`Basis::analysis`].
 pub fn split(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Result<Split> {
@@ -35,6 +44,23 @@ pub fn split(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Result<Split> {
 /// change with the pose.
 ///
 /// To replace all of the target's coordinates by the source's, as in figure 1.13, [`Transfer::apply`] does.
+///
+/// ```
+/// use catamaran::spectral::{Eigenbasis, Transfer, transfer_details};
+/// use catamaran::{mesh::families, prelude::*};
+///
+/// # let mesh = families::icosphere(2)?;
+/// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
+/// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
+/// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
+/// // A sphere that gets its own detail stays as it is, nearly.
+/// let basis = basis.basis();
+/// let transfer = Transfer::new(basis, basis, Mat::identity(4, 4))?;
+/// let found = transfer_details(&mesh, &mesh, (basis, basis), &transfer, Par::Seq)?;
+/// let near = |p: &[f64; 3], q: &[f64; 3]| (0..3).all(|k| (p[k] - q[k]).abs() < 0.02);
+/// assert!(found.vertices().iter().zip(mesh.vertices()).all(|(p, q)| near(p, q)));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Shape`] when a basis or the transfer is not of the mesh, as those of [`Transfer::apply`] and

@@ -17,6 +17,17 @@ const CONSTANT: f64 = 1e-6;
 /// Where the constant is among the functions with eigenvalue zero, as it is unless boundary values are prescribed, it
 /// is the first one, positive. A mesh in several pieces has several of these, any rotation of them as good as another:
 /// here they are rotated to have the constant among them.
+///
+/// ```
+/// use catamaran::{prelude::*, mesh::families, spectral::Eigenbasis};
+///
+/// let operator = laplacian(&families::icosphere(2)?, &LaplacianOptions::new())?;
+/// let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
+/// let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
+/// let constant = basis.constant().unwrap();
+/// assert!((constant * basis.basis().area()?.sqrt() - 1.0).abs() < 1e-12);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Eigenbasis {
     values: Vec<f64>,

@@ -8,6 +8,14 @@ use crate::base::{Error, Par, Result};
 use crate::sparse::{CsMatView, Mass};
 
 /// The gain of a filter for each frequency: an eigenvalue, or the Dirichlet energy of a basis function, in 1 / length^2.
+///
+/// ```
+/// use catamaran::spectral::Response;
+///
+/// assert_eq!(Response::BandPass(1.0, 2.0).gain(1.5), 1.0);
+/// assert_eq!(Response::LowPass(1.0).gain(1.5), 0.0);
+/// assert_eq!(Response::Sharpen { time: 1.0, amount: 0.5 }.limit(), 1.5);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Response {
     /// 1 up to this frequency, 0 beyond.
@@ -51,6 +59,22 @@ impl Response {
 /// `f` is n x c, and there is a gain for each function of the basis. What of `f` is outside of the span is multiplied by
 /// `rest`: 0 leaves it out, as the thesis does, and 1 keeps detail that is finer than the basis.
 ///
+/// ```
+/// use catamaran::spectral::{Eigenbasis, Response, filter, test_functions::coordinates};
+/// use catamaran::{mesh::families, prelude::*};
+///
+/// # let mesh = families::icosphere(2)?;
+/// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
+/// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(9))?;
+/// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
+/// // On the unit sphere, the coordinates are eigenfunctions of the eigenvalue 2.
+/// let f = coordinates(&mesh);
+/// let gains: Vec<f64> = basis.values().iter().map(|&x| Response::HighPass(3.0).gain(x)).collect();
+/// let high = filter(basis.basis(), f.as_ref(), &gains, 0.0, Par::Seq)?;
+/// assert!(high.norm_max() < 0.01);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Shape`] when `f` has not n rows or there are not as many gains as functions, [`Error::NonFinite`],
 /// [`Error::OutOfMemory`].
@@ -85,6 +109,15 @@ pub fn filter(
 
 /// Adds `amount` of one function of the basis to every column of `f`: changes a single coefficient (figure 1.15).
 ///
+/// ```
+/// use catamaran::{faer::{Mat, mat}, sparse::Mass, spectral::{Basis, add_coefficient}};
+///
+/// let basis = Basis::orthonormal(Mat::identity(3, 2), Mass::identity(3))?;
+/// let f = mat![[1.0], [1.0], [1.0]];
+/// assert_eq!(add_coefficient(&basis, f.as_ref(), 1, 0.5)?, mat![[1.0], [1.5], [1.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Shape`] when `f` has not n rows, [`Error::Argument`] when there is no such function.
 pub fn add_coefficient(
@@ -106,6 +139,17 @@ pub fn add_coefficient(
 /// products what comes nearest to a frequency.
 ///
 /// `functions` is n x r, the stiffness matrix W and the mass are n x n. The energy of the function zero is 0.
+///
+/// ```
+/// use catamaran::{mesh::families, prelude::*, spectral::dirichlet_energies};
+///
+/// let Laplacian { stiffness, mass, .. } =
+///     laplacian(&families::icosphere(2)?, &LaplacianOptions::new())?;
+/// let pairs = eigs(stiffness.view(), &mass, &EigenOptions::new().k(4))?;
+/// let energies = dirichlet_energies(pairs.vectors.as_ref(), stiffness.view(), &mass)?;
+/// assert!(energies.iter().zip(&pairs.values).all(|(x, y)| (x - y).abs() < 1e-8));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Shape`] when they don't fit, [`Error::NonFinite`], [`Error::OutOfMemory`].

@@ -57,7 +57,8 @@ builder! { ProductBasisOptions<'a> {
 /// that are kept, and up to the threshold in the others (equation 1.13).
 ///
 /// ```
-/// use catamaran::{prelude::*, mesh::families, spectral::{Eigenbasis, ProductBasis, ProductBasisOptions}};
+/// use catamaran::spectral::{Eigenbasis, ProductBasis, ProductBasisOptions};
+/// use catamaran::{prelude::*, mesh::families};
 ///
 /// let Laplacian { stiffness, mass, .. } =
 ///     laplacian(&families::icosphere(3)?, &LaplacianOptions::new())?;

@@ -19,6 +19,22 @@ const PANEL: usize = 16;
 /// A column of C is a polynomial of degree 1 in the functions on the target, and a column of C~ the product of such
 /// polynomials, its coefficients collected by the dictionary of [`Eigenproducts`]. It is computed as that: neither the
 /// Kronecker product of C with itself nor C~ is stored.
+///
+/// ```
+/// use catamaran::spectral::{Eigenbasis, ProductMap};
+/// use catamaran::{mesh::families, prelude::*};
+///
+/// # let mesh = families::icosphere(2)?;
+/// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
+/// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
+/// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
+/// // The identity on eigenfunctions is the identity on their products.
+/// let map = ProductMap::new(Mat::identity(4, 4).as_ref(), &basis, &basis, 2)?;
+/// let len = map.source().len();
+/// let images = map.apply(Mat::identity(len, len).as_ref(), Par::Seq)?;
+/// assert!((images - Mat::<f64>::identity(len, len)).norm_max() < 1e-12);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct ProductMap {
     source: Eigenproducts,

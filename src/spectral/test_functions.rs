@@ -10,6 +10,16 @@ use crate::mesh::{Dijkstra, Graph, SearchLimits, TriMesh, vertex_areas};
 /// Heat kernels between random vertices and all others (HK): arguments as in [`heat_kernel`]; the thesis has t = 1e-3 on
 /// shapes of area 1. The same seed gives the same vertices for any number of eigenfunctions.
 ///
+/// ```
+/// use catamaran::{faer::Mat, spectral::test_functions::heat_kernels};
+///
+/// // At time 0 with all functions, heat is at its source.
+/// let kernels = heat_kernels(&[0.0, 1.0, 2.0], Mat::identity(3, 3).as_ref(), 0.0, 5, 1)?;
+/// assert_eq!(kernels.shape(), (3, 5));
+/// assert!(kernels.col_iter().all(|heat| heat.iter().sum::<f64>() == 1.0));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`heat_kernel`]; [`Error::Argument`] when there are no vertices.
 pub fn heat_kernels(
@@ -33,6 +43,14 @@ pub fn heat_kernels(
 /// `count` columns of a signature at equal distances, the first and the last included (the middle, if it is one): for HKS
 /// and WKS, 10 channels of 100 scales.
 ///
+/// ```
+/// use catamaran::{faer::{Mat, mat}, spectral::test_functions::channels};
+///
+/// let signature = Mat::from_fn(1, 7, |_, j| j as f64);
+/// assert_eq!(channels(signature.as_ref(), 3)?, mat![[0.0, 3.0, 6.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] for more columns than there are.
 pub fn channels(signature: MatRef<'_, f64>, count: usize) -> Result<Mat<f64>> {
@@ -46,6 +64,14 @@ pub fn channels(signature: MatRef<'_, f64>, count: usize) -> Result<Mat<f64>> {
 }
 
 /// Numbers uniform in [0, 1), independent (Rand).
+///
+/// ```
+/// use catamaran::spectral::test_functions::random;
+///
+/// let functions = random(10, 2, 7);
+/// assert_eq!(functions, random(10, 2, 7));
+/// assert!(functions.col_iter().all(|f| f.iter().all(|x| (0.0..1.0).contains(x))));
+/// ```
 pub fn random(n: usize, count: usize, seed: u64) -> Mat<f64> {
     let mut rng = Rng::new(seed);
     let mut functions = Mat::zeros(n, count);
@@ -58,12 +84,31 @@ pub fn random(n: usize, count: usize, seed: u64) -> Mat<f64> {
 }
 
 /// The coordinates of the vertices (XYZ): three columns.
+///
+/// ```
+/// use catamaran::{mesh::families, spectral::test_functions::coordinates};
+///
+/// let mesh = families::icosphere(1)?;
+/// assert_eq!(coordinates(&mesh)[(7, 2)], mesh.vertices()[7][2]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub fn coordinates(mesh: &TriMesh) -> Mat<f64> {
     Mat::from_fn(mesh.vertices().len(), 3, |i, j| mesh.vertices()[i][j])
 }
 
 /// Indicators of random regions (Ind): 1 at the vertices nearest to a random one along edges, as many as have at least
 /// this share of the area (in (0, 1]) or are connected to it; 0 elsewhere.
+///
+/// ```
+/// use catamaran::{mesh::{families, vertex_areas}, spectral::test_functions::geodesic_cells};
+///
+/// let mesh = families::icosphere(3)?;
+/// let cells = geodesic_cells(&mesh, 0.25, 2, 1)?;
+/// let areas = vertex_areas(&mesh);
+/// let share = (0..areas.len()).map(|v| areas[v] * cells[(v, 0)]).sum::<f64>() / mesh.area();
+/// assert!((0.25..0.26).contains(&share));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Argument`] for a share out of range, or no vertices.

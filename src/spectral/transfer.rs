@@ -8,6 +8,19 @@ use crate::base::{Error, Par, Result};
 
 /// Transfer of functions from a source to a target through two bases and a matrix between them: C and eigenfunctions, or O and
 /// orthogonalised products.
+///
+/// ```
+/// use catamaran::{Par, faer::{Mat, mat}, sparse::Mass, spectral::{Basis, Transfer}};
+///
+/// // From two vertices to three, the last two of which are images of the second.
+/// let source = Basis::orthonormal(Mat::identity(2, 2), Mass::identity(2))?;
+/// let target = Basis::orthonormal(Mat::identity(3, 3), Mass::identity(3))?;
+/// let map = mat![[1.0, 0.0], [0.0, 1.0], [0.0, 1.0]];
+/// let transfer = Transfer::new(&source, &target, map)?;
+/// let found = transfer.apply(mat![[5.0], [7.0]].as_ref(), Par::Seq)?;
+/// assert_eq!(found, mat![[5.0], [7.0], [7.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Transfer<'a> {
     source: &'a Basis,

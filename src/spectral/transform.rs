@@ -20,6 +20,23 @@ const PANEL: usize = 256;
 ///
 /// It is computed from a QR factorisation of `R_source^T`, which does not square its condition number as the formula does.
 ///
+/// ```
+/// use catamaran::spectral::{Eigenbasis, ProductBasis, ProductBasisOptions, ProductMap};
+/// use catamaran::{mesh::families, prelude::*, spectral::transform_of_all_products};
+///
+/// # let mesh = families::icosphere(2)?;
+/// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
+/// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
+/// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
+/// # let options = ProductBasisOptions::new();
+/// # let products = ProductBasis::new(&basis, 2, &options)?;
+/// let map = ProductMap::new(Mat::identity(4, 4).as_ref(), &basis, &basis, 2)?;
+/// let o = transform_of_all_products(&map, &products, &products, Par::Seq)?;
+/// let r = products.len();
+/// assert!((o - Mat::<f64>::identity(r, r)).norm_max() < 1e-8);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] when the map is of other products than the bases, [`Error::OutOfMemory`].
 pub fn transform_of_all_products(
@@ -39,6 +56,23 @@ pub fn transform_of_all_products(
 /// O by equation 1.18: column by column, each from those before it. It uses the products that were kept on the source.
 ///
 /// The thesis writes `R[i, h]` for what is `R[h, i]` of its equation 1.13, and means the products that were kept.
+///
+/// ```
+/// use catamaran::spectral::{Eigenbasis, ProductBasis, ProductBasisOptions, ProductMap};
+/// use catamaran::{mesh::families, prelude::*, spectral::transform_by_columns};
+///
+/// # let mesh = families::icosphere(2)?;
+/// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
+/// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
+/// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
+/// # let options = ProductBasisOptions::new();
+/// # let products = ProductBasis::new(&basis, 2, &options)?;
+/// let map = ProductMap::new(Mat::identity(4, 4).as_ref(), &basis, &basis, 2)?;
+/// let o = transform_by_columns(&map, &products, &products, Par::Seq)?;
+/// let r = products.len();
+/// assert!((o - Mat::<f64>::identity(r, r)).norm_max() < 1e-8);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`transform_of_all_products`].

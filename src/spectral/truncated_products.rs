@@ -11,6 +11,26 @@ use crate::base::{Error, Par, Result};
 ///
 /// For comparison with [`ProductBasis`]: it is larger, slower and less stable. Coefficients are transferred by
 /// [`ProductMap::apply`](super::ProductMap::apply).
+///
+/// ```
+/// use catamaran::spectral::{Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions};
+/// use catamaran::{mesh::families, prelude::*, spectral::TruncatedProducts};
+///
+/// # let mesh = families::icosphere(2)?;
+/// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
+/// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
+/// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
+/// let kind = Orthogonalization::Reorthogonalized;
+/// let options = ProductBasisOptions::new().orthogonalization(kind);
+/// let products = ProductBasis::new(&basis, 2, &options)?;
+/// let truncated = TruncatedProducts::new(&products, 1e-9, Par::Seq)?;
+/// // An eigenfunction is one of the products.
+/// let f = basis.functions().subcols(2, 1);
+/// let coefficients = truncated.analysis(f, Par::Seq)?;
+/// let found = truncated.synthesis(coefficients.as_ref(), Par::Seq)?;
+/// assert!((found - f).norm_max() < 1e-8);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct TruncatedProducts<'a> {
     basis: &'a ProductBasis,

@@ -247,6 +247,17 @@ impl SpectralUnion {
 
     /// The unions of many pairs of parts: as [`SpectralUnion::predict`] of each, bit for bit, in a fraction of the time.
     ///
+    /// ```
+    /// use catamaran::unions::{K, SpectralUnion};
+    ///
+    /// let part = |scale: f64| (1..=K).map(|k| scale * k as f64).collect::<Vec<_>>();
+    /// let (first, second) = (part(40.0), part(50.0));
+    /// let model = SpectralUnion::pretrained()?;
+    /// let unions = model.predict_each(&[[&first, &second], [&second, &second]])?;
+    /// assert_eq!(unions[0], model.predict(&first, &second)?);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`SpectralUnion::predict`], of the first pair at fault.
     pub fn predict_each(&self, pairs: &[[&[f64]; 2]]) -> Result<Vec<[f64; K]>> {
@@ -290,6 +301,18 @@ impl SpectralUnion {
     /// The eigenvalues of the union of any number of parts, by unions of two, one part after the other; the order of the
     /// arguments does not matter, bit for bit: they are sorted by their eigenvalues, the first one first.
     ///
+    /// ```
+    /// use catamaran::unions::{K, SpectralUnion};
+    ///
+    /// let part = |scale: f64| (1..=K).map(|k| scale * k as f64).collect::<Vec<_>>();
+    /// let (first, second, third) = (part(40.0), part(50.0), part(60.0));
+    /// let model = SpectralUnion::pretrained()?;
+    /// let union = model.predict_all(&[&first, &second, &third])?;
+    /// assert_eq!(union, model.predict_all(&[&third, &first, &second])?);
+    /// assert!(union.iter().zip(&first).all(|(union, part)| union <= part));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`SpectralUnion::predict`], but the name is `parts`; [`Error::Argument`] for no parts.
     pub fn predict_all(&self, parts: &[&[f64]]) -> Result<[f64; K]> {
@@ -299,6 +322,17 @@ impl SpectralUnion {
 
     /// Where the union of any number of parts is on the template: coefficients in its eigenfunctions, which
     /// [`Localizer::on_mesh`] makes a function of. The order of the parts does not matter, as in [`SpectralUnion::predict_all`].
+    ///
+    /// ```
+    /// use catamaran::unions::{K, SpectralUnion};
+    ///
+    /// let part = |scale: f64| (1..=K).map(|k| scale * k as f64).collect::<Vec<_>>();
+    /// let (first, second) = (part(40.0), part(50.0));
+    /// let model = SpectralUnion::pretrained()?;
+    /// let region = model.locate(&[&first, &second])?;
+    /// assert_eq!(region.len(), model.localizer().modes());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`SpectralUnion::predict_all`].

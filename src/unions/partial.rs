@@ -15,6 +15,18 @@ const TOLERANCE: f64 = 1e-4;
 /// surface: the matrices are principal ones of those of the surface. So, of two parts of which one lies in the other, the
 /// inner one has no smaller eigenvalue anywhere in the sequence (domain monotonicity, here by Cauchy's interlacing, exactly
 /// for these matrices). Complete closed surfaces have nothing to hold at zero: their first eigenvalue is 0.
+///
+/// ```
+/// use catamaran::{mesh::{LaplacianOptions, families}, unions::PartSpectra};
+///
+/// let mesh = families::icosphere(3)?;
+/// let spectra = PartSpectra::new(&mesh, &LaplacianOptions::new())?;
+/// let above = |z: f64| mesh.vertices().iter().map(|p| p[2] > z).collect::<Vec<_>>();
+/// let (small, large) = (spectra.dirichlet(&above(0.3), 5)?, spectra.dirichlet(&above(-0.3), 5)?);
+/// // A larger domain has smaller eigenvalues.
+/// assert!(large.iter().zip(&small).all(|(large, small)| large <= small));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct PartSpectra<'m> {
     mesh: &'m TriMesh,

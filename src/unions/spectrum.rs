@@ -34,6 +34,15 @@ pub(super) fn check(what: &'static str, values: &[f64]) -> Result<[f64; K]> {
 
 /// `(1 - t) first + t second`, a spectrum between two for t in [0, 1] (thesis, section 2.6.2).
 ///
+/// ```
+/// use catamaran::unions::{K, interpolate};
+///
+/// let first: Vec<f64> = (1..=K).map(|k| 40.0 * k as f64).collect();
+/// let second: Vec<f64> = (1..=K).map(|k| 80.0 * k as f64).collect();
+/// assert_eq!(interpolate(&first, &second, 0.5)?[2], 180.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`SpectralUnion::predict`](super::SpectralUnion::predict); [`Error::Argument`] for another t.
 pub fn interpolate(first: &[f64], second: &[f64], t: f64) -> Result<[f64; K]> {

@@ -103,7 +103,7 @@ fn exact_of<T: MpiReal>(world: &World) {
     let c = ata_rows(world, T::from_f64(0.3), own.as_ref(), &options).unwrap();
     let mut expected = Mat::from_fn(n, n, |_, _| T::ZERO);
     let (rows, alpha) = (&mut DenseRows(all.as_ref()), T::from_f64(0.3));
-    let row_options = RowOptions::default();
+    let row_options = RowOptions::new();
     catamaran::ata::ata_rows(alpha, rows, &row_options, T::ZERO, expected.as_mut(), &options)
         .unwrap();
     c.for_each_segment(|i, first, entries| {

@@ -57,7 +57,8 @@ pub struct Args {
     /// Subtract the means, and divide by m - 1: the sample covariance.
     #[arg(long, conflicts_with = "weights")]
     covariance: bool,
-    /// Threads, at most 4 for each core; all cores of the affinity mask unless given. Does not change C.
+    /// Threads, at most 4 for each core; all cores of the affinity mask unless given. Does not
+    /// change C.
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
     /// Recursion.
@@ -92,7 +93,8 @@ pub struct Args {
     /// for some rows of C each time.
     #[arg(long, value_name = "GIB", value_parser = parse::gibibytes)]
     memory: Option<usize>,
-    /// Rows of a block, two of which are in memory; default about 64 MiB. Changes last bits of C unless sums are exact.
+    /// Rows of a block, two of which are in memory; default about 64 MiB. Changes last bits of C
+    /// unless sums are exact.
     #[arg(long, value_name = "ROWS")]
     block_rows: Option<NonZeroUsize>,
     /// Keep the sums so far in this file, for --resume; it is removed in the end.
@@ -550,7 +552,7 @@ impl Work<'_> {
             mean if self.centered() && self.a.shape().0 > 0 => Center::Given(mean),
             _ => Center::No,
         };
-        let row_options = RowOptions { weights: self.weights, center };
+        let row_options = RowOptions::new().weights(self.weights).center(center);
         let mut rows = Watched { rows: self.a.rows::<f64>(false)?, bar: &bar };
         let uplo = self.args.uplo;
         let found = match verify_rows(self.alpha(), &mut rows, &row_options, c, uplo, ROUNDS, SEED)

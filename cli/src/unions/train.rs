@@ -23,8 +23,9 @@ const PAUSE: Duration = Duration::from_secs(10);
 
 /// Train the network of `unions predict` on a data set of `unions dataset`.
 ///
-/// After epochs, at most every ten seconds, and at the end the state goes to OUT.state.npz, from which --resume goes on
-/// after Ctrl-C, the best weights so far to OUT, and the learning curve to OUT.svg. The result is the same for any number of threads.
+/// After epochs, at most every ten seconds, and at the end the state goes to OUT.state.npz, from
+/// which --resume goes on after Ctrl-C, the best weights so far to OUT, and the learning curve to
+/// OUT.svg. The result is the same for any number of threads.
 #[derive(clap::Args)]
 pub struct Args {
     /// The data set.

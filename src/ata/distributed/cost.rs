@@ -80,6 +80,14 @@ pub struct LowerBound {
 }
 
 /// The lower bound for A m x n on `ranks >= 1` ranks.
+///
+/// ```
+/// use catamaran::ata::distributed::lower_bound;
+///
+/// // A tall A: only its rows are divided, and three quarters of the triangle of C must travel.
+/// let bound = lower_bound(4, 100_000, 100);
+/// assert_eq!((bound.dimensions, bound.words), (1, 0.75 * 5050.0));
+/// ```
 pub fn lower_bound(ranks: usize, m: usize, n: usize) -> LowerBound {
     let (p, m, n) = (ranks.max(1) as f64, m as f64, n as f64);
     // Entries strictly below the diagonal, twice: those that need two columns.
@@ -102,6 +110,14 @@ pub fn lower_bound(ranks: usize, m: usize, n: usize) -> LowerBound {
 /// The plan has as many messages where all levels are complete, but more words: the proposition counts one of
 /// the two operands of a product below the first level, and five of the six blocks that leave at the
 /// first, and the sum of its last term should go one level further.
+///
+/// ```
+/// use catamaran::ata::distributed::proposition_8_3;
+///
+/// // (messages, words)
+/// assert_eq!(proposition_8_3(1, 4, 4), (0.0, 0.0));
+/// assert_eq!(proposition_8_3(2, 4, 4), (10.0, 36.0));
+/// ```
 pub fn proposition_8_3(ranks: usize, m: usize, n: usize) -> (f64, f64) {
     let level = levels(ranks) as f64;
     if level == 0.0 {
@@ -133,6 +149,14 @@ pub struct Cost {
 }
 
 /// What `mode` costs for A m x n on `ranks >= 1` ranks with even parts; `m n` and `n^2` below 2^60.
+///
+/// ```
+/// use catamaran::ata::distributed::{Machine, Mode, lower_bound, predict};
+///
+/// let (ranks, m, n) = (4, 100_000, 100);
+/// let cost = predict(Mode::Rows, ranks, m, n, &Machine::default());
+/// assert_eq!(cost.words, lower_bound(ranks, m, n).words);
+/// ```
 pub fn predict(mode: Mode, ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
     let ranks = ranks.max(1);
     match mode {
@@ -144,6 +168,14 @@ pub fn predict(mode: Mode, ranks: usize, m: usize, n: usize, machine: &Machine) 
 }
 
 /// The mode with the least seconds, of those that have A and C at this place.
+///
+/// ```
+/// use catamaran::ata::distributed::{Machine, Mode, Place, choose};
+///
+/// let machine = Machine::default();
+/// assert_eq!(choose(64, 1_000_000, 100, &machine, Place::EveryRank), Mode::Rows);
+/// assert_eq!(choose(64, 100, 100_000, &machine, Place::EveryRank), Mode::Columns);
+/// ```
 pub fn choose(ranks: usize, m: usize, n: usize, machine: &Machine, place: Place) -> Mode {
     let modes = Mode::NAMES.iter().map(|&(_, mode)| mode).filter(|mode| mode.place() == place);
     let timed = modes.map(|mode| (mode, predict(mode, ranks, m, n, machine).seconds));
@@ -232,6 +264,15 @@ fn pipeline(computation: f64, communication: f64, count: usize) -> f64 {
 
 /// Seconds of AtA-D: every owner sends its children their parts one after another, goes down itself, and
 /// receives their results in order.
+///
+/// ```
+/// use catamaran::ata::distributed::{Machine, TaskTree, simulate};
+///
+/// let machine = Machine::default();
+/// let one = simulate(&TaskTree::new(4000, 2000, 1), &machine);
+/// let six = simulate(&TaskTree::new(4000, 2000, 6), &machine);
+/// assert!(one / 6.0 < six && six < one);
+/// ```
 pub fn simulate(tree: &TaskTree, machine: &Machine) -> f64 {
     let mut free = vec![0.0; tree.processes().max(1)];
     end(tree, machine, 0, &mut free)
@@ -264,6 +305,14 @@ fn end(tree: &TaskTree, machine: &Machine, id: usize, free: &mut [f64]) -> f64 {
 }
 
 /// All modes for one product, printed as a table.
+///
+/// ```
+/// use catamaran::ata::distributed::{Explanation, Machine, Mode};
+///
+/// let explanation = Explanation::new(16, 1_000_000, 500, &Machine::default());
+/// assert_eq!(explanation.costs().map(|cost| cost.mode), Mode::NAMES.map(|(_, mode)| mode));
+/// println!("{explanation}");
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Explanation {
     ranks: usize,

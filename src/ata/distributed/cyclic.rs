@@ -175,6 +175,17 @@ impl Grid {
 /// has i and the column that has j.
 ///
 /// The rank keeps its entries as a matrix of its rows and columns, in ascending order.
+///
+/// ```
+/// use catamaran::ata::distributed::{BlockCyclic, Grid, GridOrder};
+///
+/// // 5 x 4 in blocks of 2 x 2 on a grid of 2 x 2 ranks.
+/// let grid = Grid::new(2, 2, GridOrder::Rows)?;
+/// let a = BlockCyclic::new("A", (5, 4), (2, 2), (0, 0), grid)?;
+/// assert_eq!(a.local_shape(0), (3, 2)); // rows 0, 1 and 4, columns 0 and 1
+/// assert_eq!(a.owner(2, 3), 3);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BlockCyclic {
     grid: Grid,
@@ -306,6 +317,17 @@ pub enum Cut {
 /// Products don't mind the order of rows. They are counted here one row of the grid after another, so that
 /// the part of a rank and what another one holds have a contiguous piece in common, most rows stay in their row
 /// of the grid, and there is at most one message from each rank to another.
+///
+/// ```
+/// use catamaran::ata::distributed::{BlockCyclic, Cut, Grid, GridOrder, Parts};
+///
+/// let grid = Grid::new(2, 2, GridOrder::Rows)?;
+/// let a = BlockCyclic::new("A", (1000, 10), (8, 8), (0, 0), grid)?;
+/// let parts = Parts::new(a, 4);
+/// assert_eq!(parts.cut(), Cut::Rows);
+/// assert_eq!((0..4).map(|rank| parts.shape(rank).0).sum::<usize>(), 1000);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Parts {
     matrix: BlockCyclic,

@@ -9,6 +9,13 @@ use super::segment::packed_len;
 ///
 /// All are through at the same time on `machine`: process 0 sends nothing to itself, and so keeps more rows the
 /// slower messages are; all of them where sending costs more than computing.
+///
+/// ```
+/// use catamaran::ata::distributed::{Machine, deal};
+///
+/// let parts = deal(4, 1000, 50, &Machine { seconds_per_word: 0.0, ..Machine::default() });
+/// assert_eq!(parts, [0..250, 250..500, 500..750, 750..1000]);
+/// ```
 pub fn deal(ranks: usize, m: usize, n: usize, machine: &Machine) -> Vec<Range<usize>> {
     let others = ranks.saturating_sub(1);
     let compute = 2.0 * packed_len(n) as f64 / machine.flops;

@@ -4,8 +4,18 @@ use super::segment::Segment;
 
 /// Which rank holds which entries of the lower triangle of C, each exactly once.
 ///
-/// A rank keeps its entries one after another, in the order of [`Layout::segments`]: whoever knows the
-/// layout can gather, redistribute or multiply without further talk.
+/// A rank keeps its entries one after another, in the order of [`Layout::segments`]: whoever knows
+/// the layout can gather, redistribute or multiply without further talk.
+///
+/// ```
+/// use catamaran::ata::distributed::{Blocks, Chunks, Layout, packed_len};
+///
+/// // 10 columns on 3 ranks: every entry of the lower triangle is on one rank.
+/// let (chunks, blocks) = (Chunks::new(50, 10, 3), Blocks::new(&[4, 3, 3]));
+/// for layout in [Layout::Chunks(chunks), Layout::Blocks(blocks)] {
+///     assert_eq!((0..3).map(|rank| layout.len(rank)).sum::<usize>(), packed_len(10));
+/// }
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Layout {
     /// Ranges of the packed triangle.

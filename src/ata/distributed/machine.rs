@@ -1,5 +1,5 @@
-/// A message of w words takes `latency + w * seconds_per_word`; a rank sends one at a time, and receives one at a
-/// time.
+/// A message of w words takes `latency + w * seconds_per_word`; a rank sends one at a time, and
+/// receives one at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Machine {
     /// Seconds.

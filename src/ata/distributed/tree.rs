@@ -15,6 +15,17 @@ use super::segment::packed_len;
 use crate::ata::plan::{Node, Task, block_start};
 
 /// The task tree for the lower triangle of A^T A.
+///
+/// ```
+/// use catamaran::ata::distributed::TaskTree;
+///
+/// let tree = TaskTree::new(400, 200, 6);
+/// let loads = tree.loads();
+/// // Every word that is sent is received.
+/// let sent: usize = loads.iter().map(|load| load.words_sent).sum();
+/// let received: usize = loads.iter().map(|load| load.words_received).sum();
+/// assert!(sent > 0 && sent == received);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaskTree {
     processes: usize,

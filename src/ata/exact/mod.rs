@@ -136,15 +136,16 @@ pub(crate) fn execute<T: Operand>(
     Ok(clock.stages())
 }
 
-/// An operand of an integer product, and the powers of two that its columns are multiplied by before
-/// they are rounded to integers.
+/// An operand of an integer product, and the powers of two that its columns are multiplied by
+/// before they are rounded to integers.
 pub(crate) type Scaled<'a, T> = (MatRef<'a, T>, &'a Columns);
 
-/// Adds the integer product of `left^T right`, of finite entries, to the part of the triangle `sums` that
-/// begins at `corner`, or subtracts it; of a symmetric layout only the lower triangle of the product.
+/// Adds the integer product of `left^T right`, of finite entries, to the part of the triangle
+/// `sums` that begins at `corner`, or subtracts it; of a symmetric layout only the lower triangle
+/// of the product.
 ///
-/// The caller sees to it that all entries of the product are below P/2 ([`Moduli::largest_norm`], squared),
-/// and that sums do not overflow.
+/// The caller sees to it that all entries of the product are below P/2 ([`Moduli::largest_norm`],
+/// squared), and that sums do not overflow.
 pub(crate) fn accumulate<T: Operand>(
     kernel: &dyn Kernel,
     layout: &Layout,

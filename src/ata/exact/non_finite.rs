@@ -2,7 +2,8 @@
 //! its overflows.
 //!
 //! Every term that is not finite decides alone or with its opposite, so that the others need not be
-//! looked at. A term needs one infinite factor and the signs of both: a few bits of each entry say all.
+//! looked at. A term needs one infinite factor and the signs of both: a few bits of each entry say
+//! all.
 
 use faer::{MatMut, MatRef};
 
@@ -152,8 +153,8 @@ impl Signs {
         Flags::of(left.column(i), right.column(j))
     }
 
-    /// The work of a row of C with all its columns, in the unit of [`super::cost`]: what a product of
-    /// panels takes about 150 words are compared in.
+    /// The work of a row of C with all its columns, in the unit of [`super::cost`]: what a product
+    /// of panels takes about 150 words are compared in.
     fn row_cost(&self) -> f64 {
         (self.right().finite.len() * self.left.height) as f64 / 150.0
     }

@@ -22,8 +22,8 @@ pub(super) trait Sink: Sync {
 }
 
 /// Calls `visit(row, col, triangle, residues)` for each of the four quarters of the block of panels
-/// (i, j) that is inside an n x k matrix; `row` and `col` are those of its first entry, `triangle` says
-/// whether only its lower triangle is wanted.
+/// (i, j) that is inside an n x k matrix; `row` and `col` are those of its first entry, `triangle`
+/// says whether only its lower triangle is wanted.
 fn for_quarters<'r>(
     (i, j): (usize, usize),
     (n, k): (usize, usize),

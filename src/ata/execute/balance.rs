@@ -1,8 +1,8 @@
 //! Whether the columns of the operands are of one size.
 //!
 //! Errors of fast levels are relative to the largest columns of a block sum, those of classical
-//! products to the two columns at hand. Multiplying columns by powers of two, exactly, until all norms
-//! are alike makes the two the same.
+//! products to the two columns at hand. Multiplying columns by powers of two, exactly, until all
+//! norms are alike makes the two the same.
 
 use faer::MatRef;
 
@@ -12,8 +12,8 @@ use crate::base::{Par, Real};
 pub(super) enum Balance {
     /// They are alike: fast levels as they are.
     Even,
-    /// They differ, and are alike once column j is multiplied by `2^exponents[j]`. A column of zeros has
-    /// no exponent: its products must be zero, which a fast level does not see to.
+    /// They differ, and are alike once column j is multiplied by `2^exponents[j]`. A column of
+    /// zeros has no exponent: its products must be zero, which a fast level does not see to.
     Uneven(Vec<Option<i32>>),
     /// A column is not finite. A fast level would spread that.
     NotFinite,
@@ -43,8 +43,8 @@ impl Balance {
     }
 }
 
-/// The exponent e of each column's Euclidean norm, `2^e <= norm < 2^(e + 1)` but for rounding; `None`
-/// for a column of zeros. `None` in all when a column is not finite.
+/// The exponent e of each column's Euclidean norm, `2^e <= norm < 2^(e + 1)` but for rounding;
+/// `None` for a column of zeros. `None` in all when a column is not finite.
 fn norm_exponents<T: Real>(a: MatRef<'_, T>, par: Par) -> Option<Vec<Option<i32>>> {
     /// Squares that are neither lost below nor above the range.
     const SAFE: std::ops::Range<f64> = 1e-280..1e280;
@@ -110,7 +110,8 @@ fn sums_of_squares<T: Real>(a: MatRef<'_, T>, par: Par) -> Vec<f64> {
     sums
 }
 
-/// The sum of the squares of `a[rows, j]`, whose column is contiguous, in eight sums that a vector holds.
+/// The sum of the squares of `a[rows, j]`, whose column is contiguous, in eight sums that a vector
+/// holds.
 #[inline(always)]
 fn column_square<T: Real>(a: MatRef<'_, T>, rows: std::ops::Range<usize>, j: usize) -> f64 {
     const SUMS: usize = 8;

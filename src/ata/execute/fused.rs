@@ -112,8 +112,8 @@ pub(super) fn execute<T: BlasReal>(
 struct Scales<T> {
     /// What columns are multiplied by while they are packed.
     factors: Vec<T>,
-    /// What their products are divided by: the same, but for columns of zeros, whose products come out
-    /// as zeros this way.
+    /// What their products are divided by: the same, but for columns of zeros, whose products come
+    /// out as zeros this way.
     divisors: Vec<T>,
 }
 

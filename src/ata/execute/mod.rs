@@ -28,8 +28,9 @@ pub(crate) fn scratch_len<T: BlasReal>(plan: &Plan, par: Par) -> usize {
     }
 }
 
-/// Computes `product`, of the shape that `plan` is for, in scratch of [`scratch_len`] elements, whatever
-/// they hold. Of the options only threads, back end and progress matter: the rest is in the plan.
+/// Computes `product`, of the shape that `plan` is for, in scratch of [`scratch_len`] elements,
+/// whatever they hold. Of the options only threads, back end and progress matter: the rest is in
+/// the plan.
 ///
 /// What leads to a small product is inlined, that product being as fast as a handful of calls; the
 /// other executors are not.

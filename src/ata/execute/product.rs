@@ -6,8 +6,8 @@ use crate::base::{Real, Result};
 
 /// `C := alpha A^T B + beta C`, B being A when `None`: the matrices of one call.
 ///
-/// A is m x n, B is m x k, C is n x k. A symmetric product touches the triangle or triangles of `uplo`
-/// alone; with `beta == 0` C is not read.
+/// A is m x n, B is m x k, C is n x k. A symmetric product touches the triangle or triangles of
+/// `uplo` alone; with `beta == 0` C is not read.
 pub(crate) struct Product<'p, T> {
     pub alpha: T,
     pub a: MatRef<'p, T>,
@@ -38,8 +38,8 @@ impl<T: Real> Product<'_, T> {
         })
     }
 
-    /// Does `work` to the same product with its triangle turned into the lower one, and mirrors it when
-    /// both are wanted.
+    /// Does `work` to the same product with its triangle turned into the lower one, and mirrors it
+    /// when both are wanted.
     #[inline(always)]
     pub fn into_lower(self, work: impl FnOnce(Product<'_, T>) -> Result<()>) -> Result<()> {
         let Some(uplo) = self.uplo else { return work(self) };

@@ -67,8 +67,8 @@ pub(super) fn execute<T: BlasReal>(
     tickets(&mut workers, slabs.len() * tasks.len(), |scratch, ticket| {
         let _held = options.backend.single_threaded();
         let (slab, task) = (ticket / tasks.len(), &tasks[ticket % tasks.len()]);
-        // SAFETY: the tasks of a tree own disjoint blocks, each slab has its own destination, and each
-        // ticket is handed out once.
+        // SAFETY: the tasks of a tree own disjoint blocks, each slab has its own destination, and
+        // each ticket is handed out once.
         let mut block = unsafe { block_of(&destinations[slab], task) };
         let mut beta = if slab == 0 { beta } else { T::ZERO };
         for rows in &slabs[slab] {

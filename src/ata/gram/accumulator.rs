@@ -10,13 +10,14 @@ use crate::ata::options::{AtaOptions, Uplo};
 use crate::base::{Error, Real, Result};
 use crate::blas::BlasReal;
 
-/// `C = sum of w_i (x_i - s)(x_i - s)^T` over rows `x_i` of n columns that come in blocks, with what it takes to go
-/// on later, elsewhere, or together with another one; s is zero, or the mean of the rows.
+/// `C = sum of w_i (x_i - s)(x_i - s)^T` over rows `x_i` of n columns that come in blocks, with
+/// what it takes to go on later, elsewhere, or together with another one; s is zero, or the mean of
+/// the rows.
 ///
-/// There are two kinds. [`Accumulator::new`] adds in floating point: the last bits depend on the blocks and their
-/// order. [`Accumulator::exact`] adds integers on a grid that is chosen before the first row: C is the same
-/// bytes for any blocks, order, threads, machines and merges, and rows can be removed again. See
-/// docs/algorithms/ata.md, "Streaming".
+/// There are two kinds. [`Accumulator::new`] adds in floating point: the last bits depend on the
+/// blocks and their order. [`Accumulator::exact`] adds integers on a grid that is chosen before the
+/// first row: C is the same bytes for any blocks, order, threads, machines and merges, and rows can
+/// be removed again. See docs/algorithms/ata.md, "Streaming".
 ///
 /// C may be a strip of rows of the whole matrix, when all of it is too large.
 ///
@@ -71,11 +72,12 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(Self::of(ncols, Sums::Float(FloatSums::new(ncols, rows, centered)?)))
     }
 
-    /// Of no rows, for all of C, in integers; about the mean when `centered`. Rows must keep the bounds.
+    /// Of no rows, for all of C, in integers; about the mean when `centered`. Rows must keep the
+    /// bounds.
     ///
-    /// Entries are rounded once, relative to the bounds of their column, products of entries with weights once
-    /// more, and C once at the end: `|C_ij - exact| <= 4 m u |x_i| |x_j|` for m rows and columns x (less their
-    /// mean) that reach their bounds.
+    /// Entries are rounded once, relative to the bounds of their column, products of entries with
+    /// weights once more, and C once at the end: `|C_ij - exact| <= 4 m u |x_i| |x_j|` for m rows
+    /// and columns x (less their mean) that reach their bounds.
     ///
     /// # Errors
     /// [`Error::Argument`] when the bounds are too far apart, [`Error::OutOfMemory`].
@@ -135,7 +137,8 @@ impl<T: BlasReal> Accumulator<T> {
         }
     }
 
-    /// Rows of all sources that were streamed into it; more than [`Accumulator::rows`] while one is on its way.
+    /// Rows of all sources that were streamed into it; more than [`Accumulator::rows`] while one is
+    /// on its way.
     pub fn expected_rows(&self) -> u64 {
         self.expected_rows.max(self.rows())
     }
@@ -198,13 +201,15 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(())
     }
 
-    /// Adds a block of `count` rows, one after another, with their weights if they have any. Their entries are
-    /// overwritten. `options.uplo` does not matter. [`stream`](super::stream()) plans once for all blocks of a source.
+    /// Adds a block of `count` rows, one after another, with their weights if they have any. Their
+    /// entries are overwritten. `options.uplo` does not matter. [`stream`](super::stream()) plans
+    /// once for all blocks of a source.
     ///
     /// # Errors
-    /// [`Error::Shape`] for the block and the weights, [`Error::NonFinite`] for a weight; [`Error::Argument`] for
-    /// a row or a weight beyond the bounds of an exact accumulator, which is left as it was; else as
-    /// [`ata`](crate::ata()), after which the accumulator is of no use any more.
+    /// [`Error::Shape`] for the block and the weights, [`Error::NonFinite`] for a weight;
+    /// [`Error::Argument`] for a row or a weight beyond the bounds of an exact accumulator, which
+    /// is left as it was; else as [`ata`](crate::ata()), after which the accumulator is of no use
+    /// any more.
     pub fn add_block(
         &mut self,
         count: usize,
@@ -216,12 +221,12 @@ impl<T: BlasReal> Accumulator<T> {
         self.add(count, block, weights, &mut Pass::new(options)?)
     }
 
-    /// Removes rows that were added, in any blocks, with the same weights: what is left are the bytes of sums that
-    /// never had them. As [`Accumulator::add_block`] otherwise.
+    /// Removes rows that were added, in any blocks, with the same weights: what is left are the
+    /// bytes of sums that never had them. As [`Accumulator::add_block`] otherwise.
     ///
     /// # Errors
-    /// [`Error::Argument`] when the accumulator is not exact, or has fewer rows; [`Error::NonFinite`] for rows that are
-    /// not finite; else as [`Accumulator::add_block`].
+    /// [`Error::Argument`] when the accumulator is not exact, or has fewer rows;
+    /// [`Error::NonFinite`] for rows that are not finite; else as [`Accumulator::add_block`].
     pub fn remove_block(
         &mut self,
         count: usize,
@@ -267,12 +272,29 @@ impl<T: BlasReal> Accumulator<T> {
 
     /// Adds the rows of `other`. Labels that differ are dropped.
     ///
-    /// Exact sums with the same bounds merge to the same bytes in any order. With other bounds both move to the
-    /// finer grid of each column first, exactly.
+    /// Exact sums with the same bounds merge to the same bytes in any order. With other bounds both
+    /// move to the finer grid of each column first, exactly.
+    ///
+    /// ```
+    /// use catamaran::ata::{Accumulator, RowBounds};
+    /// use catamaran::{AtaOptions, Uplo};
+    ///
+    /// let bounds = RowBounds::new(vec![0.0, 0.0], vec![9.0, 9.0], 100)?;
+    /// let of = |row: [f64; 2]| {
+    ///     let mut sum = Accumulator::exact(&bounds, false)?;
+    ///     sum.add_block(1, &mut row.clone(), None, &AtaOptions::new())?;
+    ///     Ok::<_, catamaran::Error>(sum)
+    /// };
+    /// let mut sum = of([1.0, 2.0])?;
+    /// sum.merge(of([3.0, 4.0])?)?;
+    /// assert_eq!(sum.rows(), 2);
+    /// assert_eq!(sum.finish(1.0, Uplo::Lower)?.as_ref()[(1, 0)], 14.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] when they differ in kind, columns, strip or centring, or when the grids of exact sums are
-    /// too far apart for 128 bits; the accumulator is of no use after that.
+    /// [`Error::Argument`] when they differ in kind, columns, strip or centring, or when the grids
+    /// of exact sums are too far apart for 128 bits; the accumulator is of no use after that.
     pub fn merge(&mut self, other: Self) -> Result<()> {
         let different = |what, own: String, others: String| {
             let why = format!("{what}: {own} and {others} can't be merged");
@@ -308,12 +330,13 @@ impl<T: BlasReal> Accumulator<T> {
         }
     }
 
-    /// `alpha C`, about the mean when centred. Of all of C the triangle or triangles of `uplo`, the other one
-    /// zero. A strip has its part of the lower triangle and zeros above the diagonal, whatever `uplo` says. It is in
-    /// the memory of the accumulator, unless that is exact.
+    /// `alpha C`, about the mean when centred. Of all of C the triangle or triangles of `uplo`, the
+    /// other one zero. A strip has its part of the lower triangle and zeros above the diagonal,
+    /// whatever `uplo` says. It is in the memory of the accumulator, unless that is exact.
     ///
     /// # Errors
-    /// [`Error::Argument`] when the weights of a mean sum to zero; of an exact accumulator [`Error::OutOfMemory`].
+    /// [`Error::Argument`] when the weights of a mean sum to zero; of an exact accumulator
+    /// [`Error::OutOfMemory`].
     pub fn finish(self, alpha: f64, uplo: Uplo) -> Result<Strip<T>> {
         let ncols = self.ncols;
         let mut c = match self.sums {
@@ -331,7 +354,8 @@ impl<T: BlasReal> Accumulator<T> {
         if c.rows() == (0..ncols) && uplo != Uplo::Lower {
             mirror_lower(c.as_mut());
             if uplo == Uplo::Upper {
-                // The strict lower triangle is the strict upper one of the transpose: spare the diagonal.
+                // The strict lower triangle is the strict upper one of the transpose: spare the
+                // diagonal.
                 let below = c.as_mut().submatrix_mut(
                     1.min(ncols),
                     0,

@@ -17,6 +17,13 @@ const LEAST_ROWS: usize = 1024;
 
 /// Rows of a block of n columns: a multiple of 64, about 64 MiB. With weights there are three blocks, in the
 /// memory of two. Not a matter of threads or of the number of rows, or results would be.
+///
+/// ```
+/// use catamaran::ata::block_rows;
+///
+/// assert_eq!(block_rows::<f64>(1 << 10, false), 8192);
+/// assert_eq!(block_rows::<f32>(1 << 10, false), 16384);
+/// ```
 pub fn block_rows<T: Real>(n: usize, weighted: bool) -> usize {
     let row = n.max(1).saturating_mul(size_of::<T>());
     let rows = (BLOCKS_BYTES / 2 / row).max(LEAST_ROWS);

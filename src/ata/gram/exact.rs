@@ -1,4 +1,5 @@
-//! Sums of rows in integers on a grid that is chosen before the first row: the same for any order of the rows.
+//! Sums of rows in integers on a grid that is chosen before the first row: the same for any order
+//! of the rows.
 
 use std::ops::Range;
 
@@ -16,7 +17,8 @@ use crate::kernel::int8::scaled;
 /// Rows that one thread takes at a time.
 const PIECE: usize = 512;
 
-/// `C = sum of w_i x_i x_i^T` of shifted rows, as integers in units of the grid; some rows of the lower triangle.
+/// `C = sum of w_i x_i x_i^T` of shifted rows, as integers in units of the grid; some rows of the
+/// lower triangle.
 #[derive(Debug)]
 pub(crate) struct ExactSums<T> {
     pub(super) grid: Grid<T>,
@@ -84,8 +86,8 @@ impl<T: BlasReal> ExactSums<T> {
         self.sums.iter().enumerate().map(mean).collect()
     }
 
-    /// Adds a block of `count` rows, or subtracts it. Its entries are overwritten; nothing else is changed by
-    /// an error but [`Error::Cancelled`] and [`Error::OutOfMemory`].
+    /// Adds a block of `count` rows, or subtracts it. Its entries are overwritten; nothing else is
+    /// changed by an error but [`Error::Cancelled`] and [`Error::OutOfMemory`].
     pub fn add(
         &mut self,
         count: usize,
@@ -180,7 +182,8 @@ impl<T: BlasReal> ExactSums<T> {
         }
     }
 
-    /// Checks the bounds of rows, shifts them, multiplies them by their weights, and adds up the columns.
+    /// Checks the bounds of rows, shifts them, multiplies them by their weights, and adds up the
+    /// columns.
     fn prepare(
         &self,
         block: &mut [T],
@@ -320,8 +323,8 @@ impl<T: BlasReal> ExactSums<T> {
         Ok(())
     }
 
-    /// Adds the sums of other rows of the same columns and strip: on another grid after both have moved to the
-    /// finer one, exactly.
+    /// Adds the sums of other rows of the same columns and strip: on another grid after both have
+    /// moved to the finer one, exactly.
     pub fn merge(&mut self, mut other: Self) -> Result<()> {
         if self.grid != other.grid {
             let grid = self.grid.join(&other.grid)?;
@@ -356,8 +359,8 @@ impl<T: BlasReal> ExactSums<T> {
         Ok(())
     }
 
-    /// Moves to a finer grid: every integer is multiplied by a power of two, and rows that are shifted by `d`
-    /// less, `x + d`, have `C + d t^T + t d^T + w d d^T` and `t + w d`.
+    /// Moves to a finer grid: every integer is multiplied by a power of two, and rows that are
+    /// shifted by `d` less, `x + d`, have `C + d t^T + t d^T + w d d^T` and `t + w d`.
     fn move_to(&mut self, fine: &Grid<T>) -> Result<()> {
         let refuse = |j: usize, why: &str| {
             let why = format!("column {j}: the grids are too far apart: {why}");
@@ -420,7 +423,8 @@ impl<T: BlasReal> ExactSums<T> {
         Ok(())
     }
 
-    /// Calls `visit(i, j, value)` for every entry of the strip of C, about the mean when centred, rounded once.
+    /// Calls `visit(i, j, value)` for every entry of the strip of C, about the mean when centred,
+    /// rounded once.
     ///
     /// # Errors
     /// [`Error::Argument`] when the weights of a mean sum to zero.
@@ -468,7 +472,8 @@ impl<T: BlasReal> ExactSums<T> {
     }
 }
 
-/// Adds the integers that the entries of each column become when they are multiplied by these factors.
+/// Adds the integers that the entries of each column become when they are multiplied by these
+/// factors.
 #[inline(always)]
 fn add_columns<T: Real>(rows: &[T], factors: &[[f64; 2]], sums: &mut [i128]) {
     /// Rows whose sums fit 64 bits: integers have at most 58 (`Grid::capacity`).

@@ -12,8 +12,9 @@ use crate::ata::options::Uplo;
 use crate::base::Result;
 use crate::blas::BlasReal;
 
-/// Adds a block of `count` rows of n columns: `C := alpha X^T W X + beta C`, for the rows `strip` of C, which are
-/// `left` of the diagonal square and `square`. The entries of the block are overwritten.
+/// Adds a block of `count` rows of n columns: `C := alpha X^T W X + beta C`, for the rows `strip`
+/// of C, which are `left` of the diagonal square and `square`. The entries of the block are
+/// overwritten.
 pub(super) fn add<T: BlasReal>(
     moments: &mut Moments<T>,
     (count, block, weights): (usize, &mut [T], Option<&[T]>),
@@ -42,8 +43,8 @@ pub(super) fn add<T: BlasReal>(
     engine.multiply(Product { alpha, a, b, beta, c: square, uplo }, &options)
 }
 
-/// `C = sum of w_i (x_i - s)(x_i - s)^T`, of which some rows. Without centring the shift s is zero. With centring
-/// it is the mean of the first block, and the end moves it to the mean of all rows.
+/// `C = sum of w_i (x_i - s)(x_i - s)^T`, of which some rows. Without centring the shift s is zero.
+/// With centring it is the mean of the first block, and the end moves it to the mean of all rows.
 #[derive(Debug)]
 pub(super) struct FloatSums<T> {
     /// The lower triangle of C, about the shift.
@@ -74,8 +75,8 @@ impl<T: BlasReal> FloatSums<T> {
 
     /// Adds the rows of `other`, which are about another shift:
     /// `x - s = (x - s') + d` with `d = s' - s`, so that `C += C' + t' d^T + d t'^T + w' d d^T` and
-    /// `t += t' + w' d`, t the sum of the shifted rows and w their weight. The shift of the heavier side stays, for
-    /// the corrections to be small.
+    /// `t += t' + w' d`, t the sum of the shifted rows and w their weight. The shift of the heavier
+    /// side stays, for the corrections to be small.
     pub fn merge(&mut self, mut other: Self) {
         let heavier = other.moments.weight_size > self.moments.weight_size;
         if heavier || self.moments.shift.is_empty() {

@@ -3,16 +3,24 @@
 //! | part | content |
 //! |---|---|
 //! | preamble | `CATAACC` and a zero; version, u32; bytes of a scalar (4 or 8), u32 |
-//! | head | its length in bytes, u32; columns, first and end of the strip, rows, expected rows and rows of a block, u64 each; flags, u8; number of labels, u32; for each label name and value, as length (u32) and UTF-8 |
+//! | head | its length in bytes, u32; columns, first and end of the strip, rows, expected rows and
+//! rows of a block, u64 each; flags, u8; number of labels, u32; for each label name and value, as
+//! length (u32) and UTF-8 |
 //! | check | CRC-32 of everything before, u32 |
-//! | body, floating point | sum of the weights, and of their sizes, f64; shift, n scalars, if given; sum of the shifted rows, n f64, if centred; each row of the strip up to the diagonal, scalars |
-//! | body, exact | of the grid: lower and upper bounds, shift if given, n scalars each; powers, n i32; bound of the weights, scalar, if given; exponent and power of the weights, i32; sum of the weights, and of their sizes, i128; sums of the columns, n i128, if centred; each row of the strip up to the diagonal, i128; what is not finite, u8 for each entry, if given |
+//! | body, floating point | sum of the weights, and of their sizes, f64; shift, n scalars, if
+//! given; sum of the shifted rows, n f64, if centred; each row of the strip up to the diagonal,
+//! scalars |
+//! | body, exact | of the grid: lower and upper bounds, shift if given, n scalars each; powers, n
+//! i32; bound of the weights, scalar, if given; exponent and power of the weights, i32; sum of the
+//! weights, and of their sizes, i128; sums of the columns, n i128, if centred; each row of the
+//! strip up to the diagonal, i128; what is not finite, u8 for each entry, if given |
 //! | check | CRC-32 of the body, u32 |
 //!
-//! Flags: 1 centred, 2 shift given, 4 exact, 8 bound of the weights given, 16 some terms are not finite.
+//! Flags: 1 centred, 2 shift given, 4 exact, 8 bound of the weights given, 16 some terms are not
+//! finite.
 //!
-//! Nothing is allocated because a head says so: vectors grow with the bytes that arrive, and C is allocated,
-//! untouched, when the vectors of as many columns have arrived.
+//! Nothing is allocated because a head says so: vectors grow with the bytes that arrive, and C is
+//! allocated, untouched, when the vectors of as many columns have arrived.
 
 use std::io::{self, Read, Write};
 
@@ -47,14 +55,36 @@ const NON_FINITE: u8 = 16;
 
 /// The scalar of the accumulator whose bytes `source` begins with, `"f32"` or `"f64"`.
 ///
+/// ```
+/// use catamaran::ata::{Accumulator, scalar_of};
+///
+/// let mut bytes = Vec::new();
+/// Accumulator::<f32>::new(3, false)?.write(&mut bytes).unwrap();
+/// assert_eq!(scalar_of(&mut &bytes[..]).unwrap(), "f32");
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
-/// Those of the source; [`io::ErrorKind::InvalidData`] when they are of something else, or of another version.
+/// Those of the source; [`io::ErrorKind::InvalidData`] when they are of something else, or of
+/// another version.
 pub fn scalar_of(source: &mut dyn Read) -> io::Result<&'static str> {
     preamble(&mut Checked::new(source))
 }
 
 impl<T: BlasReal> Accumulator<T> {
     /// Writes it, for [`Accumulator::read`].
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Uplo, ata::Accumulator};
+    ///
+    /// let mut sum = Accumulator::<f64>::new(2, false)?;
+    /// sum.add_block(1, &mut [1.0, 2.0], None, &AtaOptions::new())?;
+    /// let mut bytes = Vec::new();
+    /// sum.write(&mut bytes).unwrap();
+    /// let sum = Accumulator::<f64>::read(&mut &bytes[..]).unwrap();
+    /// assert_eq!(sum.finish(1.0, Uplo::Lower)?.as_ref()[(1, 0)], 2.0);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// Those of the sink.
@@ -124,8 +154,8 @@ impl<T: BlasReal> Accumulator<T> {
     /// What [`Accumulator::write`] wrote, bit for bit.
     ///
     /// # Errors
-    /// Those of the source; [`io::ErrorKind::InvalidData`] when the bytes are cut off or damaged, or not an
-    /// accumulator of T in this version; [`io::ErrorKind::OutOfMemory`].
+    /// Those of the source; [`io::ErrorKind::InvalidData`] when the bytes are cut off or damaged,
+    /// or not an accumulator of T in this version; [`io::ErrorKind::OutOfMemory`].
     pub fn read(source: &mut dyn Read) -> io::Result<Self> {
         let mut source = Checked::new(source);
         let scalar = preamble(&mut source)?;

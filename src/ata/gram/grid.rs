@@ -6,14 +6,14 @@ use crate::ata::options::AtaOptions;
 use crate::base::{Error, Par, Real, Result, zeros};
 use crate::kernel::int8::{Moduli, power_of_two, scaled};
 
-/// Bits of the integers that entries become, at most: as few as an f64 shifted near its column needs
-/// (see [`Grid::new`]), so that 2^26 rows fit in 128 bits and 2^16 in the residues.
+/// Bits of the integers that entries become, at most: as few as an f64 shifted near its column
+/// needs (see [`Grid::new`]), so that 2^26 rows fit in 128 bits and 2^16 in the residues.
 const fn most_bits<T>() -> i32 {
     if size_of::<T>() == 8 { 50 } else { 24 }
 }
 
-/// Moduli of the products: one more than by default, for columns whose largest entry is far above the
-/// others.
+/// Moduli of the products: one more than by default, for columns whose largest entry is far above
+/// the others.
 pub(super) const fn moduli<T>() -> usize {
     if size_of::<T>() == 8 { 15 } else { 8 }
 }
@@ -21,18 +21,30 @@ pub(super) const fn moduli<T>() -> usize {
 /// Bits of a sum.
 const SUM_BITS: i32 = 126;
 
-/// A column is shifted to within this many bits of its largest entry and no further: its unit is then
-/// below the last bit of an f64, and grids of several files stay near each other.
+/// A column is shifted to within this many bits of its largest entry and no further: its unit is
+/// then below the last bit of an f64, and grids of several files stay near each other.
 const MOST_SHIFT: i32 = 5;
 
 /// Power of a column of zeros, which are multiples of any unit.
 const ZEROS: i32 = i32::MIN;
 
-/// Bounds of the entries of each column, of the weights, and of the number of rows: what exact sums must
-/// know before the first row ([`Accumulator::exact`](super::Accumulator::exact)).
+/// Bounds of the entries of each column, of the weights, and of the number of rows: what exact sums
+/// must know before the first row ([`Accumulator::exact`](super::Accumulator::exact)).
 ///
-/// They are declared ([`RowBounds::new`]), or found by a pass over the rows ([`RowBounds::of`]), in any
-/// order, and may be joined. Sums with the same bounds are the same bytes for any cut and order of the rows.
+/// They are declared ([`RowBounds::new`]), or found by a pass over the rows ([`RowBounds::of`]), in
+/// any order, and may be joined. Sums with the same bounds are the same bytes for any cut and order
+/// of the rows.
+///
+/// ```
+/// use catamaran::{AtaOptions, ata::{DenseRows, RowBounds}, faer::mat};
+///
+/// let a = mat![[1.0, -2.0], [3.0, 0.5]];
+/// let mut bounds = RowBounds::of(&mut DenseRows(a.as_ref()), None, 64, &AtaOptions::new())?;
+/// bounds.join(&RowBounds::new(vec![0.0, 0.0], vec![9.0, 0.0], 100)?)?;
+/// assert_eq!((bounds.lower(), bounds.upper()), (&[0.0, -2.0][..], &[9.0, 0.5][..]));
+/// assert_eq!(bounds.rows(), 102);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct RowBounds<T> {
     lower: Vec<T>,
@@ -45,8 +57,8 @@ impl<T: Real> RowBounds<T> {
     /// At most `rows` rows, with entries between `lower[j]` and `upper[j]` in column j.
     ///
     /// # Errors
-    /// [`Error::Shape`], [`Error::NonFinite`], and [`Error::Argument`] when a lower bound is above the
-    /// upper one.
+    /// [`Error::Shape`], [`Error::NonFinite`], and [`Error::Argument`] when a lower bound is above
+    /// the upper one.
     pub fn new(lower: Vec<T>, upper: Vec<T>, rows: u64) -> Result<Self> {
         Error::check_shape("upper bounds", (lower.len(), 1), (upper.len(), 1))?;
         for (j, (low, high)) in lower.iter().zip(&upper).enumerate() {
@@ -82,8 +94,9 @@ impl<T: Real> RowBounds<T> {
         Ok(Self { lower, upper, weight: None, rows: 0 })
     }
 
-    /// Reads all rows once, in blocks of `block_rows`, and takes the bounds of the finite entries, of the
-    /// weights, and the number of rows. `options.progress` is told the fraction that is read.
+    /// Reads all rows once, in blocks of `block_rows`, and takes the bounds of the finite entries,
+    /// of the weights, and the number of rows. `options.progress` is told the fraction that is
+    /// read.
     ///
     /// # Errors
     /// Those of the source, [`Error::OutOfMemory`], [`Error::Cancelled`].
@@ -141,10 +154,12 @@ impl<T: Real> RowBounds<T> {
         }
     }
 
-    /// Takes in the bounds of other rows of the same columns: those of all rows, of which the numbers add up.
+    /// Takes in the bounds of other rows of the same columns: those of all rows, of which the
+    /// numbers add up.
     ///
     /// # Errors
-    /// [`Error::Argument`] when they have another number of columns, or only one of them has weights.
+    /// [`Error::Argument`] when they have another number of columns, or only one of them has
+    /// weights.
     pub fn join(&mut self, other: &Self) -> Result<()> {
         let refuse = |why: &str| Err(Error::Argument { what: "bounds", why: why.into() });
         if self.ncols() != other.ncols() {
@@ -193,8 +208,9 @@ impl<T: Real> RowBounds<T> {
 }
 
 /// What every entry is shifted by and rounded to. A row x with weight w becomes the integers
-/// `rint((x_j - s_j) 2^p_j)` on the left and `rint(w (x_j - s_j) 2^(p_j - e))` on the right side, where e is
-/// that of the weights; so entry (i, j) of the product counts units of `2^-(p_i + p_j - e)`.
+/// `rint((x_j - s_j) 2^p_j)` on the left and `rint(w (x_j - s_j) 2^(p_j - e))` on the right side,
+/// where e is that of the weights; so entry (i, j) of the product counts units of
+/// `2^-(p_i + p_j - e)`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Grid<T> {
     /// Bounds of the entries.
@@ -225,9 +241,9 @@ pub(crate) enum Shift<'s, T> {
 impl<T: Real> Grid<T> {
     /// The grid for rows within bounds.
     ///
-    /// About a mean, column j is shifted by a multiple of its radius near the middle of its bounds: x - s
-    /// then has no more bits than x, and what is left of them fits the integers, however large the mean
-    /// is beside the deviations.
+    /// About a mean, column j is shifted by a multiple of its radius near the middle of its bounds:
+    /// x - s then has no more bits than x, and what is left of them fits the integers, however
+    /// large the mean is beside the deviations.
     ///
     /// # Errors
     /// [`Error::Argument`] when rows, or rows times weights, are too large or too many.
@@ -331,8 +347,8 @@ impl<T: Real> Grid<T> {
         }
     }
 
-    /// Rows whose product stays below P/2, the number of rows that sums have room for, and the column that
-    /// decides.
+    /// Rows whose product stays below P/2, the number of rows that sums have room for, and the
+    /// column that decides.
     pub fn capacity(&self) -> (usize, u64, usize) {
         let largest = (0..self.ncols()).max_by_key(|&j| self.bits(j)).unwrap_or(0);
         let bits = if self.ncols() == 0 { 0 } else { 2 * self.bits(largest) };
@@ -342,13 +358,15 @@ impl<T: Real> Grid<T> {
         (rows((product - bits).min(30)) as usize, rows(SUM_BITS - bits), largest)
     }
 
-    /// The power that columns are multiplied by on the left side, or with their weights on the right one.
+    /// The power that columns are multiplied by on the left side, or with their weights on the
+    /// right one.
     pub fn powers(&self, weighted: bool) -> impl Iterator<Item = i32> {
         let less = if weighted { self.weight_exponent } else { 0 };
         self.powers.iter().map(move |&power| if power == ZEROS { 0 } else { power - less })
     }
 
-    /// What entries of column j are multiplied by before they are rounded on the right side, in two factors.
+    /// What entries of column j are multiplied by before they are rounded on the right side, in two
+    /// factors.
     pub fn factors(&self, j: usize) -> [f64; 2] {
         match self.powers[j] {
             ZEROS => [0.0; 2],
@@ -380,8 +398,8 @@ impl<T: Real> Grid<T> {
         }
     }
 
-    /// The grid that contains both: the finer unit and its shift of each column, of equally fine ones the
-    /// lower shift. So it is the same for any order of grids.
+    /// The grid that contains both: the finer unit and its shift of each column, of equally fine
+    /// ones the lower shift. So it is the same for any order of grids.
     pub fn join(&self, other: &Self) -> Result<Self> {
         let refuse = |why: String| Err(Error::Argument { what: "accumulator", why });
         if self.weight.is_some() != other.weight.is_some() {
@@ -417,7 +435,8 @@ impl<T: Real> Grid<T> {
         }
     }
 
-    /// How much further this one is shifted in column j, in units of `fine`; `None` when that is no integer.
+    /// How much further this one is shifted in column j, in units of `fine`; `None` when that is no
+    /// integer.
     pub fn shift_difference(&self, j: usize, fine: &Self) -> Option<i128> {
         let (own, others) = (self.shift_of(j), fine.shift_of(j));
         if own == others {

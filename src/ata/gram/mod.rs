@@ -1,5 +1,6 @@
-//! A^T A of rows that come in blocks, from memory, files, sparse matrices or other ranks: one accumulator for all. What
-//! is there so far can be kept, gone on with, and merged. See docs/algorithms/ata.md, "Streaming".
+//! A^T A of rows that come in blocks, from memory, files, sparse matrices or other ranks: one
+//! accumulator for all. What is there so far can be kept, gone on with, and merged. See
+//! docs/algorithms/ata.md, "Streaming".
 
 mod accumulator;
 mod blocks;

@@ -1,4 +1,5 @@
-//! One pass over rows: block after block, products planned once for each height of blocks, all in one scratch.
+//! One pass over rows: block after block, products planned once for each height of blocks, all in
+//! one scratch.
 
 use std::ops::Range;
 
@@ -110,8 +111,9 @@ impl Engine {
         execute(plan, product, options, self.scratch.as_mut_slice())
     }
 
-    /// Adds the integers of `X^T Y`, Y the weighted rows or X, to the rows `strip` of the triangle `sums`, or
-    /// subtracts them. Column j of X is multiplied by `2^powers[0][j]`, of Y by `2^powers[1][j]`.
+    /// Adds the integers of `X^T Y`, Y the weighted rows or X, to the rows `strip` of the triangle
+    /// `sums`, or subtracts them. Column j of X is multiplied by `2^powers[0][j]`, of Y by
+    /// `2^powers[1][j]`.
     pub fn integers<T: BlasReal>(
         &mut self,
         x: MatRef<'_, T>,

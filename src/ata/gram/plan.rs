@@ -12,6 +12,19 @@ use crate::blas::BlasReal;
 
 /// How an m x n matrix A will be streamed, as data: blocks, reads, memory. Beside the shape it depends on the memory
 /// allowed: C is computed in strips of rows, and each strip reads A once. The cut into blocks does not.
+///
+/// ```
+/// use catamaran::{AtaOptions, ata::StreamPlan};
+///
+/// // C takes 800 MB: with 500 MB for everything, A is read more than once.
+/// let options = AtaOptions::new().threads(2);
+/// let plan = |memory| StreamPlan::new::<f64>(1 << 20, 10_000, false, None, memory, &options);
+/// assert_eq!(plan(4_000_000_000)?.reads(), 1);
+/// let short = plan(500_000_000)?;
+/// assert!(short.reads() > 1 && short.bytes() <= 500_000_000);
+/// assert_eq!(short.strips().last().map(|rows| rows.end), Some(10_000));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct StreamPlan {
     rows: usize,

@@ -15,7 +15,7 @@ use super::source::RowBlocks;
 use crate::ata::ata;
 use crate::ata::combine::in_lower;
 use crate::ata::options::AtaOptions;
-use crate::base::{Error, Real, Result, Workspace};
+use crate::base::{Error, Real, Result, Workspace, builder};
 use crate::blas::BlasReal;
 
 /// What is subtracted from every row before the product.
@@ -32,13 +32,27 @@ pub enum Center<'a, T> {
 }
 
 /// How [`ata_rows`] treats the rows. The default changes nothing.
+///
+/// ```
+/// use catamaran::ata::{Center, RowOptions};
+///
+/// let weights = vec![1.0, 0.5, 2.0];
+/// let options = RowOptions::new().weights(&weights[..]).center(Center::Mean);
+/// assert_eq!(options.weights, Some(&[1.0, 0.5, 2.0][..]));
+/// ```
 #[derive(Debug, Clone, Copy, Default)]
+#[non_exhaustive]
 pub struct RowOptions<'a, T> {
     /// m finite weights W, negative ones too: the product is `A^T diag(W) A`.
     pub weights: Option<&'a [T]>,
     /// Subtracted first.
     pub center: Center<'a, T>,
 }
+
+builder! { RowOptions<'a, T> {
+    #[into] weights: Option<&'a [T]>,
+    center: Center<'a, T>,
+}}
 
 impl<T: Real> RowOptions<'_, T> {
     /// Whether they suit m x n rows.
@@ -75,14 +89,28 @@ fn weight_sums<T: Real>(m: usize, weights: Option<&[T]>) -> (f64, f64) {
 ///
 /// Rows are read once, block by block, the next block by a thread of its own (unless `options.par` is
 /// [`Par::Seq`](crate::Par::Seq)). About the mean they are first taken about that of the first block, for stability.
-/// The extra memory is two blocks of rows, one more with weights, and the scratch of [`ata`](crate::ata()) for one.
-/// C is n x n. The result is the same, bit for bit, for every `options.par`. To keep, resume or merge sums there is
-/// [`stream`](super::stream()).
+/// The extra memory is two blocks of rows, one more with weights, and the scratch of
+/// [`ata`](crate::ata()) for one. C is n x n. The result is the same, bit for bit, for every
+/// `options.par`. To keep, resume or merge sums there is [`stream`](super::stream()).
 ///
-/// On the exact path, when the options ask for it, rows are read twice, once for their bounds, and 16 bytes for each
-/// entry of a triangle of C are needed. The result then does not depend on the order of the rows either, as that of
-/// [`Accumulator::exact`](super::Accumulator::exact); in its last bits it differs from [`ata`](crate::ata()),
-/// which knows the norms of the columns.
+/// On the exact path, when the options ask for it, rows are read twice, once for their bounds, and
+/// 16 bytes for each entry of a triangle of C are needed. The result then does not depend on the
+/// order of the rows either, as that of [`Accumulator::exact`](super::Accumulator::exact); in its
+/// last bits it differs from [`ata`](crate::ata()), which knows the norms of the columns.
+///
+/// ```
+/// use catamaran::ata::{Center, DenseRows, RowOptions, ata_rows};
+/// use catamaran::{AtaOptions, faer::{Mat, mat}};
+///
+/// let a = mat![[1.0, 8.0], [2.0, 6.0], [3.0, 1.0]];
+/// let mean = RowOptions::new().center(Center::Mean);
+/// let mut covariance = Mat::zeros(2, 2);
+/// let (alpha, options) = (1.0 / 2.0, AtaOptions::new());
+/// ata_rows(alpha, &mut DenseRows(a.as_ref()), &mean, 0.0, covariance.as_mut(), &options)?;
+/// assert_eq!(covariance[(0, 0)], 1.0);
+/// assert_eq!(covariance[(1, 0)], -3.5);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Shape`] for C, the weights or the centre; [`Error::NonFinite`] for a weight or a centre;

@@ -5,6 +5,40 @@ use faer::{MatMut, MatRef};
 use crate::base::{Real, Result};
 
 /// A source of the rows of a matrix, block by block.
+///
+/// ```
+/// use catamaran::ata::{RowBlocks, RowOptions, ata_rows};
+/// use catamaran::faer::{Mat, MatMut};
+/// use catamaran::{AtaOptions, Result};
+///
+/// /// The powers 1, x, x^2 of x = 0, 1, 2, ..., which are never stored.
+/// struct Powers(usize);
+///
+/// impl RowBlocks<f64> for Powers {
+///     fn nrows(&self) -> usize {
+///         self.0
+///     }
+///
+///     fn ncols(&self) -> usize {
+///         3
+///     }
+///
+///     fn read(&mut self, first: usize, mut out: MatMut<'_, f64>) -> Result<()> {
+///         for i in 0..out.nrows() {
+///             for j in 0..3 {
+///                 out[(i, j)] = ((first + i) as f64).powi(j as i32);
+///             }
+///         }
+///         Ok(())
+///     }
+/// }
+///
+/// let mut c = Mat::zeros(3, 3);
+/// let (rows, options) = (&mut Powers(5), AtaOptions::new());
+/// ata_rows(1.0, rows, &RowOptions::new(), 0.0, c.as_mut(), &options)?;
+/// assert_eq!(c[(2, 0)], 0.0 + 1.0 + 4.0 + 9.0 + 16.0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 pub trait RowBlocks<T> {
     /// Number of rows.
     fn nrows(&self) -> usize;

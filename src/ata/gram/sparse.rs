@@ -1,8 +1,8 @@
 //! A^T A of a sparse matrix that never becomes dense.
 //!
-//! Line j of the triangle is the sum over the rows i that have an entry in column j, each row scaled by
-//! it: `c_j = sum w_i a_ij a_i`. A panel of sums for a block of lines takes the scattered additions, row
-//! after row, and C is written once.
+//! Line j of the triangle is the sum over the rows i that have an entry in column j, each row
+//! scaled by it: `c_j = sum w_i a_ij a_i`. A panel of sums for a block of lines takes the scattered
+//! additions, row after row, and C is written once.
 
 use std::ops::Range;
 
@@ -22,14 +22,15 @@ const PANEL: usize = 1 << 16;
 /// Blocks of lines for each thread, so that threads end at about the same time.
 const BLOCKS_PER_THREAD: usize = 8;
 
-/// `C := alpha A^T W A + beta C` for a sparse A by rows (CSR), m x n, with m finite weights W or none:
-/// the triangle or triangles of `options.uplo`, of which `par` and `progress` count too.
+/// `C := alpha A^T W A + beta C` for a sparse A by rows (CSR), m x n, with m finite weights W or
+/// none: the triangle or triangles of `options.uplo`, of which `par` and `progress` count too.
 ///
 /// Sums are in f64 and in the order of the rows, rounded once to T: the result is the same, bit for
 /// bit, for every `options.par`. Entries that are not stored are zeros, and not multiplied: NaN and
-/// infinities reach those entries of C only whose columns share a row with them. With `beta == 0` C is
-/// not read, with `alpha == 0` A is not. The extra memory is at most 16 bytes for each entry of A, and for
-/// each thread n f64 or 512 KiB. [`sparse_is_faster`] says whether the dense product would take longer.
+/// infinities reach those entries of C only whose columns share a row with them. With `beta == 0` C
+/// is not read, with `alpha == 0` A is not. The extra memory is at most 16 bytes for each entry of
+/// A, and for each thread n f64 or 512 KiB. [`sparse_is_faster`] says whether the dense product
+/// would take longer.
 ///
 /// ```
 /// use catamaran::ata::ata_sparse;
@@ -46,8 +47,8 @@ const BLOCKS_PER_THREAD: usize = 8;
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when C is not n x n or there are not m weights, [`Error::NonFinite`] for a weight,
-/// [`Error::Argument`] when A is by columns, [`Error::OutOfMemory`], [`Error::Cancelled`].
+/// [`Error::Shape`] when C is not n x n or there are not m weights, [`Error::NonFinite`] for a
+/// weight, [`Error::Argument`] when A is by columns, [`Error::OutOfMemory`], [`Error::Cancelled`].
 pub fn ata_sparse<S: Real, T: BlasReal>(
     alpha: T,
     a: CsMatView<'_, S>,
@@ -74,10 +75,19 @@ pub fn ata_sparse<S: Real, T: BlasReal>(
 }
 
 /// Whether [`ata_sparse`] takes less time than the dense product of the same entries, as measured.
+///
+/// ```
+/// use catamaran::ata::{sparse_is_faster, sparse_multiplications};
+/// use catamaran::sparse::CsMat;
+///
+/// let diagonal = CsMat::<f64>::eye(1000);
+/// assert_eq!(sparse_multiplications(diagonal.view()), 1000);
+/// assert!(sparse_is_faster(diagonal.view()));
+/// ```
 pub fn sparse_is_faster<S: Real>(a: CsMatView<'_, S>) -> bool {
-    /// Multiplications of a dense product in the time of one of the sparse product, both f64, where the
-    /// two take about as long: 12 to 34, for A from 500 x 4000 to 50000 x 100 on 1 and 2 threads of an
-    /// AMD EPYC with AVX-512.
+    /// Multiplications of a dense product in the time of one of the sparse product, both f64, where
+    /// the two take about as long: 12 to 34, for A from 500 x 4000 to 50000 x 100 on 1 and 2
+    /// threads of an AMD EPYC with AVX-512.
     const DENSE_PER_SPARSE: f64 = 24.0;
     let (m, n) = (a.rows() as f64, a.cols() as f64);
     DENSE_PER_SPARSE * sparse_multiplications(a) as f64 <= m * n * (n + 1.0) / 2.0
@@ -138,7 +148,8 @@ fn lower_triangle<S: Real, T: BlasReal>(
     tracker.finish()
 }
 
-/// Blocks of consecutive lines of the lower triangle of C, and the entries of A that they are made of.
+/// Blocks of consecutive lines of the lower triangle of C, and the entries of A that they are made
+/// of.
 struct Blocks<'a, S> {
     a: CsMatView<'a, S>,
     /// Lines of a block.
@@ -147,7 +158,8 @@ struct Blocks<'a, S> {
     by_columns: bool,
     /// Where the entries of a block begin in `entries`, and the end of the last block.
     starts: Vec<usize>,
-    /// A row of A with entries in the columns of the block, and the place of the first of them; ascending.
+    /// A row of A with entries in the columns of the block, and the place of the first of them;
+    /// ascending.
     entries: Vec<(usize, usize)>,
     /// Additions of each block, and sums in its panel.
     work: Vec<usize>,
@@ -180,8 +192,8 @@ impl<'a, S: Real> Blocks<'a, S> {
         Ok(Self { starts, entries, work, ..blocks })
     }
 
-    /// Calls `visit(block, (row, place), additions)` for every row and every block with columns of its
-    /// entries.
+    /// Calls `visit(block, (row, place), additions)` for every row and every block with columns of
+    /// its entries.
     fn for_each_entry(&self, mut visit: impl FnMut(usize, (usize, usize), usize)) {
         let columns = self.a.indices();
         for row in 0..self.a.rows() {
@@ -203,8 +215,8 @@ impl<'a, S: Real> Blocks<'a, S> {
         block * self.height..self.a.cols().min((block + 1) * self.height)
     }
 
-    /// The entries of a row of A (at these places) that a line takes of it, the row having its entry of
-    /// the line's column at `place`: columns ascend within a row.
+    /// The entries of a row of A (at these places) that a line takes of it, the row having its
+    /// entry of the line's column at `place`: columns ascend within a row.
     fn part(&self, places: &Range<usize>, place: usize) -> Range<usize> {
         if self.by_columns { place..places.end } else { places.start..place + 1 }
     }
@@ -242,7 +254,8 @@ mod tests {
     use crate::base::Par;
     use crate::base::Rng;
 
-    /// A random matrix; the triplets of some entries come in two parts, and some rows and columns are empty.
+    /// A random matrix; the triplets of some entries come in two parts, and some rows and columns
+    /// are empty.
     fn random(m: usize, n: usize, share: f64, seed: u64) -> CsMat<f64> {
         let mut rng = Rng::new(seed);
         let mut entries = TriMat::new((m, n));

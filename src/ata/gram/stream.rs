@@ -20,23 +20,42 @@ use crate::blas::BlasReal;
 /// Called after each block; an error ends the pass.
 pub type AfterBlock<'a, T> = &'a mut dyn FnMut(&Accumulator<T>) -> Result<()>;
 
-/// Adds the m rows of a source, with m `weights` if there are any, to `accumulator`, in blocks of `block_rows`
-/// ([`block_rows()`](super::block_rows()) gives a good number). A thread reads the next block meanwhile, unless `options.par` is
-/// [`Par::Seq`](crate::Par::Seq).
+/// Adds the m rows of a source, with m `weights` if there are any, to `accumulator`, in blocks of
+/// `block_rows` ([`block_rows()`](super::block_rows()) gives a good number). A thread reads the
+/// next block meanwhile, unless `options.par` is [`Par::Seq`](crate::Par::Seq).
 ///
-/// An accumulator of the first k blocks of this source, such as `after_block` may have kept, goes on with the
-/// next one, and ends as the same bytes as if it had never stopped; any other must be empty. The result is the same,
-/// bit for bit, for every `options.par`. `options.progress` is told the fraction of all rows.
+/// An accumulator of the first k blocks of this source, such as `after_block` may have kept, goes
+/// on with the next one, and ends as the same bytes as if it had never stopped; any other must be
+/// empty. The result is the same, bit for bit, for every `options.par`. `options.progress` is told
+/// the fraction of all rows.
 ///
-/// When the options ask for the exact path by name ([`AtaOptions::asks_for_exact`]), an empty accumulator becomes an
-/// exact one, of the bounds that a first pass over the rows finds: C is then the same bytes for any blocks. An
-/// accumulator that is exact already ([`Accumulator::exact`]) stays so, whatever the options say, and needs no such pass.
+/// When the options ask for the exact path by name ([`AtaOptions::asks_for_exact`]), an empty
+/// accumulator becomes an exact one, of the bounds that a first pass over the rows finds: C is then
+/// the same bytes for any blocks. An accumulator that is exact already ([`Accumulator::exact`])
+/// stays so, whatever the options say, and needs no such pass.
 ///
-/// Memory beside the accumulator: two blocks, one more with weights, and the scratch of [`ata`](crate::ata()) for one.
+/// Memory beside the accumulator: two blocks, one more with weights, and the scratch of
+/// [`ata`](crate::ata()) for one.
+///
+/// ```
+/// use catamaran::ata::{Accumulator, DenseRows, stream};
+/// use catamaran::{AtaOptions, Uplo, faer::Mat};
+///
+/// let a = Mat::<f64>::from_fn(10, 2, |i, j| (i + j) as f64);
+/// let (mut sum, mut blocks) = (Accumulator::<f64>::new(2, false)?, 0);
+/// stream(&mut DenseRows(a.as_ref()), None, 4, &mut sum, &AtaOptions::new(), &mut |_| {
+///     blocks += 1; // a checkpoint could be written here
+///     Ok(())
+/// })?;
+/// assert_eq!((blocks, sum.rows()), (3, 10));
+/// assert_eq!(sum.finish(1.0, Uplo::Both)?.as_ref(), a.transpose() * &a);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
-/// [`Error::Shape`] and [`Error::NonFinite`] for the weights; [`Error::Argument`] when the accumulator is of a source
-/// of another shape, or of other blocks; those of the source and of `after_block`; else as [`ata`](crate::ata()).
+/// [`Error::Shape`] and [`Error::NonFinite`] for the weights; [`Error::Argument`] when the
+/// accumulator is of a source of another shape, or of other blocks; those of the source and of
+/// `after_block`; else as [`ata`](crate::ata()).
 pub fn stream<T: BlasReal>(
     rows: &mut (dyn RowBlocks<T> + Send),
     weights: Option<&[T]>,

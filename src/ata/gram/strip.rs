@@ -4,7 +4,8 @@ use faer::{MatMut, MatRef};
 
 use crate::base::{Real, Result, Workspace};
 
-/// Some rows of a symmetric n x n matrix C, each up to the last column that the strip has on the diagonal.
+/// Some rows of a symmetric n x n matrix C, each up to the last column that the strip has on the
+/// diagonal.
 #[derive(Debug)]
 pub struct Strip<T> {
     rows: Range<usize>,

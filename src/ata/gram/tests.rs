@@ -1,5 +1,5 @@
-//! Exact sums: the same bytes for any blocks, order, threads, instruction set, merge and removal, and those of
-//! integers of any size.
+//! Exact sums: the same bytes for any blocks, order, threads, instruction set, merge and removal,
+//! and those of integers of any size.
 
 use faer::Mat;
 

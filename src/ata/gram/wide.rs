@@ -53,8 +53,8 @@ impl Wide {
     }
 }
 
-/// `(c - a b 2^shift / w) 2^exponent`, rounded once to an f64, and a second time where it is subnormal;
-/// `None` when a number on the way has more than 256 bits. `w` is not zero.
+/// `(c - a b 2^shift / w) 2^exponent`, rounded once to an f64, and a second time where it is
+/// subnormal; `None` when a number on the way has more than 256 bits. `w` is not zero.
 pub(super) fn centered(
     c: i128,
     [a, b]: [i128; 2],

@@ -23,14 +23,16 @@ pub(super) struct Choice {
 }
 
 /// Growth of the max-norm error per fast level, measured on uniform, Gaussian and positive random
-/// matrices (docs/algorithms/ata.md): Winograd's variant over a BLAS, and Strassen's algorithm fused.
+/// matrices (docs/algorithms/ata.md): Winograd's variant over a BLAS, and Strassen's algorithm
+/// fused.
 const ERROR_GROWTH_PER_LEVEL: f64 = 1.9;
 const ERROR_GROWTH_PER_FUSED_LEVEL: f64 = 2.4;
 
 /// Growth of the error that [`Accuracy::Default`] allows.
 const DEFAULT_GROWTH: f64 = 4.0;
 
-/// Elements that count as fitting the cache in the faithful mode: 2 MiB of f64, a second-level cache.
+/// Elements that count as fitting the cache in the faithful mode: 2 MiB of f64, a second-level
+/// cache.
 const FAITHFUL_CACHE: usize = 1 << 18;
 
 /// Smallest side of a block when a scheme is asked for by name.
@@ -50,7 +52,8 @@ const GAIN_OF_FUSED: f64 = 0.96;
 const GAIN_OF_TASKS: f64 = 0.98;
 const GAIN_OF_EXACT: f64 = 0.98;
 
-/// The strategy for `problem`. Small products are chosen inline: they take no longer than the choice.
+/// The strategy for `problem`. Small products are chosen inline: they take no longer than the
+/// choice.
 #[inline]
 pub(super) fn choose<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
     match native_for(options) {
@@ -337,8 +340,8 @@ fn task_slabs(m: usize, n: usize, k: usize) -> usize {
     if side <= 768 { (m / (16 * side).max(2048)).clamp(1, 8) } else { 1 }
 }
 
-/// Slabs for a C that is too small to be shared by threads: a power of two, long enough for the sum of
-/// their results not to matter.
+/// Slabs for a C that is too small to be shared by threads: a power of two, long enough for the sum
+/// of their results not to matter.
 fn fused_slabs(m: usize, n: usize, k: usize) -> usize {
     const SMALL: usize = 256;
     const SHORTEST: usize = 500;
@@ -354,8 +357,8 @@ fn fused_slabs(m: usize, n: usize, k: usize) -> usize {
 }
 
 /// Scalars that a packed chunk may take, of which there are two: with the sums of the threads less
-/// than half of C, but what the third-level cache of a core holds at most, and a chunk that is worth
-/// its while at least.
+/// than half of C, but what the third-level cache of a core holds at most, and a chunk that is
+/// worth its while at least.
 fn packing_budget<T>(n: usize, k: usize) -> usize {
     const LEAST: usize = 256 << 10;
     const MOST: usize = 64 << 20;

@@ -1,5 +1,5 @@
-//! What a product costs, in seconds on one core: estimates that decide between strategies. A wrong one
-//! costs time, never correctness.
+//! What a product costs, in seconds on one core: estimates that decide between strategies. A wrong
+//! one costs time, never correctness.
 
 use std::collections::HashMap;
 

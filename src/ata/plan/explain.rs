@@ -39,8 +39,8 @@ impl Display for Plan {
 }
 
 impl Plan {
-    /// Returns what it does in a few words without commas, for tables: `direct`, `classical`, `exact`, or
-    /// the schemes of its fast levels, the symmetric ones first.
+    /// Returns what it does in a few words without commas, for tables: `direct`, `classical`,
+    /// `exact`, or the schemes of its fast levels, the symmetric ones first.
     pub fn scheme(&self) -> String {
         let recursion = match &self.strategy {
             Strategy::Direct(_) => return "direct".into(),

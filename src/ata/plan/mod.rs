@@ -1,5 +1,5 @@
-//! What will be done, as data: no threads, no matrices, nothing but shapes and counts. The plan that is
-//! printed is the object that [`execute`](super::execute()) takes.
+//! What will be done, as data: no threads, no matrices, nothing but shapes and counts. The plan
+//! that is printed is the object that [`execute`](super::execute()) takes.
 
 mod choose;
 mod cost;
@@ -102,8 +102,8 @@ impl Plan {
         matches!(self.strategy, Strategy::Exact(_))
     }
 
-    /// Whether any product is computed with fewer multiplications than the classical count, unless the
-    /// norms of the columns forbid it.
+    /// Whether any product is computed with fewer multiplications than the classical count, unless
+    /// the norms of the columns forbid it.
     pub fn is_fast(&self) -> bool {
         match &self.strategy {
             Strategy::Fused(fused) => fused.is_fast(),

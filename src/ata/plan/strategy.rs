@@ -39,8 +39,8 @@ pub(crate) struct Fused {
 pub(crate) struct Slab {
     pub rows: Range<usize>,
     pub program: Vec<FusedProduct>,
-    /// Instead of the program when a column is not finite: fast levels would spread it. Empty when the
-    /// program is classical itself.
+    /// Instead of the program when a column is not finite: fast levels would spread it. Empty when
+    /// the program is classical itself.
     pub classical: Vec<FusedProduct>,
 }
 
@@ -57,14 +57,15 @@ pub(crate) struct Tasks {
     pub tree: Node,
     /// The leaves of the tree, the largest first, so that the small ones fill the gaps at the end.
     pub tasks: Vec<Task>,
-    /// Slabs of rows, each with its own partial result, added up in order; a task takes the chunks of a
-    /// slab one after another, adding up in C: a tall A would otherwise need sums of blocks as tall.
+    /// Slabs of rows, each with its own partial result, added up in order; a task takes the chunks
+    /// of a slab one after another, adding up in C: a tall A would otherwise need sums of blocks as
+    /// tall.
     pub slabs: Vec<Vec<Range<usize>>>,
     pub recursion: Recursion,
     /// Whether the recursion has levels with additions.
     pub fast: bool,
-    /// Whether columns whose norms differ much, or are not finite, make it classical: the caller named
-    /// no scheme, so that accuracy goes first.
+    /// Whether columns whose norms differ much, or are not finite, make it classical: the caller
+    /// named no scheme, so that accuracy goes first.
     pub guarded: bool,
 }
 

@@ -23,6 +23,16 @@ pub struct Task {
 }
 
 /// A node of the task tree.
+///
+/// ```
+/// use catamaran::ata::{Node, levels};
+///
+/// let tree = Node::symmetric(100, 4);
+/// let squares = tree.tasks().into_iter().filter(|task| !task.triangle);
+/// assert_eq!(tree.depth(), levels(4));
+/// // Half of the processes compute the block below the diagonal.
+/// assert_eq!(squares.map(|task| task.rows.len() * task.cols.len()).sum::<usize>(), 2500);
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Node {
     /// One task.

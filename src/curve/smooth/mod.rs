@@ -36,6 +36,22 @@ pub struct Smoothed {
 /// Shortens curves along edges of `mesh` to geodesics between the vertices of `marked`, which they go on running through.
 /// At most `most_steps` joints are shortened. O(V + F), and then what the curves pass.
 ///
+/// ```
+/// use catamaran::curve::{CurveOptions, CurveSolver, smooth};
+/// use catamaran::mesh::families;
+///
+/// let mesh = families::grid(8, 8)?;
+/// let samples = [10, 25, 64];
+/// let found = CurveSolver::new(&mesh)?.reconstruct(&samples, &CurveOptions::new())?;
+/// let smoothed = smooth(&mesh, &found.curves, &samples, 1000)?;
+/// // The sides of a triangle in the plane.
+/// let p = samples.map(|v| mesh.vertices()[v as usize]);
+/// let side = |i: usize| (0..2).map(|k| (p[i][k] - p[(i + 1) % 3][k]).powi(2)).sum::<f64>().sqrt();
+/// assert!(smoothed.converged && smoothed.lengths[0] < found.length());
+/// assert!((smoothed.lengths[0] - side(0) - side(1) - side(2)).abs() < 1e-9);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Mesh`] for a mesh that is not manifold, or whose faces do not agree on what is outside;
 /// [`Error::Argument`] for curves that are not along edges, or use a vertex twice; [`Error::NotConverged`] when what

@@ -8,8 +8,8 @@ pub(crate) trait Kernel: Sync {
     /// As [`Kernel::norms_f64`].
     fn norms_f32(&self, tile: &Tile<f32>) -> TileNorms;
 
-    /// Multiplies the columns by powers of two, rounds to integers (ties to even) of less than 2^62 in
-    /// magnitude, and writes the residues modulo the i-th modulus into `out[i]`.
+    /// Multiplies the columns by powers of two, rounds to integers (ties to even) of less than 2^62
+    /// in magnitude, and writes the residues modulo the i-th modulus into `out[i]`.
     fn convert_f64(
         &self,
         tile: &Tile<f64>,
@@ -31,9 +31,9 @@ pub(crate) trait Kernel: Sync {
         left.copy_from_slice(right);
     }
 
-    /// Adds `left^T right` to the sums, which must not overflow; `left` comes from [`Kernel::to_left`].
-    /// `ahead` is where to begin fetching 256 bytes per step into the second-level cache; any address
-    /// will do.
+    /// Adds `left^T right` to the sums, which must not overflow; `left` comes from
+    /// [`Kernel::to_left`]. `ahead` is where to begin fetching 256 bytes per step into the
+    /// second-level cache; any address will do.
     fn multiply(&self, left: &[Slice], right: &[Slice], sums: &mut Block<i32>, ahead: *const i8);
 
     /// The sums modulo one number, between -128 and 127.
@@ -49,14 +49,14 @@ pub(crate) trait Kernel: Sync {
         out: &mut Quarter<f64>,
     );
 
-    /// At least `count` multiplications of residues on registers alone, `None` where that means nothing; how
-    /// many.
+    /// At least `count` multiplications of residues on registers alone, `None` where that means
+    /// nothing; how many.
     fn spin(&self, _count: usize) -> Option<usize> {
         None
     }
 
-    /// Prepares the calling thread for [`Kernel::multiply`], until the session is dropped. Sessions of one thread
-    /// do not overlap.
+    /// Prepares the calling thread for [`Kernel::multiply`], until the session is dropped. Sessions
+    /// of one thread do not overlap.
     fn session(&self) -> Session {
         Session(None)
     }

@@ -82,8 +82,8 @@ impl Isa {
     }
 
     /// Multiplications of residues per second of one core, with operands in registers and with operands in the
-    /// first-level cache; the first is 0 where it means nothing; `None` when the isa is refused. For
-    /// benchmarks: takes about a tenth of a second.
+    /// first-level cache; the first is 0 where it means nothing; `None` when the isa is refused.
+    /// For benchmarks: takes about a tenth of a second.
     pub fn measure(self) -> Option<[f64; 2]> {
         const SECONDS: f64 = 0.05;
         if self.refusal().is_some() {

@@ -3,8 +3,8 @@
 use super::moduli::Moduli;
 use super::tile::{Quarter, WIDTH, power_of_two};
 
-/// The integers R of least magnitude, of which |R| < P/2 is known by less than one part in 2^20, with
-/// these residues. All arithmetic is exact, as in [`quarter`].
+/// The integers R of least magnitude, of which |R| < P/2 is known by less than one part in 2^20,
+/// with these residues. All arithmetic is exact, as in [`quarter`].
 pub(crate) fn integers(residues: &[&Quarter<i8>], moduli: &Moduli, out: &mut Quarter<i128>) {
     let units = moduli.bottoms.map(|bottom| power_of_two(-(bottom as i32)));
     // Dispatched once, so that the loops inside use the widest registers there are.
@@ -53,8 +53,8 @@ fn row<const FUSED: bool>(
     parts
 }
 
-/// A quarter of a block of C from its residues: for row i and column j the integer of [`integers`] times
-/// `2^(rows[i] + columns[j])`, rounded once, and a second time where the result is subnormal.
+/// A quarter of a block of C from its residues: for row i and column j the integer of [`integers`]
+/// times `2^(rows[i] + columns[j])`, rounded once, and a second time where the result is subnormal.
 #[inline(always)]
 pub(super) fn quarter<const FUSED: bool>(
     residues: &[&Quarter<i8>],

@@ -1,4 +1,5 @@
-//! Products of matrices that are read where they are: no packing, nothing beyond their edges is read.
+//! Products of matrices that are read where they are: no packing, nothing beyond their edges is
+//! read.
 //!
 //! Everything here is inlined into functions that enable the instructions of one [`Vectors`].
 
@@ -33,8 +34,8 @@ pub(crate) struct InPlace<'r, T> {
 /// Computes what the targets want of the rectangle, and writes it if it is complete.
 ///
 /// # Safety
-/// The sides hold `steps` rows and these columns, the sums a tile per tile (or one); nobody else uses
-/// the sums and these entries of the targets.
+/// The sides hold `steps` rows and these columns, the sums a tile per tile (or one); nobody else
+/// uses the sums and these entries of the targets.
 #[inline(always)]
 pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUNT: usize>(
     product: &InPlace<'_, V::Scalar>,
@@ -88,8 +89,8 @@ pub(super) unsafe fn multiply_in_place<V: Vectors, const ROWS: usize, const COUN
     }
 }
 
-/// `height` rows and `count` vectors of a tile, of which the last one has the lanes `tail`: nothing else
-/// is read. The sums go to the target at `(row, col)`, or to memory.
+/// `height` rows and `count` vectors of a tile, of which the last one has the lanes `tail`: nothing
+/// else is read. The sums go to the target at `(row, col)`, or to memory.
 ///
 /// # Safety
 /// As for [`multiply_in_place`].

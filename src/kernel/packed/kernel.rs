@@ -1,4 +1,5 @@
-//! The steps of a packed product behind one trait, instantiated for an instruction set and a scalar.
+//! The steps of a packed product behind one trait, instantiated for an instruction set and a
+//! scalar.
 
 use super::geometry::{Area, Geometry};
 use super::in_place::InPlace;
@@ -28,8 +29,8 @@ pub(crate) trait Kernel<T>: Sync {
     unsafe fn pack(&self, sources: &[Source<'_, T>], area: &Area, out: *mut T, panel_stride: usize);
 }
 
-/// Instantiates the algorithm: `instantiate!(Kernel, scalar, Vectors, attributes)`. The kernel exists
-/// only where the CPU has the instructions.
+/// Instantiates the algorithm: `instantiate!(Kernel, scalar, Vectors, attributes)`. The kernel
+/// exists only where the CPU has the instructions.
 macro_rules! instantiate {
     ($kernel:ident, $t:ident, $vectors:ty, $($enable:tt)*) => {
         impl super::kernel::Kernel<$t> for $kernel {

@@ -5,9 +5,9 @@
 //! blocks of C: levels of a fast scheme cost no scratch matrices (docs/algorithms/ata.md). Narrow
 //! matrices stored by rows are not packed but read in place.
 //!
-//! The algorithm (`pack`, `tile`, `in_place`, `write`) is written once in terms of `vectors`, and instantiated for
-//! each instruction set (`kernel`, `portable`, `x86`). `schedule` runs it on many threads, `small` on
-//! one without preparations.
+//! The algorithm (`pack`, `tile`, `in_place`, `write`) is written once in terms of `vectors`, and
+//! instantiated for each instruction set (`kernel`, `portable`, `x86`). `schedule` runs it on many
+//! threads, `small` on one without preparations.
 
 mod blocking;
 mod geometry;

@@ -17,8 +17,8 @@ pub(crate) struct Source<'a, T> {
 }
 
 impl<T: Real> Source<'_, T> {
-    /// Whether it can be read in place: rows of contiguous entries, taken as they are, of which there
-    /// are `depth` and in each of them `width`.
+    /// Whether it can be read in place: rows of contiguous entries, taken as they are, of which
+    /// there are `depth` and in each of them `width`.
     pub fn is_plain(&self, depth: usize, width: usize) -> bool {
         let Self { coefficient, matrix, scale } = self;
         let complete = matrix.nrows() >= depth && matrix.ncols() >= width;
@@ -63,8 +63,8 @@ pub(crate) struct Shape {
     pub same: bool,
 }
 
-/// Panels of a side, at most, that is not packed but read in place: with more of them rows are read so
-/// often that packing pays. Measured on Zen 4.
+/// Panels of a side, at most, that is not packed but read in place: with more of them rows are read
+/// so often that packing pays. Measured on Zen 4.
 const PANELS_IN_PLACE: usize = 2;
 
 impl<'a, T: Real> Product<'a, T> {

@@ -26,7 +26,8 @@ pub(super) unsafe fn pack<V: Vectors>(
         let scaled = sources.iter().filter(|s| s.scale.is_some()).count();
         let shortest = sources.iter().map(|s| s.matrix.nrows()).min().unwrap_or(0);
         let narrowest = sources.iter().map(|s| s.matrix.ncols()).min().unwrap_or(0);
-        // What can be taken row by row: rows that all sources have, and all columns or whole panels.
+        // What can be taken row by row: rows that all sources have, and all columns or whole
+        // panels.
         let rows = shortest.min(area.rows.end).saturating_sub(area.rows.start);
         let columns = match narrowest.min(area.cols.end).saturating_sub(area.cols.start) {
             _ if !by_rows || rows == 0 => 0,

@@ -24,8 +24,8 @@ pub(super) struct Plan<'a, T> {
     pub product: &'a Product<'a, T>,
     geometry: Geometry,
     pub blocking: Blocking,
-    /// Panels of each side that are packed: none of those that are read in place, none of the right one
-    /// where it is the same as the left one.
+    /// Panels of each side that are packed: none of those that are read in place, none of the right
+    /// one where it is the same as the left one.
     left_panels: usize,
     right_panels: usize,
     in_place: bool,

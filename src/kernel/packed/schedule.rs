@@ -1,10 +1,11 @@
 //! Runs products one after another, each by all threads: chunk by chunk of the rows, pack, then
 //! multiply. Threads share what is packed.
 //!
-//! Pieces of work have numbers, tickets. A thread takes the next ticket, and waits when it needs pieces
-//! that are not done. Threads that run hold the tickets of these pieces, so that nothing hangs even if
-//! fewer threads exist than were asked for. There are two buffers for packed chunks: a thread that finds
-//! no more to multiply packs the next chunk while others still multiply this one.
+//! Pieces of work have numbers, tickets. A thread takes the next ticket, and waits when it needs
+//! pieces that are not done. Threads that run hold the tickets of these pieces, so that nothing
+//! hangs even if fewer threads exist than were asked for. There are two buffers for packed chunks:
+//! a thread that finds no more to multiply packs the next chunk while others still multiply this
+//! one.
 
 use std::ops::ControlFlow;
 
@@ -61,8 +62,8 @@ fn aligned<'a, T: Real>(arena: &mut Arena<'a, T>, len: usize) -> &'a mut [T] {
 /// Nobody else uses the matrices that the targets come from.
 pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T]) {
     let geometry = job.kernel.geometry();
-    // Products of which nothing is wanted would be packed for nobody; and phases wait for those before
-    // them by waiting for their pieces, of which there must be some.
+    // Products of which nothing is wanted would be packed for nobody; and phases wait for those
+    // before them by waiting for their pieces, of which there must be some.
     let plans: Vec<_> = job
         .products
         .iter()

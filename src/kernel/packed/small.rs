@@ -1,5 +1,5 @@
-//! Small products, which are over before threads wake up: on the calling thread, without preparations,
-//! read in place or packed on the stack.
+//! Small products, which are over before threads wake up: on the calling thread, without
+//! preparations, read in place or packed on the stack.
 
 use std::mem::MaybeUninit;
 
@@ -25,8 +25,8 @@ const WORK: usize = 1 << 20;
 /// Rows of A that are packed at a time, at least, if there are as many: fewer steps are slow.
 const LEAST_DEPTH: usize = 32;
 
-/// Whether [`run_small`] is the way to go: for little work on few columns. Asked in every call, hence
-/// without divisions.
+/// Whether [`run_small`] is the way to go: for little work on few columns. Asked in every call,
+/// hence without divisions.
 #[inline]
 pub(crate) fn is_small(shape: Shape) -> bool {
     let Shape { depth: m, rows, cols, same } = shape;
@@ -117,7 +117,8 @@ unsafe fn multiply_packed<T: Real>(
     let mut memory = Aligned::<[T; PACKED]>(MaybeUninit::uninit());
     let packed = memory.0.as_mut_ptr().cast::<T>();
     let mut sums = Aligned::<[T; LARGEST_TILE]>(MaybeUninit::uninit());
-    // Rows that fit the memory. Without rows any number of columns is little work, and none of them fit.
+    // Rows that fit the memory. Without rows any number of columns is little work, and none of them
+    // fit.
     let columns = Blocking::packed_columns(kernel.geometry(), shape);
     let most = (PACKED / columns.max(1)).clamp(1, DEPTH);
     let steps = m.div_ceil(m.div_ceil(most).max(1)).max(1);
@@ -157,8 +158,8 @@ unsafe fn multiply_packed<T: Real>(
                 targets: &targets,
                 corner,
             };
-            // SAFETY: whole panels have been written, the sums hold a tile; the caller promises that the
-            // target is ours.
+            // SAFETY: whole panels have been written, the sums hold a tile; the caller promises
+            // that the target is ours.
             unsafe { kernel.multiply_row(&row) };
         }
         targets = [targets[0].accumulating()];

@@ -31,7 +31,8 @@ pub(crate) struct Target<T> {
     /// Row less column of the block's corner in C: where the diagonal runs.
     pub diagonal: isize,
     start: SharedPtr<T>,
-    /// What rows and columns of the product are divided by, because its sources were multiplied by it.
+    /// What rows and columns of the product are divided by, because its sources were multiplied by
+    /// it.
     scales: Option<Scales<T>>,
 }
 
@@ -51,8 +52,8 @@ impl<T> Scales<T> {
     }
 }
 
-/// The columns of a tile that are wanted, relative to its first one: between two diagonals and the end
-/// of the target.
+/// The columns of a tile that are wanted, relative to its first one: between two diagonals and the
+/// end of the target.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WantedColumns {
     /// First column of row 0; each row begins one further right.
@@ -92,8 +93,8 @@ impl<'a, T: Real> Destination<'a, T> {
         Self { matrix: Disjoint::new(matrix), part, scales: None }
     }
 
-    /// Divides rows and columns of products by these powers of two, which were factors of the sources
-    /// ([`super::Source`]); what is divided by infinity becomes zero.
+    /// Divides rows and columns of products by these powers of two, which were factors of the
+    /// sources ([`super::Source`]); what is divided by infinity becomes zero.
     pub fn unscaling(mut self, rows: &'a [T], cols: &'a [T]) -> Self {
         assert_eq!((rows.len(), cols.len()), (self.matrix.nrows(), self.matrix.ncols()));
         self.scales = Some((rows, cols));

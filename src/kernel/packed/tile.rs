@@ -145,9 +145,10 @@ const PACE: usize = 4;
 const AHEAD: isize = 16;
 
 impl<T: Real> Tile<T> {
-    /// `left^T right`: ROWS columns of the left side times N vectors of the right side, in registers.
-    /// Meanwhile what is `ahead` is fetched, a bit every few steps: all at once it would stand in the way
-    /// of the operands. The last vector has the lanes `tail` when `MASKED`, else all.
+    /// `left^T right`: ROWS columns of the left side times N vectors of the right side, in
+    /// registers. Meanwhile what is `ahead` is fetched, a bit every few steps: all at once it would
+    /// stand in the way of the operands. The last vector has the lanes `tail` when `MASKED`, else
+    /// all.
     ///
     /// # Safety
     /// Both sides hold `steps` rows.
@@ -217,8 +218,8 @@ impl<T: Real> Tile<T> {
         }
     }
 
-    /// `sums := tile`, or `+=` when `self.add`. The tile began at zero, so that roundings stay those of
-    /// short sums.
+    /// `sums := tile`, or `+=` when `self.add`. The tile began at zero, so that roundings stay
+    /// those of short sums.
     ///
     /// # Safety
     /// The sums hold ROWS x WIDTH.

@@ -12,8 +12,8 @@ use crate::base::Real;
 /// Scalars of the largest tile: 8 x 48, f32 with AVX-512.
 pub(super) const LARGEST_TILE: usize = 8 * 48;
 
-/// Adds a tile of `height` x `width`, whose corner is entry `(row, col)` of the product, to a block of C:
-/// `C := beta C + coefficient sums`, where C is inside and wanted.
+/// Adds a tile of `height` x `width`, whose corner is entry `(row, col)` of the product, to a block
+/// of C: `C := beta C + coefficient sums`, where C is inside and wanted.
 ///
 /// # Safety
 /// `sums` holds rows of WIDTH, computed where they are wanted; nobody else uses these entries of C.
@@ -118,8 +118,8 @@ unsafe fn write_wanted<V: Vectors>(
     }
 }
 
-/// [`write()`] of N vectors in each of ROWS rows, straight from registers into a target without scales
-/// that is stored by rows.
+/// [`write()`] of N vectors in each of ROWS rows, straight from registers into a target without
+/// scales that is stored by rows.
 ///
 /// # Safety
 /// As for [`write()`].
@@ -183,13 +183,13 @@ unsafe fn write_elements<V: Vectors>(
 
 /// Divides `height` rows and the columns `wanted` of a tile by their scales.
 ///
-/// The quotient by both scales is exact unless it leaves the range of normal numbers, and what comes
-/// in between leaves it only then: a factor above 1 and one below 1 are multiplied by each other
-/// first, two factors on the same side of 1 are applied one after the other.
+/// The quotient by both scales is exact unless it leaves the range of normal numbers, and what
+/// comes in between leaves it only then: a factor above 1 and one below 1 are multiplied by each
+/// other first, two factors on the same side of 1 are applied one after the other.
 ///
 /// # Safety
-/// `sums` and `out` hold rows of WIDTH; there are scales for these rows and columns: powers of two whose
-/// inverses are numbers, or infinities, which make zeros.
+/// `sums` and `out` hold rows of WIDTH; there are scales for these rows and columns: powers of two
+/// whose inverses are numbers, or infinities, which make zeros.
 #[inline(always)]
 unsafe fn unscale<V: Vectors>(
     sums: *const V::Scalar,

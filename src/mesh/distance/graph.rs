@@ -3,6 +3,14 @@ use super::super::{Edges, TriMesh};
 use crate::base::{Error, Result};
 
 /// An undirected graph whose edges have lengths, in compressed rows.
+///
+/// ```
+/// use catamaran::mesh::Graph;
+///
+/// let graph = Graph::new(3, &[(0, 1, 1.5), (1, 2, 2.0)])?;
+/// assert_eq!(graph.neighbours(1).collect::<Vec<_>>(), [(0, 1.5), (2, 2.0)]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Graph {
     /// Neighbours of v: entries `starts[v]..starts[v + 1]`.

@@ -57,6 +57,24 @@ impl Bend {
 
 /// The mesh with every vertex moved by the bend; the same faces.
 ///
+/// ```
+/// use catamaran::mesh::families::{Bend, bent, grid};
+///
+/// let bend = Bend {
+///     at: [0.5, 0.0, 0.0],
+///     along: [1.0, 0.0, 0.0],
+///     towards: [0.0, 0.0, 1.0],
+///     angle: std::f64::consts::FRAC_PI_2,
+///     length: 0.5,
+/// };
+/// let mesh = bent(&grid(64, 2)?, &bend)?;
+/// assert!((mesh.area() - 1.0).abs() < 1e-3);
+/// // A quarter of a circle of length 1/2 rises by its radius.
+/// let top = mesh.bounding_box().unwrap()[1][2];
+/// assert!((top - 1.0 / std::f64::consts::PI).abs() < 1e-12);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] unless the directions are orthogonal and of length 1 (to 1e-9), the length positive and all finite.
 pub fn bent(mesh: &TriMesh, bend: &Bend) -> Result<TriMesh> {

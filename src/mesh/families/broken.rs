@@ -7,6 +7,14 @@ use crate::base::Result;
 /// A strip of needles: [`grid`](super::grid) squeezed to the height `thinness` (rows stay `rows`), so that with
 /// columns = rows its right triangles have legs in the ratio `thinness`, and qualities of about 1.7 `thinness`.
 ///
+/// ```
+/// use catamaran::mesh::families;
+///
+/// let needles = families::slivers(4, 4, 1e-3)?;
+/// assert!(needles.qualities().iter().all(|&quality| quality < 2e-3));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`](crate::Error::Argument) without a cell, for too many, or a thinness that is not positive.
 pub fn slivers(columns: usize, rows: usize, thinness: f64) -> Result<TriMesh> {
@@ -18,6 +26,14 @@ pub fn slivers(columns: usize, rows: usize, thinness: f64) -> Result<TriMesh> {
 
 /// `count` triangles on one edge, 0 to 1, as pages of a book: V = 2 + count, F = count. The edge is non-manifold from three
 /// pages on.
+///
+/// ```
+/// use catamaran::mesh::families;
+///
+/// assert!(families::pages(2)?.require_manifold().is_ok());
+/// assert!(families::pages(3)?.require_manifold().is_err());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Argument`](crate::Error::Argument) without pages or for too many.
@@ -34,6 +50,14 @@ pub fn pages(count: usize) -> Result<TriMesh> {
 }
 
 /// Two closed tetrahedra that share vertex 0 and nothing else: V = 7, F = 8, Euler characteristic 3; a non-manifold vertex.
+///
+/// ```
+/// use catamaran::mesh::families;
+///
+/// let mesh = families::bow_tie()?;
+/// assert!(mesh.validate().is_closed() && mesh.require_manifold().is_err());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// None.

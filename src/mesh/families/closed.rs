@@ -21,6 +21,14 @@ const ICOSAHEDRON: [[u32; 3]; 20] = [
 
 /// The unit sphere, an icosahedron with every face cut into four `subdivisions` times: F = 20 4^s, V = 10 4^s + 2, genus 0.
 ///
+/// ```
+/// use catamaran::mesh::families;
+///
+/// let mesh = families::icosphere(2)?;
+/// assert_eq!((mesh.vertices().len(), mesh.faces().len()), (162, 320));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] for more than 13 subdivisions.
 pub fn icosphere(subdivisions: u32) -> Result<TriMesh> {
@@ -59,6 +67,15 @@ fn on_sphere(p: [f64; 3]) -> [f64; 3] {
 
 /// `count` separate unit spheres ([`icosphere`]) in a row along x, 3 apart: components that differ in nothing but place.
 ///
+/// ```
+/// use catamaran::mesh::families;
+///
+/// let mesh = families::spheres(3, 0)?;
+/// assert_eq!((mesh.vertices().len(), mesh.faces().len()), (36, 60));
+/// assert_eq!(mesh.validate().components, 3);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] for too many vertices.
 pub fn spheres(count: usize, subdivisions: u32) -> Result<TriMesh> {
@@ -79,6 +96,15 @@ pub fn spheres(count: usize, subdivisions: u32) -> Result<TriMesh> {
 /// A torus around the z axis with a circle of radius `major` in its middle and a tube of radius `minor`:
 /// V = around tube, F = 2 V, genus 1.
 ///
+/// ```
+/// use catamaran::mesh::families;
+///
+/// let mesh = families::torus(12, 6, 1.0, 0.3)?;
+/// assert_eq!((mesh.vertices().len(), mesh.faces().len()), (72, 144));
+/// assert_eq!(mesh.validate().euler_characteristic, 0);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] for fewer than 3 steps either way, too many, or radii that are not 0 < minor < major.
 pub fn torus(around: usize, tube: usize, major: f64, minor: f64) -> Result<TriMesh> {
@@ -98,6 +124,15 @@ pub fn torus(around: usize, tube: usize, major: f64, minor: f64) -> Result<TriMe
 /// A tube of radius `radius` around the (p, q) torus knot on the torus of radii 2 and 1, p times around its axis and q
 /// times around its tube (trefoil: 2, 3): V = along tube, F = 2 V, genus 1. A tube thinner than about 1 / (p + q) does not
 /// meet itself.
+///
+/// ```
+/// use catamaran::mesh::families;
+///
+/// let mesh = families::knot(2, 3, 60, 6, 0.2)?;
+/// assert_eq!((mesh.vertices().len(), mesh.faces().len()), (360, 720));
+/// assert!(mesh.validate().problems.is_empty());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Argument`] unless p and q are positive and have no common divisor, for fewer than 3 steps either way, too many,
@@ -134,6 +169,15 @@ fn common_divisor(a: u32, b: u32) -> u32 {
 
 /// A rounded slab with `genus` holes in a row, made of cubes with `cells` x `cells` cells a side:
 /// F = 2 cells^2 (18 genus + 14), V = F / 2 + 2 - 2 genus.
+///
+/// ```
+/// use catamaran::mesh::families;
+///
+/// let mesh = families::genus(2, 1)?;
+/// assert_eq!((mesh.vertices().len(), mesh.faces().len()), (48, 100));
+/// assert_eq!(mesh.validate().euler_characteristic, 2 - 2 * 2);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Argument`] without cells, or for too many vertices.

@@ -32,6 +32,16 @@ const fn joint(
 /// its arms, bends its knees and lifts a leg. All poses have the same faces, and are nearly isometric to each other.
 /// F = 300 cells^2, V = F / 2 + 2, genus 0.
 ///
+/// ```
+/// use catamaran::mesh::families;
+///
+/// let (standing, bent) = (families::figure(1, 0.0)?, families::figure(1, 1.0)?);
+/// assert_eq!(standing.faces().len(), 300);
+/// assert_eq!(standing.faces(), bent.faces());
+/// assert_ne!(standing.vertices(), bent.vertices());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] without cells, for too many vertices, or a pose outside 0..1.
 pub fn figure(cells: usize, pose: f64) -> Result<TriMesh> {

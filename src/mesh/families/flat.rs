@@ -7,6 +7,15 @@ use crate::base::{Result, Rng};
 /// The unit square in the plane z = 0, `columns` x `rows` cells: V = (columns + 1) (rows + 1), F = 2 columns rows, one
 /// boundary loop.
 ///
+/// ```
+/// use catamaran::mesh::families;
+///
+/// let mesh = families::grid(4, 3)?;
+/// assert_eq!((mesh.vertices().len(), mesh.faces().len()), (20, 24));
+/// assert!((mesh.area() - 1.0).abs() < 1e-12);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`](crate::Error::Argument) without a cell, or for too many.
 pub fn grid(columns: usize, rows: usize) -> Result<TriMesh> {
@@ -17,6 +26,15 @@ pub fn grid(columns: usize, rows: usize) -> Result<TriMesh> {
 
 /// The unit disk in the plane z = 0, a fan of `sectors` (at least 3) with `rings` (at least 1) equally wide:
 /// V = 1 + rings sectors, F = sectors (2 rings - 1), one boundary loop.
+///
+/// ```
+/// use catamaran::mesh::families;
+///
+/// let mesh = families::disk(3, 8)?;
+/// assert_eq!((mesh.vertices().len(), mesh.faces().len()), (25, 40));
+/// assert_eq!(mesh.validate().boundary_loops, Some(1));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Argument`](crate::Error::Argument) for too few or too many.
@@ -49,6 +67,15 @@ pub fn disk(rings: usize, sectors: usize) -> Result<TriMesh> {
 /// An open cylinder around the z axis from z = 0 to `height`: V = around (along + 1), F = 2 around along, two boundary
 /// loops, Euler characteristic 0.
 ///
+/// ```
+/// use catamaran::mesh::families;
+///
+/// let mesh = families::cylinder(8, 2, 1.0, 3.0)?;
+/// assert_eq!((mesh.vertices().len(), mesh.faces().len()), (24, 32));
+/// assert_eq!(mesh.validate().boundary_loops, Some(2));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`](crate::Error::Argument) for `around` below 3, `along` 0, too many cells, or sizes that are not positive.
 pub fn cylinder(around: usize, along: usize, radius: f64, height: f64) -> Result<TriMesh> {
@@ -62,6 +89,15 @@ pub fn cylinder(around: usize, along: usize, radius: f64, height: f64) -> Result
 
 /// A Moebius strip, a band of width 1 with a half-twist around a circle of radius 1:
 /// V = around (across + 1), F = 2 around across, one boundary loop, not orientable (genus 1), Euler characteristic 0.
+///
+/// ```
+/// use catamaran::mesh::families;
+///
+/// let mesh = families::moebius(12, 2)?;
+/// assert_eq!((mesh.vertices().len(), mesh.faces().len()), (36, 48));
+/// assert_eq!(mesh.validate().boundary_loops, Some(1));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Argument`](crate::Error::Argument) for `around` below 3, `across` 0, or too many cells.
@@ -78,6 +114,15 @@ pub fn moebius(around: usize, across: usize) -> Result<TriMesh> {
 const OCTAVES: u32 = 6;
 
 /// Hills over the unit square, between z = -0.2 and 0.2: [`grid`] with heights from value noise of 6 octaves.
+///
+/// ```
+/// use catamaran::mesh::families;
+///
+/// let mesh = families::terrain(8, 8, 1)?;
+/// assert_eq!(mesh.faces(), families::grid(8, 8)?.faces());
+/// assert!(mesh.vertices().iter().all(|p| p[2].abs() <= 0.2));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As those of [`grid`].

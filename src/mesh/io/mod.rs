@@ -88,6 +88,19 @@ pub fn read(path: &Path) -> Result<MeshFile> {
 
 /// [`read()`] with a callback that is told the fraction of the file read, and may cancel.
 ///
+/// ```
+/// use catamaran::{Error, base::Progress, mesh::{families, io}};
+/// use catamaran::io::{Output, Overwrite};
+/// use std::ops::ControlFlow;
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("sphere.obj");
+/// io::write(Output::create(path, Overwrite::Never)?, &families::icosphere(1)?.into())?;
+/// let cancel = |_| ControlFlow::Break(());
+/// assert_eq!(io::read_with(path, Progress::from(&cancel)), Err(Error::Cancelled));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// As those of [`read()`], and [`Error::Cancelled`].
 pub fn read_with(path: &Path, progress: Progress<'_>) -> Result<MeshFile> {
@@ -135,6 +148,16 @@ fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resu
 /// Writes `file` into `output`, in the format its name says, and lets it appear. What the format has no place for is left
 /// out: STL takes positions only, PLY and OFF take normals of vertices only, OFF takes UV of vertices only.
 ///
+/// ```
+/// use catamaran::{io::{Output, Overwrite}, mesh::{families, io}};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("grid.off");
+/// io::write(Output::create(path, Overwrite::Never)?, &families::grid(2, 1)?.into())?;
+/// assert!(std::fs::read_to_string(path).unwrap().starts_with("OFF\n6 4 "));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Io`], [`Error::Shape`] when attributes do not fit the mesh; nothing is left behind then.
 pub fn write(output: Output, file: &MeshFile) -> Result<()> {
@@ -143,6 +166,20 @@ pub fn write(output: Output, file: &MeshFile) -> Result<()> {
 }
 
 /// [`write()`] in another format or encoding than that of the name; packed by `.gz` in the name all the same.
+///
+/// ```
+/// use catamaran::io::{Output, Overwrite};
+/// use catamaran::mesh::{families, io::{MeshFormat, PlyEncoding, read, write_as}};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("sphere.ply");
+/// let sphere = families::icosphere(1)?;
+/// let output = Output::create(path, Overwrite::Never)?;
+/// write_as(output, &sphere.clone().into(), MeshFormat::Ply(PlyEncoding::Ascii))?;
+/// assert!(std::fs::read(path).unwrap().starts_with(b"ply\nformat ascii"));
+/// assert_eq!(read(path)?.mesh.faces(), sphere.faces());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As those of [`write()`].
@@ -170,6 +207,13 @@ pub fn write_as(mut output: Output, file: &MeshFile, format: MeshFormat) -> Resu
 }
 
 /// Whether [`write()`] knows what the name of this file says.
+///
+/// ```
+/// use catamaran::mesh::io::check_name;
+///
+/// assert!(check_name("a.stl".as_ref()).is_ok());
+/// assert!(check_name("a.doc".as_ref()).is_err());
+/// ```
 ///
 /// # Errors
 /// [`Error::Io`] when it doesn't.

@@ -6,24 +6,26 @@ use sprs::CsMat;
 use crate::base::{Error, Result};
 use crate::sparse::Mass;
 
-/// The matrices of the eigenproblem `W phi = lambda M phi`. Rows stand for the vertices in [`Laplacian::kept`].
+/// The matrices of the eigenproblem `W phi = lambda M phi`. Rows stand for the vertices in
+/// [`Laplacian::kept`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Laplacian {
-    /// W: symmetric, positive semi-definite, by rows, both triangles, a diagonal entry in every row. Off the diagonal,
-    /// minus the weights: halves of the cotangents that face an edge. `W 1 = 0` but for rounding (Neumann).
+    /// W: symmetric, positive semi-definite, by rows, both triangles, a diagonal entry in every
+    /// row. Off the diagonal, minus the weights: halves of the cotangents that face an edge.
+    /// `W 1 = 0` but for rounding (Neumann).
     pub stiffness: CsMat<f64>,
     /// M: positive definite; its entries sum to the area (Neumann).
     pub mass: Mass,
-    /// The vertices that the rows stand for, ascending. Left out are those that the boundary conditions set to zero,
-    /// and those in no face, which have no area, whatever the kind.
+    /// The vertices that the rows stand for, ascending. Left out are those that the boundary
+    /// conditions set to zero, and those in no face, which have no area, whatever the kind.
     pub kept: Vec<usize>,
     /// The number of vertices of the mesh.
     pub vertices: usize,
 }
 
 impl Laplacian {
-    /// Functions on the mesh (one row a vertex, one column a function) from functions on the rows: zero at vertices
-    /// that have none.
+    /// Functions on the mesh (one row a vertex, one column a function) from functions on the rows:
+    /// zero at vertices that have none.
     ///
     /// # Errors
     /// [`Error::Shape`] unless it has one row for each vertex kept.
@@ -40,8 +42,22 @@ impl Laplacian {
         Ok(extended)
     }
 
-    /// The Laplacian with Dirichlet conditions at all vertices but those in the mask: only their rows and columns are kept,
-    /// as far as they were there.
+    /// The Laplacian with Dirichlet conditions at all vertices but those in the mask: only their
+    /// rows and columns are kept, as far as they were there.
+    ///
+    /// ```
+    /// use catamaran::{mesh::families, prelude::*};
+    ///
+    /// let mesh = families::icosphere(3)?;
+    /// let north: Vec<bool> = mesh.vertices().iter().map(|p| p[2] > 1e-9).collect();
+    /// let half = laplacian(&mesh, &LaplacianOptions::new())?.restricted(&north)?;
+    /// let pairs = eigs(half.stiffness.view(), &half.mass, &EigenOptions::new().k(1))?;
+    /// assert!((pairs.values[0] - 2.0).abs() < 0.05); // of the function z
+    /// // Zero on the other half.
+    /// let functions = half.extend(pairs.vectors.as_ref())?;
+    /// assert!(north.iter().enumerate().all(|(v, &kept)| kept || functions[(v, 0)] == 0.0));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Shape`] unless the mask has an entry for each vertex of the mesh.

@@ -5,14 +5,17 @@ use crate::base::{Par, builder};
 /// Which triangles the functions are linear on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LaplacianKind {
-    /// Those of the mesh: the cotangent Laplacian. Any set of triangles, as long as each has an area.
+    /// Those of the mesh: the cotangent Laplacian. Any set of triangles, as long as each has an
+    /// area.
     #[default]
     Cotangent,
-    /// Those of the intrinsic Delaunay triangulation of the same surface and vertices: no edge inside has a negative
-    /// weight. For surfaces: no edge of three faces, neighbours that agree on the outside. Lengths are mollified first.
+    /// Those of the intrinsic Delaunay triangulation of the same surface and vertices: no edge
+    /// inside has a negative weight. For surfaces: no edge of three faces, neighbours that agree on
+    /// the outside. Lengths are mollified first.
     IntrinsicDelaunay,
-    /// Those of the intrinsic Delaunay triangulation of the tufted cover, which has each face twice, front and back;
-    /// both matrices are halved. No edge has a negative weight. Any mesh whatever; lengths are mollified first.
+    /// Those of the intrinsic Delaunay triangulation of the tufted cover, which has each face
+    /// twice, front and back; both matrices are halved. No edge has a negative weight. Any mesh
+    /// whatever; lengths are mollified first.
     Tufted,
 }
 
@@ -22,10 +25,11 @@ pub enum MassKind {
     /// A third to each, a diagonal.
     #[default]
     Barycentric,
-    /// What is nearest to each, a diagonal; of an obtuse triangle half to the obtuse corner and a quarter to the others
-    /// (Meyer et al. 2003, section 3.3).
+    /// What is nearest to each, a diagonal; of an obtuse triangle half to the obtuse corner and a
+    /// quarter to the others (Meyer et al. 2003, section 3.3).
     MixedVoronoi,
-    /// The inner product of linear functions, a full matrix: of the area a 6th on the diagonal, a 12th beside it.
+    /// The inner product of linear functions, a full matrix: of the area a 6th on the diagonal, a
+    /// 12th beside it.
     Consistent,
 }
 

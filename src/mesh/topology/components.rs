@@ -3,6 +3,15 @@ use super::sets::Sets;
 
 /// The connected components of a mesh: two faces with a common vertex are in the same one. Numbered by their lowest vertex;
 /// vertices without a face are in none.
+///
+/// ```
+/// use catamaran::mesh::{Components, families};
+///
+/// let components = Components::new(&families::spheres(3, 1)?);
+/// assert_eq!(components.len(), 3);
+/// assert_eq!(components.vertex_counts(), [42; 3]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Components {
     of_vertex: Vec<u32>,

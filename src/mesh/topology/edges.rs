@@ -5,6 +5,15 @@ use super::adjacency::Adjacency;
 use crate::base::{Error, Result};
 
 /// The edges of a mesh: sorted by their lower vertex, then by the other one, and numbered from 0 in this order.
+///
+/// ```
+/// use catamaran::mesh::{Edges, families};
+///
+/// let edges = Edges::new(&families::grid(1, 1)?);
+/// assert_eq!(edges.len(), 5);
+/// assert_eq!(edges.boundary().count(), 4);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Edges {
     ends: Vec<[u32; 2]>,

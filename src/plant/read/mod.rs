@@ -52,6 +52,14 @@ impl PlantFormat {
 
 /// Reads the plant in the file at `path`, of the format its name says; packed files (`.gz`, `.xz`) too.
 ///
+/// ```
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("plant.swc");
+/// std::fs::write(path, "1 1 0 0 0 0.2 -1\n2 3 0 1 0 0.1 1\n").unwrap();
+/// assert_eq!(catamaran::plant::read(path)?.len(), 2);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Io`] with file and line; [`Error::Mesh`], with the file, for nodes that make no plant ([`Plant::new`]).
 pub fn read(path: &Path) -> Result<Plant> {

@@ -57,7 +57,8 @@ pub struct Pose {
 /// segments stay where they are and carry what hangs on them.
 ///
 /// ```
-/// use catamaran::plant::{Elasticity, RelaxOptions, RodOptions, Rods, WaterModel, WaterOptions, families};
+/// use catamaran::plant::{Elasticity, RelaxOptions, RodOptions, Rods};
+/// use catamaran::plant::{WaterModel, WaterOptions, families};
 ///
 /// let plant = families::grow(&families::GrowthOptions::new().nodes(50))?;
 /// let full = WaterModel::new(&plant, &WaterOptions::new())?.full();

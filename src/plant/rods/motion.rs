@@ -39,6 +39,26 @@ builder! { MotionOptions {
 }}
 
 /// Rods in motion.
+///
+/// ```
+/// use catamaran::plant::{Elasticity, Motion, MotionOptions, RodOptions, Rods};
+/// use catamaran::plant::{WaterModel, WaterOptions, families};
+///
+/// let plant = families::grow(&families::GrowthOptions::new().nodes(50))?;
+/// let full = WaterModel::new(&plant, &WaterOptions::new())?.full();
+/// let mut rods = Rods::new(&plant, &RodOptions::new())?;
+/// rods.set_state(&Elasticity::default().moduli(&full, &full)?, &full)?;
+/// let start = rods.rest_pose();
+/// let mut motion = Motion::new(&rods, &start, &MotionOptions::new().step(0.01))?;
+/// for _ in 0..10 {
+///     motion.step()?;
+/// }
+/// // It sinks, and its segments stay together.
+/// let height = |tails: &[[f64; 3]]| tails.iter().map(|p| p[2]).sum::<f64>();
+/// assert!(height(&motion.pose().tails) < height(&start.tails));
+/// assert!(motion.largest_gap() < 1e-4);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Motion {
     rods: Rods,

@@ -49,6 +49,20 @@ builder! { setters only RingOptions<'a> {
 ///
 /// The same for meshes with the same connections and lengths of edges, if the functions are.
 ///
+/// ```
+/// use catamaran::{faer::Mat, mesh::families};
+/// use catamaran::spectral::descriptors::{RingOptions, geodesic_rings};
+///
+/// let mesh = families::icosphere(2)?;
+/// let ones = Mat::<f64>::ones(mesh.vertices().len(), 1);
+/// let found = geodesic_rings(&mesh, ones.as_ref(), &RingOptions::new(0.5, 2))?;
+/// for row in found.row_iter() {
+///     assert!((row[0] + row[2] - 1.0).abs() < 1e-12); // shares of the area
+///     assert!((row[1] - 1.0).abs() < 1e-12 && (row[3] - 1.0).abs() < 1e-12); // means
+/// }
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Shape`] unless the functions have a row for each vertex, [`Error::NonFinite`], [`Error::Argument`] for a
 /// radius that is not positive and finite or no rings; [`Error::Cancelled`].

@@ -56,6 +56,14 @@ pub fn heat_trace(values: &[f64], time: f64) -> f64 {
 /// Times from `4 ln 10 / lambda_k` to `4 ln 10 / lambda_1` in equal ratios, with the largest and the smallest eigenvalue
 /// that is not zero: those of Sun et al. (2009), section 5.
 ///
+/// ```
+/// use catamaran::spectral::descriptors::heat_times;
+///
+/// let times = heat_times(&[0.0, 1.0, 16.0], 3)?;
+/// assert!((times[1] / times[0] - 4.0).abs() < 1e-12 && (times[2] / times[1] - 4.0).abs() < 1e-12);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] when no eigenvalue is positive, [`Error::NonFinite`].
 pub fn heat_times(values: &[f64], count: usize) -> Result<Vec<f64>> {
@@ -66,6 +74,17 @@ pub fn heat_times(values: &[f64], count: usize) -> Result<Vec<f64>> {
 
 /// The heat that flows from one vertex to every other in a time (length^2), per area:
 /// `sum_i exp(-lambda_i t) phi_i(source) phi_i(x)`. Arguments as in [`heat_kernel_signature`].
+///
+/// ```
+/// use catamaran::{faer::mat, spectral::descriptors::heat_kernel};
+///
+/// // Two vertices of mass 1: all heat is at the source at first, half of it at last.
+/// let h = 0.5_f64.sqrt();
+/// let vectors = mat![[h, h], [h, -h]];
+/// let at = |time| heat_kernel(&[0.0, 1.0], vectors.as_ref(), 0, time);
+/// assert!((at(0.0)?[0] - 1.0).abs() < 1e-12 && (at(100.0)?[0] - 0.5).abs() < 1e-12);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`heat_kernel_signature`], and [`Error::Argument`] for a source that is not there.
@@ -105,6 +124,15 @@ pub struct WaveScales {
 /// sigma is seven times their distance, and both ends lie 2 sigma within the logarithms of the smallest and
 /// largest eigenvalue that are not zero. With D the distance of these, sigma is thus `7 D / (count + 27)`.
 ///
+/// ```
+/// use catamaran::spectral::descriptors::wave_scales;
+///
+/// let scales = wave_scales(&[0.0, 1.0, 10.0, 100.0], 8)?;
+/// assert_eq!(scales.sigma, 7.0 * 100_f64.ln() / 35.0);
+/// assert!((scales.energies[0] - 2.0 * scales.sigma).abs() < 1e-12);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] when the eigenvalues that are not zero do not differ, [`Error::NonFinite`].
 pub fn wave_scales(values: &[f64], count: usize) -> Result<WaveScales> {
@@ -121,6 +149,20 @@ pub fn wave_scales(values: &[f64], count: usize) -> Result<WaveScales> {
 /// The wave kernel signature of Aubry et al. (2011): the mean of `phi_i(x)^2` with weights
 /// `exp(-(e - ln lambda_i)^2 / 2 sigma^2)`, one row for each vertex x and one column for each energy e. Eigenvalues that are
 /// zero take no part. Arguments and unit as in [`heat_kernel_signature`].
+///
+/// ```
+/// use catamaran::{Par, faer::Mat};
+/// use catamaran::spectral::descriptors::{wave_kernel_signature, wave_scales};
+///
+/// let (values, vectors) = ([0.0, 1.0, 10.0, 100.0], Mat::<f64>::identity(4, 4));
+/// let scales = wave_scales(&values, 8)?;
+/// let found = wave_kernel_signature(&values, vectors.as_ref(), &scales, Par::Seq)?;
+/// // Weights of a sum of 1; the constant has none.
+/// for column in found.col_iter() {
+///     assert!(column[0] == 0.0 && (column.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+/// }
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Shape`], [`Error::NonFinite`]; [`Error::Argument`] for a sigma that is not positive and when no
@@ -161,6 +203,15 @@ pub fn wave_kernel_signature(
 
 /// The global point signature of Rustamov, Laplace-Beltrami Eigenfunctions for Deformation Invariant Shape Representation
 /// (2007): `phi_i(x) / sqrt(lambda_i)`, one column for each eigenvalue that is not zero. Signs are those of the vectors.
+///
+/// ```
+/// use catamaran::{faer::{Mat, mat}, spectral::descriptors::global_point_signature};
+///
+/// let vectors = Mat::<f64>::identity(3, 3);
+/// let found = global_point_signature(&[0.0, 1.0, 4.0], vectors.as_ref())?;
+/// assert_eq!(found, mat![[0.0, 0.0], [1.0, 0.0], [0.0, 0.5]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Shape`], [`Error::NonFinite`].

@@ -19,6 +19,21 @@ const PANEL: usize = 256;
 /// an area on the source, so they are divided by the ratio of the areas of target and source; without that, meshes of
 /// different sizes would not match. The first of equally near vertices is taken.
 ///
+/// ```
+/// use catamaran::spectral::{Eigenbasis, functional_map::points_from_map};
+/// use catamaran::{mesh::families, prelude::*};
+///
+/// # let mesh = families::icosphere(2)?;
+/// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
+/// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
+/// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
+/// // The identity on functions is the identity on points.
+/// let (c, basis) = (Mat::<f64>::identity(4, 4), basis.basis());
+/// let points = points_from_map(c.as_ref(), basis, basis, Par::Seq, Progress::none())?;
+/// assert!(points.iter().enumerate().all(|(v, &image)| v == image as usize));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Shape`] when `c` has another shape, [`Error::NonFinite`], [`Error::Argument`] when the source has no vertices,
 /// [`Error::OutOfMemory`], [`Error::Cancelled`].
@@ -54,6 +69,17 @@ pub(super) fn nearest_images(
 ///
 /// `points` holds a vertex of the source for each vertex of the target. Any bases: eigenfunctions give the functional map
 /// C, orthogonalised products the matrix O.
+///
+/// ```
+/// use catamaran::{Par, faer::{Mat, mat}, sparse::Mass};
+/// use catamaran::spectral::{Basis, functional_map::map_from_points};
+///
+/// let source = Basis::orthonormal(Mat::identity(2, 2), Mass::identity(2))?;
+/// let target = Basis::orthonormal(Mat::identity(3, 3), Mass::identity(3))?;
+/// let c = map_from_points(&[0, 1, 1], &source, &target, Par::Seq)?;
+/// assert_eq!(c, mat![[1.0, 0.0], [0.0, 1.0], [0.0, 1.0]]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Shape`] when there are not as many points as target vertices, [`Error::Argument`] names the first one

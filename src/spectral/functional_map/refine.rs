@@ -23,6 +23,22 @@ pub struct Refined {
 ///
 /// `c` is r_target x r_source. The matrix is orthogonal up to the factor that meshes of different areas need.
 ///
+/// ```
+/// use catamaran::spectral::{Eigenbasis, functional_map::icp};
+/// use catamaran::{mesh::families, prelude::*};
+///
+/// # let mesh = families::icosphere(2)?;
+/// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
+/// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
+/// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
+/// // A map with errors of 5 % becomes the identity again.
+/// let c = Mat::from_fn(4, 4, |i, j| if i == j { 1.0 } else { 0.05 });
+/// let found = icp(c.as_ref(), &basis, &basis, 10, Par::Seq, Progress::none())?;
+/// assert!((&found.map - Mat::<f64>::identity(4, 4)).norm_max() < 0.05);
+/// assert!((found.map.transpose() * &found.map - Mat::<f64>::identity(4, 4)).norm_max() < 1e-12);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Shape`] when `c` is of another shape, [`Error::NonFinite`], [`Error::Argument`] for no iterations or a
 /// mesh without area, [`Error::OutOfMemory`], [`Error::Cancelled`].
@@ -61,6 +77,22 @@ pub fn icp(
 ///
 /// `c` is k_target x k_source, for the first functions of the bases, at most all of them. When one basis has all of
 /// its functions before the other, it waits.
+///
+/// ```
+/// use catamaran::spectral::{Eigenbasis, functional_map::zoomout};
+/// use catamaran::{mesh::families, prelude::*};
+///
+/// # let mesh = families::icosphere(2)?;
+/// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
+/// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(9))?;
+/// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
+/// // From a map of four functions to one of nine.
+/// let c = Mat::<f64>::identity(4, 4);
+/// let found = zoomout(c.as_ref(), &basis, &basis, 1, Par::Seq, Progress::none())?;
+/// assert!((found.map - Mat::<f64>::identity(9, 9)).norm_max() < 1e-8);
+/// assert!(found.points.iter().enumerate().all(|(v, &image)| v == image as usize));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Shape`] when `c` has more rows or columns than the bases functions, [`Error::NonFinite`],

@@ -61,7 +61,8 @@ impl Newton {
     /// Newton's method with these options.
     ///
     /// # Errors
-    /// [`Error::Argument`](crate::Error::Argument) for what is out of the range that [`NewtonOptions`] and [`Polynomial`] say.
+    /// [`Error::Argument`](crate::Error::Argument) for what is out of the range that
+    /// [`NewtonOptions`] and [`Polynomial`] say.
     pub fn new(options: &NewtonOptions) -> Result<Self> {
         Ok(Self { parameters: options.parameters()? })
     }
@@ -81,9 +82,10 @@ impl Newton {
     /// stay where they are, and count as far from convergence.
     ///
     /// # Errors
-    /// [`Error::NonFinite`](crate::Error::NonFinite) names a point that is not finite, or farther than 1e9 from the origin after scaling;
-    /// [`Error::Argument`](crate::Error::Argument) for 2^31 points or more;
-    /// [`Error::OutOfMemory`](crate::Error::OutOfMemory); [`Error::Cancelled`](crate::Error::Cancelled).
+    /// [`Error::NonFinite`](crate::Error::NonFinite) names a point that is not finite, or farther
+    /// than 1e9 from the origin after scaling; [`Error::Argument`](crate::Error::Argument) for 2^31
+    /// points or more; [`Error::OutOfMemory`](crate::Error::OutOfMemory);
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
     pub fn evaluate(
         &self,
         points: Points<'_>,

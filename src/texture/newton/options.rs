@@ -7,9 +7,9 @@ use crate::base::{Error, Result, builder};
 pub enum Polynomial {
     /// z^n - 1, n from 2 to [`Polynomial::MOST_ROOTS`]. Root a is exp(2 pi i a / n).
     Power(u32),
-    /// The product of all (z - root), each root a real and an imaginary part within 1e4 of zero; from 1 to
-    /// [`Polynomial::MOST_ROOTS`] of them. Root a is the a-th one. What is there twice is approached slowly, and of several
-    /// equal ones the first is found.
+    /// The product of all (z - root), each root a real and an imaginary part within 1e4 of zero;
+    /// from 1 to [`Polynomial::MOST_ROOTS`] of them. Root a is the a-th one. What is there twice is
+    /// approached slowly, and of several equal ones the first is found.
     Roots(Vec<[f64; 2]>),
 }
 
@@ -26,15 +26,17 @@ impl Polynomial {
     }
 }
 
-/// How the speed of convergence becomes a number t. With d_k the length of step k, P iterations and f(d) = 1 / (1 + exp(d +
-/// theta) - exp(theta)), which is 1 for a point that stays and 0 for one that goes far:
+/// How the speed of convergence becomes a number t. With d_k the length of step k, P iterations and
+/// f(d) = 1 / (1 + exp(d + theta) - exp(theta)), which is 1 for a point that stays and 0 for one
+/// that goes far:
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Gradient {
-    /// Equation 7.3: t = P - (f(d_0) + ... + f(d_P)), P + 1 terms: from -1 (at a root) to P. P + 1 steps are taken.
+    /// Equation 7.3: t = P - (f(d_0) + ... + f(d_P)), P + 1 terms: from -1 (at a root) to P. P + 1
+    /// steps are taken.
     #[default]
     Thesis,
-    /// What the shader of the authors computes: t = (P - (f(e_0) + ... + f(e_{P-1}))) / P, from 0 to 1, with
-    /// e_k = d_k^2, no square root taken.
+    /// What the shader of the authors computes: t = (P - (f(e_0) + ... + f(e_{P-1}))) / P, from 0
+    /// to 1, with e_k = d_k^2, no square root taken.
     Shader,
 }
 
@@ -46,7 +48,8 @@ pub struct NewtonOptions {
     pub polynomial: Polynomial,
     /// Iterations P, from 1 to 1,000; 32 by default.
     pub iterations: u32,
-    /// Theta of [`Gradient`], from -10 to 20; 3.5 by default. The larger, the earlier a point counts as not converged.
+    /// Theta of [`Gradient`], from -10 to 20; 3.5 by default. The larger, the earlier a point
+    /// counts as not converged.
     pub theta: f64,
     /// How t is computed.
     pub gradient: Gradient,

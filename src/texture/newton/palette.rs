@@ -2,6 +2,14 @@
 
 /// The colour (red, green, blue on screens) of root `root` of a polynomial with `roots` roots in C: the hue tells the first
 /// number of the pair, hue and brightness the second. Of the `roots`^2 colours neighbours are told apart up to some 8 roots.
+///
+/// ```
+/// use catamaran::texture::newton::root_color;
+///
+/// // z^3 - 1 has 9 roots in pairs of complex numbers, all of different colours.
+/// let colors: std::collections::HashSet<_> = (0..9).map(|root| root_color(root, 3)).collect();
+/// assert_eq!(colors.len(), 9);
+/// ```
 pub fn root_color(root: u16, roots: usize) -> [u8; 3] {
     let n = roots.max(1);
     let [a, b] = [usize::from(root) / n % n, usize::from(root) % n].map(|k| k as f64 / n as f64);
@@ -19,6 +27,13 @@ pub fn root_color(root: u16, roots: usize) -> [u8; 3] {
 
 /// `color`, darker the larger `share` is: as it is for 0, a fifth of it for 1. With t / P of [`Gradient`](super::Gradient)
 /// it shows how long a point has taken.
+///
+/// ```
+/// use catamaran::texture::newton::darkened;
+///
+/// assert_eq!(darkened([200, 100, 50], 0.0), [200, 100, 50]);
+/// assert_eq!(darkened([200, 100, 50], 1.0), [40, 20, 10]);
+/// ```
 pub fn darkened(color: [u8; 3], share: f64) -> [u8; 3] {
     let light = 1.0 - 0.8 * share.clamp(0.0, 1.0);
     color.map(|c| (f64::from(c) * light).round() as u8)

@@ -5,6 +5,14 @@ use crate::base::{Error, Result};
 
 /// A lattice of points: a plane, or a volume. Point (i, j, k) is `origin` + i `steps[0]` + j `steps[1]` + k `steps[2]`, and
 /// has the number i + `counts[0]` (j + `counts[1]` k).
+///
+/// ```
+/// use catamaran::texture::newton::Grid;
+///
+/// let cube = Grid::cube(4, 2.0);
+/// assert_eq!((cube.counts, cube.origin), ([4; 3], [-0.75; 3]));
+/// assert_eq!(Grid::plane(3, 2, [0.0, 0.0], 3.0).origin, [-1.0, 0.5, 0.0]);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     /// Point (0, 0, 0).

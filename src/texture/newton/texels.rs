@@ -17,6 +17,17 @@ pub struct Texels {
 /// up, both from 0 to 1. Where faces overlap the first one counts; faces without UV, and what is outside of the texture, are
 /// left out.
 ///
+/// ```
+/// use catamaran::{mesh::{families, io::Attribute}, texture::newton::texels};
+///
+/// let mesh = families::grid(1, 1)?;
+/// let values = mesh.vertices().iter().map(|p| [p[0], p[1]]).collect();
+/// let found = texels(&mesh, &Attribute { values, corners: None }, 4, 4)?;
+/// assert_eq!(found.numbers, (0..16).collect::<Vec<_>>());
+/// assert_eq!(found.positions[0], [0.125, 0.875, 0.0]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] for sides of 0 or more than 65,536, or faces whose UV are not finite; [`Error::OutOfMemory`].
 pub fn texels(mesh: &TriMesh, uv: &Attribute<2>, width: u32, height: u32) -> Result<Texels> {

@@ -20,6 +20,18 @@ pub fn smallest_size(faces: usize) -> usize {
 /// Texture coordinates for a mesh without: every triangle is a chart of its own, half a cell of a square grid, its longest
 /// edge the diagonal. For a texture of `size` x `size` texels: charts are two texels apart.
 ///
+/// ```
+/// use catamaran::mesh::families;
+/// use catamaran::texture::slime::{atlas, smallest_size};
+///
+/// let mesh = families::icosphere(1)?;
+/// let uv = atlas(&mesh, smallest_size(mesh.faces().len()))?;
+/// assert_eq!(uv.len(), mesh.faces().len());
+/// assert!(uv.iter().flatten().flatten().all(|x| (0.0..=1.0).contains(x)));
+/// assert!(atlas(&mesh, 32).is_err());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Argument`] when the size is below [`smallest_size`], [`Error::OutOfMemory`].
 pub fn atlas(mesh: &TriMesh, size: usize) -> Result<Vec<[[f64; 2]; 3]>> {

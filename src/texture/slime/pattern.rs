@@ -25,6 +25,17 @@ const SMALLEST_CELL: usize = 20;
 impl Pattern {
     /// Of a texture of `size` rows of as many values.
     ///
+    /// ```
+    /// use catamaran::texture::slime::Pattern;
+    ///
+    /// // Stripes of 8 texels, every other one covered.
+    /// let texture: Vec<f32> = (0..64 * 64).map(|t| (t / 8 % 2) as f32).collect();
+    /// let pattern = Pattern::of(&texture, 64, 0.5)?;
+    /// assert_eq!((pattern.covered, pattern.cells), (0.5, 4));
+    /// assert_eq!((pattern.cluster, pattern.cell), (512.0, 512.0));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Shape`].
     pub fn of(texture: &[f32], size: usize, threshold: f32) -> Result<Self> {

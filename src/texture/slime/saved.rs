@@ -22,9 +22,31 @@ impl Simulation {
         [surface as u32, (surface >> 32) as u32, p.seed, p.size, p.species, agents]
     }
 
-    /// Writes the state: with it, and the same surface and options, a simulation goes on as if it had never stopped. Little
-    /// endian: 16 bytes that name the format, 32-bit numbers that name surface, seed, size, species and agents, the step, then
-    /// the arrays of [`State`] in its order.
+    /// Writes the state: with it, and the same surface and options, a simulation goes on as if it
+    /// had never stopped. Little endian: 16 bytes that name the format, 32-bit numbers that name
+    /// surface, seed, size, species and agents, the step, then the arrays of [`State`] in its
+    /// order.
+    ///
+    /// ```
+    /// use catamaran::{Par, base::Progress, mesh::families};
+    /// use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas};
+    ///
+    /// let sphere = families::icosphere(1)?;
+    /// let begin = || {
+    ///     let surface = Surface::of_faces(&sphere, atlas(&sphere, 64)?)?;
+    ///     Simulation::new(surface, &Options::new().agents(100).size(64), &Mask::default())
+    /// };
+    /// let (mut simulation, mut bytes) = (begin()?, Vec::new());
+    /// simulation.run(2, Par::Seq, Progress::none())?;
+    /// simulation.save(&mut bytes).unwrap();
+    ///
+    /// let mut resumed = begin()?;
+    /// resumed.resume(&mut &bytes[..], "state".as_ref())?;
+    /// simulation.run(1, Par::Seq, Progress::none())?;
+    /// resumed.run(1, Par::Seq, Progress::none())?;
+    /// assert_eq!(resumed.texture(0), simulation.texture(0));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
     ///
     /// # Errors
     /// Those of the sink.
@@ -42,8 +64,9 @@ impl Simulation {
     /// Goes on from a state that was saved. `path` is what errors name.
     ///
     /// # Errors
-    /// [`Error::Io`] when it can't be read, is no state file, or one of another surface, seed, size, or number of species or
-    /// agents; [`Error::Argument`] when its contents are no state; [`Error::OutOfMemory`]. The state is as before then.
+    /// [`Error::Io`] when it can't be read, is no state file, or one of another surface, seed,
+    /// size, or number of species or agents; [`Error::Argument`] when its contents are no state;
+    /// [`Error::OutOfMemory`]. The state is as before then.
     pub fn resume(&mut self, source: &mut dyn Read, path: &Path) -> Result<()> {
         let failed = |what: String| Error::file(path, what);
         let read = |e: io::Error| Error::io(path, e);

@@ -22,6 +22,16 @@ const MOST_TRIANGLES: usize = (1 << 29) - 1;
 /// A surface as agents walk on it: flat records of triangles, ready for any device.
 ///
 /// Lengths are in units of the square root of the area of the mesh.
+///
+/// ```
+/// use catamaran::{mesh::families, texture::slime::{Surface, atlas}};
+///
+/// let mesh = families::icosphere(1)?;
+/// let surface = Surface::of_faces(&mesh, atlas(&mesh, 128)?)?;
+/// assert_eq!(surface.len(), 80);
+/// assert!((surface.areas().iter().sum::<f64>() - 1.0).abs() < 1e-12);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Surface {
     records: Vec<[f32; RECORD]>,
@@ -215,6 +225,13 @@ fn checked(mesh: &TriMesh) -> Result<Edges> {
 
 /// Texture coordinates moved, and made smaller alike in both directions, so that they are in `[0, 1]`; as they are when they
 /// already are (up to 1e-6). Textures that repeat have such.
+///
+/// ```
+/// use catamaran::{mesh::io::Attribute, texture::slime::fitted};
+///
+/// let uv = Attribute { values: vec![[-1.0, 0.0], [3.0, 2.0]], corners: None };
+/// assert_eq!(fitted(&uv).values, [[0.0, 0.0], [1.0, 0.5]]);
+/// ```
 pub fn fitted(uv: &Attribute<2>) -> Attribute<2> {
     let ends = |axis: usize| {
         let all = uv.values.iter().map(|p| p[axis]);

@@ -25,9 +25,9 @@ impl Rates {
     /// Rates from text that [`Rates::to_text`] wrote on this kind of CPU for the same isa.
     ///
     /// # Errors
-    /// The line at fault (from 1; `None` for a key that is not there) and what is wrong with it: another
-    /// CPU, isa or kind of build, a key that is unknown, missing or there twice, a value that is not a finite
-    /// number above 0.
+    /// The line at fault (from 1; `None` for a key that is not there) and what is wrong with it:
+    /// another CPU, isa or kind of build, a key that is unknown, missing or there twice, a value
+    /// that is not a finite number above 0.
     pub fn parse(text: &str, isa: Isa) -> Result<Self, (Option<usize>, String)> {
         Self::parse_of(text, isa, &cpu::name())
     }
