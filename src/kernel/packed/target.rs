@@ -142,7 +142,7 @@ impl<T> Target<T> {
         }
     }
 
-    /// The columns wanted of any row of `rows`.
+    /// The columns wanted of any row of `rows`; `0..0` for none: tiles are computed for all others.
     #[inline(always)]
     pub fn wanted_of(&self, rows: Range<usize>) -> Range<usize> {
         let end = rows.end.min(self.rows);
@@ -150,7 +150,8 @@ impl<T> Target<T> {
             return 0..0;
         }
         let (first, last) = (self.wanted(rows.start), self.wanted(end - 1));
-        first.start.min(last.start)..first.end.max(last.end)
+        let wanted = first.start.min(last.start)..first.end.max(last.end);
+        if wanted.is_empty() { 0..0 } else { wanted }
     }
 
     /// What is wanted of the rows of a tile with this corner and width.
@@ -238,4 +239,24 @@ impl<T> Target<T> {
 pub(super) fn wanted_of<T>(targets: &[Target<T>], rows: Range<usize>) -> Range<usize> {
     let wanted = targets.iter().map(|t| t.wanted_of(rows.clone())).filter(|w| !w.is_empty());
     wanted.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0)
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+
+    use super::*;
+
+    /// An empty range further on made the small products compute a tile beyond its memory.
+    #[test]
+    fn nothing_is_wanted_from_column_zero_on() {
+        let mut c = Mat::<f32>::zeros(40, 40);
+        for (part, rows, cols) in [(Part::Upper, 24..40, 0..16), (Part::Lower, 0..16, 24..40)] {
+            let destination = Destination::new(c.as_mut(), part);
+            let target = destination.block(rows, cols, 1.0, 0.0);
+            assert_eq!(target.wanted_of(0..8), 0..0, "{part:?}");
+            assert_eq!(target.wanted_of(8..16), 0..0, "{part:?}");
+            assert_eq!(target.wanted_of(16..24), 0..0, "{part:?}");
+        }
+    }
 }
