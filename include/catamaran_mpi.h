@@ -19,8 +19,8 @@
  * - `comm`: an intracommunicator; it may be freed while the world lives.
  * - `world`: one pointer, not NULL; written on success only. Free it by cata_world_free, before MPI_Finalize.
  *
- * Returns what cata_world_new does: CATA_ERR_ARGUMENT when MPI is not initialised or is finalised already, or
- * for MPI_COMM_NULL.
+ * Returns what cata_world_new does: CATA_ERR_ARGUMENT when MPI is not initialised, was initialised with less
+ * than MPI_THREAD_FUNNELED, or is finalised already, and for MPI_COMM_NULL.
  *
  * Not thread-safe: MPI_Comm_dup is called.
  */

@@ -85,8 +85,10 @@ impl Ranks {
         if !started_by_mpirun() {
             return Ok(Self { mpi: None });
         }
-        let universe = mpi::initialize().context("MPI is initialised already")?;
-        let ranks = Self { mpi: Some((catamaran::mpi::World::new(&universe.world()), universe)) };
+        let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+        let (universe, _) = start.context("MPI is initialised already")?;
+        let world = catamaran::mpi::World::new(&universe.world())?;
+        let ranks = Self { mpi: Some((world, universe)) };
         if !ranks.is_first() {
             crate::report::be_quiet();
         }

@@ -50,6 +50,8 @@ type Syrk<T> = unsafe extern "C" fn(
     c: *mut T,
     ldc: c_int,
 );
+type Dot =
+    unsafe extern "C" fn(n: c_int, x: *const f64, inc_x: c_int, y: *const f64, inc_y: c_int) -> f64;
 
 /// How a library is held at one thread.
 #[derive(Clone, Copy)]
@@ -100,8 +102,9 @@ impl Cblas {
         let missing = |what: &str| refuse(format!("no symbol {prefix}{what}"));
         // SAFETY: these are the signatures of the CBLAS standard with 32-bit integers; the
         // pointers live no longer than `library`, which is stored beside them.
-        let (dgemm, sgemm, dsyrk, ssyrk) = unsafe {
+        let (ddot, dgemm, sgemm, dsyrk, ssyrk) = unsafe {
             (
+                symbol(&library, &format!("{prefix}cblas_ddot")).ok_or(missing("cblas_ddot"))?,
                 symbol(&library, &format!("{prefix}cblas_dgemm")).ok_or(missing("cblas_dgemm"))?,
                 symbol(&library, &format!("{prefix}cblas_sgemm")).ok_or(missing("cblas_sgemm"))?,
                 symbol(&library, &format!("{prefix}cblas_dsyrk")).ok_or(missing("cblas_dsyrk"))?,
@@ -110,7 +113,7 @@ impl Cblas {
         };
         let threading = threading(&library, prefix);
         let description = description(&library, prefix);
-        if !has_32_bit_integers(dgemm) || description.contains("USE64BITINT") {
+        if !has_32_bit_integers(ddot) || description.contains("USE64BITINT") {
             return Err(refuse("its integers are not 32-bit (LP64)".into()));
         }
         Ok(Self {
@@ -126,39 +129,21 @@ impl Cblas {
     }
 }
 
-/// Whether a library takes 32-bit integers: computes a 1 x 1 product whose extent k = 2 it can only
-/// read so, for as a 64-bit integer it is negative, which a library refuses before it touches C.
-fn has_32_bit_integers(dgemm: Gemm<f64>) -> bool {
-    type WideK = unsafe extern "C" fn(
-        order: c_int,
-        trans_a: c_int,
-        trans_b: c_int,
-        m: c_int,
-        n: c_int,
-        k: i64,
-        alpha: f64,
-        a: *const f64,
-        lda: i64,
-        b: *const f64,
-        ldb: i64,
-        beta: f64,
-        c: *mut f64,
-        ldc: i64,
-    );
+/// Whether a library takes 32-bit integers: asks for a scalar product of length 2, which as a 64-bit
+/// integer is a negative length. That is legal too, and gives zero (reference BLAS, `ddot`).
+fn has_32_bit_integers(ddot: Dot) -> bool {
+    type WideDot = unsafe extern "C" fn(i64, *const f64, i64, *const f64, i64) -> f64;
     if size_of::<usize>() != 8 {
         return true;
     }
-    let (a, b, mut c) = ([2.0, 3.0], [5.0, 7.0], [0.0]);
+    let (x, y) = ([2.0, 3.0], [5.0, 7.0]);
     // SAFETY: on 64-bit targets an int and a 64-bit integer are passed in the same place, of which an
-    // int is the lower half (the stack slots of this call are little-endian). As a 1 x 2 by 2 x 1
-    // product, all arguments describe the arrays above.
-    unsafe {
-        let dgemm = std::mem::transmute::<Gemm<f64>, WideK>(dgemm);
-        let k = 2 - (1_i64 << 32);
-        let (a, b, c) = (a.as_ptr(), b.as_ptr(), c.as_mut_ptr());
-        dgemm(ROW_MAJOR, NO_TRANS, NO_TRANS, 1, 1, k, 1.0, a, 2, b, 1, 0.0, c, 1);
-    }
-    c[0] == 31.0
+    // int is the lower half. Of the arrays two elements are read, or none.
+    let product = unsafe {
+        let ddot = std::mem::transmute::<Dot, WideDot>(ddot);
+        ddot(2 - (1_i64 << 32), x.as_ptr(), 1, y.as_ptr(), 1)
+    };
+    product == 31.0
 }
 
 /// The symbol `name` as a `T`.
@@ -475,4 +460,38 @@ fn hold(
 fn fallback() -> Native {
     let best = packed::Isa::best();
     Native::new(best, packed::Rates::of(best))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A scalar product for integers of one width, which refuses what BLAS calls illegal.
+    macro_rules! ddot {
+        ($name:ident, $integer:ty) => {
+            extern "C" fn $name(
+                n: $integer,
+                x: *const f64,
+                inc_x: $integer,
+                y: *const f64,
+                inc_y: $integer,
+            ) -> f64 {
+                assert_eq!((inc_x, inc_y), (1, 1));
+                // SAFETY: the caller's arrays are that long.
+                (0..n.max(0) as usize).map(|i| unsafe { *x.add(i) * *y.add(i) }).sum()
+            }
+        };
+    }
+    ddot!(narrow, c_int);
+    ddot!(wide, i64);
+
+    #[test]
+    fn the_width_of_integers_is_found_by_a_call_that_is_legal_in_both() {
+        assert!(has_32_bit_integers(narrow));
+        // SAFETY: on 64-bit targets both are called alike.
+        #[cfg(target_pointer_width = "64")]
+        assert!(!has_32_bit_integers(unsafe {
+            std::mem::transmute::<*const (), Dot>(wide as *const ())
+        }));
+    }
 }

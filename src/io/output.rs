@@ -1,3 +1,4 @@
+use std::fs::{File, Metadata};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -18,6 +19,9 @@ pub enum Overwrite {
 
 /// A file that appears whole or not at all: it is written under another name in the same folder,
 /// flushed to the disk, and renamed by [`Output::commit`]. Dropped before that, it leaves nothing.
+///
+/// A new file gets the permissions of any new file, less what the umask forbids. One that replaces
+/// another gets the permissions of that one, and its owner and group where the system allows it.
 ///
 /// ```
 /// use std::io::Write;
@@ -82,20 +86,22 @@ impl Output {
         if path.is_dir() {
             return Err(error(path, None, "is a directory"));
         }
-        let folder = match path.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
         let mut builder = tempfile::Builder::new();
         builder.prefix(".catamaran-").suffix(".tmp");
-        // As any new file, less what the umask forbids; temporaries are private by default.
+        // Private until it is known what it replaces, as temporaries are.
+        let replaced = path.metadata().ok();
         #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        if replaced.is_none() {
+            builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        }
         let mut unfinished = unfinished();
-        let file = builder.tempfile_in(folder).map_err(|e| write_error(path, e))?;
+        let file = builder.tempfile_in(folder_of(path)).map_err(|e| write_error(path, e))?;
         unfinished.push(file.path().to_owned());
         drop(unfinished);
         let listed = Listed(file.path().to_owned());
+        if let Some(replaced) = replaced {
+            take_over(file.as_file(), &replaced).map_err(|e| write_error(path, e))?;
+        }
         let file = BufWriter::with_capacity(1 << 20, file);
         Ok(Self { path: path.into(), file, overwrite, _listed: listed })
     }
@@ -114,7 +120,8 @@ impl Output {
     /// Lets the file appear under its name.
     ///
     /// # Errors
-    /// [`Error::Io`]; nothing is left behind then.
+    /// [`Error::Io`]; nothing is left behind then, unless it is the folder that can't be written to the
+    /// disk.
     pub fn commit(mut self) -> Result<()> {
         let flushed = self.file.flush().and_then(|()| self.file.get_ref().as_file().sync_all());
         flushed.map_err(|e| self.error(e))?;
@@ -128,7 +135,7 @@ impl Output {
         };
         drop(unfinished);
         match renamed {
-            Ok(_) => Ok(()),
+            Ok(_) => sync_folder(&path).map_err(|e| write_error(&path, e)),
             Err(e) if e.error.kind() == io::ErrorKind::AlreadyExists => Err(exists(&path)),
             Err(e) => Err(write_error(&path, e.error)),
         }
@@ -166,6 +173,34 @@ impl Seek for Output {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.file.seek(to)
     }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// Gives `file` the permissions of the file it will replace, and its owner and group if that is allowed.
+fn take_over(file: &File, replaced: &Metadata) -> io::Result<()> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
+        // Refused to all but root unless they are the user's own; before the permissions, which a
+        // change of owner may cut.
+        let _ = fchown(file, None, Some(replaced.gid()));
+        let _ = fchown(file, Some(replaced.uid()), None);
+        // Not the bits that make a program run as its owner.
+        file.set_permissions(PermissionsExt::from_mode(replaced.mode() & 0o777))
+    }
+    #[cfg(not(unix))]
+    file.set_permissions(replaced.permissions())
+}
+
+/// Makes a rename in the folder of `path` last through a power cut.
+fn sync_folder(path: &Path) -> io::Result<()> {
+    if cfg!(unix) { File::open(folder_of(path))?.sync_all() } else { Ok(()) }
 }
 
 fn exists(path: &Path) -> Error {

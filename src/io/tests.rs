@@ -351,6 +351,33 @@ fn output_never_replaces_unless_told_to() {
     assert_eq!(folder.names(), ["c.csv"], "no temporary is left");
 }
 
+#[cfg(unix)]
+#[test]
+fn output_keeps_the_permissions_and_the_owner_of_what_it_replaces() {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt};
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("c.npy");
+    let write = || {
+        let output = Output::create(&path, Overwrite::Replace).unwrap();
+        write(output, awkward(2, 2).as_ref()).unwrap();
+        path.metadata().unwrap()
+    };
+    assert_eq!(write().mode() & 0o600, 0o600);
+    for mode in [0o600, 0o640, 0o444, 0o777] {
+        fs::set_permissions(&path, PermissionsExt::from_mode(mode)).unwrap();
+        let before = path.metadata().unwrap();
+        let after = write();
+        assert_ne!(before.ino(), after.ino(), "written in place");
+        assert_eq!(after.mode() & 0o7777, mode, "{mode:o}");
+        assert_eq!((after.uid(), after.gid()), (before.uid(), before.gid()));
+    }
+    // Root may give files away, and gets them back as they were.
+    if std::os::unix::fs::chown(&path, Some(65534), Some(65534)).is_ok() {
+        let after = write();
+        assert_eq!((after.uid(), after.gid()), (65534, 65534));
+    }
+}
+
 #[test]
 fn output_into_a_missing_folder_names_the_file() {
     let folder = Folder::new();

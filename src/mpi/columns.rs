@@ -29,8 +29,9 @@ const FIRST_TAG: i32 = 32;
 /// use catamaran::mpi::{World, ata_columns};
 /// use catamaran::{AtaOptions, faer::Mat};
 ///
-/// # let universe = mpi::initialize().expect("MPI is started once");
-/// # let world = World::new(&universe.world());
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
 /// // Every rank has 8 columns.
 /// let own = Mat::<f64>::from_fn(100, 8, |i, j| (world.rank() + i * j % 7) as f64);
 /// let result = ata_columns(&world, 1.0, own.as_ref(), &AtaOptions::new())?;

@@ -58,8 +58,9 @@ pub struct CyclicMut<'a, T> {
 /// use catamaran::mpi::{CyclicMut, CyclicRef, World, ata_cyclic};
 /// use catamaran::{AtaOptions, faer::Mat};
 ///
-/// # let universe = mpi::initialize().expect("MPI is started once");
-/// # let world = World::new(&universe.world());
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
 /// // Blocks of 2 x 2 on a column of ranks, as ScaLAPACK has them.
 /// let grid = Grid::new(world.size(), 1, GridOrder::Rows)?;
 /// let a = BlockCyclic::new("A", (100, 8), (2, 2), (0, 0), grid)?;
@@ -98,8 +99,9 @@ pub fn ata_cyclic<T: MpiReal>(
 /// use catamaran::mpi::{CyclicMut, CyclicRef, World, aat_cyclic};
 /// use catamaran::{AtaOptions, faer::Mat};
 ///
-/// # let universe = mpi::initialize().expect("MPI is started once");
-/// # let world = World::new(&universe.world());
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
 /// // Blocks of 2 x 2 on a column of ranks, as ScaLAPACK has them.
 /// let grid = Grid::new(world.size(), 1, GridOrder::Rows)?;
 /// let a = BlockCyclic::new("A", (100, 8), (2, 2), (0, 0), grid)?;

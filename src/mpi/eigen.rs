@@ -28,8 +28,9 @@ use crate::sparse::{EigenOptions, Eigenpairs, InnerSpace, Mass, Pencil, check_pr
 /// use catamaran::mpi::{World, eigs};
 /// use catamaran::sparse::{CsMat, EigenOptions, Mass};
 ///
-/// # let universe = mpi::initialize().expect("MPI is started once");
-/// # let world = World::new(&universe.world());
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
 /// // The path with one vertex on each rank: its row of the Laplacian.
 /// let (own, n) = (world.rank(), world.size());
 /// let (first, last) = (own.saturating_sub(1), (own + 1).min(n - 1));

@@ -112,8 +112,9 @@ impl Rows {
 /// ```no_run
 /// use catamaran::{faer::Mat, mpi::{World, gather_rows}};
 ///
-/// # let universe = mpi::initialize().expect("MPI is started once");
-/// # let world = World::new(&universe.world());
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
 /// let own = Mat::<f64>::full(2, 3, world.rank() as f64);
 /// if let Some(all) = gather_rows(&world, 0, own.as_ref())? {
 ///     assert_eq!(all.shape(), (2 * world.size(), 3));

@@ -25,8 +25,9 @@ use crate::sparse::Mass;
 /// use catamaran::mpi::{World, gram_schmidt};
 /// use catamaran::{faer::Mat, ortho::GramSchmidtOptions, sparse::Mass};
 ///
-/// # let universe = mpi::initialize().expect("MPI is started once");
-/// # let world = World::new(&universe.world());
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
 /// // Every rank has 5 rows; the second column is twice the first.
 /// let own = Mat::<f64>::from_fn(5, 3, |i, j| [1.0, 2.0, i as f64][j]);
 /// let options = GramSchmidtOptions::new();
@@ -71,8 +72,9 @@ pub fn gram_schmidt(
 /// use catamaran::mpi::{World, cholesky_qr};
 /// use catamaran::{Par, faer::Mat, sparse::Mass};
 ///
-/// # let universe = mpi::initialize().expect("MPI is started once");
-/// # let world = World::new(&universe.world());
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
 /// // Every rank has 5 rows.
 /// let a = Mat::<f64>::from_fn(5, 2, |i, j| (i as f64).powi(j as i32));
 /// let mut q = a.clone();

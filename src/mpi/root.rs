@@ -20,8 +20,9 @@ use crate::base::{Error, Result};
 /// use catamaran::mpi::{World, ata_root};
 /// use catamaran::{AtaOptions, faer::Mat};
 ///
-/// let universe = mpi::initialize().expect("MPI is started once");
-/// let world = World::new(&universe.world());
+/// let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// let (universe, _) = start.expect("MPI is started once");
+/// let world = World::new(&universe.world())?;
 /// let is_root = world.rank() == 0;
 /// let a = is_root.then(|| Mat::<f64>::ones(100, 8));
 /// let mut c = is_root.then(|| Mat::zeros(8, 8));
@@ -61,8 +62,9 @@ pub fn ata_root<T: MpiReal>(
 /// use catamaran::mpi::{World, ata_tree};
 /// use catamaran::{AtaOptions, faer::Mat};
 ///
-/// # let universe = mpi::initialize().expect("MPI is started once");
-/// # let world = World::new(&universe.world());
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
 /// let is_root = world.rank() == 0;
 /// let a = is_root.then(|| Mat::<f64>::ones(100, 8));
 /// let mut c = is_root.then(|| Mat::zeros(8, 8));
@@ -97,8 +99,9 @@ pub fn ata_tree<T: MpiReal>(
 /// use catamaran::mpi::{World, ata_deal};
 /// use catamaran::{AtaOptions, faer::Mat};
 ///
-/// # let universe = mpi::initialize().expect("MPI is started once");
-/// # let world = World::new(&universe.world());
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
 /// let is_root = world.rank() == 0;
 /// let a = is_root.then(|| Mat::<f64>::ones(100, 8));
 /// let mut c = is_root.then(|| Mat::zeros(8, 8));

@@ -30,8 +30,9 @@ use crate::base::{Error, Progress, Result, Workspace, reserved};
 /// use catamaran::mpi::{World, ata_rows};
 /// use catamaran::{AtaOptions, Uplo, faer::Mat};
 ///
-/// let universe = mpi::initialize().expect("MPI is started once");
-/// let world = World::new(&universe.world());
+/// let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// let (universe, _) = start.expect("MPI is started once");
+/// let world = World::new(&universe.world())?;
 /// // Every rank has 100 rows.
 /// let own = Mat::<f64>::from_fn(100, 8, |i, j| (world.rank() + i * j % 7) as f64);
 /// let result = ata_rows(&world, 1.0, own.as_ref(), &AtaOptions::new())?;
@@ -77,8 +78,9 @@ pub fn ata_rows<T: MpiReal>(
 /// ```no_run
 /// use catamaran::{faer::Mat, mpi::{World, sum_symmetric}};
 ///
-/// # let universe = mpi::initialize().expect("MPI is started once");
-/// # let world = World::new(&universe.world());
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
 /// let result = sum_symmetric(&world, Mat::<f64>::identity(8, 8).as_ref())?;
 /// // The entries on the diagonal are the number of ranks.
 /// assert!(result.entries().iter().all(|&x| x == 0.0 || x == world.size() as f64));

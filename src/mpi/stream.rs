@@ -21,8 +21,9 @@ const MESSAGE: usize = 1 << 20;
 /// use catamaran::mpi::{World, agree_bounds, merge_accumulators};
 /// use catamaran::{AtaOptions, ata::{Accumulator, RowBounds}};
 ///
-/// # let universe = mpi::initialize().expect("MPI is started once");
-/// # let world = World::new(&universe.world());
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
 /// let own = world.rank() as f64;
 /// let bounds = RowBounds::new(vec![own], vec![own], 1)?;
 /// let bounds = agree_bounds(&world, &bounds)?;
@@ -78,8 +79,9 @@ pub(super) fn joined_bounds<T: MpiReal>(
 /// use catamaran::mpi::{World, merge_accumulators};
 /// use catamaran::{AtaOptions, Uplo, ata::Accumulator};
 ///
-/// # let universe = mpi::initialize().expect("MPI is started once");
-/// # let world = World::new(&universe.world());
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
 /// let mut sum = Accumulator::<f64>::new(2, false)?;
 /// sum.add_block(1, &mut [1.0, 2.0], None, &AtaOptions::new())?;
 /// if let Some(sum) = merge_accumulators(&world, sum)? {

@@ -32,8 +32,9 @@ const HEIGHT: usize = 1024;
 /// use catamaran::mpi::{Distributed, World, ata_rows, verify};
 /// use catamaran::{AtaOptions, faer::Mat};
 ///
-/// # let universe = mpi::initialize().expect("MPI is started once");
-/// # let world = World::new(&universe.world());
+/// # let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// # let (universe, _) = start.expect("MPI is started once");
+/// # let world = World::new(&universe.world())?;
 /// let own = Mat::<f64>::from_fn(100, 8, |i, j| (world.rank() + i * j % 7) as f64);
 /// let c = ata_rows(&world, 1.0, own.as_ref(), &AtaOptions::new())?;
 /// assert!(verify(&world, 1.0, Distributed::Rows(own.as_ref()), &c, 20, 0)?.passed);

@@ -5,6 +5,7 @@ use std::thread::{self, ThreadId};
 use std::time::{Duration, Instant};
 
 use ::mpi::collective::SystemOperation;
+use ::mpi::Threading;
 use ::mpi::datatype::Equivalence;
 use ::mpi::ffi;
 use ::mpi::raw::AsRaw;
@@ -53,9 +54,11 @@ impl AddAssign for Traffic {
 /// use catamaran::mpi::World;
 ///
 /// // Started by `mpirun -n 4`.
-/// let universe = mpi::initialize().expect("MPI is started once");
-/// let world = World::new(&universe.world());
+/// let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+/// let (universe, _) = start.expect("MPI is started once");
+/// let world = World::new(&universe.world())?;
 /// assert!(world.rank() < world.size());
+/// # Ok::<(), catamaran::Error>(())
 /// ```
 pub struct World {
     comm: ManuallyDrop<SimpleCommunicator>,
@@ -75,18 +78,37 @@ pub(super) const PANICKED: i32 = 101;
 /// Numbers that ranks compare at the start of a call.
 const FACTS: usize = 10;
 
+/// # Errors
+/// [`Error::Argument`] when MPI, which runs, was told that there is one thread only.
+fn check_threads() -> Result<()> {
+    match ::mpi::environment::threading_support() {
+        Threading::Single => Err(Error::Argument {
+            what: "communicator",
+            why: "MPI was started with MPI_THREAD_SINGLE; MPI_THREAD_FUNNELED is needed \
+                  (MPI_Init_thread), for calls compute on threads of their own"
+                .into(),
+        }),
+        Threading::Funneled | Threading::Serialized | Threading::Multiple => Ok(()),
+    }
+}
+
 impl World {
     /// A world of the ranks of `comm`, which all call this.
-    pub fn new(comm: &impl Communicator) -> Self {
-        Self::owning(comm.duplicate())
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when MPI was started with less than `MPI_THREAD_FUNNELED`: calls compute on
+    /// threads of their own, beside the one that calls MPI.
+    pub fn new(comm: &impl Communicator) -> Result<Self> {
+        check_threads()?;
+        Ok(Self::owning(comm.duplicate()))
     }
 
     /// A world of the ranks of the communicator with this Fortran handle (`MPI_Comm_c2f`), which all call
     /// this.
     ///
     /// # Errors
-    /// [`Error::Argument`] when MPI is not initialised, or finalised already, or the handle is that of no
-    /// communicator.
+    /// As [`World::new`]; [`Error::Argument`] too when MPI is not initialised, or finalised already, or the
+    /// handle is that of no communicator.
     pub fn from_fortran(handle: ffi::RSMPI_Fint) -> Result<Self> {
         let refuse = |why: &str| Err(Error::Argument { what: "communicator", why: why.into() });
         if !::mpi::environment::is_initialized() {
@@ -95,6 +117,7 @@ impl World {
         if ::mpi::environment::is_finalized() {
             return refuse("MPI is finalised already");
         }
+        check_threads()?;
         // SAFETY: MPI runs. Its library maps handles that it doesn't know to the null communicator, or
         // reports an error by the handler of MPI_COMM_WORLD.
         let comm = unsafe {

@@ -8,7 +8,8 @@
 
 int main(int argc, char** argv)
 {
-    MPI_Init(&argc, &argv);
+    int provided = 0;
+    MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
     cata_world* world = nullptr;
     CHECK_STATUS(cata_world_from_comm(MPI_COMM_WORLD, &world), CATA_OK);
     std::size_t rank = 0, size = 0;

@@ -25,12 +25,13 @@ pub fn run(cases: &[Case], scenes: &[Scene]) -> ExitCode {
 }
 
 fn be_rank(role: &str, cases: &[Case], scenes: &[Scene]) -> ExitCode {
-    let universe = mpi::initialize().expect("MPI starts");
+    let start = mpi::initialize_with_threading(mpi::Threading::Funneled);
+    let (universe, _) = start.expect("MPI starts");
     let world = universe.world();
     let expected = std::env::var(SIZE).expect("the number of ranks").parse();
     assert_eq!(Ok(world.size()), expected, "mpirun belongs to another MPI than this program");
     if let Some(scene) = scenes.iter().find(|scene| scene.name == role) {
-        (scene.play)(&World::new(&world));
+        (scene.play)(&World::new(&world).expect("threads are allowed"));
         return ExitCode::SUCCESS;
     }
     // A failed assertion on one rank must not leave the others waiting.
@@ -44,7 +45,7 @@ fn be_rank(role: &str, cases: &[Case], scenes: &[Scene]) -> ExitCode {
         if world.rank() == 0 {
             print!("test {name} on {} ranks ... ", world.size());
         }
-        case(&World::new(&world));
+        case(&World::new(&world).expect("threads are allowed"));
         if world.rank() == 0 {
             println!("ok");
         }

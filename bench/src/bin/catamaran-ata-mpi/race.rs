@@ -47,7 +47,7 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<()> 
     ));
     say(&peak_line);
 
-    let world = World::new(ranks.0);
+    let world = World::new(ranks.0)?;
     let mut ours = ranks.agree(Ours::<T>::new(&world, job))?;
     // The first run pays for threads and buffers.
     ours.run()?;
