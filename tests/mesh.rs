@@ -402,17 +402,14 @@ fn index(folder: &std::path::Path) -> Vec<Vec<String>> {
 
 #[test]
 fn shared_meshes_agree_with_their_index() {
-    let Some(folder) = common::data_folder().map(|folder| folder.join("meshes")) else { return };
-    if !folder.join("INDEX.tsv").is_file() {
-        println!("skipped: no meshes in {}", folder.display());
-        return;
-    }
-    for line in index(&folder) {
+    let Some(list) = common::data("meshes/INDEX.tsv") else { return };
+    let folder = list.parent().unwrap();
+    let lines = index(folder);
+    // Of later files, of issue 23, the index has no numbers.
+    let known: Vec<_> = lines.iter().filter(|line| !line[1].is_empty()).collect();
+    assert!(known.len() >= 27, "{}", known.len());
+    for line in known {
         let name = line[0].rsplit('/').next().unwrap();
-        if line[1].is_empty() {
-            println!("skipped: the index has no numbers of {name}");
-            continue;
-        }
         let file = io::read(&folder.join(name)).unwrap_or_else(|e| panic!("{e}"));
         let report = file.mesh.validate();
         let manifold = line[7] == "0";

@@ -5,8 +5,8 @@ use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use catamaran::base::{Progress, Rng};
-use catamaran::io::{Output, Overwrite};
+use catamaran::base::Rng;
+use catamaran::io::{Output, Overwrite, SourceOptions};
 use catamaran::mesh::io::{
     Attribute, MeshFile, MeshFormat, PlyEncoding, StlEncoding, read, read_bytes, read_with, write,
     write_as,
@@ -272,19 +272,21 @@ fn bombs_are_refused() {
     let file = fs::File::create(&path).unwrap();
     let mut gz = flate2::write::GzEncoder::new(file, flate2::Compression::fast());
     let comments = [b"#\n".as_slice(); 1 << 16].concat();
-    for _ in 0..(1 << 28) / comments.len() + 1 {
+    for _ in 0..(1 << 26) / comments.len() + 1 {
         gz.write_all(&comments).unwrap();
     }
     gz.finish().unwrap();
-    let refused = read(&path).unwrap_err();
+    let within = SourceOptions::new().max_memory(1 << 26);
+    let refused = read_with(&path, &within).unwrap_err();
     assert!(refused.to_string().contains("unpacks to more than"), "{refused}");
     // One long line.
-    let long = vec![b' '; (1 << 24) + 1];
-    for format in [OBJ, OFF, STL_TEXT, PLY[0]] {
-        let text = [b"solid\n".as_slice(), &long].concat();
-        let refused =
-            read_bytes(if format == STL_TEXT { &text } else { &long }, format).unwrap_err();
-        assert!(refused.to_string().contains("a line of 16777216 bytes or more"), "{refused}");
+    let long = vec![b' '; (1 << 20) + 1];
+    for ending in ["obj", "off", "stl", "ply"] {
+        let start = if ending == "stl" { b"solid\n".as_slice() } else { b"" };
+        let path = folder.path(&format!("long.{ending}"));
+        fs::write(&path, [start, &long].concat()).unwrap();
+        let refused = read_with(&path, &within).unwrap_err();
+        assert!(refused.to_string().contains("a line of 1048576 bytes or more"), "{refused}");
     }
 }
 
@@ -294,18 +296,15 @@ fn reading_reports_progress_and_can_be_cancelled() {
     let path = folder.path("mesh.ply");
     write(create(&path), &families::icosphere(3).unwrap().into()).unwrap();
     let last = std::sync::Mutex::new(0.0);
-    let file = read_with(
-        &path,
-        Progress::new(&|fraction| {
-            *last.lock().unwrap() = fraction;
-            ControlFlow::Continue(())
-        }),
-    );
+    let remember = |fraction| {
+        *last.lock().unwrap() = fraction;
+        ControlFlow::Continue(())
+    };
+    let file = read_with(&path, &SourceOptions::new().progress(&remember));
     assert!(file.is_ok() && *last.lock().unwrap() == 1.0);
-    assert_eq!(
-        read_with(&path, Progress::new(&|_| ControlFlow::Break(()))).unwrap_err(),
-        Error::Cancelled
-    );
+    let cancel = |_| ControlFlow::Break(());
+    let cancelled = read_with(&path, &SourceOptions::new().progress(&cancel));
+    assert_eq!(cancelled.unwrap_err(), Error::Cancelled);
 }
 
 #[test]

@@ -11,9 +11,9 @@ use catamaran::curve::{
     Count, CurveOptions, CurveSolver, Mode, Placement, Reconstruction, Site, place, refined, smooth,
 };
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::io as meshes;
 use clap::ValueEnum;
 
+use crate::input;
 use crate::picture::{Paint, PictureArgs, with_curves};
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
@@ -91,7 +91,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let output = Output::create(&args.output, overwrite)?;
     let picture = args.picture.create(overwrite)?;
-    let file = meshes::read(&args.mesh)?;
+    let file = input::mesh(&args.mesh)?;
     let sites = sites(&args.samples)?;
     let placement = if args.insert { Placement::Insert } else { Placement::Snap };
     let placed =

@@ -6,7 +6,6 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::Par;
-use catamaran::base::Progress;
 use catamaran::decimate::{
     DecimateOptions, Decimation, Difference, Method, Quality, decimate, edge_length_for,
 };
@@ -15,6 +14,7 @@ use catamaran::mesh::io::{self as files, MeshFile};
 use catamaran::sparse::CsMat;
 use clap::ValueEnum;
 
+use crate::input;
 use crate::picture::{PLAIN, PictureArgs};
 use crate::progress::Bar;
 use crate::report::{report, seconds};
@@ -138,9 +138,7 @@ pub fn run(args: &Args) -> Result<()> {
 
 pub fn read(path: &std::path::Path) -> Result<MeshFile> {
     let start = Instant::now();
-    let bar = Bar::new("reading");
-    let file = files::read_with(path, Progress::new(&|fraction| bar.update(fraction)))?;
-    drop(bar);
+    let file = input::mesh(path)?;
     let (vertices, faces) = (file.mesh.vertices().len(), file.mesh.faces().len());
     let time = seconds(start.elapsed());
     let name = path.display();

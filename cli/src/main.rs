@@ -10,6 +10,7 @@ mod device;
 mod filter;
 mod fps;
 mod info;
+mod input;
 mod merge;
 mod mesh;
 mod newton;
@@ -36,6 +37,10 @@ use clap::{Parser, Subcommand};
 #[derive(Parser)]
 #[command(name = "catamaran", version, about, arg_required_else_help = true)]
 struct Cli {
+    /// Memory that a file read may take, for what it unpacks to and for what its header announces;
+    /// default a hundred times its size, or 1 GiB if that is more.
+    #[arg(long, global = true, value_name = "GIB", value_parser = ata::parse::gibibytes)]
+    max_memory: Option<usize>,
     #[command(subcommand)]
     command: Command,
 }
@@ -65,6 +70,7 @@ enum Command {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
+    input::limit_memory(cli.max_memory);
     let done = signals::watch().map_err(Into::into).and_then(|()| match &cli.command {
         Command::Ata(args) => ata::run(args),
         Command::AtaMerge(args) => merge::run(args),

@@ -4,14 +4,13 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use catamaran::base::Progress;
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io::{self as files, MeshFile};
 use catamaran::mesh::{Components, Normalization, Part, Problem, TriMesh, Validation};
 use clap::ValueEnum;
 
+use crate::input;
 use crate::picture::{PLAIN, Paint, PictureArgs};
-use crate::progress::Bar;
 use crate::report::{report, seconds};
 
 /// Report on a triangle mesh, and convert or clean it.
@@ -85,9 +84,7 @@ pub fn run(args: &Args) -> Result<()> {
 
     let picture = args.picture.create(overwrite)?;
     let start = Instant::now();
-    let bar = Bar::new("reading");
-    let file = files::read_with(&args.input, Progress::new(&|fraction| bar.update(fraction)))?;
-    drop(bar);
+    let file = input::mesh(&args.input)?;
     let name = args.input.display();
     report(format_args!("mesh        {name}, read in {}", seconds(start.elapsed())))?;
     let found = file.mesh.validate();

@@ -7,12 +7,13 @@ use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Matrix, ReadOptions};
-use catamaran::mesh::io::{self as meshes, MeshFile};
+use catamaran::mesh::io::MeshFile;
 use catamaran::mesh::{LaplacianKind, LaplacianOptions, laplacian};
 use catamaran::sparse::{CsMat, EigenOptions, eigs};
 use catamaran::spectral::{Eigenbasis, Orthogonalization};
 use clap::ValueEnum;
 
+use crate::input;
 use crate::progress::Bar;
 use crate::report::report;
 
@@ -80,7 +81,7 @@ impl LaplacianArgs {
 
     /// Reads a mesh and computes its first `len` eigenfunctions.
     pub fn shape(&self, path: &Path, len: usize) -> Result<Shape> {
-        let file = meshes::read(path)?;
+        let file = input::mesh(path)?;
         let vertices = file.mesh.vertices().len();
         if len > vertices {
             let k = len - 1;
@@ -120,7 +121,7 @@ pub fn functions(path: &Path, rows: usize) -> Result<Mat<f64>> {
 
 /// A matrix of numbers.
 pub fn dense(path: &Path) -> Result<Mat<f64>> {
-    match files::read(path, &ReadOptions::default())? {
+    match files::read(path, &ReadOptions::new().max_memory(input::max_memory()))? {
         Matrix::F64(dense) => Ok(dense.as_ref().to_owned()),
         Matrix::F32(dense) => {
             let dense = dense.as_ref();

@@ -4,14 +4,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use catamaran::base::Progress;
 use catamaran::io::{Array, ArraysWriter, Output, Overwrite, check_arrays_name};
-use catamaran::mesh::io as files;
 use catamaran::mesh::{Boundary, Laplacian, LaplacianOptions, MassKind, laplacian};
 use catamaran::sparse::{EigenOptions, Eigenpairs};
 use clap::ValueEnum;
 
 use crate::ata::parse;
+use crate::input;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
 use crate::ranks::Ranks;
@@ -97,9 +96,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let name = args.input.display();
 
     let start = Instant::now();
-    let bar = Bar::new("reading");
-    let file = files::read_with(&args.input, Progress::new(&|fraction| bar.update(fraction)))?;
-    drop(bar);
+    let file = input::mesh(&args.input)?;
     let options = LaplacianOptions::new()
         .kind(args.laplacian.kind())
         .mass(match args.mass {

@@ -413,6 +413,20 @@ fn a_product_too_large_for_memory_is_refused() {
 }
 
 #[test]
+fn a_header_gets_the_memory_that_its_file_may_take() {
+    let folder = Folder::new();
+    let header = "%%MatrixMarket matrix coordinate real general\n";
+    folder.write("tall.mtx", format!("{header}150000000 3 1\n1 1 2\n"));
+    let message = folder.fail("ata tall.mtx -o c.npy");
+    assert!(message.contains("1.12 GiB") && message.contains("--max-memory"), "{message}");
+    folder.write("tall.mtx", format!("{header}1000000 3 1\n1 1 2\n"));
+    let message = folder.fail("ata tall.mtx -o c.npy --max-memory 0.001");
+    assert!(message.contains("this file may take 0.00 GiB"), "{message}");
+    folder.succeed("ata tall.mtx -o c.npy --max-memory 0.01");
+    assert_eq!(folder.read_npy::<f64>("c.npy")[0], 4.0);
+}
+
+#[test]
 fn unknown_options_say_what_is_known() {
     let (folder, _) = with_input();
     let run = folder.run("ata a.npy --scheme magic");

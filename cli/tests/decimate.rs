@@ -130,6 +130,8 @@ fn refusals_say_why_and_leave_nothing() {
     assert!(refused("--ratio 0 -o out.ply").contains("--ratio 0: a positive number is needed"));
     assert!(refused("-n 20 -o out.ply --weights w.npy").contains("w.npy: weights must be called"));
     assert!(refused("-n 20 -o out.txt").contains("out.txt"));
+    let numbers = refused("-n 999999999999 --resample -o out.ply");
+    assert!(numbers.contains("more than a mesh can have"), "{numbers}");
 }
 
 #[test]

@@ -74,6 +74,9 @@ fn what_is_wrong_is_said() {
         let message = folder.fail(command);
         assert!(message.contains(part), "{command}: {message}");
     }
+    let run = folder.run("newton --frames 2000000000 --w-to 1 -o a.png");
+    assert_eq!(run.code, Some(2));
+    assert!(run.stderr.contains("--frames") && run.stderr.contains("at most 100000"));
     if cfg!(not(feature = "opencl")) {
         assert!(folder.fail("newton --device 0 -o a.png").contains("not in this build"));
     }

@@ -76,4 +76,7 @@ fn refusals_say_what_is_wrong_and_write_nothing() {
     assert!(folder.fail("wilt --grow 5 -o out --pin 9").contains("--pin: node 9 of 5"));
     assert!(folder.fail("wilt --grow 5 -o out --hours=-1").contains("--hours"));
     assert!(folder.fail("wilt --grow 0 -o out").contains("nodes"));
+    let run = folder.run("wilt --grow 5 -o out --frames 4000000000");
+    assert_eq!(run.code, Some(2));
+    assert!(run.stderr.contains("--frames") && run.stderr.contains("at most 100000"));
 }

@@ -69,6 +69,15 @@ pub(super) fn resample_with(
         let why = format!("{longest}, where a positive number is needed");
         return Err(Error::Argument { what: "longest", why });
     }
+    // A triangle without a longer edge has at most this area.
+    let largest = longest * longest * 3f64.sqrt() / 4.0;
+    let least = mesh.area() / largest;
+    if least > f64::from(u32::MAX) {
+        let why = format!(
+            "{longest:e}: that takes at least {least:.1e} faces, more than a mesh can have"
+        );
+        return Err(Error::Argument { what: "longest", why });
+    }
     let mut parents: Vec<u32> = (0..mesh.faces().len() as u32).collect();
     let mut current = mesh.clone();
     for round in 1.. {

@@ -13,6 +13,7 @@ mod columns;
 mod csv;
 #[cfg(feature = "hdf5")]
 mod hdf5;
+mod limits;
 mod matrix;
 mod mtx;
 mod npy;
@@ -33,6 +34,7 @@ use std::path::Path;
 pub use accumulator::{accumulator_scalar, read_accumulator, write_accumulator};
 pub use arrays::{ArraysWriter, check_arrays_name, write_arrays};
 use faer::MatRef;
+pub use limits::{SourceOptions, memory_limit};
 pub use matrix::{Dense, Matrix, SparseRows};
 pub use npz::{Array, NpzWriter, write_npz};
 pub use output::{Output, Overwrite, discard_unfinished};
@@ -52,12 +54,15 @@ pub struct ReadOptions<'a> {
     /// Columns to keep, from 0, half open; `None` keeps all. In a text table the others may hold
     /// anything.
     pub columns: Option<Range<usize>>,
+    /// As [`SourceOptions::max_memory`]: of the entries, too.
+    pub max_memory: Option<u64>,
     /// Told the fraction of the file read; may cancel.
     pub progress: Progress<'a>,
 }
 
 builder! { ReadOptions<'a> {
     #[into] columns: Option<Range<usize>>,
+    #[into] max_memory: Option<u64>,
     #[into] progress: Progress<'a>,
 }}
 
@@ -99,6 +104,9 @@ fn format_of(path: &Path) -> Result<(Format, bool)> {
 ///   skipped. A first line without any number is a header. At least one row of numbers
 ///   must be there.
 ///
+/// A file may take as much memory as `options.max_memory` says: one whose header announces more is
+/// refused before the memory is asked for.
+///
 /// The extra memory beyond the entries of the file is a buffer; text tables, whose size is not known
 /// beforehand, may take twice their entries while they grow, and sparse matrices twice theirs.
 ///
@@ -120,7 +128,8 @@ fn format_of(path: &Path) -> Result<(Format, bool)> {
 pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Matrix> {
     let (format, gzipped) = format_of(path)?;
     let packing = if gzipped { Packing::Gzip } else { Packing::None };
-    let mut source = Source::open(path, packing, options.progress)?;
+    let ReadOptions { max_memory, progress, .. } = *options;
+    let mut source = Source::open(path, packing, &SourceOptions { max_memory, progress })?;
     match format {
         Format::Npy => npy::read(&mut source, options.columns.as_ref()),
         Format::Mtx => mtx::read(&mut source, options.columns.as_ref()),

@@ -98,6 +98,10 @@ fn coordinate(
     entries: usize,
     columns: &Range<usize>,
 ) -> Result<Matrix> {
+    // Where each row begins; sprs would abort where this refuses.
+    let starts = (nrows as u64).saturating_add(1).saturating_mul(size_of::<usize>() as u64);
+    source.check_memory(&format!("a sparse matrix of {nrows} rows"), starts)?;
+    drop(reserved::<usize>(nrows.saturating_add(1))?);
     // The header may lie about the number of entries, not about memory that is really there.
     let likely = entries.min(1 << 24);
     let (mut rows, mut cols, mut values) =
@@ -138,8 +142,6 @@ fn coordinate(
         }
     }
     nothing_more(source, entries)?;
-    // sprs would abort where this refuses.
-    drop(reserved::<usize>(nrows.saturating_add(1))?);
     let triplets = TriMat::from_triplets((nrows, columns.len()), rows, cols, values);
     Ok(Matrix::Sparse(triplets.to_csr()))
 }
@@ -169,6 +171,8 @@ fn array(
     columns: Range<usize>,
 ) -> Result<Matrix> {
     let len = nrows.checked_mul(ncols).ok_or_else(|| source.fail("shape too large"))?;
+    let bytes = (len as u64).saturating_mul(size_of::<f64>() as u64);
+    source.check_memory(&format!("a {nrows} x {ncols} matrix"), bytes)?;
     let mut values: Vec<f64> = reserved(len)?;
     if len == 0 {
         nothing_more(source, len)?;

@@ -4,19 +4,12 @@ use std::path::{Path, PathBuf};
 
 use flate2::bufread::MultiGzDecoder;
 
+use super::limits::{SourceOptions, longest_line, memory_limit, too_much};
 use super::xz::Unpacker;
 use crate::base::{Error, Progress, Result};
 
 /// Bytes read from the disk at a time.
 const BUFFER: usize = 1 << 20;
-
-/// A bounded file may unpack to this many times its size, or to [`UNPACKED`] bytes if that is more. What people pack has
-/// ratios of up to about 20; a bomb has a thousand.
-const RATIO: u64 = 100;
-const UNPACKED: u64 = 1 << 28;
-
-/// The longest line of a bounded file.
-const LONGEST_LINE: usize = 1 << 24;
 
 /// How a file is packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,38 +41,13 @@ pub(crate) struct Source<'a> {
     /// Lines taken by [`Source::next_line`] so far.
     line: usize,
     buffer: Vec<u8>,
-    longest_line: usize,
+    /// Bytes of memory that it may take.
+    memory: u64,
 }
 
 impl<'a> Source<'a> {
-    pub(super) fn open(path: &Path, packing: Packing, progress: Progress<'a>) -> Result<Self> {
-        Self::open_within(path, packing, progress, |_| u64::MAX, usize::MAX)
-    }
-
-    /// As [`Source::open`], for formats that do not say how much there is to come: a file that unpacks to absurdly much, or
-    /// has an absurdly long line, is an error.
-    pub(crate) fn open_bounded(
-        path: &Path,
-        packing: Packing,
-        progress: Progress<'a>,
-    ) -> Result<Self> {
-        let unpacked = |size: u64| size.saturating_mul(RATIO).max(UNPACKED);
-        Self::open_within(path, packing, progress, unpacked, LONGEST_LINE)
-    }
-
-    /// The bytes of a file that would be called `path`.
-    pub(crate) fn of_bytes(path: &Path, bytes: &'a [u8]) -> Self {
-        let reader = Box::new(bytes);
-        Self { path: path.into(), reader, line: 0, buffer: Vec::new(), longest_line: LONGEST_LINE }
-    }
-
-    fn open_within(
-        path: &Path,
-        packing: Packing,
-        progress: Progress<'a>,
-        unpacked: impl Fn(u64) -> u64,
-        longest_line: usize,
-    ) -> Result<Self> {
+    pub(crate) fn open(path: &Path, packing: Packing, options: &SourceOptions<'a>) -> Result<Self> {
+        let progress = options.progress;
         let opened = || {
             let file = File::open(path)?;
             let about = file.metadata()?;
@@ -89,7 +57,8 @@ impl<'a> Source<'a> {
             Ok(Watched { file, size: about.len(), done: 0, progress })
         };
         let watched = opened().map_err(|e| error_at(path, None, e))?;
-        let left = unpacked(watched.size);
+        let memory = memory_limit(watched.size, options.max_memory);
+        let left = memory;
         let raw = BufReader::with_capacity(BUFFER, watched);
         let reader: Box<dyn BufRead + 'a> = match packing {
             Packing::None => Box::new(raw),
@@ -102,7 +71,21 @@ impl<'a> Source<'a> {
                 Box::new(BufReader::with_capacity(BUFFER, Limited { inner, left }))
             }
         };
-        Ok(Self { path: path.into(), reader, line: 0, buffer: Vec::new(), longest_line })
+        Ok(Self { path: path.into(), reader, line: 0, buffer: Vec::new(), memory })
+    }
+
+    /// The bytes of a file that would be called `path`.
+    pub(crate) fn of_bytes(path: &Path, bytes: &'a [u8]) -> Self {
+        let memory = memory_limit(bytes.len() as u64, None);
+        Self { path: path.into(), reader: Box::new(bytes), line: 0, buffer: Vec::new(), memory }
+    }
+
+    /// Refuses `what`, which takes so many bytes of memory, when that is more than this file may take.
+    pub(super) fn check_memory(&self, what: &str, bytes: u64) -> Result<()> {
+        if bytes > self.memory {
+            return Err(self.fail(too_much(what, bytes, self.memory)));
+        }
+        Ok(())
     }
 
     /// The next line, without its end, or `None` at the end of the file.
@@ -120,11 +103,14 @@ impl<'a> Source<'a> {
     pub(crate) fn next_bytes(&mut self) -> Result<Option<&[u8]>> {
         self.buffer.clear();
         self.line += 1;
-        let mut reader = (&mut self.reader).take(self.longest_line as u64);
+        let longest = longest_line(self.memory);
+        let mut reader = (&mut self.reader).take(longest as u64);
         match reader.read_until(b'\n', &mut self.buffer) {
             Ok(0) => return Ok(None),
-            Ok(count) if count == self.longest_line => {
-                let what = format!("a line of {count} bytes or more");
+            Ok(count) if count == longest => {
+                let what = format!(
+                    "a line of {count} bytes or more: a larger max_memory (--max-memory) allows it"
+                );
                 return Err(self.fail(what));
             }
             Ok(_) => {}
@@ -203,7 +189,8 @@ impl<R: Read> Read for Limited<R> {
             Some(left) => self.left = left,
             None => {
                 return Err(io::Error::other(
-                    "unpacks to more than a hundred times its size: if that is meant, unpack it first",
+                    "unpacks to more than this file may take: a larger max_memory (--max-memory) \
+                     allows it",
                 ));
             }
         }

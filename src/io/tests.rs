@@ -9,7 +9,7 @@ use faer::Mat;
 use tempfile::TempDir;
 
 use super::*;
-use crate::ata::RowBlocks;
+use crate::ata::{Accumulator, RowBlocks, RowBounds};
 
 pub(super) struct Folder(TempDir);
 
@@ -206,7 +206,7 @@ fn broken_text_is_refused_with_its_line() {
 #[test]
 fn columns_are_selected_and_others_may_hold_text() {
     let folder = Folder::new();
-    let options = ReadOptions { columns: Some(1..3), progress: Progress::none() };
+    let options = ReadOptions::new().columns(1..3);
     let expected = Mat::from_fn(2, 2, |i, j| (3 * i + j + 2) as f64);
     let csv = folder.file("a.csv", "name,u,v\nann,2,3\nbob,5,6\n");
     assert_eq!(doubles(&read(&csv, &options).unwrap()), expected);
@@ -217,7 +217,7 @@ fn columns_are_selected_and_others_may_hold_text() {
         "%%MatrixMarket matrix coordinate integer general\n2 3 5\n1 1 1\n1 2 2\n1 3 3\n2 2 5\n2 3 6\n",
     );
     assert_eq!(doubles(&read(&mtx, &options).unwrap()), expected);
-    let outside = ReadOptions { columns: Some(1..4), progress: Progress::none() };
+    let outside = ReadOptions::new().columns(1..4);
     for path in [csv, npy, mtx] {
         let error = read(&path, &outside).unwrap_err();
         assert!(matches!(error, Error::Argument { what: "columns", .. }), "{error}");
@@ -300,10 +300,84 @@ fn claims_beyond_all_memory_are_an_error() {
     let folder = Folder::new();
     let path =
         folder.file("a.mtx", "%%MatrixMarket matrix array real general\n99999999 999999999\n1\n");
-    assert!(matches!(read_all(&path), Err(Error::OutOfMemory { .. })));
+    let unlimited = ReadOptions::new().max_memory(u64::MAX);
+    assert!(matches!(read(&path, &unlimited), Err(Error::OutOfMemory { .. })));
     let path = folder.file("a.npy", npy("<f8", "False", "(99999999, 999999999)", &[]));
-    let Err(Error::Io { what, .. }) = read_all(&path) else { panic!("no error of the file") };
+    let Err(Error::Io { what, .. }) = read(&path, &unlimited) else { panic!("no error") };
     assert!(what.contains("announces 99999998900000001 entries"), "{what}");
+}
+
+#[test]
+fn small_files_may_take_a_gibibyte_and_more_if_they_are_told() {
+    let folder = Folder::new();
+    let coordinate = "%%MatrixMarket matrix coordinate real general\n";
+    let array = "%%MatrixMarket matrix array real general\n";
+    let files = [
+        ("a.mtx", format!("{coordinate}1500000000 3 1\n1 1 1\n").into_bytes()),
+        ("b.mtx", format!("{array}99999 99999\n1\n").into_bytes()),
+        ("c.npy", npy("<f8", "False", "(99999, 99999)", &[])),
+    ];
+    for (name, content) in files {
+        let path = folder.file(name, content);
+        let said = read_all(&path).unwrap_err().to_string();
+        assert!(said.contains(name) && said.contains("this file may take 1.00 GiB"), "{said}");
+    }
+    // A matrix of 1000 x 2 entries takes 16,000 bytes.
+    let path = folder.file("d.csv", "1,2\n".repeat(1000));
+    let read = |bytes| read(&path, &ReadOptions::new().max_memory(bytes));
+    assert!(read(16_000).is_ok());
+    let said = read(15_999).unwrap_err().to_string();
+    assert!(said.contains("a larger max_memory (--max-memory) allows it"), "{said}");
+}
+
+#[test]
+fn an_accumulator_gets_memory_for_what_is_there() {
+    // Where the numbers of columns and the end of the strip are, and where the head ends.
+    const COLUMNS: [usize; 2] = [20, 36];
+    const HEAD_LENGTH: usize = 16;
+    let folder = Folder::new();
+    let path = folder.path("a.acc");
+    for (exact, columns) in
+        [(false, 40), (true, 40), (false, 61), (true, 61), (false, 31), (true, 31)]
+    {
+        let bounds = RowBounds::new(vec![-1.0], vec![1.0], 1).unwrap();
+        let sum = match exact {
+            false => Accumulator::<f64>::new(1, false).unwrap(),
+            true => Accumulator::exact(&bounds, false).unwrap(),
+        };
+        write_accumulator(Output::create(&path, Overwrite::Replace).unwrap(), &sum).unwrap();
+        let mut bytes = fs::read(&path).unwrap();
+        for at in COLUMNS {
+            bytes[at..at + 8].copy_from_slice(&(1_u64 << columns).to_le_bytes());
+        }
+        let head = u32::from_le_bytes(bytes[HEAD_LENGTH..][..4].try_into().unwrap()) as usize;
+        let end = HEAD_LENGTH + 4 + head;
+        let check = crc32fast::hash(&bytes[..end]);
+        bytes[end..end + 4].copy_from_slice(&check.to_le_bytes());
+        fs::write(&path, bytes).unwrap();
+        let refused = read_accumulator::<f64>(&path);
+        assert!(matches!(refused, Err(Error::Io { .. })), "2^{columns} columns: {refused:?}");
+    }
+}
+
+#[test]
+fn packed_files_and_lines_end_where_their_memory_does() {
+    let folder = Folder::new();
+    let zeros = vec![b'1'; 3 << 20];
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+    packed.write_all(&zeros).unwrap();
+    let path = folder.file("a.csv.gz", packed.finish().unwrap());
+    let said =
+        |memory: u64| read(&path, &ReadOptions::new().max_memory(memory)).unwrap_err().to_string();
+    assert!(said(1 << 20).contains("a line of 16384 bytes or more"));
+    // All of the line is one number, which is infinite.
+    assert!(read(&path, &ReadOptions::new().max_memory(1_u64 << 30)).is_ok());
+    let rows = b"1\n".repeat(1 << 20);
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+    packed.write_all(&rows).unwrap();
+    let path = folder.file("a.csv.gz", packed.finish().unwrap());
+    let error = read(&path, &ReadOptions::new().max_memory(1_u64 << 20)).unwrap_err();
+    assert!(error.to_string().contains("this file may take"), "{error}");
 }
 
 #[test]
@@ -330,7 +404,7 @@ fn reading_stops_when_progress_says_so() {
     let folder = Folder::new();
     let path = folder.file("a.csv", "1,2\n");
     let stop = |_: f64| ControlFlow::Break(());
-    let options = ReadOptions { columns: None, progress: (&stop).into() };
+    let options = ReadOptions::new().progress(&stop);
     assert_eq!(read(&path, &options).unwrap_err(), Error::Cancelled);
 }
 

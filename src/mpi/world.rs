@@ -4,8 +4,8 @@ use std::ops::{AddAssign, Range};
 use std::thread::{self, ThreadId};
 use std::time::{Duration, Instant};
 
-use ::mpi::collective::SystemOperation;
 use ::mpi::Threading;
+use ::mpi::collective::SystemOperation;
 use ::mpi::datatype::Equivalence;
 use ::mpi::ffi;
 use ::mpi::raw::AsRaw;

@@ -18,7 +18,7 @@ pub use bdf::{Bdf6, Start};
 pub use curve::{CurveOptions, Interval, Method, water_curve};
 pub use elasticity::Elasticity;
 pub use graph::{Plant, Segment};
-pub use read::{PlantFormat, read, read_bytes};
+pub use read::{PlantFormat, read, read_bytes, read_with};
 pub use rods::{Motion, MotionOptions, Pose, RelaxOptions, Relaxation, RodOptions, Rods};
 pub use spectral::SpectralSolution;
 pub use tubes::tubes;

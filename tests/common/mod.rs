@@ -1,6 +1,8 @@
 //! What the integration tests share: oracles, inputs, back ends.
 #![allow(dead_code)] // each test file uses a part
 
+use std::fs::OpenOptions;
+use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -115,14 +117,29 @@ pub fn backends() -> Vec<Arc<dyn Backend>> {
     found
 }
 
-/// The shared data folder (`CATAMARAN_DATA`, default `../shared`), or a printed line.
-pub fn data_folder() -> Option<PathBuf> {
+/// What has this name in the shared data folder (`CATAMARAN_DATA`, default `../shared`).
+///
+/// `None` when it is not there. A test then does without it, and says so in the file that
+/// `CATAMARAN_SKIPPED` names, which `scripts/test` reports: what a test that passes prints is not shown.
+///
+/// # Panics
+/// When it is not there and `CATAMARAN_REQUIRE_DATA` is set.
+pub fn data(name: &str) -> Option<PathBuf> {
     let folder = std::env::var_os("CATAMARAN_DATA")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared"), PathBuf::from);
-    if folder.is_dir() {
-        return Some(folder);
+    let path = folder.join(name);
+    if path.exists() {
+        return Some(path);
     }
-    println!("skipped: no data folder {} (set CATAMARAN_DATA)", folder.display());
+    assert!(
+        std::env::var_os("CATAMARAN_REQUIRE_DATA").is_none(),
+        "{} is not there, and CATAMARAN_REQUIRE_DATA is set",
+        path.display()
+    );
+    if let Some(log) = std::env::var_os("CATAMARAN_SKIPPED") {
+        let mut log = OpenOptions::new().create(true).append(true).open(log).expect("the list");
+        writeln!(log, "skipped: {} is not there", path.display()).expect("a line");
+    }
     None
 }
 

@@ -5,7 +5,6 @@ use catamaran::plant::*;
 
 #[test]
 fn real_plants_are_read_and_lose_their_water_slowly() {
-    let Some(folder) = super::common::data_folder() else { return };
     let expected = [
         ("000", 1964, 1692, 0),
         ("001", 617, 452, 0),
@@ -14,11 +13,8 @@ fn real_plants_are_read_and_lose_their_water_slowly() {
         ("006", 8961, 6889, 246),
     ];
     for (number, nodes, leaves, pinned) in expected {
-        let path = folder.join(format!("plants/plant{number}.txt"));
-        if !path.is_file() {
-            println!("skipped: no {}", path.display());
-            continue;
-        }
+        let name = format!("plants/plant{number}.txt");
+        let Some(path) = super::common::data(&name) else { continue };
         let plant = read(&path).unwrap();
         let count = |f: &dyn Fn(&Segment) -> bool| plant.segments().iter().filter(|s| f(s)).count();
         assert_eq!(

@@ -1,6 +1,8 @@
 //! Slime moulds on surfaces: walks against geodesics in space, and the bars of the specification.
 
 mod atlas;
+#[path = "../common/mod.rs"]
+mod common;
 mod ground;
 mod parameters;
 mod robustness;

@@ -182,7 +182,8 @@ fn rows_of<T: BlasReal>(a: &Matrix) -> Rows<'_, T> {
 fn read(path: &Path, label: &'static str, columns: Option<Range<usize>>) -> Result<Matrix> {
     let bar = Bar::new(label);
     let update = |fraction| bar.update(fraction);
-    named(path, files::read(path, &ReadOptions::new().columns(columns).progress(&update)))
+    let options = ReadOptions::new().columns(columns).progress(&update);
+    named(path, files::read(path, &options.max_memory(crate::input::max_memory())))
 }
 
 /// The file, in errors that know none.

@@ -21,6 +21,7 @@ use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas, fitte
 use catamaran::{Error, Par};
 
 use crate::device::DeviceArgs;
+use crate::input;
 use crate::picture::{View, write_chart};
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
@@ -105,7 +106,7 @@ pub fn run(args: &Args) -> Result<()> {
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let options = args.options()?;
     let (frames, files) = args.frames(options.species)?;
-    let file = meshes::read(&args.mesh)?;
+    let file = input::mesh(&args.mesh)?;
     let mut simulation = args.simulation(&file, &options)?;
     if let Some(path) = &args.resume {
         let source = File::open(path).with_context(|| path.display().to_string())?;

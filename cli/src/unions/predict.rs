@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::io as meshes;
 use catamaran::mesh::{LaplacianOptions, TriMesh};
 use catamaran::unions::{K, PartSpectra, SpectralUnion};
 
+use crate::input;
 use crate::picture::{PLAIN, Paint, PictureArgs};
 use crate::report::report;
 
@@ -49,7 +49,7 @@ pub fn run(args: &Args) -> Result<()> {
     let picture = args.picture.create(overwrite)?;
     let model = model(args.weights.as_deref())?;
     let meshes: Vec<TriMesh> =
-        args.parts.iter().map(|path| Ok(meshes::read(path)?.mesh)).collect::<Result<_>>()?;
+        args.parts.iter().map(|path| Ok(input::mesh(path)?.mesh)).collect::<Result<_>>()?;
     let spectra: Vec<Vec<f64>> = args
         .parts
         .iter()
@@ -123,7 +123,7 @@ fn localized(
     parts: &[&[f64]],
 ) -> Result<(TriMesh, Vec<f64>)> {
     let named = || template.display().to_string();
-    let mesh = meshes::read(template)?.mesh;
+    let mesh = input::mesh(template)?.mesh;
     let on = model.localizer().on_mesh(&mesh, Par::all()).with_context(named)?;
     let inside = on.indicator(&model.locate(parts)?)?;
     Ok((mesh, inside))

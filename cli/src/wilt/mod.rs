@@ -14,9 +14,10 @@ use catamaran::base::Progress;
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io::{self as meshes, MeshFile};
 use catamaran::plant::families::{GrowthOptions, grow};
-use catamaran::plant::{Plant, Segment, read, tubes};
+use catamaran::plant::{Plant, Segment, read_with, tubes};
 use clap::ValueEnum;
 
+use crate::input;
 use crate::picture::write_chart;
 use crate::progress::Bar;
 use crate::report::report;
@@ -71,7 +72,7 @@ pub struct Args {
     #[arg(long, value_name = "NODE")]
     pin: Vec<usize>,
     /// Frames after the first one, at equal times.
-    #[arg(long, value_name = "NUMBER", default_value_t = 24)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 24, value_parser = input::frame_count)]
     frames: usize,
     /// Kind of the meshes.
     #[arg(long, default_value = "ply")]
@@ -158,7 +159,7 @@ pub fn run(args: &Args) -> Result<()> {
 impl Args {
     fn plant(&self) -> Result<Plant> {
         let plant = match (&self.plant, self.grow) {
-            (Some(path), _) => read(path)?,
+            (Some(path), _) => read_with(path, &input::source())?,
             (None, nodes) => {
                 grow(&GrowthOptions::new().nodes(nodes.unwrap_or_default()).seed(self.seed))?
             }

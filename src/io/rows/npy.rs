@@ -12,7 +12,8 @@ use faer::MatMut;
 use faer::prelude::ReborrowMut;
 
 use super::file::{BUFFER, Stamp, canonical, seekable, shrank};
-use crate::base::{Progress, Real, Result};
+use crate::base::{Real, Result};
+use crate::io::SourceOptions;
 use crate::io::npy::Layout;
 use crate::io::source::{Packing, Source, error, error_at};
 
@@ -34,7 +35,7 @@ impl NpyRows {
     pub(super) fn open(path: &Path) -> Result<Self> {
         // A pipe would be waited for.
         seekable(path)?;
-        let layout = Layout::read(&mut Source::open(path, Packing::None, Progress::none())?)?;
+        let layout = Layout::read(&mut Source::open(path, Packing::None, &SourceOptions::new())?)?;
         let opened = File::open(path).and_then(|file| file.metadata().map(|about| (file, about)));
         let (file, metadata) = opened.map_err(|e| error_at(path, None, e))?;
         let stamp = Stamp::of(&metadata);

@@ -1,8 +1,8 @@
 //! Mesh files: OBJ, PLY, OFF and STL in and out, each also gzipped (`.gz`), and `.xz` in.
 //!
 //! A reader trusts nothing: counts in a header reserve no memory before the bytes are there, what is broken is an error that
-//! names the file and the line or the element, and a packed file that unpacks to more than 256 MiB and a hundred times its
-//! size is refused. A writer keeps every bit of the coordinates, but for binary STL, which has single precision, and shows
+//! names the file and the line or the element, and a file that takes more memory than it may is refused
+//! ([`SourceOptions::max_memory`]). A writer keeps every bit of the coordinates, but for binary STL, which has single precision, and shows
 //! its file whole or not at all ([`Output`]).
 
 mod attributes;
@@ -20,8 +20,8 @@ pub use attributes::{Attribute, MeshFile};
 pub use ply::PlyEncoding;
 pub use stl::StlEncoding;
 
-use crate::base::{Error, Progress, Result};
-use crate::io::{Output, Packing, Source};
+use crate::base::{Error, Result};
+use crate::io::{Output, Packing, Source, SourceOptions};
 
 /// The format of a mesh file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,29 +83,31 @@ impl MeshFormat {
 /// [`Error::Io`] with file and line or element; [`Error::Mesh`], with the file, for positions or faces that make no mesh;
 /// [`Error::OutOfMemory`].
 pub fn read(path: &Path) -> Result<MeshFile> {
-    read_with(path, Progress::none())
+    read_with(path, &SourceOptions::new())
 }
 
-/// [`read()`] with a callback that is told the fraction of the file read, and may cancel.
+/// [`read()`] within a limit of memory, and with a callback that is told the fraction of the file read and may
+/// cancel.
 ///
 /// ```
-/// use catamaran::{Error, base::Progress, mesh::{families, io}};
-/// use catamaran::io::{Output, Overwrite};
+/// use catamaran::{Error, mesh::{families, io}};
+/// use catamaran::io::{Output, Overwrite, SourceOptions};
 /// use std::ops::ControlFlow;
 ///
 /// # let folder = tempfile::tempdir().unwrap();
 /// # let path = &folder.path().join("sphere.obj");
 /// io::write(Output::create(path, Overwrite::Never)?, &families::icosphere(1)?.into())?;
 /// let cancel = |_| ControlFlow::Break(());
-/// assert_eq!(io::read_with(path, Progress::from(&cancel)), Err(Error::Cancelled));
+/// let stopped = io::read_with(path, &SourceOptions::new().progress(&cancel));
+/// assert_eq!(stopped, Err(Error::Cancelled));
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
 /// # Errors
 /// As those of [`read()`], and [`Error::Cancelled`].
-pub fn read_with(path: &Path, progress: Progress<'_>) -> Result<MeshFile> {
+pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
     let (format, packing) = MeshFormat::of(path)?;
-    read_source(&mut Source::open_bounded(path, packing, progress)?, format, path)
+    read_source(&mut Source::open(path, packing, options)?, format, path)
 }
 
 /// Reads the mesh in these bytes, not packed, as if they were a file.

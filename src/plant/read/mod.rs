@@ -10,8 +10,8 @@ use std::path::Path;
 
 use self::lines::Lines;
 use super::Plant;
-use crate::base::{Error, Progress, Result};
-use crate::io::{Packing, Source};
+use crate::base::{Error, Result};
+use crate::io::{Packing, Source, SourceOptions};
 
 /// The format of a file of a plant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,8 +63,27 @@ impl PlantFormat {
 /// # Errors
 /// [`Error::Io`] with file and line; [`Error::Mesh`], with the file, for nodes that make no plant ([`Plant::new`]).
 pub fn read(path: &Path) -> Result<Plant> {
+    read_with(path, &SourceOptions::new())
+}
+
+/// [`read()`] within a limit of memory, and with a callback that is told the fraction of the file read and may
+/// cancel.
+///
+/// ```
+/// use catamaran::{io::SourceOptions, plant};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("plant.swc");
+/// std::fs::write(path, "1 1 0 0 0 0.2 -1\n2 3 0 1 0 0.1 1\n").unwrap();
+/// assert!(plant::read_with(path, &SourceOptions::new().max_memory(64)).is_err());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As those of [`read()`], and [`Error::Cancelled`].
+pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<Plant> {
     let (format, packing) = PlantFormat::of(path)?;
-    read_source(Source::open_bounded(path, packing, Progress::none())?, format, path)
+    read_source(Source::open(path, packing, options)?, format, path)
 }
 
 /// Reads the plant in these bytes as if they were a file.
