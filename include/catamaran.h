@@ -185,8 +185,8 @@ typedef struct cata_unions cata_unions;
  *
  * It has a communicator of its own, so that no message of the caller is mistaken for one of the
  * library's. The library never initialises or finalises MPI. MPI is called by the thread that
- * calls, which must be one that may do so; other threads compute, so MPI_THREAD_FUNNELED is what
- * to ask MPI_Init_thread for.
+ * calls, which must be one that may do so; other threads compute, so that MPI_THREAD_FUNNELED is
+ * needed (MPI_Init_thread).
  *
  * Functions that are called collective are called by all ranks of the world, in the same order and
  * with the same numbers unless said otherwise. An error on one rank is an error on all: its own
