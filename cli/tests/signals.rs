@@ -14,8 +14,8 @@ use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::{TriMesh, families, io};
 use common::Folder;
 
-/// What a signal may take: a second, and some patience with a busy machine.
-const SOON: Duration = Duration::from_millis(1500);
+/// What a signal may take: a second, and much patience with a busy machine.
+const SOON: Duration = Duration::from_secs(10);
 
 /// Where the standard output and the errors go.
 const SAID: &str = "said.txt";
