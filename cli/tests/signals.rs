@@ -8,14 +8,15 @@ use std::io::Write as _;
 use std::os::unix::process::ExitStatusExt as _;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::{TriMesh, families, io};
 use common::Folder;
 
-/// What a signal may take: a second, and much patience with a busy machine.
-const SOON: Duration = Duration::from_secs(10);
+/// What a signal may take: a second, and some patience with a busy machine.
+const SOON: Duration = Duration::from_secs(5);
 
 /// Where the standard output and the errors go.
 const SAID: &str = "said.txt";
@@ -35,6 +36,9 @@ impl Run {
     }
 
     fn begin(folder: Folder, mut command: Command) -> Self {
+        // A signal that is handled here has its default effect there: these tests may run where hangups
+        // are ignored, which programs inherit.
+        signal_hook::flag::register(signal_hook::consts::SIGHUP, Arc::default()).unwrap();
         let said = File::create(folder.path(SAID)).unwrap();
         let before = folder.names();
         let child = command.stderr(said.try_clone().unwrap()).stdout(said).spawn().unwrap();

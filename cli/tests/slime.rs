@@ -77,12 +77,12 @@ fn what_is_wrong_is_named() {
     folder.write("grey.png", "no picture");
     let said = folder.fail("slime square.obj --config c.toml -o out --mask grey.png");
     assert!(said.contains("grey.png"), "{said}");
-    // A header alone: 240 GB of pixels.
+    // A header that announces 240 GB of pixels, and none of them.
     let file = fs::File::create(folder.path("large.png")).unwrap();
     let mut encoder = png::Encoder::new(file, 200_000, 200_000);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Sixteen);
-    drop(encoder.write_header().unwrap());
+    encoder.write_header().unwrap().write_chunk(png::chunk::IDAT, &[]).unwrap();
     let said = folder.fail("slime square.obj --config c.toml -o out --mask large.png");
     assert!(said.contains("large.png: 200000 x 200000 pixels"), "{said}");
     assert!(!folder.path("out/frame-0900.png").exists());
