@@ -405,7 +405,7 @@ fn shared_meshes_agree_with_their_index() {
     let Some(list) = common::data("meshes/INDEX.tsv") else { return };
     let folder = list.parent().unwrap();
     let lines = index(folder);
-    // Of later files, of issue 23, the index has no numbers.
+    // Of some files the index has no numbers.
     let known: Vec<_> = lines.iter().filter(|line| !line[1].is_empty()).collect();
     assert!(known.len() >= 27, "{}", known.len());
     for line in known {

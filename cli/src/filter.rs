@@ -35,7 +35,7 @@ pub struct Args {
     #[arg(long, value_name = "COUNT")]
     high_pass: Option<usize>,
     /// Keep the frequencies from number FIRST (from 0) to before number END.
-    #[arg(long, value_name = "FIRST..END", value_parser = crate::ata::parse::columns)]
+    #[arg(long, value_name = "FIRST..END", value_parser = crate::parse::columns)]
     band: Option<std::ops::Range<usize>>,
     /// Smooth as heat does in the time T, as a part of the area.
     #[arg(long, value_name = "T")]

@@ -1,4 +1,4 @@
-//! What comes in: files, each within the memory it may take, and numbers of things that are made.
+//! Files that commands read: each within the memory it may take.
 
 use std::path::Path;
 use std::sync::OnceLock;
@@ -24,23 +24,14 @@ pub fn max_memory() -> Option<u64> {
     MAX_MEMORY.get().copied()
 }
 
-/// How files are read that show no bar.
+/// How files are read, without a progress bar.
 pub fn source<'a>() -> SourceOptions<'a> {
     SourceOptions::new().max_memory(max_memory())
 }
 
-/// Reads a mesh.
+/// Reads a mesh, and shows a progress bar meanwhile.
 pub fn mesh(path: &Path) -> catamaran::Result<MeshFile> {
     let bar = Bar::new("reading");
     let update = |fraction| bar.update(fraction);
     meshes::read_with(path, &source().progress(Progress::new(&update)))
-}
-
-/// A number of frames: each is a file, of which a folder should not hold more.
-pub fn frame_count(text: &str) -> Result<usize, String> {
-    const MOST: usize = 100_000;
-    match text.parse() {
-        Ok(count) if count <= MOST => Ok(count),
-        _ => Err(format!("expected a number of at most {MOST}")),
-    }
 }

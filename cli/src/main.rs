@@ -14,6 +14,7 @@ mod input;
 mod merge;
 mod mesh;
 mod newton;
+mod parse;
 mod picture;
 mod progress;
 mod ranks;
@@ -39,7 +40,7 @@ use clap::{Parser, Subcommand};
 struct Cli {
     /// Memory that a file read may take, for what it unpacks to and for what its header announces;
     /// default a hundred times its size, or 1 GiB if that is more.
-    #[arg(long, global = true, value_name = "GIB", value_parser = ata::parse::gibibytes)]
+    #[arg(long, global = true, value_name = "GIB", value_parser = parse::gibibytes)]
     max_memory: Option<usize>,
     #[command(subcommand)]
     command: Command,

@@ -9,7 +9,8 @@ use catamaran::blas::BlasReal;
 use catamaran::io::{self as files, Output, Overwrite};
 use clap::ArgGroup;
 
-use crate::ata::{parse, write_matrix};
+use crate::ata::write_matrix;
+use crate::parse;
 use crate::progress::Bar;
 use crate::report::report;
 

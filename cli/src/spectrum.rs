@@ -9,8 +9,8 @@ use catamaran::mesh::{Boundary, Laplacian, LaplacianOptions, MassKind, laplacian
 use catamaran::sparse::{EigenOptions, Eigenpairs};
 use clap::ValueEnum;
 
-use crate::ata::parse;
 use crate::input;
+use crate::parse;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
 use crate::ranks::Ranks;

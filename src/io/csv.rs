@@ -66,7 +66,7 @@ pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> R
             return Err(source.fail(what));
         }
         debug_assert_eq!(values.len() - before, kept.len());
-        source.check_memory("the table so far", size_of_val(&values[..]) as u64)?;
+        source.check_memory::<f64>("the table so far", values.len())?;
         nrows += 1;
     }
     if nrows == 0 {

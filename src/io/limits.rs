@@ -1,6 +1,8 @@
 //! How much memory a file may make its reader take. A header of a few bytes can announce terabytes, and
 //! a small packed file can hold them.
 
+use std::fmt::Display;
+
 use crate::base::{Progress, builder};
 
 /// Memory that a file may take, at least: more than this, and than [`RATIO`] times its size, is asked for
@@ -30,7 +32,7 @@ builder! { SourceOptions<'a> {
 }}
 
 /// The bytes of memory that a file of `size` bytes may take, where the caller may have set a limit.
-pub fn memory_limit(size: u64, max_memory: Option<u64>) -> u64 {
+pub(super) fn memory_limit(size: u64, max_memory: Option<u64>) -> u64 {
     max_memory.unwrap_or_else(|| size.saturating_mul(RATIO).max(LEAST))
 }
 
@@ -39,13 +41,16 @@ pub(super) fn longest_line(memory: u64) -> usize {
     usize::try_from(memory / LINES).unwrap_or(usize::MAX)
 }
 
-/// What is wrong with a file that asks for `bytes`, of which it may take `limit`.
-pub(super) fn too_much(what: &str, bytes: u64, limit: u64) -> String {
+/// What is wrong when `what` takes so many bytes, and a file may take `limit`, if anything is.
+pub(super) fn check_memory(limit: u64, what: impl Display, bytes: u64) -> Result<(), String> {
+    if bytes <= limit {
+        return Ok(());
+    }
     let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
-    format!(
-        "{what} takes {:.2} GiB of memory, and this file may take {:.2} GiB: a larger max_memory \
-         (--max-memory) allows it",
+    Err(format!(
+        "{what} would take {:.2} GiB of memory, and this file may take {:.2} GiB: a larger \
+         max_memory (--max-memory) allows it",
         gib(bytes),
         gib(limit)
-    )
+    ))
 }

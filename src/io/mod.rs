@@ -34,7 +34,7 @@ use std::path::Path;
 pub use accumulator::{accumulator_scalar, read_accumulator, write_accumulator};
 pub use arrays::{ArraysWriter, check_arrays_name, write_arrays};
 use faer::MatRef;
-pub use limits::{SourceOptions, memory_limit};
+pub use limits::SourceOptions;
 pub use matrix::{Dense, Matrix, SparseRows};
 pub use npz::{Array, NpzWriter, write_npz};
 pub use output::{Output, Overwrite, discard_unfinished};

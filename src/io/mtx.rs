@@ -99,9 +99,9 @@ fn coordinate(
     columns: &Range<usize>,
 ) -> Result<Matrix> {
     // Where each row begins; sprs would abort where this refuses.
-    let starts = (nrows as u64).saturating_add(1).saturating_mul(size_of::<usize>() as u64);
-    source.check_memory(&format!("a sparse matrix of {nrows} rows"), starts)?;
-    drop(reserved::<usize>(nrows.saturating_add(1))?);
+    let starts = nrows.saturating_add(1);
+    source.check_memory::<usize>(format_args!("a sparse matrix of {nrows} rows"), starts)?;
+    drop(reserved::<usize>(starts)?);
     // The header may lie about the number of entries, not about memory that is really there.
     let likely = entries.min(1 << 24);
     let (mut rows, mut cols, mut values) =
@@ -171,8 +171,7 @@ fn array(
     columns: Range<usize>,
 ) -> Result<Matrix> {
     let len = nrows.checked_mul(ncols).ok_or_else(|| source.fail("shape too large"))?;
-    let bytes = (len as u64).saturating_mul(size_of::<f64>() as u64);
-    source.check_memory(&format!("a {nrows} x {ncols} matrix"), bytes)?;
+    source.check_memory::<f64>(format_args!("a {nrows} x {ncols} matrix"), len)?;
     let mut values: Vec<f64> = reserved(len)?;
     if len == 0 {
         nothing_more(source, len)?;

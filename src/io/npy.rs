@@ -197,8 +197,7 @@ pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> R
 /// All entries, and nothing after them.
 fn values<T: Real>(source: &mut Source<'_>, layout: &Layout) -> Result<Vec<T>> {
     let len = layout.len();
-    let bytes = (len as u64).saturating_mul(size_of::<T>() as u64);
-    source.check_memory(&format!("a matrix of the {len} entries announced"), bytes)?;
+    source.check_memory::<T>(format_args!("a matrix of the {len} entries announced"), len)?;
     let mut values = reserved(len).map_err(|_| {
         source.fail(format!("its header announces {len} entries, more than memory can hold"))
     })?;

@@ -1,10 +1,11 @@
+use std::fmt::{self, Display};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use flate2::bufread::MultiGzDecoder;
 
-use super::limits::{SourceOptions, longest_line, memory_limit, too_much};
+use super::limits::{SourceOptions, check_memory, longest_line, memory_limit};
 use super::xz::Unpacker;
 use crate::base::{Error, Progress, Result};
 
@@ -58,17 +59,16 @@ impl<'a> Source<'a> {
         };
         let watched = opened().map_err(|e| error_at(path, None, e))?;
         let memory = memory_limit(watched.size, options.max_memory);
-        let left = memory;
         let raw = BufReader::with_capacity(BUFFER, watched);
         let reader: Box<dyn BufRead + 'a> = match packing {
             Packing::None => Box::new(raw),
             Packing::Gzip => {
                 let inner = MultiGzDecoder::new(raw);
-                Box::new(BufReader::with_capacity(BUFFER, Limited { inner, left }))
+                Box::new(BufReader::with_capacity(BUFFER, Limited { inner, left: memory }))
             }
             Packing::Xz => {
                 let inner = Unpacker::new(raw).map_err(|e| error_at(path, None, e))?;
-                Box::new(BufReader::with_capacity(BUFFER, Limited { inner, left }))
+                Box::new(BufReader::with_capacity(BUFFER, Limited { inner, left: memory }))
             }
         };
         Ok(Self { path: path.into(), reader, line: 0, buffer: Vec::new(), memory })
@@ -80,12 +80,11 @@ impl<'a> Source<'a> {
         Self { path: path.into(), reader: Box::new(bytes), line: 0, buffer: Vec::new(), memory }
     }
 
-    /// Refuses `what`, which takes so many bytes of memory, when that is more than this file may take.
-    pub(super) fn check_memory(&self, what: &str, bytes: u64) -> Result<()> {
-        if bytes > self.memory {
-            return Err(self.fail(too_much(what, bytes, self.memory)));
-        }
-        Ok(())
+    /// Refuses `what`, which takes the memory of `len` values of T, when that is more than this file may
+    /// take.
+    pub(super) fn check_memory<T>(&self, what: impl Display, len: usize) -> Result<()> {
+        let bytes = (len as u64).saturating_mul(size_of::<T>() as u64);
+        check_memory(self.memory, what, bytes).map_err(|what| self.fail(what))
     }
 
     /// The next line, without its end, or `None` at the end of the file.
@@ -153,6 +152,31 @@ impl<'a> Source<'a> {
     /// The last line for an error: none before the first, or in a file that is not text.
     fn at(&self) -> Option<usize> {
         (self.line > 0).then_some(self.line)
+    }
+}
+
+impl SourceOptions<'_> {
+    /// Refuses `what` a file announces, which takes so many bytes of memory, when that is more than the
+    /// file may take. For readers of other formats than those of this crate.
+    ///
+    /// ```
+    /// use catamaran::io::SourceOptions;
+    ///
+    /// # let folder = tempfile::tempdir().unwrap();
+    /// # let path = &folder.path().join("large.png");
+    /// std::fs::write(path, "a header").unwrap();
+    /// let options = SourceOptions::new();
+    /// assert!(options.check_memory(path, "200 x 200 pixels", 120_000).is_ok());
+    /// assert!(options.check_memory(path, "200000 x 200000 pixels", 120_000_000_000).is_err());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Io`], also when the file can't be looked at.
+    pub fn check_memory(&self, path: &Path, what: impl Display, bytes: u64) -> Result<()> {
+        let about = path.metadata().map_err(|e| error_at(path, None, e))?;
+        check_memory(memory_limit(about.len(), self.max_memory), what, bytes)
+            .map_err(|what| error(path, None, what))
     }
 }
 
@@ -238,8 +262,8 @@ impl Read for Watched<'_> {
 #[derive(Debug)]
 struct Stopped;
 
-impl std::fmt::Display for Stopped {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+impl Display for Stopped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("cancelled")
     }
 }

@@ -2,7 +2,6 @@
 
 mod checkpoint;
 mod memory;
-pub mod parse;
 mod source;
 
 use std::num::NonZeroUsize;
@@ -24,6 +23,7 @@ use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
 
 use self::checkpoint::Checkpoint;
 use self::source::{Part, Source, Watched};
+use crate::parse;
 use crate::progress::{self, Bar};
 use crate::ranks::{Ranks, Scalar};
 use crate::report::{report, seconds};

@@ -13,6 +13,7 @@ use catamaran::faer::prelude::ReborrowMut;
 use catamaran::faer::{Mat, MatMut};
 use catamaran::io::{self as files, CsMat, Matrix, ReadOptions, RowFile, SparseRows};
 
+use crate::input;
 use crate::progress::Bar;
 
 /// The matrix A.
@@ -183,7 +184,7 @@ fn read(path: &Path, label: &'static str, columns: Option<Range<usize>>) -> Resu
     let bar = Bar::new(label);
     let update = |fraction| bar.update(fraction);
     let options = ReadOptions::new().columns(columns).progress(&update);
-    named(path, files::read(path, &options.max_memory(crate::input::max_memory())))
+    named(path, files::read(path, &options.max_memory(input::max_memory())))
 }
 
 /// The file, in errors that know none.

@@ -15,7 +15,7 @@ use catamaran::texture::newton::{
 use clap::ValueEnum;
 
 use crate::device::{self, Device, DeviceArgs};
-use crate::input::frame_count;
+use crate::parse;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
 use crate::report::{report, seconds};
@@ -47,7 +47,7 @@ pub struct Args {
     #[arg(long, value_name = "W", default_value_t = 0.0, allow_hyphen_values = true)]
     w: f64,
     /// So many outputs, w going from --w to --w-to; they are called NAME-000, NAME-001 and so on.
-    #[arg(long, value_name = "N", requires = "w_to", value_parser = frame_count)]
+    #[arg(long, value_name = "N", requires = "w_to", value_parser = parse::frame_count)]
     frames: Option<usize>,
     /// The fourth coordinate of the last frame.
     #[arg(long, value_name = "W", requires = "frames", allow_hyphen_values = true)]

@@ -5,7 +5,7 @@ use std::io::BufReader;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use catamaran::io::{Output, memory_limit};
+use catamaran::io::Output;
 use catamaran::texture::slime::{FREE, GOAL, Mask, OBSTACLE, Simulation};
 
 use crate::input;
@@ -75,20 +75,14 @@ fn write_one(
 /// texels take the pixel at their centre.
 pub fn read_mask(path: &Path, size: usize) -> Result<Mask> {
     let named = || path.display().to_string();
-    let file = File::open(path).with_context(named)?;
-    let limit = memory_limit(file.metadata().with_context(named)?.len(), input::max_memory());
-    let mut decoder = png::Decoder::new(BufReader::new(file));
+    let file = BufReader::new(File::open(path).with_context(named)?);
+    let mut decoder = png::Decoder::new(file);
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().with_context(named)?;
-    let size_in_memory = reader.output_buffer_size().filter(|&bytes| bytes as u64 <= limit);
-    let bytes = size_in_memory.with_context(|| {
-        let (width, height) = (reader.info().width, reader.info().height);
-        format!(
-            "{}: {width} x {height} pixels take more memory than this file may, {limit} bytes: \
-             --max-memory allows more",
-            named()
-        )
-    })?;
+    let (width, height) = (reader.info().width, reader.info().height);
+    let bytes = reader.output_buffer_size().unwrap_or(usize::MAX);
+    let what = format_args!("{width} x {height} pixels");
+    input::source().check_memory(path, what, bytes as u64)?;
     let mut pixels = Vec::new();
     pixels.try_reserve_exact(bytes).with_context(named)?;
     pixels.resize(bytes, 0);

@@ -18,6 +18,7 @@ use catamaran::plant::{Plant, Segment, read_with, tubes};
 use clap::ValueEnum;
 
 use crate::input;
+use crate::parse;
 use crate::picture::write_chart;
 use crate::progress::Bar;
 use crate::report::report;
@@ -72,7 +73,7 @@ pub struct Args {
     #[arg(long, value_name = "NODE")]
     pin: Vec<usize>,
     /// Frames after the first one, at equal times.
-    #[arg(long, value_name = "NUMBER", default_value_t = 24, value_parser = input::frame_count)]
+    #[arg(long, value_name = "NUMBER", default_value_t = 24, value_parser = parse::frame_count)]
     frames: usize,
     /// Kind of the meshes.
     #[arg(long, default_value = "ply")]

@@ -8,7 +8,7 @@ use super::x86::{Avx2, Avx512};
 pub enum Isa {
     /// AVX-512.
     Avx512,
-    /// AVX2 with FMA.
+    /// AVX2 with FMA and BMI2.
     Avx2,
     /// Plain Rust.
     Portable,

@@ -1,4 +1,4 @@
-//! AVX-512 and AVX2 with FMA.
+//! AVX-512 and AVX2, with FMA and BMI2.
 
 use std::arch::x86_64::*;
 
@@ -182,7 +182,7 @@ impl Avx512 {
     }
 }
 
-/// Exists only where the CPU has AVX2 and FMA: what makes its kernels sound.
+/// Exists only where the CPU has AVX2, FMA and BMI2: what makes its kernels sound.
 pub(super) struct Avx2(());
 
 impl Avx2 {

@@ -71,3 +71,12 @@ pub fn gibibytes(text: &str) -> Result<usize, String> {
         _ => Err("expected a number of GiB above 0".into()),
     }
 }
+
+/// A number of frames: each is a file, of which a folder should not hold more.
+pub fn frame_count(text: &str) -> Result<usize, String> {
+    const MOST: usize = 100_000;
+    match text.parse() {
+        Ok(count) if count <= MOST => Ok(count),
+        _ => Err(format!("expected a number of at most {MOST}")),
+    }
+}
