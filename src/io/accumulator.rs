@@ -49,7 +49,13 @@ pub fn write_accumulator<T: BlasReal>(
 /// [`Error::Io`](crate::Error::Io): no such file, or not a whole and undamaged accumulator of T;
 /// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
 pub fn read_accumulator<T: BlasReal>(path: &Path) -> Result<Accumulator<T>> {
-    Accumulator::read(&mut open(path)?).map_err(|e| error_at(path, None, e))
+    let mut source = open(path)?;
+    let read = source.get_ref().metadata().and_then(|about| {
+        // A pipe has no length.
+        let bytes = if about.is_file() { about.len() } else { u64::MAX };
+        Accumulator::read_within(&mut source, bytes)
+    });
+    read.map_err(|e| error_at(path, None, e))
 }
 
 /// The scalar of the accumulator in the file at `path`, `"f32"` or `"f64"`.

@@ -97,9 +97,6 @@ impl Layout {
     /// Takes the header from the start of `source`.
     pub(super) fn read(source: &mut Source<'_>) -> Result<Self> {
         let head = head(source).map_err(|e| source.io_error(e))?;
-        if shape_overflows(&head) {
-            return Err(source.fail("shape too large"));
-        }
         let header = NpyHeader::from_reader(&head[..]);
         let header = header.map_err(|e| match source.io_error(e) {
             Error::Io { path, line, what, cause } => {
@@ -156,8 +153,10 @@ impl Layout {
     }
 }
 
-/// The bytes before the entries, or as many as there are; of another kind of file only the first.
-fn head(source: &mut Source<'_>) -> io::Result<Vec<u8>> {
+/// The bytes before the entries, or as many as there are; of another kind of file only the first. Those that
+/// are said to be very many are an error, as are more entries than can be counted: crate npyz would ask for
+/// the memory, or panic.
+pub(super) fn head(source: &mut impl Read) -> io::Result<Vec<u8>> {
     let mut head = Vec::new();
     source.by_ref().take(8).read_to_end(&mut head)?;
     if head.starts_with(b"\x93NUMPY") {
@@ -165,12 +164,19 @@ fn head(source: &mut Source<'_>) -> io::Result<Vec<u8>> {
         source.by_ref().take(length_bytes).read_to_end(&mut head)?;
         let length = head.get(8..).unwrap_or_default();
         let length = length.iter().rev().fold(0, |length, &byte| (length << 8) | u64::from(byte));
-        source.by_ref().take(length.min(LONGEST_HEADER)).read_to_end(&mut head)?;
+        if length > LONGEST_HEADER {
+            let what = format!("broken npy header: it is said to have {length} bytes");
+            return Err(io::Error::new(io::ErrorKind::InvalidData, what));
+        }
+        source.by_ref().take(length).read_to_end(&mut head)?;
+    }
+    if shape_overflows(&head) {
+        return Err(io::Error::new(io::ErrorKind::InvalidData, "shape too large"));
     }
     Ok(head)
 }
 
-/// Whether the header announces more entries than can be counted, over which crate npyz would panic.
+/// Whether the header announces more entries than can be counted.
 fn shape_overflows(head: &[u8]) -> bool {
     let text = String::from_utf8_lossy(head);
     let Some((_, rest)) = text.rsplit_once("shape") else { return false };

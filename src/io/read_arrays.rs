@@ -9,6 +9,8 @@ use faer::Mat;
 use npyz::{NpyFile, Order, TypeChar};
 
 use super::arrays::{Format, format_of};
+use super::limits::SourceOptions;
+use super::npy;
 use super::source::error;
 use super::stored::{Entries, Stored};
 use crate::base::{Error, Result, reserved};
@@ -40,10 +42,30 @@ pub struct Arrays {
 /// # Errors
 /// [`Error::Io`] names the file, and the array that is broken or of another type.
 pub fn read_arrays(path: &Path) -> Result<Arrays> {
+    read_arrays_with(path, &SourceOptions::new())
+}
+
+/// [`read_arrays`] within a limit of memory, and with a callback that is told the fraction of the arrays
+/// read and may cancel.
+///
+/// ```
+/// use catamaran::io::{Array, Output, Overwrite, SourceOptions, read_arrays_with, write_arrays};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("a.npz");
+/// let output = Output::create(path, Overwrite::Never)?;
+/// write_arrays(output, &[("values", Array::Vector(&[0.0; 100]))])?;
+/// assert!(read_arrays_with(path, &SourceOptions::new().max_memory(64)).is_err());
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`read_arrays`]; [`Error::Io`] when all arrays take more than the limit, [`Error::Cancelled`].
+pub fn read_arrays_with(path: &Path, options: &SourceOptions<'_>) -> Result<Arrays> {
     let arrays = match format_of(path)? {
-        Format::Npz => read_npz(path)?,
+        Format::Npz => read_npz(path, options)?,
         #[cfg(feature = "hdf5")]
-        Format::Hdf5 => super::hdf5::read(path)?,
+        Format::Hdf5 => super::hdf5::read(path, options)?,
     };
     Ok(Arrays { path: path.into(), arrays })
 }
@@ -115,16 +137,19 @@ impl Arrays {
     }
 }
 
-fn read_npz(path: &Path) -> Result<BTreeMap<String, Stored>> {
+fn read_npz(path: &Path, options: &SourceOptions<'_>) -> Result<BTreeMap<String, Stored>> {
     let fail = |e: &dyn std::fmt::Display| error(path, None, e.to_string());
     let file = File::open(path).map_err(|e| fail(&e))?;
     let mut archive = zip::ZipArchive::new(BufReader::new(file)).map_err(|e| fail(&e))?;
     let mut arrays = BTreeMap::new();
+    let mut total = 0u64;
     for i in 0..archive.len() {
+        options.progress.report(i as f64 / archive.len() as f64)?;
         let mut entry = archive.by_index(i).map_err(|e| fail(&e))?;
         let name = entry.name().map_err(|e| fail(&e))?.trim_end_matches(".npy").to_owned();
-        let bytes = usize::try_from(entry.size()).map_err(|e| fail(&e))?;
-        let mut content = reserved(bytes)?;
+        total = total.saturating_add(entry.size());
+        options.check_memory(path, "all its arrays", total)?;
+        let mut content = reserved(entry.size() as usize)?;
         entry.read_to_end(&mut content).map_err(|e| fail(&format!("`{name}`: {e}")))?;
         let stored = decode(&content).map_err(|e| fail(&format!("`{name}`: {e}")))?;
         arrays.insert(name, stored);
@@ -133,6 +158,7 @@ fn read_npz(path: &Path) -> Result<BTreeMap<String, Stored>> {
 }
 
 fn decode(content: &[u8]) -> std::io::Result<Stored> {
+    npy::head(&mut &content[..])?;
     let file = NpyFile::new(content)?;
     let lengths = file.shape().iter().map(|&n| usize::try_from(n));
     let shape = lengths.collect::<std::result::Result<_, _>>().map_err(std::io::Error::other)?;
@@ -202,5 +228,33 @@ mod tests {
             assert!(matches!(read_arrays(&path).unwrap_err(), Error::Io { .. }));
         }
         assert!(read_arrays(&folder.path().join("a.txt")).is_err());
+    }
+
+    #[test]
+    fn headers_of_arrays_that_announce_too_much_are_refused() {
+        let shape =
+            "{'descr': '<f8', 'fortran_order': False, 'shape': (9999999999, 9999999999), }\n";
+        let mut product = b"\x93NUMPY\x01\x00".to_vec();
+        product.extend((shape.len() as u16).to_le_bytes());
+        product.extend(shape.as_bytes());
+        let long = b"\x93NUMPY\x02\x00\xff\xff\xff\x7f{";
+        for (content, expected) in [(&product[..], "too large"), (&long[..], "2147483647 bytes")] {
+            let said = decode(content).unwrap_err().to_string();
+            assert!(said.contains(expected), "{said}");
+        }
+    }
+
+    #[cfg(feature = "hdf5")]
+    #[test]
+    fn entries_that_are_only_announced_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.h5");
+        let file = ::hdf5::File::create(&path).unwrap();
+        let dataset = file.new_dataset::<f64>().chunk(1024).shape(1usize << 40);
+        dataset.create("v").unwrap();
+        file.close().unwrap();
+        assert!(path.metadata().unwrap().len() < 10_000);
+        let said = read_arrays(&path).unwrap_err().to_string();
+        assert!(said.contains("8192.00 GiB"), "{said}");
     }
 }

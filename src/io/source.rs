@@ -12,6 +12,9 @@ use crate::base::{Error, Progress, Result};
 /// Bytes read from the disk at a time.
 const BUFFER: usize = 1 << 20;
 
+/// The least of them.
+const SMALLEST: u64 = 1 << 16;
+
 /// How a file is packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Packing {
@@ -59,16 +62,18 @@ impl<'a> Source<'a> {
         };
         let watched = opened().map_err(|e| error_at(path, None, e))?;
         let memory = memory_limit(watched.size, options.max_memory);
-        let raw = BufReader::with_capacity(BUFFER, watched);
+        // A small file takes a small buffer; a pipe has no size.
+        let buffer = BUFFER.min(watched.size.max(SMALLEST) as usize);
+        let raw = BufReader::with_capacity(buffer, watched);
         let reader: Box<dyn BufRead + 'a> = match packing {
             Packing::None => Box::new(raw),
             Packing::Gzip => {
                 let inner = MultiGzDecoder::new(raw);
-                Box::new(BufReader::with_capacity(BUFFER, Limited { inner, left: memory }))
+                Box::new(BufReader::with_capacity(buffer, Limited { inner, left: memory }))
             }
             Packing::Xz => {
                 let inner = Unpacker::new(raw).map_err(|e| error_at(path, None, e))?;
-                Box::new(BufReader::with_capacity(BUFFER, Limited { inner, left: memory }))
+                Box::new(BufReader::with_capacity(buffer, Limited { inner, left: memory }))
             }
         };
         Ok(Self { path: path.into(), reader, line: 0, buffer: Vec::new(), memory })

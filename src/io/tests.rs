@@ -155,6 +155,7 @@ fn broken_npy_is_refused() {
         (b"not numpy at all".to_vec(), "broken npy header: magic"),
         (npy("<f8", "False", "(1, 1)", &eight)[..40].to_vec(), "broken npy header: truncated"),
         (npy("<f8", "maybe", "(1, 1)", &eight), "broken npy header"),
+        (b"\x93NUMPY\x02\x00\xff\xff\xff\x7f{".to_vec(), "broken npy header: it is said to have"),
         (npy("<f8", "False", "(2, 1)", &eight), "truncated: fewer than the 2 entries"),
         (npy("<f8", "False", "(0, 1)", &eight), "data after the 0 entries"),
         (npy("<f8", "False", "(1, 1, 1)", &eight), "an array of 3 dimensions"),

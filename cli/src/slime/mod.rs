@@ -3,6 +3,7 @@
 mod config;
 mod curves;
 mod images;
+mod mask;
 mod on_device;
 mod view;
 
@@ -289,7 +290,7 @@ impl Args {
             ));
         }
         let mask = match &self.mask {
-            Some(path) => images::read_mask(path, options.size)?,
+            Some(path) => mask::read(path, options.size, &input::source())?,
             None => Mask::default(),
         };
         let mut charts = surface.charts().to_vec();

@@ -2,7 +2,15 @@
 
 use std::path::Path;
 
-const HEADER: &str = "include/catamaran.h";
+use crate::generated::Generated;
+
+/// `include/catamaran.h`.
+pub const HEADER: Generated = Generated {
+    name: "include/catamaran.h",
+    source: "src/capi",
+    command: "cargo xtask header",
+    generate,
+};
 
 /// The files of the C ABI, in the order of the header.
 const FILES: &[&str] = &[
@@ -35,29 +43,6 @@ const FILES: &[&str] = &[
 
 /// Exported for tests; last in the header.
 const INTERNAL: &str = "internal";
-
-/// Writes the header.
-pub fn write(root: &Path) -> Result<(), String> {
-    let path = root.join(HEADER);
-    std::fs::write(&path, generate(root)?).map_err(|e| format!("{}: {e}", path.display()))
-}
-
-/// Fails if the header on disk is not up to date.
-pub fn check(root: &Path) -> Result<(), String> {
-    let (is, should_be) = (super::read(&root.join(HEADER))?, generate(root)?);
-    if is == should_be {
-        return Ok(());
-    }
-    let line = is.lines().zip(should_be.lines()).take_while(|(a, b)| a == b).count();
-    let of = |text: &str| text.lines().nth(line).unwrap_or("(end of file)").to_owned();
-    Err(format!(
-        "{HEADER} has drifted from src/capi: run `cargo xtask header` and commit it.\n\
-         line {}\n  is        {}\n  should be {}",
-        line + 1,
-        of(&is),
-        of(&should_be)
-    ))
-}
 
 fn generate(root: &Path) -> Result<String, String> {
     let capi = root.join("src/capi");

@@ -1,7 +1,10 @@
 //! Chores of the repository: `cargo xtask help`.
 
+mod generated;
 mod header;
 mod msrv;
+mod notice;
+mod packages;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -9,14 +12,18 @@ use std::process::ExitCode;
 const HELP: &str = "\
 cargo xtask header            write include/catamaran.h from src/capi
 cargo xtask header --check    fail if include/catamaran.h is not what would be written
+cargo xtask notice            write NOTICE from the packages in Cargo.lock
+cargo xtask notice --check    fail if NOTICE is not what would be written
 cargo xtask msrv              fail if a dependency needs a newer Rust than we promise";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match arguments[..] {
-        ["header"] => header::write(&root()),
-        ["header", "--check"] => header::check(&root()),
+        ["header"] => header::HEADER.write(&root()),
+        ["header", "--check"] => header::HEADER.check(&root()),
+        ["notice"] => notice::NOTICE.write(&root()),
+        ["notice", "--check"] => notice::NOTICE.check(&root()),
         ["msrv"] => msrv::check(&root()),
         ["help" | "--help"] => {
             println!("{HELP}");

@@ -2,61 +2,28 @@
 //! of the command line asks for more. Clippy's `incompatible_msrv` watches our own code, and the
 //! hosted workflow builds with that very version.
 
-use std::collections::HashMap;
 use std::path::Path;
-use std::process::Command;
 
 use serde_json::Value;
 
+use crate::packages::{Graph, text};
+
 /// Fails and names every dependency that needs a newer Rust than `package.rust-version`.
 pub fn check(root: &Path) -> Result<(), String> {
-    let output = Command::new(env!("CARGO"))
-        .args(["metadata", "--format-version", "1", "--locked", "--all-features"])
-        .current_dir(root)
-        .output()
-        .map_err(|e| format!("cargo metadata: {e}"))?;
-    if !output.status.success() {
-        return Err(String::from_utf8_lossy(&output.stderr).into_owned());
-    }
-    let metadata: Value =
-        serde_json::from_slice(&output.stdout).map_err(|e| format!("cargo metadata: {e}"))?;
-    let newer = newer_dependencies(&metadata, &["catamaran", "catamaran-cli"])?;
+    let newer = newer_dependencies(&Graph::read(root, None)?)?;
     if newer.is_empty() { Ok(()) } else { Err(newer.join("\n")) }
 }
 
-/// The dependencies, direct or not, of `ours` that ask for a newer Rust than the first of them.
-fn newer_dependencies(metadata: &Value, ours: &[&str]) -> Result<Vec<String>, String> {
-    let text = |v: &Value, key: &str| v[key].as_str().unwrap_or_default().to_owned();
-    let list = |v: &Value| v.as_array().cloned().unwrap_or_default();
-    let packages: HashMap<String, Value> =
-        list(&metadata["packages"]).into_iter().map(|p| (text(&p, "id"), p)).collect();
-    let nodes: HashMap<String, Value> =
-        list(&metadata["resolve"]["nodes"]).into_iter().map(|n| (text(&n, "id"), n)).collect();
-    let mut waiting: Vec<String> = packages
-        .values()
-        .filter(|p| ours.contains(&text(p, "name").as_str()) && p["source"].is_null())
-        .map(|p| text(p, "id"))
+/// The dependencies, direct or not, that ask for a newer Rust than we do.
+fn newer_dependencies(graph: &Graph) -> Result<Vec<String>, String> {
+    let minimum = graph.ours().into_iter().find_map(version).ok_or("no rust-version")?;
+    // Dependencies of tests do not reach our users.
+    let reached = graph.reached(|_, kind| kind != Some("dev")).into_iter();
+    let mut newer: Vec<String> = reached
+        .filter(|package| version(package).is_some_and(|v| v > minimum))
+        .map(|package| (text(package, "name"), text(package, "rust_version")))
+        .map(|(name, needs)| format!("{name} needs Rust {needs}, newer than our minimum"))
         .collect();
-    let minimum = waiting.iter().find_map(|id| version(&packages[id])).ok_or("no rust-version")?;
-    let mut seen = std::collections::HashSet::new();
-    let mut newer = Vec::new();
-    while let Some(id) = waiting.pop() {
-        if !seen.insert(id.clone()) {
-            continue;
-        }
-        let package = &packages[&id];
-        if version(package).is_some_and(|v| v > minimum) {
-            let (name, needs) = (text(package, "name"), text(package, "rust_version"));
-            newer.push(format!("{name} needs Rust {needs}, newer than our minimum"));
-        }
-        for dependency in list(&nodes[&id]["deps"]) {
-            // Dependencies of tests do not reach our users.
-            let kinds = list(&dependency["dep_kinds"]);
-            if kinds.iter().any(|k| k["kind"].as_str() != Some("dev")) {
-                waiting.push(text(&dependency, "pkg"));
-            }
-        }
-    }
     newer.sort();
     Ok(newer)
 }
@@ -69,7 +36,7 @@ fn version(package: &Value) -> Option<Vec<u32>> {
 
 #[cfg(test)]
 mod tests {
-    use super::newer_dependencies;
+    use super::{Graph, newer_dependencies};
     use serde_json::json;
 
     #[test]
@@ -78,16 +45,17 @@ mod tests {
         let dependency =
             |name: &str, kind: Option<&str>| json!({"pkg": name, "dep_kinds": [{"kind": kind}]});
         let metadata = json!({
-            "packages": [package("us", "1.89"), package("old", "1.60.0"), package("new", "1.90"),
-                package("test-only", "1.99")],
+            "packages": [package("catamaran", "1.89"), package("old", "1.60.0"),
+                package("new", "1.90"), package("test-only", "1.99")],
             "resolve": {"nodes": [
-                {"id": "us", "deps": [dependency("old", None), dependency("test-only", Some("dev"))]},
+                {"id": "catamaran",
+                 "deps": [dependency("old", None), dependency("test-only", Some("dev"))]},
                 {"id": "old", "deps": [dependency("new", Some("build"))]},
                 {"id": "new", "deps": []},
                 {"id": "test-only", "deps": []},
             ]},
         });
-        let newer = newer_dependencies(&metadata, &["us"]).unwrap();
+        let newer = newer_dependencies(&Graph::of(&metadata)).unwrap();
         assert_eq!(newer, ["new needs Rust 1.90, newer than our minimum"]);
     }
 }

@@ -52,6 +52,7 @@ const SHIFTED: u8 = 2;
 const EXACT: u8 = 4;
 const WEIGHTED: u8 = 8;
 const NON_FINITE: u8 = 16;
+const KNOWN: u8 = 31;
 
 /// The scalar of the accumulator whose bytes `source` begins with, `"f32"` or `"f64"`.
 ///
@@ -157,6 +158,12 @@ impl<T: BlasReal> Accumulator<T> {
     /// Those of the source; [`io::ErrorKind::InvalidData`] when the bytes are cut off or damaged,
     /// or not an accumulator of T in this version; [`io::ErrorKind::OutOfMemory`].
     pub fn read(source: &mut dyn Read) -> io::Result<Self> {
+        Self::read_within(source, u64::MAX)
+    }
+
+    /// [`Accumulator::read`] of a source that has at most so many bytes: what takes more is refused before
+    /// there is memory for it.
+    pub(crate) fn read_within(source: &mut dyn Read, bytes: u64) -> io::Result<Self> {
         let mut source = Checked::new(source);
         let scalar = preamble(&mut source)?;
         if scalar != T::NAME {
@@ -180,6 +187,9 @@ impl<T: BlasReal> Accumulator<T> {
         let mut labels = Vec::new();
         for _ in 0..head.number()? {
             labels.push((head.text()?, head.text()?));
+        }
+        if flags & !KNOWN != 0 || !head.stream.is_empty() {
+            return Err(invalid("damaged: its head"));
         }
         let fits = |number: u64| usize::try_from(number).map_err(|_| invalid("damaged: its shape"));
         let [ncols, first, end] = [fits(numbers[0])?, fits(numbers[1])?, fits(numbers[2])?];
@@ -223,6 +233,11 @@ impl<T: BlasReal> Accumulator<T> {
             let sum = source.get_vec(n_if(CENTERED))?;
             let centered = has(CENTERED);
             let moments = Moments { rows, weight, weight_size, centered, shift, sum };
+            let triangle = |rows: usize| rows as u128 * (rows as u128 + 1) / 2;
+            let len = triangle(end) - triangle(first);
+            if len.saturating_mul(size_of::<T>() as u128) > bytes.into() {
+                return Err(invalid("truncated: it ends too early"));
+            }
             let mut c = Strip::new(strip).map_err(no_memory)?;
             for i in 0..end - first {
                 source.get_all(c.lower_row_mut(i))?;

@@ -1,14 +1,15 @@
 //! `catamaran curve`.
 
+mod samples;
+
 use std::fmt::Write as _;
-use std::fs;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::curve::{
-    Count, CurveOptions, CurveSolver, Mode, Placement, Reconstruction, Site, place, refined, smooth,
+    Count, CurveOptions, CurveSolver, Mode, Placement, Reconstruction, place, refined, smooth,
 };
 use catamaran::io::{Output, Overwrite};
 use clap::ValueEnum;
@@ -92,7 +93,7 @@ pub fn run(args: &Args) -> Result<()> {
     let output = Output::create(&args.output, overwrite)?;
     let picture = args.picture.create(overwrite)?;
     let file = input::mesh(&args.mesh)?;
-    let sites = sites(&args.samples)?;
+    let sites = samples::read(&args.samples)?;
     let placement = if args.insert { Placement::Insert } else { Placement::Snap };
     let placed =
         place(&file.mesh, &sites, placement).with_context(|| args.samples.display().to_string())?;
@@ -154,46 +155,6 @@ pub fn run(args: &Args) -> Result<()> {
         bail!("{}: no complete curve: {}", args.mesh.display(), found.outcome);
     }
     Ok(())
-}
-
-/// The samples of a file.
-fn sites(path: &Path) -> Result<Vec<Site>> {
-    let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
-    let mut sites = Vec::new();
-    for (i, line) in text.lines().enumerate() {
-        let words: Vec<&str> =
-            line.split('#').next().unwrap_or_default().split_whitespace().collect();
-        if words.is_empty() {
-            continue;
-        }
-        let site = site(&words).with_context(|| {
-            format!(
-                "{}:{}: neither a vertex, nor a face and three shares, nor a point x y z",
-                path.display(),
-                i + 1
-            )
-        })?;
-        sites.push(site);
-    }
-    Ok(sites)
-}
-
-fn site(words: &[&str]) -> Option<Site> {
-    let numbers = |words: &[&str]| -> Option<[f64; 3]> {
-        let all: Vec<f64> = words.iter().filter_map(|word| word.parse().ok()).collect();
-        all.try_into().ok()
-    };
-    match words {
-        [vertex] => Some(Site::Vertex(index(vertex)?)),
-        [_, _, _] => Some(Site::Near(numbers(words)?)),
-        [face, weights @ ..] => Some(Site::Face { face: index(face)?, weights: numbers(weights)? }),
-        [] => None,
-    }
-}
-
-/// A number of a vertex or face; tables of numbers, such as `catamaran fps` writes, have it as 7.0.
-fn index(word: &str) -> Option<u32> {
-    word.strip_suffix(".0").unwrap_or(word).parse().ok()
 }
 
 fn write(mut output: Output, found: &Reconstruction, format: Format) -> Result<()> {

@@ -1,0 +1,12 @@
+//! Any bytes as packed files: what they unpack to is read or refused.
+#![no_main]
+
+use catamaran::io::read;
+use catamaran::mesh::io::read_with;
+use catamaran_fuzz::{file, matrix_options, source_options};
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    std::hint::black_box(read(&file("a.csv.gz", bytes), &matrix_options()).ok());
+    std::hint::black_box(read_with(&file("a.off.gz", bytes), &source_options()).ok());
+    std::hint::black_box(read_with(&file("a.off.xz", bytes), &source_options()).ok());
+});

@@ -1,0 +1,48 @@
+//! Any bytes as the state of slime moulds on one surface, behind a header that fits or, behind a zero,
+//! their own: a state from which the simulation goes on, or an error.
+#![no_main]
+
+use std::path::Path;
+use std::sync::{LazyLock, Mutex};
+
+use catamaran::Par;
+use catamaran::base::Progress;
+use catamaran::mesh::families;
+use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas};
+
+/// Of a state file before the step.
+const HEADER: usize = 16 + 6 * 4;
+
+/// One for all inputs: a state that is resumed is the whole of it.
+static SIMULATION: LazyLock<Mutex<Simulation>> = LazyLock::new(|| {
+    let sphere = families::icosphere(0).expect("an icosahedron");
+    let surface = Surface::of_faces(&sphere, atlas(&sphere, 32).expect("an atlas"));
+    let options = Options::new().agents(20).size(32);
+    let simulation = Simulation::new(surface.expect("a surface"), &options, &Mask::default());
+    Mutex::new(simulation.expect("a simulation"))
+});
+
+/// What a state of it begins with.
+static HEAD: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    let mut bytes = Vec::new();
+    let simulation = SIMULATION.lock().expect("no panic before");
+    simulation.save(&mut bytes).expect("memory for a state");
+    bytes.truncate(HEADER);
+    bytes
+});
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    let mut state = Vec::new();
+    match bytes {
+        [0, own @ ..] => state.extend(own),
+        _ => {
+            state.extend(&*HEAD);
+            state.extend(bytes);
+        }
+    }
+    let mut simulation = SIMULATION.lock().expect("no panic before");
+    if simulation.resume(&mut &state[..], Path::new("state")).is_ok() {
+        simulation.run(2, Par::Seq, Progress::none()).expect("steps of a state that is one");
+        simulation.state().check(simulation.surface()).expect("a state after two steps");
+    }
+});
