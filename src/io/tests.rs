@@ -151,7 +151,7 @@ fn npy_vector_is_a_column() {
 #[test]
 fn broken_npy_is_refused() {
     let eight = 1.0_f64.to_le_bytes();
-    let cases: [(Vec<u8>, &str); 8] = [
+    let cases: [(Vec<u8>, &str); 9] = [
         (b"not numpy at all".to_vec(), "broken npy header: magic"),
         (npy("<f8", "False", "(1, 1)", &eight)[..40].to_vec(), "broken npy header: truncated"),
         (npy("<f8", "maybe", "(1, 1)", &eight), "broken npy header"),
