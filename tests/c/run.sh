@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # Every test of the C and C++ interface: the header's drift check, ctest plain, under mpirun, with
-# AddressSanitizer and under Valgrind, and a stranger's project against an installed copy.
+# AddressSanitizer and UndefinedBehaviorSanitizer, and under Valgrind, and a stranger's project against
+# an installed copy.
+# The library is compiled as for the Rust tests, whose packages it shares, with checks of overflow.
 # Environment: CARGO_TARGET_DIR (default: target), CATAMARAN_C_BUILD (default: there, c-tests).
 set -euo pipefail
 
@@ -26,7 +28,7 @@ configure() { # BUILD_DIR OPTIONS...
     local dir=$1
     shift
     quietly "configure-$dir" cmake -S . -B "$build/$dir" -DCMAKE_BUILD_TYPE=Debug \
-        -DCATAMARAN_CARGO_TARGET_DIR="$CARGO_TARGET_DIR" "$@"
+        -DCATAMARAN_CARGO_TARGET_DIR="$CARGO_TARGET_DIR" -DCATAMARAN_CARGO_PROFILE=dev "$@"
     quietly "build-$dir" cmake --build "$build/$dir"
 }
 
@@ -44,7 +46,7 @@ else
     kinds+=("mpi: mpicc or mpirun not installed, left out")
 fi
 # Without OpenCL, whose drivers leak, and so that its functions are tested without it too.
-configure asan -DCATAMARAN_MPI=$mpi -DCATAMARAN_SANITIZE=address
+configure asan -DCATAMARAN_MPI=$mpi -DCATAMARAN_SANITIZE=address,undefined
 tests asan asan -L '^c$'
 if command -v valgrind > /dev/null; then
     tests valgrind plain -L '^valgrind$'

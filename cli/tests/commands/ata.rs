@@ -1,0 +1,504 @@
+//! `catamaran ata`, from outside.
+
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::Write as _;
+use std::process::Command;
+
+use crate::common::{Folder, Run, csv, oracle, table};
+
+const M: usize = 37;
+const N: usize = 11;
+
+/// A in a.npy, and what A^T A is.
+fn with_input() -> (Folder, Vec<f64>) {
+    let folder = Folder::new();
+    let a = table(M, N);
+    folder.write_npy("a.npy", &[M as u64, N as u64], &a);
+    let c = oracle(&a, N, None);
+    (folder, c)
+}
+
+#[test]
+fn every_format_gives_the_same_product() {
+    let (folder, expected) = with_input();
+    let a = table(M, N);
+    folder.write("a.csv", csv(&a, N));
+    folder.write("a.tsv", csv(&a, N).replace(',', "\t"));
+    let mut packed = flate2::write::GzEncoder::new(
+        File::create(folder.path("a.csv.gz")).unwrap(),
+        flate2::Compression::fast(),
+    );
+    packed.write_all(csv(&a, N).as_bytes()).unwrap();
+    packed.finish().unwrap();
+    let mut array = format!("%%MatrixMarket matrix array integer general\n{M} {N}\n");
+    let mut coordinate =
+        format!("%%MatrixMarket matrix coordinate integer general\n{M} {N} {}\n", M * N);
+    for j in 0..N {
+        for i in 0..M {
+            writeln!(array, "{}", a[i * N + j]).unwrap();
+            writeln!(coordinate, "{} {} {}", i + 1, j + 1, a[i * N + j]).unwrap();
+        }
+    }
+    folder.write("a.mtx", array);
+    folder.write("sparse.mtx", coordinate);
+    for name in ["a.npy", "a.csv", "a.tsv", "a.csv.gz", "a.mtx", "sparse.mtx"] {
+        folder.succeed(&format!("ata {name} -o c.npy --force --verify"));
+        assert_eq!(folder.read_npy::<f64>("c.npy"), expected, "{name}");
+    }
+}
+
+#[test]
+fn report_tells_shape_time_rate_check_and_files() {
+    let (folder, _) = with_input();
+    let report = folder.succeed("ata a.npy -o c.npy --verify");
+    for part in
+        ["a.npy: 37 x 11, f64", "11 x 11, f64, both", "GFLOP/s", "check     passed", "c.npy"]
+    {
+        assert!(report.contains(part), "{part:?} in {report}");
+    }
+}
+
+#[test]
+fn product_is_written_in_every_format() {
+    let (folder, expected) = with_input();
+    for name in ["c.csv", "c.mtx", "c.npy.gz"] {
+        folder.succeed(&format!("ata a.npy -o {name}"));
+        // Read back by the program itself, as the A of another product.
+        folder.succeed(&format!("ata {name} -o cc.npy --force"));
+        assert_eq!(folder.read_npy::<f64>("cc.npy"), oracle(&expected, N, None), "{name}");
+    }
+    folder.succeed("ata a.npy -o c.txt");
+    let text = fs::read_to_string(folder.path("c.txt")).unwrap();
+    let values: Vec<f64> = text.split_whitespace().map(|v| v.parse().unwrap()).collect();
+    assert_eq!(values, expected);
+}
+
+#[test]
+fn sparse_input_is_never_made_dense_when_sparse_is_faster() {
+    const ROWS: usize = 400;
+    const COLUMNS: usize = 60;
+    let folder = Folder::new();
+    let mut a = vec![0.0; ROWS * COLUMNS];
+    let mut text =
+        format!("%%MatrixMarket matrix coordinate real general\n{ROWS} {COLUMNS} {}\n", 3 * ROWS);
+    for i in 0..ROWS {
+        for k in 0..3 {
+            let (j, value) = ((i * 31 + k * 17) % COLUMNS, (i % 5) as f64 + k as f64 - 2.0);
+            a[i * COLUMNS + j] += value;
+            writeln!(text, "{} {} {value}", i + 1, j + 1).unwrap();
+        }
+    }
+    folder.write("a.mtx", text);
+    let weights: Vec<f64> = (0..ROWS).map(|i| (i % 3) as f64).collect();
+    folder.write_npy("w.npy", &[ROWS as u64], &weights);
+    let report = folder.succeed("ata a.mtx --explain --verify -o c.npy");
+    assert!(report.contains("outer product of each row, 2400 multiplications"), "{report}");
+    assert_eq!(folder.read_npy::<f64>("c.npy"), oracle(&a, COLUMNS, None));
+    folder.succeed("ata a.mtx --weights w.npy --verify -o c.npy --force");
+    assert_eq!(folder.read_npy::<f64>("c.npy"), oracle(&a, COLUMNS, Some(&weights)));
+    // A scheme asked for by name runs on dense blocks of rows.
+    let report = folder.succeed("ata a.mtx --explain --scheme winograd --verify -o c.npy --force");
+    assert!(report.contains("block by block"), "{report}");
+    assert_eq!(folder.read_npy::<f64>("c.npy"), oracle(&a, COLUMNS, None));
+}
+
+#[test]
+fn one_triangle_leaves_zeros_in_the_other() {
+    let (folder, expected) = with_input();
+    for (uplo, lower) in [("lower", true), ("upper", false)] {
+        folder
+            .succeed(&format!("ata a.npy -o c.npy --force --verify --uplo {uplo} --picture c.png"));
+        let c = folder.read_npy::<f64>("c.npy");
+        for i in 0..N {
+            for j in 0..N {
+                let given = if lower { i >= j } else { i <= j };
+                assert_eq!(c[i * N + j], if given { expected[i * N + j] } else { 0.0 });
+            }
+        }
+    }
+}
+
+#[test]
+fn weights_as_row_or_column_multiply_the_rows() {
+    let (folder, _) = with_input();
+    let weights: Vec<f64> = (0..M).map(|i| i as f64 - 5.0).collect();
+    folder.write_npy("column.npy", &[M as u64], &weights);
+    folder.write("row.csv", csv(&weights, M));
+    for name in ["column.npy", "row.csv"] {
+        folder.succeed(&format!("ata a.npy --weights {name} -o c.npy --force --verify"));
+        assert_eq!(folder.read_npy::<f64>("c.npy"), oracle(&table(M, N), N, Some(&weights)));
+    }
+}
+
+#[test]
+fn covariance_is_the_centred_product_over_m_minus_one() {
+    let (folder, _) = with_input();
+    let mut a = table(M, N);
+    for j in 0..N {
+        let mean = (0..M).map(|i| a[i * N + j]).sum::<f64>() / M as f64;
+        (0..M).for_each(|i| a[i * N + j] -= mean);
+    }
+    let scatter = oracle(&a, N, None);
+    folder.succeed("ata a.npy --center --verify -o scatter.npy");
+    folder.succeed("ata a.npy --covariance --verify -o covariance.npy");
+    let close = |x: f64, y: f64| (x - y).abs() <= 1e-12 * scatter[0].abs();
+    let (found, covariance) =
+        (folder.read_npy::<f64>("scatter.npy"), folder.read_npy::<f64>("covariance.npy"));
+    assert!(found.iter().zip(&scatter).all(|(&x, &y)| close(x, y)));
+    let divided = scatter.iter().map(|s| s / (M - 1) as f64);
+    assert!(covariance.iter().zip(divided).all(|(&x, y)| close(x, y)));
+}
+
+#[test]
+fn precision_follows_the_input_unless_asked_for() {
+    let (folder, expected) = with_input();
+    let single: Vec<f32> = table(M, N).iter().map(|&v| v as f32).collect();
+    let expected32: Vec<f32> = expected.iter().map(|&v| v as f32).collect();
+    folder.write_npy("s.npy", &[M as u64, N as u64], &single);
+    for (arguments, is_single) in
+        [("s.npy", true), ("s.npy --f64", false), ("a.npy", false), ("a.npy --f32", true)]
+    {
+        folder.succeed(&format!("ata {arguments} --verify -o c.npy --force"));
+        if is_single {
+            assert_eq!(folder.read_npy::<f32>("c.npy"), expected32, "{arguments}");
+        } else {
+            assert_eq!(folder.read_npy::<f64>("c.npy"), expected, "{arguments}");
+        }
+    }
+}
+
+#[test]
+fn every_scheme_and_accuracy_gives_the_product() {
+    let folder = Folder::new();
+    let (m, n) = (200, 90);
+    folder.write_npy("a.npy", &[m as u64, n as u64], &table(m, n));
+    let expected = oracle(&table(m, n), n, None);
+    for scheme in ["auto", "classical", "ata2", "winograd", "rxtx", "kgp", "kgp3", "exact"] {
+        for accuracy in ["max", "classical", "default", "fast", "2.5"] {
+            let options = format!("--scheme {scheme} --accuracy {accuracy} --threads 2 --verify");
+            folder.succeed(&format!("ata a.npy -o c.npy --force {options}"));
+            assert_eq!(folder.read_npy::<f64>("c.npy"), expected, "{options}");
+        }
+    }
+}
+
+/// Entries of 40 bits, whose sums the classical algorithm rounds on the way, and the true sums.
+fn wide_table(m: usize, n: usize) -> (Vec<f64>, Vec<f64>) {
+    let entry = |k: usize| (k as i64 * 7919 + 13) * 1_000_003 % (1 << 40) - (1 << 39);
+    let a: Vec<i64> = (0..m * n).map(entry).collect();
+    let mut c = vec![0_i128; n * n];
+    for row in a.chunks(n) {
+        for i in 0..n {
+            for j in 0..n {
+                c[i * n + j] += i128::from(row[i]) * i128::from(row[j]);
+            }
+        }
+    }
+    (a.iter().map(|&x| x as f64).collect(), c.iter().map(|&x| x as f64).collect())
+}
+
+#[test]
+fn reproducible_is_the_true_product_for_any_threads_and_layout() {
+    let (m, n) = (301, 43);
+    let (a, expected) = wide_table(m, n);
+    let folder = Folder::new();
+    folder.write_npy("a.npy", &[m as u64, n as u64], &a);
+    folder.write_fortran_npy("f.npy", &[m as u64, n as u64], &a);
+    folder.write("a.csv", csv(&a, n));
+    let mut outputs = Vec::new();
+    for input in ["a.npy", "f.npy", "a.csv"] {
+        for options in [
+            "--threads 1 --reproducible",
+            "--threads 2 --reproducible",
+            "--scheme exact --reproducible --accuracy fast",
+            "--scheme exact",
+            "--accuracy max",
+        ] {
+            folder.succeed(&format!("ata {input} -o c.npy --force --verify {options}"));
+            assert_eq!(folder.read_npy::<f64>("c.npy"), expected, "{input} {options}");
+            outputs.push(fs::read(folder.path("c.npy")).unwrap());
+        }
+    }
+    assert!(outputs.iter().all(|output| *output == outputs[0]));
+    folder.succeed("ata a.npy -o c.npy --force --scheme classical");
+    assert_ne!(folder.read_npy::<f64>("c.npy"), expected, "or the sums above prove nothing");
+}
+
+#[test]
+fn reproducible_product_of_a_sparse_file_takes_the_exact_path() {
+    let (m, n) = (60, 20);
+    let (values, _) = wide_table(m, 1);
+    let mut text = format!("%%MatrixMarket matrix coordinate real general\n{m} {n} {}\n", 2 * m);
+    let mut a = vec![0.0; m * n];
+    for (i, value) in values.iter().enumerate() {
+        for j in [i % 3, 3 + i % 2] {
+            a[i * n + j] = *value;
+            writeln!(text, "{} {} {value}", i + 1, j + 1).unwrap();
+        }
+    }
+    let folder = Folder::new();
+    folder.write("a.mtx", text);
+    folder.write_npy("a.npy", &[m as u64, n as u64], &a);
+    folder.succeed("ata a.npy -o dense.npy --reproducible");
+    let report = folder.succeed("ata a.mtx -o sparse.npy --explain");
+    assert!(report.contains("outer product of each row"), "{report}");
+    for option in ["--reproducible", "--accuracy max"] {
+        let report = folder.succeed(&format!("ata a.mtx -o c.npy --force --explain {option}"));
+        assert!(report.contains("exact "), "{report}");
+        let read = |name| fs::read(folder.path(name)).unwrap();
+        assert_eq!(read("c.npy"), read("dense.npy"), "{option}");
+        assert_ne!(read("c.npy"), read("sparse.npy"), "or it proves nothing");
+    }
+}
+
+#[test]
+fn reproducible_refuses_other_schemes() {
+    let (folder, _) = with_input();
+    for scheme in ["classical", "ata2", "winograd", "rxtx", "kgp", "kgp3"] {
+        let message = folder.fail(&format!("ata a.npy -o c.npy --reproducible --scheme {scheme}"));
+        assert!(
+            message.contains("--reproducible") && message.contains(&format!("--scheme {scheme}")),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn explain_of_the_exact_path_names_moduli_and_threads_but_no_back_end() {
+    let (folder, _) = with_input();
+    for (options, moduli) in [
+        ("--scheme exact --accuracy fast", 13),
+        ("--reproducible", 14),
+        ("--accuracy max", 15),
+        ("--reproducible --f32", 7),
+    ] {
+        let report = folder.succeed(&format!("ata a.npy --threads 2 --explain {options}"));
+        assert!(report.contains(&format!("exact      modulo {moduli} numbers")), "{report}");
+        assert!(report.contains("threads    2"), "{report}");
+        assert!(!report.contains("back end"), "{report}");
+    }
+}
+
+#[test]
+fn columns_are_half_open() {
+    let (folder, expected) = with_input();
+    folder.succeed("ata a.npy --columns 2..5 -o c.npy");
+    let c = folder.read_npy::<f64>("c.npy");
+    for i in 0..3 {
+        assert_eq!(c[3 * i..][..3], expected[(i + 2) * N + 2..][..3]);
+    }
+    let message = folder.fail("ata a.npy --columns 2..12 -o d.npy");
+    assert!(message.contains("a.npy: columns: 2..12 is not inside the 11 columns"), "{message}");
+}
+
+#[test]
+fn explain_prints_the_plan_before_computing() {
+    let (folder, _) = with_input();
+    let report = folder.succeed("ata a.npy --explain");
+    let plan = report.find("plan      C = A^T A, A 37 x 11, f64").expect("a plan");
+    assert!(plan < report.find("time ").expect("a time"));
+    assert!(report.contains("estimate"), "{report}");
+}
+
+#[test]
+fn picture_is_a_square_png() {
+    let (folder, _) = with_input();
+    folder.succeed("ata a.npy --picture c.png");
+    let decoder =
+        png::Decoder::new(std::io::BufReader::new(File::open(folder.path("c.png")).unwrap()));
+    let mut reader = decoder.read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    assert_eq!((info.width, info.height), (506, 506));
+    // The diagonal is 1: the red end of the scale.
+    assert_eq!(pixels[..3], pixels[pixels.len() - 3..]);
+    assert!(pixels[0] > 2 * pixels[2], "{:?}", &pixels[..3]);
+}
+
+#[test]
+fn files_are_replaced_only_by_force() {
+    let (folder, expected) = with_input();
+    for option in ["-o", "--picture"] {
+        folder.write("there.npy", "precious");
+        let message = folder.fail(&format!("ata a.npy {option} there.npy"));
+        assert!(message.contains("there.npy: exists already (--force replaces it)"), "{message}");
+        assert_eq!(fs::read_to_string(folder.path("there.npy")).unwrap(), "precious");
+    }
+    folder.succeed("ata a.npy -o there.npy --force");
+    assert_eq!(folder.read_npy::<f64>("there.npy"), expected);
+    // Even A itself, which was read before.
+    folder.succeed("ata a.npy -o a.npy --force");
+    assert_eq!(folder.read_npy::<f64>("a.npy"), expected);
+}
+
+#[test]
+fn bad_input_is_one_line_that_names_file_and_line() {
+    let (folder, _) = with_input();
+    let whole = fs::read(folder.path("a.npy")).unwrap();
+    folder.write("short.npy", &whole[..whole.len() - 1]);
+    folder.write("long.npy", [&whole[..], b"x"].concat());
+    folder.write("header.npy", b"\x93NUMPY garbage");
+    folder.write("header.mtx", "%%MatrixMarket tensor\n");
+    folder.write("ragged.csv", "1,2\n3,4\n5\n");
+    folder.write("text.csv", "1,2\n3,x\n");
+    for (name, expected) in [
+        ("none.npy", "none.npy: no such file"),
+        ("short.npy", "short.npy: truncated"),
+        ("long.npy", "long.npy: data after"),
+        ("header.npy", "header.npy: broken npy header"),
+        ("header.mtx", "header.mtx:1: broken MatrixMarket header"),
+        ("ragged.csv", "ragged.csv:3: 1 fields"),
+        ("text.csv", "text.csv:2: column 2: \"x\" is not a number"),
+        ("a.xls", "a.xls: unknown kind of file"),
+    ] {
+        let message = folder.fail(&format!("ata {name} -o c.npy"));
+        assert!(message.contains(expected), "{expected:?} in {message}");
+    }
+    let message = folder.fail("ata a.npy -o c.xls");
+    assert!(message.contains("c.xls: unknown kind of file"), "{message}");
+    let message = folder.fail("ata a.npy -o none/c.npy");
+    assert!(message.contains("none/c.npy: can't be written"), "{message}");
+    let message = folder.fail("ata a.npy --backend ./none.so -o c.npy");
+    assert!(message.contains("none.so"), "{message}");
+}
+
+#[test]
+fn strict_names_the_entry_that_is_not_finite() {
+    let folder = Folder::new();
+    folder.write("a.csv", "1,2,3\n4,5,NaN\n7,8,9\n");
+    let message = folder.fail("ata a.csv -o c.npy --strict");
+    assert!(message.contains("a.csv: NaN at row 1, column 2"), "{message}");
+    folder.write("b.csv", "1,-inf\n");
+    let message = folder.fail("ata b.csv -o c.npy --strict");
+    assert!(message.contains("b.csv: -inf at row 0, column 1"), "{message}");
+    folder.succeed("ata a.csv -o c.npy");
+    assert!(folder.read_npy::<f64>("c.npy")[8].is_nan());
+}
+
+#[test]
+fn failed_check_writes_nothing() {
+    let folder = Folder::new();
+    folder.write("a.csv", "1,2\n3,inf\n");
+    let message = folder.fail("ata a.csv -o c.npy --picture c.png --verify");
+    assert!(
+        message.contains("the check failed, and nothing is written: residual NaN"),
+        "{message}"
+    );
+}
+
+#[test]
+fn weights_that_do_not_fit_are_refused() {
+    let (folder, _) = with_input();
+    folder.write("w.csv", "1\n2\n3\n");
+    let message = folder.fail("ata a.npy --weights w.csv -o c.npy");
+    assert!(
+        message.contains("w.csv: 3 x 1 where the 37 rows of a.npy need 37 weights"),
+        "{message}"
+    );
+    folder.write("nan.csv", "1\nnan\n".to_owned() + &"2\n".repeat(M - 2));
+    let message = folder.fail("ata a.npy --weights nan.csv -o c.npy");
+    assert!(message.contains("nan.csv: weight 1 (counted from 0) is not finite"), "{message}");
+}
+
+#[test]
+fn a_product_too_large_for_memory_is_refused() {
+    let folder = Folder::new();
+    folder
+        .write("wide.mtx", "%%MatrixMarket matrix coordinate real general\n1 99999999 1\n1 1 1\n");
+    let message = folder.fail("ata wide.mtx -o c.npy");
+    assert!(message.contains("C of 99999999 x 99999999 entries: out of memory"), "{message}");
+}
+
+#[test]
+fn a_header_gets_the_memory_that_its_file_may_take() {
+    let folder = Folder::new();
+    let header = "%%MatrixMarket matrix coordinate real general\n";
+    folder.write("tall.mtx", format!("{header}150000000 3 1\n1 1 2\n"));
+    let message = folder.fail("ata tall.mtx -o c.npy");
+    assert!(message.contains("1.12 GiB") && message.contains("--max-memory"), "{message}");
+    folder.write("tall.mtx", format!("{header}1000000 3 1\n1 1 2\n"));
+    let message = folder.fail("ata tall.mtx -o c.npy --max-memory 0.001");
+    assert!(message.contains("this file may take 0.00 GiB"), "{message}");
+    folder.succeed("ata tall.mtx -o c.npy --max-memory 0.01");
+    assert_eq!(folder.read_npy::<f64>("c.npy")[0], 4.0);
+}
+
+#[test]
+fn unknown_options_say_what_is_known() {
+    let (folder, _) = with_input();
+    let run = folder.run("ata a.npy --scheme magic");
+    assert_eq!(run.code, Some(2));
+    assert!(run.stderr.contains("magic") && run.stderr.contains("rxtx"), "{}", run.stderr);
+    let run = folder.run("ata a.npy --accuracy 0.5");
+    assert_eq!(run.code, Some(2));
+    assert!(
+        run.stderr.contains("at least 1") && run.stderr.contains("max, classical"),
+        "{}",
+        run.stderr
+    );
+}
+
+/// A limit on the size of files stands in for a full disk: both fail in the middle of a write.
+#[cfg(unix)]
+#[test]
+fn full_disk_is_one_line_and_leaves_nothing() {
+    let folder = Folder::new();
+    let n = 100;
+    folder.write_npy("a.npy", &[1, n as u64], &table(1, n));
+    for option in ["-o c.npy", "-o c.csv", "--picture c.png"] {
+        let program = env!("CARGO_BIN_EXE_catamaran");
+        let script = format!("trap '' XFSZ; ulimit -f 1; exec '{program}' ata a.npy {option}");
+        let mut shell = Command::new("sh");
+        shell.arg("-c").arg(script).current_dir(folder.path(""));
+        let run = Run::new(shell.output().unwrap());
+        assert_eq!(run.code, Some(1), "{}", run.stdout);
+        assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
+        assert!(run.stderr.contains(": can't be written: "), "{}", run.stderr);
+        assert_eq!(folder.names(), ["a.npy"], "{option}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_nothing() {
+    let folder = Folder::new();
+    assert!(Command::new("mkfifo").arg(folder.path("a.csv")).status().unwrap().success());
+    let mut child = folder
+        .program()
+        .args(["ata", "a.csv", "-o", "c.npy"])
+        .stderr(std::process::Stdio::piped())
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    // Opening waits for the reader: from here on the program is at work.
+    let mut pipe = File::options().write(true).open(folder.path("a.csv")).unwrap();
+    pipe.write_all(b"1,2\n").unwrap();
+    assert!(
+        Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success()
+    );
+    // It notices at its next piece of input.
+    while child.try_wait().unwrap().is_none() {
+        let _ = pipe.write_all(b"3,4\n");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let run = Run::new(child.wait_with_output().unwrap());
+    assert_eq!((run.code, run.stderr.as_str()), (Some(130), "catamaran: cancelled\n"));
+    assert_eq!(folder.names(), ["a.csv"]);
+}
+
+#[test]
+fn thousands_of_threads_are_capped_with_a_note() {
+    let folder = Folder::new();
+    folder.write_npy("a.npy", &[700, 700], &table(700, 700));
+    let start = std::time::Instant::now();
+    let report = folder.succeed("ata a.npy --threads 8000 --explain -o c.npy");
+    let cores = std::thread::available_parallelism().unwrap().get();
+    let note = format!("threads   {} of 8000 asked for: at most 4 for each core", 4 * cores);
+    assert_eq!(report.matches(&note).count(), 1, "{report}");
+    assert!(start.elapsed().as_secs() < 20, "it spins");
+    folder.succeed("ata a.npy -o few.npy");
+    let read = |name| fs::read(folder.path(name)).unwrap();
+    assert!(read("c.npy") == read("few.npy"));
+    assert!(!folder.succeed("ata a.npy --threads 1 --explain").contains("asked for"));
+}

@@ -1,0 +1,177 @@
+//! `catamaran decimate` and `catamaran fps`, from outside.
+
+use std::fs;
+
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::io::{Attribute, MeshFile, read, write};
+use catamaran::mesh::{TriMesh, families};
+
+use crate::common::Folder;
+
+fn folder(name: &str, file: &MeshFile) -> Folder {
+    let folder = Folder::new();
+    let output = Output::create(&folder.path(name), Overwrite::Never).unwrap();
+    write(output, file).unwrap();
+    folder
+}
+
+fn sphere() -> TriMesh {
+    families::icosphere(4).unwrap()
+}
+
+/// Numbers of the lines of a file that begin with one.
+fn numbers(folder: &Folder, name: &str) -> Vec<Vec<f64>> {
+    let text = fs::read_to_string(folder.path(name)).unwrap();
+    let rows = text.lines().map(|line| {
+        line.split([' ', ','])
+            .filter(|word| !word.is_empty())
+            .map(|word| word.parse().ok())
+            .collect::<Option<Vec<f64>>>()
+    });
+    rows.flatten().filter(|row| !row.is_empty()).collect()
+}
+
+#[test]
+fn a_mesh_has_as_many_vertices_as_are_asked_for_and_a_report() {
+    let folder = folder("in.ply", &sphere().into());
+    let said = folder.succeed("decimate in.ply -n 101 -o out.obj --report --picture p.png");
+    for part in [
+        "mesh        in.ply: 2562 vertices, 5120 faces, read in ",
+        "decimated   101 vertices, 198 faces, in ",
+        "repairs     none\n",
+        "topology    components 1, boundary loops 0, genus 0\n",
+        "edges with more than two faces: 0\n",
+        "Hausdorff   ",
+        "written     out.obj\n",
+    ] {
+        assert!(said.contains(part), "{part:?} in {said}");
+    }
+    assert!(!said.contains("changed to"), "{said}");
+    let made = read(&folder.path("out.obj")).unwrap().mesh;
+    assert_eq!((made.vertices().len(), made.faces().len()), (101, 198));
+    made.require_manifold().unwrap();
+    assert_eq!(&fs::read(folder.path("p.png")).unwrap()[1..4], b"PNG");
+    // A part of them, by another number of threads, and literally as the thesis has it.
+    for (arguments, vertices) in [
+        ("--ratio 0.1 --relax 3 --lloyd 1", 256),
+        ("-n 101 --threads 1 --first 7", 101),
+        ("-n 40 --method thesis", 40),
+        ("-n 4000 --resample", 4000),
+    ] {
+        folder.succeed(&format!("decimate in.ply {arguments} -o out.stl --force"));
+        folder.succeed(&format!("decimate in.ply {arguments} -o out.ply --force"));
+        assert_eq!(read(&folder.path("out.ply")).unwrap().mesh.vertices().len(), vertices);
+    }
+}
+
+#[test]
+fn a_mesh_is_the_same_for_any_number_of_threads() {
+    let folder = folder("in.ply", &families::figure(5, 0.5).unwrap().into());
+    for threads in [1, 2, 3] {
+        folder.succeed(&format!("decimate in.ply -n 150 --threads {threads} -o {threads}.ply"));
+    }
+    let [one, two, three] = ["1.ply", "2.ply", "3.ply"].map(|name| fs::read(folder.path(name)));
+    let one = one.unwrap();
+    assert!(one == two.unwrap() && one == three.unwrap());
+}
+
+#[test]
+fn weights_have_a_row_of_sum_one_for_each_vertex_of_the_input() {
+    let folder = folder("in.ply", &sphere().into());
+    let said = folder.succeed("decimate in.ply -n 60 -o out.ply --weights w.mtx");
+    assert!(said.contains("weights     w.mtx: 2562 x 60, "), "{said}");
+    let rows = numbers(&folder, "w.mtx");
+    assert_eq!(rows[0][..2], [2562.0, 60.0]);
+    assert_eq!(rows[0][2] as usize, rows.len() - 1);
+    let mut sums = vec![0.0; 2562];
+    for row in &rows[1..] {
+        let [i, j, weight] = row[..] else { panic!("{row:?}") };
+        assert!((1.0..=60.0).contains(&j) && weight > 0.0, "{row:?}");
+        sums[i as usize - 1] += weight;
+    }
+    assert!(sums.iter().all(|sum| (sum - 1.0).abs() < 1e-9));
+}
+
+#[test]
+fn colours_and_texture_coordinates_are_carried() {
+    let mesh = families::terrain(30, 30, 1).unwrap();
+    let mut file = MeshFile::from(mesh.clone());
+    let plane = |p: &[f64; 3]| [p[0], 0.5 * p[1]];
+    file.uv =
+        Some(Attribute { values: mesh.vertices().iter().map(plane).collect(), corners: None });
+    file.colors = Some(mesh.vertices().iter().map(|p| [p[0], p[1], 0.0, 1.0]).collect());
+    let folder = folder("in.obj", &file);
+    folder.succeed("decimate in.obj -n 90 -o out.obj");
+    let made = read(&folder.path("out.obj")).unwrap();
+    let colors = made.colors.as_ref().expect("colours");
+    let uv = made.uv.as_ref().expect("texture coordinates");
+    for (f, face) in made.mesh.faces().iter().enumerate() {
+        for (v, [x, y]) in face.iter().zip(uv.of_face(&made.mesh, f).unwrap()) {
+            let p = made.mesh.vertices()[*v as usize];
+            // Vertices are beside the terrain by less than its roughness.
+            assert!((x - p[0]).abs() < 0.05 && (2.0 * y - p[1]).abs() < 0.05, "{p:?} {x} {y}");
+            let [red, green, ..] = colors[*v as usize];
+            assert!((x - red).abs() < 0.01 && (2.0 * y - green).abs() < 0.01, "{red} {green}");
+        }
+    }
+}
+
+#[test]
+fn refusals_say_why_and_leave_nothing() {
+    let folder = folder("in.ply", &families::spheres(3, 2).unwrap().into());
+    let refused = |arguments: &str| folder.fail(&format!("decimate in.ply {arguments}"));
+    let few = refused("-n 11 -o out.ply --weights w.mtx");
+    assert!(few.contains("in.ply: can't be decimated to 11"), "{few}");
+    assert!(few.contains("3 components need 12 vertices: 4 each, 3 with boundary"), "{few}");
+    let many = refused("-n 487 -o out.ply");
+    assert!(many.contains("487, but the mesh has 486 vertices: resample it"), "{many}");
+    assert!(refused("-n 20 --first 486 -o out.ply").contains("first"));
+    assert!(refused("--ratio 0 -o out.ply").contains("--ratio 0: a positive number is needed"));
+    assert!(refused("-n 20 -o out.ply --weights w.npy").contains("w.npy: weights must be called"));
+    assert!(refused("-n 20 -o out.txt").contains("out.txt"));
+    let numbers = refused("-n 999999999999 --resample -o out.ply");
+    assert!(numbers.contains("more than a mesh can have"), "{numbers}");
+}
+
+#[test]
+fn nothing_is_replaced_unasked() {
+    let folder = folder("in.ply", &sphere().into());
+    for name in ["out.ply", "w.mtx", "p.png"] {
+        folder.write(name, "mine");
+        let arguments = match name {
+            "out.ply" => "-o out.ply".to_owned(),
+            "w.mtx" => "-o new.ply --weights w.mtx".to_owned(),
+            _ => format!("-o new.ply --picture {name}"),
+        };
+        let refused = folder.fail(&format!("decimate in.ply -n 20 {arguments}"));
+        assert!(refused.contains(name), "{refused}");
+        assert_eq!(fs::read(folder.path(name)).unwrap(), b"mine");
+    }
+    folder.succeed("decimate in.ply -n 20 -o out.ply --weights w.mtx --force");
+    assert_eq!(read(&folder.path("out.ply")).unwrap().mesh.vertices().len(), 20);
+    folder.write("samples.csv", "mine");
+    assert!(folder.fail("fps in.ply -n 5 -o samples.csv").contains("samples.csv"));
+    assert_eq!(fs::read(folder.path("samples.csv")).unwrap(), b"mine");
+    folder.succeed("fps in.ply -n 5 -o samples.csv --force");
+}
+
+#[test]
+fn farthest_points_are_nested_and_start_their_cells() {
+    let folder = folder("in.ply", &sphere().into());
+    let said = folder.succeed("fps in.ply -n 30 --first 17 -o few.csv --cells cells.csv");
+    assert!(said.contains("samples     30, cells of radius "), "{said}");
+    folder.succeed("fps in.ply -n 50 --first 17 -o many.csv --picture p.png");
+    let (few, many) = (numbers(&folder, "few.csv"), numbers(&folder, "many.csv"));
+    assert_eq!((few.len(), many.len()), (30, 50));
+    assert_eq!(few, many[..30]);
+    assert_eq!(few[0], [17.0]);
+    let cells = numbers(&folder, "cells.csv");
+    assert_eq!(cells.len(), 2562);
+    for (k, sample) in few.iter().enumerate() {
+        assert_eq!(cells[sample[0] as usize], [k as f64, 0.0]);
+    }
+    assert!(cells.iter().all(|cell| (0.0..30.0).contains(&cell[0]) && cell[1] >= 0.0));
+    let refused = folder.fail("fps in.ply -n 2563 -o more.csv");
+    assert!(refused.contains("only 2562 vertices"), "{refused}");
+    assert!(folder.fail("fps in.ply -n 5 --first 2562 -o more.csv").contains("first"));
+}

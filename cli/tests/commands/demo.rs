@@ -1,0 +1,75 @@
+//! `catamaran demo` and `catamaran info`, from outside.
+
+use std::fs;
+
+use catamaran::kernel::{int8, packed};
+
+use crate::common::Folder;
+
+#[test]
+fn info_names_version_cpu_back_ends_and_instances() {
+    let text = Folder::new().succeed("info");
+    for part in [env!("CARGO_PKG_VERSION"), "cpu", "affinity mask", "native", "openblas"] {
+        assert!(text.contains(part), "{part:?} in {text}");
+    }
+    let state = |refusal: Option<&'static str>, best| {
+        refusal.unwrap_or(if best { "used" } else { "available" })
+    };
+    let best = packed::Isa::best();
+    let native =
+        packed::Isa::ALL.map(|i| format!("{}: {}", i.name(), state(i.refusal(), i == best)));
+    assert_eq!(block(&text, "native path"), native);
+    let best = int8::Isa::best();
+    let exact = int8::Isa::ALL.map(|i| format!("{}: {}", i.name(), state(i.refusal(), i == best)));
+    assert_eq!(block(&text, "exact path"), exact);
+    for line in block(&text, "rates") {
+        assert!(line.ends_with("built in (`catamaran tune` measures them)"), "{line}");
+    }
+}
+
+/// The line with this label and those without one after it, less the labels.
+fn block<'a>(text: &'a str, label: &str) -> Vec<&'a str> {
+    let mut lines = text.lines().skip_while(|line| !line.starts_with(label));
+    let first = lines.next().expect("a block");
+    let rest = lines.take_while(|line| line.starts_with(' '));
+    std::iter::once(first).chain(rest).map(|line| line[14..].trim()).collect()
+}
+
+/// One run serves all questions: it is the slowest of the commands.
+#[test]
+fn demo_writes_a_page_whose_files_exist_and_replaces_only_its_own() {
+    let folder = Folder::new();
+    folder.succeed("demo --small --out page");
+    let html = fs::read_to_string(folder.path("page/index.html")).unwrap();
+    let mut files = 0;
+    for attribute in ["src=\"", "href=\""] {
+        for part in html.split(attribute).skip(1) {
+            let name = part.split('"').next().unwrap();
+            assert!(!name.contains("//"), "{name} is elsewhere");
+            match name.strip_prefix('#') {
+                Some(id) => assert!(html.contains(&format!("id=\"{id}\"")), "{name}"),
+                None => {
+                    assert!(folder.path("page").join(name).is_file(), "{name}");
+                    files += 1;
+                }
+            }
+        }
+    }
+    assert!(files > 0 && html.contains("<svg"));
+    for scheme in ["auto", "classical", "ata2", "winograd", "rxtx", "kgp", "kgp3", "exact"] {
+        assert!(html.contains(&format!("<code>{scheme}</code>")), "{scheme}");
+    }
+    assert!(!html.contains("failed"), "a scheme failed its check");
+    // No other order of the work changes a byte of the exact product; one does of the classical one.
+    let shuffled = html.split("rows of A shuffled</td>").nth(1).expect("a row of the table");
+    let mut cells = shuffled.split("<td>").skip(1).map(|cell| cell.split("</td>").next().unwrap());
+    assert_ne!(cells.next(), Some("0"));
+    assert_eq!(cells.next(), Some("0"));
+    // Nothing but the page and what it shows.
+    assert_eq!(fs::read_dir(folder.path("page")).unwrap().count(), files + 1);
+
+    fs::write(folder.path("page/index.html"), "<p>mine</p>").unwrap();
+    let message = folder.fail("demo --out page");
+    assert!(message.contains("page: holds files that are not of a demo"), "{message}");
+    assert_eq!(fs::read_to_string(folder.path("page/index.html")).unwrap(), "<p>mine</p>");
+}

@@ -1,0 +1,20 @@
+//! Every command from outside: what it writes, says and refuses.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod ata;
+mod curve;
+mod decimate;
+mod demo;
+mod mesh;
+mod newton;
+mod ranks;
+mod shapedna;
+mod slime;
+mod spectral;
+mod spectrum;
+mod stream;
+mod tune;
+mod unions;
+mod wilt;

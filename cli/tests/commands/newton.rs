@@ -1,0 +1,100 @@
+//! `catamaran newton`, from outside.
+
+use crate::common::Folder;
+
+/// Width, height, and bits of a PNG.
+fn png(folder: &Folder, name: &str) -> (u32, u32, u8) {
+    let bytes = std::fs::read(folder.path(name)).unwrap();
+    assert!(bytes.starts_with(b"\x89PNG"), "{name}");
+    let side = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap());
+    (side(16), side(20), bytes[24])
+}
+
+#[test]
+fn a_plane_is_drawn_and_nothing_is_replaced() {
+    let folder = Folder::new();
+    let command = "newton --power 5 --size 64x40 -o a.png --heights h.png --threads 2";
+    let said = folder.succeed(command);
+    assert!(said.contains("2560 on cpu, 32 iterations"), "{said}");
+    assert_eq!(png(&folder, "a.png"), (64, 40, 8));
+    assert_eq!(png(&folder, "h.png"), (64, 40, 16));
+    let before = std::fs::read(folder.path("a.png")).unwrap();
+    assert!(folder.fail(command).contains("exists already"));
+    folder.succeed("newton --power 5 --size 64x40 -o a.png --threads 1 --force");
+    assert_eq!(std::fs::read(folder.path("a.png")).unwrap(), before, "threads decide nothing");
+}
+
+#[test]
+fn a_mesh_gets_colours_and_a_texture() {
+    let folder = Folder::new();
+    folder.write(
+        "square.obj",
+        "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n",
+    );
+    folder.succeed("newton square.obj --w 0.2 -o colored.ply --heights h.csv --picture view.png");
+    let file = catamaran::mesh::io::read(&folder.path("colored.ply")).unwrap();
+    assert_eq!(file.colors.unwrap().len(), 4);
+    assert_eq!(std::fs::read_to_string(folder.path("h.csv")).unwrap().lines().count(), 4);
+    assert!(png(&folder, "view.png").0 > 100);
+    folder.succeed("newton square.obj --uv --size 32 -o texture.png");
+    assert_eq!(png(&folder, "texture.png"), (32, 32, 8));
+    assert!(folder.fail("newton square.obj --uv -o texture.ply").contains(".png"));
+    folder.write("bare.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    assert!(folder.fail("newton bare.obj --uv -o t.png").contains("no texture coordinates"));
+}
+
+#[test]
+fn a_volume_is_an_array_and_frames_are_numbered() {
+    let folder = Folder::new();
+    folder.succeed("newton --volume --size 9 --roots 1,0:-1,0.5 -o v.npy --heights t.npy");
+    let roots = folder.read_npy::<f32>("v.npy");
+    assert_eq!(roots.len(), 9 * 9 * 9);
+    assert!(roots.iter().all(|&root| (0.0..4.0).contains(&root) && root.fract() == 0.0));
+    assert_eq!(folder.read_npy::<f32>("t.npy").len(), roots.len());
+    folder.succeed("newton --size 8 --frames 3 --w 0 --w-to 1 -o f.png");
+    let names = folder.names();
+    for name in ["f-000.png", "f-001.png", "f-002.png"] {
+        assert!(names.iter().any(|n| n == name), "{names:?}");
+    }
+}
+
+#[test]
+fn what_is_wrong_is_said() {
+    let folder = Folder::new();
+    for (command, part) in [
+        ("newton --power 1 -o a.png", "1 roots"),
+        ("newton --extent 0 -o a.png", "--extent"),
+        ("newton --volume --size 3x4 -o a.npy", "as many voxels"),
+        ("newton --theta 99 -o a.png", "theta"),
+        ("newton -o a.ply", ".png"),
+        ("newton -o a.png --picture b.png", "--picture"),
+    ] {
+        let message = folder.fail(command);
+        assert!(message.contains(part), "{command}: {message}");
+    }
+    let run = folder.run("newton --frames 2000000000 --w-to 1 -o a.png");
+    assert_eq!(run.code, Some(2));
+    assert!(run.stderr.contains("--frames") && run.stderr.contains("at most 100000"));
+    if cfg!(not(feature = "opencl")) {
+        assert!(folder.fail("newton --device 0 -o a.png").contains("not in this build"));
+    }
+    assert!(folder.names().is_empty(), "{:?}", folder.names());
+}
+
+#[cfg(feature = "opencl")]
+#[test]
+fn a_device_draws_what_the_processor_draws() {
+    let folder = Folder::new();
+    if let Err(e) = catamaran::opencl::devices() {
+        assert!(std::env::var_os("CATAMARAN_REQUIRE_OPENCL").is_none(), "{e}");
+        println!("skipped: {e}");
+        return;
+    }
+    assert!(folder.succeed("info").contains("\nopencl        0: "));
+    folder.succeed("newton --size 64 -o cpu.png");
+    folder.succeed("newton --size 64 -o device.png --device 0");
+    let read = |name: &str| std::fs::read(folder.path(name)).unwrap();
+    // Exactly, as processors round divisions correctly; a GPU may differ at one point of 4,000.
+    let is_cpu = catamaran::opencl::find("0").unwrap().kind == catamaran::opencl::DeviceKind::Cpu;
+    assert!(!is_cpu || read("cpu.png") == read("device.png"));
+}

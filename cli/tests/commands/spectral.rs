@@ -1,0 +1,176 @@
+//! `catamaran basis`, `catamaran transfer` and `catamaran filter`.
+
+use std::io::Read;
+
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::io::{read, write};
+use catamaran::mesh::{TriMesh, families};
+
+use crate::common::Folder;
+
+/// A closed surface without any symmetry, and the same with its vertices in another order.
+fn meshes(folder: &Folder) -> (TriMesh, Vec<u32>) {
+    let (mut vertices, faces) = families::icosphere(2).unwrap().into_parts();
+    for p in &mut vertices {
+        let [x, y, z] = *p;
+        let r = 1.2
+            + 0.25 * (3.0 * x + 1.0).sin()
+            + 0.2 * (2.0 * y - x).cos()
+            + 0.15 * (2.5 * z + y).sin();
+        *p = [1.6 * r * x, 1.2 * r * y, r * z];
+    }
+    let n = vertices.len();
+    // New vertex i is old vertex 5 i (mod n); 162 and 5 have no common divisor.
+    let old: Vec<u32> = (0..n).map(|i| (5 * i % n) as u32).collect();
+    let mut new = vec![0; n];
+    for (i, &x) in old.iter().enumerate() {
+        new[x as usize] = i as u32;
+    }
+    let shuffled = old.iter().map(|&x| vertices[x as usize].map(|c| 3.0 * c)).collect();
+    let moved = faces.iter().map(|face| face.map(|x| new[x as usize])).collect();
+    let target = TriMesh::new(shuffled, moved).unwrap();
+    let source = TriMesh::new(vertices, faces).unwrap();
+    for (name, mesh) in [("source.ply", &source), ("target.off", &target)] {
+        let output = Output::create(&folder.path(name), Overwrite::Never).unwrap();
+        write(output, &mesh.clone().into()).unwrap();
+    }
+    (source, old)
+}
+
+fn write_coordinates(folder: &Folder, mesh: &TriMesh) {
+    folder.write_npy("xyz.npy", &[mesh.vertices().len() as u64, 3], &mesh.vertices().concat());
+}
+
+#[test]
+fn the_basis_is_orthonormal_and_holds_the_products() {
+    let folder = Folder::new();
+    meshes(&folder);
+    let said = folder.succeed("basis source.ply -k 4 --order 2 --mode ours* -o basis.npz");
+    assert!(said.contains("15 functions of 15 products"), "{said}");
+    let mut archive =
+        zip::ZipArchive::new(std::fs::File::open(folder.path("basis.npz")).unwrap()).unwrap();
+    let mut array = |name: &str| -> Vec<f64> {
+        let mut bytes = Vec::new();
+        archive.by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
+        npyz::NpyFile::new(&bytes[..]).unwrap().into_vec().unwrap()
+    };
+    let (q, r, mass) = (array("functions"), array("r"), array("mass"));
+    assert_eq!((q.len(), r.len(), mass.len()), (162 * 15, 15 * 15, 162));
+    for a in 0..15 {
+        for b in 0..15 {
+            let product: f64 = (0..162).map(|i| mass[i] * q[15 * i + a] * q[15 * i + b]).sum();
+            assert!((product - f64::from(u8::from(a == b))).abs() < 1e-11);
+        }
+    }
+    assert_eq!(array("factors")[2 * 5..2 * 8], [1.0, 1.0, 1.0, 2.0, 1.0, 3.0]);
+    assert_eq!(array("eigenvalues").len(), 5);
+
+    let refusal = folder.fail("basis source.ply -k 4 -o basis.npz");
+    assert!(refusal.contains("exists already"), "{refusal}");
+    folder.succeed("basis source.ply -k 4 -o basis.npz --force");
+    let refusal = folder.fail("basis source.ply -k 162 -o b.npz");
+    assert!(refusal.contains("162 vertices"), "{refusal}");
+    let refusal = folder.fail("basis none.ply -o b.npz");
+    assert!(refusal.contains("none.ply"), "{refusal}");
+}
+
+#[test]
+fn coordinates_are_transferred_along_points_and_landmarks() {
+    let folder = Folder::new();
+    let (source, points) = meshes(&folder);
+    write_coordinates(&folder, &source);
+    let target = |x: u32| points.iter().position(|&p| p == x).unwrap();
+    let pairs: String = [0, 17, 60, 121].map(|x| format!("{x} {}\n", target(x))).concat();
+    folder.write("pairs.txt", pairs);
+    folder.write("points.txt", points.iter().map(|x| format!("{x}\n")).collect::<String>());
+    let common = "transfer source.ply target.off --functions xyz.npy -k 10 --order 2";
+    folder.succeed(&format!("{common} --points points.txt -o by_points.npy"));
+    let found =
+        format!("{common} --landmarks pairs.txt --zoom 40 -o found.npy --points-output found.txt");
+    let said = folder.succeed(&found);
+    assert!(said.contains("transfer  3 functions"), "{said}");
+    let read_points = std::fs::read_to_string(folder.path("found.txt")).unwrap();
+    let read_points: Vec<u32> =
+        read_points.lines().map(|line| line.parse::<f64>().unwrap() as u32).collect();
+    assert_eq!(read_points, points);
+    let (a, b): (Vec<f64>, Vec<f64>) =
+        (folder.read_npy("by_points.npy"), folder.read_npy("found.npy"));
+    // Other eigenfunctions were computed along, and so with other roundings.
+    assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-8));
+    // What comes out is near the coordinates of the corresponding vertices.
+    let distance = |x: &[f64; 3], y: &[f64]| (0..3).map(|c| (x[c] - y[c]).powi(2)).sum::<f64>();
+    let truth: Vec<[f64; 3]> = points.iter().map(|&x| source.vertices()[x as usize]).collect();
+    let error: f64 = truth.iter().zip(a.chunks(3)).map(|(x, y)| distance(x, y)).sum();
+    let norm: f64 = truth.iter().map(|x| distance(x, &[0.0; 3])).sum();
+    assert!((error / norm).sqrt() < 0.05, "{}", (error / norm).sqrt());
+    for how in ["none", "icp"] {
+        folder.succeed(&format!("{common} --landmarks pairs.txt --refine {how} -o {how}.csv"));
+    }
+    folder.succeed(
+        "transfer source.ply source.ply --functions xyz.npy --identity -k 5 --order 1 -o same.npy",
+    );
+}
+
+#[test]
+fn transfer_refuses_what_does_not_fit() {
+    let folder = Folder::new();
+    let (source, _) = meshes(&folder);
+    write_coordinates(&folder, &source);
+    folder.write("short.txt", "1\n2\n");
+    folder.write("outside.txt", "0 0\n1 162\n");
+    folder.write("one.csv", "1,2\n3,4\n");
+    let common = "transfer source.ply target.off -k 5 -o out.npy";
+    for (arguments, says) in [
+        ("--functions xyz.npy --points short.txt", "short.txt: 2 rows"),
+        ("--functions xyz.npy --landmarks outside.txt", "outside.txt: row 1: 162"),
+        ("--functions xyz.npy --landmarks short.txt", "short.txt: 1 columns"),
+        ("--functions one.csv --identity", "one.csv: 2 rows"),
+    ] {
+        let said = folder.fail(&format!("{common} {arguments}"));
+        assert!(said.contains(says), "{said}");
+    }
+    let run = folder.run(&format!("{common} --functions xyz.npy"));
+    assert_eq!(run.code, Some(2), "{}", run.stderr);
+}
+
+#[test]
+fn filters_smooth_sharpen_and_split() {
+    let folder = Folder::new();
+    let (source, _) = meshes(&folder);
+    write_coordinates(&folder, &source);
+    let energy = |mesh: &TriMesh| -> f64 {
+        let edge = |a: u32, b: u32| -> f64 {
+            let (p, q) = (mesh.vertices()[a as usize], mesh.vertices()[b as usize]);
+            (0..3).map(|c| (p[c] - q[c]).powi(2)).sum()
+        };
+        mesh.faces().iter().map(|&[a, b, c]| edge(a, b) + edge(b, c) + edge(c, a)).sum()
+    };
+    let filtered = |arguments: &str, name: &str| {
+        folder.succeed(&format!("filter source.ply {arguments} -o {name}"));
+        read(&folder.path(name)).unwrap().mesh
+    };
+    let before = energy(&source);
+    let low = filtered("--low-pass 5 -k 20", "low.obj");
+    let heat = filtered("--heat 1e-2 -k 20 --order 1", "heat.ply");
+    let sharp = filtered("--sharpen 1e-2 --amount 2 -k 20", "sharp.ply");
+    let products = filtered("--heat 1e-2 -k 5 --order 2", "products.ply");
+    assert!(energy(&low) < before && energy(&heat) < before && energy(&sharp) > before);
+    assert!(energy(&products) < before);
+    assert_eq!(low.faces(), source.faces());
+    // What passes below and what passes above add up.
+    for (arguments, name) in
+        [("--low-pass 6", "a.npy"), ("--high-pass 6", "b.npy"), ("--band 0..6", "c.npy")]
+    {
+        folder
+            .succeed(&format!("filter source.ply {arguments} -k 20 --functions xyz.npy -o {name}"));
+    }
+    let [a, b, c]: [Vec<f64>; 3] = ["a.npy", "b.npy", "c.npy"].map(|name| folder.read_npy(name));
+    for (i, x) in source.vertices().concat().into_iter().enumerate() {
+        assert!((a[i] + b[i] - x).abs() < 1e-12);
+    }
+    assert_eq!(a, c);
+    let said = folder.fail("filter source.ply --heat nan -o x.ply");
+    assert!(said.contains("time"), "{said}");
+    let said = folder.fail("filter source.ply --low-pass 3 -o x.xyz");
+    assert!(said.contains("x.xyz"), "{said}");
+}

@@ -1,0 +1,119 @@
+//! `catamaran spectrum`, from outside.
+
+use std::fs::File;
+use std::io::Read;
+
+use crate::common::Folder;
+
+#[cfg(feature = "hdf5")]
+use catamaran::ata::RowBlocks;
+#[cfg(feature = "hdf5")]
+use catamaran::faer::Mat;
+#[cfg(feature = "hdf5")]
+use catamaran::io::RowFile;
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::{TriMesh, families, io};
+
+fn write(folder: &Folder, name: &str, mesh: TriMesh) {
+    let output = Output::create(&folder.path(name), Overwrite::Never).unwrap();
+    io::write(output, &mesh.into()).unwrap();
+}
+
+/// An array of an .npz file: its shape, and its entries row by row.
+fn array(folder: &Folder, file: &str, name: &str) -> (Vec<u64>, Vec<f64>) {
+    let mut archive = zip::ZipArchive::new(File::open(folder.path(file)).unwrap()).unwrap();
+    let mut bytes = Vec::new();
+    archive.by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
+    let array = npyz::NpyFile::new(&bytes[..]).unwrap();
+    let (shape, order) = (array.shape().to_vec(), array.order());
+    let entries: Vec<f64> = array.into_vec().unwrap();
+    match (order, &shape[..]) {
+        (npyz::Order::Fortran, &[rows, columns]) => {
+            let places = (0..rows).flat_map(|i| (0..columns).map(move |j| j * rows + i));
+            (shape, places.map(|place| entries[place as usize]).collect())
+        }
+        _ => (shape, entries),
+    }
+}
+
+#[test]
+fn a_sphere_has_the_multiplets_of_spherical_harmonics() {
+    let folder = Folder::new();
+    write(&folder, "sphere.ply", families::icosphere(4).unwrap());
+    let said = folder.succeed("spectrum sphere.ply -k 16 -o s.npz --verify --threads 2");
+    assert!(said.contains("2562 vertices, 2562 of them free"), "{said}");
+    assert!(said.contains("written     ") && said.contains("residual    "), "{said}");
+    let (shape, values) = array(&folder, "s.npz", "eigenvalues");
+    assert_eq!(shape, [16]);
+    for (i, value) in values.iter().enumerate() {
+        let l = f64::from(i.isqrt() as u32);
+        assert!((value - l * (l + 1.0)).abs() <= 0.01 * l * (l + 1.0) + 1e-9, "{i}: {value}");
+    }
+    assert_eq!(array(&folder, "s.npz", "eigenvectors").0, [2562, 16]);
+    assert!(array(&folder, "s.npz", "residuals").1.iter().all(|r| *r <= 1e-9));
+    // The same bytes with another number of threads.
+    folder.succeed("spectrum sphere.ply -k 16 -o one.npz --verify --threads 1");
+    assert_eq!(array(&folder, "one.npz", "eigenvectors"), array(&folder, "s.npz", "eigenvectors"));
+}
+
+#[test]
+fn options_change_the_problem() {
+    let folder = Folder::new();
+    folder.write(
+        "square.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 .5 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n",
+    );
+    // One vertex inside: its weights sum to 4, a third of the area is its mass.
+    let said = folder.succeed("spectrum square.obj -k 1 --boundary dirichlet -o d.npz");
+    assert!(said.contains("5 vertices, 1 of them free"), "{said}");
+    assert!((array(&folder, "d.npz", "eigenvalues").1[0] - 12.0).abs() < 1e-12);
+    let (shape, vectors) = array(&folder, "d.npz", "eigenvectors");
+    assert_eq!((shape, &vectors[..4]), (vec![5, 1], &[0.0; 4][..]));
+    for option in ["--mass full", "--laplacian intrinsic", "--laplacian tufted", "--shift 7"] {
+        let said = folder.succeed(&format!("spectrum square.obj -k 2 {option}"));
+        assert!(said.contains("eigenpairs  2 in "), "{said}");
+    }
+}
+
+#[test]
+#[cfg(feature = "hdf5")]
+fn hdf5_holds_the_same_arrays() {
+    let folder = Folder::new();
+    write(&folder, "sphere.ply", families::icosphere(3).unwrap());
+    folder.succeed("spectrum sphere.ply -k 9 -o s.npz");
+    folder.succeed("spectrum sphere.ply -k 9 -o s.h5");
+    for name in ["eigenvalues", "eigenvectors", "residuals"] {
+        let mut rows = RowFile::open(folder.path(&format!("s.h5:{name}"))).unwrap();
+        let (m, n) = (rows.nrows(), rows.ncols());
+        let mut found = Mat::<f64>::zeros(m, n);
+        rows.read(0, found.as_mut()).unwrap();
+        let (shape, expected) = array(&folder, "s.npz", name);
+        assert_eq!(shape.iter().product::<u64>(), (m * n) as u64);
+        assert!((0..m * n).all(|i| found[(i / n, i % n)] == expected[i]), "{name}");
+    }
+    assert!(folder.fail("spectrum sphere.ply -k 9 -o s.h5").contains("exists already"));
+    folder.succeed("spectrum sphere.ply -k 2 -o s.h5 --force");
+}
+
+#[test]
+#[cfg(not(feature = "hdf5"))]
+fn hdf5_that_is_not_built_in_is_refused_before_any_work() {
+    let folder = Folder::new();
+    let refused = folder.fail("spectrum none.ply -k 9 -o s.h5");
+    assert!(refused.contains("s.h5: HDF5 is not part of this program"), "{refused}");
+}
+
+#[test]
+fn refusals_say_what_is_wrong_and_write_nothing() {
+    let folder = Folder::new();
+    folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    assert!(
+        folder.fail("spectrum a.obj -k 4 -o s.npz").contains("k: 4 eigenpairs of a matrix of 3")
+    );
+    assert!(folder.fail("spectrum a.obj -k 1 -o s.txt").contains("must be called .npz, .h5"));
+    assert!(folder.fail("spectrum none.obj -k 1 -o s.npz").contains("none.obj"));
+    folder.succeed("spectrum a.obj -k 1 -o s.npz");
+    assert!(folder.fail("spectrum a.obj -k 1 -o s.npz").contains("exists already"));
+    folder.succeed("spectrum a.obj -k 2 -o s.npz --force");
+    assert_eq!(array(&folder, "s.npz", "eigenvalues").0, [2]);
+}

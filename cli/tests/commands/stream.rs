@@ -1,0 +1,408 @@
+//! `catamaran ata` on files larger than a block, its checkpoints, and `catamaran ata-merge`.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use crate::common::{Folder, Run, oracle, table};
+
+const M: usize = 203;
+const N: usize = 11;
+
+/// A in a.npy, and what A^T A is.
+fn with_input() -> (Folder, Vec<f64>) {
+    let folder = Folder::new();
+    let a = table(M, N);
+    folder.write_npy("a.npy", &[M as u64, N as u64], &a);
+    let c = oracle(&a, N, None);
+    (folder, c)
+}
+
+/// Numbers that every order of additions rounds differently.
+fn rough_table(m: usize, n: usize) -> Vec<f64> {
+    (0..m * n).map(|k| ((k * 7919 + 13) % 10007) as f64 * 0.37 - 1000.0).collect()
+}
+
+#[test]
+fn blocks_of_any_height_give_the_product() {
+    let (folder, expected) = with_input();
+    folder.write_fortran_npy("f.npy", &[M as u64, N as u64], &table(M, N));
+    let weights: Vec<f64> = (0..M).map(|i| i as f64 - 50.0).collect();
+    folder.write_npy("w.npy", &[M as u64], &weights);
+    let weighted = oracle(&table(M, N), N, Some(&weights));
+    for name in ["a.npy", "f.npy"] {
+        for rows in [1, 7, 64, 500] {
+            let options = format!("{name} --block-rows {rows} --verify --strict -o c.npy --force");
+            folder.succeed(&format!("ata {options}"));
+            assert_eq!(folder.read_npy::<f64>("c.npy"), expected, "{options}");
+            folder.succeed(&format!("ata {options} --weights w.npy"));
+            assert_eq!(folder.read_npy::<f64>("c.npy"), weighted, "{options}");
+        }
+    }
+}
+
+#[test]
+fn bytes_do_not_depend_on_threads_or_on_the_format_of_the_file() {
+    let folder = Folder::new();
+    let (m, n) = (700, 40);
+    let a = rough_table(m, n);
+    folder.write_npy("a.npy", &[m as u64, n as u64], &a);
+    folder.write_fortran_npy("f.npy", &[m as u64, n as u64], &a);
+    folder.write("a.csv", crate::common::csv(&a, n));
+    let mut outputs = Vec::new();
+    for name in ["a.npy", "f.npy", "a.csv"] {
+        for threads in [1, 2, 3] {
+            let options = "--center --block-rows 100 --verify -o c.npy --force";
+            folder.succeed(&format!("ata {name} {options} --threads {threads}"));
+            outputs.push(fs::read(folder.path("c.npy")).unwrap());
+        }
+    }
+    assert!(outputs.iter().all(|output| *output == outputs[0]));
+}
+
+#[test]
+fn explain_says_how_often_a_is_read() {
+    let (folder, _) = with_input();
+    let report = folder.succeed("ata a.npy --explain");
+    assert!(report.contains("203 in 1 blocks of 203") && report.contains("read once"), "{report}");
+    let report = folder.succeed("ata a.npy --explain --block-rows 50 --verify");
+    assert!(report.contains("203 in 5 blocks of 50"), "{report}");
+    assert!(report.contains("one more read of A"), "{report}");
+}
+
+#[test]
+fn c_larger_than_memory_is_computed_in_strips() {
+    let folder = Folder::new();
+    let (m, n) = (60, 700);
+    let a = table(m, n);
+    folder.write_npy("a.npy", &[m as u64, n as u64], &a);
+    let expected = oracle(&a, n, None);
+    // C has 3.7 MiB.
+    let options = "--memory 0.003 --block-rows 16 --explain";
+    for (uplo, lower, upper) in
+        [("both", true, true), ("lower", true, false), ("upper", false, true)]
+    {
+        let report = folder.succeed(&format!("ata a.npy {options} --uplo {uplo} -o c.npy --force"));
+        assert!(
+            report.contains("A is read 2 times") || report.contains("A is read 3 times"),
+            "{report}"
+        );
+        let c = folder.read_npy::<f64>("c.npy");
+        for (k, (&found, &wanted)) in c.iter().zip(&expected).enumerate() {
+            let (i, j) = (k / n, k % n);
+            let given = lower && i >= j || upper && i <= j;
+            assert_eq!(found, if given { wanted } else { 0.0 }, "{uplo} {i} {j}");
+        }
+    }
+    folder.succeed("ata a.npy -o whole.npy");
+    folder.succeed(&format!("ata a.npy {options} -o strips.npy"));
+    let read = |name| fs::read(folder.path(name)).unwrap();
+    assert!(read("whole.npy") == read("strips.npy"), "the sums are exact, and so is the file");
+    // About the mean: the same up to rounding.
+    folder.succeed("ata a.npy --covariance -o whole.npy --force");
+    folder.succeed(&format!("ata a.npy --covariance {options} -o strips.npy --force"));
+    let (whole, strips) =
+        (folder.read_npy::<f64>("whole.npy"), folder.read_npy::<f64>("strips.npy"));
+    assert!(whole.iter().zip(&strips).all(|(x, y)| (x - y).abs() < 1e-10));
+
+    let fail = |arguments: &str| folder.fail(&format!("ata a.npy {options} {arguments}"));
+    assert!(fail("-o c.csv").contains("c.csv: a matrix larger than memory"));
+    assert!(fail("").contains("name its file by -o"));
+    for option in ["--verify", "--picture p.png", "--checkpoint k", "--accumulator k"] {
+        let message = fail(&format!("-o d.npy {option}"));
+        assert!(message.contains("needs all of C in memory"), "{message}");
+    }
+    let message = folder.fail("ata a.npy --memory 0.0001 -o d.npy");
+    assert!(message.contains("memory: ") && message.contains("a row of C need"), "{message}");
+}
+
+#[test]
+fn strips_of_the_exact_path_are_the_bytes_of_the_whole() {
+    let folder = Folder::new();
+    let (m, n) = (60, 700);
+    folder.write_npy("a.npy", &[m as u64, n as u64], &rough_table(m, n));
+    let options = "a.npy --scheme exact --threads 1 --center --block-rows 32";
+    folder.succeed(&format!("ata {options} -o whole.npy"));
+    let mut reads = 0;
+    // The scratch of the exact path depends on the machine.
+    for memory in [0.05, 0.02, 0.015, 0.01, 0.007, 0.005] {
+        let run =
+            folder.run(&format!("ata {options} -o strips.npy --force --explain --memory {memory}"));
+        if run.code != Some(0) {
+            continue;
+        }
+        reads += usize::from(run.stdout.contains("times, for strips"));
+        let read = |name| fs::read(folder.path(name)).unwrap();
+        assert!(read("whole.npy") == read("strips.npy"), "{memory} GiB");
+    }
+    assert!(reads > 0, "or no strip was made");
+}
+
+/// Kills the program at moments that a seed gives, and goes on until it succeeds: the bytes of C must be
+/// those of a run without a stop.
+fn kill_and_resume(kills: usize, seed: u64) {
+    let folder = Folder::new();
+    let (m, n) = (60_000, 30);
+    folder.write_npy("a.npy", &[m as u64, n as u64], &rough_table(m, n));
+    let options = "a.npy --center --block-rows 320";
+    folder.succeed(&format!("ata {options} -o whole.npy"));
+    let arguments =
+        format!("ata {options} -o c.npy --checkpoint sums --checkpoint-every 0 --resume");
+    let (mut state, mut resumed, mut killed) = (seed, 0, 0);
+    while killed < kills {
+        let before = fs::metadata(folder.path("sums")).and_then(|about| about.modified()).ok();
+        let mut child = folder
+            .program()
+            .args(arguments.split_whitespace())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        // At least one more checkpoint, so that all the kills together end; then any moment.
+        let now = || fs::metadata(folder.path("sums")).and_then(|about| about.modified()).ok();
+        while child.try_wait().unwrap().is_none() && now() == before {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        std::thread::sleep(Duration::from_micros((state >> 33) % 12_000));
+        child.kill().unwrap();
+        let run = Run::new(child.wait_with_output().unwrap());
+        assert!(run.code.is_none() || run.code == Some(0), "{}", run.stderr);
+        resumed += usize::from(run.stdout.contains("resumed   sums: row"));
+        if run.code == Some(0) {
+            // It was faster than the kill: another one from the first row.
+            compare(&folder);
+            fs::remove_file(folder.path("c.npy")).unwrap();
+        } else {
+            killed += 1;
+        }
+    }
+    let report = folder.succeed(&arguments);
+    assert!(resumed + usize::from(report.contains("resumed   sums: row")) > 0, "{report}");
+    compare(&folder);
+    assert!(!folder.path("sums").exists(), "the checkpoint is removed in the end");
+}
+
+fn compare(folder: &Folder) {
+    let read = |name| fs::read(folder.path(name)).unwrap();
+    assert!(read("whole.npy") == read("c.npy"), "the bytes after kills are others");
+}
+
+#[test]
+fn kill_at_any_moment_and_resume_gives_the_same_bytes() {
+    kill_and_resume(3, 1);
+}
+
+/// The same, more often: `cargo test -p catamaran-cli --test stream -- --ignored`.
+#[test]
+#[ignore = "takes a while"]
+fn twenty_kills_and_resume_give_the_same_bytes() {
+    kill_and_resume(20, 2);
+}
+
+/// A run that fails at row 150, with checkpoints, and the bytes of one that does not.
+fn interrupted(options: &str) -> (Folder, Vec<u8>) {
+    let folder = Folder::new();
+    let mut a = rough_table(M, N);
+    folder.write_npy("other.npy", &[M as u64, N as u64], &a);
+    a[150 * N + 3] = f64::INFINITY;
+    folder.write_npy("a.npy", &[M as u64, N as u64], &a);
+    folder.succeed(&format!("ata a.npy {options} --block-rows 20 -o whole.npy"));
+    let arguments = format!("{options} --block-rows 20 --checkpoint sums --checkpoint-every 0");
+    let run = folder.run(&format!("ata a.npy {arguments} --strict -o c.npy"));
+    assert_eq!(run.code, Some(1), "{}", run.stdout);
+    assert!(run.stderr.contains("a.npy: inf at row 150, column 3"), "{}", run.stderr);
+    assert!(!folder.path("c.npy").exists());
+    let bytes = fs::read(folder.path("whole.npy")).unwrap();
+    (folder, bytes)
+}
+
+const RESUME: &str = "--block-rows 20 --checkpoint sums --resume -o c.npy";
+
+#[test]
+fn last_checkpoint_survives_an_error_and_resumes() {
+    for options in ["", "--f32"] {
+        let (folder, expected) = interrupted(options);
+        let report = folder.succeed(&format!("ata a.npy {options} {RESUME}"));
+        assert!(report.contains("resumed   sums: row 140 of 203"), "{report}");
+        assert!(fs::read(folder.path("c.npy")).unwrap() == expected, "{options}");
+        assert_eq!(folder.names(), ["a.npy", "c.npy", "other.npy", "whole.npy"]);
+    }
+}
+
+/// Exact sums read all rows once for their bounds, and find what is not finite before they begin.
+#[test]
+fn exact_sums_refuse_an_infinity_before_the_first_checkpoint() {
+    let (folder, expected) = interrupted("--reproducible");
+    assert_eq!(folder.names(), ["a.npy", "other.npy", "whole.npy"]);
+    folder.succeed(&format!("ata a.npy --reproducible {RESUME}"));
+    assert!(fs::read(folder.path("c.npy")).unwrap() == expected);
+}
+
+#[test]
+fn resuming_what_is_different_says_what() {
+    let (folder, _) = interrupted("");
+    folder.write_npy("w.npy", &[M as u64], &[1.0; M]);
+    for (arguments, expected) in [
+        ("other.npy", "A was "),
+        ("a.npy --columns 0..10", "A was "),
+        ("a.npy --scheme exact", "scheme was auto, and is exact now"),
+        ("a.npy --center", "centring was none, and is mean now"),
+        ("a.npy --accuracy fast", "accuracy was default, and is fast now"),
+        ("a.npy --weights w.npy", "weights was none, and is "),
+        ("a.npy --f32", "an accumulator of f64, not of f32"),
+        ("a.npy --block-rows 21", "rows of a block was 20, and is 21 now"),
+    ] {
+        let rest = if arguments.contains("--block-rows") {
+            RESUME.replace("--block-rows 20", "")
+        } else {
+            RESUME.to_owned()
+        };
+        let message = folder.fail(&format!("ata {arguments} {rest}"));
+        assert!(message.contains(expected), "{arguments}: {message}");
+    }
+    let whole = fs::read(folder.path("sums")).unwrap();
+    folder.write("sums", &whole[..whole.len() - 1]);
+    let message = folder.fail(&format!("ata a.npy {RESUME}"));
+    assert!(message.contains("sums: truncated"), "{message}");
+    folder.write("sums", "something else, which is long enough");
+    let message = folder.fail(&format!("ata a.npy {RESUME}"));
+    assert!(message.contains("sums: not an accumulator"), "{message}");
+    folder.write("sums", whole);
+    let same = rough_table(M, N);
+    folder.write_npy("a.npy", &[M as u64, N as u64], &same);
+    let message = folder.fail(&format!("ata a.npy {RESUME}"));
+    assert!(message.contains("A was ") && message.contains("modified"), "{message}");
+}
+
+#[test]
+fn resume_without_a_checkpoint_begins_and_says_so() {
+    let (folder, expected) = with_input();
+    let report = folder.succeed("ata a.npy -o c.npy --checkpoint sums --resume");
+    assert!(report.contains("resumed   no sums: from the first row"), "{report}");
+    assert_eq!(folder.read_npy::<f64>("c.npy"), expected);
+    assert_eq!(folder.names(), ["a.npy", "c.npy"]);
+}
+
+#[test]
+fn checkpoint_is_not_replaced_by_accident() {
+    let (folder, expected) = with_input();
+    folder.write("sums", "precious");
+    let message = folder.fail("ata a.npy -o c.npy --checkpoint sums");
+    assert!(message.contains("sums: exists already"), "{message}");
+    assert!(message.contains("--resume goes on from it"), "{message}");
+    assert_eq!(fs::read_to_string(folder.path("sums")).unwrap(), "precious");
+    folder.succeed("ata a.npy -o c.npy --checkpoint sums --force");
+    assert_eq!(folder.read_npy::<f64>("c.npy"), expected);
+    let message = folder.fail("ata a.npy --checkpoint new");
+    assert!(message.contains("--checkpoint needs -o or --accumulator"), "{message}");
+    let message = folder.fail("ata a.npy -o d.npy --checkpoint none/sums");
+    assert!(message.contains("none/sums: can't be written"), "{message}");
+    for options in ["--resume", "--checkpoint-every 5"] {
+        assert_eq!(folder.run(&format!("ata a.npy -o d.npy {options}")).code, Some(2));
+    }
+    let run = folder.run("ata a.npy -o d.npy --checkpoint k --checkpoint-every -1");
+    assert_eq!(run.code, Some(2));
+}
+
+/// A limit on the size of files stands in for a full disk.
+#[cfg(unix)]
+#[test]
+fn checkpoint_that_can_not_be_written_is_told_and_the_last_one_stays() {
+    let folder = Folder::new();
+    // The sums have 7 KiB; C is packed.
+    let (m, n) = (100, 40);
+    folder.write_npy("a.npy", &[m as u64, n as u64], &vec![1.0; m * n]);
+    let program = env!("CARGO_BIN_EXE_catamaran");
+    let arguments = "ata a.npy --block-rows 40 -o c.npy.gz --checkpoint sums --checkpoint-every 0";
+    let script = format!("trap '' XFSZ; ulimit -f 4; exec '{program}' {arguments}");
+    let run = Run::new(
+        Command::new("sh").arg("-c").arg(script).current_dir(folder.path("")).output().unwrap(),
+    );
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    // After the last block none is due.
+    assert_eq!(run.stderr.lines().count(), 2, "{}", run.stderr);
+    assert!(run.stderr.contains("sums: can't be written: "), "{}", run.stderr);
+    assert_eq!(folder.names(), ["a.npy", "c.npy.gz"]);
+    folder.succeed("ata a.npy --block-rows 40 -o d.npy");
+    assert!(folder.read_npy::<f64>("d.npy").iter().all(|&x| x == 100.0));
+}
+
+/// The rows of `a` from each bound to the next, in files 0.npy, 1.npy, ...
+fn split(folder: &Folder, a: &[f64], n: usize, bounds: &[usize]) -> usize {
+    for (i, pair) in bounds.windows(2).enumerate() {
+        let rows = &a[pair[0] * n..pair[1] * n];
+        folder.write_npy(&format!("{i}.npy"), &[(pair[1] - pair[0]) as u64, n as u64], rows);
+    }
+    bounds.len() - 1
+}
+
+#[test]
+fn sums_of_parts_merge_to_the_whole() {
+    let (folder, expected) = with_input();
+    let count = split(&folder, &table(M, N), N, &[0, 1, 100, 100, M]);
+    for i in 0..count {
+        let report = folder.succeed(&format!("ata {i}.npy --accumulator {i}.sums --verify"));
+        assert!(report.contains(&format!("kept      {i}.sums")), "{report}");
+        folder.succeed(&format!("ata {i}.npy --center --accumulator {i}.centred"));
+    }
+    let report = folder.succeed("ata-merge 0.sums 1.sums 2.sums 3.sums -o c.npy");
+    assert!(
+        report.contains("sums      4 files: 203 rows, 11 columns, f64, not centred"),
+        "{report}"
+    );
+    assert_eq!(folder.read_npy::<f64>("c.npy"), expected);
+
+    // In another grouping, by way of a file.
+    folder.succeed("ata-merge 3.centred 1.centred --accumulator some.centred");
+    folder.succeed("ata-merge 2.centred some.centred 0.centred --covariance -o d.npy");
+    folder.succeed("ata a.npy --covariance -o whole.npy");
+    let (found, whole) = (folder.read_npy::<f64>("d.npy"), folder.read_npy::<f64>("whole.npy"));
+    assert!(found.iter().zip(&whole).all(|(x, y)| (x - y).abs() < 1e-12), "{found:?} {whole:?}");
+    folder.succeed("ata-merge 0.sums 1.sums 2.sums 3.sums -o l.npy --uplo lower");
+    let lower = folder.read_npy::<f64>("l.npy");
+    assert!((0..N * N).all(|k| lower[k] == if k / N >= k % N { expected[k] } else { 0.0 }));
+}
+
+#[test]
+fn sums_that_do_not_fit_together_are_refused() {
+    let (folder, _) = with_input();
+    folder.succeed("ata a.npy --accumulator a.sums");
+    folder.succeed("ata a.npy --accumulator single.sums --f32");
+    folder.succeed("ata a.npy --accumulator centred.sums --center");
+    folder.succeed("ata a.npy --accumulator narrow.sums --columns 0..3");
+    folder.write("text.sums", "text, and enough of it");
+    let (broken, _) = interrupted("");
+    fs::copy(broken.path("sums"), folder.path("half.sums")).unwrap();
+    for (arguments, expected) in [
+        ("a.sums single.sums", "single.sums: an accumulator of f32, not of f64"),
+        ("a.sums centred.sums", "centred.sums: accumulator: centring: "),
+        ("a.sums narrow.sums", "narrow.sums: accumulator: columns: 11 and 3"),
+        ("half.sums", "half.sums: a checkpoint at row 140 of 203"),
+        ("text.sums", "text.sums: not an accumulator"),
+        ("none.sums", "none.sums: no such file"),
+        ("a.sums --covariance", "--covariance needs centred sums"),
+    ] {
+        let message = folder.fail(&format!("ata-merge {arguments} -o c.npy"));
+        assert!(message.contains(expected), "{expected}: {message}");
+    }
+    assert_eq!(folder.run("ata-merge a.sums").code, Some(2), "no result is asked for");
+    let message = folder.fail("ata-merge a.sums -o a.npy");
+    assert!(message.contains("a.npy: exists already"), "{message}");
+    let message = folder.fail("ata a.npy --accumulator a.sums");
+    assert!(message.contains("a.sums: exists already"), "{message}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_read_as_a_whole() {
+    let (folder, expected) = with_input();
+    let pipe = folder.path("p.npy");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let whole = fs::read(folder.path("a.npy")).unwrap();
+    let writer = std::thread::spawn(move || fs::write(Path::new(&pipe), whole));
+    folder.succeed("ata p.npy -o c.npy --verify");
+    writer.join().unwrap().unwrap();
+    assert_eq!(folder.read_npy::<f64>("c.npy"), expected);
+}

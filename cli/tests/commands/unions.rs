@@ -1,0 +1,103 @@
+//! `catamaran unions predict`, `train` and `template`, from outside.
+
+use std::fs;
+
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::{TriMesh, families, io};
+
+use crate::common::Folder;
+
+/// A very small data set.
+const SIZES: &str =
+    "--size small --vertices 700 --known 2 --unknown 1 --others 0 --poses 1 --pairs 8";
+
+/// A rectangle of these numbers of cells of side 0.1.
+fn rectangle(folder: &Folder, name: &str, x: usize, y: usize) {
+    let grid = families::grid(x, y).unwrap();
+    let [_, far] = grid.bounding_box().unwrap();
+    let sides = [0.1 * x as f64 / far[0], 0.1 * y as f64 / far[1]];
+    let scaled = grid.vertices().iter().map(|p| [sides[0] * p[0], sides[1] * p[1], 0.0]);
+    let mesh = TriMesh::new(scaled.collect(), grid.faces().to_vec()).unwrap();
+    let output = Output::create(&folder.path(name), Overwrite::Never).unwrap();
+    io::write(output, &mesh.into()).unwrap();
+}
+
+/// The columns of a table that `unions predict` wrote.
+fn columns(text: &str) -> Vec<Vec<f64>> {
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
+        .collect();
+    (1..rows[0].len()).map(|j| rows.iter().map(|row| row[j]).collect()).collect()
+}
+
+#[test]
+fn predictions_are_printed_written_and_below_those_of_the_parts() {
+    let folder = Folder::new();
+    rectangle(&folder, "a.off", 16, 10);
+    rectangle(&folder, "b.off", 10, 14);
+    let said = folder.succeed("unions predict a.off b.off -o out.csv --picture out.png");
+    assert!(said.contains("strangeness") && said.lines().count() >= 22, "{said}");
+    let columns = columns(&fs::read_to_string(folder.path("out.csv")).unwrap());
+    assert_eq!((columns.len(), columns[0].len()), (3, 20));
+    // That of a rectangle of 1.6 x 1.
+    let first = std::f64::consts::PI.powi(2) * (1.0 / 2.56 + 1.0);
+    assert!((columns[0][0] / first - 1.0).abs() < 0.03);
+    for i in 0..20 {
+        assert!(columns[2][i] > 0.0 && columns[2][i] <= columns[0][i].min(columns[1][i]));
+    }
+    assert!(folder.fail("unions predict a.off b.off -o out.csv").contains("out.csv"));
+    assert!(folder.fail("unions predict a.off none.off").contains("none.off"));
+    assert!(folder.fail("unions predict a.off b.off --weights a.off").contains("a.off"));
+}
+
+#[test]
+#[ignore = "trains: scripts/test --training"]
+fn a_network_is_trained_and_used() {
+    let folder = Folder::new();
+    folder.succeed(&format!("unions dataset -o data.npz {SIZES}"));
+    let train = "unions train data.npz -o own.safetensors --width 16 --hidden 16 --threads";
+    folder.succeed(&format!("{train} 1 --epochs 3 --minutes 0"));
+    for file in ["own.safetensors", "own.safetensors.state.npz", "own.safetensors.svg"] {
+        assert!(folder.path(file).exists(), "{file}");
+    }
+    assert!(folder.fail(&format!("{train} 1 --epochs 3")).contains("--resume"));
+    folder.succeed(&format!("{train} 2 --resume"));
+    let resumed = fs::read(folder.path("own.safetensors")).unwrap();
+    folder.succeed(&format!("{train} 2 --epochs 3 --force"));
+    assert_eq!(fs::read(folder.path("own.safetensors")).unwrap(), resumed);
+
+    #[cfg(unix)]
+    ends_soon(&folder, "unions train data.npz -o other.safetensors --epochs 1000000");
+
+    rectangle(&folder, "a.off", 16, 10);
+    rectangle(&folder, "b.off", 10, 14);
+    let ours = folder.succeed("unions predict a.off b.off --weights own.safetensors");
+    assert_ne!(ours, folder.succeed("unions predict a.off b.off"));
+
+    folder.succeed("unions template --vertices 700 -o template.ply");
+    let predict = "unions predict a.off b.off --weights own.safetensors --localize";
+    let found = folder.succeed(&format!("{predict} template.ply"));
+    assert!(found.contains("vertices of the template"), "{found}");
+    // The template of the weights is not the rectangle.
+    let refused = folder.fail(&format!("{predict} a.off"));
+    assert!(refused.contains("a.off"), "{refused}");
+}
+
+/// Sends SIGTERM to a command that has said something.
+#[cfg(unix)]
+fn ends_soon(folder: &Folder, arguments: &str) {
+    use std::io::Read;
+    use std::process::{Command, Stdio};
+    let mut command = folder.program();
+    command.args(arguments.split_whitespace()).stdout(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    child.stdout.as_mut().unwrap().read_exact(&mut [0]).unwrap();
+    let start = std::time::Instant::now();
+    assert!(Command::new("kill").arg(child.id().to_string()).status().unwrap().success());
+    let status = child.wait().unwrap();
+    assert_eq!(status.code(), Some(143), "{arguments}");
+    assert!(start.elapsed().as_secs_f64() < 1.5, "{:?}", start.elapsed());
+    assert!(folder.names().iter().all(|name| !name.starts_with(".catamaran-")));
+}

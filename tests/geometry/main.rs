@@ -1,0 +1,17 @@
+//! Sparse and orthonormal bases, meshes, spectra, decimation, plants and slime moulds.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod decimate;
+mod laplacian;
+mod mesh;
+mod mesh_files;
+mod ortho;
+mod plant;
+#[cfg(feature = "hdf5")]
+mod rows_hdf5;
+mod slime;
+mod sparse;
+mod spectral;
+#[path = "../common/surface.rs"]
+mod surface;

@@ -1,0 +1,9 @@
+//! Plants: the water in them against closed forms and a double-double reference, and the rods against beam theory.
+
+mod reference;
+
+mod accuracy;
+mod damage;
+mod files;
+mod models;
+mod rods;

@@ -1,0 +1,13 @@
+//! A^T A and its kernels: against oracles, exact values and invariants.
+
+mod ata;
+mod backends;
+mod column_errors;
+#[path = "../common/mod.rs"]
+mod common;
+mod exact;
+mod native;
+mod plan;
+mod properties;
+mod schemes;
+mod stream;
