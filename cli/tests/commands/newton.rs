@@ -3,7 +3,7 @@
 use crate::common::Folder;
 
 /// Width, height, and bits of a PNG.
-fn png(folder: &Folder, name: &str) -> (u32, u32, u8) {
+fn size_and_bits(folder: &Folder, name: &str) -> (u32, u32, u8) {
     let bytes = std::fs::read(folder.path(name)).unwrap();
     assert!(bytes.starts_with(b"\x89PNG"), "{name}");
     let side = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap());
@@ -16,8 +16,8 @@ fn a_plane_is_drawn_and_nothing_is_replaced() {
     let command = "newton --power 5 --size 64x40 -o a.png --heights h.png --threads 2";
     let said = folder.succeed(command);
     assert!(said.contains("2560 on cpu, 32 iterations"), "{said}");
-    assert_eq!(png(&folder, "a.png"), (64, 40, 8));
-    assert_eq!(png(&folder, "h.png"), (64, 40, 16));
+    assert_eq!(size_and_bits(&folder, "a.png"), (64, 40, 8));
+    assert_eq!(size_and_bits(&folder, "h.png"), (64, 40, 16));
     let before = std::fs::read(folder.path("a.png")).unwrap();
     assert!(folder.fail(command).contains("exists already"));
     folder.succeed("newton --power 5 --size 64x40 -o a.png --threads 1 --force");
@@ -35,9 +35,9 @@ fn a_mesh_gets_colours_and_a_texture() {
     let file = catamaran::mesh::io::read(&folder.path("colored.ply")).unwrap();
     assert_eq!(file.colors.unwrap().len(), 4);
     assert_eq!(std::fs::read_to_string(folder.path("h.csv")).unwrap().lines().count(), 4);
-    assert!(png(&folder, "view.png").0 > 100);
+    assert!(size_and_bits(&folder, "view.png").0 > 100);
     folder.succeed("newton square.obj --uv --size 32 -o texture.png");
-    assert_eq!(png(&folder, "texture.png"), (32, 32, 8));
+    assert_eq!(size_and_bits(&folder, "texture.png"), (32, 32, 8));
     assert!(folder.fail("newton square.obj --uv -o texture.ply").contains(".png"));
     folder.write("bare.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     assert!(folder.fail("newton bare.obj --uv -o t.png").contains("no texture coordinates"));
@@ -93,8 +93,22 @@ fn a_device_draws_what_the_processor_draws() {
     assert!(folder.succeed("info").contains("\nopencl        0: "));
     folder.succeed("newton --size 64 -o cpu.png");
     folder.succeed("newton --size 64 -o device.png --device 0");
-    let read = |name: &str| std::fs::read(folder.path(name)).unwrap();
-    // Exactly, as processors round divisions correctly; a GPU may differ at one point of 4,000.
+    let [cpu, device] = ["cpu.png", "device.png"].map(|name| pixels(&folder.path(name)));
+    let different = cpu.iter().zip(&device).filter(|(a, b)| a != b).count();
+    // Processors round divisions correctly. A GPU may differ at one point of 4,000, and 4,096 are drawn;
+    // some more are on the borders of basins.
     let is_cpu = catamaran::opencl::find("0").unwrap().kind == catamaran::opencl::DeviceKind::Cpu;
-    assert!(!is_cpu || read("cpu.png") == read("device.png"));
+    let allowed = if is_cpu { 0 } else { 8 };
+    assert!(cpu.len() == 64 * 64 && different <= allowed, "{different} of {} pixels", cpu.len());
+}
+
+/// The colors of a picture.
+#[cfg(feature = "opencl")]
+fn pixels(path: &std::path::Path) -> Vec<[u8; 3]> {
+    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    assert_eq!(info.color_type, png::ColorType::Rgb);
+    bytes[..info.buffer_size()].chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()
 }
