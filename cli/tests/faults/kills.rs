@@ -90,7 +90,7 @@ const ATA: &str = "ata large.npy --center --block-rows 320 -o c.npy --checkpoint
                    --checkpoint-every 0 --resume";
 const SLIME: &str = "slime square.obj --config c.toml --size 128 --agents 4000";
 const DATASET: &str = "unions dataset -o d.npz --size small --vertices 500 --known 1 --unknown 0 \
-                       --others 0 --poses 1 --pairs 4 --creatures 4 --varied 1";
+                       --others 0 --poses 1 --pairs 4 --creatures 2 --varied 1";
 const TRAIN: &str = "unions train data.npz -o w.safetensors --width 16 --hidden 16";
 
 /// Runs of a command that ends before all is done.

@@ -8,6 +8,8 @@
 //! does not is a failure.
 #![cfg(target_os = "linux")]
 
+use std::collections::BTreeMap;
+
 #[path = "../common/mod.rs"]
 mod common;
 
@@ -28,4 +30,24 @@ fn is_full() -> bool {
 /// A line of the table of docs/reliability.md.
 fn record(fault: &str, command: &str, injected: usize, outcomes: &str) {
     println!("| {fault} | `{command}` | {injected} | {outcomes} |");
+}
+
+/// What came of the faults of one kind, by commands.
+#[derive(Default)]
+struct Tally(BTreeMap<String, [usize; 2]>);
+
+impl Tally {
+    /// Counts a run of this line.
+    fn add(&mut self, line: &str, has_failed: bool) {
+        let counts = self.0.entry(commands::command_of(line)).or_default();
+        counts[usize::from(has_failed)] += 1;
+    }
+
+    /// A line of the table for each command.
+    fn record(self, fault: &str) {
+        for (command, [results, errors]) in self.0 {
+            let outcomes = format!("{errors} errors, {results} whole results");
+            record(fault, &command, errors + results, &outcomes);
+        }
+    }
 }

@@ -1,15 +1,14 @@
 //! Reads that fail: at the begin of a file, and in the middle.
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::commands::{LINES, READERS, SLOW, command_of, folder_for, inputs, inputs_of, is_one_of};
+use crate::commands::{LINES, READERS, SLOW, folder_for, inputs, inputs_of, is_one_of};
 use crate::common::{Folder, Run};
-use crate::record;
 use crate::scene::all_files;
+use crate::{Tally, is_full};
 
 /// It opens, and a read at its begin fails with EIO: nothing is mapped at address 0.
 const FAILING: &str = "/proc/self/mem";
@@ -29,28 +28,26 @@ fn read_files() -> impl Iterator<Item = (&'static str, String)> {
 
 #[test]
 fn a_read_that_fails_is_an_error_that_names_the_file() {
-    let mut injected = BTreeMap::new();
+    let mut tally = Tally::default();
     for (line, name) in read_files() {
         let folder = folder_for(line);
         fs::remove_file(folder.path(&name)).unwrap();
         symlink(FAILING, folder.path(&name)).unwrap();
         check(&folder, line, &name, folder.program());
-        *injected.entry(command_of(line)).or_insert(0) += 1;
+        tally.add(line, true);
     }
-    for (command, count) in injected {
-        record("failing read", &command, count, "errors that name the file; nothing is left");
-    }
+    tally.record("failing read");
 }
 
 #[test]
 fn a_read_that_fails_amid_a_file_is_an_error_that_names_the_file() {
     let built = Folder::new();
     let shim = shim(&built);
-    let mut injected = BTreeMap::new();
+    let mut tally = Tally::default();
     for (line, name) in read_files() {
         let path = inputs().path(&name);
         let size = fs::metadata(&path).unwrap().len();
-        if size < 2 || is_one_of(line, SLOW) && !crate::is_full() {
+        if size < 2 || is_one_of(line, SLOW) && !is_full() {
             continue;
         }
         let folder = folder_for(line);
@@ -58,12 +55,9 @@ fn a_read_that_fails_amid_a_file_is_an_error_that_names_the_file() {
         command.env("LD_PRELOAD", &shim);
         command.env("CATAMARAN_EIO_FILE", &name).env("CATAMARAN_EIO_BYTES", (size / 2).to_string());
         check(&folder, line, &name, command);
-        *injected.entry(command_of(line)).or_insert(0) += 1;
+        tally.add(line, true);
     }
-    for (command, count) in injected {
-        let outcomes = "errors that name the file; nothing is left";
-        record("read failing amid a file", &command, count, outcomes);
-    }
+    tally.record("read failing amid a file");
 }
 
 /// The program must fail, name the file, and leave nothing.

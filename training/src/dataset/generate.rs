@@ -366,6 +366,21 @@ mod tests {
     }
 
     #[test]
+    fn shapes_of_unknown_options_are_not_taken_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        prepare(folder, "one").unwrap();
+        let shape = folder.join("shape00000.npz");
+        fs::write(&shape, "of one").unwrap();
+        prepare(folder, "one").unwrap();
+        assert!(shape.exists() && prepare(folder, "two").is_err());
+        // What is left when the removal of the folder is killed.
+        fs::remove_file(folder.join("options.txt")).unwrap();
+        prepare(folder, "two").unwrap();
+        assert!(!shape.exists());
+    }
+
+    #[test]
     fn spectra_of_unions_are_below_those_of_parts() {
         let folder = tempfile::tempdir().unwrap();
         let set = generate(&tiny(), folder.path(), Par::all(), Progress::none()).unwrap();
