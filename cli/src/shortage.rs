@@ -137,12 +137,15 @@ extern "C" fn on_abort(_: libc::c_int) {
     }
     // A file whose thread holds the list stays behind; nothing better can be done.
     let _ = try_discard_unfinished(PATIENCE);
-    if REFUSED.get() || SHORT.load(Ordering::Relaxed) {
-        // SAFETY: the bytes are there. Nobody is left to tell that stderr is closed.
-        unsafe {
+    let is_short = REFUSED.get() || SHORT.load(Ordering::Relaxed);
+    // SAFETY: the message is there; nobody is left to tell that stderr is closed. The signal comes
+    // back, with its default effect, when this handler returns.
+    unsafe {
+        if is_short {
             libc::write(libc::STDERR_FILENO, MESSAGE.as_ptr().cast(), MESSAGE.len());
-            libc::_exit(1)
+            libc::_exit(1);
         }
+        libc::signal(libc::SIGABRT, libc::SIG_DFL);
+        libc::raise(libc::SIGABRT);
     }
-    // Back in `abort`, which ends the process by the signal.
 }

@@ -17,13 +17,16 @@ use crate::common::{Folder, csv, table};
 /// A word that is the name of a file in [`inputs`] is an input; what a run without a fault leaves
 /// are the outputs.
 pub const LINES: &[&str] = &[
-    "ata a.npy -o c.npy --weights w.npy --accumulator sums --picture p.png --block-rows 16",
+    "ata a.npy -o c.npy --weights w.npy --accumulator sums --block-rows 16",
+    "ata a.npy --picture p.png",
     "ata a.npy -o c.csv.gz --scheme exact --verify",
     "ata a.csv -o c.mtx",
     "ata-merge a.sums a.sums -o c.npy --accumulator sums",
     "mesh sphere.ply -o out.obj.gz",
-    "decimate sphere.ply -n 40 -o out.ply --weights w.mtx --picture p.png",
-    "fps sphere.ply -n 12 -o samples.npy --cells cells.csv --picture p.png",
+    "decimate sphere.ply -n 40 -o out.ply --weights w.mtx",
+    "decimate sphere.ply -n 40 -o out.ply --picture p.png",
+    "fps sphere.ply -n 12 -o samples.npy --cells cells.csv",
+    "fps sphere.ply -n 12 -o samples.npy --picture p.png",
     "info",
     "demo --small --out page",
     "spectrum sphere.ply -k 6 -o s.npz",
@@ -31,17 +34,21 @@ pub const LINES: &[&str] = &[
     "basis sphere.ply -k 4 -o basis.npz",
     "transfer sphere.ply sphere.ply --functions f.npy --identity -k 5 --order 1 -o g.npy",
     "transfer sphere.ply sphere.ply --functions f.npy --landmarks pairs.txt -k 5 --order 1 -o g.npy",
-    "filter sphere.ply --heat 1e-2 -k 10 --functions f.npy -o g.csv --picture p.png",
+    "filter sphere.ply --heat 1e-2 -k 10 --functions f.npy -o g.csv",
+    "filter sphere.ply --heat 1e-2 -k 10 -o out.off --picture p.png",
     "filter sphere.ply --heat 1e-2 -k 10 -o out.off",
     "wilt --grow 20 --hours 3 --frames 1 -o out",
     "wilt plant.txt --hours 3 --frames 1 -o out --mesh none",
-    "curve torus.obj --samples samples.txt -o curve.json --picture p.png",
+    "curve torus.obj --samples samples.txt -o curve.json",
+    "curve torus.obj --samples samples.txt -o curve.obj --picture p.png",
     "shapedna sphere.ply torus.obj -k 5 --signatures s.csv --distances d.npy",
     "newton --power 5 --size 32 -o a.png --heights h.png",
+    "newton square.obj --w 0.2 -o out.ply",
     "newton square.obj --w 0.2 -o out.ply --picture p.png",
     "newton --volume --size 9 -o v.npy",
     "slime square.obj --config c.toml --mask mask.png --steps 3 -o out --state s.state \
-     --coverage c.svg --render r.png",
+     --coverage c.svg",
+    "slime square.obj --config c.toml --steps 3 -o out --render r.png",
     "slime square.obj --config c.toml --steps 8 -o out --resume slime.state",
     "unions predict left.off right.off -o u.csv --picture p.png",
     "unions predict left.off right.off --weights own.safetensors -o u.csv",
@@ -54,8 +61,12 @@ pub const LINES: &[&str] = &[
 /// Their results differ from run to run: they measure time.
 pub const VARYING: &[&str] = &["demo", "tune"];
 
-/// Too slow for the quick part, half a second or more a run.
-pub const SLOW: &[&str] = &["demo", "tune", "unions dataset"];
+/// Whether a line takes half a second or more: the quick part leaves it out, and the full one
+/// injects less into it.
+pub fn is_slow(line: &str) -> bool {
+    is_one_of(line, &["demo", "tune", "unions dataset"])
+        || ["--picture", "--render"].iter().any(|option| line.contains(option))
+}
 
 /// Further readers: formats that no line above reads.
 pub const READERS: &[&str] = &[

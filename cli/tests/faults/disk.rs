@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::commands::{LINES, SLOW, VARYING, command_of, folder_for, inputs, is_one_of};
+use crate::commands::{LINES, VARYING, command_of, folder_for, inputs, is_one_of, is_slow};
 use crate::common::Folder;
 use crate::scene::{
     Files, Limit, Limited, all_files, check_files, complaints, files, run_limited, whole,
@@ -11,11 +11,7 @@ use crate::{Tally, is_full};
 
 /// Bytes that still fit.
 fn limits(line: &str) -> &'static [u64] {
-    if is_full() && !is_one_of(line, SLOW) {
-        &[0, 7, 100, 1000, 4000, 16_000, 64_000]
-    } else {
-        &[7, 1000]
-    }
+    if is_full() && !is_slow(line) { &[0, 7, 100, 1000, 4000, 16_000, 64_000] } else { &[7, 1000] }
 }
 
 /// What is in a file that shall be replaced.
@@ -23,7 +19,7 @@ const BEFORE: &[u8] = b"before";
 
 /// Lines that write files, and what they write; the slow ones in the full suite only.
 fn writers() -> impl Iterator<Item = (&'static str, Files)> {
-    let lines = LINES.iter().filter(|line| is_full() || !is_one_of(line, SLOW));
+    let lines = LINES.iter().filter(|line| is_full() || !is_slow(line));
     lines.map(|&line| (line, whole(line))).filter(|(_, whole)| !whole.is_empty())
 }
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::sync::OnceLock;
 
-use crate::commands::{LINES, SLOW, VARYING, folder_for, inputs, is_one_of};
+use crate::commands::{LINES, VARYING, folder_for, inputs, is_one_of, is_slow};
 use crate::common::Folder;
 use crate::scene::{Limit, Limited, all_files, check_files, files, run_limited, whole};
 use crate::{Tally, is_full};
@@ -11,7 +11,7 @@ use crate::{Tally, is_full};
 /// Limits for a line.
 fn steps(line: &str) -> usize {
     match is_full() {
-        true if is_one_of(line, SLOW) => 4,
+        true if is_slow(line) => 4,
         true => 12,
         false => 2,
     }
@@ -64,7 +64,7 @@ fn check_failure(limited: &Limited, context: &str) {
 #[test]
 fn too_little_memory_is_an_error_and_leaves_nothing_in_part() {
     let mut tally = Tally::default();
-    for line in LINES.iter().filter(|line| is_full() || !is_one_of(line, SLOW)) {
+    for line in LINES.iter().filter(|line| is_full() || !is_slow(line)) {
         let whole = whole(line);
         let mut succeeds = |bytes| {
             let context = format!("{line}, {} KiB of memory", bytes >> 10);
@@ -82,7 +82,7 @@ fn too_little_memory_is_an_error_and_leaves_nothing_in_part() {
             }
             !has_failed
         };
-        let need = if is_full() && !is_one_of(line, SLOW) {
+        let need = if is_full() && !is_slow(line) {
             least(base(), ENOUGH, &mut succeeds)
         } else {
             4 * base()

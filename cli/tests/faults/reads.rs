@@ -5,7 +5,7 @@ use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::commands::{LINES, READERS, SLOW, folder_for, inputs, inputs_of, is_one_of};
+use crate::commands::{LINES, READERS, folder_for, inputs, inputs_of, is_slow};
 use crate::common::{Folder, Run};
 use crate::scene::all_files;
 use crate::{Tally, is_full};
@@ -47,7 +47,7 @@ fn a_read_that_fails_amid_a_file_is_an_error_that_names_the_file() {
     for (line, name) in read_files() {
         let path = inputs().path(&name);
         let size = fs::metadata(&path).unwrap().len();
-        if size < 2 || is_one_of(line, SLOW) && !is_full() {
+        if size < 2 || is_slow(line) && !is_full() {
             continue;
         }
         let folder = folder_for(line);
