@@ -72,11 +72,13 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    // Before anything else needs memory.
+    let watched = shortage::watch();
     let cli = Cli::parse();
     input::limit_memory(cli.max_memory);
-    let watched = shortage::watch().and_then(|()| signals::watch());
     let done = watched
-        .context("signals can't be watched")
+        .and_then(|()| signals::watch())
+        .context("the thread that waits for signals can't be started")
         .and_then(|()| shortage::guard(|| run(&cli.command)));
     let Err(error) = done else { return ExitCode::SUCCESS };
     if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {

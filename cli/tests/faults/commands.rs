@@ -179,11 +179,12 @@ fn matrices(folder: &Folder) {
     folder.succeed("ata a.csv -o a.mtx");
     folder.succeed("ata a.npy --accumulator a.sums");
     // What a run that failed at its last row leaves.
-    let mut broken = a;
-    broken[m * n - 1] = f64::NAN;
+    let (m, n) = (800, 300);
+    let mut broken = table(m, n);
+    broken[m * n - 1] = f64::INFINITY;
     folder.write_npy("broken.npy", &[m as u64, n as u64], &broken);
     let run = folder.run(
-        "ata broken.npy --strict -o c.npy --block-rows 16 --checkpoint a.part --checkpoint-every 0",
+        "ata broken.npy --strict -o c.npy --block-rows 100 --checkpoint a.part --checkpoint-every 0",
     );
     assert_eq!(run.code, Some(1), "{}", run.stderr);
     assert!(folder.path("a.part").exists());
