@@ -21,6 +21,7 @@ mod ranks;
 mod report;
 mod shape;
 mod shapedna;
+mod shortage;
 mod signals;
 mod slime;
 mod spectrum;
@@ -32,6 +33,7 @@ mod wilt;
 use std::io;
 use std::process::ExitCode;
 
+use anyhow::{Context, Result};
 use clap::{Parser, Subcommand};
 
 /// A^T A, spectra and geometry at scale.
@@ -70,9 +72,29 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    // Before anything else needs memory.
+    let watched = shortage::watch();
     let cli = Cli::parse();
     input::limit_memory(cli.max_memory);
-    let done = signals::watch().map_err(Into::into).and_then(|()| match &cli.command {
+    let done = watched
+        .and_then(|()| signals::watch())
+        .context("the thread that waits for signals can't be started")
+        .and_then(|()| shortage::guard(|| run(&cli.command)));
+    let Err(error) = done else { return ExitCode::SUCCESS };
+    if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {
+        report::complain(format_args!("cancelled"));
+        return signals::exit_code();
+    }
+    // The reader of our output has gone, as in `catamaran info | head -1`: nobody to tell.
+    if error.downcast_ref().is_some_and(|e: &io::Error| e.kind() == io::ErrorKind::BrokenPipe) {
+        return ExitCode::SUCCESS;
+    }
+    report::complain(format_args!("{}", report::message(&error)));
+    ExitCode::FAILURE
+}
+
+fn run(command: &Command) -> Result<()> {
+    match command {
         Command::Ata(args) => ata::run(args),
         Command::AtaMerge(args) => merge::run(args),
         Command::Mesh(args) => mesh::run(args),
@@ -91,16 +113,5 @@ fn main() -> ExitCode {
         Command::Newton(args) => newton::run(args),
         Command::Slime(args) => slime::run(args),
         Command::Unions(args) => unions::run(args),
-    });
-    let Err(error) = done else { return ExitCode::SUCCESS };
-    if matches!(error.downcast_ref(), Some(catamaran::Error::Cancelled)) {
-        report::complain(format_args!("cancelled"));
-        return signals::exit_code();
     }
-    // The reader of our output has gone, as in `catamaran info | head -1`: nobody to tell.
-    if error.downcast_ref().is_some_and(|e: &io::Error| e.kind() == io::ErrorKind::BrokenPipe) {
-        return ExitCode::SUCCESS;
-    }
-    report::complain(format_args!("{}", report::message(&error)));
-    ExitCode::FAILURE
 }

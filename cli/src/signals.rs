@@ -3,6 +3,9 @@
 //! The first one asks the command to stop ([`check`], which every progress bar calls). A command
 //! that is still there after [`GRACE`] is ended from outside: outputs that are not committed are
 //! removed, and the process exits with the status of the signal. A second signal does that at once.
+//!
+//! SIGXFSZ is ignored: a file that grows beyond the limit of `ulimit -f` is an error of the write, as
+//! on a full disk.
 
 use std::io;
 use std::process::ExitCode;
@@ -37,6 +40,10 @@ pub fn watch() -> io::Result<()> {
     let mut wanted = vec![SIGINT, SIGTERM];
     if !is_ignored(SIGHUP)? {
         wanted.push(SIGHUP);
+    }
+    // SAFETY: no handler of ours runs.
+    if unsafe { libc::signal(libc::SIGXFSZ, libc::SIG_IGN) } == libc::SIG_ERR {
+        return Err(io::Error::last_os_error());
     }
     let signals = Signals::new(wanted)?;
     thread::Builder::new().name("signals".into()).spawn(move || serve(signals))?;

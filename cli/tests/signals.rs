@@ -192,6 +192,14 @@ fn a_command_that_hears_nothing_is_ended_and_leaves_no_file() {
 }
 
 #[test]
+fn an_abort_that_is_not_for_lack_of_memory_leaves_no_file_and_stays_an_abort() {
+    let mut run = Run::start(with_pipe(), "ata a.csv -o c.npy");
+    run.send("-ABRT");
+    assert_eq!(run.end().signal(), Some(6));
+    assert_eq!(run.folder.names(), ["a.csv", SAID]);
+}
+
+#[test]
 fn the_second_signal_ends_at_once() {
     let mut run = Run::start(with_pipe(), "ata a.csv -o c.npy");
     run.send("-INT");

@@ -37,7 +37,7 @@ use faer::MatRef;
 pub use limits::SourceOptions;
 pub use matrix::{Dense, Matrix, SparseRows};
 pub use npz::{Array, NpzWriter, write_npz};
-pub use output::{Output, Overwrite, discard_unfinished};
+pub use output::{Output, Overwrite, discard_unfinished, try_discard_unfinished};
 pub use read_arrays::{Arrays, read_arrays, read_arrays_with};
 pub use rows::RowFile;
 /// The sparse matrix of [`Matrix::Sparse`], from crate sprs.

@@ -1,6 +1,6 @@
 //! Several arrays in one file, as `numpy.load` reads them: NumPy `.npz`, a zip archive of `.npy` files, not packed.
 
-use std::io::{self, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::PathBuf;
 
 use faer::MatRef;
@@ -65,18 +65,74 @@ pub fn write_npz(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 pub struct NpzWriter {
-    archive: ZipWriter<Output>,
+    archive: ZipWriter<Sink>,
     path: PathBuf,
     /// Of the matrix that was begun.
     rows: usize,
     columns_left: usize,
 }
 
+/// What the archive is written into. After the first error nothing is, and that succeeds: an archive
+/// that is dropped still writes its end, and prints to stderr when it can't.
+struct Sink {
+    output: Output,
+    failed: bool,
+    /// Where the archive believes to be.
+    position: u64,
+}
+
+impl Sink {
+    fn new(output: Output) -> Self {
+        Self { output, failed: false, position: 0 }
+    }
+
+    fn finish(self) -> Result<Output> {
+        if self.failed {
+            return Err(self.output.error(io::Error::other("a write before has failed")));
+        }
+        Ok(self.output)
+    }
+
+    /// Notes the first error.
+    fn noted<T>(&mut self, done: io::Result<T>) -> io::Result<T> {
+        self.failed |= done.as_ref().is_err_and(|e| e.kind() != io::ErrorKind::Interrupted);
+        done
+    }
+}
+
+impl Write for Sink {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = if self.failed { Ok(bytes.len()) } else { self.output.write(bytes) };
+        let count = self.noted(written)?;
+        self.position += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let flushed = if self.failed { Ok(()) } else { self.output.flush() };
+        self.noted(flushed)
+    }
+}
+
+impl Seek for Sink {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let there = match to {
+            _ if !self.failed => self.output.seek(to),
+            SeekFrom::Start(position) => Ok(position),
+            SeekFrom::Current(by) | SeekFrom::End(by) => {
+                Ok(self.position.saturating_add_signed(by))
+            }
+        };
+        self.position = self.noted(there)?;
+        Ok(self.position)
+    }
+}
+
 impl NpzWriter {
     /// A file without arrays yet.
     pub fn new(output: Output) -> Self {
         let path = output.path().to_path_buf();
-        Self { archive: ZipWriter::new(output), path, rows: 0, columns_left: 0 }
+        Self { archive: ZipWriter::new(Sink::new(output)), path, rows: 0, columns_left: 0 }
     }
 
     /// Adds an array.
@@ -126,8 +182,8 @@ impl NpzWriter {
     pub fn finish(self) -> Result<()> {
         self.check_columns()?;
         let Self { archive, path, .. } = self;
-        let output = archive.finish().map_err(|e| write_error(&path, e.into()))?;
-        output.commit()
+        let sink = archive.finish().map_err(|e| write_error(&path, e.into()))?;
+        sink.finish()?.commit()
     }
 
     fn begin(&mut self, name: &str) -> Result<()> {

@@ -1,7 +1,8 @@
 use std::fs::{File, Metadata};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+use std::time::{Duration, Instant};
 
 use tempfile::NamedTempFile;
 
@@ -42,7 +43,7 @@ pub struct Output {
     file: BufWriter<NamedTempFile>,
     overwrite: Overwrite,
     // Dropped after the file, which removes itself.
-    _listed: Listed,
+    _listed: Option<Listed>,
 }
 
 /// The temporary files of all outputs.
@@ -66,12 +67,32 @@ impl Drop for Listed {
 /// committing and dropping one wait for ever. For a program whose next act is to exit without
 /// destructors, such as after a signal: no file stays behind, and none is committed in part.
 pub fn discard_unfinished() {
-    let unfinished = unfinished();
+    discard(unfinished());
+}
+
+/// [`discard_unfinished`] for a program that aborts: the calling thread may be amid creating or
+/// committing an [`Output`] itself, and waits for other threads no longer than `patience`. Returns
+/// whether the files were removed.
+pub fn try_discard_unfinished(patience: Duration) -> bool {
+    let start = Instant::now();
+    loop {
+        match UNFINISHED.try_lock() {
+            Ok(unfinished) => return discard(unfinished),
+            Err(TryLockError::Poisoned(unfinished)) => return discard(unfinished.into_inner()),
+            Err(TryLockError::WouldBlock) if start.elapsed() > patience => return false,
+            Err(TryLockError::WouldBlock) => std::thread::sleep(patience / 100),
+        }
+    }
+}
+
+/// Removes them, and keeps the list locked for ever.
+fn discard(unfinished: MutexGuard<'_, Vec<PathBuf>>) -> bool {
     for path in unfinished.iter() {
         // Gone already, or nothing can be done about it.
         let _ = std::fs::remove_file(path);
     }
     std::mem::forget(unfinished);
+    true
 }
 
 impl Output {
@@ -88,17 +109,27 @@ impl Output {
         }
         let mut builder = tempfile::Builder::new();
         builder.prefix(".catamaran-").suffix(".tmp");
-        // Private until it is known what it replaces, as temporaries are.
         let replaced = path.metadata().ok();
+        let mut options = File::options();
+        options.read(true).write(true).create_new(true);
         #[cfg(unix)]
-        if replaced.is_none() {
-            builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        {
+            // Private until it is known what it replaces, as temporaries are.
+            let mode = if replaced.is_some() { 0o600 } else { 0o666 };
+            std::os::unix::fs::OpenOptionsExt::mode(&mut options, mode);
         }
-        let mut unfinished = unfinished();
-        let file = builder.tempfile_in(folder_of(path)).map_err(|e| write_error(path, e))?;
-        unfinished.push(file.path().to_owned());
-        drop(unfinished);
-        let listed = Listed(file.path().to_owned());
+        let mut listed = None;
+        let create = |temporary: &Path| {
+            // Before the lock: an abort for lack of memory needs the list.
+            let line = temporary.to_owned();
+            listed = Some(Listed(temporary.to_owned()));
+            let mut unfinished = unfinished();
+            unfinished.try_reserve(1)?;
+            let file = options.open(temporary)?;
+            unfinished.push(line);
+            Ok(file)
+        };
+        let file = builder.make_in(folder_of(path), create).map_err(|e| write_error(path, e))?;
         if let Some(replaced) = replaced {
             take_over(file.as_file(), &replaced).map_err(|e| write_error(path, e))?;
         }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -126,8 +127,26 @@ fn prepare(folder: &Path, options: &str) -> Result<()> {
     match fs::read_to_string(&name) {
         Ok(there) if there == options => Ok(()),
         Ok(_) => Err(Error::file(&name, "the folder is of a data set with other options")),
-        Err(_) => fs::write(&name, options).map_err(failed),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
+            remove_shapes(folder).map_err(failed)?;
+            let mut output = Output::create(&name, Overwrite::Replace)?;
+            output.write_all(options.as_bytes()).map_err(|e| output.error(e))?;
+            output.commit()
+        }
+        Err(e) => Err(failed(e)),
     }
+}
+
+/// Removes shapes of unknown options: those that a program left which was killed while it removed
+/// the folder.
+fn remove_shapes(folder: &Path) -> std::io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "npz") {
+            fs::remove_file(path)?;
+        }
+    }
+    Ok(())
 }
 
 /// What is known of a shape, as it was found before or is found now.
@@ -344,6 +363,21 @@ mod tests {
             varied: 1,
             creatures: 1,
         }
+    }
+
+    #[test]
+    fn shapes_of_unknown_options_are_not_taken_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        prepare(folder, "one").unwrap();
+        let shape = folder.join("shape00000.npz");
+        fs::write(&shape, "of one").unwrap();
+        prepare(folder, "one").unwrap();
+        assert!(shape.exists() && prepare(folder, "two").is_err());
+        // What is left when the removal of the folder is killed.
+        fs::remove_file(folder.join("options.txt")).unwrap();
+        prepare(folder, "two").unwrap();
+        assert!(!shape.exists());
     }
 
     #[test]

@@ -1,0 +1,151 @@
+//! What happens when memory or threads run out in code that has no way to return an error.
+//!
+//! Most allocations of Rust abort the process when they are refused. Here an abort of a thread on
+//! which an allocation was refused becomes an error like others: a line on stderr, no unfinished
+//! output, exit status 1. An abort for any other reason still ends the process by SIGABRT, without
+//! leaving unfinished outputs either.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::any::Any;
+use std::cell::Cell;
+use std::io;
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use anyhow::{Result, bail};
+use catamaran::io::try_discard_unfinished;
+
+/// How long an abort waits for a thread that is just creating or committing an output. The aborting
+/// thread may be that thread, and then the wait is in vain.
+const PATIENCE: Duration = Duration::from_millis(200);
+
+/// A line of its own, after the one in which the standard library says how many bytes it wanted.
+const MESSAGE: &[u8] = b"catamaran: not enough memory\n";
+
+/// The system's allocator, which notes on which threads a request was refused.
+///
+/// Not only whether the last one was: the standard library may print a backtrace before it aborts,
+/// for which there may be memory.
+struct Noting;
+
+#[global_allocator]
+static ALLOCATOR: Noting = Noting;
+
+thread_local! {
+    /// Whether a request of this thread was refused.
+    static REFUSED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Set once a panic was due to a lack of memory or threads.
+static SHORT: AtomicBool = AtomicBool::new(false);
+
+/// Passes on what the system returned.
+fn noted(block: *mut u8) -> *mut u8 {
+    if block.is_null() {
+        REFUSED.set(true);
+    }
+    block
+}
+
+// SAFETY: the system's allocator does all of the work; a constant cell without a destructor can be
+// set from any thread at any time.
+unsafe impl GlobalAlloc for Noting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: as the caller promises.
+        noted(unsafe { System.alloc(layout) })
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: as the caller promises.
+        noted(unsafe { System.alloc_zeroed(layout) })
+    }
+
+    unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        // SAFETY: as the caller promises.
+        noted(unsafe { System.realloc(block, layout, size) })
+    }
+
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        // SAFETY: as the caller promises.
+        unsafe { System.dealloc(block, layout) }
+    }
+}
+
+/// Watches for aborts and for panics about a lack of memory or threads from now on.
+///
+/// # Errors
+/// The operating system refuses the handler.
+pub fn watch() -> io::Result<()> {
+    let others = panic::take_hook();
+    panic::set_hook(Box::new(move |about| {
+        if is_shortage(message_of(about.payload())) {
+            SHORT.store(true, Ordering::Relaxed);
+        }
+        // What follows a shortage is its consequence, and told as that.
+        if !SHORT.load(Ordering::Relaxed) {
+            others(about);
+        }
+    }));
+    // SAFETY: the handler fits its signal, and `on_abort` says why it may do what it does.
+    unsafe {
+        let mut action: libc::sigaction = std::mem::zeroed();
+        action.sa_sigaction = on_abort as extern "C" fn(libc::c_int) as libc::sighandler_t;
+        if libc::sigaction(libc::SIGABRT, &action, std::ptr::null_mut()) != 0 {
+            return Err(io::Error::last_os_error());
+        }
+    }
+    Ok(())
+}
+
+/// Runs a command; a panic about a lack of memory or threads becomes an error.
+///
+/// # Errors
+/// Those of the command, and that.
+pub fn guard(command: impl FnOnce() -> Result<()>) -> Result<()> {
+    match panic::catch_unwind(AssertUnwindSafe(command)) {
+        Ok(done) => done,
+        Err(panic) if SHORT.load(Ordering::Relaxed) => {
+            bail!("not enough memory or threads: {}", message_of(&*panic))
+        }
+        Err(panic) => panic::resume_unwind(panic),
+    }
+}
+
+/// What a panic says.
+fn message_of(payload: &(dyn Any + Send)) -> &str {
+    let owned = || payload.downcast_ref().map(String::as_str);
+    payload.downcast_ref::<&str>().copied().or_else(owned).unwrap_or_default()
+}
+
+/// Whether the standard library or rayon says so: EAGAIN for threads, ENOMEM for their stacks.
+fn is_shortage(message: &str) -> bool {
+    ["os error 11)", "os error 12)", "code: 11,", "code: 12,"].iter().any(|c| message.contains(c))
+}
+
+/// Runs on the thread that aborts, in the middle of anything but the allocator, which has returned;
+/// other threads are at work. It allocates nothing, unless an output's path is longer than the
+/// buffer of the standard library.
+extern "C" fn on_abort(_: libc::c_int) {
+    static ABORTING: AtomicBool = AtomicBool::new(false);
+    if ABORTING.swap(true, Ordering::Relaxed) {
+        // Another thread was first, and ends the process.
+        loop {
+            thread::sleep(PATIENCE);
+        }
+    }
+    // A file whose thread holds the list stays behind; nothing better can be done.
+    let _ = try_discard_unfinished(PATIENCE);
+    let is_short = REFUSED.get() || SHORT.load(Ordering::Relaxed);
+    // SAFETY: the message is there; nobody is left to tell that stderr is closed. The signal comes
+    // back, with its default effect, when this handler returns.
+    unsafe {
+        if is_short {
+            libc::write(libc::STDERR_FILENO, MESSAGE.as_ptr().cast(), MESSAGE.len());
+            libc::_exit(1);
+        }
+        libc::signal(libc::SIGABRT, libc::SIG_DFL);
+        libc::raise(libc::SIGABRT);
+    }
+}
