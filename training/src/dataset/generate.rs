@@ -137,13 +137,16 @@ fn prepare(folder: &Path, options: &str) -> Result<()> {
     }
 }
 
-/// Removes shapes of unknown options: those that a program left which was killed while it removed
-/// the folder.
+/// Removes shapes of unknown options: those that a program left which was killed while it removed the
+/// folder. Other files stay.
 fn remove_shapes(folder: &Path) -> std::io::Result<()> {
     for entry in fs::read_dir(folder)? {
-        let path = entry?.path();
-        if path.extension().is_some_and(|extension| extension == "npz") {
-            fs::remove_file(path)?;
+        let entry = entry?;
+        let name = entry.file_name();
+        let number =
+            name.to_str().and_then(|name| name.strip_prefix("shape")?.strip_suffix(".npz"));
+        if number.is_some_and(|number| number.bytes().all(|b| b.is_ascii_digit())) {
+            fs::remove_file(entry.path())?;
         }
     }
     Ok(())
@@ -374,10 +377,12 @@ mod tests {
         fs::write(&shape, "of one").unwrap();
         prepare(folder, "one").unwrap();
         assert!(shape.exists() && prepare(folder, "two").is_err());
+        let other = folder.join("shapes.npz");
+        fs::write(&other, "not ours").unwrap();
         // What is left when the removal of the folder is killed.
         fs::remove_file(folder.join("options.txt")).unwrap();
         prepare(folder, "two").unwrap();
-        assert!(!shape.exists());
+        assert!(!shape.exists() && other.exists());
     }
 
     #[test]
