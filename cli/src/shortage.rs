@@ -80,7 +80,8 @@ unsafe impl GlobalAlloc for Noting {
 pub fn watch() -> io::Result<()> {
     let others = panic::take_hook();
     panic::set_hook(Box::new(move |about| {
-        if is_shortage(message_of(about.payload())) {
+        // Some packages unwrap what a refused allocation returned.
+        if REFUSED.get() || is_shortage(message_of(about.payload())) {
             SHORT.store(true, Ordering::Relaxed);
         }
         // What follows a shortage is its consequence, and told as that.
