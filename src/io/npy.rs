@@ -17,6 +17,9 @@ const CHUNK: usize = 1 << 16;
 /// Bytes of a header that are read; its three entries take some hundred.
 const LONGEST_HEADER: u64 = 1 << 20;
 
+/// Brackets inside of each other in a header: a structured type has five.
+const DEEPEST: usize = 8;
+
 macro_rules! entries {
     ($($name:ident = $kind:ident $type:ty),* $(,)?) => {
         /// A type of entries that is read.
@@ -154,8 +157,8 @@ impl Layout {
 }
 
 /// The bytes before the entries, or as many as there are; of another kind of file only the first. Those that
-/// are said to be very many are an error, as are more entries than can be counted: crate npyz would ask for
-/// the memory, or panic.
+/// are said to be very many are an error, as are deep brackets and more entries than can be counted: crate
+/// npyz would ask for the memory, take for ever, or panic.
 pub(super) fn head(source: &mut impl Read) -> io::Result<Vec<u8>> {
     let mut head = Vec::new();
     source.by_ref().take(8).read_to_end(&mut head)?;
@@ -170,10 +173,28 @@ pub(super) fn head(source: &mut impl Read) -> io::Result<Vec<u8>> {
         }
         source.by_ref().take(length).read_to_end(&mut head)?;
     }
+    let broken = |what| Err(io::Error::new(io::ErrorKind::InvalidData, what));
+    if depth(&head) > DEEPEST {
+        return broken("broken npy header: too many brackets inside of each other");
+    }
     if shape_overflows(&head) {
-        return Err(io::Error::new(io::ErrorKind::InvalidData, "shape too large"));
+        return broken("shape too large");
     }
     Ok(head)
+}
+
+/// How many brackets are open at once, at most. The time of crate npyz doubles with each of them.
+fn depth(head: &[u8]) -> usize {
+    let (mut open, mut most) = (0_usize, 0);
+    for byte in head {
+        match byte {
+            b'(' | b'[' | b'{' => open += 1,
+            b')' | b']' | b'}' => open = open.saturating_sub(1),
+            _ => {}
+        }
+        most = most.max(open);
+    }
+    most
 }
 
 /// Whether the header announces more entries than can be counted.

@@ -9,7 +9,7 @@ use faer::Mat;
 use tempfile::TempDir;
 
 use super::*;
-use crate::ata::{Accumulator, RowBlocks, RowBounds};
+use crate::ata::{Accumulator, AtaOptions, RowBlocks, RowBounds, Uplo};
 
 pub(super) struct Folder(TempDir);
 
@@ -151,10 +151,11 @@ fn npy_vector_is_a_column() {
 #[test]
 fn broken_npy_is_refused() {
     let eight = 1.0_f64.to_le_bytes();
-    let cases: [(Vec<u8>, &str); 9] = [
+    let cases: [(Vec<u8>, &str); 10] = [
         (b"not numpy at all".to_vec(), "broken npy header: magic"),
         (npy("<f8", "False", "(1, 1)", &eight)[..40].to_vec(), "broken npy header: truncated"),
         (npy("<f8", "maybe", "(1, 1)", &eight), "broken npy header"),
+        (npy("<f8", &"[".repeat(40), "(1, 1)", &eight), "broken npy header: too many brackets"),
         (b"\x93NUMPY\x02\x00\xff\xff\xff\x7f{".to_vec(), "broken npy header: it is said to have"),
         (npy("<f8", "False", "(2, 1)", &eight), "truncated: fewer than the 2 entries"),
         (npy("<f8", "False", "(0, 1)", &eight), "data after the 0 entries"),
@@ -359,6 +360,26 @@ fn an_accumulator_gets_memory_for_what_is_there() {
         let refused = read_accumulator::<f64>(&path);
         assert!(matches!(refused, Err(Error::Io { .. })), "2^{columns} columns: {refused:?}");
     }
+}
+
+#[test]
+fn an_accumulator_whose_weights_are_damaged_has_no_mean() {
+    let bounds = RowBounds::new(vec![-1.0], vec![1.0], 1).unwrap();
+    let mut sum = Accumulator::exact(&bounds, true).unwrap();
+    sum.add_block(1, &mut [0.5], None, &AtaOptions::new()).unwrap();
+    let mut bytes = Vec::new();
+    sum.write(&mut bytes).unwrap();
+    // Before the sum, the entry and the checksum: the sum of the weights and that of their sizes.
+    let end = bytes.len() - 4;
+    let weights = end - 2 * 16 - 2 * 16;
+    bytes[weights..][..16].fill(0);
+    bytes[weights + 16..][..16].fill(0xff);
+    let head = u32::from_le_bytes(bytes[16..20].try_into().unwrap()) as usize;
+    let check = crc32fast::hash(&bytes[20 + head + 4..end]);
+    bytes[end..].copy_from_slice(&check.to_le_bytes());
+    let sum = Accumulator::<f64>::read(&mut &bytes[..]).unwrap();
+    let refused = sum.finish(1.0, Uplo::Lower);
+    assert!(matches!(refused, Err(Error::Argument { what: "weights", .. })), "{refused:?}");
 }
 
 #[test]

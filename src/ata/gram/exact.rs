@@ -431,7 +431,8 @@ impl<T: BlasReal> ExactSums<T> {
     pub fn for_each_value(&self, mut visit: impl FnMut(usize, usize, f64)) -> Result<()> {
         let centered = self.centered && self.rows > 0;
         if centered {
-            let size = scaled(self.weights[1] as f64, -self.grid.weight_power);
+            // A damaged file may have made it negative.
+            let size = scaled(self.weights[1].unsigned_abs() as f64, -self.grid.weight_power);
             let weight = if self.weights[0] == 0 { 0.0 } else { self.weight() };
             check_weight(self.rows as f64, weight, size)?;
         }
