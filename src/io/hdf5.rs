@@ -7,9 +7,9 @@ use ::hdf5::types::{IntSize, TypeDescriptor};
 use ::hdf5::{Dataset, Dataspace, Datatype, File, Hyperslab, Selection};
 use faer::MatRef;
 
-use super::limits::SourceOptions;
 use super::npz::Array;
 use super::output::Output;
+use super::read_arrays::Begin;
 use super::source::error;
 use super::stored::{Entries, Stored};
 use crate::base::{Error, Result, reserved};
@@ -99,18 +99,16 @@ impl Hdf5Writer {
 }
 
 /// All datasets of the root.
-pub(super) fn read(path: &Path, options: &SourceOptions<'_>) -> Result<BTreeMap<String, Stored>> {
+pub(super) fn read(path: &Path, begin: Begin<'_>) -> Result<BTreeMap<String, Stored>> {
     let fail = |e| error(path, None, format!("can't be read: HDF5 says: {e}"));
     let file = File::open(path).map_err(fail)?;
     let mut arrays = BTreeMap::new();
     let names = file.member_names().map_err(fail)?;
-    let (count, mut total) = (names.len(), 0u64);
+    let count = names.len();
     for (i, name) in names.into_iter().enumerate() {
-        options.progress.report(i as f64 / count as f64)?;
         let dataset = file.dataset(&name).map_err(fail)?;
         // What was never written is in no file, but is read as zeros.
-        total = total.saturating_add((dataset.size() as u64).saturating_mul(8));
-        options.check_memory(path, "all its arrays", total)?;
+        begin(i, count, (dataset.size() as u64).saturating_mul(8))?;
         let kind = dataset.dtype().and_then(|kind| kind.to_descriptor()).map_err(fail)?;
         let entries = match kind {
             TypeDescriptor::Unsigned(IntSize::U8) => {

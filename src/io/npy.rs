@@ -156,10 +156,11 @@ impl Layout {
     }
 }
 
-/// The bytes before the entries, or as many as there are; of another kind of file only the first. Those that
-/// are said to be very many are an error, as are deep brackets and more entries than can be counted: crate
-/// npyz would ask for the memory, take for ever, or panic.
+/// The bytes before the entries, or as many as there are; of another kind of file only the first. Three
+/// kinds of headers are errors, over which crate npyz would ask for gigabytes, take for ever or panic:
+/// long ones, deep brackets, and more entries than can be counted.
 pub(super) fn head(source: &mut impl Read) -> io::Result<Vec<u8>> {
+    let broken = |what: String| Err(io::Error::new(io::ErrorKind::InvalidData, what));
     let mut head = Vec::new();
     source.by_ref().take(8).read_to_end(&mut head)?;
     if head.starts_with(b"\x93NUMPY") {
@@ -168,17 +169,15 @@ pub(super) fn head(source: &mut impl Read) -> io::Result<Vec<u8>> {
         let length = head.get(8..).unwrap_or_default();
         let length = length.iter().rev().fold(0, |length, &byte| (length << 8) | u64::from(byte));
         if length > LONGEST_HEADER {
-            let what = format!("broken npy header: it is said to have {length} bytes");
-            return Err(io::Error::new(io::ErrorKind::InvalidData, what));
+            return broken(format!("broken npy header: it is said to have {length} bytes"));
         }
         source.by_ref().take(length).read_to_end(&mut head)?;
     }
-    let broken = |what| Err(io::Error::new(io::ErrorKind::InvalidData, what));
     if depth(&head) > DEEPEST {
-        return broken("broken npy header: too many brackets inside of each other");
+        return broken("broken npy header: too many brackets inside of each other".into());
     }
     if shape_overflows(&head) {
-        return broken("shape too large");
+        return broken("shape too large".into());
     }
     Ok(head)
 }

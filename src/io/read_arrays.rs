@@ -22,6 +22,9 @@ pub struct Arrays {
     arrays: BTreeMap<String, Stored>,
 }
 
+/// Called before array `i` of `count`, of so many bytes, is read: an error ends the reading.
+pub(super) type Begin<'a> = &'a mut dyn FnMut(usize, usize, u64) -> Result<()>;
+
 /// Reads all arrays of an `.npz` (not packed) or, with feature `hdf5`, HDF5 file: numbers (f8) and unsigned integers (u8), as
 /// [`write_arrays`](super::write_arrays) writes them.
 ///
@@ -62,10 +65,16 @@ pub fn read_arrays(path: &Path) -> Result<Arrays> {
 /// # Errors
 /// As [`read_arrays`]; [`Error::Io`] when all arrays take more than the limit, [`Error::Cancelled`].
 pub fn read_arrays_with(path: &Path, options: &SourceOptions<'_>) -> Result<Arrays> {
+    let mut total = 0_u64;
+    let mut begin = |i: usize, count: usize, bytes: u64| {
+        options.progress.report(i as f64 / count as f64)?;
+        total = total.saturating_add(bytes);
+        options.check_memory(path, "all its arrays", total)
+    };
     let arrays = match format_of(path)? {
-        Format::Npz => read_npz(path, options)?,
+        Format::Npz => read_npz(path, &mut begin)?,
         #[cfg(feature = "hdf5")]
-        Format::Hdf5 => super::hdf5::read(path, options)?,
+        Format::Hdf5 => super::hdf5::read(path, &mut begin)?,
     };
     Ok(Arrays { path: path.into(), arrays })
 }
@@ -137,19 +146,17 @@ impl Arrays {
     }
 }
 
-fn read_npz(path: &Path, options: &SourceOptions<'_>) -> Result<BTreeMap<String, Stored>> {
+fn read_npz(path: &Path, begin: Begin<'_>) -> Result<BTreeMap<String, Stored>> {
     let fail = |e: &dyn std::fmt::Display| error(path, None, e.to_string());
     let file = File::open(path).map_err(|e| fail(&e))?;
     let mut archive = zip::ZipArchive::new(BufReader::new(file)).map_err(|e| fail(&e))?;
     let mut arrays = BTreeMap::new();
-    let mut total = 0u64;
     for i in 0..archive.len() {
-        options.progress.report(i as f64 / archive.len() as f64)?;
+        let count = archive.len();
         let mut entry = archive.by_index(i).map_err(|e| fail(&e))?;
         let name = entry.name().map_err(|e| fail(&e))?.trim_end_matches(".npy").to_owned();
-        total = total.saturating_add(entry.size());
-        options.check_memory(path, "all its arrays", total)?;
-        let mut content = reserved(entry.size() as usize)?;
+        begin(i, count, entry.size())?;
+        let mut content = reserved(usize::try_from(entry.size()).map_err(|e| fail(&e))?)?;
         entry.read_to_end(&mut content).map_err(|e| fail(&format!("`{name}`: {e}")))?;
         let stored = decode(&content).map_err(|e| fail(&format!("`{name}`: {e}")))?;
         arrays.insert(name, stored);

@@ -11,8 +11,9 @@ use catamaran::texture::slime::{FREE, GOAL, Mask, OBSTACLE};
 /// Above this a channel of a mask counts.
 const HALF: u8 = 127;
 
-/// Reads a mask of `size` x `size` texels from a picture of any size: red where agents start, green where they
-/// can't go, blue where they want to be (thesis, figure 3.9). Texels take the pixel at their centre.
+/// Reads a mask of `size` x `size` texels from a picture of any size: red where agents start, green
+/// where they can't go, blue where they want to be (thesis, figure 3.9). Texels take the pixel at
+/// their centre.
 pub fn read(path: &Path, size: usize, options: &SourceOptions<'_>) -> Result<Mask> {
     let named = || path.display().to_string();
     let file = BufReader::new(File::open(path).with_context(named)?);

@@ -5,23 +5,14 @@ use std::fs::{self, File};
 use std::io::Write as _;
 use std::process::Command;
 
-use crate::common::{Folder, Run, csv, oracle, table};
+use crate::common::{Folder, Run, csv, oracle, table, with_input};
 
 const M: usize = 37;
 const N: usize = 11;
 
-/// A in a.npy, and what A^T A is.
-fn with_input() -> (Folder, Vec<f64>) {
-    let folder = Folder::new();
-    let a = table(M, N);
-    folder.write_npy("a.npy", &[M as u64, N as u64], &a);
-    let c = oracle(&a, N, None);
-    (folder, c)
-}
-
 #[test]
 fn every_format_gives_the_same_product() {
-    let (folder, expected) = with_input();
+    let (folder, expected) = with_input(M, N);
     let a = table(M, N);
     folder.write("a.csv", csv(&a, N));
     folder.write("a.tsv", csv(&a, N).replace(',', "\t"));
@@ -50,7 +41,7 @@ fn every_format_gives_the_same_product() {
 
 #[test]
 fn report_tells_shape_time_rate_check_and_files() {
-    let (folder, _) = with_input();
+    let (folder, _) = with_input(M, N);
     let report = folder.succeed("ata a.npy -o c.npy --verify");
     for part in
         ["a.npy: 37 x 11, f64", "11 x 11, f64, both", "GFLOP/s", "check     passed", "c.npy"]
@@ -61,7 +52,7 @@ fn report_tells_shape_time_rate_check_and_files() {
 
 #[test]
 fn product_is_written_in_every_format() {
-    let (folder, expected) = with_input();
+    let (folder, expected) = with_input(M, N);
     for name in ["c.csv", "c.mtx", "c.npy.gz"] {
         folder.succeed(&format!("ata a.npy -o {name}"));
         // Read back by the program itself, as the A of another product.
@@ -105,7 +96,7 @@ fn sparse_input_is_never_made_dense_when_sparse_is_faster() {
 
 #[test]
 fn one_triangle_leaves_zeros_in_the_other() {
-    let (folder, expected) = with_input();
+    let (folder, expected) = with_input(M, N);
     for (uplo, lower) in [("lower", true), ("upper", false)] {
         folder
             .succeed(&format!("ata a.npy -o c.npy --force --verify --uplo {uplo} --picture c.png"));
@@ -121,7 +112,7 @@ fn one_triangle_leaves_zeros_in_the_other() {
 
 #[test]
 fn weights_as_row_or_column_multiply_the_rows() {
-    let (folder, _) = with_input();
+    let (folder, _) = with_input(M, N);
     let weights: Vec<f64> = (0..M).map(|i| i as f64 - 5.0).collect();
     folder.write_npy("column.npy", &[M as u64], &weights);
     folder.write("row.csv", csv(&weights, M));
@@ -133,7 +124,7 @@ fn weights_as_row_or_column_multiply_the_rows() {
 
 #[test]
 fn covariance_is_the_centred_product_over_m_minus_one() {
-    let (folder, _) = with_input();
+    let (folder, _) = with_input(M, N);
     let mut a = table(M, N);
     for j in 0..N {
         let mean = (0..M).map(|i| a[i * N + j]).sum::<f64>() / M as f64;
@@ -152,7 +143,7 @@ fn covariance_is_the_centred_product_over_m_minus_one() {
 
 #[test]
 fn precision_follows_the_input_unless_asked_for() {
-    let (folder, expected) = with_input();
+    let (folder, expected) = with_input(M, N);
     let single: Vec<f32> = table(M, N).iter().map(|&v| v as f32).collect();
     let expected32: Vec<f32> = expected.iter().map(|&v| v as f32).collect();
     folder.write_npy("s.npy", &[M as u64, N as u64], &single);
@@ -254,7 +245,7 @@ fn reproducible_product_of_a_sparse_file_takes_the_exact_path() {
 
 #[test]
 fn reproducible_refuses_other_schemes() {
-    let (folder, _) = with_input();
+    let (folder, _) = with_input(M, N);
     for scheme in ["classical", "ata2", "winograd", "rxtx", "kgp", "kgp3"] {
         let message = folder.fail(&format!("ata a.npy -o c.npy --reproducible --scheme {scheme}"));
         assert!(
@@ -266,7 +257,7 @@ fn reproducible_refuses_other_schemes() {
 
 #[test]
 fn explain_of_the_exact_path_names_moduli_and_threads_but_no_back_end() {
-    let (folder, _) = with_input();
+    let (folder, _) = with_input(M, N);
     for (options, moduli) in [
         ("--scheme exact --accuracy fast", 13),
         ("--reproducible", 14),
@@ -282,7 +273,7 @@ fn explain_of_the_exact_path_names_moduli_and_threads_but_no_back_end() {
 
 #[test]
 fn columns_are_half_open() {
-    let (folder, expected) = with_input();
+    let (folder, expected) = with_input(M, N);
     folder.succeed("ata a.npy --columns 2..5 -o c.npy");
     let c = folder.read_npy::<f64>("c.npy");
     for i in 0..3 {
@@ -294,7 +285,7 @@ fn columns_are_half_open() {
 
 #[test]
 fn explain_prints_the_plan_before_computing() {
-    let (folder, _) = with_input();
+    let (folder, _) = with_input(M, N);
     let report = folder.succeed("ata a.npy --explain");
     let plan = report.find("plan      C = A^T A, A 37 x 11, f64").expect("a plan");
     assert!(plan < report.find("time ").expect("a time"));
@@ -303,7 +294,7 @@ fn explain_prints_the_plan_before_computing() {
 
 #[test]
 fn picture_is_a_square_png() {
-    let (folder, _) = with_input();
+    let (folder, _) = with_input(M, N);
     folder.succeed("ata a.npy --picture c.png");
     let decoder =
         png::Decoder::new(std::io::BufReader::new(File::open(folder.path("c.png")).unwrap()));
@@ -318,7 +309,7 @@ fn picture_is_a_square_png() {
 
 #[test]
 fn files_are_replaced_only_by_force() {
-    let (folder, expected) = with_input();
+    let (folder, expected) = with_input(M, N);
     for option in ["-o", "--picture"] {
         folder.write("there.npy", "precious");
         let message = folder.fail(&format!("ata a.npy {option} there.npy"));
@@ -334,7 +325,7 @@ fn files_are_replaced_only_by_force() {
 
 #[test]
 fn bad_input_is_one_line_that_names_file_and_line() {
-    let (folder, _) = with_input();
+    let (folder, _) = with_input(M, N);
     let whole = fs::read(folder.path("a.npy")).unwrap();
     folder.write("short.npy", &whole[..whole.len() - 1]);
     folder.write("long.npy", [&whole[..], b"x"].concat());
@@ -389,7 +380,7 @@ fn failed_check_writes_nothing() {
 
 #[test]
 fn weights_that_do_not_fit_are_refused() {
-    let (folder, _) = with_input();
+    let (folder, _) = with_input(M, N);
     folder.write("w.csv", "1\n2\n3\n");
     let message = folder.fail("ata a.npy --weights w.csv -o c.npy");
     assert!(
@@ -426,7 +417,7 @@ fn a_header_gets_the_memory_that_its_file_may_take() {
 
 #[test]
 fn unknown_options_say_what_is_known() {
-    let (folder, _) = with_input();
+    let (folder, _) = with_input(M, N);
     let run = folder.run("ata a.npy --scheme magic");
     assert_eq!(run.code, Some(2));
     assert!(run.stderr.contains("magic") && run.stderr.contains("rxtx"), "{}", run.stderr);

@@ -5,19 +5,10 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use crate::common::{Folder, Run, oracle, table};
+use crate::common::{Folder, Run, oracle, table, with_input};
 
 const M: usize = 203;
 const N: usize = 11;
-
-/// A in a.npy, and what A^T A is.
-fn with_input() -> (Folder, Vec<f64>) {
-    let folder = Folder::new();
-    let a = table(M, N);
-    folder.write_npy("a.npy", &[M as u64, N as u64], &a);
-    let c = oracle(&a, N, None);
-    (folder, c)
-}
 
 /// Numbers that every order of additions rounds differently.
 fn rough_table(m: usize, n: usize) -> Vec<f64> {
@@ -26,7 +17,7 @@ fn rough_table(m: usize, n: usize) -> Vec<f64> {
 
 #[test]
 fn blocks_of_any_height_give_the_product() {
-    let (folder, expected) = with_input();
+    let (folder, expected) = with_input(M, N);
     folder.write_fortran_npy("f.npy", &[M as u64, N as u64], &table(M, N));
     let weights: Vec<f64> = (0..M).map(|i| i as f64 - 50.0).collect();
     folder.write_npy("w.npy", &[M as u64], &weights);
@@ -63,7 +54,7 @@ fn bytes_do_not_depend_on_threads_or_on_the_format_of_the_file() {
 
 #[test]
 fn explain_says_how_often_a_is_read() {
-    let (folder, _) = with_input();
+    let (folder, _) = with_input(M, N);
     let report = folder.succeed("ata a.npy --explain");
     assert!(report.contains("203 in 1 blocks of 203") && report.contains("read once"), "{report}");
     let report = folder.succeed("ata a.npy --explain --block-rows 50 --verify");
@@ -278,7 +269,7 @@ fn resuming_what_is_different_says_what() {
 
 #[test]
 fn resume_without_a_checkpoint_begins_and_says_so() {
-    let (folder, expected) = with_input();
+    let (folder, expected) = with_input(M, N);
     let report = folder.succeed("ata a.npy -o c.npy --checkpoint sums --resume");
     assert!(report.contains("resumed   no sums: from the first row"), "{report}");
     assert_eq!(folder.read_npy::<f64>("c.npy"), expected);
@@ -287,7 +278,7 @@ fn resume_without_a_checkpoint_begins_and_says_so() {
 
 #[test]
 fn checkpoint_is_not_replaced_by_accident() {
-    let (folder, expected) = with_input();
+    let (folder, expected) = with_input(M, N);
     folder.write("sums", "precious");
     let message = folder.fail("ata a.npy -o c.npy --checkpoint sums");
     assert!(message.contains("sums: exists already"), "{message}");
@@ -340,7 +331,7 @@ fn split(folder: &Folder, a: &[f64], n: usize, bounds: &[usize]) -> usize {
 
 #[test]
 fn sums_of_parts_merge_to_the_whole() {
-    let (folder, expected) = with_input();
+    let (folder, expected) = with_input(M, N);
     let count = split(&folder, &table(M, N), N, &[0, 1, 100, 100, M]);
     for i in 0..count {
         let report = folder.succeed(&format!("ata {i}.npy --accumulator {i}.sums --verify"));
@@ -367,7 +358,7 @@ fn sums_of_parts_merge_to_the_whole() {
 
 #[test]
 fn sums_that_do_not_fit_together_are_refused() {
-    let (folder, _) = with_input();
+    let (folder, _) = with_input(M, N);
     folder.succeed("ata a.npy --accumulator a.sums");
     folder.succeed("ata a.npy --accumulator single.sums --f32");
     folder.succeed("ata a.npy --accumulator centred.sums --center");
@@ -397,7 +388,7 @@ fn sums_that_do_not_fit_together_are_refused() {
 #[cfg(unix)]
 #[test]
 fn a_pipe_is_read_as_a_whole() {
-    let (folder, expected) = with_input();
+    let (folder, expected) = with_input(M, N);
     let pipe = folder.path("p.npy");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     let whole = fs::read(folder.path("a.npy")).unwrap();

@@ -10,6 +10,16 @@ use tempfile::TempDir;
 /// A temporary folder in which the program runs.
 pub struct Folder(TempDir);
 
+/// A folder with an m x n matrix A in a.npy, and A^T A.
+#[allow(dead_code)]
+pub fn with_input(m: usize, n: usize) -> (Folder, Vec<f64>) {
+    let folder = Folder::new();
+    let a = table(m, n);
+    folder.write_npy("a.npy", &[m as u64, n as u64], &a);
+    let c = oracle(&a, n, None);
+    (folder, c)
+}
+
 /// What a run said and returned.
 pub struct Run {
     pub code: Option<i32>,

@@ -4,9 +4,9 @@ use std::fs;
 use std::os::unix::fs::symlink;
 use std::sync::OnceLock;
 
-use crate::commands::{LINES, VARYING, folder_for, inputs, is_one_of, is_slow};
+use crate::commands::{LINES, inputs, is_slow};
 use crate::common::Folder;
-use crate::scene::{Limit, Limited, all_files, check_files, files, run_limited, whole};
+use crate::scene::{Limit, Limited, attempt, run_limited};
 use crate::{Tally, is_full};
 
 /// Limits for a line.
@@ -66,22 +66,13 @@ fn check_failure(limited: &Limited, context: &str) {
 fn too_little_memory_is_an_error_and_leaves_nothing_in_part() {
     let mut tally = Tally::default();
     for line in LINES.iter().filter(|line| is_full() || !is_slow(line)) {
-        let whole = whole(line);
         let mut succeeds = |bytes| {
             let context = format!("{line}, {} KiB of memory", bytes >> 10);
-            let folder = folder_for(line);
-            let inputs = all_files(&folder.path("."));
-            let limited = run_limited(&folder, line, Limit::Memory(bytes));
-            let found = files(&folder, &inputs);
-            check_files(line, &found, None, &context);
-            let has_failed = limited.run.code != Some(0);
-            tally.add(line, has_failed);
-            if has_failed {
-                check_failure(&limited, &context);
-            } else {
-                assert!(is_one_of(line, VARYING) || found == whole, "{context}");
+            let attempt = attempt(line, Limit::Memory(bytes), &mut tally, &context);
+            if attempt.has_failed {
+                check_failure(&attempt.limited, &context);
             }
-            !has_failed
+            !attempt.has_failed
         };
         let need = if is_full() && !is_slow(line) {
             least(base(), ENOUGH, &mut succeeds)

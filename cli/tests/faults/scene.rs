@@ -7,6 +7,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::{Mutex, OnceLock};
 
+use crate::Tally;
 use crate::commands::{VARYING, folder_for, is_one_of};
 use crate::common::{Folder, Run};
 
@@ -87,6 +88,28 @@ pub fn run_limited(folder: &Folder, line: &str, limit: Limit) -> Limited {
     let output: Output = command.output().expect("the program starts");
     let signal = output.status.signal();
     Limited { run: Run::new(output), signal }
+}
+
+/// A line run with a limit in a folder of its own, and the files around that run.
+pub struct Attempt {
+    pub limited: Limited,
+    pub folder: Folder,
+    pub inputs: Files,
+    pub has_failed: bool,
+}
+
+/// Runs a line with a limit and counts the outcome. What it leaves is whole, and all of it where the
+/// line succeeds.
+pub fn attempt(line: &str, limit: Limit, tally: &mut Tally, context: &str) -> Attempt {
+    let folder = folder_for(line);
+    let inputs = all_files(&folder.path("."));
+    let limited = run_limited(&folder, line, limit);
+    let found = files(&folder, &inputs);
+    check_files(line, &found, None, context);
+    let has_failed = limited.run.code != Some(0);
+    tally.add(line, has_failed);
+    assert!(has_failed || is_one_of(line, VARYING) || found == whole(line), "{context}");
+    Attempt { limited, folder, inputs, has_failed }
 }
 
 fn limit_to(command: &mut Command, limit: Limit) {

@@ -32,7 +32,7 @@ use super::float::FloatSums;
 use super::grid::Grid;
 use super::moments::Moments;
 use super::strip::Strip;
-use crate::ata::exact::{Flags, triangle_len};
+use crate::ata::exact::Flags;
 use crate::base::{Error, Real};
 use crate::blas::BlasReal;
 
@@ -52,7 +52,7 @@ const SHIFTED: u8 = 2;
 const EXACT: u8 = 4;
 const WEIGHTED: u8 = 8;
 const NON_FINITE: u8 = 16;
-const KNOWN: u8 = 31;
+const KNOWN: u8 = CENTERED | SHIFTED | EXACT | WEIGHTED | NON_FINITE;
 
 /// The scalar of the accumulator whose bytes `source` begins with, `"f32"` or `"f64"`.
 ///
@@ -161,8 +161,8 @@ impl<T: BlasReal> Accumulator<T> {
         Self::read_within(source, u64::MAX)
     }
 
-    /// [`Accumulator::read`] of a source that has at most so many bytes: what takes more is refused before
-    /// there is memory for it.
+    /// Reads as [`Accumulator::read`] does, from a source of at most `bytes` bytes. A head that
+    /// announces more is refused before memory is asked for.
     pub(crate) fn read_within(source: &mut dyn Read, bytes: u64) -> io::Result<Self> {
         let mut source = Checked::new(source);
         let scalar = preamble(&mut source)?;
@@ -196,6 +196,12 @@ impl<T: BlasReal> Accumulator<T> {
         let [rows, expected_rows, block_rows] = [numbers[3], numbers[4], numbers[5]];
         let strip = first..end;
         check_strip(&strip, ncols).map_err(|_| invalid("damaged: its strip"))?;
+        let triangle = |rows: usize| rows as u128 * (rows as u128 + 1) / 2;
+        let len = triangle(end) - triangle(first);
+        let entry = if has(EXACT) { size_of::<i128>() } else { size_of::<T>() };
+        if len.saturating_mul(entry as u128) > bytes.into() {
+            return Err(invalid("truncated: it ends too early"));
+        }
         let n_if = |flag: u8| if has(flag) { ncols } else { 0 };
         let sums = if has(EXACT) {
             let grid = Grid {
@@ -212,15 +218,13 @@ impl<T: BlasReal> Accumulator<T> {
             }
             let weights = [source.value()?, source.value()?];
             let sums = source.get_vec(n_if(CENTERED))?;
-            // Of as many columns as have arrived.
-            let len = triangle_len(end) - triangle_len(first);
             let mut entries = Vec::new();
             for i in strip.clone() {
                 source.append(&mut entries, i + 1)?;
             }
             let mut flags = vec![];
             if has(NON_FINITE) {
-                source.append(&mut flags, len)?;
+                source.append(&mut flags, entries.len())?;
                 if flags.iter().any(|&flags| flags > Flags::MOST) {
                     return Err(invalid("damaged: what is not finite"));
                 }
@@ -233,11 +237,6 @@ impl<T: BlasReal> Accumulator<T> {
             let sum = source.get_vec(n_if(CENTERED))?;
             let centered = has(CENTERED);
             let moments = Moments { rows, weight, weight_size, centered, shift, sum };
-            let triangle = |rows: usize| rows as u128 * (rows as u128 + 1) / 2;
-            let len = triangle(end) - triangle(first);
-            if len.saturating_mul(size_of::<T>() as u128) > bytes.into() {
-                return Err(invalid("truncated: it ends too early"));
-            }
             let mut c = Strip::new(strip).map_err(no_memory)?;
             for i in 0..end - first {
                 source.get_all(c.lower_row_mut(i))?;
