@@ -9,9 +9,8 @@ use faer::MatRef;
 
 use super::npz::Array;
 use super::output::Output;
-use super::read_arrays::Begin;
 use super::source::error;
-use super::stored::{Entries, Stored};
+use super::stored::{Begin, Entries, Stored};
 use crate::base::{Error, Result, reserved};
 
 /// Entries of rows that are written together.

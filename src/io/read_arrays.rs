@@ -12,7 +12,7 @@ use super::arrays::{Format, format_of};
 use super::limits::SourceOptions;
 use super::npy;
 use super::source::error;
-use super::stored::{Entries, Stored};
+use super::stored::{Begin, Entries, Stored};
 use crate::base::{Error, Result, reserved};
 
 /// Named arrays of a file, in memory.
@@ -21,9 +21,6 @@ pub struct Arrays {
     path: PathBuf,
     arrays: BTreeMap<String, Stored>,
 }
-
-/// Called before array `i` of `count`, of so many bytes, is read: an error ends the reading.
-pub(super) type Begin<'a> = &'a mut dyn FnMut(usize, usize, u64) -> Result<()>;
 
 /// Reads all arrays of an `.npz` (not packed) or, with feature `hdf5`, HDF5 file: numbers (f8) and unsigned integers (u8), as
 /// [`write_arrays`](super::write_arrays) writes them.

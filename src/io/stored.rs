@@ -1,5 +1,7 @@
 //! Arrays of several dimensions, in memory, as files have them.
 
+use crate::base::Result;
+
 /// An array of a file, as its entries lie there.
 #[derive(Debug, Clone)]
 pub(super) struct Stored {
@@ -15,3 +17,6 @@ pub(super) enum Entries {
     Numbers(Vec<f64>),
     Indices(Vec<u64>),
 }
+
+/// Called before array `i` of `count` is read, which takes this many bytes: an error ends the reading.
+pub(super) type Begin<'a> = &'a mut dyn FnMut(usize, usize, u64) -> Result<()>;
