@@ -121,6 +121,18 @@ impl<'a, T> Disjoint<'a, T> {
         unsafe { &mut *self.start.at(i as isize * self.row_stride) }
     }
 
+    /// Elements of a slice.
+    ///
+    /// # Safety
+    /// No other part that is alive meanwhile overlaps them.
+    #[allow(clippy::mut_from_ref)]
+    pub unsafe fn range(&self, elements: Range<usize>) -> &mut [T] {
+        assert!(self.cols == 1 && self.row_stride == 1, "not a slice");
+        let (start, count) = (self.corner(&elements, &(0..1)), elements.len());
+        // SAFETY: adjacent elements of the slice, as asserted; the caller sees to the rest.
+        unsafe { std::slice::from_raw_parts_mut(start, count) }
+    }
+
     /// Entry `i` of the first column, to read.
     ///
     /// # Safety
@@ -167,6 +179,14 @@ mod tests {
         let shared = Disjoint::of_slice(&mut values);
         // SAFETY: each element is visited once.
         Par::Threads(3).for_each(0..1000, |_, i| unsafe { *shared.get(i) = i });
+        Par::Threads(3).for_each(0..10, |_, i| {
+            // SAFETY: each range is visited once.
+            unsafe { shared.range(100 * i..100 * (i + 1)) }.reverse();
+        });
+        Par::Threads(3).for_each(0..10, |_, i| {
+            // SAFETY: each range is visited once.
+            unsafe { shared.range(100 * i..100 * (i + 1)) }.sort_unstable();
+        });
         // SAFETY: nobody writes any more.
         assert!((0..1000).all(|i| unsafe { *shared.read(i) } == i));
     }

@@ -48,8 +48,8 @@ pub fn cpu_features() -> Vec<&'static str> {
     found
 }
 
-/// Bytes of the second-level cache of a core, if the CPU says.
-pub(crate) fn second_level_cache() -> Option<usize> {
+/// Bytes of the data cache of a core at a level, 1 or 2, if the CPU says.
+pub(crate) fn data_cache(level: u32) -> Option<usize> {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{__cpuid, __cpuid_count};
@@ -60,11 +60,12 @@ pub(crate) fn second_level_cache() -> Option<usize> {
             }
             for i in 0..8 {
                 let found = __cpuid_count(leaf, i);
-                let (kind, level) = (found.eax & 0x1f, found.eax >> 5 & 0x7);
+                const INSTRUCTIONS: u32 = 2;
+                let kind = found.eax & 0x1f;
                 if kind == 0 {
                     break;
                 }
-                if level == 2 {
+                if found.eax >> 5 & 0x7 == level && kind != INSTRUCTIONS {
                     let ways = (found.ebx >> 22) + 1;
                     let partitions = (found.ebx >> 12 & 0x3ff) + 1;
                     let line = (found.ebx & 0xfff) + 1;

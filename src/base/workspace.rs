@@ -28,6 +28,15 @@ impl<T: Real> Workspace<T> {
         Ok(workspace)
     }
 
+    /// A workspace on pages of the usual size, to measure what huge ones save.
+    pub(crate) fn on_small_pages(len: usize) -> Result<Self> {
+        let bytes = len.saturating_mul(size_of::<T>());
+        let slack = CACHE_LINE / size_of::<T>();
+        let buffer: Vec<T> =
+            zeroed(len.saturating_add(slack)).ok_or(Error::OutOfMemory { bytes })?;
+        Ok(Self { skipped: buffer.as_ptr().align_offset(CACHE_LINE), buffer })
+    }
+
     /// Grows to at least `len` elements; what it held is lost.
     ///
     /// # Errors

@@ -6,7 +6,7 @@ use catamaran::AtaOptions;
 use catamaran::ata::{Stages, exact_stages};
 use catamaran::base::{Pin, ThreadPool};
 use catamaran::blas::BlasReal;
-use catamaran::kernel::int8::Isa;
+use catamaran::kernel::int8::{Isa, Ladder, Rung};
 use catamaran_bench::input::{Distribution, Shape, matrix};
 use catamaran_bench::{Result, host};
 use faer::{MatMut, MatRef};
@@ -27,6 +27,9 @@ pub struct Arguments {
     /// amx, vnni, avx2, portable; default the fastest that this machine has.
     #[arg(long, value_delimiter = ',')]
     isas: Vec<String>,
+    /// The kernels alone: their rates with operands in registers, caches and memory.
+    #[arg(long)]
+    kernel: bool,
     /// Repetitions; the fastest is shown.
     #[arg(long, default_value_t = 5)]
     repeat: usize,
@@ -34,16 +37,8 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     print!("{}", host::describe(&[]));
-    println!("\n{:<10} {:>22} {:>22}", "isa", "registers, GOP/s", "first cache, GOP/s");
-    for isa in Isa::ALL {
-        match (isa.measure(), isa.refusal()) {
-            (Some([registers, cache]), _) => {
-                // A multiplication and an addition are two operations.
-                let rate = |r: f64| if r == 0.0 { "-".into() } else { format!("{:.1}", 2e-9 * r) };
-                println!("{:<10} {:>22} {:>22}", isa.name(), rate(registers), rate(cache));
-            }
-            (None, why) => println!("{:<10} {}", isa.name(), why.unwrap_or("refused")),
-        }
+    if arguments.kernel {
+        return isas(&arguments.isas)?.into_iter().try_for_each(show_ladder);
     }
     println!(
         "\n{:>8} {:>6} {:>4} {:>2}  {:<8} {:>9} {:>8} {:>6} {:>6} {:>6} {:>6} {:>9}",
@@ -56,6 +51,36 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 Type::F32 => one_shape::<f32>(arguments, shape, 7)?,
             }
         }
+    }
+    Ok(())
+}
+
+/// Rates of the kernel of an instruction set, with operands at every level of the memory.
+fn show_ladder(isa: Isa) -> Result<()> {
+    let ladder = Ladder::measure(isa)?;
+    // A multiplication and an addition are two operations.
+    let rate = |rate: f64| format!("{:.1}", 2e-9 * rate);
+    println!("\n{}: registers {} GOP/s", isa.name(), ladder.registers.map_or("-".into(), rate));
+    println!(
+        "{:<7} {:<7} {:<9} {:>14} {:>7} {:>14} {:>7}",
+        "left", "right", "old", "2 MiB, GOP/s", "share", "4 KiB, GOP/s", "share"
+    );
+    let share =
+        |r: f64| ladder.registers.map_or("-".into(), |peak| format!("{:.1} %", 100.0 * r / peak));
+    for rung in ladder.rungs.iter().filter(|rung| rung.huge_pages) {
+        let small = Rung { huge_pages: false, rate: 0.0, ..rung.clone() };
+        let small = ladder.rungs.iter().find(|r| Rung { rate: 0.0, ..(*r).clone() } == small);
+        let small = small.map_or(0.0, |rung| rung.rate);
+        println!(
+            "{:<7} {:<7} {:<9} {:>14} {:>7} {:>14} {:>7}",
+            rung.left,
+            rung.right,
+            if rung.continued { "added" } else { "-" },
+            rate(rung.rate),
+            share(rung.rate),
+            rate(small),
+            share(small)
+        );
     }
     Ok(())
 }

@@ -3,22 +3,19 @@
 
 use std::ops::Range;
 
-use crate::kernel::int8::{MOST_ROWS, PANEL, STEP};
+use super::blocking::Blocking;
+use crate::kernel::int8::{Block, PANEL, STEP};
 
-/// Memory that residues may take beyond the size of the operands; leaves room for a dozen threads in 256 MiB.
-const ALLOWANCE: usize = 192 << 20;
+/// Memory that residues of the operands may take beyond the size of these; with a batch and a dozen
+/// threads it stays below 256 MiB.
+const ALLOWANCE: usize = 112 << 20;
 /// Residues of a tall matrix in memory at a time: enough for long products, few enough for caches
 /// and page tables.
 const TALL_STORE: usize = 64 << 20;
-/// Steps of a chunk of a tall matrix, at least: its sums are reduced once a chunk.
+/// Steps of a chunk of a tall matrix, at least: threads meet at its end.
 const TALL_STEPS: usize = 8192 / STEP;
-/// Panels of a block of C: its left side stays in the second-level cache.
-const BLOCK_ROWS: usize = 8;
-const BLOCK_COLS: usize = 32;
-/// Steps of the left side of a block that are in the cache at a time.
-pub(super) const SLAB: usize = 2048 / STEP;
-/// Steps of one product of panels: the right one stays in the first-level cache.
-pub(super) const DEPTH: usize = 512 / STEP;
+/// Residues of C in memory at a time where it is not the sum of several chunks.
+const BATCH: usize = 128 << 20;
 
 /// The division of the work. Panels are 32 columns, steps 64 rows.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -39,8 +36,8 @@ pub(crate) struct Layout {
     pub chunk: usize,
     /// Groups of panels of each operand; the residues of two groups are in memory at a time.
     pub groups: usize,
-    /// Panels of a block of C.
-    pub block: (usize, usize),
+    /// What stays in which cache.
+    pub blocking: Blocking,
 }
 
 /// Which residues a store holds.
@@ -69,6 +66,24 @@ pub(crate) struct Pair {
 pub(crate) struct Unit {
     pub rows: Range<usize>,
     pub cols: Range<usize>,
+    /// Where its residues begin among those of its batch, for each modulus.
+    pub first: usize,
+}
+
+impl Unit {
+    /// Where the residues of panels (i, j) are among those of its batch: column by column.
+    pub fn place(&self, i: usize, j: usize) -> usize {
+        self.first + (j - self.cols.start) * self.rows.len() + i - self.rows.start
+    }
+}
+
+/// Blocks of C whose residues are in memory at a time.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct Batch {
+    /// The largest first, so that the small ones fill the gaps at the end.
+    pub units: Vec<Unit>,
+    /// Pairs of panels that there is room for, for each modulus.
+    pub places: usize,
 }
 
 impl Layout {
@@ -82,35 +97,30 @@ impl Layout {
     ) -> Self {
         let (left, right) = (n.div_ceil(PANEL), k.div_ceil(PANEL));
         let steps = m.div_ceil(STEP);
-        let most_steps = MOST_ROWS / STEP;
         let columns = if same { left } else { left + right };
         let step_bytes = moduli * columns * PANEL * STEP;
         let operands = m * bytes * if same { n } else { n + k };
         let budget = operands + ALLOWANCE;
         let c_bytes = moduli * PANEL * PANEL * pairs(symmetric, left, right);
-        let tall = m > 2 * n.max(k) || steps > most_steps;
-        let tall_chunk = (TALL_STORE / step_bytes.max(1)).clamp(TALL_STEPS, most_steps);
-        let (chunk, groups) = if steps <= most_steps
-            && step_bytes * steps <= if tall { TALL_STORE } else { budget }
-        {
+        let tall = m > 2 * n.max(k);
+        let tall_chunk = (TALL_STORE / step_bytes.max(1)).max(TALL_STEPS);
+        let (chunk, groups) = if step_bytes * steps <= if tall { TALL_STORE } else { budget } {
             (steps, 1)
         } else if tall && c_bytes + step_bytes * tall_chunk <= budget {
             (tall_chunk, 1)
         } else {
-            let chunk = steps.min(most_steps);
             let fits = |groups: usize| {
                 let two = if same {
                     2 * left.div_ceil(groups)
                 } else {
                     left.div_ceil(groups) + right.div_ceil(groups)
                 };
-                moduli * two * PANEL * STEP * chunk <= budget
+                moduli * two * PANEL * STEP * steps <= budget
             };
-            (chunk, (2..=left.max(right)).find(|&g| fits(g)).unwrap_or(left.max(right)).max(1))
+            (steps, (2..=left.max(right)).find(|&g| fits(g)).unwrap_or(left.max(right)).max(1))
         };
-        // Blocks enough for a few threads.
-        let block = (left.div_ceil(4).clamp(1, BLOCK_ROWS), right.clamp(1, BLOCK_COLS));
-        Self { symmetric, same, moduli, left, right, steps, chunk: chunk.max(1), groups, block }
+        let blocking = Blocking::new(left, right);
+        Self { symmetric, same, moduli, left, right, steps, chunk: chunk.max(1), groups, blocking }
     }
 
     /// Whether C is the sum over several chunks.
@@ -169,21 +179,40 @@ impl Layout {
         [Need { operand: 0, group: pair.left }, Need { operand, group: pair.right }]
     }
 
-    /// The blocks of a round, the largest first, so that the small ones fill the gaps at the end.
-    pub fn units(&self, pair: Pair) -> Vec<Unit> {
+    /// The blocks of a round, in batches: all in one where they are sums over several chunks.
+    pub fn batches(&self, pair: Pair) -> Vec<Batch> {
         let split = |all: Range<usize>, size: usize| {
             let end = all.end;
             all.step_by(size).map(move |first| first..end.min(first + size)).collect::<Vec<_>>()
         };
         let [left, right] = self.needs(pair).map(|need| self.group(need));
-        let (rows, cols) = (split(left, self.block.0), split(right, self.block.1));
-        let mut units: Vec<Unit> = cols
-            .iter()
-            .flat_map(|c| rows.iter().map(|r| Unit { rows: r.clone(), cols: c.clone() }))
-            .filter(|u| self.cost(u) > 0)
-            .collect();
-        units.sort_by_key(|u| std::cmp::Reverse(self.cost(u)));
-        units
+        let rows = split(left, self.blocking.rows);
+        let most = BATCH / (self.moduli * size_of::<Block<i8>>());
+        let mut batches = vec![Batch::default()];
+        // Neighbours share the residues of a side.
+        for cols in split(right, self.blocking.cols) {
+            for rows in &rows {
+                // Columns beyond the last row are above the diagonal.
+                let end = if self.symmetric { cols.end.min(rows.end) } else { cols.end };
+                let cols = cols.start..end;
+                if cols.is_empty() {
+                    continue;
+                }
+                let places = rows.len() * cols.len();
+                let full = batches.last().is_none_or(|batch| batch.places + places > most);
+                if full && !self.accumulates() {
+                    batches.push(Batch::default());
+                }
+                if let Some(batch) = batches.last_mut() {
+                    batch.units.push(Unit { rows: rows.clone(), cols, first: batch.places });
+                    batch.places += places;
+                }
+            }
+        }
+        for batch in &mut batches {
+            batch.units.sort_by_key(|u| std::cmp::Reverse(self.cost(u)));
+        }
+        batches
     }
 
     /// Pairs of panels in a block.
@@ -194,24 +223,6 @@ impl Layout {
     /// The first panel of rows that column panel `col` of a block needs.
     pub fn first_row(&self, unit: &Unit, col: usize) -> usize {
         if self.symmetric { unit.rows.start.max(col) } else { unit.rows.start }
-    }
-
-    /// Blocks of 32 x 32 residues, per modulus, of the largest round.
-    pub fn largest_round(&self) -> usize {
-        let longest = |panels: usize| panels.div_ceil(self.groups);
-        pairs(self.triangular(), longest(self.left), longest(self.right))
-    }
-
-    /// Where the residues of panel pair (i, j) are among those of a round.
-    pub fn place(&self, pair: Pair, i: usize, j: usize) -> usize {
-        let [rows, cols] = self.needs(pair).map(|need| self.group(need));
-        let (i, j) = (i - rows.start, j - cols.start);
-        if self.triangular() { i * (i + 1) / 2 + j } else { i * cols.len() + j }
-    }
-
-    /// Whether the only round is for a triangle.
-    fn triangular(&self) -> bool {
-        self.symmetric && self.groups == 1
     }
 }
 

@@ -6,6 +6,7 @@
 //! between the two roundings is exact, so that the result is the same bytes for any number of threads, any
 //! order of blocks and any instruction set. See docs/algorithms/exact.md.
 
+mod blocking;
 mod clock;
 mod columns;
 mod job;
@@ -32,6 +33,7 @@ use crate::kernel::int8::{Block, Isa, Kernel, Moduli, Operand, PANEL, Slice};
 
 pub use self::clock::Stages;
 pub(crate) use self::columns::Columns;
+use self::layout::Batch;
 pub(crate) use self::layout::Layout;
 pub(crate) use self::non_finite::{Flags, Signs};
 pub(crate) use self::sink::{TriangleRows, triangle_len};
@@ -58,26 +60,30 @@ pub(crate) fn scratch_len<T: Operand>(
 ) -> usize {
     let norms = columns::scratch_len::<T>(m, n).max(columns::scratch_len::<T>(m, k));
     let slices: usize = layout.stores().iter().map(|bytes| slices_len::<T>(*bytes)).sum();
-    let kept = Arena::<T>::len_of::<Block<i8>>(kept_blocks(layout));
+    let batch = Arena::<T>::len_of::<Block<i8>>(batch_blocks(layout));
     let workers = Worker::scratch_len::<T>(layout) * workers(layout, threads);
     // The norms are done with before the rest is needed.
-    norms.max(slices + kept + workers)
+    norms.max(slices + batch + workers)
 }
 
 fn slices_len<T: Real>(bytes: usize) -> usize {
     Arena::<T>::len_of::<Slice>(bytes / size_of::<Slice>())
 }
 
-/// Blocks of residues kept between the chunks of a round.
-fn kept_blocks(layout: &Layout) -> usize {
-    if layout.accumulates() { layout.moduli * layout.largest_round() } else { 0 }
+/// Blocks of residues of the largest batch.
+fn batch_blocks(layout: &Layout) -> usize {
+    let places = batches(layout).map(|batch| batch.places).max();
+    layout.moduli * places.unwrap_or(0)
 }
 
 /// Threads that can be busy with products.
 fn workers(layout: &Layout, threads: usize) -> usize {
-    let blocks = |panels: usize, size: usize| panels.div_ceil(layout.groups).div_ceil(size);
-    let units = blocks(layout.left, layout.block.0) * blocks(layout.right, layout.block.1);
-    threads.min(units * if layout.accumulates() { layout.moduli } else { 1 }).max(1)
+    let units = batches(layout).map(|batch| batch.units.len()).max();
+    threads.min(layout.moduli * units.unwrap_or(0)).max(1)
+}
+
+fn batches(layout: &Layout) -> impl Iterator<Item = Batch> {
+    layout.pairs().into_iter().flat_map(|pair| layout.batches(pair))
 }
 
 /// `C := alpha A^T B + beta C`; B is `None` for A^T A, and only the lower triangle is touched where the
@@ -167,8 +173,7 @@ pub(crate) fn accumulate<T: Operand>(
 
 /// What progress counts: products of panels, step by step and modulus by modulus.
 fn cost(layout: &Layout) -> f64 {
-    let pairs = layout.pairs();
-    let cost: usize = pairs.iter().flat_map(|&p| layout.units(p)).map(|u| layout.cost(&u)).sum();
+    let cost: usize = batches(layout).flat_map(|b| b.units).map(|u| layout.cost(&u)).sum();
     (cost * layout.steps * layout.moduli) as f64
 }
 
@@ -186,35 +191,31 @@ fn multiply<T: Operand>(
 ) {
     let mut residents =
         Residents::new(layout.stores().map(|bytes| arena.take_as(bytes / size_of::<Slice>())));
-    let kept: &mut [Block<i8>] = arena.take_as(kept_blocks(layout));
+    let residues: &mut [Block<i8>] = arena.take_as(batch_blocks(layout));
     let mut workers: Vec<_> =
         (0..workers(layout, par.threads())).map(|_| Worker::new(arena, layout)).collect();
-    let job = Job { layout, sink, kept: Disjoint::of_slice(kept), progress, clock };
+    let job = Job { layout, sink, residues: Disjoint::of_slice(residues), progress, clock };
     for pair in layout.pairs() {
-        for chunk in layout.chunks() {
-            let continued = chunk.start > 0;
-            let [left, right] = residents.load(layout, pair, chunk, |store, need, extent| {
-                let (matrix, columns) = if need.operand == 0 { left } else { right };
-                clock.time(
-                    |s| &mut s.conversion,
-                    par.threads(),
-                    || {
-                        store.fill(kernel, matrix, columns, moduli, extent, par);
-                    },
-                );
-            });
-            let round = Round { kernel, layout, moduli, left, right, continued };
-            if layout.accumulates() {
-                job.accumulate(&mut workers, &round, pair)
-            } else {
-                job.finish(&mut workers, &round, pair)
+        for batch in layout.batches(pair) {
+            for chunk in layout.chunks() {
+                let continued = chunk.start > 0;
+                let [left, right] = residents.load(layout, pair, chunk, |store, need, extent| {
+                    let (matrix, columns) = if need.operand == 0 { left } else { right };
+                    clock.time(
+                        |s| &mut s.conversion,
+                        par.threads(),
+                        || {
+                            store.fill(kernel, matrix, columns, moduli, extent, par);
+                        },
+                    );
+                });
+                let round = Round { kernel, layout, moduli, left, right, continued };
+                job.multiply(&mut workers, &round, &batch);
             }
-        }
-        if layout.accumulates() {
-            job.recombine(&mut workers, kernel, pair);
-        }
-        if progress.state().is_break() {
-            break;
+            job.recombine(&mut workers, kernel, &batch);
+            if progress.state().is_break() {
+                return;
+            }
         }
     }
 }

@@ -1,41 +1,27 @@
 //! Blocks of C modulo one number.
 
-use super::layout::{DEPTH, Layout, SLAB, Unit};
+use super::layout::{Layout, Unit};
 use super::store::Store;
 use crate::base::{Arena, Disjoint, Real};
-use crate::kernel::int8::{Block, Kernel, Moduli, Slice, WIDTH};
+use crate::kernel::int8::{Block, Kernel, Moduli, Slice};
 
 /// The memory of one thread.
 pub(super) struct Worker<'a> {
-    /// The left side of a block, one slab of it.
+    /// The left side of a block, as many steps of it as a product takes.
     pub left: &'a mut [Slice],
-    /// Sums of the block.
-    pub sums: &'a mut [Block<i32>],
-    /// Its residues, modulus by modulus; unused where they are kept for all of C.
-    pub residues: &'a mut [Block<i8>],
 }
 
 impl<'a> Worker<'a> {
     pub fn new<T: Real>(arena: &mut Arena<'a, T>, layout: &Layout) -> Self {
-        let [left, sums, residues] = Self::lengths(layout);
-        Self {
-            left: arena.take_as(left),
-            sums: arena.take_as(sums),
-            residues: arena.take_as(residues),
-        }
+        Self { left: arena.take_as(Self::slices(layout)) }
     }
 
-    fn lengths(layout: &Layout) -> [usize; 3] {
-        let pairs = layout.block.0 * layout.block.1;
-        let kept = if layout.accumulates() { 0 } else { layout.moduli * pairs };
-        [layout.block.0 * SLAB.min(layout.chunk), pairs, kept]
+    fn slices(layout: &Layout) -> usize {
+        layout.blocking.rows * layout.blocking.depth.min(layout.chunk)
     }
 
     pub fn scratch_len<T: Real>(layout: &Layout) -> usize {
-        let [left, sums, residues] = Self::lengths(layout);
-        Arena::<T>::len_of::<Slice>(left)
-            + Arena::<T>::len_of::<Block<i32>>(sums)
-            + Arena::<T>::len_of::<Block<i8>>(residues)
+        Arena::<T>::len_of::<Slice>(Self::slices(layout))
     }
 }
 
@@ -56,8 +42,8 @@ impl Round<'_, '_> {
         self.left.extent().steps.len()
     }
 
-    /// Block `unit` of the product modulo the `l`-th number; the residues of panels (i, j) go to
-    /// `residues[place(i, j)]`.
+    /// Block `unit` of the product modulo the `l`-th number; the residues of the panels `i` of column
+    /// panel `j` go to `residues[place(i, j)]` and on.
     ///
     /// # Safety
     /// Nobody else uses these places meanwhile.
@@ -66,58 +52,32 @@ impl Round<'_, '_> {
         unit: &Unit,
         l: usize,
         left: &mut [Slice],
-        sums: &mut [Block<i32>],
         residues: &Disjoint<'_, Block<i8>>,
         place: impl Fn(usize, usize) -> usize,
     ) {
         let Self { kernel, layout, .. } = self;
         let _session = kernel.session();
+        let modulus = &self.moduli.list[l];
         let all = &self.left.extent().steps;
-        let slabs = all.len().div_ceil(SLAB);
-        let bound = |i: usize| all.start + all.len() * i / slabs;
-        for slab in 0..slabs {
-            let steps = bound(slab)..bound(slab + 1);
-            for (i, left) in unit.rows.clone().zip(left.chunks_exact_mut(steps.len())) {
+        // Pieces of equal length, as short ones are slow.
+        let pieces = all.len().div_ceil(layout.blocking.depth);
+        let bound = |i: usize| all.start + all.len() * i / pieces;
+        for piece in 0..pieces {
+            let steps = bound(piece)..bound(piece + 1);
+            let depth = steps.len();
+            let continued = self.continued || piece > 0;
+            for (i, left) in unit.rows.clone().zip(left.chunks_exact_mut(depth)) {
                 kernel.to_left(self.left.slices(l, i, steps.clone()), left);
             }
             for j in unit.cols.clone() {
                 let rows = layout.first_row(unit, j)..unit.rows.end;
-                let right = self.right.slices(l, j, steps.clone());
-                // What comes next on the right is fetched a share at a time.
-                let next = (j + 1).min(unit.cols.end - 1);
-                let mut ahead = self.right.slices(l, next, steps.clone()).as_ptr().cast::<i8>();
-                let share = size_of::<Slice>() * DEPTH / rows.len().max(1);
-                for first in (0..steps.len()).step_by(DEPTH) {
-                    let depth = first..steps.len().min(first + DEPTH);
-                    for i in rows.clone() {
-                        let at = (j - unit.cols.start) * unit.rows.len() + i - unit.rows.start;
-                        let sums = &mut sums[at];
-                        // SAFETY: the caller's promise; the reference dies with this product.
-                        let residues = unsafe { residues.get(place(i, j)) };
-                        if slab == 0 && first == 0 {
-                            start(sums, self.continued.then_some(&*residues));
-                        }
-                        let left = &left[(i - unit.rows.start) * steps.len()..][depth.clone()];
-                        kernel.multiply(left, &right[depth.clone()], sums, ahead);
-                        ahead = ahead.wrapping_add(share);
-                        if slab + 1 == slabs && depth.end == steps.len() {
-                            kernel.reduce(sums, &self.moduli.list[l], residues);
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Sums begin with the residues of the rows before, or with zeros.
-fn start(sums: &mut Block<i32>, residues: Option<&Block<i8>>) {
-    match residues {
-        None => *sums = [[[0; WIDTH]; WIDTH]; 4],
-        Some(residues) => {
-            let residues = residues.as_flattened().as_flattened();
-            for (sum, &r) in sums.as_flattened_mut().as_flattened_mut().iter_mut().zip(residues) {
-                *sum = r.into();
+                let left = &left[(rows.start - unit.rows.start) * depth..][..rows.len() * depth];
+                let right = |j: usize| self.right.slices(l, j, steps.clone());
+                let next = right((j + 1).min(unit.cols.end - 1));
+                let first = place(rows.start, j);
+                // SAFETY: the caller's promise; the reference dies with this product.
+                let residues = unsafe { residues.range(first..first + rows.len()) };
+                kernel.product(left, right(j), next, modulus, continued, residues);
             }
         }
     }

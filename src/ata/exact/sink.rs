@@ -80,25 +80,38 @@ impl<T: Operand> Sink for Floats<'_, T> {
 impl<T: Operand> Floats<'_, T> {
     /// At most 16 x 16 values, or their lower triangle.
     fn store(&self, values: &Quarter<f64>, triangle: bool, mut c: MatMut<'_, T>) {
-        let update = |value: f64, c: &mut T| {
-            let value = T::from_f64(value);
-            let value = if self.alpha == T::ONE { value } else { self.alpha * value };
-            *c = if self.beta == T::ZERO { value } else { value + self.beta * *c };
-        };
         if c.row_stride() == 1 {
-            for j in 0..c.ncols() {
+            let columns: Quarter<f64> =
+                std::array::from_fn(|j| std::array::from_fn(|i| values[i][j]));
+            for (j, values) in columns.iter().enumerate().take(c.ncols()) {
                 let first = if triangle { j } else { 0 };
-                for (i, c) in c.rb_mut().col_mut(j).iter_mut().enumerate().skip(first) {
-                    update(values[i][j], c);
-                }
+                let (values, end) = (&values[first..], c.nrows());
+                self.store_line(
+                    values,
+                    c.rb_mut().col_mut(j).subrows_mut(first, end - first).iter_mut(),
+                );
             }
         } else {
             for (i, values) in values.iter().enumerate().take(c.nrows()) {
                 let count = if triangle { i + 1 } else { WIDTH };
-                for (&value, c) in values.iter().zip(c.rb_mut().row_mut(i).iter_mut()).take(count) {
-                    update(value, c);
-                }
+                self.store_line(&values[..count], c.rb_mut().row_mut(i).iter_mut());
             }
+        }
+    }
+
+    fn store_line<'c>(&self, values: &[f64], c: impl Iterator<Item = &'c mut T>)
+    where
+        T: 'c,
+    {
+        let (alpha, beta) = (self.alpha, self.beta);
+        let scaled = |value: &f64| match alpha == T::ONE {
+            true => T::from_f64(*value),
+            false => alpha * T::from_f64(*value),
+        };
+        if beta == T::ZERO {
+            values.iter().zip(c).for_each(|(value, c)| *c = scaled(value));
+        } else {
+            values.iter().zip(c).for_each(|(value, c)| *c = scaled(value) + beta * *c);
         }
     }
 }

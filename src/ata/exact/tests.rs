@@ -2,6 +2,7 @@
 
 use faer::{Mat, MatRef};
 
+use super::blocking::Blocking;
 use super::layout::{Need, Pair};
 use super::*;
 use crate::base::{Arena, Par, Rng, Workspace};
@@ -49,11 +50,15 @@ fn run<T: Operand>(
 /// The divisions of the work that reach every branch: chunks of rows, groups of columns, both.
 fn layouts(whole: &Layout) -> Vec<Layout> {
     let mut found = vec![whole.clone()];
-    for (chunk, groups, block) in
-        [(whole.steps, 1, (1, 1)), (1, 1, (2, 3)), (2, 2, (1, 2)), (whole.steps, 3, (2, 2))]
-    {
+    for (chunk, groups, [rows, cols, depth]) in [
+        (whole.steps, 1, [1, 1, 1]),
+        (1, 1, [2, 3, 16]),
+        (2, 2, [1, 2, 2]),
+        (whole.steps, 3, [2, 2, 3]),
+    ] {
         let groups = groups.min(whole.left.max(whole.right));
-        found.push(Layout { chunk, groups, block, ..whole.clone() });
+        let blocking = Blocking { rows, cols, depth };
+        found.push(Layout { chunk, groups, blocking, ..whole.clone() });
     }
     found
 }
@@ -209,8 +214,7 @@ fn memory_is_that_of_the_operands_and_256_mib() {
 fn rounds_cover_c_once_and_load_little() {
     for (shape, _, layout) in all_layouts() {
         let pairs = layout.pairs();
-        let cost: usize =
-            pairs.iter().flat_map(|&p| layout.units(p)).map(|u| layout.cost(&u)).sum();
+        let cost: usize = batches(&layout).flat_map(|b| b.units).map(|u| layout.cost(&u)).sum();
         let (left, right) = (layout.left, layout.right);
         let all = if layout.symmetric { left * (left + 1) / 2 } else { left * right };
         assert_eq!(cost, all, "{shape:?}, {layout:?}");
@@ -228,13 +232,30 @@ fn rounds_cover_c_once_and_load_little() {
         // A round needs one group that the round before it did not have.
         let most = if layout.groups == 1 { 2 } else { pairs.len() + 1 };
         assert!(loads <= most, "{layout:?}: {loads} loads, {} rounds", pairs.len());
-        assert!(layout.chunk * 64 <= crate::kernel::int8::MOST_ROWS);
-        let places: Vec<usize> = pairs
-            .iter()
-            .flat_map(|&p| layout.units(p).into_iter().map(move |u| (p, u)))
-            .map(|(p, u)| layout.place(p, u.rows.end - 1, u.cols.start))
-            .collect();
-        assert!(places.iter().all(|&p| p < layout.largest_round()), "{layout:?}");
     }
     assert_eq!(Layout::new([64, 32, 32], 8, 14, true, true).pairs(), [Pair { left: 0, right: 0 }]);
+}
+
+#[test]
+fn every_pair_of_panels_has_a_place_of_its_own_in_its_batch() {
+    let shapes = [([300, 200, 200], true), ([300, 200, 90], false), ([5000, 300, 300], true)];
+    for (shape, symmetric) in shapes {
+        for layout in layouts(&Layout::new(shape, 8, 14, symmetric, symmetric)) {
+            for pair in layout.pairs() {
+                let batches = layout.batches(pair);
+                assert!(!layout.accumulates() || batches.len() == 1, "{layout:?}");
+                for batch in batches {
+                    let mut taken = vec![false; batch.places];
+                    for unit in &batch.units {
+                        for j in unit.cols.clone() {
+                            for i in layout.first_row(unit, j)..unit.rows.end {
+                                let place = &mut taken[unit.place(i, j)];
+                                assert!(!std::mem::replace(place, true), "{layout:?}: ({i}, {j})");
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
 }

@@ -5,10 +5,10 @@ use std::arch::asm;
 use std::arch::x86_64::{__cpuid, __cpuid_count, _xgetbv};
 use std::sync::OnceLock;
 
-use super::avx512::Vnni;
+use super::avx512::{Reduction, Sums, Vnni};
 use super::kernel::{Kernel, Session};
 use super::moduli::{Moduli, Modulus};
-use super::tile::{Block, Powers, Quarter, Residues, Slice, Tile, TileNorms, WIDTH};
+use super::tile::{Block, DEPTH, Powers, Quarter, Residues, Slice, Tile, TileNorms, WIDTH};
 
 /// Exists only where AMX works: what makes the assembly below sound.
 pub(super) struct Amx {
@@ -127,15 +127,19 @@ impl Kernel for Amx {
         self.others.transpose(right, left);
     }
 
-    fn multiply(&self, left: &[Slice], right: &[Slice], sums: &mut Block<i32>, ahead: *const i8) {
-        assert_eq!(left.len(), right.len());
-        // SAFETY: `self` exists, so the CPU has the instructions, and both operands are that long. The
-        // session that the caller has to hold shapes the tiles; without one the CPU traps.
-        unsafe { multiply(left, right, sums, ahead) }
-    }
-
-    fn reduce(&self, sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>) {
-        self.others.reduce(sums, modulus, out);
+    fn product(
+        &self,
+        left: &[Slice],
+        right: &[Slice],
+        next: &[Slice],
+        modulus: &Modulus,
+        continued: bool,
+        residues: &mut [Block<i8>],
+    ) {
+        assert!(right.len() <= DEPTH && left.len() == right.len() * residues.len());
+        // SAFETY: `self` exists, so the CPU has the instructions. The session that the caller has to
+        // hold shapes the tiles; without one the CPU traps.
+        unsafe { product(left, right, next, modulus, continued, residues) }
     }
 
     fn recombine(
@@ -180,74 +184,196 @@ impl Kernel for Amx {
     }
 }
 
-/// One block of assembly, since the compiler knows nothing of tiles: tmm0 to tmm3 hold the quarters of
-/// the sums, tmm4 and tmm5 the left tiles, tmm6 and tmm7 the right ones. The left operand streams from the
-/// second-level cache: the next step's lines are fetched between the products.
+/// As [`Kernel::product`]. The sums of a pair of panels leave the tiles for the first-level cache; the
+/// vector units take their residues while the tiles multiply the next pair.
 ///
 /// # Safety
-/// The CPU has AMX-INT8, the tiles are configured, and `left` and `right` have the same length.
-unsafe fn multiply(left: &[Slice], right: &[Slice], sums: &mut Block<i32>, ahead: *const i8) {
-    // SAFETY: reads `left.len()` steps of both operands, reads and writes the sums; prefetches may
-    // go anywhere.
+/// The CPU has AMX-INT8, the tiles are configured, and `left` has `residues.len()` times the length
+/// of `right`, at most [`DEPTH`].
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512vnni,fma")]
+unsafe fn product(
+    left: &[Slice],
+    right: &[Slice],
+    next: &[Slice],
+    modulus: &Modulus,
+    continued: bool,
+    residues: &mut [Block<i8>],
+) {
+    let reduction = Reduction::new(modulus);
+    let mut sums = Sums::ZERO;
+    let mut before: Option<&mut Block<i8>> = None;
+    for (i, residues) in residues.iter_mut().enumerate() {
+        let left = &left[i * right.len()..][..right.len()];
+        let ahead = next.as_ptr().cast::<i8>().wrapping_add(i * right.len() * AHEAD);
+        // SAFETY: the caller's promise; both operands are of the same length.
+        unsafe { multiply(left, right, ahead, &mut sums, before.take(), &reduction, continued) };
+        before = Some(residues);
+    }
+    if let Some(last) = before {
+        reduction.reduce(&sums, continued, last);
+    }
+}
+
+/// Bytes of the next right panel that are fetched in one step: all of it during 16 products.
+const AHEAD: usize = 128;
+
+/// A quarter of a step of [`Reduction::reduce`]: row `$row` of four, in registers `$sum` and `$digits`.
+macro_rules! first_sums {
+    ($row:literal, $sum:literal, $digits:literal) => {
+        concat!(
+            "vpmovsxbd zmm",
+            $sum,
+            "{{k1}}{{z}}, [{residues} + 16*",
+            $row,
+            "]\n",
+            "vpaddd zmm",
+            $sum,
+            ", zmm",
+            $sum,
+            ", [{rows} + 64*",
+            $row,
+            "]\n",
+            "vpxord zmm",
+            $sum,
+            ", zmm",
+            $sum,
+            ", zmm20\n",
+            "vmovdqa64 zmm",
+            $digits,
+            ", zmm21\n",
+            "vpdpbusd zmm",
+            $digits,
+            ", zmm",
+            $sum,
+            ", zmm22\n",
+            "vmovdqa64 zmm",
+            $sum,
+            ", zmm24\n",
+            "vpdpbusd zmm",
+            $sum,
+            ", zmm",
+            $digits,
+            ", zmm23\n",
+        )
+    };
+}
+
+/// The rest of a step of [`Reduction::reduce`], and the way to the next four rows.
+macro_rules! finish {
+    () => {
+        concat!(
+            "vpackssdw zmm0, zmm0, zmm1\n",
+            "vpackssdw zmm2, zmm2, zmm3\n",
+            "vpmulhrsw zmm4, zmm0, zmm25\n",
+            "vpmulhrsw zmm5, zmm2, zmm25\n",
+            "vpmulhrsw zmm4, zmm4, zmm26\n",
+            "vpmulhrsw zmm5, zmm5, zmm26\n",
+            "vpmullw zmm4, zmm4, zmm27\n",
+            "vpmullw zmm5, zmm5, zmm27\n",
+            "vpsubw zmm0, zmm0, zmm4\n",
+            "vpsubw zmm2, zmm2, zmm5\n",
+            "vpacksswb zmm0, zmm0, zmm2\n",
+            "vpermd zmm0, zmm28, zmm0\n",
+            "vmovdqu64 [{residues}], zmm0\n",
+            "add {residues}, 64\n",
+            "add {rows}, 256\n",
+        )
+    };
+}
+
+/// The way to the next step of the operands.
+macro_rules! advance {
+    () => {
+        concat!(
+            "prefetcht1 [{ahead}]\n",
+            "prefetcht1 [{ahead} + 64]\n",
+            "add {ahead}, 128\n",
+            "add {left}, 2048\n",
+            "add {right}, 2048\n",
+        )
+    };
+}
+
+/// The product of two panels into `sums`, while the sums there become the residues `before`. One block of
+/// assembly, since the compiler knows nothing of tiles: tmm0 to tmm3 hold the quarters of the sums, tmm4
+/// and tmm5 the left tiles, tmm6 and tmm7 the right ones.
+///
+/// The left operand comes from the second-level cache, by loads that leave the right one in the first.
+///
+/// # Safety
+/// The CPU has AMX-INT8, the tiles are configured, and `left` and `right` have the same length, at
+/// most [`DEPTH`].
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512vnni,fma")]
+unsafe fn multiply(
+    left: &[Slice],
+    right: &[Slice],
+    ahead: *const i8,
+    sums: &mut Sums,
+    before: Option<&mut Block<i8>>,
+    reduction: &Reduction,
+    continued: bool,
+) {
+    let steps = right.len();
+    // Four rows of sums are reduced in a step, and what is left of the 64 after the last one.
+    let (both, alone, rest) =
+        if before.is_some() { (steps, 0, DEPTH - steps) } else { (0, steps, 0) };
+    let residues = before.map_or(std::ptr::null_mut(), |block| block.as_mut_ptr());
+    let wanted: u16 = if continued { !0 } else { 0 };
+    let sums = sums.0.as_mut_ptr();
+    // SAFETY: reads `steps` steps of both operands, reads and writes the sums, and the residues where
+    // there are some; prefetches may go anywhere.
     unsafe {
         asm!(
-            "tileloadd tmm0, [{sums} + {line}*1]",
-            "tileloadd tmm1, [{sums} + {line}*1 + 1024]",
-            "tileloadd tmm2, [{sums} + {line}*1 + 2048]",
-            "tileloadd tmm3, [{sums} + {line}*1 + 3072]",
-            "test {steps}, {steps}",
+            "tilezero tmm0",
+            "tilezero tmm1",
+            "tilezero tmm2",
+            "tilezero tmm3",
+            "test {both}, {both}",
             "jz 3f",
             "2:",
-            "tileloadd tmm4, [{left} + {line}*1]",
+            "tileloaddt1 tmm4, [{left} + {line}*1]",
             "tileloadd tmm6, [{right} + {line}*1]",
-            "prefetcht0 [{left} + 2048]",
-            "prefetcht0 [{left} + 2112]",
-            "prefetcht0 [{left} + 2176]",
-            "prefetcht0 [{left} + 2240]",
-            "prefetcht0 [{left} + 2304]",
-            "prefetcht0 [{left} + 2368]",
-            "prefetcht0 [{left} + 2432]",
-            "prefetcht0 [{left} + 2496]",
+            first_sums!(0, 0, 4),
             "tdpbssd tmm0, tmm4, tmm6",
-            "tileloadd tmm7, [{right} + {line}*1 + 1024]",
-            "prefetcht0 [{left} + 2560]",
-            "prefetcht0 [{left} + 2624]",
-            "prefetcht0 [{left} + 2688]",
-            "prefetcht0 [{left} + 2752]",
-            "prefetcht0 [{left} + 2816]",
-            "prefetcht0 [{left} + 2880]",
-            "prefetcht0 [{left} + 2944]",
-            "prefetcht0 [{left} + 3008]",
-            "tdpbssd tmm1, tmm4, tmm7",
-            "tileloadd tmm5, [{left} + {line}*1 + 1024]",
-            "prefetcht0 [{left} + 3072]",
-            "prefetcht0 [{left} + 3136]",
-            "prefetcht0 [{left} + 3200]",
-            "prefetcht0 [{left} + 3264]",
-            "prefetcht0 [{left} + 3328]",
-            "prefetcht0 [{left} + 3392]",
-            "prefetcht0 [{left} + 3456]",
-            "prefetcht0 [{left} + 3520]",
+            "tileloaddt1 tmm5, [{left} + {line}*1 + 1024]",
+            first_sums!(1, 1, 5),
             "tdpbssd tmm2, tmm5, tmm6",
-            "prefetcht0 [{left} + 3584]",
-            "prefetcht0 [{left} + 3648]",
-            "prefetcht0 [{left} + 3712]",
-            "prefetcht0 [{left} + 3776]",
-            "prefetcht0 [{left} + 3840]",
-            "prefetcht0 [{left} + 3904]",
-            "prefetcht0 [{left} + 3968]",
-            "prefetcht0 [{left} + 4032]",
+            "tileloadd tmm7, [{right} + {line}*1 + 1024]",
+            first_sums!(2, 2, 6),
+            "tdpbssd tmm1, tmm4, tmm7",
+            first_sums!(3, 3, 7),
             "tdpbssd tmm3, tmm5, tmm7",
-            "prefetcht1 [{ahead}]",
-            "prefetcht1 [{ahead} + 64]",
-            "prefetcht1 [{ahead} + 128]",
-            "prefetcht1 [{ahead} + 192]",
-            "add {left}, 2048",
-            "add {right}, 2048",
-            "add {ahead}, 256",
-            "dec {steps}",
+            finish!(),
+            advance!(),
+            "dec {both}",
             "jnz 2b",
             "3:",
+            "test {alone}, {alone}",
+            "jz 5f",
+            "4:",
+            "tileloaddt1 tmm4, [{left} + {line}*1]",
+            "tileloadd tmm6, [{right} + {line}*1]",
+            "tdpbssd tmm0, tmm4, tmm6",
+            "tileloaddt1 tmm5, [{left} + {line}*1 + 1024]",
+            "tdpbssd tmm2, tmm5, tmm6",
+            "tileloadd tmm7, [{right} + {line}*1 + 1024]",
+            "tdpbssd tmm1, tmm4, tmm7",
+            "tdpbssd tmm3, tmm5, tmm7",
+            advance!(),
+            "dec {alone}",
+            "jnz 4b",
+            "5:",
+            "test {rest}, {rest}",
+            "jz 7f",
+            "6:",
+            first_sums!(0, 0, 4),
+            first_sums!(1, 1, 5),
+            first_sums!(2, 2, 6),
+            first_sums!(3, 3, 7),
+            finish!(),
+            "dec {rest}",
+            "jnz 6b",
+            "7:",
             "tilestored [{sums} + {line}*1], tmm0",
             "tilestored [{sums} + {line}*1 + 1024], tmm1",
             "tilestored [{sums} + {line}*1 + 2048], tmm2",
@@ -255,9 +381,25 @@ unsafe fn multiply(left: &[Slice], right: &[Slice], sums: &mut Block<i32>, ahead
             left = inout(reg) left.as_ptr() => _,
             right = inout(reg) right.as_ptr() => _,
             ahead = inout(reg) ahead => _,
-            steps = inout(reg) left.len() => _,
-            sums = in(reg) sums.as_mut_ptr(),
+            residues = inout(reg) residues => _,
+            rows = inout(reg) sums => _,
+            sums = in(reg) sums,
+            both = inout(reg) both => _,
+            alone = inout(reg) alone => _,
+            rest = inout(reg) rest => _,
             line = in(reg) 64_usize,
+            in("k1") wanted,
+            in("zmm20") reduction.bias,
+            in("zmm21") reduction.start,
+            in("zmm22") reduction.weights,
+            in("zmm23") reduction.second_weights,
+            in("zmm24") reduction.centre,
+            in("zmm25") reduction.inverse,
+            in("zmm26") reduction.shift,
+            in("zmm27") reduction.p,
+            in("zmm28") reduction.rows,
+            out("zmm0") _, out("zmm1") _, out("zmm2") _, out("zmm3") _,
+            out("zmm4") _, out("zmm5") _, out("zmm6") _, out("zmm7") _,
             out("tmm0") _, out("tmm1") _, out("tmm2") _, out("tmm3") _,
             out("tmm4") _, out("tmm5") _, out("tmm6") _, out("tmm7") _,
             options(nostack),

@@ -3,7 +3,7 @@
 
 use std::arch::x86_64::*;
 
-use super::kernel::Kernel;
+use super::kernel::{Kernel, product_by_pairs};
 use super::moduli::{Moduli, Modulus};
 use super::tile::{Block, Powers, Quarter, Residues, Slice, Tile, TileNorms, WIDTH, tile_norms};
 use super::{portable, recombine};
@@ -64,13 +64,27 @@ impl Kernel for Avx2 {
             (tile: &Tile<f32>, powers: &Powers<f32>, moduli: &Moduli, out: &mut [&mut Residues]))
     }
 
-    fn multiply(&self, left: &[Slice], right: &[Slice], sums: &mut Block<i32>, _ahead: *const i8) {
-        // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { multiply(left, right, sums) }
-    }
-
-    fn reduce(&self, sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>) {
-        enabled!(portable::reduce => (sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>))
+    fn product(
+        &self,
+        left: &[Slice],
+        right: &[Slice],
+        _next: &[Slice],
+        modulus: &Modulus,
+        continued: bool,
+        residues: &mut [Block<i8>],
+    ) {
+        product_by_pairs(
+            left,
+            right,
+            continued,
+            residues,
+            // SAFETY: `self` exists, so the CPU has the instructions.
+            |left, right, sums| unsafe { multiply(left, right, sums) },
+            |sums, out| {
+                enabled!(portable::reduce =>
+                    (sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>))
+            },
+        );
     }
 
     fn recombine(

@@ -4,9 +4,9 @@ use std::arch::x86_64::*;
 
 use super::kernel::Kernel;
 use super::moduli::{Moduli, Modulus};
-use super::recombine;
 use super::tile::{
-    Block, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH, tile_norms,
+    Block, DEPTH, MAGNITUDE, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH,
+    norm_exponents,
 };
 
 /// Exists only where the CPU has the instructions: what makes the calls below sound.
@@ -37,15 +37,28 @@ macro_rules! enabled {
 
 impl Kernel for Vnni {
     fn norms_f64(&self, tile: &Tile<f64>) -> TileNorms {
-        enabled! { fn norms(tile: &Tile<f64>) -> TileNorms { tile_norms(tile) } }
+        enabled! {
+            fn run(tile: &Tile<f64>) -> TileNorms {
+                // SAFETY: a row is 16 elements.
+                norms(tile, |row| [0, 8].map(|j| unsafe { _mm512_loadu_pd(row.as_ptr().add(j)) }))
+            }
+        }
         // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { norms(tile) }
+        unsafe { run(tile) }
     }
 
     fn norms_f32(&self, tile: &Tile<f32>) -> TileNorms {
-        enabled! { fn norms(tile: &Tile<f32>) -> TileNorms { tile_norms(tile) } }
+        enabled! {
+            fn run(tile: &Tile<f32>) -> TileNorms {
+                norms(tile, |row| {
+                    // SAFETY: a row is 16 elements.
+                    let half = |j: usize| unsafe { _mm256_loadu_ps(row.as_ptr().add(j)) };
+                    [0, 8].map(|j| _mm512_cvtps_pd(half(j)))
+                })
+            }
+        }
         // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { norms(tile) }
+        unsafe { run(tile) }
     }
 
     fn convert_f64(
@@ -70,15 +83,26 @@ impl Kernel for Vnni {
         unsafe { convert_f32(tile, powers, moduli, out) }
     }
 
-    fn multiply(&self, left: &[Slice], right: &[Slice], sums: &mut Block<i32>, _ahead: *const i8) {
-        assert_eq!(left.len(), right.len());
-        // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { multiply(left, right, sums) }
+    /// The instruction takes unsigned times signed bytes: 128 is added to the left ones.
+    fn to_left(&self, right: &[Slice], left: &mut [Slice]) {
+        let (right, left) = (right.as_flattened().as_flattened(), left.as_flattened_mut());
+        for (left, &right) in left.as_flattened_mut().iter_mut().zip(right) {
+            *left = right ^ i8::MIN;
+        }
     }
 
-    fn reduce(&self, sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>) {
+    fn product(
+        &self,
+        left: &[Slice],
+        right: &[Slice],
+        _next: &[Slice],
+        modulus: &Modulus,
+        continued: bool,
+        residues: &mut [Block<i8>],
+    ) {
+        assert!(right.len() <= DEPTH && left.len() == right.len() * residues.len());
         // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { reduce(sums, modulus, out) }
+        unsafe { product(left, right, modulus, continued, residues) }
     }
 
     fn recombine(
@@ -89,19 +113,8 @@ impl Kernel for Vnni {
         columns: &[i32; WIDTH],
         out: &mut Quarter<f64>,
     ) {
-        enabled! {
-            fn run(
-                residues: &[&Quarter<i8>],
-                moduli: &Moduli,
-                rows: &[i32; WIDTH],
-                columns: &[i32; WIDTH],
-                out: &mut Quarter<f64>,
-            ) {
-                recombine::quarter::<true>(residues, moduli, rows, columns, out);
-            }
-        }
         // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { run(residues, moduli, rows, columns, out) }
+        unsafe { recombine(residues, moduli, rows, columns, out) }
     }
 
     fn spin(&self, count: usize) -> Option<usize> {
@@ -144,24 +157,76 @@ unsafe fn spin(rounds: usize) {
     }
 }
 
-/// The constants of a modulus in registers.
-struct Reduction {
-    second_weights: __m512i,
-    centre: __m512i,
-    inverse: __m512i,
-    p: __m512i,
+enabled! {
+    /// As [`tile_norms`](super::tile::tile_norms); `load` makes two vectors of a row.
+    #[inline]
+    fn norms<T>(tile: &Tile<T>, load: impl Fn(&[T; WIDTH]) -> [__m512d; 2]) -> TileNorms {
+        let magnitude = _mm512_set1_epi64(MAGNITUDE as i64);
+        let magnitudes = |row| load(row).map(|v| _mm512_and_si512(_mm512_castpd_si512(v), magnitude));
+        let mut largest = [_mm512_setzero_si512(); 2];
+        for row in &tile.0 {
+            for (largest, v) in largest.iter_mut().zip(magnitudes(row)) {
+                *largest = _mm512_max_epu64(*largest, v);
+            }
+        }
+        let mut bits = [0; WIDTH];
+        for (bits, largest) in bits.chunks_exact_mut(8).zip(largest) {
+            // SAFETY: 8 elements.
+            unsafe { _mm512_storeu_si512(bits.as_mut_ptr().cast(), largest) };
+        }
+        let (exponents, powers) = norm_exponents(bits);
+        // SAFETY: 8 of 16 elements each.
+        let halves = |p: &[f64; WIDTH]| [0, 8].map(|j| unsafe { _mm512_loadu_pd(p.as_ptr().add(j)) });
+        let (first, second) = (halves(&powers.first), halves(&powers.second));
+        let mut sums = [_mm512_setzero_pd(); 2];
+        for row in &tile.0 {
+            let row = magnitudes(row);
+            for half in 0..2 {
+                let v = _mm512_mul_pd(_mm512_castsi512_pd(row[half]), first[half]);
+                let v = _mm512_mul_pd(v, second[half]);
+                let v = _mm512_roundscale_pd::<{ _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC }>(v);
+                sums[half] = _mm512_fmadd_pd(v, v, sums[half]);
+            }
+        }
+        let mut squares = [0.0; WIDTH];
+        for (squares, sums) in squares.chunks_exact_mut(8).zip(sums) {
+            // SAFETY: 8 elements.
+            unsafe { _mm512_storeu_pd(squares.as_mut_ptr(), sums) };
+        }
+        TileNorms { exponents, squares }
+    }
+}
+
+/// The constants of a modulus in registers, for the residues of 32-bit sums.
+pub(super) struct Reduction {
+    /// Makes numbers unsigned.
+    pub bias: __m512i,
+    /// [`Modulus::start_32`] and the first four weights: the first sums.
+    pub start: __m512i,
+    pub weights: __m512i,
+    pub second_weights: __m512i,
+    pub centre: __m512i,
+    pub inverse: __m512i,
+    /// A factor that makes the rounding product a shift by 7 bits.
+    pub shift: __m512i,
+    pub p: __m512i,
+    /// Dword `4 l + v` of the bytes goes to `4 v + l`: one row after another.
+    pub rows: __m512i,
 }
 
 impl Reduction {
     enabled! {
-        fn new(modulus: &Modulus) -> Self {
+        pub fn new(modulus: &Modulus) -> Self {
             Self {
-                second_weights: _mm512_set1_epi32(i32::from_le_bytes(
-                    modulus.second_weights().map(|w| w as u8),
-                )),
+                bias: _mm512_set1_epi32(i32::MIN),
+                start: _mm512_set1_epi32(modulus.start_32),
+                weights: _mm512_set1_epi32(dword(&modulus.weights[..4])),
+                second_weights: _mm512_set1_epi32(dword(&modulus.second_weights())),
                 centre: _mm512_set1_epi32(modulus.centre),
                 inverse: _mm512_set1_epi16(modulus.inverse),
+                shift: _mm512_set1_epi16(256),
                 p: _mm512_set1_epi16(modulus.p as i16),
+                rows: _mm512_setr_epi32(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15),
             }
         }
     }
@@ -183,7 +248,7 @@ impl Reduction {
         #[inline]
         fn barrett(&self, t: __m512i) -> __m512i {
             let scaled = _mm512_mulhrs_epi16(t, self.inverse);
-            let quotient = _mm512_mulhrs_epi16(scaled, _mm512_set1_epi16(256));
+            let quotient = _mm512_mulhrs_epi16(scaled, self.shift);
             _mm512_sub_epi16(t, _mm512_mullo_epi16(quotient, self.p))
         }
     }
@@ -277,23 +342,52 @@ enabled! {
 }
 
 enabled! {
-    fn reduce(sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>) {
+    fn product(
+        left: &[Slice],
+        right: &[Slice],
+        modulus: &Modulus,
+        continued: bool,
+        residues: &mut [Block<i8>],
+    ) {
         let reduction = Reduction::new(modulus);
-        let bias = _mm512_set1_epi32(i32::MIN);
-        let start = _mm512_set1_epi32(modulus.start_32);
-        let weights = _mm512_set1_epi32(dword(&modulus.weights[..4]));
-        // Dword 4 l + v of the bytes goes to 4 v + l: one row after another.
-        let rows = _mm512_setr_epi32(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15);
-        let (sums, out) = (sums.as_flattened(), out.as_flattened_mut());
-        for (sums, out) in sums.chunks_exact(4).zip(out.chunks_exact_mut(4)) {
-            let first = std::array::from_fn(|v| {
-                // SAFETY: a row of sums is 16 elements.
-                let sum = unsafe { _mm512_loadu_si512(sums[v].as_ptr().cast()) };
-                _mm512_dpbusd_epi32(start, _mm512_xor_si512(sum, bias), weights)
-            });
-            let bytes = _mm512_permutexvar_epi32(rows, reduction.finish(first));
-            // SAFETY: four rows of residues are 64 bytes.
-            unsafe { _mm512_storeu_si512(out.as_mut_ptr().cast(), bytes) };
+        let excess = [0, 1].map(|half| excess(right, half));
+        let mut sums = Sums::ZERO;
+        for (i, residues) in residues.iter_mut().enumerate() {
+            multiply(&left[i * right.len()..][..right.len()], right, excess, &mut sums);
+            reduction.reduce(&sums, continued, residues);
+        }
+    }
+}
+
+/// Sums of a pair of panels.
+#[repr(C, align(64))]
+pub(super) struct Sums(pub Block<i32>);
+
+impl Sums {
+    pub const ZERO: Self = Self([[[0; WIDTH]; WIDTH]; 4]);
+}
+
+impl Reduction {
+    enabled! {
+        /// Residues of the sums; of the sums and the old residues if `continued`.
+        pub fn reduce(&self, sums: &Sums, continued: bool, residues: &mut Block<i8>) {
+            let wanted = if continued { !0 } else { 0 };
+            let (sums, residues) = (sums.0.as_flattened(), residues.as_flattened_mut());
+            for (sums, residues) in sums.chunks_exact(4).zip(residues.chunks_exact_mut(4)) {
+                let first = std::array::from_fn(|v| {
+                    // SAFETY: a row of sums is 16 dwords, one of residues 16 bytes.
+                    let (sum, old) = unsafe {
+                        let old = _mm_loadu_si128(residues[v].as_ptr().cast());
+                        (_mm512_loadu_si512(sums[v].as_ptr().cast()), old)
+                    };
+                    let sum = _mm512_add_epi32(sum, _mm512_maskz_cvtepi8_epi32(wanted, old));
+                    let digits = _mm512_xor_si512(sum, self.bias);
+                    _mm512_dpbusd_epi32(self.start, digits, self.weights)
+                });
+                let bytes = _mm512_permutexvar_epi32(self.rows, self.finish(first));
+                // SAFETY: four rows of residues are 64 bytes.
+                unsafe { _mm512_storeu_si512(residues.as_mut_ptr().cast(), bytes) };
+            }
         }
     }
 }
@@ -302,29 +396,19 @@ enabled! {
 const HELD: usize = 8;
 
 enabled! {
-    /// The instruction takes unsigned times signed bytes. So the right operand is biased by 128, and 128 times
-    /// the sums of the left one are taken off.
-    fn multiply(left: &[Slice], right: &[Slice], sums: &mut Block<i32>) {
-        let bias = _mm512_set1_epi8(i8::MIN);
+    /// The sums of the product of two panels, of which the left one is biased by 128: `excess`, by which
+    /// each column is too large, is taken off.
+    fn multiply(left: &[Slice], right: &[Slice], excess: [__m512i; 2], sums: &mut Sums) {
+        let start = excess.map(|excess| _mm512_sub_epi32(_mm512_setzero_si512(), excess));
         for row_half in 0..2 {
-            let excess = excess(left, row_half);
             for first in (0..WIDTH).step_by(HELD) {
-                let mut held = [[_mm512_setzero_si512(); 2]; HELD];
-                for (r, held) in held.iter_mut().enumerate() {
-                    let excess = _mm512_set1_epi32(excess[first + r]);
-                    for (half, held) in held.iter_mut().enumerate() {
-                        let row = &sums[2 * row_half + half][first + r];
-                        // SAFETY: a row of sums is 16 elements.
-                        let sum = unsafe { _mm512_loadu_si512(row.as_ptr().cast()) };
-                        *held = _mm512_sub_epi32(sum, excess);
-                    }
-                }
+                let mut held = [start; HELD];
                 for (left, right) in left.iter().zip(right) {
                     let left = &left[row_half];
                     for k in (0..STEP * WIDTH).step_by(64) {
                         // SAFETY: 64 bytes from `k` on are inside a tile.
                         let load = |tile: &Residues| unsafe {
-                            _mm512_xor_si512(_mm512_loadu_si512(tile.as_ptr().add(k).cast()), bias)
+                            _mm512_loadu_si512(tile.as_ptr().add(k).cast())
                         };
                         let right = [load(&right[0]), load(&right[1])];
                         for (r, held) in held.iter_mut().enumerate() {
@@ -333,14 +417,14 @@ enabled! {
                                 left.as_ptr().add(k + 4 * (first + r)).cast::<i32>().read_unaligned()
                             };
                             let four = _mm512_set1_epi32(four);
-                            held[0] = _mm512_dpbusd_epi32(held[0], right[0], four);
-                            held[1] = _mm512_dpbusd_epi32(held[1], right[1], four);
+                            held[0] = _mm512_dpbusd_epi32(held[0], four, right[0]);
+                            held[1] = _mm512_dpbusd_epi32(held[1], four, right[1]);
                         }
                     }
                 }
                 for (r, held) in held.iter().enumerate() {
                     for (half, &held) in held.iter().enumerate() {
-                        let row = &mut sums[2 * row_half + half][first + r];
+                        let row = &mut sums.0[2 * row_half + half][first + r];
                         // SAFETY: a row of sums is 16 elements.
                         unsafe { _mm512_storeu_si512(row.as_mut_ptr().cast(), held) };
                     }
@@ -351,13 +435,13 @@ enabled! {
 }
 
 enabled! {
-    /// 128 times the sum of each of 16 columns of the left operand.
-    fn excess(left: &[Slice], half: usize) -> [i32; WIDTH] {
+    /// 128 times the sum of each of 16 columns of the right operand.
+    fn excess(right: &[Slice], half: usize) -> __m512i {
         // As an unsigned byte the weight is +128.
         let weights = _mm512_set1_epi8(i8::MIN);
         // Four sums, so that none waits for the one before.
         let mut sums = [_mm512_setzero_si512(); 4];
-        for slice in left {
+        for slice in right {
             for lines in slice[half].chunks_exact(4 * 64) {
                 for (sum, dwords) in sums.iter_mut().zip(lines.chunks_exact(64)) {
                     // SAFETY: 64 bytes.
@@ -367,11 +451,88 @@ enabled! {
             }
         }
         let [s0, s1, s2, s3] = sums;
-        let sums = _mm512_add_epi32(_mm512_add_epi32(s0, s1), _mm512_add_epi32(s2, s3));
-        let mut excess = [0; WIDTH];
+        _mm512_add_epi32(_mm512_add_epi32(s0, s1), _mm512_add_epi32(s2, s3))
+    }
+}
+
+/// The three parts of 16 integers, as two vectors each (see [`integers`](super::recombine::integers)).
+type Parts = [[__m512d; 2]; 3];
+
+enabled! {
+    /// As [`quarter`](super::recombine::quarter), with the parts of a row in registers.
+    fn recombine(
+        residues: &[&Quarter<i8>],
+        moduli: &Moduli,
+        rows: &[i32; WIDTH],
+        columns: &[i32; WIDTH],
+        out: &mut Quarter<f64>,
+    ) {
         // SAFETY: 16 elements.
-        unsafe { _mm512_storeu_si512(excess.as_mut_ptr().cast(), sums) };
-        excess
+        let columns = unsafe { _mm512_loadu_si512(columns.as_ptr().cast()) };
+        for (i, out) in out.iter_mut().enumerate() {
+            if i % 4 == 0 {
+                // Residues come from far away, and those of the block below follow these.
+                for residues in residues {
+                    let below = residues[i].as_ptr().wrapping_add(size_of::<Block<i8>>());
+                    _mm_prefetch::<_MM_HINT_T0>(below);
+                }
+            }
+            let mut parts: Parts = [[_mm512_setzero_pd(); 2]; 3];
+            for (unit, residues) in moduli.units.iter().zip(residues) {
+                // SAFETY: a row of residues is 16 bytes.
+                let bytes = unsafe { _mm_loadu_si128(residues[i].as_ptr().cast()) };
+                let values = halves(_mm512_cvtepi8_epi32(bytes)).map(|v| _mm512_cvtepi32_pd(v));
+                for (part, &unit) in parts.iter_mut().zip(unit) {
+                    let unit = _mm512_set1_pd(unit);
+                    for (part, value) in part.iter_mut().zip(values) {
+                        *part = _mm512_fmadd_pd(value, unit, *part);
+                    }
+                }
+            }
+            let exponents = halves(_mm512_add_epi32(_mm512_set1_epi32(rows[i]), columns));
+            for half in 0..2 {
+                let exponent = _mm512_cvtepi32_pd(exponents[half]);
+                let value = _mm512_scalef_pd(combine(parts.map(|p| p[half]), moduli), exponent);
+                // SAFETY: 8 of the 16 entries of a row.
+                unsafe { _mm512_storeu_pd(out.as_mut_ptr().add(8 * half), value) };
+            }
+        }
+    }
+}
+
+enabled! {
+    /// The two halves of 16 dwords.
+    #[inline]
+    fn halves(v: __m512i) -> [__m256i; 2] {
+        [_mm512_castsi512_si256(v), _mm512_extracti64x4_epi64::<1>(v)]
+    }
+}
+
+enabled! {
+    /// Eight integers of least magnitude from their parts, which may lack multiples of P, rounded once.
+    #[inline]
+    fn combine(parts: [__m512d; 3], moduli: &Moduli) -> __m512d {
+        let inverse = _mm512_set1_pd(moduli.inverse);
+        let quotient = _mm512_mul_pd(_mm512_add_pd(parts[0], parts[1]), inverse);
+        let quotient =
+            _mm512_roundscale_pd::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(quotient);
+        let [high, middle, low] = std::array::from_fn(|p| {
+            _mm512_fnmadd_pd(quotient, _mm512_set1_pd(moduli.product[p]), parts[p])
+        });
+        let (tail, tail_error) = two_sum(middle, low);
+        let (head, head_error) = two_sum(high, tail);
+        _mm512_add_pd(head, _mm512_add_pd(head_error, tail_error))
+    }
+}
+
+enabled! {
+    /// `x + y`, and what rounding took from it (Knuth 1969).
+    #[inline]
+    fn two_sum(x: __m512d, y: __m512d) -> (__m512d, __m512d) {
+        let sum = _mm512_add_pd(x, y);
+        let part = _mm512_sub_pd(sum, x);
+        let error = _mm512_sub_pd(x, _mm512_sub_pd(sum, part));
+        (sum, _mm512_add_pd(error, _mm512_sub_pd(y, part)))
     }
 }
 

@@ -76,13 +76,19 @@ fn perform(code: &[u8], registers: &[i64]) -> Option<i64> {
             tiles.configured = config[0] == 1 && row_bytes && config[48..56] == [16; 8];
             tiles.configured.then_some(length)
         }
-        (0x4b, 2 | 3, _) if tiles.configured => {
+        (0x49, 3, 3) if tiles.configured => {
+            // tilezero
+            tiles.data[reg] = [0; 1024];
+            Some(5)
+        }
+        // tileloaddt1, tilestored, tileloadd
+        (0x4b, 1..=3, _) if tiles.configured => {
             let ((base, stride), length) = address(*extensions, mode, rm, rest, registers)?;
             for (i, row) in tiles.data[reg].chunks_mut(64).enumerate() {
                 let memory = (base + stride * i as i64) as *mut u8;
-                // SAFETY: tileloadd reads, and tilestored writes, 64 bytes there.
+                // SAFETY: loads read, and tilestored writes, 64 bytes there.
                 unsafe {
-                    if prefix == 3 {
+                    if prefix != 2 {
                         memory.copy_to(row.as_mut_ptr(), 64);
                     } else {
                         memory.copy_from(row.as_ptr(), 64);

@@ -1,5 +1,5 @@
 use super::moduli::{Moduli, Modulus};
-use super::tile::{Block, Powers, Quarter, Residues, Slice, Tile, TileNorms, WIDTH};
+use super::tile::{Block, DEPTH, Powers, Quarter, Residues, Slice, Tile, TileNorms, WIDTH};
 
 /// The steps of the exact path, for one instruction set. All find the same numbers.
 pub(crate) trait Kernel: Sync {
@@ -31,13 +31,21 @@ pub(crate) trait Kernel: Sync {
         left.copy_from_slice(right);
     }
 
-    /// Adds `left^T right` to the sums, which must not overflow; `left` comes from
-    /// [`Kernel::to_left`]. `ahead` is where to begin fetching 256 bytes per step into the
-    /// second-level cache; any address will do.
-    fn multiply(&self, left: &[Slice], right: &[Slice], sums: &mut Block<i32>, ahead: *const i8);
-
-    /// The sums modulo one number, between -128 and 127.
-    fn reduce(&self, sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>);
+    /// Multiplies several panels of the left side by one of the right side, modulo one number:
+    /// `residues[i]` becomes `left_i^T right`, plus what it was if `continued`, between -128 and 127.
+    ///
+    /// `left` comes from [`Kernel::to_left`]: the slices of panel after panel, as many of each as
+    /// `right` has, at most [`DEPTH`]. The panel of the right side that follows
+    /// is `next`; it may be fetched meanwhile.
+    fn product(
+        &self,
+        left: &[Slice],
+        right: &[Slice],
+        next: &[Slice],
+        modulus: &Modulus,
+        continued: bool,
+        residues: &mut [Block<i8>],
+    );
 
     /// See [`super::recombine::quarter`].
     fn recombine(
@@ -70,5 +78,28 @@ impl Drop for Session {
         if let Some(end) = self.0 {
             end();
         }
+    }
+}
+
+/// [`Kernel::product`] of kernels that keep the sums of two panels in memory: `add` adds the product
+/// of two panels to sums, `reduce` takes residues of sums.
+#[inline(always)]
+pub(super) fn product_by_pairs(
+    left: &[Slice],
+    right: &[Slice],
+    continued: bool,
+    residues: &mut [Block<i8>],
+    add: impl Fn(&[Slice], &[Slice], &mut Block<i32>),
+    reduce: impl Fn(&Block<i32>, &mut Block<i8>),
+) {
+    assert!(right.len() <= DEPTH && left.len() == right.len() * residues.len());
+    for (i, residues) in residues.iter_mut().enumerate() {
+        let mut sums: Block<i32> = if continued {
+            residues.map(|quarter| quarter.map(|row| row.map(i32::from)))
+        } else {
+            [[[0; WIDTH]; WIDTH]; 4]
+        };
+        add(&left[i * right.len()..][..right.len()], right, &mut sums);
+        reduce(&sums, residues);
     }
 }

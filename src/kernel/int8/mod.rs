@@ -14,6 +14,7 @@ mod avx512;
 #[cfg(all(test, target_arch = "x86_64", target_os = "linux"))]
 mod emulator;
 mod kernel;
+mod ladder;
 mod moduli;
 mod portable;
 mod recombine;
@@ -22,14 +23,13 @@ pub(crate) mod tests;
 mod tile;
 
 pub(crate) use kernel::Kernel;
+pub use ladder::{Ladder, Level, Rung};
 pub(crate) use moduli::Moduli;
 pub(crate) use recombine::{integers, scaled};
 pub(crate) use tile::{
-    Block, EMPTY, NON_FINITE, NORM_BITS, PANEL, Powers, Quarter, Residues, STEP, Slice, Tile,
-    TileNorms, WIDTH, power_of_two,
+    Block, DEPTH, EMPTY, NON_FINITE, NORM_BITS, PANEL, Powers, Quarter, Residues, STEP, Slice,
+    Tile, TileNorms, WIDTH, power_of_two,
 };
-
-use std::time::Instant;
 
 use crate::base::Real;
 
@@ -81,36 +81,6 @@ impl Isa {
         }
     }
 
-    /// Multiplications of residues per second of one core, with operands in registers and with operands in the
-    /// first-level cache; the first is 0 where it means nothing; `None` when the isa is refused.
-    /// For benchmarks: takes about a tenth of a second.
-    pub fn measure(self) -> Option<[f64; 2]> {
-        const SECONDS: f64 = 0.05;
-        if self.refusal().is_some() {
-            return None;
-        }
-        let kernel = self.kernel();
-        let _session = kernel.session();
-        let rate = |work: &mut dyn FnMut() -> usize| {
-            let (start, mut done) = (Instant::now(), 0);
-            loop {
-                done += work();
-                let seconds = start.elapsed().as_secs_f64();
-                if seconds > SECONDS {
-                    return done as f64 / seconds;
-                }
-            }
-        };
-        let operand = [[[1; STEP * WIDTH]; 2]; 8];
-        let mut sums = [[[0; WIDTH]; WIDTH]; 4];
-        let in_registers = rate(&mut || kernel.spin(1 << 20).unwrap_or(0));
-        let in_cache = rate(&mut || {
-            kernel.multiply(&operand, &operand, &mut sums, operand.as_ptr().cast());
-            PANEL * PANEL * STEP * operand.len()
-        });
-        Some([in_registers, in_cache])
-    }
-
     /// What the planner assumes of it. Estimates, as fast beside the rates of back ends as measured.
     pub(crate) fn rates(self) -> Rates {
         match self {
@@ -144,9 +114,6 @@ pub(crate) struct Rates {
     pub conversions: f64,
     pub recombinations: f64,
 }
-
-/// Rows whose products fit 32-bit sums, to which a residue has been added.
-pub(crate) const MOST_ROWS: usize = (1 << 17) - STEP;
 
 /// A scalar that the exact path takes: picks its variant of each step.
 pub trait Operand: Real + sealed::Steps {}

@@ -1,6 +1,6 @@
 //! The kernel in plain Rust: for any CPU, and what the others are compared with.
 
-use super::kernel::Kernel;
+use super::kernel::{Kernel, product_by_pairs};
 use super::moduli::{Moduli, Modulus};
 use super::recombine;
 use super::tile::{
@@ -39,16 +39,17 @@ impl Kernel for Portable {
         convert(tile, powers, moduli, out);
     }
 
-    fn multiply(&self, left: &[Slice], right: &[Slice], sums: &mut Block<i32>, _ahead: *const i8) {
-        for (quarter, sums) in sums.iter_mut().enumerate() {
-            for (left, right) in left.iter().zip(right) {
-                multiply(&left[quarter / 2], &right[quarter % 2], sums);
-            }
-        }
-    }
-
-    fn reduce(&self, sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>) {
-        reduce(sums, modulus, out);
+    fn product(
+        &self,
+        left: &[Slice],
+        right: &[Slice],
+        _next: &[Slice],
+        modulus: &Modulus,
+        continued: bool,
+        residues: &mut [Block<i8>],
+    ) {
+        let reduce = |sums: &_, out: &mut _| reduce(sums, modulus, out);
+        product_by_pairs(left, right, continued, residues, multiply, reduce);
     }
 
     fn recombine(
@@ -98,7 +99,7 @@ pub(super) fn convert<T: Real>(
     }
 }
 
-/// As [`Kernel::reduce`]; for wider registers too.
+/// Sums modulo one number, between -128 and 127; for wider registers too.
 #[inline(always)]
 pub(super) fn reduce(sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>) {
     let [w0, w1, w2, w3, ..] = modulus.weights.map(i32::from);
@@ -118,8 +119,17 @@ fn finish(sum: i32, p: i32) -> i8 {
     (sum - quotient * p) as i8
 }
 
+/// Adds the product of two panels to the sums.
+fn multiply(left: &[Slice], right: &[Slice], sums: &mut Block<i32>) {
+    for (quarter, sums) in sums.iter_mut().enumerate() {
+        for (left, right) in left.iter().zip(right) {
+            multiply_tiles(&left[quarter / 2], &right[quarter % 2], sums);
+        }
+    }
+}
+
 #[inline(always)]
-fn multiply(left: &Residues, right: &Residues, sums: &mut Quarter<i32>) {
+fn multiply_tiles(left: &Residues, right: &Residues, sums: &mut Quarter<i32>) {
     for (left, right) in left.chunks_exact(64).zip(right.chunks_exact(64)) {
         for (left, sums) in left.chunks_exact(4).zip(sums.iter_mut()) {
             for (right, sum) in right.chunks_exact(4).zip(sums.iter_mut()) {

@@ -1,5 +1,6 @@
 //! One suite for every kernel, against integers of any size.
 
+use super::moduli::Modulus;
 use super::tile::power_of_two;
 use super::*;
 use crate::base::Rng;
@@ -61,54 +62,75 @@ fn place<T: Copy>(block: &Block<T>, i: usize, j: usize) -> T {
     block[2 * (i / WIDTH) + j / WIDTH][i % WIDTH][j % WIDTH]
 }
 
-#[test]
-fn products_are_those_of_the_definition() {
-    let mut rng = Rng::new(1);
-    for (name, kernel) in kernels() {
-        for steps in [0, 1, 2, 7] {
-            let (left, right) = (slices(steps, &mut rng), slices(steps, &mut rng));
-            let mut moved = left.clone();
-            kernel.to_left(&left, &mut moved);
-            let mut sums: Block<i32> = [[[0; WIDTH]; WIDTH]; 4];
-            for (i, sum) in sums.as_flattened_mut().as_flattened_mut().iter_mut().enumerate() {
-                *sum = (i as i32).wrapping_mul(1 << 20);
-            }
-            let before = sums;
-            {
-                let _session = kernel.session();
-                kernel.multiply(&moved, &right, &mut sums, std::ptr::null());
-            }
-            for i in 0..PANEL {
-                for j in 0..PANEL {
-                    let product = |k| entry(&left, k, i) * entry(&right, k, j);
-                    let sum: i64 = (0..STEP * steps).map(product).sum();
-                    let expected = place(&before, i, j).wrapping_add(sum as i32);
-                    assert_eq!(place(&sums, i, j), expected, "{name}, {steps} steps, ({i}, {j})");
-                }
+/// Multiplies `panels` panels, one after another in `left`, by `right`; old residues are kept if `continued`.
+fn check_product(
+    (name, kernel): (&str, &dyn Kernel),
+    modulus: &Modulus,
+    [left, right]: [&[Slice]; 2],
+    old: &[Block<i8>],
+    continued: bool,
+) {
+    let steps = right.len();
+    let mut moved = left.to_vec();
+    kernel.to_left(left, &mut moved);
+    let mut residues = old.to_vec();
+    {
+        let _session = kernel.session();
+        kernel.product(&moved, right, right, modulus, continued, &mut residues);
+    }
+    for (panel, (residues, old)) in residues.iter().zip(old).enumerate() {
+        let left = &left[panel * steps..][..steps];
+        for i in 0..PANEL {
+            for j in 0..PANEL {
+                let product = |k| entry(left, k, i) * entry(right, k, j);
+                let before = if continued { place(old, i, j).into() } else { 0 };
+                let sum = before + (0..STEP * steps).map(product).sum::<i64>();
+                let p = i64::from(modulus.p);
+                assert_eq!(
+                    i64::from(place(residues, i, j)).rem_euclid(p),
+                    sum.rem_euclid(p),
+                    "{name}, {steps} steps, panel {panel}, ({i}, {j}), {sum} mod {p}"
+                );
             }
         }
     }
 }
 
 #[test]
-fn the_largest_sums_do_not_overflow() {
-    for (name, kernel) in kernels() {
-        // Every residue -128, over the most rows and a residue from before.
-        let operand = [[[i8::MIN; STEP * WIDTH]; 2]; 1];
-        let mut sums: Block<i32> = [[[127; WIDTH]; WIDTH]; 4];
-        let steps = if name == "amx" { 40 } else { MOST_ROWS / STEP };
-        let _session = kernel.session();
-        for _ in 0..steps {
-            kernel.multiply(&operand, &operand, &mut sums, std::ptr::null());
+fn products_are_those_of_the_definition() {
+    let mut rng = Rng::new(1);
+    let moduli = Moduli::new(15);
+    for named in kernels() {
+        for (l, (steps, panels)) in
+            [(0, 1), (1, 1), (2, 3), (7, 2), (DEPTH, 2), (3, 0)].into_iter().enumerate()
+        {
+            let (left, right) = (slices(panels * steps, &mut rng), slices(steps, &mut rng));
+            let old: Vec<Block<i8>> = (0..panels)
+                .map(|_| {
+                    [(); 4].map(|()| [(); WIDTH].map(|()| [(); WIDTH].map(|()| byte(&mut rng))))
+                })
+                .collect();
+            let modulus = &moduli.list[2 * l];
+            for continued in [false, true] {
+                check_product(named, modulus, [&left, &right], &old, continued);
+            }
         }
-        let expected = 127 + (steps * STEP) as i64 * (1 << 14);
-        assert!(
-            sums.as_flattened().as_flattened().iter().all(|&s| i64::from(s) == expected),
-            "{name}"
-        );
     }
-    assert!(127 + MOST_ROWS as i64 * (1 << 14) <= i32::MAX.into());
-    assert!(127 + (MOST_ROWS + STEP) as i64 * (1 << 14) > i32::MAX.into());
+}
+
+#[test]
+fn the_largest_sums_are_reduced_by_every_modulus() {
+    for named in kernels() {
+        for (sign, value) in [(1, i8::MIN), (-1, i8::MAX)] {
+            // Every product 2^14, or about -2^14.
+            let left = vec![[[i8::MIN; STEP * WIDTH]; 2]; DEPTH];
+            let right = vec![[[value; STEP * WIDTH]; 2]; DEPTH];
+            let old = [[[[if sign > 0 { i8::MAX } else { i8::MIN }; WIDTH]; WIDTH]; 4]];
+            for modulus in &Moduli::new(15).list {
+                check_product(named, modulus, [&left, &right], &old, true);
+            }
+        }
+    }
 }
 
 /// Entries whose scaled values are integers of all sizes, halves, zeros.
@@ -174,36 +196,6 @@ fn check_conversion<T: Operand>() {
 fn conversion_rounds_to_even_and_takes_residues() {
     check_conversion::<f64>();
     check_conversion::<f32>();
-}
-
-#[test]
-fn sums_are_reduced() {
-    let mut rng = Rng::new(3);
-    let mut sums: Block<i32> = [[[0; WIDTH]; WIDTH]; 4];
-    for sum in sums.as_flattened_mut().as_flattened_mut() {
-        *sum = match rng.bits() % 8 {
-            0 => i32::MIN,
-            1 => i32::MAX,
-            _ => rng.bits() as i32 >> (rng.bits() % 32),
-        };
-    }
-    for (name, kernel) in kernels() {
-        for modulus in &Moduli::new(15).list {
-            let mut residues: Block<i8> = [[[0; WIDTH]; WIDTH]; 4];
-            kernel.reduce(&sums, modulus, &mut residues);
-            for i in 0..PANEL {
-                for j in 0..PANEL {
-                    let (sum, residue) = (place(&sums, i, j), place(&residues, i, j));
-                    assert_eq!(
-                        i32::from(residue).rem_euclid(modulus.p),
-                        sum.rem_euclid(modulus.p),
-                        "{name}, {sum} mod {}",
-                        modulus.p
-                    );
-                }
-            }
-        }
-    }
 }
 
 /// `v 2^e`, correctly rounded from an integer of up to 126 bits.

@@ -10,6 +10,9 @@ pub(crate) const STEP: usize = 64;
 pub(crate) const WIDTH: usize = 16;
 /// Columns of a panel: two tiles.
 pub(crate) const PANEL: usize = 2 * WIDTH;
+/// The most steps of one product: a panel of the right side stays in the first-level cache, and sums
+/// of 1024 products of residues stay below 2^25.
+pub(crate) const DEPTH: usize = 16;
 /// 16 x 16 entries of C, row by row.
 pub(crate) type Quarter<T> = [[T; WIDTH]; WIDTH];
 /// 32 x 32 entries of C: the quarters of the first 16 rows, then those of the others.
@@ -126,17 +129,14 @@ pub(crate) const NON_FINITE: i32 = i32::MAX;
 /// Bits of an entry that norms look at. Squares of 64 of them are exact sums in f64.
 pub(crate) const NORM_BITS: i32 = 20;
 
-/// The bounds of the columns of a tile. All sums are exact, so that every instruction set finds the same.
+/// The bits of an f64 without its sign.
+pub(super) const MAGNITUDE: u64 = !0 >> 1;
+
+/// [`TileNorms::exponents`] from the bits of the largest magnitude of each column, and the powers that
+/// its entries are multiplied by before they are rounded up.
 #[inline(always)]
-pub(crate) fn tile_norms<T: Real>(tile: &Tile<T>) -> TileNorms {
-    const MAGNITUDE: u64 = !0 >> 1;
+pub(super) fn norm_exponents(largest: [u64; WIDTH]) -> ([i32; WIDTH], Powers<f64>) {
     const INFINITY: u64 = 0x7ff << 52;
-    let mut largest = [0; WIDTH];
-    for row in &tile.0 {
-        for j in 0..WIDTH {
-            largest[j] = largest[j].max(row[j].to_f64().to_bits() & MAGNITUDE);
-        }
-    }
     let exponents = largest.map(|bits| match bits {
         0 => EMPTY,
         INFINITY.. => NON_FINITE,
@@ -144,7 +144,19 @@ pub(crate) fn tile_norms<T: Real>(tile: &Tile<T>) -> TileNorms {
         _ => (bits >> 52) as i32 - 1022,
     });
     let known = |e: i32| if e == EMPTY || e == NON_FINITE { 0 } else { NORM_BITS - e };
-    let powers = Powers::<f64>::new(exponents.map(known));
+    (exponents, Powers::new(exponents.map(known)))
+}
+
+/// The bounds of the columns of a tile. All sums are exact, so that every instruction set finds the same.
+#[inline(always)]
+pub(crate) fn tile_norms<T: Real>(tile: &Tile<T>) -> TileNorms {
+    let mut largest = [0; WIDTH];
+    for row in &tile.0 {
+        for j in 0..WIDTH {
+            largest[j] = largest[j].max(row[j].to_f64().to_bits() & MAGNITUDE);
+        }
+    }
+    let (exponents, powers) = norm_exponents(largest);
     let mut squares = [0.0; WIDTH];
     for row in &tile.0 {
         for j in 0..WIDTH {

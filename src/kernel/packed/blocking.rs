@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use super::geometry::Geometry;
 use super::operands::Shape;
-use crate::base::second_level_cache;
+use crate::base::data_cache;
 
 /// Extents of the pieces of a product.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,7 +70,7 @@ fn item_side(scalar_bytes: usize) -> usize {
     static CACHE: OnceLock<usize> = OnceLock::new();
     /// Where the CPU does not say.
     const USUAL: usize = 1 << 20;
-    let cache = *CACHE.get_or_init(|| second_level_cache().unwrap_or(USUAL));
+    let cache = *CACHE.get_or_init(|| data_cache(2).unwrap_or(USUAL));
     let (scalars, half) = (cache / 8 * 7 / scalar_bytes, DEPTH / 2);
     (scalars + half * half).isqrt() - half
 }

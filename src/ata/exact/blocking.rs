@@ -1,0 +1,75 @@
+//! Which part of the residues stays in which cache while they are multiplied.
+
+use std::sync::OnceLock;
+
+use crate::base::data_cache;
+use crate::kernel::int8::{DEPTH, Slice};
+
+/// The extents of a block of C, the piece of a product that one thread takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Blocking {
+    /// Panels of its left side, of which `depth` steps stay in the second-level cache.
+    pub rows: usize,
+    /// Panels of its right side, one of which, `depth` steps of it, stays in the first-level cache.
+    pub cols: usize,
+    /// Steps of a product: the residues of the block are read and written once for so many.
+    pub depth: usize,
+}
+
+/// Panels of the right side: the left one is rearranged once for so many.
+const COLS: usize = 128;
+
+/// First and second-level cache where the CPU does not say, in bytes.
+const USUAL: [usize; 2] = [32 << 10, 1 << 20];
+
+impl Blocking {
+    /// For products of matrices of `left` and `right` panels, on this machine.
+    pub fn new(left: usize, right: usize) -> Self {
+        static CACHES: OnceLock<[usize; 2]> = OnceLock::new();
+        let found = |level: usize| data_cache(level as u32).unwrap_or(USUAL[level - 1]);
+        Self::for_caches(*CACHES.get_or_init(|| [found(1), found(2)]), left, right)
+    }
+
+    /// The right panel takes two thirds of the first-level cache, the left side a quarter of the second.
+    fn for_caches([first, second]: [usize; 2], left: usize, right: usize) -> Self {
+        let depth = (first / 3 * 2 / size_of::<Slice>()).clamp(1, DEPTH);
+        let most_rows = (second / 4 / (depth * size_of::<Slice>())).max(1);
+        // Blocks enough for a few threads.
+        let rows = left.div_ceil(4).clamp(1, most_rows);
+        let cols = right.clamp(1, COLS);
+        Self { rows, cols, depth }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_fit_their_caches() {
+        for first in [8 << 10, 32 << 10, 48 << 10, 128 << 10] {
+            for second in [256 << 10, 512 << 10, 1 << 20, 2 << 20, 16 << 20] {
+                for (left, right) in [(1, 1), (3, 200), (32, 32), (128, 128), (1000, 1000)] {
+                    let Blocking { rows, cols, depth } =
+                        Blocking::for_caches([first, second], left, right);
+                    let context = format!("{first}, {second}, {left} x {right}");
+                    assert!((1..=DEPTH).contains(&depth), "{context}");
+                    assert!((1..=left).contains(&rows) && (1..=right).contains(&cols), "{context}");
+                    let slice = size_of::<Slice>();
+                    assert!(depth * slice < first, "{context}: right panel");
+                    assert!(
+                        rows == 1 || 2 * rows * depth * slice <= second,
+                        "{context}: left side"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_machine_on_which_it_was_measured_gets_what_was_fastest() {
+        let sapphire_rapids = [48 << 10, 2 << 20];
+        let blocking = Blocking::for_caches(sapphire_rapids, 128, 128);
+        assert_eq!(blocking, Blocking { rows: 16, cols: 128, depth: 16 });
+    }
+}
