@@ -34,8 +34,8 @@ impl Blocking {
     fn for_caches([first, second]: [usize; 2], left: usize, right: usize) -> Self {
         let depth = (first / 3 * 2 / size_of::<Slice>()).clamp(1, DEPTH);
         let most_rows = (second / 4 / (depth * size_of::<Slice>())).max(1);
-        // Blocks enough for a few threads.
-        let rows = left.div_ceil(4).clamp(1, most_rows);
+        // Blocks of equal height, as low ones are slow.
+        let rows = left.div_ceil(left.div_ceil(most_rows).max(1)).max(1);
         let cols = right.clamp(1, COLS);
         Self { rows, cols, depth }
     }

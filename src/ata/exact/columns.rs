@@ -95,7 +95,7 @@ impl Columns {
 
     /// The exponents of 16 columns.
     pub fn exponents_of(&self, tile: usize) -> [i32; WIDTH] {
-        std::array::from_fn(|j| self.exponents[tile * WIDTH + j])
+        self.exponents.as_chunks().0[tile]
     }
 }
 

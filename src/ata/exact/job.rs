@@ -5,7 +5,7 @@ use super::layout::{Batch, Layout, Unit};
 use super::product::{Round, Worker};
 use super::sink::Sink;
 use crate::base::{Disjoint, Tracker, tickets};
-use crate::kernel::int8::{Block, Kernel};
+use crate::kernel::int8::{Block, Kernel, MOST_MODULI};
 
 /// What all rounds share.
 pub(super) struct Job<'j, 'm, S> {
@@ -39,32 +39,54 @@ impl<S: Sink> Job<'_, '_, S> {
 
     /// Writes the blocks of a batch from their residues.
     pub fn recombine(&self, workers: &mut [Worker<'_>], kernel: &dyn Kernel, batch: &Batch) {
-        tickets(workers, batch.units.len(), |_, i| {
-            // SAFETY: nobody writes the residues now; a block of C is in one unit.
-            unsafe { self.write(kernel, &batch.units[i], batch.places) };
+        let by_rows = self.sink.is_by_rows();
+        let lines: Vec<(&Unit, usize)> = batch
+            .units
+            .iter()
+            .flat_map(|unit| {
+                let line = if by_rows { &unit.rows } else { &unit.cols };
+                line.clone().map(move |line| (unit, line))
+            })
+            .collect();
+        tickets(workers, lines.len(), |_, at| {
+            let (unit, line) = lines[at];
+            let write = |i: usize, j: usize| {
+                // SAFETY: nobody writes the residues now; a block of C is in one line of one unit.
+                unsafe { self.write(kernel, batch, unit, (i, j)) }
+            };
+            let work = || {
+                if by_rows {
+                    let end = self.layout.last_col(unit, line);
+                    (unit.cols.start..end).for_each(|j| write(line, j));
+                } else {
+                    (self.layout.first_row(unit, line)..unit.rows.end).for_each(|i| write(i, line));
+                }
+            };
+            self.clock.time(|s| &mut s.recombination, 1, work);
             self.progress.state()
         });
     }
 
-    /// Writes a block of C from its residues, of which `places` are those modulo one number.
+    /// Writes a block of C from its residues.
     ///
     /// # Safety
-    /// Nobody writes the residues, and nobody uses the block of C, meanwhile.
-    unsafe fn write(&self, kernel: &dyn Kernel, unit: &Unit, places: usize) {
-        self.clock.time(
-            |s| &mut s.recombination,
-            1,
-            || {
-                for j in unit.cols.clone() {
-                    for i in self.layout.first_row(unit, j)..unit.rows.end {
-                        let place = |l: usize| l * places + unit.place(i, j);
-                        // SAFETY: the caller's promise.
-                        let residues = |l: usize| unsafe { self.residues.read(place(l)) };
-                        // SAFETY: the caller's promise; blocks of different panels are disjoint.
-                        unsafe { self.sink.take(kernel, (i, j), residues) };
-                    }
-                }
-            },
-        );
+    /// Nobody writes the residues, and nobody uses the block, meanwhile.
+    unsafe fn write(
+        &self,
+        kernel: &dyn Kernel,
+        batch: &Batch,
+        unit: &Unit,
+        (i, j): (usize, usize),
+    ) {
+        let (moduli, place) = (self.layout.moduli, unit.place(i, j));
+        let next = if self.sink.is_by_rows() { unit.rows.len() } else { 1 };
+        // SAFETY: the caller's promise; blocks of different panels are disjoint.
+        unsafe {
+            let mut residues = [self.residues.read(place); MOST_MODULI];
+            for (l, residues) in residues[..moduli].iter_mut().enumerate() {
+                *residues = self.residues.read(l * batch.places + place);
+            }
+            self.sink.take(kernel, (i, j), &residues[..moduli], next);
+        }
     }
 }

@@ -220,6 +220,11 @@ impl Layout {
         unit.cols.clone().map(|col| unit.rows.end.saturating_sub(self.first_row(unit, col))).sum()
     }
 
+    /// The end of the column panels that panel `row` of the rows of a block needs.
+    pub fn last_col(&self, unit: &Unit, row: usize) -> usize {
+        if self.symmetric { unit.cols.end.min(row + 1) } else { unit.cols.end }
+    }
+
     /// The first panel of rows that column panel `col` of a block needs.
     pub fn first_row(&self, unit: &Unit, col: usize) -> usize {
         if self.symmetric { unit.rows.start.max(col) } else { unit.rows.start }

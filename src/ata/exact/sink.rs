@@ -5,41 +5,53 @@ use faer::prelude::ReborrowMut;
 
 use super::columns::Columns;
 use crate::base::Disjoint;
-use crate::kernel::int8::{Block, Kernel, Moduli, Operand, PANEL, Quarter, WIDTH, integers};
+use crate::kernel::int8::{
+    Block, Kernel, MOST_MODULI, Moduli, Operand, PANEL, Quarter, WIDTH, fetch_lines, integers,
+};
 
 /// Takes the blocks of a product.
 pub(super) trait Sink: Sync {
-    /// Takes the block of panels (i, j), whose residues modulo the l-th number are `residues(l)`.
+    /// Whether the rows of the product lie side by side, so that blocks are best taken row by row.
+    fn is_by_rows(&self) -> bool;
+
+    /// Takes the block of panels (i, j) from its residues, modulus by modulus. Those of the block that
+    /// follows are `next` blocks further on in memory.
     ///
     /// # Safety
     /// No two calls at a time are for the same block.
-    unsafe fn take<'r>(
+    unsafe fn take(
         &self,
         kernel: &dyn Kernel,
         block: (usize, usize),
-        residues: impl Fn(usize) -> &'r Block<i8>,
+        residues: &[&Block<i8>],
+        next: usize,
     );
 }
 
 /// Calls `visit(row, col, triangle, residues)` for each of the four quarters of the block of panels
 /// (i, j) that is inside an n x k matrix; `row` and `col` are those of its first entry, `triangle`
 /// says whether only its lower triangle is wanted.
-fn for_quarters<'r>(
+fn for_quarters(
     (i, j): (usize, usize),
     (n, k): (usize, usize),
-    (symmetric, moduli): (bool, usize),
-    residues: impl Fn(usize) -> &'r Block<i8>,
+    symmetric: bool,
+    residues: &[&Block<i8>],
+    next: usize,
     mut visit: impl FnMut(usize, usize, bool, &[&Quarter<i8>]),
 ) {
-    let mut of_quarter: Vec<&Quarter<i8>> = Vec::with_capacity(moduli);
     for quarter in 0..4 {
         let (row, col) = (i * PANEL + quarter / 2 * WIDTH, j * PANEL + quarter % 2 * WIDTH);
         if row >= n || col >= k || symmetric && row < col {
             continue;
         }
-        of_quarter.clear();
-        of_quarter.extend((0..moduli).map(|l| &residues(l)[quarter]));
-        visit(row, col, symmetric && row == col, &of_quarter);
+        let mut of_quarter = [&residues[0][quarter]; MOST_MODULI];
+        for (of_quarter, residues) in of_quarter.iter_mut().zip(residues) {
+            *of_quarter = &residues[quarter];
+            // They come from far away.
+            let next = std::ptr::from_ref::<Block<i8>>(residues).wrapping_add(next);
+            fetch_lines(next.cast::<Quarter<i8>>().wrapping_add(quarter), 4);
+        }
+        visit(row, col, symmetric && row == col, &of_quarter[..residues.len()]);
     }
 }
 
@@ -56,24 +68,35 @@ pub(super) struct Floats<'c, T> {
 }
 
 impl<T: Operand> Sink for Floats<'_, T> {
-    unsafe fn take<'r>(
+    fn is_by_rows(&self) -> bool {
+        self.c.col_stride().unsigned_abs() <= self.c.row_stride().unsigned_abs()
+    }
+
+    unsafe fn take(
         &self,
         kernel: &dyn Kernel,
         block: (usize, usize),
-        residues: impl Fn(usize) -> &'r Block<i8>,
+        residues: &[&Block<i8>],
+        next: usize,
     ) {
         let (n, k) = (self.c.nrows(), self.c.ncols());
-        let kind = (self.symmetric, self.moduli.len());
         let mut values = [[0.0; WIDTH]; WIDTH];
-        for_quarters(block, (n, k), kind, residues, |row, col, triangle, residues| {
-            let rows = self.left.exponents_of(row / WIDTH).map(|e| -e);
-            let cols = self.right.exponents_of(col / WIDTH).map(|e| -e);
-            kernel.recombine(residues, self.moduli, &rows, &cols, &mut values);
-            let (rows, cols) = (row..n.min(row + WIDTH), col..k.min(col + WIDTH));
-            // SAFETY: the caller's promise; quarters are disjoint.
-            let c = unsafe { self.c.block(rows, cols) };
-            self.store(&values, triangle, c);
-        });
+        for_quarters(
+            block,
+            (n, k),
+            self.symmetric,
+            residues,
+            next,
+            |row, col, triangle, residues| {
+                let rows = self.left.exponents_of(row / WIDTH).map(|e| -e);
+                let cols = self.right.exponents_of(col / WIDTH).map(|e| -e);
+                kernel.recombine(residues, self.moduli, &rows, &cols, &mut values);
+                let (rows, cols) = (row..n.min(row + WIDTH), col..k.min(col + WIDTH));
+                // SAFETY: the caller's promise; quarters are disjoint.
+                let c = unsafe { self.c.block(rows, cols) };
+                self.store(&values, triangle, c);
+            },
+        );
     }
 }
 
@@ -159,26 +182,37 @@ pub(super) struct Integers<'s> {
 }
 
 impl Sink for Integers<'_> {
-    unsafe fn take<'r>(
+    fn is_by_rows(&self) -> bool {
+        true
+    }
+
+    unsafe fn take(
         &self,
         _kernel: &dyn Kernel,
         block: (usize, usize),
-        residues: impl Fn(usize) -> &'r Block<i8>,
+        residues: &[&Block<i8>],
+        next: usize,
     ) {
         let (n, k) = self.shape;
-        let kind = (self.symmetric, self.moduli.len());
         let mut values = [[0; WIDTH]; WIDTH];
-        for_quarters(block, self.shape, kind, residues, |row, col, triangle, residues| {
-            integers(residues, self.moduli, &mut values);
-            for (i, values) in values.iter().enumerate().take(n - row) {
-                let count = if triangle { i + 1 } else { WIDTH.min(k - col) };
-                for (j, &value) in values.iter().enumerate().take(count) {
-                    let (i, j) = (self.corner.0 + row + i, self.corner.1 + col + j);
-                    // SAFETY: the caller's promise; quarters are disjoint.
-                    let sum = unsafe { self.sums.get(i, j) };
-                    *sum += if self.subtract { -value } else { value };
+        for_quarters(
+            block,
+            self.shape,
+            self.symmetric,
+            residues,
+            next,
+            |row, col, triangle, residues| {
+                integers(residues, self.moduli, &mut values);
+                for (i, values) in values.iter().enumerate().take(n - row) {
+                    let count = if triangle { i + 1 } else { WIDTH.min(k - col) };
+                    for (j, &value) in values.iter().enumerate().take(count) {
+                        let (i, j) = (self.corner.0 + row + i, self.corner.1 + col + j);
+                        // SAFETY: the caller's promise; quarters are disjoint.
+                        let sum = unsafe { self.sums.get(i, j) };
+                        *sum += if self.subtract { -value } else { value };
+                    }
                 }
-            }
-        });
+            },
+        );
     }
 }

@@ -9,6 +9,9 @@ use super::layout::{Extent, Layout, Need, Pair};
 use crate::base::{Disjoint, Par};
 use crate::kernel::int8::{Kernel, Moduli, Operand, Powers, Residues, Slice};
 
+/// Residues that are still in the last cache when they are multiplied, in bytes.
+const CACHED: usize = 32 << 20;
+
 /// For each modulus, panel by panel, the slices of its steps.
 pub(super) struct Store<'a> {
     memory: &'a mut [Slice],
@@ -33,6 +36,7 @@ impl<'a> Store<'a> {
         let Extent { panels, steps } = extent.clone();
         let modulus_len = panels.len() * steps.len();
         let tiles: &mut [Residues] = self.memory[..moduli.len() * modulus_len].as_flattened_mut();
+        let far = size_of_val(tiles) > CACHED;
         let tiles = Disjoint::of_slice(tiles);
         let tile_columns = 2 * panels.start..2 * panels.end;
         for_tiles(a, steps.clone(), tile_columns, par, |tile, band, column| {
@@ -44,7 +48,7 @@ impl<'a> Store<'a> {
                 // SAFETY: each tile is visited once, and each modulus has a place of its own.
                 out.push(unsafe { tiles.get(2 * (l * modulus_len + slice) + column % 2) });
             }
-            T::convert(kernel, tile, &powers, moduli, &mut out);
+            T::convert(kernel, tile, &powers, moduli, &mut out, far);
         });
         self.extent = extent;
     }

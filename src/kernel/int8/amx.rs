@@ -108,8 +108,9 @@ impl Kernel for Amx {
         powers: &Powers<f64>,
         moduli: &Moduli,
         out: &mut [&mut Residues],
+        far: bool,
     ) {
-        self.others.convert_f64(tile, powers, moduli, out);
+        self.others.convert_f64(tile, powers, moduli, out, far);
     }
 
     fn convert_f32(
@@ -118,8 +119,9 @@ impl Kernel for Amx {
         powers: &Powers<f32>,
         moduli: &Moduli,
         out: &mut [&mut Residues],
+        far: bool,
     ) {
-        self.others.convert_f32(tile, powers, moduli, out);
+        self.others.convert_f32(tile, powers, moduli, out, far);
     }
 
     /// A left tile has the bytes of a column side by side: it is the right one's transpose, by dwords.

@@ -48,6 +48,7 @@ impl Kernel for Avx2 {
         powers: &Powers<f64>,
         moduli: &Moduli,
         out: &mut [&mut Residues],
+        _far: bool,
     ) {
         enabled!(portable::convert =>
             (tile: &Tile<f64>, powers: &Powers<f64>, moduli: &Moduli, out: &mut [&mut Residues]))
@@ -59,6 +60,7 @@ impl Kernel for Avx2 {
         powers: &Powers<f32>,
         moduli: &Moduli,
         out: &mut [&mut Residues],
+        _far: bool,
     ) {
         enabled!(portable::convert =>
             (tile: &Tile<f32>, powers: &Powers<f32>, moduli: &Moduli, out: &mut [&mut Residues]))

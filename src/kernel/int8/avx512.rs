@@ -67,9 +67,10 @@ impl Kernel for Vnni {
         powers: &Powers<f64>,
         moduli: &Moduli,
         out: &mut [&mut Residues],
+        far: bool,
     ) {
         // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { convert_f64(tile, powers, moduli, out) }
+        unsafe { convert_f64(tile, powers, moduli, out, far) }
     }
 
     fn convert_f32(
@@ -78,9 +79,10 @@ impl Kernel for Vnni {
         powers: &Powers<f32>,
         moduli: &Moduli,
         out: &mut [&mut Residues],
+        far: bool,
     ) {
         // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { convert_f32(tile, powers, moduli, out) }
+        unsafe { convert_f32(tile, powers, moduli, out, far) }
     }
 
     /// The instruction takes unsigned times signed bytes: 128 is added to the left ones.
@@ -274,6 +276,7 @@ enabled! {
         powers: &Powers<f64>,
         moduli: &Moduli,
         out: &mut [&mut Residues],
+        far: bool,
     ) {
         let low_dwords = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
         let high_dwords = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
@@ -303,10 +306,10 @@ enabled! {
                     _mm512_dpbusd_epi32(sum, high[4 * r + v], high_weights)
                 });
                 let bytes = rows_to_dwords(reduction.finish(sums));
-                // SAFETY: dword-row `r` of the 16 of a tile; tiles are aligned as `Slice` is not, hence unaligned.
-                unsafe { _mm512_storeu_si512(out.as_mut_ptr().add(64 * r).cast(), bytes) };
+                store_line(out, r, bytes, far);
             }
         }
+        finish_stores(far);
     }
 }
 
@@ -316,6 +319,7 @@ enabled! {
         powers: &Powers<f32>,
         moduli: &Moduli,
         out: &mut [&mut Residues],
+        far: bool,
     ) {
         let bias = _mm512_set1_epi32(i32::MIN);
         // SAFETY: rows of tiles and their powers are 16 elements.
@@ -334,10 +338,35 @@ enabled! {
                 let sums =
                     std::array::from_fn(|v| _mm512_dpbusd_epi32(start, digits[4 * r + v], weights));
                 let bytes = rows_to_dwords(reduction.finish(sums));
-                // SAFETY: dword-row `r` of the 16 of a tile.
-                unsafe { _mm512_storeu_si512(out.as_mut_ptr().add(64 * r).cast(), bytes) };
+                store_line(out, r, bytes, far);
             }
         }
+        finish_stores(far);
+    }
+}
+
+enabled! {
+    /// Stores 64 bytes as dword-row `r` of a tile.
+    #[inline]
+    fn store_line(out: &mut Residues, r: usize, bytes: __m512i, far: bool) {
+        let line = &mut out.as_chunks_mut::<64>().0[r];
+        let at = line.as_mut_ptr().cast::<__m512i>();
+        // SAFETY: 64 bytes; stores past the caches want them to be one line.
+        unsafe {
+            if far && at.is_aligned() {
+                _mm512_stream_si512(at, bytes);
+            } else {
+                _mm512_storeu_si512(at, bytes);
+            }
+        }
+    }
+}
+
+/// Other threads see stores past the caches only after this.
+fn finish_stores(far: bool) {
+    if far {
+        // SAFETY: every x86-64 CPU has the instruction.
+        unsafe { _mm_sfence() };
     }
 }
 
@@ -470,13 +499,6 @@ enabled! {
         // SAFETY: 16 elements.
         let columns = unsafe { _mm512_loadu_si512(columns.as_ptr().cast()) };
         for (i, out) in out.iter_mut().enumerate() {
-            if i % 4 == 0 {
-                // Residues come from far away, and those of the block below follow these.
-                for residues in residues {
-                    let below = residues[i].as_ptr().wrapping_add(size_of::<Block<i8>>());
-                    _mm_prefetch::<_MM_HINT_T0>(below);
-                }
-            }
             let mut parts: Parts = [[_mm512_setzero_pd(); 2]; 3];
             for (unit, residues) in moduli.units.iter().zip(residues) {
                 // SAFETY: a row of residues is 16 bytes.

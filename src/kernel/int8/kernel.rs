@@ -9,13 +9,15 @@ pub(crate) trait Kernel: Sync {
     fn norms_f32(&self, tile: &Tile<f32>) -> TileNorms;
 
     /// Multiplies the columns by powers of two, rounds to integers (ties to even) of less than 2^62
-    /// in magnitude, and writes the residues modulo the i-th modulus into `out[i]`.
+    /// in magnitude, and writes the residues modulo the i-th modulus into `out[i]`;
+    /// past the caches, if the kernel can, where these are too small for all of them (`far`).
     fn convert_f64(
         &self,
         tile: &Tile<f64>,
         powers: &Powers<f64>,
         moduli: &Moduli,
         out: &mut [&mut Residues],
+        far: bool,
     );
     /// As [`Kernel::convert_f64`]; the integers are of less than 2^31.
     fn convert_f32(
@@ -24,6 +26,7 @@ pub(crate) trait Kernel: Sync {
         powers: &Powers<f32>,
         moduli: &Moduli,
         out: &mut [&mut Residues],
+        far: bool,
     );
 
     /// Rearranges residues for the left side of [`Kernel::multiply`].

@@ -24,11 +24,11 @@ mod tile;
 
 pub(crate) use kernel::Kernel;
 pub use ladder::{Ladder, Level, Rung};
-pub(crate) use moduli::Moduli;
+pub(crate) use moduli::{MOST_MODULI, Moduli};
 pub(crate) use recombine::{integers, scaled};
 pub(crate) use tile::{
     Block, DEPTH, EMPTY, NON_FINITE, NORM_BITS, PANEL, Powers, Quarter, Residues, STEP, Slice,
-    Tile, TileNorms, WIDTH, power_of_two,
+    Tile, TileNorms, WIDTH, fetch_lines, power_of_two,
 };
 
 use crate::base::Real;
@@ -136,6 +136,7 @@ pub(crate) mod sealed {
             powers: &Powers<Self>,
             moduli: &Moduli,
             out: &mut [&mut Residues],
+            far: bool,
         );
     }
 
@@ -156,8 +157,9 @@ pub(crate) mod sealed {
                     powers: &Powers<Self>,
                     moduli: &Moduli,
                     out: &mut [&mut Residues],
+                    far: bool,
                 ) {
-                    kernel.$convert(tile, powers, moduli, out);
+                    kernel.$convert(tile, powers, moduli, out, far);
                 }
             }
         };

@@ -25,6 +25,7 @@ impl Kernel for Portable {
         powers: &Powers<f64>,
         moduli: &Moduli,
         out: &mut [&mut Residues],
+        _far: bool,
     ) {
         convert(tile, powers, moduli, out);
     }
@@ -35,6 +36,7 @@ impl Kernel for Portable {
         powers: &Powers<f32>,
         moduli: &Moduli,
         out: &mut [&mut Residues],
+        _far: bool,
     ) {
         convert(tile, powers, moduli, out);
     }

@@ -173,6 +173,7 @@ fn check_conversion<T: Operand>() {
                 &powers,
                 &moduli,
                 &mut memory.iter_mut().collect::<Vec<_>>(),
+                count % 2 == 0,
             );
             for (modulus, residues) in moduli.list.iter().zip(&memory) {
                 for (i, row) in whole.0.iter().enumerate() {

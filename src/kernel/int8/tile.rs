@@ -76,7 +76,7 @@ impl<T: Real> Tile<T> {
 
 /// Asks for `count` cache lines from `at` on, which may be any address.
 #[inline(always)]
-fn fetch_lines<T>(at: *const T, count: usize) {
+pub(crate) fn fetch_lines<T>(at: *const T, count: usize) {
     #[cfg(target_arch = "x86_64")]
     for line in 0..count {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
