@@ -424,40 +424,67 @@ impl Reduction {
 /// Rows of the left operand whose sums are held in registers.
 const HELD: usize = 8;
 
+/// Steps of both operands that are taken four times from the first-level cache.
+const CACHED: usize = 8;
+
 enabled! {
     /// The sums of the product of two panels, of which the left one is biased by 128: `excess`, by which
     /// each column is too large, is taken off.
     fn multiply(left: &[Slice], right: &[Slice], excess: [__m512i; 2], sums: &mut Sums) {
         let start = excess.map(|excess| _mm512_sub_epi32(_mm512_setzero_si512(), excess));
-        for row_half in 0..2 {
-            for first in (0..WIDTH).step_by(HELD) {
-                let mut held = [start; HELD];
-                for (left, right) in left.iter().zip(right) {
-                    let left = &left[row_half];
-                    for k in (0..STEP * WIDTH).step_by(64) {
-                        // SAFETY: 64 bytes from `k` on are inside a tile.
-                        let load = |tile: &Residues| unsafe {
-                            _mm512_loadu_si512(tile.as_ptr().add(k).cast())
-                        };
-                        let right = [load(&right[0]), load(&right[1])];
-                        for (r, held) in held.iter_mut().enumerate() {
-                            // SAFETY: a dword of the 16 from `k` on.
-                            let four = unsafe {
-                                left.as_ptr().add(k + 4 * (first + r)).cast::<i32>().read_unaligned()
-                            };
-                            let four = _mm512_set1_epi32(four);
-                            held[0] = _mm512_dpbusd_epi32(held[0], four, right[0]);
-                            held[1] = _mm512_dpbusd_epi32(held[1], four, right[1]);
-                        }
-                    }
+        for row in sums.0.as_chunks_mut::<2>().0 {
+            for (quarter, start) in row.iter_mut().zip(start) {
+                for row in quarter {
+                    // SAFETY: a row of sums is 16 elements.
+                    unsafe { _mm512_storeu_si512(row.as_mut_ptr().cast(), start) };
                 }
-                for (r, held) in held.iter().enumerate() {
-                    for (half, &held) in held.iter().enumerate() {
-                        let row = &mut sums.0[2 * row_half + half][first + r];
-                        // SAFETY: a row of sums is 16 elements.
-                        unsafe { _mm512_storeu_si512(row.as_mut_ptr().cast(), held) };
-                    }
+            }
+        }
+        for (left, right) in left.chunks(CACHED).zip(right.chunks(CACHED)) {
+            for row_half in 0..2 {
+                for first in (0..WIDTH).step_by(HELD) {
+                    add_rows(left, right, row_half, first, sums);
                 }
+            }
+        }
+    }
+}
+
+enabled! {
+    /// Adds the products of a few rows of the left panel.
+    #[inline]
+    fn add_rows(left: &[Slice], right: &[Slice], row_half: usize, first: usize, sums: &mut Sums) {
+        let mut held = [[_mm512_setzero_si512(); 2]; HELD];
+        for (r, held) in held.iter_mut().enumerate() {
+            for (half, held) in held.iter_mut().enumerate() {
+                let row = &sums.0[2 * row_half + half][first + r];
+                // SAFETY: a row of sums is 16 elements.
+                *held = unsafe { _mm512_loadu_si512(row.as_ptr().cast()) };
+            }
+        }
+        for (left, right) in left.iter().zip(right) {
+            let left = &left[row_half];
+            for k in (0..STEP * WIDTH).step_by(64) {
+                // SAFETY: 64 bytes from `k` on are inside a tile.
+                let load =
+                    |tile: &Residues| unsafe { _mm512_loadu_si512(tile.as_ptr().add(k).cast()) };
+                let right = [load(&right[0]), load(&right[1])];
+                for (r, held) in held.iter_mut().enumerate() {
+                    // SAFETY: a dword of the 16 from `k` on.
+                    let four = unsafe {
+                        left.as_ptr().add(k + 4 * (first + r)).cast::<i32>().read_unaligned()
+                    };
+                    let four = _mm512_set1_epi32(four);
+                    held[0] = _mm512_dpbusd_epi32(held[0], four, right[0]);
+                    held[1] = _mm512_dpbusd_epi32(held[1], four, right[1]);
+                }
+            }
+        }
+        for (r, held) in held.iter().enumerate() {
+            for (half, &held) in held.iter().enumerate() {
+                let row = &mut sums.0[2 * row_half + half][first + r];
+                // SAFETY: a row of sums is 16 elements.
+                unsafe { _mm512_storeu_si512(row.as_mut_ptr().cast(), held) };
             }
         }
     }
