@@ -5,7 +5,9 @@ use std::arch::x86_64::*;
 
 use super::kernel::{Kernel, product_by_pairs};
 use super::moduli::{Moduli, Modulus};
-use super::tile::{Block, Powers, Quarter, Residues, Slice, Tile, TileNorms, WIDTH, tile_norms};
+use super::tile::{
+    Block, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH, tile_norms,
+};
 use super::{portable, recombine};
 
 /// Exists only where the CPU has the instructions: what makes the calls below sound.
@@ -50,8 +52,8 @@ impl Kernel for Avx2 {
         out: &mut [&mut Residues],
         _far: bool,
     ) {
-        enabled!(portable::convert =>
-            (tile: &Tile<f64>, powers: &Powers<f64>, moduli: &Moduli, out: &mut [&mut Residues]))
+        // SAFETY: `self` exists, so the CPU has the instructions.
+        unsafe { convert_f64(tile, powers, moduli, out) }
     }
 
     fn convert_f32(
@@ -62,8 +64,8 @@ impl Kernel for Avx2 {
         out: &mut [&mut Residues],
         _far: bool,
     ) {
-        enabled!(portable::convert =>
-            (tile: &Tile<f32>, powers: &Powers<f32>, moduli: &Moduli, out: &mut [&mut Residues]))
+        // SAFETY: `self` exists, so the CPU has the instructions.
+        unsafe { convert_f32(tile, powers, moduli, out) }
     }
 
     fn product(
@@ -104,6 +106,131 @@ impl Kernel for Avx2 {
             columns: &[i32; WIDTH],
             out: &mut Quarter<f64>
         ))
+    }
+}
+
+/// The biased digits of eight integers, in 16-bit numbers: first and third, and second and fourth, of
+/// each dword.
+type Digits = [__m256i; 2];
+
+#[target_feature(enable = "avx2,fma")]
+fn digits(dwords: __m256i) -> Digits {
+    let low = _mm256_set1_epi32(0x00ff_00ff);
+    [_mm256_and_si256(dwords, low), _mm256_and_si256(_mm256_srli_epi32::<8>(dwords), low)]
+}
+
+/// Four of the weights of a modulus, beside the digits that they are multiplied by.
+#[target_feature(enable = "avx2,fma")]
+fn pairs(weights: &[i8]) -> [__m256i; 2] {
+    let pair = |first: i8, second: i8| {
+        _mm256_set1_epi32(i32::from(second) << 16 | (i32::from(first) & 0xffff))
+    };
+    [pair(weights[0], weights[2]), pair(weights[1], weights[3])]
+}
+
+#[target_feature(enable = "avx2,fma")]
+fn add_products(sums: __m256i, digits: Digits, weights: [__m256i; 2]) -> __m256i {
+    let [even, odd] = std::array::from_fn(|i| _mm256_madd_epi16(digits[i], weights[i]));
+    _mm256_add_epi32(sums, _mm256_add_epi32(even, odd))
+}
+
+/// Sums of digits (see [`Modulus`]) to residues, between -128 and 127. As floats they are exact, and
+/// the quotient is wrong by less than 2^-12.
+#[target_feature(enable = "avx2,fma")]
+fn finish(sums: __m256i, p: i32) -> __m256i {
+    let quotient = _mm256_mul_ps(_mm256_cvtepi32_ps(sums), _mm256_set1_ps(1.0 / p as f32));
+    let quotient = _mm256_cvtps_epi32(quotient);
+    _mm256_sub_epi32(sums, _mm256_mullo_epi32(quotient, _mm256_set1_epi32(p)))
+}
+
+/// Stores the residues of rows `4 r .. 4 r + 4` and eight columns from `8 half` on.
+#[target_feature(enable = "avx2,fma")]
+fn store(rows: [__m256i; 4], out: &mut Residues, r: usize, half: usize) {
+    let byte = _mm256_set1_epi32(0xff);
+    let [r0, r1, r2, r3] = rows;
+    let low = _mm256_or_si256(
+        _mm256_and_si256(r0, byte),
+        _mm256_slli_epi32::<8>(_mm256_and_si256(r1, byte)),
+    );
+    let high = _mm256_or_si256(
+        _mm256_slli_epi32::<16>(_mm256_and_si256(r2, byte)),
+        _mm256_slli_epi32::<24>(r3),
+    );
+    let line = &mut out.as_chunks_mut::<32>().0[2 * r + half];
+    // SAFETY: 32 bytes.
+    unsafe { _mm256_storeu_si256(line.as_mut_ptr().cast(), _mm256_or_si256(low, high)) };
+}
+
+/// As [`Kernel::convert_f64`].
+#[target_feature(enable = "avx2,fma")]
+fn convert_f64(tile: &Tile<f64>, powers: &Powers<f64>, moduli: &Moduli, out: &mut [&mut Residues]) {
+    // Low and high dwords of the integers, those of eight columns at a time.
+    let mut dwords = [[[digits(_mm256_setzero_si256()); 2]; 2]; STEP];
+    for (dwords, row) in dwords.iter_mut().zip(&tile.0) {
+        for (half, dwords) in dwords.iter_mut().enumerate() {
+            let [left, right] = [8 * half, 8 * half + 4].map(|j| {
+                // SAFETY: four of the 16 elements of a row and of its powers.
+                let load = |from: &[f64; WIDTH]| unsafe { _mm256_loadu_pd(from.as_ptr().add(j)) };
+                let value = _mm256_mul_pd(load(row), load(&powers.first));
+                split(_mm256_mul_pd(value, load(&powers.second)))
+            });
+            let join = |i: usize| _mm256_set_m128i(right[i], left[i]);
+            *dwords = [digits(join(0)), digits(join(1))];
+        }
+    }
+    for (modulus, out) in moduli.list.iter().zip(out) {
+        let start = _mm256_set1_epi32(modulus.start_64);
+        let weights = [pairs(&modulus.weights[..4]), pairs(&modulus.weights[4..])];
+        for (r, rows) in dwords.as_chunks::<4>().0.iter().enumerate() {
+            for half in 0..2 {
+                let row = |i: usize| {
+                    let [low, high] = rows[i][half];
+                    let sums = add_products(start, low, weights[0]);
+                    finish(add_products(sums, high, weights[1]), modulus.p)
+                };
+                store([row(0), row(1), row(2), row(3)], out, r, half);
+            }
+        }
+    }
+}
+
+/// Low and high dwords of four numbers below 2^62 in magnitude, rounded to integers and biased by 2^63.
+#[target_feature(enable = "avx2,fma")]
+fn split(values: __m256d) -> [__m128i; 2] {
+    const UNIT: f64 = 4_294_967_296.0;
+    let values = _mm256_round_pd::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(values);
+    let high = _mm256_floor_pd(_mm256_mul_pd(values, _mm256_set1_pd(1.0 / UNIT)));
+    // Exact: between 0 and 2^32, less a half of that to fit 32 bits.
+    let low = _mm256_fnmadd_pd(high, _mm256_set1_pd(UNIT), values);
+    let low = _mm256_cvtpd_epi32(_mm256_sub_pd(low, _mm256_set1_pd(UNIT / 2.0)));
+    let bias = _mm_set1_epi32(i32::MIN);
+    [_mm_xor_si128(low, bias), _mm_xor_si128(_mm256_cvtpd_epi32(high), bias)]
+}
+
+/// As [`Kernel::convert_f32`].
+#[target_feature(enable = "avx2,fma")]
+fn convert_f32(tile: &Tile<f32>, powers: &Powers<f32>, moduli: &Moduli, out: &mut [&mut Residues]) {
+    let bias = _mm256_set1_epi32(i32::MIN);
+    let mut dwords = [[digits(bias); 2]; STEP];
+    for (dwords, row) in dwords.iter_mut().zip(&tile.0) {
+        for (half, dwords) in dwords.iter_mut().enumerate() {
+            // SAFETY: eight of the 16 elements of a row and of its powers.
+            let load =
+                |from: &[f32; WIDTH]| unsafe { _mm256_loadu_ps(from.as_ptr().add(8 * half)) };
+            let value = _mm256_mul_ps(load(row), load(&powers.first));
+            let value = _mm256_mul_ps(value, load(&powers.second));
+            *dwords = digits(_mm256_xor_si256(_mm256_cvtps_epi32(value), bias));
+        }
+    }
+    for (modulus, out) in moduli.list.iter().zip(out) {
+        let start = _mm256_set1_epi32(modulus.start_32);
+        let weights = pairs(&modulus.weights[..4]);
+        for (r, rows) in dwords.as_chunks::<4>().0.iter().enumerate() {
+            for half in 0..2 {
+                let row = |i: usize| finish(add_products(start, rows[i][half], weights), modulus.p);
+                store([row(0), row(1), row(2), row(3)], out, r, half);
+            }
+        }
     }
 }
 

@@ -66,9 +66,8 @@ impl Kernel for Portable {
     }
 }
 
-/// As [`Kernel::convert_f64`]; for wider registers too.
-#[inline(always)]
-pub(super) fn convert<T: Real>(
+/// As [`Kernel::convert_f64`].
+fn convert<T: Real>(
     tile: &Tile<T>,
     powers: &Powers<T>,
     moduli: &Moduli,
