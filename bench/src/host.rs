@@ -32,6 +32,11 @@ pub fn kind() -> String {
     kind_of(&cpu_model(), cores())
 }
 
+/// Today, as `2026-11-23`, in UTC.
+pub fn date() -> String {
+    output("date", &["-u", "+%Y-%m-%d"])
+}
+
 fn kind_of(model: &str, cores: usize) -> String {
     let plain = model.replace("(R)", "").replace("(TM)", "").to_lowercase();
     let words: Vec<_> =

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use crate::{Result, host};
 
-/// Writes the files, each a name and its text, into `bench/record/<host kind>/`; that folder.
+/// Writes the files, each a name and its text, into `bench/record/<host kind>-<date>/`; that folder.
 ///
 /// # Errors
 /// When a file can't be written.
@@ -46,7 +46,8 @@ fn with_line(old: &str, header: &str, keys: usize, line: &str) -> Option<String>
 }
 
 fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("record").join(host::kind())
+    let name = format!("{}-{}", host::kind(), host::date());
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("record").join(name)
 }
 
 /// A file of comma-separated values.
