@@ -211,11 +211,11 @@ fn multiply<T: Operand>(
                 });
                 let round = Round { kernel, layout, moduli, left, right, continued };
                 job.multiply(&mut workers, &round, &batch);
+                if progress.state().is_break() {
+                    return;
+                }
             }
             job.recombine(&mut workers, kernel, &batch);
-            if progress.state().is_break() {
-                return;
-            }
         }
     }
 }

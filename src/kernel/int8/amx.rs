@@ -220,42 +220,17 @@ unsafe fn product(
 const AHEAD: usize = 128;
 
 /// A quarter of a step of [`Reduction::reduce`]: row `$row` of four, in registers `$sum` and `$digits`.
+#[rustfmt::skip]
 macro_rules! first_sums {
     ($row:literal, $sum:literal, $digits:literal) => {
         concat!(
-            "vpmovsxbd zmm",
-            $sum,
-            "{{k1}}{{z}}, [{residues} + 16*",
-            $row,
-            "]\n",
-            "vpaddd zmm",
-            $sum,
-            ", zmm",
-            $sum,
-            ", [{rows} + 64*",
-            $row,
-            "]\n",
-            "vpxord zmm",
-            $sum,
-            ", zmm",
-            $sum,
-            ", zmm20\n",
-            "vmovdqa64 zmm",
-            $digits,
-            ", zmm21\n",
-            "vpdpbusd zmm",
-            $digits,
-            ", zmm",
-            $sum,
-            ", zmm22\n",
-            "vmovdqa64 zmm",
-            $sum,
-            ", zmm24\n",
-            "vpdpbusd zmm",
-            $sum,
-            ", zmm",
-            $digits,
-            ", zmm23\n",
+            "vpmovsxbd zmm", $sum, "{{k1}}{{z}}, [{residues} + 16*", $row, "]\n",
+            "vpaddd zmm", $sum, ", zmm", $sum, ", [{rows} + 64*", $row, "]\n",
+            "vpxord zmm", $sum, ", zmm", $sum, ", zmm20\n",
+            "vmovdqa64 zmm", $digits, ", zmm21\n",
+            "vpdpbusd zmm", $digits, ", zmm", $sum, ", zmm22\n",
+            "vmovdqa64 zmm", $sum, ", zmm24\n",
+            "vpdpbusd zmm", $sum, ", zmm", $digits, ", zmm23\n",
         )
     };
 }

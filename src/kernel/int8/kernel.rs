@@ -29,7 +29,7 @@ pub(crate) trait Kernel: Sync {
         far: bool,
     );
 
-    /// Rearranges residues for the left side of [`Kernel::multiply`].
+    /// Rearranges residues for the left side of [`Kernel::product`].
     fn to_left(&self, right: &[Slice], left: &mut [Slice]) {
         left.copy_from_slice(right);
     }
@@ -66,7 +66,7 @@ pub(crate) trait Kernel: Sync {
         None
     }
 
-    /// Prepares the calling thread for [`Kernel::multiply`], until the session is dropped. Sessions
+    /// Prepares the calling thread for [`Kernel::product`], until the session is dropped. Sessions
     /// of one thread do not overlap.
     fn session(&self) -> Session {
         Session(None)

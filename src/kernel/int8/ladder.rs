@@ -80,13 +80,16 @@ impl Ladder {
         });
         let mut rungs = Vec::new();
         for huge_pages in [true, false] {
-            let mut memory = Memory::new(huge_pages)?;
-            use Level::{First, Memory as Far, Second};
-            for (left, right) in
-                [(First, First), (Second, First), (First, Second), (Second, Second), (Second, Far)]
-            {
+            let mut operands = Operands::new(huge_pages)?;
+            for (left, right) in [
+                (Level::First, Level::First),
+                (Level::Second, Level::First),
+                (Level::First, Level::Second),
+                (Level::Second, Level::Second),
+                (Level::Second, Level::Memory),
+            ] {
                 for continued in [false, true] {
-                    let rate = memory.rate(kernel, left, right, continued);
+                    let rate = operands.rate(kernel, left, right, continued);
                     rungs.push(Rung { left, right, continued, huge_pages, rate });
                 }
             }
@@ -115,28 +118,28 @@ const FAR: usize = 8192;
 const RUN: usize = 64;
 
 /// Operands, and residues for 16 x 16 pairs of panels.
-struct Memory {
-    operands: Workspace<f64>,
+struct Operands {
+    memory: Workspace<f64>,
     residues: Vec<Block<i8>>,
     /// The panel of the right side in memory that comes next.
     next: usize,
 }
 
-impl Memory {
+impl Operands {
     fn new(huge_pages: bool) -> Result<Self> {
         const SLICES: usize = (FAR + LEFT) * DEPTH;
         let len = SLICES * size_of::<Slice>() / size_of::<f64>();
-        let mut operands =
+        let mut memory =
             if huge_pages { Workspace::new(len)? } else { Workspace::on_small_pages(len)? };
         // Data without a pattern: the CPU lowers its clock when many bits change.
         let mut rng = Rng::new(1);
-        operands.as_mut_slice().fill_with(|| f64::from_bits(rng.bits()));
-        Ok(Self { operands, residues: vec![[[[0; WIDTH]; WIDTH]; 4]; LEFT * LEFT], next: 0 })
+        memory.as_mut_slice().fill_with(|| f64::from_bits(rng.bits()));
+        Ok(Self { memory, residues: vec![[[[0; WIDTH]; WIDTH]; 4]; LEFT * LEFT], next: 0 })
     }
 
     fn rate(&mut self, kernel: &dyn Kernel, left: Level, right: Level, continued: bool) -> f64 {
         let modulus = &Moduli::new(2).list[1];
-        let bytes = self.operands.as_slice();
+        let bytes = self.memory.as_slice();
         // SAFETY: any bytes are slices; the workspace is aligned for f64 and as long as stated.
         let slices = unsafe {
             let count = size_of_val(bytes) / size_of::<Slice>();
