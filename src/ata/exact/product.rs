@@ -3,7 +3,7 @@
 use super::layout::{Layout, Unit};
 use super::store::Store;
 use crate::base::{Arena, Disjoint, Real};
-use crate::kernel::int8::{Block, Kernel, Moduli, Slice};
+use crate::kernel::int8::{Block, Kernel, Moduli, Operands, Slice};
 
 /// The memory of one thread.
 pub(super) struct Worker<'a> {
@@ -72,12 +72,12 @@ impl Round<'_, '_> {
             for j in unit.cols.clone() {
                 let rows = layout.first_row(unit, j)..unit.rows.end;
                 let left = &left[(rows.start - unit.rows.start) * depth..][..rows.len() * depth];
-                let right = |j: usize| self.right.slices(l, j, steps.clone());
-                let next = right((j + 1).min(unit.cols.end - 1));
+                let [right, next] = [j, (j + 1).min(unit.cols.end - 1)]
+                    .map(|j| self.right.slices(l, j, steps.clone()));
                 let first = place(rows.start, j);
                 // SAFETY: the caller's promise; the reference dies with this product.
                 let residues = unsafe { residues.range(first..first + rows.len()) };
-                kernel.product(left, right(j), next, modulus, continued, residues);
+                kernel.product(&Operands { left, right, next, modulus, continued }, residues);
             }
         }
     }

@@ -6,8 +6,8 @@ use std::arch::x86_64::{__cpuid, __cpuid_count, _xgetbv};
 use std::sync::OnceLock;
 
 use super::avx512::{Reduction, Sums, Vnni};
-use super::kernel::{Kernel, Session};
-use super::moduli::{Moduli, Modulus};
+use super::kernel::{Kernel, Operands, Session};
+use super::moduli::Moduli;
 use super::tile::{Block, DEPTH, Powers, Quarter, Residues, Slice, Tile, TileNorms, WIDTH};
 
 /// Exists only where AMX works: what makes the assembly below sound.
@@ -129,19 +129,10 @@ impl Kernel for Amx {
         self.others.transpose(right, left);
     }
 
-    fn product(
-        &self,
-        left: &[Slice],
-        right: &[Slice],
-        next: &[Slice],
-        modulus: &Modulus,
-        continued: bool,
-        residues: &mut [Block<i8>],
-    ) {
-        assert!(right.len() <= DEPTH && left.len() == right.len() * residues.len());
+    fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]) {
         // SAFETY: `self` exists, so the CPU has the instructions. The session that the caller has to
         // hold shapes the tiles; without one the CPU traps.
-        unsafe { product(left, right, next, modulus, continued, residues) }
+        unsafe { product(operands, residues) }
     }
 
     fn recombine(
@@ -190,24 +181,16 @@ impl Kernel for Amx {
 /// vector units take their residues while the tiles multiply the next pair.
 ///
 /// # Safety
-/// The CPU has AMX-INT8, the tiles are configured, and `left` has `residues.len()` times the length
-/// of `right`, at most [`DEPTH`].
+/// The CPU has AMX-INT8, and the tiles are configured.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512vnni,fma")]
-unsafe fn product(
-    left: &[Slice],
-    right: &[Slice],
-    next: &[Slice],
-    modulus: &Modulus,
-    continued: bool,
-    residues: &mut [Block<i8>],
-) {
+unsafe fn product(operands: &Operands<'_>, residues: &mut [Block<i8>]) {
+    let Operands { right, next, modulus, continued, .. } = *operands;
     let reduction = Reduction::new(modulus);
     let mut sums = Sums::ZERO;
     let mut before: Option<&mut Block<i8>> = None;
-    for (i, residues) in residues.iter_mut().enumerate() {
-        let left = &left[i * right.len()..][..right.len()];
+    for (i, (left, residues)) in operands.left_panels(residues.len()).zip(residues).enumerate() {
         let ahead = next.as_ptr().cast::<i8>().wrapping_add(i * right.len() * AHEAD);
-        // SAFETY: the caller's promise; both operands are of the same length.
+        // SAFETY: the caller's promise; both panels are of the same length, at most `DEPTH`.
         unsafe { multiply(left, right, ahead, &mut sums, before.take(), &reduction, continued) };
         before = Some(residues);
     }

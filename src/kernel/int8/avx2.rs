@@ -3,7 +3,7 @@
 
 use std::arch::x86_64::*;
 
-use super::kernel::{Kernel, product_by_pairs};
+use super::kernel::{Kernel, Operands, product_by_pairs};
 use super::moduli::{Moduli, Modulus};
 use super::tile::{
     Block, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH, tile_norms,
@@ -68,23 +68,13 @@ impl Kernel for Avx2 {
         unsafe { convert_f32(tile, powers, moduli, out) }
     }
 
-    fn product(
-        &self,
-        left: &[Slice],
-        right: &[Slice],
-        _next: &[Slice],
-        modulus: &Modulus,
-        continued: bool,
-        residues: &mut [Block<i8>],
-    ) {
+    fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]) {
         product_by_pairs(
-            left,
-            right,
-            continued,
+            operands,
             residues,
             // SAFETY: `self` exists, so the CPU has the instructions.
             |left, right, sums| unsafe { multiply(left, right, sums) },
-            |sums, out| {
+            |sums, modulus, out| {
                 enabled!(portable::reduce =>
                     (sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>))
             },

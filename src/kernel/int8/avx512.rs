@@ -2,10 +2,10 @@
 
 use std::arch::x86_64::*;
 
-use super::kernel::Kernel;
+use super::kernel::{Kernel, Operands};
 use super::moduli::{Moduli, Modulus};
 use super::tile::{
-    Block, DEPTH, MAGNITUDE, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH,
+    Block, MAGNITUDE, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH,
     norm_exponents,
 };
 
@@ -93,18 +93,9 @@ impl Kernel for Vnni {
         }
     }
 
-    fn product(
-        &self,
-        left: &[Slice],
-        right: &[Slice],
-        _next: &[Slice],
-        modulus: &Modulus,
-        continued: bool,
-        residues: &mut [Block<i8>],
-    ) {
-        assert!(right.len() <= DEPTH && left.len() == right.len() * residues.len());
+    fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]) {
         // SAFETY: `self` exists, so the CPU has the instructions.
-        unsafe { product(left, right, modulus, continued, residues) }
+        unsafe { product(operands, residues) }
     }
 
     fn recombine(
@@ -371,19 +362,13 @@ fn finish_stores(far: bool) {
 }
 
 enabled! {
-    fn product(
-        left: &[Slice],
-        right: &[Slice],
-        modulus: &Modulus,
-        continued: bool,
-        residues: &mut [Block<i8>],
-    ) {
-        let reduction = Reduction::new(modulus);
-        let excess = [0, 1].map(|half| excess(right, half));
+    fn product(operands: &Operands<'_>, residues: &mut [Block<i8>]) {
+        let reduction = Reduction::new(operands.modulus);
+        let excess = [0, 1].map(|half| excess(operands.right, half));
         let mut sums = Sums::ZERO;
-        for (i, residues) in residues.iter_mut().enumerate() {
-            multiply(&left[i * right.len()..][..right.len()], right, excess, &mut sums);
-            reduction.reduce(&sums, continued, residues);
+        for (left, residues) in operands.left_panels(residues.len()).zip(residues) {
+            multiply(left, operands.right, excess, &mut sums);
+            reduction.reduce(&sums, operands.continued, residues);
         }
     }
 }

@@ -34,21 +34,9 @@ pub(crate) trait Kernel: Sync {
         left.copy_from_slice(right);
     }
 
-    /// Multiplies several panels of the left side by one of the right side, modulo one number:
-    /// `residues[i]` becomes `left_i^T right`, plus what it was if `continued`, between -128 and 127.
-    ///
-    /// `left` comes from [`Kernel::to_left`]: the slices of panel after panel, as many of each as
-    /// `right` has, at most [`DEPTH`]. The panel of the right side that follows
-    /// is `next`; it may be fetched meanwhile.
-    fn product(
-        &self,
-        left: &[Slice],
-        right: &[Slice],
-        next: &[Slice],
-        modulus: &Modulus,
-        continued: bool,
-        residues: &mut [Block<i8>],
-    );
+    /// Computes the products of several panels: `residues[i]` becomes `left_i^T right` modulo one
+    /// number, plus what it was if `continued`, between -128 and 127.
+    fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]);
 
     /// See [`super::recombine::quarter`].
     fn recombine(
@@ -73,6 +61,33 @@ pub(crate) trait Kernel: Sync {
     }
 }
 
+/// What [`Kernel::product`] multiplies, modulo one number.
+#[derive(Clone, Copy)]
+pub(crate) struct Operands<'a> {
+    /// From [`Kernel::to_left`]: the slices of panel after panel, as many of each as `right` has.
+    pub left: &'a [Slice],
+    /// The slices of a panel, at most [`DEPTH`].
+    pub right: &'a [Slice],
+    /// The panel of the right side that follows; it may be fetched meanwhile.
+    pub next: &'a [Slice],
+    pub modulus: &'a Modulus,
+    /// Whether to add to the residues of earlier rows.
+    pub continued: bool,
+}
+
+impl<'a> Operands<'a> {
+    /// The slices of each of the left panels.
+    ///
+    /// # Panics
+    /// Unless there are `panels` of them, of the length of the right one.
+    #[inline(always)]
+    pub fn left_panels(&self, panels: usize) -> impl Iterator<Item = &'a [Slice]> {
+        let (left, steps) = (self.left, self.right.len());
+        assert!(steps <= DEPTH && left.len() == panels * steps);
+        (0..panels).map(move |i| &left[i * steps..(i + 1) * steps])
+    }
+}
+
 /// Undoes what [`Kernel::session`] did to the thread.
 pub(crate) struct Session(pub(super) Option<fn()>);
 
@@ -88,21 +103,18 @@ impl Drop for Session {
 /// of two panels to sums, `reduce` takes residues of sums.
 #[inline(always)]
 pub(super) fn product_by_pairs(
-    left: &[Slice],
-    right: &[Slice],
-    continued: bool,
+    operands: &Operands<'_>,
     residues: &mut [Block<i8>],
     add: impl Fn(&[Slice], &[Slice], &mut Block<i32>),
-    reduce: impl Fn(&Block<i32>, &mut Block<i8>),
+    reduce: impl Fn(&Block<i32>, &Modulus, &mut Block<i8>),
 ) {
-    assert!(right.len() <= DEPTH && left.len() == right.len() * residues.len());
-    for (i, residues) in residues.iter_mut().enumerate() {
-        let mut sums: Block<i32> = if continued {
+    for (left, residues) in operands.left_panels(residues.len()).zip(residues) {
+        let mut sums: Block<i32> = if operands.continued {
             residues.map(|quarter| quarter.map(|row| row.map(i32::from)))
         } else {
             [[[0; WIDTH]; WIDTH]; 4]
         };
-        add(&left[i * right.len()..][..right.len()], right, &mut sums);
-        reduce(&sums, residues);
+        add(left, operands.right, &mut sums);
+        reduce(&sums, operands.modulus, residues);
     }
 }

@@ -5,7 +5,7 @@ use std::fmt;
 use std::time::{Duration, Instant};
 
 use super::tile::{Block, DEPTH, PANEL, STEP, Slice, WIDTH};
-use super::{Isa, Kernel, Moduli};
+use super::{Isa, Kernel, Moduli, Operands};
 use crate::base::{Result, Rng, Workspace};
 
 /// Where an operand comes from.
@@ -80,7 +80,7 @@ impl Ladder {
         });
         let mut rungs = Vec::new();
         for huge_pages in [true, false] {
-            let mut operands = Operands::new(huge_pages)?;
+            let mut data = Data::new(huge_pages)?;
             for (left, right) in [
                 (Level::First, Level::First),
                 (Level::Second, Level::First),
@@ -89,7 +89,7 @@ impl Ladder {
                 (Level::Second, Level::Memory),
             ] {
                 for continued in [false, true] {
-                    let rate = operands.rate(kernel, left, right, continued);
+                    let rate = data.rate(kernel, left, right, continued);
                     rungs.push(Rung { left, right, continued, huge_pages, rate });
                 }
             }
@@ -118,14 +118,14 @@ const FAR: usize = 8192;
 const RUN: usize = 64;
 
 /// Operands, and residues for 16 x 16 pairs of panels.
-struct Operands {
+struct Data {
     memory: Workspace<f64>,
     residues: Vec<Block<i8>>,
     /// The panel of the right side in memory that comes next.
     next: usize,
 }
 
-impl Operands {
+impl Data {
     fn new(huge_pages: bool) -> Result<Self> {
         const SLICES: usize = (FAR + LEFT) * DEPTH;
         let len = SLICES * size_of::<Slice>() / size_of::<f64>();
@@ -164,7 +164,8 @@ impl Operands {
                     }
                 };
                 let residues = &mut residues[i % LEFT * LEFT..][..panels];
-                kernel.product(left, panel(this), panel(next), modulus, continued, residues);
+                let (right, next) = (panel(this), panel(next));
+                kernel.product(&Operands { left, right, next, modulus, continued }, residues);
             }
             RUN * panels * depth * PANEL * PANEL * STEP
         })

@@ -22,7 +22,7 @@ mod recombine;
 pub(crate) mod tests;
 mod tile;
 
-pub(crate) use kernel::Kernel;
+pub(crate) use kernel::{Kernel, Operands};
 pub use ladder::{Ladder, Level, Rung};
 pub(crate) use moduli::{MOST_MODULI, Moduli};
 pub(crate) use recombine::{integers, scaled};

@@ -1,6 +1,6 @@
 //! The kernel in plain Rust: for any CPU, and what the others are compared with.
 
-use super::kernel::{Kernel, product_by_pairs};
+use super::kernel::{Kernel, Operands, product_by_pairs};
 use super::moduli::{Moduli, Modulus};
 use super::recombine;
 use super::tile::{
@@ -41,17 +41,8 @@ impl Kernel for Portable {
         convert(tile, powers, moduli, out);
     }
 
-    fn product(
-        &self,
-        left: &[Slice],
-        right: &[Slice],
-        _next: &[Slice],
-        modulus: &Modulus,
-        continued: bool,
-        residues: &mut [Block<i8>],
-    ) {
-        let reduce = |sums: &_, out: &mut _| reduce(sums, modulus, out);
-        product_by_pairs(left, right, continued, residues, multiply, reduce);
+    fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]) {
+        product_by_pairs(operands, residues, multiply, reduce);
     }
 
     fn recombine(

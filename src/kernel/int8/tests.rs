@@ -76,7 +76,8 @@ fn check_product(
     let mut residues = old.to_vec();
     {
         let _session = kernel.session();
-        kernel.product(&moved, right, right, modulus, continued, &mut residues);
+        let operands = Operands { left: &moved, right, next: right, modulus, continued };
+        kernel.product(&operands, &mut residues);
     }
     for (panel, (residues, old)) in residues.iter().zip(old).enumerate() {
         let left = &left[panel * steps..][..steps];
