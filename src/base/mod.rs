@@ -19,7 +19,7 @@ pub use progress::Progress;
 pub(crate) use progress::Tracker;
 pub use rng::Rng;
 pub use scalar::Real;
-pub(crate) use version::data_cache;
+pub(crate) use version::data_caches;
 pub use version::{VERSION, VersionNumber, cpu_features, version};
 pub use workspace::{Arena, Workspace, release_memory};
 pub(crate) use workspace::{Scratch, reserved, zeros};

@@ -1,3 +1,5 @@
+use std::sync::OnceLock;
+
 /// Version of this crate, `major.minor.patch`.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -48,8 +50,13 @@ pub fn cpu_features() -> Vec<&'static str> {
     found
 }
 
-/// Bytes of the data cache of a core at a level, 1 or 2, if the CPU says.
-pub(crate) fn data_cache(level: u32) -> Option<usize> {
+/// Bytes of the first and second-level data caches of a core: usual ones where the CPU does not say.
+pub(crate) fn data_caches() -> [usize; 2] {
+    static CACHES: OnceLock<[usize; 2]> = OnceLock::new();
+    *CACHES.get_or_init(|| [data_cache(1).unwrap_or(32 << 10), data_cache(2).unwrap_or(1 << 20)])
+}
+
+fn data_cache(level: u32) -> Option<usize> {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{__cpuid, __cpuid_count};

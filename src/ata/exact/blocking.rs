@@ -1,8 +1,6 @@
 //! Which part of the residues stays in which cache while they are multiplied.
 
-use std::sync::OnceLock;
-
-use crate::base::data_cache;
+use crate::base::data_caches;
 use crate::kernel::int8::{DEPTH, Slice};
 
 /// The extents of a block of C, the piece of a product that one thread takes.
@@ -19,15 +17,10 @@ pub(crate) struct Blocking {
 /// Panels of the right side: the left one is rearranged once for so many.
 const COLS: usize = 128;
 
-/// First and second-level cache where the CPU does not say, in bytes.
-const USUAL: [usize; 2] = [32 << 10, 1 << 20];
-
 impl Blocking {
     /// For products of matrices of `left` and `right` panels, on this machine.
     pub fn new(left: usize, right: usize) -> Self {
-        static CACHES: OnceLock<[usize; 2]> = OnceLock::new();
-        let found = |level: usize| data_cache(level as u32).unwrap_or(USUAL[level - 1]);
-        Self::for_caches(*CACHES.get_or_init(|| [found(1), found(2)]), left, right)
+        Self::for_caches(data_caches(), left, right)
     }
 
     /// The right panel takes two thirds of the first-level cache, the left side a quarter of the second.

@@ -1,11 +1,9 @@
 //! How the work on a product is cut: what stays in which cache. The depth and the chunk decide on
 //! sums, so they depend on the shape alone; the rest may depend on the machine.
 
-use std::sync::OnceLock;
-
 use super::geometry::Geometry;
 use super::operands::Shape;
-use crate::base::data_cache;
+use crate::base::data_caches;
 
 /// Extents of the pieces of a product.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,10 +65,7 @@ impl Blocking {
 /// Side of an item whose sums and right side, `s (s + DEPTH)` scalars, leave an eighth of the
 /// second-level cache to the left side.
 fn item_side(scalar_bytes: usize) -> usize {
-    static CACHE: OnceLock<usize> = OnceLock::new();
-    /// Where the CPU does not say.
-    const USUAL: usize = 1 << 20;
-    let cache = *CACHE.get_or_init(|| data_cache(2).unwrap_or(USUAL));
+    let [_, cache] = data_caches();
     let (scalars, half) = (cache / 8 * 7 / scalar_bytes, DEPTH / 2);
     (scalars + half * half).isqrt() - half
 }
