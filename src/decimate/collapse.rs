@@ -3,6 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use super::guard::allows_collapse;
 use super::loss::loss_of_collapse;
 use super::patch::Patch;
 use crate::mesh::vector::Vector;
@@ -11,13 +12,13 @@ use crate::mesh::vector::Vector;
 const LOSS: f64 = 0.15;
 
 /// Collapses the shortest edges that can be, until `n` vertices are left; how many are left. First without turning faces over
-/// or losing thin parts, then, if that is not enough, at any rate.
+/// or losing thin parts, then without making faces intersect, then, if that is not enough, at any rate.
 pub(super) fn reduce(patch: &mut Patch, n: usize) -> usize {
     if patch.count <= n {
         return patch.count;
     }
     let loss = LOSS * patch.mean_length();
-    for loss in [Some(loss), None] {
+    for care in [Care::Shape(loss), Care::Intersections, Care::Topology] {
         let mut waiting: BinaryHeap<Reverse<(u64, [u32; 2])>> =
             patch.edges().into_iter().map(|[a, b]| Reverse((key(patch, a, b), [a, b]))).collect();
         while patch.count > n {
@@ -25,7 +26,7 @@ pub(super) fn reduce(patch: &mut Patch, n: usize) -> usize {
             if patch.sides(a, b).is_none() || was != key(patch, a, b) {
                 continue; // gone, or moved since and here again
             }
-            if let Some(left) = collapse(patch, a, b, loss) {
+            if let Some(left) = collapse(patch, a, b, care) {
                 // Edges nearby have other lengths, and what could not collapse before may now.
                 let mut near = patch.neighbours(left);
                 near.push(left);
@@ -40,30 +41,43 @@ pub(super) fn reduce(patch: &mut Patch, n: usize) -> usize {
     patch.count
 }
 
+/// What a collapse must not harm: the topology, never.
+#[derive(Debug, Clone, Copy)]
+enum Care {
+    /// No face turns over, neither end is farther than this from the new faces, and no faces
+    /// intersect that did not.
+    Shape(f64),
+    /// No faces intersect that did not.
+    Intersections,
+    Topology,
+}
+
 /// Lengths are not negative, so that their bits are ordered as they are.
 fn key(patch: &Patch, a: u32, b: u32) -> u64 {
     patch.length(a, b).to_bits()
 }
 
 /// Collapses the edge if it can be, into its middle, or else an end, or into its end on the boundary; the vertex that is left.
-/// With `loss`, only where no face turns over and neither end is farther than that from the new faces.
-fn collapse(patch: &mut Patch, a: u32, b: u32, loss: Option<f64>) -> Option<u32> {
+fn collapse(patch: &mut Patch, a: u32, b: u32, care: Care) -> Option<u32> {
     if !patch.can_collapse(a, b) {
         return None;
     }
-    let [p, q] = [a, b].map(|v| patch.positions[v as usize]);
+    let [p, q] = [a, b].map(|v| patch.position(v));
     let middle = std::array::from_fn(|k| 0.5 * (p[k] + q[k]));
     let places: &[_] = match [a, b].map(|v| patch.on_boundary[v as usize]) {
         [true, false] => &[p],
         [false, true] => &[q],
         _ => &[middle, p, q],
     };
-    let allowed = |at: Vector| {
-        loss.is_none_or(|loss| {
+    let allowed = |at: Vector| match care {
+        Care::Shape(loss) => {
             patch.stays_upright(a, Some(b), at)
                 && patch.stays_upright(b, Some(a), at)
                 && loss_of_collapse(patch, a, b, at) <= loss
-        })
+                && allows_collapse(patch, a, b, at)
+        }
+        Care::Intersections => allows_collapse(patch, a, b, at),
+        Care::Topology => true,
     };
     let at = places.iter().copied().find(|&at| allowed(at))?;
     patch.collapse(a, b, at);
@@ -99,7 +113,8 @@ pub(super) fn exchange(patch: &mut Patch) {
         if [c, d].iter().any(|v| *v == a || *v == b) {
             continue;
         }
-        if collapse(patch, a, b, Some(LOSS * mean)).is_some() && patch.sides(c, d).is_some() {
+        if collapse(patch, a, b, Care::Shape(LOSS * mean)).is_some() && patch.sides(c, d).is_some()
+        {
             patch.split(c, d);
         }
     }

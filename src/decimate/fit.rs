@@ -1,6 +1,7 @@
 //! Vertices moved off the surface, so that faces are not all on one side of it.
 
 use super::closest::on_surface;
+use super::guard::move_all;
 use super::patch::Patch;
 use super::surface::Surface;
 use crate::base::Par;
@@ -19,26 +20,27 @@ pub(super) fn fit(surface: &Surface<'_>, patch: &mut Patch, par: Par) {
         range.map(|f| height(surface, patch, f)).collect::<Vec<_>>()
     });
     let heights = heights.concat();
-    let raised = par.map_blocks(patch.positions.len(), BLOCK, |range| {
-        range.map(|v| raised(patch, v as u32, &heights)).collect::<Vec<_>>()
+    let raised = par.map_blocks(patch.positions().len(), BLOCK, |range| {
+        let to = range.map(|v| Some((raised(patch, v as u32, &heights)?, patch.anchors[v])));
+        to.collect::<Vec<_>>()
     });
-    patch.positions = raised.concat();
+    move_all(patch, &raised.concat(), par);
 }
 
 /// How far the surface is above the middle of a face, along its normal.
 fn height(surface: &Surface<'_>, patch: &Patch, face: usize) -> f64 {
     let Some(corners) = patch.face(face) else { return 0.0 };
-    let [a, b, c] = corners.map(|v| patch.positions[v as usize]);
+    let [a, b, c] = corners.map(|v| patch.position(v));
     let middle: Vector = std::array::from_fn(|k| (a[k] + b[k] + c[k]) / 3.0);
     let found = on_surface(surface, patch.anchors[corners[0] as usize], middle);
     found.map_or(0.0, |found| dot(sub(found.point, middle), unit(patch.normal(corners))))
 }
 
-fn raised(patch: &Patch, v: u32, heights: &[f64]) -> Vector {
-    let here = patch.positions[v as usize];
+fn raised(patch: &Patch, v: u32, heights: &[f64]) -> Option<Vector> {
+    let here = patch.position(v);
     let faces = patch.around(v);
     if patch.on_boundary[v as usize] || faces.is_empty() {
-        return here;
+        return None;
     }
     let mut normal = [0.0; 3];
     let mut sum = 0.0;
@@ -48,5 +50,5 @@ fn raised(patch: &Patch, v: u32, heights: &[f64]) -> Vector {
         sum += heights[f as usize];
     }
     let step = scale(unit(normal), PART * sum / faces.len() as f64);
-    std::array::from_fn(|k| here[k] + step[k])
+    Some(std::array::from_fn(|k| here[k] + step[k]))
 }

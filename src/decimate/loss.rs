@@ -16,14 +16,14 @@ pub(super) fn loss_of_collapse(patch: &Patch, a: u32, b: u32, p: Vector) -> f64 
         let without = |v: u32| move |f: &&u32| !patch.faces[**f as usize].contains(&v);
         let of_a = patch.around(a).iter().filter(without(b));
         let of_b = patch.around(b).iter().filter(without(a));
-        norm(gap(patch, patch.positions[q as usize], of_a.chain(of_b), [a, b], p))
+        norm(gap(patch, patch.position(q), of_a.chain(of_b), [a, b], p))
     };
     lost(a).max(lost(b))
 }
 
 /// How far the edge from a to b is from that from c to d, along the normal of both.
 pub(super) fn loss_of_flip(patch: &Patch, [a, b]: [u32; 2], [c, d]: [u32; 2]) -> f64 {
-    let [a, b, c, d] = [a, b, c, d].map(|v| patch.positions[v as usize]);
+    let [a, b, c, d] = [a, b, c, d].map(|v| patch.position(v));
     dot(sub(c, a), unit(cross(sub(b, a), sub(d, c)))).abs()
 }
 
@@ -37,8 +37,8 @@ fn gap<'a>(
 ) -> Vector {
     let mut nearest = ([0.0; 3], f64::INFINITY);
     for &f in faces {
-        let corners = patch.faces[f as usize]
-            .map(|v| if moved.contains(&v) { p } else { patch.positions[v as usize] });
+        let corners =
+            patch.faces[f as usize].map(|v| if moved.contains(&v) { p } else { patch.position(v) });
         let [u, v, w] = weights_on_triangle(corners, q);
         let [a, b, c] = corners;
         let step = sub(q, std::array::from_fn(|k| u * a[k] + v * b[k] + w * c[k]));

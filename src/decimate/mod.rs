@@ -13,6 +13,7 @@ mod dual;
 mod farthest;
 mod faults;
 mod fit;
+mod guard;
 mod handles;
 mod lloyd;
 mod loss;

@@ -1,13 +1,17 @@
-//! The new mesh while it changes: faces with the faces at each vertex, and the three changes that keep a manifold one.
+//! The new mesh while it changes: faces with the faces at each vertex, and the changes that keep a manifold one.
 
+use crate::mesh::intersections::{Bounds, BoxTree, Corners};
 use crate::mesh::vector::{Vector, cross, distance, dot, sub, unit};
+
+/// Faces that come after the tree was built, and are looked through one by one, at most.
+const LATE: usize = 128;
 
 /// No face any more.
 const GONE: [u32; 3] = [u32::MAX; 3];
 
 /// A manifold mesh, with boundary or without, whose edges can be collapsed, split and flipped.
 pub(super) struct Patch {
-    pub positions: Vec<Vector>,
+    positions: Vec<Vector>,
     /// For each vertex a vertex of the input near it, on the boundary when it is.
     pub anchors: Vec<u32>,
     pub on_boundary: Vec<bool>,
@@ -16,6 +20,8 @@ pub(super) struct Patch {
     around: Vec<Vec<u32>>,
     /// Vertices that are there.
     pub count: usize,
+    /// The boxes of the faces that were there when it was built.
+    tree: BoxTree,
 }
 
 /// The one or two faces of an edge.
@@ -33,12 +39,70 @@ impl Patch {
         }
         let count = around.iter().filter(|faces| !faces.is_empty()).count();
         let on_boundary = vec![false; positions.len()];
-        let mut patch = Self { positions, anchors, on_boundary, faces, around, count };
+        let tree = BoxTree::new(0, |_| None);
+        let mut patch = Self { positions, anchors, on_boundary, faces, around, count, tree };
         for v in 0..patch.positions.len() as u32 {
             let neighbours = patch.neighbours(v);
             patch.on_boundary[v as usize] = neighbours.len() > patch.around[v as usize].len();
         }
+        patch.plant_tree();
         patch
+    }
+
+    /// A tree of the faces that are there now.
+    pub fn plant_tree(&mut self) {
+        self.tree = BoxTree::new(self.faces.len(), |f| self.bounds(f as u32));
+    }
+
+    /// Calls `found` for every face whose box meets this one.
+    pub fn visit(&self, bounds: &Bounds, mut found: impl FnMut(u32)) {
+        self.tree.visit(bounds, &mut found);
+        let late = self.tree.len() as u32..self.faces.len() as u32;
+        late.filter(|&f| self.bounds(f).is_some_and(|own| own.meets(bounds))).for_each(found);
+    }
+
+    /// The same for every two faces whose boxes meet, by groups of the tree, in which all faces are.
+    pub fn tree(&self) -> &BoxTree {
+        &self.tree
+    }
+
+    fn bounds(&self, f: u32) -> Option<Bounds> {
+        self.face(f as usize).map(|face| Bounds::of(&self.corners_at(face)))
+    }
+
+    /// Tells the tree that a face has changed.
+    fn refresh(&mut self, f: u32) {
+        if (f as usize) < self.tree.len() {
+            self.tree.update(f, self.bounds(f));
+        } else if self.faces.len() > self.tree.len() + LATE {
+            self.plant_tree();
+        }
+    }
+
+    pub fn positions(&self) -> &[Vector] {
+        &self.positions
+    }
+
+    pub fn position(&self, v: u32) -> Vector {
+        self.positions[v as usize]
+    }
+
+    /// Where the corners of a face are.
+    pub fn corners_at(&self, face: [u32; 3]) -> Corners {
+        face.map(|v| self.positions[v as usize])
+    }
+
+    /// Puts a vertex elsewhere, of which the tree is to be told ([`Patch::plant_tree`]).
+    pub fn displace(&mut self, v: u32, p: Vector) {
+        self.positions[v as usize] = p;
+    }
+
+    /// Puts a vertex elsewhere.
+    pub fn place(&mut self, v: u32, p: Vector) {
+        self.positions[v as usize] = p;
+        for i in 0..self.around[v as usize].len() {
+            self.refresh(self.around[v as usize][i]);
+        }
     }
 
     pub fn around(&self, v: u32) -> &[u32] {
@@ -158,11 +222,13 @@ impl Patch {
 
     /// Makes b the vertex of all faces of a, at position p. The edge must be one that can be collapsed.
     pub fn collapse(&mut self, a: u32, b: u32, p: Vector) {
+        let mut gone = Vec::with_capacity(2);
         for f in std::mem::take(&mut self.around[a as usize]) {
             let face = &mut self.faces[f as usize];
             if face.contains(&b) {
                 let [x, y, z] = *face;
                 *face = GONE;
+                gone.push(f);
                 for v in [x, y, z].into_iter().filter(|&v| v != a) {
                     self.around[v as usize].retain(|&g| g != f);
                 }
@@ -171,7 +237,8 @@ impl Patch {
                 self.around[b as usize].push(f);
             }
         }
-        self.positions[b as usize] = p;
+        gone.into_iter().for_each(|f| self.refresh(f));
+        self.place(b, p);
         if self.on_boundary[a as usize] && !self.on_boundary[b as usize] {
             self.on_boundary[b as usize] = true;
             self.anchors[b as usize] = self.anchors[a as usize];
@@ -199,6 +266,8 @@ impl Patch {
             self.around[b as usize].iter_mut().filter(|g| **g == f).for_each(|g| *g = half);
             self.around[c as usize].push(half);
             self.around[new as usize].extend([f, half]);
+            self.refresh(f);
+            self.refresh(half);
         }
         self.count += 1;
         Some(new)
@@ -233,6 +302,8 @@ impl Patch {
         self.around[b as usize].retain(|&f| f != second);
         self.around[c as usize].push(second);
         self.around[d as usize].push(first);
+        self.refresh(first);
+        self.refresh(second);
     }
 
     /// Cuts along a loop of three edges that is no face, and closes both ends with one. `ends` are the faces on one side of it
@@ -263,6 +334,7 @@ impl Patch {
             let f = self.faces.len() as u32;
             self.faces.push(cap);
             cap.iter().for_each(|&v| self.around[v as usize].push(f));
+            self.refresh(f);
         }
         self.count += 3;
     }
@@ -286,7 +358,7 @@ impl Patch {
 /// An edge that joins its opposite corners instead.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Flip {
-    old: [u32; 2],
+    pub old: [u32; 2],
     ends: [u32; 2],
     /// The faces that there would be.
     pub new: [[u32; 3]; 2],

@@ -6,6 +6,7 @@ use std::hash::BuildHasherDefault;
 
 use super::batches::Multiply;
 use super::collapse::reduce;
+use super::guard::allows_move;
 use super::loss::gap_of_move;
 use super::patch::Patch;
 use super::surface::Surface;
@@ -32,31 +33,32 @@ const FLAT: f64 = 0.9;
 pub(super) fn reach_out(surface: &Surface<'_>, patch: &mut Patch, par: Par) {
     let mean = patch.mean_length();
     let least = MISSED * mean;
-    let missed = par.map_blocks(patch.positions.len(), BLOCK, |range| {
+    let missed = par.map_blocks(patch.positions().len(), BLOCK, |range| {
         range.map(|v| farthest_missed(surface, patch, v as u32, mean)).collect::<Vec<_>>()
     });
     let n = patch.count;
     for (v, found) in (0..).zip(missed.into_iter().flatten()) {
         let Some(w) = found else { continue };
-        let (here, p) = (patch.positions[v as usize], surface.position(w));
+        let (here, p) = (patch.position(v), surface.position(w));
         if norm(gap_of_move(patch, v, here, p)) <= least {
             continue; // reached by now
         }
-        let away = |u: u32| distance(patch.positions[u as usize], p);
+        let away = |u: u32| distance(patch.position(u), p);
         let neighbours = patch.neighbours(v);
         let stays = norm(gap_of_move(patch, v, p, here)) <= 0.5 * least;
         if stays
             && patch.stays_upright(v, None, p)
             && neighbours.iter().all(|&u| away(u) <= LONGEST * mean)
+            && allows_move(patch, v, p)
         {
-            patch.positions[v as usize] = p;
+            patch.place(v, p);
             patch.anchors[v as usize] = w;
             continue;
         }
         let nearest = neighbours.iter().copied().min_by(|&a, &b| away(a).total_cmp(&away(b)));
         let Some(new) = nearest.and_then(|u| patch.split(v, u)) else { continue };
-        if patch.stays_upright(new, None, p) {
-            patch.positions[new as usize] = p;
+        if patch.stays_upright(new, None, p) && allows_move(patch, new, p) {
+            patch.place(new, p);
             patch.anchors[new as usize] = w;
         }
     }
@@ -70,9 +72,9 @@ fn farthest_missed(surface: &Surface<'_>, patch: &Patch, v: u32, mean: f64) -> O
     if !interior || is_flat(patch, v) {
         return None;
     }
-    let here = patch.positions[v as usize];
+    let here = patch.position(v);
     let neighbours: Vec<Vector> =
-        patch.neighbours(v).into_iter().map(|w| patch.positions[w as usize]).collect();
+        patch.neighbours(v).into_iter().map(|w| patch.position(w)).collect();
     let anchor = patch.anchors[v as usize];
     let mut seen: HashSet<u32, BuildHasherDefault<Multiply>> = HashSet::from_iter([anchor]);
     let mut open = vec![anchor];

@@ -3,6 +3,7 @@
 use super::closest::{Found, on_boundary, on_surface};
 use super::collapse::exchange;
 use super::fit::fit;
+use super::guard::{allows_flip, move_all};
 use super::handles::cut_narrow_handles;
 use super::loss::{gap_of_move, loss_of_flip};
 use super::patch::Patch;
@@ -67,7 +68,7 @@ fn make_delaunay(patch: &mut Patch) {
             if cotangent(patch, a, b, c) + cotangent(patch, a, b, d) >= -1e-9 {
                 continue;
             }
-            if folds(patch, a, b, &flip.new) {
+            if folds(patch, a, b, &flip.new) || !allows_flip(patch, &flip) {
                 continue;
             }
             patch.flip(&flip);
@@ -100,7 +101,7 @@ fn make_regular(patch: &mut Patch) {
         };
         let before = excess(a, 0) + excess(b, 0) + excess(c, 0) + excess(d, 0);
         let after = excess(a, -1) + excess(b, -1) + excess(c, 1) + excess(d, 1);
-        if after < before && !folds(patch, a, b, &flip.new) {
+        if after < before && !folds(patch, a, b, &flip.new) && allows_flip(patch, &flip) {
             patch.flip(&flip);
         }
     }
@@ -111,7 +112,7 @@ const FAR_FROM_DELAUNAY: f64 = 2.0;
 
 /// Of the angle at v opposite to the edge from a to b.
 fn cotangent(patch: &Patch, a: u32, b: u32, v: u32) -> f64 {
-    let [a, b, v] = [a, b, v].map(|v| patch.positions[v as usize]);
+    let [a, b, v] = [a, b, v].map(|v| patch.position(v));
     let (p, q) = (sub(a, v), sub(b, v));
     dot(p, q) / norm(cross(p, q)).max(f64::MIN_POSITIVE)
 }
@@ -135,21 +136,17 @@ fn folds(patch: &Patch, a: u32, b: u32, new: &[[u32; 3]; 2]) -> bool {
 }
 
 fn move_vertices(surface: &Surface<'_>, patch: &mut Patch, par: Par) {
-    let vertices = patch.positions.len();
+    let vertices = patch.positions().len();
     let moves = par.map_blocks(vertices, BLOCK, |range| {
-        range.map(|v| target(surface, patch, v as u32)).collect::<Vec<_>>()
+        let found = range.map(|v| target(surface, patch, v as u32));
+        found.map(|found| found.map(|found| (found.point, found.vertex))).collect::<Vec<_>>()
     });
-    for (v, found) in moves.into_iter().flatten().enumerate() {
-        if let Some(found) = found {
-            patch.positions[v] = found.point;
-            patch.anchors[v] = found.vertex;
-        }
-    }
+    move_all(patch, &moves.concat(), par);
 }
 
 /// Where a vertex goes; `None`: it stays.
 fn target(surface: &Surface<'_>, patch: &Patch, v: u32) -> Option<Found> {
-    let here = patch.positions[v as usize];
+    let here = patch.position(v);
     let anchor = patch.anchors[v as usize];
     if patch.around(v).is_empty() {
         return None;
@@ -162,7 +159,7 @@ fn target(surface: &Surface<'_>, patch: &Patch, v: u32) -> Option<Found> {
     let mut weight = 0.0;
     for &f in patch.around(v) {
         let face = patch.faces[f as usize];
-        let [a, b, c] = face.map(|v| patch.positions[v as usize]);
+        let [a, b, c] = face.map(|v| patch.position(v));
         let doubled = patch.normal(face);
         let area = norm(doubled);
         for k in 0..3 {
@@ -205,7 +202,7 @@ fn boundary_target(patch: &Patch, v: u32, here: Vector) -> Option<Vector> {
         .neighbours(v)
         .into_iter()
         .filter(|&w| patch.sides(v, w).is_some_and(|sides| sides.second.is_none()));
-    let [a, b] = [ends.next()?, ends.next()?].map(|w| patch.positions[w as usize]);
+    let [a, b] = [ends.next()?, ends.next()?].map(|w| patch.position(w));
     if dot(unit(sub(here, a)), unit(sub(b, here))) < CORNER {
         return None;
     }

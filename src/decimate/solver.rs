@@ -307,7 +307,7 @@ fn dual_patch(
         if cell < samples.len() && distance < nearest[cell] && patch.on_boundary[cell] {
             nearest[cell] = distance;
             patch.anchors[cell] = v;
-            patch.positions[cell] = surface.position(v);
+            patch.place(cell as u32, surface.position(v));
         }
     }
     patch

@@ -3,6 +3,7 @@
 mod cloud;
 mod distance;
 pub mod families;
+pub(crate) mod intersections;
 pub mod io;
 mod laplacian;
 mod masks;

@@ -1,0 +1,116 @@
+//! Changes of the new mesh by which no more of its faces intersect than did.
+
+use super::patch::{Flip, Patch};
+use crate::base::Par;
+use crate::mesh::intersections::{Bounds, Corners, intersect};
+use crate::mesh::vector::Vector;
+
+/// Groups of faces that one thread looks at at a time.
+const BLOCK: usize = 64;
+
+/// Where a vertex moves, and its anchor there.
+pub(super) type Move = (Vector, u32);
+
+/// Whether no more pairs of faces intersect when the faces `old` become `new`.
+pub(super) fn allows(patch: &Patch, old: &[u32], new: &[Corners]) -> bool {
+    let after = intersections(patch, old, new);
+    after == 0 || {
+        let before: Vec<_> =
+            old.iter().map(|&f| patch.corners_at(patch.faces[f as usize])).collect();
+        after <= intersections(patch, old, &before)
+    }
+}
+
+/// Whether an edge may flip.
+pub(super) fn allows_flip(patch: &Patch, flip: &Flip) -> bool {
+    allows(patch, &flip.old, &flip.new.map(|face| patch.corners_at(face)))
+}
+
+/// Whether the edge from a to b may collapse into p.
+pub(super) fn allows_collapse(patch: &Patch, a: u32, b: u32, p: Vector) -> bool {
+    let of_b = patch.around(b).iter().filter(|f| !patch.faces[**f as usize].contains(&a));
+    let old: Vec<u32> = patch.around(a).iter().chain(of_b).copied().collect();
+    let left = old.iter().map(|&f| patch.faces[f as usize]);
+    let left = left.filter(|face| !(face.contains(&a) && face.contains(&b)));
+    let new: Vec<Corners> = left.map(|face| moved(patch, face, &[a, b], p)).collect();
+    allows(patch, &old, &new)
+}
+
+/// Whether v may move to p.
+pub(super) fn allows_move(patch: &Patch, v: u32, p: Vector) -> bool {
+    let faces = patch.around(v).iter().map(|&f| patch.faces[f as usize]);
+    let new: Vec<Corners> = faces.map(|face| moved(patch, face, &[v], p)).collect();
+    allows(patch, patch.around(v), &new)
+}
+
+fn moved(patch: &Patch, face: [u32; 3], vertices: &[u32], p: Vector) -> Corners {
+    face.map(|v| if vertices.contains(&v) { p } else { patch.position(v) })
+}
+
+/// Pairs of these triangles with each other, and with the faces but `without`, that intersect.
+fn intersections(patch: &Patch, without: &[u32], triangles: &[Corners]) -> usize {
+    let mut count = 0;
+    for (i, own) in triangles.iter().enumerate() {
+        count += triangles[..i].iter().filter(|other| intersect(own, other)).count();
+        patch.visit(&Bounds::of(own), |f| {
+            let other = patch.corners_at(patch.faces[f as usize]);
+            count += usize::from(!without.contains(&f) && intersect(own, &other));
+        });
+    }
+    count
+}
+
+/// Moves vertices all at once, but for those by which faces would intersect that do not yet.
+pub(super) fn move_all(patch: &mut Patch, moves: &[Option<Move>], par: Par) {
+    let mut before: Vec<Option<Move>> = vec![None; moves.len()];
+    for (v, found) in (0..).zip(moves) {
+        if let Some((p, anchor)) = *found {
+            before[v as usize] = Some((patch.position(v), patch.anchors[v as usize]));
+            patch.anchors[v as usize] = anchor;
+            patch.displace(v, p);
+        }
+    }
+    patch.plant_tree();
+    let tree = patch.tree();
+    let pairs = par.map_blocks(tree.groups(), BLOCK, |range| {
+        let mut pairs = Vec::new();
+        for group in range {
+            tree.visit_pairs(group, |f, g| {
+                if is_new(patch, [f, g], &before) {
+                    pairs.push([f, g]);
+                }
+            });
+        }
+        pairs
+    });
+    let mut pairs = pairs.concat();
+    // What goes back may meet what did not: that goes back as well.
+    while !pairs.is_empty() {
+        let mut faces = Vec::new();
+        for v in pairs.iter().flatten().flat_map(|&f| patch.faces[f as usize]).collect::<Vec<_>>() {
+            if let Some((p, anchor)) = before[v as usize].take() {
+                patch.place(v, p);
+                patch.anchors[v as usize] = anchor;
+                faces.extend(patch.around(v));
+            }
+        }
+        faces.sort_unstable();
+        faces.dedup();
+        pairs.clear();
+        for f in faces {
+            patch.visit(&Bounds::of(&patch.corners_at(patch.faces[f as usize])), |g| {
+                if g != f && is_new(patch, [f, g], &before) {
+                    pairs.push([f, g]);
+                }
+            });
+        }
+    }
+}
+
+/// Whether two faces intersect, and did not with vertices where they were `before`.
+fn is_new(patch: &Patch, pair: [u32; 2], before: &[Option<Move>]) -> bool {
+    let [f, g] = pair.map(|f| patch.faces[f as usize]);
+    let earlier = |v: u32| before[v as usize].map_or(patch.position(v), |was| was.0);
+    intersect(&patch.corners_at(f), &patch.corners_at(g))
+        && !intersect(&f.map(earlier), &g.map(earlier))
+}

@@ -1,0 +1,63 @@
+//! Faces of a mesh that intersect each other.
+
+mod boxes;
+mod triangles;
+
+pub(crate) use boxes::{Bounds, BoxTree};
+pub(crate) use triangles::{Corners, intersect};
+
+use super::TriMesh;
+use crate::base::Par;
+
+/// Groups of faces that one thread looks at at a time.
+const BLOCK: usize = 128;
+
+impl TriMesh {
+    /// The faces that intersect another face, ascending: they share a point that is not a common
+    /// corner or on a common edge, or they have the same corners. Corners are the same when their
+    /// positions are equal, whatever their numbers. The decision is exact (Shewchuk, Adaptive
+    /// Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates, 1997). A face
+    /// without area counts where it meets a face that has one.
+    ///
+    /// O(F log F) where faces are spread evenly.
+    ///
+    /// ```
+    /// use catamaran::{Par, mesh::{TriMesh, families}};
+    ///
+    /// assert!(families::icosphere(2)?.intersecting_faces(Par::Seq).is_empty());
+    ///
+    /// let vertices = vec![
+    ///     [0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0],
+    ///     [0.5, 0.5, -1.0], [0.5, 0.5, 1.0], [3.0, 3.0, 0.5],
+    /// ];
+    /// let crossed = TriMesh::new(vertices, vec![[0, 1, 2], [3, 4, 5]])?;
+    /// assert_eq!(crossed.intersecting_faces(Par::Seq), [0, 1]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    pub fn intersecting_faces(&self, par: Par) -> Vec<u32> {
+        let mut faces: Vec<u32> = self.intersecting_pairs(par).into_iter().flatten().collect();
+        faces.sort_unstable();
+        faces.dedup();
+        faces
+    }
+
+    /// The pairs of faces that intersect, the lower face first, ascending.
+    pub(crate) fn intersecting_pairs(&self, par: Par) -> Vec<[u32; 2]> {
+        let corners = |f: usize| self.faces()[f].map(|v| self.vertices()[v as usize]);
+        let tree = BoxTree::new(self.faces().len(), |f| Some(Bounds::of(&corners(f))));
+        let pairs = par.map_blocks(tree.groups(), BLOCK, |range| {
+            let mut pairs = Vec::new();
+            for group in range {
+                tree.visit_pairs(group, |f, g| {
+                    if intersect(&corners(f as usize), &corners(g as usize)) {
+                        pairs.push([f.min(g), f.max(g)]);
+                    }
+                });
+            }
+            pairs
+        });
+        let mut pairs = pairs.concat();
+        pairs.sort_unstable();
+        pairs
+    }
+}

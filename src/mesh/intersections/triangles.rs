@@ -1,0 +1,149 @@
+//! Whether two triangles intersect, decided exactly.
+
+use robust::{Coord, Coord3D, orient2d, orient3d};
+
+use crate::mesh::vector::{Vector, cross, dot, sub};
+
+/// The corners of a triangle.
+pub(crate) type Corners = [Vector; 3];
+
+/// Whether two triangles share a point beyond their common corners and edges: equal positions are a
+/// common corner. Two with all corners in common do.
+pub(crate) fn intersect(first: &Corners, second: &Corners) -> bool {
+    let mut common = 0;
+    let (mut in_first, mut in_second) = (0, 0);
+    for (i, p) in first.iter().enumerate() {
+        for (j, q) in second.iter().enumerate() {
+            if p == q {
+                common += 1;
+                in_first ^= i + 1;
+                in_second ^= j + 1;
+            }
+        }
+    }
+    match common {
+        0 => {
+            !clear_of(first, second)
+                && !clear_of(second, first)
+                && edges(first)
+                    .into_iter()
+                    .map(|edge| (second, edge))
+                    .chain(edges(second).into_iter().map(|edge| (first, edge)))
+                    .any(|(triangle, edge)| meets_edge(triangle, edge))
+        }
+        1 => {
+            // Beyond the common corner, an edge opposite to it meets the other triangle.
+            let opposite = |t: &Corners, corner: usize| [t[corner % 3], t[(corner + 1) % 3]];
+            let (of_first, of_second) = (opposite(first, in_first), opposite(second, in_second));
+            !clear_of(second, &of_first)
+                && !clear_of(first, &of_second)
+                && (meets_edge(second, of_first) || meets_edge(first, of_second))
+        }
+        2 => {
+            // The xor of both common corners, numbered from 1, is the third one.
+            let (lone, other) = (in_first - 1, second[in_second - 1]);
+            let [p, a, b] = [0, 1, 2].map(|k| first[(lone + k) % 3]);
+            !clear_of(first, &[other]) && folded([a, b], p, other)
+        }
+        _ => true,
+    }
+}
+
+fn edges(t: &Corners) -> [[Vector; 2]; 3] {
+    [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]
+}
+
+/// More than the rounding error of a determinant of three differences, relative to the product of
+/// their longest components: 12 products of three differences, each with 4 roundings, and 11 sums.
+const ERROR: f64 = 1e-14;
+
+/// Whether these points are on one side of the plane of a triangle beyond doubt by rounding.
+fn clear_of([a, b, c]: &Corners, points: &[Vector]) -> bool {
+    let longest = |[x, y, z]: Vector| x.abs().max(y.abs()).max(z.abs());
+    let (ab, ac) = (sub(*b, *a), sub(*c, *a));
+    let normal = cross(ab, ac);
+    let error = ERROR * longest(ab) * longest(ac);
+    let (mut above, mut below) = (true, true);
+    for p in points {
+        let ap = sub(*p, *a);
+        let (height, error) = (dot(normal, ap), error * longest(ap));
+        above &= height > error;
+        below &= height < -error;
+    }
+    above || below
+}
+
+/// On which side of the plane of the triangle a point is: the sign says.
+fn side([a, b, c]: &Corners, p: Vector) -> f64 {
+    orient3d(point(*a), point(*b), point(*c), point(p))
+}
+
+fn point([x, y, z]: Vector) -> Coord3D<f64> {
+    Coord3D { x, y, z }
+}
+
+/// Whether an edge meets a triangle; never when that has no area.
+fn meets_edge(triangle: &Corners, [p, q]: [Vector; 2]) -> bool {
+    let (before, behind) = (side(triangle, p), side(triangle, q));
+    if (before > 0.0 && behind > 0.0) || (before < 0.0 && behind < 0.0) {
+        return false;
+    }
+    let [a, b, c] = *triangle;
+    if before == 0.0 && behind == 0.0 {
+        return meets_in_plane(triangle, [p, q]);
+    }
+    let turn = |u: Vector, v: Vector| side(&[p, q, u], v);
+    let turns = [turn(a, b), turn(b, c), turn(c, a)];
+    turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0)
+}
+
+/// Whether an edge in the plane of a triangle meets it.
+fn meets_in_plane(triangle: &Corners, edge: [Vector; 2]) -> bool {
+    let Some(flat) = projection(triangle) else { return false };
+    let [a, b, c] = triangle.map(flat);
+    let [p, q] = edge.map(flat);
+    let inside = |p: Coord<f64>| {
+        let turns = [orient2d(a, b, p), orient2d(b, c, p), orient2d(c, a, p)];
+        turns.iter().all(|&t| t >= 0.0) || turns.iter().all(|&t| t <= 0.0)
+    };
+    inside(p) || [[a, b], [b, c], [c, a]].into_iter().any(|[u, v]| cross_in_plane([p, q], [u, v]))
+}
+
+/// Whether two segments in a plane meet.
+fn cross_in_plane([p, q]: [Coord<f64>; 2], [u, v]: [Coord<f64>; 2]) -> bool {
+    let opposite = |a: f64, b: f64| (a >= 0.0 && b <= 0.0) || (a <= 0.0 && b >= 0.0);
+    let (at_u, at_v) = (orient2d(p, q, u), orient2d(p, q, v));
+    if at_u == 0.0 && at_v == 0.0 {
+        let overlap = |p: f64, q: f64, u: f64, v: f64| p.min(q) <= u.max(v) && u.min(v) <= p.max(q);
+        return overlap(p.x, q.x, u.x, v.x) && overlap(p.y, q.y, u.y, v.y);
+    }
+    opposite(at_u, at_v) && opposite(orient2d(u, v, p), orient2d(u, v, q))
+}
+
+/// Whether the triangles of an edge with p and with q lie on each other, in one plane.
+fn folded([a, b]: [Vector; 2], p: Vector, q: Vector) -> bool {
+    if side(&[a, b, p], q) != 0.0 {
+        return false;
+    }
+    let Some(flat) = projection(&[a, b, p]) else { return false };
+    let [a, b, p, q] = [a, b, p, q].map(flat);
+    orient2d(a, b, p) * orient2d(a, b, q) > 0.0
+}
+
+/// The projection along the axis that is steepest to the plane of a triangle; `None` when it has no
+/// area.
+fn projection([a, b, c]: &Corners) -> Option<fn(Vector) -> Coord<f64>> {
+    let projections: [fn(Vector) -> Coord<f64>; 3] = [
+        |[_, y, z]| Coord { x: y, y: z },
+        |[x, _, z]| Coord { x: z, y: x },
+        |[x, y, _]| Coord { x, y },
+    ];
+    let normal = cross(sub(*b, *a), sub(*c, *a)).map(f64::abs);
+    let steepest = (0..3).max_by(|&i, &j| normal[i].total_cmp(&normal[j])).unwrap_or(0);
+    // Rounding may choose an axis in the plane: then another one has an area.
+    let has_area = |k: &usize| {
+        let [a, b, c] = [a, b, c].map(|p| projections[*k](*p));
+        orient2d(a, b, c) != 0.0
+    };
+    [steepest, 0, 1, 2].into_iter().find(has_area).map(|k| projections[k])
+}
