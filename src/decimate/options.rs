@@ -18,9 +18,6 @@ pub enum Method {
 pub struct DecimateOptions<'a> {
     /// Default [`Method::Uniform`].
     pub method: Method,
-    /// Whether edges longer than those of the result shall be ([`edge_length_for`](super::edge_length_for)) are split
-    /// first; default no.
-    pub resample: bool,
     /// Lloyd passes over the input: each moves the sites to the centroids of their cells, and grows cells anew; default 0, as
     /// relaxation does more at less cost.
     pub lloyd: usize,
@@ -28,9 +25,9 @@ pub struct DecimateOptions<'a> {
     /// edges exchanged for long ones; then vertices are raised beside the surface, so that it is not all above the faces.
     /// Default 12.
     pub relaxation: usize,
-    /// Whether handles that are too narrow for the triangles of the result are kept; default no: they are cut and their ends
-    /// closed, as [`Decimation::after`](super::Decimation::after) tells.
-    pub keep_narrow_handles: bool,
+    /// Whether handles that are too narrow for the triangles of the result are cut and their ends
+    /// closed, as [`Decimation::after`](super::Decimation::after) tells; default no: all are kept.
+    pub cut_narrow_handles: bool,
     /// The vertex that the first sample is; default the lowest that a face has. Must be one that a face has.
     pub first: Option<u32>,
     /// Threads; default all cores of the affinity mask. Does not change the result.
@@ -43,10 +40,9 @@ impl Default for DecimateOptions<'_> {
     fn default() -> Self {
         Self {
             method: Method::default(),
-            resample: false,
             lloyd: 0,
             relaxation: 12,
-            keep_narrow_handles: false,
+            cut_narrow_handles: false,
             first: None,
             par: Par::all(),
             progress: Progress::none(),
@@ -56,10 +52,9 @@ impl Default for DecimateOptions<'_> {
 
 builder! { DecimateOptions<'a> {
     method: Method,
-    resample: bool,
     lloyd: usize,
     relaxation: usize,
-    keep_narrow_handles: bool,
+    cut_narrow_handles: bool,
     #[into] first: Option<u32>,
     par: Par,
     #[into] progress: Progress<'a>,

@@ -1,8 +1,16 @@
 //! Long edges split before a mesh is sampled (thesis, algorithm 5.3).
 
-use crate::base::{Error, Progress, Result};
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::hash::BuildHasherDefault;
+
+use super::batches::Multiply;
+use super::prepare::Prepared;
+use super::surface::Surface;
+use crate::base::{Error, Par, Progress, Result};
+use crate::mesh::TriMesh;
 use crate::mesh::vector::{Vector, distance};
-use crate::mesh::{Edges, TriMesh};
 
 /// A mesh whose long edges were split.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,11 +68,34 @@ pub fn resample(mesh: &TriMesh, longest: f64) -> Result<Resampled> {
     resample_with(mesh, longest, Progress::none())
 }
 
-pub(super) fn resample_with(
-    mesh: &TriMesh,
+/// With edges no longer than `longest`; vertices that were there keep their numbers.
+pub(super) fn refined(
+    prepared: &Prepared<'_>,
     longest: f64,
+    par: Par,
     progress: Progress<'_>,
-) -> Result<Resampled> {
+) -> Result<Prepared<'static>> {
+    let Prepared { surface, vertices, faces, repairs } = prepared;
+    let Resampled { mesh, parents } = resample_with(&surface.mesh, longest, progress)?;
+    let of_input = |v: u32| match vertices {
+        Some(vertices) => vertices.get(v as usize).copied().unwrap_or(NEW),
+        None => Some(v).filter(|&v| (v as usize) < surface.len()).unwrap_or(NEW),
+    };
+    Ok(Prepared {
+        vertices: Some((0..mesh.vertices().len() as u32).map(of_input).collect()),
+        faces: Some(match faces {
+            Some(faces) => parents.into_iter().map(|f| faces[f as usize]).collect(),
+            None => parents,
+        }),
+        surface: Surface::new(Cow::Owned(mesh), par)?,
+        repairs: *repairs,
+    })
+}
+
+/// No vertex of the input.
+const NEW: u32 = u32::MAX;
+
+fn resample_with(mesh: &TriMesh, longest: f64, progress: Progress<'_>) -> Result<Resampled> {
     if longest.is_nan() || longest <= 0.0 {
         let why = format!("{longest}, where a positive number is needed");
         return Err(Error::Argument { what: "longest", why });
@@ -78,38 +109,52 @@ pub(super) fn resample_with(
         );
         return Err(Error::Argument { what: "longest", why });
     }
-    let mut parents: Vec<u32> = (0..mesh.faces().len() as u32).collect();
-    let mut current = mesh.clone();
+    let (mut vertices, mut faces) = (mesh.vertices().to_vec(), mesh.faces().to_vec());
+    let mut parents: Vec<u32> = (0..faces.len() as u32).collect();
+    let is_long = |vertices: &[Vector], a: u32, b: u32| {
+        distance(vertices[a as usize], vertices[b as usize]) > longest
+    };
+    let has_long = |vertices: &[Vector], [a, b, c]: [u32; 3]| {
+        is_long(vertices, a, b) || is_long(vertices, b, c) || is_long(vertices, c, a)
+    };
+    // All faces of a long edge have it.
+    let mut open: Vec<u32> =
+        (0..).zip(&faces).filter(|(_, face)| has_long(&vertices, **face)).map(|f| f.0).collect();
+    let mut middles: HashMap<[u32; 2], u32, BuildHasherDefault<Multiply>> = HashMap::default();
     for round in 1.. {
         progress.report(1.0 - 1.0 / f64::from(round))?;
-        let edges = Edges::new(&current);
-        let (mut vertices, faces) = current.into_parts();
-        // For each edge its middle, where it is split.
-        let mut middles: Vec<Option<u32>> = Vec::with_capacity(edges.len());
-        for &[a, b] in edges.ends() {
-            let (p, q) = (vertices[a as usize], vertices[b as usize]);
-            middles.push(if distance(p, q) > longest {
-                Some(add(&mut vertices, &[p, q])?)
-            } else {
-                None
-            });
+        if open.is_empty() {
+            break;
         }
-        if middles.iter().all(Option::is_none) {
-            return Ok(Resampled { mesh: TriMesh::new(vertices, faces)?, parents });
+        middles.clear();
+        let mut next = Vec::new();
+        for &f in &open {
+            let [a, b, c] = faces[f as usize];
+            let mut of_edges = [None; 3];
+            for (middle, (u, v)) in of_edges.iter_mut().zip([(a, b), (b, c), (c, a)]) {
+                if !is_long(&vertices, u, v) {
+                    continue;
+                }
+                *middle = Some(match middles.entry([u.min(v), u.max(v)]) {
+                    Entry::Occupied(known) => *known.get(),
+                    Entry::Vacant(new) => {
+                        let ends = [u, v].map(|w| vertices[w as usize]);
+                        *new.insert(add(&mut vertices, &ends)?)
+                    }
+                });
+            }
+            let first = faces.len();
+            split_face([a, b, c], of_edges, &mut vertices, &mut faces)?;
+            // One of the parts takes the place of the face.
+            faces.swap_remove(f as usize);
+            parents.resize(faces.len(), parents[f as usize]);
+            let parts = (first..faces.len()).chain([f as usize]);
+            next.extend(parts.filter(|&g| has_long(&vertices, faces[g])).map(|g| g as u32));
         }
-        let mut new_faces = Vec::with_capacity(2 * faces.len());
-        let mut new_parents = Vec::with_capacity(2 * faces.len());
-        for ((face, corners), parent) in
-            faces.iter().zip(edges.of_corners().as_chunks::<3>().0).zip(parents)
-        {
-            let before = new_faces.len();
-            split_face(*face, corners.map(|e| middles[e as usize]), &mut vertices, &mut new_faces)?;
-            new_parents.resize(new_parents.len() + new_faces.len() - before, parent);
-        }
-        current = TriMesh::new(vertices, new_faces)?;
-        parents = new_parents;
+        next.sort_unstable();
+        open = next;
     }
-    Err(Error::Argument { what: "longest", why: format!("{longest}, too small") })
+    Ok(Resampled { mesh: TriMesh::new(vertices, faces)?, parents })
 }
 
 /// Adds the mean of these points to the vertices.

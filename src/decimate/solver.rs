@@ -12,7 +12,7 @@ use super::patch::Patch;
 use super::prepare::{Prepared, prepare};
 use super::refine::refine;
 use super::relax::relax;
-use super::resample::{edge_length_for, resample_with};
+use super::resample::{edge_length_for, refined};
 use super::result::{Decimation, Place};
 use super::surface::Surface;
 use super::topology::{Component, components, topology};
@@ -39,6 +39,10 @@ pub fn decimate(mesh: &TriMesh, n: usize, options: &DecimateOptions<'_>) -> Resu
     Decimator::new(mesh, options)?.decimate(n)
 }
 
+/// Where edges are split before sampling, none is left that is longer than this part of those of the
+/// result: a cell has vertices on all sides then.
+const FINE: f64 = 0.7;
+
 /// Decimations of one mesh to several sizes.
 ///
 /// Samples that were taken stay: a larger mesh has those of a smaller one and more, so that levels of detail are nested in
@@ -58,8 +62,6 @@ pub struct Decimator<'m, 'o> {
     input: &'m TriMesh,
     options: DecimateOptions<'o>,
     source: Source<'m>,
-    /// The longest edge after resampling, and for each face then that of the input.
-    resampled: Option<(f64, Vec<u32>)>,
 }
 
 /// What samples are taken from.
@@ -120,7 +122,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
     /// manifold; [`Error::Argument`] when no face has vertex `options.first`; [`Error::OutOfMemory`].
     pub fn new(mesh: &'m TriMesh, options: &DecimateOptions<'o>) -> Result<Self> {
         let source = Source::new(Cow::Borrowed(mesh), options)?;
-        Ok(Self { input: mesh, options: *options, source, resampled: None })
+        Ok(Self { input: mesh, options: *options, source })
     }
 
     /// The mesh of `n` vertices.
@@ -132,10 +134,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
     pub fn decimate(&mut self, n: usize) -> Result<Decimation> {
         let progress = self.options.progress;
         progress.report(0.0)?;
-        if self.options.resample {
-            self.resample_for(n, progress.part(0.0..0.2))?;
-        }
         self.check(n)?;
+        self.resample_for(n, progress.part(0.0..0.2))?;
         let decimation = match self.options.method {
             Method::Uniform => self.uniform(n, progress.part(0.2..1.0))?,
             Method::Thesis => self.thesis(n, progress.part(0.2..1.0))?,
@@ -144,24 +144,21 @@ impl<'m, 'o> Decimator<'m, 'o> {
         Ok(decimation)
     }
 
+    /// Splits edges longer than those of the result will be: samples could not be spread over them.
     fn resample_for(&mut self, n: usize, progress: Progress<'_>) -> Result<()> {
-        let longest = edge_length_for(self.input.area(), n)?;
-        if self.resampled.as_ref().is_some_and(|(before, _)| *before <= longest) {
-            return Ok(());
+        let Source { prepared, area, sampler, .. } = &mut self.source;
+        let par = self.options.par;
+        let Ok(length) = edge_length_for(*area, n) else { return Ok(()) };
+        if prepared.surface.longest_edge(par) > length {
+            *prepared = refined(prepared, FINE * length, par, progress)?;
+            let sampled = std::mem::replace(sampler, Sampler::empty(&prepared.surface, par)?);
+            *sampler = sampled.on(&prepared.surface, par)?;
         }
-        let resampled = resample_with(self.input, longest, progress)?;
-        self.source = Source::new(Cow::Owned(resampled.mesh), &self.options)?;
-        self.resampled = Some((longest, resampled.parents));
         Ok(())
     }
 
     fn check(&self, n: usize) -> Result<()> {
         let refused = |why| Err(Error::Argument { what: "n", why });
-        let surface = &self.source.prepared.surface;
-        let there = (0..surface.len() as u32).filter(|&v| !surface.links(v).is_empty()).count();
-        if n > there {
-            return refused(format!("{n}, but the mesh has {there} vertices: resample it"));
-        }
         let components = &self.source.components;
         if self.options.method == Method::Thesis && n < components.len() {
             return refused(format!("{n}, but the mesh has {} components", components.len()));
@@ -230,9 +227,9 @@ impl<'m, 'o> Decimator<'m, 'o> {
             }
         };
         reach(&mut patch)?;
-        let narrow = match self.options.keep_narrow_handles {
-            true => 0.0,
-            false => edge_length_for(area, n).unwrap_or(0.0),
+        let narrow = match self.options.cut_narrow_handles {
+            true => edge_length_for(area, n).unwrap_or(0.0),
+            false => 0.0,
         };
         let passes = self.options.relaxation;
         relax(surface, &mut patch, passes, narrow, par, progress.part(0.7..0.95))?;
@@ -264,9 +261,6 @@ impl<'m, 'o> Decimator<'m, 'o> {
             let mut face = place.face;
             if let Some(faces) = faces {
                 face = faces[face as usize];
-            }
-            if let Some((_, parents)) = &self.resampled {
-                face = parents[face as usize];
             }
             *place = Place { face, weights: on_face(self.input, face, p).1 };
         }

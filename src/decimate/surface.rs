@@ -176,6 +176,14 @@ impl<'m> Surface<'m> {
         self.on_boundary[v as usize].then_some(ends)
     }
 
+    /// The length of the longest edge, in units of length.
+    pub fn longest_edge(&self, par: Par) -> f64 {
+        let blocks = par.map_blocks(self.links.len(), 8 * BLOCK, |range| {
+            self.links[range].iter().map(|link| link.length).fold(0.0, f32::max)
+        });
+        f64::from(blocks.into_iter().fold(0.0, f32::max)) * self.scale
+    }
+
     pub fn len(&self) -> usize {
         self.on_boundary.len()
     }

@@ -39,6 +39,8 @@ pub(crate) fn intersect(first: &Corners, second: &Corners) -> bool {
                 && !clear_of(first, &of_second)
                 && (meets_edge(second, of_first) || meets_edge(first, of_second))
         }
+        // A triangle with two equal corners is an edge.
+        2.. if [first, second].into_iter().any(|[a, b, c]| a == b || b == c || c == a) => false,
         2 => {
             // The xor of both common corners, numbered from 1, is the third one.
             let (lone, other) = (in_first - 1, second[in_second - 1]);
