@@ -129,7 +129,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     if let Some(picture) = picture {
         let panels = [(&input.mesh, PLAIN, "before"), (&found.mesh, PLAIN, "after")];
-        args.picture.draw_faces(picture, &panels)?;
+        args.picture.draw_faces(picture, &args.input, &panels)?;
     }
     let path = output.path().display().to_string();
     files::write(output, &found.carry(&input)?)?;

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use catamaran::io::{self as files, Output, Overwrite};
-use catamaran::mesh::TriMesh;
 use catamaran::mesh::io::{self as meshes, MeshFile};
+use catamaran::mesh::{Components, TriMesh};
 use catamaran::spectral::test_functions::coordinates;
 use catamaran::spectral::{
     Basis, Orthogonalization, ProductBasis, ProductBasisOptions, Response, dirichlet_energies,
@@ -15,13 +15,21 @@ use clap::ArgGroup;
 
 use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
 use crate::progress::Bar;
-use crate::report::report;
+use crate::report::{complain, report};
 use crate::shape::{self, LaplacianArgs, Shape};
+
+/// Frequencies up to this share of the highest are zero: those of constants, and rounding.
+const ZERO: f64 = 1e-9;
+
+/// A component that is smaller than this share of what it was is a point, but for rounding.
+const POINT: f64 = 1e-9;
 
 /// Filter the shape of a mesh, or functions on it, by frequencies.
 ///
-/// Frequencies are eigenvalues, or the Dirichlet energies of orthogonalised products of eigenfunctions; they are counted in
-/// ascending order, the constant first.
+/// Frequencies are eigenvalues, or the Dirichlet energies of orthogonalised products of
+/// eigenfunctions; they are counted in ascending order, from the constant, number 0. On a mesh of
+/// several components the functions that are constant on each are number 0 all together, so that
+/// what keeps it leaves every component in its place.
 #[derive(clap::Args)]
 #[command(group = ArgGroup::new("response").args(["low_pass", "high_pass", "band", "heat", "sharpen"]).required(true))]
 pub struct Args {
@@ -97,14 +105,16 @@ pub fn run(args: &Args) -> Result<()> {
             let [before, after] = [&f, &g].map(first_column);
             let mesh = &shape.file.mesh;
             let panel = |values, title| (mesh, Paint::Values(values), title);
-            args.picture.draw(picture, &[panel(&before, "before"), panel(&after, "after")])?;
+            let panels = [panel(&before, "before"), panel(&after, "after")];
+            args.picture.draw(picture, &args.mesh, &panels)?;
         }
     } else {
         let before = shape.file.mesh.clone();
         let moved = moved(shape.file, &g, &path)?;
+        note_points(&before, &moved.mesh);
         if let Some(picture) = picture {
             let panels = [(&before, PLAIN, "before"), (&moved.mesh, PLAIN, "after")];
-            args.picture.draw(picture, &panels)?;
+            args.picture.draw(picture, &args.mesh, &panels)?;
         }
         meshes::write(output, &moved)?;
     }
@@ -135,9 +145,12 @@ fn products(args: &Args, shape: &Shape) -> Result<(Basis, Vec<f64>)> {
 fn gains(args: &Args, shape: &Shape, frequencies: &[f64]) -> Result<(Vec<f64>, f64)> {
     let mut ascending: Vec<usize> = (0..frequencies.len()).collect();
     ascending.sort_by(|&a, &b| frequencies[a].total_cmp(&frequencies[b]));
+    let highest = ascending.last().map_or(0.0, |&function| frequencies[function]);
+    let constants =
+        ascending.iter().filter(|&&function| frequencies[function] <= ZERO * highest).count();
     let mut rank = vec![0; frequencies.len()];
     for (place, &function) in ascending.iter().enumerate() {
-        rank[function] = place;
+        rank[function] = (place + 1).saturating_sub(constants.max(1));
     }
     let in_band = |band: std::ops::Range<usize>, inside: f64| {
         let gain = |place: &usize| if band.contains(place) { inside } else { 1.0 - inside };
@@ -164,6 +177,33 @@ fn gains(args: &Args, shape: &Shape, frequencies: &[f64]) -> Result<(Vec<f64>, f
         None => Response::Sharpen { time, amount: args.amount },
     };
     Ok((frequencies.iter().map(|&f| response.gain(f)).collect(), response.limit()))
+}
+
+/// Says how many components of the mesh are no more than points now: none of their own frequencies
+/// was kept.
+fn note_points(before: &TriMesh, after: &TriMesh) {
+    let components = Components::new(before);
+    let [was, is] = [before, after].map(|mesh| sizes(mesh, &components));
+    let points = was.iter().zip(&is).filter(|(was, is)| **is < POINT * **was).count();
+    if points > 0 {
+        complain(format_args!(
+            "note: {points} of {} components are points now, as none of their own frequencies is \
+             kept",
+            components.len()
+        ));
+    }
+}
+
+/// The longest side of the box of each component.
+fn sizes(mesh: &TriMesh, components: &Components) -> Vec<f64> {
+    let mut boxes = vec![[[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]]; components.len()];
+    for (p, &component) in mesh.vertices().iter().zip(components.of_vertices()) {
+        let Some([low, high]) = boxes.get_mut(component as usize) else { continue };
+        for k in 0..3 {
+            (low[k], high[k]) = (low[k].min(p[k]), high[k].max(p[k]));
+        }
+    }
+    boxes.iter().map(|[low, high]| (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max)).collect()
 }
 
 /// The mesh with its vertices moved; normals, which no longer fit, are left out.

@@ -9,9 +9,11 @@ use catamaran::decimate::{Cells, FarthestPoints};
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Output, Overwrite};
 
+use crate::parse;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
 use crate::report::{report, seconds};
+use crate::shape::column;
 
 /// Sample a mesh: each vertex is the farthest, along edges, from those before it.
 ///
@@ -21,19 +23,23 @@ pub struct Args {
     /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     input: PathBuf,
-    /// Samples.
-    #[arg(short, value_name = "N")]
+    /// Samples, at least 1.
+    #[arg(short, value_name = "N", value_parser = parse::at_least_one)]
     n: usize,
     /// The first sample, a vertex from 0; the lowest that a face has by default.
     #[arg(long, value_name = "VERTEX")]
     first: Option<u32>,
-    /// Where the samples go, a vertex a row (.npy, .csv, ...).
+    /// Where the samples go, an integer a row: the number of a vertex, from 0 (.npy, .csv, ...).
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Write for each vertex of the mesh the number of its cell, -1 for vertices without a face, and its distance from the
-    /// sample of the cell (.npy, .csv, ...).
+    /// Write for each vertex of the mesh the number of its cell, an integer from 0, -1 for vertices
+    /// without a face (.npy, .csv, ...).
     #[arg(long, value_name = "FILE")]
     cells: Option<PathBuf>,
+    /// Write for each vertex of the mesh its distance from the sample of its cell, along edges,
+    /// infinite for vertices without a face (.npy, .csv, ...).
+    #[arg(long, value_name = "FILE")]
+    distances: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureArgs,
     /// Replace files that exist.
@@ -50,6 +56,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let output = create(&args.output)?;
     let of_cells = args.cells.as_ref().map(create).transpose()?;
+    let of_distances = args.distances.as_ref().map(create).transpose()?;
     let picture = args.picture.create(overwrite)?;
     let input = crate::decimate::read(&args.input)?;
 
@@ -72,20 +79,22 @@ pub fn run(args: &Args) -> Result<()> {
     ))?;
 
     if let Some(output) = of_cells {
-        let number = |cell: u32| if cell == Cells::NONE { -1.0 } else { f64::from(cell) };
-        let table = Mat::from_fn(cells.of_vertices().len(), 2, |v, column| match column {
-            0 => number(cells.of_vertices()[v]),
-            _ => f64::from(cells.distances()[v]),
-        });
-        files::write(output, table.as_ref())?;
+        let number = |cell: u32| if cell == Cells::NONE { -1 } else { i64::from(cell) };
+        let all = cells.of_vertices();
+        let table = Mat::from_fn(all.len(), 1, |v, _| number(all[v]));
+        files::write_integers(output, table.as_ref())?;
+    }
+    if let Some(output) = of_distances {
+        let all = cells.distances();
+        files::write(output, Mat::from_fn(all.len(), 1, |v, _| f64::from(all[v])).as_ref())?;
     }
     if let Some(picture) = picture {
         let far = |&distance: &f32| if distance.is_finite() { f64::from(distance) } else { 0.0 };
         let values: Vec<f64> = cells.distances().iter().map(far).collect();
-        args.picture.draw(picture, &[(&input.mesh, Paint::Values(&values), "distance")])?;
+        let panel = (&input.mesh, Paint::Values(&values), "distance");
+        args.picture.draw(picture, &args.input, &[panel])?;
     }
-    let table = Mat::from_fn(samples.len(), 1, |i, _| f64::from(samples[i]));
     let path = output.path().display().to_string();
-    files::write(output, table.as_ref())?;
+    files::write_integers(output, column(samples).as_ref())?;
     report(format_args!("written     {path}"))
 }

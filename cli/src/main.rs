@@ -6,7 +6,9 @@ mod basis;
 mod curve;
 mod decimate;
 mod demo;
+mod descriptors;
 mod device;
+mod distance;
 mod filter;
 mod fps;
 mod info;
@@ -64,6 +66,8 @@ enum Command {
     Filter(filter::Args),
     Wilt(wilt::Args),
     Curve(curve::Args),
+    Distance(distance::Args),
+    Descriptors(descriptors::Args),
     #[command(name = "shapedna")]
     ShapeDna(shapedna::Args),
     Newton(newton::Args),
@@ -109,6 +113,8 @@ fn run(command: &Command) -> Result<()> {
         Command::Filter(args) => filter::run(args),
         Command::Wilt(args) => wilt::run(args),
         Command::Curve(args) => curve::run(args),
+        Command::Distance(args) => distance::run(args),
+        Command::Descriptors(args) => descriptors::run(args),
         Command::ShapeDna(args) => shapedna::run(args),
         Command::Newton(args) => newton::run(args),
         Command::Slime(args) => slime::run(args),

@@ -100,7 +100,7 @@ pub fn run(args: &Args) -> Result<()> {
         let colors =
             file.colors.as_ref().map(|colors| colors.iter().map(screen).collect::<Vec<_>>());
         let paint = colors.as_deref().map_or(PLAIN, Paint::Colors);
-        args.picture.draw(picture, &[(&file.mesh, paint, "")])?;
+        args.picture.draw(picture, &args.input, &[(&file.mesh, paint, "")])?;
     }
     let Some(output) = output else { return Ok(()) };
     let path = output.path().display().to_string();

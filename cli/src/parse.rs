@@ -80,3 +80,11 @@ pub fn frame_count(text: &str) -> Result<usize, String> {
         _ => Err(format!("expected a number of at most {MOST}")),
     }
 }
+
+/// A number of things of which there must be one.
+pub fn at_least_one(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count) if count > 0 => Ok(count),
+        _ => Err("expected a whole number of at least 1".into()),
+    }
+}

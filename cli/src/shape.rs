@@ -8,7 +8,7 @@ use catamaran::Par;
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Matrix, ReadOptions};
 use catamaran::mesh::io::MeshFile;
-use catamaran::mesh::{LaplacianKind, LaplacianOptions, laplacian};
+use catamaran::mesh::{Components, LaplacianKind, LaplacianOptions, TriMesh, laplacian};
 use catamaran::sparse::{CsMat, EigenOptions, eigs};
 use catamaran::spectral::{Eigenbasis, Orthogonalization};
 use clap::ValueEnum;
@@ -87,6 +87,7 @@ impl LaplacianArgs {
             let k = len - 1;
             bail!("{}: {k} eigenfunctions and the constant of {vertices} vertices", path.display());
         }
+        check_components(&file.mesh, path, len)?;
         let options = LaplacianOptions::new().kind(self.kind()).par(self.par());
         let found = laplacian(&file.mesh, &options).with_context(|| path.display().to_string())?;
         if let Some(vertex) = (0..vertices).find(|&v| found.kept.get(v) != Some(&v)) {
@@ -110,6 +111,22 @@ impl LaplacianArgs {
     }
 }
 
+/// Refuses fewer eigenfunctions than components: each has a constant of its own, and what is left
+/// without moves to the origin.
+pub fn check_components(mesh: &TriMesh, path: &Path, len: usize) -> Result<()> {
+    let components = Components::new(mesh).len();
+    if len >= components {
+        return Ok(());
+    }
+    bail!(
+        "{}: {components} components, each with a constant function of its own: {len} \
+         eigenfunctions are too few (--weld joins pieces that belong together, `catamaran mesh \
+         --component` takes one, and -k {} or more is enough)",
+        path.display(),
+        components - 1
+    )
+}
+
 /// A matrix of numbers with a row for each of `rows` vertices.
 pub fn functions(path: &Path, rows: usize) -> Result<Mat<f64>> {
     let matrix = dense(path)?;
@@ -129,6 +146,11 @@ pub fn dense(path: &Path) -> Result<Mat<f64>> {
         }
         _ => bail!("{}: sparse, where a dense matrix is needed", path.display()),
     }
+}
+
+/// Vertex numbers as a matrix of one column, to be written.
+pub fn column(vertices: &[u32]) -> Mat<i64> {
+    Mat::from_fn(vertices.len(), 1, |i, _| i64::from(vertices[i]))
 }
 
 /// A matrix of vertex numbers, with this many columns, each column numbering vertices of a mesh of so many.

@@ -14,7 +14,7 @@ use crate::parse;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
 use crate::ranks::Ranks;
-use crate::report::{report, seconds};
+use crate::report::{complain, report, seconds};
 use crate::shape::LaplacianArgs;
 
 /// Eigenvalues and eigenfunctions of the Laplacian of a triangle mesh.
@@ -46,9 +46,10 @@ pub struct Args {
     /// At the boundary the normal derivative is zero, or the function.
     #[arg(long, default_value = "neumann")]
     boundary: Edge,
-    /// Residual that every pair must reach.
-    #[arg(long, default_value_t = 1e-9, value_name = "NUMBER")]
-    tolerance: f64,
+    /// Residual that every pair must reach, or the program fails once all is written. By default
+    /// 1e-9, or what rounding of the eigenvectors leaves where that is more, with a note.
+    #[arg(long, value_name = "NUMBER")]
+    tolerance: Option<f64>,
     /// Make sure, by another factorisation, that no eigenvalue is missing.
     #[arg(long)]
     verify: bool,
@@ -120,10 +121,11 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let start = Instant::now();
     let bar = Bar::new("spectrum");
     let watch = |fraction| bar.update(fraction);
+    let tolerance = args.tolerance.unwrap_or(EigenOptions::default().tolerance);
     let options = EigenOptions::new()
         .k(args.k)
         .shift(args.shift)
-        .tolerance(args.tolerance)
+        .tolerance(tolerance)
         .verify_count(args.verify)
         .par(par)
         .progress(&watch);
@@ -134,13 +136,17 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         .eigenpairs(&operator.stiffness, &operator.mass, &options, args.memory, |slice| {
             results.take(&slice, ranks)
         })
-        .with_context(|| name.to_string())?;
+        .map_err(|error| match error {
+            catamaran::Error::NotConverged { .. } => anyhow::Error::from(error)
+                .context(format!("{name}: residuals of {tolerance:e} not reached")),
+            other => anyhow::Error::from(other).context(name.to_string()),
+        })?;
     drop(bar);
     report(format_args!("eigenpairs  {} in {}", args.k, seconds(start.elapsed())))?;
     if results.slices > 1 {
         report(format_args!("slices      {}", results.slices))?;
     }
-    let largest = results.residuals.iter().copied().fold(0.0, f64::max);
+    let (worst, largest) = results.worst.unwrap_or_default();
     report(format_args!("residual    {largest:.1e} at most"))?;
     let pairs = results.values.iter().zip(&results.residuals).enumerate();
     for (i, (value, residual)) in pairs.take(SHOWN) {
@@ -155,9 +161,25 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         let panel =
             |(values, title)| (&mesh, Paint::Values(Vec::as_slice(values)), String::as_str(title));
         let panels: Vec<_> = results.drawn.iter().zip(&titles).map(panel).collect();
-        args.picture.draw(picture, &panels)?;
+        args.picture.draw(picture, &args.input, &panels)?;
     }
-    results.finish()
+    results.finish()?;
+    if largest <= tolerance {
+        return Ok(());
+    }
+    let missed = format!(
+        "{name}: eigenpair {worst} (from 0) has a residual of {largest:.1e}, above the tolerance \
+         of {tolerance:e}: rounding does not let the solver reach less"
+    );
+    if args.tolerance.is_some() {
+        // The first process has written all by then.
+        ranks.wait();
+        bail!(missed);
+    }
+    if ranks.is_first() {
+        complain(format_args!("note: {missed}"));
+    }
+    Ok(())
 }
 
 /// What becomes of the pairs, slice by slice.
@@ -167,6 +189,8 @@ struct Results<'a> {
     path: String,
     values: Vec<f64>,
     residuals: Vec<f64>,
+    /// The pair with the largest residual, and that.
+    worst: Option<(usize, f64)>,
     /// The first eigenfunctions.
     drawn: Vec<Vec<f64>>,
     slices: usize,
@@ -185,6 +209,7 @@ impl<'a> Results<'a> {
             path: path.unwrap_or_default(),
             values: Vec::new(),
             residuals: Vec::new(),
+            worst: None,
             drawn: Vec::new(),
             slices: 0,
         })
@@ -192,6 +217,11 @@ impl<'a> Results<'a> {
 
     fn take(&mut self, slice: &Eigenpairs, ranks: &Ranks) -> catamaran::Result<()> {
         self.slices += 1;
+        if let Some((pair, residual)) = slice.worst()
+            && self.worst.is_none_or(|(_, before)| residual > before)
+        {
+            self.worst = Some((self.residuals.len() + pair, residual));
+        }
         self.values.extend(&slice.values);
         self.residuals.extend(&slice.residuals);
         // The others have no vectors.

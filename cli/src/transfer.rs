@@ -19,7 +19,7 @@ use clap::{ArgGroup, ValueEnum};
 use crate::picture::{Paint, PictureArgs, first_column};
 use crate::progress::Bar;
 use crate::report::report;
-use crate::shape::{self, LaplacianArgs, Mode, Shape};
+use crate::shape::{self, LaplacianArgs, Mode, Shape, column};
 
 /// Iterations of ICP, at most.
 const ITERATIONS: usize = 20;
@@ -108,6 +108,9 @@ pub fn run(args: &Args) -> Result<()> {
     let more = |len: usize| if zooms { len.max(args.zoom) } else { len };
     let source = args.laplacian.shape(&args.source, more(lens.0))?;
     let target = args.laplacian.shape(&args.target, more(lens.1))?;
+    // Refinement may have more of them than the transfer.
+    shape::check_components(&source.file.mesh, &args.source, lens.0)?;
+    shape::check_components(&target.file.mesh, &args.target, lens.1)?;
     let f = shape::functions(&args.functions, source.eigenbasis.basis().vertices())?;
 
     let points = correspondence(args, &source, &target, lens)?;
@@ -134,7 +137,9 @@ pub fn run(args: &Args) -> Result<()> {
         errors.len()
     ))?;
     if let Some(output) = points_output {
-        write(output, &Mat::from_fn(points.len(), 1, |y, _| f64::from(points[y])))?;
+        let path = output.path().display().to_string();
+        files::write_integers(output, column(&points).as_ref())?;
+        report(format_args!("written   {path}"))?;
     }
     if let Some(picture) = picture {
         let [before, after] = [&f, &g].map(first_column);
@@ -142,7 +147,7 @@ pub fn run(args: &Args) -> Result<()> {
             (&source.file.mesh, Paint::Values(&before), "source"),
             (&target.file.mesh, Paint::Values(&after), "target"),
         ];
-        args.picture.draw(picture, &panels)?;
+        args.picture.draw(picture, &args.source, &panels)?;
     }
     write(output, &g)
 }

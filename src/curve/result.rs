@@ -4,7 +4,8 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Outcome {
-    /// Closed curves through all samples, which meet neither each other nor themselves.
+    /// Closed curves through all samples but those [left out](Reconstruction::left_out), which meet
+    /// neither each other nor themselves.
     Closed,
     /// Curves from one end to another, as was asked for.
     Open,
@@ -17,7 +18,8 @@ pub enum Outcome {
     },
     /// All samples are connected, but no way led back to the first one.
     CloseBlocked,
-    /// Samples are on different components of the mesh, and no curve through all of them is there.
+    /// Samples are on different components of the mesh, and no curve through all of them is there;
+    /// or none of the components has three samples.
     Disconnected {
         /// On how many.
         components: usize,
@@ -90,11 +92,20 @@ pub struct Reconstruction {
     pub curves: Vec<Curve>,
     /// Points in the middle of edges that were needed, in the order of their numbers; not all of them need be on a curve.
     pub steiner: Vec<Steiner>,
+    /// Numbers of samples, ascending, that no curve is through, because their components of the
+    /// mesh have fewer than three samples each. Only where there may be several curves; all other
+    /// samples are on curves, or the outcome says why not.
+    pub left_out: Vec<u32>,
 }
 
 impl Reconstruction {
     /// The sum of the curves' lengths.
     pub fn length(&self) -> f64 {
-        self.curves.iter().map(|curve| curve.length).sum()
+        total(self.curves.iter().map(|curve| curve.length))
     }
+}
+
+/// The sum of lengths; of none it is 0, where that of the standard library is -0.
+pub(super) fn total(lengths: impl Iterator<Item = f64>) -> f64 {
+    lengths.fold(0.0, |sum, length| sum + length)
 }

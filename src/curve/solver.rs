@@ -2,7 +2,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::faithful::Walker;
 use super::proximity::Proximity;
-use super::result::{Curve, Outcome, Reconstruction, Steiner};
+use super::result::{Curve, Outcome, Reconstruction, Steiner, total};
 use super::route::{Net, Router};
 use super::search::Search;
 use super::split::split;
@@ -121,6 +121,8 @@ impl<'m> CurveSolver<'m> {
     ///
     /// In the faithful mode the curve starts at sample `start`; in the robust one each starts at its sample of lowest number
     /// and goes towards the lower one of that one's two neighbours. The same samples give the same result, bit for bit.
+    /// Where there may be several curves, samples on components with fewer than three of them are
+    /// [left out](Reconstruction::left_out), and the others get theirs.
     ///
     /// # Errors
     /// [`Error::Argument`] for fewer than three samples, a number that no vertex has, a vertex twice, no candidates, or a
@@ -195,19 +197,25 @@ impl<'m> CurveSolver<'m> {
             outcome => outcome,
         };
         let curve = self.curve(walk.order, walk.path, outcome == Outcome::Closed);
-        Ok(Reconstruction { outcome, curves: vec![curve], steiner: Vec::new() })
+        let (curves, steiner, left_out) = (vec![curve], Vec::new(), Vec::new());
+        Ok(Reconstruction { outcome, curves, steiner, left_out })
     }
 
     fn robust(&mut self, samples: &[u32], options: &CurveOptions<'_>) -> Result<Reconstruction> {
-        let groups = self.groups(samples);
+        let mut groups = self.groups(samples);
         let several = options.count == Count::Automatic && !options.open;
         let components = groups.len();
-        let possible = components == 1 || several && groups.iter().all(|g| g.len() >= LEAST);
-        if !possible {
+        let mut left_out = Vec::new();
+        if several {
+            left_out = groups.extract_if(.., |group| group.len() < LEAST).flatten().collect();
+            left_out.sort_unstable();
+        }
+        if groups.is_empty() || groups.len() > 1 && !several {
             return Ok(Reconstruction {
                 outcome: Outcome::Disconnected { components },
                 curves: Vec::new(),
                 steiner: Vec::new(),
+                left_out,
             });
         }
         let mut orders = Vec::new();
@@ -216,7 +224,7 @@ impl<'m> CurveSolver<'m> {
             orders.extend(self.orders(samples, group, options.open, several));
         }
         orders.sort_unstable_by_key(|order| order[0]);
-        self.routed(samples, &orders, options)
+        Ok(Reconstruction { left_out, ..self.routed(samples, &orders, options)? })
     }
 
     /// The order of each curve through a group of samples.
@@ -270,7 +278,7 @@ impl<'m> CurveSolver<'m> {
             curves.push(curve);
         }
         let steiner = self.surface.middles().map(|(ends, position)| Steiner { ends, position });
-        Ok(Reconstruction { outcome, curves, steiner: steiner.collect() })
+        Ok(Reconstruction { outcome, curves, steiner: steiner.collect(), left_out: Vec::new() })
     }
 
     /// A curve of its paths, from behind the first that is missing on to the next.
@@ -312,7 +320,7 @@ impl<'m> CurveSolver<'m> {
 
     fn curve(&self, order: Vec<u32>, path: Vec<u32>, closed: bool) -> Curve {
         let points: Vec<[f64; 3]> = path.iter().map(|&v| self.surface.position(v)).collect();
-        let mut length = points.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+        let mut length = total(points.windows(2).map(|pair| distance(pair[0], pair[1])));
         if let (true, &[first, .., last]) = (closed, &points[..]) {
             length += distance(last, first);
         }

@@ -52,7 +52,8 @@ fn check(mesh: &TriMesh, samples: &[u32], result: &Reconstruction) {
         assert_eq!(points, curve.points);
     }
     if result.outcome.is_complete() {
-        assert!(samples.iter().all(|v| seen.contains(v)));
+        let left_out = |i: usize| result.left_out.contains(&(i as u32));
+        assert!(samples.iter().enumerate().all(|(i, v)| seen.contains(v) != left_out(i)));
     }
 }
 
@@ -129,8 +130,6 @@ fn samples_on_two_components_are_two_curves_or_disconnected() {
     check(&mesh, &both, &result);
     assert_eq!((result.outcome, result.curves.len()), (Outcome::Closed, 2));
     let disconnected = Outcome::Disconnected { components: 2 };
-    // Two samples are no curve.
-    assert_eq!(found(&mesh, &both[..5], &robust()).outcome, disconnected);
     assert_eq!(
         found(&mesh, &both, &CurveOptions { count: Count::One, ..robust() }).outcome,
         disconnected
@@ -138,6 +137,22 @@ fn samples_on_two_components_are_two_curves_or_disconnected() {
     let result = found(&mesh, &both, &FAITHFUL);
     assert_eq!(result.outcome, disconnected);
     assert_eq!(result.curves[0].order.len(), 3, "the first component is walked all the same");
+}
+
+#[test]
+fn samples_on_components_with_fewer_than_three_are_left_out_and_others_get_their_curve() {
+    let mesh = families::spheres(4, 2).unwrap();
+    let n = mesh.vertices().len() as u32 / 4;
+    // One on the third sphere, two on the first, three on the second, none on the last.
+    let samples = [2 * n, 0, n, n + 1, n + 5, 7];
+    let result = found(&mesh, &samples, &robust());
+    check(&mesh, &samples, &result);
+    assert_eq!((result.outcome, result.curves.len()), (Outcome::Closed, 1));
+    assert_eq!(result.left_out, [0, 1, 5]);
+    // Where no component has three there is no curve, and its length is 0 and not -0.
+    let result = found(&mesh, &[2 * n, 0, 7], &robust());
+    assert_eq!(result.outcome, Outcome::Disconnected { components: 2 });
+    assert_eq!((result.left_out.len(), result.length().to_bits()), (3, 0));
 }
 
 #[test]

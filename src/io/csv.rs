@@ -1,6 +1,7 @@
 //! Text tables. A reader of our own: the usual crates take one delimiter byte, not runs of blanks,
 //! and lose count of lines at comments.
 
+use std::fmt::Debug;
 use std::io::{self, Write};
 use std::ops::Range;
 
@@ -9,7 +10,7 @@ use faer::MatRef;
 use super::columns::checked_columns;
 use super::matrix::{Dense, Matrix};
 use super::source::Source;
-use crate::base::{Error, Real, Result};
+use crate::base::{Error, Result};
 
 pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> Result<Matrix> {
     let mut values: Vec<f64> = Vec::new();
@@ -106,7 +107,7 @@ fn shortened(field: &str) -> String {
     }
 }
 
-pub(super) fn write<T: Real>(
+pub(super) fn write<T: Debug>(
     sink: &mut dyn Write,
     matrix: MatRef<'_, T>,
     separator: char,

@@ -153,7 +153,44 @@ pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Matrix> {
 ///
 /// # Errors
 /// [`Error::Io`]; nothing is left behind then.
-pub fn write<T: Real>(mut output: Output, matrix: MatRef<'_, T>) -> Result<()> {
+pub fn write<T: Real>(output: Output, matrix: MatRef<'_, T>) -> Result<()> {
+    write_with(output, |sink, format, separator| match format {
+        Format::Npy => npy::write(sink, matrix),
+        Format::Mtx => mtx::write(sink, matrix, "real"),
+        Format::Csv => csv::write(sink, matrix, separator),
+    })
+}
+
+/// Writes integers, such as numbers of vertices, as [`write()`] writes real numbers: `.npy` with
+/// entries of type i8 (64 bits), `.mtx` as a general integer array, text tables without a decimal
+/// point.
+///
+/// ```
+/// use catamaran::{faer::mat, io::{Output, Overwrite, write_integers}};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("a.csv");
+/// write_integers(Output::create(path, Overwrite::Never)?, mat![[1, -1], [3250, 0]].as_ref())?;
+/// assert_eq!(std::fs::read_to_string(path).unwrap(), "1,-1\n3250,0\n");
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Io`]; nothing is left behind then.
+pub fn write_integers(output: Output, matrix: MatRef<'_, i64>) -> Result<()> {
+    write_with(output, |sink, format, separator| match format {
+        Format::Npy => npy::write_integers(sink, matrix),
+        Format::Mtx => mtx::write(sink, matrix, "integer"),
+        Format::Csv => csv::write(sink, matrix, separator),
+    })
+}
+
+/// Lets the file appear once `body` has written its content, which is given the format and the
+/// separator of text tables.
+fn write_with(
+    mut output: Output,
+    body: impl Fn(&mut dyn std::io::Write, Format, char) -> std::io::Result<()>,
+) -> Result<()> {
     let (format, gzipped) = format_of(output.path())?;
     let name = output.path().file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let separator = match name.strip_suffix(".gz").unwrap_or(&name) {
@@ -161,17 +198,12 @@ pub fn write<T: Real>(mut output: Output, matrix: MatRef<'_, T>) -> Result<()> {
         name if name.ends_with(".txt") => ' ',
         _ => ',',
     };
-    let body = |sink: &mut dyn std::io::Write| match format {
-        Format::Npy => npy::write(sink, matrix),
-        Format::Mtx => mtx::write(sink, matrix),
-        Format::Csv => csv::write(sink, matrix, separator),
-    };
     let written = if gzipped {
         let mut encoder =
             flate2::write::GzEncoder::new(&mut output, flate2::Compression::default());
-        body(&mut encoder).and_then(|()| encoder.finish().map(|_| ()))
+        body(&mut encoder, format, separator).and_then(|()| encoder.finish().map(|_| ()))
     } else {
-        body(&mut output)
+        body(&mut output, format, separator)
     };
     written.map_err(|e| output.error(e))?;
     output.commit()

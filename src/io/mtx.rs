@@ -1,5 +1,6 @@
 //! MatrixMarket (Boisvert, Pozo and Remington 1996): dense arrays, and coordinates through sprs.
 
+use std::fmt::Debug;
 use std::io::{self, Write};
 use std::ops::Range;
 use std::str::FromStr;
@@ -10,7 +11,7 @@ use sprs::TriMat;
 use super::columns::checked_columns;
 use super::matrix::{Dense, Matrix};
 use super::source::Source;
-use crate::base::{Real, Result, reserved};
+use crate::base::{Result, reserved};
 
 #[derive(Clone, Copy, PartialEq)]
 enum Symmetry {
@@ -216,8 +217,13 @@ fn nothing_more(source: &mut Source<'_>, entries: usize) -> Result<()> {
     }
 }
 
-pub(super) fn write<T: Real>(sink: &mut dyn Write, matrix: MatRef<'_, T>) -> io::Result<()> {
-    writeln!(sink, "%%MatrixMarket matrix array real general")?;
+/// Writes an array; `field` is what MatrixMarket calls its entries.
+pub(super) fn write<T: Debug>(
+    sink: &mut dyn Write,
+    matrix: MatRef<'_, T>,
+    field: &str,
+) -> io::Result<()> {
+    writeln!(sink, "%%MatrixMarket matrix array {field} general")?;
     writeln!(sink, "{} {}", matrix.nrows(), matrix.ncols())?;
     for j in 0..matrix.ncols() {
         for i in 0..matrix.nrows() {

@@ -255,10 +255,25 @@ pub(super) fn write<T: Real>(sink: &mut dyn Write, matrix: MatRef<'_, T>) -> io:
     Ok(())
 }
 
+pub(super) fn write_integers(sink: &mut dyn Write, matrix: MatRef<'_, i64>) -> io::Result<()> {
+    header(sink, i64::default_dtype(), matrix.nrows(), matrix.ncols())?;
+    for i in 0..matrix.nrows() {
+        for j in 0..matrix.ncols() {
+            // default_dtype is in the order of the machine.
+            sink.write_all(&matrix[(i, j)].to_ne_bytes())?;
+        }
+    }
+    Ok(())
+}
+
 /// The header of an m x n matrix in C order and the precision of T.
 pub(super) fn write_header<T: Real>(sink: &mut dyn Write, m: usize, n: usize) -> io::Result<()> {
     let single = T::NAME == f32::NAME;
-    let dtype = if single { f32::default_dtype() } else { f64::default_dtype() };
+    header(sink, if single { f32::default_dtype() } else { f64::default_dtype() }, m, n)
+}
+
+/// The header of an m x n matrix in C order.
+fn header(sink: &mut dyn Write, dtype: DType, m: usize, n: usize) -> io::Result<()> {
     npyz::WriteOptions::new_header_only()
         .dtype(dtype)
         .shape(&[m as u64, n as u64])

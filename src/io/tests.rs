@@ -105,6 +105,27 @@ fn what_is_written_is_read_back() {
 }
 
 #[test]
+fn integers_are_written_as_integers() {
+    let folder = Folder::new();
+    let a = Mat::from_fn(3, 2, |i, j| 3250 * i as i64 - j as i64);
+    for (name, line) in [
+        ("a.npy", "'<i8'"),
+        ("a.mtx", "array integer general"),
+        ("a.csv", "\n3250,3249\n"),
+        ("a.tsv", "\n3250\t3249\n"),
+        ("a.txt", "0 -1\n"),
+    ] {
+        let path = folder.path(name);
+        write_integers(Output::create(&path, Overwrite::Replace).unwrap(), a.as_ref()).unwrap();
+        let bytes = fs::read(&path).unwrap();
+        let text = String::from_utf8_lossy(&bytes);
+        assert!(text.contains(line) && !text.contains(".0"), "{name}: {text}");
+        let back = doubles(&read_all(&path).unwrap());
+        assert!((0..3).all(|i| (0..2).all(|j| back[(i, j)] == a[(i, j)] as f64)), "{name}");
+    }
+}
+
+#[test]
 fn npy_of_zero_size_is_read() {
     let folder = Folder::new();
     let path = folder.file("a.npy", npy("<f8", "False", "(0, 3)", &[]));

@@ -17,6 +17,26 @@ pub struct Eigenpairs {
     pub solves: usize,
 }
 
+impl Eigenpairs {
+    /// The pair with the largest residual, the first of several, and that residual; `None` without
+    /// pairs. It is above the tolerance asked for where rounding of the vectors allows no less
+    /// ([`EigenOptions::tolerance`](super::EigenOptions::tolerance)).
+    ///
+    /// ```
+    /// use catamaran::{prelude::*, mesh::families};
+    ///
+    /// let Laplacian { stiffness, mass, .. } =
+    ///     laplacian(&families::icosphere(3)?, &LaplacianOptions::new())?;
+    /// let pairs = eigs(stiffness.view(), &mass, &EigenOptions::new().k(4))?;
+    /// assert!(pairs.worst().is_some_and(|(_, residual)| residual <= 1e-9));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    pub fn worst(&self) -> Option<(usize, f64)> {
+        let all = self.residuals.iter().copied().enumerate();
+        all.rev().max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
 /// These pairs in ascending order; of a semi-definite matrix, for which rounding below zero is
 /// zero.
 pub(crate) fn ascending(

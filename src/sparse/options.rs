@@ -11,7 +11,9 @@ pub struct EigenOptions<'a> {
     /// Residual that every pair must reach (as
     /// [`Eigenpairs::residuals`](super::Eigenpairs::residuals) says), between 1e-14 and 1e-2;
     /// default 1e-9. Where a few roundings of the vector alone make it larger (`eps | |W| |phi| |`:
-    /// huge weights), those are enough.
+    /// huge weights), those are enough; and problems of few rows, which are solved as dense ones,
+    /// are solved as far as rounding lets them.
+    /// [`Eigenpairs::worst`](super::Eigenpairs::worst) tells.
     pub tolerance: f64,
     /// Counts the eigenvalues that are there by the inertia of another factorisation (Sylvester),
     /// and goes on until none is missing; default false.

@@ -90,7 +90,7 @@ impl<'a> Problem<'a> {
         // Each round tightens the estimate, or adds a block of directions that the earlier ones had nothing of.
         let rounds = 8 + options.k / WIDTH;
         let mut kept = Some(factor);
-        let mut largest = f64::INFINITY;
+        let mut least = f64::INFINITY;
         for _ in 0..rounds {
             let factor = match kept.take() {
                 Some(factor) => factor,
@@ -100,13 +100,13 @@ impl<'a> Problem<'a> {
                     factor
                 }
             };
-            krylov.converge(&factor)?;
+            krylov.converge(&factor).map_err(|error| not_above(error, least))?;
             let mut certificate = certify(&krylov)?;
             if certificate.excess > 1.0 {
                 krylov.purify(&factor)?;
                 certificate = certify(&krylov)?;
             }
-            largest = certificate.largest;
+            least = least.min(certificate.largest);
             if certificate.excess > 1.0 {
                 krylov.tighten(0.1 / certificate.excess);
                 kept = Some(factor);
@@ -120,7 +120,17 @@ impl<'a> Problem<'a> {
                 return Ok(ascending(values, vectors, residuals, solves, positive));
             }
         }
-        Err(Error::NotConverged { iterations: krylov.restarts(), residual: largest })
+        Err(Error::NotConverged { iterations: krylov.restarts(), residual: least })
+    }
+}
+
+/// A failure to converge reports the smallest residual that a round before it had, if that is less.
+fn not_above(error: Error, least: f64) -> Error {
+    match error {
+        Error::NotConverged { iterations, residual } => {
+            Error::NotConverged { iterations, residual: residual.min(least) }
+        }
+        other => other,
     }
 }
 

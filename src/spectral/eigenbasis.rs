@@ -99,8 +99,19 @@ impl Eigenbasis {
 
     /// [`Eigenbasis::constant`], or an error that names the argument `what`.
     pub(super) fn need_constant(&self, what: &'static str) -> Result<f64> {
-        let why = "the constant is not among its eigenfunctions (prescribed boundary values?)";
-        self.constant.ok_or_else(|| Error::Argument { what, why: why.into() })
+        self.constant.ok_or_else(|| {
+            let (len, area) = (self.len(), self.basis.area().unwrap_or(f64::INFINITY));
+            // Eigenfunctions of components come before all others.
+            let why = match null_count(&self.values, area) {
+                null if null == len => format!(
+                    "all {len} eigenvalues are zero: the mesh has more components than that, and \
+                     the constant takes an eigenfunction of each"
+                ),
+                _ => "the constant is not among its eigenfunctions (prescribed boundary values?)"
+                    .into(),
+            };
+            Error::Argument { what, why }
+        })
     }
 
     /// Analysis of `f`, as [`Basis::analysis`].
@@ -112,12 +123,17 @@ impl Eigenbasis {
     }
 }
 
+/// How many of these eigenvalues, which ascend, are zero on a mesh of this area.
+fn null_count(values: &[f64], area: f64) -> usize {
+    let largest = values.last().copied().unwrap_or(0.0);
+    let zero = NULL * largest.max(1.0 / area);
+    values.partition_point(|&value| value <= zero)
+}
+
 /// Makes the first function the constant one, if it can be; returns its value.
 fn constant_first(values: &[f64], basis: &mut Basis) -> Result<Option<f64>> {
     let Ok(area) = basis.area() else { return Ok(None) };
-    let largest = values.last().copied().unwrap_or(0.0);
-    let zero = NULL * largest.max(1.0 / area);
-    let null = values.partition_point(|&value| value <= zero);
+    let null = null_count(values, area);
     if null == 0 {
         return Ok(None);
     }

@@ -24,8 +24,9 @@ const STEPS: usize = 100;
 
 /// Find the curve on a mesh that samples without an order are of.
 ///
-/// Says how it ended: closed, open, blocked, close-blocked or disconnected; when the curve is not complete, what there is of
-/// it is written, and the program fails.
+/// Says how it ended: closed, open, blocked, close-blocked or disconnected; when the curve is not
+/// complete, what there is of it is written, and the program fails. Each component of the mesh has
+/// curves of its own; samples on a component with fewer than three are left out, with a note.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
@@ -59,7 +60,8 @@ pub struct Args {
     /// Samples on faces become vertices; without this the nearest corner stands for them.
     #[arg(long)]
     insert: bool,
-    /// Where the curve goes: .obj (lines), or .json (outcome, order of the samples, path of vertices, points, length).
+    /// Where the curve goes: .obj (lines), or .json (outcome, order of the samples, samples left
+    /// out, path of vertices, points, length).
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
@@ -143,12 +145,20 @@ pub fn run(args: &Args) -> Result<()> {
         let length = curve.length;
         report(format_args!("curve     {count} samples, {steps} vertices, length {length}"))?;
     }
+    if let (Some(first), true) = (found.left_out.first(), found.outcome.is_complete()) {
+        complain(format_args!(
+            "note: {} of {} samples left out, such as sample {first} (from 0): fewer than three on \
+             their component of the mesh",
+            found.left_out.len(),
+            sites.len()
+        ));
+    }
     write(output, &found, format)?;
     if let Some(picture) = picture {
         let samples: Vec<_> =
             placed.vertices.iter().map(|&v| mesh.vertices()[v as usize]).collect();
         let (painted, colors) = with_curves(&file.mesh, &found.curves, &samples)?;
-        args.picture.draw(picture, &[(&painted, Paint::Colors(&colors), "")])?;
+        args.picture.draw(picture, &args.mesh, &[(&painted, Paint::Colors(&colors), "")])?;
     }
     report(format_args!("written   {}", args.output.display()))?;
     if !found.outcome.is_complete() {
@@ -205,10 +215,12 @@ fn json(found: &Reconstruction) -> String {
         })
         .collect();
     format!(
-        "{{\n  \"outcome\": \"{}\",\n  \"length\": {},\n  \"order\": {},\n  \"path\": {},\n  \"curves\": [\n{}\n  ]\n}}\n",
+        "{{\n  \"outcome\": \"{}\",\n  \"length\": {},\n  \"order\": {},\n  \"left_out\": {},\n  \
+         \"path\": {},\n  \"curves\": [\n{}\n  ]\n}}\n",
         found.outcome.name(),
         found.length(),
         list(&mut curves.iter().flat_map(|c| &c.order)),
+        list(&mut found.left_out.iter()),
         list(&mut curves.iter().flat_map(|c| &c.path)),
         each.join(",\n")
     )

@@ -41,7 +41,7 @@ fn site(words: &[&str]) -> Option<Site> {
     }
 }
 
-/// A number of a vertex or face; tables of numbers, such as `catamaran fps` writes, have it as 7.0.
+/// A number of a vertex or face; tables of real numbers have it as 7.0.
 fn index(word: &str) -> Option<u32> {
     word.strip_suffix(".0").unwrap_or(word).parse().ok()
 }

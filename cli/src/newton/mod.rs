@@ -9,6 +9,7 @@ use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::io::Overwrite;
+use catamaran::mesh::{Normalization, TriMesh};
 use catamaran::texture::newton::{
     Fractal, Gradient, Grid, Newton, NewtonOptions, Points, Polynomial, texels,
 };
@@ -24,8 +25,10 @@ use output::{Drawing, Job};
 
 /// Decorate a plane, a mesh or a volume with a Newton fractal in four dimensions (bicomplex numbers).
 ///
-/// Each point gets the colour of the root that Newton's method takes it to, darker the longer that takes. Without MESH the
-/// plane z = 0 is drawn; with it, its vertices, or with --uv the texels of its texture; with --volume, voxels.
+/// Each point gets the colour of the root that Newton's method takes it to, darker the longer that
+/// takes. Without MESH the plane z = 0 is drawn; with it, its vertices, or with --uv the texels of
+/// its texture; with --volume, voxels. A mesh is looked at as if its box, kept in proportion, had
+/// its middle at the origin and a longest side of --extent, whatever its unit.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
@@ -52,10 +55,10 @@ pub struct Args {
     /// The fourth coordinate of the last frame.
     #[arg(long, value_name = "W", requires = "frames", allow_hyphen_values = true)]
     w_to: Option<f64>,
-    /// What points are multiplied by, after the offset and w have been added.
+    /// What points, fitted, are multiplied by, after the offset and w have been added.
     #[arg(long, value_name = "S", default_value_t = 1.0, allow_hyphen_values = true)]
     scale: f64,
-    /// What is added to points.
+    /// What is added to points, fitted.
     #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", allow_hyphen_values = true, value_parser = numbers::<3>)]
     offset: [f64; 3],
     /// Iterations.
@@ -70,7 +73,10 @@ pub struct Args {
     /// Pixels, texels or voxels: N along each side, or WIDTHxHEIGHT [default: 1024; voxels 128].
     #[arg(long, value_name = "SIZE", value_parser = size)]
     size: Option<(u32, u32)>,
-    /// How wide the part of the plane, or the volume, is.
+    /// Take the coordinates of a mesh as they are: don't fit them into the --extent.
+    #[arg(long, requires = "mesh")]
+    no_fit: bool,
+    /// How wide the part of the plane, the volume, or what a mesh is fitted into is.
     #[arg(long, value_name = "WIDTH", default_value_t = 3.0)]
     extent: f64,
     /// Texels of the mesh's texture, not vertices.
@@ -140,9 +146,11 @@ pub fn run(args: &Args) -> Result<()> {
         let fractal = evaluate(device.as_ref(), &newton, drawing.points(), par, progress)?;
         time += start.elapsed();
         points += fractal.roots.len();
-        if let (Drawing::Vertices { file, .. }, Some(picture)) = (&drawing, picture.take()) {
+        if let (Drawing::Vertices { file, .. }, Some(source), Some(picture)) =
+            (&drawing, &args.mesh, picture.take())
+        {
             let colors = colors(&newton, &fractal);
-            args.picture.draw(picture, &[(&file.mesh, Paint::Colors(&colors), "")])?;
+            args.picture.draw(picture, source, &[(&file.mesh, Paint::Colors(&colors), "")])?;
         }
         job.write(&drawing, &newton, &fractal)?;
     }
@@ -246,14 +254,26 @@ fn drawing(args: &Args) -> Result<Drawing> {
         return Ok(Drawing::Plane { grid: Grid::plane(width, height, [0.0; 2], args.extent) });
     };
     let file = crate::decimate::read(path)?;
+    let named = || path.display().to_string();
+    let fitted = match args.no_fit {
+        true => file.mesh.clone(),
+        false => fitted(&file.mesh, args.extent).with_context(named)?,
+    };
     if !args.uv {
-        let positions = file.mesh.vertices().iter().map(|p| p.map(|x| x as f32)).collect();
+        let positions = fitted.vertices().iter().map(|p| p.map(|x| x as f32)).collect();
         return Ok(Drawing::Vertices { file, positions });
     }
-    let named = || path.display().to_string();
     let uv = file.uv.as_ref().context("has no texture coordinates").with_context(named)?;
-    let texels = texels(&file.mesh, uv, width, height).with_context(named)?;
+    let texels = texels(&fitted, uv, width, height).with_context(named)?;
     Ok(Drawing::Texels { texels, width: width as usize, height: height as usize })
+}
+
+/// The mesh moved and scaled such that its box has its middle at the origin and a longest side of
+/// `extent`.
+fn fitted(mesh: &TriMesh, extent: f64) -> catamaran::Result<TriMesh> {
+    let (mut vertices, faces) = mesh.normalized(Normalization::UnitBox)?.into_parts();
+    vertices.as_flattened_mut().iter_mut().for_each(|x| *x *= extent);
+    TriMesh::new(vertices, faces)
 }
 
 /// N numbers with commas between them.

@@ -1,11 +1,12 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::TriMesh;
 
 use super::color::ColorScale;
-use super::mesh::{Paint, Panel, Scene, View, render};
+use super::mesh::up::guess;
+use super::mesh::{Paint, Panel, Scene, Up, View, render};
 
 /// A picture of meshes, beside what a subcommand computes.
 #[derive(clap::Args)]
@@ -13,11 +14,18 @@ pub struct PictureArgs {
     /// Draw the result to this .png file.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// From where meshes are seen: degrees around the upward axis, degrees above the horizon, then ,z if z is up instead of
-    /// y, then ,flat for no perspective [default: 30,15].
+    /// From where meshes are seen: degrees around the upward axis, degrees above the horizon, then
+    /// ,flat for no perspective [default: 30,15].
     #[arg(long, value_name = "AROUND,ABOVE", requires = "picture", allow_hyphen_values = true)]
     view: Option<View>,
+    /// The axis that is up in the picture [default: that of the normals for a height field such as
+    /// a terrain, else z for .stl and .3mf, else y].
+    #[arg(long, value_name = "AXIS", requires = "picture")]
+    up: Option<Up>,
 }
+
+/// What is drawn: meshes side by side, what each is painted with, and its title.
+type Panels<'a> = [(&'a TriMesh, Paint<'a>, &'a str)];
 
 impl PictureArgs {
     /// Begins the picture, if there shall be one.
@@ -29,33 +37,34 @@ impl PictureArgs {
         Ok(Some(Output::create(path, overwrite)?))
     }
 
-    /// Draws meshes side by side: what each is painted with, and its title.
-    pub fn draw(&self, output: Output, panels: &[(&TriMesh, Paint<'_>, &str)]) -> Result<()> {
-        self.draw_as(output, panels, Scene::default())
+    /// Draws meshes side by side, all from the same side. The first and the name of its file,
+    /// `source`, say which axis is up, unless --up does.
+    pub fn draw(&self, output: Output, source: &Path, panels: &Panels<'_>) -> Result<()> {
+        self.draw_as(output, source, panels, Scene::default())
     }
 
     /// [`PictureArgs::draw`] of values from 0 to 1, whatever the least and the largest of them are.
-    pub fn draw_shares(
-        &self,
-        output: Output,
-        panels: &[(&TriMesh, Paint<'_>, &str)],
-    ) -> Result<()> {
+    pub fn draw_shares(&self, output: Output, source: &Path, panels: &Panels<'_>) -> Result<()> {
         let scale = Some(ColorScale::of([0.0, 1.0].into_iter()));
-        self.draw_as(output, panels, Scene { scale, ..Scene::default() })
+        self.draw_as(output, source, panels, Scene { scale, ..Scene::default() })
     }
 
     /// [`PictureArgs::draw`] with flat faces and their edges.
-    pub fn draw_faces(&self, output: Output, panels: &[(&TriMesh, Paint<'_>, &str)]) -> Result<()> {
-        self.draw_as(output, panels, Scene { edges: true, smooth: false, ..Scene::default() })
+    pub fn draw_faces(&self, output: Output, source: &Path, panels: &Panels<'_>) -> Result<()> {
+        let scene = Scene { edges: true, smooth: false, ..Scene::default() };
+        self.draw_as(output, source, panels, scene)
     }
 
     fn draw_as(
         &self,
         output: Output,
-        panels: &[(&TriMesh, Paint<'_>, &str)],
+        source: &Path,
+        panels: &Panels<'_>,
         scene: Scene<'_>,
     ) -> Result<()> {
-        let view = self.view.unwrap_or_default();
+        let guessed = || panels.first().map_or(Up::Y, |(mesh, ..)| guess(mesh, source));
+        let up = self.up.unwrap_or_else(guessed);
+        let view = View { up, ..self.view.unwrap_or_default() };
         let panels =
             panels.iter().map(|&(mesh, paint, title)| Panel { mesh, paint, view, title }).collect();
         let path = output.path().display().to_string();

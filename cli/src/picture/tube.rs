@@ -1,4 +1,5 @@
-//! Curves on a surface as thin tubes, and samples as small balls, so that they are drawn as what they are.
+//! Curves on a surface as thin tubes that lie on it, and samples as small balls, so that they are
+//! drawn as what they are.
 
 use anyhow::Result;
 use catamaran::curve::Curve;
@@ -31,9 +32,11 @@ pub fn with_curves(
     let diagonal = norm(sub(high, low));
     let (mut vertices, mut faces) = mesh.clone().into_parts();
     let mut colors = vec![SURFACE; vertices.len()];
+    let lift = Lift::new(mesh, TUBE * diagonal);
     for (curve, color) in curves.iter().zip(CURVES.into_iter().cycle()) {
-        let next = curve.points.iter().skip(1).chain(curve.points.first().filter(|_| curve.closed));
-        for (&from, &to) in curve.points.iter().zip(next) {
+        let points: Vec<Vector> = curve.points.iter().map(|&p| lift.above(p)).collect();
+        let next = points.iter().skip(1).chain(points.first().filter(|_| curve.closed));
+        for (&from, &to) in points.iter().zip(next) {
             tube(&mut vertices, &mut faces, from, to, TUBE * diagonal);
         }
         colors.resize(vertices.len(), color);
@@ -47,6 +50,51 @@ pub fn with_curves(
     }
     colors.resize(vertices.len(), SAMPLE);
     Ok((TriMesh::new(vertices, faces)?, colors))
+}
+
+/// Takes points of a surface off it along its normals, or a tube around them would be half inside.
+struct Lift<'a> {
+    mesh: &'a TriMesh,
+    normals: Vec<Vector>,
+    /// Vertices that faces have, by x.
+    sorted: Vec<u32>,
+    height: f64,
+}
+
+impl<'a> Lift<'a> {
+    fn new(mesh: &'a TriMesh, height: f64) -> Self {
+        let mut sorted: Vec<u32> = mesh.faces().as_flattened().to_vec();
+        let x = |v: &u32| mesh.vertices()[*v as usize][0];
+        sorted.sort_unstable_by(|a, b| x(a).total_cmp(&x(b)).then(a.cmp(b)));
+        sorted.dedup();
+        Self { mesh, normals: mesh.vertex_normals(), sorted, height }
+    }
+
+    /// The point above p, by the normal of the vertex nearest to p.
+    fn above(&self, p: Vector) -> Vector {
+        let Some(vertex) = self.nearest(p) else { return p };
+        let normal = self.normals[vertex as usize];
+        std::array::from_fn(|k| p[k] + self.height * normal[k])
+    }
+
+    fn nearest(&self, p: Vector) -> Option<u32> {
+        let at = |v: u32| self.mesh.vertices()[v as usize];
+        let start = self.sorted.partition_point(|&v| at(v)[0] < p[0]);
+        let (below, above) = self.sorted.split_at(start);
+        let mut best: Option<(f64, u32)> = None;
+        let mut look = |v: u32| {
+            let far = best.map_or(f64::INFINITY, |(distance, _)| distance);
+            let distance = norm(sub(at(v), p));
+            if distance < far {
+                best = Some((distance, v));
+            }
+            (at(v)[0] - p[0]).abs() <= far
+        };
+        // Away from p along x, until x alone is farther than the nearest so far.
+        let _ = above.iter().all(|&v| look(v));
+        let _ = below.iter().rev().all(|&v| look(v));
+        best.map(|(_, vertex)| vertex)
+    }
 }
 
 /// The side of a prism around a line, without ends.
@@ -95,4 +143,30 @@ fn norm(a: Vector) -> f64 {
 
 fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tube_lies_on_its_surface_and_does_not_sink_into_it() {
+        let mesh = families::icosphere(3).unwrap();
+        // A great circle, between vertices.
+        let points: Vec<Vector> = (0..60)
+            .map(|i| {
+                let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / 60.0).sin_cos();
+                [0.6 * cos, sin, 0.8 * cos]
+            })
+            .collect();
+        let (order, path) = (vec![], vec![]);
+        let curve = Curve { order, path, points, closed: true, length: 0.0 };
+        let (painted, colors) = with_curves(&mesh, &[curve], &[]).unwrap();
+        let on_tube = |v: &usize| colors[*v] == CURVES[0];
+        let all = (0..colors.len()).filter(on_tube).map(|v| norm(painted.vertices()[v]));
+        let heights: Vec<f64> = all.map(|r| r - 1.0).collect();
+        let radius = TUBE * 12.0_f64.sqrt();
+        assert!(heights.len() == 60 * 2 * SIDES);
+        assert!(heights.iter().all(|&h| h > -0.1 * radius && h < 2.1 * radius), "{heights:?}");
+    }
 }

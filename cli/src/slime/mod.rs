@@ -23,7 +23,7 @@ use catamaran::{Error, Par};
 
 use crate::device::DeviceArgs;
 use crate::input;
-use crate::picture::{View, write_chart};
+use crate::picture::{Up, View, guess_up, write_chart};
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
 use crate::signals;
@@ -79,10 +79,14 @@ pub struct Args {
     /// Draw the mesh in its last texture to this .png file.
     #[arg(long, value_name = "FILE")]
     render: Option<PathBuf>,
-    /// From where it is seen: degrees around the upward axis, degrees above the horizon, then ,z if z is up instead of y, then
-    /// ,flat for no perspective [default: 30,15].
+    /// From where it is seen: degrees around the upward axis, degrees above the horizon, then ,flat
+    /// for no perspective [default: 30,15].
     #[arg(long, value_name = "AROUND,ABOVE", requires = "render", allow_hyphen_values = true)]
     view: Option<View>,
+    /// The axis that is up in that picture [default: that of the normals for a height field such as
+    /// a terrain, else z for .stl and .3mf, else y].
+    #[arg(long, value_name = "AXIS", requires = "render")]
+    up: Option<Up>,
     /// Draw coverage and presence over time to this .svg file.
     #[arg(long, value_name = "FILE")]
     coverage: Option<PathBuf>,
@@ -173,7 +177,9 @@ pub fn run(args: &Args) -> Result<()> {
         write_chart(output, &chart(&moments))?;
     }
     if let Some(output) = outputs.render {
-        let view = args.view.unwrap_or_default();
+        let guessed = || guess_up(&file.mesh, &args.mesh);
+        let up = args.up.unwrap_or_else(guessed);
+        let view = View { up, ..args.view.unwrap_or_default() };
         draw(&file.mesh, &simulation, view, PIXELS)?.write_png(output)?;
     }
     if done > first {

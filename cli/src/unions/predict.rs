@@ -86,7 +86,7 @@ pub fn run(args: &Args) -> Result<()> {
         if let (Some((mesh, _)), Some(inside)) = (&found, &clipped) {
             panels.push((mesh, Paint::Values(inside), "union"));
         }
-        args.picture.draw_shares(picture, &panels)?;
+        args.picture.draw_shares(picture, &args.parts[0], &panels)?;
     }
     if let Some(mut output) = output {
         let lines: String = (0..K)

@@ -52,6 +52,18 @@ fn points_in_space_and_on_faces_are_samples() {
 }
 
 #[test]
+fn samples_too_few_for_a_curve_are_left_out_with_a_note_and_others_get_theirs() {
+    let folder = folder(&families::spheres(3, 1).unwrap(), "42\n0\n1\n5\n84\n85\n");
+    let run = folder.run("curve mesh.obj --samples samples.txt -o curve.json");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(run.stdout.contains("outcome   closed"), "{}", run.stdout);
+    assert!(run.stdout.contains("curve     3 samples"), "{}", run.stdout);
+    assert!(run.stderr.contains("note: 3 of 6 samples left out"), "{}", run.stderr);
+    let json = std::fs::read_to_string(folder.path("curve.json")).unwrap();
+    assert!(json.contains("\"left_out\": [0, 4, 5]"), "{json}");
+}
+
+#[test]
 fn what_is_wrong_is_said_with_its_place() {
     let mesh = families::spheres(2, 1).unwrap();
     let folder = folder(&mesh, "0\n1\nx\n");
@@ -66,11 +78,12 @@ fn what_is_wrong_is_said_with_its_place() {
     assert!(told("0\n1\n99\n").contains("vertex 99 of 84"));
     assert!(!folder.path("curve.json").exists());
     // An outcome, not an error: there is a file.
-    folder.write("samples.txt", "0\n1\n5\n42\n");
+    folder.write("samples.txt", "0\n1\n42\n");
     let outcome = folder.run(run);
     assert_eq!(outcome.code, Some(1));
     assert!(outcome.stderr.contains("samples on 2 components of the mesh"), "{}", outcome.stderr);
     let json = std::fs::read_to_string(folder.path("curve.json")).unwrap();
     assert!(json.contains("\"outcome\": \"disconnected\""), "{json}");
+    assert!(json.contains("\"length\": 0,") && json.contains("\"left_out\": [0, 1, 2]"), "{json}");
     assert!(folder.fail("curve mesh.obj --samples samples.txt -o c.txt").contains(".obj or .json"));
 }

@@ -158,7 +158,9 @@ fn nothing_is_replaced_unasked() {
 #[test]
 fn farthest_points_are_nested_and_start_their_cells() {
     let folder = folder("in.ply", &sphere().into());
-    let said = folder.succeed("fps in.ply -n 30 --first 17 -o few.csv --cells cells.csv");
+    let said = folder.succeed(
+        "fps in.ply -n 30 --first 17 -o few.csv --cells cells.csv --distances distances.csv",
+    );
     assert!(said.contains("samples     30, cells of radius "), "{said}");
     folder.succeed("fps in.ply -n 50 --first 17 -o many.csv --picture p.png");
     let (few, many) = (numbers(&folder, "few.csv"), numbers(&folder, "many.csv"));
@@ -167,11 +169,40 @@ fn farthest_points_are_nested_and_start_their_cells() {
     assert_eq!(few[0], [17.0]);
     let cells = numbers(&folder, "cells.csv");
     assert_eq!(cells.len(), 2562);
+    let distances = numbers(&folder, "distances.csv");
+    assert_eq!(distances.len(), 2562);
     for (k, sample) in few.iter().enumerate() {
-        assert_eq!(cells[sample[0] as usize], [k as f64, 0.0]);
+        assert_eq!(cells[sample[0] as usize], [k as f64]);
+        assert_eq!(distances[sample[0] as usize], [0.0]);
     }
-    assert!(cells.iter().all(|cell| (0.0..30.0).contains(&cell[0]) && cell[1] >= 0.0));
+    assert!(cells.iter().all(|cell| (0.0..30.0).contains(&cell[0])));
+    assert!(distances.iter().all(|distance| distance[0] >= 0.0));
     let refused = folder.fail("fps in.ply -n 2563 -o more.csv");
     assert!(refused.contains("only 2562 vertices"), "{refused}");
     assert!(folder.fail("fps in.ply -n 5 --first 2562 -o more.csv").contains("first"));
+}
+
+#[test]
+fn numbers_of_vertices_and_cells_are_integers() {
+    let folder = folder("in.ply", &sphere().into());
+    folder.succeed("fps in.ply -n 7 --first 2000 -o few.npy --cells cells.npy");
+    folder.succeed("fps in.ply -n 7 --first 2000 -o few.csv");
+    // Entries of another type would not be read as these.
+    let samples: Vec<i64> = folder.read_npy("few.npy");
+    assert_eq!((samples.len(), samples[0]), (7, 2000));
+    let cells: Vec<i64> = folder.read_npy("cells.npy");
+    assert!(cells.iter().all(|cell| (0..7).contains(cell)));
+    let lines: String = samples.iter().map(|sample| format!("{sample}\n")).collect();
+    assert_eq!(fs::read_to_string(folder.path("few.csv")).unwrap(), lines);
+}
+
+#[test]
+fn no_samples_are_refused() {
+    let folder = folder("in.ply", &sphere().into());
+    for count in ["0", "-1", "x"] {
+        let run = folder.run(&format!("fps in.ply -n={count} -o few.npy"));
+        assert_eq!(run.code, Some(2), "{}", run.stderr);
+        assert!(run.stderr.contains("at least 1"), "{}", run.stderr);
+    }
+    assert!(!folder.path("few.npy").exists());
 }

@@ -9,6 +9,7 @@ mod decimate;
 mod demo;
 mod mesh;
 mod newton;
+mod picture;
 mod ranks;
 mod shapedna;
 mod slime;

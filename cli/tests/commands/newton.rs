@@ -44,6 +44,42 @@ fn a_mesh_gets_colours_and_a_texture() {
 }
 
 #[test]
+fn a_mesh_has_the_same_colours_whatever_its_unit_and_place() {
+    use catamaran::mesh::{TriMesh, families};
+    let folder = Folder::new();
+    let sphere = families::icosphere(3).unwrap();
+    let colors = |name: &str, size: f64, shift: f64, options: &str| {
+        let place = |p: &[f64; 3]| p.map(|x| size * x + shift);
+        let vertices = sphere.vertices().iter().map(place).collect();
+        let mesh = TriMesh::new(vertices, sphere.faces().to_vec()).unwrap();
+        let overwrite = catamaran::io::Overwrite::Replace;
+        let output = catamaran::io::Output::create(&folder.path(name), overwrite).unwrap();
+        catamaran::mesh::io::write(output, &mesh.into()).unwrap();
+        folder.succeed(&format!("newton {name} --power 5 {options} -o colored.ply --force"));
+        let file = catamaran::mesh::io::read(&folder.path("colored.ply")).unwrap();
+        // The mesh itself stays where it is.
+        assert!((file.mesh.vertices()[0][0] - place(&sphere.vertices()[0])[0]).abs() < 1e-3 * size);
+        file.colors.unwrap()
+    };
+    let count = |colors: &[[f64; 4]]| {
+        let mut all: Vec<_> = colors.iter().map(|c| c.map(|x| (20.0 * x) as u8)).collect();
+        all.sort_unstable();
+        all.dedup();
+        all.len()
+    };
+    let unit = colors("unit.ply", 1.0, 0.0, "");
+    assert!(count(&unit) > 20, "{}", count(&unit));
+    let large = colors("large.ply", 1024.0, 65536.0, "");
+    let same = unit.iter().zip(&large).filter(|(a, b)| a == b).count();
+    // Positions are rounded differently, and borders of basins are fine.
+    assert!(10 * same > 9 * unit.len(), "{same} of {}", unit.len());
+    let raw = colors("large.ply", 1024.0, 65536.0, "--no-fit");
+    assert!(count(&raw) <= 2, "{}", count(&raw));
+    folder.write("point.obj", "v 1 2 3\n");
+    assert!(folder.fail("newton point.obj -o x.ply").contains("point.obj"));
+}
+
+#[test]
 fn a_volume_is_an_array_and_frames_are_numbered() {
     let folder = Folder::new();
     folder.succeed("newton --volume --size 9 --roots 1,0:-1,0.5 -o v.npy --heights t.npy");

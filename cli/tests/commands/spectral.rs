@@ -90,8 +90,7 @@ fn coordinates_are_transferred_along_points_and_landmarks() {
     let said = folder.succeed(&found);
     assert!(said.contains("transfer  3 functions"), "{said}");
     let read_points = std::fs::read_to_string(folder.path("found.txt")).unwrap();
-    let read_points: Vec<u32> =
-        read_points.lines().map(|line| line.parse::<f64>().unwrap() as u32).collect();
+    let read_points: Vec<u32> = read_points.lines().map(|line| line.parse().unwrap()).collect();
     assert_eq!(read_points, points);
     let (a, b): (Vec<f64>, Vec<f64>) =
         (folder.read_npy("by_points.npy"), folder.read_npy("found.npy"));
@@ -173,4 +172,146 @@ fn filters_smooth_sharpen_and_split() {
     assert!(said.contains("time"), "{said}");
     let said = folder.fail("filter source.ply --low-pass 3 -o x.xyz");
     assert!(said.contains("x.xyz"), "{said}");
+}
+
+/// The mean of the vertices of each of so many components of the same size.
+fn middles(mesh: &TriMesh, components: usize) -> Vec<[f64; 3]> {
+    let n = mesh.vertices().len() / components;
+    let mean = |points: &[[f64; 3]]| {
+        [0, 1, 2].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / points.len() as f64)
+    };
+    mesh.vertices().chunks(n).map(mean).collect()
+}
+
+#[test]
+fn a_filter_moves_no_component_to_the_origin() {
+    let folder = Folder::new();
+    let spheres = families::spheres(4, 2).unwrap();
+    let output = Output::create(&folder.path("spheres.ply"), Overwrite::Never).unwrap();
+    write(output, &spheres.clone().into()).unwrap();
+    let filters = ["--low-pass 2", "--band 0..2", "--low-pass 20", "--heat 1e-3"];
+    let products = ["--low-pass 2 --order 2", "--heat 1e-3 --order 2"];
+    for filter in filters.iter().chain(&products) {
+        folder.succeed(&format!("filter spheres.ply {filter} -k 20 -o out.ply --force"));
+        let found = middles(&read(&folder.path("out.ply")).unwrap().mesh, 4);
+        for (i, middle) in found.iter().enumerate() {
+            let off = (middle[0] - 3.0 * i as f64).abs().max(middle[1].abs()).max(middle[2].abs());
+            assert!(off < 1e-3, "{filter}: component {i} at {middle:?}");
+        }
+    }
+    // Pieces that shrink to points are said to.
+    let run = folder.run("filter spheres.ply --low-pass 1 -k 20 -o points.ply");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(run.stderr.contains("note: 4 of 4 components are points now"), "{}", run.stderr);
+    let run = folder.run("filter spheres.ply --low-pass 17 -k 20 -o round.ply");
+    assert_eq!(run.stderr, "");
+}
+
+#[test]
+fn fewer_eigenfunctions_than_components_are_refused_with_the_reason() {
+    let folder = Folder::new();
+    let output = Output::create(&folder.path("spheres.ply"), Overwrite::Never).unwrap();
+    write(output, &families::spheres(6, 1).unwrap().into()).unwrap();
+    for command in [
+        "filter spheres.ply --low-pass 3 -k 4 -o out.ply",
+        "filter spheres.ply --heat 1e-3 -k 4 --order 2 -o out.ply",
+        "basis spheres.ply -k 4 -o out.npz",
+    ] {
+        let said = folder.fail(command);
+        for part in ["6 components", "5 eigenfunctions are too few", "-k 5 or more", "--weld"] {
+            assert!(said.contains(part), "{said}");
+        }
+    }
+    folder.succeed("basis spheres.ply -k 5 -o out.npz");
+}
+
+#[test]
+fn distances_are_over_faces_or_along_edges() {
+    let folder = Folder::new();
+    let mesh = families::spheres(2, 3).unwrap();
+    let output = Output::create(&folder.path("spheres.ply"), Overwrite::Never).unwrap();
+    write(output, &mesh.clone().into()).unwrap();
+    let n = mesh.vertices().len() / 2;
+    let said = folder.succeed("distance spheres.ply --from 5 -o heat.npy --picture p.png");
+    assert!(said.contains(&format!("{n} of {} vertices reached", 2 * n)), "{said}");
+    assert_eq!(&std::fs::read(folder.path("p.png")).unwrap()[1..4], b"PNG");
+    folder.succeed("distance spheres.ply --from 5 --method edges -o edges.npy");
+    let (heat, edges): (Vec<f64>, Vec<f64>) =
+        (folder.read_npy("heat.npy"), folder.read_npy("edges.npy"));
+    assert_eq!((heat.len(), edges.len(), heat[5], edges[5]), (2 * n, 2 * n, 0.0, 0.0));
+    for (v, p) in mesh.vertices().iter().enumerate().take(n) {
+        let q = mesh.vertices()[5];
+        let angle = (0..3).map(|k| p[k] * q[k]).sum::<f64>().clamp(-1.0, 1.0).acos();
+        assert!((heat[v] - angle).abs() < 0.1, "{v}: {} and not {angle}", heat[v]);
+        assert!(edges[v] >= 0.99 * angle && edges[v] <= 1.3 * angle, "{v}: {}", edges[v]);
+    }
+    assert!(heat[n..].iter().chain(&edges[n..]).all(|distance| *distance == f64::INFINITY));
+    // From the nearest of several.
+    folder.succeed(&format!("distance spheres.ply --from 5,{n} --method edges -o both.npy"));
+    let both: Vec<f64> = folder.read_npy("both.npy");
+    assert!(both[..n] == edges[..n] && both[n] == 0.0 && both.iter().all(|x| x.is_finite()));
+    for threads in [1, 2] {
+        folder.succeed(&format!(
+            "distance spheres.ply --from 5 --threads {threads} -o same.npy --force"
+        ));
+        assert_eq!(folder.read_npy::<f64>("same.npy"), heat);
+    }
+    for method in ["heat", "edges"] {
+        let refused = folder
+            .fail(&format!("distance spheres.ply --from {} --method {method} -o x.npy", 2 * n));
+        assert!(refused.contains(&format!("vertex {} of", 2 * n)), "{refused}");
+    }
+    folder.write("alone.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\n");
+    let refused = folder.fail("distance alone.obj --from 0,3 -o x.npy");
+    assert!(refused.contains("alone.obj: vertex 3 is in no face"), "{refused}");
+    assert!(folder.fail("distance spheres.ply --from 5 -o heat.npy").contains("exists already"));
+    assert!(folder.fail("distance spheres.ply --from 5 -o a.ply").contains("a.ply"));
+    assert!(folder.fail("distance spheres.ply --from 5 --time 0 -o a.npy").contains("time"));
+}
+
+#[test]
+fn descriptors_are_tables_with_a_row_for_each_vertex_that_poses_do_not_change() {
+    let folder = Folder::new();
+    let (source, _) = meshes(&folder);
+    let n = source.vertices().len();
+    // The same surface elsewhere, turned by a quarter.
+    let moved = source.vertices().iter().map(|&[x, y, z]| [5.0 - y, x, z + 1.0]).collect();
+    let output = Output::create(&folder.path("moved.ply"), Overwrite::Never).unwrap();
+    write(output, &TriMesh::new(moved, source.faces().to_vec()).unwrap().into()).unwrap();
+    for (kind, columns) in [
+        ("hks -k 20 --scales 7", 7),
+        ("wks -k 20 --scales 5", 5),
+        ("gps -k 6", 6),
+        ("shot --radius 0.9", 352),
+        ("hks", 100),
+    ] {
+        let tables = ["source", "moved"].map(|name| {
+            let said = folder.succeed(&format!(
+                "descriptors {name}.ply --kind {kind} -o table.npy --force --threads 2"
+            ));
+            assert!(said.contains(&format!("{n} vertices, {columns} columns")), "{said}");
+            folder.read_npy::<f64>("table.npy")
+        });
+        assert_eq!(tables[0].len(), n * columns, "{kind}");
+        let size = tables[0].iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        // Eigenfunctions have their signs by chance.
+        let (a, b) = (&tables[0], &tables[1]);
+        let close = |(a, b): (&f64, &f64)| (a.abs() - b.abs()).abs() < 1e-6 * size;
+        assert!(size > 0.0 && a.iter().zip(b).all(close), "{kind}");
+    }
+    folder.succeed("descriptors source.ply --kind wks -k 20 -o w.csv --picture p.png");
+    assert_eq!(&std::fs::read(folder.path("p.png")).unwrap()[1..4], b"PNG");
+    for (arguments, says) in [
+        ("--kind shot -o x.npy", "--radius"),
+        ("--kind hks --radius 1 -o x.npy", "--radius"),
+        ("--kind shot --radius 1 -k 3 -o x.npy", "-k"),
+        ("--kind gps --scales 3 -o x.npy", "--scales"),
+        ("--kind shot --radius=-1 -o x.npy", "radius"),
+        ("--kind hks -k 162 -o x.npy", "162 vertices"),
+        ("--kind hks -o x.doc", "x.doc"),
+        ("--kind hks -o w.csv", "exists already"),
+    ] {
+        let said = folder.fail(&format!("descriptors source.ply {arguments}"));
+        assert!(said.contains(says), "{arguments}: {said}");
+    }
 }

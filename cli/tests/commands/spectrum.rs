@@ -57,6 +57,33 @@ fn a_sphere_has_the_multiplets_of_spherical_harmonics() {
 }
 
 #[test]
+fn a_tolerance_that_is_not_reached_is_an_error_that_names_the_pair_and_its_residual() {
+    let folder = Folder::new();
+    // Every second column of a grid is 1e-7 from the one before it: weights of 1e6.
+    let (mut vertices, faces) = families::grid(5, 5).unwrap().into_parts();
+    for p in &mut vertices {
+        let column = (5.0 * p[0]).round();
+        p[0] = (column / 2.0).floor() + 1e-7 * (column % 2.0);
+    }
+    write(&folder, "thin.ply", TriMesh::new(vertices, faces).unwrap());
+    let run = folder.run("spectrum thin.ply -k 8 --tolerance 1e-12 --verify -o s.npz");
+    assert_eq!(run.code, Some(1), "{}", run.stdout);
+    let residuals = array(&folder, "s.npz", "residuals").1;
+    let worst = (0..8).max_by(|&i, &j| residuals[i].total_cmp(&residuals[j])).unwrap();
+    let residual = residuals[worst];
+    assert!(residual > 1e-9, "{residuals:?}");
+    let said = format!("eigenpair {worst} (from 0) has a residual of {residual:.1e}, above the");
+    assert!(run.stderr.contains(&said) && run.stderr.contains("1e-12"), "{}", run.stderr);
+    // Where none is asked for there is a note.
+    let run = folder.run("spectrum thin.ply -k 8 -o default.npz");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(run.stderr.contains("note: thin.ply") && run.stderr.contains("1e-9"), "{}", run.stderr);
+    // One that can be reached is.
+    let said = folder.succeed("spectrum thin.ply -k 8 --tolerance 1e-5");
+    assert!(said.contains("residual    "), "{said}");
+}
+
+#[test]
 fn options_change_the_problem() {
     let folder = Folder::new();
     folder.write(

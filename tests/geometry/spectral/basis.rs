@@ -73,6 +73,16 @@ fn the_constant_is_made_the_first_function_of_a_mesh_in_several_pieces() {
 }
 
 #[test]
+fn fewer_eigenfunctions_than_components_are_said_to_be_the_reason_that_there_are_no_products() {
+    let (mesh, k) = (families::spheres(6, 1).unwrap(), 4);
+    let few = eigenbasis(&mesh, k);
+    let refused = ProductBasis::new(&few, 2, &ProductBasisOptions::new()).unwrap_err().to_string();
+    assert!(refused.contains("all 4 eigenvalues are zero"), "{refused}");
+    assert!(refused.contains("more components"), "{refused}");
+    ProductBasis::new(&eigenbasis(&mesh, 6), 1, &ProductBasisOptions::new()).unwrap();
+}
+
+#[test]
 fn a_basis_without_the_constant_has_no_products() {
     let sine = Mat::from_fn(99, 1, |i, _| {
         (std::f64::consts::PI * (i + 1) as f64 / 100.0).sin() * 2f64.sqrt()

@@ -9,11 +9,13 @@ pub type Vector = [f64; 3];
 const HALF_ANGLE: f64 = 0.22;
 
 /// Which coordinate points up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Up {
+    /// x.
+    X,
     /// y, as in most models.
     Y,
-    /// z, as in maps and scans.
+    /// z, as in maps and in files for 3D printing.
     Z,
 }
 
@@ -29,7 +31,8 @@ pub enum Projection {
 /// From where a mesh is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
-    /// Degrees around the upward axis. With y up 0 looks from z, 90 from x; with z up from -y and from x.
+    /// Degrees around the upward axis. With y up 0 looks from z, 90 from x; with z up from -y and
+    /// from x; with x up from y and from z.
     pub azimuth: f64,
     /// Degrees above the horizon, from -90 to 90.
     pub elevation: f64,
@@ -54,7 +57,7 @@ impl Default for View {
 impl FromStr for View {
     type Err = String;
 
-    /// "azimuth,elevation" in degrees, then ",z" if z is up, then ",flat" for no perspective.
+    /// "azimuth,elevation" in degrees, then ",flat" for no perspective; y is up.
     fn from_str(text: &str) -> Result<Self, String> {
         let angle = |part: Option<&str>, most: f64| {
             let angle = part.and_then(|p| p.trim().parse::<f64>().ok());
@@ -62,24 +65,18 @@ impl FromStr for View {
         };
         let mut parts = text.split(',');
         let (azimuth, elevation) = (angle(parts.next(), 360.0), angle(parts.next(), 90.0));
-        let mut rest: Vec<&str> = parts.map(str::trim).collect();
-        let mut given = |word: &str| {
-            let there = rest.first() == Some(&word);
-            rest.drain(..usize::from(there));
-            there
+        let projection = match parts.map(str::trim).collect::<Vec<_>>()[..] {
+            [] => Some(Projection::Perspective),
+            ["flat"] => Some(Projection::Orthographic),
+            _ => None,
         };
-        let up = if given("z") { Up::Z } else { Up::Y };
-        let flat = given("flat");
-        let projection = if flat { Projection::Orthographic } else { Projection::Perspective };
-        match (azimuth, elevation, rest.is_empty()) {
-            (Some(azimuth), Some(elevation), true) => {
-                Ok(Self { azimuth, elevation, up, projection })
+        match (azimuth, elevation, projection) {
+            (Some(azimuth), Some(elevation), Some(projection)) => {
+                Ok(Self { azimuth, elevation, up: Up::Y, projection })
             }
-            _ => Err(
-                "azimuth,elevation in degrees (up to 360 and 90), then ,z if z is up, then ,flat \
-                      for no perspective"
-                    .into(),
-            ),
+            _ => Err("azimuth,elevation in degrees (up to 360 and 90), then ,flat for no \
+                      perspective (--up says which axis is up)"
+                .into()),
         }
     }
 }
@@ -175,6 +172,7 @@ fn axes(view: &View) -> [Vector; 3] {
     let (se, ce) = view.elevation.to_radians().sin_cos();
     let axes = [[ca, 0.0, -sa], [-se * sa, ce, -se * ca], [ce * sa, se, ce * ca]];
     match view.up {
+        Up::X => axes.map(|[x, y, z]| [y, z, x]),
         Up::Y => axes,
         Up::Z => axes.map(|[x, y, z]| [x, -z, y]),
     }

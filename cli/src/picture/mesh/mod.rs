@@ -6,6 +6,7 @@ mod raster;
 mod shade;
 #[cfg(test)]
 mod tests;
+pub mod up;
 
 use anyhow::{Result, bail};
 use catamaran::mesh::TriMesh;

@@ -119,8 +119,8 @@ fn values_have_the_colours_of_the_scale_that_all_panels_share() {
 fn views_are_read_as_they_are_written() {
     let view: View = "30, -10".parse().unwrap();
     assert_eq!((view.azimuth, view.elevation, view.up), (30.0, -10.0, Up::Y));
-    assert_eq!("0,90,z".parse::<View>().unwrap().up, Up::Z);
-    for wrong in ["", "30", "a,b", "0,91", "0,0,x", "0,0,z,1", "nan,0"] {
+    assert_eq!("0,90,flat".parse::<View>().unwrap().projection, Projection::Orthographic);
+    for wrong in ["", "30", "a,b", "0,91", "0,0,x", "0,0,flat,1", "nan,0"] {
         assert!(wrong.parse::<View>().is_err(), "{wrong}");
     }
 }
@@ -128,11 +128,21 @@ fn views_are_read_as_they_are_written() {
 #[test]
 fn up_is_up_and_right_is_right() {
     // Seen along -z resp. along y, the third corner is up; from behind, the second is left.
-    for (up, azimuth, right) in
-        [(Up::Y, 0.0, true), (Up::Z, 0.0, true), (Up::Y, 180.0, false), (Up::Z, 180.0, false)]
-    {
-        let top = if up == Up::Y { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] };
-        let mesh = TriMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], top], vec![[0, 1, 2]]).unwrap();
+    let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    for (up, azimuth, right) in [
+        (Up::X, 0.0, true),
+        (Up::Y, 0.0, true),
+        (Up::Z, 0.0, true),
+        (Up::X, 180.0, false),
+        (Up::Y, 180.0, false),
+        (Up::Z, 180.0, false),
+    ] {
+        let (side, top) = match up {
+            Up::X => (z, x),
+            Up::Y => (x, y),
+            Up::Z => (x, z),
+        };
+        let mesh = TriMesh::new(vec![[0.0; 3], side, top], vec![[0, 1, 2]]).unwrap();
         let camera = Camera::new(&mesh, &View { azimuth, up, ..front() }, 100.0, 100.0, 0.0);
         let [a, b, c] = [0, 1, 2].map(|v| camera.project(mesh.vertices()[v]));
         assert!(c.y < a.y - 50.0 && (b.x > a.x) == right, "{up:?} {azimuth}");

@@ -1,0 +1,131 @@
+//! `catamaran descriptors`.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, bail};
+use catamaran::faer::Mat;
+use catamaran::io::{self as files, Output, Overwrite};
+use catamaran::mesh::TriMesh;
+use catamaran::spectral::descriptors::{
+    ShotOptions, global_point_signature, heat_kernel_signature, heat_times, shot,
+    wave_kernel_signature, wave_scales,
+};
+use clap::ValueEnum;
+
+use crate::input;
+use crate::parse;
+use crate::picture::{Paint, PictureArgs, first_column};
+use crate::progress::Bar;
+use crate::report::report;
+use crate::shape::LaplacianArgs;
+
+/// Eigenfunctions, and scales, unless given.
+const K: usize = 100;
+const SCALES: usize = 100;
+
+/// Describe the vertices of a mesh by numbers that tell them apart, in a row for each vertex.
+///
+/// Heat kernel, wave kernel and global point signatures are of eigenfunctions and thus the same for
+/// any pose; SHOT is of the normals nearby, and the same for rigid motions.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
+    #[arg(value_name = "MESH")]
+    mesh: PathBuf,
+    /// What vertices are described by.
+    #[arg(long, value_name = "KIND")]
+    kind: Kind,
+    /// Eigenfunctions, the constant one not counted; not for shot [default: 100].
+    #[arg(short, value_name = "K", value_parser = parse::at_least_one)]
+    k: Option<usize>,
+    /// Columns of hks and wks: times in equal ratios, or energies, over the range of the
+    /// eigenvalues [default: 100].
+    #[arg(long, value_name = "N", value_parser = parse::at_least_one)]
+    scales: Option<usize>,
+    /// Radius of the ball that a vertex sees, in the unit of the mesh; for shot, which needs it.
+    #[arg(long, value_name = "R")]
+    radius: Option<f64>,
+    #[command(flatten)]
+    laplacian: LaplacianArgs,
+    /// Where the table goes, a vertex a row (.npy, .csv, .tsv, .txt or .mtx, and .gz after it); a
+    /// picture shows its first column.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    #[command(flatten)]
+    picture: PictureArgs,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// Heat kernel signature (Sun, Ovsjanikov and Guibas 2009), in 1 / area.
+    Hks,
+    /// Wave kernel signature (Aubry, Schlickewei and Cremers 2011), in 1 / area.
+    Wks,
+    /// Global point signature (Rustamov 2007), without a unit: a column for each eigenfunction that
+    /// is not constant.
+    Gps,
+    /// Signature of histograms of orientations (Tombari, Salti and Di Stefano 2010): 352 columns.
+    Shot,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    check(args)?;
+    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
+    files::check_name(&args.output)?;
+    let output = Output::create(&args.output, overwrite)?;
+    let picture = args.picture.create(overwrite)?;
+    let (mesh, table) = match args.radius {
+        Some(radius) => normals(args, radius)?,
+        None => spectral(args)?,
+    };
+    report(format_args!("table     {} vertices, {} columns", table.nrows(), table.ncols()))?;
+    if let Some(picture) = picture {
+        let values = first_column(&table);
+        args.picture.draw(picture, &args.mesh, &[(&mesh, Paint::Values(&values), "")])?;
+    }
+    let path = output.path().display().to_string();
+    files::write(output, table.as_ref())?;
+    report(format_args!("written   {path}"))
+}
+
+/// Refuses options that the kind has no use for.
+fn check(args: &Args) -> Result<()> {
+    let is_shot = args.kind == Kind::Shot;
+    if is_shot != args.radius.is_some() {
+        bail!("--radius goes with --kind shot, which needs it, and with no other");
+    }
+    if is_shot && args.k.is_some() {
+        bail!("-k: --kind shot has no eigenfunctions");
+    }
+    if args.scales.is_some() && !matches!(args.kind, Kind::Hks | Kind::Wks) {
+        bail!("--scales goes with --kind hks and wks only");
+    }
+    Ok(())
+}
+
+fn normals(args: &Args, radius: f64) -> Result<(TriMesh, Mat<f64>)> {
+    let mesh = input::mesh(&args.mesh)?.mesh;
+    let bar = Bar::new("descriptors");
+    let update = |fraction| bar.update(fraction);
+    let options = ShotOptions::new(radius).par(args.laplacian.par()).progress(&update);
+    let table = shot(&mesh, &options).with_context(|| args.mesh.display().to_string())?;
+    Ok((mesh, table))
+}
+
+fn spectral(args: &Args) -> Result<(TriMesh, Mat<f64>)> {
+    let shape = args.laplacian.shape(&args.mesh, args.k.unwrap_or(K).saturating_add(1))?;
+    let (values, vectors) = (shape.eigenbasis.values(), shape.eigenbasis.functions());
+    let (scales, par) = (args.scales.unwrap_or(SCALES), args.laplacian.par());
+    let table = match args.kind {
+        Kind::Wks => wave_scales(values, scales)
+            .and_then(|scales| wave_kernel_signature(values, vectors, &scales, par)),
+        Kind::Gps => global_point_signature(values, vectors),
+        Kind::Hks | Kind::Shot => heat_times(values, scales)
+            .and_then(|times| heat_kernel_signature(values, vectors, &times, par)),
+    };
+    Ok((shape.file.mesh, table.with_context(|| args.mesh.display().to_string())?))
+}

@@ -1,0 +1,108 @@
+//! `catamaran distance`.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+use catamaran::faer::Mat;
+use catamaran::io::{self as files, Output, Overwrite};
+use catamaran::mesh::{
+    Components, Dijkstra, Graph, HeatMethod, HeatOptions, SearchLimits, TriMesh,
+};
+use clap::ValueEnum;
+
+use crate::input;
+use crate::picture::{Paint, PictureArgs};
+use crate::report::{report, seconds};
+use crate::shape::LaplacianArgs;
+
+/// Compute the distance of every vertex of a mesh from the nearest of some vertices.
+///
+/// Distances are in the unit of the mesh; infinite for vertices that no face or edge connects to
+/// any of these.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
+    #[arg(value_name = "MESH")]
+    mesh: PathBuf,
+    /// The vertices that distances are from, numbered from 0, with commas between them.
+    #[arg(long, value_name = "VERTEX,...", value_delimiter = ',', required = true)]
+    from: Vec<u32>,
+    /// Over the faces, accurate to a few per cent (the heat method), or exactly along edges, which
+    /// is longer.
+    #[arg(long, value_name = "METHOD", default_value = "heat")]
+    method: How,
+    /// How long heat flows in the heat method, in units of the squared mean edge length; more is
+    /// smoother, and reaches farther.
+    #[arg(long, value_name = "T", default_value_t = 1.0)]
+    time: f64,
+    #[command(flatten)]
+    laplacian: LaplacianArgs,
+    /// Where the distances go, a vertex a row (.npy, .csv, .tsv, .txt or .mtx, and .gz after it).
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    #[command(flatten)]
+    picture: PictureArgs,
+    /// Replace files that exist.
+    #[arg(long)]
+    force: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum How {
+    Heat,
+    Edges,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
+    files::check_name(&args.output)?;
+    let output = Output::create(&args.output, overwrite)?;
+    let picture = args.picture.create(overwrite)?;
+    let mesh = input::mesh(&args.mesh)?.mesh;
+    let components = Components::new(&mesh);
+    let is_alone = |v: &&u32| components.of_vertices().get(**v as usize) == Some(&Components::NONE);
+    if let Some(vertex) = args.from.iter().find(is_alone) {
+        bail!("{}: vertex {vertex} is in no face", args.mesh.display());
+    }
+
+    let start = Instant::now();
+    let named = || args.mesh.display().to_string();
+    let distances = match args.method {
+        How::Heat => over_faces(args, &mesh).with_context(named)?,
+        How::Edges => along_edges(args, &mesh).with_context(named)?,
+    };
+    let reached = || distances.iter().copied().filter(|distance| distance.is_finite());
+    report(format_args!(
+        "distances   {} of {} vertices reached, up to {:.6e}, in {}",
+        reached().count(),
+        distances.len(),
+        reached().fold(0.0, f64::max),
+        seconds(start.elapsed())
+    ))?;
+
+    if let Some(picture) = picture {
+        // What is not a number is grey.
+        let shown = |&distance: &f64| if distance.is_finite() { distance } else { f64::NAN };
+        let values: Vec<f64> = distances.iter().map(shown).collect();
+        args.picture.draw(picture, &args.mesh, &[(&mesh, Paint::Values(&values), "distance")])?;
+    }
+    let path = output.path().display().to_string();
+    files::write(output, Mat::from_fn(distances.len(), 1, |v, _| distances[v]).as_ref())?;
+    report(format_args!("written     {path}"))
+}
+
+fn over_faces(args: &Args, mesh: &TriMesh) -> catamaran::Result<Vec<f64>> {
+    let (kind, par) = (args.laplacian.kind(), args.laplacian.par());
+    let options = HeatOptions::default().time(args.time).kind(kind).par(par);
+    HeatMethod::new(mesh, &options)?.distances(&args.from)
+}
+
+fn along_edges(args: &Args, mesh: &TriMesh) -> catamaran::Result<Vec<f64>> {
+    let graph = Graph::of_mesh(mesh);
+    let mut search = Dijkstra::new(&graph);
+    let sources: Vec<(u32, f64)> = args.from.iter().map(|&vertex| (vertex, 0.0)).collect();
+    search.search(&sources, &SearchLimits::default())?;
+    Ok(search.distances().to_vec())
+}
