@@ -35,6 +35,14 @@ pub fn complain(line: std::fmt::Arguments<'_>) {
     let _ = io::stderr().write_all(format!("catamaran: {line}\n").as_bytes());
 }
 
+/// A line on stderr about something that is no error; written at once, as those of [`complain`].
+pub fn note(line: std::fmt::Arguments<'_>) {
+    if !is_quiet() {
+        // Nobody is left to tell that stderr is closed.
+        let _ = io::stderr().write_all(format!("note: {line}\n").as_bytes());
+    }
+}
+
 /// An error with its context. What the library says contains what its sources say.
 pub fn message(error: &anyhow::Error) -> String {
     let mut message = String::new();

@@ -13,13 +13,16 @@ pub struct MeshFile {
     pub normals: Option<Attribute<3>>,
     /// Colours of the vertices: red, green, blue and opacity, usually from 0 to 1.
     pub colors: Option<Vec<[f64; 4]>>,
-    /// How many facets of an STL file are left out because two of their corners are one vertex; 0 for other formats.
+    /// Triangles that are left out because two of their corners are one vertex.
     pub collapsed_faces: usize,
+    /// What the reader left out or took for something else, one line each; empty for a mesh that was
+    /// not read from a file.
+    pub notes: Vec<String>,
 }
 
 impl From<TriMesh> for MeshFile {
     fn from(mesh: TriMesh) -> Self {
-        Self { mesh, uv: None, normals: None, colors: None, collapsed_faces: 0 }
+        Self { mesh, uv: None, normals: None, colors: None, collapsed_faces: 0, notes: Vec::new() }
     }
 }
 
@@ -43,6 +46,7 @@ impl MeshFile {
             normals: self.normals.as_ref().map(|normals| normals.part(&part)),
             colors: colors.map(|all| part.vertices.iter().map(|&v| all[v as usize]).collect()),
             collapsed_faces: self.collapsed_faces,
+            notes: self.notes.clone(),
             mesh: part.mesh,
         })
     }
