@@ -20,12 +20,16 @@ pub fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// One line on stdout; a closed pipe is an error, not a panic.
+/// One line on stdout. A closed pipe, as in `... --report | head -1`, is no error: nobody is left to
+/// tell, and there may be files to write.
 pub fn report(line: std::fmt::Arguments<'_>) -> Result<()> {
     if is_quiet() {
         return Ok(());
     }
-    Ok(writeln!(io::stdout(), "{line}")?)
+    match writeln!(io::stdout(), "{line}") {
+        Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        written => Ok(written?),
+    }
 }
 
 /// One line on stderr, after the program's name. It is written at once: other ranks write there too, and what is
