@@ -9,6 +9,7 @@ use catamaran::mesh::io::{self as meshes, MeshFile};
 use catamaran::texture::newton::{Fractal, Grid, Newton, Points, Texels, darkened, root_color};
 
 use super::Args;
+use crate::output;
 use crate::picture::{Image, write_gray};
 
 /// Where no surface is.
@@ -101,7 +102,7 @@ impl Job {
                 let colors = colors.map(|[r, g, b]| [channel(r), channel(g), channel(b), 1.0]);
                 let mut file = file.clone();
                 file.colors = Some(colors.collect());
-                Ok(meshes::write(self.output, &file)?)
+                Ok(output::mesh(self.output, &file)?)
             }
             Drawing::Voxels { grid } => {
                 let numbers: Vec<f32> = fractal.roots.iter().copied().map(f32::from).collect();
