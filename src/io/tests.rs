@@ -500,7 +500,7 @@ fn symbolic_links_stay_and_what_they_lead_to_is_replaced() {
         assert!(Output::create(&path(link), Overwrite::Never).is_err(), "{link}");
         let mut output = Output::create(&path(link), Overwrite::Replace).unwrap();
         assert_eq!(output.path(), path(link));
-        std::io::Write::write_all(&mut output, b"whole").unwrap();
+        output.write_all(b"whole").unwrap();
         output.commit().unwrap();
         assert!(path(link).symlink_metadata().unwrap().is_symlink(), "{link}");
         assert_eq!(fs::read(path(target)).unwrap(), b"whole", "{link}");

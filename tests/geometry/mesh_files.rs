@@ -714,6 +714,26 @@ fn concave_polygons_are_cut_along_their_inside() {
 }
 
 #[test]
+fn random_polygons_keep_their_number_of_triangles() {
+    let mut rng = Rng::new(23);
+    for i in 0..3000 {
+        let corners = 4 + (rng.bits() % 60) as usize;
+        // Few places, so that corners meet and lie on lines; some polygons are large, some flat.
+        let scale = [1.0, 1e-300, 1e300, 0.1][i % 4];
+        let places = 1 + rng.bits() % 9;
+        let mut text = String::new();
+        for _ in 0..corners {
+            let [x, y, z] = [0, 1, 2].map(|_| (rng.bits() % places) as f64 * scale);
+            text += &format!("v {x:e} {y:e} {}\n", if i % 3 == 0 { 0.0 } else { z });
+        }
+        text += "f";
+        (1..=corners).for_each(|v| text += &format!(" {v}"));
+        let file = read_bytes(text.as_bytes(), OBJ).expect("a polygon");
+        assert_eq!(file.mesh.faces().len() + file.collapsed_faces, corners - 2, "{text}");
+    }
+}
+
+#[test]
 fn content_decides_where_the_name_lies() {
     let folder = Folder::new();
     let file = MeshFile::from(families::icosphere(1).unwrap());

@@ -248,7 +248,7 @@ fn drawing(args: &Args) -> Result<Drawing> {
     let file = crate::decimate::read(path)?;
     if !args.uv {
         let positions = file.mesh.vertices().iter().map(|p| p.map(|x| x as f32)).collect();
-        return Ok(Drawing::Vertices { file, positions });
+        return Ok(Drawing::Vertices { file: Box::new(file), positions });
     }
     let named = || path.display().to_string();
     let uv = file.uv.as_ref().context("has no texture coordinates").with_context(named)?;

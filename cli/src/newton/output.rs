@@ -18,7 +18,7 @@ const NOTHING: [u8; 3] = [0; 3];
 /// What is computed, and what it is drawn as.
 pub enum Drawing {
     Plane { grid: Grid },
-    Vertices { file: MeshFile, positions: Vec<[f32; 3]> },
+    Vertices { file: Box<MeshFile>, positions: Vec<[f32; 3]> },
     Texels { texels: Texels, width: usize, height: usize },
     Voxels { grid: Grid },
 }
@@ -100,7 +100,7 @@ impl Job {
                 let channel = |c: u8| f64::from(c) / 255.0;
                 let colors = colors(newton, fractal).into_iter();
                 let colors = colors.map(|[r, g, b]| [channel(r), channel(g), channel(b), 1.0]);
-                let mut file = file.clone();
+                let mut file = MeshFile::clone(file);
                 file.colors = Some(colors.collect());
                 Ok(output::mesh(self.output, &file)?)
             }

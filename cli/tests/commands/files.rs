@@ -70,6 +70,6 @@ fn force_writes_what_a_symbolic_link_leads_to() {
         assert!(folder.fail(&format!("mesh odd.obj -o {link}")).contains("exists already"));
         folder.succeed(&format!("mesh odd.obj -o {link} --force"));
         assert!(folder.path(link).symlink_metadata().unwrap().is_symlink(), "{link}");
-        assert!(fs::read_to_string(folder.path(target)).unwrap().starts_with("STOFF\n4 4"));
+        assert!(fs::read_to_string(folder.path(target)).unwrap().starts_with("OFF\n4 4"));
     }
 }

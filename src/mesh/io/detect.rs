@@ -11,6 +11,9 @@ use crate::io::Packing;
 /// How much of a file is looked at.
 pub(super) const LOOK: usize = 1 << 16;
 
+/// Statements of OBJ, at least, for each line that is none: other programs have some of their own.
+const LEAST_KNOWN: usize = 8;
+
 const GZIP: &[u8] = b"\x1f\x8b";
 const XZ: &[u8] = b"\xfd7zXZ\0";
 
@@ -67,13 +70,17 @@ pub(super) fn format(head: &[u8], size: Option<u64>) -> Option<MeshFormat> {
         b"f" | b"g" | b"o" | b"s" | b"l" | b"p" | b"mtllib" | b"usemtl" => true,
         _ => false,
     };
-    let mut vertices = first == b"v";
-    let all = is_obj((first, second))
-        && content.all(|line| {
-            vertices |= line.0 == b"v";
-            is_obj(line)
-        });
-    (all && vertices).then_some(MeshFormat::Obj)
+    let (mut known, mut unknown) = (0, 0);
+    let mut vertices = false;
+    for line in std::iter::once((first, second)).chain(content) {
+        if is_obj(line) {
+            known += 1
+        } else {
+            unknown += 1
+        }
+        vertices |= line.0 == b"v";
+    }
+    (vertices && known >= LEAST_KNOWN * unknown).then_some(MeshFormat::Obj)
 }
 
 /// Whether the size is what a header of 80 bytes and this many facets of 50 take.

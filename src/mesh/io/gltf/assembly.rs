@@ -9,6 +9,9 @@ use super::super::labels::{Labels, clean_name};
 use super::document::Document;
 use crate::base::{Error, Result};
 
+/// For each face the numbers of the values of its corners.
+type Corners = Vec<[u32; 3]>;
+
 /// A corner without a value.
 const ABSENT: u32 = u32::MAX;
 
@@ -149,7 +152,7 @@ fn values<const N: usize>(
     faces: &[[u32; 3]],
     numbers: &[u32],
     given: impl Iterator<Item = Option<[f64; N]>>,
-) -> Checked<(Vec<[f64; N]>, Vec<[u32; 3]>)> {
+) -> Checked<(Vec<[f64; N]>, Corners)> {
     let mut known = Numbers::default();
     let mut values = Vec::new();
     let mut of_vertices = Vec::new();

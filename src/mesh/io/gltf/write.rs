@@ -88,9 +88,12 @@ struct Kind {
     has_normals: bool,
 }
 
+/// The faces of a kind: copies of vertices, three a face.
+type Primitive = (Kind, Vec<u32>);
+
 /// The vertices, which are copied where the corners at one have several values, and the faces by
 /// kind. The first copy of a vertex has its number.
-fn split(file: &MeshFile) -> io::Result<(Vec<Copy>, Vec<(Kind, Vec<u32>)>)> {
+fn split(file: &MeshFile) -> io::Result<(Vec<Copy>, Vec<Primitive>)> {
     let faces = file.mesh.faces();
     let corners = |given: Option<Option<&[[u32; 3]]>>, f: usize| match given {
         None => [ABSENT; 3],
@@ -109,7 +112,7 @@ fn split(file: &MeshFile) -> io::Result<(Vec<Copy>, Vec<(Kind, Vec<u32>)>)> {
     let mut used = vec![false; count];
     let mut further: HashMap<Copy, u32> = HashMap::new();
     let mut kinds: HashMap<Kind, usize> = HashMap::new();
-    let mut primitives: Vec<(Kind, Vec<u32>)> = Vec::new();
+    let mut primitives: Vec<Primitive> = Vec::new();
     for (f, face) in faces.iter().enumerate() {
         let (t, n) = (corners(uv, f), corners(normals, f));
         let material = file.materials.as_ref().map_or(ABSENT, |labels| labels.of_faces[f]);
@@ -146,7 +149,7 @@ fn split(file: &MeshFile) -> io::Result<(Vec<Copy>, Vec<(Kind, Vec<u32>)>)> {
 fn primitives_of(
     file: &MeshFile,
     copies: &[Copy],
-    primitives: &[(Kind, Vec<u32>)],
+    primitives: &[Primitive],
     numbers: &mut Numbers,
 ) -> io::Result<Vec<Value>> {
     let vertices = file.mesh.vertices();
@@ -169,7 +172,7 @@ fn primitives_of(
         numbers.floats("VEC4", copies.iter().map(|copy| colors[copy[0] as usize]), false)
     });
     let (uv, normals, colors) = (uv.transpose()?, normals.transpose()?, colors.transpose()?);
-    let primitive = |(kind, corners): &(Kind, Vec<u32>), numbers: &mut Numbers| {
+    let primitive = |(kind, corners): &Primitive, numbers: &mut Numbers| {
         let mut attributes = json!({ "POSITION": positions });
         let mut attribute = |name: &str, accessor: Option<usize>| {
             if let Some(accessor) = accessor {
