@@ -93,7 +93,7 @@ impl Draft {
     /// is one: less than three corners are none.
     pub fn push_polygon(&mut self, corners: &[u32], place: impl Fn() -> String) -> Result<bool> {
         if corners.len() < 3 {
-            self.notes.add("left out faces of less than three corners", place)?;
+            self.notes.add("left out faces of less than three corners", place);
             return Ok(false);
         }
         let first = self.faces.len();
@@ -120,12 +120,12 @@ impl Draft {
         &mut self,
         values: [f64; N],
         place: impl FnOnce() -> String,
-    ) -> Result<[f64; N]> {
+    ) -> [f64; N] {
         let wrong = values.iter().filter(|x| !x.is_finite()).count();
         let what =
             "took 0 for numbers of colours, normals and texture coordinates that are not finite";
-        self.notes.add_many(what, wrong, place)?;
-        Ok(values.map(|x| if x.is_finite() { x } else { 0.0 }))
+        self.notes.add_many(what, wrong, place);
+        values.map(|x| if x.is_finite() { x } else { 0.0 })
     }
 
     /// The mesh: polygons that are not convex are cut into triangles that cover them, and triangles
@@ -145,7 +145,7 @@ impl Draft {
             let kept = |&[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
             let kept: Vec<bool> = self.faces.iter().map(kept).collect();
             collapsed_faces = kept.iter().filter(|&&kept| !kept).count();
-            self.notes.add_many(COLLAPSED, collapsed_faces, || place)?;
+            self.notes.add_many(COLLAPSED, collapsed_faces, || place);
             keep(&mut self.faces, &kept);
             corners.iter_mut().for_each(|list| keep(list, &kept));
             labels.iter_mut().for_each(|list| keep(list, &kept));

@@ -1,8 +1,5 @@
 //! What a reader leaves out.
 
-use super::draft::push;
-use crate::base::Result;
-
 /// Kinds of things that a reader leaves out or replaces, each with a count and the first place.
 #[derive(Default)]
 pub(super) struct Notes(Vec<Kind>);
@@ -15,25 +12,19 @@ struct Kind {
 
 impl Notes {
     /// Counts one thing more; `place` is asked for at the first of its kind.
-    pub fn add(&mut self, what: &'static str, place: impl FnOnce() -> String) -> Result<()> {
-        self.add_many(what, 1, place)
+    pub fn add(&mut self, what: &'static str, place: impl FnOnce() -> String) {
+        self.add_many(what, 1, place);
     }
 
     /// Counts some things more, which may be none.
-    pub fn add_many(
-        &mut self,
-        what: &'static str,
-        count: usize,
-        place: impl FnOnce() -> String,
-    ) -> Result<()> {
+    pub fn add_many(&mut self, what: &'static str, count: usize, place: impl FnOnce() -> String) {
         if count == 0 {
-            return Ok(());
+            return;
         }
         match self.0.iter_mut().find(|kind| kind.what == what) {
             Some(kind) => kind.count += count,
-            None => push(&mut self.0, Kind { what, count, first: place() })?,
+            None => self.0.push(Kind { what, count, first: place() }),
         }
-        Ok(())
     }
 
     /// One line for each kind.

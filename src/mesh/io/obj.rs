@@ -122,13 +122,13 @@ impl Reader {
                     .notes
                     .add("left out lines, points and free-form geometry: statements", || {
                         format!("line {number} ({})", quoted(keyword))
-                    })?;
+                    });
             }
             _ => {
                 self.unknown.get_or_insert_with(|| (quoted(keyword), number));
                 self.draft.notes.add("skipped statements that are not of OBJ", || {
                     format!("line {number} ({})", quoted(keyword))
-                })?;
+                });
                 return Ok(());
             }
         }
@@ -157,7 +157,7 @@ impl Reader {
             2 => return Err("5 numbers of a vertex".into()),
             _ => {
                 self.has_opacity |= given == 4;
-                let color = self.draft.finite(color, || format!("line {line}"))?;
+                let color = self.draft.finite(color, || format!("line {line}"));
                 push(&mut self.colors, color)?;
             }
         }
@@ -192,7 +192,8 @@ impl Reader {
         ];
         let what = "left out texture coordinates or normals that some corners of a face lack";
         let count = mixed.iter().filter(|&&mixed| mixed).count();
-        Ok(self.draft.notes.add_many(what, count, place)?)
+        self.draft.notes.add_many(what, count, place);
+        Ok(())
     }
 
     fn finish(mut self, source: &Source<'_>) -> Result<MeshFile> {
@@ -344,7 +345,7 @@ impl<const N: usize> Values<N> {
                 None => return Err(format!("{i} numbers where {needed} are needed").into()),
             }
         }
-        let value = draft.finite(value, || format!("line {line}"))?;
+        let value = draft.finite(value, || format!("line {line}"));
         Ok(push(&mut self.values, value)?)
     }
 

@@ -159,7 +159,7 @@ impl Reader {
         let line = tokens.source.line();
         let place = || format!("line {line}");
         if self.kind.normals {
-            let normal = self.draft.finite(tokens.numbers(what)?, place)?;
+            let normal = self.draft.finite(tokens.numbers(what)?, place);
             push(&mut self.normals, normal)?;
         }
         let uv = if self.kind.uv { 2 } else { 0 };
@@ -172,7 +172,7 @@ impl Reader {
         for value in rest.iter_mut().take(given) {
             *value = number(tokens.next(what)?)?;
         }
-        let rest = self.draft.finite(rest, place)?;
+        let rest = self.draft.finite(rest, place);
         let (color, uv) = rest[..given].split_at(given - uv);
         match *color {
             [] => {}
@@ -205,7 +205,7 @@ impl Reader {
         let left = tokens.left();
         self.packed |= left > COLOR;
         if left > 0 && !self.packed {
-            self.draft.notes.add("left out colours of faces", place)?;
+            self.draft.notes.add("left out colours of faces", place);
             tokens.taken = tokens.line.len();
         }
         self.draft.push_polygon(&self.polygon, place)?;

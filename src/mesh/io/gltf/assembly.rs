@@ -88,9 +88,7 @@ impl Assembly {
         let joined = self.vertices.len() - self.draft.vertices.len();
         let what = "joined vertices with others at the same position (copies along seams)";
         let copy = numbers.iter().enumerate().position(|(i, &number)| i != number as usize);
-        self.draft
-            .notes
-            .add_many(what, joined, || format!("vertex {}", copy.unwrap_or_default()))?;
+        self.draft.notes.add_many(what, joined, || format!("vertex {}", copy.unwrap_or_default()));
 
         let faces = &self.faces;
         let (uv, mut uv_corners) = values(faces, &numbers, self.vertices.iter().map(|v| v.uv))?;
@@ -104,7 +102,7 @@ impl Assembly {
             ("left out animations", "animation 0", &document.animations),
             ("left out skins", "skin 0", &document.skins),
         ] {
-            self.draft.notes.add_many(what, list.len(), || name.into())?;
+            self.draft.notes.add_many(what, list.len(), || name.into());
         }
         let corners = &mut [&mut uv_corners, &mut normal_corners];
         let mut file = self.draft.finish(corners, &mut [&mut self.materials])?;

@@ -96,11 +96,11 @@ impl Reader<'_, '_, '_> {
         let triangles = [code::TRIANGLES, code::TRIANGLE_STRIP, code::TRIANGLE_FAN].contains(&mode);
         // Points may be the vertices of a mesh without faces.
         if !triangles && mode != code::POINTS {
-            self.assembly.draft.notes.add("left out primitives of lines", place)?;
+            self.assembly.draft.notes.add("left out primitives of lines", place);
             return Ok(());
         }
         let Some(positions) = primitive.attributes.position else {
-            self.assembly.draft.notes.add("left out primitives without positions", place)?;
+            self.assembly.draft.notes.add("left out primitives without positions", place);
             return Ok(());
         };
         let first = self.vertices(primitive, positions, transform, place)?;
@@ -177,11 +177,11 @@ impl Reader<'_, '_, '_> {
                 return Err(format!("vertex {i}: position {position:?} is not finite").into());
             }
             let normal = normals.as_ref().and_then(|normals| normals.get(i)).copied();
-            let normal = normal.map(|n| assembly.draft.finite(n, place)).transpose()?;
+            let normal = normal.map(|n| assembly.draft.finite(n, place));
             let uv = uv.as_ref().and_then(|uv| uv.get(i)).copied();
-            let uv = uv.map(|uv| assembly.draft.finite(uv, place)).transpose()?;
+            let uv = uv.map(|uv| assembly.draft.finite(uv, place));
             let color = colors.as_ref().and_then(|colors| colors.get(i)).copied();
-            let color = color.map(|color| assembly.draft.finite(color, place)).transpose()?;
+            let color = color.map(|color| assembly.draft.finite(color, place));
             assembly.push_vertex(Vertex {
                 position,
                 normal: normal.map(|n| transform.normal(n)),

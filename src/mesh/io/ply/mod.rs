@@ -84,14 +84,14 @@ impl Reader {
         self.draft.push_vertex(places.position.map(|i| scalars[i]))?;
         let place = || format!("vertex {index}");
         if let Some(at) = places.normal {
-            push(&mut self.normals, self.draft.finite(at.map(|i| scalars[i]), place)?)?;
+            push(&mut self.normals, self.draft.finite(at.map(|i| scalars[i]), place))?;
         }
         if let Some(at) = places.uv {
-            push(&mut self.uv, self.draft.finite(at.map(|i| scalars[i]), place)?)?;
+            push(&mut self.uv, self.draft.finite(at.map(|i| scalars[i]), place))?;
         }
         if let Some(at) = places.color {
             let color = at.map(|channel| channel.map_or(1.0, |(i, full)| scalars[i] / full));
-            push(&mut self.colors, self.draft.finite(color, place)?)?;
+            push(&mut self.colors, self.draft.finite(color, place))?;
         }
         Ok(())
     }
@@ -149,7 +149,7 @@ impl Reader {
         if values.len() != 2 * corners {
             if !values.is_empty() {
                 let what = "left out texture coordinates that are not as many as the corners";
-                self.draft.notes.add(what, place)?;
+                self.draft.notes.add(what, place);
             }
             return self.without_uv(self.draft.faces.len());
         }
@@ -157,7 +157,7 @@ impl Reader {
             .map(|end| end - corners as u32)
             .map_err(|_| "more than 2^32 texture coordinates")?;
         for pair in values.chunks_exact(2) {
-            push(&mut self.corner_uv, self.draft.finite([pair[0], pair[1]], place)?)?;
+            push(&mut self.corner_uv, self.draft.finite([pair[0], pair[1]], place))?;
         }
         let numbers: Vec<u32> = (first..first + corners as u32).collect();
         for triangle in fan(&numbers) {
