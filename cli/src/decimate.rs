@@ -15,6 +15,7 @@ use catamaran::sparse::CsMat;
 use clap::ValueEnum;
 
 use crate::input;
+use crate::output;
 use crate::picture::{PLAIN, PictureArgs};
 use crate::progress::Bar;
 use crate::report::{report, seconds};
@@ -132,7 +133,7 @@ pub fn run(args: &Args) -> Result<()> {
         args.picture.draw_faces(picture, &args.input, &panels)?;
     }
     let path = output.path().display().to_string();
-    files::write(output, &found.carry(&input)?)?;
+    output::mesh(output, &found.carry(&input)?)?;
     report(format_args!("written     {path}"))
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use catamaran::io::{self as files, Output, Overwrite};
-use catamaran::mesh::io::{self as meshes, MeshFile};
+use catamaran::mesh::io::MeshFile;
 use catamaran::mesh::{Components, TriMesh};
 use catamaran::spectral::test_functions::coordinates;
 use catamaran::spectral::{
@@ -13,6 +13,7 @@ use catamaran::spectral::{
 };
 use clap::ArgGroup;
 
+use crate::output;
 use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
 use crate::progress::Bar;
 use crate::report::{complain, report};
@@ -116,7 +117,7 @@ pub fn run(args: &Args) -> Result<()> {
             let panels = [(&before, PLAIN, "before"), (&moved.mesh, PLAIN, "after")];
             args.picture.draw(picture, &args.mesh, &panels)?;
         }
-        meshes::write(output, &moved)?;
+        output::mesh(output, &moved)?;
     }
     report(format_args!("written   {}", path.display()))
 }

@@ -8,6 +8,7 @@ use catamaran::io::SourceOptions;
 use catamaran::mesh::io::{self as meshes, MeshFile};
 
 use crate::progress::Bar;
+use crate::report;
 
 /// What `--max-memory` says.
 static MAX_MEMORY: OnceLock<u64> = OnceLock::new();
@@ -29,9 +30,14 @@ pub fn source<'a>() -> SourceOptions<'a> {
     SourceOptions::new().max_memory(max_memory())
 }
 
-/// Reads a mesh, and shows a progress bar meanwhile.
+/// Reads a mesh, shows a progress bar meanwhile, and passes the notes of the reader on.
 pub fn mesh(path: &Path) -> catamaran::Result<MeshFile> {
     let bar = Bar::new("reading");
     let update = |fraction| bar.update(fraction);
-    meshes::read_with(path, &source().progress(Progress::new(&update)))
+    let file = meshes::read_with(path, &source().progress(Progress::new(&update)))?;
+    drop(bar);
+    for note in &file.notes {
+        report::note(format_args!("{}: {note}", path.display()));
+    }
+    Ok(file)
 }

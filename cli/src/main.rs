@@ -16,6 +16,7 @@ mod input;
 mod merge;
 mod mesh;
 mod newton;
+mod output;
 mod parse;
 mod picture;
 mod progress;

@@ -10,19 +10,20 @@ use catamaran::mesh::{Components, Normalization, Part, Problem, TriMesh, Validat
 use clap::ValueEnum;
 
 use crate::input;
+use crate::output;
 use crate::picture::{PLAIN, Paint, PictureArgs};
 use crate::report::{report, seconds};
 
 /// Report on a triangle mesh, and convert or clean it.
 ///
-/// Reads .obj, .ply, .off and .stl, each also as .gz or .xz. Says what it is made of (components, boundary, genus), how
+/// Reads .obj, .ply, .off, .stl, .glb and .gltf, each also as .gz or .xz. Says what it is made of (components, boundary, genus), how
 /// large it is, and every kind of problem with the first elements that have it, numbered from 0.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh.
     #[arg(value_name = "MESH")]
     input: PathBuf,
-    /// Write the mesh: .obj, .ply, .off or .stl, and .gz after it.
+    /// Write the mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Keep one component only: a number from 0, in the order of their lowest vertices, or `largest` (most faces).
@@ -104,7 +105,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let Some(output) = output else { return Ok(()) };
     let path = output.path().display().to_string();
-    files::write(output, &file)?;
+    output::mesh(output, &file)?;
     let (vertices, faces) = (file.mesh.vertices().len(), file.mesh.faces().len());
     report(format_args!("written     {path}: {vertices} vertices, {faces} faces"))
 }

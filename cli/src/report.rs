@@ -20,12 +20,16 @@ pub fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// One line on stdout; a closed pipe is an error, not a panic.
+/// One line on stdout. A closed pipe, as in `... --report | head -1`, is no error: nobody is left to
+/// tell, and there may be files to write.
 pub fn report(line: std::fmt::Arguments<'_>) -> Result<()> {
     if is_quiet() {
         return Ok(());
     }
-    Ok(writeln!(io::stdout(), "{line}")?)
+    match writeln!(io::stdout(), "{line}") {
+        Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        written => Ok(written?),
+    }
 }
 
 /// One line on stderr, after the program's name. It is written at once: other ranks write there too, and what is
@@ -33,6 +37,14 @@ pub fn report(line: std::fmt::Arguments<'_>) -> Result<()> {
 pub fn complain(line: std::fmt::Arguments<'_>) {
     // Nobody is left to tell that stderr is closed.
     let _ = io::stderr().write_all(format!("catamaran: {line}\n").as_bytes());
+}
+
+/// A line on stderr about something that is no error; written at once, as those of [`complain`].
+pub fn note(line: std::fmt::Arguments<'_>) {
+    if !is_quiet() {
+        // Nobody is left to tell that stderr is closed.
+        let _ = io::stderr().write_all(format!("note: {line}\n").as_bytes());
+    }
 }
 
 /// An error with its context. What the library says contains what its sources say.

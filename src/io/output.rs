@@ -22,7 +22,8 @@ pub enum Overwrite {
 /// flushed to the disk, and renamed by [`Output::commit`]. Dropped before that, it leaves nothing.
 ///
 /// A new file gets the permissions of any new file, less what the umask forbids. One that replaces
-/// another gets the permissions of that one, and its owner and group where the system allows it.
+/// another gets the permissions of that one, and its owner and group where the system allows it. A
+/// symbolic link stays one: what it leads to is replaced, or made.
 ///
 /// ```
 /// use std::io::Write;
@@ -40,6 +41,8 @@ pub enum Overwrite {
 #[derive(Debug)]
 pub struct Output {
     path: PathBuf,
+    /// Where the file appears: what the path leads to, if it is a symbolic link.
+    target: PathBuf,
     file: BufWriter<NamedTempFile>,
     overwrite: Overwrite,
     // Dropped after the file, which removes itself.
@@ -109,7 +112,11 @@ impl Output {
         }
         let mut builder = tempfile::Builder::new();
         builder.prefix(".catamaran-").suffix(".tmp");
-        let replaced = path.metadata().ok();
+        let target = target_of(path).map_err(|e| write_error(path, e))?;
+        let replaced = target.metadata().ok();
+        if replaced.as_ref().is_some_and(|about| !about.is_file()) {
+            return Err(error(path, None, "is not a regular file"));
+        }
         let mut options = File::options();
         options.read(true).write(true).create_new(true);
         #[cfg(unix)]
@@ -129,12 +136,12 @@ impl Output {
             unfinished.push(line);
             Ok(file)
         };
-        let file = builder.make_in(folder_of(path), create).map_err(|e| write_error(path, e))?;
+        let file = builder.make_in(folder_of(&target), create).map_err(|e| write_error(path, e))?;
         if let Some(replaced) = replaced {
             take_over(file.as_file(), &replaced).map_err(|e| write_error(path, e))?;
         }
         let file = BufWriter::with_capacity(1 << 20, file);
-        Ok(Self { path: path.into(), file, overwrite, _listed: listed })
+        Ok(Self { path: path.into(), target, file, overwrite, _listed: listed })
     }
 
     /// The name it will have.
@@ -156,17 +163,17 @@ impl Output {
     pub fn commit(mut self) -> Result<()> {
         let flushed = self.file.flush().and_then(|()| self.file.get_ref().as_file().sync_all());
         flushed.map_err(|e| self.error(e))?;
-        let Self { path, file, overwrite, _listed } = self;
+        let Self { path, target, file, overwrite, _listed } = self;
         let file = file.into_inner().map_err(|e| write_error(&path, e.into_error()))?;
         // Not while the files are discarded: the program ends without this one.
         let unfinished = unfinished();
         let renamed = match overwrite {
-            Overwrite::Replace => file.persist(&path),
-            Overwrite::Never => file.persist_noclobber(&path),
+            Overwrite::Replace => file.persist(&target),
+            Overwrite::Never => file.persist_noclobber(&target),
         };
         drop(unfinished);
         match renamed {
-            Ok(_) => sync_folder(&path).map_err(|e| write_error(&path, e)),
+            Ok(_) => sync_folder(&target).map_err(|e| write_error(&path, e)),
             Err(e) if e.error.kind() == io::ErrorKind::AlreadyExists => Err(exists(&path)),
             Err(e) => Err(write_error(&path, e.error)),
         }
@@ -204,6 +211,22 @@ impl Seek for Output {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.file.seek(to)
     }
+}
+
+/// Links that are followed, as the kernel of Linux does.
+const MOST_LINKS: usize = 40;
+
+/// The file that `path` leads to through symbolic links, the last of which may lead to none.
+fn target_of(path: &Path) -> io::Result<PathBuf> {
+    let mut target = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        if !target.symlink_metadata().is_ok_and(|about| about.is_symlink()) {
+            return Ok(target);
+        }
+        // From where the link is, unless it leads from the root.
+        target = folder_of(&target).join(std::fs::read_link(&target)?);
+    }
+    Err(io::Error::other("too many symbolic links"))
 }
 
 fn folder_of(path: &Path) -> &Path {

@@ -47,10 +47,22 @@ pub(crate) struct Source<'a> {
     buffer: Vec<u8>,
     /// Bytes of memory that it may take.
     memory: u64,
+    /// Its bytes, if they are known.
+    size: Option<u64>,
+    packing: Packing,
 }
 
 impl<'a> Source<'a> {
     pub(crate) fn open(path: &Path, packing: Packing, options: &SourceOptions<'a>) -> Result<Self> {
+        Self::open_packed(path, |_| packing, options)
+    }
+
+    /// The same, packed as `packing` makes of the first bytes.
+    pub(crate) fn open_packed(
+        path: &Path,
+        packing: impl FnOnce(&[u8]) -> Packing,
+        options: &SourceOptions<'a>,
+    ) -> Result<Self> {
         let progress = options.progress;
         let opened = || {
             let file = File::open(path)?;
@@ -64,7 +76,9 @@ impl<'a> Source<'a> {
         let memory = memory_limit(watched.size, options.max_memory);
         // A small file takes a small buffer; a pipe has no size.
         let buffer = BUFFER.min(watched.size.max(SMALLEST) as usize);
-        let raw = BufReader::with_capacity(buffer, watched);
+        let size = watched.size;
+        let mut raw = BufReader::with_capacity(buffer, watched);
+        let packing = packing(raw.fill_buf().map_err(|e| error_at(path, None, e))?);
         let reader: Box<dyn BufRead + 'a> = match packing {
             Packing::None => Box::new(raw),
             Packing::Gzip => {
@@ -76,18 +90,73 @@ impl<'a> Source<'a> {
                 Box::new(BufReader::with_capacity(buffer, Limited { inner, left: memory }))
             }
         };
-        Ok(Self { path: path.into(), reader, line: 0, buffer: Vec::new(), memory })
+        // A pipe says 0.
+        let size = (packing == Packing::None && size > 0).then_some(size);
+        Ok(Self { path: path.into(), reader, line: 0, buffer: Vec::new(), memory, size, packing })
     }
 
     /// The bytes of a file that would be called `path`.
     pub(crate) fn of_bytes(path: &Path, bytes: &'a [u8]) -> Self {
-        let memory = memory_limit(bytes.len() as u64, None);
-        Self { path: path.into(), reader: Box::new(bytes), line: 0, buffer: Vec::new(), memory }
+        Self {
+            path: path.into(),
+            reader: Box::new(bytes),
+            line: 0,
+            buffer: Vec::new(),
+            memory: memory_limit(bytes.len() as u64, None),
+            size: Some(bytes.len() as u64),
+            packing: Packing::None,
+        }
+    }
+
+    /// The file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Its bytes, where they are known.
+    pub(crate) fn size(&self) -> Option<u64> {
+        self.size
+    }
+
+    /// How it is packed.
+    pub(crate) fn packing(&self) -> Packing {
+        self.packing
+    }
+
+    /// Up to `count` of the next bytes, which stay to be read.
+    pub(crate) fn peek(&mut self, count: usize) -> Result<Vec<u8>> {
+        let mut head = Vec::new();
+        let read = (&mut self.reader).take(count as u64).read_to_end(&mut head);
+        read.map_err(|e| self.io_error(e))?;
+        let rest = std::mem::replace(&mut self.reader, Box::new(io::empty()));
+        self.reader = Box::new(io::Cursor::new(head.clone()).chain(rest));
+        Ok(head)
+    }
+
+    /// All bytes that are left.
+    pub(crate) fn read_all(&mut self) -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        loop {
+            let piece = match self.reader.fill_buf() {
+                Ok(piece) => piece,
+                Err(e) if e.kind() == io::ErrorKind::Interrupted => continue,
+                Err(e) => return Err(self.io_error(e)),
+            };
+            if piece.is_empty() {
+                return Ok(bytes);
+            }
+            let count = piece.len();
+            let needed = bytes.len() + count;
+            bytes.try_reserve(count).map_err(|_| Error::OutOfMemory { bytes: needed })?;
+            bytes.extend_from_slice(piece);
+            self.reader.consume(count);
+            self.check_memory::<u8>("the file", needed)?;
+        }
     }
 
     /// Refuses `what`, which takes the memory of `len` values of T, when that is more than this file may
     /// take.
-    pub(super) fn check_memory<T>(&self, what: impl Display, len: usize) -> Result<()> {
+    pub(crate) fn check_memory<T>(&self, what: impl Display, len: usize) -> Result<()> {
         let bytes = (len as u64).saturating_mul(size_of::<T>() as u64);
         check_memory(self.memory, what, bytes).map_err(|what| self.fail(what))
     }

@@ -503,3 +503,32 @@ fn output_into_a_missing_folder_names_the_file() {
     assert!(text.contains("none/c.npy: can't be written"), "{text}");
     assert!(!text.contains(".catamaran-"), "{text}");
 }
+
+#[cfg(unix)]
+#[test]
+fn symbolic_links_stay_and_what_they_lead_to_is_replaced() {
+    use std::os::unix::fs::symlink;
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    fs::create_dir(path("there")).unwrap();
+    fs::write(path("there/old"), "old").unwrap();
+    symlink("second", path("first")).unwrap();
+    symlink("there/old", path("second")).unwrap();
+    symlink(path("there/new"), path("dangling")).unwrap();
+    symlink("circle", path("circle")).unwrap();
+    symlink("/dev/null", path("device")).unwrap();
+    for (link, target) in [("first", "there/old"), ("dangling", "there/new")] {
+        assert!(Output::create(&path(link), Overwrite::Never).is_err(), "{link}");
+        let mut output = Output::create(&path(link), Overwrite::Replace).unwrap();
+        assert_eq!(output.path(), path(link));
+        output.write_all(b"whole").unwrap();
+        output.commit().unwrap();
+        assert!(path(link).symlink_metadata().unwrap().is_symlink(), "{link}");
+        assert_eq!(fs::read(path(target)).unwrap(), b"whole", "{link}");
+    }
+    // Nothing is left beside them.
+    assert_eq!(fs::read_dir(path("there")).unwrap().count(), 2);
+    let refused = |name| Output::create(&path(name), Overwrite::Replace).unwrap_err().to_string();
+    assert!(refused("circle").contains("symbolic links"), "{}", refused("circle"));
+    assert!(refused("device").contains("not a regular file"), "{}", refused("device"));
+}

@@ -261,7 +261,7 @@ fn drawing(args: &Args) -> Result<Drawing> {
     };
     if !args.uv {
         let positions = fitted.vertices().iter().map(|p| p.map(|x| x as f32)).collect();
-        return Ok(Drawing::Vertices { file, positions });
+        return Ok(Drawing::Vertices { file: Box::new(file), positions });
     }
     let uv = file.uv.as_ref().context("has no texture coordinates").with_context(named)?;
     let texels = texels(&fitted, uv, width, height).with_context(named)?;

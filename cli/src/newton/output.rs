@@ -9,6 +9,7 @@ use catamaran::mesh::io::{self as meshes, MeshFile};
 use catamaran::texture::newton::{Fractal, Grid, Newton, Points, Texels, darkened, root_color};
 
 use super::Args;
+use crate::output;
 use crate::picture::{Image, write_gray};
 
 /// Where no surface is.
@@ -17,7 +18,7 @@ const NOTHING: [u8; 3] = [0; 3];
 /// What is computed, and what it is drawn as.
 pub enum Drawing {
     Plane { grid: Grid },
-    Vertices { file: MeshFile, positions: Vec<[f32; 3]> },
+    Vertices { file: Box<MeshFile>, positions: Vec<[f32; 3]> },
     Texels { texels: Texels, width: usize, height: usize },
     Voxels { grid: Grid },
 }
@@ -99,9 +100,9 @@ impl Job {
                 let channel = |c: u8| f64::from(c) / 255.0;
                 let colors = colors(newton, fractal).into_iter();
                 let colors = colors.map(|[r, g, b]| [channel(r), channel(g), channel(b), 1.0]);
-                let mut file = file.clone();
+                let mut file = MeshFile::clone(file);
                 file.colors = Some(colors.collect());
-                Ok(meshes::write(self.output, &file)?)
+                Ok(output::mesh(self.output, &file)?)
             }
             Drawing::Voxels { grid } => {
                 let numbers: Vec<f32> = fractal.roots.iter().copied().map(f32::from).collect();

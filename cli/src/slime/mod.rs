@@ -8,7 +8,7 @@ mod on_device;
 mod view;
 
 use std::fs::{self, File};
-use std::io::BufReader;
+use std::io::{BufReader, Write};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -16,13 +16,13 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::io as meshes;
-use catamaran::mesh::io::{Attribute, MeshFile};
+use catamaran::mesh::io::{Attribute, Labels, MeshFile};
 use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas, fitted, smallest_size};
 use catamaran::{Error, Par};
 
 use crate::device::DeviceArgs;
 use crate::input;
+use crate::output;
 use crate::picture::{Up, View, guess_up, write_chart};
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
@@ -37,9 +37,9 @@ const PIXELS: usize = 900;
 /// Grow slime moulds on a surface: textures of networks and cells (thesis, chapter 3).
 ///
 /// The folder gets the texture every so many steps, species in the channels of one .png up to three and in one .png each
-/// beyond, coverage.csv, and the mesh with its texture coordinates, mesh.obj. A mesh without texture coordinates gets an
-/// atlas of its triangles. Ctrl-C ends it; with --state it can go on from there, with the same result as if it had never
-/// stopped.
+/// beyond, coverage.csv, and the mesh with its texture coordinates, mesh.obj, whose material (mesh.mtl) shows the last
+/// picture. A mesh without texture coordinates gets an atlas of its triangles. Ctrl-C ends it; with --state it can go on
+/// from there, with the same result as if it had never stopped.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
@@ -172,7 +172,9 @@ pub fn run(args: &Args) -> Result<()> {
     drop(whole_steps);
     ended?;
     curves::write_csv(outputs.table, &moments)?;
-    meshes::write(outputs.mesh, &textured(&file, &simulation))?;
+    output::mesh(outputs.mesh, &textured(&file, &simulation))?;
+    let frame = frames.last().map(|&step| frame_names(step, args.steps, options.species));
+    write_material(outputs.material, frame.as_ref().and_then(|names| names.first()))?;
     if let Some(output) = outputs.coverage {
         write_chart(output, &chart(&moments))?;
     }
@@ -200,6 +202,7 @@ pub fn run(args: &Args) -> Result<()> {
 struct Outputs {
     table: Output,
     mesh: Output,
+    material: Output,
     coverage: Option<Output>,
     render: Option<Output>,
     state: Option<Output>,
@@ -221,12 +224,16 @@ impl Outputs {
         fs::create_dir_all(&args.output).with_context(|| args.output.display().to_string())?;
         let table = Output::create(&args.output.join(TABLE), overwrite)?;
         let mesh = Output::create(&args.output.join(MESH), overwrite)?;
-        Ok(Self { table, mesh, coverage, render, state })
+        let material = Output::create(&args.output.join(MATERIAL), overwrite)?;
+        Ok(Self { table, mesh, material, coverage, render, state })
     }
 }
 
 /// The mesh with the texture coordinates of the frames.
 const MESH: &str = "mesh.obj";
+/// Its material, which shows the last frame.
+const MATERIAL: &str = "mesh.mtl";
+const MATERIAL_NAME: &str = "slime";
 /// Coverage and presence after each step.
 const TABLE: &str = "coverage.csv";
 
@@ -266,7 +273,7 @@ impl Args {
         }
         let of = |&step: &u32| frame_names(step, self.steps, species);
         let mut files: Vec<String> = frames.iter().flat_map(of).collect();
-        files.extend([TABLE.into(), MESH.into()]);
+        files.extend([TABLE.into(), MESH.into(), MATERIAL.into()]);
         if !self.force
             && let Some(name) =
                 files.iter().find(|name| self.output.join(name).symlink_metadata().is_ok())
@@ -326,7 +333,18 @@ fn textured(file: &MeshFile, simulation: &Simulation) -> MeshFile {
     let corners = (0..values.len() as u32 / 3).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
     let mut textured = MeshFile::from(file.mesh.clone());
     textured.uv = Some(Attribute { values, corners: Some(corners) });
+    let of_faces = vec![0; file.mesh.faces().len()];
+    textured.materials = Some(Labels { names: vec![MATERIAL_NAME.into()], of_faces });
+    textured.material_files = vec![MATERIAL.into()];
     textured
+}
+
+/// Writes the material of the mesh, white but for the picture of a frame (Wavefront MTL).
+fn write_material(mut output: Output, picture: Option<&String>) -> Result<()> {
+    let texture = picture.map_or(String::new(), |name| format!("map_Kd {name}\n"));
+    let text = format!("newmtl {MATERIAL_NAME}\nKa 1 1 1\nKd 1 1 1\n{texture}");
+    output.write_all(text.as_bytes()).map_err(|e| output.error(e))?;
+    Ok(output.commit()?)
 }
 
 fn with_atlas(file: &MeshFile, size: usize, path: &Path) -> Result<Surface> {

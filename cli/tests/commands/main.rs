@@ -7,6 +7,7 @@ mod ata;
 mod curve;
 mod decimate;
 mod demo;
+mod files;
 mod mesh;
 mod newton;
 mod picture;

@@ -20,7 +20,7 @@ fn every_file_is_there_and_none_is_replaced() {
     let folder = folder();
     let run = "slime square.obj --config c.toml --steps 25 --every 10 -o out --render view.png --coverage c.svg";
     let said = folder.succeed(run);
-    assert!(said.contains("900 agents") && said.contains("5 files"), "{said}");
+    assert!(said.contains("900 agents") && said.contains("6 files"), "{said}");
     for name in ["out/frame-0010.png", "out/frame-0020.png", "out/frame-0025.png", "view.png"] {
         assert!(fs::read(folder.path(name)).unwrap().starts_with(b"\x89PNG"), "{name}");
     }
@@ -28,7 +28,13 @@ fn every_file_is_there_and_none_is_replaced() {
     let table = fs::read_to_string(folder.path("out/coverage.csv")).unwrap();
     assert!(table.starts_with("seconds,coverage0,presence0\n0,0,0\n"), "{table}");
     assert_eq!(table.lines().count(), 27);
-    assert!(fs::read_to_string(folder.path("out/mesh.obj")).unwrap().contains("vt "));
+    let mesh = fs::read_to_string(folder.path("out/mesh.obj")).unwrap();
+    assert!(mesh.contains("vt "));
+    // Other programs show the last picture on the mesh.
+    assert!(mesh.starts_with("mtllib mesh.mtl\n") && mesh.contains("\nusemtl slime\nf "), "{mesh}");
+    let material = fs::read_to_string(folder.path("out/mesh.mtl")).unwrap();
+    assert!(material.starts_with("newmtl slime\n"), "{material}");
+    assert!(material.ends_with("\nmap_Kd frame-0025.png\n"), "{material}");
     assert!(folder.fail(run).contains("exists already"));
     // Threads change no byte.
     let before = fs::read(folder.path("out/frame-0025.png")).unwrap();

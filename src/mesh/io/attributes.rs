@@ -1,4 +1,5 @@
 use super::super::{Part, TriMesh};
+use super::labels::{Labels, check_name};
 use crate::base::{Error, Result};
 
 /// What a mesh file holds.
@@ -13,18 +14,40 @@ pub struct MeshFile {
     pub normals: Option<Attribute<3>>,
     /// Colours of the vertices: red, green, blue and opacity, usually from 0 to 1.
     pub colors: Option<Vec<[f64; 4]>>,
-    /// How many facets of an STL file are left out because two of their corners are one vertex; 0 for other formats.
+    /// The material of each face (`usemtl` of OBJ, a material of glTF).
+    pub materials: Option<Labels>,
+    /// The group of each face (`g` of OBJ).
+    pub groups: Option<Labels>,
+    /// The object of each face (`o` of OBJ).
+    pub objects: Option<Labels>,
+    /// The files that describe the materials, as the file names them (`mtllib` of OBJ).
+    pub material_files: Vec<String>,
+    /// Triangles that are left out because two of their corners are one vertex.
     pub collapsed_faces: usize,
+    /// What the reader left out or took for something else, one line each; empty for a mesh that was
+    /// not read from a file.
+    pub notes: Vec<String>,
 }
 
 impl From<TriMesh> for MeshFile {
     fn from(mesh: TriMesh) -> Self {
-        Self { mesh, uv: None, normals: None, colors: None, collapsed_faces: 0 }
+        Self {
+            mesh,
+            uv: None,
+            normals: None,
+            colors: None,
+            materials: None,
+            groups: None,
+            objects: None,
+            material_files: Vec::new(),
+            collapsed_faces: 0,
+            notes: Vec::new(),
+        }
     }
 }
 
 impl MeshFile {
-    /// A part of the mesh of this file, with the attributes of its vertices and corners.
+    /// A part of the mesh of this file, with the attributes of its vertices, corners and faces.
     ///
     /// # Errors
     /// [`Error::Shape`] and [`Error::Argument`] when attributes do not fit the mesh, [`Error::Argument`] when the part has
@@ -42,7 +65,12 @@ impl MeshFile {
             uv: self.uv.as_ref().map(|uv| uv.part(&part)),
             normals: self.normals.as_ref().map(|normals| normals.part(&part)),
             colors: colors.map(|all| part.vertices.iter().map(|&v| all[v as usize]).collect()),
+            materials: self.materials.as_ref().map(|labels| labels.part(&part)),
+            groups: self.groups.as_ref().map(|labels| labels.part(&part)),
+            objects: self.objects.as_ref().map(|labels| labels.part(&part)),
+            material_files: self.material_files.clone(),
             collapsed_faces: self.collapsed_faces,
+            notes: self.notes.clone(),
             mesh: part.mesh,
         })
     }
@@ -81,7 +109,14 @@ impl MeshFile {
         if let Some(normals) = &self.normals {
             normals.check("normals", &self.mesh)?;
         }
-        Ok(())
+        for (what, labels) in
+            [("materials", &self.materials), ("groups", &self.groups), ("objects", &self.objects)]
+        {
+            if let Some(labels) = labels {
+                labels.check(what, self.mesh.faces().len())?;
+            }
+        }
+        self.material_files.iter().try_for_each(|name| check_name("material_files", name))
     }
 }
 

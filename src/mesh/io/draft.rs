@@ -1,4 +1,7 @@
 use super::super::TriMesh;
+use super::attributes::MeshFile;
+use super::notes::Notes;
+use super::polygon::{corners_of, fan, not_a_fan};
 use crate::base::{Error, Result};
 use crate::io::Source;
 
@@ -62,11 +65,20 @@ pub(super) fn roomy<T>(count: usize) -> Vec<T> {
     Vec::with_capacity(count.min(1 << 16))
 }
 
+/// Triangles that have a vertex twice.
+const COLLAPSED: &str = "left out triangles that have a vertex twice";
+
 /// A mesh being read.
 #[derive(Default)]
 pub(super) struct Draft {
     pub vertices: Vec<[f64; 3]>,
+    /// Polygons as fans, until the mesh is finished.
     pub faces: Vec<[u32; 3]>,
+    /// First face and number of faces of each polygon of more than three corners.
+    polygons: Vec<[u32; 2]>,
+    /// Where the first triangle is that has a vertex twice.
+    collapsed_at: Option<String>,
+    pub notes: Notes,
 }
 
 impl Draft {
@@ -77,26 +89,98 @@ impl Draft {
         Ok(push(&mut self.vertices, position)?)
     }
 
-    /// The triangles between the first corner of a polygon and each of its other edges.
-    pub fn push_polygon(&mut self, corners: &[u32]) -> Checked<()> {
+    /// Adds a face of any number of corners, which is at `place` in the file. Returns whether there
+    /// is one: less than three corners are none.
+    pub fn push_polygon(&mut self, corners: &[u32], place: impl Fn() -> String) -> Result<bool> {
         if corners.len() < 3 {
-            return Err(format!("a face of {} corners", corners.len()).into());
+            self.notes.add("left out faces of less than three corners", place);
+            return Ok(false);
         }
-        for pair in corners[1..].windows(2) {
-            let face = [corners[0], pair[0], pair[1]];
+        let first = self.faces.len();
+        for face in fan(corners) {
             let [a, b, c] = face;
             if a == b || b == c || c == a {
-                let twice = if b == c { b } else { a };
-                return Err(format!("vertex {twice} (numbered from 0) twice in a face").into());
+                self.collapse(&place);
             }
             push(&mut self.faces, face)?;
         }
-        Ok(())
+        if let (4.., Ok(first)) = (corners.len(), u32::try_from(first)) {
+            push(&mut self.polygons, [first, (corners.len() - 2) as u32])?;
+        }
+        Ok(true)
     }
 
+    /// Remembers that a triangle at `place` has a vertex twice.
+    pub fn collapse(&mut self, place: impl FnOnce() -> String) {
+        self.collapsed_at.get_or_insert_with(place);
+    }
+
+    /// These numbers, with 0 for those that are not finite, which are counted.
+    pub fn finite<const N: usize>(
+        &mut self,
+        values: [f64; N],
+        place: impl FnOnce() -> String,
+    ) -> [f64; N] {
+        let wrong = values.iter().filter(|x| !x.is_finite()).count();
+        let what =
+            "took 0 for numbers of colours, normals and texture coordinates that are not finite";
+        self.notes.add_many(what, wrong, place);
+        values.map(|x| if x.is_finite() { x } else { 0.0 })
+    }
+
+    /// The mesh: polygons that are not convex are cut into triangles that cover them, and triangles
+    /// that have a vertex twice are left out. So are the entries of the other lists, each of which is
+    /// empty or has an entry for each face.
+    ///
     /// # Errors
     /// [`Error::Mesh`] for what is no mesh.
-    pub fn finish(self) -> Result<TriMesh> {
-        TriMesh::new(self.vertices, self.faces)
+    pub fn finish(
+        mut self,
+        corners: &mut [&mut Vec<[u32; 3]>],
+        labels: &mut [&mut Vec<u32>],
+    ) -> Result<MeshFile> {
+        self.cut_polygons(corners);
+        let mut collapsed_faces = 0;
+        if let Some(place) = self.collapsed_at.take() {
+            let kept = |&[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
+            let kept: Vec<bool> = self.faces.iter().map(kept).collect();
+            collapsed_faces = kept.iter().filter(|&&kept| !kept).count();
+            self.notes.add_many(COLLAPSED, collapsed_faces, || place);
+            keep(&mut self.faces, &kept);
+            corners.iter_mut().for_each(|list| keep(list, &kept));
+            labels.iter_mut().for_each(|list| keep(list, &kept));
+        }
+        let mesh = TriMesh::new(self.vertices, self.faces)?;
+        let notes = self.notes.lines();
+        Ok(MeshFile { collapsed_faces, notes, ..MeshFile::from(mesh) })
     }
+
+    fn cut_polygons(&mut self, corners: &mut [&mut Vec<[u32; 3]>]) {
+        for &[first, count] in &self.polygons {
+            let range = first as usize..first as usize + count as usize;
+            let Some(fan) = self.faces.get(range.clone()) else { continue };
+            let vertices = corners_of(fan);
+            let position = |&v: &u32| self.vertices.get(v as usize).copied();
+            let Some(positions) = vertices.iter().map(position).collect::<Option<Vec<_>>>() else {
+                continue;
+            };
+            let Some(triangles) = not_a_fan(&positions) else { continue };
+            let mut recut = |list: &mut [[u32; 3]]| {
+                let corners = corners_of(list);
+                for (triangle, numbers) in list.iter_mut().zip(&triangles) {
+                    *triangle = numbers.map(|i| corners[i]);
+                }
+            };
+            self.faces.get_mut(range.clone()).map(&mut recut);
+            for list in corners.iter_mut() {
+                list.get_mut(range.clone()).map(&mut recut);
+            }
+        }
+    }
+}
+
+/// Drops the items that are not kept.
+fn keep<T>(list: &mut Vec<T>, kept: &[bool]) {
+    let mut kept = kept.iter();
+    list.retain(|_| kept.next().copied().unwrap_or_default());
 }

@@ -1,15 +1,23 @@
-//! Mesh files: OBJ, PLY, OFF and STL in and out, each also gzipped (`.gz`), and `.xz` in.
+//! Mesh files: OBJ, PLY, OFF, STL and glTF in and out, each also gzipped (`.gz`), and `.xz` in.
 //!
 //! A reader trusts nothing: counts in a header reserve no memory before the bytes are there, what is broken is an error that
 //! names the file and the line or the element, and a file that takes more memory than it may is refused
-//! ([`SourceOptions::max_memory`]). A writer keeps every bit of the coordinates, but for binary STL, which has single precision, and shows
-//! its file whole or not at all ([`Output`]).
+//! ([`SourceOptions::max_memory`]). What it leaves out or replaces, it notes ([`MeshFile::notes`]). A writer keeps every bit
+//! of the coordinates, but for binary STL and glTF, which have single precision, and shows its file whole or not at
+//! all ([`Output`]).
 
 mod attributes;
+mod colors;
+mod detect;
 mod draft;
+mod format;
+mod gltf;
+mod labels;
+mod notes;
 mod obj;
 mod off;
 mod ply;
+mod polygon;
 mod stl;
 mod text;
 
@@ -17,56 +25,32 @@ use std::io::Write;
 use std::path::Path;
 
 pub use attributes::{Attribute, MeshFile};
+pub use format::MeshFormat;
+pub use gltf::GltfEncoding;
+pub use labels::Labels;
 pub use ply::PlyEncoding;
 pub use stl::StlEncoding;
 
 use crate::base::{Error, Result};
 use crate::io::{Output, Packing, Source, SourceOptions};
 
-/// The format of a mesh file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MeshFormat {
-    /// Wavefront OBJ: `v`, `vt`, `vn`, `f`; text.
-    Obj,
-    /// Stanford PLY. The encoding matters for writing only: a file says its own.
-    Ply(PlyEncoding),
-    /// Geomview OFF: text.
-    Off,
-    /// Stereolithography STL. The encoding matters for writing only: it is recognised.
-    Stl(StlEncoding),
-}
-
-impl MeshFormat {
-    /// What the name of a file says, and how it is packed: `.obj`, `.ply` (binary, little endian), `.off`, `.stl` (binary).
-    fn of(path: &Path) -> Result<(Self, Packing)> {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        let (stem, packing) = Packing::of(&name);
-        let format = match stem.rsplit_once('.').map(|(_, extension)| extension) {
-            Some("obj") => Self::Obj,
-            Some("ply") => Self::Ply(PlyEncoding::LittleEndian),
-            Some("off") => Self::Off,
-            Some("stl") => Self::Stl(StlEncoding::Binary),
-            _ => {
-                let what = "unknown kind of mesh: the name must end in .obj, .ply, .off or .stl, and may have .gz or \
-                            (for reading) .xz after it";
-                return Err(Error::file(path, what));
-            }
-        };
-        Ok((format, packing))
-    }
-}
-
-/// Reads the mesh in the file at `path`, of the format its name says.
+/// Reads the mesh in the file at `path`, of the format its name says, or its content where that is another one.
 ///
-/// - Polygons are cut into the triangles between their first corner and each of their other edges, which is right for convex
-///   ones.
-/// - `.obj`: `v` (with colours after the position), `vt`, `vn`, `f` with negative numbers too; other statements are skipped,
-///   unknown ones refused.
-/// - `.ply`: ASCII and both binary encodings, properties of any type in any order; elements other than `vertex` and `face`
-///   are skipped.
-/// - `.off`: with the prefixes ST, C and N; comments.
-/// - `.stl`: binary and text. Vertices with equal coordinates become one; facets that lose their corners by that are left
-///   out and counted ([`MeshFile::collapsed_faces`]).
+/// - Polygons are cut into triangles: between their first corner and each of their other edges where that covers them, as it
+///   does if they are convex, and else by ears. Triangles that have a vertex twice are left out
+///   ([`MeshFile::collapsed_faces`]).
+/// - Numbers of colours, normals and texture coordinates that are not finite become 0; a position that is not
+///   finite is an error.
+/// - `.obj`: `v` (with colours after the position), `vt`, `vn`, `f` with negative numbers too, names of materials, groups and
+///   objects; other statements are skipped.
+/// - `.ply`: ASCII and both binary encodings, properties of any type in any order; faces and triangle strips. Elements of
+///   other names are skipped.
+/// - `.off`: with the prefixes ST, C and N; comments; lines may end anywhere.
+/// - `.stl`: binary and text. Vertices with equal coordinates become one.
+/// - `.glb`, `.gltf`: the triangles of the scene, at the places of its nodes. Vertices of a mesh with equal positions and
+///   colours become one.
+///
+/// What is left out or replaced is in [`MeshFile::notes`].
 ///
 /// ```
 /// use catamaran::{io::{Output, Overwrite}, mesh::{families, io}};
@@ -106,8 +90,41 @@ pub fn read(path: &Path) -> Result<MeshFile> {
 /// # Errors
 /// As those of [`read()`], and [`Error::Cancelled`].
 pub fn read_with(path: &Path, options: &SourceOptions<'_>) -> Result<MeshFile> {
-    let (format, packing) = MeshFormat::of(path)?;
-    read_source(&mut Source::open(path, packing, options)?, format, path)
+    let (named, named_packing) = MeshFormat::named(path);
+    let packing = |head: &[u8]| detect::packing(head, named_packing);
+    let mut source = Source::open_packed(path, packing, options)?;
+    let found = detect::format(&source.peek(detect::LOOK)?, source.size());
+    let mut notes = Vec::new();
+    if source.packing() != named_packing {
+        notes.push(format!("{}, unlike its name says", packed(source.packing())));
+    }
+    let format = match (named, found) {
+        (Some(named), Some(detected)) if named.title() != detected.title() => {
+            let (named, found) = (named.title(), detected.title());
+            notes.push(format!("read as {found}, for its content is not the {named} of its name"));
+            detected
+        }
+        (Some(named), _) => named,
+        (None, Some(found)) => {
+            notes.push(format!("read as {}, by its content", found.title()));
+            found
+        }
+        (None, None) => {
+            let what = "unknown kind of mesh: neither the name nor the content is that of OBJ, PLY, OFF, STL or glTF";
+            return Err(Error::file(path, what));
+        }
+    };
+    let mut file = read_source(&mut source, format, path)?;
+    notes.append(&mut file.notes);
+    Ok(MeshFile { notes, ..file })
+}
+
+fn packed(packing: Packing) -> &'static str {
+    match packing {
+        Packing::None => "not packed",
+        Packing::Gzip => "packed by gzip",
+        Packing::Xz => "packed by xz",
+    }
 }
 
 /// Reads the mesh in these bytes, not packed, as if they were a file.
@@ -128,6 +145,7 @@ pub fn read_bytes(bytes: &[u8], format: MeshFormat) -> Result<MeshFile> {
         MeshFormat::Ply(_) => "mesh.ply",
         MeshFormat::Off => "mesh.off",
         MeshFormat::Stl(_) => "mesh.stl",
+        MeshFormat::Gltf(_) => "mesh.gltf",
     });
     read_source(&mut Source::of_bytes(path, bytes), format, path)
 }
@@ -138,6 +156,7 @@ fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resu
         MeshFormat::Ply(_) => ply::read(source),
         MeshFormat::Off => off::read(source),
         MeshFormat::Stl(_) => stl::read(source),
+        MeshFormat::Gltf(_) => gltf::read(source),
     };
     read.map_err(|error| match error {
         Error::Mesh { what, element } => {
@@ -148,7 +167,7 @@ fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resu
 }
 
 /// Writes `file` into `output`, in the format its name says, and lets it appear. What the format has no place for is left
-/// out: STL takes positions only, PLY and OFF take normals of vertices only, OFF takes UV of vertices only.
+/// out; [`MeshFormat::left_out`] names it.
 ///
 /// ```
 /// use catamaran::{io::{Output, Overwrite}, mesh::{families, io}};
@@ -163,7 +182,7 @@ fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resu
 /// # Errors
 /// [`Error::Io`], [`Error::Shape`] when attributes do not fit the mesh; nothing is left behind then.
 pub fn write(output: Output, file: &MeshFile) -> Result<()> {
-    let (format, _) = MeshFormat::of(output.path())?;
+    let format = MeshFormat::of(output.path())?;
     write_as(output, file, format)
 }
 
@@ -194,6 +213,7 @@ pub fn write_as(mut output: Output, file: &MeshFile, format: MeshFormat) -> Resu
         MeshFormat::Ply(encoding) => ply::write(sink, file, encoding),
         MeshFormat::Off => off::write(sink, file),
         MeshFormat::Stl(encoding) => stl::write(sink, &file.mesh, encoding),
+        MeshFormat::Gltf(encoding) => gltf::write(sink, file, encoding),
     };
     let written = match packing {
         Packing::None => body(&mut output),
@@ -220,7 +240,8 @@ pub fn write_as(mut output: Output, file: &MeshFile, format: MeshFormat) -> Resu
 /// # Errors
 /// [`Error::Io`] when it doesn't.
 pub fn check_name(path: &Path) -> Result<()> {
-    match MeshFormat::of(path)? {
+    MeshFormat::of(path)?;
+    match MeshFormat::named(path) {
         (_, Packing::Xz) => {
             Err(Error::file(path, "files .xz can only be read; .gz can be written"))
         }

@@ -1,24 +1,44 @@
 //! Wavefront OBJ (Wavefront Technologies, Advanced Visualizer manual, appendix B1), of which polygons are read; colours
 //! after positions as MeshLab and Blender write them.
 
+use std::collections::HashMap;
 use std::io::{self, Write};
 
 use super::super::TriMesh;
 use super::attributes::{Attribute, MeshFile};
+use super::colors::{SOME_COLORS, scaled_colors};
 use super::draft::{Checked, Draft, Fault, push};
-use super::text::{finite, integer, number, numbers, quoted, scaled_colors, words};
+use super::labels::{Labels, clean_name};
+use super::polygon::fan;
+use super::text::{integer, number, numbers, quoted, words};
 use crate::base::Result;
 use crate::io::Source;
 
 /// A corner without texture coordinates or normal.
 const ABSENT: u32 = u32::MAX;
 
-/// Statements that say nothing about triangles.
+/// Statements about how triangles look, which are skipped.
+const LOOKS: [&[u8]; 13] = [
+    b"s",
+    b"mg",
+    b"usemap",
+    b"maplib",
+    b"bevel",
+    b"lod",
+    b"c_interp",
+    b"d_interp",
+    b"shadow_obj",
+    b"trace_obj",
+    b"vp",
+    b"call",
+    b"csh",
+];
+
+/// Statements about other things than polygons, which are skipped and counted.
 #[rustfmt::skip]
-const SKIPPED: [&[u8]; 36] = [
-    b"o", b"g", b"s", b"mg", b"usemtl", b"mtllib", b"usemap", b"maplib", b"l", b"p", b"vp", b"bevel", b"lod",
-    b"c_interp", b"d_interp", b"shadow_obj", b"trace_obj", b"cstype", b"deg", b"bmat", b"step", b"curv", b"curv2",
-    b"surf", b"parm", b"trim", b"hole", b"scrv", b"sp", b"end", b"con", b"ctech", b"stech", b"call", b"csh", b"res",
+const NOT_POLYGONS: [&[u8]; 19] = [
+    b"l", b"p", b"cstype", b"deg", b"bmat", b"step", b"curv", b"curv2", b"surf", b"parm", b"trim",
+    b"hole", b"scrv", b"sp", b"end", b"con", b"ctech", b"stech", b"res",
 ];
 
 pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
@@ -65,23 +85,62 @@ struct Reader {
     corners: Vec<u32>,
     uv_corners: Vec<u32>,
     normal_corners: Vec<u32>,
+    materials: Names,
+    groups: Names,
+    objects: Names,
+    material_files: Vec<String>,
+    /// Whether a statement was one of OBJ, and the line of the first that was not.
+    is_obj: bool,
+    unknown: Option<(String, usize)>,
 }
 
 impl Reader {
     fn statement(&mut self, line: &[u8], number: usize) -> Checked<()> {
-        let mut words = words(line.split(|&byte| byte == b'#').next().unwrap_or_default());
-        match words.next() {
-            None => Ok(()),
-            Some(b"v") => self.vertex(words),
-            Some(b"vt") => self.uv.statement(words),
-            Some(b"vn") => self.normals.statement(words),
-            Some(b"f" | b"fo") => self.face(words, number),
-            Some(keyword) if SKIPPED.contains(&keyword) => Ok(()),
-            Some(keyword) => Err(format!("{} is not a statement of OBJ", quoted(keyword)).into()),
+        let bare = line.split(|&byte| byte == b'#').next().unwrap_or_default();
+        let mut words = words(bare);
+        let Some(keyword) = words.next() else { return Ok(()) };
+        let faces = self.draft.faces.len();
+        // A name may have a # in it.
+        let rest = || line.trim_ascii_start().get(keyword.len()..).unwrap_or_default();
+        match keyword {
+            b"v" => self.vertex(words, number)?,
+            b"vt" => self.uv.statement(words, &mut self.draft, number)?,
+            b"vn" => self.normals.statement(words, &mut self.draft, number)?,
+            b"f" | b"fo" => self.face(words, number)?,
+            b"usemtl" => self.materials.begin(rest(), faces)?,
+            b"g" => self.groups.begin(rest(), faces)?,
+            b"o" => self.objects.begin(rest(), faces)?,
+            b"mtllib" => {
+                let name = name_of(rest());
+                if !name.is_empty() {
+                    push(&mut self.material_files, name)?;
+                }
+            }
+            _ if LOOKS.contains(&keyword) => {}
+            _ if NOT_POLYGONS.contains(&keyword) => {
+                self.draft
+                    .notes
+                    .add("left out lines, points and free-form geometry: statements", || {
+                        format!("line {number} ({})", quoted(keyword))
+                    });
+            }
+            _ => {
+                self.unknown.get_or_insert_with(|| (quoted(keyword), number));
+                self.draft.notes.add("skipped statements that are not of OBJ", || {
+                    format!("line {number} ({})", quoted(keyword))
+                });
+                return Ok(());
+            }
         }
+        self.is_obj = true;
+        Ok(())
     }
 
-    fn vertex<'a>(&mut self, mut words: impl Iterator<Item = &'a [u8]>) -> Checked<()> {
+    fn vertex<'a>(
+        &mut self,
+        mut words: impl Iterator<Item = &'a [u8]>,
+        line: usize,
+    ) -> Checked<()> {
         let position = numbers::<3>(&mut words)?;
         let mut color = [0.0, 0.0, 0.0, 1.0];
         let mut given = 0;
@@ -98,7 +157,8 @@ impl Reader {
             2 => return Err("5 numbers of a vertex".into()),
             _ => {
                 self.has_opacity |= given == 4;
-                push(&mut self.colors, finite(color)?)?;
+                let color = self.draft.finite(color, || format!("line {line}"));
+                push(&mut self.colors, color)?;
             }
         }
         self.draft.push_vertex(position)
@@ -122,20 +182,105 @@ impl Reader {
             }
         }
         let faces = self.draft.faces.len();
-        self.draft.push_polygon(&self.corners)?;
-        self.uv.push_polygon(&self.uv_corners, faces)?;
-        self.normals.push_polygon(&self.normal_corners, faces)
+        let place = || format!("line {line}");
+        if !self.draft.push_polygon(&self.corners, place)? {
+            return Ok(());
+        }
+        let mixed = [
+            self.uv.push_polygon(&self.uv_corners, faces)?,
+            self.normals.push_polygon(&self.normal_corners, faces)?,
+        ];
+        let what = "left out texture coordinates or normals that some corners of a face lack";
+        let count = mixed.iter().filter(|&&mixed| mixed).count();
+        self.draft.notes.add_many(what, count, place);
+        Ok(())
     }
 
-    fn finish(self, source: &Source<'_>) -> Result<MeshFile> {
-        let count = self.draft.vertices.len();
+    fn finish(mut self, source: &Source<'_>) -> Result<MeshFile> {
+        if let (false, Some((word, line))) = (self.is_obj, &self.unknown) {
+            return Err(source.fail_at(*line, format!("{word} is not a statement of OBJ")));
+        }
+        let (count, faces) = (self.draft.vertices.len(), self.draft.faces.len());
         self.vertex_refs.check("vertex", count, source)?;
-        let mesh = self.draft.finish()?;
+        self.uv.refs.check("texture coordinate", self.uv.values.len(), source)?;
+        self.normals.refs.check("normal", self.normals.values.len(), source)?;
+        let names = [&mut self.materials, &mut self.groups, &mut self.objects];
+        names.into_iter().filter(|n| !n.names.is_empty()).try_for_each(|n| n.label(faces))?;
+        let mut file = self.draft.finish(
+            &mut [&mut self.uv.corners, &mut self.normals.corners],
+            &mut [
+                &mut self.materials.of_faces,
+                &mut self.groups.of_faces,
+                &mut self.objects.of_faces,
+            ],
+        )?;
         let colored = count > 0 && self.colors.len() == count;
+        if !colored && !self.colors.is_empty() {
+            file.notes.push(SOME_COLORS.into());
+        }
         let colors = colored.then(|| scaled_colors(self.colors, self.has_opacity));
-        let uv = self.uv.finish("texture coordinate", &mesh, source)?;
-        let normals = self.normals.finish("normal", &mesh, source)?;
-        Ok(MeshFile { uv, normals, colors, ..MeshFile::from(mesh) })
+        Ok(MeshFile {
+            uv: self.uv.finish(&file.mesh),
+            normals: self.normals.finish(&file.mesh),
+            colors,
+            materials: self.materials.finish(),
+            groups: self.groups.finish(),
+            objects: self.objects.finish(),
+            material_files: self.material_files,
+            ..file
+        })
+    }
+}
+
+/// The name after a keyword; bytes that are not text are replaced.
+fn name_of(rest: &[u8]) -> String {
+    clean_name(&String::from_utf8_lossy(rest))
+}
+
+/// Names that hold for the faces after them.
+#[derive(Default)]
+struct Names {
+    names: Vec<String>,
+    numbers: HashMap<String, u32>,
+    /// The number of the name that holds.
+    current: Option<u32>,
+    /// Of the faces before the current name.
+    of_faces: Vec<u32>,
+}
+
+impl Names {
+    /// A name that holds from face `faces` on; an empty one ends the one before.
+    fn begin(&mut self, rest: &[u8], faces: usize) -> Checked<()> {
+        self.label(faces)?;
+        let name = name_of(rest);
+        if name.is_empty() {
+            self.current = None;
+            return Ok(());
+        }
+        let number = match self.numbers.get(&name) {
+            Some(&number) => number,
+            None => {
+                let number = u32::try_from(self.names.len()).map_err(|_| "2^32 names")?;
+                push(&mut self.names, name.clone())?;
+                self.numbers.insert(name, number);
+                number
+            }
+        };
+        self.current = Some(number);
+        Ok(())
+    }
+
+    /// Gives the current name to the faces before number `faces` that have none yet.
+    fn label(&mut self, faces: usize) -> Result<()> {
+        while self.of_faces.len() < faces {
+            push(&mut self.of_faces, self.current.unwrap_or(Labels::ABSENT))?;
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Option<Labels> {
+        let any = self.of_faces.iter().any(|&number| number != Labels::ABSENT);
+        any.then_some(Labels { names: self.names, of_faces: self.of_faces })
     }
 }
 
@@ -185,7 +330,12 @@ impl<const N: usize> Default for Values<N> {
 }
 
 impl<const N: usize> Values<N> {
-    fn statement<'a>(&mut self, mut words: impl Iterator<Item = &'a [u8]>) -> Checked<()> {
+    fn statement<'a>(
+        &mut self,
+        mut words: impl Iterator<Item = &'a [u8]>,
+        draft: &mut Draft,
+        line: usize,
+    ) -> Checked<()> {
         let mut value = [0.0; N];
         let needed = if N == 2 { 1 } else { N };
         for (i, x) in value.iter_mut().enumerate() {
@@ -195,7 +345,8 @@ impl<const N: usize> Values<N> {
                 None => return Err(format!("{i} numbers where {needed} are needed").into()),
             }
         }
-        Ok(push(&mut self.values, finite(value)?)?)
+        let value = draft.finite(value, || format!("line {line}"));
+        Ok(push(&mut self.values, value)?)
     }
 
     fn resolve(&mut self, what: &str, word: Option<&[u8]>, line: usize) -> Checked<u32> {
@@ -205,40 +356,33 @@ impl<const N: usize> Values<N> {
         }
     }
 
-    /// As [`Draft::push_polygon`]; `faces` came before.
-    fn push_polygon(&mut self, corners: &[u32], faces: usize) -> Checked<()> {
+    /// As [`Draft::push_polygon`]; `faces` came before. Returns whether some corners have values
+    /// and others have none, which makes none.
+    fn push_polygon(&mut self, corners: &[u32], faces: usize) -> Result<bool> {
         let absent = corners.iter().filter(|&&corner| corner == ABSENT).count();
         if absent == corners.len() && self.corners.is_empty() {
-            return Ok(());
-        }
-        if absent != 0 && absent != corners.len() {
-            return Err("a face with corners of different kinds".into());
+            return Ok(false);
         }
         while self.corners.len() < faces {
             push(&mut self.corners, [ABSENT; 3])?;
         }
-        for pair in corners[1..].windows(2) {
-            push(&mut self.corners, [corners[0], pair[0], pair[1]])?;
+        for triangle in fan(corners) {
+            push(&mut self.corners, if absent == 0 { triangle } else { [ABSENT; 3] })?;
         }
-        Ok(())
+        Ok(absent != 0 && absent != corners.len())
     }
 
-    fn finish(
-        self,
-        what: &str,
-        mesh: &TriMesh,
-        source: &Source<'_>,
-    ) -> Result<Option<Attribute<N>>> {
-        self.refs.check(what, self.values.len(), source)?;
-        if self.corners.is_empty() {
-            return Ok(None);
-        }
-        Ok(Some(Attribute::simplified(self.values, self.corners, mesh)))
+    fn finish(self, mesh: &TriMesh) -> Option<Attribute<N>> {
+        let any = !self.corners.is_empty();
+        any.then(|| Attribute::simplified(self.values, self.corners, mesh))
     }
 }
 
 pub(super) fn write(sink: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
     let opaque = file.colors.iter().flatten().all(|color| color[3] == 1.0);
+    for name in &file.material_files {
+        writeln!(sink, "mtllib {name}")?;
+    }
     for (v, [x, y, z]) in file.mesh.vertices().iter().enumerate() {
         write!(sink, "v {x:?} {y:?} {z:?}")?;
         if let Some([r, g, b, a]) = file.colors.as_ref().map(|colors| colors[v]) {
@@ -255,7 +399,17 @@ pub(super) fn write(sink: &mut dyn Write, file: &MeshFile) -> io::Result<()> {
     for [x, y, z] in file.normals.iter().flat_map(|normals| &normals.values) {
         writeln!(sink, "vn {x:?} {y:?} {z:?}")?;
     }
+    let labels = [("o", &file.objects), ("g", &file.groups), ("usemtl", &file.materials)];
     for (f, face) in file.mesh.faces().iter().enumerate() {
+        for (keyword, labels) in labels {
+            let Some(labels) = labels else { continue };
+            let before = f.checked_sub(1).and_then(|f| labels.of_face(f));
+            match labels.of_face(f) {
+                name if name == before => {}
+                Some(name) => writeln!(sink, "{keyword} {name}")?,
+                None => writeln!(sink, "{keyword}")?,
+            }
+        }
         let of = |corners: Option<&[[u32; 3]]>| corners.map_or([ABSENT; 3], |corners| corners[f]);
         let uv = of(file.uv.as_ref().map(|uv| uv.corners.as_deref().unwrap_or(file.mesh.faces())));
         let normals = file.normals.as_ref();

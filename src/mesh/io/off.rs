@@ -1,78 +1,96 @@
-//! Geomview OFF (Phillips, Levy and Munzner 1993), ASCII, of three dimensions; one vertex or face a line.
+//! Geomview OFF (Phillips, Levy and Munzner 1993), ASCII, of three dimensions.
 
+use std::fmt::Display;
 use std::io::{self, Write};
 
 use super::attributes::{Attribute, MeshFile};
+use super::colors::{SOME_COLORS, scaled_colors};
 use super::draft::{Checked, Draft, Fault, push, roomy};
-use super::text::{count, finite, integer, number, numbers, quoted, scaled_colors, words};
+use super::text::{count, integer, number, quoted, words};
 use crate::base::Result;
 use crate::io::Source;
 
 /// What a vertex has besides its position.
 #[derive(Debug, Clone, Copy, Default)]
-struct Kind {
+pub(super) struct Kind {
     normals: bool,
     colors: bool,
     uv: bool,
 }
 
+/// The words of a file, wherever its lines end.
+struct Tokens<'s, 'a> {
+    source: &'s mut Source<'a>,
+    /// The last line without its comment, and how much of it is taken.
+    line: Vec<u8>,
+    taken: usize,
+}
+
+impl<'s, 'a> Tokens<'s, 'a> {
+    fn new(source: &'s mut Source<'a>) -> Self {
+        Self { source, line: Vec::new(), taken: 0 }
+    }
+
+    fn rest(&self) -> &[u8] {
+        self.line.get(self.taken..).unwrap_or_default()
+    }
+
+    /// The words that are left on the line, as far as their number matters.
+    fn left(&self) -> usize {
+        words(self.rest()).take(COLOR + 3).count()
+    }
+
+    /// The next line that says something, from its start; false at the end of the file.
+    fn next_line(&mut self) -> Result<bool> {
+        while self.left() == 0 {
+            let Some(line) = self.source.next_bytes()? else { return Ok(false) };
+            self.line.clear();
+            self.line.extend(line.iter().take_while(|&&byte| byte != b'#'));
+            self.taken = 0;
+        }
+        Ok(true)
+    }
+
+    /// The next word; `what` is missing at the end of the file.
+    fn next(&mut self, what: impl Display) -> Checked<&[u8]> {
+        if !self.next_line()? {
+            return Err(format!("truncated: no {what}").into());
+        }
+        let rest = self.rest();
+        let start = rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+        let length = rest.iter().skip(start).take_while(|byte| !byte.is_ascii_whitespace()).count();
+        let start = self.taken + start;
+        self.taken = start + length;
+        Ok(self.line.get(start..self.taken).unwrap_or_default())
+    }
+
+    /// The next `N` numbers, of `what`.
+    fn numbers<const N: usize>(&mut self, what: impl Display) -> Checked<[f64; N]> {
+        let mut values = [0.0; N];
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = number(self.next(format_args!("{what} ({i} of {N} numbers)"))?)?;
+        }
+        Ok(values)
+    }
+}
+
 pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
-    let mut kind = Kind::default();
-    let mut sizes = None;
-    content(source, &"header", |line| {
-        (kind, sizes) = header(line)?;
-        Ok(())
-    })?;
-    let [vertices, faces] = match sizes {
-        Some(sizes) => sizes,
-        None => content(source, &"line of counts", |line| counts(words(line)))?,
-    };
-
-    let mut reader = Reader { kind, ..Reader::default() };
-    reader.draft.vertices = roomy(vertices);
-    for v in 0..vertices {
-        content(source, &format_args!("vertex {v} of {vertices}"), |line| reader.vertex(line))?;
-    }
-    reader.draft.faces = roomy(faces);
-    for f in 0..faces {
-        content(source, &format_args!("face {f} of {faces}"), |line| reader.face(line))?;
-    }
-    while let Some(line) = source.next_bytes()? {
-        if words(bare(line)).next().is_some() {
-            return Err(source.fail("text after the faces announced"));
-        }
-    }
-    reader.finish()
-}
-
-/// A line without its comment.
-fn bare(line: &[u8]) -> &[u8] {
-    line.split(|&byte| byte == b'#').next().unwrap_or_default()
-}
-
-/// What `read` makes of the next line that says something.
-fn content<T>(
-    source: &mut Source<'_>,
-    what: &dyn std::fmt::Display,
-    mut read: impl FnMut(&[u8]) -> Checked<T>,
-) -> Result<T> {
-    loop {
-        let Some(line) = source.next_bytes()? else {
-            return Err(source.fail(format!("truncated: no {what}")));
-        };
-        let line = bare(line);
-        if words(line).next().is_some() {
-            return read(line).map_err(|fault| fault.at(source));
-        }
+    let mut tokens = Tokens::new(source);
+    match Reader::read(&mut tokens) {
+        Ok(reader) => reader.finish(),
+        Err(fault) => Err(fault.at(tokens.source)),
     }
 }
 
-/// The word OFF with its prefixes, and counts if they are on the same line.
-fn header(line: &[u8]) -> Checked<(Kind, Option<[usize; 2]>)> {
-    let mut words = words(line);
-    let word = words.next().unwrap_or_default();
+/// The word OFF with its prefixes.
+fn header(word: &[u8]) -> Checked<Kind> {
     let not_ours = || Fault::from(format!("{} is not OFF with prefixes ST, C, N", quoted(word)));
-    let mut prefix = word.strip_suffix(b"OFF").ok_or_else(not_ours)?;
+    kind_of(word).ok_or_else(not_ours)
+}
+
+/// What the first word of a file announces, if the file is OFF.
+pub(super) fn kind_of(word: &[u8]) -> Option<Kind> {
+    let mut prefix = word.strip_suffix(b"OFF")?;
     let mut strip = |part: &[u8]| match prefix.strip_prefix(part) {
         Some(rest) => {
             prefix = rest;
@@ -81,23 +99,24 @@ fn header(line: &[u8]) -> Checked<(Kind, Option<[usize; 2]>)> {
         None => false,
     };
     let kind = Kind { uv: strip(b"ST"), colors: strip(b"C"), normals: strip(b"N") };
-    if !prefix.is_empty() {
-        return Err(not_ours());
-    }
-    let mut rest = words.peekable();
-    match rest.peek() {
-        None => Ok((kind, None)),
-        Some(&word) if word == b"BINARY" => Err("binary OFF files are not read".into()),
-        Some(_) => Ok((kind, Some(counts(rest)?))),
-    }
+    prefix.is_empty().then_some(kind)
 }
 
-/// Numbers of vertices and faces; that of edges, which may be missing, says nothing.
-fn counts<'a>(mut words: impl Iterator<Item = &'a [u8]>) -> Checked<[usize; 2]> {
-    let mut next =
-        || words.next().ok_or_else(|| Fault::from("counts of vertices and faces missing"));
-    Ok([count(next()?)?, count(next()?)?])
+/// Numbers of vertices and faces. That of edges says nothing, and may be missing where those are
+/// on one line.
+fn counts(tokens: &mut Tokens<'_, '_>) -> Checked<[usize; 2]> {
+    let what = "counts of vertices and faces";
+    let vertices = count(tokens.next(what)?)?;
+    let on_one_line = tokens.left() > 0;
+    let faces = count(tokens.next(what)?)?;
+    if tokens.left() > 0 || (!on_one_line && tokens.next_line()? && tokens.left() == 1) {
+        count(tokens.next("count of edges")?)?;
+    }
+    Ok([vertices, faces])
 }
+
+/// Numbers of a colour, at most.
+const COLOR: usize = 4;
 
 #[derive(Default)]
 struct Reader {
@@ -108,60 +127,94 @@ struct Reader {
     has_opacity: bool,
     uv: Vec<[f64; 2]>,
     polygon: Vec<u32>,
+    /// Whether some line has more than one vertex, or face: then no number is there that was not
+    /// announced.
+    packed: bool,
 }
 
 impl Reader {
-    fn vertex(&mut self, line: &[u8]) -> Checked<()> {
-        let mut words = words(line);
-        self.draft.push_vertex(numbers(&mut words)?)?;
+    fn read(tokens: &mut Tokens<'_, '_>) -> Checked<Self> {
+        let mut reader = Self { kind: header(tokens.next("header")?)?, ..Self::default() };
+        if words(tokens.rest()).next() == Some(b"BINARY") {
+            return Err("binary OFF files are not read".into());
+        }
+        let [vertices, faces] = counts(tokens)?;
+        reader.draft.vertices = roomy(vertices);
+        for v in 0..vertices {
+            reader.vertex(tokens, &format_args!("vertex {v} of {vertices}"))?;
+        }
+        reader.draft.faces = roomy(faces);
+        reader.packed = false;
+        for f in 0..faces {
+            reader.face(tokens, &format_args!("face {f} of {faces}"))?;
+        }
+        if tokens.next_line()? {
+            return Err("text after the faces announced".into());
+        }
+        Ok(reader)
+    }
+
+    fn vertex(&mut self, tokens: &mut Tokens<'_, '_>, what: &dyn Display) -> Checked<()> {
+        self.draft.push_vertex(tokens.numbers(what)?)?;
+        let line = tokens.source.line();
+        let place = || format!("line {line}");
         if self.kind.normals {
-            push(&mut self.normals, finite(numbers(&mut words)?)?)?;
+            let normal = self.draft.finite(tokens.numbers(what)?, place);
+            push(&mut self.normals, normal)?;
         }
-        // Texture coordinates come last, so the opacity is there when one more number is.
-        let mut rest = [0.0; 6];
-        let mut given = 0;
-        for word in words {
-            *rest.get_mut(given).ok_or("too many numbers")? = number(word)?;
-            given += 1;
+        let uv = if self.kind.uv { 2 } else { 0 };
+        self.packed |= tokens.left() > COLOR + uv;
+        let least = uv + if self.kind.colors { 3 } else { 0 };
+        // Texture coordinates come last, so the opacity is there when one more number is. Some write
+        // colours without saying so.
+        let given = if self.packed { least } else { tokens.left().max(least) };
+        let mut rest = [0.0; COLOR + 2];
+        for value in rest.iter_mut().take(given) {
+            *value = number(tokens.next(what)?)?;
         }
-        let rest = &finite(rest)?[..given];
-        let (colors, uv) = rest.split_at(given - if self.kind.uv { 2.min(given) } else { 0 });
-        match (colors, self.kind.colors) {
-            ([], false) => {}
-            // Some write colours without saying so.
-            (&[r, g, b], _) => push(&mut self.colors, [r, g, b, 1.0])?,
-            (&[r, g, b, a], _) => {
+        let rest = self.draft.finite(rest, place);
+        let (color, uv) = rest[..given].split_at(given - uv);
+        match *color {
+            [] => {}
+            [r, g, b] => push(&mut self.colors, [r, g, b, 1.0])?,
+            [r, g, b, a] => {
                 self.has_opacity = true;
                 push(&mut self.colors, [r, g, b, a])?;
             }
-            (others, _) => return Err(format!("{} numbers of a colour", others.len()).into()),
+            _ => return Err(format!("{} numbers of a colour", color.len()).into()),
         }
-        match (uv, self.kind.uv) {
-            ([], false) => Ok(()),
-            (&[u, v], _) => Ok(push(&mut self.uv, [u, v])?),
-            _ => Err("texture coordinates missing".into()),
+        if let [u, v] = *uv {
+            push(&mut self.uv, [u, v])?;
         }
+        Ok(())
     }
 
-    fn face(&mut self, line: &[u8]) -> Checked<()> {
-        let mut words = words(line);
-        let corners = count(words.next().unwrap_or_default())?;
+    fn face(&mut self, tokens: &mut Tokens<'_, '_>, what: &dyn Display) -> Checked<()> {
+        let corners = count(tokens.next(what)?)?;
         self.polygon.clear();
         for i in 0..corners {
-            let word = words.next().ok_or_else(|| format!("{i} of {corners} corners"))?;
+            let word = tokens.next(format_args!("{what} ({i} of {corners} corners)"))?;
             let vertex = integer(word)?;
             let count = self.draft.vertices.len();
             let known = u32::try_from(vertex).ok().filter(|&v| (v as usize) < count);
             push(&mut self.polygon, known.ok_or_else(|| format!("vertex {vertex} of {count}"))?)?;
         }
-        // What follows is a colour of the face.
-        self.draft.push_polygon(&self.polygon)
+        let line = tokens.source.line();
+        let place = || format!("line {line}");
+        // What is left on the line is a colour, unless the next face begins there.
+        let left = tokens.left();
+        self.packed |= left > COLOR;
+        if left > 0 && !self.packed {
+            self.draft.notes.add("left out colours of faces", place);
+            tokens.taken = tokens.line.len();
+        }
+        self.draft.push_polygon(&self.polygon, place)?;
+        Ok(())
     }
 
     fn finish(self) -> Result<MeshFile> {
-        let mesh = self.draft.finish()?;
-        let count = mesh.vertices().len();
-        let mut file = MeshFile::from(mesh);
+        let mut file = self.draft.finish(&mut [], &mut [])?;
+        let count = file.mesh.vertices().len();
         if self.kind.normals && count > 0 {
             file.normals = Some(Attribute { values: self.normals, corners: None });
         }
@@ -170,6 +223,8 @@ impl Reader {
         }
         if count > 0 && self.colors.len() == count {
             file.colors = Some(scaled_colors(self.colors, self.has_opacity));
+        } else if !self.colors.is_empty() {
+            file.notes.push(SOME_COLORS.into());
         }
         Ok(file)
     }

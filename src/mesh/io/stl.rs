@@ -6,7 +6,7 @@ use std::io::{self, BufRead, Read, Write};
 
 use super::super::TriMesh;
 use super::attributes::MeshFile;
-use super::draft::{Checked, Draft, Fault, push};
+use super::draft::{Checked, Draft, Fault};
 use super::text::{number, quoted, words};
 use crate::base::Result;
 use crate::io::Source;
@@ -31,7 +31,7 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
     let start = source.fill_buf().map(|start| &start[..start.len().min(LOOK)]);
     // Binary files too may begin with the word solid.
     let is_text = start.map(|start| {
-        let text = |&byte: &u8| matches!(byte, b'\t'..=b'\r' | b' '..=b'~');
+        let text = |&byte: &u8| matches!(byte, b'\t'..=b'\r' | b' '..=b'~' | 0x80..);
         start.trim_ascii_start().starts_with(b"solid") && start.iter().all(text)
     });
     let mut soup = Soup::default();
@@ -40,8 +40,7 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
         Ok(true) => text(source, &mut soup)?,
         Ok(false) => binary(source, &mut soup).map_err(|fault| fault.at(source))?,
     }
-    let collapsed_faces = soup.collapsed;
-    Ok(MeshFile { collapsed_faces, ..MeshFile::from(soup.draft.finish()?) })
+    soup.draft.finish(&mut [], &mut [])
 }
 
 /// Triangles that find out which of their corners are the same.
@@ -49,11 +48,10 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
 struct Soup {
     draft: Draft,
     numbers: HashMap<[u64; 3], u32>,
-    collapsed: usize,
 }
 
 impl Soup {
-    fn push(&mut self, corners: [[f64; 3]; 3]) -> Checked<()> {
+    fn push(&mut self, corners: [[f64; 3]; 3], place: impl Fn() -> String) -> Checked<()> {
         let mut face = [0; 3];
         for (number, position) in face.iter_mut().zip(corners) {
             // Adding zero makes -0 the same as 0.
@@ -70,12 +68,8 @@ impl Soup {
                 }
             };
         }
-        let [a, b, c] = face;
-        if a == b || b == c || c == a {
-            self.collapsed += 1;
-            return Ok(());
-        }
-        Ok(push(&mut self.draft.faces, face)?)
+        self.draft.push_polygon(&face, place)?;
+        Ok(())
     }
 }
 
@@ -98,7 +92,7 @@ fn binary(source: &mut Source<'_>, soup: &mut Soup) -> Checked<()> {
             f64::from(f32::from_le_bytes(bytes))
         };
         let corners = [[x(0), x(1), x(2)], [x(3), x(4), x(5)], [x(6), x(7), x(8)]];
-        soup.push(corners).map_err(|fault| fault.of(what))?;
+        soup.push(corners, what).map_err(|fault| fault.of(what))?;
     }
     match source.fill_buf().map(<[u8]>::is_empty) {
         Ok(true) => Ok(()),
@@ -111,8 +105,10 @@ fn text(source: &mut Source<'_>, soup: &mut Soup) -> Result<()> {
     let mut corners = Vec::with_capacity(3);
     // Whether a solid has begun and not ended.
     let mut open = false;
-    while let Some(line) = source.next_bytes()? {
-        statement(line, &mut corners, &mut open, soup).map_err(|fault| fault.at(source))?;
+    loop {
+        let number = source.line() + 1;
+        let Some(line) = source.next_bytes()? else { break };
+        statement(line, number, &mut corners, &mut open, soup).map_err(|fault| fault.at(source))?;
     }
     if open {
         return Err(source.fail("truncated: no endsolid"));
@@ -122,6 +118,7 @@ fn text(source: &mut Source<'_>, soup: &mut Soup) -> Result<()> {
 
 fn statement(
     line: &[u8],
+    line_number: usize,
     corners: &mut Vec<[f64; 3]>,
     open: &mut bool,
     soup: &mut Soup,
@@ -146,7 +143,7 @@ fn statement(
             let &[a, b, c] = corners.as_slice() else {
                 return Err(format!("a facet of {} vertices", corners.len()).into());
             };
-            soup.push([a, b, c])?;
+            soup.push([a, b, c], || format!("line {line_number}"))?;
             corners.clear();
         }
         _ => return Err(format!("{} out of place", quoted(keyword)).into()),

@@ -7,10 +7,20 @@ pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(|byte| byte.is_ascii_whitespace()).filter(|word| !word.is_empty())
 }
 
-/// A floating-point number.
+/// A floating-point number; what C libraries print for those that are none is one too, such as
+/// `-nan(ind)` and `1.#QNAN`.
 pub(super) fn number(word: &[u8]) -> Checked<f64> {
     let parsed = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
-    parsed.ok_or_else(|| format!("{} is not a number", quoted(word)).into())
+    parsed
+        .or_else(|| not_a_number(word))
+        .ok_or_else(|| format!("{} is not a number", quoted(word)).into())
+}
+
+fn not_a_number(word: &[u8]) -> Option<f64> {
+    let word = word.strip_prefix(b"-").or(word.strip_prefix(b"+")).unwrap_or(word);
+    let word = word.to_ascii_lowercase();
+    let is_one = word.starts_with(b"nan(") || word.starts_with(b"1.#");
+    is_one.then_some(f64::NAN)
 }
 
 /// A whole number.
@@ -48,29 +58,10 @@ pub(super) fn numbers<'a, const N: usize>(
     Ok(values)
 }
 
-/// These numbers, when all are finite.
-pub(super) fn finite<const N: usize>(values: [f64; N]) -> Checked<[f64; N]> {
-    match values.iter().find(|x| !x.is_finite()) {
-        None => Ok(values),
-        Some(x) => Err(format!("{x} is not finite").into()),
-    }
-}
-
 /// The beginning of a word, for a message.
 pub(super) fn quoted(word: &[u8]) -> String {
     const SHOWN: usize = 30;
     let shown = String::from_utf8_lossy(&word[..word.len().min(SHOWN)]);
     let more = if word.len() > SHOWN { "..." } else { "" };
     format!("{:?}", format!("{shown}{more}"))
-}
-
-/// The colours of a file, whose numbers are from 0 to 255 if one of them is above 1.
-pub(super) fn scaled_colors(mut colors: Vec<[f64; 4]>, explicit_opacity: bool) -> Vec<[f64; 4]> {
-    let given = if explicit_opacity { 4 } else { 3 };
-    if colors.iter().any(|color| color[..given].iter().any(|&x| x > 1.0)) {
-        for x in colors.iter_mut().flat_map(|color| &mut color[..given]) {
-            *x /= 255.0;
-        }
-    }
-    colors
 }

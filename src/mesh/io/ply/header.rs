@@ -83,9 +83,6 @@ fn statement(
         }
         [b"property", b"list", counted_by, item, name] => {
             let counted_by = Type::parse(counted_by)?;
-            if matches!(counted_by, Type::F32 | Type::F64) {
-                return Err("a list counted by a floating-point number".into());
-            }
             let name = Name::parse(name);
             property(
                 elements,

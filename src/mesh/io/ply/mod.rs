@@ -11,7 +11,7 @@ use self::header::Header;
 use self::rows::Rows;
 use super::attributes::{Attribute, MeshFile};
 use super::draft::{Checked, Draft, push, roomy};
-use super::text::finite;
+use super::polygon::fan;
 use crate::base::Result;
 use crate::io::Source;
 
@@ -26,7 +26,7 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<MeshFile> {
         let read = match element.name.as_str() {
             "vertex" => reader.vertices(element, &mut rows),
             "face" => reader.faces(element, &mut rows),
-            "tristrips" => Err("triangle strips (element tristrips) are not read".into()),
+            "tristrips" => reader.strips(element, &mut rows),
             _ => rows.skip(),
         };
         read.map_err(|fault| fault.at(source))?;
@@ -74,23 +74,24 @@ impl Reader {
         let places = Places::new(element)?;
         self.draft.vertices = roomy(element.count);
         while let Some(row) = rows.next()? {
-            let read = self.vertex(&places, &row.scalars);
+            let read = self.vertex(&places, &row.scalars, row.index);
             read.map_err(|fault| fault.of(|| format!("vertex {}", row.index)))?;
         }
         Ok(())
     }
 
-    fn vertex(&mut self, places: &Places, scalars: &[f64]) -> Checked<()> {
+    fn vertex(&mut self, places: &Places, scalars: &[f64], index: usize) -> Checked<()> {
         self.draft.push_vertex(places.position.map(|i| scalars[i]))?;
+        let place = || format!("vertex {index}");
         if let Some(at) = places.normal {
-            push(&mut self.normals, finite(at.map(|i| scalars[i]))?)?;
+            push(&mut self.normals, self.draft.finite(at.map(|i| scalars[i]), place))?;
         }
         if let Some(at) = places.uv {
-            push(&mut self.uv, finite(at.map(|i| scalars[i]))?)?;
+            push(&mut self.uv, self.draft.finite(at.map(|i| scalars[i]), place))?;
         }
         if let Some(at) = places.color {
             let color = at.map(|channel| channel.map_or(1.0, |(i, full)| scalars[i] / full));
-            push(&mut self.colors, finite(color)?)?;
+            push(&mut self.colors, self.draft.finite(color, place))?;
         }
         Ok(())
     }
@@ -104,58 +105,112 @@ impl Reader {
             };
         };
         let uv = element.list(Name::CornerUv);
-        self.draft.faces = roomy(element.count);
+        if self.draft.faces.is_empty() {
+            self.draft.faces = roomy(element.count);
+        }
         let mut polygon = Vec::new();
         while let Some(row) = rows.next()? {
             let uv = uv.map(|uv| &row.lists[uv][..]);
-            let read = self.face(&row.lists[corners], uv, &mut polygon);
+            let read = self.face(&row.lists[corners], uv, row.index, &mut polygon);
             read.map_err(|fault| fault.of(|| format!("face {}", row.index)))?;
         }
         Ok(())
     }
 
     /// A face of these vertices and texture coordinates; `polygon` is scratch.
-    fn face(&mut self, corners: &[f64], uv: Option<&[f64]>, polygon: &mut Vec<u32>) -> Checked<()> {
+    fn face(
+        &mut self,
+        corners: &[f64],
+        uv: Option<&[f64]>,
+        index: usize,
+        polygon: &mut Vec<u32>,
+    ) -> Checked<()> {
         polygon.clear();
         for &number in corners {
-            // Every integer type of PLY is exact in a double.
-            if !(number >= 0.0 && number < f64::from(u32::MAX) && number.fract() == 0.0) {
-                return Err(format!("vertex {number}").into());
-            }
-            push(polygon, number as u32)?;
+            push(polygon, vertex_number(number)?)?;
         }
         let before = self.draft.faces.len();
-        self.draft.push_polygon(polygon)?;
-        uv.map_or(Ok(()), |uv| self.corner_uv(uv, polygon.len(), before))
+        if !self.draft.push_polygon(polygon, || format!("face {index}"))? {
+            return Ok(());
+        }
+        uv.map_or(Ok(()), |uv| self.corner_uv(uv, polygon.len(), before, index))
     }
 
     /// The texture coordinates of the corners of a polygon, whose triangles begin at face `before`.
-    fn corner_uv(&mut self, values: &[f64], corners: usize, before: usize) -> Checked<()> {
-        if !values.is_empty() && values.len() != 2 * corners {
-            let count = values.len();
-            return Err(format!("{count} texture coordinates of {corners} corners").into());
-        }
-        if values.is_empty() {
-            for _ in before..self.draft.faces.len() {
-                push(&mut self.uv_corners, [Attribute::<2>::ABSENT; 3])?;
+    fn corner_uv(
+        &mut self,
+        values: &[f64],
+        corners: usize,
+        before: usize,
+        index: usize,
+    ) -> Checked<()> {
+        let place = || format!("face {index}");
+        self.without_uv(before)?;
+        if values.len() != 2 * corners {
+            if !values.is_empty() {
+                let what = "left out texture coordinates that are not as many as the corners";
+                self.draft.notes.add(what, place);
             }
-            return Ok(());
+            return self.without_uv(self.draft.faces.len());
         }
         let first = u32::try_from(self.corner_uv.len() + corners)
             .map(|end| end - corners as u32)
             .map_err(|_| "more than 2^32 texture coordinates")?;
         for pair in values.chunks_exact(2) {
-            push(&mut self.corner_uv, finite([pair[0], pair[1]])?)?;
+            push(&mut self.corner_uv, self.draft.finite([pair[0], pair[1]], place))?;
         }
-        for i in 2..corners as u32 {
-            push(&mut self.uv_corners, [first, first + i - 1, first + i])?;
+        let numbers: Vec<u32> = (first..first + corners as u32).collect();
+        for triangle in fan(&numbers) {
+            push(&mut self.uv_corners, triangle)?;
         }
         Ok(())
     }
 
-    fn finish(self) -> Checked<MeshFile> {
-        let mesh = self.draft.finish()?;
-        let mut file = MeshFile::from(mesh);
+    /// Says that faces up to number `faces` have no texture coordinates, where nothing is said yet.
+    fn without_uv(&mut self, faces: usize) -> Checked<()> {
+        while self.uv_corners.len() < faces {
+            push(&mut self.uv_corners, [Attribute::<2>::ABSENT; 3])?;
+        }
+        Ok(())
+    }
+
+    /// Strips of triangles: each vertex makes one with the two before it, every second one the other
+    /// way around; -1 ends a strip. Triangles that only turn a strip have a vertex twice.
+    fn strips(&mut self, element: &Element, rows: &mut Rows<'_, '_>) -> Checked<()> {
+        let Some(corners) = element.list(Name::Corners) else {
+            return if element.count == 0 {
+                Ok(())
+            } else {
+                Err("strips without a list vertex_indices".into())
+            };
+        };
+        while let Some(row) = rows.next()? {
+            let read = self.strip(&row.lists[corners]);
+            read.map_err(|fault| fault.of(|| format!("tristrips {}", row.index)))?;
+        }
+        Ok(())
+    }
+
+    fn strip(&mut self, corners: &[f64]) -> Checked<()> {
+        for run in corners.split(|&number| number == -1.0 || number == f64::from(u32::MAX)) {
+            let numbers = run.iter().map(|&number| vertex_number(number));
+            let numbers = numbers.collect::<Checked<Vec<u32>>>()?;
+            for (i, triangle) in numbers.windows(3).enumerate() {
+                let (a, b, c) = (triangle[0], triangle[1], triangle[2]);
+                if a != b && b != c && c != a {
+                    let face = if i % 2 == 0 { [a, b, c] } else { [b, a, c] };
+                    push(&mut self.draft.faces, face)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(mut self) -> Checked<MeshFile> {
+        if !self.uv_corners.is_empty() {
+            self.without_uv(self.draft.faces.len())?;
+        }
+        let mut file = self.draft.finish(&mut [&mut self.uv_corners], &mut [])?;
         if !self.normals.is_empty() {
             file.normals = Some(Attribute { values: self.normals, corners: None });
         }
@@ -168,5 +223,14 @@ impl Reader {
             file.colors = Some(self.colors);
         }
         Ok(file)
+    }
+}
+
+fn vertex_number(number: f64) -> Checked<u32> {
+    // Every integer type of PLY is exact in a double.
+    if number >= 0.0 && number < f64::from(u32::MAX) && number.fract() == 0.0 {
+        Ok(number as u32)
+    } else {
+        Err(format!("vertex {number}").into())
     }
 }

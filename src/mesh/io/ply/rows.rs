@@ -88,7 +88,7 @@ impl<'s, 'a> Rows<'s, 'a> {
                     }
                 } else if let Some(list) = lists.next() {
                     list.clear();
-                    for _ in 0..text::count(next()?)? {
+                    for _ in 0..list_length(text::number(next()?)?)? {
                         push(list, text::number(next()?)?)?;
                     }
                 }
@@ -124,13 +124,11 @@ impl<'s, 'a> Rows<'s, 'a> {
             };
             fill(source, bytes, counted_by.size())?;
             let count = decode(counted_by, bytes);
-            if count < 0.0 {
-                return Err(format!("a list of {count} items").into());
-            }
+            let count = list_length(count)?;
             let Some(list) = lists.next() else { continue };
             list.clear();
             // By pieces: the count may lie about what is to come.
-            let mut left = count as usize;
+            let mut left = count;
             while left > 0 {
                 let piece = left.min(1 << 12);
                 fill(source, bytes, piece * item.size())?;
@@ -141,6 +139,16 @@ impl<'s, 'a> Rows<'s, 'a> {
             }
         }
         Ok(())
+    }
+}
+
+/// The count of a list, which may be of any type.
+fn list_length(count: f64) -> Checked<usize> {
+    // The types of integers have no more than 32 bits.
+    if count >= 0.0 && count <= f64::from(u32::MAX) && count.fract() == 0.0 {
+        Ok(count as usize)
+    } else {
+        Err(format!("a list of {count} items").into())
     }
 }
 

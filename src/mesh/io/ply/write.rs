@@ -1,6 +1,7 @@
 use std::io::{self, Write};
 
 use super::super::attributes::{Attribute, MeshFile};
+use super::super::colors::byte;
 use super::encoding::PlyEncoding;
 
 /// Writes numbers in one of the encodings.
@@ -60,10 +61,9 @@ fn kind_of<'a>(mut values: impl Iterator<Item = &'a f64>) -> &'static str {
     if values.all(|&x| f64::from(x as f32) == x) { "float" } else { "double" }
 }
 
-/// The byte that a colour is a 255th of.
-fn byte(x: f64) -> Option<u8> {
-    let scaled = (x * 255.0).round();
-    ((0.0..=255.0).contains(&scaled) && scaled / 255.0 == x).then_some(scaled as u8)
+/// The type of texture coordinates: float, as other programs skip doubles, unless one is too large.
+fn uv_kind<'a>(mut values: impl Iterator<Item = &'a f64>) -> &'static str {
+    if values.all(|&x| (x as f32).is_finite()) { "float" } else { "double" }
 }
 
 pub(in super::super) fn write(
@@ -88,7 +88,7 @@ pub(in super::super) fn write(
     };
     let position_kind = kind_of(vertices.as_flattened().iter());
     let normal_kind = kind_of(normals.unwrap_or_default().as_flattened().iter());
-    let uv_kind = kind_of(file.uv.iter().flat_map(|uv| uv.values.as_flattened()));
+    let uv_kind = uv_kind(file.uv.iter().flat_map(|uv| uv.values.as_flattened()));
     let bytes_do = colors.unwrap_or_default().as_flattened().iter().all(|&x| byte(x).is_some());
     let color_kind = if bytes_do { "uchar" } else { "double" };
     let index_kind = if i32::try_from(vertices.len()).is_ok() { "int" } else { "uint" };
@@ -102,7 +102,7 @@ pub(in super::super) fn write(
         properties(normal_kind, &["nx", "ny", "nz"])?;
     }
     if uv.is_some() {
-        properties(uv_kind, &["s", "t"])?;
+        properties(uv_kind, &["texture_u", "texture_v"])?;
     }
     if let Some(channels) = channels {
         properties(color_kind, &["red", "green", "blue", "alpha"][..channels])?;

@@ -1,0 +1,75 @@
+//! Files of commands: what readers and writers leave out is told, and outputs are whole.
+
+use std::fs;
+
+use crate::common::Folder;
+
+/// A tetrahedron with a material and a texture, a statement of no format and a face of no area.
+const ODD: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n$\nvt 0 0\nusemtl m\nf 1/1 3/1 2/1\n\
+                   f 1/1 2/1 4/1\nf 2/1 3/1 4/1\nf 3/1 1/1 4/1\nf 1/1 1/1 2/1\n";
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("odd.obj", ODD);
+    folder
+}
+
+#[test]
+fn what_readers_leave_out_is_noted_on_stderr() {
+    let folder = folder();
+    folder.write("odd.ply", ODD);
+    let run = folder.run("mesh odd.ply");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    for note in [
+        "note: odd.ply: read as OBJ, for its content is not the PLY of its name",
+        "note: odd.ply: skipped statements that are not of OBJ: 1, the first at line 5 (\"$\")",
+        "note: odd.ply: left out triangles that have a vertex twice: 1, the first at line 12",
+    ] {
+        assert!(run.stderr.lines().any(|line| line == note), "{note}: {}", run.stderr);
+    }
+}
+
+#[test]
+fn what_formats_have_no_place_for_is_noted_on_stderr() {
+    let folder = folder();
+    let run = folder.run("mesh odd.obj -o odd.stl");
+    let note = "note: odd.stl: no place in this format for texture coordinates, materials";
+    assert!(run.stderr.lines().any(|line| line == note), "{}", run.stderr);
+    for kept in ["kept.obj", "kept.glb", "kept.gltf"] {
+        let run = folder.run(&format!("mesh odd.obj -o {kept}"));
+        assert!(!run.stderr.contains("no place"), "{}", run.stderr);
+        assert!(folder.succeed(&format!("mesh {kept}")).contains("texture coordinates"), "{kept}");
+    }
+}
+
+#[test]
+fn a_closed_pipe_ends_quietly_with_the_output_whole() {
+    let folder = folder();
+    for arguments in ["mesh odd.obj -o a.obj", "decimate odd.obj -n 4 -o a.obj --report"] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let mut command = folder.program();
+        let run = command.args(arguments.split_whitespace()).stdout(writer).output().unwrap();
+        let said = String::from_utf8_lossy(&run.stderr);
+        assert_eq!(run.status.code(), Some(0), "{arguments}: {said}");
+        assert!(!said.contains("catamaran:"), "{arguments}: {said}");
+        let whole = fs::read_to_string(folder.path("a.obj")).expect(arguments);
+        assert_eq!(whole.lines().filter(|line| line.starts_with("f ")).count(), 4, "{arguments}");
+        fs::remove_file(folder.path("a.obj")).unwrap();
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn force_writes_what_a_symbolic_link_leads_to() {
+    let folder = folder();
+    fs::create_dir(folder.path("there")).unwrap();
+    folder.write("there/old.off", "old");
+    for (link, target) in [("a.off", "there/old.off"), ("b.off", "there/new.off")] {
+        std::os::unix::fs::symlink(target, folder.path(link)).unwrap();
+        assert!(folder.fail(&format!("mesh odd.obj -o {link}")).contains("exists already"));
+        folder.succeed(&format!("mesh odd.obj -o {link} --force"));
+        assert!(folder.path(link).symlink_metadata().unwrap().is_symlink(), "{link}");
+        assert!(fs::read_to_string(folder.path(target)).unwrap().starts_with("OFF\n4 4"));
+    }
+}

@@ -1,0 +1,12 @@
+//! Any bytes as a glTF file, or as another mesh if they begin like one: a mesh or an error, and a mesh
+//! that can be looked at.
+#![no_main]
+
+use catamaran::mesh::io::read_with;
+use catamaran_fuzz::{file, source_options};
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    if let Ok(file) = read_with(&file("a.gltf", bytes), &source_options()) {
+        std::hint::black_box(file.mesh.validate());
+    }
+});

@@ -1,0 +1,194 @@
+//! The primitives of a file as one mesh.
+
+use std::collections::HashMap;
+use std::hash::Hash;
+
+use super::super::attributes::{Attribute, MeshFile};
+use super::super::draft::{Checked, Draft, push};
+use super::super::labels::{Labels, clean_name};
+use super::document::Document;
+use crate::base::{Error, Result};
+
+/// For each face the numbers of the values of its corners.
+type Corners = Vec<[u32; 3]>;
+
+/// A corner without a value.
+const ABSENT: u32 = u32::MAX;
+
+/// A vertex as glTF has them: it has one value of each attribute.
+pub(super) struct Vertex {
+    pub position: [f64; 3],
+    pub normal: Option<[f64; 3]>,
+    pub uv: Option<[f64; 2]>,
+    pub color: Option<[f64; 4]>,
+}
+
+/// What is read so far.
+#[derive(Default)]
+pub(super) struct Assembly {
+    pub draft: Draft,
+    pub vertices: Vec<Vertex>,
+    pub faces: Vec<[u32; 3]>,
+    materials: Vec<u32>,
+    /// The number of the first vertex of each mesh.
+    meshes: Vec<usize>,
+}
+
+impl Assembly {
+    /// Vertices from now on are of another mesh.
+    pub fn begin_mesh(&mut self) {
+        self.meshes.push(self.vertices.len());
+    }
+
+    pub fn push_vertex(&mut self, vertex: Vertex) -> Result<()> {
+        push(&mut self.vertices, vertex)
+    }
+
+    pub fn push_face(
+        &mut self,
+        face: [u32; 3],
+        material: Option<usize>,
+        place: &dyn Fn() -> String,
+    ) -> Result<()> {
+        push(&mut self.faces, face)?;
+        let material = material.and_then(|number| u32::try_from(number).ok());
+        push(&mut self.materials, material.unwrap_or(ABSENT))?;
+        // Its vertices are numbered anew when all are known.
+        let [a, b, c] = face.map(|v| self.vertices[v as usize].position);
+        if a == b || b == c || c == a {
+            self.draft.collapse(place);
+        }
+        Ok(())
+    }
+
+    /// The mesh. Vertices of a mesh that are at the same position and have the same colour are one:
+    /// where a texture is cut, or a normal is not continuous, glTF has copies.
+    pub fn finish(mut self, document: &Document) -> Checked<MeshFile> {
+        let colored = self.vertices.iter().any(|vertex| vertex.color.is_some());
+        let mut colors = Vec::new();
+        let mut known = Numbers::default();
+        let mut numbers = Vec::new();
+        let mut meshes = self.meshes.iter().enumerate().peekable();
+        let mut mesh = 0;
+        for (i, vertex) in self.vertices.iter().enumerate() {
+            while let Some((number, _)) = meshes.next_if(|(_, start)| **start <= i) {
+                mesh = number;
+            }
+            // White, which is what renderers take.
+            let color = vertex.color.unwrap_or([1.0; 4]);
+            let (number, is_new) = known.of((mesh, bits(vertex.position), bits(color)))?;
+            push(&mut numbers, number)?;
+            if is_new {
+                self.draft.push_vertex(vertex.position)?;
+                if colored {
+                    push(&mut colors, color)?;
+                }
+            }
+        }
+        let joined = self.vertices.len() - self.draft.vertices.len();
+        let what = "joined vertices with others at the same position (copies along seams)";
+        let copy = numbers.iter().enumerate().position(|(i, &number)| i != number as usize);
+        self.draft.notes.add_many(what, joined, || format!("vertex {}", copy.unwrap_or_default()));
+
+        let faces = &self.faces;
+        let (uv, mut uv_corners) = values(faces, &numbers, self.vertices.iter().map(|v| v.uv))?;
+        let (normals, mut normal_corners) =
+            values(faces, &numbers, self.vertices.iter().map(|v| v.normal))?;
+        for face in faces {
+            push(&mut self.draft.faces, face.map(|v| numbers[v as usize]))?;
+        }
+        for (what, name, list) in [
+            ("left out textures", "texture 0", &document.textures),
+            ("left out animations", "animation 0", &document.animations),
+            ("left out skins", "skin 0", &document.skins),
+        ] {
+            self.draft.notes.add_many(what, list.len(), || name.into());
+        }
+        let corners = &mut [&mut uv_corners, &mut normal_corners];
+        let mut file = self.draft.finish(corners, &mut [&mut self.materials])?;
+        if !uv.is_empty() {
+            file.uv = Some(Attribute::simplified(uv, uv_corners, &file.mesh));
+        }
+        if !normals.is_empty() {
+            file.normals = Some(Attribute::simplified(normals, normal_corners, &file.mesh));
+        }
+        file.colors = colored.then_some(colors);
+        file.materials = materials(self.materials, document)?;
+        Ok(file)
+    }
+}
+
+/// Numbers in the order of first use.
+struct Numbers<K>(HashMap<K, u32>);
+
+impl<K> Default for Numbers<K> {
+    fn default() -> Self {
+        Self(HashMap::new())
+    }
+}
+
+impl<K: Eq + Hash> Numbers<K> {
+    /// The number of a key, and whether it is new.
+    fn of(&mut self, key: K) -> Result<(u32, bool)> {
+        let next = self.0.len() as u32;
+        self.0
+            .try_reserve(1)
+            .map_err(|_| Error::OutOfMemory { bytes: 2 * self.0.len() * size_of::<(K, u32)>() })?;
+        let number = *self.0.entry(key).or_insert(next);
+        Ok((number, number == next))
+    }
+}
+
+/// Bits that are equal where numbers are: adding zero makes -0 the same as 0.
+fn bits<const N: usize>(values: [f64; N]) -> [u64; N] {
+    values.map(|x| (x + 0.0).to_bits())
+}
+
+/// An attribute, of which each value of a vertex is there once, and the numbers of the corners of
+/// `faces`; no numbers where there is no value. `numbers` says which vertices are one.
+fn values<const N: usize>(
+    faces: &[[u32; 3]],
+    numbers: &[u32],
+    given: impl Iterator<Item = Option<[f64; N]>>,
+) -> Checked<(Vec<[f64; N]>, Corners)> {
+    let mut known = Numbers::default();
+    let mut values = Vec::new();
+    let mut of_vertices = Vec::new();
+    for (value, &vertex) in given.zip(numbers) {
+        let number = match value {
+            None => ABSENT,
+            Some(value) => {
+                let (number, is_new) = known.of((vertex, bits(value)))?;
+                if is_new {
+                    push(&mut values, value)?;
+                }
+                number
+            }
+        };
+        push(&mut of_vertices, number)?;
+    }
+    let mut corners = Vec::new();
+    if !values.is_empty() {
+        for face in faces {
+            let face = face.map(|v| of_vertices[v as usize]);
+            push(&mut corners, if face.contains(&ABSENT) { [ABSENT; 3] } else { face })?;
+        }
+    }
+    Ok((values, corners))
+}
+
+fn materials(of_faces: Vec<u32>, document: &Document) -> Checked<Option<Labels>> {
+    let count = document.materials.len();
+    if let Some(&wrong) = of_faces.iter().find(|&&m| m != ABSENT && m as usize >= count) {
+        return Err(format!("material {wrong} of {count}").into());
+    }
+    if of_faces.iter().all(|&material| material == ABSENT) {
+        return Ok(None);
+    }
+    let name = |(i, given): (usize, &str)| match clean_name(given) {
+        name if name.is_empty() => format!("material {i}"),
+        name => name,
+    };
+    let names = document.materials.iter().map(|material| &material.name[..]);
+    Ok(Some(Labels { names: names.enumerate().map(name).collect(), of_faces }))
+}

@@ -1,0 +1,64 @@
+//! Affine maps of nodes.
+
+use super::super::super::vector::{Vector, cross, dot};
+use super::document::Node;
+
+/// An affine map: the images of the three axes, and of the origin.
+#[derive(Clone, Copy)]
+pub(super) struct Transform {
+    axes: [Vector; 3],
+    origin: Vector,
+}
+
+impl Transform {
+    pub const IDENTITY: Self =
+        Self { axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], origin: [0.0; 3] };
+
+    /// That of a node in its parent.
+    pub fn of(node: &Node) -> Self {
+        if let Some(m) = node.matrix {
+            let column = |i: usize| [m[4 * i], m[4 * i + 1], m[4 * i + 2]];
+            return Self { axes: [0, 1, 2].map(column), origin: column(3) };
+        }
+        let [x, y, z, w] = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+        let rotated = [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)],
+            [2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)],
+            [2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)],
+        ];
+        let scale = node.scale.unwrap_or([1.0; 3]);
+        let axes = [0, 1, 2].map(|i| rotated[i].map(|x| x * scale[i]));
+        Self { axes, origin: node.translation.unwrap_or([0.0; 3]) }
+    }
+
+    /// This after `inner`.
+    pub fn after(&self, inner: &Self) -> Self {
+        Self { axes: inner.axes.map(|axis| self.direction(axis)), origin: self.point(inner.origin) }
+    }
+
+    pub fn point(&self, p: Vector) -> Vector {
+        let moved = self.direction(p);
+        std::array::from_fn(|k| moved[k] + self.origin[k])
+    }
+
+    fn direction(&self, d: Vector) -> Vector {
+        std::array::from_fn(|k| (0..3).map(|i| d[i] * self.axes[i][k]).sum())
+    }
+
+    /// A normal by the cofactors, of length 1 unless there is none.
+    pub fn normal(&self, n: Vector) -> Vector {
+        let [a, b, c] = self.axes;
+        let cofactors = [cross(b, c), cross(c, a), cross(a, b)];
+        let side = if self.is_mirrored() { -1.0 } else { 1.0 };
+        let moved: Vector =
+            std::array::from_fn(|k| side * (0..3).map(|i| n[i] * cofactors[i][k]).sum::<f64>());
+        let length = dot(moved, moved).sqrt();
+        if length > 0.0 { moved.map(|x| x / length) } else { moved }
+    }
+
+    /// Whether it turns faces over.
+    pub fn is_mirrored(&self) -> bool {
+        let [a, b, c] = self.axes;
+        dot(cross(a, b), c) < 0.0
+    }
+}

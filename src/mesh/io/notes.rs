@@ -1,0 +1,36 @@
+//! What a reader leaves out.
+
+/// Kinds of things that a reader leaves out or replaces, each with a count and the first place.
+#[derive(Default)]
+pub(super) struct Notes(Vec<Kind>);
+
+struct Kind {
+    what: &'static str,
+    count: usize,
+    first: String,
+}
+
+impl Notes {
+    /// Counts one thing more; `place` is asked for at the first of its kind.
+    pub fn add(&mut self, what: &'static str, place: impl FnOnce() -> String) {
+        self.add_many(what, 1, place);
+    }
+
+    /// Counts some things more, which may be none.
+    pub fn add_many(&mut self, what: &'static str, count: usize, place: impl FnOnce() -> String) {
+        if count == 0 {
+            return;
+        }
+        match self.0.iter_mut().find(|kind| kind.what == what) {
+            Some(kind) => kind.count += count,
+            None => self.0.push(Kind { what, count, first: place() }),
+        }
+    }
+
+    /// One line for each kind.
+    pub fn lines(self) -> Vec<String> {
+        let line =
+            |kind: Kind| format!("{}: {}, the first at {}", kind.what, kind.count, kind.first);
+        self.0.into_iter().map(line).collect()
+    }
+}
