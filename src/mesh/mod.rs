@@ -9,6 +9,7 @@ mod masks;
 mod measure;
 mod operators;
 mod parts;
+mod repair;
 #[cfg(test)]
 pub(crate) mod shapes;
 pub mod topology;
@@ -22,6 +23,10 @@ pub use laplacian::{Boundary, Laplacian, LaplacianKind, LaplacianOptions, MassKi
 pub use measure::Normalization;
 pub use operators::{divergence, gradient, vertex_areas};
 pub use parts::Part;
+pub(crate) use repair::manifold;
+pub use repair::{
+    RepairOptions, RepairReport, RepairStep, Repaired, Repairs, Weld, needs_repair, repair,
+};
 pub(crate) use topology::Sets;
 pub use topology::{Adjacency, Components, Edges, Genus};
 pub use trimesh::TriMesh;
