@@ -1,7 +1,7 @@
 //! `catamaran decimate`.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
@@ -14,7 +14,7 @@ use catamaran::mesh::io::{self as files, MeshFile};
 use catamaran::sparse::CsMat;
 use clap::ValueEnum;
 
-use crate::input;
+use crate::input::MeshArgs;
 use crate::picture::{PLAIN, PictureArgs};
 use crate::progress::Bar;
 use crate::report::{report, seconds};
@@ -64,6 +64,8 @@ pub struct Args {
     #[arg(long)]
     report: bool,
     #[command(flatten)]
+    repair: MeshArgs,
+    #[command(flatten)]
     picture: PictureArgs,
     /// Threads; all cores by default. The result is the same.
     #[arg(long, value_name = "N")]
@@ -94,7 +96,7 @@ pub fn run(args: &Args) -> Result<()> {
         Some(path) => Some(Output::create(path, overwrite)?),
         None => None,
     };
-    let input = read(&args.input)?;
+    let input = read(&args.input, &args.repair)?;
     let n = wanted(args, &input)?;
     let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
 
@@ -136,9 +138,9 @@ pub fn run(args: &Args) -> Result<()> {
     report(format_args!("written     {path}"))
 }
 
-pub fn read(path: &std::path::Path) -> Result<MeshFile> {
+pub fn read(path: &Path, repair: &MeshArgs) -> Result<MeshFile> {
     let start = Instant::now();
-    let file = input::mesh(path)?;
+    let file = repair.read(path)?;
     let (vertices, faces) = (file.mesh.vertices().len(), file.mesh.faces().len());
     let time = seconds(start.elapsed());
     let name = path.display();

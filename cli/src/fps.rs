@@ -9,6 +9,7 @@ use catamaran::decimate::{Cells, FarthestPoints};
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Output, Overwrite};
 
+use crate::input::MeshArgs;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
 use crate::report::{report, seconds};
@@ -35,6 +36,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     cells: Option<PathBuf>,
     #[command(flatten)]
+    repair: MeshArgs,
+    #[command(flatten)]
     picture: PictureArgs,
     /// Replace files that exist.
     #[arg(long)]
@@ -51,7 +54,7 @@ pub fn run(args: &Args) -> Result<()> {
     let output = create(&args.output)?;
     let of_cells = args.cells.as_ref().map(create).transpose()?;
     let picture = args.picture.create(overwrite)?;
-    let input = crate::decimate::read(&args.input)?;
+    let input = crate::decimate::read(&args.input, &args.repair)?;
 
     let bar = Bar::new("sampling");
     let start = Instant::now();

@@ -80,3 +80,11 @@ pub fn frame_count(text: &str) -> Result<usize, String> {
         _ => Err(format!("expected a number of at most {MOST}")),
     }
 }
+
+/// A distance at which vertices are joined.
+pub fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(length) if length >= 0.0 && f64::is_finite(length) => Ok(length),
+        _ => Err("expected a length that is not negative; a file goes before --weld".into()),
+    }
+}

@@ -35,6 +35,13 @@ pub fn complain(line: std::fmt::Arguments<'_>) {
     let _ = io::stderr().write_all(format!("catamaran: {line}\n").as_bytes());
 }
 
+/// One line on stderr about what a command did with its input.
+pub fn note(line: std::fmt::Arguments<'_>) {
+    if !is_quiet() {
+        let _ = io::stderr().write_all(format!("note: {line}\n").as_bytes());
+    }
+}
+
 /// An error with its context. What the library says contains what its sources say.
 pub fn message(error: &anyhow::Error) -> String {
     let mut message = String::new();

@@ -9,7 +9,6 @@ use catamaran::mesh::{Boundary, Laplacian, LaplacianOptions, MassKind, laplacian
 use catamaran::sparse::{EigenOptions, Eigenpairs};
 use clap::ValueEnum;
 
-use crate::input;
 use crate::parse;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
@@ -96,7 +95,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let name = args.input.display();
 
     let start = Instant::now();
-    let file = input::mesh(&args.input)?;
+    let file = args.laplacian.read(&args.input)?;
     let options = LaplacianOptions::new()
         .kind(args.laplacian.kind())
         .mass(match args.mass {

@@ -1,6 +1,7 @@
 //! Triangle meshes: what they are made of, how they hang together, what is wrong with them, files, and generated ones.
 
 mod cloud;
+mod compare;
 mod distance;
 pub mod families;
 pub mod io;
@@ -18,6 +19,8 @@ mod validation;
 pub(crate) mod vector;
 
 pub use cloud::{CloudOptions, cloud_laplacian};
+pub use compare::{Comparison, OneSided};
+pub(crate) use compare::{Triangles, weights_on_triangle};
 pub use distance::{Dijkstra, Graph, HeatMethod, HeatOptions, SearchLimits};
 pub use laplacian::{Boundary, Laplacian, LaplacianKind, LaplacianOptions, MassKind, laplacian};
 pub use measure::Normalization;

@@ -304,7 +304,7 @@ fn whatever_the_input_the_result_has_no_fault_that_was_to_be_repaired() {
         let broken = rubble(4 + (seed % 20) as u32, 1 + (seed % 37) as usize, seed);
         let mut file = numbered(&broken);
         file.colors = Some(vec![[0.5; 4]; broken.vertices().len()]);
-        let options = RepairOptions::everything().weld(Weld::Exact).fill_holes(6);
+        let options = RepairOptions::everything().weld(Weld::Exact);
         let found = repair(file.clone(), &options).unwrap();
         let result = &found.file.mesh;
         assert!(result.faces_without_area().is_empty(), "{seed}");
@@ -330,8 +330,8 @@ fn a_second_repair_finds_nothing() {
         [families::soup(&whole).unwrap(), with_caps(&whole, 9), with_needles(&whole, 5)]
     });
     for broken in surfaces.chain((0..50).map(|seed| rubble(12, 20, seed))) {
-        let first = repaired(broken, RepairOptions::everything().fill_holes(8)).file;
-        let options = RepairOptions::everything().weld(Weld::IfUnambiguous).fill_holes(8);
+        let first = repaired(broken, RepairOptions::everything()).file;
+        let options = RepairOptions::everything().weld(Weld::IfUnambiguous);
         let second = repair(first.clone(), &options).unwrap();
         assert!(!second.report.changed() && second.file == first, "{}", second.report);
     }
@@ -340,11 +340,11 @@ fn a_second_repair_finds_nothing() {
 #[test]
 fn holes_are_filled_up_to_a_number_of_edges() {
     for (name, whole) in closed() {
-        let far = |f: usize| f == 0 || f == 30;
         let edges = Edges::new(&whole);
         let around = edges.face_neighbors();
+        let middle = whole.faces().len() / 2;
         // A hole of one face and one of four.
-        let gone = |f: usize| far(f) || around.row(30).contains(&(f as u32));
+        let gone = |f| [0, middle].contains(&f) || around.row(middle).contains(&(f as u32));
         let open = without(&whole, gone);
         let loops = open.boundary_loops(&Edges::new(&open)).unwrap().len();
         assert_eq!(loops, 2, "{name}");
@@ -375,6 +375,8 @@ fn a_flat_hole_is_filled_flat_and_a_long_one_too() {
     let found = repaired(tube.clone(), RepairOptions::new().fill_holes(700).compact(true));
     let report = found.file.mesh.validate();
     assert!(report.is_closed() && report.problems.is_empty(), "{report}");
+    let caps = report.faces - tube.faces().len();
+    assert_eq!(caps, 2 * 698);
     let caps = found.file.mesh.area() - tube.area();
     assert!((caps - 2.0 * std::f64::consts::PI).abs() < 1e-3, "{caps}");
     // The boundary of a face alone is none of a hole.
@@ -384,6 +386,22 @@ fn a_flat_hole_is_filled_flat_and_a_long_one_too() {
     let three = families::pages(3).unwrap();
     let refused = repair(three.into(), &RepairOptions::new().fill_holes(9)).unwrap_err();
     assert!(refused.to_string().contains("edge 0-1"), "{refused}");
+}
+
+#[test]
+fn a_vertex_on_an_edge_of_a_larger_face_is_joined_to_it() {
+    // A hole without area: beside the edge is a face with a vertex on it.
+    for (name, whole) in closed() {
+        let caps = with_caps(&whole, 10);
+        let flat = caps.faces_without_area();
+        let open = without(&caps, |f| flat.contains(&(f as u32)));
+        assert!(!open.validate().is_closed() && open.faces_without_area().is_empty(), "{name}");
+        let found = repaired(open, RepairOptions::everything().fill_holes(40));
+        let report = found.file.mesh.validate();
+        assert!(report.is_closed() && report.problems.is_empty(), "{name}: {report}");
+        let change = (found.file.mesh.area() - whole.area()).abs() / whole.area();
+        assert!(change < 1e-12, "{name}: {change}");
+    }
 }
 
 #[test]

@@ -14,7 +14,7 @@ use catamaran::curve::{
 use catamaran::io::{Output, Overwrite};
 use clap::ValueEnum;
 
-use crate::input;
+use crate::input::MeshArgs;
 use crate::picture::{Paint, PictureArgs, with_curves};
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
@@ -63,6 +63,8 @@ pub struct Args {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
+    repair: MeshArgs,
+    #[command(flatten)]
     picture: PictureArgs,
     /// Replace files that exist.
     #[arg(long)]
@@ -92,7 +94,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let output = Output::create(&args.output, overwrite)?;
     let picture = args.picture.create(overwrite)?;
-    let file = input::mesh(&args.mesh)?;
+    let file = args.repair.read(&args.mesh)?;
     let sites = samples::read(&args.samples)?;
     let placement = if args.insert { Placement::Insert } else { Placement::Snap };
     let placed =

@@ -15,6 +15,7 @@ use catamaran::texture::newton::{
 use clap::ValueEnum;
 
 use crate::device::{self, Device, DeviceArgs};
+use crate::input::MeshArgs;
 use crate::parse;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
@@ -86,6 +87,8 @@ pub struct Args {
     /// Write how fast points converge: .png (16 bits, white is slow) for a plane or texels, else a table of numbers.
     #[arg(long, value_name = "FILE")]
     heights: Option<PathBuf>,
+    #[command(flatten)]
+    repair: MeshArgs,
     #[command(flatten)]
     device: DeviceArgs,
     /// Threads of the processor; all cores by default.
@@ -245,7 +248,7 @@ fn drawing(args: &Args) -> Result<Drawing> {
     let Some(path) = &args.mesh else {
         return Ok(Drawing::Plane { grid: Grid::plane(width, height, [0.0; 2], args.extent) });
     };
-    let file = crate::decimate::read(path)?;
+    let file = crate::decimate::read(path, &args.repair)?;
     if !args.uv {
         let positions = file.mesh.vertices().iter().map(|p| p.map(|x| x as f32)).collect();
         return Ok(Drawing::Vertices { file, positions });

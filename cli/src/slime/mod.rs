@@ -22,7 +22,7 @@ use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas, fitte
 use catamaran::{Error, Par};
 
 use crate::device::DeviceArgs;
-use crate::input;
+use crate::input::{self, MeshArgs};
 use crate::picture::{View, write_chart};
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
@@ -93,6 +93,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
     #[command(flatten)]
+    repair: MeshArgs,
+    #[command(flatten)]
     device: DeviceArgs,
     /// Threads; all cores unless given. The result does not depend on it.
     #[arg(long, value_name = "NUMBER")]
@@ -107,7 +109,7 @@ pub fn run(args: &Args) -> Result<()> {
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let options = args.options()?;
     let (frames, files) = args.frames(options.species)?;
-    let file = input::mesh(&args.mesh)?;
+    let file = args.repair.read(&args.mesh)?;
     let mut simulation = args.simulation(&file, &options)?;
     if let Some(path) = &args.resume {
         let source = File::open(path).with_context(|| path.display().to_string())?;

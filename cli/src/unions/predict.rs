@@ -9,7 +9,7 @@ use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::{LaplacianOptions, TriMesh};
 use catamaran::unions::{K, PartSpectra, SpectralUnion};
 
-use crate::input;
+use crate::input::MeshArgs;
 use crate::picture::{PLAIN, Paint, PictureArgs};
 use crate::report::report;
 
@@ -30,6 +30,8 @@ pub struct Args {
     #[arg(long, value_name = "TEMPLATE")]
     localize: Option<PathBuf>,
     #[command(flatten)]
+    repair: MeshArgs,
+    #[command(flatten)]
     picture: PictureArgs,
     /// Write the eigenvalues of the parts and of the union, in columns: .csv.
     #[arg(short, long, value_name = "FILE")]
@@ -49,7 +51,7 @@ pub fn run(args: &Args) -> Result<()> {
     let picture = args.picture.create(overwrite)?;
     let model = model(args.weights.as_deref())?;
     let meshes: Vec<TriMesh> =
-        args.parts.iter().map(|path| Ok(input::mesh(path)?.mesh)).collect::<Result<_>>()?;
+        args.parts.iter().map(|path| Ok(args.repair.read(path)?.mesh)).collect::<Result<_>>()?;
     let spectra: Vec<Vec<f64>> = args
         .parts
         .iter()
@@ -73,7 +75,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let verdict = if strangeness > 1.0 { "unlike the training: a guess" } else { "familiar" };
     report(format_args!("strangeness {strangeness:.2}: {verdict}"))?;
-    let localized = |template: &PathBuf| localized(template, &model, &parts);
+    let localized = |template: &PathBuf| localized(template, &args.repair, &model, &parts);
     let found = args.localize.as_ref().map(localized).transpose()?;
     if let Some((mesh, inside)) = &found {
         let (count, all) = (inside.iter().filter(|x| **x > 0.5).count(), mesh.vertices().len());
@@ -119,11 +121,12 @@ fn spectrum(mesh: &TriMesh) -> Result<Vec<f64>> {
 /// A template, and about 1 for each vertex in the union of these parts, 0 outside.
 fn localized(
     template: &Path,
+    repair: &MeshArgs,
     model: &SpectralUnion,
     parts: &[&[f64]],
 ) -> Result<(TriMesh, Vec<f64>)> {
     let named = || template.display().to_string();
-    let mesh = input::mesh(template)?.mesh;
+    let mesh = repair.read(template)?.mesh;
     let on = model.localizer().on_mesh(&mesh, Par::all()).with_context(named)?;
     let inside = on.indicator(&model.locate(parts)?)?;
     Ok((mesh, inside))

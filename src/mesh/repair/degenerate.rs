@@ -8,22 +8,26 @@ use super::super::measure::is_flat;
 use super::super::vector::{Vector, distance, dot, sub};
 use super::rebuild::{Insertion, Rebuild, corners_of};
 use super::report::RepairStep;
-use crate::base::Result;
 
 /// Two corners are in one place when they are at most this times the longest edge of their face apart:
 /// then it has no area, whatever the third one is.
 const ONE_PLACE: f64 = 16.0 * f64::EPSILON;
 
-/// The mesh without faces that have no area; `None` when there are none.
-pub(super) fn without(mesh: &TriMesh) -> Result<(Option<Rebuild>, RepairStep)> {
+/// The mesh without faces that have no area; `None` when there are none. Faces that can be neither joined
+/// nor flipped away are left out, or, unless `may_open`, stay.
+pub(super) fn without(mesh: &TriMesh, may_open: bool) -> (Option<Rebuild>, RepairStep) {
     let flat = mesh.faces_without_area();
     let first = flat.first().copied();
     if flat.is_empty() {
         let step = RepairStep::DroppedDegenerate { joined: 0, flipped: 0, faces: 0, first };
-        return Ok((None, step));
+        return (None, step);
     }
     let mut faces = Faces::of(mesh);
-    faces.remove(flat.into());
+    let stuck = faces.remove(flat.into());
+    if may_open {
+        stuck.iter().for_each(|&f| faces.take_out(f));
+        faces.dropped = stuck.len();
+    }
     let Faces { faces, corners, insertions, mut to, joined, flipped, dropped, .. } = faces;
     for v in 0..to.len() {
         // Vertices join lower ones, for which this is done.
@@ -31,7 +35,7 @@ pub(super) fn without(mesh: &TriMesh) -> Result<(Option<Rebuild>, RepairStep)> {
     }
     let (faces, corners) = faces.into_iter().zip(corners).filter_map(|(f, c)| Some((f?, c))).unzip();
     let step = RepairStep::DroppedDegenerate { joined, flipped, faces: dropped, first };
-    Ok((Some(Rebuild::joined(faces, corners, insertions, to)), step))
+    (step.changed().then(|| Rebuild::joined(faces, corners, insertions, to)), step)
 }
 
 /// Faces that change.
@@ -66,9 +70,9 @@ impl<'m> Faces<'m> {
         }
     }
 
-    /// Removes these, and those that lose their area by that. Ends, as each step leaves fewer faces, or
-    /// fewer without area, or shorter edges.
-    fn remove(&mut self, mut open: VecDeque<u32>) {
+    /// Removes these, and those that lose their area by that, and gives those for which there is no way.
+    /// Ends, as each step leaves fewer faces, or fewer without area, or shorter edges.
+    fn remove(&mut self, mut open: VecDeque<u32>) -> VecDeque<u32> {
         let mut stuck = VecDeque::new();
         let mut changed = false;
         loop {
@@ -85,14 +89,10 @@ impl<'m> Faces<'m> {
                 }
             }
             if !std::mem::take(&mut changed) {
-                break;
+                return stuck;
             }
             // What could not be done before may be possible now.
             std::mem::swap(&mut open, &mut stuck);
-        }
-        for f in stuck {
-            self.take_out(f);
-            self.dropped += 1;
         }
     }
 

@@ -2,9 +2,10 @@
 
 use std::collections::HashSet;
 
+use super::super::TriMesh;
+use super::super::measure::is_flat;
 use super::super::topology::Edges;
 use super::super::vector::{Vector, cross, distance, norm, sub};
-use super::super::TriMesh;
 use super::rebuild::{Rebuild, corners_of};
 use super::report::RepairStep;
 use crate::base::Result;
@@ -179,7 +180,11 @@ impl Filling<'_> {
                 if closing || !there {
                     for k in i + 1..j {
                         let [a, b, c] = [points[i], points[k], points[j]];
-                        let area = norm(cross(sub(b, a), sub(c, a))) / 2.0;
+                        let area = match is_flat([a, b, c]) {
+                            // Faces without area only where there is no other way.
+                            true => square,
+                            false => norm(cross(sub(b, a), sub(c, a))) / 2.0,
+                        };
                         let all = cost[i * n + k] + cost[k * n + j] + area;
                         if all < best.0 {
                             best = (all, k);

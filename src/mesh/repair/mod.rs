@@ -80,7 +80,7 @@ pub fn repair(file: MeshFile, options: &RepairOptions) -> Result<Repaired> {
         state.drop_duplicates()?;
     }
     if options.drop_degenerate {
-        let (rebuild, step) = degenerate::without(&state.file.mesh)?;
+        let (rebuild, step) = degenerate::without(&state.file.mesh, true);
         state.take(rebuild, step)?;
     }
     if options.compact {
@@ -99,6 +99,13 @@ pub fn repair(file: MeshFile, options: &RepairOptions) -> Result<Repaired> {
     if let Some(most) = options.fill_holes {
         let (rebuild, step) = holes::filled(&state.file.mesh, most)?;
         state.take(rebuild, step)?;
+        // A hole without area is a vertex on an edge: its faces go by flipping this edge.
+        if options.drop_degenerate && step.changed() {
+            let (rebuild, step) = degenerate::without(&state.file.mesh, false);
+            if step.changed() {
+                state.take(rebuild, step)?;
+            }
+        }
     }
     if options.orient {
         let (rebuild, step) = orient::outward(&state.file.mesh);
