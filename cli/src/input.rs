@@ -21,11 +21,11 @@ use crate::report::note;
 #[derive(Debug, Clone, clap::Args)]
 pub struct MeshArgs {
     /// Join vertices of the mesh that are at most TOLERANCE apart, a length; with equal positions
-    /// where no TOLERANCE is given. Without --weld, equal positions are joined where that closes
-    /// the surface and leaves it a manifold.
+    /// where no TOLERANCE is given. `seams`, the default: with equal positions along boundary edges
+    /// that are in one place, two and two.
     #[arg(long, value_name = "TOLERANCE", num_args = 0..=1, default_missing_value = "0",
-          value_parser = parse::tolerance, conflicts_with = "strict")]
-    weld: Option<f64>,
+          value_parser = parse::weld, conflicts_with = "strict")]
+    weld: Option<Weld>,
     /// Refuse a mesh that needs repair, instead of repairing it with a note.
     #[arg(long)]
     strict: bool,
@@ -70,12 +70,12 @@ impl MeshArgs {
             if file.collapsed_faces > 0 {
                 bail!("{name}: {} facets with two equal corners (--strict)", file.collapsed_faces);
             }
-            return match needs_repair(&file.mesh)? {
+            return match needs_repair(&file.mesh) {
                 None => Ok(file),
                 Some(why) => bail!("{name}: {why} (--strict)"),
             };
         }
-        let weld = self.weld.map_or(Weld::IfUnambiguous, Weld::Within);
+        let weld = self.weld.unwrap_or(Weld::Seams);
         let options = RepairOptions::unambiguous().weld(weld);
         let found = repair(file, &options).with_context(|| name.to_string())?;
         for line in notes(&found.report) {
@@ -96,9 +96,9 @@ impl MeshArgs {
 /// What repairs did, a line for each that changed something or could not.
 fn notes(report: &RepairReport) -> Vec<String> {
     let line = |step: &RepairStep| match step {
-        RepairStep::Ambiguous { vertices } => Some(format!(
-            "{vertices} vertices are where others are, and are not joined, as edges would get more \
-             than two faces, or the surface would meet itself in a point (--weld joins them)"
+        RepairStep::ClosedSeams { vertices: 0, ambiguous, .. } if *ambiguous > 0 => Some(format!(
+            "{ambiguous} boundary edges are in one place, three or more, and stay apart (--weld joins \
+             them)"
         )),
         step if step.changed() => {
             // Without the name of the step, which is a column of its own.
@@ -115,6 +115,7 @@ fn flags(report: &RepairReport) -> String {
     let flag = |step: &RepairStep| match step {
         RepairStep::Welded { tolerance, .. } if *tolerance > 0.0 => format!(" --weld={tolerance}"),
         RepairStep::Welded { .. } => " --weld".into(),
+        RepairStep::ClosedSeams { .. } => " --weld seams".into(),
         RepairStep::DroppedDuplicates { .. } => " --drop-duplicates".into(),
         RepairStep::DroppedDegenerate { .. } => " --drop-degenerate".into(),
         _ => String::new(),

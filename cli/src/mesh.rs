@@ -37,16 +37,16 @@ pub struct Args {
     /// Keep one component only: a number from 0, in the order of their lowest vertices, or `largest` (most faces).
     #[arg(long, value_name = "NUMBER", value_parser = component, requires = "output")]
     component: Option<Which>,
-    /// Repair everything but holes: --weld where that leaves fewer boundary edges,
-    /// --drop-duplicates, --drop-degenerate, --compact, cuts along edges of more than two faces and
+    /// Repair everything but holes: --weld seams, --drop-duplicates, --drop-degenerate, --compact, cuts along edges of more than two faces and
     /// where the surface meets itself in a point, --orient.
     #[arg(long)]
     repair: bool,
     /// Join vertices at most TOLERANCE apart, a length; with equal positions where no TOLERANCE is
-    /// given. Texture coordinates and normals that differ become those of corners.
+    /// given; `seams`: with equal positions along boundary edges that are in one place, two and
+    /// two, so that what only touches stays apart. Texture coordinates and normals that differ become those of corners.
     #[arg(long, value_name = "TOLERANCE", num_args = 0..=1, default_missing_value = "0",
-          value_parser = parse::tolerance)]
-    weld: Option<f64>,
+          value_parser = parse::weld)]
+    weld: Option<Weld>,
     /// Drop faces with the vertices of an earlier one, in any order.
     #[arg(long)]
     drop_duplicates: bool,
@@ -167,8 +167,8 @@ impl Args {
     fn repairs(&self) -> Option<RepairOptions> {
         let mut options =
             if self.repair { RepairOptions::everything() } else { RepairOptions::new() };
-        if let Some(tolerance) = self.weld {
-            options.weld = Weld::Within(tolerance);
+        if let Some(weld) = self.weld {
+            options.weld = weld;
         }
         options.drop_duplicates |= self.drop_duplicates;
         options.drop_degenerate |= self.drop_degenerate;

@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::time::Duration;
 
+use catamaran::mesh::Weld;
 use catamaran::{Accuracy, SchemeChoice, Uplo};
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
@@ -81,10 +82,14 @@ pub fn frame_count(text: &str) -> Result<usize, String> {
     }
 }
 
-/// A distance at which vertices are joined.
-pub fn tolerance(text: &str) -> Result<f64, String> {
+/// Which vertices are joined: a distance, or `seams`.
+pub fn weld(text: &str) -> Result<Weld, String> {
     match text.parse() {
-        Ok(length) if length >= 0.0 && f64::is_finite(length) => Ok(length),
-        _ => Err("expected a length that is not negative; a file goes before --weld".into()),
+        _ if text == "seams" => Ok(Weld::Seams),
+        Ok(length) if length >= 0.0 && f64::is_finite(length) => Ok(Weld::Within(length)),
+        _ => {
+            Err("expected a length that is not negative, or `seams`; a file goes before --weld"
+                .into())
+        }
     }
 }

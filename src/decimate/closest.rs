@@ -2,8 +2,8 @@
 
 use super::result::Place;
 use super::surface::Surface;
-use crate::mesh::vector::{Vector, dot, sub};
 use crate::mesh::TriMesh;
+use crate::mesh::vector::{Vector, dot, sub};
 pub(super) use crate::mesh::weights_on_triangle;
 
 /// Where a walk ended.

@@ -140,9 +140,8 @@ impl Triangles {
     /// The squared distance of each point from the nearest face; 0 when there is none.
     pub fn squares(&self, points: &[Vector], par: Par) -> Vec<f64> {
         let blocks = par.map_blocks(points.len(), BLOCK, |range| {
-            let square = |p: &Vector| {
-                self.0.nearest_neighbor(*p).map_or(0.0, |near| near.distance_2(p))
-            };
+            let square =
+                |p: &Vector| self.0.nearest_neighbor(*p).map_or(0.0, |near| near.distance_2(p));
             points[range].iter().map(square).collect::<Vec<_>>()
         });
         blocks.concat()

@@ -33,7 +33,8 @@ pub(super) fn without(mesh: &TriMesh, may_open: bool) -> (Option<Rebuild>, Repai
         // Vertices join lower ones, for which this is done.
         to[v] = to[to[v] as usize];
     }
-    let (faces, corners) = faces.into_iter().zip(corners).filter_map(|(f, c)| Some((f?, c))).unzip();
+    let (faces, corners) =
+        faces.into_iter().zip(corners).filter_map(|(f, c)| Some((f?, c))).unzip();
     let step = RepairStep::DroppedDegenerate { joined, flipped, faces: dropped, first };
     (step.changed().then(|| Rebuild::joined(faces, corners, insertions, to)), step)
 }
@@ -230,11 +231,7 @@ impl<'m> Faces<'m> {
         let theirs = self.corners[beyond as usize];
         let own = |v: u32| if v == a { ours[i] } else { ours[j] };
         let on = [theirs[(y + 1) % 3], theirs[(y + 2) % 3]];
-        let insertion = Insertion {
-            from: [own(x), own(z), ours[k]],
-            on,
-            at: self.along(x, z, c),
-        };
+        let insertion = Insertion { from: [own(x), own(z), ours[k]], on, at: self.along(x, z, c) };
         // Old corners come first; the last number means that there is none.
         let number = u32::try_from(3 * self.faces.len() + self.insertions.len()).ok();
         let middle = number.filter(|&number| number < u32::MAX)?;

@@ -20,8 +20,9 @@ pub use report::{RepairReport, RepairStep};
 
 use super::io::MeshFile;
 use super::{Components, TriMesh};
-use crate::base::{Error, Result};
+use crate::base::Result;
 use rebuild::Rebuild;
+use weld::Seams;
 
 /// A mesh after [`repair()`].
 #[derive(Debug, Clone, PartialEq)]
@@ -63,18 +64,17 @@ impl Repaired {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] for a tolerance that is negative or not finite, and for attributes that do not
-/// fit the mesh ([`Error::Shape`] too); [`Error::Mesh`] when holes are to be filled and an edge has
+/// [`Error::Argument`](crate::Error::Argument) for a tolerance that is negative or not finite, and for attributes that do not
+/// fit the mesh ([`Error::Shape`](crate::Error::Shape) too); [`Error::Mesh`](crate::Error::Mesh) when holes are to be filled and an edge has
 /// more than two faces, which is named.
 pub fn repair(file: MeshFile, options: &RepairOptions) -> Result<Repaired> {
     file.check()?;
     let mut state = State { file, vertices: None, steps: Vec::new() };
-    if let Some(tolerance) = match options.weld {
-        Weld::Never => None,
-        Weld::Within(tolerance) => Some(tolerance),
-        Weld::Exact | Weld::IfSplit | Weld::IfUnambiguous => Some(0.0),
-    } {
-        state.weld(tolerance, options.weld)?;
+    match options.weld {
+        Weld::Never => {}
+        Weld::Exact => state.weld(0.0)?,
+        Weld::Within(tolerance) => state.weld(tolerance)?,
+        Weld::Seams => state.close_seams()?,
     }
     if options.drop_duplicates {
         state.drop_duplicates()?;
@@ -141,25 +141,37 @@ impl State {
         Ok(())
     }
 
-    fn weld(&mut self, tolerance: f64, condition: Weld) -> Result<()> {
+    fn weld(&mut self, tolerance: f64) -> Result<()> {
+        let joined = weld::representatives(self.file.mesh.vertices(), tolerance)?;
+        self.join(joined, |[vertices, faces, colors]| RepairStep::Welded {
+            tolerance,
+            vertices,
+            faces,
+            colors,
+        })
+    }
+
+    fn close_seams(&mut self) -> Result<()> {
+        let Seams { to, ambiguous } = Seams::of(&self.file.mesh);
+        self.join(to, |[vertices, _, colors]| RepairStep::ClosedSeams {
+            vertices,
+            colors,
+            ambiguous,
+        })
+    }
+
+    /// Joins each vertex with `to[v]`; `step` is that of the numbers of vertices and faces that are gone
+    /// by that, and of colours.
+    fn join(&mut self, to: Vec<u32>, step: impl Fn([usize; 3]) -> RepairStep) -> Result<()> {
         let mesh = &self.file.mesh;
-        let joined = weld::representatives(mesh.vertices(), tolerance)?;
-        let vertices = (0..).zip(&joined).filter(|&(v, &to)| v != to).count();
-        let rebuild = (vertices > 0).then(|| Rebuild::joining(mesh, joined));
-        let conditional = matches!(condition, Weld::IfSplit | Weld::IfUnambiguous);
-        if let Some(rebuild) = rebuild.as_ref().filter(|_| conditional) {
-            let gain = weld::gain(mesh, rebuild)?;
-            if !gain.closes {
-                let none = RepairStep::Welded { tolerance, vertices: 0, faces: 0, colors: 0 };
-                return self.take(None, none);
-            }
-            if gain.tangles && condition == Weld::IfUnambiguous {
-                return self.take(None, RepairStep::Ambiguous { vertices });
-            }
+        let vertices = joining(&to).count();
+        if vertices == 0 {
+            return self.take(None, step([0; 3]));
         }
-        let faces = rebuild.as_ref().map_or(0, |new| mesh.faces().len() - new.faces.len());
-        let colors = rebuild.as_ref().map_or(0, |new| new.lost_colors(&self.file));
-        self.take(rebuild, RepairStep::Welded { tolerance, vertices, faces, colors })
+        let rebuild = Rebuild::joining(mesh, to);
+        let faces = mesh.faces().len() - rebuild.faces.len();
+        let step = step([vertices, faces, rebuild.lost_colors(&self.file)]);
+        self.take(Some(rebuild), step)
     }
 
     fn drop_duplicates(&mut self) -> Result<()> {
@@ -199,40 +211,33 @@ impl State {
 /// use catamaran::mesh::{TriMesh, families, needs_repair};
 ///
 /// let (points, mut faces) = families::icosphere(1)?.into_parts();
-/// assert_eq!(needs_repair(&TriMesh::new(points.clone(), faces.clone())?)?, None);
+/// assert_eq!(needs_repair(&TriMesh::new(points.clone(), faces.clone())?), None);
 /// faces.push(faces[3]);
-/// let why = needs_repair(&TriMesh::new(points, faces)?)?;
+/// let why = needs_repair(&TriMesh::new(points, faces)?);
 /// assert_eq!(why.as_deref(), Some("1 repeated faces: face 80 has the vertices of face 3"));
 /// # Ok::<(), catamaran::Error>(())
 /// ```
-///
-/// # Errors
-/// None that a mesh could cause.
-pub fn needs_repair(mesh: &TriMesh) -> Result<Option<String>> {
-    let joined = weld::representatives(mesh.vertices(), 0.0)?;
-    let second = (0..).zip(&joined).find(|&(v, &to)| v != to);
-    if let Some((v, &to)) = second {
-        let count = (0..).zip(&joined).filter(|&(v, &to)| v != to).count();
-        let rebuild = Rebuild::joining(mesh, joined.clone());
-        if weld::gain(mesh, &rebuild)?.closes {
-            return Ok(Some(format!(
-                "{count} vertices are where others are, along the boundary: vertex {v} is where \
-                 vertex {to} is"
-            )));
-        }
+pub fn needs_repair(mesh: &TriMesh) -> Option<String> {
+    let Seams { to, .. } = Seams::of(mesh);
+    if let Some(v) = joining(&to).next() {
+        return Some(format!(
+            "{} vertices are where others are, along seams: vertex {v} is where vertex {} is",
+            joining(&to).count(),
+            to[v as usize]
+        ));
     }
     let repeated = mesh.repeated_faces();
     if let Some([face, first]) = repeated.first() {
         let count = repeated.len();
-        return Ok(Some(format!(
+        return Some(format!(
             "{count} repeated faces: face {face} has the vertices of face {first}"
-        )));
+        ));
     }
     let flat = mesh.faces_without_area();
-    Ok(flat.first().map(|face| format!("{} faces without area: face {face}", flat.len())))
+    flat.first().map(|face| format!("{} faces without area: face {face}", flat.len()))
 }
 
-/// The error for what cannot be asked.
-fn refused(what: &'static str, why: String) -> Error {
-    Error::Argument { what, why }
+/// The vertices that become another one.
+fn joining(to: &[u32]) -> impl Iterator<Item = u32> + '_ {
+    (0..).zip(to).filter(|(v, to)| v != *to).map(|(v, _)| v)
 }

@@ -11,11 +11,9 @@ pub enum Weld {
     /// Those at most so far, in units of length, from a vertex of lower number that stays: the lowest
     /// one. Joined vertices are never farther than that from where they were.
     Within(f64),
-    /// Those with equal positions, where that leaves fewer boundary edges.
-    IfSplit,
-    /// The same, where besides no edge gets more than two faces and the surface meets itself at no
-    /// further vertex.
-    IfUnambiguous,
+    /// Those at the ends of boundary edges in one place, where these are two: seams are closed, and
+    /// what only touches stays apart.
+    Seams,
 }
 
 /// Options of [`repair`](super::repair()): its steps. By default there are none.
@@ -57,11 +55,11 @@ builder! { RepairOptions {
 }}
 
 impl RepairOptions {
-    /// Returns all steps that need no number: [`Weld::IfSplit`], and neither components left out nor
+    /// Returns all steps that need no number: [`Weld::Seams`], and neither components left out nor
     /// holes filled.
     pub fn everything() -> Self {
         Self::new()
-            .weld(Weld::IfSplit)
+            .weld(Weld::Seams)
             .drop_duplicates(true)
             .drop_degenerate(true)
             .compact(true)
@@ -69,9 +67,9 @@ impl RepairOptions {
             .orient(true)
     }
 
-    /// Returns the steps that have one sensible outcome: [`Weld::IfUnambiguous`], repeated faces and
+    /// Returns the steps that have one sensible outcome: [`Weld::Seams`], repeated faces and
     /// faces without area.
     pub fn unambiguous() -> Self {
-        Self::new().weld(Weld::IfUnambiguous).drop_duplicates(true).drop_degenerate(true)
+        Self::new().weld(Weld::Seams).drop_duplicates(true).drop_degenerate(true)
     }
 }

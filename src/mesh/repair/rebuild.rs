@@ -134,8 +134,7 @@ impl Rebuild {
         mesh: &TriMesh,
     ) -> Attribute<N> {
         let absent = Attribute::<N>::ABSENT;
-        let mut numbers =
-            given.corners.as_deref().unwrap_or(old.faces()).as_flattened().to_vec();
+        let mut numbers = given.corners.as_deref().unwrap_or(old.faces()).as_flattened().to_vec();
         let mut values = given.values.clone();
         for insertion in &self.insertions {
             let [a, b, c] = insertion.from.map(|corner| numbers[corner as usize]);

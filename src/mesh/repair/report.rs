@@ -15,10 +15,14 @@ pub enum RepairStep {
         /// How many of the vertices had another colour than the one they joined.
         colors: usize,
     },
-    /// Vertices with equal positions stay apart ([`Weld::IfUnambiguous`](super::Weld)).
-    Ambiguous {
-        /// How many would have joined another one.
+    /// Seams are closed ([`Weld::Seams`](super::Weld)).
+    ClosedSeams {
+        /// How many vertices joined another one.
         vertices: usize,
+        /// How many of the vertices had another colour than the one they joined.
+        colors: usize,
+        /// Boundary edges that stay, as more than two are in one place.
+        ambiguous: usize,
     },
     /// Repeated faces are left out.
     DroppedDuplicates {
@@ -81,8 +85,9 @@ impl RepairStep {
     /// Whether the step changed the mesh.
     pub fn changed(&self) -> bool {
         match *self {
-            Self::Welded { vertices, .. } | Self::Compacted { vertices } => vertices > 0,
-            Self::Ambiguous { .. } => false,
+            Self::Welded { vertices, .. }
+            | Self::ClosedSeams { vertices, .. }
+            | Self::Compacted { vertices } => vertices > 0,
             Self::DroppedDuplicates { faces, .. } => faces > 0,
             Self::DroppedDegenerate { joined, flipped, faces, .. } => joined + flipped + faces > 0,
             Self::Cut { edges, vertices } => edges + vertices > 0,
@@ -106,16 +111,15 @@ impl fmt::Display for RepairStep {
                 if faces > 0 {
                     write!(f, ", {faces} faces collapsed")?;
                 }
-                match colors {
-                    0 => Ok(()),
-                    _ => write!(f, ", {colors} colours lost (the first of each place stays)"),
-                }
+                lost(f, colors)
             }
-            Self::Ambiguous { vertices } => write!(
-                f,
-                "weld        {vertices} vertices with equal positions not joined, as edges would get \
-                 more than two faces or the surface would meet itself in a point"
-            ),
+            Self::ClosedSeams { vertices, colors, ambiguous } => {
+                write!(f, "weld        {vertices} vertices joined along seams")?;
+                if ambiguous > 0 {
+                    write!(f, ", {ambiguous} boundary edges stay, three or more in one place")?;
+                }
+                lost(f, colors)
+            }
             Self::DroppedDuplicates { faces, .. } => {
                 write!(f, "duplicates  {faces} repeated faces dropped")
             }
@@ -145,6 +149,13 @@ impl fmt::Display for RepairStep {
                 }
             }
         }
+    }
+}
+
+fn lost(f: &mut fmt::Formatter<'_>, colors: usize) -> fmt::Result {
+    match colors {
+        0 => Ok(()),
+        _ => write!(f, ", {colors} colours lost (the first of each place stays)"),
     }
 }
 

@@ -3,10 +3,8 @@
 use std::collections::HashMap;
 
 use super::super::vector::{Vector, distance};
-use super::super::{Edges, TriMesh};
-use super::rebuild::Rebuild;
-use super::refused;
-use crate::base::Result;
+use super::super::{Edges, Sets, TriMesh};
+use crate::base::{Error, Result};
 
 /// For each point the lowest one, itself or an earlier one, that is at most `tolerance` away and is its
 /// own representative. O(n) for points that are spread out.
@@ -16,7 +14,7 @@ use crate::base::Result;
 pub(super) fn representatives(points: &[Vector], tolerance: f64) -> Result<Vec<u32>> {
     if !(tolerance >= 0.0 && tolerance.is_finite()) {
         let why = format!("{tolerance}, where a length of at least 0 is needed");
-        return Err(refused("tolerance", why));
+        return Err(Error::Argument { what: "tolerance", why });
     }
     Ok(if tolerance > 0.0 { near(points, tolerance) } else { equal(points) })
 }
@@ -52,43 +50,52 @@ fn near(points: &[Vector], tolerance: f64) -> Vec<u32> {
     found
 }
 
-/// What joining vertices does to a mesh.
-pub(super) struct Gain {
-    /// There are fewer boundary edges.
-    pub closes: bool,
-    /// There are more edges of more than two faces, or more vertices at which the surface meets itself;
-    /// repeated faces are not counted.
-    pub tangles: bool,
+/// Seams of a mesh: boundary edges in one place.
+pub(super) struct Seams {
+    /// For each vertex the lowest one that it joins along seams; itself elsewhere.
+    pub to: Vec<u32>,
+    /// Boundary edges that stay, as more than two are in one place.
+    pub ambiguous: usize,
 }
 
-pub(super) fn gain(mesh: &TriMesh, joined: &Rebuild) -> Result<Gain> {
-    let before = Counts::of(mesh)?;
-    let positions = joined.vertices.iter().map(|&v| mesh.vertices()[v as usize]).collect();
-    let after = Counts::of(&TriMesh::new(positions, joined.faces.clone())?)?;
-    Ok(Gain {
-        closes: after.boundary < before.boundary,
-        tangles: after.edges > before.edges || after.vertices > before.vertices,
-    })
-}
-
-/// What is not as in a closed manifold, repeated faces left out.
-struct Counts {
-    boundary: usize,
-    edges: usize,
-    vertices: usize,
-}
-
-impl Counts {
-    fn of(mesh: &TriMesh) -> Result<Self> {
-        let mut kept = vec![true; mesh.faces().len()];
-        mesh.repeated_faces().iter().for_each(|[face, _]| kept[*face as usize] = false);
-        let kept: Vec<u32> = (0..).zip(kept).filter(|(_, kept)| *kept).map(|(f, _)| f).collect();
-        let mesh = mesh.submesh(&kept)?.mesh;
-        let edges = Edges::new(&mesh);
-        Ok(Self {
-            boundary: edges.boundary().count(),
-            edges: edges.non_manifold().count(),
-            vertices: mesh.fans(&edges).into_iter().filter(|&fans| fans > 1).count(),
-        })
+impl Seams {
+    /// Those where exactly two boundary edges are in one place. Vertices in one place that no chain of
+    /// such edges joins stay apart.
+    pub fn of(mesh: &TriMesh) -> Self {
+        let place = equal(mesh.vertices());
+        let apart = || (0..place.len() as u32).collect();
+        if place.iter().zip(0..).all(|(&first, v)| first == v) {
+            return Self { to: apart(), ambiguous: 0 };
+        }
+        let edges = Edges::new(mesh);
+        let mut found: Vec<([u32; 2], u32)> = edges
+            .boundary()
+            .map(|e| {
+                let [a, b] = edges.ends()[e as usize].map(|v| place[v as usize]);
+                ([a.min(b), a.max(b)], e)
+            })
+            .filter(|([a, b], _)| a != b)
+            .collect();
+        found.sort_unstable();
+        let mut sets = Sets::new(place.len());
+        let mut ambiguous = 0;
+        for group in found.chunk_by(|a, b| a.0 == b.0) {
+            match group {
+                [_] => {}
+                [(_, e), (_, other)] => {
+                    let face = |e: &u32| edges.faces(*e as usize).next();
+                    // The two long edges of a face without area are none.
+                    if face(e) != face(other) {
+                        let [a, b] = edges.ends()[*e as usize];
+                        let [c, d] = edges.ends()[*other as usize];
+                        let same = place[a as usize] == place[c as usize];
+                        sets.join(a, if same { c } else { d });
+                        sets.join(b, if same { d } else { c });
+                    }
+                }
+                more => ambiguous += more.len(),
+            }
+        }
+        Self { to: (0..place.len() as u32).map(|v| sets.find(v)).collect(), ambiguous }
     }
 }
