@@ -62,9 +62,16 @@ impl MeshArgs {
     /// Reads a mesh and repairs what is unambiguous; notes on stderr say what.
     ///
     /// # Errors
-    /// Those of [`mesh`], and with `--strict` the first culprit of a mesh that needs repair.
+    /// Those of [`mesh`]; with `--strict` the first culprit of a mesh that needs repair.
     pub fn read(&self, path: &Path) -> Result<MeshFile> {
-        let file = mesh(path)?;
+        self.apply(mesh(path)?, path)
+    }
+
+    /// The same for a mesh that was read from `path`.
+    ///
+    /// # Errors
+    /// As [`MeshArgs::read`].
+    pub fn apply(&self, file: MeshFile, path: &Path) -> Result<MeshFile> {
         let name = path.display();
         if self.strict {
             if file.collapsed_faces > 0 {
@@ -85,8 +92,8 @@ impl MeshArgs {
             let count = found.file.mesh.vertices().len();
             let flags = flags(&found.report);
             note(format_args!(
-                "{name}: vertex numbers are those of the repaired mesh, which has {count} vertices: \
-                 `catamaran mesh {name}{flags} -o FILE` writes it"
+                "{name}: vertex numbers are those of the repaired mesh, which has {count} \
+                 vertices: `catamaran mesh {name}{flags} -o FILE` writes it"
             ));
         }
         Ok(found.file)
@@ -97,8 +104,8 @@ impl MeshArgs {
 fn notes(report: &RepairReport) -> Vec<String> {
     let line = |step: &RepairStep| match step {
         RepairStep::ClosedSeams { vertices: 0, ambiguous, .. } if *ambiguous > 0 => Some(format!(
-            "{ambiguous} boundary edges are in one place, three or more, and stay apart (--weld joins \
-             them)"
+            "{ambiguous} boundary edges are in one place, three or more, and stay apart (--weld \
+             joins them)"
         )),
         step if step.changed() => {
             // Without the name of the step, which is a column of its own.

@@ -20,12 +20,14 @@ use crate::report::{report, seconds};
 
 /// Report on a triangle mesh, and convert, repair or compare it.
 ///
-/// Reads .obj, .ply, .off and .stl, each also as .gz or .xz. Says what it is made of (components, boundary, genus), how
-/// large it is, and every kind of problem with the first elements that have it, numbered from 0.
+/// Reads .obj, .ply, .off and .stl, each also as .gz or .xz. Says what it is made of (components,
+/// boundary, genus), how large it is, and every kind of problem with the first elements that have
+/// it, numbered from 0.
 ///
-/// Nothing is repaired unless asked. The steps of a repair are done in this order, whatever the order of the options:
-/// weld, drop duplicates, drop degenerate, compact, cut (of --repair), keep largest, fill holes, orient. Each says what
-/// it did, and the report on the result follows. Then come --component and --normalize.
+/// Nothing is repaired unless asked. The steps of a repair are done in this order, whatever the
+/// order of the options: weld, drop duplicates, drop degenerate, compact, cut (of --repair), keep
+/// largest, fill holes, orient. Each says what it did, and the report on the result follows. Then
+/// come --component and --normalize.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh.
@@ -34,16 +36,19 @@ pub struct Args {
     /// Write the mesh: .obj, .ply, .off or .stl, and .gz after it.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Keep one component only: a number from 0, in the order of their lowest vertices, or `largest` (most faces).
+    /// Keep one component only: a number from 0, in the order of their lowest vertices, or
+    /// `largest` (most faces).
     #[arg(long, value_name = "NUMBER", value_parser = component, requires = "output")]
     component: Option<Which>,
-    /// Repair everything but holes: --weld seams, --drop-duplicates, --drop-degenerate, --compact, cuts along edges of more than two faces and
-    /// where the surface meets itself in a point, --orient.
+    /// Repair everything but holes: --weld seams, --drop-duplicates, --drop-degenerate, --compact,
+    /// cuts along edges of more than two faces and where the surface meets itself in a point,
+    /// --orient.
     #[arg(long)]
     repair: bool,
     /// Join vertices at most TOLERANCE apart, a length; with equal positions where no TOLERANCE is
     /// given; `seams`: with equal positions along boundary edges that are in one place, two and
-    /// two, so that what only touches stays apart. Texture coordinates and normals that differ become those of corners.
+    /// two, so that what only touches stays apart. Texture coordinates and normals that differ
+    /// become those of corners.
     #[arg(long, value_name = "TOLERANCE", num_args = 0..=1, default_missing_value = "0",
           value_parser = parse::weld)]
     weld: Option<Weld>,
@@ -51,7 +56,8 @@ pub struct Args {
     #[arg(long)]
     drop_duplicates: bool,
     /// Remove faces without area, without opening the surface: two corners in one place are joined,
-    /// a corner on the opposite edge becomes a vertex of the face beyond it. What can't be removed so is dropped.
+    /// a corner on the opposite edge becomes a vertex of the face beyond it. What can't be removed
+    /// so is dropped.
     #[arg(long)]
     drop_degenerate: bool,
     /// Drop vertices that no face has.
@@ -63,14 +69,16 @@ pub struct Args {
     /// Fill holes: boundary loops of at most N edges.
     #[arg(long, value_name = "N")]
     fill_holes: Option<usize>,
-    /// Flip faces until all agree on what is outside. Closed components are counter-clockwise as seen from outside, but
-    /// those in an odd number of others bound cavities. Of open ones, as few faces as possible are flipped.
+    /// Flip faces until all agree on what is outside. Closed components are counter-clockwise as
+    /// seen from outside, but those in an odd number of others bound cavities. Of open ones, as few
+    /// faces as possible are flipped.
     #[arg(long)]
     orient: bool,
     /// Compare with another mesh: distances both ways, areas, angles between normals, topology.
     #[arg(long, value_name = "OTHER")]
     compare: Option<PathBuf>,
-    /// Move to the origin and scale: to a total area of 1, or to a longest side of the bounding box of 1.
+    /// Move to the origin and scale: to a total area of 1, or to a longest side of the bounding box
+    /// of 1.
     #[arg(long, value_name = "SIZE", requires = "output")]
     normalize: Option<Size>,
     #[command(flatten)]
@@ -204,8 +212,8 @@ fn compare(mesh: &TriMesh, found: &Validation, path: &Path) -> Result<()> {
     let line = |label: &str, far: &OneSided| {
         let OneSided { largest, mean, angle, .. } = far;
         report(format_args!(
-            "{label:<12}largest distance {largest:.4e} ({:.4e} of the longest side), mean {mean:.4e} \
-             ({:.4e}), normals {angle:.2} degrees",
+            "{label:<12}largest distance {largest:.4e} ({:.4e} of the longest side), mean \
+             {mean:.4e} ({:.4e}), normals {angle:.2} degrees",
             largest / side,
             mean / side
         ))

@@ -25,7 +25,7 @@ pub struct LaplacianArgs {
     #[arg(long, value_name = "KIND", default_value = "cotan")]
     laplacian: Kind,
     #[command(flatten)]
-    mesh: MeshArgs,
+    pub repair: MeshArgs,
     /// Threads; all cores by default.
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
@@ -81,14 +81,9 @@ impl LaplacianArgs {
         self.threads.map_or_else(Par::all, |n| Par::Threads(n.get()))
     }
 
-    /// Reads a mesh, repaired where that is unambiguous.
-    pub fn read(&self, path: &Path) -> Result<MeshFile> {
-        self.mesh.read(path)
-    }
-
     /// Reads a mesh and computes its first `len` eigenfunctions.
     pub fn shape(&self, path: &Path, len: usize) -> Result<Shape> {
-        let file = self.read(path)?;
+        let file = self.repair.read(path)?;
         let vertices = file.mesh.vertices().len();
         if len > vertices {
             let k = len - 1;

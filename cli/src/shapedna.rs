@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use catamaran::faer::Mat;
 use catamaran::io::{self, Output, Overwrite};
-use catamaran::mesh::{Boundary, LaplacianOptions};
+use catamaran::mesh::{Boundary, LaplacianOptions, io::read_with};
 use catamaran::unions::{ShapeDnaOptions, retrieve, shape_dna};
 
+use crate::input;
 use crate::progress::Bar;
 use crate::report::report;
 use crate::shape::LaplacianArgs;
@@ -61,7 +62,8 @@ pub fn run(args: &Args) -> Result<()> {
     let bar = Bar::new("shapes");
     let mut found = Vec::with_capacity(names.len());
     for (i, name) in names.iter().enumerate() {
-        let mesh = args.laplacian.read(name)?.mesh;
+        let file = read_with(name, &input::source())?;
+        let mesh = args.laplacian.repair.apply(file, name)?.mesh;
         found.push(shape_dna(&mesh, &options).with_context(|| name.display().to_string())?);
         bar.step((i + 1) as f64 / names.len() as f64)?;
     }

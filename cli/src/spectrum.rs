@@ -95,7 +95,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let name = args.input.display();
 
     let start = Instant::now();
-    let file = args.laplacian.read(&args.input)?;
+    let file = args.laplacian.repair.read(&args.input)?;
     let options = LaplacianOptions::new()
         .kind(args.laplacian.kind())
         .mass(match args.mass {

@@ -16,13 +16,13 @@ const SAMPLES: usize = 100_000;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct OneSided {
-    /// The largest distance of its vertices, and of points spread over it by area, from the surface of
-    /// the other mesh, in units of length.
+    /// The largest distance of its vertices, and of points spread over it by area, from the surface
+    /// of the other mesh, in units of length.
     pub largest: f64,
     /// The mean distance of the points spread over it, in units of length.
     pub mean: f64,
-    /// The mean angle between its normals at these points and those of the other mesh nearest to them,
-    /// in degrees from 0 to 180; faces without area are not counted.
+    /// The mean angle between its normals at these points and those of the other mesh nearest to
+    /// them, in degrees from 0 to 180; faces without area are not counted.
     pub angle: f64,
 }
 
@@ -37,8 +37,8 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Compares `first` and `second` at their vertices and at 100,000 points spread over each by area.
-    /// O(V log F); the same for any `par`.
+    /// Compares `first` and `second` at their vertices and at 100,000 points spread over each by
+    /// area. O(V log F); the same for any `par`.
     ///
     /// ```
     /// use catamaran::{Par, mesh::{Comparison, families}};
@@ -88,8 +88,8 @@ fn angle(a: Vector, b: Vector) -> Option<f64> {
     there.then(|| norm(cross(a, b)).atan2(dot(a, b)).to_degrees())
 }
 
-/// Points at equal shares of the area, each with the normal there. The places in the faces follow the
-/// sequence R2 (Roberts 2018), so that nothing is random.
+/// Points at equal shares of the area, each with the normal there. The places in the faces follow
+/// the sequence R2 (Roberts 2018), so that nothing is random.
 fn spread(mesh: &TriMesh) -> Result<Vec<(Vector, Vector)>> {
     const STEPS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
     let areas = mesh.face_areas();

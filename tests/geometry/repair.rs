@@ -191,7 +191,8 @@ fn repeated_faces_are_dropped_and_no_vertex_is_renumbered() {
     assert!(found.report.steps.contains(&step));
 }
 
-/// A closed surface in which some faces have a vertex on an edge, beyond which a face without area is.
+/// A closed surface in which some faces have a vertex on an edge, beyond which a face without area
+/// is.
 fn with_caps(whole: &TriMesh, count: usize) -> TriMesh {
     let (mut points, mut faces) = whole.clone().into_parts();
     for f in 0..count {
@@ -265,7 +266,8 @@ fn sizes_near_the_limits_of_numbers_are_no_reason_to_drop_faces() {
 
 #[test]
 fn texture_follows_a_flipped_edge_on_both_sides_of_a_seam() {
-    // A square of two triangles and, between them, one without area whose corner is on the diagonal.
+    // A square of two triangles and, between them, one without area whose corner is on the
+    // diagonal.
     let points = [[0.0; 3], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0], [1.0, 1.0, 0.0]];
     let faces = [[0, 1, 4], [1, 2, 4], [0, 4, 2], [0, 2, 3]];
     let mut file = MeshFile::from(mesh(&points, &faces));

@@ -4,8 +4,9 @@ use super::super::TriMesh;
 use super::draft::{Draft, Seam, at_least, positive, sheet};
 use crate::base::Result;
 
-/// A strip of needles: [`grid`](super::grid) squeezed to the height `thinness` (rows stay `rows`), so that with
-/// columns = rows its right triangles have legs in the ratio `thinness`, and qualities of about 1.7 `thinness`.
+/// A strip of needles: [`grid`](super::grid) squeezed to the height `thinness` (rows stay `rows`),
+/// so that with columns = rows its right triangles have legs in the ratio `thinness`, and qualities
+/// of about 1.7 `thinness`.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -16,7 +17,8 @@ use crate::base::Result;
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`](crate::Error::Argument) without a cell, for too many, or a thinness that is not positive.
+/// [`Error::Argument`](crate::Error::Argument) without a cell, for too many, or a thinness that is
+/// not positive.
 pub fn slivers(columns: usize, rows: usize, thinness: f64) -> Result<TriMesh> {
     positive("thinness", thinness)?;
     sheet(columns, rows, Seam::Open, false, |i, j| {
@@ -24,8 +26,8 @@ pub fn slivers(columns: usize, rows: usize, thinness: f64) -> Result<TriMesh> {
     })
 }
 
-/// `count` triangles on one edge, 0 to 1, as pages of a book: V = 2 + count, F = count. The edge is non-manifold from three
-/// pages on.
+/// `count` triangles on one edge, 0 to 1, as pages of a book: V = 2 + count, F = count. The edge is
+/// non-manifold from three pages on.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -49,7 +51,8 @@ pub fn pages(count: usize) -> Result<TriMesh> {
     draft.finish()
 }
 
-/// Two closed tetrahedra that share vertex 0 and nothing else: V = 7, F = 8, Euler characteristic 3; a non-manifold vertex.
+/// Two closed tetrahedra that share vertex 0 and nothing else: V = 7, F = 8, Euler characteristic
+/// 3; a non-manifold vertex.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -74,7 +77,8 @@ pub fn bow_tie() -> Result<TriMesh> {
     draft.finish()
 }
 
-/// The triangles of a mesh, each with three vertices of its own: V = 3 F. This is what STL files hold.
+/// The triangles of a mesh, each with three vertices of its own: V = 3 F. This is what STL files
+/// hold.
 ///
 /// ```
 /// use catamaran::mesh::families;

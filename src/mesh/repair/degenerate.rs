@@ -1,5 +1,5 @@
-//! Faces without area removed so that the surface stays closed: those with two corners in one place by
-//! joining these, those with a corner on the opposite edge by flipping this edge.
+//! Faces without area removed so that the surface stays closed: those with two corners in one place
+//! by joining these, those with a corner on the opposite edge by flipping this edge.
 
 use std::collections::VecDeque;
 
@@ -9,12 +9,12 @@ use super::super::vector::{Vector, distance, dot, sub};
 use super::rebuild::{Insertion, Rebuild, corners_of};
 use super::report::RepairStep;
 
-/// Two corners are in one place when they are at most this times the longest edge of their face apart:
-/// then it has no area, whatever the third one is.
+/// Two corners are in one place when they are at most this times the longest edge of their face
+/// apart: then it has no area, whatever the third one is.
 const ONE_PLACE: f64 = 16.0 * f64::EPSILON;
 
-/// The mesh without faces that have no area; `None` when there are none. Faces that can be neither joined
-/// nor flipped away are left out, or, unless `may_open`, stay.
+/// The mesh without faces that have no area; `None` when there are none. Faces that can be neither
+/// joined nor flipped away are left out, or, unless `may_open`, stay.
 pub(super) fn without(mesh: &TriMesh, may_open: bool) -> (Option<Rebuild>, RepairStep) {
     let flat = mesh.faces_without_area();
     let first = flat.first().copied();
@@ -71,8 +71,8 @@ impl<'m> Faces<'m> {
         }
     }
 
-    /// Removes these, and those that lose their area by that, and gives those for which there is no way.
-    /// Ends, as each step leaves fewer faces, or fewer without area, or shorter edges.
+    /// Removes these, and those that lose their area by that, and gives those for which there is no
+    /// way. Ends, as each step leaves fewer faces, or fewer without area, or shorter edges.
     fn remove(&mut self, mut open: VecDeque<u32>) -> VecDeque<u32> {
         let mut stuck = VecDeque::new();
         let mut changed = false;
@@ -134,7 +134,8 @@ impl<'m> Faces<'m> {
         found
     }
 
-    /// The vertices that an edge joins to v, each as often as there are faces at the edge, ascending.
+    /// The vertices that an edge joins to v, each as often as there are faces at the edge,
+    /// ascending.
     fn neighbors(&self, v: u32) -> Vec<u32> {
         let mut found: Vec<u32> =
             self.around(v).flat_map(|(_, face)| face).filter(|&u| u != v).collect();
@@ -142,9 +143,9 @@ impl<'m> Faces<'m> {
         found
     }
 
-    /// Joins the ends of the shortest edge of a face when they are in one place, and the surface stays
-    /// what it is (the link condition: Dey, Edelsbrunner, Guha and Nekhayev, 1999). Gives the faces at
-    /// the joined vertex.
+    /// Joins the ends of the shortest edge of a face when they are in one place, and the surface
+    /// stays what it is (the link condition: Dey, Edelsbrunner, Guha and Nekhayev, 1999). Gives the
+    /// faces at the joined vertex.
     fn join(&mut self, face: [u32; 3]) -> Option<Vec<u32>> {
         let [a, b, c] = face;
         let edges = [[a, b], [b, c], [c, a]].map(|[u, v]| (self.length(u, v), u.min(v), u.max(v)));
@@ -200,8 +201,8 @@ impl<'m> Faces<'m> {
             && !ours.iter().any(|edge| theirs.binary_search(edge).is_ok())
     }
 
-    /// Flips the longest edge of a face, on which its third corner is: the face beyond it is cut in two
-    /// at that corner. Gives the two new faces.
+    /// Flips the longest edge of a face, on which its third corner is: the face beyond it is cut in
+    /// two at that corner. Gives the two new faces.
     fn flip(&mut self, f: u32, face: [u32; 3]) -> Option<Vec<u32>> {
         let length = |i: usize| self.length(face[i], face[(i + 1) % 3]);
         let i = (0..3).max_by(|&i, &j| length(i).total_cmp(&length(j)).then(j.cmp(&i)))?;

@@ -13,8 +13,8 @@ use crate::base::Result;
 /// Longer loops are cut in two by a short diagonal first: time grows with the cube of the length.
 const AT_ONCE: usize = 256;
 
-/// What the square of a diagonal adds to the areas: a flat hole has many triangulations of least area,
-/// of which those with short diagonals have better faces.
+/// What the square of a diagonal adds to the areas: a flat hole has many triangulations of least
+/// area, of which those with short diagonals have better faces.
 const DIAGONAL: f64 = 1e-3;
 
 /// The mesh with its boundary loops of at most `most` edges filled; `None` when there are none. New

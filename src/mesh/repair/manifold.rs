@@ -13,7 +13,8 @@ use crate::base::Result;
 pub struct Repairs {
     /// Faces left out because another one has the same vertices.
     pub repeated_faces: usize,
-    /// Edges of more than two faces, along which the mesh was cut: each of the faces has a boundary there now.
+    /// Edges of more than two faces, along which the mesh was cut: each of the faces has a boundary
+    /// there now.
     pub cut_edges: usize,
     /// Vertices at which the surface met itself, which are several now.
     pub split_vertices: usize,
@@ -43,9 +44,10 @@ impl fmt::Display for Repairs {
     }
 }
 
-/// The mesh as a manifold: repeated faces and vertices without a face left out, then every fan of faces
-/// at a vertex a vertex of its own, where fans do not go over edges of more than two faces (Gueziec et
-/// al., 2001). Vertices of the part may come from one of the mesh. Faces are not flipped.
+/// The mesh as a manifold: repeated faces and vertices without a face left out, then every fan of
+/// faces at a vertex a vertex of its own, where fans do not go over edges of more than two faces
+/// (Gueziec et al., 2001). Vertices of the part may come from one of the mesh. Faces are not
+/// flipped.
 pub(crate) fn manifold(mesh: &TriMesh) -> Result<(Part, Repairs)> {
     let mut repeated = vec![false; mesh.faces().len()];
     for [face, _] in mesh.repeated_faces() {

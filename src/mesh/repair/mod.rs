@@ -1,5 +1,5 @@
-//! Repairs meshes as programs export them: soups, surfaces split along texture seams, repeated faces,
-//! faces without area, holes, edges of many faces, faces that disagree on what is outside.
+//! Repairs meshes as programs export them: soups, surfaces split along texture seams, repeated
+//! faces, faces without area, holes, edges of many faces, faces that disagree on what is outside.
 //!
 //! Sources: edges cut apart as in Gueziec, Taubin, Lazarus and Horn, Cutting and Stitching (2001);
 //! holes filled as in Barequet and Sharir, Filling Gaps in the Boundary of a Polyhedron (1995).
@@ -42,9 +42,9 @@ impl Repaired {
     pub const NONE: u32 = u32::MAX;
 }
 
-/// Repairs a mesh by the steps that `options` name, in this order whatever the order of the options:
-/// weld, drop repeated faces, drop faces without area, drop vertices without a face, cut edges of
-/// more than two faces, keep the largest components, fill holes, orient.
+/// Repairs a mesh by the steps that `options` name, in this order whatever the order of the
+/// options: weld, drop repeated faces, drop faces without area, drop vertices without a face, cut
+/// edges of more than two faces, keep the largest components, fill holes, orient.
 ///
 /// Attributes follow their vertices and corners. Where vertices with different texture coordinates
 /// or normals become one, these become attributes of corners; of different colours the first stays.
@@ -64,9 +64,10 @@ impl Repaired {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`](crate::Error::Argument) for a tolerance that is negative or not finite, and for attributes that do not
-/// fit the mesh ([`Error::Shape`](crate::Error::Shape) too); [`Error::Mesh`](crate::Error::Mesh) when holes are to be filled and an edge has
-/// more than two faces, which is named.
+/// [`Error::Argument`](crate::Error::Argument) for a tolerance that is negative or not finite, and
+/// for attributes that do not fit the mesh ([`Error::Shape`](crate::Error::Shape) too);
+/// [`Error::Mesh`](crate::Error::Mesh) when holes are to be filled and an edge has more than two
+/// faces, which is named.
 pub fn repair(file: MeshFile, options: &RepairOptions) -> Result<Repaired> {
     file.check()?;
     let mut state = State { file, vertices: None, steps: Vec::new() };
@@ -135,7 +136,7 @@ impl State {
                     None => new,
                 });
             }
-            self.file = rebuild.apply(&self.file)?;
+            rebuild.apply(&mut self.file)?;
         }
         self.steps.push(step);
         Ok(())
@@ -160,8 +161,8 @@ impl State {
         })
     }
 
-    /// Joins each vertex with `to[v]`; `step` is that of the numbers of vertices and faces that are gone
-    /// by that, and of colours.
+    /// Joins each vertex with `to[v]`; `step` is that of the numbers of vertices and faces that are
+    /// gone by that, and of colours.
     fn join(&mut self, to: Vec<u32>, step: impl Fn([usize; 3]) -> RepairStep) -> Result<()> {
         let mesh = &self.file.mesh;
         let vertices = joining(&to).count();
@@ -204,8 +205,8 @@ impl State {
     }
 }
 
-/// What of a mesh [`RepairOptions::unambiguous`] would repair, as text that names the first culprit;
-/// `None` when there is nothing.
+/// What of a mesh [`RepairOptions::unambiguous`] would repair, as text that names the first
+/// culprit; `None` when there is nothing.
 ///
 /// ```
 /// use catamaran::mesh::{TriMesh, families, needs_repair};

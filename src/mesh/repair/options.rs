@@ -8,8 +8,8 @@ pub enum Weld {
     Never,
     /// Those with equal positions (-0 equals 0).
     Exact,
-    /// Those at most so far, in units of length, from a vertex of lower number that stays: the lowest
-    /// one. Joined vertices are never farther than that from where they were.
+    /// Those at most so far, in units of length, from a vertex of lower number that stays: the
+    /// lowest one. Joined vertices are never farther than that from where they were.
     Within(f64),
     /// Those at the ends of boundary edges in one place, where these are two: seams are closed, and
     /// what only touches stays apart.
@@ -24,14 +24,15 @@ pub struct RepairOptions {
     pub weld: Weld,
     /// Whether faces with the vertices of an earlier one, in any order, are left out.
     pub drop_duplicates: bool,
-    /// Whether faces without area ([`faces_without_area`](crate::mesh::TriMesh::faces_without_area))
-    /// are removed: by joining two corners in one place, by flipping the longest edge, or, where the
-    /// result of both would not be a manifold, by leaving them out.
+    /// Whether faces without area
+    /// ([`faces_without_area`](crate::mesh::TriMesh::faces_without_area)) are removed: by joining
+    /// two corners in one place, by flipping the longest edge, or, where the result of both would
+    /// not be a manifold, by leaving them out.
     pub drop_degenerate: bool,
     /// Whether vertices that no face has are left out.
     pub compact: bool,
-    /// Whether the mesh is cut along edges of more than two faces, and at vertices at which the surface
-    /// meets itself.
+    /// Whether the mesh is cut along edges of more than two faces, and at vertices at which the
+    /// surface meets itself.
     pub cut: bool,
     /// How many components are kept: those with the most faces. All by default.
     pub keep_largest: Option<usize>,

@@ -6,10 +6,10 @@ use super::super::vector::{Vector, cross, dot, sub};
 use super::rebuild::{Rebuild, corners_of};
 use super::report::RepairStep;
 
-/// Flips faces so that those of each group, which hang together over edges of two faces, agree. Closed
-/// groups bound a volume: counter-clockwise as seen from outside, or from inside where they lie in an
-/// odd number of other closed groups. Of open ones, as few faces as possible are flipped. `None` when
-/// there is nothing to flip.
+/// Flips faces so that those of each group, which hang together over edges of two faces, agree.
+/// Closed groups bound a volume: counter-clockwise as seen from outside, or from inside where they
+/// lie in an odd number of other closed groups. Of open ones, as few faces as possible are flipped.
+/// `None` when there is nothing to flip.
 pub(super) fn outward(mesh: &TriMesh) -> (Option<Rebuild>, RepairStep) {
     let edges = Edges::new(mesh);
     let mut sides = mesh.sides(&edges);
@@ -97,8 +97,8 @@ impl<'a> Shell<'a> {
         Self { faces, low, high }
     }
 
-    /// Whether another shell is inside: its first corner is, by the number of faces that a ray from it
-    /// along x crosses.
+    /// Whether another shell is inside: its first corner is, by the number of faces that a ray from
+    /// it along x crosses.
     fn holds(&self, mesh: &TriMesh, other: &Shell<'_>) -> bool {
         let inside = (0..3).all(|k| self.low[k] <= other.low[k] && other.high[k] <= self.high[k]);
         let Some(&first) = other.faces.first().filter(|_| inside) else { return false };
@@ -107,8 +107,8 @@ impl<'a> Shell<'a> {
     }
 }
 
-/// Whether the ray from p along x crosses a triangle. Edges are looked at from their lower end, so that
-/// both faces of an edge see it alike and no crossing is lost or counted twice.
+/// Whether the ray from p along x crosses a triangle. Edges are looked at from their lower end, so
+/// that both faces of an edge see it alike and no crossing is lost or counted twice.
 fn crosses(triangle: [Vector; 3], p: Vector) -> bool {
     let [a, b, c] = triangle;
     let mut odd = false;

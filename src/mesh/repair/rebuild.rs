@@ -12,8 +12,8 @@ pub(super) struct Rebuild {
     /// For each new vertex the old one whose position and colour it has.
     pub vertices: Vec<u32>,
     pub faces: Vec<[u32; 3]>,
-    /// For each new face the corners whose values its corners have: old ones (3 f + i), or, from the
-    /// number of these on, the insertions in their order.
+    /// For each new face the corners whose values its corners have: old ones (3 f + i), or, from
+    /// the number of these on, the insertions in their order.
     pub corners: Vec<[u32; 3]>,
     pub insertions: Vec<Insertion>,
     /// For each old vertex the new one that it joined; `None`: no vertices were joined.
@@ -52,8 +52,8 @@ impl Rebuild {
         Self { vertices: part.vertices, faces, corners, insertions: Vec::new(), joined: None }
     }
 
-    /// The mesh whose vertex v becomes `to[v]`, which stays where it is; faces that lose a corner are
-    /// left out.
+    /// The mesh whose vertex v becomes `to[v]`, which stays where it is; faces that lose a corner
+    /// are left out.
     pub fn joining(mesh: &TriMesh, to: Vec<u32>) -> Self {
         let all = (0..mesh.faces().len() as u32).map(corners_of).collect();
         Self::joined(mesh.faces().to_vec(), all, Vec::new(), to)
@@ -109,22 +109,22 @@ impl Rebuild {
         joined.iter().zip(colors).filter(|&(&new, color)| *color != stays(new)).count()
     }
 
-    /// The new mesh with the attributes of the old one.
+    /// Makes `file` the new mesh, with the attributes of the old one.
     ///
     /// # Errors
-    /// [`Error::Argument`](crate::Error::Argument) for more vertices or corners than can be numbered.
-    pub fn apply(self, file: &MeshFile) -> Result<MeshFile> {
+    /// [`Error::Argument`](crate::Error::Argument) for more vertices or corners than can be
+    /// numbered.
+    pub fn apply(self, file: &mut MeshFile) -> Result<()> {
         let points = file.mesh.vertices();
         let positions = self.vertices.iter().map(|&v| points[v as usize]).collect();
         let mesh = TriMesh::new(positions, self.faces.clone())?;
-        let colors = file.colors.as_ref();
-        Ok(MeshFile {
-            uv: file.uv.as_ref().map(|uv| self.values(uv, &file.mesh, &mesh)),
-            normals: file.normals.as_ref().map(|normals| self.values(normals, &file.mesh, &mesh)),
-            colors: colors.map(|all| self.vertices.iter().map(|&v| all[v as usize]).collect()),
-            mesh,
-            ..file.clone()
-        })
+        file.uv = file.uv.as_ref().map(|uv| self.values(uv, &file.mesh, &mesh));
+        file.normals = file.normals.as_ref().map(|values| self.values(values, &file.mesh, &mesh));
+        if let Some(colors) = &mut file.colors {
+            *colors = self.vertices.iter().map(|&v| colors[v as usize]).collect();
+        }
+        file.mesh = mesh;
+        Ok(())
     }
 
     fn values<const N: usize>(

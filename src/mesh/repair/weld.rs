@@ -6,8 +6,8 @@ use super::super::vector::{Vector, distance};
 use super::super::{Edges, Sets, TriMesh};
 use crate::base::{Error, Result};
 
-/// For each point the lowest one, itself or an earlier one, that is at most `tolerance` away and is its
-/// own representative. O(n) for points that are spread out.
+/// For each point the lowest one, itself or an earlier one, that is at most `tolerance` away and is
+/// its own representative. O(n) for points that are spread out.
 ///
 /// # Errors
 /// [`Error::Argument`](crate::Error::Argument) for a tolerance that is negative or not finite.
@@ -26,8 +26,8 @@ fn equal(points: &[Vector]) -> Vec<u32> {
     points.iter().zip(0..).map(|(p, v)| *first.entry(key(p)).or_insert(v)).collect()
 }
 
-/// A grid of boxes twice as wide as the tolerance, with the representatives in each. They are farther
-/// from each other than the tolerance, so that a box has few.
+/// A grid of boxes twice as wide as the tolerance, with the representatives in each. They are
+/// farther from each other than the tolerance, so that a box has few.
 fn near(points: &[Vector], tolerance: f64) -> Vec<u32> {
     let mut boxes: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
     // Beyond the range of integers all are in the outermost box, where distances tell them apart.
@@ -59,8 +59,8 @@ pub(super) struct Seams {
 }
 
 impl Seams {
-    /// Those where exactly two boundary edges are in one place. Vertices in one place that no chain of
-    /// such edges joins stay apart.
+    /// Those where exactly two boundary edges are in one place. Vertices in one place that no chain
+    /// of such edges joins stay apart.
     pub fn of(mesh: &TriMesh) -> Self {
         let place = equal(mesh.vertices());
         let apart = || (0..place.len() as u32).collect();

@@ -36,8 +36,8 @@ impl TriMesh {
         }
     }
 
-    /// The groups of faces that hang together over edges of two faces, and which of them must be flipped so that the faces
-    /// of each agree with its lowest one.
+    /// The groups of faces that hang together over edges of two faces, and which of them must be
+    /// flipped so that the faces of each agree with its lowest one.
     pub(in super::super) fn sides(&self, edges: &Edges) -> Sides {
         let mut group = vec![u32::MAX; self.faces().len()];
         let mut flip = vec![false; self.faces().len()];
