@@ -10,7 +10,7 @@ use crate::base::{Error, Result};
 /// its own representative. O(n) for points that are spread out.
 ///
 /// # Errors
-/// [`Error::Argument`](crate::Error::Argument) for a tolerance that is negative or not finite.
+/// [`Error::Argument`] for a tolerance that is negative or not finite.
 pub(super) fn representatives(points: &[Vector], tolerance: f64) -> Result<Vec<u32>> {
     if !(tolerance >= 0.0 && tolerance.is_finite()) {
         let why = format!("{tolerance}, where a length of at least 0 is needed");
