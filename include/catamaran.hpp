@@ -705,10 +705,8 @@ struct decimate_options {
     std::int32_t relaxation = 0;
     /// The vertex that the first sample is; none: the lowest that a face has.
     std::optional<std::uint32_t> first;
-    /// Whether edges longer than those of the result will be are split first.
-    bool resample = false;
-    /// Whether handles too narrow for the triangles of the result are kept, too.
-    bool keep_narrow_handles = false;
+    /// Whether handles too narrow for the triangles of the result are cut, and their ends closed.
+    bool cut_narrow_handles = false;
     /// As options::progress.
     std::function<bool(double)> progress;
 };
@@ -734,8 +732,7 @@ inline decimation decimate(const std::vector<std::array<double, 3>>& positions,
     params.relaxation = how.relaxation;
     params.has_first = how.first ? 1 : 0;
     params.first = how.first.value_or(0);
-    params.resample = how.resample ? 1 : 0;
-    params.keep_narrow_handles = how.keep_narrow_handles ? 1 : 0;
+    params.cut_narrow_handles = how.cut_narrow_handles ? 1 : 0;
     detail::watcher watcher(how.progress);
     watcher.attach(params);
     decimation found;

@@ -18,7 +18,7 @@ use crate::shape::{LaplacianArgs, Mode};
 /// fewer), `eigenvalues` and `mass`.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off or .stl, and .gz after it.
+    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
     /// Eigenfunctions that are multiplied, the constant one not counted.

@@ -1,7 +1,7 @@
 //! `catamaran decimate`.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
@@ -14,7 +14,7 @@ use catamaran::mesh::io::{self as files, MeshFile};
 use catamaran::sparse::CsMat;
 use clap::ValueEnum;
 
-use crate::input;
+use crate::input::MeshArgs;
 use crate::output;
 use crate::picture::{PLAIN, PictureArgs};
 use crate::progress::Bar;
@@ -27,7 +27,7 @@ use crate::report::{report, seconds};
 /// carried over.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
+    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     input: PathBuf,
     /// Vertices of the result.
@@ -36,21 +36,18 @@ pub struct Args {
     /// Vertices of the result as a part of those of the input, above 0.
     #[arg(long, value_name = "R")]
     ratio: Option<f64>,
-    /// Where the result goes: .obj, .ply, .off or .stl, and .gz after it.
+    /// Where the result goes: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Split edges that are longer than those of the result will be, first.
-    #[arg(long)]
-    resample: bool,
     /// Passes that move samples to the centroids of their cells [default: 0].
     #[arg(long, value_name = "N")]
     lloyd: Option<usize>,
     /// Passes that flip edges and move vertices of the result [default: 12].
     #[arg(long, value_name = "N")]
     relax: Option<usize>,
-    /// Keep handles that are too narrow for the triangles of the result, too.
+    /// Cut handles that are too narrow for the triangles of the result, and close their ends.
     #[arg(long)]
-    keep_handles: bool,
+    cut_handles: bool,
     /// How faces are found and vertices placed.
     #[arg(long, value_name = "METHOD", default_value = "uniform")]
     method: Kind,
@@ -64,6 +61,8 @@ pub struct Args {
     /// Report on uniformity, and on the distance from the input.
     #[arg(long)]
     report: bool,
+    #[command(flatten)]
+    repair: MeshArgs,
     #[command(flatten)]
     picture: PictureArgs,
     /// Threads; all cores by default. The result is the same.
@@ -95,7 +94,7 @@ pub fn run(args: &Args) -> Result<()> {
         Some(path) => Some(Output::create(path, overwrite)?),
         None => None,
     };
-    let input = read(&args.input)?;
+    let input = read(&args.input, &args.repair)?;
     let n = wanted(args, &input)?;
     let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
 
@@ -107,10 +106,9 @@ pub fn run(args: &Args) -> Result<()> {
             Kind::Uniform => Method::Uniform,
             Kind::Thesis => Method::Thesis,
         })
-        .resample(args.resample)
         .lloyd(args.lloyd.unwrap_or(defaults.lloyd))
         .relaxation(args.relax.unwrap_or(defaults.relaxation))
-        .keep_narrow_handles(args.keep_handles)
+        .cut_narrow_handles(args.cut_handles)
         .first(args.first)
         .par(par)
         .progress(&update);
@@ -137,9 +135,9 @@ pub fn run(args: &Args) -> Result<()> {
     report(format_args!("written     {path}"))
 }
 
-pub fn read(path: &std::path::Path) -> Result<MeshFile> {
+pub fn read(path: &Path, repair: &MeshArgs) -> Result<MeshFile> {
     let start = Instant::now();
-    let file = input::mesh(path)?;
+    let file = repair.read(path)?;
     let (vertices, faces) = (file.mesh.vertices().len(), file.mesh.faces().len());
     let time = seconds(start.elapsed());
     let name = path.display();

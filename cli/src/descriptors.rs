@@ -12,7 +12,6 @@ use catamaran::spectral::descriptors::{
 };
 use clap::ValueEnum;
 
-use crate::input;
 use crate::parse;
 use crate::picture::{Paint, PictureArgs, first_column};
 use crate::progress::Bar;
@@ -29,7 +28,7 @@ const SCALES: usize = 100;
 /// any pose; SHOT is of the normals nearby, and the same for rigid motions.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
+    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
     /// What vertices are described by.
@@ -108,7 +107,7 @@ fn check(args: &Args) -> Result<()> {
 }
 
 fn normals(args: &Args, radius: f64) -> Result<(TriMesh, Mat<f64>)> {
-    let mesh = input::mesh(&args.mesh)?.mesh;
+    let mesh = args.laplacian.repair.read(&args.mesh)?.mesh;
     let bar = Bar::new("descriptors");
     let update = |fraction| bar.update(fraction);
     let options = ShotOptions::new(radius).par(args.laplacian.par()).progress(&update);

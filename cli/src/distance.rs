@@ -11,7 +11,6 @@ use catamaran::mesh::{
 };
 use clap::ValueEnum;
 
-use crate::input;
 use crate::picture::{Paint, PictureArgs};
 use crate::report::{report, seconds};
 use crate::shape::LaplacianArgs;
@@ -22,7 +21,7 @@ use crate::shape::LaplacianArgs;
 /// any of these.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
+    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
     /// The vertices that distances are from, numbered from 0, with commas between them.
@@ -60,7 +59,7 @@ pub fn run(args: &Args) -> Result<()> {
     files::check_name(&args.output)?;
     let output = Output::create(&args.output, overwrite)?;
     let picture = args.picture.create(overwrite)?;
-    let mesh = input::mesh(&args.mesh)?.mesh;
+    let mesh = args.laplacian.repair.read(&args.mesh)?.mesh;
     let components = Components::new(&mesh);
     let is_alone = |v: &&u32| components.of_vertices().get(**v as usize) == Some(&Components::NONE);
     if let Some(vertex) = args.from.iter().find(is_alone) {

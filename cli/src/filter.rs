@@ -34,7 +34,7 @@ const POINT: f64 = 1e-9;
 #[derive(clap::Args)]
 #[command(group = ArgGroup::new("response").args(["low_pass", "high_pass", "band", "heat", "sharpen"]).required(true))]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off or .stl, and .gz after it.
+    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
     /// Keep the first COUNT frequencies and nothing else.

@@ -9,6 +9,7 @@ use catamaran::decimate::{Cells, FarthestPoints};
 use catamaran::faer::Mat;
 use catamaran::io::{self as files, Output, Overwrite};
 
+use crate::input::MeshArgs;
 use crate::parse;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
@@ -20,7 +21,7 @@ use crate::shape::column;
 /// The first K samples are the same for any N.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
+    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     input: PathBuf,
     /// Samples, at least 1.
@@ -41,6 +42,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     distances: Option<PathBuf>,
     #[command(flatten)]
+    repair: MeshArgs,
+    #[command(flatten)]
     picture: PictureArgs,
     /// Replace files that exist.
     #[arg(long)]
@@ -58,7 +61,7 @@ pub fn run(args: &Args) -> Result<()> {
     let of_cells = args.cells.as_ref().map(create).transpose()?;
     let of_distances = args.distances.as_ref().map(create).transpose()?;
     let picture = args.picture.create(overwrite)?;
-    let input = crate::decimate::read(&args.input)?;
+    let input = crate::decimate::read(&args.input, &args.repair)?;
 
     let bar = Bar::new("sampling");
     let start = Instant::now();

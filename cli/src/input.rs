@@ -1,14 +1,35 @@
-//! Files that commands read: each within the memory it may take.
+//! Files that commands read: each within the memory it may take, and meshes repaired where the
+//! repair is unambiguous.
 
 use std::path::Path;
 use std::sync::OnceLock;
 
+use anyhow::{Context, Result, bail};
 use catamaran::base::Progress;
 use catamaran::io::SourceOptions;
 use catamaran::mesh::io::{self as meshes, MeshFile};
+use catamaran::mesh::{RepairOptions, RepairReport, RepairStep, Weld, needs_repair, repair};
 
+use crate::parse;
 use crate::progress::Bar;
-use crate::report;
+use crate::report::note;
+
+/// How the mesh of a command is made ready for it.
+///
+/// Without these options a command repairs what has one sensible outcome, and says so: split
+/// surfaces are welded, repeated faces and faces without area removed.
+#[derive(Debug, Clone, clap::Args)]
+pub struct MeshArgs {
+    /// Join vertices of the mesh that are at most TOLERANCE apart, a length; with equal positions
+    /// where no TOLERANCE is given. `seams`, the default: with equal positions along boundary edges
+    /// that are in one place, two and two.
+    #[arg(long, value_name = "TOLERANCE", num_args = 0..=1, default_missing_value = "0",
+          value_parser = parse::weld, conflicts_with = "strict")]
+    weld: Option<Weld>,
+    /// Refuse a mesh that needs repair, instead of repairing it with a note.
+    #[arg(long)]
+    strict: bool,
+}
 
 /// What `--max-memory` says.
 static MAX_MEMORY: OnceLock<u64> = OnceLock::new();
@@ -36,8 +57,80 @@ pub fn mesh(path: &Path) -> catamaran::Result<MeshFile> {
     let update = |fraction| bar.update(fraction);
     let file = meshes::read_with(path, &source().progress(Progress::new(&update)))?;
     drop(bar);
-    for note in &file.notes {
-        report::note(format_args!("{}: {note}", path.display()));
+    for line in &file.notes {
+        note(format_args!("{}: {line}", path.display()));
     }
     Ok(file)
+}
+
+impl MeshArgs {
+    /// Reads a mesh and repairs what is unambiguous; notes on stderr say what.
+    ///
+    /// # Errors
+    /// Those of [`mesh`]; with `--strict` the first culprit of a mesh that needs repair.
+    pub fn read(&self, path: &Path) -> Result<MeshFile> {
+        self.apply(mesh(path)?, path)
+    }
+
+    /// The same for a mesh that was read from `path`.
+    ///
+    /// # Errors
+    /// As [`MeshArgs::read`].
+    pub fn apply(&self, file: MeshFile, path: &Path) -> Result<MeshFile> {
+        let name = path.display();
+        if self.strict {
+            if file.collapsed_faces > 0 {
+                bail!("{name}: {} facets with two equal corners (--strict)", file.collapsed_faces);
+            }
+            return match needs_repair(&file.mesh) {
+                None => Ok(file),
+                Some(why) => bail!("{name}: {why} (--strict)"),
+            };
+        }
+        let weld = self.weld.unwrap_or(Weld::Seams);
+        let options = RepairOptions::unambiguous().weld(weld);
+        let found = repair(file, &options).with_context(|| name.to_string())?;
+        for line in notes(&found.report) {
+            note(format_args!("{name}: {line}"));
+        }
+        if found.vertices.is_some() {
+            let count = found.file.mesh.vertices().len();
+            let flags = flags(&found.report);
+            note(format_args!(
+                "{name}: vertex numbers are those of the repaired mesh, which has {count} \
+                 vertices: `catamaran mesh {name}{flags} -o FILE` writes it"
+            ));
+        }
+        Ok(found.file)
+    }
+}
+
+/// What repairs did, a line for each that changed something or could not.
+fn notes(report: &RepairReport) -> Vec<String> {
+    let line = |step: &RepairStep| match step {
+        RepairStep::ClosedSeams { vertices: 0, ambiguous, .. } if *ambiguous > 0 => Some(format!(
+            "{ambiguous} boundary edges are in one place, three or more, and stay apart (--weld \
+             joins them)"
+        )),
+        step if step.changed() => {
+            // Without the name of the step, which is a column of its own.
+            let line = step.to_string();
+            Some(line.split_once("  ").map_or(line.as_str(), |(_, what)| what.trim()).to_owned())
+        }
+        _ => None,
+    };
+    report.steps.iter().filter_map(line).collect()
+}
+
+/// The options of `mesh` that do what these steps did.
+fn flags(report: &RepairReport) -> String {
+    let flag = |step: &RepairStep| match step {
+        RepairStep::Welded { tolerance, .. } if *tolerance > 0.0 => format!(" --weld={tolerance}"),
+        RepairStep::Welded { .. } => " --weld".into(),
+        RepairStep::ClosedSeams { .. } => " --weld seams".into(),
+        RepairStep::DroppedDuplicates { .. } => " --drop-duplicates".into(),
+        RepairStep::DroppedDegenerate { .. } => " --drop-degenerate".into(),
+        _ => String::new(),
+    };
+    report.steps.iter().filter(|step| step.changed()).map(flag).collect()
 }

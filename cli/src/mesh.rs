@@ -1,23 +1,34 @@
 //! `catamaran mesh`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
+use catamaran::Par;
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io::{self as files, MeshFile};
-use catamaran::mesh::{Components, Normalization, Part, Problem, TriMesh, Validation};
+use catamaran::mesh::{
+    Comparison, Components, Normalization, OneSided, Part, Problem, RepairOptions, RepairReport,
+    RepairStep, TriMesh, Validation, Weld, repair,
+};
 use clap::ValueEnum;
 
 use crate::input;
 use crate::output;
+use crate::parse;
 use crate::picture::{PLAIN, Paint, PictureArgs};
 use crate::report::{report, seconds};
 
-/// Report on a triangle mesh, and convert or clean it.
+/// Report on a triangle mesh, and convert, repair or compare it.
 ///
-/// Reads .obj, .ply, .off, .stl, .glb and .gltf, each also as .gz or .xz. Says what it is made of (components, boundary, genus), how
-/// large it is, and every kind of problem with the first elements that have it, numbered from 0.
+/// Reads .obj, .ply, .off, .stl, .glb and .gltf, each also as .gz or .xz. Says what it is made of
+/// (components, boundary, genus), how large it is, and every kind of problem with the first elements that have
+/// it, numbered from 0.
+///
+/// Nothing is repaired unless asked. The steps of a repair are done in this order, whatever the
+/// order of the options: weld, drop duplicates, drop degenerate, compact, cut (of --repair), keep
+/// largest, fill holes, orient. Each says what it did, and the report on the result follows. Then
+/// come --component and --normalize.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh.
@@ -26,21 +37,54 @@ pub struct Args {
     /// Write the mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Keep one component only: a number from 0, in the order of their lowest vertices, or `largest` (most faces).
+    /// Keep one component only: a number from 0, in the order of their lowest vertices, or
+    /// `largest` (most faces).
     #[arg(long, value_name = "NUMBER", value_parser = component, requires = "output")]
     component: Option<Which>,
+    /// Repair everything but holes: --weld seams, --drop-duplicates, --drop-degenerate, --compact,
+    /// cuts along edges of more than two faces and where the surface meets itself in a point,
+    /// --orient.
+    #[arg(long)]
+    repair: bool,
+    /// Join vertices at most TOLERANCE apart, a length; with equal positions where no TOLERANCE is
+    /// given; `seams`: with equal positions along boundary edges that are in one place, two and
+    /// two, so that what only touches stays apart. Texture coordinates and normals that differ
+    /// become those of corners.
+    #[arg(long, value_name = "TOLERANCE", num_args = 0..=1, default_missing_value = "0",
+          value_parser = parse::weld)]
+    weld: Option<Weld>,
+    /// Drop faces with the vertices of an earlier one, in any order.
+    #[arg(long)]
+    drop_duplicates: bool,
+    /// Remove faces without area, without opening the surface: two corners in one place are joined,
+    /// a corner on the opposite edge becomes a vertex of the face beyond it. What can't be removed
+    /// so is dropped.
+    #[arg(long)]
+    drop_degenerate: bool,
     /// Drop vertices that no face has.
-    #[arg(long, requires = "output")]
+    #[arg(long)]
     compact: bool,
-    /// Flip faces until all agree on what is outside.
-    #[arg(long, requires = "output")]
+    /// Keep the N components with the most faces.
+    #[arg(long, value_name = "N", conflicts_with = "component")]
+    keep_largest: Option<usize>,
+    /// Fill holes: boundary loops of at most N edges.
+    #[arg(long, value_name = "N")]
+    fill_holes: Option<usize>,
+    /// Flip faces until all agree on what is outside. Closed components are counter-clockwise as
+    /// seen from outside, but those in an odd number of others bound cavities. Of open ones, as few
+    /// faces as possible are flipped.
+    #[arg(long)]
     orient: bool,
-    /// Move to the origin and scale: to a total area of 1, or to a longest side of the bounding box of 1.
+    /// Compare with another mesh: distances both ways, areas, angles between normals, topology.
+    #[arg(long, value_name = "OTHER")]
+    compare: Option<PathBuf>,
+    /// Move to the origin and scale: to a total area of 1, or to a longest side of the bounding box
+    /// of 1.
     #[arg(long, value_name = "SIZE", requires = "output")]
     normalize: Option<Size>,
     #[command(flatten)]
     picture: PictureArgs,
-    /// Fail when there is a problem.
+    /// Fail when there is a problem; after repairs, if any are asked for.
     #[arg(long)]
     check: bool,
     /// Replace a file that exists.
@@ -85,17 +129,34 @@ pub fn run(args: &Args) -> Result<()> {
 
     let picture = args.picture.create(overwrite)?;
     let start = Instant::now();
-    let file = input::mesh(&args.input)?;
+    let mut file = input::mesh(&args.input)?;
     let name = args.input.display();
     report(format_args!("mesh        {name}, read in {}", seconds(start.elapsed())))?;
-    let found = file.mesh.validate();
+    let mut found = file.mesh.validate();
     report(format_args!("{found}"))?;
     measures(&file, &found)?;
 
+    if let Some(options) = args.repairs() {
+        let done = repair(file, &options).with_context(|| name.to_string())?;
+        if !args.repair {
+            require_orientable(&done.report).with_context(|| name.to_string())?;
+        }
+        file = done.file;
+        report(format_args!("{}", done.report))?;
+        if done.report.changed() {
+            found = file.mesh.validate();
+            report(format_args!("repaired    {name}"))?;
+            report(format_args!("{found}"))?;
+            measures(&file, &found)?;
+        }
+    }
     if args.check && !found.problems.is_empty() {
         bail!("{name}: problems found: {}", found.problems.len());
     }
     let file = changed(args, file).with_context(|| name.to_string())?;
+    if let Some(other) = &args.compare {
+        compare(&file.mesh, &found, other).with_context(|| name.to_string())?;
+    }
     if let Some(picture) = picture {
         let screen = |color: &[f64; 4]| [0, 1, 2].map(|k| (255.0 * color[k].clamp(0.0, 1.0)) as u8);
         let colors =
@@ -108,6 +169,76 @@ pub fn run(args: &Args) -> Result<()> {
     output::mesh(output, &file)?;
     let (vertices, faces) = (file.mesh.vertices().len(), file.mesh.faces().len());
     report(format_args!("written     {path}: {vertices} vertices, {faces} faces"))
+}
+
+impl Args {
+    /// The repairs that are asked for.
+    fn repairs(&self) -> Option<RepairOptions> {
+        let mut options =
+            if self.repair { RepairOptions::everything() } else { RepairOptions::new() };
+        if let Some(weld) = self.weld {
+            options.weld = weld;
+        }
+        options.drop_duplicates |= self.drop_duplicates;
+        options.drop_degenerate |= self.drop_degenerate;
+        options.compact |= self.compact;
+        options.orient |= self.orient;
+        options.keep_largest = self.keep_largest;
+        options.fill_holes = self.fill_holes;
+        (options != RepairOptions::new()).then_some(options)
+    }
+}
+
+/// What is not orientable can't be what `--orient` asks for.
+fn require_orientable(done: &RepairReport) -> Result<()> {
+    for step in &done.steps {
+        if let RepairStep::Oriented { edge: Some([a, b]), .. } = step {
+            bail!("edge {a}-{b}: its faces can't be turned to agree: not orientable");
+        }
+    }
+    Ok(())
+}
+
+/// The mesh beside another one.
+fn compare(mesh: &TriMesh, found: &Validation, path: &Path) -> Result<()> {
+    let other = input::mesh(path)?.mesh;
+    let there = other.validate();
+    let between = Comparison::between(mesh, &other, Par::all())?;
+    let longest = |mesh: &TriMesh| {
+        let [low, high] = mesh.bounding_box().unwrap_or_default();
+        (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max)
+    };
+    report(format_args!("compared    {}", path.display()))?;
+    let side = longest(mesh);
+    let line = |label: &str, far: &OneSided| {
+        let OneSided { largest, mean, angle, .. } = far;
+        report(format_args!(
+            "{label:<12}largest distance {largest:.4e} ({:.4e} of the longest side), mean \
+             {mean:.4e} ({:.4e}), normals {angle:.2} degrees",
+            largest / side,
+            mean / side
+        ))
+    };
+    line("to it", &between.out)?;
+    line("from it", &between.back)?;
+    let far = between.out.largest.max(between.back.largest);
+    report(format_args!("Hausdorff   {far:.4e} ({:.4e} of the longest side)", far / side))?;
+    let known = |count: Option<String>| count.unwrap_or_else(|| "unknown".into());
+    let loops = |v: &Validation| known(v.boundary_loops.map(|loops| loops.to_string()));
+    let genus = |v: &Validation| known(v.genus.map(|genus| genus.to_string()));
+    let rows = [
+        ("vertices", [found.vertices.to_string(), there.vertices.to_string()]),
+        ("faces", [found.faces.to_string(), there.faces.to_string()]),
+        ("area", [mesh.area().to_string(), other.area().to_string()]),
+        ("components", [found.components.to_string(), there.components.to_string()]),
+        ("loops", [loops(found), loops(&there)]),
+        ("genus", [genus(found), genus(&there)]),
+        ("problems", [found.problems.len().to_string(), there.problems.len().to_string()]),
+    ];
+    for (label, [own, other]) in rows {
+        report(format_args!("{label:<12}{own:<24}{other}"))?;
+    }
+    Ok(())
 }
 
 /// Sizes and qualities.
@@ -154,12 +285,6 @@ fn measures(file: &MeshFile, found: &Validation) -> Result<()> {
 fn changed(args: &Args, mut file: MeshFile) -> Result<MeshFile> {
     if let Some(which) = args.component {
         file = file.part(one_component(&file.mesh, which)?)?;
-    }
-    if args.compact {
-        file = file.part(file.mesh.without_unreferenced()?)?;
-    }
-    if args.orient {
-        file = file.oriented()?;
     }
     if let Some(size) = args.normalize {
         file.mesh = file.mesh.normalized(match size {

@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::time::Duration;
 
+use catamaran::mesh::Weld;
 use catamaran::{Accuracy, SchemeChoice, Uplo};
 use clap::builder::PossibleValuesParser;
 use clap::builder::TypedValueParser as _;
@@ -86,5 +87,17 @@ pub fn at_least_one(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(count) if count > 0 => Ok(count),
         _ => Err("expected a whole number of at least 1".into()),
+    }
+}
+
+/// Which vertices are joined: a distance, or `seams`.
+pub fn weld(text: &str) -> Result<Weld, String> {
+    match text.parse() {
+        _ if text == "seams" => Ok(Weld::Seams),
+        Ok(length) if length >= 0.0 && f64::is_finite(length) => Ok(Weld::Within(length)),
+        _ => {
+            Err("expected a length that is not negative, or `seams`; a file goes before --weld"
+                .into())
+        }
     }
 }

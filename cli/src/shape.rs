@@ -13,7 +13,7 @@ use catamaran::sparse::{CsMat, EigenOptions, eigs};
 use catamaran::spectral::{Eigenbasis, Orthogonalization};
 use clap::ValueEnum;
 
-use crate::input;
+use crate::input::{self, MeshArgs};
 use crate::progress::Bar;
 use crate::report::report;
 
@@ -24,6 +24,8 @@ pub struct LaplacianArgs {
     /// meshes with edges of many faces or faces without area.
     #[arg(long, value_name = "KIND", default_value = "cotan")]
     laplacian: Kind,
+    #[command(flatten)]
+    pub repair: MeshArgs,
     /// Threads; all cores by default.
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
@@ -81,7 +83,7 @@ impl LaplacianArgs {
 
     /// Reads a mesh and computes its first `len` eigenfunctions.
     pub fn shape(&self, path: &Path, len: usize) -> Result<Shape> {
-        let file = input::mesh(path)?;
+        let file = self.repair.read(path)?;
         let vertices = file.mesh.vertices().len();
         if len > vertices {
             let k = len - 1;

@@ -19,7 +19,7 @@ use crate::shape::LaplacianArgs;
 /// Euclidean distances of the signatures.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Meshes: .obj, .ply, .off or .stl, each also as .gz or .xz.
+    /// Meshes: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.
     #[arg(value_name = "MESH", required = true)]
     inputs: Vec<PathBuf>,
     /// Compare this mesh with the others, instead of each with each.
@@ -62,7 +62,8 @@ pub fn run(args: &Args) -> Result<()> {
     let bar = Bar::new("shapes");
     let mut found = Vec::with_capacity(names.len());
     for (i, name) in names.iter().enumerate() {
-        let mesh = read_with(name, &input::source())?.mesh;
+        let file = read_with(name, &input::source())?;
+        let mesh = args.laplacian.repair.apply(file, name)?.mesh;
         found.push(shape_dna(&mesh, &options).with_context(|| name.display().to_string())?);
         bar.step((i + 1) as f64 / names.len() as f64)?;
     }

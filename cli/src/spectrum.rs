@@ -9,7 +9,6 @@ use catamaran::mesh::{Boundary, Laplacian, LaplacianOptions, MassKind, laplacian
 use catamaran::sparse::{EigenOptions, Eigenpairs};
 use clap::ValueEnum;
 
-use crate::input;
 use crate::parse;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
@@ -26,7 +25,7 @@ use crate::shape::LaplacianArgs;
 /// `--threads`.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off or .stl, each also as .gz or .xz.
+    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.
     #[arg(value_name = "MESH")]
     input: PathBuf,
     /// Write the arrays to this .npz file, or .h5 where HDF5 is built in.
@@ -97,7 +96,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let name = args.input.display();
 
     let start = Instant::now();
-    let file = input::mesh(&args.input)?;
+    let file = args.laplacian.repair.read(&args.input)?;
     let options = LaplacianOptions::new()
         .kind(args.laplacian.kind())
         .mass(match args.mass {

@@ -34,7 +34,7 @@ const SIGNATURES: usize = 50;
 #[derive(clap::Args)]
 #[command(group = ArgGroup::new("correspondence").args(["identity", "points", "landmarks"]).required(true))]
 pub struct Args {
-    /// The mesh that the functions are on: .obj, .ply, .off or .stl, and .gz after it.
+    /// The mesh that the functions are on: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
     #[arg(value_name = "SOURCE")]
     source: PathBuf,
     /// The mesh that they go to.

@@ -33,15 +33,14 @@ pub struct cata_decimate_params {
     pub first: u32,
     /// 1: `first` counts; 0: the lowest vertex that a face has.
     pub has_first: i32,
-    /// 1: edges longer than those of the result will be are split first. 0: not.
-    pub resample: i32,
-    /// 1: handles too narrow for the triangles of the result are kept, too. 0: they are cut.
-    pub keep_narrow_handles: i32,
+    /// 1: handles too narrow for the triangles of the result are cut, and their ends closed. 0: they
+    /// are kept.
+    pub cut_narrow_handles: i32,
 }
 
 impl Versioned for cata_decimate_params {
     const NAME: &'static str = "cata_decimate_params";
-    const FIRST_SIZE: usize = offset_of!(Self, keep_narrow_handles) + size_of::<i32>();
+    const FIRST_SIZE: usize = offset_of!(Self, cut_narrow_handles) + size_of::<i32>();
 }
 
 /// Fills a parameter struct with the defaults.
@@ -73,8 +72,9 @@ pub extern "C" fn cata_decimate_faces_bound(n: usize, n_faces: usize) -> usize {
 }
 
 /// Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components, boundary
-/// loops and genus of the input, but for handles too narrow for its triangles. The input is cut along edges
-/// of more than two faces first. What can't be is refused, and the message says why.
+/// loops and genus of the input. The input is cut along edges of more than two faces first, and edges
+/// longer than those of the result will be are split, so that n may also be more than the input has. No
+/// step makes faces intersect that did not. What can't be is refused, and the message says why.
 ///
 /// - `vertices`: 3 n_vertices elements, read: x, y, z of each vertex, finite.
 /// - `faces`: 3 n_faces elements, read: the vertices of each face, from 0, counter-clockwise as seen from
@@ -91,8 +91,8 @@ pub extern "C" fn cata_decimate_faces_bound(n: usize, n_faces: usize) -> usize {
 ///   without a face left out, faces flipped, the mesh cut), 0 else; NULL where not wanted.
 /// - `params`: NULL for the defaults; else read during the call.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (also for an n that is more than
-/// there are vertices, or fewer than the topology needs), CATA_ERR_MESH, CATA_ERR_OUT_OF_MEMORY,
+/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (also for an n that is fewer
+/// than the topology needs), CATA_ERR_MESH, CATA_ERR_OUT_OF_MEMORY,
 /// CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
 ///
 /// The result does not depend on the number of threads, bit for bit.
@@ -173,11 +173,9 @@ unsafe fn decimated(
         let params = unsafe { read(params) }?;
         options.par = par(params.threads);
         options.lloyd = passes("params.lloyd", params.lloyd, options.lloyd)?;
-        options.keep_narrow_handles =
-            flag("params.keep_narrow_handles", params.keep_narrow_handles)?;
+        options.cut_narrow_handles = flag("params.cut_narrow_handles", params.cut_narrow_handles)?;
         options.relaxation = passes("params.relaxation", params.relaxation, options.relaxation)?;
         options.first = flag("params.has_first", params.has_first)?.then_some(params.first);
-        options.resample = flag("params.resample", params.resample)?;
         watch = watcher(params.progress, params.progress_user);
     }
     options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);

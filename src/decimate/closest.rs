@@ -4,6 +4,7 @@ use super::result::Place;
 use super::surface::Surface;
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{Vector, dot, sub};
+pub(super) use crate::mesh::weights_on_triangle;
 
 /// Where a walk ended.
 #[derive(Debug, Clone, Copy)]
@@ -122,44 +123,4 @@ pub(super) fn on_face(mesh: &TriMesh, face: u32, p: Vector) -> (Vector, [f64; 3]
     let weights = weights_on_triangle([a, b, c], p);
     let point = std::array::from_fn(|k| weights[0] * a[k] + weights[1] * b[k] + weights[2] * c[k]);
     (point, weights)
-}
-
-/// Barycentric coordinates of the point of the triangle nearest to p.
-pub(super) fn weights_on_triangle([a, b, c]: [Vector; 3], p: Vector) -> [f64; 3] {
-    let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
-    let (d1, d2) = (dot(ab, ap), dot(ac, ap));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return [1.0, 0.0, 0.0];
-    }
-    let bp = sub(p, b);
-    let (d3, d4) = (dot(ab, bp), dot(ac, bp));
-    if d3 >= 0.0 && d4 <= d3 {
-        return [0.0, 1.0, 0.0];
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        let t = if d1 - d3 > 0.0 { d1 / (d1 - d3) } else { 0.0 };
-        return [1.0 - t, t, 0.0];
-    }
-    let cp = sub(p, c);
-    let (d5, d6) = (dot(ab, cp), dot(ac, cp));
-    if d6 >= 0.0 && d5 <= d6 {
-        return [0.0, 0.0, 1.0];
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        let t = if d2 - d6 > 0.0 { d2 / (d2 - d6) } else { 0.0 };
-        return [1.0 - t, 0.0, t];
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        let total = (d4 - d3) + (d5 - d6);
-        let t = if total > 0.0 { (d4 - d3) / total } else { 0.0 };
-        return [0.0, 1.0 - t, t];
-    }
-    let total = va + vb + vc;
-    if total <= 0.0 || !total.is_finite() {
-        return [1.0, 0.0, 0.0];
-    }
-    [va / total, vb / total, vc / total]
 }

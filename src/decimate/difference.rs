@@ -1,11 +1,10 @@
 //! How far two meshes are from each other (thesis, equation 5.8).
 
-use rstar::{AABB, PointDistance, RTree, RTreeObject};
+use rstar::{PointDistance, RTree};
 
-use super::closest::weights_on_triangle;
 use crate::base::{Error, Par, Result};
-use crate::mesh::TriMesh;
-use crate::mesh::vector::{Vector, dot, sub};
+use crate::mesh::vector::Vector;
+use crate::mesh::{TriMesh, Triangles};
 
 /// Distances between a mesh and its decimation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,8 +44,8 @@ impl Difference {
                 return Err(Error::Mesh { what: "it has no face".into(), element: "mesh".into() });
             }
         }
-        let out = squares(first.vertices(), &faces(second), par);
-        let back = squares(second.vertices(), &faces(first), par);
+        let out = Triangles::of(second).squares(first.vertices(), par);
+        let back = Triangles::of(first).squares(second.vertices(), par);
         let points = |mesh: &TriMesh| RTree::bulk_load(mesh.vertices().to_vec());
         Ok(Self {
             hausdorff: largest(&out).max(largest(&back)).sqrt(),
@@ -57,16 +56,8 @@ impl Difference {
     }
 }
 
-fn faces(mesh: &TriMesh) -> RTree<Triangle> {
-    let corners = mesh.faces().iter().map(|face| face.map(|v| mesh.vertices()[v as usize]));
-    RTree::bulk_load(corners.map(Triangle).collect())
-}
-
-/// The squared distance of each point from what is nearest.
-fn squares<T>(points: &[Vector], tree: &RTree<T>, par: Par) -> Vec<f64>
-where
-    T: PointDistance + RTreeObject<Envelope = AABB<Vector>> + Sync,
-{
+/// The squared distance of each point from the nearest one in the tree.
+fn squares(points: &[Vector], tree: &RTree<Vector>, par: Par) -> Vec<f64> {
     let blocks = par.map_blocks(points.len(), BLOCK, |range| {
         let square = |p: &Vector| tree.nearest_neighbor(*p).map_or(0.0, |near| near.distance_2(p));
         points[range].iter().map(square).collect::<Vec<_>>()
@@ -80,24 +71,4 @@ fn largest(squares: &[f64]) -> f64 {
 
 fn mean(squares: &[f64]) -> f64 {
     squares.iter().sum::<f64>() / squares.len().max(1) as f64
-}
-
-struct Triangle([Vector; 3]);
-
-impl RTreeObject for Triangle {
-    type Envelope = AABB<Vector>;
-
-    fn envelope(&self) -> Self::Envelope {
-        AABB::from_points(&self.0)
-    }
-}
-
-impl PointDistance for Triangle {
-    fn distance_2(&self, p: &Vector) -> f64 {
-        let [a, b, c] = self.0;
-        let [u, v, w] = weights_on_triangle(self.0, *p);
-        let nearest = std::array::from_fn(|k| u * a[k] + v * b[k] + w * c[k]);
-        let step = sub(nearest, *p);
-        dot(step, step)
-    }
 }

@@ -18,6 +18,10 @@ pub enum Method {
 pub struct DecimateOptions<'a> {
     /// Default [`Method::Uniform`].
     pub method: Method,
+    /// Whether edges longer than those of the result will be
+    /// ([`edge_length_for`](super::edge_length_for)) are split first; default yes. Without it, large
+    /// faces of the input tear the result, and n is at most the number of vertices: for comparison.
+    pub resample: bool,
     /// Lloyd passes over the input: each moves the sites to the centroids of their cells, and grows cells anew; default 0, as
     /// relaxation does more at less cost.
     pub lloyd: usize,
@@ -40,6 +44,7 @@ impl Default for DecimateOptions<'_> {
     fn default() -> Self {
         Self {
             method: Method::default(),
+            resample: true,
             lloyd: 0,
             relaxation: 12,
             cut_narrow_handles: false,
@@ -52,6 +57,7 @@ impl Default for DecimateOptions<'_> {
 
 builder! { DecimateOptions<'a> {
     method: Method,
+    resample: bool,
     lloyd: usize,
     relaxation: usize,
     cut_narrow_handles: bool,

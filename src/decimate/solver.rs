@@ -128,14 +128,16 @@ impl<'m, 'o> Decimator<'m, 'o> {
     /// The mesh of `n` vertices.
     ///
     /// # Errors
-    /// [`Error::Argument`] when n is more than there are vertices to choose from, or fewer than the topology needs: 4 for
+    /// [`Error::Argument`] when n is more than can be numbered, or fewer than the topology needs: 4 for
     /// every closed component, 3 for every other one, and more for handles and loops. [`Error::OutOfMemory`],
     /// [`Error::Cancelled`].
     pub fn decimate(&mut self, n: usize) -> Result<Decimation> {
         let progress = self.options.progress;
         progress.report(0.0)?;
         self.check(n)?;
-        self.resample_for(n, progress.part(0.0..0.2))?;
+        if self.options.resample {
+            self.resample_for(n, progress.part(0.0..0.2))?;
+        }
         let decimation = match self.options.method {
             Method::Uniform => self.uniform(n, progress.part(0.2..1.0))?,
             Method::Thesis => self.thesis(n, progress.part(0.2..1.0))?,
@@ -159,6 +161,11 @@ impl<'m, 'o> Decimator<'m, 'o> {
 
     fn check(&self, n: usize) -> Result<()> {
         let refused = |why| Err(Error::Argument { what: "n", why });
+        let surface = &self.source.prepared.surface;
+        let there = (0..surface.len() as u32).filter(|&v| !surface.links(v).is_empty()).count();
+        if n > there && !self.options.resample {
+            return refused(format!("{n}, but the mesh has {there} vertices, and is not resampled"));
+        }
         let components = &self.source.components;
         if self.options.method == Method::Thesis && n < components.len() {
             return refused(format!("{n}, but the mesh has {} components", components.len()));

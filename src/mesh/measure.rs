@@ -87,10 +87,7 @@ impl TriMesh {
 
     /// The faces without area: at most 8 eps times the square of their longest edge, which is what rounding leaves.
     pub fn faces_without_area(&self) -> Vec<u32> {
-        let flat = |&face: &[u32; 3]| {
-            let longest = self.edge_lengths(face).into_iter().fold(0.0, f64::max);
-            norm(self.doubled_normal(face)) / 2.0 <= FLAT * longest * longest
-        };
+        let flat = |&face: &[u32; 3]| is_flat(self.corners_of(face));
         (0..).zip(self.faces()).filter(|(_, face)| flat(face)).map(|(f, _)| f).collect()
     }
 
@@ -136,6 +133,19 @@ impl TriMesh {
         }
         sum.map(|x| x / self.area())
     }
+}
+
+/// Whether a triangle has no area: at most 8 eps times the square of its longest edge.
+pub(super) fn is_flat([a, b, c]: [[f64; 3]; 3]) -> bool {
+    let edges = [sub(b, a), sub(c, b), sub(a, c)];
+    // Scaled, so that squares of small or large lengths are in range.
+    let size = edges.as_flattened().iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    if size == 0.0 {
+        return true;
+    }
+    let [ab, bc, ca] = edges.map(|edge| edge.map(|x| x / size));
+    let longest = norm(ab).max(norm(bc)).max(norm(ca));
+    norm(cross(ab, ca)) / 2.0 <= FLAT * longest * longest
 }
 
 fn plus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {

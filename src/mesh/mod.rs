@@ -1,6 +1,7 @@
 //! Triangle meshes: what they are made of, how they hang together, what is wrong with them, files, and generated ones.
 
 mod cloud;
+mod compare;
 mod distance;
 pub mod families;
 pub(crate) mod intersections;
@@ -10,6 +11,7 @@ mod masks;
 mod measure;
 mod operators;
 mod parts;
+mod repair;
 #[cfg(test)]
 pub(crate) mod shapes;
 pub mod topology;
@@ -18,11 +20,17 @@ mod validation;
 pub(crate) mod vector;
 
 pub use cloud::{CloudOptions, cloud_laplacian};
+pub use compare::{Comparison, OneSided};
+pub(crate) use compare::{Triangles, weights_on_triangle};
 pub use distance::{Dijkstra, Graph, HeatMethod, HeatOptions, SearchLimits};
 pub use laplacian::{Boundary, Laplacian, LaplacianKind, LaplacianOptions, MassKind, laplacian};
 pub use measure::Normalization;
 pub use operators::{divergence, gradient, vertex_areas};
 pub use parts::Part;
+pub(crate) use repair::manifold;
+pub use repair::{
+    RepairOptions, RepairReport, RepairStep, Repaired, Repairs, Weld, needs_repair, repair,
+};
 pub(crate) use topology::Sets;
 pub use topology::{Adjacency, Components, Edges, Genus};
 pub use trimesh::TriMesh;

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::TriMesh;
-use super::topology::{Components, Edges, Genus, face_list, genus_of};
+use super::topology::{Adjacency, Components, Edges, Genus, face_list, genus_of};
 
 /// Something that algorithms may stumble over, with the element that has it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -202,15 +202,24 @@ impl TriMesh {
 
     /// The faces that have the vertices of an earlier one, in any order, each with the first of these; ascending.
     pub fn repeated_faces(&self) -> Vec<[u32; 2]> {
-        let mut keys: Vec<([u32; 3], u32)> = self.faces().iter().copied().zip(0..).collect();
-        for (face, _) in &mut keys {
-            face.sort_unstable();
+        let by_lowest = Adjacency::from_pairs(self.vertices().len(), || {
+            let lowest = |&[a, b, c]: &[u32; 3]| a.min(b).min(c);
+            self.faces().iter().zip(0..).map(move |(face, f)| (lowest(face), f))
+        });
+        let mut repeated = Vec::new();
+        let mut keys: Vec<([u32; 3], u32)> = Vec::new();
+        for row in by_lowest.rows() {
+            keys.clear();
+            keys.extend(row.iter().map(|&f| {
+                let mut face = self.faces()[f as usize];
+                face.sort_unstable();
+                (face, f)
+            }));
+            keys.sort_unstable();
+            for group in keys.chunk_by(|a, b| a.0 == b.0) {
+                repeated.extend(group[1..].iter().map(|(_, face)| [*face, group[0].1]));
+            }
         }
-        keys.sort_unstable();
-        let groups = keys.chunk_by(|a, b| a.0 == b.0);
-        let mut repeated: Vec<[u32; 2]> = groups
-            .flat_map(|group| group[1..].iter().map(|(_, face)| [*face, group[0].1]))
-            .collect();
         repeated.sort_unstable();
         repeated
     }

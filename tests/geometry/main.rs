@@ -8,6 +8,7 @@ mod mesh;
 mod mesh_files;
 mod ortho;
 mod plant;
+mod repair;
 #[cfg(feature = "hdf5")]
 mod rows_hdf5;
 mod slime;

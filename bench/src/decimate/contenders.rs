@@ -16,8 +16,6 @@ use crate::child::{self, Report};
 pub enum Contender {
     /// This library.
     Ours,
-    /// This library, after edges were resampled (algorithm 5.3).
-    Resampled,
     /// The thesis literally.
     Thesis,
     /// Clusters of faces (Valette and Chassery): PyPI `pyacvd`.
@@ -40,7 +38,6 @@ impl Contender {
     /// All, ours first.
     pub const ALL: [Self; 10] = [
         Self::Ours,
-        Self::Resampled,
         Self::Thesis,
         Self::Pyacvd,
         Self::FastSimplification,
@@ -55,7 +52,6 @@ impl Contender {
     pub fn name(self) -> &'static str {
         match self {
             Self::Ours => "ours",
-            Self::Resampled => "resampled",
             Self::Thesis => "thesis",
             Self::Pyacvd => "pyacvd",
             Self::FastSimplification => "fast-simplification",
@@ -69,7 +65,7 @@ impl Contender {
 
     /// Whether it is this library.
     pub fn is_ours(self) -> bool {
-        matches!(self, Self::Ours | Self::Resampled | Self::Thesis)
+        matches!(self, Self::Ours | Self::Thesis)
     }
 
     /// Does the job once; seconds and bytes of the call alone.
@@ -147,7 +143,6 @@ pub fn solve(contender: Contender, job: &Job<'_>) -> Result<()> {
     let mesh = catamaran::mesh::io::read(job.input)?.mesh;
     let options = DecimateOptions::new()
         .method(if contender == Contender::Thesis { Method::Thesis } else { Method::Uniform })
-        .resample(contender == Contender::Resampled)
         .par(Par::Threads(job.threads));
     let [before, _] = child::memory();
     let start = Instant::now();

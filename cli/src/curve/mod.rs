@@ -14,7 +14,7 @@ use catamaran::curve::{
 use catamaran::io::{Output, Overwrite};
 use clap::ValueEnum;
 
-use crate::input;
+use crate::input::MeshArgs;
 use crate::picture::{Paint, PictureArgs, with_curves};
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
@@ -29,7 +29,7 @@ const STEPS: usize = 100;
 /// curves of its own; samples on a component with fewer than three are left out, with a note.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
+    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
     /// The samples, one a line: a vertex (from 0), a face and barycentric coordinates (`face a b c`), or a point in space
@@ -65,6 +65,8 @@ pub struct Args {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
+    repair: MeshArgs,
+    #[command(flatten)]
     picture: PictureArgs,
     /// Replace files that exist.
     #[arg(long)]
@@ -94,7 +96,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let output = Output::create(&args.output, overwrite)?;
     let picture = args.picture.create(overwrite)?;
-    let file = input::mesh(&args.mesh)?;
+    let file = args.repair.read(&args.mesh)?;
     let sites = samples::read(&args.samples)?;
     let placement = if args.insert { Placement::Insert } else { Placement::Snap };
     let placed =

@@ -16,6 +16,7 @@ use catamaran::texture::newton::{
 use clap::ValueEnum;
 
 use crate::device::{self, Device, DeviceArgs};
+use crate::input::MeshArgs;
 use crate::parse;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
@@ -31,7 +32,7 @@ use output::{Drawing, Job};
 /// its middle at the origin and a longest side of --extent, whatever its unit.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
+    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     mesh: Option<PathBuf>,
     /// The polynomial is z^N - 1, with N^2 roots; N from 2 to 64 [default: 3].
@@ -92,6 +93,8 @@ pub struct Args {
     /// Write how fast points converge: .png (16 bits, white is slow) for a plane or texels, else a table of numbers.
     #[arg(long, value_name = "FILE")]
     heights: Option<PathBuf>,
+    #[command(flatten)]
+    repair: MeshArgs,
     #[command(flatten)]
     device: DeviceArgs,
     /// Threads of the processor; all cores by default.
@@ -253,7 +256,7 @@ fn drawing(args: &Args) -> Result<Drawing> {
     let Some(path) = &args.mesh else {
         return Ok(Drawing::Plane { grid: Grid::plane(width, height, [0.0; 2], args.extent) });
     };
-    let file = crate::decimate::read(path)?;
+    let file = crate::decimate::read(path, &args.repair)?;
     let named = || path.display().to_string();
     let fitted = match args.no_fit {
         true => file.mesh.clone(),

@@ -21,7 +21,7 @@ use catamaran::texture::slime::{Mask, Options, Simulation, Surface, atlas, fitte
 use catamaran::{Error, Par};
 
 use crate::device::DeviceArgs;
-use crate::input;
+use crate::input::{self, MeshArgs};
 use crate::output;
 use crate::picture::{Up, View, guess_up, write_chart};
 use crate::progress::Bar;
@@ -42,7 +42,7 @@ const PIXELS: usize = 900;
 /// from there, with the same result as if it had never stopped.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off or .stl, and .gz or .xz after it.
+    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
     /// What the simulation is like: .toml with the names of table 3.1 of the thesis (docs/algorithms/slime.md), or an .ini of
@@ -97,6 +97,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
     #[command(flatten)]
+    repair: MeshArgs,
+    #[command(flatten)]
     device: DeviceArgs,
     /// Threads; all cores unless given. The result does not depend on it.
     #[arg(long, value_name = "NUMBER")]
@@ -111,7 +113,7 @@ pub fn run(args: &Args) -> Result<()> {
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let options = args.options()?;
     let (frames, files) = args.frames(options.species)?;
-    let file = input::mesh(&args.mesh)?;
+    let file = args.repair.read(&args.mesh)?;
     let mut simulation = args.simulation(&file, &options)?;
     if let Some(path) = &args.resume {
         let source = File::open(path).with_context(|| path.display().to_string())?;

@@ -9,7 +9,7 @@ use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::{LaplacianOptions, TriMesh};
 use catamaran::unions::{K, PartSpectra, SpectralUnion};
 
-use crate::input;
+use crate::input::MeshArgs;
 use crate::picture::{PLAIN, Paint, PictureArgs};
 use crate::report::report;
 
@@ -20,7 +20,7 @@ use crate::report::report;
 /// shapes of the training the parts are: above 1 the prediction is a guess.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Two parts or more: .obj, .ply, .off or .stl, each also as .gz or .xz.
+    /// Two parts or more: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.
     #[arg(value_name = "PARTS", num_args = 2.., required = true)]
     parts: Vec<PathBuf>,
     /// Other weights than those that come with the program: .safetensors, of `unions train`.
@@ -29,6 +29,8 @@ pub struct Args {
     /// Find the union on this template, a mesh: that of `unions template`.
     #[arg(long, value_name = "TEMPLATE")]
     localize: Option<PathBuf>,
+    #[command(flatten)]
+    repair: MeshArgs,
     #[command(flatten)]
     picture: PictureArgs,
     /// Write the eigenvalues of the parts and of the union, in columns: .csv.
@@ -49,7 +51,7 @@ pub fn run(args: &Args) -> Result<()> {
     let picture = args.picture.create(overwrite)?;
     let model = model(args.weights.as_deref())?;
     let meshes: Vec<TriMesh> =
-        args.parts.iter().map(|path| Ok(input::mesh(path)?.mesh)).collect::<Result<_>>()?;
+        args.parts.iter().map(|path| Ok(args.repair.read(path)?.mesh)).collect::<Result<_>>()?;
     let spectra: Vec<Vec<f64>> = args
         .parts
         .iter()
@@ -73,7 +75,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let verdict = if strangeness > 1.0 { "unlike the training: a guess" } else { "familiar" };
     report(format_args!("strangeness {strangeness:.2}: {verdict}"))?;
-    let localized = |template: &PathBuf| localized(template, &model, &parts);
+    let localized = |template: &PathBuf| localized(template, &args.repair, &model, &parts);
     let found = args.localize.as_ref().map(localized).transpose()?;
     if let Some((mesh, inside)) = &found {
         let (count, all) = (inside.iter().filter(|x| **x > 0.5).count(), mesh.vertices().len());
@@ -119,11 +121,12 @@ fn spectrum(mesh: &TriMesh) -> Result<Vec<f64>> {
 /// A template, and about 1 for each vertex in the union of these parts, 0 outside.
 fn localized(
     template: &Path,
+    repair: &MeshArgs,
     model: &SpectralUnion,
     parts: &[&[f64]],
 ) -> Result<(TriMesh, Vec<f64>)> {
     let named = || template.display().to_string();
-    let mesh = input::mesh(template)?.mesh;
+    let mesh = repair.read(template)?.mesh;
     let on = model.localizer().on_mesh(&mesh, Par::all()).with_context(named)?;
     let inside = on.indicator(&model.locate(parts)?)?;
     Ok((mesh, inside))

@@ -14,7 +14,7 @@ use crate::report::report;
 /// Write the template on which `unions predict --localize` finds unions: a human at rest.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The mesh: .obj, .ply, .off or .stl.
+    /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf.
     #[arg(short, long, value_name = "MESH")]
     output: PathBuf,
     /// Vertices, about; as many as the data set has that the weights are of.

@@ -1,6 +1,10 @@
 //! `catamaran mesh`, from outside.
 
-use catamaran::mesh::{families, io};
+use std::path::Path;
+
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::io::{Attribute, MeshFile};
+use catamaran::mesh::{TriMesh, families, io};
 
 use crate::common::Folder;
 
@@ -78,7 +82,8 @@ fn a_conversion_keeps_attributes() {
 #[test]
 fn parts_keep_the_attributes_of_their_vertices_and_corners() {
     let folder = Folder::new();
-    // Two triangles apart, a vertex alone between them, the second one with the texture of a corner of its own.
+    // Two triangles apart, a vertex alone between them, the second one with the texture of a corner
+    // of its own.
     let colors = ["1 0 0", "0 1 0", "0 0 1", "0 0 0", "1 1 0", "1 0 1", "0 1 1"];
     let points = ["0 0 0", "1 0 0", "0 1 0", "9 9 9", "5 0 0", "6 0 0", "5 1 0"];
     let vertices: String = points.iter().zip(colors).map(|(p, c)| format!("v {p} {c}\n")).collect();
@@ -132,8 +137,7 @@ fn what_can_not_be_done_is_said_in_a_line() {
     folder.write("square.obj", SQUARE);
     folder.write("broken.obj", "v 0 0\n");
     let strip = families::moebius(9, 1).unwrap();
-    let output =
-        catamaran::io::Output::create(&folder.path("strip.ply"), catamaran::io::Overwrite::Never);
+    let output = Output::create(&folder.path("strip.ply"), Overwrite::Never);
     io::write(output.unwrap(), &strip.into()).unwrap();
     for (arguments, what) in [
         ("mesh none.obj", "none.obj: no such file"),
@@ -147,4 +151,223 @@ fn what_can_not_be_done_is_said_in_a_line() {
         let refused = folder.fail(arguments);
         assert!(refused.contains(what), "{arguments}: {refused}");
     }
+}
+
+/// A sphere split along seams, with texture coordinates.
+fn split_sphere() -> MeshFile {
+    let mesh = families::split_sphere(16, 8).unwrap();
+    let values = (0..mesh.vertices().len()).map(|v| [v as f64 / 256.0, 0.25]).collect();
+    let mut file = MeshFile::from(mesh);
+    file.uv = Some(Attribute { values, corners: None });
+    file
+}
+
+/// A folder with this mesh in it.
+fn with(name: &str, file: &MeshFile) -> Folder {
+    let folder = Folder::new();
+    let output = Output::create(&folder.path(name), Overwrite::Never).unwrap();
+    io::write(output, file).unwrap();
+    folder
+}
+
+#[test]
+fn a_repair_reports_each_step_and_the_result() {
+    let folder = with("split.ply", &split_sphere());
+    let said = folder.succeed("mesh split.ply --repair --check -o whole.obj");
+    let lines = [
+        "vertices    151",
+        "weld        37 vertices joined along seams",
+        "duplicates  0 repeated faces dropped",
+        "degenerate  faces without area: 0 vertices joined with one in the same place, 0 edges \
+         flipped, 0 faces dropped",
+        "compact     0 vertices without a face dropped",
+        "cut         0 edges of more than two faces, 0 vertices split",
+        "orient      0 faces flipped",
+        "repaired    split.ply",
+        "vertices    114",
+        "genus       0",
+        "written     whole.obj: 114 vertices, 224 faces",
+    ];
+    let mut rest = said.lines();
+    for line in lines {
+        assert!(rest.any(|said| said == line), "{line:?} in {said}");
+    }
+    // The texture is that of the corners now.
+    let [before, after] = ["split.ply", "whole.obj"].map(|n| io::read(&folder.path(n)).unwrap());
+    for f in 0..224 {
+        let of_face = |file: &MeshFile| file.uv.as_ref().unwrap().of_face(&file.mesh, f);
+        assert_eq!(of_face(&before), of_face(&after), "{f}");
+    }
+    // A mesh that is whole is not reported twice.
+    let said = folder.succeed("mesh whole.obj --repair");
+    assert!(!said.contains("repaired"), "{said}");
+}
+
+#[test]
+fn repairs_are_done_one_by_one_and_in_one_order() {
+    let folder = Folder::new();
+    // Two tetrahedra, the second without a face and with one twice; a face without area.
+    folder.write(
+        "broken.off",
+        "OFF\n11 11 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n9 9 9\n5 0 0\n6 0 0\n5 1 0\n5 0 1\n0 0 0\n\
+         .5 0 0\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n3 5 7 6\n3 5 6 8\n3 5 8 7\n3 7 5 8\n\
+         3 0 1 10\n3 9 1 2\n3 9 2 1\n",
+    );
+    for (flags, line) in [
+        ("--weld", "weld        1 vertices joined (equal positions)"),
+        ("--weld 0.6", "weld        2 vertices joined (at most 0.6 apart), 1 faces collapsed"),
+        ("--drop-duplicates", "duplicates  2 repeated faces dropped"),
+        ("--weld --drop-duplicates", "duplicates  3 repeated faces dropped"),
+        (
+            "--drop-degenerate",
+            "degenerate  faces without area: 0 vertices joined with one in the same place, 0 edges \
+             flipped, 1 faces dropped",
+        ),
+        ("--compact", "compact     1 vertices without a face dropped"),
+        ("--keep-largest 1", "largest     1 components of 4 faces dropped"),
+        (
+            "--fill-holes 3 --weld --drop-duplicates --drop-degenerate",
+            "holes       1 filled by 1 faces, 0 loops left",
+        ),
+    ] {
+        let said = folder.succeed(&format!("mesh broken.off {flags}"));
+        assert!(said.lines().any(|said| said == line), "{flags}: {line:?} in {said}");
+    }
+    let refused = folder.fail("mesh broken.off --weld=-1");
+    assert!(refused.contains("expected a length that is not negative, or `seams`"), "{refused}");
+}
+
+#[test]
+fn two_meshes_are_compared() {
+    let folder = with("a.ply", &families::icosphere(3).unwrap().into());
+    let (points, faces) = families::icosphere(3).unwrap().into_parts();
+    let raised = points.iter().map(|p| p.map(|x| 1.25 * x)).collect();
+    let output = Output::create(&folder.path("b.ply"), Overwrite::Never).unwrap();
+    io::write(output, &TriMesh::new(raised, faces).unwrap().into()).unwrap();
+    let said = folder.succeed("mesh a.ply --compare b.ply");
+    let found = |label: &str| {
+        said.lines().rfind(|line| line.starts_with(label)).expect("a line").to_owned()
+    };
+    let number = |line: &str, after: &str| -> f64 {
+        let rest = line.split_once(after).unwrap().1.trim_start();
+        rest.split([' ', ',']).next().unwrap().parse().unwrap()
+    };
+    for label in ["to it", "from it"] {
+        let line = found(label);
+        let far = number(&line, "largest distance");
+        assert!((0.24..=0.25).contains(&far), "{line}");
+        assert!((0.23..=0.25).contains(&number(&line, "mean")), "{line}");
+        assert!(number(&line, "normals") < 5.0, "{line}");
+    }
+    assert!(found("Hausdorff").contains("of the longest side"), "{said}");
+    assert!(found("faces").split_whitespace().eq(["faces", "1280", "1280"]), "{said}");
+    assert!(found("genus").split_whitespace().eq(["genus", "0", "0"]), "{said}");
+    let same = folder.succeed("mesh a.ply --compare a.ply");
+    let line = same.lines().find(|line| line.starts_with("Hausdorff")).unwrap();
+    assert!(number(line, "Hausdorff") < 1e-14, "{line}");
+}
+
+/// What a command says on stderr.
+fn notes(folder: &Folder, arguments: &str) -> String {
+    let output = folder.program().args(arguments.split_whitespace()).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{arguments}: {said}");
+    said
+}
+
+#[test]
+fn every_command_joins_a_split_surface_and_says_so() {
+    let folder = with("split.ply", &split_sphere());
+    for arguments in [
+        "spectrum split.ply -k 4",
+        "decimate split.ply -n 60 -o d.ply --force",
+        "fps split.ply -n 5 -o f.csv --force",
+        "filter split.ply --low-pass 9 -k 12 -o s.ply --force",
+        "basis split.ply -k 4 -o b.npz --force",
+        "shapedna split.ply split.ply -k 4",
+    ] {
+        let said = notes(&folder, arguments);
+        for note in [
+            "note: split.ply: 37 vertices joined along seams\n",
+            "note: split.ply: vertex numbers are those of the repaired mesh, which has 114 \
+             vertices: `catamaran mesh split.ply --weld seams -o FILE` writes it\n",
+        ] {
+            assert!(said.contains(note), "{arguments}: {note:?} in {said}");
+        }
+        let strict = folder.fail(&format!("{arguments} --strict"));
+        let refused = "split.ply: 37 vertices are where others are, along seams: vertex 16 is \
+                       where vertex 0 is (--strict)";
+        assert!(strict.contains(refused), "{arguments}: {strict}");
+    }
+    // The mesh that the note names is the one that commands work on, and needs no repair.
+    folder.succeed("mesh split.ply --weld seams -o joined.ply");
+    let smooth = |name: &str, out: &str| {
+        let arguments = format!("filter {name} --low-pass 9 -k 12 --threads 1 -o {out} --force");
+        let said = notes(&folder, &arguments);
+        (io::read(&folder.path(out)).unwrap().mesh, said)
+    };
+    let (split, _) = smooth("split.ply", "s.ply");
+    let (joined, said) = smooth("joined.ply", "j.ply");
+    assert_eq!(split, joined);
+    assert!(!said.contains("note:"), "{said}");
+    folder.succeed("fps joined.ply -n 5 -o f.csv --force --strict");
+    let chosen = notes(&folder, "fps split.ply -n 5 -o f.csv --force --weld 1e-9");
+    assert!(chosen.contains("37 vertices joined (at most 0.000000001 apart)"), "{chosen}");
+}
+
+#[test]
+fn a_soup_is_resampled_after_it_is_repaired() {
+    let soup = families::soup(&families::torus(24, 12, 2.0, 0.7).unwrap()).unwrap();
+    let folder = with("soup.ply", &soup.into());
+    let said = folder.succeed("decimate soup.ply -n 400 --resample -o d.ply");
+    assert!(said.contains("topology    components 1, boundary loops 0, genus 1\n"), "{said}");
+}
+
+#[test]
+fn repeated_faces_and_faces_without_area_are_dropped_with_a_note() {
+    let (mut points, mut faces) = families::icosphere(2).unwrap().into_parts();
+    faces.push(faces[5]);
+    let [a, b, c] = faces[0];
+    let [p, q] = [a, b].map(|v| points[v as usize]);
+    let m = points.len() as u32;
+    points.push([0, 1, 2].map(|k| 0.5 * p[k] + 0.5 * q[k]));
+    faces[0] = [a, m, c];
+    faces.extend([[m, b, c], [a, b, m]]);
+    let folder = with("broken.ply", &TriMesh::new(points, faces).unwrap().into());
+    let said = notes(&folder, "spectrum broken.ply -k 4");
+    assert!(said.contains("note: broken.ply: 1 repeated faces dropped\n"), "{said}");
+    assert!(
+        said.contains("0 vertices joined with one in the same place, 1 edges flipped"),
+        "{said}"
+    );
+    assert!(!said.contains("vertex numbers"), "{said}");
+    let refused = folder.fail("spectrum broken.ply -k 4 --strict");
+    assert!(refused.contains("1 repeated faces: face 320 has the vertices of face 5"), "{refused}");
+}
+
+#[test]
+fn surfaces_from_other_programs_are_repaired() {
+    let Some(data) = std::env::var_os("CATAMARAN_DATA") else { return };
+    let suzanne = Path::new(&data).join("meshes/suzanne_499components.ply.gz");
+    if !suzanne.exists() {
+        return;
+    }
+    let folder = Folder::new();
+    let said =
+        folder.succeed(&format!("decimate {} -n 300 --resample -o d.ply", suzanne.display()));
+    assert!(said.contains("topology    components 3, boundary loops 4"), "{said}");
+}
+
+#[test]
+fn the_commands_of_the_guide_run() {
+    let guide = include_str!("../../../docs/guide/broken-mesh.md");
+    let folder = with("broken.ply", &split_sphere());
+    let output = Output::create(&folder.path("original.ply"), Overwrite::Never).unwrap();
+    io::write(output, &families::icosphere(3).unwrap().into()).unwrap();
+    let mut count = 0;
+    for line in guide.lines().filter_map(|line| line.strip_prefix("catamaran ")) {
+        folder.succeed(&format!("{line}{}", if line.contains(" -o ") { " --force" } else { "" }));
+        count += 1;
+    }
+    assert!(count >= 10, "{count}");
 }

@@ -13,7 +13,7 @@ mod flat;
 mod voxels;
 
 pub use bent::{Bend, bent};
-pub use broken::{bow_tie, pages, slivers};
+pub use broken::{bow_tie, pages, slivers, soup, split_sphere};
 pub use closed::{genus, icosphere, knot, spheres, torus};
 pub use figure::figure;
 pub use flat::{cylinder, disk, grid, moebius, terrain};

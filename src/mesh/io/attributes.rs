@@ -75,30 +75,8 @@ impl MeshFile {
         })
     }
 
-    /// The file with faces flipped so that all agree ([`TriMesh::oriented`]), and their corners with them. Normals stay as
-    /// they are.
-    ///
-    /// # Errors
-    /// As [`TriMesh::oriented`]; [`Error::Shape`] and [`Error::Argument`] when attributes do not fit the mesh.
-    pub fn oriented(mut self) -> Result<MeshFile> {
-        self.check()?;
-        let mesh = self.mesh.oriented()?;
-        let flipped: Vec<bool> =
-            mesh.faces().iter().zip(self.mesh.faces()).map(|(new, old)| new != old).collect();
-        let corners = [
-            self.uv.as_mut().and_then(|uv| uv.corners.as_mut()),
-            self.normals.as_mut().and_then(|normals| normals.corners.as_mut()),
-        ];
-        for corners in corners.into_iter().flatten() {
-            for (corners, _) in corners.iter_mut().zip(&flipped).filter(|(_, flip)| **flip) {
-                corners.swap(1, 2);
-            }
-        }
-        Ok(MeshFile { mesh, ..self })
-    }
-
     /// `Ok` when attributes fit the mesh.
-    pub(super) fn check(&self) -> Result<()> {
+    pub(in super::super) fn check(&self) -> Result<()> {
         let vertices = self.mesh.vertices().len();
         if let Some(colors) = &self.colors {
             Error::check_shape("colors", (vertices, 4), (colors.len(), 4))?;
@@ -169,7 +147,7 @@ impl<const N: usize> Attribute<N> {
     }
 
     /// Values of corners, as values of vertices when they are that.
-    pub(super) fn simplified(
+    pub(in super::super) fn simplified(
         values: Vec<[f64; N]>,
         corners: Vec<[u32; 3]>,
         mesh: &TriMesh,

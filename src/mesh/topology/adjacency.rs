@@ -9,7 +9,7 @@ pub struct Adjacency {
 
 impl Adjacency {
     /// Each `(row, item)` of `pairs`, which is walked twice, in its order. Fewer than 2^32 of them.
-    pub(super) fn from_pairs<I: Iterator<Item = (u32, u32)>>(
+    pub(in super::super) fn from_pairs<I: Iterator<Item = (u32, u32)>>(
         rows: usize,
         pairs: impl Fn() -> I,
     ) -> Self {

@@ -23,41 +23,53 @@ impl TriMesh {
     /// [`Error::Mesh`] that names an edge over which no flipping makes its faces agree: the mesh is not orientable.
     pub fn flips(&self, edges: &Edges) -> Result<Vec<bool>> {
         let edges = &*edges.of(self);
-        let mut flip: Vec<Option<bool>> = vec![None; self.faces().len()];
-        let mut open = Vec::new();
-        for seed in 0..flip.len() {
-            if flip[seed].is_none() {
-                flip[seed] = Some(false);
-                open.push(seed as u32);
+        let sides = self.sides(edges);
+        match sides.conflicts.iter().flatten().next() {
+            None => Ok(sides.flip),
+            Some(&e) => {
+                let faces: Vec<u32> = edges.faces(e as usize).collect();
+                Err(Error::Mesh {
+                    what: format!("{} can't be turned to agree: not orientable", pair(&faces)),
+                    element: edges.name(e as usize),
+                })
             }
+        }
+    }
+
+    /// The groups of faces that hang together over edges of two faces, and which of them must be
+    /// flipped so that the faces of each agree with its lowest one.
+    pub(in super::super) fn sides(&self, edges: &Edges) -> Sides {
+        let mut group = vec![u32::MAX; self.faces().len()];
+        let mut flip = vec![false; self.faces().len()];
+        let mut conflicts = Vec::new();
+        let mut open = Vec::new();
+        for seed in 0..group.len() {
+            if group[seed] != u32::MAX {
+                continue;
+            }
+            let number = conflicts.len() as u32;
+            let mut conflict = None;
+            group[seed] = number;
+            open.push(seed as u32);
             while let Some(face) = open.pop() {
-                let own = flip[face as usize].unwrap_or_default();
+                let own = flip[face as usize];
                 for corner in 3 * face..3 * face + 3 {
                     let e = edges.of_corners()[corner as usize];
                     let &[a, b] = edges.corners().row(e as usize) else { continue };
-                    let neighbor = if a == corner { b / 3 } else { a / 3 };
+                    let neighbor = (if a == corner { b } else { a }) as usize / 3;
                     let wanted = own ^ self.same_direction(a, b);
-                    match flip[neighbor as usize] {
-                        None => {
-                            flip[neighbor as usize] = Some(wanted);
-                            open.push(neighbor);
-                        }
-                        Some(flipped) if flipped == wanted => {}
-                        Some(_) => {
-                            return Err(Error::Mesh {
-                                what: format!(
-                                    "faces {} and {} can't be turned to agree: not orientable",
-                                    a / 3,
-                                    b / 3
-                                ),
-                                element: edges.name(e as usize),
-                            });
-                        }
+                    if group[neighbor] == u32::MAX {
+                        group[neighbor] = number;
+                        flip[neighbor] = wanted;
+                        open.push(neighbor as u32);
+                    } else if flip[neighbor] != wanted {
+                        conflict = conflict.or(Some(e));
                     }
                 }
             }
+            conflicts.push(conflict);
         }
-        Ok(flip.into_iter().map(Option::unwrap_or_default).collect())
+        Sides { group, flip, conflicts }
     }
 
     /// The mesh with faces flipped so that all agree; of each group of faces that hang together over edges of two faces, the
@@ -74,5 +86,22 @@ impl TriMesh {
         };
         let faces = self.faces().iter().zip(flips).map(flipped).collect();
         TriMesh::new(self.vertices().to_vec(), faces)
+    }
+}
+
+/// The sides of the faces of a mesh.
+pub(in super::super) struct Sides {
+    /// For each face its group; groups are numbered by their lowest face.
+    pub group: Vec<u32>,
+    /// Whether each face must be flipped.
+    pub flip: Vec<bool>,
+    /// For each group that is not orientable an edge over which its faces don't agree.
+    pub conflicts: Vec<Option<u32>>,
+}
+
+fn pair(faces: &[u32]) -> String {
+    match faces {
+        [a, b] => format!("faces {a} and {b}"),
+        _ => "its faces".into(),
     }
 }

@@ -231,15 +231,14 @@ fn time(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
         let contenders: Vec<_> = Contender::ALL
             .into_iter()
             .filter(|c| {
-                *c != Contender::Resampled
-                    && (!many
-                        || !matches!(
-                            c,
-                            Contender::Pymeshlab
-                                | Contender::IglDecimate
-                                | Contender::Qslim
-                                | Contender::Cgal
-                        ))
+                !many
+                    || !matches!(
+                        c,
+                        Contender::Pymeshlab
+                            | Contender::IglDecimate
+                            | Contender::Qslim
+                            | Contender::Cgal
+                    )
             })
             .collect();
         for row in race(&contenders, rivals, inputs, input, 10_000, 2, 1)? {
