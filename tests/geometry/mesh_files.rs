@@ -177,7 +177,7 @@ fn attributes_of_vertices_come_back() {
     assert!(
         header.contains("property uchar alpha")
             && header.contains("property float x")
-            && header.contains("property float texture_u\nproperty float texture_v"),
+            && header.contains("property float s\nproperty float t"),
         "{header}"
     );
 }

@@ -398,7 +398,7 @@ fn a_flat_hole_is_filled_flat_and_a_long_one_too() {
 fn a_vertex_on_an_edge_of_a_larger_face_is_joined_to_it() {
     // A hole without area: beside the edge is a face with a vertex on it.
     for (name, whole) in closed() {
-        let caps = with_caps(&whole, 2);
+        let caps = with_caps(&whole, 1);
         let flat = caps.faces_without_area();
         let open = without(&caps, |f| flat.contains(&(f as u32)));
         assert!(!open.validate().is_closed() && open.faces_without_area().is_empty(), "{name}");

@@ -17,6 +17,10 @@ const AT_ONCE: usize = 256;
 /// area, of which those with short diagonals have better faces.
 const DIAGONAL: f64 = 1e-3;
 
+/// What a face without area adds, times the square of its edge: more than diagonals do, and less
+/// than the area that would span a slit.
+const FLAT: f64 = 1e-2;
+
 /// The mesh with its boundary loops of at most `most` edges filled; `None` when there are none. New
 /// faces agree with their neighbours, and have the values of the neighbouring corners.
 ///
@@ -182,7 +186,7 @@ impl Filling<'_> {
                         let [a, b, c] = [points[i], points[k], points[j]];
                         let area = match is_flat([a, b, c]) {
                             // Faces without area only where there is no other way.
-                            true => square,
+                            true => FLAT * square,
                             false => norm(cross(sub(b, a), sub(c, a))) / 2.0,
                         };
                         let all = cost[i * n + k] + cost[k * n + j] + area;

@@ -39,7 +39,7 @@ pub struct Repaired {
 
 impl Repaired {
     /// The number of a vertex that was left out.
-    pub const NONE: u32 = u32::MAX;
+    pub const NONE: u32 = rebuild::NONE;
 }
 
 /// Repairs a mesh by the steps that `options` name, in this order whatever the order of the

@@ -4,8 +4,10 @@ use std::collections::HashMap;
 
 use super::super::io::{Attribute, MeshFile};
 use super::super::{Part, Sets, TriMesh};
-use super::Repaired;
 use crate::base::Result;
+
+/// The number of a vertex that was left out.
+pub(super) const NONE: u32 = u32::MAX;
 
 /// What a step makes of a mesh: where each vertex and corner of the new one comes from.
 pub(super) struct Rebuild {
@@ -66,7 +68,7 @@ impl Rebuild {
         insertions: Vec<Insertion>,
         to: Vec<u32>,
     ) -> Self {
-        let mut number = vec![Repaired::NONE; to.len()];
+        let mut number = vec![NONE; to.len()];
         let mut vertices = Vec::new();
         for (v, _) in (0..).zip(&to).filter(|&(v, &to)| v == to) {
             number[v as usize] = vertices.len() as u32;
@@ -93,7 +95,7 @@ impl Rebuild {
         if let Some(joined) = &self.joined {
             return Some(joined.clone());
         }
-        let mut numbers = vec![Repaired::NONE; count];
+        let mut numbers = vec![NONE; count];
         for (&v, new) in self.vertices.iter().zip(0..) {
             // Of several vertices that come from one, the lowest.
             let number = &mut numbers[v as usize];

@@ -102,7 +102,7 @@ pub(in super::super) fn write(
         properties(normal_kind, &["nx", "ny", "nz"])?;
     }
     if uv.is_some() {
-        properties(uv_kind, &["texture_u", "texture_v"])?;
+        properties(uv_kind, &["s", "t"])?;
     }
     if let Some(channels) = channels {
         properties(color_kind, &["red", "green", "blue", "alpha"][..channels])?;
