@@ -401,10 +401,11 @@ typedef struct cata_decimate_params {
     uint32_t first;
     /** 1: `first` counts; 0: the lowest vertex that a face has. */
     int32_t has_first;
-    /** 1: edges longer than those of the result will be are split first. 0: not. */
-    int32_t resample;
-    /** 1: handles too narrow for the triangles of the result are kept, too. 0: they are cut. */
-    int32_t keep_narrow_handles;
+    /**
+     * 1: handles too narrow for the triangles of the result are cut, and their ends closed. 0: they
+     * are kept.
+     */
+    int32_t cut_narrow_handles;
 } cata_decimate_params;
 
 /**
@@ -1504,8 +1505,9 @@ size_t cata_decimate_faces_bound(size_t n,
 
 /**
  * Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components, boundary
- * loops and genus of the input, but for handles too narrow for its triangles. The input is cut along edges
- * of more than two faces first. What can't be is refused, and the message says why.
+ * loops and genus of the input. The input is cut along edges of more than two faces first, and edges
+ * longer than those of the result will be are split, so that n may also be more than the input has. No
+ * step makes faces intersect that did not. What can't be is refused, and the message says why.
  *
  * - `vertices`: 3 n_vertices elements, read: x, y, z of each vertex, finite.
  * - `faces`: 3 n_faces elements, read: the vertices of each face, from 0, counter-clockwise as seen from
@@ -1522,8 +1524,8 @@ size_t cata_decimate_faces_bound(size_t n,
  *   without a face left out, faces flipped, the mesh cut), 0 else; NULL where not wanted.
  * - `params`: NULL for the defaults; else read during the call.
  *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (also for an n that is more than
- * there are vertices, or fewer than the topology needs), CATA_ERR_MESH, CATA_ERR_OUT_OF_MEMORY,
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (also for an n that is fewer
+ * than the topology needs), CATA_ERR_MESH, CATA_ERR_OUT_OF_MEMORY,
  * CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
  *
  * The result does not depend on the number of threads, bit for bit.

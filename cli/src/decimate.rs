@@ -18,13 +18,14 @@ use crate::input::MeshArgs;
 use crate::output;
 use crate::picture::{PLAIN, PictureArgs};
 use crate::progress::Bar;
-use crate::report::{report, seconds};
+use crate::report::{note, report, seconds};
 
 /// Decimate a mesh to a number of vertices, uniformly.
 ///
-/// The result has exactly that many vertices, is a manifold, and has the components, boundary loops and genus of the input, but
-/// for handles too narrow for its triangles; what can't be is refused, with the reason. Colours and texture coordinates are
-/// carried over.
+/// The result has exactly that many vertices, is a manifold, and has the components, boundary loops
+/// and genus of the input; what can't be is refused, with the reason. Faces do not intersect unless
+/// those of the input do or there are too few to do better, which is said. Edges longer than those
+/// of the result are split first. Colours and texture coordinates are carried over.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
@@ -173,9 +174,19 @@ fn tell(
         Some(after) => report(format_args!("changed to  {after}"))?,
         None => report(format_args!("changed to  no manifold"))?,
     }
+    let intersecting = found.mesh.intersecting_faces(par).len();
+    let before = match args.report || intersecting > 0 {
+        true => input.mesh.intersecting_faces(par).len(),
+        false => 0,
+    };
+    if intersecting > before {
+        let more = intersecting - before;
+        note(format_args!("{more} faces more intersect others than did before: try another -n"));
+    }
     if !args.report {
         return Ok(());
     }
+    report(format_args!("intersect   {intersecting} faces, {before} before"))?;
     report(format_args!("{}", Quality::of(&found.mesh)))?;
     let difference = Difference::between(&input.mesh, &found.mesh, par)?;
     let Difference { hausdorff, chamfer, printed_hausdorff, printed_chamfer } = difference;

@@ -255,6 +255,8 @@ fn measures(file: &MeshFile, found: &Validation) -> Result<()> {
     if let Some([low, high]) = mesh.bounding_box() {
         report(format_args!("box         {low:?} to {high:?}"))?;
     }
+    let intersecting = mesh.intersecting_faces(Par::all()).len();
+    report(format_args!("intersect   {intersecting} faces with others"))?;
     let qualities = mesh.qualities();
     if !qualities.is_empty() {
         let count = qualities.len() as f64;

@@ -164,7 +164,9 @@ impl<'m, 'o> Decimator<'m, 'o> {
         let surface = &self.source.prepared.surface;
         let there = (0..surface.len() as u32).filter(|&v| !surface.links(v).is_empty()).count();
         if n > there && !self.options.resample {
-            return refused(format!("{n}, but the mesh has {there} vertices, and is not resampled"));
+            return refused(format!(
+                "{n}, but the mesh has {there} vertices, and is not resampled"
+            ));
         }
         let components = &self.source.components;
         if self.options.method == Method::Thesis && n < components.len() {
@@ -228,7 +230,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
             left => {
                 let topology = topology(surface, components.len());
                 let why = format!(
-                    "{n}, but the topology ({topology}) could not be kept with fewer than {left} vertices"
+                    "{n}, but the topology ({topology}) could not be kept with fewer than {left} \
+                     vertices"
                 );
                 Err(Error::Argument { what: "n", why })
             }

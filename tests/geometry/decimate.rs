@@ -14,7 +14,7 @@ use catamaran::mesh::{Dijkstra, Edges, Genus, Graph, SearchLimits, TriMesh, fami
 use catamaran::{Error, Par};
 
 fn options() -> DecimateOptions<'static> {
-    DecimateOptions::new().par(Par::Seq).keep_narrow_handles(true)
+    DecimateOptions::new().par(Par::Seq)
 }
 
 /// Everything that a decimation promises.
@@ -156,7 +156,7 @@ fn narrow_handles_are_cut_and_told_unless_they_are_to_be_kept() {
     let mesh = families::genus(5, 4).unwrap();
     let keep = decimate(&mesh, 70, &options()).unwrap();
     check("slab", &mesh, 70, &keep);
-    let cut = options().keep_narrow_handles(false);
+    let cut = options().cut_narrow_handles(true);
     // A tube around a torus that is as thin as a hair: its loops are all narrow.
     let ring = families::torus(400, 5, 1.0, 0.002).unwrap();
     let found = decimate(&ring, 60, &cut).unwrap();
@@ -303,15 +303,70 @@ fn resampled_edges_are_short_and_the_surface_is_the_same() {
 #[test]
 fn resampling_makes_vertices_where_there_are_none() {
     let mesh = families::grid(2, 2).unwrap();
-    let refused = decimate(&mesh, 50, &options()).unwrap_err();
-    assert!(refused.to_string().contains("has 9 vertices: resample"), "{refused}");
-    let with = options().resample(true);
-    let found = decimate(&mesh, 50, &with).unwrap();
+    let without = decimate(&mesh, 50, &options().resample(false)).unwrap_err();
+    assert!(without.to_string().contains("has 9 vertices, and is not resampled"), "{without}");
+    let found = decimate(&mesh, 50, &options()).unwrap();
     check("resampled grid", &mesh, 50, &found);
     let length = edge_length_for(1.0, 50).unwrap();
     // 100 equilateral triangles of that side cover the area.
     assert!((100.0 * 3f64.sqrt() / 4.0 * length * length - 1.0).abs() < 1e-12);
     assert!(edge_length_for(1.0, 0).is_err() && edge_length_for(f64::NAN, 1).is_err());
+}
+
+/// A cylinder as CAD programs write it: sides of two long triangles, ends that are fans.
+fn cad_cylinder(sides: u32) -> TriMesh {
+    let mut vertices = vec![[0.0, 0.0, 0.0], [0.0, 0.0, 10.0]];
+    for i in 0..sides {
+        let angle = std::f64::consts::TAU * f64::from(i) / f64::from(sides);
+        vertices.extend([0.0, 10.0].map(|z| [angle.cos(), angle.sin(), z]));
+    }
+    let faces = (0..sides).flat_map(|i| {
+        let [a, c] = [i, (i + 1) % sides].map(|i| 2 + 2 * i);
+        let [b, d] = [a + 1, c + 1];
+        [[a, c, b], [c, d, b], [0, c, a], [1, b, d]]
+    });
+    TriMesh::new(vertices, faces.collect()).unwrap()
+}
+
+/// A sphere so flat, and bent, that its sheets are nearer to each other than vertices of the result.
+fn blade() -> TriMesh {
+    let (mut vertices, faces) = families::icosphere(5).unwrap().into_parts();
+    for p in &mut vertices {
+        let [x, y, z] = *p;
+        *p = [x, 3.0 * y, 0.02 * z + 0.3 * x * x];
+    }
+    TriMesh::new(vertices, faces).unwrap()
+}
+
+#[test]
+fn no_faces_intersect_after_decimation_that_did_not_before() {
+    let [ears, fingers] = thin_parts();
+    let meshes = [
+        ("cylinder of CAD", cad_cylinder(64)),
+        ("blade", blade()),
+        ("figure", families::figure(5, 0.5).unwrap()),
+        ears,
+        fingers,
+    ];
+    for (name, mesh) in meshes {
+        assert!(mesh.intersecting_faces(Par::all()).is_empty(), "{name}");
+        for n in [150, 600] {
+            let found = decimate(&mesh, n, &options()).unwrap();
+            assert!(found.mesh.intersecting_faces(Par::all()).is_empty(), "{name}, {n}");
+            check(name, &mesh, n, &found);
+        }
+    }
+}
+
+#[test]
+fn large_faces_of_the_input_do_not_harm_the_result() {
+    let cylinder = cad_cylinder(64);
+    let found = decimate(&cylinder, 500, &options()).unwrap();
+    assert!(Quality::of(&found.mesh).mean_quality > 0.85);
+    // An edge of the result is about .53 long.
+    let difference = Difference::between(&cylinder, &found.mesh, Par::Seq).unwrap();
+    assert!(difference.hausdorff < 0.3, "{difference:?}");
+    assert!(found.cells.of_vertices().iter().all(|&cell| (cell as usize) < 500));
 }
 
 #[test]
@@ -365,7 +420,8 @@ fn refusals_say_why() {
     let spheres = families::spheres(3, 2).unwrap();
     assert!(refused(&spheres, 0).contains("3 components need 12 vertices"));
     assert!(refused(&spheres, 11).contains("3 components need 12 vertices"));
-    assert!(refused(&spheres, 10_000).contains("has 486 vertices"));
+    let given = decimate(&spheres, 10_000, &options().resample(false)).unwrap_err().to_string();
+    assert!(given.contains("has 486 vertices, and is not resampled"), "{given}");
     let torus = families::torus(20, 20, 2.0, 1.0).unwrap();
     // A torus needs seven.
     assert!(refused(&torus, 6).contains("genus 1) could not be kept with fewer than"));

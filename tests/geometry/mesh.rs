@@ -3,9 +3,9 @@
 
 use std::f64::consts::PI;
 
-use catamaran::Error;
 use catamaran::mesh::families::{self, Bend};
 use catamaran::mesh::{Components, Edges, Genus, Normalization, Problem, TriMesh, io};
+use catamaran::{Error, Par};
 
 /// A mesh, and what was promised of it.
 struct Case {
@@ -434,4 +434,75 @@ fn shared_meshes_agree_with_their_index() {
         assert!((mean - line[8].parse::<f64>().unwrap()).abs() <= 2e-3, "{name}: {mean}");
         assert_eq!(file.uv.is_some(), line[11] == "yes", "{name}");
     }
+}
+
+/// Whether an edge passes through the inside of a triangle (Moeller and Trumbore 1997).
+fn pierces([p, q]: [[f64; 3]; 2], [a, b, c]: [[f64; 3]; 3]) -> bool {
+    let sub = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    let (ab, ac, pq, ap) = (sub(b, a), sub(c, a), sub(q, p), sub(p, a));
+    let h = cross(pq, ac);
+    let determinant = dot(ab, h);
+    let k = cross(ap, ab);
+    let [u, v, t] = [dot(ap, h), dot(pq, k), dot(ac, k)].map(|x| x / determinant);
+    u > 0.0 && v > 0.0 && u + v < 1.0 && t > 0.0 && t < 1.0
+}
+
+#[test]
+fn intersecting_faces_are_those_of_brute_force() {
+    let mut rng = catamaran::base::Rng::new(17);
+    for triangles in [0, 1, 2, 7, 150] {
+        let mut vertices: Vec<[f64; 3]> = Vec::new();
+        for _ in 0..triangles {
+            let near: [f64; 3] = std::array::from_fn(|_| rng.uniform());
+            let mut corner = || std::array::from_fn(|k| near[k] + 0.2 * rng.uniform());
+            vertices.extend([corner(), corner(), corner()]);
+        }
+        let faces: Vec<[u32; 3]> =
+            (0..triangles as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+        let mesh = TriMesh::new(vertices, faces.clone()).unwrap();
+        let corners = |f: usize| faces[f].map(|v| mesh.vertices()[v as usize]);
+        let edges = |[a, b, c]: [[f64; 3]; 3]| [[a, b], [b, c], [c, a]];
+        let meet = |f: usize, g: usize| {
+            edges(corners(f)).into_iter().any(|edge| pierces(edge, corners(g)))
+                || edges(corners(g)).into_iter().any(|edge| pierces(edge, corners(f)))
+        };
+        let wanted: Vec<u32> = (0..triangles)
+            .filter(|&f| (0..triangles).any(|g| f != g && meet(f, g)))
+            .map(|f| f as u32)
+            .collect();
+        assert!(triangles < 100 || (20..140).contains(&wanted.len()), "{}", wanted.len());
+        for par in [Par::Seq, Par::Threads(3)] {
+            assert_eq!(mesh.intersecting_faces(par), wanted, "{triangles} triangles");
+        }
+    }
+}
+
+#[test]
+fn faces_that_only_share_corners_and_edges_do_not_intersect_and_those_on_each_other_do() {
+    let count = |vertices: &[[f64; 3]], faces: &[[u32; 3]]| {
+        let mesh = TriMesh::new(vertices.to_vec(), faces.to_vec()).unwrap();
+        mesh.intersecting_faces(Par::Seq).len()
+    };
+    let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    assert_eq!(count(&square, &[[0, 1, 2], [0, 2, 3]]), 0);
+    // The same with corners of its own for each face.
+    let torn = [square[0], square[1], square[2], square[0], square[2], square[3]];
+    assert_eq!(count(&torn, &[[0, 1, 2], [3, 4, 5]]), 0);
+    // Folded onto each other along an edge; twice the same face; overlap at a corner; inside.
+    assert_eq!(count(&square, &[[0, 1, 2], [1, 0, 3]]), 2);
+    assert_eq!(count(&square, &[[0, 1, 2], [2, 1, 0]]), 2);
+    let fan = [[0.0; 3], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [1.0, 0.5, 0.0], [0.5, 1.0, 0.0]];
+    assert_eq!(count(&fan, &[[0, 1, 2], [0, 3, 4]]), 2);
+    let inside = [fan[0], fan[1], fan[2], [1.0, 1.0, 0.0], [1.5, 1.0, 0.0], [1.0, 1.5, 0.0]];
+    assert_eq!(count(&inside, &[[0, 1, 2], [3, 4, 5]]), 2);
+    // An edge on a face, and one that ends a rounding error above it.
+    let touching =
+        |z: f64| [fan[0], fan[1], fan[2], [1.0, 1.0, z], [1.0, 1.0, 1.0], [2.0, 1.0, 1.0]];
+    assert_eq!(count(&touching(0.0), &[[0, 1, 2], [3, 4, 5]]), 2);
+    assert_eq!(count(&touching(1e-100), &[[0, 1, 2], [3, 4, 5]]), 0);
+    assert!(families::spheres(3, 2).unwrap().intersecting_faces(Par::Seq).is_empty());
 }
