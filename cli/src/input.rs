@@ -82,6 +82,9 @@ impl MeshArgs {
             if file.collapsed_faces > 0 {
                 bail!("{name}: {} facets with two equal corners (--strict)", file.collapsed_faces);
             }
+            if let Some(line) = file.notes.first() {
+                bail!("{name}: {line} (--strict)");
+            }
             return match needs_repair(&file.mesh) {
                 None => Ok(file),
                 Some(why) => bail!("{name}: {why} (--strict)"),

@@ -11,7 +11,7 @@ use catamaran::mesh::io::{
     Attribute, GltfEncoding, Labels, MeshFile, MeshFormat, PlyEncoding, StlEncoding, read,
     read_bytes, read_with, write, write_as,
 };
-use catamaran::mesh::{TriMesh, families};
+use catamaran::mesh::{RepairOptions, TriMesh, families, repair};
 use catamaran::{Error, Result};
 use tempfile::TempDir;
 
@@ -808,9 +808,14 @@ fn materials_groups_and_objects_of_obj_come_back() {
     assert_eq!(faces.materials.as_ref().unwrap().of_face(1), Some("blue"));
     let bytes = folder.bytes(&faces, OBJ);
     assert_eq!(labels(&read_bytes(&bytes, OBJ).unwrap()).3, ["two.mtl"]);
-    let file = read_bytes(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl a\nf 1 2 3\nf 1 3 4\n", OBJ);
-    let turned = file.unwrap().oriented().unwrap();
-    assert_eq!(turned.materials.unwrap().of_faces, [0, 0]);
+    // And through repairs: the first face is left out, the last one flipped.
+    let file = read_bytes(
+        b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nusemtl a\nf 1 2 5\nf 1 2 3\nusemtl b\nf 1 4 3\n",
+        OBJ,
+    );
+    let repaired = repair(file.unwrap(), &RepairOptions::everything()).unwrap().file;
+    assert_eq!(repaired.mesh.faces().len(), 2);
+    assert_eq!(repaired.materials.unwrap().of_faces, [0, 1]);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::super::io::{Attribute, MeshFile};
+use super::super::io::{Attribute, Labels, MeshFile};
 use super::super::{Part, Sets, TriMesh};
 use crate::base::Result;
 
@@ -125,8 +125,23 @@ impl Rebuild {
         if let Some(colors) = &mut file.colors {
             *colors = self.vertices.iter().map(|&v| colors[v as usize]).collect();
         }
+        let old_corners = 3 * file.mesh.faces().len();
+        for labels in [&mut file.materials, &mut file.groups, &mut file.objects] {
+            let Some(Labels { of_faces, .. }) = labels else { continue };
+            let origins = self.corners.iter().map(|&[first, ..]| self.face_of(first, old_corners));
+            *of_faces = origins.map(|f| of_faces[f]).collect();
+        }
         file.mesh = mesh;
         Ok(())
+    }
+
+    /// The old face that a corner is of, or was put into.
+    fn face_of(&self, corner: u32, old_corners: usize) -> usize {
+        let mut corner = corner as usize;
+        while corner >= old_corners {
+            corner = self.insertions[corner - old_corners].from[2] as usize;
+        }
+        corner / 3
     }
 
     fn values<const N: usize>(
