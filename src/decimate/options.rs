@@ -19,8 +19,9 @@ pub struct DecimateOptions<'a> {
     /// Default [`Method::Uniform`].
     pub method: Method,
     /// Whether edges longer than those of the result will be
-    /// ([`edge_length_for`](super::edge_length_for)) are split first; default yes. Without it, large
-    /// faces of the input tear the result, and n is at most the number of vertices: for comparison.
+    /// ([`edge_length_for`](super::edge_length_for)) are split first; default yes. Without it,
+    /// large faces of the input tear the result, and n is at most the number of vertices: for
+    /// comparison. [`Method::Thesis`] never does.
     pub resample: bool,
     /// Lloyd passes over the input: each moves the sites to the centroids of their cells, and grows cells anew; default 0, as
     /// relaxation does more at less cost.

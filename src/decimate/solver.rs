@@ -135,7 +135,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         let progress = self.options.progress;
         progress.report(0.0)?;
         self.check(n)?;
-        if self.options.resample {
+        if self.options.resample && self.options.method == Method::Uniform {
             self.resample_for(n, progress.part(0.0..0.2))?;
         }
         let decimation = match self.options.method {
@@ -163,7 +163,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
         let refused = |why| Err(Error::Argument { what: "n", why });
         let surface = &self.source.prepared.surface;
         let there = (0..surface.len() as u32).filter(|&v| !surface.links(v).is_empty()).count();
-        if n > there && !self.options.resample {
+        let literal = self.options.method == Method::Thesis;
+        if n > there && (literal || !self.options.resample) {
             return refused(format!(
                 "{n}, but the mesh has {there} vertices, and is not resampled"
             ));
