@@ -355,8 +355,7 @@ fn surfaces_from_other_programs_are_repaired() {
         return;
     }
     let folder = Folder::new();
-    let said =
-        folder.succeed(&format!("decimate {} -n 300 -o d.ply", suzanne.display()));
+    let said = folder.succeed(&format!("decimate {} -n 300 -o d.ply", suzanne.display()));
     assert!(said.contains("topology    components 3, boundary loops 4"), "{said}");
 }
 
