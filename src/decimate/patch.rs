@@ -61,7 +61,7 @@ impl Patch {
         late.filter(|&f| self.bounds(f).is_some_and(|own| own.meets(bounds))).for_each(found);
     }
 
-    /// The same for every two faces whose boxes meet, by groups of the tree, in which all faces are.
+    /// The tree: of all faces after [`Patch::plant_tree`], until one is added.
     pub fn tree(&self) -> &BoxTree {
         &self.tree
     }
