@@ -87,8 +87,8 @@ static void test_refusals(void)
     CHECK_MENTIONS("200 faces, but faces_capacity is 199");
     CHECK_STATUS(cata_decimate(V, vertices, F, faces, V + 1, new_vertices, new_faces, F, &count,
                                cells, NULL, NULL),
-                 CATA_ERR_ARGUMENT);
-    CHECK_MENTIONS("800 vertices");
+                 CATA_ERR_SHAPE);
+    CHECK_MENTIONS("1602 faces");
     CHECK_STATUS(cata_decimate(V, vertices, F, faces, 3, new_vertices, new_faces, F, &count, cells,
                                NULL, NULL),
                  CATA_ERR_ARGUMENT);
