@@ -4,7 +4,7 @@ use super::result::Place;
 use super::surface::Surface;
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{Vector, dot, sub};
-pub(super) use crate::mesh::weights_on_triangle;
+use crate::mesh::weights_on_triangle;
 
 /// Where a walk ended.
 #[derive(Debug, Clone, Copy)]

@@ -1,10 +1,9 @@
 //! How far two meshes are from each other (thesis, equation 5.8).
 
-use rstar::{PointDistance, RTree};
+use rstar::RTree;
 
 use crate::base::{Error, Par, Result};
-use crate::mesh::vector::Vector;
-use crate::mesh::{TriMesh, Triangles};
+use crate::mesh::{TriMesh, Triangles, squares};
 
 /// Distances between a mesh and its decimation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,9 +19,6 @@ pub struct Difference {
     /// of the vertices of the second mesh from those of the first.
     pub printed_chamfer: f64,
 }
-
-/// Vertices that one thread takes at a time.
-const BLOCK: usize = 1024;
 
 impl Difference {
     /// Between `first` and `second`. O(V log F).
@@ -54,15 +50,6 @@ impl Difference {
             printed_chamfer: mean(&squares(second.vertices(), &points(first), par)),
         })
     }
-}
-
-/// The squared distance of each point from the nearest one in the tree.
-fn squares(points: &[Vector], tree: &RTree<Vector>, par: Par) -> Vec<f64> {
-    let blocks = par.map_blocks(points.len(), BLOCK, |range| {
-        let square = |p: &Vector| tree.nearest_neighbor(*p).map_or(0.0, |near| near.distance_2(p));
-        points[range].iter().map(square).collect::<Vec<_>>()
-    });
-    blocks.concat()
 }
 
 fn largest(squares: &[f64]) -> f64 {

@@ -87,16 +87,11 @@ impl Sampler {
         })
     }
 
-    /// The same samples on a surface with more vertices, these after those that were there.
-    pub fn on(self, surface: &Surface<'_>, par: Par) -> Result<Self> {
-        let growth = Growth::new(surface, par)?;
-        growth.grow(surface, &seeds(&self.samples, 0), f32::INFINITY);
-        Ok(Self {
-            growth,
-            samples: self.samples,
-            threshold: f32::INFINITY,
-            waiting: BinaryHeap::new(),
-        })
+    /// Goes on to a surface with more vertices, these after those that were there: samples stay,
+    /// cells have to grow anew.
+    pub fn move_to(&mut self, surface: &Surface<'_>, par: Par) -> Result<()> {
+        self.growth = Growth::new(surface, par)?;
+        Ok(())
     }
 
     /// The first sample, and its cell, which is the whole component.

@@ -5,9 +5,6 @@ use crate::base::Par;
 use crate::mesh::intersections::{Bounds, Corners, intersect};
 use crate::mesh::vector::Vector;
 
-/// Groups of faces that one thread looks at at a time.
-const BLOCK: usize = 64;
-
 /// Where a vertex moves, and its anchor there.
 pub(super) type Move = (Vector, u32);
 
@@ -32,19 +29,15 @@ pub(super) fn allows_collapse(patch: &Patch, a: u32, b: u32, p: Vector) -> bool 
     let old: Vec<u32> = patch.around(a).iter().chain(of_b).copied().collect();
     let left = old.iter().map(|&f| patch.faces[f as usize]);
     let left = left.filter(|face| !(face.contains(&a) && face.contains(&b)));
-    let new: Vec<Corners> = left.map(|face| moved(patch, face, &[a, b], p)).collect();
+    let new: Vec<Corners> = left.map(|face| patch.corners_with(face, [a, b], p)).collect();
     allows(patch, &old, &new)
 }
 
 /// Whether v may move to p.
 pub(super) fn allows_move(patch: &Patch, v: u32, p: Vector) -> bool {
     let faces = patch.around(v).iter().map(|&f| patch.faces[f as usize]);
-    let new: Vec<Corners> = faces.map(|face| moved(patch, face, &[v], p)).collect();
+    let new: Vec<Corners> = faces.map(|face| patch.corners_with(face, [v, v], p)).collect();
     allows(patch, patch.around(v), &new)
-}
-
-fn moved(patch: &Patch, face: [u32; 3], vertices: &[u32], p: Vector) -> Corners {
-    face.map(|v| if vertices.contains(&v) { p } else { patch.position(v) })
 }
 
 /// Pairs of these triangles with each other, and with the faces but `without`, that intersect.
@@ -71,19 +64,7 @@ pub(super) fn move_all(patch: &mut Patch, moves: &[Option<Move>], par: Par) {
         }
     }
     patch.plant_tree();
-    let tree = patch.tree();
-    let pairs = par.map_blocks(tree.groups(), BLOCK, |range| {
-        let mut pairs = Vec::new();
-        for group in range {
-            tree.visit_pairs(group, |f, g| {
-                if is_new(patch, [f, g], &before) {
-                    pairs.push([f, g]);
-                }
-            });
-        }
-        pairs
-    });
-    let mut pairs = pairs.concat();
+    let mut pairs = patch.tree().pairs(par, |f, g| is_new(patch, [f, g], &before));
     // What goes back may meet what did not: that goes back as well.
     while !pairs.is_empty() {
         let mut faces = Vec::new();

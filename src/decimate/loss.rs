@@ -1,8 +1,8 @@
 //! What a change of the new mesh would lose of the surface.
 
-use super::closest::weights_on_triangle;
 use super::patch::Patch;
 use crate::mesh::vector::{Vector, cross, dot, norm, sub, unit};
+use crate::mesh::weights_on_triangle;
 
 /// From the nearest point of the faces around v, were it at p, to q.
 pub(super) fn gap_of_move(patch: &Patch, v: u32, p: Vector, q: Vector) -> Vector {
@@ -37,8 +37,7 @@ fn gap<'a>(
 ) -> Vector {
     let mut nearest = ([0.0; 3], f64::INFINITY);
     for &f in faces {
-        let corners =
-            patch.faces[f as usize].map(|v| if moved.contains(&v) { p } else { patch.position(v) });
+        let corners = patch.corners_with(patch.faces[f as usize], moved, p);
         let [u, v, w] = weights_on_triangle(corners, q);
         let [a, b, c] = corners;
         let step = sub(q, std::array::from_fn(|k| u * a[k] + v * b[k] + w * c[k]));

@@ -92,6 +92,11 @@ impl Patch {
         face.map(|v| self.positions[v as usize])
     }
 
+    /// Where the corners of a face would be, were the vertices `moved` at p.
+    pub fn corners_with(&self, face: [u32; 3], moved: [u32; 2], p: Vector) -> Corners {
+        face.map(|v| if moved.contains(&v) { p } else { self.positions[v as usize] })
+    }
+
     /// Puts a vertex elsewhere, of which the tree is to be told ([`Patch::plant_tree`]).
     pub fn displace(&mut self, v: u32, p: Vector) {
         self.positions[v as usize] = p;
@@ -214,8 +219,8 @@ impl Patch {
             if but.is_some_and(|b| face.contains(&b)) {
                 return true;
             }
-            let corners = face.map(|v| if v == a { p } else { self.positions[v as usize] });
-            let new = cross(sub(corners[1], corners[0]), sub(corners[2], corners[0]));
+            let [x, y, z] = self.corners_with(face, [a, a], p);
+            let new = cross(sub(y, x), sub(z, x));
             dot(unit(new), unit(self.normal(face))) > 0.2
         })
     }

@@ -2,8 +2,9 @@
 
 use std::borrow::Cow;
 
+use super::resample::{Resampled, resample_with};
 use super::surface::Surface;
-use crate::base::{Error, Par, Result};
+use crate::base::{Error, Par, Progress, Result};
 pub use crate::mesh::Repairs;
 use crate::mesh::{TriMesh, manifold};
 
@@ -15,6 +16,35 @@ pub(super) struct Prepared<'m> {
     /// For each face of the surface that of the input; `None`: the same.
     pub faces: Option<Vec<u32>>,
     pub repairs: Repairs,
+}
+
+/// No vertex of the input.
+const NEW: u32 = u32::MAX;
+
+impl Prepared<'_> {
+    /// The same with edges no longer than `longest`; vertices that were there keep their numbers.
+    pub fn refined(
+        &self,
+        longest: f64,
+        par: Par,
+        progress: Progress<'_>,
+    ) -> Result<Prepared<'static>> {
+        let Prepared { surface, vertices, faces, repairs } = self;
+        let Resampled { mesh, parents } = resample_with(&surface.mesh, longest, progress)?;
+        let of_input = |v: u32| match vertices {
+            Some(vertices) => vertices.get(v as usize).copied().unwrap_or(NEW),
+            None => Some(v).filter(|&v| (v as usize) < surface.len()).unwrap_or(NEW),
+        };
+        Ok(Prepared {
+            vertices: Some((0..mesh.vertices().len() as u32).map(of_input).collect()),
+            faces: Some(match faces {
+                Some(faces) => parents.into_iter().map(|f| faces[f as usize]).collect(),
+                None => parents,
+            }),
+            surface: Surface::new(Cow::Owned(mesh), par)?,
+            repairs: *repairs,
+        })
+    }
 }
 
 /// The input, cut where it is not a manifold, and oriented if it can be.

@@ -1,14 +1,11 @@
 //! Long edges split before a mesh is sampled (thesis, algorithm 5.3).
 
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::hash::BuildHasherDefault;
 
 use super::batches::Multiply;
-use super::prepare::Prepared;
-use super::surface::Surface;
-use crate::base::{Error, Par, Progress, Result};
+use crate::base::{Error, Progress, Result};
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{Vector, distance};
 
@@ -68,34 +65,11 @@ pub fn resample(mesh: &TriMesh, longest: f64) -> Result<Resampled> {
     resample_with(mesh, longest, Progress::none())
 }
 
-/// With edges no longer than `longest`; vertices that were there keep their numbers.
-pub(super) fn refined(
-    prepared: &Prepared<'_>,
+pub(super) fn resample_with(
+    mesh: &TriMesh,
     longest: f64,
-    par: Par,
     progress: Progress<'_>,
-) -> Result<Prepared<'static>> {
-    let Prepared { surface, vertices, faces, repairs } = prepared;
-    let Resampled { mesh, parents } = resample_with(&surface.mesh, longest, progress)?;
-    let of_input = |v: u32| match vertices {
-        Some(vertices) => vertices.get(v as usize).copied().unwrap_or(NEW),
-        None => Some(v).filter(|&v| (v as usize) < surface.len()).unwrap_or(NEW),
-    };
-    Ok(Prepared {
-        vertices: Some((0..mesh.vertices().len() as u32).map(of_input).collect()),
-        faces: Some(match faces {
-            Some(faces) => parents.into_iter().map(|f| faces[f as usize]).collect(),
-            None => parents,
-        }),
-        surface: Surface::new(Cow::Owned(mesh), par)?,
-        repairs: *repairs,
-    })
-}
-
-/// No vertex of the input.
-const NEW: u32 = u32::MAX;
-
-fn resample_with(mesh: &TriMesh, longest: f64, progress: Progress<'_>) -> Result<Resampled> {
+) -> Result<Resampled> {
     if longest.is_nan() || longest <= 0.0 {
         let why = format!("{longest}, where a positive number is needed");
         return Err(Error::Argument { what: "longest", why });

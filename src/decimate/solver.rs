@@ -12,7 +12,7 @@ use super::patch::Patch;
 use super::prepare::{Prepared, prepare};
 use super::refine::refine;
 use super::relax::relax;
-use super::resample::{edge_length_for, refined};
+use super::resample::edge_length_for;
 use super::result::{Decimation, Place};
 use super::surface::Surface;
 use super::topology::{Component, components, topology};
@@ -135,7 +135,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         let progress = self.options.progress;
         progress.report(0.0)?;
         self.check(n)?;
-        if self.options.resample && self.options.method == Method::Uniform {
+        if self.resamples() {
             self.resample_for(n, progress.part(0.0..0.2))?;
         }
         let decimation = match self.options.method {
@@ -146,15 +146,18 @@ impl<'m, 'o> Decimator<'m, 'o> {
         Ok(decimation)
     }
 
+    fn resamples(&self) -> bool {
+        self.options.resample && self.options.method == Method::Uniform
+    }
+
     /// Splits edges longer than those of the result will be: samples could not be spread over them.
     fn resample_for(&mut self, n: usize, progress: Progress<'_>) -> Result<()> {
         let Source { prepared, area, sampler, .. } = &mut self.source;
         let par = self.options.par;
         let Ok(length) = edge_length_for(*area, n) else { return Ok(()) };
         if prepared.surface.longest_edge(par) > length {
-            *prepared = refined(prepared, FINE * length, par, progress)?;
-            let sampled = std::mem::replace(sampler, Sampler::empty(&prepared.surface, par)?);
-            *sampler = sampled.on(&prepared.surface, par)?;
+            *prepared = prepared.refined(FINE * length, par, progress)?;
+            sampler.move_to(&prepared.surface, par)?;
         }
         Ok(())
     }
@@ -163,8 +166,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         let refused = |why| Err(Error::Argument { what: "n", why });
         let surface = &self.source.prepared.surface;
         let there = (0..surface.len() as u32).filter(|&v| !surface.links(v).is_empty()).count();
-        let literal = self.options.method == Method::Thesis;
-        if n > there && (literal || !self.options.resample) {
+        if n > there && !self.resamples() {
             return refused(format!(
                 "{n}, but the mesh has {there} vertices, and is not resampled"
             ));

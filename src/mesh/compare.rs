@@ -107,7 +107,7 @@ fn spread(mesh: &TriMesh) -> Result<Vec<(Vector, Vector)>> {
         while (points.len() as f64 + 0.5) * share < sum && points.len() < SAMPLES {
             let [s, t] = STEPS.map(|step| (step * (points.len() + 1) as f64).fract());
             let [s, t] = if s + t > 1.0 { [1.0 - s, 1.0 - t] } else { [s, t] };
-            let [a, b, c] = mesh.faces()[f].map(|v| mesh.vertices()[v as usize]);
+            let [a, b, c] = mesh.corners_of(mesh.faces()[f]);
             let p = std::array::from_fn(|k| a[k] + s * (b[k] - a[k]) + t * (c[k] - a[k]));
             points.push((p, normals[f]));
         }
@@ -126,7 +126,7 @@ struct Near {
 
 impl Triangles {
     pub fn of(mesh: &TriMesh) -> Self {
-        let corners = mesh.faces().iter().map(|face| face.map(|v| mesh.vertices()[v as usize]));
+        let corners = mesh.faces().iter().map(|&face| mesh.corners_of(face));
         Self(RTree::bulk_load(corners.map(Triangle).collect()))
     }
 
@@ -139,13 +139,20 @@ impl Triangles {
 
     /// The squared distance of each point from the nearest face; 0 when there is none.
     pub fn squares(&self, points: &[Vector], par: Par) -> Vec<f64> {
-        let blocks = par.map_blocks(points.len(), BLOCK, |range| {
-            let square =
-                |p: &Vector| self.0.nearest_neighbor(*p).map_or(0.0, |near| near.distance_2(p));
-            points[range].iter().map(square).collect::<Vec<_>>()
-        });
-        blocks.concat()
+        squares(points, &self.0, par)
     }
+}
+
+/// The squared distance of each point from what is nearest in the tree; 0 when that is empty.
+pub(crate) fn squares<T>(points: &[Vector], tree: &RTree<T>, par: Par) -> Vec<f64>
+where
+    T: PointDistance + RTreeObject<Envelope = AABB<Vector>> + Sync,
+{
+    let blocks = par.map_blocks(points.len(), BLOCK, |range| {
+        let square = |p: &Vector| tree.nearest_neighbor(*p).map_or(0.0, |near| near.distance_2(p));
+        points[range].iter().map(square).collect::<Vec<_>>()
+    });
+    blocks.concat()
 }
 
 struct Triangle([Vector; 3]);

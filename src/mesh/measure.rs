@@ -24,7 +24,7 @@ impl TriMesh {
         cross(sub(b, a), sub(c, a))
     }
 
-    fn corners_of(&self, face: [u32; 3]) -> [[f64; 3]; 3] {
+    pub(super) fn corners_of(&self, face: [u32; 3]) -> [[f64; 3]; 3] {
         face.map(|v| self.vertices()[v as usize])
     }
 

@@ -1,5 +1,6 @@
 //! A tree of boxes around triangles that may move.
 
+use crate::base::Par;
 use crate::mesh::vector::Vector;
 
 /// A box with sides along the axes; empty when `low` is above `high`.
@@ -31,6 +32,9 @@ impl Bounds {
 
 /// Items in a leaf.
 const LEAF: usize = 4;
+
+/// Leaves that one thread takes at a time.
+const BLOCK: usize = 64;
 
 /// Boxes of items, numbered from 0, in a complete binary tree over their order along a curve that
 /// fills space.
@@ -69,20 +73,33 @@ impl BoxTree {
         tree
     }
 
-    /// Groups that the items are in, each of items near each other.
-    pub fn groups(&self) -> usize {
-        self.order.len().div_ceil(LEAF)
+    /// The pairs of items whose boxes meet and that `wanted` holds for, in an order that does not
+    /// depend on `par`.
+    pub fn pairs(&self, par: Par, wanted: impl Fn(u32, u32) -> bool + Sync) -> Vec<[u32; 2]> {
+        let leaves = self.order.len().div_ceil(LEAF);
+        let pairs = par.map_blocks(leaves, BLOCK, |range| {
+            let mut pairs = Vec::new();
+            for leaf in range {
+                self.visit_pairs(leaf, |i, j| {
+                    if wanted(i, j) {
+                        pairs.push([i, j]);
+                    }
+                });
+            }
+            pairs
+        });
+        pairs.concat()
     }
 
-    /// Calls `found` for every two items whose boxes meet, one of which is in this group, the other
+    /// Calls `found` for every two items whose boxes meet, one of which is in this leaf, the other
     /// one in it or in a later one.
-    pub fn visit_pairs(&self, group: usize, mut found: impl FnMut(u32, u32)) {
-        let own = self.items(group);
+    fn visit_pairs(&self, leaf: usize, mut found: impl FnMut(u32, u32)) {
+        let own = self.items(leaf);
         let meet = |i: u32, j: u32| self.boxes[i as usize].meets(&self.boxes[j as usize]);
         for (at, &i) in own.iter().enumerate() {
             own[..at].iter().filter(|&&j| meet(i, j)).for_each(|&j| found(i, j));
         }
-        self.walk(&self.nodes[self.leaves + group], group + 1, |other| {
+        self.walk(&self.nodes[self.leaves + leaf], leaf + 1, |other| {
             let bounds = &self.nodes[self.leaves + other];
             for &i in own.iter().filter(|&&i| self.boxes[i as usize].meets(bounds)) {
                 self.items(other).iter().filter(|&&j| meet(i, j)).for_each(|&j| found(i, j));
@@ -210,10 +227,8 @@ mod tests {
                     .collect();
                 assert_eq!(found(&tree, &wanted), meeting, "{items} items, round {round}");
             }
-            let mut pairs = Vec::new();
-            for group in 0..tree.groups() {
-                tree.visit_pairs(group, |i, j| pairs.push([i.min(j), i.max(j)]));
-            }
+            let mut pairs = tree.pairs(Par::Threads(3), |_, _| true);
+            pairs.iter_mut().for_each(|pair| pair.sort_unstable());
             pairs.sort_unstable();
             let meet =
                 |i: usize, j: usize| boxes[i].zip(boxes[j]).is_some_and(|(a, b)| a.meets(&b));

@@ -9,9 +9,6 @@ pub(crate) use triangles::{Corners, intersect};
 use super::TriMesh;
 use crate::base::Par;
 
-/// Groups of faces that one thread looks at at a time.
-const BLOCK: usize = 128;
-
 impl TriMesh {
     /// The faces that intersect another face, ascending: they share a point that is not a common
     /// corner or on a common edge, or they have the same corners. Corners are the same when their
@@ -35,29 +32,12 @@ impl TriMesh {
     /// # Ok::<(), catamaran::Error>(())
     /// ```
     pub fn intersecting_faces(&self, par: Par) -> Vec<u32> {
-        let mut faces: Vec<u32> = self.intersecting_pairs(par).into_iter().flatten().collect();
+        let corners = |f: u32| self.corners_of(self.faces()[f as usize]);
+        let tree = BoxTree::new(self.faces().len(), |f| Some(Bounds::of(&corners(f as u32))));
+        let pairs = tree.pairs(par, |f, g| intersect(&corners(f), &corners(g)));
+        let mut faces = pairs.into_flattened();
         faces.sort_unstable();
         faces.dedup();
         faces
-    }
-
-    /// The pairs of faces that intersect, the lower face first, ascending.
-    pub(crate) fn intersecting_pairs(&self, par: Par) -> Vec<[u32; 2]> {
-        let corners = |f: usize| self.faces()[f].map(|v| self.vertices()[v as usize]);
-        let tree = BoxTree::new(self.faces().len(), |f| Some(Bounds::of(&corners(f))));
-        let pairs = par.map_blocks(tree.groups(), BLOCK, |range| {
-            let mut pairs = Vec::new();
-            for group in range {
-                tree.visit_pairs(group, |f, g| {
-                    if intersect(&corners(f as usize), &corners(g as usize)) {
-                        pairs.push([f.min(g), f.max(g)]);
-                    }
-                });
-            }
-            pairs
-        });
-        let mut pairs = pairs.concat();
-        pairs.sort_unstable();
-        pairs
     }
 }

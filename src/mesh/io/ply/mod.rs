@@ -97,13 +97,7 @@ impl Reader {
     }
 
     fn faces(&mut self, element: &Element, rows: &mut Rows<'_, '_>) -> Checked<()> {
-        let Some(corners) = element.list(Name::Corners) else {
-            return if element.count == 0 {
-                Ok(())
-            } else {
-                Err("faces without a list vertex_indices".into())
-            };
-        };
+        let Some(corners) = list_of_corners(element, "faces")? else { return Ok(()) };
         let uv = element.list(Name::CornerUv);
         if self.draft.faces.is_empty() {
             self.draft.faces = roomy(element.count);
@@ -177,13 +171,7 @@ impl Reader {
     /// Strips of triangles: each vertex makes one with the two before it, every second one the other
     /// way around; -1 ends a strip. Triangles that only turn a strip have a vertex twice.
     fn strips(&mut self, element: &Element, rows: &mut Rows<'_, '_>) -> Checked<()> {
-        let Some(corners) = element.list(Name::Corners) else {
-            return if element.count == 0 {
-                Ok(())
-            } else {
-                Err("strips without a list vertex_indices".into())
-            };
-        };
+        let Some(corners) = list_of_corners(element, "strips")? else { return Ok(()) };
         while let Some(row) = rows.next()? {
             let read = self.strip(&row.lists[corners]);
             read.map_err(|fault| fault.of(|| format!("tristrips {}", row.index)))?;
@@ -232,5 +220,14 @@ fn vertex_number(number: f64) -> Checked<u32> {
         Ok(number as u32)
     } else {
         Err(format!("vertex {number}").into())
+    }
+}
+
+/// Which list of an element, of faces or strips, is that of the corners; `None` where that is not
+/// there and nothing else is.
+fn list_of_corners(element: &Element, what: &str) -> Checked<Option<usize>> {
+    match element.list(Name::Corners) {
+        None if element.count > 0 => Err(format!("{what} without a list vertex_indices").into()),
+        found => Ok(found),
     }
 }
