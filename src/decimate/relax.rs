@@ -7,7 +7,7 @@ use super::guard::{allows_flip, move_all};
 use super::handles::cut_narrow_handles;
 use super::loss::{gap_of_move, loss_of_flip};
 use super::patch::Patch;
-use super::reach::reach_out;
+use super::quadric::sharpest;
 use super::surface::Surface;
 use crate::base::{Par, Progress, Result};
 use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub, unit};
@@ -19,9 +19,8 @@ const BLOCK: usize = 512;
 const SWEEPS: usize = 4;
 
 /// Passes: edges flipped towards six at each vertex, in the last passes to be Delaunay; short edges exchanged for long ones,
-/// but in the last passes; vertices moved to the centroids of their faces and back onto the surface; once, before the last
-/// passes, out to what is missed of it, and at the end off it by half its height above the faces. Handles narrow for edges of
-/// the length `narrow` are cut.
+/// but in the last passes; vertices moved to the centroids of their faces and back onto the surface, or to its creases and
+/// tips; at the end off it by half its height above the faces. Handles narrow for edges of the length `narrow` are cut.
 pub(super) fn relax(
     surface: &Surface<'_>,
     patch: &mut Patch,
@@ -46,9 +45,6 @@ pub(super) fn relax(
             make_delaunay(patch);
         }
         move_vertices(surface, patch, par);
-        if pass + 1 == lively {
-            reach_out(surface, patch, par);
-        }
     }
     if passes > 0 {
         make_delaunay(patch);
@@ -178,11 +174,9 @@ fn target(surface: &Surface<'_>, patch: &Patch, v: u32) -> Option<Found> {
     if norm(normals) >= FLAT * weight {
         return on_surface(surface, anchor, p);
     }
-    // At a tip or an edge, what the faces would lose is given back.
-    let back = gap_of_move(patch, v, p, here);
-    let found = on_surface(surface, anchor, std::array::from_fn(|k| p[k] + back[k]))?;
     // Six equilateral triangles of side l have 3 sqrt(3) l^2 / 2, of which `weight` is twice.
     let length = (weight / 27f64.sqrt()).sqrt();
+    let found = on_surface(surface, anchor, sharpest(surface, patch, v, p, length))?;
     let lost = norm(gap_of_move(patch, v, found.point, here));
     (lost <= MOVE_LOSS * length).then_some(found)
 }

@@ -7,6 +7,8 @@ use super::cells::{Cells, Growth, Seed};
 use super::closest::{on_boundary, on_face, on_surface};
 use super::collapse::reduce;
 use super::farthest::{Sampler, first_sample};
+use super::gaps::Gaps;
+use super::mend::mend;
 use super::options::{DecimateOptions, Method};
 use super::patch::Patch;
 use super::prepare::{Prepared, prepare};
@@ -247,6 +249,15 @@ impl<'m, 'o> Decimator<'m, 'o> {
         let passes = self.options.relaxation;
         relax(surface, &mut patch, passes, narrow, par, progress.part(0.7..0.95))?;
         reach(&mut patch)?;
+        if passes > 0 {
+            growth.clear();
+            growth.grow(surface, &anchor_seeds(&patch), cutoff);
+            growth.grow_on(surface);
+            let cells = (0..surface.len() as u32).map(|v| growth.cell(v));
+            let gaps = Gaps::new(surface, cells, patch.positions().len());
+            mend(&gaps, &mut patch, par);
+            reach(&mut patch)?;
+        }
         let (positions, anchors, on_rim, faces) = patch.compact();
         let mesh = TriMesh::new(positions, faces)?;
         let places: Vec<Place> = (0..n)
@@ -318,6 +329,12 @@ fn dual_patch(
         }
     }
     patch
+}
+
+/// Cells start at the vertices near those of the patch.
+fn anchor_seeds(patch: &Patch) -> Vec<Seed> {
+    let there = (0..).zip(&patch.anchors).filter(|&(v, _)| !patch.around(v).is_empty());
+    there.map(|(cell, &vertex)| Seed { vertex, distance: 0.0, cell }).collect()
 }
 
 /// Cells start at the corners of the faces in which the vertices are.

@@ -70,19 +70,7 @@ impl TriMesh {
     /// Quality of each face, `Q(t) = 2 sqrt(3) A / (S l)` with area A, half the perimeter S and longest edge l (thesis,
     /// section 5): 1 for equilateral triangles, 0 for those without area.
     pub fn qualities(&self) -> Vec<f64> {
-        let quality = |&face: &[u32; 3]| {
-            let lengths = self.edge_lengths(face);
-            let longest = lengths.into_iter().fold(0.0, f64::max);
-            let half = lengths.into_iter().sum::<f64>() / 2.0;
-            let area = norm(self.doubled_normal(face)) / 2.0;
-            if longest > 0.0 { 2.0 * 3f64.sqrt() * area / (half * longest) } else { 0.0 }
-        };
-        self.faces().iter().map(quality).collect()
-    }
-
-    fn edge_lengths(&self, face: [u32; 3]) -> [f64; 3] {
-        let [a, b, c] = self.corners_of(face);
-        [norm(sub(b, a)), norm(sub(c, b)), norm(sub(a, c))]
+        self.faces().iter().map(|&face| quality(self.corners_of(face))).collect()
     }
 
     /// The faces without area: at most 8 eps times the square of their longest edge, which is what rounding leaves.
@@ -146,6 +134,16 @@ pub(super) fn is_flat([a, b, c]: [[f64; 3]; 3]) -> bool {
     let [ab, bc, ca] = edges.map(|edge| edge.map(|x| x / size));
     let longest = norm(ab).max(norm(bc)).max(norm(ca));
     norm(cross(ab, ca)) / 2.0 <= FLAT * longest * longest
+}
+
+/// Q of a triangle with these corners, as in [`TriMesh::qualities`].
+pub(crate) fn quality([a, b, c]: [[f64; 3]; 3]) -> f64 {
+    let edges = [sub(b, a), sub(c, b), sub(a, c)];
+    let lengths = edges.map(norm);
+    let longest = lengths.into_iter().fold(0.0, f64::max);
+    let half = lengths.into_iter().sum::<f64>() / 2.0;
+    let area = norm(cross(edges[0], sub(c, a))) / 2.0;
+    if longest > 0.0 { 2.0 * 3f64.sqrt() * area / (half * longest) } else { 0.0 }
 }
 
 fn plus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {

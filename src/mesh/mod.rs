@@ -25,6 +25,7 @@ pub(crate) use compare::{Triangles, squares, weights_on_triangle};
 pub use distance::{Dijkstra, Graph, HeatMethod, HeatOptions, SearchLimits};
 pub use laplacian::{Boundary, Laplacian, LaplacianKind, LaplacianOptions, MassKind, laplacian};
 pub use measure::Normalization;
+pub(crate) use measure::quality;
 pub use operators::{divergence, gradient, vertex_areas};
 pub use parts::Part;
 pub(crate) use repair::manifold;

@@ -1,0 +1,145 @@
+//! How far the new mesh and the surface are from each other, place by place.
+
+use super::closest::{Found, on_surface};
+use super::patch::Patch;
+use super::surface::Surface;
+use crate::mesh::intersections::{Bounds, Corners};
+use crate::mesh::vector::{Vector, dot, sub};
+use crate::mesh::weights_on_triangle;
+
+/// A place where the new mesh and the surface are apart.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Gap {
+    pub size: f64,
+    pub on_patch: Vector,
+    pub on_surface: Vector,
+    /// The vertex of the surface that is nearest there.
+    pub near: u32,
+    pub site: Site,
+}
+
+/// What a gap is measured from.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Site {
+    /// The part of the surface in the cell of a vertex.
+    Cell(u32),
+    /// A face of the new mesh.
+    Face(u32),
+}
+
+/// The surface, with the part of it in the cell of each vertex of the new mesh.
+pub(super) struct Gaps<'a, 's> {
+    pub surface: &'a Surface<'s>,
+    /// For each vertex of the new mesh the vertices of the surface in its cell.
+    cells: Vec<Vec<u32>>,
+}
+
+/// Barycentric coordinates of the points of a face whose distances are measured.
+const SAMPLES: [Vector; 4] = [[1.0 / 3.0; 3], [0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]];
+
+impl<'a, 's> Gaps<'a, 's> {
+    /// With the cell of each vertex of the surface, of so many cells.
+    pub fn new(
+        surface: &'a Surface<'s>,
+        cell_of: impl IntoIterator<Item = u32>,
+        count: usize,
+    ) -> Self {
+        let mut cells = vec![Vec::new(); count];
+        for (cell, v) in cell_of.into_iter().zip(0..) {
+            if let Some(cell) = cells.get_mut(cell as usize) {
+                cell.push(v);
+            }
+        }
+        Self { surface, cells }
+    }
+
+    /// None of vertices that came later.
+    fn cell(&self, v: u32) -> &[u32] {
+        self.cells.get(v as usize).map_or(&[], Vec::as_slice)
+    }
+
+    /// From the vertex in the cell of v that is farthest from the new mesh; `None` when none is
+    /// farther than `least`.
+    pub fn of_cell(&self, patch: &Patch, v: u32, least: f64) -> Option<Gap> {
+        let mut widest: Option<Gap> = None;
+        for &near in self.cell(v) {
+            let limit = widest.map_or(least, |gap| gap.size);
+            let q = self.surface.position(near);
+            let mut nearest = (q, f64::INFINITY);
+            patch.around(v).iter().for_each(|&f| approach(patch, f, q, &mut nearest));
+            // Most are near enough to the faces at v.
+            if nearest.1 <= limit * limit {
+                continue;
+            }
+            let reach = nearest.1.sqrt().min(self.surface.scale);
+            let bounds = Bounds::of(&[-reach, reach].map(|r| q.map(|x| x + r)));
+            patch.visit(&bounds, |f| approach(patch, f, q, &mut nearest));
+            let (on_patch, size) = (nearest.0, nearest.1.sqrt());
+            if size > limit {
+                widest = Some(Gap { size, on_patch, on_surface: q, near, site: Site::Cell(v) });
+            }
+        }
+        widest
+    }
+
+    /// From the middle of a face or of its edges, whichever is farthest from the surface; `None`
+    /// when none is farther than `least`.
+    pub fn of_face(&self, patch: &Patch, f: u32, least: f64) -> Option<Gap> {
+        let face = patch.face(f as usize)?;
+        let corners = patch.corners_at(face);
+        let mut widest: Option<Gap> = None;
+        for weights in SAMPLES {
+            let limit = widest.map_or(least, |gap| gap.size);
+            let p = point(corners, weights);
+            let Some(found) = self.nearest(patch, face, p, limit) else { continue };
+            let size = found.square.sqrt();
+            if size > limit {
+                let (on_surface, near) = (found.point, found.vertex);
+                widest = Some(Gap { size, on_patch: p, on_surface, near, site: Site::Face(f) });
+            }
+        }
+        widest
+    }
+
+    /// The point of the surface nearest to p, which is on this face; any that is nearer than
+    /// `enough`.
+    fn nearest(&self, patch: &Patch, face: [u32; 3], p: Vector, enough: f64) -> Option<Found> {
+        let mut best: Option<Found> = None;
+        let mut walk = |from: u32| {
+            let found = on_surface(self.surface, from, p);
+            best = best.into_iter().chain(found).min_by(|a, b| a.square.total_cmp(&b.square));
+            best
+        };
+        for v in face {
+            let found = walk(patch.anchors[v as usize]);
+            if found.is_some_and(|found| found.square <= enough * enough) {
+                return found;
+            }
+        }
+        // All these walks may have ended beside it.
+        let square = |w: u32| {
+            let step = sub(self.surface.position(w), p);
+            dot(step, step)
+        };
+        let all = face.iter().flat_map(|&v| self.cell(v)).copied();
+        match all.min_by(|&a, &b| square(a).total_cmp(&square(b))) {
+            Some(w) => walk(w),
+            None => best,
+        }
+    }
+}
+
+/// Takes the point of a face nearest to p, with its squared distance, if it is nearer than what is.
+fn approach(patch: &Patch, f: u32, p: Vector, nearest: &mut (Vector, f64)) {
+    let corners = patch.corners_at(patch.faces[f as usize]);
+    let q = point(corners, weights_on_triangle(corners, p));
+    let step = sub(p, q);
+    let square = dot(step, step);
+    if square < nearest.1 {
+        *nearest = (q, square);
+    }
+}
+
+fn point(corners: Corners, weights: Vector) -> Vector {
+    std::array::from_fn(|k| (0..3).map(|i| weights[i] * corners[i][k]).sum())
+}
