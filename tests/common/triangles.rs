@@ -21,22 +21,23 @@ fn corners(mesh: &TriMesh, f: usize) -> [Point; 3] {
     mesh.faces()[f].map(|v| mesh.vertices()[v as usize])
 }
 
-/// An edge whose angle with a triangle has a smaller sine is in its plane, but for rounding: it
-/// pierces nothing.
-const PARALLEL: f64 = 1e-12;
+/// An edge that is this near to the plane of a triangle (the sine of the angle), or passes this near
+/// to one of its sides (a barycentric coordinate), touches it but for rounding.
+const ROUNDING: f64 = 1e-9;
 
-/// Whether an edge passes through the inside of a triangle (Moeller and Trumbore 1997).
+/// Whether an edge passes through the inside of a triangle (Moeller and Trumbore 1997); what only
+/// touches it does not.
 fn pierces([p, q]: [Point; 2], [a, b, c]: [Point; 3]) -> bool {
     let (ab, ac, pq, ap) = (sub(b, a), sub(c, a), sub(q, p), sub(p, a));
     let h = cross(pq, ac);
     let determinant = dot(ab, h);
     let lengths = [ab, ac, pq].map(|v| dot(v, v).sqrt());
-    if determinant.abs() <= PARALLEL * lengths.iter().product::<f64>() {
+    if determinant.abs() <= ROUNDING * lengths.iter().product::<f64>() {
         return false;
     }
     let k = cross(ap, ab);
     let [u, v, t] = [dot(ap, h), dot(pq, k), dot(ac, k)].map(|x| x / determinant);
-    u > 0.0 && v > 0.0 && u + v < 1.0 && t > 0.0 && t < 1.0
+    [u, v, 1.0 - u - v, t, 1.0 - t].iter().all(|&part| part > ROUNDING)
 }
 
 /// The faces that an edge of another face pierces, and those of these edges. An edge does not pierce

@@ -50,7 +50,7 @@ fn what_a_reader_leaves_out_is_noted() {
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let note = "note: twice.obj: left out triangles that have a vertex twice: 1";
     assert!(run.stderr.contains(note), "{}", run.stderr);
-    let refused = folder.run("mesh twice.obj --strict").stderr;
+    let refused = folder.run("shapedna whole.obj twice.obj -k 5 --strict").stderr;
     assert!(refused.contains("facets with two equal corners: 1 (--strict)"), "{refused}");
 }
 
