@@ -25,7 +25,8 @@ use crate::report::{note, report, seconds};
 /// The result has exactly that many vertices, is a manifold, and has the components, boundary loops
 /// and genus of the input; what can't be is refused, with the reason. Faces do not intersect unless
 /// those of the input do or there are too few to do better, which is said. Edges longer than those
-/// of the result are split first. Colours and texture coordinates are carried over.
+/// of the result are split first. Colours, texture coordinates, materials and groups are carried
+/// over; normals are not.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
@@ -132,7 +133,12 @@ pub fn run(args: &Args) -> Result<()> {
         args.picture.draw_faces(picture, &args.input, &panels)?;
     }
     let path = output.path().display().to_string();
+    let left_out = Decimation::left_out(&input);
     output::mesh(output, &found.carry(&input)?)?;
+    if !left_out.is_empty() {
+        let what = left_out.join(", ");
+        note(format_args!("{path}: {what} of the input are not carried over"));
+    }
     report(format_args!("written     {path}"))
 }
 

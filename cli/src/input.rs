@@ -57,10 +57,15 @@ pub fn mesh(path: &Path) -> catamaran::Result<MeshFile> {
     let update = |fraction| bar.update(fraction);
     let file = meshes::read_with(path, &source().progress(Progress::new(&update)))?;
     drop(bar);
+    pass_on(&file, path);
+    Ok(file)
+}
+
+/// Prints the notes of the reader of a file from `path`.
+pub fn pass_on(file: &MeshFile, path: &Path) {
     for line in &file.notes {
         note(format_args!("{}: {line}", path.display()));
     }
-    Ok(file)
 }
 
 impl MeshArgs {
@@ -80,7 +85,7 @@ impl MeshArgs {
         let name = path.display();
         if self.strict {
             if file.collapsed_faces > 0 {
-                bail!("{name}: {} facets with two equal corners (--strict)", file.collapsed_faces);
+                bail!("{name}: facets with two equal corners: {} (--strict)", file.collapsed_faces);
             }
             if let Some(line) = file.notes.first() {
                 bail!("{name}: {line} (--strict)");

@@ -278,7 +278,10 @@ fn measures(file: &MeshFile, found: &Validation) -> Result<()> {
         report(format_args!("attributes  {}", extras.join(", ")))?;
     }
     if file.collapsed_faces > 0 {
-        report(format_args!("left out    {} facets with two equal corners", file.collapsed_faces))?;
+        report(format_args!(
+            "left out    facets with two equal corners: {}",
+            file.collapsed_faces
+        ))?;
     }
     Ok(())
 }

@@ -63,6 +63,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut found = Vec::with_capacity(names.len());
     for (i, name) in names.iter().enumerate() {
         let file = read_with(name, &input::source())?;
+        input::pass_on(&file, name);
         let mesh = args.laplacian.repair.apply(file, name)?.mesh;
         found.push(shape_dna(&mesh, &options).with_context(|| name.display().to_string())?);
         bar.step((i + 1) as f64 / names.len() as f64)?;

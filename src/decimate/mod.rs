@@ -3,8 +3,8 @@
 //!
 //! See docs/algorithms/decimate.md for the mathematics.
 
-mod attributes;
 mod batches;
+mod carry;
 mod cells;
 mod closest;
 mod collapse;

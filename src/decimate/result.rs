@@ -34,6 +34,13 @@ pub struct Place {
     pub weights: [f64; 3],
 }
 
+impl Place {
+    /// The value here of a function that is linear on the face and has these values at its corners.
+    pub(super) fn mix<const N: usize>(&self, values: [[f64; N]; 3]) -> [f64; N] {
+        std::array::from_fn(|k| (0..3).map(|i| self.weights[i] * values[i][k]).sum())
+    }
+}
+
 /// What deformations leave as it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Topology {

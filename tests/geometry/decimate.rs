@@ -18,7 +18,7 @@ fn options() -> DecimateOptions<'static> {
 }
 
 /// Everything that a decimation promises.
-fn check(name: &str, input: &TriMesh, n: usize, found: &Decimation) {
+pub fn check(name: &str, input: &TriMesh, n: usize, found: &Decimation) {
     let mesh = &found.mesh;
     assert_eq!(mesh.vertices().len(), n, "{name}");
     assert!(mesh.unreferenced_vertices().is_empty(), "{name}");
@@ -314,7 +314,7 @@ fn resampling_makes_vertices_where_there_are_none() {
 }
 
 /// A cylinder as CAD programs write it: sides of two long triangles, ends that are fans.
-fn cad_cylinder(sides: u32) -> TriMesh {
+pub fn cad_cylinder(sides: u32) -> TriMesh {
     let mut vertices = vec![[0.0, 0.0, 0.0], [0.0, 0.0, 10.0]];
     for i in 0..sides {
         let angle = std::f64::consts::TAU * f64::from(i) / f64::from(sides);
@@ -329,7 +329,7 @@ fn cad_cylinder(sides: u32) -> TriMesh {
 }
 
 /// A sphere so flat, and bent, that its sheets are nearer to each other than vertices of the result.
-fn blade() -> TriMesh {
+pub fn blade() -> TriMesh {
     let (mut vertices, faces) = families::icosphere(5).unwrap().into_parts();
     for p in &mut vertices {
         let [x, y, z] = *p;

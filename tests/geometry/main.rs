@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod decimate;
+mod decimate_families;
 mod laplacian;
 mod mesh;
 mod mesh_files;
@@ -16,3 +17,5 @@ mod sparse;
 mod spectral;
 #[path = "../common/surface.rs"]
 mod surface;
+#[path = "../common/triangles.rs"]
+mod triangles;

@@ -7,6 +7,8 @@ use catamaran::mesh::families::{self, Bend};
 use catamaran::mesh::{Components, Edges, Genus, Normalization, Problem, TriMesh, io};
 use catamaran::{Error, Par};
 
+use crate::triangles::intersecting;
+
 /// A mesh, and what was promised of it.
 struct Case {
     name: &'static str,
@@ -436,21 +438,6 @@ fn shared_meshes_agree_with_their_index() {
     }
 }
 
-/// Whether an edge passes through the inside of a triangle (Moeller and Trumbore 1997).
-fn pierces([p, q]: [[f64; 3]; 2], [a, b, c]: [[f64; 3]; 3]) -> bool {
-    let sub = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let cross = |a: [f64; 3], b: [f64; 3]| {
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    };
-    let (ab, ac, pq, ap) = (sub(b, a), sub(c, a), sub(q, p), sub(p, a));
-    let h = cross(pq, ac);
-    let determinant = dot(ab, h);
-    let k = cross(ap, ab);
-    let [u, v, t] = [dot(ap, h), dot(pq, k), dot(ac, k)].map(|x| x / determinant);
-    u > 0.0 && v > 0.0 && u + v < 1.0 && t > 0.0 && t < 1.0
-}
-
 #[test]
 fn intersecting_faces_are_those_of_brute_force() {
     let mut rng = catamaran::base::Rng::new(17);
@@ -463,17 +450,8 @@ fn intersecting_faces_are_those_of_brute_force() {
         }
         let faces: Vec<[u32; 3]> =
             (0..triangles as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
-        let mesh = TriMesh::new(vertices, faces.clone()).unwrap();
-        let corners = |f: usize| faces[f].map(|v| mesh.vertices()[v as usize]);
-        let edges = |[a, b, c]: [[f64; 3]; 3]| [[a, b], [b, c], [c, a]];
-        let meet = |f: usize, g: usize| {
-            edges(corners(f)).into_iter().any(|edge| pierces(edge, corners(g)))
-                || edges(corners(g)).into_iter().any(|edge| pierces(edge, corners(f)))
-        };
-        let wanted: Vec<u32> = (0..triangles)
-            .filter(|&f| (0..triangles).any(|g| f != g && meet(f, g)))
-            .map(|f| f as u32)
-            .collect();
+        let mesh = TriMesh::new(vertices, faces).unwrap();
+        let wanted = intersecting(&mesh);
         assert!(triangles < 100 || (20..140).contains(&wanted.len()), "{}", wanted.len());
         for par in [Par::Seq, Par::Threads(3)] {
             assert_eq!(mesh.intersecting_faces(par), wanted, "{triangles} triangles");

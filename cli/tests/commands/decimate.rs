@@ -117,6 +117,39 @@ fn colours_and_texture_coordinates_are_carried() {
 }
 
 #[test]
+fn materials_are_carried_and_normals_are_said_not_to_be() {
+    let folder = Folder::new();
+    let mesh = families::grid(12, 12).unwrap();
+    let mut text = String::from("mtllib grid.mtl\nvn 0 0 1\n");
+    for [x, y, z] in mesh.vertices() {
+        text += &format!("v {x} {y} {z}\n");
+    }
+    for material in ["red", "blue"] {
+        text += &format!("usemtl {material}\n");
+        for face in mesh.faces() {
+            let [a, b, c] = face.map(|v| v + 1);
+            let x: f64 = face.iter().map(|&v| mesh.vertices()[v as usize][0]).sum();
+            if (x < 1.5) == (material == "red") {
+                text += &format!("f {a}//1 {b}//1 {c}//1\n");
+            }
+        }
+    }
+    folder.write("in.obj", text);
+    let made = folder.run("decimate in.obj -n 40 -o out.obj");
+    assert_eq!(made.code, Some(0), "{}", made.stderr);
+    let note = "note: out.obj: normals of the input are not carried over\n";
+    assert!(made.stderr.contains(note), "{}", made.stderr);
+    let made = read(&folder.path("out.obj")).unwrap();
+    let materials = made.materials.expect("materials");
+    for (f, face) in made.mesh.faces().iter().enumerate() {
+        let x: f64 = face.iter().map(|&v| made.mesh.vertices()[v as usize][0]).sum();
+        let material = if x < 1.5 { "red" } else { "blue" };
+        assert!((x - 1.5).abs() < 0.1 || materials.of_face(f) == Some(material), "{x}");
+    }
+    assert_eq!(made.material_files, ["grid.mtl"]);
+}
+
+#[test]
 fn refusals_say_why_and_leave_nothing() {
     let folder = folder("in.ply", &families::spheres(3, 2).unwrap().into());
     let refused = |arguments: &str| folder.fail(&format!("decimate in.ply {arguments}"));

@@ -41,6 +41,20 @@ fn what_has_too_few_vertices_is_named() {
 }
 
 #[test]
+fn what_a_reader_leaves_out_is_noted() {
+    let folder = Folder::new();
+    write(&folder, "whole.obj", families::icosphere(1).unwrap());
+    let text = std::fs::read_to_string(folder.path("whole.obj")).unwrap();
+    folder.write("twice.obj", text + "f 1 1 2\n");
+    let run = folder.run("shapedna whole.obj twice.obj -k 5");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let note = "note: twice.obj: left out triangles that have a vertex twice: 1";
+    assert!(run.stderr.contains(note), "{}", run.stderr);
+    let refused = folder.run("shapedna whole.obj twice.obj -k 5 --strict").stderr;
+    assert!(refused.contains("facets with two equal corners: 1 (--strict)"), "{refused}");
+}
+
+#[test]
 fn a_data_set_is_the_same_bytes_for_any_number_of_threads() {
     let folder = Folder::new();
     let sizes = "--size small --vertices 800 --known 1 --unknown 0 --others 0 --poses 1 --pairs 6";

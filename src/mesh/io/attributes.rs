@@ -76,7 +76,7 @@ impl MeshFile {
     }
 
     /// `Ok` when attributes fit the mesh.
-    pub(in super::super) fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         let vertices = self.mesh.vertices().len();
         if let Some(colors) = &self.colors {
             Error::check_shape("colors", (vertices, 4), (colors.len(), 4))?;

@@ -1,0 +1,205 @@
+//! The input's texture as a surface of its own, which ends at seams.
+
+use std::collections::VecDeque;
+
+use super::super::closest::on_face;
+use super::super::result::Place;
+use super::frame::{Frame, Uv, area};
+use crate::mesh::io::Attribute;
+use crate::mesh::vector::{Vector, dot, sub};
+use crate::mesh::{Edges, TriMesh};
+
+/// No face.
+const NONE: u32 = u32::MAX;
+
+/// Texture coordinates this near to each other are one, as a part of their extent: a few roundings
+/// to single precision.
+const SAME: f64 = 1e-6;
+
+/// A face whose area in the texture is this part of the square of its longest side or less has no
+/// direction of rotation.
+const NO_AREA: f64 = 1e-9;
+
+/// How many faces around one without area are looked at for a frame.
+const NEARBY: usize = 64;
+
+/// A mesh and its texture.
+pub(super) struct Charts<'a> {
+    mesh: &'a TriMesh,
+    uv: &'a Attribute<2>,
+    /// For each corner the face across the edge that starts there, if the texture goes on there.
+    across: Vec<u32>,
+    /// For each face the last search that met it, and the side that it is on.
+    met: Vec<(u32, u32)>,
+    search: u32,
+    queue: VecDeque<u32>,
+}
+
+/// The faces near a point that hang together in the texture.
+pub(super) struct Side {
+    /// Their point nearest to it.
+    pub place: Place,
+    pub point: Vector,
+    /// Whether the face is among them in which the point has its own place.
+    pub own: bool,
+}
+
+impl<'a> Charts<'a> {
+    pub fn of(mesh: &'a TriMesh, uv: &'a Attribute<2>) -> Self {
+        let faces = mesh.faces().len();
+        let across = across(mesh, uv);
+        Self { mesh, uv, across, met: vec![(0, 0); faces], search: 0, queue: VecDeque::new() }
+    }
+
+    /// The texture at a place.
+    pub fn at(&self, place: &Place) -> Option<Uv> {
+        Some(place.mix(self.uv.of_face(self.mesh, place.face as usize)?))
+    }
+
+    /// The frame of a face.
+    pub fn frame(&self, face: u32) -> Option<Frame> {
+        let corners = self.mesh.faces()[face as usize].map(|v| self.mesh.vertices()[v as usize]);
+        Frame::of(corners, self.uv.of_face(self.mesh, face as usize)?)
+    }
+
+    /// The frame of a face, or where it has none that of one nearby in the texture.
+    pub fn frame_near(&mut self, face: u32) -> Option<Frame> {
+        if let Some(frame) = self.frame(face) {
+            return Some(frame);
+        }
+        self.begin();
+        self.meet(face, 0);
+        for _ in 0..NEARBY {
+            let face = self.queue.pop_front()?;
+            if let Some(frame) = self.frame(face) {
+                return Some(frame);
+            }
+            self.meet_around(face, 0);
+        }
+        None
+    }
+
+    /// The sides of seams that these faces are on within `radius` around p, whose own place is in
+    /// `own`: the sides, and for each face the number of its one.
+    pub fn sides(
+        &mut self,
+        p: Vector,
+        own: &Place,
+        radius: f64,
+        faces: impl Iterator<Item = u32>,
+    ) -> (Vec<Side>, Vec<usize>) {
+        self.begin();
+        let mut sides = Vec::new();
+        let of_faces = faces
+            .map(|face| match self.met[face as usize] {
+                (search, side) if search == self.search => side as usize,
+                _ => {
+                    sides.push(self.side(p, own, radius, face, sides.len() as u32));
+                    sides.len() - 1
+                }
+            })
+            .collect();
+        (sides, of_faces)
+    }
+
+    fn side(&mut self, p: Vector, own: &Place, radius: f64, first: u32, number: u32) -> Side {
+        let (mut best, mut nearest) = (None, f64::INFINITY);
+        let mut has_own = false;
+        self.meet(first, number);
+        while let Some(face) = self.queue.pop_front() {
+            let (point, weights) = on_face(self.mesh, face, p);
+            let away = sub(point, p);
+            let square = dot(away, away);
+            if square > radius * radius && face != first {
+                continue;
+            }
+            if square < nearest || best.is_none() {
+                nearest = square;
+                best = Some((Place { face, weights }, point));
+            }
+            has_own |= face == own.face;
+            self.meet_around(face, number);
+        }
+        let (place, point) = match best {
+            Some(found) if !has_own => found,
+            _ => (*own, p),
+        };
+        Side { place, point, own: has_own }
+    }
+
+    fn begin(&mut self) {
+        self.search += 1;
+        self.queue.clear();
+    }
+
+    fn meet(&mut self, face: u32, side: u32) {
+        self.met[face as usize] = (self.search, side);
+        self.queue.push_back(face);
+    }
+
+    fn meet_around(&mut self, face: u32, side: u32) {
+        for corner in 3 * face as usize..3 * face as usize + 3 {
+            let next = self.across[corner];
+            if next != NONE && self.met[next as usize].0 != self.search {
+                self.meet(next, side);
+            }
+        }
+    }
+}
+
+fn across(mesh: &TriMesh, uv: &Attribute<2>) -> Vec<u32> {
+    let same = extent(uv) * SAME;
+    let turns: Vec<f64> =
+        (0..mesh.faces().len()).map(|f| uv.of_face(mesh, f).map_or(0.0, turn)).collect();
+    // The vertices of an edge in the order of its face, and their values.
+    let edge = |corner: u32| {
+        let (f, i) = (corner as usize / 3, corner as usize % 3);
+        let values = uv.of_face(mesh, f)?;
+        let ends = [i, (i + 1) % 3];
+        Some((ends.map(|i| mesh.faces()[f][i]), ends.map(|i| values[i])))
+    };
+    let goes_on = |one: u32, other: u32| {
+        let Some(((ends, values), (others, [p, q]))) = edge(one).zip(edge(other)) else {
+            return false;
+        };
+        let along = ends == others;
+        let there = if along { [p, q] } else { [q, p] };
+        let close = |(a, b): (&f64, &f64)| (a - b).abs() <= same;
+        // Where a texture is folded over, as for the halves of a face, its edge is a seam too.
+        let turns = turns[one as usize / 3] * turns[other as usize / 3];
+        let folded = if along { turns > 0.0 } else { turns < 0.0 };
+        !folded && values.as_flattened().iter().zip(there.as_flattened()).all(close)
+    };
+    let edges = Edges::new(mesh);
+    let mut across = vec![NONE; 3 * mesh.faces().len()];
+    for corners in edges.corners().rows() {
+        for (i, &corner) in corners.iter().enumerate() {
+            // In turn, so that many faces at one edge are all reached.
+            let others = corners[i + 1..].iter().chain(&corners[..i]);
+            let next = others.copied().find(|&other| goes_on(corner, other));
+            across[corner as usize] = next.map_or(NONE, |other| other / 3);
+        }
+    }
+    across
+}
+
+/// 1 for a face whose corners go round counter-clockwise in the texture, -1 for clockwise, 0 for one
+/// without area there.
+fn turn(corners: [Uv; 3]) -> f64 {
+    let [a, b, c] = corners;
+    let square = |p: Uv, q: Uv| (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2);
+    let longest = square(a, b).max(square(b, c)).max(square(c, a));
+    let area = area(corners);
+    if area.abs() > NO_AREA * longest { area.signum() } else { 0.0 }
+}
+
+/// The longer side of the box of all values.
+fn extent(uv: &Attribute<2>) -> f64 {
+    let side = |k: usize| {
+        let values = uv.values.iter().map(|value| value[k]);
+        let (low, high) = values
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        high - low
+    };
+    side(0).max(side(1)).max(0.0)
+}

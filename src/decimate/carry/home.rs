@@ -1,0 +1,63 @@
+//! For each new face the point of the input that it stands for.
+
+use super::super::closest::{on_face, on_surface};
+use super::super::result::{Decimation, Place};
+use super::super::surface::Surface;
+use crate::mesh::Genus;
+use crate::mesh::vector::{Vector, cross, dot, sub, unit};
+
+/// A face of the input whose normal has less than this along that of a new face, which are 120
+/// degrees, is on another sheet: what bridges a crease is turned less.
+const OTHER_SHEET: f64 = -0.5;
+
+/// The point of the input nearest to the middle of a new face.
+pub(super) struct Home {
+    pub place: Place,
+    pub point: Vector,
+    /// Whether the input's face there has the other side outside.
+    pub flipped: bool,
+}
+
+/// The homes of all new faces: on the sheet of the surface that faces the same way, where one is
+/// near.
+pub(super) fn homes(found: &Decimation, input: &Surface<'_>) -> Vec<Home> {
+    // Faces of the input may have been flipped before it was decimated.
+    let either_way = found.repairs.oriented || !matches!(found.before.genus, Genus::Orientable(_));
+    found.mesh.faces().iter().map(|&face| home(found, input, face, either_way)).collect()
+}
+
+fn home(found: &Decimation, input: &Surface<'_>, face: [u32; 3], either_way: bool) -> Home {
+    let corners = face.map(|v| found.mesh.vertices()[v as usize]);
+    let middle: Vector = std::array::from_fn(|k| corners.iter().map(|p| p[k] / 3.0).sum());
+    let normal = normal_of(corners);
+    // The homes that faces of the input would be, the better one the lower in order.
+    let of_face = |face: u32| {
+        let (point, weights) = on_face(&input.mesh, face, middle);
+        let there = input.mesh.faces()[face as usize].map(|v| input.position(v));
+        let along = dot(normal, normal_of(there));
+        let away = sub(point, middle);
+        let order = (!either_way && along < OTHER_SHEET, dot(away, away));
+        let flipped = either_way && along < 0.0;
+        (order, Home { place: Place { face, weights }, point, flipped })
+    };
+    let places = face.map(|v| &found.places[v as usize]);
+    let mut best = of_face(places[0].face);
+    for place in places {
+        let weights = place.weights;
+        let heaviest = (0..3).max_by(|&i, &j| weights[i].total_cmp(&weights[j])).unwrap_or(0);
+        let start = input.mesh.faces()[place.face as usize][heaviest];
+        let met = on_surface(input, start, middle).map(|met| met.place.face);
+        for face in [Some(place.face), met].into_iter().flatten() {
+            let other = of_face(face);
+            if other.0 < best.0 {
+                best = other;
+            }
+        }
+    }
+    best.1
+}
+
+/// Of length 1; zero for a face without area.
+fn normal_of([a, b, c]: [Vector; 3]) -> Vector {
+    unit(cross(sub(b, a), sub(c, a)))
+}
