@@ -6,6 +6,7 @@ METHOD: pyacvd, fast-simplification, meshoptimizer, qslim, igl-decimate (both li
 vertices for pyacvd, of faces for all others.
 """
 
+import os
 import resource
 import sys
 import time
@@ -18,6 +19,11 @@ def resident():
     with open("/proc/self/statm") as statm:
         return int(statm.read().split()[1]) * resource.getpagesize()
 
+
+# libigl's qslim grows without end at some meshes, such as lionstatue32k, until the system kills something. Half of the
+# memory, and ten minutes, are more than anyone needs for the meshes of the sets.
+resource.setrlimit(resource.RLIMIT_DATA, (os.sysconf("SC_PHYS_PAGES") * resource.getpagesize() // 2,) * 2)
+resource.setrlimit(resource.RLIMIT_CPU, (600, 600))
 
 method, source, n, target = sys.argv[1], sys.argv[2], int(sys.argv[3]), sys.argv[4]
 

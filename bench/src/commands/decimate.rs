@@ -75,15 +75,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             case += 1;
         }
     }
-    let table = summary(&runs);
-    println!("{table}");
+    let table = format!("{case} races on {threads} threads\n\n{}\n", summary(&runs));
+    print!("{table}");
     if let Some(name) = &arguments.record {
         let header = format!(
             "mesh,input_vertices,{},n,threads,{}",
             Soundness::header("input_"),
             Row::header()
         );
-        let table = format!("{case} races on {threads} threads\n\n{table}\n");
         let csv = record::csv(&header, lines);
         let files =
             [(&*format!("{name}.csv"), csv), (&*format!("{name}.md"), table), ("host.txt", host)];

@@ -62,7 +62,7 @@ impl Row {
 
     /// The columns of [`markdown`](Self::markdown).
     pub const TITLES: &str = "| contender | s | x ours | MB | vertices | Q | CV | least Q | intersecting | non-manifold \
-                              | components | loops | genus | Hausdorff | mean there | mean back |\n\
+                              | components | loops | genus | Hausdorff | mean to result | mean to input |\n\
                               |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|";
 
     /// For people.
