@@ -20,9 +20,9 @@ def resident():
         return int(statm.read().split()[1]) * resource.getpagesize()
 
 
-# libigl's qslim grows without end at some meshes, such as lionstatue32k, until the system kills something. Half of the
-# memory, and ten minutes, are more than anyone needs for the meshes of the sets.
-resource.setrlimit(resource.RLIMIT_DATA, (os.sysconf("SC_PHYS_PAGES") * resource.getpagesize() // 2,) * 2)
+# libigl's qslim grows without end at some meshes, such as lionstatue32k, until the system kills something. A quarter
+# of the memory, and ten minutes, are more than anyone needs for the meshes of the sets.
+resource.setrlimit(resource.RLIMIT_DATA, (os.sysconf("SC_PHYS_PAGES") * resource.getpagesize() // 4,) * 2)
 resource.setrlimit(resource.RLIMIT_CPU, (600, 600))
 
 method, source, n, target = sys.argv[1], sys.argv[2], int(sys.argv[3]), sys.argv[4]
