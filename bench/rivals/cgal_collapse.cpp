@@ -1,6 +1,6 @@
 // One decimation of a mesh by CGAL's edge collapse (Debian: libcgal-dev).
 //
-//     cgal_collapse INPUT.ply N OUTPUT.ply     prints seconds and bytes of the call alone; reading is not counted
+//     cgal_collapse INPUT.ply FACES OUTPUT.ply     prints seconds and bytes of the call alone; reading is not counted
 //
 // The default cost and placement: Lindstrom and Turk, 1998.
 
@@ -30,7 +30,7 @@ static long resident() {
 
 int main(int count, char** arguments) {
     if (count != 4) {
-        std::cerr << "cgal_collapse INPUT.ply N OUTPUT.ply\n";
+        std::cerr << "cgal_collapse INPUT.ply FACES OUTPUT.ply\n";
         return 2;
     }
     Mesh mesh;
@@ -39,8 +39,8 @@ int main(int count, char** arguments) {
         std::cerr << arguments[1] << ": not a mesh that CGAL takes\n";
         return 1;
     }
-    // A closed mesh has three edges a vertex.
-    const std::size_t edges = 3 * std::strtoull(arguments[2], nullptr, 10);
+    // A closed mesh has three edges for two faces.
+    const std::size_t edges = std::strtoull(arguments[2], nullptr, 10) * 3 / 2;
     const long before = resident();
     const auto start = std::chrono::steady_clock::now();
     simplification::edge_collapse(mesh, simplification::Count_stop_predicate<Mesh>(edges));

@@ -25,28 +25,38 @@ impl Report {
     }
 }
 
+/// Runs `program` with `arguments`, its libraries on `threads` threads, and reads the report that is its last line.
+///
+/// # Errors
+/// Those of [`numbers`], and when there are fewer than two.
+pub fn run(program: &Path, arguments: &[&str], threads: usize) -> Result<Report> {
+    match numbers(program, arguments, threads)?[..] {
+        [seconds, bytes, ref rest @ ..] => Ok(Report { seconds, bytes, rest: rest.to_vec() }),
+        _ => Err(format!("{}: no numbers on its last line", named(program, arguments)).into()),
+    }
+}
+
 /// Runs `program` with `arguments`, its libraries on `threads` threads, and reads the numbers of its last line.
 ///
 /// # Errors
-/// When it can't be started or fails, or prints something else.
-pub fn run(program: &Path, arguments: &[&str], threads: usize) -> Result<Report> {
+/// When it can't be started or fails.
+pub fn numbers(program: &Path, arguments: &[&str], threads: usize) -> Result<Vec<f64>> {
     let mut command = Command::new(program);
     command.args(arguments).env_remove("OPENBLAS_CORETYPE");
     for name in ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"] {
         command.env(name, threads.to_string());
     }
     let output = command.stderr(std::process::Stdio::inherit()).output()?;
-    let named = || format!("{} {}", program.display(), arguments.join(" "));
     if !output.status.success() {
-        return Err(format!("{}: {}", named(), output.status).into());
+        return Err(format!("{}: {}", named(program, arguments), output.status).into());
     }
     let text = String::from_utf8_lossy(&output.stdout);
     let line = text.lines().last().unwrap_or_default();
-    let numbers: Vec<f64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
-    match numbers[..] {
-        [seconds, bytes, ref rest @ ..] => Ok(Report { seconds, bytes, rest: rest.to_vec() }),
-        _ => Err(format!("{}: no numbers in {line:?}", named()).into()),
-    }
+    Ok(line.split_whitespace().filter_map(|word| word.parse().ok()).collect())
+}
+
+fn named(program: &Path, arguments: &[&str]) -> String {
+    format!("{} {}", program.display(), arguments.join(" "))
 }
 
 /// Reports of us and of a rival, in turns.

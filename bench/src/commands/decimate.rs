@@ -2,15 +2,21 @@
 
 use std::path::PathBuf;
 
-use catamaran_bench::decimate::{Contender, Inputs, Job, Rivals, Row, race, solve};
+use catamaran_bench::decimate::{
+    Contender, Input, Inputs, Rivals, Row, Run, Set, Soundness, race, solve, summary,
+};
 use catamaran_bench::{Result, host, record};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Meshes, each with the number of vertices wanted, as in mesh.ply:5000; by default those of the bars, if
-    /// CATAMARAN_DATA (default ../shared) has them.
+    /// Meshes, each with the number of vertices wanted, as in mesh.ply:5000; by default those of --set, if CATAMARAN_DATA
+    /// (default ../shared) has them.
     meshes: Vec<String>,
-    /// Who; all by default, without those known to take minutes on meshes beyond half a million vertices.
+    /// The meshes, and who decimates them by default.
+    #[arg(long, value_enum, default_value_t = Set::Bars, conflicts_with = "meshes")]
+    set: Set,
+    /// Who; by default, for the bars, all without those known to take minutes on meshes beyond half a million vertices; for
+    /// varied meshes one of each kind.
     #[arg(long, value_delimiter = ',')]
     contenders: Vec<Contender>,
     /// Threads.
@@ -22,7 +28,7 @@ pub struct Arguments {
     /// Where scripts/rivals installed the others.
     #[arg(long, default_value = "target/rivals")]
     libraries: PathBuf,
-    /// Writes NAME.csv and host.txt under bench/record.
+    /// Writes NAME.csv, the summary as NAME.md, and host.txt under bench/record.
     #[arg(long, value_name = "NAME")]
     record: Option<String>,
     /// Decimates the mesh once, by this contender of ours, and prints seconds and bytes.
@@ -34,82 +40,70 @@ pub struct Arguments {
     output: Option<PathBuf>,
 }
 
-/// The meshes of the bars.
-const BARS: [(&str, usize); 4] = [
-    ("armadillo43k.obj.gz", 5000),
-    ("mni152_wm317k.ply.xz", 10_000),
-    ("srtm_n44w072_1p44M.ply.xz", 10_000),
-    ("mni152_wm1p24M.ply.xz", 50_000),
-];
-
-/// Those that finish on a million vertices within a minute.
-const FAST: [Contender; 5] = [
-    Contender::Ours,
-    Contender::Thesis,
-    Contender::Pyacvd,
-    Contender::FastSimplification,
-    Contender::Meshoptimizer,
-];
-
-/// From how many vertices on only [`FAST`] ones are asked.
-const MANY: usize = 500_000;
-
 pub fn run(arguments: &Arguments) -> Result<()> {
+    let Arguments { threads, repeat, .. } = *arguments;
     if let (Some(contender), Some(n), Some(output), [input]) =
         (arguments.solve, arguments.n, &arguments.output, &arguments.meshes[..])
     {
-        return solve(
-            contender,
-            &Job { input: input.as_ref(), n, threads: arguments.threads, output },
-        );
+        return solve(contender, input.as_ref(), n, threads, output);
     }
     let host = host::describe(&[]);
-    println!("{host}\nreading is not counted; {} threads\n", arguments.threads);
+    println!("{host}\nreading is not counted; {threads} threads\n");
     let (inputs, rivals) = (Inputs::new()?, Rivals::find(&arguments.libraries));
-    let mut lines = Vec::new();
-    for (input, n) in meshes(&inputs, &arguments.meshes)? {
+    let (mut lines, mut runs, mut case) = (Vec::new(), Vec::new(), 0);
+    for (input, sizes) in meshes(&inputs, arguments)? {
         let vertices = input.mesh.vertices().len();
+        let before = Soundness::of(&input.mesh, rivals.intersecting_faces(&[&input.path])[0]);
         let contenders = match &arguments.contenders[..] {
-            [] if vertices > MANY => &FAST[..],
-            [] => &Contender::ALL[..],
+            [] => arguments.set.contenders(vertices),
             named => named,
         };
-        println!("**{}**, {vertices} vertices, to {n}\n\n{}", input.name, Row::TITLES);
-        for row in
-            race(contenders, &rivals, &inputs, &input, n, arguments.threads, arguments.repeat)?
-        {
-            println!("{}", row.markdown());
-            lines.push(format!(
-                "{},{vertices},{n},{},{}",
+        for n in sizes {
+            println!(
+                "**{}**, {vertices} vertices, intersecting faces {}, to {n}\n\n{}",
                 input.name,
-                arguments.threads,
-                row.line()
-            ));
+                before.intersecting,
+                Row::TITLES
+            );
+            for row in race(contenders, &rivals, &inputs, &input, n, threads, repeat)? {
+                println!("{}", row.markdown());
+                let [before_line, line] = [before.line(), row.line()];
+                lines.push(format!("{},{vertices},{before_line},{n},{threads},{line}", input.name));
+                runs.push(Run::new(case, &before, n, &row));
+            }
+            println!();
+            case += 1;
         }
-        println!();
     }
+    let table = format!("{case} races on {threads} threads\n\n{}\n", summary(&runs));
+    print!("{table}");
     if let Some(name) = &arguments.record {
-        let csv = record::csv(&format!("mesh,input_vertices,n,threads,{}", Row::HEADER), lines);
-        let files = [(&*format!("{name}.csv"), csv), ("host.txt", host)];
+        let header = format!(
+            "mesh,input_vertices,{},n,threads,{}",
+            Soundness::header("input_"),
+            Row::header()
+        );
+        let csv = record::csv(&header, lines);
+        let files =
+            [(&*format!("{name}.csv"), csv), (&*format!("{name}.md"), table), ("host.txt", host)];
         println!("recorded in {}", record::write(&files)?.display());
     }
     Ok(())
 }
 
-fn meshes(
-    inputs: &Inputs,
-    named: &[String],
-) -> Result<Vec<(catamaran_bench::decimate::Input, usize)>> {
-    if named.is_empty() {
-        let real = BARS.map(|(file, n)| inputs.real(file).map(|input| Some((input?, n))));
-        return Ok(real.into_iter().collect::<Result<Vec<_>>>()?.into_iter().flatten().collect());
+/// The meshes that the arguments name, or those of their set that are there, each with numbers of vertices.
+fn meshes(inputs: &Inputs, arguments: &Arguments) -> Result<Vec<(Input, Vec<usize>)>> {
+    if arguments.meshes.is_empty() {
+        let real = arguments.set.meshes().into_iter();
+        let real = real.map(|(file, sizes)| Ok(inputs.real(file)?.map(|input| (input, sizes))));
+        return real.filter_map(Result::transpose).collect();
     }
     let mesh = |text: &String| -> Result<_> {
         let (path, n) = text.rsplit_once(':').ok_or_else(|| format!("{text}: no :N at its end"))?;
         let n = n.parse().map_err(|_| format!("{text}: {n:?} is not a number of vertices"))?;
         let name = path.rsplit('/').next().unwrap_or(path);
         let name = name.split('.').next().unwrap_or(name);
-        Ok((inputs.of(name, &catamaran::mesh::io::read(path.as_ref())?.mesh)?, n))
+        Ok((inputs.of(name, catamaran::mesh::io::read(path.as_ref())?)?, vec![n]))
     };
-    named.iter().map(mesh).collect()
+    arguments.meshes.iter().map(mesh).collect()
 }

@@ -74,7 +74,7 @@ impl Contender {
     /// When the process can't be started or fails.
     pub fn run(self, rivals: &Rivals, job: &Job<'_>) -> Result<Report> {
         let [input, output] = [job.input, job.output].map(|path| path.display().to_string());
-        let (n, threads) = (job.n.to_string(), job.threads.to_string());
+        let [n, faces, threads] = [job.n, job.faces, job.threads].map(|count| count.to_string());
         if self.is_ours() {
             let arguments = [
                 "decimate",
@@ -92,11 +92,12 @@ impl Contender {
         }
         if self == Self::Cgal {
             let program = rivals.cgal.as_ref().ok_or("no CGAL: run scripts/rivals first")?;
-            return child::run(program, &[&input, &n, &output], job.threads);
+            return child::run(program, &[&input, &faces, &output], job.threads);
         }
         let python = rivals.python.as_ref().ok_or("no Python: run scripts/rivals first")?;
         let script = child::script("decimate.py");
-        child::run(python, &[&script, self.name(), &input, &n, &output], job.threads)
+        let wanted = if self == Self::Pyacvd { &n } else { &faces };
+        child::run(python, &[&script, self.name(), &input, wanted, &output], job.threads)
     }
 }
 
@@ -106,6 +107,8 @@ pub struct Job<'a> {
     pub input: &'a Path,
     /// Vertices wanted.
     pub n: usize,
+    /// Faces wanted of those that count faces.
+    pub faces: usize,
     /// Threads of those that have threads.
     pub threads: usize,
     /// A PLY file.
@@ -133,23 +136,49 @@ impl Rivals {
             _ => self.python.is_some(),
         }
     }
+
+    /// The faces of each mesh that intersect others, counted by CGAL in libigl; `None` where that is not installed or fails.
+    pub fn intersecting_faces(&self, meshes: &[&Path]) -> Vec<Option<usize>> {
+        let nothing = vec![None; meshes.len()];
+        let Some(python) = &self.python else { return nothing };
+        let paths = meshes.iter().map(|path| path.display().to_string());
+        let arguments: Vec<_> =
+            std::iter::once(child::script("intersections.py")).chain(paths).collect();
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        match child::numbers(python, &arguments, 1) {
+            Ok(counts) if counts.len() == meshes.len() => {
+                counts.into_iter().map(|count| Some(count as usize)).collect()
+            }
+            Ok(_) => nothing,
+            Err(error) => {
+                eprintln!("intersecting faces: {error}");
+                nothing
+            }
+        }
+    }
 }
 
 /// Our side, in its own process: prints seconds and bytes.
 ///
 /// # Errors
 /// Those of the library.
-pub fn solve(contender: Contender, job: &Job<'_>) -> Result<()> {
-    let mesh = catamaran::mesh::io::read(job.input)?.mesh;
+pub fn solve(
+    contender: Contender,
+    input: &Path,
+    n: usize,
+    threads: usize,
+    output: &Path,
+) -> Result<()> {
+    let mesh = catamaran::mesh::io::read(input)?.mesh;
     let options = DecimateOptions::new()
         .method(if contender == Contender::Thesis { Method::Thesis } else { Method::Uniform })
-        .par(Par::Threads(job.threads));
+        .par(Par::Threads(threads));
     let [before, _] = child::memory();
     let start = Instant::now();
-    let made = decimate(&mesh, job.n, &options)?;
+    let made = decimate(&mesh, n, &options)?;
     let seconds = start.elapsed().as_secs_f64();
     let [_, peak] = child::memory();
-    inputs::write(job.output, &made.mesh, Overwrite::Replace)?;
+    inputs::write(output, &made.mesh, Overwrite::Replace)?;
     println!("{}", Report::line(seconds, peak.saturating_sub(before), &[]));
     Ok(())
 }

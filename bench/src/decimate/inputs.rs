@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use catamaran::io::{Output, Overwrite};
 use catamaran::mesh::io::MeshFile;
-use catamaran::mesh::{Normalization, TriMesh};
+use catamaran::mesh::{Edges, Normalization, RepairOptions, TriMesh, repair};
 
 use crate::Result;
 
-/// A mesh of longest side 1, so that distances compare, and the file of it that contenders read.
+/// A repaired mesh of longest side 1, so that distances compare, and the file of it that contenders read.
 pub struct Input {
     /// Its name.
     pub name: String,
@@ -16,6 +16,14 @@ pub struct Input {
     pub mesh: TriMesh,
     /// A PLY file.
     pub path: PathBuf,
+}
+
+impl Input {
+    /// The faces of a closed mesh of `n` vertices that has the Euler characteristic of this one.
+    pub fn faces_for(&self, n: usize) -> usize {
+        let vertices = n as i64 - self.mesh.euler_characteristic(&Edges::new(&self.mesh));
+        2 * vertices.max(0) as usize
+    }
 }
 
 /// Meshes as PLY files, in a folder that goes away with this.
@@ -65,15 +73,17 @@ impl Inputs {
             return Ok(None);
         }
         let name = file.split('.').next().unwrap_or(file);
-        self.of(name, &catamaran::mesh::io::read(&path)?.mesh).map(Some)
+        self.of(name, catamaran::mesh::io::read(&path)?).map(Some)
     }
 
-    /// This mesh, its longest side 1.
+    /// This mesh, its longest side 1, with the repairs that `catamaran decimate` does by itself, so that every contender
+    /// starts from the same surface. Vertices that no face has are left out: some contenders would keep them.
     ///
     /// # Errors
-    /// When its file can't be written.
-    pub fn of(&self, name: &str, mesh: &TriMesh) -> Result<Input> {
-        let mesh = mesh.normalized(Normalization::UnitBox)?;
+    /// When it can't be repaired, or its file not be written.
+    pub fn of(&self, name: &str, mesh: impl Into<MeshFile>) -> Result<Input> {
+        let options = RepairOptions::unambiguous().compact(true);
+        let mesh = repair(mesh.into(), &options)?.file.mesh.normalized(Normalization::UnitBox)?;
         let path = self.scratch.path().join(format!("{name}.ply"));
         write(&path, &mesh, Overwrite::Replace)?;
         Ok(Input { name: name.into(), mesh, path })

@@ -1,8 +1,8 @@
-//! What a decimated mesh is like.
+//! What inputs and decimated meshes are like.
 
 use catamaran::Par;
-use catamaran::decimate::{Difference, Quality};
-use catamaran::mesh::{Components, TriMesh};
+use catamaran::decimate::Quality;
+use catamaran::mesh::{Comparison, Components, Edges, Genus, TriMesh};
 
 use crate::Result;
 
@@ -13,26 +13,159 @@ pub struct Measures {
     pub vertices: usize,
     /// Faces.
     pub faces: usize,
-    /// Connected components.
-    pub components: usize,
+    /// Topology and intersections.
+    pub soundness: Soundness,
     /// Uniformity.
     pub quality: Quality,
-    /// Distances from the input.
-    pub difference: Difference,
+    /// Distances from the input to it, and back.
+    pub distances: Comparison,
 }
 
 impl Measures {
-    /// Of the decimation `made` of `input`.
+    /// Of the decimation `made` of `input`; `cgal` as in [`Soundness::of`].
     ///
     /// # Errors
     /// When nothing is left of it.
-    pub fn new(input: &TriMesh, made: &TriMesh) -> Result<Self> {
+    pub fn new(input: &TriMesh, made: &TriMesh, cgal: Option<usize>) -> Result<Self> {
         Ok(Self {
             vertices: made.vertices().len() - made.unreferenced_vertices().len(),
             faces: made.faces().len(),
-            components: Components::new(made).len(),
+            soundness: Soundness::of(made, cgal),
             quality: Quality::of(made),
-            difference: Difference::between(input, made, Par::all())?,
+            distances: Comparison::between(input, made, Par::all())?,
         })
+    }
+
+    /// The Hausdorff distance: the larger one of both ways.
+    pub fn hausdorff(&self) -> f64 {
+        self.distances.out.largest.max(self.distances.back.largest)
+    }
+}
+
+/// Topology of a mesh, and how many of its faces intersect.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Soundness {
+    /// Connected components.
+    pub components: usize,
+    /// Boundary loops; `None` with edges of more than two faces.
+    pub boundary_loops: Option<usize>,
+    /// Handles or cross-caps; `None` when it is not a manifold.
+    pub genus: Option<Genus>,
+    /// Edges of more than two faces.
+    pub non_manifold_edges: usize,
+    /// Faces that intersect others.
+    pub intersecting: Intersecting,
+}
+
+impl Soundness {
+    /// Of this mesh, of which CGAL counted `cgal` intersecting faces.
+    pub fn of(mesh: &TriMesh, cgal: Option<usize>) -> Self {
+        let edges = Edges::new(mesh);
+        Self {
+            components: Components::new(mesh).len(),
+            boundary_loops: mesh.boundary_loops(&edges).ok().map(|loops| loops.len()),
+            genus: mesh.genus(&edges).ok(),
+            non_manifold_edges: edges.non_manifold().count(),
+            intersecting: Intersecting { ours: mesh.intersecting_faces(Par::all()).len(), cgal },
+        }
+    }
+
+    /// The columns of [`line`](Self::line), each after `prefix`.
+    pub fn header(prefix: &str) -> String {
+        let names = [
+            "components",
+            "boundary_loops",
+            "genus",
+            "non_manifold_edges",
+            "intersecting_faces",
+            "intersecting_faces_cgal",
+        ];
+        names.map(|name| format!("{prefix}{name}")).join(",")
+    }
+
+    /// For a record; what is unknown is empty.
+    pub fn line(&self) -> String {
+        let Self { components, boundary_loops, genus, non_manifold_edges, intersecting } = self;
+        format!(
+            "{components},{},{},{non_manifold_edges},{},{}",
+            text(boundary_loops, ""),
+            text(genus, ""),
+            intersecting.ours,
+            text(&intersecting.cgal, "")
+        )
+    }
+
+    /// Whether components, boundary loops and genus are those of `other`; `None` when `other` is not a manifold.
+    pub fn is_topology_of(&self, other: &Self) -> Option<bool> {
+        other.genus?;
+        let of = |it: &Self| (it.components, it.boundary_loops, it.genus);
+        Some(of(self) == of(other))
+    }
+}
+
+/// The value, or `none` where there is none.
+pub(super) fn text(value: &Option<impl ToString>, none: &str) -> String {
+    value.as_ref().map_or_else(|| none.to_owned(), ToString::to_string)
+}
+
+/// Numbers of faces that intersect others of their mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Intersecting {
+    /// Counted by this library.
+    pub ours: usize,
+    /// Counted by CGAL; `None` where that is not installed.
+    pub cgal: Option<usize>,
+}
+
+impl Intersecting {
+    /// How many more than in `input`, by CGAL where it counted both.
+    pub fn more_than(&self, input: &Self) -> usize {
+        let [now, before] = match (self.cgal, input.cgal) {
+            (Some(now), Some(before)) => [now, before],
+            _ => [self.ours, input.ours],
+        };
+        now.saturating_sub(before)
+    }
+}
+
+impl std::fmt::Display for Intersecting {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.cgal {
+            Some(cgal) if cgal != self.ours => write!(f, "{} (CGAL: {cgal})", self.ours),
+            _ => write!(f, "{}", self.ours),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use catamaran::mesh::families;
+
+    use super::*;
+
+    #[test]
+    fn topology_is_compared_and_recorded() {
+        let sphere = Soundness::of(&families::icosphere(1).unwrap(), None);
+        let square = Soundness::of(&families::grid(2, 2).unwrap(), Some(3));
+        assert_eq!(sphere.line(), "1,0,0,0,0,");
+        assert_eq!(square.line(), "1,1,0,0,0,3");
+        assert_eq!(Soundness::header("x_").split(',').count(), square.line().split(',').count());
+        assert_eq!(sphere.is_topology_of(&sphere), Some(true));
+        assert_eq!(sphere.is_topology_of(&square), Some(false));
+        // Three faces at one edge.
+        let points =
+            [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]];
+        let book = TriMesh::new(points.to_vec(), vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]]).unwrap();
+        let book = Soundness::of(&book, None);
+        assert_eq!(book.line(), "1,,,1,0,");
+        assert_eq!(sphere.is_topology_of(&book), None);
+    }
+
+    #[test]
+    fn intersections_are_compared_by_one_oracle() {
+        let found = |ours, cgal| Intersecting { ours, cgal };
+        assert_eq!(found(5, Some(9)).more_than(&found(2, Some(3))), 6);
+        assert_eq!(found(5, Some(9)).more_than(&found(2, None)), 3);
+        assert_eq!(found(1, None).more_than(&found(2, None)), 0);
     }
 }

@@ -2,7 +2,8 @@
 
 use catamaran::mesh::TriMesh;
 
-use super::{Contender, Input, Inputs, Job, Measures, Rivals};
+use super::measures::text;
+use super::{Contender, Input, Inputs, Job, Measures, Rivals, Soundness};
 use crate::Result;
 use crate::child::Report;
 use crate::race::median;
@@ -27,14 +28,19 @@ pub struct Row {
 
 impl Row {
     /// The columns of [`line`](Self::line).
-    pub const HEADER: &str = "contender,repetitions,seconds,ratio,mb,vertices,faces,quality,quality_deviation,\
-                              least_quality,mean_area,area_variation,non_manifold_edges,components,hausdorff,chamfer";
+    pub fn header() -> String {
+        format!(
+            "contender,repetitions,seconds,ratio,mb,vertices,faces,quality,quality_deviation,least_quality,mean_area,\
+             area_variation,{},hausdorff,input_to_result,result_to_input,mean_input_to_result,mean_result_to_input",
+            Soundness::header("")
+        )
+    }
 
     /// For a record.
     pub fn line(&self) -> String {
-        let Measures { vertices, faces, components, quality: q, difference } = &self.measures;
+        let Measures { vertices, faces, soundness, quality: q, distances } = &self.measures;
         format!(
-            "{},{},{:.4},{:.3},{:.0},{vertices},{faces},{:.4},{:.4},{:.4},{:.4e},{:.4},{},{components},{:.3e},{:.3e}",
+            "{},{},{:.4},{:.3},{:.0},{vertices},{faces},{:.4},{:.4},{:.4},{:.4e},{:.4},{},{:.3e},{:.3e},{:.3e},{:.3e},{:.3e}",
             self.contender.name(),
             self.repetitions,
             self.seconds,
@@ -45,21 +51,25 @@ impl Row {
             q.least_quality,
             q.mean_area,
             q.area_variation,
-            q.non_manifold_edges,
-            difference.hausdorff,
-            difference.chamfer
+            soundness.line(),
+            self.measures.hausdorff(),
+            distances.out.largest,
+            distances.back.largest,
+            distances.out.mean,
+            distances.back.mean
         )
     }
 
     /// The columns of [`markdown`](Self::markdown).
-    pub const TITLES: &str = "| contender | s | x ours | MB | vertices | Q | CV | least Q | non-manifold | components \
-                              | Hausdorff | Chamfer |\n|---|---|---|---|---|---|---|---|---|---|---|---|";
+    pub const TITLES: &str = "| contender | s | x ours | MB | vertices | Q | CV | least Q | intersecting | non-manifold \
+                              | components | loops | genus | Hausdorff | mean to result | mean to input |\n\
+                              |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|";
 
     /// For people.
     pub fn markdown(&self) -> String {
-        let Measures { vertices, components, quality: q, difference, .. } = &self.measures;
+        let Measures { vertices, soundness: s, quality: q, distances, .. } = &self.measures;
         format!(
-            "| {} | {:.2} | {:.2} | {:.0} | {vertices} | {:.3} | {:.3} | {:.3} | {} | {components} | {:.1e} | {:.1e} |",
+            "| {} | {:.2} | {:.2} | {:.0} | {vertices} | {:.3} | {:.3} | {:.3} | {} | {} | {} | {} | {} | {:.1e} | {:.1e} | {:.1e} |",
             self.contender.name(),
             self.seconds,
             self.ratio,
@@ -67,9 +77,14 @@ impl Row {
             q.mean_quality,
             q.area_variation,
             q.least_quality,
-            q.non_manifold_edges,
-            difference.hausdorff,
-            difference.chamfer
+            s.intersecting,
+            s.non_manifold_edges,
+            s.components,
+            text(&s.boundary_loops, "-"),
+            text(&s.genus, "-"),
+            self.measures.hausdorff(),
+            distances.out.mean,
+            distances.back.mean
         )
     }
 }
@@ -95,6 +110,7 @@ pub fn race(
         contenders.iter().filter(|c| rivals.have(**c)).map(|c| (*c, Vec::new())).collect();
     let output =
         |contender: Contender| inputs.scratch().join(format!("made-{}.ply", contender.name()));
+    let faces = input.faces_for(n);
     for repetition in 0..repeat {
         for (contender, reports) in &mut runs {
             let slow = reports.iter().flatten().any(|report| report.seconds > PATIENCE);
@@ -103,7 +119,7 @@ pub fn race(
                 reports.push(None);
                 continue;
             }
-            let job = Job { input: &input.path, n, threads, output: &output(*contender) };
+            let job = Job { input: &input.path, n, faces, threads, output: &output(*contender) };
             reports.push(contender.run(rivals, &job).map_or_else(
                 |error| {
                     eprintln!("{} at {}: {error}", contender.name(), input.name);
@@ -114,12 +130,13 @@ pub fn race(
         }
     }
     let Some((_, yardstick)) = runs.first() else { return Ok(Vec::new()) };
+    let finished: Vec<_> =
+        runs.iter().filter(|(_, reports)| reports.iter().any(Option::is_some)).collect();
+    let paths: Vec<_> = finished.iter().map(|(contender, _)| output(*contender)).collect();
+    let paths: Vec<_> = paths.iter().map(|path| path.as_path()).collect();
     let mut rows = Vec::new();
-    for (contender, reports) in &runs {
+    for ((contender, reports), cgal) in finished.iter().zip(rivals.intersecting_faces(&paths)) {
         let measured: Vec<_> = reports.iter().flatten().collect();
-        if measured.is_empty() {
-            continue;
-        }
         let pairs = reports.iter().zip(yardstick);
         let ratios =
             pairs.filter_map(|(own, first)| Some(own.as_ref()?.seconds / first.as_ref()?.seconds));
@@ -130,7 +147,7 @@ pub fn race(
             seconds: median(measured.iter().map(|report| report.seconds).collect()),
             ratio: median(ratios.collect()),
             bytes: median(measured.iter().map(|report| report.bytes).collect()),
-            measures: Measures::new(&input.mesh, &made)?,
+            measures: Measures::new(&input.mesh, &made, cgal)?,
             made,
         });
     }
