@@ -8,11 +8,13 @@ use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::decimate::{
     DecimateOptions, Decimation, Difference, Method, Quality, decimate, edge_length_for,
+    vertices_for_edge_length, vertices_for_faces,
 };
 use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::TriMesh;
 use catamaran::mesh::io::{self as files, MeshFile};
 use catamaran::sparse::CsMat;
-use clap::ValueEnum;
+use clap::{ArgGroup, ValueEnum};
 
 use crate::input::MeshArgs;
 use crate::output;
@@ -28,16 +30,23 @@ use crate::report::{note, report, seconds};
 /// of the result are split first. Colours, texture coordinates, materials and groups are carried
 /// over; normals are not.
 #[derive(clap::Args)]
+#[command(group = ArgGroup::new("size").required(true))]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     input: PathBuf,
     /// Vertices of the result.
-    #[arg(short, value_name = "N", required_unless_present = "ratio", conflicts_with = "ratio")]
+    #[arg(short, value_name = "N", group = "size")]
     n: Option<usize>,
     /// Vertices of the result as a part of those of the input, above 0.
-    #[arg(long, value_name = "R")]
+    #[arg(long, value_name = "R", group = "size")]
     ratio: Option<f64>,
+    /// Faces of the result: to one face where the mesh is closed, about where it has a boundary.
+    #[arg(long, value_name = "F", group = "size")]
+    faces: Option<usize>,
+    /// The length that edges of the result have about, in units of the input.
+    #[arg(long, value_name = "LENGTH", group = "size")]
+    edge_length: Option<f64>,
     /// Where the result goes: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -97,7 +106,7 @@ pub fn run(args: &Args) -> Result<()> {
         None => None,
     };
     let input = read(&args.input, &args.repair)?;
-    let n = wanted(args, &input)?;
+    let n = wanted(args, &input.mesh)?;
     let par = args.threads.map_or_else(Par::all, |n| Par::Threads(n.get()));
 
     let bar = Bar::new("decimate");
@@ -152,15 +161,20 @@ pub fn read(path: &Path, repair: &MeshArgs) -> Result<MeshFile> {
     Ok(file)
 }
 
-fn wanted(args: &Args, input: &MeshFile) -> Result<usize> {
-    match (args.n, args.ratio) {
-        (Some(n), _) => Ok(n),
-        (None, Some(ratio)) if ratio > 0.0 && ratio.is_finite() => {
-            Ok((ratio * input.mesh.vertices().len() as f64).round().max(1.0) as usize)
+fn wanted(args: &Args, input: &TriMesh) -> Result<usize> {
+    if let Some(ratio) = args.ratio {
+        if !(ratio > 0.0 && ratio.is_finite()) {
+            bail!("--ratio {ratio}: a positive number is needed");
         }
-        (None, Some(ratio)) => bail!("--ratio {ratio}: a positive number is needed"),
-        (None, None) => bail!("-n or --ratio is needed"),
+        return Ok((ratio * input.vertices().len() as f64).round().max(1.0) as usize);
     }
+    if let Some(faces) = args.faces {
+        return vertices_for_faces(input, faces).context("--faces");
+    }
+    if let Some(length) = args.edge_length {
+        return vertices_for_edge_length(input.area(), length).context("--edge-length");
+    }
+    args.n.context("-n is needed")
 }
 
 fn tell(

@@ -19,32 +19,6 @@ pub struct Resampled {
     pub parents: Vec<u32>,
 }
 
-/// The length of the edges when `n` vertices are spread over an area by equilateral triangles, of which there are 2 n:
-/// sqrt(4 A_E / sqrt 3) with A_E = area / (2 n), in units of length. (The thesis has 3 n triangles and a factor 2, which
-/// would be right for neither.)
-///
-/// ```
-/// use catamaran::decimate::edge_length_for;
-///
-/// // 2 n equilateral triangles with this side have the area.
-/// let side = edge_length_for(10.0, 100)?;
-/// assert!((200.0 * side * side * 3_f64.sqrt() / 4.0 - 10.0).abs() < 1e-12);
-/// # Ok::<(), catamaran::Error>(())
-/// ```
-///
-/// # Errors
-/// [`Error::Argument`] when n is 0, or the area not positive and finite.
-pub fn edge_length_for(area: f64, n: usize) -> Result<f64> {
-    if n == 0 {
-        return Err(Error::Argument { what: "n", why: "0, where at least 1 is needed".into() });
-    }
-    if !(area > 0.0 && area.is_finite()) {
-        let why = format!("{area}, where a positive number is needed");
-        return Err(Error::Argument { what: "area", why });
-    }
-    Ok((2.0 * area / (n as f64 * 3f64.sqrt())).sqrt())
-}
-
 /// Splits edges in their middle until none is longer than `longest`, in units of length; each edge is split in both of its
 /// faces, so that the mesh stays as closed as it was. A face with one split edge becomes two, with two a triangle and four
 /// around the barycentre of the quadrilateral that is left, with three four (thesis, algorithm 5.3 and figure 5.4; lengths are

@@ -57,6 +57,9 @@ fn a_mesh_has_as_many_vertices_as_are_asked_for_and_a_report() {
         ("-n 101 --threads 1 --first 7", 101),
         ("-n 40 --method thesis", 40),
         ("-n 4000", 4000),
+        // The sphere is closed: 2 n - 4 faces.
+        ("--faces 300", 152),
+        ("--edge-length 0.35", 118),
     ] {
         folder.succeed(&format!("decimate in.ply {arguments} -o out.stl --force"));
         folder.succeed(&format!("decimate in.ply {arguments} -o out.ply --force"));
@@ -158,6 +161,10 @@ fn refusals_say_why_and_leave_nothing() {
     assert!(few.contains("3 components need 12 vertices: 4 each, 3 with boundary"), "{few}");
     assert!(refused("-n 20 --first 486 -o out.ply").contains("first"));
     assert!(refused("--ratio 0 -o out.ply").contains("--ratio 0: a positive number is needed"));
+    assert!(refused("--faces 0 -o out.ply").contains("--faces: faces: 0, where at least 1"));
+    assert!(refused("--edge-length -1 -o out.ply").contains("--edge-length"));
+    assert!(refused("--edge-length 1 --faces 9 -o out.ply").contains("cannot be used with"));
+    assert!(refused("-o out.ply").contains("<-n <N>|--ratio"));
     assert!(refused("-n 20 -o out.ply --weights w.npy").contains("w.npy: weights must be called"));
     assert!(refused("-n 20 -o out.txt").contains("out.txt"));
     let numbers = refused("-n 999999999999 -o out.ply");
