@@ -4,7 +4,7 @@ use super::closest::{Found, on_surface};
 use super::patch::Patch;
 use super::surface::Surface;
 use crate::mesh::intersections::{Bounds, Corners};
-use crate::mesh::vector::{Vector, dot, sub};
+use crate::mesh::vector::{Vector, distance, dot, sub};
 use crate::mesh::weights_on_triangle;
 
 /// A place where the new mesh and the surface are apart.
@@ -66,9 +66,13 @@ impl<'a, 's> Gaps<'a, 's> {
             let limit = widest.map_or(least, |gap| gap.size);
             let q = self.surface.position(near);
             let mut nearest = (q, f64::INFINITY);
-            patch.around(v).iter().for_each(|&f| approach(patch, f, q, &mut nearest));
-            // Most are near enough to the faces at v.
-            if nearest.1 <= limit * limit {
+            // Most are near enough to v, or to one of its faces.
+            let is_near = distance(patch.position(v), q) <= limit
+                || patch.around(v).iter().any(|&f| {
+                    approach(patch, f, q, &mut nearest);
+                    nearest.1 <= limit * limit
+                });
+            if is_near {
                 continue;
             }
             let reach = nearest.1.sqrt().min(self.surface.scale);

@@ -8,7 +8,7 @@ use super::collapse::reduce;
 use super::gaps::{Gap, Gaps, Site};
 use super::guard::{allows_flip, allows_move};
 use super::patch::{Patch, Sides};
-use super::quadric::sharpest;
+use super::quadric::Quadrics;
 use crate::base::Par;
 use crate::mesh::intersections::Corners;
 use crate::mesh::quality;
@@ -38,13 +38,13 @@ const EDGES: usize = 3;
 
 /// Moves vertices and flips edges where the gaps are widest, as long as that narrows them; splits
 /// edges where it does not, for which short edges are collapsed elsewhere.
-pub(super) fn mend(gaps: &Gaps<'_, '_>, patch: &mut Patch, par: Par) {
+pub(super) fn mend(gaps: &Gaps<'_, '_>, quadrics: &Quadrics<'_, '_>, patch: &mut Patch, par: Par) {
     let n = patch.count;
     let least = FINE * patch.mean_length();
-    mend_with(gaps, patch, least, part(SPLITS, n), par);
+    mend_with(gaps, quadrics, patch, least, part(SPLITS, n), par);
     if patch.count > n {
         reduce(patch, n);
-        mend_with(gaps, patch, least, 0, par);
+        mend_with(gaps, quadrics, patch, least, 0, par);
     }
 }
 
@@ -53,7 +53,14 @@ fn part((part, more): (f64, usize), n: usize) -> usize {
 }
 
 /// The same to gaps of size `least`, with at most so many splits.
-fn mend_with(gaps: &Gaps<'_, '_>, patch: &mut Patch, least: f64, mut splits: usize, par: Par) {
+fn mend_with(
+    gaps: &Gaps<'_, '_>,
+    quadrics: &Quadrics<'_, '_>,
+    patch: &mut Patch,
+    least: f64,
+    mut splits: usize,
+    par: Par,
+) {
     let size_at = |patch: &Patch, v| widest_at(gaps, patch, v, least).map_or(0.0, |gap| gap.size);
     let blocks = par.map_blocks(patch.positions().len(), BLOCK, |range| {
         range.map(|v| size_at(patch, v as u32)).collect::<Vec<_>>()
@@ -75,7 +82,9 @@ fn mend_with(gaps: &Gaps<'_, '_>, patch: &mut Patch, least: f64, mut splits: usi
         sizes[v as usize] = 0.0;
         let Some(gap) = widest_at(gaps, patch, v, least) else { continue };
         let count = patch.count;
-        let Some(changed) = Mending { gaps, patch, gap }.run(splits > 0) else { continue };
+        let Some(changed) = Mending { gaps, quadrics, patch, gap }.run(splits > 0) else {
+            continue;
+        };
         splits -= patch.count - count;
         sizes.resize(patch.positions().len(), 0.0);
         let mut near: Vec<u32> = changed.iter().flat_map(|&v| patch.neighbours(v)).collect();
@@ -106,6 +115,7 @@ fn widest_at(gaps: &Gaps<'_, '_>, patch: &Patch, v: u32, least: f64) -> Option<G
 /// A gap, and the ways to mend it.
 struct Mending<'a, 's> {
     gaps: &'a Gaps<'a, 's>,
+    quadrics: &'a Quadrics<'a, 's>,
     patch: &'a mut Patch,
     gap: Gap,
 }
@@ -118,7 +128,7 @@ impl Mending<'_, '_> {
             let step = sub(self.gap.on_surface, self.gap.on_patch);
             let along = |part: f64| std::array::from_fn(|k| here[k] + part * step[k]);
             let reach = self.longest_edge(v);
-            let sharp = sharpest(self.gaps.surface, self.patch, v, here, reach);
+            let sharp = self.quadrics.sharpest(self.patch, v, here, reach);
             let targets = [self.gap.on_surface, along(1.0), sharp, along(1.5)];
             let changed = targets.into_iter().find_map(|target| self.try_move(v, target));
             if changed.is_some() {

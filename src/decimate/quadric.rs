@@ -7,7 +7,11 @@ use std::hash::BuildHasherDefault;
 use super::batches::Multiply;
 use super::patch::Patch;
 use super::surface::Surface;
-use crate::mesh::vector::{Vector, cross, distance, dot, norm, scale, sub};
+use crate::base::Par;
+use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub};
+
+/// Vertices that one thread looks at at a time.
+const BLOCK: usize = 8192;
 
 /// The least weight of where a vertex would go otherwise, beside that of the planes.
 const HOLD: f64 = 0.01;
@@ -19,48 +23,85 @@ const ROUND: f64 = 240.0;
 /// The same weight where it is measured whether the planes have a point in common.
 const FREE: f64 = 1e-3;
 
-/// The point of least square distance from `target` and from the planes of the surface that is
-/// nearer to v than to its neighbours (Garland and Heckbert, Surface Simplification Using Quadric
-/// Error Metrics, 1997), no farther than `length` from `target`.
-///
-/// Planes weigh the more, the better they meet in a line or a point, and the more they differ: where
-/// the surface is sharp or thin, vertices go to its creases, corners and tips; elsewhere they go to
-/// `target`.
-pub(super) fn sharpest(
-    surface: &Surface<'_>,
-    patch: &Patch,
-    v: u32,
-    target: Vector,
-    length: f64,
-) -> Vector {
-    let mut planes = Planes::default();
-    for w in own_vertices(surface, patch, v, length) {
-        for &f in surface.faces_of.row(w as usize) {
-            let corners = surface.mesh.faces()[f as usize].map(|u| surface.position(u));
-            planes.add(corners, target);
-        }
-    }
-    if planes.area <= 0.0 {
-        return target;
-    }
-    // Every face was counted at each of its corners.
-    let square = planes.area / (3.0 * PI);
-    let rest = planes.error(planes.step(FREE)) / square;
-    let alike = dot(planes.normal, planes.normal) / planes.area.powi(2);
-    let step = planes.step(HOLD + ROUND * rest * alike * alike);
-    let size = norm(step);
-    if !size.is_finite() {
-        return target;
-    }
-    let part = (length / size).min(1.0);
-    std::array::from_fn(|k| target[k] + part * step[k])
+/// The planes of the faces at each vertex of a surface.
+pub(super) struct Quadrics<'a, 's> {
+    surface: &'a Surface<'s>,
+    at: Vec<Planes>,
 }
 
-/// Sums over planes, weighted by the areas of their faces, as seen from a point.
-#[derive(Default)]
+impl<'a, 's> Quadrics<'a, 's> {
+    pub fn new(surface: &'a Surface<'s>, par: Par) -> Self {
+        let blocks = par.map_blocks(surface.len(), BLOCK, |range| {
+            range.map(|v| Planes::at(surface, v)).collect::<Vec<_>>()
+        });
+        Self { surface, at: blocks.concat() }
+    }
+
+    /// The point of least square distance from `target` and from the planes of the surface that is
+    /// nearer to v than to its neighbours (Garland and Heckbert, Surface Simplification Using
+    /// Quadric Error Metrics, 1997), no farther than `length` from `target`.
+    ///
+    /// Planes weigh the more, the better they meet in a line or a point, and the more they differ:
+    /// where the surface is sharp or thin, vertices go to its creases, corners and tips; elsewhere
+    /// they go to `target`.
+    pub fn sharpest(&self, patch: &Patch, v: u32, target: Vector, length: f64) -> Vector {
+        let mut sum = Sum::default();
+        for w in own_vertices(self.surface, patch, v, length) {
+            sum.add(&self.at[w as usize], sub(self.surface.position(w), target));
+        }
+        if sum.area <= 0.0 {
+            return target;
+        }
+        // Each face was counted at each of its corners.
+        let per_vertex = sum.area * self.surface.scale.powi(2) / (3.0 * PI);
+        let rest = sum.error(sum.step(FREE)) / per_vertex;
+        let alike = dot(sum.normal, sum.normal) / sum.area.powi(2);
+        let step = sum.step(HOLD + ROUND * rest * alike * alike);
+        let size = norm(step);
+        if !size.is_finite() {
+            return target;
+        }
+        let part = (length / size).min(1.0);
+        std::array::from_fn(|k| target[k] + part * step[k])
+    }
+}
+
+/// Sums over the planes of the faces at a vertex, weighted by their areas, which are relative to the
+/// square of [`Surface::scale`]. All go through the vertex. In single precision, as there are many.
+#[derive(Clone, Copy, Default)]
 struct Planes {
-    area: f64,
+    area: f32,
     /// Of the normals.
+    normal: [f32; 3],
+    /// Of the products of the parts of each normal: xx, xy, xz, yy, yz, zz.
+    products: [f32; 6],
+}
+
+impl Planes {
+    fn at(surface: &Surface<'_>, v: usize) -> Self {
+        let mut planes = Self::default();
+        for &f in surface.faces_of.row(v) {
+            let [a, b, c] = surface.mesh.faces()[f as usize].map(|u| surface.position(u));
+            let scaled = |p: Vector| scale(p, 1.0 / surface.scale);
+            let doubled = cross(scaled(sub(b, a)), scaled(sub(c, a)));
+            let area = norm(doubled);
+            if area <= 0.0 {
+                continue;
+            }
+            let [x, y, z] = scale(doubled, 1.0 / area);
+            planes.area += area as f32;
+            let products = [x * x, x * y, x * z, y * y, y * z, z * z];
+            (0..3).for_each(|k| planes.normal[k] += doubled[k] as f32);
+            (0..6).for_each(|k| planes.products[k] += (area * products[k]) as f32);
+        }
+        planes
+    }
+}
+
+/// Sums over planes as seen from a point.
+#[derive(Default)]
+struct Sum {
+    area: f64,
     normal: Vector,
     /// Of the products of each normal with itself: symmetric.
     products: [Vector; 3],
@@ -70,22 +111,19 @@ struct Planes {
     squares: f64,
 }
 
-impl Planes {
-    fn add(&mut self, [a, b, c]: [Vector; 3], from: Vector) {
-        let doubled = cross(sub(b, a), sub(c, a));
-        let area = norm(doubled);
-        if area <= 0.0 {
-            return;
+impl Sum {
+    /// Planes that go through the point `offset` away.
+    fn add(&mut self, planes: &Planes, offset: Vector) {
+        let [xx, xy, xz, yy, yz, zz] = planes.products.map(f64::from);
+        let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+        for (i, row) in rows.into_iter().enumerate() {
+            let height = dot(row, offset);
+            self.heights[i] += height;
+            self.squares += offset[i] * height;
+            self.normal[i] += f64::from(planes.normal[i]);
+            (0..3).for_each(|j| self.products[i][j] += row[j]);
         }
-        let normal = scale(doubled, 1.0 / area);
-        let height = dot(normal, sub(a, from));
-        for (i, row) in self.products.iter_mut().enumerate() {
-            (0..3).for_each(|j| row[j] += area * normal[i] * normal[j]);
-            self.heights[i] += area * height * normal[i];
-            self.normal[i] += doubled[i];
-        }
-        self.squares += area * height * height;
-        self.area += area;
+        self.area += f64::from(planes.area);
     }
 
     /// From the point to that of least sum of squares, its own distance weighted by `hold`.
@@ -112,13 +150,16 @@ fn own_vertices(surface: &Surface<'_>, patch: &Patch, v: u32, radius: f64) -> Ve
     let neighbours: Vec<Vector> =
         patch.neighbours(v).into_iter().map(|w| patch.position(w)).collect();
     let anchor = patch.anchors[v as usize];
-    let mut seen: HashSet<u32, BuildHasherDefault<Multiply>> = HashSet::from_iter([anchor]);
+    let mut seen: HashSet<u32, BuildHasherDefault<Multiply>> = HashSet::default();
+    seen.reserve(64);
+    seen.insert(anchor);
     let mut open = vec![anchor];
     let mut own = Vec::new();
     while let Some(w) = open.pop() {
         let q = surface.position(w);
-        let away = distance(q, here);
-        let is_own = away <= radius && neighbours.iter().all(|&p| distance(p, q) >= away);
+        let away = square(sub(q, here));
+        let is_own =
+            away <= radius * radius && neighbours.iter().all(|&p| square(sub(p, q)) >= away);
         // On a coarse surface the vertex nearest to v may be nearer to a neighbour.
         if !is_own && w != anchor {
             continue;
@@ -127,4 +168,8 @@ fn own_vertices(surface: &Surface<'_>, patch: &Patch, v: u32, radius: f64) -> Ve
         open.extend(surface.links(w).iter().map(|link| link.to).filter(|&to| seen.insert(to)));
     }
     own
+}
+
+fn square(a: Vector) -> f64 {
+    dot(a, a)
 }

@@ -7,7 +7,7 @@ use super::guard::{allows_flip, move_all};
 use super::handles::cut_narrow_handles;
 use super::loss::{gap_of_move, loss_of_flip};
 use super::patch::Patch;
-use super::quadric::sharpest;
+use super::quadric::Quadrics;
 use super::surface::Surface;
 use crate::base::{Par, Progress, Result};
 use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub, unit};
@@ -23,6 +23,7 @@ const SWEEPS: usize = 4;
 /// tips; at the end off it by half its height above the faces. Handles narrow for edges of the length `narrow` are cut.
 pub(super) fn relax(
     surface: &Surface<'_>,
+    quadrics: &Quadrics<'_, '_>,
     patch: &mut Patch,
     passes: usize,
     narrow: f64,
@@ -44,7 +45,7 @@ pub(super) fn relax(
         } else {
             make_delaunay(patch);
         }
-        move_vertices(surface, patch, par);
+        move_vertices(surface, quadrics, patch, par);
     }
     if passes > 0 {
         make_delaunay(patch);
@@ -131,17 +132,22 @@ fn folds(patch: &Patch, a: u32, b: u32, new: &[[u32; 3]; 2]) -> bool {
     new.iter().any(|&normal| dot(normal, mean) <= 0.0) || dot(new[0], new[1]) < bend.min(0.5)
 }
 
-fn move_vertices(surface: &Surface<'_>, patch: &mut Patch, par: Par) {
+fn move_vertices(surface: &Surface<'_>, quadrics: &Quadrics<'_, '_>, patch: &mut Patch, par: Par) {
     let vertices = patch.positions().len();
     let moves = par.map_blocks(vertices, BLOCK, |range| {
-        let found = range.map(|v| target(surface, patch, v as u32));
+        let found = range.map(|v| target(surface, quadrics, patch, v as u32));
         found.map(|found| found.map(|found| (found.point, found.vertex))).collect::<Vec<_>>()
     });
     move_all(patch, &moves.concat(), par);
 }
 
 /// Where a vertex goes; `None`: it stays.
-fn target(surface: &Surface<'_>, patch: &Patch, v: u32) -> Option<Found> {
+fn target(
+    surface: &Surface<'_>,
+    quadrics: &Quadrics<'_, '_>,
+    patch: &Patch,
+    v: u32,
+) -> Option<Found> {
     let here = patch.position(v);
     let anchor = patch.anchors[v as usize];
     if patch.around(v).is_empty() {
@@ -176,7 +182,7 @@ fn target(surface: &Surface<'_>, patch: &Patch, v: u32) -> Option<Found> {
     }
     // Six equilateral triangles of side l have 3 sqrt(3) l^2 / 2, of which `weight` is twice.
     let length = (weight / 27f64.sqrt()).sqrt();
-    let found = on_surface(surface, anchor, sharpest(surface, patch, v, p, length))?;
+    let found = on_surface(surface, anchor, quadrics.sharpest(patch, v, p, length))?;
     let lost = norm(gap_of_move(patch, v, found.point, here));
     (lost <= MOVE_LOSS * length).then_some(found)
 }

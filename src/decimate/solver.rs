@@ -12,6 +12,7 @@ use super::mend::mend;
 use super::options::{DecimateOptions, Method};
 use super::patch::Patch;
 use super::prepare::{Prepared, prepare};
+use super::quadric::Quadrics;
 use super::refine::refine;
 use super::relax::relax;
 use super::result::{Decimation, Place};
@@ -247,7 +248,8 @@ impl<'m, 'o> Decimator<'m, 'o> {
             false => 0.0,
         };
         let passes = self.options.relaxation;
-        relax(surface, &mut patch, passes, narrow, par, progress.part(0.7..0.95))?;
+        let quadrics = Quadrics::new(surface, par);
+        relax(surface, &quadrics, &mut patch, passes, narrow, par, progress.part(0.7..0.95))?;
         reach(&mut patch)?;
         if passes > 0 {
             growth.clear();
@@ -255,7 +257,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
             growth.grow_on(surface);
             let cells = (0..surface.len() as u32).map(|v| growth.cell(v));
             let gaps = Gaps::new(surface, cells, patch.positions().len());
-            mend(&gaps, &mut patch, par);
+            mend(&gaps, &quadrics, &mut patch, par);
             reach(&mut patch)?;
         }
         let (positions, anchors, on_rim, faces) = patch.compact();

@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use catamaran::base::Progress;
 use catamaran::decimate::{
     Cells, DecimateOptions, Decimation, Decimator, Difference, FarthestPoints, Method, Quality,
-    decimate, edge_length_for, resample,
+    decimate, edge_length_for, resample, vertices_for_edge_length, vertices_for_faces,
 };
 use catamaran::mesh::io::{self, Attribute, MeshFile};
-use catamaran::mesh::{Dijkstra, Edges, Genus, Graph, SearchLimits, TriMesh, families};
+use catamaran::mesh::{Comparison, Dijkstra, Edges, Genus, Graph, SearchLimits, TriMesh, families};
 use catamaran::{Error, Par};
 
 fn options() -> DecimateOptions<'static> {
@@ -355,6 +355,61 @@ fn no_faces_intersect_after_decimation_that_did_not_before() {
             assert!(found.mesh.intersecting_faces(Par::all()).is_empty(), "{name}, {n}");
             check(name, &mesh, n, &found);
         }
+    }
+}
+
+/// A cube of twelve faces.
+fn cube() -> TriMesh {
+    let vertices = (0..8).map(|i| [i >> 2, i >> 1 & 1, i & 1].map(f64::from)).collect();
+    let sides =
+        [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
+    let faces = sides.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    TriMesh::new(vertices, faces.collect()).unwrap()
+}
+
+/// A cone of 64 sides.
+fn cone() -> TriMesh {
+    let (mut vertices, faces) = cad_cylinder(64).into_parts();
+    for p in &mut vertices {
+        let part = 0.01 + 0.99 * (1.0 - p[2] / 10.0);
+        *p = [part * p[0], part * p[1], 0.3 * p[2]];
+    }
+    TriMesh::new(vertices, faces).unwrap()
+}
+
+#[test]
+fn creases_corners_and_tips_are_met() {
+    for (name, mesh) in [("cube", cube()), ("cylinder", cad_cylinder(64)), ("cone", cone())] {
+        for n in [150, 500] {
+            let found = decimate(&mesh, n, &options()).unwrap();
+            check(name, &mesh, n, &found);
+            let edge = edge_length_for(mesh.area(), n).unwrap();
+            let Comparison { out, back, .. } =
+                Comparison::between(&mesh, &found.mesh, Par::all()).unwrap();
+            let farthest = out.largest.max(back.largest);
+            assert!(farthest < 0.25 * edge, "{name}, {n}: {farthest} of {edge}");
+        }
+    }
+}
+
+#[test]
+fn numbers_of_faces_and_lengths_of_edges_are_met() {
+    for mesh in [families::icosphere(3).unwrap(), families::torus(30, 20, 1.0, 0.4).unwrap()] {
+        for faces in [200, 700] {
+            let n = vertices_for_faces(&mesh, faces).unwrap();
+            assert_eq!(decimate(&mesh, n, &options()).unwrap().mesh.faces().len(), faces);
+        }
+        let n = vertices_for_edge_length(mesh.area(), 0.2).unwrap();
+        assert!((edge_length_for(mesh.area(), n).unwrap() - 0.2).abs() < 1e-3);
+    }
+    // With a boundary, about.
+    let sheet = families::grid(20, 20).unwrap();
+    let n = vertices_for_faces(&sheet, 400).unwrap();
+    let faces = decimate(&sheet, n, &options()).unwrap().mesh.faces().len();
+    assert!((380..420).contains(&faces), "{faces}");
+    assert!(vertices_for_faces(&sheet, 0).is_err());
+    for length in [0.0, -1.0, f64::NAN, 1e-9] {
+        assert!(vertices_for_edge_length(1.0, length).is_err(), "{length}");
     }
 }
 
