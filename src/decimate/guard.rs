@@ -9,13 +9,21 @@ use crate::mesh::vector::Vector;
 pub(super) type Move = (Vector, u32);
 
 /// Whether no more pairs of faces intersect when the faces `old` become `new`.
-pub(super) fn allows(patch: &Patch, old: &[u32], new: &[Corners]) -> bool {
+fn allows(patch: &Patch, old: &[u32], new: &[Corners]) -> bool {
     let after = intersections(patch, old, new);
-    after == 0 || {
-        let before: Vec<_> =
-            old.iter().map(|&f| patch.corners_at(patch.faces[f as usize])).collect();
-        after <= intersections(patch, old, &before)
-    }
+    after == 0 || after <= intersections_of(patch, old)
+}
+
+/// Whether fewer do.
+fn untangles(patch: &Patch, old: &[u32], new: &[Corners]) -> bool {
+    intersections(patch, old, new) < intersections_of(patch, old)
+}
+
+/// Pairs of these faces with each other, and with all others, that intersect.
+fn intersections_of(patch: &Patch, faces: &[u32]) -> usize {
+    let corners: Vec<_> =
+        faces.iter().map(|&f| patch.corners_at(patch.faces[f as usize])).collect();
+    intersections(patch, faces, &corners)
 }
 
 /// Whether an edge may flip.
@@ -35,9 +43,23 @@ pub(super) fn allows_collapse(patch: &Patch, a: u32, b: u32, p: Vector) -> bool 
 
 /// Whether v may move to p.
 pub(super) fn allows_move(patch: &Patch, v: u32, p: Vector) -> bool {
+    allows(patch, patch.around(v), &faces_with(patch, v, p))
+}
+
+/// Whether fewer faces would intersect, were v at p.
+pub(super) fn untangles_move(patch: &Patch, v: u32, p: Vector) -> bool {
+    untangles(patch, patch.around(v), &faces_with(patch, v, p))
+}
+
+/// Whether fewer faces would intersect, were an edge flipped.
+pub(super) fn untangles_flip(patch: &Patch, flip: &Flip) -> bool {
+    untangles(patch, &flip.old, &flip.new.map(|face| patch.corners_at(face)))
+}
+
+/// The faces at v, were it at p.
+fn faces_with(patch: &Patch, v: u32, p: Vector) -> Vec<Corners> {
     let faces = patch.around(v).iter().map(|&f| patch.faces[f as usize]);
-    let new: Vec<Corners> = faces.map(|face| patch.corners_with(face, [v, v], p)).collect();
-    allows(patch, patch.around(v), &new)
+    faces.map(|face| patch.corners_with(face, [v, v], p)).collect()
 }
 
 /// Pairs of these triangles with each other, and with the faces but `without`, that intersect.

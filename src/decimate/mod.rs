@@ -27,6 +27,7 @@ mod quality;
 mod refine;
 mod relax;
 mod resample;
+mod resolve;
 mod result;
 mod size;
 mod solver;

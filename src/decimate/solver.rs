@@ -15,6 +15,7 @@ use super::prepare::{Prepared, prepare};
 use super::quadric::Quadrics;
 use super::refine::refine;
 use super::relax::relax;
+use super::resolve::resolve;
 use super::result::{Decimation, Place};
 use super::size::edge_length_for;
 use super::surface::Surface;
@@ -252,6 +253,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         relax(surface, &quadrics, &mut patch, passes, narrow, par, progress.part(0.7..0.95))?;
         reach(&mut patch)?;
         if passes > 0 {
+            resolve(surface, self.input, &mut patch, par);
             growth.clear();
             growth.grow(surface, &anchor_seeds(&patch), cutoff);
             growth.grow_on(surface);

@@ -330,10 +330,15 @@ pub fn cad_cylinder(sides: u32) -> TriMesh {
 
 /// A sphere so flat, and bent, that its sheets are nearer to each other than vertices of the result.
 pub fn blade() -> TriMesh {
+    bent_sphere(0.06)
+}
+
+/// A bent sphere of this thickness.
+fn bent_sphere(thickness: f64) -> TriMesh {
     let (mut vertices, faces) = families::icosphere(5).unwrap().into_parts();
     for p in &mut vertices {
         let [x, y, z] = *p;
-        *p = [x, 3.0 * y, 0.06 * z + 0.3 * x * x];
+        *p = [x, 3.0 * y, thickness * z + 0.3 * x * x];
     }
     TriMesh::new(vertices, faces).unwrap()
 }
@@ -344,6 +349,7 @@ fn no_faces_intersect_after_decimation_that_did_not_before() {
     let meshes = [
         ("cylinder of CAD", cad_cylinder(64)),
         ("blade", blade()),
+        ("thinner blade", bent_sphere(0.02)),
         ("figure", families::figure(5, 0.5).unwrap()),
         ears,
         fingers,

@@ -1,0 +1,91 @@
+//! Faces that intersect, as the dual triangulation of very thin sheets may leave them, taken apart.
+
+use super::closest::{on_boundary, on_surface};
+use super::guard::{untangles_flip, untangles_move};
+use super::patch::Patch;
+use super::surface::Surface;
+use crate::base::Par;
+use crate::mesh::intersections::intersect;
+use crate::mesh::vector::Vector;
+use crate::mesh::{TriMesh, quality};
+
+/// Times that all pairs are looked for, at most.
+const ROUNDS: usize = 4;
+
+/// No face becomes less regular than this (see [`quality`]), unless it was.
+const REGULAR: f64 = 0.1;
+
+/// Moves vertices and flips edges of faces that intersect, as long as that makes fewer of them do;
+/// only when they are more than those of `input` that do.
+pub(super) fn resolve(surface: &Surface<'_>, input: &TriMesh, patch: &mut Patch, par: Par) {
+    let mut allowed = None;
+    for _ in 0..ROUNDS {
+        patch.plant_tree();
+        let corners = |f: u32| patch.corners_at(patch.faces[f as usize]);
+        let pairs = patch.tree().pairs(par, |f, g| intersect(&corners(f), &corners(g)));
+        let mut faces = pairs.concat();
+        faces.sort_unstable();
+        faces.dedup();
+        if faces.is_empty() {
+            break;
+        }
+        let allowed = *allowed.get_or_insert_with(|| input.intersecting_faces(par).len());
+        if faces.len() <= allowed {
+            break;
+        }
+        let changes = faces.into_iter().filter(|&f| untangle(surface, patch, f)).count();
+        if changes == 0 {
+            break;
+        }
+    }
+}
+
+/// Whether a change at this face has helped.
+fn untangle(surface: &Surface<'_>, patch: &mut Patch, f: u32) -> bool {
+    let Some(face) = patch.face(f as usize) else { return false };
+    for v in face {
+        for target in targets(patch, v) {
+            let anchor = patch.anchors[v as usize];
+            let found = if patch.on_boundary[v as usize] {
+                on_boundary(surface, anchor, target)
+            } else {
+                on_surface(surface, anchor, target)
+            };
+            let Some(found) = found else { continue };
+            if stays_regular(patch, v, found.point) && untangles_move(patch, v, found.point) {
+                patch.place(v, found.point);
+                patch.anchors[v as usize] = found.vertex;
+                return true;
+            }
+        }
+    }
+    let [a, b, c] = face;
+    for [a, b] in [[a, b], [b, c], [c, a]] {
+        let Some(flip) = patch.flipped(a, b) else { continue };
+        if untangles_flip(patch, &flip) {
+            patch.flip(&flip);
+            return true;
+        }
+    }
+    false
+}
+
+/// Where v may go: back to the surface, and towards the middle of its neighbours.
+fn targets(patch: &Patch, v: u32) -> [Vector; 3] {
+    let here = patch.position(v);
+    let neighbours = patch.neighbours(v);
+    let share = 1.0 / neighbours.len().max(1) as f64;
+    let mut middle = [0.0; 3];
+    for w in neighbours {
+        let p = patch.position(w);
+        (0..3).for_each(|k| middle[k] += share * p[k]);
+    }
+    [0.0, 0.5, 1.0].map(|part| std::array::from_fn(|k| here[k] + part * (middle[k] - here[k])))
+}
+
+fn stays_regular(patch: &Patch, v: u32, p: Vector) -> bool {
+    patch.around(v).iter().map(|&f| patch.faces[f as usize]).all(|face| {
+        let least = quality(patch.corners_at(face)).min(REGULAR);
+        quality(patch.corners_with(face, [v, v], p)) >= least
+    })
+}
