@@ -20,7 +20,8 @@ const BLOCK: usize = 128;
 /// Gaps below this part of the mean edge stay.
 const FINE: f64 = 0.3;
 
-/// The part of the vertices at which gaps are mended, at most, and how many more.
+/// The part of the vertices at which gaps less than twice as wide are mended, at most, and how many
+/// more.
 const TRIES: (f64, usize) = (0.05, 20);
 
 /// The part of the vertices that come to gaps from elsewhere, at most, and how many more.
@@ -29,7 +30,8 @@ const SPLITS: (f64, usize) = (0.03, 4);
 /// A change leaves no gap around it above this part of that which it mends.
 const GAIN: f64 = 0.9;
 
-/// No face becomes less regular than this (see [`quality`]), unless it was.
+/// No face becomes less regular than this (see [`quality`]) for the narrowest gap, and than half of
+/// it for one twice as wide, unless it was.
 const REGULAR: f64 = 0.4;
 
 /// Changes that are tried at a gap: vertices that move, edges that are split.
@@ -75,14 +77,19 @@ fn mend_with(
         if sizes[v as usize].to_bits() != size {
             continue; // mended or measured again since
         }
-        if tries == 0 {
-            break;
+        if f64::from_bits(size) < 2.0 * least {
+            if tries == 0 {
+                break;
+            }
+            tries -= 1;
         }
-        tries -= 1;
         sizes[v as usize] = 0.0;
         let Some(gap) = widest_at(gaps, patch, v, least) else { continue };
         let count = patch.count;
-        let Some(changed) = Mending { gaps, quadrics, patch, gap }.run(splits > 0) else {
+        let Some(changed) =
+            Mending { gaps, quadrics, patch, gap, regular: REGULAR * least / gap.size }
+                .run(splits > 0)
+        else {
             continue;
         };
         splits -= patch.count - count;
@@ -118,6 +125,8 @@ struct Mending<'a, 's> {
     quadrics: &'a Quadrics<'a, 's>,
     patch: &'a mut Patch,
     gap: Gap,
+    /// No face becomes less regular, unless it was.
+    regular: f64,
 }
 
 impl Mending<'_, '_> {
@@ -294,6 +303,6 @@ impl Mending<'_, '_> {
     /// How regular faces must be that take the place of these.
     fn least_quality(&self, faces: &[u32]) -> f64 {
         let corners = |f: &u32| -> Corners { self.patch.corners_at(self.patch.faces[*f as usize]) };
-        faces.iter().map(corners).map(quality).fold(REGULAR, f64::min)
+        faces.iter().map(corners).map(quality).fold(self.regular, f64::min)
     }
 }
