@@ -9,7 +9,7 @@ use super::gaps::{Gap, Gaps, Site};
 use super::guard::{allows_flip, allows_move};
 use super::patch::{Patch, Sides};
 use super::quadric::Quadrics;
-use crate::base::Par;
+use crate::base::{Par, Progress, Result};
 use crate::mesh::intersections::Corners;
 use crate::mesh::quality;
 use crate::mesh::vector::{Vector, distance, dot, sub};
@@ -40,14 +40,25 @@ const EDGES: usize = 3;
 
 /// Moves vertices and flips edges where the gaps are widest, as long as that narrows them; splits
 /// edges where it does not, for which short edges are collapsed elsewhere.
-pub(super) fn mend(gaps: &Gaps<'_, '_>, quadrics: &Quadrics<'_, '_>, patch: &mut Patch, par: Par) {
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::base::Error::Cancelled).
+pub(super) fn mend(
+    gaps: &Gaps<'_, '_>,
+    quadrics: &Quadrics<'_, '_>,
+    patch: &mut Patch,
+    par: Par,
+    progress: Progress<'_>,
+) -> Result<()> {
     let n = patch.count;
     let least = FINE * patch.mean_length();
-    mend_with(gaps, quadrics, patch, least, part(SPLITS, n), par);
+    let splits = part(SPLITS, n);
+    mend_with(gaps, quadrics, patch, least, splits, par, progress.part(0.0..0.5))?;
     if patch.count > n {
         reduce(patch, n);
-        mend_with(gaps, quadrics, patch, least, 0, par);
+        mend_with(gaps, quadrics, patch, least, 0, par, progress.part(0.5..1.0))?;
     }
+    Ok(())
 }
 
 fn part((part, more): (f64, usize), n: usize) -> usize {
@@ -62,7 +73,8 @@ fn mend_with(
     least: f64,
     mut splits: usize,
     par: Par,
-) {
+    progress: Progress<'_>,
+) -> Result<()> {
     let size_at = |patch: &Patch, v| widest_at(gaps, patch, v, least).map_or(0.0, |gap| gap.size);
     let blocks = par.map_blocks(patch.positions().len(), BLOCK, |range| {
         range.map(|v| size_at(patch, v as u32)).collect::<Vec<_>>()
@@ -74,6 +86,8 @@ fn mend_with(
     let mut waiting: BinaryHeap<_> = wide.map(|(&size, v)| key(size, v)).collect();
     let mut tries = part(TRIES, patch.count);
     while let Some((size, Reverse(v))) = waiting.pop() {
+        // How many are to come is not known: only to be cancelled.
+        progress.report(0.0)?;
         if sizes[v as usize].to_bits() != size {
             continue; // mended or measured again since
         }
@@ -106,6 +120,7 @@ fn mend_with(
             }
         }
     }
+    Ok(())
 }
 
 /// The widest gap above `least` of the cell of v, or of a face whose first corner it is.

@@ -250,7 +250,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         };
         let passes = self.options.relaxation;
         let quadrics = Quadrics::new(surface, par);
-        relax(surface, &quadrics, &mut patch, passes, narrow, par, progress.part(0.7..0.95))?;
+        relax(surface, &quadrics, &mut patch, passes, narrow, par, progress.part(0.7..0.9))?;
         reach(&mut patch)?;
         if passes > 0 {
             resolve(surface, self.input, &mut patch, par);
@@ -259,7 +259,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
             growth.grow_on(surface);
             let cells = (0..surface.len() as u32).map(|v| growth.cell(v));
             let gaps = Gaps::new(surface, cells, patch.positions().len());
-            mend(&gaps, &quadrics, &mut patch, par);
+            mend(&gaps, &quadrics, &mut patch, par, progress.part(0.9..0.98))?;
             reach(&mut patch)?;
         }
         let (positions, anchors, on_rim, faces) = patch.compact();
