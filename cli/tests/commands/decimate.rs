@@ -162,7 +162,7 @@ fn refusals_say_why_and_leave_nothing() {
     assert!(refused("-n 20 --first 486 -o out.ply").contains("first"));
     assert!(refused("--ratio 0 -o out.ply").contains("--ratio 0: a positive number is needed"));
     assert!(refused("--faces 0 -o out.ply").contains("--faces: faces: 0, where at least 1"));
-    assert!(refused("--edge-length -1 -o out.ply").contains("--edge-length"));
+    assert!(refused("--edge-length 0 -o out.ply").contains("--edge-length"));
     assert!(refused("--edge-length 1 --faces 9 -o out.ply").contains("cannot be used with"));
     assert!(refused("-o out.ply").contains("<-n <N>|--ratio"));
     assert!(refused("-n 20 -o out.ply --weights w.npy").contains("w.npy: weights must be called"));
