@@ -26,9 +26,9 @@ pub struct DecimateOptions<'a> {
     /// Lloyd passes over the input: each moves the sites to the centroids of their cells, and grows cells anew; default 0, as
     /// relaxation does more at less cost.
     pub lloyd: usize,
-    /// Passes over the result: edges made Delaunay, vertices moved to the centroids of their faces on the surface, short
-    /// edges exchanged for long ones; then vertices are raised beside the surface, so that it is not all above the faces.
-    /// Default 12.
+    /// Passes over the result: edges made Delaunay, vertices moved on the surface to the centroids of their faces or to its
+    /// creases, short edges exchanged for long ones; then vertices are raised beside the surface, so that it is not all above
+    /// the faces, and the places farthest from it are mended. Default 12; with 0, none of this.
     pub relaxation: usize,
     /// Whether handles that are too narrow for the triangles of the result are cut and their ends
     /// closed, as [`Decimation::after`](super::Decimation::after) tells; default no: all are kept.

@@ -163,8 +163,12 @@ fn refusals_say_why_and_leave_nothing() {
     assert!(refused("--ratio 0 -o out.ply").contains("--ratio 0: a positive number is needed"));
     assert!(refused("--faces 0 -o out.ply").contains("--faces: faces: 0, where at least 1"));
     assert!(refused("--edge-length 0 -o out.ply").contains("--edge-length"));
-    assert!(refused("--edge-length 1 --faces 9 -o out.ply").contains("cannot be used with"));
-    assert!(refused("-o out.ply").contains("<-n <N>|--ratio"));
+    for (arguments, why) in
+        [("--edge-length 1 --faces 9", "cannot be used with"), ("", "<-n <N>|--ratio")]
+    {
+        let run = folder.run(&format!("decimate in.ply {arguments} -o out.ply"));
+        assert!(run.code == Some(2) && run.stderr.contains(why), "{}", run.stderr);
+    }
     assert!(refused("-n 20 -o out.ply --weights w.npy").contains("w.npy: weights must be called"));
     assert!(refused("-n 20 -o out.txt").contains("out.txt"));
     let numbers = refused("-n 999999999999 -o out.ply");
