@@ -3,8 +3,8 @@
 use super::result::Place;
 use super::surface::Surface;
 use crate::mesh::TriMesh;
-use crate::mesh::vector::{Vector, dot, sub};
-use crate::mesh::weights_on_triangle;
+use crate::mesh::nearest_on_triangle;
+use crate::mesh::vector::{Vector, dot, square, sub};
 
 /// Where a walk ended.
 #[derive(Debug, Clone, Copy)]
@@ -36,12 +36,21 @@ pub(super) fn on_surface(surface: &Surface<'_>, from: u32, p: Vector) -> Option<
         let weights = found.place.weights;
         // Within a face, no other one is nearer nearby; else those may be that meet at its edge or corner.
         if before == Some(found.square) || weights.iter().all(|&w| w > 0.0) {
-            let heaviest = (0..3).max_by(|&i, &j| weights[i].total_cmp(&weights[j])).unwrap_or(0);
-            return Some(Found { vertex: corners[heaviest], ..found });
+            return Some(Found { vertex: corners[found.place.heaviest()], ..found });
         }
         let mut ends = (0..3).filter(|&k| weights[k] > 0.0).map(|k| corners[k]);
         around = [ends.next(), ends.next()];
     }
+}
+
+/// The same for a vertex of the new mesh with this anchor: along the boundary if it is there.
+pub(super) fn nearest(
+    surface: &Surface<'_>,
+    anchor: u32,
+    is_on_boundary: bool,
+    p: Vector,
+) -> Option<Found> {
+    if is_on_boundary { on_boundary(surface, anchor, p) } else { on_surface(surface, anchor, p) }
 }
 
 /// The same along the boundary, from a vertex there.
@@ -112,15 +121,7 @@ fn along(a: Vector, b: Vector, p: Vector) -> f64 {
     if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) }
 }
 
-fn square(a: Vector) -> f64 {
-    dot(a, a)
-}
-
-/// The nearest point of a face of `mesh` and its barycentric coordinates (Ericson, Real-Time Collision Detection, 2005,
-/// section 5.1.5).
+/// The nearest point of a face of `mesh` and its barycentric coordinates.
 pub(super) fn on_face(mesh: &TriMesh, face: u32, p: Vector) -> (Vector, [f64; 3]) {
-    let [a, b, c] = mesh.faces()[face as usize].map(|v| mesh.vertices()[v as usize]);
-    let weights = weights_on_triangle([a, b, c], p);
-    let point = std::array::from_fn(|k| weights[0] * a[k] + weights[1] * b[k] + weights[2] * c[k]);
-    (point, weights)
+    nearest_on_triangle(mesh.faces()[face as usize].map(|v| mesh.vertices()[v as usize]), p)
 }

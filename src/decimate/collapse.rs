@@ -63,7 +63,7 @@ fn collapse(patch: &mut Patch, a: u32, b: u32, care: Care) -> Option<u32> {
         return None;
     }
     let [p, q] = [a, b].map(|v| patch.position(v));
-    let middle = std::array::from_fn(|k| 0.5 * (p[k] + q[k]));
+    let middle = patch.middle(a, b);
     let places: &[_] = match [a, b].map(|v| patch.on_boundary[v as usize]) {
         [true, false] => &[p],
         [false, true] => &[q],

@@ -2,10 +2,11 @@
 
 use super::closest::{Found, on_surface};
 use super::patch::Patch;
+use super::result::Place;
 use super::surface::Surface;
-use crate::mesh::intersections::{Bounds, Corners};
-use crate::mesh::vector::{Vector, distance, dot, sub};
-use crate::mesh::weights_on_triangle;
+use crate::mesh::intersections::Bounds;
+use crate::mesh::nearest_on_triangle;
+use crate::mesh::vector::{Vector, distance, square, sub};
 
 /// A place where the new mesh and the surface are apart.
 #[derive(Debug, Clone, Copy)]
@@ -94,7 +95,7 @@ impl<'a, 's> Gaps<'a, 's> {
         let mut widest: Option<Gap> = None;
         for weights in SAMPLES {
             let limit = widest.map_or(least, |gap| gap.size);
-            let p = point(corners, weights);
+            let p = Place { face: f, weights }.mix(corners);
             let Some(found) = self.nearest(patch, face, p, limit) else { continue };
             let size = found.square.sqrt();
             if size > limit {
@@ -121,12 +122,9 @@ impl<'a, 's> Gaps<'a, 's> {
             }
         }
         // All these walks may have ended beside it.
-        let square = |w: u32| {
-            let step = sub(self.surface.position(w), p);
-            dot(step, step)
-        };
+        let away = |w: u32| square(sub(self.surface.position(w), p));
         let all = face.iter().flat_map(|&v| self.cell(v)).copied();
-        match all.min_by(|&a, &b| square(a).total_cmp(&square(b))) {
+        match all.min_by(|&a, &b| away(a).total_cmp(&away(b))) {
             Some(w) => walk(w),
             None => best,
         }
@@ -135,15 +133,9 @@ impl<'a, 's> Gaps<'a, 's> {
 
 /// Takes the point of a face nearest to p, with its squared distance, if it is nearer than what is.
 fn approach(patch: &Patch, f: u32, p: Vector, nearest: &mut (Vector, f64)) {
-    let corners = patch.corners_at(patch.faces[f as usize]);
-    let q = point(corners, weights_on_triangle(corners, p));
-    let step = sub(p, q);
-    let square = dot(step, step);
+    let (q, _) = nearest_on_triangle(patch.corners_of(f), p);
+    let square = square(sub(p, q));
     if square < nearest.1 {
         *nearest = (q, square);
     }
-}
-
-fn point(corners: Corners, weights: Vector) -> Vector {
-    std::array::from_fn(|k| (0..3).map(|i| weights[i] * corners[i][k]).sum())
 }

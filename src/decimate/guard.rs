@@ -1,12 +1,9 @@
 //! Changes of the new mesh by which no more of its faces intersect than did.
 
-use super::patch::{Flip, Patch};
+use super::patch::{Flip, Move, Patch};
 use crate::base::Par;
 use crate::mesh::intersections::{Bounds, Corners, intersect};
 use crate::mesh::vector::Vector;
-
-/// Where a vertex moves, and its anchor there.
-pub(super) type Move = (Vector, u32);
 
 /// Whether no more pairs of faces intersect when the faces `old` become `new`.
 fn allows(patch: &Patch, old: &[u32], new: &[Corners]) -> bool {
@@ -21,8 +18,7 @@ fn untangles(patch: &Patch, old: &[u32], new: &[Corners]) -> bool {
 
 /// Pairs of these faces with each other, and with all others, that intersect.
 fn intersections_of(patch: &Patch, faces: &[u32]) -> usize {
-    let corners: Vec<_> =
-        faces.iter().map(|&f| patch.corners_at(patch.faces[f as usize])).collect();
+    let corners: Vec<_> = faces.iter().map(|&f| patch.corners_of(f)).collect();
     intersections(patch, faces, &corners)
 }
 
@@ -68,7 +64,7 @@ fn intersections(patch: &Patch, without: &[u32], triangles: &[Corners]) -> usize
     for (i, own) in triangles.iter().enumerate() {
         count += triangles[..i].iter().filter(|other| intersect(own, other)).count();
         patch.visit(&Bounds::of(own), |f| {
-            let other = patch.corners_at(patch.faces[f as usize]);
+            let other = patch.corners_of(f);
             count += usize::from(!without.contains(&f) && intersect(own, &other));
         });
     }
@@ -91,9 +87,8 @@ pub(super) fn move_all(patch: &mut Patch, moves: &[Option<Move>], par: Par) {
     while !pairs.is_empty() {
         let mut faces = Vec::new();
         for v in pairs.iter().flatten().flat_map(|&f| patch.faces[f as usize]).collect::<Vec<_>>() {
-            if let Some((p, anchor)) = before[v as usize].take() {
-                patch.place(v, p);
-                patch.anchors[v as usize] = anchor;
+            if let Some(earlier) = before[v as usize].take() {
+                patch.move_to(v, earlier);
                 faces.extend(patch.around(v));
             }
         }
@@ -101,7 +96,7 @@ pub(super) fn move_all(patch: &mut Patch, moves: &[Option<Move>], par: Par) {
         faces.dedup();
         pairs.clear();
         for f in faces {
-            patch.visit(&Bounds::of(&patch.corners_at(patch.faces[f as usize])), |g| {
+            patch.visit(&Bounds::of(&patch.corners_of(f)), |g| {
                 if g != f && is_new(patch, [f, g], &before) {
                     pairs.push([f, g]);
                 }

@@ -1,8 +1,8 @@
 //! What a change of the new mesh would lose of the surface.
 
 use super::patch::Patch;
-use crate::mesh::vector::{Vector, cross, dot, norm, sub, unit};
-use crate::mesh::weights_on_triangle;
+use crate::mesh::nearest_on_triangle;
+use crate::mesh::vector::{Vector, cross, dot, norm, square, sub, unit};
 
 /// From the nearest point of the faces around v, were it at p, to q.
 pub(super) fn gap_of_move(patch: &Patch, v: u32, p: Vector, q: Vector) -> Vector {
@@ -38,10 +38,8 @@ fn gap<'a>(
     let mut nearest = ([0.0; 3], f64::INFINITY);
     for &f in faces {
         let corners = patch.corners_with(patch.faces[f as usize], moved, p);
-        let [u, v, w] = weights_on_triangle(corners, q);
-        let [a, b, c] = corners;
-        let step = sub(q, std::array::from_fn(|k| u * a[k] + v * b[k] + w * c[k]));
-        let square = dot(step, step);
+        let step = sub(q, nearest_on_triangle(corners, q).0);
+        let square = square(step);
         if square < nearest.1 {
             nearest = (step, square);
         }

@@ -7,10 +7,9 @@ use super::closest::{on_boundary, on_surface};
 use super::collapse::reduce;
 use super::gaps::{Gap, Gaps, Site};
 use super::guard::{allows_flip, allows_move};
-use super::patch::{Patch, Sides};
+use super::patch::{Move, Patch, Sides};
 use super::quadric::Quadrics;
 use crate::base::{Par, Progress, Result};
-use crate::mesh::intersections::Corners;
 use crate::mesh::quality;
 use crate::mesh::vector::{Vector, distance, dot, sub};
 
@@ -201,10 +200,7 @@ impl Mending<'_, '_> {
         }
         edges.sort_unstable();
         edges.dedup();
-        let away = |edge: [u32; 2]| {
-            let [p, q] = edge.map(|v| self.patch.position(v));
-            distance(std::array::from_fn(|k| 0.5 * (p[k] + q[k])), self.gap.on_patch)
-        };
+        let away = |[a, b]: [u32; 2]| distance(self.patch.middle(a, b), self.gap.on_patch);
         edges.sort_by(|&a, &b| away(a).total_cmp(&away(b)));
         edges
     }
@@ -225,13 +221,13 @@ impl Mending<'_, '_> {
             return None;
         }
         let before = (self.patch.position(v), self.patch.anchors[v as usize]);
-        self.place(v, (p, anchor));
+        self.patch.move_to(v, (p, anchor));
         let mut vertices = self.patch.neighbours(v);
         vertices.push(v);
         if self.helps(&vertices, &faces) {
             return Some(vertices);
         }
-        self.place(v, before);
+        self.patch.move_to(v, before);
         None
     }
 
@@ -278,11 +274,11 @@ impl Mending<'_, '_> {
             if !self.may_move(new, p, &faces, least) {
                 continue;
             }
-            self.place(new, (p, anchor));
+            self.patch.move_to(new, (p, anchor));
             if self.helps(&vertices, &faces) {
                 return Some(vertices);
             }
-            self.place(new, before);
+            self.patch.move_to(new, before);
         }
         // Into the end that brings the faces back that were there.
         let end = self.patch.position(b);
@@ -291,7 +287,7 @@ impl Mending<'_, '_> {
     }
 
     /// Where v may go near `target`, and its anchor there.
-    fn landing(&self, v: u32, target: Vector) -> Option<(Vector, u32)> {
+    fn landing(&self, v: u32, target: Vector) -> Option<Move> {
         if self.patch.on_boundary[v as usize] {
             let anchor = self.patch.anchors[v as usize];
             let found = on_boundary(self.gaps.surface, anchor, target)?;
@@ -299,11 +295,6 @@ impl Mending<'_, '_> {
         }
         let found = on_surface(self.gaps.surface, self.gap.near, target)?;
         (found.square.sqrt() < GAIN * self.gap.size).then_some((target, found.vertex))
-    }
-
-    fn place(&mut self, v: u32, (p, anchor): (Vector, u32)) {
-        self.patch.place(v, p);
-        self.patch.anchors[v as usize] = anchor;
     }
 
     /// Whether v, which has these faces, may go to p: they stay upright and as regular as `least`,
@@ -317,7 +308,6 @@ impl Mending<'_, '_> {
 
     /// How regular faces must be that take the place of these.
     fn least_quality(&self, faces: &[u32]) -> f64 {
-        let corners = |f: &u32| -> Corners { self.patch.corners_at(self.patch.faces[*f as usize]) };
-        faces.iter().map(corners).map(quality).fold(self.regular, f64::min)
+        faces.iter().map(|&f| quality(self.patch.corners_of(f))).fold(self.regular, f64::min)
     }
 }

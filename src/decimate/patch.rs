@@ -1,10 +1,13 @@
 //! The new mesh while it changes: faces with the faces at each vertex, and the changes that keep a manifold one.
 
 use crate::mesh::intersections::{Bounds, BoxTree, Corners};
-use crate::mesh::vector::{Vector, cross, distance, dot, sub, unit};
+use crate::mesh::vector::{Vector, cross, distance, dot, middle, sub, unit};
 
 /// Faces that come after the tree was built, and are looked through one by one, at most.
 const LATE: usize = 128;
+
+/// Where a vertex moves, and its anchor there.
+pub(super) type Move = (Vector, u32);
 
 /// No face any more.
 const GONE: [u32; 3] = [u32::MAX; 3];
@@ -87,6 +90,11 @@ impl Patch {
         self.positions[v as usize]
     }
 
+    /// Where the corners of face f are, which must be there.
+    pub fn corners_of(&self, f: u32) -> Corners {
+        self.corners_at(self.faces[f as usize])
+    }
+
     /// Where the corners of a face are.
     pub fn corners_at(&self, face: [u32; 3]) -> Corners {
         face.map(|v| self.positions[v as usize])
@@ -108,6 +116,12 @@ impl Patch {
         for i in 0..self.around[v as usize].len() {
             self.refresh(self.around[v as usize][i]);
         }
+    }
+
+    /// Puts a vertex elsewhere, with its anchor there.
+    pub fn move_to(&mut self, v: u32, (p, anchor): Move) {
+        self.place(v, p);
+        self.anchors[v as usize] = anchor;
     }
 
     pub fn around(&self, v: u32) -> &[u32] {
@@ -171,6 +185,10 @@ impl Patch {
     /// The corners of a face, if it is still there.
     pub fn face(&self, f: usize) -> Option<[u32; 3]> {
         Some(self.faces[f]).filter(|&face| face != GONE)
+    }
+
+    pub fn middle(&self, a: u32, b: u32) -> Vector {
+        middle(self.positions[a as usize], self.positions[b as usize])
     }
 
     pub fn length(&self, a: u32, b: u32) -> f64 {
@@ -255,8 +273,7 @@ impl Patch {
     pub fn split(&mut self, a: u32, b: u32) -> Option<u32> {
         let sides = self.sides(a, b)?;
         let new = self.positions.len() as u32;
-        let [p, q] = [a, b].map(|v| self.positions[v as usize]);
-        self.positions.push(std::array::from_fn(|k| 0.5 * (p[k] + q[k])));
+        self.positions.push(self.middle(a, b));
         let on_boundary = sides.second.is_none();
         // On the boundary, both ends are anchored there.
         self.anchors.push(self.anchors[a as usize]);

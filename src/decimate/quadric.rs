@@ -8,7 +8,7 @@ use super::batches::Multiply;
 use super::patch::Patch;
 use super::surface::Surface;
 use crate::base::Par;
-use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub};
+use crate::mesh::vector::{Vector, cross, dot, norm, scale, square, sub};
 
 /// Vertices that one thread looks at at a time.
 const BLOCK: usize = 8192;
@@ -55,7 +55,7 @@ impl<'a, 's> Quadrics<'a, 's> {
         // Each face was counted at each of its corners.
         let per_vertex = sum.area * self.surface.scale.powi(2) / (3.0 * PI);
         let rest = sum.error(sum.step(FREE)) / per_vertex;
-        let alike = dot(sum.normal, sum.normal) / sum.area.powi(2);
+        let alike = square(sum.normal) / sum.area.powi(2);
         let step = sum.step(HOLD + ROUND * rest * alike * alike);
         let size = norm(step);
         if !size.is_finite() {
@@ -168,8 +168,4 @@ fn own_vertices(surface: &Surface<'_>, patch: &Patch, v: u32, radius: f64) -> Ve
         open.extend(surface.links(w).iter().map(|link| link.to).filter(|&to| seen.insert(to)));
     }
     own
-}
-
-fn square(a: Vector) -> f64 {
-    dot(a, a)
 }

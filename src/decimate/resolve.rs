@@ -1,6 +1,6 @@
 //! Faces that intersect, as the dual triangulation of very thin sheets may leave them, taken apart.
 
-use super::closest::{on_boundary, on_surface};
+use super::closest::nearest;
 use super::guard::{untangles_flip, untangles_move};
 use super::patch::Patch;
 use super::surface::Surface;
@@ -21,8 +21,8 @@ pub(super) fn resolve(surface: &Surface<'_>, input: &TriMesh, patch: &mut Patch,
     let mut allowed = None;
     for _ in 0..ROUNDS {
         patch.plant_tree();
-        let corners = |f: u32| patch.corners_at(patch.faces[f as usize]);
-        let pairs = patch.tree().pairs(par, |f, g| intersect(&corners(f), &corners(g)));
+        let meet = |f, g| intersect(&patch.corners_of(f), &patch.corners_of(g));
+        let pairs = patch.tree().pairs(par, meet);
         let mut faces = pairs.concat();
         faces.sort_unstable();
         faces.dedup();
@@ -46,15 +46,10 @@ fn untangle(surface: &Surface<'_>, patch: &mut Patch, f: u32) -> bool {
     for v in face {
         for target in targets(patch, v) {
             let anchor = patch.anchors[v as usize];
-            let found = if patch.on_boundary[v as usize] {
-                on_boundary(surface, anchor, target)
-            } else {
-                on_surface(surface, anchor, target)
-            };
-            let Some(found) = found else { continue };
+            let is_on_boundary = patch.on_boundary[v as usize];
+            let Some(found) = nearest(surface, anchor, is_on_boundary, target) else { continue };
             if stays_regular(patch, v, found.point) && untangles_move(patch, v, found.point) {
-                patch.place(v, found.point);
-                patch.anchors[v as usize] = found.vertex;
+                patch.move_to(v, (found.point, found.vertex));
                 return true;
             }
         }

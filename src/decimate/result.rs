@@ -39,6 +39,11 @@ impl Place {
     pub(super) fn mix<const N: usize>(&self, values: [[f64; N]; 3]) -> [f64; N] {
         std::array::from_fn(|k| (0..3).map(|i| self.weights[i] * values[i][k]).sum())
     }
+
+    /// The corner of its face that it is nearest to in these coordinates, 0 to 2.
+    pub(super) fn heaviest(&self) -> usize {
+        (0..3).max_by(|&i, &j| self.weights[i].total_cmp(&self.weights[j])).unwrap_or(0)
+    }
 }
 
 /// What deformations leave as it is.

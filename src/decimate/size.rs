@@ -23,10 +23,7 @@ pub fn edge_length_for(area: f64, n: usize) -> Result<f64> {
     if n == 0 {
         return Err(Error::Argument { what: "n", why: "0, where at least 1 is needed".into() });
     }
-    if !(area > 0.0 && area.is_finite()) {
-        let why = format!("{area}, where a positive number is needed");
-        return Err(Error::Argument { what: "area", why });
-    }
+    check_positive("area", area)?;
     Ok((2.0 * area / (n as f64 * 3f64.sqrt())).sqrt())
 }
 
@@ -44,12 +41,8 @@ pub fn edge_length_for(area: f64, n: usize) -> Result<f64> {
 /// [`Error::Argument`] when the length or the area is not positive and finite, or the number of
 /// vertices more than a mesh can have.
 pub fn vertices_for_edge_length(area: f64, length: f64) -> Result<usize> {
-    for (what, value) in [("area", area), ("length", length)] {
-        if !(value > 0.0 && value.is_finite()) {
-            let why = format!("{value}, where a positive number is needed");
-            return Err(Error::Argument { what, why });
-        }
-    }
+    check_positive("area", area)?;
+    check_positive("length", length)?;
     let n = 2.0 * area / (3f64.sqrt() * length * length);
     if n >= f64::from(u32::MAX) {
         let why = format!("{length:e}: that takes {n:.1e} vertices, more than a mesh can have");
@@ -86,4 +79,11 @@ pub fn vertices_for_faces(mesh: &TriMesh, faces: usize) -> Result<usize> {
     let chi = mesh.euler_characteristic(&edges) as f64;
     let n = (faces as f64 + boundary / length) / 2.0 + chi;
     Ok(n.round().max(1.0) as usize)
+}
+
+fn check_positive(what: &'static str, value: f64) -> Result<()> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(Error::Argument { what, why: format!("{value}, where a positive number is needed") })
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::batches::add_samples;
 use super::cells::{Cells, Growth, Seed};
-use super::closest::{on_boundary, on_face, on_surface};
+use super::closest::{nearest, on_face};
 use super::collapse::reduce;
 use super::farthest::{Sampler, first_sample};
 use super::gaps::Gaps;
@@ -249,10 +249,10 @@ impl<'m, 'o> Decimator<'m, 'o> {
             false => 0.0,
         };
         let passes = self.options.relaxation;
-        let quadrics = Quadrics::new(surface, par);
-        relax(surface, &quadrics, &mut patch, passes, narrow, par, progress.part(0.7..0.9))?;
-        reach(&mut patch)?;
         if passes > 0 {
+            let quadrics = Quadrics::new(surface, par);
+            relax(surface, &quadrics, &mut patch, passes, narrow, par, progress.part(0.7..0.9))?;
+            reach(&mut patch)?;
             resolve(surface, self.input, &mut patch, par);
             growth.clear();
             growth.grow(surface, &anchor_seeds(&patch), cutoff);
@@ -267,11 +267,7 @@ impl<'m, 'o> Decimator<'m, 'o> {
         let places: Vec<Place> = (0..n)
             .map(|v| {
                 let p = mesh.vertices()[v];
-                let found = if on_rim[v] {
-                    on_boundary(surface, anchors[v], p)
-                } else {
-                    on_surface(surface, anchors[v], p)
-                };
+                let found = nearest(surface, anchors[v], on_rim[v], p);
                 found.map_or_else(|| at_vertex(surface, anchors[v]), |found| found.place)
             })
             .collect();

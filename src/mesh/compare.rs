@@ -3,7 +3,7 @@
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
 use super::TriMesh;
-use super::vector::{Vector, cross, dot, norm, sub, unit};
+use super::vector::{Vector, cross, dot, norm, square, sub, unit};
 use crate::base::{Error, Par, Result};
 
 /// Points that one thread takes at a time.
@@ -167,17 +167,20 @@ impl RTreeObject for Triangle {
 
 impl PointDistance for Triangle {
     fn distance_2(&self, p: &Vector) -> f64 {
-        let [a, b, c] = self.0;
-        let [u, v, w] = weights_on_triangle(self.0, *p);
-        let nearest = std::array::from_fn(|k| u * a[k] + v * b[k] + w * c[k]);
-        let step = sub(nearest, *p);
-        dot(step, step)
+        square(sub(nearest_on_triangle(self.0, *p).0, *p))
     }
+}
+
+/// The point of the triangle nearest to p, and its barycentric coordinates.
+pub(crate) fn nearest_on_triangle(corners: [Vector; 3], p: Vector) -> (Vector, [f64; 3]) {
+    let weights = weights_on_triangle(corners, p);
+    let ([u, v, w], [a, b, c]) = (weights, corners);
+    (std::array::from_fn(|k| u * a[k] + v * b[k] + w * c[k]), weights)
 }
 
 /// Barycentric coordinates of the point of the triangle nearest to p (Ericson, Real-Time Collision
 /// Detection, 2005, section 5.1.5).
-pub(crate) fn weights_on_triangle([a, b, c]: [Vector; 3], p: Vector) -> [f64; 3] {
+fn weights_on_triangle([a, b, c]: [Vector; 3], p: Vector) -> [f64; 3] {
     let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
     let (d1, d2) = (dot(ab, ap), dot(ac, ap));
     if d1 <= 0.0 && d2 <= 0.0 {

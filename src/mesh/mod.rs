@@ -21,7 +21,7 @@ pub(crate) mod vector;
 
 pub use cloud::{CloudOptions, cloud_laplacian};
 pub use compare::{Comparison, OneSided};
-pub(crate) use compare::{Triangles, squares, weights_on_triangle};
+pub(crate) use compare::{Triangles, nearest_on_triangle, squares};
 pub use distance::{Dijkstra, Graph, HeatMethod, HeatOptions, SearchLimits};
 pub use laplacian::{Boundary, Laplacian, LaplacianKind, LaplacianOptions, MassKind, laplacian};
 pub use measure::Normalization;

@@ -19,8 +19,13 @@ pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
+/// The square of the length.
+pub(crate) fn square(a: Vector) -> f64 {
+    dot(a, a)
+}
+
 pub(crate) fn norm(a: Vector) -> f64 {
-    dot(a, a).sqrt()
+    square(a).sqrt()
 }
 
 /// The direction of `a`; zero if it has none.
@@ -31,4 +36,9 @@ pub(crate) fn unit(a: Vector) -> Vector {
 
 pub(crate) fn distance(a: Vector, b: Vector) -> f64 {
     norm(sub(a, b))
+}
+
+/// The point in the middle between two.
+pub(crate) fn middle(a: Vector, b: Vector) -> Vector {
+    std::array::from_fn(|k| 0.5 * (a[k] + b[k]))
 }

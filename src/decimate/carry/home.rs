@@ -43,9 +43,7 @@ fn home(found: &Decimation, input: &Surface<'_>, face: [u32; 3], either_way: boo
     let places = face.map(|v| &found.places[v as usize]);
     let mut best = of_face(places[0].face);
     for place in places {
-        let weights = place.weights;
-        let heaviest = (0..3).max_by(|&i, &j| weights[i].total_cmp(&weights[j])).unwrap_or(0);
-        let start = input.mesh.faces()[place.face as usize][heaviest];
+        let start = input.mesh.faces()[place.face as usize][place.heaviest()];
         let met = on_surface(input, start, middle).map(|met| met.place.face);
         for face in [Some(place.face), met].into_iter().flatten() {
             let other = of_face(face);
