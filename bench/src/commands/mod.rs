@@ -150,14 +150,23 @@ fn load(name: &str, libraries: &Path) -> Result<Rival> {
     Rival::load(name, &path)
 }
 
-/// Ours, by the scheme of that name.
+/// Ours, by `SCHEME[:leaf=SIDE][:tasks=COUNT]`.
 fn ours(scheme: &str, (backend_name, backend): &(String, Arc<dyn Backend>)) -> Result<Contender> {
+    let mut words = scheme.split(':');
+    let first = words.next().unwrap_or_default();
     let (_, choice) = *SchemeChoice::NAMES
         .iter()
-        .find(|(name, _)| *name == scheme)
-        .ok_or_else(|| format!("{scheme}: no such scheme"))?;
+        .find(|(name, _)| *name == first)
+        .ok_or_else(|| format!("{first}: no such scheme"))?;
     let backend = backend.clone();
-    let options = AtaOptions::new().scheme(choice).backend(backend);
+    let mut options = AtaOptions::new().scheme(choice).backend(backend);
+    for word in words {
+        options = match word.split_once('=') {
+            Some(("leaf", side)) => options.leaf(side.parse::<usize>()?),
+            Some(("tasks", count)) => options.tasks(count.parse::<usize>()?),
+            _ => return Err(format!("{scheme}: {word} is neither leaf=SIDE nor tasks=COUNT").into()),
+        };
+    }
     let name = format!("{scheme}/{backend_name}");
     Ok(Contender::Ours { name, options: Box::new(options) })
 }

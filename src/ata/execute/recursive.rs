@@ -294,7 +294,7 @@ mod tests {
         let recursion = Recursion {
             symmetric: if op.symmetric() { vec![id] } else { vec![] },
             general: if op.symmetric() { vec![] } else { vec![id] },
-            base: Base::Side { general: 1, symmetric: 1 },
+            base: Base { general: 1, symmetric: 1 },
             fast_levels: 2,
         };
         let backend = blas::native();

@@ -31,9 +31,8 @@ const ERROR_GROWTH_PER_FUSED_LEVEL: f64 = 2.4;
 /// Growth of the error that [`Accuracy::Default`] allows.
 const DEFAULT_GROWTH: f64 = 4.0;
 
-/// Elements that count as fitting the cache in the faithful mode: 2 MiB of f64, a second-level
-/// cache.
-const FAITHFUL_CACHE: usize = 1 << 18;
+/// Where the faithful mode ends (TODO).
+const FAITHFUL_BASE: Base = Base { general: 1024, symmetric: 1024 };
 
 /// Smallest side of a block when a scheme is asked for by name.
 const NAMED_SIDE: usize = 256;
@@ -256,11 +255,10 @@ fn named(options: &AtaOptions<'_>, general: SchemeId, fast_levels: usize) -> Rec
 
 /// Algorithm 8.1 of the thesis.
 fn thesis(options: &AtaOptions<'_>, allowed: usize) -> Recursion {
-    let cache = options.leaf.map_or(FAITHFUL_CACHE, |side| side.saturating_mul(side));
     Recursion {
         symmetric: vec![SchemeId::Ata2],
         general: vec![SchemeId::Strassen],
-        base: Base::Cache(cache),
+        base: options.leaf.map_or(FAITHFUL_BASE, Base::side),
         // The thesis knows no limit; a caller who names one gets it.
         fast_levels: if options.accuracy == Accuracy::Default { usize::MAX } else { allowed },
     }
@@ -290,7 +288,7 @@ fn candidates(
                     found.push(Recursion {
                         symmetric: symmetric_schemes,
                         general: vec![general_scheme],
-                        base: Base::Side { general, symmetric },
+                        base: Base { general, symmetric },
                         fast_levels,
                     });
                 }

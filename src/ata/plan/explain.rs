@@ -115,13 +115,12 @@ fn write_recursion(f: &mut Formatter<'_>, recursion: &Recursion, fast: bool) -> 
     };
     writeln!(f, "symmetric  {}", names(symmetric))?;
     writeln!(f, "general    {}", names(general))?;
-    match base {
-        _ if symmetric.is_empty() && general.is_empty() => {}
-        Base::Side { general, symmetric } => writeln!(
+    if !(symmetric.is_empty() && general.is_empty()) {
+        let Base { general, symmetric } = base;
+        writeln!(
             f,
             "ends       when a block would be under {general} long, {symmetric} if symmetric"
-        )?,
-        Base::Cache(size) => writeln!(f, "ends       when the operands hold {size} elements")?,
+        )?;
     }
     match *fast_levels {
         0 => writeln!(f, "fast       no level: classical products only"),

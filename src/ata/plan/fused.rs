@@ -273,7 +273,7 @@ mod tests {
                     [1, 3, 8].into_iter().map(move |side| Recursion {
                         symmetric: symmetric.to_vec(),
                         general: general.to_vec(),
-                        base: Base::Side { general: side, symmetric: side },
+                        base: Base { general: side, symmetric: side },
                         fast_levels,
                     })
                 })

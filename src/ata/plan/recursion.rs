@@ -15,25 +15,21 @@ pub(crate) struct Recursion {
     pub fast_levels: usize,
 }
 
-/// When a block is left to the back end.
+/// When a block is left to the back end: when the next level's blocks would have a side shorter than
+/// this (>= 1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Base {
-    /// When the next level's blocks would have a side shorter than this (>= 1).
-    Side {
-        /// For general products.
-        general: usize,
-        /// For products of which the lower triangle is wanted: back ends need longer sides to be
-        /// fast at those.
-        symmetric: usize,
-    },
-    /// When the operands hold at most this many elements (thesis: `cache_size`).
-    Cache(usize),
+pub(crate) struct Base {
+    /// For general products.
+    pub general: usize,
+    /// For products of which the lower triangle is wanted: back ends need longer sides to be fast at
+    /// those.
+    pub symmetric: usize,
 }
 
 impl Base {
     /// The same side for both.
     pub fn side(side: usize) -> Self {
-        Self::Side { general: side, symmetric: side }
+        Self { general: side, symmetric: side }
     }
 }
 
@@ -52,16 +48,8 @@ impl Recursion {
         k: usize,
         fast_levels: usize,
     ) -> Option<SchemeId> {
-        if let Base::Cache(size) = self.base
-            && m.saturating_mul(if symmetric { n } else { n.saturating_add(k) }) <= size
-        {
-            return None;
-        }
-        let side = match self.base {
-            Base::Side { symmetric: side, .. } if symmetric => side.max(1),
-            Base::Side { general: side, .. } => side.max(1),
-            Base::Cache(_) => 1,
-        };
+        let Base { general, symmetric: of_triangles } = self.base;
+        let side = if symmetric { of_triangles } else { general }.max(1);
         let list = if symmetric { &self.symmetric } else { &self.general };
         list.iter().copied().find(|id| {
             let s = id.scheme();
