@@ -3,6 +3,8 @@
 //! Blocks of one sum may differ by a row or a column (odd sizes); a missing row or column counts
 //! as zero, so nothing is ever padded.
 
+use std::ops::Range;
+
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
@@ -142,13 +144,25 @@ pub(crate) fn scale_lower<T: Real>(dst: MatMut<'_, T>, beta: T) {
 
 /// As [`accumulate`], on and below the diagonal of `dst` only.
 pub(crate) fn accumulate_lower<T: Real>(
+    dst: MatMut<'_, T>,
+    beta: T,
+    coefficient: T,
+    src: MatRef<'_, T>,
+) {
+    let lines = 0..dst.nrows();
+    accumulate_lower_lines(dst, lines, beta, coefficient, src);
+}
+
+/// As [`accumulate_lower`], on those rows of `dst` if its rows are contiguous, else on those columns.
+pub(crate) fn accumulate_lower_lines<T: Real>(
     mut dst: MatMut<'_, T>,
+    lines: Range<usize>,
     beta: T,
     coefficient: T,
     src: MatRef<'_, T>,
 ) {
     let by_rows = dst.col_stride() == 1;
-    for line in 0..dst.nrows() {
+    for line in lines {
         // A row up to the diagonal, or a column from it: whichever is contiguous.
         let (row, col, nrows, ncols) =
             if by_rows { (line, 0, 1, line + 1) } else { (line, line, dst.nrows() - line, 1) };

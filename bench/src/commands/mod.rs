@@ -164,7 +164,9 @@ fn ours(scheme: &str, (backend_name, backend): &(String, Arc<dyn Backend>)) -> R
         options = match word.split_once('=') {
             Some(("leaf", side)) => options.leaf(side.parse::<usize>()?),
             Some(("tasks", count)) => options.tasks(count.parse::<usize>()?),
-            _ => return Err(format!("{scheme}: {word} is neither leaf=SIDE nor tasks=COUNT").into()),
+            _ => {
+                return Err(format!("{scheme}: {word} is neither leaf=SIDE nor tasks=COUNT").into());
+            }
         };
     }
     let name = format!("{scheme}/{backend_name}");

@@ -8,7 +8,7 @@ use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
 use crate::ata::combine::{
-    accumulate, accumulate_lower, combine, mirror_lower, scale, scale_lower,
+    accumulate, accumulate_lower_lines, combine, mirror_lower, scale, scale_lower,
 };
 use crate::ata::plan::{
     Extent, LevelScratch, Op, Recursion, block_start, cheapest_update, leading,
@@ -152,15 +152,44 @@ impl<T: Real> Engine<'_, T> {
             if product.kind == ProductKind::SyrkFull && child == Op::Syrk {
                 mirror_lower(product_matrix.rb_mut());
             }
-            for &out in &product.outputs {
-                let beta = beta_for(out);
-                let dst = block_mut(c.rb_mut(), scheme, out);
-                let coefficient = small(out.coefficient);
-                if op.symmetric() && out.row == out.col {
-                    accumulate_lower(dst, beta, coefficient, product_matrix.rb());
-                } else {
-                    accumulate(dst, beta, coefficient, product_matrix.rb());
-                }
+            let outputs: Vec<_> = product.outputs.iter().map(|&out| (out, beta_for(out))).collect();
+            distribute(c.rb_mut(), scheme, op, &outputs, product_matrix.rb());
+        }
+    }
+}
+
+/// Adds `product` to every block of C in `outputs`, after scaling the block by its beta: a strip of
+/// `product` goes to all of them while it stays in the cache.
+fn distribute<T: Real>(
+    mut c: MatMut<'_, T>,
+    scheme: &Scheme,
+    op: Op,
+    outputs: &[(Term, T)],
+    product: MatRef<'_, T>,
+) {
+    /// Elements of a strip: half of a second-level cache of 1 MiB.
+    const STRIP: usize = 1 << 16;
+    let by_rows = c.col_stride() == 1;
+    // Blocks may be larger than the product, and get their beta there.
+    let (rows, cols) = (c.nrows().div_ceil(scheme.left), c.ncols().div_ceil(scheme.right));
+    let (lines, len) = if by_rows { (rows, cols) } else { (cols, rows) };
+    let step = (STRIP / len.max(1)).max(1);
+    for start in (0..lines).step_by(step) {
+        for &(out, beta) in outputs {
+            let dst = block_mut(c.rb_mut(), scheme, out);
+            let coefficient = small(out.coefficient);
+            let end = (start + step).min(if by_rows { dst.nrows() } else { dst.ncols() });
+            let strip = start.min(end)..end;
+            if op.symmetric() && out.row == out.col {
+                accumulate_lower_lines(dst, strip, beta, coefficient, product);
+            } else if by_rows {
+                let from = strip.start.min(product.nrows())..strip.end.min(product.nrows());
+                let src = product.subrows(from.start, from.len());
+                accumulate(dst.subrows_mut(strip.start, strip.len()), beta, coefficient, src);
+            } else {
+                let from = strip.start.min(product.ncols())..strip.end.min(product.ncols());
+                let src = product.subcols(from.start, from.len());
+                accumulate(dst.subcols_mut(strip.start, strip.len()), beta, coefficient, src);
             }
         }
     }

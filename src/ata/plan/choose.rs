@@ -31,18 +31,15 @@ const ERROR_GROWTH_PER_FUSED_LEVEL: f64 = 2.4;
 /// Growth of the error that [`Accuracy::Default`] allows.
 const DEFAULT_GROWTH: f64 = 4.0;
 
-/// Where the faithful mode ends (TODO).
-const FAITHFUL_BASE: Base = Base { general: 1024, symmetric: 1024 };
+/// Where the faithful mode ends: below this side one more level cost more time than it saved, with
+/// OpenBLAS, MKL and our own kernels as leaves (docs/algorithms/ata.md).
+const FAITHFUL_BASE: Base = Base { general: 2048, symmetric: 2048 };
 
 /// Smallest side of a block when a scheme is asked for by name.
 const NAMED_SIDE: usize = 256;
 
 /// Fast levels that our own kernels fuse: more would read every block too often.
 const MOST_FUSED: usize = 2;
-
-/// Tasks of the faithful mode; the thesis takes the number of threads, which would make results
-/// depend on it.
-const FAITHFUL_TASKS: usize = 16;
 
 /// Share of the classical time that a fast plan must stay below: within the error of the models the
 /// simpler way is the better one. Fused levels are not quite as cheap as the model of their traffic
@@ -161,8 +158,8 @@ fn fused<T: BlasReal>(native: &Native, problem: Problem, options: &AtaOptions<'_
 fn tasks<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
     let Problem { op, m, n, k } = problem;
     let faithful = options.scheme == SchemeChoice::Ata2;
-    let count =
-        options.tasks.unwrap_or(if faithful { FAITHFUL_TASKS } else { default_tasks(n, k) });
+    let default = if faithful { faithful_tasks(n, k) } else { default_tasks(n, k) };
+    let count = options.tasks.unwrap_or(default);
     let tree = if op.symmetric() { Node::symmetric(n, count) } else { Node::general(n, k, count) };
     let mut tasks = tree.tasks();
     let slabs = if faithful { 1 } else { task_slabs(m, n, k) };
@@ -329,6 +326,18 @@ fn default_tasks(n: usize, k: usize) -> usize {
         1024..12288 => 4,
         12288..24576 => 16,
         _ => 64,
+    }
+}
+
+/// Tasks of the faithful mode, so few that the general block is long enough for Strassen's
+/// algorithm. The thesis takes the number of threads, which would make results depend on it; a
+/// caller may do so too.
+fn faithful_tasks(n: usize, k: usize) -> usize {
+    match n.min(k) {
+        0..256 => 1,
+        256..12288 => 2,
+        12288..24576 => 8,
+        _ => 32,
     }
 }
 
