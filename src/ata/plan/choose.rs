@@ -334,8 +334,8 @@ fn default_tasks(n: usize, k: usize) -> usize {
 /// caller may do so too.
 fn faithful_tasks(n: usize, k: usize) -> usize {
     match n.min(k) {
-        0..256 => 1,
-        256..12288 => 2,
+        0..4096 => 1,
+        4096..12288 => 2,
         12288..24576 => 8,
         _ => 32,
     }

@@ -1,5 +1,6 @@
 //! `reproduce`: tables and figures of the thesis, measured again. A chapter a file.
 
+mod ata;
 mod curves;
 mod decimate;
 mod plant;
@@ -27,12 +28,15 @@ pub struct Arguments {
     /// Chapter 4: nodes of the largest plant of the race.
     #[arg(long, default_value_t = 1_000_000, value_name = "NODES")]
     largest: usize,
-    /// Chapters 4 and 7: repetitions of the race.
+    /// Chapters 4, 7 and 8: repetitions of the race.
     #[arg(long, default_value_t = 5, value_name = "N")]
     repeat: usize,
     /// Chapters 3 and 7: only a part of it.
     #[arg(long)]
     only: Option<textures::Share>,
+    /// Chapter 8: the largest side of a square matrix.
+    #[arg(long, default_value_t = 7500, value_name = "N")]
+    side: usize,
     /// Chapter 3: rounds of 16 frames that are timed.
     #[arg(long, default_value_t = 2, value_name = "N")]
     #[cfg_attr(not(feature = "opencl"), allow(dead_code))]
@@ -69,6 +73,8 @@ enum What {
     Curves,
     /// Chapters 3 and 7: textures.
     Textures,
+    /// Chapter 8: A^T A in one process; `scripts/reproduce ata` adds that on ranks.
+    Ata,
 }
 
 /// What is found, as it is found.
@@ -130,6 +136,10 @@ fn run_share(arguments: &Arguments, share: Option<textures::Share>) -> Result<()
             let share = share.unwrap_or(textures::Share::Figures);
             textures::run(&mut report, share, arguments)?;
             (share.name(), textures::HEADER)
+        }
+        What::Ata => {
+            ata::run(&mut report, arguments)?;
+            ("chapter-8", ata::HEADER)
         }
     };
     println!("\n{:.0} s", start.elapsed().as_secs_f64());
