@@ -56,7 +56,8 @@ pub enum SchemeChoice {
     Float,
     /// No fast products: blocks over the back end.
     Classical,
-    /// The faithful mode of the thesis: algorithm 8.1 (AtA) over Strassen, base case by cache size.
+    /// The faithful mode of the thesis: algorithm 8.1 (AtA) over Strassen, base case by a measured
+    /// side.
     Ata2,
     /// [`SchemeId::Split`](super::scheme::SchemeId::Split) over Winograd's variant; with the native kernels,
     /// which share no sums, over Strassen's: fewer of them.
@@ -229,8 +230,7 @@ impl<'a> AtaOptions<'a> {
     }
 
     /// Sets the smallest block side (in elements, at least 1) that a fast level may produce; in
-    /// [`SchemeChoice::Ata2`] the side of the square that fits the cache. `None`, the default,
-    /// leaves it to the planner.
+    /// [`SchemeChoice::Ata2`] any level. `None`, the default, leaves it to the planner.
     pub fn leaf(self, leaf: impl Into<Option<usize>>) -> Self {
         Self { leaf: leaf.into(), ..self }
     }

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use catamaran::Real;
 use catamaran::ata::distributed::Mode;
+use catamaran::{AtaOptions, Par, Real, SchemeChoice};
 use catamaran_bench::Result;
 use catamaran_bench::input::Shape;
 use catamaran_bench::product::Operation;
@@ -19,11 +19,13 @@ pub struct Job {
     pub seed: u64,
     /// Threads of each rank.
     pub threads: usize,
+    /// What a rank does with its share.
+    pub scheme: SchemeChoice,
 }
 
 impl fmt::Display for Job {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}, mode {}", self.shape, self.mode)
+        write!(f, "{}, mode {}", self.shape, self.way())
     }
 }
 
@@ -31,6 +33,22 @@ impl Job {
     /// Operations of the classical algorithm.
     pub fn flops(&self) -> f64 {
         Operation::Syrk.flops(self.shape)
+    }
+
+    /// The mode, with the scheme if one was asked for.
+    pub fn way(&self) -> String {
+        match SchemeChoice::NAMES.iter().find(|(_, scheme)| *scheme == self.scheme) {
+            Some((name, scheme)) if *scheme != SchemeChoice::Auto => {
+                format!("{}:{name}", self.mode)
+            }
+            _ => self.mode.to_string(),
+        }
+    }
+
+    /// Options of the products of a rank. In the faithful mode a thread has a task, as in AtA-S.
+    pub fn options(&self) -> AtaOptions<'static> {
+        let tasks = (self.scheme == SchemeChoice::Ata2).then_some(self.threads);
+        AtaOptions::new().par(Par::Threads(self.threads)).scheme(self.scheme).tasks(tasks)
     }
 
     /// Entry (i, j) of A: uniform in [-1, 1). The index goes through the finaliser of SplitMix64 (Steele, Lea

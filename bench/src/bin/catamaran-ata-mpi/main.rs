@@ -12,6 +12,7 @@ mod scalapack;
 
 use std::path::{Path, PathBuf};
 
+use catamaran::SchemeChoice;
 use catamaran::ata::distributed::{Machine, Mode, Place, choose};
 use catamaran_bench::input::Shape;
 use catamaran_bench::{Result, host};
@@ -41,6 +42,9 @@ struct Arguments {
     /// Threads of each rank.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     threads: u16,
+    /// What a rank does with its share: a scheme of A^T A, such as ata2, the thesis' own (AtA-S, a task a thread).
+    #[arg(long, value_name = "SCHEME", default_value = "auto", value_parser = scheme)]
+    scheme: SchemeChoice,
     /// Repetitions; one more comes first, and is not counted.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
     repeat: u16,
@@ -100,6 +104,17 @@ impl std::str::FromStr for Rival {
     }
 }
 
+/// A scheme by its name.
+fn scheme(name: &str) -> std::result::Result<SchemeChoice, String> {
+    let names = || SchemeChoice::NAMES.iter();
+    match names().find(|(known, _)| *known == name) {
+        Some((_, scheme)) => Ok(*scheme),
+        None => {
+            Err(format!("not one of {}", names().map(|(n, _)| *n).collect::<Vec<_>>().join(", ")))
+        }
+    }
+}
+
 /// A side of A, which pdsyrk counts in 32 bits.
 fn side(text: &str) -> std::result::Result<usize, String> {
     match text.parse() {
@@ -115,7 +130,7 @@ impl Arguments {
             Choice::Named(mode) => mode,
             Choice::Best(place) => choose(ranks, self.m, self.n, &Machine::default(), place),
         };
-        Job { mode, shape, seed: self.seed, threads: self.threads.into() }
+        Job { mode, shape, seed: self.seed, threads: self.threads.into(), scheme: self.scheme }
     }
 }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use catamaran::ata::distributed::{Mode, Place};
 use catamaran::ata::{Verification, verify};
 use catamaran::mpi::{MpiReal, Symmetric, World, ata_columns, ata_deal, ata_rows, ata_tree};
-use catamaran::{AtaOptions, Par, Uplo, mpi};
+use catamaran::{AtaOptions, Uplo, mpi};
 use catamaran_bench::Result;
 use faer::{MatMut, MatRef};
 
@@ -51,7 +51,7 @@ impl<'w, T: MpiReal> Ours<'w, T> {
         let a = filled(rows.len(), cols.len(), |i, j| job.entry(rows.start + i, cols.start + j))?;
         let side = if job.mode.place() == Place::OneRank && is_root { n } else { 0 };
         let c = filled(side, side, |_, _| T::from_f64(f64::NAN))?;
-        let options = AtaOptions::new().par(Par::Threads(job.threads));
+        let options = job.options();
         Ok(Self { world, job, options, part, a, c, result: None })
     }
 

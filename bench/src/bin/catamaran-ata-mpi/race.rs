@@ -46,6 +46,9 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<()> 
         available_cores()
     ));
     say(&peak_line);
+    if let Some(note) = report::note_of_faster_mode(&job, ranks.count()) {
+        say(&note);
+    }
 
     let world = World::new(ranks.0)?;
     let mut ours = ranks.agree(Ours::<T>::new(&world, job))?;

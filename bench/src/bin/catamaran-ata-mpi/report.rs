@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use catamaran::ata::distributed::{Machine, lower_bound, predict, proposition_8_3};
+use catamaran::ata::distributed::{Machine, choose, lower_bound, predict, proposition_8_3};
 use catamaran_bench::input::Shape;
 use catamaran_bench::race::{Outcome, median};
 
@@ -75,6 +75,20 @@ pub fn costs(job: &Job, ranks: usize, counted: &Counted) -> String {
     )
 }
 
+/// What to say when another mode with A and C at the same place should be faster by a tenth or more.
+pub fn note_of_faster_mode(job: &Job, ranks: usize) -> Option<String> {
+    let Job { mode, shape: Shape { m, n }, .. } = *job;
+    let machine = Machine::default();
+    let best = choose(ranks, m, n, &machine, mode.place());
+    let [own, least] = [mode, best].map(|mode| predict(mode, ranks, m, n, &machine).seconds);
+    (least < 0.9 * own).then(|| {
+        format!(
+            "note      mode {best} should be faster here: {:.2} of the time, as predicted",
+            least / own
+        )
+    })
+}
+
 /// The column names of [`line()`].
 pub const HEADER: &str = "\
  rep  compute s   commun. s      wall s  GFLOP/s  % peak |     rival s  GFLOP/s  ratio";
@@ -122,8 +136,8 @@ impl Row<'_> {
 impl fmt::Display for Row<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { job, ranks, scalar, ours, .. } = self;
-        let Job { mode, shape, threads, .. } = job;
-        write!(f, "{mode},{ranks},{threads},{},{},{scalar},", shape.m, shape.n)?;
+        let Job { shape, threads, .. } = job;
+        write!(f, "{},{ranks},{threads},{},{},{scalar},", job.way(), shape.m, shape.n)?;
         write!(f, "{},{:.6e},", ours.seconds.len(), ours.median())?;
         match &self.rival {
             Some((rival, _)) => write!(f, "{:.6e},{:.4},", rival.median(), ours.ratio_to(rival))?,
