@@ -137,3 +137,21 @@ fn a_printed_plan_names_scheme_tasks_and_scratch() {
     check(SchemeChoice::Rxtx, &["rxtx", "winograd", "tasks", "scratch"]);
     check(SchemeChoice::Kgp4, &["kgp", "strassen", "products", "fused"]);
 }
+
+#[test]
+fn the_faithful_mode_is_fast_only_where_blocks_stay_long() {
+    let options = AtaOptions::new().scheme(SchemeChoice::Ata2);
+    let fast = |m, n| Plan::ata::<f64>(m, n, &options).unwrap().is_fast();
+    for (m, n, expected) in [
+        (1_000_000, 100, false),
+        (60_000, 500, false),
+        (100, 8192, false),
+        (4096, 4096, false),
+        (8192, 8192, true),
+        (16_384, 8192, true),
+    ] {
+        assert_eq!(fast(m, n), expected, "{m} x {n}");
+    }
+    let deeper = options.clone().leaf(256);
+    assert!(Plan::ata::<f64>(4096, 4096, &deeper).unwrap().is_fast());
+}

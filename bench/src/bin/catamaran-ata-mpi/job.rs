@@ -82,7 +82,13 @@ mod tests {
 
     #[test]
     fn entries_are_uniform_and_differ() {
-        let job = |seed| Job { mode: Mode::Rows, shape: Shape { m: 99, n: 101 }, seed, threads: 1 };
+        let job = |seed| Job {
+            mode: Mode::Rows,
+            shape: Shape { m: 99, n: 101 },
+            seed,
+            threads: 1,
+            scheme: SchemeChoice::Auto,
+        };
         let all = filled(99, 101, |i, j| job(1).entry::<f64>(i, j)).unwrap();
         let mean = |power| all.iter().map(|x| x.powi(power)).sum::<f64>() / all.len() as f64;
         assert!(mean(1).abs() < 0.03 && (mean(2) - 1.0 / 3.0).abs() < 0.02);
