@@ -33,7 +33,7 @@ const DEFAULT_GROWTH: f64 = 4.0;
 
 /// Where the faithful mode ends: below this side one more level cost more time than it saved, with
 /// OpenBLAS, MKL and our own kernels as leaves (docs/algorithms/ata.md).
-const FAITHFUL_BASE: Base = Base { general: 2048, symmetric: 2048 };
+const FAITHFUL_BASE: Base = Base { general: 1536, symmetric: 1536 };
 
 /// Smallest side of a block when a scheme is asked for by name.
 const NAMED_SIDE: usize = 256;
