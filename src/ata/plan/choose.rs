@@ -32,7 +32,7 @@ const ERROR_GROWTH_PER_FUSED_LEVEL: f64 = 2.4;
 const DEFAULT_GROWTH: f64 = 4.0;
 
 /// Where the faithful mode ends: below this side one more level cost more time than it saved, with
-/// OpenBLAS, MKL and our own kernels as leaves (docs/algorithms/ata.md).
+/// OpenBLAS and with our own kernels as leaves (decision 0034).
 const FAITHFUL_BASE: Base = Base { general: 1536, symmetric: 1536 };
 
 /// Smallest side of a block when a scheme is asked for by name.
@@ -329,7 +329,7 @@ fn default_tasks(n: usize, k: usize) -> usize {
     }
 }
 
-/// Tasks of the faithful mode, so few that the general block is long enough for Strassen's
+/// Tasks of the faithful mode: few, so that the general block is long enough for Strassen's
 /// algorithm. The thesis takes the number of threads, which would make results depend on it; a
 /// caller may do so too.
 fn faithful_tasks(n: usize, k: usize) -> usize {
