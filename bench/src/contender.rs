@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use catamaran::base::ThreadPool;
 use catamaran::blas::BlasReal;
-use catamaran::{AtaOptions, Plan, ata, atb};
+use catamaran::{AtaOptions, Plan, SchemeChoice, ata, atb};
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, MatMut, MatRef};
@@ -206,5 +206,16 @@ fn cblas_call<T: Scalar>(
                 }
             }
         }
+    })
+}
+/// The scheme of that name.
+///
+/// # Errors
+/// When there is none: they are listed.
+pub fn scheme_named(name: &str) -> std::result::Result<SchemeChoice, String> {
+    let known = SchemeChoice::NAMES;
+    let found = known.iter().find(|(known, _)| *known == name);
+    found.map(|&(_, scheme)| scheme).ok_or_else(|| {
+        format!("{name}: no such scheme; there are {}", known.map(|(name, _)| name).join(", "))
     })
 }

@@ -17,10 +17,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use catamaran::AtaOptions;
 use catamaran::base::{Pin, ThreadPool};
 use catamaran::blas::{self, Backend};
-use catamaran::{AtaOptions, SchemeChoice};
-use catamaran_bench::contender::Contender;
+use catamaran_bench::contender::{Contender, scheme_named};
 use catamaran_bench::library::{Rival, find};
 use catamaran_bench::race::Rules;
 use catamaran_bench::{Result, host, record};
@@ -153,11 +153,7 @@ fn load(name: &str, libraries: &Path) -> Result<Rival> {
 /// Ours, by `SCHEME[:leaf=SIDE][:tasks=COUNT]`.
 fn ours(scheme: &str, (backend_name, backend): &(String, Arc<dyn Backend>)) -> Result<Contender> {
     let mut words = scheme.split(':');
-    let first = words.next().unwrap_or_default();
-    let (_, choice) = *SchemeChoice::NAMES
-        .iter()
-        .find(|(name, _)| *name == first)
-        .ok_or_else(|| format!("{first}: no such scheme"))?;
+    let choice = scheme_named(words.next().unwrap_or_default())?;
     let backend = backend.clone();
     let mut options = AtaOptions::new().scheme(choice).backend(backend);
     for word in words {

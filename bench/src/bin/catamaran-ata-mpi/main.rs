@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 
 use catamaran::SchemeChoice;
 use catamaran::ata::distributed::{Machine, Mode, Place, choose};
+use catamaran_bench::contender::scheme_named;
 use catamaran_bench::input::Shape;
 use catamaran_bench::{Result, host};
 use clap::Parser;
@@ -43,7 +44,7 @@ struct Arguments {
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     threads: u16,
     /// What a rank does with its share: a scheme of A^T A, such as ata2, the thesis' own (AtA-S, a task a thread).
-    #[arg(long, value_name = "SCHEME", default_value = "auto", value_parser = scheme)]
+    #[arg(long, value_name = "SCHEME", default_value = "auto", value_parser = scheme_named)]
     scheme: SchemeChoice,
     /// Repetitions; one more comes first, and is not counted.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
@@ -100,17 +101,6 @@ impl std::str::FromStr for Rival {
             Some(("pdsyrk", path)) => Ok(Self { path: Some(path.into()) }),
             None if text == "pdsyrk" => Ok(Self { path: None }),
             _ => Err("no such rival: pdsyrk, or pdsyrk=PATH".into()),
-        }
-    }
-}
-
-/// A scheme by its name.
-fn scheme(name: &str) -> std::result::Result<SchemeChoice, String> {
-    let names = || SchemeChoice::NAMES.iter();
-    match names().find(|(known, _)| *known == name) {
-        Some((_, scheme)) => Ok(*scheme),
-        None => {
-            Err(format!("not one of {}", names().map(|(n, _)| *n).collect::<Vec<_>>().join(", ")))
         }
     }
 }
