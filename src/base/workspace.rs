@@ -72,13 +72,15 @@ pub(crate) fn reserved<T>(len: usize) -> Result<Vec<T>> {
     let mut values = Vec::new();
     let bytes = len.saturating_mul(size_of::<T>());
     values.try_reserve_exact(len).map_err(|_| Error::OutOfMemory { bytes })?;
+    ask_for_huge_pages(values.spare_capacity_mut());
     Ok(values)
 }
 
 /// `len` zeros; memory that can't be had is an error.
 pub(crate) fn zeros<T: Real>(len: usize) -> Result<Vec<T>> {
-    let mut values = reserved(len)?;
-    values.resize(len, T::ZERO);
+    let bytes = len.saturating_mul(size_of::<T>());
+    let mut values = zeroed(len).ok_or(Error::OutOfMemory { bytes })?;
+    ask_for_huge_pages(&mut values);
     Ok(values)
 }
 
@@ -96,11 +98,19 @@ fn zeroed<T: Real>(len: usize) -> Option<Vec<T>> {
     }
 }
 
+/// Asks for huge pages where `block` has room for two of them: the system clears those many times
+/// faster than small ones, when they are touched.
 #[cfg(target_os = "linux")]
 fn ask_for_huge_pages<T>(block: &mut [T]) {
-    let bytes = size_of_val(block) / HUGE_PAGE * HUGE_PAGE;
-    // SAFETY: whole pages inside the block; the advice changes no contents, and may be refused.
-    unsafe { libc::madvise(block.as_mut_ptr().cast(), bytes, libc::MADV_HUGEPAGE) };
+    if size_of_val(block) < 2 * HUGE_PAGE {
+        return;
+    }
+    let start = block.as_mut_ptr().cast::<u8>();
+    let skipped = start.align_offset(HUGE_PAGE);
+    let bytes = (size_of_val(block) - skipped) / HUGE_PAGE * HUGE_PAGE;
+    // SAFETY: whole pages inside the block, which is longer than what is skipped; the advice changes
+    // no contents, and may be refused.
+    unsafe { libc::madvise(start.add(skipped).cast(), bytes, libc::MADV_HUGEPAGE) };
 }
 
 #[cfg(not(target_os = "linux"))]

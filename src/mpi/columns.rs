@@ -62,7 +62,10 @@ pub fn ata_columns<T: MpiReal>(
 
     let products: Vec<_> = blocks.products(own).collect();
     let total = (exchange.pieces() * products.len()) as f64;
-    let poll = || world.poll();
+    let poll = || {
+        world.poll();
+        false
+    };
     let mut done = Ok(());
     exchange.start(0);
     exchange.start(1);

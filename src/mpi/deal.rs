@@ -1,11 +1,13 @@
 //! A and C on one rank, the root, which deals rows of A.
 
+use std::cell::RefCell;
 use std::collections::VecDeque;
 
 use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
 use super::form::Form;
+use super::pending_send::PendingSend;
 use super::rows::sum_symmetric;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World};
@@ -49,12 +51,17 @@ pub(super) fn run<T: MpiReal>(
         rows.step_by(height).map(move |first| (to, first..end.min(first + height)))
     };
     let longest = parts[1..].iter().map(|rows| rows.len().div_ceil(height)).max().unwrap_or(0);
-    let shipments: Vec<_> = (0..longest)
+    let shipments = (0..longest)
         .flat_map(|round| (1..size).filter_map(move |process| blocks(process).nth(round)))
-        .map(|(to, rows)| form.start_send(world, &[a.subrows(rows.start, rows.len())], to, DEALT))
-        .collect();
+        .map(|(to, rows)| form.start_send(world, &[a.subrows(rows.start, rows.len())], to, DEALT));
+    let shipments = RefCell::new(shipments.collect::<Vec<_>>());
+    let moves = || {
+        let mut left = shipments.borrow_mut();
+        left.retain_mut(PendingSend::is_moving);
+        !left.is_empty()
+    };
     let a = a.subrows(0, rows);
-    let done = world.with_progress(&lower, 0.0..1.0, &|| world.poll(), |options| {
+    let done = world.with_progress(&lower, 0.0..1.0, &moves, |options| {
         ata(alpha, a, beta, c.rb_mut(), options)
     });
     drop(shipments);
@@ -108,7 +115,11 @@ impl<T: MpiReal> Hand<T> {
                 let share = |rows: usize| rows as f64 / self.rows as f64;
                 let share = share(first)..share(first + part.nrows());
                 let beta = if first == 0 { T::ZERO } else { T::ONE };
-                done = world.with_progress(options, share, &|| world.poll(), |options| {
+                let poll = || {
+                    world.poll();
+                    false
+                };
+                done = world.with_progress(options, share, &poll, |options| {
                     ata(alpha, part, beta, sum.rb_mut(), options)
                 });
             }

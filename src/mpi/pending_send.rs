@@ -59,6 +59,24 @@ impl<'a, T: MpiReal> PendingSend<'a, T> {
     }
 }
 
+impl<T> PendingSend<'_, T> {
+    /// Whether it goes on: entries that are not next to each other travel in pieces, each of which this rank has to
+    /// push.
+    pub(super) fn is_moving(&mut self) -> bool {
+        let mut flag = 0;
+        // SAFETY: the requests are those of this shipment; ended ones have become null.
+        unsafe {
+            ffi::MPI_Testall(
+                self.requests.len() as i32,
+                self.requests.as_mut_ptr(),
+                &mut flag,
+                ffi::RSMPI_STATUSES_IGNORE,
+            );
+        }
+        flag == 0
+    }
+}
+
 impl<T> Drop for PendingSend<'_, T> {
     fn drop(&mut self) {
         if std::thread::panicking() {

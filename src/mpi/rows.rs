@@ -106,7 +106,7 @@ fn reduce<T: MpiReal, S>(
     world: &World,
     chunks: Chunks,
     prepared: Result<S>,
-    panel: impl for<'s> Fn(&'s mut S, Range<usize>, &dyn Fn()) -> Result<MatRef<'s, T>>,
+    panel: impl for<'s> Fn(&'s mut S, Range<usize>, &dyn Fn() -> bool) -> Result<MatRef<'s, T>>,
 ) -> Result<Symmetric<T>> {
     let own = world.rank();
     let prepared = prepared
@@ -115,7 +115,10 @@ fn reduce<T: MpiReal, S>(
 
     // The reduction of a chunk goes on while the next one is computed.
     let reduction = RefCell::new(reduction);
-    let advance = || reduction.borrow_mut().advance(world);
+    let advance = || {
+        reduction.borrow_mut().advance(world);
+        false
+    };
     let mut done = Ok(());
     for chunk in 0..chunks.count() {
         // A rank that fails goes on with whatever it has, so that nobody waits for it.
@@ -185,7 +188,7 @@ fn reduce_exact<T: MpiReal>(
         let sums = match &done {
             Ok(()) => {
                 let share = share(span.start)..share(span.end);
-                world.with_progress(options, share, &|| (), |options| {
+                world.with_progress(options, share, &|| false, |options| {
                     exact_sums(&mut DenseRows(rows), &bounds, span.clone(), options)
                 })
             }

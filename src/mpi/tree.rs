@@ -1,5 +1,6 @@
 //! AtA-D, algorithm 8.4 of the thesis: parts of A go down a task tree, parts of C come up.
 
+use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::ops::Range;
 
@@ -14,8 +15,8 @@ use crate::ata::distributed::{RESULTS_AT_ONCE, TaskTree, TreeNode};
 use crate::ata::{AtaOptions, Uplo, ata, atb};
 use crate::base::{Real, Result, reserved, zeros};
 
-/// Tags: parts of A on the way down, parts of C on the way up.
-const DOWN: i32 = 2;
+/// Tags: strip `i` of parts of A on the way down has `DOWN + i`, parts of C on the way up have the other one.
+const DOWN: i32 = 256;
 const UP: i32 = 3;
 
 /// Runs AtA-D: on the root, process 0, `own` is A and the lower triangle of C.
@@ -45,16 +46,20 @@ pub(super) fn run<T: MpiReal>(
         done: Ok(()),
     };
     if let Some((a, lower)) = own {
-        worker.run(0, [a, a], beta, lower);
+        worker.run(0, [a, a], beta, lower, &|| false);
     } else {
         worker.run_entries(&tree.entries(process), inputs, blocks);
     }
     world.agree(worker.done)
 }
 
-/// The parts of A that `node` reads: the columns for the rows of its block, and those for its columns.
-fn operands<'a, T>(form: Form, node: &TreeNode, entries: &'a [T]) -> [MatRef<'a, T>; 2] {
-    let rows = node.sums.len();
+/// `rows` rows of the parts of A that `node` reads: the columns for the rows of its block, and those for its columns.
+fn operands<'a, T>(
+    form: Form,
+    node: &TreeNode,
+    rows: usize,
+    entries: &'a [T],
+) -> [MatRef<'a, T>; 2] {
     let (left, right) = entries.split_at(rows * node.task.rows.len());
     let left = form.part_of_a(left, rows, node.task.rows.len());
     let right = || form.part_of_a(right, rows, node.task.cols.len());
@@ -73,8 +78,8 @@ fn block<'a, T>(form: Form, node: &TreeNode, entries: &'a mut [T]) -> MatMut<'a,
 /// Everything that a process needs, so that nothing can fail for want of it later.
 struct Memory<T> {
     results: Results<T>,
-    /// Of the nodes that are sent to it.
-    inputs: Vec<Vec<T>>,
+    /// Strips of the nodes that are sent to it.
+    inputs: Vec<Vec<Vec<T>>>,
     blocks: Vec<Vec<T>>,
 }
 
@@ -82,8 +87,11 @@ impl<T: Real> Memory<T> {
     fn new(tree: &TaskTree, process: usize) -> Result<Self> {
         let nodes = tree.nodes();
         let entries = tree.entries(process);
-        let inputs =
-            entries.iter().map(|&id| zeros(nodes[id].input_len())).collect::<Result<_>>()?;
+        let columns = |node: &TreeNode| node.input_len() / node.sums.len();
+        let strips = |node: &TreeNode| {
+            node.strips().map(|rows| zeros(rows.len() * columns(node))).collect::<Result<_>>()
+        };
+        let inputs = entries.iter().map(|&id| strips(&nodes[id])).collect::<Result<_>>()?;
         let blocks =
             entries.iter().map(|&id| zeros(nodes[id].block_len())).collect::<Result<_>>()?;
         let tops = if process == 0 { &[0][..] } else { &entries };
@@ -128,17 +136,23 @@ impl<T: MpiReal> Worker<'_, T> {
     }
 
     /// Receives, runs and returns the nodes `ids`.
-    fn run_entries(&mut self, ids: &[usize], inputs: Vec<Vec<T>>, blocks: Vec<Vec<T>>) {
+    fn run_entries(&mut self, ids: &[usize], inputs: Vec<Vec<Vec<T>>>, blocks: Vec<Vec<T>>) {
         let Some(parent) = ids.first().and_then(|&id| self.tree.nodes()[id].parent) else { return };
         let above = self.rank(self.tree.nodes()[parent].task.process);
-        let receive = |input| Transfer::receive(self.world, input, above, DOWN);
+        let receive = |(i, strip)| Transfer::receive(self.world, strip, above, DOWN + i);
+        let receive = |strips: Vec<_>| (0..).zip(strips).map(receive).collect::<Vec<_>>();
         let inputs: Vec<_> = inputs.into_iter().map(receive).collect();
         let mut returned = Vec::new();
-        for ((&id, input), mut entries) in ids.iter().zip(inputs).zip(blocks) {
+        for ((&id, strips), mut entries) in ids.iter().zip(inputs).zip(blocks) {
             let node = &self.tree.nodes()[id];
-            let input = input.wait();
-            let block = block(self.form, node, &mut entries);
-            self.run(id, operands(self.form, node, &input), T::ZERO, block);
+            let mut beta = T::ZERO;
+            for (rows, strip) in node.strips().zip(strips) {
+                let strip = strip.wait();
+                let operands = operands(self.form, node, rows.len(), &strip);
+                let block = block(self.form, node, &mut entries);
+                self.run(id, operands, beta, block, &|| false);
+                beta = T::ONE;
+            }
             if node.task.triangle {
                 pack(&mut entries, node.task.rows.len(), self.form.c_by_rows);
             }
@@ -147,21 +161,31 @@ impl<T: MpiReal> Worker<'_, T> {
         returned.into_iter().for_each(|result| drop(result.wait()));
     }
 
-    /// `C := beta C` + the product of node `id`, of which this process has the operands.
-    fn run(&mut self, id: usize, operands: [MatRef<'_, T>; 2], beta: T, mut c: MatMut<'_, T>) {
+    /// `C := beta C` + the product of node `id`, of which this process has the operands, or some rows of them
+    /// if it is a leaf. `moves` says whether parts of A are still on their way from this process.
+    fn run(
+        &mut self,
+        id: usize,
+        operands: [MatRef<'_, T>; 2],
+        beta: T,
+        mut c: MatMut<'_, T>,
+        moves: &dyn Fn() -> bool,
+    ) {
         self.start_results();
         let tree = self.tree;
         let node = &tree.nodes()[id];
         if node.is_leaf() {
-            return self.multiply(node, operands, beta, c);
+            return self.multiply(node, operands, beta, c, moves);
         }
         // All others have what they need before this process begins.
-        let shipments: Vec<_> = node
-            .children
-            .clone()
-            .filter(|&child| tree.is_sent(child))
-            .map(|child| self.start_send(node, &tree.nodes()[child], operands))
-            .collect();
+        let shipments = tree.shipments(node);
+        let shipments = shipments.map(|(strip, id)| self.start_send(node, id, strip, operands));
+        let shipments = RefCell::new(shipments.collect::<Vec<_>>());
+        let moves = || {
+            let mut own = shipments.borrow_mut();
+            own.retain_mut(PendingSend::is_moving);
+            !own.is_empty() | moves()
+        };
         for id in node.children.clone() {
             let child = &tree.nodes()[id];
             let rows = within(&child.task.rows, &node.task.rows);
@@ -171,10 +195,9 @@ impl<T: MpiReal> Worker<'_, T> {
             if tree.is_sent(id) {
                 self.add_result(child, beta, block);
             } else {
-                self.run(id, operands_of(child, node, operands), beta, block);
+                self.run(id, operands_of(child, node, operands), beta, block, &moves);
             }
         }
-        drop(shipments);
     }
 
     fn multiply(
@@ -183,16 +206,22 @@ impl<T: MpiReal> Worker<'_, T> {
         [left, right]: [MatRef<'_, T>; 2],
         beta: T,
         c: MatMut<'_, T>,
+        moves: &dyn Fn() -> bool,
     ) {
         if self.done.is_err() {
             return;
         }
         let (done, all) = (self.products.0, self.products.1.max(1.0));
-        self.products.0 += node.products();
+        self.products.0 += node.result_len() as f64 * left.nrows() as f64;
         let (world, alpha) = (self.world, self.alpha);
         let share = done / all..self.products.0 / all;
-        self.done = world.with_progress(self.options, share, &|| world.poll(), |options| {
-            if node.task.triangle {
+        let meanwhile = || {
+            world.poll();
+            moves()
+        };
+        let triangle = node.task.triangle;
+        self.done = world.with_progress(self.options, share, &meanwhile, |options| {
+            if triangle {
                 ata(alpha, left, beta, c, &AtaOptions { uplo: Uplo::Lower, ..options.clone() })
             } else {
                 atb(alpha, left, right, beta, c, options)
@@ -200,19 +229,23 @@ impl<T: MpiReal> Worker<'_, T> {
         });
     }
 
-    /// Starts to send what `child` reads of its parent's operands.
+    /// Starts to send a strip of what node `child` reads of its parent's operands.
     fn start_send<'a>(
         &self,
         parent: &TreeNode,
-        child: &TreeNode,
+        child: usize,
+        strip: usize,
         operands: [MatRef<'a, T>; 2],
     ) -> PendingSend<'a, T>
     where
         Self: 'a,
     {
+        let child = &self.tree.nodes()[child];
+        let rows = child.strips().nth(strip).unwrap_or_default();
         let parts = operands_of(child, parent, operands);
+        let parts = parts.map(|part| part.subrows(rows.start, rows.len()));
         let parts = if child.task.triangle { &parts[..1] } else { &parts[..] };
-        self.form.start_send(self.world, parts, self.rank(child.task.process), DOWN)
+        self.form.start_send(self.world, parts, self.rank(child.task.process), DOWN + strip as i32)
     }
 
     /// Starts to receive as many of the next results as there is room for.

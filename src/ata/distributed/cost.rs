@@ -275,29 +275,38 @@ fn pipeline(computation: f64, communication: f64, count: usize) -> f64 {
 /// ```
 pub fn simulate(tree: &TaskTree, machine: &Machine) -> f64 {
     let mut free = vec![0.0; tree.processes().max(1)];
-    end(tree, machine, 0, &mut free)
+    end(tree, machine, 0, 0.0, &mut free)
 }
 
-/// When node `id` is done, if its owner turns to it as soon as it is `free`.
-fn end(tree: &TaskTree, machine: &Machine, id: usize, free: &mut [f64]) -> f64 {
+/// When node `id` is done, if its owner turns to it as soon as it is `free` and its last rows
+/// arrive at `arrival`.
+fn end(tree: &TaskTree, machine: &Machine, id: usize, arrival: f64, free: &mut [f64]) -> f64 {
     let node = &tree.nodes()[id];
     let own = node.task.process;
     let mut now = free[own];
     if node.is_leaf() {
-        now += machine.computation(node.products());
+        let seconds = machine.computation(node.products());
+        now = (now + seconds).max(arrival + seconds / node.strips().len() as f64);
     }
-    for child in node.children.clone().filter(|&child| tree.is_sent(child)) {
-        let child = &tree.nodes()[child];
-        now += machine.communication(1.0, child.input_len() as f64);
-        // A process that is sent several leaves gets all of them before it is through with the first.
-        let process = child.task.process;
-        free[process] = now.max(free[process]);
+    // The first strip of every child, then the second ones, and so on.
+    let mut arrivals = vec![0.0; node.children.len()];
+    for (strip, id) in tree.shipments(node) {
+        let child = &tree.nodes()[id];
+        let words = child.input_len() as f64 / child.strips().len() as f64;
+        now += machine.communication(1.0, words);
+        arrivals[id - node.children.start] = now;
+        if strip == 0 {
+            // A process that is sent several leaves has all of them before it is through with the
+            // first.
+            let process = child.task.process;
+            free[process] = now.max(free[process]);
+        }
     }
     free[own] = now;
-    for child in node.children.clone() {
-        let done = end(tree, machine, child, free);
-        if tree.is_sent(child) {
-            let result = machine.communication(1.0, tree.nodes()[child].result_len() as f64);
+    for (id, arrival) in node.children.clone().zip(arrivals) {
+        let done = end(tree, machine, id, arrival, free);
+        if tree.is_sent(id) {
+            let result = machine.communication(1.0, tree.nodes()[id].result_len() as f64);
             free[own] = free[own].max(done) + result;
         }
     }

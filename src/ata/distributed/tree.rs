@@ -66,6 +66,13 @@ pub struct Load {
     pub memory: usize,
 }
 
+/// Strips of rows in which a leaf gets its part of A, at most.
+const STRIPS: usize = 4;
+/// Entries above which it gets them in strips: 8 MiB of f64, which take longer than a message.
+const STRIPPED: usize = 1 << 20;
+/// Rows of a strip, at least: products of fewer are slower.
+const SHORTEST_STRIP: usize = 1024;
+
 /// Results of others that a process has room for at the same time: one arrives while one is added.
 pub(crate) const RESULTS_AT_ONCE: usize = 2;
 
@@ -127,6 +134,17 @@ impl TaskTree {
         node.parent.is_some_and(|parent| self.nodes[parent].task.process != node.task.process)
     }
 
+    /// What the owner of `node` sends down, in this order: strips, and the children that read them. The
+    /// first strips of all go before the second ones, so that everyone begins early.
+    pub fn shipments(&self, node: &TreeNode) -> impl Iterator<Item = (usize, usize)> {
+        let sent: Vec<_> = node.children.clone().filter(|&child| self.is_sent(child)).collect();
+        let strips = move |id: usize| self.nodes[id].strips().len();
+        (0..STRIPS).flat_map(move |strip| {
+            let those = sent.iter().copied().filter(|&id| strip < strips(id));
+            those.map(|id| (strip, id)).collect::<Vec<_>>()
+        })
+    }
+
     /// The nodes that are sent to `process`, in the order in which they are sent.
     pub fn entries(&self, process: usize) -> Vec<usize> {
         let all = 0..self.nodes.len();
@@ -157,10 +175,11 @@ impl TaskTree {
             loads[own].words_received += node.input_len();
             loads[own].words_sent += node.result_len();
             loads[parent].words_received += node.result_len();
-            for load in [own, parent] {
-                loads[load].messages_sent += 1;
-                loads[load].messages_received += 1;
-            }
+            let strips = node.strips().len();
+            loads[parent].messages_sent += strips;
+            loads[own].messages_received += strips;
+            loads[own].messages_sent += 1;
+            loads[parent].messages_received += 1;
             longest[parent] = longest[parent].max(node.result_len());
         }
         for (load, longest) in loads.iter_mut().zip(longest) {
@@ -185,6 +204,19 @@ impl TreeNode {
     /// Entries of A that the node reads.
     pub fn input_len(&self) -> usize {
         self.columns().map(|columns| columns.len() * self.sums.len()).sum()
+    }
+
+    /// The rows of A that travel together, counted from the first of `sums`: all of them for an
+    /// inner node, whose owner sends them on. A long leaf begins when the first of at most
+    /// [`STRIPS`] has arrived.
+    pub fn strips(&self) -> impl ExactSizeIterator<Item = Range<usize>> + use<> {
+        let rows = self.sums.len();
+        let count = if self.is_leaf() && self.input_len() > STRIPPED {
+            (rows / SHORTEST_STRIP).clamp(1, STRIPS)
+        } else {
+            1
+        };
+        (0..count).map(move |i| block_start(rows, count, i)..block_start(rows, count, i + 1))
     }
 
     /// Entries of the block, with those above the diagonal.
