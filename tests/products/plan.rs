@@ -154,4 +154,7 @@ fn the_faithful_mode_is_fast_only_where_blocks_stay_long() {
     }
     let deeper = options.clone().leaf(256);
     assert!(Plan::ata::<f64>(4096, 4096, &deeper).unwrap().is_fast());
+    // A^T B has no diagonal blocks, and its first level is cut by no task.
+    let general = |n| Plan::atb::<f64>(n, n, n, &options).unwrap().is_fast();
+    assert_eq!([3000, 4096, 8192].map(general), [false, true, true]);
 }

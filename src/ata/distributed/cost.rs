@@ -104,6 +104,33 @@ pub fn lower_bound(ranks: usize, m: usize, n: usize) -> LowerBound {
     LowerBound { dimensions, accessed, words: (accessed - own).max(0.0) }
 }
 
+/// The least words that some rank sends or receives when every rank begins with `m / ranks` rows of A,
+/// and work and storage are even, whatever the algorithm; [`lower_bound`] lets A begin anywhere.
+///
+/// A rank that sums a part of C of c entries multiplies its own rows for nothing, `m c / ranks` products.
+/// A row of which it is sent f entries gives it at most `f^2 / 2` products, and no more than c, so at
+/// most `f sqrt(c / 2)`. It owes `m n^2 / (2 ranks)` products, and the sums beyond its share of C to
+/// others; what is sent is received, so the mean of both over the ranks is no less than the least over c.
+///
+/// ```
+/// use catamaran::ata::distributed::{lower_bound, lower_bound_of_rows};
+///
+/// // A square A on four ranks: 0.30 n^2, where 0.22 n^2 would do from another start.
+/// let [rows, any] = [lower_bound_of_rows(4, 4096, 4096), lower_bound(4, 4096, 4096).words];
+/// assert!((rows / any - 1.37).abs() < 0.01);
+/// ```
+pub fn lower_bound_of_rows(ranks: usize, m: usize, n: usize) -> f64 {
+    const STEPS: u32 = 1000;
+    let (p, m, n) = (ranks.max(1) as f64, m as f64, n as f64);
+    // Sums as a share of the whole square.
+    let least = |sums: f64| {
+        let others = m * n * (0.5 - sums) / p / (sums / 2.0).sqrt();
+        others + n * n * (sums - 0.5 / p)
+    };
+    let shares = (1..=STEPS).map(|i| 0.5 * f64::from(i) / f64::from(STEPS));
+    shares.filter(|&sums| sums >= 0.5 / p).map(least).fold(f64::INFINITY, f64::min)
+}
+
 /// Messages and words of process 0 of AtA-D, both ways, as proposition 8.3 says, with `m n` for the `n^2` of the
 /// parts of A.
 ///
@@ -446,6 +473,19 @@ mod tests {
     }
 
     #[test]
+    fn rows_are_near_the_least_that_is_possible_from_where_they_begin() {
+        let ratio = |p, m, n| {
+            let words = predict(Mode::Rows, p, m, n, &Machine::default()).words;
+            words / lower_bound_of_rows(p, m, n)
+        };
+        // A tall A: nothing better.
+        assert!((ratio(4, 600_000, 500) - 1.0).abs() < 0.01);
+        assert!((ratio(2, 4096, 4096) - 1.0).abs() < 0.01);
+        assert!((ratio(4, 4096, 4096) - 1.244).abs() < 0.01);
+        assert!(lower_bound_of_rows(1, 100, 100).abs() < 1e-9);
+    }
+
+    #[test]
     fn costs_are_those_of_the_plans() {
         let machine = Machine::default();
         for ranks in [2, 5, 7, 8, 40] {
@@ -512,6 +552,11 @@ mod tests {
         assert_eq!(choice(64, 100_000_000, 1000, Place::EveryRank), Mode::Rows);
         assert_eq!(choice(64, 1000, 100_000, Place::EveryRank), Mode::Columns);
         assert_eq!(choice(4, 600_000, 500, Place::OneRank), Mode::Deal);
+        for (m, n) in [(600_000, 500), (20_000, 2000)] {
+            for p in [2, 3, 4, 8, 64] {
+                assert_eq!(choice(p, m, n, Place::EveryRank), Mode::Rows, "{m} x {n}, {p} ranks");
+            }
+        }
         // Where latency is everything, who sends to few at a time wins.
         assert_eq!(choice(65_536, 200, 200, Place::OneRank), Mode::Tree);
         for (name, mode) in Mode::NAMES {

@@ -22,8 +22,8 @@ pub(crate) use blocks::piece_height;
 pub use blocks::{Blocks, Product};
 pub use chunks::{Chunks, Round, rounds};
 pub use cost::{
-    Cost, Explanation, LowerBound, Mode, Place, choose, lower_bound, predict, proposition_8_3,
-    simulate,
+    Cost, Explanation, LowerBound, Mode, Place, choose, lower_bound, lower_bound_of_rows, predict,
+    proposition_8_3, simulate,
 };
 pub use cover::difference_cover;
 pub use cyclic::{BlockCyclic, Cut, Dealing, Delivery, Grid, GridOrder, Parts, Piece, Run};

@@ -444,10 +444,31 @@ mod tests {
     #[test]
     fn process_0_sends_as_many_messages_as_proposition_8_3_says_where_levels_are_complete() {
         for p in [6, 32, 256, 2048] {
-            let tree = TaskTree::new(4096, 4096, p);
+            let tree = TaskTree::new(1024, 1024, p);
             let Load { messages_sent, messages_received, .. } = tree.loads()[0];
             assert_eq!(messages_sent + messages_received, 2 * (7 * (tree.depth() - 1) + 5), "{p}");
         }
+    }
+
+    #[test]
+    fn long_leaves_travel_in_strips_which_cover_their_rows() {
+        let strips = |m, n, p| {
+            let tree = TaskTree::new(m, n, p);
+            let leaves = tree.entries(1);
+            let node = &tree.nodes()[leaves[0]];
+            let strips: Vec<_> = node.strips().collect();
+            let rows: Vec<_> = strips.iter().cloned().flatten().collect();
+            assert_eq!(rows, (0..node.sums.len()).collect::<Vec<_>>());
+            assert_eq!(tree.loads()[1].messages_received, strips.len() * leaves.len());
+            strips.len()
+        };
+        assert_eq!(
+            [strips(4096, 4096, 2), strips(2100, 4096, 2), strips(1024, 4096, 2)],
+            [4, 2, 1]
+        );
+        assert_eq!([strips(100_000, 1000, 2), strips(100_000, 10, 2)], [4, 1]);
+        // An inner node waits for all: its owner sends parts of them on.
+        assert!(TaskTree::new(8192, 8192, 32).nodes()[1].strips().len() == 1);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::cost::{FusedCost, RecursionCost};
 use super::fused::{self, FusedProduct};
-use super::problem::Problem;
+use super::problem::{Op, Problem};
 use super::recursion::{Base, Recursion};
 use super::split::block_start;
 use super::strategy::{Exact, Fused, Slab, Strategy, Tasks};
@@ -158,7 +158,7 @@ fn fused<T: BlasReal>(native: &Native, problem: Problem, options: &AtaOptions<'_
 fn tasks<T: BlasReal>(problem: Problem, options: &AtaOptions<'_>) -> Choice {
     let Problem { op, m, n, k } = problem;
     let faithful = options.scheme == SchemeChoice::Ata2;
-    let default = if faithful { faithful_tasks(n, k) } else { default_tasks(n, k) };
+    let default = if faithful { faithful_tasks(op, n, k) } else { default_tasks(n, k) };
     let count = options.tasks.unwrap_or(default);
     let tree = if op.symmetric() { Node::symmetric(n, count) } else { Node::general(n, k, count) };
     let mut tasks = tree.tasks();
@@ -329,16 +329,17 @@ fn default_tasks(n: usize, k: usize) -> usize {
     }
 }
 
-/// Tasks of the faithful mode: few, so that the general block is long enough for Strassen's
-/// algorithm. The thesis takes the number of threads, which would make results depend on it; a
-/// caller may do so too.
-fn faithful_tasks(n: usize, k: usize) -> usize {
-    match n.min(k) {
+/// Tasks of the faithful mode: few, so that a general block is long enough for Strassen's
+/// algorithm, and half as many for A^T B, which is nothing else. The thesis takes the number of
+/// threads, which would make results depend on it; a caller may do so too.
+fn faithful_tasks(op: Op, n: usize, k: usize) -> usize {
+    let tasks = match n.min(k) {
         0..4096 => 1,
         4096..12288 => 2,
         12288..24576 => 8,
         _ => 32,
-    }
+    };
+    if op.symmetric() { tasks } else { (tasks / 2).max(1) }
 }
 
 /// Slabs for a tall A, whose C offers too few tasks.
