@@ -172,11 +172,40 @@ mod tests {
         assert!(refused(&["--scheme", "ata9"]).contains("ata9"));
     }
 
+    /// The arguments of every command of a text that names the driver after a launcher.
+    fn commands(text: &str) -> Vec<String> {
+        let joined = text.replace("\\\n", " ");
+        let is_command = |line: &&str| line.contains("mpirun") || line.contains("srun");
+        let arguments = |line: &str| {
+            let (_, arguments) = line.split_once("catamaran-ata-mpi")?;
+            let arguments = arguments.split('`').next()?;
+            Some(arguments.replace("\"$SLURM_CPUS_PER_TASK\"", "16").replace("\"$mode\"", "rows"))
+        };
+        joined.lines().filter(is_command).filter_map(arguments).collect()
+    }
+
     #[test]
-    fn every_option_of_the_help_has_a_heading() {
-        let command = Arguments::command();
-        let own =
-            command.get_arguments().filter(|a| !["help", "version"].contains(&a.get_id().as_str()));
-        assert!(own.into_iter().all(|argument| argument.get_help_heading().is_some()));
+    fn the_commands_of_the_help_and_the_guide_are_accepted() {
+        let guide = include_str!("../../../../docs/guide/cluster.md");
+        let all = [commands(AFTER), commands(guide)].concat();
+        assert!(all.len() >= 10, "{all:?}");
+        for arguments in all {
+            let words = ["catamaran-ata-mpi"].into_iter().chain(arguments.split_whitespace());
+            assert!(Arguments::try_parse_from(words).is_ok(), "{arguments}");
+        }
+    }
+
+    #[test]
+    fn the_help_has_a_heading_for_every_option_and_fits_100_columns() {
+        let mut command = Arguments::command();
+        let own = command.get_arguments().filter(|a| a.get_help_heading().is_none());
+        let without: Vec<_> = own.map(|argument| argument.get_id().to_string()).collect();
+        assert_eq!(without, ["help", "version"].map(str::to_owned)[..without.len()]);
+        let help = command.render_help().to_string();
+        assert!(help.lines().all(|line| line.chars().count() <= 100), "{help}");
+        for part in ["Product:", "Computation:", "Measurement:", "Output:", "Units:", "Exit codes:"]
+        {
+            assert!(help.contains(&format!("\n{part}\n")), "{part}: {help}");
+        }
     }
 }

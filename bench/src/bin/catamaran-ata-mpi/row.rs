@@ -118,4 +118,11 @@ mod tests {
             assert!(full.contains(",2.0000,A 1x2 NB 64,1.000e-12,1.000e-16,passed,"), "{full}");
         }
     }
+
+    #[test]
+    fn the_guide_has_every_column() {
+        let guide = include_str!("../../../../docs/guide/cluster.md");
+        let missing = Row::HEADER.split(',').find(|name| !guide.contains(&format!("`{name}`")));
+        assert_eq!(missing, None);
+    }
 }
