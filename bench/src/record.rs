@@ -33,12 +33,18 @@ pub fn put(
     host: String,
     picture: impl Fn(&str) -> String,
 ) -> Result<PathBuf> {
-    let (table_name, picture_name) = (format!("{name}.csv"), format!("{name}.svg"));
-    let old = fs::read_to_string(folder().join(&table_name)).unwrap_or_default();
+    let path = table(name);
+    let old = fs::read_to_string(&path).unwrap_or_default();
     let table = with_line(&old, header, keys, line)
-        .ok_or_else(|| format!("{table_name}: other columns"))?;
+        .ok_or_else(|| format!("{}: has another header", path.display()))?;
     let picture = picture(&table);
-    write(&[(&table_name, table), (&picture_name, picture), ("host.txt", host)])
+    let names = [format!("{name}.csv"), format!("{name}.svg")];
+    write(&[(&names[0], table), (&names[1], picture), ("host.txt", host)])
+}
+
+/// Where [`put`] keeps the table `NAME.csv`.
+pub fn table(name: &str) -> PathBuf {
+    folder().join(format!("{name}.csv"))
 }
 
 /// Checks that lines under `header` can be appended to the table `path`: that it is empty, is not

@@ -23,7 +23,7 @@ pub struct Arguments {
     /// Uses entries of 4 bytes (f32) instead of 8 (f64).
     #[arg(long, help_heading = PROBLEM)]
     pub f32: bool,
-    /// Seed of A, which is uniform in [-1, 1) and the same for any mode and number of ranks.
+    /// Seed of A, which is uniform in [-1, 1).
     #[arg(long, default_value_t = 1, help_heading = PROBLEM)]
     pub seed: u64,
 
@@ -34,7 +34,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     #[arg(value_name = "T", help_heading = WAY)]
     pub threads: u16,
-    /// What a rank does with its share: a scheme of A^T A, such as ata2 (the thesis' AtA-S).
+    /// Scheme of a rank's share, such as ata2 (the thesis' AtA-S).
     #[arg(long, default_value = "auto", value_parser = scheme_named, help_heading = WAY)]
     scheme: SchemeChoice,
 
@@ -42,20 +42,20 @@ pub struct Arguments {
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
     #[arg(value_name = "R", help_heading = MEASUREMENT)]
     pub repeat: u16,
-    /// Checks the last product (random vectors; the rival's), and words and messages (the plan).
+    /// Checks the last product, and words and messages against the plan.
     #[arg(long, help_heading = MEASUREMENT)]
     pub check: bool,
-    /// Races a rival by turns: pdsyrk (the system's ScaLAPACK), or pdsyrk=PATH of another one.
+    /// Races pdsyrk by turns, of the system's ScaLAPACK or of pdsyrk=PATH.
     #[arg(long, help_heading = MEASUREMENT)]
     pub rival: Option<Rival>,
 
-    /// Prints words and messages beside plan and lower bound, and what the rival tries.
+    /// Prints words and messages beside the lower bound, and the rival's trials.
     #[arg(long, help_heading = OUTPUT)]
     pub explain: bool,
-    /// Appends a line to FILE, after a header if it is new; refuses a FILE with another header.
+    /// Appends a line to FILE, after a header if it is new.
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub csv: Option<PathBuf>,
-    /// Writes NAME.csv (replacing a run of the same product), NAME.svg, host.txt to bench/record.
+    /// Writes NAME.csv, NAME.svg and host.txt under bench/record.
     #[arg(long, value_name = "NAME", help_heading = OUTPUT)]
     pub record: Option<String>,
 }

@@ -26,8 +26,8 @@ fn check_in(
 ) -> catamaran_bench::Result<()> {
     match number(&SIZES, variable) {
         Some(started) if ranks == 1 && started > 1 => Err(format!(
-            "{started} processes were started, but each is alone: the launcher is not that of {mpi}, \
-             for which this program was built (mpirun.openmpi or mpirun.mpich; srun --mpi=list)"
+            "{started} processes were started, but each is alone: the launcher is not that of \
+             {mpi}, for which this program was built (mpirun.openmpi, mpirun.mpich; srun --mpi=list)"
         )
         .into()),
         _ => Ok(()),

@@ -2,7 +2,7 @@
 
 use catamaran_bench::curves::{Plot, svg};
 
-/// What a column is as a panel: its name, the title, and whether less of it is faster.
+/// A panel: its column, what its title says, and what the rival has of it.
 const PANELS: [(&str, &str, Rival); 4] = [
     ("percent_of_peak", "% of peak", Rival::Slower),
     ("gflops", "GFLOP/s", Rival::Slower),
@@ -116,7 +116,8 @@ impl Fields<'_> {
 mod tests {
     use super::*;
 
-    const TABLE: &str = "mode,ranks,threads,m,n,type,ours_s,communication_s,gflops,percent_of_peak,rival_s\n\
+    const TABLE: &str = "\
+        mode,ranks,threads,m,n,type,ours_s,communication_s,gflops,percent_of_peak,rival_s\n\
         tree,2,1,64,32,f64,1.0,0.5,10,50,2.0\n\
         tree,1,1,64,32,f64,2.0,0.0,5,60,4.0\n\
         tree,1,2,64,32,f64,1.5,0.0,6,65,\n\

@@ -37,11 +37,14 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<bool
     };
     let mpi = mpi_version();
     launcher::check(ranks.count(), &mpi)?;
-    if let Some(path) = &arguments.csv {
-        // Before the work, not after it.
-        let is_root = ranks.own() == ROOT;
-        ranks.agree(if is_root { record::check_header(path, Row::HEADER) } else { Ok(()) })?;
-    }
+    // A table that can't take the row is reported before the work, not after it.
+    let check_tables = || {
+        let table = arguments.csv.as_deref();
+        table.map_or(Ok(()), |path| record::check_header(path, Row::HEADER))?;
+        let record = arguments.record.as_deref().map(record::table);
+        record.map_or(Ok(()), |path| record::check_header(&path, Row::HEADER))
+    };
+    ranks.agree(if ranks.own() == ROOT { check_tables() } else { Ok(()) })?;
     let job = arguments.job(ranks.count());
     let threads = rayon::ThreadPoolBuilder::new().num_threads(job.threads).build_global();
     ranks.agree(threads.map_err(Into::into))?;
