@@ -70,7 +70,8 @@ fn draw(out: &mut String, p: usize, plot: &Plot) {
         let mut path = String::new();
         for (px, py) in points.iter().copied().filter(shown) {
             let place = [x(px), y(height(py))];
-            if plot.scattered {
+            // A line of one point would not be seen.
+            if plot.scattered || points.len() == 1 {
                 point(out, place, colour, &format!("{name}: {px:.4}, {py:.4e}"));
             }
             let [px, py] = place;

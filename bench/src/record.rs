@@ -1,8 +1,9 @@
 //! What a command leaves behind: numbers, the host they are from, and pictures.
 
 use std::fmt::Display;
-use std::fs;
-use std::path::PathBuf;
+use std::fs::{self, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
 use crate::{Result, host};
 
@@ -20,16 +21,59 @@ pub fn write(files: &[(&str, String)]) -> Result<PathBuf> {
 }
 
 /// Puts a line into the table `NAME.csv`, in the place of the line that has the same first `keys` fields if there is
-/// one, and `host` into host.txt, in that folder, which comes back.
+/// one, the `picture` of the table into `NAME.svg`, and `host` into host.txt; returns their folder.
 ///
 /// # Errors
 /// When a file can't be written, or the table has other columns.
-pub fn put(name: &str, header: &str, keys: usize, line: &str, host: String) -> Result<PathBuf> {
-    let name = format!("{name}.csv");
-    let old = fs::read_to_string(folder().join(&name)).unwrap_or_default();
-    let table =
-        with_line(&old, header, keys, line).ok_or_else(|| format!("{name}: other columns"))?;
-    write(&[(&name, table), ("host.txt", host)])
+pub fn put(
+    name: &str,
+    header: &str,
+    keys: usize,
+    line: &str,
+    host: String,
+    picture: impl Fn(&str) -> String,
+) -> Result<PathBuf> {
+    let path = table(name);
+    let old = fs::read_to_string(&path).unwrap_or_default();
+    let table = with_line(&old, header, keys, line)
+        .ok_or_else(|| format!("{}: has another header", path.display()))?;
+    let picture = picture(&table);
+    let names = [format!("{name}.csv"), format!("{name}.svg")];
+    write(&[(&names[0], table), (&names[1], picture), ("host.txt", host)])
+}
+
+/// Where [`put`] keeps the table `NAME.csv`.
+pub fn table(name: &str) -> PathBuf {
+    folder().join(format!("{name}.csv"))
+}
+
+/// Checks that lines under `header` can be appended to the table `path`: that it is empty, is not
+/// there, or begins with this header.
+///
+/// # Errors
+/// When the file has another header, or can't be read.
+pub fn check_header(path: &Path, header: &str) -> Result<()> {
+    let place = |error: io::Error| format!("{}: {error}", path.display());
+    match fs::read_to_string(path) {
+        Ok(text) if text.is_empty() || text.lines().next() == Some(header) => Ok(()),
+        Ok(_) => Err(format!("{}: has another header; nothing is written", path.display()).into()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(error) => Err(place(error).into()),
+    }
+}
+
+/// Appends `line` to the table `path`, after `header` when it is new or empty, by one write: lines
+/// of jobs that end at the same time don't mix.
+///
+/// # Errors
+/// As [`check_header`], or when the file can't be written.
+pub fn append(path: &Path, header: &str, line: &str) -> Result<()> {
+    check_header(path, header)?;
+    let place = |error: io::Error| format!("{}: {error}", path.display());
+    let mut file = OpenOptions::new().create(true).append(true).open(path).map_err(place)?;
+    let is_new = file.metadata().map_err(place)?.len() == 0;
+    let text = if is_new { csv(header, [line]) } else { format!("{line}\n") };
+    Ok(file.write_all(text.as_bytes()).map_err(place)?)
 }
 
 /// The table `old`, empty at first, with one more line, or another one with the same first fields; `None` if it has
@@ -67,6 +111,22 @@ mod tests {
         }
         assert_eq!(table, "x,y,z\na,1,4\nb,1,3\na,2,5\n");
         assert_eq!(with_line(&table, "x,y", 2, "a,1"), None);
+    }
+
+    #[test]
+    fn lines_are_appended_and_tables_with_other_columns_stay_as_they_are() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("runs.csv");
+        append(&path, "x,y", "1,2").unwrap();
+        append(&path, "x,y", "1,2").unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "x,y\n1,2\n1,2\n");
+        let error = append(&path, "x,y,z", "1,2,3").unwrap_err().to_string();
+        assert!(error.contains("runs.csv: has another header"), "{error}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "x,y\n1,2\n1,2\n");
+        fs::write(&path, "").unwrap();
+        append(&path, "x,y,z", "1,2,3").unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "x,y,z\n1,2,3\n");
+        assert!(append(&folder.path().join("none/runs.csv"), "x", "1").is_err());
     }
 
     #[test]

@@ -8,12 +8,16 @@ use catamaran::mpi::{MpiReal, Traffic, World};
 use catamaran_bench::race::Outcome;
 use catamaran_bench::{Result, host, peak, record};
 
-use crate::Arguments;
+use crate::arguments::Arguments;
+use crate::checks::{self, Check};
 use crate::job::Job;
+use crate::launcher;
 use crate::ours::{Ours, ROOT};
+use crate::picture;
 use crate::ranks::Ranks;
-use crate::report::{self, Cost, Counted, Row, Times};
+use crate::report::{self, Cost, Counted, Times};
 use crate::rival::{Distribution, Pdsyrk, fastest};
+use crate::row::Row;
 use crate::scalapack::{Grid, Scalapack};
 
 /// How long the speed of all cores together is measured.
@@ -21,20 +25,29 @@ const PEAK_TIME: Duration = Duration::from_millis(200);
 /// Random vectors of the check.
 const ROUNDS: u32 = 20;
 
-/// Runs it on all ranks; rank 0 tells.
+/// Runs it on all ranks; rank 0 reports. Returns whether all checks passed, on every rank.
 ///
 /// # Errors
 /// On all ranks if there is one on any.
-pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<()> {
+pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<bool> {
     let say = |text: &str| {
         if ranks.own() == ROOT {
             println!("{text}");
         }
     };
+    let mpi = mpi_version();
+    launcher::check(ranks.count(), &mpi)?;
+    // A table that can't take the row is reported before the work, not after it.
+    let check_tables = || {
+        let table = arguments.csv.as_deref();
+        table.map_or(Ok(()), |path| record::check_header(path, Row::HEADER))?;
+        let record = arguments.record.as_deref().map(record::table);
+        record.map_or(Ok(()), |path| record::check_header(&path, Row::HEADER))
+    };
+    ranks.agree(if ranks.own() == ROOT { check_tables() } else { Ok(()) })?;
     let job = arguments.job(ranks.count());
     let threads = rayon::ThreadPoolBuilder::new().num_threads(job.threads).build_global();
     ranks.agree(threads.map_err(Into::into))?;
-    let mpi = mpi_version();
     let (peak, peak_line) = peak_of_all::<T>(ranks, job.threads);
     let machines = ranks.machines();
     say(&format!("A         {job}, {}", scalar::<T>()));
@@ -46,6 +59,15 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<()> 
         available_cores()
     ));
     say(&peak_line);
+    say(&report::memory_line::<T>(&job, ranks.count()));
+    let cores_needed = ranks.on_this_machine() * job.threads;
+    if ranks.largest(cores_needed as f64 / host::cores() as f64) > 1.0 {
+        say("note      more threads than cores on a machine: times say little");
+    } else if ranks.largest(job.threads as f64 / available_cores() as f64) > 1.0 {
+        say(
+            "note      a rank has more threads than cores it may use: see mpirun --bind-to, srun -c",
+        );
+    }
     if let Some(note) = report::note_of_faster_mode(&job, ranks.count()) {
         say(&note);
     }
@@ -79,42 +101,66 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<()> 
     }
     say(&measured.median_line(&job, peak));
 
-    let mut error = None;
+    let mut checks = Vec::new();
+    let (mut residual, mut error) = (None, None);
     if arguments.check {
-        say("");
-        verify(&ours, ranks, say)?;
-        if let (Some(rival), Some((_, grid))) = (rival, &seat) {
-            error = Some(difference(&job, ours, rival, grid, ranks)?);
-            say(&format!(
-                "error     {:.1e} of the largest entry, beside pdsyrk",
-                error.unwrap_or(0.0)
-            ));
+        if let Some(verification) = ranks.agree(ours.verify(ROUNDS))? {
+            residual = Some(verification.residual);
+            checks.push(Check {
+                what: format!("residual, {ROUNDS} random vectors"),
+                value: verification.residual,
+                limit: verification.tolerance,
+            });
         }
+        if let (Some(rival), Some((_, grid))) = (rival, &seat) {
+            let value = difference(&job, ours, rival, grid, ranks)?;
+            error = Some(value);
+            checks.push(Check {
+                what: "difference from pdsyrk over the largest entry".into(),
+                value,
+                limit: T::UNIT_ROUNDOFF * job.shape.m.max(32) as f64,
+            });
+        }
+        checks.extend(checks::of_plan(&job, ranks.count(), measured.counted.most));
     }
+    // Rank 0 decides: only it has all results in every mode.
+    let failed = ranks.own() == ROOT && !checks.iter().all(Check::passed);
+    let passed = ranks.largest(f64::from(u8::from(failed))) == 0.0;
     if arguments.explain {
         say(&format!("\n{}", report::costs(&job, ranks.count(), &measured.counted)));
     }
-    if let Some(name) = &arguments.record {
-        let row = Row {
-            job: &job,
-            ranks: ranks.count(),
-            scalar: scalar::<T>(),
-            ours: &measured.ours(),
-            rival: measured.rival().zip(seat.as_ref().map(|(best, _)| best.to_string())),
-            error,
-            words: measured.counted.most.words,
-        };
-        let library = scalapack.as_ref().map_or("none", |s| &s.description);
-        let about = format!("mpi       {mpi}\nscalapack {library}\n{peak_line}\n");
-        let written = (ranks.own() == ROOT).then(|| {
-            let host = host::describe(&[]) + &about;
-            record::put(name, Row::HEADER, Row::KEYS, &row.to_string(), host)
-        });
-        if let Some(folder) = ranks.agree(written.transpose())? {
-            say(&format!("\nrecorded in {}", folder.display()));
+    let row = Row {
+        job: &job,
+        ranks: ranks.count(),
+        scalar: scalar::<T>(),
+        ours: &measured.ours(),
+        times: Times::median(&measured.times),
+        peak,
+        rival: measured.rival().zip(seat.as_ref().map(|(best, _)| best.to_string())),
+        residual,
+        error,
+        passed: arguments.check.then_some(passed),
+        counted: measured.counted,
+    };
+    say(&format!("\n{}", report::summary(&row, &checks)));
+    let write = || -> Result<()> {
+        if let Some(path) = &arguments.csv {
+            record::append(path, Row::HEADER, &row.to_string())?;
+            say(&format!("appended to {}", path.display()));
         }
-    }
-    Ok(())
+        // Wrong results are no record.
+        if let Some(name) = arguments.record.as_ref().filter(|_| passed) {
+            let library = scalapack.as_ref().map_or("none", |s| &s.description);
+            let about = format!("mpi       {mpi}\nscalapack {library}\n{peak_line}\n");
+            let host = host::describe(&[]) + &about;
+            let line = row.to_string();
+            let folder = record::put(name, Row::HEADER, Row::KEYS, &line, host, picture::of_table)?;
+            say(&format!("recorded in {}", folder.display()));
+        }
+        Ok(())
+    };
+    ranks.agree(if ranks.own() == ROOT { write() } else { Ok(()) })?;
+    Ok(passed)
 }
 
 /// What the repetitions took.
@@ -200,18 +246,6 @@ fn count(ranks: &Ranks<'_>, traffic: Traffic) -> Counted {
     Counted { most, both_ways }
 }
 
-/// Checks our last result with random vectors.
-fn verify<T: MpiReal>(ours: &Ours<'_, T>, ranks: &Ranks<'_>, say: impl Fn(&str)) -> Result<()> {
-    let mut passed = true;
-    if let Some(verification) = ranks.agree(ours.verify(ROUNDS))? {
-        passed = verification.passed;
-        let (residual, tolerance) = (verification.residual, verification.tolerance);
-        let verdict = if passed { "passed" } else { "failed" };
-        say(&format!("verified  {verdict}, residual {residual:.1e} of at most {tolerance:.1e}"));
-    }
-    ranks.agree(if passed { Ok(()) } else { Err("the result is wrong".into()) })
-}
-
 /// How far our last result is from the rival's, on the root; see [`report::difference`].
 fn difference<T: MpiReal>(
     job: &Job,
@@ -222,11 +256,7 @@ fn difference<T: MpiReal>(
 ) -> Result<f64> {
     let n = job.shape.n;
     let (ours, rival) = (ours.into_lower(ranks)?, rival.into_lower(grid, ranks, n)?);
-    let difference = if ranks.own() == ROOT { report::difference(n, &ours, &rival) } else { 0.0 };
-    // A NaN is one everywhere, for the largest of two it is not.
-    let right = difference <= T::UNIT_ROUNDOFF * job.shape.m.max(32) as f64;
-    let wrong = format!("the results differ: {difference:.1e} of the largest entry");
-    ranks.agree(if right { Ok(difference) } else { Err(wrong.into()) })
+    Ok(if ranks.own() == ROOT { report::difference(n, &ours, &rival) } else { 0.0 })
 }
 
 /// GFLOP/s of all threads of all ranks together, in the precision of T, and a line that says so.

@@ -27,6 +27,11 @@ impl Ranks<'_> {
         self.sum(f64::from(u8::from(is_first))) as usize
     }
 
+    /// The number of ranks on this machine.
+    pub fn on_this_machine(&self) -> usize {
+        self.0.split_shared(self.0.rank()).size() as usize
+    }
+
     /// The largest of all ranks' values.
     pub fn largest(&self, own: f64) -> f64 {
         self.reduce(own, SystemOperation::max())

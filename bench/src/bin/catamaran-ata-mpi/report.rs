@@ -1,12 +1,12 @@
-//! What is measured, as lines of the screen and of the record.
-
-use std::fmt;
+//! What is measured, as lines of the screen.
 
 use catamaran::ata::distributed::{Machine, choose, lower_bound, predict, proposition_8_3};
 use catamaran_bench::input::Shape;
-use catamaran_bench::race::{Outcome, median};
+use catamaran_bench::race::median;
 
+use crate::checks::{Check, verdict};
 use crate::job::Job;
+use crate::row::Row;
 
 /// Seconds of one repetition, each the largest of all ranks.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,6 +75,14 @@ pub fn costs(job: &Job, ranks: usize, counted: &Counted) -> String {
     )
 }
 
+/// Memory of the rank with most, as planned, in a line.
+pub fn memory_line<T>(job: &Job, ranks: usize) -> String {
+    let Job { mode, shape: Shape { m, n }, .. } = *job;
+    let words = predict(mode, ranks, m, n, &Machine::default()).memory;
+    let gib = words * size_of::<T>() as f64 / (1_u64 << 30) as f64;
+    format!("memory    {gib:.3} GiB on the rank with most: A, C and what travels, as planned")
+}
+
 /// What to say when another mode with A and C at the same place should be faster by a tenth or more.
 pub fn note_of_faster_mode(job: &Job, ranks: usize) -> Option<String> {
     let Job { mode, shape: Shape { m, n }, .. } = *job;
@@ -107,51 +115,6 @@ pub fn line(name: &str, job: &Job, times: &Times, peak: f64, rival: Option<(f64,
     line
 }
 
-/// One race, for the record.
-pub struct Row<'a> {
-    /// What was computed.
-    pub job: &'a Job,
-    /// How many ranks.
-    pub ranks: usize,
-    /// `f32` or `f64`.
-    pub scalar: &'static str,
-    /// Our wall times.
-    pub ours: &'a Outcome,
-    /// The rival's, and how it distributed its matrices.
-    pub rival: Option<(Outcome, String)>,
-    /// Largest difference of the two results, relative to the largest entry.
-    pub error: Option<f64>,
-    /// Words of ours: see [`Counted::most`].
-    pub words: f64,
-}
-
-impl Row<'_> {
-    /// The column names; the first [`Row::KEYS`] say what a row is about.
-    pub const HEADER: &'static str =
-        "mode,ranks,threads,m,n,type,repetitions,ours_s,rival_s,ratio,error,words,bound,rival";
-    /// See [`Row::HEADER`].
-    pub const KEYS: usize = 6;
-}
-
-impl fmt::Display for Row<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { job, ranks, scalar, ours, .. } = self;
-        let Job { shape, threads, .. } = job;
-        write!(f, "{},{ranks},{threads},{},{},{scalar},", job.way(), shape.m, shape.n)?;
-        write!(f, "{},{:.6e},", ours.seconds.len(), ours.median())?;
-        match &self.rival {
-            Some((rival, _)) => write!(f, "{:.6e},{:.4},", rival.median(), ours.ratio_to(rival))?,
-            None => write!(f, ",,")?,
-        }
-        if let Some(error) = self.error {
-            write!(f, "{error:.3e}")?;
-        }
-        let bound = lower_bound(*ranks, shape.m, shape.n).words;
-        write!(f, ",{:.0},{bound:.0},", self.words)?;
-        self.rival.as_ref().map_or(Ok(()), |(_, distribution)| write!(f, "{distribution}"))
-    }
-}
-
 /// The largest difference of `ours`, row-major, and `rival`, column-major, in the lower triangles, relative to the
 /// largest entry of the rival's; NaN if there is one.
 pub fn difference<T: catamaran::Real>(n: usize, ours: &[T], rival: &[T]) -> f64 {
@@ -165,4 +128,43 @@ pub fn difference<T: catamaran::Real>(n: usize, ours: &[T], rival: &[T]) -> f64 
         }
     }
     if most == 0.0 { 0.0 } else { most / largest }
+}
+
+/// A line of the summary.
+const DOUBLE: &str =
+    "================================================================================";
+const SINGLE: &str =
+    "--------------------------------------------------------------------------------";
+
+/// What the whole run found, in the manner of HPL: the last lines of the output.
+pub fn summary(row: &Row<'_>, checks: &[Check]) -> String {
+    let Row { job, ranks, scalar, times, counted, .. } = row;
+    let Job { shape: Shape { m, n }, threads, .. } = *job;
+    let seconds = row.ours.median();
+    let gflops = job.flops() / seconds / 1e9;
+    let mut text = format!(
+        "{DOUBLE}\n\
+         mode                m        n type  ranks threads      time s   GFLOP/s  % peak\n\
+         {SINGLE}\n\
+         {:<12} {m:>8} {n:>8} {scalar:>4} {ranks:>6} {threads:>7} {seconds:>11.6} {gflops:>9.1} {:>7.1}\n",
+        job.way(),
+        100.0 * gflops / row.peak,
+    );
+    text += &format!(
+        "compute {:.6} s, communication {:.6} s; {:.0} words in {:.0} messages\n",
+        times.compute, times.communication, counted.most.words, counted.most.messages,
+    );
+    if let Some((rival, distribution)) = &row.rival {
+        let (seconds, ratio) = (rival.median(), row.ours.ratio_to(rival));
+        let gflops = job.flops() / seconds / 1e9;
+        text += &format!(
+            "pdsyrk {seconds:.6} s, {gflops:.1} GFLOP/s ({distribution}); ratio {ratio:.3}\n"
+        );
+    }
+    text += &format!("{SINGLE}\n");
+    for check in checks {
+        text += &format!("{check}\n");
+    }
+    let result = row.passed.map_or("not checked (--check)", verdict);
+    text + &format!("result: {result}\n{DOUBLE}")
 }

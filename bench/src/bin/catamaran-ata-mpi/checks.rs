@@ -1,0 +1,130 @@
+//! What `--check` holds the last product against.
+
+use std::fmt;
+
+use catamaran::ata::distributed::{Chunks, Machine, Mode, difference_cover, packed_len, predict};
+use catamaran_bench::input::Shape;
+
+use crate::job::Job;
+use crate::report::Cost;
+
+/// A value that must not exceed its limit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Check {
+    /// What the value is.
+    pub what: String,
+    /// The value; a NaN fails.
+    pub value: f64,
+    /// The limit, finite.
+    pub limit: f64,
+}
+
+impl Check {
+    /// Whether the value is within its limit.
+    pub fn passed(&self) -> bool {
+        self.limit.is_finite() && self.value <= self.limit
+    }
+}
+
+impl fmt::Display for Check {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { what, value, limit } = self;
+        // One that is not at most the limit may be a NaN.
+        let sign = if self.passed() { "<=" } else { "> " };
+        let values = if value.fract() == 0.0 && limit.fract() == 0.0 {
+            format!("{value:>9} {sign} {limit:<9}")
+        } else {
+            format!("{value:>9.1e} {sign} {limit:<9.1e}")
+        };
+        write!(f, "{what:<46}{values}  {}", verdict(self.passed()))
+    }
+}
+
+/// `PASSED` or `FAILED`.
+pub fn verdict(passed: bool) -> &'static str {
+    if passed { "PASSED" } else { "FAILED" }
+}
+
+/// Entries of the longest message of MPI: counts have 32 bits. Longer ones are cut.
+const LONGEST: usize = 1 << 30;
+
+/// Checks of what the rank with most sent or received against the plan, which is exact where parts
+/// are even.
+pub fn of_plan(job: &Job, ranks: usize, counted: Cost) -> Vec<Check> {
+    let Job { mode, shape: Shape { m, n }, .. } = *job;
+    let planned = predict(mode, ranks, m, n, &Machine::default());
+    let words = Check {
+        what: "words, difference from the plan".into(),
+        // Shares of a triangle are quotients in floating point.
+        value: (counted.words - planned.words.round()).abs(),
+        limit: unevenness(mode, ranks, m, n) as f64,
+    };
+    let messages = Check {
+        what: "messages, difference from the plan".into(),
+        value: (counted.messages - planned.messages).abs(),
+        limit: 0.0,
+    };
+    let is_whole = m.saturating_mul(n).max(n.saturating_mul(n)) <= LONGEST;
+    if is_whole { vec![words, messages] } else { vec![words] }
+}
+
+/// Words by which the rank with most may differ from the plan, since it computes with equal parts.
+fn unevenness(mode: Mode, ranks: usize, m: usize, n: usize) -> usize {
+    // A part of a chunk may be a word longer or shorter than another one.
+    let of_chunks = |chunks: Chunks| {
+        let len = |c| packed_len(chunks.rows(c).end) - packed_len(chunks.rows(c).start);
+        let uneven = (0..chunks.count()).filter(|&c| !len(c).is_multiple_of(ranks)).count();
+        uneven * (ranks - 1)
+    };
+    match mode {
+        Mode::Tree => 0,
+        Mode::Rows => of_chunks(Chunks::new(m, n, ranks)),
+        // The sums are those of rows without rows.
+        Mode::Deal => of_chunks(Chunks::new(0, n, ranks)),
+        Mode::Columns if n.is_multiple_of(ranks) => 0,
+        // A rank may see one column less of each of the others.
+        Mode::Columns => (difference_cover(ranks).len() - 1) * m,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use catamaran::SchemeChoice;
+
+    use super::*;
+
+    #[test]
+    fn only_finite_values_within_a_finite_limit_pass() {
+        let passed = |value, limit| Check { what: String::new(), value, limit }.passed();
+        assert!(passed(0.0, 0.0) && passed(1e-12, 1e-11));
+        assert!(!passed(1.0, 0.0) && !passed(f64::NAN, 1.0) && !passed(f64::INFINITY, 1.0));
+        assert!(!passed(0.0, f64::NAN) && !passed(0.0, f64::INFINITY));
+    }
+
+    #[test]
+    fn planned_thirds_of_a_triangle_are_whole_words() {
+        let shape = Shape { m: 531, n: 257 };
+        let job = Job { mode: Mode::Rows, shape, seed: 1, threads: 1, scheme: SchemeChoice::Auto };
+        let cost = Cost { words: (packed_len(257) / 3 * 2) as f64, messages: 2.0 };
+        assert!(of_plan(&job, 3, cost).iter().all(Check::passed));
+    }
+
+    #[test]
+    fn a_word_more_than_planned_fails_where_parts_are_even() {
+        for (_, mode) in Mode::NAMES {
+            let shape = Shape { m: 640, n: 256 };
+            let job = Job { mode, shape, seed: 1, threads: 1, scheme: SchemeChoice::Auto };
+            let planned = predict(mode, 4, shape.m, shape.n, &Machine::default());
+            let cost = Cost { words: planned.words, messages: planned.messages };
+            let passed =
+                |cost| of_plan(&job, 4, cost).iter().map(Check::passed).collect::<Vec<_>>();
+            assert_eq!(passed(cost), [true, true], "{mode}");
+            let more = |words, messages| Cost {
+                words: cost.words + words,
+                messages: cost.messages + messages,
+            };
+            assert_eq!(passed(more(1.0, 0.0)), [false, true], "{mode}");
+            assert_eq!(passed(more(0.0, 1.0)), [true, false], "{mode}");
+        }
+    }
+}
