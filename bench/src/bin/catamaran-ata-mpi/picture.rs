@@ -4,8 +4,8 @@ use catamaran_bench::curves::{Plot, svg};
 
 /// A panel: its column, what its title says, and what the rival has of it.
 const PANELS: [(&str, &str, Rival); 4] = [
-    ("percent_of_peak", "% of peak", Rival::Slower),
-    ("gflops", "GFLOP/s", Rival::Slower),
+    ("percent_of_peak", "% of peak", Rival::Speed),
+    ("gflops", "GFLOP/s", Rival::Speed),
     ("ours_s", "seconds", Rival::Seconds),
     ("communication_s", "seconds of it in communication", Rival::Unknown),
 ];
@@ -14,7 +14,7 @@ const PANELS: [(&str, &str, Rival); 4] = [
 #[derive(Clone, Copy)]
 enum Rival {
     /// A speed.
-    Slower,
+    Speed,
     /// A time.
     Seconds,
     /// It tells only its wall time.
@@ -36,13 +36,15 @@ pub fn of_table(table: &str) -> String {
     let mut plots = Vec::new();
     for problem in problems {
         let own: Vec<_> = rows.iter().filter(|row| row.problem() == problem).collect();
-        plots.extend(PANELS.iter().map(|(column, title, rival)| Plot {
+        let panels = PANELS.iter().map(|(column, title, rival)| Plot {
             title: format!("{problem}: {title}"),
             across: "cores".into(),
             logarithmic: false,
             scattered: false,
             series: series(&own, column, *rival),
-        }));
+        });
+        // Older tables lack some columns.
+        plots.extend(panels.filter(|panel| !panel.series.is_empty()));
     }
     svg(&plots)
 }
@@ -77,7 +79,7 @@ fn series(rows: &[&Fields<'_>], column: &str, rival: Rival) -> Vec<(String, Vec<
         let slower =
             row.number("rival_s").zip(row.number("ours_s")).map(|(rival, ours)| rival / ours);
         let theirs = match rival {
-            Rival::Slower => value.zip(slower).map(|(value, slower)| value / slower),
+            Rival::Speed => value.zip(slower).map(|(value, slower)| value / slower),
             Rival::Seconds => row.number("rival_s"),
             Rival::Unknown => None,
         };
@@ -142,7 +144,7 @@ mod tests {
             .iter()
             .map(|fields| Fields { columns: &lines[0], fields: fields.clone() })
             .collect();
-        let all = series(&rows.iter().collect::<Vec<_>>(), "gflops", Rival::Slower);
+        let all = series(&rows.iter().collect::<Vec<_>>(), "gflops", Rival::Speed);
         let curve = |name| all.iter().find(|(other, _)| other == name).unwrap().1.clone();
         assert_eq!(curve("tree"), [(1.0, 5.0), (2.0, 10.0)]);
         assert_eq!(curve("pdsyrk from rank 0"), [(1.0, 2.5), (2.0, 5.0)]);
