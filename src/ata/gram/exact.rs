@@ -111,7 +111,7 @@ impl<T: BlasReal> ExactSums<T> {
         let len = if weights.is_some() { block.len() } else { 0 };
         memory.reserve(len)?;
         let weighted = &mut memory.as_mut_slice()[..len];
-        let found = self.prepare(block, weights, weighted, options.par)?;
+        let found = options.on_cores(|| self.prepare(block, weights, weighted, options.par))?;
         let sign = if subtract { -1 } else { 1 };
         if n > 0 {
             if found.finite.iter().any(|finite| !finite.is_empty()) {
