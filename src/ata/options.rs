@@ -213,8 +213,8 @@ impl<'a> AtaOptions<'a> {
     ///
     /// With [`Pin::Cores`] a call runs on pinned threads of this library, which stay for later calls
     /// with as many threads, and the calling thread waits. Calls at the same time share these
-    /// threads: pin where one call at a time has the machine for itself. [`Par::Seq`], and products
-    /// that are too small for a plan, stay on the calling thread, wherever it is.
+    /// threads: pin where one call at a time has the machine for itself. [`Par::Seq`] and the
+    /// smallest products stay on the calling thread, wherever it is.
     ///
     /// ```
     /// use catamaran::{AtaOptions, Uplo, ata, base::Pin, faer::Mat};

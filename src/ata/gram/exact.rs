@@ -118,7 +118,8 @@ impl<T: BlasReal> ExactSums<T> {
                 if subtract {
                     return Err(first_non_finite(block, n));
                 }
-                self.take_flags(count, block, weights.map(|_| &*weighted), &found, options.par)?;
+                let right = weights.map(|_| &*weighted);
+                options.on_cores(|| self.take_flags(count, block, right, &found, options.par))?;
                 for x in block.iter_mut().chain(weighted.iter_mut()).filter(|x| !x.is_finite()) {
                     *x = T::ZERO;
                 }
