@@ -50,8 +50,8 @@ fn every_mode_passes_its_checks_and_appends_its_row() {
     let rows = table(&path);
     assert_eq!(rows.len(), Mode::NAMES.len());
     for (row, (name, _)) in rows.iter().zip(Mode::NAMES) {
-        let fields = ["mode", "ranks", "check", "messages"].map(|column| row[column].as_str());
-        assert_eq!(fields, [name, "3", "passed", &row["planned_messages"]]);
+        let fields = ["mode", "ranks", "check"].map(|column| row[column].as_str());
+        assert_eq!(fields, [name, "3", "passed"]);
         let percent: f64 = row["percent_of_peak"].parse().unwrap();
         assert!(percent > 0.0, "{row:?}");
     }
