@@ -256,6 +256,12 @@ typedef struct cata_ata_params {
      * on CPUs without AMX; the scheme must be that or CATA_SCHEME_AUTO. 0: not asked for.
      */
     int32_t reproducible;
+    /**
+     * 1: thread i of the call stays on the i-th core of the affinity mask (modulo their number), which
+     * is that of the process, as taskset or the binding of mpirun sets it; the calling thread waits and
+     * keeps its mask. Calls at the same time share these threads. 0: the system moves threads.
+     */
+    int32_t pin;
 } cata_ata_params;
 
 /**

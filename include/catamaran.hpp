@@ -161,6 +161,8 @@ struct options {
     double error_factor = 0.0;
     /// The same bytes on every machine: scheme::exact everywhere, and no other may be asked for.
     bool reproducible = false;
+    /// Thread i stays on the i-th core of the affinity mask of the process.
+    bool pin = false;
     /// 0: chosen by the library.
     std::size_t leaf = 0;
     /// 0: chosen by the library.
@@ -224,6 +226,7 @@ public:
         params_.scheme = static_cast<std::int32_t>(options.scheme);
         params_.error_factor = options.error_factor;
         params_.reproducible = options.reproducible ? 1 : 0;
+        params_.pin = options.pin ? 1 : 0;
         params_.leaf = options.leaf;
         params_.tasks = options.tasks;
         params_.backend = options.backend ? options.backend->get() : nullptr;

@@ -1,7 +1,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use crate::base::{Error, Par, Progress, Result};
+use crate::base::{Error, Par, Pin, Progress, Result};
 use crate::blas::{self, Backend};
 
 /// Which triangle of the symmetric result is wanted.
@@ -103,6 +103,8 @@ pub struct AtaOptions<'a> {
     pub uplo: Uplo,
     /// Threads. [`AtaOptions::par()`] sets it.
     pub par: Par,
+    /// Whether threads stay on one core each. [`AtaOptions::pin()`] sets it.
+    pub pin: Pin,
     /// Which recursion. [`AtaOptions::scheme()`] sets it.
     pub scheme: SchemeChoice,
     /// Error that fast products may cause. [`AtaOptions::accuracy()`] sets it.
@@ -124,6 +126,7 @@ impl Default for AtaOptions<'_> {
         Self {
             uplo: Uplo::default(),
             par: Par::all(),
+            pin: Pin::default(),
             scheme: SchemeChoice::default(),
             accuracy: Accuracy::default(),
             reproducible: false,
@@ -140,6 +143,7 @@ impl fmt::Debug for AtaOptions<'_> {
         f.debug_struct("AtaOptions")
             .field("uplo", &self.uplo)
             .field("par", &self.par)
+            .field("pin", &self.pin)
             .field("scheme", &self.scheme)
             .field("accuracy", &self.accuracy)
             .field("reproducible", &self.reproducible)
@@ -155,6 +159,11 @@ impl fmt::Debug for AtaOptions<'_> {
 const MAX_TASKS: usize = 1 << 16;
 
 impl AtaOptions<'_> {
+    /// Calls `work` on the pinned threads, if they are to be.
+    pub(super) fn on_cores<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        self.par.on_cores(self.pin, work)
+    }
+
     /// # Errors
     /// [`Error::Argument`] that names the option out of range.
     pub(super) fn check(&self) -> Result<()> {
@@ -197,6 +206,27 @@ impl<'a> AtaOptions<'a> {
     /// Sets the number of threads: [`Par::Threads`].
     pub fn threads(self, threads: usize) -> Self {
         self.par(Par::Threads(threads))
+    }
+
+    /// Sets whether threads stay on one core each; [`Pin::No`] by default. The result does not
+    /// depend on it.
+    ///
+    /// With [`Pin::Cores`] a call runs on pinned threads of this library, which stay for later calls
+    /// with as many threads, and the calling thread waits. Calls at the same time share these
+    /// threads: pin where one call at a time has the machine for itself. [`Par::Seq`] and the
+    /// smallest products stay on the calling thread, wherever it is.
+    ///
+    /// ```
+    /// use catamaran::{AtaOptions, Uplo, ata, base::Pin, faer::Mat};
+    ///
+    /// let (a, mut c) = (Mat::<f64>::identity(600, 400), Mat::zeros(400, 400));
+    /// let options = AtaOptions::new().threads(2).pin(Pin::Cores).uplo(Uplo::Both);
+    /// ata(1.0, a.as_ref(), 0.0, c.as_mut(), &options)?;
+    /// assert_eq!(c, Mat::<f64>::identity(400, 400));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    pub fn pin(self, pin: Pin) -> Self {
+        Self { pin, ..self }
     }
 
     /// Sets which recursion runs; [`SchemeChoice::Auto`] by default.

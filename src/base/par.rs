@@ -1,8 +1,11 @@
 //! Threads: how many, who they are, and the one loop by which they share work.
 
+use std::collections::BTreeMap;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Condvar, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
+
+use core_affinity::CoreId;
 
 use super::{Error, Result};
 
@@ -31,6 +34,20 @@ impl Par {
         match self {
             Self::Seq => 1,
             Self::Threads(n) => n.clamp(1, Self::MOST_PER_CORE * available_cores()),
+        }
+    }
+
+    /// Calls `work` where its threads are to be: with [`Pin::Cores`] on one of as many pinned
+    /// threads, so that all threads of `work` are among them and the calling thread, which waits,
+    /// keeps its affinity mask.
+    pub(crate) fn on_cores<R: Send>(self, pin: Pin, work: impl FnOnce() -> R + Send) -> R {
+        match (self, pin) {
+            (Self::Seq, _) | (_, Pin::No) => work(),
+            (Self::Threads(_), Pin::Cores) => match pinned(self.threads()) {
+                Ok(pool) => pool.run(work),
+                // As in `tickets`: no more threads to be had.
+                Err(_) => work(),
+            },
         }
     }
 
@@ -201,13 +218,38 @@ impl Latch {
     }
 }
 
-/// Whether the threads of a [`ThreadPool`] stay on one core each.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Whether threads stay on one core each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Pin {
     /// The operating system moves them as it likes.
+    #[default]
     No,
-    /// Thread `i` stays on the `i`-th core of the affinity mask (modulo their number).
+    /// Thread `i` stays on the `i`-th core of the affinity mask (modulo their number), where the
+    /// operating system allows it.
+    ///
+    /// The mask is that of the process when cores were first asked for: the one that `taskset` or
+    /// the binding of `mpirun` gives it. Processes that share a mask share its first cores.
     Cores,
+}
+
+/// The cores of the affinity mask, in ascending order; none where they are not to be had. Asked for
+/// once, because a thread that is pinned sees one core only.
+fn cores() -> &'static [CoreId] {
+    static CORES: OnceLock<Vec<CoreId>> = OnceLock::new();
+    CORES.get_or_init(|| core_affinity::get_core_ids().unwrap_or_default())
+}
+
+/// The pool of so many pinned threads, which stays: to start threads takes longer than a small
+/// product.
+fn pinned(threads: usize) -> Result<Arc<ThreadPool>> {
+    static POOLS: Mutex<BTreeMap<usize, Arc<ThreadPool>>> = Mutex::new(BTreeMap::new());
+    let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(pool) = pools.get(&threads) {
+        return Ok(pool.clone());
+    }
+    let pool = Arc::new(ThreadPool::new(threads, Pin::Cores)?);
+    pools.insert(threads, pool.clone());
+    Ok(pool)
 }
 
 /// A group of threads, made once and used for many calls: everything called inside
@@ -236,8 +278,8 @@ impl ThreadPool {
     pub fn new(threads: usize, pin: Pin) -> Result<Self> {
         let mut builder = rayon::ThreadPoolBuilder::new().num_threads(threads.max(1));
         if pin == Pin::Cores {
-            let cores = core_affinity::get_core_ids().unwrap_or_default();
-            builder = builder.start_handler(move |i| {
+            let cores = cores();
+            builder = builder.start_handler(|i| {
                 if !cores.is_empty() {
                     core_affinity::set_for_current(cores[i % cores.len()]);
                 }
@@ -257,6 +299,59 @@ impl ThreadPool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The cores that the calling thread may run on.
+    #[cfg(target_os = "linux")]
+    fn mask() -> Vec<CoreId> {
+        core_affinity::get_core_ids().unwrap()
+    }
+
+    /// What threads that work at the same time see as their masks, with their numbers.
+    #[cfg(target_os = "linux")]
+    fn masks(threads: usize) -> Vec<(usize, Vec<CoreId>)> {
+        let barrier = std::sync::Barrier::new(threads);
+        let seen = Mutex::new(Vec::new());
+        Par::Threads(threads).tickets(threads, |_| {
+            barrier.wait();
+            seen.lock().unwrap().push((rayon::current_thread_index().unwrap(), mask()));
+            ControlFlow::Continue(())
+        });
+        seen.into_inner().unwrap()
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn pinned_threads_sit_on_the_cores_of_the_mask_and_the_caller_keeps_its_own() {
+        let before = mask();
+        for threads in [1, 2, before.len() + 1, 2] {
+            let seen = Par::Threads(threads).on_cores(Pin::Cores, || masks(threads));
+            assert_eq!(seen.len(), threads);
+            for (i, own) in seen {
+                assert_eq!(own, [before[i % before.len()]], "thread {i} of {threads}");
+            }
+            assert_eq!(mask(), before);
+        }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_pool_that_a_pinned_thread_makes_has_all_cores() {
+        let all = mask();
+        let inside = || Par::Threads(all.len()).on_cores(Pin::Cores, || masks(all.len()));
+        let mut seen = Par::Threads(all.len() + 2).on_cores(Pin::Cores, inside);
+        seen.sort_by_key(|(i, _)| *i);
+        let cores: Vec<_> = seen.into_iter().flat_map(|(_, own)| own).collect();
+        assert_eq!(cores, all);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn who_is_not_asked_to_pin_works_on_the_calling_thread() {
+        let caller = std::thread::current().id();
+        for (par, pin) in [(Par::Threads(2), Pin::No), (Par::Seq, Pin::Cores)] {
+            assert_eq!(par.on_cores(pin, || std::thread::current().id()), caller);
+        }
+    }
 
     #[test]
     fn blocks_come_back_in_order_and_cover_everything() {

@@ -270,6 +270,35 @@ mod tests {
         assert!(arena.rest.is_empty());
     }
 
+    /// Pages of `memory` that something has touched.
+    #[cfg(target_os = "linux")]
+    fn touched(memory: &[f64]) -> usize {
+        // SAFETY: asks for a number.
+        let page = unsafe { libc::sysconf(libc::_SC_PAGESIZE) } as usize;
+        let mut pages = vec![0_u8; size_of_val(memory).div_ceil(page)];
+        // SAFETY: mapped memory from a page's beginning on, and a byte for each of its pages.
+        let status = unsafe {
+            libc::mincore(
+                memory.as_ptr().cast_mut().cast(),
+                size_of_val(memory),
+                pages.as_mut_ptr(),
+            )
+        };
+        assert_eq!(status, 0);
+        pages.iter().filter(|&page| page & 1 == 1).count()
+    }
+
+    #[cfg(all(target_os = "linux", not(miri)))]
+    #[test]
+    fn pages_of_a_large_workspace_are_left_for_its_user_to_touch_first() {
+        let mut memory = Workspace::<f64>::new(8 << 20).unwrap();
+        let memory = memory.as_mut_slice();
+        assert_eq!(touched(memory), 0);
+        memory[memory.len() / 2] = 1.0;
+        let touched = touched(memory);
+        assert!((1..=HUGE_PAGE >> 12).contains(&touched), "{touched}");
+    }
+
     #[test]
     fn scratch_serves_both_scalars() {
         let mut scratch = Scratch::new::<f32>(7).unwrap();

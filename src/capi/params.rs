@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use super::backend::cata_backend;
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, Failure, cata_status};
 use super::{boundary::boundary, pointer};
-use crate::base::{Par, Progress};
+use crate::base::{Par, Pin, Progress};
 use crate::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 
 /// Whatever is expected to be fastest within the accuracy asked for.
@@ -74,6 +74,10 @@ pub struct cata_ata_params {
     /// 1: the same bytes on every machine, which takes CATA_SCHEME_EXACT everywhere, slower than others
     /// on CPUs without AMX; the scheme must be that or CATA_SCHEME_AUTO. 0: not asked for.
     pub reproducible: i32,
+    /// 1: thread i of the call stays on the i-th core of the affinity mask (modulo their number), which
+    /// is that of the process, as taskset or the binding of mpirun sets it; the calling thread waits and
+    /// keeps its mask. Calls at the same time share these threads. 0: the system moves threads.
+    pub pin: i32,
 }
 
 /// More than any version will ever have: an uninitialised struct_size is caught, not followed.
@@ -114,7 +118,7 @@ pub(super) trait Versioned: Copy {
 
 impl Versioned for cata_ata_params {
     const NAME: &'static str = "cata_ata_params";
-    const FIRST_SIZE: usize = offset_of!(Self, reproducible) + size_of::<i32>();
+    const FIRST_SIZE: usize = offset_of!(Self, pin) + size_of::<i32>();
 }
 
 /// `cata_*_params_init`.
@@ -227,6 +231,7 @@ pub(super) unsafe fn with_options(
     at_most("params.tasks", params.tasks, MOST_TASKS)?;
     let mut options = options
         .par(par(params.threads))
+        .pin(if flag("params.pin", params.pin)? { Pin::Cores } else { Pin::No })
         .scheme(scheme(params.scheme)?)
         .accuracy(accuracy(params.error_factor))
         .reproducible(flag("params.reproducible", params.reproducible)?)

@@ -244,9 +244,10 @@ static void LOCAL(test_reproducible)(size_t most_threads)
             rows[i * N + j] = columns[i + j * M] = (REAL)whole[i][j];
         }
     }
-    cata_ata_params params = {sizeof params, 0, 0, 0, 0.0, NULL, NULL, NULL, CATA_SCHEME_AUTO, 1};
+    cata_ata_params params = {sizeof params, 0, 0, 0, 0.0, NULL, NULL, NULL, CATA_SCHEME_AUTO, 1, 0};
     for (size_t run = 0; run < 2 * 2 * 3; run++) {
         params.threads = run % 2 == 0 ? 1 : most_threads;
+        params.pin = run % 4 == 1;
         params.scheme = run % 3 == 0 ? CATA_SCHEME_AUTO : CATA_SCHEME_EXACT;
         int32_t layout = run / 2 % 2 == 0 ? CATA_ROW_MAJOR : CATA_COL_MAJOR, uplo = uplos[run / 4];
         const REAL *a = layout == CATA_ROW_MAJOR ? rows : columns;
@@ -289,7 +290,7 @@ static void LOCAL(test_exact_not_finite)(void)
     enum { M = 70, N = 5 };
     REAL *a = LOCAL(make)(M * N, 1), c[N * N], d[N * N];
     cata_ata_params params = {sizeof params, 1, 0, 0, CATA_ERROR_LEAST, NULL, NULL, NULL,
-                              CATA_SCHEME_AUTO, 0};
+                              CATA_SCHEME_AUTO, 0, 0};
     CHECK_STATUS(NAME(cata_ata)(CATA_ROW_MAJOR, CATA_BOTH, M, N, 1, a, N, 0, c, N, &params), CATA_OK);
     params.scheme = CATA_SCHEME_EXACT; /* which the least error means */
     CHECK_STATUS(NAME(cata_ata)(CATA_ROW_MAJOR, CATA_BOTH, M, N, 1, a, N, 0, d, N, &params), CATA_OK);
@@ -319,7 +320,7 @@ static void LOCAL(test_all)(int quick)
     static const int32_t layouts[] = {CATA_ROW_MAJOR, CATA_COL_MAJOR};
     static const int32_t uplos[] = {CATA_UPPER, CATA_LOWER, CATA_BOTH};
     size_t most = quick ? 5 : 8;
-    cata_ata_params one_thread = {sizeof one_thread, 1, 0, 0, 0.0, NULL, NULL, NULL, 0, 0};
+    cata_ata_params one_thread = {sizeof one_thread, 1, 0, 0, 0.0, NULL, NULL, NULL, 0, 0, 0};
     const cata_ata_params *params = quick ? &one_thread : NULL;
     for (size_t l = 0; l < 2; l++) {
         for (size_t mi = 0; mi < most; mi++) {

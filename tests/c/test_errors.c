@@ -92,7 +92,7 @@ static void test_shapes(void)
 static void test_scratch(void)
 {
     enum { BIG = 64 };
-    cata_ata_params params = {sizeof params, 1, 8, 0, 0.0, NULL, NULL, NULL, CATA_SCHEME_RXTX, 0};
+    cata_ata_params params = {sizeof params, 1, 8, 0, 0.0, NULL, NULL, NULL, CATA_SCHEME_RXTX, 0, 0};
     static double big[BIG * BIG], to[BIG * BIG];
     size_t len = 0;
     CHECK_STATUS(cata_ata_scratch_len_f64(BIG, BIG, &params, &len), CATA_OK);
@@ -182,6 +182,10 @@ static void test_params(void)
     params.reproducible = -1;
     CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("params.reproducible");
+    params = initialised;
+    params.pin = 2;
+    CHECK_STATUS(ata(ROW, CATA_BOTH, a, N, c, N, &params), CATA_ERR_ARGUMENT);
+    CHECK_MESSAGE("params.pin: must be 0 or 1, is 2");
     params = initialised;
     params.reproducible = 1;
     for (params.scheme = CATA_SCHEME_CLASSICAL; params.scheme < CATA_SCHEME_EXACT; params.scheme++) {

@@ -1,6 +1,7 @@
 //! A^T A, A A^T and A^T B against exact oracles.
 
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use catamaran::ata::{Center, DenseRows, RowOptions, ata_rows, verify};
 use catamaran::base::{Pin, ThreadPool};
@@ -230,6 +231,40 @@ fn a_pinned_team_gives_the_same_result() {
     };
     let team = ThreadPool::new(2, Pin::Cores).unwrap();
     assert_eq!(team.run(run), run());
+}
+
+#[test]
+fn every_way_to_a_product_runs_on_pinned_threads_and_gives_the_same_result() {
+    let a = gaussian::<f64>(400, 300, 17);
+    type Way<'w> = &'w dyn Fn(MatMut<'_, f64>, &AtaOptions<'_>) -> Result<(), Error>;
+    let whole: Way<'_> = &|c, options| ata(1.0, a.as_ref(), 0.0, c, options);
+    let rows: Way<'_> = &|c, options| {
+        let mean = RowOptions::new().center(Center::Mean);
+        ata_rows(1.0, &mut DenseRows(a.as_ref()), &mean, 0.0, c, options)
+    };
+    let ways: [(Way<'_>, AtaOptions<'static>); 5] = [
+        (whole, deep(SchemeChoice::Auto)),
+        (whole, deep(SchemeChoice::Ata2)),
+        (whole, deep(SchemeChoice::Exact)),
+        (rows, deep(SchemeChoice::Auto)),
+        (rows, deep(SchemeChoice::Exact)),
+    ];
+    let cores = core_affinity::get_core_ids().unwrap();
+    for (i, (way, options)) in ways.into_iter().enumerate() {
+        let on_one_core = AtomicUsize::new(0);
+        let watch = |_: f64| {
+            let own = core_affinity::get_core_ids().unwrap();
+            on_one_core.fetch_add(usize::from(own.len() == 1), Ordering::Relaxed);
+            ControlFlow::Continue(())
+        };
+        let [mut plain, mut pinned] = [Mat::zeros(300, 300), Mat::zeros(300, 300)];
+        way(plain.as_mut(), &options.clone().progress(&watch)).unwrap();
+        assert!(cores.len() == 1 || on_one_core.swap(0, Ordering::Relaxed) == 0, "way {i}");
+        way(pinned.as_mut(), &options.pin(Pin::Cores).progress(&watch)).unwrap();
+        assert!(on_one_core.into_inner() > 0, "way {i}");
+        assert_eq!(plain, pinned, "way {i}");
+        assert_eq!(core_affinity::get_core_ids().unwrap(), cores);
+    }
 }
 
 #[test]

@@ -150,7 +150,7 @@ fn load(name: &str, libraries: &Path) -> Result<Rival> {
     Rival::load(name, &path)
 }
 
-/// Ours, by `SCHEME[:leaf=SIDE][:tasks=COUNT]`.
+/// Ours, by `SCHEME[:leaf=SIDE][:tasks=COUNT][:pin]`.
 fn ours(scheme: &str, (backend_name, backend): &(String, Arc<dyn Backend>)) -> Result<Contender> {
     let mut words = scheme.split(':');
     let choice = scheme_named(words.next().unwrap_or_default())?;
@@ -160,8 +160,10 @@ fn ours(scheme: &str, (backend_name, backend): &(String, Arc<dyn Backend>)) -> R
         options = match word.split_once('=') {
             Some(("leaf", side)) => options.leaf(side.parse::<usize>()?),
             Some(("tasks", count)) => options.tasks(count.parse::<usize>()?),
+            None if word == "pin" => options.pin(Pin::Cores),
             _ => {
-                return Err(format!("{scheme}: {word} is neither leaf=SIDE nor tasks=COUNT").into());
+                let why = format!("{scheme}: {word} is none of leaf=SIDE, tasks=COUNT and pin");
+                return Err(why.into());
             }
         };
     }

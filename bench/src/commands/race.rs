@@ -12,7 +12,7 @@ use super::{Common, Pace, SAMPLE, Type, backend, libraries_of, ours, rival, yard
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Rivals: mkl, openblas, blis, faer, or NAME=PATH for any CBLAS library.
+    /// Rivals: mkl, openblas, blis, faer, or NAME=PATH for any CBLAS library; '' for none.
     #[arg(long, value_delimiter = ',', default_value = "mkl,openblas,faer")]
     rivals: Vec<String>,
     /// Shapes of A: N or MxN.
@@ -113,7 +113,7 @@ fn one_shape<T: Scalar>(
 fn contenders(arguments: &Arguments) -> Result<Vec<Contender>> {
     let libraries = &arguments.common.libraries;
     let mut contenders = Vec::new();
-    for name in &arguments.rivals {
+    for name in arguments.rivals.iter().filter(|name| !name.is_empty()) {
         contenders.push(rival(name, libraries)?);
     }
     for name in &arguments.backend {

@@ -15,7 +15,7 @@ use catamaran::ata::{
     Accumulator, Center, RowBounds, RowOptions, StreamPlan, Strip, ata_sparse, sparse_is_faster,
     sparse_multiplications, stream, verify_rows,
 };
-use catamaran::base::{Progress, Workspace};
+use catamaran::base::{Pin, Progress, Workspace};
 use catamaran::blas::{Backend, BlasReal};
 use catamaran::faer::{MatMut, MatRef};
 use catamaran::io::{self as files, CsMat, Output, Overwrite, StripOutput};
@@ -61,6 +61,10 @@ pub struct Args {
     /// change C.
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
+    /// Keep each thread on one core: thread i on the i-th core of the affinity mask, which is that of
+    /// taskset or of the binding of mpirun. Does not change C.
+    #[arg(long)]
+    pin: bool,
     /// Recursion.
     #[arg(long, value_name = "SCHEME", default_value = "auto", value_parser = parse::scheme())]
     scheme: SchemeChoice,
@@ -244,6 +248,7 @@ impl Work<'_> {
         let options = AtaOptions::new()
             .uplo(args.uplo)
             .par(args.threads.map_or_else(Par::all, |n| Par::Threads(n.get())))
+            .pin(if args.pin { Pin::Cores } else { Pin::No })
             .scheme(args.scheme)
             .accuracy(args.accuracy)
             .reproducible(args.reproducible)
@@ -381,9 +386,10 @@ impl Work<'_> {
             .with_context(|| format!("C of {n} x {n} entries"))?;
         if self.args.explain {
             let count = sparse_multiplications(a.view());
+            let (threads, pinned) = (options.par.threads(), pinned(options));
             report(format_args!(
-                "plan      sparse: the outer product of each row, {count} multiplications, {} threads",
-                options.par.threads()
+                "plan      sparse: the outer product of each row, {count} multiplications, \
+                 {threads} threads{pinned}"
             ))?;
         }
         let start = Instant::now();
@@ -604,13 +610,19 @@ impl Work<'_> {
         if self.args.verify {
             report(format_args!("          check      one more read of A"))?;
         }
-        let threads = options.par.threads();
+        let (threads, pinned) = (options.par.threads(), pinned(options));
         if plan.product().is_some_and(|plan| plan.is_exact()) {
             // No back end has a part in it.
-            return report(format_args!("          threads    {threads}"));
+            return report(format_args!("          threads    {threads}{pinned}"));
         }
-        report(format_args!("          back end   {}, {threads} threads", options.backend.name()))
+        let backend = options.backend.name();
+        report(format_args!("          back end   {backend}, {threads} threads{pinned}"))
     }
+}
+
+/// What `--explain` has after the number of threads.
+fn pinned(options: &AtaOptions<'_>) -> &'static str {
+    if options.pin == Pin::Cores { ", pinned" } else { "" }
 }
 
 /// Writes C into a file.

@@ -493,3 +493,20 @@ fn thousands_of_threads_are_capped_with_a_note() {
     assert!(read("c.npy") == read("few.npy"));
     assert!(!folder.succeed("ata a.npy --threads 1 --explain").contains("asked for"));
 }
+
+#[test]
+fn pinned_threads_write_the_same_bytes_by_every_way_to_c() {
+    let folder = Folder::new();
+    folder.write_npy("a.npy", &[700, 300], &table(700, 300));
+    let ways =
+        ["", "--scheme exact", "--center --scheme winograd", "--block-rows 64 --reproducible"];
+    for way in ways {
+        let plain = folder.succeed(&format!("ata a.npy {way} --explain -o plain.npy --force"));
+        assert!(!plain.contains("pinned"), "{plain}");
+        let options = "--threads 2 --pin --verify --explain -o pinned.npy --force";
+        let pinned = folder.succeed(&format!("ata a.npy {way} {options}"));
+        assert!(pinned.contains(", pinned"), "{pinned}");
+        let read = |name| fs::read(folder.path(name)).unwrap();
+        assert!(read("plain.npy") == read("pinned.npy"), "{way}");
+    }
+}

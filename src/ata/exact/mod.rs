@@ -167,7 +167,9 @@ pub(crate) fn accumulate<T: Operand>(
     let sink = Integers { moduli, sums, corner, shape, symmetric: layout.symmetric, subtract };
     let progress = Tracker::new(options.progress, cost(layout));
     let (clock, arena) = (&Clock::default(), &mut Arena::new(scratch));
-    multiply(kernel, layout, moduli, operands, sink, options.par, &progress, clock, arena);
+    options.on_cores(|| {
+        multiply(kernel, layout, moduli, operands, sink, options.par, &progress, clock, arena);
+    });
     progress.finish()
 }
 

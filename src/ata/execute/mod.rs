@@ -29,8 +29,8 @@ pub(crate) fn scratch_len<T: BlasReal>(plan: &Plan, par: Par) -> usize {
 }
 
 /// Computes `product`, of the shape that `plan` is for, in scratch of [`scratch_len`] elements,
-/// whatever they hold. Of the options only threads, back end and progress matter: the rest is in
-/// the plan.
+/// whatever they hold. Of the options only threads and their cores, back end and progress matter:
+/// the rest is in the plan.
 ///
 /// What leads to a small product is inlined, that product being as fast as a handful of calls; the
 /// other executors are not.
@@ -49,8 +49,12 @@ pub(crate) fn execute<T: BlasReal>(
         #[inline(always)]
         |product| match &plan.strategy {
             Strategy::Direct(_) => direct(plan.problem.op, product, options),
-            Strategy::Fused(it) => fused::execute(it, &plan.problem, product, options, scratch),
-            Strategy::Tasks(it) => tasks::execute(it, &plan.problem, product, options, scratch),
+            Strategy::Fused(it) => {
+                options.on_cores(|| fused::execute(it, &plan.problem, product, options, scratch))
+            }
+            Strategy::Tasks(it) => {
+                options.on_cores(|| tasks::execute(it, &plan.problem, product, options, scratch))
+            }
             Strategy::Exact(it) => exactly(it, product, options, scratch).map(drop),
         },
     )
@@ -77,7 +81,9 @@ fn exactly<T: BlasReal>(
     scratch: &mut [T],
 ) -> Result<Stages> {
     let Product { alpha, a, b, beta, c, .. } = product;
-    exact::execute(plan.isa.kernel(), &plan.layout, alpha, a, b, beta, c, options, scratch)
+    options.on_cores(|| {
+        exact::execute(plan.isa.kernel(), &plan.layout, alpha, a, b, beta, c, options, scratch)
+    })
 }
 
 /// One product on the calling thread.

@@ -111,14 +111,15 @@ impl<T: BlasReal> ExactSums<T> {
         let len = if weights.is_some() { block.len() } else { 0 };
         memory.reserve(len)?;
         let weighted = &mut memory.as_mut_slice()[..len];
-        let found = self.prepare(block, weights, weighted, options.par)?;
+        let found = options.on_cores(|| self.prepare(block, weights, weighted, options.par))?;
         let sign = if subtract { -1 } else { 1 };
         if n > 0 {
             if found.finite.iter().any(|finite| !finite.is_empty()) {
                 if subtract {
                     return Err(first_non_finite(block, n));
                 }
-                self.take_flags(count, block, weights.map(|_| &*weighted), &found, options.par)?;
+                let right = weights.map(|_| &*weighted);
+                options.on_cores(|| self.take_flags(count, block, right, &found, options.par))?;
                 for x in block.iter_mut().chain(weighted.iter_mut()).filter(|x| !x.is_finite()) {
                     *x = T::ZERO;
                 }

@@ -30,7 +30,7 @@ pub(super) fn add<T: BlasReal>(
     let len = if weights.is_some() { block.len() } else { 0 };
     memory.reserve(len)?;
     let weighted = &mut memory.as_mut_slice()[..len];
-    moments.take(count, block, weights, weighted, options.par);
+    options.on_cores(|| moments.take(count, block, weights, weighted, options.par));
     let x = MatRef::from_row_major_slice(block, count, n);
     let wx = weights.map(|_| MatRef::from_row_major_slice(weighted, count, n));
     if let Some(left) = left {

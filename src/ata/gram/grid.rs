@@ -117,7 +117,7 @@ impl<T: Real> RowBounds<T> {
             return Ok(bounds);
         }
         for_each_block(rows, 0, block_rows, options.par, |first, block| {
-            bounds.widen(block, n, options.par);
+            options.on_cores(|| bounds.widen(block, n, options.par));
             options.progress.report((first + block.len() / n) as f64 / m as f64)
         })?;
         Ok(bounds)

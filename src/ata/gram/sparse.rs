@@ -13,7 +13,7 @@ use sprs::CsMatView;
 use super::accumulator::check_weights;
 use crate::ata::combine::mirror_lower;
 use crate::ata::options::{AtaOptions, Uplo};
-use crate::base::{Disjoint, Error, Real, Result, Tracker, reserved, tickets, zeros};
+use crate::base::{Disjoint, Error, Real, Result, Tracker, Workspace, reserved, tickets};
 use crate::blas::BlasReal;
 
 /// Sums of a block of lines: 512 KiB, half of a second level cache.
@@ -67,7 +67,7 @@ pub fn ata_sparse<S: Real, T: BlasReal>(
         Uplo::Upper => c.rb_mut().transpose_mut(),
         Uplo::Lower | Uplo::Both => c.rb_mut(),
     };
-    lower_triangle(alpha, a, weights, beta, lower, options)?;
+    options.on_cores(|| lower_triangle(alpha, a, weights, beta, lower, options))?;
     if options.uplo == Uplo::Both {
         mirror_lower(c);
     }
@@ -119,12 +119,12 @@ fn lower_triangle<S: Real, T: BlasReal>(
     let c = Disjoint::new(c);
     let mut panels = Vec::new();
     for _ in 0..threads {
-        panels.push(zeros::<f64>(height * n)?);
+        panels.push(Workspace::<f64>::new(height * n)?);
     }
     let tracker = Tracker::new(options.progress, blocks.work.iter().sum::<usize>() as f64);
     let (alpha, beta) = (alpha.to_f64(), beta.to_f64());
     tickets(&mut panels, blocks.work.len(), |panel, block| {
-        let lines = blocks.lines(block);
+        let (lines, panel) = (blocks.lines(block), panel.as_mut_slice());
         panel.fill(0.0);
         if alpha != 0.0 {
             blocks.add(block, weights, panel);
@@ -251,8 +251,7 @@ mod tests {
     use sprs::{CsMat, TriMat};
 
     use super::*;
-    use crate::base::Par;
-    use crate::base::Rng;
+    use crate::base::{Par, Pin, Rng};
 
     /// A random matrix; the triplets of some entries come in two parts, and some rows and columns
     /// are empty.
@@ -321,17 +320,17 @@ mod tests {
     }
 
     #[test]
-    fn bits_do_not_depend_on_threads() {
+    fn bits_do_not_depend_on_threads_or_their_cores() {
         let a = random(300, 211, 0.1, 3);
-        let product = |par| {
+        let product = |par, pin| {
             let mut c = Mat::<f64>::zeros(211, 211);
-            let options = AtaOptions::new().uplo(Uplo::Both).par(par);
+            let options = AtaOptions::new().uplo(Uplo::Both).par(par).pin(pin);
             ata_sparse(1.0, a.view(), None, 0.0, c.as_mut(), &options).unwrap();
             c
         };
-        let one = product(Par::Seq);
-        for threads in 2..6 {
-            assert!(product(Par::Threads(threads)) == one, "{threads} threads");
+        let one = product(Par::Seq, Pin::No);
+        for (threads, pin) in [(2, Pin::No), (3, Pin::Cores), (4, Pin::No), (5, Pin::Cores)] {
+            assert!(product(Par::Threads(threads), pin) == one, "{threads} threads, {pin:?}");
         }
     }
 

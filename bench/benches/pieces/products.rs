@@ -1,22 +1,22 @@
-//! The small pieces: leaf kernels per back end, one fast level, making a plan, tiny products.
+//! Products: leaf kernels per back end, packing, fast levels, making a plan, tiny products.
 
 use std::path::Path;
 use std::sync::Arc;
 
 use catamaran::blas::{self, Backend, BlasReal};
 use catamaran::faer::{Mat, MatRef};
-use catamaran::{AtaOptions, Par, Plan, SchemeChoice, ata};
+use catamaran::{Accuracy, AtaOptions, Par, Plan, SchemeChoice, ata, atb};
 use catamaran_bench::input::{Distribution, Shape, matrix};
 use catamaran_bench::library::find;
-use criterion::{BenchmarkId, Criterion};
+use criterion::{BenchmarkId, Criterion, Throughput};
 
-fn main() {
-    let mut criterion = Criterion::default().sample_size(20).configure_from_args();
-    leaves(&mut criterion);
-    one_level(&mut criterion);
-    plans(&mut criterion);
-    tiny(&mut criterion);
-    criterion.final_summary();
+pub fn all(criterion: &mut Criterion) {
+    leaves(criterion);
+    packing(criterion);
+    one_level(criterion);
+    fused_additions(criterion);
+    plans(criterion);
+    tiny(criterion);
 }
 
 fn backends() -> Vec<(&'static str, Arc<dyn Backend>)> {
@@ -52,6 +52,25 @@ fn leaves(criterion: &mut Criterion) {
     }
 }
 
+/// A^T B for a B of few columns: each entry of A is packed for 8 multiply-adds.
+fn packing(criterion: &mut Criterion) {
+    const N: usize = 1024;
+    const FEW: usize = 8;
+    let backend = blas::native();
+    let kernels = f64::kernels(backend.as_ref());
+    let (a, b) = (square(N), matrix(Shape { m: N, n: FEW }, Distribution::Uniform, 2));
+    let b = MatRef::from_row_major_slice(&b, N, FEW);
+    let mut c = Mat::zeros(N, FEW);
+    let mut group = criterion.benchmark_group("packing");
+    group.throughput(Throughput::Bytes(size_of_val(&a[..]) as u64));
+    let by_rows = MatRef::from_row_major_slice(&a, N, N);
+    for (name, a) in [("A by rows", by_rows), ("A by columns", by_rows.transpose())] {
+        group.bench_function(BenchmarkId::new(name, N), |bencher| {
+            bencher.iter(|| kernels.gemm(1.0, a, b, 0.0, c.as_mut()));
+        });
+    }
+}
+
 fn sequential(scheme: SchemeChoice, leaf: Option<usize>) -> AtaOptions<'static> {
     AtaOptions::new().par(Par::Seq).scheme(scheme).leaf(leaf)
 }
@@ -72,6 +91,24 @@ fn one_level(criterion: &mut Criterion) {
         let options = sequential(scheme, Some(256)).tasks(1);
         group.bench_function(BenchmarkId::new(name, n), |b| {
             b.iter(|| ata(1.0, a, 0.0, c.as_mut(), &options).expect("valid options"));
+        });
+    }
+}
+
+/// The same product without fast levels and with as many as go down to blocks of 64, of which a
+/// good part of the time is additions made while packing and writing.
+fn fused_additions(criterion: &mut Criterion) {
+    const N: usize = 512;
+    let a = square(N);
+    let a = MatRef::from_row_major_slice(&a, N, N);
+    let mut c = Mat::zeros(N, N);
+    let mut group = criterion.benchmark_group("fused additions");
+    for (name, scheme) in
+        [("none", SchemeChoice::Classical), ("down to 64", SchemeChoice::Winograd)]
+    {
+        let options = sequential(scheme, Some(64)).tasks(1).accuracy(Accuracy::Fast);
+        group.bench_function(BenchmarkId::new(name, N), |b| {
+            b.iter(|| atb(1.0, a, a, 0.0, c.as_mut(), &options).expect("valid options"));
         });
     }
 }
