@@ -208,7 +208,7 @@ impl TreeNode {
 
     /// The rows of A that travel together, counted from the first of `sums`: all of them for an
     /// inner node, whose owner sends them on. A long leaf begins when the first of at most
-    /// [`STRIPS`] has arrived.
+    /// four has arrived.
     pub fn strips(&self) -> impl ExactSizeIterator<Item = Range<usize>> + use<> {
         let rows = self.sums.len();
         let count = if self.is_leaf() && self.input_len() > STRIPPED {
