@@ -49,6 +49,9 @@ fn every_mode_passes_its_checks_and_appends_its_row() {
     }
     let rows = table(&path);
     assert_eq!(rows.len(), Mode::NAMES.len());
+    // More columns than rows: what is gathered in `deal` is more than what is dealt.
+    let (code, said) = run(3, "-m 10 -n 300 --repeat 1 --check --mode deal");
+    assert_eq!(code, Some(0), "{said}");
     for (row, (name, _)) in rows.iter().zip(Mode::NAMES) {
         let fields = ["mode", "ranks", "check"].map(|column| row[column].as_str());
         assert_eq!(fields, [name, "3", "passed"]);

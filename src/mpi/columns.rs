@@ -62,10 +62,6 @@ pub fn ata_columns<T: MpiReal>(
 
     let products: Vec<_> = blocks.products(own).collect();
     let total = (exchange.pieces() * products.len()) as f64;
-    let poll = || {
-        world.poll();
-        false
-    };
     let mut done = Ok(());
     exchange.start(0);
     exchange.start(1);
@@ -87,7 +83,7 @@ pub fn ata_columns<T: MpiReal>(
             // A rank that fails goes on sending, so that nobody waits for it.
             if done.is_ok() {
                 let share = |i: usize| (piece * products.len() + i) as f64 / total;
-                done = world.with_progress(options, share(i)..share(i + 1), &poll, |options| {
+                done = world.with_progress(options, share(i)..share(i + 1), &|| false, |options| {
                     if on_diagonal {
                         let options = AtaOptions { uplo: Uplo::Lower, ..options.clone() };
                         ata(alpha, left, beta, result, &options)

@@ -1,13 +1,12 @@
 //! A and C on one rank, the root, which deals rows of A.
 
-use std::cell::RefCell;
 use std::collections::VecDeque;
 
 use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
 use super::form::Form;
-use super::pending_send::PendingSend;
+use super::pending_send::Shipments;
 use super::rows::sum_symmetric;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World};
@@ -51,17 +50,12 @@ pub(super) fn run<T: MpiReal>(
         rows.step_by(height).map(move |first| (to, first..end.min(first + height)))
     };
     let longest = parts[1..].iter().map(|rows| rows.len().div_ceil(height)).max().unwrap_or(0);
-    let shipments = (0..longest)
+    let shipments: Shipments<'_, T> = (0..longest)
         .flat_map(|round| (1..size).filter_map(move |process| blocks(process).nth(round)))
-        .map(|(to, rows)| form.start_send(world, &[a.subrows(rows.start, rows.len())], to, DEALT));
-    let shipments = RefCell::new(shipments.collect::<Vec<_>>());
-    let moves = || {
-        let mut left = shipments.borrow_mut();
-        left.retain_mut(PendingSend::is_moving);
-        !left.is_empty()
-    };
+        .map(|(to, rows)| form.start_send(world, &[a.subrows(rows.start, rows.len())], to, DEALT))
+        .collect();
     let a = a.subrows(0, rows);
-    let done = world.with_progress(&lower, 0.0..1.0, &moves, |options| {
+    let done = world.with_progress(&lower, 0.0..1.0, &|| shipments.are_moving(), |options| {
         ata(alpha, a, beta, c.rb_mut(), options)
     });
     drop(shipments);
@@ -115,11 +109,7 @@ impl<T: MpiReal> Hand<T> {
                 let share = |rows: usize| rows as f64 / self.rows as f64;
                 let share = share(first)..share(first + part.nrows());
                 let beta = if first == 0 { T::ZERO } else { T::ONE };
-                let poll = || {
-                    world.poll();
-                    false
-                };
-                done = world.with_progress(options, share, &poll, |options| {
+                done = world.with_progress(options, share, &|| false, |options| {
                     ata(alpha, part, beta, sum.rb_mut(), options)
                 });
             }

@@ -18,6 +18,7 @@ mod memory;
 mod ortho;
 mod pending_send;
 mod reduction;
+mod requests;
 mod root;
 mod rows;
 mod spread;

@@ -1,3 +1,4 @@
+use std::cell::RefCell;
 use std::marker::PhantomData;
 
 use ::mpi::Address;
@@ -6,6 +7,7 @@ use ::mpi::ffi;
 use ::mpi::raw::AsRaw;
 use faer::MatRef;
 
+use super::requests::Requests;
 use super::world::{MpiReal, PANICKED, Traffic, World};
 
 /// Blocks of matrices on their way to another rank, read where they are: no copy of ours is made.
@@ -13,7 +15,7 @@ use super::world::{MpiReal, PANICKED, Traffic, World};
 /// Never to be forgotten: the end of its life is what keeps the blocks in place until they have been read.
 pub(super) struct PendingSend<'a, T> {
     world: &'a World,
-    requests: Vec<ffi::MPI_Request>,
+    requests: Requests,
     blocks: PhantomData<MatRef<'a, T>>,
 }
 
@@ -23,7 +25,7 @@ impl<'a, T: MpiReal> PendingSend<'a, T> {
     pub(super) fn send(world: &'a World, blocks: &[MatRef<'a, T>], to: usize, tag: i32) -> Self {
         let len: usize = blocks.iter().map(|block| block.nrows() * block.ncols()).sum();
         let longest = world.longest_message();
-        let mut shipment = Self { world, requests: Vec::new(), blocks: PhantomData };
+        let mut shipment = Self { world, requests: Requests::default(), blocks: PhantomData };
         for start in (0..len).step_by(longest) {
             let parts = parts(blocks, start, longest.min(len - start));
             shipment.start(&parts, to, tag);
@@ -40,40 +42,12 @@ impl<'a, T: MpiReal> PendingSend<'a, T> {
         let types: Vec<_> = parts.iter().map(|&part| datatype(part)).collect();
         let distances: Vec<_> = parts.iter().map(distance).collect();
         let message = UserDatatype::structured(&vec![1; parts.len()], &distances, &types);
-        // SAFETY: a null request, set by the next call.
-        let mut request = unsafe { ffi::RSMPI_REQUEST_NULL };
+        let world = self.world.raw();
         // SAFETY: the datatype covers the entries of the parts and nothing else; they are borrowed until the
         // request has ended, since the shipment that is dropped waits for it. MPI keeps the datatype until then.
-        unsafe {
-            ffi::MPI_Isend(
-                first.cast(),
-                1,
-                message.as_raw(),
-                to as i32,
-                tag,
-                self.world.raw(),
-                &mut request,
-            );
-        }
-        self.requests.push(request);
-    }
-}
-
-impl<T> PendingSend<'_, T> {
-    /// Whether it goes on: entries that are not next to each other travel in pieces, each of which this rank has to
-    /// push.
-    pub(super) fn is_moving(&mut self) -> bool {
-        let mut flag = 0;
-        // SAFETY: the requests are those of this shipment; ended ones have become null.
-        unsafe {
-            ffi::MPI_Testall(
-                self.requests.len() as i32,
-                self.requests.as_mut_ptr(),
-                &mut flag,
-                ffi::RSMPI_STATUSES_IGNORE,
-            );
-        }
-        flag == 0
+        self.requests.start(|request| unsafe {
+            ffi::MPI_Isend(first.cast(), 1, message.as_raw(), to as i32, tag, world, request);
+        });
     }
 }
 
@@ -84,14 +58,26 @@ impl<T> Drop for PendingSend<'_, T> {
             use ::mpi::topology::Communicator;
             self.world.communicator().abort(PANICKED);
         }
-        // SAFETY: the requests are those of this shipment.
-        unsafe {
-            ffi::MPI_Waitall(
-                self.requests.len() as i32,
-                self.requests.as_mut_ptr(),
-                ffi::RSMPI_STATUSES_IGNORE,
-            );
-        }
+        self.requests.wait();
+    }
+}
+
+/// Several of them; the end of its life waits for all.
+pub(super) struct Shipments<'a, T>(RefCell<Vec<PendingSend<'a, T>>>);
+
+impl<'a, T> FromIterator<PendingSend<'a, T>> for Shipments<'a, T> {
+    fn from_iter<I: IntoIterator<Item = PendingSend<'a, T>>>(sends: I) -> Self {
+        Self(RefCell::new(sends.into_iter().collect()))
+    }
+}
+
+impl<T> Shipments<'_, T> {
+    /// Whether some are still on their way: entries that are not next to each other travel in pieces, each of which
+    /// this rank has to push by asking.
+    pub(super) fn are_moving(&self) -> bool {
+        let mut sends = self.0.borrow_mut();
+        sends.retain_mut(|send| !send.requests.have_ended());
+        !sends.is_empty()
     }
 }
 

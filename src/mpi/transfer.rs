@@ -3,12 +3,13 @@ use ::mpi::point_to_point::{Destination, Source};
 use ::mpi::raw::AsRaw;
 use ::mpi::topology::Communicator;
 
+use super::requests::Requests;
 use super::world::{MpiReal, Traffic, World};
 
 /// A message on its way, which owns its entries until it has arrived.
 pub(super) struct Transfer<T> {
     buffer: Vec<T>,
-    requests: Vec<ffi::MPI_Request>,
+    requests: Requests,
 }
 
 impl<T: MpiReal> Transfer<T> {
@@ -20,14 +21,12 @@ impl<T: MpiReal> Transfer<T> {
         tag: i32,
     ) -> Self {
         let datatype = T::equivalent_datatype();
-        let mut transfer = Self { buffer, requests: Vec::new() };
+        let mut transfer = Self { buffer, requests: Requests::default() };
         for to in to {
             for part in transfer.buffer.chunks(world.longest_message()) {
-                // SAFETY: a null request, set by the next call.
-                let mut request = unsafe { ffi::RSMPI_REQUEST_NULL };
                 // SAFETY: the entries stay in place on the heap until the request has ended: only then are they
                 // given back, and a transfer that is dropped waits for it.
-                unsafe {
+                transfer.requests.start(|request| unsafe {
                     ffi::MPI_Isend(
                         part.as_ptr().cast(),
                         part.len() as i32,
@@ -35,10 +34,9 @@ impl<T: MpiReal> Transfer<T> {
                         to as i32,
                         tag,
                         world.raw(),
-                        &mut request,
+                        request,
                     );
-                }
-                transfer.requests.push(request);
+                });
                 world.count(Traffic {
                     words_sent: part.len() as u64,
                     messages_sent: 1,
@@ -52,13 +50,11 @@ impl<T: MpiReal> Transfer<T> {
     /// Starts to receive as many entries as `buffer` has from rank `from`, sent by [`Transfer::send`] with the
     /// same tag.
     pub(super) fn receive(world: &World, mut buffer: Vec<T>, from: usize, tag: i32) -> Self {
-        let mut requests = Vec::new();
+        let mut requests = Requests::default();
         let datatype = T::equivalent_datatype();
         for part in buffer.chunks_mut(world.longest_message()) {
-            // SAFETY: a null request, set by the next call.
-            let mut request = unsafe { ffi::RSMPI_REQUEST_NULL };
             // SAFETY: as above, and nobody else sees the entries.
-            unsafe {
+            requests.start(|request| unsafe {
                 ffi::MPI_Irecv(
                     part.as_mut_ptr().cast(),
                     part.len() as i32,
@@ -66,10 +62,9 @@ impl<T: MpiReal> Transfer<T> {
                     from as i32,
                     tag,
                     world.raw(),
-                    &mut request,
+                    request,
                 );
-            }
-            requests.push(request);
+            });
         }
         world.count(Traffic {
             words_received: buffer.len() as u64,
@@ -83,35 +78,13 @@ impl<T: MpiReal> Transfer<T> {
 impl<T> Transfer<T> {
     /// Whether it has ended.
     pub(super) fn has_ended(&mut self) -> bool {
-        let mut flag = 0;
-        // SAFETY: the requests are those of this transfer; ended ones have become null.
-        unsafe {
-            ffi::MPI_Testall(
-                self.requests.len() as i32,
-                self.requests.as_mut_ptr(),
-                &mut flag,
-                ffi::RSMPI_STATUSES_IGNORE,
-            );
-        }
-        flag != 0
+        self.requests.have_ended()
     }
 
     /// Waits for its end, and gives the entries back.
     pub(super) fn wait(mut self) -> Vec<T> {
-        self.finish();
+        self.requests.wait();
         std::mem::take(&mut self.buffer)
-    }
-
-    fn finish(&mut self) {
-        // SAFETY: as above.
-        unsafe {
-            ffi::MPI_Waitall(
-                self.requests.len() as i32,
-                self.requests.as_mut_ptr(),
-                ffi::RSMPI_STATUSES_IGNORE,
-            );
-        }
-        self.requests.clear();
     }
 }
 
@@ -142,7 +115,7 @@ impl<T> Drop for Transfer<T> {
             // The other side may never come, and the job is about to be aborted: the entries stay.
             std::mem::forget(std::mem::take(&mut self.buffer));
         } else {
-            self.finish();
+            self.requests.wait();
         }
     }
 }

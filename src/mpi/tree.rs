@@ -1,6 +1,5 @@
 //! AtA-D, algorithm 8.4 of the thesis: parts of A go down a task tree, parts of C come up.
 
-use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::ops::Range;
 
@@ -8,14 +7,14 @@ use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef, RowMut};
 
 use super::form::Form;
-use super::pending_send::PendingSend;
+use super::pending_send::{PendingSend, Shipments};
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World};
-use crate::ata::distributed::{RESULTS_AT_ONCE, TaskTree, TreeNode};
+use crate::ata::distributed::{RESULTS_AT_ONCE, Shipment, TaskTree, TreeNode};
 use crate::ata::{AtaOptions, Uplo, ata, atb};
 use crate::base::{Real, Result, reserved, zeros};
 
-/// Tags: strip `i` of parts of A on the way down has `DOWN + i`, parts of C on the way up have the other one.
+/// Tags: `DOWN + i` for strip i of a part of A on the way down, `UP` for a part of C on the way up.
 const DOWN: i32 = 256;
 const UP: i32 = 3;
 
@@ -87,9 +86,8 @@ impl<T: Real> Memory<T> {
     fn new(tree: &TaskTree, process: usize) -> Result<Self> {
         let nodes = tree.nodes();
         let entries = tree.entries(process);
-        let columns = |node: &TreeNode| node.input_len() / node.sums.len();
         let strips = |node: &TreeNode| {
-            node.strips().map(|rows| zeros(rows.len() * columns(node))).collect::<Result<_>>()
+            node.strips().map(|rows| zeros(node.words_of(rows.len()))).collect::<Result<_>>()
         };
         let inputs = entries.iter().map(|&id| strips(&nodes[id])).collect::<Result<_>>()?;
         let blocks =
@@ -178,14 +176,9 @@ impl<T: MpiReal> Worker<'_, T> {
             return self.multiply(node, operands, beta, c, moves);
         }
         // All others have what they need before this process begins.
-        let shipments = tree.shipments(node);
-        let shipments = shipments.map(|(strip, id)| self.start_send(node, id, strip, operands));
-        let shipments = RefCell::new(shipments.collect::<Vec<_>>());
-        let moves = || {
-            let mut own = shipments.borrow_mut();
-            own.retain_mut(PendingSend::is_moving);
-            !own.is_empty() | moves()
-        };
+        let sent = tree.shipments(node);
+        let sent: Shipments<'_, T> = sent.map(|it| self.start_send(node, &it, operands)).collect();
+        let moves = || sent.are_moving() | moves();
         for id in node.children.clone() {
             let child = &tree.nodes()[id];
             let rows = within(&child.task.rows, &node.task.rows);
@@ -215,13 +208,8 @@ impl<T: MpiReal> Worker<'_, T> {
         self.products.0 += node.result_len() as f64 * left.nrows() as f64;
         let (world, alpha) = (self.world, self.alpha);
         let share = done / all..self.products.0 / all;
-        let meanwhile = || {
-            world.poll();
-            moves()
-        };
-        let triangle = node.task.triangle;
-        self.done = world.with_progress(self.options, share, &meanwhile, |options| {
-            if triangle {
+        self.done = world.with_progress(self.options, share, moves, |options| {
+            if node.task.triangle {
                 ata(alpha, left, beta, c, &AtaOptions { uplo: Uplo::Lower, ..options.clone() })
             } else {
                 atb(alpha, left, right, beta, c, options)
@@ -229,23 +217,23 @@ impl<T: MpiReal> Worker<'_, T> {
         });
     }
 
-    /// Starts to send a strip of what node `child` reads of its parent's operands.
+    /// Starts to send a strip of what a child reads of its parent's operands.
     fn start_send<'a>(
         &self,
         parent: &TreeNode,
-        child: usize,
-        strip: usize,
+        shipment: &Shipment,
         operands: [MatRef<'a, T>; 2],
     ) -> PendingSend<'a, T>
     where
         Self: 'a,
     {
-        let child = &self.tree.nodes()[child];
-        let rows = child.strips().nth(strip).unwrap_or_default();
+        let Shipment { child, strip, rows } = shipment;
+        let child = &self.tree.nodes()[*child];
+        let tag = DOWN + *strip as i32;
         let parts = operands_of(child, parent, operands);
         let parts = parts.map(|part| part.subrows(rows.start, rows.len()));
         let parts = if child.task.triangle { &parts[..1] } else { &parts[..] };
-        self.form.start_send(self.world, parts, self.rank(child.task.process), DOWN + strip as i32)
+        self.form.start_send(self.world, parts, self.rank(child.task.process), tag)
     }
 
     /// Starts to receive as many of the next results as there is room for.

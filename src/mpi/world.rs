@@ -73,8 +73,8 @@ pub struct World {
 
 /// Entries of a message: counts are 32-bit in MPI.
 const LONGEST: usize = 1 << 30;
-/// Between two looks at messages of which nothing depends on this rank. Waking up takes so long that 50 microseconds
-/// cost a quarter of the speed of a product on the same core.
+/// Between two looks at messages while nothing waits for this rank. A look every 50 microseconds costs a
+/// product on the same core a quarter of its speed.
 const PAUSE: Duration = Duration::from_millis(1);
 /// Entries that the MPI library sums at a time.
 const SUMMED: usize = 1 << 16;
@@ -191,9 +191,9 @@ impl World {
         self.traffic.set(sum);
     }
 
-    /// Calls `work` with options whose progress is told as part `share` of the whole, on a thread of its own, while this
-    /// one calls `meanwhile` again and again for messages to get on, at once as long as that says that some move.
-    /// The product itself could not: it says nothing for seconds.
+    /// Calls `work` with options whose progress is told as part `share` of the whole. It runs on a thread of its own;
+    /// this one keeps messages moving, for a product says nothing for seconds, and calls `meanwhile`, which returns
+    /// whether others wait for what this rank sends: then there is no pause.
     pub(super) fn with_progress<X: Send>(
         &self,
         options: &AtaOptions<'_>,
@@ -203,14 +203,23 @@ impl World {
     ) -> X {
         let options = AtaOptions { progress: options.progress.part(share), ..options.clone() };
         let start = Instant::now();
-        let done =
-            if self.size == 1 { work(&options) } else { beside(|| work(&options), meanwhile) };
+        let done = if self.size == 1 {
+            work(&options)
+        } else {
+            beside(
+                || work(&options),
+                || {
+                    self.poll();
+                    meanwhile()
+                },
+            )
+        };
         self.work_time.set(self.work_time.get() + start.elapsed());
         done
     }
 
     /// Lets the MPI library get on with what has been started. Many do nothing between calls.
-    pub(super) fn poll(&self) {
+    fn poll(&self) {
         use ::mpi::point_to_point::Source;
         let _ = self.comm.any_process().immediate_probe();
     }
@@ -333,9 +342,9 @@ impl World {
     }
 }
 
-/// Calls `work` on a thread of its own, and `meanwhile` on this one until that is done: after a [`PAUSE`] where it says
-/// that nothing moves.
-fn beside<X: Send>(work: impl FnOnce() -> X + Send, meanwhile: &dyn Fn() -> bool) -> X {
+/// Calls `work` on a thread of its own, and `meanwhile` on this one until that is done: at once again where
+/// it returns true, else after a [`PAUSE`].
+fn beside<X: Send>(work: impl FnOnce() -> X + Send, meanwhile: impl Fn() -> bool) -> X {
     let caller = thread::current();
     let over = AtomicBool::new(false);
     thread::scope(|scope| {

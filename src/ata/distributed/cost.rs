@@ -12,7 +12,7 @@ use super::cover::difference_cover;
 use super::deal::deal;
 use super::machine::Machine;
 use super::segment::packed_len;
-use super::tree::{TaskTree, levels};
+use super::tree::{Shipment, TaskTree, levels};
 use crate::ata::gram::block_rows;
 
 /// A way to compute A^T A on many ranks.
@@ -127,8 +127,9 @@ pub fn lower_bound_of_rows(ranks: usize, m: usize, n: usize) -> f64 {
         let others = m * n * (0.5 - sums) / p / (sums / 2.0).sqrt();
         others + n * n * (sums - 0.5 / p)
     };
-    let shares = (1..=STEPS).map(|i| 0.5 * f64::from(i) / f64::from(STEPS));
-    shares.filter(|&sums| sums >= 0.5 / p).map(least).fold(f64::INFINITY, f64::min)
+    // From its own share to all.
+    let shares = (0..=STEPS).map(|i| 0.5 * (1.0 + (p - 1.0) * f64::from(i) / f64::from(STEPS)) / p);
+    shares.map(least).fold(f64::INFINITY, f64::min)
 }
 
 /// Messages and words of process 0 of AtA-D, both ways, as proposition 8.3 says, with `m n` for the `n^2` of the
@@ -209,13 +210,28 @@ pub fn choose(ranks: usize, m: usize, n: usize, machine: &Machine, place: Place)
     timed.min_by(|x, y| x.1.total_cmp(&y.1)).map_or(Mode::Rows, |(mode, _)| mode)
 }
 
+/// What a rank sends while the chunks are summed over the ranks.
+struct Reduction {
+    words: f64,
+    messages: f64,
+}
+
+impl Reduction {
+    fn new(chunks: &Chunks) -> Self {
+        let share = 1.0 / chunks.ranks() as f64;
+        Self {
+            words: packed_len(chunks.n()) as f64 * (1.0 - share),
+            messages: (rounds(chunks.ranks()).len() * chunks.count()) as f64,
+        }
+    }
+}
+
 fn rows(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
     let chunks = Chunks::new(m, n, ranks);
     let (p, count) = (ranks as f64, chunks.count());
     let triangle = packed_len(n) as f64;
     let height = m.div_ceil(ranks) as f64;
-    let words = triangle * (1.0 - 1.0 / p);
-    let messages = (rounds(ranks).len() * count) as f64;
+    let Reduction { words, messages } = Reduction::new(&chunks);
     let products = height * triangle;
     let memory = height * n as f64 + triangle / p + chunks.scratch() as f64;
     let (computation, communication) =
@@ -263,23 +279,28 @@ fn dealt(ranks: usize, m: usize, n: usize, machine: &Machine) -> Cost {
     let (kept, others) = (parts[0].len(), (ranks - 1) as f64);
     let dealt = parts[1..].iter().map(ExactSizeIterator::len).max().unwrap_or(0);
     let (triangle, square) = (packed_len(n) as f64, (n * n) as f64);
-    let height = block_rows::<f64>(n, false).min(dealt);
-    let blocks = if dealt == 0 { 0 } else { dealt.div_ceil(height) };
+    let height = block_rows::<f64>(n, false);
+    let blocks = dealt.div_ceil(height);
+    let all_blocks: usize = parts[1..].iter().map(|rows| rows.len().div_ceil(height)).sum();
+    let height = height.min(dealt);
     let sent = (m - kept) as f64 * n as f64;
-    // The sums are reduced as those of rows that have been multiplied already, and gathered.
-    let reduction = rows(ranks, 0, n, machine);
-    let gathering = machine.communication(others, triangle * others / ranks as f64);
-    let sending = machine.communication(others * blocks as f64, sent);
+    // The sums are reduced as those of n rows on every rank, and gathered.
+    let reduction = Reduction::new(&Chunks::new(n * ranks, n, ranks));
+    let gathered = triangle * others / ranks as f64;
+    let gathering = machine.communication(others, gathered);
+    let sending = machine.communication(all_blocks as f64, sent);
     let own = machine.computation(kept as f64 * triangle);
     let theirs = machine.computation(dealt as f64 * triangle)
         + machine.communication(blocks as f64, dealt as f64 * n as f64);
     Cost {
         mode: Mode::Deal,
-        words: sent + reduction.words,
-        messages: others * blocks as f64 + reduction.messages,
+        words: sent.max(gathered) + reduction.words,
+        messages: (all_blocks as f64).max(others) + reduction.messages,
         products: kept.max(dealt) as f64 * triangle,
         memory: (m as f64 * n as f64 + square).max(square + 2.0 * (height * n) as f64),
-        seconds: own.max(theirs).max(sending) + reduction.seconds + gathering,
+        seconds: own.max(theirs).max(sending)
+            + machine.communication(reduction.messages, reduction.words)
+            + gathering,
     }
 }
 
@@ -317,10 +338,9 @@ fn end(tree: &TaskTree, machine: &Machine, id: usize, arrival: f64, free: &mut [
     }
     // The first strip of every child, then the second ones, and so on.
     let mut arrivals = vec![0.0; node.children.len()];
-    for (strip, id) in tree.shipments(node) {
+    for Shipment { child: id, strip, rows } in tree.shipments(node) {
         let child = &tree.nodes()[id];
-        let words = child.input_len() as f64 / child.strips().len() as f64;
-        now += machine.communication(1.0, words);
+        now += machine.communication(1.0, child.words_of(rows.len()) as f64);
         arrivals[id - node.children.start] = now;
         if strip == 0 {
             // A process that is sent several leaves has all of them before it is through with the

@@ -33,4 +33,4 @@ pub use machine::Machine;
 pub use segment::{Segment, packed_len};
 #[cfg(feature = "mpi")]
 pub(crate) use tree::RESULTS_AT_ONCE;
-pub use tree::{Load, TaskTree, TreeNode, levels};
+pub use tree::{Load, Shipment, TaskTree, TreeNode, levels};

@@ -49,6 +49,17 @@ pub struct TreeNode {
     pub is_first: bool,
 }
 
+/// Some rows of what a child reads of A, on their way to its owner.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Shipment {
+    /// The child, by its place among the nodes.
+    pub child: usize,
+    /// Its strip, from 0.
+    pub strip: usize,
+    /// The rows, counted from the first that the child sums over.
+    pub rows: Range<usize>,
+}
+
 /// What one process does in the whole; words are entries of A and C.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Load {
@@ -134,14 +145,16 @@ impl TaskTree {
         node.parent.is_some_and(|parent| self.nodes[parent].task.process != node.task.process)
     }
 
-    /// What the owner of `node` sends down, in this order: strips, and the children that read them. The
-    /// first strips of all go before the second ones, so that everyone begins early.
-    pub fn shipments(&self, node: &TreeNode) -> impl Iterator<Item = (usize, usize)> {
-        let sent: Vec<_> = node.children.clone().filter(|&child| self.is_sent(child)).collect();
-        let strips = move |id: usize| self.nodes[id].strips().len();
+    /// What the owner of `node` sends down, in this order: the first strips of all children before the
+    /// second ones, so that everyone begins early.
+    pub fn shipments(&self, node: &TreeNode) -> impl Iterator<Item = Shipment> {
+        let children = node.children.clone();
         (0..STRIPS).flat_map(move |strip| {
-            let those = sent.iter().copied().filter(|&id| strip < strips(id));
-            those.map(|id| (strip, id)).collect::<Vec<_>>()
+            let sent = children.clone().filter(|&child| self.is_sent(child));
+            sent.filter_map(move |child| {
+                let rows = self.nodes[child].strips().nth(strip)?;
+                Some(Shipment { child, strip, rows })
+            })
         })
     }
 
@@ -203,7 +216,12 @@ impl TreeNode {
 
     /// Entries of A that the node reads.
     pub fn input_len(&self) -> usize {
-        self.columns().map(|columns| columns.len() * self.sums.len()).sum()
+        self.words_of(self.sums.len())
+    }
+
+    /// Entries of so many rows of them.
+    pub fn words_of(&self, rows: usize) -> usize {
+        self.columns().map(|columns| columns.len() * rows).sum()
     }
 
     /// The rows of A that travel together, counted from the first of `sums`: all of them for an

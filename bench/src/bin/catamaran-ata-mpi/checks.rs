@@ -50,7 +50,7 @@ const LONGEST: usize = 1 << 30;
 
 /// Checks of what the rank with most sent or received against the plan, which is exact where parts
 /// are even.
-pub fn of_plan(job: &Job, ranks: usize, counted: Cost) -> Vec<Check> {
+pub fn of_plan<T>(job: &Job, ranks: usize, counted: Cost) -> Vec<Check> {
     let Job { mode, shape: Shape { m, n }, .. } = *job;
     let planned = predict(mode, ranks, m, n, &Machine::default());
     let words = Check {
@@ -59,9 +59,11 @@ pub fn of_plan(job: &Job, ranks: usize, counted: Cost) -> Vec<Check> {
         value: (counted.words - planned.words.round()).abs(),
         limit: unevenness(mode, ranks, m, n) as f64,
     };
-    // Longer messages are cut. In `deal` the plan counts blocks of f64, and its own chunks of sums.
+    // Longer messages are cut. In `deal` the plan counts blocks of f64: as many bytes of f32 are more
+    // rows.
     let longest = m.saturating_mul(n).max(n.saturating_mul(n));
-    if mode == Mode::Deal || longest > LONGEST {
+    let other_blocks = mode == Mode::Deal && size_of::<T>() != size_of::<f64>();
+    if other_blocks || longest > LONGEST {
         return vec![words];
     }
     let messages = Check {
@@ -110,7 +112,7 @@ mod tests {
         let shape = Shape { m: 531, n: 257 };
         let job = Job { mode: Mode::Rows, shape, seed: 1, threads: 1, scheme: SchemeChoice::Auto };
         let cost = Cost { words: (packed_len(257) / 3 * 2) as f64, messages: 2.0 };
-        assert!(of_plan(&job, 3, cost).iter().all(Check::passed));
+        assert!(of_plan::<f64>(&job, 3, cost).iter().all(Check::passed));
     }
 
     #[test]
@@ -120,14 +122,14 @@ mod tests {
             let job = Job { mode, shape, seed: 1, threads: 1, scheme: SchemeChoice::Auto };
             let planned = predict(mode, 4, shape.m, shape.n, &Machine::default());
             let cost = Cost { words: planned.words, messages: planned.messages };
-            let passed = |cost| of_plan(&job, 4, cost).iter().all(Check::passed);
+            let passed = |cost| of_plan::<f64>(&job, 4, cost).iter().all(Check::passed);
             assert!(passed(cost), "{mode}");
             let more = |words, messages| Cost {
                 words: cost.words + words,
                 messages: cost.messages + messages,
             };
             assert!(!passed(more(1.0, 0.0)), "{mode}");
-            assert_eq!(passed(more(0.0, 1.0)), mode == Mode::Deal, "{mode}");
+            assert!(!passed(more(0.0, 1.0)), "{mode}");
         }
     }
 }

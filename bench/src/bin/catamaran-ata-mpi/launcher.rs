@@ -27,7 +27,8 @@ fn check_in(
     match number(&SIZES, variable) {
         Some(started) if ranks == 1 && started > 1 => Err(format!(
             "{started} processes were started, but each is alone: the launcher is not that of \
-             {mpi}, for which this program was built (mpirun.openmpi, mpirun.mpich; srun --mpi=list)"
+             {mpi}, for which this program was built (mpirun.openmpi, mpirun.mpich; srun \
+             --mpi=list)"
         )
         .into()),
         _ => Ok(()),

@@ -64,9 +64,7 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<bool
     if ranks.largest(cores_needed as f64 / host::cores() as f64) > 1.0 {
         say("note      more threads than cores on a machine: times say little");
     } else if ranks.largest(job.threads as f64 / available_cores() as f64) > 1.0 {
-        say(
-            "note      a rank has more threads than cores it may use: see mpirun --bind-to, srun -c",
-        );
+        say("note      more threads of a rank than cores it may use: mpirun --bind-to, srun -c");
     }
     if let Some(note) = report::note_of_faster_mode(&job, ranks.count()) {
         say(&note);
@@ -121,7 +119,7 @@ pub fn race<T: MpiReal>(arguments: &Arguments, ranks: &Ranks<'_>) -> Result<bool
                 limit: T::UNIT_ROUNDOFF * job.shape.m.max(32) as f64,
             });
         }
-        checks.extend(checks::of_plan(&job, ranks.count(), measured.counted.most));
+        checks.extend(checks::of_plan::<T>(&job, ranks.count(), measured.counted.most));
     }
     // Rank 0 decides: only it has all results in every mode.
     let failed = ranks.own() == ROOT && !checks.iter().all(Check::passed);

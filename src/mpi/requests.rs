@@ -1,0 +1,42 @@
+use ::mpi::ffi;
+
+/// Messages that have been started, of one owner: what they read or write stays in place until they have ended.
+#[derive(Default)]
+pub(super) struct Requests(Vec<ffi::MPI_Request>);
+
+impl Requests {
+    /// One more: `start` has MPI set it.
+    pub(super) fn start(&mut self, start: impl FnOnce(&mut ffi::MPI_Request)) {
+        // SAFETY: a constant of the MPI library.
+        let mut request = unsafe { ffi::RSMPI_REQUEST_NULL };
+        start(&mut request);
+        self.0.push(request);
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Whether all have ended.
+    pub(super) fn have_ended(&mut self) -> bool {
+        let mut flag = 0;
+        let count = self.0.len() as i32;
+        // SAFETY: requests that were started; ended ones have become null.
+        unsafe {
+            ffi::MPI_Testall(count, self.0.as_mut_ptr(), &mut flag, ffi::RSMPI_STATUSES_IGNORE);
+        }
+        flag != 0
+    }
+
+    /// Waits until all have ended, and forgets them.
+    pub(super) fn wait(&mut self) {
+        let count = self.0.len() as i32;
+        // SAFETY: as above.
+        unsafe { ffi::MPI_Waitall(count, self.0.as_mut_ptr(), ffi::RSMPI_STATUSES_IGNORE) };
+        self.0.clear();
+    }
+}
