@@ -32,8 +32,8 @@ pub use exact::Stages;
 #[cfg(feature = "mpi")]
 pub(crate) use gram::exact_sums;
 pub use gram::{
-    Accumulator, AfterBlock, Center, DenseRows, RowBlocks, RowBounds, RowOptions, StreamPlan,
-    Strip, ata_rows, block_rows, scalar_of, stream,
+    Accumulator, AfterBlock, Center, DenseRows, ExtendedGram, RowBlocks, RowBounds, RowOptions,
+    StreamPlan, Strip, ata_rows, block_rows, scalar_of, stream,
 };
 #[cfg(feature = "geometry")]
 pub use gram::{ata_sparse, sparse_is_faster, sparse_multiplications};

@@ -5,6 +5,7 @@
 mod accumulator;
 mod blocks;
 mod exact;
+mod extended;
 mod float;
 mod format;
 mod grid;
@@ -23,6 +24,7 @@ mod wide;
 
 pub use accumulator::Accumulator;
 pub use blocks::block_rows;
+pub use extended::ExtendedGram;
 pub use format::scalar_of;
 pub use grid::RowBounds;
 pub use plan::StreamPlan;

@@ -1,0 +1,95 @@
+use faer::{Mat, MatRef};
+
+use crate::base::{Error, Result};
+
+/// A symmetric matrix C (n x n) in extended precision: every entry is an unevaluated sum of three
+/// f64, the largest first, each at most half a unit in the last place of the one before.
+///
+/// The first two parts are C in double-double, about 106 bits; all three hold 159 bits.
+/// `Accumulator::extended` computes C from rows.
+#[derive(Debug, Clone)]
+pub struct ExtendedGram {
+    /// Lower triangles; zero above the diagonal.
+    parts: [Mat<f64>; 3],
+    about: About,
+}
+
+/// What is known of the rows that the matrix is made of.
+#[derive(Debug, Clone)]
+pub(crate) struct About {
+    /// Whether no entry of the rows was rounded.
+    pub exact: bool,
+    pub rows: u64,
+    /// Sum of the weights.
+    pub weight: f64,
+    /// Means of the columns; none unless the matrix is about them.
+    pub mean: Vec<[f64; 2]>,
+}
+
+fn zeros(n: usize) -> Result<Mat<f64>> {
+    let mut matrix = Mat::new();
+    let bytes = n.saturating_mul(n).saturating_mul(size_of::<f64>());
+    matrix.try_reserve(n, n).map_err(|_| Error::OutOfMemory { bytes })?;
+    matrix.resize_with(n, n, |_, _| 0.0);
+    Ok(matrix)
+}
+
+impl ExtendedGram {
+    /// A matrix with these entries of its lower triangle, `entry(i, j)` for `j <= i`.
+    pub(crate) fn from_entries(
+        n: usize,
+        about: About,
+        mut entry: impl FnMut(usize, usize) -> [f64; 3],
+    ) -> Result<Self> {
+        let mut parts = [zeros(n)?, zeros(n)?, zeros(n)?];
+        for i in 0..n {
+            for j in 0..=i {
+                for (part, value) in parts.iter_mut().zip(entry(i, j)) {
+                    part[(i, j)] = value;
+                }
+            }
+        }
+        Ok(Self { parts, about })
+    }
+
+    /// Side n of C.
+    pub fn n(&self) -> usize {
+        self.parts[0].nrows()
+    }
+
+    /// Entry (i, j), in three parts.
+    pub fn entry(&self, i: usize, j: usize) -> [f64; 3] {
+        let at = (i.max(j), i.min(j));
+        [0, 1, 2].map(|part| self.parts[part][at])
+    }
+
+    /// Part 0, 1 or 2 of all entries: the lower triangle, zero above the diagonal. Part 0 is C
+    /// rounded to f64.
+    ///
+    /// # Panics
+    /// When there is no such part.
+    pub fn part(&self, part: usize) -> MatRef<'_, f64> {
+        self.parts[part].as_ref()
+    }
+
+    /// Whether the sums are exact: no entry of the rows was rounded. C itself is then rounded once,
+    /// to 159 bits.
+    pub fn is_exact(&self) -> bool {
+        self.about.exact
+    }
+
+    /// Rows that C is the sum of.
+    pub fn rows(&self) -> u64 {
+        self.about.rows
+    }
+
+    /// Sum of the weights of the rows; their number without weights.
+    pub fn weight(&self) -> f64 {
+        self.about.weight
+    }
+
+    /// The (weighted) mean of each column in double-double; empty unless C is about the mean.
+    pub fn mean(&self) -> &[[f64; 2]] {
+        &self.about.mean
+    }
+}
