@@ -62,13 +62,15 @@ pub(super) fn joined_bounds<T: MpiReal>(
     let weight = bounds.weight().map(|w| -w.to_f64());
     let lower = bounds.lower().iter().map(|x| x.to_f64());
     let upper = bounds.upper().iter().map(|x| -x.to_f64());
-    let mut values: Vec<f64> = lower.chain(upper).chain(weight).collect();
+    let units = bounds.units().iter().copied();
+    let mut values: Vec<f64> = lower.chain(upper).chain(units).chain(weight).collect();
     world.least(&mut values);
     let part = |range: std::ops::Range<usize>, sign: f64| {
         values[range].iter().map(|x| T::from_f64(sign * x)).collect()
     };
-    let weight = weight.map(|_| T::from_f64(-values[2 * n]));
-    Ok(RowBounds::from_parts(part(0..n, 1.0), part(n..2 * n, -1.0), weight, rows))
+    let (bounds, units) = ([part(0..n, 1.0), part(n..2 * n, -1.0)], values[2 * n..3 * n].to_vec());
+    let weight = weight.map(|_| T::from_f64(-values[3 * n]));
+    Ok(RowBounds::from_parts(bounds, units, weight, rows))
 }
 
 /// Merges the accumulators of all ranks, in a tree of `log2 P` levels that depends on P only: the sum on rank 0, and
@@ -102,7 +104,7 @@ pub fn merge_accumulators<T: MpiReal>(
     let facts = [
         ("the number of columns", sum.ncols()),
         ("centring", usize::from(sum.is_centered())),
-        ("exactness", usize::from(sum.is_exact())),
+        ("exactness", usize::from(sum.is_exact()) + usize::from(sum.is_extended())),
         scalar_fact::<T>(),
     ];
     world.begin(Operation::Merge, &facts, Ok(()))?;

@@ -6,6 +6,7 @@ mod column_errors;
 #[path = "../common/mod.rs"]
 mod common;
 mod exact;
+mod extended;
 mod native;
 mod plan;
 mod properties;

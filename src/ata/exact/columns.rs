@@ -15,6 +15,8 @@ pub(crate) struct Columns {
     pub exponents: Vec<i32>,
     /// Columns with a NaN or an infinity, in order; they count as zeros.
     pub non_finite: Vec<usize>,
+    /// Whether the integers may be as large as `2^WIDE_BITS`.
+    pub wide: bool,
 }
 
 /// Bands of 64 rows, and tiles of 16 columns, of an operand.
@@ -30,10 +32,10 @@ pub(super) fn scratch_len<T: Operand>(m: usize, n: usize) -> usize {
 
 impl Columns {
     /// Columns of finite entries that are multiplied by these powers.
-    pub fn given(powers: impl Iterator<Item = i32>) -> Self {
+    pub fn given(powers: impl Iterator<Item = i32>, wide: bool) -> Self {
         let mut exponents: Vec<i32> = powers.collect();
         exponents.resize(exponents.len().next_multiple_of(PANEL), 0);
-        Self { exponents, non_finite: Vec::new() }
+        Self { exponents, non_finite: Vec::new(), wide }
     }
 
     /// Chooses the powers so that the integers are as large as products of two columns allow: by the
@@ -79,7 +81,7 @@ impl Columns {
                 }
             }
         }
-        Self { exponents: columns, non_finite }
+        Self { exponents: columns, non_finite, wide: false }
     }
 
     /// Makes columns that are not finite zero.

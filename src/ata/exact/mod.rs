@@ -29,7 +29,9 @@ use self::store::Residents;
 use super::combine::{scale, scale_lower};
 use super::options::AtaOptions;
 use crate::base::{Arena, Disjoint, Par, Real, Result, Tracker};
-use crate::kernel::int8::{Block, Isa, Kernel, Moduli, Operand, PANEL, Slice};
+use crate::kernel::int8::{
+    Block, Integer, IntegerModuli, Isa, Kernel, Moduli, Modulus, Operand, PANEL, Slice,
+};
 
 pub use self::clock::Stages;
 pub(crate) use self::columns::Columns;
@@ -134,7 +136,8 @@ pub(crate) fn execute<T: Operand>(
     };
     let more = signs.as_ref().map_or(0.0, |signs| signs.cost(symmetric));
     let progress = Tracker::new(options.progress, cost(layout) + more);
-    multiply(kernel, layout, moduli, [left, right], sink, par, &progress, clock, &mut arena);
+    let list = &moduli.list;
+    multiply(kernel, layout, list, [left, right], sink, par, &progress, clock, &mut arena);
     if let Some(signs) = signs {
         signs.add(alpha, symmetric, c, par, &progress);
     }
@@ -150,25 +153,26 @@ pub(crate) type Scaled<'a, T> = (MatRef<'a, T>, &'a Columns);
 /// `sums` that begins at `corner`, or subtracts it; of a symmetric layout only the lower triangle
 /// of the product.
 ///
-/// The caller sees to it that all entries of the product are below P/2 ([`Moduli::largest_norm`],
-/// squared), and that sums do not overflow.
-pub(crate) fn accumulate<T: Operand>(
+/// The caller sees to it that all entries of the product are below P/2
+/// ([`IntegerModuli::count_for`]), and that sums do not overflow.
+pub(crate) fn accumulate<T: Operand, I: Integer>(
     kernel: &dyn Kernel,
     layout: &Layout,
     operands: [Scaled<'_, T>; 2],
-    sums: &TriangleRows<'_>,
+    sums: &TriangleRows<'_, I>,
     corner: (usize, usize),
     subtract: bool,
     options: &AtaOptions<'_>,
     scratch: &mut [T],
 ) -> Result<()> {
-    let moduli = &Moduli::new(layout.moduli);
+    let moduli = &IntegerModuli::new(layout.moduli);
     let shape = (operands[0].0.ncols(), operands[1].0.ncols());
     let sink = Integers { moduli, sums, corner, shape, symmetric: layout.symmetric, subtract };
     let progress = Tracker::new(options.progress, cost(layout));
     let (clock, arena) = (&Clock::default(), &mut Arena::new(scratch));
     options.on_cores(|| {
-        multiply(kernel, layout, moduli, operands, sink, options.par, &progress, clock, arena);
+        let list = &moduli.list;
+        multiply(kernel, layout, list, operands, sink, options.par, &progress, clock, arena);
     });
     progress.finish()
 }
@@ -183,7 +187,7 @@ fn cost(layout: &Layout) -> f64 {
 fn multiply<T: Operand>(
     kernel: &dyn Kernel,
     layout: &Layout,
-    moduli: &Moduli,
+    moduli: &[Modulus],
     [left, right]: [Scaled<'_, T>; 2],
     sink: impl Sink,
     par: Par,

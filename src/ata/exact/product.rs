@@ -3,7 +3,7 @@
 use super::layout::{Layout, Unit};
 use super::store::Store;
 use crate::base::{Arena, Disjoint, Real};
-use crate::kernel::int8::{Block, Kernel, Moduli, Operands, Slice};
+use crate::kernel::int8::{Block, Kernel, Modulus, Operands, Slice};
 
 /// The memory of one thread.
 pub(super) struct Worker<'a> {
@@ -29,7 +29,7 @@ impl<'a> Worker<'a> {
 pub(super) struct Round<'r, 'm> {
     pub kernel: &'r dyn Kernel,
     pub layout: &'r Layout,
-    pub moduli: &'r Moduli,
+    pub moduli: &'r [Modulus],
     pub left: &'r Store<'m>,
     pub right: &'r Store<'m>,
     /// Whether to add to the residues of an earlier chunk.
@@ -57,7 +57,7 @@ impl Round<'_, '_> {
     ) {
         let Self { kernel, layout, .. } = self;
         let _session = kernel.session();
-        let modulus = &self.moduli.list[l];
+        let modulus = &self.moduli[l];
         let all = &self.left.extent().steps;
         // Pieces of equal length, as short ones are slow.
         let pieces = all.len().div_ceil(layout.blocking.depth);

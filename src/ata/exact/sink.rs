@@ -6,7 +6,8 @@ use faer::prelude::ReborrowMut;
 use super::columns::Columns;
 use crate::base::Disjoint;
 use crate::kernel::int8::{
-    Block, Kernel, MOST_MODULI, Moduli, Operand, PANEL, Quarter, WIDTH, fetch_lines, integers,
+    Block, Integer, IntegerModuli, Kernel, MOST_MODULI, Moduli, Operand, PANEL, Quarter, WIDTH,
+    fetch_lines, integers,
 };
 
 /// Takes the blocks of a product.
@@ -140,15 +141,15 @@ impl<T: Operand> Floats<'_, T> {
 }
 
 /// Rows of a lower triangle of integers, one after another, row i with i + 1 entries.
-pub(crate) struct TriangleRows<'s> {
-    entries: Disjoint<'s, i128>,
+pub(crate) struct TriangleRows<'s, I> {
+    entries: Disjoint<'s, I>,
     /// Entries of the triangle before the first of these.
     skipped: usize,
 }
 
-impl<'s> TriangleRows<'s> {
+impl<'s, I> TriangleRows<'s, I> {
     /// The rows from `first` on.
-    pub fn new(entries: &'s mut [i128], first: usize) -> Self {
+    pub fn new(entries: &'s mut [I], first: usize) -> Self {
         Self { entries: Disjoint::of_slice(entries), skipped: triangle_len(first) }
     }
 
@@ -157,7 +158,7 @@ impl<'s> TriangleRows<'s> {
     /// # Safety
     /// Nobody else uses it meanwhile.
     #[allow(clippy::mut_from_ref)]
-    unsafe fn get(&self, i: usize, j: usize) -> &mut i128 {
+    unsafe fn get(&self, i: usize, j: usize) -> &mut I {
         // SAFETY: the caller's promise.
         unsafe { self.entries.get(triangle_len(i) + j - self.skipped) }
     }
@@ -169,9 +170,9 @@ pub(crate) fn triangle_len(rows: usize) -> usize {
 }
 
 /// `S += X` or `S -= X` for the integer product X, which is a part of the lower triangle S.
-pub(super) struct Integers<'s> {
-    pub moduli: &'s Moduli,
-    pub sums: &'s TriangleRows<'s>,
+pub(super) struct Integers<'s, I> {
+    pub moduli: &'s IntegerModuli,
+    pub sums: &'s TriangleRows<'s, I>,
     /// Where in S the first entry of X goes.
     pub corner: (usize, usize),
     /// Rows and columns of X.
@@ -181,7 +182,7 @@ pub(super) struct Integers<'s> {
     pub subtract: bool,
 }
 
-impl Sink for Integers<'_> {
+impl<I: Integer> Sink for Integers<'_, I> {
     fn is_by_rows(&self) -> bool {
         true
     }
@@ -194,7 +195,7 @@ impl Sink for Integers<'_> {
         next: usize,
     ) {
         let (n, k) = self.shape;
-        let mut values = [[0; WIDTH]; WIDTH];
+        let mut values = [[I::default(); WIDTH]; WIDTH];
         for_quarters(
             block,
             self.shape,
@@ -209,7 +210,7 @@ impl Sink for Integers<'_> {
                         let (i, j) = (self.corner.0 + row + i, self.corner.1 + col + j);
                         // SAFETY: the caller's promise; quarters are disjoint.
                         let sum = unsafe { self.sums.get(i, j) };
-                        *sum += if self.subtract { -value } else { value };
+                        *sum = sum.plus(if self.subtract { value.negated() } else { value });
                     }
                 }
             },

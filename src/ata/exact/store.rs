@@ -7,7 +7,7 @@ use faer::MatRef;
 use super::columns::{Columns, for_tiles};
 use super::layout::{Extent, Layout, Need, Pair};
 use crate::base::{Disjoint, Par};
-use crate::kernel::int8::{Kernel, Moduli, Operand, Powers, Residues, Slice};
+use crate::kernel::int8::{Kernel, Modulus, Operand, Powers, Residues, Slice};
 
 /// Residues that are still in the last cache when they are multiplied, in bytes.
 const CACHED: usize = 32 << 20;
@@ -29,7 +29,7 @@ impl<'a> Store<'a> {
         kernel: &dyn Kernel,
         a: MatRef<'_, T>,
         columns: &Columns,
-        moduli: &Moduli,
+        moduli: &[Modulus],
         extent: Extent,
         par: Par,
     ) {
@@ -41,14 +41,19 @@ impl<'a> Store<'a> {
         let tile_columns = 2 * panels.start..2 * panels.end;
         for_tiles(a, steps.clone(), tile_columns, par, |tile, band, column| {
             columns.clear_non_finite(tile, column);
-            let powers = Powers::new(columns.exponents_of(column));
+            let exponents = columns.exponents_of(column);
             let slice = (column / 2 - panels.start) * steps.len() + band - steps.start;
             let mut out = Vec::with_capacity(moduli.len());
             for l in 0..moduli.len() {
                 // SAFETY: each tile is visited once, and each modulus has a place of its own.
                 out.push(unsafe { tiles.get(2 * (l * modulus_len + slice) + column % 2) });
             }
-            T::convert(kernel, tile, &powers, moduli, &mut out, far);
+            match columns.wide {
+                true => {
+                    T::convert_wide(kernel, tile, &Powers::new(exponents), moduli, &mut out, far);
+                }
+                false => T::convert(kernel, tile, &Powers::new(exponents), moduli, &mut out, far),
+            }
         });
         self.extent = extent;
     }

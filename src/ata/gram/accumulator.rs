@@ -1,6 +1,7 @@
 use std::ops::Range;
 
 use super::exact::ExactSums;
+use super::extended::ExtendedGram;
 use super::float::FloatSums;
 use super::grid::{RowBounds, Shift};
 use super::pass::Pass;
@@ -9,15 +10,17 @@ use crate::ata::combine::{mirror_lower, scale_lower};
 use crate::ata::options::{AtaOptions, Uplo};
 use crate::base::{Error, Real, Result};
 use crate::blas::BlasReal;
+use crate::kernel::int8::I256;
 
 /// `C = sum of w_i (x_i - s)(x_i - s)^T` over rows `x_i` of n columns that come in blocks, with
 /// what it takes to go on later, elsewhere, or together with another one; s is zero, or the mean of
 /// the rows.
 ///
-/// There are two kinds. [`Accumulator::new`] adds in floating point: the last bits depend on the
+/// There are three kinds. [`Accumulator::new`] adds in floating point: the last bits depend on the
 /// blocks and their order. [`Accumulator::exact`] adds integers on a grid that is chosen before the
 /// first row: C is the same bytes for any blocks, order, threads, machines and merges, and rows can
-/// be removed again. See docs/algorithms/ata.md, "Streaming".
+/// be removed again. [`Accumulator::extended`] does so with longer integers, from which C comes in
+/// extended precision. See docs/algorithms/ata.md, "Streaming".
 ///
 /// C may be a strip of rows of the whole matrix, when all of it is too large.
 ///
@@ -52,6 +55,7 @@ pub struct Accumulator<T> {
 pub(super) enum Sums<T> {
     Float(FloatSums<T>),
     Exact(ExactSums<T>),
+    Extended(ExactSums<T, I256>),
 }
 
 impl<T: BlasReal> Accumulator<T> {
@@ -95,6 +99,36 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(Self::of(bounds.ncols(), Sums::Exact(ExactSums::new(bounds, rows, shift)?)))
     }
 
+    /// Of no rows, for all of C, in integers of 256 bits; about the mean when `centered`. Rows must
+    /// keep the bounds. [`Accumulator::finish_extended`] gives C in extended precision; otherwise it
+    /// is as [`Accumulator::exact`].
+    ///
+    /// Entries are rounded to multiples of 2^-80 of the bounds of their column, which leaves those of
+    /// most data as they are; where [`RowBounds::of`] has found that all entries of the columns are
+    /// multiples of larger numbers, such as integers, shorter integers do, and the sums take less
+    /// time. Products with weights are not rounded.
+    ///
+    /// ```
+    /// use catamaran::ata::{Accumulator, RowBounds};
+    /// use catamaran::AtaOptions;
+    ///
+    /// let bounds = RowBounds::new(vec![-1.0], vec![1.0], 10)?;
+    /// let mut sum = Accumulator::<f64>::extended(&bounds, false)?;
+    /// sum.add_block(2, &mut [1.0, 2f64.powi(-40)], None, &AtaOptions::new())?;
+    /// let c = sum.finish_extended()?;
+    /// assert_eq!(c.entry(0, 0), [1.0, 2f64.powi(-80), 0.0]);
+    /// assert!(c.is_exact());
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Accumulator::exact`].
+    pub fn extended(bounds: &RowBounds<T>, centered: bool) -> Result<Self> {
+        let shift = if centered { Shift::Near } else { Shift::No };
+        let n = bounds.ncols();
+        Ok(Self::of(n, Sums::Extended(ExactSums::new(bounds, 0..n, shift)?)))
+    }
+
     pub(super) fn of(ncols: usize, sums: Sums<T>) -> Self {
         Self { ncols, sums, expected_rows: 0, block_rows: 0, labels: Vec::new() }
     }
@@ -126,6 +160,7 @@ impl<T: BlasReal> Accumulator<T> {
         match &self.sums {
             Sums::Float(sums) => sums.c.rows(),
             Sums::Exact(sums) => sums.strip.clone(),
+            Sums::Extended(sums) => sums.strip.clone(),
         }
     }
 
@@ -134,6 +169,7 @@ impl<T: BlasReal> Accumulator<T> {
         match &self.sums {
             Sums::Float(sums) => sums.moments.rows,
             Sums::Exact(sums) => sums.rows,
+            Sums::Extended(sums) => sums.rows,
         }
     }
 
@@ -148,6 +184,7 @@ impl<T: BlasReal> Accumulator<T> {
         match &self.sums {
             Sums::Float(sums) => sums.moments.weight,
             Sums::Exact(sums) => sums.weight(),
+            Sums::Extended(sums) => sums.weight(),
         }
     }
 
@@ -156,12 +193,18 @@ impl<T: BlasReal> Accumulator<T> {
         match &self.sums {
             Sums::Float(sums) => sums.moments.centered,
             Sums::Exact(sums) => sums.centered,
+            Sums::Extended(sums) => sums.centered,
         }
     }
 
     /// Whether it adds integers, in any order the same.
     pub fn is_exact(&self) -> bool {
-        matches!(self.sums, Sums::Exact(_))
+        !matches!(self.sums, Sums::Float(_))
+    }
+
+    /// Whether C can be had in extended precision.
+    pub fn is_extended(&self) -> bool {
+        matches!(self.sums, Sums::Extended(_))
     }
 
     /// The (weighted) mean row so far; empty without centring.
@@ -169,6 +212,7 @@ impl<T: BlasReal> Accumulator<T> {
         match &self.sums {
             Sums::Float(sums) => sums.moments.mean(),
             Sums::Exact(sums) => sums.mean(),
+            Sums::Extended(sums) => sums.mean(),
         }
     }
 
@@ -237,6 +281,9 @@ impl<T: BlasReal> Accumulator<T> {
         self.check_block(count, block, weights)?;
         match &mut self.sums {
             Sums::Exact(sums) => sums.add(count, block, weights, true, &mut Pass::new(options)?),
+            Sums::Extended(sums) => {
+                sums.add(count, block, weights, true, &mut Pass::new(options)?)
+            }
             Sums::Float(_) => {
                 let why = "rows can be removed from an exact one only: make it with `exact`";
                 Err(Error::Argument { what: "accumulator", why: why.into() })
@@ -267,6 +314,7 @@ impl<T: BlasReal> Accumulator<T> {
         match &mut self.sums {
             Sums::Float(sums) => sums.add(count, block, weights, pass),
             Sums::Exact(sums) => sums.add(count, block, weights, false, pass),
+            Sums::Extended(sums) => sums.add(count, block, weights, false, pass),
         }
     }
 
@@ -321,12 +369,8 @@ impl<T: BlasReal> Accumulator<T> {
                 Ok(())
             }
             (Sums::Exact(own), Sums::Exact(others)) => own.merge(others),
-            (own, _) => {
-                let (exact, float) = ("exact".to_owned(), "floating-point".to_owned());
-                let [own, others] =
-                    if matches!(own, Sums::Exact(_)) { [exact, float] } else { [float, exact] };
-                different("sums", own, others)
-            }
+            (Sums::Extended(own), Sums::Extended(others)) => own.merge(others),
+            (own, others) => different("sums", own.name().into(), others.name().into()),
         }
     }
 
@@ -341,15 +385,8 @@ impl<T: BlasReal> Accumulator<T> {
         let ncols = self.ncols;
         let mut c = match self.sums {
             Sums::Float(sums) => sums.finish(alpha)?,
-            Sums::Exact(sums) => {
-                let mut c = Strip::new(sums.strip.clone())?;
-                let mut out = c.as_mut();
-                let first = sums.strip.start;
-                sums.for_each_value(|i, j, value| {
-                    out[(i - first, j)] = T::from_f64(alpha * value);
-                })?;
-                c
-            }
+            Sums::Exact(sums) => sums.finish(alpha)?,
+            Sums::Extended(sums) => sums.finish(alpha)?,
         };
         if c.rows() == (0..ncols) && uplo != Uplo::Lower {
             mirror_lower(c.as_mut());
@@ -366,6 +403,32 @@ impl<T: BlasReal> Accumulator<T> {
             }
         }
         Ok(c)
+    }
+
+    /// C in extended precision, about the mean when centred.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] when the accumulator is not one of [`Accumulator::extended`], or when the
+    /// weights of a mean sum to zero; [`Error::NonFinite`] for the first column (as index (0, j)) with
+    /// a NaN or an infinity; [`Error::OutOfMemory`].
+    pub fn finish_extended(self) -> Result<ExtendedGram> {
+        match self.sums {
+            Sums::Extended(sums) => sums.parts(),
+            sums => {
+                let why = format!("{} sums have no extended precision", sums.name());
+                Err(Error::Argument { what: "accumulator", why })
+            }
+        }
+    }
+}
+
+impl<T> Sums<T> {
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Float(_) => "floating-point",
+            Self::Exact(_) => "exact",
+            Self::Extended(_) => "extended",
+        }
     }
 }
 

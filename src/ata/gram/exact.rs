@@ -5,22 +5,24 @@ use std::ops::Range;
 
 use faer::MatRef;
 
-use super::grid::{Grid, RowBounds, Shift};
+use super::extended::{About, ExtendedGram};
+use super::grid::{Capacity, Grid, RowBounds, Shift};
 use super::moments::check_weight;
-use super::pass::Pass;
-use super::wide;
+use super::pass::{Pass, Scaling};
+use super::strip::Strip;
+use super::wide::{self, SumInteger};
 use crate::ata::exact::{Columns, Flags, Signs, triangle_len};
 use crate::base::{Error, Par, Real, Result, reserved};
 use crate::blas::BlasReal;
-use crate::kernel::int8::scaled;
+use crate::kernel::int8::{I256, Integer, power_of_two, scaled};
 
 /// Rows that one thread takes at a time.
 const PIECE: usize = 512;
 
 /// `C = sum of w_i x_i x_i^T` of shifted rows, as integers in units of the grid; some rows of the
-/// lower triangle.
+/// lower triangle. In extended precision the integers have 256 bits.
 #[derive(Debug)]
-pub(crate) struct ExactSums<T> {
+pub(crate) struct ExactSums<T, I = i128> {
     pub(super) grid: Grid<T>,
     pub(super) strip: Range<usize>,
     /// Whether the end is to be about the mean.
@@ -32,9 +34,11 @@ pub(crate) struct ExactSums<T> {
     /// Sums of the weighted columns; none without centring.
     pub(super) sums: Vec<i128>,
     /// The rows of the triangle, one after another.
-    pub(super) entries: Vec<i128>,
+    pub(super) entries: Vec<I>,
     /// For each entry which terms are not finite; empty while all are.
     pub(super) flags: Vec<u8>,
+    /// Whether an entry was rounded; in extended precision only.
+    pub(super) rounded: bool,
 }
 
 /// What one thread finds in its rows.
@@ -45,6 +49,10 @@ struct Found {
     beyond: Option<(usize, f64)>,
     /// Whether the columns are finite on both sides; empty if all are.
     finite: [Vec<bool>; 2],
+    /// Whether an entry is not on the grid.
+    rounded: bool,
+    /// Whether all rows times weights are f64.
+    no_tail: bool,
 }
 
 /// The rows that one thread works on at a time.
@@ -53,14 +61,16 @@ struct Piece<'p, T> {
     weights: Option<&'p [T]>,
     /// Where the rows go times their weights; empty without weights.
     weighted: &'p mut [T],
+    /// Where what rounding took from them goes; empty but in extended precision.
+    tail: &'p mut [T],
     found: Found,
 }
 
-impl<T: BlasReal> ExactSums<T> {
+impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
     /// Of no rows.
     pub fn new(bounds: &RowBounds<T>, strip: Range<usize>, shift: Shift<'_, T>) -> Result<Self> {
         let centered = matches!(shift, Shift::Near);
-        Self::on(Grid::new(bounds, shift)?, strip, centered)
+        Self::on(Grid::new(bounds, shift, I::EXTENDED)?, strip, centered)
     }
 
     /// Of no rows, on a grid.
@@ -68,8 +78,8 @@ impl<T: BlasReal> ExactSums<T> {
         let len = triangle_len(strip.end) - triangle_len(strip.start);
         let sums = integers(if centered { grid.ncols() } else { 0 })?;
         let entries = integers(len)?;
-        let flags = Vec::new();
-        Ok(Self { grid, strip, centered, rows: 0, weights: [0; 2], sums, entries, flags })
+        let (weights, flags) = ([0; 2], Vec::new());
+        Ok(Self { grid, strip, centered, rows: 0, weights, sums, entries, flags, rounded: false })
     }
 
     /// Sum of the weights.
@@ -97,7 +107,7 @@ impl<T: BlasReal> ExactSums<T> {
         pass: &mut Pass<'_, T>,
     ) -> Result<()> {
         let n = self.grid.ncols();
-        let slab = self.check(count, weights, subtract)?;
+        let Capacity { slab, moduli, .. } = self.check(count, weights, subtract)?;
         let (options, engine, memory) = pass.parts();
         // Weights were declared: rows without have weight 1.
         let ones;
@@ -109,9 +119,12 @@ impl<T: BlasReal> ExactSums<T> {
             (weights, _) => weights,
         };
         let len = if weights.is_some() { block.len() } else { 0 };
-        memory.reserve(len)?;
-        let weighted = &mut memory.as_mut_slice()[..len];
-        let found = options.on_cores(|| self.prepare(block, weights, weighted, options.par))?;
+        let tail_len = if I::EXTENDED { len } else { 0 };
+        memory.reserve(len + tail_len)?;
+        let (weighted, rest) = memory.as_mut_slice().split_at_mut(len);
+        let tail = &mut rest[..tail_len];
+        let sides = [&mut *weighted, &mut *tail];
+        let found = options.on_cores(|| self.prepare(block, weights, sides, options.par))?;
         let sign = if subtract { -1 } else { 1 };
         if n > 0 {
             if found.finite.iter().any(|finite| !finite.is_empty()) {
@@ -124,20 +137,30 @@ impl<T: BlasReal> ExactSums<T> {
                     *x = T::ZERO;
                 }
             }
-            let powers = [false, true].map(|side| self.grid.powers(side).collect::<Vec<_>>());
-            for first in (0..count).step_by(slab) {
-                let rows = first..count.min(first + slab);
-                let share = |row: usize| row as f64 / count as f64;
-                let progress = options.progress.part(share(rows.start)..share(rows.end));
-                let options = options.clone().progress(progress);
-                let entries = rows.start * n..rows.end * n;
-                let x = MatRef::from_row_major_slice(&block[entries.clone()], rows.len(), n);
-                let y = weights
-                    .map(|_| MatRef::from_row_major_slice(&weighted[entries], rows.len(), n));
-                let sums = (&mut self.entries[..], &self.strip);
-                engine.integers(x, y, &powers, sums, subtract, &options)?;
+            let powers = [false, true].map(|side| self.grid.powers(side).collect());
+            let scaling = Scaling { powers, wide: I::EXTENDED, moduli };
+            // Without weights the right side is the left one.
+            let mut sides: Vec<Option<&[T]>> = vec![weights.map(|_| &*weighted)];
+            if !found.no_tail {
+                sides.push(Some(tail));
+            }
+            let pieces = sides.len() as f64;
+            for (side, right) in sides.into_iter().enumerate() {
+                for first in (0..count).step_by(slab) {
+                    let rows = first..count.min(first + slab);
+                    let share = |row: usize| (side as f64 + row as f64 / count as f64) / pieces;
+                    let progress = options.progress.part(share(rows.start)..share(rows.end));
+                    let options = options.clone().progress(progress);
+                    let entries = rows.start * n..rows.end * n;
+                    let matrix = |side| MatRef::from_row_major_slice(side, rows.len(), n);
+                    let x = matrix(&block[entries.clone()]);
+                    let y = right.map(|right| matrix(&right[entries]));
+                    let sums = (&mut self.entries[..], &self.strip);
+                    engine.integers(x, y, &scaling, sums, subtract, &options)?;
+                }
             }
         }
+        self.rounded |= found.rounded;
         for (sum, part) in self.sums.iter_mut().zip(found.sums) {
             *sum += sign * part;
         }
@@ -153,10 +176,11 @@ impl<T: BlasReal> ExactSums<T> {
         Ok(())
     }
 
-    /// Whether so many rows with these weights can be added or subtracted, and how many at a time.
-    fn check(&self, count: usize, weights: Option<&[T]>, subtract: bool) -> Result<usize> {
+    /// Whether so many rows with these weights can be added or subtracted, and how.
+    fn check(&self, count: usize, weights: Option<&[T]>, subtract: bool) -> Result<Capacity> {
         let refuse = |what, why| Err(Error::Argument { what, why });
-        let (slab, room, column) = self.grid.capacity();
+        let capacity = self.grid.capacity();
+        let Capacity { slab, rows: room, column, .. } = capacity;
         if subtract && self.rows < count as u64 {
             let why = format!("{count} rows can't be removed from {}", self.rows);
             return refuse("block", why);
@@ -169,7 +193,7 @@ impl<T: BlasReal> ExactSums<T> {
             return refuse("bounds", why);
         }
         let bound = match (weights, self.grid.weight) {
-            (None, None) => return Ok(slab),
+            (None, None) => return Ok(capacity),
             (Some(_), None) => {
                 return refuse("weights", "no bound was declared for them".into());
             }
@@ -179,35 +203,44 @@ impl<T: BlasReal> ExactSums<T> {
         let beyond = weights.unwrap_or(&one).iter().find(|w| w.abs() > bound);
         match beyond {
             Some(w) => refuse("weights", format!("{w} is beyond the bound {bound}")),
-            None => Ok(slab),
+            None => Ok(capacity),
         }
     }
 
     /// Checks the bounds of rows, shifts them, multiplies them by their weights, and adds up the
-    /// columns.
+    /// columns. What is multiplied goes to the first of `sides`, what rounding took from it to the
+    /// second.
     fn prepare(
         &self,
         block: &mut [T],
         weights: Option<&[T]>,
-        weighted: &mut [T],
+        [weighted, tail]: [&mut [T]; 2],
         par: Par,
     ) -> Result<Found> {
         let n = self.grid.ncols();
-        let none = |sums| Found { sums, beyond: None, finite: Default::default() };
+        let none = |sums| Found {
+            sums,
+            beyond: None,
+            finite: Default::default(),
+            rounded: false,
+            no_tail: true,
+        };
         if n == 0 {
             return Ok(none(Vec::new()));
         }
         let mut weighted = weighted.chunks_mut(PIECE * n);
+        let mut tail = tail.chunks_mut(PIECE * n);
         let mut weights = weights.map(|w| w.chunks(PIECE));
         let mut pieces: Vec<_> = block
             .chunks_mut(PIECE * n)
             .map(|rows| {
                 let weights = weights.as_mut().and_then(Iterator::next);
                 let weighted = weighted.next().unwrap_or_default();
-                Piece { rows, weights, weighted, found: none(vec![0; self.sums.len()]) }
+                let tail = tail.next().unwrap_or_default();
+                Piece { rows, weights, weighted, tail, found: none(vec![0; self.sums.len()]) }
             })
             .collect();
-        let factors: Vec<_> = (0..self.sums.len()).map(|j| self.grid.factors(j)).collect();
+        let factors = [false, true].map(|side| self.grid.factors(side));
         let arch = pulp::Arch::new();
         par.for_each(pieces.iter_mut(), |_, piece| {
             // Dispatched once, so that the loops inside use the widest registers there are.
@@ -223,6 +256,8 @@ impl<T: BlasReal> ExactSums<T> {
                 let why = format!("{x} in column {j} is beyond its bounds {lower}..={upper}");
                 return Err(Error::Argument { what: "rows", why });
             }
+            all.rounded |= found.rounded;
+            all.no_tail &= found.no_tail;
             for (sum, part) in all.sums.iter_mut().zip(found.sums) {
                 *sum += part;
             }
@@ -237,10 +272,10 @@ impl<T: BlasReal> ExactSums<T> {
     }
 
     #[inline(always)]
-    fn prepare_piece(&self, piece: &mut Piece<'_, T>, factors: &[[f64; 2]]) {
+    fn prepare_piece(&self, piece: &mut Piece<'_, T>, factors: &[Vec<[f64; 2]>; 2]) {
         let Grid { lower, upper, shift, .. } = &self.grid;
         let n = lower.len();
-        let Piece { rows, weights, weighted, found } = piece;
+        let Piece { rows, weights, weighted, tail, found } = piece;
         let infinity = T::from_f64(f64::INFINITY);
         let (mut inside, mut finite) = (true, true);
         for row in rows.chunks_exact(n) {
@@ -263,15 +298,37 @@ impl<T: BlasReal> ExactSums<T> {
             for (x, &shift) in row.iter_mut().zip(shift) {
                 *x -= shift;
             }
-            if let Some(weights) = weights {
-                for (out, &x) in weighted[i * n..].iter_mut().zip(row.iter()) {
-                    *out = weights[i] * x;
+            let Some(weights) = weights else { continue };
+            let weight = weights[i];
+            for (out, &x) in weighted[i * n..].iter_mut().zip(row.iter()) {
+                *out = weight * x;
+            }
+            if I::EXTENDED {
+                let products = weighted[i * n..].iter().zip(row.iter());
+                for (tail, (&product, &x)) in tail[i * n..].iter_mut().zip(products) {
+                    let (weight, x) = (weight.to_f64(), x.to_f64());
+                    let rest = weight.mul_add(x, -product.to_f64());
+                    // The rest of what is not finite is nothing.
+                    *tail = if product.abs() < infinity { T::from_f64(rest) } else { T::ZERO };
+                    found.no_tail &= *tail == T::ZERO;
                 }
             }
         }
+        let mut right: [&[T]; 2] = [if weights.is_some() { weighted } else { rows }, &[]];
+        if !found.no_tail {
+            right[1] = tail;
+        }
         if self.centered {
-            let right = if weights.is_some() { &**weighted } else { &**rows };
-            add_columns(right, factors, &mut found.sums);
+            for side in right {
+                add_columns(side, &factors[1], &mut found.sums);
+            }
+        }
+        // Once is enough.
+        if I::EXTENDED && !self.rounded {
+            found.rounded = is_rounded(rows, &factors[0]);
+            if weights.is_some() {
+                found.rounded |= right.iter().any(|side| is_rounded(side, &factors[1]));
+            }
         }
         if !finite {
             let columns = |side: &[T]| {
@@ -297,7 +354,8 @@ impl<T: BlasReal> ExactSums<T> {
         let n = self.grid.ncols();
         let columns = |finite: &[bool]| {
             let non_finite = (0..n).filter(|&j| finite.get(j) == Some(&false));
-            Columns { exponents: Vec::new(), non_finite: non_finite.collect() }
+            let non_finite = non_finite.collect();
+            Columns { exponents: Vec::new(), non_finite, wide: false }
         };
         let matrix = |rows| MatRef::from_row_major_slice(rows, count, n);
         let left = columns(&found.finite[0]);
@@ -332,8 +390,9 @@ impl<T: BlasReal> ExactSums<T> {
             self.move_to(&grid)?;
             other.move_to(&grid)?;
         }
+        let bits = 8 * size_of::<I>();
         let overflow = |i: usize| {
-            let why = format!("column {i}: the merged sums have more than 128 bits");
+            let why = format!("column {i}: the merged sums have more than {bits} bits");
             Error::Argument { what: "accumulator", why }
         };
         // Nothing is changed before everything is known to fit.
@@ -341,6 +400,7 @@ impl<T: BlasReal> ExactSums<T> {
             own.iter().zip(others).map(|(a, b)| a.checked_add(*b)).collect()
         };
         self.rows += other.rows;
+        self.rounded |= other.rounded;
         for (weight, others) in self.weights.iter_mut().zip(other.weights) {
             *weight += others;
         }
@@ -348,7 +408,7 @@ impl<T: BlasReal> ExactSums<T> {
         let mut at = 0;
         for i in self.strip.clone() {
             for (own, others) in self.entries[at..=at + i].iter_mut().zip(&other.entries[at..]) {
-                *own = own.checked_add(*others).ok_or_else(|| overflow(i))?;
+                *own = own.checked_plus(*others).ok_or_else(|| overflow(i))?;
             }
             at += i + 1;
         }
@@ -388,7 +448,7 @@ impl<T: BlasReal> ExactSums<T> {
         let w = self.weights[0];
         let mut at = 0;
         for (j, sum) in self.sums.iter_mut().enumerate() {
-            match shift_left(*sum, finer[j] + more) {
+            match sum.shifted_left(finer[j] + more) {
                 Some(fine) => *sum = fine,
                 None => return refuse(j, "a sum has more than 128 bits"),
             }
@@ -397,14 +457,14 @@ impl<T: BlasReal> ExactSums<T> {
             let row = &mut self.entries[at..=at + i];
             for (j, c) in row.iter_mut().enumerate() {
                 let moved = || {
-                    let c = shift_left(*c, finer[i] + finer[j] + more)?;
+                    let c = c.shifted_left(finer[i] + finer[j] + more)?;
                     if shifts[i] == 0 && shifts[j] == 0 {
                         return Some(c);
                     }
-                    let left = shifts[i].checked_mul(self.sums[j])?;
-                    let right = shifts[j].checked_mul(self.sums[i])?;
-                    let both = w.checked_mul(shifts[i] >> unit)?.checked_mul(shifts[j])?;
-                    c.checked_add(left)?.checked_add(right)?.checked_add(both)
+                    let left = I::product(shifts[i], self.sums[j])?;
+                    let right = I::product(shifts[j], self.sums[i])?;
+                    let both = I::product(w.checked_mul(shifts[i] >> unit)?, shifts[j])?;
+                    c.checked_plus(left)?.checked_plus(right)?.checked_plus(both)
                 };
                 match moved() {
                     Some(moved) => *c = moved,
@@ -432,10 +492,7 @@ impl<T: BlasReal> ExactSums<T> {
     pub fn for_each_value(&self, mut visit: impl FnMut(usize, usize, f64)) -> Result<()> {
         let centered = self.centered && self.rows > 0;
         if centered {
-            // A damaged file may have made it negative.
-            let size = scaled(self.weights[1].unsigned_abs() as f64, -self.grid.weight_power);
-            let weight = if self.weights[0] == 0 { 0.0 } else { self.weight() };
-            check_weight(self.rows as f64, weight, size)?;
+            self.check_mean()?;
         }
         for i in self.strip.clone() {
             for j in 0..=i {
@@ -452,66 +509,159 @@ impl<T: BlasReal> ExactSums<T> {
         Ok(())
     }
 
+    /// `alpha C`, about the mean when centred.
+    ///
+    /// # Errors
+    /// As [`ExactSums::for_each_value`], and [`Error::OutOfMemory`].
+    pub fn finish(&self, alpha: f64) -> Result<Strip<T>> {
+        let mut c = Strip::new(self.strip.clone())?;
+        let mut out = c.as_mut();
+        self.for_each_value(|i, j, value| {
+            out[(i - self.strip.start, j)] = T::from_f64(alpha * value);
+        })?;
+        Ok(c)
+    }
+
     /// Entry (i, j) in units of the grid, and which of its terms are not finite.
-    pub fn entry(&self, i: usize, j: usize) -> (i128, Flags) {
+    pub fn entry(&self, i: usize, j: usize) -> (I, Flags) {
         let at = triangle_len(i) + j - triangle_len(self.strip.start);
         (self.entries[at], Flags(self.flags.get(at).copied().unwrap_or(0)))
     }
 
     /// The value of `c` as entry (i, j), rounded once.
-    pub fn value(&self, i: usize, j: usize, c: i128, flags: Flags) -> f64 {
-        flags.sum().unwrap_or_else(|| scaled(c as f64, self.grid.exponent(i, j)))
+    pub fn value(&self, i: usize, j: usize, c: I, flags: Flags) -> f64 {
+        flags.sum().unwrap_or_else(|| scaled(c.to_f64(), self.grid.exponent(i, j)))
     }
 
     /// The value of `c` as entry (i, j) about the mean, rounded once.
-    fn centered(&self, c: i128, i: usize, j: usize) -> Result<f64> {
-        let shift = (self.grid.weight_power + self.grid.weight_exponent) as u32;
+    fn centered(&self, c: I, i: usize, j: usize) -> Result<f64> {
         let (sums, exponent) = ([self.sums[i], self.sums[j]], self.grid.exponent(i, j));
-        wide::centered(c, sums, shift, self.weights[0], exponent).ok_or_else(|| {
-            let why = format!("column {i}: the sums have more than 256 bits");
-            Error::Argument { what: "accumulator", why }
-        })
+        let value = c.centered(sums, self.weight_shift(), self.weights[0], exponent);
+        value.ok_or_else(|| too_long(i))
     }
+
+    /// log2 of the units of weights in one of the grid.
+    fn weight_shift(&self) -> u32 {
+        (self.grid.weight_power + self.grid.weight_exponent) as u32
+    }
+
+    /// Checks that there is a mean.
+    fn check_mean(&self) -> Result<()> {
+        // A damaged file may have made it negative.
+        let size = scaled(self.weights[1].unsigned_abs() as f64, -self.grid.weight_power);
+        let weight = if self.weights[0] == 0 { 0.0 } else { self.weight() };
+        check_weight(self.rows as f64, weight, size)
+    }
+}
+
+fn too_long(i: usize) -> Error {
+    let why = format!("column {i}: the sums have more than 256 bits");
+    Error::Argument { what: "accumulator", why }
+}
+
+impl<T: BlasReal> ExactSums<T, I256> {
+    /// All of C in three parts, about the mean when centred.
+    ///
+    /// # Errors
+    /// [`Error::NonFinite`] for the first column that is not finite; [`Error::Argument`] when the
+    /// weights of a mean sum to zero, or are so fine that numbers get too long.
+    pub fn parts(&self) -> Result<ExtendedGram> {
+        let n = self.grid.ncols();
+        if let Some(at) = self.flags.iter().position(|&flags| flags != 0) {
+            let row = (0..n).find(|&i| triangle_len(i + 1) > at).unwrap_or(0);
+            return Err(Error::NonFinite { what: "rows", index: (0, row) });
+        }
+        let centered = self.centered && self.rows > 0;
+        if centered {
+            self.check_mean()?;
+        }
+        let w = self.weights[0];
+        let mean = |j: usize| {
+            let exponent = self.grid.sum_exponent(j) + self.grid.weight_power;
+            let [high, low] = wide::mean_parts(self.sums[j], w, exponent);
+            let shift = self.grid.shift_of(j).to_f64();
+            let sum = shift + high;
+            let part = sum - shift;
+            [sum, (shift - (sum - part)) + (high - part) + low]
+        };
+        let about = About {
+            exact: !self.rounded,
+            rows: self.rows,
+            weight: self.weight(),
+            mean: if centered { (0..n).map(mean).collect() } else { Vec::new() },
+        };
+        let mut refused = None;
+        let gram = ExtendedGram::from_entries(n, about, |i, j| {
+            let (c, exponent) = (self.entry(i, j).0, self.grid.exponent(i, j));
+            if !centered {
+                return c.parts(exponent);
+            }
+            let sums = [self.sums[i], self.sums[j]];
+            let parts = wide::centered_parts(c, sums, self.weight_shift(), w, exponent);
+            parts.unwrap_or_else(|| {
+                refused.get_or_insert(i);
+                [f64::NAN; 3]
+            })
+        })?;
+        match refused {
+            Some(i) => Err(too_long(i)),
+            None => Ok(gram),
+        }
+    }
+}
+
+/// Whether rounding to integers, after a multiplication by these factors, changes an entry.
+#[inline(always)]
+fn is_rounded<T: Real>(rows: &[T], factors: &[[f64; 2]]) -> bool {
+    let mut rounded = false;
+    for row in rows.chunks_exact(factors.len()) {
+        for (&x, [first, second]) in row.iter().zip(factors) {
+            let x = x.to_f64() * first * second;
+            // False for NaN, which is not rounded.
+            rounded |= (x - x.round_ties_even()).abs() > 0.0;
+        }
+    }
+    rounded
 }
 
 /// Adds the integers that the entries of each column become when they are multiplied by these
 /// factors.
 #[inline(always)]
 fn add_columns<T: Real>(rows: &[T], factors: &[[f64; 2]], sums: &mut [i128]) {
-    /// Rows whose sums fit 64 bits: integers have at most 58 (`Grid::capacity`).
+    /// Rows whose sums fit 64 bits.
     const RUN: usize = 16;
+    /// Bits of the lower half of an integer.
+    const HALF: i32 = 40;
     let n = sums.len();
-    let mut part = vec![0_i64; n];
+    let mut parts = vec![[0_i64; 2]; n];
+    let (unit, inverse) = (power_of_two(HALF), power_of_two(-HALF));
     for rows in rows.chunks(RUN * n) {
-        part.fill(0);
+        parts.fill([0; 2]);
         for row in rows.chunks_exact(n) {
-            for ((part, &x), [first, second]) in part.iter_mut().zip(row).zip(factors) {
+            for (([low, high], &x), [first, second]) in parts.iter_mut().zip(row).zip(factors) {
                 // What is not finite counts by its flags.
                 let x = if x.is_finite() { x.to_f64() } else { 0.0 };
-                *part += (x * first * second).round_ties_even() as i64;
+                let x = x * first * second;
+                let upper = (x * inverse).round_ties_even();
+                *low += (x - upper * unit).round_ties_even() as i64;
+                *high += upper as i64;
             }
         }
-        for (sum, &part) in sums.iter_mut().zip(&part) {
-            *sum += i128::from(part);
+        for (sum, &[low, high]) in sums.iter_mut().zip(&parts) {
+            *sum += i128::from(low) + (i128::from(high) << HALF);
         }
     }
 }
 
 /// `len` zeros.
-pub(super) fn integers(len: usize) -> Result<Vec<i128>> {
+pub(super) fn integers<I: Integer>(len: usize) -> Result<Vec<I>> {
     let mut zeros = reserved(len)?;
-    zeros.resize(len, 0);
+    zeros.resize(len, I::default());
     Ok(zeros)
 }
 
-/// `v 2^bits`.
-fn shift_left(v: i128, bits: u32) -> Option<i128> {
-    let fits = v == 0 || v.unsigned_abs().leading_zeros() > bits;
-    fits.then(|| if v == 0 { 0 } else { v << bits })
-}
-
 fn shifted(values: &[i128], bits: u32) -> Option<Vec<i128>> {
-    values.iter().map(|&v| shift_left(v, bits)).collect()
+    values.iter().map(|v| v.shifted_left(bits)).collect()
 }
 
 fn first_non_finite<T: Real>(block: &[T], n: usize) -> Error {

@@ -17,12 +17,13 @@
 //! | check | CRC-32 of the body, u32 |
 //!
 //! Flags: 1 centred, 2 shift given, 4 exact, 8 bound of the weights given, 16 some terms are not
-//! finite.
+//! finite, 32 extended precision (entries of 256 bits), 64 some entries were rounded there.
 //!
 //! Nothing is allocated because a head says so: vectors grow with the bytes that arrive, and C is
 //! allocated, untouched, when the vectors of as many columns have arrived.
 
 use std::io::{self, Read, Write};
+use std::ops::Range;
 
 use crc32fast::Hasher;
 
@@ -32,9 +33,11 @@ use super::float::FloatSums;
 use super::grid::Grid;
 use super::moments::Moments;
 use super::strip::Strip;
+use super::wide::SumInteger;
 use crate::ata::exact::Flags;
 use crate::base::{Error, Real};
 use crate::blas::BlasReal;
+use crate::kernel::int8::I256;
 
 const MAGIC: &[u8; 8] = b"CATAACC\0";
 
@@ -52,7 +55,9 @@ const SHIFTED: u8 = 2;
 const EXACT: u8 = 4;
 const WEIGHTED: u8 = 8;
 const NON_FINITE: u8 = 16;
-const KNOWN: u8 = CENTERED | SHIFTED | EXACT | WEIGHTED | NON_FINITE;
+const EXTENDED: u8 = 32;
+const ROUNDED: u8 = 64;
+const KNOWN: u8 = CENTERED | SHIFTED | EXACT | WEIGHTED | NON_FINITE | EXTENDED | ROUNDED;
 
 /// The scalar of the accumulator whose bytes `source` begins with, `"f32"` or `"f64"`.
 ///
@@ -70,6 +75,17 @@ const KNOWN: u8 = CENTERED | SHIFTED | EXACT | WEIGHTED | NON_FINITE;
 /// another version.
 pub fn scalar_of(source: &mut dyn Read) -> io::Result<&'static str> {
     preamble(&mut Checked::new(source))
+}
+
+fn flag(flag: u8, set: bool) -> u8 {
+    if set { flag } else { 0 }
+}
+
+fn flags_of<T, I>(sums: &ExactSums<T, I>) -> u8 {
+    flag(SHIFTED, !sums.grid.shift.is_empty())
+        | flag(WEIGHTED, sums.grid.weight.is_some())
+        | flag(NON_FINITE, !sums.flags.is_empty())
+        | flag(ROUNDED, sums.rounded)
 }
 
 impl<T: BlasReal> Accumulator<T> {
@@ -101,16 +117,11 @@ impl<T: BlasReal> Accumulator<T> {
             self.block_rows,
         ];
         numbers.iter().for_each(|number| head.extend(number.to_le_bytes()));
-        let flag = |flag: u8, set: bool| if set { flag } else { 0 };
         head.push(
             match &self.sums {
                 Sums::Float(sums) => flag(SHIFTED, !sums.moments.shift.is_empty()),
-                Sums::Exact(sums) => {
-                    EXACT
-                        | flag(SHIFTED, !sums.grid.shift.is_empty())
-                        | flag(WEIGHTED, sums.grid.weight.is_some())
-                        | flag(NON_FINITE, !sums.flags.is_empty())
-                }
+                Sums::Exact(sums) => EXACT | flags_of(sums),
+                Sums::Extended(sums) => EXACT | EXTENDED | flags_of(sums),
             } | flag(CENTERED, self.is_centered()),
         );
         head.extend((self.labels.len() as u32).to_le_bytes());
@@ -134,20 +145,8 @@ impl<T: BlasReal> Accumulator<T> {
                     sink.put_all(sums.c.lower_row(i))?;
                 }
             }
-            Sums::Exact(sums) => {
-                let Grid { lower, upper, shift, powers, weight, weight_exponent, weight_power } =
-                    &sums.grid;
-                for values in [lower, upper, shift] {
-                    sink.put_all(values)?;
-                }
-                sink.put_all(powers)?;
-                sink.put_all(weight.as_slice())?;
-                sink.put_all(&[*weight_exponent, *weight_power])?;
-                for values in [&sums.weights[..], &sums.sums, &sums.entries] {
-                    sink.put_all(values)?;
-                }
-                sink.put(&sums.flags)?;
-            }
+            Sums::Exact(sums) => put_exact(&mut sink, sums)?,
+            Sums::Extended(sums) => put_exact(&mut sink, sums)?,
         }
         sink.put_check()
     }
@@ -198,39 +197,20 @@ impl<T: BlasReal> Accumulator<T> {
         check_strip(&strip, ncols).map_err(|_| invalid("damaged: its strip"))?;
         let triangle = |rows: usize| rows as u128 * (rows as u128 + 1) / 2;
         let len = triangle(end) - triangle(first);
-        let entry = if has(EXACT) { size_of::<i128>() } else { size_of::<T>() };
+        let entry = match (has(EXACT), has(EXTENDED)) {
+            (false, false) => size_of::<T>(),
+            (true, false) => i128::BYTES,
+            (true, true) => I256::BYTES,
+            (false, true) => return Err(invalid("damaged: its head")),
+        };
         if len.saturating_mul(entry as u128) > bytes.into() {
             return Err(invalid("truncated: it ends too early"));
         }
         let n_if = |flag: u8| if has(flag) { ncols } else { 0 };
-        let sums = if has(EXACT) {
-            let grid = Grid {
-                lower: source.get_vec(ncols)?,
-                upper: source.get_vec(ncols)?,
-                shift: source.get_vec(n_if(SHIFTED))?,
-                powers: source.get_vec(ncols)?,
-                weight: source.get_vec(has(WEIGHTED).into())?.pop(),
-                weight_exponent: source.value()?,
-                weight_power: source.value()?,
-            };
-            if !grid.is_sound() {
-                return Err(invalid("damaged: its grid"));
-            }
-            let weights = [source.value()?, source.value()?];
-            let sums = source.get_vec(n_if(CENTERED))?;
-            let mut entries = Vec::new();
-            for i in strip.clone() {
-                source.append(&mut entries, i + 1)?;
-            }
-            let mut flags = vec![];
-            if has(NON_FINITE) {
-                source.append(&mut flags, entries.len())?;
-                if flags.iter().any(|&flags| flags > Flags::MOST) {
-                    return Err(invalid("damaged: what is not finite"));
-                }
-            }
-            let centered = has(CENTERED);
-            Sums::Exact(ExactSums { grid, strip, centered, rows, weights, sums, entries, flags })
+        let sums = if has(EXTENDED) {
+            Sums::Extended(get_exact(&mut source, ncols, strip, flags, rows)?)
+        } else if has(EXACT) {
+            Sums::Exact(get_exact(&mut source, ncols, strip, flags, rows)?)
         } else {
             let (weight, weight_size) = (source.value()?, source.value()?);
             let shift = source.get_vec(n_if(SHIFTED))?;
@@ -249,6 +229,64 @@ impl<T: BlasReal> Accumulator<T> {
         }
         Ok(Self { expected_rows, block_rows, labels, ..Self::of(ncols, sums) })
     }
+}
+
+fn put_exact<T: BlasReal, I: Value>(
+    sink: &mut Checked<&mut dyn Write>,
+    sums: &ExactSums<T, I>,
+) -> io::Result<()> {
+    let Grid { lower, upper, shift, powers, extended: _, weight, weight_exponent, weight_power } =
+        &sums.grid;
+    for values in [lower, upper, shift] {
+        sink.put_all(values)?;
+    }
+    sink.put_all(powers)?;
+    sink.put_all(weight.as_slice())?;
+    sink.put_all(&[*weight_exponent, *weight_power])?;
+    for values in [&sums.weights[..], &sums.sums] {
+        sink.put_all(values)?;
+    }
+    sink.put_all(&sums.entries)?;
+    sink.put(&sums.flags)
+}
+
+fn get_exact<T: BlasReal, I: Value + SumInteger>(
+    source: &mut Checked<&mut dyn Read>,
+    ncols: usize,
+    strip: Range<usize>,
+    flags: u8,
+    rows: u64,
+) -> io::Result<ExactSums<T, I>> {
+    let has = |flag: u8| flags & flag != 0;
+    let n_if = |flag: u8| if has(flag) { ncols } else { 0 };
+    let grid = Grid {
+        lower: source.get_vec(ncols)?,
+        upper: source.get_vec(ncols)?,
+        shift: source.get_vec(n_if(SHIFTED))?,
+        powers: source.get_vec(ncols)?,
+        extended: I::EXTENDED,
+        weight: source.get_vec(has(WEIGHTED).into())?.pop(),
+        weight_exponent: source.value()?,
+        weight_power: source.value()?,
+    };
+    if !grid.is_sound() {
+        return Err(invalid("damaged: its grid"));
+    }
+    let weights = [source.value()?, source.value()?];
+    let sums = source.get_vec(n_if(CENTERED))?;
+    let mut entries = Vec::new();
+    for i in strip.clone() {
+        source.append(&mut entries, i + 1)?;
+    }
+    let mut flags = vec![];
+    if has(NON_FINITE) {
+        source.append(&mut flags, entries.len())?;
+        if flags.iter().any(|&flags| flags > Flags::MOST) {
+            return Err(invalid("damaged: what is not finite"));
+        }
+    }
+    let (centered, rounded) = (has(CENTERED), has(ROUNDED));
+    Ok(ExactSums { grid, strip, centered, rows, weights, sums, entries, flags, rounded })
 }
 
 fn no_memory(e: Error) -> io::Error {
@@ -275,7 +313,19 @@ macro_rules! values {
         })*
     };
 }
-values!(u8 i32 i128);
+values!(u8 i32 i128 u128);
+
+impl Value for I256 {
+    fn put(self, bytes: &mut Vec<u8>) {
+        bytes.extend(self.low.to_le_bytes());
+        bytes.extend(self.high.to_le_bytes());
+    }
+
+    fn get(bytes: &[u8]) -> Self {
+        let (low, high) = bytes.split_at(u128::BYTES);
+        Self { high: i128::get(high), low: u128::get(low) }
+    }
+}
 
 impl<T: Real> Value for T {
     fn put(self, bytes: &mut Vec<u8>) {
@@ -381,7 +431,7 @@ impl<S: Read> Checked<S> {
     }
 
     fn value<V: Value>(&mut self) -> io::Result<V> {
-        let mut bytes = [0; 16];
+        let mut bytes = [0; I256::BYTES];
         self.get(&mut bytes[..V::BYTES])?;
         Ok(V::get(&bytes[..V::BYTES]))
     }

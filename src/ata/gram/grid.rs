@@ -4,7 +4,7 @@ use super::blocks::for_each_block;
 use super::source::RowBlocks;
 use crate::ata::options::AtaOptions;
 use crate::base::{Error, Par, Real, Result, zeros};
-use crate::kernel::int8::{Moduli, power_of_two, scaled};
+use crate::kernel::int8::{IntegerModuli, WIDE_BITS, power_of_two, scaled};
 
 /// Bits of the integers that entries become, at most: as few as an f64 shifted near its column
 /// needs (see [`Grid::new`]), so that 2^26 rows fit in 128 bits and 2^16 in the residues.
@@ -20,6 +20,12 @@ pub(super) const fn moduli<T>() -> usize {
 
 /// Bits of a sum.
 const SUM_BITS: i32 = 126;
+
+/// Bits of a sum in extended precision.
+const EXTENDED_SUM_BITS: i32 = 250;
+
+/// log2 of the rows that are multiplied at a time in extended precision, at least.
+const EXTENDED_SLAB_BITS: i32 = 14;
 
 /// A column is shifted to within this many bits of its largest entry and no further: its unit is
 /// then below the last bit of an f64, and grids of several files stay near each other.
@@ -49,6 +55,9 @@ const ZEROS: i32 = i32::MIN;
 pub struct RowBounds<T> {
     lower: Vec<T>,
     upper: Vec<T>,
+    /// Powers of two, or less, that all entries of a column are multiples of; infinite for zeros, and
+    /// 0 where nothing is known.
+    units: Vec<f64>,
     weight: Option<T>,
     rows: u64,
 }
@@ -71,7 +80,8 @@ impl<T: Real> RowBounds<T> {
                 return Err(Error::Argument { what: "bounds", why });
             }
         }
-        Ok(Self { lower, upper, weight: None, rows })
+        let units = zeros(lower.len())?;
+        Ok(Self { lower, upper, units, weight: None, rows })
     }
 
     /// Rows have weights of at most this absolute value.
@@ -91,7 +101,9 @@ impl<T: Real> RowBounds<T> {
         let (mut lower, mut upper) = (zeros::<T>(n)?, zeros::<T>(n)?);
         lower.fill(T::from_f64(f64::INFINITY));
         upper.fill(T::from_f64(f64::NEG_INFINITY));
-        Ok(Self { lower, upper, weight: None, rows: 0 })
+        let mut units = zeros::<f64>(n)?;
+        units.fill(f64::INFINITY);
+        Ok(Self { lower, upper, units, weight: None, rows: 0 })
     }
 
     /// Reads all rows once, in blocks of `block_rows`, and takes the bounds of the finite entries,
@@ -128,29 +140,26 @@ impl<T: Real> RowBounds<T> {
         /// Entries that one thread looks at at a time.
         const PIECE: usize = 1 << 18;
         let rows = (PIECE / n).max(1);
+        let arch = pulp::Arch::new();
         let pieces = par.map_blocks(block.len() / n, rows, |rows| {
-            let infinity = T::from_f64(f64::INFINITY);
-            let (mut lower, mut upper) = (vec![infinity; n], vec![-infinity; n]);
-            for row in block[rows.start * n..rows.end * n].chunks_exact(n) {
-                for (j, &x) in row.iter().enumerate() {
-                    // False for NaN.
-                    let finite = x.abs() < infinity;
-                    lower[j] = if finite && x < lower[j] { x } else { lower[j] };
-                    upper[j] = if finite && x > upper[j] { x } else { upper[j] };
-                }
-            }
-            (lower, upper)
+            let block = &block[rows.start * n..rows.end * n];
+            // Dispatched once, so that the loops inside use the widest registers there are.
+            arch.dispatch(
+                #[inline(always)]
+                || bounds_of(block, n),
+            )
         });
-        for (lower, upper) in &pieces {
-            self.hull(lower, upper);
+        for (lower, upper, units) in &pieces {
+            self.hull(lower, upper, units);
         }
     }
 
     /// The smallest bounds that contain both.
-    fn hull(&mut self, lower: &[T], upper: &[T]) {
+    fn hull(&mut self, lower: &[T], upper: &[T], units: &[f64]) {
         for j in 0..self.lower.len() {
             self.lower[j] = if lower[j] < self.lower[j] { lower[j] } else { self.lower[j] };
             self.upper[j] = if upper[j] > self.upper[j] { upper[j] } else { self.upper[j] };
+            self.units[j] = self.units[j].min(units[j]);
         }
     }
 
@@ -170,7 +179,7 @@ impl<T: Real> RowBounds<T> {
             (None, None) => None,
             _ => return refuse("only one of the two has weights"),
         };
-        self.hull(&other.lower, &other.upper);
+        self.hull(&other.lower, &other.upper, &other.units);
         self.rows = self.rows.saturating_add(other.rows);
         Ok(())
     }
@@ -200,11 +209,50 @@ impl<T: Real> RowBounds<T> {
         self.weight
     }
 
+    /// What all entries of a column are multiples of (see the field).
+    #[cfg(feature = "mpi")]
+    pub(crate) fn units(&self) -> &[f64] {
+        &self.units
+    }
+
     /// From parts that other ranks have sent.
     #[cfg(feature = "mpi")]
-    pub(crate) fn from_parts(lower: Vec<T>, upper: Vec<T>, weight: Option<T>, rows: u64) -> Self {
-        Self { lower, upper, weight, rows }
+    pub(crate) fn from_parts(
+        [lower, upper]: [Vec<T>; 2],
+        units: Vec<f64>,
+        weight: Option<T>,
+        rows: u64,
+    ) -> Self {
+        Self { lower, upper, units, weight, rows }
     }
+}
+
+/// Bounds and units of the finite entries of rows of `n` columns.
+#[inline(always)]
+fn bounds_of<T: Real>(block: &[T], n: usize) -> (Vec<T>, Vec<T>, Vec<f64>) {
+    let infinity = T::from_f64(f64::INFINITY);
+    let (mut lower, mut upper) = (vec![infinity; n], vec![-infinity; n]);
+    let mut units = vec![f64::INFINITY; n];
+    for row in block.chunks_exact(n) {
+        for (((&x, lower), upper), unit) in
+            row.iter().zip(&mut lower).zip(&mut upper).zip(&mut units)
+        {
+            // False for NaN.
+            let finite = x.abs() < infinity;
+            *lower = if finite && x < *lower { x } else { *lower };
+            *upper = if finite && x > *upper { x } else { *upper };
+            let own = lowest_bit(x.to_f64());
+            *unit = if finite && own > 0.0 && own < *unit { own } else { *unit };
+        }
+    }
+    (lower, upper, units)
+}
+
+/// The value of the last one bit of a finite number, or half of it for a power of two; 0 for 0.
+#[inline(always)]
+fn lowest_bit(x: f64) -> f64 {
+    let bits = x.to_bits();
+    (x - f64::from_bits(bits & bits.wrapping_sub(1))).abs()
 }
 
 /// What every entry is shifted by and rounded to. A row x with weight w becomes the integers
@@ -220,6 +268,8 @@ pub(super) struct Grid<T> {
     pub shift: Vec<T>,
     /// p; [`ZEROS`] for a column of zeros.
     pub powers: Vec<i32>,
+    /// Whether the integers are wide, and their sums have 256 bits.
+    pub extended: bool,
     /// Bound of the weights; none without weights.
     pub weight: Option<T>,
     /// e: no weight is above 2^e; 0 without weights.
@@ -247,11 +297,14 @@ impl<T: Real> Grid<T> {
     ///
     /// # Errors
     /// [`Error::Argument`] when rows, or rows times weights, are too large or too many.
-    pub fn new(bounds: &RowBounds<T>, shift: Shift<'_, T>) -> Result<Self> {
+    pub fn new(bounds: &RowBounds<T>, shift: Shift<'_, T>, extended: bool) -> Result<Self> {
         let n = bounds.ncols();
         let rows = bounds.rows.max(1);
         let rows_bits = (u64::BITS - (rows - 1).leading_zeros()) as i32;
-        let bits = most_bits::<T>().min((SUM_BITS - rows_bits) / 2);
+        let bits = match extended {
+            true => WIDE_BITS,
+            false => most_bits::<T>().min((SUM_BITS - rows_bits) / 2),
+        };
         let mut grid = Self {
             lower: zeros(n)?,
             upper: zeros(n)?,
@@ -261,13 +314,14 @@ impl<T: Real> Grid<T> {
                 Shift::Given(shift) => shift.to_vec(),
             },
             powers: vec![ZEROS; n],
+            extended,
             weight: bounds.weight,
             weight_exponent: 0,
             weight_power: 0,
         };
         if let Some(weight) = bounds.weight {
             // Below the limit columns may be subnormal too.
-            let least = if size_of::<T>() == 8 { -850 } else { -76 };
+            let least = if size_of::<T>() == 8 { -800 } else { -76 };
             grid.weight_exponent = exponent(weight.to_f64()).max(least);
             grid.weight_power = bits - 1 - grid.weight_exponent;
         }
@@ -299,6 +353,17 @@ impl<T: Real> Grid<T> {
                 return Err(Error::Argument { what: "bounds", why });
             }
             grid.powers[j] = bits - exponent;
+            // Nothing is rounded on a coarser grid that all entries are on.
+            let unit = bounds.units[j];
+            if extended && grid.weight.is_none() && unit > 0.0 && unit.is_finite() {
+                // The shift may be half of an odd multiple.
+                let own = 1 - self::exponent(unit);
+                let of_shift = match grid.shift_of(j).to_f64() {
+                    0.0 => own,
+                    shift => 1 - self::exponent(lowest_bit(shift)),
+                };
+                grid.powers[j] = grid.powers[j].min(own.max(of_shift));
+            }
         }
         Ok(grid)
     }
@@ -318,7 +383,7 @@ impl<T: Real> Grid<T> {
             && self.weight.is_none_or(|w| w.is_finite() && w >= T::ZERO)
             && (-860..=1024).contains(&self.weight_exponent)
             && (-1100..=1000).contains(&self.weight_power)
-            && (0..=64).contains(&(self.weight_exponent + self.weight_power))
+            && (0..=WIDE_BITS).contains(&(self.weight_exponent + self.weight_power))
             && self.powers(true).all(|p| (-2000..=2000).contains(&p))
     }
 
@@ -347,15 +412,26 @@ impl<T: Real> Grid<T> {
         }
     }
 
-    /// Rows whose product stays below P/2, the number of rows that sums have room for, and the
-    /// column that decides.
-    pub fn capacity(&self) -> (usize, u64, usize) {
-        let largest = (0..self.ncols()).max_by_key(|&j| self.bits(j)).unwrap_or(0);
-        let bits = if self.ncols() == 0 { 0 } else { 2 * self.bits(largest) };
-        let norm = Moduli::new(moduli::<T>()).largest_norm;
-        let product = (norm * norm).log2().floor() as i32;
+    /// How many rows there is room for.
+    pub fn capacity(&self) -> Capacity {
+        let column = (0..self.ncols()).max_by_key(|&j| self.bits(j)).unwrap_or(0);
+        let bits = if self.ncols() == 0 { 0 } else { self.bits(column) };
         let rows = |room: i32| if room < 0 { 0 } else { 1_u64 << room.min(62) };
-        (rows((product - bits).min(30)) as usize, rows(SUM_BITS - bits), largest)
+        let (moduli, sum_bits) = match self.extended {
+            // Larger integers than conversion takes have no moduli.
+            true if bits > WIDE_BITS => (None, EXTENDED_SUM_BITS),
+            true => {
+                (IntegerModuli::count_for(2 * bits + EXTENDED_SLAB_BITS), EXTENDED_SUM_BITS)
+            }
+            false => (Some(moduli::<T>()), SUM_BITS),
+        };
+        let room = |count| (IntegerModuli::bits(count) - 1.01).floor() as i32 - 2 * bits;
+        Capacity {
+            moduli: moduli.unwrap_or(2),
+            slab: moduli.map_or(0, |count| rows(room(count).min(30)) as usize),
+            rows: rows(sum_bits - 2 * bits),
+            column,
+        }
     }
 
     /// The power that columns are multiplied by on the left side, or with their weights on the
@@ -365,16 +441,14 @@ impl<T: Real> Grid<T> {
         self.powers.iter().map(move |&power| if power == ZEROS { 0 } else { power - less })
     }
 
-    /// What entries of column j are multiplied by before they are rounded on the right side, in two
-    /// factors.
-    pub fn factors(&self, j: usize) -> [f64; 2] {
-        match self.powers[j] {
+    /// What entries are multiplied by before they are rounded, on the left or the right side
+    /// (`weighted`), in two factors for each column.
+    pub fn factors(&self, weighted: bool) -> Vec<[f64; 2]> {
+        let factors = |(j, power): (usize, i32)| match self.powers[j] {
             ZEROS => [0.0; 2],
-            power => {
-                let power = power - self.weight_exponent;
-                [power >> 1, power - (power >> 1)].map(power_of_two)
-            }
-        }
+            _ => [power >> 1, power - (power >> 1)].map(power_of_two),
+        };
+        self.powers(weighted).enumerate().map(factors).collect()
     }
 
     /// The integer that a weight becomes.
@@ -449,6 +523,18 @@ impl<T: Real> Grid<T> {
         };
         Some(units(own)? - units(others)?)
     }
+}
+
+/// What sums on a grid have room for.
+pub(super) struct Capacity {
+    /// Moduli of a product.
+    pub moduli: usize,
+    /// Rows whose product can be told from its residues.
+    pub slab: usize,
+    /// Rows whose sums fit.
+    pub rows: u64,
+    /// The column that decides.
+    pub column: usize,
 }
 
 /// The least e with `x <= 2^e`, for x >= 0; that of the least number for 0.

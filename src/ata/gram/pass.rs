@@ -11,10 +11,9 @@ use crate::ata::plan::{Op, Plan};
 use crate::ata::{Product, execute, scratch_len};
 use crate::base::{Progress, Result, Scratch, Workspace};
 use crate::blas::BlasReal;
-use crate::kernel::int8::{Isa, Kernel};
+use crate::kernel::int8::{Integer, Isa, Kernel};
 
 use super::blocks::for_each_block;
-use super::grid::moduli;
 use super::source::RowBlocks;
 
 /// The share of a pass for bounds among two passes, as progress counts.
@@ -53,6 +52,17 @@ pub(crate) struct Pass<'o, T> {
     /// Rows times weights.
     pub weighted: Workspace<T>,
     pub engine: Engine,
+}
+
+/// How columns become integers, and what these are multiplied modulo.
+pub(crate) struct Scaling {
+    /// Column j of the left side is multiplied by `2^powers[0][j]`, of the right side by
+    /// `2^powers[1][j]`.
+    pub powers: [Vec<i32>; 2],
+    /// Whether the integers may be as large as `2^WIDE_BITS`.
+    pub wide: bool,
+    /// Number of moduli.
+    pub moduli: usize,
 }
 
 /// What multiplies.
@@ -112,21 +122,22 @@ impl Engine {
     }
 
     /// Adds the integers of `X^T Y`, Y the weighted rows or X, to the rows `strip` of the triangle
-    /// `sums`, or subtracts them. Column j of X is multiplied by `2^powers[0][j]`, of Y by
-    /// `2^powers[1][j]`.
-    pub fn integers<T: BlasReal>(
+    /// `sums`, or subtracts them. Columns are multiplied as `scaling` says.
+    pub fn integers<T: BlasReal, I: Integer>(
         &mut self,
         x: MatRef<'_, T>,
         y: Option<MatRef<'_, T>>,
-        powers: &[Vec<i32>; 2],
-        (sums, strip): (&mut [i128], &Range<usize>),
+        scaling: &Scaling,
+        (sums, strip): (&mut [I], &Range<usize>),
         subtract: bool,
         options: &AtaOptions<'_>,
     ) -> Result<()> {
         let sums = &TriangleRows::new(sums, strip.start);
         let of = |m, powers: &[i32], columns: &Range<usize>| {
-            (part(m, columns), Columns::given(powers[columns.clone()].iter().copied()))
+            let powers = powers[columns.clone()].iter().copied();
+            (part(m, columns), Columns::given(powers, scaling.wide))
         };
+        let (powers, moduli) = (&scaling.powers, scaling.moduli);
         let (rest, right) = (0..strip.start, y.unwrap_or(x));
         let left = &of(x, &powers[0], strip);
         let share = strip.start as f64 / (strip.start as f64 + strip.len() as f64 / 2.0);
@@ -134,42 +145,34 @@ impl Engine {
             let right = &of(right, &powers[1], &rest);
             let options = options.clone().progress(options.progress.part(0.0..share));
             let corner = (strip.start, 0);
-            self.add_integers([left, right], false, false, sums, corner, subtract, &options)?;
+            self.add_integers([left, right], moduli, [false; 2], sums, corner, subtract, &options)?;
         }
         let square = &of(right, &powers[1], strip);
         let square = if y.is_none() { left } else { square };
         let options = options.clone().progress(options.progress.part(share..1.0));
         let corner = (strip.start, strip.start);
-        self.add_integers([left, square], true, y.is_none(), sums, corner, subtract, &options)
+        let kind = [true, y.is_none()];
+        self.add_integers([left, square], moduli, kind, sums, corner, subtract, &options)
     }
 
-    fn add_integers<T: BlasReal>(
+    fn add_integers<T: BlasReal, I: Integer>(
         &mut self,
         [left, right]: [&(MatRef<'_, T>, Columns); 2],
-        symmetric: bool,
-        same: bool,
-        sums: &TriangleRows<'_>,
+        moduli: usize,
+        [symmetric, same]: [bool; 2],
+        sums: &TriangleRows<'_, I>,
         corner: (usize, usize),
         subtract: bool,
         options: &AtaOptions<'_>,
     ) -> Result<()> {
         let extents = [left.0.nrows(), left.0.ncols(), right.0.ncols()];
-        let layout = integer_layout::<T>(extents, symmetric, same);
+        let layout = Layout::new(extents, size_of::<T>(), moduli, symmetric, same);
         let len = exact::scratch_len::<T>(extents, &layout, options.par.threads());
         self.scratch.reserve::<T>(len)?;
         let scratch = self.scratch.as_mut_slice();
         let operands = [(left.0, &left.1), (right.0, &right.1)];
         exact::accumulate(self.kernel, &layout, operands, sums, corner, subtract, options, scratch)
     }
-}
-
-/// How exact sums divide the product of a block.
-pub(super) fn integer_layout<T: BlasReal>(
-    extents: [usize; 3],
-    symmetric: bool,
-    same: bool,
-) -> Layout {
-    Layout::new(extents, size_of::<T>(), moduli::<T>(), symmetric, same)
 }
 
 /// Some columns of a matrix.

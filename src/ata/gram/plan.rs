@@ -2,8 +2,8 @@ use std::fmt;
 use std::ops::Range;
 
 use super::blocks::block_rows;
-use super::pass::integer_layout;
-use crate::ata::exact::{self, triangle_len};
+use super::grid::moduli;
+use crate::ata::exact::{self, Layout, triangle_len};
 use crate::ata::options::AtaOptions;
 use crate::ata::plan::{Op, Plan};
 use crate::ata::scratch_len;
@@ -67,8 +67,9 @@ impl StreamPlan {
             if exact {
                 let len = |k: usize, symmetric: bool| {
                     let same = symmetric && !weighted;
-                    let layout = integer_layout::<T>([height, own, k], symmetric, same);
-                    exact::scratch_len::<T>([height, own, k], &layout, options.par.threads())
+                    let (extents, entry) = ([height, own, k], size_of::<T>());
+                    let layout = Layout::new(extents, entry, moduli::<T>(), symmetric, same);
+                    exact::scratch_len::<T>(extents, &layout, options.par.threads())
                 };
                 return Ok(len(own, true).max(len(strip.start, false)));
             }

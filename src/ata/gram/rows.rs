@@ -176,7 +176,7 @@ fn exact_rows<T: BlasReal>(
     };
     let [first, rest] = [0.0..FIRST_PASS, FIRST_PASS..1.0].map(|part| options.progress.part(part));
     let bounds = RowBounds::of(rows, weights, height, &options.clone().progress(first))?;
-    let mut sums = ExactSums::new(&bounds, 0..rows.ncols(), shift)?;
+    let mut sums: ExactSums<T> = ExactSums::new(&bounds, 0..rows.ncols(), shift)?;
     let options = options.clone().progress(rest);
     for_each_block_of(rows, weights, height, 0, &options, |count, block, weights, pass| {
         sums.add(count, block, weights, false, pass)

@@ -4,6 +4,7 @@
 use faer::Mat;
 
 use super::accumulator::Sums;
+use super::grid::Capacity;
 use super::pass::Pass;
 use super::*;
 use crate::ata::options::{AtaOptions, Uplo};
@@ -61,7 +62,7 @@ impl<T: BlasReal> Rows<T> {
             Sums::Exact(sums) => {
                 sums.add(rows.len(), &mut x, weights.as_deref(), subtract, &mut pass)
             }
-            Sums::Float(_) => unreachable!("only exact ones are made here"),
+            _ => unreachable!("only exact ones are made here"),
         }
     }
 
@@ -340,7 +341,7 @@ fn the_largest_integers_overflow_neither_residues_nor_sums() {
     let bounds = RowBounds::new(vec![-1.0; 2], vec![1.0; 2], 1 << 40).unwrap();
     let narrow = Accumulator::<f64>::exact(&bounds, false).unwrap();
     let Sums::Exact(sums) = &narrow.sums else { unreachable!() };
-    let (slab, room, _) = sums.grid.capacity();
+    let Capacity { slab, rows: room, .. } = sums.grid.capacity();
     assert!(slab >= 1 << 16 && room >= 1 << 40, "{slab} {room}");
 }
 

@@ -1,6 +1,84 @@
 //! Quotients of integers of 256 bits, rounded once.
 
-use crate::kernel::int8::scaled;
+use crate::kernel::int8::{I256, Integer, scaled};
+
+/// An integer that exact sums are kept in.
+pub(crate) trait SumInteger: Integer {
+    /// Whether it is that of extended precision.
+    const EXTENDED: bool;
+
+    /// `(self - a b 2^shift / w) 2^exponent`, rounded once; `None` when a number on the way has more
+    /// than 256 bits. `w` is not zero.
+    fn centered(self, sums: [i128; 2], shift: u32, w: i128, exponent: i32) -> Option<f64>;
+}
+
+impl SumInteger for i128 {
+    const EXTENDED: bool = false;
+
+    fn centered(self, sums: [i128; 2], shift: u32, w: i128, exponent: i32) -> Option<f64> {
+        centered(self, sums, shift, w, exponent)
+    }
+}
+
+impl SumInteger for I256 {
+    const EXTENDED: bool = true;
+
+    fn centered(self, sums: [i128; 2], shift: u32, w: i128, exponent: i32) -> Option<f64> {
+        centered_parts(self, sums, shift, w, exponent).map(|parts| parts[0])
+    }
+}
+
+/// `(c - a b 2^shift / w) 2^exponent` as a sum of three f64; `None` when an integer on the way has
+/// more than 255 bits. `w` is not zero.
+pub(super) fn centered_parts(
+    c: I256,
+    [a, b]: [i128; 2],
+    shift: u32,
+    w: i128,
+    exponent: i32,
+) -> Option<[f64; 3]> {
+    /// Bits below the unit of c that are enough for three f64.
+    const MORE: u32 = 120;
+    let (n, d) = (Wide::product(a.unsigned_abs(), b.unsigned_abs()), w.unsigned_abs());
+    // The quotient and c are taken to as many more bits as there is room for.
+    let bits = 256 - n.leading_zeros() + shift + d.leading_zeros() + 1 - u128::BITS;
+    let room = c.magnitude().leading_zeros().min(256_u32.checked_sub(bits)?);
+    let more = room.checked_sub(2)?.min(MORE);
+    let quotient = divided(n, shift + more, d);
+    let quotient = I256 { high: quotient.high as i128, low: quotient.low };
+    let negative = [a, b, w].iter().filter(|&&x| x < 0).count() % 2 == 1;
+    let quotient = if negative { quotient.negated() } else { quotient };
+    let value = c.shifted_left(more)?.checked_plus(quotient.negated())?;
+    Some(value.parts(exponent - more as i32))
+}
+
+/// `a / w 2^exponent` as a sum of two f64; `w` is not zero.
+pub(super) fn mean_parts(a: i128, w: i128, exponent: i32) -> [f64; 2] {
+    let [high, low, _] = centered_parts(I256::default(), [a, 1], 0, w, exponent)
+        .expect("a quotient is no longer than its dividend");
+    [-high, -low]
+}
+
+/// The integer below `n 2^shift / d`, which has at most 256 bits. `d` is not zero.
+fn divided(n: Wide, shift: u32, d: u128) -> Wide {
+    let mut rest = 0_u128;
+    let mut quotient = Wide { high: 0, low: 0 };
+    for i in (0..256 - n.leading_zeros() + shift).rev() {
+        let bit = match i.checked_sub(shift) {
+            None => 0,
+            Some(i @ 128..) => n.high >> (i - 128) & 1,
+            Some(i) => n.low >> i & 1,
+        };
+        let carry = rest >> 127 != 0;
+        rest = rest << 1 | bit;
+        quotient = quotient.shifted(1);
+        if carry || rest >= d {
+            rest = rest.wrapping_sub(d);
+            quotient.low |= 1;
+        }
+    }
+    quotient
+}
 
 /// An integer below 2^256.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -163,5 +241,44 @@ mod tests {
         let c = (1_i128 << 113) + (1 << 60) + 1;
         assert_eq!(centered(c, [0, 0], 0, 1, -60), Some(2f64.powi(53) + 2.0));
         assert_eq!(centered(c - 1, [0, 0], 0, 1, -60), Some(2f64.powi(53)));
+    }
+
+    #[test]
+    fn extended_quotients_are_those_of_short_ones_with_more_bits() {
+        let mut rng = Rng::new(2);
+        let mut number = |bits: u32| {
+            let size = (rng.uniform() * f64::from(bits).exp2()) as i128;
+            if rng.uniform() < 0.5 { -size } else { size }
+        };
+        for _ in 0..20_000 {
+            let (c, a, b) = (number(60), number(50), number(50));
+            let w = number(40) * 2 + 1;
+            let wide = I256 { high: c >> 127, low: c as u128 };
+            let parts = centered_parts(wide, [a, b], 3, w, 0).unwrap();
+            assert_eq!(Some(parts[0]), centered(c, [a, b], 3, w, 0), "{c} - {a} {b} 8 / {w}");
+            // w times the parts is the numerator; of the last two parts, as fractions of 2^70.
+            let n = c * w - ((a * b) << 3);
+            let unit = 70.0_f64.exp2();
+            let product = |x: f64| I256::product((x * unit) as i128, w).unwrap();
+            let sum = parts.map(product).into_iter().reduce(I256::plus).unwrap();
+            let n = I256 { high: n >> 127, low: n as u128 }.shifted_left(70).unwrap();
+            let error = sum.plus(n.negated()).to_f64();
+            assert!(error.abs() <= 4.0 * w as f64, "{error}");
+        }
+    }
+
+    #[test]
+    fn extended_quotients_of_long_numbers_have_all_their_bits() {
+        // (3 2^120 2^100 - 2^100 2^100 / 2^100) with the shift: 3 2^220 - 2^170.
+        let c = I256::product(3 << 120, 1 << 100).unwrap();
+        let found = centered_parts(c, [1 << 100, 1 << 100], 70, 1 << 100, 0).unwrap();
+        assert_eq!(found, [3.0 * 2f64.powi(220), -(2f64.powi(170)), 0.0]);
+        let third = centered_parts(I256::default(), [1, 1], 0, -3, 5).unwrap();
+        assert_eq!(third[0], 32.0 / 3.0);
+        // 3 (head + tail) is 32, to the last bit of the tail.
+        let rest = third[0].mul_add(-3.0, 32.0);
+        assert_eq!(third[1], rest / 3.0);
+        assert_eq!(centered_parts(c, [i128::MAX, i128::MAX], 10, 1, 0), None);
+        assert_eq!(mean_parts(-7, 2, 1), [-7.0, 0.0]);
     }
 }

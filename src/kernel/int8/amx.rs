@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 use super::avx512::{Reduction, Sums, Vnni};
 use super::kernel::{Kernel, Operands, Session};
-use super::moduli::Moduli;
+use super::moduli::{Moduli, Modulus};
 use super::tile::{Block, DEPTH, Powers, Quarter, Residues, Slice, Tile, TileNorms, WIDTH};
 
 /// Exists only where AMX works: what makes the assembly below sound.
@@ -106,18 +106,29 @@ impl Kernel for Amx {
         &self,
         tile: &Tile<f64>,
         powers: &Powers<f64>,
-        moduli: &Moduli,
+        moduli: &[Modulus],
         out: &mut [&mut Residues],
         far: bool,
     ) {
         self.others.convert_f64(tile, powers, moduli, out, far);
     }
 
+    fn convert_wide(
+        &self,
+        tile: &Tile<f64>,
+        powers: &Powers<f64>,
+        moduli: &[Modulus],
+        out: &mut [&mut Residues],
+        far: bool,
+    ) {
+        self.others.convert_wide(tile, powers, moduli, out, far);
+    }
+
     fn convert_f32(
         &self,
         tile: &Tile<f32>,
         powers: &Powers<f32>,
-        moduli: &Moduli,
+        moduli: &[Modulus],
         out: &mut [&mut Residues],
         far: bool,
     ) {

@@ -4,9 +4,10 @@
 use std::arch::x86_64::*;
 
 use super::kernel::{Kernel, Operands, product_by_pairs};
-use super::moduli::{Moduli, Modulus};
+use super::moduli::{Moduli, Modulus, WORD_BITS};
 use super::tile::{
-    Block, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH, tile_norms,
+    Block, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH, power_of_two,
+    tile_norms,
 };
 use super::{portable, recombine};
 
@@ -48,7 +49,7 @@ impl Kernel for Avx2 {
         &self,
         tile: &Tile<f64>,
         powers: &Powers<f64>,
-        moduli: &Moduli,
+        moduli: &[Modulus],
         out: &mut [&mut Residues],
         _far: bool,
     ) {
@@ -60,12 +61,24 @@ impl Kernel for Avx2 {
         &self,
         tile: &Tile<f32>,
         powers: &Powers<f32>,
-        moduli: &Moduli,
+        moduli: &[Modulus],
         out: &mut [&mut Residues],
         _far: bool,
     ) {
         // SAFETY: `self` exists, so the CPU has the instructions.
         unsafe { convert_f32(tile, powers, moduli, out) }
+    }
+
+    fn convert_wide(
+        &self,
+        tile: &Tile<f64>,
+        powers: &Powers<f64>,
+        moduli: &[Modulus],
+        out: &mut [&mut Residues],
+        _far: bool,
+    ) {
+        // SAFETY: `self` exists, so the CPU has the instructions.
+        unsafe { convert_wide(tile, powers, moduli, out) }
     }
 
     fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]) {
@@ -153,9 +166,45 @@ fn store(rows: [__m256i; 4], out: &mut Residues, r: usize, half: usize) {
 
 /// As [`Kernel::convert_f64`].
 #[target_feature(enable = "avx2,fma")]
-fn convert_f64(tile: &Tile<f64>, powers: &Powers<f64>, moduli: &Moduli, out: &mut [&mut Residues]) {
-    // Low and high dwords of the integers, those of eight columns at a time.
-    let mut dwords = [[[digits(_mm256_setzero_si256()); 2]; 2]; STEP];
+fn convert_f64(tile: &Tile<f64>, powers: &Powers<f64>, moduli: &[Modulus], out: &mut [&mut Residues]) {
+    let dwords = all_dwords(tile, powers, |values| split(values));
+    residues(&dwords, moduli, |m| (m.start_64, [&m.weights[..4], &m.weights[4..]]), out);
+}
+
+/// As [`Kernel::convert_wide`]: low and high dwords of the lower words, then the higher words.
+#[target_feature(enable = "avx2,fma")]
+fn convert_wide(
+    tile: &Tile<f64>,
+    powers: &Powers<f64>,
+    moduli: &[Modulus],
+    out: &mut [&mut Residues],
+) {
+    const NEAREST: i32 = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
+    let dwords = all_dwords(tile, powers, |values| {
+        let unit = power_of_two(WORD_BITS as i32);
+        let high = _mm256_mul_pd(values, _mm256_set1_pd(1.0 / unit));
+        let high = _mm256_round_pd::<NEAREST>(high);
+        let [low, middle] = split(_mm256_fnmadd_pd(high, _mm256_set1_pd(unit), values));
+        let bias = _mm_set1_epi32(i32::MIN);
+        [low, middle, _mm_xor_si128(_mm256_cvtpd_epi32(high), bias)]
+    });
+    residues(
+        &dwords,
+        moduli,
+        |m| (m.start_wide, [&m.weights[..4], &m.weights[4..], &m.high_weights]),
+        out,
+    );
+}
+
+/// The biased dwords of the scaled entries, D of each, those of eight columns at a time; `split`
+/// makes them of four.
+#[target_feature(enable = "avx2,fma")]
+fn all_dwords<const D: usize>(
+    tile: &Tile<f64>,
+    powers: &Powers<f64>,
+    split: impl Fn(__m256d) -> [__m128i; D],
+) -> [[[Digits; D]; 2]; STEP] {
+    let mut dwords = [[[digits(_mm256_setzero_si256()); D]; 2]; STEP];
     for (dwords, row) in dwords.iter_mut().zip(&tile.0) {
         for (half, dwords) in dwords.iter_mut().enumerate() {
             let [left, right] = [8 * half, 8 * half + 4].map(|j| {
@@ -164,19 +213,32 @@ fn convert_f64(tile: &Tile<f64>, powers: &Powers<f64>, moduli: &Moduli, out: &mu
                 let value = _mm256_mul_pd(load(row), load(&powers.first));
                 split(_mm256_mul_pd(value, load(&powers.second)))
             });
-            let join = |i: usize| _mm256_set_m128i(right[i], left[i]);
-            *dwords = [digits(join(0)), digits(join(1))];
+            *dwords = std::array::from_fn(|i| digits(_mm256_set_m128i(right[i], left[i])));
         }
     }
-    for (modulus, out) in moduli.list.iter().zip(out) {
-        let start = _mm256_set1_epi32(modulus.start_64);
-        let weights = [pairs(&modulus.weights[..4]), pairs(&modulus.weights[4..])];
+    dwords
+}
+
+/// The residues of numbers of D dwords, with the start and the weights of each modulus.
+#[target_feature(enable = "avx2,fma")]
+fn residues<'m, const D: usize>(
+    dwords: &[[[Digits; D]; 2]; STEP],
+    moduli: &'m [Modulus],
+    constants: impl Fn(&'m Modulus) -> (i32, [&'m [i8]; D]),
+    out: &mut [&mut Residues],
+) {
+    for (modulus, out) in moduli.iter().zip(out) {
+        let (start, weights) = constants(modulus);
+        let start = _mm256_set1_epi32(start);
+        let weights = weights.map(|weights| pairs(weights));
         for (r, rows) in dwords.as_chunks::<4>().0.iter().enumerate() {
             for half in 0..2 {
                 let row = |i: usize| {
-                    let [low, high] = rows[i][half];
-                    let sums = add_products(start, low, weights[0]);
-                    finish(add_products(sums, high, weights[1]), modulus.p)
+                    let dwords = rows[i][half].into_iter().zip(weights);
+                    let sums = dwords.fold(start, |sums, (dword, weights)| {
+                        add_products(sums, dword, weights)
+                    });
+                    finish(sums, modulus.p)
                 };
                 store([row(0), row(1), row(2), row(3)], out, r, half);
             }
@@ -199,7 +261,7 @@ fn split(values: __m256d) -> [__m128i; 2] {
 
 /// As [`Kernel::convert_f32`].
 #[target_feature(enable = "avx2,fma")]
-fn convert_f32(tile: &Tile<f32>, powers: &Powers<f32>, moduli: &Moduli, out: &mut [&mut Residues]) {
+fn convert_f32(tile: &Tile<f32>, powers: &Powers<f32>, moduli: &[Modulus], out: &mut [&mut Residues]) {
     let bias = _mm256_set1_epi32(i32::MIN);
     let mut dwords = [[digits(bias); 2]; STEP];
     for (dwords, row) in dwords.iter_mut().zip(&tile.0) {
@@ -212,7 +274,7 @@ fn convert_f32(tile: &Tile<f32>, powers: &Powers<f32>, moduli: &Moduli, out: &mu
             *dwords = digits(_mm256_xor_si256(_mm256_cvtps_epi32(value), bias));
         }
     }
-    for (modulus, out) in moduli.list.iter().zip(out) {
+    for (modulus, out) in moduli.iter().zip(out) {
         let start = _mm256_set1_epi32(modulus.start_32);
         let weights = pairs(&modulus.weights[..4]);
         for (r, rows) in dwords.as_chunks::<4>().0.iter().enumerate() {

@@ -3,10 +3,10 @@
 use std::arch::x86_64::*;
 
 use super::kernel::{Kernel, Operands};
-use super::moduli::{Moduli, Modulus};
+use super::moduli::{Moduli, Modulus, WORD_BITS};
 use super::tile::{
     Block, MAGNITUDE, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH,
-    norm_exponents,
+    norm_exponents, power_of_two,
 };
 
 /// Exists only where the CPU has the instructions: what makes the calls below sound.
@@ -65,7 +65,7 @@ impl Kernel for Vnni {
         &self,
         tile: &Tile<f64>,
         powers: &Powers<f64>,
-        moduli: &Moduli,
+        moduli: &[Modulus],
         out: &mut [&mut Residues],
         far: bool,
     ) {
@@ -77,12 +77,24 @@ impl Kernel for Vnni {
         &self,
         tile: &Tile<f32>,
         powers: &Powers<f32>,
-        moduli: &Moduli,
+        moduli: &[Modulus],
         out: &mut [&mut Residues],
         far: bool,
     ) {
         // SAFETY: `self` exists, so the CPU has the instructions.
         unsafe { convert_f32(tile, powers, moduli, out, far) }
+    }
+
+    fn convert_wide(
+        &self,
+        tile: &Tile<f64>,
+        powers: &Powers<f64>,
+        moduli: &[Modulus],
+        out: &mut [&mut Residues],
+        far: bool,
+    ) {
+        // SAFETY: `self` exists, so the CPU has the instructions.
+        unsafe { convert_wide(tile, powers, moduli, out, far) }
     }
 
     /// The instruction takes unsigned times signed bytes: 128 is added to the left ones.
@@ -265,7 +277,7 @@ enabled! {
     fn convert_f64(
         tile: &Tile<f64>,
         powers: &Powers<f64>,
-        moduli: &Moduli,
+        moduli: &[Modulus],
         out: &mut [&mut Residues],
         far: bool,
     ) {
@@ -286,7 +298,7 @@ enabled! {
             low[i] = _mm512_permutex2var_epi32(left, low_dwords, right);
             high[i] = _mm512_permutex2var_epi32(left, high_dwords, right);
         }
-        for (modulus, out) in moduli.list.iter().zip(out) {
+        for (modulus, out) in moduli.iter().zip(out) {
             let reduction = Reduction::new(modulus);
             let start = _mm512_set1_epi32(modulus.start_64);
             let low_weights = _mm512_set1_epi32(dword(&modulus.weights[..4]));
@@ -305,10 +317,62 @@ enabled! {
 }
 
 enabled! {
+    fn convert_wide(
+        tile: &Tile<f64>,
+        powers: &Powers<f64>,
+        moduli: &[Modulus],
+        out: &mut [&mut Residues],
+        far: bool,
+    ) {
+        const NEAREST: i32 = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
+        let low_dwords = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+        let high_dwords = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+        let unit = _mm512_set1_pd(power_of_two(WORD_BITS as i32));
+        let inverse = _mm512_set1_pd(power_of_two(-(WORD_BITS as i32)));
+        let (bias, bias_32) = (_mm512_set1_epi64(i64::MIN), _mm512_set1_epi32(i32::MIN));
+        // The dwords of the lower words, then the higher words.
+        let mut dwords = [[_mm512_setzero_si512(); 3]; STEP];
+        for (dwords, row) in dwords.iter_mut().zip(&tile.0) {
+            // SAFETY: both halves of a row and of its powers are 8 elements.
+            let half = |j: usize| unsafe {
+                let value = _mm512_loadu_pd(row.as_ptr().add(j));
+                let value = _mm512_mul_pd(value, _mm512_loadu_pd(powers.first.as_ptr().add(j)));
+                let value = _mm512_mul_pd(value, _mm512_loadu_pd(powers.second.as_ptr().add(j)));
+                let high = _mm512_roundscale_pd::<NEAREST>(_mm512_mul_pd(value, inverse));
+                let low = _mm512_fnmadd_pd(high, unit, value);
+                (_mm512_xor_si512(_mm512_cvtpd_epi64(low), bias), _mm512_cvtpd_epi32(high))
+            };
+            let ((left, left_high), (right, right_high)) = (half(0), half(8));
+            let high = _mm512_inserti64x4::<1>(_mm512_castsi256_si512(left_high), right_high);
+            *dwords = [
+                _mm512_permutex2var_epi32(left, low_dwords, right),
+                _mm512_permutex2var_epi32(left, high_dwords, right),
+                _mm512_xor_si512(high, bias_32),
+            ];
+        }
+        for (modulus, out) in moduli.iter().zip(out) {
+            let reduction = Reduction::new(modulus);
+            let start = _mm512_set1_epi32(modulus.start_wide);
+            let weights = [&modulus.weights[..4], &modulus.weights[4..], &modulus.high_weights]
+                .map(|weights| _mm512_set1_epi32(dword(weights)));
+            for r in 0..STEP / 4 {
+                let sums = std::array::from_fn(|v| {
+                    let dwords = dwords[4 * r + v].into_iter().zip(weights);
+                    dwords.fold(start, |sum, (dword, weight)| _mm512_dpbusd_epi32(sum, dword, weight))
+                });
+                let bytes = rows_to_dwords(reduction.finish(sums));
+                store_line(out, r, bytes, far);
+            }
+        }
+        finish_stores(far);
+    }
+}
+
+enabled! {
     fn convert_f32(
         tile: &Tile<f32>,
         powers: &Powers<f32>,
-        moduli: &Moduli,
+        moduli: &[Modulus],
         out: &mut [&mut Residues],
         far: bool,
     ) {
@@ -321,7 +385,7 @@ enabled! {
             let value = _mm512_mul_ps(_mm512_mul_ps(load(row), first), second);
             *digits = _mm512_xor_si512(_mm512_cvtps_epi32(value), bias);
         }
-        for (modulus, out) in moduli.list.iter().zip(out) {
+        for (modulus, out) in moduli.iter().zip(out) {
             let reduction = Reduction::new(modulus);
             let start = _mm512_set1_epi32(modulus.start_32);
             let weights = _mm512_set1_epi32(dword(&modulus.weights[..4]));

@@ -15,7 +15,7 @@ pub(crate) trait Kernel: Sync {
         &self,
         tile: &Tile<f64>,
         powers: &Powers<f64>,
-        moduli: &Moduli,
+        moduli: &[Modulus],
         out: &mut [&mut Residues],
         far: bool,
     );
@@ -24,7 +24,17 @@ pub(crate) trait Kernel: Sync {
         &self,
         tile: &Tile<f32>,
         powers: &Powers<f32>,
-        moduli: &Moduli,
+        moduli: &[Modulus],
+        out: &mut [&mut Residues],
+        far: bool,
+    );
+
+    /// As [`Kernel::convert_f64`]; the integers are of at most 2^[`WIDE_BITS`](super::WIDE_BITS).
+    fn convert_wide(
+        &self,
+        tile: &Tile<f64>,
+        powers: &Powers<f64>,
+        moduli: &[Modulus],
         out: &mut [&mut Residues],
         far: bool,
     );

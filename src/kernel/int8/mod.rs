@@ -1,6 +1,6 @@
 //! Exact products of integer matrices through their residues: the arithmetic of the exact path.
 //!
-//! Integers below 2^59 in magnitude are taken modulo up to 15 numbers of 8 bits, the residues are
+//! Integers up to 2^80 in magnitude are taken modulo up to 28 numbers of 8 bits, the residues are
 //! multiplied by byte instructions with 32-bit sums, and the Chinese remainder theorem gives the
 //! products back (Ozaki, Uchino and Imamura 2025, "Ozaki scheme II"). Since nothing is rounded, every
 //! [`Isa`] computes the same bytes, and so does any order of work.
@@ -13,6 +13,7 @@ mod avx2;
 mod avx512;
 #[cfg(all(test, target_arch = "x86_64", target_os = "linux"))]
 mod emulator;
+mod integer;
 mod kernel;
 mod ladder;
 mod moduli;
@@ -22,9 +23,10 @@ mod recombine;
 pub(crate) mod tests;
 mod tile;
 
+pub(crate) use integer::{I256, Integer};
 pub(crate) use kernel::{Kernel, Operands};
 pub use ladder::{Ladder, Level, Rung};
-pub(crate) use moduli::{MOST_MODULI, Moduli};
+pub(crate) use moduli::{IntegerModuli, MOST_MODULI, Moduli, Modulus, WIDE_BITS};
 pub(crate) use recombine::{integers, scaled};
 pub(crate) use tile::{
     Block, DEPTH, EMPTY, NON_FINITE, NORM_BITS, PANEL, Powers, Quarter, Residues, STEP, Slice,
@@ -122,6 +124,8 @@ impl Operand for f32 {}
 impl Operand for f64 {}
 
 pub(crate) mod sealed {
+    use std::borrow::Cow;
+
     use super::*;
 
     pub trait Steps: Sized {
@@ -134,14 +138,23 @@ pub(crate) mod sealed {
             kernel: &dyn Kernel,
             tile: &Tile<Self>,
             powers: &Powers<Self>,
-            moduli: &Moduli,
+            moduli: &[Modulus],
+            out: &mut [&mut Residues],
+            far: bool,
+        );
+        #[allow(private_interfaces)]
+        fn convert_wide(
+            kernel: &dyn Kernel,
+            tile: &Tile<Self>,
+            powers: &Powers<f64>,
+            moduli: &[Modulus],
             out: &mut [&mut Residues],
             far: bool,
         );
     }
 
     macro_rules! steps {
-        ($t:ident, $bits:expr, $norms:ident, $convert:ident) => {
+        ($t:ident, $bits:expr, $norms:ident, $convert:ident, $widened:expr) => {
             impl Steps for $t {
                 const INTEGER_BITS: i32 = $bits;
 
@@ -155,15 +168,30 @@ pub(crate) mod sealed {
                     kernel: &dyn Kernel,
                     tile: &Tile<Self>,
                     powers: &Powers<Self>,
-                    moduli: &Moduli,
+                    moduli: &[Modulus],
                     out: &mut [&mut Residues],
                     far: bool,
                 ) {
                     kernel.$convert(tile, powers, moduli, out, far);
                 }
+
+                #[allow(private_interfaces)]
+                fn convert_wide(
+                    kernel: &dyn Kernel,
+                    tile: &Tile<Self>,
+                    powers: &Powers<f64>,
+                    moduli: &[Modulus],
+                    out: &mut [&mut Residues],
+                    far: bool,
+                ) {
+                    let widened: fn(&Tile<Self>) -> Cow<'_, Tile<f64>> = $widened;
+                    kernel.convert_wide(&widened(tile), powers, moduli, out, far);
+                }
             }
         };
     }
-    steps!(f32, 31, norms_f32, convert_f32);
-    steps!(f64, 62, norms_f64, convert_f64);
+    steps!(f32, 31, norms_f32, convert_f32, |tile| {
+        Cow::Owned(Tile(tile.0.map(|row| row.map(f64::from))))
+    });
+    steps!(f64, 62, norms_f64, convert_f64, |tile| Cow::Borrowed(tile));
 }

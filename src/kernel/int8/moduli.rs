@@ -1,15 +1,35 @@
 //! The moduli, and the constants of the arithmetic modulo them.
 
-/// Pairwise coprime, the largest first: products of residues fit in 15 bits.
-const MODULI: [i32; MOST_MODULI] =
-    [256, 255, 253, 251, 247, 241, 239, 233, 229, 227, 223, 217, 211, 199, 197];
+/// Pairwise coprime, the largest first: products of residues fit in 15 bits. Below 129 the
+/// [`Modulus::inverse`] would not fit.
+const MODULI: [i32; MOST_MODULI] = [
+    256, 255, 253, 251, 247, 241, 239, 233, 229, 227, 223, 217, 211, 199, 197, 193, 191, 181, 179,
+    173, 167, 163, 157, 151, 149, 139, 137, 131,
+];
 
-/// Moduli of the most accurate variant; their product has 118 bits.
-pub(crate) const MOST_MODULI: usize = 15;
+/// Moduli of the longest integers; their product has 213 bits.
+pub(crate) const MOST_MODULI: usize = 28;
+
+/// Moduli of the most accurate results in f64; their product has 118 bits.
+#[cfg(test)]
+pub(crate) const MOST_FLOAT_MODULI: usize = 15;
 
 /// Bits of each part of a number modulo P. Sums of 15 residues times a part stay below 2^52, so that they
 /// are exact in f64, and so is what is left of two such sums.
 const PART_BITS: u32 = 41;
+
+/// Bits of the lower word of a wide number, which is signed; the higher one has 32.
+pub(super) const WORD_BITS: u32 = 50;
+
+/// log2 of the largest wide number.
+pub(crate) const WIDE_BITS: i32 = 80;
+
+/// Bits of a limb. Sums of 28 residues times a limb stay below 2^52, so that they are exact in
+/// f64, and so is what is left of two such sums.
+pub(super) const LIMB_BITS: u32 = 40;
+
+/// Limbs of the product of all moduli.
+pub(super) const LIMBS: usize = 6;
 
 /// One modulus, and how to reduce to it by dot products of bytes.
 ///
@@ -18,14 +38,18 @@ const PART_BITS: u32 = 41;
 /// such product of the three bytes of that brings it to 16 bits, and a Barrett step to 8.
 #[derive(Debug, Clone)]
 pub(crate) struct Modulus {
-    /// 2..=256.
+    /// 129..=256.
     pub p: i32,
     /// `256^i mod p`, symmetric.
     pub weights: [i8; 8],
+    /// `2^WORD_BITS 256^i mod p`, symmetric: of the higher word of a wide number.
+    pub high_weights: [i8; 4],
     /// Congruent to `-2^63`: takes the bias of a 64-bit number out, and makes the sum positive.
     pub start_64: i32,
     /// The same for `-2^31` and 32-bit numbers.
     pub start_32: i32,
+    /// The same for `-2^63 - 2^(WORD_BITS + 31)` and numbers of two words.
+    pub start_wide: i32,
     /// A multiple of p that centres the second sum.
     pub centre: i32,
     /// About 2^22 / p. Less one: then no quotient is wrong (tested exhaustively).
@@ -41,8 +65,11 @@ fn symmetric(v: i128, p: i32) -> i32 {
 impl Modulus {
     fn new(p: i32) -> Self {
         let weights: [i32; 8] = std::array::from_fn(|i| symmetric(1 << (8 * i), p));
-        let start = |digits: usize, bias: i128| {
-            let negative: i32 = weights[..digits].iter().map(|&w| 255 * w.min(0)).sum();
+        let high_weights: [i32; 4] =
+            std::array::from_fn(|i| symmetric(1 << (WORD_BITS as usize + 8 * i), p));
+        let negative =
+            |weights: &[i32]| weights.iter().map(|&w| 255 * w.min(0)).sum::<i32>();
+        let start = |negative: i32, bias: i128| {
             let residue = (-bias).rem_euclid(p.into()) as i32;
             residue + ((-negative - residue).max(0) + p - 1) / p * p
         };
@@ -51,8 +78,13 @@ impl Modulus {
         Self {
             p,
             weights: weights.map(|w| w as i8),
-            start_64: start(8, 1 << 63),
-            start_32: start(4, 1 << 31),
+            high_weights: high_weights.map(|w| w as i8),
+            start_64: start(negative(&weights), 1 << 63),
+            start_32: start(negative(&weights[..4]), 1 << 31),
+            start_wide: start(
+                negative(&weights) + negative(&high_weights),
+                (1 << 63) + (1 << (WORD_BITS + 31)),
+            ),
             centre: -middle * p,
             inverse: ((f64::from(1 << 22) / f64::from(p)).round() - 1.0) as i16,
         }
@@ -63,9 +95,9 @@ impl Modulus {
         [self.weights[0], self.weights[1], self.weights[2], 0]
     }
 
-    /// Between which numbers the second sum lies, without `centre`; its third byte is at most 3.
+    /// Between which numbers the second sum lies, without `centre`; its third byte is at most 7.
     fn second_range(weights: &[i32; 8]) -> (i32, i32) {
-        let terms = [255 * weights[0], 255 * weights[1], 3 * weights[2]];
+        let terms = [255 * weights[0], 255 * weights[1], 7 * weights[2]];
         (terms.iter().map(|t| t.min(&0)).sum(), terms.iter().map(|t| t.max(&0)).sum())
     }
 }
@@ -82,18 +114,26 @@ pub(crate) struct Moduli {
     pub units: Vec<[f64; 3]>,
     /// P.
     pub product: [f64; 3],
-    /// log2 of the unit of each part: all parts of it are multiples.
-    pub bottoms: [u32; 3],
     /// 1 / P, rounded.
     pub inverse: f64,
     /// Norms up to this: the product of two is below P/2, with a margin for the rounding of quotients.
     pub largest_norm: f64,
 }
 
+/// The first `count` moduli.
+fn first(count: usize) -> Vec<Modulus> {
+    MODULI[..count].iter().map(|&p| Modulus::new(p)).collect()
+}
+
+/// The inverse of `residue` modulo p.
+fn inverse(residue: i32, p: i32) -> i32 {
+    (1..p).find(|i| residue * i % p == 1).expect("the moduli are coprime")
+}
+
 impl Moduli {
     /// `count` moduli, 2..=15.
     pub fn new(count: usize) -> Self {
-        let list: Vec<Modulus> = MODULI[..count].iter().map(|&p| Modulus::new(p)).collect();
+        let list = first(count);
         let product: u128 = list.iter().map(|m| m.p as u128).product();
         let bits = u128::BITS - product.leading_zeros();
         let top = |i: u32| bits.saturating_sub(i * PART_BITS);
@@ -107,23 +147,97 @@ impl Moduli {
         let unit = |m: &Modulus| {
             let others = product / m.p as u128;
             let residue = (others % m.p as u128) as i32;
-            let inverse =
-                (1..m.p).find(|i| residue * i % m.p == 1).expect("the moduli are coprime");
-            parts(others * inverse as u128)
+            parts(others * inverse(residue, m.p) as u128)
         };
         Self {
             units: list.iter().map(unit).collect(),
             list,
             product: parts(product),
-            bottoms,
             inverse: 1.0 / product as f64,
             largest_norm: (product as f64 / 2.0).sqrt() * (1.0 - 1.0 / f64::from(1 << 20)),
         }
     }
+}
 
-    /// How many.
-    pub fn len(&self) -> usize {
-        self.list.len()
+/// The first `count` moduli, and the reconstruction of an integer from its residues.
+///
+/// Integers below the product P are kept in limbs of 40 bits, the lowest first.
+#[derive(Debug, Clone)]
+pub(crate) struct IntegerModuli {
+    /// In the order of residues.
+    pub list: Vec<Modulus>,
+    /// For each modulus the number below P that is 1 modulo it and 0 modulo the others.
+    pub units: Vec<[f64; LIMBS]>,
+    /// P.
+    pub product: [f64; LIMBS],
+    /// The unit of each limb divided by P, rounded.
+    pub inverses: [f64; LIMBS],
+    /// Limbs that P has.
+    pub limbs: usize,
+}
+
+/// An integer of 240 bits: limbs of 40 bits, the lowest first.
+#[derive(Clone, Copy)]
+struct Limbs([u64; LIMBS]);
+
+impl Limbs {
+    fn product(factors: impl Iterator<Item = i32>) -> Self {
+        let mut one = Self([0; LIMBS]);
+        one.0[0] = 1;
+        factors.fold(one, |product, factor| product.times(factor))
+    }
+
+    fn times(mut self, factor: i32) -> Self {
+        let mut carry = 0;
+        for limb in &mut self.0 {
+            carry += *limb * factor as u64;
+            *limb = carry & ((1 << LIMB_BITS) - 1);
+            carry >>= LIMB_BITS;
+        }
+        debug_assert_eq!(carry, 0);
+        self
+    }
+
+    fn modulo(self, p: i32) -> i32 {
+        let down = self.0.iter().rev();
+        down.fold(0, |rest, limb| ((rest << LIMB_BITS) + limb) % p as u64) as i32
+    }
+
+    fn to_f64(self) -> [f64; LIMBS] {
+        self.0.map(|limb| limb as f64)
+    }
+}
+
+impl IntegerModuli {
+    /// `count` moduli, 2..=[`MOST_MODULI`].
+    pub fn new(count: usize) -> Self {
+        let list = first(count);
+        let product = Limbs::product(list.iter().map(|m| m.p));
+        let unit = |m: &Modulus| {
+            let others = Limbs::product(list.iter().map(|m| m.p).filter(|&p| p != m.p));
+            others.times(inverse(others.modulo(m.p), m.p)).to_f64()
+        };
+        let limbs = LIMBS - product.0.iter().rev().take_while(|&&limb| limb == 0).count();
+        let size = 2f64.powf(Self::bits(count));
+        Self {
+            units: list.iter().map(unit).collect(),
+            list,
+            product: product.to_f64(),
+            inverses: std::array::from_fn(|i| f64::from(LIMB_BITS * i as u32).exp2() / size),
+            limbs,
+        }
+    }
+
+    /// log2 of P for `count` moduli.
+    pub fn bits(count: usize) -> f64 {
+        MODULI[..count].iter().map(|&p| f64::from(p).log2()).sum()
+    }
+
+    /// The least number of moduli, 2 or more, for integers of magnitudes up to `2^bits`; `None`
+    /// where there are not so many.
+    pub fn count_for(bits: i32) -> Option<usize> {
+        // Of the signs one bit, and a margin for the rounding of quotients.
+        (2..=MOST_MODULI).find(|&count| Self::bits(count) >= f64::from(bits) + 1.01)
     }
 }
 
@@ -149,7 +263,7 @@ mod tests {
 
     #[test]
     fn every_second_sum_is_reduced_to_a_byte() {
-        for m in Moduli::new(MOST_MODULI).list {
+        for m in first(MOST_MODULI) {
             let (low, high) = Modulus::second_range(&m.weights.map(i32::from));
             for t in low + m.centre..=high + m.centre {
                 assert!(i16::try_from(t).is_ok(), "p = {}: {t}", m.p);
@@ -162,12 +276,18 @@ mod tests {
 
     #[test]
     fn the_first_sums_are_in_range_and_lose_the_bias() {
-        for m in Moduli::new(MOST_MODULI).list {
-            for (digits, start, bias) in [(8, m.start_64, 1i128 << 63), (4, m.start_32, 1 << 31)] {
-                let weights = m.weights[..digits].iter().map(|&w| i32::from(w));
+        for m in first(MOST_MODULI) {
+            let both = [&m.weights[..], &m.high_weights].concat();
+            let wide_bias = (1 << 63) + (1 << (WORD_BITS + 31));
+            for (weights, start, bias) in [
+                (&m.weights[..], m.start_64, 1i128 << 63),
+                (&m.weights[..4], m.start_32, 1 << 31),
+                (&both, m.start_wide, wide_bias),
+            ] {
+                let weights = weights.iter().map(|&w| i32::from(w));
                 let low: i32 = start + weights.clone().map(|w| 255 * w.min(0)).sum::<i32>();
                 let high: i32 = start + weights.map(|w| 255 * w.max(0)).sum::<i32>();
-                assert!(low >= 0 && high < 4 << 16, "p = {}: {low}..{high}", m.p);
+                assert!(low >= 0 && high < 8 << 16, "p = {}: {low}..{high}", m.p);
                 assert_eq!((i128::from(start) + bias).rem_euclid(m.p.into()), 0);
             }
         }
@@ -175,7 +295,7 @@ mod tests {
 
     #[test]
     fn the_parts_of_a_unit_add_up_to_it() {
-        for count in 2..=MOST_MODULI {
+        for count in 2..=MOST_FLOAT_MODULI {
             let moduli = Moduli::new(count);
             let whole = |parts: &[f64; 3]| parts.iter().map(|&p| p as u128).sum::<u128>();
             let product = whole(&moduli.product);
@@ -184,6 +304,22 @@ mod tests {
                 for (j, m) in moduli.list.iter().enumerate() {
                     assert_eq!(whole(unit) % m.p as u128, u128::from(i == j));
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn the_limbs_of_a_unit_are_one_modulo_its_modulus_and_zero_modulo_the_others() {
+        for count in [2, 3, 5, 6, 15, 23, MOST_MODULI] {
+            let moduli = IntegerModuli::new(count);
+            for (i, unit) in moduli.units.iter().enumerate() {
+                let unit = Limbs(unit.map(|limb| limb as u64));
+                for (j, m) in moduli.list.iter().enumerate() {
+                    assert_eq!(unit.modulo(m.p), i32::from(i == j));
+                }
+                // Below P: the highest limb that differs is smaller.
+                let limbs = unit.to_f64().into_iter().zip(moduli.product).rev();
+                assert!(limbs.skip_while(|(a, b)| a == b).next().is_some_and(|(a, b)| a < b));
             }
         }
     }

@@ -1,10 +1,11 @@
 //! The kernel in plain Rust: for any CPU, and what the others are compared with.
 
 use super::kernel::{Kernel, Operands, product_by_pairs};
-use super::moduli::{Moduli, Modulus};
+use super::moduli::{Moduli, Modulus, WORD_BITS};
 use super::recombine;
 use super::tile::{
-    Block, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH, tile_norms,
+    Block, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH, power_of_two,
+    tile_norms,
 };
 use crate::base::Real;
 
@@ -23,7 +24,7 @@ impl Kernel for Portable {
         &self,
         tile: &Tile<f64>,
         powers: &Powers<f64>,
-        moduli: &Moduli,
+        moduli: &[Modulus],
         out: &mut [&mut Residues],
         _far: bool,
     ) {
@@ -34,11 +35,22 @@ impl Kernel for Portable {
         &self,
         tile: &Tile<f32>,
         powers: &Powers<f32>,
-        moduli: &Moduli,
+        moduli: &[Modulus],
         out: &mut [&mut Residues],
         _far: bool,
     ) {
         convert(tile, powers, moduli, out);
+    }
+
+    fn convert_wide(
+        &self,
+        tile: &Tile<f64>,
+        powers: &Powers<f64>,
+        moduli: &[Modulus],
+        out: &mut [&mut Residues],
+        _far: bool,
+    ) {
+        convert_wide(tile, powers, moduli, out);
     }
 
     fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]) {
@@ -61,7 +73,7 @@ impl Kernel for Portable {
 fn convert<T: Real>(
     tile: &Tile<T>,
     powers: &Powers<T>,
-    moduli: &Moduli,
+    moduli: &[Modulus],
     out: &mut [&mut Residues],
 ) {
     // The bytes of the biased integers, of one place value after the other.
@@ -75,13 +87,58 @@ fn convert<T: Real>(
             }
         }
     }
-    for (modulus, out) in moduli.list.iter().zip(out) {
-        let weights = modulus.weights.map(i32::from);
+    residues(&digits, moduli, |m| (m.start_64, m.weights), out);
+}
+
+/// As [`Kernel::convert_wide`]: the bytes of the lower words, then those of the higher ones.
+fn convert_wide(
+    tile: &Tile<f64>,
+    powers: &Powers<f64>,
+    moduli: &[Modulus],
+    out: &mut [&mut Residues],
+) {
+    let mut digits = [[[0_u8; WIDTH]; STEP]; 12];
+    for (i, row) in tile.0.iter().enumerate() {
+        for j in 0..WIDTH {
+            let [low, high] = words(row[j] * powers.first[j] * powers.second[j]);
+            let low = (low ^ i64::MIN).to_le_bytes();
+            let high = (high as i32 ^ i32::MIN).to_le_bytes();
+            for (digit, byte) in digits.iter_mut().zip(low.into_iter().chain(high)) {
+                digit[i][j] = byte;
+            }
+        }
+    }
+    let weights = |m: &Modulus| {
+        let ([a, b, c, d, e, f, g, h], [i, j, k, l]) = (m.weights, m.high_weights);
+        [a, b, c, d, e, f, g, h, i, j, k, l]
+    };
+    residues(&digits, moduli, |m| (m.start_wide, weights(m)), out);
+}
+
+/// A number rounded to an integer, as `low + high 2^WORD_BITS`; exactly, as both are parts of its
+/// mantissa.
+fn words(value: f64) -> [i64; 2] {
+    let unit = power_of_two(WORD_BITS as i32);
+    let high = (value / unit).round_ties_even();
+    let low = (value - high * unit).round_ties_even();
+    [low as i64, high as i64]
+}
+
+/// The residues of numbers whose digits are given, of one place value after the other, with the
+/// start and the weights of each modulus.
+fn residues<const D: usize>(
+    digits: &[[[u8; WIDTH]; STEP]; D],
+    moduli: &[Modulus],
+    constants: impl Fn(&Modulus) -> (i32, [i8; D]),
+    out: &mut [&mut Residues],
+) {
+    for (modulus, out) in moduli.iter().zip(out) {
+        let (start, weights) = constants(modulus);
         for i in 0..STEP {
-            let mut sums = [modulus.start_64; WIDTH];
+            let mut sums = [start; WIDTH];
             for (digit, weight) in digits.iter().zip(weights) {
                 for j in 0..WIDTH {
-                    sums[j] += weight * i32::from(digit[i][j]);
+                    sums[j] += i32::from(weight) * i32::from(digit[i][j]);
                 }
             }
             for j in 0..WIDTH {

@@ -1,27 +1,60 @@
 //! From residues back to numbers: the Chinese remainder theorem in exact f64 arithmetic.
 
-use super::moduli::Moduli;
+use super::integer::Integer;
+use super::moduli::{IntegerModuli, LIMBS, Moduli};
 use super::tile::{Quarter, WIDTH, power_of_two};
 
 /// The integers R of least magnitude, of which |R| < P/2 is known by less than one part in 2^20,
-/// with these residues. All arithmetic is exact, as in [`quarter`].
-pub(crate) fn integers(residues: &[&Quarter<i8>], moduli: &Moduli, out: &mut Quarter<i128>) {
-    let units = moduli.bottoms.map(|bottom| power_of_two(-(bottom as i32)));
+/// with these residues. All arithmetic is exact.
+pub(crate) fn integers<I: Integer>(
+    residues: &[&Quarter<i8>],
+    moduli: &IntegerModuli,
+    out: &mut Quarter<I>,
+) {
     // Dispatched once, so that the loops inside use the widest registers there are.
     pulp::Arch::new().dispatch(
         #[inline(always)]
-        || {
-            for (i, out) in out.iter_mut().enumerate() {
-                let parts = row::<false>(residues, moduli, i);
-                // In units of their own the parts are below 2^53.
-                let parts: [[i64; WIDTH]; 3] =
-                    std::array::from_fn(|p| parts[p].map(|part| (part * units[p]) as i64));
-                for (j, out) in out.iter_mut().enumerate() {
-                    *out = (0..3).map(|p| i128::from(parts[p][j]) << moduli.bottoms[p]).sum();
-                }
-            }
+        || match moduli.limbs {
+            ..=3 => integers_of::<I, 3>(residues, moduli, out),
+            4 => integers_of::<I, 4>(residues, moduli, out),
+            5 => integers_of::<I, 5>(residues, moduli, out),
+            _ => integers_of::<I, LIMBS>(residues, moduli, out),
         },
     );
+}
+
+/// [`integers`] of L limbs: `V = sum residue * unit` is congruent to R, so `R = V - round(V / P) P`,
+/// limb by limb.
+#[inline(always)]
+fn integers_of<I: Integer, const L: usize>(
+    residues: &[&Quarter<i8>],
+    moduli: &IntegerModuli,
+    out: &mut Quarter<I>,
+) {
+    for (i, out) in out.iter_mut().enumerate() {
+        let mut limbs = [[0.0; WIDTH]; L];
+        for (unit, residues) in moduli.units.iter().zip(residues) {
+            for j in 0..WIDTH {
+                let r = f64::from(residues[i][j]);
+                for (limb, &unit) in limbs.iter_mut().zip(unit) {
+                    limb[j] += r * unit;
+                }
+            }
+        }
+        for j in 0..WIDTH {
+            let terms = limbs.iter().zip(&moduli.inverses).map(|(limb, &inverse)| limb[j] * inverse);
+            let quotient = terms.sum::<f64>().round_ties_even();
+            for (limb, &product) in limbs.iter_mut().zip(&moduli.product) {
+                limb[j] -= quotient * product;
+            }
+        }
+        let limbs = limbs.map(|limb| limb.map(|limb| limb as i64));
+        for (j, out) in out.iter_mut().enumerate() {
+            let mut all = [0; LIMBS];
+            all.iter_mut().zip(&limbs).for_each(|(all, limb)| *all = limb[j]);
+            *out = I::from_limbs(all);
+        }
+    }
 }
 
 /// The three parts of the integers of row `i` of a quarter.

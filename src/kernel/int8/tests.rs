@@ -1,6 +1,7 @@
 //! One suite for every kernel, against integers of any size.
 
 use super::moduli::Modulus;
+use super::sealed::Steps;
 use super::tile::power_of_two;
 use super::*;
 use crate::base::Rng;
@@ -127,7 +128,7 @@ fn the_largest_sums_are_reduced_by_every_modulus() {
             let left = vec![[[i8::MIN; STEP * WIDTH]; 2]; DEPTH];
             let right = vec![[[value; STEP * WIDTH]; 2]; DEPTH];
             let old = [[[[if sign > 0 { i8::MAX } else { i8::MIN }; WIDTH]; WIDTH]; 4]];
-            for modulus in &Moduli::new(15).list {
+            for modulus in &IntegerModuli::new(MOST_MODULI).list {
                 check_product(named, modulus, [&left, &right], &old, true);
             }
         }
@@ -172,7 +173,7 @@ fn check_conversion<T: Operand>() {
                 kernel,
                 &scaled,
                 &powers,
-                &moduli,
+                &moduli.list,
                 &mut memory.iter_mut().collect::<Vec<_>>(),
                 count % 2 == 0,
             );
@@ -198,6 +199,101 @@ fn check_conversion<T: Operand>() {
 fn conversion_rounds_to_even_and_takes_residues() {
     check_conversion::<f64>();
     check_conversion::<f32>();
+}
+
+#[test]
+fn wide_conversion_takes_residues_of_eighty_bits() {
+    let mut rng = Rng::new(5);
+    let mut whole = Tile::<f64>::zeros();
+    for (i, row) in whole.0.iter_mut().enumerate() {
+        for (j, value) in row.iter_mut().enumerate() {
+            let bits = (13 * i + 5 * j) as i32 % (WIDE_BITS + 1);
+            *value = match rng.bits() % 8 {
+                0 => rng.sign() * power_of_two(WIDE_BITS),
+                1 => rng.sign() * (power_of_two(49) + 0.5),
+                2 => rng.sign() * (power_of_two(50) * 3.5),
+                3 => rng.sign() * 2.5,
+                _ => rng.sign() * rng.uniform() * power_of_two(bits),
+            };
+        }
+    }
+    let exponents: [i32; WIDTH] = std::array::from_fn(|j| 9 * j as i32 - 60);
+    let mut scaled = whole.clone();
+    for row in &mut scaled.0 {
+        for (value, &e) in row.iter_mut().zip(&exponents) {
+            *value *= power_of_two(-e);
+        }
+    }
+    let moduli = IntegerModuli::new(MOST_MODULI);
+    let single = Tile(scaled.0.map(|row| row.map(|x| x as f32)));
+    let of_single = Tile(single.0.map(|row| row.map(f64::from)));
+    for (name, kernel) in kernels() {
+        let mut memory = vec![vec![[0; STEP * WIDTH]; MOST_MODULI]; 2];
+        let powers = Powers::new(exponents);
+        let out = &mut memory[0].iter_mut().collect::<Vec<_>>();
+        f64::convert_wide(kernel, &scaled, &powers, &moduli.list, out, true);
+        let out = &mut memory[1].iter_mut().collect::<Vec<_>>();
+        f32::convert_wide(kernel, &single, &powers, &moduli.list, out, false);
+        for (tile, memory) in [&scaled, &of_single].into_iter().zip(memory) {
+            for (modulus, residues) in moduli.list.iter().zip(&memory) {
+                for (i, row) in tile.0.iter().enumerate() {
+                    for (j, value) in row.iter().enumerate() {
+                        let value = value * power_of_two(exponents[j]);
+                        let integer = value.round_ties_even() as i128;
+                        let residue = residues[64 * (i / 4) + 4 * j + i % 4];
+                        let p = i128::from(modulus.p);
+                        assert_eq!(
+                            i128::from(residue).rem_euclid(p),
+                            integer.rem_euclid(p),
+                            "{name}, {integer} mod {p}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn integers_of_many_bits_come_back_from_their_residues() {
+    let mut rng = Rng::new(6);
+    for count in [2, 5, 6, 11, 15, 16, 20, 23, MOST_MODULI] {
+        let moduli = IntegerModuli::new(count);
+        // As products, whose residues are those of their factors.
+        let most = (IntegerModuli::bits(count) - 1.1) / 2.0;
+        let factor = |rng: &mut Rng| {
+            let size = (rng.uniform() * power_of_two(most as i32)) as i128;
+            rng.sign() as i128 * (size >> (rng.bits() % most as u64))
+        };
+        let factors: Quarter<[i128; 2]> =
+            [(); WIDTH].map(|()| [(); WIDTH].map(|()| [factor(&mut rng), factor(&mut rng)]));
+        let residues: Vec<Quarter<i8>> = moduli
+            .list
+            .iter()
+            .map(|m| {
+                factors.map(|row| {
+                    row.map(|[a, b]| {
+                        let p = i128::from(m.p);
+                        let r = (a.rem_euclid(p) * b.rem_euclid(p)) % p;
+                        (if r > 127 { r - p } else { r }) as i8
+                    })
+                })
+            })
+            .collect();
+        let residues: Vec<&Quarter<i8>> = residues.iter().collect();
+        let mut found = [[I256::default(); WIDTH]; WIDTH];
+        integers(&residues, &moduli, &mut found);
+        for (found, factors) in found.as_flattened().iter().zip(factors.as_flattened()) {
+            assert_eq!(Some(*found), I256::product(factors[0], factors[1]), "{count} moduli");
+        }
+        if count <= 15 {
+            let mut short = [[0_i128; WIDTH]; WIDTH];
+            integers(&residues, &moduli, &mut short);
+            for (found, [a, b]) in short.as_flattened().iter().zip(factors.as_flattened()) {
+                assert_eq!(*found, a * b);
+            }
+        }
+    }
 }
 
 /// `v 2^e`, correctly rounded from an integer of up to 126 bits.

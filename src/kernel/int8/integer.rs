@@ -1,0 +1,265 @@
+//! Integers that exact sums are kept in.
+
+use std::fmt::Debug;
+
+use super::moduli::{LIMB_BITS, LIMBS};
+use super::recombine::scaled;
+
+/// A signed integer of 128 or 256 bits.
+pub(crate) trait Integer: Copy + Default + PartialEq + Debug + Send + Sync + 'static {
+    /// `sum of limbs[i] 2^(40 i)`, which fits; the limbs are of any sign.
+    fn from_limbs(limbs: [i64; LIMBS]) -> Self;
+
+    /// `self + other`, which fits.
+    fn plus(self, other: Self) -> Self;
+
+    /// `-self`, which fits.
+    fn negated(self) -> Self;
+
+    /// `self + other`, where it fits.
+    fn checked_plus(self, other: Self) -> Option<Self>;
+
+    /// `self 2^bits`, where it fits.
+    fn shifted_left(self, bits: u32) -> Option<Self>;
+
+    /// `a b`, where it fits.
+    fn product(a: i128, b: i128) -> Option<Self>;
+
+    /// The nearest f64.
+    fn to_f64(self) -> f64;
+}
+
+impl Integer for i128 {
+    #[inline(always)]
+    fn from_limbs(limbs: [i64; LIMBS]) -> Self {
+        let limb = |i: usize| Self::from(limbs[i]) << (LIMB_BITS as usize * i);
+        limb(0).wrapping_add(limb(1)).wrapping_add(limb(2))
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        self + other
+    }
+
+    #[inline(always)]
+    fn negated(self) -> Self {
+        -self
+    }
+
+    fn checked_plus(self, other: Self) -> Option<Self> {
+        self.checked_add(other)
+    }
+
+    fn shifted_left(self, bits: u32) -> Option<Self> {
+        if self == 0 {
+            return Some(0);
+        }
+        (self.unsigned_abs().leading_zeros() > bits).then(|| self << bits)
+    }
+
+    fn product(a: i128, b: i128) -> Option<Self> {
+        a.checked_mul(b)
+    }
+
+    fn to_f64(self) -> f64 {
+        self as f64
+    }
+}
+
+/// A signed integer of 256 bits, in two's complement: `high 2^128 + low`.
+#[derive(Clone, Copy, Default, PartialEq, Eq, Debug)]
+pub(crate) struct I256 {
+    pub high: i128,
+    pub low: u128,
+}
+
+impl I256 {
+    pub fn is_negative(self) -> bool {
+        self.high < 0
+    }
+
+    /// `|self|`; a least number stays negative.
+    pub fn magnitude(self) -> Self {
+        if self.is_negative() { self.negated() } else { self }
+    }
+
+    /// Zeros before the first one bit of a number that is not negative.
+    pub fn leading_zeros(self) -> u32 {
+        match self.high {
+            0 => u128::BITS + self.low.leading_zeros(),
+            high => high.leading_zeros(),
+        }
+    }
+
+    /// For `bits` below 256; what is shifted out is lost.
+    fn shl(self, bits: u32) -> Self {
+        match bits {
+            0 => self,
+            128.. => Self { high: (self.low << (bits - 128)) as i128, low: 0 },
+            _ => Self {
+                high: self.high << bits | (self.low >> (128 - bits)) as i128,
+                low: self.low << bits,
+            },
+        }
+    }
+
+    /// An integer that an f64 holds, below 2^255 in magnitude.
+    fn from_f64(value: f64) -> Self {
+        let exponent = ((value.to_bits() >> 52) & 0x7ff) as i32 - 1075;
+        let magnitude = if exponent <= 0 {
+            Self { high: 0, low: value.abs() as u128 }
+        } else {
+            let mantissa = u128::from(value.to_bits() & ((1 << 52) - 1) | 1 << 52);
+            Self { high: 0, low: mantissa }.shl(exponent as u32)
+        };
+        if value < 0.0 { magnitude.negated() } else { magnitude }
+    }
+
+    /// `self 2^exponent` as a sum of three f64, each the nearest to what those before it leave.
+    pub fn parts(self, exponent: i32) -> [f64; 3] {
+        let mut rest = self;
+        [(); 3].map(|()| {
+            let part = rest.to_f64();
+            rest = rest.plus(Self::from_f64(part).negated());
+            scaled(part, exponent)
+        })
+    }
+}
+
+impl Integer for I256 {
+    #[inline(always)]
+    fn from_limbs(limbs: [i64; LIMBS]) -> Self {
+        let pair = |i: usize| i128::from(limbs[i]) + (i128::from(limbs[i + 1]) << LIMB_BITS);
+        let [low, middle, high] = [pair(0), pair(2), pair(4)];
+        let low = Self { high: low >> 127, low: low as u128 };
+        let middle = Self { high: middle >> 48, low: (middle as u128) << 80 };
+        let high = Self { high: high << 32, low: 0 };
+        low.plus(middle).plus(high)
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        let (low, carry) = self.low.overflowing_add(other.low);
+        Self { high: self.high.wrapping_add(other.high).wrapping_add(carry.into()), low }
+    }
+
+    #[inline(always)]
+    fn negated(self) -> Self {
+        let (low, carry) = (!self.low).overflowing_add(1);
+        Self { high: (!self.high).wrapping_add(carry.into()), low }
+    }
+
+    fn checked_plus(self, other: Self) -> Option<Self> {
+        let sum = self.plus(other);
+        let overflow =
+            self.is_negative() == other.is_negative() && sum.is_negative() != self.is_negative();
+        (!overflow).then_some(sum)
+    }
+
+    fn shifted_left(self, bits: u32) -> Option<Self> {
+        if self == Self::default() {
+            return Some(self);
+        }
+        let magnitude = self.magnitude();
+        let shifted = (magnitude.leading_zeros() > bits).then(|| magnitude.shl(bits))?;
+        Some(if self.is_negative() { shifted.negated() } else { shifted })
+    }
+
+    fn product(a: i128, b: i128) -> Option<Self> {
+        const HALF: u128 = u64::MAX as u128;
+        let (x, y) = (a.unsigned_abs(), b.unsigned_abs());
+        let [x0, x1, y0, y1] = [x & HALF, x >> 64, y & HALF, y >> 64];
+        let (low, cross, other, high) = (x0 * y0, x0 * y1, x1 * y0, x1 * y1);
+        let middle = (low >> 64) + (cross & HALF) + (other & HALF);
+        // Magnitudes of at most 2^127 each.
+        let high = high + (cross >> 64) + (other >> 64) + (middle >> 64);
+        let magnitude = Self { high: high as i128, low: low & HALF | middle << 64 };
+        Some(if (a < 0) != (b < 0) { magnitude.negated() } else { magnitude })
+    }
+
+    fn to_f64(self) -> f64 {
+        if self == Self::default() {
+            return 0.0;
+        }
+        let magnitude = self.magnitude();
+        let zeros = magnitude.leading_zeros();
+        let top = magnitude.shl(zeros);
+        // 64 bits, of which the last one stands for all that follow.
+        let rest = (top.high as u128) << 64 != 0 || top.low != 0;
+        let bits = ((top.high as u128) >> 64) as u64 | u64::from(rest);
+        let value = scaled(bits as f64, 192 - zeros as i32);
+        if self.is_negative() { -value } else { value }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Rng;
+
+    /// A number of at most `bits` bits.
+    fn number(rng: &mut Rng, bits: u32) -> i128 {
+        let random = (u128::from(rng.bits()) << 64 | u128::from(rng.bits())) >> 1;
+        let size = (random >> (127 - bits)) as i128 >> (rng.bits() % u64::from(bits));
+        if rng.bits() % 2 == 0 { size } else { -size }
+    }
+
+    fn wide(value: i128) -> I256 {
+        I256 { high: value >> 127, low: value as u128 }
+    }
+
+    #[test]
+    fn integers_of_256_bits_do_what_those_of_128_do() {
+        let mut rng = Rng::new(1);
+        for _ in 0..10_000 {
+            let (a, b) = (number(&mut rng, 126), number(&mut rng, 126));
+            assert_eq!(wide(a).plus(wide(b)), wide(a + b));
+            assert_eq!(wide(a).negated(), wide(-a));
+            assert_eq!(wide(a).to_f64(), a as f64);
+            let (c, d) = (number(&mut rng, 63), number(&mut rng, 63));
+            assert_eq!(I256::product(c, d), Some(wide(c * d)));
+            let bits = (rng.bits() % 60) as u32;
+            assert_eq!(wide(c).shifted_left(bits), Some(wide(c << bits)));
+            let limbs = [c, d, a >> 90].map(|v| (v >> 12) as i64);
+            let limbs = [limbs[0], limbs[1], limbs[2], 0, 0, 0];
+            assert_eq!(I256::from_limbs(limbs), wide(i128::from_limbs(limbs)));
+        }
+    }
+
+    #[test]
+    fn products_of_sums_follow_the_distributive_law() {
+        let mut rng = Rng::new(2);
+        for _ in 0..10_000 {
+            let [a, b, c] = [(); 3].map(|()| number(&mut rng, 126));
+            let split = I256::product(a, c).unwrap().plus(I256::product(b, c).unwrap());
+            assert_eq!(I256::product(a + b, c), Some(split));
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        let top = wide(1).shifted_left(254).unwrap();
+        assert_eq!(top.checked_plus(top), None);
+        assert_eq!(top.negated().checked_plus(top.negated()).map(|v| v.is_negative()), Some(true));
+        assert_eq!(top.shifted_left(1), None);
+        assert_eq!(wide(0).shifted_left(300), Some(wide(0)));
+        assert_eq!((1_i128 << 100).shifted_left(27), None);
+        assert_eq!(i128::product(1 << 100, 1 << 30), None);
+    }
+
+    #[test]
+    fn three_parts_add_up_to_the_integer() {
+        let mut rng = Rng::new(3);
+        for _ in 0..10_000 {
+            let (a, b) = (number(&mut rng, 80), number(&mut rng, 78));
+            let value = I256::product(a, b).unwrap();
+            let parts = value.parts(0);
+            let sum = parts.map(I256::from_f64).into_iter().reduce(I256::plus).unwrap();
+            assert_eq!(sum, value);
+            for i in 0..2 {
+                assert_eq!(parts[i] + parts[i + 1], parts[i]);
+            }
+            assert_eq!(parts[0], value.to_f64());
+        }
+    }
+}
