@@ -122,7 +122,8 @@ fn integers_give_exact_integers() {
             assert_eq!(gram.rows(), m as u64);
             // About the mean C is a fraction, which 159 bits round.
             let bound = if centered { -156.0 } else { f64::NEG_INFINITY };
-            assert!(check(&gram, &a, None, centered) <= bound, "{m} x {n}, {centered}");
+            let error = check(&gram, &a, None, centered);
+            assert!(error <= bound, "{m} x {n}, {centered}: {error}");
         }
     }
 }
@@ -148,7 +149,7 @@ fn entries_of_all_sizes_are_rounded_to_eighty_bits_of_their_columns() {
         let gram = extended::<f64>(&a, None, centered, 64, Par::Seq).unwrap();
         assert!(!gram.is_exact());
         let error = check(&gram, &a, None, centered);
-        assert!(error <= -76.0 && error > -100.0, "{error}");
+        assert!(error <= -76.0 && error > -100.0, "{centered}: {error}");
     }
 }
 

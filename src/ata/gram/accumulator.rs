@@ -3,7 +3,7 @@ use std::ops::Range;
 use super::exact::ExactSums;
 use super::extended::ExtendedGram;
 use super::float::FloatSums;
-use super::grid::{RowBounds, Shift};
+use super::grid::{Grid, RowBounds, Shift};
 use super::pass::Pass;
 use super::strip::Strip;
 use crate::ata::combine::{mirror_lower, scale_lower};
@@ -124,9 +124,10 @@ impl<T: BlasReal> Accumulator<T> {
     /// # Errors
     /// As [`Accumulator::exact`].
     pub fn extended(bounds: &RowBounds<T>, centered: bool) -> Result<Self> {
-        let shift = if centered { Shift::Near } else { Shift::No };
-        let n = bounds.ncols();
-        Ok(Self::of(n, Sums::Extended(ExactSums::new(bounds, 0..n, shift)?)))
+        // Rows that are shifted may have more bits than an f64. No shift is needed: a column that is
+        // far from zero beside its deviations has entries of few bits below them.
+        let (n, grid) = (bounds.ncols(), Grid::new(bounds, Shift::No, true)?);
+        Ok(Self::of(n, Sums::Extended(ExactSums::on(grid, 0..n, centered)?)))
     }
 
     pub(super) fn of(ncols: usize, sums: Sums<T>) -> Self {
@@ -281,9 +282,7 @@ impl<T: BlasReal> Accumulator<T> {
         self.check_block(count, block, weights)?;
         match &mut self.sums {
             Sums::Exact(sums) => sums.add(count, block, weights, true, &mut Pass::new(options)?),
-            Sums::Extended(sums) => {
-                sums.add(count, block, weights, true, &mut Pass::new(options)?)
-            }
+            Sums::Extended(sums) => sums.add(count, block, weights, true, &mut Pass::new(options)?),
             Sums::Float(_) => {
                 let why = "rows can be removed from an exact one only: make it with `exact`";
                 Err(Error::Argument { what: "accumulator", why: why.into() })

@@ -578,11 +578,7 @@ impl<T: BlasReal> ExactSums<T, I256> {
         let w = self.weights[0];
         let mean = |j: usize| {
             let exponent = self.grid.sum_exponent(j) + self.grid.weight_power;
-            let [high, low] = wide::mean_parts(self.sums[j], w, exponent);
-            let shift = self.grid.shift_of(j).to_f64();
-            let sum = shift + high;
-            let part = sum - shift;
-            [sum, (shift - (sum - part)) + (high - part) + low]
+            wide::mean_parts(self.sums[j], w, exponent)
         };
         let about = About {
             exact: !self.rounded,

@@ -356,13 +356,7 @@ impl<T: Real> Grid<T> {
             // Nothing is rounded on a coarser grid that all entries are on.
             let unit = bounds.units[j];
             if extended && grid.weight.is_none() && unit > 0.0 && unit.is_finite() {
-                // The shift may be half of an odd multiple.
-                let own = 1 - self::exponent(unit);
-                let of_shift = match grid.shift_of(j).to_f64() {
-                    0.0 => own,
-                    shift => 1 - self::exponent(lowest_bit(shift)),
-                };
-                grid.powers[j] = grid.powers[j].min(own.max(of_shift));
+                grid.powers[j] = grid.powers[j].min(1 - self::exponent(unit));
             }
         }
         Ok(grid)
@@ -420,9 +414,7 @@ impl<T: Real> Grid<T> {
         let (moduli, sum_bits) = match self.extended {
             // Larger integers than conversion takes have no moduli.
             true if bits > WIDE_BITS => (None, EXTENDED_SUM_BITS),
-            true => {
-                (IntegerModuli::count_for(2 * bits + EXTENDED_SLAB_BITS), EXTENDED_SUM_BITS)
-            }
+            true => (IntegerModuli::count_for(2 * bits + EXTENDED_SLAB_BITS), EXTENDED_SUM_BITS),
             false => (Some(moduli::<T>()), SUM_BITS),
         };
         let room = |count| (IntegerModuli::bits(count) - 1.01).floor() as i32 - 2 * bits;

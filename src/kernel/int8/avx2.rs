@@ -6,8 +6,7 @@ use std::arch::x86_64::*;
 use super::kernel::{Kernel, Operands, product_by_pairs};
 use super::moduli::{Moduli, Modulus, WORD_BITS};
 use super::tile::{
-    Block, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH, power_of_two,
-    tile_norms,
+    Block, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH, power_of_two, tile_norms,
 };
 use super::{portable, recombine};
 
@@ -166,7 +165,12 @@ fn store(rows: [__m256i; 4], out: &mut Residues, r: usize, half: usize) {
 
 /// As [`Kernel::convert_f64`].
 #[target_feature(enable = "avx2,fma")]
-fn convert_f64(tile: &Tile<f64>, powers: &Powers<f64>, moduli: &[Modulus], out: &mut [&mut Residues]) {
+fn convert_f64(
+    tile: &Tile<f64>,
+    powers: &Powers<f64>,
+    moduli: &[Modulus],
+    out: &mut [&mut Residues],
+) {
     let dwords = all_dwords(tile, powers, |values| split(values));
     residues(&dwords, moduli, |m| (m.start_64, [&m.weights[..4], &m.weights[4..]]), out);
 }
@@ -235,9 +239,8 @@ fn residues<'m, const D: usize>(
             for half in 0..2 {
                 let row = |i: usize| {
                     let dwords = rows[i][half].into_iter().zip(weights);
-                    let sums = dwords.fold(start, |sums, (dword, weights)| {
-                        add_products(sums, dword, weights)
-                    });
+                    let sums = dwords
+                        .fold(start, |sums, (dword, weights)| add_products(sums, dword, weights));
                     finish(sums, modulus.p)
                 };
                 store([row(0), row(1), row(2), row(3)], out, r, half);
@@ -261,7 +264,12 @@ fn split(values: __m256d) -> [__m128i; 2] {
 
 /// As [`Kernel::convert_f32`].
 #[target_feature(enable = "avx2,fma")]
-fn convert_f32(tile: &Tile<f32>, powers: &Powers<f32>, moduli: &[Modulus], out: &mut [&mut Residues]) {
+fn convert_f32(
+    tile: &Tile<f32>,
+    powers: &Powers<f32>,
+    moduli: &[Modulus],
+    out: &mut [&mut Residues],
+) {
     let bias = _mm256_set1_epi32(i32::MIN);
     let mut dwords = [[digits(bias); 2]; STEP];
     for (dwords, row) in dwords.iter_mut().zip(&tile.0) {

@@ -6,7 +6,9 @@ use super::moduli::{LIMB_BITS, LIMBS};
 use super::recombine::scaled;
 
 /// A signed integer of 128 or 256 bits.
-pub(crate) trait Integer: Copy + Default + PartialEq + Debug + Send + Sync + 'static {
+pub(crate) trait Integer:
+    Copy + Default + PartialEq + Debug + Send + Sync + 'static
+{
     /// `sum of limbs[i] 2^(40 i)`, which fits; the limbs are of any sign.
     fn from_limbs(limbs: [i64; LIMBS]) -> Self;
 

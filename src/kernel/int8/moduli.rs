@@ -67,8 +67,7 @@ impl Modulus {
         let weights: [i32; 8] = std::array::from_fn(|i| symmetric(1 << (8 * i), p));
         let high_weights: [i32; 4] =
             std::array::from_fn(|i| symmetric(1 << (WORD_BITS as usize + 8 * i), p));
-        let negative =
-            |weights: &[i32]| weights.iter().map(|&w| 255 * w.min(0)).sum::<i32>();
+        let negative = |weights: &[i32]| weights.iter().map(|&w| 255 * w.min(0)).sum::<i32>();
         let start = |negative: i32, bias: i128| {
             let residue = (-bias).rem_euclid(p.into()) as i32;
             residue + ((-negative - residue).max(0) + p - 1) / p * p

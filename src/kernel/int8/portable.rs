@@ -4,8 +4,7 @@ use super::kernel::{Kernel, Operands, product_by_pairs};
 use super::moduli::{Moduli, Modulus, WORD_BITS};
 use super::recombine;
 use super::tile::{
-    Block, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH, power_of_two,
-    tile_norms,
+    Block, Powers, Quarter, Residues, STEP, Slice, Tile, TileNorms, WIDTH, power_of_two, tile_norms,
 };
 use crate::base::Real;
 

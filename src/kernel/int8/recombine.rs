@@ -42,7 +42,8 @@ fn integers_of<I: Integer, const L: usize>(
             }
         }
         for j in 0..WIDTH {
-            let terms = limbs.iter().zip(&moduli.inverses).map(|(limb, &inverse)| limb[j] * inverse);
+            let terms =
+                limbs.iter().zip(&moduli.inverses).map(|(limb, &inverse)| limb[j] * inverse);
             let quotient = terms.sum::<f64>().round_ties_even();
             for (limb, &product) in limbs.iter_mut().zip(&moduli.product) {
                 limb[j] -= quotient * product;

@@ -217,7 +217,7 @@ fn wide_conversion_takes_residues_of_eighty_bits() {
             };
         }
     }
-    let exponents: [i32; WIDTH] = std::array::from_fn(|j| 9 * j as i32 - 60);
+    let exponents: [i32; WIDTH] = std::array::from_fn(|j| 3 * j as i32 - 20);
     let mut scaled = whole.clone();
     for row in &mut scaled.0 {
         for (value, &e) in row.iter_mut().zip(&exponents) {
