@@ -27,6 +27,8 @@
 //! | [`mod@ata`] | A^T A, A A^T, A^T B, rows from anywhere, plans, the exact path, checks of
 //! results | |
 //! | `dense` | small dense factorisations | `geometry` |
+//! | `gram` | least squares, principal components, singular values from a Gram matrix in extended
+//! precision | `geometry` |
 //! | `sparse` | eigenpairs of sparse pencils | `geometry` |
 //! | `ortho` | Gram-Schmidt, Cholesky QR, rank-revealing bases | `geometry` |
 //! | `io` | matrix files: `.npy`, `.npz`, `.mtx`, text tables, HDF5 | `geometry` |
@@ -72,6 +74,8 @@ pub mod curve;
 pub mod decimate;
 #[cfg(feature = "geometry")]
 pub mod dense;
+#[cfg(feature = "geometry")]
+pub mod gram;
 #[cfg(feature = "geometry")]
 pub mod io;
 #[cfg(feature = "geometry")]

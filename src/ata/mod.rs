@@ -29,6 +29,8 @@ pub(crate) use combine::mirror_lower;
 #[cfg(feature = "mpi")]
 pub(crate) use exact::Flags;
 pub use exact::Stages;
+#[cfg(test)]
+pub(crate) use gram::About;
 #[cfg(feature = "mpi")]
 pub(crate) use gram::exact_sums;
 pub use gram::{

@@ -6,12 +6,13 @@ use std::fs;
 use super::{rust_files, src};
 
 /// Module, layer, and the modules of the same layer that it may import.
-const LAYERS: [(&str, u8, &[&str]); 20] = [
+const LAYERS: [(&str, u8, &[&str]); 21] = [
     ("base", 0, &[]),
     ("kernel", 1, &[]),
     ("blas", 1, &["kernel"]),
     ("ata", 2, &[]),
     ("dense", 2, &[]),
+    ("gram", 2, &["ata", "dense"]),
     ("sparse", 2, &["dense"]),
     ("ortho", 2, &["ata", "dense", "sparse"]),
     // Mesh files are opened, unpacked and written like those of matrices.

@@ -52,6 +52,30 @@ impl ExtendedGram {
         Ok(Self { parts, about })
     }
 
+    /// Returns the Gram matrix C (n x n) of `rows` rows whose lower triangle is exact as it is, with
+    /// the means of the n columns if C is about them, or none.
+    ///
+    /// ```
+    /// use catamaran::{ata::ExtendedGram, faer::mat};
+    ///
+    /// let gram = ExtendedGram::from_f64(mat![[5.0, 0.0], [3.0, 2.0]].as_ref(), 2, &[])?;
+    /// assert_eq!(gram.entry(0, 1), [3.0, 0.0, 0.0]);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when C is not square or the means are not n, [`Error::OutOfMemory`].
+    pub fn from_f64(c: MatRef<'_, f64>, rows: u64, mean: &[f64]) -> Result<Self> {
+        let n = c.nrows();
+        Error::check_shape("C", (n, n), c.shape())?;
+        if !mean.is_empty() {
+            Error::check_shape("mean", (n, 1), (mean.len(), 1))?;
+        }
+        let mean = mean.iter().map(|&mean| [mean, 0.0]).collect();
+        let about = About { exact: true, rows, weight: rows as f64, mean };
+        Self::from_entries(n, about, |i, j| [c[(i, j)], 0.0, 0.0])
+    }
+
     /// Side n of C.
     pub fn n(&self) -> usize {
         self.parts[0].nrows()

@@ -35,6 +35,8 @@ pub use sparse::{ata_sparse, sparse_is_faster, sparse_multiplications};
 pub use stream::{AfterBlock, stream};
 pub use strip::Strip;
 
+#[cfg(test)]
+pub(crate) use extended::About;
 pub(crate) use rows::AdjustedRows;
 #[cfg(feature = "mpi")]
 pub(crate) use stream::exact_sums;

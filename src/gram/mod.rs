@@ -1,0 +1,34 @@
+//! What follows from a Gram matrix in extended precision: least squares, principal components,
+//! singular values, correlations, orthonormal columns.
+//!
+//! All of it starts from an [`ExtendedGram`](crate::ata::ExtendedGram) of A, which one pass over
+//! the rows yields. Where the entries of A are exact, results are at least as accurate as those of
+//! an orthogonal factorisation of A in f64, as long as the condition number of A with columns of
+//! norm 1 is below 2^48 or so.
+
+mod cholesky;
+mod columns;
+mod condition;
+mod correlation;
+mod double;
+mod jacobi;
+mod least_squares;
+mod orthogonality;
+mod principal;
+mod qr;
+mod refine;
+mod row_space;
+mod singular;
+mod slices;
+mod solve;
+#[cfg(test)]
+mod tests;
+
+pub use cholesky::{PivotedCholesky, Pivoting};
+pub use correlation::correlation;
+pub use double::DoubleDouble;
+pub use least_squares::{LeastSquares, LeastSquaresOptions, RankDeficiency};
+pub use orthogonality::{Orthogonality, orthogonality};
+pub use principal::{Components, PrincipalComponents, PrincipalComponentsOptions};
+pub use qr::GramQr;
+pub use singular::SingularValues;
