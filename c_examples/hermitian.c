@@ -1,5 +1,5 @@
-/* The spatial covariance of an antenna array: A^H A of complex samples, and A^H B with the responses
- * of a direction, checked against plain loops. */
+/* The spatial covariance of an antenna array: A^H A of complex samples, and A^H B with the response
+ * to a direction, checked against plain loops. */
 
 #include <catamaran.h>
 
@@ -40,7 +40,8 @@ int main(void)
     const double step = 0.7;
     fill(samples, step);
     for (int j = 0; j < ANTENNAS; j++) {
-        response[j] = cexp(I * step * j) / sqrt(ANTENNAS);
+        /* Conjugated, because A^H A has the conjugates on its left. */
+        response[j] = cexp(-I * step * j) / sqrt(ANTENNAS);
     }
 
     /* double complex is a pair of doubles: the pointers are cast, and lda counts pairs. */
