@@ -319,8 +319,8 @@ void atb(detail::identity_t<T> alpha, matrix_view<T> a, matrix_view<T> b,
     atb<T>(alpha, matrix_view<const T>(a), matrix_view<const T>(b), beta, c, how);
 }
 
-/// C := alpha A^H A + beta C, alpha and beta real. A is m x n, C is n x n and Hermitian, in the same
-/// layout. The diagonal becomes real.
+/// C := alpha A^H A + beta C, alpha and beta real. A is m x n, C is n x n and Hermitian, in the
+/// same layout. The diagonal becomes real.
 template <class T>
 void aha(detail::identity_t<T> alpha, matrix_view<const std::complex<T>> a,
          detail::identity_t<T> beta, matrix_view<std::complex<T>> c, uplo part = uplo::both,

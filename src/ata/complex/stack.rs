@@ -9,7 +9,7 @@ use faer::{MatMut, MatRef};
 use super::write::{by_rows, pieces};
 use crate::base::{Par, Real};
 
-/// The parts of complex rows `X + i Y`, one above the other: X, Y, and -X where three are asked for.
+/// The parts of complex rows `X + i Y`, one above the other: X, Y and, of three parts, -X.
 pub(super) struct Stack<'a, T> {
     matrix: MatMut<'a, T>,
     /// Rows of a part.

@@ -10,7 +10,7 @@ use crate::base::{Par, Real};
 /// Entries of a piece of work: parts of it stay in the second-level cache.
 const PIECE: usize = 1 << 14;
 
-/// Largest side of a tile of a triangle: the lines of a transposed one stay in the first-level cache.
+/// Largest side of a tile of a triangle: a transposed tile stays in the first-level cache.
 const TILE: usize = 64;
 
 /// Whether entries of a row are nearer to each other than those of a column.
