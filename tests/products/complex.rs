@@ -291,7 +291,7 @@ fn both_triangles_are_conjugates_bit_for_bit_and_the_diagonal_is_real() {
 #[test]
 fn results_are_bitwise_equal_for_any_number_of_threads() {
     for scheme in schemes() {
-        for (m, n) in [(300, 170), (5000, 40), (97, 210)] {
+        for (m, n) in [(300, 120), (3000, 24)] {
             let (a, b) = (gaussian::<f64>(m, n, 13), gaussian::<f64>(m, 23, 14));
             let run = |options: AtaOptions<'_>| {
                 let options = options.uplo(Uplo::Both).leaf(32);
@@ -302,7 +302,7 @@ fn results_are_bitwise_equal_for_any_number_of_threads() {
                 (all_bits(c.as_ref()), all_bits(d.as_ref()))
             };
             let sequential = run(deep(scheme).par(Par::Seq));
-            for threads in [2, 3, 8] {
+            for threads in [2, 5] {
                 assert!(run(deep(scheme).threads(threads)) == sequential, "{scheme:?} {threads}");
             }
             assert!(run(deep(scheme).pin(Pin::Cores)) == sequential, "{scheme:?} pinned");
