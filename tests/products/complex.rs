@@ -17,9 +17,9 @@ fn schemes() -> impl Iterator<Item = SchemeChoice> {
     SchemeChoice::NAMES.into_iter().map(|(_, scheme)| scheme)
 }
 
-/// Options that recurse as deep as the shape allows.
+/// Options that recurse on shapes of a few dozen.
 fn deep(scheme: SchemeChoice) -> AtaOptions<'static> {
-    AtaOptions::new().scheme(scheme).leaf(1).accuracy(Accuracy::Fast).threads(2)
+    AtaOptions::new().scheme(scheme).leaf(8).accuracy(Accuracy::Fast).threads(2)
 }
 
 fn complex<T: BlasReal>(re: f64, im: f64) -> Complex<T> {
@@ -116,7 +116,7 @@ fn check_aha<T: BlasReal>(a: MatRef<'_, Complex<T>>, uplo: Uplo, options: &AtaOp
 #[test]
 fn every_scheme_is_exact_on_gaussian_integers_of_awkward_sizes() {
     for scheme in schemes() {
-        for m in AWKWARD {
+        for m in [0, 1, 3, 31, 65] {
             for (n, uplo) in AWKWARD.into_iter().zip(UPLOS.into_iter().cycle()) {
                 check_aha(integers::<f64>(m, n, 1).as_ref(), uplo, &deep(scheme));
             }
@@ -177,7 +177,7 @@ fn more_rows_than_a_block_are_summed_block_by_block() {
 #[test]
 fn ahb_is_exact_on_gaussian_integers_with_complex_factors() {
     for scheme in schemes() {
-        for m in AWKWARD {
+        for m in [0, 1, 16, 31, 65] {
             for (n, k) in [(0, 3), (1, 1), (7, 31), (31, 7), (65, 64), (40, 1)] {
                 let (a, b) = (integers::<f64>(m, n, 6), integers::<f64>(m, k, 7));
                 for (alpha, beta) in [([2, -1], [0, 0]), ([1, 0], [1, 0]), ([0, 3], [-1, 2])] {
