@@ -1151,6 +1151,130 @@ cata_status cata_atb_with_scratch_f32(int32_t layout,
                                       const struct cata_ata_params *params);
 
 /**
+ * C := alpha A^H A + beta C, for complex A m x n and Hermitian C n x n; alpha and beta are real.
+ *
+ * A complex element is two doubles, the real part and then the imaginary one, as `double complex`
+ * of C99 and `std::complex<double>` of C++: pointers to those can be cast. Leading dimensions count
+ * complex elements.
+ *
+ * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of C.
+ * - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict triangle
+ *   that is not, and what lies between lines, is neither read nor written. With CATA_BOTH the
+ *   upper triangle is the conjugate of the lower one, bit for bit; with beta != 0 the old lower
+ *   one is what is read.
+ * - `m`, `n`: any, 0 included.
+ * - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
+ * - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n.
+ *   Column-major: n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when m or
+ *   n is 0.
+ * - `c`: C, written; n lines of `ldc` >= max(1, n) elements, the last one of n. May be NULL when n
+ *   is 0. Imaginary parts of its diagonal are not read, and become 0. No element of A may be one
+ *   of C's.
+ * - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
+ *   call.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE (a leading dimension too small, or a size beyond
+ * the address space), CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, CATA_ERR_OUT_OF_MEMORY,
+ * CATA_ERR_CANCELLED or CATA_ERR_PANIC. C is untouched after any error but CATA_ERR_PANIC, which
+ * leaves unspecified values in its wanted part.
+ *
+ * The result does not depend on the number of threads, bit for bit; with `reproducible` in
+ * `params`, nor on the machine. The extra memory is that of a matrix like C, 64 MiB (or 1024 rows
+ * of A if those are longer), and the scratch of cata_ata_f64 for as many rows.
+ *
+ * With u = 2^-53 (float: 2^-24) both parts of entry (i, j) of a product with the default params
+ * are wrong by at most 8 m u |a_i| |a_j|, the Euclidean norms of two columns. NaN and infinities
+ * have the effect of (x - i y)(u + i v) = (x u + y v) + i (x v - y u), term by term, in classical
+ * and exact products; fast products spread them further.
+ *
+ * Thread-safe: calls may run at the same time as long as no C is shared.
+ */
+cata_status cata_aha_c64(int32_t layout,
+                         int32_t uplo,
+                         size_t m,
+                         size_t n,
+                         double alpha,
+                         const double *a,
+                         size_t lda,
+                         double beta,
+                         double *c,
+                         size_t ldc,
+                         const struct cata_ata_params *params);
+
+/**
+ * As cata_aha_c64, in float: `float complex` and `std::complex<float>`.
+ *
+ * Thread-safe: calls may run at the same time as long as no C is shared.
+ */
+cata_status cata_aha_c32(int32_t layout,
+                         int32_t uplo,
+                         size_t m,
+                         size_t n,
+                         float alpha,
+                         const float *a,
+                         size_t lda,
+                         float beta,
+                         float *c,
+                         size_t ldc,
+                         const struct cata_ata_params *params);
+
+/**
+ * C := alpha A^H B + beta C, for complex A m x n, B m x k and C n x k.
+ *
+ * Complex elements, and leading dimensions that count them, are as in cata_aha_c64.
+ *
+ * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of all three.
+ * - `m`, `n`, `k`: any, 0 included.
+ * - `alpha`, `beta`: one complex element each, read, not NULL; with beta == 0 C is not read, so it
+ *   may be uninitialised. A real one multiplies both parts.
+ * - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n.
+ *   Column-major: n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when A
+ *   has no element.
+ * - `b`: B, read, likewise with k for n and `ldb`. A and B may overlap.
+ * - `c`: C, written. Row-major: n lines of `ldc` >= max(1, k) elements; column-major: k lines of
+ *   `ldc` >= max(1, n). What lies between lines is neither read nor written. May be NULL when C
+ *   has no element. No element of A or B may be one of C's.
+ * - `params`: as in cata_aha_c64.
+ *
+ * Returns what cata_aha_c64 does, with the same promises about C, errors, NaN and infinities, of
+ * columns of A and of B.
+ *
+ * Thread-safe: calls may run at the same time as long as no C is shared.
+ */
+cata_status cata_ahb_c64(int32_t layout,
+                         size_t m,
+                         size_t n,
+                         size_t k,
+                         const double *alpha,
+                         const double *a,
+                         size_t lda,
+                         const double *b,
+                         size_t ldb,
+                         const double *beta,
+                         double *c,
+                         size_t ldc,
+                         const struct cata_ata_params *params);
+
+/**
+ * As cata_ahb_c64, in float: `float complex` and `std::complex<float>`.
+ *
+ * Thread-safe: calls may run at the same time as long as no C is shared.
+ */
+cata_status cata_ahb_c32(int32_t layout,
+                         size_t m,
+                         size_t n,
+                         size_t k,
+                         const float *alpha,
+                         const float *a,
+                         size_t lda,
+                         const float *b,
+                         size_t ldb,
+                         const float *beta,
+                         float *c,
+                         size_t ldc,
+                         const struct cata_ata_params *params);
+
+/**
  * Checks that C = alpha A^T A for A m x n and C n x n, up to rounding, with `rounds` random vectors
  * (Freivalds 1977), in time proportional to rounds (m n + n^2).
  *

@@ -8,6 +8,7 @@
 #include "catamaran.h"
 
 #include <array>
+#include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -248,6 +249,15 @@ void require_square(matrix_view<T> c, std::size_t n, layout order) {
     require(c.order == order, CATA_ERR_ARGUMENT, "c: must have the layout of a");
 }
 
+template <class T>
+void require_general(matrix_view<const T> a, matrix_view<const T> b, matrix_view<T> c) {
+    require(a.rows == b.rows, CATA_ERR_SHAPE, "b: must have the rows of a");
+    require(c.rows == a.cols && c.cols == b.cols, CATA_ERR_SHAPE,
+            "c: must have the columns of a as rows and those of b as columns");
+    require(a.order == b.order && a.order == c.order, CATA_ERR_ARGUMENT,
+            "b, c: must have the layout of a");
+}
+
 }  // namespace detail
 
 /// C := alpha A^T A + beta C. A is m x n, C is n x n, in the same layout.
@@ -291,11 +301,7 @@ template <class T>
 void atb(detail::identity_t<T> alpha, matrix_view<const T> a, matrix_view<const T> b,
          detail::identity_t<T> beta, matrix_view<T> c, const options& how = {}) {
     detail::require_scalar<T>();
-    detail::require(a.rows == b.rows, CATA_ERR_SHAPE, "b: must have the rows of a");
-    detail::require(c.rows == a.cols && c.cols == b.cols, CATA_ERR_SHAPE,
-                    "c: must have the columns of a as rows and those of b as columns");
-    detail::require(a.order == b.order && a.order == c.order, CATA_ERR_ARGUMENT,
-                    "b, c: must have the layout of a");
+    detail::require_general(a, b, c);
     detail::call call(how);
     const auto order = static_cast<std::int32_t>(a.order);
     if constexpr (std::is_same<T, double>::value) {
@@ -311,6 +317,65 @@ template <class T>
 void atb(detail::identity_t<T> alpha, matrix_view<T> a, matrix_view<T> b,
          detail::identity_t<T> beta, matrix_view<T> c, const options& how = {}) {
     atb<T>(alpha, matrix_view<const T>(a), matrix_view<const T>(b), beta, c, how);
+}
+
+/// C := alpha A^H A + beta C, alpha and beta real. A is m x n, C is n x n and Hermitian, in the
+/// same layout. The diagonal becomes real.
+template <class T>
+void aha(detail::identity_t<T> alpha, matrix_view<const std::complex<T>> a,
+         detail::identity_t<T> beta, matrix_view<std::complex<T>> c, uplo part = uplo::both,
+         const options& how = {}) {
+    detail::require_scalar<T>();
+    detail::require_square(c, a.cols, a.order);
+    detail::call call(how);
+    const auto order = static_cast<std::int32_t>(a.order);
+    const auto triangle = static_cast<std::int32_t>(part);
+    const auto* from = reinterpret_cast<const T*>(a.data);
+    auto* to = reinterpret_cast<T*>(c.data);
+    if constexpr (std::is_same<T, double>::value) {
+        call.finish(cata_aha_c64(order, triangle, a.rows, a.cols, alpha, from, a.leading, beta, to,
+                                 c.leading, call.params()));
+    } else {
+        call.finish(cata_aha_c32(order, triangle, a.rows, a.cols, alpha, from, a.leading, beta, to,
+                                 c.leading, call.params()));
+    }
+}
+
+template <class T>
+void aha(detail::identity_t<T> alpha, matrix_view<std::complex<T>> a, detail::identity_t<T> beta,
+         matrix_view<std::complex<T>> c, uplo part = uplo::both, const options& how = {}) {
+    aha<T>(alpha, matrix_view<const std::complex<T>>(a), beta, c, part, how);
+}
+
+/// C := alpha A^H B + beta C. A is m x n, B is m x k, C is n x k, in the same layout.
+template <class T>
+void ahb(detail::identity_t<std::complex<T>> alpha, matrix_view<const std::complex<T>> a,
+         matrix_view<const std::complex<T>> b, detail::identity_t<std::complex<T>> beta,
+         matrix_view<std::complex<T>> c, const options& how = {}) {
+    detail::require_scalar<T>();
+    detail::require_general(a, b, c);
+    detail::call call(how);
+    const auto order = static_cast<std::int32_t>(a.order);
+    const auto* factor = reinterpret_cast<const T*>(&alpha);
+    const auto* kept = reinterpret_cast<const T*>(&beta);
+    const auto* left = reinterpret_cast<const T*>(a.data);
+    const auto* right = reinterpret_cast<const T*>(b.data);
+    auto* to = reinterpret_cast<T*>(c.data);
+    if constexpr (std::is_same<T, double>::value) {
+        call.finish(cata_ahb_c64(order, a.rows, a.cols, b.cols, factor, left, a.leading, right,
+                                 b.leading, kept, to, c.leading, call.params()));
+    } else {
+        call.finish(cata_ahb_c32(order, a.rows, a.cols, b.cols, factor, left, a.leading, right,
+                                 b.leading, kept, to, c.leading, call.params()));
+    }
+}
+
+template <class T>
+void ahb(detail::identity_t<std::complex<T>> alpha, matrix_view<std::complex<T>> a,
+         matrix_view<std::complex<T>> b, detail::identity_t<std::complex<T>> beta,
+         matrix_view<std::complex<T>> c, const options& how = {}) {
+    using input = matrix_view<const std::complex<T>>;
+    ahb<T>(alpha, input(a), input(b), beta, c, how);
 }
 
 /// What verify found.

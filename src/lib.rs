@@ -24,7 +24,7 @@
 //! | [`base`] | scalars, errors, threads, progress, workspaces, random numbers | |
 //! | [`kernel`] | kernels for each instruction set | |
 //! | [`blas`] | back ends: the kernels of this crate, or a BLAS that is loaded at run time | |
-//! | [`mod@ata`] | A^T A, A A^T, A^T B, rows from anywhere, plans, the exact path, checks of
+//! | [`mod@ata`] | A^T A, A A^T, A^T B, A^H A, A^H B, rows from anywhere, plans, the exact path, checks of
 //! results | |
 //! | `dense` | small dense factorisations | `geometry` |
 //! | `gram` | least squares, principal components, singular values from a Gram matrix in extended
@@ -107,7 +107,7 @@ pub mod capi;
 pub use faer;
 
 pub use ata::{
-    Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, aat, aat_scratch_len, aat_with_scratch, ata,
-    ata_scratch_len, ata_with_scratch, atb, atb_scratch_len, atb_with_scratch,
+    Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, aat, aat_scratch_len, aat_with_scratch, aha,
+    ahb, ata, ata_scratch_len, ata_with_scratch, atb, atb_scratch_len, atb_with_scratch,
 };
 pub use base::{Error, Par, Real, Result};

@@ -12,7 +12,7 @@
 
 pub use faer::{Mat, MatMut, MatRef};
 
-pub use crate::ata::{Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, aat, ata, atb};
+pub use crate::ata::{Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, aat, aha, ahb, ata, atb};
 pub use crate::base::{Error, Par, Progress, Result};
 #[cfg(feature = "unions")]
 pub use crate::unions::SpectralUnion;

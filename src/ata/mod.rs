@@ -12,6 +12,7 @@
 //! of the norms leave the range of the numbers.
 
 mod combine;
+mod complex;
 pub mod distributed;
 mod exact;
 mod execute;
@@ -26,6 +27,7 @@ use faer::{MatMut, MatRef};
 
 #[cfg(feature = "mpi")]
 pub(crate) use combine::mirror_lower;
+pub use complex::{aha, ahb};
 #[cfg(feature = "mpi")]
 pub(crate) use exact::Flags;
 pub use exact::Stages;

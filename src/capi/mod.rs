@@ -5,6 +5,7 @@
 
 #![allow(non_camel_case_types)] // the names are those of the C header
 
+mod aha;
 mod ata;
 mod ata_sparse;
 mod atb;
@@ -38,6 +39,7 @@ mod verify;
 mod version;
 mod world;
 
+pub use aha::*;
 pub use ata::*;
 pub use ata_sparse::*;
 pub use atb::*;

@@ -82,7 +82,7 @@ pub(super) unsafe fn sparse<'a, T: Real>(
 ///
 /// # Safety
 /// The elements that the arguments describe can be read, and nobody writes them, during `'a`.
-pub(super) unsafe fn matrix<'a, T: Real>(
+pub(super) unsafe fn matrix<'a, T: Copy>(
     what: &str,
     layout: Layout,
     rows: usize,
@@ -102,7 +102,7 @@ pub(super) unsafe fn matrix<'a, T: Real>(
 /// # Safety
 /// The elements that the arguments describe can be read and written, and nobody else does either,
 /// during `'a`.
-pub(super) unsafe fn matrix_mut<'a, T: Real>(
+pub(super) unsafe fn matrix_mut<'a, T: Copy>(
     what: &str,
     layout: Layout,
     rows: usize,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -51,6 +52,29 @@ void products() {
     CHECK(!catamaran::verify(2.0, column, catamaran::col_major(&(dot = 30), 1, 1)).passed);
 
     CHECK(catamaran::ata(catamaran::row_major<double>(nullptr, 0, 0)).empty());
+}
+
+void complex_products() {
+    using number = std::complex<double>;
+    const std::vector<number> data{{1, 2}, {0, -1}, {3, 0}, {1, 1}};
+    const auto a = catamaran::row_major(data.data(), 2, 2);
+    std::vector<number> c(4, {7, 7});
+    catamaran::aha<double>(1, a, 0, catamaran::row_major(c.data(), 2, 2));
+    CHECK((c == std::vector<number>{{14, 0}, {1, 2}, {1, -2}, {3, 0}}));
+    catamaran::aha<double>(2, a, -1, catamaran::row_major(c.data(), 2, 2), uplo::lower);
+    CHECK((c == std::vector<number>{{14, 0}, {1, 2}, {1, -2}, {3, 0}}));
+
+    std::vector<std::complex<float>> f{{1, 2}, {3, -1}};
+    const auto column = catamaran::col_major(f.data(), 2, 1);
+    std::complex<float> dot{1, 0};
+    catamaran::ahb({0, 1}, column, column, {0, 2}, catamaran::col_major(&dot, 1, 1));
+    CHECK((dot == std::complex<float>{0, 17}));
+    catamaran::aha(1, column, 0, catamaran::col_major(&dot, 1, 1));
+    CHECK((dot == std::complex<float>{15, 0}));
+    CHECK(status_of([&] { catamaran::aha(1, column, 0, catamaran::col_major(f.data(), 2, 1)); }) ==
+          CATA_ERR_SHAPE);
+    CHECK(status_of([&] { catamaran::ahb(1, column, catamaran::col_major(&dot, 1, 1), 0, column); }) ==
+          CATA_ERR_SHAPE);
 }
 
 // Classical sums in this order lose the 1; the exact ones, in any order, do not.
@@ -353,6 +377,7 @@ void plants() {
 
 int main() {
     products();
+    complex_products();
     reproducible();
     errors();
     progress();

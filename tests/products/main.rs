@@ -5,6 +5,7 @@ mod backends;
 mod column_errors;
 #[path = "../common/mod.rs"]
 mod common;
+mod complex;
 mod exact;
 mod extended;
 mod native;

@@ -23,6 +23,7 @@ const FILES: &[&str] = &[
     "ata_sparse",
     "rows",
     "atb",
+    "aha",
     "verify",
     "spectrum",
     "mesh_spectrum",
