@@ -30,7 +30,7 @@ pub fn orthogonality(turns: &Turns, quick: bool) -> Result<Part> {
             "orthonormal bases, {rows} x 208, condition 7e13, {} threads",
             turns.threads
         ),
-        columns: columns(&["largest entry of |Q^T Q - I|"]),
+        columns: columns(&["largest entry of abs(Q^T Q - I)"]),
         ..Part::default()
     };
     for runs in turns.run(Task::Qr, folder.path(), &RIVALS)? {

@@ -9,7 +9,7 @@ use crate::exchange::get_vector;
 use crate::plant::Part;
 
 /// Methods of bench/rivals/gram.py.
-const RIVALS: [&str; 3] = ["numpy-gesdd", "scipy-gesvd", "numpy-eigvalsh-of-gram"];
+const RIVALS: [&str; 3] = ["numpy-gesdd", "scipy-gesdd", "numpy-eigvalsh-of-gram"];
 
 /// Binary logarithms of the condition numbers: 1.3e2 to 1.1e15.
 const BITS: [i32; 8] = [7, 13, 20, 27, 33, 40, 46, 50];

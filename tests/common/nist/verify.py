@@ -19,6 +19,10 @@ from pathlib import Path
 getcontext().prec = 80
 FOLDER = Path(__file__).parent
 
+HEADER = """# The exact solution, to 25 digits, of the problems with entries rounded to f64:
+# x^k = x^(k-1) * x in f64. Written by verify.py.
+set,term,coefficient,deviation"""
+
 
 def table(name):
     """The lines of a file as dictionaries; lines with # are comments."""
@@ -85,7 +89,9 @@ def statistics(y, design, intercept):
 def same(exact, certified):
     """Whether the certified value is the exact one, rounded to the digits that it has."""
     shown = certified.split("E")[0].replace(".", "").lstrip("-0")
-    return exact == 0 if not shown else digits(exact, len(shown)) == digits(Decimal(certified), len(shown))
+    if not shown:
+        return exact == 0
+    return digits(exact, len(shown)) == digits(Decimal(certified), len(shown))
 
 
 def main():
@@ -99,11 +105,12 @@ def main():
         terms = [line for line in certified if line["set"] == name]
         assert len(terms) == len(b), name
         pairs = [
-            *zip((f"{name} {t['term']}" for t in terms), b, (t["coefficient"] for t in terms)),
-            *zip((f"{name} s({t['term']})" for t in terms), deviations, (t["deviation"] for t in terms)),
             (f"{name} residual", residual, entry["residual_deviation"]),
             (f"{name} R^2", r_squared, entry["r_squared"]),
         ]
+        for term, coefficient, deviation in zip(terms, b, deviations):
+            pairs.append((f"{name} {term['term']}", coefficient, term["coefficient"]))
+            pairs.append((f"{name} s({term['term']})", deviation, term["deviation"]))
         for what, value, printed in pairs:
             checked += 1
             if not same(value, printed):
@@ -117,9 +124,7 @@ def main():
     print(f"{checked} certified values, {different} different")
     if "--write" in sys.argv[1:]:
         with open(FOLDER / "rounded.csv", "w") as file:
-            print("# The exact solution, to 25 digits, of the problems with entries rounded to f64:", file=file)
-            print("# x^k = x^(k-1) * x in f64. Written by verify.py.", file=file)
-            print("set,term,coefficient,deviation", *lines, sep="\n", file=file)
+            print(HEADER, *lines, sep="\n", file=file)
     return different > 0
 
 
