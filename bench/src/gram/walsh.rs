@@ -81,8 +81,8 @@ impl WalshMatrix {
     /// When the shape is none that it can have.
     pub fn matrix(&self) -> Result<Mat<f64>> {
         let (m, n) = (self.rows, self.columns);
-        let fits = m.is_power_of_two() && m.trailing_zeros() % 2 == 0 && m > n;
-        if !fits || n % BLOCK != 0 {
+        let fits = m.is_power_of_two() && m.trailing_zeros().is_multiple_of(2) && m > n;
+        if !fits || !n.is_multiple_of(BLOCK) {
             return Err(format!("{m} x {n}: no shape of a Walsh matrix").into());
         }
         let mut transposed = Mat::zeros(n, m);
@@ -112,7 +112,7 @@ fn walsh_index(k: usize, rows: usize) -> usize {
 
 /// Entry (i, j) of the Walsh-Hadamard matrix.
 fn walsh_sign(i: usize, j: usize) -> f64 {
-    if (i & j).count_ones() % 2 == 0 { 1.0 } else { -1.0 }
+    if (i & j).count_ones().is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 /// Multiplies by the Hadamard matrix of side 16, of entries +-1.
@@ -144,7 +144,7 @@ mod tests {
             assert_eq!(scaled, scaled.trunc());
             scaled as i128
         };
-        let sign = |i: usize, j: usize| if (i & j).count_ones() % 2 == 0 { 1 } else { -1 };
+        let sign = |i: usize, j: usize| if (i & j).count_ones().is_multiple_of(2) { 1 } else { -1 };
         for (i, j) in [(0, 0), (0, 5), (3, 3), (15, 2), (31, 16), (20, 20), (31, 31), (0, 16)] {
             let entry: i128 = (0..1024).map(|r| integer(a[(i, r)]) * integer(a[(j, r)])).sum();
             let known: i128 = (0..16)
