@@ -11,6 +11,7 @@ pub mod curves;
 pub mod decimate;
 pub mod double;
 pub mod exchange;
+pub mod gram;
 pub mod grid;
 pub mod host;
 pub mod input;

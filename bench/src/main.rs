@@ -9,8 +9,8 @@ use catamaran_bench::{Result, host};
 use clap::Parser;
 
 use commands::{
-    accuracy, decimate, exact, functional_map, grid, laplacian, ortho, race, reproduce, scale,
-    spectrum, stream,
+    accuracy, decimate, exact, functional_map, gram, grid, laplacian, ortho, race, reproduce,
+    scale, spectrum, stream,
 };
 
 /// Races against other libraries, and errors beside theirs.
@@ -36,6 +36,8 @@ enum Command {
     Laplacian(laplacian::Arguments),
     /// A functional map, fitted and refined by ZoomOut, beside pyfmaps.
     FunctionalMap(functional_map::Arguments),
+    /// Least squares, singular values and principal components beside numpy, scipy, statsmodels and scikit-learn.
+    Gram(gram::Arguments),
     /// Gram-Schmidt beside column-wise numpy and LAPACK's pivoted QR.
     Ortho(ortho::Arguments),
     /// Decimation of meshes beside other libraries.
@@ -60,6 +62,7 @@ fn main() {
         Command::Spectrum(a) => spectrum::run(a),
         Command::Laplacian(a) => laplacian::run(a),
         Command::FunctionalMap(a) => functional_map::run(a),
+        Command::Gram(a) => gram::run(a),
         Command::Ortho(a) => ortho::run(a),
         Command::Decimate(a) => decimate::run(a),
         Command::Reproduce(a) => reproduce::run(a),

@@ -4,6 +4,7 @@ pub mod accuracy;
 pub mod decimate;
 pub mod exact;
 pub mod functional_map;
+pub mod gram;
 pub mod grid;
 pub mod laplacian;
 pub mod ortho;

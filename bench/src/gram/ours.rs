@@ -1,0 +1,142 @@
+//! Our side: each task once, in a process of its own.
+
+use std::path::Path;
+use std::time::Instant;
+
+use catamaran::faer::{Mat, MatRef};
+use catamaran::ortho::cholesky_qr;
+use catamaran::sparse::Mass;
+use catamaran::{AtaOptions, Par, SchemeChoice, ata};
+use clap::ValueEnum;
+
+use crate::Result;
+use crate::child::{self, Report};
+use crate::exchange::{get, get_vector, put, put_vector};
+
+/// What is done in a folder; the same as bench/rivals/gram.py does by the same name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Task {
+    /// Solves each NAME-a, NAME-b.
+    Digits,
+    /// Solves a, b.
+    Lstsq,
+    /// Singular values of a.
+    Sigma,
+    /// Explained variances of the file a.npy.
+    Pca,
+    /// An orthonormal basis of the columns of a.
+    Qr,
+}
+
+impl Task {
+    /// What bench/rivals/gram.py calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Digits => "digits",
+            Self::Lstsq => "lstsq",
+            Self::Sigma => "sigma",
+            Self::Pca => "pca",
+            Self::Qr => "qr",
+        }
+    }
+}
+
+/// Does a task, writes its result into the folder, and returns the line that [`child::run`] reads.
+///
+/// # Errors
+/// Those of the files, and of the library.
+pub fn run(task: Task, folder: &Path, threads: usize) -> Result<String> {
+    let par = Par::Threads(threads);
+    match task {
+        Task::Digits => digits(folder, par),
+        Task::Lstsq => {
+            let (a, b) = (get(folder, "a")?, get_vector(folder, "b")?);
+            let (x, line) = measured(|| least_squares(a.as_ref(), &b, par))?;
+            put_vector(folder, "x-ours", &x)?;
+            Ok(line)
+        }
+        Task::Sigma => {
+            let a = get(folder, "a")?;
+            let (values, line) = measured(|| singular_values(a.as_ref(), par))?;
+            put_vector(folder, "sigma-ours", &values)?;
+            Ok(line)
+        }
+        Task::Pca => {
+            let (values, line) = measured(|| explained_variances(&folder.join("a.npy"), par))?;
+            put_vector(folder, "variances-ours", &values)?;
+            Ok(line)
+        }
+        Task::Qr => {
+            let mut a = get(folder, "a")?;
+            let (q, line) = measured(|| orthonormal_basis(&mut a, par))?;
+            put(folder, "q-ours", q)?;
+            Ok(line)
+        }
+    }
+}
+
+/// The result of a call, and its report.
+fn measured<T>(call: impl FnOnce() -> Result<T>) -> Result<(T, String)> {
+    child::forget_peak();
+    let [before, _] = child::memory();
+    let start = Instant::now();
+    let result = call()?;
+    let seconds = start.elapsed().as_secs_f64();
+    let [_, peak] = child::memory();
+    Ok((result, Report::line(seconds, peak.saturating_sub(before), &[])))
+}
+
+fn digits(folder: &Path, par: Par) -> Result<String> {
+    let mut names: Vec<String> = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let name = entry?.file_name().to_string_lossy().into_owned();
+        names.extend(name.strip_suffix("-a.npy").map(str::to_owned));
+    }
+    let solve = || -> Result<()> {
+        for name in &names {
+            let a = get(folder, &format!("{name}-a"))?;
+            let b = get_vector(folder, &format!("{name}-b"))?;
+            put_vector(folder, &format!("{name}-ours"), &least_squares(a.as_ref(), &b, par)?)?;
+        }
+        Ok(())
+    };
+    Ok(measured(solve)?.1)
+}
+
+fn missing<T>(what: &str) -> Result<T> {
+    Err(format!("this build has no {what} of an extended Gram matrix").into())
+}
+
+/// The x of least `|A x - b|`.
+fn least_squares(_a: MatRef<'_, f64>, _b: &[f64], _par: Par) -> Result<Vec<f64>> {
+    missing("least squares")
+}
+
+/// The singular values of A, the largest first.
+fn singular_values(_a: MatRef<'_, f64>, _par: Par) -> Result<Vec<f64>> {
+    missing("singular values")
+}
+
+/// The eigenvalues of the covariance of the rows of a file, the largest first.
+fn explained_variances(_file: &Path, _par: Par) -> Result<Vec<f64>> {
+    missing("principal components")
+}
+
+/// An orthonormal basis of the columns of A, in its memory.
+fn orthonormal_basis(a: &mut Mat<f64>, par: Par) -> Result<MatRef<'_, f64>> {
+    let mass = Mass::Lumped(vec![1.0; a.nrows()]);
+    cholesky_qr(a.as_mut(), &mass, par)?;
+    Ok(a.as_ref())
+}
+
+/// The lower triangle of A^T A by the exact path with its default accuracy.
+pub(super) fn exact_gram(a: MatRef<'_, f64>, threads: usize) -> Result<()> {
+    let mut c = Mat::zeros(a.ncols(), a.ncols());
+    let options = AtaOptions::new().scheme(SchemeChoice::Exact).threads(threads);
+    Ok(ata(1.0, a, 0.0, c.as_mut(), &options)?)
+}
+
+/// A^T A in extended precision.
+pub(super) fn extended_gram(_a: MatRef<'_, f64>, _threads: usize) -> Result<()> {
+    missing("sums")
+}
