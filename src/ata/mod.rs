@@ -37,7 +37,7 @@ pub(crate) use gram::About;
 pub(crate) use gram::exact_sums;
 pub use gram::{
     Accumulator, AfterBlock, Center, DenseRows, ExtendedGram, RowBlocks, RowBounds, RowOptions,
-    StreamPlan, Strip, ata_rows, block_rows, scalar_of, stream,
+    StreamPlan, Strip, ata_extended, ata_rows, block_rows, scalar_of, stream,
 };
 #[cfg(feature = "geometry")]
 pub use gram::{ata_sparse, sparse_is_faster, sparse_multiplications};

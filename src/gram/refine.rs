@@ -90,7 +90,8 @@ impl<'a> Refined<'a> {
             let (norm, share) = sizes(&change, &x);
             // Also true of NaN.
             if !(norm <= 0.5 * last) {
-                let outcome = if share <= CONVERGED { Outcome::Converged } else { Outcome::Stalled };
+                let outcome =
+                    if share <= CONVERGED { Outcome::Converged } else { Outcome::Stalled };
                 // Where one correction is as large as the one before, both are noise.
                 let fine = if norm <= NOISE { Outcome::Converged } else { outcome };
                 return Ok((x, fine));

@@ -28,7 +28,7 @@ pub use extended::ExtendedGram;
 pub use format::scalar_of;
 pub use grid::RowBounds;
 pub use plan::StreamPlan;
-pub use rows::{Center, RowOptions, ata_rows};
+pub use rows::{Center, RowOptions, ata_extended, ata_rows};
 pub use source::{DenseRows, RowBlocks};
 #[cfg(feature = "geometry")]
 pub use sparse::{ata_sparse, sparse_is_faster, sparse_multiplications};

@@ -4,14 +4,16 @@
 use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
-use super::accumulator::check_weights;
+use super::accumulator::{Accumulator, check_weights};
 use super::blocks::block_rows;
 use super::exact::ExactSums;
+use super::extended::ExtendedGram;
 use super::float;
 use super::grid::{RowBounds, Shift};
 use super::moments::{Moments, check_weight};
 use super::pass::{FIRST_PASS, for_each_block_of};
 use super::source::RowBlocks;
+use super::stream::stream;
 use crate::ata::ata;
 use crate::ata::combine::in_lower;
 use crate::ata::options::AtaOptions;
@@ -188,6 +190,56 @@ fn exact_rows<T: BlasReal>(
             *c = if beta == T::ZERO { value } else { value + beta * *c };
         })
     })
+}
+
+/// Computes `X^T W X` in extended precision, where X are the rows (m x n) or the rows less their
+/// mean, and W the weights.
+///
+/// Rows are read twice, block by block: once for their bounds, once for the sums of an
+/// [`Accumulator::extended`](super::Accumulator::extended). The result is the same, bit for bit, for
+/// every `options.par`, any order of the rows and any instruction set. Beside two blocks and the
+/// scratch of a product, 32 bytes for each entry of a triangle and 24 for each entry of C are needed.
+///
+/// ```
+/// use catamaran::ata::{DenseRows, RowOptions, ata_extended};
+/// use catamaran::{AtaOptions, faer::mat};
+///
+/// // The classical example whose Gram matrix in f64 is singular.
+/// let e = 2f64.powi(-30);
+/// let a = mat![[1.0, 1.0], [e, 0.0], [0.0, e]];
+/// let (rows, plain) = (&mut DenseRows(a.as_ref()), RowOptions::<f64>::new());
+/// let gram = ata_extended(rows, &plain, &AtaOptions::new())?;
+/// assert_eq!(gram.entry(0, 0), [1.0, e * e, 0.0]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::NonFinite`] for weights, and for the first column (as index (0, j)) with a NaN or an
+/// infinity; [`Error::Shape`] for weights; [`Error::Argument`] for a given centre and for weights of
+/// a mean that sum to zero; the errors of the source; [`Error::OutOfMemory`], [`Error::Cancelled`].
+pub fn ata_extended<T: BlasReal>(
+    rows: &mut (dyn RowBlocks<T> + Send),
+    row_options: &RowOptions<'_, T>,
+    options: &AtaOptions<'_>,
+) -> Result<ExtendedGram> {
+    options.check()?;
+    let weights = row_options.weights;
+    row_options.check(rows.nrows(), rows.ncols())?;
+    let centered = match row_options.center {
+        Center::No => false,
+        Center::Mean => true,
+        Center::Given(_) => {
+            let why = "extended sums are about zero or about the mean";
+            return Err(Error::Argument { what: "center", why: why.into() });
+        }
+    };
+    let height = block_rows::<T>(rows.ncols(), weights.is_some());
+    let [first, rest] = [0.0..FIRST_PASS, FIRST_PASS..1.0].map(|part| options.progress.part(part));
+    let bounds = RowBounds::of(rows, weights, height, &options.clone().progress(first))?;
+    let mut sum = Accumulator::extended(&bounds, centered)?;
+    let options = options.clone().progress(rest);
+    stream(rows, weights, height, &mut sum, &options, &mut |_| Ok(()))?;
+    sum.finish_extended()
 }
 
 /// Rows less their centre.

@@ -1,5 +1,6 @@
 //! Where rows come from.
 
+use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef};
 
 use crate::base::{Real, Result};
@@ -68,9 +69,25 @@ impl<S: Real, T: Real> RowBlocks<T> for DenseRows<'_, S> {
     }
 
     fn read(&mut self, first: usize, mut out: MatMut<'_, T>) -> Result<()> {
-        for i in 0..out.nrows() {
-            for j in 0..out.ncols() {
-                out[(i, j)] = T::from_f64(self.0[(first + i, j)].to_f64());
+        /// Rows of a column that are converted while their lines are in the cache.
+        const RUN: usize = 64;
+        let a = self.0.subrows(first, out.nrows());
+        if a.col_stride().unsigned_abs() <= a.row_stride().unsigned_abs() {
+            for i in 0..a.nrows() {
+                for (out, x) in out.rb_mut().row_mut(i).iter_mut().zip(a.row(i).iter()) {
+                    *out = T::from_f64(x.to_f64());
+                }
+            }
+            return Ok(());
+        }
+        for start in (0..a.nrows()).step_by(RUN) {
+            let count = RUN.min(a.nrows() - start);
+            let mut out = out.rb_mut().subrows_mut(start, count);
+            let a = a.subrows(start, count);
+            for j in 0..a.ncols() {
+                for (out, x) in out.rb_mut().col_mut(j).iter_mut().zip(a.col(j).iter()) {
+                    *out = T::from_f64(x.to_f64());
+                }
             }
         }
         Ok(())
