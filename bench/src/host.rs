@@ -88,7 +88,7 @@ fn output(program: &str, arguments: &[&str]) -> String {
 ///
 /// # Errors
 /// When the program can't be started again.
-pub fn with_environment_for_rivals(folder: &Path) -> Result<()> {
+pub fn with_environment_for_rivals(folder: &Path, openblas: Kernels) -> Result<()> {
     let intel = find("mkl", folder)
         .and_then(|p| Some(p.parent()?.join("libiomp5.so").exists()))
         .unwrap_or(true);
@@ -103,8 +103,12 @@ pub fn with_environment_for_rivals(folder: &Path) -> Result<()> {
     if intel_avx512() && std::env::var_os("BLIS_ARCH_TYPE").is_none() {
         wanted.push(("BLIS_ARCH_TYPE", "skx"));
     }
-    // A kernel set forced on OpenBLAS makes a slower rival of it.
-    let unwanted = ["OPENBLAS_CORETYPE", "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"];
+    let mut unwanted = vec!["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"];
+    match openblas {
+        Kernels::OfOldLibrary if intel_avx512() => wanted.push(("OPENBLAS_CORETYPE", "SkylakeX")),
+        // A kernel set forced on OpenBLAS makes a slower rival of it.
+        _ => unwanted.push("OPENBLAS_CORETYPE"),
+    }
     let right = wanted.iter().all(|(k, v)| std::env::var(k).is_ok_and(|x| x == *v))
         && unwanted.iter().all(|k| std::env::var_os(k).is_none());
     if right {
@@ -116,6 +120,16 @@ pub fn with_environment_for_rivals(folder: &Path) -> Result<()> {
         again.env_remove(key);
     }
     Err(std::os::unix::process::CommandExt::exec(&mut again).into())
+}
+
+/// Who chooses the kernels of OpenBLAS.
+#[derive(Clone, Copy)]
+pub enum Kernels {
+    /// The library itself.
+    OfLibrary,
+    /// We do, on Intel CPUs with AVX-512: that of the system may be older than the CPU, and then takes
+    /// those of Prescott (Debian 12 on Emerald Rapids: 13 GFLOP/s of pdsyrk on one core).
+    OfOldLibrary,
 }
 
 /// BLIS goes by the model number, which virtual machines change, and then falls back to AVX2.

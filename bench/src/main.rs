@@ -49,7 +49,7 @@ enum Command {
 fn main() {
     let command = Command::parse();
     let beside = |libraries: &Path, run: &dyn Fn() -> Result<()>| {
-        host::with_environment_for_rivals(libraries).and_then(|()| run())
+        host::with_environment_for_rivals(libraries, host::Kernels::OfLibrary).and_then(|()| run())
     };
     let done = match &command {
         Command::Ata(a) => beside(&a.common.libraries, &|| race::run(Operation::Syrk, a)),

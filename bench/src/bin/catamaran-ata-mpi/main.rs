@@ -18,6 +18,7 @@ mod scalapack;
 use std::path::Path;
 use std::process::ExitCode;
 
+use catamaran_bench::host::Kernels;
 use catamaran_bench::{Result, host};
 use clap::Parser;
 
@@ -37,7 +38,7 @@ fn main() -> ExitCode {
         }
         std::process::exit(error.exit_code());
     });
-    let done = host::with_environment_for_rivals(Path::new("target/rivals"))
+    let done = host::with_environment_for_rivals(Path::new("target/rivals"), Kernels::OfOldLibrary)
         .and_then(|()| with_mpi(&arguments));
     match done {
         Ok(true) => ExitCode::SUCCESS,
