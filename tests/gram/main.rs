@@ -1,0 +1,169 @@
+//! Least squares and principal components from rows: against certified values and invariants.
+
+#[path = "../common/nist.rs"]
+mod nist;
+
+use catamaran::base::Rng;
+use catamaran::faer::{Mat, MatRef};
+use catamaran::gram::{
+    LeastSquaresOptions, PrincipalComponentsOptions, RankDeficiency, lstsq, pca, svd,
+};
+use catamaran::{Error, Par};
+
+use nist::NistSet;
+
+/// Correct decimal digits: `-log10` of the relative error, at most 15.
+fn digits(found: f64, right: f64) -> f64 {
+    let error = if right == 0.0 { found.abs() } else { (found - right).abs() / right.abs() };
+    if error == 0.0 { 15.0 } else { (-error.log10()).min(15.0) }
+}
+
+fn least_digits(found: impl Iterator<Item = f64>, right: &[f64]) -> f64 {
+    found.zip(right).map(|(found, &right)| digits(found, right)).fold(15.0, f64::min)
+}
+
+fn column(values: &[f64]) -> MatRef<'_, f64> {
+    MatRef::from_column_major_slice(values, values.len(), 1)
+}
+
+#[test]
+fn coefficients_of_nist_have_at_least_thirteen_digits() {
+    for set in NistSet::all().unwrap() {
+        let options = LeastSquaresOptions::new();
+        let found =
+            lstsq(set.design.as_ref(), column(&set.response), None, &options).unwrap();
+        let name = &set.name;
+        assert_eq!(found.rank, set.design.ncols(), "{name}");
+        let coefficients = found.coefficients.col(0).iter().copied();
+        let correct = least_digits(coefficients, &set.rounded.coefficients);
+        println!("{name}: {correct:.1} digits, promised {:.1}", found.digits);
+        assert!(correct >= 13.0, "{name}: {correct}");
+        assert!(correct >= found.digits.min(14.5), "{name}: {correct}, not {}", found.digits);
+        let errors = found.standard_errors.col(0).iter().copied();
+        let exact_fit = set.residual_deviation == 0.0;
+        if exact_fit {
+            continue;
+        }
+        let correct = least_digits(errors, &set.rounded.deviations);
+        assert!(correct >= 12.0, "deviations of {name}: {correct}");
+    }
+}
+
+#[test]
+fn an_intercept_is_that_of_a_column_of_ones() {
+    for set in NistSet::all().unwrap().into_iter().filter(|set| set.intercept) {
+        let options = LeastSquaresOptions::new().intercept(true);
+        let a = set.design.as_ref().subcols(1, set.design.ncols() - 1);
+        let found = lstsq(a, column(&set.response), None, &options).unwrap();
+        let all = found.intercepts.iter().chain(found.coefficients.col(0).iter()).copied();
+        let correct = least_digits(all, &set.rounded.coefficients);
+        assert!(correct >= 13.0, "{}: {correct}", set.name);
+        let own = digits(found.r_squared[0], set.r_squared);
+        assert!(own >= 9.0, "R^2 of {}: {own}", set.name);
+    }
+}
+
+#[test]
+fn weights_count_rows_several_times() {
+    let mut rng = Rng::new(1);
+    let a = Mat::<f64>::from_fn(23, 3, |_, _| rng.normal());
+    let b = Mat::<f64>::from_fn(23, 2, |_, _| rng.normal());
+    let weights: Vec<f64> = (0..23).map(|i| f64::from(i % 3)).collect();
+    let repeated: Vec<usize> = (0..23).flat_map(|i| vec![i; i % 3]).collect();
+    let rows = |m: &Mat<f64>| Mat::from_fn(repeated.len(), m.ncols(), |i, j| m[(repeated[i], j)]);
+    for intercept in [false, true] {
+        let options = LeastSquaresOptions::new().intercept(intercept);
+        let weighted = lstsq(a.as_ref(), b.as_ref(), Some(&weights), &options).unwrap();
+        let right = lstsq(rows(&a).as_ref(), rows(&b).as_ref(), None, &options).unwrap();
+        assert_eq!(weighted.coefficients, right.coefficients);
+        assert_eq!(weighted.residual_norms, right.residual_norms);
+        assert_eq!(weighted.intercepts, right.intercepts);
+    }
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let mut rng = Rng::new(2);
+    let a = Mat::<f64>::from_fn(301, 37, |_, _| rng.normal());
+    let b = Mat::<f64>::from_fn(301, 1, |_, _| rng.normal());
+    let solve = |threads| {
+        let options = LeastSquaresOptions::new().intercept(true).threads(threads);
+        let found = lstsq(a.as_ref(), b.as_ref(), None, &options).unwrap();
+        (found.coefficients, found.intercepts, found.standard_errors)
+    };
+    let of_one = solve(1);
+    assert_eq!(solve(2), of_one);
+    assert_eq!(solve(5), of_one);
+    let components = |threads| {
+        let found = pca(a.as_ref(), &PrincipalComponentsOptions::new().threads(threads)).unwrap();
+        (found.components, found.singular_values)
+    };
+    assert_eq!(components(3), components(1));
+}
+
+#[test]
+fn small_singular_values_keep_their_digits() {
+    // Columns of a Hadamard matrix times powers of two: the singular values are 4 2^e.
+    let sign = |i: usize, j: usize| if (i & j).count_ones() % 2 == 0 { 1.0 } else { -1.0 };
+    let exponents = [0, -10, -20, -30, -40, -49];
+    let a = Mat::<f64>::from_fn(16, 6, |i, j| sign(i, j) * f64::from(exponents[j]).exp2());
+    let found = svd(a.as_ref(), Par::Seq).unwrap();
+    for (value, exponent) in found.values.iter().zip(exponents) {
+        let right = 4.0 * f64::from(exponent).exp2();
+        assert!((value / right - 1.0).abs() <= 4e-16, "{value:e}, not {right:e}");
+    }
+    // Mixed by an exact rotation by 45 degrees, which hides them from the columns.
+    let mixed = Mat::<f64>::from_fn(16, 6, |i, j| {
+        let other = j ^ 1;
+        if j % 2 == 0 { a[(i, j)] + a[(i, other)] } else { a[(i, other)] - a[(i, j)] }
+    });
+    let found = svd(mixed.as_ref(), Par::Seq).unwrap();
+    for (value, exponent) in found.values.iter().zip(exponents) {
+        let right = 2f64.sqrt() * 4.0 * f64::from(exponent).exp2();
+        assert!((value / right - 1.0).abs() <= 1e-14, "{value:e}, not {right:e}");
+    }
+}
+
+#[test]
+fn a_small_variance_is_not_lost_beside_a_large_one() {
+    // scikit-learn #29534: a singular value of 1e-8 beside one of 1.
+    let mut rng = Rng::new(3);
+    let a = Mat::<f64>::from_fn(50, 2, |i, j| {
+        let t = if i % 2 == 0 { 1.0 } else { -1.0 };
+        let s = rng.sign() * 2f64.powi(-27);
+        t + if j == 0 { s } else { -s }
+    });
+    let found = pca(a.as_ref(), &PrincipalComponentsOptions::new()).unwrap();
+    let [large, small] = [found.singular_values[0], found.singular_values[1]];
+    assert!(large > 9.0 && small > 0.0);
+    assert!(small / large > 2f64.powi(-28) && small / large < 2f64.powi(-26), "{small:e}");
+}
+
+#[test]
+fn bad_problems_are_refused_with_the_culprit() {
+    let a = Mat::<f64>::from_fn(6, 3, |i, j| if j == 2 { i as f64 } else { (i * j) as f64 });
+    let b = Mat::<f64>::from_fn(6, 1, |i, _| i as f64);
+    let options = LeastSquaresOptions::new();
+    let solve = |b: &Mat<f64>, weights: Option<&[f64]>, options: &LeastSquaresOptions| {
+        lstsq(a.as_ref(), b.as_ref(), weights, options)
+    };
+    // The first column is zero, the others are equal.
+    let found = solve(&b, None, &options).unwrap();
+    assert_eq!(found.rank, 1);
+    assert_eq!(found.coefficients, Mat::from_fn(3, 1, |i, _| if i == 0 { 0.0 } else { 0.5 }));
+    let refuse = options.rank_deficiency(RankDeficiency::Refuse);
+    assert!(matches!(solve(&b, None, &refuse).unwrap_err(), Error::Argument { what: "A", .. }));
+    let short = Mat::zeros(5, 1);
+    assert!(matches!(solve(&short, None, &options).unwrap_err(), Error::Shape { what: "B", .. }));
+    let refused = solve(&b, Some(&[1.0; 5]), &options).unwrap_err();
+    assert!(matches!(refused, Error::Shape { what: "weights", .. }));
+    let refused = solve(&b, Some(&[1.0, 1.0, -1.0, 1.0, 1.0, 1.0]), &options).unwrap_err();
+    assert!(matches!(refused, Error::Argument { what: "weights", .. }));
+    let mut bad = b.clone();
+    bad[(3, 0)] = f64::INFINITY;
+    let refused = solve(&bad, None, &options).unwrap_err();
+    assert_eq!(refused, Error::NonFinite { what: "rows", index: (0, 3) });
+    let nothing = Mat::<f64>::zeros(0, 3);
+    let found = lstsq(nothing.as_ref(), Mat::zeros(0, 1).as_ref(), None, &options).unwrap();
+    assert_eq!((found.rank, found.coefficients), (0, Mat::zeros(3, 1)));
+}
