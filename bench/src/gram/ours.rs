@@ -3,9 +3,13 @@
 use std::path::Path;
 use std::time::Instant;
 
-use catamaran::faer::{Mat, MatRef};
-use catamaran::ortho::cholesky_qr;
-use catamaran::sparse::Mass;
+use catamaran::ata::{Accumulator, ExtendedGram, RowBlocks, RowBounds, block_rows, stream};
+use catamaran::faer::{Mat, MatMut, MatRef};
+use catamaran::gram::{
+    GramQr, LeastSquares, LeastSquaresOptions, PrincipalComponents, PrincipalComponentsOptions,
+    SingularValues,
+};
+use catamaran::io::{Dense, Matrix, ReadOptions, RowFile, read};
 use catamaran::{AtaOptions, Par, SchemeChoice, ata};
 use clap::ValueEnum;
 
@@ -50,13 +54,13 @@ pub fn run(task: Task, folder: &Path, threads: usize) -> Result<String> {
     match task {
         Task::Digits => digits(folder, par),
         Task::Lstsq => {
-            let (a, b) = (get(folder, "a")?, get_vector(folder, "b")?);
+            let (a, b) = (by_rows(folder, "a")?, get_vector(folder, "b")?);
             let (x, line) = measured(|| least_squares(a.as_ref(), &b, par))?;
             put_vector(folder, "x-ours", &x)?;
             Ok(line)
         }
         Task::Sigma => {
-            let a = get(folder, "a")?;
+            let a = by_rows(folder, "a")?;
             let (values, line) = measured(|| singular_values(a.as_ref(), par))?;
             put_vector(folder, "sigma-ours", &values)?;
             Ok(line)
@@ -103,29 +107,77 @@ fn digits(folder: &Path, par: Par) -> Result<String> {
     Ok(measured(solve)?.1)
 }
 
-fn missing<T>(what: &str) -> Result<T> {
-    Err(format!("this build has no {what} of an extended Gram matrix").into())
+/// The matrix NAME of a folder by rows, as numpy gets it.
+fn by_rows(folder: &Path, name: &str) -> Result<Dense<f64>> {
+    match read(&folder.join(format!("{name}.npy")), &ReadOptions::default())? {
+        Matrix::F64(dense) => Ok(dense),
+        _ => Err(format!("{name}: not doubles").into()),
+    }
+}
+
+/// The rows of `[A b]`, of which no copy is made, or of A alone.
+struct Rows<'a> {
+    a: MatRef<'a, f64>,
+    b: &'a [f64],
+}
+
+impl RowBlocks<f64> for Rows<'_> {
+    fn nrows(&self) -> usize {
+        self.a.nrows()
+    }
+
+    fn ncols(&self) -> usize {
+        self.a.ncols() + usize::from(!self.b.is_empty())
+    }
+
+    fn read(&mut self, first: usize, mut out: MatMut<'_, f64>) -> catamaran::Result<()> {
+        let n = self.a.ncols();
+        for i in 0..out.nrows() {
+            let mut row = out.as_mut().row_mut(i);
+            row.as_mut().subcols_mut(0, n).copy_from(self.a.row(first + i));
+            if let Some(b) = self.b.get(first + i) {
+                row[n] = *b;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The Gram matrix of rows, in extended precision. Bounds take a pass of their own.
+fn gram(rows: &mut (dyn RowBlocks<f64> + Send), centered: bool, par: Par) -> Result<ExtendedGram> {
+    let options = AtaOptions::new().par(par);
+    let height = block_rows::<f64>(rows.ncols(), false);
+    let bounds = RowBounds::of(rows, None, height, &options)?;
+    let mut sum = Accumulator::extended(&bounds, centered)?;
+    stream(rows, None, height, &mut sum, &options, &mut |_| Ok(()))?;
+    Ok(sum.finish_extended()?)
 }
 
 /// The x of least `|A x - b|`.
-fn least_squares(_a: MatRef<'_, f64>, _b: &[f64], _par: Par) -> Result<Vec<f64>> {
-    missing("least squares")
+fn least_squares(a: MatRef<'_, f64>, b: &[f64], par: Par) -> Result<Vec<f64>> {
+    let gram = gram(&mut Rows { a, b }, false, par)?;
+    // The rivals compute none.
+    let options = LeastSquaresOptions::new().standard_errors(false).par(par);
+    let found = LeastSquares::from_gram(&gram, 1, &options)?;
+    Ok(found.coefficients.col(0).iter().copied().collect())
 }
 
 /// The singular values of A, the largest first.
-fn singular_values(_a: MatRef<'_, f64>, _par: Par) -> Result<Vec<f64>> {
-    missing("singular values")
+fn singular_values(a: MatRef<'_, f64>, par: Par) -> Result<Vec<f64>> {
+    Ok(SingularValues::from_gram(&gram(&mut Rows { a, b: &[] }, false, par)?, par)?.values)
 }
 
 /// The eigenvalues of the covariance of the rows of a file, the largest first.
-fn explained_variances(_file: &Path, _par: Par) -> Result<Vec<f64>> {
-    missing("principal components")
+fn explained_variances(file: &Path, par: Par) -> Result<Vec<f64>> {
+    let gram = gram(&mut RowFile::open(file)?, true, par)?;
+    let options = PrincipalComponentsOptions::new().par(par);
+    Ok(PrincipalComponents::from_gram(&gram, &options)?.explained_variance)
 }
 
 /// An orthonormal basis of the columns of A, in its memory.
 fn orthonormal_basis(a: &mut Mat<f64>, par: Par) -> Result<MatRef<'_, f64>> {
-    let mass = Mass::Lumped(vec![1.0; a.nrows()]);
-    cholesky_qr(a.as_mut(), &mass, par)?;
+    let gram = gram(&mut Rows { a: a.as_ref(), b: &[] }, false, par)?;
+    GramQr::from_gram(&gram, par)?.apply(a.as_mut(), par)?;
     Ok(a.as_ref())
 }
 
@@ -137,6 +189,6 @@ pub(super) fn exact_gram(a: MatRef<'_, f64>, threads: usize) -> Result<()> {
 }
 
 /// A^T A in extended precision.
-pub(super) fn extended_gram(_a: MatRef<'_, f64>, _threads: usize) -> Result<()> {
-    missing("sums")
+pub(super) fn extended_gram(a: MatRef<'_, f64>, threads: usize) -> Result<()> {
+    gram(&mut Rows { a, b: &[] }, false, Par::Threads(threads)).map(|_| ())
 }
