@@ -17,7 +17,7 @@ pub enum Pivoting {
     /// a small relative error.
     Largest,
     /// The first one: R is that of A with its columns in their order, those that depend on others
-    /// last.
+    /// last. A column that depends on others by large coefficients may pass for independent.
     Natural,
 }
 

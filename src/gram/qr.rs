@@ -12,6 +12,9 @@ use crate::dense::for_row_blocks;
 /// Rows of A that are multiplied at a time.
 const ROWS: usize = 64;
 
+/// Distance from the identity of a `Q^T Q` that has digits.
+const FAR: f64 = 0.5;
+
 /// Columns of a product that one thread computes at a time.
 const TASK: usize = 16;
 
@@ -63,8 +66,12 @@ impl GramQr {
         let mut inverse = factor.inverse(par)?;
         // Columns of R^T are rows of R.
         let mut rows = factor.lower.clone();
-        let error = n as f64 * factor.scaled_condition()?.powi(2) * 2f64.powi(-104);
-        if error > FINE && gram.is_exact() {
+        let square = n as f64 * factor.scaled_condition()?.powi(2);
+        if !gram.is_exact() && square * 2f64.powi(-79) > FAR {
+            let why = "its columns depend on each other, as far as rounded entries can tell".into();
+            return Err(Error::Argument { what: "A", why });
+        }
+        if gram.is_exact() && square * 2f64.powi(-104) > FINE {
             let far = gram_of_inverse(&factor, gram, &inverse, par)?;
             (rows, inverse) = corrected(&far, &rows, &inverse, par)?;
         }
@@ -167,8 +174,6 @@ fn corrected(
     inverse: &Columns<2>,
     par: Par,
 ) -> Result<(Columns<2>, Columns<2>)> {
-    /// Distance from the identity of a product that has digits.
-    const FAR: f64 = 0.5;
     let n = product.rows;
     let far = |i: usize, j: usize| (product.get(i, j)[0] - f64::from(i == j)).abs();
     for j in 0..n {

@@ -3,11 +3,10 @@
 use std::path::Path;
 use std::time::Instant;
 
-use catamaran::ata::{Accumulator, ExtendedGram, RowBlocks, RowBounds, block_rows, stream};
-use catamaran::faer::{Mat, MatMut, MatRef};
+use catamaran::ata::{Center, DenseRows, ExtendedGram, RowOptions, ata_extended};
+use catamaran::faer::{Mat, MatRef};
 use catamaran::gram::{
-    GramQr, LeastSquares, LeastSquaresOptions, PrincipalComponents, PrincipalComponentsOptions,
-    SingularValues,
+    GramQr, LeastSquaresOptions, PrincipalComponents, PrincipalComponentsOptions, lstsq, svd,
 };
 use catamaran::io::{Dense, Matrix, ReadOptions, RowFile, read};
 use catamaran::{AtaOptions, Par, SchemeChoice, ata};
@@ -115,69 +114,38 @@ fn by_rows(folder: &Path, name: &str) -> Result<Dense<f64>> {
     }
 }
 
-/// The rows of `[A b]`, of which no copy is made, or of A alone.
-struct Rows<'a> {
-    a: MatRef<'a, f64>,
-    b: &'a [f64],
-}
-
-impl RowBlocks<f64> for Rows<'_> {
-    fn nrows(&self) -> usize {
-        self.a.nrows()
-    }
-
-    fn ncols(&self) -> usize {
-        self.a.ncols() + usize::from(!self.b.is_empty())
-    }
-
-    fn read(&mut self, first: usize, mut out: MatMut<'_, f64>) -> catamaran::Result<()> {
-        let n = self.a.ncols();
-        for i in 0..out.nrows() {
-            let mut row = out.as_mut().row_mut(i);
-            row.as_mut().subcols_mut(0, n).copy_from(self.a.row(first + i));
-            if let Some(b) = self.b.get(first + i) {
-                row[n] = *b;
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The Gram matrix of rows, in extended precision. Bounds take a pass of their own.
-fn gram(rows: &mut (dyn RowBlocks<f64> + Send), centered: bool, par: Par) -> Result<ExtendedGram> {
-    let options = AtaOptions::new().par(par);
-    let height = block_rows::<f64>(rows.ncols(), false);
-    let bounds = RowBounds::of(rows, None, height, &options)?;
-    let mut sum = Accumulator::extended(&bounds, centered)?;
-    stream(rows, None, height, &mut sum, &options, &mut |_| Ok(()))?;
-    Ok(sum.finish_extended()?)
-}
-
 /// The x of least `|A x - b|`.
 fn least_squares(a: MatRef<'_, f64>, b: &[f64], par: Par) -> Result<Vec<f64>> {
-    let gram = gram(&mut Rows { a, b }, false, par)?;
-    // The rivals compute none.
+    // The rivals compute no standard errors.
     let options = LeastSquaresOptions::new().standard_errors(false).par(par);
-    let found = LeastSquares::from_gram(&gram, 1, &options)?;
+    let b = MatRef::from_column_major_slice(b, b.len(), 1);
+    let found = lstsq(a, b, None, &options)?;
     Ok(found.coefficients.col(0).iter().copied().collect())
 }
 
 /// The singular values of A, the largest first.
 fn singular_values(a: MatRef<'_, f64>, par: Par) -> Result<Vec<f64>> {
-    Ok(SingularValues::from_gram(&gram(&mut Rows { a, b: &[] }, false, par)?, par)?.values)
+    Ok(svd(a, par)?.values)
+}
+
+/// The Gram matrix of A in extended precision.
+fn extended(a: MatRef<'_, f64>, par: Par) -> Result<ExtendedGram> {
+    let options = AtaOptions::new().par(par);
+    Ok(ata_extended(&mut DenseRows(a), &RowOptions::<f64>::new(), &options)?)
 }
 
 /// The eigenvalues of the covariance of the rows of a file, the largest first.
 fn explained_variances(file: &Path, par: Par) -> Result<Vec<f64>> {
-    let gram = gram(&mut RowFile::open(file)?, true, par)?;
+    let about_mean = RowOptions::<f64>::new().center(Center::Mean);
+    let options = AtaOptions::new().par(par);
+    let gram = ata_extended(&mut RowFile::open(file)?, &about_mean, &options)?;
     let options = PrincipalComponentsOptions::new().par(par);
     Ok(PrincipalComponents::from_gram(&gram, &options)?.explained_variance)
 }
 
 /// An orthonormal basis of the columns of A, in its memory.
 fn orthonormal_basis(a: &mut Mat<f64>, par: Par) -> Result<MatRef<'_, f64>> {
-    let gram = gram(&mut Rows { a: a.as_ref(), b: &[] }, false, par)?;
-    GramQr::from_gram(&gram, par)?.apply(a.as_mut(), par)?;
+    GramQr::from_gram(&extended(a.as_ref(), par)?, par)?.apply(a.as_mut(), par)?;
     Ok(a.as_ref())
 }
 
@@ -190,5 +158,5 @@ pub(super) fn exact_gram(a: MatRef<'_, f64>, threads: usize) -> Result<()> {
 
 /// A^T A in extended precision.
 pub(super) fn extended_gram(a: MatRef<'_, f64>, threads: usize) -> Result<()> {
-    gram(&mut Rows { a, b: &[] }, false, Par::Threads(threads)).map(|_| ())
+    extended(a, Par::Threads(threads)).map(drop)
 }
