@@ -4,6 +4,7 @@
 use faer::Mat;
 
 use super::double::scaled;
+use super::slices::widest;
 use crate::base::{Error, Par, Result, zeros};
 
 /// Columns of a block: two blocks of some thousand rows stay in the second-level cache.
@@ -74,7 +75,7 @@ fn rotate(columns: &mut [f64], n: usize, par: Par) -> Result<()> {
                 })
                 .collect();
             par.at_most(meetings.len()).for_each(meetings.iter_mut(), |_, (a, b, found)| {
-                pulp::Arch::new().dispatch(
+                widest(
                     #[inline(always)]
                     || *found = meet(a, b, n, limit, round == 0),
                 );

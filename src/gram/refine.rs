@@ -3,7 +3,7 @@
 use super::cholesky::PivotedCholesky;
 use super::columns::{Columns, LANES};
 use super::double::{DoubleDouble, scaled};
-use super::slices::{add_triples, normalize_triples};
+use super::slices::{add_triples, normalize_triples, widest};
 use crate::base::{Par, Result};
 
 /// Rows of a residual that stay in the first-level cache.
@@ -46,7 +46,7 @@ impl<'a> Refined<'a> {
         let stride = b.stride;
         let blocks = self.par.map_blocks(stride, ROWS, |rows| {
             let mut sums = Vec::with_capacity(b.cols);
-            pulp::Arch::new().dispatch(
+            widest(
                 #[inline(always)]
                 || {
                     for q in 0..b.cols {
