@@ -163,12 +163,7 @@ impl Problem<'_> {
     ///
     /// It is `b^T b - x^T A^T b - x^T r`, with r the residual of the equations without the ridge:
     /// errors of x count squared only.
-    fn residuals(
-        &self,
-        factor: &PivotedCholesky,
-        x: &Columns<2>,
-        rest: &Columns<3>,
-    ) -> Vec<f64> {
+    fn residuals(&self, factor: &PivotedCholesky, x: &Columns<2>, rest: &Columns<3>) -> Vec<f64> {
         // Of sums in three parts, and of rounded entries.
         let unit = 2f64.powi(if self.gram.is_exact() { -150 } else { -79 });
         let residual = |q: usize| {
@@ -243,7 +238,8 @@ impl LeastSquares {
             Ok::<_, Error>(all)
         };
         let x = unscaled(&x)?;
-        let (mut high, mut low) = (crate::dense::zeros(n, targets)?, crate::dense::zeros(n, targets)?);
+        let (mut high, mut low) =
+            (crate::dense::zeros(n, targets)?, crate::dense::zeros(n, targets)?);
         for (i, &column) in factor.order().iter().enumerate() {
             for q in 0..targets {
                 let value = x.double(q, i).scaled(problem.exponents[q]);
@@ -251,24 +247,31 @@ impl LeastSquares {
             }
         }
         let centered = u64::from(!gram.mean().is_empty());
-        let mut found = Self {
-            intercepts: vec![0.0; targets],
-            residual_norms: (0..targets)
-                .map(|q| scaled(squares[q].sqrt(), problem.exponents[q]))
-                .collect(),
-            r_squared: (0..targets)
-                .map(|q| if squares[q] == 0.0 { 1.0 } else { 1.0 - squares[q] / problem.square(q)[0] })
-                .collect(),
-            coefficients: high,
-            coefficients_low: low,
-            standard_errors: Mat::new(),
-            intercept_errors: Vec::new(),
-            rank,
-            dependent: factor.dependent().to_vec(),
-            condition: factor.condition()?,
-            degrees_of_freedom: gram.rows().saturating_sub(rank as u64 + centered),
-            digits: digits(&factor, gram.is_exact(), outcome)?,
-        };
+        let mut found =
+            Self {
+                intercepts: vec![0.0; targets],
+                residual_norms: (0..targets)
+                    .map(|q| scaled(squares[q].sqrt(), problem.exponents[q]))
+                    .collect(),
+                r_squared: (0..targets)
+                    .map(|q| {
+                        if squares[q] == 0.0 {
+                            1.0
+                        } else {
+                            1.0 - squares[q] / problem.square(q)[0]
+                        }
+                    })
+                    .collect(),
+                coefficients: high,
+                coefficients_low: low,
+                standard_errors: Mat::new(),
+                intercept_errors: Vec::new(),
+                rank,
+                dependent: factor.dependent().to_vec(),
+                condition: factor.condition()?,
+                degrees_of_freedom: gram.rows().saturating_sub(rank as u64 + centered),
+                digits: digits(&factor, gram.is_exact(), outcome)?,
+            };
         if options.intercept {
             found.intercepts = (0..targets).map(|q| found.intercept(gram, q)).collect();
         }
@@ -341,7 +344,10 @@ fn checked<'a>(
         return refuse("targets", format!("between 1 and {} columns, and not {targets}", gram.n()));
     }
     if !options.ridge.is_finite() || options.ridge < 0.0 {
-        return refuse("ridge", format!("must be finite and at least 0, and not {}", options.ridge));
+        return refuse(
+            "ridge",
+            format!("must be finite and at least 0, and not {}", options.ridge),
+        );
     }
     if options.intercept && gram.mean().len() != gram.n() {
         return refuse("intercept", "needs a Gram matrix about the mean".into());

@@ -88,9 +88,9 @@ impl<'a> Refined<'a> {
             let mut change = by_rows(&self.residual(b, &x)?)?;
             self.correction(&mut change)?;
             let (norm, share) = sizes(&change, &x);
-            // Also true of NaN.
-            if !(norm <= 0.5 * last) {
-                let outcome = if share <= CONVERGED { Outcome::Converged } else { Outcome::Stalled };
+            if norm.is_nan() || norm > 0.5 * last {
+                let outcome =
+                    if share <= CONVERGED { Outcome::Converged } else { Outcome::Stalled };
                 // Where one correction is as large as the one before, both are noise.
                 let fine = if norm <= NOISE { Outcome::Converged } else { outcome };
                 return Ok((x, fine));

@@ -112,11 +112,7 @@ fn copy_into(x: &mut Columns<2>, block: &Columns<2>, cols: &Range<usize>) {
 }
 
 /// Calls `work` for blocks of right-hand sides.
-fn by_blocks(
-    x: &mut Columns<2>,
-    par: Par,
-    work: impl Fn(&mut Columns<2>) + Sync,
-) -> Result<()> {
+fn by_blocks(x: &mut Columns<2>, par: Par, work: impl Fn(&mut Columns<2>) + Sync) -> Result<()> {
     const { assert!(BLOCK.is_multiple_of(LANES)) };
     let solved = par.map_blocks(x.rows, BLOCK, |cols| {
         let mut block = Columns::new(cols.len(), x.cols)?;

@@ -351,9 +351,8 @@ fn the_factor_gives_the_matrix_back_to_100_bits_for_any_pivoting_and_threads() {
 fn the_rank_is_that_of_the_columns_whatever_their_scales() {
     for (n, rank) in [(5, 0), (7, 3), (67, 66), (131, 70)] {
         let (left, right) = (random(n + 2, rank, 7), random(rank, n, 8));
-        let integers = |m: &Mat<f64>| {
-            Mat::from_fn(m.nrows(), m.ncols(), |i, j| (100.0 * m[(i, j)]).round())
-        };
+        let integers =
+            |m: &Mat<f64>| Mat::from_fn(m.nrows(), m.ncols(), |i, j| (100.0 * m[(i, j)]).round());
         let mut a = integers(&left) * integers(&right);
         for j in 0..n {
             let scale = f64::from(5 * (j % 9) as i32 - 20).exp2();
@@ -463,8 +462,7 @@ fn whitened_scores_have_variance_1_and_no_correlation() {
         near(variance, if standardize { n as f64 } else { own }, 1e-14);
         for k in 0..n {
             let row = found.components.row(k);
-            let largest =
-                row.iter().fold(0.0_f64, |a, &b| if b.abs() > a.abs() { b } else { a });
+            let largest = row.iter().fold(0.0_f64, |a, &b| if b.abs() > a.abs() { b } else { a });
             assert!(largest > 0.0);
         }
     }
