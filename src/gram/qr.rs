@@ -89,9 +89,9 @@ impl GramQr {
         &self.r
     }
 
-    /// `X := X R^-1` for a block of rows of A (any number x n): rows of Q, computed in double-double
-    /// and rounded once. Substitution in f64 would cost as many digits as A has in its condition
-    /// number. The result is the same, bit for bit, for every `par` and any blocks.
+    /// `X := X R^-1` for a block of rows of A (any number x n): rows of Q, computed in
+    /// double-double and rounded once. Substitution in f64 would cost as many digits as the
+    /// condition number of A has. The result is the same, bit for bit, for every `par` and any blocks.
     ///
     /// # Errors
     /// [`Error::Shape`] when X does not have n columns.

@@ -114,8 +114,8 @@ impl<'a> Refined<'a> {
     }
 }
 
-/// Returns the columns, both triangles, of a symmetric matrix with these entries, scaled and ordered
-/// as its factor; columns that depend on others are left out.
+/// Returns the columns, both triangles, of a symmetric matrix with these entries, scaled and
+/// ordered as its factor; columns that depend on others are left out.
 pub(super) fn scaled_columns(
     factor: &PivotedCholesky,
     entry: impl Fn(usize, usize) -> [f64; 3],
