@@ -91,7 +91,8 @@ impl GramQr {
 
     /// `X := X R^-1` for a block of rows of A (any number x n): rows of Q, computed in
     /// double-double and rounded once. Substitution in f64 would cost as many digits as the
-    /// condition number of A has. The result is the same, bit for bit, for every `par` and any blocks.
+    /// condition number of A has. The result is the same, bit for bit, for every `par` and any
+    /// blocks.
     ///
     /// # Errors
     /// [`Error::Shape`] when X does not have n columns.
