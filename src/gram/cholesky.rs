@@ -2,7 +2,7 @@ use faer::Mat;
 
 use super::columns::{Columns, LANES};
 use super::double::{DoubleDouble, scaled};
-use super::slices::{Pairs, PairsMut};
+use super::slices::{Pairs, PairsMut, widest};
 use crate::ata::ExtendedGram;
 use crate::base::{Error, Par, Result, zeros};
 
@@ -171,7 +171,7 @@ impl PivotedCholesky {
     fn eliminate_column(&mut self, first: usize, j: usize, left: &mut Left) {
         let from = j / LANES * LANES;
         let root = left.get(j).sqrt();
-        pulp::Arch::new().dispatch(
+        widest(
             #[inline(always)]
             || {
                 for k in first..j {
@@ -196,14 +196,10 @@ impl PivotedCholesky {
         let [hi, lo] = &mut self.lower.parts;
         let (done_hi, rest_hi) = hi.split_at_mut(end * stride);
         let (done_lo, rest_lo) = lo.split_at_mut(end * stride);
-        let column = |k: usize, from: usize, to: usize| {
-            let range = k * stride + from..k * stride + to;
-            Pairs { hi: &done_hi[range.clone()], lo: &done_lo[range] }
-        };
         let tasks = rest_hi.chunks_mut(TASK * stride).zip(rest_lo.chunks_mut(TASK * stride));
         par.for_each(tasks, |task, (hi, lo)| {
             let start = end + task * TASK;
-            pulp::Arch::new().dispatch(
+            widest(
                 #[inline(always)]
                 || {
                     for from in (start..stride).step_by(ROWS) {
@@ -215,7 +211,10 @@ impl PivotedCholesky {
                             for k in first..end {
                                 let at = k * stride + start + j;
                                 let factor = DoubleDouble { hi: done_hi[at], lo: done_lo[at] };
-                                rows.subtract(column(k, from, to), factor);
+                                let range = k * stride + from..k * stride + to;
+                                let column =
+                                    Pairs { hi: &done_hi[range.clone()], lo: &done_lo[range] };
+                                rows.subtract(column, factor);
                             }
                             rows.normalize();
                         }

@@ -4,6 +4,7 @@
 use faer::Mat;
 
 use super::double::scaled;
+use super::slices::widest;
 use crate::base::{Error, Par, Result, zeros};
 
 /// Columns of a block: two blocks of some thousand rows stay in the second-level cache.
@@ -12,8 +13,9 @@ const BLOCK: usize = 16;
 /// Sweeps over all pairs of columns; eight or so are enough.
 const SWEEPS: usize = 60;
 
-/// Partial sums of a scalar product.
-const SUMS: usize = 16;
+/// Partial sums of a scalar product: so many that compilers make a loop of vectors of them. Columns
+/// are a multiple of it long.
+const SUMS: usize = 64;
 
 /// Singular values (descending) and left singular vectors of a matrix: `Y = U diag(values) W^T`.
 pub(super) struct Jacobi {
@@ -33,30 +35,32 @@ pub(super) fn jacobi(y: &Mat<f64>, par: Par) -> Result<Jacobi> {
     let (n, r) = y.shape();
     let largest = y.norm_max();
     let exponent = if largest > 0.0 { largest.log2() as i32 } else { 0 };
-    let mut columns = zeros(n.saturating_mul(r))?;
+    let stride = n.next_multiple_of(SUMS);
+    let mut columns = zeros(stride.saturating_mul(r))?;
     for j in 0..r {
         for i in 0..n {
-            columns[j * n + i] = scaled(y[(i, j)], -exponent);
+            columns[j * stride + i] = scaled(y[(i, j)], -exponent);
         }
     }
     if n > 0 {
-        rotate(&mut columns, n, par)?;
+        rotate(&mut columns, stride, par)?;
     }
-    let norm = |j: usize| columns[j * n..(j + 1) * n].iter().map(|x| x * x).sum::<f64>().sqrt();
+    let column = |j: usize| &columns[j * stride..(j + 1) * stride];
+    let norm = |j: usize| products(column(j), column(j))[0].sqrt();
     let norms: Vec<f64> = (0..r).map(norm).collect();
     let mut order: Vec<usize> = (0..r).collect();
     order.sort_by(|&a, &b| norms[b].total_cmp(&norms[a]));
     let mut vectors = crate::dense::zeros(n, r)?;
     for (to, &from) in order.iter().enumerate() {
         for i in 0..n {
-            vectors[(i, to)] = columns[from * n + i] / norms[from];
+            vectors[(i, to)] = column(from)[i] / norms[from];
         }
     }
     let values = order.iter().map(|&j| scaled(norms[j], exponent)).collect();
     Ok(Jacobi { values, vectors })
 }
 
-/// Rotates pairs of columns of length `n` until all are orthogonal.
+/// Rotates pairs of columns of length `n`, a multiple of [`SUMS`], until all are orthogonal.
 fn rotate(columns: &mut [f64], n: usize, par: Par) -> Result<()> {
     // One more than the number of blocks when that is odd: it stands for no block.
     let blocks = columns.len().div_ceil(BLOCK * n);
@@ -74,7 +78,7 @@ fn rotate(columns: &mut [f64], n: usize, par: Par) -> Result<()> {
                 })
                 .collect();
             par.at_most(meetings.len()).for_each(meetings.iter_mut(), |_, (a, b, found)| {
-                pulp::Arch::new().dispatch(
+                widest(
                     #[inline(always)]
                     || *found = meet(a, b, n, limit, round == 0),
                 );
@@ -154,18 +158,23 @@ fn rotate_pair(x: &mut [f64], y: &mut [f64], limit: f64) -> f64 {
 /// Returns `x^T x`, `y^T y` and `x^T y`.
 #[inline(always)]
 fn products(x: &[f64], y: &[f64]) -> [f64; 3] {
-    let mut sums = [[0.0; SUMS]; 3];
-    let (chunks, others) = (x.chunks_exact(SUMS), y.chunks_exact(SUMS));
-    let rest = chunks.remainder().iter().zip(others.remainder());
-    let rest = rest.fold([0.0; 3], |[xx, yy, xy], (&x, &y)| [xx + x * x, yy + y * y, xy + x * y]);
-    for (x, y) in chunks.zip(others) {
+    let [mut xx, mut yy, mut xy] = [[0.0; SUMS]; 3];
+    for (x, y) in x.chunks_exact(SUMS).zip(y.chunks_exact(SUMS)) {
         for i in 0..SUMS {
-            sums[0][i] += x[i] * x[i];
-            sums[1][i] += y[i] * y[i];
-            sums[2][i] += x[i] * y[i];
+            xx[i] += x[i] * x[i];
+            yy[i] += y[i] * y[i];
+            xy[i] += x[i] * y[i];
         }
     }
-    std::array::from_fn(|k| sums[k].iter().sum::<f64>() + rest[k])
+    let mut half = SUMS / 2;
+    while half > 0 {
+        for sums in [&mut xx, &mut yy, &mut xy] {
+            let (low, high) = sums.split_at_mut(half);
+            low.iter_mut().zip(high).for_each(|(low, high)| *low += *high);
+        }
+        half /= 2;
+    }
+    [xx[0], yy[0], xy[0]]
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::cholesky::{PivotedCholesky, Pivoting, named};
 use super::columns::Columns;
 use super::double::{DoubleDouble, scaled};
 use super::refine::scaled_columns;
-use super::slices::{PairsMut, add_triples, normalize_triples};
+use super::slices::{PairsMut, add_triples, normalize_triples, widest};
 use crate::ata::ExtendedGram;
 use crate::base::{Error, Par, Result};
 use crate::dense::for_row_blocks;
@@ -89,9 +89,10 @@ impl GramQr {
         &self.r
     }
 
-    /// `X := X R^-1` for a block of rows of A (any number x n): rows of Q, computed in double-double
-    /// and rounded once. Substitution in f64 would cost as many digits as A has in its condition
-    /// number. The result is the same, bit for bit, for every `par` and any blocks.
+    /// `X := X R^-1` for a block of rows of A (any number x n): rows of Q, computed in
+    /// double-double and rounded once. Substitution in f64 would cost as many digits as the
+    /// condition number of A has. The result is the same, bit for bit, for every `par` and any
+    /// blocks.
     ///
     /// # Errors
     /// [`Error::Shape`] when X does not have n columns.
@@ -108,7 +109,7 @@ impl GramQr {
             }
             for j in 0..n {
                 let (mut hi, mut lo) = ([0.0; ROWS], [0.0; ROWS]);
-                pulp::Arch::new().dispatch(
+                widest(
                     #[inline(always)]
                     || {
                         let mut sum = PairsMut { hi: &mut hi, lo: &mut lo };
@@ -138,7 +139,7 @@ fn gram_of_inverse(
     let column = |j: usize| {
         let [mut a, mut b, mut c] = [zeros.clone(), zeros.clone(), zeros.clone()];
         let [mut d, mut e, mut f] = [zeros.clone(), zeros.clone(), zeros.clone()];
-        pulp::Arch::new().dispatch(
+        widest(
             #[inline(always)]
             || {
                 for k in 0..=j {
@@ -214,7 +215,7 @@ fn upper_product(
     let [hi, lo] = &mut product.parts;
     let rows = hi.chunks_mut(stride).zip(lo.chunks_mut(stride));
     par.for_each(rows, |i, (hi, lo)| {
-        pulp::Arch::new().dispatch(
+        widest(
             #[inline(always)]
             || {
                 let mut row = PairsMut { hi, lo };

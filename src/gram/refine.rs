@@ -3,7 +3,7 @@
 use super::cholesky::PivotedCholesky;
 use super::columns::{Columns, LANES};
 use super::double::{DoubleDouble, scaled};
-use super::slices::{add_triples, normalize_triples};
+use super::slices::{add_triples, normalize_triples, widest};
 use crate::base::{Par, Result};
 
 /// Rows of a residual that stay in the first-level cache.
@@ -46,7 +46,7 @@ impl<'a> Refined<'a> {
         let stride = b.stride;
         let blocks = self.par.map_blocks(stride, ROWS, |rows| {
             let mut sums = Vec::with_capacity(b.cols);
-            pulp::Arch::new().dispatch(
+            widest(
                 #[inline(always)]
                 || {
                     for q in 0..b.cols {
@@ -88,8 +88,7 @@ impl<'a> Refined<'a> {
             let mut change = by_rows(&self.residual(b, &x)?)?;
             self.correction(&mut change)?;
             let (norm, share) = sizes(&change, &x);
-            // Also true of NaN.
-            if !(norm <= 0.5 * last) {
+            if norm.is_nan() || norm > 0.5 * last {
                 let outcome =
                     if share <= CONVERGED { Outcome::Converged } else { Outcome::Stalled };
                 // Where one correction is as large as the one before, both are noise.
@@ -115,8 +114,8 @@ impl<'a> Refined<'a> {
     }
 }
 
-/// Returns the columns, both triangles, of a symmetric matrix with these entries, scaled and ordered
-/// as its factor; columns that depend on others are left out.
+/// Returns the columns, both triangles, of a symmetric matrix with these entries, scaled and
+/// ordered as its factor; columns that depend on others are left out.
 pub(super) fn scaled_columns(
     factor: &PivotedCholesky,
     entry: impl Fn(usize, usize) -> [f64; 3],

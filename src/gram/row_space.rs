@@ -4,6 +4,7 @@ use super::cholesky::{PivotedCholesky, Pivoting};
 use super::columns::Columns;
 use super::double::{DoubleDouble, scaled};
 use super::refine::Refined;
+use super::slices::widest;
 use crate::base::{Par, Result};
 
 /// What turns a solution x of a problem whose last columns depend on the first ones into the one of
@@ -57,7 +58,7 @@ impl RowSpace {
         let mut z = Columns::new(x.rows, count)?;
         add_transposed(&mut z, &self.dependence, x);
         self.factor.solve_symmetric(&mut z, par)?;
-        pulp::Arch::new().dispatch(
+        widest(
             #[inline(always)]
             || {
                 for i in 0..rank {
@@ -80,7 +81,7 @@ impl RowSpace {
 
 /// `to := to + S^T X`, all by rows; X may have more rows than S.
 fn add_transposed(to: &mut Columns<2>, s: &Columns<2>, x: &Columns<2>) {
-    pulp::Arch::new().dispatch(
+    widest(
         #[inline(always)]
         || {
             for l in 0..to.cols {

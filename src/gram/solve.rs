@@ -6,6 +6,7 @@ use std::ops::Range;
 use super::cholesky::PivotedCholesky;
 use super::columns::{Columns, LANES};
 use super::double::DoubleDouble;
+use super::slices::widest;
 use crate::base::{Par, Result};
 
 /// Right-hand sides that one thread works on at a time.
@@ -15,20 +16,30 @@ impl PivotedCholesky {
     /// `X := R^-T X`, for the first `rank` rows and columns of the scaled R; X has at least as many
     /// rows. The same for every `par`, bit for bit.
     pub(super) fn solve_transposed(&self, x: &mut Columns<2>, par: Par) -> Result<()> {
-        by_blocks(x, par, |x| {
-            for j in 0..self.rank {
-                self.divide(x, j);
-                for i in j + 1..self.rank {
-                    let (read, mut write) = x.two(j, i, 0);
-                    write.subtract(read, self.lower.double(i, j));
+        by_blocks(
+            x,
+            par,
+            #[inline(always)]
+            |x| {
+                for j in 0..self.rank {
+                    self.divide(x, j);
+                    for i in j + 1..self.rank {
+                        let (read, mut write) = x.two(j, i, 0);
+                        write.subtract(read, self.lower.double(i, j));
+                    }
                 }
-            }
-        })
+            },
+        )
     }
 
     /// `X := R^-1 X`, as [`PivotedCholesky::solve_transposed`].
     pub(super) fn solve(&self, x: &mut Columns<2>, par: Par) -> Result<()> {
-        by_blocks(x, par, |x| self.substitute(x, self.rank))
+        by_blocks(
+            x,
+            par,
+            #[inline(always)]
+            |x| self.substitute(x, self.rank),
+        )
     }
 
     /// `X := R^-1 X` for an X of which only the first `rows` rows are not zero.
@@ -76,7 +87,7 @@ impl PivotedCholesky {
             for j in cols.clone() {
                 x.set_double(j - cols.start, j, DoubleDouble::ONE);
             }
-            pulp::Arch::new().dispatch(
+            widest(
                 #[inline(always)]
                 || self.substitute(&mut x, cols.end),
             );
@@ -111,7 +122,7 @@ fn by_blocks(x: &mut Columns<2>, par: Par, work: impl Fn(&mut Columns<2>) + Sync
                 row[..cols.len()].copy_from_slice(&from[cols.clone()]);
             }
         }
-        pulp::Arch::new().dispatch(
+        widest(
             #[inline(always)]
             || work(&mut block),
         );

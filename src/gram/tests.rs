@@ -394,7 +394,7 @@ fn hilbert(n: usize) -> Mat<f64> {
 }
 
 #[test]
-fn the_product_of_all_singular_values_is_the_determinant_to_14_digits() {
+fn the_product_of_all_singular_values_is_the_determinant() {
     for n in [1, 2, 5, 8, 10] {
         for scale in [0, 30] {
             let mut a = hilbert(n);
@@ -409,6 +409,7 @@ fn the_product_of_all_singular_values_is_the_determinant_to_14_digits() {
             let exact = float(&determinant, n as i32 * UNIT).abs();
             assert_eq!(found.rank(), n);
             let product: f64 = found.values.iter().product();
+            // The condition number of 10 columns is 1e13, squared 1e26 of the 2^106 there are.
             let bound = if n < 10 { 1e-13 } else { 1e-4 };
             near(product, exact, bound);
             let orthogonal = found.v.transpose() * &found.v - Mat::<f64>::identity(n, n);

@@ -52,8 +52,8 @@ impl ExtendedGram {
         Ok(Self { parts, about })
     }
 
-    /// Returns the Gram matrix C (n x n) of `rows` rows whose lower triangle is exact as it is, with
-    /// the means of the n columns if C is about them, or none.
+    /// Returns the Gram matrix C (n x n) of `rows` rows whose lower triangle is exact as it is,
+    /// with the means of the n columns if C is about them, or none.
     ///
     /// ```
     /// use catamaran::{ata::ExtendedGram, faer::mat};
