@@ -9,6 +9,9 @@ use catamaran::io::ArraysWriter;
 use super::table::Table;
 use crate::progress::Bar;
 
+/// Rows of a block, unless they are so wide that less is read at a time.
+const ROWS: usize = 4096;
+
 /// Adds the array `name` of `width` columns: for each block of rows what `of_rows` makes of them.
 ///
 /// Blocks are of a fixed height, so that the result does not depend on any option.
@@ -21,7 +24,7 @@ pub fn second_pass(
 ) -> Result<()> {
     let (m, n) = (table.nrows(), table.ncols());
     writer.matrix_by_rows(name, m, width)?;
-    let height = block_rows::<f64>(n, true).min(m).max(1);
+    let height = block_rows::<f64>(n, true).min(ROWS).min(m).max(1);
     let mut memory = Workspace::<f64>::new(height.saturating_mul(n))?;
     let bar = Bar::new("rows");
     table.read(0..m, false, |rows| {
