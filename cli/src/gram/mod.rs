@@ -9,7 +9,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use catamaran::ata::{Accumulator, ExtendedGram, RowBounds, block_rows, stream};
 use catamaran::gram::check_weights;
 use catamaran::{AtaOptions, Par};
@@ -109,6 +109,9 @@ impl<'a> Pass<'a> {
         weights: Option<&Path>,
         centered: bool,
     ) -> Result<Self> {
+        if centered && table.nrows() == 0 {
+            bail!("{}: no rows, of which there could be a mean", args.input.display());
+        }
         let weights = match weights {
             Some(path) => {
                 let weights = read_weights(path, &args.input, table.nrows())?;

@@ -28,7 +28,11 @@ use crate::report::note;
 /// `intercept` and `intercept_error` (k), `x_low` (what rounding took from x), and `rank`,
 /// `dependent`, `degrees_of_freedom`, `condition` and `digits`.
 #[derive(clap::Args)]
-#[command(group = ArgGroup::new("target").args(["b", "by_column"]).required(true))]
+#[command(
+    group = ArgGroup::new("target").args(["b", "by_column"]).required(true),
+    override_usage = "catamaran lstsq [OPTIONS] <A> <B>\n       \
+                      catamaran lstsq [OPTIONS] <A> --by-column <Y[,Z]>"
+)]
 pub struct Args {
     #[command(flatten)]
     gram: GramArgs,

@@ -35,7 +35,9 @@ impl Solution {
         report(format_args!("rank      {} of {} columns", found.rank, self.columns.len()))?;
         report(format_args!("freedom   {} degrees", found.degrees_of_freedom))?;
         report(format_args!("condition {:.3e}", found.condition))?;
-        report(format_args!("digits    {:.1} of the coefficients to trust", found.digits))
+        // Rounded down: no more than there are.
+        let digits = (10.0 * found.digits).floor() / 10.0;
+        report(format_args!("digits    {digits:.1} of the coefficients to trust"))
     }
 
     fn print_target(&self, q: usize) -> Result<()> {

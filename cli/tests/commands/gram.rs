@@ -217,6 +217,7 @@ fn errors_name_the_file_and_the_cause() {
     folder.write("minus.csv", "1\n-1\n1\n");
     folder.write("nan.csv", "1,2\n3,nan\n5,4\n");
     folder.write("b.csv", "1\n2\ninf\n");
+    folder.write_npy::<f64>("none.npy", &[0, 3], &[]);
     folder.write("old.npz", "precious");
     for (arguments, expected) in [
         ("lstsq a.csv short.csv", "short.csv: 2 x 1 where the 3 rows of a.csv need 3 rows"),
@@ -241,6 +242,8 @@ fn errors_name_the_file_and_the_cause() {
         ("lstsq absent.npy --by-column 0", "absent.npy"),
         ("pca a.csv -k 3", "a.csv: components: at most 2 columns, and not 3"),
         ("pca a.csv --variance 1.5", "a.csv: components: a share is in (0, 1]"),
+        ("pca none.npy -o x.npz", "none.npy: no rows"),
+        ("lstsq none.npy --by-column 0 --intercept", "none.npy: no rows"),
         ("pca a.csv --picture p.png", "p.png: a scree plot must be called .svg"),
     ] {
         let message = folder.fail(arguments);
