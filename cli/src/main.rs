@@ -11,23 +11,28 @@ mod device;
 mod distance;
 mod filter;
 mod fps;
+mod gram;
 mod info;
 mod input;
+mod lstsq;
 mod merge;
 mod mesh;
 mod newton;
 mod output;
 mod parse;
+mod pca;
 mod picture;
 mod progress;
 mod ranks;
 mod report;
+mod rows;
 mod shape;
 mod shapedna;
 mod shortage;
 mod signals;
 mod slime;
 mod spectrum;
+mod svd;
 mod transfer;
 mod tune;
 mod unions;
@@ -55,6 +60,9 @@ struct Cli {
 enum Command {
     Ata(ata::Args),
     AtaMerge(merge::Args),
+    Lstsq(lstsq::Args),
+    Pca(pca::Args),
+    Svd(svd::Args),
     Mesh(mesh::Args),
     Decimate(decimate::Args),
     Fps(fps::Args),
@@ -102,6 +110,9 @@ fn run(command: &Command) -> Result<()> {
     match command {
         Command::Ata(args) => ata::run(args),
         Command::AtaMerge(args) => merge::run(args),
+        Command::Lstsq(args) => lstsq::run(args),
+        Command::Pca(args) => pca::run(args),
+        Command::Svd(args) => svd::run(args),
         Command::Mesh(args) => mesh::run(args),
         Command::Decimate(args) => decimate::run(args),
         Command::Fps(args) => fps::run(args),

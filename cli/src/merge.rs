@@ -10,6 +10,7 @@ use catamaran::io::{self as files, Output, Overwrite};
 use clap::ArgGroup;
 
 use crate::ata::write_matrix;
+use crate::output::refuse_existing;
 use crate::parse;
 use crate::progress::Bar;
 use crate::report::report;
@@ -47,9 +48,7 @@ pub fn run(args: &Args) -> Result<()> {
         files::check_name(path)?;
     }
     for path in [&args.output, &args.accumulator].into_iter().flatten() {
-        if !args.force && path.symlink_metadata().is_ok() {
-            bail!("{}: exists already (--force replaces it)", path.display());
-        }
+        refuse_existing(path, args.force)?;
     }
     let Some(first) = args.inputs.first() else { bail!("no sums to merge") };
     match files::accumulator_scalar(first)? {

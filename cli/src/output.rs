@@ -1,6 +1,9 @@
 //! Files that commands write.
 
-use catamaran::io::Output;
+use std::path::Path;
+
+use anyhow::{Result, bail};
+use catamaran::io::{Output, Overwrite, check_arrays_name};
 use catamaran::mesh::io::{self as meshes, MeshFile, MeshFormat};
 
 use crate::report;
@@ -15,4 +18,25 @@ pub fn mesh(output: Output, file: &MeshFile) -> catamaran::Result<()> {
         report::note(format_args!("{}: no place in this format for {what}", path.display()));
     }
     Ok(())
+}
+
+/// Refuses a file that is there and not to be replaced.
+pub fn refuse_existing(path: &Path, force: bool) -> Result<()> {
+    if !force && path.symlink_metadata().is_ok() {
+        bail!("{}: exists already (--force replaces it)", path.display());
+    }
+    Ok(())
+}
+
+/// Starts a file, once it is known that it may be written.
+pub fn create(path: &Path, force: bool) -> Result<Output> {
+    refuse_existing(path, force)?;
+    let overwrite = if force { Overwrite::Replace } else { Overwrite::Never };
+    Ok(Output::create(path, overwrite)?)
+}
+
+/// Starts a file of several arrays, whose name says what it is.
+pub fn arrays(path: &Path, force: bool) -> Result<Output> {
+    check_arrays_name(path)?;
+    create(path, force)
 }

@@ -1,20 +1,20 @@
 //! `catamaran spectrum`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use catamaran::io::{Array, ArraysWriter, Output, Overwrite, check_arrays_name};
+use catamaran::io::{Array, ArraysWriter, Output, Overwrite};
 use catamaran::mesh::{Boundary, Laplacian, LaplacianOptions, MassKind, laplacian};
 use catamaran::sparse::{EigenOptions, Eigenpairs};
 use clap::ValueEnum;
 
-use crate::parse;
 use crate::picture::{Paint, PictureArgs};
 use crate::progress::Bar;
 use crate::ranks::Ranks;
 use crate::report::{complain, report, seconds};
 use crate::shape::LaplacianArgs;
+use crate::{output, parse};
 
 /// Eigenvalues and eigenfunctions of the Laplacian of a triangle mesh.
 ///
@@ -87,7 +87,7 @@ pub fn run(args: &Args) -> Result<()> {
 fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let path = args.output.as_deref().filter(|_| ranks.is_first());
-    let output = path.map(|path| create(path, overwrite)).transpose()?;
+    let output = path.map(|path| output::arrays(path, args.force)).transpose()?;
     let picture = match ranks.is_first() {
         true => args.picture.create(overwrite)?,
         false => None,
@@ -253,12 +253,3 @@ const SHOWN: usize = 10;
 
 /// Eigenfunctions in the picture.
 const DRAWN: usize = 4;
-
-/// Starts the output, whose name says what it is.
-fn create(path: &Path, overwrite: Overwrite) -> Result<Output> {
-    check_arrays_name(path)?;
-    if overwrite == Overwrite::Never && path.symlink_metadata().is_ok() {
-        bail!("{}: exists already (--force replaces it)", path.display());
-    }
-    Ok(Output::create(path, overwrite)?)
-}

@@ -73,8 +73,8 @@ pub fn write_arrays(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> 
     writer.finish()
 }
 
-/// A file as [`write_arrays`] makes it, written array by array, and a matrix of it by blocks of columns, so that it may be
-/// larger than memory. It appears with [`ArraysWriter::finish`]; dropped before that, it leaves nothing.
+/// A file as [`write_arrays`] makes it, written array by array, and a matrix of it by blocks of
+/// columns or of rows, so that it may be larger than memory. It appears with [`ArraysWriter::finish`]; dropped before that, it leaves nothing.
 ///
 /// ```
 /// use catamaran::{faer::Mat, io::{Array, ArraysWriter, Output, Overwrite, read_arrays}};
@@ -115,7 +115,7 @@ impl ArraysWriter {
     /// Adds an array.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::Error::Io); [`Error::Shape`](crate::Error::Shape) when columns of the matrix before are missing.
+    /// [`Error::Io`](crate::Error::Io); [`Error::Shape`](crate::Error::Shape) when columns or rows of the matrix before are missing.
     pub fn array(&mut self, name: &str, array: Array<'_>) -> Result<()> {
         match &mut self.0 {
             Writer::Npz(writer) => writer.array(name, array),
@@ -146,6 +146,31 @@ impl ArraysWriter {
             Writer::Npz(writer) => writer.columns(columns),
             #[cfg(feature = "hdf5")]
             Writer::Hdf5(writer) => writer.columns(columns),
+        }
+    }
+
+    /// Begins a matrix, f8, whose rows follow.
+    ///
+    /// # Errors
+    /// As [`ArraysWriter::array`].
+    pub fn matrix_by_rows(&mut self, name: &str, rows: usize, columns: usize) -> Result<()> {
+        match &mut self.0 {
+            Writer::Npz(writer) => writer.matrix_by_rows(name, rows, columns),
+            #[cfg(feature = "hdf5")]
+            Writer::Hdf5(writer) => writer.matrix_by_rows(name, rows, columns),
+        }
+    }
+
+    /// The next rows of the matrix that was begun.
+    ///
+    /// # Errors
+    /// [`Error::Shape`](crate::Error::Shape) when they have other columns, or are more than were
+    /// announced; [`Error::Io`](crate::Error::Io).
+    pub fn rows(&mut self, rows: MatRef<'_, f64>) -> Result<()> {
+        match &mut self.0 {
+            Writer::Npz(writer) => writer.rows(rows),
+            #[cfg(feature = "hdf5")]
+            Writer::Hdf5(writer) => writer.rows(rows),
         }
     }
 

@@ -12,7 +12,12 @@ use super::matrix::{Dense, Matrix};
 use super::source::Source;
 use crate::base::{Error, Result};
 
-pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> Result<Matrix> {
+/// Reads the table, and the names of the columns that are kept, if its header has one for each.
+pub(super) fn read(
+    source: &mut Source<'_>,
+    columns: Option<&Range<usize>>,
+) -> Result<(Matrix, Vec<String>)> {
+    let mut names: Vec<String> = Vec::new();
     let mut values: Vec<f64> = Vec::new();
     let mut nrows = 0;
     let mut separator = None;
@@ -30,6 +35,7 @@ pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> R
         if header_allowed {
             header_allowed = false;
             if fields(line, separator).all(|field| field.parse::<f64>().is_err()) {
+                names = fields(line, separator).map(str::to_owned).collect();
                 continue;
             }
         }
@@ -73,8 +79,13 @@ pub(super) fn read(source: &mut Source<'_>, columns: Option<&Range<usize>>) -> R
     if nrows == 0 {
         return Err(source.fail("the file ends without a row of numbers"));
     }
+    if width.is_some_and(|(count, _)| count != names.len()) {
+        names.clear();
+    }
+    names.truncate(kept.end);
+    names.drain(..kept.start.min(names.len()));
     let shape = (nrows, kept.len());
-    Ok(Matrix::F64(Dense::new(values, shape, true, 0..kept.len())))
+    Ok((Matrix::F64(Dense::new(values, shape, true, 0..kept.len())), names))
 }
 
 fn push(values: &mut Vec<f64>, value: f64) -> Result<()> {

@@ -23,8 +23,27 @@ const CHUNK: usize = 1 << 16;
 pub(super) struct Hdf5Writer {
     file: File,
     output: Output,
-    /// The matrix that was begun, with the number of columns written.
-    matrix: Option<(Dataset, usize)>,
+    /// The matrix that was begun.
+    matrix: Option<Begun>,
+}
+
+/// A matrix of which some rows or columns are written.
+struct Begun {
+    dataset: Dataset,
+    by_rows: bool,
+    /// Rows or columns so far.
+    written: usize,
+}
+
+impl Begun {
+    /// Rows and columns that are left.
+    fn rest(&self) -> (usize, usize) {
+        let (rows, columns) = shape(&self.dataset);
+        match self.by_rows {
+            true => (rows - self.written, columns),
+            false => (rows, columns - self.written),
+        }
+    }
 }
 
 impl Hdf5Writer {
@@ -34,7 +53,7 @@ impl Hdf5Writer {
     }
 
     pub(super) fn array(&mut self, name: &str, array: Array<'_>) -> Result<()> {
-        self.check_columns()?;
+        self.check_end()?;
         let (file, fail) = (&self.file, |e| failure(&self.output, e));
         match array {
             Array::Vector(values) => {
@@ -48,7 +67,7 @@ impl Hdf5Writer {
             }
             Array::Matrix(matrix) => {
                 let dataset = file.new_dataset::<f64>().shape(matrix.shape()).create(name);
-                write_columns(&dataset.map_err(fail)?, 0, matrix, fail)
+                write_at(&dataset.map_err(fail)?, [0, 0], matrix, fail)
             }
         }
     }
@@ -59,41 +78,65 @@ impl Hdf5Writer {
         rows: usize,
         columns: usize,
     ) -> Result<()> {
-        self.check_columns()?;
+        self.check_end()?;
         let dataset = self.file.new_dataset::<f64>();
         let dataset = match rows.min(columns) {
             0 => dataset.shape((rows, columns)).create(name),
             // A column is not scattered over the whole file.
             _ => dataset.chunk((rows.min(CHUNK), 1)).shape((rows, columns)).create(name),
         };
-        self.matrix = Some((dataset.map_err(|e| failure(&self.output, e))?, 0));
+        let dataset = dataset.map_err(|e| failure(&self.output, e))?;
+        self.matrix = Some(Begun { dataset, by_rows: false, written: 0 });
         Ok(())
     }
 
     pub(super) fn columns(&mut self, columns: MatRef<'_, f64>) -> Result<()> {
-        let Some((dataset, written)) = &mut self.matrix else {
+        let Some(begun) = self.matrix.as_mut().filter(|begun| !begun.by_rows) else {
             return Error::check_shape("columns", (0, 0), columns.shape());
         };
-        let (rows, all) = shape(dataset);
-        let expected = (rows, (all - *written).min(columns.ncols()));
-        Error::check_shape("columns", expected, columns.shape())?;
-        write_columns(dataset, *written, columns, |e| failure(&self.output, e))?;
-        *written += columns.ncols();
+        let (rows, left) = begun.rest();
+        Error::check_shape("columns", (rows, left.min(columns.ncols())), columns.shape())?;
+        let fail = |e| failure(&self.output, e);
+        write_at(&begun.dataset, [0, begun.written], columns, fail)?;
+        begun.written += columns.ncols();
+        Ok(())
+    }
+
+    pub(super) fn matrix_by_rows(&mut self, name: &str, rows: usize, columns: usize) -> Result<()> {
+        self.check_end()?;
+        let dataset = self.file.new_dataset::<f64>().shape((rows, columns)).create(name);
+        let dataset = dataset.map_err(|e| failure(&self.output, e))?;
+        self.matrix = Some(Begun { dataset, by_rows: true, written: 0 });
+        Ok(())
+    }
+
+    pub(super) fn rows(&mut self, rows: MatRef<'_, f64>) -> Result<()> {
+        let Some(begun) = self.matrix.as_mut().filter(|begun| begun.by_rows) else {
+            return Error::check_shape("rows", (0, 0), rows.shape());
+        };
+        let (left, columns) = begun.rest();
+        Error::check_shape("rows", (left.min(rows.nrows()), columns), rows.shape())?;
+        let fail = |e| failure(&self.output, e);
+        write_at(&begun.dataset, [begun.written, 0], rows, fail)?;
+        begun.written += rows.nrows();
         Ok(())
     }
 
     pub(super) fn finish(self) -> Result<()> {
-        self.check_columns()?;
+        self.check_end()?;
         let Self { file, output, matrix } = self;
         drop(matrix);
         file.close().map_err(|e| failure(&output, e))?;
         output.commit()
     }
 
-    fn check_columns(&self) -> Result<()> {
-        let Some((dataset, written)) = &self.matrix else { return Ok(()) };
-        let (rows, all) = shape(dataset);
-        Error::check_shape("columns", (rows, all - written), (rows, 0))
+    fn check_end(&self) -> Result<()> {
+        let Some(begun) = &self.matrix else { return Ok(()) };
+        let (rows, columns) = begun.rest();
+        match begun.by_rows {
+            true => Error::check_shape("rows", (rows, columns), (0, columns)),
+            false => Error::check_shape("columns", (rows, columns), (rows, 0)),
+        }
     }
 }
 
@@ -131,10 +174,10 @@ fn shape(dataset: &Dataset) -> (usize, usize) {
     }
 }
 
-/// Writes the columns of `matrix` from column `first` of the dataset on.
-fn write_columns(
+/// Writes the entries of `matrix` into the dataset, the first one at `corner`.
+fn write_at(
     dataset: &Dataset,
-    first: usize,
+    corner: [usize; 2],
     matrix: MatRef<'_, f64>,
     fail: impl Fn(::hdf5::Error) -> Error,
 ) -> Result<()> {
@@ -150,7 +193,7 @@ fn write_columns(
         for i in top..top + height {
             block.extend((0..width).map(|j| matrix[(i, j)]));
         }
-        write_block(dataset, [top, first], width, &block).map_err(&fail)?;
+        write_block(dataset, [corner[0] + top, corner[1]], width, &block).map_err(&fail)?;
     }
     Ok(())
 }

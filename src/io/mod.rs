@@ -126,13 +126,34 @@ fn format_of(path: &Path) -> Result<(Format, bool)> {
 /// [`Error::Io`] with file and line, [`Error::OutOfMemory`], [`Error::Cancelled`];
 /// [`Error::Argument`] when `options.columns` is not inside the matrix.
 pub fn read(path: &Path, options: &ReadOptions<'_>) -> Result<Matrix> {
+    Ok(read_with_names(path, options)?.0)
+}
+
+/// Reads the matrix in the file at `path` as [`read`] does, and the names of its columns: those in
+/// the header of a text table, without blanks and quotes around them. There are none in other
+/// formats, without a header, and when the header has another number of fields than the rows.
+///
+/// ```
+/// use catamaran::io::{ReadOptions, read_with_names};
+///
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = &folder.path().join("a.csv");
+/// std::fs::write(path, "age, \"height\"\n3,0.9\n7,1.2\n").unwrap();
+/// let (a, names) = read_with_names(path, &ReadOptions::new())?;
+/// assert_eq!((a.nrows(), names), (2, vec!["age".to_owned(), "height".to_owned()]));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`read`].
+pub fn read_with_names(path: &Path, options: &ReadOptions<'_>) -> Result<(Matrix, Vec<String>)> {
     let (format, gzipped) = format_of(path)?;
     let packing = if gzipped { Packing::Gzip } else { Packing::None };
     let ReadOptions { max_memory, progress, .. } = *options;
     let mut source = Source::open(path, packing, &SourceOptions { max_memory, progress })?;
     match format {
-        Format::Npy => npy::read(&mut source, options.columns.as_ref()),
-        Format::Mtx => mtx::read(&mut source, options.columns.as_ref()),
+        Format::Npy => Ok((npy::read(&mut source, options.columns.as_ref())?, Vec::new())),
+        Format::Mtx => Ok((mtx::read(&mut source, options.columns.as_ref())?, Vec::new())),
         Format::Csv => csv::read(&mut source, options.columns.as_ref()),
     }
 }

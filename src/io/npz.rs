@@ -46,8 +46,8 @@ pub fn write_npz(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
     writer.finish()
 }
 
-/// An `.npz` file that is written array by array, and a matrix of it by blocks of columns, so that it may be larger than
-/// memory. It appears with [`NpzWriter::finish`]; dropped before that, it leaves nothing.
+/// An `.npz` file that is written array by array, and a matrix of it by blocks of columns or of
+/// rows, so that it may be larger than memory. It appears with [`NpzWriter::finish`]; dropped before that, it leaves nothing.
 ///
 /// ```
 /// use catamaran::{faer::Mat, io::{Array, NpzWriter, Output, Overwrite, read_arrays}};
@@ -67,9 +67,40 @@ pub fn write_npz(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
 pub struct NpzWriter {
     archive: ZipWriter<Sink>,
     path: PathBuf,
-    /// Of the matrix that was begun.
-    rows: usize,
-    columns_left: usize,
+    /// The matrix that was begun.
+    begun: Begun,
+}
+
+/// What is left of a matrix.
+struct Begun {
+    /// C for rows, Fortran for columns.
+    order: Order,
+    /// Entries of a row or column.
+    length: usize,
+    /// Rows or columns that are missing.
+    left: usize,
+}
+
+impl Begun {
+    /// What comes next is of this order, and as long.
+    fn check(&self, order: Order, next: MatRef<'_, f64>) -> Result<()> {
+        let left = if self.order == order { self.left } else { 0 };
+        let (rows, columns) = next.shape();
+        match order {
+            Order::C => Error::check_shape("rows", (left.min(rows), self.length), next.shape()),
+            Order::Fortran => {
+                Error::check_shape("columns", (self.length, left.min(columns)), next.shape())
+            }
+        }
+    }
+
+    fn check_end(&self) -> Result<()> {
+        let &Self { order, length, left } = self;
+        match order {
+            Order::C => Error::check_shape("rows", (left, length), (0, length)),
+            Order::Fortran => Error::check_shape("columns", (length, left), (length, 0)),
+        }
+    }
 }
 
 /// What the archive is written into. After the first error nothing is, and that succeeds: an archive
@@ -132,7 +163,8 @@ impl NpzWriter {
     /// A file without arrays yet.
     pub fn new(output: Output) -> Self {
         let path = output.path().to_path_buf();
-        Self { archive: ZipWriter::new(Sink::new(output)), path, rows: 0, columns_left: 0 }
+        let begun = Begun { order: Order::Fortran, length: 0, left: 0 };
+        Self { archive: ZipWriter::new(Sink::new(output)), path, begun }
     }
 
     /// Adds an array.
@@ -150,11 +182,7 @@ impl NpzWriter {
     /// # Errors
     /// As [`NpzWriter::array`].
     pub fn matrix_by_columns(&mut self, name: &str, rows: usize, columns: usize) -> Result<()> {
-        self.begin(name)?;
-        (self.rows, self.columns_left) = (rows, columns);
-        let written =
-            header::<f64>(&mut self.archive, Order::Fortran, &[rows as u64, columns as u64]);
-        self.told(written)
+        self.begin_matrix(name, Order::Fortran, rows, columns)
     }
 
     /// The next columns of the matrix that was begun.
@@ -162,17 +190,26 @@ impl NpzWriter {
     /// # Errors
     /// [`Error::Shape`] when they have other rows, or are more than were announced; [`Error::Io`].
     pub fn columns(&mut self, columns: MatRef<'_, f64>) -> Result<()> {
-        let (rows, left) = (self.rows, self.columns_left);
-        Error::check_shape("columns", (rows, left.min(columns.ncols())), columns.shape())?;
-        self.columns_left -= columns.ncols();
-        let mut bytes = Vec::new();
-        for column in columns.col_iter() {
-            bytes.clear();
-            npy::encode(column.iter().copied(), &mut bytes);
-            let written = self.archive.write_all(&bytes);
-            self.told(written)?;
-        }
-        Ok(())
+        self.begun.check(Order::Fortran, columns)?;
+        self.write_columns(columns)
+    }
+
+    /// Begins a matrix, f8 in C order, whose rows follow.
+    ///
+    /// # Errors
+    /// As [`NpzWriter::array`].
+    pub fn matrix_by_rows(&mut self, name: &str, rows: usize, columns: usize) -> Result<()> {
+        self.begin_matrix(name, Order::C, rows, columns)
+    }
+
+    /// The next rows of the matrix that was begun.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when they have other columns, or are more than were announced;
+    /// [`Error::Io`].
+    pub fn rows(&mut self, rows: MatRef<'_, f64>) -> Result<()> {
+        self.begun.check(Order::C, rows)?;
+        self.write_columns(rows.transpose())
     }
 
     /// Lets the file appear.
@@ -180,14 +217,14 @@ impl NpzWriter {
     /// # Errors
     /// As [`NpzWriter::array`]; nothing is left behind then.
     pub fn finish(self) -> Result<()> {
-        self.check_columns()?;
+        self.begun.check_end()?;
         let Self { archive, path, .. } = self;
         let sink = archive.finish().map_err(|e| write_error(&path, e.into()))?;
         sink.finish()?.commit()
     }
 
     fn begin(&mut self, name: &str) -> Result<()> {
-        self.check_columns()?;
+        self.begun.check_end()?;
         // Sizes are known only when all is written.
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Stored)
@@ -196,9 +233,33 @@ impl NpzWriter {
         self.told(begun.map_err(io::Error::from))
     }
 
-    fn check_columns(&self) -> Result<()> {
-        let given = (self.rows, 0);
-        Error::check_shape("columns", (self.rows, self.columns_left), given)
+    fn begin_matrix(
+        &mut self,
+        name: &str,
+        order: Order,
+        rows: usize,
+        columns: usize,
+    ) -> Result<()> {
+        self.begin(name)?;
+        self.begun = match order {
+            Order::C => Begun { order, length: columns, left: rows },
+            Order::Fortran => Begun { order, length: rows, left: columns },
+        };
+        let written = header::<f64>(&mut self.archive, order, &[rows as u64, columns as u64]);
+        self.told(written)
+    }
+
+    /// Writes columns, or rows as columns, one after the other.
+    fn write_columns(&mut self, columns: MatRef<'_, f64>) -> Result<()> {
+        self.begun.left -= columns.ncols();
+        let mut bytes = Vec::new();
+        for column in columns.col_iter() {
+            bytes.clear();
+            npy::encode(column.iter().copied(), &mut bytes);
+            let written = self.archive.write_all(&bytes);
+            self.told(written)?;
+        }
+        Ok(())
     }
 
     fn told(&self, done: io::Result<()>) -> Result<()> {
@@ -302,5 +363,26 @@ mod tests {
         let file = npyz::NpyFile::new(io::Cursor::new(bytes)).unwrap();
         assert_eq!((file.shape(), file.order()), (&[2, 3][..], Order::Fortran));
         assert_eq!(file.into_vec::<f64>().unwrap(), [1.0, 3.0, 2.5, -4.0, 6.0, 7.0]);
+    }
+
+    #[test]
+    fn a_matrix_comes_by_rows_and_not_without_all_of_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.npz");
+        let matrix = mat![[1.0, 2.5], [3.0, -4.0], [6.0, 7.0]];
+        let begun = || {
+            let mut writer = NpzWriter::new(Output::create(&path, Overwrite::Never).unwrap());
+            writer.matrix_by_rows("matrix", 3, 2).unwrap();
+            writer.rows(matrix.as_ref().subrows(0, 2)).unwrap();
+            writer
+        };
+        assert!(matches!(begun().finish().unwrap_err(), Error::Shape { what: "rows", .. }));
+        let mut writer = begun();
+        assert!(matches!(writer.rows(matrix.as_ref()).unwrap_err(), Error::Shape { .. }));
+        let column = matrix.as_ref().subcols(0, 1);
+        assert!(matches!(writer.columns(column).unwrap_err(), Error::Shape { .. }));
+        writer.rows(matrix.as_ref().subrows(2, 1)).unwrap();
+        writer.finish().unwrap();
+        assert_eq!(crate::io::read_arrays(&path).unwrap().matrix("matrix").unwrap(), matrix);
     }
 }

@@ -248,6 +248,29 @@ fn columns_are_selected_and_others_may_hold_text() {
 }
 
 #[test]
+fn names_are_those_of_a_header_with_one_for_each_column() {
+    let folder = Folder::new();
+    let all = ReadOptions::new();
+    let some = ReadOptions::new().columns(1..3);
+    for (content, options, expected) in [
+        ("# note\n\"a b\", c ,d\n1,2,3\n", &all, &["a b", "c", "d"][..]),
+        ("name,u,v\nann,2,3\n", &some, &["u", "v"]),
+        (",u,v\n0,2,3\n", &all, &["", "u", "v"]),
+        ("u v\n2 3\n", &ReadOptions::new().columns(2..2), &[]),
+        ("1,2,3\n", &all, &[]),
+        ("u,v\n1,2,3\n", &all, &[]),
+        ("u,v\n1,2,3\n", &some, &[]),
+    ] {
+        let path = folder.file("a.csv", content);
+        let (matrix, names) = read_with_names(&path, options).unwrap();
+        assert_eq!(names, expected, "{content:?}");
+        assert!(names.is_empty() || names.len() == matrix.ncols());
+    }
+    let npy = folder.file("a.npy", npy("|u1", "False", "(2, 3)", &[1, 2, 3, 4, 5, 6]));
+    assert!(read_with_names(&npy, &all).unwrap().1.is_empty());
+}
+
+#[test]
 fn matrix_market_of_every_kind_is_read() {
     let head = "%%MatrixMarket matrix";
     let cases = [

@@ -1,8 +1,6 @@
 //! `catamaran ata`.
 
-mod checkpoint;
 mod memory;
-mod source;
 
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -21,12 +19,12 @@ use catamaran::faer::{MatMut, MatRef};
 use catamaran::io::{self as files, CsMat, Output, Overwrite, StripOutput};
 use catamaran::{Accuracy, AtaOptions, Par, SchemeChoice, Uplo};
 
-use self::checkpoint::Checkpoint;
-use self::source::{Part, Source, Watched};
+use crate::output::refuse_existing;
 use crate::parse;
 use crate::progress::{self, Bar};
 use crate::ranks::{Ranks, Scalar};
 use crate::report::{report, seconds};
+use crate::rows::{CheckpointArgs, Part, Source, Watched, fingerprint, read_weights};
 use crate::{backend, picture};
 
 /// Compute C = A^T A of a matrix in a file.
@@ -101,21 +99,8 @@ pub struct Args {
     /// unless sums are exact.
     #[arg(long, value_name = "ROWS")]
     block_rows: Option<NonZeroUsize>,
-    /// Keep the sums so far in this file, for --resume; it is removed in the end.
-    #[arg(long, value_name = "FILE")]
-    checkpoint: Option<PathBuf>,
-    /// Minutes between two checkpoints; 0: after each block.
-    #[arg(
-        long,
-        value_name = "MINUTES",
-        default_value = "10",
-        value_parser = parse::minutes,
-        requires = "checkpoint"
-    )]
-    checkpoint_every: Duration,
-    /// Go on from the checkpoint, if there is one: C will be the same bytes as without a stop.
-    #[arg(long, requires = "checkpoint")]
-    resume: bool,
+    #[command(flatten)]
+    checkpoint: CheckpointArgs,
     /// Write the sums, which `ata-merge` adds to those of other rows.
     #[arg(long, value_name = "FILE")]
     accumulator: Option<PathBuf>,
@@ -168,7 +153,7 @@ fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
         report(format_args!("ranks     {}, each with its part of the rows", ranks.size()))?;
     }
     let weights = match &args.weights {
-        Some(path) => Some(source::read_weights(path, &args.input, m)?),
+        Some(path) => Some(read_weights(path, &args.input, m)?),
         None => None,
     };
     let work = Work { args, ranks, a: &a, weights: weights.as_deref(), backend };
@@ -185,40 +170,16 @@ fn refuse(args: &Args, ranks: &Ranks) -> Result<()> {
         let name = parse::scheme_name(args.scheme);
         bail!("--reproducible is --scheme exact, and can't be combined with --scheme {name}");
     }
-    if args.checkpoint.is_some() && args.output.is_none() && args.accumulator.is_none() {
+    if args.checkpoint.is_given() && args.output.is_none() && args.accumulator.is_none() {
         bail!("--checkpoint needs -o or --accumulator: it is removed in the end");
     }
     if let Some(path) = &args.output {
         files::check_name(path)?;
     }
-    let own_checkpoint = checkpoint_of(args, ranks);
-    let checkpoint = own_checkpoint.as_ref().filter(|_| !args.resume);
-    let paths =
-        [args.output.as_ref(), args.picture.as_ref(), args.accumulator.as_ref(), checkpoint];
-    for path in paths.into_iter().flatten() {
-        if !args.force && path.symlink_metadata().is_ok() {
-            let goes_on = if Some(path) == checkpoint { ", --resume goes on from it" } else { "" };
-            bail!("{}: exists already (--force replaces it{goes_on})", path.display());
-        }
+    for path in [&args.output, &args.picture, &args.accumulator].into_iter().flatten() {
+        refuse_existing(path, args.force)?;
     }
-    if let Some(path) = &own_checkpoint {
-        // Hours later would be too late to find out.
-        drop(Output::create(path, Overwrite::Replace)?);
-    }
-    Ok(())
-}
-
-/// Where this rank keeps its sums.
-fn checkpoint_of(args: &Args, ranks: &Ranks) -> Option<PathBuf> {
-    let path = args.checkpoint.as_ref()?;
-    Some(match ranks.label() {
-        Some(label) => {
-            let mut name = path.clone().into_os_string();
-            name.push(format!(".{label}"));
-            name.into()
-        }
-        None => path.clone(),
-    })
+    args.checkpoint.check(ranks, args.force)
 }
 
 /// The files to write, already begun.
@@ -294,11 +255,7 @@ impl Work<'_> {
     ) -> Result<()> {
         let (args, n) = (self.args, self.a.shape().1);
         let labels = self.labels(options);
-        let checkpoint = checkpoint_of(args, self.ranks);
-        let begun = match &checkpoint {
-            Some(path) if args.resume => checkpoint::resume::<T>(path, n, &labels)?,
-            _ => None,
-        };
+        let begun = args.checkpoint.resume::<T>(self.ranks, n, &labels)?;
         // All processes agree on the bounds, whoever of them begins anew.
         let bounds = match &begun {
             Some(_) if self.ranks.size() == 1 => None,
@@ -316,7 +273,7 @@ impl Work<'_> {
         let sum = self.add(sum, plan, options, 0, &bar)?;
         drop(bar);
         let sum = self.ranks.merge(sum)?;
-        let Some(sum) = sum else { return self.remove_checkpoint(checkpoint) };
+        let Some(sum) = sum else { return args.checkpoint.remove(self.ranks) };
         if let Some(output) = &mut outputs.accumulator {
             sum.write(output).map_err(|e| output.error(e))?;
         }
@@ -331,17 +288,7 @@ impl Work<'_> {
             report(format_args!("kept      {}", path.display()))?;
         }
         self.write(c.as_ref(), outputs.c, outputs.picture)?;
-        self.remove_checkpoint(checkpoint)
-    }
-
-    /// When all ranks have done their work.
-    fn remove_checkpoint(&self, checkpoint: Option<PathBuf>) -> Result<()> {
-        self.ranks.wait();
-        match checkpoint {
-            Some(path) if path.symlink_metadata().is_ok() => std::fs::remove_file(&path)
-                .with_context(|| format!("{}: can't be removed", path.display())),
-            _ => Ok(()),
-        }
+        args.checkpoint.remove(self.ranks)
     }
 
     /// What C is multiplied by.
@@ -358,7 +305,7 @@ impl Work<'_> {
     fn sparse(&self) -> Option<&CsMat<f64>> {
         let args = self.args;
         let exact = args.reproducible || args.accuracy == Accuracy::Max;
-        let streams = args.checkpoint.is_some() || args.accumulator.is_some();
+        let streams = args.checkpoint.is_given() || args.accumulator.is_some();
         self.a.sparse().filter(|a| {
             !self.centered()
                 && !exact
@@ -459,8 +406,7 @@ impl Work<'_> {
         let progress = Progress::new(&update).part(share(read)..share(read + 1));
         let options = options.clone().progress(progress);
         let (mut rows, weights) = self.rows::<T>()?;
-        let mut checkpoint = checkpoint_of(args, self.ranks)
-            .map(|path| Checkpoint::new(&path, args.checkpoint_every));
+        let mut checkpoint = args.checkpoint.begin(self.ranks);
         let mut after_block = |sum: &Accumulator<T>| {
             if let Some(checkpoint) = &mut checkpoint {
                 checkpoint.after_block(sum);
@@ -484,7 +430,7 @@ impl Work<'_> {
         let given = [
             ("--verify", args.verify),
             ("--picture", args.picture.is_some()),
-            ("--checkpoint", args.checkpoint.is_some()),
+            ("--checkpoint", args.checkpoint.is_given()),
             ("--accumulator", args.accumulator.is_some()),
         ];
         if let Some((name, _)) = given.into_iter().find(|(_, given)| *given) {
@@ -630,10 +576,4 @@ pub fn write_matrix<T: BlasReal>(output: Output, c: MatRef<'_, T>) -> Result<()>
     let path = output.path().to_owned();
     files::write(output, c)?;
     report(format_args!("written   {}", path.display()))
-}
-
-/// Tells weights from others: FNV-1a of their bits.
-fn fingerprint(weights: &[f64]) -> u64 {
-    let mix = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-    weights.iter().flat_map(|w| w.to_le_bytes()).fold(0xcbf2_9ce4_8422_2325, mix)
 }

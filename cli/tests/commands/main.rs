@@ -8,6 +8,7 @@ mod curve;
 mod decimate;
 mod demo;
 mod files;
+mod gram;
 mod mesh;
 mod newton;
 mod picture;

@@ -46,6 +46,31 @@ fn ranks_share_the_rows_and_give_the_same_product() {
     }
 }
 
+#[test]
+fn ranks_share_the_rows_and_solve_to_the_same_bytes() {
+    let folder = Folder::new();
+    folder.write("a.csv", table(1001));
+    for command in [
+        "lstsq a.csv --by-column 3,0 --intercept",
+        "pca a.csv -k 3 --standardize --scores",
+        "svd a.csv --left",
+    ] {
+        folder.succeed(&format!("{command} -o one.npz --force"));
+        for ranks in [2, 3] {
+            let arguments = format!("{command} -o {ranks}.npz --threads 1 --force");
+            let run = mpirun(&folder, ranks, &arguments);
+            assert_eq!(run.code, Some(0), "{}", run.stderr);
+            assert_eq!(run.stdout.matches("written").count(), 1, "{}", run.stdout);
+            let read = |name: &str| std::fs::read(folder.path(name)).unwrap();
+            assert!(read("one.npz") == read(&format!("{ranks}.npz")), "{command}");
+        }
+    }
+    let refused = mpirun(&folder, 2, "lstsq a.csv --by-column 99 -o no.npz");
+    assert_ne!(refused.code, Some(0));
+    assert!(refused.stderr.contains("a.csv: no column 99"), "{}", refused.stderr);
+    assert!(!folder.path("no.npz").exists());
+}
+
 /// An array of an .npz file.
 fn array(folder: &Folder, file: &str, name: &str) -> Vec<f64> {
     let file = std::fs::File::open(folder.path(file)).unwrap();

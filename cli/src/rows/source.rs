@@ -20,6 +20,8 @@ use crate::progress::Bar;
 pub struct Source {
     name: PathBuf,
     content: Content,
+    /// Of its columns, in the header of a text table; none elsewhere.
+    names: Vec<String>,
 }
 
 enum Content {
@@ -33,17 +35,28 @@ pub type Rows<'a, T> = Box<dyn RowBlocks<T> + Send + 'a>;
 impl Source {
     /// Opens `.npy` and HDF5, and reads everything else.
     pub fn open(name: &Path, columns: Option<Range<usize>>) -> Result<Self> {
-        let content = if is_file_of_rows(name) {
+        let (content, names) = if is_file_of_rows(name) {
             let file = RowFile::open(name)?;
             let file = match columns {
                 Some(columns) => named(name, file.with_columns(columns))?,
                 None => file,
             };
-            Content::File(file)
+            (Content::File(file), Vec::new())
         } else {
-            Content::Whole(read(name, "reading", columns)?)
+            let (matrix, names) = read(name, "reading", columns)?;
+            (Content::Whole(matrix), names)
         };
-        Ok(Self { name: name.into(), content })
+        Ok(Self { name: name.into(), content, names })
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.name
+    }
+
+    /// The names of the columns, in the header of a text table; none elsewhere.
+    pub fn names(&self) -> &[String] {
+        &self.names
     }
 
     /// Whether it is read block by block.
@@ -180,11 +193,15 @@ fn rows_of<T: BlasReal>(a: &Matrix) -> Rows<'_, T> {
     }
 }
 
-fn read(path: &Path, label: &'static str, columns: Option<Range<usize>>) -> Result<Matrix> {
+fn read(
+    path: &Path,
+    label: &'static str,
+    columns: Option<Range<usize>>,
+) -> Result<(Matrix, Vec<String>)> {
     let bar = Bar::new(label);
     let update = |fraction| bar.update(fraction);
     let options = ReadOptions::new().columns(columns).progress(&update);
-    named(path, files::read(path, &options.max_memory(input::max_memory())))
+    named(path, files::read_with_names(path, &options.max_memory(input::max_memory())))
 }
 
 /// The file, in errors that know none.
@@ -199,7 +216,7 @@ fn named<R>(path: &Path, result: catamaran::Result<R>) -> Result<R> {
 
 /// The `m` weights in a file with one row or one column.
 pub fn read_weights(path: &Path, input: &Path, m: usize) -> Result<Vec<f64>> {
-    let matrix = read(path, "weights", None)?;
+    let (matrix, _) = read(path, "weights", None)?;
     let (nrows, ncols) = (matrix.nrows(), matrix.ncols());
     if (nrows, ncols) != (m, 1) && (nrows, ncols) != (1, m) {
         bail!(
@@ -238,4 +255,10 @@ impl<T> RowBlocks<T> for Part<'_, T> {
     fn read(&mut self, first: usize, out: MatMut<'_, T>) -> catamaran::Result<()> {
         self.rows.read(self.range.start + first, out)
     }
+}
+
+/// Tells weights from others: FNV-1a of their bits.
+pub fn fingerprint(weights: &[f64]) -> u64 {
+    let mix = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    weights.iter().flat_map(|w| w.to_le_bytes()).fold(0xcbf2_9ce4_8422_2325, mix)
 }

@@ -1,0 +1,213 @@
+//! What `lstsq`, `pca` and `svd` share: one pass over rows to their Gram matrix in extended
+//! precision, and a second one to what is computed from each row.
+
+mod second;
+mod table;
+
+use std::num::NonZeroUsize;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+use catamaran::ata::{Accumulator, ExtendedGram, RowBounds, block_rows, stream};
+use catamaran::gram::check_weights;
+use catamaran::{AtaOptions, Par};
+
+pub use self::second::second_pass;
+pub use self::table::Table;
+use crate::parse;
+use crate::progress::{self, Bar};
+use crate::ranks::Ranks;
+use crate::report::{report, seconds};
+use crate::rows::{CheckpointArgs, Source, fingerprint, read_weights};
+
+/// Lines of a table on the screen.
+pub const SHOWN: usize = 50;
+
+/// The rows, and how they are added up.
+#[derive(clap::Args)]
+pub struct GramArgs {
+    /// The matrix A, m x n: .npy, .mtx, .csv, .tsv and .txt, each also as .gz, and HDF5 where it is
+    /// built in (FILE.h5:/dataset).
+    #[arg(value_name = "A")]
+    input: PathBuf,
+    /// Use these columns of the file only, counted from 0, the last one excluded.
+    #[arg(long, value_name = "FIRST..END", value_parser = parse::columns)]
+    columns: Option<Range<usize>>,
+    /// Threads, at most 4 for each core; all cores of the affinity mask by default. Does not change
+    /// the result.
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// Rows of a block, two of which are in memory; default about 64 MiB. Does not change the
+    /// result.
+    #[arg(long, value_name = "ROWS")]
+    block_rows: Option<NonZeroUsize>,
+    #[command(flatten)]
+    checkpoint: CheckpointArgs,
+    /// Replace files that exist.
+    #[arg(long)]
+    pub force: bool,
+}
+
+impl GramArgs {
+    /// The file of A.
+    pub fn input(&self) -> &Path {
+        &self.input
+    }
+
+    /// The first column of the file that is used.
+    pub fn first_column(&self) -> usize {
+        self.columns.as_ref().map_or(0, |columns| columns.start)
+    }
+
+    /// Threads.
+    pub fn par(&self) -> Par {
+        self.threads.map_or_else(Par::all, |threads| Par::Threads(threads.get()))
+    }
+
+    /// What can be refused before any work.
+    pub fn check(&self, ranks: &Ranks) -> Result<()> {
+        self.checkpoint.check(ranks, self.force)
+    }
+
+    /// Opens A.
+    pub fn open(&self) -> Result<Source> {
+        open("A", &self.input, self.columns.clone())
+    }
+}
+
+/// Opens a matrix and reports what it is.
+pub fn open(label: &str, path: &Path, columns: Option<Range<usize>>) -> Result<Source> {
+    let start = Instant::now();
+    let source = Source::open(path, columns)?;
+    let (m, n) = source.shape();
+    let how = match source.is_file() {
+        true => "read by blocks".into(),
+        false => format!("read in {}", seconds(start.elapsed())),
+    };
+    let (name, kind) = (path.display(), source.kind());
+    report(format_args!("{label:10}{name}: {m} x {n}, {kind}, {how}"))?;
+    Ok(source)
+}
+
+/// One pass over the rows of a table.
+pub struct Pass<'a> {
+    args: &'a GramArgs,
+    ranks: &'a Ranks,
+    table: &'a Table,
+    weights: Option<Vec<f64>>,
+    centered: bool,
+}
+
+impl<'a> Pass<'a> {
+    /// Of rows with the weights in a file, if there is one; about their mean when `centered`.
+    pub fn new(
+        args: &'a GramArgs,
+        ranks: &'a Ranks,
+        table: &'a Table,
+        weights: Option<&Path>,
+        centered: bool,
+    ) -> Result<Self> {
+        if centered && table.nrows() == 0 {
+            bail!("{}: no rows, of which there could be a mean", args.input.display());
+        }
+        let weights = match weights {
+            Some(path) => {
+                let weights = read_weights(path, &args.input, table.nrows())?;
+                check_weights(Some(&weights)).with_context(|| path.display().to_string())?;
+                Some(weights)
+            }
+            None => None,
+        };
+        if ranks.size() > 1 {
+            report(format_args!("ranks     {}, each with its part of the rows", ranks.size()))?;
+        }
+        Ok(Self { args, ranks, table, weights, centered })
+    }
+
+    /// The Gram matrix of all rows, on the first rank.
+    pub fn gram(&self) -> Result<Option<ExtendedGram>> {
+        let (checkpoint, n) = (&self.args.checkpoint, self.table.ncols());
+        let labels = self.labels();
+        let mut sum = match checkpoint.resume::<f64>(self.ranks, n, &labels)? {
+            Some(sum) => {
+                if self.ranks.size() > 1 {
+                    // A rank that begins anew waits for the bounds of all.
+                    self.bounds()?;
+                }
+                sum
+            }
+            None => Accumulator::extended(&self.bounds()?, self.centered)
+                .with_context(|| format!("{}: A^T A of {n} columns", self.args.input.display()))?,
+        };
+        sum.set_labels(labels);
+        let start = Instant::now();
+        let bar = Bar::new("computing");
+        let update = |fraction| bar.update(fraction);
+        let options = AtaOptions::new().par(self.args.par()).progress(&update);
+        let mut checkpoint = checkpoint.begin(self.ranks);
+        let mut after_block = |sum: &Accumulator<f64>| {
+            if let Some(checkpoint) = &mut checkpoint {
+                checkpoint.after_block(sum);
+            }
+            progress::check()
+        };
+        let (weights, height) = (self.own_weights(), self.height());
+        self.table.read(self.own_rows(), false, |rows| {
+            stream(rows, weights, height, &mut sum, &options, &mut after_block)
+        })?;
+        drop(bar);
+        let Some(sum) = self.ranks.merge(sum)? else { return Ok(None) };
+        let gram = sum.finish_extended().with_context(|| self.args.input.display().to_string())?;
+        report(format_args!("time      {} for A^T A", seconds(start.elapsed())))?;
+        Ok(Some(gram))
+    }
+
+    /// Removes the checkpoint, when all ranks have done their work and results are written.
+    pub fn end(&self) -> Result<()> {
+        self.args.checkpoint.remove(self.ranks)
+    }
+
+    /// The bounds of the rows of all ranks, by a pass that refuses what is not finite.
+    fn bounds(&self) -> Result<RowBounds<f64>> {
+        let bar = Bar::new("bounds");
+        let update = |fraction| bar.update(fraction);
+        let options = AtaOptions::new().par(self.args.par()).progress(&update);
+        let (weights, height) = (self.own_weights(), self.height());
+        let bounds = self
+            .table
+            .read(self.own_rows(), true, |rows| RowBounds::of(rows, weights, height, &options))?;
+        self.ranks.common_bounds(bounds)
+    }
+
+    fn own_rows(&self) -> Range<usize> {
+        self.ranks.share(self.table.nrows())
+    }
+
+    fn own_weights(&self) -> Option<&[f64]> {
+        self.weights.as_ref().map(|weights| &weights[self.own_rows()])
+    }
+
+    fn height(&self) -> usize {
+        let height = self.args.block_rows.map(NonZeroUsize::get);
+        height.unwrap_or_else(|| block_rows::<f64>(self.table.ncols(), self.weights.is_some()))
+    }
+
+    /// What a checkpoint must have been made with.
+    fn labels(&self) -> Vec<(String, String)> {
+        let weights = self.weights.as_ref();
+        let weights = weights.map_or("none".into(), |w| format!("{:016x}", fingerprint(w)));
+        let [a, b] = self.table.identity();
+        [
+            ("sums", "extended".into()),
+            ("A", a),
+            ("B", b),
+            ("weights", weights),
+            ("centring", if self.centered { "mean" } else { "none" }.into()),
+            ("rank", self.ranks.label().unwrap_or_else(|| "alone".into())),
+        ]
+        .map(|(name, value): (&str, String)| (name.to_owned(), value))
+        .into()
+    }
+}

@@ -1,0 +1,90 @@
+//! What the columns of A and of B are called, and which of the file of A are targets.
+
+use std::path::Path;
+
+use anyhow::{Result, bail};
+
+use crate::rows::Source;
+
+/// Columns that an error lists.
+const LISTED: usize = 10;
+
+/// Names of the columns: those of the header of a text table, else numbers counted from 0.
+pub fn names(source: &Source, first: usize) -> Vec<String> {
+    match source.names() {
+        [] => (first..first + source.shape().1).map(|column| column.to_string()).collect(),
+        names => names.to_vec(),
+    }
+}
+
+/// The columns of these names or numbers.
+///
+/// # Errors
+/// There is none of this name, or more than one, or a column is named twice.
+pub fn find(path: &Path, names: &[String], first: usize, wanted: &[String]) -> Result<Vec<usize>> {
+    let mut found = Vec::with_capacity(wanted.len());
+    for name in wanted {
+        let column = find_one(path, names, first, name)?;
+        if found.contains(&column) {
+            bail!("{}: column {name} is named twice by --by-column", path.display());
+        }
+        found.push(column);
+    }
+    Ok(found)
+}
+
+fn find_one(path: &Path, names: &[String], first: usize, wanted: &str) -> Result<usize> {
+    let mut called = (0..names.len()).filter(|&column| names[column] == wanted);
+    match (called.next(), called.next()) {
+        (Some(column), None) => return Ok(column),
+        (Some(_), Some(_)) => bail!("{}: two columns are called {wanted}", path.display()),
+        (None, _) => {}
+    }
+    let number = wanted.parse::<usize>().ok().and_then(|number| number.checked_sub(first));
+    match number.filter(|&column| column < names.len()) {
+        Some(column) => Ok(column),
+        None => {
+            let known = list(names.iter().map(String::as_str));
+            bail!("{}: no column {wanted}; there are {known}", path.display())
+        }
+    }
+}
+
+/// Names in a line, not all of many.
+pub fn list<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String {
+    let count = names.len();
+    let mut text = names.take(LISTED).collect::<Vec<_>>().join(", ");
+    if count > LISTED {
+        text += &format!(" and {} more", count - LISTED);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(wanted: &[&str]) -> Result<Vec<usize>, String> {
+        let names = ["x", "y", "x", "7"].map(str::to_owned);
+        let wanted: Vec<String> = wanted.iter().map(|&name| name.to_owned()).collect();
+        find(Path::new("a.csv"), &names, 5, &wanted).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn names_come_before_numbers_which_count_from_the_first_column_of_the_file() {
+        assert_eq!(found(&["y"]), Ok(vec![1]));
+        assert_eq!(found(&["7", "5"]), Ok(vec![3, 0]));
+        assert_eq!(found(&["8", "y"]), Ok(vec![3, 1]));
+    }
+
+    #[test]
+    fn errors_name_the_file_and_the_column() {
+        let no = "a.csv: no column z; there are x, y, x, 7";
+        assert_eq!(found(&["z"]), Err(no.into()));
+        assert_eq!(found(&["9"]), Err(no.replace('z', "9")));
+        assert_eq!(found(&["4"]), Err(no.replace('z', "4")));
+        assert_eq!(found(&["x"]), Err("a.csv: two columns are called x".into()));
+        let twice = "a.csv: column 6 is named twice by --by-column";
+        assert_eq!(found(&["y", "6"]), Err(twice.into()));
+    }
+}

@@ -1,0 +1,160 @@
+//! `catamaran pca`.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, bail};
+use catamaran::faer::MatRef;
+use catamaran::gram::{Components, PrincipalComponents, PrincipalComponentsOptions};
+use catamaran::io::{Array, ArraysWriter, Output};
+
+use crate::gram::{GramArgs, Pass, SHOWN, Table, second_pass};
+use crate::output;
+use crate::picture::{Chart, Curve, Upwards, write_chart};
+use crate::ranks::Ranks;
+use crate::report::report;
+
+/// Compute the principal components of the rows of a matrix in a file.
+///
+/// Rows are read twice, block by block (.npy and HDF5 may be larger than memory): once for their
+/// bounds, once for the sums in extended precision. The file has the arrays `components` (k x n),
+/// `explained_variance`, `explained_variance_ratio` and `singular_values` (k each), `mean` and
+/// `scale` (n each). Under `mpirun` (where MPI is built in) each rank takes a part of the rows.
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    gram: GramArgs,
+    /// Number of components; by default all.
+    #[arg(short, value_name = "NUMBER")]
+    k: Option<usize>,
+    /// As few components as explain this share of the variance, such as 0.95.
+    #[arg(long, value_name = "SHARE", conflicts_with = "k")]
+    variance: Option<f64>,
+    /// Divide each column by its standard deviation.
+    #[arg(long)]
+    standardize: bool,
+    /// Divide scores by the root of the variance that they explain.
+    #[arg(long, requires = "scores")]
+    whiten: bool,
+    /// File of m weights, none of them negative, that count as repetitions of rows.
+    #[arg(long, value_name = "FILE")]
+    weights: Option<PathBuf>,
+    /// Write the arrays to this .npz file, or .h5 where HDF5 is built in.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Also write `scores` (m x k), the coordinates of the rows along the components, by one more
+    /// pass over the rows.
+    #[arg(long, requires = "output")]
+    scores: bool,
+    /// Draw the share of the variance that each component explains to this .svg file.
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    let ranks = Ranks::join()?;
+    let done = run_as(args, &ranks);
+    ranks.end(done)
+}
+
+fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
+    let path = args.output.as_deref().filter(|_| ranks.is_first());
+    let output = path.map(|path| output::arrays(path, args.gram.force)).transpose()?;
+    let picture = if ranks.is_first() { start_picture(args)? } else { None };
+    args.gram.check(ranks)?;
+    let name = || args.gram.input().display().to_string();
+    let table = Table::of(args.gram.open()?);
+    let pass = Pass::new(&args.gram, ranks, &table, args.weights.as_deref(), true)?;
+    let Some(gram) = pass.gram()? else { return pass.end() };
+    let components = match (args.k, args.variance) {
+        (Some(count), _) => Components::Count(count),
+        (None, Some(share)) => Components::Share(share),
+        (None, None) => Components::All,
+    };
+    let options = PrincipalComponentsOptions::new()
+        .components(components)
+        .standardize(args.standardize)
+        .whiten(args.whiten)
+        .par(args.gram.par());
+    let found = PrincipalComponents::from_gram(&gram, &options).with_context(name)?;
+    report_components(&found)?;
+    if let Some(output) = output {
+        write(args, output, &table, &found)?;
+    }
+    if let Some(output) = picture {
+        let path = output.path().display().to_string();
+        write_chart(output, &scree(&found))?;
+        report(format_args!("picture   {path}"))?;
+    }
+    pass.end()
+}
+
+fn start_picture(args: &Args) -> Result<Option<Output>> {
+    let Some(path) = &args.picture else { return Ok(None) };
+    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
+        bail!("{}: a scree plot must be called .svg", path.display());
+    }
+    output::create(path, args.gram.force).map(Some)
+}
+
+fn report_components(found: &PrincipalComponents) -> Result<()> {
+    let count = found.explained_variance.len();
+    report(format_args!("kept      {count} components of {} columns", found.mean.len()))?;
+    report(format_args!("component       variance     share  together"))?;
+    let mut together = 0.0;
+    let values = found.explained_variance.iter().zip(&found.explained_variance_ratio);
+    for (i, (variance, ratio)) in values.take(SHOWN).enumerate() {
+        together += ratio;
+        report(format_args!("{i:>9}  {variance:>13.6e}  {ratio:>8.6}  {together:>8.6}"))?;
+    }
+    if count > SHOWN {
+        report(format_args!("          ... and {} more", count - SHOWN))?;
+    }
+    Ok(())
+}
+
+fn write(args: &Args, output: Output, table: &Table, found: &PrincipalComponents) -> Result<()> {
+    let path = output.path().display().to_string();
+    let mut writer = ArraysWriter::new(output)?;
+    writer.array("components", Array::Matrix(found.components.as_ref()))?;
+    for (name, values) in [
+        ("explained_variance", &found.explained_variance),
+        ("explained_variance_ratio", &found.explained_variance_ratio),
+        ("singular_values", &found.singular_values),
+        ("mean", &found.mean),
+        ("scale", &found.scale),
+    ] {
+        writer.array(name, Array::Vector(values))?;
+    }
+    if args.scores {
+        let scores = |rows: MatRef<'_, f64>| found.scores(rows);
+        second_pass(table, &mut writer, "scores", found.components.nrows(), scores)?;
+    }
+    writer.finish()?;
+    report(format_args!("written   {path}"))
+}
+
+/// The share of the variance of each component, and of all up to it.
+fn scree(found: &PrincipalComponents) -> Chart<'static> {
+    let ratio = &found.explained_variance_ratio;
+    let points = |values: &[f64]| (1..).map(f64::from).zip(values.iter().copied()).collect();
+    let mut sum = 0.0;
+    let sums: Vec<f64> = ratio
+        .iter()
+        .map(|ratio| {
+            sum += ratio;
+            sum
+        })
+        .collect();
+    let curve = |name, color, dashed, points| Curve { name, color, width: 2.0, dashed, points };
+    Chart {
+        across: "component",
+        last: ratio.len() as f64,
+        upwards: "share of the variance",
+        scale: Upwards::To(1.05),
+        curves: vec![
+            curve("together", "#888", true, points(&sums)),
+            curve("each", "#1f6feb", false, points(ratio)),
+        ],
+    }
+}

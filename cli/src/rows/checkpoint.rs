@@ -1,0 +1,140 @@
+//! Accumulators on the disk, for a run that was killed to go on.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use catamaran::ata::Accumulator;
+use catamaran::blas::BlasReal;
+use catamaran::io::{self as files, Output, Overwrite};
+
+use crate::parse;
+use crate::ranks::Ranks;
+use crate::report::{complain, report};
+
+/// Where sums are kept, and when.
+#[derive(clap::Args)]
+pub struct CheckpointArgs {
+    /// Keep the sums so far in this file, for --resume; it is removed in the end.
+    #[arg(long, value_name = "FILE")]
+    checkpoint: Option<PathBuf>,
+    /// Minutes between two checkpoints; 0: after each block.
+    #[arg(
+        long,
+        value_name = "MINUTES",
+        default_value = "10",
+        value_parser = parse::minutes,
+        requires = "checkpoint"
+    )]
+    checkpoint_every: Duration,
+    /// Go on from the checkpoint, if there is one: the result will be the same bytes as without a
+    /// stop.
+    #[arg(long, requires = "checkpoint")]
+    resume: bool,
+}
+
+impl CheckpointArgs {
+    /// Whether sums are kept.
+    pub fn is_given(&self) -> bool {
+        self.checkpoint.is_some()
+    }
+
+    /// Where this rank keeps its sums.
+    fn path(&self, ranks: &Ranks) -> Option<PathBuf> {
+        let path = self.checkpoint.as_ref()?;
+        Some(match ranks.label() {
+            Some(label) => {
+                let mut name = path.clone().into_os_string();
+                name.push(format!(".{label}"));
+                name.into()
+            }
+            None => path.clone(),
+        })
+    }
+
+    /// Refuses a file that is there, unless it is gone on from or replaced, and one that can't be
+    /// written.
+    pub fn check(&self, ranks: &Ranks, force: bool) -> Result<()> {
+        let Some(path) = self.path(ranks) else { return Ok(()) };
+        if !force && !self.resume && path.symlink_metadata().is_ok() {
+            bail!(
+                "{}: exists already (--force replaces it, --resume goes on from it)",
+                path.display()
+            );
+        }
+        // Hours later would be too late to find out.
+        drop(Output::create(&path, Overwrite::Replace)?);
+        Ok(())
+    }
+
+    /// The sums of all columns to go on from, if there are any and that is asked for.
+    pub fn resume<T: BlasReal>(
+        &self,
+        ranks: &Ranks,
+        ncols: usize,
+        labels: &[(String, String)],
+    ) -> Result<Option<Accumulator<T>>> {
+        match self.path(ranks) {
+            Some(path) if self.resume => resume(&path, ncols, labels),
+            _ => Ok(None),
+        }
+    }
+
+    /// Begins to count the time.
+    pub fn begin(&self, ranks: &Ranks) -> Option<Checkpoint> {
+        let (path, every) = (self.path(ranks)?, self.checkpoint_every);
+        Some(Checkpoint { path, every, last: Instant::now() })
+    }
+
+    /// Removes the file, when all ranks have done their work.
+    pub fn remove(&self, ranks: &Ranks) -> Result<()> {
+        ranks.wait();
+        match self.path(ranks) {
+            Some(path) if path.symlink_metadata().is_ok() => std::fs::remove_file(&path)
+                .with_context(|| format!("{}: can't be removed", path.display())),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A file that is replaced from time to time.
+pub struct Checkpoint {
+    path: PathBuf,
+    every: Duration,
+    last: Instant,
+}
+
+impl Checkpoint {
+    /// Writes the file when it is time. A failure is told, and leaves the last file: the sums are still right.
+    pub fn after_block<T: BlasReal>(&mut self, sum: &Accumulator<T>) {
+        if self.last.elapsed() < self.every || sum.rows() == sum.expected_rows() {
+            return;
+        }
+        let written = Output::create(&self.path, Overwrite::Replace)
+            .and_then(|output| files::write_accumulator(output, sum));
+        if let Err(e) = written {
+            complain(format_args!("{e}; going on with the last checkpoint, if there is one"));
+        }
+        self.last = Instant::now();
+    }
+}
+
+/// The accumulator in the file, when it is one of the same sums; `None` when there is no file.
+fn resume<T: BlasReal>(
+    path: &Path,
+    ncols: usize,
+    labels: &[(String, String)],
+) -> Result<Option<Accumulator<T>>> {
+    if path.symlink_metadata().is_err() {
+        report(format_args!("resumed   no {}: from the first row", path.display()))?;
+        return Ok(None);
+    }
+    let sum = files::read_accumulator::<T>(path)?;
+    sum.check_labels(labels).with_context(|| path.display().to_string())?;
+    if sum.strip() != (0..ncols) {
+        bail!("{}: not of all of C", path.display());
+    }
+    let (rows, all) = (sum.rows(), sum.expected_rows());
+    report(format_args!("resumed   {}: row {rows} of {all}", path.display()))?;
+    Ok(Some(sum))
+}

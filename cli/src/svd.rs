@@ -1,0 +1,95 @@
+//! `catamaran svd`.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use catamaran::faer::linalg::matmul::matmul;
+use catamaran::faer::{Accum, Mat, MatRef, Par};
+use catamaran::gram::SingularValues;
+use catamaran::io::{Array, ArraysWriter};
+
+use crate::gram::{GramArgs, Pass, SHOWN, Table, second_pass};
+use crate::output;
+use crate::ranks::Ranks;
+use crate::report::report;
+
+/// Compute the singular values and vectors of a tall matrix in a file.
+///
+/// Rows are read twice, block by block (.npy and HDF5 may be larger than memory): once for their
+/// bounds, once for A^T A in extended precision, which keeps small singular values accurate. The
+/// file has the arrays `values` (n, descending; zeros where columns depend on others) and `v` (n x
+/// rank). Under `mpirun` (where MPI is built in) each rank takes a part of the rows.
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    gram: GramArgs,
+    /// Write the arrays to this .npz file, or .h5 where HDF5 is built in.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Also write `u` (m x rank), A v / sigma, by one more pass over the rows. Columns of small
+    /// singular values are less accurate: their error is about 2^-53 times the largest value over
+    /// theirs.
+    #[arg(long, requires = "output")]
+    left: bool,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &Args) -> Result<()> {
+    let ranks = Ranks::join()?;
+    let done = run_as(args, &ranks);
+    ranks.end(done)
+}
+
+fn run_as(args: &Args, ranks: &Ranks) -> Result<()> {
+    let path = args.output.as_deref().filter(|_| ranks.is_first());
+    let output = path.map(|path| output::arrays(path, args.gram.force)).transpose()?;
+    args.gram.check(ranks)?;
+    let name = || args.gram.input().display().to_string();
+    let table = Table::of(args.gram.open()?);
+    let pass = Pass::new(&args.gram, ranks, &table, None, false)?;
+    let Some(gram) = pass.gram()? else { return pass.end() };
+    let found = SingularValues::from_gram(&gram, args.gram.par()).with_context(name)?;
+    report_values(&found)?;
+    if let Some(output) = output {
+        let path = output.path().display().to_string();
+        let mut writer = ArraysWriter::new(output)?;
+        writer.array("values", Array::Vector(&found.values))?;
+        writer.array("v", Array::Matrix(found.v.as_ref()))?;
+        if args.left {
+            let left = |rows: MatRef<'_, f64>| left_vectors(rows, &found);
+            second_pass(&table, &mut writer, "u", found.rank(), left)?;
+        }
+        writer.finish()?;
+        report(format_args!("written   {path}"))?;
+    }
+    pass.end()
+}
+
+fn report_values(found: &SingularValues) -> Result<()> {
+    let (rank, n) = (found.rank(), found.values.len());
+    report(format_args!("rank      {rank} of {n} columns"))?;
+    if let (Some(first), Some(last)) = (found.values.first(), found.values[..rank].last()) {
+        report(format_args!("condition {:.6e}", first / last))?;
+    }
+    for (i, value) in found.values.iter().take(SHOWN).enumerate() {
+        report(format_args!("{i:>8}  {value:.15e}"))?;
+    }
+    if n > SHOWN {
+        report(format_args!("          ... and {} more", n - SHOWN))?;
+    }
+    Ok(())
+}
+
+/// Rows of U.
+fn left_vectors(rows: MatRef<'_, f64>, found: &SingularValues) -> catamaran::Result<Mat<f64>> {
+    let (count, rank) = (rows.nrows(), found.rank());
+    let mut left = Mat::new();
+    let bytes = count.saturating_mul(rank).saturating_mul(size_of::<f64>());
+    left.try_reserve(count, rank).map_err(|_| catamaran::Error::OutOfMemory { bytes })?;
+    left.resize_with(count, rank, |_, _| 0.0);
+    matmul(left.as_mut(), Accum::Replace, rows, found.v.as_ref(), 1.0, Par::Seq);
+    for (j, sigma) in found.values[..rank].iter().enumerate() {
+        left.col_mut(j).iter_mut().for_each(|entry| *entry /= sigma);
+    }
+    Ok(left)
+}

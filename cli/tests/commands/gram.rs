@@ -1,0 +1,399 @@
+//! `catamaran lstsq`, `catamaran pca` and `catamaran svd`, from outside.
+
+use std::fs;
+use std::process::Stdio;
+
+use catamaran::faer::{Mat, mat};
+use catamaran::io::{Arrays, read_arrays};
+
+use crate::common::{Folder, Run, csv, table, with_input};
+
+/// Longley's data with the names of the columns (NIST StRD, dataset Longley; public domain).
+const LONGLEY: &str = "\
+employed,deflator,gnp,unemployed,armed,population,year
+60323,83.0,234289,2356,1590,107608,1947
+61122,88.5,259426,2325,1456,108632,1948
+60171,88.2,258054,3682,1616,109773,1949
+61187,89.5,284599,3351,1650,110929,1950
+63221,96.2,328975,2099,3099,112075,1951
+63639,98.1,346999,1932,3594,113270,1952
+64989,99.0,365385,1870,3547,115094,1953
+63761,100.0,363112,3578,3350,116219,1954
+66019,101.2,397469,2904,3048,117388,1955
+67857,104.6,419180,2822,2857,118734,1956
+68169,108.4,442769,2936,2798,120445,1957
+66513,110.8,444546,4681,2637,121950,1958
+68655,112.6,482704,3813,2552,123366,1959
+69564,114.2,502601,3931,2514,125368,1960
+69331,115.7,518173,4806,2572,127852,1961
+70551,116.9,554894,4007,2827,130081,1962
+";
+
+/// Certified coefficients and standard deviations, without and then of the constant.
+const COEFFICIENTS: [f64; 6] = [
+    15.0618722713733,
+    -0.358191792925910e-1,
+    -2.02022980381683,
+    -1.03322686717359,
+    -0.511041056535807e-1,
+    1829.15146461355,
+];
+const ERRORS: [f64; 6] = [
+    84.9149257747669,
+    0.334910077722432e-1,
+    0.488399681651699,
+    0.214274163161675,
+    0.226073200069370,
+    455.478499142212,
+];
+const CONSTANT: [f64; 2] = [-3482258.63459582, 890420.383607373];
+
+fn arrays(folder: &Folder, name: &str) -> Arrays {
+    read_arrays(&folder.path(name)).unwrap()
+}
+
+fn bytes(folder: &Folder, name: &str) -> Vec<u8> {
+    fs::read(folder.path(name)).unwrap()
+}
+
+/// [`Folder::succeed`], and what it said on stderr.
+fn noted(folder: &Folder, arguments: &str) -> String {
+    let run = folder.run(arguments);
+    assert_eq!(run.code, Some(0), "{arguments}: {}", run.stderr);
+    run.stderr
+}
+
+fn assert_close(found: &[f64], expected: &[f64], allowed: f64) {
+    assert_eq!(found.len(), expected.len());
+    for (x, y) in found.iter().zip(expected) {
+        assert!((x - y).abs() <= allowed * y.abs(), "{found:?} {expected:?}");
+    }
+}
+
+#[test]
+fn certified_coefficients_come_out_by_the_names_of_the_header() {
+    let folder = Folder::new();
+    folder.write("longley.csv", LONGLEY);
+    let report =
+        folder.succeed("lstsq longley.csv --by-column employed --intercept -o x.npz --json x.json");
+    let found = arrays(&folder, "x.npz");
+    // The certified values are of the decimal numbers, of which the file is read rounded.
+    let x = found.matrix("x").unwrap();
+    assert_close(x.col_as_slice(0), &COEFFICIENTS, 1e-12);
+    assert_close(found.matrix("standard_error").unwrap().col_as_slice(0), &ERRORS, 1e-12);
+    assert_close(&found.vector("intercept").unwrap(), &CONSTANT[..1], 1e-12);
+    assert_close(&found.vector("intercept_error").unwrap(), &CONSTANT[1..], 1e-12);
+    assert_close(&found.vector("r_squared").unwrap(), &[0.995479004577296], 1e-13);
+    assert_close(&found.vector("residual_norm").unwrap(), &[3.0 * 304.854073561965], 1e-12);
+    assert_eq!(found.indices("degrees_of_freedom").unwrap(), [9]);
+    assert_eq!(found.indices("rank").unwrap(), [6]);
+    let line = |name: &str| {
+        let line = report.lines().find(|line| line.starts_with(name)).unwrap();
+        line.split_whitespace().map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(line("column"), ["column", "coefficient", "standard", "error", "t"]);
+    assert_eq!(line("unemployed")[3], "-4.136");
+    assert_eq!(line("intercept")[3], "-3.911");
+    assert_eq!(line("rows"), ["rows", "16"]);
+    assert_eq!(line("freedom")[1], "9");
+    let json = fs::read_to_string(folder.path("x.json")).unwrap();
+    let names = r#""columns": ["deflator", "gnp", "unemployed", "armed", "population", "year"]"#;
+    assert!(json.contains(names) && json.contains(r#""name": "employed""#), "{json}");
+}
+
+#[test]
+fn result_is_the_same_bytes_for_every_format_block_and_number_of_threads() {
+    let folder = Folder::new();
+    let (m, n) = (61, 7);
+    let all = table(m, n);
+    let columns = |range: std::ops::Range<usize>| -> Vec<f64> {
+        all.chunks(n).flat_map(|row| row[range.clone()].to_vec()).collect()
+    };
+    folder.write("all.csv", csv(&all, n));
+    folder.write_npy("all.npy", &[m as u64, n as u64], &all);
+    folder.write_npy("a.npy", &[m as u64, 5], &columns(0..5));
+    folder.write_fortran_npy("f.npy", &[m as u64, 5], &columns(0..5));
+    folder.write_npy("b.npy", &[m as u64, 2], &columns(5..7));
+    folder.write("b.csv", csv(&columns(5..7), 2));
+    folder.succeed("lstsq a.npy b.npy --intercept -o x.npz");
+    assert_eq!(arrays(&folder, "x.npz").matrix("x").unwrap().shape(), (5, 2));
+    for (arguments, same) in [
+        ("a.npy b.csv --threads 1", true),
+        ("f.npy b.npy --threads 2 --block-rows 7", true),
+        ("a.npy b.npy --block-rows 1", true),
+        ("all.csv --by-column 5,6 --block-rows 13", true),
+        ("all.npy --by-column 5,6", true),
+        ("all.npy --by-column 6,5", false),
+    ] {
+        folder.succeed(&format!("lstsq {arguments} --intercept -o y.npz --force"));
+        assert_eq!(bytes(&folder, "x.npz") == bytes(&folder, "y.npz"), same, "{arguments}");
+    }
+    // Numbers are those of the file, whatever columns are used.
+    folder.succeed("lstsq all.npy --columns 1..7 --by-column 6 -o y.json");
+    let json = fs::read_to_string(folder.path("y.json")).unwrap();
+    assert!(json.contains(r#""columns": ["1", "2", "3", "4", "5"]"#), "{json}");
+}
+
+#[test]
+fn json_of_a_small_problem() {
+    let folder = Folder::new();
+    folder.write("a.csv", "a b,t,y\n1,0,1\n1,1,3\n1,2,5\n");
+    folder.succeed("lstsq a.csv --by-column y -o x.json");
+    let expected = r#"{
+  "columns": ["a b", "t"],
+  "targets": [
+    {
+      "name": "y",
+      "x": [1.0, 2.0],
+      "standard_error": [0.0, 0.0],
+      "r_squared": 1.0,
+      "residual_norm": 0.0
+    }
+  ],
+  "rows": 3,
+  "rank": 2,
+  "dependent": [],
+  "degrees_of_freedom": 1,
+"#;
+    let json = fs::read_to_string(folder.path("x.json")).unwrap();
+    assert!(json.starts_with(expected), "{json}");
+}
+
+#[test]
+fn weights_count_as_repetitions_and_ridge_shrinks() {
+    let folder = Folder::new();
+    let rows = [[1.0, 2.0, 3.0], [4.0, -1.0, 1.0], [2.0, 2.0, 9.0], [7.0, 5.0, -2.0]];
+    let weights = [3.0, 0.0, 1.0, 2.0];
+    folder.write("a.csv", csv(&rows.concat(), 3));
+    folder.write("w.csv", csv(&weights, 1));
+    let repeated = rows.iter().zip(weights).flat_map(|(row, w)| vec![*row; w as usize]);
+    folder.write("r.csv", csv(&repeated.collect::<Vec<_>>().concat(), 3));
+    folder.succeed("lstsq a.csv --by-column 2 --weights w.csv --intercept -o x.npz");
+    folder.succeed("lstsq r.csv --by-column 2 --intercept -o y.npz");
+    let (x, y) = (arrays(&folder, "x.npz"), arrays(&folder, "y.npz"));
+    assert_eq!(x.matrix("x").unwrap(), y.matrix("x").unwrap());
+    for name in ["intercept", "r_squared", "residual_norm"] {
+        assert_eq!(x.vector(name).unwrap(), y.vector(name).unwrap(), "{name}");
+    }
+    folder.write("i.csv", "1,0,2\n0,1,4\n");
+    folder.succeed("lstsq i.csv --by-column 2 --ridge 1 -o z.npz");
+    assert_eq!(arrays(&folder, "z.npz").matrix("x").unwrap(), mat![[1.0], [2.0]]);
+}
+
+#[test]
+fn dependent_columns_give_the_solution_of_least_norm_and_a_note() {
+    let folder = Folder::new();
+    folder.write("a.csv", "u,v,y\n1,1,2\n2,2,4\n");
+    let note = noted(&folder, "lstsq a.csv --by-column y -o x.npz");
+    assert!(note.starts_with("note: a.csv: column "), "{note}");
+    assert!(note.contains("depends on others; of all solutions"), "{note}");
+    let found = arrays(&folder, "x.npz");
+    assert_eq!(found.matrix("x").unwrap(), mat![[1.0], [1.0]]);
+    assert_eq!(found.indices("rank").unwrap(), [1]);
+    let message = folder.fail("lstsq a.csv --by-column y --refuse-dependent -o y.npz");
+    assert!(message.contains("a.csv: column ") && message.contains("depends on"), "{message}");
+    // Fewer rows than columns.
+    folder.write("wide.csv", "3,4,25\n");
+    noted(&folder, "lstsq wide.csv --by-column 2 -o z.npz");
+    assert_eq!(arrays(&folder, "z.npz").matrix("x").unwrap(), mat![[3.0], [4.0]]);
+}
+
+#[test]
+fn many_columns_are_cut_short_on_the_screen() {
+    let folder = Folder::new();
+    let (m, n) = (80, 60);
+    folder.write_npy("a.npy", &[m as u64, n as u64], &table(m, n));
+    let report = folder.succeed("lstsq a.npy --by-column 59");
+    assert!(report.contains("... and 9 more"), "{report}");
+    let report = folder.succeed("svd a.npy");
+    assert!(report.contains("... and 10 more"), "{report}");
+}
+
+#[test]
+fn errors_name_the_file_and_the_cause() {
+    let folder = Folder::new();
+    folder.write("a.csv", "x,y\n1,2\n3,5\n5,4\n");
+    folder.write("short.csv", "1\n2\n");
+    folder.write("minus.csv", "1\n-1\n1\n");
+    folder.write("nan.csv", "1,2\n3,nan\n5,4\n");
+    folder.write("b.csv", "1\n2\ninf\n");
+    folder.write_npy::<f64>("none.npy", &[0, 3], &[]);
+    folder.write("old.npz", "precious");
+    for (arguments, expected) in [
+        ("lstsq a.csv short.csv", "short.csv: 2 x 1 where the 3 rows of a.csv need 3 rows"),
+        ("lstsq a.csv --by-column z -o x.npz", "a.csv: no column z; there are x, y"),
+        ("lstsq a.csv --by-column y --weights short.csv", "short.csv: 2 x 1 where the 3 rows"),
+        (
+            "lstsq a.csv --by-column y --weights minus.csv -o x.npz",
+            "minus.csv: weights: weight 1 (counted from 0) is negative: -1",
+        ),
+        ("pca a.csv --weights minus.csv", "minus.csv: weights: weight 1"),
+        ("lstsq nan.csv --by-column 1 -o x.npz", "nan.csv: NaN at row 1, column 1"),
+        ("lstsq a.csv b.csv -o x.npz", "b.csv: inf at row 2, column 0"),
+        ("pca nan.csv -o x.npz", "nan.csv: NaN at row 1, column 1"),
+        ("svd nan.csv -o x.npz --left", "nan.csv: NaN at row 1, column 1"),
+        ("lstsq a.csv --by-column y -o old.npz", "old.npz: exists already (--force"),
+        ("pca a.csv -o old.npz", "old.npz: exists already (--force"),
+        ("svd a.csv -o old.npz", "old.npz: exists already (--force"),
+        ("svd a.csv --checkpoint old.npz", "old.npz: exists already (--force"),
+        ("lstsq a.csv --by-column y -o x.csv", "x.csv: must be called .npz"),
+        ("lstsq a.csv --by-column y --json x.txt", "x.txt: must be called .json"),
+        ("lstsq a.csv --by-column y --ridge -1", "--ridge must be finite and at least 0"),
+        ("lstsq absent.npy --by-column 0", "absent.npy"),
+        ("pca a.csv -k 3", "a.csv: components: at most 2 columns, and not 3"),
+        ("pca a.csv --variance 1.5", "a.csv: components: a share is in (0, 1]"),
+        ("pca none.npy -o x.npz", "none.npy: no rows"),
+        ("lstsq none.npy --by-column 0 --intercept", "none.npy: no rows"),
+        ("pca a.csv --picture p.png", "p.png: a scree plot must be called .svg"),
+    ] {
+        let message = folder.fail(arguments);
+        assert!(message.contains(expected), "{arguments}: {message}");
+    }
+    assert_eq!(bytes(&folder, "old.npz"), b"precious");
+    for arguments in ["lstsq a.csv", "lstsq a.csv b.csv --by-column y", "svd a.csv --left"] {
+        assert_eq!(folder.run(arguments).code, Some(2), "{arguments}");
+    }
+}
+
+#[test]
+fn components_scores_and_shares_of_a_line() {
+    let folder = Folder::new();
+    folder.write("a.csv", "1,1\n3,3\n5,5\n");
+    let report = folder.succeed("pca a.csv -o pca.npz --scores --picture scree.svg");
+    assert!(report.contains("kept      1 components of 2 columns"), "{report}");
+    let found = arrays(&folder, "pca.npz");
+    let close = |found: &[f64], expected: &[f64]| assert_close(found, expected, 1e-14);
+    close(&found.vector("explained_variance").unwrap(), &[8.0]);
+    close(&found.vector("explained_variance_ratio").unwrap(), &[1.0]);
+    close(&found.vector("singular_values").unwrap(), &[4.0]);
+    assert_eq!(found.vector("mean").unwrap(), [3.0, 3.0]);
+    assert_eq!(found.vector("scale").unwrap(), [1.0, 1.0]);
+    let half = 0.5_f64.sqrt();
+    assert!((found.matrix("components").unwrap() - mat![[half, half]]).norm_l2() < 1e-15);
+    let root = 8_f64.sqrt();
+    let scores = mat![[-root], [0.0], [root]];
+    assert!((found.matrix("scores").unwrap() - scores).norm_l2() < 1e-14);
+    let svg = fs::read_to_string(folder.path("scree.svg")).unwrap();
+    assert!(svg.contains("share of the variance") && svg.ends_with("</svg>\n"), "{svg}");
+}
+
+#[test]
+fn whitened_scores_of_standardised_columns_are_uncorrelated_with_variance_one() {
+    let folder = Folder::new();
+    // More rows than a block of the second pass.
+    let (m, n) = (5003, 4);
+    let mut a = table(m, n);
+    a.iter_mut().enumerate().for_each(|(i, x)| *x += (i % n * i % 31) as f64);
+    folder.write_npy("a.npy", &[m as u64, n as u64], &a);
+    folder.succeed("pca a.npy -k 3 --standardize --whiten --scores -o pca.npz");
+    let found = arrays(&folder, "pca.npz");
+    let scores = found.matrix("scores").unwrap();
+    assert_eq!(scores.shape(), (m, 3));
+    let covariance = scores.transpose() * &scores * (1.0 / (m as f64 - 1.0));
+    assert!((covariance - Mat::<f64>::identity(3, 3)).norm_l2() < 1e-12);
+    let mean = Mat::<f64>::full(1, m, 1.0) * &scores;
+    assert!(mean.norm_l2() < 1e-9);
+    // The variances of standardised columns sum to their number.
+    let variance: f64 = found.vector("explained_variance").unwrap().iter().sum();
+    let ratio: f64 = found.vector("explained_variance_ratio").unwrap().iter().sum();
+    assert!((variance - n as f64 * ratio).abs() < 1e-12);
+    folder.succeed("pca a.npy --variance 0.7 --standardize -o share.npz");
+    let few = arrays(&folder, "share.npz").vector("explained_variance_ratio").unwrap();
+    assert!(few.iter().sum::<f64>() >= 0.7 && few[..few.len() - 1].iter().sum::<f64>() < 0.7);
+}
+
+#[test]
+fn singular_values_keep_their_digits_and_the_factors_give_a() {
+    let folder = Folder::new();
+    folder.write("a.csv", "3,0,0\n0,1e-9,0\n0,0,0\n0,0,0\n");
+    let report = folder.succeed("svd a.csv -o svd.npz --left");
+    assert!(report.contains("rank      2 of 3 columns"), "{report}");
+    let found = arrays(&folder, "svd.npz");
+    assert_eq!(found.vector("values").unwrap(), [3.0, 1e-9, 0.0]);
+    assert_eq!(
+        (found.matrix("u").unwrap().shape(), found.matrix("v").unwrap().shape()),
+        ((4, 2), (3, 2))
+    );
+
+    let (m, n) = (4999, 6);
+    let a = table(m, n);
+    folder.write_npy("a.npy", &[m as u64, n as u64], &a);
+    folder.succeed("svd a.npy -o svd.npz --left --force");
+    let found = arrays(&folder, "svd.npz");
+    let (u, v) = (found.matrix("u").unwrap(), found.matrix("v").unwrap());
+    assert!((u.transpose() * &u - Mat::<f64>::identity(n, n)).norm_l2() < 1e-12);
+    let values = found.vector("values").unwrap();
+    let scaled = Mat::from_fn(m, n, |i, j| u[(i, j)] * values[j]);
+    let product = scaled * v.transpose();
+    let difference = Mat::from_fn(m, n, |i, j| product[(i, j)] - a[i * n + j]);
+    assert!(difference.norm_max() < 1e-12);
+}
+
+#[test]
+fn a_run_that_was_killed_goes_on_to_the_same_bytes() {
+    let folder = Folder::new();
+    let (m, n) = (60_000, 24);
+    folder.write_npy("a.npy", &[m as u64, n as u64], &table(m, n));
+    let options = "lstsq a.npy --by-column 0 --intercept --block-rows 300";
+    folder.succeed(&format!("{options} -o whole.npz"));
+    let arguments = format!("{options} -o x.npz --checkpoint sums --checkpoint-every 0 --resume");
+    loop {
+        let mut command = folder.program();
+        command.args(arguments.split_whitespace()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        while child.try_wait().unwrap().is_none() && !folder.path("sums").exists() {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        child.kill().unwrap();
+        let run = Run::new(child.wait_with_output().unwrap());
+        if run.code.is_none() {
+            break;
+        }
+        // It was faster than the kill.
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        fs::remove_file(folder.path("x.npz")).unwrap();
+    }
+    let other = arguments.replace("--intercept", "");
+    let message = folder.fail(&other);
+    assert!(message.contains("sums: accumulator: centring was mean, and is none now"), "{message}");
+    let report = folder.succeed(&arguments);
+    assert!(report.contains("resumed   sums: row "), "{report}");
+    assert!(bytes(&folder, "x.npz") == bytes(&folder, "whole.npz"));
+    assert!(!folder.path("sums").exists(), "the checkpoint is removed in the end");
+}
+
+#[test]
+fn sums_of_another_kind_are_not_gone_on_with() {
+    let (folder, _) = with_input(37, 5);
+    folder.succeed("ata a.npy --accumulator sums");
+    let message = folder.fail("svd a.npy --checkpoint sums --resume");
+    assert!(message.contains("sums: accumulator: sums was nothing, and is extended"), "{message}");
+}
+
+/// Inputs of the guides.
+fn guide_folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("longley.csv", LONGLEY);
+    let (m, n) = (200, 6);
+    folder.write_npy("A.npy", &[m as u64, n as u64], &table(m, n));
+    folder.write_npy("b.npy", &[m as u64], &table(m, 1));
+    let weights: Vec<f64> = (0..m).map(|i| (i % 4) as f64).collect();
+    folder.write_npy("w.npy", &[m as u64], &weights);
+    folder
+}
+
+#[test]
+fn the_commands_of_the_guides_run() {
+    let guides = [
+        include_str!("../../../docs/guide/least-squares.md"),
+        include_str!("../../../docs/guide/principal-components.md"),
+    ];
+    for guide in guides {
+        let (folder, mut count) = (guide_folder(), 0);
+        for line in guide.lines().filter_map(|line| line.strip_prefix("catamaran ")) {
+            folder.succeed(line);
+            count += 1;
+        }
+        assert!(count >= 5, "{count}");
+    }
+}
