@@ -18,20 +18,20 @@ use crate::gram::{
 };
 use crate::{AtaOptions, Error};
 
-/// How a Gram matrix in extended precision is computed. Every field but the first is 0 (NULL) by default,
-/// so that `cata_gram_params params = {.struct_size = sizeof params};` does what cata_gram_params_init
-/// does.
+/// How a Gram matrix in extended precision is computed. Every field but the first is 0 (NULL) by
+/// default, so that `cata_gram_params params = {.struct_size = sizeof params};` does what
+/// cata_gram_params_init does.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_gram_params {
-    /// sizeof(cata_gram_params) as the caller was compiled with. Later versions add fields at the end;
-    /// one that this library does not know must be 0.
+    /// sizeof(cata_gram_params) as the caller was compiled with. Later versions add fields at the
+    /// end; one that this library does not know must be 0.
     pub struct_size: usize,
     /// Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
     /// bit for bit, for every value.
     pub threads: usize,
-    /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after them
-    /// cannot be cancelled.
+    /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
+    /// them cannot be cancelled.
     pub progress: cata_progress,
     /// Handed to `progress` as it is; may be NULL.
     pub progress_user: *mut c_void,
@@ -62,28 +62,29 @@ pub unsafe extern "C" fn cata_gram_params_init(
 }
 
 /// How a least-squares problem is solved. Every field but the first is 0 (NULL) by default, so that
-/// `cata_lstsq_params params = {.struct_size = sizeof params};` does what cata_lstsq_params_init does.
+/// `cata_lstsq_params params = {.struct_size = sizeof params};` does what cata_lstsq_params_init
+/// does.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_lstsq_params {
-    /// sizeof(cata_lstsq_params) as the caller was compiled with. Later versions add fields at the end;
-    /// one that this library does not know must be 0.
+    /// sizeof(cata_lstsq_params) as the caller was compiled with. Later versions add fields at the
+    /// end; one that this library does not know must be 0.
     pub struct_size: usize,
     /// Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
     /// bit for bit, for every value.
     pub threads: usize,
-    /// Multiple of |X|^2 that is added to what is minimised; finite, at least 0. The intercept is not a
-    /// part of X.
+    /// Multiple of |X|^2 that is added to what is minimised; finite, at least 0. The intercept is
+    /// not a part of X.
     pub ridge: f64,
-    /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after them
-    /// cannot be cancelled.
+    /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
+    /// them cannot be cancelled.
     pub progress: cata_progress,
     /// Handed to `progress` as it is; may be NULL.
     pub progress_user: *mut c_void,
     /// 1: a constant is fitted for each target too. 0: none.
     pub intercept: i32,
-    /// 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message names them.
-    /// 0: of all solutions the one of least norm is returned.
+    /// 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message names
+    /// them. 0: of all solutions the one of least norm is returned.
     pub refuse_dependent: i32,
 }
 
@@ -111,40 +112,42 @@ pub unsafe extern "C" fn cata_lstsq_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// What is known of a least-squares solution beside X. The caller sets `struct_size` and the pointers, each
-/// to an array of its own or to NULL where it is not wanted; the call writes the arrays and the fields
-/// after them. `cata_lstsq_result result = {.struct_size = sizeof result};` asks for those fields alone.
+/// What is known of a least-squares solution beside X. The caller sets `struct_size` and the
+/// pointers, each to an array of its own or to NULL where it is not wanted; the call writes the
+/// arrays and the fields after them. `cata_lstsq_result result = {.struct_size = sizeof result};`
+/// asks for those fields alone.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_lstsq_result {
-    /// sizeof(cata_lstsq_result) as the caller was compiled with. Later versions add fields at the end;
-    /// one that this library does not know must be 0.
+    /// sizeof(cata_lstsq_result) as the caller was compiled with. Later versions add fields at the
+    /// end; one that this library does not know must be 0.
     pub struct_size: usize,
-    /// k elements, written: |A x - b| of each target, weighted; 0 where it is below the rounding of the
-    /// Gram matrix.
+    /// k elements, written: |A x - b| of each target, weighted; 0 where it is below the rounding of
+    /// the Gram matrix.
     pub residual_norms: *mut f64,
-    /// k elements, written: 1 - |A x - b|^2 / |b|^2 of each target, with b about its mean where there is an
-    /// intercept; 1 for a residual of 0.
+    /// k elements, written: 1 - |A x - b|^2 / |b|^2 of each target, with b about its mean where
+    /// there is an intercept; 1 for a residual of 0.
     pub r_squared: *mut f64,
     /// k elements, written: the constant of each target; zeros without `params.intercept`.
     pub intercepts: *mut f64,
     /// n x k, written, with the layout and the leading dimension of X: the standard error of each
     /// coefficient; NaN without degrees of freedom.
     pub standard_errors: *mut f64,
-    /// k elements, written: the standard error of each constant; untouched without `params.intercept`.
+    /// k elements, written: the standard error of each constant; untouched without
+    /// `params.intercept`.
     pub intercept_errors: *mut f64,
-    /// n elements, of which the first n - `rank` are written: the columns of A, from 0, that depend on
-    /// others.
+    /// n elements, of which the first n - `rank` are written: the columns of A, from 0, that depend
+    /// on others.
     pub dependent: *mut usize,
     /// Written: columns of A that do not depend on others, as far as the precision can tell.
     pub rank: usize,
     /// Written: m less the rank, and less one more with an intercept; at least 0.
     pub degrees_of_freedom: usize,
-    /// Written: an estimate of the condition number of A, about the mean with an intercept, and with
-    /// sqrt(ridge) I below it.
+    /// Written: an estimate of the condition number of A, about the mean with an intercept, and
+    /// with sqrt(ridge) I below it.
     pub condition: f64,
-    /// Written: decimal digits of X, relative to its largest entry when columns of A have norm 1, that
-    /// agree with the exact solution; from 0 to 15.95.
+    /// Written: decimal digits of X, relative to its largest entry when columns of A have norm 1,
+    /// that agree with the exact solution; from 0 to 15.95.
     pub digits: f64,
 }
 
@@ -154,19 +157,21 @@ impl Versioned for cata_lstsq_result {
 }
 
 /// The X (n x k) that minimises |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k and
-/// W = diag(weights), from the Gram matrix of [A B] in extended precision: about as accurate as an
-/// orthogonal factorisation in twice the precision, from two passes over blocks of rows. Neither A nor B is
-/// copied as a whole.
+/// W = diag(weights), from the Gram matrix of [A B] in extended precision.
+///
+/// Where cata_gram_extended_f64 is exact, X is at least as accurate as by an orthogonal factorisation
+/// of A in double, up to condition numbers of about 2^48 of A with columns of norm 1; see
+/// `result.digits`. Rows are read twice, in blocks; neither A nor B is copied as a whole.
 ///
 /// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A, B and X.
 /// - `m`, `n`: any, 0 included. `k`: number of targets, at least 1.
 /// - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when m or n is 0.
 /// - `b`: B, m x k, read, with leading dimension `ldb`. May be NULL when m is 0.
 /// - `weights`: m finite numbers, at least 0, read; NULL: all 1.
-/// - `x`: X, n x k, written, with leading dimension `ldx`; NULL where not wanted, `ldx` is then looked at
-///   for `result.standard_errors` only.
-/// - `result`: one struct, read and written: see cata_lstsq_result; NULL where not wanted. Standard errors
-///   take a few times as long as X, and no time when they are not wanted.
+/// - `x`: X, n x k, written, with leading dimension `ldx`; NULL where not wanted, `ldx` is then
+///   looked at for `result.standard_errors` only.
+/// - `result`: one struct, read and written: see cata_lstsq_result; NULL where not wanted. Standard
+///   errors take a few times as long as X, and no time when they are not wanted.
 /// - `params`: NULL for the defaults; else read during the call.
 ///
 /// No output may overlap an input or another output.
@@ -198,27 +203,19 @@ pub unsafe extern "C" fn cata_lstsq_f64(
     params: *const cata_lstsq_params,
 ) -> cata_status {
     boundary(|| {
-        let layout = Layout::new(layout)?;
-        if k == 0 {
-            return Err(Failure::new(CATA_ERR_ARGUMENT, "k: must be at least 1, is 0"));
-        }
         // SAFETY: the caller's promise.
-        let (a, b, weights, outputs, params) = unsafe {
-            let a = matrix("a", layout, m, n, a, lda)?;
-            let b = matrix("b", layout, m, k, b, ldb)?;
-            let weights = (!weights.is_null()).then(|| slice("weights", weights, m));
-            let outputs = LeastSquaresOutputs::new(layout, n, k, x, ldx, result)?;
-            (a, b, weights.transpose()?, outputs, read_or_zeros(params)?)
-        };
-        check_weights(weights)?;
-        let options = outputs.options(&params)?;
-        let center = if options.intercept { Center::Mean } else { Center::No };
-        let row_options = RowOptions::new().weights(weights).center(center);
-        let (mut a, mut b) = (DenseRows(a), DenseRows(b));
+        let call = unsafe {
+            LeastSquaresCall::new(layout, m, n, k, a, lda, b, ldb, weights, x, ldx, result, params)
+        }?;
+        check_weights(call.weights)?;
+        let center = if call.options.intercept { Center::Mean } else { Center::No };
+        let row_options = RowOptions::new().weights(call.weights).center(center);
+        let (mut a, mut b) = (DenseRows(call.a), DenseRows(call.b));
         let rows = &mut JoinedRows::new(&mut a, &mut b)?;
         let name = |j: usize| if j < n { ("a", j) } else { ("b", j - n) };
-        let gram = extended(rows, &row_options, &params.watched(), name)?;
-        outputs.write(&LeastSquares::from_gram(&gram, k, &options)?, options.intercept);
+        let gram = extended(rows, &row_options, &call.params.watched(), name)?;
+        let found = LeastSquares::from_gram(&gram, k, &call.options)?;
+        call.finish(&found);
         Ok(())
     })
 }
@@ -228,18 +225,19 @@ pub unsafe extern "C" fn cata_lstsq_f64(
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_pca_params {
-    /// sizeof(cata_pca_params) as the caller was compiled with. Later versions add fields at the end;
-    /// one that this library does not know must be 0.
+    /// sizeof(cata_pca_params) as the caller was compiled with. Later versions add fields at the
+    /// end; one that this library does not know must be 0.
     pub struct_size: usize,
     /// Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
     /// bit for bit, for every value.
     pub threads: usize,
-    /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after them
-    /// cannot be cancelled.
+    /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
+    /// them cannot be cancelled.
     pub progress: cata_progress,
     /// Handed to `progress` as it is; may be NULL.
     pub progress_user: *mut c_void,
-    /// 1: columns are divided by their standard deviations; those without variance are not. 0: none is.
+    /// 1: columns are divided by their standard deviations; those without variance are not. 0: none
+    /// is.
     pub standardize: i32,
 }
 
@@ -267,26 +265,26 @@ pub unsafe extern "C" fn cata_pca_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// The first principal components of the rows of A (m x n), from the Gram matrix of its centred columns in
-/// extended precision. Components beyond the rank of the centred columns are zeros, and so are their
-/// variances and singular values.
+/// The first principal components of the rows of A (m x n), from the Gram matrix of its centred
+/// columns in extended precision. Components beyond the rank of the centred columns are zeros, and
+/// so are their variances and singular values.
 ///
 /// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of the components.
 /// - `m`: at least 2. `n`: any, 0 included.
 /// - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when n is 0.
 /// - `count`: number of components, at most n.
-/// - `components`: count x n, written, with leading dimension `ldcomponents`: one row for each component,
-///   orthonormal, the most variance first; the first of the largest entries of a row is positive. NULL
-///   where not wanted; `ldcomponents` is then not looked at.
-/// - `explained_variance`: count elements, written: the variance along each component, with the divisor
-///   m - 1; NULL where not wanted.
-/// - `explained_variance_ratio`: count elements, written: the same, divided by the variance of all columns;
-///   NULL where not wanted.
-/// - `singular_values`: count elements, written: those of the centred (and standardised) rows; NULL where
-///   not wanted.
+/// - `components`: count x n, written, with leading dimension `ldcomponents`: one row for each
+///   component, orthonormal, the most variance first; the first of the largest entries of a row is
+///   positive. NULL where not wanted; `ldcomponents` is then not looked at.
+/// - `explained_variance`: count elements, written: the variance along each component, with the
+///   divisor m - 1; NULL where not wanted.
+/// - `explained_variance_ratio`: count elements, written: the same, divided by the variance of all
+///   columns; NULL where not wanted.
+/// - `singular_values`: count elements, written: those of the centred (and standardised) rows; NULL
+///   where not wanted.
 /// - `mean`: n elements, written: the mean of each column; NULL where not wanted.
-/// - `scale`: n elements, written: the divisor of each column, its standard deviation or 1; NULL where not
-///   wanted.
+/// - `scale`: n elements, written: the divisor of each column, its standard deviation or 1; NULL
+///   where not wanted.
 /// - `params`: NULL for the defaults; else read during the call.
 ///
 /// No output may overlap A or another output.
@@ -363,19 +361,21 @@ pub unsafe extern "C" fn cata_pca_f64(
     })
 }
 
-/// The singular values of A (m x n), and its right singular vectors, from its Gram matrix in extended
-/// precision: A = U diag(values) V^T, where column j of U is A v_j / values[j].
+/// The singular values of A (m x n), and its right singular vectors, from its Gram matrix in
+/// extended precision: A = U diag(values) V^T, where column j of U is A v_j / values[j].
 ///
-/// With K the condition number of A with columns of norm 1, the relative error of every value, the smallest
-/// included, is a few n 2^-53 plus K^2 2^-106 (K^2 2^-80 where cata_gram_extended_f64 is not exact).
+/// With K the condition number of A with columns of norm 1, the relative error of every value, the
+/// smallest included, is a few n 2^-53 plus K^2 2^-106 (K^2 2^-80 where cata_gram_extended_f64 is
+/// not exact).
 ///
 /// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and V.
 /// - `m`, `n`: any, 0 included. Time and memory suit m >= n.
 /// - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when m or n is 0.
-/// - `values`: min(m, n) elements, written: descending; zeros where columns depend on others as far as the
-///   precision can tell. NULL where not wanted.
-/// - `v`: V, n x min(m, n), written, with leading dimension `ldv`: an orthonormal column for each value
-///   that is not 0, and zeros for the others. NULL where not wanted; `ldv` is then not looked at.
+/// - `values`: min(m, n) elements, written: descending; zeros where columns depend on others as far
+///   as the precision can tell. NULL where not wanted.
+/// - `v`: V, n x min(m, n), written, with leading dimension `ldv`: an orthonormal column for each
+///   value that is not 0, and zeros for the others. NULL where not wanted; `ldv` is then not looked
+///   at.
 /// - `params`: NULL for the defaults; else read during the call.
 ///
 /// No output may overlap A or another output.
@@ -424,20 +424,21 @@ pub unsafe extern "C" fn cata_svd_f64(
     })
 }
 
-/// The lower triangle of C = X^T W X as unevaluated sums of two doubles, high + low, where X is A (m x n),
-/// or A with the mean of its rows subtracted from every row, and W = diag(weights).
+/// The lower triangle of C = X^T W X as unevaluated sums of two doubles, high + low, where X is A
+/// (m x n), or A with the mean of its rows subtracted from every row, and W = diag(weights).
 ///
-/// C is the same for any order of the rows. Where `exact` is 1, no entry of A was rounded, and high + low is
-/// C rounded to about 106 bits; else entries were rounded to about 2^-80 of the largest of their column.
+/// C is the same for any order of the rows. Where `exact` is 1, no entry of A was rounded, and high
+/// + low is C rounded to about 106 bits; else entries were rounded to about 2^-80 of the largest of
+/// their column.
 ///
 /// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A, high and low.
 /// - `m`, `n`: any, 0 included.
 /// - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when m or n is 0.
 /// - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
 /// - `centering`: CATA_CENTER_NONE or CATA_CENTER_MEAN (weighted if there are weights).
-/// - `high`: n x n, with leading dimension `ldhigh`: the triangle on and below the diagonal is written, with
-///   C rounded to double; the rest is neither read nor written. NULL where not wanted; `ldhigh` is then not
-///   looked at.
+/// - `high`: n x n, with leading dimension `ldhigh`: the triangle on and below the diagonal is
+///   written, with C rounded to double; the rest is neither read nor written. NULL where not
+///   wanted; `ldhigh` is then not looked at.
 /// - `low`: the same, with leading dimension `ldlow`: what that rounding took away.
 /// - `exact`: one int32_t, written: 1 or 0; NULL where not wanted.
 /// - `params`: NULL for the defaults; else read during the call.
@@ -510,9 +511,9 @@ pub unsafe extern "C" fn cata_gram_extended_f64(
     })
 }
 
-/// C := the correlation matrix (n x n) of the columns of A (m x n), from their Gram matrix about the mean in
-/// extended precision: entries are within [-1, 1], and wrong by little more than one rounding. Both
-/// triangles are written; rows and columns of a column without variance are NaN.
+/// C := the correlation matrix (n x n) of the columns of A (m x n), from their Gram matrix about
+/// the mean in extended precision: entries are within [-1, 1], and wrong by little more than one
+/// rounding. Both triangles are written; rows and columns of a column without variance are NaN.
 ///
 /// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and C.
 /// - `m`, `n`: any, 0 included.
@@ -521,8 +522,8 @@ pub unsafe extern "C" fn cata_gram_extended_f64(
 /// - `params`: NULL for the defaults; else read during the call.
 ///
 /// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
-/// CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; C is untouched
-/// unless it is CATA_OK.
+/// CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; C is
+/// untouched unless it is CATA_OK.
 ///
 /// The result does not depend on the number of threads, bit for bit.
 ///
@@ -554,8 +555,8 @@ pub unsafe extern "C" fn cata_correlation_f64(
     })
 }
 
-/// How far the columns of Q (m x n) are from orthonormal: Q^T Q - I is formed in extended precision, and no
-/// digits are lost to cancellation.
+/// How far the columns of Q (m x n) are from orthonormal: Q^T Q - I is formed in extended
+/// precision, and no digits are lost to cancellation.
 ///
 /// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR.
 /// - `m`, `n`: any, 0 included.
@@ -604,24 +605,25 @@ pub unsafe extern "C" fn cata_orthogonality_f64(
     })
 }
 
-/// A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in extended precision:
-/// A (m x n) becomes Q. For columns that are independent; cata_gram_schmidt takes any.
+/// A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in extended
+/// precision: A (m x n) becomes Q. For columns that are independent; cata_gram_schmidt takes any.
 ///
-/// Let K be the condition number of A with columns of norm 1. The columns of Q are orthonormal up to
-/// rounding for K up to 10^14 where cata_gram_extended_f64 is exact, and up to an error of n K^2 2^-79
-/// otherwise.
+/// Let K be the condition number of A with columns of norm 1. The columns of Q are orthonormal up
+/// to rounding for K up to 10^14 where cata_gram_extended_f64 is exact, and up to an error of n K^2
+/// 2^-79 otherwise.
 ///
 /// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and R.
 /// - `m`, `n`: any, 0 included; m >= n, or the columns depend on each other.
-/// - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64. May be NULL when m or n is
-///   0.
-/// - `r`: R, n x n, written, with leading dimension `ldr`: upper triangular with a positive diagonal, zeros
-///   below; must not overlap A. NULL where not wanted; `ldr` is then not looked at.
+/// - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64. May be NULL when m
+///   or n is 0.
+/// - `r`: R, n x n, written, with leading dimension `ldr`: upper triangular with a positive
+///   diagonal, zeros below; must not overlap A. NULL where not wanted; `ldr` is then not looked at.
 /// - `params`: NULL for the defaults; else read during the call.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT when columns depend on those before
-/// them, which the message names, CATA_ERR_NON_FINITE, CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED,
-/// CATA_ERR_CANCELLED or CATA_ERR_PANIC. A and R are untouched unless it is CATA_OK or CATA_ERR_PANIC.
+/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT when columns depend on those
+/// before them, which the message names, CATA_ERR_NON_FINITE, CATA_ERR_OUT_OF_MEMORY,
+/// CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC. A and R are untouched unless it is
+/// CATA_OK or CATA_ERR_PANIC.
 ///
 /// The result does not depend on the number of threads, bit for bit.
 ///
@@ -658,6 +660,56 @@ pub unsafe extern "C" fn cata_cholesky_qr_extended_f64(
         }
         Ok(())
     })
+}
+
+/// The arguments of a call for least squares, checked.
+pub(super) struct LeastSquaresCall<'a> {
+    pub a: MatRef<'a, f64>,
+    pub b: MatRef<'a, f64>,
+    pub weights: Option<&'a [f64]>,
+    pub options: LeastSquaresOptions,
+    pub params: cata_lstsq_params,
+    outputs: LeastSquaresOutputs<'a>,
+}
+
+impl LeastSquaresCall<'_> {
+    /// # Safety
+    /// The pointers are as cata_lstsq_f64 describes them, and live as long as this.
+    pub unsafe fn new(
+        layout: i32,
+        m: usize,
+        n: usize,
+        k: usize,
+        a: *const f64,
+        lda: usize,
+        b: *const f64,
+        ldb: usize,
+        weights: *const f64,
+        x: *mut f64,
+        ldx: usize,
+        result: *mut cata_lstsq_result,
+        params: *const cata_lstsq_params,
+    ) -> Result<Self, Failure> {
+        let layout = Layout::new(layout)?;
+        if k == 0 {
+            return Err(Failure::new(CATA_ERR_ARGUMENT, "k: must be at least 1, is 0"));
+        }
+        // SAFETY: the caller's promise.
+        unsafe {
+            let a = matrix("a", layout, m, n, a, lda)?;
+            let b = matrix("b", layout, m, k, b, ldb)?;
+            let weights = (!weights.is_null()).then(|| slice("weights", weights, m)).transpose()?;
+            let outputs = LeastSquaresOutputs::new(layout, n, k, x, ldx, result)?;
+            let params = read_or_zeros(params)?;
+            let options = outputs.options(&params)?;
+            Ok(Self { a, b, weights, options, params, outputs })
+        }
+    }
+
+    /// Writes the solution.
+    pub fn finish(self, found: &LeastSquares) {
+        self.outputs.write(found, self.options.intercept);
+    }
 }
 
 /// Where a least-squares solution goes.
@@ -738,8 +790,8 @@ impl LeastSquaresOutputs<'_> {
             return;
         }
         let result = self.result;
-        // SAFETY: `new` has seen to alignment and to the size of the first version, whose fields these
-        // are; the caller promises that they can be written.
+        // SAFETY: `new` has seen to alignment and to the size of the first version, whose fields
+        // these are; the caller promises that they can be written.
         unsafe {
             (&raw mut (*result).rank).write(found.rank);
             (&raw mut (*result).degrees_of_freedom).write(found.degrees_of_freedom as usize);
