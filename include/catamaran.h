@@ -351,6 +351,152 @@ typedef struct cata_ortho_params {
 } cata_ortho_params;
 
 /**
+ * How a Gram matrix in extended precision is computed. Every field but the first is 0 (NULL) by
+ * default, so that `cata_gram_params params = {.struct_size = sizeof params};` does what
+ * cata_gram_params_init does.
+ */
+typedef struct cata_gram_params {
+    /**
+     * sizeof(cata_gram_params) as the caller was compiled with. Later versions add fields at the
+     * end; one that this library does not know must be 0.
+     */
+    size_t struct_size;
+    /**
+     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
+     * bit for bit, for every value.
+     */
+    size_t threads;
+    /**
+     * Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
+     * them cannot be cancelled.
+     */
+    cata_progress progress;
+    /** Handed to `progress` as it is; may be NULL. */
+    void *progress_user;
+} cata_gram_params;
+
+/**
+ * How a least-squares problem is solved. Every field but the first is 0 (NULL) by default, so that
+ * `cata_lstsq_params params = {.struct_size = sizeof params};` does what cata_lstsq_params_init
+ * does.
+ */
+typedef struct cata_lstsq_params {
+    /**
+     * sizeof(cata_lstsq_params) as the caller was compiled with. Later versions add fields at the
+     * end; one that this library does not know must be 0.
+     */
+    size_t struct_size;
+    /**
+     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
+     * bit for bit, for every value.
+     */
+    size_t threads;
+    /**
+     * Multiple of |X|^2 that is added to what is minimised; finite, at least 0. The intercept is
+     * not a part of X.
+     */
+    double ridge;
+    /**
+     * Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
+     * them cannot be cancelled.
+     */
+    cata_progress progress;
+    /** Handed to `progress` as it is; may be NULL. */
+    void *progress_user;
+    /** 1: a constant is fitted for each target too. 0: none. */
+    int32_t intercept;
+    /**
+     * 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message names
+     * them. 0: of all solutions the one of least norm is returned.
+     */
+    int32_t refuse_dependent;
+} cata_lstsq_params;
+
+/**
+ * What is known of a least-squares solution beside X. The caller sets `struct_size` and the
+ * pointers, each to an array of its own or to NULL where it is not wanted; the call writes the
+ * arrays and the fields after them. `cata_lstsq_result result = {.struct_size = sizeof result};`
+ * asks for those fields alone.
+ */
+typedef struct cata_lstsq_result {
+    /**
+     * sizeof(cata_lstsq_result) as the caller was compiled with. Later versions add fields at the
+     * end; one that this library does not know must be 0.
+     */
+    size_t struct_size;
+    /**
+     * k elements, written: |A x - b| of each target, weighted; 0 where it is below the rounding of
+     * the Gram matrix.
+     */
+    double *residual_norms;
+    /**
+     * k elements, written: 1 - |A x - b|^2 / |b|^2 of each target, with b about its mean where
+     * there is an intercept; 1 for a residual of 0.
+     */
+    double *r_squared;
+    /** k elements, written: the constant of each target; zeros without `params.intercept`. */
+    double *intercepts;
+    /**
+     * n x k, written, with the layout and the leading dimension of X: the standard error of each
+     * coefficient; NaN without degrees of freedom.
+     */
+    double *standard_errors;
+    /**
+     * k elements, written: the standard error of each constant; untouched without
+     * `params.intercept`.
+     */
+    double *intercept_errors;
+    /**
+     * n elements, of which the first n - `rank` are written: the columns of A, from 0, that depend
+     * on others.
+     */
+    size_t *dependent;
+    /** Written: columns of A that do not depend on others, as far as the precision can tell. */
+    size_t rank;
+    /** Written: m less the rank, and less one more with an intercept; at least 0. */
+    size_t degrees_of_freedom;
+    /**
+     * Written: an estimate of the condition number of A, about the mean with an intercept, and
+     * with sqrt(ridge) I below it.
+     */
+    double condition;
+    /**
+     * Written: decimal digits of X, relative to its largest entry when columns of A have norm 1,
+     * that agree with the exact solution; from 0 to 15.95.
+     */
+    double digits;
+} cata_lstsq_result;
+
+/**
+ * How principal components are computed. Every field but the first is 0 (NULL) by default, so that
+ * `cata_pca_params params = {.struct_size = sizeof params};` does what cata_pca_params_init does.
+ */
+typedef struct cata_pca_params {
+    /**
+     * sizeof(cata_pca_params) as the caller was compiled with. Later versions add fields at the
+     * end; one that this library does not know must be 0.
+     */
+    size_t struct_size;
+    /**
+     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
+     * bit for bit, for every value.
+     */
+    size_t threads;
+    /**
+     * Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
+     * them cannot be cancelled.
+     */
+    cata_progress progress;
+    /** Handed to `progress` as it is; may be NULL. */
+    void *progress_user;
+    /**
+     * 1: columns are divided by their standard deviations; those without variance are not. 0: none
+     * is.
+     */
+    int32_t standardize;
+} cata_pca_params;
+
+/**
  * How functions are transferred. Every field but the first is 0 (NULL) by default, so that
  * `cata_transfer_params params = {.struct_size = sizeof params};` does what cata_transfer_params_init
  * does.
@@ -1562,6 +1708,302 @@ cata_status cata_gram_schmidt(int32_t layout,
  * Fills a parameter struct with the defaults.
  *
  * `params`: one struct, not NULL; `struct_size` bytes are written.
+ * `struct_size`: sizeof(cata_gram_params).
+ * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+ *
+ * Thread-safe.
+ */
+cata_status cata_gram_params_init(struct cata_gram_params *params, size_t struct_size);
+
+/**
+ * Fills a parameter struct with the defaults.
+ *
+ * `params`: one struct, not NULL; `struct_size` bytes are written.
+ * `struct_size`: sizeof(cata_lstsq_params).
+ * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+ *
+ * Thread-safe.
+ */
+cata_status cata_lstsq_params_init(struct cata_lstsq_params *params, size_t struct_size);
+
+/**
+ * The X (n x k) that minimises |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k and
+ * W = diag(weights), from the Gram matrix of [A B] in extended precision.
+ *
+ * Where cata_gram_extended_f64 is exact, X is at least as accurate as by an orthogonal factorisation
+ * of A in double, up to condition numbers of about 2^48 of A with columns of norm 1; see
+ * `result.digits`. Rows are read twice, in blocks; neither A nor B is copied as a whole.
+ *
+ * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A, B and X.
+ * - `m`, `n`: any, 0 included. `k`: number of targets, at least 1.
+ * - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when m or n is 0.
+ * - `b`: B, m x k, read, with leading dimension `ldb`. May be NULL when m is 0.
+ * - `weights`: m finite numbers, at least 0, read; NULL: all 1.
+ * - `x`: X, n x k, written, with leading dimension `ldx`; NULL where not wanted, `ldx` is then
+ *   looked at for `result.standard_errors` only.
+ * - `result`: one struct, read and written: see cata_lstsq_result; NULL where not wanted. Standard
+ *   errors take a few times as long as X, and no time when they are not wanted.
+ * - `params`: NULL for the defaults; else read during the call.
+ *
+ * No output may overlap an input or another output.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
+ * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are
+ * untouched unless it is CATA_OK.
+ *
+ * The result does not depend on the number of threads, bit for bit.
+ *
+ * Thread-safe: calls may run at the same time as long as no output is shared.
+ */
+cata_status cata_lstsq_f64(int32_t layout,
+                           size_t m,
+                           size_t n,
+                           size_t k,
+                           const double *a,
+                           size_t lda,
+                           const double *b,
+                           size_t ldb,
+                           const double *weights,
+                           double *x,
+                           size_t ldx,
+                           struct cata_lstsq_result *result,
+                           const struct cata_lstsq_params *params);
+
+/**
+ * Fills a parameter struct with the defaults.
+ *
+ * `params`: one struct, not NULL; `struct_size` bytes are written.
+ * `struct_size`: sizeof(cata_pca_params).
+ * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
+ *
+ * Thread-safe.
+ */
+cata_status cata_pca_params_init(struct cata_pca_params *params, size_t struct_size);
+
+/**
+ * The first principal components of the rows of A (m x n), from the Gram matrix of its centred
+ * columns in extended precision. Components beyond the rank of the centred columns are zeros, and
+ * so are their variances and singular values.
+ *
+ * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of the components.
+ * - `m`: at least 2. `n`: any, 0 included.
+ * - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when n is 0.
+ * - `count`: number of components, at most n.
+ * - `components`: count x n, written, with leading dimension `ldcomponents`: one row for each
+ *   component, orthonormal, the most variance first; the first of the largest entries of a row is
+ *   positive. NULL where not wanted; `ldcomponents` is then not looked at.
+ * - `explained_variance`: count elements, written: the variance along each component, with the
+ *   divisor m - 1; NULL where not wanted.
+ * - `explained_variance_ratio`: count elements, written: the same, divided by the variance of all
+ *   columns; NULL where not wanted.
+ * - `singular_values`: count elements, written: those of the centred (and standardised) rows; NULL
+ *   where not wanted.
+ * - `mean`: n elements, written: the mean of each column; NULL where not wanted.
+ * - `scale`: n elements, written: the divisor of each column, its standard deviation or 1; NULL
+ *   where not wanted.
+ * - `params`: NULL for the defaults; else read during the call.
+ *
+ * No output may overlap A or another output.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
+ * CATA_ERR_NOT_CONVERGED, CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or
+ * CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
+ *
+ * The result does not depend on the number of threads, bit for bit.
+ *
+ * Thread-safe: calls may run at the same time as long as no output is shared.
+ */
+cata_status cata_pca_f64(int32_t layout,
+                         size_t m,
+                         size_t n,
+                         const double *a,
+                         size_t lda,
+                         size_t count,
+                         double *components,
+                         size_t ldcomponents,
+                         double *explained_variance,
+                         double *explained_variance_ratio,
+                         double *singular_values,
+                         double *mean,
+                         double *scale,
+                         const struct cata_pca_params *params);
+
+/**
+ * The singular values of A (m x n), and its right singular vectors, from its Gram matrix in
+ * extended precision: A = U diag(values) V^T, where column j of U is A v_j / values[j].
+ *
+ * With K the condition number of A with columns of norm 1, the relative error of every value, the
+ * smallest included, is a few n 2^-53 plus K^2 2^-106 (K^2 2^-80 where cata_gram_extended_f64 is
+ * not exact).
+ *
+ * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and V.
+ * - `m`, `n`: any, 0 included. Time and memory suit m >= n.
+ * - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when m or n is 0.
+ * - `values`: min(m, n) elements, written: descending; zeros where columns depend on others as far
+ *   as the precision can tell. NULL where not wanted.
+ * - `v`: V, n x min(m, n), written, with leading dimension `ldv`: an orthonormal column for each
+ *   value that is not 0, and zeros for the others. NULL where not wanted; `ldv` is then not looked
+ *   at.
+ * - `params`: NULL for the defaults; else read during the call.
+ *
+ * No output may overlap A or another output.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
+ * CATA_ERR_NOT_CONVERGED, CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or
+ * CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
+ *
+ * The result does not depend on the number of threads, bit for bit.
+ *
+ * Thread-safe: calls may run at the same time as long as no output is shared.
+ */
+cata_status cata_svd_f64(int32_t layout,
+                         size_t m,
+                         size_t n,
+                         const double *a,
+                         size_t lda,
+                         double *values,
+                         double *v,
+                         size_t ldv,
+                         const struct cata_gram_params *params);
+
+/**
+ * The lower triangle of C = X^T W X as unevaluated sums of two doubles, high + low, where X is A
+ * (m x n), or A with the mean of its rows subtracted from every row, and W = diag(weights).
+ *
+ * C is the same for any order of the rows. Where `exact` is 1, no entry of A was rounded, and high
+ * + low is C rounded to about 106 bits; else entries were rounded to about 2^-80 of the largest of
+ * their column.
+ *
+ * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A, high and low.
+ * - `m`, `n`: any, 0 included.
+ * - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when m or n is 0.
+ * - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
+ * - `centering`: CATA_CENTER_NONE or CATA_CENTER_MEAN (weighted if there are weights).
+ * - `high`: n x n, with leading dimension `ldhigh`: the triangle on and below the diagonal is
+ *   written, with C rounded to double; the rest is neither read nor written. NULL where not
+ *   wanted; `ldhigh` is then not looked at.
+ * - `low`: the same, with leading dimension `ldlow`: what that rounding took away.
+ * - `exact`: one int32_t, written: 1 or 0; NULL where not wanted.
+ * - `params`: NULL for the defaults; else read during the call.
+ *
+ * No output may overlap an input or another output.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
+ * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are
+ * untouched unless it is CATA_OK.
+ *
+ * The result does not depend on the number of threads, bit for bit.
+ *
+ * Thread-safe: calls may run at the same time as long as no output is shared.
+ */
+cata_status cata_gram_extended_f64(int32_t layout,
+                                   size_t m,
+                                   size_t n,
+                                   const double *a,
+                                   size_t lda,
+                                   const double *weights,
+                                   int32_t centering,
+                                   double *high,
+                                   size_t ldhigh,
+                                   double *low,
+                                   size_t ldlow,
+                                   int32_t *exact,
+                                   const struct cata_gram_params *params);
+
+/**
+ * C := the correlation matrix (n x n) of the columns of A (m x n), from their Gram matrix about
+ * the mean in extended precision: entries are within [-1, 1], and wrong by little more than one
+ * rounding. Both triangles are written; rows and columns of a column without variance are NaN.
+ *
+ * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and C.
+ * - `m`, `n`: any, 0 included.
+ * - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when m or n is 0.
+ * - `c`: C, written, with leading dimension `ldc`; must not overlap A. May be NULL when n is 0.
+ * - `params`: NULL for the defaults; else read during the call.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
+ * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; C is
+ * untouched unless it is CATA_OK.
+ *
+ * The result does not depend on the number of threads, bit for bit.
+ *
+ * Thread-safe: calls may run at the same time as long as no C is shared.
+ */
+cata_status cata_correlation_f64(int32_t layout,
+                                 size_t m,
+                                 size_t n,
+                                 const double *a,
+                                 size_t lda,
+                                 double *c,
+                                 size_t ldc,
+                                 const struct cata_gram_params *params);
+
+/**
+ * How far the columns of Q (m x n) are from orthonormal: Q^T Q - I is formed in extended
+ * precision, and no digits are lost to cancellation.
+ *
+ * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR.
+ * - `m`, `n`: any, 0 included.
+ * - `q`: Q, read, with leading dimension `ldq` as A in cata_ata_f64. May be NULL when m or n is 0.
+ * - `max`: one double, written: the largest entry of Q^T Q - I by size; NULL where not wanted.
+ * - `frobenius`: one double, written: the Frobenius norm of Q^T Q - I; NULL where not wanted.
+ * - `params`: NULL for the defaults; else read during the call.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
+ * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are
+ * untouched unless it is CATA_OK.
+ *
+ * The result does not depend on the number of threads, bit for bit.
+ *
+ * Thread-safe: calls may run at the same time as long as no output is shared.
+ */
+cata_status cata_orthogonality_f64(int32_t layout,
+                                   size_t m,
+                                   size_t n,
+                                   const double *q,
+                                   size_t ldq,
+                                   double *max,
+                                   double *frobenius,
+                                   const struct cata_gram_params *params);
+
+/**
+ * A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in extended
+ * precision: A (m x n) becomes Q. For columns that are independent; cata_gram_schmidt takes any.
+ *
+ * Let K be the condition number of A with columns of norm 1. The columns of Q are orthonormal up
+ * to rounding for K up to 10^14 where cata_gram_extended_f64 is exact, and up to an error of n K^2
+ * 2^-79 otherwise.
+ *
+ * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and R.
+ * - `m`, `n`: any, 0 included; m >= n, or the columns depend on each other.
+ * - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64. May be NULL when m
+ *   or n is 0.
+ * - `r`: R, n x n, written, with leading dimension `ldr`: upper triangular with a positive
+ *   diagonal, zeros below; must not overlap A. NULL where not wanted; `ldr` is then not looked at.
+ * - `params`: NULL for the defaults; else read during the call.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT when columns depend on those
+ * before them, which the message names, CATA_ERR_NON_FINITE, CATA_ERR_OUT_OF_MEMORY,
+ * CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC. A and R are untouched unless it is
+ * CATA_OK or CATA_ERR_PANIC.
+ *
+ * The result does not depend on the number of threads, bit for bit.
+ *
+ * Thread-safe: calls may run at the same time as long as no A and no R is shared.
+ */
+cata_status cata_cholesky_qr_extended_f64(int32_t layout,
+                                          size_t m,
+                                          size_t n,
+                                          double *a,
+                                          size_t lda,
+                                          double *r,
+                                          size_t ldr,
+                                          const struct cata_gram_params *params);
+
+/**
+ * Fills a parameter struct with the defaults.
+ *
+ * `params`: one struct, not NULL; `struct_size` bytes are written.
  * `struct_size`: sizeof(cata_transfer_params).
  * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
  *
@@ -2422,6 +2864,43 @@ cata_status cata_world_ata_rows_f32(const struct cata_world *world,
                                     size_t lda,
                                     const struct cata_ata_params *params,
                                     struct cata_symmetric **c);
+
+/**
+ * Least squares where every rank has some rows of A, of B and of the weights, in any order and
+ * number, 0 included; every rank gets the whole of X and of the result. Collective.
+ *
+ * - `world`: not NULL.
+ * - `layout`, `m`, `a`, `lda`, `b`, `ldb`, `weights`: of the rows of this rank, its own on each
+ *   rank, as in cata_lstsq_f64; `weights` is NULL on all ranks or on none.
+ * - `n`, `k`: as in cata_lstsq_f64, the same on all ranks.
+ * - `x`, `ldx`, `result`: as in cata_lstsq_f64; what is wanted may differ between the ranks.
+ * - `params`: as in cata_lstsq_f64; `threads` and `progress` may differ between the ranks.
+ *   Progress is that of the second pass over the rows of this rank.
+ *
+ * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
+ * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK when arguments differ between the ranks or another one
+ * failed, CATA_ERR_CANCELLED, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC; outputs are untouched unless
+ * it is CATA_OK.
+ *
+ * The result does not depend on the number of ranks or of threads, nor on which rank has which
+ * rows, bit for bit.
+ *
+ * Not thread-safe: one call at a time for a world.
+ */
+cata_status cata_world_lstsq_f64(const struct cata_world *world,
+                                 int32_t layout,
+                                 size_t m,
+                                 size_t n,
+                                 size_t k,
+                                 const double *a,
+                                 size_t lda,
+                                 const double *b,
+                                 size_t ldb,
+                                 const double *weights,
+                                 double *x,
+                                 size_t ldx,
+                                 struct cata_lstsq_result *result,
+                                 const struct cata_lstsq_params *params);
 
 /**
  * C = alpha A^T A where every rank has some columns of A, in the order of the ranks, 0 included; C is left

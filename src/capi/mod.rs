@@ -16,6 +16,7 @@ mod decimate;
 mod device;
 #[cfg(feature = "mpi")]
 mod entries;
+mod gram;
 mod internal;
 mod memory;
 mod mesh_spectrum;
@@ -47,6 +48,7 @@ pub use backend::*;
 pub use curve::*;
 pub use decimate::*;
 pub use device::*;
+pub use gram::*;
 pub use internal::*;
 pub use memory::*;
 pub use mesh_spectrum::*;

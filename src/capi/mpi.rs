@@ -2,6 +2,7 @@
 #![cfg_attr(not(feature = "mpi"), allow(unused_variables))]
 
 use super::boundary::boundary;
+use super::gram::{cata_lstsq_params, cata_lstsq_result};
 use super::params::cata_ata_params;
 #[cfg(feature = "mpi")]
 use super::ranks;
@@ -195,6 +196,51 @@ pub unsafe extern "C" fn cata_world_ata_rows_f32(
     c: *mut *mut cata_symmetric,
 ) -> cata_status {
     with_mpi!(ranks::rows(world, layout, m, n, alpha, a, lda, params, c))
+}
+
+/// Least squares where every rank has some rows of A, of B and of the weights, in any order and
+/// number, 0 included; every rank gets the whole of X and of the result. Collective.
+///
+/// - `world`: not NULL.
+/// - `layout`, `m`, `a`, `lda`, `b`, `ldb`, `weights`: of the rows of this rank, its own on each
+///   rank, as in cata_lstsq_f64; `weights` is NULL on all ranks or on none.
+/// - `n`, `k`: as in cata_lstsq_f64, the same on all ranks.
+/// - `x`, `ldx`, `result`: as in cata_lstsq_f64; what is wanted may differ between the ranks.
+/// - `params`: as in cata_lstsq_f64; `threads` and `progress` may differ between the ranks.
+///   Progress is that of the second pass over the rows of this rank.
+///
+/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
+/// CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK when arguments differ between the ranks or another one
+/// failed, CATA_ERR_CANCELLED, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC; outputs are untouched unless
+/// it is CATA_OK.
+///
+/// The result does not depend on the number of ranks or of threads, nor on which rank has which
+/// rows, bit for bit.
+///
+/// Not thread-safe: one call at a time for a world.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_world_lstsq_f64(
+    world: *const cata_world,
+    layout: i32,
+    m: usize,
+    n: usize,
+    k: usize,
+    a: *const f64,
+    lda: usize,
+    b: *const f64,
+    ldb: usize,
+    weights: *const f64,
+    x: *mut f64,
+    ldx: usize,
+    result: *mut cata_lstsq_result,
+    params: *const cata_lstsq_params,
+) -> cata_status {
+    with_mpi!(ranks::least_squares(
+        world, layout, m, n, k, a, lda, b, ldb, weights, x, ldx, result, params
+    ))
 }
 
 /// C = alpha A^T A where every rank has some columns of A, in the order of the ranks, 0 included; C is left

@@ -3,14 +3,16 @@
 use std::cell::Cell;
 
 use super::entries::{Entries, Held};
-use super::params::{cata_ata_params, with_options, write};
+use super::gram::{LeastSquaresCall, cata_lstsq_params, cata_lstsq_result};
+use super::params::{cata_ata_params, watcher, with_options, write};
 use super::pointer::{Layout, matrix, matrix_mut, optional_output, output, slice, uplo_from};
 use super::status::{CATA_ERR_ARGUMENT, Failure};
 use super::world::{CATA_BY_COLUMNS, CATA_BY_ROWS, cata_symmetric, cata_traffic, cata_world};
 use crate::ata::distributed::{BlockCyclic, Grid, GridOrder};
+use crate::base::Progress;
 use crate::mpi::{
     CyclicMut, CyclicRef, Distributed, MpiReal, Operation, Symmetric, World, aat_cyclic,
-    ata_columns, ata_cyclic, ata_root, ata_rows, verify,
+    ata_columns, ata_cyclic, ata_root, ata_rows, lstsq, verify,
 };
 use crate::{AtaOptions, Error, Uplo};
 
@@ -285,6 +287,40 @@ pub(super) unsafe fn cyclic<T: MpiReal>(
                 let product = if transposed { aat_cyclic } else { ata_cyclic };
                 Ok(product(entrance.enter(), alpha, a, beta, c, options)?)
             })
+        })
+    }
+}
+
+/// # Safety
+/// As the header says.
+pub(super) unsafe fn least_squares(
+    world: *const cata_world,
+    layout: i32,
+    m: usize,
+    n: usize,
+    k: usize,
+    a: *const f64,
+    lda: usize,
+    b: *const f64,
+    ldb: usize,
+    weights: *const f64,
+    x: *mut f64,
+    ldx: usize,
+    result: *mut cata_lstsq_result,
+    params: *const cata_lstsq_params,
+) -> Outcome {
+    // SAFETY: the caller's promise.
+    unsafe {
+        collective(world, Operation::LeastSquares, |entrance| {
+            let call = LeastSquaresCall::new(
+                layout, m, n, k, a, lda, b, ldb, weights, x, ldx, result, params,
+            )?;
+            let watch = watcher(call.params.progress, call.params.progress_user);
+            let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
+            let (a, b, weights) = (call.a, call.b, call.weights);
+            let found = lstsq(entrance.enter(), a, b, weights, &call.options, progress)?;
+            call.finish(&found);
+            Ok(())
         })
     }
 }

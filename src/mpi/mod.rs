@@ -1,6 +1,7 @@
 //! Matrices that are spread over the ranks of an MPI communicator: A^T A, by the plans of
 //! [`ata::distributed`](crate::ata::distributed); Gram-Schmidt and eigenpairs, by the algorithms of
-//! [`ortho`](crate::ortho) and [`sparse`](crate::sparse), where every rank has some rows.
+//! [`ortho`](crate::ortho) and [`sparse`](crate::sparse), and least squares by that of
+//! [`gram`](crate::gram), where every rank has some rows.
 //!
 //! Every function is collective: all ranks of the [`World`] call it, with the same options. An error on
 //! one rank is an error on all ([`Error::Rank`](crate::Error::Rank)); a panic aborts the job, since the
@@ -14,6 +15,7 @@ mod deal;
 mod eigen;
 mod exchange;
 mod form;
+mod gram;
 mod memory;
 mod ortho;
 mod pending_send;
@@ -33,6 +35,7 @@ pub use columns::ata_columns;
 pub use cyclic::{CyclicMut, CyclicRef, aat_cyclic, ata_cyclic};
 pub use eigen::eigs;
 pub use exchange::gather_rows;
+pub use gram::lstsq;
 pub use ortho::{cholesky_qr, gram_schmidt};
 pub use root::{ata_deal, ata_root, ata_tree};
 pub use rows::{ata_rows, sum_symmetric};

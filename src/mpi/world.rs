@@ -414,4 +414,5 @@ pub(crate) enum Operation {
     Eigenpairs,
     GatherRows,
     Bounds,
+    LeastSquares,
 }

@@ -229,6 +229,60 @@ void orthonormal_columns() {
     }
 }
 
+// A line without and with an error, and what else comes from Gram matrices in extended precision.
+void gram_matrices() {
+    const std::vector<double> t{0, 1, 2}, b{1, 4, 3, 3, 5, 2};
+    const auto a = catamaran::row_major(t.data(), 3, 1);
+    catamaran::lstsq_options how;
+    how.intercept = true;
+    const auto targets = catamaran::row_major(b.data(), 3, 2);
+    const catamaran::least_squares line = catamaran::lstsq(a, targets, {}, how);
+    CHECK((line.coefficients == std::vector<double>{2, -1}));
+    CHECK((line.intercepts == std::vector<double>{1, 4}));
+    CHECK((line.r_squared == std::vector<double>{1, 1}) && line.standard_errors.size() == 2);
+    CHECK(line.rank == 1 && line.dependent.empty() && line.degrees_of_freedom == 1);
+    CHECK(line.intercept_errors.size() == 2 && line.digits > 15);
+    CHECK(catamaran::lstsq(a, targets).intercept_errors.empty());
+    CHECK(catamaran::lstsq(a, targets, {0, 1, 0}).coefficients == (std::vector<double>{3, 3}));
+    CHECK(status_of([&] { catamaran::lstsq(a, targets, {1, 1}); }) == CATA_ERR_SHAPE);
+    CHECK(status_of([&] { catamaran::lstsq(a, catamaran::row_major(b.data(), 2, 2)); }) ==
+          CATA_ERR_SHAPE);
+    how.progress = [](double) { return false; };
+    CHECK(status_of([&] { catamaran::lstsq(a, targets, {}, how); }) == CATA_ERR_CANCELLED);
+
+    for (const layout order : {layout::row_major, layout::col_major}) {
+        std::vector<double> data(4);
+        const catamaran::matrix_view<double> m{data.data(), 2, 2, 2, order};
+        m(0, 0) = 3, m(0, 1) = 1, m(1, 0) = 4, m(1, 1) = 1;
+        const auto found = catamaran::pca(m, 1);
+        CHECK((found.mean == std::vector<double>{3.5, 1}) && found.scale.size() == 2);
+        CHECK((found.components == std::vector<double>{1, 0}));
+        CHECK(std::abs(found.explained_variance[0] - 0.5) < 1e-15);
+        const auto values = catamaran::svd(m).values;
+        CHECK(std::abs(values[0] * values[1] - 1) < 1e-14);
+        const auto gram = catamaran::gram_extended(m);
+        const catamaran::matrix_view<const double> high{gram.high.data(), 2, 2, 2, order};
+        CHECK(high(0, 0) == 25 && high(1, 0) == 7 && high(1, 1) == 2 && high(0, 1) == 0);
+        CHECK((gram.low == std::vector<double>(4)) && gram.exact);
+        CHECK(catamaran::gram_extended(m, {}, true).high[0] == 0.5);
+        CHECK(std::isnan(catamaran::correlation(m)[3]) && catamaran::correlation(m)[0] == 1);
+        std::vector<double> factor = catamaran::cholesky_qr_extended(m);
+        const catamaran::matrix_view<double> r{factor.data(), 2, 2, 2, order};
+        CHECK(r(0, 0) == 5 && r(0, 1) == 1.4 && r(1, 0) == 0 && m(0, 0) == 0.6);
+        CHECK(catamaran::orthogonality(m).max < 2e-16);
+        CHECK(status_of([&] { catamaran::pca(m, 3); }) == CATA_ERR_ARGUMENT);
+    }
+    catamaran::gram_options watched;
+    watched.progress = [](double) -> bool { throw std::string("mine"); };
+    bool threw = false;
+    try {
+        catamaran::svd(a, watched);
+    } catch (const std::string&) {
+        threw = true;
+    }
+    CHECK(threw);
+}
+
 void loaded_backend() {
     try {
         catamaran::backend first = catamaran::backend::load("libopenblas.so.0");
@@ -384,6 +438,7 @@ int main() {
     progress_of_many_threads();
     spectra();
     orthonormal_columns();
+    gram_matrices();
     loaded_backend();
     decimation();
     parts_and_unions();

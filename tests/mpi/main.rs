@@ -10,6 +10,7 @@ mod counting;
 mod cyclic;
 mod eigen;
 mod failures;
+mod gram;
 mod launch;
 mod matrices;
 mod memory;
@@ -50,7 +51,15 @@ fn main() -> ExitCode {
         memory::CASES,
         ortho::CASES,
         eigen::CASES,
+        gram::CASES,
     ];
-    let scenes = [failures::SCENES, root::SCENES, cyclic::SCENES, ortho::SCENES, eigen::SCENES];
+    let scenes = [
+        failures::SCENES,
+        root::SCENES,
+        cyclic::SCENES,
+        ortho::SCENES,
+        eigen::SCENES,
+        gram::SCENES,
+    ];
     launch::run(&cases.concat(), &scenes.concat())
 }

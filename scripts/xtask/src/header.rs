@@ -29,6 +29,7 @@ const FILES: &[&str] = &[
     "mesh_spectrum",
     "parts",
     "ortho",
+    "gram",
     "transfer",
     "decimate",
     "plant",
