@@ -60,8 +60,10 @@ fn gram_with(a: MatRef<'_, f64>, exact: bool) -> ExtendedGram {
     let (products, m) = (products(a), a.nrows());
     let about = About { exact, rows: m as u64, weight: m as f64, mean: vec![] };
     let one = BigInt::from(1);
-    ExtendedGram::from_entries(a.ncols(), about, |i, j| parts(&products[i][j], &one, 2 * UNIT))
-        .unwrap()
+    ExtendedGram::from_entries(a.ncols(), about, Par::Seq, |i, j| {
+        parts(&products[i][j], &one, 2 * UNIT)
+    })
+    .unwrap()
 }
 
 fn gram(a: MatRef<'_, f64>) -> ExtendedGram {
@@ -75,7 +77,7 @@ fn centered(a: MatRef<'_, f64>) -> ExtendedGram {
     let sums: Vec<_> = (0..a.ncols()).map(sum).collect();
     let mean = sums.iter().map(|sum| parts(sum, &m, UNIT)).map(|[a, b, _]| [a, b]).collect();
     let about = About { exact: true, rows: a.nrows() as u64, weight: a.nrows() as f64, mean };
-    ExtendedGram::from_entries(a.ncols(), about, |i, j| {
+    ExtendedGram::from_entries(a.ncols(), about, Par::Seq, |i, j| {
         parts(&(&products[i][j] * &m - &sums[i] * &sums[j]), &m, 2 * UNIT)
     })
     .unwrap()

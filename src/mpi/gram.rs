@@ -80,7 +80,9 @@ pub fn lstsq(
         });
         let sum = merge_accumulators(world, call.meet(sum)?)?;
         let found = sum
-            .map(|sum| LeastSquares::from_gram(&sum.finish_extended()?, b.ncols(), &options))
+            .map(|sum| {
+                LeastSquares::from_gram(&sum.finish_extended(options.par)?, b.ncols(), &options)
+            })
             .transpose();
         let own = call.meet(found)?;
         let place = own.map_or_else(|| blank(a.ncols(), b.ncols(), &options), Ok);

@@ -68,7 +68,7 @@ fn extended<T: BlasReal>(
     let mut sum = Accumulator::extended(&bounds, centered)?;
     let nothing = &mut |_: &Accumulator<T>| Ok(());
     stream(&mut rows, weights.as_deref(), block_rows, &mut sum, &options, nothing)?;
-    sum.finish_extended()
+    sum.finish_extended(par)
 }
 
 /// Rows whose columns are of very different sizes, with entries of all sizes below.
@@ -216,7 +216,7 @@ fn any_cut_and_any_merge_give_the_same_bytes() {
     sum.write(&mut bytes).unwrap();
     let rounded = Accumulator::<f64>::read(&mut &bytes[..]).unwrap().finish(1.0, Uplo::Lower);
     let rounded = rounded.unwrap();
-    let merged = sum.finish_extended().unwrap();
+    let merged = sum.finish_extended(Par::Seq).unwrap();
     assert!(same(&merged));
     for i in 0..6 {
         for j in 0..=i {
@@ -236,7 +236,7 @@ fn sums_on_other_bounds_merge_exactly() {
     };
     let mut sum = of(1024.0, &[1000.0, 3.0]);
     sum.merge(of(1.0, &[2f64.powi(-60), 0.5])).unwrap();
-    let gram = sum.finish_extended().unwrap();
+    let gram = sum.finish_extended(Par::Seq).unwrap();
     assert_eq!(gram.entry(0, 0), [1_000_009.25, 2f64.powi(-120), 0.0]);
     assert!(gram.is_exact());
 }
@@ -247,7 +247,7 @@ fn what_can_not_be_had_is_refused() {
     a[2][1] = f64::NAN;
     let refused = extended::<f64>(&a, None, false, 2, Par::Seq).unwrap_err();
     assert_eq!(refused, Error::NonFinite { what: "rows", index: (0, 1) });
-    let refused = Accumulator::<f64>::new(2, false).unwrap().finish_extended().unwrap_err();
+    let refused = Accumulator::<f64>::new(2, false).unwrap().finish_extended(Par::Seq).unwrap_err();
     assert!(matches!(refused, Error::Argument { what: "accumulator", .. }), "{refused}");
     let bounds = RowBounds::new(vec![0.0; 2], vec![1.0; 2], 5).unwrap();
     let mut sum = Accumulator::<f64>::extended(&bounds, false).unwrap();

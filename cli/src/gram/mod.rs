@@ -159,7 +159,9 @@ impl<'a> Pass<'a> {
         })?;
         drop(bar);
         let Some(sum) = self.ranks.merge(sum)? else { return Ok(None) };
-        let gram = sum.finish_extended().with_context(|| self.args.input.display().to_string())?;
+        let gram = sum
+            .finish_extended(self.args.par())
+            .with_context(|| self.args.input.display().to_string())?;
         report(format_args!("time      {} for A^T A", seconds(start.elapsed())))?;
         Ok(Some(gram))
     }

@@ -8,7 +8,7 @@ use super::pass::Pass;
 use super::strip::Strip;
 use crate::ata::combine::{mirror_lower, scale_lower};
 use crate::ata::options::{AtaOptions, Uplo};
-use crate::base::{Error, Real, Result};
+use crate::base::{Error, Par, Real, Result};
 use crate::blas::BlasReal;
 use crate::kernel::int8::I256;
 
@@ -110,12 +110,12 @@ impl<T: BlasReal> Accumulator<T> {
     ///
     /// ```
     /// use catamaran::ata::{Accumulator, RowBounds};
-    /// use catamaran::AtaOptions;
+    /// use catamaran::{AtaOptions, Par};
     ///
     /// let bounds = RowBounds::new(vec![-1.0], vec![1.0], 10)?;
     /// let mut sum = Accumulator::<f64>::extended(&bounds, false)?;
     /// sum.add_block(2, &mut [1.0, 2f64.powi(-40)], None, &AtaOptions::new())?;
-    /// let c = sum.finish_extended()?;
+    /// let c = sum.finish_extended(Par::Seq)?;
     /// assert_eq!(c.entry(0, 0), [1.0, 2f64.powi(-80), 0.0]);
     /// assert!(c.is_exact());
     /// # Ok::<(), catamaran::Error>(())
@@ -404,15 +404,15 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(c)
     }
 
-    /// C in extended precision, about the mean when centred.
+    /// C in extended precision, about the mean when centred; the same, bit for bit, for every `par`.
     ///
     /// # Errors
     /// [`Error::Argument`] when the accumulator is not one of [`Accumulator::extended`], or when the
     /// weights of a mean sum to zero; [`Error::NonFinite`] for the first column (as index (0, j)) with
     /// a NaN or an infinity; [`Error::OutOfMemory`].
-    pub fn finish_extended(self) -> Result<ExtendedGram> {
+    pub fn finish_extended(self, par: Par) -> Result<ExtendedGram> {
         match self.sums {
-            Sums::Extended(sums) => sums.parts(),
+            Sums::Extended(sums) => sums.parts(par),
             sums => {
                 let why = format!("{} sums have no extended precision", sums.name());
                 Err(Error::Argument { what: "accumulator", why })

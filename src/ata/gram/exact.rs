@@ -2,6 +2,7 @@
 //! of the rows.
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::MatRef;
 
@@ -565,7 +566,7 @@ impl<T: BlasReal> ExactSums<T, I256> {
     /// # Errors
     /// [`Error::NonFinite`] for the first column that is not finite; [`Error::Argument`] when the
     /// weights of a mean sum to zero, or are so fine that numbers get too long.
-    pub fn parts(&self) -> Result<ExtendedGram> {
+    pub fn parts(&self, par: Par) -> Result<ExtendedGram> {
         let n = self.grid.ncols();
         if let Some(at) = self.flags.iter().position(|&flags| flags != 0) {
             let row = (0..n).find(|&i| triangle_len(i + 1) > at).unwrap_or(0);
@@ -586,8 +587,9 @@ impl<T: BlasReal> ExactSums<T, I256> {
             weight: self.weight(),
             mean: if centered { (0..n).map(mean).collect() } else { Vec::new() },
         };
-        let mut refused = None;
-        let gram = ExtendedGram::from_entries(n, about, |i, j| {
+        // The first column whose numbers are too long.
+        let refused = AtomicUsize::new(usize::MAX);
+        let gram = ExtendedGram::from_entries(n, about, par, |i, j| {
             let (c, exponent) = (self.entry(i, j).0, self.grid.exponent(i, j));
             if !centered {
                 return c.parts(exponent);
@@ -595,13 +597,13 @@ impl<T: BlasReal> ExactSums<T, I256> {
             let sums = [self.sums[i], self.sums[j]];
             let parts = wide::centered_parts(c, sums, self.weight_shift(), w, exponent);
             parts.unwrap_or_else(|| {
-                refused.get_or_insert(i);
+                refused.fetch_min(i, Ordering::Relaxed);
                 [f64::NAN; 3]
             })
         })?;
-        match refused {
-            Some(i) => Err(too_long(i)),
-            None => Ok(gram),
+        match refused.into_inner() {
+            usize::MAX => Ok(gram),
+            i => Err(too_long(i)),
         }
     }
 }

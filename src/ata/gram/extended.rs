@@ -1,6 +1,8 @@
+use std::ops::ControlFlow;
+
 use faer::{Mat, MatRef};
 
-use crate::base::{Error, Result};
+use crate::base::{Disjoint, Error, Par, Result};
 
 /// A symmetric matrix C (n x n) in extended precision: every entry is an unevaluated sum of three
 /// f64, the largest first, each at most half a unit in the last place of the one before.
@@ -39,16 +41,29 @@ impl ExtendedGram {
     pub(crate) fn from_entries(
         n: usize,
         about: About,
-        mut entry: impl FnMut(usize, usize) -> [f64; 3],
+        par: Par,
+        entry: impl Fn(usize, usize) -> [f64; 3] + Sync,
     ) -> Result<Self> {
+        /// Side of a tile: its rows and columns stay in the first-level cache.
+        const TILE: usize = 16;
         let mut parts = [zeros(n)?, zeros(n)?, zeros(n)?];
-        for i in 0..n {
-            for j in 0..=i {
-                for (part, value) in parts.iter_mut().zip(entry(i, j)) {
-                    part[(i, j)] = value;
+        let shared = parts.each_mut().map(|part| Disjoint::new(part.as_mut()));
+        par.tickets(n.div_ceil(TILE), |ticket| {
+            let columns = ticket * TILE..n.min((ticket + 1) * TILE);
+            // SAFETY: each range of columns is visited once.
+            let mut own =
+                shared.each_ref().map(|part| unsafe { part.block(0..n, columns.clone()) });
+            for first in (columns.start..n).step_by(TILE) {
+                for j in columns.clone() {
+                    for i in first.max(j)..n.min(first + TILE) {
+                        for (part, value) in own.iter_mut().zip(entry(i, j)) {
+                            part[(i, j - columns.start)] = value;
+                        }
+                    }
                 }
             }
-        }
+            ControlFlow::Continue(())
+        });
         Ok(Self { parts, about })
     }
 
@@ -73,7 +88,7 @@ impl ExtendedGram {
         }
         let mean = mean.iter().map(|&mean| [mean, 0.0]).collect();
         let about = About { exact: true, rows, weight: rows as f64, mean };
-        Self::from_entries(n, about, |i, j| [c[(i, j)], 0.0, 0.0])
+        Self::from_entries(n, about, Par::Seq, |i, j| [c[(i, j)], 0.0, 0.0])
     }
 
     /// Side n of C.

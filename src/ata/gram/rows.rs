@@ -239,7 +239,7 @@ pub fn ata_extended<T: BlasReal>(
     let mut sum = Accumulator::extended(&bounds, centered)?;
     let options = options.clone().progress(rest);
     stream(rows, weights, height, &mut sum, &options, &mut |_| Ok(()))?;
-    sum.finish_extended()
+    sum.finish_extended(options.par)
 }
 
 /// Rows less their centre.

@@ -69,8 +69,9 @@ impl<S: Real, T: Real> RowBlocks<T> for DenseRows<'_, S> {
     }
 
     fn read(&mut self, first: usize, mut out: MatMut<'_, T>) -> Result<()> {
-        /// Rows of a column that are converted while their lines are in the cache.
-        const RUN: usize = 64;
+        /// Rows that are converted together: entries of a cache line. More rows of a power of two
+        /// columns would push each other out of the cache.
+        const RUN: usize = 8;
         let a = self.0.subrows(first, out.nrows());
         if a.col_stride().unsigned_abs() <= a.row_stride().unsigned_abs() {
             for i in 0..a.nrows() {
