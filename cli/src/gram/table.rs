@@ -21,7 +21,7 @@ pub struct Table {
 enum With {
     Nothing,
     /// The columns of this matrix follow.
-    Columns(Source),
+    Columns(Box<Source>),
     /// Its columns come in this order.
     Order(Vec<usize>),
 }
@@ -42,7 +42,7 @@ impl Table {
                 a.path().display()
             );
         }
-        Ok(Self { a, with: With::Columns(b) })
+        Ok(Self { a, with: With::Columns(Box::new(b)) })
     }
 
     /// The rows of A with its columns in this order, a permutation.

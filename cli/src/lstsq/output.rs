@@ -126,8 +126,8 @@ impl Solution {
             targets.push(text);
         }
         format!(
-            "{{\n  \"columns\": {},\n  \"targets\": [\n{}\n  ],\n  \"rows\": {},\n  \"rank\": {},\n  \
-             \"dependent\": {},\n  \"degrees_of_freedom\": {},\n  \"condition\": {},\n  \
+            "{{\n  \"columns\": {},\n  \"targets\": [\n{}\n  ],\n  \"rows\": {},\n  \
+             \"rank\": {},\n  \"dependent\": {},\n  \"degrees_of_freedom\": {},\n  \"condition\": {},\n  \
              \"digits\": {}\n}}\n",
             list(self.columns.iter().map(|name| quoted(name))),
             targets.join(",\n"),
