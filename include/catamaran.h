@@ -1870,9 +1870,9 @@ cata_status cata_svd_f64(int32_t layout,
  * The lower triangle of C = X^T W X as unevaluated sums of two doubles, high + low, where X is A
  * (m x n), or A with the mean of its rows subtracted from every row, and W = diag(weights).
  *
- * C is the same for any order of the rows. Where `exact` is 1, no entry of A was rounded, and high
- * + low is C rounded to about 106 bits; else entries were rounded to about 2^-80 of the largest of
- * their column.
+ * C is the same for any order of the rows. Where `exact` is 1, no entry of A was rounded, and the
+ * two parts together are C rounded to about 106 bits; else entries were rounded to about 2^-80 of
+ * the largest of their column.
  *
  * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A, high and low.
  * - `m`, `n`: any, 0 included.
