@@ -31,7 +31,7 @@ pub use complex::{aha, ahb};
 #[cfg(feature = "mpi")]
 pub(crate) use exact::Flags;
 pub use exact::Stages;
-#[cfg(test)]
+#[cfg(feature = "geometry")]
 pub(crate) use gram::About;
 #[cfg(feature = "mpi")]
 pub(crate) use gram::exact_sums;

@@ -3,12 +3,14 @@
 #[path = "../common/nist.rs"]
 mod nist;
 
+use catamaran::ata::{DenseRows, RowOptions, ata_extended};
 use catamaran::base::Rng;
 use catamaran::faer::{Mat, MatRef};
 use catamaran::gram::{
-    LeastSquaresOptions, PrincipalComponentsOptions, RankDeficiency, lstsq, pca, svd,
+    LeastSquares, LeastSquaresOptions, PrincipalComponentsOptions, RankDeficiency, lstsq, pca,
+    sum_of_pairs, svd,
 };
-use catamaran::{Error, Par};
+use catamaran::{AtaOptions, Error, Par};
 
 use nist::NistSet;
 
@@ -52,6 +54,35 @@ fn coefficients_of_nist_have_at_least_thirteen_digits() {
         let correct = least_digits(errors, &set.rounded.deviations);
         assert!(correct >= 12.0, "deviations of {name}: {correct}");
     }
+}
+
+#[test]
+fn powers_in_two_parts_have_the_certified_digits_of_filip() {
+    let sets = NistSet::all().unwrap();
+    let set = sets.iter().find(|set| set.name == "filip").unwrap();
+    let (m, n) = set.design.shape();
+    // x^k and what rounding takes from it: the part before times x, in double-double.
+    let mut rows = Mat::<f64>::zeros(m, 2 * n + 1);
+    for i in 0..m {
+        let x = set.design[(i, 1)];
+        let (mut high, mut low) = (1.0, 0.0);
+        for k in 0..n {
+            (rows[(i, k)], rows[(i, n + k)]) = (high, low);
+            let product = high * x;
+            let rest = f64::mul_add(high, x, -product) + low * x;
+            high = product + rest;
+            low = rest - (high - product);
+        }
+        rows[(i, 2 * n)] = set.response[i];
+    }
+    let plain = RowOptions::<f64>::new();
+    let gram = ata_extended(&mut DenseRows(rows.as_ref()), &plain, &AtaOptions::new()).unwrap();
+    let gram = sum_of_pairs(&gram, n).unwrap();
+    let found = LeastSquares::from_gram(&gram, 1, &LeastSquaresOptions::new()).unwrap();
+    let coefficients = found.coefficients.col(0).iter().copied();
+    let certified = least_digits(coefficients, &set.certified.coefficients);
+    println!("filip: {certified:.1} of the certified digits");
+    assert!(certified >= 12.0, "{certified}");
 }
 
 #[test]
@@ -109,7 +140,7 @@ fn threads_do_not_change_a_bit() {
 #[test]
 fn small_singular_values_keep_their_digits() {
     // Columns of a Hadamard matrix times powers of two: the singular values are 4 2^e.
-    let sign = |i: usize, j: usize| if (i & j).count_ones() % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = |i: usize, j: usize| if (i & j).count_ones().is_multiple_of(2) { 1.0 } else { -1.0 };
     let exponents = [0, -10, -20, -30, -40, -49];
     let a = Mat::<f64>::from_fn(16, 6, |i, j| sign(i, j) * f64::from(exponents[j]).exp2());
     let found = svd(a.as_ref(), Par::Seq).unwrap();

@@ -76,7 +76,7 @@ fn rows(m: usize, n: usize, spread: i32, seed: u64) -> Vec<Vec<f64>> {
     let mut rng = Rng::new(seed);
     let mut entry = |j: usize| {
         let scale = f64::from(40 * (j as i32 % 5) - 80 - (rng.bits() % 30) as i32 * spread).exp2();
-        let zero = j == 3 || rng.bits() % 13 == 0;
+        let zero = j == 3 || rng.bits().is_multiple_of(13);
         if zero { 0.0 } else { rng.normal() * scale }
     };
     (0..m).map(|_| (0..n).map(&mut entry).collect()).collect()

@@ -35,7 +35,7 @@ pub use sparse::{ata_sparse, sparse_is_faster, sparse_multiplications};
 pub use stream::{AfterBlock, stream};
 pub use strip::Strip;
 
-#[cfg(test)]
+#[cfg(feature = "geometry")]
 pub(crate) use extended::About;
 pub(crate) use rows::AdjustedRows;
 #[cfg(feature = "mpi")]

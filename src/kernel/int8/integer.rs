@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 
 use super::moduli::{LIMB_BITS, LIMBS};
-use super::recombine::scaled;
+use super::tile::scaled;
 
 /// A signed integer of 128 or 256 bits.
 pub(crate) trait Integer:
@@ -203,7 +203,7 @@ mod tests {
     fn number(rng: &mut Rng, bits: u32) -> i128 {
         let random = (u128::from(rng.bits()) << 64 | u128::from(rng.bits())) >> 1;
         let size = (random >> (127 - bits)) as i128 >> (rng.bits() % u64::from(bits));
-        if rng.bits() % 2 == 0 { size } else { -size }
+        if rng.bits().is_multiple_of(2) { size } else { -size }
     }
 
     fn wide(value: i128) -> I256 {

@@ -317,8 +317,8 @@ mod tests {
                     assert_eq!(unit.modulo(m.p), i32::from(i == j));
                 }
                 // Below P: the highest limb that differs is smaller.
-                let limbs = unit.to_f64().into_iter().zip(moduli.product).rev();
-                assert!(limbs.skip_while(|(a, b)| a == b).next().is_some_and(|(a, b)| a < b));
+                let mut limbs = unit.to_f64().into_iter().zip(moduli.product).rev();
+                assert!(limbs.find(|(a, b)| a != b).is_some_and(|(a, b)| a < b));
             }
         }
     }

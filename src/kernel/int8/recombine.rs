@@ -2,7 +2,7 @@
 
 use super::integer::Integer;
 use super::moduli::{IntegerModuli, LIMBS, Moduli};
-use super::tile::{Quarter, WIDTH, power_of_two};
+use super::tile::{Quarter, WIDTH, scaled};
 
 /// The integers R of least magnitude, of which |R| < P/2 is known by less than one part in 2^20,
 /// with these residues. All arithmetic is exact.
@@ -106,15 +106,6 @@ pub(super) fn quarter<const FUSED: bool>(
             out[j] = scaled(value, rows[i] + columns[j]);
         }
     }
-}
-
-/// `value 2^exponent`, for a value that is no more than P: rounded where it is subnormal.
-#[inline(always)]
-pub(crate) fn scaled(value: f64, exponent: i32) -> f64 {
-    // Two factors: one may be no finite number. Below -1300 every value vanishes.
-    let exponent = exponent.clamp(-1300, 2040);
-    let (first, second) = (exponent >> 1, exponent - (exponent >> 1));
-    value * power_of_two(first) * power_of_two(second)
 }
 
 #[inline(always)]

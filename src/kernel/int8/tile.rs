@@ -111,6 +111,15 @@ pub(crate) fn power_of_two(e: i32) -> f64 {
     f64::from_bits(((e + 1023) as u64) << 52)
 }
 
+/// `value 2^exponent`, rounded where it is subnormal.
+#[inline(always)]
+pub(crate) fn scaled(value: f64, exponent: i32) -> f64 {
+    // Two factors: one may be no finite number. Below -1300 every value vanishes.
+    let exponent = exponent.clamp(-1300, 2040);
+    let (first, second) = (exponent >> 1, exponent - (exponent >> 1));
+    value * power_of_two(first) * power_of_two(second)
+}
+
 /// Bounds of the columns of a tile, of which norms are made in any order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TileNorms {
