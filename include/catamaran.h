@@ -1830,7 +1830,7 @@ cata_status cata_pca_f64(int32_t layout,
 
 /**
  * The singular values of A (m x n), and its right singular vectors, from its Gram matrix in
- * extended precision: A = U diag(values) V^T, where column j of U is A v_j / values[j].
+ * extended precision: A = U diag(values) V^T, where column j of U is A v_j over the j-th value.
  *
  * With K the condition number of A with columns of norm 1, the relative error of every value, the
  * smallest included, is a few n 2^-53 plus K^2 2^-106 (K^2 2^-80 where cata_gram_extended_f64 is
