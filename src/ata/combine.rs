@@ -9,7 +9,7 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
 use super::options::Uplo;
-use crate::base::{Real, Result};
+use crate::base::{Real, Result, widest};
 
 /// `dst := reuse * dst + sum coefficient * block`, where no block is larger than `dst` and what a
 /// block lacks counts as zero. `reuse == 0` does not read `dst`.
@@ -26,8 +26,7 @@ pub(crate) fn combine<T: Real>(dst: MatMut<'_, T>, reuse: T, terms: &[(T, MatRef
 fn combine_rows<T: Real>(mut dst: MatMut<'_, T>, reuse: T, terms: &[(T, MatRef<'_, T>)]) {
     let unit = |view: MatRef<'_, T>| view.col_stride() == 1 || view.ncols() <= 1;
     if unit(dst.rb()) && terms.iter().all(|&(_, block)| unit(block)) {
-        // Dispatched once per call, so that the loops inside use the widest registers there are.
-        pulp::Arch::new().dispatch(
+        widest(
             #[inline(always)]
             || {
                 for i in 0..dst.nrows() {

@@ -7,6 +7,7 @@ mod par;
 mod progress;
 mod rng;
 mod scalar;
+mod simd;
 mod version;
 mod workspace;
 
@@ -19,7 +20,8 @@ pub use progress::Progress;
 pub(crate) use progress::Tracker;
 pub use rng::Rng;
 pub use scalar::Real;
+pub(crate) use simd::widest;
 pub(crate) use version::data_caches;
 pub use version::{VERSION, VersionNumber, cpu_features, version};
 pub use workspace::{Arena, Workspace, release_memory};
-pub(crate) use workspace::{Scratch, reserved, zeros};
+pub(crate) use workspace::{Plain, Scratch, reserved, zeros};

@@ -1,6 +1,8 @@
 use std::fmt::{Debug, Display, LowerExp};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
+use super::workspace::Plain;
+
 mod sealed {
     pub trait Sealed {}
     impl Sealed for f32 {}
@@ -10,9 +12,7 @@ mod sealed {
 /// A real scalar: `f32` or `f64`. Sealed.
 pub trait Real:
     sealed::Sealed
-    + Copy
-    + Send
-    + Sync
+    + Plain
     + 'static
     + Default
     + PartialEq

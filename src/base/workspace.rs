@@ -77,7 +77,7 @@ pub(crate) fn reserved<T>(len: usize) -> Result<Vec<T>> {
 }
 
 /// `len` zeros; memory that can't be had is an error.
-pub(crate) fn zeros<T: Real>(len: usize) -> Result<Vec<T>> {
+pub(crate) fn zeros<T: Plain>(len: usize) -> Result<Vec<T>> {
     let bytes = len.saturating_mul(size_of::<T>());
     let mut values = zeroed(len).ok_or(Error::OutOfMemory { bytes })?;
     ask_for_huge_pages(&mut values);
@@ -85,13 +85,13 @@ pub(crate) fn zeros<T: Real>(len: usize) -> Result<Vec<T>> {
 }
 
 /// `len` zeros, which the system provides when they are touched.
-fn zeroed<T: Real>(len: usize) -> Option<Vec<T>> {
+fn zeroed<T: Plain>(len: usize) -> Option<Vec<T>> {
     if len == 0 {
         return Some(Vec::new());
     }
     let layout = Layout::array::<T>(len).ok()?;
-    // SAFETY: the layout is not empty. It is that of a vector of `len` elements, zero bits are a valid f32
-    // or f64 (`Real` is sealed), and the global allocator is that of vectors.
+    // SAFETY: the layout is not empty. It is that of a vector of `len` elements, zero bits are a T, and
+    // the global allocator is that of vectors.
     unsafe {
         let pointer = std::alloc::alloc_zeroed(layout).cast::<T>();
         (!pointer.is_null()).then(|| Vec::from_raw_parts(pointer, len, len))
@@ -244,9 +244,15 @@ const CACHE_LINE: usize = 64;
 pub unsafe trait Plain: Copy + Send + Sync {}
 
 // SAFETY: as the trait asks.
+unsafe impl Plain for u8 {}
+// SAFETY: as the trait asks.
 unsafe impl Plain for i8 {}
 // SAFETY: as the trait asks.
 unsafe impl Plain for i32 {}
+// SAFETY: as the trait asks.
+unsafe impl Plain for i128 {}
+// SAFETY: as the trait asks.
+unsafe impl Plain for f32 {}
 // SAFETY: as the trait asks.
 unsafe impl Plain for f64 {}
 // SAFETY: as the trait asks: arrays have no padding of their own.

@@ -8,7 +8,7 @@ use super::boundary::boundary;
 use super::params::{Versioned, cata_progress, flag, init, par, read, watcher};
 use super::pointer::{Layout, matrix, matrix_mut, optional_output, slice, slice_mut};
 use super::rows::{CATA_CENTER_MEAN, CATA_CENTER_NONE};
-use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE, Failure, cata_status};
+use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::ata::{Center, DenseRows, ExtendedGram, RowBlocks, RowOptions, ata_extended};
 use crate::base::Progress;
 use crate::gram::{
@@ -826,11 +826,9 @@ fn extended(
     let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
     let options = AtaOptions::new().par(par(params.threads)).progress(progress);
     ata_extended(rows, row_options, &options).map_err(|error| match error {
-        // The pass for the bounds of columns knows no rows.
-        Error::NonFinite { what: "rows", index: (_, j) } => {
+        Error::NonFinite { what: "rows", index: (i, j) } => {
             let (what, j) = name(j);
-            let why = format!("{what}: not finite in column {j} (counted from 0)");
-            Failure::new(CATA_ERR_NON_FINITE, why)
+            Error::NonFinite { what, index: (i, j) }.into()
         }
         other => other.into(),
     })

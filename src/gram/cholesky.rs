@@ -2,9 +2,9 @@ use faer::Mat;
 
 use super::columns::{Columns, LANES};
 use super::double::{DoubleDouble, scaled};
-use super::slices::{Pairs, PairsMut, widest};
+use super::slices::{Pairs, PairsMut};
 use crate::ata::ExtendedGram;
-use crate::base::{Error, Par, Result, zeros};
+use crate::base::{Error, Par, Result, widest, zeros};
 
 /// The column that is factored next, among those that do not depend on the ones before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -4,8 +4,7 @@
 use faer::Mat;
 
 use super::double::scaled;
-use super::slices::widest;
-use crate::base::{Error, Par, Result, zeros};
+use crate::base::{Error, Par, Result, widest, zeros};
 
 /// Columns of a block: two blocks of some thousand rows stay in the second-level cache.
 const BLOCK: usize = 16;
@@ -46,7 +45,7 @@ pub(super) fn jacobi(y: &Mat<f64>, par: Par) -> Result<Jacobi> {
         rotate(&mut columns, stride, par)?;
     }
     let column = |j: usize| &columns[j * stride..(j + 1) * stride];
-    let norm = |j: usize| products(column(j), column(j))[0].sqrt();
+    let norm = |j: usize| product(column(j), column(j)).sqrt();
     let norms: Vec<f64> = (0..r).map(norm).collect();
     let mut order: Vec<usize> = (0..r).collect();
     order.sort_by(|&a, &b| norms[b].total_cmp(&norms[a]));
@@ -66,10 +65,13 @@ fn rotate(columns: &mut [f64], n: usize, par: Par) -> Result<()> {
     let blocks = columns.len().div_ceil(BLOCK * n);
     let even = blocks.next_multiple_of(2);
     let limit = f64::EPSILON * (n as f64).sqrt().max(8.0);
+    let mut squares = zeros(columns.len() / n)?;
     for _ in 0..SWEEPS {
         let mut largest = 0.0_f64;
         for round in 0..even.saturating_sub(1).max(1) {
-            let mut free: Vec<_> = columns.chunks_mut(BLOCK * n).map(Some).collect();
+            let blocks = columns.chunks_mut(BLOCK * n).zip(squares.chunks_mut(BLOCK));
+            let mut free: Vec<_> =
+                blocks.map(|(columns, squares)| Some(Block { columns, squares })).collect();
             let mut meetings: Vec<_> = pairs(even, round)
                 .map(|(a, b)| {
                     let mut take = |i: usize| free.get_mut(i).and_then(Option::take);
@@ -103,26 +105,36 @@ fn pairs(even: usize, round: usize) -> impl Iterator<Item = (usize, usize)> {
     }))
 }
 
-/// Rotates each column of `a` against each of `b`, and with `inside` those of the same block too.
-/// Returns the largest cosine that was found.
+/// Some columns, one after another, and their squares, which rotations keep up to date.
+#[derive(Default)]
+struct Block<'c> {
+    columns: &'c mut [f64],
+    squares: &'c mut [f64],
+}
+
+/// Rotates each column of `a` against each of `b`. With `first`, which is said to every block once in
+/// a sweep, squares are computed anew and columns of the same block are rotated too. Returns the
+/// largest cosine that was found.
 #[inline(always)]
-fn meet(a: &mut [f64], b: &mut [f64], n: usize, limit: f64, inside: bool) -> f64 {
+fn meet<'c>(a: &mut Block<'c>, b: &mut Block<'c>, n: usize, limit: f64, first: bool) -> f64 {
     let mut largest = 0.0_f64;
-    if inside {
-        for block in [&mut *a, &mut *b] {
-            let mut rest = block;
-            while rest.len() > n {
-                let (x, others) = rest.split_at_mut(n);
-                for y in others.chunks_exact_mut(n) {
-                    largest = largest.max(rotate_pair(x, y, limit));
+    if first {
+        for Block { columns, squares } in [&mut *a, &mut *b] {
+            for (square, x) in squares.iter_mut().zip(columns.chunks_exact(n)) {
+                *square = product(x, x);
+            }
+            for i in 0..squares.len() {
+                let (own, others) = columns[i * n..].split_at_mut(n);
+                let (xx, squares) = squares[i..].split_at_mut(1);
+                for (y, yy) in others.chunks_exact_mut(n).zip(squares) {
+                    largest = largest.max(rotate_pair((own, &mut xx[0]), (y, yy), limit));
                 }
-                rest = others;
             }
         }
     }
-    for x in a.chunks_exact_mut(n) {
-        for y in b.chunks_exact_mut(n) {
-            largest = largest.max(rotate_pair(x, y, limit));
+    for (x, xx) in a.columns.chunks_exact_mut(n).zip(&mut *a.squares) {
+        for (y, yy) in b.columns.chunks_exact_mut(n).zip(&mut *b.squares) {
+            largest = largest.max(rotate_pair((x, xx), (y, yy), limit));
         }
     }
     largest
@@ -131,50 +143,58 @@ fn meet(a: &mut [f64], b: &mut [f64], n: usize, limit: f64, inside: bool) -> f64
 /// Makes two columns orthogonal, the longer one first, unless the cosine of their angle is below
 /// the limit. Returns the cosine.
 #[inline(always)]
-fn rotate_pair(x: &mut [f64], y: &mut [f64], limit: f64) -> f64 {
-    let [xx, yy, xy] = products(x, y);
+fn rotate_pair(
+    (x, xx): (&mut [f64], &mut f64),
+    (y, yy): (&mut [f64], &mut f64),
+    limit: f64,
+) -> f64 {
+    /// A square that gets smaller than this share of itself has lost digits.
+    const SHARE: f64 = 1.0 / 16.0;
     let size = xx.sqrt() * yy.sqrt();
     if size == 0.0 {
         return 0.0;
     }
+    let xy = product(x, y);
     let cosine = xy.abs() / size;
     if cosine <= limit {
         return cosine;
     }
-    let slope = (yy - xx) / (2.0 * xy);
+    let slope = (*yy - *xx) / (2.0 * xy);
     let tangent = slope.signum() / (slope.abs() + slope.hypot(1.0));
     let cos = tangent.hypot(1.0).recip();
     let sin = cos * tangent;
-    // Columns change places where the second one is the longer one.
-    let rows = if xx >= yy { [[cos, -sin], [sin, cos]] } else { [[sin, cos], [cos, -sin]] };
-    for (x, y) in x.iter_mut().zip(y) {
+    // Columns change places where the second one is the longer one, or becomes it.
+    let keep = xx > yy;
+    let rows = if keep { [[cos, -sin], [sin, cos]] } else { [[sin, cos], [cos, -sin]] };
+    for (x, y) in x.iter_mut().zip(&mut *y) {
         let (was_x, was_y) = (*x, *y);
         *x = rows[0][0] * was_x + rows[0][1] * was_y;
         *y = rows[1][0] * was_x + rows[1][1] * was_y;
     }
+    // One gains what the other loses.
+    let (longer, shorter) = if keep { (*xx, *yy) } else { (*yy, *xx) };
+    let moved = (tangent * xy).abs();
+    *xx = longer + moved;
+    *yy = if shorter - moved > SHARE * shorter { shorter - moved } else { product(y, y) };
     cosine
 }
 
-/// Returns `x^T x`, `y^T y` and `x^T y`.
+/// Returns `x^T y`.
 #[inline(always)]
-fn products(x: &[f64], y: &[f64]) -> [f64; 3] {
-    let [mut xx, mut yy, mut xy] = [[0.0; SUMS]; 3];
+fn product(x: &[f64], y: &[f64]) -> f64 {
+    let mut sums = [0.0; SUMS];
     for (x, y) in x.chunks_exact(SUMS).zip(y.chunks_exact(SUMS)) {
         for i in 0..SUMS {
-            xx[i] += x[i] * x[i];
-            yy[i] += y[i] * y[i];
-            xy[i] += x[i] * y[i];
+            sums[i] += x[i] * y[i];
         }
     }
     let mut half = SUMS / 2;
     while half > 0 {
-        for sums in [&mut xx, &mut yy, &mut xy] {
-            let (low, high) = sums.split_at_mut(half);
-            low.iter_mut().zip(high).for_each(|(low, high)| *low += *high);
-        }
+        let (low, high) = sums.split_at_mut(half);
+        low.iter_mut().zip(high).for_each(|(low, high)| *low += *high);
         half /= 2;
     }
-    [xx[0], yy[0], xy[0]]
+    sums[0]
 }
 
 #[cfg(test)]

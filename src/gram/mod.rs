@@ -34,5 +34,7 @@ pub use orthogonality::{Orthogonality, orthogonality};
 pub use pairs::sum_of_pairs;
 pub use principal::{Components, PrincipalComponents, PrincipalComponentsOptions};
 pub use qr::GramQr;
+#[cfg(feature = "mpi")]
+pub(crate) use rows::named_by_matrix;
 pub use rows::{JoinedRows, check_weights, lstsq, pca, svd};
 pub use singular::SingularValues;

@@ -4,9 +4,9 @@ use super::cholesky::{PivotedCholesky, Pivoting, named};
 use super::columns::Columns;
 use super::double::{DoubleDouble, scaled};
 use super::refine::scaled_columns;
-use super::slices::{PairsMut, add_triples, normalize_triples, widest};
+use super::slices::{PairsMut, add_triples, normalize_triples};
 use crate::ata::ExtendedGram;
-use crate::base::{Error, Par, Result};
+use crate::base::{Error, Par, Result, widest};
 use crate::dense::for_row_blocks;
 
 /// Rows of A that are multiplied at a time.

@@ -3,8 +3,8 @@
 use super::cholesky::PivotedCholesky;
 use super::columns::{Columns, LANES};
 use super::double::{DoubleDouble, scaled};
-use super::slices::{add_triples, normalize_triples, widest};
-use crate::base::{Par, Result};
+use super::slices::{add_triples, normalize_triples};
+use crate::base::{Par, Result, widest};
 
 /// Rows of a residual that stay in the first-level cache.
 const ROWS: usize = 8 * LANES;

@@ -4,8 +4,7 @@ use super::cholesky::{PivotedCholesky, Pivoting};
 use super::columns::Columns;
 use super::double::{DoubleDouble, scaled};
 use super::refine::Refined;
-use super::slices::widest;
-use crate::base::{Par, Result};
+use crate::base::{Par, Result, widest};
 
 /// What turns a solution x of a problem whose last columns depend on the first ones into the one of
 /// least norm: the dependent columns are `A_1 S`, and all solutions are `(x_1 - S z, z)`.

@@ -76,8 +76,8 @@ impl<T> RowBlocks<T> for JoinedRows<'_, T> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] for B and the weights; [`Error::Argument`] for a negative weight; else as
-/// [`ata_extended`] and [`LeastSquares::from_gram`].
+/// [`Error::Shape`] for B and the weights; [`Error::Argument`] for a negative weight;
+/// [`Error::NonFinite`] for "A" or "B"; else as [`ata_extended`] and [`LeastSquares::from_gram`].
 pub fn lstsq(
     a: MatRef<'_, f64>,
     b: MatRef<'_, f64>,
@@ -86,12 +86,25 @@ pub fn lstsq(
 ) -> Result<LeastSquares> {
     check_weights(weights)?;
     let center = if options.intercept { Center::Mean } else { Center::No };
+    let n = a.ncols();
     let (mut a, mut b) = (DenseRows(a), DenseRows(b));
     let targets = RowBlocks::<f64>::ncols(&b);
     let mut rows = JoinedRows::new(&mut a, &mut b)?;
     let row_options = RowOptions::new().weights(weights).center(center);
-    let gram = ata_extended(&mut rows, &row_options, &AtaOptions::new().par(options.par))?;
+    let gram = ata_extended(&mut rows, &row_options, &AtaOptions::new().par(options.par))
+        .map_err(|error| named_by_matrix(error, n))?;
     LeastSquares::from_gram(&gram, targets, options)
+}
+
+/// Names the matrix that a column of `[A B]` which is not finite is of, A having `n` columns.
+pub(crate) fn named_by_matrix(error: Error, n: usize) -> Error {
+    match error {
+        Error::NonFinite { what: "rows", index: (i, j) } => {
+            let (what, j) = if j < n { ("A", j) } else { ("B", j - n) };
+            Error::NonFinite { what, index: (i, j) }
+        }
+        other => other,
+    }
 }
 
 /// Checks that no weight of a least-squares problem is negative.

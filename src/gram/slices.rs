@@ -1,26 +1,7 @@
 //! Loops over vectors of extended numbers, whose parts are in one slice each: call them inside
-//! [`widest`], where they use the widest registers there are.
+//! [`widest`](crate::base::widest), where they use the widest registers there are.
 
 use super::double::{DoubleDouble, fast_two_sum, normalized, two_product, two_sum};
-
-/// Calls `work`, an `#[inline(always)]` closure, with the widest registers there are.
-///
-/// The bound makes the closure one that is called once: where `pulp` itself takes it, its body is
-/// inlined into a function of its own first, for the narrowest registers.
-#[inline(always)]
-pub(super) fn widest<R>(work: impl FnOnce() -> R) -> R {
-    struct Work<F>(F);
-
-    impl<R, F: FnOnce() -> R> pulp::WithSimd for Work<F> {
-        type Output = R;
-
-        #[inline(always)]
-        fn with_simd<S: pulp::Simd>(self, _: S) -> R {
-            (self.0)()
-        }
-    }
-    pulp::Arch::new().dispatch(Work(work))
-}
 
 /// A vector of numbers `hi + lo`.
 #[derive(Debug, Clone, Copy)]

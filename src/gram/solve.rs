@@ -6,8 +6,7 @@ use std::ops::Range;
 use super::cholesky::PivotedCholesky;
 use super::columns::{Columns, LANES};
 use super::double::DoubleDouble;
-use super::slices::widest;
-use crate::base::{Par, Result};
+use crate::base::{Par, Result, widest};
 
 /// Right-hand sides that one thread works on at a time.
 const BLOCK: usize = 64;

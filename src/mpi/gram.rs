@@ -10,7 +10,7 @@ use super::world::{Operation, World, number_fact};
 use crate::ata::{Accumulator, AtaOptions, DenseRows, RowBounds, block_rows, stream};
 use crate::base::{Error, Progress, Result};
 use crate::dense::zeros;
-use crate::gram::{JoinedRows, LeastSquares, LeastSquaresOptions, check_weights};
+use crate::gram::{JoinedRows, LeastSquares, LeastSquaresOptions, check_weights, named_by_matrix};
 
 /// [`gram::lstsq`](crate::gram::lstsq()) of A (m x n) and B (m x k) of which every rank has some
 /// rows, in any order and number, 0 included, and the weights of these rows, if there are any. Every
@@ -67,7 +67,8 @@ pub fn lstsq(
                 Error::check_shape("weights", (a.nrows(), 1), (weights.len(), 1))?;
             }
             check_weights(weights)?;
-            let bounds = RowBounds::of(&mut rows, weights, height, &sums_options)?;
+            let bounds = RowBounds::of_finite(&mut rows, weights, height, &sums_options)
+                .map_err(|error| named_by_matrix(error, a.ncols()))?;
             Ok((rows, bounds))
         });
         let (mut rows, bounds) = call.meet(prepared)?;

@@ -163,10 +163,10 @@ static void test_lstsq_refusals(void)
     REFUSED(LSTSQ(rows, 1, a, 2, b, 1, 1), CATA_ERR_NON_FINITE, "weights:");
     weights[1] = 1;
     a[3] = INFINITY;
-    REFUSED(LSTSQ(rows, 1, a, 2, b, 1, 1), CATA_ERR_NON_FINITE, "a: not finite in column 1");
+    REFUSED(LSTSQ(rows, 1, a, 2, b, 1, 1), CATA_ERR_NON_FINITE, "a: not finite at row 1, column 1");
     a[3] = 4;
     b[2] = NAN;
-    REFUSED(LSTSQ(rows, 1, a, 2, b, 1, 1), CATA_ERR_NON_FINITE, "b: not finite in column 0");
+    REFUSED(LSTSQ(rows, 1, a, 2, b, 1, 1), CATA_ERR_NON_FINITE, "b: not finite at row 2, column 0");
     b[2] = 3;
     params.ridge = -1;
     REFUSED(LSTSQ(rows, 1, a, 2, b, 1, 1), CATA_ERR_ARGUMENT, "ridge:");
@@ -260,7 +260,7 @@ static void test_pca_refusals(void)
     REFUSED(PCA(rows, 2, a, 2, 2, 2), CATA_ERR_ARGUMENT, "params.standardize:");
     params.standardize = 0;
     a[1] = NAN;
-    REFUSED(PCA(rows, 2, a, 2, 2, 2), CATA_ERR_NON_FINITE, "a: not finite in column 1");
+    REFUSED(PCA(rows, 2, a, 2, 2, 2), CATA_ERR_NON_FINITE, "a: not finite at row 0, column 1");
     a[1] = 2;
     int calls = 0;
     params.progress = cancel;

@@ -198,8 +198,14 @@ fn bad_problems_are_refused_with_the_culprit() {
     let mut bad = b.clone();
     bad[(3, 0)] = f64::INFINITY;
     let refused = solve(&bad, None, &options).unwrap_err();
-    assert_eq!(refused, Error::NonFinite { what: "rows", index: (0, 3) });
+    assert_eq!(refused, Error::NonFinite { what: "B", index: (3, 0) });
     let nothing = Mat::<f64>::zeros(0, 3);
     let found = lstsq(nothing.as_ref(), Mat::zeros(0, 1).as_ref(), None, &options).unwrap();
     assert_eq!((found.rank, found.coefficients), (0, Mat::zeros(3, 1)));
+    let options = options.intercept(true);
+    let found = lstsq(nothing.as_ref(), Mat::zeros(0, 1).as_ref(), None, &options).unwrap();
+    assert_eq!(
+        (found.rank, found.coefficients, found.intercepts),
+        (0, Mat::zeros(3, 1), vec![0.0])
+    );
 }

@@ -31,6 +31,16 @@ pub const SCENES: &[Scene] = &[
         succeeds: true,
     },
     Scene {
+        name: "a_target_that_is_not_finite_on_one_rank_is_named_on_every_rank",
+        ranks: 2,
+        play: infinite_target,
+        printed: &[
+            "0: rank 1: B: not finite at row 1, column 1",
+            "1: B: not finite at row 1, column 1",
+        ],
+        succeeds: true,
+    },
+    Scene {
         name: "a_rank_that_cancels_ends_least_squares_on_every_rank",
         ranks: 3,
         play: cancel,
@@ -101,6 +111,14 @@ fn another_ridge(world: &World) {
 
 fn negative_weight(world: &World) {
     play(world, if world.rank() == 2 { -1.0 } else { 1.0 }, 0.0, Progress::none());
+}
+
+fn infinite_target(world: &World) {
+    let target = if world.rank() == 1 { f64::INFINITY } else { 4.0 };
+    let (a, b) = (mat![[1.0, 0.0], [2.0, 1.0]], mat![[3.0, 1.0], [4.0, target]]);
+    let options = LeastSquaresOptions::new();
+    let outcome = lstsq(world, a.as_ref(), b.as_ref(), None, &options, Progress::none());
+    tell(world, outcome.unwrap_err());
 }
 
 fn cancel(world: &World) {

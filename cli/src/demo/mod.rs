@@ -7,6 +7,7 @@ mod chart;
 mod curves;
 mod decimate;
 mod exact;
+mod gram;
 mod newton;
 mod page;
 mod plant;
@@ -42,6 +43,7 @@ pub struct Args {
 const STATIONS: &[fn(&Site<'_>) -> Result<Station>] = &[
     ata::station,
     exact::station,
+    gram::station,
     spectral::station,
     slime::station,
     plant::station,

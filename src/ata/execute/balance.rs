@@ -6,7 +6,7 @@
 
 use faer::MatRef;
 
-use crate::base::{Par, Real};
+use crate::base::{Par, Real, widest};
 
 /// What the norms of the columns of an operand, or of both, allow.
 pub(super) enum Balance {
@@ -79,8 +79,7 @@ fn sums_of_squares<T: Real>(a: MatRef<'_, T>, par: Par) -> Vec<f64> {
     let by_columns = a.row_stride() == 1;
     let parts = par.map_blocks(m, ROWS, |rows| {
         let mut sums = vec![0.0; n];
-        // Dispatched once, so that the loops inside use the widest registers there are.
-        pulp::Arch::new().dispatch(
+        widest(
             #[inline(always)]
             || {
                 if by_columns {

@@ -7,13 +7,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use faer::MatRef;
 
 use super::extended::{About, ExtendedGram};
-use super::grid::{Capacity, Grid, RowBounds, Shift};
+use super::grid::{Capacity, Grid, RowBounds, Shift, first_non_finite};
 use super::moments::check_weight;
 use super::pass::{Pass, Scaling};
 use super::strip::Strip;
 use super::wide::{self, SumInteger};
 use crate::ata::exact::{Columns, Flags, Signs, triangle_len};
-use crate::base::{Error, Par, Real, Result, reserved};
+use crate::base::{Error, Par, Real, Result, widest, zeros};
 use crate::blas::BlasReal;
 use crate::kernel::int8::{I256, Integer, power_of_two, scaled};
 
@@ -77,8 +77,8 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
     /// Of no rows, on a grid.
     pub(super) fn on(grid: Grid<T>, strip: Range<usize>, centered: bool) -> Result<Self> {
         let len = triangle_len(strip.end) - triangle_len(strip.start);
-        let sums = integers(if centered { grid.ncols() } else { 0 })?;
-        let entries = integers(len)?;
+        let sums = zeros(if centered { grid.ncols() } else { 0 })?;
+        let entries = zeros(len)?;
         let (weights, flags) = ([0; 2], Vec::new());
         Ok(Self { grid, strip, centered, rows: 0, weights, sums, entries, flags, rounded: false })
     }
@@ -130,7 +130,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         if n > 0 {
             if found.finite.iter().any(|finite| !finite.is_empty()) {
                 if subtract {
-                    return Err(first_non_finite(block, n));
+                    return Err(first_non_finite(block, n, 0));
                 }
                 let right = weights.map(|_| &*weighted);
                 options.on_cores(|| self.take_flags(count, block, right, &found, options.par))?;
@@ -242,10 +242,8 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
             })
             .collect();
         let factors = [false, true].map(|side| self.grid.factors(side));
-        let arch = pulp::Arch::new();
         par.for_each(pieces.iter_mut(), |_, piece| {
-            // Dispatched once, so that the loops inside use the widest registers there are.
-            arch.dispatch(
+            widest(
                 #[inline(always)]
                 || self.prepare_piece(piece, &factors),
             );
@@ -365,8 +363,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         let right = weighted.map_or(left, |weighted| (matrix(weighted), &right));
         let Some(signs) = Signs::of_product(left, right, par)? else { return Ok(()) };
         if self.flags.is_empty() {
-            self.flags = reserved(self.entries.len())?;
-            self.flags.resize(self.entries.len(), 0);
+            self.flags = zeros(self.entries.len())?;
         }
         let mut rows: Vec<_> = Vec::new();
         let mut rest = &mut self.flags[..];
@@ -579,13 +576,13 @@ impl<T: BlasReal> ExactSums<T, I256> {
         let w = self.weights[0];
         let mean = |j: usize| {
             let exponent = self.grid.sum_exponent(j) + self.grid.weight_power;
-            wide::mean_parts(self.sums[j], w, exponent)
+            if centered { wide::mean_parts(self.sums[j], w, exponent) } else { [0.0; 2] }
         };
         let about = About {
             exact: !self.rounded,
             rows: self.rows,
             weight: self.weight(),
-            mean: if centered { (0..n).map(mean).collect() } else { Vec::new() },
+            mean: if self.centered { (0..n).map(mean).collect() } else { Vec::new() },
         };
         // The first column whose numbers are too long.
         let refused = AtomicUsize::new(usize::MAX);
@@ -651,18 +648,6 @@ fn add_columns<T: Real>(rows: &[T], factors: &[[f64; 2]], sums: &mut [i128]) {
     }
 }
 
-/// `len` zeros.
-pub(super) fn integers<I: Integer>(len: usize) -> Result<Vec<I>> {
-    let mut zeros = reserved(len)?;
-    zeros.resize(len, I::default());
-    Ok(zeros)
-}
-
 fn shifted(values: &[i128], bits: u32) -> Option<Vec<i128>> {
     values.iter().map(|v| v.shifted_left(bits)).collect()
-}
-
-fn first_non_finite<T: Real>(block: &[T], n: usize) -> Error {
-    let at = block.iter().position(|x| !x.is_finite()).unwrap_or(0);
-    Error::NonFinite { what: "rows", index: (at / n, at % n) }
 }

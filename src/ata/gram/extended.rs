@@ -1,8 +1,8 @@
 use std::ops::ControlFlow;
 
-use faer::{Mat, MatRef};
+use faer::{MatMut, MatRef};
 
-use crate::base::{Disjoint, Error, Par, Result};
+use crate::base::{Disjoint, Error, Par, Result, zeros};
 
 /// A symmetric matrix C (n x n) in extended precision: every entry is an unevaluated sum of three
 /// f64, the largest first, each at most half a unit in the last place of the one before.
@@ -11,8 +11,9 @@ use crate::base::{Disjoint, Error, Par, Result};
 /// `Accumulator::extended` computes C from rows.
 #[derive(Debug, Clone)]
 pub struct ExtendedGram {
-    /// Lower triangles; zero above the diagonal.
-    parts: [Mat<f64>; 3],
+    n: usize,
+    /// Lower triangles by columns (n x n); zero above the diagonal.
+    parts: [Vec<f64>; 3],
     about: About,
 }
 
@@ -28,14 +29,6 @@ pub(crate) struct About {
     pub mean: Vec<[f64; 2]>,
 }
 
-fn zeros(n: usize) -> Result<Mat<f64>> {
-    let mut matrix = Mat::new();
-    let bytes = n.saturating_mul(n).saturating_mul(size_of::<f64>());
-    matrix.try_reserve(n, n).map_err(|_| Error::OutOfMemory { bytes })?;
-    matrix.resize_with(n, n, |_, _| 0.0);
-    Ok(matrix)
-}
-
 impl ExtendedGram {
     /// A matrix with these entries of its lower triangle, `entry(i, j)` for `j <= i`.
     pub(crate) fn from_entries(
@@ -46,8 +39,11 @@ impl ExtendedGram {
     ) -> Result<Self> {
         /// Side of a tile: its rows and columns stay in the first-level cache.
         const TILE: usize = 16;
-        let mut parts = [zeros(n)?, zeros(n)?, zeros(n)?];
-        let shared = parts.each_mut().map(|part| Disjoint::new(part.as_mut()));
+        let len = n.saturating_mul(n);
+        let mut parts = [zeros(len)?, zeros(len)?, zeros(len)?];
+        let shared = parts
+            .each_mut()
+            .map(|part| Disjoint::new(MatMut::from_column_major_slice_mut(part, n, n)));
         par.tickets(n.div_ceil(TILE), |ticket| {
             let columns = ticket * TILE..n.min((ticket + 1) * TILE);
             // SAFETY: each range of columns is visited once.
@@ -64,7 +60,7 @@ impl ExtendedGram {
             }
             ControlFlow::Continue(())
         });
-        Ok(Self { parts, about })
+        Ok(Self { n, parts, about })
     }
 
     /// Returns the Gram matrix C (n x n) of `rows` rows whose lower triangle is exact as it is,
@@ -93,13 +89,14 @@ impl ExtendedGram {
 
     /// Side n of C.
     pub fn n(&self) -> usize {
-        self.parts[0].nrows()
+        self.n
     }
 
     /// Entry (i, j), in three parts.
     pub fn entry(&self, i: usize, j: usize) -> [f64; 3] {
-        let at = (i.max(j), i.min(j));
-        [0, 1, 2].map(|part| self.parts[part][at])
+        assert!(i < self.n && j < self.n, "({i}, {j}) of {0} x {0} entries", self.n);
+        let at = i.max(j) + i.min(j) * self.n;
+        self.parts.each_ref().map(|part| part[at])
     }
 
     /// Part 0, 1 or 2 of all entries: the lower triangle, zero above the diagonal. Part 0 is C
@@ -108,7 +105,7 @@ impl ExtendedGram {
     /// # Panics
     /// When there is no such part.
     pub fn part(&self, part: usize) -> MatRef<'_, f64> {
-        self.parts[part].as_ref()
+        MatRef::from_column_major_slice(&self.parts[part], self.n, self.n)
     }
 
     /// Whether the sums are exact: no entry of the rows was rounded. C itself is then rounded once,
@@ -127,7 +124,8 @@ impl ExtendedGram {
         self.about.weight
     }
 
-    /// The (weighted) mean of each column in double-double; empty unless C is about the mean.
+    /// The (weighted) mean of each column in double-double, 0 for no rows; empty unless C is about the
+    /// mean.
     pub fn mean(&self) -> &[[f64; 2]] {
         &self.about.mean
     }

@@ -3,7 +3,7 @@
 use super::blocks::for_each_block;
 use super::source::RowBlocks;
 use crate::ata::options::AtaOptions;
-use crate::base::{Error, Par, Real, Result, zeros};
+use crate::base::{Error, Par, Real, Result, widest, zeros};
 use crate::kernel::int8::{IntegerModuli, WIDE_BITS, power_of_two, scaled};
 
 /// Bits of the integers that entries become, at most: as few as an f64 shifted near its column
@@ -118,6 +118,26 @@ impl<T: Real> RowBounds<T> {
         block_rows: usize,
         options: &AtaOptions<'_>,
     ) -> Result<Self> {
+        Self::read(rows, weights, block_rows, false, options)
+    }
+
+    /// As [`RowBounds::of`], and [`Error::NonFinite`] for the first entry that is not finite.
+    pub(crate) fn of_finite(
+        rows: &mut (dyn RowBlocks<T> + Send),
+        weights: Option<&[T]>,
+        block_rows: usize,
+        options: &AtaOptions<'_>,
+    ) -> Result<Self> {
+        Self::read(rows, weights, block_rows, true, options)
+    }
+
+    fn read(
+        rows: &mut (dyn RowBlocks<T> + Send),
+        weights: Option<&[T]>,
+        block_rows: usize,
+        refuse: bool,
+        options: &AtaOptions<'_>,
+    ) -> Result<Self> {
         let (m, n) = (rows.nrows(), rows.ncols());
         let mut bounds = Self::none(n)?;
         bounds.rows = m as u64;
@@ -129,33 +149,63 @@ impl<T: Real> RowBounds<T> {
             return Ok(bounds);
         }
         for_each_block(rows, 0, block_rows, options.par, |first, block| {
-            options.on_cores(|| bounds.widen(block, n, options.par));
+            let finite = options.on_cores(|| bounds.widen(block, n, options.par))?;
+            if refuse && !finite {
+                return Err(first_non_finite(block, n, first));
+            }
             options.progress.report((first + block.len() / n) as f64 / m as f64)
         })?;
         Ok(bounds)
     }
 
-    /// Takes in the finite entries of rows of `n` columns.
-    fn widen(&mut self, block: &[T], n: usize, par: Par) {
+    /// Takes in the finite entries of rows of `n` columns; whether all of them are.
+    fn widen(&mut self, block: &[T], n: usize, par: Par) -> Result<bool> {
         /// Entries that one thread looks at at a time.
         const PIECE: usize = 1 << 18;
         let rows = (PIECE / n).max(1);
-        let arch = pulp::Arch::new();
+        let none = Self::none(n)?;
         let pieces = par.map_blocks(block.len() / n, rows, |rows| {
             let block = &block[rows.start * n..rows.end * n];
-            // Dispatched once, so that the loops inside use the widest registers there are.
-            arch.dispatch(
+            let mut bounds = none.clone();
+            let finite = widest(
                 #[inline(always)]
-                || bounds_of(block, n),
-            )
+                || bounds.include(block),
+            );
+            (bounds, finite)
         });
-        for (lower, upper, units) in &pieces {
-            self.hull(lower, upper, units);
+        let mut finite = true;
+        for (bounds, all) in &pieces {
+            self.hull(bounds);
+            finite &= all;
         }
+        Ok(finite)
+    }
+
+    /// Takes in the finite entries of rows, on one thread; whether all of them are.
+    #[inline(always)]
+    fn include(&mut self, block: &[T]) -> bool {
+        let infinity = T::from_f64(f64::INFINITY);
+        let Self { lower, upper, units, .. } = self;
+        let mut all = true;
+        for row in block.chunks_exact(lower.len()) {
+            for (((&x, lower), upper), unit) in
+                row.iter().zip(&mut *lower).zip(&mut *upper).zip(&mut *units)
+            {
+                // False for NaN.
+                let finite = x.abs() < infinity;
+                all &= finite;
+                *lower = if finite && x < *lower { x } else { *lower };
+                *upper = if finite && x > *upper { x } else { *upper };
+                let own = lowest_bit(x.to_f64());
+                *unit = if finite && own > 0.0 && own < *unit { own } else { *unit };
+            }
+        }
+        all
     }
 
     /// The smallest bounds that contain both.
-    fn hull(&mut self, lower: &[T], upper: &[T], units: &[f64]) {
+    fn hull(&mut self, other: &Self) {
+        let Self { lower, upper, units, .. } = other;
         for j in 0..self.lower.len() {
             self.lower[j] = if lower[j] < self.lower[j] { lower[j] } else { self.lower[j] };
             self.upper[j] = if upper[j] > self.upper[j] { upper[j] } else { self.upper[j] };
@@ -179,7 +229,7 @@ impl<T: Real> RowBounds<T> {
             (None, None) => None,
             _ => return refuse("only one of the two has weights"),
         };
-        self.hull(&other.lower, &other.upper, &other.units);
+        self.hull(other);
         self.rows = self.rows.saturating_add(other.rows);
         Ok(())
     }
@@ -227,25 +277,10 @@ impl<T: Real> RowBounds<T> {
     }
 }
 
-/// Bounds and units of the finite entries of rows of `n` columns.
-#[inline(always)]
-fn bounds_of<T: Real>(block: &[T], n: usize) -> (Vec<T>, Vec<T>, Vec<f64>) {
-    let infinity = T::from_f64(f64::INFINITY);
-    let (mut lower, mut upper) = (vec![infinity; n], vec![-infinity; n]);
-    let mut units = vec![f64::INFINITY; n];
-    for row in block.chunks_exact(n) {
-        for (((&x, lower), upper), unit) in
-            row.iter().zip(&mut lower).zip(&mut upper).zip(&mut units)
-        {
-            // False for NaN.
-            let finite = x.abs() < infinity;
-            *lower = if finite && x < *lower { x } else { *lower };
-            *upper = if finite && x > *upper { x } else { *upper };
-            let own = lowest_bit(x.to_f64());
-            *unit = if finite && own > 0.0 && own < *unit { own } else { *unit };
-        }
-    }
-    (lower, upper, units)
+/// The error for the first entry that is not finite, of rows of `n` columns from `first` on.
+pub(super) fn first_non_finite<T: Real>(block: &[T], n: usize, first: usize) -> Error {
+    let at = block.iter().position(|x| !x.is_finite()).unwrap_or(0);
+    Error::NonFinite { what: "rows", index: (first + at / n, at % n) }
 }
 
 /// The value of the last one bit of a finite number, or half of it for a power of two; 0 for 0.

@@ -2,7 +2,7 @@
 
 use faer::MatMut;
 
-use crate::base::{Error, Par, Real, Result, zeros};
+use crate::base::{Error, Par, Real, Result, widest, zeros};
 
 /// Rows that one thread takes at a time, and whose sums are added up before they go to the total.
 const PIECE: usize = 1024;
@@ -163,8 +163,7 @@ fn mean<T: Real>(block: &[T], n: usize, weights: Option<&[T]>) -> Vec<T> {
 /// Does to the rows of a piece what [`Moments::take`] says.
 fn adjust<T: Real>(piece: &mut Piece<'_, T>, n: usize, shift: &[T]) {
     let Piece { rows, weights, weighted, sum } = piece;
-    // Dispatched once, so that the loops inside use the widest registers there are.
-    pulp::Arch::new().dispatch(
+    widest(
         #[inline(always)]
         || {
             for (i, row) in rows.chunks_exact_mut(n).enumerate() {

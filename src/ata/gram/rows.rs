@@ -214,8 +214,7 @@ fn exact_rows<T: BlasReal>(
 /// ```
 ///
 /// # Errors
-/// [`Error::NonFinite`] for weights, and for the first column (as index (0, j)) with a NaN or an
-/// infinity; [`Error::Shape`] for weights; [`Error::Argument`] for a given centre and for weights of
+/// [`Error::NonFinite`] for the weights and for the rows, before any product; [`Error::Shape`] for weights; [`Error::Argument`] for a given centre and for weights of
 /// a mean that sum to zero; the errors of the source; [`Error::OutOfMemory`], [`Error::Cancelled`].
 pub fn ata_extended<T: BlasReal>(
     rows: &mut (dyn RowBlocks<T> + Send),
@@ -233,9 +232,11 @@ pub fn ata_extended<T: BlasReal>(
             return Err(Error::Argument { what: "center", why: why.into() });
         }
     };
-    let height = block_rows::<T>(rows.ncols(), weights.is_some());
+    // The residues of a block are put together once: few rows do not pay for that where C is large.
+    // No block is larger than the sums.
+    let height = block_rows::<T>(rows.ncols(), weights.is_some()).max(rows.ncols());
     let [first, rest] = [0.0..FIRST_PASS, FIRST_PASS..1.0].map(|part| options.progress.part(part));
-    let bounds = RowBounds::of(rows, weights, height, &options.clone().progress(first))?;
+    let bounds = RowBounds::of_finite(rows, weights, height, &options.clone().progress(first))?;
     let mut sum = Accumulator::extended(&bounds, centered)?;
     let options = options.clone().progress(rest);
     stream(rows, weights, height, &mut sum, &options, &mut |_| Ok(()))?;

@@ -59,25 +59,43 @@ pub(super) fn mean_parts(a: i128, w: i128, exponent: i32) -> [f64; 2] {
     [-high, -low]
 }
 
-/// The integer below `n 2^shift / d`, which has at most 256 bits. `d` is not zero.
+/// The largest integer up to `n 2^shift / d`, which has at most 256 bits. `d` is not zero.
 fn divided(n: Wide, shift: u32, d: u128) -> Wide {
-    let mut rest = 0_u128;
-    let mut quotient = Wide { high: 0, low: 0 };
-    for i in (0..256 - n.leading_zeros() + shift).rev() {
-        let bit = match i.checked_sub(shift) {
-            None => 0,
-            Some(i @ 128..) => n.high >> (i - 128) & 1,
-            Some(i) => n.low >> i & 1,
-        };
-        let carry = rest >> 127 != 0;
-        rest = rest << 1 | bit;
-        quotient = quotient.shifted(1);
-        if carry || rest >= d {
-            rest = rest.wrapping_sub(d);
-            quotient.low |= 1;
-        }
+    const WORD: u32 = u64::BITS;
+    let zeros = d.leading_zeros();
+    let d = d << zeros;
+    // The dividend has at most 256 bits more than d.
+    let mut words = [0_u64; 8];
+    let (skipped, bits) = (((shift + zeros) / WORD) as usize, (shift + zeros) % WORD);
+    let parts = [n.low as u64, (n.low >> WORD) as u64, n.high as u64, (n.high >> WORD) as u64];
+    for (i, part) in parts.into_iter().enumerate().filter(|&(_, part)| part != 0) {
+        let both = u128::from(part) << bits;
+        words[skipped + i] |= both as u64;
+        words[skipped + i + 1] |= (both >> WORD) as u64;
+    }
+    let (mut rest, mut quotient) = (0, Wide { high: 0, low: 0 });
+    for word in words.into_iter().rev() {
+        let digit;
+        (digit, rest) = divided_digit(rest, word, d);
+        quotient = quotient.shifted(WORD);
+        quotient.low |= u128::from(digit);
     }
     quotient
+}
+
+/// Quotient and remainder of `(rest 2^64 + word) / d`, for `rest` below d, whose first bit is set: a
+/// digit of a long division by two digits (Knuth 1997, volume 2, 4.3.1, algorithm D).
+fn divided_digit(rest: u128, word: u64, d: u128) -> (u64, u128) {
+    let [upper, lower] = [d >> 64, d & u128::from(u64::MAX)];
+    // Too large by 2 at most.
+    let mut digit = (rest / upper).min(u128::from(u64::MAX));
+    let mut head = rest - digit * upper;
+    while head >> 64 == 0 && digit * lower > (head << 64 | u128::from(word)) {
+        digit -= 1;
+        head += upper;
+    }
+    let left = (head << 64 | u128::from(word)).wrapping_sub(digit * lower);
+    (digit as u64, left)
 }
 
 /// An integer below 2^256.
@@ -265,6 +283,36 @@ mod tests {
             let error = sum.plus(n.negated()).to_f64();
             assert!(error.abs() <= 4.0 * w.abs() as f64, "{error}");
         }
+    }
+
+    #[test]
+    fn long_divisions_are_those_of_integers_of_any_size() {
+        use num_bigint::BigUint;
+
+        let mut rng = Rng::new(3);
+        // Long runs of equal bits are what estimates of digits are wrong for.
+        let mut random = || {
+            let x = (0..6).fold(0_u128, |x, _| {
+                let count = rng.bits() % 40;
+                x << count | if rng.bits() % 2 == 0 { 0 } else { (1 << count) - 1 }
+            });
+            x >> (rng.bits() % 128)
+        };
+        let big = |n: Wide| (BigUint::from(n.high) << 128) + n.low;
+        let mut longest = 0;
+        for _ in 0..200_000 {
+            let (a, b, d) = (random(), random(), random().max(1));
+            let n = Wide::product(a, b);
+            let room = 383_u32.saturating_sub(d.leading_zeros() + 256 - n.leading_zeros());
+            let shift = room.min((a % 200) as u32);
+            let expected = (big(n) << shift) / d;
+            if expected.bits() > 256 {
+                continue;
+            }
+            longest = longest.max(expected.bits());
+            assert_eq!(big(divided(n, shift, d)), expected, "{n:?} 2^{shift} / {d}");
+        }
+        assert!(longest > 250, "{longest}");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::integer::Integer;
 use super::moduli::{IntegerModuli, LIMBS, Moduli};
 use super::tile::{Quarter, WIDTH, scaled};
+use crate::base::widest;
 
 /// The integers R of least magnitude, of which |R| < P/2 is known by less than one part in 2^20,
 /// with these residues. All arithmetic is exact.
@@ -11,8 +12,7 @@ pub(crate) fn integers<I: Integer>(
     moduli: &IntegerModuli,
     out: &mut Quarter<I>,
 ) {
-    // Dispatched once, so that the loops inside use the widest registers there are.
-    pulp::Arch::new().dispatch(
+    widest(
         #[inline(always)]
         || match moduli.limbs {
             ..=3 => integers_of::<I, 3>(residues, moduli, out),

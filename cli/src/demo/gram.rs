@@ -1,0 +1,159 @@
+//! The station of least squares: polynomials through whole numbers, solved in three ways.
+
+use anyhow::Result;
+use catamaran::faer::linalg::solvers::{Llt, Qr, SolveCore, SolveLstsqCore};
+use catamaran::faer::{Conj, Mat, MatRef, Side};
+use catamaran::gram::{LeastSquaresOptions, lstsq};
+
+use super::Site;
+use super::page::{Figure, Station, Table};
+use crate::picture::{Chart, Curve, Upwards};
+use crate::progress::Bar;
+
+/// Points t = 0, 1, ... of the polynomials.
+const POINTS: usize = 21;
+/// Degrees for which powers of t and their sums are whole numbers below 2^53.
+const MOST: usize = 11;
+/// What stands for an error of zero in the picture: half a unit roundoff.
+const NO_ERROR: f64 = f64::EPSILON / 4.0;
+
+/// A way to solve.
+struct Way {
+    name: &'static str,
+    color: &'static str,
+    solve: fn(MatRef<'_, f64>, MatRef<'_, f64>) -> Result<Option<Mat<f64>>>,
+}
+
+/// Later ones are drawn above.
+const WAYS: [Way; 3] = [
+    Way { name: "normal equations", color: "#b4443c", solve: normal_equations },
+    Way { name: "QR", color: "#8a8a8a", solve: qr },
+    Way { name: "catamaran::gram::lstsq", color: "#1f6fb4", solve: ours },
+];
+
+/// The fit of one degree: the condition number of its columns, and the largest relative error of a
+/// coefficient in each way; none where the way gives no solution.
+struct Fit {
+    degree: usize,
+    condition: f64,
+    errors: [Option<f64>; WAYS.len()],
+}
+
+/// Computes and describes it.
+pub fn station(_: &Site<'_>) -> Result<Station> {
+    let bar = Bar::new("least squares");
+    let mut fits = Vec::new();
+    for degree in 1..=MOST {
+        fits.push(fit(degree)?);
+        bar.step(degree as f64 / MOST as f64)?;
+    }
+    drop(bar);
+    Ok(describe(&fits))
+}
+
+/// The polynomial with coefficients 1 through its own values (as NIST's data set Wampler1).
+fn fit(degree: usize) -> Result<Fit> {
+    let a = Mat::from_fn(POINTS, degree + 1, |t, power| (t as f64).powi(power as i32));
+    let b = Mat::from_fn(POINTS, 1, |t, _| a.row(t).iter().sum());
+    let condition = lstsq(a.as_ref(), b.as_ref(), None, &LeastSquaresOptions::new())?.condition;
+    let mut errors = [None; WAYS.len()];
+    for (way, error) in WAYS.iter().zip(&mut errors) {
+        let solution = (way.solve)(a.as_ref(), b.as_ref())?;
+        *error = solution.map(|x| x.col(0).iter().map(|x| (x - 1.0).abs()).fold(0.0, f64::max));
+    }
+    Ok(Fit { degree, condition, errors })
+}
+
+/// By a Cholesky factor of A^T A in f64, which may break down.
+fn normal_equations(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Result<Option<Mat<f64>>> {
+    let (gram, mut x) = (a.transpose() * a, a.transpose() * b);
+    let Ok(factor) = Llt::new(gram.as_ref(), Side::Lower) else { return Ok(None) };
+    factor.solve_in_place_with_conj(Conj::No, x.as_mut());
+    Ok(Some(x))
+}
+
+/// By Householder's QR factors of A.
+fn qr(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Result<Option<Mat<f64>>> {
+    let mut x = b.to_owned();
+    Qr::new(a).solve_lstsq_in_place_with_conj(Conj::No, x.as_mut());
+    Ok(Some(x.subrows(0, a.ncols()).to_owned()))
+}
+
+fn ours(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Result<Option<Mat<f64>>> {
+    Ok(Some(lstsq(a, b, None, &LeastSquaresOptions::new())?.coefficients))
+}
+
+/// Correct decimal digits.
+fn digits(error: Option<f64>) -> f64 {
+    error.map_or(0.0, |error| -error.max(NO_ERROR).log10()).max(0.0)
+}
+
+fn describe(fits: &[Fit]) -> Station {
+    let curve = |(k, way): (usize, &Way)| Curve {
+        name: way.name,
+        color: way.color,
+        width: 2.5,
+        dashed: false,
+        points: fits
+            .iter()
+            .filter_map(|fit| Some((fit.degree as f64, fit.errors[k]?.max(NO_ERROR))))
+            .collect(),
+    };
+    let chart = Chart {
+        across: "degree",
+        last: 12.0,
+        upwards: "largest relative error",
+        scale: Upwards::Logarithmic,
+        curves: WAYS.iter().enumerate().map(curve).collect(),
+    };
+    let worst =
+        |k: usize| fits.iter().map(|fit| digits(fit.errors[k])).fold(f64::INFINITY, f64::min);
+    let [normal, by_qr, own] = [0, 1, 2].map(worst);
+    let shown = |error: Option<f64>| match error {
+        None => "breaks down".into(),
+        Some(0.0) => "all".into(),
+        some => format!("{:.1}", digits(some)),
+    };
+    Station {
+        id: "gram",
+        title: "Least squares from A<sup>T</sup>A",
+        text: format!(
+            "<p>Textbooks warn of the normal equations A<sup>T</sup>A x = A<sup>T</sup>b: forming \
+             A<sup>T</sup>A squares the condition number, and half of the digits are lost. That is \
+             the rounding of A<sup>T</sup>A. Here the exact path keeps A<sup>T</sup>A to 159 bits, \
+             and its solution has more correct digits than that of QR, from one pass over the rows \
+             that can be in a file or spread over machines (<code>catamaran lstsq</code>).</p>\n\
+             <p>Polynomials with all coefficients 1 are fitted to their values at t = 0, 1, ..., \
+             {}, which are whole numbers: the solution is known exactly, and the columns 1, t, \
+             t<sup>2</sup>, ... get closer to each other with every degree.</p>",
+            POINTS - 1
+        ),
+        numbers: vec![
+            (format!("{own:.1}"), "correct digits of every coefficient, ours, at worst"),
+            (format!("{by_qr:.1}"), "those of QR in double precision"),
+            (format!("{normal:.1}"), "those of the normal equations in double precision"),
+        ],
+        figures: vec![Figure {
+            body: chart.svg(),
+            caption: "The largest relative error of a coefficient. Lower is better; ours stays at \
+                      the last bit of a number in double precision."
+                .into(),
+            wide: true,
+        }],
+        tables: vec![Table {
+            caption:
+                "Correct decimal digits of the worst coefficient, and an estimate of the condition \
+                      number of A."
+                    .into(),
+            head: vec!["degree", "condition", "normal equations", "QR", "ours"],
+            text_columns: 0,
+            rows: fits
+                .iter()
+                .map(|fit| {
+                    let number = [fit.degree.to_string(), format!("{:.1e}", fit.condition)];
+                    number.into_iter().chain(fit.errors.map(shown)).collect()
+                })
+                .collect(),
+        }],
+    }
+}
