@@ -118,27 +118,34 @@ fn ask_for_huge_pages<T>(_block: &mut [T]) {}
 
 /// Memory for the length of a call, with whatever an earlier one left in it.
 ///
-/// Pages fresh from the system cost as much as the arithmetic on them, so that the largest block stays with
+/// Pages fresh from the system cost as much as the arithmetic on them, so that large blocks stay with
 /// the process, as in other BLAS libraries, until [`release_memory`].
+#[derive(Default)]
 pub(crate) struct Scratch(Workspace<f64>);
 
-/// The block that the next call may have.
-static SPARE: Mutex<Option<Workspace<f64>>> = Mutex::new(None);
+/// Blocks that the next calls may have, in the order in which they came back.
+static SPARE: Mutex<Vec<Workspace<f64>>> = Mutex::new(Vec::new());
 
-/// Blocks that stay, in bytes: smaller ones are the allocator's business, larger ones too much.
+/// Bytes of a block that stays: smaller ones are the allocator's business, larger ones too much.
 const KEPT: std::ops::RangeInclusive<usize> = 4 << 20..=1 << 30;
 
 impl Scratch {
     /// At least `len` elements of T.
     pub fn new<T: Real>(len: usize) -> Result<Self> {
-        let mut scratch = Self(spare(Option::take).unwrap_or_default());
+        let mut scratch = Self::default();
         scratch.reserve::<T>(len)?;
         Ok(scratch)
     }
 
     /// Grows to at least `len` elements of T; what it held is lost.
     pub fn reserve<T: Real>(&mut self, len: usize) -> Result<()> {
-        self.0.reserve(len.saturating_mul(size_of::<T>()).div_ceil(size_of::<f64>()))
+        let len = len.saturating_mul(size_of::<T>()).div_ceil(size_of::<f64>());
+        if self.0.as_slice().len() < len {
+            self.give_back();
+            self.0 = spare(|blocks| take(blocks, len)).unwrap_or_default();
+            self.0.reserve(len)?;
+        }
+        Ok(())
     }
 
     /// All of it.
@@ -148,23 +155,45 @@ impl Scratch {
         // SAFETY: f32 and f64 (`Real` is sealed) take any bits and ask for no more alignment than f64.
         unsafe { std::slice::from_raw_parts_mut(block.as_mut_ptr().cast(), len) }
     }
-}
 
-impl Drop for Scratch {
-    fn drop(&mut self) {
+    fn give_back(&mut self) {
         let own = std::mem::take(&mut self.0);
         if KEPT.contains(&size_of_val(own.buffer.as_slice())) {
-            let other = spare(|spare| match spare {
-                Some(spare) if spare.buffer.len() >= own.buffer.len() => Some(own),
-                _ => spare.replace(own),
+            let dropped = spare(|blocks| {
+                blocks.push(own);
+                surplus(blocks)
             });
             // Outside of the lock.
-            drop(other);
+            drop(dropped);
         }
     }
 }
 
-fn spare<R>(work: impl FnOnce(&mut Option<Workspace<f64>>) -> R) -> R {
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        self.give_back();
+    }
+}
+
+/// The smallest block of at least `len` elements.
+fn take(blocks: &mut Vec<Workspace<f64>>, len: usize) -> Option<Workspace<f64>> {
+    let fits = |i: &usize| blocks[*i].as_slice().len() >= len;
+    let smallest = (0..blocks.len()).filter(fits).min_by_key(|&i| blocks[i].buffer.len())?;
+    Some(blocks.remove(smallest))
+}
+
+/// The oldest blocks, without which those that stay have no more bytes than [`KEPT`] allows.
+fn surplus(blocks: &mut Vec<Workspace<f64>>) -> Vec<Workspace<f64>> {
+    let mut bytes = 0;
+    let fit = |block: &&Workspace<f64>| {
+        bytes += size_of_val(block.buffer.as_slice());
+        bytes <= *KEPT.end()
+    };
+    let staying = blocks.iter().rev().take_while(fit).count();
+    blocks.drain(..blocks.len() - staying).collect()
+}
+
+fn spare<R>(work: impl FnOnce(&mut Vec<Workspace<f64>>) -> R) -> R {
     work(&mut SPARE.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
@@ -180,7 +209,7 @@ fn spare<R>(work: impl FnOnce(&mut Option<Workspace<f64>>) -> R) -> R {
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 pub fn release_memory() {
-    drop(spare(Option::take));
+    drop(spare(std::mem::take));
 }
 
 /// A bump allocator over a borrowed block: [`Arena::take`] hands out pieces until it is empty,

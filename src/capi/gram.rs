@@ -501,7 +501,7 @@ pub unsafe extern "C" fn cata_gram_extended_f64(
         for (part, place) in parts.into_iter().enumerate() {
             let Some(mut place) = place else { continue };
             for j in 0..n {
-                (j..n).for_each(|i| place[(i, j)] = gram.part(part)[(i, j)]);
+                (j..n).for_each(|i| place[(i, j)] = gram.entry(i, j)[part]);
             }
         }
         if let Some(exact) = exact {

@@ -86,13 +86,13 @@ pub(super) fn exponent(square: f64) -> i32 {
 
 /// Returns an error for a Gram matrix with an entry that is not finite, or a negative diagonal.
 pub(super) fn check(gram: &ExtendedGram) -> Result<()> {
-    for j in 0..gram.n() {
-        let column = gram.part(0).col(j);
-        if let Some(i) = (j..gram.n()).find(|&i| !column[i].is_finite()) {
+    for i in 0..gram.n() {
+        if let Some(j) = (0..=i).find(|&j| !gram.entry(i, j)[0].is_finite()) {
             return Err(Error::NonFinite { what: "gram", index: (i, j) });
         }
-        if column[j] < 0.0 {
-            let why = format!("entry {j} of its diagonal is negative: {:e}", column[j]);
+        let square = gram.entry(i, i)[0];
+        if square < 0.0 {
+            let why = format!("entry {i} of its diagonal is negative: {square:e}");
             return Err(Error::Argument { what: "gram", why });
         }
     }

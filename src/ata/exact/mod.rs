@@ -38,7 +38,7 @@ pub(crate) use self::columns::Columns;
 use self::layout::Batch;
 pub(crate) use self::layout::Layout;
 pub(crate) use self::non_finite::{Flags, Signs};
-pub(crate) use self::sink::{TriangleRows, triangle_len};
+pub(crate) use self::sink::{TriangleRows, rows_of_triangle, triangle_len};
 
 /// Expected seconds on one core.
 pub(crate) fn estimate(isa: Isa, [m, n, k]: [usize; 3], moduli: usize, symmetric: bool) -> f64 {

@@ -1,5 +1,7 @@
 //! Where the blocks of a product go once their residues are known.
 
+use std::ops::Range;
+
 use faer::MatMut;
 use faer::prelude::ReborrowMut;
 
@@ -167,6 +169,19 @@ impl<'s, I> TriangleRows<'s, I> {
 /// Entries of the first `rows` rows of a lower triangle.
 pub(crate) fn triangle_len(rows: usize) -> usize {
     rows * (rows + 1) / 2
+}
+
+/// These rows of a triangle, whose entries lie one after another from those of the first row on, and
+/// their numbers.
+pub(crate) fn rows_of_triangle<T>(
+    mut entries: &mut [T],
+    rows: Range<usize>,
+) -> impl Iterator<Item = (usize, &mut [T])> {
+    rows.map(move |i| {
+        let (row, rest) = std::mem::take(&mut entries).split_at_mut(i + 1);
+        entries = rest;
+        (i, row)
+    })
 }
 
 /// `S += X` or `S -= X` for the integer product X, which is a part of the lower triangle S.

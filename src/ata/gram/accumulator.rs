@@ -308,7 +308,7 @@ impl<T: BlasReal> Accumulator<T> {
         count: usize,
         block: &mut [T],
         weights: Option<&[T]>,
-        pass: &mut Pass<'_, T>,
+        pass: &mut Pass<'_>,
     ) -> Result<()> {
         match &mut self.sums {
             Sums::Float(sums) => sums.add(count, block, weights, pass),

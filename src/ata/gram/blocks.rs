@@ -7,7 +7,7 @@ use std::thread;
 use faer::MatMut;
 
 use super::source::RowBlocks;
-use crate::base::{Par, Real, Result, Workspace};
+use crate::base::{Par, Real, Result, Scratch};
 
 /// Bytes of the two blocks that are in memory; of all three where weights need one of their own.
 const BLOCKS_BYTES: usize = 128 << 20;
@@ -52,7 +52,7 @@ pub(crate) fn for_each_block<T: Real>(
     {
         return done;
     }
-    let mut block = Workspace::new(len)?;
+    let mut block = Scratch::new::<T>(len)?;
     for first in (start..rows.nrows()).step_by(height) {
         let filled = fill(rows, first, height, &mut block)?;
         work(first, filled)?;
@@ -68,7 +68,7 @@ fn overlapped<T: Real>(
     len: usize,
     work: &mut impl FnMut(usize, &mut [T]) -> Result<()>,
 ) -> ControlFlow<Result<()>> {
-    let blocks = Workspace::new(len).and_then(|first| Ok([first, Workspace::new(len)?]));
+    let blocks = Scratch::new::<T>(len).and_then(|first| Ok([first, Scratch::new::<T>(len)?]));
     let blocks = match blocks {
         Ok(blocks) => blocks,
         Err(e) => return ControlFlow::Break(Err(e)),
@@ -99,9 +99,9 @@ fn overlapped<T: Real>(
         // Ends with the last block, with the first error, or with a panic of the source, which the end of the
         // scope passes on.
         let done = full.iter().try_for_each(|filled| {
-            let (first, mut block): (usize, Workspace<T>) = filled?;
+            let (first, mut block): (usize, Scratch) = filled?;
             let count = height.min(m - first);
-            work(first, &mut block.as_mut_slice()[..count * n])?;
+            work(first, &mut block.as_mut_slice::<T>()[..count * n])?;
             let _ = give.send(block);
             Ok(())
         });
@@ -115,10 +115,10 @@ fn fill<'b, T: Real>(
     rows: &mut (dyn RowBlocks<T> + Send),
     first: usize,
     height: usize,
-    block: &'b mut Workspace<T>,
+    block: &'b mut Scratch,
 ) -> Result<&'b mut [T]> {
     let (count, n) = (height.min(rows.nrows() - first), rows.ncols());
-    let block = &mut block.as_mut_slice()[..count * n];
+    let block = &mut block.as_mut_slice::<T>()[..count * n];
     rows.read(first, MatMut::from_row_major_slice_mut(block, count, n))?;
     Ok(block)
 }

@@ -12,7 +12,7 @@ use super::moments::check_weight;
 use super::pass::{Pass, Scaling};
 use super::strip::Strip;
 use super::wide::{self, SumInteger};
-use crate::ata::exact::{Columns, Flags, Signs, triangle_len};
+use crate::ata::exact::{Columns, Flags, Signs, rows_of_triangle, triangle_len};
 use crate::base::{Error, Par, Real, Result, widest, zeros};
 use crate::blas::BlasReal;
 use crate::kernel::int8::{I256, Integer, power_of_two, scaled};
@@ -105,7 +105,7 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         block: &mut [T],
         weights: Option<&[T]>,
         subtract: bool,
-        pass: &mut Pass<'_, T>,
+        pass: &mut Pass<'_>,
     ) -> Result<()> {
         let n = self.grid.ncols();
         let Capacity { slab, moduli, .. } = self.check(count, weights, subtract)?;
@@ -121,8 +121,8 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         };
         let len = if weights.is_some() { block.len() } else { 0 };
         let tail_len = if I::EXTENDED { len } else { 0 };
-        memory.reserve(len + tail_len)?;
-        let (weighted, rest) = memory.as_mut_slice().split_at_mut(len);
+        memory.reserve::<T>(len + tail_len)?;
+        let (weighted, rest) = memory.as_mut_slice::<T>().split_at_mut(len);
         let tail = &mut rest[..tail_len];
         let sides = [&mut *weighted, &mut *tail];
         let found = options.on_cores(|| self.prepare(block, weights, sides, options.par))?;
@@ -365,14 +365,8 @@ impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
         if self.flags.is_empty() {
             self.flags = zeros(self.entries.len())?;
         }
-        let mut rows: Vec<_> = Vec::new();
-        let mut rest = &mut self.flags[..];
-        for i in self.strip.clone() {
-            let (row, others) = rest.split_at_mut(i + 1);
-            rows.push((i, row));
-            rest = others;
-        }
-        par.for_each(rows.into_iter(), |_, (i, row)| {
+        let rows = rows_of_triangle(&mut self.flags, self.strip.clone());
+        par.for_each(rows, |_, (i, row)| {
             for (j, flags) in row.iter_mut().enumerate() {
                 *flags |= signs.flags(i, j).0;
             }
@@ -563,7 +557,7 @@ impl<T: BlasReal> ExactSums<T, I256> {
     /// # Errors
     /// [`Error::NonFinite`] for the first column that is not finite; [`Error::Argument`] when the
     /// weights of a mean sum to zero, or are so fine that numbers get too long.
-    pub fn parts(&self, par: Par) -> Result<ExtendedGram> {
+    pub fn parts(mut self, par: Par) -> Result<ExtendedGram> {
         let n = self.grid.ncols();
         if let Some(at) = self.flags.iter().position(|&flags| flags != 0) {
             let row = (0..n).find(|&i| triangle_len(i + 1) > at).unwrap_or(0);
@@ -586,8 +580,9 @@ impl<T: BlasReal> ExactSums<T, I256> {
         };
         // The first column whose numbers are too long.
         let refused = AtomicUsize::new(usize::MAX);
-        let gram = ExtendedGram::from_entries(n, about, par, |i, j| {
-            let (c, exponent) = (self.entry(i, j).0, self.grid.exponent(i, j));
+        let entries = std::mem::take(&mut self.entries);
+        let gram = ExtendedGram::from_sums(n, entries, about, par, |i, j, c| {
+            let exponent = self.grid.exponent(i, j);
             if !centered {
                 return c.parts(exponent);
             }
@@ -597,7 +592,7 @@ impl<T: BlasReal> ExactSums<T, I256> {
                 refused.fetch_min(i, Ordering::Relaxed);
                 [f64::NAN; 3]
             })
-        })?;
+        });
         match refused.into_inner() {
             usize::MAX => Ok(gram),
             i => Err(too_long(i)),

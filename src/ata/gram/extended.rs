@@ -1,8 +1,8 @@
-use std::ops::ControlFlow;
+use faer::MatRef;
 
-use faer::{MatMut, MatRef};
-
-use crate::base::{Disjoint, Error, Par, Result, zeros};
+use crate::ata::exact::{rows_of_triangle, triangle_len};
+use crate::base::{Error, Par, Result, widest, zeros};
+use crate::kernel::int8::I256;
 
 /// A symmetric matrix C (n x n) in extended precision: every entry is an unevaluated sum of three
 /// f64, the largest first, each at most half a unit in the last place of the one before.
@@ -12,8 +12,9 @@ use crate::base::{Disjoint, Error, Par, Result, zeros};
 #[derive(Debug, Clone)]
 pub struct ExtendedGram {
     n: usize,
-    /// Lower triangles by columns (n x n); zero above the diagonal.
-    parts: [Vec<f64>; 3],
+    /// The rows of the lower triangle, one after another: the bits of the parts of each entry where its
+    /// integer was, so that no memory is needed beside the sums.
+    entries: Vec<I256>,
     about: About,
 }
 
@@ -30,6 +31,31 @@ pub(crate) struct About {
 }
 
 impl ExtendedGram {
+    /// A matrix (n x n) of sums, the rows of the lower triangle one after another: entry (i, j), for
+    /// `j <= i`, is `parts(i, j, sum)`.
+    pub(crate) fn from_sums(
+        n: usize,
+        mut sums: Vec<I256>,
+        about: About,
+        par: Par,
+        parts: impl Fn(usize, usize, I256) -> [f64; 3] + Sync,
+    ) -> Self {
+        /// Entries that keep one thread busy for less time than another takes to wake up.
+        const SMALL: usize = 1 << 12;
+        let par = if sums.len() < SMALL { Par::Seq } else { par };
+        par.for_each(rows_of_triangle(&mut sums, 0..n), |_, (i, row)| {
+            widest(
+                #[inline(always)]
+                || {
+                    for (j, entry) in row.iter_mut().enumerate() {
+                        *entry = packed(parts(i, j, *entry));
+                    }
+                },
+            );
+        });
+        Self { n, entries: sums, about }
+    }
+
     /// A matrix with these entries of its lower triangle, `entry(i, j)` for `j <= i`.
     pub(crate) fn from_entries(
         n: usize,
@@ -37,30 +63,8 @@ impl ExtendedGram {
         par: Par,
         entry: impl Fn(usize, usize) -> [f64; 3] + Sync,
     ) -> Result<Self> {
-        /// Side of a tile: its rows and columns stay in the first-level cache.
-        const TILE: usize = 16;
-        let len = n.saturating_mul(n);
-        let mut parts = [zeros(len)?, zeros(len)?, zeros(len)?];
-        let shared = parts
-            .each_mut()
-            .map(|part| Disjoint::new(MatMut::from_column_major_slice_mut(part, n, n)));
-        par.tickets(n.div_ceil(TILE), |ticket| {
-            let columns = ticket * TILE..n.min((ticket + 1) * TILE);
-            // SAFETY: each range of columns is visited once.
-            let mut own =
-                shared.each_ref().map(|part| unsafe { part.block(0..n, columns.clone()) });
-            for first in (columns.start..n).step_by(TILE) {
-                for j in columns.clone() {
-                    for i in first.max(j)..n.min(first + TILE) {
-                        for (part, value) in own.iter_mut().zip(entry(i, j)) {
-                            part[(i, j - columns.start)] = value;
-                        }
-                    }
-                }
-            }
-            ControlFlow::Continue(())
-        });
-        Ok(Self { n, parts, about })
+        let sums = zeros(triangle_len(n))?;
+        Ok(Self::from_sums(n, sums, about, par, |i, j, _| entry(i, j)))
     }
 
     /// Returns the Gram matrix C (n x n) of `rows` rows whose lower triangle is exact as it is,
@@ -95,17 +99,7 @@ impl ExtendedGram {
     /// Entry (i, j), in three parts.
     pub fn entry(&self, i: usize, j: usize) -> [f64; 3] {
         assert!(i < self.n && j < self.n, "({i}, {j}) of {0} x {0} entries", self.n);
-        let at = i.max(j) + i.min(j) * self.n;
-        self.parts.each_ref().map(|part| part[at])
-    }
-
-    /// Part 0, 1 or 2 of all entries: the lower triangle, zero above the diagonal. Part 0 is C
-    /// rounded to f64.
-    ///
-    /// # Panics
-    /// When there is no such part.
-    pub fn part(&self, part: usize) -> MatRef<'_, f64> {
-        MatRef::from_column_major_slice(&self.parts[part], self.n, self.n)
+        unpacked(self.entries[triangle_len(i.max(j)) + i.min(j)])
     }
 
     /// Whether the sums are exact: no entry of the rows was rounded. C itself is then rounded once,
@@ -129,4 +123,17 @@ impl ExtendedGram {
     pub fn mean(&self) -> &[[f64; 2]] {
         &self.about.mean
     }
+}
+
+/// The bits of three numbers in the place of an integer.
+#[inline(always)]
+fn packed([first, second, third]: [f64; 3]) -> I256 {
+    let low = u128::from(first.to_bits()) | u128::from(second.to_bits()) << u64::BITS;
+    I256 { high: third.to_bits().into(), low }
+}
+
+/// The three numbers.
+#[inline(always)]
+fn unpacked(I256 { high, low }: I256) -> [f64; 3] {
+    [low as u64, (low >> u64::BITS) as u64, high as u64].map(f64::from_bits)
 }

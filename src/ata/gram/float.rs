@@ -23,13 +23,13 @@ pub(super) fn add<T: BlasReal>(
     beta: T,
     left: Option<MatMut<'_, T>>,
     square: MatMut<'_, T>,
-    pass: &mut Pass<'_, T>,
+    pass: &mut Pass<'_>,
 ) -> Result<()> {
     let (options, engine, memory) = pass.parts();
     let n = block.len().checked_div(count).unwrap_or(0);
     let len = if weights.is_some() { block.len() } else { 0 };
-    memory.reserve(len)?;
-    let weighted = &mut memory.as_mut_slice()[..len];
+    memory.reserve::<T>(len)?;
+    let weighted = &mut memory.as_mut_slice::<T>()[..len];
     options.on_cores(|| moments.take(count, block, weights, weighted, options.par));
     let x = MatRef::from_row_major_slice(block, count, n);
     let wx = weights.map(|_| MatRef::from_row_major_slice(weighted, count, n));
@@ -62,7 +62,7 @@ impl<T: BlasReal> FloatSums<T> {
         count: usize,
         block: &mut [T],
         weights: Option<&[T]>,
-        pass: &mut Pass<'_, T>,
+        pass: &mut Pass<'_>,
     ) -> Result<()> {
         pass.options.uplo = Uplo::Lower;
         let strip = self.c.rows();

@@ -9,7 +9,7 @@ use crate::ata::exact::{self, Columns, Layout, TriangleRows};
 use crate::ata::options::AtaOptions;
 use crate::ata::plan::{Op, Plan};
 use crate::ata::{Product, execute, scratch_len};
-use crate::base::{Progress, Result, Scratch, Workspace};
+use crate::base::{Progress, Result, Scratch};
 use crate::blas::BlasReal;
 use crate::kernel::int8::{Integer, Isa, Kernel};
 
@@ -26,7 +26,7 @@ pub(super) fn for_each_block_of<'o, T: BlasReal>(
     height: usize,
     start: usize,
     options: &AtaOptions<'o>,
-    mut work: impl FnMut(usize, &mut [T], Option<&[T]>, &mut Pass<'o, T>) -> Result<()>,
+    mut work: impl FnMut(usize, &mut [T], Option<&[T]>, &mut Pass<'o>) -> Result<()>,
 ) -> Result<()> {
     let m = rows.nrows();
     let mut pass = Pass::new(options)?;
@@ -45,12 +45,12 @@ fn share_of_rows(first: usize, count: usize, m: usize) -> Range<f64> {
 }
 
 /// What a pass over rows has beside its sums.
-pub(crate) struct Pass<'o, T> {
+pub(crate) struct Pass<'o> {
     pub options: AtaOptions<'o>,
     /// The part of `options.progress` that the block at hand is.
     pub progress: Progress<'o>,
     /// Rows times weights.
-    pub weighted: Workspace<T>,
+    pub weighted: Scratch,
     pub engine: Engine,
 }
 
@@ -74,22 +74,22 @@ pub(crate) struct Engine {
     scratch: Scratch,
 }
 
-impl<'o, T: BlasReal> Pass<'o, T> {
+impl<'o> Pass<'o> {
     pub fn new(options: &AtaOptions<'o>) -> Result<Self> {
         Ok(Self {
             options: options.clone(),
             progress: options.progress,
-            weighted: Workspace::new(0)?,
+            weighted: Scratch::default(),
             engine: Engine {
                 kernel: Isa::best().kernel(),
                 plans: Vec::new(),
-                scratch: Scratch::new::<T>(0)?,
+                scratch: Scratch::default(),
             },
         })
     }
 
     /// The options for the block at hand, and what multiplies.
-    pub fn parts(&mut self) -> (AtaOptions<'o>, &mut Engine, &mut Workspace<T>) {
+    pub fn parts(&mut self) -> (AtaOptions<'o>, &mut Engine, &mut Scratch) {
         let options = AtaOptions { progress: self.progress, ..self.options.clone() };
         (options, &mut self.engine, &mut self.weighted)
     }

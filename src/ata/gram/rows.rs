@@ -198,7 +198,7 @@ fn exact_rows<T: BlasReal>(
 /// Rows are read twice, block by block: once for their bounds, once for the sums of an
 /// [`Accumulator::extended`](super::Accumulator::extended). The result is the same, bit for bit, for
 /// every `options.par`, any order of the rows and any instruction set. Beside two blocks and the
-/// scratch of a product, 32 bytes for each entry of a triangle and 24 for each entry of C are needed.
+/// scratch of a product, 32 bytes for each entry of a triangle are needed, which the result keeps.
 ///
 /// ```
 /// use catamaran::ata::{DenseRows, RowOptions, ata_extended};
