@@ -1,5 +1,5 @@
 use std::alloc::Layout;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, TryLockError};
 
 use super::{Error, Real, Result};
 
@@ -122,7 +122,8 @@ fn ask_for_huge_pages<T>(_block: &mut [T]) {}
 /// the process, as in other BLAS libraries, until [`release_memory`].
 pub(crate) struct Scratch(Workspace<f64>);
 
-/// The block that the next call may have.
+/// The block that the next call may have. Nobody waits for it: a process that is forked while
+/// another thread has the lock would wait forever.
 static SPARE: Mutex<Option<Workspace<f64>>> = Mutex::new(None);
 
 /// Blocks that stay, in bytes: smaller ones are the allocator's business, larger ones too much.
@@ -165,7 +166,11 @@ impl Drop for Scratch {
 }
 
 fn spare<R>(work: impl FnOnce(&mut Option<Workspace<f64>>) -> R) -> R {
-    work(&mut SPARE.lock().unwrap_or_else(PoisonError::into_inner))
+    match SPARE.try_lock() {
+        Ok(mut spare) => work(&mut spare),
+        Err(TryLockError::Poisoned(spare)) => work(&mut spare.into_inner()),
+        Err(TryLockError::WouldBlock) => work(&mut None),
+    }
 }
 
 /// Gives the memory back that products keep for the next one: at most 1 GiB.

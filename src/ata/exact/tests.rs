@@ -211,6 +211,20 @@ fn memory_is_that_of_the_operands_and_256_mib() {
 }
 
 #[test]
+fn memory_is_what_it_was_limited_to() {
+    const LIMIT: usize = 64 << 20;
+    for shape in [[2048, 2048, 2048], [5000, 6000, 6000], [300, 20_000, 20_000], [100_000, 64, 64]]
+    {
+        for symmetric in [true, false] {
+            let layout = Layout::within(Some(LIMIT), shape, 8, 14, symmetric, symmetric);
+            let used = 8 * scratch_len::<f64>(shape, &layout, 2);
+            assert!(used <= LIMIT, "{shape:?}, {layout:?}: {used}");
+            assert_ne!(layout, Layout::new(shape, 8, 14, symmetric, symmetric));
+        }
+    }
+}
+
+#[test]
 fn rounds_cover_c_once_and_load_little() {
     for (shape, _, layout) in all_layouts() {
         let pairs = layout.pairs();
