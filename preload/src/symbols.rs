@@ -46,11 +46,17 @@ macro_rules! export {
                 // SAFETY: arguments of BLAS; the next library has the same symbol, of this type.
                 unsafe {
                     let [m, n, k]: [i64; 3] = $sides;
-                    if is_small(m, n, k)
-                        && let Some(next) = ENTRY.quick()
-                    {
-                        return transmute::<Code, Symbol>(next)($($argument),*);
-                    }
+                    let quick = if is_small(m, n, k) { ENTRY.quick() } else { None };
+                    let f = quick.map_or(look as Symbol, |next| transmute::<Code, Symbol>(next));
+                    f($($argument),*)
+                }
+            }
+
+            // A function of its own, so that the one above is some comparisons and a jump.
+            #[inline(never)]
+            unsafe extern "C" fn look($($argument: $type),*) {
+                // SAFETY: as above.
+                unsafe {
                     dispatch::call::<$scalar>(&ENTRY, $request, &|next| {
                         transmute::<Code, Symbol>(next)($($argument),*)
                     });
