@@ -1,8 +1,8 @@
 //! The next library in line that has a symbol.
 //!
 //! Of a library that is linked, or loaded for all, `dlsym(RTLD_NEXT)` knows. An extension of Python
-//! is loaded for itself alone, and its BLAS with it: then every loaded object is asked, in the order
-//! of loading. No lock of ours is held meanwhile, for the loader has its own.
+//! is loaded for itself alone, and its BLAS with it: then every loaded object is asked, in the
+//! order of loading. No lock of ours is held meanwhile, for the loader has its own.
 
 use std::ffi::{CStr, CString, c_int, c_void};
 use std::ptr::{self, NonNull};

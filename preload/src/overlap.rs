@@ -33,8 +33,8 @@ pub fn overlap(a: Extent, b: Extent, size: usize) -> bool {
     if a.leading != b.leading || distance % size != 0 {
         return true;
     }
-    // In columns of `leading` elements from the beginning of `a` on, `a` takes the first rows of the
-    // first columns. The rows of `b` may go on in the next column.
+    // In columns of `leading` elements from the beginning of `a` on, `a` takes the first rows of
+    // the first columns. The rows of `b` may go on in the next column.
     let (column, row) =
         ((distance / size).div_euclid(leading), (distance / size).rem_euclid(leading));
     let meets = |first_row: i128, rows: i128, first_col: i128| {

@@ -13,12 +13,11 @@ use crate::entry::Why;
 use crate::request::Request;
 use crate::settings::{Mode, Settings};
 
-/// Sides of C from which products are worth a plan, by whether C is symmetric.
+/// Sides of C from which products are worth a plan.
 const LEAST_SIDE: i64 = 128;
 /// Length of the sums from which products are worth a plan.
 const LEAST_DEPTH: i64 = 32;
-/// Products of scalars of a symmetric product (both triangles counted) and of a general one that are
-/// worth a plan.
+/// Products of scalars that are worth a plan, both triangles of a symmetric result counted.
 const LEAST_WORK: f64 = 4e6;
 
 /// Whether a call with sides m, n, k is too small for a look, or not valid: this is all that is
@@ -101,8 +100,8 @@ fn kind<T>(request: &Request<T>) -> Kind {
 /// to be faster.
 ///
 /// Classical products are as fast as those of OpenBLAS or faster where the vectors have 512 bits
-/// (bench/record), except for general ones on processors of Intel. Where they are shorter nobody has
-/// measured yet: only what saves multiplications is computed here.
+/// (bench/record), except for general ones on processors of Intel. Where they are shorter nobody
+/// has measured yet: only what saves multiplications is computed here.
 fn worthwhile(plan: &Plan, kind: Kind) -> f64 {
     /// Our classical products win.
     const ALWAYS: f64 = f64::INFINITY;

@@ -8,8 +8,8 @@
 //! | `scipy_dsyrk_`, `scipy_cblas_dsyrk` | 32 bits | wheels of scipy |
 //! | `scipy_dsyrk_64_`, `scipy_cblas_dsyrk64_` | 64 bits | wheels of numpy |
 //!
-//! Functions of Fortran take the lengths of their letters after all other arguments. Callers written
-//! in C leave these out; then whatever lies there is passed on, as a jump would.
+//! Functions of Fortran take the lengths of their letters after all other arguments. Callers
+//! written in C leave these out; then whatever lies there is passed on, as a jump would.
 
 use std::ffi::CStr;
 use std::mem::transmute;

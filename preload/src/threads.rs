@@ -19,8 +19,8 @@ struct Pool {
 /// The threads of this process; null before the first call, and in a child. Never freed.
 static POOL: AtomicPtr<Pool> = AtomicPtr::new(ptr::null_mut());
 
-/// Returns what `work` returns, called with `wanted` threads if they are idle, else with that of the
-/// caller.
+/// Returns what `work` returns, called with `wanted` threads if they are idle, else with that of
+/// the caller.
 pub fn run<R: Send>(wanted: usize, work: impl FnOnce(Par) -> R + Send) -> R {
     if wanted > 1
         && let Some(pool) = pool(wanted)

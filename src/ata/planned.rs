@@ -45,8 +45,8 @@ pub fn ata_planned<T: BlasReal>(
     run(plan, Product { alpha, a, b: None, beta, c, uplo: Some(options.uplo) }, options)
 }
 
-/// Computes [`atb`](super::atb) by a plan of [`Plan::atb`] for the shapes of A and B, or the triangle
-/// `options.uplo` of `C := alpha A^T B + beta C` by a plan of [`Plan::atb_triangle`].
+/// Computes [`atb`](super::atb) by a plan of [`Plan::atb`] for the shapes of A and B, or the
+/// triangle `options.uplo` of `C := alpha A^T B + beta C` by a plan of [`Plan::atb_triangle`].
 ///
 /// Of the options only triangle, threads, pinning, back end and progress matter: the rest is in the
 /// plan.

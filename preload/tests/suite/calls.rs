@@ -91,9 +91,9 @@ pub fn syrk<T: Scalar>(
     let f = symbol(&format!("{prefix}{}syrk{suffix}", T::NAME));
     let (n, k) = if trans { (a.cols, a.rows) } else { (a.rows, a.cols) };
     let (alpha, beta) = (T::of(alpha), T::of(beta));
-    // SAFETY: the signatures of BLAS; the matrices have the sides and leading dimensions named.
     with_integer!(wide, Int, {
         let [n, k, lda, ldc] = [n, k, a.leading, c.leading].map(|x| x as Int);
+        // SAFETY: the signatures of BLAS; the matrices have the sides and leading dimensions named.
         unsafe {
             match convention {
                 Convention::Fortran => {
@@ -162,10 +162,10 @@ pub fn gemm<T: Scalar>(
     let (alpha, beta) = (T::of(alpha), T::of(beta));
     let (ta, tb) = (usize::from(trans_a), usize::from(trans_b));
     let (pa, pb, pc) = (a.data.as_ptr(), b.data.as_ptr(), c.data.as_mut_ptr());
-    // SAFETY: as in `syrk`.
     with_integer!(wide, Int, {
         let sides = [c.rows, c.cols, k, a.leading, b.leading, c.leading];
         let [m, n, k, lda, ldb, ldc] = sides.map(|x| x as Int);
+        // SAFETY: as in `syrk`.
         unsafe {
             match convention {
                 Convention::Fortran if part == Part::All => {

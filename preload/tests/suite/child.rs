@@ -10,8 +10,8 @@ use super::oracle::{Matrix, Part, Random, Scalar, check};
 /// What a child runs.
 const TASK: &str = "CATAMARAN_BLAS_TEST_TASK";
 
-/// Runs `program` with the library, and then `more`, loaded before all others, and of the variables that
-/// it reads only these.
+/// Runs `program` with the library, and then `more`, loaded before all others, and of the variables
+/// that it reads only these.
 pub fn preloaded(program: &Path, more: &[&Path], variables: &[(&str, &str)]) -> Command {
     let mut command = Command::new(program);
     let ours = library::path();

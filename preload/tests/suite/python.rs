@@ -21,8 +21,8 @@ for dtype, tolerance in ((np.float64, 1e-12), (np.float32, 1e-3)):
     assert abs(small.T @ small - exact[:5, :7].T @ exact[:5, :7]).max() < tolerance
 ";
 
-/// A Python that has numpy: one that is named, those of scripts/test-blas and scripts/rivals, or the
-/// system's.
+/// A Python that has numpy: one that is named, those of scripts/test-blas and scripts/rivals, or
+/// the system's.
 fn python() -> Option<PathBuf> {
     let target = std::env::current_exe().unwrap();
     let target = target.ancestors().nth(3).unwrap();
