@@ -116,7 +116,7 @@ impl Layout {
         let step_bytes = moduli * columns * PANEL * STEP;
         let operands = m * bytes * if same { n } else { n + k };
         let budget = memory.map_or(operands + ALLOWANCE, |bytes| bytes / 2);
-        let tall_store = memory.map_or(TALL_STORE, |bytes| TALL_STORE.min(bytes / 2));
+        let tall_store = memory.map_or(TALL_STORE, |bytes| TALL_STORE.min(bytes / 4));
         let batch = memory.map_or(BATCH, |bytes| BATCH.min(bytes / 4));
         let c_bytes = moduli * PANEL * PANEL * pairs(symmetric, left, right);
         let tall = m > 2 * n.max(k);
@@ -189,6 +189,25 @@ impl Layout {
             order.push(pair);
         }
         order
+    }
+
+    /// How often an entry of the operands is converted to residues, on average.
+    pub fn conversions(&self) -> f64 {
+        if self.groups == 1 {
+            return 1.0;
+        }
+        let (mut held, mut loads): (Vec<Need>, usize) = (Vec::new(), 0);
+        for pair in self.pairs() {
+            let needs = self.needs(pair);
+            let missing: Vec<_> = needs.into_iter().filter(|need| !held.contains(need)).collect();
+            loads += if needs[0] == needs[1] { missing.len().min(1) } else { missing.len() };
+            if needs[0] != needs[1] {
+                held.clear();
+            }
+            held.extend(needs);
+        }
+        let all = if self.same { self.groups } else { 2 * self.groups };
+        loads as f64 / all as f64
     }
 
     /// What either side of a round is made of.

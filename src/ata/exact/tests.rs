@@ -158,7 +158,7 @@ fn only_amx_is_expected_to_beat_a_classical_product_and_only_a_long_one() {
     let classical = |n: f64| n * n * n / 106e9 * (1.0 + 180.0 / n);
     for isa in Isa::ALL {
         for n in [100, 200, 300, 1024, 4096, 16_384] {
-            let exact = estimate(isa, [n, n, n], 14, true);
+            let exact = estimate(isa, [n, n, n], 14, true, 1.0);
             let wins = isa == Isa::Amx && n >= 1024;
             assert_eq!(exact < 0.98 * classical(n as f64), wins, "{}, n = {n}", isa.name());
         }
@@ -248,6 +248,18 @@ fn rounds_cover_c_once_and_load_little() {
         assert!(loads <= most, "{layout:?}: {loads} loads, {} rounds", pairs.len());
     }
     assert_eq!(Layout::new([64, 32, 32], 8, 14, true, true).pairs(), [Pair { left: 0, right: 0 }]);
+}
+
+#[test]
+fn operands_are_converted_again_where_memory_is_short() {
+    let conversions =
+        |memory, same| Layout::within(memory, [4096, 4096, 4096], 8, 14, same, same).conversions();
+    assert_eq!(conversions(None, true), 1.0);
+    for same in [true, false] {
+        let (little, less) =
+            (conversions(Some(256 << 20), same), conversions(Some(64 << 20), same));
+        assert!(1.0 < little && little < less, "{little}, {less}");
+    }
 }
 
 #[test]

@@ -217,10 +217,12 @@ fn exact<T: Real>(problem: Problem, options: &AtaOptions<'_>, classical_seconds:
     let Problem { op, m, n, k } = problem;
     let isa = int8::Isa::best();
     let moduli = exact_moduli::<T>(options.accuracy);
-    let seconds = exact::estimate(isa, [m, n, k], moduli, op.symmetric());
     let sides = [m, n, k];
     let (symmetric, same) = (op.symmetric(), problem.same());
     let layout = Layout::within(options.memory, sides, size_of::<T>(), moduli, symmetric, same);
+    // Without a limit it is a little more than once, for matrices that take days.
+    let conversions = if options.memory.is_some() { layout.conversions() } else { 1.0 };
+    let seconds = exact::estimate(isa, sides, moduli, symmetric, conversions);
     let strategy = Strategy::Exact(Box::new(Exact { isa, layout }));
     Choice { strategy, seconds, classical_seconds }
 }
