@@ -3,7 +3,9 @@
 //! A plan costs as much as a small product, so that each thread keeps those of its last shapes.
 
 use std::cell::RefCell;
-use std::sync::Arc;
+use std::fs::File;
+use std::io::Read;
+use std::sync::{Arc, OnceLock};
 
 use catamaran::ata::planned_scratch_len;
 use catamaran::blas::BlasReal;
@@ -99,9 +101,9 @@ fn kind<T>(request: &Request<T>) -> Kind {
 /// The time of a plan over that of our classical products from which the next library is expected
 /// to be faster.
 ///
-/// Classical products are as fast as those of OpenBLAS or faster where the vectors have 512 bits
-/// (bench/record), except for general ones on processors of Intel. Where they are shorter nobody
-/// has measured yet: only what saves multiplications is computed here.
+/// Classical products are as fast as those of OpenBLAS or faster where the vectors have 512 bits,
+/// general ones on processors of AMD only (figures 8.3 and 8.4 in bench/record). Where vectors are
+/// shorter nobody has measured yet: only what saves multiplications is computed here.
 fn worthwhile(plan: &Plan, kind: Kind) -> f64 {
     /// Our classical products win.
     const ALWAYS: f64 = f64::INFINITY;
@@ -111,8 +113,20 @@ fn worthwhile(plan: &Plan, kind: Kind) -> f64 {
         (Some("portable"), _) => 0.0,
         (Some("avx2"), _) => FAST,
         (_, Kind::Syrk) => ALWAYS,
+        (_, Kind::Gemm | Kind::Gemmt) if is_amd() => ALWAYS,
         (_, Kind::Gemm | Kind::Gemmt) => FAST,
     }
+}
+
+/// Whether the processor is one of AMD, as Linux has it.
+fn is_amd() -> bool {
+    static AMD: OnceLock<bool> = OnceLock::new();
+    *AMD.get_or_init(|| {
+        // The vendor is in the second line.
+        let mut start = [0; 256];
+        let read = File::open("/proc/cpuinfo").and_then(|mut file| file.read(&mut start));
+        read.is_ok_and(|length| start[..length].windows(12).any(|text| text == b"AuthenticAMD"))
+    })
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

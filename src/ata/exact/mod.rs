@@ -57,11 +57,7 @@ pub(crate) fn estimate(
     const START: f64 = 3e-4;
     // Short products pay for the sums' way in and out of the registers.
     let products = entries * (m + 64.0) / rates.products;
-    START
-        + moduli
-            * (products
-                + conversions * operands / rates.conversions
-                + entries / rates.recombinations)
+    START + moduli * (products + converted / rates.conversions + entries / rates.recombinations)
 }
 
 /// Elements of scratch that [`execute`] needs.
