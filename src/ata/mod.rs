@@ -19,6 +19,7 @@ mod execute;
 mod gram;
 mod options;
 mod plan;
+mod planned;
 pub mod scheme;
 mod verify;
 
@@ -43,6 +44,8 @@ pub use gram::{
 pub use gram::{ata_sparse, sparse_is_faster, sparse_multiplications};
 pub use options::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 pub use plan::{Node, Plan, Task, levels};
+use planned::run;
+pub use planned::{ata_planned, atb_planned, planned_scratch_len};
 pub use verify::{Verification, verify, verify_rows};
 #[cfg(feature = "mpi")]
 pub(crate) use verify::{check_rounds, signs, verdict};
@@ -279,14 +282,6 @@ fn atb_plan<T: BlasReal>(
     Error::check_shape("B", (a.nrows(), b.ncols()), b.shape())?;
     Error::check_shape("C", (a.ncols(), b.ncols()), c.shape())?;
     Plan::atb::<T>(a.nrows(), a.ncols(), b.ncols(), options)
-}
-
-/// Executes a plan in scratch of its own.
-fn run<T: BlasReal>(plan: &Plan, product: Product<'_, T>, options: &AtaOptions<'_>) -> Result<()> {
-    match scratch_len::<T>(plan, options.par) {
-        0 => execute(plan, product, options, &mut []),
-        len => execute(plan, product, options, Scratch::new::<T>(len)?.as_mut_slice()),
-    }
 }
 
 /// Executes a plan in the caller's scratch.

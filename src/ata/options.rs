@@ -117,6 +117,8 @@ pub struct AtaOptions<'a> {
     pub leaf: Option<usize>,
     /// Number of tasks that C is split into. [`AtaOptions::tasks()`] sets it.
     pub tasks: Option<usize>,
+    /// Bytes of scratch that plans aim at. [`AtaOptions::memory()`] sets it.
+    pub memory: Option<usize>,
     /// Told of progress; may cancel. [`AtaOptions::progress()`] sets it.
     pub progress: Progress<'a>,
 }
@@ -133,6 +135,7 @@ impl Default for AtaOptions<'_> {
             backend: blas::native(),
             leaf: None,
             tasks: None,
+            memory: None,
             progress: Progress::none(),
         }
     }
@@ -150,6 +153,7 @@ impl fmt::Debug for AtaOptions<'_> {
             .field("backend", &self.backend.name())
             .field("leaf", &self.leaf)
             .field("tasks", &self.tasks)
+            .field("memory", &self.memory)
             .field("progress", &self.progress)
             .finish()
     }
@@ -270,6 +274,15 @@ impl<'a> AtaOptions<'a> {
     /// but for the schemes of the thesis, RXTX and Kgp3.
     pub fn tasks(self, tasks: impl Into<Option<usize>>) -> Self {
         Self { tasks: tasks.into(), ..self }
+    }
+
+    /// Sets the bytes of scratch that plans over the native kernels and plans of the exact path aim
+    /// at, for all threads together. `None`, the default, takes what is fastest.
+    ///
+    /// Products of many rows may need more: [`planned_scratch_len`](super::planned_scratch_len) has
+    /// the number. A plan that goes on in smaller steps rounds otherwise, but for the exact path.
+    pub fn memory(self, bytes: impl Into<Option<usize>>) -> Self {
+        Self { memory: bytes.into(), ..self }
     }
 
     /// Sets what is told of progress and may cancel; nobody by default.

@@ -1,5 +1,5 @@
 use std::alloc::Layout;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, TryLockError};
 
 use super::{Error, Real, Result};
 
@@ -123,7 +123,8 @@ fn ask_for_huge_pages<T>(_block: &mut [T]) {}
 #[derive(Default)]
 pub(crate) struct Scratch(Workspace<f64>);
 
-/// Blocks that the next calls may have, in the order in which they came back.
+/// Blocks that the next calls may have, in the order in which they came back. Nobody waits for them: a
+/// process that is forked while another thread has the lock would wait forever.
 static SPARE: Mutex<Vec<Workspace<f64>>> = Mutex::new(Vec::new());
 
 /// Bytes of a block that stays: smaller ones are the allocator's business, larger ones too much.
@@ -194,7 +195,11 @@ fn surplus(blocks: &mut Vec<Workspace<f64>>) -> Vec<Workspace<f64>> {
 }
 
 fn spare<R>(work: impl FnOnce(&mut Vec<Workspace<f64>>) -> R) -> R {
-    work(&mut SPARE.lock().unwrap_or_else(PoisonError::into_inner))
+    match SPARE.try_lock() {
+        Ok(mut spare) => work(&mut spare),
+        Err(TryLockError::Poisoned(spare)) => work(&mut spare.into_inner()),
+        Err(TryLockError::WouldBlock) => work(&mut Vec::new()),
+    }
 }
 
 /// Gives the memory back that products keep for the next one: at most 1 GiB.
@@ -332,6 +337,25 @@ mod tests {
         memory[memory.len() / 2] = 1.0;
         let touched = touched(memory);
         assert!((1..=HUGE_PAGE >> 12).contains(&touched), "{touched}");
+    }
+
+    #[test]
+    fn the_smallest_block_that_is_large_enough_is_taken_and_the_oldest_go_first() {
+        let block = |len: usize| Workspace::<f64>::new(len).unwrap();
+        let lens = |blocks: &[Workspace<f64>]| -> Vec<usize> {
+            blocks.iter().map(|block| block.as_slice().len()).collect()
+        };
+        let mut blocks = [300, 100, 200].map(block).into();
+        assert_eq!(take(&mut blocks, 150).map(|block| block.as_slice().len()), Some(200));
+        assert!(take(&mut blocks, 301).is_none());
+        assert_eq!(lens(&blocks), [300, 100]);
+        assert!(surplus(&mut blocks).is_empty());
+        // Nobody touches these pages.
+        let large = KEPT.end() / size_of::<f64>() / 2;
+        blocks.push(block(large));
+        blocks.push(block(large - 1000));
+        assert_eq!(lens(&surplus(&mut blocks)).len(), 3);
+        assert_eq!(blocks.len(), 1);
     }
 
     #[test]

@@ -6,8 +6,8 @@ use std::process::Command;
 
 use serde_json::Value;
 
-/// What others are made of: the library and the command line.
-const OURS: [&str; 2] = ["catamaran", "catamaran-cli"];
+/// What others are made of: the libraries and the command line.
+const OURS: [&str; 3] = ["catamaran", "catamaran-cli", "catamaran-blas"];
 
 /// The whole graph, with every feature, of one platform or of all.
 pub struct Graph {

@@ -36,6 +36,8 @@ pub(crate) struct Layout {
     pub chunk: usize,
     /// Groups of panels of each operand; the residues of two groups are in memory at a time.
     pub groups: usize,
+    /// Residues of C in memory at a time, in bytes, where C is not the sum of several chunks.
+    pub batch: usize,
     /// What stays in which cache.
     pub blocking: Blocking,
 }
@@ -89,6 +91,19 @@ pub(crate) struct Batch {
 impl Layout {
     /// For A m x n and B m x k, with entries of `bytes` bytes.
     pub fn new(
+        sides: [usize; 3],
+        bytes: usize,
+        moduli: usize,
+        symmetric: bool,
+        same: bool,
+    ) -> Self {
+        Self::within(None, sides, bytes, moduli, symmetric, same)
+    }
+
+    /// The same in about `memory` bytes, if that is possible: half for the residues of the operands,
+    /// a quarter for those of C.
+    pub fn within(
+        memory: Option<usize>,
         [m, n, k]: [usize; 3],
         bytes: usize,
         moduli: usize,
@@ -100,11 +115,13 @@ impl Layout {
         let columns = if same { left } else { left + right };
         let step_bytes = moduli * columns * PANEL * STEP;
         let operands = m * bytes * if same { n } else { n + k };
-        let budget = operands + ALLOWANCE;
+        let budget = memory.map_or(operands + ALLOWANCE, |bytes| bytes / 2);
+        let tall_store = memory.map_or(TALL_STORE, |bytes| TALL_STORE.min(bytes / 4));
+        let batch = memory.map_or(BATCH, |bytes| BATCH.min(bytes / 4));
         let c_bytes = moduli * PANEL * PANEL * pairs(symmetric, left, right);
         let tall = m > 2 * n.max(k);
-        let tall_chunk = (TALL_STORE / step_bytes.max(1)).max(TALL_STEPS);
-        let (chunk, groups) = if step_bytes * steps <= if tall { TALL_STORE } else { budget } {
+        let tall_chunk = (tall_store / step_bytes.max(1)).max(TALL_STEPS);
+        let (chunk, groups) = if step_bytes * steps <= if tall { tall_store } else { budget } {
             (steps, 1)
         } else if tall && c_bytes + step_bytes * tall_chunk <= budget {
             (tall_chunk, 1)
@@ -120,7 +137,8 @@ impl Layout {
             (steps, (2..=left.max(right)).find(|&g| fits(g)).unwrap_or(left.max(right)).max(1))
         };
         let blocking = Blocking::new(left, right);
-        Self { symmetric, same, moduli, left, right, steps, chunk: chunk.max(1), groups, blocking }
+        let chunk = chunk.max(1);
+        Self { symmetric, same, moduli, left, right, steps, chunk, groups, batch, blocking }
     }
 
     /// Whether C is the sum over several chunks.
@@ -173,6 +191,25 @@ impl Layout {
         order
     }
 
+    /// How often an entry of the operands is converted to residues, on average.
+    pub fn conversions(&self) -> f64 {
+        if self.groups == 1 {
+            return 1.0;
+        }
+        let (mut held, mut loads): (Vec<Need>, usize) = (Vec::new(), 0);
+        for pair in self.pairs() {
+            let needs = self.needs(pair);
+            let missing: Vec<_> = needs.into_iter().filter(|need| !held.contains(need)).collect();
+            loads += if needs[0] == needs[1] { missing.len().min(1) } else { missing.len() };
+            if needs[0] != needs[1] {
+                held.clear();
+            }
+            held.extend(needs);
+        }
+        let all = if self.same { self.groups } else { 2 * self.groups };
+        loads as f64 / all as f64
+    }
+
     /// What either side of a round is made of.
     pub fn needs(&self, pair: Pair) -> [Need; 2] {
         let operand = if self.same { 0 } else { 1 };
@@ -187,7 +224,7 @@ impl Layout {
         };
         let [left, right] = self.needs(pair).map(|need| self.group(need));
         let rows = split(left, self.blocking.rows);
-        let most = BATCH / (self.moduli * size_of::<Block<i8>>());
+        let most = self.batch / (self.moduli * size_of::<Block<i8>>());
         let mut batches = vec![Batch::default()];
         // Neighbours share the residues of a side.
         for cols in split(right, self.blocking.cols) {

@@ -40,18 +40,24 @@ pub(crate) use self::layout::Layout;
 pub(crate) use self::non_finite::{Flags, Signs};
 pub(crate) use self::sink::{TriangleRows, rows_of_triangle, triangle_len};
 
-/// Expected seconds on one core.
-pub(crate) fn estimate(isa: Isa, [m, n, k]: [usize; 3], moduli: usize, symmetric: bool) -> f64 {
+/// Expected seconds on one core, when each entry of an operand is converted `conversions` times.
+pub(crate) fn estimate(
+    isa: Isa,
+    [m, n, k]: [usize; 3],
+    moduli: usize,
+    symmetric: bool,
+    conversions: f64,
+) -> f64 {
     let rates = isa.rates();
     let [m, n, k] = [m, n, k].map(|side| side.max(1) as f64);
     let entries = if symmetric { n * (n + PANEL as f64) / 2.0 } else { n * k };
     let operands = if symmetric { m * n } else { m * (n + k) };
-    let moduli = moduli as f64;
+    let (moduli, converted) = (moduli as f64, conversions * operands);
     /// Seconds of what does not grow with the operands.
     const START: f64 = 3e-4;
     // Short products pay for the sums' way in and out of the registers.
     let products = entries * (m + 64.0) / rates.products;
-    START + moduli * (products + operands / rates.conversions + entries / rates.recombinations)
+    START + moduli * (products + converted / rates.conversions + entries / rates.recombinations)
 }
 
 /// Elements of scratch that [`execute`] needs.

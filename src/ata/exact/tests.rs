@@ -158,7 +158,7 @@ fn only_amx_is_expected_to_beat_a_classical_product_and_only_a_long_one() {
     let classical = |n: f64| n * n * n / 106e9 * (1.0 + 180.0 / n);
     for isa in Isa::ALL {
         for n in [100, 200, 300, 1024, 4096, 16_384] {
-            let exact = estimate(isa, [n, n, n], 14, true);
+            let exact = estimate(isa, [n, n, n], 14, true, 1.0);
             let wins = isa == Isa::Amx && n >= 1024;
             assert_eq!(exact < 0.98 * classical(n as f64), wins, "{}, n = {n}", isa.name());
         }
@@ -211,6 +211,20 @@ fn memory_is_that_of_the_operands_and_256_mib() {
 }
 
 #[test]
+fn memory_is_what_it_was_limited_to() {
+    const LIMIT: usize = 64 << 20;
+    for shape in [[2048, 2048, 2048], [5000, 6000, 6000], [300, 20_000, 20_000], [100_000, 64, 64]]
+    {
+        for symmetric in [true, false] {
+            let layout = Layout::within(Some(LIMIT), shape, 8, 14, symmetric, symmetric);
+            let used = 8 * scratch_len::<f64>(shape, &layout, 2);
+            assert!(used <= LIMIT, "{shape:?}, {layout:?}: {used}");
+            assert_ne!(layout, Layout::new(shape, 8, 14, symmetric, symmetric));
+        }
+    }
+}
+
+#[test]
 fn rounds_cover_c_once_and_load_little() {
     for (shape, _, layout) in all_layouts() {
         let pairs = layout.pairs();
@@ -234,6 +248,18 @@ fn rounds_cover_c_once_and_load_little() {
         assert!(loads <= most, "{layout:?}: {loads} loads, {} rounds", pairs.len());
     }
     assert_eq!(Layout::new([64, 32, 32], 8, 14, true, true).pairs(), [Pair { left: 0, right: 0 }]);
+}
+
+#[test]
+fn operands_are_converted_again_where_memory_is_short() {
+    let conversions =
+        |memory, same| Layout::within(memory, [4096, 4096, 4096], 8, 14, same, same).conversions();
+    assert_eq!(conversions(None, true), 1.0);
+    for same in [true, false] {
+        let (little, less) =
+            (conversions(Some(256 << 20), same), conversions(Some(64 << 20), same));
+        assert!(1.0 < little && little < less, "{little}, {less}");
+    }
 }
 
 #[test]

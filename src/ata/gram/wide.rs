@@ -305,7 +305,7 @@ mod tests {
             let n = Wide::product(a, b);
             let room = 383_u32.saturating_sub(d.leading_zeros() + 256 - n.leading_zeros());
             let shift = room.min((a % 200) as u32);
-            let expected = (big(n) << shift) / d;
+            let expected: BigUint = (big(n) << shift) / d;
             if expected.bits() > 256 {
                 continue;
             }

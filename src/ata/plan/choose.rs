@@ -113,7 +113,7 @@ fn direct(native: &Native) -> Choice {
 fn fused<T: BlasReal>(native: &Native, problem: Problem, options: &AtaOptions<'_>) -> Choice {
     let Problem { op, m, n, k } = problem;
     let slabs = fused_slabs(m, n, k);
-    let budget = packing_budget::<T>(n, k);
+    let budget = packing_budget::<T>(n, k, options.memory);
     let cost = FusedCost {
         rates: native.rates(),
         geometry: T::kernel(native.isa()).geometry(),
@@ -217,8 +217,12 @@ fn exact<T: Real>(problem: Problem, options: &AtaOptions<'_>, classical_seconds:
     let Problem { op, m, n, k } = problem;
     let isa = int8::Isa::best();
     let moduli = exact_moduli::<T>(options.accuracy);
-    let seconds = exact::estimate(isa, [m, n, k], moduli, op.symmetric());
-    let layout = Layout::new([m, n, k], size_of::<T>(), moduli, op.symmetric(), problem.same());
+    let sides = [m, n, k];
+    let (symmetric, same) = (op.symmetric(), problem.same());
+    let layout = Layout::within(options.memory, sides, size_of::<T>(), moduli, symmetric, same);
+    // Without a limit it is a little more than once, for matrices that take days.
+    let conversions = if options.memory.is_some() { layout.conversions() } else { 1.0 };
+    let seconds = exact::estimate(isa, sides, moduli, symmetric, conversions);
     let strategy = Strategy::Exact(Box::new(Exact { isa, layout }));
     Choice { strategy, seconds, classical_seconds }
 }
@@ -366,9 +370,10 @@ fn fused_slabs(m: usize, n: usize, k: usize) -> usize {
 
 /// Scalars that a packed chunk may take, of which there are two: with the sums of the threads less
 /// than half of C, but what the third-level cache of a core holds at most, and a chunk that is
-/// worth its while at least.
-fn packing_budget<T>(n: usize, k: usize) -> usize {
+/// worth its while at least. Of `memory` two chunks leave a quarter for the sums.
+fn packing_budget<T>(n: usize, k: usize, memory: Option<usize>) -> usize {
     const LEAST: usize = 256 << 10;
     const MOST: usize = 64 << 20;
-    (n * k / 6).clamp(LEAST / size_of::<T>(), MOST / size_of::<T>())
+    let most = memory.map_or(MOST, |bytes| (bytes / 8 * 3).clamp(LEAST, MOST));
+    (n * k / 6).clamp(LEAST / size_of::<T>(), most / size_of::<T>())
 }

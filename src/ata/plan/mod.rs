@@ -74,6 +74,15 @@ impl Plan {
         Self::new::<T>(Op::Gemm, m, n, k, options)
     }
 
+    /// The plan of [`atb_planned`](super::atb_planned) for one triangle of A^T B, where A and B are
+    /// m x n.
+    ///
+    /// # Errors
+    /// As [`Plan::ata`].
+    pub fn atb_triangle<T: BlasReal>(m: usize, n: usize, options: &AtaOptions<'_>) -> Result<Self> {
+        Self::new::<T>(Op::Gemmt, m, n, n, options)
+    }
+
     /// The plan for `op` with A m x n and B m x k.
     pub(crate) fn new<T: BlasReal>(
         op: Op,
@@ -95,6 +104,17 @@ impl Plan {
             exact.isa = isa;
         }
         self
+    }
+
+    /// Whether it is for matrices of T.
+    pub(crate) fn is_of<T: BlasReal>(&self) -> bool {
+        self.scalar == T::NAME
+    }
+
+    /// Returns the expected seconds on one core over those of a plan without fast levels and exact
+    /// products: at most 1 where the planner chose freely.
+    pub fn expected_ratio(&self) -> f64 {
+        if self.classical_seconds > 0.0 { self.seconds / self.classical_seconds } else { 1.0 }
     }
 
     /// Whether it takes the exact path, which gives the same bytes on every machine.

@@ -1,0 +1,34 @@
+//! `libcatamaran_blas.so`: a BLAS to put in front of another one, by `LD_PRELOAD` or by linking.
+//!
+//! It exports `?syrk`, `?gemm` and `?gemmt` (`?gemmtr`) for f32 and f64 in every spelling that
+//! programs use. Products that Catamaran is expected to compute faster it computes; all other calls
+//! go to the next library in line. docs/guide/blas.md is for users.
+//!
+//! A call passes the modules in this order:
+//!
+//! | Module | Content |
+//! |---|---|
+//! | `symbols` | the exported functions; small products leave from here |
+//! | `arguments` | the arguments of Fortran and CBLAS as a [`request::Request`] |
+//! | `dispatch` | computes a request, or forwards the call |
+//! | `policy` | what is computed here, and by which plan |
+//! | `product` | the computation |
+//! | `threads` | the threads of this library |
+//! | `entry`, `host` | counts of a symbol; where the next library has it |
+//! | `report` | what `CATAMARAN_BLAS_VERBOSE=1` prints at exit |
+//! | `settings` | environment variables |
+
+#![cfg(target_os = "linux")]
+
+mod arguments;
+mod dispatch;
+mod entry;
+mod host;
+mod overlap;
+mod policy;
+mod product;
+mod report;
+mod request;
+mod settings;
+mod symbols;
+mod threads;

@@ -1,0 +1,243 @@
+//! Which calls are computed here, and by which plan.
+//!
+//! A plan costs as much as a small product, so that each thread keeps those of its last shapes.
+
+use std::cell::RefCell;
+use std::fs::File;
+use std::io::Read;
+use std::sync::{Arc, OnceLock};
+
+use catamaran::ata::planned_scratch_len;
+use catamaran::blas::BlasReal;
+use catamaran::{Accuracy, AtaOptions, Par, Plan};
+
+use crate::entry::Why;
+use crate::request::Request;
+use crate::settings::{Mode, Settings};
+
+/// Sides of C from which products are worth a plan.
+const LEAST_SIDE: i64 = 128;
+/// Length of the sums from which products are worth a plan.
+const LEAST_DEPTH: i64 = 32;
+/// Products of scalars that are worth a plan, both triangles of a symmetric result counted.
+const LEAST_WORK: f64 = 4e6;
+
+/// Whether a call with sides m, n, k is too small for a look, or not valid: this is all that is
+/// asked of small products.
+#[inline(always)]
+pub fn is_small(m: i64, n: i64, k: i64) -> bool {
+    m < LEAST_SIDE || n < LEAST_SIDE || k < LEAST_DEPTH
+}
+
+/// Returns the plan for `request`, or why it is not computed here.
+pub fn decide<T: BlasReal>(request: &Request<T>, settings: &Settings) -> Result<Arc<Plan>, Why> {
+    if settings.mode == Mode::Off {
+        return Err(Why::Off);
+    }
+    if request.is_trivial() {
+        return Err(Why::Trivial);
+    }
+    if !request.is_aligned() {
+        return Err(Why::Arguments);
+    }
+    let [m, n, k] = request.sides();
+    if settings.mode == Mode::Auto {
+        let side = |side: usize| i64::try_from(side).unwrap_or(i64::MAX);
+        if is_small(side(m), side(n), side(k)) || request.work() < LEAST_WORK {
+            return Err(Why::Small);
+        }
+    }
+    if request.overlaps() {
+        return Err(Why::Overlap);
+    }
+    remembered(Key { kind: kind(request), scalar: size_of::<T>(), sides: [m, n, k] }, || {
+        let plan = plan(request, settings).map_err(|_| Why::Memory)?;
+        if settings.mode == Mode::Auto && plan.expected_ratio() > worthwhile(&plan, kind(request)) {
+            return Err(Why::Slower);
+        }
+        let scratch = planned_scratch_len::<T>(&plan, Par::Threads(settings.threads));
+        if settings.memory.is_some_and(|most| scratch.saturating_mul(size_of::<T>()) > most) {
+            return Err(Why::Memory);
+        }
+        Ok(Arc::new(plan))
+    })
+}
+
+/// Returns the plan for `request`, whatever it costs.
+///
+/// # Errors
+/// As [`Plan::ata`].
+pub fn plan<T: BlasReal>(request: &Request<T>, settings: &Settings) -> catamaran::Result<Plan> {
+    let options = AtaOptions::new().memory(settings.memory);
+    let options = match settings.mode {
+        Mode::Auto | Mode::Off => options,
+        Mode::Reproducible => options.reproducible(true),
+        Mode::Max => options.accuracy(Accuracy::Max),
+    };
+    let [m, n, k] = request.sides();
+    match kind(request) {
+        Kind::Syrk => Plan::ata::<T>(k, m, &options),
+        Kind::Gemm => Plan::atb::<T>(k, m, n, &options),
+        Kind::Gemmt => Plan::atb_triangle::<T>(k, m, &options),
+    }
+}
+
+/// Which routine a request is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Syrk,
+    Gemm,
+    Gemmt,
+}
+
+fn kind<T>(request: &Request<T>) -> Kind {
+    match (&request.right, request.triangle) {
+        (None, _) => Kind::Syrk,
+        (Some(_), None) => Kind::Gemm,
+        (Some(_), Some(_)) => Kind::Gemmt,
+    }
+}
+
+/// The time of a plan over that of our classical products from which the next library is expected
+/// to be faster.
+///
+/// Classical products are as fast as those of OpenBLAS or faster where the vectors have 512 bits,
+/// general ones on processors of AMD only (figures 8.3 and 8.4 in bench/record). Where vectors are
+/// shorter nobody has measured yet: only what saves multiplications is computed here.
+fn worthwhile(plan: &Plan, kind: Kind) -> f64 {
+    /// Our classical products win.
+    const ALWAYS: f64 = f64::INFINITY;
+    /// Fast levels have to make up for slower kernels.
+    const FAST: f64 = 0.93;
+    match (plan.isa(), kind) {
+        (Some("portable"), _) => 0.0,
+        (Some("avx2"), _) => FAST,
+        (_, Kind::Syrk) => ALWAYS,
+        (_, Kind::Gemm | Kind::Gemmt) if is_amd() => ALWAYS,
+        (_, Kind::Gemm | Kind::Gemmt) => FAST,
+    }
+}
+
+/// Whether the processor is one of AMD, as Linux has it.
+fn is_amd() -> bool {
+    static AMD: OnceLock<bool> = OnceLock::new();
+    *AMD.get_or_init(|| {
+        // The vendor is in the second line.
+        let mut start = [0; 256];
+        let read = File::open("/proc/cpuinfo").and_then(|mut file| file.read(&mut start));
+        read.is_ok_and(|length| start[..length].windows(12).any(|text| text == b"AuthenticAMD"))
+    })
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Key {
+    kind: Kind,
+    scalar: usize,
+    sides: [usize; 3],
+}
+
+type Decision = Result<Arc<Plan>, Why>;
+
+/// The decision for `key`: that of the last time, or what `decide` returns.
+fn remembered(key: Key, decide: impl FnOnce() -> Decision) -> Decision {
+    /// Shapes that a thread remembers; a program that alternates between more of them plans anew.
+    const SHAPES: usize = 16;
+    thread_local! {
+        static LAST: RefCell<Vec<(Key, Decision)>> = const { RefCell::new(Vec::new()) };
+    }
+    let known = LAST.try_with(|last| {
+        let last = last.try_borrow().ok()?;
+        last.iter().find(|(known, _)| *known == key).map(|(_, decision)| decision.clone())
+    });
+    if let Ok(Some(decision)) = known {
+        return decision;
+    }
+    let decision = decide();
+    // While a thread ends there is nothing left to remember by.
+    let _ = LAST.try_with(|last| {
+        if let Ok(mut last) = last.try_borrow_mut() {
+            if last.len() == SHAPES {
+                drop(last.remove(0));
+            }
+            last.push((key, decision.clone()));
+        }
+    });
+    decision
+}
+
+#[cfg(test)]
+mod tests {
+    use catamaran::Uplo;
+
+    use super::*;
+    use crate::request::{Side, Stored};
+
+    const SETTINGS: Settings =
+        Settings { mode: Mode::Auto, verbose: false, threads: 2, memory: Some(64 << 20) };
+
+    fn syrk(n: usize, k: usize, c: usize) -> Request<f64> {
+        let stored = Stored {
+            pointer: std::ptr::without_provenance(1 << 40),
+            rows: k,
+            cols: n,
+            leading: k.max(1),
+        };
+        Request {
+            alpha: 1.0,
+            left: Side { stored, transposed: false },
+            right: None,
+            beta: 0.0,
+            c: std::ptr::without_provenance_mut(c),
+            c_leading: n,
+            triangle: Some(Uplo::Lower),
+        }
+    }
+
+    fn why(request: Request<f64>, settings: Settings) -> Option<Why> {
+        decide(&request, &settings).err()
+    }
+
+    #[test]
+    fn calls_are_forwarded_for_the_reason_that_is_reported() {
+        let off = Settings { mode: Mode::Off, ..SETTINGS };
+        assert_eq!(why(syrk(500, 500, 1 << 30), off), Some(Why::Off));
+        assert_eq!(why(syrk(500, 0, 1 << 30), SETTINGS), Some(Why::Trivial));
+        assert_eq!(why(syrk(64, 64, 1 << 30), SETTINGS), Some(Why::Small));
+        assert_eq!(why(syrk(130, 130, 1 << 30), SETTINGS), Some(Why::Small));
+        assert_eq!(why(syrk(500, 500, 1 << 40), SETTINGS), Some(Why::Overlap));
+        assert_eq!(why(syrk(500, 500, (1 << 30) + 1), SETTINGS), Some(Why::Arguments));
+    }
+
+    #[test]
+    fn no_product_is_too_small_for_the_other_modes() {
+        for mode in [Mode::Reproducible, Mode::Max] {
+            let settings = Settings { mode, ..SETTINGS };
+            let plan = decide(&syrk(3, 5, 1 << 30), &settings).unwrap();
+            assert!(plan.is_exact());
+        }
+    }
+
+    #[test]
+    fn plans_stay_within_the_memory_allowed_or_are_none() {
+        let settings = Settings { mode: Mode::Reproducible, ..SETTINGS };
+        for n in [2000, 6000] {
+            let plan = decide(&syrk(n, n, 1 << 30), &settings).unwrap();
+            assert!(8 * planned_scratch_len::<f64>(&plan, Par::Threads(2)) <= 64 << 20);
+        }
+        let none = Settings { memory: Some(1 << 10), ..settings };
+        assert_eq!(why(syrk(3000, 3000, 1 << 30), none), Some(Why::Memory));
+    }
+
+    #[test]
+    fn a_decision_is_made_once_for_a_shape() {
+        let key = |n| Key { kind: Kind::Gemm, scalar: 4, sides: [n, 1, 1] };
+        let mut calls = 0;
+        for n in [1, 1, 2, 1, 2] {
+            let _ = remembered(key(n), || {
+                calls += 1;
+                Err(Why::Slower)
+            });
+        }
+        assert_eq!(calls, 2);
+    }
+}

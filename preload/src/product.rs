@@ -1,0 +1,81 @@
+//! Computes requests by Catamaran.
+
+use catamaran::ata::{ata_planned, atb_planned};
+use catamaran::blas::BlasReal;
+use catamaran::faer::{Mat, MatMut, MatRef};
+use catamaran::{AtaOptions, Par, Plan, Result, Uplo};
+
+use crate::request::Request;
+use crate::threads;
+
+/// Products of scalars that are computed before another thread has woken up.
+const WORK_OF_ONE_THREAD: f64 = 4e6;
+
+/// Computes `request` by `plan` on so many threads.
+///
+/// # Errors
+/// [`catamaran::Error::OutOfMemory`]; C is untouched then.
+///
+/// # Safety
+/// The caller of BLAS owns the memory that it named for the length of this call, and C overlaps no
+/// operand.
+pub unsafe fn compute<T: BlasReal>(
+    request: &Request<T>,
+    plan: &Plan,
+    threads: usize,
+) -> Result<()> {
+    // SAFETY: the caller's promise.
+    let ((left, right), c) = unsafe { (request.operands(), request.result()) };
+    let threads = if request.work() < WORK_OF_ONE_THREAD { 1 } else { threads };
+    let Request { alpha, beta, triangle, .. } = *request;
+    threads::run(threads, |par| run(plan, alpha, left, right, beta, c, triangle, par))
+}
+
+fn run<T: BlasReal>(
+    plan: &Plan,
+    alpha: T,
+    left: MatRef<'_, T>,
+    right: Option<MatRef<'_, T>>,
+    beta: T,
+    c: MatMut<'_, T>,
+    triangle: Option<Uplo>,
+    par: Par,
+) -> Result<()> {
+    let options = AtaOptions::new().par(par).uplo(triangle.unwrap_or_default());
+    match right {
+        None => ata_planned(plan, alpha, left, beta, c, &options),
+        Some(right) => atb_planned(plan, alpha, left, right, beta, c, &options),
+    }
+}
+
+/// Computes `request` by `plan` on the calling thread where C may overlap an operand.
+///
+/// # Errors
+/// [`catamaran::Error::OutOfMemory`]; C is untouched then.
+///
+/// # Safety
+/// The caller of BLAS owns the memory that it named for the length of this call.
+pub unsafe fn compute_apart<T: BlasReal>(request: &Request<T>, plan: &Plan) -> Result<()> {
+    let [rows, cols, _] = request.sides();
+    let mut product = Mat::from_fn(rows, cols, |_, _| T::ZERO);
+    {
+        // SAFETY: the caller's promise; C is not looked at while these views live.
+        let (left, right) = unsafe { request.operands() };
+        let Request { alpha, triangle, .. } = *request;
+        run(plan, alpha, left, right, T::ZERO, product.as_mut(), triangle, Par::Seq)?;
+    }
+    // SAFETY: the caller's promise; the views of the operands are gone.
+    let mut c = unsafe { request.result() };
+    for j in 0..cols {
+        let wanted = match request.triangle {
+            None | Some(Uplo::Both) => 0..rows,
+            Some(Uplo::Lower) => j..rows,
+            Some(Uplo::Upper) => 0..j + 1,
+        };
+        for i in wanted {
+            let old = if request.beta == T::ZERO { T::ZERO } else { request.beta * c[(i, j)] };
+            c[(i, j)] = old + product[(i, j)];
+        }
+    }
+    Ok(())
+}

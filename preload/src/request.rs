@@ -1,0 +1,168 @@
+//! A call in one form, whatever its spelling: `C := alpha L^T R + beta C`, all stored by columns.
+
+use std::ptr::NonNull;
+
+use catamaran::faer::{MatMut, MatRef};
+use catamaran::{Real, Uplo};
+
+use crate::overlap::{Extent, overlap};
+
+/// An operand as it is stored, by columns.
+#[derive(Debug, Clone, Copy)]
+pub struct Stored<T> {
+    pub pointer: *const T,
+    pub rows: usize,
+    pub cols: usize,
+    pub leading: usize,
+}
+
+/// A side of the product: an operand or its transpose.
+#[derive(Debug, Clone, Copy)]
+pub struct Side<T> {
+    pub stored: Stored<T>,
+    pub transposed: bool,
+}
+
+/// A call whose arguments are valid.
+#[derive(Debug, Clone, Copy)]
+pub struct Request<T> {
+    pub alpha: T,
+    /// L, k x m.
+    pub left: Side<T>,
+    /// R, k x n; `None` when it is L.
+    pub right: Option<Side<T>>,
+    pub beta: T,
+    /// C, m x n.
+    pub c: *mut T,
+    pub c_leading: usize,
+    /// The triangle of C that is wanted; `None` for all of it.
+    pub triangle: Option<Uplo>,
+}
+
+impl<T> Stored<T> {
+    fn extent(&self) -> Extent {
+        let Self { rows, cols, leading, .. } = *self;
+        Extent { address: self.pointer.addr(), rows, cols, leading }
+    }
+}
+
+impl<T> Side<T> {
+    /// Rows of the side, k.
+    fn depth(&self) -> usize {
+        if self.transposed { self.stored.cols } else { self.stored.rows }
+    }
+
+    /// Columns of the side.
+    fn width(&self) -> usize {
+        if self.transposed { self.stored.rows } else { self.stored.cols }
+    }
+
+    /// # Safety
+    /// The memory of the operand is readable for `'a`, unless a side is 0.
+    unsafe fn view<'a>(&self) -> MatRef<'a, T> {
+        let Stored { pointer, rows, cols, leading } = self.stored;
+        let pointer = if pointer.is_null() { NonNull::dangling().as_ptr() } else { pointer };
+        // SAFETY: the caller's promise; a leading dimension is at most isize::MAX.
+        let stored =
+            unsafe { MatRef::from_raw_parts(pointer, rows, cols, 1, leading.cast_signed()) };
+        if self.transposed { stored.transpose() } else { stored }
+    }
+}
+
+impl<T: Real> Request<T> {
+    /// m, n and k.
+    pub fn sides(&self) -> [usize; 3] {
+        let right = self.right.as_ref().unwrap_or(&self.left);
+        [self.left.width(), right.width(), self.left.depth()]
+    }
+
+    /// Products of scalars, both triangles of a symmetric result counted.
+    pub fn work(&self) -> f64 {
+        self.sides().iter().map(|&side| side as f64).product()
+    }
+
+    /// Whether nothing is multiplied: `C := beta C`.
+    pub fn is_trivial(&self) -> bool {
+        self.alpha == T::ZERO || self.sides().contains(&0)
+    }
+
+    /// Whether all elements are where elements of their size may be.
+    pub fn is_aligned(&self) -> bool {
+        self.left.stored.pointer.is_aligned()
+            && self.right.is_none_or(|right| right.stored.pointer.is_aligned())
+            && self.c.is_aligned()
+    }
+
+    /// Whether C shares memory with an operand.
+    pub fn overlaps(&self) -> bool {
+        let [rows, cols, _] = self.sides();
+        let c = Extent { address: self.c.addr(), rows, cols, leading: self.c_leading };
+        [Some(self.left), self.right]
+            .iter()
+            .flatten()
+            .any(|side| overlap(side.stored.extent(), c, size_of::<T>()))
+    }
+
+    /// L, and R when it is another matrix.
+    ///
+    /// # Safety
+    /// The caller of BLAS owns the memory that it named for the length of the call, `'a`.
+    pub unsafe fn operands<'a>(&self) -> (MatRef<'a, T>, Option<MatRef<'a, T>>) {
+        // SAFETY: the caller's promise.
+        unsafe { (self.left.view(), self.right.map(|right| right.view())) }
+    }
+
+    /// C.
+    ///
+    /// # Safety
+    /// As [`Request::operands`]; and nobody else has a view of C.
+    pub unsafe fn result<'a>(&self) -> MatMut<'a, T> {
+        let [rows, cols, _] = self.sides();
+        let c = if self.c.is_null() { NonNull::dangling().as_ptr() } else { self.c };
+        // SAFETY: the caller's promise; a leading dimension is at most isize::MAX.
+        unsafe { MatMut::from_raw_parts_mut(c, rows, cols, 1, self.c_leading.cast_signed()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn product(a: &[f64], transposed: bool, c: &mut [f64]) -> Request<f64> {
+        let stored = Stored { pointer: a.as_ptr(), rows: 3, cols: 2, leading: 4 };
+        Request {
+            alpha: 1.0,
+            left: Side { stored, transposed },
+            right: None,
+            beta: 0.0,
+            c: c.as_mut_ptr(),
+            c_leading: 3,
+            triangle: Some(Uplo::Lower),
+        }
+    }
+
+    #[test]
+    fn sides_are_those_of_the_product() {
+        let (a, mut c) = ([0.0; 8], [0.0; 9]);
+        let plain = product(&a, false, &mut c);
+        assert_eq!((plain.sides(), plain.work()), ([2, 2, 3], 12.0));
+        assert_eq!(product(&a, true, &mut c).sides(), [3, 3, 2]);
+        assert!(!plain.is_trivial() && Request { alpha: 0.0, ..plain }.is_trivial());
+    }
+
+    #[test]
+    fn views_are_of_the_elements_named() {
+        let a: Vec<f64> = (0..8).map(f64::from).collect();
+        let mut c = [0.0; 9];
+        let request = product(&a, true, &mut c);
+        assert!(request.is_aligned() && !request.overlaps());
+        // SAFETY: `a` and `c` live on, and are long enough.
+        let (left, c) = unsafe { (request.operands().0, request.result()) };
+        assert_eq!((left.shape(), left[(1, 2)], c.shape()), ((2, 3), 6.0, (3, 3)));
+        let inside = Request { c: a.as_ptr().cast_mut(), ..request };
+        assert!(inside.overlaps());
+        // SAFETY: the pointer stays inside of `a`.
+        let odd = unsafe { a.as_ptr().byte_add(1) }.cast_mut();
+        assert!(!Request { c: odd, ..request }.is_aligned());
+    }
+}
