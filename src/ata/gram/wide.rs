@@ -294,7 +294,7 @@ mod tests {
         let mut random = || {
             let x = (0..6).fold(0_u128, |x, _| {
                 let count = rng.bits() % 40;
-                x << count | if rng.bits() % 2 == 0 { 0 } else { (1 << count) - 1 }
+                x << count | if rng.bits().is_multiple_of(2) { 0 } else { (1 << count) - 1 }
             });
             x >> (rng.bits() % 128)
         };

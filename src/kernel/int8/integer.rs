@@ -319,7 +319,8 @@ mod tests {
             let mut bits = (rng.bits() % 250) as u32;
             for _ in 0..5 {
                 let power = wide(1).shifted_left(bits).unwrap();
-                value = value.plus(if rng.bits() % 2 == 0 { power } else { power.negated() });
+                value =
+                    value.plus(if rng.bits().is_multiple_of(2) { power } else { power.negated() });
                 bits = bits.saturating_sub(51 + (rng.bits() % 5) as u32);
             }
             let expected = value.rounded_parts();
