@@ -1,5 +1,6 @@
 //! The way of a call: computed here, or forwarded.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use catamaran::blas::BlasReal;
@@ -8,7 +9,7 @@ use crate::arguments::Wrong;
 use crate::entry::{Entry, Why};
 use crate::host::Code;
 use crate::request::Request;
-use crate::settings::{Settings, complain};
+use crate::settings::{Mode, Settings, complain};
 use crate::{policy, product, report};
 
 /// Computes the request, or calls `forward` with the address of the symbol in the next library.
@@ -38,6 +39,7 @@ pub unsafe fn call<T: BlasReal>(
         Err(why) => why,
     };
     if let Some(next) = entry.next(settings.forwards_small()) {
+        warn_of_other_bytes(entry, why, settings);
         forward(next);
         if let Some(start) = start {
             entry.count_forwarded(why, start);
@@ -48,6 +50,21 @@ pub unsafe fn call<T: BlasReal>(
     unsafe { alone(entry, &request, settings) };
     if let Some(start) = start {
         entry.count_ours(start);
+    }
+}
+
+/// Says once that a product is forwarded whose bytes were to be ours.
+fn warn_of_other_bytes(entry: &Entry, why: Why, settings: &Settings) {
+    static SAID: AtomicBool = AtomicBool::new(false);
+    let ours = matches!(settings.mode, Mode::Reproducible | Mode::Max);
+    let what = match why {
+        Why::Memory => "it takes more than CATAMARAN_BLAS_MEMORY",
+        Why::Overlap => "its result shares memory with an operand",
+        _ => return,
+    };
+    if ours && !SAID.swap(true, Ordering::Relaxed) {
+        let (name, mode) = (entry.name(), settings.mode.name());
+        complain(&format!("{name}: not {mode}, for {what}; said once"));
     }
 }
 

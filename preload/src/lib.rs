@@ -9,7 +9,7 @@
 //! | Module | Content |
 //! |---|---|
 //! | `symbols` | the exported functions; small products leave from here |
-//! | `arguments` | the arguments of Fortran and CBLAS as a [`request::Request`] |
+//! | `arguments` | the arguments of Fortran and CBLAS as a request |
 //! | `dispatch` | computes a request, or forwards the call |
 //! | `policy` | what is computed here, and by which plan |
 //! | `product` | the computation |

@@ -119,5 +119,10 @@ fn the_other_modes_forward_nothing_but_what_they_can_not_compute() {
         let variables = [("CATAMARAN_BLAS", mode), ("CATAMARAN_BLAS_VERBOSE", "1")];
         let report = errors(&run("two calls", &[&fake], &variables));
         assert!(report.contains("dsyrk_: 2 calls, 2 computed in "), "{report}");
+        assert!(!report.contains("said once"), "{report}");
+        let variables = [("CATAMARAN_BLAS", mode), ("CATAMARAN_BLAS_MEMORY", "1k")];
+        let report = errors(&run("forward all", &[&fake], &variables));
+        let line = format!("dsyrk_: not {mode}, for it takes more than CATAMARAN_BLAS_MEMORY");
+        assert_eq!(report.matches(&line).count(), 1, "{report}");
     }
 }
