@@ -142,7 +142,7 @@ def farthest_points(
     --------
     >>> import catamaran
     >>> catamaran.farthest_points(*catamaran.shapes.grid(4, 4), 4, first=0)
-    array([ 0, 24, 20,  4])
+    array([ 0, 24,  4, 20])
     """
     found = _catamaran.farthest_points(v, f, n, first, callback(progress))
     return FarthestPoints(*found) if return_cells else found[0]
