@@ -66,7 +66,7 @@ impl Accumulator {
         }
     }
 
-    fn extended(&self, py: Python<'_>, threads: Option<usize>) -> PyResult<ExtendedGram> {
+    fn extended(&self, py: Python<'_>, threads: Option<i64>) -> PyResult<ExtendedGram> {
         let (sum, par) = (self.sum_f64()?, par(threads)?);
         run(py, Length::Long, None, move |_| sum.finish_extended(par))
     }
@@ -256,7 +256,7 @@ impl Accumulator {
     fn _extended<'py>(
         &self,
         py: Python<'py>,
-        threads: Option<usize>,
+        threads: Option<i64>,
     ) -> PyResult<(Vec<Bound<'py, PyAny>>, bool)> {
         let gram = self.extended(py, threads)?;
         let part = |i: usize| Ok(from_matrix(py, gram.part(i))?.into_any());
@@ -275,7 +275,7 @@ impl Accumulator {
         components: &Bound<'_, PyAny>,
         standardize: bool,
         whiten: bool,
-        threads: Option<usize>,
+        threads: Option<i64>,
     ) -> PyResult<PrincipalComponents> {
         let gram = self.extended(py, threads)?;
         PrincipalComponents::of(py, gram, components, standardize, whiten, threads)

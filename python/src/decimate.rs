@@ -25,7 +25,7 @@ pub struct How {
     #[pyo3(item)]
     first: Option<i64>,
     #[pyo3(item)]
-    threads: Option<usize>,
+    threads: Option<i64>,
 }
 
 /// Vertices, faces, the face of the input at each vertex, its weights there, and the matrix from

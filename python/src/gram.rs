@@ -116,7 +116,7 @@ pub struct FitOptions {
     standard_errors: bool,
     /// All cores by default.
     #[pyo3(item)]
-    pub threads: Option<usize>,
+    pub threads: Option<i64>,
 }
 
 impl FitOptions {
@@ -230,7 +230,7 @@ impl PrincipalComponents {
         components: &Bound<'_, PyAny>,
         standardize: bool,
         whiten: bool,
-        threads: Option<usize>,
+        threads: Option<i64>,
     ) -> PyResult<Self> {
         let options = principal_options(components, standardize, whiten, threads)?;
         let found = run(py, Length::Long, None, move |_| Principal::from_gram(&gram, &options))?;
@@ -243,7 +243,7 @@ fn principal_options(
     components: &Bound<'_, PyAny>,
     standardize: bool,
     whiten: bool,
-    threads: Option<usize>,
+    threads: Option<i64>,
 ) -> PyResult<PrincipalComponentsOptions> {
     let components = if components.is_none() {
         Components::All
@@ -269,7 +269,7 @@ pub fn pca<'py>(
     components: &Bound<'py, PyAny>,
     standardize: bool,
     whiten: bool,
-    threads: Option<usize>,
+    threads: Option<i64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<PrincipalComponents> {
     let a = Rows::new("a", a, &[2])?;
@@ -374,7 +374,7 @@ fn for_blocks(
 pub fn svd<'py>(
     py: Python<'py>,
     a: &Bound<'py, PyAny>,
-    threads: Option<usize>,
+    threads: Option<i64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
     let (a, par) = (Rows::new("a", a, &[2])?, par(threads)?);
@@ -411,7 +411,7 @@ pub fn gram_qr<'py>(
 pub fn corrcoef<'py>(
     py: Python<'py>,
     a: &Bound<'py, PyAny>,
-    threads: Option<usize>,
+    threads: Option<i64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (a, par) = (Rows::new("a", a, &[2])?, par(threads)?);
@@ -428,7 +428,7 @@ pub fn corrcoef<'py>(
 pub fn orthogonality<'py>(
     py: Python<'py>,
     q: &Bound<'py, PyAny>,
-    threads: Option<usize>,
+    threads: Option<i64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(f64, f64)> {
     let (q, par) = (Rows::new("q", q, &[2])?, par(threads)?);

@@ -109,7 +109,7 @@ pub fn laplacian<'py>(
     kind: &str,
     mass: &str,
     boundary: &Bound<'py, PyAny>,
-    threads: Option<usize>,
+    threads: Option<i64>,
 ) -> PyResult<(Parts<'py>, Parts<'py>, Bound<'py, PyAny>)> {
     let options = options(kind, mass, boundary, par(threads)?)?;
     let mesh = mesh(v, f)?;

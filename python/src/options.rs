@@ -20,18 +20,20 @@ pub fn word<T: Copy>(name: &str, found: &str, known: &[(&str, T)]) -> PyResult<T
 }
 
 /// Threads: all cores by default.
-pub fn par(threads: Option<usize>) -> PyResult<Par> {
+pub fn par(threads: Option<i64>) -> PyResult<Par> {
     match threads {
         None => Ok(Par::all()),
-        Some(0) => Err(refused("threads", "must be at least 1")),
         Some(1) => Ok(Par::Seq),
-        Some(threads) => Ok(Par::Threads(threads)),
+        Some(threads) => match usize::try_from(threads) {
+            Err(_) | Ok(0) => Err(refused("threads", "must be at least 1")),
+            Ok(threads) => Ok(Par::Threads(threads)),
+        },
     }
 }
 
 /// How products are computed, as a tuple: uplo, scheme, accuracy, reproducible, threads.
 #[derive(FromPyObject)]
-pub struct Products<'py>(String, String, Bound<'py, PyAny>, bool, Option<usize>);
+pub struct Products<'py>(String, String, Bound<'py, PyAny>, bool, Option<i64>);
 
 impl Products<'_> {
     /// As options of the library.

@@ -16,7 +16,7 @@ pub fn qr<'py>(
     py: Python<'py>,
     a: &Bound<'py, PyAny>,
     mass: Option<&Bound<'py, PyAny>>,
-    threads: Option<usize>,
+    threads: Option<i64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
     let par = par(threads)?;
@@ -44,7 +44,7 @@ pub fn orthogonalize<'py>(
     mass: Option<&Bound<'py, PyAny>>,
     method: &str,
     threshold: Option<f64>,
-    threads: Option<usize>,
+    threads: Option<i64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>)> {
     let known = [("single_pass", 0), ("reorthogonalized", 1), ("rank_revealing", 2)];

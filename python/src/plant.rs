@@ -88,7 +88,7 @@ pub struct Weather {
     #[pyo3(item)]
     damage: Vec<(usize, f64)>,
     #[pyo3(item)]
-    threads: Option<usize>,
+    threads: Option<i64>,
 }
 
 /// The hours of a day that are light, and those that are dark, as in `catamaran wilt`.

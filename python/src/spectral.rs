@@ -33,7 +33,7 @@ impl Eigenbasis {
         f: &Bound<'_, PyAny>,
         k: usize,
         kind: &str,
-        threads: Option<usize>,
+        threads: Option<i64>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
         let (mesh, par) = (mesh(v, f)?, par(threads)?);
@@ -83,7 +83,7 @@ pub fn eigenproducts<'py>(
     basis: &Bound<'py, Eigenbasis>,
     order: usize,
     method: &str,
-    threads: Option<usize>,
+    threads: Option<i64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Products<'py>> {
     let (method, par) = (orthogonalization(method)?, par(threads)?);
@@ -129,7 +129,7 @@ pub fn functional_map<'py>(
     signatures: bool,
     commutativity: f64,
     refine: &str,
-    threads: Option<usize>,
+    threads: Option<i64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
     let par = par(threads)?;
@@ -224,7 +224,7 @@ pub fn transfer<'py>(
     k: (usize, usize),
     order: usize,
     method: &str,
-    threads: Option<usize>,
+    threads: Option<i64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (method, par) = (orthogonalization(method)?, par(threads)?);

@@ -1,6 +1,6 @@
 //! Eigenpairs of Laplacians and of other sparse pencils.
 
-use catamaran::Error;
+use catamaran::{Error, Par};
 use catamaran::base::Progress;
 use catamaran::mesh::laplacian;
 use catamaran::sparse::{CsMatView, EigenOptions, Eigenpairs, Mass, eigs};
@@ -26,7 +26,7 @@ pub struct Search {
     #[pyo3(item)]
     seed: u64,
     #[pyo3(item)]
-    threads: Option<usize>,
+    threads: Option<i64>,
 }
 
 impl Search {
@@ -34,9 +34,9 @@ impl Search {
         &self,
         stiffness: CsMatView<'_, f64>,
         mass: &Mass,
+        par: Par,
         progress: Progress<'_>,
     ) -> catamaran::Result<Eigenpairs> {
-        let par = self.threads.map_or_else(catamaran::Par::all, catamaran::Par::Threads);
         let options = EigenOptions::new()
             .k(self.k)
             .shift(self.sigma)
@@ -73,11 +73,12 @@ pub fn eigsh<'py>(
     boundary: &Bound<'py, PyAny>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Pairs<'py>> {
-    let options = laplacian_options(kind, mass, boundary, par(search.threads)?)?;
+    let par = par(search.threads)?;
+    let options = laplacian_options(kind, mass, boundary, par)?;
     let mesh = mesh(v, f)?;
     let pairs = run(py, Length::Long, progress, move |progress| {
         let found = laplacian(&mesh, &options)?;
-        let mut pairs = search.pairs(found.stiffness.view(), &found.mass, progress)?;
+        let mut pairs = search.pairs(found.stiffness.view(), &found.mass, par, progress)?;
         if found.kept.len() < found.vertices {
             pairs.vectors = found.extend(pairs.vectors.as_ref())?;
         }
@@ -96,10 +97,10 @@ pub fn eigsh_sparse<'py>(
     search: Search,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Pairs<'py>> {
-    par(search.threads)?;
+    let par = par(search.threads)?;
     let a = a.matrix("a")?.to_matrix()?;
     let mass = mass_of(mass, a.rows())?;
     let pairs =
-        run(py, Length::Long, progress, move |progress| search.pairs(a.view(), &mass, progress))?;
+        run(py, Length::Long, progress, move |progress| search.pairs(a.view(), &mass, par, progress))?;
     arrays(py, pairs)
 }

@@ -48,7 +48,7 @@ pub struct Mould {
     #[pyo3(item)]
     length_rescaling: bool,
     #[pyo3(item)]
-    threads: Option<usize>,
+    threads: Option<i64>,
 }
 
 impl Mould {
@@ -159,7 +159,7 @@ pub struct Fractal {
     #[pyo3(item)]
     w: f64,
     #[pyo3(item)]
-    threads: Option<usize>,
+    threads: Option<i64>,
 }
 
 /// Which points: a list of three coordinates each, a plane of width x height, or a cube.

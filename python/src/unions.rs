@@ -21,7 +21,7 @@ pub fn shape_dna<'py>(
     k: usize,
     normalized: bool,
     kind: &str,
-    threads: Option<usize>,
+    threads: Option<i64>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let laplacian = LaplacianOptions::new().kind(laplacian_kind(kind)?).par(par(threads)?);
     let mesh = mesh(v, f)?;
