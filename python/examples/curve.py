@@ -11,11 +11,13 @@ rng = np.random.default_rng(2)
 # Vertices near a curve that winds around the tube, shuffled.
 around = np.linspace(0, 2 * np.pi, 24, endpoint=False)
 tube = 0.9 * np.sin(3 * around) + 1.2
-goal = np.column_stack([
-    (2 + 0.8 * np.cos(tube)) * np.cos(around),
-    (2 + 0.8 * np.cos(tube)) * np.sin(around),
-    0.8 * np.sin(tube),
-])
+goal = np.column_stack(
+    [
+        (2 + 0.8 * np.cos(tube)) * np.cos(around),
+        (2 + 0.8 * np.cos(tube)) * np.sin(around),
+        0.8 * np.sin(tube),
+    ]
+)
 samples = np.unique(np.linalg.norm(v[None] - goal[:, None], axis=2).argmin(axis=1))
 rng.shuffle(samples)
 

@@ -49,7 +49,7 @@ mod _catamaran {
     #[pymodule_export]
     use crate::ortho::{orthogonalize, qr};
     #[pymodule_export]
-    use crate::plant::{grow, read_plant, tubes, wilt};
+    use crate::plant::{PlantHandle, grow, read_plant, tubes, wilt};
     #[pymodule_export]
     use crate::product_plan::{Plan, plan};
     #[pymodule_export]

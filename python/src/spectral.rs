@@ -118,7 +118,9 @@ enum Refinement {
 
 /// A functional map and the points that it says correspond; see `catamaran.functional_map`.
 #[pyfunction]
-#[pyo3(signature = (source, target, k, landmarks, functions, signatures, commutativity, refine, threads, progress))]
+#[pyo3(signature = (
+    source, target, k, landmarks, functions, signatures, commutativity, refine, threads, progress
+))]
 pub fn functional_map<'py>(
     py: Python<'py>,
     source: &Bound<'py, Eigenbasis>,

@@ -1,9 +1,9 @@
 //! Eigenpairs of Laplacians and of other sparse pencils.
 
-use catamaran::{Error, Par};
 use catamaran::base::Progress;
 use catamaran::mesh::laplacian;
 use catamaran::sparse::{CsMatView, EigenOptions, Eigenpairs, Mass, eigs};
+use catamaran::{Error, Par};
 use pyo3::prelude::*;
 
 use crate::array::{from_matrix, from_vec};
@@ -100,7 +100,8 @@ pub fn eigsh_sparse<'py>(
     let par = par(search.threads)?;
     let a = a.matrix("a")?.to_matrix()?;
     let mass = mass_of(mass, a.rows())?;
-    let pairs =
-        run(py, Length::Long, progress, move |progress| search.pairs(a.view(), &mass, par, progress))?;
+    let pairs = run(py, Length::Long, progress, move |progress| {
+        search.pairs(a.view(), &mass, par, progress)
+    })?;
     arrays(py, pairs)
 }

@@ -37,7 +37,9 @@ def test_centre_and_weights(rng):
     a, w = rng.standard_normal((200, 4)) + 2, rng.uniform(0.5, 1.5, 200)
     sums = catamaran.Accumulator(4, center=True)
     sums.add(a)
-    assert np.allclose(sums.mean, a.mean(axis=0)) and np.allclose(sums.cov(), np.cov(a, rowvar=False))
+    assert np.allclose(sums.mean, a.mean(axis=0)) and np.allclose(
+        sums.cov(), np.cov(a, rowvar=False)
+    )
     sums = catamaran.Accumulator(4, center=True)
     sums.add(a[:50], w[:50])
     sums.add(a[50:], w[50:])
@@ -68,7 +70,11 @@ def test_files_pickles_and_copies(rng, tmp_path):
     sums.add(a)
     path = tmp_path / "sums"
     sums.save(path)
-    for again in (catamaran.Accumulator.load(path), pickle.loads(pickle.dumps(sums)), copy.copy(sums)):
+    for again in (
+        catamaran.Accumulator.load(path),
+        pickle.loads(pickle.dumps(sums)),
+        copy.copy(sums),
+    ):
         assert np.array_equal(again.result(), sums.result())
         again.add(a)
         assert again.rows == 120 and sums.rows == 60

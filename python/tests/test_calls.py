@@ -14,7 +14,6 @@ import pytest
 import catamaran
 
 
-
 def run(code, **more):
     """Start Python with this code."""
     return subprocess.Popen(
@@ -92,7 +91,9 @@ def test_an_exception_in_a_callback_ends_the_call():
 def test_the_interpreter_runs_on_meanwhile(rng):
     a = np.ones((20_000, 1000))
     steps = []
-    worker = threading.Thread(target=catamaran.ata, args=(a,), kwargs={"scheme": "exact", "threads": 1})
+    worker = threading.Thread(
+        target=catamaran.ata, args=(a,), kwargs={"scheme": "exact", "threads": 1}
+    )
     worker.start()
     while worker.is_alive():
         steps.append(time.monotonic())

@@ -12,7 +12,9 @@ igl = pytest.importorskip("igl")
 def test_decimation_keeps_topology_and_says_where_things_are():
     v, f = shapes.genus(2, 10)
     found = catamaran.decimate(v, f, 400)
-    assert found.v.shape == (400, 3) and igl.euler_characteristic(found.f) == igl.euler_characteristic(f)
+    assert found.v.shape == (400, 3) and igl.euler_characteristic(
+        found.f
+    ) == igl.euler_characteristic(f)
     origin = found.origin
     places = (v[f[origin.face]] * origin.barycentric[:, :, None]).sum(axis=1)
     assert np.abs(places - found.v).max() < 0.1 * np.ptp(v)
@@ -28,7 +30,10 @@ def test_farthest_points_are_far():
     v, f = shapes.icosphere(4)
     found = catamaran.farthest_points(v, f, 12, first=3, return_cells=True)
     assert found.samples[0] == 3 and len(set(found.samples)) == 12
-    assert np.array_equal(np.unique(found.cells), np.arange(12)) or np.isin(found.cells, found.samples).all()
+    assert (
+        np.array_equal(np.unique(found.cells), np.arange(12))
+        or np.isin(found.cells, found.samples).all()
+    )
     assert (found.distances[found.samples] == 0).all()
     d = np.linalg.norm(v[found.samples][:, None] - v[found.samples], axis=2) + 9 * np.eye(12)
     assert d.min() > 0.7

@@ -29,4 +29,13 @@ def test_examples(example, tmp_path):
 
 def test_there_is_an_example_for_each_chapter():
     names = {path.stem for path in EXAMPLES}
-    assert names >= {"products", "spectral", "decimate", "curve", "unions", "plant", "slime", "newton"}
+    assert names >= {
+        "products",
+        "spectral",
+        "decimate",
+        "curve",
+        "unions",
+        "plant",
+        "slime",
+        "newton",
+    }

@@ -24,8 +24,6 @@ def test_lstsq_has_digits_where_qr_has_none():
     t = np.linspace(-8.8, -3.1, 82)
     a = np.vander(t, 11, increasing=True)
     truth = np.arange(1.0, 12.0)
-    exact = [sum(int(c) * v for c, v in zip(truth, map(int, row))) for row in np.round(a[:0])]
-    assert exact == []
     found = catamaran.lstsq(a, a @ truth, standard_errors=False)
     qr = np.linalg.lstsq(a, a @ truth, rcond=0)[0]
     ours, theirs = (np.abs(x - truth).max() for x in (found.x, qr))
@@ -62,7 +60,9 @@ def test_pca_is_that_of_numpy(rng):
     assert np.allclose(np.abs(found.components), np.abs(vt[:3]))
     assert np.allclose(found.explained_variance, s[:3] ** 2 / 99)
     assert np.allclose(found.transform(x), (x - x.mean(axis=0)) @ found.components.T)
-    assert np.allclose(found.transform(x[::-1].astype(np.float32)), found.transform(x)[::-1], atol=1e-4)
+    assert np.allclose(
+        found.transform(x[::-1].astype(np.float32)), found.transform(x)[::-1], atol=1e-4
+    )
     share = catamaran.pca(x, 0.8)
     assert share.explained_variance_ratio.sum() >= 0.8
     white = catamaran.pca(x, 2, whiten=True).transform(x)

@@ -67,7 +67,9 @@ def test_overlapping_elements_of_out():
     memory = np.zeros(8)
     out = np.lib.stride_tricks.as_strided(memory, (3, 3), (8, 8))
     refused(ValueError, "out: some of its elements are the same memory", catamaran.ata, A, out=out)
-    unaligned = np.frombuffer(bytearray(8 * 9 + 1), dtype=np.uint8)[1:].view(np.float64).reshape(3, 3)
+    unaligned = (
+        np.frombuffer(bytearray(8 * 9 + 1), dtype=np.uint8)[1:].view(np.float64).reshape(3, 3)
+    )
     refused(ValueError, "out: not aligned", catamaran.ata, A, out=unaligned)
     assert np.array_equal(catamaran.ata(unaligned), np.zeros((3, 3)))
 
@@ -88,7 +90,9 @@ def test_non_finite_numbers():
 
 def test_wrong_least_squares():
     refused(ValueError, "B: expected 4 x 1, got 3 x 1", catamaran.lstsq, A, np.ones(3))
-    refused(ValueError, "weight 1 .* is negative", catamaran.lstsq, A, A[:, 0], weights=[1, -2, 1, 1])
+    refused(
+        ValueError, "weight 1 .* is negative", catamaran.lstsq, A, A[:, 0], weights=[1, -2, 1, 1]
+    )
     refused(ValueError, "ridge", catamaran.lstsq, A, A[:, 0], ridge=-1.0)
     refused(ValueError, "at most 3 columns", catamaran.pca, A, 7)
     refused(ValueError, "a share is in", catamaran.pca, A, 1.5)
@@ -135,10 +139,20 @@ def test_wrong_words_and_numbers_of_chapters():
     refused(ValueError, "boundary: -1 is not the number", catamaran.laplacian, V, F, boundary=[-1])
     refused(ValueError, "k: ", catamaran.eigsh, V, F, 99)
     refused(ValueError, "tolerance", catamaran.eigsh, V, F, 3, tol=1.0)
-    refused(ValueError, "first: there is no vertex -1", catamaran.farthest_points, V, F, 2, first=-1)
+    refused(
+        ValueError, "first: there is no vertex -1", catamaran.farthest_points, V, F, 2, first=-1
+    )
     refused(ValueError, "method: 'x' is not one of", catamaran.decimate, V, F, 12, method="x")
-    refused(ValueError, "landmarks: expected 2 columns", catamaran.functional_map, (V, F), (V, F),
-            landmarks=[[1, 2, 3]], k=3, refine="none")
+    refused(
+        ValueError,
+        "landmarks: expected 2 columns",
+        catamaran.functional_map,
+        (V, F),
+        (V, F),
+        landmarks=[[1, 2, 3]],
+        k=3,
+        refine="none",
+    )
     refused(ValueError, "gradient: 'x'", catamaran.newton, gradient="x")
     refused(ValueError, "", catamaran.union_spectrum, [np.ones(3), np.ones(20)])
     flat = np.zeros((3, 3)), np.array([[0, 1, 2]])

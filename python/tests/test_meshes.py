@@ -14,7 +14,9 @@ from conftest import data
 igl = pytest.importorskip("igl")
 
 
-@pytest.mark.parametrize("name", ["icosphere", "torus", "knot", "genus", "figure", "grid", "disk", "cylinder", "terrain"])
+@pytest.mark.parametrize(
+    "name", ["icosphere", "torus", "knot", "genus", "figure", "grid", "disk", "cylinder", "terrain"]
+)
 def test_laplacians_are_those_of_libigl(name):
     v, f = getattr(shapes, name)()
     stiffness, mass, kept = catamaran.laplacian(v, f)
@@ -28,7 +30,11 @@ def test_laplacians_are_those_of_libigl(name):
 def test_boundaries_and_masses():
     v, f = shapes.disk()
     stiffness, mass, kept = catamaran.laplacian(v, f, boundary="dirichlet", mass="full")
-    rim = np.unique(igl.boundary_facets(f)[0] if isinstance(igl.boundary_facets(f), tuple) else igl.boundary_facets(f))
+    rim = np.unique(
+        igl.boundary_facets(f)[0]
+        if isinstance(igl.boundary_facets(f), tuple)
+        else igl.boundary_facets(f)
+    )
     assert np.array_equal(kept, np.setdiff1d(np.arange(len(v)), rim))
     assert stiffness.shape == mass.shape == (len(kept), len(kept))
     assert not np.isin([3, 5], catamaran.laplacian(v, f, boundary=[3, 5]).kept).any()
@@ -51,7 +57,9 @@ def test_spectra_are_those_of_scipy():
     lumped = catamaran.eigsh(stiffness, mass.diagonal(), 8)
     assert np.array_equal(lumped.values, values)
     near = catamaran.eigsh(v, f, 3, sigma=2.0).values
-    assert np.allclose(near, sorted(sorted(catamaran.eigsh(v, f, 40).values, key=lambda x: abs(x - 2.0))[:3]))
+    assert np.allclose(
+        near, sorted(sorted(catamaran.eigsh(v, f, 40).values, key=lambda x: abs(x - 2.0))[:3])
+    )
 
 
 def test_kinds_of_integers_and_strides():
@@ -61,7 +69,9 @@ def test_kinds_of_integers_and_strides():
         assert abs(catamaran.laplacian(v, f.astype(kind)).stiffness - expected).max() == 0
     wide = np.zeros((len(v), 6))
     wide[:, ::2] = v
-    assert abs(catamaran.laplacian(wide[:, ::2], np.asfortranarray(f)).stiffness - expected).max() == 0
+    assert (
+        abs(catamaran.laplacian(wide[:, ::2], np.asfortranarray(f)).stiffness - expected).max() == 0
+    )
     assert abs(catamaran.laplacian(v.tolist(), f.tolist()).stiffness - expected).max() == 0
 
 

@@ -13,7 +13,9 @@ pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="LD
 
 
 def python(*arguments, **environment):
-    clean = {k: v for k, v in os.environ.items() if k not in ("LD_PRELOAD", "CATAMARAN_BLAS_LIBRARY")}
+    clean = {
+        k: v for k, v in os.environ.items() if k not in ("LD_PRELOAD", "CATAMARAN_BLAS_LIBRARY")
+    }
     return subprocess.run(
         [sys.executable, *arguments],
         capture_output=True,
@@ -28,7 +30,9 @@ def test_scripts_modules_and_code_run_with_the_library(tmp_path):
     script = tmp_path / "script.py"
     script.write_text("import os, sys; print(os.environ['LD_PRELOAD'], sys.argv[1:])")
     for arguments in ([script, "x", "-y"], ["-c", script.read_text(), "x", "-y"]):
-        found = python("-m", "catamaran.preload", *map(str, arguments), CATAMARAN_BLAS_LIBRARY=library)
+        found = python(
+            "-m", "catamaran.preload", *map(str, arguments), CATAMARAN_BLAS_LIBRARY=library
+        )
         assert found.stdout == f"{library} ['x', '-y']\n", found.stderr
     found = python("-m", "catamaran.preload", "-m", "this", CATAMARAN_BLAS_LIBRARY=library)
     assert "Zen" in found.stdout
@@ -53,7 +57,9 @@ def test_a_missing_library_is_an_error_that_says_where_it_was_looked_for(tmp_pat
     found = python("-m", "catamaran.preload", "-c", "print('runs')")
     assert found.returncode == 1 and found.stdout == ""
     assert "CATAMARAN_BLAS_LIBRARY" in found.stderr and "cargo build" in found.stderr
-    found = python("-m", "catamaran.preload", "x.py", CATAMARAN_BLAS_LIBRARY=str(tmp_path / "none.so"))
+    found = python(
+        "-m", "catamaran.preload", "x.py", CATAMARAN_BLAS_LIBRARY=str(tmp_path / "none.so")
+    )
     assert found.returncode == 1 and "there is no file" in found.stderr
     assert python("-m", "catamaran.preload").returncode == 2
 

@@ -46,7 +46,15 @@ def test_atb_is_that_of_numpy(rng, dtype):
 
 def test_any_strides_give_the_same_bytes(rng):
     big = rng.standard_normal((60, 40))
-    views = [big, np.asfortranarray(big), big[::-1], big[:, ::-1], big[::-2, 1::3], big.T, big.T[::-1]]
+    views = [
+        big,
+        np.asfortranarray(big),
+        big[::-1],
+        big[:, ::-1],
+        big[::-2, 1::3],
+        big.T,
+        big.T[::-1],
+    ]
     views += [np.broadcast_to(big[:1], (9, 40)), np.broadcast_to(big[:, :1], (60, 9))]
     for view in views:
         plain = np.array(view)
@@ -133,7 +141,9 @@ def test_results_do_not_depend_on_threads(rng):
     assert np.allclose(exact, expected)
 
 
-@pytest.mark.parametrize("scheme", ["auto", "float", "classical", "ata2", "winograd", "rxtx", "kgp", "kgp3", "exact"])
+@pytest.mark.parametrize(
+    "scheme", ["auto", "float", "classical", "ata2", "winograd", "rxtx", "kgp", "kgp3", "exact"]
+)
 def test_schemes(rng, scheme):
     a = rng.standard_normal((400, 200))
     assert np.allclose(catamaran.ata(a, scheme=scheme), a.T @ a, atol=1e-10)

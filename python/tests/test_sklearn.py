@@ -24,9 +24,13 @@ def test_they_find_what_scikit_learn_finds(rng):
         (Ridge(2.0), linear_model.Ridge(2.0)),
     ]:
         ours, theirs = ours.fit(x, y, w), theirs.fit(x, y, w)
-        assert np.allclose(ours.coef_, theirs.coef_) and np.allclose(ours.intercept_, theirs.intercept_)
+        assert np.allclose(ours.coef_, theirs.coef_) and np.allclose(
+            ours.intercept_, theirs.intercept_
+        )
         assert np.allclose(ours.predict(x), theirs.predict(x))
     for whiten in (False, True):
         ours, theirs = PCA(3, whiten=whiten).fit(x), decomposition.PCA(3, whiten=whiten).fit(x)
         assert np.allclose(np.abs(ours.transform(x)), np.abs(theirs.transform(x)))
-        assert np.allclose(ours.inverse_transform(ours.transform(x)), theirs.inverse_transform(theirs.transform(x)))
+        assert np.allclose(
+            ours.inverse_transform(ours.transform(x)), theirs.inverse_transform(theirs.transform(x))
+        )

@@ -63,7 +63,8 @@ class LeastSquares:
 
     def predict(self, a: ArrayLike) -> NDArray[np.float64]:
         """Return ``A x + intercept``."""
-        return np.asarray(a) @ self.x + self.intercept
+        found: NDArray[np.float64] = np.asarray(a) @ self.x + self.intercept
+        return found
 
 
 def lstsq(

@@ -176,7 +176,7 @@ def eigsh(
     k : int
         Eigenpairs.
     kind, mass, boundary
-        As in `laplacian`; for a mesh. Vectors are zero at vertices that boundary values set to zero.
+        As in `laplacian`; for a mesh. Vectors are zero where boundary values are set to zero.
     sigma : float, optional
         The k eigenvalues nearest to this number; the k smallest by default.
     tol : float
@@ -213,5 +213,3 @@ def eigsh(
     else:
         found = _catamaran.eigsh(v, f, search, kind, mass, boundary, callback(progress))
     return Eigenpairs(found[0], found[1])
-
-

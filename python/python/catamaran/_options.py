@@ -19,11 +19,12 @@ def callback(progress: Progress) -> Optional[Callable[[int, int], Any]]:
     if progress is None:
         return None
     if hasattr(progress, "update") and hasattr(progress, "n"):
+        bar: Any = progress
 
         def update(done: int, total: int) -> None:
-            if progress.total is None:
-                progress.total = total
-            progress.update(done / total * progress.total - progress.n)
+            if bar.total is None:
+                bar.total = total
+            bar.update(done / total * bar.total - bar.n)
 
         return update
     if not callable(progress):

@@ -123,9 +123,7 @@ def ata(
         if not wide and np.dtype(dtype) != np.asarray(a).dtype:
             raise TypeError("dtype: expected numpy.float64, or that of a")
     center = _center(center)
-    return _catamaran.ata(
-        a, b, weights, center, out, alpha, beta, options, wide, progress
-    )
+    return _catamaran.ata(a, b, weights, center, out, alpha, beta, options, wide, progress)
 
 
 def cov(
@@ -285,11 +283,11 @@ class Accumulator(_catamaran.Accumulator):
     dtype : {float64, float32}
         Of the sums. Rows of float32 may be added to sums of float64.
     kind : {"float", "exact", "extended"}
-        With "exact" the sums are integers: the result does not depend on the blocks and their order, and
-        rows can be removed. With "extended" they are wide enough for `lstsq` and `pca`.
+        With "exact" the sums are integers: the result does not depend on the blocks and their
+        order, and rows can be removed. With "extended" they are wide enough for `lstsq`, `pca`.
     bounds : (lower, upper, rows), optional
-        For "exact" and "extended": the least and the largest entry of each column, and how many rows
-        will come at most.
+        For "exact" and "extended": the least and the largest entry of each column, and how many
+        rows will come at most.
     largest_weight : float, optional
         For "exact" and "extended", if rows come with weights: the largest absolute value of one.
 

@@ -106,9 +106,12 @@ def main(arguments: Optional[List[str]] = None) -> int:
     """Run ``python -m catamaran.preload`` with these arguments."""
     arguments = sys.argv[1:] if arguments is None else arguments
     if not arguments or arguments[0] in ("-h", "--help"):
-        print("usage: python -m catamaran.preload SCRIPT.py [ARGUMENTS]\n"
-              "       python -m catamaran.preload -m MODULE [ARGUMENTS]\n"
-              "       python -m catamaran.preload -c CODE", file=sys.stderr)
+        print(
+            "usage: python -m catamaran.preload SCRIPT.py [ARGUMENTS]\n"
+            "       python -m catamaran.preload -m MODULE [ARGUMENTS]\n"
+            "       python -m catamaran.preload -c CODE",
+            file=sys.stderr,
+        )
         return 0 if arguments else 2
     try:
         _run(arguments)

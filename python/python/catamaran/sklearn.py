@@ -105,7 +105,41 @@ class PCA(ClassNamePrefixFeaturesOutMixin, TransformerMixin, BaseEstimator):
         return tags
 
 
-class Ridge(MultiOutputMixin, RegressorMixin, BaseEstimator):
+class _Linear(MultiOutputMixin, RegressorMixin, BaseEstimator):
+    """What both regressions do."""
+
+    fit_intercept: bool
+    threads: Optional[int]
+
+    def _fit(self, X: Any, y: Any, sample_weight: Any, penalty: float) -> Any:
+        X, y = validate_data(self, X, y, dtype=FLOATS, y_numeric=True, multi_output=True)
+        weights = None
+        if sample_weight is not None:
+            weights = _check_sample_weight(sample_weight, X, dtype=np.float64)
+        found = lstsq(
+            X,
+            y,
+            weights=weights,
+            ridge=penalty,
+            intercept=self.fit_intercept,
+            standard_errors=False,
+            threads=self.threads,
+        )
+        self.coef_ = found.x.T
+        self.intercept_ = found.intercept if self.fit_intercept else 0.0
+        self.rank_ = found.rank
+        self.condition_ = found.condition
+        self.digits_ = found.digits
+        return self
+
+    def predict(self, X: Any) -> Any:
+        """Return the targets of rows."""
+        check_is_fitted(self)
+        X = validate_data(self, X, dtype=FLOATS, reset=False)
+        return X @ self.coef_.T + self.intercept_
+
+
+class Ridge(_Linear):
     """Least squares with a penalty, from one pass over the rows in extended precision.
 
     Parameters
@@ -125,39 +159,12 @@ class Ridge(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.fit_intercept = fit_intercept
         self.threads = threads
 
-    def _penalty(self) -> float:
-        return self.alpha
-
-    def fit(self, X: Any, y: Any, sample_weight: Any = None) -> Ridge:
+    def fit(self, X: Any, y: Any, sample_weight: Any = None) -> Any:
         """Fit to the rows of X and y."""
-        X, y = validate_data(self, X, y, dtype=FLOATS, y_numeric=True, multi_output=True)
-        weights = None
-        if sample_weight is not None:
-            weights = _check_sample_weight(sample_weight, X, dtype=np.float64)
-        found = lstsq(
-            X,
-            y,
-            weights=weights,
-            ridge=self._penalty(),
-            intercept=self.fit_intercept,
-            standard_errors=False,
-            threads=self.threads,
-        )
-        self.coef_ = found.x.T
-        self.intercept_ = found.intercept if self.fit_intercept else 0.0
-        self.rank_ = found.rank
-        self.condition_ = found.condition
-        self.digits_ = found.digits
-        return self
-
-    def predict(self, X: Any) -> Any:
-        """Return the targets of rows."""
-        check_is_fitted(self)
-        X = validate_data(self, X, dtype=FLOATS, reset=False)
-        return X @ self.coef_.T + self.intercept_
+        return self._fit(X, y, sample_weight, self.alpha)
 
 
-class LinearRegression(Ridge):
+class LinearRegression(_Linear):
     """Least squares, from one pass over the rows in extended precision.
 
     Parameters
@@ -169,8 +176,9 @@ class LinearRegression(Ridge):
     """
 
     def __init__(self, *, fit_intercept: bool = True, threads: Optional[int] = None) -> None:
-        super().__init__(0.0, fit_intercept=fit_intercept, threads=threads)
-        del self.alpha
+        self.fit_intercept = fit_intercept
+        self.threads = threads
 
-    def _penalty(self) -> float:
-        return 0.0
+    def fit(self, X: Any, y: Any, sample_weight: Any = None) -> Any:
+        """Fit to the rows of X and y."""
+        return self._fit(X, y, sample_weight, 0.0)
