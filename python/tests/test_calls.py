@@ -111,6 +111,9 @@ def test_many_threads_call_at_once(rng):
 
 def test_ctrl_c_ends_a_call():
     process = run("""
+        import signal
+        # Ignored in background jobs of shells.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         a = np.ones((60_000, 1500))
         try:
             def tell(done, total):

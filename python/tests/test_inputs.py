@@ -11,7 +11,7 @@ V, F = shapes.icosphere(1)
 
 
 def refused(error, match, function, *arguments, **options):
-    with pytest.raises(error, match=match):
+    with pytest.raises(error, match=match or None):
         function(*arguments, **options)
 
 
@@ -41,7 +41,7 @@ def test_wrong_matrices(a, error, match):
         ({"accuracy": 0.5}, ValueError, "accuracy: the error factor must be finite and at least 1"),
         ({"accuracy": []}, TypeError, "accuracy: expected a word or a number"),
         ({"threads": 0}, ValueError, "threads: must be at least 1"),
-        ({"threads": -1}, OverflowError, ""),
+        ({"threads": -1}, ValueError, "threads: must be at least 1"),
         ({"weights": np.ones(3)}, ValueError, "weights: expected 4 x 1, got 3 x 1"),
         ({"weights": [1, 2, np.nan, 3]}, ValueError, "weights: not finite at row 2"),
         ({"weights": np.ones((4, 1))}, ValueError, "weights: expected an array of 1 dimensions"),
