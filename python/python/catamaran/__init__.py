@@ -1,0 +1,87 @@
+"""A^T A, spectra and geometry at scale.
+
+Matrices are numpy arrays of any strides and meshes are pairs of arrays: vertices (n x 3) and faces
+(m x 3). Long calls release the interpreter, end by Ctrl-C, and tell their progress to a callable or
+a progress bar of tqdm. Results do not depend on the number of threads, bit for bit.
+
+>>> import numpy as np
+>>> import catamaran
+>>> catamaran.ata(np.array([[1.0, 2.0], [3.0, 4.0]]))
+array([[10., 14.],
+       [14., 20.]])
+"""
+
+from . import shapes
+from ._catamaran import Plan, __version__
+from ._curve import Curve, Curves, curve
+from ._decimate import Decimated, FarthestPoints, Origin, decimate, farthest_points
+from ._gram import SVD, LeastSquares, PrincipalComponents, lstsq, pca, svd
+from ._mesh import Eigenpairs, Laplacian, eigsh, laplacian, read_mesh, write_mesh
+from ._ortho import Orthonormal, orthogonality, orthogonalize, qr
+from ._plant import Plant, Wilting, grow_plant, read_plant, wilt
+from ._products import Accumulator, ata, corrcoef, cov, plan
+from ._spectral import (
+    Eigenbasis,
+    Eigenproducts,
+    FunctionalMap,
+    eigenproducts,
+    functional_map,
+    transfer,
+)
+from ._texture import Fractal, Slime, newton, slime
+from ._unions import UnionSpectrum, shape_dna, union_spectrum
+from .preload import numpy_speedup
+
+__all__ = [
+    "Accumulator",
+    "Curve",
+    "Curves",
+    "Decimated",
+    "Eigenbasis",
+    "Eigenpairs",
+    "Eigenproducts",
+    "FarthestPoints",
+    "Fractal",
+    "FunctionalMap",
+    "Laplacian",
+    "LeastSquares",
+    "Origin",
+    "Orthonormal",
+    "Plan",
+    "Plant",
+    "PrincipalComponents",
+    "SVD",
+    "Slime",
+    "UnionSpectrum",
+    "Wilting",
+    "__version__",
+    "ata",
+    "corrcoef",
+    "cov",
+    "curve",
+    "decimate",
+    "eigenproducts",
+    "eigsh",
+    "farthest_points",
+    "functional_map",
+    "grow_plant",
+    "laplacian",
+    "lstsq",
+    "newton",
+    "numpy_speedup",
+    "orthogonality",
+    "orthogonalize",
+    "pca",
+    "plan",
+    "qr",
+    "read_mesh",
+    "read_plant",
+    "shape_dna",
+    "shapes",
+    "slime",
+    "svd",
+    "transfer",
+    "union_spectrum",
+    "wilt",
+    "write_mesh",
+]

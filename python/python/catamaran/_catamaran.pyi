@@ -1,0 +1,256 @@
+from os import PathLike
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
+
+from numpy.typing import ArrayLike, NDArray
+from typing_extensions import Self
+
+Callback = Optional[Callable[[int, int], Any]]
+Products = Tuple[str, str, Union[str, float], bool, Optional[int]]
+Csr = Tuple[Any, Any, Any, Tuple[int, int]]
+Path = Union[str, PathLike[str]]
+Array = NDArray[Any]
+
+__version__: str
+
+class Plan:
+    @property
+    def is_exact(self) -> bool: ...
+    @property
+    def is_fast(self) -> bool: ...
+    @property
+    def scheme(self) -> str: ...
+    @property
+    def isa(self) -> Optional[str]: ...
+
+class Accumulator:
+    def __new__(
+        cls,
+        columns: int,
+        center: bool,
+        scalar: str,
+        kind: str,
+        bounds: Optional[Tuple[ArrayLike, ArrayLike, int, Optional[float]]],
+    ) -> Self: ...
+    @property
+    def columns(self) -> int: ...
+    @property
+    def rows(self) -> int: ...
+    @property
+    def weight(self) -> float: ...
+    @property
+    def centered(self) -> bool: ...
+    @property
+    def exact(self) -> bool: ...
+    @property
+    def is_extended(self) -> bool: ...
+    @property
+    def dtype(self) -> str: ...
+    @property
+    def mean(self) -> Array: ...
+    def _add(
+        self,
+        rows: ArrayLike,
+        weights: Optional[ArrayLike],
+        products: Products,
+        progress: Callback,
+    ) -> None: ...
+    def _remove(
+        self,
+        rows: ArrayLike,
+        weights: Optional[ArrayLike],
+        products: Products,
+        progress: Callback,
+    ) -> None: ...
+    def _merge(self, other: Accumulator) -> None: ...
+    def _result(self, alpha: float, part: str) -> Array: ...
+    def _extended(self, threads: Optional[int]) -> Tuple[List[Array], bool]: ...
+    def _lstsq(self, targets: int, options: Dict[str, Any]) -> Dict[str, Any]: ...
+    def _pca(
+        self,
+        components: Union[int, float, None],
+        standardize: bool,
+        whiten: bool,
+        threads: Optional[int],
+    ) -> PrincipalComponents: ...
+    def _save(self, path: Path) -> None: ...
+    def _load(self, path: Path) -> None: ...
+    def _to_bytes(self) -> bytes: ...
+    def _restore(self, bytes: bytes) -> None: ...
+
+class PrincipalComponents:
+    @property
+    def components(self) -> Array: ...
+    @property
+    def explained_variance(self) -> Array: ...
+    @property
+    def explained_variance_ratio(self) -> Array: ...
+    @property
+    def singular_values(self) -> Array: ...
+    @property
+    def mean(self) -> Array: ...
+    @property
+    def scale(self) -> Array: ...
+    @property
+    def whiten(self) -> bool: ...
+    def transform(self, rows: ArrayLike, progress: Callback) -> Array: ...
+
+class Eigenbasis:
+    def __new__(
+        cls,
+        v: ArrayLike,
+        f: ArrayLike,
+        k: int,
+        kind: str,
+        threads: Optional[int],
+        progress: Callback,
+    ) -> Self: ...
+    def __len__(self) -> int: ...
+    @property
+    def values(self) -> Array: ...
+    @property
+    def functions(self) -> Array: ...
+    def _mass(self) -> Csr: ...
+
+class PlantHandle:
+    def __len__(self) -> int: ...
+    def arrays(self) -> Tuple[Array, Array, Array, Array, Array]: ...
+
+def ata(
+    a: Any,
+    b: Any,
+    weights: Optional[ArrayLike],
+    center: Any,
+    out: Optional[Array],
+    alpha: float,
+    beta: float,
+    products: Products,
+    wide: bool,
+    progress: Callback,
+) -> Array: ...
+def ata_sparse(
+    a: Csr,
+    weights: Optional[ArrayLike],
+    out: Optional[Array],
+    alpha: float,
+    beta: float,
+    products: Products,
+    progress: Callback,
+) -> Array: ...
+def plan(m: int, n: int, k: Optional[int], scalar: str, products: Products) -> Plan: ...
+def lstsq(
+    a: ArrayLike,
+    b: ArrayLike,
+    weights: Optional[ArrayLike],
+    options: Dict[str, Any],
+    progress: Callback,
+) -> Dict[str, Any]: ...
+def pca(
+    a: ArrayLike,
+    weights: Optional[ArrayLike],
+    components: Union[int, float, None],
+    standardize: bool,
+    whiten: bool,
+    threads: Optional[int],
+    progress: Callback,
+) -> PrincipalComponents: ...
+def svd(a: ArrayLike, threads: Optional[int], progress: Callback) -> Tuple[Array, Array]: ...
+def corrcoef(a: ArrayLike, threads: Optional[int], progress: Callback) -> Array: ...
+def orthogonality(
+    q: ArrayLike, threads: Optional[int], progress: Callback
+) -> Tuple[float, float]: ...
+def qr(
+    a: ArrayLike, mass: Any, threads: Optional[int], progress: Callback
+) -> Tuple[Array, Array]: ...
+def orthogonalize(
+    a: ArrayLike,
+    mass: Any,
+    method: str,
+    threshold: Optional[float],
+    threads: Optional[int],
+    progress: Callback,
+) -> Tuple[Array, Array, Array]: ...
+def shape(name: str, counts: Sequence[int], sizes: Sequence[float]) -> Tuple[Array, Array]: ...
+def read_mesh(path: Path) -> Tuple[Array, Array, Dict[str, Any]]: ...
+def write_mesh(
+    path: Path,
+    v: ArrayLike,
+    f: ArrayLike,
+    colors: Optional[ArrayLike],
+    uv: Optional[Array],
+    overwrite: bool,
+) -> None: ...
+def laplacian(
+    v: ArrayLike, f: ArrayLike, kind: str, mass: str, boundary: Any, threads: Optional[int]
+) -> Tuple[Csr, Csr, Array]: ...
+def eigsh(
+    v: ArrayLike,
+    f: ArrayLike,
+    search: Dict[str, Any],
+    kind: str,
+    mass: str,
+    boundary: Any,
+    progress: Callback,
+) -> Tuple[Array, Array, Array]: ...
+def eigsh_sparse(
+    a: Csr, mass: Any, search: Dict[str, Any], progress: Callback
+) -> Tuple[Array, Array, Array]: ...
+def eigenproducts(
+    basis: Eigenbasis, order: int, method: str, threads: Optional[int], progress: Callback
+) -> Tuple[Array, Array, Array, List[List[int]]]: ...
+def functional_map(
+    source: Eigenbasis,
+    target: Eigenbasis,
+    k: Tuple[int, int],
+    landmarks: Optional[ArrayLike],
+    functions: Optional[Tuple[ArrayLike, ArrayLike]],
+    signatures: bool,
+    commutativity: float,
+    refine: str,
+    threads: Optional[int],
+    progress: Callback,
+) -> Tuple[Array, Array]: ...
+def transfer(
+    source: Eigenbasis,
+    target: Eigenbasis,
+    functions: ArrayLike,
+    points: ArrayLike,
+    k: Tuple[int, int],
+    order: int,
+    method: str,
+    threads: Optional[int],
+    progress: Callback,
+) -> Array: ...
+def decimate(
+    v: ArrayLike, f: ArrayLike, n: int, how: Dict[str, Any], progress: Callback
+) -> Tuple[Array, Array, Array, Array, Csr]: ...
+def farthest_points(
+    v: ArrayLike, f: ArrayLike, n: int, first: Optional[int], progress: Callback
+) -> Tuple[Array, Array, Array]: ...
+def curve(
+    v: ArrayLike, f: ArrayLike, samples: ArrayLike, how: Dict[str, Any], progress: Callback
+) -> Tuple[str, bool, List[Dict[str, Any]], Array]: ...
+def shape_dna(
+    v: ArrayLike, f: ArrayLike, k: int, normalized: bool, kind: str, threads: Optional[int]
+) -> Array: ...
+def union_spectrum(parts: List[Any], model: Optional[Path]) -> Tuple[Array, List[Array], float]: ...
+def read_plant(path: Path) -> PlantHandle: ...
+def grow(nodes: int, seed: int) -> PlantHandle: ...
+def wilt(
+    plant: PlantHandle, weather: Dict[str, Any], progress: Callback
+) -> Tuple[Array, Array, Array, Array, List[List[Array]]]: ...
+def tubes(
+    plant: PlantHandle, pose: List[Array], sides: int, thinnest: float
+) -> Tuple[Array, Array]: ...
+def slime(
+    v: ArrayLike,
+    f: ArrayLike,
+    steps: int,
+    mould: Dict[str, Any],
+    uv: Optional[Array],
+    start: Optional[ArrayLike],
+    ground: Optional[ArrayLike],
+    progress: Callback,
+) -> Tuple[Array, Array, Array]: ...
+def newton(
+    at: Dict[str, Any], fractal: Dict[str, Any], progress: Callback
+) -> Tuple[Array, Array]: ...

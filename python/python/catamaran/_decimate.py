@@ -1,0 +1,148 @@
+"""Uniform decimation and farthest points."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Optional
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _catamaran
+from ._options import Progress, callback, to_scipy
+
+__all__ = ["Decimated", "FarthestPoints", "Origin", "decimate", "farthest_points"]
+
+
+class Origin(NamedTuple):
+    """Where the new vertices are on the input."""
+
+    #: A face of the input for each new vertex.
+    face: NDArray[Any]
+    #: Barycentric coordinates of the vertex there.
+    barycentric: NDArray[np.float64]
+
+
+class Decimated(NamedTuple):
+    """A mesh of `decimate`."""
+
+    #: n x 3.
+    v: NDArray[np.float64]
+    #: m x 3.
+    f: NDArray[Any]
+    #: Where the vertices are on the input.
+    origin: Origin
+    #: ``weights @ g`` are functions on the input for functions g on the new mesh: a row for each
+    #: vertex of the input, barycentric coordinates of the nearest point.
+    weights: Any
+
+
+def decimate(
+    v: ArrayLike,
+    f: ArrayLike,
+    n: int,
+    *,
+    method: str = "uniform",
+    resample: bool = True,
+    lloyd: int = 0,
+    relaxation: int = 12,
+    cut_narrow_handles: bool = False,
+    first: Optional[int] = None,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> Decimated:
+    """Decimate a mesh uniformly to exactly `n` vertices.
+
+    The result is a manifold with the pieces, boundary loops and handles of the input, and nearly
+    equal triangles.
+
+    Parameters
+    ----------
+    v, f : array_like
+        Vertices and faces of the input.
+    n : int
+        Vertices of the result.
+    method : {"uniform", "thesis"}
+        "thesis" is the algorithm of the thesis to the letter, not a manifold in general.
+    resample : bool
+        Whether edges longer than those of the result are split first.
+    lloyd, relaxation : int
+        Passes that move samples to the centroids of their cells, and that improve the result.
+    cut_narrow_handles : bool
+        Whether handles too narrow for the triangles of the result are cut, and closed.
+    first : int, optional
+        The vertex that sampling starts at.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    Decimated
+        ``v``, ``f``, ``origin``, ``weights``.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> v, f, origin, weights = catamaran.decimate(*catamaran.shapes.icosphere(4), 100)
+    >>> v.shape, f.shape, weights.shape
+    ((100, 3), (196, 3), (2562, 100))
+    """
+    how = {
+        "method": method,
+        "resample": resample,
+        "lloyd": lloyd,
+        "relaxation": relaxation,
+        "cut_narrow_handles": cut_narrow_handles,
+        "first": first,
+        "threads": threads,
+    }
+    v, f, face, inside, weights = _catamaran.decimate(v, f, n, how, callback(progress))
+    return Decimated(v, f, Origin(face, inside), to_scipy(weights))
+
+
+class FarthestPoints(NamedTuple):
+    """Samples of `farthest_points` with their cells."""
+
+    #: Vertices, each farthest from those before.
+    samples: NDArray[Any]
+    #: The number of the nearest sample, for each vertex of the mesh; -1 where none is reached.
+    cells: NDArray[Any]
+    #: The distance to it, along edges.
+    distances: NDArray[np.float64]
+
+
+def farthest_points(
+    v: ArrayLike,
+    f: ArrayLike,
+    n: int,
+    *,
+    first: Optional[int] = None,
+    return_cells: bool = False,
+    progress: Progress = None,
+) -> Any:
+    """Choose `n` vertices, each the farthest from those before, along edges.
+
+    Parameters
+    ----------
+    v, f : array_like
+        Vertices and faces.
+    n : int
+        Samples.
+    first : int, optional
+        The first one; the lowest vertex that a face has by default.
+    return_cells : bool
+        Whether the cells of all vertices are returned, too.
+    progress
+        As in `ata`.
+
+    Returns
+    -------
+    ndarray of n vertices, or FarthestPoints
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> catamaran.farthest_points(*catamaran.shapes.grid(4, 4), 4, first=0)
+    array([ 0, 24,  4, 20])
+    """
+    found = _catamaran.farthest_points(v, f, n, first, callback(progress))
+    return FarthestPoints(*found) if return_cells else found[0]

@@ -1,0 +1,215 @@
+"""Meshes: files, Laplacians and their spectra."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Dict, NamedTuple, Optional, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _catamaran
+from ._options import Progress, callback, csr, is_sparse, mass_of, to_scipy
+
+__all__ = ["Eigenpairs", "Laplacian", "eigsh", "laplacian", "read_mesh", "write_mesh"]
+
+Path = Union[str, "os.PathLike[str]"]
+
+
+def read_mesh(path: Path, *, attributes: bool = False) -> Any:
+    """Read a mesh: .obj, .ply, .off, .stl, .glb or .gltf, each also with .gz after it.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    attributes : bool
+        Whether what else is in the file is returned, too.
+
+    Returns
+    -------
+    v : ndarray, n x 3
+        Vertices.
+    f : ndarray, m x 3
+        Faces.
+    more : dict
+        With `attributes`, what there is of: "uv" (m x 3 x 2, for the corners of faces), "normals"
+        (m x 3 x 3), "colors" (n x 4), "materials", "groups" and "objects" (names, and the number of
+        one for each face), and "notes", a list of what was repaired.
+
+    Raises
+    ------
+    OSError
+        Names the file, the line, and what is wrong with it.
+
+    Examples
+    --------
+    >>> import os, tempfile
+    >>> import catamaran
+    >>> v, f = catamaran.shapes.icosphere(1)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = os.path.join(folder, "sphere.ply")
+    ...     catamaran.write_mesh(path, v, f)
+    ...     again = catamaran.read_mesh(path)
+    >>> bool((again[1] == f).all())
+    True
+    """
+    v, f, more = _catamaran.read_mesh(path)
+    return (v, f, more) if attributes else (v, f)
+
+
+def write_mesh(
+    path: Path,
+    v: ArrayLike,
+    f: ArrayLike,
+    *,
+    colors: Optional[ArrayLike] = None,
+    uv: Optional[ArrayLike] = None,
+    overwrite: bool = True,
+) -> None:
+    """Write a mesh in the format that the name says, as `read_mesh` reads it.
+
+    Parameters
+    ----------
+    path : path
+        The file; it appears whole or not at all.
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces.
+    colors : array_like, n x 3 or n x 4, optional
+        Colours of the vertices, from 0 to 1.
+    uv : array_like, m x 3 x 2, optional
+        Texture coordinates of the corners of faces.
+    overwrite : bool
+        Whether a file that is there is replaced.
+    """
+    if uv is not None:
+        uv = np.asarray(uv, dtype=np.float64)
+    _catamaran.write_mesh(path, v, f, colors, uv, overwrite)
+
+
+class Laplacian(NamedTuple):
+    """Matrices of the eigenproblem ``stiffness @ phi = value * mass @ phi``."""
+
+    #: Positive semi-definite, as a `scipy.sparse.csr_array`. It is minus `igl.cotmatrix`.
+    stiffness: Any
+    #: Positive definite; the entries sum to the area.
+    mass: Any
+    #: The vertices that rows stand for.
+    kept: NDArray[Any]
+
+
+def laplacian(
+    v: ArrayLike,
+    f: ArrayLike,
+    *,
+    kind: str = "cotangent",
+    mass: str = "barycentric",
+    boundary: Union[str, ArrayLike] = "neumann",
+    threads: Optional[int] = None,
+) -> Laplacian:
+    """Assemble the Laplacian of a mesh as matrices of scipy.sparse.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces.
+    kind : {"cotangent", "intrinsic", "tufted"}
+        Triangles of the mesh, of its intrinsic Delaunay triangulation, or of that of the tufted
+        cover, for meshes with edges of many faces or faces without area.
+    mass : {"barycentric", "voronoi", "full"}
+        The mass matrix, called as in `igl.massmatrix`.
+    boundary : {"neumann", "dirichlet"} or array_like of vertices
+        Natural boundary values, zero at the boundary, or zero at these vertices. Rows of vertices
+        with value zero are left out.
+    threads : int, optional
+        Threads, at most.
+
+    Returns
+    -------
+    Laplacian
+        ``stiffness``, ``mass``, ``kept``.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> stiffness, mass, kept = catamaran.laplacian(*catamaran.shapes.icosphere(3))
+    >>> float(round(mass.sum(), 2))  # about 4 pi
+    12.51
+    """
+    stiffness, masses, kept = _catamaran.laplacian(v, f, kind, mass, boundary, threads)
+    return Laplacian(to_scipy(stiffness), to_scipy(masses), kept)
+
+
+class Eigenpairs(NamedTuple):
+    """Eigenpairs of `eigsh`."""
+
+    #: k values, ascending.
+    values: NDArray[np.float64]
+    #: n x k, orthonormal in the inner product of the mass.
+    vectors: NDArray[np.float64]
+
+
+def eigsh(
+    v: Any,
+    f: Any = None,
+    k: int = 6,
+    *,
+    kind: str = "cotangent",
+    mass: str = "barycentric",
+    boundary: Union[str, ArrayLike] = "neumann",
+    sigma: Optional[float] = None,
+    tol: float = 1e-9,
+    verify_count: bool = False,
+    seed: int = 0,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> Eigenpairs:
+    """Compute the first eigenpairs of the Laplacian of a mesh, or of a sparse pencil.
+
+    ``eigsh(v, f, k)`` takes a mesh. ``eigsh(A, M, k)`` takes a symmetric positive semi-definite
+    matrix of scipy.sparse and a mass: a positive definite one, a vector, or None.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces; or the matrices.
+    k : int
+        Eigenpairs.
+    kind, mass, boundary
+        As in `laplacian`; for a mesh. Vectors are zero where boundary values are set to zero.
+    sigma : float, optional
+        The k eigenvalues nearest to this number; the k smallest by default.
+    tol : float
+        Residual that every pair reaches, relative to the largest that its mass lets it have.
+    verify_count : bool
+        Whether eigenvalues are counted by a factorisation, until none is missing.
+    seed : int
+        Of the vectors that the iteration starts with.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    Eigenpairs
+        ``values``, ``vectors``, in the order of `scipy.sparse.linalg.eigsh`.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> values, vectors = catamaran.eigsh(*catamaran.shapes.icosphere(4), 4)
+    >>> [float(round(value, 2)) for value in abs(values)]  # of a sphere: 0, 2, 2, 2
+    [0.0, 2.0, 2.0, 2.0]
+    """
+    search: Dict[str, Any] = {
+        "k": k,
+        "sigma": sigma,
+        "tol": tol,
+        "verify_count": verify_count,
+        "seed": seed,
+        "threads": threads,
+    }
+    if is_sparse(v):
+        found = _catamaran.eigsh_sparse(csr(v), mass_of(f), search, callback(progress))
+    else:
+        found = _catamaran.eigsh(v, f, search, kind, mass, boundary, callback(progress))
+    return Eigenpairs(found[0], found[1])

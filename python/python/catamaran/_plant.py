@@ -1,0 +1,164 @@
+"""Plants that lose water and wilt."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, List, Mapping, Optional, Sequence, Tuple, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _catamaran
+from ._options import Progress, callback
+
+__all__ = ["Plant", "Wilting", "grow_plant", "read_plant", "wilt"]
+
+
+class Plant:
+    """A plant: segments, each from its head (the tail of its parent) to its tail.
+
+    Attributes
+    ----------
+    tails : ndarray, n x 3
+        In metres.
+    radii : ndarray of n numbers
+        In metres.
+    parents : ndarray of n numbers
+        The segment before each; -1 at the root.
+    leaves : ndarray of n booleans
+        Whether segments are veins of leaves.
+    base : ndarray of 3 numbers
+        The head of the root.
+    """
+
+    def __init__(self, handle: Any) -> None:
+        self._handle = handle
+        self.tails: NDArray[np.float64]
+        self.tails, self.radii, self.parents, self.leaves, self.base = handle.arrays()
+
+    def __len__(self) -> int:
+        return len(self._handle)
+
+    def __repr__(self) -> str:
+        return f"Plant({len(self)} segments, {int(self.leaves.sum())} of them on leaves)"
+
+
+def read_plant(path: Union[str, os.PathLike[str]]) -> Plant:
+    """Read a plant: .txt of the reference implementation, .swc, .mtg, polylines in .obj."""
+    return Plant(_catamaran.read_plant(path))
+
+
+def grow_plant(nodes: int = 500, seed: int = 0) -> Plant:
+    """Generate a plant of so many segments.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> len(catamaran.grow_plant(200))
+    200
+    """
+    return Plant(_catamaran.grow(nodes, seed))
+
+
+class Wilting:
+    """What became of a plant, frame by frame.
+
+    Attributes
+    ----------
+    plant : Plant
+        The plant.
+    hours : ndarray, frames
+        When.
+    full_water : ndarray, n
+        Water of each segment when cells are full, in kg.
+    water, moduli : ndarray, frames x n
+        Water in kg and modulus of elasticity in Pa.
+    heads, tails : ndarray, frames x n x 3
+        The pose at rest, in metres.
+    """
+
+    def __init__(self, plant: Plant, found: Tuple[Any, ...]) -> None:
+        self.plant = plant
+        self.hours, self.full_water, self.water, self.moduli, self._poses = found
+        self.heads: NDArray[np.float64] = np.stack([pose[0] for pose in self._poses])
+        self.tails: NDArray[np.float64] = np.stack([pose[1] for pose in self._poses])
+
+    def mesh(self, frame: int, *, sides: int = 6, thinnest: float = 0.0) -> Any:
+        """Return vertices and faces of tubes around the segments in a frame."""
+        return _catamaran.tubes(self.plant._handle, list(self._poses[frame]), sides, thinnest)
+
+    def __repr__(self) -> str:
+        return f"Wilting({len(self.hours)} frames of {self.plant!r})"
+
+
+def wilt(
+    plant: Plant,
+    hours: float = 48.0,
+    *,
+    frames: int = 24,
+    loss: float = 60.0,
+    day_night: bool = False,
+    elasticity: Tuple[float, float] = (5e7, 3e5),
+    steepness: float = 10.0,
+    shift: float = 0.75,
+    conductance: float = 1e-9,
+    cut: Sequence[int] = (),
+    weaken: Optional[Mapping[int, float]] = None,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> Wilting:
+    """Let a plant dry out, and bend as it does.
+
+    Parameters
+    ----------
+    plant : Plant
+        Of `grow_plant` or `read_plant`.
+    hours : float
+        How long.
+    frames : int
+        Frames after the first one, at equal times.
+    loss : float
+        What leaves lose, in grams per hour and square metre.
+    day_night : bool
+        Whether leaves lose a twelfth of it for 8 of 24 hours.
+    elasticity : (float, float)
+        Modulus of elasticity of full cells and of dry ones, in Pa.
+    steepness, shift : float
+        Of the modulus as a function of the relative water content.
+    conductance : float
+        As a part of that of a pipe as wide as the segment.
+    cut : sequence of int
+        Segments whose connection to their parent is cut, for water.
+    weaken : mapping of int to float, optional
+        What the conductance of connections is multiplied by.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    Wilting
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> found = catamaran.wilt(catamaran.grow_plant(100), 24.0, frames=4)
+    >>> found.water.shape
+    (5, 100)
+    >>> bool(found.water[-1].sum() < found.water[0].sum())
+    True
+    """
+    damage: List[Tuple[int, float]] = [(node, 0.0) for node in cut]
+    damage.extend((weaken or {}).items())
+    weather = {
+        "hours": hours,
+        "frames": frames,
+        "loss": loss,
+        "day_night": day_night,
+        "conductance": conductance,
+        "elasticity": elasticity,
+        "steepness": steepness,
+        "shift": shift,
+        "damage": damage,
+        "threads": threads,
+    }
+    return Wilting(plant, _catamaran.wilt(plant._handle, weather, callback(progress)))

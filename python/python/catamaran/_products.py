@@ -1,0 +1,454 @@
+"""A^T A and A^T B, covariances, plans, and sums of rows that come in blocks."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Optional, Tuple, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from . import _catamaran
+from ._gram import LeastSquares, PrincipalComponents, fit_options
+from ._options import Accuracy, Progress, callback, csr, is_sparse, products
+
+__all__ = ["Accumulator", "ata", "corrcoef", "cov", "plan"]
+
+
+def _center(center: Any) -> Any:
+    """Return None, True for the mean, or a row."""
+    if center is None or center is False:
+        return None
+    if center is True or isinstance(center, str):
+        if center not in (True, "mean"):
+            raise ValueError(f"center: '{center}' is not one of True, 'mean', an array")
+        return True
+    return center
+
+
+def ata(
+    a: ArrayLike,
+    b: Optional[ArrayLike] = None,
+    *,
+    weights: Optional[ArrayLike] = None,
+    center: Union[bool, str, ArrayLike, None] = None,
+    out: Optional[NDArray[Any]] = None,
+    alpha: float = 1.0,
+    beta: float = 0.0,
+    uplo: str = "both",
+    scheme: str = "auto",
+    accuracy: Accuracy = "default",
+    reproducible: bool = False,
+    dtype: Optional[DTypeLike] = None,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> NDArray[Any]:
+    """Compute ``alpha A^T A + beta C``, or ``alpha A^T B + beta C``.
+
+    Complex matrices are conjugated: ``A^H A`` and ``A^H B``. For ``A A^T`` pass ``a.T``, which
+    costs nothing: arrays may have any strides, and no copy is made of float32, float64, complex64
+    and complex128. Other real numbers become float64.
+
+    Parameters
+    ----------
+    a : array_like, m x n, or a matrix of scipy.sparse
+        The matrix A.
+    b : array_like, m x k, optional
+        The matrix B.
+    weights : array_like of m numbers, optional
+        ``A^T diag(weights) A``; real matrices only.
+    center : True, "mean" or array_like of n numbers, optional
+        What is subtracted from every row first: the mean, weighted if there are weights, or this
+        row; real matrices only.
+    out : ndarray, n x n (n x k with B), optional
+        Where the result goes: C. Any strides; its dtype is that of the result. It shares no memory
+        with A and B.
+    alpha, beta : float
+        Factors. With ``beta == 0``, the default, the content of `out` is not read.
+    uplo : {"both", "lower", "upper"}
+        The part of ``A^T A`` that is computed. The strict other triangle of `out` is neither read
+        nor written; that of a new array is zero.
+    scheme : {"auto", "float", "classical", "ata2", "winograd", "rxtx", "kgp", "kgp3", "exact"}
+        Which recursion runs; `plan` says what "auto" chooses.
+    accuracy : {"default", "max", "classical", "fast"} or float
+        What fast products may cost in accuracy; a number is the factor that errors may grow by.
+    reproducible : bool
+        The same bytes on every machine.
+    dtype : dtype, optional
+        ``numpy.float64`` computes a float64 result of float32 rows, without a copy of A.
+    threads : int, optional
+        Threads, at most; all cores by default. The result does not depend on it, bit for bit.
+    progress : callable or tqdm bar, optional
+        ``progress(done, total)`` is called now and then; an exception in it ends the call.
+
+    Returns
+    -------
+    ndarray
+        `out`, or a new array in C order.
+
+    Raises
+    ------
+    ValueError, TypeError, MemoryError
+        For arguments that do not fit, and a result that there is no memory for.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import catamaran
+    >>> a = np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])
+    >>> catamaran.ata(a)
+    array([[35., 44.],
+           [44., 56.]])
+    >>> catamaran.ata(a, a[:, :1])
+    array([[35.],
+           [44.]])
+    >>> catamaran.ata(a, center=True, alpha=1 / 2)  # the covariance
+    array([[4., 4.],
+           [4., 4.]])
+    >>> catamaran.ata(a.T[::-1], uplo="lower")  # A A^T, in any order
+    array([[ 5.,  0.,  0.],
+           [11., 25.,  0.],
+           [17., 39., 61.]])
+    """
+    options = (uplo, scheme, accuracy, reproducible, threads)
+    if progress is not None:
+        progress = callback(progress)
+    if is_sparse(a):
+        if b is not None or center is not None:
+            raise TypeError("a: sparse, where b and center need a dense matrix")
+        return _catamaran.ata_sparse(csr(a), weights, out, alpha, beta, options, progress)
+    wide = False
+    if dtype is not None:
+        wide = np.dtype(dtype) == np.float64
+        if not wide and np.dtype(dtype) != np.asarray(a).dtype:
+            raise TypeError("dtype: expected numpy.float64, or that of a")
+    center = _center(center)
+    return _catamaran.ata(a, b, weights, center, out, alpha, beta, options, wide, progress)
+
+
+def cov(
+    a: ArrayLike,
+    *,
+    ddof: int = 1,
+    fweights: Optional[ArrayLike] = None,
+    aweights: Optional[ArrayLike] = None,
+    rowvar: bool = False,
+    reproducible: bool = False,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> NDArray[Any]:
+    """Compute the covariance matrix of the columns of `a`.
+
+    As `numpy.cov`, except that variables are columns: ``rowvar=True`` says that they are rows.
+
+    Parameters
+    ----------
+    a : array_like, m x n
+        A row for each observation, a column for each variable.
+    ddof : int
+        What is subtracted from the number of observations in the divisor.
+    fweights, aweights : array_like of m numbers, optional
+        How often each observation counts, and its importance, as in `numpy.cov`.
+    rowvar : bool
+        Whether variables are rows.
+    reproducible, threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    ndarray, n x n
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import catamaran
+    >>> x = np.array([[0.0, 2.0], [1.0, 1.0], [2.0, 0.0]])
+    >>> catamaran.cov(x)
+    array([[ 1., -1.],
+           [-1.,  1.]])
+    """
+    a = np.asarray(a)
+    if a.ndim == 2 and rowvar:
+        a = a.T
+    if a.ndim != 2:
+        raise ValueError(f"a: expected an array of 2 dimensions, got {a.ndim}")
+    weights = None
+    for more in (fweights, aweights):
+        if more is not None:
+            more = np.asarray(more, dtype=np.float64)
+            weights = more if weights is None else weights * more
+    total = a.shape[0] if weights is None else float(weights.sum())
+    lost = float(ddof)
+    if aweights is not None and ddof and weights is not None:
+        lost = ddof * float((weights * np.asarray(aweights, dtype=np.float64)).sum()) / total
+    if total - lost <= 0.0:
+        raise ValueError(f"ddof: {ddof} leaves no degree of freedom of {a.shape[0]} observations")
+    return ata(
+        a,
+        weights=weights,
+        center=True,
+        alpha=1.0 / (total - lost),
+        reproducible=reproducible,
+        threads=threads,
+        progress=progress,
+    )
+
+
+def corrcoef(
+    a: ArrayLike, *, rowvar: bool = False, threads: Optional[int] = None, progress: Progress = None
+) -> NDArray[np.float64]:
+    """Compute the correlation matrix of the columns of `a`, in extended precision.
+
+    Entries are wrong by little more than one rounding, also where columns are far from zero beside
+    their deviations. A column without variance has NaN.
+
+    Parameters
+    ----------
+    a : array_like, m x n
+        A row for each observation, a column for each variable.
+    rowvar : bool
+        Whether variables are rows, as `numpy.corrcoef` has it by default.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    ndarray, n x n
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import catamaran
+    >>> x = np.array([[0.0, 2.0], [1.0, 1.0], [2.0, 0.0]]) + 1e8
+    >>> catamaran.corrcoef(x)
+    array([[ 1., -1.],
+           [-1.,  1.]])
+    """
+    a = np.asarray(a)
+    return _catamaran.corrcoef(a.T if rowvar else a, threads, callback(progress))
+
+
+def plan(
+    m: int,
+    n: int,
+    k: Optional[int] = None,
+    *,
+    dtype: DTypeLike = np.float64,
+    uplo: str = "both",
+    scheme: str = "auto",
+    accuracy: Accuracy = "default",
+    reproducible: bool = False,
+    threads: Optional[int] = None,
+) -> _catamaran.Plan:
+    """Return what `ata` will do for an m x n matrix, and why.
+
+    Parameters
+    ----------
+    m, n : int
+        Rows and columns of A.
+    k : int, optional
+        Columns of B.
+    dtype : {float64, float32}
+        The numbers.
+    uplo, scheme, accuracy, reproducible, threads
+        As in `ata`.
+
+    Returns
+    -------
+    Plan
+        Its ``repr`` explains; ``is_exact``, ``is_fast``, ``scheme`` and ``isa`` are attributes.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> explained = catamaran.plan(100_000, 500, scheme="classical")
+    >>> print(str(explained).splitlines()[0][:30])
+    C = A^T A, A 100000 x 500, f64
+    >>> explained.is_fast, explained.scheme
+    (False, 'classical')
+    """
+    options = products(uplo, scheme, accuracy, reproducible, threads)
+    return _catamaran.plan(m, n, k, np.dtype(dtype).name, options)
+
+
+class Accumulator(_catamaran.Accumulator):
+    """Sums over rows that come in blocks: ``A^T W A`` of rows that were never all in memory.
+
+    Parameters
+    ----------
+    columns : int
+        Columns of the rows.
+    center : bool
+        Whether the result is about the mean of the rows.
+    dtype : {float64, float32}
+        Of the sums. Rows of float32 may be added to sums of float64.
+    kind : {"float", "exact", "extended"}
+        With "exact" the sums are integers: the result does not depend on the blocks and their
+        order, and rows can be removed. With "extended" they are wide enough for `lstsq`, `pca`.
+    bounds : (lower, upper, rows), optional
+        For "exact" and "extended": the least and the largest entry of each column, and how many
+        rows will come at most.
+    largest_weight : float, optional
+        For "exact" and "extended", if rows come with weights: the largest absolute value of one.
+
+    Attributes
+    ----------
+    columns, rows : int
+        Columns, and rows so far.
+    weight : float
+        Sum of the weights; the number of rows without.
+    mean : ndarray
+        The mean of the rows so far; empty without `center`.
+    centered, exact, is_extended : bool
+        What kind of sums they are.
+    dtype : str
+        Of the sums.
+
+    Notes
+    -----
+    Accumulators can be pickled, for other processes, and copied by `copy.copy`. An error in `add`
+    or `remove` after some blocks of the call were added leaves the accumulator of no use, and all
+    that is called later says so.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import catamaran
+    >>> a = np.arange(12.0).reshape(6, 2)
+    >>> sums = catamaran.Accumulator(2)
+    >>> for block in (a[:2], a[2:]):
+    ...     sums.add(block)
+    >>> sums.rows
+    6
+    >>> bool(np.all(sums.result() == a.T @ a))
+    True
+
+    Integers forget rows without a trace:
+
+    >>> exact = catamaran.Accumulator(2, kind="exact", bounds=([0, 0], [11, 11], 6))
+    >>> exact.add(a)
+    >>> exact.remove(a[3:])
+    >>> bool(np.all(exact.result() == a[:3].T @ a[:3]))
+    True
+    """
+
+    def __new__(
+        cls,
+        columns: int,
+        *,
+        center: bool = False,
+        dtype: DTypeLike = np.float64,
+        kind: str = "float",
+        bounds: Optional[Tuple[ArrayLike, ArrayLike, int]] = None,
+        largest_weight: Optional[float] = None,
+    ) -> Accumulator:
+        declared = None
+        if bounds is not None:
+            lower, upper, rows = bounds
+            declared = (lower, upper, rows, largest_weight)
+        scalar = np.dtype(dtype).name
+        return super().__new__(cls, columns, center, scalar, kind, declared)
+
+    def add(
+        self,
+        rows: ArrayLike,
+        weights: Optional[ArrayLike] = None,
+        *,
+        scheme: str = "auto",
+        accuracy: Accuracy = "default",
+        threads: Optional[int] = None,
+        progress: Progress = None,
+    ) -> None:
+        """Add rows (any number x columns), with a weight for each or none."""
+        options = products("both", scheme, accuracy, False, threads)
+        self._add(rows, weights, options, callback(progress))
+
+    def remove(
+        self,
+        rows: ArrayLike,
+        weights: Optional[ArrayLike] = None,
+        *,
+        threads: Optional[int] = None,
+        progress: Progress = None,
+    ) -> None:
+        """Remove rows that were added to exact sums, with the same weights."""
+        options = products("both", "auto", "default", False, threads)
+        self._remove(rows, weights, options, callback(progress))
+
+    def merge(self, other: Accumulator) -> None:
+        """Add the rows of another accumulator, which stays as it is."""
+        self._merge(other if other is not self else self.__copy__())
+
+    def result(self, *, alpha: float = 1.0, uplo: str = "both") -> NDArray[Any]:
+        """Return ``alpha A^T W A``, about the mean with `center`; more rows may come after it."""
+        return self._result(alpha, uplo)
+
+    def cov(self, *, ddof: int = 1) -> NDArray[Any]:
+        """Return the covariance matrix; needs `center`."""
+        if not self.centered:
+            raise ValueError("accumulator: not about the mean, make it with center=True")
+        if self.weight - ddof <= 0.0:
+            raise ValueError(f"ddof: {ddof} leaves no degree of freedom of {self.rows} rows")
+        return self._result(1.0 / (self.weight - ddof), "both")
+
+    def extended(
+        self, *, threads: Optional[int] = None
+    ) -> Tuple[Tuple[NDArray[np.float64], ...], bool]:
+        """Return C of extended sums as three lower triangles that add up to it, about 159 bits, and
+        whether no entry of the rows was rounded."""
+        parts, exact = self._extended(threads)
+        return tuple(parts), exact
+
+    def lstsq(
+        self,
+        targets: int = 1,
+        *,
+        ridge: float = 0.0,
+        intercept: bool = False,
+        rank_deficiency: str = "minimum_norm",
+        standard_errors: bool = True,
+        threads: Optional[int] = None,
+    ) -> LeastSquares:
+        """Solve for the last `targets` columns of extended sums; see `catamaran.lstsq`."""
+        options = fit_options(ridge, intercept, rank_deficiency, standard_errors, threads)
+        return LeastSquares(**self._lstsq(targets, options))
+
+    def pca(
+        self,
+        n_components: Union[int, float, None] = None,
+        *,
+        standardize: bool = False,
+        whiten: bool = False,
+        threads: Optional[int] = None,
+    ) -> PrincipalComponents:
+        """Compute the principal components of extended sums; see `catamaran.pca`."""
+        return PrincipalComponents(self._pca(n_components, standardize, whiten, threads))
+
+    def save(self, path: Union[str, os.PathLike[str]]) -> None:
+        """Write the sums to a file, which appears whole or not at all and replaces an older one.
+        ``catamaran ata-merge`` reads it, too."""
+        self._save(path)
+
+    @classmethod
+    def load(cls, path: Union[str, os.PathLike[str]]) -> Accumulator:
+        """Read the sums of `save`, or of ``catamaran ata --accumulator``."""
+        sums = cls(1)
+        sums._load(path)
+        return sums
+
+    def __copy__(self) -> Accumulator:
+        return _restored(self._to_bytes())
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return (_restored, (self._to_bytes(),))
+
+    def __repr__(self) -> str:
+        kind = "extended" if self.is_extended else "exact" if self.exact else "float"
+        about = ", centered" if self.centered else ""
+        return f"Accumulator({self.rows} rows of {self.columns}, {self.dtype}, {kind}{about})"
+
+
+def _restored(data: bytes) -> Accumulator:
+    sums = Accumulator(1)
+    sums._restore(data)
+    return sums

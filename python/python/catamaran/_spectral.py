@@ -1,0 +1,281 @@
+"""Eigenfunctions, their products, functional maps and transfer."""
+
+from __future__ import annotations
+
+from typing import Any, List, NamedTuple, Optional, Tuple, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _catamaran
+from ._options import Progress, callback, to_scipy
+
+__all__ = [
+    "Eigenbasis",
+    "Eigenproducts",
+    "FunctionalMap",
+    "eigenproducts",
+    "functional_map",
+    "transfer",
+]
+
+
+class Eigenbasis(_catamaran.Eigenbasis):
+    """The first eigenfunctions of the Laplacian of a mesh, for the functions of this chapter.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces.
+    k : int
+        Eigenfunctions, the constant one included; at least one for each piece of the mesh.
+    kind : {"cotangent", "intrinsic", "tufted"}
+        As in `laplacian`.
+    threads, progress
+        As in `ata`.
+
+    Attributes
+    ----------
+    values : ndarray of k numbers
+        Eigenvalues, ascending.
+    functions : ndarray, n x k
+        Orthonormal in the inner product of the mass; the first one is constant.
+    mass : scipy.sparse.csr_array
+        The inner product.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> basis = catamaran.Eigenbasis(*catamaran.shapes.icosphere(3), 5)
+    >>> basis.functions.shape
+    (642, 5)
+    """
+
+    def __new__(
+        cls,
+        v: ArrayLike,
+        f: ArrayLike,
+        k: int = 31,
+        *,
+        kind: str = "cotangent",
+        threads: Optional[int] = None,
+        progress: Progress = None,
+    ) -> Eigenbasis:
+        return super().__new__(cls, v, f, k, kind, threads, callback(progress))
+
+    @property
+    def mass(self) -> Any:
+        """The inner product."""
+        return to_scipy(self._mass())
+
+    def __repr__(self) -> str:
+        return f"Eigenbasis({len(self)} functions)"
+
+
+#: What functions take: a basis, or vertices and faces.
+Shape = Union[Eigenbasis, Tuple[ArrayLike, ArrayLike]]
+
+
+def _basis(shape: Shape, k: int, threads: Optional[int]) -> Eigenbasis:
+    if isinstance(shape, Eigenbasis):
+        return shape
+    v, f = shape
+    return Eigenbasis(v, f, k, threads=threads)
+
+
+class Eigenproducts(NamedTuple):
+    """A basis of `eigenproducts`."""
+
+    #: n x r: orthonormal functions.
+    functions: NDArray[np.float64]
+    #: r x products: coefficients of all products.
+    r: NDArray[np.float64]
+    #: The products that the basis is made of.
+    kept: NDArray[Any]
+    #: The factors of each of these, from 1, such as [1, 1] for the square of the first
+    #: eigenfunction that is not constant; [] is the constant.
+    factors: List[List[int]]
+
+
+def eigenproducts(
+    v: Any,
+    f: Any = None,
+    k: int = 30,
+    order: int = 2,
+    *,
+    method: str = "single_pass",
+    kind: str = "cotangent",
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> Eigenproducts:
+    """Compute a basis of the products of at most `order` eigenfunctions.
+
+    ``eigenproducts(v, f, k, order)`` takes a mesh, ``eigenproducts(basis, order=order)`` an
+    `Eigenbasis`.
+
+    Parameters
+    ----------
+    v, f : array_like, n x 3 and m x 3
+        Vertices and faces.
+    k : int
+        Eigenfunctions that are multiplied, the constant one not counted.
+    order : int
+        Factors of a product, at most.
+    method : {"single_pass", "reorthogonalized", "rank_revealing"}
+        How products are orthogonalised: once, the stabler one under transfer; until they are
+        orthogonal to rounding, the larger one; or by numerical rank.
+    kind : {"cotangent", "intrinsic", "tufted"}
+        As in `laplacian`.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    Eigenproducts
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> found = catamaran.eigenproducts(*catamaran.shapes.icosphere(3), k=3, order=2)
+    >>> found.factors[:6]
+    [[], [1], [2], [3], [1, 1], [1, 2]]
+    """
+    basis = v if isinstance(v, Eigenbasis) else Eigenbasis(v, f, k + 1, kind=kind, threads=threads)
+    found = _catamaran.eigenproducts(basis, order, method, threads, callback(progress))
+    return Eigenproducts(*found)
+
+
+class FunctionalMap(NamedTuple):
+    """A map of `functional_map`."""
+
+    #: k_target x k_source: coefficients on the target of functions on the source.
+    map: NDArray[np.float64]
+    #: The corresponding vertex of the source for each vertex of the target.
+    points: NDArray[Any]
+
+
+def functional_map(
+    source: Shape,
+    target: Shape,
+    *,
+    landmarks: Optional[ArrayLike] = None,
+    functions: Optional[Tuple[ArrayLike, ArrayLike]] = None,
+    k: Union[int, Tuple[int, int]] = 30,
+    zoom: int = 100,
+    signatures: bool = True,
+    commutativity: float = 1e-3,
+    refine: str = "zoomout",
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> FunctionalMap:
+    """Find which functions and vertices of two meshes correspond.
+
+    Parameters
+    ----------
+    source, target : (v, f) or Eigenbasis
+        The meshes. Bases of (v, f) have k + 1 functions, or `zoom` for "zoomout".
+    landmarks : array_like, count x 2, optional
+        Corresponding vertices.
+    functions : (array_like, array_like), optional
+        Corresponding functions, a column each.
+    k : int or (int, int)
+        Eigenfunctions of source and target that are fitted, the constant one not counted.
+    zoom : int
+        Eigenfunctions that refinement by "zoomout" ends with.
+    signatures : bool
+        Whether wave kernel signatures are fitted, too.
+    commutativity : float
+        Weight of the commutativity with the Laplacians.
+    refine : {"zoomout", "icp", "none"}
+        How the map is refined.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    FunctionalMap
+        ``map``, ``points``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import catamaran
+    >>> shape = catamaran.shapes.figure(16)
+    >>> pairs = np.array([[0, 0], [100, 100], [200, 200], [300, 300]])
+    >>> found = catamaran.functional_map(shape, shape, landmarks=pairs, k=15, refine="none")
+    >>> found.map.shape
+    (16, 16)
+    """
+    both = (k, k) if isinstance(k, int) else k
+    lens = (both[0] + 1, both[1] + 1)
+    more = [max(n, zoom) if refine == "zoomout" else n for n in lens]
+    bases = [_basis(shape, n, threads) for shape, n in zip((source, target), more)]
+    found = _catamaran.functional_map(
+        bases[0],
+        bases[1],
+        lens,
+        landmarks,
+        functions,
+        signatures,
+        commutativity,
+        refine,
+        threads,
+        callback(progress),
+    )
+    return FunctionalMap(*found)
+
+
+def transfer(
+    source: Shape,
+    target: Shape,
+    functions: ArrayLike,
+    *,
+    points: Optional[ArrayLike] = None,
+    k: Union[int, Tuple[int, int]] = 30,
+    order: int = 2,
+    method: str = "single_pass",
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> NDArray[np.float64]:
+    """Transfer functions from a mesh to another one, through products of eigenfunctions.
+
+    Parameters
+    ----------
+    source, target : (v, f) or Eigenbasis
+        The meshes.
+    functions : array_like, n_source x c, or n_source numbers
+        Functions on the source.
+    points : array_like of n_target vertices, optional
+        The corresponding vertex of the source for each of the target, as of `functional_map`; by
+        default vertices of the same number correspond.
+    k : int or (int, int)
+        Eigenfunctions that are multiplied, the constant one not counted.
+    order : int
+        Factors of a product, at most; 1 transfers through eigenfunctions alone.
+    method
+        As in `eigenproducts`.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    ndarray, n_target x c, or n_target numbers
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import catamaran
+    >>> v, f = catamaran.shapes.icosphere(3)
+    >>> g = catamaran.transfer((v, f), (2 * v, f), v[:, 2], k=8)
+    >>> bool(np.abs(g - v[:, 2]).max() < 0.01)
+    True
+    """
+    both = (k, k) if isinstance(k, int) else k
+    lens = (both[0] + 1, both[1] + 1)
+    bases = [_basis(shape, n, threads) for shape, n in zip((source, target), lens)]
+    if points is None:
+        points = np.arange(bases[1].functions.shape[0])
+    found = _catamaran.transfer(
+        bases[0], bases[1], functions, points, lens, order, method, threads, callback(progress)
+    )
+    return found[:, 0] if np.ndim(functions) == 1 else found

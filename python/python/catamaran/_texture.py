@@ -1,0 +1,215 @@
+"""Slime moulds on surfaces and Newton's fractals."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Optional, Sequence, Tuple, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _catamaran
+from ._options import Progress, callback
+
+__all__ = ["Fractal", "Slime", "newton", "slime"]
+
+
+class Slime(NamedTuple):
+    """Textures of `slime`."""
+
+    #: species x size x size, from 0 to 1; row 0 is at v = 0.
+    texture: NDArray[np.float32]
+    #: faces x 3 x 2: texture coordinates of the corners of faces.
+    uv: NDArray[np.float64]
+    #: steps x species: the part of the surface that is covered.
+    coverage: NDArray[np.float64]
+
+
+def slime(
+    v: ArrayLike,
+    f: ArrayLike,
+    steps: int = 300,
+    *,
+    agents: int = 10_000,
+    species: int = 1,
+    size: int = 512,
+    seed: int = 0,
+    uv: Optional[ArrayLike] = None,
+    start: Optional[ArrayLike] = None,
+    ground: Optional[ArrayLike] = None,
+    time_step: Optional[float] = None,
+    movement_speed: Optional[float] = None,
+    turn_speed: Optional[float] = None,
+    vision_distance: Optional[float] = None,
+    vision_angle: Optional[float] = None,
+    evaporation_rate: Optional[float] = None,
+    diffusion_rate: Optional[float] = None,
+    turn_noise: Optional[float] = None,
+    project: Optional[int] = None,
+    gaussian: bool = False,
+    length_rescaling: bool = False,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> Slime:
+    """Let slime moulds grow over a mesh, as a texture.
+
+    Parameters
+    ----------
+    v, f : array_like
+        Vertices and faces.
+    steps : int
+        Steps of all agents.
+    agents, species : int
+        How many.
+    size : int
+        Side of the texture, in texels.
+    seed : int
+        Of all random numbers.
+    uv : array_like, faces x 3 x 2, optional
+        Texture coordinates; every triangle becomes a chart of its own by default.
+    start : array_like, size x size, optional
+        1 where agents may start, 0 elsewhere.
+    ground : array_like, size x size, optional
+        0 where agents move freely, 1 for obstacles, 2 for what attracts them.
+    time_step, movement_speed, turn_speed, vision_distance, vision_angle : float, optional
+        As ``docs/algorithms/slime.md`` explains them, with its defaults.
+    evaporation_rate, diffusion_rate, turn_noise : float, optional
+        The same.
+    project : int, optional
+        Move by so many projections to the tangent plane a step, instead of unfolding triangles.
+    gaussian : bool
+        Blur in the texture, without regard to its seams.
+    length_rescaling : bool
+        Rescale steps by the distortion of the texture.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    Slime
+        ``texture``, ``uv``, ``coverage``.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> found = catamaran.slime(*catamaran.shapes.icosphere(2), 5, agents=1000, size=160)
+    >>> found.texture.shape, bool(found.texture.max() > 0)
+    ((1, 160, 160), True)
+    """
+    mould = {
+        "agents": agents,
+        "species": species,
+        "size": size,
+        "seed": seed,
+        "time_step": time_step,
+        "movement_speed": movement_speed,
+        "turn_speed": turn_speed,
+        "vision_distance": vision_distance,
+        "vision_angle": vision_angle,
+        "evaporation_rate": evaporation_rate,
+        "diffusion_rate": diffusion_rate,
+        "turn_noise": turn_noise,
+        "project": project,
+        "gaussian": gaussian,
+        "length_rescaling": length_rescaling,
+        "threads": threads,
+    }
+    if uv is not None:
+        uv = np.asarray(uv, dtype=np.float64)
+    found = _catamaran.slime(v, f, steps, mould, uv, start, ground, callback(progress))
+    return Slime(*found)
+
+
+class Fractal(NamedTuple):
+    """What `newton` finds for each point."""
+
+    #: The number ``a * n + b`` of the root (a, b), for a polynomial of n roots.
+    roots: NDArray[np.uint16]
+    #: How fast it is reached: the smaller, the faster.
+    convergence: NDArray[np.float32]
+
+
+def newton(
+    points: Optional[ArrayLike] = None,
+    *,
+    power: Optional[int] = None,
+    roots: Optional[Sequence[complex]] = None,
+    size: Union[int, Tuple[int, int]] = 512,
+    center: Tuple[float, float] = (0.0, 0.0),
+    extent: float = 2.0,
+    volume: bool = False,
+    iterations: int = 32,
+    theta: float = 3.5,
+    gradient: str = "thesis",
+    scale: float = 1.0,
+    offset: Tuple[float, float, float] = (0.0, 0.0, 0.0),
+    w: float = 0.0,
+    threads: Optional[int] = None,
+    progress: Progress = None,
+) -> Fractal:
+    """Compute Newton's fractal in four dimensions, at points or on a grid.
+
+    Parameters
+    ----------
+    points : array_like, n x 3, optional
+        Where; a plane or a cube of `size` by default.
+    power : int, optional
+        The polynomial ``z^power - 1``; 3 by default.
+    roots : sequence of complex, optional
+        The roots of another polynomial.
+    size : int or (width, height)
+        Points of the grid.
+    center, extent
+        The middle of the plane, and how far it extends from there.
+    volume : bool
+        Whether the grid is a cube of size^3 points.
+    iterations : int
+        Of Newton's method.
+    theta : float
+        The larger, the earlier a point counts as not converged.
+    gradient : {"thesis", "shader"}
+        How the speed of convergence is measured.
+    scale, offset, w
+        What points are multiplied by, after `offset` and the fourth coordinate are added.
+    threads, progress
+        As in `ata`.
+
+    Returns
+    -------
+    Fractal
+        ``roots`` and ``convergence``: n numbers, height x width, or size x size x size.
+
+    Examples
+    --------
+    >>> import catamaran
+    >>> found = catamaran.newton(power=3, size=64)
+    >>> found.roots.shape, int(found.roots.max())
+    ((64, 64), 8)
+    """
+    if power is None and roots is None:
+        power = 3
+    if gradient not in ("thesis", "shader"):
+        raise ValueError(f"gradient: '{gradient}' is not one of 'thesis', 'shader'")
+    width, height = (size, size) if isinstance(size, int) else size
+    kind = "list" if points is not None else "cube" if volume else "plane"
+    shapes = {"cube": (width, width, width), "plane": (height, width)}
+    at = {
+        "kind": kind,
+        "points": points,
+        "size": (width, height),
+        "center": list(center),
+        "extent": extent,
+    }
+    fractal = {
+        "power": power,
+        "roots": None if roots is None else [(complex(z).real, complex(z).imag) for z in roots],
+        "iterations": iterations,
+        "theta": theta,
+        "shader": gradient == "shader",
+        "scale": scale,
+        "offset": list(offset),
+        "w": w,
+        "threads": threads,
+    }
+    found: Tuple[Any, Any] = _catamaran.newton(at, fractal, callback(progress))
+    shape = shapes.get(kind, found[0].shape)
+    return Fractal(found[0].reshape(shape), found[1].reshape(shape))

@@ -1,0 +1,95 @@
+"""Signatures of shapes, and spectra of unions of parts."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, List, NamedTuple, Optional, Sequence, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _catamaran
+
+__all__ = ["UnionSpectrum", "shape_dna", "union_spectrum"]
+
+
+def shape_dna(
+    v: ArrayLike,
+    f: ArrayLike,
+    k: int = 20,
+    *,
+    normalized: bool = True,
+    kind: str = "cotangent",
+    threads: Optional[int] = None,
+) -> NDArray[np.float64]:
+    """Compute the first eigenvalues of the Laplacian that are not zero: a signature of the shape
+    that does not depend on its pose.
+
+    Parameters
+    ----------
+    v, f : array_like
+        Vertices and faces.
+    k : int
+        Eigenvalues.
+    normalized : bool
+        Whether they are multiplied by the area, so that the size does not count.
+    kind : {"cotangent", "intrinsic", "tufted"}
+        As in `laplacian`.
+    threads : int, optional
+        Threads, at most.
+
+    Returns
+    -------
+    ndarray of k numbers
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import catamaran
+    >>> v, f = catamaran.shapes.torus()
+    >>> one, other = catamaran.shape_dna(v, f, 5), catamaran.shape_dna(3 * v, f, 5)
+    >>> bool(np.allclose(one, other))
+    True
+    """
+    return _catamaran.shape_dna(v, f, k, normalized, kind, threads)
+
+
+class UnionSpectrum(NamedTuple):
+    """What `union_spectrum` predicts."""
+
+    #: The first 20 Dirichlet eigenvalues of the union.
+    union: NDArray[np.float64]
+    #: Those of the parts.
+    parts: List[NDArray[np.float64]]
+    #: How unlike the training the parts are; above 1 the prediction is a guess.
+    ood_score: float
+
+
+def union_spectrum(
+    parts: Sequence[Any], *, model: Union[str, os.PathLike[str], None] = None
+) -> UnionSpectrum:
+    """Predict the spectrum of the union of parts of a surface, wherever the parts are.
+
+    Parameters
+    ----------
+    parts : sequence of (v, f) or of 20 eigenvalues
+        The parts, at least two: meshes, or their first 20 Dirichlet eigenvalues.
+    model : path, optional
+        Weights, as ``catamaran unions train`` writes them; those that come with the library by
+        default (docs/model-card-unions.md says what they are good for).
+
+    Returns
+    -------
+    UnionSpectrum
+        ``union``, ``parts``, ``ood_score``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import catamaran
+    >>> v, f = catamaran.shapes.disk(20, 60)
+    >>> found = catamaran.union_spectrum([(v, f), (v * 0.8, f)])
+    >>> bool(np.all(found.union <= found.parts[0]))  # a larger domain has smaller eigenvalues
+    True
+    """
+    return UnionSpectrum(*_catamaran.union_spectrum(list(parts), model))

@@ -1,0 +1,407 @@
+//! Sums over rows that come in blocks.
+
+use std::path::PathBuf;
+
+use catamaran::ata::{
+    Accumulator as Sum, DenseRows, ExtendedGram, RowBlocks, RowBounds, block_rows, scalar_of,
+};
+use catamaran::blas::BlasReal;
+use catamaran::faer::MatMut;
+use catamaran::io::{Output, Overwrite, accumulator_scalar, read_accumulator, write_accumulator};
+use catamaran::{AtaOptions, Error, Real};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::array::{Array, from_matrix, from_vec};
+use crate::error::{exception, refused};
+use crate::gram::{Fit, FitOptions, PrincipalComponents};
+use crate::options::{Products, par, word};
+use crate::scalar::Scalar;
+use crate::task::{Length, run};
+
+/// The sums of one scalar or the other.
+enum Sums {
+    F32(Sum<f32>),
+    F64(Sum<f64>),
+}
+
+/// `$body` with `$sum` the accumulator of the library.
+macro_rules! each {
+    ($sums:expr, $sum:ident => $body:expr) => {
+        match $sums {
+            Sums::F32($sum) => $body,
+            Sums::F64($sum) => $body,
+        }
+    };
+}
+
+/// Sums of rows; see `catamaran.Accumulator`, which inherits from this class.
+#[pyclass(module = "catamaran._catamaran", subclass)]
+pub struct Accumulator {
+    sums: Sums,
+    /// Why it is of no use any more.
+    broken: Option<String>,
+}
+
+impl Accumulator {
+    fn of(sums: Sums) -> Self {
+        Self { sums, broken: None }
+    }
+
+    fn check(&self) -> PyResult<()> {
+        match &self.broken {
+            None => Ok(()),
+            Some(why) => {
+                Err(refused("accumulator", format_args!("of no use after an error: {why}")))
+            }
+        }
+    }
+
+    fn sum_f64(&self) -> PyResult<Sum<f64>> {
+        self.check()?;
+        match &self.sums {
+            Sums::F64(sum) => copy(sum),
+            Sums::F32(_) => Err(refused("accumulator", "float32 sums have no extended precision")),
+        }
+    }
+
+    fn extended(&self, py: Python<'_>, threads: Option<i64>) -> PyResult<ExtendedGram> {
+        let (sum, par) = (self.sum_f64()?, par(threads)?);
+        run(py, Length::Long, None, move |_| sum.finish_extended(par))
+    }
+
+    /// Adds rows or removes them, block by block.
+    fn change(
+        &mut self,
+        py: Python<'_>,
+        rows: &Bound<'_, PyAny>,
+        change: Change<'_, '_>,
+    ) -> PyResult<()> {
+        self.check()?;
+        let mut started = false;
+        let changed = match &mut self.sums {
+            Sums::F32(sum) => blocks::<f32, f32>(py, sum, rows, change, &mut started),
+            Sums::F64(sum) if is_single(rows)? => {
+                blocks::<f32, f64>(py, sum, rows, change, &mut started)
+            }
+            Sums::F64(sum) => blocks::<f64, f64>(py, sum, rows, change, &mut started),
+        };
+        if let Err(error) = &changed
+            && started
+        {
+            self.broken = Some(error.value(py).to_string());
+        }
+        changed
+    }
+}
+
+fn is_single(rows: &Bound<'_, PyAny>) -> PyResult<bool> {
+    use numpy::{PyArrayDescrMethods, PyUntypedArrayMethods};
+    let kind = crate::array::untyped(rows)?.dtype();
+    Ok(kind.kind() == b'f' && kind.itemsize() == 4)
+}
+
+/// A copy, bit for bit.
+fn copy<T: BlasReal>(sum: &Sum<T>) -> PyResult<Sum<T>> {
+    let mut bytes = Vec::new();
+    sum.write(&mut bytes)?;
+    Ok(Sum::read(&mut &bytes[..])?)
+}
+
+/// What is done with rows.
+struct Change<'a, 'py> {
+    weights: Option<&'a Bound<'py, PyAny>>,
+    remove: bool,
+    products: Products<'py>,
+    progress: Option<Py<PyAny>>,
+}
+
+/// Adds or removes rows of S. `started` tells whether an error leaves the sums in between.
+fn blocks<S: Scalar + Real, T: Scalar + BlasReal>(
+    py: Python<'_>,
+    sum: &mut Sum<T>,
+    rows: &Bound<'_, PyAny>,
+    change: Change<'_, '_>,
+    started: &mut bool,
+) -> PyResult<()> {
+    let rows = Array::<S>::new("rows", rows, &[2])?;
+    let (m, n) = rows.shape();
+    if n != sum.ncols() {
+        let why = format!("rows: expected {} columns, got {n}", sum.ncols());
+        return Err(PyValueError::new_err(why));
+    }
+    let weights = change.weights.map(|w| Array::<T>::new("weights", w, &[1])).transpose()?;
+    let weights = weights.as_ref().map(Array::entries);
+    if let Some(weights) = &weights
+        && weights.len() != m
+    {
+        return Err(refused(
+            "weights",
+            format_args!("expected {m} of them, got {}", weights.len()),
+        ));
+    }
+    let options = change.products.options()?;
+    let height = block_rows::<T>(n, weights.is_some()).min(m).max(1);
+    let length = Length::of(m as f64 * n as f64 * n as f64);
+    let (mut rows, remove, weights) = (DenseRows(rows.view()), change.remove, weights.as_deref());
+    run(py, length, change.progress, move |progress| {
+        let mut block = vec![T::ZERO; height * n];
+        for first in (0..m).step_by(height) {
+            let range = first..m.min(first + height);
+            let count = range.len();
+            let block = &mut block[..count * n];
+            rows.read(first, MatMut::from_row_major_slice_mut(block, count, n))?;
+            let part = range.start as f64 / m as f64..range.end as f64 / m as f64;
+            let options: AtaOptions<'_> = options.clone().progress(progress.part(part));
+            let weights = weights.map(|all| &all[range]);
+            let done = match remove {
+                false => sum.add_block(count, block, weights, &options),
+                true => sum.remove_block(count, block, weights, &options),
+            };
+            // An argument that is refused leaves the sums as they were before this block.
+            let refused = matches!(
+                done,
+                Err(Error::Argument { .. } | Error::NonFinite { .. } | Error::Shape { .. })
+            );
+            *started = *started || !refused;
+            done?;
+        }
+        Ok(())
+    })
+}
+
+#[pymethods]
+impl Accumulator {
+    /// `kind` is float, exact or extended; the last two need `bounds`: lower, upper, rows and the
+    /// largest weight.
+    #[new]
+    #[pyo3(signature = (columns, center, scalar, kind, bounds))]
+    fn new(
+        columns: usize,
+        center: bool,
+        scalar: &str,
+        kind: &str,
+        bounds: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>, u64, Option<f64>)>,
+    ) -> PyResult<Self> {
+        let single = word("dtype", scalar, &[("float64", false), ("float32", true)])?;
+        let kind = word("kind", kind, &[("float", 0), ("exact", 1), ("extended", 2)])?;
+        Ok(Self::of(match single {
+            true => Sums::F32(make(columns, center, kind, bounds)?),
+            false => Sums::F64(make(columns, center, kind, bounds)?),
+        }))
+    }
+
+    #[pyo3(signature = (rows, weights, products, progress))]
+    fn _add<'py>(
+        &mut self,
+        rows: &Bound<'py, PyAny>,
+        weights: Option<&Bound<'py, PyAny>>,
+        products: Products<'py>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<()> {
+        let change = Change { weights, remove: false, products, progress };
+        self.change(rows.py(), rows, change)
+    }
+
+    #[pyo3(signature = (rows, weights, products, progress))]
+    fn _remove<'py>(
+        &mut self,
+        rows: &Bound<'py, PyAny>,
+        weights: Option<&Bound<'py, PyAny>>,
+        products: Products<'py>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<()> {
+        let change = Change { weights, remove: true, products, progress };
+        self.change(rows.py(), rows, change)
+    }
+
+    fn _merge(&mut self, other: &Bound<'_, Self>) -> PyResult<()> {
+        self.check()?;
+        // One object cannot be borrowed twice; Python's side copies it for that.
+        let other = other.try_borrow()?;
+        other.check()?;
+        let merged = match (&mut self.sums, &other.sums) {
+            (Sums::F32(own), Sums::F32(others)) => own.merge(copy(others)?),
+            (Sums::F64(own), Sums::F64(others)) => own.merge(copy(others)?),
+            _ => return Err(refused("accumulator", "float32 and float64 sums can't be merged")),
+        };
+        merged.map_err(|error| {
+            self.broken = Some(error.to_string());
+            exception(error)
+        })
+    }
+
+    #[pyo3(signature = (alpha, part))]
+    fn _result<'py>(&self, py: Python<'py>, alpha: f64, part: &str) -> PyResult<Bound<'py, PyAny>> {
+        self.check()?;
+        let part = crate::options::uplo(part)?;
+        match &self.sums {
+            Sums::F32(sum) => {
+                let c = copy(sum)?.finish(alpha, part).map_err(exception)?;
+                let wide =
+                    crate::array::zeros::<f32>(py, [c.as_ref().nrows(), c.as_ref().ncols()])?;
+                Ok(filled(wide, c.as_ref()).into_any())
+            }
+            Sums::F64(sum) => {
+                let c = copy(sum)?.finish(alpha, part).map_err(exception)?;
+                let own = crate::array::zeros::<f64>(py, [c.as_ref().nrows(), c.as_ref().ncols()])?;
+                Ok(filled(own, c.as_ref()).into_any())
+            }
+        }
+    }
+
+    /// The three parts of C, lower triangles, and whether the sums are exact.
+    #[pyo3(signature = (threads))]
+    fn _extended<'py>(
+        &self,
+        py: Python<'py>,
+        threads: Option<i64>,
+    ) -> PyResult<(Vec<Bound<'py, PyAny>>, bool)> {
+        let gram = self.extended(py, threads)?;
+        let part = |i: usize| Ok(from_matrix(py, gram.part(i))?.into_any());
+        Ok(((0..3).map(part).collect::<PyResult<_>>()?, gram.is_exact()))
+    }
+
+    fn _lstsq(&self, py: Python<'_>, targets: usize, options: FitOptions) -> PyResult<Fit> {
+        let gram = self.extended(py, options.threads)?;
+        Fit::of(py, gram, targets, &options)
+    }
+
+    #[pyo3(signature = (components, standardize, whiten, threads))]
+    fn _pca(
+        &self,
+        py: Python<'_>,
+        components: &Bound<'_, PyAny>,
+        standardize: bool,
+        whiten: bool,
+        threads: Option<i64>,
+    ) -> PyResult<PrincipalComponents> {
+        let gram = self.extended(py, threads)?;
+        PrincipalComponents::of(py, gram, components, standardize, whiten, threads)
+    }
+
+    fn _save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        self.check()?;
+        let sums = &self.sums;
+        run(py, Length::Long, None, move |_| {
+            let output = Output::create(&path, Overwrite::Replace)?;
+            each!(sums, sum => write_accumulator(output, sum))
+        })
+    }
+
+    /// Becomes the accumulator of a file.
+    fn _load(&mut self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let sums = run(py, Length::Long, None, move |_| match accumulator_scalar(&path)? {
+            "f32" => read_accumulator(&path).map(Sums::F32),
+            _ => read_accumulator(&path).map(Sums::F64),
+        })?;
+        *self = Self::of(sums);
+        Ok(())
+    }
+
+    fn _to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        self.check()?;
+        let mut bytes = Vec::new();
+        each!(&self.sums, sum => sum.write(&mut bytes))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Becomes the accumulator of these bytes.
+    fn _restore(&mut self, bytes: &[u8]) -> PyResult<()> {
+        let damaged = |e: std::io::Error| refused("accumulator", e);
+        let sums = match scalar_of(&mut &bytes[..]).map_err(damaged)? {
+            "f32" => Sum::read(&mut &bytes[..]).map(Sums::F32),
+            _ => Sum::read(&mut &bytes[..]).map(Sums::F64),
+        };
+        *self = Self::of(sums.map_err(damaged)?);
+        Ok(())
+    }
+
+    #[getter]
+    fn columns(&self) -> usize {
+        each!(&self.sums, sum => sum.ncols())
+    }
+
+    #[getter]
+    fn rows(&self) -> u64 {
+        each!(&self.sums, sum => sum.rows())
+    }
+
+    #[getter]
+    fn weight(&self) -> f64 {
+        each!(&self.sums, sum => sum.weight())
+    }
+
+    #[getter]
+    fn centered(&self) -> bool {
+        each!(&self.sums, sum => sum.is_centered())
+    }
+
+    #[getter]
+    fn exact(&self) -> bool {
+        each!(&self.sums, sum => sum.is_exact())
+    }
+
+    #[getter]
+    fn is_extended(&self) -> bool {
+        each!(&self.sums, sum => sum.is_extended())
+    }
+
+    #[getter]
+    fn dtype(&self) -> &'static str {
+        match self.sums {
+            Sums::F32(_) => "float32",
+            Sums::F64(_) => "float64",
+        }
+    }
+
+    #[getter]
+    fn mean<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        from_vec(py, each!(&self.sums, sum => sum.mean())).into_any()
+    }
+}
+
+/// A copy of a matrix in an array.
+fn filled<'py, T: Scalar>(
+    mut array: Array<'py, T>,
+    matrix: catamaran::faer::MatRef<'_, T>,
+) -> Array<'py, T> {
+    let mut view = array.view_mut();
+    for i in 0..matrix.nrows() {
+        for j in 0..matrix.ncols() {
+            view[(i, j)] = matrix[(i, j)];
+        }
+    }
+    array
+}
+
+/// A new accumulator; `kind` is 0 (float), 1 (exact) or 2 (extended).
+fn make<T: Scalar + BlasReal>(
+    columns: usize,
+    center: bool,
+    kind: u8,
+    bounds: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>, u64, Option<f64>)>,
+) -> PyResult<Sum<T>> {
+    let bounds = match (kind, bounds) {
+        (0, None) => return Sum::new(columns, center).map_err(exception),
+        (0, Some(_)) => return Err(refused("bounds", "floating-point sums need none")),
+        (_, None) => return Err(refused("bounds", "exact sums need them: lower, upper, rows")),
+        (_, Some(bounds)) => bounds,
+    };
+    let (lower, upper, rows, weight) = bounds;
+    let [lower, upper] = [lower, upper]
+        .map(|side| Ok::<_, PyErr>(Array::<T>::new("bounds", &side, &[1])?.entries().into_owned()));
+    let mut bounds = RowBounds::new(lower?, upper?, rows).map_err(exception)?;
+    if bounds.ncols() != columns {
+        return Err(refused("bounds", format_args!("expected {columns}, got {}", bounds.ncols())));
+    }
+    if let Some(weight) = weight {
+        bounds = bounds.with_weights(T::from_f64(weight)).map_err(exception)?;
+    }
+    match kind {
+        1 => Sum::exact(&bounds, center),
+        _ => Sum::extended(&bounds, center),
+    }
+    .map_err(exception)
+}

@@ -1,0 +1,83 @@
+//! Curves through samples on a mesh.
+
+use catamaran::curve::{Count, CurveOptions, CurveSolver, Mode, Outcome, refined, smooth};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::array::{from_rows, from_vec};
+use crate::mesh::mesh;
+use crate::options::{vertices, word};
+use crate::task::{Length, run};
+
+/// How a curve is found, as a dictionary.
+#[derive(FromPyObject)]
+pub struct How {
+    #[pyo3(item)]
+    mode: String,
+    #[pyo3(item)]
+    open: bool,
+    #[pyo3(item)]
+    single: bool,
+    #[pyo3(item)]
+    steiner: bool,
+    #[pyo3(item)]
+    candidates: usize,
+    #[pyo3(item)]
+    start: usize,
+    #[pyo3(item)]
+    smooth: bool,
+}
+
+/// Flips of edges for each vertex of the curves, at most, as in `catamaran curve`.
+const STEPS: usize = 1000;
+
+/// The outcome, the curves as dictionaries, and the samples that are left out; see
+/// `catamaran.curve`.
+#[pyfunction]
+#[pyo3(signature = (v, f, samples, how, progress))]
+pub fn curve<'py>(
+    py: Python<'py>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    samples: &Bound<'py, PyAny>,
+    how: How,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(String, bool, Vec<Bound<'py, PyDict>>, Bound<'py, PyAny>)> {
+    let mode = word("mode", &how.mode, &[("robust", Mode::Robust), ("faithful", Mode::Faithful)])?;
+    let (mesh, samples) = (mesh(v, f)?, vertices("samples", samples)?);
+    let found = run(py, Length::Long, progress, move |progress| {
+        let options = CurveOptions::new()
+            .mode(mode)
+            .open(how.open)
+            .count(if how.single { Count::One } else { Count::Automatic })
+            .steiner(how.steiner)
+            .candidates(how.candidates)
+            .start(how.start)
+            .progress(progress);
+        let mut found = CurveSolver::new(&mesh)?.reconstruct(&samples, &options)?;
+        if how.smooth {
+            let refined = refined(&mesh, &found.steiner)?;
+            let count: usize = found.curves.iter().map(|curve| curve.path.len()).sum();
+            let smoothed = smooth(&refined, &found.curves, &samples, STEPS * count)?;
+            let all = smoothed.points.into_iter().zip(smoothed.lengths);
+            for (curve, (points, length)) in found.curves.iter_mut().zip(all) {
+                (curve.points, curve.length) = (points, length);
+            }
+        }
+        Ok(found)
+    })?;
+    let numbers =
+        |all: Vec<u32>| from_vec(py, all.into_iter().map(i64::from).collect::<Vec<_>>()).into_any();
+    let mut curves = Vec::new();
+    for curve in found.curves {
+        let entry = PyDict::new(py);
+        entry.set_item("order", numbers(curve.order))?;
+        entry.set_item("path", numbers(curve.path))?;
+        entry.set_item("points", from_rows(py, curve.points)?)?;
+        entry.set_item("closed", curve.closed)?;
+        entry.set_item("length", curve.length)?;
+        curves.push(entry);
+    }
+    let outcome: Outcome = found.outcome;
+    Ok((outcome.to_string(), outcome.is_complete(), curves, numbers(found.left_out)))
+}

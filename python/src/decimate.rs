@@ -1,0 +1,96 @@
+//! Decimation and farthest points.
+
+use catamaran::decimate::{DecimateOptions, FarthestPoints, Method, decimate as reduce};
+use pyo3::prelude::*;
+
+use crate::array::{from_rows, from_vec};
+use crate::mesh::{arrays, first_vertex, mesh};
+use crate::options::{par, word};
+use crate::sparse::{Parts, parts};
+use crate::task::{Length, run};
+
+/// How a mesh is decimated, as a dictionary.
+#[derive(FromPyObject)]
+pub struct How {
+    #[pyo3(item)]
+    method: String,
+    #[pyo3(item)]
+    resample: bool,
+    #[pyo3(item)]
+    lloyd: usize,
+    #[pyo3(item)]
+    relaxation: usize,
+    #[pyo3(item)]
+    cut_narrow_handles: bool,
+    #[pyo3(item)]
+    first: Option<i64>,
+    #[pyo3(item)]
+    threads: Option<i64>,
+}
+
+/// Vertices, faces, the face of the input at each vertex, its weights there, and the matrix from
+/// functions on the result to functions on the input.
+type Decimated<'py> =
+    (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Parts<'py>);
+
+/// See `catamaran.decimate`.
+#[pyfunction]
+#[pyo3(signature = (v, f, n, how, progress))]
+pub fn decimate<'py>(
+    py: Python<'py>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    n: usize,
+    how: How,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Decimated<'py>> {
+    let method =
+        word("method", &how.method, &[("uniform", Method::Uniform), ("thesis", Method::Thesis)])?;
+    let (par, first, mesh) = (par(how.threads)?, first_vertex(how.first)?, mesh(v, f)?);
+    let (found, weights) = run(py, Length::Long, progress, move |progress| {
+        let options = DecimateOptions::new()
+            .method(method)
+            .resample(how.resample)
+            .lloyd(how.lloyd)
+            .relaxation(how.relaxation)
+            .cut_narrow_handles(how.cut_narrow_handles)
+            .first(first)
+            .par(par)
+            .progress(progress);
+        let found = reduce(&mesh, n, &options)?;
+        let weights = found.weights(&mesh, par)?;
+        Ok((found, weights))
+    })?;
+    let of_faces: Vec<i64> = found.places.iter().map(|place| i64::from(place.face)).collect();
+    let inside = found.places.iter().map(|place| place.weights).collect();
+    let (v, f) = arrays(py, found.mesh)?;
+    let places = (from_vec(py, of_faces).into_any(), from_rows(py, inside)?.into_any());
+    Ok((v, f, places.0, places.1, parts(py, weights)))
+}
+
+/// Samples, the nearest sample of each vertex (-1 without), and its distance; see
+/// `catamaran.farthest_points`.
+#[pyfunction]
+#[pyo3(signature = (v, f, n, first, progress))]
+pub fn farthest_points<'py>(
+    py: Python<'py>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    n: usize,
+    first: Option<i64>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+    let (first, mesh) = (first_vertex(first)?, mesh(v, f)?);
+    let (samples, cells) = run(py, Length::Long, progress, move |progress| {
+        let mut points = FarthestPoints::new(&mesh, first)?;
+        points.extend_to(n, progress)?;
+        Ok((points.samples().to_vec(), points.cells()))
+    })?;
+    let number = |&v: &u32| if v == u32::MAX { -1 } else { i64::from(v) };
+    let distances: Vec<f64> = cells.distances().iter().map(|&d| f64::from(d)).collect();
+    Ok((
+        from_vec(py, samples.iter().map(number).collect::<Vec<_>>()).into_any(),
+        from_vec(py, cells.of_vertices().iter().map(number).collect::<Vec<_>>()).into_any(),
+        from_vec(py, distances).into_any(),
+    ))
+}

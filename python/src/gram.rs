@@ -1,0 +1,440 @@
+//! Least squares, principal components and singular values.
+
+use catamaran::ata::{
+    Center, DenseRows, ExtendedGram, RowBlocks, RowOptions, ata_extended, block_rows,
+};
+use catamaran::base::Progress;
+use catamaran::faer::{Mat, MatRef};
+use catamaran::gram::{
+    Components, GramQr, JoinedRows, LeastSquares, LeastSquaresOptions,
+    PrincipalComponents as Principal, PrincipalComponentsOptions, RankDeficiency, SingularValues,
+    check_weights, correlation, orthogonality as distance,
+};
+use catamaran::{AtaOptions, Error, Par};
+use numpy::{PyArrayDescrMethods, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::array::{Array, from_matrix, from_vec, untyped, zeros};
+use crate::options::{par, word};
+use crate::task::{Length, run};
+
+/// Rows of f32 or of f64; either become f64 without rounding.
+pub enum Rows<'py> {
+    F32(Array<'py, f32>),
+    F64(Array<'py, f64>),
+}
+
+/// Their view, which other threads may hold.
+#[derive(Clone, Copy)]
+pub enum RowsView<'a> {
+    F32(MatRef<'a, f32>),
+    F64(MatRef<'a, f64>),
+}
+
+impl<'py> Rows<'py> {
+    /// The rows of an array of these numbers of dimensions.
+    pub fn new(name: &str, object: &Bound<'py, PyAny>, dimensions: &[usize]) -> PyResult<Self> {
+        let array = untyped(object)?;
+        let (kind, bytes) = (array.dtype().kind(), array.dtype().itemsize());
+        Ok(match kind == b'f' && bytes == 4 {
+            true => Self::F32(Array::new(name, &array, dimensions)?),
+            false => Self::F64(Array::new(name, &array, dimensions)?),
+        })
+    }
+
+    /// Rows and columns; a vector is a column.
+    pub fn shape(&self) -> (usize, usize) {
+        match self {
+            Self::F32(array) => array.shape(),
+            Self::F64(array) => array.shape(),
+        }
+    }
+
+    /// The view.
+    pub fn view(&self) -> RowsView<'_> {
+        match self {
+            Self::F32(array) => RowsView::F32(array.view()),
+            Self::F64(array) => RowsView::F64(array.view()),
+        }
+    }
+}
+
+impl RowBlocks<f64> for RowsView<'_> {
+    fn nrows(&self) -> usize {
+        match self {
+            Self::F32(view) => view.nrows(),
+            Self::F64(view) => view.nrows(),
+        }
+    }
+
+    fn ncols(&self) -> usize {
+        match self {
+            Self::F32(view) => view.ncols(),
+            Self::F64(view) => view.ncols(),
+        }
+    }
+
+    fn read(
+        &mut self,
+        first: usize,
+        out: catamaran::faer::MatMut<'_, f64>,
+    ) -> catamaran::Result<()> {
+        match self {
+            Self::F32(view) => DenseRows(*view).read(first, out),
+            Self::F64(view) => DenseRows(*view).read(first, out),
+        }
+    }
+}
+
+/// The share of the time that passes over the rows take, of work that goes on after them.
+const PASSES: f64 = 0.9;
+
+/// The Gram matrix of rows in extended precision.
+fn gram_of(
+    rows: &mut (dyn RowBlocks<f64> + Send),
+    weights: Option<&[f64]>,
+    centered: bool,
+    par: Par,
+    progress: Progress<'_>,
+) -> catamaran::Result<ExtendedGram> {
+    let center = if centered { Center::Mean } else { Center::No };
+    let options = AtaOptions::new().par(par).progress(progress.part(0.0..PASSES));
+    ata_extended(rows, &RowOptions::new().weights(weights).center(center), &options)
+}
+
+/// How least squares are solved, as a tuple.
+#[derive(FromPyObject)]
+pub struct FitOptions {
+    #[pyo3(item)]
+    ridge: f64,
+    #[pyo3(item)]
+    intercept: bool,
+    #[pyo3(item)]
+    rank_deficiency: String,
+    #[pyo3(item)]
+    standard_errors: bool,
+    /// All cores by default.
+    #[pyo3(item)]
+    pub threads: Option<i64>,
+}
+
+impl FitOptions {
+    fn options(&self) -> PyResult<LeastSquaresOptions> {
+        let known =
+            [("minimum_norm", RankDeficiency::MinimumNorm), ("refuse", RankDeficiency::Refuse)];
+        Ok(LeastSquaresOptions::new()
+            .ridge(self.ridge)
+            .intercept(self.intercept)
+            .rank_deficiency(word("rank_deficiency", &self.rank_deficiency, &known)?)
+            .standard_errors(self.standard_errors)
+            .par(par(self.threads)?))
+    }
+}
+
+/// A solution, which becomes a dictionary.
+pub struct Fit(LeastSquares);
+
+impl Fit {
+    /// Solves for the last columns of a Gram matrix.
+    pub fn of(
+        py: Python<'_>,
+        gram: ExtendedGram,
+        targets: usize,
+        options: &FitOptions,
+    ) -> PyResult<Self> {
+        let options = options.options()?;
+        run(py, Length::Long, None, move |_| LeastSquares::from_gram(&gram, targets, &options))
+            .map(Self)
+    }
+}
+
+impl<'py> IntoPyObject<'py> for Fit {
+    type Target = PyDict;
+    type Output = Bound<'py, PyDict>;
+    type Error = PyErr;
+
+    fn into_pyobject(self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let LeastSquares {
+            coefficients,
+            coefficients_low,
+            intercepts,
+            residual_norms,
+            r_squared,
+            standard_errors,
+            intercept_errors,
+            rank,
+            dependent,
+            condition,
+            degrees_of_freedom,
+            digits,
+            ..
+        } = self.0;
+        let found = PyDict::new(py);
+        found.set_item("x", from_matrix(py, coefficients.as_ref())?)?;
+        found.set_item("x_low", from_matrix(py, coefficients_low.as_ref())?)?;
+        found.set_item("intercept", from_vec(py, intercepts))?;
+        found.set_item("residual_norm", from_vec(py, residual_norms))?;
+        found.set_item("r_squared", from_vec(py, r_squared))?;
+        found.set_item("standard_errors", from_matrix(py, standard_errors.as_ref())?)?;
+        found.set_item("intercept_errors", from_vec(py, intercept_errors))?;
+        found.set_item("rank", rank)?;
+        found.set_item("dependent", from_vec(py, dependent))?;
+        found.set_item("condition", condition)?;
+        found.set_item("degrees_of_freedom", degrees_of_freedom)?;
+        found.set_item("digits", digits)?;
+        Ok(found)
+    }
+}
+
+/// Least squares; see `catamaran.lstsq`.
+#[pyfunction]
+#[pyo3(signature = (a, b, weights, options, progress))]
+pub fn lstsq<'py>(
+    py: Python<'py>,
+    a: &Bound<'py, PyAny>,
+    b: &Bound<'py, PyAny>,
+    weights: Option<&Bound<'py, PyAny>>,
+    options: FitOptions,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Fit> {
+    let (a, b) = (Rows::new("a", a, &[2])?, Rows::new("b", b, &[1, 2])?);
+    let weights = weights.map(|w| Array::<f64>::new("weights", w, &[1])).transpose()?;
+    let weights = weights.as_ref().map(Array::entries);
+    let options = options.options()?;
+    let (m, n) = a.shape();
+    let (mut a, mut b, weights) = (a.view(), b.view(), weights.as_deref());
+    // Extended products take about a hundred times as long as plain ones.
+    let length = Length::of(1e2 * m as f64 * n as f64 * n as f64);
+    run(py, length, progress, move |progress| {
+        check_weights(weights)?;
+        let targets = RowBlocks::<f64>::ncols(&b);
+        let mut rows = JoinedRows::new(&mut a, &mut b)?;
+        let gram = gram_of(&mut rows, weights, options.intercept, options.par, progress)?;
+        LeastSquares::from_gram(&gram, targets, &options)
+    })
+    .map(Fit)
+}
+
+/// Principal components; see `catamaran.pca`.
+#[pyclass(frozen, module = "catamaran._catamaran")]
+pub struct PrincipalComponents {
+    found: Principal,
+}
+
+impl PrincipalComponents {
+    /// Of a Gram matrix about the mean.
+    pub fn of(
+        py: Python<'_>,
+        gram: ExtendedGram,
+        components: &Bound<'_, PyAny>,
+        standardize: bool,
+        whiten: bool,
+        threads: Option<i64>,
+    ) -> PyResult<Self> {
+        let options = principal_options(components, standardize, whiten, threads)?;
+        let found = run(py, Length::Long, None, move |_| Principal::from_gram(&gram, &options))?;
+        Ok(Self { found })
+    }
+}
+
+/// All components by default, a number of them, or a share of the variance between 0 and 1.
+fn principal_options(
+    components: &Bound<'_, PyAny>,
+    standardize: bool,
+    whiten: bool,
+    threads: Option<i64>,
+) -> PyResult<PrincipalComponentsOptions> {
+    let components = if components.is_none() {
+        Components::All
+    } else if let Ok(count) = components.extract::<usize>() {
+        Components::Count(count)
+    } else {
+        Components::Share(components.extract::<f64>()?)
+    };
+    Ok(PrincipalComponentsOptions::new()
+        .components(components)
+        .standardize(standardize)
+        .whiten(whiten)
+        .par(par(threads)?))
+}
+
+/// Principal components; see `catamaran.pca`.
+#[pyfunction]
+#[pyo3(signature = (a, weights, components, standardize, whiten, threads, progress))]
+pub fn pca<'py>(
+    py: Python<'py>,
+    a: &Bound<'py, PyAny>,
+    weights: Option<&Bound<'py, PyAny>>,
+    components: &Bound<'py, PyAny>,
+    standardize: bool,
+    whiten: bool,
+    threads: Option<i64>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<PrincipalComponents> {
+    let a = Rows::new("a", a, &[2])?;
+    let weights = weights.map(|w| Array::<f64>::new("weights", w, &[1])).transpose()?;
+    let weights = weights.as_ref().map(Array::entries);
+    let options = principal_options(components, standardize, whiten, threads)?;
+    let (mut a, weights) = (a.view(), weights.as_deref());
+    let found = run(py, Length::Long, progress, move |progress| {
+        let gram = gram_of(&mut a, weights, true, options.par, progress)?;
+        Principal::from_gram(&gram, &options)
+    })?;
+    Ok(PrincipalComponents { found })
+}
+
+#[pymethods]
+impl PrincipalComponents {
+    #[getter]
+    fn components<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(from_matrix(py, self.found.components.as_ref())?.into_any())
+    }
+
+    #[getter]
+    fn explained_variance<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        from_vec(py, self.found.explained_variance.clone()).into_any()
+    }
+
+    #[getter]
+    fn explained_variance_ratio<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        from_vec(py, self.found.explained_variance_ratio.clone()).into_any()
+    }
+
+    #[getter]
+    fn singular_values<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        from_vec(py, self.found.singular_values.clone()).into_any()
+    }
+
+    #[getter]
+    fn mean<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        from_vec(py, self.found.mean.clone()).into_any()
+    }
+
+    #[getter]
+    fn scale<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        from_vec(py, self.found.scale.clone()).into_any()
+    }
+
+    #[getter]
+    fn whiten(&self) -> bool {
+        self.found.whiten
+    }
+
+    /// The scores of rows, block by block.
+    #[pyo3(signature = (rows, progress))]
+    fn transform<'py>(
+        &self,
+        py: Python<'py>,
+        rows: &Bound<'py, PyAny>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let rows = Rows::new("rows", rows, &[2])?;
+        let (m, n) = rows.shape();
+        let mut scores = zeros::<f64>(py, [m, self.found.components.nrows()])?;
+        let (mut rows, mut out, found) = (rows.view(), scores.view_mut(), &self.found);
+        let length = Length::of(m as f64 * n as f64 * found.components.nrows() as f64);
+        run(py, length, progress, move |progress| {
+            let check =
+                |n| Error::Shape { what: "rows", expected: (m, found.mean.len()), got: (m, n) };
+            if n != found.mean.len() {
+                return Err(check(n));
+            }
+            for_blocks(&mut rows, progress, |first, block| {
+                let scores = found.scores(block)?;
+                out.as_mut().subrows_mut(first, scores.nrows()).copy_from(&scores);
+                Ok(())
+            })
+        })?;
+        Ok(scores.into_any())
+    }
+}
+
+/// Calls `work` with blocks of rows and the number of their first row.
+fn for_blocks(
+    rows: &mut dyn RowBlocks<f64>,
+    progress: Progress<'_>,
+    mut work: impl FnMut(usize, MatRef<'_, f64>) -> catamaran::Result<()>,
+) -> catamaran::Result<()> {
+    let (m, n) = (rows.nrows(), rows.ncols());
+    let height = block_rows::<f64>(n, true).min(4096).min(m).max(1);
+    let mut block = Mat::<f64>::zeros(height, n);
+    for first in (0..m).step_by(height) {
+        progress.report(first as f64 / m as f64)?;
+        let count = height.min(m - first);
+        rows.read(first, block.as_mut().subrows_mut(0, count))?;
+        work(first, block.as_ref().subrows(0, count))?;
+    }
+    Ok(())
+}
+
+/// Singular values and right singular vectors; see `catamaran.svd`.
+#[pyfunction]
+#[pyo3(signature = (a, threads, progress))]
+pub fn svd<'py>(
+    py: Python<'py>,
+    a: &Bound<'py, PyAny>,
+    threads: Option<i64>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+    let (a, par) = (Rows::new("a", a, &[2])?, par(threads)?);
+    let mut a = a.view();
+    let found = run(py, Length::Long, progress, move |progress| {
+        SingularValues::from_gram(&gram_of(&mut a, None, false, par, progress)?, par)
+    })?;
+    Ok((from_vec(py, found.values).into_any(), from_matrix(py, found.v.as_ref())?.into_any()))
+}
+
+/// Q and R of the Gram matrix, Q in the memory of a new array.
+pub fn gram_qr<'py>(
+    py: Python<'py>,
+    a: &Bound<'py, PyAny>,
+    par: Par,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+    let a = Rows::new("a", a, &[2])?;
+    let (m, n) = a.shape();
+    let mut q = zeros::<f64>(py, [m, n])?;
+    let (mut a, mut out) = (a.view(), q.view_mut());
+    let r = run(py, Length::Long, progress, move |progress| {
+        let qr = GramQr::from_gram(&gram_of(&mut a, None, false, par, progress)?, par)?;
+        a.read(0, out.as_mut())?;
+        qr.apply(out, par)?;
+        Ok(qr.r().clone())
+    })?;
+    Ok((q.into_any(), from_matrix(py, r.as_ref())?.into_any()))
+}
+
+/// The correlation matrix; see `catamaran.corrcoef`.
+#[pyfunction]
+#[pyo3(signature = (a, threads, progress))]
+pub fn corrcoef<'py>(
+    py: Python<'py>,
+    a: &Bound<'py, PyAny>,
+    threads: Option<i64>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (a, par) = (Rows::new("a", a, &[2])?, par(threads)?);
+    let mut a = a.view();
+    let found = run(py, Length::Long, progress, move |progress| {
+        correlation(&gram_of(&mut a, None, true, par, progress)?)
+    })?;
+    Ok(from_matrix(py, found.as_ref())?.into_any())
+}
+
+/// How far `Q^T Q` is from the identity: in the Frobenius norm, and the largest entry.
+#[pyfunction]
+#[pyo3(signature = (q, threads, progress))]
+pub fn orthogonality<'py>(
+    py: Python<'py>,
+    q: &Bound<'py, PyAny>,
+    threads: Option<i64>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(f64, f64)> {
+    let (q, par) = (Rows::new("q", q, &[2])?, par(threads)?);
+    let mut q = q.view();
+    let found = run(py, Length::Long, progress, move |progress| {
+        distance(&gram_of(&mut q, None, false, par, progress)?)
+    })?;
+    Ok((found.frobenius, found.max))
+}

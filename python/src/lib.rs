@@ -1,0 +1,69 @@
+//! The extension module of the Python package `catamaran`: arguments in, the call of the library,
+//! arrays out. No algorithm is here.
+//!
+//! `array` holds views of numpy arrays, `task` runs the work with the interpreter released,
+//! `error` turns errors into exceptions, `options` reads words into options; then a module for
+//! each chapter. Names, defaults and documentation are in the Python files beside it.
+
+mod accumulator;
+mod array;
+mod ata;
+mod curve;
+mod decimate;
+mod error;
+mod gram;
+mod mesh;
+mod mesh_file;
+mod options;
+mod ortho;
+mod plant;
+mod pool;
+mod product_plan;
+mod scalar;
+mod sparse;
+mod spectral;
+mod spectrum;
+mod task;
+mod texture;
+mod unions;
+
+/// The functions and classes that the Python files call.
+#[pyo3::pymodule(gil_used = true)]
+mod _catamaran {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::accumulator::Accumulator;
+    #[pymodule_export]
+    use crate::ata::{ata, ata_sparse};
+    #[pymodule_export]
+    use crate::curve::curve;
+    #[pymodule_export]
+    use crate::decimate::{decimate, farthest_points};
+    #[pymodule_export]
+    use crate::gram::{PrincipalComponents, corrcoef, lstsq, orthogonality, pca, svd};
+    #[pymodule_export]
+    use crate::mesh::{laplacian, shape};
+    #[pymodule_export]
+    use crate::mesh_file::{read_mesh, write_mesh};
+    #[pymodule_export]
+    use crate::ortho::{orthogonalize, qr};
+    #[pymodule_export]
+    use crate::plant::{PlantHandle, grow, read_plant, tubes, wilt};
+    #[pymodule_export]
+    use crate::product_plan::{Plan, plan};
+    #[pymodule_export]
+    use crate::spectral::{Eigenbasis, eigenproducts, functional_map, transfer};
+    #[pymodule_export]
+    use crate::spectrum::{eigsh, eigsh_sparse};
+    #[pymodule_export]
+    use crate::texture::{newton, slime};
+    #[pymodule_export]
+    use crate::unions::{shape_dna, union_spectrum};
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::pool::remember_process();
+        module.add("__version__", catamaran::base::VERSION)
+    }
+}

@@ -1,0 +1,127 @@
+//! Meshes as arrays of vertices and faces, generated ones, and their Laplacians.
+
+use catamaran::mesh::{TriMesh, families, laplacian as assemble};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+
+use crate::array::{Array, from_rows, from_vec, untyped};
+use crate::error::{exception, refused};
+use crate::options::{laplacian as options, par};
+use crate::sparse::{Parts, mass_parts, parts};
+use crate::task::{Length, run};
+
+/// Vertices and faces.
+pub type Mesh<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+/// The mesh of two arrays, which are copied.
+pub fn mesh(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<TriMesh> {
+    let positions = positions("v", vertices)?;
+    let faces = triangles("f", faces)?;
+    TriMesh::new(positions, faces).map_err(exception)
+}
+
+/// Rows of three coordinates.
+pub fn positions(name: &str, vertices: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {
+    let array = Array::<f64>::new(name, vertices, &[2])?;
+    let view = array.view();
+    if view.ncols() != 3 {
+        return Err(refused(name, format_args!("expected 3 columns, got {}", view.ncols())));
+    }
+    Ok((0..view.nrows()).map(|i| [0, 1, 2].map(|j| view[(i, j)])).collect())
+}
+
+/// Rows of three numbers of vertices.
+fn triangles(name: &str, faces: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
+    use numpy::{PyArrayDescrMethods, PyUntypedArrayMethods};
+    let array = untyped(faces)?;
+    let kind = array.dtype().kind();
+    if !matches!(kind, b'i' | b'u') && !array.is_empty() {
+        return Err(PyTypeError::new_err(format!(
+            "{name}: expected integers, got {}",
+            array.dtype()
+        )));
+    }
+    let array = match array.is_empty() {
+        // Any type will do for no faces.
+        true => array.call_method1("astype", (numpy::dtype::<i64>(array.py()),))?,
+        false => array.into_any(),
+    };
+    let array = Array::<i64>::new(name, &array, &[2])?;
+    let view = array.view();
+    if view.ncols() != 3 {
+        return Err(refused(name, format_args!("expected 3 columns, got {}", view.ncols())));
+    }
+    let row = |f: usize| -> PyResult<[u32; 3]> {
+        let mut face = [0; 3];
+        for (corner, j) in face.iter_mut().zip(0..) {
+            let vertex = view[(f, j)];
+            *corner = u32::try_from(vertex).map_err(|_| {
+                refused(&format!("face {f}"), format_args!("there is no vertex {vertex}"))
+            })?;
+        }
+        Ok(face)
+    };
+    (0..view.nrows()).map(row).collect()
+}
+
+/// A mesh as two arrays.
+pub fn arrays(py: Python<'_>, mesh: TriMesh) -> PyResult<Mesh<'_>> {
+    let (vertices, faces) = mesh.into_parts();
+    let faces = faces.into_iter().map(|face| face.map(i64::from)).collect();
+    Ok((from_rows(py, vertices)?.into_any(), from_rows(py, faces)?.into_any()))
+}
+
+/// A generated mesh; see `catamaran.shapes`.
+#[pyfunction]
+#[pyo3(signature = (name, counts, sizes))]
+pub fn shape<'py>(
+    py: Python<'py>,
+    name: &str,
+    counts: Vec<usize>,
+    sizes: Vec<f64>,
+) -> PyResult<Mesh<'py>> {
+    let made = run(py, Length::Short, None, |_| match (name, &counts[..], &sizes[..]) {
+        ("icosphere", &[subdivisions], []) => families::icosphere(subdivisions as u32),
+        ("torus", &[around, tube], &[major, minor]) => families::torus(around, tube, major, minor),
+        ("knot", &[p, q, along, tube], &[radius]) => {
+            families::knot(p as u32, q as u32, along, tube, radius)
+        }
+        ("genus", &[holes, cells], []) => families::genus(holes, cells),
+        ("figure", &[cells], &[pose]) => families::figure(cells, pose),
+        ("grid", &[columns, rows], []) => families::grid(columns, rows),
+        ("disk", &[rings, sectors], []) => families::disk(rings, sectors),
+        ("cylinder", &[around, along], &[radius, height]) => {
+            families::cylinder(around, along, radius, height)
+        }
+        ("terrain", &[columns, rows, seed], []) => families::terrain(columns, rows, seed as u64),
+        _ => Err(catamaran::Error::Argument { what: "shape", why: format!("unknown: {name}") }),
+    })?;
+    arrays(py, made)
+}
+
+/// Stiffness, mass and the vertices of their rows; see `catamaran.laplacian`.
+#[pyfunction]
+#[pyo3(signature = (v, f, kind, mass, boundary, threads))]
+pub fn laplacian<'py>(
+    py: Python<'py>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    kind: &str,
+    mass: &str,
+    boundary: &Bound<'py, PyAny>,
+    threads: Option<i64>,
+) -> PyResult<(Parts<'py>, Parts<'py>, Bound<'py, PyAny>)> {
+    let options = options(kind, mass, boundary, par(threads)?)?;
+    let mesh = mesh(v, f)?;
+    let found = run(py, Length::Long, None, move |_| assemble(&mesh, &options))?;
+    let kept: Vec<i64> = found.kept.iter().map(|&v| v as i64).collect();
+    Ok((parts(py, found.stiffness), mass_parts(py, found.mass), from_vec(py, kept).into_any()))
+}
+
+/// The vertex that sampling starts at.
+pub fn first_vertex(first: Option<i64>) -> PyResult<Option<u32>> {
+    let number = |v: i64| {
+        u32::try_from(v).map_err(|_| refused("first", format_args!("there is no vertex {v}")))
+    };
+    first.map(number).transpose()
+}

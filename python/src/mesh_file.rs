@@ -1,0 +1,96 @@
+//! Files of meshes.
+
+use std::path::PathBuf;
+
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::io::{Attribute, MeshFile, read, write};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::array::{Array, from_rows, from_vec};
+use crate::error::refused;
+use crate::mesh::{arrays, mesh};
+use crate::task::{Length, run};
+
+/// Values of the corners of faces: three for each face, NaN where a face has none.
+fn corners<const N: usize>(file: &MeshFile, attribute: &Attribute<N>) -> Vec<[f64; N]> {
+    let faces = file.mesh.faces().len();
+    let none = [[f64::NAN; N]; 3];
+    (0..faces).flat_map(|f| attribute.of_face(&file.mesh, f).unwrap_or(none)).collect()
+}
+
+/// Vertices, faces and a dictionary of attributes; see `catamaran.read_mesh`.
+#[pyfunction]
+#[pyo3(signature = (path))]
+pub fn read_mesh(
+    py: Python<'_>,
+    path: PathBuf,
+) -> PyResult<(Bound<'_, PyAny>, Bound<'_, PyAny>, Bound<'_, PyDict>)> {
+    let file = run(py, Length::Long, None, move |_| read(&path))?;
+    let more = PyDict::new(py);
+    let faces = file.mesh.faces().len();
+    if let Some(uv) = &file.uv {
+        let values = from_rows(py, corners(&file, uv))?;
+        more.set_item("uv", values.call_method1("reshape", ((faces, 3, 2),))?)?;
+    }
+    if let Some(normals) = &file.normals {
+        let values = from_rows(py, corners(&file, normals))?;
+        more.set_item("normals", values.call_method1("reshape", ((faces, 3, 3),))?)?;
+    }
+    if let Some(colors) = &file.colors {
+        more.set_item("colors", from_rows(py, colors.clone())?)?;
+    }
+    for (name, labels) in
+        [("materials", &file.materials), ("groups", &file.groups), ("objects", &file.objects)]
+    {
+        if let Some(labels) = labels {
+            let of_faces: Vec<i64> =
+                labels.of_faces.iter().map(|&label| i64::from(label)).collect();
+            more.set_item(name, (labels.names.clone(), from_vec(py, of_faces)))?;
+        }
+    }
+    more.set_item("notes", file.notes.clone())?;
+    let (v, f) = arrays(py, file.mesh)?;
+    Ok((v, f, more))
+}
+
+/// Writes a mesh; see `catamaran.write_mesh`.
+#[pyfunction]
+#[pyo3(signature = (path, v, f, colors, uv, overwrite))]
+pub fn write_mesh<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    colors: Option<&Bound<'py, PyAny>>,
+    uv: Option<&Bound<'py, PyAny>>,
+    overwrite: bool,
+) -> PyResult<()> {
+    let mut file = MeshFile::from(mesh(v, f)?);
+    if let Some(colors) = colors {
+        let colors = Array::<f64>::new("colors", colors, &[2])?;
+        let view = colors.view();
+        if !matches!(view.ncols(), 3 | 4) {
+            return Err(refused(
+                "colors",
+                format_args!("expected 3 or 4 columns, got {}", view.ncols()),
+            ));
+        }
+        let row = |i| [0, 1, 2, 3].map(|j| if j < view.ncols() { view[(i, j)] } else { 1.0 });
+        file.colors = Some((0..view.nrows()).map(row).collect());
+    }
+    if let Some(uv) = uv {
+        file.uv = Some(texture_coordinates(uv, file.mesh.faces().len())?);
+    }
+    let overwrite = if overwrite { Overwrite::Replace } else { Overwrite::Never };
+    run(py, Length::Long, None, move |_| write(Output::create(&path, overwrite)?, &file))
+}
+
+/// Texture coordinates of the corners of faces, faces x 3 x 2.
+pub fn texture_coordinates(uv: &Bound<'_, PyAny>, faces: usize) -> PyResult<Attribute<2>> {
+    let rows = Array::<f64>::new("uv", &uv.call_method1("reshape", ((3 * faces, 2),))?, &[2])?;
+    let view = rows.view();
+    let values = (0..view.nrows()).map(|i| [view[(i, 0)], view[(i, 1)]]).collect();
+    let corners = (0..faces as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect();
+    Ok(Attribute { values, corners: Some(corners) })
+}

@@ -1,0 +1,248 @@
+//! Plants that lose water and bend.
+
+use std::path::PathBuf;
+
+use catamaran::base::Progress;
+use catamaran::faer::Mat;
+use catamaran::plant::families::{GrowthOptions, grow as grow_plant};
+use catamaran::plant::{
+    Conductivity, CurveOptions, Elasticity, Interval, Plant as Graph, Pose, RelaxOptions,
+    RodOptions, Rods, WaterModel, WaterOptions, grams_per_hour, read, tubes as tubes_of,
+    water_curve,
+};
+use catamaran::{Error, Par};
+use pyo3::prelude::*;
+
+use crate::array::{from_matrix, from_rows, from_vec};
+use crate::error::refused;
+use crate::mesh::{Mesh, arrays, positions};
+use crate::options::par;
+use crate::task::{Length, run};
+
+/// A plant as arrays: the tails of its segments, their radii, parents (-1 at the root), whether
+/// they are on leaves, and the base.
+type Parts<'py> =
+    (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+/// A plant of the library, which Python's side holds.
+#[pyclass(frozen, module = "catamaran._catamaran")]
+pub struct PlantHandle {
+    graph: Graph,
+}
+
+#[pymethods]
+impl PlantHandle {
+    fn __len__(&self) -> usize {
+        self.graph.len()
+    }
+
+    fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Parts<'py>> {
+        let segments = self.graph.segments();
+        let tails = segments.iter().map(|segment| segment.tail).collect();
+        let radii: Vec<f64> = segments.iter().map(|segment| segment.radius).collect();
+        let parent = |v| self.graph.parent(v).map_or(-1, |p| p as i64);
+        let parents: Vec<i64> = (0..segments.len()).map(parent).collect();
+        let leaves: Vec<bool> = segments.iter().map(|segment| segment.leaf).collect();
+        Ok((
+            from_rows(py, tails)?.into_any(),
+            from_vec(py, radii).into_any(),
+            from_vec(py, parents).into_any(),
+            from_vec(py, leaves).into_any(),
+            from_vec(py, self.graph.base().to_vec()).into_any(),
+        ))
+    }
+}
+
+/// See `catamaran.read_plant`.
+#[pyfunction]
+pub fn read_plant(py: Python<'_>, path: PathBuf) -> PyResult<PlantHandle> {
+    run(py, Length::Long, None, move |_| read(&path)).map(|graph| PlantHandle { graph })
+}
+
+/// See `catamaran.grow_plant`.
+#[pyfunction]
+pub fn grow(py: Python<'_>, nodes: usize, seed: u64) -> PyResult<PlantHandle> {
+    let options = GrowthOptions::new().nodes(nodes).seed(seed);
+    run(py, Length::Long, None, move |_| grow_plant(&options)).map(|graph| PlantHandle { graph })
+}
+
+/// What a plant goes through, as a dictionary.
+#[derive(FromPyObject)]
+pub struct Weather {
+    #[pyo3(item)]
+    hours: f64,
+    #[pyo3(item)]
+    frames: usize,
+    #[pyo3(item)]
+    loss: f64,
+    #[pyo3(item)]
+    day_night: bool,
+    #[pyo3(item)]
+    conductance: f64,
+    #[pyo3(item)]
+    elasticity: (f64, f64),
+    #[pyo3(item)]
+    steepness: f64,
+    #[pyo3(item)]
+    shift: f64,
+    #[pyo3(item)]
+    damage: Vec<(usize, f64)>,
+    #[pyo3(item)]
+    threads: Option<i64>,
+}
+
+/// The hours of a day that are light, and those that are dark, as in `catamaran wilt`.
+const DAY: [f64; 2] = [16.0, 8.0];
+
+/// What leaves lose by night, as a part of what they lose by day.
+const NIGHT_LOSS: f64 = 1.0 / 12.0;
+
+/// A torque out of balance, as a part of the largest of a weight, that no picture shows.
+const SEEN: f64 = 1e-4;
+
+/// The share of the time that goes into water, not poses.
+const WATER_SHARE: f64 = 0.2;
+
+impl Weather {
+    fn water(
+        &self,
+        graph: &Graph,
+        par: Par,
+        progress: Progress<'_>,
+    ) -> catamaran::Result<(Vec<f64>, Vec<f64>, Vec<Vec<f64>>)> {
+        let loss = grams_per_hour(self.loss);
+        let conductivity = Conductivity::Pipe { scale: self.conductance };
+        let options = WaterOptions::new().loss(loss).conductivity(conductivity);
+        let mut model = WaterModel::new(graph, &options)?;
+        for &(node, factor) in &self.damage {
+            model.weaken(node, factor)?;
+        }
+        let full = model.full();
+        let last = self.frames.max(1) as f64;
+        let hours: Vec<f64> = (0..=self.frames).map(|i| self.hours * i as f64 / last).collect();
+        let times: Vec<f64> = hours.iter().map(|h| 3600.0 * h).collect();
+        let [light, dark] = DAY.map(|hours| 3600.0 * hours);
+        let night = Interval { seconds: dark, loss: loss * NIGHT_LOSS };
+        let day = Interval { seconds: light, loss };
+        let cycle = if self.day_night { vec![day, night] } else { vec![] };
+        let options = CurveOptions::new().cycle(cycle).par(par).progress(progress);
+        let water = water_curve(&model, &full, &times, &options)?;
+        Ok((hours, full, water))
+    }
+
+    fn simulate(
+        &self,
+        graph: &Graph,
+        par: Par,
+        progress: Progress<'_>,
+    ) -> catamaran::Result<Wilted> {
+        let (hours, full, water) = self.water(graph, par, progress.part(0.0..WATER_SHARE))?;
+        let (full_modulus, dry) = self.elasticity;
+        let elasticity = Elasticity::Relative {
+            dry,
+            full: full_modulus,
+            steepness: self.steepness,
+            shift: self.shift,
+        };
+        let mut rods = Rods::new(graph, &RodOptions::default())?;
+        let mut pose = rods.rest_pose();
+        let (mut moduli, mut poses) = (Vec::new(), Vec::new());
+        for (i, water) in water.iter().enumerate() {
+            let stiffness = elasticity.moduli(water, &full)?;
+            rods.set_state(&stiffness, water)?;
+            let at = |i: usize| WATER_SHARE + (1.0 - WATER_SHARE) * i as f64 / hours.len() as f64;
+            let options = RelaxOptions::new().progress(progress.part(at(i)..at(i + 1)));
+            match rods.relax(&mut pose, &options) {
+                Ok(_) => {}
+                // What is pulled straight between pins comes near balance, slowly.
+                Err(Error::NotConverged { residual, .. }) if residual <= SEEN => {}
+                Err(error) => return Err(error),
+            }
+            moduli.push(stiffness);
+            poses.push(pose.clone());
+        }
+        Ok(Wilted { hours, full, water, moduli, poses })
+    }
+}
+
+/// What became of a plant.
+struct Wilted {
+    hours: Vec<f64>,
+    full: Vec<f64>,
+    water: Vec<Vec<f64>>,
+    moduli: Vec<Vec<f64>>,
+    poses: Vec<Pose>,
+}
+
+/// Hours, full water, water and moduli (frames x nodes), and for each frame the heads, tails and
+/// rotations of the segments.
+type Frames<'py> = (
+    Bound<'py, PyAny>,
+    Bound<'py, PyAny>,
+    Bound<'py, PyAny>,
+    Bound<'py, PyAny>,
+    Vec<[Bound<'py, PyAny>; 3]>,
+);
+
+/// See `catamaran.wilt`.
+#[pyfunction]
+#[pyo3(signature = (plant, weather, progress))]
+pub fn wilt<'py>(
+    py: Python<'py>,
+    plant: &Bound<'py, PlantHandle>,
+    weather: Weather,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Frames<'py>> {
+    if !(weather.hours > 0.0 && weather.hours.is_finite()) {
+        return Err(refused("hours", format_args!("{} is not a positive number", weather.hours)));
+    }
+    let (graph, par) = (&plant.get().graph, par(weather.threads)?);
+    let found =
+        run(py, Length::Long, progress, move |progress| weather.simulate(graph, par, progress))?;
+    let table = |rows: &[Vec<f64>]| {
+        let columns = rows.first().map_or(0, Vec::len);
+        let matrix = Mat::from_fn(rows.len(), columns, |i, j| rows[i][j]);
+        Ok::<_, PyErr>(from_matrix(py, matrix.as_ref())?.into_any())
+    };
+    let (water, moduli) = (table(&found.water)?, table(&found.moduli)?);
+    let pose = |pose: Pose| {
+        Ok::<_, PyErr>([
+            from_rows(py, pose.heads)?.into_any(),
+            from_rows(py, pose.tails)?.into_any(),
+            from_rows(py, pose.rotations)?.into_any(),
+        ])
+    };
+    let poses = found.poses.into_iter().map(pose).collect::<PyResult<_>>()?;
+    Ok((
+        from_vec(py, found.hours).into_any(),
+        from_vec(py, found.full).into_any(),
+        water,
+        moduli,
+        poses,
+    ))
+}
+
+/// A mesh of tubes around the segments of a pose; see `catamaran.Wilting`.
+#[pyfunction]
+#[pyo3(signature = (plant, pose, sides, thinnest))]
+pub fn tubes<'py>(
+    py: Python<'py>,
+    plant: &Bound<'py, PlantHandle>,
+    pose: [Bound<'py, PyAny>; 3],
+    sides: usize,
+    thinnest: f64,
+) -> PyResult<Mesh<'py>> {
+    let [heads, tails, rotations] = &pose;
+    let rotations = crate::array::Array::<f64>::new("rotations", rotations, &[2])?;
+    let view = rotations.view();
+    if view.ncols() != 4 {
+        return Err(refused("rotations", "expected 4 columns"));
+    }
+    let pose = Pose {
+        heads: positions("heads", heads)?,
+        tails: positions("tails", tails)?,
+        rotations: (0..view.nrows()).map(|i| [0, 1, 2, 3].map(|j| view[(i, j)])).collect(),
+    };
+    let graph = &plant.get().graph;
+    arrays(py, run(py, Length::Long, None, move |_| tubes_of(graph, &pose, sides, thinnest))?)
+}

@@ -1,0 +1,65 @@
+//! Plans of products, which say what will run.
+
+use catamaran::Plan as ProductPlan;
+use pyo3::prelude::*;
+
+use crate::error::exception;
+use crate::options::{Products, word};
+
+/// What a product will do, and why; see `catamaran.plan`.
+#[pyclass(frozen, module = "catamaran")]
+pub struct Plan {
+    plan: ProductPlan,
+}
+
+/// The plan of A^T A, or of A^T B with B of k columns.
+#[pyfunction]
+#[pyo3(signature = (m, n, k, scalar, products))]
+pub fn plan(
+    m: usize,
+    n: usize,
+    k: Option<usize>,
+    scalar: &str,
+    products: Products<'_>,
+) -> PyResult<Plan> {
+    let options = products.options()?;
+    let single = word("dtype", scalar, &[("float64", false), ("float32", true)])?;
+    let plan = match (k, single) {
+        (None, false) => ProductPlan::ata::<f64>(m, n, &options),
+        (None, true) => ProductPlan::ata::<f32>(m, n, &options),
+        (Some(k), false) => ProductPlan::atb::<f64>(m, n, k, &options),
+        (Some(k), true) => ProductPlan::atb::<f32>(m, n, k, &options),
+    };
+    Ok(Plan { plan: plan.map_err(exception)? })
+}
+
+#[pymethods]
+impl Plan {
+    /// Whether it computes integer products, which give the same bytes on every machine.
+    #[getter]
+    fn is_exact(&self) -> bool {
+        self.plan.is_exact()
+    }
+
+    /// Whether any product takes fewer multiplications than the classical count.
+    #[getter]
+    fn is_fast(&self) -> bool {
+        self.plan.is_fast()
+    }
+
+    /// The scheme in a word or two.
+    #[getter]
+    fn scheme(&self) -> String {
+        self.plan.scheme()
+    }
+
+    /// The instruction set of the integer products; None for others.
+    #[getter]
+    fn isa(&self) -> Option<&'static str> {
+        self.plan.isa()
+    }
+
+    fn __repr__(&self) -> String {
+        self.plan.to_string().trim_end().to_owned()
+    }
+}

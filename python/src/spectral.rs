@@ -1,0 +1,249 @@
+//! Bases of eigenfunctions and of their products, functional maps, transfer of functions.
+
+use catamaran::Par;
+use catamaran::base::Progress;
+use catamaran::faer::{Mat, Scale};
+use catamaran::mesh::{LaplacianOptions, laplacian};
+use catamaran::sparse::{EigenOptions, eigs};
+use catamaran::spectral::descriptors::{wave_kernel_signature, wave_scales};
+use catamaran::spectral::functional_map::{MapFit, icp, map_from_points, points_from_map, zoomout};
+use catamaran::spectral::{Eigenbasis as Basis, ProductBasis, ProductBasisOptions, Transfer};
+use pyo3::prelude::*;
+
+use crate::array::{Array, from_matrix, from_vec};
+use crate::error::refused;
+use crate::mesh::mesh;
+use crate::options::{laplacian_kind, orthogonalization, par, vertices, word};
+use crate::sparse::{Parts, mass_parts};
+use crate::task::{Length, run};
+
+/// Eigenfunctions of a mesh; see `catamaran.Eigenbasis`.
+#[pyclass(frozen, subclass, module = "catamaran._catamaran")]
+pub struct Eigenbasis {
+    basis: Basis,
+}
+
+#[pymethods]
+impl Eigenbasis {
+    #[new]
+    #[pyo3(signature = (v, f, k, kind, threads, progress))]
+    fn new(
+        py: Python<'_>,
+        v: &Bound<'_, PyAny>,
+        f: &Bound<'_, PyAny>,
+        k: usize,
+        kind: &str,
+        threads: Option<i64>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        let (mesh, par) = (mesh(v, f)?, par(threads)?);
+        let options = LaplacianOptions::new().kind(laplacian_kind(kind)?).par(par);
+        let basis = run(py, Length::Long, progress, move |progress| {
+            let found = laplacian(&mesh, &options)?;
+            let missing = (0..found.vertices).find(|&v| found.kept.get(v) != Some(&v));
+            if let Some(vertex) = missing {
+                let element = format!("vertex {vertex}");
+                return Err(catamaran::Error::Mesh { what: "it is in no face".into(), element });
+            }
+            let search = EigenOptions::new().k(k).par(par).progress(progress);
+            let pairs = eigs(found.stiffness.view(), &found.mass, &search)?;
+            Basis::new(pairs.values, pairs.vectors, found.mass)
+        })?;
+        Ok(Self { basis })
+    }
+
+    fn __len__(&self) -> usize {
+        self.basis.len()
+    }
+
+    #[getter]
+    fn values<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        from_vec(py, self.basis.values().to_vec()).into_any()
+    }
+
+    #[getter]
+    fn functions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(from_matrix(py, self.basis.functions())?.into_any())
+    }
+
+    fn _mass<'py>(&self, py: Python<'py>) -> Parts<'py> {
+        mass_parts(py, self.basis.basis().mass().clone())
+    }
+}
+
+/// A product basis as arrays: functions, R, kept products, factors of all products, from 1, and 0
+/// where there are fewer.
+type Products<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Vec<Vec<usize>>);
+
+/// Orthogonalised products of eigenfunctions; see `catamaran.eigenproducts`.
+#[pyfunction]
+#[pyo3(signature = (basis, order, method, threads, progress))]
+pub fn eigenproducts<'py>(
+    py: Python<'py>,
+    basis: &Bound<'py, Eigenbasis>,
+    order: usize,
+    method: &str,
+    threads: Option<i64>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Products<'py>> {
+    let (method, par) = (orthogonalization(method)?, par(threads)?);
+    let basis = &basis.get().basis;
+    let found = run(py, Length::Long, progress, move |progress| {
+        let options =
+            ProductBasisOptions::new().orthogonalization(method).par(par).progress(progress);
+        ProductBasis::new(basis, order, &options)
+    })?;
+    let kept: Vec<i64> = found.kept().iter().map(|&column| column as i64).collect();
+    let factors = found.kept().iter().filter_map(|&index| found.products().factors(index));
+    Ok((
+        from_matrix(py, found.functions())?.into_any(),
+        from_matrix(py, found.r())?.into_any(),
+        from_vec(py, kept).into_any(),
+        factors.collect(),
+    ))
+}
+
+/// Wave kernel signatures that help landmarks, as many as `catamaran transfer` takes.
+const SIGNATURES: usize = 50;
+
+/// Iterations of ICP, at most.
+const ITERATIONS: usize = 20;
+
+#[derive(Clone, Copy)]
+enum Refinement {
+    None,
+    Icp,
+    ZoomOut,
+}
+
+/// A functional map and the points that it says correspond; see `catamaran.functional_map`.
+#[pyfunction]
+#[pyo3(signature = (
+    source, target, k, landmarks, functions, signatures, commutativity, refine, threads, progress
+))]
+pub fn functional_map<'py>(
+    py: Python<'py>,
+    source: &Bound<'py, Eigenbasis>,
+    target: &Bound<'py, Eigenbasis>,
+    k: (usize, usize),
+    landmarks: Option<&Bound<'py, PyAny>>,
+    functions: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
+    signatures: bool,
+    commutativity: f64,
+    refine: &str,
+    threads: Option<i64>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+    let par = par(threads)?;
+    let known =
+        [("none", Refinement::None), ("icp", Refinement::Icp), ("zoomout", Refinement::ZoomOut)];
+    let refine = word("refine", refine, &known)?;
+    let pairs = landmarks.map(pairs_of_vertices).transpose()?;
+    let known = functions
+        .map(|(f, g)| {
+            let f = Array::<f64>::new("functions", &f, &[2])?;
+            Ok::<_, PyErr>((f, Array::<f64>::new("functions", &g, &[2])?))
+        })
+        .transpose()?;
+    let known = known.as_ref().map(|(f, g)| (f.view(), g.view()));
+    let (source, target) = (&source.get().basis, &target.get().basis);
+    let found = run(py, Length::Long, progress, move |progress| {
+        let low = (source.truncated(k.0)?, target.truncated(k.1)?);
+        let mut fit = MapFit::new(&low.0, &low.1, par);
+        if let Some(pairs) = &pairs {
+            fit.landmarks(pairs)?;
+        }
+        if let Some((f, g)) = known {
+            fit.functions(f, g)?;
+        }
+        if signatures {
+            let [f, g] = wave_signatures(&low.0, &low.1, par)?;
+            fit.functions(f.as_ref(), g.as_ref())?;
+        }
+        let c = fit.solve(commutativity)?;
+        refined(c, (source, target), &low, refine, par, progress)
+    })?;
+    let points: Vec<i64> = found.1.iter().map(|&v| i64::from(v)).collect();
+    Ok((from_matrix(py, found.0.as_ref())?.into_any(), from_vec(py, points).into_any()))
+}
+
+fn refined(
+    c: Mat<f64>,
+    all: (&Basis, &Basis),
+    low: &(Basis, Basis),
+    refine: Refinement,
+    par: Par,
+    progress: Progress<'_>,
+) -> catamaran::Result<(Mat<f64>, Vec<u32>)> {
+    let (view, bases) = (c.as_ref(), (low.0.basis(), low.1.basis()));
+    let found = match refine {
+        Refinement::None => {
+            let points = points_from_map(view, bases.0, bases.1, par, progress)?;
+            return Ok((c, points));
+        }
+        Refinement::Icp => icp(view, &low.0, &low.1, ITERATIONS, par, progress)?,
+        Refinement::ZoomOut => zoomout(view, all.0, all.1, 1, par, progress)?,
+    };
+    Ok((found.map, found.points))
+}
+
+/// Signatures of both meshes, as if they had area 1.
+fn wave_signatures(source: &Basis, target: &Basis, par: Par) -> catamaran::Result<[Mat<f64>; 2]> {
+    let unit = |basis: &Basis| -> catamaran::Result<(Vec<f64>, Mat<f64>)> {
+        let area = basis.basis().area()?;
+        let values = basis.values().iter().map(|value| value * area).collect();
+        Ok((values, Scale(area.sqrt()) * basis.functions()))
+    };
+    let (source, target) = (unit(source)?, unit(target)?);
+    let scales = wave_scales(&source.0, SIGNATURES)?;
+    let signature = |(values, functions): &(Vec<f64>, Mat<f64>)| {
+        wave_kernel_signature(values, functions.as_ref(), &scales, par)
+    };
+    Ok([signature(&source)?, signature(&target)?])
+}
+
+fn pairs_of_vertices(pairs: &Bound<'_, PyAny>) -> PyResult<Vec<(u32, u32)>> {
+    let array = Array::<i64>::new("landmarks", pairs, &[2])?;
+    let view = array.view();
+    if view.ncols() != 2 {
+        return Err(refused("landmarks", format_args!("expected 2 columns, got {}", view.ncols())));
+    }
+    let number = |v: i64| {
+        u32::try_from(v).map_err(|_| refused("landmarks", format_args!("there is no vertex {v}")))
+    };
+    (0..view.nrows()).map(|i| Ok((number(view[(i, 0)])?, number(view[(i, 1)])?))).collect()
+}
+
+/// Functions on the target; see `catamaran.transfer`.
+#[pyfunction]
+#[pyo3(signature = (source, target, functions, points, k, order, method, threads, progress))]
+pub fn transfer<'py>(
+    py: Python<'py>,
+    source: &Bound<'py, Eigenbasis>,
+    target: &Bound<'py, Eigenbasis>,
+    functions: &Bound<'py, PyAny>,
+    points: &Bound<'py, PyAny>,
+    k: (usize, usize),
+    order: usize,
+    method: &str,
+    threads: Option<i64>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (method, par) = (orthogonalization(method)?, par(threads)?);
+    let points = vertices("points", points)?;
+    let f = Array::<f64>::new("functions", functions, &[1, 2])?;
+    let (source, target, view) = (&source.get().basis, &target.get().basis, f.view());
+    let found = run(py, Length::Long, progress, move |progress| {
+        let basis = |basis: &Basis, k: usize, part| -> catamaran::Result<ProductBasis> {
+            let options = ProductBasisOptions::new()
+                .orthogonalization(method)
+                .par(par)
+                .progress(progress.part(part));
+            ProductBasis::new(&basis.truncated(k)?, order, &options)
+        };
+        let (from, to) = (basis(source, k.0, 0.0..0.4)?, basis(target, k.1, 0.4..0.8)?);
+        let map = map_from_points(&points, from.basis(), to.basis(), par)?;
+        Transfer::new(from.basis(), to.basis(), map)?.apply(view, par)
+    })?;
+    Ok(from_matrix(py, found.as_ref())?.into_any())
+}

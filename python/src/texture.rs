@@ -1,0 +1,221 @@
+//! Slime moulds and Newton's fractals.
+
+use catamaran::faer::Mat;
+use catamaran::texture::newton::{Gradient, Grid, Newton, NewtonOptions, Points, Polynomial};
+use catamaran::texture::slime::{
+    Blur, Coverage, Mask, Options, Simulation, Surface, TangentStep, atlas, fitted,
+};
+use pyo3::prelude::*;
+
+use crate::array::{Array, from_matrix, from_rows, from_vec};
+use crate::error::refused;
+use crate::mesh::mesh;
+use crate::mesh_file::texture_coordinates;
+use crate::options::{par, word};
+use crate::task::{Length, run};
+
+/// What a slime mould is like, as a dictionary; names as in the library.
+#[derive(FromPyObject)]
+pub struct Mould {
+    #[pyo3(item)]
+    agents: usize,
+    #[pyo3(item)]
+    species: usize,
+    #[pyo3(item)]
+    size: usize,
+    #[pyo3(item)]
+    seed: u32,
+    #[pyo3(item)]
+    time_step: Option<f64>,
+    #[pyo3(item)]
+    movement_speed: Option<f64>,
+    #[pyo3(item)]
+    turn_speed: Option<f64>,
+    #[pyo3(item)]
+    vision_distance: Option<f64>,
+    #[pyo3(item)]
+    vision_angle: Option<f64>,
+    #[pyo3(item)]
+    evaporation_rate: Option<f64>,
+    #[pyo3(item)]
+    diffusion_rate: Option<f64>,
+    #[pyo3(item)]
+    turn_noise: Option<f64>,
+    #[pyo3(item)]
+    project: Option<u32>,
+    #[pyo3(item)]
+    gaussian: bool,
+    #[pyo3(item)]
+    length_rescaling: bool,
+    #[pyo3(item)]
+    threads: Option<i64>,
+}
+
+impl Mould {
+    fn options(&self) -> Options {
+        let mut options = Options::new()
+            .agents(self.agents)
+            .species(self.species)
+            .size(self.size)
+            .seed(self.seed)
+            .length_rescaling(self.length_rescaling);
+        for (field, value) in [
+            (&mut options.time_step, self.time_step),
+            (&mut options.movement_speed, self.movement_speed),
+            (&mut options.turn_speed, self.turn_speed),
+            (&mut options.vision_distance, self.vision_distance),
+            (&mut options.vision_angle, self.vision_angle),
+            (&mut options.evaporation_rate, self.evaporation_rate),
+            (&mut options.diffusion_rate, self.diffusion_rate),
+            (&mut options.turn_noise, self.turn_noise),
+        ] {
+            *field = value.unwrap_or(*field);
+        }
+        if let Some(substeps) = self.project {
+            options.tangent_step = TangentStep::Project { substeps };
+        }
+        if self.gaussian {
+            options.blur = Blur::Gaussian;
+        }
+        options
+    }
+}
+
+/// Textures (species x size x size), texture coordinates (faces x 3 x 2), coverage after each step
+/// (steps x species), agents: triangles, positions in the texture. See `catamaran.slime`.
+#[pyfunction]
+#[pyo3(signature = (v, f, steps, mould, uv, start, ground, progress))]
+pub fn slime<'py>(
+    py: Python<'py>,
+    v: &Bound<'py, PyAny>,
+    f: &Bound<'py, PyAny>,
+    steps: u32,
+    mould: Mould,
+    uv: Option<&Bound<'py, PyAny>>,
+    start: Option<&Bound<'py, PyAny>>,
+    ground: Option<&Bound<'py, PyAny>>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+    let (options, par, mesh) = (mould.options(), par(mould.threads)?, mesh(v, f)?);
+    let uv = uv.map(|uv| texture_coordinates(uv, mesh.faces().len())).transpose()?;
+    let numbers = |name, object: Option<&Bound<'_, PyAny>>| -> PyResult<Vec<u8>> {
+        let Some(object) = object else { return Ok(Vec::new()) };
+        let array = Array::<i64>::new(name, object, &[2])?;
+        let (view, (m, n)) = (array.view(), array.shape());
+        let cells = (0..m).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let number = |(i, j)| {
+            u8::try_from(view[(i, j)]).map_err(|_| refused(name, "expected numbers from 0 to 2"))
+        };
+        cells.map(number).collect()
+    };
+    let start = numbers("start", start)?.into_iter().map(|inside| inside > 0).collect();
+    let mask = Mask { start, ground: numbers("ground", ground)? };
+    let (simulation, coverage) = run(py, Length::Long, progress, move |progress| {
+        let surface = match uv {
+            Some(uv) => Surface::new(&mesh, &fitted(&uv))?,
+            None => Surface::of_faces(&mesh, atlas(&mesh, options.size)?)?,
+        };
+        let mut simulation = Simulation::new(surface, &options, &mask)?;
+        let mut coverage: Vec<Vec<Coverage>> = Vec::new();
+        for step in 0..steps {
+            simulation.step(par);
+            coverage.push(simulation.coverage(par));
+            progress.report(f64::from(step + 1) / f64::from(steps))?;
+        }
+        Ok((simulation, coverage))
+    })?;
+    let (size, species) = (simulation.texels().size(), simulation.species());
+    let mut texels = Vec::with_capacity(species * size * size);
+    (0..species).for_each(|s| texels.extend_from_slice(simulation.texture(s)));
+    let textures = from_vec(py, texels).call_method1("reshape", ((species, size, size),))?;
+    let corners = simulation.surface().uv();
+    let count = corners.len();
+    let corners = from_rows(py, corners.as_flattened().to_vec())?;
+    let table = Mat::from_fn(coverage.len(), species, |i, s| coverage[i][s].coverage);
+    Ok((
+        textures,
+        corners.call_method1("reshape", ((count, 3, 2),))?,
+        from_matrix(py, table.as_ref())?.into_any(),
+    ))
+}
+
+/// What a fractal is of, as a dictionary.
+#[derive(FromPyObject)]
+pub struct Fractal {
+    #[pyo3(item)]
+    power: Option<u32>,
+    #[pyo3(item)]
+    roots: Option<Vec<(f64, f64)>>,
+    #[pyo3(item)]
+    iterations: u32,
+    #[pyo3(item)]
+    theta: f64,
+    #[pyo3(item)]
+    shader: bool,
+    #[pyo3(item)]
+    scale: f64,
+    #[pyo3(item)]
+    offset: [f64; 3],
+    #[pyo3(item)]
+    w: f64,
+    #[pyo3(item)]
+    threads: Option<i64>,
+}
+
+/// Which points: a list of three coordinates each, a plane of width x height, or a cube.
+#[derive(FromPyObject)]
+pub struct Where<'py> {
+    #[pyo3(item)]
+    kind: String,
+    #[pyo3(item)]
+    points: Option<Bound<'py, PyAny>>,
+    #[pyo3(item)]
+    size: (u32, u32),
+    #[pyo3(item)]
+    center: [f64; 2],
+    #[pyo3(item)]
+    extent: f64,
+}
+
+/// The root of each point and how fast it is reached; see `catamaran.newton`.
+#[pyfunction]
+#[pyo3(signature = (at, fractal, progress))]
+pub fn newton<'py>(
+    py: Python<'py>,
+    at: Where<'py>,
+    fractal: Fractal,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
+    let polynomial = match (fractal.power, &fractal.roots) {
+        (Some(power), None) => Polynomial::Power(power),
+        (None, Some(roots)) => Polynomial::Roots(roots.iter().map(|&(re, im)| [re, im]).collect()),
+        _ => return Err(refused("power", "expected either a power or roots")),
+    };
+    let kind = word("kind", &at.kind, &[("list", 0), ("plane", 1), ("cube", 2)])?;
+    let par = par(fractal.threads)?;
+    let gradient = if fractal.shader { Gradient::Shader } else { Gradient::Thesis };
+    let options = NewtonOptions::new()
+        .polynomial(polynomial)
+        .iterations(fractal.iterations)
+        .theta(fractal.theta)
+        .gradient(gradient)
+        .scale(fractal.scale)
+        .offset(fractal.offset)
+        .w(fractal.w);
+    let list: Vec<[f32; 3]> = match &at.points {
+        Some(points) => crate::mesh::positions("points", points)?
+            .into_iter()
+            .map(|p| p.map(|x| x as f32))
+            .collect(),
+        None => Vec::new(),
+    };
+    let found = run(py, Length::Long, progress, move |progress| {
+        let points = match kind {
+            0 => Points::List(&list),
+            1 => Points::Grid(Grid::plane(at.size.0, at.size.1, at.center, at.extent)),
+            _ => Points::Grid(Grid::cube(at.size.0, at.extent)),
+        };
+        Newton::new(&options)?.evaluate(points, par, progress)
+    })?;
+    Ok((from_vec(py, found.roots).into_any(), from_vec(py, found.convergence).into_any()))
+}

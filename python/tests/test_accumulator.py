@@ -1,0 +1,119 @@
+"""Sums over rows in blocks."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+import catamaran
+
+
+def exact(columns, kind="exact", **more):
+    bounds = (np.full(columns, -10.0), np.full(columns, 10.0), 10_000)
+    return catamaran.Accumulator(columns, kind=kind, bounds=bounds, **more)
+
+
+def test_blocks_are_the_whole(rng):
+    a = rng.standard_normal((1000, 8))
+    sums = catamaran.Accumulator(8)
+    for block in np.array_split(a, 7):
+        sums.add(block)
+    assert sums.rows == 1000 and sums.weight == 1000.0
+    assert np.allclose(sums.result(), a.T @ a)
+    assert np.allclose(sums.result(alpha=2.0, uplo="lower"), 2 * np.tril(a.T @ a))
+    sums.add(a.astype(np.float32))
+    assert sums.rows == 2000
+
+
+def test_float32(rng):
+    a = rng.standard_normal((100, 3)).astype(np.float32)
+    sums = catamaran.Accumulator(3, dtype=np.float32)
+    sums.add(a[::-1])
+    assert sums.result().dtype == np.float32 and np.allclose(sums.result(), a.T @ a, atol=1e-3)
+
+
+def test_centre_and_weights(rng):
+    a, w = rng.standard_normal((200, 4)) + 2, rng.uniform(0.5, 1.5, 200)
+    sums = catamaran.Accumulator(4, center=True)
+    sums.add(a)
+    assert np.allclose(sums.mean, a.mean(axis=0)) and np.allclose(
+        sums.cov(), np.cov(a, rowvar=False)
+    )
+    sums = catamaran.Accumulator(4, center=True)
+    sums.add(a[:50], w[:50])
+    sums.add(a[50:], w[50:])
+    x = a - (w @ a) / w.sum()
+    assert np.allclose(sums.result(), x.T @ (w[:, None] * x))
+
+
+@pytest.mark.parametrize("kind", ["exact", "extended"])
+def test_exact_sums_know_no_order_and_forget(rng, kind):
+    a = rng.standard_normal((500, 5))
+    one, other, less = exact(5, kind), exact(5, kind), exact(5, kind)
+    one.add(a)
+    for block in np.array_split(a[::-1], 9):
+        other.add(block)
+    assert np.array_equal(one.result(), other.result())
+    one.remove(a[100:])
+    less.add(a[:100])
+    assert np.array_equal(one.result(), less.result()) and one.rows == 100
+    other.merge(one)
+    assert other.rows == 600 and one.rows == 100
+    other.merge(other)
+    assert other.rows == 1200
+
+
+def test_files_pickles_and_copies(rng, tmp_path):
+    a = rng.standard_normal((60, 4))
+    sums = exact(4)
+    sums.add(a)
+    path = tmp_path / "sums"
+    sums.save(path)
+    for again in (
+        catamaran.Accumulator.load(path),
+        pickle.loads(pickle.dumps(sums)),
+        copy.copy(sums),
+    ):
+        assert np.array_equal(again.result(), sums.result())
+        again.add(a)
+        assert again.rows == 120 and sums.rows == 60
+    with pytest.raises(FileNotFoundError, match="nowhere"):
+        catamaran.Accumulator.load(tmp_path / "nowhere")
+    path.write_bytes(path.read_bytes()[:-3])
+    with pytest.raises(OSError, match="sums"):
+        catamaran.Accumulator.load(path)
+
+
+def test_least_squares_and_components_of_extended_sums(rng):
+    a = rng.standard_normal((300, 4))
+    b = a @ [1.0, 2.0, 3.0, 4.0] + 7
+    sums = exact(5, "extended", center=True)
+    rows = np.column_stack([a, b / 10])
+    sums.add(rows)
+    found = sums.lstsq(1, intercept=True)
+    assert np.allclose(found.x[:, 0] * 10, [1, 2, 3, 4]) and np.allclose(found.intercept * 10, 7)
+    assert np.allclose(sums.pca(2).components, catamaran.pca(rows, 2).components)
+    parts, is_exact = sums.extended()
+    assert len(parts) == 3 and is_exact in (True, False)
+
+
+def test_errors(rng):
+    sums = exact(3)
+    with pytest.raises(ValueError, match="rows: expected 3 columns, got 2"):
+        sums.add(np.zeros((4, 2)))
+    with pytest.raises(ValueError, match="bound"):
+        sums.add(np.full((1, 3), 11.0))
+    sums.add(np.ones((1, 3)))  # of use still
+    with pytest.raises(ValueError):
+        sums.remove(np.ones((5, 3)))
+    with pytest.raises(ValueError, match="exact"):
+        catamaran.Accumulator(3).remove(np.ones((1, 3)))
+    with pytest.raises(ValueError, match="float32 and float64"):
+        sums.merge(catamaran.Accumulator(3, dtype=np.float32))
+    with pytest.raises(ValueError, match="bounds: exact sums need them"):
+        catamaran.Accumulator(3, kind="exact")
+    with pytest.raises(ValueError, match="'nice' is not one of"):
+        catamaran.Accumulator(3, kind="nice")
+    with pytest.raises(ValueError, match="no extended precision"):
+        sums.lstsq()

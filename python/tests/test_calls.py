@@ -1,0 +1,143 @@
+"""Progress, exceptions in callbacks, Ctrl-C, threads, and the end of the interpreter."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import catamaran
+
+
+def run(code, **more):
+    """Start Python with this code."""
+    return subprocess.Popen(
+        [sys.executable, "-c", "import numpy as np, catamaran, sys\n" + textwrap.dedent(code)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        **more,
+    )
+
+
+def test_progress_ends_at_the_total(rng):
+    told = []
+    a = rng.standard_normal((2000, 500))
+    expected = catamaran.ata(a)
+    found = catamaran.ata(a, progress=lambda done, total: told.append((done, total)))
+    assert np.array_equal(found, expected)
+    assert told[-1] == (1000, 1000)
+    assert all(0 <= a <= b for (a, _), (b, _) in zip(told, told[1:]))
+
+
+def test_progress_bars_of_tqdm(rng):
+    tqdm = pytest.importorskip("tqdm").tqdm
+    with open(os.devnull, "w") as nowhere:
+        for total in (None, 10):
+            with tqdm(total=total, file=nowhere) as bar:
+                catamaran.ata(rng.standard_normal((2000, 300)), progress=bar)
+                assert bar.n == bar.total == (total or 1000)
+
+
+def test_every_chapter_tells_its_progress():
+    v, f = catamaran.shapes.icosphere(2)
+    a = np.random.default_rng(0).standard_normal((50, 4))
+    calls = [
+        lambda progress: catamaran.ata(a, a, progress=progress),
+        lambda progress: catamaran.cov(a, progress=progress),
+        lambda progress: catamaran.lstsq(a, a[:, 0], progress=progress),
+        lambda progress: catamaran.pca(a, progress=progress),
+        lambda progress: catamaran.svd(a, progress=progress),
+        lambda progress: catamaran.qr(a, progress=progress),
+        lambda progress: catamaran.Accumulator(4).add(a, progress=progress),
+        lambda progress: catamaran.eigsh(v, f, 3, progress=progress),
+        lambda progress: catamaran.decimate(v, f, 40, progress=progress),
+        lambda progress: catamaran.farthest_points(v, f, 4, progress=progress),
+        lambda progress: catamaran.curve(v, f, [0, 5, 9], progress=progress),
+        lambda progress: catamaran.slime(v, f, 2, agents=10, size=160, progress=progress),
+        lambda progress: catamaran.newton(size=8, progress=progress),
+        lambda progress: catamaran.eigenproducts(v, f, 3, progress=progress),
+    ]
+    for call in calls:
+        told = []
+        call(lambda done, total: told.append(done))
+        assert told[-1] == 1000
+
+
+def test_an_exception_in_a_callback_ends_the_call():
+    class Stop(Exception):
+        pass
+
+    def stop(done, total):
+        raise Stop(f"at {done}")
+
+    a = np.ones((60_000, 1500))
+    with pytest.raises(Stop) as raised:
+        catamaran.ata(a, scheme="exact", threads=1, progress=stop)
+    assert int(str(raised.value).split()[1]) < 1000
+    # The last call of a callback, too.
+    with pytest.raises(Stop, match="at 1000"):
+        catamaran.ata(np.ones((3, 3)), progress=lambda d, t: stop(d, t) if d == t else None)
+    with pytest.raises(SystemExit):
+        catamaran.ata(a[:20_000], scheme="exact", threads=1, progress=lambda d, t: sys.exit(3))
+
+
+def test_the_interpreter_runs_on_meanwhile(rng):
+    a = np.ones((20_000, 1000))
+    steps = 0
+    options = {"scheme": "exact", "threads": 1}
+    worker = threading.Thread(target=catamaran.ata, args=(a,), kwargs=options)
+    worker.start()
+    while worker.is_alive():
+        steps += 1
+        time.sleep(0.001)
+    worker.join()
+    assert steps > 10
+
+
+def test_many_threads_call_at_once(rng):
+    a = rng.standard_normal((500, 200))
+    expected, found = catamaran.ata(a), []
+    workers = [threading.Thread(target=lambda: found.append(catamaran.ata(a))) for _ in range(6)]
+    [worker.start() for worker in workers]
+    [worker.join() for worker in workers]
+    assert len(found) == 6 and all(np.array_equal(c, expected) for c in found)
+
+
+def test_ctrl_c_ends_a_call():
+    process = run("""
+        import signal
+        # Ignored in background jobs of shells.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        a = np.ones((60_000, 1500))
+        try:
+            def tell(done, total):
+                print("started", flush=True)
+            catamaran.ata(a, scheme="exact", threads=1, progress=tell)
+        except KeyboardInterrupt:
+            print("interrupted")
+            print(catamaran.ata(np.eye(2)))
+    """)
+    assert process.stdout.readline() == "started\n"
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert "interrupted" in out and "[0. 1.]" in out and process.returncode == 0, err
+
+
+def test_the_end_of_the_interpreter_waits_for_no_daemon():
+    process = run("""
+        import threading, time
+        a = np.ones((60_000, 3000))
+        call = lambda: catamaran.ata(a, scheme="exact", threads=1)
+        threading.Thread(target=call, daemon=True).start()
+        time.sleep(0.3)
+        print("ends", flush=True)
+    """)
+    out, err = process.communicate(timeout=60)
+    assert out == "ends\n" and process.returncode == 0, (process.returncode, err)
+    assert err == ""

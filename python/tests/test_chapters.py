@@ -1,0 +1,108 @@
+"""Decimation, curves, unions, plants, textures."""
+
+import numpy as np
+import pytest
+
+import catamaran
+from catamaran import shapes
+
+igl = pytest.importorskip("igl")
+
+
+def test_decimation_keeps_topology_and_says_where_things_are():
+    v, f = shapes.genus(2, 10)
+    found = catamaran.decimate(v, f, 400)
+    assert found.v.shape == (400, 3) and igl.euler_characteristic(
+        found.f
+    ) == igl.euler_characteristic(f)
+    origin = found.origin
+    places = (v[f[origin.face]] * origin.barycentric[:, :, None]).sum(axis=1)
+    assert np.abs(places - found.v).max() < 0.1 * np.ptp(v)
+    assert found.weights.shape == (len(v), 400) and np.allclose(found.weights.sum(axis=1), 1)
+    assert np.abs(found.weights @ found.v - v).max() < 0.2 * np.ptp(v)
+    literal = catamaran.decimate(v, f, 100, method="thesis")
+    assert len(literal.v) == 100
+    with pytest.raises(ValueError):
+        catamaran.decimate(v, f, 2)
+
+
+def test_farthest_points_are_far():
+    v, f = shapes.icosphere(4)
+    found = catamaran.farthest_points(v, f, 12, first=3, return_cells=True)
+    assert found.samples[0] == 3 and len(set(found.samples)) == 12
+    assert (
+        np.array_equal(np.unique(found.cells), np.arange(12))
+        or np.isin(found.cells, found.samples).all()
+    )
+    assert (found.distances[found.samples] == 0).all()
+    d = np.linalg.norm(v[found.samples][:, None] - v[found.samples], axis=2) + 9 * np.eye(12)
+    assert d.min() > 0.7
+
+
+def test_curves_are_closed_and_smooth_ones_shorter():
+    v, f = shapes.torus(40, 20)
+    found = catamaran.curve(v, f, [0, 400, 200, 600, 100, 700])
+    smooth = catamaran.curve(v, f, [0, 400, 200, 600, 100, 700], smooth=True)
+    assert found.complete and found.curves[0].closed and len(found.left_out) == 0
+    assert smooth.curves[0].length <= found.curves[0].length * (1 + 1e-12)
+    assert catamaran.curve(v, f, [0, 100, 200], open=True).curves[0].closed is False
+    with pytest.raises(ValueError):
+        catamaran.curve(v, f, [0, 10**6, 3])
+
+
+def test_signatures_know_poses():
+    one, bent, other = shapes.figure(16), shapes.figure(16, 0.6), shapes.torus()
+    dna = [catamaran.shape_dna(*mesh, 10) for mesh in (one, bent, other)]
+    assert np.linalg.norm(dna[0] - dna[1]) < 0.2 * np.linalg.norm(dna[0] - dna[2])
+
+
+def test_unions_obey_domain_monotonicity():
+    v, f = shapes.figure(24)
+    top, bottom = v[:, 2] > np.median(v[:, 2]) - 0.2, v[:, 2] < np.median(v[:, 2]) + 0.2
+    parts = []
+    for mask in (top, bottom):
+        inside = f[mask[f].all(axis=1)]
+        used, faces = np.unique(inside, return_inverse=True)
+        parts.append((v[used], faces.reshape(-1, 3)))
+    found = catamaran.union_spectrum(parts)
+    assert found.union.shape == (20,) and (np.diff(found.union) >= 0).all()
+    assert (found.union <= np.minimum(*found.parts) * (1 + 1e-12)).all()
+    again = catamaran.union_spectrum(found.parts[::-1])
+    assert np.array_equal(again.union, found.union)
+
+
+def test_plants_lose_water_and_bend():
+    plant = catamaran.grow_plant(150, seed=3)
+    found = catamaran.wilt(plant, 48, frames=4)
+    total = found.water.sum(axis=1)
+    assert np.allclose(found.water[0], found.full_water) and (np.diff(total) < 0).all()
+    assert found.tails[-1][:, 2].max() <= found.tails[0][:, 2].max()
+    v, f = found.mesh(-1)
+    assert v.shape[1] == 3 and f.max() < len(v)
+    saved = catamaran.wilt(plant, 48, frames=4, day_night=True, weaken={5: 0.5})
+    assert saved.water[-1].sum() > found.water[-1].sum()
+    with pytest.raises(ValueError, match="hours"):
+        catamaran.wilt(plant, -1.0)
+
+
+def test_slime_does_not_depend_on_threads():
+    v, f = shapes.icosphere(2)
+    one = catamaran.slime(v, f, 6, agents=2000, size=160, species=2, threads=1)
+    two = catamaran.slime(v, f, 6, agents=2000, size=160, species=2, threads=2)
+    assert one.texture.shape == (2, 160, 160) and np.array_equal(one.texture, two.texture)
+    assert one.coverage.shape == (6, 2) and one.uv.shape == (len(f), 3, 2)
+    again = catamaran.slime(v, f, 2, agents=500, size=160, uv=one.uv)
+    assert again.texture.max() > 0
+    with pytest.raises(ValueError, match="size"):
+        catamaran.slime(v, f, 1, size=32)
+
+
+def test_newton_finds_the_roots_it_is_told():
+    roots = [1.0, -1.0, 1j]
+    found = catamaran.newton([[x.real, x.imag, 0.0] for x in map(complex, roots)], roots=roots)
+    assert np.array_equal(found.roots, [0, 4, 8])
+    plane = catamaran.newton(power=4, size=(40, 30))
+    assert plane.roots.shape == plane.convergence.shape == (30, 40)
+    assert catamaran.newton(size=12, volume=True).roots.shape == (12, 12, 12)
+    with pytest.raises(ValueError, match="iterations"):
+        catamaran.newton(size=8, iterations=0)

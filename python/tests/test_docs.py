@@ -1,0 +1,34 @@
+"""The code of the guide and of the README runs, and everything is documented."""
+
+import inspect
+import re
+
+import pytest
+from conftest import ROOT
+
+import catamaran
+
+
+@pytest.mark.parametrize("page", ["python/README.md", "docs/guide/python.md"])
+def test_code_runs(page):
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), re.DOTALL)
+    assert blocks
+    for block in blocks:
+        exec(block, {})
+
+
+def test_everything_is_documented():
+    for name in catamaran.__all__:
+        public = getattr(catamaran, name)
+        assert name == "__version__" or inspect.getdoc(public), name
+        if inspect.isfunction(public) and inspect.signature(public).parameters:
+            text = inspect.getdoc(public)
+            one_line = name in ("read_plant",)
+            assert one_line or "Examples" in text or "Parameters" in text, name
+
+
+def test_the_guide_names_every_function():
+    guide = (ROOT / "docs/guide/python.md").read_text()
+    for name in catamaran.__all__:
+        if inspect.isfunction(getattr(catamaran, name)):
+            assert name in guide, name

@@ -1,0 +1,111 @@
+"""Least squares, principal components, singular values, orthonormal bases."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+import scipy.sparse
+
+import catamaran
+
+
+def test_lstsq_is_that_of_numpy(rng):
+    a, b = rng.standard_normal((80, 6)), rng.standard_normal((80, 2))
+    found = catamaran.lstsq(a, b)
+    x, residuals, rank, _ = np.linalg.lstsq(a, b, rcond=None)
+    assert np.allclose(found.x, x, rtol=1e-12) and found.rank == rank
+    assert np.allclose(found.residual_norm**2, residuals)
+    assert found.degrees_of_freedom == 74 and found.digits > 15
+    one = catamaran.lstsq(a, b[:, 0])
+    assert one.x.shape == (6,) and np.isscalar(one.residual_norm)
+    assert np.array_equal(one.predict(a), a @ one.x + one.intercept)
+
+
+def test_lstsq_has_digits_where_qr_has_none():
+    t = np.linspace(-8.8, -3.1, 82)
+    a = np.vander(t, 11, increasing=True)
+    truth = np.arange(1.0, 12.0)
+    found = catamaran.lstsq(a, a @ truth, standard_errors=False)
+    qr = np.linalg.lstsq(a, a @ truth, rcond=0)[0]
+    ours, theirs = (np.abs(x - truth).max() for x in (found.x, qr))
+    assert found.rank == 11 and ours <= theirs * 10 and found.condition > 1e12
+
+
+def test_weights_ridge_and_intercept(rng):
+    a, b, w = rng.standard_normal((60, 3)), rng.standard_normal(60), rng.uniform(0.5, 2, 60)
+    found = catamaran.lstsq(a, b, weights=w)
+    root = np.sqrt(w)
+    assert np.allclose(found.x, np.linalg.lstsq(root[:, None] * a, root * b, rcond=None)[0])
+    found = catamaran.lstsq(a, b, ridge=3.0)
+    assert np.allclose(found.x, np.linalg.solve(a.T @ a + 3 * np.eye(3), a.T @ b))
+    found = catamaran.lstsq(a, b, intercept=True)
+    both = np.linalg.lstsq(np.column_stack([a, np.ones(60)]), b, rcond=None)[0]
+    assert np.allclose(found.x, both[:3]) and np.isclose(found.intercept, both[3])
+
+
+def test_columns_that_depend_on_others(rng):
+    a = rng.standard_normal((30, 3))
+    a = np.column_stack([a, a[:, 0]])
+    found = catamaran.lstsq(a, a[:, 0])
+    assert found.rank == 3 and len(found.dependent) == 1
+    assert np.allclose(found.x, [0.5, 0, 0, 0.5], atol=1e-12)
+    with pytest.raises(ValueError, match="A: column"):
+        catamaran.lstsq(a, a[:, 0], rank_deficiency="refuse")
+
+
+def test_pca_is_that_of_numpy(rng):
+    x = rng.standard_normal((100, 5)) @ np.diag([5, 3, 2, 1, 0.5]) + 4
+    found = catamaran.pca(x, 3)
+    _, s, vt = np.linalg.svd(x - x.mean(axis=0), full_matrices=False)
+    assert np.allclose(found.singular_values, s[:3])
+    assert np.allclose(np.abs(found.components), np.abs(vt[:3]))
+    assert np.allclose(found.explained_variance, s[:3] ** 2 / 99)
+    assert np.allclose(found.transform(x), (x - x.mean(axis=0)) @ found.components.T)
+    assert np.allclose(
+        found.transform(x[::-1].astype(np.float32)), found.transform(x)[::-1], atol=1e-4
+    )
+    share = catamaran.pca(x, 0.8)
+    assert share.explained_variance_ratio.sum() >= 0.8
+    white = catamaran.pca(x, 2, whiten=True).transform(x)
+    assert np.allclose(np.cov(white, rowvar=False), np.eye(2))
+    scaled = catamaran.pca(x, standardize=True)
+    assert np.allclose(scaled.scale, x.std(axis=0, ddof=1))
+    assert np.isclose(scaled.explained_variance.sum(), 5)
+    doubled = catamaran.pca(x, weights=np.full(100, 2.0))
+    assert np.allclose(np.abs(doubled.components), np.abs(catamaran.pca(x).components))
+
+
+def test_svd_is_that_of_numpy(rng):
+    a = rng.standard_normal((50, 6))
+    u, s, vh = catamaran.svd(a, compute_u=True)
+    assert np.allclose(s, np.linalg.svd(a, compute_uv=False))
+    assert np.allclose(u * s @ vh, a) and np.allclose(u.T @ u, np.eye(6))
+    assert catamaran.svd(a).u is None
+
+
+def test_small_singular_values_have_digits():
+    # Exactly known: powers of two on a diagonal, rotated by a Hadamard matrix.
+    s = 2.0 ** -np.array([0, 10, 20, 40])
+    a = scipy.linalg.hadamard(8)[:, :4] * s
+    assert np.allclose(catamaran.svd(a).s, s * np.sqrt(8), rtol=1e-14, atol=0)
+
+
+def test_qr(rng):
+    a = rng.standard_normal((70, 5))
+    q, r = catamaran.qr(a)
+    assert np.allclose(q @ r, a) and np.allclose(np.tril(r, -1), 0) and (np.diag(r) > 0).all()
+    assert catamaran.orthogonality(q)[1] < 1e-15
+    mass = rng.uniform(0.5, 2, 70)
+    for m in (mass, scipy.sparse.diags(mass)):
+        q, r = catamaran.qr(a, mass=m)
+        assert np.allclose(q @ r, a) and np.allclose(q.T @ (mass[:, None] * q), np.eye(5))
+    with pytest.raises(ValueError, match="depend"):
+        catamaran.qr(np.column_stack([a, a[:, 0]]))
+
+
+@pytest.mark.parametrize("method", ["reorthogonalized", "single_pass", "rank_revealing"])
+def test_orthogonalize(rng, method):
+    a = rng.standard_normal((90, 6))
+    a[:, 3] = a[:, 1] - 2 * a[:, 2]
+    q, r, kept = catamaran.orthogonalize(a, method=method)
+    assert q.shape == (90, 5) and len(kept) == 5
+    assert np.allclose(q.T @ q, np.eye(5), atol=1e-10) and np.allclose(q @ r, a, atol=1e-8)
