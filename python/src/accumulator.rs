@@ -6,7 +6,7 @@ use catamaran::ata::{
     Accumulator as Sum, DenseRows, ExtendedGram, RowBlocks, RowBounds, block_rows, scalar_of,
 };
 use catamaran::blas::BlasReal;
-use catamaran::faer::MatMut;
+use catamaran::faer::{Mat, MatMut};
 use catamaran::io::{Output, Overwrite, accumulator_scalar, read_accumulator, write_accumulator};
 use catamaran::{AtaOptions, Error, Real};
 use pyo3::exceptions::PyValueError;
@@ -259,7 +259,10 @@ impl Accumulator {
         threads: Option<i64>,
     ) -> PyResult<(Vec<Bound<'py, PyAny>>, bool)> {
         let gram = self.extended(py, threads)?;
-        let part = |i: usize| Ok(from_matrix(py, gram.part(i))?.into_any());
+        let part = |part: usize| {
+            let entry = |i, j| if i < j { 0.0 } else { gram.entry(i, j)[part] };
+            Ok(from_matrix(py, Mat::from_fn(gram.n(), gram.n(), entry).as_ref())?.into_any())
+        };
         Ok(((0..3).map(part).collect::<PyResult<_>>()?, gram.is_exact()))
     }
 
