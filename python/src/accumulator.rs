@@ -36,6 +36,9 @@ macro_rules! each {
     };
 }
 
+/// What rows will keep to: lower, upper, number of rows, largest weight.
+type Bounds<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, u64, Option<f64>);
+
 /// Sums of rows; see `catamaran.Accumulator`, which inherits from this class.
 #[pyclass(module = "catamaran._catamaran", subclass)]
 pub struct Accumulator {
@@ -182,7 +185,7 @@ impl Accumulator {
         center: bool,
         scalar: &str,
         kind: &str,
-        bounds: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>, u64, Option<f64>)>,
+        bounds: Option<Bounds<'_>>,
     ) -> PyResult<Self> {
         let single = word("dtype", scalar, &[("float64", false), ("float32", true)])?;
         let kind = word("kind", kind, &[("float", 0), ("exact", 1), ("extended", 2)])?;
@@ -384,7 +387,7 @@ fn make<T: Scalar + BlasReal>(
     columns: usize,
     center: bool,
     kind: u8,
-    bounds: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>, u64, Option<f64>)>,
+    bounds: Option<Bounds<'_>>,
 ) -> PyResult<Sum<T>> {
     let bounds = match (kind, bounds) {
         (0, None) => return Sum::new(columns, center).map_err(exception),

@@ -31,8 +31,10 @@ pub struct How {
 /// Flips of edges for each vertex of the curves, at most, as in `catamaran curve`.
 const STEPS: usize = 1000;
 
-/// The outcome, the curves as dictionaries, and the samples that are left out; see
-/// `catamaran.curve`.
+/// The outcome, whether it is complete, the curves as dictionaries, the samples that are left out.
+type Found<'py> = (String, bool, Vec<Bound<'py, PyDict>>, Bound<'py, PyAny>);
+
+/// See `catamaran.curve`.
 #[pyfunction]
 #[pyo3(signature = (v, f, samples, how, progress))]
 pub fn curve<'py>(
@@ -42,7 +44,7 @@ pub fn curve<'py>(
     samples: &Bound<'py, PyAny>,
     how: How,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(String, bool, Vec<Bound<'py, PyDict>>, Bound<'py, PyAny>)> {
+) -> PyResult<Found<'py>> {
     let mode = word("mode", &how.mode, &[("robust", Mode::Robust), ("faithful", Mode::Faithful)])?;
     let (mesh, samples) = (mesh(v, f)?, vertices("samples", samples)?);
     let found = run(py, Length::Long, progress, move |progress| {

@@ -103,13 +103,16 @@ const SEEN: f64 = 1e-4;
 /// The share of the time that goes into water, not poses.
 const WATER_SHARE: f64 = 0.2;
 
+/// Hours, the water of full cells, and that of all nodes at each hour.
+type WaterCurve = (Vec<f64>, Vec<f64>, Vec<Vec<f64>>);
+
 impl Weather {
     fn water(
         &self,
         graph: &Graph,
         par: Par,
         progress: Progress<'_>,
-    ) -> catamaran::Result<(Vec<f64>, Vec<f64>, Vec<Vec<f64>>)> {
+    ) -> catamaran::Result<WaterCurve> {
         let loss = grams_per_hour(self.loss);
         let conductivity = Conductivity::Pipe { scale: self.conductance };
         let options = WaterOptions::new().loss(loss).conductivity(conductivity);

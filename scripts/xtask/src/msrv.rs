@@ -1,5 +1,5 @@
-//! The minimum Rust version, as far as one toolchain can check it: no dependency of the library or
-//! of the command line asks for more. Clippy's `incompatible_msrv` watches our own code, and the
+//! The minimum Rust version, as far as one toolchain can check it: no dependency of the library,
+//! of the command line or of the Python package asks for more. Clippy's `incompatible_msrv` watches our own code, and the
 //! hosted workflow builds with that very version.
 
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! `NOTICE`: whose work the library and the command line contain.
+//! `NOTICE`: whose work the library, the command line and the Python package contain.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;

@@ -1,4 +1,5 @@
-//! The packages that the library and the command line are built from, as `cargo metadata` lists them.
+//! The packages that the libraries, the command line and the Python package are built from, as
+//! `cargo metadata` lists them.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -6,8 +7,8 @@ use std::process::Command;
 
 use serde_json::Value;
 
-/// What others are made of: the libraries and the command line.
-const OURS: [&str; 3] = ["catamaran", "catamaran-cli", "catamaran-blas"];
+/// What others are made of: the libraries, the command line and the Python package.
+const OURS: [&str; 4] = ["catamaran", "catamaran-cli", "catamaran-blas", "catamaran-python"];
 
 /// The whole graph, with every feature, of one platform or of all.
 pub struct Graph {
