@@ -17,11 +17,14 @@ const MOST: usize = 11;
 /// What stands for an error of zero in the picture: half a unit roundoff.
 const NO_ERROR: f64 = f64::EPSILON / 4.0;
 
+/// Solves `min |A x - b|`; `None` where the way breaks down.
+type Solve = fn(MatRef<'_, f64>, MatRef<'_, f64>) -> Result<Option<Mat<f64>>>;
+
 /// A way to solve.
 struct Way {
     name: &'static str,
     color: &'static str,
-    solve: fn(MatRef<'_, f64>, MatRef<'_, f64>) -> Result<Option<Mat<f64>>>,
+    solve: Solve,
 }
 
 /// Later ones are drawn above.
