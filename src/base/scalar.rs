@@ -1,7 +1,7 @@
 use std::fmt::{Debug, Display, LowerExp};
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use super::workspace::Plain;
+use super::plain::Plain;
 
 mod sealed {
     pub trait Sealed {}

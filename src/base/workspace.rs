@@ -1,6 +1,7 @@
 use std::alloc::Layout;
 use std::sync::{Mutex, TryLockError};
 
+use super::plain::Plain;
 use super::{Error, Real, Result};
 
 /// An owned, zeroed, reusable block of `T`; a failed allocation is an error, not an abort.
@@ -271,27 +272,6 @@ impl<'a, T: Real> Arena<'a, T> {
 }
 
 const CACHE_LINE: usize = 64;
-
-/// A type of which any bits are a value.
-///
-/// # Safety
-/// That, and no padding.
-pub unsafe trait Plain: Copy + Send + Sync {}
-
-// SAFETY: as the trait asks.
-unsafe impl Plain for u8 {}
-// SAFETY: as the trait asks.
-unsafe impl Plain for i8 {}
-// SAFETY: as the trait asks.
-unsafe impl Plain for i32 {}
-// SAFETY: as the trait asks.
-unsafe impl Plain for i128 {}
-// SAFETY: as the trait asks.
-unsafe impl Plain for f32 {}
-// SAFETY: as the trait asks.
-unsafe impl Plain for f64 {}
-// SAFETY: as the trait asks: arrays have no padding of their own.
-unsafe impl<T: Plain, const N: usize> Plain for [T; N] {}
 
 #[cfg(test)]
 mod tests {

@@ -1,0 +1,22 @@
+//! Types without padding, of which any bits are a value.
+
+/// A type of which any bits are a value.
+///
+/// # Safety
+/// That, and no padding.
+pub unsafe trait Plain: Copy + Send + Sync {}
+
+// SAFETY: as the trait asks.
+unsafe impl Plain for u8 {}
+// SAFETY: as the trait asks.
+unsafe impl Plain for i8 {}
+// SAFETY: as the trait asks.
+unsafe impl Plain for i32 {}
+// SAFETY: as the trait asks.
+unsafe impl Plain for i128 {}
+// SAFETY: as the trait asks.
+unsafe impl Plain for f32 {}
+// SAFETY: as the trait asks.
+unsafe impl Plain for f64 {}
+// SAFETY: as the trait asks: arrays have no padding of their own.
+unsafe impl<T: Plain, const N: usize> Plain for [T; N] {}
