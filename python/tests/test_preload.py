@@ -9,6 +9,8 @@ import pytest
 
 from catamaran import _catamaran, preload
 
+PACKAGE = Path(preload.__file__).parent
+
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="LD_PRELOAD")
 
 
@@ -52,16 +54,26 @@ def test_a_program_starts_itself_again(tmp_path):
 
 
 def test_a_missing_library_is_an_error_that_says_where_it_was_looked_for(tmp_path):
-    if (Path(preload.__file__).parent / preload.NAME).exists():
+    if any(folder.joinpath(preload.NAME).exists() for folder in (PACKAGE, Path(sys.prefix, "lib"))):
         pytest.skip("it is there")
-    found = python("-m", "catamaran.preload", "-c", "print('runs')")
+    found = python("-m", "catamaran.preload", "-c", "print('runs')", HOME=str(tmp_path))
     assert found.returncode == 1 and found.stdout == ""
-    assert "CATAMARAN_BLAS_LIBRARY" in found.stderr and "cargo build" in found.stderr
+    assert "CATAMARAN_BLAS_LIBRARY" in found.stderr and "scripts/build-blas" in found.stderr
     found = python(
         "-m", "catamaran.preload", "x.py", CATAMARAN_BLAS_LIBRARY=str(tmp_path / "none.so")
     )
     assert found.returncode == 1 and "there is no file" in found.stderr
     assert python("-m", "catamaran.preload").returncode == 2
+
+
+def test_the_library_is_found_where_build_blas_puts_it(tmp_path, monkeypatch):
+    installed = tmp_path / "lib" / preload.NAME
+    installed.parent.mkdir()
+    installed.write_bytes(b"")
+    monkeypatch.delenv("CATAMARAN_BLAS_LIBRARY", raising=False)
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    if not (PACKAGE / preload.NAME).exists():
+        assert preload.find_library() == str(installed)
 
 
 def test_modes_and_interactive_sessions(monkeypatch):

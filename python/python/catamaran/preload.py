@@ -6,7 +6,8 @@ for
 
 1. where the environment variable ``CATAMARAN_BLAS_LIBRARY`` says,
 2. in the folder of this package,
-3. in the path of the loader.
+3. where ``scripts/build-blas`` puts it: ``lib`` of the Python environment, or of ``~/.local``,
+4. in the path of the loader.
 
 ``CATAMARAN_BLAS`` = auto, reproducible, max or off says what the library does, and
 ``CATAMARAN_BLAS_VERBOSE=1`` makes it tell at the end what it did.
@@ -37,15 +38,20 @@ def find_library() -> str:
         if not os.path.isfile(given):
             raise FileNotFoundError(f"CATAMARAN_BLAS_LIBRARY: there is no file {given}")
         return os.path.abspath(given)
-    beside = os.path.join(os.path.dirname(os.path.abspath(__file__)), NAME)
-    if os.path.isfile(beside):
-        return beside
+    folders = [
+        os.path.dirname(os.path.abspath(__file__)),
+        os.path.join(sys.prefix, "lib"),
+        os.path.expanduser("~/.local/lib"),
+    ]
+    for folder in folders:
+        if os.path.isfile(os.path.join(folder, NAME)):
+            return os.path.join(folder, NAME)
     try:
         ctypes.CDLL(NAME)
     except OSError as error:
         raise FileNotFoundError(
-            f"{NAME} is neither in CATAMARAN_BLAS_LIBRARY, nor at {beside}, nor in the path of the "
-            "loader: build it by cargo build --release -p catamaran-blas"
+            f"{NAME} is neither in CATAMARAN_BLAS_LIBRARY, nor in {', '.join(folders)}, nor in the "
+            f"path of the loader: build it by scripts/build-blas {sys.prefix}"
         ) from error
     return NAME
 
