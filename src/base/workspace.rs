@@ -178,11 +178,12 @@ impl Drop for Scratch {
     }
 }
 
-/// The smallest block of at least `len` elements.
+/// The smallest block of at least `len` elements, or the largest one, which then gives way to a larger
+/// one: there are no more blocks than were in use at a time.
 fn take(blocks: &mut Vec<Workspace<f64>>, len: usize) -> Option<Workspace<f64>> {
-    let fits = |i: &usize| blocks[*i].as_slice().len() >= len;
-    let smallest = (0..blocks.len()).filter(fits).min_by_key(|&i| blocks[i].buffer.len())?;
-    Some(blocks.remove(smallest))
+    let len_of = |i: &usize| blocks[*i].as_slice().len();
+    let fitting = (0..blocks.len()).filter(|i| len_of(i) >= len).min_by_key(len_of);
+    fitting.or_else(|| (0..blocks.len()).max_by_key(len_of)).map(|i| blocks.remove(i))
 }
 
 /// The oldest blocks, without which those that stay have no more bytes than [`KEPT`] allows.
@@ -321,15 +322,18 @@ mod tests {
     }
 
     #[test]
-    fn the_smallest_block_that_is_large_enough_is_taken_and_the_oldest_go_first() {
+    fn the_smallest_block_that_fits_is_taken_or_the_largest_and_the_oldest_go_first() {
         let block = |len: usize| Workspace::<f64>::new(len).unwrap();
         let lens = |blocks: &[Workspace<f64>]| -> Vec<usize> {
             blocks.iter().map(|block| block.as_slice().len()).collect()
         };
         let mut blocks = [300, 100, 200].map(block).into();
         assert_eq!(take(&mut blocks, 150).map(|block| block.as_slice().len()), Some(200));
-        assert!(take(&mut blocks, 301).is_none());
         assert_eq!(lens(&blocks), [300, 100]);
+        assert_eq!(take(&mut blocks, 301).map(|block| block.as_slice().len()), Some(300));
+        assert_eq!(take(&mut blocks, 1).map(|block| block.as_slice().len()), Some(100));
+        assert!(take(&mut blocks, 1).is_none());
+        blocks.extend([300, 100].map(block));
         assert!(surplus(&mut blocks).is_empty());
         // Nobody touches these pages.
         let large = KEPT.end() / size_of::<f64>() / 2;
