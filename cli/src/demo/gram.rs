@@ -86,11 +86,6 @@ fn ours(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Result<Option<Mat<f64>>> {
     Ok(Some(lstsq(a, b, None, &LeastSquaresOptions::new())?.coefficients))
 }
 
-/// Correct decimal digits.
-fn digits(error: Option<f64>) -> f64 {
-    error.map_or(0.0, |error| -error.max(NO_ERROR).log10()).max(0.0)
-}
-
 fn describe(fits: &[Fit]) -> Station {
     let curve = |(k, way): (usize, &Way)| Curve {
         name: way.name,
@@ -99,24 +94,24 @@ fn describe(fits: &[Fit]) -> Station {
         dashed: false,
         points: fits
             .iter()
-            .filter_map(|fit| Some((fit.degree as f64, fit.errors[k]?.max(NO_ERROR))))
+            .filter_map(|fit| Some((fit.degree as f64, fit.errors[k]?.clamp(NO_ERROR, 1.0))))
             .collect(),
     };
     let chart = Chart {
         across: "degree",
-        last: 12.0,
+        // Room for the names.
+        last: 16.0,
         upwards: "largest relative error",
         scale: Upwards::Logarithmic,
         curves: WAYS.iter().enumerate().map(curve).collect(),
     };
-    let worst =
-        |k: usize| fits.iter().map(|fit| digits(fit.errors[k])).fold(f64::INFINITY, f64::min);
-    let [normal, by_qr, own] = [0, 1, 2].map(worst);
     let shown = |error: Option<f64>| match error {
         None => "breaks down".into(),
         Some(0.0) => "all".into(),
-        some => format!("{:.1}", digits(some)),
+        Some(error) => format!("{:.1}", (-error.log10()).max(0.0)),
     };
+    // Of the highest degree.
+    let [normal, by_qr, own] = fits.last().map_or(Default::default(), |fit| fit.errors.map(shown));
     Station {
         id: "gram",
         title: "Least squares from A<sup>T</sup>A",
@@ -124,22 +119,22 @@ fn describe(fits: &[Fit]) -> Station {
             "<p>Textbooks warn of the normal equations A<sup>T</sup>A x = A<sup>T</sup>b: forming \
              A<sup>T</sup>A squares the condition number, and half of the digits are lost. That is \
              the rounding of A<sup>T</sup>A. Here the exact path keeps A<sup>T</sup>A to 159 bits, \
-             and its solution has more correct digits than that of QR, from one pass over the rows \
-             that can be in a file or spread over machines (<code>catamaran lstsq</code>).</p>\n\
+             and its solution has more correct digits than that of QR; the rows can be in a file or \
+             spread over machines (<code>catamaran lstsq</code>).</p>\n\
              <p>Polynomials with all coefficients 1 are fitted to their values at t = 0, 1, ..., \
              {}, which are whole numbers: the solution is known exactly, and the columns 1, t, \
              t<sup>2</sup>, ... get closer to each other with every degree.</p>",
             POINTS - 1
         ),
         numbers: vec![
-            (format!("{own:.1}"), "correct digits of every coefficient, ours, at worst"),
-            (format!("{by_qr:.1}"), "those of QR in double precision"),
-            (format!("{normal:.1}"), "those of the normal equations in double precision"),
+            (own, "correct digits of all coefficients of degree 11, ours"),
+            (by_qr, "those of QR in double precision"),
+            (normal, "those of the normal equations in double precision"),
         ],
         figures: vec![Figure {
             body: chart.svg(),
-            caption: "The largest relative error of a coefficient. Lower is better; ours stays at \
-                      the last bit of a number in double precision."
+            caption: "The largest relative error of a coefficient. Lower is better; no error is \
+                      drawn as half a unit roundoff, and more than 1 as 1."
                 .into(),
             wide: true,
         }],

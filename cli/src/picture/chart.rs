@@ -9,7 +9,7 @@ use catamaran::io::Output;
 const WIDTH: f64 = 760.0;
 const HEIGHT: f64 = 420.0;
 /// Left, right, top and bottom of the axes.
-const FRAME: [f64; 4] = [60.0, 740.0, 20.0, 370.0];
+const FRAME: [f64; 4] = [74.0, 740.0, 20.0, 370.0];
 
 /// What is drawn.
 pub struct Chart<'a> {
