@@ -52,7 +52,9 @@ pub fn decide<T: BlasReal>(request: &Request<T>, settings: &Settings) -> Result<
     }
     remembered(Key { kind: kind(request), scalar: size_of::<T>(), sides: [m, n, k] }, || {
         let plan = plan(request, settings).map_err(|_| Why::Memory)?;
-        if settings.mode == Mode::Auto && plan.expected_ratio() > worthwhile(&plan, kind(request)) {
+        if settings.mode == Mode::Auto
+            && plan.expected_ratio() > worthwhile(&plan, kind(request), m)
+        {
             return Err(Why::Slower);
         }
         let scratch = planned_scratch_len::<T>(&plan, Par::Threads(settings.threads));
@@ -101,10 +103,13 @@ fn kind<T>(request: &Request<T>) -> Kind {
 /// The time of a plan over that of our classical products from which the next library is expected
 /// to be faster.
 ///
-/// Classical products are as fast as those of OpenBLAS or faster where the vectors have 512 bits,
-/// general ones on processors of AMD only (figures 8.3 and 8.4 in bench/record). Where vectors are
-/// shorter nobody has measured yet: only what saves multiplications is computed here.
-fn worthwhile(plan: &Plan, kind: Kind) -> f64 {
+/// Classical products are as fast as those of OpenBLAS or faster where the vectors have 512 bits on
+/// processors of AMD; on others symmetric ones with less than so many columns are (figures 8.3 and
+/// 8.4 in bench/record, and preload/race.py). Where vectors are shorter nobody has measured yet: only
+/// what saves multiplications is computed here.
+fn worthwhile(plan: &Plan, kind: Kind, columns: usize) -> f64 {
+    /// With more OpenBLAS takes 1 to 5 % less time.
+    const COLUMNS: usize = 2048;
     /// Our classical products win.
     const ALWAYS: f64 = f64::INFINITY;
     /// Fast levels have to make up for slower kernels.
@@ -112,9 +117,9 @@ fn worthwhile(plan: &Plan, kind: Kind) -> f64 {
     match (plan.isa(), kind) {
         (Some("portable"), _) => 0.0,
         (Some("avx2"), _) => FAST,
-        (_, Kind::Syrk) => ALWAYS,
-        (_, Kind::Gemm | Kind::Gemmt) if is_amd() => ALWAYS,
-        (_, Kind::Gemm | Kind::Gemmt) => FAST,
+        (_, Kind::Syrk) if columns < COLUMNS => ALWAYS,
+        _ if is_amd() => ALWAYS,
+        _ => FAST,
     }
 }
 
