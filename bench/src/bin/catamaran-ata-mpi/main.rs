@@ -31,25 +31,33 @@ const CHECK_FAILED: u8 = 1;
 const ERROR: u8 = 3;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::try_parse().unwrap_or_else(|error| {
-        // Every rank reads the same arguments: one reports.
-        if launcher::is_first() {
-            error.exit();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            return of_job(error.exit_code() as u8, || {
+                // Where it can't be printed, nothing else can be either.
+                let _ = error.print();
+            });
         }
-        std::process::exit(error.exit_code());
-    });
+    };
     let done = host::with_environment_for_rivals(Path::new("target/rivals"), Kernels::OfOldLibrary)
         .and_then(|()| with_mpi(&arguments));
     match done {
         Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => CHECK_FAILED.into(),
-        Err(error) => {
-            if launcher::is_first() {
-                eprintln!("catamaran-ata-mpi: {error}");
-            }
-            ERROR.into()
-        }
+        Ok(false) => of_job(CHECK_FAILED, || ()),
+        Err(error) => of_job(ERROR, || eprintln!("catamaran-ata-mpi: {error}")),
     }
+}
+
+/// The exit code of a job that ends with the same error on all ranks: the first reports it and
+/// returns `code`, the others return success, for mpirun ends all when the first process fails,
+/// which could be before the report.
+fn of_job(code: u8, report: impl FnOnce()) -> ExitCode {
+    if !launcher::is_first() {
+        return ExitCode::SUCCESS;
+    }
+    report();
+    code.into()
 }
 
 /// Runs the race between the start and the end of MPI; returns whether all checks passed.
