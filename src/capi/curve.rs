@@ -1,13 +1,17 @@
+//! # Curves
+//!
+//! Curves on a mesh through samples of them, in an order that is found (thesis, chapter 6).
+
 use std::ffi::c_void;
 use std::mem::offset_of;
 
 use super::boundary::boundary;
-use super::params::{Versioned, cata_progress, flag, init, read, watcher};
-use super::pointer::{check_size, optional_output, output, slice, slice_mut};
+use super::params::{Versioned, flag, init, read};
+use super::pointer::{mesh, optional_output, output, slice, slice_mut};
+use super::progress::{cata_progress, watcher};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::base::Progress;
 use crate::curve::{Count, CurveOptions, CurveSolver, Mode, Outcome, Reconstruction};
-use crate::mesh::TriMesh;
 
 /// The curve is closed, or all curves are.
 pub const CATA_CURVE_CLOSED: i32 = 0;
@@ -20,13 +24,11 @@ pub const CATA_CURVE_CLOSE_BLOCKED: i32 = 3;
 /// Samples are on different components of the mesh.
 pub const CATA_CURVE_DISCONNECTED: i32 = 4;
 
-/// How curves are found. Every field but the first is 0 (NULL) by default, so that
-/// `cata_curve_params params = {.struct_size = sizeof params};` does what cata_curve_params_init does.
+/// How curves are found.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_curve_params {
-    /// sizeof(cata_curve_params) as the caller was compiled with. Later versions add fields at the end;
-    /// one that this library does not know must be 0.
+    /// sizeof(cata_curve_params).
     pub struct_size: usize,
     /// With `faithful` 1: among how many of the nearest samples the next one is chosen; 0: 5.
     pub candidates: usize,
@@ -34,15 +36,18 @@ pub struct cata_curve_params {
     pub start: usize,
     /// Told of progress; NULL: nobody.
     pub progress: cata_progress,
-    /// Handed to `progress` as it is; may be NULL.
+    /// Handed to `progress`.
     pub progress_user: *mut c_void,
-    /// 1: algorithm 6.1 of the thesis, from sample to sample. 0: the order first, then paths that do not meet.
+    /// 1: algorithm 6.1 of the thesis, from sample to sample. 0: the order first, then paths that
+    /// do not meet.
     pub faithful: i32,
     /// 1: an open curve; 0: closed.
     pub open: i32,
-    /// 1: one curve, even where there are gaps as between several; 0: as many as there are gaps for.
+    /// 1: one curve, even where there are gaps as between several; 0: as many as there are gaps
+    /// for.
     pub single: i32,
-    /// 1: vertices of the mesh alone; 0: points in the middle of edges are added where there is no other way.
+    /// 1: vertices of the mesh alone; 0: points in the middle of edges are added where there is
+    /// no other way.
     pub no_steiner: i32,
 }
 
@@ -51,18 +56,13 @@ impl Versioned for cata_curve_params {
     const FIRST_SIZE: usize = offset_of!(Self, no_steiner) + size_of::<i32>();
 }
 
-/// Curves that were found. Made by cata_curves_new; for one thread at a time unless it is only read.
+/// Curves that were found. Made by cata_curves_new; for one thread at a time unless it is only
+/// read.
 pub struct cata_curves {
     found: Reconstruction,
 }
 
-/// Fills a parameter struct with the defaults.
-///
-/// `params`: one struct, not NULL; `struct_size` bytes are written.
-/// `struct_size`: sizeof(cata_curve_params).
-/// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
-///
-/// Thread-safe.
+/// Fills a struct with the defaults.
 ///
 /// # Safety
 /// `params` points to `struct_size` writable bytes.
@@ -77,44 +77,35 @@ pub unsafe extern "C" fn cata_curve_params_init(
 
 /// The curve on a triangle mesh, along its edges, that samples without an order are of.
 ///
-/// - `positions`: 3 `vertices` elements, read: x, y, z of each vertex. May be NULL when there are none.
-/// - `triangles`: 3 `faces` elements, read: three vertices of each face, from 0. May be NULL when there are none.
+/// - `positions`: 3 `vertices` elements, read: x, y, z of each vertex.
+/// - `triangles`: 3 `faces` elements, read: three vertices of each face, from 0.
 /// - `samples`: `sample_count` elements, read: vertices, at least 3, none twice.
-/// - `params`: NULL for the defaults; else read during the call.
 /// - `curves`: one pointer, not NULL, written: the result, to be given to cata_curves_free.
 ///
-/// Returns CATA_OK also when there is no complete curve, as cata_curves_outcome then says; CATA_ERR_NULL,
-/// CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_MESH, CATA_ERR_OUT_OF_MEMORY, CATA_ERR_CANCELLED or
-/// CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
-///
-/// Thread-safe.
+/// Returns CATA_OK also when there is no complete curve, as cata_curves_outcome then says.
 ///
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_curves_new(
-    vertices: usize,
-    positions: *const f64,
-    faces: usize,
-    triangles: *const u32,
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
     sample_count: usize,
     samples: *const u32,
     params: *const cata_curve_params,
     curves: *mut *mut cata_curves,
 ) -> cata_status {
     boundary(|| {
-        check_size::<f64>("positions", vertices, 3)?;
-        check_size::<u32>("triangles", faces, 3)?;
         // SAFETY: the caller's promise.
-        let (positions, triangles, samples, curves) = unsafe {
+        let (mesh, samples, curves) = unsafe {
             (
-                slice("positions", positions, 3 * vertices)?,
-                slice("triangles", triangles, 3 * faces)?,
+                mesh(n_vertices, vertices, n_faces, faces)?,
                 slice("samples", samples, sample_count)?,
                 output("curves", curves)?,
             )
         };
-        let mesh = TriMesh::new(triples(positions), triples(triangles))?;
         let mut options = CurveOptions::default();
         let mut watch = None;
         if !params.is_null() {
@@ -141,15 +132,9 @@ pub unsafe extern "C" fn cata_curves_new(
     })
 }
 
-fn triples<T: Copy>(all: &[T]) -> Vec<[T; 3]> {
-    all.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()
-}
-
 /// Gives curves back.
 ///
 /// `curves`: from cata_curves_new, not used any more afterwards; NULL is ignored.
-///
-/// Thread-safe.
 ///
 /// # Safety
 /// `curves` is NULL or from cata_curves_new, and was not given back before.
@@ -166,9 +151,8 @@ pub unsafe extern "C" fn cata_curves_free(curves: *mut cata_curves) {
 /// - `curves`: from cata_curves_new, not NULL.
 /// - `outcome`: one element, written: CATA_CURVE_CLOSED, CATA_CURVE_OPEN, CATA_CURVE_BLOCKED,
 ///   CATA_CURVE_CLOSE_BLOCKED or CATA_CURVE_DISCONNECTED. NULL where not wanted.
-/// - `count`: one element, written: the number of curves, or of what there is of them. NULL where not wanted.
-///
-/// Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_PANIC. Thread-safe.
+/// - `count`: one element, written: the number of curves, or of what there is of them. NULL where
+///   not wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -207,12 +191,9 @@ pub unsafe extern "C" fn cata_curves_outcome(
 ///
 /// - `curves`: from cata_curves_new, not NULL.
 /// - `curve`: its number, from 0.
-/// - `sample_count`, `vertex_count`: one element each, written: samples in its order, and vertices on its path.
-///   NULL where not wanted.
+/// - `sample_count`, `vertex_count`: one element each, written: samples in its order, and
+///   vertices on its path. NULL where not wanted.
 /// - `length`: one element, written: the sum of the lengths of its edges. NULL where not wanted.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a curve that is not there, or CATA_ERR_PANIC.
-/// Thread-safe.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -251,13 +232,13 @@ pub unsafe extern "C" fn cata_curves_size(
 ///
 /// - `curves`: from cata_curves_new, not NULL.
 /// - `curve`: its number, from 0.
-/// - `order`: as many elements as it has samples, written: numbers of samples in its order. NULL where not wanted.
-/// - `path`: as many elements as it has vertices, written: the vertices, the first one not repeated at the end;
-///   those from the number of vertices of the mesh on are points that were added. NULL where not wanted.
-/// - `points`: three times as many elements, written: x, y, z of the vertices. NULL where not wanted.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a curve that is not there, or CATA_ERR_PANIC.
-/// Thread-safe.
+/// - `order`: as many elements as it has samples, written: numbers of samples in its order. NULL
+///   where not wanted.
+/// - `path`: as many elements as it has vertices, written: the vertices, the first one not
+///   repeated at the end; those from the number of vertices of the mesh on are points that were
+///   added. NULL where not wanted.
+/// - `points`: three times as many elements, written: x, y, z of the vertices. NULL where not
+///   wanted.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -1,29 +1,30 @@
+//! # Decimation
+//!
+//! A mesh with a given number of vertices, spread evenly (thesis, chapter 5).
+
 use std::ffi::c_void;
 use std::mem::offset_of;
 
 use super::boundary::boundary;
-use super::params::{Versioned, cata_progress, flag, init, par, read, watcher};
+use super::params::{Versioned, flag, init, read};
 use super::pointer::{check_size, optional_output, output, slice, slice_mut};
+use super::progress::{cata_progress, par, watcher};
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
 use crate::base::Progress;
 use crate::decimate::{DecimateOptions, decimate};
 use crate::mesh::TriMesh;
 
-/// How a mesh is decimated. Every field but the first is 0 (NULL) by default, so that
-/// `cata_decimate_params params = {.struct_size = sizeof params};` does what cata_decimate_params_init
-/// does.
+/// How a mesh is decimated.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_decimate_params {
-    /// sizeof(cata_decimate_params) as the caller was compiled with. Later versions add fields at the end;
-    /// one that this library does not know must be 0.
+    /// sizeof(cata_decimate_params).
     pub struct_size: usize,
-    /// Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-    /// bit for bit, for every value.
+    /// Threads, at most; 0: all.
     pub threads: usize,
     /// Told of progress; NULL: nobody.
     pub progress: cata_progress,
-    /// Handed to `progress` as it is; may be NULL.
+    /// Handed to `progress`.
     pub progress_user: *mut c_void,
     /// Passes that move samples to the centroids of their cells, at least 0.
     pub lloyd: i32,
@@ -33,8 +34,8 @@ pub struct cata_decimate_params {
     pub first: u32,
     /// 1: `first` counts; 0: the lowest vertex that a face has.
     pub has_first: i32,
-    /// 1: handles too narrow for the triangles of the result are cut, and their ends closed. 0: they
-    /// are kept.
+    /// 1: handles too narrow for the triangles of the result are cut, and their ends closed. 0:
+    /// they are kept.
     pub cut_narrow_handles: i32,
 }
 
@@ -43,13 +44,7 @@ impl Versioned for cata_decimate_params {
     const FIRST_SIZE: usize = offset_of!(Self, cut_narrow_handles) + size_of::<i32>();
 }
 
-/// Fills a parameter struct with the defaults.
-///
-/// `params`: one struct, not NULL; `struct_size` bytes are written.
-/// `struct_size`: sizeof(cata_decimate_params).
-/// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
-///
-/// Thread-safe.
+/// Fills a struct with the defaults.
 ///
 /// # Safety
 /// `params` points to `struct_size` writable bytes.
@@ -62,42 +57,35 @@ pub unsafe extern "C" fn cata_decimate_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// The number of faces that cata_decimate never exceeds for a result of `n` vertices of a mesh of `n_faces`
-/// faces, whatever its topology: 2 n + n_faces; SIZE_MAX where that overflows.
-///
-/// Thread-safe.
+/// The number of faces that cata_decimate never exceeds for a result of `n` vertices of a mesh of
+/// `n_faces` faces, whatever its topology: 2 n + n_faces; SIZE_MAX where that overflows.
 #[unsafe(no_mangle)]
 pub extern "C" fn cata_decimate_faces_bound(n: usize, n_faces: usize) -> usize {
     n.saturating_mul(2).saturating_add(n_faces)
 }
 
-/// Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components, boundary
-/// loops and genus of the input. The input is cut along edges of more than two faces first, and edges
-/// longer than those of the result will be are split, so that n may also be more than the input has. No
-/// step makes faces intersect that did not. What can't be is refused, and the message says why.
+/// Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components,
+/// boundary loops and genus of the input. The input is cut along edges of more than two faces
+/// first, and edges longer than those of the result will be are split, so that n may also be more
+/// than the input has. No step makes faces intersect that did not. What can't be is refused, and
+/// the message says why.
 ///
 /// - `vertices`: 3 n_vertices elements, read: x, y, z of each vertex, finite.
-/// - `faces`: 3 n_faces elements, read: the vertices of each face, from 0, counter-clockwise as seen from
-///   outside.
+/// - `faces`: 3 n_faces elements, read: the vertices of each face, from 0, counter-clockwise as
+///   seen from outside.
 /// - `n`: vertices of the result.
-/// - `new_vertices`: 3 n elements, written. May be NULL when n is 0.
+/// - `new_vertices`: 3 n elements, written.
 /// - `new_faces`: 3 faces_capacity elements, the first 3 `*n_new_faces` written.
 /// - `faces_capacity`: cata_decimate_faces_bound(n, n_faces) is always enough; with too few,
 ///   CATA_ERR_SHAPE, and the message tells how many it takes.
 /// - `n_new_faces`: one element, written: the number of faces of the result.
-/// - `cells`: n_vertices elements, written: for each vertex of the input the nearest one of the result along
-///   edges, UINT32_MAX for those that no face has; NULL where not wanted.
-/// - `changed`: one element, written: 1 when the input had to be repaired (repeated faces and vertices
-///   without a face left out, faces flipped, the mesh cut), 0 else; NULL where not wanted.
-/// - `params`: NULL for the defaults; else read during the call.
+/// - `cells`: n_vertices elements, written: for each vertex of the input the nearest one of the
+///   result along edges, UINT32_MAX for those that no face has; NULL where not wanted.
+/// - `changed`: one element, written: 1 when the input had to be repaired (repeated faces and
+///   vertices without a face left out, faces flipped, the mesh cut), 0 else; NULL where not
+///   wanted.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (also for an n that is fewer
-/// than the topology needs), CATA_ERR_MESH, CATA_ERR_OUT_OF_MEMORY,
-/// CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
-///
-/// The result does not depend on the number of threads, bit for bit.
-///
-/// Thread-safe: calls may run at the same time as long as no output is shared.
+/// Returns CATA_ERR_ARGUMENT also for an n that is fewer than the topology needs.
 ///
 /// # Safety
 /// The pointers are as described.

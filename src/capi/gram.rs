@@ -1,3 +1,14 @@
+//! # Least squares, principal components, singular values
+//!
+//! From a Gram matrix in extended precision, which one or two passes over the rows yield: as
+//! accurate as an orthogonal factorisation.
+//!
+//! ```c
+//! double a[] = {1, 0, 1, 1, 1, 2}, b[] = {1, 3, 5}, x[2]; // b = 1 + 2 t
+//! cata_lstsq(CATA_ROW_MAJOR, 3, 2, 1, a, 2, b, 1, NULL, x, 1, NULL, NULL);
+//! printf("%g %g\n", x[0], x[1]); // 1 2
+//! ```
+
 use std::ffi::c_void;
 use std::mem::{MaybeUninit, offset_of};
 
@@ -5,8 +16,9 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
 use super::boundary::boundary;
-use super::params::{Versioned, cata_progress, flag, init, par, read, watcher};
+use super::params::{Versioned, flag, init, read};
 use super::pointer::{Layout, matrix, matrix_mut, optional_output, slice, slice_mut};
+use super::progress::{cata_progress, par, watcher};
 use super::rows::{CATA_CENTER_MEAN, CATA_CENTER_NONE};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::ata::{Center, DenseRows, ExtendedGram, RowBlocks, RowOptions, ata_extended};
@@ -18,22 +30,18 @@ use crate::gram::{
 };
 use crate::{AtaOptions, Error};
 
-/// How a Gram matrix in extended precision is computed. Every field but the first is 0 (NULL) by
-/// default, so that `cata_gram_params params = {.struct_size = sizeof params};` does what
-/// cata_gram_params_init does.
+/// How a Gram matrix in extended precision is computed.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_gram_params {
-    /// sizeof(cata_gram_params) as the caller was compiled with. Later versions add fields at the
-    /// end; one that this library does not know must be 0.
+    /// sizeof(cata_gram_params).
     pub struct_size: usize,
-    /// Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-    /// bit for bit, for every value.
+    /// Threads, at most; 0: all.
     pub threads: usize,
     /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
     /// them cannot be cancelled.
     pub progress: cata_progress,
-    /// Handed to `progress` as it is; may be NULL.
+    /// Handed to `progress`.
     pub progress_user: *mut c_void,
 }
 
@@ -42,13 +50,7 @@ impl Versioned for cata_gram_params {
     const FIRST_SIZE: usize = offset_of!(Self, progress_user) + size_of::<*mut c_void>();
 }
 
-/// Fills a parameter struct with the defaults.
-///
-/// `params`: one struct, not NULL; `struct_size` bytes are written.
-/// `struct_size`: sizeof(cata_gram_params).
-/// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
-///
-/// Thread-safe.
+/// Fills a struct with the defaults.
 ///
 /// # Safety
 /// `params` points to `struct_size` writable bytes.
@@ -61,26 +63,22 @@ pub unsafe extern "C" fn cata_gram_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// How a least-squares problem is solved. Every field but the first is 0 (NULL) by default, so that
-/// `cata_lstsq_params params = {.struct_size = sizeof params};` does what cata_lstsq_params_init
-/// does.
+/// How a least-squares problem is solved.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_lstsq_params {
-    /// sizeof(cata_lstsq_params) as the caller was compiled with. Later versions add fields at the
-    /// end; one that this library does not know must be 0.
+    /// sizeof(cata_lstsq_params).
     pub struct_size: usize,
-    /// Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-    /// bit for bit, for every value.
+    /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Multiple of |X|^2 that is added to what is minimised; finite, at least 0. The intercept is
-    /// not a part of X.
-    pub ridge: f64,
     /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
     /// them cannot be cancelled.
     pub progress: cata_progress,
-    /// Handed to `progress` as it is; may be NULL.
+    /// Handed to `progress`.
     pub progress_user: *mut c_void,
+    /// Multiple of |X|^2 that is added to what is minimised; finite, at least 0. The intercept is
+    /// not a part of X.
+    pub ridge: f64,
     /// 1: a constant is fitted for each target too. 0: none.
     pub intercept: i32,
     /// 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message names
@@ -93,13 +91,7 @@ impl Versioned for cata_lstsq_params {
     const FIRST_SIZE: usize = offset_of!(Self, refuse_dependent) + size_of::<i32>();
 }
 
-/// Fills a parameter struct with the defaults.
-///
-/// `params`: one struct, not NULL; `struct_size` bytes are written.
-/// `struct_size`: sizeof(cata_lstsq_params).
-/// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
-///
-/// Thread-safe.
+/// Fills a struct with the defaults.
 ///
 /// # Safety
 /// `params` points to `struct_size` writable bytes.
@@ -119,11 +111,10 @@ pub unsafe extern "C" fn cata_lstsq_params_init(
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_lstsq_result {
-    /// sizeof(cata_lstsq_result) as the caller was compiled with. Later versions add fields at the
-    /// end; one that this library does not know must be 0.
+    /// sizeof(cata_lstsq_result).
     pub struct_size: usize,
-    /// k elements, written: |A x - b| of each target, weighted; 0 where it is below the rounding of
-    /// the Gram matrix.
+    /// k elements, written: |A x - b| of each target, weighted; 0 where it is below the rounding
+    /// of the Gram matrix.
     pub residual_norms: *mut f64,
     /// k elements, written: 1 - |A x - b|^2 / |b|^2 of each target, with b about its mean where
     /// there is an intercept; 1 for a residual of 0.
@@ -136,8 +127,8 @@ pub struct cata_lstsq_result {
     /// k elements, written: the standard error of each constant; untouched without
     /// `params.intercept`.
     pub intercept_errors: *mut f64,
-    /// n elements, of which the first n - `rank` are written: the columns of A, from 0, that depend
-    /// on others.
+    /// n elements, of which the first n - `rank` are written: the columns of A, from 0, that
+    /// depend on others.
     pub dependent: *mut usize,
     /// Written: columns of A that do not depend on others, as far as the precision can tell.
     pub rank: usize,
@@ -159,35 +150,22 @@ impl Versioned for cata_lstsq_result {
 /// The X (n x k) that minimises |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k and
 /// W = diag(weights), from the Gram matrix of [A B] in extended precision.
 ///
-/// Where cata_gram_extended_f64 is exact, X is at least as accurate as by an orthogonal factorisation
+/// Where cata_gram_extended is exact, X is at least as accurate as by an orthogonal factorisation
 /// of A in double, up to condition numbers of about 2^48 of A with columns of norm 1; see
 /// `result.digits`. Rows are read twice, in blocks; neither A nor B is copied as a whole.
 ///
-/// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A, B and X.
 /// - `m`, `n`: any, 0 included. `k`: number of targets, at least 1.
-/// - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when m or n is 0.
-/// - `b`: B, m x k, read, with leading dimension `ldb`. May be NULL when m is 0.
+/// - `b`: B, m x k, read, with leading dimension `ldb`.
 /// - `weights`: m finite numbers, at least 0, read; NULL: all 1.
 /// - `x`: X, n x k, written, with leading dimension `ldx`; NULL where not wanted, `ldx` is then
 ///   looked at for `result.standard_errors` only.
-/// - `result`: one struct, read and written: see cata_lstsq_result; NULL where not wanted. Standard
-///   errors take a few times as long as X, and no time when they are not wanted.
-/// - `params`: NULL for the defaults; else read during the call.
-///
-/// No output may overlap an input or another output.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
-/// CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are
-/// untouched unless it is CATA_OK.
-///
-/// The result does not depend on the number of threads, bit for bit.
-///
-/// Thread-safe: calls may run at the same time as long as no output is shared.
+/// - `result`: one struct, read and written: see cata_lstsq_result; NULL where not wanted.
+///   Standard errors take a few times as long as X, and no time when they are not wanted.
 ///
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_lstsq_f64(
+pub unsafe extern "C" fn cata_lstsq(
     layout: i32,
     m: usize,
     n: usize,
@@ -220,24 +198,21 @@ pub unsafe extern "C" fn cata_lstsq_f64(
     })
 }
 
-/// How principal components are computed. Every field but the first is 0 (NULL) by default, so that
-/// `cata_pca_params params = {.struct_size = sizeof params};` does what cata_pca_params_init does.
+/// How principal components are computed.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_pca_params {
-    /// sizeof(cata_pca_params) as the caller was compiled with. Later versions add fields at the
-    /// end; one that this library does not know must be 0.
+    /// sizeof(cata_pca_params).
     pub struct_size: usize,
-    /// Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-    /// bit for bit, for every value.
+    /// Threads, at most; 0: all.
     pub threads: usize,
     /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
     /// them cannot be cancelled.
     pub progress: cata_progress,
-    /// Handed to `progress` as it is; may be NULL.
+    /// Handed to `progress`.
     pub progress_user: *mut c_void,
-    /// 1: columns are divided by their standard deviations; those without variance are not. 0: none
-    /// is.
+    /// 1: columns are divided by their standard deviations; those without variance are not. 0:
+    /// none is.
     pub standardize: i32,
 }
 
@@ -246,13 +221,7 @@ impl Versioned for cata_pca_params {
     const FIRST_SIZE: usize = offset_of!(Self, standardize) + size_of::<i32>();
 }
 
-/// Fills a parameter struct with the defaults.
-///
-/// `params`: one struct, not NULL; `struct_size` bytes are written.
-/// `struct_size`: sizeof(cata_pca_params).
-/// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
-///
-/// Thread-safe.
+/// Fills a struct with the defaults.
 ///
 /// # Safety
 /// `params` points to `struct_size` writable bytes.
@@ -266,41 +235,28 @@ pub unsafe extern "C" fn cata_pca_params_init(
 }
 
 /// The first principal components of the rows of A (m x n), from the Gram matrix of its centred
-/// columns in extended precision. Components beyond the rank of the centred columns are zeros, and
-/// so are their variances and singular values.
+/// columns in extended precision. Components beyond the rank of the centred columns are zeros,
+/// and so are their variances and singular values.
 ///
-/// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of the components.
 /// - `m`: at least 2. `n`: any, 0 included.
-/// - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when n is 0.
 /// - `count`: number of components, at most n.
 /// - `components`: count x n, written, with leading dimension `ldcomponents`: one row for each
-///   component, orthonormal, the most variance first; the first of the largest entries of a row is
-///   positive. NULL where not wanted; `ldcomponents` is then not looked at.
+///   component, orthonormal, the most variance first; the first of the largest entries of a row
+///   is positive. NULL where not wanted; `ldcomponents` is then not looked at.
 /// - `explained_variance`: count elements, written: the variance along each component, with the
 ///   divisor m - 1; NULL where not wanted.
-/// - `explained_variance_ratio`: count elements, written: the same, divided by the variance of all
-///   columns; NULL where not wanted.
-/// - `singular_values`: count elements, written: those of the centred (and standardised) rows; NULL
-///   where not wanted.
+/// - `explained_variance_ratio`: count elements, written: the same, divided by the variance of
+///   all columns; NULL where not wanted.
+/// - `singular_values`: count elements, written: those of the centred (and standardised) rows;
+///   NULL where not wanted.
 /// - `mean`: n elements, written: the mean of each column; NULL where not wanted.
 /// - `scale`: n elements, written: the divisor of each column, its standard deviation or 1; NULL
 ///   where not wanted.
-/// - `params`: NULL for the defaults; else read during the call.
-///
-/// No output may overlap A or another output.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
-/// CATA_ERR_NOT_CONVERGED, CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or
-/// CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
-///
-/// The result does not depend on the number of threads, bit for bit.
-///
-/// Thread-safe: calls may run at the same time as long as no output is shared.
 ///
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_pca_f64(
+pub unsafe extern "C" fn cata_pca(
     layout: i32,
     m: usize,
     n: usize,
@@ -364,34 +320,21 @@ pub unsafe extern "C" fn cata_pca_f64(
 /// The singular values of A (m x n), and its right singular vectors, from its Gram matrix in
 /// extended precision: A = U diag(values) V^T, where column j of U is A v_j over the j-th value.
 ///
-/// With K the condition number of A with columns of norm 1, the relative error of every value, the
-/// smallest included, is a few n 2^-53 plus K^2 2^-106 (K^2 2^-80 where cata_gram_extended_f64 is
+/// With K the condition number of A with columns of norm 1, the relative error of every value,
+/// the smallest included, is a few n 2^-53 plus K^2 2^-106 (K^2 2^-80 where cata_gram_extended is
 /// not exact).
 ///
-/// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and V.
 /// - `m`, `n`: any, 0 included. Time and memory suit m >= n.
-/// - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when m or n is 0.
-/// - `values`: min(m, n) elements, written: descending; zeros where columns depend on others as far
-///   as the precision can tell. NULL where not wanted.
+/// - `values`: min(m, n) elements, written: descending; zeros where columns depend on others as
+///   far as the precision can tell. NULL where not wanted.
 /// - `v`: V, n x min(m, n), written, with leading dimension `ldv`: an orthonormal column for each
-///   value that is not 0, and zeros for the others. NULL where not wanted; `ldv` is then not looked
-///   at.
-/// - `params`: NULL for the defaults; else read during the call.
-///
-/// No output may overlap A or another output.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
-/// CATA_ERR_NOT_CONVERGED, CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or
-/// CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
-///
-/// The result does not depend on the number of threads, bit for bit.
-///
-/// Thread-safe: calls may run at the same time as long as no output is shared.
+///   value that is not 0, and zeros for the others. NULL where not wanted; `ldv` is then not
+///   looked at.
 ///
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_svd_f64(
+pub unsafe extern "C" fn cata_svd(
     layout: i32,
     m: usize,
     n: usize,
@@ -427,13 +370,10 @@ pub unsafe extern "C" fn cata_svd_f64(
 /// The lower triangle of C = X^T W X as unevaluated sums of two doubles, high + low, where X is A
 /// (m x n), or A with the mean of its rows subtracted from every row, and W = diag(weights).
 ///
-/// C is the same for any order of the rows. Where `exact` is 1, no entry of A was rounded, and the
-/// two parts together are C rounded to about 106 bits; else entries were rounded to about 2^-80 of
-/// the largest of their column.
+/// C is the same for any order of the rows. Where `exact` is 1, no entry of A was rounded, and
+/// the two parts together are C rounded to about 106 bits; else entries were rounded to about
+/// 2^-80 of the largest of their column.
 ///
-/// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A, high and low.
-/// - `m`, `n`: any, 0 included.
-/// - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when m or n is 0.
 /// - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
 /// - `centering`: CATA_CENTER_NONE or CATA_CENTER_MEAN (weighted if there are weights).
 /// - `high`: n x n, with leading dimension `ldhigh`: the triangle on and below the diagonal is
@@ -441,22 +381,11 @@ pub unsafe extern "C" fn cata_svd_f64(
 ///   wanted; `ldhigh` is then not looked at.
 /// - `low`: the same, with leading dimension `ldlow`: what that rounding took away.
 /// - `exact`: one int32_t, written: 1 or 0; NULL where not wanted.
-/// - `params`: NULL for the defaults; else read during the call.
-///
-/// No output may overlap an input or another output.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
-/// CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are
-/// untouched unless it is CATA_OK.
-///
-/// The result does not depend on the number of threads, bit for bit.
-///
-/// Thread-safe: calls may run at the same time as long as no output is shared.
 ///
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_gram_extended_f64(
+pub unsafe extern "C" fn cata_gram_extended(
     layout: i32,
     m: usize,
     n: usize,
@@ -515,24 +444,12 @@ pub unsafe extern "C" fn cata_gram_extended_f64(
 /// the mean in extended precision: entries are within [-1, 1], and wrong by little more than one
 /// rounding. Both triangles are written; rows and columns of a column without variance are NaN.
 ///
-/// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and C.
-/// - `m`, `n`: any, 0 included.
-/// - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when m or n is 0.
-/// - `c`: C, written, with leading dimension `ldc`; must not overlap A. May be NULL when n is 0.
-/// - `params`: NULL for the defaults; else read during the call.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
-/// CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; C is
-/// untouched unless it is CATA_OK.
-///
-/// The result does not depend on the number of threads, bit for bit.
-///
-/// Thread-safe: calls may run at the same time as long as no C is shared.
+/// - `c`: C, written, with leading dimension `ldc`; must not overlap A.
 ///
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_correlation_f64(
+pub unsafe extern "C" fn cata_gram_correlation(
     layout: i32,
     m: usize,
     n: usize,
@@ -558,25 +475,14 @@ pub unsafe extern "C" fn cata_correlation_f64(
 /// How far the columns of Q (m x n) are from orthonormal: Q^T Q - I is formed in extended
 /// precision, and no digits are lost to cancellation.
 ///
-/// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR.
-/// - `m`, `n`: any, 0 included.
-/// - `q`: Q, read, with leading dimension `ldq` as A in cata_ata_f64. May be NULL when m or n is 0.
+/// - `q`: Q, read, with leading dimension `ldq` as A in cata_ata_f64.
 /// - `max`: one double, written: the largest entry of Q^T Q - I by size; NULL where not wanted.
 /// - `frobenius`: one double, written: the Frobenius norm of Q^T Q - I; NULL where not wanted.
-/// - `params`: NULL for the defaults; else read during the call.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
-/// CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are
-/// untouched unless it is CATA_OK.
-///
-/// The result does not depend on the number of threads, bit for bit.
-///
-/// Thread-safe: calls may run at the same time as long as no output is shared.
 ///
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_orthogonality_f64(
+pub unsafe extern "C" fn cata_gram_orthogonality(
     layout: i32,
     m: usize,
     n: usize,
@@ -606,33 +512,26 @@ pub unsafe extern "C" fn cata_orthogonality_f64(
 }
 
 /// A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in extended
-/// precision: A (m x n) becomes Q. For columns that are independent; cata_gram_schmidt takes any.
+/// precision: A (m x n) becomes Q. For columns that are independent; cata_ortho_gram_schmidt
+/// takes any.
 ///
 /// Let K be the condition number of A with columns of norm 1. The columns of Q are orthonormal up
-/// to rounding for K up to 10^14 where cata_gram_extended_f64 is exact, and up to an error of n K^2
+/// to rounding for K up to 10^14 where cata_gram_extended is exact, and up to an error of n K^2
 /// 2^-79 otherwise.
 ///
-/// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and R.
 /// - `m`, `n`: any, 0 included; m >= n, or the columns depend on each other.
-/// - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64. May be NULL when m
-///   or n is 0.
+/// - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64.
 /// - `r`: R, n x n, written, with leading dimension `ldr`: upper triangular with a positive
-///   diagonal, zeros below; must not overlap A. NULL where not wanted; `ldr` is then not looked at.
-/// - `params`: NULL for the defaults; else read during the call.
+///   diagonal, zeros below; must not overlap A. NULL where not wanted; `ldr` is then not looked
+///   at.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT when columns depend on those
-/// before them, which the message names, CATA_ERR_NON_FINITE, CATA_ERR_OUT_OF_MEMORY,
-/// CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC. A and R are untouched unless it is
-/// CATA_OK or CATA_ERR_PANIC.
-///
-/// The result does not depend on the number of threads, bit for bit.
-///
-/// Thread-safe: calls may run at the same time as long as no A and no R is shared.
+/// Returns CATA_ERR_ARGUMENT when columns depend on those before them, which the message names. A
+/// and R are unspecified after CATA_ERR_PANIC.
 ///
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_cholesky_qr_extended_f64(
+pub unsafe extern "C" fn cata_gram_cholesky_qr(
     layout: i32,
     m: usize,
     n: usize,
@@ -674,7 +573,7 @@ pub(super) struct LeastSquaresCall<'a> {
 
 impl LeastSquaresCall<'_> {
     /// # Safety
-    /// The pointers are as cata_lstsq_f64 describes them, and live as long as this.
+    /// The pointers are as cata_lstsq describes them, and live as long as this.
     pub unsafe fn new(
         layout: i32,
         m: usize,
@@ -727,7 +626,7 @@ struct LeastSquaresOutputs<'a> {
 
 impl LeastSquaresOutputs<'_> {
     /// # Safety
-    /// `x` and `result` are as cata_lstsq_f64 describes them, and live as long as this.
+    /// `x` and `result` are as cata_lstsq describes them, and live as long as this.
     unsafe fn new(
         layout: Layout,
         n: usize,
