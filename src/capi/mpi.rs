@@ -3,7 +3,7 @@
 
 use super::ata_params::cata_ata_params;
 use super::boundary::boundary;
-use super::gram::{cata_lstsq_params, cata_lstsq_result};
+use super::lstsq::{cata_lstsq_params, cata_lstsq_result};
 #[cfg(feature = "mpi")]
 use super::ranks;
 use super::status::cata_status;

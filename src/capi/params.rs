@@ -73,6 +73,19 @@ pub(super) unsafe fn read<T: Versioned>(params: *const T) -> Result<T, Failure> 
     }
 }
 
+/// A struct of the caller, or one of zeros for NULL.
+///
+/// # Safety
+/// `params` is NULL or as [`read`] has it.
+pub(super) unsafe fn read_or_zeros<T: Versioned>(params: *const T) -> Result<T, Failure> {
+    if params.is_null() {
+        // SAFETY: all fields of such a struct may be 0.
+        return Ok(unsafe { MaybeUninit::zeroed().assume_init() });
+    }
+    // SAFETY: passed on to the caller.
+    unsafe { read(params) }
+}
+
 /// Writes a struct of the caller's version, but for its `struct_size`: the fields that both know,
 /// and 0 into those that only the caller knows.
 ///

@@ -195,6 +195,25 @@ pub(super) unsafe fn optional_slice_mut<'a, T: Copy>(
     unsafe { slice_mut(what, pointer, len) }.map(Some)
 }
 
+/// A place for a matrix that the caller may not want.
+///
+/// # Safety
+/// NULL, or as [`matrix_mut`].
+pub(super) unsafe fn optional_matrix_mut<'a>(
+    what: &str,
+    layout: Layout,
+    rows: usize,
+    cols: usize,
+    pointer: *mut f64,
+    ld: usize,
+) -> Result<Option<MatMut<'a, f64>>, Failure> {
+    if pointer.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: passed on to the caller.
+    unsafe { matrix_mut(what, layout, rows, cols, pointer, ld) }.map(Some)
+}
+
 /// Refuses a rows x cols matrix that no memory can hold.
 pub(super) fn check_size<T>(what: &str, rows: usize, cols: usize) -> Result<(), Failure> {
     strides::<T>(what, Layout::RowMajor, rows, cols, cols.max(1)).map(|_| ())

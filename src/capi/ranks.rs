@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use super::ata_params::{cata_ata_params, with_options};
 use super::entries::{Entries, Held};
-use super::gram::{LeastSquaresCall, cata_lstsq_params, cata_lstsq_result};
+use super::lstsq::{LeastSquaresCall, cata_lstsq_params, cata_lstsq_result};
 use super::params::write;
 use super::pointer::{Layout, matrix, matrix_mut, optional_output, output, slice, uplo_from};
 use super::progress::watcher;

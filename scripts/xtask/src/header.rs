@@ -46,11 +46,11 @@ pub const SECTIONS: &[Section] = &[
         &["layout", "ata_params", "ata", "ata_sparse", "atb", "aha", "verify"],
     ),
     section("rows", &["ata_rows"], &["rows"]),
-    section("gram", &["lstsq", "pca", "svd", "gram"], &["gram"]),
+    section("gram", &["lstsq", "pca", "svd", "gram"], &["lstsq", "pca", "gram"]),
     section("eigs", &["eigs", "ortho"], &["eigs", "ortho"]),
     section("mesh", &["mesh"], &["mesh"]),
-    section("decimation", &["decimate"], &["decimate"]),
-    section("curves", &["curve"], &["curve"]),
+    section("decimation", &["decimation"], &["decimation"]),
+    section("curves", &["curve", "curves"], &["curve"]),
     section("spectra", &["shape_dna", "transfer"], &["transfer", "shape_dna"]),
     section("unions", &["unions"], &["unions"]),
     section("plants", &["plant"], &["plant"]),
@@ -62,7 +62,7 @@ pub const SECTIONS: &[Section] = &[
 
 /// Files of src/capi without exports, or with those of tests alone.
 const WITHOUT_EXPORTS: &[&str] =
-    &["mod", "boundary", "entries", "internal", "message", "params", "pointer", "ranks"];
+    &["mod", "boundary", "entries", "internal", "message", "outputs", "params", "pointer", "ranks"];
 
 fn generate(root: &Path) -> Result<String, String> {
     let capi = root.join("src/capi");
