@@ -3,6 +3,7 @@
 //! A BLAS library may compute the small products that schemes end in.
 //!
 //! ```c
+//! double a[] = {1, 2, 3, 4, 5, 6}, c[4];
 //! cata_backend *backend;
 //! if (cata_backend_load("libopenblas.so.0", &backend) == CATA_OK) {
 //!     cata_ata_params params = {.struct_size = sizeof params, .backend = backend};

@@ -10,7 +10,8 @@
 //! cata_curves *curves;
 //! cata_curve_solver_new(5, v, 4, f, &solver);
 //! cata_curve_solver_find(solver, 4, samples, NULL, &curves);
-//! cata_curves_size(curves, 0, NULL, NULL, NULL, &length); // 4
+//! cata_curves_size(curves, 0, NULL, NULL, NULL, &length);
+//! printf("%g\n", length); // 4
 //! cata_curves_free(curves);
 //! cata_curve_solver_free(solver);
 //! ```

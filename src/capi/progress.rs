@@ -1,9 +1,10 @@
 //! # Threads and progress
 //!
 //! ```c
-//! static int32_t stop_late(double fraction, void *seconds_left)
+//! static int32_t tell(double fraction, void *wanted)
 //! {
-//!     return fraction < 0.5 && *(double *)seconds_left < 0; // 1: stop
+//!     fprintf(stderr, "\r%3.0f %%", 100 * fraction);
+//!     return *(int *)wanted == 0; // 1: stop
 //! }
 //! ```
 

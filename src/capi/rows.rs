@@ -3,9 +3,10 @@
 //! Products of weighted and centred rows, which are read in blocks.
 //!
 //! ```c
-//! double a[] = {1, 2, 3, 4, 5, 7}, c[4]; // 3 x 2, its covariance
+//! double a[] = {1, 2, 3, 4, 5, 6}, c[4]; // 3 x 2, its covariance
 //! cata_ata_rows_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 0.5, a, 2, NULL, CATA_CENTER_MEAN, NULL, 0, c,
 //!     2, NULL);
+//! printf("%g\n", c[1]); // 4
 //! ```
 
 use super::ata_params::{cata_ata_params, with_options};

@@ -3,10 +3,13 @@
 //! Products of matrices that are spread over the ranks of a communicator (catamaran_mpi.h, too).
 //!
 //! ```c
+//! double rows[] = {1, 2, 3, 4}; // two on each rank
 //! cata_world *world;
 //! cata_symmetric *c;
 //! cata_world_from_comm(MPI_COMM_WORLD, &world);
-//! cata_world_ata_rows_f64(world, CATA_ROW_MAJOR, m, n, 1, rows, n, NULL, &c);
+//! cata_world_ata_rows_f64(world, CATA_ROW_MAJOR, 2, 2, 1, rows, 2, NULL, &c);
+//! cata_symmetric_free(c);
+//! cata_world_free(world);
 //! ```
 
 use std::mem::offset_of;

@@ -320,7 +320,7 @@ static void LOCAL(test_all)(int quick)
     static const int32_t layouts[] = {CATA_ROW_MAJOR, CATA_COL_MAJOR};
     static const int32_t uplos[] = {CATA_UPPER, CATA_LOWER, CATA_BOTH};
     size_t most = quick ? 5 : 8;
-    cata_ata_params one_thread = {sizeof one_thread, 1, 0, 0, 0.0, NULL, NULL, NULL, 0, 0, 0};
+    cata_ata_params one_thread = {.struct_size = sizeof one_thread, .threads = 1};
     const cata_ata_params *params = quick ? &one_thread : NULL;
     for (size_t l = 0; l < 2; l++) {
         for (size_t mi = 0; mi < most; mi++) {
