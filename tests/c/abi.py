@@ -40,6 +40,8 @@ def without_name(parameter):
 def declarations(text):
     """What the header declares: {key: type} and {struct: {field: type}}."""
     text = re.sub(r"/\*.*?\*/|//[^\n]*", " ", text, flags=re.S)
+    # `struct cata_x` and `cata_x` are one type.
+    text = re.sub(r"(?<!typedef )\bstruct (cata_\w+)", r"\1", text)
     constants = re.findall(r"^#define +(CATA_\w+) +\S", text, flags=re.M)
     text = re.sub(r'^#.*|extern "C" \{|^\}\s*$', "", text, flags=re.M)
     entries, structs = {}, {}
