@@ -38,3 +38,7 @@ if(CATAMARAN_BLAS)
   install(FILES "${CMAKE_CURRENT_BINARY_DIR}/catamaran-blas.pc"
     DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
 endif()
+
+# The licenses, those of the packages that are linked in too.
+install(FILES LICENSE-APACHE LICENSE-MIT NOTICE
+  DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)

@@ -10,7 +10,8 @@ list has the functions with the types of their parameters, the types, the values
 and the size and fields of each struct, on x86-64 Linux, by the C compiler (CC, default: cc).
 
 A struct that starts with struct_size may grow at its end. A new field must begin where the old
-struct ended, not in its padding: an old caller's struct_size would claim that it is set.
+struct ended, not in its padding: an old caller's struct_size would claim that it is set. Only
+`reserved` may fill the padding.
 """
 import os
 import platform
@@ -124,7 +125,8 @@ def broken(old, new):
             yield f"changed: {key} = {new[key]}, was {value}"
     for key, value in new.items():
         struct = f"struct {key.split()[1].split('.')[0]}"
-        if key.startswith("field ") and key not in old and struct in old:
+        filler = ".reserved" in key
+        if key.startswith("field ") and key not in old and struct in old and not filler:
             at = int(re.search(r" at (\d+), ", value)[1])
             if at < int(old[struct].split()[0]):
                 yield f"added inside the old struct: {key} = {value}; it had {old[struct]}"
