@@ -24,7 +24,10 @@ install(FILES "${CMAKE_CURRENT_BINARY_DIR}/catamaranConfig.cmake"
 # The prefix is found from the .pc file's own place, so that `cmake --install --prefix` is right.
 file(RELATIVE_PATH pc_prefix "/prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/prefix")
 string(REGEX REPLACE "/$" "" pc_prefix "${pc_prefix}")
-list(TRANSFORM private_libs PREPEND "-l" OUTPUT_VARIABLE pc_private_libs)
+set(pc_private_libs ${private_dirs})
+list(TRANSFORM pc_private_libs PREPEND "-L")
+list(TRANSFORM private_libs PREPEND "-l" OUTPUT_VARIABLE pc_private_names)
+list(APPEND pc_private_libs ${pc_private_names})
 list(JOIN pc_private_libs " " pc_private_libs)
 configure_file(cmake/catamaran.pc.in catamaran.pc @ONLY)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/catamaran.pc"

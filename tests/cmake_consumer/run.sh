@@ -86,8 +86,7 @@ readelf -V "$work/pc" | grep -q "Name: CATAMARAN_$abi "
 step "it needs libcatamaran.so.$abi and symbols of version CATAMARAN_$abi"
 # shellcheck disable=SC2046
 cc -o "$work/pc_static" "$here/main.c" $(pkg-config --cflags catamaran) \
-    "$lib_dir/libcatamaran.a" $(pkg-config --static --libs-only-l catamaran |
-        sed 's/-lcatamaran//')
+    "$lib_dir/libcatamaran.a" $(pkg-config --static --libs catamaran | sed 's/-lcatamaran//')
 runs "pkg-config --static" "$work/pc_static"
 if pkg-config --exists 'catamaran >= 9.9'; then
     echo "pkg-config accepted version 9.9" >&2
