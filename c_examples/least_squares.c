@@ -44,7 +44,7 @@ static int heating(void)
                                 .intercepts = &intercept,
                                 .standard_errors = errors,
                                 .intercept_errors = &intercept_error};
-    check(cata_lstsq_f64(CATA_ROW_MAJOR, DAYS, COLUMNS, 1, a, COLUMNS, energy, 1, NULL, x, 1,
+    check(cata_lstsq(CATA_ROW_MAJOR, DAYS, COLUMNS, 1, a, COLUMNS, energy, 1, NULL, x, 1,
                          &result,
                          &params));
     printf("%-12s %9.4f +- %.4f\n", "constant", intercept, intercept_error);
@@ -84,7 +84,7 @@ static int polynomial(void)
         }
     }
     cata_lstsq_result result = {.struct_size = sizeof result};
-    check(cata_lstsq_f64(CATA_ROW_MAJOR, POINTS, POWERS, 1, a, POWERS, b, 1, NULL, x, 1, &result,
+    check(cata_lstsq(CATA_ROW_MAJOR, POINTS, POWERS, 1, a, POWERS, b, 1, NULL, x, 1, &result,
                          NULL));
     for (int j = 0; j < POWERS; j++) {
         worst = fmax(worst, fabs(x[j] - 1.0));

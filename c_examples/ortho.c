@@ -33,7 +33,7 @@ int main(void)
 
     double r[COLUMNS * COLUMNS];
     size_t kept[COLUMNS], rank = 0;
-    const cata_status status = cata_gram_schmidt(CATA_COL_MAJOR, POINTS, COLUMNS, q, POINTS, masses, r,
+    const cata_status status = cata_ortho_gram_schmidt(CATA_COL_MAJOR, POINTS, COLUMNS, q, POINTS, masses, r,
                                                  COLUMNS, kept, &rank, NULL);
     double defect = 0.0, gap = 0.0, legendre = 0.0;
     if (status == CATA_OK) {

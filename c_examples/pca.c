@@ -31,7 +31,7 @@ int main(void)
         }
     }
     double components[COUNT * LENGTHS], variance[COUNT], ratio[COUNT], mean[LENGTHS];
-    const cata_status status = cata_pca_f64(CATA_ROW_MAJOR, LEAVES, LENGTHS, a, LENGTHS, COUNT,
+    const cata_status status = cata_pca(CATA_ROW_MAJOR, LEAVES, LENGTHS, a, LENGTHS, COUNT,
                                             components, LENGTHS, variance, ratio, NULL, mean, NULL,
                                             NULL);
     if (status != CATA_OK) {

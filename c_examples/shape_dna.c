@@ -47,10 +47,10 @@ int main(void)
     size_t found[SHEETS];
     for (int i = 0; i < SHEETS; i++) {
         make_sheet(1 + 0.5 * i, 0);
-        checked(cata_shape_dna(V, positions, F, corners, K, 1, signatures + K * i, NULL, 0));
+        checked(cata_shape_dna(V, positions, F, corners, K, 1, signatures + K * i, NULL));
     }
     make_sheet(1.5, 0.7);
-    checked(cata_shape_dna(V, positions, F, corners, K, 1, query, NULL, 0));
+    checked(cata_shape_dna(V, positions, F, corners, K, 1, query, NULL));
     checked(cata_shape_dna_retrieve(K, query, SHEETS, signatures, SHEETS, found, distances, 0));
     printf("a rolled sheet 1.5 wide is most like the flat ones of width");
     for (int i = 0; i < SHEETS; i++) {
@@ -62,9 +62,9 @@ int main(void)
         mask[v] = positions[3 * v + 1] <= 0.5;
     }
     double values[K];
-    const cata_laplacian_params params = {.struct_size = sizeof params,
-                                          .boundary = CATA_BOUNDARY_DIRICHLET};
-    checked(cata_part_spectrum(V, positions, F, corners, mask, K, values, &params, 0));
+    const cata_eigs_params params = {.struct_size = sizeof params,
+                                     .boundary = CATA_BOUNDARY_DIRICHLET};
+    checked(cata_mesh_part_eigenvalues(V, positions, F, corners, mask, K, values, &params));
     printf("\nits lower half, held at its edge: %.1f %.1f %.1f ...\n", values[0], values[1], values[2]);
     return found[0] == 1 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -58,9 +58,9 @@ std::vector<double> closed_form() {
 int main() {
     try {
         const sparse w = grid();
-        catamaran::spectrum_options how;
+        catamaran::eigs_options how;
         how.verify_count = true;
-        const catamaran::eigenpairs pairs = catamaran::spectrum(
+        const catamaran::eigenpairs pairs = catamaran::eigs(
             {n, w.row_starts.data(), w.columns.data(), w.entries.data()}, k, {}, how);
         const std::vector<double> expected = closed_form();
         double worst = 0.0;

@@ -50,8 +50,8 @@ int main() {
     try {
         const mesh first = torus(0.0, [](std::uint32_t v) { return v; });
         const mesh second = torus(0.05, image);
-        const catamaran::eigenpairs source = catamaran::spectrum(first.positions, first.faces, k);
-        const catamaran::eigenpairs target = catamaran::spectrum(second.positions, second.faces, k);
+        const catamaran::eigenpairs source = catamaran::eigs({first.positions, first.faces}, k);
+        const catamaran::eigenpairs target = catamaran::eigs({second.positions, second.faces}, k);
         const double residual = *std::max_element(source.residuals.begin(), source.residuals.end());
         std::cout << k << " eigenpairs, residuals up to " << residual << '\n';
 

@@ -3,6 +3,8 @@
 
 install(FILES include/catamaran.h include/catamaran.hpp
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+install(DIRECTORY include/catamaran
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development FILES_MATCHING PATTERN "*.hpp")
 if(CATAMARAN_MPI)
   install(FILES include/catamaran_mpi.h
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)

@@ -1,13 +1,36 @@
 /* Catamaran: A^T A and what stands on it, at scale. The C interface.
  *
- * Generated from src/capi by `cargo xtask header`: do not edit.
+ * Generated from src/capi by `cargo xtask header`: do not edit. MIT OR Apache-2.0.
  *
- * Every function that can fail returns a cata_status: CATA_OK (0), or why not; the message of
- * cata_last_error_message says more. Element counts and ranges are given in numbers of elements,
- * never bytes. Unless said otherwise a pointer may not be NULL, is not kept after the call, and
- * points to memory that no other thread writes during the call.
- *
- * MIT OR Apache-2.0
+ * Conventions
+ * - Names: cata_<chapter>_<what>; _f64 and _f32 (_c64 and _c32: complex) where there are several
+ *   scalars.
+ * - Results: a function that can fail returns a cata_status, CATA_OK (0) or why not, and
+ *   cata_last_error_message says more. Unless said otherwise outputs are untouched then. Functions
+ *   that need what this build does not have return CATA_ERR_UNSUPPORTED (cata_capabilities).
+ * - Sizes are size_t, any, 0 included, and numbers of elements, never bytes.
+ * - Pointers may not be NULL unless said so, or there is no element to point to. They are not kept
+ *   after the call. No output may overlap another one or an input.
+ * - Matrices: `layout` is CATA_ROW_MAJOR or CATA_COL_MAJOR, for all matrices of a call. m x n
+ *   elements at `a` are m rows (n columns) of n (m) elements, each `lda` >= max(1, n) (max(1, m))
+ *   elements after the one before. What lies between is neither read nor written.
+ * - Meshes: `n_vertices`, `vertices` (x, y, z of each: 3 n_vertices doubles, finite), `n_faces`,
+ *   `faces` (three vertices of each: 3 n_faces uint32_t, from 0, counter-clockwise as seen from
+ *   outside).
+ * - Parameters: `params` is NULL for the defaults, or a struct whose first field is its sizeof;
+ *   all others are 0 (NULL) by default, and 0 stands for the default: after `cata_ata_params
+ *   params = {.struct_size = sizeof params};`, which is what cata_ata_params_init does, only what
+ *   differs is set. Later versions add fields at the end; one that the library does not know must
+ *   be 0. It is read during the call; a handle that is made keeps `progress` and `progress_user`
+ *   for its own calls.
+ * - Handles: where sizes of results follow from the arguments, results are written into arrays of
+ *   the caller. Elsewhere, and where there is a state to keep, the call makes a handle, a pointer
+ *   to an opaque struct, whose functions tell the sizes and copy the values. Each has a `_free`,
+ *   to be called once, for which NULL does nothing.
+ * - Threads: functions may be called from any thread, and at the same time, as long as no output
+ *   is shared and nobody else uses a handle that a call takes without const. Each call uses up to
+ *   `params.threads` threads, by default all cores of the affinity mask of the process. Their
+ *   number changes no result, not by a bit.
  */
 
 #ifndef CATAMARAN_H
@@ -22,528 +45,975 @@
 #define CATA_VERSION_PATCH 0
 #define CATA_VERSION_STRING "0.1.0"
 
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/* ==== Status, version, memory ================================================================== */
+
+/**
+ * @defgroup status Status, version, memory
+ *
+ * Every function that can fail returns a status; what the build can do and what version it is;
+ * scratch memory that is kept between calls.
+ *
+ * @code{.c}
+ * if (cata_memory_release() != CATA_OK) {
+ *     fprintf(stderr, "%s\n", cata_last_error_message());
+ * }
+ * printf("catamaran %s\n", cata_version_string());
+ * @endcode
+ * @{
+ */
+
+/** What a call returns. A value, once given a meaning, keeps it for ever. */
+typedef int32_t cata_status;
+
+/** Done. */
+#define CATA_OK 0
+/** A pointer is NULL where it may not be. */
+#define CATA_ERR_NULL 1
+
+/** A matrix, vector or buffer is too small or has the wrong shape, or its size in bytes
+ * overflows. */
+#define CATA_ERR_SHAPE 2
+
+/** An argument is outside its range. */
+#define CATA_ERR_ARGUMENT 3
+/** A NaN or an infinity where only finite numbers are allowed. */
+#define CATA_ERR_NON_FINITE 4
+/** An iteration ended before it reached its tolerance. */
+#define CATA_ERR_NOT_CONVERGED 5
+/** A file could not be read or written. */
+#define CATA_ERR_IO 6
+/** Memory could not be had. */
+#define CATA_ERR_OUT_OF_MEMORY 7
+/** A BLAS back end could not be loaded, or refused. */
+#define CATA_ERR_BACKEND 8
+/** The progress callback asked to stop. */
+#define CATA_ERR_CANCELLED 9
+/** This build, or this version, can't do it: see cata_capabilities. */
+#define CATA_ERR_UNSUPPORTED 10
+/** A bug in Catamaran, caught at the border; the message says where. The library stays usable. */
+#define CATA_ERR_PANIC 11
+/** Another rank of a distributed call failed, or does not fit the others; the message names it. */
+#define CATA_ERR_RANK 12
+
+/** A triangle mesh or a plant is not one, or not of the kind that is asked for; the message names
+ * the element. */
+#define CATA_ERR_MESH 13
+
+/** The message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty when
+ * none has. A call that succeeds leaves it alone. Never NULL.
+ *
+ * The pointer is valid until the next call of this thread that fails, and not after the thread's
+ * end; do not free it. */
+const char *cata_last_error_message(void);
+
+/** The name of a status, such as "CATA_ERR_SHAPE"; "unknown status" for a value that is none.
+ * Static, never NULL; do not free it. */
+const char *cata_status_name(cata_status status);
+
 /** Bit of cata_capabilities: OpenBLAS is linked in (cata_backend_openblas works). */
 #define CATA_CAP_OPENBLAS 1
-
 /** Bit of cata_capabilities: MPI is linked in (cata_world_new works). */
 #define CATA_CAP_MPI 2
 
-/** Bit of cata_capabilities: kernels run on OpenCL devices, where there are any (cata_device_name tells). */
+/** Bit of cata_capabilities: kernels run on OpenCL devices, where there are any (cata_device_name
+ * tells). */
 #define CATA_CAP_OPENCL 4
 
 /** Bit of cata_capabilities: HDF5 files; not in this version, never set. */
 #define CATA_CAP_HDF5 8
 
-/** Rows are contiguous: entry (i, j) is `a[i * lda + j]`. */
-#define CATA_ROW_MAJOR 101
+/** The version of the library that runs, which may be newer than the header's
+ * (CATA_VERSION_MAJOR, _MINOR, _PATCH).
+ *
+ * `major`, `minor`, `patch`: one int32_t each, written; NULL where the part is not wanted. */
+cata_status cata_version(int32_t *major, int32_t *minor, int32_t *patch);
 
-/** Columns are contiguous: entry (i, j) is `a[i + j * lda]`. */
-#define CATA_COL_MAJOR 102
+/** The same as "major.minor.patch". Static, never NULL; do not free it. */
+const char *cata_version_string(void);
 
-/** The triangle on and above the diagonal; the rest of C is neither read nor written. */
-#define CATA_UPPER 121
+/** What this build of the library can do: a sum of CATA_CAP_* bits. The functions of an absent
+ * capability exist, and return CATA_ERR_UNSUPPORTED. */
+uint64_t cata_capabilities(void);
 
-/** The triangle on and below the diagonal; the rest of C is neither read nor written. */
-#define CATA_LOWER 122
+/** Gives back the memory that products keep for the next one: the scratch of the last large call,
+ * at most 1 GiB.
+ *
+ * Scratch in use is not touched. */
+cata_status cata_memory_release(void);
 
-/** Both triangles, equal bit for bit; with beta != 0 the old lower one is what is read. */
-#define CATA_BOTH 123
+/** @} */
 
-/** Whatever is expected to be fastest within the accuracy asked for. */
-#define CATA_SCHEME_AUTO 0
-
-/** No fast products: blocks over the back end. */
-#define CATA_SCHEME_CLASSICAL 1
-
-/** AtA over Strassen's algorithm, 2 x 2 recursion down to the cache. */
-#define CATA_SCHEME_ATA2 2
-
-/** 2 x 2 split over Winograd's variant of Strassen's algorithm. */
-#define CATA_SCHEME_WINOGRAD 3
-
-/** RXTX (4 x 4 blocks) over Winograd's variant. */
-#define CATA_SCHEME_RXTX 4
-
-/** The sparse 4 x 4 scheme of Khoruzhii, Gelss and Pokutta over Winograd's variant. */
-#define CATA_SCHEME_KGP4 5
-
-/** Their 3 x 3 scheme over Winograd's variant. */
-#define CATA_SCHEME_KGP3 6
+/* ==== Threads and progress ===================================================================== */
 
 /**
- * Integer products modulo small primes: nothing is rounded but the columns, to about 2^-54 of their
- * norms (float: 2^-27), and the result.
+ * @defgroup progress Threads and progress
+ *
+ * @code{.c}
+ * static int32_t stop_late(double fraction, void *seconds_left)
+ * {
+ *     return fraction < 0.5 && *(double *)seconds_left < 0; // 1: stop
+ * }
+ * @endcode
+ * @{
  */
+
+/** A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything else
+ * asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
+ *
+ * It is called from any thread that works for the call, one call at a time: each begins after
+ * the one before it has returned, and sees what that has written. No thread waits for it, so it
+ * may be slow, and it may call this library. It must not leave by longjmp or a C++ exception. */
+typedef int32_t (*cata_progress)(double fraction, void *user);
+
+/** @} */
+
+/* ==== Back ends ================================================================================ */
+
+/**
+ * @defgroup backend Back ends
+ *
+ * A BLAS library may compute the small products that schemes end in.
+ *
+ * @code{.c}
+ * cata_backend *backend;
+ * if (cata_backend_load("libopenblas.so.0", &backend) == CATA_OK) {
+ *     cata_ata_params params = {.struct_size = sizeof params, .backend = backend};
+ *     cata_ata_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 1, a, 2, 0, c, 2, &params);
+ *     cata_backend_free(backend);
+ * }
+ * @endcode
+ * @{
+ */
+
+/** A BLAS library that computes the small products; made by cata_backend_load or
+ * cata_backend_openblas, given back by cata_backend_free. It can be used by several calls and
+ * threads at a time. */
+typedef struct cata_backend cata_backend;
+
+/** Loads the shared library at `path` (MKL's libmkl_rt.so, libopenblas.so, libblis.so, ...),
+ * which must have the CBLAS interface with 32-bit integers.
+ *
+ * `path`: NUL-terminated file name, not NULL; without a slash the system's search path is used.
+ * The library's initialisers run: load only what you trust.
+ * `backend`: one pointer, not NULL; written on success only. Free it by cata_backend_free.
+ *
+ * Returns CATA_ERR_BACKEND when there is no such file or it is not such a library. */
+cata_status cata_backend_load(const char *path, cata_backend **backend);
+
+/** The OpenBLAS that the library was linked with.
+ *
+ * `backend`: one pointer, not NULL; written on success only. Free it by cata_backend_free.
+ *
+ * Returns CATA_ERR_UNSUPPORTED without CATA_CAP_OPENBLAS. */
+cata_status cata_backend_openblas(cata_backend **backend);
+
+/** Short name of a back end, such as "openblas" or the file name of a loaded library, in UTF-8;
+ * valid until cata_backend_free; the empty string for NULL. Never NULL; do not free it.
+ *
+ * `backend`: NULL, or made by cata_backend_load or cata_backend_openblas and not yet freed. */
+const char *cata_backend_name(const cata_backend *backend);
+
+/** Gives a back end back. */
+void cata_backend_free(cata_backend *backend);
+
+/** @} */
+
+/* ==== A^T A ==================================================================================== */
+
+/**
+ * @defgroup ata A^T A
+ *
+ * Dense products: symmetric, of two matrices, Hermitian; of a sparse matrix; and a probabilistic
+ * check.
+ *
+ * @code{.c}
+ * double a[] = {1, 2, 3, 4, 5, 6}, c[4]; // 3 x 2
+ * cata_ata_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 1, a, 2, 0, c, 2, NULL);
+ * printf("%g %g %g\n", c[0], c[1], c[3]); // 35 44 56
+ * @endcode
+ * @{
+ */
+
+/** `layout`: rows are contiguous: entry (i, j) is `a[i * lda + j]`. */
+#define CATA_ROW_MAJOR 101
+/** `layout`: columns are contiguous: entry (i, j) is `a[i + j * lda]`. */
+#define CATA_COL_MAJOR 102
+/** `uplo`: the triangle on and above the diagonal; the rest of C is neither read nor written. */
+#define CATA_UPPER 121
+/** `uplo`: the triangle on and below the diagonal; the rest of C is neither read nor written. */
+#define CATA_LOWER 122
+/** `uplo`: both triangles, equal bit for bit; with beta != 0 the old lower one is what is read. */
+#define CATA_BOTH 123
+
+/** `scheme`: whatever is expected to be fastest within the accuracy asked for. */
+#define CATA_SCHEME_AUTO 0
+/** `scheme`: no fast products, blocks over the back end. */
+#define CATA_SCHEME_CLASSICAL 1
+/** `scheme`: AtA over Strassen's algorithm, 2 x 2 recursion down to the cache. */
+#define CATA_SCHEME_ATA2 2
+/** `scheme`: 2 x 2 split over Winograd's variant of Strassen's algorithm. */
+#define CATA_SCHEME_WINOGRAD 3
+/** `scheme`: RXTX (4 x 4 blocks) over Winograd's variant. */
+#define CATA_SCHEME_RXTX 4
+/** `scheme`: the sparse 4 x 4 scheme of Khoruzhii, Gelss and Pokutta over Winograd's variant. */
+#define CATA_SCHEME_KGP4 5
+/** `scheme`: their 3 x 3 scheme over Winograd's variant. */
+#define CATA_SCHEME_KGP3 6
+
+/** `scheme`: integer products modulo small primes: nothing is rounded but the columns, to about
+ * 2^-54 of their norms (float: 2^-27), and the result. */
 #define CATA_SCHEME_EXACT 7
 
 /** `scheme`: as CATA_SCHEME_AUTO, but never CATA_SCHEME_EXACT. */
 #define CATA_SCHEME_FLOAT 8
 
-/**
- * `error_factor`: the least error. With CATA_SCHEME_AUTO that is CATA_SCHEME_EXACT on every machine,
- * however slow it is there; other schemes are as with 1.
- */
+/** `error_factor`: the least error. With CATA_SCHEME_AUTO that is CATA_SCHEME_EXACT on every
+ * machine, however slow it is there; other schemes are as with 1. */
 #define CATA_ERROR_LEAST -1.0
 
-/** `centering`: nothing is subtracted from the rows. */
-#define CATA_CENTER_NONE 0
-
-/** `centering`: the mean of the rows is subtracted, weighted if there are weights. */
-#define CATA_CENTER_MEAN 1
-
-/** `centering`: the row given is subtracted. */
-#define CATA_CENTER_GIVEN 2
-
-/** The triangles of the mesh: the cotangent Laplacian. */
-#define CATA_LAPLACIAN_COTANGENT 0
-
-/** Those of the intrinsic Delaunay triangulation: no negative weights, for surfaces. */
-#define CATA_LAPLACIAN_INTRINSIC_DELAUNAY 1
-
-/** Those of the intrinsic Delaunay triangulation of the tufted cover: for any mesh. */
-#define CATA_LAPLACIAN_TUFTED 2
-
-/** A diagonal mass: a third of the area of a face to each vertex. */
-#define CATA_MASS_BARYCENTRIC 0
-
-/** A diagonal mass: what is nearest to each vertex. */
-#define CATA_MASS_MIXED_VORONOI 1
-
-/** The inner product of linear functions, a full matrix. */
-#define CATA_MASS_CONSISTENT 2
-
-/** The normal derivative is zero at the boundary. */
-#define CATA_BOUNDARY_NEUMANN 0
-
-/** Functions are zero at the boundary. */
-#define CATA_BOUNDARY_DIRICHLET 1
-
-/** The parent of the root of a plant. */
-#define CATA_NO_PARENT UINT32_MAX
-
-/** The curve is closed, or all curves are. */
-#define CATA_CURVE_CLOSED 0
-
-/** The curve is open, as was asked for. */
-#define CATA_CURVE_OPEN 1
-
-/** From a sample no way led on. */
-#define CATA_CURVE_BLOCKED 2
-
-/** All samples are connected, but no way led back to the first one. */
-#define CATA_CURVE_CLOSE_BLOCKED 3
-
-/** Samples are on different components of the mesh. */
-#define CATA_CURVE_DISCONNECTED 4
-
-/** Equation 7.3 of the thesis: from -1 (at a root) to the number of iterations. */
-#define CATA_NEWTON_THESIS 0
-
-/** The gradient of the shader of the thesis' authors: from 0 to 1. */
-#define CATA_NEWTON_SHADER 1
-
-/** Eigenvalues of the spectra that cata_unions_predict takes and gives. */
-#define CATA_UNION_EIGENVALUES 20
-
-/** `spread`: every rank has rows of A, in any order and number. */
-#define CATA_BY_ROWS 141
-
-/** `spread`: every rank has columns of A, in the order of the ranks. */
-#define CATA_BY_COLUMNS 142
-
-/**
- * A BLAS library that computes the small products; made by cata_backend_load or
- * cata_backend_openblas, given back by cata_backend_free. It can be used by several calls and
- * threads at a time.
- */
-typedef struct cata_backend cata_backend;
-
-/** Curves that were found. Made by cata_curves_new; for one thread at a time unless it is only read. */
-typedef struct cata_curves cata_curves;
-
-/** A fractal that points can be asked of. Made by cata_newton_new; for one thread at a time. */
-typedef struct cata_newton cata_newton;
-
-/** The water in a plant: its constants, the present, and what it takes to go on. Opaque. */
-typedef struct cata_plant cata_plant;
-
-/** Slime moulds on a surface. Made by cata_slime_new; for one thread at a time unless it is only read. */
-typedef struct cata_slime cata_slime;
-
-/**
- * A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a world;
- * made by cata_world_ata_rows_f64 and the like, given back by cata_symmetric_free.
- */
-typedef struct cata_symmetric cata_symmetric;
-
-/** The spectral union operator: a network with its weights. Opaque. */
-typedef struct cata_unions cata_unions;
-
-/**
- * The ranks of an MPI communicator that work together; made by cata_world_new, given back by
- * cata_world_free.
- *
- * It has a communicator of its own, so that no message of the caller is mistaken for one of the
- * library's. The library never initialises or finalises MPI. MPI is called by the thread that
- * calls, which must be one that may do so; other threads compute, so that MPI_THREAD_FUNNELED is
- * needed (MPI_Init_thread).
- *
- * Functions that are called collective are called by all ranks of the world, in the same order and
- * with the same numbers unless said otherwise. An error on one rank is an error on all: its own
- * there, CATA_ERR_RANK on the others, with a message that names the rank. What one rank alone
- * notices of a world that is NULL, or freed, can't be told to the others. A panic aborts the job
- * (MPI_Abort), as the others would wait for ever; so does, unless the communicator has another
- * error handler, an error of MPI itself.
- */
-typedef struct cata_world cata_world;
-
-/** What a call returns. A value, once given a meaning, keeps it for ever. */
-typedef int32_t cata_status;
-
-/**
- * A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything else
- * asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
- *
- * It is called from any thread that works for the call, one call at a time: each begins after the
- * one before it has returned, and sees what that has written. No thread waits for it, so it may be
- * slow, and it may call this library. It must not leave by longjmp or a C++ exception.
- */
-typedef int32_t (*cata_progress)(double fraction, void *user);
-
-/**
- * How a product is computed. Every field but the first is 0 (NULL) by default, so that
- * `cata_ata_params params = {.struct_size = sizeof params};` does what cata_ata_params_init does.
- */
+/** How a product is computed. */
 typedef struct cata_ata_params {
-    /**
-     * sizeof(cata_ata_params) as the caller was compiled with. Later versions add fields at the
-     * end; one that this library does not know must be 0.
-     */
+    /** sizeof(cata_ata_params). */
     size_t struct_size;
-    /**
-     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-     * bit for bit, for every value.
-     */
+    /** Threads, at most; 0: all. */
     size_t threads;
-    /**
-     * Smallest block side of the recursion, in elements, at most 2^31; 0: the library's
-     * choice.
-     */
-    size_t leaf;
-    /**
-     * Tasks that C is split into, whatever the number of threads, at most 65536; 0: the
-     * library's choice. Of no effect where the built-in kernels share C in their own way.
-     */
-    size_t tasks;
-    /**
-     * Error that fast products may cause, as a factor of the classical algorithm's in the maximum
-     * norm, expected: 1 for classical products only, INFINITY for no bound, CATA_ERROR_LEAST for the
-     * least error, 0 for the default, which is 4. Not below 1 otherwise, and not NaN.
-     * CATA_SCHEME_EXACT takes 15 moduli for 1 and CATA_ERROR_LEAST, 13 from 8 on, and 14 otherwise
-     * (float: 8, 6 and 7).
-     */
-    double error_factor;
-    /** What computes the small products; NULL: the built-in one. Borrowed during the call. */
-    const struct cata_backend *backend;
     /** Told of progress; NULL: nobody. */
     cata_progress progress;
-    /** Handed to `progress` as it is; may be NULL. */
+    /** Handed to `progress`. */
     void *progress_user;
+    /** Smallest block side of the recursion, in elements, at most 2^31; 0: the library's
+     * choice. */
+    size_t leaf;
+    /** Tasks that C is split into, whatever the number of threads, at most 65536; 0: the
+     * library's choice. Of no effect where the built-in kernels share C in their own way. */
+    size_t tasks;
+    /** Error that fast products may cause, as a factor of the classical algorithm's in the
+     * maximum norm, expected: 1 for classical products only, INFINITY for no bound,
+     * CATA_ERROR_LEAST for the least error, 0 for the default, which is 4. Not below 1
+     * otherwise, and not NaN. CATA_SCHEME_EXACT takes 15 moduli for 1 and CATA_ERROR_LEAST, 13
+     * from 8 on, and 14 otherwise (float: 8, 6 and 7). */
+    double error_factor;
+    /** What computes the small products; NULL: the built-in one. Borrowed during the call. */
+    const cata_backend *backend;
     /** CATA_SCHEME_*. */
     int32_t scheme;
-    /**
-     * 1: the same bytes on every machine, which takes CATA_SCHEME_EXACT everywhere, slower than others
-     * on CPUs without AMX; the scheme must be that or CATA_SCHEME_AUTO. 0: not asked for.
-     */
+    /** 1: the same bytes on every machine, which takes CATA_SCHEME_EXACT everywhere, slower than
+     * others on CPUs without AMX; the scheme must be that or CATA_SCHEME_AUTO. 0: not asked for. */
     int32_t reproducible;
-    /**
-     * 1: thread i of the call stays on the i-th core of the affinity mask (modulo their number), which
-     * is that of the process, as taskset or the binding of mpirun sets it; the calling thread waits and
-     * keeps its mask. Calls at the same time share these threads. 0: the system moves threads.
-     */
+    /** 1: thread i of the call stays on the i-th core of the affinity mask (modulo their number),
+     * which is that of the process, as taskset or the binding of mpirun sets it; the calling
+     * thread waits and keeps its mask. Calls at the same time share these threads. 0: the system
+     * moves threads. */
     int32_t pin;
 } cata_ata_params;
 
+/** Fills a struct with the defaults. */
+cata_status cata_ata_params_init(cata_ata_params *params, size_t struct_size);
+
+/** C := alpha A^T A + beta C, for A m x n and C n x n.
+ *
+ * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of C.
+ * - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict
+ *   triangle that is not, and what lies between lines, is neither read nor written.
+ * - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
+ * - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-
+ *   major: n lines of `lda` >= max(1, m) elements, the last one of m.
+ * - `c`: C, written; n lines of `ldc` >= max(1, n) elements, the last one of n. No element of A
+ *   may be one of C's.
+ *
+ * All arguments are checked, and the workspace is allocated, before C is first written: it is
+ * untouched after any error but CATA_ERR_CANCELLED and CATA_ERR_PANIC, which leave unspecified
+ * values in its wanted part.
+ *
+ * With `reproducible` in `params` the result does not depend on the machine either.
+ *
+ * With u = 2^-53 (float: 2^-24) entry (i, j) of a classical product is wrong by at most about m
+ * u (|A|^T |A|)(i, j); that of CATA_SCHEME_EXACT with the default `error_factor` by at most (u +
+ * 1.1e-16 sqrt(m)) |a_i| |a_j| (float: 1.7e-8 for 1.1e-16), the Euclidean norms of two columns,
+ * far below which it may have no correct digit; fast products are bounded in the maximum norm
+ * only. CATA_SCHEME_AUTO may take any of them unless `error_factor` is 1, which allows only the
+ * first, or CATA_ERROR_LEAST.
+ *
+ * NaN and infinities in A reach the entries of C that they do in the classical algorithm, those
+ * of their columns, in classical and exact products. Fast products spread them further. */
+cata_status cata_ata_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
+    const double *a, size_t lda, double beta, double *c, size_t ldc, const cata_ata_params *params);
+
+/** As cata_ata_f64, in float. */
+cata_status cata_ata_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
+    const float *a, size_t lda, float beta, float *c, size_t ldc, const cata_ata_params *params);
+
+/** As cata_ata_f64, with A in float: all sums and products are in double. A is converted block by
+ * block, so the extra memory is about 32 MiB, or 1024 rows if those are longer, and the scratch.
+ *
+ * Unlike there, C holds unspecified values in its wanted part after CATA_ERR_OUT_OF_MEMORY too,
+ * and progress may start anew with every block of rows. */
+cata_status cata_ata_f32_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
+    const float *a, size_t lda, double beta, double *c, size_t ldc, const cata_ata_params *params);
+
+/** The scratch that cata_ata_with_scratch_f64 needs for A m x n and the same params.
+ *
+ * `len`: one size_t, not NULL; written on success: a number of elements, not bytes. */
+cata_status cata_ata_scratch_len_f64(size_t m, size_t n, const cata_ata_params *params,
+    size_t *len);
+
+/** As cata_ata_scratch_len_f64, in float. */
+cata_status cata_ata_scratch_len_f32(size_t m, size_t n, const cata_ata_params *params,
+    size_t *len);
+
+/** cata_ata_f64 without allocating its workspace.
+ *
+ * `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as
+ * many as cata_ata_scratch_len_f64 says for the same m, n and params, else CATA_ERR_SHAPE. It
+ * must not overlap A or C. The rest as in cata_ata_f64. */
+cata_status cata_ata_with_scratch_f64(int32_t layout, int32_t uplo, size_t m, size_t n,
+    double alpha, const double *a, size_t lda, double beta, double *c, size_t ldc, double *scratch,
+    size_t scratch_len, const cata_ata_params *params);
+
+/** As cata_ata_with_scratch_f64, in float. */
+cata_status cata_ata_with_scratch_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
+    const float *a, size_t lda, float beta, float *c, size_t ldc, float *scratch,
+    size_t scratch_len, const cata_ata_params *params);
+
+/** C := alpha A A^T + beta C, for A m x n and C m x m: `c` has m lines of `ldc` >= max(1, m)
+ * elements. The rest as in cata_ata_f64. */
+cata_status cata_aat_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
+    const double *a, size_t lda, double beta, double *c, size_t ldc, const cata_ata_params *params);
+
+/** As cata_aat_f64, in float. */
+cata_status cata_aat_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
+    const float *a, size_t lda, float beta, float *c, size_t ldc, const cata_ata_params *params);
+
+/** C := alpha A^T W A + beta C, for a sparse A, m x n, with weights W or none, and C n x n,
+ * dense.
+ *
+ * - `layout`, `uplo`: of C, as in cata_ata_f64.
+ * - `row_starts`: m + 1 elements, read: the entries of row i are those from `row_starts[i]` to
+ *   `row_starts[i + 1] - 1`, the first being 0.
+ * - `columns`, `entries`: `row_starts[m]` elements each, read: columns ascending within a row,
+ *   from 0, each at most once, and the entries of A there.
+ * - `weights`: m finite elements, read; NULL: all 1.
+ * - `alpha`, `beta`, `c`, `ldc`: as in cata_ata_f64.
+ * - `params`: NULL for the defaults; `threads` and `progress` count, the rest is checked only.
+ *
+ * Returns what cata_ata_f64 does, or CATA_ERR_NON_FINITE for a weight. C is untouched after any
+ * error but CATA_ERR_CANCELLED and CATA_ERR_PANIC.
+ *
+ * The sums are those of the classical algorithm, in double and in the order of the rows. The
+ * result does not depend on the number of threads, bit for bit. */
+cata_status cata_ata_sparse_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
+    const size_t *row_starts, const size_t *columns, const double *entries, const double *weights,
+    double beta, double *c, size_t ldc, const cata_ata_params *params);
+
+/** As cata_ata_sparse_f64, with A and C in float; weights and sums are in double. */
+cata_status cata_ata_sparse_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
+    const size_t *row_starts, const size_t *columns, const float *entries, const double *weights,
+    float beta, float *c, size_t ldc, const cata_ata_params *params);
+
+/** C := alpha A^T B + beta C, for A m x n, B m x k and C n x k.
+ *
+ * - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
+ * - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-
+ *   major: n lines of `lda` >= max(1, m) elements, the last one of m.
+ * - `b`: B, read, likewise with k for n and `ldb`. A and B may overlap.
+ * - `c`: C, written. Row-major: n lines of `ldc` >= max(1, k) elements; column-major: k lines of
+ *   `ldc` >= max(1, n). What lies between lines is neither read nor written. No element of A or
+ *   B may be one of C's.
+ *
+ * Returns what cata_ata_f64 does, with the same promises about C, errors, NaN and infinities, of
+ * columns of A and of B. */
+cata_status cata_atb_f64(int32_t layout, size_t m, size_t n, size_t k, double alpha,
+    const double *a, size_t lda, const double *b, size_t ldb, double beta, double *c, size_t ldc,
+    const cata_ata_params *params);
+
+/** As cata_atb_f64, in float. */
+cata_status cata_atb_f32(int32_t layout, size_t m, size_t n, size_t k, float alpha, const float *a,
+    size_t lda, const float *b, size_t ldb, float beta, float *c, size_t ldc,
+    const cata_ata_params *params);
+
+/** The scratch that cata_atb_with_scratch_f64 needs for A m x n, B m x k and the same params.
+ *
+ * `len`: one size_t, not NULL; written on success: a number of elements, not bytes. */
+cata_status cata_atb_scratch_len_f64(size_t m, size_t n, size_t k, const cata_ata_params *params,
+    size_t *len);
+
+/** As cata_atb_scratch_len_f64, in float. */
+cata_status cata_atb_scratch_len_f32(size_t m, size_t n, size_t k, const cata_ata_params *params,
+    size_t *len);
+
+/** cata_atb_f64 without allocating its workspace.
+ *
+ * `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as
+ * many as cata_atb_scratch_len_f64 says for the same m, n, k and params, else CATA_ERR_SHAPE. It
+ * must not overlap A, B or C. The rest as in cata_atb_f64. */
+cata_status cata_atb_with_scratch_f64(int32_t layout, size_t m, size_t n, size_t k, double alpha,
+    const double *a, size_t lda, const double *b, size_t ldb, double beta, double *c, size_t ldc,
+    double *scratch, size_t scratch_len, const cata_ata_params *params);
+
+/** As cata_atb_with_scratch_f64, in float. */
+cata_status cata_atb_with_scratch_f32(int32_t layout, size_t m, size_t n, size_t k, float alpha,
+    const float *a, size_t lda, const float *b, size_t ldb, float beta, float *c, size_t ldc,
+    float *scratch, size_t scratch_len, const cata_ata_params *params);
+
+/** C := alpha A^H A + beta C, for complex A m x n and Hermitian C n x n; alpha and beta are real.
+ *
+ * A complex element is two doubles, the real part and then the imaginary one, as `double
+ * complex` of C99 and `std::complex<double>` of C++: pointers to those can be cast. Leading
+ * dimensions count complex elements.
+ *
+ * - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict
+ *   triangle that is not, and what lies between lines, is neither read nor written. With
+ *   CATA_BOTH the upper triangle is the conjugate of the lower one, bit for bit; with beta != 0
+ *   the old lower one is what is read.
+ * - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
+ * - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-
+ *   major: n lines of `lda` >= max(1, m) elements, the last one of m.
+ * - `c`: C, written; n lines of `ldc` >= max(1, n) elements, the last one of n. Imaginary parts
+ *   of its diagonal are not read, and become 0. No element of A may be one of C's.
+ *
+ * C is untouched after any error but CATA_ERR_PANIC, which leaves unspecified values in its
+ * wanted part.
+ *
+ * The extra memory is that of a matrix like C, 64 MiB (or 1024 rows
+ * of A if those are longer), and the scratch of cata_ata_f64 for as many rows.
+ *
+ * With u = 2^-53 (float: 2^-24) both parts of entry (i, j) of a product with the default params
+ * are wrong by at most 8 m u |a_i| |a_j|, the Euclidean norms of two columns. NaN and infinities
+ * have the effect of (x - i y)(u + i v) = (x u + y v) + i (x v - y u), term by term, in
+ * classical and exact products; fast products spread them further. */
+cata_status cata_aha_c64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
+    const double *a, size_t lda, double beta, double *c, size_t ldc, const cata_ata_params *params);
+
+/** As cata_aha_c64, in float: `float complex` and `std::complex<float>`. */
+cata_status cata_aha_c32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
+    const float *a, size_t lda, float beta, float *c, size_t ldc, const cata_ata_params *params);
+
+/** C := alpha A^H B + beta C, for complex A m x n, B m x k and C n x k.
+ *
+ * Complex elements, and leading dimensions that count them, are as in cata_aha_c64.
+ *
+ * - `alpha`, `beta`: one complex element each, read, not NULL; with beta == 0 C is not read, so
+ *   it may be uninitialised. A real one multiplies both parts.
+ * - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-
+ *   major: n lines of `lda` >= max(1, m) elements, the last one of m.
+ * - `b`: B, read, likewise with k for n and `ldb`. A and B may overlap.
+ * - `c`: C, written. Row-major: n lines of `ldc` >= max(1, k) elements; column-major: k lines of
+ *   `ldc` >= max(1, n). What lies between lines is neither read nor written. No element of A or
+ *   B may be one of C's.
+ *
+ * Returns what cata_aha_c64 does, with the same promises about C, errors, NaN and infinities, of
+ * columns of A and of B. */
+cata_status cata_ahb_c64(int32_t layout, size_t m, size_t n, size_t k, const double *alpha,
+    const double *a, size_t lda, const double *b, size_t ldb, const double *beta, double *c,
+    size_t ldc, const cata_ata_params *params);
+
+/** As cata_ahb_c64, in float: `float complex` and `std::complex<float>`. */
+cata_status cata_ahb_c32(int32_t layout, size_t m, size_t n, size_t k, const float *alpha,
+    const float *a, size_t lda, const float *b, size_t ldb, const float *beta, float *c, size_t ldc,
+    const cata_ata_params *params);
+
+/** Checks that C = alpha A^T A for A m x n and C n x n, up to rounding, with `rounds` random
+ * vectors (Freivalds 1977), in time proportional to rounds (m n + n^2).
+ *
+ * - `layout`, `uplo`, `m`, `n`, `a`, `lda`: as in cata_ata_f64; only the part `uplo` of C is
+ *   looked at.
+ * - `c`: C, read, as long as in cata_ata_f64.
+ * - `rounds`: 1 to 1000. A C with an entry wrong by more than twice the tolerance passes with
+ *   probability at most 2^-rounds.
+ * - `seed`: of the random vectors; the same seed gives the same answer.
+ * - `passed`: one int32_t, not NULL; written on success: 1 if C passed, else 0.
+ * - `residual`, `tolerance`: one double each, NULL where not wanted; written on success: the
+ *   largest entry of |C X - alpha A^T (A X)|, and how large rounding may make it. NaN or
+ *   infinity in the residual never passes.
+ *
+ * Returns CATA_OK, whether C passed or not. Runs on the calling thread. */
+cata_status cata_verify_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
+    const double *a, size_t lda, const double *c, size_t ldc, int32_t rounds, uint64_t seed,
+    int32_t *passed, double *residual, double *tolerance);
+
+/** As cata_verify_f64, for a product in float. The check itself is in double. */
+cata_status cata_verify_f32(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
+    const float *a, size_t lda, const float *c, size_t ldc, int32_t rounds, uint64_t seed,
+    int32_t *passed, double *residual, double *tolerance);
+
+/** @} */
+
+/* ==== Streams of rows ========================================================================== */
+
 /**
- * How eigenpairs are computed. Every field but the first is 0 (NULL) by default, so that
- * `cata_spectrum_params params = {.struct_size = sizeof params};` does what cata_spectrum_params_init does.
+ * @defgroup rows Streams of rows
+ *
+ * Products of weighted and centred rows, which are read in blocks.
+ *
+ * @code{.c}
+ * double a[] = {1, 2, 3, 4, 5, 7}, c[4]; // 3 x 2, its covariance
+ * cata_ata_rows_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 0.5, a, 2, NULL, CATA_CENTER_MEAN, NULL, 0, c,
+ *     2, NULL);
+ * @endcode
+ * @{
  */
-typedef struct cata_spectrum_params {
-    /**
-     * sizeof(cata_spectrum_params) as the caller was compiled with. Later versions add fields at the
-     * end; one that this library does not know must be 0.
-     */
+
+/** `centering`: nothing is subtracted from the rows. */
+#define CATA_CENTER_NONE 0
+/** `centering`: the mean of the rows is subtracted, weighted if there are weights. */
+#define CATA_CENTER_MEAN 1
+/** `centering`: the row given is subtracted. */
+#define CATA_CENTER_GIVEN 2
+
+/** C := alpha X^T W X + beta C, where X is A with a row subtracted from every row, and W =
+ * diag(weights). A is not copied as a whole: it is read in blocks of rows, about 32 MiB each.
+ *
+ * With CATA_CENTER_MEAN and alpha = 1 / (m - 1) C is the covariance matrix of the columns of A.
+ *
+ * - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
+ * - `centering`: CATA_CENTER_NONE, CATA_CENTER_MEAN or CATA_CENTER_GIVEN.
+ * - `center`: with CATA_CENTER_GIVEN n finite numbers, read, not NULL unless n is 0; else
+ *   ignored.
+ * - The rest as in cata_ata_f64. Neither `weights` nor `center` may overlap C.
+ *
+ * Returns what cata_ata_f64 does, CATA_ERR_NON_FINITE for a weight or a centre that is not
+ * finite, or CATA_ERR_ARGUMENT when the weights of a mean sum to 0. C is untouched after any
+ * error but CATA_ERR_CANCELLED, CATA_ERR_PANIC and CATA_ERR_OUT_OF_MEMORY, which leave
+ * unspecified values in its wanted part. */
+cata_status cata_ata_rows_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
+    const double *a, size_t lda, const double *weights, int32_t centering, const double *center,
+    double beta, double *c, size_t ldc, const cata_ata_params *params);
+
+/** As cata_ata_rows_f64, in float; the mean is summed in double. */
+cata_status cata_ata_rows_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
+    const float *a, size_t lda, const float *weights, int32_t centering, const float *center,
+    float beta, float *c, size_t ldc, const cata_ata_params *params);
+
+/** @} */
+
+/* ==== Least squares, principal components, singular values ===================================== */
+
+/**
+ * @defgroup gram Least squares, principal components, singular values
+ *
+ * From a Gram matrix in extended precision, which one or two passes over the rows yield: as
+ * accurate as an orthogonal factorisation.
+ *
+ * @code{.c}
+ * double a[] = {1, 0, 1, 1, 1, 2}, b[] = {1, 3, 5}, x[2]; // b = 1 + 2 t
+ * cata_lstsq(CATA_ROW_MAJOR, 3, 2, 1, a, 2, b, 1, NULL, x, 1, NULL, NULL);
+ * printf("%g %g\n", x[0], x[1]); // 1 2
+ * @endcode
+ * @{
+ */
+
+/** How a Gram matrix in extended precision is computed. */
+typedef struct cata_gram_params {
+    /** sizeof(cata_gram_params). */
     size_t struct_size;
-    /**
-     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-     * bit for bit, for every value.
-     */
+    /** Threads, at most; 0: all. */
     size_t threads;
+    /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
+     * them cannot be cancelled. */
+    cata_progress progress;
+    /** Handed to `progress`. */
+    void *progress_user;
+} cata_gram_params;
+
+/** How a least-squares problem is solved. */
+typedef struct cata_lstsq_params {
+    /** sizeof(cata_lstsq_params). */
+    size_t struct_size;
+    /** Threads, at most; 0: all. */
+    size_t threads;
+    /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
+     * them cannot be cancelled. */
+    cata_progress progress;
+    /** Handed to `progress`. */
+    void *progress_user;
+    /** Multiple of |X|^2 that is added to what is minimised; finite, at least 0. The intercept is
+     * not a part of X. */
+    double ridge;
+    /** 1: a constant is fitted for each target too. 0: none. */
+    int32_t intercept;
+    /** 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message names
+     * them. 0: of all solutions the one of least norm is returned. */
+    int32_t refuse_dependent;
+} cata_lstsq_params;
+
+/** What is known of a least-squares solution beside X. The caller sets `struct_size` and the
+ * pointers, each to an array of its own or to NULL where it is not wanted; the call writes the
+ * arrays and the fields after them. `cata_lstsq_result result = {.struct_size = sizeof result};`
+ * asks for those fields alone. */
+typedef struct cata_lstsq_result {
+    /** sizeof(cata_lstsq_result). */
+    size_t struct_size;
+    /** k elements, written: |A x - b| of each target, weighted; 0 where it is below the rounding
+     * of the Gram matrix. */
+    double *residual_norms;
+    /** k elements, written: 1 - |A x - b|^2 / |b|^2 of each target, with b about its mean where
+     * there is an intercept; 1 for a residual of 0. */
+    double *r_squared;
+    /** k elements, written: the constant of each target; zeros without `params.intercept`. */
+    double *intercepts;
+    /** n x k, written, with the layout and the leading dimension of X: the standard error of each
+     * coefficient; NaN without degrees of freedom. */
+    double *standard_errors;
+    /** k elements, written: the standard error of each constant; untouched without
+     * `params.intercept`. */
+    double *intercept_errors;
+    /** n elements, of which the first n - `rank` are written: the columns of A, from 0, that
+     * depend on others. */
+    size_t *dependent;
+    /** Written: columns of A that do not depend on others, as far as the precision can tell. */
+    size_t rank;
+    /** Written: m less the rank, and less one more with an intercept; at least 0. */
+    size_t degrees_of_freedom;
+    /** Written: an estimate of the condition number of A, about the mean with an intercept, and
+     * with sqrt(ridge) I below it. */
+    double condition;
+    /** Written: decimal digits of X, relative to its largest entry when columns of A have norm 1,
+     * that agree with the exact solution; from 0 to 15.95. */
+    double digits;
+} cata_lstsq_result;
+
+/** How principal components are computed. */
+typedef struct cata_pca_params {
+    /** sizeof(cata_pca_params). */
+    size_t struct_size;
+    /** Threads, at most; 0: all. */
+    size_t threads;
+    /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
+     * them cannot be cancelled. */
+    cata_progress progress;
+    /** Handed to `progress`. */
+    void *progress_user;
+    /** 1: columns are divided by their standard deviations; those without variance are not. 0:
+     * none is. */
+    int32_t standardize;
+} cata_pca_params;
+
+/** Fills a struct with the defaults. */
+cata_status cata_gram_params_init(cata_gram_params *params, size_t struct_size);
+
+/** Fills a struct with the defaults. */
+cata_status cata_lstsq_params_init(cata_lstsq_params *params, size_t struct_size);
+
+/** The X (n x k) that minimises |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k and
+ * W = diag(weights), from the Gram matrix of [A B] in extended precision.
+ *
+ * Where cata_gram_extended is exact, X is at least as accurate as by an orthogonal factorisation
+ * of A in double, up to condition numbers of about 2^48 of A with columns of norm 1; see
+ * `result.digits`. Rows are read twice, in blocks; neither A nor B is copied as a whole.
+ *
+ * - `m`, `n`: any, 0 included. `k`: number of targets, at least 1.
+ * - `b`: B, m x k, read, with leading dimension `ldb`.
+ * - `weights`: m finite numbers, at least 0, read; NULL: all 1.
+ * - `x`: X, n x k, written, with leading dimension `ldx`; NULL where not wanted, `ldx` is then
+ *   looked at for `result.standard_errors` only.
+ * - `result`: one struct, read and written: see cata_lstsq_result; NULL where not wanted.
+ *   Standard errors take a few times as long as X, and no time when they are not wanted. */
+cata_status cata_lstsq(int32_t layout, size_t m, size_t n, size_t k, const double *a, size_t lda,
+    const double *b, size_t ldb, const double *weights, double *x, size_t ldx,
+    cata_lstsq_result *result, const cata_lstsq_params *params);
+
+/** Fills a struct with the defaults. */
+cata_status cata_pca_params_init(cata_pca_params *params, size_t struct_size);
+
+/** The first principal components of the rows of A (m x n), from the Gram matrix of its centred
+ * columns in extended precision. Components beyond the rank of the centred columns are zeros,
+ * and so are their variances and singular values.
+ *
+ * - `m`: at least 2. `n`: any, 0 included.
+ * - `count`: number of components, at most n.
+ * - `components`: count x n, written, with leading dimension `ldcomponents`: one row for each
+ *   component, orthonormal, the most variance first; the first of the largest entries of a row
+ *   is positive. NULL where not wanted; `ldcomponents` is then not looked at.
+ * - `explained_variance`: count elements, written: the variance along each component, with the
+ *   divisor m - 1; NULL where not wanted.
+ * - `explained_variance_ratio`: count elements, written: the same, divided by the variance of
+ *   all columns; NULL where not wanted.
+ * - `singular_values`: count elements, written: those of the centred (and standardised) rows;
+ *   NULL where not wanted.
+ * - `mean`: n elements, written: the mean of each column; NULL where not wanted.
+ * - `scale`: n elements, written: the divisor of each column, its standard deviation or 1; NULL
+ *   where not wanted. */
+cata_status cata_pca(int32_t layout, size_t m, size_t n, const double *a, size_t lda, size_t count,
+    double *components, size_t ldcomponents, double *explained_variance,
+    double *explained_variance_ratio, double *singular_values, double *mean, double *scale,
+    const cata_pca_params *params);
+
+/** The singular values of A (m x n), and its right singular vectors, from its Gram matrix in
+ * extended precision: A = U diag(values) V^T, where column j of U is A v_j over the j-th value.
+ *
+ * With K the condition number of A with columns of norm 1, the relative error of every value,
+ * the smallest included, is a few n 2^-53 plus K^2 2^-106 (K^2 2^-80 where cata_gram_extended is
+ * not exact).
+ *
+ * - `m`, `n`: any, 0 included. Time and memory suit m >= n.
+ * - `values`: min(m, n) elements, written: descending; zeros where columns depend on others as
+ *   far as the precision can tell. NULL where not wanted.
+ * - `v`: V, n x min(m, n), written, with leading dimension `ldv`: an orthonormal column for each
+ *   value that is not 0, and zeros for the others. NULL where not wanted; `ldv` is then not
+ *   looked at. */
+cata_status cata_svd(int32_t layout, size_t m, size_t n, const double *a, size_t lda,
+    double *values, double *v, size_t ldv, const cata_gram_params *params);
+
+/** The lower triangle of C = X^T W X as unevaluated sums of two doubles, high + low, where X is A
+ * (m x n), or A with the mean of its rows subtracted from every row, and W = diag(weights).
+ *
+ * C is the same for any order of the rows. Where `exact` is 1, no entry of A was rounded, and
+ * the two parts together are C rounded to about 106 bits; else entries were rounded to about
+ * 2^-80 of the largest of their column.
+ *
+ * - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
+ * - `centering`: CATA_CENTER_NONE or CATA_CENTER_MEAN (weighted if there are weights).
+ * - `high`: n x n, with leading dimension `ldhigh`: the triangle on and below the diagonal is
+ *   written, with C rounded to double; the rest is neither read nor written. NULL where not
+ *   wanted; `ldhigh` is then not looked at.
+ * - `low`: the same, with leading dimension `ldlow`: what that rounding took away.
+ * - `exact`: one int32_t, written: 1 or 0; NULL where not wanted. */
+cata_status cata_gram_extended(int32_t layout, size_t m, size_t n, const double *a, size_t lda,
+    const double *weights, int32_t centering, double *high, size_t ldhigh, double *low,
+    size_t ldlow, int32_t *exact, const cata_gram_params *params);
+
+/** C := the correlation matrix (n x n) of the columns of A (m x n), from their Gram matrix about
+ * the mean in extended precision: entries are within [-1, 1], and wrong by little more than one
+ * rounding. Both triangles are written; rows and columns of a column without variance are NaN.
+ *
+ * - `c`: C, written, with leading dimension `ldc`; must not overlap A. */
+cata_status cata_gram_correlation(int32_t layout, size_t m, size_t n, const double *a, size_t lda,
+    double *c, size_t ldc, const cata_gram_params *params);
+
+/** How far the columns of Q (m x n) are from orthonormal: Q^T Q - I is formed in extended
+ * precision, and no digits are lost to cancellation.
+ *
+ * - `q`: Q, read, with leading dimension `ldq` as A in cata_ata_f64.
+ * - `max`: one double, written: the largest entry of Q^T Q - I by size; NULL where not wanted.
+ * - `frobenius`: one double, written: the Frobenius norm of Q^T Q - I; NULL where not wanted. */
+cata_status cata_gram_orthogonality(int32_t layout, size_t m, size_t n, const double *q, size_t ldq,
+    double *max, double *frobenius, const cata_gram_params *params);
+
+/** A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in extended
+ * precision: A (m x n) becomes Q. For columns that are independent; cata_ortho_gram_schmidt
+ * takes any.
+ *
+ * Let K be the condition number of A with columns of norm 1. The columns of Q are orthonormal up
+ * to rounding for K up to 10^14 where cata_gram_extended is exact, and up to an error of n K^2
+ * 2^-79 otherwise.
+ *
+ * - `m`, `n`: any, 0 included; m >= n, or the columns depend on each other.
+ * - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64.
+ * - `r`: R, n x n, written, with leading dimension `ldr`: upper triangular with a positive
+ *   diagonal, zeros below; must not overlap A. NULL where not wanted; `ldr` is then not looked
+ *   at.
+ *
+ * Returns CATA_ERR_ARGUMENT when columns depend on those before them, which the message names. A
+ * and R are unspecified after CATA_ERR_PANIC. */
+cata_status cata_gram_cholesky_qr(int32_t layout, size_t m, size_t n, double *a, size_t lda,
+    double *r, size_t ldr, const cata_gram_params *params);
+
+/** @} */
+
+/* ==== Sparse eigenpairs ======================================================================== */
+
+/**
+ * @defgroup eigs Sparse eigenpairs
+ *
+ * The smallest eigenvalues of sparse symmetric matrices, or those nearest to a shift, by
+ * shift-invert block Lanczos; and orthonormal columns, in the inner product of a diagonal.
+ *
+ * @code{.c}
+ * size_t starts[] = {0, 1, 2}, columns[] = {0, 1};
+ * double entries[] = {2, 1}, value, vector[2]; // diag(2, 1)
+ * cata_eigs(2, starts, columns, entries, NULL, 1, &value, vector, 2, NULL, NULL);
+ * printf("%g\n", value); // 1
+ * @endcode
+ * @{
+ */
+
+/** `laplacian`: of the triangles of the mesh, with cotangent weights. */
+#define CATA_LAPLACIAN_COTANGENT 0
+/** `laplacian`: of the intrinsic Delaunay triangulation: no negative weights, for surfaces. */
+#define CATA_LAPLACIAN_INTRINSIC_DELAUNAY 1
+/** `laplacian`: of the intrinsic Delaunay triangulation of the tufted cover: for any mesh. */
+#define CATA_LAPLACIAN_TUFTED 2
+/** `mass`: a diagonal, a third of the area of a face to each vertex. */
+#define CATA_MASS_BARYCENTRIC 0
+/** `mass`: a diagonal, what is nearest to each vertex. */
+#define CATA_MASS_MIXED_VORONOI 1
+/** `mass`: the inner product of linear functions, a full matrix. */
+#define CATA_MASS_CONSISTENT 2
+/** `boundary`: the normal derivative is zero there. */
+#define CATA_BOUNDARY_NEUMANN 0
+/** `boundary`: functions are zero there. */
+#define CATA_BOUNDARY_DIRICHLET 1
+
+/** How eigenpairs are computed, and of which Laplacian where it is that of a mesh. */
+typedef struct cata_eigs_params {
+    /** sizeof(cata_eigs_params). */
+    size_t struct_size;
+    /** Threads, at most; 0: all. */
+    size_t threads;
+    /** Told of progress; NULL: nobody. */
+    cata_progress progress;
+    /** Handed to `progress`. */
+    void *progress_user;
     /** Restarts after which CATA_ERR_NOT_CONVERGED is returned; 0: 60. */
     size_t max_restarts;
     /** Seed of the starting vectors. */
     uint64_t seed;
     /** Residual that every pair must reach, 1e-14 to 1e-2; 0: 1e-9. */
     double tolerance;
-    /** With `has_shift` 1: the eigenvalues nearest to this finite number are wanted. Else not looked at. */
+    /** With `has_shift` 1: the eigenvalues nearest to this finite number are wanted. Else not
+     * looked at. */
     double shift;
-    /** Told of progress; NULL: nobody. */
-    cata_progress progress;
-    /** Handed to `progress` as it is; may be NULL. */
-    void *progress_user;
     /** 1: `shift` counts; 0: the smallest eigenvalues are wanted. */
     int32_t has_shift;
-    /**
-     * 1: counts, by one or two more factorisations, the eigenvalues that are there, and goes on until none is
-     * missing. 0: not asked for.
-     */
+    /** 1: counts, by one or two more factorisations, the eigenvalues that are there, and goes on
+     * until none is missing. 0: not asked for. */
     int32_t verify_count;
-} cata_spectrum_params;
-
-/**
- * What the Laplacian of a mesh is made of. Every field but the first is 0 by default, so that
- * `cata_laplacian_params params = {.struct_size = sizeof params};` does what cata_laplacian_params_init
- * does.
- */
-typedef struct cata_laplacian_params {
-    /**
-     * sizeof(cata_laplacian_params) as the caller was compiled with. Later versions add fields at the
-     * end; one that this library does not know must be 0.
-     */
-    size_t struct_size;
-    /** CATA_LAPLACIAN_*. */
-    int32_t kind;
-    /** CATA_MASS_*. */
+    /** Of meshes: CATA_LAPLACIAN_*. */
+    int32_t laplacian;
+    /** Of meshes: CATA_MASS_*. */
     int32_t mass;
-    /** CATA_BOUNDARY_*. */
+    /** Of meshes: CATA_BOUNDARY_*. */
     int32_t boundary;
-} cata_laplacian_params;
+} cata_eigs_params;
 
-/**
- * How columns are made orthonormal. Every field but the first is 0 (NULL) by default, so that
- * `cata_ortho_params params = {.struct_size = sizeof params};` does what cata_ortho_params_init does.
- */
+/** Fills a struct with the defaults. */
+cata_status cata_eigs_params_init(cata_eigs_params *params, size_t struct_size);
+
+/** The k smallest eigenvalues, or those nearest to a shift, of W phi = lambda M phi, and their
+ * eigenvectors. W is n x n, sparse, symmetric, and positive semi-definite unless a shift is
+ * given; M is a diagonal of positive masses.
+ *
+ * - `row_starts`: n + 1 elements, read: the entries of row i are those from `row_starts[i]` to
+ *   `row_starts[i + 1] - 1`, the first being 0.
+ * - `columns`, `entries`: `row_starts[n]` elements each, read: columns ascending within a row,
+ *   from 0, and the entries of W there, both triangles.
+ * - `masses`: n elements, read: the diagonal of M; NULL: all 1.
+ * - `k`: number of pairs, at most n.
+ * - `eigenvalues`: k elements, written: ascending.
+ * - `eigenvectors`: n x k, written, column-major: k columns of `ldv` >= max(1, n) elements, the
+ *   last one of n; orthonormal in the inner product of M.
+ * - `residuals`: k elements, written: for each pair |W phi - lambda M phi| / max(|W phi|, s |M
+ *   phi|), n s being the median of W_ii / M_ii; NULL where not wanted. */
+cata_status cata_eigs(size_t n, const size_t *row_starts, const size_t *columns,
+    const double *entries, const double *masses, size_t k, double *eigenvalues,
+    double *eigenvectors, size_t ldv, double *residuals, const cata_eigs_params *params);
+
+/** How columns are made orthonormal. */
 typedef struct cata_ortho_params {
-    /**
-     * sizeof(cata_ortho_params) as the caller was compiled with. Later versions add fields at the end;
-     * one that this library does not know must be 0.
-     */
+    /** sizeof(cata_ortho_params). */
     size_t struct_size;
-    /**
-     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-     * bit for bit, for every value.
-     */
+    /** Threads, at most; 0: all. */
     size_t threads;
-    /**
-     * A column is dropped when no more of it is left, relative to its length before, after what the columns
-     * before it span was taken away: 1e-13 to 1; 0: 1e-9, or 1e-2 with `single_pass`.
-     */
-    double threshold;
     /** Told of progress; NULL: nobody. */
     cata_progress progress;
-    /** Handed to `progress` as it is; may be NULL. */
+    /** Handed to `progress`. */
     void *progress_user;
-    /**
-     * 1: columns are projected once, and are orthogonal as far as that goes. 0: until they are orthogonal to
-     * rounding.
-     */
+    /** A column is dropped when no more of it is left, relative to its length before, after what
+     * the columns before it span was taken away: 1e-13 to 1; 0: 1e-9, or 1e-2 with
+     * `single_pass`. */
+    double threshold;
+    /** 1: columns are projected once, and are orthogonal as far as that goes. 0: until they are
+     * orthogonal to rounding. */
     int32_t single_pass;
 } cata_ortho_params;
 
-/**
- * How a Gram matrix in extended precision is computed. Every field but the first is 0 (NULL) by
- * default, so that `cata_gram_params params = {.struct_size = sizeof params};` does what
- * cata_gram_params_init does.
- */
-typedef struct cata_gram_params {
-    /**
-     * sizeof(cata_gram_params) as the caller was compiled with. Later versions add fields at the
-     * end; one that this library does not know must be 0.
-     */
-    size_t struct_size;
-    /**
-     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-     * bit for bit, for every value.
-     */
-    size_t threads;
-    /**
-     * Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
-     * them cannot be cancelled.
-     */
-    cata_progress progress;
-    /** Handed to `progress` as it is; may be NULL. */
-    void *progress_user;
-} cata_gram_params;
+/** Fills a struct with the defaults. */
+cata_status cata_ortho_params_init(cata_ortho_params *params, size_t struct_size);
+
+/** Gram-Schmidt with rank detection, in place: A (n x c) = Q R with Q^T M Q = I, for a diagonal
+ * M. Columns that depend on those before them are dropped.
+ *
+ * - `n`, `c`: any, 0 included.
+ * - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64: its first `*rank`
+ *   columns are Q afterwards, the others unspecified.
+ * - `masses`: n elements, read: the diagonal of M, positive; NULL: all 1.
+ * - `r`: min(n, c) x c with leading dimension `ldr`, written: R in its first `*rank` rows, zeros
+ *   below; coefficients of every column of A. NULL where not wanted; `ldr` is then not looked
+ *   at.
+ * - `kept`: c elements, written: the first `*rank` are the columns that Q is made of, ascending,
+ *   from 0; the others are untouched. NULL where not wanted.
+ * - `rank`: one size_t, not NULL, written.
+ *
+ * A is unspecified after CATA_ERR_OUT_OF_MEMORY, CATA_ERR_CANCELLED and CATA_ERR_PANIC. */
+cata_status cata_ortho_gram_schmidt(int32_t layout, size_t n, size_t c, double *a, size_t lda,
+    const double *masses, double *r, size_t ldr, size_t *kept, size_t *rank,
+    const cata_ortho_params *params);
+
+/** @} */
+
+/* ==== Meshes =================================================================================== */
 
 /**
- * How a least-squares problem is solved. Every field but the first is 0 (NULL) by default, so that
- * `cata_lstsq_params params = {.struct_size = sizeof params};` does what cata_lstsq_params_init
- * does.
+ * @defgroup mesh Meshes
+ *
+ * Triangle meshes are arrays: `n_vertices`, `vertices` (3 doubles each: x, y, z), `n_faces`,
+ * `faces` (3 vertices each, from 0, counter-clockwise as seen from outside). Here:
+ * eigenfunctions of their Laplacian.
+ *
+ * @code{.c}
+ * double v[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, values[2], functions[8]; // a tetrahedron
+ * uint32_t f[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+ * cata_mesh_eigs(4, v, 4, f, 2, values, functions, 4, NULL, NULL, NULL);
+ * printf("%g\n", values[1]); // the first is 0
+ * @endcode
+ * @{
  */
-typedef struct cata_lstsq_params {
-    /**
-     * sizeof(cata_lstsq_params) as the caller was compiled with. Later versions add fields at the
-     * end; one that this library does not know must be 0.
-     */
-    size_t struct_size;
-    /**
-     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-     * bit for bit, for every value.
-     */
-    size_t threads;
-    /**
-     * Multiple of |X|^2 that is added to what is minimised; finite, at least 0. The intercept is
-     * not a part of X.
-     */
-    double ridge;
-    /**
-     * Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
-     * them cannot be cancelled.
-     */
-    cata_progress progress;
-    /** Handed to `progress` as it is; may be NULL. */
-    void *progress_user;
-    /** 1: a constant is fitted for each target too. 0: none. */
-    int32_t intercept;
-    /**
-     * 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message names
-     * them. 0: of all solutions the one of least norm is returned.
-     */
-    int32_t refuse_dependent;
-} cata_lstsq_params;
+
+/** The k smallest eigenvalues, or those nearest to a shift, of the Laplacian of a triangle mesh,
+ * W phi = lambda M phi, and their eigenfunctions.
+ *
+ * - `k`: number of pairs, at most the vertices that are in a face and not held at zero.
+ * - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2.
+ * - `eigenvectors`: n_vertices x k, written, column-major: k columns of `ldv` >= max(1,
+ *   n_vertices) elements, the last one of n_vertices; orthonormal in the inner product of M, 0
+ *   where functions are held at zero and at vertices in no face.
+ * - `residuals`: k elements, written, as those of cata_eigs; NULL where not wanted.
+ * - `masses`: n_vertices elements, written: the diagonal of M, 0 at vertices that it has no row
+ *   for; NULL where not wanted. CATA_MASS_CONSISTENT has none to give. */
+cata_status cata_mesh_eigs(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t k, double *eigenvalues, double *eigenvectors, size_t ldv,
+    double *residuals, double *masses, const cata_eigs_params *params);
+
+/** The k smallest eigenvalues of the Laplacian of a part of a triangle mesh, which has the faces
+ * whose three vertices are in the mask.
+ *
+ * Under CATA_BOUNDARY_DIRICHLET functions are zero where the part ends and at the boundary of
+ * the mesh: of two parts of which one lies in the other, the inner one then has no smaller
+ * eigenvalue anywhere in the sequence. Under CATA_BOUNDARY_NEUMANN the part is a mesh of its
+ * own.
+ *
+ * - `mask`: n_vertices elements, read: 1 for a vertex of the part, 0 for any other.
+ * - `k`: number of eigenvalues, at most the vertices of the part that are not held at zero.
+ * - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2.
+ * - `params`: the Laplacian and `threads` are looked at, the rest is checked only. */
+cata_status cata_mesh_part_eigenvalues(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, const uint8_t *mask, size_t k, double *eigenvalues,
+    const cata_eigs_params *params);
+
+/** @} */
+
+/* ==== Decimation =============================================================================== */
 
 /**
- * What is known of a least-squares solution beside X. The caller sets `struct_size` and the
- * pointers, each to an array of its own or to NULL where it is not wanted; the call writes the
- * arrays and the fields after them. `cata_lstsq_result result = {.struct_size = sizeof result};`
- * asks for those fields alone.
+ * @defgroup decimation Decimation
+ *
+ * A mesh with a given number of vertices, spread evenly (thesis, chapter 5).
+ * @{
  */
-typedef struct cata_lstsq_result {
-    /**
-     * sizeof(cata_lstsq_result) as the caller was compiled with. Later versions add fields at the
-     * end; one that this library does not know must be 0.
-     */
-    size_t struct_size;
-    /**
-     * k elements, written: |A x - b| of each target, weighted; 0 where it is below the rounding of
-     * the Gram matrix.
-     */
-    double *residual_norms;
-    /**
-     * k elements, written: 1 - |A x - b|^2 / |b|^2 of each target, with b about its mean where
-     * there is an intercept; 1 for a residual of 0.
-     */
-    double *r_squared;
-    /** k elements, written: the constant of each target; zeros without `params.intercept`. */
-    double *intercepts;
-    /**
-     * n x k, written, with the layout and the leading dimension of X: the standard error of each
-     * coefficient; NaN without degrees of freedom.
-     */
-    double *standard_errors;
-    /**
-     * k elements, written: the standard error of each constant; untouched without
-     * `params.intercept`.
-     */
-    double *intercept_errors;
-    /**
-     * n elements, of which the first n - `rank` are written: the columns of A, from 0, that depend
-     * on others.
-     */
-    size_t *dependent;
-    /** Written: columns of A that do not depend on others, as far as the precision can tell. */
-    size_t rank;
-    /** Written: m less the rank, and less one more with an intercept; at least 0. */
-    size_t degrees_of_freedom;
-    /**
-     * Written: an estimate of the condition number of A, about the mean with an intercept, and
-     * with sqrt(ridge) I below it.
-     */
-    double condition;
-    /**
-     * Written: decimal digits of X, relative to its largest entry when columns of A have norm 1,
-     * that agree with the exact solution; from 0 to 15.95.
-     */
-    double digits;
-} cata_lstsq_result;
 
-/**
- * How principal components are computed. Every field but the first is 0 (NULL) by default, so that
- * `cata_pca_params params = {.struct_size = sizeof params};` does what cata_pca_params_init does.
- */
-typedef struct cata_pca_params {
-    /**
-     * sizeof(cata_pca_params) as the caller was compiled with. Later versions add fields at the
-     * end; one that this library does not know must be 0.
-     */
-    size_t struct_size;
-    /**
-     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-     * bit for bit, for every value.
-     */
-    size_t threads;
-    /**
-     * Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
-     * them cannot be cancelled.
-     */
-    cata_progress progress;
-    /** Handed to `progress` as it is; may be NULL. */
-    void *progress_user;
-    /**
-     * 1: columns are divided by their standard deviations; those without variance are not. 0: none
-     * is.
-     */
-    int32_t standardize;
-} cata_pca_params;
-
-/**
- * How functions are transferred. Every field but the first is 0 (NULL) by default, so that
- * `cata_transfer_params params = {.struct_size = sizeof params};` does what cata_transfer_params_init
- * does.
- */
-typedef struct cata_transfer_params {
-    /**
-     * sizeof(cata_transfer_params) as the caller was compiled with. Later versions add fields at the end;
-     * one that this library does not know must be 0.
-     */
-    size_t struct_size;
-    /**
-     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-     * bit for bit, for every value.
-     */
-    size_t threads;
-    /** Most factors of a product, at most 255; 1: eigenfunctions alone; 0: 2. */
-    size_t order;
-    /** Told of progress, once for each basis; NULL: nobody. */
-    cata_progress progress;
-    /** Handed to `progress` as it is; may be NULL. */
-    void *progress_user;
-    /**
-     * 0: products are orthogonalised once, and dropped when less than 1e-2 of them is left, which is
-     * stabler. 1: until they are orthogonal to rounding, and dropped below 1e-9: more functions.
-     */
-    int32_t reorthogonalised;
-} cata_transfer_params;
-
-/**
- * How a mesh is decimated. Every field but the first is 0 (NULL) by default, so that
- * `cata_decimate_params params = {.struct_size = sizeof params};` does what cata_decimate_params_init
- * does.
- */
+/** How a mesh is decimated. */
 typedef struct cata_decimate_params {
-    /**
-     * sizeof(cata_decimate_params) as the caller was compiled with. Later versions add fields at the end;
-     * one that this library does not know must be 0.
-     */
+    /** sizeof(cata_decimate_params). */
     size_t struct_size;
-    /**
-     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-     * bit for bit, for every value.
-     */
+    /** Threads, at most; 0: all. */
     size_t threads;
     /** Told of progress; NULL: nobody. */
     cata_progress progress;
-    /** Handed to `progress` as it is; may be NULL. */
+    /** Handed to `progress`. */
     void *progress_user;
     /** Passes that move samples to the centroids of their cells, at least 0. */
     int32_t lloyd;
@@ -553,27 +1023,317 @@ typedef struct cata_decimate_params {
     uint32_t first;
     /** 1: `first` counts; 0: the lowest vertex that a face has. */
     int32_t has_first;
-    /**
-     * 1: handles too narrow for the triangles of the result are cut, and their ends closed. 0: they
-     * are kept.
-     */
+    /** 1: handles too narrow for the triangles of the result are cut, and their ends closed. 0:
+     * they are kept. */
     int32_t cut_narrow_handles;
 } cata_decimate_params;
 
+/** Fills a struct with the defaults. */
+cata_status cata_decimate_params_init(cata_decimate_params *params, size_t struct_size);
+
+/** The number of faces that cata_decimate never exceeds for a result of `n` vertices of a mesh of
+ * `n_faces` faces, whatever its topology: 2 n + n_faces; SIZE_MAX where that overflows. */
+size_t cata_decimate_faces_bound(size_t n, size_t n_faces);
+
+/** Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components,
+ * boundary loops and genus of the input. The input is cut along edges of more than two faces
+ * first, and edges longer than those of the result will be are split, so that n may also be more
+ * than the input has. No step makes faces intersect that did not. What can't be is refused, and
+ * the message says why.
+ *
+ * - `vertices`: 3 n_vertices elements, read: x, y, z of each vertex, finite.
+ * - `faces`: 3 n_faces elements, read: the vertices of each face, from 0, counter-clockwise as
+ *   seen from outside.
+ * - `n`: vertices of the result.
+ * - `new_vertices`: 3 n elements, written.
+ * - `new_faces`: 3 faces_capacity elements, the first 3 `*n_new_faces` written.
+ * - `faces_capacity`: cata_decimate_faces_bound(n, n_faces) is always enough; with too few,
+ *   CATA_ERR_SHAPE, and the message tells how many it takes.
+ * - `n_new_faces`: one element, written: the number of faces of the result.
+ * - `cells`: n_vertices elements, written: for each vertex of the input the nearest one of the
+ *   result along edges, UINT32_MAX for those that no face has; NULL where not wanted.
+ * - `changed`: one element, written: 1 when the input had to be repaired (repeated faces and
+ *   vertices without a face left out, faces flipped, the mesh cut), 0 else; NULL where not
+ *   wanted.
+ *
+ * Returns CATA_ERR_ARGUMENT also for an n that is fewer than the topology needs. */
+cata_status cata_decimate(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t n, double *new_vertices, uint32_t *new_faces,
+    size_t faces_capacity, size_t *n_new_faces, uint32_t *cells, int32_t *changed,
+    const cata_decimate_params *params);
+
+/** @} */
+
+/* ==== Curves =================================================================================== */
+
 /**
- * The constants of the water of a plant, in SI units. Every field but the first is 0 by default, so that
- * `cata_plant_params params = {.struct_size = sizeof params};` does what cata_plant_params_init does.
+ * @defgroup curves Curves
+ *
+ * Curves on a mesh through samples of them, in an order that is found (thesis, chapter 6).
+ * @{
  */
-typedef struct cata_plant_params {
-    /**
-     * sizeof(cata_plant_params) as the caller was compiled with. Later versions add fields at the end;
-     * one that this library does not know must be 0.
-     */
+
+/** The curve is closed, or all curves are. */
+#define CATA_CURVE_CLOSED 0
+/** The curve is open, as was asked for. */
+#define CATA_CURVE_OPEN 1
+/** From a sample no way led on. */
+#define CATA_CURVE_BLOCKED 2
+/** All samples are connected, but no way led back to the first one. */
+#define CATA_CURVE_CLOSE_BLOCKED 3
+/** Samples are on different components of the mesh. */
+#define CATA_CURVE_DISCONNECTED 4
+
+/** Curves that were found. Made by cata_curves_new; for one thread at a time unless it is only
+ * read. */
+typedef struct cata_curves cata_curves;
+
+/** How curves are found. */
+typedef struct cata_curve_params {
+    /** sizeof(cata_curve_params). */
     size_t struct_size;
-    /**
-     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-     * bit for bit, for every value.
-     */
+    /** With `faithful` 1: among how many of the nearest samples the next one is chosen; 0: 5. */
+    size_t candidates;
+    /** With `faithful` 1: the number of the sample that the curve starts at. */
+    size_t start;
+    /** Told of progress; NULL: nobody. */
+    cata_progress progress;
+    /** Handed to `progress`. */
+    void *progress_user;
+    /** 1: algorithm 6.1 of the thesis, from sample to sample. 0: the order first, then paths that
+     * do not meet. */
+    int32_t faithful;
+    /** 1: an open curve; 0: closed. */
+    int32_t open;
+    /** 1: one curve, even where there are gaps as between several; 0: as many as there are gaps
+     * for. */
+    int32_t single;
+    /** 1: vertices of the mesh alone; 0: points in the middle of edges are added where there is
+     * no other way. */
+    int32_t no_steiner;
+} cata_curve_params;
+
+/** Fills a struct with the defaults. */
+cata_status cata_curve_params_init(cata_curve_params *params, size_t struct_size);
+
+/** The curve on a triangle mesh, along its edges, that samples without an order are of.
+ *
+ * - `positions`: 3 `vertices` elements, read: x, y, z of each vertex.
+ * - `triangles`: 3 `faces` elements, read: three vertices of each face, from 0.
+ * - `samples`: `sample_count` elements, read: vertices, at least 3, none twice.
+ * - `curves`: one pointer, not NULL, written: the result, to be given to cata_curves_free.
+ *
+ * Returns CATA_OK also when there is no complete curve, as cata_curves_outcome then says. */
+cata_status cata_curves_new(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t sample_count, const uint32_t *samples,
+    const cata_curve_params *params, cata_curves **curves);
+
+/** Gives curves back.
+ *
+ * `curves`: from cata_curves_new, not used any more afterwards; NULL is ignored. */
+void cata_curves_free(cata_curves *curves);
+
+/** How a reconstruction ended.
+ *
+ * - `curves`: from cata_curves_new, not NULL.
+ * - `outcome`: one element, written: CATA_CURVE_CLOSED, CATA_CURVE_OPEN, CATA_CURVE_BLOCKED,
+ *   CATA_CURVE_CLOSE_BLOCKED or CATA_CURVE_DISCONNECTED. NULL where not wanted.
+ * - `count`: one element, written: the number of curves, or of what there is of them. NULL where
+ *   not wanted. */
+cata_status cata_curves_outcome(const cata_curves *curves, int32_t *outcome, size_t *count);
+
+/** How large a curve is.
+ *
+ * - `curves`: from cata_curves_new, not NULL.
+ * - `curve`: its number, from 0.
+ * - `sample_count`, `vertex_count`: one element each, written: samples in its order, and
+ *   vertices on its path. NULL where not wanted.
+ * - `length`: one element, written: the sum of the lengths of its edges. NULL where not wanted. */
+cata_status cata_curves_size(const cata_curves *curves, size_t curve, size_t *sample_count,
+    size_t *vertex_count, double *length);
+
+/** A curve.
+ *
+ * - `curves`: from cata_curves_new, not NULL.
+ * - `curve`: its number, from 0.
+ * - `order`: as many elements as it has samples, written: numbers of samples in its order. NULL
+ *   where not wanted.
+ * - `path`: as many elements as it has vertices, written: the vertices, the first one not
+ *   repeated at the end; those from the number of vertices of the mesh on are points that were
+ *   added. NULL where not wanted.
+ * - `points`: three times as many elements, written: x, y, z of the vertices. NULL where not
+ *   wanted. */
+cata_status cata_curves_get(const cata_curves *curves, size_t curve, uint32_t *order,
+    uint32_t *path, double *points);
+
+/** @} */
+
+/* ==== Spectra and maps ========================================================================= */
+
+/**
+ * @defgroup spectra Spectra and maps
+ *
+ * Functions carried from one shape to another over eigenproducts; ShapeDNA (thesis, chapter 1).
+ * @{
+ */
+
+/** How functions are transferred. */
+typedef struct cata_transfer_params {
+    /** sizeof(cata_transfer_params). */
+    size_t struct_size;
+    /** Threads, at most; 0: all. */
+    size_t threads;
+    /** Told of progress, once for each basis; NULL: nobody. */
+    cata_progress progress;
+    /** Handed to `progress`. */
+    void *progress_user;
+    /** Most factors of a product, at most 255; 1: eigenfunctions alone; 0: 2. */
+    size_t order;
+    /** 0: products are orthogonalised once, and dropped when less than 1e-2 of them is left,
+     * which is stabler. 1: until they are orthogonal to rounding, and dropped below 1e-9: more
+     * functions. */
+    int32_t reorthogonalised;
+} cata_transfer_params;
+
+/** Fills a struct with the defaults. */
+cata_status cata_transfer_params_init(cata_transfer_params *params, size_t struct_size);
+
+/** Transfers functions from a source mesh to a target mesh, through the orthogonalised products
+ * of their first eigenfunctions (as cata_eigs computes them, without a shift).
+ *
+ * - `n`, `m`: vertices of source and target.
+ * - `k`, `l`: eigenfunctions of source and target, the constant among them: at least 1.
+ * - `source_masses`, `target_masses`: n and m elements, read: the masses of vertices; positive.
+ * - `source_values`, `target_values`: k and l elements, read: eigenvalues, ascending.
+ * - `source_vectors`, `target_vectors`: n x k and m x l, read, column-major with leading
+ *   dimensions n and m: eigenvectors, orthonormal in the inner products of the masses.
+ * - `points`: m elements, read: the vertex of the source, below n, of each vertex of the target.
+ * - `functions`: number of functions, 0 included.
+ * - `f`: F, n x functions, read, with leading dimension `ldf`, as A in cata_ata_f64.
+ * - `g`: G, m x functions, written, with leading dimension `ldg`. */
+cata_status cata_transfer(size_t n, size_t k, const double *source_masses,
+    const double *source_values, const double *source_vectors, size_t m, size_t l,
+    const double *target_masses, const double *target_values, const double *target_vectors,
+    const uint32_t *points, int32_t layout, size_t functions, const double *f, size_t ldf,
+    double *g, size_t ldg, const cata_transfer_params *params);
+
+/** ShapeDNA: the k smallest eigenvalues of the Laplacian of a triangle mesh as its signature
+ * (Reuter, Wolter and Peinecke 2006).
+ *
+ * - `k`: number of eigenvalues, at most the vertices that are in a face and not held at zero.
+ * - `normalized`: 1: they are multiplied by the area, so that they do not depend on the size of
+ *   the mesh; 0: they are not.
+ * - `signature`: k elements, written: ascending.
+ * - `params`: the Laplacian and `threads` are looked at, the rest is checked only. */
+cata_status cata_shape_dna(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t k, int32_t normalized, double *signature,
+    const cata_eigs_params *params);
+
+/** The signatures nearest to a query, in Euclidean distance; of equally near ones the first.
+ *
+ * - `k`: numbers of a signature.
+ * - `query`: k elements, read.
+ * - `count`: number of signatures.
+ * - `signatures`: `count` x k elements, read, one after the other.
+ * - `wanted`: how many are wanted, at most `count`.
+ * - `indices`: `wanted` elements, written: numbers of signatures from 0, the nearest first.
+ * - `distances`: `wanted` elements, written: their distances.
+ * - `threads`: at most; 0: all. */
+cata_status cata_shape_dna_retrieve(size_t k, const double *query, size_t count,
+    const double *signatures, size_t wanted, size_t *indices, double *distances, size_t threads);
+
+/** @} */
+
+/* ==== Spectral unions ========================================================================== */
+
+/**
+ * @defgroup unions Spectral unions
+ *
+ * The spectrum of a union of parts from those of the parts, by a network (thesis, chapter 2).
+ * @{
+ */
+
+/** Eigenvalues of the spectra that cata_unions_predict takes and gives. */
+#define CATA_UNION_EIGENVALUES 20
+
+/** The spectral union operator: a network with its weights. Opaque. */
+typedef struct cata_unions cata_unions;
+
+/** The network that predicts spectra of unions.
+ *
+ * - `weights`: a file of `catamaran unions train`, NUL-terminated; NULL: the weights that come
+ *   with the library.
+ * - `unions`: written: the network, to be given to cata_unions_free.
+ *
+ * Returns CATA_ERR_IO when something is wrong with the file; the message says what. */
+cata_status cata_unions_new(const char *weights, cata_unions **unions);
+
+/** Gives a network back. */
+void cata_unions_free(cata_unions *unions);
+
+/** The first eigenvalues of the union of parts of a surface, from those of the parts: Dirichlet
+ * spectra, in whatever unit.
+ *
+ * - `unions`: of cata_unions_new.
+ * - `parts`: their number, at least 1.
+ * - `spectra`: CATA_UNION_EIGENVALUES parts elements, read: those of each part, ascending and
+ *   positive, one part after the other.
+ * - `spectrum`: CATA_UNION_EIGENVALUES elements, written: ascending, positive, none larger than
+ *   that of a part of the same number. The order of the parts does not matter, bit for bit.
+ * - `strangeness`: written: how unlike the parts are to those of the training; above 1 the
+ *   prediction is a guess. NULL where not wanted.
+ *
+ * Returns CATA_ERR_ARGUMENT for spectra that are not positive or not ascending, and for no
+ * parts. */
+cata_status cata_unions_predict(const cata_unions *unions, size_t parts, const double *spectra,
+    double *spectrum, double *strangeness);
+
+/** Where the union of parts is on the template of the network: the mesh that `catamaran unions
+ * template` writes.
+ *
+ * - `unions`, `parts`, `spectra`: as those of cata_unions_predict.
+ * - `n_vertices`, `vertices`, `n_faces`, `faces`: the mesh.
+ * - `indicator`: n_vertices elements, written: about 1 inside of the union and 0 outside; the
+ *   union is what is above 1/2. Mirror images have the same spectrum: it is one of the two.
+ * - `threads`: 0: all cores of the affinity mask.
+ *
+ * Each call computes the eigenfunctions of the template.
+ *
+ * Returns CATA_ERR_SHAPE and CATA_ERR_ARGUMENT for another mesh than that of the weights. */
+cata_status cata_unions_locate(const cata_unions *unions, size_t parts, const double *spectra,
+    size_t n_vertices, const double *vertices, size_t n_faces, const uint32_t *faces,
+    double *indicator, size_t threads);
+
+/** A spectrum between two: (1 - t) first + t second.
+ *
+ * - `first`, `second`: CATA_UNION_EIGENVALUES elements each, read: ascending and positive.
+ * - `t`: in [0, 1].
+ * - `spectrum`: CATA_UNION_EIGENVALUES elements, written; it may be one of the others. */
+cata_status cata_unions_interpolate(const double *first, const double *second, double t,
+    double *spectrum);
+
+/** @} */
+
+/* ==== Plants =================================================================================== */
+
+/**
+ * @defgroup plants Plants
+ *
+ * Water in a plant: diffusion, wilting (thesis, chapter 4).
+ * @{
+ */
+
+/** The parent of the root of a plant. */
+#define CATA_NO_PARENT UINT32_MAX
+
+/** The water in a plant: its constants, the present, and what it takes to go on. Opaque. */
+typedef struct cata_plant cata_plant;
+
+/** The constants of the water of a plant, in SI units. */
+typedef struct cata_plant_params {
+    /** sizeof(cata_plant_params). */
+    size_t struct_size;
+    /** Threads, at most; 0: all. */
     size_t threads;
     /** What leaves lose, in kg / (s m^2), at least 0; 60 g / (h m^2) is 1.667e-5. */
     double loss;
@@ -589,49 +1349,131 @@ typedef struct cata_plant_params {
     double density;
 } cata_plant_params;
 
-/**
- * How curves are found. Every field but the first is 0 (NULL) by default, so that
- * `cata_curve_params params = {.struct_size = sizeof params};` does what cata_curve_params_init does.
- */
-typedef struct cata_curve_params {
-    /**
-     * sizeof(cata_curve_params) as the caller was compiled with. Later versions add fields at the end;
-     * one that this library does not know must be 0.
-     */
-    size_t struct_size;
-    /** With `faithful` 1: among how many of the nearest samples the next one is chosen; 0: 5. */
-    size_t candidates;
-    /** With `faithful` 1: the number of the sample that the curve starts at. */
-    size_t start;
-    /** Told of progress; NULL: nobody. */
-    cata_progress progress;
-    /** Handed to `progress` as it is; may be NULL. */
-    void *progress_user;
-    /** 1: algorithm 6.1 of the thesis, from sample to sample. 0: the order first, then paths that do not meet. */
-    int32_t faithful;
-    /** 1: an open curve; 0: closed. */
-    int32_t open;
-    /** 1: one curve, even where there are gaps as between several; 0: as many as there are gaps for. */
-    int32_t single;
-    /** 1: vertices of the mesh alone; 0: points in the middle of edges are added where there is no other way. */
-    int32_t no_steiner;
-} cata_curve_params;
+/** Fills a struct with the defaults. */
+cata_status cata_plant_params_init(cata_plant_params *params, size_t struct_size);
+
+/** The model of the water of a plant of n segments.
+ *
+ * - `n`: at least 1.
+ * - `tails`: 3 n elements, read: x, y, z of the end of every segment, in metres.
+ * - `radii`: n elements, read: in metres, positive.
+ * - `parents`: n elements, read: the segment at whose end each begins, below n; CATA_NO_PARENT
+ *   for the root.
+ * - `leaves`: n elements, read: 1 for a vein of a leaf, 0 for stem.
+ * - `base`: 3 elements, read: where the root segment begins; NULL: it goes straight on into its
+ *   first child and is as long.
+ * - `plant`: written: the model, to be given to cata_plant_free.
+ *
+ * Returns CATA_ERR_MESH for a node on a cycle, isolated, a second root, or without positive
+ * radius or length; the message names it. */
+cata_status cata_plant_new(size_t n, const double *tails, const double *radii,
+    const uint32_t *parents, const int32_t *leaves, const double *base,
+    const cata_plant_params *params, cata_plant **plant);
+
+/** The model of the water of the plant in a file: .txt (the reference format: `verts N`, ...),
+ * .swc, .mtg or .obj (polylines), each also as .gz or .xz.
+ *
+ * - `path`: NUL-terminated, in UTF-8.
+ * - `params`, `plant`: as in cata_plant_new.
+ *
+ * Returns what cata_plant_new returns, or CATA_ERR_IO with the file and the line in the message. */
+cata_status cata_plant_read(const char *path, const cata_plant_params *params, cata_plant **plant);
+
+/** Gives a model back. */
+void cata_plant_free(cata_plant *plant);
+
+/** The number of nodes of a plant; 0 for NULL. */
+size_t cata_plant_size(const cata_plant *plant);
+
+/** The water of every node when its cells are full, in kg: how a healthy plant begins.
+ *
+ * - `plant`: a live model.
+ * - `n`: cata_plant_size.
+ * - `water`: n elements, written. */
+cata_status cata_plant_full_water(const cata_plant *plant, size_t n, double *water);
+
+/** Sets what all leaves lose, in kg / (s m^2), from now on: another weather.
+ *
+ * Not for two threads at once on the same model. */
+cata_status cata_plant_set_loss(cata_plant *plant, double loss);
+
+/** Sets what the root takes from the soil, in kg / s, from now on.
+ *
+ * Returns and threads: as cata_plant_set_loss. */
+cata_status cata_plant_set_intake(cata_plant *plant, double intake);
+
+/** Multiplies the conductance between a node (below cata_plant_size, not the root) and its parent
+ * by `factor`, at least 0, from now on; 0 cuts the connection.
+ *
+ * Returns and threads: as cata_plant_set_loss. */
+cata_status cata_plant_weaken(cata_plant *plant, size_t node, double factor);
+
+/** The water of every node some time after it was `water`, at once, without time steps: for any
+ * times. Does not read or change the present of cata_plant_start.
+ *
+ * - `plant`: a live model.
+ * - `n`: cata_plant_size.
+ * - `water`: n elements, read: in kg, finite.
+ * - `seconds`: at least 0.
+ * - `result`: n elements, written: in kg. May be the same memory as `water`. */
+cata_status cata_plant_water_after(const cata_plant *plant, size_t n, const double *water,
+    double seconds, double *result);
+
+/** Makes `water` the present, from which cata_plant_step goes on.
+ *
+ * - `plant`: a live model.
+ * - `n`: cata_plant_size.
+ * - `water`: n elements, read: in kg, finite; NULL: full cells.
+ * - `step`: seconds of a step, positive.
+ *
+ * Not for two threads at once on the same model. */
+cata_status cata_plant_start(cata_plant *plant, size_t n, const double *water, double step);
+
+/** Goes `count` steps ahead (0 included) and gives the water there.
+ *
+ * - `plant`: a live model, after cata_plant_start. What was changed since the last step counts
+ *   from now on.
+ * - `n`: cata_plant_size.
+ * - `water`: n elements, written: in kg; NULL: not wanted.
+ *
+ * Not for two threads at once on the same model. */
+cata_status cata_plant_step(cata_plant *plant, size_t count, size_t n, double *water);
+
+/** The modulus of elasticity of every node, from its water: `dry + (full - dry) (s(k (w - x)) -
+ * s(-k x)) / (s(k (1 - x)) - s(-k x))` of the relative water content w, with s the logistic
+ * function.
+ *
+ * - `plant`: a live model.
+ * - `n`: cata_plant_size.
+ * - `water`: n elements, read: in kg.
+ * - `full`, `dry`: of full cells and of dry ones, in Pa; 0 < dry <= full; such as 5e7 and 3e5.
+ * - `steepness`: k, positive; such as 10.
+ * - `shift`: x; such as 0.75.
+ * - `moduli`: n elements, written: in Pa. */
+cata_status cata_plant_stiffness(const cata_plant *plant, size_t n, const double *water,
+    double full, double dry, double steepness, double shift, double *moduli);
+
+/** @} */
+
+/* ==== Slime moulds ============================================================================= */
 
 /**
- * What slime moulds are like (thesis, table 3.1; docs/algorithms/slime.md). Every field but the first is 0 (NULL) by
- * default, so that `cata_slime_params params = {.struct_size = sizeof params};` does what cata_slime_params_init does.
- * Lengths are in hundredths of the square root of the area of the surface, times in seconds of the simulation.
+ * @defgroup slime Slime moulds
+ *
+ * Agents on a surface that leave trails in its texture (thesis, chapter 3).
+ * @{
  */
+
+/** Slime moulds on a surface. Made by cata_slime_new; for one thread at a time unless it is only
+ * read. */
+typedef struct cata_slime cata_slime;
+
+/** What slime moulds are like (thesis, table 3.1; docs/algorithms/slime.md). Lengths are in
+ * hundredths of the square root of the area of the surface, times in seconds of the simulation. */
 typedef struct cata_slime_params {
-    /**
-     * sizeof(cata_slime_params) as the caller was compiled with. Later versions add fields at the end;
-     * one that this library does not know must be 0.
-     */
+    /** sizeof(cata_slime_params). */
     size_t struct_size;
-    /**
-     * Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-     * bit for bit, for every value.
-     */
+    /** Threads, at most; 0: all. */
     size_t threads;
     /** Number of agents, below 2^32; 0: 1,000,000. */
     size_t agents;
@@ -641,7 +1483,8 @@ typedef struct cata_slime_params {
     size_t size;
     /** Of all randomness. */
     uint32_t seed;
-    /** 0: steps that are exact; else the number of sub-steps that are projected (thesis, algorithm 3.1). */
+    /** 0: steps that are exact; else the number of sub-steps that are projected (thesis,
+     * algorithm 3.1). */
     uint32_t substeps;
     /** Seconds of a step; 0: 1 / 30. */
     double time_step;
@@ -665,34 +1508,117 @@ typedef struct cata_slime_params {
     int32_t no_length_rescaling;
 } cata_slime_params;
 
+/** Fills a struct with the defaults. */
+cata_status cata_slime_params_init(cata_slime_params *params, size_t struct_size);
+
+/** Agents spread over a surface, and a texture without pheromone.
+ *
+ * - `positions`: 3 `vertices` elements, read: x, y, z of each vertex.
+ * - `triangles`: 3 `faces` elements, read: three vertices of each face, from 0.
+ * - `uv`: 6 `faces` elements, read: u, v of the three corners of each face, from 0 to 1; NULL:
+ *   every triangle gets a place of its own in the texture, which cata_slime_uv gives.
+ * - `start`: size x size elements (of the texture), read: not 0 where agents start; NULL:
+ *   anywhere.
+ * - `ground`: size x size elements, read: 0 free, 1 obstacle, 2 attractor; NULL: all free.
+ * - `slime`: one pointer, not NULL, written: to be given to cata_slime_free.
+ *
+ * Textures have rows along u, the first at v = 0.
+ *
+ * Returns CATA_ERR_MESH for an edge of three faces or more, and for a face without area, in
+ * space or in the texture; the message names it. */
+cata_status cata_slime_new(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, const double *uv, const uint8_t *start, const uint8_t *ground,
+    const cata_slime_params *params, cata_slime **slime);
+
+/** Gives a simulation back.
+ *
+ * `slime`: from cata_slime_new, not used any more afterwards; NULL is ignored. */
+void cata_slime_free(cata_slime *slime);
+
+/** Goes `steps` steps ahead (0 included).
+ *
+ * - `slime`: from cata_slime_new, not NULL.
+ * - `progress`: told after each step; NULL: nobody.
+ * - `progress_user`: handed to `progress` as it is; may be NULL.
+ *
+ * After CATA_ERR_CANCELLED the steps before are done, and it can go on.
+ *
+ * Not for two threads at once on the same simulation. */
+cata_status cata_slime_step(cata_slime *slime, uint32_t steps, cata_progress progress,
+    void *progress_user);
+
+/** How large a simulation is.
+ *
+ * - `slime`: from cata_slime_new, not NULL.
+ * - `size`, `species`, `faces`: one element each, written: texels of a side of the texture,
+ *   species, and triangles. NULL where not wanted.
+ * - `steps`: one element, written: steps done. NULL where not wanted. */
+cata_status cata_slime_size(const cata_slime *slime, size_t *size, size_t *species, size_t *faces,
+    uint32_t *steps);
+
+/** The texture of a species, as it is now.
+ *
+ * - `slime`: from cata_slime_new, not NULL.
+ * - `species`: its number, from 0.
+ * - `texture`: size x size elements, written: pheromone from 0 to 1, rows along u, the first at
+ *   v = 0. */
+cata_status cata_slime_texture(const cata_slime *slime, size_t species, float *texture);
+
+/** How much of the surface a species covers (thesis, equation 3.2).
+ *
+ * - `slime`: from cata_slime_new, not NULL.
+ * - `species`: its number, from 0.
+ * - `coverage`: one element, written: the mean of the pheromone, from 0 to 1. NULL where not
+ *   wanted.
+ * - `presence`: one element, written: the part of the surface that has any. NULL where not
+ *   wanted. */
+cata_status cata_slime_coverage(const cata_slime *slime, size_t species, double *coverage,
+    double *presence);
+
+/** The texture coordinates of the corners of faces: those that were given, or those of the atlas.
+ *
+ * - `slime`: from cata_slime_new, not NULL.
+ * - `uv`: 6 elements a face, written: u, v of its three corners. */
+cata_status cata_slime_uv(const cata_slime *slime, double *uv);
+
+/** @} */
+
+/* ==== Newton fractals ========================================================================== */
+
 /**
- * What a Newton fractal is of. Every field but the first is 0 (NULL) by default, so that
- * `cata_newton_params params = {.struct_size = sizeof params};` does what cata_newton_params_init does.
+ * @defgroup newton Newton fractals
+ *
+ * Bicomplex fractals, evaluated anywhere in space (thesis, chapter 7).
+ * @{
  */
+
+/** Equation 7.3 of the thesis: from -1 (at a root) to the number of iterations. */
+#define CATA_NEWTON_THESIS 0
+/** The gradient of the shader of the thesis' authors: from 0 to 1. */
+#define CATA_NEWTON_SHADER 1
+
+/** A fractal that points can be asked of. Made by cata_newton_new; for one thread at a time. */
+typedef struct cata_newton cata_newton;
+
+/** What a Newton fractal is of. */
 typedef struct cata_newton_params {
-    /**
-     * sizeof(cata_newton_params) as the caller was compiled with. Later versions add fields at the end;
-     * one that this library does not know must be 0.
-     */
+    /** sizeof(cata_newton_params). */
     size_t struct_size;
-    /** Threads of the processor; 0: all cores. Results do not depend on it. */
+    /** Threads, at most; 0: all. */
     size_t threads;
-    /** Elements of `roots` / 2: roots of the polynomial, at most 64; 0: the polynomial is z^`power` - 1. */
-    size_t root_count;
-    /**
-     * 2 `root_count` elements, read by cata_newton_new: real and imaginary part of each root, within 1e4
-     * of 0. NULL when there are none.
-     */
-    const double *roots;
-    /**
-     * NULL: the processor. Else an OpenCL device: its number or a part of its name, NUL-terminated; "" is
-     * the first GPU, or else the first device. Needs CATA_CAP_OPENCL.
-     */
-    const char *device;
     /** Told of progress; NULL: nobody. */
     cata_progress progress;
-    /** Handed to `progress` as it is; may be NULL. */
+    /** Handed to `progress`. */
     void *progress_user;
+    /** Elements of `roots` / 2: roots of the polynomial, at most 64; 0: the polynomial is
+     * z^`power` - 1. */
+    size_t root_count;
+    /** 2 `root_count` elements, read by cata_newton_new: real and imaginary part of each root,
+     * within 1e4 of 0. NULL when there are none. */
+    const double *roots;
+    /** NULL: the processor. Else an OpenCL device: its number or a part of its name,
+     * NUL-terminated; "" is the first GPU, or else the first device. Needs CATA_CAP_OPENCL. */
+    const char *device;
     /** What points are multiplied by after `offset` and `w` are added; 0: 1. */
     double scale;
     /** The theta of the gradient, from -10 to 20; 0: 3.5. */
@@ -709,15 +1635,150 @@ typedef struct cata_newton_params {
     int32_t gradient;
 } cata_newton_params;
 
+/** Fills a struct with the defaults. */
+cata_status cata_newton_params_init(cata_newton_params *params, size_t struct_size);
+
+/** A Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial with
+ * n roots has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and exp(2 pi
+ * i b / n).
+ *
+ * Returns CATA_ERR_BACKEND when there is no such device or no OpenCL on this machine. */
+cata_status cata_newton_new(const cata_newton_params *params, cata_newton **newton);
+
+/** Gives a fractal back.
+ *
+ * `newton`: from cata_newton_new, not used any more afterwards; NULL is ignored. */
+void cata_newton_free(cata_newton *newton);
+
+/** Changes the fourth coordinate of all points, as time goes on.
+ *
+ * - `newton`: from cata_newton_new, not NULL.
+ * - `w`: the coordinate; finite.
+ *
+ * Not thread-safe for one fractal. */
+cata_status cata_newton_set_w(cata_newton *newton, double w);
+
+/** The fractal at points in space, such as the vertices of a mesh.
+ *
+ * - `newton`: from cata_newton_new, not NULL.
+ * - `count`: points, less than 2^31.
+ * - `positions`: 3 `count` elements, read: x, y, z of each point.
+ * - `roots`: `count` elements, written: the number of the root that each point converges to.
+ * - `convergence`: `count` elements, written: how slowly.
+ *
+ * Returns CATA_ERR_NON_FINITE for a point that is not finite or beyond 1e9, CATA_ERR_BACKEND
+ * when the device refuses.
+ *
+ * Not thread-safe for one fractal. */
+cata_status cata_newton_points(const cata_newton *newton, size_t count, const float *positions,
+    uint16_t *roots, float *convergence);
+
+/** The fractal on the plane z = 0: at the centres of the pixels of a picture, rows from the top
+ * (large y).
+ *
+ * - `newton`: from cata_newton_new, not NULL.
+ * - `width`, `height`: pixels, at most 65,536 each and less than 2^31 in all.
+ * - `center_x`, `center_y`: the middle of the picture.
+ * - `extent`: how wide it is, positive.
+ * - `roots`: `width` `height` elements, written: the number of the root of each pixel.
+ * - `convergence`: `width` `height` elements, written: how slowly it converges.
+ *
+ * Returns what cata_newton_points returns; outputs are untouched unless it is CATA_OK.
+ *
+ * Not thread-safe for one fractal. */
+cata_status cata_newton_plane(const cata_newton *newton, uint32_t width, uint32_t height,
+    double center_x, double center_y, double extent, uint16_t *roots, float *convergence);
+
+/** Colours of points: each root has its own, darker the slower a point converges.
+ *
+ * - `newton`: from cata_newton_new, not NULL.
+ * - `count`: points.
+ * - `roots`, `convergence`: `count` elements each, read: as cata_newton_points or
+ *   cata_newton_plane wrote them.
+ * - `colors`: 3 `count` elements, written: red, green and blue of each point, as screens have
+ *   them (sRGB).
+ *
+ * Not thread-safe for one fractal. */
+cata_status cata_newton_colors(const cata_newton *newton, size_t count, const uint16_t *roots,
+    const float *convergence, uint8_t *colors);
+
+/** @} */
+
+/* ==== Devices ================================================================================== */
+
 /**
- * What a rank has sent and received: words are matrix entries. The few numbers by which ranks
- * agree on shapes and errors are not counted.
+ * @defgroup devices Devices
+ *
+ * OpenCL devices, where the library has CATA_CAP_OPENCL.
+ *
+ * @code{.c}
+ * char name[256];
+ * if (cata_device_name(0, sizeof name, name) == CATA_OK) {
+ *     printf("%s\n", name);
+ * }
+ * @endcode
+ * @{
  */
+
+/** An OpenCL device of this machine, by its number.
+ *
+ * - `index`: from 0.
+ * - `count`: one element, written: how many devices there are. NULL where not wanted.
+ * - `size`: elements of `name`; 0 where the name is not wanted.
+ * - `name`: `size` elements, written: what the device is called, cut to fit, NUL-terminated. May
+ *   be NULL when `size` is 0; `index` is not looked at then.
+ *
+ * Returns CATA_ERR_ARGUMENT for a device that is not there, CATA_ERR_BACKEND when there is none
+ * at all (the message says what is missing). */
+cata_status cata_device_name(size_t index, size_t *count, size_t size, char *name);
+
+/** @} */
+
+/* ==== MPI ====================================================================================== */
+
+/**
+ * @defgroup mpi MPI
+ *
+ * Products of matrices that are spread over the ranks of a communicator (catamaran_mpi.h, too).
+ *
+ * @code{.c}
+ * cata_world *world;
+ * cata_symmetric *c;
+ * cata_world_from_comm(MPI_COMM_WORLD, &world);
+ * cata_world_ata_rows_f64(world, CATA_ROW_MAJOR, m, n, 1, rows, n, NULL, &c);
+ * @endcode
+ * @{
+ */
+
+/** `spread`: every rank has rows of A, in any order and number. */
+#define CATA_BY_ROWS 141
+/** `spread`: every rank has columns of A, in the order of the ranks. */
+#define CATA_BY_COLUMNS 142
+
+/** A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a world;
+ * made by cata_world_ata_rows_f64 and the like, given back by cata_symmetric_free. */
+typedef struct cata_symmetric cata_symmetric;
+
+/** The ranks of an MPI communicator that work together; made by cata_world_new, given back by
+ * cata_world_free.
+ *
+ * It has a communicator of its own, so that no message of the caller is mistaken for one of the
+ * library's. The library never initialises or finalises MPI. MPI is called by the thread that
+ * calls, which must be one that may do so; other threads compute, so that MPI_THREAD_FUNNELED is
+ * needed (MPI_Init_thread).
+ *
+ * Functions that are called collective are called by all ranks of the world, in the same order
+ * and with the same numbers unless said otherwise. An error on one rank is an error on all: its
+ * own there, CATA_ERR_RANK on the others, with a message that names the rank. What one rank
+ * alone notices of a world that is NULL, or freed, can't be told to the others. A panic aborts
+ * the job (MPI_Abort), as the others would wait for ever; so does, unless the communicator has
+ * another error handler, an error of MPI itself. */
+typedef struct cata_world cata_world;
+
+/** What a rank has sent and received: words are matrix entries. The few numbers by which ranks
+ * agree on shapes and errors are not counted. */
 typedef struct cata_traffic {
-    /**
-     * sizeof(cata_traffic) as the caller was compiled with; set it before the call. Later versions
-     * add fields at the end; those that this library does not know are set to 0.
-     */
+    /** sizeof(cata_traffic). */
     size_t struct_size;
     /** Entries sent. */
     uint64_t words_sent;
@@ -729,2182 +1790,103 @@ typedef struct cata_traffic {
     uint64_t messages_received;
 } cata_traffic;
 
-/** Done. */
-#define CATA_OK 0
-
-/** A pointer is NULL where it may not be. */
-#define CATA_ERR_NULL 1
-
-/** A matrix, vector or buffer is too small or has the wrong shape, or its size in bytes overflows. */
-#define CATA_ERR_SHAPE 2
-
-/** An argument is outside its range. */
-#define CATA_ERR_ARGUMENT 3
-
-/** A NaN or an infinity where only finite numbers are allowed. */
-#define CATA_ERR_NON_FINITE 4
-
-/** An iteration ended before it reached its tolerance. */
-#define CATA_ERR_NOT_CONVERGED 5
-
-/** A file could not be read or written. */
-#define CATA_ERR_IO 6
-
-/** Memory could not be had. */
-#define CATA_ERR_OUT_OF_MEMORY 7
-
-/** A BLAS back end could not be loaded, or refused. */
-#define CATA_ERR_BACKEND 8
-
-/** The progress callback asked to stop. */
-#define CATA_ERR_CANCELLED 9
-
-/** This build, or this version, can't do it: see cata_capabilities. */
-#define CATA_ERR_UNSUPPORTED 10
-
-/** A bug in Catamaran, caught at the border; the message says where. The library stays usable. */
-#define CATA_ERR_PANIC 11
-
-/** Another rank of a distributed call failed, or does not fit the others; the message names it. */
-#define CATA_ERR_RANK 12
-
-/** A triangle mesh or a plant is not one, or not of the kind that is asked for; the message names the element. */
-#define CATA_ERR_MESH 13
-
-#ifdef __cplusplus
-extern "C" {
-#endif // __cplusplus
-
-/**
- * The version of the library that runs, which may be newer than the header's
- * (CATA_VERSION_MAJOR, _MINOR, _PATCH).
- *
- * `major`, `minor`, `patch`: one int32_t each, written; NULL where the part is not wanted.
- * Returns CATA_OK, or CATA_ERR_ARGUMENT for a pointer that is not aligned.
- *
- * Thread-safe.
- */
-cata_status cata_version(int32_t *major, int32_t *minor, int32_t *patch);
-
-/**
- * The version of the library that runs, "major.minor.patch". Static, never NULL; do not free it.
- *
- * Thread-safe.
- */
-const char *cata_version_string(void);
-
-/**
- * What this build of the library can do: a sum of CATA_CAP_* bits. The functions of an absent
- * capability exist, and return CATA_ERR_UNSUPPORTED.
- *
- * Thread-safe.
- */
-uint64_t cata_capabilities(void);
-
-/**
- * The message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty when
- * none has. A call that succeeds leaves it alone. Never NULL.
- *
- * The pointer is valid until the next call of this thread that fails, and not after the thread's
- * end; do not free it.
- *
- * Thread-safe: every thread has its own message.
- */
-const char *cata_last_error_message(void);
-
-/**
- * The name of a status, such as "CATA_ERR_SHAPE"; "unknown status" for a value that is none.
- * Static, never NULL; do not free it.
- *
- * Thread-safe.
- */
-const char *cata_status_name(cata_status status);
-
-/**
- * Loads the shared library at `path` (MKL's libmkl_rt.so, libopenblas.so, libblis.so, ...), which
- * must have the CBLAS interface with 32-bit integers.
- *
- * `path`: NUL-terminated file name, not NULL; without a slash the system's search path is used.
- * The library's initialisers run: load only what you trust.
- * `backend`: one pointer, not NULL; written on success only. Free it by cata_backend_free.
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a path that is not UTF-8 on a system that
- * wants it, or CATA_ERR_BACKEND when there is no such file or it is not such a library.
- *
- * Thread-safe.
- */
-cata_status cata_backend_load(const char *path, struct cata_backend **backend);
-
-/**
- * The OpenBLAS that the library was linked with.
- *
- * `backend`: one pointer, not NULL; written on success only. Free it by cata_backend_free.
- * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_UNSUPPORTED without CATA_CAP_OPENBLAS.
- *
- * Thread-safe.
- */
-cata_status cata_backend_openblas(struct cata_backend **backend);
-
-/**
- * Short name of a back end, such as "openblas" or the file name of a loaded library, in UTF-8;
- * valid until cata_backend_free; the empty string for NULL. Never NULL; do not free it.
- *
- * `backend`: NULL, or made by cata_backend_load or cata_backend_openblas and not yet freed.
- *
- * Thread-safe.
- */
-const char *cata_backend_name(const struct cata_backend *backend);
-
-/**
- * Gives a back end back.
- *
- * `backend`: made by cata_backend_load or cata_backend_openblas and not yet freed; NULL does
- * nothing.
- *
- * Thread-safe, but no call may be using the back end.
- */
-void cata_backend_free(struct cata_backend *backend);
-
-/**
- * Fills a parameter struct with the defaults.
- *
- * `params`: one struct, not NULL; `struct_size` bytes are written.
- * `struct_size`: sizeof(cata_ata_params).
- * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
- *
- * Thread-safe.
- */
-cata_status cata_ata_params_init(struct cata_ata_params *params, size_t struct_size);
-
-/**
- * C := alpha A^T A + beta C, for A m x n and C n x n.
- *
- * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of C.
- * - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict triangle
- *   that is not, and what lies between lines, is neither read nor written.
- * - `m`, `n`: any, 0 included.
- * - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
- * - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-major:
- *   n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when m or n is 0.
- * - `c`: C, written; n lines of `ldc` >= max(1, n) elements, the last one of n. May be NULL when n is
- *   0. No element of A may be one of C's.
- * - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
- *   call.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE (a leading dimension too small, or a size beyond
- * the address space), CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, CATA_ERR_OUT_OF_MEMORY,
- * CATA_ERR_CANCELLED or CATA_ERR_PANIC. All arguments are checked, and the workspace is allocated,
- * before C is first written: it is untouched after any error but CATA_ERR_CANCELLED and
- * CATA_ERR_PANIC, which leave unspecified values in its wanted part.
- *
- * The result does not depend on the number of threads, bit for bit; with `reproducible` in `params`, nor
- * on the machine.
- *
- * With u = 2^-53 (float: 2^-24) entry (i, j) of a classical product is wrong by at most about
- * m u (|A|^T |A|)(i, j); that of CATA_SCHEME_EXACT with the default `error_factor` by at most
- * (u + 1.1e-16 sqrt(m)) |a_i| |a_j| (float: 1.7e-8 for 1.1e-16), the Euclidean norms of two columns, far
- * below which it may have no correct digit; fast products are bounded in the maximum norm only.
- * CATA_SCHEME_AUTO may take any of them unless `error_factor` is 1, which allows only the first, or
- * CATA_ERROR_LEAST.
- *
- * NaN and infinities in A reach the entries of C that they do in the classical algorithm, those of their
- * columns, in classical and exact products. Fast products spread them further.
- *
- * Thread-safe: calls may run at the same time as long as no C is shared.
- */
-cata_status cata_ata_f64(int32_t layout,
-                         int32_t uplo,
-                         size_t m,
-                         size_t n,
-                         double alpha,
-                         const double *a,
-                         size_t lda,
-                         double beta,
-                         double *c,
-                         size_t ldc,
-                         const struct cata_ata_params *params);
-
-/**
- * As cata_ata_f64, in float.
- *
- * Thread-safe: calls may run at the same time as long as no C is shared.
- */
-cata_status cata_ata_f32(int32_t layout,
-                         int32_t uplo,
-                         size_t m,
-                         size_t n,
-                         float alpha,
-                         const float *a,
-                         size_t lda,
-                         float beta,
-                         float *c,
-                         size_t ldc,
-                         const struct cata_ata_params *params);
-
-/**
- * As cata_ata_f64, with A in float: all sums and products are in double. A is converted block by
- * block, so the extra memory is about 32 MiB, or 1024 rows if those are longer, and the scratch.
- *
- * Unlike there, C holds unspecified values in its wanted part after CATA_ERR_OUT_OF_MEMORY too, and
- * progress may start anew with every block of rows.
- *
- * Thread-safe: calls may run at the same time as long as no C is shared.
- */
-cata_status cata_ata_f32_f64(int32_t layout,
-                             int32_t uplo,
-                             size_t m,
-                             size_t n,
-                             double alpha,
-                             const float *a,
-                             size_t lda,
-                             double beta,
-                             double *c,
-                             size_t ldc,
-                             const struct cata_ata_params *params);
-
-/**
- * The scratch that cata_ata_with_scratch_f64 needs for A m x n and the same params.
- *
- * `len`: one size_t, not NULL; written on success: a number of elements, not bytes.
- * `params`: as in cata_ata_f64.
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED or
- * CATA_ERR_PANIC.
- *
- * Thread-safe.
- */
-cata_status cata_ata_scratch_len_f64(size_t m,
-                                     size_t n,
-                                     const struct cata_ata_params *params,
-                                     size_t *len);
-
-/**
- * As cata_ata_scratch_len_f64, in float.
- *
- * Thread-safe.
- */
-cata_status cata_ata_scratch_len_f32(size_t m,
-                                     size_t n,
-                                     const struct cata_ata_params *params,
-                                     size_t *len);
-
-/**
- * cata_ata_f64 without allocating its workspace.
- *
- * `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as many as
- * cata_ata_scratch_len_f64 says for the same m, n and params, else CATA_ERR_SHAPE. May be NULL
- * when `scratch_len` is 0. It must not overlap A or C. The rest as in cata_ata_f64.
- *
- * Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
- */
-cata_status cata_ata_with_scratch_f64(int32_t layout,
-                                      int32_t uplo,
-                                      size_t m,
-                                      size_t n,
-                                      double alpha,
-                                      const double *a,
-                                      size_t lda,
-                                      double beta,
-                                      double *c,
-                                      size_t ldc,
-                                      double *scratch,
-                                      size_t scratch_len,
-                                      const struct cata_ata_params *params);
-
-/**
- * As cata_ata_with_scratch_f64, in float.
- *
- * Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
- */
-cata_status cata_ata_with_scratch_f32(int32_t layout,
-                                      int32_t uplo,
-                                      size_t m,
-                                      size_t n,
-                                      float alpha,
-                                      const float *a,
-                                      size_t lda,
-                                      float beta,
-                                      float *c,
-                                      size_t ldc,
-                                      float *scratch,
-                                      size_t scratch_len,
-                                      const struct cata_ata_params *params);
-
-/**
- * C := alpha A A^T + beta C, for A m x n and C m x m: `c` has m lines of `ldc` >= max(1, m)
- * elements. The rest as in cata_ata_f64.
- *
- * Thread-safe: calls may run at the same time as long as no C is shared.
- */
-cata_status cata_aat_f64(int32_t layout,
-                         int32_t uplo,
-                         size_t m,
-                         size_t n,
-                         double alpha,
-                         const double *a,
-                         size_t lda,
-                         double beta,
-                         double *c,
-                         size_t ldc,
-                         const struct cata_ata_params *params);
-
-/**
- * As cata_aat_f64, in float.
- *
- * Thread-safe: calls may run at the same time as long as no C is shared.
- */
-cata_status cata_aat_f32(int32_t layout,
-                         int32_t uplo,
-                         size_t m,
-                         size_t n,
-                         float alpha,
-                         const float *a,
-                         size_t lda,
-                         float beta,
-                         float *c,
-                         size_t ldc,
-                         const struct cata_ata_params *params);
-
-/**
- * C := alpha A^T W A + beta C, for a sparse A, m x n, with weights W or none, and C n x n, dense.
- *
- * - `layout`, `uplo`: of C, as in cata_ata_f64.
- * - `m`, `n`: any, 0 included.
- * - `row_starts`: m + 1 elements, read: the entries of row i are those from `row_starts[i]` to
- *   `row_starts[i + 1] - 1`, the first being 0. May be NULL when m is 0.
- * - `columns`, `entries`: `row_starts[m]` elements each, read: columns ascending within a row,
- *   from 0, each at most once, and the entries of A there. May be NULL when there are none.
- * - `weights`: m finite elements, read; NULL: all 1.
- * - `alpha`, `beta`, `c`, `ldc`: as in cata_ata_f64.
- * - `params`: NULL for the defaults; `threads` and `progress` count, the rest is checked only.
- *
- * Returns what cata_ata_f64 does, or CATA_ERR_NON_FINITE for a weight. C is untouched after any
- * error but CATA_ERR_CANCELLED and CATA_ERR_PANIC.
- *
- * The sums are those of the classical algorithm, in double and in the order of the rows. The
- * result does not depend on the number of threads, bit for bit.
- *
- * Thread-safe: calls may run at the same time as long as no C is shared.
- */
-cata_status cata_ata_sparse_f64(int32_t layout,
-                                int32_t uplo,
-                                size_t m,
-                                size_t n,
-                                double alpha,
-                                const size_t *row_starts,
-                                const size_t *columns,
-                                const double *entries,
-                                const double *weights,
-                                double beta,
-                                double *c,
-                                size_t ldc,
-                                const struct cata_ata_params *params);
-
-/**
- * As cata_ata_sparse_f64, with A and C in float; weights and sums are in double.
- *
- * Thread-safe: calls may run at the same time as long as no C is shared.
- */
-cata_status cata_ata_sparse_f32(int32_t layout,
-                                int32_t uplo,
-                                size_t m,
-                                size_t n,
-                                float alpha,
-                                const size_t *row_starts,
-                                const size_t *columns,
-                                const float *entries,
-                                const double *weights,
-                                float beta,
-                                float *c,
-                                size_t ldc,
-                                const struct cata_ata_params *params);
-
-/**
- * C := alpha X^T W X + beta C, where X is A with a row subtracted from every row, and W = diag(weights).
- * A is not copied as a whole: it is read in blocks of rows, about 32 MiB each.
- *
- * With CATA_CENTER_MEAN and alpha = 1 / (m - 1) C is the covariance matrix of the columns of A.
- *
- * - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
- * - `centering`: CATA_CENTER_NONE, CATA_CENTER_MEAN or CATA_CENTER_GIVEN.
- * - `center`: with CATA_CENTER_GIVEN n finite numbers, read, not NULL unless n is 0; else ignored.
- * - The rest as in cata_ata_f64. Neither `weights` nor `center` may overlap C.
- *
- * Returns what cata_ata_f64 does, CATA_ERR_NON_FINITE for a weight or a centre that is not finite, or
- * CATA_ERR_ARGUMENT when the weights of a mean sum to 0. C is untouched after any error but
- * CATA_ERR_CANCELLED, CATA_ERR_PANIC and CATA_ERR_OUT_OF_MEMORY, which leave unspecified values in its
- * wanted part.
- *
- * Thread-safe: calls may run at the same time as long as no C is shared.
- */
-cata_status cata_ata_rows_f64(int32_t layout,
-                              int32_t uplo,
-                              size_t m,
-                              size_t n,
-                              double alpha,
-                              const double *a,
-                              size_t lda,
-                              const double *weights,
-                              int32_t centering,
-                              const double *center,
-                              double beta,
-                              double *c,
-                              size_t ldc,
-                              const struct cata_ata_params *params);
-
-/**
- * As cata_ata_rows_f64, in float; the mean is summed in double.
- *
- * Thread-safe: calls may run at the same time as long as no C is shared.
- */
-cata_status cata_ata_rows_f32(int32_t layout,
-                              int32_t uplo,
-                              size_t m,
-                              size_t n,
-                              float alpha,
-                              const float *a,
-                              size_t lda,
-                              const float *weights,
-                              int32_t centering,
-                              const float *center,
-                              float beta,
-                              float *c,
-                              size_t ldc,
-                              const struct cata_ata_params *params);
-
-/**
- * C := alpha A^T B + beta C, for A m x n, B m x k and C n x k.
- *
- * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of all three.
- * - `m`, `n`, `k`: any, 0 included.
- * - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
- * - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-major:
- *   n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when A has no element.
- * - `b`: B, read, likewise with k for n and `ldb`. A and B may overlap.
- * - `c`: C, written. Row-major: n lines of `ldc` >= max(1, k) elements; column-major: k lines of
- *   `ldc` >= max(1, n). What lies between lines is neither read nor written. May be NULL when C has no
- *   element. No element of A or B may be one of C's.
- * - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
- *   call.
- *
- * Returns what cata_ata_f64 does, with the same promises about C, errors, NaN and infinities, of columns of
- * A and of B.
- *
- * Thread-safe: calls may run at the same time as long as no C is shared.
- */
-cata_status cata_atb_f64(int32_t layout,
-                         size_t m,
-                         size_t n,
-                         size_t k,
-                         double alpha,
-                         const double *a,
-                         size_t lda,
-                         const double *b,
-                         size_t ldb,
-                         double beta,
-                         double *c,
-                         size_t ldc,
-                         const struct cata_ata_params *params);
-
-/**
- * As cata_atb_f64, in float.
- *
- * Thread-safe: calls may run at the same time as long as no C is shared.
- */
-cata_status cata_atb_f32(int32_t layout,
-                         size_t m,
-                         size_t n,
-                         size_t k,
-                         float alpha,
-                         const float *a,
-                         size_t lda,
-                         const float *b,
-                         size_t ldb,
-                         float beta,
-                         float *c,
-                         size_t ldc,
-                         const struct cata_ata_params *params);
-
-/**
- * The scratch that cata_atb_with_scratch_f64 needs for A m x n, B m x k and the same params.
- *
- * `len`: one size_t, not NULL; written on success: a number of elements, not bytes.
- * `params`: as in cata_atb_f64.
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED or
- * CATA_ERR_PANIC.
- *
- * Thread-safe.
- */
-cata_status cata_atb_scratch_len_f64(size_t m,
-                                     size_t n,
-                                     size_t k,
-                                     const struct cata_ata_params *params,
-                                     size_t *len);
-
-/**
- * As cata_atb_scratch_len_f64, in float.
- *
- * Thread-safe.
- */
-cata_status cata_atb_scratch_len_f32(size_t m,
-                                     size_t n,
-                                     size_t k,
-                                     const struct cata_ata_params *params,
-                                     size_t *len);
-
-/**
- * cata_atb_f64 without allocating its workspace.
- *
- * `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as many as
- * cata_atb_scratch_len_f64 says for the same m, n, k and params, else CATA_ERR_SHAPE. May be
- * NULL when `scratch_len` is 0. It must not overlap A, B or C. The rest as in cata_atb_f64.
- *
- * Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
- */
-cata_status cata_atb_with_scratch_f64(int32_t layout,
-                                      size_t m,
-                                      size_t n,
-                                      size_t k,
-                                      double alpha,
-                                      const double *a,
-                                      size_t lda,
-                                      const double *b,
-                                      size_t ldb,
-                                      double beta,
-                                      double *c,
-                                      size_t ldc,
-                                      double *scratch,
-                                      size_t scratch_len,
-                                      const struct cata_ata_params *params);
-
-/**
- * As cata_atb_with_scratch_f64, in float.
- *
- * Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
- */
-cata_status cata_atb_with_scratch_f32(int32_t layout,
-                                      size_t m,
-                                      size_t n,
-                                      size_t k,
-                                      float alpha,
-                                      const float *a,
-                                      size_t lda,
-                                      const float *b,
-                                      size_t ldb,
-                                      float beta,
-                                      float *c,
-                                      size_t ldc,
-                                      float *scratch,
-                                      size_t scratch_len,
-                                      const struct cata_ata_params *params);
-
-/**
- * C := alpha A^H A + beta C, for complex A m x n and Hermitian C n x n; alpha and beta are real.
- *
- * A complex element is two doubles, the real part and then the imaginary one, as `double complex`
- * of C99 and `std::complex<double>` of C++: pointers to those can be cast. Leading dimensions count
- * complex elements.
- *
- * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of C.
- * - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict triangle
- *   that is not, and what lies between lines, is neither read nor written. With CATA_BOTH the
- *   upper triangle is the conjugate of the lower one, bit for bit; with beta != 0 the old lower
- *   one is what is read.
- * - `m`, `n`: any, 0 included.
- * - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
- * - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n.
- *   Column-major: n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when m or
- *   n is 0.
- * - `c`: C, written; n lines of `ldc` >= max(1, n) elements, the last one of n. May be NULL when n
- *   is 0. Imaginary parts of its diagonal are not read, and become 0. No element of A may be one
- *   of C's.
- * - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
- *   call.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE (a leading dimension too small, or a size beyond
- * the address space), CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, CATA_ERR_OUT_OF_MEMORY,
- * CATA_ERR_CANCELLED or CATA_ERR_PANIC. C is untouched after any error but CATA_ERR_PANIC, which
- * leaves unspecified values in its wanted part.
- *
- * The result does not depend on the number of threads, bit for bit; with `reproducible` in
- * `params`, nor on the machine. The extra memory is that of a matrix like C, 64 MiB (or 1024 rows
- * of A if those are longer), and the scratch of cata_ata_f64 for as many rows.
- *
- * With u = 2^-53 (float: 2^-24) both parts of entry (i, j) of a product with the default params
- * are wrong by at most 8 m u |a_i| |a_j|, the Euclidean norms of two columns. NaN and infinities
- * have the effect of (x - i y)(u + i v) = (x u + y v) + i (x v - y u), term by term, in classical
- * and exact products; fast products spread them further.
- *
- * Thread-safe: calls may run at the same time as long as no C is shared.
- */
-cata_status cata_aha_c64(int32_t layout,
-                         int32_t uplo,
-                         size_t m,
-                         size_t n,
-                         double alpha,
-                         const double *a,
-                         size_t lda,
-                         double beta,
-                         double *c,
-                         size_t ldc,
-                         const struct cata_ata_params *params);
-
-/**
- * As cata_aha_c64, in float: `float complex` and `std::complex<float>`.
- *
- * Thread-safe: calls may run at the same time as long as no C is shared.
- */
-cata_status cata_aha_c32(int32_t layout,
-                         int32_t uplo,
-                         size_t m,
-                         size_t n,
-                         float alpha,
-                         const float *a,
-                         size_t lda,
-                         float beta,
-                         float *c,
-                         size_t ldc,
-                         const struct cata_ata_params *params);
-
-/**
- * C := alpha A^H B + beta C, for complex A m x n, B m x k and C n x k.
- *
- * Complex elements, and leading dimensions that count them, are as in cata_aha_c64.
- *
- * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of all three.
- * - `m`, `n`, `k`: any, 0 included.
- * - `alpha`, `beta`: one complex element each, read, not NULL; with beta == 0 C is not read, so it
- *   may be uninitialised. A real one multiplies both parts.
- * - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n.
- *   Column-major: n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when A
- *   has no element.
- * - `b`: B, read, likewise with k for n and `ldb`. A and B may overlap.
- * - `c`: C, written. Row-major: n lines of `ldc` >= max(1, k) elements; column-major: k lines of
- *   `ldc` >= max(1, n). What lies between lines is neither read nor written. May be NULL when C
- *   has no element. No element of A or B may be one of C's.
- * - `params`: as in cata_aha_c64.
- *
- * Returns what cata_aha_c64 does, with the same promises about C, errors, NaN and infinities, of
- * columns of A and of B.
- *
- * Thread-safe: calls may run at the same time as long as no C is shared.
- */
-cata_status cata_ahb_c64(int32_t layout,
-                         size_t m,
-                         size_t n,
-                         size_t k,
-                         const double *alpha,
-                         const double *a,
-                         size_t lda,
-                         const double *b,
-                         size_t ldb,
-                         const double *beta,
-                         double *c,
-                         size_t ldc,
-                         const struct cata_ata_params *params);
-
-/**
- * As cata_ahb_c64, in float: `float complex` and `std::complex<float>`.
- *
- * Thread-safe: calls may run at the same time as long as no C is shared.
- */
-cata_status cata_ahb_c32(int32_t layout,
-                         size_t m,
-                         size_t n,
-                         size_t k,
-                         const float *alpha,
-                         const float *a,
-                         size_t lda,
-                         const float *b,
-                         size_t ldb,
-                         const float *beta,
-                         float *c,
-                         size_t ldc,
-                         const struct cata_ata_params *params);
-
-/**
- * Checks that C = alpha A^T A for A m x n and C n x n, up to rounding, with `rounds` random vectors
- * (Freivalds 1977), in time proportional to rounds (m n + n^2).
- *
- * - `layout`, `uplo`, `m`, `n`, `a`, `lda`: as in cata_ata_f64; only the part `uplo` of C is looked at.
- * - `c`: C, read, as long as in cata_ata_f64.
- * - `rounds`: 1 to 1000. A C with an entry wrong by more than twice the tolerance passes with
- *   probability at most 2^-rounds.
- * - `seed`: of the random vectors; the same seed gives the same answer.
- * - `passed`: one int32_t, not NULL; written on success: 1 if C passed, else 0.
- * - `residual`, `tolerance`: one double each, NULL where not wanted; written on success: the largest
- *   entry of |C X - alpha A^T (A X)|, and how large rounding may make it. NaN or infinity in the
- *   residual never passes.
- *
- * Returns CATA_OK, whether C passed or not, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT,
- * CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC.
- *
- * Thread-safe; runs on the calling thread.
- */
-cata_status cata_verify_f64(int32_t layout,
-                            int32_t uplo,
-                            size_t m,
-                            size_t n,
-                            double alpha,
-                            const double *a,
-                            size_t lda,
-                            const double *c,
-                            size_t ldc,
-                            int32_t rounds,
-                            uint64_t seed,
-                            int32_t *passed,
-                            double *residual,
-                            double *tolerance);
-
-/**
- * As cata_verify_f64, for a product in float. The check itself is in double.
- *
- * Thread-safe; runs on the calling thread.
- */
-cata_status cata_verify_f32(int32_t layout,
-                            int32_t uplo,
-                            size_t m,
-                            size_t n,
-                            double alpha,
-                            const float *a,
-                            size_t lda,
-                            const float *c,
-                            size_t ldc,
-                            int32_t rounds,
-                            uint64_t seed,
-                            int32_t *passed,
-                            double *residual,
-                            double *tolerance);
-
-/**
- * Fills a parameter struct with the defaults.
- *
- * `params`: one struct, not NULL; `struct_size` bytes are written.
- * `struct_size`: sizeof(cata_spectrum_params).
- * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
- *
- * Thread-safe.
- */
-cata_status cata_spectrum_params_init(struct cata_spectrum_params *params, size_t struct_size);
-
-/**
- * The k smallest eigenvalues, or those nearest to a shift, of W phi = lambda M phi, and their
- * eigenvectors. W is n x n, sparse, symmetric, and positive semi-definite unless a shift is given; M is
- * a diagonal of positive masses.
- *
- * - `n`: any, 0 included.
- * - `row_starts`: n + 1 elements, read: the entries of row i are those from `row_starts[i]` to
- *   `row_starts[i + 1] - 1`, the first being 0. May be NULL when n is 0.
- * - `columns`, `entries`: `row_starts[n]` elements each, read: columns ascending within a row, from 0,
- *   and the entries of W there, both triangles. May be NULL when there are none.
- * - `masses`: n elements, read: the diagonal of M; NULL: all 1.
- * - `k`: number of pairs, at most n.
- * - `eigenvalues`: k elements, written: ascending. May be NULL when k is 0.
- * - `eigenvectors`: n x k, written, column-major: k columns of `ldv` >= max(1, n) elements, the last one
- *   of n; orthonormal in the inner product of M. May be NULL when n or k is 0.
- * - `residuals`: k elements, written: for each pair |W phi - lambda M phi| / max(|W phi|, s |M phi|),
- *   n s being the median of W_ii / M_ii; NULL where not wanted.
- * - `params`: NULL for the defaults; else read during the call.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
- * CATA_ERR_NOT_CONVERGED, CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or
- * CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
- *
- * The result does not depend on the number of threads, bit for bit.
- *
- * Thread-safe: calls may run at the same time as long as no output is shared.
- */
-cata_status cata_spectrum(size_t n,
-                          const size_t *row_starts,
-                          const size_t *columns,
-                          const double *entries,
-                          const double *masses,
-                          size_t k,
-                          double *eigenvalues,
-                          double *eigenvectors,
-                          size_t ldv,
-                          double *residuals,
-                          const struct cata_spectrum_params *params);
-
-/**
- * Fills a parameter struct with the defaults.
- *
- * `params`: one struct, not NULL; `struct_size` bytes are written.
- * `struct_size`: sizeof(cata_laplacian_params).
- * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
- *
- * Thread-safe.
- */
-cata_status cata_laplacian_params_init(struct cata_laplacian_params *params, size_t struct_size);
-
-/**
- * The k smallest eigenvalues, or those nearest to a shift, of the Laplacian of a triangle mesh,
- * W phi = lambda M phi, and their eigenfunctions.
- *
- * - `vertices`: their number n, 0 included.
- * - `positions`: 3 n elements, read: x, y, z of each vertex. May be NULL when n is 0.
- * - `faces`: their number.
- * - `corners`: 3 faces elements, read: three vertices of each face, from 0, counter-clockwise as seen from
- *   outside. May be NULL when there are no faces.
- * - `k`: number of pairs, at most the vertices that are in a face and not held at zero.
- * - `eigenvalues`: k elements, written: ascending. May be NULL when k is 0.
- * - `eigenvectors`: n x k, written, column-major: k columns of `ldv` >= max(1, n) elements, the last one
- *   of n; orthonormal in the inner product of M, 0 where functions are held at zero and at vertices in no
- *   face. May be NULL when n or k is 0.
- * - `residuals`: k elements, written, as those of cata_spectrum; NULL where not wanted.
- * - `masses`: n elements, written: the diagonal of M, 0 at vertices that it has no row for; NULL where not
- *   wanted. CATA_MASS_CONSISTENT has none to give.
- * - `laplacian_params`, `spectrum_params`: NULL for the defaults; else read during the call.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_MESH, CATA_ERR_NOT_CONVERGED,
- * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are untouched
- * unless it is CATA_OK.
- *
- * The result does not depend on the number of threads, bit for bit.
- *
- * Thread-safe: calls may run at the same time as long as no output is shared.
- */
-cata_status cata_mesh_spectrum(size_t vertices,
-                               const double *positions,
-                               size_t faces,
-                               const uint32_t *corners,
-                               size_t k,
-                               double *eigenvalues,
-                               double *eigenvectors,
-                               size_t ldv,
-                               double *residuals,
-                               double *masses,
-                               const struct cata_laplacian_params *laplacian_params,
-                               const struct cata_spectrum_params *spectrum_params);
-
-/**
- * The k smallest eigenvalues of the Laplacian of a part of a triangle mesh.
- *
- * The part has the faces whose three vertices are in the mask. Under CATA_BOUNDARY_DIRICHLET functions are zero where the
- * part ends and at the boundary of the mesh: of two parts of which one lies in the other, the inner one then has no smaller
- * eigenvalue anywhere in the sequence. Under CATA_BOUNDARY_NEUMANN the part is a mesh of its own.
- *
- * - `vertices`: their number.
- * - `positions`: 3 `vertices` elements, read: x, y, z of each vertex. May be NULL when there are none.
- * - `faces`: their number.
- * - `corners`: 3 `faces` elements, read: three vertices of each face, from 0. May be NULL when there are none.
- * - `mask`: `vertices` elements, read: 1 for a vertex of the part, 0 for any other. May be NULL when there are none.
- * - `k`: number of eigenvalues, at most the vertices of the part that are not held at zero.
- * - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2. May be NULL when k is 0.
- * - `laplacian_params`: NULL for the defaults; else read during the call.
- * - `threads`: 0: all cores of the affinity mask.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_MESH, CATA_ERR_NOT_CONVERGED,
- * CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
- *
- * The result does not depend on the number of threads, bit for bit. Thread-safe.
- */
-cata_status cata_part_spectrum(size_t vertices,
-                               const double *positions,
-                               size_t faces,
-                               const uint32_t *corners,
-                               const uint8_t *mask,
-                               size_t k,
-                               double *eigenvalues,
-                               const struct cata_laplacian_params *laplacian_params,
-                               size_t threads);
-
-/**
- * ShapeDNA: the k smallest eigenvalues of the Laplacian of a triangle mesh as its signature (Reuter, Wolter and Peinecke
- * 2006).
- *
- * - `vertices`, `positions`, `faces`, `corners`, `laplacian_params`, `threads`: as those of cata_part_spectrum.
- * - `k`: number of eigenvalues, at most the vertices that are in a face and not held at zero.
- * - `normalized`: 1: they are multiplied by the area, so that they do not depend on the size of the mesh; 0: they are not.
- * - `signature`: k elements, written: ascending. May be NULL when k is 0.
- *
- * Returns as cata_part_spectrum.
- *
- * The result does not depend on the number of threads, bit for bit. Thread-safe.
- */
-cata_status cata_shape_dna(size_t vertices,
-                           const double *positions,
-                           size_t faces,
-                           const uint32_t *corners,
-                           size_t k,
-                           int32_t normalized,
-                           double *signature,
-                           const struct cata_laplacian_params *laplacian_params,
-                           size_t threads);
-
-/**
- * The signatures nearest to a query, in Euclidean distance; of equally near ones the first.
- *
- * - `k`: numbers of a signature.
- * - `query`: k elements, read. May be NULL when k is 0.
- * - `count`: number of signatures.
- * - `signatures`: `count` x k elements, read, one after the other. May be NULL when there are none.
- * - `wanted`: how many are wanted, at most `count`.
- * - `indices`: `wanted` elements, written: numbers of signatures from 0, the nearest first. May be NULL when `wanted` is 0.
- * - `distances`: `wanted` elements, written: their distances. May be NULL when `wanted` is 0.
- * - `threads`: 0: all cores of the affinity mask.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE or CATA_ERR_PANIC; outputs are
- * untouched unless it is CATA_OK.
- *
- * Thread-safe.
- */
-cata_status cata_shape_dna_retrieve(size_t k,
-                                    const double *query,
-                                    size_t count,
-                                    const double *signatures,
-                                    size_t wanted,
-                                    size_t *indices,
-                                    double *distances,
-                                    size_t threads);
-
-/**
- * Fills a parameter struct with the defaults.
- *
- * `params`: one struct, not NULL; `struct_size` bytes are written.
- * `struct_size`: sizeof(cata_ortho_params).
- * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
- *
- * Thread-safe.
- */
-cata_status cata_ortho_params_init(struct cata_ortho_params *params, size_t struct_size);
-
-/**
- * Gram-Schmidt with rank detection, in place: A (n x c) = Q R with Q^T M Q = I, for a diagonal M. Columns
- * that depend on those before them are dropped.
- *
- * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of R; column-major is faster.
- * - `n`, `c`: any, 0 included.
- * - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64: its first `*rank` columns
- *   are Q afterwards, the others unspecified. May be NULL when n or c is 0.
- * - `masses`: n elements, read: the diagonal of M, positive; NULL: all 1.
- * - `r`: min(n, c) x c with leading dimension `ldr`, written: R in its first `*rank` rows, zeros below;
- *   coefficients of every column of A. NULL where not wanted; `ldr` is then not looked at.
- * - `kept`: c elements, written: the first `*rank` are the columns that Q is made of, ascending, from 0;
- *   the others are untouched. NULL where not wanted.
- * - `rank`: one size_t, not NULL, written.
- * - `params`: NULL for the defaults; else read during the call.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
- * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC. Outputs but A are
- * untouched unless it is CATA_OK; A is unspecified after CATA_ERR_OUT_OF_MEMORY, CATA_ERR_CANCELLED and
- * CATA_ERR_PANIC, and untouched after any other error.
- *
- * The result does not depend on the number of threads, bit for bit.
- *
- * Thread-safe: calls may run at the same time as long as no A and no output is shared.
- */
-cata_status cata_gram_schmidt(int32_t layout,
-                              size_t n,
-                              size_t c,
-                              double *a,
-                              size_t lda,
-                              const double *masses,
-                              double *r,
-                              size_t ldr,
-                              size_t *kept,
-                              size_t *rank,
-                              const struct cata_ortho_params *params);
-
-/**
- * Fills a parameter struct with the defaults.
- *
- * `params`: one struct, not NULL; `struct_size` bytes are written.
- * `struct_size`: sizeof(cata_gram_params).
- * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
- *
- * Thread-safe.
- */
-cata_status cata_gram_params_init(struct cata_gram_params *params, size_t struct_size);
-
-/**
- * Fills a parameter struct with the defaults.
- *
- * `params`: one struct, not NULL; `struct_size` bytes are written.
- * `struct_size`: sizeof(cata_lstsq_params).
- * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
- *
- * Thread-safe.
- */
-cata_status cata_lstsq_params_init(struct cata_lstsq_params *params, size_t struct_size);
-
-/**
- * The X (n x k) that minimises |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k and
- * W = diag(weights), from the Gram matrix of [A B] in extended precision.
- *
- * Where cata_gram_extended_f64 is exact, X is at least as accurate as by an orthogonal factorisation
- * of A in double, up to condition numbers of about 2^48 of A with columns of norm 1; see
- * `result.digits`. Rows are read twice, in blocks; neither A nor B is copied as a whole.
- *
- * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A, B and X.
- * - `m`, `n`: any, 0 included. `k`: number of targets, at least 1.
- * - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when m or n is 0.
- * - `b`: B, m x k, read, with leading dimension `ldb`. May be NULL when m is 0.
- * - `weights`: m finite numbers, at least 0, read; NULL: all 1.
- * - `x`: X, n x k, written, with leading dimension `ldx`; NULL where not wanted, `ldx` is then
- *   looked at for `result.standard_errors` only.
- * - `result`: one struct, read and written: see cata_lstsq_result; NULL where not wanted. Standard
- *   errors take a few times as long as X, and no time when they are not wanted.
- * - `params`: NULL for the defaults; else read during the call.
- *
- * No output may overlap an input or another output.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
- * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are
- * untouched unless it is CATA_OK.
- *
- * The result does not depend on the number of threads, bit for bit.
- *
- * Thread-safe: calls may run at the same time as long as no output is shared.
- */
-cata_status cata_lstsq_f64(int32_t layout,
-                           size_t m,
-                           size_t n,
-                           size_t k,
-                           const double *a,
-                           size_t lda,
-                           const double *b,
-                           size_t ldb,
-                           const double *weights,
-                           double *x,
-                           size_t ldx,
-                           struct cata_lstsq_result *result,
-                           const struct cata_lstsq_params *params);
-
-/**
- * Fills a parameter struct with the defaults.
- *
- * `params`: one struct, not NULL; `struct_size` bytes are written.
- * `struct_size`: sizeof(cata_pca_params).
- * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
- *
- * Thread-safe.
- */
-cata_status cata_pca_params_init(struct cata_pca_params *params, size_t struct_size);
-
-/**
- * The first principal components of the rows of A (m x n), from the Gram matrix of its centred
- * columns in extended precision. Components beyond the rank of the centred columns are zeros, and
- * so are their variances and singular values.
- *
- * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of the components.
- * - `m`: at least 2. `n`: any, 0 included.
- * - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when n is 0.
- * - `count`: number of components, at most n.
- * - `components`: count x n, written, with leading dimension `ldcomponents`: one row for each
- *   component, orthonormal, the most variance first; the first of the largest entries of a row is
- *   positive. NULL where not wanted; `ldcomponents` is then not looked at.
- * - `explained_variance`: count elements, written: the variance along each component, with the
- *   divisor m - 1; NULL where not wanted.
- * - `explained_variance_ratio`: count elements, written: the same, divided by the variance of all
- *   columns; NULL where not wanted.
- * - `singular_values`: count elements, written: those of the centred (and standardised) rows; NULL
- *   where not wanted.
- * - `mean`: n elements, written: the mean of each column; NULL where not wanted.
- * - `scale`: n elements, written: the divisor of each column, its standard deviation or 1; NULL
- *   where not wanted.
- * - `params`: NULL for the defaults; else read during the call.
- *
- * No output may overlap A or another output.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
- * CATA_ERR_NOT_CONVERGED, CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or
- * CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
- *
- * The result does not depend on the number of threads, bit for bit.
- *
- * Thread-safe: calls may run at the same time as long as no output is shared.
- */
-cata_status cata_pca_f64(int32_t layout,
-                         size_t m,
-                         size_t n,
-                         const double *a,
-                         size_t lda,
-                         size_t count,
-                         double *components,
-                         size_t ldcomponents,
-                         double *explained_variance,
-                         double *explained_variance_ratio,
-                         double *singular_values,
-                         double *mean,
-                         double *scale,
-                         const struct cata_pca_params *params);
-
-/**
- * The singular values of A (m x n), and its right singular vectors, from its Gram matrix in
- * extended precision: A = U diag(values) V^T, where column j of U is A v_j over the j-th value.
- *
- * With K the condition number of A with columns of norm 1, the relative error of every value, the
- * smallest included, is a few n 2^-53 plus K^2 2^-106 (K^2 2^-80 where cata_gram_extended_f64 is
- * not exact).
- *
- * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and V.
- * - `m`, `n`: any, 0 included. Time and memory suit m >= n.
- * - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when m or n is 0.
- * - `values`: min(m, n) elements, written: descending; zeros where columns depend on others as far
- *   as the precision can tell. NULL where not wanted.
- * - `v`: V, n x min(m, n), written, with leading dimension `ldv`: an orthonormal column for each
- *   value that is not 0, and zeros for the others. NULL where not wanted; `ldv` is then not looked
- *   at.
- * - `params`: NULL for the defaults; else read during the call.
- *
- * No output may overlap A or another output.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
- * CATA_ERR_NOT_CONVERGED, CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or
- * CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
- *
- * The result does not depend on the number of threads, bit for bit.
- *
- * Thread-safe: calls may run at the same time as long as no output is shared.
- */
-cata_status cata_svd_f64(int32_t layout,
-                         size_t m,
-                         size_t n,
-                         const double *a,
-                         size_t lda,
-                         double *values,
-                         double *v,
-                         size_t ldv,
-                         const struct cata_gram_params *params);
-
-/**
- * The lower triangle of C = X^T W X as unevaluated sums of two doubles, high + low, where X is A
- * (m x n), or A with the mean of its rows subtracted from every row, and W = diag(weights).
- *
- * C is the same for any order of the rows. Where `exact` is 1, no entry of A was rounded, and the
- * two parts together are C rounded to about 106 bits; else entries were rounded to about 2^-80 of
- * the largest of their column.
- *
- * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A, high and low.
- * - `m`, `n`: any, 0 included.
- * - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when m or n is 0.
- * - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
- * - `centering`: CATA_CENTER_NONE or CATA_CENTER_MEAN (weighted if there are weights).
- * - `high`: n x n, with leading dimension `ldhigh`: the triangle on and below the diagonal is
- *   written, with C rounded to double; the rest is neither read nor written. NULL where not
- *   wanted; `ldhigh` is then not looked at.
- * - `low`: the same, with leading dimension `ldlow`: what that rounding took away.
- * - `exact`: one int32_t, written: 1 or 0; NULL where not wanted.
- * - `params`: NULL for the defaults; else read during the call.
- *
- * No output may overlap an input or another output.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
- * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are
- * untouched unless it is CATA_OK.
- *
- * The result does not depend on the number of threads, bit for bit.
- *
- * Thread-safe: calls may run at the same time as long as no output is shared.
- */
-cata_status cata_gram_extended_f64(int32_t layout,
-                                   size_t m,
-                                   size_t n,
-                                   const double *a,
-                                   size_t lda,
-                                   const double *weights,
-                                   int32_t centering,
-                                   double *high,
-                                   size_t ldhigh,
-                                   double *low,
-                                   size_t ldlow,
-                                   int32_t *exact,
-                                   const struct cata_gram_params *params);
-
-/**
- * C := the correlation matrix (n x n) of the columns of A (m x n), from their Gram matrix about
- * the mean in extended precision: entries are within [-1, 1], and wrong by little more than one
- * rounding. Both triangles are written; rows and columns of a column without variance are NaN.
- *
- * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and C.
- * - `m`, `n`: any, 0 included.
- * - `a`: A, read, with leading dimension `lda` as in cata_ata_f64. May be NULL when m or n is 0.
- * - `c`: C, written, with leading dimension `ldc`; must not overlap A. May be NULL when n is 0.
- * - `params`: NULL for the defaults; else read during the call.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
- * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; C is
- * untouched unless it is CATA_OK.
- *
- * The result does not depend on the number of threads, bit for bit.
- *
- * Thread-safe: calls may run at the same time as long as no C is shared.
- */
-cata_status cata_correlation_f64(int32_t layout,
-                                 size_t m,
-                                 size_t n,
-                                 const double *a,
-                                 size_t lda,
-                                 double *c,
-                                 size_t ldc,
-                                 const struct cata_gram_params *params);
-
-/**
- * How far the columns of Q (m x n) are from orthonormal: Q^T Q - I is formed in extended
- * precision, and no digits are lost to cancellation.
- *
- * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR.
- * - `m`, `n`: any, 0 included.
- * - `q`: Q, read, with leading dimension `ldq` as A in cata_ata_f64. May be NULL when m or n is 0.
- * - `max`: one double, written: the largest entry of Q^T Q - I by size; NULL where not wanted.
- * - `frobenius`: one double, written: the Frobenius norm of Q^T Q - I; NULL where not wanted.
- * - `params`: NULL for the defaults; else read during the call.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
- * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are
- * untouched unless it is CATA_OK.
- *
- * The result does not depend on the number of threads, bit for bit.
- *
- * Thread-safe: calls may run at the same time as long as no output is shared.
- */
-cata_status cata_orthogonality_f64(int32_t layout,
-                                   size_t m,
-                                   size_t n,
-                                   const double *q,
-                                   size_t ldq,
-                                   double *max,
-                                   double *frobenius,
-                                   const struct cata_gram_params *params);
-
-/**
- * A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in extended
- * precision: A (m x n) becomes Q. For columns that are independent; cata_gram_schmidt takes any.
- *
- * Let K be the condition number of A with columns of norm 1. The columns of Q are orthonormal up
- * to rounding for K up to 10^14 where cata_gram_extended_f64 is exact, and up to an error of n K^2
- * 2^-79 otherwise.
- *
- * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and R.
- * - `m`, `n`: any, 0 included; m >= n, or the columns depend on each other.
- * - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64. May be NULL when m
- *   or n is 0.
- * - `r`: R, n x n, written, with leading dimension `ldr`: upper triangular with a positive
- *   diagonal, zeros below; must not overlap A. NULL where not wanted; `ldr` is then not looked at.
- * - `params`: NULL for the defaults; else read during the call.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT when columns depend on those
- * before them, which the message names, CATA_ERR_NON_FINITE, CATA_ERR_OUT_OF_MEMORY,
- * CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC. A and R are untouched unless it is
- * CATA_OK or CATA_ERR_PANIC.
- *
- * The result does not depend on the number of threads, bit for bit.
- *
- * Thread-safe: calls may run at the same time as long as no A and no R is shared.
- */
-cata_status cata_cholesky_qr_extended_f64(int32_t layout,
-                                          size_t m,
-                                          size_t n,
-                                          double *a,
-                                          size_t lda,
-                                          double *r,
-                                          size_t ldr,
-                                          const struct cata_gram_params *params);
-
-/**
- * Fills a parameter struct with the defaults.
- *
- * `params`: one struct, not NULL; `struct_size` bytes are written.
- * `struct_size`: sizeof(cata_transfer_params).
- * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
- *
- * Thread-safe.
- */
-cata_status cata_transfer_params_init(struct cata_transfer_params *params, size_t struct_size);
-
-/**
- * Transfers functions from a source mesh to a target mesh, through the orthogonalised products of their
- * first eigenfunctions (as cata_spectrum computes them, without a shift).
- *
- * - `n`, `m`: vertices of source and target.
- * - `k`, `l`: eigenfunctions of source and target, the constant among them: at least 1.
- * - `source_masses`, `target_masses`: n and m elements, read: the masses of vertices; positive.
- * - `source_values`, `target_values`: k and l elements, read: eigenvalues, ascending.
- * - `source_vectors`, `target_vectors`: n x k and m x l, read, column-major with leading dimensions n and
- *   m: eigenvectors, orthonormal in the inner products of the masses.
- * - `points`: m elements, read: the vertex of the source, below n, of each vertex of the target.
- * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of F and of G.
- * - `functions`: number of functions, 0 included.
- * - `f`: F, n x functions, read, with leading dimension `ldf`, as A in cata_ata_f64.
- * - `g`: G, m x functions, written, with leading dimension `ldg`.
- * - `params`: NULL for the defaults; else read during the call.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
- * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; G is untouched
- * unless it is CATA_OK.
- *
- * The result does not depend on the number of threads, bit for bit.
- *
- * Thread-safe: calls may run at the same time as long as no output is shared.
- */
-cata_status cata_transfer(size_t n,
-                          size_t k,
-                          const double *source_masses,
-                          const double *source_values,
-                          const double *source_vectors,
-                          size_t m,
-                          size_t l,
-                          const double *target_masses,
-                          const double *target_values,
-                          const double *target_vectors,
-                          const uint32_t *points,
-                          int32_t layout,
-                          size_t functions,
-                          const double *f,
-                          size_t ldf,
-                          double *g,
-                          size_t ldg,
-                          const struct cata_transfer_params *params);
-
-/**
- * Fills a parameter struct with the defaults.
- *
- * `params`: one struct, not NULL; `struct_size` bytes are written.
- * `struct_size`: sizeof(cata_decimate_params).
- * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
- *
- * Thread-safe.
- */
-cata_status cata_decimate_params_init(struct cata_decimate_params *params, size_t struct_size);
-
-/**
- * The number of faces that cata_decimate never exceeds for a result of `n` vertices of a mesh of `n_faces`
- * faces, whatever its topology: 2 n + n_faces; SIZE_MAX where that overflows.
- *
- * Thread-safe.
- */
-size_t cata_decimate_faces_bound(size_t n,
-                                 size_t n_faces);
-
-/**
- * Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components, boundary
- * loops and genus of the input. The input is cut along edges of more than two faces first, and edges
- * longer than those of the result will be are split, so that n may also be more than the input has. No
- * step makes faces intersect that did not. What can't be is refused, and the message says why.
- *
- * - `vertices`: 3 n_vertices elements, read: x, y, z of each vertex, finite.
- * - `faces`: 3 n_faces elements, read: the vertices of each face, from 0, counter-clockwise as seen from
- *   outside.
- * - `n`: vertices of the result.
- * - `new_vertices`: 3 n elements, written. May be NULL when n is 0.
- * - `new_faces`: 3 faces_capacity elements, the first 3 `*n_new_faces` written.
- * - `faces_capacity`: cata_decimate_faces_bound(n, n_faces) is always enough; with too few,
- *   CATA_ERR_SHAPE, and the message tells how many it takes.
- * - `n_new_faces`: one element, written: the number of faces of the result.
- * - `cells`: n_vertices elements, written: for each vertex of the input the nearest one of the result along
- *   edges, UINT32_MAX for those that no face has; NULL where not wanted.
- * - `changed`: one element, written: 1 when the input had to be repaired (repeated faces and vertices
- *   without a face left out, faces flipped, the mesh cut), 0 else; NULL where not wanted.
- * - `params`: NULL for the defaults; else read during the call.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (also for an n that is fewer
- * than the topology needs), CATA_ERR_MESH, CATA_ERR_OUT_OF_MEMORY,
- * CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
- *
- * The result does not depend on the number of threads, bit for bit.
- *
- * Thread-safe: calls may run at the same time as long as no output is shared.
- */
-cata_status cata_decimate(size_t n_vertices,
-                          const double *vertices,
-                          size_t n_faces,
-                          const uint32_t *faces,
-                          size_t n,
-                          double *new_vertices,
-                          uint32_t *new_faces,
-                          size_t faces_capacity,
-                          size_t *n_new_faces,
-                          uint32_t *cells,
-                          int32_t *changed,
-                          const struct cata_decimate_params *params);
-
-/**
- * Fills a parameter struct with the defaults.
- *
- * `params`: one struct, not NULL; `struct_size` bytes are written.
- * `struct_size`: sizeof(cata_plant_params).
- * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
- *
- * Thread-safe.
- */
-cata_status cata_plant_params_init(struct cata_plant_params *params, size_t struct_size);
-
-/**
- * The model of the water of a plant of n segments.
- *
- * - `n`: at least 1.
- * - `tails`: 3 n elements, read: x, y, z of the end of every segment, in metres.
- * - `radii`: n elements, read: in metres, positive.
- * - `parents`: n elements, read: the segment at whose end each begins, below n; CATA_NO_PARENT for the root.
- * - `leaves`: n elements, read: 1 for a vein of a leaf, 0 for stem.
- * - `base`: 3 elements, read: where the root segment begins; NULL: it goes straight on into its first
- *   child and is as long.
- * - `params`: NULL for the defaults; else read during the call.
- * - `plant`: written: the model, to be given to cata_plant_free.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_MESH (the message names the
- * node: on a cycle, isolated, a second root, without positive radius or length), CATA_ERR_OUT_OF_MEMORY,
- * CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC; `plant` is untouched unless it is CATA_OK.
- *
- * Thread-safe. Models share nothing: calls for different ones may run at the same time.
- */
-cata_status cata_plant_new(size_t n,
-                           const double *tails,
-                           const double *radii,
-                           const uint32_t *parents,
-                           const int32_t *leaves,
-                           const double *base,
-                           const struct cata_plant_params *params,
-                           struct cata_plant **plant);
-
-/**
- * The model of the water of the plant in a file: .txt (the reference format: `verts N`, ...), .swc, .mtg or
- * .obj (polylines), each also as .gz or .xz.
- *
- * - `path`: NUL-terminated, in UTF-8.
- * - `params`, `plant`: as in cata_plant_new.
- *
- * Returns what cata_plant_new returns, or CATA_ERR_IO with the file and the line in the message.
- *
- * Thread-safe.
- */
-cata_status cata_plant_read(const char *path,
-                            const struct cata_plant_params *params,
-                            struct cata_plant **plant);
-
-/**
- * Gives a model back.
- *
- * `plant`: made by cata_plant_new or cata_plant_read and not yet freed; NULL does nothing.
- *
- * Thread-safe, but no call may be using the model.
- */
-void cata_plant_free(struct cata_plant *plant);
-
-/**
- * The number of nodes of a plant; 0 for NULL.
- *
- * Thread-safe.
- */
-size_t cata_plant_size(const struct cata_plant *plant);
-
-/**
- * The water of every node when its cells are full, in kg: how a healthy plant begins.
- *
- * - `plant`: a live model.
- * - `n`: cata_plant_size.
- * - `water`: n elements, written.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE or CATA_ERR_PANIC.
- *
- * Thread-safe, but nothing may change the model meanwhile.
- */
-cata_status cata_plant_full_water(const struct cata_plant *plant, size_t n, double *water);
-
-/**
- * Sets what all leaves lose, in kg / (s m^2), from now on: another weather.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT or CATA_ERR_PANIC.
- *
- * Not for two threads at once on the same model.
- */
-cata_status cata_plant_set_loss(struct cata_plant *plant, double loss);
-
-/**
- * Sets what the root takes from the soil, in kg / s, from now on.
- *
- * Returns and threads: as cata_plant_set_loss.
- */
-cata_status cata_plant_set_intake(struct cata_plant *plant, double intake);
-
-/**
- * Multiplies the conductance between a node (below cata_plant_size, not the root) and its parent by
- * `factor`, at least 0, from now on; 0 cuts the connection.
- *
- * Returns and threads: as cata_plant_set_loss.
- */
-cata_status cata_plant_weaken(struct cata_plant *plant, size_t node, double factor);
-
-/**
- * The water of every node some time after it was `water`, at once, without time steps: for any times.
- * Does not read or change the present of cata_plant_start.
- *
- * - `plant`: a live model.
- * - `n`: cata_plant_size.
- * - `water`: n elements, read: in kg, finite.
- * - `seconds`: at least 0.
- * - `result`: n elements, written: in kg. May be the same memory as `water`.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
- * CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC; `result` is untouched unless it is CATA_OK.
- *
- * Thread-safe, but nothing may change the model meanwhile.
- */
-cata_status cata_plant_water_after(const struct cata_plant *plant,
-                                   size_t n,
-                                   const double *water,
-                                   double seconds,
-                                   double *result);
-
-/**
- * Makes `water` the present, from which cata_plant_step goes on.
- *
- * - `plant`: a live model.
- * - `n`: cata_plant_size.
- * - `water`: n elements, read: in kg, finite; NULL: full cells.
- * - `step`: seconds of a step, positive.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
- * CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC.
- *
- * Not for two threads at once on the same model.
- */
-cata_status cata_plant_start(struct cata_plant *plant, size_t n, const double *water, double step);
-
-/**
- * Goes `count` steps ahead (0 included) and gives the water there.
- *
- * - `plant`: a live model, after cata_plant_start. What was changed since the last step counts from now on.
- * - `n`: cata_plant_size.
- * - `water`: n elements, written: in kg; NULL: not wanted.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (not started),
- * CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC.
- *
- * Not for two threads at once on the same model.
- */
-cata_status cata_plant_step(struct cata_plant *plant,
-                            size_t count,
-                            size_t n,
-                            double *water);
-
-/**
- * The modulus of elasticity of every node, from its water:
- * `dry + (full - dry) (s(k (w - x)) - s(-k x)) / (s(k (1 - x)) - s(-k x))` of the relative water content w,
- * with s the logistic function.
- *
- * - `plant`: a live model.
- * - `n`: cata_plant_size.
- * - `water`: n elements, read: in kg.
- * - `full`, `dry`: of full cells and of dry ones, in Pa; 0 < dry <= full; such as 5e7 and 3e5.
- * - `steepness`: k, positive; such as 10.
- * - `shift`: x; such as 0.75.
- * - `moduli`: n elements, written: in Pa.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT or CATA_ERR_PANIC.
- *
- * Thread-safe, but nothing may change the model meanwhile.
- */
-cata_status cata_plant_stiffness(const struct cata_plant *plant,
-                                 size_t n,
-                                 const double *water,
-                                 double full,
-                                 double dry,
-                                 double steepness,
-                                 double shift,
-                                 double *moduli);
-
-/**
- * Fills a parameter struct with the defaults.
- *
- * `params`: one struct, not NULL; `struct_size` bytes are written.
- * `struct_size`: sizeof(cata_curve_params).
- * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
- *
- * Thread-safe.
- */
-cata_status cata_curve_params_init(struct cata_curve_params *params, size_t struct_size);
-
-/**
- * The curve on a triangle mesh, along its edges, that samples without an order are of.
- *
- * - `positions`: 3 `vertices` elements, read: x, y, z of each vertex. May be NULL when there are none.
- * - `triangles`: 3 `faces` elements, read: three vertices of each face, from 0. May be NULL when there are none.
- * - `samples`: `sample_count` elements, read: vertices, at least 3, none twice.
- * - `params`: NULL for the defaults; else read during the call.
- * - `curves`: one pointer, not NULL, written: the result, to be given to cata_curves_free.
- *
- * Returns CATA_OK also when there is no complete curve, as cata_curves_outcome then says; CATA_ERR_NULL,
- * CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_MESH, CATA_ERR_OUT_OF_MEMORY, CATA_ERR_CANCELLED or
- * CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
- *
- * Thread-safe.
- */
-cata_status cata_curves_new(size_t vertices,
-                            const double *positions,
-                            size_t faces,
-                            const uint32_t *triangles,
-                            size_t sample_count,
-                            const uint32_t *samples,
-                            const struct cata_curve_params *params,
-                            struct cata_curves **curves);
-
-/**
- * Gives curves back.
- *
- * `curves`: from cata_curves_new, not used any more afterwards; NULL is ignored.
- *
- * Thread-safe.
- */
-void cata_curves_free(struct cata_curves *curves);
-
-/**
- * How a reconstruction ended.
- *
- * - `curves`: from cata_curves_new, not NULL.
- * - `outcome`: one element, written: CATA_CURVE_CLOSED, CATA_CURVE_OPEN, CATA_CURVE_BLOCKED,
- *   CATA_CURVE_CLOSE_BLOCKED or CATA_CURVE_DISCONNECTED. NULL where not wanted.
- * - `count`: one element, written: the number of curves, or of what there is of them. NULL where not wanted.
- *
- * Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_PANIC. Thread-safe.
- */
-cata_status cata_curves_outcome(const struct cata_curves *curves,
-                                int32_t *outcome,
-                                size_t *count);
-
-/**
- * How large a curve is.
- *
- * - `curves`: from cata_curves_new, not NULL.
- * - `curve`: its number, from 0.
- * - `sample_count`, `vertex_count`: one element each, written: samples in its order, and vertices on its path.
- *   NULL where not wanted.
- * - `length`: one element, written: the sum of the lengths of its edges. NULL where not wanted.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a curve that is not there, or CATA_ERR_PANIC.
- * Thread-safe.
- */
-cata_status cata_curves_size(const struct cata_curves *curves,
-                             size_t curve,
-                             size_t *sample_count,
-                             size_t *vertex_count,
-                             double *length);
-
-/**
- * A curve.
- *
- * - `curves`: from cata_curves_new, not NULL.
- * - `curve`: its number, from 0.
- * - `order`: as many elements as it has samples, written: numbers of samples in its order. NULL where not wanted.
- * - `path`: as many elements as it has vertices, written: the vertices, the first one not repeated at the end;
- *   those from the number of vertices of the mesh on are points that were added. NULL where not wanted.
- * - `points`: three times as many elements, written: x, y, z of the vertices. NULL where not wanted.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a curve that is not there, or CATA_ERR_PANIC.
- * Thread-safe.
- */
-cata_status cata_curves_get(const struct cata_curves *curves,
-                            size_t curve,
-                            uint32_t *order,
-                            uint32_t *path,
-                            double *points);
-
-/**
- * Fills a parameter struct with the defaults.
- *
- * `params`: one struct, not NULL; `struct_size` bytes are written.
- * `struct_size`: sizeof(cata_slime_params).
- * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
- *
- * Thread-safe.
- */
-cata_status cata_slime_params_init(struct cata_slime_params *params, size_t struct_size);
-
-/**
- * Agents spread over a surface, and a texture without pheromone.
- *
- * - `positions`: 3 `vertices` elements, read: x, y, z of each vertex.
- * - `triangles`: 3 `faces` elements, read: three vertices of each face, from 0.
- * - `uv`: 6 `faces` elements, read: u, v of the three corners of each face, from 0 to 1; NULL: every triangle gets a place
- *   of its own in the texture, which cata_slime_uv gives.
- * - `start`: size x size elements (of the texture), read: not 0 where agents start; NULL: anywhere.
- * - `ground`: size x size elements, read: 0 free, 1 obstacle, 2 attractor; NULL: all free.
- * - `params`: NULL for the defaults; else read during the call.
- * - `slime`: one pointer, not NULL, written: to be given to cata_slime_free.
- *
- * Textures have rows along u, the first at v = 0.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_MESH (the message names the edge of three
- * faces or more, or the face without area, in space or in the texture), CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED or
- * CATA_ERR_PANIC; `slime` is untouched unless it is CATA_OK.
- *
- * Thread-safe.
- */
-cata_status cata_slime_new(size_t vertices,
-                           const double *positions,
-                           size_t faces,
-                           const uint32_t *triangles,
-                           const double *uv,
-                           const uint8_t *start,
-                           const uint8_t *ground,
-                           const struct cata_slime_params *params,
-                           struct cata_slime **slime);
-
-/**
- * Gives a simulation back.
- *
- * `slime`: from cata_slime_new, not used any more afterwards; NULL is ignored.
- *
- * Thread-safe.
- */
-void cata_slime_free(struct cata_slime *slime);
-
-/**
- * Goes `steps` steps ahead (0 included).
- *
- * - `slime`: from cata_slime_new, not NULL.
- * - `progress`: told after each step; NULL: nobody.
- * - `progress_user`: handed to `progress` as it is; may be NULL.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_CANCELLED (the steps before are done, and it can go on) or CATA_ERR_PANIC.
- *
- * Not for two threads at once on the same simulation.
- */
-cata_status cata_slime_step(struct cata_slime *slime,
-                            uint32_t steps,
-                            cata_progress progress,
-                            void *progress_user);
-
-/**
- * How large a simulation is.
- *
- * - `slime`: from cata_slime_new, not NULL.
- * - `size`, `species`, `faces`: one element each, written: texels of a side of the texture, species, and triangles. NULL
- *   where not wanted.
- * - `steps`: one element, written: steps done. NULL where not wanted.
- *
- * Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_PANIC. Thread-safe.
- */
-cata_status cata_slime_size(const struct cata_slime *slime,
-                            size_t *size,
-                            size_t *species,
-                            size_t *faces,
-                            uint32_t *steps);
-
-/**
- * The texture of a species, as it is now.
- *
- * - `slime`: from cata_slime_new, not NULL.
- * - `species`: its number, from 0.
- * - `texture`: size x size elements, written: pheromone from 0 to 1, rows along u, the first at v = 0.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a species that is not there, or CATA_ERR_PANIC. Thread-safe, but
- * not while it steps.
- */
-cata_status cata_slime_texture(const struct cata_slime *slime,
-                               size_t species,
-                               float *texture);
-
-/**
- * How much of the surface a species covers (thesis, equation 3.2).
- *
- * - `slime`: from cata_slime_new, not NULL.
- * - `species`: its number, from 0.
- * - `coverage`: one element, written: the mean of the pheromone, from 0 to 1. NULL where not wanted.
- * - `presence`: one element, written: the part of the surface that has any. NULL where not wanted.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a species that is not there, or CATA_ERR_PANIC. Thread-safe, but
- * not while it steps.
- */
-cata_status cata_slime_coverage(const struct cata_slime *slime,
-                                size_t species,
-                                double *coverage,
-                                double *presence);
-
-/**
- * The texture coordinates of the corners of faces: those that were given, or those of the atlas.
- *
- * - `slime`: from cata_slime_new, not NULL.
- * - `uv`: 6 elements a face, written: u, v of its three corners.
- *
- * Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_PANIC. Thread-safe.
- */
-cata_status cata_slime_uv(const struct cata_slime *slime, double *uv);
-
-/**
- * An OpenCL device of this machine, by its number.
- *
- * - `index`: from 0.
- * - `count`: one element, written: how many devices there are. NULL where not wanted.
- * - `size`: elements of `name`; 0 where the name is not wanted.
- * - `name`: `size` elements, written: what the device is called, cut to fit, NUL-terminated. May be NULL
- *   when `size` is 0; `index` is not looked at then.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a device that is not there, CATA_ERR_BACKEND when
- * there is none at all (the message says what is missing), CATA_ERR_UNSUPPORTED without CATA_CAP_OPENCL,
- * or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
- *
- * Thread-safe.
- */
-cata_status cata_device_name(size_t index,
-                             size_t *count,
-                             size_t size,
-                             char *name);
-
-/**
- * Fills a parameter struct with the defaults.
- *
- * `params`: one struct, not NULL; `struct_size` bytes are written.
- * `struct_size`: sizeof(cata_newton_params).
- * Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
- *
- * Thread-safe.
- */
-cata_status cata_newton_params_init(struct cata_newton_params *params, size_t struct_size);
-
-/**
- * A Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial with n roots
- * has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and exp(2 pi i b / n).
- *
- * - `params`: NULL for the defaults; else read during the call, but for `progress_user`, which is handed on.
- * - `newton`: one pointer, not NULL, written: the fractal, to be given to cata_newton_free.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT, CATA_ERR_BACKEND when there is no such device or
- * no OpenCL on this machine, CATA_ERR_UNSUPPORTED for a device without CATA_CAP_OPENCL, or
- * CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
- *
- * Thread-safe.
- */
-cata_status cata_newton_new(const struct cata_newton_params *params,
-                            struct cata_newton **newton);
-
-/**
- * Gives a fractal back.
- *
- * `newton`: from cata_newton_new, not used any more afterwards; NULL is ignored.
- *
- * Thread-safe.
- */
-void cata_newton_free(struct cata_newton *newton);
-
-/**
- * Changes the fourth coordinate of all points, as time goes on.
- *
- * - `newton`: from cata_newton_new, not NULL.
- * - `w`: the coordinate; finite.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT or CATA_ERR_PANIC.
- *
- * Not thread-safe for one fractal.
- */
-cata_status cata_newton_set_w(struct cata_newton *newton, double w);
-
-/**
- * The fractal at points in space, such as the vertices of a mesh.
- *
- * - `newton`: from cata_newton_new, not NULL.
- * - `count`: points, less than 2^31.
- * - `positions`: 3 `count` elements, read: x, y, z of each point. May be NULL when there are none.
- * - `roots`: `count` elements, written: the number of the root that each point converges to.
- * - `convergence`: `count` elements, written: how slowly.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE for a point that
- * is not finite or beyond 1e9, CATA_ERR_BACKEND when the device refuses, CATA_ERR_OUT_OF_MEMORY,
- * CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
- *
- * Not thread-safe for one fractal.
- */
-cata_status cata_newton_points(const struct cata_newton *newton,
-                               size_t count,
-                               const float *positions,
-                               uint16_t *roots,
-                               float *convergence);
-
-/**
- * The fractal on the plane z = 0: at the centres of the pixels of a picture, rows from the top (large y).
- *
- * - `newton`: from cata_newton_new, not NULL.
- * - `width`, `height`: pixels, at most 65,536 each and less than 2^31 in all.
- * - `center_x`, `center_y`: the middle of the picture.
- * - `extent`: how wide it is, positive.
- * - `roots`: `width` `height` elements, written: the number of the root of each pixel.
- * - `convergence`: `width` `height` elements, written: how slowly it converges.
- *
- * Returns what cata_newton_points returns; outputs are untouched unless it is CATA_OK.
- *
- * Not thread-safe for one fractal.
- */
-cata_status cata_newton_plane(const struct cata_newton *newton,
-                              uint32_t width,
-                              uint32_t height,
-                              double center_x,
-                              double center_y,
-                              double extent,
-                              uint16_t *roots,
-                              float *convergence);
-
-/**
- * Colours of points: each root has its own, darker the slower a point converges.
- *
- * - `newton`: from cata_newton_new, not NULL.
- * - `count`: points.
- * - `roots`, `convergence`: `count` elements each, read: as cata_newton_points or cata_newton_plane wrote
- *   them.
- * - `colors`: 3 `count` elements, written: red, green and blue of each point, as screens have them (sRGB).
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE or CATA_ERR_PANIC; outputs are untouched unless it is
- * CATA_OK.
- *
- * Not thread-safe for one fractal.
- */
-cata_status cata_newton_colors(const struct cata_newton *newton,
-                               size_t count,
-                               const uint16_t *roots,
-                               const float *convergence,
-                               uint8_t *colors);
-
-/**
- * The network that predicts spectra of unions.
- *
- * - `weights`: a file of `catamaran unions train`, NUL-terminated; NULL: the weights that come with the
- *   library.
- * - `unions`: written: the network, to be given to cata_unions_free.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT (a path that is not UTF-8), CATA_ERR_IO (the message
- * says what is wrong with the file) or CATA_ERR_PANIC; `unions` is untouched unless it is CATA_OK.
- *
- * Thread-safe.
- */
-cata_status cata_unions_new(const char *weights,
-                            struct cata_unions **unions);
-
-/**
- * Gives a network back.
- *
- * `unions`: made by cata_unions_new and not yet freed; NULL does nothing.
- *
- * Thread-safe, but no call may be using the network.
- */
-void cata_unions_free(struct cata_unions *unions);
-
-/**
- * The first eigenvalues of the union of parts of a surface, from those of the parts: Dirichlet spectra, in
- * whatever unit.
- *
- * - `unions`: of cata_unions_new.
- * - `parts`: their number, at least 1.
- * - `spectra`: CATA_UNION_EIGENVALUES parts elements, read: those of each part, ascending and positive, one
- *   part after the other.
- * - `spectrum`: CATA_UNION_EIGENVALUES elements, written: ascending, positive, none larger than that of a part
- *   of the same number. The order of the parts does not matter, bit for bit.
- * - `strangeness`: written: how unlike the parts are to those of the training; above 1 the prediction
- *   is a guess. NULL where not wanted.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (not positive, not ascending, no parts),
- * CATA_ERR_NON_FINITE or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
- *
- * Thread-safe, also for calls with the same network.
- */
-cata_status cata_unions_predict(const struct cata_unions *unions,
-                                size_t parts,
-                                const double *spectra,
-                                double *spectrum,
-                                double *strangeness);
-
-/**
- * Where the union of parts is on the template of the network: the mesh that `catamaran unions template` writes.
- *
- * - `unions`, `parts`, `spectra`: as those of cata_unions_predict.
- * - `vertices`: those of the template.
- * - `positions`: 3 `vertices` elements, read: x, y, z of each vertex.
- * - `faces`: their number.
- * - `corners`: 3 `faces` elements, read: three vertices of each face, from 0.
- * - `indicator`: `vertices` elements, written: about 1 inside of the union and 0 outside; the union is what is above 1/2.
- *   Mirror images have the same spectrum: it is one of the two.
- * - `threads`: 0: all cores of the affinity mask.
- *
- * Each call computes the eigenfunctions of the template.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE (a mesh of another size), CATA_ERR_ARGUMENT (another mesh, or spectra that
- * are none), CATA_ERR_NON_FINITE, CATA_ERR_MESH, CATA_ERR_NOT_CONVERGED, CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC;
- * `indicator` is untouched unless it is CATA_OK.
- *
- * Thread-safe, also for calls with the same network.
- */
-cata_status cata_unions_locate(const struct cata_unions *unions,
-                               size_t parts,
-                               const double *spectra,
-                               size_t vertices,
-                               const double *positions,
-                               size_t faces,
-                               const uint32_t *corners,
-                               double *indicator,
-                               size_t threads);
-
-/**
- * A spectrum between two: (1 - t) first + t second.
- *
- * - `first`, `second`: CATA_UNION_EIGENVALUES elements each, read: ascending and positive.
- * - `t`: in [0, 1].
- * - `spectrum`: CATA_UNION_EIGENVALUES elements, written; it may be one of the others.
- *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE or CATA_ERR_PANIC; `spectrum` is
- * untouched unless it is CATA_OK.
- *
- * Thread-safe.
- */
-cata_status cata_unions_interpolate(const double *first,
-                                    const double *second,
-                                    double t,
-                                    double *spectrum);
-
-/**
- * The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over it.
- * catamaran_mpi.h has cata_world_from_comm, which takes the communicator itself.
+/** The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over
+ * it. catamaran_mpi.h has cata_world_from_comm, which takes the communicator itself.
  *
  * - `fortran_comm`: MPI_Comm_c2f of the communicator.
  * - `world`: one pointer, not NULL; written on success only. Free it by cata_world_free.
  *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT when MPI is not initialised or is finalised already, or
- * for a handle of no communicator, CATA_ERR_RANK, CATA_ERR_UNSUPPORTED without CATA_CAP_MPI, or CATA_ERR_PANIC.
+ * Returns CATA_ERR_ARGUMENT when MPI is not initialised or is finalised already, or for a handle
+ * of no communicator.
  *
- * Not thread-safe: MPI_Comm_dup is called.
- */
-cata_status cata_world_new(int32_t fortran_comm,
-                           struct cata_world **world);
+ * Not thread-safe: MPI_Comm_dup is called. */
+cata_status cata_world_new(int32_t fortran_comm, cata_world **world);
 
-/**
- * Gives a world back. Collective; after MPI_Finalize it is local, and leaves the communicator to MPI.
+/** Gives a world back. Collective; after MPI_Finalize it is local, and leaves the communicator to
+ * MPI.
  *
  * `world`: made by cata_world_new and not yet freed; NULL does nothing.
  *
- * Not thread-safe.
- */
-void cata_world_free(struct cata_world *world);
+ * Not thread-safe. */
+void cata_world_free(cata_world *world);
 
-/**
- * The rank of the caller, from 0. Local.
+/** The rank of the caller, from 0. Local.
  *
- * `world`: not NULL. `rank`: one size_t, not NULL; written on success.
- * Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_UNSUPPORTED.
- *
- * Thread-safe.
- */
-cata_status cata_world_rank(const struct cata_world *world, size_t *rank);
+ * `world`: not NULL. `rank`: one size_t, not NULL; written on success. */
+cata_status cata_world_rank(const cata_world *world, size_t *rank);
 
-/**
- * The number of ranks, at least 1. Local.
+/** The number of ranks, at least 1. Local.
  *
- * `world`: not NULL. `size`: one size_t, not NULL; written on success.
- * Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_UNSUPPORTED.
- *
- * Thread-safe.
- */
-cata_status cata_world_size(const struct cata_world *world, size_t *size);
+ * `world`: not NULL. `size`: one size_t, not NULL; written on success. */
+cata_status cata_world_size(const cata_world *world, size_t *size);
 
-/**
- * What this rank has sent and received since the world was made. Local.
+/** What this rank has sent and received since the world was made. Local.
  *
- * `world`: not NULL. `traffic`: one struct, not NULL, whose struct_size is set; the other fields are written on
- * success.
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a size that no version has, or
- * CATA_ERR_UNSUPPORTED.
+ * `world`: not NULL. `traffic`: one struct, not NULL, whose struct_size is set; the other fields
+ * are written on success.
  *
- * Not thread-safe.
- */
-cata_status cata_world_traffic(const struct cata_world *world,
-                               struct cata_traffic *traffic);
+ * Not thread-safe. */
+cata_status cata_world_traffic(const cata_world *world, cata_traffic *traffic);
 
-/**
- * Sets the entries of a message above which it is cut in several; 2^30 in a new world. Local, but all
- * ranks must set the same before the next collective call.
+/** Sets the entries of a message above which it is cut in several; 2^30 in a new world. Local,
+ * but all ranks must set the same before the next collective call.
  *
  * `world`: not NULL. `entries`: any; taken as 1 if it is 0, and as 2^30 if it is more.
- * Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_UNSUPPORTED.
  *
- * Not thread-safe.
- */
-cata_status cata_world_set_longest_message(const struct cata_world *world,
-                                           size_t entries);
+ * Not thread-safe. */
+cata_status cata_world_set_longest_message(const cata_world *world, size_t entries);
 
-/**
- * C = alpha A^T A where every rank has some rows of A, in any order and number, 0 included; C is left spread
- * over the ranks. Collective.
+/** C = alpha A^T A where every rank has some rows of A, in any order and number, 0 included; C is
+ * left spread over the ranks. Collective.
  *
  * - `world`: not NULL.
  * - `layout`: of the rows of this rank; CATA_ROW_MAJOR or CATA_COL_MAJOR, its own on each rank.
  * - `m`: rows of this rank, its own on each rank.
  * - `n`: columns of A.
- * - `a`: the rows of this rank, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of
- *   n. Column-major: n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when m
- *   or n is 0.
- * - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
+ * - `a`: the rows of this rank, read. Row-major: m lines of `lda` >= max(1, n) elements, the
+ *   last one of n. Column-major: n lines of `lda` >= max(1, m) elements, the last one of m.
  *   call. May differ between the ranks where it does not change the result.
  * - `c`: one pointer, not NULL; written on success only. Free it by cata_symmetric_free.
  *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK
- * when n, alpha or the precision differ between the ranks or another one failed, CATA_ERR_CANCELLED,
- * CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC.
+ * Returns CATA_ERR_RANK when n, alpha or the precision differ between the ranks.
  *
- * The result depends, by rounding, on the number of ranks and on which rank has which rows; not on that
- * of threads.
+ * The result depends, by rounding, on the number of ranks and on which rank has which rows; not
+ * on that of threads.
  *
- * Not thread-safe: one call at a time for a world.
- */
-cata_status cata_world_ata_rows_f64(const struct cata_world *world,
-                                    int32_t layout,
-                                    size_t m,
-                                    size_t n,
-                                    double alpha,
-                                    const double *a,
-                                    size_t lda,
-                                    const struct cata_ata_params *params,
-                                    struct cata_symmetric **c);
+ * Not thread-safe: one call at a time for a world. */
+cata_status cata_world_ata_rows_f64(const cata_world *world, int32_t layout, size_t m, size_t n,
+    double alpha, const double *a, size_t lda, const cata_ata_params *params, cata_symmetric **c);
 
-/**
- * As cata_world_ata_rows_f64, in float.
+/** As cata_world_ata_rows_f64, in float.
  *
- * Not thread-safe: one call at a time for a world.
- */
-cata_status cata_world_ata_rows_f32(const struct cata_world *world,
-                                    int32_t layout,
-                                    size_t m,
-                                    size_t n,
-                                    float alpha,
-                                    const float *a,
-                                    size_t lda,
-                                    const struct cata_ata_params *params,
-                                    struct cata_symmetric **c);
+ * Not thread-safe: one call at a time for a world. */
+cata_status cata_world_ata_rows_f32(const cata_world *world, int32_t layout, size_t m, size_t n,
+    float alpha, const float *a, size_t lda, const cata_ata_params *params, cata_symmetric **c);
 
-/**
- * Least squares where every rank has some rows of A, of B and of the weights, in any order and
+/** Least squares where every rank has some rows of A, of B and of the weights, in any order and
  * number, 0 included; every rank gets the whole of X and of the result. Collective.
  *
  * - `world`: not NULL.
  * - `layout`, `m`, `a`, `lda`, `b`, `ldb`, `weights`: of the rows of this rank, its own on each
- *   rank, as in cata_lstsq_f64; `weights` is NULL on all ranks or on none.
- * - `n`, `k`: as in cata_lstsq_f64, the same on all ranks.
- * - `x`, `ldx`, `result`: as in cata_lstsq_f64; what is wanted may differ between the ranks.
- * - `params`: as in cata_lstsq_f64; `threads` and `progress` may differ between the ranks.
+ *   rank, as in cata_lstsq; `weights` is NULL on all ranks or on none.
+ * - `n`, `k`: as in cata_lstsq, the same on all ranks.
+ * - `x`, `ldx`, `result`: as in cata_lstsq; what is wanted may differ between the ranks.
+ * - `params`: as in cata_lstsq; `threads` and `progress` may differ between the ranks.
  *   Progress is that of the second pass over the rows of this rank.
  *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
- * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK when arguments differ between the ranks or another one
- * failed, CATA_ERR_CANCELLED, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC; outputs are untouched unless
- * it is CATA_OK.
+ * Returns CATA_ERR_RANK when arguments differ between the ranks.
  *
  * The result does not depend on the number of ranks or of threads, nor on which rank has which
  * rows, bit for bit.
  *
- * Not thread-safe: one call at a time for a world.
- */
-cata_status cata_world_lstsq_f64(const struct cata_world *world,
-                                 int32_t layout,
-                                 size_t m,
-                                 size_t n,
-                                 size_t k,
-                                 const double *a,
-                                 size_t lda,
-                                 const double *b,
-                                 size_t ldb,
-                                 const double *weights,
-                                 double *x,
-                                 size_t ldx,
-                                 struct cata_lstsq_result *result,
-                                 const struct cata_lstsq_params *params);
+ * Not thread-safe: one call at a time for a world. */
+cata_status cata_world_lstsq(const cata_world *world, int32_t layout, size_t m, size_t n, size_t k,
+    const double *a, size_t lda, const double *b, size_t ldb, const double *weights, double *x,
+    size_t ldx, cata_lstsq_result *result, const cata_lstsq_params *params);
 
-/**
- * C = alpha A^T A where every rank has some columns of A, in the order of the ranks, 0 included; C is left
- * spread over the ranks. Collective. Cheaper than cata_world_ata_rows_f64 where A is not much longer than wide.
+/** C = alpha A^T A where every rank has some columns of A, in the order of the ranks, 0 included;
+ * C is left spread over the ranks. Collective. Cheaper than cata_world_ata_rows_f64 where A is
+ * not much longer than wide.
  *
  * - `m`: rows of A.
  * - `cols`: columns of this rank, its own on each rank.
@@ -2913,313 +1895,162 @@ cata_status cata_world_lstsq_f64(const struct cata_world *world,
  *
  * Returns what that does.
  *
- * Not thread-safe: one call at a time for a world.
- */
-cata_status cata_world_ata_columns_f64(const struct cata_world *world,
-                                       int32_t layout,
-                                       size_t m,
-                                       size_t cols,
-                                       double alpha,
-                                       const double *a,
-                                       size_t lda,
-                                       const struct cata_ata_params *params,
-                                       struct cata_symmetric **c);
+ * Not thread-safe: one call at a time for a world. */
+cata_status cata_world_ata_columns_f64(const cata_world *world, int32_t layout, size_t m,
+    size_t cols, double alpha, const double *a, size_t lda, const cata_ata_params *params,
+    cata_symmetric **c);
 
-/**
- * As cata_world_ata_columns_f64, in float.
+/** As cata_world_ata_columns_f64, in float.
  *
- * Not thread-safe: one call at a time for a world.
- */
-cata_status cata_world_ata_columns_f32(const struct cata_world *world,
-                                       int32_t layout,
-                                       size_t m,
-                                       size_t cols,
-                                       float alpha,
-                                       const float *a,
-                                       size_t lda,
-                                       const struct cata_ata_params *params,
-                                       struct cata_symmetric **c);
+ * Not thread-safe: one call at a time for a world. */
+cata_status cata_world_ata_columns_f32(const cata_world *world, int32_t layout, size_t m,
+    size_t cols, float alpha, const float *a, size_t lda, const cata_ata_params *params,
+    cata_symmetric **c);
 
-/**
- * C := alpha A^T A + beta C where one rank has A, m x n, and C, n x n: by AtA-D, or by dealing rows of A, whichever
- * should be faster for this shape and number of ranks. Collective.
+/** C := alpha A^T A + beta C where one rank has A, m x n, and C, n x n: by AtA-D, or by dealing
+ * rows of A, whichever should be faster for this shape and number of ranks. Collective.
  *
  * - `world`: not NULL.
  * - `root`: the rank that has them, from 0.
  * - `alpha`: the same on all ranks.
- * - `layout`, `uplo`, `m`, `n`, `a`, `lda`, `beta`, `c`, `ldc`: on the root as in cata_ata_f64; ignored on
- *   other ranks.
- * - `params`: as in cata_world_ata_rows_f64.
+ * - `layout`, `uplo`, `m`, `n`, `a`, `lda`, `beta`, `c`, `ldc`: on the root as in cata_ata_f64;
+ *   ignored on other ranks.
  *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (for a root out of range, too),
- * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK when the roots, alpha or the precision differ between the ranks or another
- * one failed, CATA_ERR_CANCELLED, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC. C is untouched after an error in
- * arguments, and holds unspecified values in its wanted part after any other.
+ * Returns CATA_ERR_RANK when the roots, alpha or the precision differ between the ranks. C is
+ * untouched after an error in arguments, and holds unspecified values in its wanted part after
+ * any other.
  *
  * The result depends, by rounding, on the number of ranks; not on that of threads.
  *
- * Not thread-safe: one call at a time for a world.
- */
-cata_status cata_world_ata_root_f64(const struct cata_world *world,
-                                    size_t root,
-                                    int32_t layout,
-                                    int32_t uplo,
-                                    size_t m,
-                                    size_t n,
-                                    double alpha,
-                                    const double *a,
-                                    size_t lda,
-                                    double beta,
-                                    double *c,
-                                    size_t ldc,
-                                    const struct cata_ata_params *params);
+ * Not thread-safe: one call at a time for a world. */
+cata_status cata_world_ata_root_f64(const cata_world *world, size_t root, int32_t layout,
+    int32_t uplo, size_t m, size_t n, double alpha, const double *a, size_t lda, double beta,
+    double *c, size_t ldc, const cata_ata_params *params);
 
-/**
- * As cata_world_ata_root_f64, in float.
+/** As cata_world_ata_root_f64, in float.
  *
- * Not thread-safe: one call at a time for a world.
- */
-cata_status cata_world_ata_root_f32(const struct cata_world *world,
-                                    size_t root,
-                                    int32_t layout,
-                                    int32_t uplo,
-                                    size_t m,
-                                    size_t n,
-                                    float alpha,
-                                    const float *a,
-                                    size_t lda,
-                                    float beta,
-                                    float *c,
-                                    size_t ldc,
-                                    const struct cata_ata_params *params);
+ * Not thread-safe: one call at a time for a world. */
+cata_status cata_world_ata_root_f32(const cata_world *world, size_t root, int32_t layout,
+    int32_t uplo, size_t m, size_t n, float alpha, const float *a, size_t lda, float beta, float *c,
+    size_t ldc, const cata_ata_params *params);
 
-/**
- * C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has them; what PDSYRK does
- * with TRANS = 'T' to whole matrices. Collective.
+/** C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has them; what
+ * PDSYRK does with TRANS = 'T' to whole matrices. Collective.
  *
  * - `world`: not NULL.
- * - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict triangle that is
- *   not, and what lies between columns, is neither read nor written.
- * - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised. Otherwise, with
- *   CATA_BOTH, it must be symmetric: each triangle is added to its own old one.
- * - `a`: A's entries on this rank, read: column-major, with leading dimension LLD_ of `desc_a`. May be NULL
- *   when there is none, as on ranks outside of the grid.
- * - `desc_a`: 9 numbers, not NULL: DTYPE_ (1), CTXT_ (ignored), M_ >= 0, N_ >= 0, MB_ >= 1, NB_ >= 1, RSRC_,
- *   CSRC_ (from 0, a row and a column of the grid), LLD_ (at least 1 and the rows on this rank; ignored
- *   outside of the grid). The same on all ranks but for CTXT_ and LLD_.
- * - `c`: C's entries on this rank, written, as `a` with `desc_c`. No element of A may be one of C's.
+ * - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict
+ *   triangle that is not, and what lies between columns, is neither read nor written.
+ * - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised. Otherwise,
+ *   with CATA_BOTH, it must be symmetric: each triangle is added to its own old one.
+ * - `a`: A's entries on this rank, read: column-major, with leading dimension LLD_ of `desc_a`.
+ * - `desc_a`: 9 numbers, not NULL: DTYPE_ (1), CTXT_ (ignored), M_ >= 0, N_ >= 0, MB_ >= 1, NB_
+ *   >= 1, RSRC_, CSRC_ (from 0, a row and a column of the grid), LLD_ (at least 1 and the rows
+ *   on this rank; ignored outside of the grid). The same on all ranks but for CTXT_ and LLD_.
+ * - `c`: C's entries on this rank, written, as `a` with `desc_c`. No element of A may be one of
+ *   C's.
  * - `desc_c`: as `desc_a`; M_ and N_ are A's N_. Its blocks and first processes may be others.
- * - `grid_rows`, `grid_cols`: the process grid, at least 1 x 1, not more than the ranks of the world, of which it is
- *   the first ones.
- * - `grid_order`: CATA_ROW_MAJOR when ranks are numbered along the rows of the grid, as by Cblacs_gridinit
- *   with "R", or CATA_COL_MAJOR, along its columns.
- * - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the call.
+ * - `grid_rows`, `grid_cols`: the process grid, at least 1 x 1, not more than the ranks of the
+ *   world, of which it is the first ones.
+ * - `grid_order`: CATA_ROW_MAJOR when ranks are numbered along the rows of the grid, as by
+ *   Cblacs_gridinit with "R", or CATA_COL_MAJOR, along its columns.
  *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (the message names the field),
- * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK when something differs between the ranks or another one failed,
- * CATA_ERR_CANCELLED, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC. C is untouched after any of them but the last.
+ * A is dealt out anew, in a copy, as rows or columns, whichever costs fewer words. The result
+ * depends, by rounding, on the number of ranks and on how A is dealt out; not on the number of
+ * threads.
  *
- * A is dealt out anew, in a copy, as rows or columns, whichever costs fewer words. The result depends, by
- * rounding, on the number of ranks and on how A is dealt out; not on the number of threads.
- *
- * Not thread-safe: one call at a time for a world.
- */
-cata_status cata_world_ata_cyclic_f64(const struct cata_world *world,
-                                      int32_t uplo,
-                                      double alpha,
-                                      const double *a,
-                                      const int32_t *desc_a,
-                                      double beta,
-                                      double *c,
-                                      const int32_t *desc_c,
-                                      size_t grid_rows,
-                                      size_t grid_cols,
-                                      int32_t grid_order,
-                                      const struct cata_ata_params *params);
+ * Not thread-safe: one call at a time for a world. */
+cata_status cata_world_ata_cyclic_f64(const cata_world *world, int32_t uplo, double alpha,
+    const double *a, const int32_t *desc_a, double beta, double *c, const int32_t *desc_c,
+    size_t grid_rows, size_t grid_cols, int32_t grid_order, const cata_ata_params *params);
 
-/**
- * As cata_world_ata_cyclic_f64, in float; PSSYRK.
+/** As cata_world_ata_cyclic_f64, in float; PSSYRK.
  *
- * Not thread-safe: one call at a time for a world.
- */
-cata_status cata_world_ata_cyclic_f32(const struct cata_world *world,
-                                      int32_t uplo,
-                                      float alpha,
-                                      const float *a,
-                                      const int32_t *desc_a,
-                                      float beta,
-                                      float *c,
-                                      const int32_t *desc_c,
-                                      size_t grid_rows,
-                                      size_t grid_cols,
-                                      int32_t grid_order,
-                                      const struct cata_ata_params *params);
+ * Not thread-safe: one call at a time for a world. */
+cata_status cata_world_ata_cyclic_f32(const cata_world *world, int32_t uplo, float alpha,
+    const float *a, const int32_t *desc_a, float beta, float *c, const int32_t *desc_c,
+    size_t grid_rows, size_t grid_cols, int32_t grid_order, const cata_ata_params *params);
 
-/**
- * C := alpha A A^T + beta C for block-cyclic A, m x n, and C, m x m; what PDSYRK does with TRANS = 'N' to whole
- * matrices. Collective. M_ and N_ of `desc_c` are A's M_; the rest as in cata_world_ata_cyclic_f64.
+/** C := alpha A A^T + beta C for block-cyclic A, m x n, and C, m x m; what PDSYRK does with TRANS
+ * = 'N' to whole matrices. Collective. M_ and N_ of `desc_c` are A's M_; the rest as in
+ * cata_world_ata_cyclic_f64.
  *
- * Not thread-safe: one call at a time for a world.
- */
-cata_status cata_world_aat_cyclic_f64(const struct cata_world *world,
-                                      int32_t uplo,
-                                      double alpha,
-                                      const double *a,
-                                      const int32_t *desc_a,
-                                      double beta,
-                                      double *c,
-                                      const int32_t *desc_c,
-                                      size_t grid_rows,
-                                      size_t grid_cols,
-                                      int32_t grid_order,
-                                      const struct cata_ata_params *params);
+ * Not thread-safe: one call at a time for a world. */
+cata_status cata_world_aat_cyclic_f64(const cata_world *world, int32_t uplo, double alpha,
+    const double *a, const int32_t *desc_a, double beta, double *c, const int32_t *desc_c,
+    size_t grid_rows, size_t grid_cols, int32_t grid_order, const cata_ata_params *params);
 
-/**
- * As cata_world_aat_cyclic_f64, in float.
+/** As cata_world_aat_cyclic_f64, in float.
  *
- * Not thread-safe: one call at a time for a world.
- */
-cata_status cata_world_aat_cyclic_f32(const struct cata_world *world,
-                                      int32_t uplo,
-                                      float alpha,
-                                      const float *a,
-                                      const int32_t *desc_a,
-                                      float beta,
-                                      float *c,
-                                      const int32_t *desc_c,
-                                      size_t grid_rows,
-                                      size_t grid_cols,
-                                      int32_t grid_order,
-                                      const struct cata_ata_params *params);
+ * Not thread-safe: one call at a time for a world. */
+cata_status cata_world_aat_cyclic_f32(const cata_world *world, int32_t uplo, float alpha,
+    const float *a, const int32_t *desc_a, float beta, float *c, const int32_t *desc_c,
+    size_t grid_rows, size_t grid_cols, int32_t grid_order, const cata_ata_params *params);
 
-/**
- * Rows and columns of a distributed matrix. Local.
+/** Rows and columns of a distributed matrix. Local.
  *
- * `symmetric`: not NULL. `n`: one size_t, not NULL; written on success.
- * Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_UNSUPPORTED.
- *
- * Thread-safe.
- */
-cata_status cata_symmetric_n(const struct cata_symmetric *symmetric, size_t *n);
+ * `symmetric`: not NULL. `n`: one size_t, not NULL; written on success. */
+cata_status cata_symmetric_n(const cata_symmetric *symmetric, size_t *n);
 
-/**
- * Gives the part that this rank has of a distributed matrix back. Local, before or after the end of its world.
+/** Gives the part that this rank has of a distributed matrix back. Local, before or after the end
+ * of its world.
  *
- * `symmetric`: made by this library and not yet freed; NULL does nothing.
- *
- * Thread-safe, but no call may be using it.
- */
-void cata_symmetric_free(struct cata_symmetric *symmetric);
+ * `symmetric`: made by this library and not yet freed; NULL does nothing. */
+void cata_symmetric_free(cata_symmetric *symmetric);
 
-/**
- * Puts the whole of a distributed matrix of doubles into C on one rank. Collective.
+/** Puts the whole of a distributed matrix of doubles into C on one rank. Collective.
  *
  * - `symmetric`: not NULL; made by a call of all ranks of `world`, in double.
  * - `world`: not NULL.
  * - `root`: the rank that gets C, from 0.
- * - `layout`, `uplo`, `c`, `ldc`: on the root C, n x n, as in cata_ata_f64; ignored on other ranks.
+ * - `layout`, `uplo`, `c`, `ldc`: on the root C, n x n, as in cata_ata_f64; ignored on other
+ *   ranks.
  *
- * Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (for a root out of range, or another
- * precision, too), CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC. C is
- * untouched after any of them but the last.
- *
- * Not thread-safe: one call at a time for a world.
- */
-cata_status cata_symmetric_gather_f64(const struct cata_symmetric *symmetric,
-                                      const struct cata_world *world,
-                                      size_t root,
-                                      int32_t layout,
-                                      int32_t uplo,
-                                      double *c,
-                                      size_t ldc);
+ * Not thread-safe: one call at a time for a world. */
+cata_status cata_symmetric_gather_f64(const cata_symmetric *symmetric, const cata_world *world,
+    size_t root, int32_t layout, int32_t uplo, double *c, size_t ldc);
 
-/**
- * As cata_symmetric_gather_f64, of floats.
+/** As cata_symmetric_gather_f64, of floats.
  *
- * Not thread-safe: one call at a time for a world.
- */
-cata_status cata_symmetric_gather_f32(const struct cata_symmetric *symmetric,
-                                      const struct cata_world *world,
-                                      size_t root,
-                                      int32_t layout,
-                                      int32_t uplo,
-                                      float *c,
-                                      size_t ldc);
+ * Not thread-safe: one call at a time for a world. */
+cata_status cata_symmetric_gather_f32(const cata_symmetric *symmetric, const cata_world *world,
+    size_t root, int32_t layout, int32_t uplo, float *c, size_t ldc);
 
-/**
- * Checks that a distributed matrix of doubles is alpha A^T A, up to rounding, with `rounds` random vectors
- * (Freivalds 1977). Collective; all ranks get the same answer.
+/** Checks that a distributed matrix of doubles is alpha A^T A, up to rounding, with `rounds`
+ * random vectors (Freivalds 1977). Collective; all ranks get the same answer.
  *
  * - `symmetric`: not NULL; n x n, in double, made by a call of all ranks of `world`. Read.
  * - `world`: not NULL.
  * - `spread`: CATA_BY_ROWS or CATA_BY_COLUMNS: how A is spread.
  * - `layout`: of this rank's part of A.
- * - `rows`, `cols`: of this rank's part of A: any number of rows and n columns, or as many rows as A and any
- *   number of columns, n on all ranks together.
- * - `a`, `lda`: this rank's part of A, read, as in cata_world_ata_rows_f64 or cata_world_ata_columns_f64.
- * - `rounds`: 1 to 1000. A matrix with an entry wrong by more than twice the tolerance passes with probability at
- *   most 2^-rounds.
+ * - `rows`, `cols`: of this rank's part of A: any number of rows and n columns, or as many rows
+ *   as A and any number of columns, n on all ranks together.
+ * - `a`, `lda`: this rank's part of A, read, as in cata_world_ata_rows_f64 or
+ *   cata_world_ata_columns_f64.
+ * - `rounds`: 1 to 1000. A matrix with an entry wrong by more than twice the tolerance passes
+ *   with probability at most 2^-rounds.
  * - `seed`: of the random vectors; the same seed gives the same answer.
  * - `passed`, `residual`, `tolerance`: as in cata_verify_f64.
  *
- * Returns CATA_OK, whether it passed or not, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT,
- * CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC.
+ * Returns CATA_OK, whether it passed or not.
  *
- * Not thread-safe: one call at a time for a world.
- */
-cata_status cata_symmetric_verify_f64(const struct cata_symmetric *symmetric,
-                                      const struct cata_world *world,
-                                      int32_t spread,
-                                      int32_t layout,
-                                      size_t rows,
-                                      size_t cols,
-                                      double alpha,
-                                      const double *a,
-                                      size_t lda,
-                                      int32_t rounds,
-                                      uint64_t seed,
-                                      int32_t *passed,
-                                      double *residual,
-                                      double *tolerance);
+ * Not thread-safe: one call at a time for a world. */
+cata_status cata_symmetric_verify_f64(const cata_symmetric *symmetric, const cata_world *world,
+    int32_t spread, int32_t layout, size_t rows, size_t cols, double alpha, const double *a,
+    size_t lda, int32_t rounds, uint64_t seed, int32_t *passed, double *residual,
+    double *tolerance);
 
-/**
- * As cata_symmetric_verify_f64, for a product in float. The check itself is in double.
+/** As cata_symmetric_verify_f64, for a product in float. The check itself is in double.
  *
- * Not thread-safe: one call at a time for a world.
- */
-cata_status cata_symmetric_verify_f32(const struct cata_symmetric *symmetric,
-                                      const struct cata_world *world,
-                                      int32_t spread,
-                                      int32_t layout,
-                                      size_t rows,
-                                      size_t cols,
-                                      double alpha,
-                                      const float *a,
-                                      size_t lda,
-                                      int32_t rounds,
-                                      uint64_t seed,
-                                      int32_t *passed,
-                                      double *residual,
-                                      double *tolerance);
+ * Not thread-safe: one call at a time for a world. */
+cata_status cata_symmetric_verify_f32(const cata_symmetric *symmetric, const cata_world *world,
+    int32_t spread, int32_t layout, size_t rows, size_t cols, double alpha, const float *a,
+    size_t lda, int32_t rounds, uint64_t seed, int32_t *passed, double *residual,
+    double *tolerance);
 
-/**
- * Gives back the memory that products keep for the next one: the scratch of the last large call, at
- * most 1 GiB.
- *
- * Returns CATA_OK. Thread-safe: scratch in use is not touched.
- */
-cata_status cata_release_memory(void);
-
-/**
- * For the tests of this ABI only: panics inside the library, on the calling thread if `worker` is
- * 0 and else on a thread of its own, to show that no panic reaches the caller.
- *
- * Returns CATA_ERR_PANIC. Thread-safe.
- */
-cata_status cata_internal_panic(int32_t worker);
+/** @} */
 
 #ifdef __cplusplus
-}  // extern "C"
-#endif  // __cplusplus
+} // extern "C"
+#endif // __cplusplus
 
-#endif  /* CATAMARAN_H */
+#endif // CATAMARAN_H

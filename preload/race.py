@@ -2,13 +2,15 @@
 
     python race.py LIBRARY [--sides 512,1024] [--only small|ata|gemm|programs] [--repeat 7] [--csv FILE]
 
-Two processes of this program take turns, so that both see the same machine. A row has the medians
-of both and the median of the ratios of turns; a ratio below 1 means: faster with the library.
+Two processes of this program take turns, so that both see the same machine; the one that waits is
+stopped, with its threads. A row has the medians of both and the median of the ratios of turns; a
+ratio below 1 means: faster with the library.
 """
 
 import argparse
 import json
 import os
+import signal
 import statistics
 import subprocess
 import sys
@@ -90,13 +92,19 @@ class Contender:
         self.process = subprocess.Popen(
             [sys.executable, __file__, WORKER], env=environment, stdin=pipe, stdout=pipe, text=True
         )
+        self.process.send_signal(signal.SIGSTOP)
 
     def seconds(self, case, calls=1):
+        self.process.send_signal(signal.SIGCONT)
         print(json.dumps([case, calls]), file=self.process.stdin, flush=True)
         answer = self.process.stdout.readline()
-        # Threads of a BLAS stay awake for a while.
-        time.sleep(0.03)
+        # Threads of a BLAS stay awake for a while, and would disturb the other process.
+        self.process.send_signal(signal.SIGSTOP)
         return float(answer)
+
+    def end(self):
+        self.process.kill()
+        self.process.wait()
 
 
 def main():
@@ -124,6 +132,8 @@ def main():
         ratio = statistics.median(t[1] / t[0] for t in turns)
         rows.append((*case, calls, len(turns), f"{alone:.4e}", f"{ours:.4e}", f"{ratio:.3f}"))
         print("  ".join(f"{str(x):>10}" for x in rows[-1]), flush=True)
+    for contender in contenders:
+        contender.end()
     if options.csv:
         with open(options.csv, "w") as file:
             file.writelines(",".join(map(str, row)) + "\n" for row in rows)

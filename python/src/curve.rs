@@ -1,6 +1,6 @@
 //! Curves through samples on a mesh.
 
-use catamaran::curve::{Count, CurveOptions, CurveSolver, Mode, Outcome, refined, smooth};
+use catamaran::curve::{Count, CurveOptions, CurveSolver, Mode, Outcome};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -27,9 +27,6 @@ pub struct How {
     #[pyo3(item)]
     smooth: bool,
 }
-
-/// Flips of edges for each vertex of the curves, at most, as in `catamaran curve`.
-const STEPS: usize = 1000;
 
 /// The outcome, whether it is complete, the curves as dictionaries, the samples that are left out.
 type Found<'py> = (String, bool, Vec<Bound<'py, PyDict>>, Bound<'py, PyAny>);
@@ -58,13 +55,7 @@ pub fn curve<'py>(
             .progress(progress);
         let mut found = CurveSolver::new(&mesh)?.reconstruct(&samples, &options)?;
         if how.smooth {
-            let refined = refined(&mesh, &found.steiner)?;
-            let count: usize = found.curves.iter().map(|curve| curve.path.len()).sum();
-            let smoothed = smooth(&refined, &found.curves, &samples, STEPS * count)?;
-            let all = smoothed.points.into_iter().zip(smoothed.lengths);
-            for (curve, (points, length)) in found.curves.iter_mut().zip(all) {
-                (curve.points, curve.length) = (points, length);
-            }
+            found.smooth(&mesh, &samples)?;
         }
         Ok(found)
     })?;

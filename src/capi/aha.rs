@@ -1,7 +1,7 @@
 use faer::complex::Complex;
 
+use super::ata_params::{cata_ata_params, with_options};
 use super::boundary::boundary;
-use super::params::{cata_ata_params, with_options};
 use super::pointer::{Layout, matrix, matrix_mut, slice, uplo_from};
 use super::status::cata_status;
 use crate::blas::BlasReal;
@@ -9,41 +9,30 @@ use crate::{AtaOptions, Uplo};
 
 /// C := alpha A^H A + beta C, for complex A m x n and Hermitian C n x n; alpha and beta are real.
 ///
-/// A complex element is two doubles, the real part and then the imaginary one, as `double complex`
-/// of C99 and `std::complex<double>` of C++: pointers to those can be cast. Leading dimensions count
-/// complex elements.
+/// A complex element is two doubles, the real part and then the imaginary one, as `double
+/// complex` of C99 and `std::complex<double>` of C++: pointers to those can be cast. Leading
+/// dimensions count complex elements.
 ///
-/// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of C.
-/// - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict triangle
-///   that is not, and what lies between lines, is neither read nor written. With CATA_BOTH the
-///   upper triangle is the conjugate of the lower one, bit for bit; with beta != 0 the old lower
-///   one is what is read.
-/// - `m`, `n`: any, 0 included.
+/// - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict
+///   triangle that is not, and what lies between lines, is neither read nor written. With
+///   CATA_BOTH the upper triangle is the conjugate of the lower one, bit for bit; with beta != 0
+///   the old lower one is what is read.
 /// - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
-/// - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n.
-///   Column-major: n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when m or
-///   n is 0.
-/// - `c`: C, written; n lines of `ldc` >= max(1, n) elements, the last one of n. May be NULL when n
-///   is 0. Imaginary parts of its diagonal are not read, and become 0. No element of A may be one
-///   of C's.
-/// - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
-///   call.
+/// - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-
+///   major: n lines of `lda` >= max(1, m) elements, the last one of m.
+/// - `c`: C, written; n lines of `ldc` >= max(1, n) elements, the last one of n. Imaginary parts
+///   of its diagonal are not read, and become 0. No element of A may be one of C's.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE (a leading dimension too small, or a size beyond
-/// the address space), CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, CATA_ERR_OUT_OF_MEMORY,
-/// CATA_ERR_CANCELLED or CATA_ERR_PANIC. C is untouched after any error but CATA_ERR_PANIC, which
-/// leaves unspecified values in its wanted part.
+/// C is untouched after any error but CATA_ERR_PANIC, which leaves unspecified values in its
+/// wanted part.
 ///
-/// The result does not depend on the number of threads, bit for bit; with `reproducible` in
-/// `params`, nor on the machine. The extra memory is that of a matrix like C, 64 MiB (or 1024 rows
+/// The extra memory is that of a matrix like C, 64 MiB (or 1024 rows
 /// of A if those are longer), and the scratch of cata_ata_f64 for as many rows.
 ///
 /// With u = 2^-53 (float: 2^-24) both parts of entry (i, j) of a product with the default params
 /// are wrong by at most 8 m u |a_i| |a_j|, the Euclidean norms of two columns. NaN and infinities
-/// have the effect of (x - i y)(u + i v) = (x u + y v) + i (x v - y u), term by term, in classical
-/// and exact products; fast products spread them further.
-///
-/// Thread-safe: calls may run at the same time as long as no C is shared.
+/// have the effect of (x - i y)(u + i v) = (x u + y v) + i (x v - y u), term by term, in
+/// classical and exact products; fast products spread them further.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -66,8 +55,6 @@ pub unsafe extern "C" fn cata_aha_c64(
 }
 
 /// As cata_aha_c64, in float: `float complex` and `std::complex<float>`.
-///
-/// Thread-safe: calls may run at the same time as long as no C is shared.
 ///
 /// # Safety
 /// The pointers are as described at `cata_aha_c64`.
@@ -93,23 +80,17 @@ pub unsafe extern "C" fn cata_aha_c32(
 ///
 /// Complex elements, and leading dimensions that count them, are as in cata_aha_c64.
 ///
-/// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of all three.
-/// - `m`, `n`, `k`: any, 0 included.
-/// - `alpha`, `beta`: one complex element each, read, not NULL; with beta == 0 C is not read, so it
-///   may be uninitialised. A real one multiplies both parts.
-/// - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n.
-///   Column-major: n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when A
-///   has no element.
+/// - `alpha`, `beta`: one complex element each, read, not NULL; with beta == 0 C is not read, so
+///   it may be uninitialised. A real one multiplies both parts.
+/// - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-
+///   major: n lines of `lda` >= max(1, m) elements, the last one of m.
 /// - `b`: B, read, likewise with k for n and `ldb`. A and B may overlap.
 /// - `c`: C, written. Row-major: n lines of `ldc` >= max(1, k) elements; column-major: k lines of
-///   `ldc` >= max(1, n). What lies between lines is neither read nor written. May be NULL when C
-///   has no element. No element of A or B may be one of C's.
-/// - `params`: as in cata_aha_c64.
+///   `ldc` >= max(1, n). What lies between lines is neither read nor written. No element of A or
+///   B may be one of C's.
 ///
 /// Returns what cata_aha_c64 does, with the same promises about C, errors, NaN and infinities, of
 /// columns of A and of B.
-///
-/// Thread-safe: calls may run at the same time as long as no C is shared.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -134,8 +115,6 @@ pub unsafe extern "C" fn cata_ahb_c64(
 }
 
 /// As cata_ahb_c64, in float: `float complex` and `std::complex<float>`.
-///
-/// Thread-safe: calls may run at the same time as long as no C is shared.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ahb_c64`.

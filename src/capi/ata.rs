@@ -1,5 +1,16 @@
+//! # A^T A
+//!
+//! Dense products: symmetric, of two matrices, Hermitian; of a sparse matrix; and a probabilistic
+//! check.
+//!
+//! ```c
+//! double a[] = {1, 2, 3, 4, 5, 6}, c[4]; // 3 x 2
+//! cata_ata_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 1, a, 2, 0, c, 2, NULL);
+//! printf("%g %g %g\n", c[0], c[1], c[3]); // 35 44 56
+//! ```
+
+use super::ata_params::{cata_ata_params, with_options};
 use super::boundary::boundary;
-use super::params::{cata_ata_params, with_options};
 use super::pointer::{Layout, check_size, matrix, matrix_mut, output, slice_mut, uplo_from};
 use super::status::cata_status;
 use crate::ata::{DenseRows, RowOptions, ata_rows};
@@ -9,37 +20,29 @@ use crate::{AtaOptions, Uplo};
 /// C := alpha A^T A + beta C, for A m x n and C n x n.
 ///
 /// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of C.
-/// - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict triangle
-///   that is not, and what lies between lines, is neither read nor written.
-/// - `m`, `n`: any, 0 included.
+/// - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict
+///   triangle that is not, and what lies between lines, is neither read nor written.
 /// - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
-/// - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-major:
-///   n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when m or n is 0.
-/// - `c`: C, written; n lines of `ldc` >= max(1, n) elements, the last one of n. May be NULL when n is
-///   0. No element of A may be one of C's.
-/// - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
-///   call.
+/// - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-
+///   major: n lines of `lda` >= max(1, m) elements, the last one of m.
+/// - `c`: C, written; n lines of `ldc` >= max(1, n) elements, the last one of n. No element of A
+///   may be one of C's.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE (a leading dimension too small, or a size beyond
-/// the address space), CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, CATA_ERR_OUT_OF_MEMORY,
-/// CATA_ERR_CANCELLED or CATA_ERR_PANIC. All arguments are checked, and the workspace is allocated,
-/// before C is first written: it is untouched after any error but CATA_ERR_CANCELLED and
-/// CATA_ERR_PANIC, which leave unspecified values in its wanted part.
+/// All arguments are checked, and the workspace is allocated, before C is first written: it is
+/// untouched after any error but CATA_ERR_CANCELLED and CATA_ERR_PANIC, which leave unspecified
+/// values in its wanted part.
 ///
-/// The result does not depend on the number of threads, bit for bit; with `reproducible` in `params`, nor
-/// on the machine.
+/// With `reproducible` in `params` the result does not depend on the machine either.
 ///
-/// With u = 2^-53 (float: 2^-24) entry (i, j) of a classical product is wrong by at most about
-/// m u (|A|^T |A|)(i, j); that of CATA_SCHEME_EXACT with the default `error_factor` by at most
-/// (u + 1.1e-16 sqrt(m)) |a_i| |a_j| (float: 1.7e-8 for 1.1e-16), the Euclidean norms of two columns, far
-/// below which it may have no correct digit; fast products are bounded in the maximum norm only.
-/// CATA_SCHEME_AUTO may take any of them unless `error_factor` is 1, which allows only the first, or
-/// CATA_ERROR_LEAST.
+/// With u = 2^-53 (float: 2^-24) entry (i, j) of a classical product is wrong by at most about m
+/// u (|A|^T |A|)(i, j); that of CATA_SCHEME_EXACT with the default `error_factor` by at most (u +
+/// 1.1e-16 sqrt(m)) |a_i| |a_j| (float: 1.7e-8 for 1.1e-16), the Euclidean norms of two columns,
+/// far below which it may have no correct digit; fast products are bounded in the maximum norm
+/// only. CATA_SCHEME_AUTO may take any of them unless `error_factor` is 1, which allows only the
+/// first, or CATA_ERROR_LEAST.
 ///
-/// NaN and infinities in A reach the entries of C that they do in the classical algorithm, those of their
-/// columns, in classical and exact products. Fast products spread them further.
-///
-/// Thread-safe: calls may run at the same time as long as no C is shared.
+/// NaN and infinities in A reach the entries of C that they do in the classical algorithm, those
+/// of their columns, in classical and exact products. Fast products spread them further.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -62,8 +65,6 @@ pub unsafe extern "C" fn cata_ata_f64(
 }
 
 /// As cata_ata_f64, in float.
-///
-/// Thread-safe: calls may run at the same time as long as no C is shared.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ata_f64`.
@@ -88,10 +89,8 @@ pub unsafe extern "C" fn cata_ata_f32(
 /// As cata_ata_f64, with A in float: all sums and products are in double. A is converted block by
 /// block, so the extra memory is about 32 MiB, or 1024 rows if those are longer, and the scratch.
 ///
-/// Unlike there, C holds unspecified values in its wanted part after CATA_ERR_OUT_OF_MEMORY too, and
-/// progress may start anew with every block of rows.
-///
-/// Thread-safe: calls may run at the same time as long as no C is shared.
+/// Unlike there, C holds unspecified values in its wanted part after CATA_ERR_OUT_OF_MEMORY too,
+/// and progress may start anew with every block of rows.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ata_f64`.
@@ -129,11 +128,6 @@ pub unsafe extern "C" fn cata_ata_f32_f64(
 /// The scratch that cata_ata_with_scratch_f64 needs for A m x n and the same params.
 ///
 /// `len`: one size_t, not NULL; written on success: a number of elements, not bytes.
-/// `params`: as in cata_ata_f64.
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED or
-/// CATA_ERR_PANIC.
-///
-/// Thread-safe.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -150,8 +144,6 @@ pub unsafe extern "C" fn cata_ata_scratch_len_f64(
 
 /// As cata_ata_scratch_len_f64, in float.
 ///
-/// Thread-safe.
-///
 /// # Safety
 /// The pointers are as described at `cata_ata_scratch_len_f64`.
 #[unsafe(no_mangle)]
@@ -167,11 +159,9 @@ pub unsafe extern "C" fn cata_ata_scratch_len_f32(
 
 /// cata_ata_f64 without allocating its workspace.
 ///
-/// `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as many as
-/// cata_ata_scratch_len_f64 says for the same m, n and params, else CATA_ERR_SHAPE. May be NULL
-/// when `scratch_len` is 0. It must not overlap A or C. The rest as in cata_ata_f64.
-///
-/// Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
+/// `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as
+/// many as cata_ata_scratch_len_f64 says for the same m, n and params, else CATA_ERR_SHAPE. It
+/// must not overlap A or C. The rest as in cata_ata_f64.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ata_f64`. So is `scratch` here.
@@ -212,8 +202,6 @@ pub unsafe extern "C" fn cata_ata_with_scratch_f64(
 }
 
 /// As cata_ata_with_scratch_f64, in float.
-///
-/// Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ata_with_scratch_f64`.
@@ -256,8 +244,6 @@ pub unsafe extern "C" fn cata_ata_with_scratch_f32(
 /// C := alpha A A^T + beta C, for A m x n and C m x m: `c` has m lines of `ldc` >= max(1, m)
 /// elements. The rest as in cata_ata_f64.
 ///
-/// Thread-safe: calls may run at the same time as long as no C is shared.
-///
 /// # Safety
 /// The pointers are as described at `cata_ata_f64`.
 #[unsafe(no_mangle)]
@@ -279,8 +265,6 @@ pub unsafe extern "C" fn cata_aat_f64(
 }
 
 /// As cata_aat_f64, in float.
-///
-/// Thread-safe: calls may run at the same time as long as no C is shared.
 ///
 /// # Safety
 /// The pointers are as described at `cata_aat_f64`.

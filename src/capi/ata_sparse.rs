@@ -1,18 +1,18 @@
+use super::ata_params::{cata_ata_params, with_options};
 use super::boundary::boundary;
-use super::params::{cata_ata_params, with_options};
 use super::pointer::{Layout, matrix_mut, slice, sparse, uplo_from};
 use super::status::cata_status;
 use crate::ata::ata_sparse;
 use crate::blas::BlasReal;
 
-/// C := alpha A^T W A + beta C, for a sparse A, m x n, with weights W or none, and C n x n, dense.
+/// C := alpha A^T W A + beta C, for a sparse A, m x n, with weights W or none, and C n x n,
+/// dense.
 ///
 /// - `layout`, `uplo`: of C, as in cata_ata_f64.
-/// - `m`, `n`: any, 0 included.
 /// - `row_starts`: m + 1 elements, read: the entries of row i are those from `row_starts[i]` to
-///   `row_starts[i + 1] - 1`, the first being 0. May be NULL when m is 0.
+///   `row_starts[i + 1] - 1`, the first being 0.
 /// - `columns`, `entries`: `row_starts[m]` elements each, read: columns ascending within a row,
-///   from 0, each at most once, and the entries of A there. May be NULL when there are none.
+///   from 0, each at most once, and the entries of A there.
 /// - `weights`: m finite elements, read; NULL: all 1.
 /// - `alpha`, `beta`, `c`, `ldc`: as in cata_ata_f64.
 /// - `params`: NULL for the defaults; `threads` and `progress` count, the rest is checked only.
@@ -22,8 +22,6 @@ use crate::blas::BlasReal;
 ///
 /// The sums are those of the classical algorithm, in double and in the order of the rows. The
 /// result does not depend on the number of threads, bit for bit.
-///
-/// Thread-safe: calls may run at the same time as long as no C is shared.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -52,8 +50,6 @@ pub unsafe extern "C" fn cata_ata_sparse_f64(
 }
 
 /// As cata_ata_sparse_f64, with A and C in float; weights and sums are in double.
-///
-/// Thread-safe: calls may run at the same time as long as no C is shared.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ata_sparse_f64`.

@@ -1,5 +1,5 @@
+use super::ata_params::{cata_ata_params, with_options};
 use super::boundary::boundary;
-use super::params::{cata_ata_params, with_options};
 use super::pointer::{Layout, check_size, matrix, matrix_mut, output, slice_mut};
 use super::status::cata_status;
 use crate::blas::BlasReal;
@@ -7,22 +7,16 @@ use crate::{AtaOptions, Uplo};
 
 /// C := alpha A^T B + beta C, for A m x n, B m x k and C n x k.
 ///
-/// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of all three.
-/// - `m`, `n`, `k`: any, 0 included.
 /// - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
-/// - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-major:
-///   n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when A has no element.
+/// - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-
+///   major: n lines of `lda` >= max(1, m) elements, the last one of m.
 /// - `b`: B, read, likewise with k for n and `ldb`. A and B may overlap.
 /// - `c`: C, written. Row-major: n lines of `ldc` >= max(1, k) elements; column-major: k lines of
-///   `ldc` >= max(1, n). What lies between lines is neither read nor written. May be NULL when C has no
-///   element. No element of A or B may be one of C's.
-/// - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
-///   call.
+///   `ldc` >= max(1, n). What lies between lines is neither read nor written. No element of A or
+///   B may be one of C's.
 ///
-/// Returns what cata_ata_f64 does, with the same promises about C, errors, NaN and infinities, of columns of
-/// A and of B.
-///
-/// Thread-safe: calls may run at the same time as long as no C is shared.
+/// Returns what cata_ata_f64 does, with the same promises about C, errors, NaN and infinities, of
+/// columns of A and of B.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -47,8 +41,6 @@ pub unsafe extern "C" fn cata_atb_f64(
 }
 
 /// As cata_atb_f64, in float.
-///
-/// Thread-safe: calls may run at the same time as long as no C is shared.
 ///
 /// # Safety
 /// The pointers are as described at `cata_atb_f64`.
@@ -75,11 +67,6 @@ pub unsafe extern "C" fn cata_atb_f32(
 /// The scratch that cata_atb_with_scratch_f64 needs for A m x n, B m x k and the same params.
 ///
 /// `len`: one size_t, not NULL; written on success: a number of elements, not bytes.
-/// `params`: as in cata_atb_f64.
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED or
-/// CATA_ERR_PANIC.
-///
-/// Thread-safe.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -97,8 +84,6 @@ pub unsafe extern "C" fn cata_atb_scratch_len_f64(
 
 /// As cata_atb_scratch_len_f64, in float.
 ///
-/// Thread-safe.
-///
 /// # Safety
 /// The pointers are as described at `cata_atb_scratch_len_f64`.
 #[unsafe(no_mangle)]
@@ -115,11 +100,9 @@ pub unsafe extern "C" fn cata_atb_scratch_len_f32(
 
 /// cata_atb_f64 without allocating its workspace.
 ///
-/// `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as many as
-/// cata_atb_scratch_len_f64 says for the same m, n, k and params, else CATA_ERR_SHAPE. May be
-/// NULL when `scratch_len` is 0. It must not overlap A, B or C. The rest as in cata_atb_f64.
-///
-/// Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
+/// `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as
+/// many as cata_atb_scratch_len_f64 says for the same m, n, k and params, else CATA_ERR_SHAPE. It
+/// must not overlap A, B or C. The rest as in cata_atb_f64.
 ///
 /// # Safety
 /// The pointers are as described at `cata_atb_f64`. So is `scratch` here.
@@ -164,8 +147,6 @@ pub unsafe extern "C" fn cata_atb_with_scratch_f64(
 }
 
 /// As cata_atb_with_scratch_f64, in float.
-///
-/// Thread-safe: calls may run at the same time as long as no C and no scratch is shared.
 ///
 /// # Safety
 /// The pointers are as described at `cata_atb_with_scratch_f64`.

@@ -1,3 +1,16 @@
+//! # Back ends
+//!
+//! A BLAS library may compute the small products that schemes end in.
+//!
+//! ```c
+//! cata_backend *backend;
+//! if (cata_backend_load("libopenblas.so.0", &backend) == CATA_OK) {
+//!     cata_ata_params params = {.struct_size = sizeof params, .backend = backend};
+//!     cata_ata_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 1, a, 2, 0, c, 2, &params);
+//!     cata_backend_free(backend);
+//! }
+//! ```
+
 use std::ffi::{CString, c_char};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -28,16 +41,14 @@ impl cata_backend {
     }
 }
 
-/// Loads the shared library at `path` (MKL's libmkl_rt.so, libopenblas.so, libblis.so, ...), which
-/// must have the CBLAS interface with 32-bit integers.
+/// Loads the shared library at `path` (MKL's libmkl_rt.so, libopenblas.so, libblis.so, ...),
+/// which must have the CBLAS interface with 32-bit integers.
 ///
 /// `path`: NUL-terminated file name, not NULL; without a slash the system's search path is used.
 /// The library's initialisers run: load only what you trust.
 /// `backend`: one pointer, not NULL; written on success only. Free it by cata_backend_free.
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a path that is not UTF-8 on a system that
-/// wants it, or CATA_ERR_BACKEND when there is no such file or it is not such a library.
 ///
-/// Thread-safe.
+/// Returns CATA_ERR_BACKEND when there is no such file or it is not such a library.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -68,9 +79,8 @@ pub unsafe extern "C" fn cata_backend_load(
 /// The OpenBLAS that the library was linked with.
 ///
 /// `backend`: one pointer, not NULL; written on success only. Free it by cata_backend_free.
-/// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_UNSUPPORTED without CATA_CAP_OPENBLAS.
 ///
-/// Thread-safe.
+/// Returns CATA_ERR_UNSUPPORTED without CATA_CAP_OPENBLAS.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -97,8 +107,6 @@ pub unsafe extern "C" fn cata_backend_openblas(backend: *mut *mut cata_backend) 
 ///
 /// `backend`: NULL, or made by cata_backend_load or cata_backend_openblas and not yet freed.
 ///
-/// Thread-safe.
-///
 /// # Safety
 /// The pointer is as described.
 #[unsafe(no_mangle)]
@@ -108,11 +116,6 @@ pub unsafe extern "C" fn cata_backend_name(backend: *const cata_backend) -> *con
 }
 
 /// Gives a back end back.
-///
-/// `backend`: made by cata_backend_load or cata_backend_openblas and not yet freed; NULL does
-/// nothing.
-///
-/// Thread-safe, but no call may be using the back end.
 ///
 /// # Safety
 /// The pointer is as described.

@@ -1,68 +1,99 @@
+//! # Curves
+//!
+//! Closed or open curves along the edges of a mesh through samples of them, whose order is found (thesis,
+//! chapter 6): a solver for each mesh, for many curves.
+//!
+//! ```c
+//! double v[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, .5, .5, 0}, length;
+//! uint32_t f[] = {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4}, samples[] = {0, 2, 1, 3};
+//! cata_curve_solver *solver;
+//! cata_curves *curves;
+//! cata_curve_solver_new(5, v, 4, f, &solver);
+//! cata_curve_solver_find(solver, 4, samples, NULL, &curves);
+//! cata_curves_size(curves, 0, NULL, NULL, NULL, &length); // 4
+//! cata_curves_free(curves);
+//! cata_curve_solver_free(solver);
+//! ```
+
 use std::ffi::c_void;
 use std::mem::offset_of;
 
 use super::boundary::boundary;
-use super::params::{Versioned, cata_progress, flag, init, read, watcher};
-use super::pointer::{check_size, optional_output, output, slice, slice_mut};
+use super::params::{Versioned, flag, init, read};
+use super::pointer::{
+    check_size, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
+};
+use super::progress::{cata_progress, watcher};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::base::Progress;
-use crate::curve::{Count, CurveOptions, CurveSolver, Mode, Outcome, Reconstruction};
-use crate::mesh::TriMesh;
+use crate::curve::{
+    Count, Curve, CurveOptions, CurveSolver, Mode, Outcome, Placement, Reconstruction, Site, place,
+};
 
-/// The curve is closed, or all curves are.
+/// `outcome`: the curve is closed, or all curves are.
 pub const CATA_CURVE_CLOSED: i32 = 0;
-/// The curve is open, as was asked for.
+/// `outcome`: the curve is open, as was asked for.
 pub const CATA_CURVE_OPEN: i32 = 1;
-/// From a sample no way led on.
+/// `outcome`: from a sample no way led on.
 pub const CATA_CURVE_BLOCKED: i32 = 2;
-/// All samples are connected, but no way led back to the first one.
+/// `outcome`: all samples are connected, but no way led back to the first one.
 pub const CATA_CURVE_CLOSE_BLOCKED: i32 = 3;
-/// Samples are on different components of the mesh.
+/// `outcome`: samples are on different components of the mesh.
 pub const CATA_CURVE_DISCONNECTED: i32 = 4;
 
-/// How curves are found. Every field but the first is 0 (NULL) by default, so that
-/// `cata_curve_params params = {.struct_size = sizeof params};` does what cata_curve_params_init does.
+/// `points`: vertices, and points in the middle of edges where there is no other way.
+pub const CATA_CURVE_STEINER: i32 = 0;
+/// `points`: vertices of the mesh alone.
+pub const CATA_CURVE_VERTICES: i32 = 1;
+
+/// Instead of a face: the place is a point in space.
+pub const CATA_IN_SPACE: u32 = u32::MAX;
+
+/// How curves are found. They are found on the calling thread.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_curve_params {
-    /// sizeof(cata_curve_params) as the caller was compiled with. Later versions add fields at the end;
-    /// one that this library does not know must be 0.
+    /// sizeof(cata_curve_params).
     pub struct_size: usize,
+    /// Of no effect.
+    pub threads: usize,
+    /// Told of progress; NULL: nobody.
+    pub progress: cata_progress,
+    /// Handed to `progress`.
+    pub progress_user: *mut c_void,
     /// With `faithful` 1: among how many of the nearest samples the next one is chosen; 0: 5.
     pub candidates: usize,
     /// With `faithful` 1: the number of the sample that the curve starts at.
     pub start: usize,
-    /// Told of progress; NULL: nobody.
-    pub progress: cata_progress,
-    /// Handed to `progress` as it is; may be NULL.
-    pub progress_user: *mut c_void,
-    /// 1: algorithm 6.1 of the thesis, from sample to sample. 0: the order first, then paths that do not meet.
+    /// 1: algorithm 6.1 of the thesis, from sample to sample. 0: the order first, then paths that do not
+    /// meet.
     pub faithful: i32,
     /// 1: an open curve; 0: closed.
     pub open: i32,
     /// 1: one curve, even where there are gaps as between several; 0: as many as there are gaps for.
     pub single: i32,
-    /// 1: vertices of the mesh alone; 0: points in the middle of edges are added where there is no other way.
-    pub no_steiner: i32,
+    /// CATA_CURVE_STEINER or CATA_CURVE_VERTICES.
+    pub points: i32,
+    /// 1: curves are shortened to geodesics between their samples. 0: they are along edges.
+    pub smooth: i32,
 }
 
 impl Versioned for cata_curve_params {
     const NAME: &'static str = "cata_curve_params";
-    const FIRST_SIZE: usize = offset_of!(Self, no_steiner) + size_of::<i32>();
+    const FIRST_SIZE: usize = offset_of!(Self, smooth) + size_of::<i32>();
 }
 
-/// Curves that were found. Made by cata_curves_new; for one thread at a time unless it is only read.
+/// A mesh, prepared for the search for curves. Made by cata_curve_solver_new.
+pub struct cata_curve_solver {
+    solver: CurveSolver<'static>,
+}
+
+/// Curves that were found. Made by cata_curve_solver_find; constant.
 pub struct cata_curves {
     found: Reconstruction,
 }
 
-/// Fills a parameter struct with the defaults.
-///
-/// `params`: one struct, not NULL; `struct_size` bytes are written.
-/// `struct_size`: sizeof(cata_curve_params).
-/// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
-///
-/// Thread-safe.
+/// Fills a struct with the defaults.
 ///
 /// # Safety
 /// `params` points to `struct_size` writable bytes.
@@ -75,84 +106,159 @@ pub unsafe extern "C" fn cata_curve_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// The curve on a triangle mesh, along its edges, that samples without an order are of.
-///
-/// - `positions`: 3 `vertices` elements, read: x, y, z of each vertex. May be NULL when there are none.
-/// - `triangles`: 3 `faces` elements, read: three vertices of each face, from 0. May be NULL when there are none.
-/// - `samples`: `sample_count` elements, read: vertices, at least 3, none twice.
-/// - `params`: NULL for the defaults; else read during the call.
-/// - `curves`: one pointer, not NULL, written: the result, to be given to cata_curves_free.
-///
-/// Returns CATA_OK also when there is no complete curve, as cata_curves_outcome then says; CATA_ERR_NULL,
-/// CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_MESH, CATA_ERR_OUT_OF_MEMORY, CATA_ERR_CANCELLED or
-/// CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
-///
-/// Thread-safe.
+/// A solver for a mesh of any kind, of which it keeps a copy.
 ///
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_curves_new(
-    vertices: usize,
-    positions: *const f64,
-    faces: usize,
-    triangles: *const u32,
-    sample_count: usize,
+pub unsafe extern "C" fn cata_curve_solver_new(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    solver: *mut *mut cata_curve_solver,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (mesh, place) =
+            unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("solver", solver)?) };
+        let solver = CurveSolver::owning(mesh)?;
+        *place = Box::into_raw(Box::new(cata_curve_solver { solver }));
+        Ok(())
+    })
+}
+
+/// As cata_curve_solver_new, for samples that need not be vertices: those inside of faces become vertices,
+/// numbered from n_vertices on, which cut their faces.
+///
+/// - `count`: number of places.
+/// - `places`: `count` elements, read: the face of each, or CATA_IN_SPACE: the nearest vertex.
+/// - `weights`: 3 `count` elements, read: barycentric coordinates in the face, or x, y, z.
+/// - `samples`: `count` elements, written: the vertices that stand for the places.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_curve_solver_new_at(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    count: usize,
+    places: *const u32,
+    weights: *const f64,
+    samples: *mut u32,
+    solver: *mut *mut cata_curve_solver,
+) -> cata_status {
+    boundary(|| {
+        check_size::<f64>("weights", count, 3)?;
+        // SAFETY: the caller's promise.
+        let (mesh, places, weights, samples, to) = unsafe {
+            (
+                mesh(n_vertices, vertices, n_faces, faces)?,
+                slice("places", places, count)?,
+                slice("weights", weights, 3 * count)?,
+                slice_mut("samples", samples, count)?,
+                output("solver", solver)?,
+            )
+        };
+        let sites: Vec<Site> = places
+            .iter()
+            .zip(weights.as_chunks().0)
+            .map(|(&face, &weights)| match face {
+                CATA_IN_SPACE => Site::Near(weights),
+                face => Site::Face { face, weights },
+            })
+            .collect();
+        let placed = place(&mesh, &sites, Placement::Insert)?;
+        let solver = CurveSolver::owning(placed.mesh.unwrap_or(mesh))?;
+        samples.copy_from_slice(&placed.vertices);
+        *to = Box::into_raw(Box::new(cata_curve_solver { solver }));
+        Ok(())
+    })
+}
+
+/// Gives a solver back.
+///
+/// # Safety
+/// The pointer is as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_curve_solver_free(solver: *mut cata_curve_solver) {
+    if !solver.is_null() {
+        // SAFETY: from Box::into_raw, and the caller's promise.
+        drop(unsafe { Box::from_raw(solver) });
+    }
+}
+
+/// Finds the curves that samples without an order are of, neither meeting themselves nor each other. The
+/// same samples give the same curves, bit for bit. CATA_OK also when there is no complete curve, as
+/// cata_curves_outcome then says.
+///
+/// - `samples`: `count` elements, read: vertices, at least 3, none twice.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_curve_solver_find(
+    solver: *mut cata_curve_solver,
+    count: usize,
     samples: *const u32,
     params: *const cata_curve_params,
     curves: *mut *mut cata_curves,
 ) -> cata_status {
     boundary(|| {
-        check_size::<f64>("positions", vertices, 3)?;
-        check_size::<u32>("triangles", faces, 3)?;
         // SAFETY: the caller's promise.
-        let (positions, triangles, samples, curves) = unsafe {
-            (
-                slice("positions", positions, 3 * vertices)?,
-                slice("triangles", triangles, 3 * faces)?,
-                slice("samples", samples, sample_count)?,
-                output("curves", curves)?,
-            )
+        let (solver, samples, curves) = unsafe {
+            let solver = solver.as_mut().ok_or_else(|| Failure::null("solver"))?;
+            (&mut solver.solver, slice("samples", samples, count)?, output("curves", curves)?)
         };
-        let mesh = TriMesh::new(triples(positions), triples(triangles))?;
-        let mut options = CurveOptions::default();
-        let mut watch = None;
+        let (mut options, mut smooth, mut watch) = (CurveOptions::default(), false, None);
         if !params.is_null() {
             // SAFETY: the caller's promise.
             let params = unsafe { read(params) }?;
-            if flag("params.faithful", params.faithful)? {
-                options.mode = Mode::Faithful;
-            }
-            if flag("params.single", params.single)? {
-                options.count = Count::One;
-            }
-            options.open = flag("params.open", params.open)?;
-            options.steiner = !flag("params.no_steiner", params.no_steiner)?;
-            options.start = params.start;
-            if params.candidates > 0 {
-                options.candidates = params.candidates;
-            }
+            fill(&mut options, &params)?;
+            smooth = flag("params.smooth", params.smooth)?;
             watch = watcher(params.progress, params.progress_user);
         }
         options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-        let found = CurveSolver::new(&mesh)?.reconstruct(samples, &options)?;
+        let mut found = solver.reconstruct(samples, &options)?;
+        if smooth {
+            found.smooth(solver.mesh(), samples)?;
+        }
         *curves = Box::into_raw(Box::new(cata_curves { found }));
         Ok(())
     })
 }
 
-fn triples<T: Copy>(all: &[T]) -> Vec<[T; 3]> {
-    all.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()
+fn fill(options: &mut CurveOptions<'_>, params: &cata_curve_params) -> Result<(), Failure> {
+    if flag("params.faithful", params.faithful)? {
+        options.mode = Mode::Faithful;
+    }
+    if flag("params.single", params.single)? {
+        options.count = Count::One;
+    }
+    options.open = flag("params.open", params.open)?;
+    options.steiner = match params.points {
+        CATA_CURVE_STEINER => true,
+        CATA_CURVE_VERTICES => false,
+        other => {
+            let why = format!(
+                "params.points: must be CATA_CURVE_STEINER or CATA_CURVE_VERTICES, is {other}"
+            );
+            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+        }
+    };
+    options.start = params.start;
+    if params.candidates > 0 {
+        options.candidates = params.candidates;
+    }
+    Ok(())
 }
 
 /// Gives curves back.
 ///
-/// `curves`: from cata_curves_new, not used any more afterwards; NULL is ignored.
-///
-/// Thread-safe.
-///
 /// # Safety
-/// `curves` is NULL or from cata_curves_new, and was not given back before.
+/// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_curves_free(curves: *mut cata_curves) {
     if !curves.is_null() {
@@ -161,14 +267,8 @@ pub unsafe extern "C" fn cata_curves_free(curves: *mut cata_curves) {
     }
 }
 
-/// How a reconstruction ended.
-///
-/// - `curves`: from cata_curves_new, not NULL.
-/// - `outcome`: one element, written: CATA_CURVE_CLOSED, CATA_CURVE_OPEN, CATA_CURVE_BLOCKED,
-///   CATA_CURVE_CLOSE_BLOCKED or CATA_CURVE_DISCONNECTED. NULL where not wanted.
-/// - `count`: one element, written: the number of curves, or of what there is of them. NULL where not wanted.
-///
-/// Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_PANIC. Thread-safe.
+/// How the search ended, CATA_CURVE_*; the number of curves; and the number of samples that no curve is
+/// through, because their components of the mesh have fewer than three. NULL where not wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -177,14 +277,15 @@ pub unsafe extern "C" fn cata_curves_outcome(
     curves: *const cata_curves,
     outcome: *mut i32,
     count: *mut usize,
+    left_out: *mut usize,
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let (found, outcome, count) = unsafe {
+        let (found, outcome, numbers) = unsafe {
             (
                 &known(curves)?.found,
                 optional_output("outcome", outcome)?,
-                optional_output("count", count)?,
+                [optional_output("count", count)?, optional_output("left_out", left_out)?],
             )
         };
         if let Some(outcome) = outcome {
@@ -196,23 +297,17 @@ pub unsafe extern "C" fn cata_curves_outcome(
                 Outcome::Disconnected { .. } => CATA_CURVE_DISCONNECTED,
             };
         }
-        if let Some(count) = count {
-            *count = found.curves.len();
+        for (place, number) in numbers.into_iter().zip([found.curves.len(), found.left_out.len()]) {
+            if let Some(place) = place {
+                *place = number;
+            }
         }
         Ok(())
     })
 }
 
-/// How large a curve is.
-///
-/// - `curves`: from cata_curves_new, not NULL.
-/// - `curve`: its number, from 0.
-/// - `sample_count`, `vertex_count`: one element each, written: samples in its order, and vertices on its path.
-///   NULL where not wanted.
-/// - `length`: one element, written: the sum of the lengths of its edges. NULL where not wanted.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a curve that is not there, or CATA_ERR_PANIC.
-/// Thread-safe.
+/// The numbers of samples, of vertices and of points of a curve, from 0, and its length. NULL where not
+/// wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -220,25 +315,29 @@ pub unsafe extern "C" fn cata_curves_outcome(
 pub unsafe extern "C" fn cata_curves_size(
     curves: *const cata_curves,
     curve: usize,
-    sample_count: *mut usize,
-    vertex_count: *mut usize,
+    n_samples: *mut usize,
+    n_vertices: *mut usize,
+    n_points: *mut usize,
     length: *mut f64,
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let (curve, sample_count, vertex_count, length) = unsafe {
+        let (curve, numbers, length) = unsafe {
             (
                 one(known(curves)?, curve)?,
-                optional_output("sample_count", sample_count)?,
-                optional_output("vertex_count", vertex_count)?,
+                [
+                    optional_output("n_samples", n_samples)?,
+                    optional_output("n_vertices", n_vertices)?,
+                    optional_output("n_points", n_points)?,
+                ],
                 optional_output("length", length)?,
             )
         };
-        if let Some(sample_count) = sample_count {
-            *sample_count = curve.order.len();
-        }
-        if let Some(vertex_count) = vertex_count {
-            *vertex_count = curve.path.len();
+        let found = [curve.order.len(), curve.path.len(), curve.points.len()];
+        for (place, number) in numbers.into_iter().zip(found) {
+            if let Some(place) = place {
+                *place = number;
+            }
         }
         if let Some(length) = length {
             *length = curve.length;
@@ -247,17 +346,12 @@ pub unsafe extern "C" fn cata_curves_size(
     })
 }
 
-/// A curve.
+/// A curve; NULL where not wanted.
 ///
-/// - `curves`: from cata_curves_new, not NULL.
-/// - `curve`: its number, from 0.
-/// - `order`: as many elements as it has samples, written: numbers of samples in its order. NULL where not wanted.
-/// - `path`: as many elements as it has vertices, written: the vertices, the first one not repeated at the end;
-///   those from the number of vertices of the mesh on are points that were added. NULL where not wanted.
-/// - `points`: three times as many elements, written: x, y, z of the vertices. NULL where not wanted.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a curve that is not there, or CATA_ERR_PANIC.
-/// Thread-safe.
+/// - `order`: n_samples elements, written: numbers of samples in the order of the curve.
+/// - `path`: n_vertices elements, written: its vertices, the first one not repeated; those from the number
+///   of vertices of the mesh on were added.
+/// - `points`: 3 n_points elements, written: where the curve goes, those of `path` unless it is smooth.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -271,33 +365,56 @@ pub unsafe extern "C" fn cata_curves_get(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        unsafe {
+        let (curve, order, path, points) = unsafe {
             let curve = one(known(curves)?, curve)?;
-            if !order.is_null() {
-                slice_mut("order", order, curve.order.len())?.copy_from_slice(&curve.order);
-            }
-            if !path.is_null() {
-                slice_mut("path", path, curve.path.len())?.copy_from_slice(&curve.path);
-            }
-            if !points.is_null() {
-                let points = slice_mut("points", points, 3 * curve.points.len())?;
-                points.copy_from_slice(curve.points.as_flattened());
-            }
+            (
+                curve,
+                optional_slice_mut("order", order, curve.order.len())?,
+                optional_slice_mut("path", path, curve.path.len())?,
+                optional_slice_mut("points", points, 3 * curve.points.len())?,
+            )
+        };
+        if let Some(order) = order {
+            order.copy_from_slice(&curve.order);
+        }
+        if let Some(path) = path {
+            path.copy_from_slice(&curve.path);
+        }
+        if let Some(points) = points {
+            points.copy_from_slice(curve.points.as_flattened());
         }
         Ok(())
     })
 }
 
-/// The handle, which must not be NULL.
+/// The numbers of the samples that no curve is through, as many as cata_curves_outcome says.
 ///
 /// # Safety
-/// `curves` is NULL or from cata_curves_new, and not given back while the reference lives.
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_curves_left_out(
+    curves: *const cata_curves,
+    samples: *mut u32,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (own, samples) = unsafe {
+            let own = &known(curves)?.found.left_out;
+            (own, slice_mut("samples", samples, own.len())?)
+        };
+        samples.copy_from_slice(own);
+        Ok(())
+    })
+}
+
+/// # Safety
+/// NULL or alive.
 unsafe fn known<'a>(curves: *const cata_curves) -> Result<&'a cata_curves, Failure> {
     // SAFETY: the caller's promise.
     unsafe { curves.as_ref() }.ok_or_else(|| Failure::null("curves"))
 }
 
-fn one(curves: &cata_curves, curve: usize) -> Result<&crate::curve::Curve, Failure> {
+fn one(curves: &cata_curves, curve: usize) -> Result<&Curve, Failure> {
     let all = &curves.found.curves;
     all.get(curve).ok_or_else(|| {
         let why = format!("curve: {curve} of {} (numbered from 0)", all.len());

@@ -1,3 +1,14 @@
+//! # Devices
+//!
+//! OpenCL devices, where the library has CATA_CAP_OPENCL.
+//!
+//! ```c
+//! char name[256];
+//! if (cata_device_name(0, sizeof name, name) == CATA_OK) {
+//!     printf("%s\n", name);
+//! }
+//! ```
+
 use std::ffi::c_char;
 
 use super::boundary::boundary;
@@ -11,14 +22,11 @@ use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 /// - `index`: from 0.
 /// - `count`: one element, written: how many devices there are. NULL where not wanted.
 /// - `size`: elements of `name`; 0 where the name is not wanted.
-/// - `name`: `size` elements, written: what the device is called, cut to fit, NUL-terminated. May be NULL
-///   when `size` is 0; `index` is not looked at then.
+/// - `name`: `size` elements, written: what the device is called, cut to fit, NUL-terminated. May
+///   be NULL when `size` is 0; `index` is not looked at then.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a device that is not there, CATA_ERR_BACKEND when
-/// there is none at all (the message says what is missing), CATA_ERR_UNSUPPORTED without CATA_CAP_OPENCL,
-/// or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
-///
-/// Thread-safe.
+/// Returns CATA_ERR_ARGUMENT for a device that is not there, CATA_ERR_BACKEND when there is none
+/// at all (the message says what is missing).
 ///
 /// # Safety
 /// The pointers are as described.

@@ -4,10 +4,11 @@ use super::boundary::boundary;
 use super::status::cata_status;
 use crate::base::{Latch, tickets};
 
-/// For the tests of this ABI only: panics inside the library, on the calling thread if `worker` is
-/// 0 and else on a thread of its own, to show that no panic reaches the caller.
+/// For the tests of this ABI only: panics inside the library, on the calling thread if `worker`
+/// is 0 and else on a thread of its own, to show that no panic reaches the caller.
 ///
-/// Returns CATA_ERR_PANIC. Thread-safe.
+/// Returns CATA_ERR_PANIC. Not in libraries that are installed, nor in their header: tests/c/internal.h.
+#[cfg(debug_assertions)]
 #[unsafe(no_mangle)]
 pub extern "C" fn cata_internal_panic(worker: i32) -> cata_status {
     boundary(|| {
@@ -20,6 +21,7 @@ pub extern "C" fn cata_internal_panic(worker: i32) -> cata_status {
 }
 
 /// Does `work` on a thread that is not the caller's.
+#[cfg(any(debug_assertions, test))]
 pub(super) fn on_a_worker(work: impl Fn() + Sync) {
     // Two tickets that wait for each other are on two threads.
     let both = Latch::new(2);

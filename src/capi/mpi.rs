@@ -1,9 +1,9 @@
 // Without the feature the functions are there, and do nothing with what they get.
 #![cfg_attr(not(feature = "mpi"), allow(unused_variables))]
 
+use super::ata_params::cata_ata_params;
 use super::boundary::boundary;
-use super::gram::{cata_lstsq_params, cata_lstsq_result};
-use super::params::cata_ata_params;
+use super::lstsq::{cata_lstsq_params, cata_lstsq_result};
 #[cfg(feature = "mpi")]
 use super::ranks;
 use super::status::cata_status;
@@ -32,14 +32,14 @@ macro_rules! with_mpi {
     };
 }
 
-/// The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over it.
-/// catamaran_mpi.h has cata_world_from_comm, which takes the communicator itself.
+/// The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over
+/// it. catamaran_mpi.h has cata_world_from_comm, which takes the communicator itself.
 ///
 /// - `fortran_comm`: MPI_Comm_c2f of the communicator.
 /// - `world`: one pointer, not NULL; written on success only. Free it by cata_world_free.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT when MPI is not initialised or is finalised already, or
-/// for a handle of no communicator, CATA_ERR_RANK, CATA_ERR_UNSUPPORTED without CATA_CAP_MPI, or CATA_ERR_PANIC.
+/// Returns CATA_ERR_ARGUMENT when MPI is not initialised or is finalised already, or for a handle
+/// of no communicator.
 ///
 /// Not thread-safe: MPI_Comm_dup is called.
 ///
@@ -53,7 +53,8 @@ pub unsafe extern "C" fn cata_world_new(
     with_mpi!(ranks::new(fortran_comm, world))
 }
 
-/// Gives a world back. Collective; after MPI_Finalize it is local, and leaves the communicator to MPI.
+/// Gives a world back. Collective; after MPI_Finalize it is local, and leaves the communicator to
+/// MPI.
 ///
 /// `world`: made by cata_world_new and not yet freed; NULL does nothing.
 ///
@@ -69,9 +70,6 @@ pub unsafe extern "C" fn cata_world_free(world: *mut cata_world) {
 /// The rank of the caller, from 0. Local.
 ///
 /// `world`: not NULL. `rank`: one size_t, not NULL; written on success.
-/// Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_UNSUPPORTED.
-///
-/// Thread-safe.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -86,9 +84,6 @@ pub unsafe extern "C" fn cata_world_rank(
 /// The number of ranks, at least 1. Local.
 ///
 /// `world`: not NULL. `size`: one size_t, not NULL; written on success.
-/// Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_UNSUPPORTED.
-///
-/// Thread-safe.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -102,10 +97,8 @@ pub unsafe extern "C" fn cata_world_size(
 
 /// What this rank has sent and received since the world was made. Local.
 ///
-/// `world`: not NULL. `traffic`: one struct, not NULL, whose struct_size is set; the other fields are written on
-/// success.
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a size that no version has, or
-/// CATA_ERR_UNSUPPORTED.
+/// `world`: not NULL. `traffic`: one struct, not NULL, whose struct_size is set; the other fields
+/// are written on success.
 ///
 /// Not thread-safe.
 ///
@@ -119,11 +112,10 @@ pub unsafe extern "C" fn cata_world_traffic(
     with_mpi!(ranks::traffic(world, traffic))
 }
 
-/// Sets the entries of a message above which it is cut in several; 2^30 in a new world. Local, but all
-/// ranks must set the same before the next collective call.
+/// Sets the entries of a message above which it is cut in several; 2^30 in a new world. Local,
+/// but all ranks must set the same before the next collective call.
 ///
 /// `world`: not NULL. `entries`: any; taken as 1 if it is 0, and as 2^30 if it is more.
-/// Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_UNSUPPORTED.
 ///
 /// Not thread-safe.
 ///
@@ -137,26 +129,22 @@ pub unsafe extern "C" fn cata_world_set_longest_message(
     with_mpi!(ranks::set_longest_message(world, entries))
 }
 
-/// C = alpha A^T A where every rank has some rows of A, in any order and number, 0 included; C is left spread
-/// over the ranks. Collective.
+/// C = alpha A^T A where every rank has some rows of A, in any order and number, 0 included; C is
+/// left spread over the ranks. Collective.
 ///
 /// - `world`: not NULL.
 /// - `layout`: of the rows of this rank; CATA_ROW_MAJOR or CATA_COL_MAJOR, its own on each rank.
 /// - `m`: rows of this rank, its own on each rank.
 /// - `n`: columns of A.
-/// - `a`: the rows of this rank, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of
-///   n. Column-major: n lines of `lda` >= max(1, m) elements, the last one of m. May be NULL when m
-///   or n is 0.
-/// - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the
+/// - `a`: the rows of this rank, read. Row-major: m lines of `lda` >= max(1, n) elements, the
+///   last one of n. Column-major: n lines of `lda` >= max(1, m) elements, the last one of m.
 ///   call. May differ between the ranks where it does not change the result.
 /// - `c`: one pointer, not NULL; written on success only. Free it by cata_symmetric_free.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK
-/// when n, alpha or the precision differ between the ranks or another one failed, CATA_ERR_CANCELLED,
-/// CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC.
+/// Returns CATA_ERR_RANK when n, alpha or the precision differ between the ranks.
 ///
-/// The result depends, by rounding, on the number of ranks and on which rank has which rows; not on that
-/// of threads.
+/// The result depends, by rounding, on the number of ranks and on which rank has which rows; not
+/// on that of threads.
 ///
 /// Not thread-safe: one call at a time for a world.
 ///
@@ -203,16 +191,13 @@ pub unsafe extern "C" fn cata_world_ata_rows_f32(
 ///
 /// - `world`: not NULL.
 /// - `layout`, `m`, `a`, `lda`, `b`, `ldb`, `weights`: of the rows of this rank, its own on each
-///   rank, as in cata_lstsq_f64; `weights` is NULL on all ranks or on none.
-/// - `n`, `k`: as in cata_lstsq_f64, the same on all ranks.
-/// - `x`, `ldx`, `result`: as in cata_lstsq_f64; what is wanted may differ between the ranks.
-/// - `params`: as in cata_lstsq_f64; `threads` and `progress` may differ between the ranks.
+///   rank, as in cata_lstsq; `weights` is NULL on all ranks or on none.
+/// - `n`, `k`: as in cata_lstsq, the same on all ranks.
+/// - `x`, `ldx`, `result`: as in cata_lstsq; what is wanted may differ between the ranks.
+/// - `params`: as in cata_lstsq; `threads` and `progress` may differ between the ranks.
 ///   Progress is that of the second pass over the rows of this rank.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
-/// CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK when arguments differ between the ranks or another one
-/// failed, CATA_ERR_CANCELLED, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC; outputs are untouched unless
-/// it is CATA_OK.
+/// Returns CATA_ERR_RANK when arguments differ between the ranks.
 ///
 /// The result does not depend on the number of ranks or of threads, nor on which rank has which
 /// rows, bit for bit.
@@ -222,7 +207,7 @@ pub unsafe extern "C" fn cata_world_ata_rows_f32(
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_world_lstsq_f64(
+pub unsafe extern "C" fn cata_world_lstsq(
     world: *const cata_world,
     layout: i32,
     m: usize,
@@ -243,8 +228,9 @@ pub unsafe extern "C" fn cata_world_lstsq_f64(
     ))
 }
 
-/// C = alpha A^T A where every rank has some columns of A, in the order of the ranks, 0 included; C is left
-/// spread over the ranks. Collective. Cheaper than cata_world_ata_rows_f64 where A is not much longer than wide.
+/// C = alpha A^T A where every rank has some columns of A, in the order of the ranks, 0 included;
+/// C is left spread over the ranks. Collective. Cheaper than cata_world_ata_rows_f64 where A is
+/// not much longer than wide.
 ///
 /// - `m`: rows of A.
 /// - `cols`: columns of this rank, its own on each rank.
@@ -293,20 +279,18 @@ pub unsafe extern "C" fn cata_world_ata_columns_f32(
     with_mpi!(ranks::columns(world, layout, m, cols, alpha, a, lda, params, c))
 }
 
-/// C := alpha A^T A + beta C where one rank has A, m x n, and C, n x n: by AtA-D, or by dealing rows of A, whichever
-/// should be faster for this shape and number of ranks. Collective.
+/// C := alpha A^T A + beta C where one rank has A, m x n, and C, n x n: by AtA-D, or by dealing
+/// rows of A, whichever should be faster for this shape and number of ranks. Collective.
 ///
 /// - `world`: not NULL.
 /// - `root`: the rank that has them, from 0.
 /// - `alpha`: the same on all ranks.
-/// - `layout`, `uplo`, `m`, `n`, `a`, `lda`, `beta`, `c`, `ldc`: on the root as in cata_ata_f64; ignored on
-///   other ranks.
-/// - `params`: as in cata_world_ata_rows_f64.
+/// - `layout`, `uplo`, `m`, `n`, `a`, `lda`, `beta`, `c`, `ldc`: on the root as in cata_ata_f64;
+///   ignored on other ranks.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (for a root out of range, too),
-/// CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK when the roots, alpha or the precision differ between the ranks or another
-/// one failed, CATA_ERR_CANCELLED, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC. C is untouched after an error in
-/// arguments, and holds unspecified values in its wanted part after any other.
+/// Returns CATA_ERR_RANK when the roots, alpha or the precision differ between the ranks. C is
+/// untouched after an error in arguments, and holds unspecified values in its wanted part after
+/// any other.
 ///
 /// The result depends, by rounding, on the number of ranks; not on that of threads.
 ///
@@ -358,33 +342,29 @@ pub unsafe extern "C" fn cata_world_ata_root_f32(
     with_mpi!(ranks::root(world, root, layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params))
 }
 
-/// C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has them; what PDSYRK does
-/// with TRANS = 'T' to whole matrices. Collective.
+/// C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has them; what
+/// PDSYRK does with TRANS = 'T' to whole matrices. Collective.
 ///
 /// - `world`: not NULL.
-/// - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict triangle that is
-///   not, and what lies between columns, is neither read nor written.
-/// - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised. Otherwise, with
-///   CATA_BOTH, it must be symmetric: each triangle is added to its own old one.
-/// - `a`: A's entries on this rank, read: column-major, with leading dimension LLD_ of `desc_a`. May be NULL
-///   when there is none, as on ranks outside of the grid.
-/// - `desc_a`: 9 numbers, not NULL: DTYPE_ (1), CTXT_ (ignored), M_ >= 0, N_ >= 0, MB_ >= 1, NB_ >= 1, RSRC_,
-///   CSRC_ (from 0, a row and a column of the grid), LLD_ (at least 1 and the rows on this rank; ignored
-///   outside of the grid). The same on all ranks but for CTXT_ and LLD_.
-/// - `c`: C's entries on this rank, written, as `a` with `desc_c`. No element of A may be one of C's.
+/// - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict
+///   triangle that is not, and what lies between columns, is neither read nor written.
+/// - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised. Otherwise,
+///   with CATA_BOTH, it must be symmetric: each triangle is added to its own old one.
+/// - `a`: A's entries on this rank, read: column-major, with leading dimension LLD_ of `desc_a`.
+/// - `desc_a`: 9 numbers, not NULL: DTYPE_ (1), CTXT_ (ignored), M_ >= 0, N_ >= 0, MB_ >= 1, NB_
+///   >= 1, RSRC_, CSRC_ (from 0, a row and a column of the grid), LLD_ (at least 1 and the rows
+///   on this rank; ignored outside of the grid). The same on all ranks but for CTXT_ and LLD_.
+/// - `c`: C's entries on this rank, written, as `a` with `desc_c`. No element of A may be one of
+///   C's.
 /// - `desc_c`: as `desc_a`; M_ and N_ are A's N_. Its blocks and first processes may be others.
-/// - `grid_rows`, `grid_cols`: the process grid, at least 1 x 1, not more than the ranks of the world, of which it is
-///   the first ones.
-/// - `grid_order`: CATA_ROW_MAJOR when ranks are numbered along the rows of the grid, as by Cblacs_gridinit
-///   with "R", or CATA_COL_MAJOR, along its columns.
-/// - `params`: NULL for the automatic plan on all cores of the affinity mask; else read during the call.
+/// - `grid_rows`, `grid_cols`: the process grid, at least 1 x 1, not more than the ranks of the
+///   world, of which it is the first ones.
+/// - `grid_order`: CATA_ROW_MAJOR when ranks are numbered along the rows of the grid, as by
+///   Cblacs_gridinit with "R", or CATA_COL_MAJOR, along its columns.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (the message names the field),
-/// CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK when something differs between the ranks or another one failed,
-/// CATA_ERR_CANCELLED, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC. C is untouched after any of them but the last.
-///
-/// A is dealt out anew, in a copy, as rows or columns, whichever costs fewer words. The result depends, by
-/// rounding, on the number of ranks and on how A is dealt out; not on the number of threads.
+/// A is dealt out anew, in a copy, as rows or columns, whichever costs fewer words. The result
+/// depends, by rounding, on the number of ranks and on how A is dealt out; not on the number of
+/// threads.
 ///
 /// Not thread-safe: one call at a time for a world.
 ///
@@ -438,8 +418,9 @@ pub unsafe extern "C" fn cata_world_ata_cyclic_f32(
     ))
 }
 
-/// C := alpha A A^T + beta C for block-cyclic A, m x n, and C, m x m; what PDSYRK does with TRANS = 'N' to whole
-/// matrices. Collective. M_ and N_ of `desc_c` are A's M_; the rest as in cata_world_ata_cyclic_f64.
+/// C := alpha A A^T + beta C for block-cyclic A, m x n, and C, m x m; what PDSYRK does with TRANS
+/// = 'N' to whole matrices. Collective. M_ and N_ of `desc_c` are A's M_; the rest as in
+/// cata_world_ata_cyclic_f64.
 ///
 /// Not thread-safe: one call at a time for a world.
 ///
@@ -496,9 +477,6 @@ pub unsafe extern "C" fn cata_world_aat_cyclic_f32(
 /// Rows and columns of a distributed matrix. Local.
 ///
 /// `symmetric`: not NULL. `n`: one size_t, not NULL; written on success.
-/// Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_UNSUPPORTED.
-///
-/// Thread-safe.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -510,11 +488,10 @@ pub unsafe extern "C" fn cata_symmetric_n(
     with_mpi!(ranks::number("n", n, ranks::entries(symmetric)?.n()))
 }
 
-/// Gives the part that this rank has of a distributed matrix back. Local, before or after the end of its world.
+/// Gives the part that this rank has of a distributed matrix back. Local, before or after the end
+/// of its world.
 ///
 /// `symmetric`: made by this library and not yet freed; NULL does nothing.
-///
-/// Thread-safe, but no call may be using it.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -528,11 +505,8 @@ pub unsafe extern "C" fn cata_symmetric_free(symmetric: *mut cata_symmetric) {
 /// - `symmetric`: not NULL; made by a call of all ranks of `world`, in double.
 /// - `world`: not NULL.
 /// - `root`: the rank that gets C, from 0.
-/// - `layout`, `uplo`, `c`, `ldc`: on the root C, n x n, as in cata_ata_f64; ignored on other ranks.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (for a root out of range, or another
-/// precision, too), CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC. C is
-/// untouched after any of them but the last.
+/// - `layout`, `uplo`, `c`, `ldc`: on the root C, n x n, as in cata_ata_f64; ignored on other
+///   ranks.
 ///
 /// Not thread-safe: one call at a time for a world.
 ///
@@ -570,23 +544,23 @@ pub unsafe extern "C" fn cata_symmetric_gather_f32(
     with_mpi!(ranks::gather(symmetric, world, root, layout, uplo, c, ldc))
 }
 
-/// Checks that a distributed matrix of doubles is alpha A^T A, up to rounding, with `rounds` random vectors
-/// (Freivalds 1977). Collective; all ranks get the same answer.
+/// Checks that a distributed matrix of doubles is alpha A^T A, up to rounding, with `rounds`
+/// random vectors (Freivalds 1977). Collective; all ranks get the same answer.
 ///
 /// - `symmetric`: not NULL; n x n, in double, made by a call of all ranks of `world`. Read.
 /// - `world`: not NULL.
 /// - `spread`: CATA_BY_ROWS or CATA_BY_COLUMNS: how A is spread.
 /// - `layout`: of this rank's part of A.
-/// - `rows`, `cols`: of this rank's part of A: any number of rows and n columns, or as many rows as A and any
-///   number of columns, n on all ranks together.
-/// - `a`, `lda`: this rank's part of A, read, as in cata_world_ata_rows_f64 or cata_world_ata_columns_f64.
-/// - `rounds`: 1 to 1000. A matrix with an entry wrong by more than twice the tolerance passes with probability at
-///   most 2^-rounds.
+/// - `rows`, `cols`: of this rank's part of A: any number of rows and n columns, or as many rows
+///   as A and any number of columns, n on all ranks together.
+/// - `a`, `lda`: this rank's part of A, read, as in cata_world_ata_rows_f64 or
+///   cata_world_ata_columns_f64.
+/// - `rounds`: 1 to 1000. A matrix with an entry wrong by more than twice the tolerance passes
+///   with probability at most 2^-rounds.
 /// - `seed`: of the random vectors; the same seed gives the same answer.
 /// - `passed`, `residual`, `tolerance`: as in cata_verify_f64.
 ///
-/// Returns CATA_OK, whether it passed or not, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT,
-/// CATA_ERR_OUT_OF_MEMORY, CATA_ERR_RANK, CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC.
+/// Returns CATA_OK, whether it passed or not.
 ///
 /// Not thread-safe: one call at a time for a world.
 ///

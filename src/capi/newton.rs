@@ -1,9 +1,14 @@
+//! # Newton fractals
+//!
+//! Bicomplex fractals, evaluated anywhere in space (thesis, chapter 7).
+
 use std::ffi::{c_char, c_void};
 use std::mem::offset_of;
 
 use super::boundary::{boundary, text};
-use super::params::{Versioned, cata_progress, init, par, read, watcher};
+use super::params::{Versioned, init, read};
 use super::pointer::{check_size, output, slice, slice_mut};
+use super::progress::{cata_progress, par, watcher};
 #[cfg(not(feature = "opencl"))]
 use super::status::CATA_ERR_UNSUPPORTED;
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
@@ -20,28 +25,27 @@ pub const CATA_NEWTON_THESIS: i32 = 0;
 /// The gradient of the shader of the thesis' authors: from 0 to 1.
 pub const CATA_NEWTON_SHADER: i32 = 1;
 
-/// What a Newton fractal is of. Every field but the first is 0 (NULL) by default, so that
-/// `cata_newton_params params = {.struct_size = sizeof params};` does what cata_newton_params_init does.
+/// What a Newton fractal is of.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_newton_params {
-    /// sizeof(cata_newton_params) as the caller was compiled with. Later versions add fields at the end;
-    /// one that this library does not know must be 0.
+    /// sizeof(cata_newton_params).
     pub struct_size: usize,
-    /// Threads of the processor; 0: all cores. Results do not depend on it.
+    /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Elements of `roots` / 2: roots of the polynomial, at most 64; 0: the polynomial is z^`power` - 1.
-    pub root_count: usize,
-    /// 2 `root_count` elements, read by cata_newton_new: real and imaginary part of each root, within 1e4
-    /// of 0. NULL when there are none.
-    pub roots: *const f64,
-    /// NULL: the processor. Else an OpenCL device: its number or a part of its name, NUL-terminated; "" is
-    /// the first GPU, or else the first device. Needs CATA_CAP_OPENCL.
-    pub device: *const c_char,
     /// Told of progress; NULL: nobody.
     pub progress: cata_progress,
-    /// Handed to `progress` as it is; may be NULL.
+    /// Handed to `progress`.
     pub progress_user: *mut c_void,
+    /// Elements of `roots` / 2: roots of the polynomial, at most 64; 0: the polynomial is
+    /// z^`power` - 1.
+    pub root_count: usize,
+    /// 2 `root_count` elements, read by cata_newton_new: real and imaginary part of each root,
+    /// within 1e4 of 0. NULL when there are none.
+    pub roots: *const f64,
+    /// NULL: the processor. Else an OpenCL device: its number or a part of its name,
+    /// NUL-terminated; "" is the first GPU, or else the first device. Needs CATA_CAP_OPENCL.
+    pub device: *const c_char,
     /// What points are multiplied by after `offset` and `w` are added; 0: 1.
     pub scale: f64,
     /// The theta of the gradient, from -10 to 20; 0: 3.5.
@@ -74,13 +78,7 @@ pub struct cata_newton {
     device: Option<Device>,
 }
 
-/// Fills a parameter struct with the defaults.
-///
-/// `params`: one struct, not NULL; `struct_size` bytes are written.
-/// `struct_size`: sizeof(cata_newton_params).
-/// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
-///
-/// Thread-safe.
+/// Fills a struct with the defaults.
 ///
 /// # Safety
 /// `params` points to `struct_size` writable bytes.
@@ -93,17 +91,11 @@ pub unsafe extern "C" fn cata_newton_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// A Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial with n roots
-/// has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and exp(2 pi i b / n).
+/// A Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial with
+/// n roots has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and exp(2 pi
+/// i b / n).
 ///
-/// - `params`: NULL for the defaults; else read during the call, but for `progress_user`, which is handed on.
-/// - `newton`: one pointer, not NULL, written: the fractal, to be given to cata_newton_free.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT, CATA_ERR_BACKEND when there is no such device or
-/// no OpenCL on this machine, CATA_ERR_UNSUPPORTED for a device without CATA_CAP_OPENCL, or
-/// CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
-///
-/// Thread-safe.
+/// Returns CATA_ERR_BACKEND when there is no such device or no OpenCL on this machine.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -198,8 +190,6 @@ fn open(_newton: &mut cata_newton, _name: &str) -> Result<(), Failure> {
 ///
 /// `newton`: from cata_newton_new, not used any more afterwards; NULL is ignored.
 ///
-/// Thread-safe.
-///
 /// # Safety
 /// `newton` is NULL or from cata_newton_new, and was not given back before.
 #[unsafe(no_mangle)]
@@ -214,8 +204,6 @@ pub unsafe extern "C" fn cata_newton_free(newton: *mut cata_newton) {
 ///
 /// - `newton`: from cata_newton_new, not NULL.
 /// - `w`: the coordinate; finite.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT or CATA_ERR_PANIC.
 ///
 /// Not thread-safe for one fractal.
 ///
@@ -237,13 +225,12 @@ pub unsafe extern "C" fn cata_newton_set_w(newton: *mut cata_newton, w: f64) -> 
 ///
 /// - `newton`: from cata_newton_new, not NULL.
 /// - `count`: points, less than 2^31.
-/// - `positions`: 3 `count` elements, read: x, y, z of each point. May be NULL when there are none.
+/// - `positions`: 3 `count` elements, read: x, y, z of each point.
 /// - `roots`: `count` elements, written: the number of the root that each point converges to.
 /// - `convergence`: `count` elements, written: how slowly.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE for a point that
-/// is not finite or beyond 1e9, CATA_ERR_BACKEND when the device refuses, CATA_ERR_OUT_OF_MEMORY,
-/// CATA_ERR_CANCELLED or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
+/// Returns CATA_ERR_NON_FINITE for a point that is not finite or beyond 1e9, CATA_ERR_BACKEND
+/// when the device refuses.
 ///
 /// Not thread-safe for one fractal.
 ///
@@ -267,7 +254,8 @@ pub unsafe extern "C" fn cata_newton_points(
     })
 }
 
-/// The fractal on the plane z = 0: at the centres of the pixels of a picture, rows from the top (large y).
+/// The fractal on the plane z = 0: at the centres of the pixels of a picture, rows from the top
+/// (large y).
 ///
 /// - `newton`: from cata_newton_new, not NULL.
 /// - `width`, `height`: pixels, at most 65,536 each and less than 2^31 in all.
@@ -311,12 +299,10 @@ pub unsafe extern "C" fn cata_newton_plane(
 ///
 /// - `newton`: from cata_newton_new, not NULL.
 /// - `count`: points.
-/// - `roots`, `convergence`: `count` elements each, read: as cata_newton_points or cata_newton_plane wrote
-///   them.
-/// - `colors`: 3 `count` elements, written: red, green and blue of each point, as screens have them (sRGB).
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE or CATA_ERR_PANIC; outputs are untouched unless it is
-/// CATA_OK.
+/// - `roots`, `convergence`: `count` elements each, read: as cata_newton_points or
+///   cata_newton_plane wrote them.
+/// - `colors`: 3 `count` elements, written: red, green and blue of each point, as screens have
+///   them (sRGB).
 ///
 /// Not thread-safe for one fractal.
 ///

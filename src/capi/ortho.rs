@@ -2,33 +2,32 @@ use std::ffi::c_void;
 use std::mem::offset_of;
 
 use super::boundary::boundary;
-use super::params::{Versioned, cata_progress, flag, init, par, read, watcher};
+use super::params::{Versioned, flag, init, read};
 use super::pointer::{Layout, matrix_mut, output, slice, slice_mut};
+use super::progress::{cata_progress, par, watcher};
 use super::status::cata_status;
 use crate::base::Progress;
 use crate::ortho::{Factors, GramSchmidtOptions, gram_schmidt_in_place};
 use crate::sparse::Mass;
 
-/// How columns are made orthonormal. Every field but the first is 0 (NULL) by default, so that
-/// `cata_ortho_params params = {.struct_size = sizeof params};` does what cata_ortho_params_init does.
+/// How columns are made orthonormal.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_ortho_params {
-    /// sizeof(cata_ortho_params) as the caller was compiled with. Later versions add fields at the end;
-    /// one that this library does not know must be 0.
+    /// sizeof(cata_ortho_params).
     pub struct_size: usize,
-    /// Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-    /// bit for bit, for every value.
+    /// Threads, at most; 0: all.
     pub threads: usize,
-    /// A column is dropped when no more of it is left, relative to its length before, after what the columns
-    /// before it span was taken away: 1e-13 to 1; 0: 1e-9, or 1e-2 with `single_pass`.
-    pub threshold: f64,
     /// Told of progress; NULL: nobody.
     pub progress: cata_progress,
-    /// Handed to `progress` as it is; may be NULL.
+    /// Handed to `progress`.
     pub progress_user: *mut c_void,
-    /// 1: columns are projected once, and are orthogonal as far as that goes. 0: until they are orthogonal to
-    /// rounding.
+    /// A column is dropped when no more of it is left, relative to its length before, after what
+    /// the columns before it span was taken away: 1e-13 to 1; 0: 1e-9, or 1e-2 with
+    /// `single_pass`.
+    pub threshold: f64,
+    /// 1: columns are projected once, and are orthogonal as far as that goes. 0: until they are
+    /// orthogonal to rounding.
     pub single_pass: i32,
 }
 
@@ -37,13 +36,7 @@ impl Versioned for cata_ortho_params {
     const FIRST_SIZE: usize = offset_of!(Self, single_pass) + size_of::<i32>();
 }
 
-/// Fills a parameter struct with the defaults.
-///
-/// `params`: one struct, not NULL; `struct_size` bytes are written.
-/// `struct_size`: sizeof(cata_ortho_params).
-/// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
-///
-/// Thread-safe.
+/// Fills a struct with the defaults.
 ///
 /// # Safety
 /// `params` points to `struct_size` writable bytes.
@@ -56,34 +49,26 @@ pub unsafe extern "C" fn cata_ortho_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// Gram-Schmidt with rank detection, in place: A (n x c) = Q R with Q^T M Q = I, for a diagonal M. Columns
-/// that depend on those before them are dropped.
+/// Gram-Schmidt with rank detection, in place: A (n x c) = Q R with Q^T M Q = I, for a diagonal
+/// M. Columns that depend on those before them are dropped.
 ///
-/// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of R; column-major is faster.
 /// - `n`, `c`: any, 0 included.
-/// - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64: its first `*rank` columns
-///   are Q afterwards, the others unspecified. May be NULL when n or c is 0.
+/// - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64: its first `*rank`
+///   columns are Q afterwards, the others unspecified.
 /// - `masses`: n elements, read: the diagonal of M, positive; NULL: all 1.
-/// - `r`: min(n, c) x c with leading dimension `ldr`, written: R in its first `*rank` rows, zeros below;
-///   coefficients of every column of A. NULL where not wanted; `ldr` is then not looked at.
-/// - `kept`: c elements, written: the first `*rank` are the columns that Q is made of, ascending, from 0;
-///   the others are untouched. NULL where not wanted.
+/// - `r`: min(n, c) x c with leading dimension `ldr`, written: R in its first `*rank` rows, zeros
+///   below; coefficients of every column of A. NULL where not wanted; `ldr` is then not looked
+///   at.
+/// - `kept`: c elements, written: the first `*rank` are the columns that Q is made of, ascending,
+///   from 0; the others are untouched. NULL where not wanted.
 /// - `rank`: one size_t, not NULL, written.
-/// - `params`: NULL for the defaults; else read during the call.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
-/// CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC. Outputs but A are
-/// untouched unless it is CATA_OK; A is unspecified after CATA_ERR_OUT_OF_MEMORY, CATA_ERR_CANCELLED and
-/// CATA_ERR_PANIC, and untouched after any other error.
-///
-/// The result does not depend on the number of threads, bit for bit.
-///
-/// Thread-safe: calls may run at the same time as long as no A and no output is shared.
+/// A is unspecified after CATA_ERR_OUT_OF_MEMORY, CATA_ERR_CANCELLED and CATA_ERR_PANIC.
 ///
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_gram_schmidt(
+pub unsafe extern "C" fn cata_ortho_gram_schmidt(
     layout: i32,
     n: usize,
     c: usize,

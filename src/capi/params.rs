@@ -1,112 +1,15 @@
-use std::ffi::c_void;
-use std::mem::{MaybeUninit, offset_of};
-use std::ops::ControlFlow;
+//! Parameter structs: any version of them is read and written.
 
-use super::backend::cata_backend;
+use std::mem::MaybeUninit;
+#[cfg(test)]
+use std::mem::offset_of;
+
+use super::boundary::boundary;
+use super::pointer;
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, Failure, cata_status};
-use super::{boundary::boundary, pointer};
-use crate::base::{Par, Pin, Progress};
-use crate::{Accuracy, AtaOptions, SchemeChoice, Uplo};
-
-/// Whatever is expected to be fastest within the accuracy asked for.
-pub const CATA_SCHEME_AUTO: i32 = 0;
-/// No fast products: blocks over the back end.
-pub const CATA_SCHEME_CLASSICAL: i32 = 1;
-/// AtA over Strassen's algorithm, 2 x 2 recursion down to the cache.
-pub const CATA_SCHEME_ATA2: i32 = 2;
-/// 2 x 2 split over Winograd's variant of Strassen's algorithm.
-pub const CATA_SCHEME_WINOGRAD: i32 = 3;
-/// RXTX (4 x 4 blocks) over Winograd's variant.
-pub const CATA_SCHEME_RXTX: i32 = 4;
-/// The sparse 4 x 4 scheme of Khoruzhii, Gelss and Pokutta over Winograd's variant.
-pub const CATA_SCHEME_KGP4: i32 = 5;
-/// Their 3 x 3 scheme over Winograd's variant.
-pub const CATA_SCHEME_KGP3: i32 = 6;
-/// Integer products modulo small primes: nothing is rounded but the columns, to about 2^-54 of their
-/// norms (float: 2^-27), and the result.
-pub const CATA_SCHEME_EXACT: i32 = 7;
-/// `scheme`: as CATA_SCHEME_AUTO, but never CATA_SCHEME_EXACT.
-pub const CATA_SCHEME_FLOAT: i32 = 8;
-
-/// `error_factor`: the least error. With CATA_SCHEME_AUTO that is CATA_SCHEME_EXACT on every machine,
-/// however slow it is there; other schemes are as with 1.
-pub const CATA_ERROR_LEAST: f64 = -1.0;
-
-/// A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything else
-/// asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
-///
-/// It is called from any thread that works for the call, one call at a time: each begins after the
-/// one before it has returned, and sees what that has written. No thread waits for it, so it may be
-/// slow, and it may call this library. It must not leave by longjmp or a C++ exception.
-pub type cata_progress = Option<extern "C" fn(fraction: f64, user: *mut c_void) -> i32>;
-
-/// How a product is computed. Every field but the first is 0 (NULL) by default, so that
-/// `cata_ata_params params = {.struct_size = sizeof params};` does what cata_ata_params_init does.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct cata_ata_params {
-    /// sizeof(cata_ata_params) as the caller was compiled with. Later versions add fields at the
-    /// end; one that this library does not know must be 0.
-    pub struct_size: usize,
-    /// Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-    /// bit for bit, for every value.
-    pub threads: usize,
-    /// Smallest block side of the recursion, in elements, at most 2^31; 0: the library's
-    /// choice.
-    pub leaf: usize,
-    /// Tasks that C is split into, whatever the number of threads, at most 65536; 0: the
-    /// library's choice. Of no effect where the built-in kernels share C in their own way.
-    pub tasks: usize,
-    /// Error that fast products may cause, as a factor of the classical algorithm's in the maximum
-    /// norm, expected: 1 for classical products only, INFINITY for no bound, CATA_ERROR_LEAST for the
-    /// least error, 0 for the default, which is 4. Not below 1 otherwise, and not NaN.
-    /// CATA_SCHEME_EXACT takes 15 moduli for 1 and CATA_ERROR_LEAST, 13 from 8 on, and 14 otherwise
-    /// (float: 8, 6 and 7).
-    pub error_factor: f64,
-    /// What computes the small products; NULL: the built-in one. Borrowed during the call.
-    pub backend: *const cata_backend,
-    /// Told of progress; NULL: nobody.
-    pub progress: cata_progress,
-    /// Handed to `progress` as it is; may be NULL.
-    pub progress_user: *mut c_void,
-    /// CATA_SCHEME_*.
-    pub scheme: i32,
-    /// 1: the same bytes on every machine, which takes CATA_SCHEME_EXACT everywhere, slower than others
-    /// on CPUs without AMX; the scheme must be that or CATA_SCHEME_AUTO. 0: not asked for.
-    pub reproducible: i32,
-    /// 1: thread i of the call stays on the i-th core of the affinity mask (modulo their number), which
-    /// is that of the process, as taskset or the binding of mpirun sets it; the calling thread waits and
-    /// keeps its mask. Calls at the same time share these threads. 0: the system moves threads.
-    pub pin: i32,
-}
 
 /// More than any version will ever have: an uninitialised struct_size is caught, not followed.
 const LARGEST_SIZE: usize = 4096;
-
-/// Longer blocks than this don't occur, and the planner squares it.
-const MOST_LEAF: usize = 1 << 31;
-
-/// The planner makes a list of the tasks.
-const MOST_TASKS: usize = 1 << 16;
-
-/// Fills a parameter struct with the defaults.
-///
-/// `params`: one struct, not NULL; `struct_size` bytes are written.
-/// `struct_size`: sizeof(cata_ata_params).
-/// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
-///
-/// Thread-safe.
-///
-/// # Safety
-/// `params` points to `struct_size` writable bytes.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_ata_params_init(
-    params: *mut cata_ata_params,
-    struct_size: usize,
-) -> cata_status {
-    // SAFETY: the promises are the same.
-    unsafe { init(params, struct_size) }
-}
 
 /// A parameter struct of the ABI: `repr(C)`, struct_size first, and all fields may be 0.
 pub(super) trait Versioned: Copy {
@@ -114,11 +17,6 @@ pub(super) trait Versioned: Copy {
     const NAME: &'static str;
     /// Size of its first published version, whose fields are always there.
     const FIRST_SIZE: usize;
-}
-
-impl Versioned for cata_ata_params {
-    const NAME: &'static str = "cata_ata_params";
-    const FIRST_SIZE: usize = offset_of!(Self, pin) + size_of::<i32>();
 }
 
 /// `cata_*_params_init`.
@@ -151,8 +49,8 @@ fn check_struct_size<T: Versioned>(what: &str, size: usize) -> Result<(), Failur
     Err(Failure::new(CATA_ERR_ARGUMENT, why))
 }
 
-/// Reads a struct of the caller's version: the fields that both know; the others of ours are 0, and
-/// the others of the caller's must be.
+/// Reads a struct of the caller's version: the fields that both know; the others of ours are 0,
+/// and the others of the caller's must be.
 ///
 /// # Safety
 /// `params` points to as many readable bytes as its `struct_size` says.
@@ -173,6 +71,19 @@ pub(super) unsafe fn read<T: Versioned>(params: *const T) -> Result<T, Failure> 
         bytes.copy_to_nonoverlapping(known.as_mut_ptr().cast(), shared);
         Ok(known.assume_init())
     }
+}
+
+/// A struct of the caller, or one of zeros for NULL.
+///
+/// # Safety
+/// `params` is NULL or as [`read`] has it.
+pub(super) unsafe fn read_or_zeros<T: Versioned>(params: *const T) -> Result<T, Failure> {
+    if params.is_null() {
+        // SAFETY: all fields of such a struct may be 0.
+        return Ok(unsafe { MaybeUninit::zeroed().assume_init() });
+    }
+    // SAFETY: passed on to the caller.
+    unsafe { read(params) }
 }
 
 /// Writes a struct of the caller's version, but for its `struct_size`: the fields that both know,
@@ -199,115 +110,12 @@ pub(super) unsafe fn write<T: Versioned>(
     Ok(())
 }
 
-/// The address that a progress callback asked for.
-struct User(*mut c_void);
-
-// SAFETY: only handed to the callback, which the header tells to expect any thread; calls never
-// overlap and are ordered, as `Progress` promises.
-unsafe impl Sync for User {}
-
-impl User {
-    fn get(&self) -> *mut c_void {
-        self.0
-    }
-}
-
-/// Calls `work` with the options that `params` stands for.
-///
-/// # Safety
-/// `params` is NULL or points to a struct as the header describes it.
-pub(super) unsafe fn with_options(
-    params: *const cata_ata_params,
-    uplo: Uplo,
-    work: impl FnOnce(&AtaOptions<'_>) -> Result<(), Failure>,
-) -> Result<(), Failure> {
-    let options = AtaOptions::new().uplo(uplo);
-    if params.is_null() {
-        return work(&options);
-    }
-    // SAFETY: the caller's promise.
-    let params = unsafe { read(params) }?;
-    at_most("params.leaf", params.leaf, MOST_LEAF)?;
-    at_most("params.tasks", params.tasks, MOST_TASKS)?;
-    let mut options = options
-        .par(par(params.threads))
-        .pin(if flag("params.pin", params.pin)? { Pin::Cores } else { Pin::No })
-        .scheme(scheme(params.scheme)?)
-        .accuracy(accuracy(params.error_factor))
-        .reproducible(flag("params.reproducible", params.reproducible)?)
-        .leaf((params.leaf > 0).then_some(params.leaf))
-        .tasks((params.tasks > 0).then_some(params.tasks));
-    // SAFETY: NULL or a live back end, as the header asks.
-    if let Some(backend) = unsafe { params.backend.as_ref() } {
-        options = options.backend(backend.get());
-    }
-    let watch = watcher(params.progress, params.progress_user);
-    let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-    work(&options.progress(progress))
-}
-
-/// A callback of the ABI as one of ours.
-pub(super) fn watcher(
-    progress: cata_progress,
-    user: *mut c_void,
-) -> Option<impl Fn(f64) -> ControlFlow<()> + Sync> {
-    let (callback, user) = (progress?, User(user));
-    Some(move |fraction| match callback(fraction, user.get()) {
-        0 => ControlFlow::Continue(()),
-        _ => ControlFlow::Break(()),
-    })
-}
-
-/// Threads, of a field of that name: 0 stands for all.
-pub(super) fn par(threads: usize) -> Par {
-    if threads == 0 { Par::all() } else { Par::Threads(threads) }
-}
-
-fn at_most(what: &str, value: usize, most: usize) -> Result<(), Failure> {
-    if value <= most {
-        return Ok(());
-    }
-    Err(Failure::new(CATA_ERR_ARGUMENT, format!("{what}: must be at most {most}, is {value}")))
-}
-
+/// A field or an argument that is 0 or 1.
 pub(super) fn flag(what: &str, value: i32) -> Result<bool, Failure> {
     match value {
         0 => Ok(false),
         1 => Ok(true),
         _ => Err(Failure::new(CATA_ERR_ARGUMENT, format!("{what}: must be 0 or 1, is {value}"))),
-    }
-}
-
-fn scheme(scheme: i32) -> Result<SchemeChoice, Failure> {
-    Ok(match scheme {
-        CATA_SCHEME_AUTO => SchemeChoice::Auto,
-        CATA_SCHEME_CLASSICAL => SchemeChoice::Classical,
-        CATA_SCHEME_ATA2 => SchemeChoice::Ata2,
-        CATA_SCHEME_WINOGRAD => SchemeChoice::Winograd,
-        CATA_SCHEME_RXTX => SchemeChoice::Rxtx,
-        CATA_SCHEME_KGP4 => SchemeChoice::Kgp4,
-        CATA_SCHEME_KGP3 => SchemeChoice::Kgp3,
-        CATA_SCHEME_EXACT => SchemeChoice::Exact,
-        CATA_SCHEME_FLOAT => SchemeChoice::Float,
-        other => {
-            let why = format!("params.scheme: must be a CATA_SCHEME_* value, is {other}");
-            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
-        }
-    })
-}
-
-/// The planner refuses what is out of range.
-fn accuracy(error_factor: f64) -> Accuracy {
-    if error_factor == 0.0 {
-        Accuracy::Default
-    } else if error_factor == CATA_ERROR_LEAST {
-        Accuracy::Max
-    } else if error_factor == 1.0 {
-        Accuracy::Classical
-    } else if error_factor == f64::INFINITY {
-        Accuracy::Fast
-    } else {
-        Accuracy::Bounded(error_factor)
     }
 }
 

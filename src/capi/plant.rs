@@ -1,10 +1,15 @@
+//! # Plants
+//!
+//! Water in a plant: diffusion, wilting (thesis, chapter 4).
+
 use std::ffi::c_char;
 use std::mem::offset_of;
 use std::path::PathBuf;
 
 use super::boundary::{boundary, text};
-use super::params::{Versioned, init, par, read};
+use super::params::{Versioned, init, read};
 use super::pointer::{output, slice, slice_mut};
+use super::progress::par;
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_NULL, CATA_ERR_SHAPE, Failure, cata_status};
 use crate::Par;
 use crate::plant::{
@@ -14,16 +19,13 @@ use crate::plant::{
 /// The parent of the root of a plant.
 pub const CATA_NO_PARENT: u32 = u32::MAX;
 
-/// The constants of the water of a plant, in SI units. Every field but the first is 0 by default, so that
-/// `cata_plant_params params = {.struct_size = sizeof params};` does what cata_plant_params_init does.
+/// The constants of the water of a plant, in SI units.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_plant_params {
-    /// sizeof(cata_plant_params) as the caller was compiled with. Later versions add fields at the end;
-    /// one that this library does not know must be 0.
+    /// sizeof(cata_plant_params).
     pub struct_size: usize,
-    /// Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-    /// bit for bit, for every value.
+    /// Threads, at most; 0: all.
     pub threads: usize,
     /// What leaves lose, in kg / (s m^2), at least 0; 60 g / (h m^2) is 1.667e-5.
     pub loss: f64,
@@ -53,13 +55,7 @@ pub struct cata_plant {
     changed: bool,
 }
 
-/// Fills a parameter struct with the defaults.
-///
-/// `params`: one struct, not NULL; `struct_size` bytes are written.
-/// `struct_size`: sizeof(cata_plant_params).
-/// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
-///
-/// Thread-safe.
+/// Fills a struct with the defaults.
 ///
 /// # Safety
 /// `params` points to `struct_size` writable bytes.
@@ -77,18 +73,15 @@ pub unsafe extern "C" fn cata_plant_params_init(
 /// - `n`: at least 1.
 /// - `tails`: 3 n elements, read: x, y, z of the end of every segment, in metres.
 /// - `radii`: n elements, read: in metres, positive.
-/// - `parents`: n elements, read: the segment at whose end each begins, below n; CATA_NO_PARENT for the root.
+/// - `parents`: n elements, read: the segment at whose end each begins, below n; CATA_NO_PARENT
+///   for the root.
 /// - `leaves`: n elements, read: 1 for a vein of a leaf, 0 for stem.
-/// - `base`: 3 elements, read: where the root segment begins; NULL: it goes straight on into its first
-///   child and is as long.
-/// - `params`: NULL for the defaults; else read during the call.
+/// - `base`: 3 elements, read: where the root segment begins; NULL: it goes straight on into its
+///   first child and is as long.
 /// - `plant`: written: the model, to be given to cata_plant_free.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_MESH (the message names the
-/// node: on a cycle, isolated, a second root, without positive radius or length), CATA_ERR_OUT_OF_MEMORY,
-/// CATA_ERR_UNSUPPORTED or CATA_ERR_PANIC; `plant` is untouched unless it is CATA_OK.
-///
-/// Thread-safe. Models share nothing: calls for different ones may run at the same time.
+/// Returns CATA_ERR_MESH for a node on a cycle, isolated, a second root, or without positive
+/// radius or length; the message names it.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -132,15 +125,13 @@ pub unsafe extern "C" fn cata_plant_new(
     })
 }
 
-/// The model of the water of the plant in a file: .txt (the reference format: `verts N`, ...), .swc, .mtg or
-/// .obj (polylines), each also as .gz or .xz.
+/// The model of the water of the plant in a file: .txt (the reference format: `verts N`, ...),
+/// .swc, .mtg or .obj (polylines), each also as .gz or .xz.
 ///
 /// - `path`: NUL-terminated, in UTF-8.
 /// - `params`, `plant`: as in cata_plant_new.
 ///
 /// Returns what cata_plant_new returns, or CATA_ERR_IO with the file and the line in the message.
-///
-/// Thread-safe.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -163,10 +154,6 @@ pub unsafe extern "C" fn cata_plant_read(
 
 /// Gives a model back.
 ///
-/// `plant`: made by cata_plant_new or cata_plant_read and not yet freed; NULL does nothing.
-///
-/// Thread-safe, but no call may be using the model.
-///
 /// # Safety
 /// The pointer is as described.
 #[unsafe(no_mangle)]
@@ -182,8 +169,6 @@ pub unsafe extern "C" fn cata_plant_free(plant: *mut cata_plant) {
 
 /// The number of nodes of a plant; 0 for NULL.
 ///
-/// Thread-safe.
-///
 /// # Safety
 /// The pointer is NULL or a live model.
 #[unsafe(no_mangle)]
@@ -197,10 +182,6 @@ pub unsafe extern "C" fn cata_plant_size(plant: *const cata_plant) -> usize {
 /// - `plant`: a live model.
 /// - `n`: cata_plant_size.
 /// - `water`: n elements, written.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE or CATA_ERR_PANIC.
-///
-/// Thread-safe, but nothing may change the model meanwhile.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -218,8 +199,6 @@ pub unsafe extern "C" fn cata_plant_full_water(
 }
 
 /// Sets what all leaves lose, in kg / (s m^2), from now on: another weather.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT or CATA_ERR_PANIC.
 ///
 /// Not for two threads at once on the same model.
 ///
@@ -243,8 +222,8 @@ pub unsafe extern "C" fn cata_plant_set_intake(plant: *mut cata_plant, intake: f
     unsafe { change(plant, |model| model.set_intake(intake)) }
 }
 
-/// Multiplies the conductance between a node (below cata_plant_size, not the root) and its parent by
-/// `factor`, at least 0, from now on; 0 cuts the connection.
+/// Multiplies the conductance between a node (below cata_plant_size, not the root) and its parent
+/// by `factor`, at least 0, from now on; 0 cuts the connection.
 ///
 /// Returns and threads: as cata_plant_set_loss.
 ///
@@ -260,19 +239,14 @@ pub unsafe extern "C" fn cata_plant_weaken(
     unsafe { change(plant, |model| model.weaken(node, factor)) }
 }
 
-/// The water of every node some time after it was `water`, at once, without time steps: for any times.
-/// Does not read or change the present of cata_plant_start.
+/// The water of every node some time after it was `water`, at once, without time steps: for any
+/// times. Does not read or change the present of cata_plant_start.
 ///
 /// - `plant`: a live model.
 /// - `n`: cata_plant_size.
 /// - `water`: n elements, read: in kg, finite.
 /// - `seconds`: at least 0.
 /// - `result`: n elements, written: in kg. May be the same memory as `water`.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
-/// CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC; `result` is untouched unless it is CATA_OK.
-///
-/// Thread-safe, but nothing may change the model meanwhile.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -299,9 +273,6 @@ pub unsafe extern "C" fn cata_plant_water_after(
 /// - `n`: cata_plant_size.
 /// - `water`: n elements, read: in kg, finite; NULL: full cells.
 /// - `step`: seconds of a step, positive.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
-/// CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC.
 ///
 /// Not for two threads at once on the same model.
 ///
@@ -330,12 +301,10 @@ pub unsafe extern "C" fn cata_plant_start(
 
 /// Goes `count` steps ahead (0 included) and gives the water there.
 ///
-/// - `plant`: a live model, after cata_plant_start. What was changed since the last step counts from now on.
+/// - `plant`: a live model, after cata_plant_start. What was changed since the last step counts
+///   from now on.
 /// - `n`: cata_plant_size.
 /// - `water`: n elements, written: in kg; NULL: not wanted.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (not started),
-/// CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC.
 ///
 /// Not for two threads at once on the same model.
 ///
@@ -372,9 +341,9 @@ pub unsafe extern "C" fn cata_plant_step(
     })
 }
 
-/// The modulus of elasticity of every node, from its water:
-/// `dry + (full - dry) (s(k (w - x)) - s(-k x)) / (s(k (1 - x)) - s(-k x))` of the relative water content w,
-/// with s the logistic function.
+/// The modulus of elasticity of every node, from its water: `dry + (full - dry) (s(k (w - x)) -
+/// s(-k x)) / (s(k (1 - x)) - s(-k x))` of the relative water content w, with s the logistic
+/// function.
 ///
 /// - `plant`: a live model.
 /// - `n`: cata_plant_size.
@@ -383,10 +352,6 @@ pub unsafe extern "C" fn cata_plant_step(
 /// - `steepness`: k, positive; such as 10.
 /// - `shift`: x; such as 0.75.
 /// - `moduli`: n elements, written: in Pa.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT or CATA_ERR_PANIC.
-///
-/// Thread-safe, but nothing may change the model meanwhile.
 ///
 /// # Safety
 /// The pointers are as described.

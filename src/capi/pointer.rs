@@ -3,20 +3,10 @@
 use faer::{MatMut, MatRef};
 use sprs::CsMatView;
 
+use super::layout::{CATA_BOTH, CATA_COL_MAJOR, CATA_LOWER, CATA_ROW_MAJOR, CATA_UPPER};
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure};
+use crate::mesh::TriMesh;
 use crate::{Real, Uplo};
-
-/// Rows are contiguous: entry (i, j) is `a[i * lda + j]`.
-pub const CATA_ROW_MAJOR: i32 = 101;
-/// Columns are contiguous: entry (i, j) is `a[i + j * lda]`.
-pub const CATA_COL_MAJOR: i32 = 102;
-
-/// The triangle on and above the diagonal; the rest of C is neither read nor written.
-pub const CATA_UPPER: i32 = 121;
-/// The triangle on and below the diagonal; the rest of C is neither read nor written.
-pub const CATA_LOWER: i32 = 122;
-/// Both triangles, equal bit for bit; with beta != 0 the old lower one is what is read.
-pub const CATA_BOTH: i32 = 123;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Layout {
@@ -170,12 +160,67 @@ pub(super) unsafe fn optional_output<'a, T>(
     unsafe { output(what, pointer) }.map(Some)
 }
 
+/// A mesh of x, y, z of each vertex and three vertices of each face, which are copied.
+///
+/// # Safety
+/// They can be read, and nobody writes them.
+pub(super) unsafe fn mesh(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+) -> Result<TriMesh, Failure> {
+    check_size::<f64>("vertices", n_vertices, 3)?;
+    check_size::<u32>("faces", n_faces, 3)?;
+    // SAFETY: the caller's promise.
+    let (vertices, faces) = unsafe {
+        (slice("vertices", vertices, 3 * n_vertices)?, slice("faces", faces, 3 * n_faces)?)
+    };
+    Ok(TriMesh::new(vertices.as_chunks().0.to_vec(), faces.as_chunks().0.to_vec())?)
+}
+
+/// Elements that the caller may not want.
+///
+/// # Safety
+/// As [`slice_mut`], or the pointer is NULL.
+pub(super) unsafe fn optional_slice_mut<'a, T: Copy>(
+    what: &str,
+    pointer: *mut T,
+    len: usize,
+) -> Result<Option<&'a mut [T]>, Failure> {
+    if pointer.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: passed on to the caller.
+    unsafe { slice_mut(what, pointer, len) }.map(Some)
+}
+
+/// A place for a matrix that the caller may not want.
+///
+/// # Safety
+/// NULL, or as [`matrix_mut`].
+pub(super) unsafe fn optional_matrix_mut<'a>(
+    what: &str,
+    layout: Layout,
+    rows: usize,
+    cols: usize,
+    pointer: *mut f64,
+    ld: usize,
+) -> Result<Option<MatMut<'a, f64>>, Failure> {
+    if pointer.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: passed on to the caller.
+    unsafe { matrix_mut(what, layout, rows, cols, pointer, ld) }.map(Some)
+}
+
 /// Refuses a rows x cols matrix that no memory can hold.
 pub(super) fn check_size<T>(what: &str, rows: usize, cols: usize) -> Result<(), Failure> {
     strides::<T>(what, Layout::RowMajor, rows, cols, cols.max(1)).map(|_| ())
 }
 
-/// Elements from the first to the last of a matrix with both included, and its row and column strides.
+/// Elements from the first to the last of a matrix with both included, and its row and column
+/// strides.
 fn strides<T>(
     what: &str,
     layout: Layout,

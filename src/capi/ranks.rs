@@ -2,10 +2,12 @@
 
 use std::cell::Cell;
 
+use super::ata_params::{cata_ata_params, with_options};
 use super::entries::{Entries, Held};
-use super::gram::{LeastSquaresCall, cata_lstsq_params, cata_lstsq_result};
-use super::params::{cata_ata_params, watcher, with_options, write};
+use super::lstsq::{LeastSquaresCall, cata_lstsq_params, cata_lstsq_result};
+use super::params::write;
 use super::pointer::{Layout, matrix, matrix_mut, optional_output, output, slice, uplo_from};
+use super::progress::watcher;
 use super::status::{CATA_ERR_ARGUMENT, Failure};
 use super::world::{CATA_BY_COLUMNS, CATA_BY_ROWS, cata_symmetric, cata_traffic, cata_world};
 use crate::ata::distributed::{BlockCyclic, Grid, GridOrder};
@@ -18,7 +20,8 @@ use crate::{AtaOptions, Error, Uplo};
 
 type Outcome = Result<(), Failure>;
 
-/// The only way from the checks that one rank makes of its arguments to what all ranks do together.
+/// The only way from the checks that one rank makes of its arguments to what all ranks do
+/// together.
 pub(super) struct Entrance<'w> {
     world: &'w World,
     passed: Cell<bool>,
@@ -31,7 +34,8 @@ impl<'w> Entrance<'w> {
     }
 }
 
-/// Does `work`; if it fails before it enters, the other ranks, who have begun `operation`, are told.
+/// Does `work`; if it fails before it enters, the other ranks, who have begun `operation`, are
+/// told.
 ///
 /// # Safety
 /// `world` is NULL or alive.

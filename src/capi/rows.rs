@@ -1,5 +1,15 @@
+//! # Streams of rows
+//!
+//! Products of weighted and centred rows, which are read in blocks.
+//!
+//! ```c
+//! double a[] = {1, 2, 3, 4, 5, 7}, c[4]; // 3 x 2, its covariance
+//! cata_ata_rows_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 0.5, a, 2, NULL, CATA_CENTER_MEAN, NULL, 0, c,
+//!     2, NULL);
+//! ```
+
+use super::ata_params::{cata_ata_params, with_options};
 use super::boundary::boundary;
-use super::params::{cata_ata_params, with_options};
 use super::pointer::{Layout, matrix, matrix_mut, slice, uplo_from};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::AtaOptions;
@@ -13,22 +23,21 @@ pub const CATA_CENTER_MEAN: i32 = 1;
 /// `centering`: the row given is subtracted.
 pub const CATA_CENTER_GIVEN: i32 = 2;
 
-/// C := alpha X^T W X + beta C, where X is A with a row subtracted from every row, and W = diag(weights).
-/// A is not copied as a whole: it is read in blocks of rows, about 32 MiB each.
+/// C := alpha X^T W X + beta C, where X is A with a row subtracted from every row, and W =
+/// diag(weights). A is not copied as a whole: it is read in blocks of rows, about 32 MiB each.
 ///
 /// With CATA_CENTER_MEAN and alpha = 1 / (m - 1) C is the covariance matrix of the columns of A.
 ///
 /// - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
 /// - `centering`: CATA_CENTER_NONE, CATA_CENTER_MEAN or CATA_CENTER_GIVEN.
-/// - `center`: with CATA_CENTER_GIVEN n finite numbers, read, not NULL unless n is 0; else ignored.
+/// - `center`: with CATA_CENTER_GIVEN n finite numbers, read, not NULL unless n is 0; else
+///   ignored.
 /// - The rest as in cata_ata_f64. Neither `weights` nor `center` may overlap C.
 ///
-/// Returns what cata_ata_f64 does, CATA_ERR_NON_FINITE for a weight or a centre that is not finite, or
-/// CATA_ERR_ARGUMENT when the weights of a mean sum to 0. C is untouched after any error but
-/// CATA_ERR_CANCELLED, CATA_ERR_PANIC and CATA_ERR_OUT_OF_MEMORY, which leave unspecified values in its
-/// wanted part.
-///
-/// Thread-safe: calls may run at the same time as long as no C is shared.
+/// Returns what cata_ata_f64 does, CATA_ERR_NON_FINITE for a weight or a centre that is not
+/// finite, or CATA_ERR_ARGUMENT when the weights of a mean sum to 0. C is untouched after any
+/// error but CATA_ERR_CANCELLED, CATA_ERR_PANIC and CATA_ERR_OUT_OF_MEMORY, which leave
+/// unspecified values in its wanted part.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -56,8 +65,6 @@ pub unsafe extern "C" fn cata_ata_rows_f64(
 }
 
 /// As cata_ata_rows_f64, in float; the mean is summed in double.
-///
-/// Thread-safe: calls may run at the same time as long as no C is shared.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ata_rows_f64`.

@@ -1,26 +1,27 @@
+//! # Slime moulds
+//!
+//! Agents on a surface that leave trails in its texture (thesis, chapter 3).
+
 use std::ffi::c_void;
 use std::mem::offset_of;
 
 use super::boundary::boundary;
-use super::params::{Versioned, cata_progress, flag, init, par, read, watcher};
-use super::pointer::{check_size, optional_output, output, slice, slice_mut};
+use super::params::{Versioned, flag, init, read};
+use super::pointer::{check_size, mesh, optional_output, output, slice, slice_mut};
+use super::progress::{cata_progress, par, watcher};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::Par;
 use crate::base::Progress;
-use crate::mesh::TriMesh;
 use crate::texture::slime::{Blur, Mask, Options, Simulation, Surface, TangentStep, atlas};
 
-/// What slime moulds are like (thesis, table 3.1; docs/algorithms/slime.md). Every field but the first is 0 (NULL) by
-/// default, so that `cata_slime_params params = {.struct_size = sizeof params};` does what cata_slime_params_init does.
-/// Lengths are in hundredths of the square root of the area of the surface, times in seconds of the simulation.
+/// What slime moulds are like (thesis, table 3.1; docs/algorithms/slime.md). Lengths are in
+/// hundredths of the square root of the area of the surface, times in seconds of the simulation.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_slime_params {
-    /// sizeof(cata_slime_params) as the caller was compiled with. Later versions add fields at the end;
-    /// one that this library does not know must be 0.
+    /// sizeof(cata_slime_params).
     pub struct_size: usize,
-    /// Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-    /// bit for bit, for every value.
+    /// Threads, at most; 0: all.
     pub threads: usize,
     /// Number of agents, below 2^32; 0: 1,000,000.
     pub agents: usize,
@@ -30,7 +31,8 @@ pub struct cata_slime_params {
     pub size: usize,
     /// Of all randomness.
     pub seed: u32,
-    /// 0: steps that are exact; else the number of sub-steps that are projected (thesis, algorithm 3.1).
+    /// 0: steps that are exact; else the number of sub-steps that are projected (thesis,
+    /// algorithm 3.1).
     pub substeps: u32,
     /// Seconds of a step; 0: 1 / 30.
     pub time_step: f64,
@@ -59,19 +61,14 @@ impl Versioned for cata_slime_params {
     const FIRST_SIZE: usize = offset_of!(Self, no_length_rescaling) + size_of::<i32>();
 }
 
-/// Slime moulds on a surface. Made by cata_slime_new; for one thread at a time unless it is only read.
+/// Slime moulds on a surface. Made by cata_slime_new; for one thread at a time unless it is only
+/// read.
 pub struct cata_slime {
     simulation: Simulation,
     par: Par,
 }
 
-/// Fills a parameter struct with the defaults.
-///
-/// `params`: one struct, not NULL; `struct_size` bytes are written.
-/// `struct_size`: sizeof(cata_slime_params).
-/// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
-///
-/// Thread-safe.
+/// Fills a struct with the defaults.
 ///
 /// # Safety
 /// `params` points to `struct_size` writable bytes.
@@ -88,29 +85,26 @@ pub unsafe extern "C" fn cata_slime_params_init(
 ///
 /// - `positions`: 3 `vertices` elements, read: x, y, z of each vertex.
 /// - `triangles`: 3 `faces` elements, read: three vertices of each face, from 0.
-/// - `uv`: 6 `faces` elements, read: u, v of the three corners of each face, from 0 to 1; NULL: every triangle gets a place
-///   of its own in the texture, which cata_slime_uv gives.
-/// - `start`: size x size elements (of the texture), read: not 0 where agents start; NULL: anywhere.
+/// - `uv`: 6 `faces` elements, read: u, v of the three corners of each face, from 0 to 1; NULL:
+///   every triangle gets a place of its own in the texture, which cata_slime_uv gives.
+/// - `start`: size x size elements (of the texture), read: not 0 where agents start; NULL:
+///   anywhere.
 /// - `ground`: size x size elements, read: 0 free, 1 obstacle, 2 attractor; NULL: all free.
-/// - `params`: NULL for the defaults; else read during the call.
 /// - `slime`: one pointer, not NULL, written: to be given to cata_slime_free.
 ///
 /// Textures have rows along u, the first at v = 0.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_MESH (the message names the edge of three
-/// faces or more, or the face without area, in space or in the texture), CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED or
-/// CATA_ERR_PANIC; `slime` is untouched unless it is CATA_OK.
-///
-/// Thread-safe.
+/// Returns CATA_ERR_MESH for an edge of three faces or more, and for a face without area, in
+/// space or in the texture; the message names it.
 ///
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_slime_new(
-    vertices: usize,
-    positions: *const f64,
-    faces: usize,
-    triangles: *const u32,
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
     uv: *const f64,
     start: *const u8,
     ground: *const u8,
@@ -118,26 +112,18 @@ pub unsafe extern "C" fn cata_slime_new(
     slime: *mut *mut cata_slime,
 ) -> cata_status {
     boundary(|| {
-        check_size::<f64>("positions", vertices, 3)?;
-        check_size::<f64>("uv", faces, 6)?;
+        check_size::<f64>("uv", n_faces, 6)?;
         // SAFETY: the caller's promise.
-        let (positions, triangles, slime) = unsafe {
-            (
-                slice("positions", positions, 3 * vertices)?,
-                slice("triangles", triangles, 3 * faces)?,
-                output("slime", slime)?,
-            )
-        };
+        let (mesh, slime) =
+            unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("slime", slime)?) };
         // SAFETY: the caller's promise.
         let (options, par) = unsafe { options(params) }?;
         options.check()?;
-        let mesh =
-            TriMesh::new(positions.as_chunks().0.to_vec(), triangles.as_chunks().0.to_vec())?;
         let uv = match uv.is_null() {
             true => atlas(&mesh, options.size)?,
             false => {
                 // SAFETY: the caller's promise.
-                let uv = unsafe { slice("uv", uv, 6 * faces) }?;
+                let uv = unsafe { slice("uv", uv, 6 * n_faces) }?;
                 uv.as_chunks::<2>().0.as_chunks::<3>().0.to_vec()
             }
         };
@@ -202,8 +188,6 @@ unsafe fn options(params: *const cata_slime_params) -> Result<(Options, Par), Fa
 ///
 /// `slime`: from cata_slime_new, not used any more afterwards; NULL is ignored.
 ///
-/// Thread-safe.
-///
 /// # Safety
 /// `slime` is NULL or from cata_slime_new, and was not given back before.
 #[unsafe(no_mangle)]
@@ -220,7 +204,7 @@ pub unsafe extern "C" fn cata_slime_free(slime: *mut cata_slime) {
 /// - `progress`: told after each step; NULL: nobody.
 /// - `progress_user`: handed to `progress` as it is; may be NULL.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_CANCELLED (the steps before are done, and it can go on) or CATA_ERR_PANIC.
+/// After CATA_ERR_CANCELLED the steps before are done, and it can go on.
 ///
 /// Not for two threads at once on the same simulation.
 ///
@@ -245,11 +229,9 @@ pub unsafe extern "C" fn cata_slime_step(
 /// How large a simulation is.
 ///
 /// - `slime`: from cata_slime_new, not NULL.
-/// - `size`, `species`, `faces`: one element each, written: texels of a side of the texture, species, and triangles. NULL
-///   where not wanted.
+/// - `size`, `species`, `faces`: one element each, written: texels of a side of the texture,
+///   species, and triangles. NULL where not wanted.
 /// - `steps`: one element, written: steps done. NULL where not wanted.
-///
-/// Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_PANIC. Thread-safe.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -292,10 +274,8 @@ pub unsafe extern "C" fn cata_slime_size(
 ///
 /// - `slime`: from cata_slime_new, not NULL.
 /// - `species`: its number, from 0.
-/// - `texture`: size x size elements, written: pheromone from 0 to 1, rows along u, the first at v = 0.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a species that is not there, or CATA_ERR_PANIC. Thread-safe, but
-/// not while it steps.
+/// - `texture`: size x size elements, written: pheromone from 0 to 1, rows along u, the first at
+///   v = 0.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -320,11 +300,10 @@ pub unsafe extern "C" fn cata_slime_texture(
 ///
 /// - `slime`: from cata_slime_new, not NULL.
 /// - `species`: its number, from 0.
-/// - `coverage`: one element, written: the mean of the pheromone, from 0 to 1. NULL where not wanted.
-/// - `presence`: one element, written: the part of the surface that has any. NULL where not wanted.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT for a species that is not there, or CATA_ERR_PANIC. Thread-safe, but
-/// not while it steps.
+/// - `coverage`: one element, written: the mean of the pheromone, from 0 to 1. NULL where not
+///   wanted.
+/// - `presence`: one element, written: the part of the surface that has any. NULL where not
+///   wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -360,8 +339,6 @@ pub unsafe extern "C" fn cata_slime_coverage(
 ///
 /// - `slime`: from cata_slime_new, not NULL.
 /// - `uv`: 6 elements a face, written: u, v of its three corners.
-///
-/// Returns CATA_OK, CATA_ERR_NULL or CATA_ERR_PANIC. Thread-safe.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -1,3 +1,15 @@
+//! # Status, version, memory
+//!
+//! Every function that can fail returns a status; what the build can do and what version it is;
+//! scratch memory that is kept between calls.
+//!
+//! ```c
+//! if (cata_memory_release() != CATA_OK) {
+//!     fprintf(stderr, "%s\n", cata_last_error_message());
+//! }
+//! printf("catamaran %s\n", cata_version_string());
+//! ```
+
 use std::ffi::{CStr, c_char};
 
 use super::message::last_message;
@@ -10,7 +22,8 @@ pub type cata_status = i32;
 pub const CATA_OK: cata_status = 0;
 /// A pointer is NULL where it may not be.
 pub const CATA_ERR_NULL: cata_status = 1;
-/// A matrix, vector or buffer is too small or has the wrong shape, or its size in bytes overflows.
+/// A matrix, vector or buffer is too small or has the wrong shape, or its size in bytes
+/// overflows.
 pub const CATA_ERR_SHAPE: cata_status = 2;
 /// An argument is outside its range.
 pub const CATA_ERR_ARGUMENT: cata_status = 3;
@@ -32,7 +45,8 @@ pub const CATA_ERR_UNSUPPORTED: cata_status = 10;
 pub const CATA_ERR_PANIC: cata_status = 11;
 /// Another rank of a distributed call failed, or does not fit the others; the message names it.
 pub const CATA_ERR_RANK: cata_status = 12;
-/// A triangle mesh or a plant is not one, or not of the kind that is asked for; the message names the element.
+/// A triangle mesh or a plant is not one, or not of the kind that is asked for; the message names
+/// the element.
 pub const CATA_ERR_MESH: cata_status = 13;
 
 /// The message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty when
@@ -40,8 +54,6 @@ pub const CATA_ERR_MESH: cata_status = 13;
 ///
 /// The pointer is valid until the next call of this thread that fails, and not after the thread's
 /// end; do not free it.
-///
-/// Thread-safe: every thread has its own message.
 #[unsafe(no_mangle)]
 pub extern "C" fn cata_last_error_message() -> *const c_char {
     last_message()
@@ -49,8 +61,6 @@ pub extern "C" fn cata_last_error_message() -> *const c_char {
 
 /// The name of a status, such as "CATA_ERR_SHAPE"; "unknown status" for a value that is none.
 /// Static, never NULL; do not free it.
-///
-/// Thread-safe.
 #[unsafe(no_mangle)]
 pub extern "C" fn cata_status_name(status: cata_status) -> *const c_char {
     name(status).as_ptr()

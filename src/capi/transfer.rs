@@ -1,11 +1,16 @@
+//! # Spectra and maps
+//!
+//! Functions carried from one shape to another over eigenproducts; ShapeDNA (thesis, chapter 1).
+
 use std::ffi::c_void;
 use std::mem::offset_of;
 
 use faer::MatRef;
 
 use super::boundary::boundary;
-use super::params::{Versioned, cata_progress, flag, init, par, read, watcher};
+use super::params::{Versioned, flag, init, read};
 use super::pointer::{Layout, matrix, matrix_mut, slice};
+use super::progress::{cata_progress, par, watcher};
 use super::status::{Failure, cata_status};
 use crate::Par;
 use crate::base::Progress;
@@ -13,26 +18,23 @@ use crate::sparse::Mass;
 use crate::spectral::functional_map::map_from_points;
 use crate::spectral::{Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions, Transfer};
 
-/// How functions are transferred. Every field but the first is 0 (NULL) by default, so that
-/// `cata_transfer_params params = {.struct_size = sizeof params};` does what cata_transfer_params_init
-/// does.
+/// How functions are transferred.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_transfer_params {
-    /// sizeof(cata_transfer_params) as the caller was compiled with. Later versions add fields at the end;
-    /// one that this library does not know must be 0.
+    /// sizeof(cata_transfer_params).
     pub struct_size: usize,
-    /// Threads, at most; 0: all cores of the affinity mask of the process. The result is the same,
-    /// bit for bit, for every value.
+    /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Most factors of a product, at most 255; 1: eigenfunctions alone; 0: 2.
-    pub order: usize,
     /// Told of progress, once for each basis; NULL: nobody.
     pub progress: cata_progress,
-    /// Handed to `progress` as it is; may be NULL.
+    /// Handed to `progress`.
     pub progress_user: *mut c_void,
-    /// 0: products are orthogonalised once, and dropped when less than 1e-2 of them is left, which is
-    /// stabler. 1: until they are orthogonal to rounding, and dropped below 1e-9: more functions.
+    /// Most factors of a product, at most 255; 1: eigenfunctions alone; 0: 2.
+    pub order: usize,
+    /// 0: products are orthogonalised once, and dropped when less than 1e-2 of them is left,
+    /// which is stabler. 1: until they are orthogonal to rounding, and dropped below 1e-9: more
+    /// functions.
     pub reorthogonalised: i32,
 }
 
@@ -41,13 +43,7 @@ impl Versioned for cata_transfer_params {
     const FIRST_SIZE: usize = offset_of!(Self, reorthogonalised) + size_of::<i32>();
 }
 
-/// Fills a parameter struct with the defaults.
-///
-/// `params`: one struct, not NULL; `struct_size` bytes are written.
-/// `struct_size`: sizeof(cata_transfer_params).
-/// Returns CATA_OK, CATA_ERR_NULL, or CATA_ERR_ARGUMENT for a size that no version has.
-///
-/// Thread-safe.
+/// Fills a struct with the defaults.
 ///
 /// # Safety
 /// `params` points to `struct_size` writable bytes.
@@ -60,29 +56,19 @@ pub unsafe extern "C" fn cata_transfer_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// Transfers functions from a source mesh to a target mesh, through the orthogonalised products of their
-/// first eigenfunctions (as cata_spectrum computes them, without a shift).
+/// Transfers functions from a source mesh to a target mesh, through the orthogonalised products
+/// of their first eigenfunctions (as cata_eigs computes them, without a shift).
 ///
 /// - `n`, `m`: vertices of source and target.
 /// - `k`, `l`: eigenfunctions of source and target, the constant among them: at least 1.
 /// - `source_masses`, `target_masses`: n and m elements, read: the masses of vertices; positive.
 /// - `source_values`, `target_values`: k and l elements, read: eigenvalues, ascending.
-/// - `source_vectors`, `target_vectors`: n x k and m x l, read, column-major with leading dimensions n and
-///   m: eigenvectors, orthonormal in the inner products of the masses.
+/// - `source_vectors`, `target_vectors`: n x k and m x l, read, column-major with leading
+///   dimensions n and m: eigenvectors, orthonormal in the inner products of the masses.
 /// - `points`: m elements, read: the vertex of the source, below n, of each vertex of the target.
-/// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of F and of G.
 /// - `functions`: number of functions, 0 included.
 /// - `f`: F, n x functions, read, with leading dimension `ldf`, as A in cata_ata_f64.
 /// - `g`: G, m x functions, written, with leading dimension `ldg`.
-/// - `params`: NULL for the defaults; else read during the call.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE,
-/// CATA_ERR_OUT_OF_MEMORY, CATA_ERR_UNSUPPORTED, CATA_ERR_CANCELLED or CATA_ERR_PANIC; G is untouched
-/// unless it is CATA_OK.
-///
-/// The result does not depend on the number of threads, bit for bit.
-///
-/// Thread-safe: calls may run at the same time as long as no output is shared.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -1,10 +1,13 @@
+//! # Spectral unions
+//!
+//! The spectrum of a union of parts from those of the parts, by a network (thesis, chapter 2).
+
 use std::ffi::c_char;
 use std::path::Path;
 
 use super::boundary::{boundary, text};
-use super::params::par;
-use super::parts::mesh;
-use super::pointer::{check_size, optional_output, output, slice, slice_mut};
+use super::pointer::{check_size, mesh, optional_output, output, slice, slice_mut};
+use super::progress::par;
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_NULL, Failure, cata_status};
 use crate::unions::{K, SpectralUnion, interpolate};
 
@@ -20,14 +23,11 @@ pub struct cata_unions {
 
 /// The network that predicts spectra of unions.
 ///
-/// - `weights`: a file of `catamaran unions train`, NUL-terminated; NULL: the weights that come with the
-///   library.
+/// - `weights`: a file of `catamaran unions train`, NUL-terminated; NULL: the weights that come
+///   with the library.
 /// - `unions`: written: the network, to be given to cata_unions_free.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT (a path that is not UTF-8), CATA_ERR_IO (the message
-/// says what is wrong with the file) or CATA_ERR_PANIC; `unions` is untouched unless it is CATA_OK.
-///
-/// Thread-safe.
+/// Returns CATA_ERR_IO when something is wrong with the file; the message says what.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -56,10 +56,6 @@ pub unsafe extern "C" fn cata_unions_new(
 
 /// Gives a network back.
 ///
-/// `unions`: made by cata_unions_new and not yet freed; NULL does nothing.
-///
-/// Thread-safe, but no call may be using the network.
-///
 /// # Safety
 /// The pointer is as described.
 #[unsafe(no_mangle)]
@@ -73,22 +69,20 @@ pub unsafe extern "C" fn cata_unions_free(unions: *mut cata_unions) {
     });
 }
 
-/// The first eigenvalues of the union of parts of a surface, from those of the parts: Dirichlet spectra, in
-/// whatever unit.
+/// The first eigenvalues of the union of parts of a surface, from those of the parts: Dirichlet
+/// spectra, in whatever unit.
 ///
 /// - `unions`: of cata_unions_new.
 /// - `parts`: their number, at least 1.
-/// - `spectra`: CATA_UNION_EIGENVALUES parts elements, read: those of each part, ascending and positive, one
-///   part after the other.
-/// - `spectrum`: CATA_UNION_EIGENVALUES elements, written: ascending, positive, none larger than that of a part
-///   of the same number. The order of the parts does not matter, bit for bit.
-/// - `strangeness`: written: how unlike the parts are to those of the training; above 1 the prediction
-///   is a guess. NULL where not wanted.
+/// - `spectra`: CATA_UNION_EIGENVALUES parts elements, read: those of each part, ascending and
+///   positive, one part after the other.
+/// - `spectrum`: CATA_UNION_EIGENVALUES elements, written: ascending, positive, none larger than
+///   that of a part of the same number. The order of the parts does not matter, bit for bit.
+/// - `strangeness`: written: how unlike the parts are to those of the training; above 1 the
+///   prediction is a guess. NULL where not wanted.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT (not positive, not ascending, no parts),
-/// CATA_ERR_NON_FINITE or CATA_ERR_PANIC; outputs are untouched unless it is CATA_OK.
-///
-/// Thread-safe, also for calls with the same network.
+/// Returns CATA_ERR_ARGUMENT for spectra that are not positive or not ascending, and for no
+/// parts.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -124,24 +118,18 @@ pub unsafe extern "C" fn cata_unions_predict(
     })
 }
 
-/// Where the union of parts is on the template of the network: the mesh that `catamaran unions template` writes.
+/// Where the union of parts is on the template of the network: the mesh that `catamaran unions
+/// template` writes.
 ///
 /// - `unions`, `parts`, `spectra`: as those of cata_unions_predict.
-/// - `vertices`: those of the template.
-/// - `positions`: 3 `vertices` elements, read: x, y, z of each vertex.
-/// - `faces`: their number.
-/// - `corners`: 3 `faces` elements, read: three vertices of each face, from 0.
-/// - `indicator`: `vertices` elements, written: about 1 inside of the union and 0 outside; the union is what is above 1/2.
-///   Mirror images have the same spectrum: it is one of the two.
+/// - `n_vertices`, `vertices`, `n_faces`, `faces`: the mesh.
+/// - `indicator`: n_vertices elements, written: about 1 inside of the union and 0 outside; the
+///   union is what is above 1/2. Mirror images have the same spectrum: it is one of the two.
 /// - `threads`: 0: all cores of the affinity mask.
 ///
 /// Each call computes the eigenfunctions of the template.
 ///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_SHAPE (a mesh of another size), CATA_ERR_ARGUMENT (another mesh, or spectra that
-/// are none), CATA_ERR_NON_FINITE, CATA_ERR_MESH, CATA_ERR_NOT_CONVERGED, CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC;
-/// `indicator` is untouched unless it is CATA_OK.
-///
-/// Thread-safe, also for calls with the same network.
+/// Returns CATA_ERR_SHAPE and CATA_ERR_ARGUMENT for another mesh than that of the weights.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -150,10 +138,10 @@ pub unsafe extern "C" fn cata_unions_locate(
     unions: *const cata_unions,
     parts: usize,
     spectra: *const f64,
-    vertices: usize,
-    positions: *const f64,
-    faces: usize,
-    corners: *const u32,
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
     indicator: *mut f64,
     threads: usize,
 ) -> cata_status {
@@ -167,8 +155,8 @@ pub unsafe extern "C" fn cata_unions_locate(
             (
                 &*unions,
                 slice("spectra", spectra, K * parts)?,
-                mesh(vertices, positions, faces, corners)?,
-                slice_mut("indicator", indicator, vertices)?,
+                mesh(n_vertices, vertices, n_faces, faces)?,
+                slice_mut("indicator", indicator, n_vertices)?,
             )
         };
         let parts: Vec<&[f64]> = spectra.chunks_exact(K).collect();
@@ -184,11 +172,6 @@ pub unsafe extern "C" fn cata_unions_locate(
 /// - `first`, `second`: CATA_UNION_EIGENVALUES elements each, read: ascending and positive.
 /// - `t`: in [0, 1].
 /// - `spectrum`: CATA_UNION_EIGENVALUES elements, written; it may be one of the others.
-///
-/// Returns CATA_OK, CATA_ERR_NULL, CATA_ERR_ARGUMENT, CATA_ERR_NON_FINITE or CATA_ERR_PANIC; `spectrum` is
-/// untouched unless it is CATA_OK.
-///
-/// Thread-safe.
 ///
 /// # Safety
 /// The pointers are as described.

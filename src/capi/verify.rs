@@ -4,23 +4,21 @@ use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::Real;
 use crate::ata::verify;
 
-/// Checks that C = alpha A^T A for A m x n and C n x n, up to rounding, with `rounds` random vectors
-/// (Freivalds 1977), in time proportional to rounds (m n + n^2).
+/// Checks that C = alpha A^T A for A m x n and C n x n, up to rounding, with `rounds` random
+/// vectors (Freivalds 1977), in time proportional to rounds (m n + n^2).
 ///
-/// - `layout`, `uplo`, `m`, `n`, `a`, `lda`: as in cata_ata_f64; only the part `uplo` of C is looked at.
+/// - `layout`, `uplo`, `m`, `n`, `a`, `lda`: as in cata_ata_f64; only the part `uplo` of C is
+///   looked at.
 /// - `c`: C, read, as long as in cata_ata_f64.
 /// - `rounds`: 1 to 1000. A C with an entry wrong by more than twice the tolerance passes with
 ///   probability at most 2^-rounds.
 /// - `seed`: of the random vectors; the same seed gives the same answer.
 /// - `passed`: one int32_t, not NULL; written on success: 1 if C passed, else 0.
-/// - `residual`, `tolerance`: one double each, NULL where not wanted; written on success: the largest
-///   entry of |C X - alpha A^T (A X)|, and how large rounding may make it. NaN or infinity in the
-///   residual never passes.
+/// - `residual`, `tolerance`: one double each, NULL where not wanted; written on success: the
+///   largest entry of |C X - alpha A^T (A X)|, and how large rounding may make it. NaN or
+///   infinity in the residual never passes.
 ///
-/// Returns CATA_OK, whether C passed or not, CATA_ERR_NULL, CATA_ERR_SHAPE, CATA_ERR_ARGUMENT,
-/// CATA_ERR_OUT_OF_MEMORY or CATA_ERR_PANIC.
-///
-/// Thread-safe; runs on the calling thread.
+/// Returns CATA_OK, whether C passed or not. Runs on the calling thread.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -48,8 +46,6 @@ pub unsafe extern "C" fn cata_verify_f64(
 }
 
 /// As cata_verify_f64, for a product in float. The check itself is in double.
-///
-/// Thread-safe; runs on the calling thread.
 ///
 /// # Safety
 /// The pointers are as described at `cata_verify_f64`.

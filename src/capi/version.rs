@@ -9,7 +9,8 @@ use crate::base;
 pub const CATA_CAP_OPENBLAS: u64 = 1;
 /// Bit of cata_capabilities: MPI is linked in (cata_world_new works).
 pub const CATA_CAP_MPI: u64 = 2;
-/// Bit of cata_capabilities: kernels run on OpenCL devices, where there are any (cata_device_name tells).
+/// Bit of cata_capabilities: kernels run on OpenCL devices, where there are any (cata_device_name
+/// tells).
 pub const CATA_CAP_OPENCL: u64 = 4;
 /// Bit of cata_capabilities: HDF5 files; not in this version, never set.
 pub const CATA_CAP_HDF5: u64 = 8;
@@ -24,9 +25,6 @@ const VERSION: &CStr =
 /// (CATA_VERSION_MAJOR, _MINOR, _PATCH).
 ///
 /// `major`, `minor`, `patch`: one int32_t each, written; NULL where the part is not wanted.
-/// Returns CATA_OK, or CATA_ERR_ARGUMENT for a pointer that is not aligned.
-///
-/// Thread-safe.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -49,9 +47,7 @@ pub unsafe extern "C" fn cata_version(
     })
 }
 
-/// The version of the library that runs, "major.minor.patch". Static, never NULL; do not free it.
-///
-/// Thread-safe.
+/// The same as "major.minor.patch". Static, never NULL; do not free it.
 #[unsafe(no_mangle)]
 pub extern "C" fn cata_version_string() -> *const c_char {
     VERSION.as_ptr()
@@ -59,8 +55,6 @@ pub extern "C" fn cata_version_string() -> *const c_char {
 
 /// What this build of the library can do: a sum of CATA_CAP_* bits. The functions of an absent
 /// capability exist, and return CATA_ERR_UNSUPPORTED.
-///
-/// Thread-safe.
 #[unsafe(no_mangle)]
 pub extern "C" fn cata_capabilities() -> u64 {
     let openblas = if cfg!(feature = "openblas") { CATA_CAP_OPENBLAS } else { 0 };

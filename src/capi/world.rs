@@ -1,4 +1,13 @@
-//! The ranks that work together, and what they hold in common.
+//! # MPI
+//!
+//! Products of matrices that are spread over the ranks of a communicator (catamaran_mpi.h, too).
+//!
+//! ```c
+//! cata_world *world;
+//! cata_symmetric *c;
+//! cata_world_from_comm(MPI_COMM_WORLD, &world);
+//! cata_world_ata_rows_f64(world, CATA_ROW_MAJOR, m, n, 1, rows, n, NULL, &c);
+//! ```
 
 use std::mem::offset_of;
 
@@ -14,12 +23,12 @@ use super::params::Versioned;
 /// calls, which must be one that may do so; other threads compute, so that MPI_THREAD_FUNNELED is
 /// needed (MPI_Init_thread).
 ///
-/// Functions that are called collective are called by all ranks of the world, in the same order and
-/// with the same numbers unless said otherwise. An error on one rank is an error on all: its own
-/// there, CATA_ERR_RANK on the others, with a message that names the rank. What one rank alone
-/// notices of a world that is NULL, or freed, can't be told to the others. A panic aborts the job
-/// (MPI_Abort), as the others would wait for ever; so does, unless the communicator has another
-/// error handler, an error of MPI itself.
+/// Functions that are called collective are called by all ranks of the world, in the same order
+/// and with the same numbers unless said otherwise. An error on one rank is an error on all: its
+/// own there, CATA_ERR_RANK on the others, with a message that names the rank. What one rank
+/// alone notices of a world that is NULL, or freed, can't be told to the others. A panic aborts
+/// the job (MPI_Abort), as the others would wait for ever; so does, unless the communicator has
+/// another error handler, an error of MPI itself.
 pub struct cata_world {
     #[cfg(feature = "mpi")]
     pub(super) world: crate::mpi::World,
@@ -37,8 +46,7 @@ pub struct cata_symmetric {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_traffic {
-    /// sizeof(cata_traffic) as the caller was compiled with; set it before the call. Later versions
-    /// add fields at the end; those that this library does not know are set to 0.
+    /// sizeof(cata_traffic).
     pub struct_size: usize,
     /// Entries sent.
     pub words_sent: u64,

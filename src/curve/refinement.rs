@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use crate::base::{Error, Result};
@@ -6,7 +7,7 @@ use crate::mesh::{Adjacency, TriMesh};
 
 /// A mesh with edges and faces that are cut at points, kept beside it: what was not cut costs nothing.
 pub(super) struct Refinement<'m> {
-    mesh: &'m TriMesh,
+    mesh: Cow<'m, TriMesh>,
     /// Faces of the mesh's vertices; made when first something is cut.
     vertex_faces: Option<Adjacency>,
     /// New vertices, numbered from the number of vertices on.
@@ -20,7 +21,7 @@ pub(super) struct Refinement<'m> {
 }
 
 impl<'m> Refinement<'m> {
-    pub fn new(mesh: &'m TriMesh) -> Self {
+    pub fn new(mesh: Cow<'m, TriMesh>) -> Self {
         Self {
             mesh,
             vertex_faces: None,
@@ -31,8 +32,8 @@ impl<'m> Refinement<'m> {
         }
     }
 
-    pub fn mesh(&self) -> &'m TriMesh {
-        self.mesh
+    pub fn mesh(&self) -> &TriMesh {
+        &self.mesh
     }
 
     /// New vertices.
@@ -145,7 +146,7 @@ impl<'m> Refinement<'m> {
 
     /// The faces of a vertex, from now on kept here.
     fn faces_of(&mut self, vertex: u32) -> &mut Vec<u32> {
-        let (mesh, all) = (self.mesh, &mut self.vertex_faces);
+        let (mesh, all) = (&self.mesh, &mut self.vertex_faces);
         self.changed.entry(vertex).or_insert_with(|| {
             let all = all.get_or_insert_with(|| mesh.vertex_faces());
             all.row(vertex as usize).to_vec()

@@ -1,3 +1,5 @@
+use std::borrow::Cow;
+
 use super::refinement::Refinement;
 use super::result::Steiner;
 use crate::base::{Error, Result};
@@ -59,7 +61,7 @@ pub struct Placed {
 /// [`Error::Argument`] names a site whose vertex or face is not there, whose weights are not barycentric coordinates, or
 /// whose point is not finite; also for a point on a mesh without faces.
 pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Placed> {
-    let mut refinement = Refinement::new(mesh);
+    let mut refinement = Refinement::new(Cow::Borrowed(mesh));
     let mut vertices = Vec::with_capacity(sites.len());
     let used = mesh.referenced();
     for (i, site) in sites.iter().enumerate() {
@@ -94,7 +96,7 @@ pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Pla
 /// # Errors
 /// [`Error::Argument`] for ends that are no vertices or earlier points.
 pub fn refined(mesh: &TriMesh, steiner: &[Steiner]) -> Result<TriMesh> {
-    let mut refinement = Refinement::new(mesh);
+    let mut refinement = Refinement::new(Cow::Borrowed(mesh));
     for (i, point) in steiner.iter().enumerate() {
         let known = mesh.vertices().len() + i;
         if let Some(end) = point.ends.iter().find(|&&end| end as usize >= known) {

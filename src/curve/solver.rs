@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 
 use super::faithful::Walker;
@@ -107,6 +108,23 @@ impl<'m> CurveSolver<'m> {
     /// # Errors
     /// [`Error::OutOfMemory`].
     pub fn new(mesh: &'m TriMesh) -> Result<Self> {
+        Self::of(Cow::Borrowed(mesh))
+    }
+
+    /// As [`CurveSolver::new`], with the mesh in it.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn owning(mesh: TriMesh) -> Result<CurveSolver<'static>> {
+        CurveSolver::of(Cow::Owned(mesh))
+    }
+
+    /// The mesh that curves are found on.
+    pub fn mesh(&self) -> &TriMesh {
+        self.surface.mesh()
+    }
+
+    fn of(mesh: Cow<'m, TriMesh>) -> Result<Self> {
         let n = mesh.vertices().len();
         Ok(Self {
             surface: Surface::new(mesh),

@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use super::refinement::Refinement;
@@ -17,17 +18,17 @@ pub(super) struct Surface<'m> {
 }
 
 impl<'m> Surface<'m> {
-    pub fn new(mesh: &'m TriMesh) -> Self {
+    pub fn new(mesh: Cow<'m, TriMesh>) -> Self {
         Self {
-            graph: Graph::of_mesh(mesh),
-            components: Components::new(mesh),
+            graph: Graph::of_mesh(&mesh),
+            components: Components::new(&mesh),
             refinement: Refinement::new(mesh),
             ends: Vec::new(),
             neighbours: HashMap::new(),
         }
     }
 
-    pub fn mesh(&self) -> &'m TriMesh {
+    pub fn mesh(&self) -> &TriMesh {
         self.refinement.mesh()
     }
 

@@ -3,6 +3,7 @@
 #include <catamaran.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <string>
@@ -177,25 +178,26 @@ void spectra() {
     const catamaran::sparse_view path{3, row_starts.data(), columns.data(), entries.data()};
     CHECK((catamaran::ata(path, 3, {1, 2, 1}) == std::vector<double>{3, -5, 2, -5, 10, -5, 2, -5, 3}));
     CHECK(status_of([&] { catamaran::ata(path, 3, {1, 2}); }) == CATA_ERR_SHAPE);
-    const auto pairs = catamaran::spectrum(path, 3);
+    const auto pairs = catamaran::eigs(path, 3);
     CHECK(std::abs(pairs.values[1] - 1) < 1e-12 && std::abs(pairs.values[2] - 3) < 1e-12);
     CHECK(pairs.masses.empty() && std::abs(pairs.matrix()(1, 1)) < 1e-12);
-    catamaran::spectrum_options how;
+    catamaran::eigs_options how;
     how.shift = 2.9;
-    CHECK(std::abs(catamaran::spectrum(path, 1, {2, 2, 2}, how).values[0] - 1.5) < 1e-12);
-    CHECK(status_of([&] { catamaran::spectrum(path, 1, {2, 2}); }) == CATA_ERR_SHAPE);
-    CHECK(status_of([&] { catamaran::spectrum(path, 4); }) == CATA_ERR_ARGUMENT);
+    CHECK(std::abs(catamaran::eigs(path, 1, {2, 2, 2}, how).values[0] - 1.5) < 1e-12);
+    CHECK(status_of([&] { catamaran::eigs(path, 1, {2, 2}); }) == CATA_ERR_SHAPE);
+    CHECK(status_of([&] { catamaran::eigs(path, 4); }) == CATA_ERR_ARGUMENT);
     how.progress = [](double) { return false; };
-    CHECK(status_of([&] { catamaran::spectrum(path, 1, {}, how); }) == CATA_ERR_CANCELLED);
+    CHECK(status_of([&] { catamaran::eigs(path, 1, {}, how); }) == CATA_ERR_CANCELLED);
 
-    const auto square = catamaran::spectrum({{{0, 0, 0}}, {{1, 0, 0}}, {{1, 1, 0}}, {{0, 1, 0}}},
-                                            {{{0, 1, 2}}, {{0, 2, 3}}}, 2);
+    const std::vector<std::array<double, 3>> corners{
+        {{0, 0, 0}}, {{1, 0, 0}}, {{1, 1, 0}}, {{0, 1, 0}}};
+    const std::vector<std::array<std::uint32_t, 3>> halves{{{0, 1, 2}}, {{0, 2, 3}}};
+    const auto square = catamaran::eigs({corners, halves}, 2);
     CHECK(square.masses.size() == 4 && square.vectors.size() == 8);
-    CHECK(status_of([] { catamaran::spectrum({{{0, 0, 0}}}, {{{0, 1, 2}}}, 1); }) == CATA_ERR_MESH);
+    CHECK(status_of([] { catamaran::eigs({{{{0, 0, 0}}}, {{{0, 1, 2}}}}, 1); }) == CATA_ERR_MESH);
 
     // Through eigenfunctions that span everything, any function is carried as it is.
-    const auto whole = catamaran::spectrum({{{0, 0, 0}}, {{1, 0, 0}}, {{1, 1, 0}}, {{0, 1, 0}}},
-                                           {{{0, 1, 2}}, {{0, 2, 3}}}, 4);
+    const auto whole = catamaran::eigs({corners, halves}, 4);
     const std::vector<double> f{1, 2, 3, 5};
     const auto carried =
         catamaran::transfer(whole, whole, {0, 1, 2, 3}, catamaran::col_major(f.data(), 4, 1));
@@ -359,13 +361,15 @@ void decimation() {
 void parts_and_unions() {
     catamaran::decimate_options how;
     const catamaran::decimation fine = catamaran::decimate(octahedron, octants, 402, how);
+    const catamaran::mesh_view mesh{fine.positions, fine.faces};
+    catamaran::eigs_options held;
+    held.boundary = catamaran::boundary::dirichlet;
     const auto spectrum_of = [&](double low, double high) {
         std::vector<std::uint8_t> mask;
         for (const auto& p : fine.positions) {
             mask.push_back(low <= p[2] && p[2] <= high ? 1 : 0);
         }
-        const auto found = catamaran::part_spectrum(fine.positions, fine.faces, mask,
-                                                    CATA_UNION_EIGENVALUES);
+        const auto found = catamaran::part_eigenvalues(mesh, mask, CATA_UNION_EIGENVALUES, held);
         catamaran::unions::eigenvalues values;
         std::copy(found.begin(), found.end(), values.begin());
         return values;
@@ -379,10 +383,9 @@ void parts_and_unions() {
     CHECK(found.strangeness > 0);
     CHECK(unions.predict({upper, lower}).values == found.values);
     CHECK(status_of([&] { unions.predict({}); }) == CATA_ERR_ARGUMENT);
-    CHECK(status_of([&] { unions.locate({lower}, fine.positions, fine.faces); }) == CATA_ERR_SHAPE);
+    CHECK(status_of([&] { unions.locate({lower}, mesh); }) == CATA_ERR_SHAPE);
     CHECK(status_of([] { catamaran::unions("/no/such/weights"); }) == CATA_ERR_IO);
-    CHECK(status_of([&] { catamaran::part_spectrum(fine.positions, fine.faces, {1}, 2); }) ==
-          CATA_ERR_SHAPE);
+    CHECK(status_of([&] { catamaran::part_eigenvalues(mesh, {1}, 2); }) == CATA_ERR_SHAPE);
 }
 
 // Once around the equator of an octahedron.

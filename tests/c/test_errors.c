@@ -1,6 +1,6 @@
 /* What a caller can get wrong: the status, the message, and C untouched. */
 
-#include <catamaran.h>
+#include "internal.h"
 
 #include <math.h>
 #include <stdlib.h>

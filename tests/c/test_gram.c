@@ -58,7 +58,7 @@ static void test_lines_are_fitted_exactly(void)
         result.standard_errors = errors;
         result.intercept_errors = intercept_errors;
         result.dependent = dependent;
-        CHECK_STATUS(cata_lstsq_f64(layout, M, N, K, a, LD, b, LD, NULL, x, LD, &result, &params),
+        CHECK_STATUS(cata_lstsq(layout, M, N, K, a, LD, b, LD, NULL, x, LD, &result, &params),
                      CATA_OK);
         CHECK(x[at(layout, LD, 0, 0)] == 2.0 && x[at(layout, LD, 0, 1)] == -1.0);
         CHECK(intercepts[0] == 1.0 && intercepts[1] == 4.0);
@@ -69,10 +69,10 @@ static void test_lines_are_fitted_exactly(void)
         CHECK(result.struct_size == sizeof result && result.intercepts == intercepts);
         /* Nothing but X is wanted, or nothing at all. */
         x[0] = 7;
-        CHECK_STATUS(cata_lstsq_f64(layout, M, N, K, a, LD, b, LD, NULL, x, LD, NULL, &params),
+        CHECK_STATUS(cata_lstsq(layout, M, N, K, a, LD, b, LD, NULL, x, LD, NULL, &params),
                      CATA_OK);
         CHECK(x[0] == 2.0);
-        CHECK_STATUS(cata_lstsq_f64(layout, M, N, K, a, LD, b, LD, NULL, NULL, 0, NULL, NULL),
+        CHECK_STATUS(cata_lstsq(layout, M, N, K, a, LD, b, LD, NULL, NULL, 0, NULL, NULL),
                      CATA_OK);
     }
 }
@@ -87,7 +87,7 @@ static void test_statistics_of_a_line(void)
                                 .residual_norms = &norm, .r_squared = &r_squared,
                                 .intercepts = &intercept, .standard_errors = &error,
                                 .intercept_errors = &intercept_error};
-    CHECK_STATUS(cata_lstsq_f64(CATA_ROW_MAJOR, 3, 1, 1, a, 1, b, 1, NULL, &x, 1, &result, &params),
+    CHECK_STATUS(cata_lstsq(CATA_ROW_MAJOR, 3, 1, 1, a, 1, b, 1, NULL, &x, 1, &result, &params),
                  CATA_OK);
     CHECK(x == 2.5 && NEAR(intercept, -0.5) && NEAR(norm, sqrt(1.5)));
     CHECK(NEAR(r_squared, 1.0 - 1.5 / 14.0) && result.degrees_of_freedom == 1);
@@ -95,19 +95,19 @@ static void test_statistics_of_a_line(void)
     /* Without intercept: 11/5, its array untouched but for the zero constant. */
     params.intercept = 0;
     intercept_error = 7;
-    CHECK_STATUS(cata_lstsq_f64(CATA_COL_MAJOR, 3, 1, 1, a, 3, b, 3, NULL, &x, 1, &result, &params),
+    CHECK_STATUS(cata_lstsq(CATA_COL_MAJOR, 3, 1, 1, a, 3, b, 3, NULL, &x, 1, &result, &params),
                  CATA_OK);
     CHECK(x == 2.2 && intercept == 0.0 && intercept_error == 7 && result.degrees_of_freedom == 2);
     /* A ridge of 6: 11 / (5 + 6). A weight of 2 is a row twice. */
     params.ridge = 6;
-    CHECK_STATUS(cata_lstsq_f64(CATA_ROW_MAJOR, 3, 1, 1, a, 1, b, 1, NULL, &x, 1, NULL, &params),
+    CHECK_STATUS(cata_lstsq(CATA_ROW_MAJOR, 3, 1, 1, a, 1, b, 1, NULL, &x, 1, NULL, &params),
                  CATA_OK);
     CHECK(x == 1.0);
     const double weights[3] = {1, 1, 2}, twice_a[4] = {0, 1, 2, 2}, twice_b[4] = {0, 1, 5, 5};
     double repeated = 0;
-    CHECK_STATUS(cata_lstsq_f64(CATA_ROW_MAJOR, 3, 1, 1, a, 1, b, 1, weights, &x, 1, NULL, NULL),
+    CHECK_STATUS(cata_lstsq(CATA_ROW_MAJOR, 3, 1, 1, a, 1, b, 1, weights, &x, 1, NULL, NULL),
                  CATA_OK);
-    CHECK_STATUS(cata_lstsq_f64(CATA_ROW_MAJOR, 4, 1, 1, twice_a, 1, twice_b, 1, NULL, &repeated, 1,
+    CHECK_STATUS(cata_lstsq(CATA_ROW_MAJOR, 4, 1, 1, twice_a, 1, twice_b, 1, NULL, &repeated, 1,
                                 NULL, NULL),
                  CATA_OK);
     CHECK(x == repeated && NEAR(x, 21.0 / 9.0));
@@ -121,14 +121,14 @@ static void test_dependent_columns(void)
     size_t dependent[3] = {77, 77, 77};
     cata_lstsq_params params = {.struct_size = sizeof params};
     cata_lstsq_result result = {.struct_size = sizeof result, .dependent = dependent};
-    CHECK_STATUS(cata_lstsq_f64(CATA_ROW_MAJOR, 2, 3, 1, a, 3, b, 1, NULL, x, 1, &result, &params),
+    CHECK_STATUS(cata_lstsq(CATA_ROW_MAJOR, 2, 3, 1, a, 3, b, 1, NULL, x, 1, &result, &params),
                  CATA_OK);
     CHECK(NEAR(x[0], 1.0) && NEAR(x[1], 1.0) && NEAR(x[2], 2.0));
     CHECK(result.rank == 2 && dependent[0] < 3 && dependent[1] == 77);
     CHECK(result.degrees_of_freedom == 0);
     params.refuse_dependent = 1;
     x[0] = result.condition = 7;
-    CHECK_STATUS(cata_lstsq_f64(CATA_ROW_MAJOR, 2, 3, 1, a, 3, b, 1, NULL, x, 1, &result, &params),
+    CHECK_STATUS(cata_lstsq(CATA_ROW_MAJOR, 2, 3, 1, a, 3, b, 1, NULL, x, 1, &result, &params),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("depends on others");
     CHECK(x[0] == 7 && result.condition == 7);
@@ -143,7 +143,7 @@ static void test_lstsq_refusals(void)
     result.rank = 77;
     const int32_t rows = CATA_ROW_MAJOR;
 #define LSTSQ(layout, k, a, lda, b, ldb, ldx) \
-    cata_lstsq_f64(layout, 3, 2, k, a, lda, b, ldb, weights, x, ldx, &result, &params)
+    cata_lstsq(layout, 3, 2, k, a, lda, b, ldb, weights, x, ldx, &result, &params)
 #define REFUSED(call, status, text)   \
     do {                              \
         CHECK_STATUS(call, status);   \
@@ -213,7 +213,7 @@ static void test_pca_of_a_line(void)
         double variance[2], ratio[2], values[2], mean[2], scale[2];
         cata_pca_params params;
         CHECK_STATUS(cata_pca_params_init(&params, sizeof params), CATA_OK);
-        CHECK_STATUS(cata_pca_f64(layout, M, N, a, LD, 2, components, LD, variance, ratio, values,
+        CHECK_STATUS(cata_pca(layout, M, N, a, LD, 2, components, LD, variance, ratio, values,
                                   mean, scale, &params),
                      CATA_OK);
         CHECK(NEAR(components[at(layout, LD, 0, 0)], 0.6));
@@ -225,13 +225,13 @@ static void test_pca_of_a_line(void)
         CHECK(mean[0] == 1.0 && mean[1] == 2.0 && scale[0] == 1.0 && scale[1] == 1.0);
         /* Of standardised columns both have the same share. */
         params.standardize = 1;
-        CHECK_STATUS(cata_pca_f64(layout, M, N, a, LD, 1, components, LD, variance, NULL, NULL,
+        CHECK_STATUS(cata_pca(layout, M, N, a, LD, 1, components, LD, variance, NULL, NULL,
                                   NULL, scale, &params),
                      CATA_OK);
         CHECK(fabs(components[at(layout, LD, 0, 0)] - sqrt(0.5)) < 1e-15);
         CHECK(fabs(components[at(layout, LD, 0, 1)] - sqrt(0.5)) < 1e-15);
         CHECK(fabs(variance[0] - 2.0) < 1e-15 && scale[0] == 3.0 && scale[1] == 4.0);
-        CHECK_STATUS(cata_pca_f64(layout, M, N, a, LD, 0, NULL, 0, NULL, NULL, NULL, mean, NULL,
+        CHECK_STATUS(cata_pca(layout, M, N, a, LD, 0, NULL, 0, NULL, NULL, NULL, mean, NULL,
                                   NULL),
                      CATA_OK);
     }
@@ -243,7 +243,7 @@ static void test_pca_refusals(void)
     cata_pca_params params = {.struct_size = sizeof params};
     const int32_t rows = CATA_ROW_MAJOR;
 #define PCA(layout, m, a, lda, count, ldc) \
-    cata_pca_f64(layout, m, 2, a, lda, count, c, ldc, v, NULL, NULL, NULL, NULL, &params)
+    cata_pca(layout, m, 2, a, lda, count, c, ldc, v, NULL, NULL, NULL, NULL, &params)
 #define REFUSED(call, status, text)        \
     do {                                   \
         CHECK_STATUS(call, status);        \
@@ -280,30 +280,30 @@ static void test_singular_values(void)
     double values[2], v[6];
     cata_gram_params params;
     CHECK_STATUS(cata_gram_params_init(&params, sizeof params), CATA_OK);
-    CHECK_STATUS(cata_svd_f64(CATA_ROW_MAJOR, 3, 2, tall, 2, values, v, 2, &params), CATA_OK);
+    CHECK_STATUS(cata_svd(CATA_ROW_MAJOR, 3, 2, tall, 2, values, v, 2, &params), CATA_OK);
     CHECK(values[0] == 3.0 && values[1] == small);
     CHECK(fabs(v[0]) == 1.0 && v[1] == 0.0 && v[2] == 0.0 && fabs(v[3]) == 1.0);
     /* The same numbers by columns are the transpose: V has two columns of three entries. */
-    CHECK_STATUS(cata_svd_f64(CATA_COL_MAJOR, 2, 3, tall, 2, values, v, 3, NULL), CATA_OK);
+    CHECK_STATUS(cata_svd(CATA_COL_MAJOR, 2, 3, tall, 2, values, v, 3, NULL), CATA_OK);
     CHECK(values[0] == 3.0 && values[1] == small);
     CHECK(fabs(v[0]) == 1.0 && v[1] == 0.0 && v[2] == 0.0);
     CHECK(v[3] == 0.0 && fabs(v[4]) == 1.0 && v[5] == 0.0);
     /* Rank 1: zeros for what is not there. */
     const double ones[4] = {1, 1, 1, 1};
     v[1] = v[3] = 7;
-    CHECK_STATUS(cata_svd_f64(CATA_ROW_MAJOR, 2, 2, ones, 2, values, v, 2, NULL), CATA_OK);
+    CHECK_STATUS(cata_svd(CATA_ROW_MAJOR, 2, 2, ones, 2, values, v, 2, NULL), CATA_OK);
     CHECK(NEAR(values[0], 2.0) && values[1] == 0.0 && v[1] == 0.0 && v[3] == 0.0);
-    CHECK_STATUS(cata_svd_f64(CATA_ROW_MAJOR, 3, 2, tall, 2, NULL, NULL, 0, NULL), CATA_OK);
-    CHECK_STATUS(cata_svd_f64(CATA_ROW_MAJOR, 0, 2, NULL, 2, values, v, 1, NULL), CATA_OK);
+    CHECK_STATUS(cata_svd(CATA_ROW_MAJOR, 3, 2, tall, 2, NULL, NULL, 0, NULL), CATA_OK);
+    CHECK_STATUS(cata_svd(CATA_ROW_MAJOR, 0, 2, NULL, 2, values, v, 1, NULL), CATA_OK);
     v[0] = values[0] = 7;
-    CHECK_STATUS(cata_svd_f64(CATA_ROW_MAJOR, 3, 2, tall, 2, values, v, 1, NULL), CATA_ERR_SHAPE);
+    CHECK_STATUS(cata_svd(CATA_ROW_MAJOR, 3, 2, tall, 2, values, v, 1, NULL), CATA_ERR_SHAPE);
     CHECK_MENTIONS("ldv:");
-    CHECK_STATUS(cata_svd_f64(CATA_ROW_MAJOR, 3, 2, tall, 1, values, v, 2, NULL), CATA_ERR_SHAPE);
+    CHECK_STATUS(cata_svd(CATA_ROW_MAJOR, 3, 2, tall, 1, values, v, 2, NULL), CATA_ERR_SHAPE);
     CHECK_MENTIONS("lda:");
     int calls = 0;
     params.progress = cancel;
     params.progress_user = &calls;
-    CHECK_STATUS(cata_svd_f64(CATA_ROW_MAJOR, 3, 2, tall, 2, values, v, 2, &params),
+    CHECK_STATUS(cata_svd(CATA_ROW_MAJOR, 3, 2, tall, 2, values, v, 2, &params),
                  CATA_ERR_CANCELLED);
     CHECK(calls == 1 && v[0] == 7 && values[0] == 7);
 }
@@ -324,7 +324,7 @@ static void test_extended_gram(void)
             high[i] = low[i] = 7;
         }
         int32_t exact = 7;
-        CHECK_STATUS(cata_gram_extended_f64(layout, M, N, a, LD, NULL, CATA_CENTER_NONE, high, LD,
+        CHECK_STATUS(cata_gram_extended(layout, M, N, a, LD, NULL, CATA_CENTER_NONE, high, LD,
                                             low, LD, &exact, NULL),
                      CATA_OK);
         CHECK(high[at(layout, LD, 0, 0)] == 1 && low[at(layout, LD, 0, 0)] == e * e);
@@ -334,7 +334,7 @@ static void test_extended_gram(void)
     }
     double a[3] = {0, 1, 2}, weights[3] = {1, 0, 3}, high = 7;
 #define GRAM(m, a, weights, centering, high, ldhigh, low, ldlow, exact)                      \
-    cata_gram_extended_f64(CATA_ROW_MAJOR, m, 1, a, 1, weights, centering, high, ldhigh, low, \
+    cata_gram_extended(CATA_ROW_MAJOR, m, 1, a, 1, weights, centering, high, ldhigh, low, \
                            ldlow, exact, NULL)
     /* About the mean 1: -1, 0, 1; with weights 1, 0, 3 about the mean 3/2: 9/4 + 3/4. */
     CHECK_STATUS(GRAM(3, a, NULL, CATA_CENTER_MEAN, &high, 1, NULL, 0, NULL), CATA_OK);
@@ -348,7 +348,7 @@ static void test_extended_gram(void)
     CHECK(exact == 0);
     CHECK_STATUS(GRAM(0, NULL, NULL, CATA_CENTER_MEAN, &high, 1, NULL, 0, NULL), CATA_OK);
     CHECK(high == 0);
-    CHECK_STATUS(cata_gram_extended_f64(CATA_COL_MAJOR, 3, 0, NULL, 3, NULL, CATA_CENTER_NONE, NULL,
+    CHECK_STATUS(cata_gram_extended(CATA_COL_MAJOR, 3, 0, NULL, 3, NULL, CATA_CENTER_NONE, NULL,
                                         0, NULL, 0, NULL, NULL),
                  CATA_OK);
     high = 7;
@@ -374,25 +374,25 @@ static void test_correlation(void)
     /* The second column falls as the first rises; the third does not vary. */
     const double a[9] = {1, 6, 5, 2, 4, 5, 3, 2, 5};
     double c[9];
-    CHECK_STATUS(cata_correlation_f64(CATA_ROW_MAJOR, 3, 3, a, 3, c, 3, NULL), CATA_OK);
+    CHECK_STATUS(cata_gram_correlation(CATA_ROW_MAJOR, 3, 3, a, 3, c, 3, NULL), CATA_OK);
     CHECK(c[0] == 1 && c[4] == 1 && c[1] == -1 && c[3] == -1);
     CHECK(isnan(c[2]) && isnan(c[6]) && isnan(c[8]));
     /* 0, 0, 1, 1 and 0, 1, 0, 1 by columns. */
     const double b[8] = {0, 0, 1, 1, 0, 1, 0, 1};
-    CHECK_STATUS(cata_correlation_f64(CATA_COL_MAJOR, 4, 2, b, 4, c, 2, NULL), CATA_OK);
+    CHECK_STATUS(cata_gram_correlation(CATA_COL_MAJOR, 4, 2, b, 4, c, 2, NULL), CATA_OK);
     CHECK(c[0] == 1 && c[1] == 0 && c[2] == 0 && c[3] == 1);
-    CHECK_STATUS(cata_correlation_f64(CATA_COL_MAJOR, 4, 0, NULL, 4, NULL, 1, NULL), CATA_OK);
+    CHECK_STATUS(cata_gram_correlation(CATA_COL_MAJOR, 4, 0, NULL, 4, NULL, 1, NULL), CATA_OK);
     c[0] = 7;
-    CHECK_STATUS(cata_correlation_f64(CATA_COL_MAJOR, 4, 2, b, 4, NULL, 2, NULL), CATA_ERR_NULL);
+    CHECK_STATUS(cata_gram_correlation(CATA_COL_MAJOR, 4, 2, b, 4, NULL, 2, NULL), CATA_ERR_NULL);
     CHECK_MENTIONS("c:");
-    CHECK_STATUS(cata_correlation_f64(CATA_COL_MAJOR, 4, 2, b, 3, c, 2, NULL), CATA_ERR_SHAPE);
+    CHECK_STATUS(cata_gram_correlation(CATA_COL_MAJOR, 4, 2, b, 3, c, 2, NULL), CATA_ERR_SHAPE);
     CHECK_MENTIONS("lda:");
-    CHECK_STATUS(cata_correlation_f64(CATA_COL_MAJOR, 4, 2, b, 4, c, 1, NULL), CATA_ERR_SHAPE);
+    CHECK_STATUS(cata_gram_correlation(CATA_COL_MAJOR, 4, 2, b, 4, c, 1, NULL), CATA_ERR_SHAPE);
     CHECK_MENTIONS("ldc:");
     int calls = 0;
     cata_gram_params params = {
         .struct_size = sizeof params, .progress = cancel, .progress_user = &calls};
-    CHECK_STATUS(cata_correlation_f64(CATA_COL_MAJOR, 4, 2, b, 4, c, 2, &params),
+    CHECK_STATUS(cata_gram_correlation(CATA_COL_MAJOR, 4, 2, b, 4, c, 2, &params),
                  CATA_ERR_CANCELLED);
     CHECK(calls == 1 && c[0] == 7);
 }
@@ -401,22 +401,22 @@ static void test_orthogonality(void)
 {
     const double q[4] = {1, 0x1p-60, 0, 1};
     double max = 7, frobenius = 7;
-    CHECK_STATUS(cata_orthogonality_f64(CATA_ROW_MAJOR, 2, 2, q, 2, &max, &frobenius, NULL),
+    CHECK_STATUS(cata_gram_orthogonality(CATA_ROW_MAJOR, 2, 2, q, 2, &max, &frobenius, NULL),
                  CATA_OK);
     CHECK(max == 0x1p-60 && NEAR(frobenius, sqrt(2.0) * 0x1p-60));
-    CHECK_STATUS(cata_orthogonality_f64(CATA_COL_MAJOR, 2, 2, q, 2, NULL, NULL, NULL), CATA_OK);
-    CHECK_STATUS(cata_orthogonality_f64(CATA_ROW_MAJOR, 0, 2, NULL, 2, &max, &frobenius, NULL),
+    CHECK_STATUS(cata_gram_orthogonality(CATA_COL_MAJOR, 2, 2, q, 2, NULL, NULL, NULL), CATA_OK);
+    CHECK_STATUS(cata_gram_orthogonality(CATA_ROW_MAJOR, 0, 2, NULL, 2, &max, &frobenius, NULL),
                  CATA_OK);
     CHECK(max == 1 && NEAR(frobenius, sqrt(2.0)));
     max = 7;
-    CHECK_STATUS(cata_orthogonality_f64(CATA_ROW_MAJOR, 2, 2, NULL, 2, &max, NULL, NULL),
+    CHECK_STATUS(cata_gram_orthogonality(CATA_ROW_MAJOR, 2, 2, NULL, 2, &max, NULL, NULL),
                  CATA_ERR_NULL);
     CHECK_MENTIONS("q:");
-    CHECK_STATUS(cata_orthogonality_f64(CATA_ROW_MAJOR, 2, 2, q, 1, &max, NULL, NULL),
+    CHECK_STATUS(cata_gram_orthogonality(CATA_ROW_MAJOR, 2, 2, q, 1, &max, NULL, NULL),
                  CATA_ERR_SHAPE);
     CHECK_MENTIONS("ldq:");
     const double infinite[1] = {INFINITY};
-    CHECK_STATUS(cata_orthogonality_f64(CATA_ROW_MAJOR, 1, 1, infinite, 1, &max, NULL, NULL),
+    CHECK_STATUS(cata_gram_orthogonality(CATA_ROW_MAJOR, 1, 1, infinite, 1, &max, NULL, NULL),
                  CATA_ERR_NON_FINITE);
     CHECK_MENTIONS("q:");
     CHECK(max == 7);
@@ -431,29 +431,29 @@ static void test_cholesky_qr(void)
         double a[LD * 2], r[LD * 2] = {7, 7, 7, 7, 7, 7};
         a[at(layout, LD, 0, 0)] = 3, a[at(layout, LD, 0, 1)] = 1;
         a[at(layout, LD, 1, 0)] = 4, a[at(layout, LD, 1, 1)] = 1;
-        CHECK_STATUS(cata_cholesky_qr_extended_f64(layout, 2, 2, a, LD, r, LD, NULL), CATA_OK);
+        CHECK_STATUS(cata_gram_cholesky_qr(layout, 2, 2, a, LD, r, LD, NULL), CATA_OK);
         CHECK(a[at(layout, LD, 0, 0)] == 0.6 && a[at(layout, LD, 0, 1)] == 0.8);
         CHECK(a[at(layout, LD, 1, 0)] == 0.8 && a[at(layout, LD, 1, 1)] == -0.6);
         CHECK(r[at(layout, LD, 0, 0)] == 5.0 && r[at(layout, LD, 0, 1)] == 1.4);
         CHECK(r[at(layout, LD, 1, 0)] == 0.0 && r[at(layout, LD, 1, 1)] == 0.2);
     }
     double a[4] = {1, 2, 2, 4}, r[4] = {7, 7, 7, 7};
-    CHECK_STATUS(cata_cholesky_qr_extended_f64(CATA_ROW_MAJOR, 2, 2, a, 2, r, 2, NULL),
+    CHECK_STATUS(cata_gram_cholesky_qr(CATA_ROW_MAJOR, 2, 2, a, 2, r, 2, NULL),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("column 1");
-    CHECK_STATUS(cata_cholesky_qr_extended_f64(CATA_ROW_MAJOR, 2, 2, a, 2, r, 1, NULL),
+    CHECK_STATUS(cata_gram_cholesky_qr(CATA_ROW_MAJOR, 2, 2, a, 2, r, 1, NULL),
                  CATA_ERR_SHAPE);
     CHECK_MENTIONS("ldr:");
-    CHECK_STATUS(cata_cholesky_qr_extended_f64(CATA_ROW_MAJOR, 2, 2, NULL, 2, r, 2, NULL),
+    CHECK_STATUS(cata_gram_cholesky_qr(CATA_ROW_MAJOR, 2, 2, NULL, 2, r, 2, NULL),
                  CATA_ERR_NULL);
     CHECK_MENTIONS("a:");
     int calls = 0;
     cata_gram_params params = {
         .struct_size = sizeof params, .progress = cancel, .progress_user = &calls};
-    CHECK_STATUS(cata_cholesky_qr_extended_f64(CATA_ROW_MAJOR, 2, 2, a, 2, r, 2, &params),
+    CHECK_STATUS(cata_gram_cholesky_qr(CATA_ROW_MAJOR, 2, 2, a, 2, r, 2, &params),
                  CATA_ERR_CANCELLED);
     CHECK(calls == 1 && a[0] == 1 && a[3] == 4 && r[0] == 7);
-    CHECK_STATUS(cata_cholesky_qr_extended_f64(CATA_ROW_MAJOR, 2, 0, NULL, 1, NULL, 0, NULL),
+    CHECK_STATUS(cata_gram_cholesky_qr(CATA_ROW_MAJOR, 2, 0, NULL, 1, NULL, 0, NULL),
                  CATA_OK);
 }
 
@@ -477,21 +477,21 @@ static void test_threads_give_the_same_bytes(void)
         cata_pca_params pca = {.struct_size = sizeof pca, .threads = threads};
         cata_gram_params gram = {.struct_size = sizeof gram, .threads = threads};
         cata_lstsq_result result = {.struct_size = sizeof result, .standard_errors = errors[run]};
-        CHECK_STATUS(cata_lstsq_f64(CATA_ROW_MAJOR, M, N, K, a, N, b, K, NULL, x[run], K, &result,
+        CHECK_STATUS(cata_lstsq(CATA_ROW_MAJOR, M, N, K, a, N, b, K, NULL, x[run], K, &result,
                                     &lstsq),
                      CATA_OK);
         scalars[run][0] = result.condition;
-        CHECK_STATUS(cata_pca_f64(CATA_ROW_MAJOR, M, N, a, N, N, components[run], N, NULL, NULL,
+        CHECK_STATUS(cata_pca(CATA_ROW_MAJOR, M, N, a, N, N, components[run], N, NULL, NULL,
                                   NULL, NULL, NULL, &pca),
                      CATA_OK);
-        CHECK_STATUS(cata_svd_f64(CATA_ROW_MAJOR, M, N, a, N, NULL, v[run], N, &gram), CATA_OK);
-        CHECK_STATUS(cata_gram_extended_f64(CATA_ROW_MAJOR, M, N, a, N, NULL, CATA_CENTER_NONE,
+        CHECK_STATUS(cata_svd(CATA_ROW_MAJOR, M, N, a, N, NULL, v[run], N, &gram), CATA_OK);
+        CHECK_STATUS(cata_gram_extended(CATA_ROW_MAJOR, M, N, a, N, NULL, CATA_CENTER_NONE,
                                             high[run], N, NULL, 0, NULL, &gram),
                      CATA_OK);
         memcpy(q[run], a, sizeof a);
-        CHECK_STATUS(cata_cholesky_qr_extended_f64(CATA_ROW_MAJOR, M, N, q[run], N, NULL, 0, &gram),
+        CHECK_STATUS(cata_gram_cholesky_qr(CATA_ROW_MAJOR, M, N, q[run], N, NULL, 0, &gram),
                      CATA_OK);
-        CHECK_STATUS(cata_orthogonality_f64(CATA_ROW_MAJOR, M, N, q[run], N, &scalars[run][1],
+        CHECK_STATUS(cata_gram_orthogonality(CATA_ROW_MAJOR, M, N, q[run], N, &scalars[run][1],
                                             &scalars[run][2], &gram),
                      CATA_OK);
     }
@@ -510,7 +510,7 @@ static void test_without_a_world(void)
     double x[1] = {7};
     const cata_status expected =
         cata_capabilities() & CATA_CAP_MPI ? CATA_ERR_NULL : CATA_ERR_UNSUPPORTED;
-    CHECK(cata_world_lstsq_f64(NULL, CATA_ROW_MAJOR, 1, 1, 1, a, 1, b, 1, NULL, x, 1, NULL, NULL) ==
+    CHECK(cata_world_lstsq(NULL, CATA_ROW_MAJOR, 1, 1, 1, a, 1, b, 1, NULL, x, 1, NULL, NULL) ==
           expected);
     CHECK(x[0] == 7);
 }

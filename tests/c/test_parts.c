@@ -43,10 +43,11 @@ static void mask_up_to(double x)
 
 static cata_status part(size_t k, double *values, int32_t boundary, size_t threads)
 {
-    cata_laplacian_params params;
-    CHECK_STATUS(cata_laplacian_params_init(&params, sizeof params), CATA_OK);
+    cata_eigs_params params;
+    CHECK_STATUS(cata_eigs_params_init(&params, sizeof params), CATA_OK);
     params.boundary = boundary;
-    return cata_part_spectrum(V, positions, F, corners, mask, k, values, &params, threads);
+    params.threads = threads;
+    return cata_mesh_part_eigenvalues(V, positions, F, corners, mask, k, values, &params);
 }
 
 static void test_parts(void)
@@ -74,24 +75,24 @@ static void test_parts(void)
     mask[3] = 2;
     CHECK_STATUS(part(K, again, CATA_BOUNDARY_DIRICHLET, 1), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("mask: element 3 is 2");
-    CHECK_STATUS(cata_part_spectrum(V, positions, F, corners, NULL, K, again, NULL, 1), CATA_ERR_NULL);
-    CHECK_STATUS(cata_part_spectrum(2, positions, F, corners, mask, K, again, NULL, 1), CATA_ERR_MESH);
+    CHECK_STATUS(cata_mesh_part_eigenvalues(V, positions, F, corners, NULL, K, again, NULL), CATA_ERR_NULL);
+    CHECK_STATUS(cata_mesh_part_eigenvalues(2, positions, F, corners, mask, K, again, NULL), CATA_ERR_MESH);
     CHECK(again[0] == -7);
 }
 
 static void test_shape_dna(void)
 {
     double one[K], scaled[K], plain[K];
-    CHECK_STATUS(cata_shape_dna(V, positions, F, corners, K, 1, one, NULL, 1), CATA_OK);
+    CHECK_STATUS(cata_shape_dna(V, positions, F, corners, K, 1, one, NULL), CATA_OK);
     for (size_t i = 0; i < 3 * V; i++) {
         positions[i] *= 2;
     }
-    CHECK_STATUS(cata_shape_dna(V, positions, F, corners, K, 1, scaled, NULL, 1), CATA_OK);
-    CHECK_STATUS(cata_shape_dna(V, positions, F, corners, K, 0, plain, NULL, 1), CATA_OK);
+    CHECK_STATUS(cata_shape_dna(V, positions, F, corners, K, 1, scaled, NULL), CATA_OK);
+    CHECK_STATUS(cata_shape_dna(V, positions, F, corners, K, 0, plain, NULL), CATA_OK);
     for (size_t i = 1; i < K; i++) {
         CHECK(fabs(scaled[i] / one[i] - 1) < 1e-9 && fabs(4 * plain[i] / one[i] - 1) < 1e-9);
     }
-    CHECK_STATUS(cata_shape_dna(V, positions, F, corners, K, 2, plain, NULL, 1), CATA_ERR_ARGUMENT);
+    CHECK_STATUS(cata_shape_dna(V, positions, F, corners, K, 2, plain, NULL), CATA_ERR_ARGUMENT);
 
     const double signatures[8] = {0, 5, 3, 4, 0, 5, 1, 1}, query[2] = {0, 4};
     size_t found[3];

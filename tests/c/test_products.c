@@ -62,7 +62,7 @@ static void test_threads_agree(size_t m, size_t n)
         CHECK_STATUS(
             cata_ata_f64(CATA_ROW_MAJOR, CATA_BOTH, m, n, 1.0, a, n, 0.0, d, n, &params), CATA_OK);
         CHECK(memcmp(c, d, n * n * sizeof *c) == 0);
-        CHECK_STATUS(cata_release_memory(), CATA_OK);
+        CHECK_STATUS(cata_memory_release(), CATA_OK);
     }
     free(a);
     free(c);

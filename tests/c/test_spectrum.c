@@ -19,7 +19,7 @@ static void test_path(void)
 {
     double values[3], vectors[3 * 5], residuals[3];
     vectors[3] = vectors[4] = 7;
-    CHECK_STATUS(cata_spectrum(3, row_starts, columns, entries, NULL, 3, values, vectors, 5,
+    CHECK_STATUS(cata_eigs(3, row_starts, columns, entries, NULL, 3, values, vectors, 5,
                                residuals, NULL),
                  CATA_OK);
     CHECK(fabs(values[0]) < 1e-12 && fabs(values[1] - 1) < 1e-12 && fabs(values[2] - 3) < 1e-12);
@@ -28,17 +28,17 @@ static void test_path(void)
     for (int i = 0; i < 3; i++) {
         CHECK(residuals[i] < 1e-12);
     }
-    cata_spectrum_params params;
-    CHECK_STATUS(cata_spectrum_params_init(&params, sizeof params), CATA_OK);
+    cata_eigs_params params;
+    CHECK_STATUS(cata_eigs_params_init(&params, sizeof params), CATA_OK);
     params.has_shift = 1;
     params.shift = 2.9;
     params.threads = 2;
     const double masses[3] = {2, 2, 2};
-    CHECK_STATUS(cata_spectrum(3, row_starts, columns, entries, masses, 1, values, vectors, 3, NULL,
+    CHECK_STATUS(cata_eigs(3, row_starts, columns, entries, masses, 1, values, vectors, 3, NULL,
                                &params),
                  CATA_OK);
     CHECK(fabs(values[0] - 1.5) < 1e-12);
-    CHECK_STATUS(cata_spectrum(0, NULL, NULL, NULL, NULL, 0, NULL, NULL, 1, NULL, NULL), CATA_OK);
+    CHECK_STATUS(cata_eigs(0, NULL, NULL, NULL, NULL, 0, NULL, NULL, 1, NULL, NULL), CATA_OK);
 }
 
 static int32_t cancel(double fraction, void *user)
@@ -51,46 +51,46 @@ static int32_t cancel(double fraction, void *user)
 static void test_spectrum_refusals(void)
 {
     double values[3] = {5, 5, 5}, vectors[9];
-    CHECK_STATUS(cata_spectrum(3, NULL, columns, entries, NULL, 1, values, vectors, 3, NULL, NULL),
+    CHECK_STATUS(cata_eigs(3, NULL, columns, entries, NULL, 1, values, vectors, 3, NULL, NULL),
                  CATA_ERR_NULL);
     CHECK_MENTIONS("row_starts: NULL");
-    CHECK_STATUS(cata_spectrum(3, row_starts, columns, entries, NULL, 1, NULL, vectors, 3, NULL,
+    CHECK_STATUS(cata_eigs(3, row_starts, columns, entries, NULL, 1, NULL, vectors, 3, NULL,
                                NULL),
                  CATA_ERR_NULL);
-    CHECK_STATUS(cata_spectrum(3, row_starts, columns, entries, NULL, 1, values, vectors, 2, NULL,
+    CHECK_STATUS(cata_eigs(3, row_starts, columns, entries, NULL, 1, values, vectors, 2, NULL,
                                NULL),
                  CATA_ERR_SHAPE);
     CHECK_MENTIONS("ldv");
-    CHECK_STATUS(cata_spectrum(3, row_starts, columns, entries, NULL, 4, values, vectors, 3, NULL,
+    CHECK_STATUS(cata_eigs(3, row_starts, columns, entries, NULL, 4, values, vectors, 3, NULL,
                                NULL),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("k: 4");
     const size_t beyond[7] = {0, 1, 0, 1, 3, 1, 2};
-    CHECK_STATUS(cata_spectrum(3, row_starts, beyond, entries, NULL, 1, values, vectors, 3, NULL,
+    CHECK_STATUS(cata_eigs(3, row_starts, beyond, entries, NULL, 1, values, vectors, 3, NULL,
                                NULL),
                  CATA_ERR_ARGUMENT);
     const size_t backwards[4] = {0, 5, 2, 7};
-    CHECK_STATUS(cata_spectrum(3, backwards, columns, entries, NULL, 1, values, vectors, 3, NULL,
+    CHECK_STATUS(cata_eigs(3, backwards, columns, entries, NULL, 1, values, vectors, 3, NULL,
                                NULL),
                  CATA_ERR_ARGUMENT);
     const double negative[3] = {1, -1, 1};
-    CHECK_STATUS(cata_spectrum(3, row_starts, columns, entries, negative, 1, values, vectors, 3,
+    CHECK_STATUS(cata_eigs(3, row_starts, columns, entries, negative, 1, values, vectors, 3,
                                NULL, NULL),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("mass: must be positive, but entry 1 is -1");
     int calls = 0;
-    cata_spectrum_params params = {.struct_size = sizeof params};
+    cata_eigs_params params = {.struct_size = sizeof params};
     params.progress = cancel;
     params.progress_user = &calls;
-    CHECK_STATUS(cata_spectrum(3, row_starts, columns, entries, NULL, 1, values, vectors, 3, NULL,
+    CHECK_STATUS(cata_eigs(3, row_starts, columns, entries, NULL, 1, values, vectors, 3, NULL,
                                &params),
                  CATA_ERR_CANCELLED);
     CHECK(calls == 1);
     params.struct_size = 1;
-    CHECK_STATUS(cata_spectrum(3, row_starts, columns, entries, NULL, 1, values, vectors, 3, NULL,
+    CHECK_STATUS(cata_eigs(3, row_starts, columns, entries, NULL, 1, values, vectors, 3, NULL,
                                &params),
                  CATA_ERR_ARGUMENT);
-    CHECK_MENTIONS("sizeof(cata_spectrum_params)");
+    CHECK_MENTIONS("sizeof(cata_eigs_params)");
     CHECK(values[0] == 5 && values[1] == 5 && values[2] == 5);
 }
 
@@ -101,8 +101,8 @@ static const uint32_t corners[4 * 3] = {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4};
 static void test_mesh(void)
 {
     double values[5], vectors[5 * 6], residuals[5], masses[6];
-    CHECK_STATUS(cata_mesh_spectrum(6, positions, 4, corners, 5, values, vectors, 6, residuals, masses,
-                                    NULL, NULL),
+    CHECK_STATUS(cata_mesh_eigs(6, positions, 4, corners, 5, values, vectors, 6, residuals, masses,
+                                NULL),
                  CATA_OK);
     double area = 0;
     for (int i = 0; i < 6; i++) {
@@ -115,24 +115,24 @@ static void test_mesh(void)
         CHECK(residuals[i] < 1e-12);
     }
     /* One vertex inside: its weights sum to 4, a third of the area is its mass. */
-    cata_laplacian_params params;
-    CHECK_STATUS(cata_laplacian_params_init(&params, sizeof params), CATA_OK);
+    cata_eigs_params params;
+    CHECK_STATUS(cata_eigs_params_init(&params, sizeof params), CATA_OK);
     params.boundary = CATA_BOUNDARY_DIRICHLET;
-    cata_spectrum_params spectrum = {.struct_size = sizeof spectrum, .threads = 1};
-    CHECK_STATUS(cata_mesh_spectrum(6, positions, 4, corners, 1, values, vectors, 6, NULL, masses,
-                                    &params, &spectrum),
+    params.threads = 1;
+    CHECK_STATUS(cata_mesh_eigs(6, positions, 4, corners, 1, values, vectors, 6, NULL, masses,
+                                &params),
                  CATA_OK);
     CHECK(fabs(values[0] - 12) < 1e-12 && vectors[0] == 0 && masses[0] == 0 && masses[4] > 0.3);
     for (int kind = CATA_LAPLACIAN_COTANGENT; kind <= CATA_LAPLACIAN_TUFTED; kind++) {
         for (int mass = CATA_MASS_BARYCENTRIC; mass <= CATA_MASS_CONSISTENT; mass++) {
-            cata_laplacian_params any = {.struct_size = sizeof any, .kind = kind, .mass = mass};
-            CHECK_STATUS(cata_mesh_spectrum(6, positions, 4, corners, 2, values, vectors, 6, NULL, NULL,
-                                            &any, NULL),
+            cata_eigs_params any = {.struct_size = sizeof any, .laplacian = kind, .mass = mass};
+            CHECK_STATUS(cata_mesh_eigs(6, positions, 4, corners, 2, values, vectors, 6, NULL, NULL,
+                                        &any),
                          CATA_OK);
             CHECK(fabs(values[0]) < 1e-12 && values[1] > 1);
         }
     }
-    CHECK_STATUS(cata_mesh_spectrum(0, NULL, 0, NULL, 0, NULL, NULL, 1, NULL, NULL, NULL, NULL),
+    CHECK_STATUS(cata_mesh_eigs(0, NULL, 0, NULL, 0, NULL, NULL, 1, NULL, NULL, NULL),
                  CATA_OK);
 }
 
@@ -140,26 +140,23 @@ static void test_mesh_refusals(void)
 {
     double values[6] = {5}, vectors[6 * 6], masses[6] = {5};
     const uint32_t beyond[3] = {0, 1, 6};
-    CHECK_STATUS(cata_mesh_spectrum(6, positions, 1, beyond, 1, values, vectors, 6, NULL, NULL, NULL,
-                                    NULL),
+    CHECK_STATUS(cata_mesh_eigs(6, positions, 1, beyond, 1, values, vectors, 6, NULL, NULL, NULL),
                  CATA_ERR_MESH);
     CHECK_MENTIONS("face 0");
-    CHECK_STATUS(cata_mesh_spectrum(6, NULL, 4, corners, 1, values, vectors, 6, NULL, NULL, NULL, NULL),
+    CHECK_STATUS(cata_mesh_eigs(6, NULL, 4, corners, 1, values, vectors, 6, NULL, NULL, NULL),
                  CATA_ERR_NULL);
-    CHECK_MENTIONS("positions: NULL");
-    CHECK_STATUS(cata_mesh_spectrum(6, positions, 4, corners, 6, values, vectors, 6, NULL, NULL, NULL,
-                                    NULL),
+    CHECK_MENTIONS("vertices: NULL");
+    CHECK_STATUS(cata_mesh_eigs(6, positions, 4, corners, 6, values, vectors, 6, NULL, NULL, NULL),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("k: 6");
-    cata_laplacian_params params = {.struct_size = sizeof params, .kind = 3};
-    CHECK_STATUS(cata_mesh_spectrum(6, positions, 4, corners, 1, values, vectors, 6, NULL, NULL, &params,
-                                    NULL),
+    cata_eigs_params params = {.struct_size = sizeof params, .laplacian = 3};
+    CHECK_STATUS(cata_mesh_eigs(6, positions, 4, corners, 1, values, vectors, 6, NULL, NULL, &params),
                  CATA_ERR_ARGUMENT);
-    CHECK_MENTIONS("params.kind: 3");
-    params.kind = 0;
+    CHECK_MENTIONS("params.laplacian: 3");
+    params.laplacian = 0;
     params.mass = CATA_MASS_CONSISTENT;
-    CHECK_STATUS(cata_mesh_spectrum(6, positions, 4, corners, 1, values, vectors, 6, NULL, masses,
-                                    &params, NULL),
+    CHECK_STATUS(cata_mesh_eigs(6, positions, 4, corners, 1, values, vectors, 6, NULL, masses,
+                                &params),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("masses");
     CHECK(values[0] == 5 && masses[0] == 5);
@@ -171,7 +168,7 @@ static void test_gram_schmidt(void)
     double a[12] = {3, 1, 4, 99, 0, 2, 2, 99, 4, 0, 4, 99};
     double r[3 * 4];
     size_t kept[3] = {9, 9, 9}, rank = 0;
-    CHECK_STATUS(cata_gram_schmidt(CATA_ROW_MAJOR, 3, 3, a, 4, NULL, r, 4, kept, &rank, NULL),
+    CHECK_STATUS(cata_ortho_gram_schmidt(CATA_ROW_MAJOR, 3, 3, a, 4, NULL, r, 4, kept, &rank, NULL),
                  CATA_OK);
     CHECK(rank == 2 && kept[0] == 0 && kept[1] == 1 && kept[2] == 9);
     CHECK(fabs(a[0] - 0.6) < 1e-15 && fabs(a[4]) < 1e-15 && fabs(a[8] - 0.8) < 1e-15);
@@ -180,19 +177,19 @@ static void test_gram_schmidt(void)
 
     const double bad[3] = {1, 0, 1};
     rank = 77;
-    CHECK_STATUS(cata_gram_schmidt(CATA_COL_MAJOR, 3, 1, a, 3, bad, NULL, 0, NULL, &rank, NULL),
+    CHECK_STATUS(cata_ortho_gram_schmidt(CATA_COL_MAJOR, 3, 1, a, 3, bad, NULL, 0, NULL, &rank, NULL),
                  CATA_ERR_ARGUMENT);
-    CHECK_STATUS(cata_gram_schmidt(CATA_COL_MAJOR, 3, 1, a, 3, NULL, NULL, 0, NULL, NULL, NULL),
+    CHECK_STATUS(cata_ortho_gram_schmidt(CATA_COL_MAJOR, 3, 1, a, 3, NULL, NULL, 0, NULL, NULL, NULL),
                  CATA_ERR_NULL);
     CHECK_MENTIONS("rank: NULL");
     cata_ortho_params params;
     CHECK_STATUS(cata_ortho_params_init(&params, sizeof params), CATA_OK);
     params.threshold = 2;
-    CHECK_STATUS(cata_gram_schmidt(CATA_COL_MAJOR, 3, 1, a, 3, NULL, NULL, 0, NULL, &rank, &params),
+    CHECK_STATUS(cata_ortho_gram_schmidt(CATA_COL_MAJOR, 3, 1, a, 3, NULL, NULL, 0, NULL, &rank, &params),
                  CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("threshold");
     CHECK(rank == 77);
-    CHECK_STATUS(cata_gram_schmidt(CATA_COL_MAJOR, 0, 0, NULL, 1, NULL, NULL, 0, NULL, &rank, NULL),
+    CHECK_STATUS(cata_ortho_gram_schmidt(CATA_COL_MAJOR, 0, 0, NULL, 1, NULL, NULL, 0, NULL, &rank, NULL),
                  CATA_OK);
     CHECK(rank == 0);
 }

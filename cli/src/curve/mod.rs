@@ -8,9 +8,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use catamaran::curve::{
-    Count, CurveOptions, CurveSolver, Mode, Placement, Reconstruction, place, refined, smooth,
-};
+use catamaran::curve::{Count, CurveOptions, CurveSolver, Mode, Placement, Reconstruction, place};
 use catamaran::io::{Output, Overwrite};
 use clap::ValueEnum;
 
@@ -18,9 +16,6 @@ use crate::input::MeshArgs;
 use crate::picture::{Paint, PictureArgs, with_curves};
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
-
-/// Steps of smoothing for each vertex of the curves, at most.
-const STEPS: usize = 100;
 
 /// Find the curve on a mesh that samples without an order are of.
 ///
@@ -123,16 +118,9 @@ pub fn run(args: &Args) -> Result<()> {
     let time = start.elapsed();
     drop(bar);
     if args.smooth {
-        let refined = refined(mesh, &found.steiner)?;
-        let vertices: usize = found.curves.iter().map(|curve| curve.path.len()).sum();
-        let smoothed = smooth(&refined, &found.curves, &placed.vertices, STEPS * vertices)
-            .with_context(|| args.mesh.display().to_string())?;
-        if !smoothed.converged {
-            complain(format_args!("smoothing ended after {} steps, not done", smoothed.steps));
-        }
-        let all = smoothed.points.into_iter().zip(smoothed.lengths);
-        for (curve, (points, length)) in found.curves.iter_mut().zip(all) {
-            (curve.points, curve.length) = (points, length);
+        let smooth = found.smooth(mesh, &placed.vertices);
+        if !smooth.with_context(|| args.mesh.display().to_string())? {
+            complain(format_args!("smoothing ended before it was done"));
         }
     }
     report(format_args!(

@@ -12,72 +12,131 @@ pub const HEADER: Generated = Generated {
     generate,
 };
 
-/// The files of the C ABI, in the order of the header.
-const FILES: &[&str] = &[
-    "version",
-    "status",
-    "backend",
-    "pointer",
-    "params",
-    "ata",
-    "ata_sparse",
-    "rows",
-    "atb",
-    "aha",
-    "verify",
-    "spectrum",
-    "mesh_spectrum",
-    "parts",
-    "ortho",
-    "gram",
-    "transfer",
-    "decimate",
-    "plant",
-    "curve",
-    "slime",
-    "device",
-    "newton",
-    "unions",
-    "world",
-    "mpi",
-    "memory",
+/// A section of the header: its name among the groups of the documentation, and the files of src/capi
+/// that it is made of, one of which has its title, text and example in its `//!`.
+pub struct Section {
+    /// Of its group.
+    pub name: &'static str,
+    /// What names of functions begin with after `cata_`.
+    #[cfg_attr(not(test), expect(dead_code, reason = "of the tests of the conventions"))]
+    pub chapters: &'static [&'static str],
+    files: &'static [&'static str],
+}
+
+const fn section(
+    name: &'static str,
+    chapters: &'static [&'static str],
+    files: &'static [&'static str],
+) -> Section {
+    Section { name, chapters, files }
+}
+
+/// In the order of the header.
+pub const SECTIONS: &[Section] = &[
+    section(
+        "status",
+        &["status", "last_error_message", "version", "capabilities", "memory"],
+        &["status", "version", "memory"],
+    ),
+    section("progress", &["progress"], &["progress"]),
+    section("backend", &["backend"], &["backend"]),
+    section(
+        "ata",
+        &["ata", "aat", "atb", "aha", "ahb", "verify"],
+        &["layout", "ata_params", "ata", "ata_sparse", "atb", "aha", "verify"],
+    ),
+    section("rows", &["ata_rows"], &["rows"]),
+    section("gram", &["lstsq", "pca", "svd", "gram"], &["lstsq", "pca", "gram"]),
+    section("eigs", &["eigs", "ortho"], &["eigs", "ortho"]),
+    section("mesh", &["mesh"], &["mesh"]),
+    section("decimation", &["decimation"], &["decimation"]),
+    section("curves", &["curve", "curves"], &["curve"]),
+    section("spectra", &["shape_dna", "transfer"], &["transfer", "shape_dna"]),
+    section("unions", &["unions"], &["unions"]),
+    section("plants", &["plant"], &["plant"]),
+    section("slime", &["slime"], &["slime"]),
+    section("newton", &["newton"], &["newton"]),
+    section("devices", &["device"], &["device"]),
+    section("mpi", &["world", "symmetric", "cyclic", "traffic"], &["world", "mpi"]),
 ];
 
-/// Exported for tests; last in the header.
-const INTERNAL: &str = "internal";
+/// Files of src/capi without exports, or with those of tests alone.
+const WITHOUT_EXPORTS: &[&str] =
+    &["mod", "boundary", "entries", "internal", "message", "outputs", "params", "pointer", "ranks"];
 
 fn generate(root: &Path) -> Result<String, String> {
     let capi = root.join("src/capi");
     every_file_is_known(&capi)?;
-    let mut config = cbindgen::Config::from_file(root.join("cbindgen.toml"))?;
-    config.header = Some(preamble());
-    config.after_includes = Some(version_macros());
-    let mut builder = cbindgen::Builder::new().with_config(config);
-    for name in FILES.iter().chain(&[INTERNAL]) {
-        builder = builder.with_src(capi.join(name).with_extension("rs"));
+    let config = cbindgen::Config::from_file(root.join("cbindgen.toml"))?;
+    let mut header = preamble();
+    for section in SECTIONS {
+        header += &opening(section, &capi)?;
+        for file in section.files {
+            let builder = cbindgen::Builder::new().with_config(config.clone());
+            let path = capi.join(file).with_extension("rs");
+            let bindings = builder.with_src(path).generate();
+            let mut text = Vec::new();
+            bindings.map_err(|e| format!("cbindgen: {e}"))?.write(&mut text);
+            let text = String::from_utf8(text).map_err(|e| format!("cbindgen: {e}"))?;
+            let text = grouped(&joined(&tidied(text.trim_matches('\n'))));
+            let text = text.trim_end();
+            if !text.is_empty() {
+                header += text;
+                header += "\n\n";
+            }
+        }
+        header += "/** @} */\n\n";
     }
-    let bindings = builder.generate().map_err(|e| format!("cbindgen: {e}"))?;
-    let mut text = Vec::new();
-    bindings.write(&mut text);
-    Ok(tidied(&String::from_utf8(text).map_err(|e| format!("cbindgen: {e}"))?))
+    Ok(header + CLOSING)
+}
+
+/// The beginning of a section: a comment with its title, text and example, which opens a group of the
+/// documentation.
+fn opening(section: &Section, capi: &Path) -> Result<String, String> {
+    let name = section.name;
+    let mut source = None;
+    for file in section.files {
+        let text = super::read(&capi.join(file).with_extension("rs"))?;
+        if text.starts_with("//! # ") {
+            source = Some(text);
+        }
+    }
+    let source = source.ok_or_else(|| format!("src/capi: no title for the section {name}"))?;
+    let lines = source.lines().map_while(|line| line.strip_prefix("//!")).map(str::trim_end);
+    let mut lines = lines.map(|line| line.strip_prefix(' ').unwrap_or(line));
+    let title = lines.next().unwrap_or_default().trim_start_matches("# ");
+    let rule = "=".repeat(89 - title.len());
+    let mut text = format!("/* ==== {title} {rule} */\n\n/**\n * @defgroup {name} {title}\n");
+    let mut is_code = false;
+    for line in lines {
+        let line = match (line, is_code) {
+            ("```c", false) => "@code{.c}",
+            ("```", true) => "@endcode",
+            (line, _) => line,
+        };
+        is_code = line == "@code{.c}" || (is_code && line != "@endcode");
+        text += format!(" * {line}").trim_end();
+        text += "\n";
+    }
+    Ok(text + " * @{\n */\n\n")
 }
 
 /// A new file of src/capi must be entered above, or its exports would be missing silently.
 fn every_file_is_known(capi: &Path) -> Result<(), String> {
-    let without_exports = ["mod", "boundary", "entries", "message", "ranks", INTERNAL];
+    let known = |name: &str| SECTIONS.iter().any(|section| section.files.contains(&name));
     let entries = std::fs::read_dir(capi).map_err(|e| format!("{}: {e}", capi.display()))?;
     for entry in entries {
         let path = entry.map_err(|e| e.to_string())?.path();
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        if !FILES.contains(&name.as_str()) && !without_exports.contains(&name.as_str()) {
-            return Err(format!("{}: add it to FILES in scripts/xtask", path.display()));
+        if !known(&name) && !WITHOUT_EXPORTS.contains(&name.as_str()) {
+            return Err(format!("{}: add it to a section in scripts/xtask", path.display()));
         }
     }
     Ok(())
 }
 
-/// Comments as in C: one line where one is enough, and without the sections that say the same to
-/// readers of Rust.
+/// Comments as in C: in as few lines as they need, and without the sections that say the same to readers
+/// of Rust.
 fn tidied(header: &str) -> String {
     let mut lines: Vec<&str> = Vec::new();
     let mut in_safety = false;
@@ -104,6 +163,11 @@ fn tidied(header: &str) -> String {
             ["/**", only, _] => {
                 tidy += &format!("/** {} */", only.trim_start().trim_start_matches("* "));
             }
+            ["/**", first, ref middle @ .., last, _] => {
+                tidy += &format!("/** {}\n", first.trim_start().trim_start_matches("* "));
+                middle.iter().for_each(|line| tidy += &format!("{line}\n"));
+                tidy += &format!("{last} */");
+            }
             _ => tidy += comment,
         }
         rest = after;
@@ -111,21 +175,119 @@ fn tidied(header: &str) -> String {
     tidy + rest
 }
 
+/// Constants with one line of comment follow each other without a gap.
+fn grouped(header: &str) -> String {
+    let lines: Vec<&str> = header.lines().collect();
+    let is_constant = |at: usize| {
+        let line = |i: usize| lines.get(i).copied().unwrap_or_default();
+        line(at).starts_with("/** ") && line(at + 1).starts_with("#define")
+    };
+    let mut text = String::new();
+    for (i, line) in lines.iter().enumerate() {
+        let is_gap = line.is_empty() && i >= 2 && is_constant(i - 2) && is_constant(i + 1);
+        if !is_gap {
+            text += line;
+            text += "\n";
+        }
+    }
+    text
+}
+
+/// Declarations in as few lines of at most 100 columns as they take, with types by their names alone.
+fn joined(header: &str) -> String {
+    let mut text = String::new();
+    let mut lines = header.lines();
+    while let Some(line) = lines.next() {
+        let is_type = line.starts_with("typedef") || line.starts_with('}');
+        if line.starts_with([' ', '/', '#']) || is_type || !line.contains('(') {
+            let is_field = line.starts_with("    ") && !line.trim_start().starts_with('*');
+            text += &if is_field { line.replace("struct ", "") } else { line.to_owned() };
+            text += "\n";
+            continue;
+        }
+        let mut declaration = line.to_owned();
+        while !declaration.ends_with(';') {
+            let Some(more) = lines.next() else { break };
+            declaration += " ";
+            declaration += more.trim();
+        }
+        let mut width = 0;
+        for word in declaration.replace("struct ", "").split_inclusive(", ") {
+            if width > 0 && width + word.trim_end().len() > 100 {
+                text.truncate(text.trim_end().len());
+                text += "\n    ";
+                width = 4;
+            }
+            text += word;
+            width += word.len();
+        }
+        text += "\n";
+    }
+    text.truncate(text.trim_end().len());
+    text
+}
+
 fn preamble() -> String {
-    "\
+    format!("{CONVENTIONS}{}{OPENING}", version_macros())
+}
+
+const CONVENTIONS: &str = "\
 /* Catamaran: A^T A and what stands on it, at scale. The C interface.
  *
- * Generated from src/capi by `cargo xtask header`: do not edit.
+ * Generated from src/capi by `cargo xtask header`: do not edit. MIT OR Apache-2.0.
  *
- * Every function that can fail returns a cata_status: CATA_OK (0), or why not; the message of
- * cata_last_error_message says more. Element counts and ranges are given in numbers of elements,
- * never bytes. Unless said otherwise a pointer may not be NULL, is not kept after the call, and
- * points to memory that no other thread writes during the call.
- *
- * MIT OR Apache-2.0
- */"
-    .to_owned()
-}
+ * Conventions
+ * - Names: cata_<chapter>_<what>; _f64 and _f32 (_c64 and _c32: complex) where there are several
+ *   scalars.
+ * - Results: a function that can fail returns a cata_status, CATA_OK (0) or why not, and
+ *   cata_last_error_message says more. Unless said otherwise outputs are untouched then. Functions
+ *   that need what this build does not have return CATA_ERR_UNSUPPORTED (cata_capabilities).
+ * - Sizes are size_t, any, 0 included, and numbers of elements, never bytes.
+ * - Pointers may not be NULL unless said so, or there is no element to point to. They are not kept
+ *   after the call. No output may overlap another one or an input.
+ * - Matrices: `layout` is CATA_ROW_MAJOR or CATA_COL_MAJOR, for all matrices of a call. m x n
+ *   elements at `a` are m rows (n columns) of n (m) elements, each `lda` >= max(1, n) (max(1, m))
+ *   elements after the one before. What lies between is neither read nor written.
+ * - Meshes: `n_vertices`, `vertices` (x, y, z of each: 3 n_vertices doubles, finite), `n_faces`,
+ *   `faces` (three vertices of each: 3 n_faces uint32_t, from 0, counter-clockwise as seen from
+ *   outside).
+ * - Parameters: `params` is NULL for the defaults, or a struct whose first field is its sizeof;
+ *   all others are 0 (NULL) by default, and 0 stands for the default: after `cata_ata_params
+ *   params = {.struct_size = sizeof params};`, which is what cata_ata_params_init does, only what
+ *   differs is set. Later versions add fields at the end; one that the library does not know must
+ *   be 0. It is read during the call; a handle that is made keeps `progress` and `progress_user`
+ *   for its own calls.
+ * - Handles: where sizes of results follow from the arguments, results are written into arrays of
+ *   the caller. Elsewhere, and where there is a state to keep, the call makes a handle, a pointer
+ *   to an opaque struct, whose functions tell the sizes and copy the values. Each has a `_free`,
+ *   to be called once, for which NULL does nothing.
+ * - Threads: functions may be called from any thread, and at the same time, as long as no output
+ *   is shared and nobody else uses a handle that a call takes without const. Each call uses up to
+ *   `params.threads` threads, by default all cores of the affinity mask of the process. Their
+ *   number changes no result, not by a bit.
+ */
+
+#ifndef CATAMARAN_H
+#define CATAMARAN_H
+
+#include <stddef.h>
+#include <stdint.h>
+";
+
+const OPENING: &str = "
+#ifdef __cplusplus
+extern \"C\" {
+#endif // __cplusplus
+
+";
+
+const CLOSING: &str = "\
+#ifdef __cplusplus
+} // extern \"C\"
+#endif // __cplusplus
+
+#endif // CATAMARAN_H
+";
 
 fn version_macros() -> String {
     // xtask shares the version of the workspace.
@@ -139,7 +301,7 @@ fn version_macros() -> String {
     for (part, number) in parts {
         text += &format!("#define CATA_VERSION_{part} {number}\n");
     }
-    text + &format!("#define CATA_VERSION_STRING \"{}\"", env!("CARGO_PKG_VERSION"))
+    text + &format!("#define CATA_VERSION_STRING \"{}\"\n", env!("CARGO_PKG_VERSION"))
 }
 
 #[cfg(test)]
@@ -150,7 +312,7 @@ mod tests {
     fn comments_are_tidied() {
         let raw = "/**\n * One.\n */\n#define A 1\n\n/**\n * Two\n * lines.\n *\n * # Safety\n \
                    * Rust.\n */\nint f(void);\n";
-        let tidy = "/** One. */\n#define A 1\n\n/**\n * Two\n * lines.\n */\nint f(void);\n";
+        let tidy = "/** One. */\n#define A 1\n\n/** Two\n * lines. */\nint f(void);\n";
         assert_eq!(tidied(raw), tidy);
     }
 }

@@ -1,5 +1,7 @@
 //! Chores of the repository: `cargo xtask help`.
 
+#[cfg(test)]
+mod conventions;
 mod generated;
 mod header;
 mod msrv;

@@ -1,10 +1,12 @@
 use std::ops::Range;
 
+use super::blocks::block_rows;
 use super::exact::ExactSums;
 use super::extended::ExtendedGram;
 use super::float::FloatSums;
 use super::grid::{Grid, RowBounds, Shift};
-use super::pass::Pass;
+use super::pass::{Pass, for_each_block_of};
+use super::source::RowBlocks;
 use super::strip::Strip;
 use crate::ata::combine::{mirror_lower, scale_lower};
 use crate::ata::options::{AtaOptions, Uplo};
@@ -151,6 +153,19 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(())
     }
 
+    /// A copy, bit for bit.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`].
+    pub fn try_clone(&self) -> Result<Self> {
+        let sums = match &self.sums {
+            Sums::Float(sums) => Sums::Float(sums.try_clone()?),
+            Sums::Exact(sums) => Sums::Exact(sums.try_clone()?),
+            Sums::Extended(sums) => Sums::Extended(sums.try_clone()?),
+        };
+        Ok(Self { sums, labels: self.labels.clone(), ..*self })
+    }
+
     /// Columns n of the rows.
     pub fn ncols(&self) -> usize {
         self.ncols
@@ -280,14 +295,66 @@ impl<T: BlasReal> Accumulator<T> {
         options: &AtaOptions<'_>,
     ) -> Result<()> {
         self.check_block(count, block, weights)?;
-        match &mut self.sums {
-            Sums::Exact(sums) => sums.add(count, block, weights, true, &mut Pass::new(options)?),
-            Sums::Extended(sums) => sums.add(count, block, weights, true, &mut Pass::new(options)?),
-            Sums::Float(_) => {
-                let why = "rows can be removed from an exact one only: make it with `exact`";
-                Err(Error::Argument { what: "accumulator", why: why.into() })
-            }
-        }
+        self.change(count, block, weights, true, &mut Pass::new(options)?)
+    }
+
+    /// Adds the rows of a source, with their weights if they have any, in blocks; `options.progress` is
+    /// told the fraction of its rows. [`stream`](super::stream()) adds one source and can go on with it
+    /// after a stop; this adds any number of them.
+    ///
+    /// ```
+    /// use catamaran::ata::{Accumulator, DenseRows};
+    /// use catamaran::{AtaOptions, Uplo, faer::Mat};
+    ///
+    /// let a = Mat::<f64>::from_fn(10, 2, |i, j| (i + j) as f64);
+    /// let mut sum = Accumulator::<f64>::new(2, false)?;
+    /// for part in [a.subrows(0, 3), a.subrows(3, 7)] {
+    ///     sum.add_rows(&mut DenseRows(part), None, &AtaOptions::new())?;
+    /// }
+    /// assert_eq!(sum.finish(1.0, Uplo::Both)?.as_ref(), a.transpose() * &a);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Shape`] for columns and weights; those of the source; else as
+    /// [`Accumulator::add_block`]. Blocks before the one that failed were added, as
+    /// [`Accumulator::rows`] tells.
+    pub fn add_rows(
+        &mut self,
+        rows: &mut (dyn RowBlocks<T> + Send),
+        weights: Option<&[T]>,
+        options: &AtaOptions<'_>,
+    ) -> Result<()> {
+        self.change_rows(rows, weights, false, options)
+    }
+
+    /// Removes the rows of a source, as [`Accumulator::remove_block`] does.
+    ///
+    /// # Errors
+    /// As [`Accumulator::add_rows`] and [`Accumulator::remove_block`].
+    pub fn remove_rows(
+        &mut self,
+        rows: &mut (dyn RowBlocks<T> + Send),
+        weights: Option<&[T]>,
+        options: &AtaOptions<'_>,
+    ) -> Result<()> {
+        self.change_rows(rows, weights, true, options)
+    }
+
+    fn change_rows(
+        &mut self,
+        rows: &mut (dyn RowBlocks<T> + Send),
+        weights: Option<&[T]>,
+        remove: bool,
+        options: &AtaOptions<'_>,
+    ) -> Result<()> {
+        let (m, n) = (rows.nrows(), rows.ncols());
+        Error::check_shape("rows", (m, self.ncols), (m, n))?;
+        check_weights(m, weights)?;
+        let height = block_rows::<T>(n, weights.is_some());
+        for_each_block_of(rows, weights, height, 0, options, |count, block, weights, pass| {
+            self.change(count, block, weights, remove, pass)
+        })
     }
 
     fn check_block(&self, count: usize, block: &[T], weights: Option<&[T]>) -> Result<()> {
@@ -310,10 +377,25 @@ impl<T: BlasReal> Accumulator<T> {
         weights: Option<&[T]>,
         pass: &mut Pass<'_>,
     ) -> Result<()> {
+        self.change(count, block, weights, false, pass)
+    }
+
+    fn change(
+        &mut self,
+        count: usize,
+        block: &mut [T],
+        weights: Option<&[T]>,
+        remove: bool,
+        pass: &mut Pass<'_>,
+    ) -> Result<()> {
         match &mut self.sums {
+            Sums::Float(_) if remove => {
+                let why = "rows can be removed from an exact one only: make it with `exact`";
+                Err(Error::Argument { what: "accumulator", why: why.into() })
+            }
             Sums::Float(sums) => sums.add(count, block, weights, pass),
-            Sums::Exact(sums) => sums.add(count, block, weights, false, pass),
-            Sums::Extended(sums) => sums.add(count, block, weights, false, pass),
+            Sums::Exact(sums) => sums.add(count, block, weights, remove, pass),
+            Sums::Extended(sums) => sums.add(count, block, weights, remove, pass),
         }
     }
 

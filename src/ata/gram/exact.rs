@@ -68,6 +68,14 @@ struct Piece<'p, T> {
 }
 
 impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
+    pub fn try_clone(&self) -> Result<Self> {
+        let mut entries = crate::base::reserved(self.entries.len())?;
+        entries.extend_from_slice(&self.entries);
+        let (grid, strip) = (self.grid.clone(), self.strip.clone());
+        let (sums, flags) = (self.sums.clone(), self.flags.clone());
+        Ok(Self { grid, strip, sums, entries, flags, ..*self })
+    }
+
     /// Of no rows.
     pub fn new(bounds: &RowBounds<T>, strip: Range<usize>, shift: Shift<'_, T>) -> Result<Self> {
         let centered = matches!(shift, Shift::Near);

@@ -57,6 +57,10 @@ impl<T: BlasReal> FloatSums<T> {
         Ok(Self { c: Strip::new(strip)?, moments: Moments::new(ncols, centered)? })
     }
 
+    pub fn try_clone(&self) -> Result<Self> {
+        Ok(Self { c: self.c.try_clone()?, moments: self.moments.clone() })
+    }
+
     pub fn add(
         &mut self,
         count: usize,

@@ -18,6 +18,12 @@ impl<T: Real> Strip<T> {
         Ok(Self { rows, values })
     }
 
+    pub(super) fn try_clone(&self) -> Result<Self> {
+        let mut copy = Self::new(self.rows.clone())?;
+        copy.values.as_mut_slice().copy_from_slice(self.values.as_slice());
+        Ok(copy)
+    }
+
     /// Which rows of C.
     pub fn rows(&self) -> Range<usize> {
         self.rows.clone()

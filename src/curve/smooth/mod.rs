@@ -10,7 +10,8 @@ mod trace;
 
 use std::collections::{HashMap, HashSet};
 
-use super::result::Curve;
+use super::result::{Curve, Reconstruction};
+use super::sites::refined;
 use crate::base::{Error, Result};
 use crate::mesh::vector::{Vector, cross, dot, sub};
 use crate::mesh::{Edges, TriMesh};
@@ -19,6 +20,9 @@ use trace::{Chord, Tracer};
 
 /// What is less straight than pi by at most this is straight, in radians.
 const STRAIGHT: f64 = 1e-6;
+
+/// Joints that are shortened for each vertex of the curves, at most.
+const STEPS: usize = 1000;
 
 /// Curves that are smooth.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +35,37 @@ pub struct Smoothed {
     pub steps: usize,
     /// Whether every joint that could be straightened was, within the allowed steps.
     pub converged: bool,
+}
+
+impl Reconstruction {
+    /// Shortens the curves to geodesics between their samples, as [`smooth()`] does: points and lengths are
+    /// those of the geodesics from then on, while [`Curve::path`] stays. Returns whether they are straight
+    /// but at samples; else 1,000 steps for each vertex were not enough.
+    ///
+    /// - `mesh`, `samples`: those of the reconstruction.
+    ///
+    /// ```
+    /// use catamaran::{curve::{CurveOptions, CurveSolver}, mesh::families};
+    ///
+    /// let (mesh, samples) = (families::grid(8, 8)?, [10, 25, 64]);
+    /// let mut found = CurveSolver::new(&mesh)?.reconstruct(&samples, &CurveOptions::new())?;
+    /// let before = found.length();
+    /// assert!(found.smooth(&mesh, &samples)? && found.length() < before);
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`refined`] and [`smooth()`].
+    pub fn smooth(&mut self, mesh: &TriMesh, samples: &[u32]) -> Result<bool> {
+        let refined = refined(mesh, &self.steiner)?;
+        let vertices: usize = self.curves.iter().map(|curve| curve.path.len()).sum();
+        let smoothed = smooth(&refined, &self.curves, samples, STEPS * vertices)?;
+        let all = smoothed.points.into_iter().zip(smoothed.lengths);
+        for (curve, (points, length)) in self.curves.iter_mut().zip(all) {
+            (curve.points, curve.length) = (points, length);
+        }
+        Ok(smoothed.converged)
+    }
 }
 
 /// Shortens curves along edges of `mesh` to geodesics between the vertices of `marked`, which they go on running through.

@@ -14,6 +14,7 @@ use self::home::{Home, homes};
 use super::result::{Decimation, Place};
 use super::surface::Surface;
 use crate::base::{Error, Par, Result};
+use crate::mesh::TriMesh;
 use crate::mesh::io::{Labels, MeshFile};
 
 impl Decimation {
@@ -57,6 +58,38 @@ impl Decimation {
         Ok(file)
     }
 
+    /// Returns the values at the places of the new vertices of functions that are linear on the faces of
+    /// `input`: `width` for each of its vertices, one vertex after the other.
+    ///
+    /// ```
+    /// use catamaran::{decimate::{DecimateOptions, decimate}, mesh::families};
+    ///
+    /// let sphere = families::icosphere(3)?;
+    /// let heights: Vec<f64> = sphere.vertices().iter().map(|p| p[2]).collect();
+    /// let found = decimate(&sphere, 100, &DecimateOptions::new())?;
+    /// let carried = found.carry_values(&sphere, 1, &heights)?;
+    /// assert!(found.mesh.vertices().iter().zip(&carried).all(|(p, z)| (p[2] - z).abs() < 0.05));
+    /// # Ok::<(), catamaran::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Shape`] when `input` is not of the mesh that was decimated, or has not `width` values for
+    /// each vertex.
+    pub fn carry_values(&self, input: &TriMesh, width: usize, values: &[f64]) -> Result<Vec<f64>> {
+        self.check_mesh(input)?;
+        let vertices = input.vertices().len();
+        if Some(values.len()) != vertices.checked_mul(width) {
+            let (expected, got) = ((vertices, width), (values.len(), 1));
+            return Err(Error::Shape { what: "values", expected, got });
+        }
+        let mut carried = Vec::with_capacity(self.places.len() * width);
+        for place in &self.places {
+            let corners = input.faces()[place.face as usize].map(|v| v as usize * width);
+            carried.extend((0..width).map(|k| place.mix(corners.map(|at| [values[at + k]]))[0]));
+        }
+        Ok(carried)
+    }
+
     /// Returns what of a file [`carry`](Self::carry) leaves out: names of attributes in plain words,
     /// none where all is carried.
     ///
@@ -78,9 +111,15 @@ impl Decimation {
 
     /// `Ok` when `input` can be of the mesh that was decimated, and its attributes fit it.
     fn check_input(&self, input: &MeshFile) -> Result<()> {
-        let vertices = input.mesh.vertices().len();
+        self.check_mesh(&input.mesh)?;
+        input.check()
+    }
+
+    /// `Ok` when `input` can be the mesh that was decimated.
+    fn check_mesh(&self, input: &TriMesh) -> Result<()> {
+        let vertices = input.vertices().len();
         Error::check_shape("input", (self.cells.of_vertices().len(), 3), (vertices, 3))?;
-        let faces = input.mesh.faces().len();
+        let faces = input.faces().len();
         if let Some(place) = self.places.iter().find(|p| p.face as usize >= faces) {
             return Err(Error::Shape {
                 what: "input",
@@ -88,7 +127,7 @@ impl Decimation {
                 got: (faces, 3),
             });
         }
-        input.check()
+        Ok(())
     }
 
     fn colors(&self, colors: &[[f64; 4]], input: &MeshFile) -> Vec<[f64; 4]> {

@@ -1,0 +1,184 @@
+// Errors, views of what somebody else owns, progress.
+
+#ifndef CATAMARAN_CORE_HPP
+#define CATAMARAN_CORE_HPP
+
+#include "../catamaran.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace catamaran {
+
+/// A call failed: what() is the library's message.
+class error : public std::runtime_error {
+public:
+    error(cata_status status, const std::string& message)
+        : std::runtime_error(message), status_(status) {}
+
+    /// One of CATA_ERR_*.
+    cata_status status() const noexcept { return status_; }
+
+private:
+    cata_status status_;
+};
+
+/// How a matrix lies in memory.
+enum class layout : std::int32_t { row_major = CATA_ROW_MAJOR, col_major = CATA_COL_MAJOR };
+
+/// Which part of a symmetric result is wanted.
+enum class uplo : std::int32_t { upper = CATA_UPPER, lower = CATA_LOWER, both = CATA_BOTH };
+
+/// Which recursion to run.
+enum class scheme : std::int32_t {
+    automatic = CATA_SCHEME_AUTO,
+    classical = CATA_SCHEME_CLASSICAL,
+    ata2 = CATA_SCHEME_ATA2,
+    winograd = CATA_SCHEME_WINOGRAD,
+    rxtx = CATA_SCHEME_RXTX,
+    kgp4 = CATA_SCHEME_KGP4,
+    kgp3 = CATA_SCHEME_KGP3,
+    exact = CATA_SCHEME_EXACT,
+    floating = CATA_SCHEME_FLOAT,
+};
+
+/// A matrix that somebody else owns.
+template <class T>
+struct matrix_view {
+    T* data = nullptr;
+    std::size_t rows = 0;
+    std::size_t cols = 0;
+    /// Elements from one row (row-major) or column (column-major) to the next.
+    std::size_t leading = 1;
+    catamaran::layout order = layout::row_major;
+
+    /// A view that may be written is one that may be read.
+    operator matrix_view<const T>() const noexcept { return {data, rows, cols, leading, order}; }
+
+    T& operator()(std::size_t i, std::size_t j) const noexcept {
+        return order == layout::row_major ? data[i * leading + j] : data[i + j * leading];
+    }
+};
+
+/// rows x cols with contiguous rows, `leading` elements apart (0: no gap).
+template <class T>
+matrix_view<T> row_major(T* data, std::size_t rows, std::size_t cols, std::size_t leading = 0) {
+    return {data, rows, cols, leading ? leading : (cols ? cols : 1), layout::row_major};
+}
+
+/// rows x cols with contiguous columns, `leading` elements apart (0: no gap).
+template <class T>
+matrix_view<T> col_major(T* data, std::size_t rows, std::size_t cols, std::size_t leading = 0) {
+    return {data, rows, cols, leading ? leading : (rows ? rows : 1), layout::col_major};
+}
+
+/// A triangle mesh that somebody else owns.
+struct mesh_view {
+    mesh_view(const std::vector<std::array<double, 3>>& vertices,
+              const std::vector<std::array<std::uint32_t, 3>>& faces)
+        : n_vertices(vertices.size()),
+          vertices(vertices.empty() ? nullptr : vertices.front().data()),
+          n_faces(faces.size()),
+          faces(faces.empty() ? nullptr : faces.front().data()) {}
+
+    /// 3 n_vertices coordinates, and 3 n_faces numbers of vertices.
+    mesh_view(std::size_t n_vertices, const double* vertices, std::size_t n_faces,
+              const std::uint32_t* faces)
+        : n_vertices(n_vertices), vertices(vertices), n_faces(n_faces), faces(faces) {}
+
+    std::size_t n_vertices;
+    const double* vertices;
+    std::size_t n_faces;
+    const std::uint32_t* faces;
+};
+
+namespace detail {
+
+inline void check(cata_status status) {
+    if (status != CATA_OK) {
+        throw error(status, cata_last_error_message());
+    }
+}
+
+inline void require(bool condition, cata_status status, const char* message) {
+    if (!condition) {
+        throw error(status, message);
+    }
+}
+
+/// The numbers of rows of equal length, one row after the other; null when there are none.
+template <class Rows>
+auto* first_of(Rows& rows) noexcept {
+    return rows.empty() ? nullptr : rows.front().data();
+}
+
+/// T where it must not take part in deducing the scalar.
+template <class T>
+struct identity {
+    using type = T;
+};
+template <class T>
+using identity_t = typename identity<T>::type;
+
+template <class T>
+constexpr void require_scalar() {
+    static_assert(std::is_same<T, float>::value || std::is_same<T, double>::value,
+                  "catamaran computes in float or double");
+}
+
+}  // namespace detail
+
+namespace detail {
+
+/// A progress callback for the length of a call; carries an exception of it across the call.
+class watcher {
+public:
+    explicit watcher(const std::function<bool(double)>& progress) : progress_(progress) {}
+    watcher(const watcher&) = delete;
+    watcher& operator=(const watcher&) = delete;
+
+    template <class Params>
+    void attach(Params& params) {
+        if (progress_) {
+            params.progress = &report;
+            params.progress_user = this;
+        }
+    }
+
+    void finish(cata_status status) {
+        if (thrown_) {
+            std::rethrow_exception(thrown_);
+        }
+        check(status);
+    }
+
+private:
+    static std::int32_t report(double fraction, void* user) noexcept {
+        watcher& self = *static_cast<watcher*>(user);
+        if (self.thrown_) {
+            return 1;
+        }
+        try {
+            return self.progress_(fraction) ? 0 : 1;
+        } catch (...) {
+            self.thrown_ = std::current_exception();
+            return 1;
+        }
+    }
+
+    const std::function<bool(double)>& progress_;
+    std::exception_ptr thrown_;
+};
+
+}  // namespace detail
+
+}  // namespace catamaran
+
+#endif

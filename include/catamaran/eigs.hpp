@@ -1,0 +1,224 @@
+// Sparse eigenpairs, those of meshes, and orthonormal columns.
+
+#ifndef CATAMARAN_EIGS_HPP
+#define CATAMARAN_EIGS_HPP
+
+#include "ata.hpp"
+
+#include <limits>
+#include <optional>
+
+namespace catamaran {
+
+/// Which triangles the functions are linear on.
+enum class laplacian_kind : std::int32_t {
+    cotangent = CATA_LAPLACIAN_COTANGENT,
+    intrinsic_delaunay = CATA_LAPLACIAN_INTRINSIC_DELAUNAY,
+    tufted = CATA_LAPLACIAN_TUFTED,
+};
+
+/// How the mass of a triangle goes to its vertices.
+enum class mass_kind : std::int32_t {
+    barycentric = CATA_MASS_BARYCENTRIC,
+    mixed_voronoi = CATA_MASS_MIXED_VORONOI,
+    consistent = CATA_MASS_CONSISTENT,
+};
+
+/// What holds at the boundary.
+enum class boundary : std::int32_t {
+    neumann = CATA_BOUNDARY_NEUMANN,
+    dirichlet = CATA_BOUNDARY_DIRICHLET,
+};
+
+/// How eigenpairs are computed, and of which Laplacian where it is that of a mesh: the fields of
+/// cata_eigs_params.
+struct eigs_options {
+    /// 0: all cores of the affinity mask.
+    std::size_t threads = 0;
+    /// 0: 60.
+    std::size_t max_restarts = 0;
+    std::uint64_t seed = 0;
+    /// 0: 1e-9.
+    double tolerance = 0.0;
+    /// The eigenvalues nearest to this number; nothing: the smallest.
+    std::optional<double> shift;
+    bool verify_count = false;
+    laplacian_kind laplacian = laplacian_kind::cotangent;
+    mass_kind mass = mass_kind::barycentric;
+    catamaran::boundary boundary = boundary::neumann;
+    /// As options::progress.
+    std::function<bool(double)> progress;
+};
+
+/// Eigenpairs.
+struct eigenpairs {
+    /// Entries of an eigenvector.
+    std::size_t rows = 0;
+    /// Ascending.
+    std::vector<double> values;
+    /// rows x values.size(), column-major without gaps.
+    std::vector<double> vectors;
+    std::vector<double> residuals;
+    /// The diagonal of M; empty where it is not a diagonal, or all 1.
+    std::vector<double> masses;
+
+    matrix_view<const double> matrix() const noexcept {
+        return col_major(vectors.data(), rows, values.size());
+    }
+};
+
+namespace detail {
+
+/// cata_eigs_params for the length of a call.
+class eigs_call {
+public:
+    explicit eigs_call(const eigs_options& options) : watcher_(options.progress) {
+        check(cata_eigs_params_init(&params_, sizeof params_));
+        params_.threads = options.threads;
+        params_.max_restarts = options.max_restarts;
+        params_.seed = options.seed;
+        params_.tolerance = options.tolerance;
+        params_.shift = options.shift.value_or(0.0);
+        params_.has_shift = options.shift ? 1 : 0;
+        params_.verify_count = options.verify_count ? 1 : 0;
+        params_.laplacian = static_cast<std::int32_t>(options.laplacian);
+        params_.mass = static_cast<std::int32_t>(options.mass);
+        params_.boundary = static_cast<std::int32_t>(options.boundary);
+        watcher_.attach(params_);
+    }
+
+    const cata_eigs_params* params() const noexcept { return &params_; }
+
+    void finish(cata_status status) { watcher_.finish(status); }
+
+private:
+    cata_eigs_params params_{};
+    watcher watcher_;
+};
+
+inline eigenpairs room_for(std::size_t rows, std::size_t k) {
+    // More pairs than rows there never are, and the memory for them may not be.
+    require(k <= rows, CATA_ERR_ARGUMENT, "k: more eigenpairs than rows");
+    require(k == 0 || rows <= std::numeric_limits<std::size_t>::max() / sizeof(double) / k,
+            CATA_ERR_SHAPE, "k: the eigenvectors exceed the address space");
+    eigenpairs pairs;
+    pairs.rows = rows;
+    pairs.values.resize(k);
+    pairs.vectors.resize(rows * k);
+    pairs.residuals.resize(k);
+    return pairs;
+}
+
+inline const double* masses_of(const std::vector<double>& masses, std::size_t rows) {
+    require(masses.empty() || masses.size() == rows, CATA_ERR_SHAPE,
+            "masses: must be as many as rows, or none for all 1");
+    return masses.empty() ? nullptr : masses.data();
+}
+
+}  // namespace detail
+
+/// The k eigenpairs of W phi = lambda M phi that the options ask for; `masses`: the diagonal of M, empty: all 1.
+inline eigenpairs eigs(const sparse_view& w, std::size_t k, std::vector<double> masses = {},
+                           const eigs_options& how = {}) {
+    const double* diagonal = detail::masses_of(masses, w.rows);
+    eigenpairs pairs = detail::room_for(w.rows, k);
+    detail::eigs_call call(how);
+    call.finish(cata_eigs(w.rows, w.row_starts, w.columns, w.entries, diagonal, k,
+                              pairs.values.data(), pairs.vectors.data(), w.rows ? w.rows : 1,
+                              pairs.residuals.data(), call.params()));
+    pairs.masses = std::move(masses);
+    return pairs;
+}
+
+/// The k eigenpairs of the Laplacian of a triangle mesh.
+inline eigenpairs eigs(const mesh_view& mesh, std::size_t k, const eigs_options& how = {}) {
+    const std::size_t rows = mesh.n_vertices;
+    eigenpairs pairs = detail::room_for(rows, k);
+    if (how.mass != mass_kind::consistent) {
+        pairs.masses.resize(rows);
+    }
+    detail::eigs_call call(how);
+    call.finish(cata_mesh_eigs(rows, mesh.vertices, mesh.n_faces, mesh.faces, k,
+                               pairs.values.data(), pairs.vectors.data(), rows ? rows : 1,
+                               pairs.residuals.data(),
+                               pairs.masses.empty() ? nullptr : pairs.masses.data(),
+                               call.params()));
+    return pairs;
+}
+
+/// The k smallest eigenvalues of a part of a triangle mesh, ascending: cata_mesh_part_eigenvalues.
+/// mask: 1 for each vertex of the part, 0 for each other.
+inline std::vector<double> part_eigenvalues(const mesh_view& mesh,
+                                            const std::vector<std::uint8_t>& mask, std::size_t k,
+                                            const eigs_options& how = {}) {
+    detail::require(mask.size() == mesh.n_vertices, CATA_ERR_SHAPE,
+                    "mask: must have a value for each vertex");
+    // More eigenvalues than vertices there never are, and the memory for them may not be.
+    detail::require(k <= mesh.n_vertices, CATA_ERR_ARGUMENT, "k: more eigenvalues than vertices");
+    std::vector<double> values(k);
+    detail::eigs_call call(how);
+    call.finish(cata_mesh_part_eigenvalues(mesh.n_vertices, mesh.vertices, mesh.n_faces,
+                                           mesh.faces, mask.data(), k, values.data(),
+                                           call.params()));
+    return values;
+}
+
+
+/// How columns are made orthonormal: the fields of cata_ortho_params.
+struct ortho_options {
+    /// 0: all cores of the affinity mask.
+    std::size_t threads = 0;
+    /// 0: 1e-9, or 1e-2 with single_pass.
+    double threshold = 0.0;
+    bool single_pass = false;
+    /// As options::progress.
+    std::function<bool(double)> progress;
+};
+
+/// What gram_schmidt leaves beside Q.
+struct factors {
+    /// kept.size() x columns of A, in the layout of A without gaps: coefficients of every column.
+    std::vector<double> r;
+    /// The columns of A that Q is made of, ascending.
+    std::vector<std::size_t> kept;
+};
+
+/// A = Q R with Q^T M Q = I: the first kept.size() columns of `a` are Q afterwards. `masses`: the diagonal of M, empty:
+/// all 1.
+inline factors gram_schmidt(matrix_view<double> a, const std::vector<double>& masses = {},
+                            const ortho_options& how = {}) {
+    const double* diagonal = detail::masses_of(masses, a.rows);
+    const std::size_t most = a.rows < a.cols ? a.rows : a.cols;
+    const bool by_rows = a.order == layout::row_major;
+    const std::size_t leading = by_rows ? (a.cols ? a.cols : 1) : (most ? most : 1);
+    std::vector<double> r(most * a.cols);
+    factors found;
+    found.kept.resize(a.cols);
+    cata_ortho_params params;
+    detail::check(cata_ortho_params_init(&params, sizeof params));
+    params.threads = how.threads;
+    params.threshold = how.threshold;
+    params.single_pass = how.single_pass ? 1 : 0;
+    detail::watcher watcher(how.progress);
+    watcher.attach(params);
+    std::size_t rank = 0;
+    watcher.finish(cata_ortho_gram_schmidt(static_cast<std::int32_t>(a.order), a.rows, a.cols, a.data,
+                                     a.leading, diagonal, r.data(), leading, found.kept.data(),
+                                     &rank, &params));
+    found.kept.resize(rank);
+    if (!by_rows) {
+        // Rows below the rank are zeros.
+        for (std::size_t j = 0; j < a.cols; ++j) {
+            for (std::size_t i = 0; i < rank; ++i) {
+                r[i + j * rank] = r[i + j * leading];
+            }
+        }
+    }
+    r.resize(rank * a.cols);
+    found.r = std::move(r);
+    return found;
+}
+
+}  // namespace catamaran
+
+#endif

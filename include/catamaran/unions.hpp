@@ -1,0 +1,67 @@
+// Spectral unions.
+
+#ifndef CATAMARAN_UNIONS_HPP
+#define CATAMARAN_UNIONS_HPP
+
+#include "core.hpp"
+
+#include <memory>
+
+namespace catamaran {
+
+/// The network that predicts spectra of unions of parts from those of the parts. One owner; calls may run at the same time.
+class unions {
+public:
+    /// The first Dirichlet eigenvalues of a part, ascending and positive, in whatever unit.
+    using eigenvalues = std::array<double, CATA_UNION_EIGENVALUES>;
+
+    /// With the weights that come with the library.
+    unions() : handle_(made(nullptr)) {}
+
+    /// With weights of `catamaran unions train`.
+    explicit unions(const std::string& weights) : handle_(made(weights.c_str())) {}
+
+    struct prediction {
+        eigenvalues values;
+        /// Above 1 the prediction is a guess.
+        double strangeness;
+    };
+
+    /// Of the union of these parts, at least one.
+    prediction predict(const std::vector<eigenvalues>& parts) const {
+        prediction found{};
+        detail::check(cata_unions_predict(handle_.get(), parts.size(), detail::first_of(parts),
+                                          found.values.data(), &found.strangeness));
+        return found;
+    }
+
+    /// Where the union is on the template, the mesh that `catamaran unions template` writes: for each vertex about 1
+    /// inside and 0 outside.
+    std::vector<double> locate(const std::vector<eigenvalues>& parts,
+                               const mesh_view& mesh, std::size_t threads = 0) const {
+        std::vector<double> indicator(mesh.n_vertices);
+        detail::check(cata_unions_locate(
+            handle_.get(), parts.size(), detail::first_of(parts), mesh.n_vertices, mesh.vertices,
+            mesh.n_faces, mesh.faces, indicator.data(), threads));
+        return indicator;
+    }
+
+    const cata_unions* get() const noexcept { return handle_.get(); }
+
+private:
+    struct free {
+        void operator()(cata_unions* handle) const noexcept { cata_unions_free(handle); }
+    };
+
+    static cata_unions* made(const char* weights) {
+        cata_unions* handle = nullptr;
+        detail::check(cata_unions_new(weights, &handle));
+        return handle;
+    }
+
+    std::unique_ptr<cata_unions, free> handle_;
+};
+
+}  // namespace catamaran
+
+#endif

@@ -1,0 +1,245 @@
+//! # Sparse eigenpairs
+//!
+//! The smallest eigenvalues of sparse symmetric matrices, or those nearest to a shift, by
+//! shift-invert block Lanczos; and orthonormal columns, in the inner product of a diagonal.
+//!
+//! ```c
+//! size_t starts[] = {0, 1, 2}, columns[] = {0, 1};
+//! double entries[] = {2, 1}, value, vector[2]; // diag(2, 1)
+//! cata_eigs(2, starts, columns, entries, NULL, 1, &value, vector, 2, NULL, NULL);
+//! printf("%g\n", value); // 1
+//! ```
+
+use std::ffi::c_void;
+use std::mem::offset_of;
+
+use faer::{MatMut, MatRef};
+
+use super::boundary::boundary;
+use super::params::{Versioned, flag, init, read};
+use super::pointer::{
+    Layout, check_size, matrix_mut, optional_slice_mut, slice, slice_mut, sparse,
+};
+use super::progress::{cata_progress, par, watcher};
+use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use crate::base::Progress;
+use crate::mesh::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
+use crate::sparse::{EigenOptions, Mass, eigs};
+
+/// `laplacian`: of the triangles of the mesh, with cotangent weights.
+pub const CATA_LAPLACIAN_COTANGENT: i32 = 0;
+/// `laplacian`: of the intrinsic Delaunay triangulation: no negative weights, for surfaces.
+pub const CATA_LAPLACIAN_INTRINSIC_DELAUNAY: i32 = 1;
+/// `laplacian`: of the intrinsic Delaunay triangulation of the tufted cover: for any mesh.
+pub const CATA_LAPLACIAN_TUFTED: i32 = 2;
+
+/// `mass`: a diagonal, a third of the area of a face to each vertex.
+pub const CATA_MASS_BARYCENTRIC: i32 = 0;
+/// `mass`: a diagonal, what is nearest to each vertex.
+pub const CATA_MASS_MIXED_VORONOI: i32 = 1;
+/// `mass`: the inner product of linear functions, a full matrix.
+pub const CATA_MASS_CONSISTENT: i32 = 2;
+
+/// `boundary`: the normal derivative is zero there.
+pub const CATA_BOUNDARY_NEUMANN: i32 = 0;
+/// `boundary`: functions are zero there.
+pub const CATA_BOUNDARY_DIRICHLET: i32 = 1;
+
+/// How eigenpairs are computed, and of which Laplacian where it is that of a mesh.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cata_eigs_params {
+    /// sizeof(cata_eigs_params).
+    pub struct_size: usize,
+    /// Threads, at most; 0: all.
+    pub threads: usize,
+    /// Told of progress; NULL: nobody.
+    pub progress: cata_progress,
+    /// Handed to `progress`.
+    pub progress_user: *mut c_void,
+    /// Restarts after which CATA_ERR_NOT_CONVERGED is returned; 0: 60.
+    pub max_restarts: usize,
+    /// Seed of the starting vectors.
+    pub seed: u64,
+    /// Residual that every pair must reach, 1e-14 to 1e-2; 0: 1e-9.
+    pub tolerance: f64,
+    /// With `has_shift` 1: the eigenvalues nearest to this finite number are wanted. Else not
+    /// looked at.
+    pub shift: f64,
+    /// 1: `shift` counts; 0: the smallest eigenvalues are wanted.
+    pub has_shift: i32,
+    /// 1: counts, by one or two more factorisations, the eigenvalues that are there, and goes on
+    /// until none is missing. 0: not asked for.
+    pub verify_count: i32,
+    /// Of meshes: CATA_LAPLACIAN_*.
+    pub laplacian: i32,
+    /// Of meshes: CATA_MASS_*.
+    pub mass: i32,
+    /// Of meshes: CATA_BOUNDARY_*.
+    pub boundary: i32,
+}
+
+impl Versioned for cata_eigs_params {
+    const NAME: &'static str = "cata_eigs_params";
+    const FIRST_SIZE: usize = offset_of!(Self, boundary) + size_of::<i32>();
+}
+
+/// Fills a struct with the defaults.
+///
+/// # Safety
+/// `params` points to `struct_size` writable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_eigs_params_init(
+    params: *mut cata_eigs_params,
+    struct_size: usize,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { init(params, struct_size) }
+}
+
+/// The k smallest eigenvalues, or those nearest to a shift, of W phi = lambda M phi, and their
+/// eigenvectors. W is n x n, sparse, symmetric, and positive semi-definite unless a shift is
+/// given; M is a diagonal of positive masses.
+///
+/// - `row_starts`: n + 1 elements, read: the entries of row i are those from `row_starts[i]` to
+///   `row_starts[i + 1] - 1`, the first being 0.
+/// - `columns`, `entries`: `row_starts[n]` elements each, read: columns ascending within a row,
+///   from 0, and the entries of W there, both triangles.
+/// - `masses`: n elements, read: the diagonal of M; NULL: all 1.
+/// - `k`: number of pairs, at most n.
+/// - `eigenvalues`: k elements, written: ascending.
+/// - `eigenvectors`: n x k, written, column-major: k columns of `ldv` >= max(1, n) elements, the
+///   last one of n; orthonormal in the inner product of M.
+/// - `residuals`: k elements, written: for each pair |W phi - lambda M phi| / max(|W phi|, s |M
+///   phi|), n s being the median of W_ii / M_ii; NULL where not wanted.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_eigs(
+    n: usize,
+    row_starts: *const usize,
+    columns: *const usize,
+    entries: *const f64,
+    masses: *const f64,
+    k: usize,
+    eigenvalues: *mut f64,
+    eigenvectors: *mut f64,
+    ldv: usize,
+    residuals: *mut f64,
+    params: *const cata_eigs_params,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (stiffness, masses, outputs) = unsafe {
+            let stiffness = sparse(n, n, row_starts, columns, entries)?;
+            let masses = match masses.is_null() {
+                true => Mass::identity(n),
+                false => Mass::Lumped(slice("masses", masses, n)?.to_vec()),
+            };
+            (stiffness, masses, Outputs::new(n, k, eigenvalues, eigenvectors, ldv, residuals)?)
+        };
+        // SAFETY: the caller's promise.
+        let pairs = unsafe {
+            with_eigen_options(k, params, |options, _| Ok(eigs(stiffness, &masses, options)?))
+        }?;
+        outputs.write(&pairs.values, pairs.vectors.as_ref(), &pairs.residuals);
+        Ok(())
+    })
+}
+
+/// Where eigenpairs go.
+pub(super) struct Outputs<'a> {
+    values: &'a mut [f64],
+    vectors: MatMut<'a, f64>,
+    residuals: Option<&'a mut [f64]>,
+}
+
+impl<'a> Outputs<'a> {
+    /// # Safety
+    /// The pointers are as the header describes them, during `'a`.
+    pub unsafe fn new(
+        n: usize,
+        k: usize,
+        eigenvalues: *mut f64,
+        eigenvectors: *mut f64,
+        ldv: usize,
+        residuals: *mut f64,
+    ) -> Result<Self, Failure> {
+        check_size::<f64>("eigenvectors", n, k)?;
+        // SAFETY: the caller's promise.
+        unsafe {
+            Ok(Self {
+                values: slice_mut("eigenvalues", eigenvalues, k)?,
+                vectors: matrix_mut("v", Layout::ColMajor, n, k, eigenvectors, ldv)?,
+                residuals: optional_slice_mut("residuals", residuals, k)?,
+            })
+        }
+    }
+
+    /// Writes the pairs.
+    pub fn write(mut self, values: &[f64], vectors: MatRef<'_, f64>, residuals: &[f64]) {
+        self.values.copy_from_slice(values);
+        self.vectors.copy_from(vectors);
+        if let Some(to) = self.residuals {
+            to.copy_from_slice(residuals);
+        }
+    }
+}
+
+/// What `work` finds with the options of the caller.
+///
+/// # Safety
+/// `params` is NULL or points to a struct as the header describes it.
+pub(super) unsafe fn with_eigen_options<X>(
+    k: usize,
+    params: *const cata_eigs_params,
+    work: impl FnOnce(&EigenOptions<'_>, &LaplacianOptions) -> Result<X, Failure>,
+) -> Result<X, Failure> {
+    let mut options = EigenOptions { k, ..EigenOptions::default() };
+    let mut laplacian = LaplacianOptions::default();
+    let mut watch = None;
+    if !params.is_null() {
+        // SAFETY: the caller's promise.
+        let params = unsafe { read(params) }?;
+        options.par = par(params.threads);
+        options.seed = params.seed;
+        options.verify_count = flag("params.verify_count", params.verify_count)?;
+        options.shift = flag("params.has_shift", params.has_shift)?.then_some(params.shift);
+        if params.max_restarts > 0 {
+            options.max_restarts = params.max_restarts;
+        }
+        if params.tolerance != 0.0 {
+            options.tolerance = params.tolerance;
+        }
+        laplacian = laplacian_options(&params)?;
+        watch = watcher(params.progress, params.progress_user);
+    }
+    options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
+    work(&options, &laplacian)
+}
+
+fn laplacian_options(params: &cata_eigs_params) -> Result<LaplacianOptions, Failure> {
+    let unknown = |what: &str, value: i32| {
+        Failure::new(CATA_ERR_ARGUMENT, format!("params.{what}: {value} is not known"))
+    };
+    Ok(LaplacianOptions::new()
+        .kind(match params.laplacian {
+            CATA_LAPLACIAN_COTANGENT => LaplacianKind::Cotangent,
+            CATA_LAPLACIAN_INTRINSIC_DELAUNAY => LaplacianKind::IntrinsicDelaunay,
+            CATA_LAPLACIAN_TUFTED => LaplacianKind::Tufted,
+            other => return Err(unknown("laplacian", other)),
+        })
+        .mass(match params.mass {
+            CATA_MASS_BARYCENTRIC => MassKind::Barycentric,
+            CATA_MASS_MIXED_VORONOI => MassKind::MixedVoronoi,
+            CATA_MASS_CONSISTENT => MassKind::Consistent,
+            other => return Err(unknown("mass", other)),
+        })
+        .boundary(match params.boundary {
+            CATA_BOUNDARY_NEUMANN => Boundary::Neumann,
+            CATA_BOUNDARY_DIRICHLET => Boundary::Dirichlet,
+            other => return Err(unknown("boundary", other)),
+        })
+        .par(par(params.threads)))
+}

@@ -1,0 +1,18 @@
+//! Results into places of the caller.
+
+use faer::prelude::ReborrowMut;
+use faer::{MatMut, MatRef};
+
+/// Writes a matrix into the upper left of another one, and zeros into the rest.
+pub(super) fn fill(mut place: MatMut<'_, f64>, found: MatRef<'_, f64>) {
+    place.fill(0.0);
+    place.rb_mut().submatrix_mut(0, 0, found.nrows(), found.ncols()).copy_from(found);
+}
+
+/// Writes values, and zeros after them.
+pub(super) fn fill_slice(place: Option<&mut [f64]>, found: &[f64]) {
+    if let Some(place) = place {
+        place[found.len()..].fill(0.0);
+        place[..found.len()].copy_from_slice(found);
+    }
+}

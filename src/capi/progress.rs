@@ -1,0 +1,51 @@
+//! # Threads and progress
+//!
+//! ```c
+//! static int32_t stop_late(double fraction, void *seconds_left)
+//! {
+//!     return fraction < 0.5 && *(double *)seconds_left < 0; // 1: stop
+//! }
+//! ```
+
+use std::ffi::c_void;
+use std::ops::ControlFlow;
+
+use crate::base::Par;
+
+/// A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything else
+/// asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
+///
+/// It is called from any thread that works for the call, one call at a time: each begins after
+/// the one before it has returned, and sees what that has written. No thread waits for it, so it
+/// may be slow, and it may call this library. It must not leave by longjmp or a C++ exception.
+pub type cata_progress = Option<extern "C" fn(fraction: f64, user: *mut c_void) -> i32>;
+
+/// The address that a progress callback asked for.
+struct User(*mut c_void);
+
+// SAFETY: only handed to the callback, which the header tells to expect any thread; calls never
+// overlap and are ordered, as `Progress` promises.
+unsafe impl Sync for User {}
+
+impl User {
+    fn get(&self) -> *mut c_void {
+        self.0
+    }
+}
+
+/// A callback of the ABI as one of ours.
+pub(super) fn watcher(
+    progress: cata_progress,
+    user: *mut c_void,
+) -> Option<impl Fn(f64) -> ControlFlow<()> + Sync> {
+    let (callback, user) = (progress?, User(user));
+    Some(move |fraction| match callback(fraction, user.get()) {
+        0 => ControlFlow::Continue(()),
+        _ => ControlFlow::Break(()),
+    })
+}
+
+/// Threads, of a field of that name: 0 stands for all.
+pub(super) fn par(threads: usize) -> Par {
+    if threads == 0 { Par::all() } else { Par::Threads(threads) }
+}

@@ -1,0 +1,95 @@
+use super::boundary::boundary;
+use super::eigs::{cata_eigs_params, with_eigen_options};
+use super::params::flag;
+use super::pointer::{check_size, mesh, slice, slice_mut};
+use super::progress::par;
+use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use crate::mesh::LaplacianOptions;
+use crate::sparse::EigenOptions;
+use crate::unions::{ShapeDnaOptions, retrieve, shape_dna};
+
+/// ShapeDNA: the k smallest eigenvalues of the Laplacian of a triangle mesh as its signature
+/// (Reuter, Wolter and Peinecke 2006).
+///
+/// - `k`: number of eigenvalues, at most the vertices that are in a face and not held at zero.
+/// - `normalized`: 1: they are multiplied by the area, so that they do not depend on the size of
+///   the mesh; 0: they are not.
+/// - `signature`: k elements, written: ascending.
+/// - `params`: the Laplacian and `threads` are looked at, the rest is checked only.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_shape_dna(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    k: usize,
+    normalized: i32,
+    signature: *mut f64,
+    params: *const cata_eigs_params,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (mesh, signature) = unsafe {
+            (mesh(n_vertices, vertices, n_faces, faces)?, slice_mut("signature", signature, k)?)
+        };
+        let normalized = flag("normalized", normalized)?;
+        let work = |_: &EigenOptions<'_>, laplacian: &LaplacianOptions| {
+            let laplacian = laplacian.clone();
+            Ok(shape_dna(&mesh, &ShapeDnaOptions { k, normalized, laplacian })?)
+        };
+        // SAFETY: the caller's promise.
+        signature.copy_from_slice(&unsafe { with_eigen_options(k, params, work) }?);
+        Ok(())
+    })
+}
+
+/// The signatures nearest to a query, in Euclidean distance; of equally near ones the first.
+///
+/// - `k`: numbers of a signature.
+/// - `query`: k elements, read.
+/// - `count`: number of signatures.
+/// - `signatures`: `count` x k elements, read, one after the other.
+/// - `wanted`: how many are wanted, at most `count`.
+/// - `indices`: `wanted` elements, written: numbers of signatures from 0, the nearest first.
+/// - `distances`: `wanted` elements, written: their distances.
+/// - `threads`: at most; 0: all.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_shape_dna_retrieve(
+    k: usize,
+    query: *const f64,
+    count: usize,
+    signatures: *const f64,
+    wanted: usize,
+    indices: *mut usize,
+    distances: *mut f64,
+    threads: usize,
+) -> cata_status {
+    boundary(|| {
+        check_size::<f64>("signatures", count, k)?;
+        if wanted > count {
+            let why = format!("wanted: must be at most count, is {wanted} of {count}");
+            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+        }
+        // SAFETY: the caller's promise.
+        let (query, signatures, indices, distances) = unsafe {
+            (
+                slice("query", query, k)?,
+                slice("signatures", signatures, count * k)?,
+                slice_mut("indices", indices, wanted)?,
+                slice_mut("distances", distances, wanted)?,
+            )
+        };
+        let rows: Vec<&[f64]> = (0..count).map(|i| &signatures[i * k..(i + 1) * k]).collect();
+        let found = retrieve(query, &rows, wanted, par(threads))?;
+        for (i, found) in found.iter().enumerate() {
+            (indices[i], distances[i]) = (found.index, found.distance);
+        }
+        Ok(())
+    })
+}
