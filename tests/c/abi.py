@@ -23,8 +23,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 HEADER = ROOT / "include/catamaran.h"
-# For the tests of the library only, or different in every version.
-NOT_ABI = re.compile(r"cata_internal_|CATA_VERSION_|CATAMARAN_H$")
+# Different in every version.
+NOT_ABI = re.compile(r"CATA_VERSION_|CATAMARAN_H$")
 
 
 def squeeze(text):
