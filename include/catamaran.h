@@ -69,33 +69,26 @@ extern "C" {
 /** What a call returns. A value, once given a meaning, keeps it for ever. */
 typedef int32_t cata_status;
 
-/** Done. */
-#define CATA_OK 0
-/** A pointer is NULL where it may not be. */
-#define CATA_ERR_NULL 1
+#define CATA_OK 0 /**< Done. */
+#define CATA_ERR_NULL 1 /**< A pointer is NULL where it may not be. */
 
 /** A matrix, vector or buffer is too small or has the wrong shape, or its size in bytes
  * overflows. */
 #define CATA_ERR_SHAPE 2
+#define CATA_ERR_ARGUMENT 3 /**< An argument is outside its range. */
+#define CATA_ERR_NON_FINITE 4 /**< A NaN or an infinity where only finite numbers are allowed. */
+#define CATA_ERR_NOT_CONVERGED 5 /**< An iteration ended before it reached its tolerance. */
+#define CATA_ERR_IO 6 /**< A file could not be read or written. */
+#define CATA_ERR_OUT_OF_MEMORY 7 /**< Memory could not be had. */
+#define CATA_ERR_BACKEND 8 /**< A BLAS back end could not be loaded, or refused. */
+#define CATA_ERR_CANCELLED 9 /**< The progress callback asked to stop. */
 
-/** An argument is outside its range. */
-#define CATA_ERR_ARGUMENT 3
-/** A NaN or an infinity where only finite numbers are allowed. */
-#define CATA_ERR_NON_FINITE 4
-/** An iteration ended before it reached its tolerance. */
-#define CATA_ERR_NOT_CONVERGED 5
-/** A file could not be read or written. */
-#define CATA_ERR_IO 6
-/** Memory could not be had. */
-#define CATA_ERR_OUT_OF_MEMORY 7
-/** A BLAS back end could not be loaded, or refused. */
-#define CATA_ERR_BACKEND 8
-/** The progress callback asked to stop. */
-#define CATA_ERR_CANCELLED 9
 /** This build, or this version, can't do it: see cata_capabilities. */
 #define CATA_ERR_UNSUPPORTED 10
+
 /** A bug in Catamaran, caught at the border; the message says where. The library stays usable. */
 #define CATA_ERR_PANIC 11
+
 /** Another rank of a distributed call failed, or does not fit the others; the message names it. */
 #define CATA_ERR_RANK 12
 
@@ -116,14 +109,13 @@ const char *cata_status_name(cata_status status);
 
 /** Bit of cata_capabilities: OpenBLAS is linked in (cata_backend_openblas works). */
 #define CATA_CAP_OPENBLAS 1
-/** Bit of cata_capabilities: MPI is linked in (cata_world_new works). */
-#define CATA_CAP_MPI 2
+#define CATA_CAP_MPI 2 /**< Bit of cata_capabilities: MPI is linked in (cata_world_new works). */
 
 /** Bit of cata_capabilities: kernels run on OpenCL devices, where there are any (cata_device_name
  * tells). */
 #define CATA_CAP_OPENCL 4
 
-/** Bit of cata_capabilities: HDF5 files; not in this version, never set. */
+/** Bit of cata_capabilities: rows come from HDF5 files too (cata_accumulator_add_file). */
 #define CATA_CAP_HDF5 8
 
 /** The version of the library that runs, which may be newer than the header's
@@ -238,38 +230,39 @@ void cata_backend_free(cata_backend *backend);
  * @{
  */
 
-/** `layout`: rows are contiguous: entry (i, j) is `a[i * lda + j]`. */
-#define CATA_ROW_MAJOR 101
+#define CATA_ROW_MAJOR 101 /**< `layout`: rows are contiguous: entry (i, j) is `a[i * lda + j]`. */
+
 /** `layout`: columns are contiguous: entry (i, j) is `a[i + j * lda]`. */
 #define CATA_COL_MAJOR 102
+
 /** `uplo`: the triangle on and above the diagonal; the rest of C is neither read nor written. */
 #define CATA_UPPER 121
+
 /** `uplo`: the triangle on and below the diagonal; the rest of C is neither read nor written. */
 #define CATA_LOWER 122
+
 /** `uplo`: both triangles, equal bit for bit; with beta != 0 the old lower one is what is read. */
 #define CATA_BOTH 123
 
 /** `scheme`: whatever is expected to be fastest within the accuracy asked for. */
 #define CATA_SCHEME_AUTO 0
-/** `scheme`: no fast products, blocks over the back end. */
-#define CATA_SCHEME_CLASSICAL 1
+#define CATA_SCHEME_CLASSICAL 1 /**< `scheme`: no fast products, blocks over the back end. */
+
 /** `scheme`: AtA over Strassen's algorithm, 2 x 2 recursion down to the cache. */
 #define CATA_SCHEME_ATA2 2
+
 /** `scheme`: 2 x 2 split over Winograd's variant of Strassen's algorithm. */
 #define CATA_SCHEME_WINOGRAD 3
-/** `scheme`: RXTX (4 x 4 blocks) over Winograd's variant. */
-#define CATA_SCHEME_RXTX 4
+#define CATA_SCHEME_RXTX 4 /**< `scheme`: RXTX (4 x 4 blocks) over Winograd's variant. */
+
 /** `scheme`: the sparse 4 x 4 scheme of Khoruzhii, Gelss and Pokutta over Winograd's variant. */
 #define CATA_SCHEME_KGP4 5
-/** `scheme`: their 3 x 3 scheme over Winograd's variant. */
-#define CATA_SCHEME_KGP3 6
+#define CATA_SCHEME_KGP3 6 /**< `scheme`: their 3 x 3 scheme over Winograd's variant. */
 
 /** `scheme`: integer products modulo small primes: nothing is rounded but the columns, to about
  * 2^-54 of their norms (float: 2^-27), and the result. */
 #define CATA_SCHEME_EXACT 7
-
-/** `scheme`: as CATA_SCHEME_AUTO, but never CATA_SCHEME_EXACT. */
-#define CATA_SCHEME_FLOAT 8
+#define CATA_SCHEME_FLOAT 8 /**< `scheme`: as CATA_SCHEME_AUTO, but never CATA_SCHEME_EXACT. */
 
 /** `error_factor`: the least error. With CATA_SCHEME_AUTO that is CATA_SCHEME_EXACT on every
  * machine, however slow it is there; other schemes are as with 1. */
@@ -277,14 +270,10 @@ void cata_backend_free(cata_backend *backend);
 
 /** How a product is computed. */
 typedef struct cata_ata_params {
-    /** sizeof(cata_ata_params). */
-    size_t struct_size;
-    /** Threads, at most; 0: all. */
-    size_t threads;
-    /** Told of progress; NULL: nobody. */
-    cata_progress progress;
-    /** Handed to `progress`. */
-    void *progress_user;
+    size_t struct_size; /**< sizeof(cata_ata_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    cata_progress progress; /**< Told of progress; NULL: nobody. */
+    void *progress_user; /**< Handed to `progress`. */
     /** Smallest block side of the recursion, in elements, at most 2^31; 0: the library's
      * choice. */
     size_t leaf;
@@ -299,8 +288,7 @@ typedef struct cata_ata_params {
     double error_factor;
     /** What computes the small products; NULL: the built-in one. Borrowed during the call. */
     const cata_backend *backend;
-    /** CATA_SCHEME_*. */
-    int32_t scheme;
+    int32_t scheme; /**< CATA_SCHEME_*. */
     /** 1: the same bytes on every machine, which takes CATA_SCHEME_EXACT everywhere, slower than
      * others on CPUs without AMX; the scheme must be that or CATA_SCHEME_AUTO. 0: not asked for. */
     int32_t reproducible;
@@ -542,54 +530,6 @@ cata_status cata_verify_f32(int32_t layout, int32_t uplo, size_t m, size_t n, do
 
 /** @} */
 
-/* ==== Streams of rows ========================================================================== */
-
-/**
- * @defgroup rows Streams of rows
- *
- * Products of weighted and centred rows, which are read in blocks.
- *
- * @code{.c}
- * double a[] = {1, 2, 3, 4, 5, 7}, c[4]; // 3 x 2, its covariance
- * cata_ata_rows_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 0.5, a, 2, NULL, CATA_CENTER_MEAN, NULL, 0, c,
- *     2, NULL);
- * @endcode
- * @{
- */
-
-/** `centering`: nothing is subtracted from the rows. */
-#define CATA_CENTER_NONE 0
-/** `centering`: the mean of the rows is subtracted, weighted if there are weights. */
-#define CATA_CENTER_MEAN 1
-/** `centering`: the row given is subtracted. */
-#define CATA_CENTER_GIVEN 2
-
-/** C := alpha X^T W X + beta C, where X is A with a row subtracted from every row, and W =
- * diag(weights). A is not copied as a whole: it is read in blocks of rows, about 32 MiB each.
- *
- * With CATA_CENTER_MEAN and alpha = 1 / (m - 1) C is the covariance matrix of the columns of A.
- *
- * - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
- * - `centering`: CATA_CENTER_NONE, CATA_CENTER_MEAN or CATA_CENTER_GIVEN.
- * - `center`: with CATA_CENTER_GIVEN n finite numbers, read, not NULL unless n is 0; else
- *   ignored.
- * - The rest as in cata_ata_f64. Neither `weights` nor `center` may overlap C.
- *
- * Returns what cata_ata_f64 does, CATA_ERR_NON_FINITE for a weight or a centre that is not
- * finite, or CATA_ERR_ARGUMENT when the weights of a mean sum to 0. C is untouched after any
- * error but CATA_ERR_CANCELLED, CATA_ERR_PANIC and CATA_ERR_OUT_OF_MEMORY, which leave
- * unspecified values in its wanted part. */
-cata_status cata_ata_rows_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
-    const double *a, size_t lda, const double *weights, int32_t centering, const double *center,
-    double beta, double *c, size_t ldc, const cata_ata_params *params);
-
-/** As cata_ata_rows_f64, in float; the mean is summed in double. */
-cata_status cata_ata_rows_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
-    const float *a, size_t lda, const float *weights, int32_t centering, const float *center,
-    float beta, float *c, size_t ldc, const cata_ata_params *params);
-
-/** @} */
-
 /* ==== Least squares, principal components, singular values ===================================== */
 
 /**
@@ -606,35 +546,18 @@ cata_status cata_ata_rows_f32(int32_t layout, int32_t uplo, size_t m, size_t n, 
  * @{
  */
 
-/** How a Gram matrix in extended precision is computed. */
-typedef struct cata_gram_params {
-    /** sizeof(cata_gram_params). */
-    size_t struct_size;
-    /** Threads, at most; 0: all. */
-    size_t threads;
-    /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
-     * them cannot be cancelled. */
-    cata_progress progress;
-    /** Handed to `progress`. */
-    void *progress_user;
-} cata_gram_params;
-
 /** How a least-squares problem is solved. */
 typedef struct cata_lstsq_params {
-    /** sizeof(cata_lstsq_params). */
-    size_t struct_size;
-    /** Threads, at most; 0: all. */
-    size_t threads;
+    size_t struct_size; /**< sizeof(cata_lstsq_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
     /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
      * them cannot be cancelled. */
     cata_progress progress;
-    /** Handed to `progress`. */
-    void *progress_user;
+    void *progress_user; /**< Handed to `progress`. */
     /** Multiple of |X|^2 that is added to what is minimised; finite, at least 0. The intercept is
      * not a part of X. */
     double ridge;
-    /** 1: a constant is fitted for each target too. 0: none. */
-    int32_t intercept;
+    int32_t intercept; /**< 1: a constant is fitted for each target too. 0: none. */
     /** 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message names
      * them. 0: of all solutions the one of least norm is returned. */
     int32_t refuse_dependent;
@@ -645,8 +568,7 @@ typedef struct cata_lstsq_params {
  * arrays and the fields after them. `cata_lstsq_result result = {.struct_size = sizeof result};`
  * asks for those fields alone. */
 typedef struct cata_lstsq_result {
-    /** sizeof(cata_lstsq_result). */
-    size_t struct_size;
+    size_t struct_size; /**< sizeof(cata_lstsq_result). */
     /** k elements, written: |A x - b| of each target, weighted; 0 where it is below the rounding
      * of the Gram matrix. */
     double *residual_norms;
@@ -676,25 +598,6 @@ typedef struct cata_lstsq_result {
     double digits;
 } cata_lstsq_result;
 
-/** How principal components are computed. */
-typedef struct cata_pca_params {
-    /** sizeof(cata_pca_params). */
-    size_t struct_size;
-    /** Threads, at most; 0: all. */
-    size_t threads;
-    /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
-     * them cannot be cancelled. */
-    cata_progress progress;
-    /** Handed to `progress`. */
-    void *progress_user;
-    /** 1: columns are divided by their standard deviations; those without variance are not. 0:
-     * none is. */
-    int32_t standardize;
-} cata_pca_params;
-
-/** Fills a struct with the defaults. */
-cata_status cata_gram_params_init(cata_gram_params *params, size_t struct_size);
-
 /** Fills a struct with the defaults. */
 cata_status cata_lstsq_params_init(cata_lstsq_params *params, size_t struct_size);
 
@@ -715,6 +618,19 @@ cata_status cata_lstsq_params_init(cata_lstsq_params *params, size_t struct_size
 cata_status cata_lstsq(int32_t layout, size_t m, size_t n, size_t k, const double *a, size_t lda,
     const double *b, size_t ldb, const double *weights, double *x, size_t ldx,
     cata_lstsq_result *result, const cata_lstsq_params *params);
+
+/** How principal components are computed. */
+typedef struct cata_pca_params {
+    size_t struct_size; /**< sizeof(cata_pca_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
+     * them cannot be cancelled. */
+    cata_progress progress;
+    void *progress_user; /**< Handed to `progress`. */
+    /** 1: columns are divided by their standard deviations; those without variance are not. 0:
+     * none is. */
+    int32_t standardize;
+} cata_pca_params;
 
 /** Fills a struct with the defaults. */
 cata_status cata_pca_params_init(cata_pca_params *params, size_t struct_size);
@@ -741,6 +657,19 @@ cata_status cata_pca(int32_t layout, size_t m, size_t n, const double *a, size_t
     double *components, size_t ldcomponents, double *explained_variance,
     double *explained_variance_ratio, double *singular_values, double *mean, double *scale,
     const cata_pca_params *params);
+
+/** How a Gram matrix in extended precision is computed. */
+typedef struct cata_gram_params {
+    size_t struct_size; /**< sizeof(cata_gram_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
+     * them cannot be cancelled. */
+    cata_progress progress;
+    void *progress_user; /**< Handed to `progress`. */
+} cata_gram_params;
+
+/** Fills a struct with the defaults. */
+cata_status cata_gram_params_init(cata_gram_params *params, size_t struct_size);
 
 /** The singular values of A (m x n), and its right singular vectors, from its Gram matrix in
  * extended precision: A = U diag(values) V^T, where column j of U is A v_j over the j-th value.
@@ -814,6 +743,148 @@ cata_status cata_gram_cholesky_qr(int32_t layout, size_t m, size_t n, double *a,
 
 /** @} */
 
+/* ==== Streams of rows ========================================================================== */
+
+/**
+ * @defgroup rows Streams of rows
+ *
+ * Products of weighted and centred rows, which are read in blocks.
+ *
+ * @code{.c}
+ * double a[] = {1, 2, 3, 4, 5, 7}, c[4]; // 3 x 2, its covariance
+ * cata_ata_rows_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 0.5, a, 2, NULL, CATA_CENTER_MEAN, NULL, 0, c,
+ *     2, NULL);
+ * @endcode
+ * @{
+ */
+
+#define CATA_CENTER_NONE 0 /**< `centering`: nothing is subtracted from the rows. */
+
+/** `centering`: the mean of the rows is subtracted, weighted if there are weights. */
+#define CATA_CENTER_MEAN 1
+#define CATA_CENTER_GIVEN 2 /**< `centering`: the row given is subtracted. */
+
+/** C := alpha X^T W X + beta C, where X is A with a row subtracted from every row, and W =
+ * diag(weights). A is not copied as a whole: it is read in blocks of rows, about 32 MiB each.
+ *
+ * With CATA_CENTER_MEAN and alpha = 1 / (m - 1) C is the covariance matrix of the columns of A.
+ *
+ * - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
+ * - `centering`: CATA_CENTER_NONE, CATA_CENTER_MEAN or CATA_CENTER_GIVEN.
+ * - `center`: with CATA_CENTER_GIVEN n finite numbers, read, not NULL unless n is 0; else
+ *   ignored.
+ * - The rest as in cata_ata_f64. Neither `weights` nor `center` may overlap C.
+ *
+ * Returns what cata_ata_f64 does, CATA_ERR_NON_FINITE for a weight or a centre that is not
+ * finite, or CATA_ERR_ARGUMENT when the weights of a mean sum to 0. C is untouched after any
+ * error but CATA_ERR_CANCELLED, CATA_ERR_PANIC and CATA_ERR_OUT_OF_MEMORY, which leave
+ * unspecified values in its wanted part. */
+cata_status cata_ata_rows_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
+    const double *a, size_t lda, const double *weights, int32_t centering, const double *center,
+    double beta, double *c, size_t ldc, const cata_ata_params *params);
+
+/** As cata_ata_rows_f64, in float; the mean is summed in double. */
+cata_status cata_ata_rows_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
+    const float *a, size_t lda, const float *weights, int32_t centering, const float *center,
+    float beta, float *c, size_t ldc, const cata_ata_params *params);
+
+/** `sums`: in double; the last bits depend on the blocks and their order. */
+#define CATA_SUMS_FLOAT 0
+
+/** `sums`: integers, within bounds that are given: the same bytes for any blocks, order, threads and
+ * machines, and rows can be removed. */
+#define CATA_SUMS_EXACT 1
+
+/** `sums`: as CATA_SUMS_EXACT, with integers from which least squares and the like follow. */
+#define CATA_SUMS_EXTENDED 2
+
+/** X^T W X of rows X that come in blocks, weights W, and what follows from it at any time. Made by
+ * cata_accumulator_new or cata_accumulator_read. */
+typedef struct cata_accumulator cata_accumulator;
+
+/** What an accumulator adds, and how. */
+typedef struct cata_accumulator_params {
+    size_t struct_size; /**< sizeof(cata_accumulator_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    /** Told of progress, of each call that adds rows or removes them; NULL: nobody. */
+    cata_progress progress;
+    void *progress_user; /**< Handed to `progress`. */
+    /** Unless CATA_SUMS_FLOAT: n numbers, read: no entry of a column is less. */
+    const double *lower;
+    /** Unless CATA_SUMS_FLOAT: n numbers, read: no entry of a column is more. */
+    const double *upper;
+    uint64_t rows; /**< Unless CATA_SUMS_FLOAT: rows, at most. */
+    /** Unless CATA_SUMS_FLOAT: weights, at most; 0: rows have no weights. */
+    double largest_weight;
+    int32_t sums; /**< CATA_SUMS_*. */
+    int32_t centered; /**< 1: about the mean of the rows. 0: about 0. */
+} cata_accumulator_params;
+
+/** Fills a struct with the defaults. */
+cata_status cata_accumulator_params_init(cata_accumulator_params *params, size_t struct_size);
+
+/** An accumulator of no rows of n columns. */
+cata_status cata_accumulator_new(size_t n, const cata_accumulator_params *params,
+    cata_accumulator **accumulator);
+
+/** The accumulator of a file of cata_accumulator_write.
+ *
+ * - `params`: threads and progress; the rest comes from the file. */
+cata_status cata_accumulator_read(const char *path, const cata_accumulator_params *params,
+    cata_accumulator **accumulator);
+
+/** Writes an accumulator to a file, from which it goes on elsewhere. A file of that name is replaced when
+ * all is written, and stays otherwise. */
+cata_status cata_accumulator_write(const cata_accumulator *accumulator, const char *path);
+
+/** Gives an accumulator back. */
+void cata_accumulator_free(cata_accumulator *accumulator);
+
+/** Adds the rows of A, m x n.
+ *
+ * After an error within the rows, such as a cancelled call, the accumulator is of no use any more, and
+ * says so; a first row or weight that is refused leaves it as it was.
+ *
+ * - `weights`: m finite numbers, read; NULL: all 1. */
+cata_status cata_accumulator_add(cata_accumulator *accumulator, int32_t layout, size_t m,
+    const double *a, size_t lda, const double *weights);
+
+/** Removes rows that were added, with the same weights, from sums of integers: what is left are the bytes
+ * of sums that never had them. Otherwise as cata_accumulator_add. */
+cata_status cata_accumulator_remove(cata_accumulator *accumulator, int32_t layout, size_t m,
+    const double *a, size_t lda, const double *weights);
+
+/** Adds the rows of a file, which may be larger than memory: NAME.npy, or NAME.h5:/dataset with
+ * CATA_CAP_HDF5. Otherwise as cata_accumulator_add. */
+cata_status cata_accumulator_add_file(cata_accumulator *accumulator, const char *path);
+
+/** Adds the rows of another accumulator of the same kind, which stays as it is. */
+cata_status cata_accumulator_merge(cata_accumulator *accumulator, const cata_accumulator *other);
+
+/** The number of rows, the sum of their weights, and the mean of each column (n elements; 0 unless
+ * `centered`). NULL where not wanted. */
+cata_status cata_accumulator_rows(const cata_accumulator *accumulator, uint64_t *rows,
+    double *weight, double *mean);
+
+/** C := alpha X^T W X, n x n, of the rows so far; 1 / (rows - 1) makes it a covariance matrix.
+ *
+ * - `uplo`: the part of C that is written; the rest is neither read nor written. */
+cata_status cata_accumulator_gram(const cata_accumulator *accumulator, int32_t layout, int32_t uplo,
+    double alpha, double *c, size_t ldc);
+
+/** Least squares, as cata_lstsq, with the first n - k columns of the rows for A and the last k for B. The
+ * sums must be CATA_SUMS_EXTENDED, and `centered` with `params.intercept`. */
+cata_status cata_accumulator_lstsq(const cata_accumulator *accumulator, size_t k, int32_t layout,
+    double *x, size_t ldx, cata_lstsq_result *result, const cata_lstsq_params *params);
+
+/** Principal components of the rows, as cata_pca. The sums must be CATA_SUMS_EXTENDED and `centered`. */
+cata_status cata_accumulator_pca(const cata_accumulator *accumulator, int32_t layout, size_t count,
+    double *components, size_t ldcomponents, double *explained_variance,
+    double *explained_variance_ratio, double *singular_values, double *mean, double *scale,
+    const cata_pca_params *params);
+
+/** @} */
+
 /* ==== Sparse eigenpairs ======================================================================== */
 
 /**
@@ -833,51 +904,39 @@ cata_status cata_gram_cholesky_qr(int32_t layout, size_t m, size_t n, double *a,
 
 /** `laplacian`: of the triangles of the mesh, with cotangent weights. */
 #define CATA_LAPLACIAN_COTANGENT 0
+
 /** `laplacian`: of the intrinsic Delaunay triangulation: no negative weights, for surfaces. */
 #define CATA_LAPLACIAN_INTRINSIC_DELAUNAY 1
+
 /** `laplacian`: of the intrinsic Delaunay triangulation of the tufted cover: for any mesh. */
 #define CATA_LAPLACIAN_TUFTED 2
+
 /** `mass`: a diagonal, a third of the area of a face to each vertex. */
 #define CATA_MASS_BARYCENTRIC 0
-/** `mass`: a diagonal, what is nearest to each vertex. */
-#define CATA_MASS_MIXED_VORONOI 1
-/** `mass`: the inner product of linear functions, a full matrix. */
-#define CATA_MASS_CONSISTENT 2
-/** `boundary`: the normal derivative is zero there. */
-#define CATA_BOUNDARY_NEUMANN 0
-/** `boundary`: functions are zero there. */
-#define CATA_BOUNDARY_DIRICHLET 1
+#define CATA_MASS_MIXED_VORONOI 1 /**< `mass`: a diagonal, what is nearest to each vertex. */
+#define CATA_MASS_CONSISTENT 2 /**< `mass`: the inner product of linear functions, a full matrix. */
+#define CATA_BOUNDARY_NEUMANN 0 /**< `boundary`: the normal derivative is zero there. */
+#define CATA_BOUNDARY_DIRICHLET 1 /**< `boundary`: functions are zero there. */
 
 /** How eigenpairs are computed, and of which Laplacian where it is that of a mesh. */
 typedef struct cata_eigs_params {
-    /** sizeof(cata_eigs_params). */
-    size_t struct_size;
-    /** Threads, at most; 0: all. */
-    size_t threads;
-    /** Told of progress; NULL: nobody. */
-    cata_progress progress;
-    /** Handed to `progress`. */
-    void *progress_user;
-    /** Restarts after which CATA_ERR_NOT_CONVERGED is returned; 0: 60. */
-    size_t max_restarts;
-    /** Seed of the starting vectors. */
-    uint64_t seed;
-    /** Residual that every pair must reach, 1e-14 to 1e-2; 0: 1e-9. */
-    double tolerance;
+    size_t struct_size; /**< sizeof(cata_eigs_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    cata_progress progress; /**< Told of progress; NULL: nobody. */
+    void *progress_user; /**< Handed to `progress`. */
+    size_t max_restarts; /**< Restarts after which CATA_ERR_NOT_CONVERGED is returned; 0: 60. */
+    uint64_t seed; /**< Seed of the starting vectors. */
+    double tolerance; /**< Residual that every pair must reach, 1e-14 to 1e-2; 0: 1e-9. */
     /** With `has_shift` 1: the eigenvalues nearest to this finite number are wanted. Else not
      * looked at. */
     double shift;
-    /** 1: `shift` counts; 0: the smallest eigenvalues are wanted. */
-    int32_t has_shift;
+    int32_t has_shift; /**< 1: `shift` counts; 0: the smallest eigenvalues are wanted. */
     /** 1: counts, by one or two more factorisations, the eigenvalues that are there, and goes on
      * until none is missing. 0: not asked for. */
     int32_t verify_count;
-    /** Of meshes: CATA_LAPLACIAN_*. */
-    int32_t laplacian;
-    /** Of meshes: CATA_MASS_*. */
-    int32_t mass;
-    /** Of meshes: CATA_BOUNDARY_*. */
-    int32_t boundary;
+    int32_t laplacian; /**< Of meshes: CATA_LAPLACIAN_*. */
+    int32_t mass; /**< Of meshes: CATA_MASS_*. */
+    int32_t boundary; /**< Of meshes: CATA_BOUNDARY_*. */
 } cata_eigs_params;
 
 /** Fills a struct with the defaults. */
@@ -904,14 +963,10 @@ cata_status cata_eigs(size_t n, const size_t *row_starts, const size_t *columns,
 
 /** How columns are made orthonormal. */
 typedef struct cata_ortho_params {
-    /** sizeof(cata_ortho_params). */
-    size_t struct_size;
-    /** Threads, at most; 0: all. */
-    size_t threads;
-    /** Told of progress; NULL: nobody. */
-    cata_progress progress;
-    /** Handed to `progress`. */
-    void *progress_user;
+    size_t struct_size; /**< sizeof(cata_ortho_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    cata_progress progress; /**< Told of progress; NULL: nobody. */
+    void *progress_user; /**< Handed to `progress`. */
     /** A column is dropped when no more of it is left, relative to its length before, after what
      * the columns before it span was taken away: 1e-13 to 1; 0: 1e-9, or 1e-2 with
      * `single_pass`. */
@@ -1001,66 +1056,119 @@ cata_status cata_mesh_part_eigenvalues(size_t n_vertices, const double *vertices
 /**
  * @defgroup decimation Decimation
  *
- * A mesh with a given number of vertices, spread evenly (thesis, chapter 5).
+ * A mesh with a given number of vertices, spread evenly over the surface (thesis, chapter 5), and what
+ * carries functions, attributes and textures from one to the other.
+ *
+ * @code{.c}
+ * double v[] = {1, 0, 0, 0, 1, 0, -1, 0, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1}; // an octahedron
+ * uint32_t f[] = {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4, 1, 0, 5, 2, 1, 5, 3, 2, 5, 0, 3, 5};
+ * cata_decimation *sphere;
+ * size_t n_faces;
+ * if (cata_decimation_new(6, v, 8, f, 100, NULL, &sphere) == CATA_OK) {
+ *     cata_decimation_size(sphere, NULL, &n_faces, NULL);
+ *     printf("%zu\n", n_faces); // 196
+ *     cata_decimation_free(sphere);
+ * }
+ * @endcode
  * @{
  */
 
+#define CATA_DECIMATION_UNIFORM 0 /**< `method`: exactly n vertices, the topology of the input. */
+
+/** `method`: the thesis literally (algorithm 5.2), for comparison: not a manifold in general. */
+#define CATA_DECIMATION_THESIS 1
+#define CATA_NO_PASSES -1 /**< Passes: none, where 0 stands for the default. */
+
+/** A decimated mesh, and how it lies on the input. Made by cata_decimation_new; constant. */
+typedef struct cata_decimation cata_decimation;
+
 /** How a mesh is decimated. */
-typedef struct cata_decimate_params {
-    /** sizeof(cata_decimate_params). */
-    size_t struct_size;
-    /** Threads, at most; 0: all. */
-    size_t threads;
-    /** Told of progress; NULL: nobody. */
-    cata_progress progress;
-    /** Handed to `progress`. */
-    void *progress_user;
-    /** Passes that move samples to the centroids of their cells, at least 0. */
-    int32_t lloyd;
-    /** Passes that flip edges and move vertices of the result; 0: the default, 12; -1: none. */
+typedef struct cata_decimation_params {
+    size_t struct_size; /**< sizeof(cata_decimation_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    cata_progress progress; /**< Told of progress; NULL: nobody. */
+    void *progress_user; /**< Handed to `progress`. */
+    int32_t method; /**< CATA_DECIMATION_*. */
+    int32_t lloyd; /**< Passes that move samples to the centroids of their cells; 0: none. */
+    /** Passes that flip edges and move vertices of the result; 0: 12, or CATA_NO_PASSES. */
     int32_t relaxation;
     /** With `has_first` 1: the vertex that the first sample is. Else not looked at. */
     uint32_t first;
-    /** 1: `first` counts; 0: the lowest vertex that a face has. */
-    int32_t has_first;
-    /** 1: handles too narrow for the triangles of the result are cut, and their ends closed. 0:
-     * they are kept. */
+    int32_t has_first; /**< 1: `first` counts; 0: the lowest vertex that a face has. */
+    /** 1: handles too narrow for the triangles of the result are cut, and their ends closed. 0: they
+     * are kept. */
     int32_t cut_narrow_handles;
-} cata_decimate_params;
+    /** 1: edges of the input stay whole, and n is at most its number of vertices. 0: those longer than
+     * the edges of the result are split first. */
+    int32_t keep_edges;
+} cata_decimation_params;
 
 /** Fills a struct with the defaults. */
-cata_status cata_decimate_params_init(cata_decimate_params *params, size_t struct_size);
+cata_status cata_decimation_params_init(cata_decimation_params *params, size_t struct_size);
 
-/** The number of faces that cata_decimate never exceeds for a result of `n` vertices of a mesh of
- * `n_faces` faces, whatever its topology: 2 n + n_faces; SIZE_MAX where that overflows. */
-size_t cata_decimate_faces_bound(size_t n, size_t n_faces);
+/** Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components, boundary
+ * loops and genus of the input. The input is cut along edges of more than two faces first, and edges
+ * longer than those of the result are split, so that n may also be more than the input has. No
+ * step makes faces intersect that did not. What can't be is refused, and the message says why.
+ *
+ * - `n`: vertices of the result. With fewer than the topology needs, CATA_ERR_ARGUMENT.
+ * - `decimation`: one pointer, written. */
+cata_status cata_decimation_new(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t n, const cata_decimation_params *params,
+    cata_decimation **decimation);
 
-/** Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components,
- * boundary loops and genus of the input. The input is cut along edges of more than two faces
- * first, and edges longer than those of the result will be are split, so that n may also be more
- * than the input has. No step makes faces intersect that did not. What can't be is refused, and
- * the message says why.
+/** Gives a decimation back. */
+void cata_decimation_free(cata_decimation *decimation);
+
+/** The numbers of vertices and faces of the result, and whether the input had to be repaired (repeated
+ * faces and vertices without a face left out, faces flipped, the mesh cut): 1, or 0. NULL where not
+ * wanted. */
+cata_status cata_decimation_size(const cata_decimation *decimation, size_t *n_vertices,
+    size_t *n_faces, int32_t *repaired);
+
+/** The vertices and faces of the result, as many as cata_decimation_size says; NULL where not wanted. */
+cata_status cata_decimation_get(const cata_decimation *decimation, double *vertices,
+    uint32_t *faces);
+
+/** Where the result lies on the input; NULL where not wanted.
  *
- * - `vertices`: 3 n_vertices elements, read: x, y, z of each vertex, finite.
- * - `faces`: 3 n_faces elements, read: the vertices of each face, from 0, counter-clockwise as
- *   seen from outside.
- * - `n`: vertices of the result.
- * - `new_vertices`: 3 n elements, written.
- * - `new_faces`: 3 faces_capacity elements, the first 3 `*n_new_faces` written.
- * - `faces_capacity`: cata_decimate_faces_bound(n, n_faces) is always enough; with too few,
- *   CATA_ERR_SHAPE, and the message tells how many it takes.
- * - `n_new_faces`: one element, written: the number of faces of the result.
- * - `cells`: n_vertices elements, written: for each vertex of the input the nearest one of the
- *   result along edges, UINT32_MAX for those that no face has; NULL where not wanted.
- * - `changed`: one element, written: 1 when the input had to be repaired (repeated faces and
- *   vertices without a face left out, faces flipped, the mesh cut), 0 else; NULL where not
- *   wanted.
+ * - `cells`: for each vertex of the input the nearest one of the result along edges, written;
+ *   UINT32_MAX for those that no face has.
+ * - `distances`: for each vertex of the input how far that is, written.
+ * - `places`: for each vertex of the result the face of the input at it, written.
+ * - `weights`: 3 for each vertex of the result, written: its barycentric coordinates there. */
+cata_status cata_decimation_places(const cata_decimation *decimation, uint32_t *cells,
+    float *distances, uint32_t *places, double *weights);
+
+/** Values of the input's vertices at the vertices of the result: `width` for each, one vertex after the
+ * other. */
+cata_status cata_decimation_carry(const cata_decimation *decimation, size_t width,
+    const double *values, double *carried);
+
+/** Values of the result's vertices at the vertices of the input, the other way: each is the mean of those
+ * of a face near it, 0 at vertices without a face. */
+cata_status cata_decimation_prolong(const cata_decimation *decimation, size_t width,
+    const double *values, double *prolonged);
+
+/** The texture of the result, from that of the input, with its seams.
  *
- * Returns CATA_ERR_ARGUMENT also for an n that is fewer than the topology needs. */
-cata_status cata_decimate(size_t n_vertices, const double *vertices, size_t n_faces,
-    const uint32_t *faces, size_t n, double *new_vertices, uint32_t *new_faces,
-    size_t faces_capacity, size_t *n_new_faces, uint32_t *cells, int32_t *changed,
-    const cata_decimate_params *params);
+ * - `uv`: 6 for each face of the input, read: u and v at its three corners.
+ * - `carried`: 6 for each face of the result, written. */
+cata_status cata_decimation_carry_uv(const cata_decimation *decimation, const double *uv,
+    double *carried);
+
+/** The farthest points of a mesh: each new sample is the vertex farthest along edges from those before,
+ * so that the first ones are the same for every n.
+ *
+ * - `n`: samples, at most the vertices that have a face.
+ * - `samples`: n vertices, written, in their order.
+ * - `nearest`: n_vertices elements, written: the number of the sample nearest to each vertex, UINT32_MAX
+ *   for those that no face has. NULL where not wanted.
+ * - `distances`: n_vertices elements, written: how far it is. NULL where not wanted.
+ * - `params`: `first` and `progress` count, the rest is checked only. On the calling thread. */
+cata_status cata_decimation_farthest_points(size_t n_vertices, const double *vertices,
+    size_t n_faces, const uint32_t *faces, size_t n, uint32_t *samples, uint32_t *nearest,
+    float *distances, const cata_decimation_params *params);
 
 /** @} */
 
@@ -1069,102 +1177,117 @@ cata_status cata_decimate(size_t n_vertices, const double *vertices, size_t n_fa
 /**
  * @defgroup curves Curves
  *
- * Curves on a mesh through samples of them, in an order that is found (thesis, chapter 6).
+ * Closed or open curves along the edges of a mesh through samples of them, whose order is found (thesis,
+ * chapter 6): a solver for each mesh, for many curves.
+ *
+ * @code{.c}
+ * double v[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, .5, .5, 0}, length;
+ * uint32_t f[] = {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4}, samples[] = {0, 2, 1, 3};
+ * cata_curve_solver *solver;
+ * cata_curves *curves;
+ * cata_curve_solver_new(5, v, 4, f, &solver);
+ * cata_curve_solver_find(solver, 4, samples, NULL, &curves);
+ * cata_curves_size(curves, 0, NULL, NULL, NULL, &length); // 4
+ * cata_curves_free(curves);
+ * cata_curve_solver_free(solver);
+ * @endcode
  * @{
  */
 
-/** The curve is closed, or all curves are. */
-#define CATA_CURVE_CLOSED 0
-/** The curve is open, as was asked for. */
-#define CATA_CURVE_OPEN 1
-/** From a sample no way led on. */
-#define CATA_CURVE_BLOCKED 2
-/** All samples are connected, but no way led back to the first one. */
+#define CATA_CURVE_CLOSED 0 /**< `outcome`: the curve is closed, or all curves are. */
+#define CATA_CURVE_OPEN 1 /**< `outcome`: the curve is open, as was asked for. */
+#define CATA_CURVE_BLOCKED 2 /**< `outcome`: from a sample no way led on. */
+
+/** `outcome`: all samples are connected, but no way led back to the first one. */
 #define CATA_CURVE_CLOSE_BLOCKED 3
-/** Samples are on different components of the mesh. */
+
+/** `outcome`: samples are on different components of the mesh. */
 #define CATA_CURVE_DISCONNECTED 4
 
-/** Curves that were found. Made by cata_curves_new; for one thread at a time unless it is only
- * read. */
+/** `points`: vertices, and points in the middle of edges where there is no other way. */
+#define CATA_CURVE_STEINER 0
+#define CATA_CURVE_VERTICES 1 /**< `points`: vertices of the mesh alone. */
+#define CATA_IN_SPACE UINT32_MAX /**< Instead of a face: the place is a point in space. */
+
+/** A mesh, prepared for the search for curves. Made by cata_curve_solver_new. */
+typedef struct cata_curve_solver cata_curve_solver;
+
+/** Curves that were found. Made by cata_curve_solver_find; constant. */
 typedef struct cata_curves cata_curves;
 
-/** How curves are found. */
+/** How curves are found. They are found on the calling thread. */
 typedef struct cata_curve_params {
-    /** sizeof(cata_curve_params). */
-    size_t struct_size;
+    size_t struct_size; /**< sizeof(cata_curve_params). */
+    size_t threads; /**< Of no effect. */
+    cata_progress progress; /**< Told of progress; NULL: nobody. */
+    void *progress_user; /**< Handed to `progress`. */
     /** With `faithful` 1: among how many of the nearest samples the next one is chosen; 0: 5. */
     size_t candidates;
-    /** With `faithful` 1: the number of the sample that the curve starts at. */
-    size_t start;
-    /** Told of progress; NULL: nobody. */
-    cata_progress progress;
-    /** Handed to `progress`. */
-    void *progress_user;
-    /** 1: algorithm 6.1 of the thesis, from sample to sample. 0: the order first, then paths that
-     * do not meet. */
+    size_t start; /**< With `faithful` 1: the number of the sample that the curve starts at. */
+    /** 1: algorithm 6.1 of the thesis, from sample to sample. 0: the order first, then paths that do not
+     * meet. */
     int32_t faithful;
-    /** 1: an open curve; 0: closed. */
-    int32_t open;
-    /** 1: one curve, even where there are gaps as between several; 0: as many as there are gaps
-     * for. */
+    int32_t open; /**< 1: an open curve; 0: closed. */
+    /** 1: one curve, even where there are gaps as between several; 0: as many as there are gaps for. */
     int32_t single;
-    /** 1: vertices of the mesh alone; 0: points in the middle of edges are added where there is
-     * no other way. */
-    int32_t no_steiner;
+    int32_t points; /**< CATA_CURVE_STEINER or CATA_CURVE_VERTICES. */
+    /** 1: curves are shortened to geodesics between their samples. 0: they are along edges. */
+    int32_t smooth;
 } cata_curve_params;
 
 /** Fills a struct with the defaults. */
 cata_status cata_curve_params_init(cata_curve_params *params, size_t struct_size);
 
-/** The curve on a triangle mesh, along its edges, that samples without an order are of.
+/** A solver for a mesh of any kind, of which it keeps a copy. */
+cata_status cata_curve_solver_new(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, cata_curve_solver **solver);
+
+/** As cata_curve_solver_new, for samples that need not be vertices: those inside of faces become vertices,
+ * numbered from n_vertices on, which cut their faces.
  *
- * - `positions`: 3 `vertices` elements, read: x, y, z of each vertex.
- * - `triangles`: 3 `faces` elements, read: three vertices of each face, from 0.
- * - `samples`: `sample_count` elements, read: vertices, at least 3, none twice.
- * - `curves`: one pointer, not NULL, written: the result, to be given to cata_curves_free.
+ * - `count`: number of places.
+ * - `places`: `count` elements, read: the face of each, or CATA_IN_SPACE: the nearest vertex.
+ * - `weights`: 3 `count` elements, read: barycentric coordinates in the face, or x, y, z.
+ * - `samples`: `count` elements, written: the vertices that stand for the places. */
+cata_status cata_curve_solver_new_at(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t count, const uint32_t *places, const double *weights,
+    uint32_t *samples, cata_curve_solver **solver);
+
+/** Gives a solver back. */
+void cata_curve_solver_free(cata_curve_solver *solver);
+
+/** Finds the curves that samples without an order are of, neither meeting themselves nor each other. The
+ * same samples give the same curves, bit for bit. CATA_OK also when there is no complete curve, as
+ * cata_curves_outcome then says.
  *
- * Returns CATA_OK also when there is no complete curve, as cata_curves_outcome then says. */
-cata_status cata_curves_new(size_t n_vertices, const double *vertices, size_t n_faces,
-    const uint32_t *faces, size_t sample_count, const uint32_t *samples,
+ * - `samples`: `count` elements, read: vertices, at least 3, none twice. */
+cata_status cata_curve_solver_find(cata_curve_solver *solver, size_t count, const uint32_t *samples,
     const cata_curve_params *params, cata_curves **curves);
 
-/** Gives curves back.
- *
- * `curves`: from cata_curves_new, not used any more afterwards; NULL is ignored. */
+/** Gives curves back. */
 void cata_curves_free(cata_curves *curves);
 
-/** How a reconstruction ended.
- *
- * - `curves`: from cata_curves_new, not NULL.
- * - `outcome`: one element, written: CATA_CURVE_CLOSED, CATA_CURVE_OPEN, CATA_CURVE_BLOCKED,
- *   CATA_CURVE_CLOSE_BLOCKED or CATA_CURVE_DISCONNECTED. NULL where not wanted.
- * - `count`: one element, written: the number of curves, or of what there is of them. NULL where
- *   not wanted. */
-cata_status cata_curves_outcome(const cata_curves *curves, int32_t *outcome, size_t *count);
+/** How the search ended, CATA_CURVE_*; the number of curves; and the number of samples that no curve is
+ * through, because their components of the mesh have fewer than three. NULL where not wanted. */
+cata_status cata_curves_outcome(const cata_curves *curves, int32_t *outcome, size_t *count,
+    size_t *left_out);
 
-/** How large a curve is.
- *
- * - `curves`: from cata_curves_new, not NULL.
- * - `curve`: its number, from 0.
- * - `sample_count`, `vertex_count`: one element each, written: samples in its order, and
- *   vertices on its path. NULL where not wanted.
- * - `length`: one element, written: the sum of the lengths of its edges. NULL where not wanted. */
-cata_status cata_curves_size(const cata_curves *curves, size_t curve, size_t *sample_count,
-    size_t *vertex_count, double *length);
+/** The numbers of samples, of vertices and of points of a curve, from 0, and its length. NULL where not
+ * wanted. */
+cata_status cata_curves_size(const cata_curves *curves, size_t curve, size_t *n_samples,
+    size_t *n_vertices, size_t *n_points, double *length);
 
-/** A curve.
+/** A curve; NULL where not wanted.
  *
- * - `curves`: from cata_curves_new, not NULL.
- * - `curve`: its number, from 0.
- * - `order`: as many elements as it has samples, written: numbers of samples in its order. NULL
- *   where not wanted.
- * - `path`: as many elements as it has vertices, written: the vertices, the first one not
- *   repeated at the end; those from the number of vertices of the mesh on are points that were
- *   added. NULL where not wanted.
- * - `points`: three times as many elements, written: x, y, z of the vertices. NULL where not
- *   wanted. */
+ * - `order`: n_samples elements, written: numbers of samples in the order of the curve.
+ * - `path`: n_vertices elements, written: its vertices, the first one not repeated; those from the number
+ *   of vertices of the mesh on were added.
+ * - `points`: 3 n_points elements, written: where the curve goes, those of `path` unless it is smooth. */
 cata_status cata_curves_get(const cata_curves *curves, size_t curve, uint32_t *order,
     uint32_t *path, double *points);
+
+/** The numbers of the samples that no curve is through, as many as cata_curves_outcome says. */
+cata_status cata_curves_left_out(const cata_curves *curves, uint32_t *samples);
 
 /** @} */
 
@@ -1179,16 +1302,11 @@ cata_status cata_curves_get(const cata_curves *curves, size_t curve, uint32_t *o
 
 /** How functions are transferred. */
 typedef struct cata_transfer_params {
-    /** sizeof(cata_transfer_params). */
-    size_t struct_size;
-    /** Threads, at most; 0: all. */
-    size_t threads;
-    /** Told of progress, once for each basis; NULL: nobody. */
-    cata_progress progress;
-    /** Handed to `progress`. */
-    void *progress_user;
-    /** Most factors of a product, at most 255; 1: eigenfunctions alone; 0: 2. */
-    size_t order;
+    size_t struct_size; /**< sizeof(cata_transfer_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    cata_progress progress; /**< Told of progress, once for each basis; NULL: nobody. */
+    void *progress_user; /**< Handed to `progress`. */
+    size_t order; /**< Most factors of a product, at most 255; 1: eigenfunctions alone; 0: 2. */
     /** 0: products are orthogonalised once, and dropped when less than 1e-2 of them is left,
      * which is stabler. 1: until they are orthogonal to rounding, and dropped below 1e-9: more
      * functions. */
@@ -1323,30 +1441,22 @@ cata_status cata_unions_interpolate(const double *first, const double *second, d
  * @{
  */
 
-/** The parent of the root of a plant. */
-#define CATA_NO_PARENT UINT32_MAX
+#define CATA_NO_PARENT UINT32_MAX /**< The parent of the root of a plant. */
 
 /** The water in a plant: its constants, the present, and what it takes to go on. Opaque. */
 typedef struct cata_plant cata_plant;
 
 /** The constants of the water of a plant, in SI units. */
 typedef struct cata_plant_params {
-    /** sizeof(cata_plant_params). */
-    size_t struct_size;
-    /** Threads, at most; 0: all. */
-    size_t threads;
-    /** What leaves lose, in kg / (s m^2), at least 0; 60 g / (h m^2) is 1.667e-5. */
-    double loss;
-    /** What the root takes from the soil, in kg / s, at least 0. */
-    double intake;
+    size_t struct_size; /**< sizeof(cata_plant_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    double loss; /**< What leaves lose, in kg / (s m^2), at least 0; 60 g / (h m^2) is 1.667e-5. */
+    double intake; /**< What the root takes from the soil, in kg / s, at least 0. */
     /** Conductance of a segment, as a part of that of a pipe as wide; positive; 0: 1e-9. */
     double conductance;
-    /** Pressure in full cells, in Pa; positive; 0: 1e6. */
-    double modulus;
-    /** Viscosity of the sap, in Pa s; positive; 0: 1e-3. */
-    double viscosity;
-    /** Water in a cubic metre of full tissue, in kg; positive; 0: 1000. */
-    double density;
+    double modulus; /**< Pressure in full cells, in Pa; positive; 0: 1e6. */
+    double viscosity; /**< Viscosity of the sap, in Pa s; positive; 0: 1e-3. */
+    double density; /**< Water in a cubic metre of full tissue, in kg; positive; 0: 1000. */
 } cata_plant_params;
 
 /** Fills a struct with the defaults. */
@@ -1471,39 +1581,25 @@ typedef struct cata_slime cata_slime;
 /** What slime moulds are like (thesis, table 3.1; docs/algorithms/slime.md). Lengths are in
  * hundredths of the square root of the area of the surface, times in seconds of the simulation. */
 typedef struct cata_slime_params {
-    /** sizeof(cata_slime_params). */
-    size_t struct_size;
-    /** Threads, at most; 0: all. */
-    size_t threads;
-    /** Number of agents, below 2^32; 0: 1,000,000. */
-    size_t agents;
-    /** Number of species, from 1 to 15; 0: 1. */
-    size_t species;
-    /** Texels of a side of the texture, a multiple of 32, at most 16384; 0: 2048. */
-    size_t size;
-    /** Of all randomness. */
-    uint32_t seed;
+    size_t struct_size; /**< sizeof(cata_slime_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    size_t agents; /**< Number of agents, below 2^32; 0: 1,000,000. */
+    size_t species; /**< Number of species, from 1 to 15; 0: 1. */
+    size_t size; /**< Texels of a side of the texture, a multiple of 32, at most 16384; 0: 2048. */
+    uint32_t seed; /**< Of all randomness. */
     /** 0: steps that are exact; else the number of sub-steps that are projected (thesis,
      * algorithm 3.1). */
     uint32_t substeps;
-    /** Seconds of a step; 0: 1 / 30. */
-    double time_step;
-    /** Hundredths a second, such as 1 to 2; 0: 1.5. */
-    double movement_speed;
-    /** Degrees a second; 0: 1800. */
-    double turn_speed;
+    double time_step; /**< Seconds of a step; 0: 1 / 30. */
+    double movement_speed; /**< Hundredths a second, such as 1 to 2; 0: 1.5. */
+    double turn_speed; /**< Degrees a second; 0: 1800. */
     /** From an agent to its sensors, in hundredths, such as 0.4 to 2; 0: 1. */
     double vision_distance;
-    /** Between sensors, in degrees, such as 10 to 50; 0: 30. */
-    double vision_angle;
-    /** What evaporates in a second, such as 0.2 to 1; 0: 0.4. */
-    double evaporation_rate;
-    /** Blurs a second; 0: 6. */
-    double diffusion_rate;
-    /** 1: all turns are as large as the turn speed says; 0: up to that. */
-    int32_t even_turns;
-    /** 1: the blur is that of the texture alone; 0: it crosses seams. */
-    int32_t plain_blur;
+    double vision_angle; /**< Between sensors, in degrees, such as 10 to 50; 0: 30. */
+    double evaporation_rate; /**< What evaporates in a second, such as 0.2 to 1; 0: 0.4. */
+    double diffusion_rate; /**< Blurs a second; 0: 6. */
+    int32_t even_turns; /**< 1: all turns are as large as the turn speed says; 0: up to that. */
+    int32_t plain_blur; /**< 1: the blur is that of the texture alone; 0: it crosses seams. */
     /** 1: lengths are those of the texture, of side 1; 0: of the surface. */
     int32_t no_length_rescaling;
 } cata_slime_params;
@@ -1594,22 +1690,17 @@ cata_status cata_slime_uv(const cata_slime *slime, double *uv);
 
 /** Equation 7.3 of the thesis: from -1 (at a root) to the number of iterations. */
 #define CATA_NEWTON_THESIS 0
-/** The gradient of the shader of the thesis' authors: from 0 to 1. */
-#define CATA_NEWTON_SHADER 1
+#define CATA_NEWTON_SHADER 1 /**< The gradient of the shader of the thesis' authors: from 0 to 1. */
 
 /** A fractal that points can be asked of. Made by cata_newton_new; for one thread at a time. */
 typedef struct cata_newton cata_newton;
 
 /** What a Newton fractal is of. */
 typedef struct cata_newton_params {
-    /** sizeof(cata_newton_params). */
-    size_t struct_size;
-    /** Threads, at most; 0: all. */
-    size_t threads;
-    /** Told of progress; NULL: nobody. */
-    cata_progress progress;
-    /** Handed to `progress`. */
-    void *progress_user;
+    size_t struct_size; /**< sizeof(cata_newton_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    cata_progress progress; /**< Told of progress; NULL: nobody. */
+    void *progress_user; /**< Handed to `progress`. */
     /** Elements of `roots` / 2: roots of the polynomial, at most 64; 0: the polynomial is
      * z^`power` - 1. */
     size_t root_count;
@@ -1619,20 +1710,13 @@ typedef struct cata_newton_params {
     /** NULL: the processor. Else an OpenCL device: its number or a part of its name,
      * NUL-terminated; "" is the first GPU, or else the first device. Needs CATA_CAP_OPENCL. */
     const char *device;
-    /** What points are multiplied by after `offset` and `w` are added; 0: 1. */
-    double scale;
-    /** The theta of the gradient, from -10 to 20; 0: 3.5. */
-    double theta;
-    /** The fourth coordinate of all points. */
-    double w;
-    /** Added to x, y and z of each point. */
-    double offset[3];
-    /** With `root_count` 0: from 2 to 64; 0: 3. */
-    uint32_t power;
-    /** Iterations, at most 1000; 0: 32. */
-    uint32_t iterations;
-    /** CATA_NEWTON_THESIS or CATA_NEWTON_SHADER. */
-    int32_t gradient;
+    double scale; /**< What points are multiplied by after `offset` and `w` are added; 0: 1. */
+    double theta; /**< The theta of the gradient, from -10 to 20; 0: 3.5. */
+    double w; /**< The fourth coordinate of all points. */
+    double offset[3]; /**< Added to x, y and z of each point. */
+    uint32_t power; /**< With `root_count` 0: from 2 to 64; 0: 3. */
+    uint32_t iterations; /**< Iterations, at most 1000; 0: 32. */
+    int32_t gradient; /**< CATA_NEWTON_THESIS or CATA_NEWTON_SHADER. */
 } cata_newton_params;
 
 /** Fills a struct with the defaults. */
@@ -1750,8 +1834,8 @@ cata_status cata_device_name(size_t index, size_t *count, size_t size, char *nam
  * @{
  */
 
-/** `spread`: every rank has rows of A, in any order and number. */
-#define CATA_BY_ROWS 141
+#define CATA_BY_ROWS 141 /**< `spread`: every rank has rows of A, in any order and number. */
+
 /** `spread`: every rank has columns of A, in the order of the ranks. */
 #define CATA_BY_COLUMNS 142
 
@@ -1778,16 +1862,11 @@ typedef struct cata_world cata_world;
 /** What a rank has sent and received: words are matrix entries. The few numbers by which ranks
  * agree on shapes and errors are not counted. */
 typedef struct cata_traffic {
-    /** sizeof(cata_traffic). */
-    size_t struct_size;
-    /** Entries sent. */
-    uint64_t words_sent;
-    /** Entries received. */
-    uint64_t words_received;
-    /** Messages sent. */
-    uint64_t messages_sent;
-    /** Messages received. */
-    uint64_t messages_received;
+    size_t struct_size; /**< sizeof(cata_traffic). */
+    uint64_t words_sent; /**< Entries sent. */
+    uint64_t words_received; /**< Entries received. */
+    uint64_t messages_sent; /**< Messages sent. */
+    uint64_t messages_received; /**< Messages received. */
 } cata_traffic;
 
 /** The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over

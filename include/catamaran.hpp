@@ -9,6 +9,7 @@
 #include "catamaran/backend.hpp"
 #include "catamaran/ata.hpp"
 #include "catamaran/gram.hpp"
+#include "catamaran/accumulator.hpp"
 #include "catamaran/eigs.hpp"
 #include "catamaran/decimation.hpp"
 #include "catamaran/curves.hpp"

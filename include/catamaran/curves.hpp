@@ -24,14 +24,17 @@ struct curve_options {
     std::size_t candidates = 0;
     /// With faithful: the number of the sample that the curve starts at.
     std::size_t start = 0;
-    /// Algorithm 6.1 of the thesis, from sample to sample; else the order first, then paths that do not meet.
+    /// Algorithm 6.1 of the thesis, from sample to sample; else the order first, then paths that do not
+    /// meet.
     bool faithful = false;
     /// Open curves; else closed ones.
     bool open = false;
     /// One curve, even where there are gaps as between several.
     bool single = false;
     /// Vertices of the mesh alone; else points on edges are added where there is no other way.
-    bool no_steiner = false;
+    bool vertices_alone = false;
+    /// Whether curves are shortened to geodesics between their samples.
+    bool smooth = false;
     /// As options::progress.
     std::function<bool(double)> progress;
 };
@@ -42,56 +45,106 @@ struct curve {
     std::vector<std::uint32_t> order;
     /// Its vertices, the first one not repeated; those from the number of vertices of the mesh on were added.
     std::vector<std::uint32_t> path;
-    /// Where they are.
+    /// Where it goes: those of path, unless it is smooth.
     std::vector<std::array<double, 3>> points;
     double length = 0.0;
 };
 
-/// What curves finds.
+/// What a solver finds.
 struct found_curves {
     curve_outcome outcome = curve_outcome::closed;
     /// Or what there is of them.
     std::vector<curve> curves;
+    /// Numbers of samples that no curve is through.
+    std::vector<std::uint32_t> left_out;
 };
 
-/// The curves along the edges of a mesh that samples (vertices) without an order are of: cata_curves_new.
-inline found_curves curves(const std::vector<std::array<double, 3>>& positions,
-                           const std::vector<std::array<std::uint32_t, 3>>& faces,
-                           const std::vector<std::uint32_t>& samples,
-                           const curve_options& how = {}) {
-    cata_curve_params params;
-    detail::check(cata_curve_params_init(&params, sizeof params));
-    params.candidates = how.candidates;
-    params.start = how.start;
-    params.faithful = how.faithful ? 1 : 0;
-    params.open = how.open ? 1 : 0;
-    params.single = how.single ? 1 : 0;
-    params.no_steiner = how.no_steiner ? 1 : 0;
-    detail::watcher watcher(how.progress);
-    watcher.attach(params);
-    cata_curves* made = nullptr;
-    watcher.finish(cata_curves_new(
-        positions.size(), detail::first_of(positions), faces.size(), detail::first_of(faces),
-        samples.size(), samples.data(), &params, &made));
-    const std::unique_ptr<cata_curves, void (*)(cata_curves*)> handle(made, cata_curves_free);
-    found_curves found;
-    std::int32_t outcome = 0;
-    std::size_t count = 0;
-    detail::check(cata_curves_outcome(handle.get(), &outcome, &count));
-    found.outcome = static_cast<curve_outcome>(outcome);
-    found.curves.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        curve& one = found.curves[i];
-        std::size_t of_order = 0, of_path = 0;
-        detail::check(cata_curves_size(handle.get(), i, &of_order, &of_path, &one.length));
-        one.order.resize(of_order);
-        one.path.resize(of_path);
-        one.points.resize(of_path);
-        detail::check(cata_curves_get(handle.get(), i, one.order.data(), one.path.data(),
-                                      detail::first_of(one.points)));
+/// A place for a sample: on a face, by barycentric coordinates, or the vertex nearest to a point.
+struct curve_site {
+    std::uint32_t face = CATA_IN_SPACE;
+    std::array<double, 3> weights{};
+};
+
+/// A mesh, prepared for the search for curves: cata_curve_solver. One owner, one thread at a time.
+class curve_solver {
+public:
+    explicit curve_solver(const mesh_view& mesh) {
+        cata_curve_solver* made = nullptr;
+        detail::check(cata_curve_solver_new(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
+                                            &made));
+        handle_.reset(made);
     }
-    return found;
-}
+
+    /// With samples that need not be vertices: samples() are the vertices that stand for the sites.
+    curve_solver(const mesh_view& mesh, const std::vector<curve_site>& sites)
+        : samples_(sites.size()) {
+        std::vector<std::uint32_t> faces;
+        std::vector<std::array<double, 3>> weights;
+        for (const curve_site& site : sites) {
+            faces.push_back(site.face);
+            weights.push_back(site.weights);
+        }
+        cata_curve_solver* made = nullptr;
+        detail::check(cata_curve_solver_new_at(mesh.n_vertices, mesh.vertices, mesh.n_faces,
+                                               mesh.faces, sites.size(), faces.data(),
+                                               detail::first_of(weights), samples_.data(), &made));
+        handle_.reset(made);
+    }
+
+    const std::vector<std::uint32_t>& samples() const noexcept { return samples_; }
+
+    /// The curves that samples (vertices) without an order are of.
+    found_curves find(const std::vector<std::uint32_t>& samples, const curve_options& how = {}) {
+        cata_curve_params params;
+        detail::check(cata_curve_params_init(&params, sizeof params));
+        params.candidates = how.candidates;
+        params.start = how.start;
+        params.faithful = how.faithful ? 1 : 0;
+        params.open = how.open ? 1 : 0;
+        params.single = how.single ? 1 : 0;
+        params.points = how.vertices_alone ? CATA_CURVE_VERTICES : CATA_CURVE_STEINER;
+        params.smooth = how.smooth ? 1 : 0;
+        detail::watcher watcher(how.progress);
+        watcher.attach(params);
+        cata_curves* made = nullptr;
+        watcher.finish(cata_curve_solver_find(handle_.get(), samples.size(), samples.data(), &params,
+                                              &made));
+        const std::unique_ptr<cata_curves, void (*)(cata_curves*)> handle(made, cata_curves_free);
+        return copied(handle.get());
+    }
+
+private:
+    struct free {
+        void operator()(cata_curve_solver* handle) const noexcept {
+            cata_curve_solver_free(handle);
+        }
+    };
+
+    static found_curves copied(const cata_curves* curves) {
+        found_curves found;
+        std::int32_t outcome = 0;
+        std::size_t count = 0, left_out = 0;
+        detail::check(cata_curves_outcome(curves, &outcome, &count, &left_out));
+        found.outcome = static_cast<curve_outcome>(outcome);
+        found.curves.resize(count);
+        found.left_out.resize(left_out);
+        detail::check(cata_curves_left_out(curves, found.left_out.data()));
+        for (std::size_t i = 0; i < count; ++i) {
+            curve& one = found.curves[i];
+            std::size_t samples = 0, vertices = 0, points = 0;
+            detail::check(cata_curves_size(curves, i, &samples, &vertices, &points, &one.length));
+            one.order.resize(samples);
+            one.path.resize(vertices);
+            one.points.resize(points);
+            detail::check(cata_curves_get(curves, i, one.order.data(), one.path.data(),
+                                          detail::first_of(one.points)));
+        }
+        return found;
+    }
+
+    std::unique_ptr<cata_curve_solver, free> handle_;
+    std::vector<std::uint32_t> samples_;
+};
 
 }  // namespace catamaran
 

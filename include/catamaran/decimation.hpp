@@ -5,62 +5,165 @@
 
 #include "core.hpp"
 
+#include <memory>
 #include <optional>
 
 namespace catamaran {
 
-/// How a mesh is decimated: the fields of cata_decimate_params.
-struct decimate_options {
+/// How a mesh is decimated: the fields of cata_decimation_params.
+struct decimation_options {
     /// 0: all cores of the affinity mask.
     std::size_t threads = 0;
+    /// The thesis literally, for comparison.
+    bool thesis = false;
     /// Passes that move samples to the centroids of their cells.
     std::int32_t lloyd = 0;
-    /// Passes that flip edges and move vertices of the result; 0: the default; -1: none.
+    /// Passes that flip edges and move vertices of the result; 0: the default, or CATA_NO_PASSES.
     std::int32_t relaxation = 0;
     /// The vertex that the first sample is; none: the lowest that a face has.
     std::optional<std::uint32_t> first;
     /// Whether handles too narrow for the triangles of the result are cut, and their ends closed.
     bool cut_narrow_handles = false;
+    /// Whether edges of the input stay whole.
+    bool keep_edges = false;
     /// As options::progress.
     std::function<bool(double)> progress;
 };
 
-/// What decimate leaves of a mesh.
-struct decimation {
-    std::vector<std::array<double, 3>> positions;
-    std::vector<std::array<std::uint32_t, 3>> faces;
-    /// For each vertex of the input the nearest one of the result along edges; UINT32_MAX where no face has it.
+/// Where vertices of a decimated mesh lie on the input, and those of the input in their cells.
+struct decimation_places {
+    /// For each vertex of the input the nearest one of the result along edges; UINT32_MAX where no face has
+    /// it.
     std::vector<std::uint32_t> cells;
-    /// Whether the input had to be repaired.
-    bool changed = false;
+    std::vector<float> distances;
+    /// For each vertex of the result a face of the input, and barycentric coordinates there.
+    std::vector<std::uint32_t> faces;
+    std::vector<std::array<double, 3>> weights;
 };
 
-/// A mesh of exactly n vertices like this one: cata_decimate.
-inline decimation decimate(const std::vector<std::array<double, 3>>& positions,
-                           const std::vector<std::array<std::uint32_t, 3>>& faces, std::size_t n,
-                           const decimate_options& how = {}) {
-    cata_decimate_params params;
-    detail::check(cata_decimate_params_init(&params, sizeof params));
+/// Farthest points, in their order, and the nearest of them for each vertex.
+struct sampling {
+    std::vector<std::uint32_t> samples;
+    std::vector<std::uint32_t> nearest;
+    std::vector<float> distances;
+};
+
+namespace detail {
+
+inline cata_decimation_params params_of(const decimation_options& how) {
+    cata_decimation_params params;
+    check(cata_decimation_params_init(&params, sizeof params));
     params.threads = how.threads;
+    params.method = how.thesis ? CATA_DECIMATION_THESIS : CATA_DECIMATION_UNIFORM;
     params.lloyd = how.lloyd;
     params.relaxation = how.relaxation;
     params.has_first = how.first ? 1 : 0;
     params.first = how.first.value_or(0);
     params.cut_narrow_handles = how.cut_narrow_handles ? 1 : 0;
+    params.keep_edges = how.keep_edges ? 1 : 0;
+    return params;
+}
+
+}  // namespace detail
+
+/// A mesh of exactly n vertices like another one, and how it lies on that: cata_decimation_new.
+class decimation {
+public:
+    decimation(const mesh_view& mesh, std::size_t n, const decimation_options& how = {})
+        : before_vertices_(mesh.n_vertices), before_faces_(mesh.n_faces) {
+        cata_decimation_params params = detail::params_of(how);
+        detail::watcher watcher(how.progress);
+        watcher.attach(params);
+        cata_decimation* made = nullptr;
+        watcher.finish(cata_decimation_new(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
+                                           n, &params, &made));
+        handle_.reset(made);
+        std::size_t n_vertices = 0, n_faces = 0;
+        std::int32_t repaired = 0;
+        detail::check(cata_decimation_size(made, &n_vertices, &n_faces, &repaired));
+        repaired_ = repaired != 0;
+        vertices_.resize(n_vertices);
+        faces_.resize(n_faces);
+        detail::check(
+            cata_decimation_get(made, detail::first_of(vertices_), detail::first_of(faces_)));
+    }
+
+    const std::vector<std::array<double, 3>>& vertices() const noexcept { return vertices_; }
+    const std::vector<std::array<std::uint32_t, 3>>& faces() const noexcept { return faces_; }
+    mesh_view mesh() const { return {vertices_, faces_}; }
+
+    /// Whether the input had to be repaired.
+    bool repaired() const noexcept { return repaired_; }
+
+    decimation_places places() const {
+        decimation_places found;
+        found.cells.resize(before_vertices_);
+        found.distances.resize(before_vertices_);
+        found.faces.resize(vertices_.size());
+        found.weights.resize(vertices_.size());
+        detail::check(cata_decimation_places(handle_.get(), found.cells.data(),
+                                             found.distances.data(), found.faces.data(),
+                                             detail::first_of(found.weights)));
+        return found;
+    }
+
+    /// Values of the input's vertices at those of the result, `width` for each.
+    std::vector<double> carry(const std::vector<double>& values, std::size_t width = 1) const {
+        detail::require(values.size() == before_vertices_ * width, CATA_ERR_SHAPE,
+                        "values: must be `width` for each vertex of the input");
+        std::vector<double> carried(vertices_.size() * width);
+        detail::check(cata_decimation_carry(handle_.get(), width, values.data(), carried.data()));
+        return carried;
+    }
+
+    /// Values of the result's vertices at those of the input, `width` for each.
+    std::vector<double> prolong(const std::vector<double>& values, std::size_t width = 1) const {
+        detail::require(values.size() == vertices_.size() * width, CATA_ERR_SHAPE,
+                        "values: must be `width` for each vertex of the result");
+        std::vector<double> found(before_vertices_ * width);
+        detail::check(cata_decimation_prolong(handle_.get(), width, values.data(), found.data()));
+        return found;
+    }
+
+    /// The texture of the result, from that of the input: six numbers a face.
+    std::vector<std::array<double, 6>> carry_uv(
+        const std::vector<std::array<double, 6>>& uv) const {
+        detail::require(uv.size() == before_faces_, CATA_ERR_SHAPE,
+                        "uv: must be one for each face of the input");
+        std::vector<std::array<double, 6>> carried(faces_.size());
+        detail::check(cata_decimation_carry_uv(handle_.get(), detail::first_of(uv),
+                                               detail::first_of(carried)));
+        return carried;
+    }
+
+private:
+    struct free {
+        void operator()(cata_decimation* handle) const noexcept { cata_decimation_free(handle); }
+    };
+
+    std::size_t before_vertices_;
+    std::size_t before_faces_;
+    std::unique_ptr<cata_decimation, free> handle_;
+    std::vector<std::array<double, 3>> vertices_;
+    std::vector<std::array<std::uint32_t, 3>> faces_;
+    bool repaired_ = false;
+};
+
+/// The n farthest points of a mesh: cata_decimation_farthest_points.
+inline sampling farthest_points(const mesh_view& mesh, std::size_t n,
+                                const decimation_options& how = {}) {
+    // More samples than vertices there never are, and the memory for them may not be.
+    detail::require(n <= mesh.n_vertices, CATA_ERR_ARGUMENT, "n: more samples than vertices");
+    cata_decimation_params params = detail::params_of(how);
     detail::watcher watcher(how.progress);
     watcher.attach(params);
-    decimation found;
-    found.positions.resize(n);
-    found.faces.resize(cata_decimate_faces_bound(n, faces.size()));
-    found.cells.resize(positions.size());
-    std::size_t count = 0;
-    std::int32_t changed = 0;
-    watcher.finish(cata_decimate(
-        positions.size(), detail::first_of(positions), faces.size(), detail::first_of(faces), n,
-        detail::first_of(found.positions), detail::first_of(found.faces), found.faces.size(),
-        &count, found.cells.empty() ? nullptr : found.cells.data(), &changed, &params));
-    found.faces.resize(count);
-    found.changed = changed != 0;
+    sampling found;
+    found.samples.resize(n);
+    found.nearest.resize(mesh.n_vertices);
+    found.distances.resize(mesh.n_vertices);
+    watcher.finish(cata_decimation_farthest_points(
+        mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces, n, found.samples.data(),
+        found.nearest.data(), found.distances.data(), &params));
     return found;
 }
 

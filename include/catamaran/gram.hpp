@@ -6,6 +6,7 @@
 #include "core.hpp"
 
 #include <limits>
+#include <utility>
 
 namespace catamaran {
 
@@ -131,6 +132,94 @@ private:
     watcher watcher_;
 };
 
+/// A call for least squares of n columns and k targets, in matrices of this layout without gaps.
+class lstsq_call {
+public:
+    lstsq_call(const lstsq_options& how, layout order, std::size_t n, std::size_t k)
+        : watcher_(how.progress), columns_(n), leading_(tight(order, n, k)) {
+        check(cata_lstsq_params_init(&params_, sizeof params_));
+        params_.threads = how.threads;
+        params_.ridge = how.ridge;
+        params_.intercept = how.intercept ? 1 : 0;
+        params_.refuse_dependent = how.refuse_dependent ? 1 : 0;
+        watcher_.attach(params_);
+        found_.coefficients.resize(entries(n, k));
+        found_.standard_errors.resize(n * k);
+        for (auto* values : {&found_.residual_norms, &found_.r_squared, &found_.intercepts}) {
+            values->resize(k);
+        }
+        found_.intercept_errors.resize(how.intercept ? k : 0);
+        found_.dependent.resize(n);
+        result_.struct_size = sizeof result_;
+        result_.residual_norms = found_.residual_norms.data();
+        result_.r_squared = found_.r_squared.data();
+        result_.intercepts = found_.intercepts.data();
+        result_.standard_errors = found_.standard_errors.data();
+        result_.intercept_errors = how.intercept ? found_.intercept_errors.data() : nullptr;
+        result_.dependent = found_.dependent.data();
+    }
+
+    double* x() noexcept { return found_.coefficients.data(); }
+    std::size_t leading() const noexcept { return leading_; }
+    cata_lstsq_result* result() noexcept { return &result_; }
+    const cata_lstsq_params* params() const noexcept { return &params_; }
+
+    least_squares finish(cata_status status) {
+        watcher_.finish(status);
+        found_.dependent.resize(columns_ - result_.rank);
+        found_.rank = result_.rank;
+        found_.degrees_of_freedom = result_.degrees_of_freedom;
+        found_.condition = result_.condition;
+        found_.digits = result_.digits;
+        return std::move(found_);
+    }
+
+private:
+    cata_lstsq_params params_{};
+    cata_lstsq_result result_{};
+    watcher watcher_;
+    least_squares found_;
+    std::size_t columns_;
+    std::size_t leading_;
+};
+
+/// A call for `count` principal components of n columns, in a matrix of this layout without gaps.
+class pca_call {
+public:
+    pca_call(const pca_options& how, layout order, std::size_t n, std::size_t count)
+        : watcher_(how.progress), leading_(tight(order, count, n)) {
+        // Before there is room for them.
+        require(count <= n, CATA_ERR_ARGUMENT, "count: more than columns of a");
+        check(cata_pca_params_init(&params_, sizeof params_));
+        params_.threads = how.threads;
+        params_.standardize = how.standardize ? 1 : 0;
+        watcher_.attach(params_);
+        found.components.resize(entries(count, n));
+        for (auto* values : {&found.explained_variance, &found.explained_variance_ratio,
+                             &found.singular_values}) {
+            values->resize(count);
+        }
+        found.mean.resize(n);
+        found.scale.resize(n);
+    }
+
+    std::size_t leading() const noexcept { return leading_; }
+    const cata_pca_params* params() const noexcept { return &params_; }
+
+    principal_components finish(cata_status status) {
+        watcher_.finish(status);
+        return std::move(found);
+    }
+
+private:
+    cata_pca_params params_{};
+    watcher watcher_;
+    std::size_t leading_;
+
+public:
+    principal_components found;
+};
+
 }  // namespace detail
 
 /// The X that minimises |A X - B|^2 + ridge |X|^2, each row with its weight if there are any:
@@ -141,68 +230,23 @@ inline least_squares lstsq(matrix_view<const double> a, matrix_view<const double
     detail::require(a.rows == b.rows, CATA_ERR_SHAPE, "b: must have the rows of a");
     detail::require(a.order == b.order, CATA_ERR_ARGUMENT, "b: must have the layout of a");
     const double* weight = detail::weights_of(weights, a.rows);
-    const std::size_t n = a.cols, k = b.cols;
-    cata_lstsq_params params;
-    detail::check(cata_lstsq_params_init(&params, sizeof params));
-    params.threads = how.threads;
-    params.ridge = how.ridge;
-    params.intercept = how.intercept ? 1 : 0;
-    params.refuse_dependent = how.refuse_dependent ? 1 : 0;
-    detail::watcher watcher(how.progress);
-    watcher.attach(params);
-    least_squares found;
-    found.coefficients.resize(detail::entries(n, k));
-    found.standard_errors.resize(n * k);
-    for (auto* values : {&found.residual_norms, &found.r_squared, &found.intercepts}) {
-        values->resize(k);
-    }
-    found.intercept_errors.resize(how.intercept ? k : 0);
-    found.dependent.resize(n);
-    cata_lstsq_result result{};
-    result.struct_size = sizeof result;
-    result.residual_norms = found.residual_norms.data();
-    result.r_squared = found.r_squared.data();
-    result.intercepts = found.intercepts.data();
-    result.standard_errors = found.standard_errors.data();
-    result.intercept_errors = how.intercept ? found.intercept_errors.data() : nullptr;
-    result.dependent = found.dependent.data();
-    watcher.finish(cata_lstsq(static_cast<std::int32_t>(a.order), a.rows, n, k, a.data,
-                                  a.leading, b.data, b.leading, weight,
-                                  found.coefficients.data(), detail::tight(a.order, n, k),
-                                  &result, &params));
-    found.dependent.resize(n - result.rank);
-    found.rank = result.rank;
-    found.degrees_of_freedom = result.degrees_of_freedom;
-    found.condition = result.condition;
-    found.digits = result.digits;
-    return found;
+    detail::lstsq_call call(how, a.order, a.cols, b.cols);
+    return call.finish(cata_lstsq(static_cast<std::int32_t>(a.order), a.rows, a.cols, b.cols,
+                                  a.data, a.leading, b.data, b.leading, weight, call.x(),
+                                  call.leading(), call.result(), call.params()));
 }
 
 /// The first `count` principal components of the rows of A: cata_pca.
 inline principal_components pca(matrix_view<const double> a, std::size_t count,
                                 const pca_options& how = {}) {
-    // Before there is room for them.
-    detail::require(count <= a.cols, CATA_ERR_ARGUMENT, "count: more than columns of a");
-    cata_pca_params params;
-    detail::check(cata_pca_params_init(&params, sizeof params));
-    params.threads = how.threads;
-    params.standardize = how.standardize ? 1 : 0;
-    detail::watcher watcher(how.progress);
-    watcher.attach(params);
-    principal_components found;
-    found.components.resize(detail::entries(count, a.cols));
-    for (auto* values : {&found.explained_variance, &found.explained_variance_ratio,
-                         &found.singular_values}) {
-        values->resize(count);
-    }
-    found.mean.resize(a.cols);
-    found.scale.resize(a.cols);
-    watcher.finish(cata_pca(
-        static_cast<std::int32_t>(a.order), a.rows, a.cols, a.data, a.leading, count,
-        found.components.data(), detail::tight(a.order, count, a.cols),
-        found.explained_variance.data(), found.explained_variance_ratio.data(),
-        found.singular_values.data(), found.mean.data(), found.scale.data(), &params));
-    return found;
+    detail::pca_call call(how, a.order, a.cols, count);
+    principal_components& found = call.found;
+    return call.finish(cata_pca(static_cast<std::int32_t>(a.order), a.rows, a.cols, a.data,
+                                a.leading, count, found.components.data(), call.leading(),
+                                found.explained_variance.data(),
+                                found.explained_variance_ratio.data(),
+                                found.singular_values.data(), found.mean.data(),
+                                found.scale.data(), call.params()));
 }
 
 /// The singular values and right singular vectors of A: cata_svd.

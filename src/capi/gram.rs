@@ -2,7 +2,7 @@ use std::ffi::c_void;
 use std::mem::offset_of;
 
 use faer::MatRef;
-use faer::prelude::{Reborrow, ReborrowMut};
+use faer::prelude::Reborrow;
 
 use super::boundary::boundary;
 use super::outputs::{fill, fill_slice};

@@ -5,6 +5,7 @@
 
 #![allow(non_camel_case_types)] // the names are those of the C header
 
+mod accumulator;
 mod aha;
 mod ata;
 mod ata_params;
@@ -46,6 +47,7 @@ mod verify;
 mod version;
 mod world;
 
+pub use accumulator::*;
 pub use aha::*;
 pub use ata::*;
 pub use ata_params::*;

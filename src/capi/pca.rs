@@ -90,34 +90,72 @@ pub unsafe extern "C" fn cata_pca(
     boundary(|| {
         let layout = Layout::new(layout)?;
         at_least_two(m)?;
+        // SAFETY: the caller's promise.
+        let (a, outputs, params) = unsafe {
+            let a = rows_of("a", layout, m, n, a, lda)?;
+            let vectors =
+                [explained_variance, explained_variance_ratio, singular_values, mean, scale];
+            let outputs =
+                ComponentOutputs::new(layout, n, count, components, ldcomponents, vectors)?;
+            (a, outputs, read_or_zeros(params)?)
+        };
+        let options = outputs.options(&params)?;
+        if n == 0 {
+            return Ok(());
+        }
+        let gram = of_matrix("a", a, Center::Mean, &params.watched())?;
+        outputs.write(&PrincipalComponents::from_gram(&gram, &options)?);
+        Ok(())
+    })
+}
+
+/// Where principal components go.
+pub(super) struct ComponentOutputs<'a> {
+    count: usize,
+    components: Option<MatMut<'a, f64>>,
+    /// Variances, their ratios, singular values, means, scales.
+    vectors: [Option<&'a mut [f64]>; 5],
+}
+
+impl<'a> ComponentOutputs<'a> {
+    /// # Safety
+    /// The pointers are as cata_pca describes them, and live as long as this.
+    pub unsafe fn new(
+        layout: Layout,
+        n: usize,
+        count: usize,
+        components: *mut f64,
+        ldcomponents: usize,
+        [variance, ratio, singular_values, mean, scale]: [*mut f64; 5],
+    ) -> Result<Self, Failure> {
         if count > n {
             let why = format!("count: must be at most {n} (columns of a), is {count}");
             return Err(Failure::new(CATA_ERR_ARGUMENT, why));
         }
         // SAFETY: the caller's promise.
-        let (a, components, vectors, params) = unsafe {
-            let a = rows_of("a", layout, m, n, a, lda)?;
+        unsafe {
             let components =
                 optional_matrix_mut("components", layout, count, n, components, ldcomponents)?;
             let vectors = [
-                optional_slice_mut("explained_variance", explained_variance, count)?,
-                optional_slice_mut("explained_variance_ratio", explained_variance_ratio, count)?,
+                optional_slice_mut("explained_variance", variance, count)?,
+                optional_slice_mut("explained_variance_ratio", ratio, count)?,
                 optional_slice_mut("singular_values", singular_values, count)?,
                 optional_slice_mut("mean", mean, n)?,
                 optional_slice_mut("scale", scale, n)?,
             ];
-            (a, components, vectors, read_or_zeros(params)?)
-        };
-        let options = PrincipalComponentsOptions::new()
-            .components(Components::Count(count))
-            .standardize(flag("params.standardize", params.standardize)?)
-            .par(par(params.threads));
-        if n == 0 {
-            return Ok(());
+            Ok(Self { count, components, vectors })
         }
-        let gram = of_matrix("a", a, Center::Mean, &params.watched())?;
-        let found = PrincipalComponents::from_gram(&gram, &options)?;
-        if let Some(components) = components {
+    }
+
+    pub fn options(&self, params: &cata_pca_params) -> Result<PrincipalComponentsOptions, Failure> {
+        Ok(PrincipalComponentsOptions::new()
+            .components(Components::Count(self.count))
+            .standardize(flag("params.standardize", params.standardize)?)
+            .par(par(params.threads)))
+    }
+
+    pub fn write(self, found: &PrincipalComponents) {
+        if let Some(components) = self.components {
             fill(components, found.components.as_ref());
         }
         let values = [
@@ -127,9 +165,8 @@ pub unsafe extern "C" fn cata_pca(
             &found.mean,
             &found.scale,
         ];
-        vectors.into_iter().zip(values).for_each(|(place, values)| fill_slice(place, values));
-        Ok(())
-    })
+        self.vectors.into_iter().zip(values).for_each(|(place, values)| fill_slice(place, values));
+    }
 }
 
 impl cata_pca_params {

@@ -12,7 +12,7 @@ pub const CATA_CAP_MPI: u64 = 2;
 /// Bit of cata_capabilities: kernels run on OpenCL devices, where there are any (cata_device_name
 /// tells).
 pub const CATA_CAP_OPENCL: u64 = 4;
-/// Bit of cata_capabilities: HDF5 files; not in this version, never set.
+/// Bit of cata_capabilities: rows come from HDF5 files too (cata_accumulator_add_file).
 pub const CATA_CAP_HDF5: u64 = 8;
 
 const VERSION: &CStr =
@@ -60,5 +60,6 @@ pub extern "C" fn cata_capabilities() -> u64 {
     let openblas = if cfg!(feature = "openblas") { CATA_CAP_OPENBLAS } else { 0 };
     let mpi = if cfg!(feature = "mpi") { CATA_CAP_MPI } else { 0 };
     let opencl = if cfg!(feature = "opencl") { CATA_CAP_OPENCL } else { 0 };
-    openblas | mpi | opencl
+    let hdf5 = if cfg!(feature = "hdf5") { CATA_CAP_HDF5 } else { 0 };
+    openblas | mpi | opencl | hdf5
 }

@@ -244,7 +244,7 @@ static void LOCAL(test_reproducible)(size_t most_threads)
             rows[i * N + j] = columns[i + j * M] = (REAL)whole[i][j];
         }
     }
-    cata_ata_params params = {sizeof params, 0, 0, 0, 0.0, NULL, NULL, NULL, CATA_SCHEME_AUTO, 1, 0};
+    cata_ata_params params = {.struct_size = sizeof params, .reproducible = 1};
     for (size_t run = 0; run < 2 * 2 * 3; run++) {
         params.threads = run % 2 == 0 ? 1 : most_threads;
         params.pin = run % 4 == 1;
@@ -289,8 +289,8 @@ static void LOCAL(test_exact_not_finite)(void)
 {
     enum { M = 70, N = 5 };
     REAL *a = LOCAL(make)(M * N, 1), c[N * N], d[N * N];
-    cata_ata_params params = {sizeof params, 1, 0, 0, CATA_ERROR_LEAST, NULL, NULL, NULL,
-                              CATA_SCHEME_AUTO, 0, 0};
+    cata_ata_params params = {
+        .struct_size = sizeof params, .threads = 1, .error_factor = CATA_ERROR_LEAST};
     CHECK_STATUS(NAME(cata_ata)(CATA_ROW_MAJOR, CATA_BOTH, M, N, 1, a, N, 0, c, N, &params), CATA_OK);
     params.scheme = CATA_SCHEME_EXACT; /* which the least error means */
     CHECK_STATUS(NAME(cata_ata)(CATA_ROW_MAJOR, CATA_BOTH, M, N, 1, a, N, 0, d, N, &params), CATA_OK);

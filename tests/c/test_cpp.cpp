@@ -324,49 +324,15 @@ const std::vector<std::array<std::uint32_t, 3>> octants{
     {{0, 2, 4}}, {{2, 1, 4}}, {{1, 3, 4}}, {{3, 0, 4}},
     {{2, 0, 5}}, {{1, 2, 5}}, {{3, 1, 5}}, {{0, 3, 5}}};
 
-// An octahedron, split into many faces by resampling, and taken back.
-void decimation() {
-    const auto& positions = octahedron;
-    const auto& faces = octants;
-    catamaran::decimate_options how;
-    how.threads = 2;
-    const catamaran::decimation fine = catamaran::decimate(positions, faces, 102, how);
-    CHECK(fine.positions.size() == 102 && fine.faces.size() == 200);
-    CHECK(fine.cells.size() == 6 && !fine.changed);
-    how.first = 7;
-    const catamaran::decimation coarse =
-        catamaran::decimate(fine.positions, fine.faces, 20, how);
-    CHECK(coarse.positions.size() == 20 && coarse.faces.size() == 36);
-    for (const std::uint32_t cell : coarse.cells) {
-        CHECK(cell < 20);
-    }
-    how.threads = 1;
-    CHECK(catamaran::decimate(fine.positions, fine.faces, 20, how).positions == coarse.positions);
-    how.first.reset();
-    // The same face twice is left out, which is told.
-    std::vector<std::array<std::uint32_t, 3>> twice = fine.faces;
-    twice.push_back(twice[0]);
-    CHECK(catamaran::decimate(fine.positions, twice, 20, how).changed);
-    how.progress = [](double) { return false; };
-    CHECK(status_of([&] { catamaran::decimate(fine.positions, fine.faces, 20, how); }) ==
-          CATA_ERR_CANCELLED);
-    CHECK(status_of([&] { catamaran::decimate(positions, faces, 3); }) == CATA_ERR_ARGUMENT);
-    // More vertices than the input has: its edges are split.
-    CHECK(catamaran::decimate(positions, faces, 7).positions.size() == 7);
-    CHECK(status_of([&] { catamaran::decimate(positions, {{{0, 1, 6}}}, 4); }) == CATA_ERR_MESH);
-    CHECK(status_of([] { catamaran::decimate({}, {}, 0); }) == CATA_ERR_MESH);
-}
-
 // Two halves of an octahedron that overlap, and their union.
 void parts_and_unions() {
-    catamaran::decimate_options how;
-    const catamaran::decimation fine = catamaran::decimate(octahedron, octants, 402, how);
-    const catamaran::mesh_view mesh{fine.positions, fine.faces};
+    const catamaran::decimation fine({octahedron, octants}, 402);
+    const catamaran::mesh_view mesh = fine.mesh();
     catamaran::eigs_options held;
     held.boundary = catamaran::boundary::dirichlet;
     const auto spectrum_of = [&](double low, double high) {
         std::vector<std::uint8_t> mask;
-        for (const auto& p : fine.positions) {
+        for (const auto& p : fine.vertices()) {
             mask.push_back(low <= p[2] && p[2] <= high ? 1 : 0);
         }
         const auto found = catamaran::part_eigenvalues(mesh, mask, CATA_UNION_EIGENVALUES, held);
@@ -386,20 +352,6 @@ void parts_and_unions() {
     CHECK(status_of([&] { unions.locate({lower}, mesh); }) == CATA_ERR_SHAPE);
     CHECK(status_of([] { catamaran::unions("/no/such/weights"); }) == CATA_ERR_IO);
     CHECK(status_of([&] { catamaran::part_eigenvalues(mesh, {1}, 2); }) == CATA_ERR_SHAPE);
-}
-
-// Once around the equator of an octahedron.
-void curves() {
-    const auto found = catamaran::curves(octahedron, octants, {0, 1, 2, 3});
-    CHECK(found.outcome == catamaran::curve_outcome::closed && found.curves.size() == 1);
-    const catamaran::curve& one = found.curves[0];
-    CHECK(one.order.size() == 4 && one.path.size() == 4 && one.points[0] == octahedron[one.path[0]]);
-    CHECK(std::abs(one.length - 4 * std::sqrt(2.0)) < 1e-12);
-    CHECK(status_of([] { catamaran::curves(octahedron, octants, {0, 1, 6}); }) == CATA_ERR_ARGUMENT);
-    catamaran::curve_options how;
-    how.progress = [](double) { return false; };
-    CHECK(status_of([&] { catamaran::curves(octahedron, octants, {0, 1, 2}, how); }) ==
-          CATA_ERR_CANCELLED);
 }
 
 void newton_fractals() {
@@ -443,9 +395,7 @@ int main() {
     orthonormal_columns();
     gram_matrices();
     loaded_backend();
-    decimation();
     parts_and_unions();
-    curves();
     newton_fractals();
     plants();
     slimes();

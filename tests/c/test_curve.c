@@ -2,6 +2,7 @@
 
 #include <catamaran.h>
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,8 +12,8 @@
 
 /* Squares of side 1, N x N of them, each cut in two. */
 enum { N = 6, VERTICES = (N + 1) * (N + 1), FACES = 2 * N * N };
-static double positions[3 * VERTICES];
-static uint32_t triangles[3 * FACES];
+static double vertices[3 * VERTICES];
+static uint32_t faces[3 * FACES];
 
 static uint32_t at(int x, int y) { return (uint32_t)(y * (N + 1) + x); }
 
@@ -20,11 +21,11 @@ static void make_grid(void)
 {
     for (int y = 0; y <= N; y++) {
         for (int x = 0; x <= N; x++) {
-            positions[3 * at(x, y)] = x;
-            positions[3 * at(x, y) + 1] = y;
+            vertices[3 * at(x, y)] = x;
+            vertices[3 * at(x, y) + 1] = y;
         }
     }
-    uint32_t *t = triangles;
+    uint32_t *t = faces;
     for (int y = 0; y < N; y++) {
         for (int x = 0; x < N; x++, t += 6) {
             t[0] = t[3] = at(x, y);
@@ -35,10 +36,12 @@ static void make_grid(void)
     }
 }
 
+static cata_curve_solver *solver;
+
 static cata_status find(size_t count, const uint32_t *samples, const cata_curve_params *params,
                         cata_curves **curves)
 {
-    return cata_curves_new(VERTICES, positions, FACES, triangles, count, samples, params, curves);
+    return cata_curve_solver_find(solver, count, samples, params, curves);
 }
 
 static void test_square(void)
@@ -51,21 +54,66 @@ static void test_square(void)
         params.faithful = faithful;
         CHECK_STATUS(find(4, corners, &params, &curves), CATA_OK);
         int32_t outcome = -1;
-        size_t count = 0, samples = 0, vertices = 0;
+        size_t count = 0, left_out = 7, samples = 0, n = 0, n_points = 0;
         double length = 0, points[3 * 16];
         uint32_t order[4], path[16];
-        CHECK_STATUS(cata_curves_outcome(curves, &outcome, &count), CATA_OK);
-        CHECK(outcome == CATA_CURVE_CLOSED && count == 1);
-        CHECK_STATUS(cata_curves_size(curves, 0, &samples, &vertices, &length), CATA_OK);
-        CHECK(samples == 4 && vertices == 16 && length == 16);
+        CHECK_STATUS(cata_curves_outcome(curves, &outcome, &count, &left_out), CATA_OK);
+        CHECK(outcome == CATA_CURVE_CLOSED && count == 1 && left_out == 0);
+        CHECK_STATUS(cata_curves_size(curves, 0, &samples, &n, &n_points, &length), CATA_OK);
+        CHECK(samples == 4 && n == 16 && n_points == 16 && length == 16);
         CHECK_STATUS(cata_curves_get(curves, 0, order, path, points), CATA_OK);
         CHECK(order[0] == 0 && order[2] == 1 && path[0] == at(1, 1));
         CHECK(points[0] == 1 && points[1] == 1 && points[2] == 0);
         CHECK_STATUS(cata_curves_get(curves, 1, order, path, points), CATA_ERR_ARGUMENT);
         CHECK_MENTIONS("curve: 1 of 1");
-        CHECK_STATUS(cata_curves_size(curves, 0, NULL, NULL, NULL), CATA_OK);
+        CHECK_STATUS(cata_curves_size(curves, 0, NULL, NULL, NULL, NULL), CATA_OK);
         cata_curves_free(curves);
     }
+}
+
+/* A triangle in the plane, whose sides do not follow edges; samples on faces and in space. */
+static void test_smooth_and_sites(void)
+{
+    const uint32_t corners[3] = {at(1, 1), at(5, 2), at(2, 5)};
+    cata_curve_params params = {.struct_size = sizeof params, .smooth = 1};
+    cata_curves *curves = NULL;
+    double length = 0;
+    size_t n_points = 0;
+    CHECK_STATUS(find(3, corners, &params, &curves), CATA_OK);
+    CHECK_STATUS(cata_curves_size(curves, 0, NULL, NULL, &n_points, &length), CATA_OK);
+    CHECK(n_points > 3 && fabs(length - (2 * sqrt(17.0) + sqrt(18.0))) < 1e-9);
+    cata_curves_free(curves);
+
+    const uint32_t places[3] = {0, CATA_IN_SPACE, CATA_IN_SPACE};
+    const double weights[9] = {0.25, 0.25, 0.5, 5.1, 2.1, 0.3, 2, 5, 0};
+    uint32_t samples[3] = {7, 7, 7};
+    cata_curve_solver *refined = NULL;
+    CHECK_STATUS(cata_curve_solver_new_at(VERTICES, vertices, FACES, faces, 3, places, weights,
+                                          samples, &refined),
+                 CATA_OK);
+    CHECK(samples[0] == VERTICES && samples[1] == at(5, 2) && samples[2] == at(2, 5));
+    CHECK_STATUS(cata_curve_solver_find(refined, 3, samples, NULL, &curves), CATA_OK);
+    cata_curves_free(curves);
+    cata_curve_solver_free(refined);
+    refined = NULL;
+    const uint32_t beyond[1] = {FACES};
+    CHECK_STATUS(cata_curve_solver_new_at(VERTICES, vertices, FACES, faces, 1, beyond, weights,
+                                          samples, &refined),
+                 CATA_ERR_ARGUMENT);
+    CHECK(refined == NULL && samples[0] == VERTICES);
+
+    /* Two components, one with too few samples. */
+    const double six[18] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 9, 0, 0, 8, 0, 0, 9, 1, 0};
+    const uint32_t two[6] = {0, 1, 2, 3, 4, 5}, four[4] = {0, 3, 1, 2};
+    size_t left_out = 0;
+    uint32_t which = 7;
+    CHECK_STATUS(cata_curve_solver_new(6, six, 2, two, &refined), CATA_OK);
+    CHECK_STATUS(cata_curve_solver_find(refined, 4, four, NULL, &curves), CATA_OK);
+    CHECK_STATUS(cata_curves_outcome(curves, NULL, NULL, &left_out), CATA_OK);
+    CHECK_STATUS(cata_curves_left_out(curves, &which), CATA_OK);
+    CHECK(left_out == 1 && which == 1);
+    cata_curves_free(curves);
+    cata_curve_solver_free(refined);
 }
 
 static int32_t cancel(double fraction, void *user)
@@ -85,8 +133,12 @@ static void test_refusals(void)
     CHECK_STATUS(find(2, good, NULL, &curves), CATA_ERR_ARGUMENT);
     CHECK_STATUS(find(3, NULL, NULL, &curves), CATA_ERR_NULL);
     CHECK_STATUS(find(3, good, NULL, NULL), CATA_ERR_NULL);
-    CHECK_STATUS(cata_curves_new(2, positions, FACES, triangles, 3, good, NULL, &curves),
-                 CATA_ERR_MESH);
+    cata_curve_solver *none = NULL;
+    CHECK_STATUS(cata_curve_solver_new(2, vertices, FACES, faces, &none), CATA_ERR_MESH);
+    CHECK_STATUS(cata_curve_solver_new(VERTICES, vertices, FACES, faces, NULL), CATA_ERR_NULL);
+    CHECK_STATUS(cata_curve_solver_find(NULL, 3, good, NULL, &curves), CATA_ERR_NULL);
+    CHECK_MENTIONS("solver: NULL");
+    CHECK(none == NULL);
     int calls = 0;
     cata_curve_params params = {.struct_size = sizeof params};
     params.progress = cancel;
@@ -94,11 +146,15 @@ static void test_refusals(void)
     CHECK_STATUS(find(3, good, &params, &curves), CATA_ERR_CANCELLED);
     CHECK(calls > 0 && curves == NULL);
     params.progress = NULL;
+    params.points = 2;
+    CHECK_STATUS(find(3, good, &params, &curves), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("params.points");
+    params.points = CATA_CURVE_VERTICES;
     params.open = 2;
     CHECK_STATUS(find(3, good, &params, &curves), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("params.open");
     int32_t outcome = 7;
-    CHECK_STATUS(cata_curves_outcome(NULL, &outcome, NULL), CATA_ERR_NULL);
+    CHECK_STATUS(cata_curves_outcome(NULL, &outcome, NULL, NULL), CATA_ERR_NULL);
     CHECK(outcome == 7 && curves == NULL);
     cata_curves_free(NULL);
 }
@@ -106,7 +162,11 @@ static void test_refusals(void)
 int main(void)
 {
     make_grid();
+    CHECK_STATUS(cata_curve_solver_new(VERTICES, vertices, FACES, faces, &solver), CATA_OK);
     test_square();
+    test_smooth_and_sites();
     test_refusals();
+    cata_curve_solver_free(solver);
+    cata_curve_solver_free(NULL);
     return report("test_curve");
 }

@@ -1,4 +1,4 @@
-/* Decimation through the C ABI: sizes, refusals, outputs untouched, the same bytes for any number of threads. */
+/* Decimation through the C ABI: sizes, what is carried, refusals, the same bytes for any number of threads. */
 
 #include <catamaran.h>
 
@@ -35,37 +35,108 @@ static void make_torus(void)
     }
 }
 
-static double new_vertices[3 * V], more_vertices[3 * V];
-static uint32_t new_faces[3 * (2 * V + F)], more_faces[3 * (2 * V + F)], cells[V];
+static double new_vertices[3 * N], more_vertices[3 * N], values[V], carried[N], uv[6 * F];
+static uint32_t new_faces[6 * N], more_faces[6 * N], cells[V];
+
+static cata_status decimate(size_t n, const cata_decimation_params *params,
+                            cata_decimation **decimation)
+{
+    return cata_decimation_new(V, vertices, F, faces, n, params, decimation);
+}
 
 static void test_torus(void)
 {
-    const size_t capacity = cata_decimate_faces_bound(N, F);
-    CHECK(capacity == 2 * N + F);
-    CHECK(cata_decimate_faces_bound(SIZE_MAX, 1) == SIZE_MAX);
-    size_t count = 0;
-    int32_t changed = 7;
-    CHECK_STATUS(cata_decimate(V, vertices, F, faces, N, new_vertices, new_faces, capacity, &count,
-                               cells, &changed, NULL),
-                 CATA_OK);
+    cata_decimation *torus = NULL;
+    size_t n = 0, count = 0;
+    int32_t repaired = 7;
+    CHECK_STATUS(decimate(N, NULL, &torus), CATA_OK);
+    CHECK_STATUS(cata_decimation_size(torus, &n, &count, &repaired), CATA_OK);
     /* A torus: as many faces as twice its vertices. */
-    CHECK(count == 2 * N && changed == 0);
+    CHECK(n == N && count == 2 * N && repaired == 0);
+    CHECK_STATUS(cata_decimation_get(torus, new_vertices, new_faces), CATA_OK);
     for (size_t i = 0; i < 3 * count; i++) {
         CHECK(new_faces[i] < N);
     }
-    for (size_t v = 0; v < V; v++) {
-        CHECK(cells[v] < N);
-    }
+    cata_decimation_free(torus);
     for (size_t threads = 1; threads <= 3; threads++) {
-        cata_decimate_params params;
-        CHECK_STATUS(cata_decimate_params_init(&params, sizeof params), CATA_OK);
+        cata_decimation_params params;
+        CHECK_STATUS(cata_decimation_params_init(&params, sizeof params), CATA_OK);
         params.threads = threads;
-        CHECK_STATUS(cata_decimate(V, vertices, F, faces, N, more_vertices, more_faces, 2 * N,
-                                   &count, NULL, NULL, &params),
-                     CATA_OK);
-        CHECK(memcmp(new_vertices, more_vertices, 3 * N * sizeof(double)) == 0);
-        CHECK(memcmp(new_faces, more_faces, 3 * count * sizeof(uint32_t)) == 0);
+        CHECK_STATUS(decimate(N, &params, &torus), CATA_OK);
+        CHECK_STATUS(cata_decimation_get(torus, more_vertices, more_faces), CATA_OK);
+        CHECK(memcmp(new_vertices, more_vertices, sizeof new_vertices) == 0);
+        CHECK(memcmp(new_faces, more_faces, sizeof new_faces) == 0);
+        cata_decimation_free(torus);
     }
+}
+
+static void test_what_is_carried(void)
+{
+    cata_decimation *torus = NULL;
+    static float distances[V];
+    static uint32_t places[N];
+    static double weights[3 * N], back[V], new_uv[12 * N];
+    CHECK_STATUS(decimate(N, NULL, &torus), CATA_OK);
+    CHECK_STATUS(cata_decimation_get(torus, new_vertices, NULL), CATA_OK);
+    CHECK_STATUS(cata_decimation_places(torus, cells, distances, places, weights), CATA_OK);
+    for (size_t v = 0; v < V; v++) {
+        CHECK(cells[v] < N && distances[v] >= 0 && distances[v] < 1.5f);
+        values[v] = vertices[3 * v + 2];
+    }
+    CHECK_STATUS(cata_decimation_carry(torus, 1, values, carried), CATA_OK);
+    for (size_t v = 0; v < N; v++) {
+        const double *w = weights + 3 * v;
+        const uint32_t *face = faces + 3 * places[v];
+        CHECK(places[v] < F && fabs(w[0] + w[1] + w[2] - 1) < 1e-12);
+        const double z = w[0] * values[face[0]] + w[1] * values[face[1]] + w[2] * values[face[2]];
+        CHECK(fabs(carried[v] - z) < 1e-12 && fabs(carried[v] - new_vertices[3 * v + 2]) < 0.2);
+    }
+    CHECK_STATUS(cata_decimation_prolong(torus, 1, carried, back), CATA_OK);
+    for (size_t v = 0; v < V; v++) {
+        CHECK(fabs(back[v] - values[v]) < 0.5);
+    }
+    for (size_t i = 0; i < 3 * F; i++) {
+        uv[2 * i] = vertices[3 * faces[i]];
+        uv[2 * i + 1] = vertices[3 * faces[i] + 1];
+    }
+    CHECK_STATUS(cata_decimation_carry_uv(torus, uv, new_uv), CATA_OK);
+    for (size_t i = 0; i < 12 * N; i++) {
+        CHECK(fabs(new_uv[i]) < 3.5);
+    }
+    CHECK_STATUS(cata_decimation_carry(torus, SIZE_MAX, values, carried), CATA_ERR_SHAPE);
+    CHECK_STATUS(cata_decimation_carry(torus, 1, NULL, carried), CATA_ERR_NULL);
+    CHECK_STATUS(cata_decimation_carry(NULL, 1, values, carried), CATA_ERR_NULL);
+    CHECK_MENTIONS("decimation: NULL");
+    uv[3] = NAN;
+    CHECK(cata_decimation_carry_uv(torus, uv, new_uv) != CATA_OK);
+    cata_decimation_free(torus);
+}
+
+static void test_farthest_points(void)
+{
+    uint32_t few[3], more[12];
+    float distances[V];
+    cata_decimation_params params = {.struct_size = sizeof params, .first = 7, .has_first = 1};
+    CHECK_STATUS(cata_decimation_farthest_points(V, vertices, F, faces, 12, more, cells, distances,
+                                                 &params),
+                 CATA_OK);
+    CHECK_STATUS(cata_decimation_farthest_points(V, vertices, F, faces, 3, few, NULL, NULL, &params),
+                 CATA_OK);
+    CHECK(few[0] == 7 && memcmp(few, more, sizeof few) == 0);
+    for (size_t i = 0; i < 12; i++) {
+        CHECK(cells[more[i]] == i && distances[more[i]] == 0);
+    }
+    few[0] = 42;
+    CHECK_STATUS(cata_decimation_farthest_points(V, vertices, F, faces, V + 1, cells, NULL, NULL,
+                                                 NULL),
+                 CATA_ERR_ARGUMENT);
+    params.first = V;
+    CHECK_STATUS(cata_decimation_farthest_points(V, vertices, F, faces, 3, few, NULL, NULL, &params),
+                 CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("first");
+    CHECK_STATUS(cata_decimation_farthest_points(V, vertices, F, faces, 0, few, NULL, NULL, NULL),
+                 CATA_ERR_ARGUMENT);
+    CHECK(few[0] == 42);
 }
 
 static int32_t cancel(double fraction, void *user)
@@ -77,55 +148,40 @@ static int32_t cancel(double fraction, void *user)
 
 static void test_refusals(void)
 {
-    size_t count = 5;
-    new_vertices[0] = 42;
-    new_faces[0] = 43;
-    cells[0] = 44;
-    CHECK_STATUS(cata_decimate(V, vertices, F, faces, N, new_vertices, new_faces, 2 * N - 1, &count,
-                               cells, NULL, NULL),
-                 CATA_ERR_SHAPE);
-    CHECK_MENTIONS("200 faces, but faces_capacity is 199");
-    CHECK_STATUS(cata_decimate(V, vertices, F, faces, V + 1, new_vertices, new_faces, F, &count,
-                               cells, NULL, NULL),
-                 CATA_ERR_SHAPE);
-    CHECK_MENTIONS("1602 faces");
-    CHECK_STATUS(cata_decimate(V, vertices, F, faces, 3, new_vertices, new_faces, F, &count, cells,
-                               NULL, NULL),
-                 CATA_ERR_ARGUMENT);
-    CHECK_STATUS(cata_decimate(0, NULL, 0, NULL, 0, NULL, NULL, 0, &count, NULL, NULL, NULL),
-                 CATA_ERR_MESH);
-    CHECK_STATUS(cata_decimate(V, NULL, F, faces, N, new_vertices, new_faces, F, &count, cells, NULL,
-                               NULL),
-                 CATA_ERR_NULL);
-    CHECK_STATUS(cata_decimate(V, vertices, F, faces, N, new_vertices, new_faces, F, NULL, cells,
-                               NULL, NULL),
-                 CATA_ERR_NULL);
+    cata_decimation *none = NULL;
+    CHECK_STATUS(decimate(3, NULL, &none), CATA_ERR_ARGUMENT);
+    CHECK_STATUS(cata_decimation_new(0, NULL, 0, NULL, 0, NULL, &none), CATA_ERR_MESH);
+    CHECK_STATUS(cata_decimation_new(V, NULL, F, faces, N, NULL, &none), CATA_ERR_NULL);
+    CHECK_STATUS(decimate(N, NULL, NULL), CATA_ERR_NULL);
     const uint32_t wrong[3] = {0, 1, V};
-    CHECK_STATUS(cata_decimate(V, vertices, 1, wrong, 3, new_vertices, new_faces, F, &count, cells,
-                               NULL, NULL),
-                 CATA_ERR_MESH);
+    CHECK_STATUS(cata_decimation_new(V, vertices, 1, wrong, 3, NULL, &none), CATA_ERR_MESH);
     CHECK_MENTIONS("face 0");
     int calls = 0;
-    cata_decimate_params params = {.struct_size = sizeof params};
+    cata_decimation_params params = {.struct_size = sizeof params};
     params.progress = cancel;
     params.progress_user = &calls;
-    CHECK_STATUS(cata_decimate(V, vertices, F, faces, N, new_vertices, new_faces, F, &count, cells,
-                               NULL, &params),
-                 CATA_ERR_CANCELLED);
+    CHECK_STATUS(decimate(N, &params, &none), CATA_ERR_CANCELLED);
     CHECK(calls == 1);
     params.progress = NULL;
     params.lloyd = -2;
-    CHECK_STATUS(cata_decimate(V, vertices, F, faces, N, new_vertices, new_faces, F, &count, cells,
-                               NULL, &params),
-                 CATA_ERR_ARGUMENT);
+    CHECK_STATUS(decimate(N, &params, &none), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("params.lloyd");
-    CHECK(count == 5 && new_vertices[0] == 42 && new_faces[0] == 43 && cells[0] == 44);
+    params.lloyd = 0;
+    params.keep_edges = 1;
+    CHECK_STATUS(decimate(V + 1, &params, &none), CATA_ERR_ARGUMENT);
+    params.method = 2;
+    CHECK_STATUS(decimate(N, &params, &none), CATA_ERR_ARGUMENT);
+    CHECK_MENTIONS("params.method");
+    CHECK(none == NULL);
+    cata_decimation_free(NULL);
 }
 
 int main(void)
 {
     make_torus();
     test_torus();
+    test_what_is_carried();
+    test_farthest_points();
     test_refusals();
     return report("test_decimate");
 }

@@ -92,7 +92,8 @@ static void test_shapes(void)
 static void test_scratch(void)
 {
     enum { BIG = 64 };
-    cata_ata_params params = {sizeof params, 1, 8, 0, 0.0, NULL, NULL, NULL, CATA_SCHEME_RXTX, 0, 0};
+    cata_ata_params params = {
+        .struct_size = sizeof params, .threads = 1, .leaf = 8, .scheme = CATA_SCHEME_RXTX};
     static double big[BIG * BIG], to[BIG * BIG];
     size_t len = 0;
     CHECK_STATUS(cata_ata_scratch_len_f64(BIG, BIG, &params, &len), CATA_OK);

@@ -37,6 +37,7 @@ impl Header {
             if let Some(group) = line.strip_prefix(" * @defgroup ") {
                 section = group.split(' ').next().unwrap().to_owned();
             }
+            let line = line.split(" /**<").next().unwrap_or_default();
             is_comment |= line.trim_start().starts_with("/*");
             if is_comment || line.starts_with('#') {
                 is_comment &= !line.contains("*/");
@@ -183,11 +184,11 @@ fn it_can_be_read() {
 fn declarations_are_parsed() {
     let text = "/**\n * @defgroup ata A^T A\n */\n/** F(x);\n * more */\ncata_status \
                 cata_f(size_t n,\n    const double *a);\ntypedef struct cata_p {\n    /** n. */\n    \
-                size_t n;\n} cata_p;\nconst char *cata_name(void);\n";
+                size_t n;\n    int32_t k; /**< k. */\n} cata_p;\nconst char *cata_name(void);\n";
     let header = Header::parse(text.to_owned());
     let names: Vec<_> = header.functions.iter().map(|f| (&*f.returns, &*f.name)).collect();
     assert_eq!(names, [("cata_status", "cata_f"), ("const char *", "cata_name")]);
     assert_eq!(header.functions[0].section, "ata");
     assert_eq!(header.functions[0].arguments, ["size_t n", "const double *a"]);
-    assert_eq!(header.structs["cata_p"], ["size_t n"]);
+    assert_eq!(header.structs["cata_p"], ["size_t n", "int32_t k"]);
 }

@@ -45,8 +45,8 @@ pub const SECTIONS: &[Section] = &[
         &["ata", "aat", "atb", "aha", "ahb", "verify"],
         &["layout", "ata_params", "ata", "ata_sparse", "atb", "aha", "verify"],
     ),
-    section("rows", &["ata_rows"], &["rows"]),
     section("gram", &["lstsq", "pca", "svd", "gram"], &["lstsq", "pca", "gram"]),
+    section("rows", &["ata_rows", "accumulator"], &["rows", "accumulator"]),
     section("eigs", &["eigs", "ortho"], &["eigs", "ortho"]),
     section("mesh", &["mesh"], &["mesh"]),
     section("decimation", &["decimation"], &["decimation"]),
@@ -78,7 +78,7 @@ fn generate(root: &Path) -> Result<String, String> {
             let mut text = Vec::new();
             bindings.map_err(|e| format!("cbindgen: {e}"))?.write(&mut text);
             let text = String::from_utf8(text).map_err(|e| format!("cbindgen: {e}"))?;
-            let text = grouped(&joined(&tidied(text.trim_matches('\n'))));
+            let text = beside(&joined(&tidied(text.trim_matches('\n'))));
             let text = text.trim_end();
             if !text.is_empty() {
                 header += text;
@@ -175,22 +175,30 @@ fn tidied(header: &str) -> String {
     tidy + rest
 }
 
-/// Constants with one line of comment follow each other without a gap.
-fn grouped(header: &str) -> String {
-    let lines: Vec<&str> = header.lines().collect();
-    let is_constant = |at: usize| {
-        let line = |i: usize| lines.get(i).copied().unwrap_or_default();
-        line(at).starts_with("/** ") && line(at + 1).starts_with("#define")
-    };
-    let mut text = String::new();
-    for (i, line) in lines.iter().enumerate() {
-        let is_gap = line.is_empty() && i >= 2 && is_constant(i - 2) && is_constant(i + 1);
-        if !is_gap {
-            text += line;
-            text += "\n";
+/// Comments of a constant or a field behind it, where the line is wide enough; such constants follow each
+/// other without a gap.
+fn beside(header: &str) -> String {
+    let mut lines: Vec<String> = Vec::new();
+    for line in header.lines() {
+        let is_value = line.starts_with("#define") || line.starts_with("    ");
+        let comment = lines.last().and_then(|last| last.trim_start().strip_prefix("/** "));
+        let comment = comment.filter(|comment| is_value && comment.ends_with(" */"));
+        let joined = comment.map(|comment| format!("{line} /**< {comment}"));
+        match joined.filter(|joined| joined.chars().count() <= 100) {
+            Some(joined) => {
+                lines.pop();
+                let is_constant = |line: &String| line.starts_with("#define");
+                let gap = lines.last().is_some_and(String::is_empty);
+                let before = lines.len().checked_sub(2).map(|at| &lines[at]);
+                if gap && is_constant(&joined) && before.is_some_and(is_constant) {
+                    lines.pop();
+                }
+                lines.push(joined);
+            }
+            None => lines.push(line.to_owned()),
         }
     }
-    text
+    lines.join("\n")
 }
 
 /// Declarations in as few lines of at most 100 columns as they take, with types by their names alone.
