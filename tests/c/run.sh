@@ -37,6 +37,7 @@ if command -v mpicc > /dev/null && command -v mpirun > /dev/null; then mpi=ON; f
 
 cargo xtask header --check
 kinds+=("header: include/catamaran.h is up to date")
+kinds+=("$(tests/c/abi.py)")
 
 configure plain -DCATAMARAN_MPI=$mpi -DCATAMARAN_OPENCL=ON
 tests c plain -L '^c$'
