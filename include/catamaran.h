@@ -39,11 +39,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The version of this header; cata_version tells the library's. */
-#define CATA_VERSION_MAJOR 0
-#define CATA_VERSION_MINOR 1
-#define CATA_VERSION_PATCH 0
-#define CATA_VERSION_STRING "0.1.0"
+#define CATA_VERSION_MAJOR 0 /**< Of this header. */
+#define CATA_VERSION_MINOR 1 /**< Of this header. */
+#define CATA_VERSION_PATCH 0 /**< Of this header. */
+#define CATA_VERSION_STRING "0.1.0" /**< Of this header. */
 
 #ifdef __cplusplus
 extern "C" {
@@ -145,9 +144,10 @@ cata_status cata_memory_release(void);
  * @defgroup progress Threads and progress
  *
  * @code{.c}
- * static int32_t stop_late(double fraction, void *seconds_left)
+ * static int32_t tell(double fraction, void *wanted)
  * {
- *     return fraction < 0.5 && *(double *)seconds_left < 0; // 1: stop
+ *     fprintf(stderr, "\r%3.0f %%", 100 * fraction);
+ *     return *(int *)wanted == 0; // 1: stop
  * }
  * @endcode
  * @{
@@ -171,6 +171,7 @@ typedef int32_t (*cata_progress)(double fraction, void *user);
  * A BLAS library may compute the small products that schemes end in.
  *
  * @code{.c}
+ * double a[] = {1, 2, 3, 4, 5, 6}, c[4];
  * cata_backend *backend;
  * if (cata_backend_load("libopenblas.so.0", &backend) == CATA_OK) {
  *     cata_ata_params params = {.struct_size = sizeof params, .backend = backend};
@@ -751,9 +752,10 @@ cata_status cata_gram_cholesky_qr(int32_t layout, size_t m, size_t n, double *a,
  * Products of weighted and centred rows, which are read in blocks.
  *
  * @code{.c}
- * double a[] = {1, 2, 3, 4, 5, 7}, c[4]; // 3 x 2, its covariance
+ * double a[] = {1, 2, 3, 4, 5, 6}, c[4]; // 3 x 2, its covariance
  * cata_ata_rows_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 0.5, a, 2, NULL, CATA_CENTER_MEAN, NULL, 0, c,
  *     2, NULL);
+ * printf("%g\n", c[1]); // 4
  * @endcode
  * @{
  */
@@ -1013,7 +1015,7 @@ cata_status cata_ortho_gram_schmidt(int32_t layout, size_t n, size_t c, double *
  * double v[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, values[2], functions[8]; // a tetrahedron
  * uint32_t f[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
  * cata_mesh_eigs(4, v, 4, f, 2, values, functions, 4, NULL, NULL, NULL);
- * printf("%g\n", values[1]); // the first is 0
+ * printf("%.3f\n", values[1]); // 11.314
  * @endcode
  * @{
  */
@@ -1187,7 +1189,8 @@ cata_status cata_decimation_farthest_points(size_t n_vertices, const double *ver
  * cata_curves *curves;
  * cata_curve_solver_new(5, v, 4, f, &solver);
  * cata_curve_solver_find(solver, 4, samples, NULL, &curves);
- * cata_curves_size(curves, 0, NULL, NULL, NULL, &length); // 4
+ * cata_curves_size(curves, 0, NULL, NULL, NULL, &length);
+ * printf("%g\n", length); // 4
  * cata_curves_free(curves);
  * cata_curve_solver_free(solver);
  * @endcode
@@ -1826,10 +1829,13 @@ cata_status cata_device_name(size_t index, size_t *count, size_t size, char *nam
  * Products of matrices that are spread over the ranks of a communicator (catamaran_mpi.h, too).
  *
  * @code{.c}
+ * double rows[] = {1, 2, 3, 4}; // two on each rank
  * cata_world *world;
  * cata_symmetric *c;
  * cata_world_from_comm(MPI_COMM_WORLD, &world);
- * cata_world_ata_rows_f64(world, CATA_ROW_MAJOR, m, n, 1, rows, n, NULL, &c);
+ * cata_world_ata_rows_f64(world, CATA_ROW_MAJOR, 2, 2, 1, rows, 2, NULL, &c);
+ * cata_symmetric_free(c);
+ * cata_world_free(world);
  * @endcode
  * @{
  */

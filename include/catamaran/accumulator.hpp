@@ -21,12 +21,17 @@ enum class sums : std::int32_t {
 struct accumulator_options {
     /// 0: all cores of the affinity mask.
     std::size_t threads = 0;
+    /// What is added up.
     catamaran::sums sums = sums::floating;
     /// About the mean of the rows; else about 0.
     bool centered = false;
-    /// Unless floating: bounds of each column, the most rows, and the largest weight (0: no weights).
-    std::vector<double> lower, upper;
+    /// Unless floating: no entry of a column is less.
+    std::vector<double> lower;
+    /// Unless floating: no entry of a column is more.
+    std::vector<double> upper;
+    /// Unless floating: rows, at most.
     std::uint64_t rows = 0;
+    /// Unless floating: weights, at most; 0: rows have no weights.
     double largest_weight = 0.0;
     /// As options::progress; of each call that adds rows or removes them.
     std::function<bool(double)> progress;
@@ -95,6 +100,7 @@ public:
         return read;
     }
 
+    /// The rows so far.
     std::uint64_t rows() const {
         std::uint64_t rows = 0;
         detail::check(cata_accumulator_rows(handle_.get(), &rows, nullptr, nullptr));

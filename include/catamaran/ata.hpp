@@ -14,6 +14,7 @@ namespace catamaran {
 struct options {
     /// 0: all cores of the affinity mask.
     std::size_t threads = 0;
+    /// Which recursion to run.
     catamaran::scheme scheme = scheme::automatic;
     /// 0: the default; 1: classical products only; infinity: no bound; CATA_ERROR_LEAST: the least.
     double error_factor = 0.0;
@@ -197,8 +198,11 @@ void ahb(detail::identity_t<std::complex<T>> alpha, matrix_view<std::complex<T>>
 
 /// What verify found.
 struct verification {
+    /// Whether C passed.
     bool passed;
+    /// The largest that was found.
     double residual;
+    /// What it may be.
     double tolerance;
 };
 
@@ -235,9 +239,13 @@ verification verify(double alpha, matrix_view<T> a, matrix_view<T> c, uplo part 
 /// A sparse symmetric matrix by rows that somebody else owns: the entries of row i are those from `row_starts[i]` to
 /// `row_starts[i + 1] - 1`.
 struct sparse_view {
+    /// Number of rows.
     std::size_t rows = 0;
+    /// rows + 1 positions.
     const std::size_t* row_starts = nullptr;
+    /// Of each entry, ascending within a row.
     const std::size_t* columns = nullptr;
+    /// The entries, row by row.
     const double* entries = nullptr;
 };
 

@@ -27,8 +27,10 @@ public:
         return backend(handle);
     }
 
+    /// A short name, or the file name of a loaded library.
     std::string name() const { return cata_backend_name(handle_.get()); }
 
+    /// The handle, for calls of C.
     const cata_backend* get() const noexcept { return handle_.get(); }
 
 private:

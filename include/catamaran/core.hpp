@@ -20,6 +20,7 @@ namespace catamaran {
 /// A call failed: what() is the library's message.
 class error : public std::runtime_error {
 public:
+    /// With the status and the message of a call.
     error(cata_status status, const std::string& message)
         : std::runtime_error(message), status_(status) {}
 
@@ -52,16 +53,21 @@ enum class scheme : std::int32_t {
 /// A matrix that somebody else owns.
 template <class T>
 struct matrix_view {
+    /// Its first entry.
     T* data = nullptr;
+    /// Number of rows.
     std::size_t rows = 0;
+    /// Number of columns.
     std::size_t cols = 0;
     /// Elements from one row (row-major) or column (column-major) to the next.
     std::size_t leading = 1;
+    /// How it lies in memory.
     catamaran::layout order = layout::row_major;
 
     /// A view that may be written is one that may be read.
     operator matrix_view<const T>() const noexcept { return {data, rows, cols, leading, order}; }
 
+    /// Entry (i, j), unchecked.
     T& operator()(std::size_t i, std::size_t j) const noexcept {
         return order == layout::row_major ? data[i * leading + j] : data[i + j * leading];
     }
@@ -81,6 +87,7 @@ matrix_view<T> col_major(T* data, std::size_t rows, std::size_t cols, std::size_
 
 /// A triangle mesh that somebody else owns.
 struct mesh_view {
+    /// Of arrays of corners.
     mesh_view(const std::vector<std::array<double, 3>>& vertices,
               const std::vector<std::array<std::uint32_t, 3>>& faces)
         : n_vertices(vertices.size()),
@@ -93,9 +100,13 @@ struct mesh_view {
               const std::uint32_t* faces)
         : n_vertices(n_vertices), vertices(vertices), n_faces(n_faces), faces(faces) {}
 
+    /// Number of vertices.
     std::size_t n_vertices;
+    /// x, y, z of each.
     const double* vertices;
+    /// Number of faces.
     std::size_t n_faces;
+    /// Three vertices of each.
     const std::uint32_t* faces;
 };
 

@@ -47,11 +47,13 @@ struct curve {
     std::vector<std::uint32_t> path;
     /// Where it goes: those of path, unless it is smooth.
     std::vector<std::array<double, 3>> points;
+    /// In the unit of the mesh.
     double length = 0.0;
 };
 
 /// What a solver finds.
 struct found_curves {
+    /// How the search ended.
     curve_outcome outcome = curve_outcome::closed;
     /// Or what there is of them.
     std::vector<curve> curves;
@@ -61,13 +63,16 @@ struct found_curves {
 
 /// A place for a sample: on a face, by barycentric coordinates, or the vertex nearest to a point.
 struct curve_site {
+    /// A face; CATA_IN_SPACE: the place is a point in space.
     std::uint32_t face = CATA_IN_SPACE;
+    /// Barycentric coordinates, or x, y, z.
     std::array<double, 3> weights{};
 };
 
 /// A mesh, prepared for the search for curves: cata_curve_solver. One owner, one thread at a time.
 class curve_solver {
 public:
+    /// A copy of the mesh is kept.
     explicit curve_solver(const mesh_view& mesh) {
         cata_curve_solver* made = nullptr;
         detail::check(cata_curve_solver_new(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
@@ -91,6 +96,7 @@ public:
         handle_.reset(made);
     }
 
+    /// The vertices that stand for the sites.
     const std::vector<std::uint32_t>& samples() const noexcept { return samples_; }
 
     /// The curves that samples (vertices) without an order are of.

@@ -35,16 +35,21 @@ struct decimation_places {
     /// For each vertex of the input the nearest one of the result along edges; UINT32_MAX where no face has
     /// it.
     std::vector<std::uint32_t> cells;
+    /// How far that is.
     std::vector<float> distances;
-    /// For each vertex of the result a face of the input, and barycentric coordinates there.
+    /// For each vertex of the result a face of the input.
     std::vector<std::uint32_t> faces;
+    /// Its barycentric coordinates there.
     std::vector<std::array<double, 3>> weights;
 };
 
-/// Farthest points, in their order, and the nearest of them for each vertex.
+/// Farthest points.
 struct sampling {
+    /// Vertices, in the order in which they were taken.
     std::vector<std::uint32_t> samples;
+    /// For each vertex the number of the sample nearest to it; UINT32_MAX where no face has it.
     std::vector<std::uint32_t> nearest;
+    /// How far it is.
     std::vector<float> distances;
 };
 
@@ -69,6 +74,7 @@ inline cata_decimation_params params_of(const decimation_options& how) {
 /// A mesh of exactly n vertices like another one, and how it lies on that: cata_decimation_new.
 class decimation {
 public:
+    /// Decimates a mesh.
     decimation(const mesh_view& mesh, std::size_t n, const decimation_options& how = {})
         : before_vertices_(mesh.n_vertices), before_faces_(mesh.n_faces) {
         cata_decimation_params params = detail::params_of(how);
@@ -88,13 +94,17 @@ public:
             cata_decimation_get(made, detail::first_of(vertices_), detail::first_of(faces_)));
     }
 
+    /// Of the result.
     const std::vector<std::array<double, 3>>& vertices() const noexcept { return vertices_; }
+    /// Of the result.
     const std::vector<std::array<std::uint32_t, 3>>& faces() const noexcept { return faces_; }
+    /// The result, valid as long as this.
     mesh_view mesh() const { return {vertices_, faces_}; }
 
     /// Whether the input had to be repaired.
     bool repaired() const noexcept { return repaired_; }
 
+    /// How the two meshes lie on each other.
     decimation_places places() const {
         decimation_places found;
         found.cells.resize(before_vertices_);

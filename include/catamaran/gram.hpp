@@ -22,6 +22,7 @@ struct gram_options {
 struct lstsq_options {
     /// 0: all cores of the affinity mask.
     std::size_t threads = 0;
+    /// Multiple of |X|^2 that is added.
     double ridge = 0.0;
     /// Whether a constant is fitted for each target too.
     bool intercept = false;
@@ -47,14 +48,21 @@ struct least_squares {
     std::vector<double> coefficients;
     /// n x k.
     std::vector<double> standard_errors;
-    /// k each.
-    std::vector<double> residual_norms, r_squared, intercepts;
+    /// k: |A x - b| of each target.
+    std::vector<double> residual_norms;
+    /// k: 1 - |A x - b|^2 / |b|^2 of each target.
+    std::vector<double> r_squared;
+    /// k: zeros without intercept.
+    std::vector<double> intercepts;
     /// k; none without intercept.
     std::vector<double> intercept_errors;
     /// The columns that depend on others.
     std::vector<std::size_t> dependent;
+    /// Columns that do not depend on others.
     std::size_t rank = 0;
+    /// Rows less the rank, and less one more with intercept.
     std::size_t degrees_of_freedom = 0;
+    /// An estimate of the condition number of A.
     double condition = 1.0;
     /// Decimal digits of the coefficients that can be trusted.
     double digits = 0.0;
@@ -64,10 +72,16 @@ struct least_squares {
 struct principal_components {
     /// count x n, in the layout of A without gaps.
     std::vector<double> components;
-    /// count each.
-    std::vector<double> explained_variance, explained_variance_ratio, singular_values;
-    /// n each.
-    std::vector<double> mean, scale;
+    /// count: along each component.
+    std::vector<double> explained_variance;
+    /// count: divided by the variance of all columns.
+    std::vector<double> explained_variance_ratio;
+    /// count: of the centred (and standardised) rows.
+    std::vector<double> singular_values;
+    /// n: of each column.
+    std::vector<double> mean;
+    /// n: the divisor of each column.
+    std::vector<double> scale;
 };
 
 /// What svd finds of A (m x n).
@@ -80,15 +94,19 @@ struct singular_value_decomposition {
 
 /// The lower triangle of a matrix in two parts, high + low; zeros above.
 struct extended_gram {
-    /// n x n each, in the layout of A without gaps.
-    std::vector<double> high, low;
+    /// n x n, in the layout of A without gaps.
+    std::vector<double> high;
+    /// The same: what rounding took from high.
+    std::vector<double> low;
     /// Whether no entry of A was rounded.
     bool exact = false;
 };
 
 /// How far columns are from orthonormal: norms of Q^T Q - I.
 struct orthogonality_defect {
+    /// The largest entry by size.
     double max = 0.0;
+    /// The Frobenius norm.
     double frobenius = 0.0;
 };
 

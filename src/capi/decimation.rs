@@ -25,7 +25,7 @@ use super::pointer::{
 };
 use super::progress::{cata_progress, par, watcher};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
-use crate::base::{Par, Progress};
+use crate::base::{Error, Par, Progress};
 use crate::decimate::{DecimateOptions, Decimation, FarthestPoints, Method, decimate};
 use crate::mesh::TriMesh;
 use crate::mesh::io::{Attribute, MeshFile};
@@ -309,6 +309,9 @@ pub unsafe extern "C" fn cata_decimation_carry_uv(
             let uv = slice("uv", uv, 6 * own.input.faces().len())?;
             (own, uv, slice_mut("carried", carried, 6 * own.found.mesh.faces().len())?)
         };
+        if let Some(i) = uv.iter().position(|x| !x.is_finite()) {
+            return Err(Error::NonFinite { what: "uv", index: (i / 6, i % 6) }.into());
+        }
         let mut file = MeshFile::from(own.input.clone());
         let corners = (0..own.input.faces().len() as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]);
         let values = uv.as_chunks().0.to_vec();

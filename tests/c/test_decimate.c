@@ -108,7 +108,8 @@ static void test_what_is_carried(void)
     CHECK_STATUS(cata_decimation_carry(NULL, 1, values, carried), CATA_ERR_NULL);
     CHECK_MENTIONS("decimation: NULL");
     uv[3] = NAN;
-    CHECK(cata_decimation_carry_uv(torus, uv, new_uv) != CATA_OK);
+    CHECK_STATUS(cata_decimation_carry_uv(torus, uv, new_uv), CATA_ERR_NON_FINITE);
+    CHECK_MENTIONS("uv");
     cata_decimation_free(torus);
 }
 

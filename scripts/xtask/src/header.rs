@@ -304,12 +304,12 @@ fn version_macros() -> String {
         ("MINOR", env!("CARGO_PKG_VERSION_MINOR")),
         ("PATCH", env!("CARGO_PKG_VERSION_PATCH")),
     ];
-    let mut text =
-        String::from("\n/* The version of this header; cata_version tells the library's. */\n");
+    let mut text = String::from("\n");
     for (part, number) in parts {
-        text += &format!("#define CATA_VERSION_{part} {number}\n");
+        text += &format!("#define CATA_VERSION_{part} {number} /**< Of this header. */\n");
     }
-    text + &format!("#define CATA_VERSION_STRING \"{}\"\n", env!("CARGO_PKG_VERSION"))
+    let whole = env!("CARGO_PKG_VERSION");
+    text + &format!("#define CATA_VERSION_STRING \"{whole}\" /**< Of this header. */\n")
 }
 
 #[cfg(test)]
