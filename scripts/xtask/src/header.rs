@@ -20,7 +20,7 @@ pub struct Section {
     /// What names of functions begin with after `cata_`.
     #[cfg_attr(not(test), expect(dead_code, reason = "of the tests of the conventions"))]
     pub chapters: &'static [&'static str],
-    files: &'static [&'static str],
+    pub files: &'static [&'static str],
 }
 
 const fn section(
@@ -61,8 +61,10 @@ pub const SECTIONS: &[Section] = &[
 ];
 
 /// Files of src/capi without exports, or with those of tests alone.
-const WITHOUT_EXPORTS: &[&str] =
-    &["mod", "boundary", "entries", "internal", "message", "outputs", "params", "pointer", "ranks"];
+const WITHOUT_EXPORTS: &[&str] = &[
+    "mod", "absent", "boundary", "entries", "internal", "message", "outputs", "params", "pointer",
+    "ranks",
+];
 
 fn generate(root: &Path) -> Result<String, String> {
     let capi = root.join("src/capi");

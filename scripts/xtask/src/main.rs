@@ -1,5 +1,6 @@
 //! Chores of the repository: `cargo xtask help`.
 
+mod absent;
 #[cfg(test)]
 mod conventions;
 mod generated;
@@ -12,8 +13,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 const HELP: &str = "\
-cargo xtask header            write include/catamaran.h from src/capi
-cargo xtask header --check    fail if include/catamaran.h is not what would be written
+cargo xtask header            write include/catamaran.h and src/capi/absent.rs from src/capi
+cargo xtask header --check    fail if they are not what would be written
 cargo xtask notice            write NOTICE from the packages in Cargo.lock
 cargo xtask notice --check    fail if NOTICE is not what would be written
 cargo xtask msrv              fail if a dependency needs a newer Rust than we promise";
@@ -22,8 +23,8 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match arguments[..] {
-        ["header"] => header::HEADER.write(&root()),
-        ["header", "--check"] => header::HEADER.check(&root()),
+        ["header"] => header::HEADER.write(&root()).and(absent::ABSENT.write(&root())),
+        ["header", "--check"] => header::HEADER.check(&root()).and(absent::ABSENT.check(&root())),
         ["notice"] => notice::NOTICE.write(&root()),
         ["notice", "--check"] => notice::NOTICE.check(&root()),
         ["msrv"] => msrv::check(&root()),
