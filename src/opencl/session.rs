@@ -137,7 +137,8 @@ impl Device {
             return Ok(());
         }
         // SAFETY: the call blocks until `values` were read.
-        let sent = unsafe { self.0.queue.enqueue_write_buffer(buffer, CL_BLOCKING, 0, values, &[]) };
+        let sent =
+            unsafe { self.0.queue.enqueue_write_buffer(buffer, CL_BLOCKING, 0, values, &[]) };
         sent.map(drop).map_err(|e| self.failed("sending", e))
     }
 
