@@ -33,6 +33,7 @@ mod pointer;
 mod progress;
 #[cfg(feature = "mpi")]
 mod ranks;
+mod rods;
 mod rows;
 mod shape_dna;
 mod slime;
@@ -63,6 +64,7 @@ pub use newton::*;
 pub use ortho::*;
 pub use plant::*;
 pub use progress::*;
+pub use rods::*;
 pub use rows::*;
 pub use shape_dna::*;
 pub use slime::*;

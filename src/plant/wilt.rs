@@ -103,6 +103,7 @@ pub fn wilt(
             Err(Error::NotConverged { iterations, residual }) if residual <= SEEN => iterations,
             Err(error) => return Err(error),
         };
+        options.progress.report(at(i + 1))?;
         iterations = iterations.max(taken);
         moduli.push(stiffness);
         poses.push(pose.clone());
