@@ -50,7 +50,7 @@ int main(void)
              || failed(cata_newton_colors(newton, WIDTH * HEIGHT, roots, convergence, colors));
     cata_newton_free(newton);
     char name[128];
-    if (!wrong && cata_device_name(0, NULL, sizeof name, name) == CATA_OK) {
+    if (!wrong && cata_device_name(0, sizeof name, name) == CATA_OK) {
         int different = 0;
         params.w = 0;
         params.device = "0";

@@ -58,7 +58,7 @@ int main(int argc, char **argv)
     check(cata_slime_new(VERTICES, positions, FACES, triangles, uv, NULL, NULL, &params, &slime));
     for (int frame = 1; frame <= 5; frame++) {
         double coverage[2], presence[2];
-        check(cata_slime_step(slime, 30, NULL, NULL));
+        check(cata_slime_step(slime, 30));
         for (size_t s = 0; s < 2; s++) {
             check(cata_slime_coverage(slime, s, &coverage[s], &presence[s]));
         }

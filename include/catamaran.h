@@ -1388,11 +1388,11 @@ cata_status cata_plant_params_init(cata_plant_params *params, size_t struct_size
  * - `radii`: n elements, positive.
  * - `parents`: n elements: the segment at whose end each begins; CATA_NO_PARENT for the root.
  * - `kinds`: n elements: CATA_PLANT_STEM or CATA_PLANT_LEAF, each also + CATA_PLANT_PINNED.
- * - `base`: 3 elements: where the root begins; NULL: it is as long as its first child, and goes
- *   straight on into it.
+ * - `base`: 3 elements: where the root begins; NULL: it is as long as its first child, and
+ *   goes straight on into it.
  *
- * Returns CATA_ERR_MESH for a node without positive radius or length, or that is not on one tree
- * with one root. */
+ * Returns CATA_ERR_MESH for a node without positive radius or length, or that is not on one
+ * tree with one root. */
 cata_status cata_plant_new(size_t n, const double *tails, const double *radii,
     const uint32_t *parents, const int32_t *kinds, const double *base,
     const cata_plant_params *params, cata_plant **plant);
@@ -1424,16 +1424,16 @@ cata_status cata_plant_set_loss(cata_plant *plant, double loss);
 /** Sets what the root takes from the soil, in kg / s, from now on. */
 cata_status cata_plant_set_intake(cata_plant *plant, double intake);
 
-/** Multiplies the conductance between a node, not the root, and its parent by `factor`, from now
- * on; 0 cuts the connection. */
+/** Multiplies the conductance between a node, not the root, and its parent by `factor`, from
+ * now on; 0 cuts the connection. */
 cata_status cata_plant_weaken(cata_plant *plant, size_t node, double factor);
 
 /** The rates at which the modes of the water decay, n elements, ascending, in 1 / s. Dense, of
  * order n^3: for small plants. */
 cata_status cata_plant_rates(const cata_plant *plant, size_t n, double *rates);
 
-/** The water of every node `seconds` after it was `water`, at once, without time steps. `water`,
- * `result` (written): n elements in kg each, which may be the same. */
+/** The water of every node `seconds` after it was `water`, at once, without time steps.
+ * `water`, `result` (written): n elements in kg each, which may be the same. */
 cata_status cata_plant_water_after(const cata_plant *plant, size_t n, const double *water,
     double seconds, double *result);
 
@@ -1441,8 +1441,8 @@ cata_status cata_plant_water_after(const cata_plant *plant, size_t n, const doub
  *
  * - `water`: n elements: in kg, at time 0; NULL: full cells.
  * - `times`: n_times elements: seconds from 0, ascending.
- * - `intervals`: 2 n_intervals elements: seconds and loss of each part of a day, again and again
- *   from time 0 on. Without any the loss is that of the plant.
+ * - `intervals`: 2 n_intervals elements: seconds and loss of each part of a day, again and
+ *   again from time 0 on. Without any the loss is that of the plant.
  * - `result`: n_times x n elements, written: in kg. */
 cata_status cata_plant_water_curve(const cata_plant *plant, size_t n, const double *water,
     size_t n_times, const double *times, size_t n_intervals, const double *intervals,
@@ -1452,8 +1452,8 @@ cata_status cata_plant_water_curve(const cata_plant *plant, size_t n, const doub
  * `step` seconds; NULL: full cells. */
 cata_status cata_plant_start(cata_plant *plant, size_t n, const double *water, double step);
 
-/** Goes `count` steps ahead; what was changed since the last step counts from now on. `water`: n
- * elements, written: in kg; NULL: not wanted. When it is cancelled, the steps before are done. */
+/** Goes `count` steps ahead; what was changed since the last step counts from now on. `water`:
+ * n elements, written: in kg; NULL: not wanted. Those before a cancelled one are done. */
 cata_status cata_plant_step(cata_plant *plant, size_t count, size_t n, double *water);
 
 /** The modulus of elasticity of every segment, in Pa, from its water, in kg: a logistic curve
@@ -1502,13 +1502,13 @@ cata_status cata_plant_rods_new(const cata_plant *plant, const cata_plant_rods_p
 /** Frees rods. */
 void cata_plant_rods_free(cata_plant_rods *rods);
 
-/** Sets the modulus of elasticity of every segment, in Pa, and its water, in kg, n elements each.
- * Pose and velocities stay. */
+/** Sets the modulus of elasticity of every segment, in Pa, and its water, in kg, n elements
+ * each. Pose and velocities stay. */
 cata_status cata_plant_rods_set_state(cata_plant_rods *rods, size_t n, const double *moduli,
     const double *water);
 
-/** Sets the pose, at rest. `rotations`: 4 n elements: how each segment has turned since the plant
- * was given, a quaternion (w, x, y, z); NULL: not at all. */
+/** Sets the pose, at rest. `rotations`: 4 n elements: how each segment has turned since the
+ * plant was given, a quaternion (w, x, y, z); NULL: not at all. */
 cata_status cata_plant_rods_set_pose(cata_plant_rods *rods, size_t n, const double *rotations);
 
 /** The pose: `heads` and `tails`, 3 n elements each, where segments begin and end, and 4 n of
@@ -1517,17 +1517,17 @@ cata_status cata_plant_rods_pose(const cata_plant_rods *rods, size_t n, double *
     double *tails, double *rotations);
 
 /** Turns the pose into one near it in which stiffness and weight are in balance, at rest.
- * `iterations`, `residual`: written: those taken, and what is left, as `tolerance` measures it;
- * NULL where not wanted. After an error the pose is as far as it came. */
+ * `iterations`, `residual`: written: those taken, and what is left, as `tolerance` measures
+ * it; NULL where not wanted. After an error the pose is as far as it came. */
 cata_status cata_plant_rods_relax(cata_plant_rods *rods, size_t *iterations, double *residual);
 
-/** Lets the plant move for `count` steps. `gap`: written: the largest between a segment and what
- * it grows on, in metres; NULL: not wanted. When it is cancelled, the steps before are done. */
+/** Lets the plant move for `count` steps. `gap`: written: the largest between a segment and
+ * what it grows on, in metres; NULL: not wanted. Those before a cancelled one are done. */
 cata_status cata_plant_rods_step(cata_plant_rods *rods, size_t count, double *gap);
 
 /** The pose as a mesh of tubes of `sides` >= 3 sides and radii of at least `thinnest` metres.
- * Segment v has the vertices from 2 v `sides` on, and the faces. `vertices`, `faces`: 6 n `sides`
- * elements each, written; NULL where not wanted. */
+ * Segment v has the vertices from 2 v `sides` on, and the faces. `vertices`, `faces`: 6 n
+ * `sides` elements each, written; NULL where not wanted. */
 cata_status cata_plant_rods_tubes(const cata_plant_rods *rods, size_t n, size_t sides,
     double thinnest, double *vertices, uint32_t *faces);
 
@@ -1535,8 +1535,8 @@ cata_status cata_plant_rods_tubes(const cata_plant_rods *rods, size_t n, size_t 
  * which it then rests.
  *
  * - `rods`: of this plant, for their constants; NULL: the defaults.
- * - `water`, `moduli`, `tails`, `rotations`: n_times x n, n, 3 n and 4 n elements, written, as in
- *   the calls above; NULL where not wanted. */
+ * - `water`, `moduli`, `tails`, `rotations`: n_times x n, n, 3 n and 4 n elements, written, as
+ *   in the calls above; NULL where not wanted. */
 cata_status cata_plant_wilt(const cata_plant *plant, const cata_plant_rods *rods, size_t n_times,
     const double *times, size_t n_intervals, const double *intervals, size_t n, double *water,
     double *moduli, double *tails, double *rotations);
@@ -1548,8 +1548,8 @@ cata_status cata_plant_wilt(const cata_plant *plant, const cata_plant_rods *rods
 /**
  * @defgroup slime Slime moulds
  *
- * Agents on a surface that leave trails in its texture (thesis, chapter 3). Textures are size x
- * size texels, rows along u, the first at v = 0.
+ * Agents on a surface that leave trails in its texture (thesis, chapter 3). Textures are size
+ * x size texels, rows along u, the first at v = 0.
  *
  * @code{.c}
  * double square[12] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, coverage = 0;
@@ -1647,7 +1647,7 @@ cata_status cata_slime_new(size_t n_vertices, const double *vertices, size_t n_f
 /** Frees a simulation. */
 void cata_slime_free(cata_slime *slime);
 
-/** Goes `steps` steps ahead. When it is cancelled, the steps before are done. */
+/** Goes `steps` steps ahead. Those before a cancelled one are done. */
 cata_status cata_slime_step(cata_slime *slime, uint32_t steps);
 
 /** Texels of a side of a texture, species, triangles, and steps that are done; NULL where not
@@ -1730,8 +1730,8 @@ typedef struct cata_newton_params {
 /** Fills a struct with the defaults. */
 cata_status cata_newton_params_init(cata_newton_params *params, size_t struct_size);
 
-/** A Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial with
- * n roots has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and
+/** A Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial
+ * with n roots has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and
  * exp(2 pi i b / n). */
 cata_status cata_newton_new(const cata_newton_params *params, cata_newton **newton);
 
@@ -1749,8 +1749,8 @@ cata_status cata_newton_set_w(cata_newton *newton, double w);
 cata_status cata_newton_points(const cata_newton *newton, size_t count, const float *positions,
     uint16_t *roots, float *convergence);
 
-/** The same on the plane z = 0: at the centres of the pixels of a picture `extent` wide, at most
- * 65,536 a side and less than 2^31 in all, rows from the top (large y). */
+/** The same on the plane z = 0: at the centres of the pixels of a picture `extent` wide, at
+ * most 65,536 a side and less than 2^31 in all, rows from the top (large y). */
 cata_status cata_newton_plane(const cata_newton *newton, uint32_t width, uint32_t height,
     double center_x, double center_y, double extent, uint16_t *roots, float *convergence);
 
@@ -1766,8 +1766,8 @@ cata_status cata_newton_colors(const cata_newton *newton, size_t count, const ui
 /**
  * @defgroup devices Devices
  *
- * OpenCL devices, where the library has CATA_CAP_OPENCL. `device` of parameters is a number, or a
- * part of a name; "" is the first GPU, or else the first device.
+ * OpenCL devices, where the library has CATA_CAP_OPENCL. `device` of parameters is a number,
+ * or a part of a name; "" is the first GPU, or else the first device.
  *
  * @code{.c}
  * char name[256];

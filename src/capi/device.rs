@@ -1,7 +1,7 @@
 //! # Devices
 //!
-//! OpenCL devices, where the library has CATA_CAP_OPENCL. `device` of parameters is a number, or a
-//! part of a name; "" is the first GPU, or else the first device.
+//! OpenCL devices, where the library has CATA_CAP_OPENCL. `device` of parameters is a number,
+//! or a part of a name; "" is the first GPU, or else the first device.
 //!
 //! ```c
 //! char name[256];

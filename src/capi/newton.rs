@@ -94,8 +94,8 @@ pub unsafe extern "C" fn cata_newton_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// A Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial with
-/// n roots has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and
+/// A Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial
+/// with n roots has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and
 /// exp(2 pi i b / n).
 ///
 /// # Safety
@@ -223,8 +223,8 @@ pub unsafe extern "C" fn cata_newton_points(
     })
 }
 
-/// The same on the plane z = 0: at the centres of the pixels of a picture `extent` wide, at most
-/// 65,536 a side and less than 2^31 in all, rows from the top (large y).
+/// The same on the plane z = 0: at the centres of the pixels of a picture `extent` wide, at
+/// most 65,536 a side and less than 2^31 in all, rows from the top (large y).
 ///
 /// # Safety
 /// The pointers are as described.

@@ -112,11 +112,11 @@ pub unsafe extern "C" fn cata_plant_params_init(
 /// - `radii`: n elements, positive.
 /// - `parents`: n elements: the segment at whose end each begins; CATA_NO_PARENT for the root.
 /// - `kinds`: n elements: CATA_PLANT_STEM or CATA_PLANT_LEAF, each also + CATA_PLANT_PINNED.
-/// - `base`: 3 elements: where the root begins; NULL: it is as long as its first child, and goes
-///   straight on into it.
+/// - `base`: 3 elements: where the root begins; NULL: it is as long as its first child, and
+///   goes straight on into it.
 ///
-/// Returns CATA_ERR_MESH for a node without positive radius or length, or that is not on one tree
-/// with one root.
+/// Returns CATA_ERR_MESH for a node without positive radius or length, or that is not on one
+/// tree with one root.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -309,8 +309,8 @@ pub unsafe extern "C" fn cata_plant_set_intake(plant: *mut cata_plant, intake: f
     unsafe { change(plant, |model| model.set_intake(intake)) }
 }
 
-/// Multiplies the conductance between a node, not the root, and its parent by `factor`, from now
-/// on; 0 cuts the connection.
+/// Multiplies the conductance between a node, not the root, and its parent by `factor`, from
+/// now on; 0 cuts the connection.
 ///
 /// # Safety
 /// `plant` is a live plant.
@@ -343,8 +343,8 @@ pub unsafe extern "C" fn cata_plant_rates(
     })
 }
 
-/// The water of every node `seconds` after it was `water`, at once, without time steps. `water`,
-/// `result` (written): n elements in kg each, which may be the same.
+/// The water of every node `seconds` after it was `water`, at once, without time steps.
+/// `water`, `result` (written): n elements in kg each, which may be the same.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -373,8 +373,8 @@ pub unsafe extern "C" fn cata_plant_water_after(
 ///
 /// - `water`: n elements: in kg, at time 0; NULL: full cells.
 /// - `times`: n_times elements: seconds from 0, ascending.
-/// - `intervals`: 2 n_intervals elements: seconds and loss of each part of a day, again and again
-///   from time 0 on. Without any the loss is that of the plant.
+/// - `intervals`: 2 n_intervals elements: seconds and loss of each part of a day, again and
+///   again from time 0 on. Without any the loss is that of the plant.
 /// - `result`: n_times x n elements, written: in kg.
 ///
 /// # Safety
@@ -435,8 +435,8 @@ pub unsafe extern "C" fn cata_plant_start(
     })
 }
 
-/// Goes `count` steps ahead; what was changed since the last step counts from now on. `water`: n
-/// elements, written: in kg; NULL: not wanted. When it is cancelled, the steps before are done.
+/// Goes `count` steps ahead; what was changed since the last step counts from now on. `water`:
+/// n elements, written: in kg; NULL: not wanted. Those before a cancelled one are done.
 ///
 /// # Safety
 /// The pointers are as described.

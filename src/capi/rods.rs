@@ -146,8 +146,8 @@ pub unsafe extern "C" fn cata_plant_rods_free(rods: *mut cata_plant_rods) {
     }
 }
 
-/// Sets the modulus of elasticity of every segment, in Pa, and its water, in kg, n elements each.
-/// Pose and velocities stay.
+/// Sets the modulus of elasticity of every segment, in Pa, and its water, in kg, n elements
+/// each. Pose and velocities stay.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -173,8 +173,8 @@ pub unsafe extern "C" fn cata_plant_rods_set_state(
     })
 }
 
-/// Sets the pose, at rest. `rotations`: 4 n elements: how each segment has turned since the plant
-/// was given, a quaternion (w, x, y, z); NULL: not at all.
+/// Sets the pose, at rest. `rotations`: 4 n elements: how each segment has turned since the
+/// plant was given, a quaternion (w, x, y, z); NULL: not at all.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -233,8 +233,8 @@ pub unsafe extern "C" fn cata_plant_rods_pose(
 }
 
 /// Turns the pose into one near it in which stiffness and weight are in balance, at rest.
-/// `iterations`, `residual`: written: those taken, and what is left, as `tolerance` measures it;
-/// NULL where not wanted. After an error the pose is as far as it came.
+/// `iterations`, `residual`: written: those taken, and what is left, as `tolerance` measures
+/// it; NULL where not wanted. After an error the pose is as far as it came.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -270,8 +270,8 @@ pub unsafe extern "C" fn cata_plant_rods_relax(
     })
 }
 
-/// Lets the plant move for `count` steps. `gap`: written: the largest between a segment and what
-/// it grows on, in metres; NULL: not wanted. When it is cancelled, the steps before are done.
+/// Lets the plant move for `count` steps. `gap`: written: the largest between a segment and
+/// what it grows on, in metres; NULL: not wanted. Those before a cancelled one are done.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -301,8 +301,8 @@ pub unsafe extern "C" fn cata_plant_rods_step(
 }
 
 /// The pose as a mesh of tubes of `sides` >= 3 sides and radii of at least `thinnest` metres.
-/// Segment v has the vertices from 2 v `sides` on, and the faces. `vertices`, `faces`: 6 n `sides`
-/// elements each, written; NULL where not wanted.
+/// Segment v has the vertices from 2 v `sides` on, and the faces. `vertices`, `faces`: 6 n
+/// `sides` elements each, written; NULL where not wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -338,8 +338,8 @@ pub unsafe extern "C" fn cata_plant_rods_tubes(
 /// which it then rests.
 ///
 /// - `rods`: of this plant, for their constants; NULL: the defaults.
-/// - `water`, `moduli`, `tails`, `rotations`: n_times x n, n, 3 n and 4 n elements, written, as in
-///   the calls above; NULL where not wanted.
+/// - `water`, `moduli`, `tails`, `rotations`: n_times x n, n, 3 n and 4 n elements, written, as
+///   in the calls above; NULL where not wanted.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -1,7 +1,7 @@
 //! # Slime moulds
 //!
-//! Agents on a surface that leave trails in its texture (thesis, chapter 3). Textures are size x
-//! size texels, rows along u, the first at v = 0.
+//! Agents on a surface that leave trails in its texture (thesis, chapter 3). Textures are size
+//! x size texels, rows along u, the first at v = 0.
 //!
 //! ```c
 //! double square[12] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, coverage = 0;
@@ -264,7 +264,7 @@ pub unsafe extern "C" fn cata_slime_free(slime: *mut cata_slime) {
     }
 }
 
-/// Goes `steps` steps ahead. When it is cancelled, the steps before are done.
+/// Goes `steps` steps ahead. Those before a cancelled one are done.
 ///
 /// # Safety
 /// The pointer is as described.
