@@ -36,8 +36,8 @@ void write(const catamaran::plant_tubes& mesh, const char* path) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-    const double hour = 3600.0, loss = 60.0 / 3.6e6;
-    const catamaran::plant plant = catamaran::plant::grow(150, 1);
+    const double hour = 3600.0, loss = 100.0 / 3.6e6;
+    const catamaran::plant plant = catamaran::plant::grow(600, 1);
     const std::vector<catamaran::plant_interval> day{{16 * hour, loss}, {8 * hour, loss / 12}};
     const auto drought = plant.wilt({0.0, 24 * hour, 48 * hour, 96 * hour}, day);
     for (std::size_t i = 0; i < drought.water.size(); ++i) {
