@@ -1,10 +1,12 @@
-/* A Newton fractal on a sphere, and a picture of it on the plane, on the processor and on a device. */
+/* A Newton fractal on a sphere, and a picture of it on the plane, on the processor and on a device; with --image the picture
+ * is written as newton.ppm. */
 
 #include <catamaran.h>
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { RINGS = 40, SECTORS = 80, POINTS = RINGS * SECTORS, WIDTH = 160, HEIGHT = 100 };
 
@@ -21,7 +23,7 @@ static int failed(cata_status status)
     return status != CATA_OK;
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     const double pi = 3.14159265358979323846;
     for (int i = 0; i < POINTS; i++) {
@@ -49,8 +51,14 @@ int main(void)
              || failed(cata_newton_plane(newton, WIDTH, HEIGHT, 0, 0, 3, roots, convergence))
              || failed(cata_newton_colors(newton, WIDTH * HEIGHT, roots, convergence, colors));
     cata_newton_free(newton);
+    FILE *file = argc > 1 && strcmp(argv[1], "--image") == 0 ? fopen("newton.ppm", "wb") : NULL;
+    if (file != NULL) {
+        fprintf(file, "P6 %d %d 255\n", WIDTH, HEIGHT);
+        fwrite(colors, 1, sizeof colors, file);
+        fclose(file);
+    }
     char name[128];
-    if (!wrong && cata_device_name(0, NULL, sizeof name, name) == CATA_OK) {
+    if (!wrong && cata_device_name(0, sizeof name, name) == CATA_OK) {
         int different = 0;
         params.w = 0;
         params.device = "0";

@@ -1,5 +1,6 @@
 /* Slime moulds on a torus, as a renderer would have them: buffers of vertices, coordinates and indices in, a texture out.
- * Two species that avoid each other; the texture of the first is written as an image, slime.pgm, when asked for. */
+ * Two species that avoid each other. `slime --image` writes the texture of the first as slime.pgm; `slime --device 0` runs on
+ * that OpenCL device, from which nothing comes but what is asked for here, with the same bytes. */
 
 #include <catamaran.h>
 
@@ -54,11 +55,14 @@ int main(int argc, char **argv)
     params.size = SIZE;
     params.vision_distance = 2.0;
     params.movement_speed = 3.0;
+    if (argc > 2 && strcmp(argv[1], "--device") == 0) {
+        params.device = argv[2];
+    }
     cata_slime *slime = NULL;
     check(cata_slime_new(VERTICES, positions, FACES, triangles, uv, NULL, NULL, &params, &slime));
     for (int frame = 1; frame <= 5; frame++) {
         double coverage[2], presence[2];
-        check(cata_slime_step(slime, 30, NULL, NULL));
+        check(cata_slime_step(slime, 30));
         for (size_t s = 0; s < 2; s++) {
             check(cata_slime_coverage(slime, s, &coverage[s], &presence[s]));
         }

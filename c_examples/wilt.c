@@ -32,7 +32,7 @@ int main(void)
 {
     double tails[3 * N], radii[N];
     uint32_t parents[N];
-    int32_t leaves[N];
+    int32_t kinds[N];
     for (int v = 0; v < N; v++) {
         const int on_leaf = v >= STEM, side = v >= STEM + LEAF ? 1 : -1;
         const int i = on_leaf ? (v - STEM) % LEAF : v;
@@ -41,21 +41,21 @@ int main(void)
         tails[3 * v + 2] = on_leaf ? 0.01 * STEM : 0.01 * (i + 1);
         radii[v] = on_leaf ? 4e-4 : 1.5e-3;
         parents[v] = v == 0 ? CATA_NO_PARENT : (uint32_t)(on_leaf && i == 0 ? STEM - 1 : v - 1);
-        leaves[v] = on_leaf;
+        kinds[v] = on_leaf ? CATA_PLANT_LEAF : CATA_PLANT_STEM;
     }
     const double base[3] = {0.0, 0.0, 0.0};
     cata_plant_params params;
     check(cata_plant_params_init(&params, sizeof params));
     params.loss = 60.0 / 3.6e6;
-        cata_plant *plant = NULL;
-    check(cata_plant_new(N, tails, radii, parents, leaves, base, &params, &plant));
+    cata_plant *plant = NULL;
+    check(cata_plant_new(N, tails, radii, parents, kinds, base, &params, &plant));
 
     double full[N], water[N], later[N], moduli[N];
     check(cata_plant_full_water(plant, N, full));
     check(cata_plant_start(plant, N, NULL, hour / 4));
     for (int frame = 0; frame <= 8; frame++) {
         check(cata_plant_step(plant, frame == 0 ? 0 : 10, N, water));
-        check(cata_plant_stiffness(plant, N, water, 5e7, 3e5, 10.0, 0.75, moduli));
+        check(cata_plant_stiffness(plant, N, water, moduli));
         printf("%5.1f h: stem %.3f, leaves %.3f and %.3f; a leaf's E = %.2e Pa\n", 2.5 * frame,
                total(water, 0, STEM) / total(full, 0, STEM),
                total(water, STEM, LEAF) / total(full, STEM, LEAF),

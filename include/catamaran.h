@@ -110,7 +110,7 @@ const char *cata_status_name(cata_status status);
 #define CATA_CAP_OPENBLAS 1
 #define CATA_CAP_MPI 2 /**< Bit of cata_capabilities: MPI is linked in (cata_world_new works). */
 
-/** Bit of cata_capabilities: kernels run on OpenCL devices, where there are any (cata_device_name
+/** Bit of cata_capabilities: kernels run on OpenCL devices, where there are any (cata_device_count
  * tells). */
 #define CATA_CAP_OPENCL 4
 
@@ -1440,131 +1440,201 @@ cata_status cata_unions_interpolate(const double *first, const double *second, d
 /**
  * @defgroup plants Plants
  *
- * Water in a plant: diffusion, wilting (thesis, chapter 4).
+ * Plants that lose water and wilt (thesis, chapter 4): the water in their nodes, the stiffness
+ * that follows from it, and the pose of rods with that stiffness and weight. SI units.
+ *
+ * @code{.c}
+ * cata_plant *plant;
+ * if (cata_plant_grow(100, 1, NULL, &plant) == CATA_OK) {
+ *     double day = 86400, water[100];
+ *     if (cata_plant_water_curve(plant, 100, NULL, 1, &day, 0, NULL, water) == CATA_OK) {
+ *         printf("%g kg in node 0 after a day\n", water[0]);
+ *     }
+ *     cata_plant_free(plant);
+ * }
+ * @endcode
  * @{
  */
 
 #define CATA_NO_PARENT UINT32_MAX /**< The parent of the root of a plant. */
+#define CATA_PLANT_STEM 0 /**< A kind of segments: stem. */
+#define CATA_PLANT_LEAF 1 /**< A kind of segments: a vein of a leaf, which loses water. */
+#define CATA_PLANT_PINNED 2 /**< Added to a kind: the segment is held where it is. */
 
-/** The water in a plant: its constants, the present, and what it takes to go on. Opaque. */
+/** The water in a plant: its constants, the present, and what it takes to go on. */
 typedef struct cata_plant cata_plant;
 
-/** The constants of the water of a plant, in SI units. */
+/** The constants of the water and the stiffness of a plant. */
 typedef struct cata_plant_params {
     size_t struct_size; /**< sizeof(cata_plant_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    double loss; /**< What leaves lose, in kg / (s m^2), at least 0; 60 g / (h m^2) is 1.667e-5. */
-    double intake; /**< What the root takes from the soil, in kg / s, at least 0. */
-    /** Conductance of a segment, as a part of that of a pipe as wide; positive; 0: 1e-9. */
+    cata_progress progress; /**< Told of progress. */
+    void *progress_user; /**< Handed to `progress`. */
+    double loss; /**< What leaves lose, in kg / (s m^2); 60 g / (h m^2) is 1.667e-5. */
+    double intake; /**< What the root takes from the soil, in kg / s. */
+    /** Conductance of a segment, as a part of that of a pipe as wide; 0: 1e-9. */
     double conductance;
-    double modulus; /**< Pressure in full cells, in Pa; positive; 0: 1e6. */
-    double viscosity; /**< Viscosity of the sap, in Pa s; positive; 0: 1e-3. */
-    double density; /**< Water in a cubic metre of full tissue, in kg; positive; 0: 1000. */
+    double modulus; /**< Pressure in full cells, in Pa; 0: 1e6. */
+    double viscosity; /**< Viscosity of the sap, in Pa s; 0: 1e-3. */
+    double density; /**< Water in a cubic metre of full tissue, in kg; 0: 1000. */
+    double elasticity_full; /**< Modulus of elasticity of full cells, in Pa; 0: 5e7. */
+    double elasticity_dry; /**< That of dry ones; 0: 3e5. */
+    double elasticity_steepness; /**< How steeply it falls in between; 0: 10. */
+    /** The relative water content at which it falls most steeply; 0: 0.75. */
+    double elasticity_shift;
 } cata_plant_params;
 
 /** Fills a struct with the defaults. */
 cata_status cata_plant_params_init(cata_plant_params *params, size_t struct_size);
 
-/** The model of the water of a plant of n segments.
+/** A plant of n >= 1 segments, each named after the node at its end.
  *
- * - `n`: at least 1.
- * - `tails`: 3 n elements, read: x, y, z of the end of every segment, in metres.
- * - `radii`: n elements, read: in metres, positive.
- * - `parents`: n elements, read: the segment at whose end each begins, below n; CATA_NO_PARENT
- *   for the root.
- * - `leaves`: n elements, read: 1 for a vein of a leaf, 0 for stem.
- * - `base`: 3 elements, read: where the root segment begins; NULL: it goes straight on into its
- *   first child and is as long.
- * - `plant`: written: the model, to be given to cata_plant_free.
+ * - `tails`: 3 n elements: x, y, z of the end of each.
+ * - `radii`: n elements, positive.
+ * - `parents`: n elements: the segment at whose end each begins; CATA_NO_PARENT for the root.
+ * - `kinds`: n elements: CATA_PLANT_STEM or CATA_PLANT_LEAF, each also + CATA_PLANT_PINNED.
+ * - `base`: 3 elements: where the root begins; NULL: it is as long as its first child, and
+ *   goes straight on into it.
  *
- * Returns CATA_ERR_MESH for a node on a cycle, isolated, a second root, or without positive
- * radius or length; the message names it. */
+ * Returns CATA_ERR_MESH for a node without positive radius or length, or that is not on one
+ * tree with one root. */
 cata_status cata_plant_new(size_t n, const double *tails, const double *radii,
-    const uint32_t *parents, const int32_t *leaves, const double *base,
+    const uint32_t *parents, const int32_t *kinds, const double *base,
     const cata_plant_params *params, cata_plant **plant);
 
-/** The model of the water of the plant in a file: .txt (the reference format: `verts N`, ...),
- * .swc, .mtg or .obj (polylines), each also as .gz or .xz.
- *
- * - `path`: NUL-terminated, in UTF-8.
- * - `params`, `plant`: as in cata_plant_new.
- *
- * Returns what cata_plant_new returns, or CATA_ERR_IO with the file and the line in the message. */
+/** The plant in a file: .txt (the reference format: `verts N`, ...), .swc, .mtg or .obj
+ * (polylines), each also as .gz or .xz. `path` is in UTF-8. */
 cata_status cata_plant_read(const char *path, const cata_plant_params *params, cata_plant **plant);
 
-/** Gives a model back. */
+/** A plant of n >= 1 nodes that grows by chance, the same for the same seed. */
+cata_status cata_plant_grow(size_t n, uint64_t seed, const cata_plant_params *params,
+    cata_plant **plant);
+
+/** Frees a plant. */
 void cata_plant_free(cata_plant *plant);
 
-/** The number of nodes of a plant; 0 for NULL. */
+/** The number of nodes of a plant, n in all calls below; 0 for NULL. */
 size_t cata_plant_size(const cata_plant *plant);
 
-/** The water of every node when its cells are full, in kg: how a healthy plant begins.
- *
- * - `plant`: a live model.
- * - `n`: cata_plant_size.
- * - `water`: n elements, written. */
+/** The segments of a plant, as cata_plant_new takes them; NULL for what is not wanted. */
+cata_status cata_plant_segments(const cata_plant *plant, size_t n, double *tails, double *radii,
+    uint32_t *parents, int32_t *kinds, double *base);
+
+/** The water of every node when its cells are full, in kg: how a healthy plant begins. */
 cata_status cata_plant_full_water(const cata_plant *plant, size_t n, double *water);
 
-/** Sets what all leaves lose, in kg / (s m^2), from now on: another weather.
- *
- * Not for two threads at once on the same model. */
+/** Sets what all leaves lose, in kg / (s m^2), from now on: another weather. */
 cata_status cata_plant_set_loss(cata_plant *plant, double loss);
 
-/** Sets what the root takes from the soil, in kg / s, from now on.
- *
- * Returns and threads: as cata_plant_set_loss. */
+/** Sets what the root takes from the soil, in kg / s, from now on. */
 cata_status cata_plant_set_intake(cata_plant *plant, double intake);
 
-/** Multiplies the conductance between a node (below cata_plant_size, not the root) and its parent
- * by `factor`, at least 0, from now on; 0 cuts the connection.
- *
- * Returns and threads: as cata_plant_set_loss. */
+/** Multiplies the conductance between a node, not the root, and its parent by `factor`, from
+ * now on; 0 cuts the connection. */
 cata_status cata_plant_weaken(cata_plant *plant, size_t node, double factor);
 
-/** The water of every node some time after it was `water`, at once, without time steps: for any
- * times. Does not read or change the present of cata_plant_start.
- *
- * - `plant`: a live model.
- * - `n`: cata_plant_size.
- * - `water`: n elements, read: in kg, finite.
- * - `seconds`: at least 0.
- * - `result`: n elements, written: in kg. May be the same memory as `water`. */
+/** The rates at which the modes of the water decay, n elements, ascending, in 1 / s. Dense, of
+ * order n^3: for small plants. */
+cata_status cata_plant_rates(const cata_plant *plant, size_t n, double *rates);
+
+/** The water of every node `seconds` after it was `water`, at once, without time steps.
+ * `water`, `result` (written): n elements in kg each, which may be the same. */
 cata_status cata_plant_water_after(const cata_plant *plant, size_t n, const double *water,
     double seconds, double *result);
 
-/** Makes `water` the present, from which cata_plant_step goes on.
+/** The water of every node at many times.
  *
- * - `plant`: a live model.
- * - `n`: cata_plant_size.
- * - `water`: n elements, read: in kg, finite; NULL: full cells.
- * - `step`: seconds of a step, positive.
- *
- * Not for two threads at once on the same model. */
+ * - `water`: n elements: in kg, at time 0; NULL: full cells.
+ * - `times`: n_times elements: seconds from 0, ascending.
+ * - `intervals`: 2 n_intervals elements: seconds and loss of each part of a day, again and
+ *   again from time 0 on. Without any the loss is that of the plant.
+ * - `result`: n_times x n elements, written: in kg. */
+cata_status cata_plant_water_curve(const cata_plant *plant, size_t n, const double *water,
+    size_t n_times, const double *times, size_t n_intervals, const double *intervals,
+    double *result);
+
+/** Makes `water`, n elements in kg, the present, from which cata_plant_step goes on in steps of
+ * `step` seconds; NULL: full cells. */
 cata_status cata_plant_start(cata_plant *plant, size_t n, const double *water, double step);
 
-/** Goes `count` steps ahead (0 included) and gives the water there.
- *
- * - `plant`: a live model, after cata_plant_start. What was changed since the last step counts
- *   from now on.
- * - `n`: cata_plant_size.
- * - `water`: n elements, written: in kg; NULL: not wanted.
- *
- * Not for two threads at once on the same model. */
+/** Goes `count` steps ahead; what was changed since the last step counts from now on. `water`:
+ * n elements, written: in kg; NULL: not wanted. Those before a cancelled one are done. */
 cata_status cata_plant_step(cata_plant *plant, size_t count, size_t n, double *water);
 
-/** The modulus of elasticity of every node, from its water: `dry + (full - dry) (s(k (w - x)) -
- * s(-k x)) / (s(k (1 - x)) - s(-k x))` of the relative water content w, with s the logistic
- * function.
- *
- * - `plant`: a live model.
- * - `n`: cata_plant_size.
- * - `water`: n elements, read: in kg.
- * - `full`, `dry`: of full cells and of dry ones, in Pa; 0 < dry <= full; such as 5e7 and 3e5.
- * - `steepness`: k, positive; such as 10.
- * - `shift`: x; such as 0.75.
- * - `moduli`: n elements, written: in Pa. */
+/** The modulus of elasticity of every segment, in Pa, from its water, in kg: a logistic curve
+ * from `elasticity_dry` to `elasticity_full`. */
 cata_status cata_plant_stiffness(const cata_plant *plant, size_t n, const double *water,
-    double full, double dry, double steepness, double shift, double *moduli);
+    double *moduli);
+
+/** A plant whose segments have weight and whose joints have stiffness, in a pose. */
+typedef struct cata_plant_rods cata_plant_rods;
+
+/** The constants of rods. */
+typedef struct cata_plant_rods_params {
+    size_t struct_size; /**< sizeof(cata_plant_rods_params). */
+    size_t threads; /**< Threads, at most; rods take one. */
+    cata_progress progress; /**< Told of progress. */
+    void *progress_user; /**< Handed to `progress`. */
+    double gravity[3]; /**< In m / s^2; all 0: 0, 0, -9.81. */
+    double poisson; /**< Poisson's ratio, above -1 and at most 0.5; 0: 0.3. */
+    /** What a cubic metre of tissue weighs without its water, in kg; 0: 100. */
+    double dry_density;
+    /** Of cata_plant_rods_relax: torque out of balance / the largest of a weight; 0: 1e-8. */
+    double tolerance;
+    size_t iterations; /**< Its iterations, at most; 0: 200. */
+    double step; /**< Seconds of a step of cata_plant_rods_step; 0: 1 / 60. */
+    size_t step_iterations; /**< Its iterations; 0: 3. */
+    double damping; /**< The rate at which velocities wear off, in 1 / s; 0: 1. */
+} cata_plant_rods_params;
+
+/** Fills a struct with the defaults. */
+cata_status cata_plant_rods_params_init(cata_plant_rods_params *params, size_t struct_size);
+
+/** The rods of a plant with full cells, in the pose in which it was given. They may outlive it. */
+cata_status cata_plant_rods_new(const cata_plant *plant, const cata_plant_rods_params *params,
+    cata_plant_rods **rods);
+
+/** Frees rods. */
+void cata_plant_rods_free(cata_plant_rods *rods);
+
+/** Sets the modulus of elasticity of every segment, in Pa, and its water, in kg, n elements
+ * each. Pose and velocities stay. */
+cata_status cata_plant_rods_set_state(cata_plant_rods *rods, size_t n, const double *moduli,
+    const double *water);
+
+/** Sets the pose, at rest. `rotations`: 4 n elements: how each segment has turned since the
+ * plant was given, a quaternion (w, x, y, z); NULL: not at all. */
+cata_status cata_plant_rods_set_pose(cata_plant_rods *rods, size_t n, const double *rotations);
+
+/** The pose: `heads` and `tails`, 3 n elements each, where segments begin and end, and 4 n of
+ * `rotations`, as in cata_plant_rods_set_pose; NULL where not wanted. */
+cata_status cata_plant_rods_pose(const cata_plant_rods *rods, size_t n, double *heads,
+    double *tails, double *rotations);
+
+/** Turns the pose into one near it in which stiffness and weight are in balance, at rest.
+ * `iterations`, `residual`: written: those taken, and what is left, as `tolerance` measures
+ * it; NULL where not wanted. After an error the pose is as far as it came. */
+cata_status cata_plant_rods_relax(cata_plant_rods *rods, size_t *iterations, double *residual);
+
+/** Lets the plant move for `count` steps. `gap`: written: the largest between a segment and
+ * what it grows on, in metres; NULL: not wanted. Those before a cancelled one are done. */
+cata_status cata_plant_rods_step(cata_plant_rods *rods, size_t count, double *gap);
+
+/** The pose as a mesh of tubes of `sides` >= 3 sides and radii of at least `thinnest` metres.
+ * Segment v has the vertices from 2 v `sides` on, and the faces. `vertices`, `faces`: 6 n
+ * `sides` elements each, written; NULL where not wanted. */
+cata_status cata_plant_rods_tubes(const cata_plant_rods *rods, size_t n, size_t sides,
+    double thinnest, double *vertices, uint32_t *faces);
+
+/** Lets a plant wilt: from full cells on cata_plant_water_curve, and at each time the pose in
+ * which it then rests.
+ *
+ * - `rods`: of this plant, for their constants; NULL: the defaults.
+ * - `water`, `moduli`, `tails`, `rotations`: n_times x n, n, 3 n and 4 n elements, written, as
+ *   in the calls above; NULL where not wanted. */
+cata_status cata_plant_wilt(const cata_plant *plant, const cata_plant_rods *rods, size_t n_times,
+    const double *times, size_t n_intervals, const double *intervals, size_t n, double *water,
+    double *moduli, double *tails, double *rotations);
 
 /** @} */
 
@@ -1573,22 +1643,46 @@ cata_status cata_plant_stiffness(const cata_plant *plant, size_t n, const double
 /**
  * @defgroup slime Slime moulds
  *
- * Agents on a surface that leave trails in its texture (thesis, chapter 3).
+ * Agents on a surface that leave trails in its texture (thesis, chapter 3). Textures are size
+ * x size texels, rows along u, the first at v = 0.
+ *
+ * @code{.c}
+ * double square[12] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, coverage = 0;
+ * uint32_t faces[6] = {0, 1, 2, 0, 2, 3};
+ * cata_slime_params params = {.struct_size = sizeof params, .agents = 1000, .size = 64};
+ * cata_slime *slime;
+ * if (cata_slime_new(4, square, 2, faces, NULL, NULL, NULL, &params, &slime) == CATA_OK) {
+ *     cata_slime_step(slime, 30);
+ *     cata_slime_coverage(slime, 0, &coverage, NULL);
+ *     cata_slime_free(slime);
+ * }
+ * @endcode
  * @{
  */
 
-/** Slime moulds on a surface. Made by cata_slime_new; for one thread at a time unless it is only
- * read. */
+#define CATA_SLIME_TURNS_RANDOM 0 /**< `turns`: by chance, up to the turn speed. */
+#define CATA_SLIME_TURNS_EVEN 1 /**< `turns`: always at the turn speed. */
+#define CATA_SLIME_BLUR_SURFACE 0 /**< `blur`: over the surface, across seams. */
+#define CATA_SLIME_BLUR_TEXTURE 1 /**< `blur`: of the texture alone. */
+#define CATA_SLIME_LENGTHS_SURFACE 0 /**< `lengths`: those of the surface. */
+#define CATA_SLIME_LENGTHS_TEXTURE 1 /**< `lengths`: those of the texture, of side 1. */
+
+/** Slime moulds on a surface. */
 typedef struct cata_slime cata_slime;
 
 /** What slime moulds are like (thesis, table 3.1; docs/algorithms/slime.md). Lengths are in
- * hundredths of the square root of the area of the surface, times in seconds of the simulation. */
+ * hundredths of the square root of the area of the surface, times in seconds. */
 typedef struct cata_slime_params {
     size_t struct_size; /**< sizeof(cata_slime_params). */
     size_t threads; /**< Threads, at most; 0: all. */
+    cata_progress progress; /**< Told after each step. */
+    void *progress_user; /**< Handed to `progress`. */
     size_t agents; /**< Number of agents, below 2^32; 0: 1,000,000. */
     size_t species; /**< Number of species, from 1 to 15; 0: 1. */
     size_t size; /**< Texels of a side of the texture, a multiple of 32, at most 16384; 0: 2048. */
+    /** An OpenCL device (see Devices), which keeps agents and textures between calls; NULL: the
+     * processor. The bytes are the same where devices round as processors do. */
+    const char *device;
     uint32_t seed; /**< Of all randomness. */
     /** 0: steps that are exact; else the number of sub-steps that are projected (thesis,
      * algorithm 3.1). */
@@ -1601,10 +1695,9 @@ typedef struct cata_slime_params {
     double vision_angle; /**< Between sensors, in degrees, such as 10 to 50; 0: 30. */
     double evaporation_rate; /**< What evaporates in a second, such as 0.2 to 1; 0: 0.4. */
     double diffusion_rate; /**< Blurs a second; 0: 6. */
-    int32_t even_turns; /**< 1: all turns are as large as the turn speed says; 0: up to that. */
-    int32_t plain_blur; /**< 1: the blur is that of the texture alone; 0: it crosses seams. */
-    /** 1: lengths are those of the texture, of side 1; 0: of the surface. */
-    int32_t no_length_rescaling;
+    int32_t turns; /**< One of CATA_SLIME_TURNS_*. */
+    int32_t blur; /**< One of CATA_SLIME_BLUR_*. */
+    int32_t lengths; /**< One of CATA_SLIME_LENGTHS_*. */
 } cata_slime_params;
 
 /** Fills a struct with the defaults. */
@@ -1612,72 +1705,37 @@ cata_status cata_slime_params_init(cata_slime_params *params, size_t struct_size
 
 /** Agents spread over a surface, and a texture without pheromone.
  *
- * - `positions`: 3 `vertices` elements, read: x, y, z of each vertex.
- * - `triangles`: 3 `faces` elements, read: three vertices of each face, from 0.
- * - `uv`: 6 `faces` elements, read: u, v of the three corners of each face, from 0 to 1; NULL:
- *   every triangle gets a place of its own in the texture, which cata_slime_uv gives.
- * - `start`: size x size elements (of the texture), read: not 0 where agents start; NULL:
- *   anywhere.
- * - `ground`: size x size elements, read: 0 free, 1 obstacle, 2 attractor; NULL: all free.
- * - `slime`: one pointer, not NULL, written: to be given to cata_slime_free.
- *
- * Textures have rows along u, the first at v = 0.
+ * - `uv`: 6 n_faces elements: u, v of the three corners of each face, from 0 to 1; NULL: every
+ *   triangle gets a place of its own in the texture, which cata_slime_uv gives.
+ * - `start`: a texture: not 0 where agents start; NULL: anywhere.
+ * - `ground`: a texture: 0 free, 1 obstacle, 2 attractor; NULL: all free.
  *
  * Returns CATA_ERR_MESH for an edge of three faces or more, and for a face without area, in
- * space or in the texture; the message names it. */
+ * space or in the texture; CATA_ERR_BACKEND when the device refuses. */
 cata_status cata_slime_new(size_t n_vertices, const double *vertices, size_t n_faces,
     const uint32_t *faces, const double *uv, const uint8_t *start, const uint8_t *ground,
     const cata_slime_params *params, cata_slime **slime);
 
-/** Gives a simulation back.
- *
- * `slime`: from cata_slime_new, not used any more afterwards; NULL is ignored. */
+/** Frees a simulation. */
 void cata_slime_free(cata_slime *slime);
 
-/** Goes `steps` steps ahead (0 included).
- *
- * - `slime`: from cata_slime_new, not NULL.
- * - `progress`: told after each step; NULL: nobody.
- * - `progress_user`: handed to `progress` as it is; may be NULL.
- *
- * After CATA_ERR_CANCELLED the steps before are done, and it can go on.
- *
- * Not for two threads at once on the same simulation. */
-cata_status cata_slime_step(cata_slime *slime, uint32_t steps, cata_progress progress,
-    void *progress_user);
+/** Goes `steps` steps ahead. Those before a cancelled one are done. */
+cata_status cata_slime_step(cata_slime *slime, uint32_t steps);
 
-/** How large a simulation is.
- *
- * - `slime`: from cata_slime_new, not NULL.
- * - `size`, `species`, `faces`: one element each, written: texels of a side of the texture,
- *   species, and triangles. NULL where not wanted.
- * - `steps`: one element, written: steps done. NULL where not wanted. */
+/** Texels of a side of a texture, species, triangles, and steps that are done; NULL where not
+ * wanted. */
 cata_status cata_slime_size(const cata_slime *slime, size_t *size, size_t *species, size_t *faces,
     uint32_t *steps);
 
-/** The texture of a species, as it is now.
- *
- * - `slime`: from cata_slime_new, not NULL.
- * - `species`: its number, from 0.
- * - `texture`: size x size elements, written: pheromone from 0 to 1, rows along u, the first at
- *   v = 0. */
+/** The texture of a species (from 0) as it is now: pheromone, from 0 to 1. */
 cata_status cata_slime_texture(const cata_slime *slime, size_t species, float *texture);
 
-/** How much of the surface a species covers (thesis, equation 3.2).
- *
- * - `slime`: from cata_slime_new, not NULL.
- * - `species`: its number, from 0.
- * - `coverage`: one element, written: the mean of the pheromone, from 0 to 1. NULL where not
- *   wanted.
- * - `presence`: one element, written: the part of the surface that has any. NULL where not
- *   wanted. */
+/** How much of the surface a species covers (thesis, equation 3.2): the mean of its pheromone,
+ * and the part of the surface that has any; NULL where not wanted. */
 cata_status cata_slime_coverage(const cata_slime *slime, size_t species, double *coverage,
     double *presence);
 
-/** The texture coordinates of the corners of faces: those that were given, or those of the atlas.
- *
- * - `slime`: from cata_slime_new, not NULL.
- * - `uv`: 6 elements a face, written: u, v of its three corners. */
+/** The texture coordinates of the corners of faces, as cata_slime_new takes them. */
 cata_status cata_slime_uv(const cata_slime *slime, double *uv);
 
 /** @} */
@@ -1688,6 +1746,16 @@ cata_status cata_slime_uv(const cata_slime *slime, double *uv);
  * @defgroup newton Newton fractals
  *
  * Bicomplex fractals, evaluated anywhere in space (thesis, chapter 7).
+ *
+ * @code{.c}
+ * cata_newton *newton;
+ * uint16_t roots[16 * 16];
+ * float convergence[16 * 16];
+ * if (cata_newton_new(NULL, &newton) == CATA_OK) {
+ *     cata_newton_plane(newton, 16, 16, 0, 0, 3, roots, convergence);
+ *     cata_newton_free(newton);
+ * }
+ * @endcode
  * @{
  */
 
@@ -1695,27 +1763,22 @@ cata_status cata_slime_uv(const cata_slime *slime, double *uv);
 #define CATA_NEWTON_THESIS 0
 #define CATA_NEWTON_SHADER 1 /**< The gradient of the shader of the thesis' authors: from 0 to 1. */
 
-/** A fractal that points can be asked of. Made by cata_newton_new; for one thread at a time. */
+/** A fractal that points can be asked of. */
 typedef struct cata_newton cata_newton;
 
 /** What a Newton fractal is of. */
 typedef struct cata_newton_params {
     size_t struct_size; /**< sizeof(cata_newton_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    cata_progress progress; /**< Told of progress; NULL: nobody. */
+    cata_progress progress; /**< Told of progress. */
     void *progress_user; /**< Handed to `progress`. */
-    /** Elements of `roots` / 2: roots of the polynomial, at most 64; 0: the polynomial is
-     * z^`power` - 1. */
-    size_t root_count;
-    /** 2 `root_count` elements, read by cata_newton_new: real and imaginary part of each root,
-     * within 1e4 of 0. NULL when there are none. */
+    size_t root_count; /**< Roots of the polynomial, at most 64; 0: it is z^`power` - 1. */
+    /** 2 `root_count` elements: real and imaginary part of each root, within 1e4 of 0. */
     const double *roots;
-    /** NULL: the processor. Else an OpenCL device: its number or a part of its name,
-     * NUL-terminated; "" is the first GPU, or else the first device. Needs CATA_CAP_OPENCL. */
-    const char *device;
+    const char *device; /**< An OpenCL device (see Devices); NULL: the processor. */
     double scale; /**< What points are multiplied by after `offset` and `w` are added; 0: 1. */
     double theta; /**< The theta of the gradient, from -10 to 20; 0: 3.5. */
-    double w; /**< The fourth coordinate of all points. */
+    double w; /**< The fourth coordinate of all points, which cata_newton_set_w changes. */
     double offset[3]; /**< Added to x, y and z of each point. */
     uint32_t power; /**< With `root_count` 0: from 2 to 64; 0: 3. */
     uint32_t iterations; /**< Iterations, at most 1000; 0: 32. */
@@ -1725,67 +1788,32 @@ typedef struct cata_newton_params {
 /** Fills a struct with the defaults. */
 cata_status cata_newton_params_init(cata_newton_params *params, size_t struct_size);
 
-/** A Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial with
- * n roots has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and exp(2 pi
- * i b / n).
- *
- * Returns CATA_ERR_BACKEND when there is no such device or no OpenCL on this machine. */
+/** A Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial
+ * with n roots has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and
+ * exp(2 pi i b / n). */
 cata_status cata_newton_new(const cata_newton_params *params, cata_newton **newton);
 
-/** Gives a fractal back.
- *
- * `newton`: from cata_newton_new, not used any more afterwards; NULL is ignored. */
+/** Frees a fractal. */
 void cata_newton_free(cata_newton *newton);
 
-/** Changes the fourth coordinate of all points, as time goes on.
- *
- * - `newton`: from cata_newton_new, not NULL.
- * - `w`: the coordinate; finite.
- *
- * Not thread-safe for one fractal. */
+/** Changes the fourth coordinate of all points, as time goes on. */
 cata_status cata_newton_set_w(cata_newton *newton, double w);
 
 /** The fractal at points in space, such as the vertices of a mesh.
  *
- * - `newton`: from cata_newton_new, not NULL.
- * - `count`: points, less than 2^31.
- * - `positions`: 3 `count` elements, read: x, y, z of each point.
+ * - `positions`: 3 `count` elements: x, y, z of less than 2^31 points, within 1e9 of 0.
  * - `roots`: `count` elements, written: the number of the root that each point converges to.
- * - `convergence`: `count` elements, written: how slowly.
- *
- * Returns CATA_ERR_NON_FINITE for a point that is not finite or beyond 1e9, CATA_ERR_BACKEND
- * when the device refuses.
- *
- * Not thread-safe for one fractal. */
+ * - `convergence`: `count` elements, written: how slowly. */
 cata_status cata_newton_points(const cata_newton *newton, size_t count, const float *positions,
     uint16_t *roots, float *convergence);
 
-/** The fractal on the plane z = 0: at the centres of the pixels of a picture, rows from the top
- * (large y).
- *
- * - `newton`: from cata_newton_new, not NULL.
- * - `width`, `height`: pixels, at most 65,536 each and less than 2^31 in all.
- * - `center_x`, `center_y`: the middle of the picture.
- * - `extent`: how wide it is, positive.
- * - `roots`: `width` `height` elements, written: the number of the root of each pixel.
- * - `convergence`: `width` `height` elements, written: how slowly it converges.
- *
- * Returns what cata_newton_points returns; outputs are untouched unless it is CATA_OK.
- *
- * Not thread-safe for one fractal. */
+/** The same on the plane z = 0: at the centres of the pixels of a picture `extent` wide, at
+ * most 65,536 a side and less than 2^31 in all, rows from the top (large y). */
 cata_status cata_newton_plane(const cata_newton *newton, uint32_t width, uint32_t height,
     double center_x, double center_y, double extent, uint16_t *roots, float *convergence);
 
-/** Colours of points: each root has its own, darker the slower a point converges.
- *
- * - `newton`: from cata_newton_new, not NULL.
- * - `count`: points.
- * - `roots`, `convergence`: `count` elements each, read: as cata_newton_points or
- *   cata_newton_plane wrote them.
- * - `colors`: 3 `count` elements, written: red, green and blue of each point, as screens have
- *   them (sRGB).
- *
- * Not thread-safe for one fractal. */
+/** Colours of points: each root has its own, darker the slower a point converges. `colors`:
+ * 3 `count` elements, written: red, green and blue of each (sRGB). */
 cata_status cata_newton_colors(const cata_newton *newton, size_t count, const uint16_t *roots,
     const float *convergence, uint8_t *colors);
 
@@ -1796,28 +1824,32 @@ cata_status cata_newton_colors(const cata_newton *newton, size_t count, const ui
 /**
  * @defgroup devices Devices
  *
- * OpenCL devices, where the library has CATA_CAP_OPENCL.
+ * OpenCL devices, where the library has CATA_CAP_OPENCL. `device` of parameters is a number,
+ * or a part of a name; "" is the first GPU, or else the first device.
  *
  * @code{.c}
  * char name[256];
- * if (cata_device_name(0, sizeof name, name) == CATA_OK) {
+ * size_t count = 0;
+ * cata_device_count(&count);
+ * for (size_t i = 0; i < count && cata_device_name(i, sizeof name, name) == CATA_OK; i++) {
  *     printf("%s\n", name);
  * }
  * @endcode
  * @{
  */
 
-/** An OpenCL device of this machine, by its number.
- *
- * - `index`: from 0.
- * - `count`: one element, written: how many devices there are. NULL where not wanted.
- * - `size`: elements of `name`; 0 where the name is not wanted.
- * - `name`: `size` elements, written: what the device is called, cut to fit, NUL-terminated. May
- *   be NULL when `size` is 0; `index` is not looked at then.
- *
- * Returns CATA_ERR_ARGUMENT for a device that is not there, CATA_ERR_BACKEND when there is none
- * at all (the message says what is missing). */
-cata_status cata_device_name(size_t index, size_t *count, size_t size, char *name);
+#define CATA_DEVICE_CPU 0 /**< A kind of devices: the processor of this machine. */
+#define CATA_DEVICE_GPU 1 /**< A kind of devices: a graphics card. */
+#define CATA_DEVICE_OTHER 2 /**< A kind of devices: anything else. */
+
+/** The number of devices, at least 1, or CATA_ERR_BACKEND; the message says what is missing. */
+cata_status cata_device_count(size_t *count);
+
+/** What the device `index` (from 0) is called: `size` elements of `name`, cut to fit, and NUL. */
+cata_status cata_device_name(size_t index, size_t size, char *name);
+
+/** What the device `index` (from 0) is: one of CATA_DEVICE_*. */
+cata_status cata_device_kind(size_t index, int32_t *kind);
 
 /** @} */
 

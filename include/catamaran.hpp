@@ -18,5 +18,6 @@
 #include "catamaran/plants.hpp"
 #include "catamaran/slime.hpp"
 #include "catamaran/newton.hpp"
+#include "catamaran/devices.hpp"
 
 #endif

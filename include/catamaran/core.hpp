@@ -10,9 +10,11 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace catamaran {
@@ -165,7 +167,7 @@ public:
 
     void finish(cata_status status) {
         if (thrown_) {
-            std::rethrow_exception(thrown_);
+            std::rethrow_exception(std::exchange(thrown_, nullptr));
         }
         check(status);
     }
@@ -186,6 +188,33 @@ private:
 
     const std::function<bool(double)>& progress_;
     std::exception_ptr thrown_;
+};
+
+/// A progress callback that a handle keeps for its calls; nothing without one.
+class kept_watcher {
+public:
+    explicit kept_watcher(const std::function<bool(double)>& progress)
+        : kept_(progress ? std::make_unique<kept>(progress) : nullptr) {}
+
+    template <class Params>
+    void attach(Params& params) {
+        if (kept_) {
+            kept_->watcher_.attach(params);
+        }
+    }
+
+    void finish(cata_status status) const { kept_ ? kept_->watcher_.finish(status) : check(status); }
+
+private:
+    struct kept {
+        explicit kept(const std::function<bool(double)>& progress)
+            : progress_(progress), watcher_(progress_) {}
+
+        std::function<bool(double)> progress_;
+        watcher watcher_;
+    };
+
+    std::unique_ptr<kept> kept_;
 };
 
 }  // namespace detail

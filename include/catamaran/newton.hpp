@@ -6,8 +6,30 @@
 #include "core.hpp"
 
 #include <memory>
+#include <optional>
 
 namespace catamaran {
+
+/// How slowly points converge, as which number.
+enum class newton_gradient : std::int32_t {
+    thesis = CATA_NEWTON_THESIS,
+    shader = CATA_NEWTON_SHADER,
+};
+
+/// What a Newton fractal is of: the fields of cata_newton_params; 0 is the default of each.
+struct newton_options {
+    std::size_t threads = 0;
+    /// As options::progress, of all calls of the fractal.
+    std::function<bool(double)> progress;
+    /// Real and imaginary part of each root; none: those of z^power - 1.
+    std::vector<std::array<double, 2>> roots;
+    /// An OpenCL device; none: the processor.
+    std::optional<std::string> device;
+    double scale = 0.0, theta = 0.0, w = 0.0;
+    std::array<double, 3> offset{};
+    std::uint32_t power = 0, iterations = 0;
+    newton_gradient gradient = newton_gradient::thesis;
+};
 
 /// A Newton fractal in four dimensions. One owner; fractals share nothing.
 class newton {
@@ -18,9 +40,25 @@ public:
         std::vector<float> convergence;
     };
 
-    explicit newton(const cata_newton_params* params = nullptr) {
+    explicit newton(const newton_options& how = {}) : watcher_(how.progress) {
+        cata_newton_params params;
+        detail::check(cata_newton_params_init(&params, sizeof params));
+        params.threads = how.threads;
+        params.root_count = how.roots.size();
+        params.roots = detail::first_of(how.roots);
+        params.device = how.device ? how.device->c_str() : nullptr;
+        params.scale = how.scale;
+        params.theta = how.theta;
+        params.w = how.w;
+        for (std::size_t i = 0; i < 3; ++i) {
+            params.offset[i] = how.offset[i];
+        }
+        params.power = how.power;
+        params.iterations = how.iterations;
+        params.gradient = static_cast<std::int32_t>(how.gradient);
+        watcher_.attach(params);
         cata_newton* handle = nullptr;
-        detail::check(cata_newton_new(params, &handle));
+        detail::check(cata_newton_new(&params, &handle));
         handle_.reset(handle);
     }
 
@@ -31,8 +69,8 @@ public:
     values points(const std::vector<float>& positions) const {
         detail::require(positions.size() % 3 == 0, CATA_ERR_SHAPE, "positions: must be in threes");
         values found = room_for(positions.size() / 3);
-        detail::check(cata_newton_points(handle_.get(), found.roots.size(), positions.data(),
-                                         found.roots.data(), found.convergence.data()));
+        watcher_.finish(cata_newton_points(handle_.get(), found.roots.size(), positions.data(),
+                                           found.roots.data(), found.convergence.data()));
         return found;
     }
 
@@ -43,8 +81,8 @@ public:
         detail::require(std::uint64_t{width} * height < std::uint64_t{1} << 31, CATA_ERR_ARGUMENT,
                         "width and height: 2^31 pixels or more");
         values found = room_for(std::size_t{width} * height);
-        detail::check(cata_newton_plane(handle_.get(), width, height, center[0], center[1], extent,
-                                        found.roots.data(), found.convergence.data()));
+        watcher_.finish(cata_newton_plane(handle_.get(), width, height, center[0], center[1],
+                                          extent, found.roots.data(), found.convergence.data()));
         return found;
     }
 
@@ -72,6 +110,7 @@ private:
         return found;
     }
 
+    detail::kept_watcher watcher_;
     std::unique_ptr<cata_newton, free> handle_;
 };
 

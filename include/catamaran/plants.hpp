@@ -6,39 +6,127 @@
 #include "core.hpp"
 
 #include <memory>
+#include <optional>
 
 namespace catamaran {
 
-/// The water in a plant. One owner; models share nothing.
+/// The constants of a plant: the fields of cata_plant_params; 0 is the default of each.
+struct plant_options {
+    std::size_t threads = 0;
+    /// As options::progress, of all calls of the plant.
+    std::function<bool(double)> progress;
+    double loss = 0.0, intake = 0.0, conductance = 0.0, modulus = 0.0, viscosity = 0.0, density = 0.0;
+    double elasticity_full = 0.0, elasticity_dry = 0.0, elasticity_steepness = 0.0, elasticity_shift = 0.0;
+};
+
+/// The constants of rods: the fields of cata_plant_rods_params; 0 is the default of each.
+struct rods_options {
+    /// As options::progress, of all calls of the rods.
+    std::function<bool(double)> progress;
+    std::array<double, 3> gravity{};
+    double poisson = 0.0, dry_density = 0.0;
+    double tolerance = 0.0;
+    std::size_t iterations = 0;
+    double step = 0.0;
+    std::size_t step_iterations = 0;
+    double damping = 0.0;
+};
+
+/// The segments of a plant, as cata_plant_new takes them.
+struct plant_segments {
+    std::vector<std::array<double, 3>> tails;
+    std::vector<double> radii;
+    std::vector<std::uint32_t> parents;
+    std::vector<std::int32_t> kinds;
+    /// None: the root goes straight on into its first child.
+    std::optional<std::array<double, 3>> base;
+};
+
+/// A part of a day: its seconds, and what leaves lose then.
+struct plant_interval {
+    double seconds, loss;
+};
+
+/// Where segments are.
+struct plant_pose {
+    std::vector<std::array<double, 3>> heads, tails;
+    /// Unit quaternions (w, x, y, z).
+    std::vector<std::array<double, 4>> rotations;
+};
+
+/// A mesh of tubes.
+struct plant_tubes {
+    std::vector<std::array<double, 3>> vertices;
+    std::vector<std::array<std::uint32_t, 3>> faces;
+};
+
+/// What became of a plant, time by time.
+struct wilting {
+    std::vector<std::vector<double>> water, moduli;
+    std::vector<std::vector<std::array<double, 3>>> tails;
+    std::vector<std::vector<std::array<double, 4>>> rotations;
+};
+
+namespace detail {
+
+/// The numbers at `flat`, `count` rows of them.
+template <class Row>
+std::vector<std::vector<Row>> rows_of(const std::vector<Row>& flat, std::size_t count) {
+    std::vector<std::vector<Row>> rows(count);
+    const std::size_t n = count > 0 ? flat.size() / count : 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        rows[i].assign(flat.begin() + i * n, flat.begin() + (i + 1) * n);
+    }
+    return rows;
+}
+
+}  // namespace detail
+
+class rods;
+
+/// The water in a plant. One owner; plants share nothing.
 class plant {
 public:
     /// A plant in a file: .txt, .swc, .mtg or .obj.
-    explicit plant(const std::string& path, const cata_plant_params* params = nullptr) {
-        cata_plant* handle = nullptr;
-        detail::check(cata_plant_read(path.c_str(), params, &handle));
-        handle_.reset(handle);
+    explicit plant(const std::string& path, const plant_options& how = {}) : watcher_(how.progress) {
+        make(how, [&](auto params, auto out) { return cata_plant_read(path.c_str(), params, out); });
     }
 
-    /// Three coordinates, a radius, a parent and 1 or 0 for a vein or stem of every segment; base: three numbers or null.
-    plant(const std::vector<double>& tails, const std::vector<double>& radii,
-          const std::vector<std::uint32_t>& parents, const std::vector<std::int32_t>& leaves,
-          const double* base = nullptr, const cata_plant_params* params = nullptr) {
-        const std::size_t n = radii.size();
-        detail::require(tails.size() / 3 == n && tails.size() % 3 == 0, CATA_ERR_SHAPE,
-                        "tails: must have three numbers for each radius");
-        detail::require(parents.size() == n && leaves.size() == n, CATA_ERR_SHAPE,
-                        "parents and leaves: must be as many as radii");
-        cata_plant* handle = nullptr;
-        detail::check(cata_plant_new(n, tails.data(), radii.data(), parents.data(), leaves.data(),
-                                     base, params, &handle));
-        handle_.reset(handle);
+    explicit plant(const plant_segments& of, const plant_options& how = {}) : watcher_(how.progress) {
+        const std::size_t n = of.tails.size();
+        detail::require(of.radii.size() == n && of.parents.size() == n && of.kinds.size() == n,
+                        CATA_ERR_SHAPE, "radii, parents and kinds: must be as many as tails");
+        make(how, [&](auto params, auto out) {
+            return cata_plant_new(n, detail::first_of(of.tails), of.radii.data(), of.parents.data(),
+                                  of.kinds.data(), of.base ? of.base->data() : nullptr, params, out);
+        });
     }
 
-    std::size_t size() const noexcept { return cata_plant_size(handle_.get()); }
+    /// A plant that grows by chance.
+    static plant grow(std::size_t n, std::uint64_t seed, const plant_options& how = {}) {
+        plant grown(how.progress);
+        grown.make(how, [&](auto params, auto out) { return cata_plant_grow(n, seed, params, out); });
+        return grown;
+    }
+
+    std::size_t size() const noexcept { return cata_plant_size(get()); }
+
+    plant_segments segments() const {
+        plant_segments found;
+        const std::size_t n = size();
+        found.tails.resize(n);
+        found.radii.resize(n);
+        found.parents.resize(n);
+        found.kinds.resize(n);
+        detail::check(cata_plant_segments(get(), n, detail::first_of(found.tails), found.radii.data(),
+                                          found.parents.data(), found.kinds.data(),
+                                          found.base.emplace().data()));
+        return found;
+    }
 
     std::vector<double> full_water() const {
         std::vector<double> water(size());
-        detail::check(cata_plant_full_water(handle_.get(), size(), water.data()));
+        detail::check(cata_plant_full_water(get(), size(), water.data()));
         return water;
     }
 
@@ -48,11 +136,29 @@ public:
         detail::check(cata_plant_weaken(handle_.get(), node, factor));
     }
 
+    /// The rates at which the modes of the water decay, in 1 / s.
+    std::vector<double> rates() const {
+        std::vector<double> rates(size());
+        detail::check(cata_plant_rates(get(), size(), rates.data()));
+        return rates;
+    }
+
     std::vector<double> water_after(const std::vector<double>& water, double seconds) const {
         std::vector<double> result(water.size());
-        detail::check(cata_plant_water_after(handle_.get(), water.size(), water.data(), seconds,
-                                             result.data()));
+        watcher_.finish(
+            cata_plant_water_after(get(), water.size(), water.data(), seconds, result.data()));
         return result;
+    }
+
+    /// The water at each of `times`, from `water` at time 0 on.
+    std::vector<std::vector<double>> water_curve(const std::vector<double>& water,
+                                                 const std::vector<double>& times,
+                                                 const std::vector<plant_interval>& day = {}) const {
+        std::vector<double> result(times.size() * water.size());
+        watcher_.finish(cata_plant_water_curve(get(), water.size(), water.data(), times.size(),
+                                               times.data(), day.size(), numbers(day),
+                                               result.data()));
+        return detail::rows_of(result, times.size());
     }
 
     /// Makes `water` the present of step().
@@ -63,17 +169,19 @@ public:
     /// Goes `count` steps ahead; the water there.
     std::vector<double> step(std::size_t count = 1) {
         std::vector<double> water(size());
-        detail::check(cata_plant_step(handle_.get(), count, water.size(), water.data()));
+        watcher_.finish(cata_plant_step(handle_.get(), count, size(), water.data()));
         return water;
     }
 
-    std::vector<double> stiffness(const std::vector<double>& water, double full, double dry,
-                                  double steepness, double shift) const {
+    std::vector<double> stiffness(const std::vector<double>& water) const {
         std::vector<double> moduli(water.size());
-        detail::check(cata_plant_stiffness(handle_.get(), water.size(), water.data(), full, dry,
-                                           steepness, shift, moduli.data()));
+        detail::check(cata_plant_stiffness(get(), water.size(), water.data(), moduli.data()));
         return moduli;
     }
+
+    /// Water, stiffness and pose at rest at each of `times`, from full cells on; with the constants of `rods`.
+    inline wilting wilt(const std::vector<double>& times, const std::vector<plant_interval>& day = {},
+                        const rods* rods = nullptr) const;
 
     const cata_plant* get() const noexcept { return handle_.get(); }
 
@@ -82,8 +190,137 @@ private:
         void operator()(cata_plant* handle) const noexcept { cata_plant_free(handle); }
     };
 
+    explicit plant(const std::function<bool(double)>& progress) : watcher_(progress) {}
+
+    template <class Make>
+    void make(const plant_options& how, Make call) {
+        cata_plant_params params;
+        detail::check(cata_plant_params_init(&params, sizeof params));
+        params.threads = how.threads;
+        params.loss = how.loss;
+        params.intake = how.intake;
+        params.conductance = how.conductance;
+        params.modulus = how.modulus;
+        params.viscosity = how.viscosity;
+        params.density = how.density;
+        params.elasticity_full = how.elasticity_full;
+        params.elasticity_dry = how.elasticity_dry;
+        params.elasticity_steepness = how.elasticity_steepness;
+        params.elasticity_shift = how.elasticity_shift;
+        watcher_.attach(params);
+        cata_plant* handle = nullptr;
+        detail::check(call(&params, &handle));
+        handle_.reset(handle);
+    }
+
+    static const double* numbers(const std::vector<plant_interval>& day) noexcept {
+        static_assert(sizeof(plant_interval) == 2 * sizeof(double), "seconds and loss in turn");
+        return day.empty() ? nullptr : &day.front().seconds;
+    }
+
+    detail::kept_watcher watcher_;
     std::unique_ptr<cata_plant, free> handle_;
 };
+
+/// The segments of a plant as rods, in a pose. One owner.
+class rods {
+public:
+    explicit rods(const plant& of, const rods_options& how = {})
+        : size_(of.size()), watcher_(how.progress) {
+        cata_plant_rods_params params;
+        detail::check(cata_plant_rods_params_init(&params, sizeof params));
+        for (std::size_t i = 0; i < 3; ++i) {
+            params.gravity[i] = how.gravity[i];
+        }
+        params.poisson = how.poisson;
+        params.dry_density = how.dry_density;
+        params.tolerance = how.tolerance;
+        params.iterations = how.iterations;
+        params.step = how.step;
+        params.step_iterations = how.step_iterations;
+        params.damping = how.damping;
+        watcher_.attach(params);
+        cata_plant_rods* handle = nullptr;
+        detail::check(cata_plant_rods_new(of.get(), &params, &handle));
+        handle_.reset(handle);
+    }
+
+    void set_state(const std::vector<double>& moduli, const std::vector<double>& water) {
+        detail::require(moduli.size() == water.size(), CATA_ERR_SHAPE,
+                        "moduli and water: must be as many");
+        detail::check(
+            cata_plant_rods_set_state(handle_.get(), water.size(), moduli.data(), water.data()));
+    }
+
+    /// At rest, with these rotations; none: as the plant was given.
+    void set_pose(const std::vector<std::array<double, 4>>& rotations = {}) {
+        detail::check(cata_plant_rods_set_pose(handle_.get(),
+                                               rotations.empty() ? size_ : rotations.size(),
+                                               detail::first_of(rotations)));
+    }
+
+    plant_pose pose() const {
+        plant_pose found;
+        found.heads.resize(size_);
+        found.tails.resize(size_);
+        found.rotations.resize(size_);
+        detail::check(cata_plant_rods_pose(get(), size_, detail::first_of(found.heads),
+                                           detail::first_of(found.tails),
+                                           detail::first_of(found.rotations)));
+        return found;
+    }
+
+    /// Into a pose of equilibrium; what is left of torques.
+    double relax() {
+        double residual = 0.0;
+        watcher_.finish(cata_plant_rods_relax(handle_.get(), nullptr, &residual));
+        return residual;
+    }
+
+    /// Lets them move for `count` steps; the largest gap.
+    double step(std::size_t count = 1) {
+        double gap = 0.0;
+        watcher_.finish(cata_plant_rods_step(handle_.get(), count, &gap));
+        return gap;
+    }
+
+    /// The pose as a mesh of tubes.
+    plant_tubes tubes(std::size_t sides, double thinnest = 0.0) const {
+        // The sizes of larger ones might wrap around; the call refuses them anyway.
+        detail::require(sides < 65536, CATA_ERR_ARGUMENT, "sides: 65536 or more");
+        plant_tubes found;
+        found.vertices.resize(2 * size_ * sides);
+        found.faces.resize(2 * size_ * sides);
+        detail::check(cata_plant_rods_tubes(get(), size_, sides, thinnest,
+                                            detail::first_of(found.vertices),
+                                            detail::first_of(found.faces)));
+        return found;
+    }
+
+    const cata_plant_rods* get() const noexcept { return handle_.get(); }
+
+private:
+    struct free {
+        void operator()(cata_plant_rods* handle) const noexcept { cata_plant_rods_free(handle); }
+    };
+
+    std::size_t size_;
+    detail::kept_watcher watcher_;
+    std::unique_ptr<cata_plant_rods, free> handle_;
+};
+
+wilting plant::wilt(const std::vector<double>& times, const std::vector<plant_interval>& day,
+                    const rods* rods) const {
+    const std::size_t n = size(), count = times.size();
+    std::vector<double> water(count * n), moduli(count * n);
+    std::vector<std::array<double, 3>> tails(count * n);
+    std::vector<std::array<double, 4>> rotations(count * n);
+    watcher_.finish(cata_plant_wilt(get(), rods ? rods->get() : nullptr, count, times.data(),
+                                    day.size(), numbers(day), n, water.data(), moduli.data(),
+                                    detail::first_of(tails), detail::first_of(rotations)));
+    return {detail::rows_of(water, count), detail::rows_of(moduli, count),
+            detail::rows_of(tails, count), detail::rows_of(rotations, count)};
+}
 
 }  // namespace catamaran
 

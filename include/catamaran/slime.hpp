@@ -6,64 +6,125 @@
 #include "core.hpp"
 
 #include <memory>
+#include <optional>
 
 namespace catamaran {
+
+/// How agents turn.
+enum class slime_turns : std::int32_t {
+    random = CATA_SLIME_TURNS_RANDOM,
+    even = CATA_SLIME_TURNS_EVEN,
+};
+
+/// What the blur goes over.
+enum class slime_blur : std::int32_t {
+    surface = CATA_SLIME_BLUR_SURFACE,
+    texture = CATA_SLIME_BLUR_TEXTURE,
+};
+
+/// Whose lengths those of the options are.
+enum class slime_lengths : std::int32_t {
+    surface = CATA_SLIME_LENGTHS_SURFACE,
+    texture = CATA_SLIME_LENGTHS_TEXTURE,
+};
+
+/// What slime moulds are like: the fields of cata_slime_params; 0 is the default of each.
+struct slime_options {
+    std::size_t threads = 0;
+    /// As options::progress, of all calls of the simulation.
+    std::function<bool(double)> progress;
+    std::size_t agents = 0, species = 0, size = 0;
+    /// An OpenCL device; none: the processor.
+    std::optional<std::string> device;
+    std::uint32_t seed = 0, substeps = 0;
+    double time_step = 0.0, movement_speed = 0.0, turn_speed = 0.0;
+    double vision_distance = 0.0, vision_angle = 0.0;
+    double evaporation_rate = 0.0, diffusion_rate = 0.0;
+    slime_turns turns = slime_turns::random;
+    slime_blur blur = slime_blur::surface;
+    slime_lengths lengths = slime_lengths::surface;
+};
 
 /// Slime moulds on a surface. One owner; simulations share nothing.
 class slime {
 public:
-    /// Three coordinates a vertex, three vertices a triangle; uv: six numbers a triangle, or none for an atlas. start and
-    /// ground: a value for each texel, or none.
-    slime(const std::vector<double>& positions, const std::vector<std::uint32_t>& triangles,
-          const std::vector<double>& uv = {}, const cata_slime_params* params = nullptr,
-          const std::vector<std::uint8_t>& start = {},
-          const std::vector<std::uint8_t>& ground = {}) {
-        detail::require(positions.size() % 3 == 0 && triangles.size() % 3 == 0, CATA_ERR_SHAPE,
-                        "positions and triangles: must be in threes");
-        detail::require(uv.empty() || uv.size() == 2 * triangles.size(), CATA_ERR_SHAPE,
-                        "uv: must have six numbers for each triangle");
-        const std::size_t side = params != nullptr && params->size > 0 ? params->size : 2048;
+    /// uv: the corners of each face in the texture, or none for an atlas. start and ground: a value for each texel, or none.
+    explicit slime(const mesh_view& mesh, const slime_options& how = {},
+                   const std::vector<std::array<double, 6>>& uv = {},
+                   const std::vector<std::uint8_t>& start = {},
+                   const std::vector<std::uint8_t>& ground = {})
+        : watcher_(how.progress) {
+        detail::require(uv.empty() || uv.size() == mesh.n_faces, CATA_ERR_SHAPE,
+                        "uv: must be as many as faces");
+        const std::size_t side = how.size > 0 ? how.size : 2048;
         for (const auto* mask : {&start, &ground}) {
             detail::require(mask->empty() || mask->size() == side * side, CATA_ERR_SHAPE,
                             "start and ground: must have a value for each texel");
         }
+        cata_slime_params params;
+        detail::check(cata_slime_params_init(&params, sizeof params));
+        params.threads = how.threads;
+        params.agents = how.agents;
+        params.species = how.species;
+        params.size = how.size;
+        params.device = how.device ? how.device->c_str() : nullptr;
+        params.seed = how.seed;
+        params.substeps = how.substeps;
+        params.time_step = how.time_step;
+        params.movement_speed = how.movement_speed;
+        params.turn_speed = how.turn_speed;
+        params.vision_distance = how.vision_distance;
+        params.vision_angle = how.vision_angle;
+        params.evaporation_rate = how.evaporation_rate;
+        params.diffusion_rate = how.diffusion_rate;
+        params.turns = static_cast<std::int32_t>(how.turns);
+        params.blur = static_cast<std::int32_t>(how.blur);
+        params.lengths = static_cast<std::int32_t>(how.lengths);
+        watcher_.attach(params);
         cata_slime* handle = nullptr;
-        detail::check(cata_slime_new(positions.size() / 3, positions.data(), triangles.size() / 3,
-                                     triangles.data(), uv.empty() ? nullptr : uv.data(),
-                                     start.empty() ? nullptr : start.data(),
-                                     ground.empty() ? nullptr : ground.data(), params, &handle));
+        detail::check(cata_slime_new(mesh.n_vertices, mesh.vertices, mesh.n_faces, mesh.faces,
+                                     detail::first_of(uv), start.empty() ? nullptr : start.data(),
+                                     ground.empty() ? nullptr : ground.data(), &params, &handle));
         handle_.reset(handle);
     }
 
-    /// Goes ahead; `progress` is told the fraction done after each step, and returns whether to go on.
-    void step(std::uint32_t steps = 1, const std::function<bool(double)>& progress = {}) {
-        struct {
-            cata_progress progress = nullptr;
-            void* progress_user = nullptr;
-        } told;
-        detail::watcher watcher(progress);
-        watcher.attach(told);
-        watcher.finish(cata_slime_step(handle_.get(), steps, told.progress, told.progress_user));
-    }
+    /// Goes ahead.
+    void step(std::uint32_t steps = 1) { watcher_.finish(cata_slime_step(handle_.get(), steps)); }
 
     /// Texels of a side of the texture.
     std::size_t size() const {
         std::size_t size = 0;
-        detail::check(cata_slime_size(handle_.get(), &size, nullptr, nullptr, nullptr));
+        detail::check(cata_slime_size(get(), &size, nullptr, nullptr, nullptr));
         return size;
+    }
+
+    /// Steps that are done.
+    std::uint32_t steps() const {
+        std::uint32_t steps = 0;
+        detail::check(cata_slime_size(get(), nullptr, nullptr, nullptr, &steps));
+        return steps;
     }
 
     std::vector<float> texture(std::size_t species = 0) const {
         std::vector<float> texture(size() * size());
-        detail::check(cata_slime_texture(handle_.get(), species, texture.data()));
+        detail::check(cata_slime_texture(get(), species, texture.data()));
         return texture;
     }
 
     /// Coverage and presence.
     std::pair<double, double> coverage(std::size_t species = 0) const {
         std::pair<double, double> found;
-        detail::check(cata_slime_coverage(handle_.get(), species, &found.first, &found.second));
+        detail::check(cata_slime_coverage(get(), species, &found.first, &found.second));
         return found;
+    }
+
+    /// The corners of each face in the texture.
+    std::vector<std::array<double, 6>> uv() const {
+        std::size_t faces = 0;
+        detail::check(cata_slime_size(get(), nullptr, nullptr, &faces, nullptr));
+        std::vector<std::array<double, 6>> uv(faces);
+        detail::check(cata_slime_uv(get(), detail::first_of(uv)));
+        return uv;
     }
 
     const cata_slime* get() const noexcept { return handle_.get(); }
@@ -73,6 +134,7 @@ private:
         void operator()(cata_slime* handle) const noexcept { cata_slime_free(handle); }
     };
 
+    detail::kept_watcher watcher_;
     std::unique_ptr<cata_slime, free> handle_;
 };
 

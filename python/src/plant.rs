@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
+use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::Mat;
 use catamaran::plant::families::{GrowthOptions, grow as grow_plant};
 use catamaran::plant::{
-    Conductivity, CurveOptions, Elasticity, Interval, Plant as Graph, Pose, RelaxOptions,
-    RodOptions, Rods, WaterModel, WaterOptions, grams_per_hour, read, tubes as tubes_of,
-    water_curve,
+    Conductivity, Elasticity, Interval, Plant as Graph, Pose, RodOptions, Rods, WaterModel,
+    WaterOptions, WiltOptions, Wilting, grams_per_hour, read, tubes as tubes_of,
+    wilt as wilt_plant,
 };
-use catamaran::{Error, Par};
 use pyo3::prelude::*;
 
 use crate::array::{from_matrix, from_rows, from_vec};
@@ -91,28 +91,13 @@ pub struct Weather {
     threads: Option<i64>,
 }
 
-/// The hours of a day that are light, and those that are dark, as in `catamaran wilt`.
-const DAY: [f64; 2] = [16.0, 8.0];
-
-/// What leaves lose by night, as a part of what they lose by day.
-const NIGHT_LOSS: f64 = 1.0 / 12.0;
-
-/// A torque out of balance, as a part of the largest of a weight, that no picture shows.
-const SEEN: f64 = 1e-4;
-
-/// The share of the time that goes into water, not poses.
-const WATER_SHARE: f64 = 0.2;
-
-/// Hours, the water of full cells, and that of all nodes at each hour.
-type WaterCurve = (Vec<f64>, Vec<f64>, Vec<Vec<f64>>);
-
 impl Weather {
-    fn water(
+    fn simulate(
         &self,
         graph: &Graph,
         par: Par,
         progress: Progress<'_>,
-    ) -> catamaran::Result<WaterCurve> {
+    ) -> catamaran::Result<(Vec<f64>, Vec<f64>, Wilting)> {
         let loss = grams_per_hour(self.loss);
         let conductivity = Conductivity::Pipe { scale: self.conductance };
         let options = WaterOptions::new().loss(loss).conductivity(conductivity);
@@ -120,61 +105,19 @@ impl Weather {
         for &(node, factor) in &self.damage {
             model.weaken(node, factor)?;
         }
-        let full = model.full();
         let last = self.frames.max(1) as f64;
         let hours: Vec<f64> = (0..=self.frames).map(|i| self.hours * i as f64 / last).collect();
         let times: Vec<f64> = hours.iter().map(|h| 3600.0 * h).collect();
-        let [light, dark] = DAY.map(|hours| 3600.0 * hours);
-        let night = Interval { seconds: dark, loss: loss * NIGHT_LOSS };
-        let day = Interval { seconds: light, loss };
-        let cycle = if self.day_night { vec![day, night] } else { vec![] };
-        let options = CurveOptions::new().cycle(cycle).par(par).progress(progress);
-        let water = water_curve(&model, &full, &times, &options)?;
-        Ok((hours, full, water))
-    }
-
-    fn simulate(
-        &self,
-        graph: &Graph,
-        par: Par,
-        progress: Progress<'_>,
-    ) -> catamaran::Result<Wilted> {
-        let (hours, full, water) = self.water(graph, par, progress.part(0.0..WATER_SHARE))?;
-        let (full_modulus, dry) = self.elasticity;
-        let elasticity = Elasticity::Relative {
-            dry,
-            full: full_modulus,
-            steepness: self.steepness,
-            shift: self.shift,
-        };
-        let mut rods = Rods::new(graph, &RodOptions::default())?;
-        let mut pose = rods.rest_pose();
-        let (mut moduli, mut poses) = (Vec::new(), Vec::new());
-        for (i, water) in water.iter().enumerate() {
-            let stiffness = elasticity.moduli(water, &full)?;
-            rods.set_state(&stiffness, water)?;
-            let at = |i: usize| WATER_SHARE + (1.0 - WATER_SHARE) * i as f64 / hours.len() as f64;
-            let options = RelaxOptions::new().progress(progress.part(at(i)..at(i + 1)));
-            match rods.relax(&mut pose, &options) {
-                Ok(_) => {}
-                // What is pulled straight between pins comes near balance, slowly.
-                Err(Error::NotConverged { residual, .. }) if residual <= SEEN => {}
-                Err(error) => return Err(error),
-            }
-            moduli.push(stiffness);
-            poses.push(pose.clone());
+        let (full, dry) = self.elasticity;
+        let elasticity =
+            Elasticity::Relative { dry, full, steepness: self.steepness, shift: self.shift };
+        let mut options = WiltOptions::new().elasticity(elasticity).par(par).progress(progress);
+        if self.day_night {
+            options = options.cycle(Interval::day_and_night(loss));
         }
-        Ok(Wilted { hours, full, water, moduli, poses })
+        let rods = Rods::new(graph, &RodOptions::default())?;
+        Ok((hours, model.full(), wilt_plant(&model, &rods, &times, &options)?))
     }
-}
-
-/// What became of a plant.
-struct Wilted {
-    hours: Vec<f64>,
-    full: Vec<f64>,
-    water: Vec<Vec<f64>>,
-    moduli: Vec<Vec<f64>>,
-    poses: Vec<Pose>,
 }
 
 /// Hours, full water, water and moduli (frames x nodes), and for each frame the heads, tails and
@@ -200,7 +143,7 @@ pub fn wilt<'py>(
         return Err(refused("hours", format_args!("{} is not a positive number", weather.hours)));
     }
     let (graph, par) = (&plant.get().graph, par(weather.threads)?);
-    let found =
+    let (hours, full, found) =
         run(py, Length::Long, progress, move |progress| weather.simulate(graph, par, progress))?;
     let table = |rows: &[Vec<f64>]| {
         let columns = rows.first().map_or(0, Vec::len);
@@ -216,13 +159,7 @@ pub fn wilt<'py>(
         ])
     };
     let poses = found.poses.into_iter().map(pose).collect::<PyResult<_>>()?;
-    Ok((
-        from_vec(py, found.hours).into_any(),
-        from_vec(py, found.full).into_any(),
-        water,
-        moduli,
-        poses,
-    ))
+    Ok((from_vec(py, hours).into_any(), from_vec(py, full).into_any(), water, moduli, poses))
 }
 
 /// A mesh of tubes around the segments of a pose; see `catamaran.Wilting`.

@@ -37,6 +37,7 @@ mod pointer;
 mod progress;
 #[cfg(feature = "mpi")]
 mod ranks;
+mod rods;
 mod rows;
 mod shape_dna;
 mod slime;
@@ -70,6 +71,7 @@ pub use ortho::*;
 pub use pca::*;
 pub use plant::*;
 pub use progress::*;
+pub use rods::*;
 pub use rows::*;
 pub use shape_dna::*;
 pub use slime::*;

@@ -1,21 +1,28 @@
 //! # Newton fractals
 //!
 //! Bicomplex fractals, evaluated anywhere in space (thesis, chapter 7).
+//!
+//! ```c
+//! cata_newton *newton;
+//! uint16_t roots[16 * 16];
+//! float convergence[16 * 16];
+//! if (cata_newton_new(NULL, &newton) == CATA_OK) {
+//!     cata_newton_plane(newton, 16, 16, 0, 0, 3, roots, convergence);
+//!     cata_newton_free(newton);
+//! }
+//! ```
 
 use std::ffi::{c_char, c_void};
 use std::mem::offset_of;
 
-use super::boundary::{boundary, text};
+use super::boundary::boundary;
+use super::device::{Device, chosen};
 use super::params::{Versioned, init, read};
 use super::pointer::{check_size, output, slice, slice_mut};
 use super::progress::{cata_progress, par, watcher};
-#[cfg(not(feature = "opencl"))]
-use super::status::CATA_ERR_UNSUPPORTED;
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
 use crate::Par;
 use crate::base::Progress;
-#[cfg(feature = "opencl")]
-use crate::opencl::{Device, evaluate_newton};
 use crate::texture::newton::{
     Fractal, Gradient, Grid, Newton, NewtonOptions, Points, Polynomial, darkened, root_color,
 };
@@ -33,24 +40,21 @@ pub struct cata_newton_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Told of progress; NULL: nobody.
+    /// Told of progress.
     pub progress: cata_progress,
     /// Handed to `progress`.
     pub progress_user: *mut c_void,
-    /// Elements of `roots` / 2: roots of the polynomial, at most 64; 0: the polynomial is
-    /// z^`power` - 1.
+    /// Roots of the polynomial, at most 64; 0: it is z^`power` - 1.
     pub root_count: usize,
-    /// 2 `root_count` elements, read by cata_newton_new: real and imaginary part of each root,
-    /// within 1e4 of 0. NULL when there are none.
+    /// 2 `root_count` elements: real and imaginary part of each root, within 1e4 of 0.
     pub roots: *const f64,
-    /// NULL: the processor. Else an OpenCL device: its number or a part of its name,
-    /// NUL-terminated; "" is the first GPU, or else the first device. Needs CATA_CAP_OPENCL.
+    /// An OpenCL device (see Devices); NULL: the processor.
     pub device: *const c_char,
     /// What points are multiplied by after `offset` and `w` are added; 0: 1.
     pub scale: f64,
     /// The theta of the gradient, from -10 to 20; 0: 3.5.
     pub theta: f64,
-    /// The fourth coordinate of all points.
+    /// The fourth coordinate of all points, which cata_newton_set_w changes.
     pub w: f64,
     /// Added to x, y and z of each point.
     pub offset: [f64; 3],
@@ -67,14 +71,13 @@ impl Versioned for cata_newton_params {
     const FIRST_SIZE: usize = offset_of!(Self, gradient) + size_of::<i32>();
 }
 
-/// A fractal that points can be asked of. Made by cata_newton_new; for one thread at a time.
+/// A fractal that points can be asked of.
 pub struct cata_newton {
     newton: Newton,
     options: NewtonOptions,
     par: Par,
     progress: cata_progress,
     user: *mut c_void,
-    #[cfg(feature = "opencl")]
     device: Option<Device>,
 }
 
@@ -91,11 +94,9 @@ pub unsafe extern "C" fn cata_newton_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// A Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial with
-/// n roots has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and exp(2 pi
-/// i b / n).
-///
-/// Returns CATA_ERR_BACKEND when there is no such device or no OpenCL on this machine.
+/// A Newton fractal in four dimensions (bicomplex numbers; thesis, chapter 7). A polynomial
+/// with n roots has n^2 here, numbered `a n + b`; those of z^n - 1 are exp(2 pi i a / n) and
+/// exp(2 pi i b / n).
 ///
 /// # Safety
 /// The pointers are as described.
@@ -114,7 +115,6 @@ pub unsafe extern "C" fn cata_newton_new(
             par: Par::all(),
             progress: None,
             user: std::ptr::null_mut(),
-            #[cfg(feature = "opencl")]
             device: None,
         };
         if !params.is_null() {
@@ -129,14 +129,8 @@ pub unsafe extern "C" fn cata_newton_new(
             made.options = options;
             made.par = par(params.threads);
             (made.progress, made.user) = (params.progress, params.progress_user);
-            if !params.device.is_null() {
-                // SAFETY: the caller's promise.
-                let name = unsafe { text("params.device", params.device) }?;
-                let name = name.to_str();
-                let name =
-                    name.map_err(|_| Failure::new(CATA_ERR_ARGUMENT, "params.device: not UTF-8"))?;
-                open(&mut made, name)?;
-            }
+            // SAFETY: the caller's promise.
+            made.device = unsafe { chosen(params.device) }?;
         }
         *out = Box::into_raw(Box::new(made));
         Ok(())
@@ -175,20 +169,7 @@ fn fill(
     Ok(())
 }
 
-#[cfg(feature = "opencl")]
-fn open(newton: &mut cata_newton, name: &str) -> Result<(), Failure> {
-    newton.device = Some(Device::open(name)?);
-    Ok(())
-}
-
-#[cfg(not(feature = "opencl"))]
-fn open(_newton: &mut cata_newton, _name: &str) -> Result<(), Failure> {
-    Err(Failure::new(CATA_ERR_UNSUPPORTED, "params.device: built without the feature opencl"))
-}
-
-/// Gives a fractal back.
-///
-/// `newton`: from cata_newton_new, not used any more afterwards; NULL is ignored.
+/// Frees a fractal.
 ///
 /// # Safety
 /// `newton` is NULL or from cata_newton_new, and was not given back before.
@@ -201,11 +182,6 @@ pub unsafe extern "C" fn cata_newton_free(newton: *mut cata_newton) {
 }
 
 /// Changes the fourth coordinate of all points, as time goes on.
-///
-/// - `newton`: from cata_newton_new, not NULL.
-/// - `w`: the coordinate; finite.
-///
-/// Not thread-safe for one fractal.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -223,16 +199,9 @@ pub unsafe extern "C" fn cata_newton_set_w(newton: *mut cata_newton, w: f64) -> 
 
 /// The fractal at points in space, such as the vertices of a mesh.
 ///
-/// - `newton`: from cata_newton_new, not NULL.
-/// - `count`: points, less than 2^31.
-/// - `positions`: 3 `count` elements, read: x, y, z of each point.
+/// - `positions`: 3 `count` elements: x, y, z of less than 2^31 points, within 1e9 of 0.
 /// - `roots`: `count` elements, written: the number of the root that each point converges to.
 /// - `convergence`: `count` elements, written: how slowly.
-///
-/// Returns CATA_ERR_NON_FINITE for a point that is not finite or beyond 1e9, CATA_ERR_BACKEND
-/// when the device refuses.
-///
-/// Not thread-safe for one fractal.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -254,19 +223,8 @@ pub unsafe extern "C" fn cata_newton_points(
     })
 }
 
-/// The fractal on the plane z = 0: at the centres of the pixels of a picture, rows from the top
-/// (large y).
-///
-/// - `newton`: from cata_newton_new, not NULL.
-/// - `width`, `height`: pixels, at most 65,536 each and less than 2^31 in all.
-/// - `center_x`, `center_y`: the middle of the picture.
-/// - `extent`: how wide it is, positive.
-/// - `roots`: `width` `height` elements, written: the number of the root of each pixel.
-/// - `convergence`: `width` `height` elements, written: how slowly it converges.
-///
-/// Returns what cata_newton_points returns; outputs are untouched unless it is CATA_OK.
-///
-/// Not thread-safe for one fractal.
+/// The same on the plane z = 0: at the centres of the pixels of a picture `extent` wide, at
+/// most 65,536 a side and less than 2^31 in all, rows from the top (large y).
 ///
 /// # Safety
 /// The pointers are as described.
@@ -295,16 +253,8 @@ pub unsafe extern "C" fn cata_newton_plane(
     })
 }
 
-/// Colours of points: each root has its own, darker the slower a point converges.
-///
-/// - `newton`: from cata_newton_new, not NULL.
-/// - `count`: points.
-/// - `roots`, `convergence`: `count` elements each, read: as cata_newton_points or
-///   cata_newton_plane wrote them.
-/// - `colors`: 3 `count` elements, written: red, green and blue of each point, as screens have
-///   them (sRGB).
-///
-/// Not thread-safe for one fractal.
+/// Colours of points: each root has its own, darker the slower a point converges. `colors`:
+/// 3 `count` elements, written: red, green and blue of each (sRGB).
 ///
 /// # Safety
 /// The pointers are as described.
@@ -370,7 +320,7 @@ fn evaluate(
 ) -> Result<Fractal, Failure> {
     #[cfg(feature = "opencl")]
     if let Some(device) = &newton.device {
-        return Ok(evaluate_newton(device, &newton.newton, points, progress)?);
+        return Ok(crate::opencl::evaluate_newton(device, &newton.newton, points, progress)?);
     }
     Ok(newton.newton.evaluate(points, newton.par, progress)?)
 }

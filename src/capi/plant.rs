@@ -1,25 +1,47 @@
 //! # Plants
 //!
-//! Water in a plant: diffusion, wilting (thesis, chapter 4).
+//! Plants that lose water and wilt (thesis, chapter 4): the water in their nodes, the stiffness
+//! that follows from it, and the pose of rods with that stiffness and weight. SI units.
+//!
+//! ```c
+//! cata_plant *plant;
+//! if (cata_plant_grow(100, 1, NULL, &plant) == CATA_OK) {
+//!     double day = 86400, water[100];
+//!     if (cata_plant_water_curve(plant, 100, NULL, 1, &day, 0, NULL, water) == CATA_OK) {
+//!         printf("%g kg in node 0 after a day\n", water[0]);
+//!     }
+//!     cata_plant_free(plant);
+//! }
+//! ```
 
-use std::ffi::c_char;
+use std::ffi::{c_char, c_void};
 use std::mem::offset_of;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use super::boundary::{boundary, text};
 use super::params::{Versioned, init, read};
-use super::pointer::{output, slice, slice_mut};
-use super::progress::par;
-use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_NULL, CATA_ERR_SHAPE, Failure, cata_status};
+use super::pointer::{check_size, optional_slice_mut, output, slice, slice_mut};
+use super::progress::{cata_progress, par, watcher};
+use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
 use crate::Par;
+use crate::base::Progress;
+use crate::plant::families::{GrowthOptions, grow};
 use crate::plant::{
-    Bdf6, Conductivity, Elasticity, Plant, Segment, Start, WaterModel, WaterOptions,
+    Bdf6, Conductivity, CurveOptions, Elasticity, Interval, Plant, Segment, SpectralSolution,
+    Start, WaterModel, WaterOptions, water_curve,
 };
 
 /// The parent of the root of a plant.
 pub const CATA_NO_PARENT: u32 = u32::MAX;
+/// A kind of segments: stem.
+pub const CATA_PLANT_STEM: i32 = 0;
+/// A kind of segments: a vein of a leaf, which loses water.
+pub const CATA_PLANT_LEAF: i32 = 1;
+/// Added to a kind: the segment is held where it is.
+pub const CATA_PLANT_PINNED: i32 = 2;
 
-/// The constants of the water of a plant, in SI units.
+/// The constants of the water and the stiffness of a plant.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_plant_params {
@@ -27,29 +49,45 @@ pub struct cata_plant_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// What leaves lose, in kg / (s m^2), at least 0; 60 g / (h m^2) is 1.667e-5.
+    /// Told of progress.
+    pub progress: cata_progress,
+    /// Handed to `progress`.
+    pub progress_user: *mut c_void,
+    /// What leaves lose, in kg / (s m^2); 60 g / (h m^2) is 1.667e-5.
     pub loss: f64,
-    /// What the root takes from the soil, in kg / s, at least 0.
+    /// What the root takes from the soil, in kg / s.
     pub intake: f64,
-    /// Conductance of a segment, as a part of that of a pipe as wide; positive; 0: 1e-9.
+    /// Conductance of a segment, as a part of that of a pipe as wide; 0: 1e-9.
     pub conductance: f64,
-    /// Pressure in full cells, in Pa; positive; 0: 1e6.
+    /// Pressure in full cells, in Pa; 0: 1e6.
     pub modulus: f64,
-    /// Viscosity of the sap, in Pa s; positive; 0: 1e-3.
+    /// Viscosity of the sap, in Pa s; 0: 1e-3.
     pub viscosity: f64,
-    /// Water in a cubic metre of full tissue, in kg; positive; 0: 1000.
+    /// Water in a cubic metre of full tissue, in kg; 0: 1000.
     pub density: f64,
+    /// Modulus of elasticity of full cells, in Pa; 0: 5e7.
+    pub elasticity_full: f64,
+    /// That of dry ones; 0: 3e5.
+    pub elasticity_dry: f64,
+    /// How steeply it falls in between; 0: 10.
+    pub elasticity_steepness: f64,
+    /// The relative water content at which it falls most steeply; 0: 0.75.
+    pub elasticity_shift: f64,
 }
 
 impl Versioned for cata_plant_params {
     const NAME: &'static str = "cata_plant_params";
-    const FIRST_SIZE: usize = offset_of!(Self, density) + size_of::<f64>();
+    const FIRST_SIZE: usize = offset_of!(Self, elasticity_shift) + size_of::<f64>();
 }
 
-/// The water in a plant: its constants, the present, and what it takes to go on. Opaque.
+/// The water in a plant: its constants, the present, and what it takes to go on.
 pub struct cata_plant {
-    model: WaterModel,
-    par: Par,
+    pub(super) graph: Arc<Plant>,
+    pub(super) model: WaterModel,
+    pub(super) elasticity: Elasticity,
+    pub(super) par: Par,
+    pub(super) progress: cata_progress,
+    pub(super) user: *mut c_void,
     stepper: Option<Bdf6>,
     /// Whether the model has changed since the last step.
     changed: bool,
@@ -68,20 +106,17 @@ pub unsafe extern "C" fn cata_plant_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// The model of the water of a plant of n segments.
+/// A plant of n >= 1 segments, each named after the node at its end.
 ///
-/// - `n`: at least 1.
-/// - `tails`: 3 n elements, read: x, y, z of the end of every segment, in metres.
-/// - `radii`: n elements, read: in metres, positive.
-/// - `parents`: n elements, read: the segment at whose end each begins, below n; CATA_NO_PARENT
-///   for the root.
-/// - `leaves`: n elements, read: 1 for a vein of a leaf, 0 for stem.
-/// - `base`: 3 elements, read: where the root segment begins; NULL: it goes straight on into its
-///   first child and is as long.
-/// - `plant`: written: the model, to be given to cata_plant_free.
+/// - `tails`: 3 n elements: x, y, z of the end of each.
+/// - `radii`: n elements, positive.
+/// - `parents`: n elements: the segment at whose end each begins; CATA_NO_PARENT for the root.
+/// - `kinds`: n elements: CATA_PLANT_STEM or CATA_PLANT_LEAF, each also + CATA_PLANT_PINNED.
+/// - `base`: 3 elements: where the root begins; NULL: it is as long as its first child, and
+///   goes straight on into it.
 ///
-/// Returns CATA_ERR_MESH for a node on a cycle, isolated, a second root, or without positive
-/// radius or length; the message names it.
+/// Returns CATA_ERR_MESH for a node without positive radius or length, or that is not on one
+/// tree with one root.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -91,47 +126,46 @@ pub unsafe extern "C" fn cata_plant_new(
     tails: *const f64,
     radii: *const f64,
     parents: *const u32,
-    leaves: *const i32,
+    kinds: *const i32,
     base: *const f64,
     params: *const cata_plant_params,
     plant: *mut *mut cata_plant,
 ) -> cata_status {
     boundary(|| {
-        let length = n.checked_mul(3).ok_or_else(|| {
-            Failure::new(CATA_ERR_SHAPE, "tails: 3 n elements exceed the address space")
-        })?;
+        check_size::<f64>("tails", n, 3)?;
         // SAFETY: the caller's promise.
-        let (tails, radii, parents, leaves, base, place) = unsafe {
+        let (tails, radii, parents, kinds, base, place) = unsafe {
             (
-                slice("tails", tails, length)?,
+                slice("tails", tails, 3 * n)?,
                 slice("radii", radii, n)?,
                 slice("parents", parents, n)?,
-                slice("leaves", leaves, n)?,
+                slice("kinds", kinds, n)?,
                 if base.is_null() { None } else { Some(slice("base", base, 3)?) },
                 output("plant", plant)?,
             )
         };
+        let known = CATA_PLANT_LEAF | CATA_PLANT_PINNED;
+        if let Some(v) = kinds.iter().position(|kind| kind & !known != 0) {
+            let why = format!("kinds: {} of node {v} is no CATA_PLANT_* value", kinds[v]);
+            return Err(Failure::new(CATA_ERR_ARGUMENT, why));
+        }
         let segment = |v: usize| Segment {
-            leaf: leaves[v] != 0,
+            leaf: kinds[v] & CATA_PLANT_LEAF != 0,
+            pinned: kinds[v] & CATA_PLANT_PINNED != 0,
             ..Segment::stem([0, 1, 2].map(|i| tails[3 * v + i]), radii[v])
         };
         let segments = (0..n).map(segment).collect();
         let parents: Vec<Option<u32>> =
             parents.iter().map(|&p| (p != CATA_NO_PARENT).then_some(p)).collect();
-        let plant = Plant::new(segments, &parents, base.map(|b| [b[0], b[1], b[2]]))?;
+        let graph = Plant::new(segments, &parents, base.map(|b| [b[0], b[1], b[2]]))?;
         // SAFETY: the caller's promise.
-        *place = unsafe { model(&plant, params) }?;
+        *place = unsafe { model(graph, params) }?;
         Ok(())
     })
 }
 
-/// The model of the water of the plant in a file: .txt (the reference format: `verts N`, ...),
-/// .swc, .mtg or .obj (polylines), each also as .gz or .xz.
-///
-/// - `path`: NUL-terminated, in UTF-8.
-/// - `params`, `plant`: as in cata_plant_new.
-///
-/// Returns what cata_plant_new returns, or CATA_ERR_IO with the file and the line in the message.
+/// The plant in a file: .txt (the reference format: `verts N`, ...), .swc, .mtg or .obj
+/// (polylines), each also as .gz or .xz. `path` is in UTF-8.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -145,43 +179,99 @@ pub unsafe extern "C" fn cata_plant_read(
         // SAFETY: the caller's promise.
         let (path, place) = unsafe { (text("path", path)?, output("plant", plant)?) };
         let path = path.to_str().map_err(|_| Failure::new(CATA_ERR_ARGUMENT, "path: not UTF-8"))?;
-        let plant = crate::plant::read(&PathBuf::from(path))?;
+        let graph = crate::plant::read(&PathBuf::from(path))?;
         // SAFETY: the caller's promise.
-        *place = unsafe { model(&plant, params) }?;
+        *place = unsafe { model(graph, params) }?;
         Ok(())
     })
 }
 
-/// Gives a model back.
+/// A plant of n >= 1 nodes that grows by chance, the same for the same seed.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_grow(
+    n: usize,
+    seed: u64,
+    params: *const cata_plant_params,
+    plant: *mut *mut cata_plant,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let place = unsafe { output("plant", plant) }?;
+        let graph = grow(&GrowthOptions::new().nodes(n).seed(seed))?;
+        // SAFETY: the caller's promise.
+        *place = unsafe { model(graph, params) }?;
+        Ok(())
+    })
+}
+
+/// Frees a plant.
 ///
 /// # Safety
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_plant_free(plant: *mut cata_plant) {
-    boundary(|| {
-        if !plant.is_null() {
-            // SAFETY: it came from `Box::into_raw`, and the caller promises to free it once.
-            drop(unsafe { Box::from_raw(plant) });
-        }
-        Ok(())
-    });
+    if !plant.is_null() {
+        // SAFETY: it came from `Box::into_raw`, and the caller promises to free it once.
+        drop(unsafe { Box::from_raw(plant) });
+    }
 }
 
-/// The number of nodes of a plant; 0 for NULL.
+/// The number of nodes of a plant, n in all calls below; 0 for NULL.
 ///
 /// # Safety
-/// The pointer is NULL or a live model.
+/// The pointer is NULL or a live plant.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_plant_size(plant: *const cata_plant) -> usize {
     // SAFETY: the caller's promise.
     unsafe { plant.as_ref() }.map_or(0, |plant| plant.model.len())
 }
 
-/// The water of every node when its cells are full, in kg: how a healthy plant begins.
+/// The segments of a plant, as cata_plant_new takes them; NULL for what is not wanted.
 ///
-/// - `plant`: a live model.
-/// - `n`: cata_plant_size.
-/// - `water`: n elements, written.
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_segments(
+    plant: *const cata_plant,
+    n: usize,
+    tails: *mut f64,
+    radii: *mut f64,
+    parents: *mut u32,
+    kinds: *mut i32,
+    base: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let graph = unsafe { live_of(plant, n)? }.graph.as_ref();
+        // SAFETY: the caller's promise.
+        let (tails, radii, parents, kinds, base) = unsafe {
+            (
+                optional_slice_mut("tails", tails, 3 * n)?,
+                optional_slice_mut("radii", radii, n)?,
+                optional_slice_mut("parents", parents, n)?,
+                optional_slice_mut("kinds", kinds, n)?,
+                optional_slice_mut("base", base, 3)?,
+            )
+        };
+        let segments = graph.segments();
+        let parent = |v| graph.parent(v).map_or(CATA_NO_PARENT, |p| p as u32);
+        let kind = |v: usize| {
+            i32::from(segments[v].leaf) * CATA_PLANT_LEAF
+                + i32::from(segments[v].pinned) * CATA_PLANT_PINNED
+        };
+        fill(tails.map(|tails| tails.as_chunks_mut().0), |v| segments[v].tail);
+        fill(radii, |v| segments[v].radius);
+        fill(parents, parent);
+        fill(kinds, kind);
+        fill(base, |i| graph.base()[i]);
+        Ok(())
+    })
+}
+
+/// The water of every node when its cells are full, in kg: how a healthy plant begins.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -193,17 +283,16 @@ pub unsafe extern "C" fn cata_plant_full_water(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let (plant, water) = unsafe { (live(plant)?, slice_mut("water", water, n)?) };
-        copy(&plant.model.full(), water)
+        let (plant, water) = unsafe { (live_of(plant, n)?, slice_mut("water", water, n)?) };
+        water.copy_from_slice(&plant.model.full());
+        Ok(())
     })
 }
 
 /// Sets what all leaves lose, in kg / (s m^2), from now on: another weather.
 ///
-/// Not for two threads at once on the same model.
-///
 /// # Safety
-/// `plant` is a live model.
+/// `plant` is a live plant.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_plant_set_loss(plant: *mut cata_plant, loss: f64) -> cata_status {
     // SAFETY: the caller's promise.
@@ -212,23 +301,19 @@ pub unsafe extern "C" fn cata_plant_set_loss(plant: *mut cata_plant, loss: f64) 
 
 /// Sets what the root takes from the soil, in kg / s, from now on.
 ///
-/// Returns and threads: as cata_plant_set_loss.
-///
 /// # Safety
-/// `plant` is a live model.
+/// `plant` is a live plant.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_plant_set_intake(plant: *mut cata_plant, intake: f64) -> cata_status {
     // SAFETY: the caller's promise.
     unsafe { change(plant, |model| model.set_intake(intake)) }
 }
 
-/// Multiplies the conductance between a node (below cata_plant_size, not the root) and its parent
-/// by `factor`, at least 0, from now on; 0 cuts the connection.
-///
-/// Returns and threads: as cata_plant_set_loss.
+/// Multiplies the conductance between a node, not the root, and its parent by `factor`, from
+/// now on; 0 cuts the connection.
 ///
 /// # Safety
-/// `plant` is a live model.
+/// `plant` is a live plant.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_plant_weaken(
     plant: *mut cata_plant,
@@ -239,14 +324,27 @@ pub unsafe extern "C" fn cata_plant_weaken(
     unsafe { change(plant, |model| model.weaken(node, factor)) }
 }
 
-/// The water of every node some time after it was `water`, at once, without time steps: for any
-/// times. Does not read or change the present of cata_plant_start.
+/// The rates at which the modes of the water decay, n elements, ascending, in 1 / s. Dense, of
+/// order n^3: for small plants.
 ///
-/// - `plant`: a live model.
-/// - `n`: cata_plant_size.
-/// - `water`: n elements, read: in kg, finite.
-/// - `seconds`: at least 0.
-/// - `result`: n elements, written: in kg. May be the same memory as `water`.
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_rates(
+    plant: *const cata_plant,
+    n: usize,
+    rates: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (plant, rates) = unsafe { (live_of(plant, n)?, slice_mut("rates", rates, n)?) };
+        rates.copy_from_slice(SpectralSolution::new(&plant.model)?.rates());
+        Ok(())
+    })
+}
+
+/// The water of every node `seconds` after it was `water`, at once, without time steps.
+/// `water`, `result` (written): n elements in kg each, which may be the same.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -260,21 +358,61 @@ pub unsafe extern "C" fn cata_plant_water_after(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise. The copy ends what is borrowed before `result` is written.
-        let (plant, water) = unsafe { (live(plant)?, slice("water", water, n)?.to_vec()) };
+        let (plant, water) = unsafe { (live_of(plant, n)?, slice("water", water, n)?.to_vec()) };
         // SAFETY: the caller's promise.
         let result = unsafe { slice_mut("result", result, n) }?;
-        copy(&plant.model.water_after(&water, seconds, plant.par)?, result)
+        let watch = watcher(plant.progress, plant.user);
+        let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
+        let after = plant.model.water_after_with(&water, seconds, plant.par, progress)?;
+        result.copy_from_slice(&after);
+        Ok(())
     })
 }
 
-/// Makes `water` the present, from which cata_plant_step goes on.
+/// The water of every node at many times.
 ///
-/// - `plant`: a live model.
-/// - `n`: cata_plant_size.
-/// - `water`: n elements, read: in kg, finite; NULL: full cells.
-/// - `step`: seconds of a step, positive.
+/// - `water`: n elements: in kg, at time 0; NULL: full cells.
+/// - `times`: n_times elements: seconds from 0, ascending.
+/// - `intervals`: 2 n_intervals elements: seconds and loss of each part of a day, again and
+///   again from time 0 on. Without any the loss is that of the plant.
+/// - `result`: n_times x n elements, written: in kg.
 ///
-/// Not for two threads at once on the same model.
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_plant_water_curve(
+    plant: *const cata_plant,
+    n: usize,
+    water: *const f64,
+    n_times: usize,
+    times: *const f64,
+    n_intervals: usize,
+    intervals: *const f64,
+    result: *mut f64,
+) -> cata_status {
+    boundary(|| {
+        check_size::<f64>("result", n_times, n)?;
+        // SAFETY: the caller's promise.
+        let (plant, times, cycle, result) = unsafe {
+            (
+                live_of(plant, n)?,
+                slice("times", times, n_times)?,
+                cycle(n_intervals, intervals)?,
+                slice_mut("result", result, n_times * n)?,
+            )
+        };
+        // SAFETY: the caller's promise.
+        let water = unsafe { water_or_full(plant, water) }?;
+        let watch = watcher(plant.progress, plant.user);
+        let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
+        let options = CurveOptions::new().cycle(cycle).par(plant.par).progress(progress);
+        copy_rows(&water_curve(&plant.model, &water, times, &options)?, result);
+        Ok(())
+    })
+}
+
+/// Makes `water`, n elements in kg, the present, from which cata_plant_step goes on in steps of
+/// `step` seconds; NULL: full cells.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -288,25 +426,17 @@ pub unsafe extern "C" fn cata_plant_start(
     boundary(|| {
         // SAFETY: the caller's promise.
         let plant = unsafe { live_mut(plant) }?;
-        let water = match water.is_null() {
-            true => plant.model.full(),
-            // SAFETY: the caller's promise.
-            false => unsafe { slice("water", water, n) }?.to_vec(),
-        };
+        check_count(plant, n)?;
+        // SAFETY: the caller's promise.
+        let water = unsafe { water_or_full(plant, water) }?;
         plant.stepper = Some(Bdf6::new(&plant.model, &water, step, Start::Radau, plant.par)?);
         plant.changed = false;
         Ok(())
     })
 }
 
-/// Goes `count` steps ahead (0 included) and gives the water there.
-///
-/// - `plant`: a live model, after cata_plant_start. What was changed since the last step counts
-///   from now on.
-/// - `n`: cata_plant_size.
-/// - `water`: n elements, written: in kg; NULL: not wanted.
-///
-/// Not for two threads at once on the same model.
+/// Goes `count` steps ahead; what was changed since the last step counts from now on. `water`:
+/// n elements, written: in kg; NULL: not wanted. Those before a cancelled one are done.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -319,39 +449,30 @@ pub unsafe extern "C" fn cata_plant_step(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let plant = unsafe { live_mut(plant) }?;
-        let cata_plant { model, stepper, changed, .. } = plant;
+        let (plant, water) = unsafe { (live_mut(plant)?, optional_slice_mut("water", water, n)?) };
+        if water.is_some() {
+            check_count(plant, n)?;
+        }
+        let cata_plant { model, stepper, changed, progress, user, .. } = plant;
         let Some(stepper) = stepper else {
             let why = "plant: cata_plant_start has not been called";
             return Err(Failure::new(CATA_ERR_ARGUMENT, why));
         };
-        let water = match water.is_null() {
-            true => None,
-            // SAFETY: the caller's promise.
-            false => Some(unsafe { slice_mut("water", water, n) }?),
-        };
-        if water.is_some() && n != model.len() {
-            return Err(size(model.len(), n));
-        }
-        if std::mem::take(changed) {
+        if *changed {
             stepper.restart(model, stepper.step_length())?;
+            *changed = false;
         }
-        (0..count).for_each(|_| stepper.step());
-        water.map_or(Ok(()), |water| copy(&stepper.water(), water))
+        let watch = watcher(*progress, *user);
+        stepper.run(count, watch.as_ref().map_or(Progress::none(), Progress::from))?;
+        if let Some(water) = water {
+            water.copy_from_slice(&stepper.water());
+        }
+        Ok(())
     })
 }
 
-/// The modulus of elasticity of every node, from its water: `dry + (full - dry) (s(k (w - x)) -
-/// s(-k x)) / (s(k (1 - x)) - s(-k x))` of the relative water content w, with s the logistic
-/// function.
-///
-/// - `plant`: a live model.
-/// - `n`: cata_plant_size.
-/// - `water`: n elements, read: in kg.
-/// - `full`, `dry`: of full cells and of dry ones, in Pa; 0 < dry <= full; such as 5e7 and 3e5.
-/// - `steepness`: k, positive; such as 10.
-/// - `shift`: x; such as 0.75.
-/// - `moduli`: n elements, written: in Pa.
+/// The modulus of elasticity of every segment, in Pa, from its water, in kg: a logistic curve
+/// from `elasticity_dry` to `elasticity_full`.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -360,54 +481,73 @@ pub unsafe extern "C" fn cata_plant_stiffness(
     plant: *const cata_plant,
     n: usize,
     water: *const f64,
-    full: f64,
-    dry: f64,
-    steepness: f64,
-    shift: f64,
     moduli: *mut f64,
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let (plant, water, moduli) =
-            unsafe { (live(plant)?, slice("water", water, n)?, slice_mut("moduli", moduli, n)?) };
-        let elasticity = Elasticity::Relative { dry, full, steepness, shift };
-        copy(&elasticity.moduli(water, &plant.model.full())?, moduli)
+        let (plant, water, moduli) = unsafe {
+            (live_of(plant, n)?, slice("water", water, n)?, slice_mut("moduli", moduli, n)?)
+        };
+        moduli.copy_from_slice(&plant.elasticity.moduli(water, &plant.model.full())?);
+        Ok(())
     })
 }
 
-/// A model on the heap.
+/// A plant on the heap.
 ///
 /// # Safety
 /// `params` is NULL or points to a struct as the header describes it.
 unsafe fn model(
-    plant: &Plant,
+    graph: Plant,
     params: *const cata_plant_params,
 ) -> Result<*mut cata_plant, Failure> {
     let mut options = WaterOptions { loss: 0.0, ..WaterOptions::default() };
-    let mut threads = 0;
+    let mut elasticity = Elasticity::default();
+    let (mut threads, mut progress, mut user) = (0, None, std::ptr::null_mut());
     if !params.is_null() {
         // SAFETY: the caller's promise.
         let params = unsafe { read(params) }?;
-        threads = params.threads;
+        (threads, progress, user) = (params.threads, params.progress, params.progress_user);
         options.loss = params.loss;
         options.intake = params.intake;
-        let given = |value: f64, default: f64| if value == 0.0 { default } else { value };
         if params.conductance != 0.0 {
             options.conductivity = Conductivity::Pipe { scale: params.conductance };
         }
-        options.modulus = given(params.modulus, options.modulus);
-        options.viscosity = given(params.viscosity, options.viscosity);
-        options.density = given(params.density, options.density);
+        let set = |option: &mut f64, value: f64| {
+            if value != 0.0 {
+                *option = value;
+            }
+        };
+        set(&mut options.modulus, params.modulus);
+        set(&mut options.viscosity, params.viscosity);
+        set(&mut options.density, params.density);
+        if let Elasticity::Relative { dry, full, steepness, shift } = &mut elasticity {
+            set(full, params.elasticity_full);
+            set(dry, params.elasticity_dry);
+            set(steepness, params.elasticity_steepness);
+            set(shift, params.elasticity_shift);
+        }
+        // Its constants are checked where there is water to use them on.
+        elasticity.moduli(&[1.0], &[1.0])?;
     }
-    let model = WaterModel::new(plant, &options)?;
-    let plant = cata_plant { model, par: par(threads), stepper: None, changed: false };
+    let model = WaterModel::new(&graph, &options)?;
+    let plant = cata_plant {
+        graph: Arc::new(graph),
+        model,
+        elasticity,
+        par: par(threads),
+        progress,
+        user,
+        stepper: None,
+        changed: false,
+    };
     Ok(Box::into_raw(Box::new(plant)))
 }
 
 /// Changes a model.
 ///
 /// # Safety
-/// `plant` is NULL or a live model that nobody else uses.
+/// `plant` is NULL or a live plant that nobody else uses.
 unsafe fn change(
     plant: *mut cata_plant,
     work: impl FnOnce(&mut WaterModel) -> crate::Result<()>,
@@ -422,27 +562,82 @@ unsafe fn change(
 }
 
 /// # Safety
-/// `plant` is NULL or a live model that nobody changes during `'a`.
-unsafe fn live<'a>(plant: *const cata_plant) -> Result<&'a cata_plant, Failure> {
+/// `plant` is NULL or a live plant that nobody changes during `'a`.
+pub(super) unsafe fn live<'a>(plant: *const cata_plant) -> Result<&'a cata_plant, Failure> {
     // SAFETY: the caller's promise.
-    unsafe { plant.as_ref() }.ok_or_else(|| Failure::new(CATA_ERR_NULL, "plant: NULL"))
+    unsafe { plant.as_ref() }.ok_or_else(|| Failure::null("plant"))
+}
+
+/// A live plant of n nodes.
+///
+/// # Safety
+/// As [`live`].
+pub(super) unsafe fn live_of<'a>(
+    plant: *const cata_plant,
+    n: usize,
+) -> Result<&'a cata_plant, Failure> {
+    // SAFETY: the caller's promise.
+    let plant = unsafe { live(plant) }?;
+    check_count(plant, n)?;
+    Ok(plant)
 }
 
 /// # Safety
-/// `plant` is NULL or a live model that nobody else uses during `'a`.
+/// `plant` is NULL or a live plant that nobody else uses during `'a`.
 unsafe fn live_mut<'a>(plant: *mut cata_plant) -> Result<&'a mut cata_plant, Failure> {
     // SAFETY: the caller's promise.
-    unsafe { plant.as_mut() }.ok_or_else(|| Failure::new(CATA_ERR_NULL, "plant: NULL"))
+    unsafe { plant.as_mut() }.ok_or_else(|| Failure::null("plant"))
 }
 
-fn copy(values: &[f64], place: &mut [f64]) -> Result<(), Failure> {
-    if values.len() != place.len() {
-        return Err(size(values.len(), place.len()));
+fn check_count(plant: &cata_plant, n: usize) -> Result<(), Failure> {
+    count_is(plant.model.len(), n)
+}
+
+/// That the caller has room for as many numbers as there are nodes.
+pub(super) fn count_is(nodes: usize, n: usize) -> Result<(), Failure> {
+    if n == nodes {
+        return Ok(());
     }
-    place.copy_from_slice(values);
-    Ok(())
+    let why = format!("n: must be {nodes} (nodes of the plant), is {n}");
+    Err(Failure::new(CATA_ERR_SHAPE, why))
 }
 
-fn size(nodes: usize, n: usize) -> Failure {
-    Failure::new(CATA_ERR_SHAPE, format!("n: must be {nodes} (nodes of the plant), is {n}"))
+/// Water of all nodes, or that of full cells.
+///
+/// # Safety
+/// `water` is NULL or has as many elements as the plant has nodes.
+unsafe fn water_or_full(plant: &cata_plant, water: *const f64) -> Result<Vec<f64>, Failure> {
+    if water.is_null() {
+        return Ok(plant.model.full());
+    }
+    // SAFETY: the caller's promise.
+    Ok(unsafe { slice("water", water, plant.model.len()) }?.to_vec())
+}
+
+/// Losses that follow each other.
+///
+/// # Safety
+/// `intervals` has 2 `count` elements.
+pub(super) unsafe fn cycle(count: usize, intervals: *const f64) -> Result<Vec<Interval>, Failure> {
+    check_size::<f64>("intervals", count, 2)?;
+    // SAFETY: the caller's promise.
+    let numbers = unsafe { slice("intervals", intervals, 2 * count) }?;
+    let interval = |&[seconds, loss]: &[f64; 2]| Interval { seconds, loss };
+    Ok(numbers.as_chunks().0.iter().map(interval).collect())
+}
+
+/// Rows, one after the other.
+pub(super) fn copy_rows(rows: &[Vec<f64>], place: &mut [f64]) {
+    let mut rest = place;
+    for row in rows {
+        let (place, after) = rest.split_at_mut(row.len());
+        place.copy_from_slice(row);
+        rest = after;
+    }
+}
+
+fn fill<T>(place: Option<&mut [T]>, value: impl Fn(usize) -> T) {
+    for (i, x) in place.into_iter().flatten().enumerate() {
+        *x = value(i);
+    }
 }

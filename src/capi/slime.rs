@@ -1,21 +1,52 @@
 //! # Slime moulds
 //!
-//! Agents on a surface that leave trails in its texture (thesis, chapter 3).
+//! Agents on a surface that leave trails in its texture (thesis, chapter 3). Textures are size
+//! x size texels, rows along u, the first at v = 0.
+//!
+//! ```c
+//! double square[12] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, coverage = 0;
+//! uint32_t faces[6] = {0, 1, 2, 0, 2, 3};
+//! cata_slime_params params = {.struct_size = sizeof params, .agents = 1000, .size = 64};
+//! cata_slime *slime;
+//! if (cata_slime_new(4, square, 2, faces, NULL, NULL, NULL, &params, &slime) == CATA_OK) {
+//!     cata_slime_step(slime, 30);
+//!     cata_slime_coverage(slime, 0, &coverage, NULL);
+//!     cata_slime_free(slime);
+//! }
+//! ```
 
-use std::ffi::c_void;
+use std::ffi::{c_char, c_void};
 use std::mem::offset_of;
 
 use super::boundary::boundary;
-use super::params::{Versioned, flag, init, read};
+use super::device::chosen;
+use super::params::{Versioned, init, read};
 use super::pointer::{check_size, mesh, optional_output, output, slice, slice_mut};
 use super::progress::{cata_progress, par, watcher};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::Par;
 use crate::base::Progress;
-use crate::texture::slime::{Blur, Mask, Options, Simulation, Surface, TangentStep, atlas};
+#[cfg(feature = "opencl")]
+use crate::opencl::SlimeOnDevice;
+use crate::texture::slime::{
+    Blur, Coverage, Mask, Options, Simulation, Surface, TangentStep, atlas,
+};
+
+/// `turns`: by chance, up to the turn speed.
+pub const CATA_SLIME_TURNS_RANDOM: i32 = 0;
+/// `turns`: always at the turn speed.
+pub const CATA_SLIME_TURNS_EVEN: i32 = 1;
+/// `blur`: over the surface, across seams.
+pub const CATA_SLIME_BLUR_SURFACE: i32 = 0;
+/// `blur`: of the texture alone.
+pub const CATA_SLIME_BLUR_TEXTURE: i32 = 1;
+/// `lengths`: those of the surface.
+pub const CATA_SLIME_LENGTHS_SURFACE: i32 = 0;
+/// `lengths`: those of the texture, of side 1.
+pub const CATA_SLIME_LENGTHS_TEXTURE: i32 = 1;
 
 /// What slime moulds are like (thesis, table 3.1; docs/algorithms/slime.md). Lengths are in
-/// hundredths of the square root of the area of the surface, times in seconds of the simulation.
+/// hundredths of the square root of the area of the surface, times in seconds.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_slime_params {
@@ -23,12 +54,19 @@ pub struct cata_slime_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
+    /// Told after each step.
+    pub progress: cata_progress,
+    /// Handed to `progress`.
+    pub progress_user: *mut c_void,
     /// Number of agents, below 2^32; 0: 1,000,000.
     pub agents: usize,
     /// Number of species, from 1 to 15; 0: 1.
     pub species: usize,
     /// Texels of a side of the texture, a multiple of 32, at most 16384; 0: 2048.
     pub size: usize,
+    /// An OpenCL device (see Devices), which keeps agents and textures between calls; NULL: the
+    /// processor. The bytes are the same where devices round as processors do.
+    pub device: *const c_char,
     /// Of all randomness.
     pub seed: u32,
     /// 0: steps that are exact; else the number of sub-steps that are projected (thesis,
@@ -48,24 +86,28 @@ pub struct cata_slime_params {
     pub evaporation_rate: f64,
     /// Blurs a second; 0: 6.
     pub diffusion_rate: f64,
-    /// 1: all turns are as large as the turn speed says; 0: up to that.
-    pub even_turns: i32,
-    /// 1: the blur is that of the texture alone; 0: it crosses seams.
-    pub plain_blur: i32,
-    /// 1: lengths are those of the texture, of side 1; 0: of the surface.
-    pub no_length_rescaling: i32,
+    /// One of CATA_SLIME_TURNS_*.
+    pub turns: i32,
+    /// One of CATA_SLIME_BLUR_*.
+    pub blur: i32,
+    /// One of CATA_SLIME_LENGTHS_*.
+    pub lengths: i32,
 }
 
 impl Versioned for cata_slime_params {
     const NAME: &'static str = "cata_slime_params";
-    const FIRST_SIZE: usize = offset_of!(Self, no_length_rescaling) + size_of::<i32>();
+    const FIRST_SIZE: usize = offset_of!(Self, lengths) + size_of::<i32>();
 }
 
-/// Slime moulds on a surface. Made by cata_slime_new; for one thread at a time unless it is only
-/// read.
+/// Slime moulds on a surface.
 pub struct cata_slime {
+    /// With a device: the surface, and agents and textures as they were at first.
     simulation: Simulation,
+    #[cfg(feature = "opencl")]
+    on_device: Option<Box<SlimeOnDevice>>,
     par: Par,
+    progress: cata_progress,
+    user: *mut c_void,
 }
 
 /// Fills a struct with the defaults.
@@ -83,19 +125,13 @@ pub unsafe extern "C" fn cata_slime_params_init(
 
 /// Agents spread over a surface, and a texture without pheromone.
 ///
-/// - `positions`: 3 `vertices` elements, read: x, y, z of each vertex.
-/// - `triangles`: 3 `faces` elements, read: three vertices of each face, from 0.
-/// - `uv`: 6 `faces` elements, read: u, v of the three corners of each face, from 0 to 1; NULL:
-///   every triangle gets a place of its own in the texture, which cata_slime_uv gives.
-/// - `start`: size x size elements (of the texture), read: not 0 where agents start; NULL:
-///   anywhere.
-/// - `ground`: size x size elements, read: 0 free, 1 obstacle, 2 attractor; NULL: all free.
-/// - `slime`: one pointer, not NULL, written: to be given to cata_slime_free.
-///
-/// Textures have rows along u, the first at v = 0.
+/// - `uv`: 6 n_faces elements: u, v of the three corners of each face, from 0 to 1; NULL: every
+///   triangle gets a place of its own in the texture, which cata_slime_uv gives.
+/// - `start`: a texture: not 0 where agents start; NULL: anywhere.
+/// - `ground`: a texture: 0 free, 1 obstacle, 2 attractor; NULL: all free.
 ///
 /// Returns CATA_ERR_MESH for an edge of three faces or more, and for a face without area, in
-/// space or in the texture; the message names it.
+/// space or in the texture; CATA_ERR_BACKEND when the device refuses.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -117,8 +153,11 @@ pub unsafe extern "C" fn cata_slime_new(
         let (mesh, slime) =
             unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("slime", slime)?) };
         // SAFETY: the caller's promise.
-        let (options, par) = unsafe { options(params) }?;
+        let params = unsafe { known_or_default(params) }?;
+        let options = options(&params)?;
         options.check()?;
+        // SAFETY: the caller's promise.
+        let device = unsafe { chosen(params.device) }?;
         let uv = match uv.is_null() {
             true => atlas(&mesh, options.size)?,
             false => {
@@ -140,25 +179,46 @@ pub unsafe extern "C" fn cata_slime_new(
         }
         let surface = Surface::of_faces(&mesh, uv)?;
         let simulation = Simulation::new(surface, &options, &mask)?;
-        *slime = Box::into_raw(Box::new(cata_slime { simulation, par }));
+        #[cfg(feature = "opencl")]
+        let on_device = match device {
+            Some(device) => Some(Box::new(SlimeOnDevice::new(&device, &simulation)?)),
+            None => None,
+        };
+        #[cfg(not(feature = "opencl"))]
+        let None = device;
+        *slime = Box::into_raw(Box::new(cata_slime {
+            simulation,
+            #[cfg(feature = "opencl")]
+            on_device,
+            par: par(params.threads),
+            progress: params.progress,
+            user: params.progress_user,
+        }));
         Ok(())
     })
 }
 
-/// What the caller asks for.
+/// The caller's parameters.
 ///
 /// # Safety
 /// `params` is NULL or points to a struct as the header describes it.
-unsafe fn options(params: *const cata_slime_params) -> Result<(Options, Par), Failure> {
-    let default = Options::default();
-    if params.is_null() {
-        return Ok((default, Par::all()));
+unsafe fn known_or_default(params: *const cata_slime_params) -> Result<cata_slime_params, Failure> {
+    if !params.is_null() {
+        // SAFETY: the caller's promise.
+        return unsafe { read(params) };
     }
-    // SAFETY: the caller's promise.
-    let params = unsafe { read(params) }?;
+    // SAFETY: numbers, pointers and an optional function, which may all be 0.
+    Ok(unsafe { std::mem::zeroed() })
+}
+
+/// What the caller asks for.
+fn options(params: &cata_slime_params) -> Result<Options, Failure> {
+    let default = Options::default();
     let count = |value: usize, default: usize| if value == 0 { default } else { value };
     let real = |value: f64, default: f64| if value == 0.0 { default } else { value };
-    let options = Options {
+    let [turns, blur, lengths] =
+        [("turns", params.turns), ("blur", params.blur), ("lengths", params.lengths)];
+    Ok(Options {
         agents: count(params.agents, default.agents),
         species: count(params.species, default.species),
         size: count(params.size, default.size),
@@ -170,23 +230,29 @@ unsafe fn options(params: *const cata_slime_params) -> Result<(Options, Par), Fa
         vision_angle: real(params.vision_angle, default.vision_angle),
         evaporation_rate: real(params.evaporation_rate, default.evaporation_rate),
         diffusion_rate: real(params.diffusion_rate, default.diffusion_rate),
-        turn_noise: if flag("params.even_turns", params.even_turns)? { 0.0 } else { 1.0 },
+        turn_noise: if is_second(turns)? { 0.0 } else { 1.0 },
         tangent_step: match params.substeps {
             0 => TangentStep::Unfold,
             substeps => TangentStep::Project { substeps },
         },
-        blur: match flag("params.plain_blur", params.plain_blur)? {
-            true => Blur::Gaussian,
-            false => Blur::SeamAware,
-        },
-        length_rescaling: !flag("params.no_length_rescaling", params.no_length_rescaling)?,
-    };
-    Ok((options, par(params.threads)))
+        blur: if is_second(blur)? { Blur::Gaussian } else { Blur::SeamAware },
+        length_rescaling: !is_second(lengths)?,
+    })
 }
 
-/// Gives a simulation back.
-///
-/// `slime`: from cata_slime_new, not used any more afterwards; NULL is ignored.
+/// Whether a field has the second of its two values.
+fn is_second((field, value): (&str, i32)) -> Result<bool, Failure> {
+    match value {
+        0 | 1 => Ok(value == 1),
+        _ => {
+            let kind = field.to_uppercase();
+            let why = format!("params.{field}: must be a CATA_SLIME_{kind}_* value, is {value}");
+            Err(Failure::new(CATA_ERR_ARGUMENT, why))
+        }
+    }
+}
+
+/// Frees a simulation.
 ///
 /// # Safety
 /// `slime` is NULL or from cata_slime_new, and was not given back before.
@@ -198,40 +264,27 @@ pub unsafe extern "C" fn cata_slime_free(slime: *mut cata_slime) {
     }
 }
 
-/// Goes `steps` steps ahead (0 included).
-///
-/// - `slime`: from cata_slime_new, not NULL.
-/// - `progress`: told after each step; NULL: nobody.
-/// - `progress_user`: handed to `progress` as it is; may be NULL.
-///
-/// After CATA_ERR_CANCELLED the steps before are done, and it can go on.
-///
-/// Not for two threads at once on the same simulation.
+/// Goes `steps` steps ahead. Those before a cancelled one are done.
 ///
 /// # Safety
-/// The pointers are as described.
+/// The pointer is as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_slime_step(
-    slime: *mut cata_slime,
-    steps: u32,
-    progress: cata_progress,
-    progress_user: *mut c_void,
-) -> cata_status {
+pub unsafe extern "C" fn cata_slime_step(slime: *mut cata_slime, steps: u32) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
         let slime = unsafe { slime.as_mut() }.ok_or_else(|| Failure::null("slime"))?;
-        let watch = watcher(progress, progress_user);
+        let watch = watcher(slime.progress, slime.user);
         let watch = watch.as_ref().map_or(Progress::none(), Progress::from);
+        #[cfg(feature = "opencl")]
+        if let Some(on_device) = &mut slime.on_device {
+            return Ok(on_device.run(steps, watch)?);
+        }
         Ok(slime.simulation.run(steps, slime.par, watch)?)
     })
 }
 
-/// How large a simulation is.
-///
-/// - `slime`: from cata_slime_new, not NULL.
-/// - `size`, `species`, `faces`: one element each, written: texels of a side of the texture,
-///   species, and triangles. NULL where not wanted.
-/// - `steps`: one element, written: steps done. NULL where not wanted.
+/// Texels of a side of a texture, species, triangles, and steps that are done; NULL where not
+/// wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -245,9 +298,9 @@ pub unsafe extern "C" fn cata_slime_size(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let (simulation, outputs, steps) = unsafe {
+        let (slime, outputs, steps) = unsafe {
             (
-                &known(slime)?.simulation,
+                known(slime)?,
                 [
                     optional_output("size", size)?,
                     optional_output("species", species)?,
@@ -256,6 +309,7 @@ pub unsafe extern "C" fn cata_slime_size(
                 optional_output("steps", steps)?,
             )
         };
+        let simulation = &slime.simulation;
         let numbers =
             [simulation.texels().size(), simulation.species(), simulation.surface().len()];
         for (output, number) in outputs.into_iter().zip(numbers) {
@@ -264,18 +318,13 @@ pub unsafe extern "C" fn cata_slime_size(
             }
         }
         if let Some(steps) = steps {
-            *steps = simulation.state().step;
+            *steps = slime.steps();
         }
         Ok(())
     })
 }
 
-/// The texture of a species, as it is now.
-///
-/// - `slime`: from cata_slime_new, not NULL.
-/// - `species`: its number, from 0.
-/// - `texture`: size x size elements, written: pheromone from 0 to 1, rows along u, the first at
-///   v = 0.
+/// The texture of a species (from 0) as it is now: pheromone, from 0 to 1.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -287,23 +336,22 @@ pub unsafe extern "C" fn cata_slime_texture(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let simulation = unsafe { &known(slime)?.simulation };
-        check_species(simulation, species)?;
-        let own = simulation.texture(species);
+        let slime = unsafe { known(slime)? };
+        check_species(&slime.simulation, species)?;
+        let own = slime.simulation.texture(species);
         // SAFETY: the caller's promise.
-        unsafe { slice_mut("texture", texture, own.len()) }?.copy_from_slice(own);
+        let texture = unsafe { slice_mut("texture", texture, own.len()) }?;
+        #[cfg(feature = "opencl")]
+        if let Some(on_device) = &slime.on_device {
+            return Ok(on_device.read_texture(species, texture)?);
+        }
+        texture.copy_from_slice(own);
         Ok(())
     })
 }
 
-/// How much of the surface a species covers (thesis, equation 3.2).
-///
-/// - `slime`: from cata_slime_new, not NULL.
-/// - `species`: its number, from 0.
-/// - `coverage`: one element, written: the mean of the pheromone, from 0 to 1. NULL where not
-///   wanted.
-/// - `presence`: one element, written: the part of the surface that has any. NULL where not
-///   wanted.
+/// How much of the surface a species covers (thesis, equation 3.2): the mean of its pheromone,
+/// and the part of the surface that has any; NULL where not wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -324,7 +372,7 @@ pub unsafe extern "C" fn cata_slime_coverage(
             )
         };
         check_species(&slime.simulation, species)?;
-        let found = slime.simulation.coverage(slime.par)[species];
+        let found = slime.coverage()?[species];
         if let Some(coverage) = coverage {
             *coverage = found.coverage;
         }
@@ -335,10 +383,7 @@ pub unsafe extern "C" fn cata_slime_coverage(
     })
 }
 
-/// The texture coordinates of the corners of faces: those that were given, or those of the atlas.
-///
-/// - `slime`: from cata_slime_new, not NULL.
-/// - `uv`: 6 elements a face, written: u, v of its three corners.
+/// The texture coordinates of the corners of faces, as cata_slime_new takes them.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -369,4 +414,22 @@ fn check_species(simulation: &Simulation, species: usize) -> Result<(), Failure>
     }
     let why = format!("species: {species} of {count} (numbered from 0)");
     Err(Failure::new(CATA_ERR_ARGUMENT, why))
+}
+
+impl cata_slime {
+    fn steps(&self) -> u32 {
+        #[cfg(feature = "opencl")]
+        if let Some(on_device) = &self.on_device {
+            return on_device.steps();
+        }
+        self.simulation.state().step
+    }
+
+    fn coverage(&self) -> Result<Vec<Coverage>, Failure> {
+        #[cfg(feature = "opencl")]
+        if let Some(on_device) = &self.on_device {
+            return Ok(on_device.coverage()?);
+        }
+        Ok(self.simulation.coverage(self.par))
+    }
 }

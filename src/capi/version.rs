@@ -9,7 +9,7 @@ use crate::base;
 pub const CATA_CAP_OPENBLAS: u64 = 1;
 /// Bit of cata_capabilities: MPI is linked in (cata_world_new works).
 pub const CATA_CAP_MPI: u64 = 2;
-/// Bit of cata_capabilities: kernels run on OpenCL devices, where there are any (cata_device_name
+/// Bit of cata_capabilities: kernels run on OpenCL devices, where there are any (cata_device_count
 /// tells).
 pub const CATA_CAP_OPENCL: u64 = 4;
 /// Bit of cata_capabilities: rows come from HDF5 files too (cata_accumulator_add_file).

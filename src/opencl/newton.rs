@@ -79,7 +79,7 @@ pub fn evaluate_newton_in_groups(
     };
     let kernel = device.kernel(SOURCE, &format!("-DLANES={lanes}"), name)?;
     let mut run = Run {
-        launcher: Launcher { device, group, what: "newton" },
+        launcher: Launcher { device: device.clone(), group, what: "newton" },
         newton,
         kernel,
         lanes,
@@ -126,7 +126,7 @@ impl Memory {
 }
 
 struct Run<'a> {
-    launcher: Launcher<'a>,
+    launcher: Launcher,
     newton: &'a Newton,
     kernel: Kernel,
     lanes: usize,

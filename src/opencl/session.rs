@@ -28,7 +28,12 @@ use crate::base::{Error, Result, reserved};
 /// assert_eq!(*device.info(), find("")?);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
-pub struct Device {
+///
+/// Clones are the same device, with one queue and one set of programs.
+#[derive(Clone)]
+pub struct Device(Arc<Opened>);
+
+struct Opened {
     info: DeviceInfo,
     handle: Handle,
     queue: CommandQueue,
@@ -38,7 +43,7 @@ pub struct Device {
 
 impl std::fmt::Debug for Device {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Device").field("info", &self.info).finish_non_exhaustive()
+        f.debug_struct("Device").field("info", &self.0.info).finish_non_exhaustive()
     }
 }
 
@@ -63,17 +68,18 @@ impl Device {
         // The newer call is not in OpenCL 1.2.
         #[allow(deprecated)]
         let queue = unsafe { CommandQueue::create(&context, handle.id(), 0) }.map_err(refused)?;
-        Ok(Self { info, handle, queue, context, programs: Mutex::default() })
+        let programs = Mutex::default();
+        Ok(Self(Arc::new(Opened { info, handle, queue, context, programs })))
     }
 
     /// What it is.
     pub fn info(&self) -> &DeviceInfo {
-        &self.info
+        &self.0.info
     }
 
     /// Numbers of 32 bits that it computes with at once: 16, 8, 4, or 1 where threads are what it has many of.
     pub(super) fn lanes(&self) -> usize {
-        match self.handle.native_vector_width_float() {
+        match self.0.handle.native_vector_width_float() {
             Ok(16..) => 16,
             Ok(8..) => 8,
             Ok(4..) => 4,
@@ -90,17 +96,17 @@ impl Device {
 
     fn program(&self, source: &'static str, options: &str) -> Result<Arc<Program>> {
         let mut options = format!("-cl-std=CL1.2 {options}");
-        let rounding = self.handle.single_fp_config().unwrap_or(0);
+        let rounding = self.0.handle.single_fp_config().unwrap_or(0);
         if rounding & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT != 0 {
             options += " -cl-fp32-correctly-rounded-divide-sqrt";
         }
-        let mut programs = self.programs.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut programs = self.0.programs.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(program) = programs.get(&(source, options.clone())) {
             return Ok(program.clone());
         }
-        let built = Program::create_and_build_from_source(&self.context, source, &options);
+        let built = Program::create_and_build_from_source(&self.0.context, source, &options);
         let program = Arc::new(built.map_err(|log| Error::Backend {
-            name: self.info.name.clone(),
+            name: self.0.info.name.clone(),
             why: format!("a program of ours is not accepted: {log}"),
             cause: None,
         })?);
@@ -112,7 +118,7 @@ impl Device {
     pub(super) fn buffer<T: Number>(&self, len: usize) -> Result<Buffer<T>> {
         let len = len.max(1);
         // SAFETY: the device's own memory, which no pointer of ours is behind.
-        unsafe { Buffer::create(&self.context, CL_MEM_READ_WRITE, len, ptr::null_mut()) }.map_err(
+        unsafe { Buffer::create(&self.0.context, CL_MEM_READ_WRITE, len, ptr::null_mut()) }.map_err(
             |e| match e.0 {
                 CL_MEM_OBJECT_ALLOCATION_FAILURE
                 | CL_OUT_OF_HOST_MEMORY
@@ -131,17 +137,31 @@ impl Device {
             return Ok(());
         }
         // SAFETY: the call blocks until `values` were read.
-        let sent = unsafe { self.queue.enqueue_write_buffer(buffer, CL_BLOCKING, 0, values, &[]) };
+        let sent =
+            unsafe { self.0.queue.enqueue_write_buffer(buffer, CL_BLOCKING, 0, values, &[]) };
         sent.map(drop).map_err(|e| self.failed("sending", e))
     }
 
     /// Gets the beginning of `buffer`, which is large enough, after all work before it.
     pub(super) fn read<T: Number>(&self, buffer: &Buffer<T>, values: &mut [T]) -> Result<()> {
+        self.read_from(buffer, 0, values)
+    }
+
+    /// [`Device::read`] from the number `first` of `buffer` on.
+    pub(super) fn read_from<T: Number>(
+        &self,
+        buffer: &Buffer<T>,
+        first: usize,
+        values: &mut [T],
+    ) -> Result<()> {
         if values.is_empty() {
             return Ok(());
         }
         // SAFETY: the call blocks until `values` were written, and any bits are a `Number`.
-        let got = unsafe { self.queue.enqueue_read_buffer(buffer, CL_BLOCKING, 0, values, &[]) };
+        let got = unsafe {
+            let queue = &self.0.queue;
+            queue.enqueue_read_buffer(buffer, CL_BLOCKING, first * size_of::<T>(), values, &[])
+        };
         got.map(drop).map_err(|e| self.failed("receiving", e))
     }
 
@@ -166,25 +186,25 @@ impl Device {
 
     /// Where kernels wait for their turn, one after the other.
     pub(super) fn queue(&self) -> &CommandQueue {
-        &self.queue
+        &self.0.queue
     }
 
     pub(super) fn failed(&self, what: &str, error: ClError) -> Error {
-        refusal(&self.info, what, error)
+        refusal(&self.0.info, what, error)
     }
 }
 
 /// Gives kernels to a device.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Launcher<'a> {
-    pub device: &'a Device,
+#[derive(Debug, Clone)]
+pub(super) struct Launcher {
+    pub device: Device,
     /// Work-items of a work-group; as many as the driver likes without.
     pub group: Option<usize>,
     /// What is done, for errors.
     pub what: &'static str,
 }
 
-impl Launcher<'_> {
+impl Launcher {
     /// Puts a call with all its arguments behind what the device has to do already.
     ///
     /// # Safety

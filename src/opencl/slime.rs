@@ -2,6 +2,8 @@
 
 mod agents;
 
+use std::sync::{Mutex, PoisonError};
+
 use opencl3::kernel::{ExecuteKernel, Kernel};
 use opencl3::memory::Buffer;
 
@@ -36,8 +38,7 @@ const SOURCE: &str = include_str!("kernels/slime.cl");
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 #[derive(Debug)]
-pub struct SlimeOnDevice<'a> {
-    device: &'a Device,
+pub struct SlimeOnDevice {
     parameters: Parameters,
     step: u32,
     border: usize,
@@ -46,7 +47,9 @@ pub struct SlimeOnDevice<'a> {
     memory: Memory,
     agents: Agents,
     ordering: Ordering,
-    launcher: Launcher<'a>,
+    launcher: Launcher,
+    /// Held while the kernel that sums coverages has its arguments set, and `sums` is in use.
+    covering: Mutex<()>,
 }
 
 #[derive(Debug)]
@@ -78,12 +81,12 @@ struct Memory {
     next: Buffer<f32>,
 }
 
-impl<'a> SlimeOnDevice<'a> {
+impl SlimeOnDevice {
     /// The simulation as it is now, on a device.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Backend`] when the device refuses.
-    pub fn new(device: &'a Device, simulation: &Simulation) -> Result<Self> {
+    pub fn new(device: &Device, simulation: &Simulation) -> Result<Self> {
         Self::in_groups(device, simulation, None)
     }
 
@@ -93,7 +96,7 @@ impl<'a> SlimeOnDevice<'a> {
     /// # Errors
     /// As [`SlimeOnDevice::new`]; [`Error::Argument`] for a group of 0.
     pub fn in_groups(
-        device: &'a Device,
+        device: &Device,
         simulation: &Simulation,
         group: Option<usize>,
     ) -> Result<Self> {
@@ -138,7 +141,6 @@ impl<'a> SlimeOnDevice<'a> {
             next: device.buffer(entries)?,
         };
         Ok(Self {
-            device,
             parameters,
             step: state.step,
             border: if parameters.seam_aware != 0 { texels.border().len() } else { 0 },
@@ -147,7 +149,8 @@ impl<'a> SlimeOnDevice<'a> {
             memory,
             agents: Agents::of(device, state)?,
             ordering: Ordering::new(device, kernel, state.ids.len(), parameters.size)?,
-            launcher: Launcher { device, group, what: "slime" },
+            launcher: Launcher { device: device.clone(), group, what: "slime" },
+            covering: Mutex::new(()),
         })
     }
 
@@ -166,16 +169,41 @@ impl<'a> SlimeOnDevice<'a> {
         self.wait()
     }
 
+    /// The device that it is on.
+    pub fn device(&self) -> &Device {
+        &self.launcher.device
+    }
+
+    /// The number of steps that are done, those of the simulation that this began with included.
+    pub fn steps(&self) -> u32 {
+        self.step
+    }
+
+    /// The texture of a species as it is now: all that comes from the device.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a species that is not there, [`Error::Shape`] for a texture of another size,
+    /// [`Error::Backend`] when the device refuses.
+    pub fn read_texture(&self, species: usize, texture: &mut [f32]) -> Result<()> {
+        let (size, count) = (self.parameters.size as usize, self.parameters.species as usize);
+        if species >= count {
+            let why = format!("{species} of {count} (numbered from 0)");
+            return Err(Error::Argument { what: "species", why });
+        }
+        Error::check_shape("texture", (size * size, 1), (texture.len(), 1))?;
+        self.device().read_from(&self.memory.texture, species * size * size, texture)
+    }
+
     /// Agents, by their numbers, and textures as they are now.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Backend`] when the device refuses.
     pub fn state(&self) -> Result<State> {
-        let mut state = self.agents.read(self.device)?;
+        let mut state = self.agents.read(self.device())?;
         let size = self.parameters.size as usize;
         let entries = self.parameters.species as usize * size * size;
         state.step = self.step;
-        state.texture = self.device.values(&self.memory.texture, entries)?;
+        state.texture = self.device().values(&self.memory.texture, entries)?;
         Ok(state)
     }
 
@@ -184,6 +212,7 @@ impl<'a> SlimeOnDevice<'a> {
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Backend`] when the device refuses.
     pub fn coverage(&self) -> Result<Vec<Coverage>> {
+        let _one_at_a_time = self.covering.lock().unwrap_or_else(PoisonError::into_inner);
         let (p, m) = (&self.parameters, &self.memory);
         // Rows on processors, which read on and on; columns on graphics cards, whose work-items are side by side.
         let (across, along) = if self.lanes > 1 { (p.size, 1) } else { (1, p.size) };
@@ -195,7 +224,7 @@ impl<'a> SlimeOnDevice<'a> {
             call.set_arg(&m.areas).set_arg(&m.texture).set_arg(&m.sums);
             self.launcher.enqueue(call, lines)?;
         }
-        let sums: Vec<u64> = self.device.values(&m.sums, 2 * lines)?;
+        let sums: Vec<u64> = self.device().values(&m.sums, 2 * lines)?;
         let of = |sums: &[[u64; 2]]| sum_of(sums.iter().copied()).into();
         Ok(sums.as_chunks().0.chunks(p.size as usize).map(of).collect())
     }
@@ -209,7 +238,7 @@ impl<'a> SlimeOnDevice<'a> {
     }
 
     fn wait(&self) -> Result<()> {
-        self.device.queue().finish().map_err(|e| self.device.failed("slime", e))
+        self.device().queue().finish().map_err(|e| self.device().failed("slime", e))
     }
 
     /// All kernels of a step, one after the other; the queue keeps their order.
@@ -264,7 +293,7 @@ fn lines_of(parameters: &Parameters) -> usize {
 }
 
 /// Buffers go away with this; no work may be left on them.
-impl Drop for SlimeOnDevice<'_> {
+impl Drop for SlimeOnDevice {
     fn drop(&mut self) {
         // Whatever is wrong with the device, its user was told by the call before.
         let _ = self.wait();

@@ -1,7 +1,7 @@
 use super::elimination::Factor;
 use super::rational::{EXPONENTIAL, RADAU, Workspace};
 use super::water::{WaterModel, positive};
-use crate::base::{Error, Par, Result, zeros};
+use crate::base::{Error, Par, Progress, Result, zeros};
 
 /// The weights of the last six values, oldest first, and that of the right-hand side, as multiples of 1 / 147.
 const WEIGHTS: [f64; 6] = [-10.0, 72.0, -225.0, 400.0, -450.0, 360.0];
@@ -131,6 +131,18 @@ impl Bdf6 {
         std::mem::swap(&mut self.history[5], &mut self.next);
         self.steps += 1;
         self.time += self.step;
+    }
+
+    /// Goes `count` steps ahead.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`]: the steps before are done then, and it can go on.
+    pub fn run(&mut self, count: usize, progress: Progress<'_>) -> Result<()> {
+        for done in 1..=count {
+            self.step();
+            progress.report(done as f64 / count as f64)?;
+        }
+        Ok(())
     }
 
     fn implicit_step(&mut self) {

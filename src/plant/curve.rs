@@ -30,6 +30,22 @@ pub struct Interval {
     pub loss: f64,
 }
 
+impl Interval {
+    /// 16 hours of light, in which leaves lose `loss`, and 8 of dark, in which they lose a twelfth of it.
+    ///
+    /// ```
+    /// use catamaran::plant::Interval;
+    ///
+    /// let day = Interval::day_and_night(1.2e-5);
+    /// assert_eq!(day.iter().map(|part| part.seconds).sum::<f64>(), 24.0 * 3600.0);
+    /// ```
+    pub fn day_and_night(loss: f64) -> Vec<Self> {
+        const NIGHT_LOSS: f64 = 1.0 / 12.0;
+        let [light, dark] = [16.0, 8.0].map(|hours| 3600.0 * hours);
+        vec![Self { seconds: light, loss }, Self { seconds: dark, loss: loss * NIGHT_LOSS }]
+    }
+}
+
 /// Options of [`water_curve`].
 #[derive(Debug, Clone)]
 #[non_exhaustive]

@@ -13,6 +13,7 @@ mod rods;
 mod spectral;
 mod tubes;
 mod water;
+mod wilt;
 
 pub use bdf::{Bdf6, Start};
 pub use curve::{CurveOptions, Interval, Method, water_curve};
@@ -23,3 +24,4 @@ pub use rods::{Motion, MotionOptions, Pose, RelaxOptions, Relaxation, RodOptions
 pub use spectral::SpectralSolution;
 pub use tubes::tubes;
 pub use water::{Conductivity, WaterModel, WaterOptions, grams_per_hour};
+pub use wilt::{WiltOptions, Wilting, wilt};

@@ -2,7 +2,7 @@ use faer::c64;
 
 use super::elimination::{Factor, Order};
 use super::water::{WaterModel, at_least_zero};
-use crate::base::{Par, Result, reserved};
+use crate::base::{Par, Progress, Result, reserved};
 
 /// A rational function near the exponential on the negative axis, as the real part of partial fractions:
 /// `constant + sum of 2 Re(c / (x - z))`.
@@ -110,13 +110,25 @@ impl WaterModel {
     /// [`Error::Argument`](crate::Error::Argument) name the argument at fault;
     /// [`Error::OutOfMemory`](crate::Error::OutOfMemory).
     pub fn water_after(&self, water: &[f64], seconds: f64, par: Par) -> Result<Vec<f64>> {
+        self.water_after_with(water, seconds, par, Progress::none())
+    }
+
+    /// [`WaterModel::water_after`], which tells of its progress.
+    pub(crate) fn water_after_with(
+        &self,
+        water: &[f64],
+        seconds: f64,
+        par: Par,
+        progress: Progress<'_>,
+    ) -> Result<Vec<f64>> {
         at_least_zero("seconds", seconds)?;
         let mut relative = self.relative_by_positions(water)?;
         if seconds > 0.0 {
             let mut workspace = Workspace::new(&self.order)?;
             let steps = self.substeps(seconds);
-            for _ in 0..steps {
+            for done in 1..=steps {
                 EXPONENTIAL.apply(self, &mut relative, seconds / steps as f64, &mut workspace, par);
+                progress.report(done as f64 / steps as f64)?;
             }
         }
         Ok(self.water_by_nodes(&relative))

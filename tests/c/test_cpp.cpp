@@ -301,23 +301,6 @@ void loaded_backend() {
     }
 }
 
-void slimes() {
-    cata_slime_params params = {};
-    params.struct_size = sizeof params;
-    params.agents = 50;
-    params.size = 32;
-    const std::vector<double> square = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
-    catamaran::slime slime(square, {0, 1, 2, 0, 2, 3}, {}, &params);
-    int calls = 0;
-    slime.step(3, [&](double) { return ++calls > 0; });
-    CHECK(calls == 3 && slime.texture().size() == 32 * 32);
-    const auto [coverage, presence] = slime.coverage();
-    CHECK(0 < coverage && coverage <= presence);
-    CHECK(status_of([&] { slime.texture(1); }) == CATA_ERR_ARGUMENT);
-    CHECK(status_of([&] { slime.step(2, [](double) { return false; }); }) == CATA_ERR_CANCELLED);
-    CHECK(status_of([&] { catamaran::slime(square, {0, 1}); }) == CATA_ERR_SHAPE);
-}
-
 const std::vector<std::array<double, 3>> octahedron{{{1, 0, 0}},  {{-1, 0, 0}}, {{0, 1, 0}},
                                                     {{0, -1, 0}}, {{0, 0, 1}},  {{0, 0, -1}}};
 const std::vector<std::array<std::uint32_t, 3>> octants{
@@ -354,34 +337,6 @@ void parts_and_unions() {
     CHECK(status_of([&] { catamaran::part_eigenvalues(mesh, {1}, 2); }) == CATA_ERR_SHAPE);
 }
 
-void newton_fractals() {
-    catamaran::newton newton;
-    const auto found = newton.points({1, 0, 0, -0.5F, 0.8660254F, 0});
-    CHECK((found.roots == std::vector<std::uint16_t>{0, 4}) && found.convergence[0] == -1);
-    CHECK(newton.colors(found).size() == 6);
-    CHECK(newton.plane(3, 2, {{0, 0}}, 2.0).roots.size() == 6);
-    newton.set_w(0.5);
-    CHECK(status_of([&] { newton.points({1, 2}); }) == CATA_ERR_SHAPE);
-    CHECK(status_of([&] { newton.plane(2, 2, {{0, 0}}, 0.0); }) == CATA_ERR_ARGUMENT);
-}
-
-void plants() {
-    catamaran::plant plant({0, 0, 0.1, 0, 0, 0.2}, {1e-3, 1e-3}, {CATA_NO_PARENT, 0}, {0, 1});
-    const std::vector<double> full = plant.full_water();
-    CHECK(plant.size() == 2 && full.size() == 2);
-    plant.set_loss(1e-5);
-    const std::vector<double> later = plant.water_after(full, 3600.0);
-    plant.start(full, 360.0);
-    const std::vector<double> stepped = plant.step(10);
-    CHECK(later[0] + later[1] < full[0] + full[1]);
-    CHECK(std::abs(stepped[1] - later[1]) < 1e-6 * full[1]);
-    CHECK(plant.stiffness(later, 5e7, 3e5, 10, 0.75)[1] < 5e7);
-    CHECK(status_of([&] { plant.weaken(0, 0.5); }) == CATA_ERR_ARGUMENT);
-    CHECK(status_of([&] { plant.water_after({1.0}, 1.0); }) == CATA_ERR_SHAPE);
-    CHECK(status_of([] { catamaran::plant("/no/such/plant.txt"); }) == CATA_ERR_IO);
-    CHECK(status_of([] { catamaran::plant({0, 0, 1}, {1, 1}, {0, 0}, {0, 0}); }) == CATA_ERR_SHAPE);
-}
-
 }  // namespace
 
 int main() {
@@ -396,9 +351,6 @@ int main() {
     gram_matrices();
     loaded_backend();
     parts_and_unions();
-    newton_fractals();
-    plants();
-    slimes();
     CHECK(second_unit() == 25);
     return report("cpp");
 }

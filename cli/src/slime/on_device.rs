@@ -7,12 +7,12 @@ use crate::device::Device;
 
 /// The kernels on a device.
 #[cfg(feature = "opencl")]
-pub struct OnDevice<'a>(catamaran::opencl::SlimeOnDevice<'a>);
+pub struct OnDevice(catamaran::opencl::SlimeOnDevice);
 
 #[cfg(feature = "opencl")]
-impl<'a> OnDevice<'a> {
+impl OnDevice {
     /// From where the simulation is.
-    pub fn new(device: &'a Device, simulation: &Simulation) -> Result<Self> {
+    pub fn new(device: &Device, simulation: &Simulation) -> Result<Self> {
         Ok(Self(catamaran::opencl::SlimeOnDevice::new(device, simulation)?))
     }
 
@@ -30,22 +30,22 @@ impl<'a> OnDevice<'a> {
 
 /// There is no device in this build.
 #[cfg(not(feature = "opencl"))]
-pub struct OnDevice<'a>(&'a Device);
+pub struct OnDevice(std::convert::Infallible);
 
 #[cfg(not(feature = "opencl"))]
-impl<'a> OnDevice<'a> {
+impl OnDevice {
     /// Never called.
-    pub fn new(device: &'a Device, _simulation: &Simulation) -> Result<Self> {
-        Ok(Self(device))
+    pub fn new(device: &Device, _simulation: &Simulation) -> Result<Self> {
+        match *device {}
     }
 
     /// Never called.
     pub fn step(&mut self) -> Result<Vec<Coverage>> {
-        match *self.0 {}
+        match self.0 {}
     }
 
     /// Never called.
     pub fn give_back(&self, _simulation: &mut Simulation) -> Result<()> {
-        match *self.0 {}
+        match self.0 {}
     }
 }

@@ -1,24 +1,12 @@
 //! Water, stiffness and pose at equal times.
 
 use anyhow::Result;
+use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::plant::{
-    Conductivity, CurveOptions, Elasticity, Interval, Plant, Pose, RelaxOptions, RodOptions, Rods,
-    WaterModel, WaterOptions, grams_per_hour, water_curve,
+    Conductivity, Elasticity, Interval, Plant, Pose, RodOptions, Rods, WaterModel, WaterOptions,
+    WiltOptions, grams_per_hour, wilt,
 };
-use catamaran::{Error, Par};
-
-/// The hours of a day that are light, and those that are dark.
-const DAY: [f64; 2] = [16.0, 8.0];
-
-/// What leaves lose by night, as a part of what they lose by day.
-const NIGHT_LOSS: f64 = 1.0 / 12.0;
-
-/// A torque out of balance, as a part of the largest of a weight, that no picture shows.
-const SEEN: f64 = 1e-4;
-
-/// The share of the time that goes into water, not poses.
-const WATER_SHARE: f64 = 0.2;
 
 /// What a plant goes through.
 #[derive(Debug, Clone)]
@@ -72,35 +60,19 @@ pub fn simulate(plant: &Plant, weather: &Weather, progress: Progress<'_>) -> Res
         .map(|i| weather.hours * i as f64 / weather.frames.max(1) as f64)
         .collect();
     let times: Vec<f64> = hours.iter().map(|h| 3600.0 * h).collect();
-    let [light, dark] = DAY.map(|hours| 3600.0 * hours);
-    let cycle = match weather.nights {
-        true => vec![
-            Interval { seconds: light, loss },
-            Interval { seconds: dark, loss: loss * NIGHT_LOSS },
-        ],
-        false => vec![],
-    };
-    let options =
-        CurveOptions::new().cycle(cycle).par(weather.par).progress(progress.part(0.0..WATER_SHARE));
-    let water = water_curve(&model, &full, &times, &options)?;
-
-    let mut rods = Rods::new(plant, &RodOptions::default())?;
-    let mut pose = rods.rest_pose();
-    let (mut moduli, mut poses, mut iterations) = (Vec::new(), Vec::new(), 0);
-    for (i, water) in water.iter().enumerate() {
-        let stiffness = weather.elasticity.moduli(water, &full)?;
-        rods.set_state(&stiffness, water)?;
-        let at = |i: usize| WATER_SHARE + (1.0 - WATER_SHARE) * i as f64 / hours.len() as f64;
-        let progress = progress.part(at(i)..at(i + 1));
-        let options = RelaxOptions::new().progress(progress);
-        iterations = iterations.max(match rods.relax(&mut pose, &options) {
-            Ok(done) => done.iterations,
-            // What is pulled straight between pins comes near balance, slowly.
-            Err(Error::NotConverged { iterations, residual }) if residual <= SEEN => iterations,
-            Err(error) => return Err(error.into()),
-        });
-        moduli.push(stiffness);
-        poses.push(pose.clone());
+    let rods = Rods::new(plant, &RodOptions::default())?;
+    let mut options =
+        WiltOptions::new().elasticity(weather.elasticity).par(weather.par).progress(progress);
+    if weather.nights {
+        options = options.cycle(Interval::day_and_night(loss));
     }
-    Ok(Simulation { hours, full, water, moduli, poses, iterations })
+    let found = wilt(&model, &rods, &times, &options)?;
+    Ok(Simulation {
+        hours,
+        full,
+        water: found.water,
+        moduli: found.moduli,
+        poses: found.poses,
+        iterations: found.iterations,
+    })
 }

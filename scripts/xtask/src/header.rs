@@ -53,7 +53,7 @@ pub const SECTIONS: &[Section] = &[
     section("curves", &["curve", "curves"], &["curve"]),
     section("spectra", &["shape_dna", "transfer"], &["transfer", "shape_dna"]),
     section("unions", &["unions"], &["unions"]),
-    section("plants", &["plant"], &["plant"]),
+    section("plants", &["plant"], &["plant", "rods"]),
     section("slime", &["slime"], &["slime"]),
     section("newton", &["newton"], &["newton"]),
     section("devices", &["device"], &["device"]),

@@ -113,7 +113,7 @@ impl Ordering {
     /// Puts them in order; the few numbers of tiles are summed here.
     pub(super) fn order(
         &mut self,
-        launcher: &Launcher<'_>,
+        launcher: &Launcher,
         records: &Buffer<f32>,
         agents: &mut Agents,
     ) -> Result<()> {

@@ -147,4 +147,22 @@ fn a_run_that_is_cancelled_goes_on() {
     let mut whole = SlimeOnDevice::new(&device, &simulation).unwrap();
     whole.run(8, Progress::new(&|_| ControlFlow::Continue(()))).unwrap();
     assert_eq!(stopped.state().unwrap(), whole.state().unwrap());
+    assert_eq!((whole.steps(), whole.device().info()), (8, device.info()));
+}
+
+#[test]
+fn textures_of_species_come_one_by_one() {
+    let Some(device) = device() else { return };
+    let options = Options { species: 3, ..options() };
+    let mut twin = Simulation::new(square(), &options, &Mask::default()).unwrap();
+    let mut kernels = SlimeOnDevice::new(&device, &twin).unwrap();
+    kernels.run(3, Progress::none()).unwrap();
+    kernels.give_back(&mut twin).unwrap();
+    let mut texture = vec![-1.0; options.size * options.size];
+    for species in 0..3 {
+        kernels.read_texture(species, &mut texture).unwrap();
+        assert_eq!(texture, twin.texture(species));
+    }
+    assert!(matches!(kernels.read_texture(3, &mut texture), Err(Error::Argument { .. })));
+    assert!(matches!(kernels.read_texture(0, &mut texture[1..]), Err(Error::Shape { .. })));
 }

@@ -183,6 +183,28 @@ impl Rods {
         pose
     }
 
+    /// The pose in which each segment has turned by its rotation, a quaternion (w, x, y, z) of any length but 0.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] for rotations of another plant, [`Error::NonFinite`], [`Error::Argument`] for one of length 0.
+    pub fn pose(&self, rotations: &[[f64; 4]]) -> Result<Pose> {
+        Error::check_shape("rotations", (self.len(), 4), (rotations.len(), 4))?;
+        let mut pose = self.rest_pose();
+        for (v, (unit, q)) in pose.rotations.iter_mut().zip(rotations).enumerate() {
+            if let Some(j) = q.iter().position(|x| !x.is_finite()) {
+                return Err(Error::NonFinite { what: "rotations", index: (v, j) });
+            }
+            let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if !(length > 0.0 && length.is_finite()) {
+                let why = format!("that of segment {v} is of length {length}");
+                return Err(Error::Argument { what: "rotations", why });
+            }
+            *unit = q.map(|x| x / length);
+        }
+        self.place(&mut pose);
+        Ok(pose)
+    }
+
     fn parent(&self, v: usize) -> Option<usize> {
         Some(self.parents[v]).filter(|&p| p != NONE).map(|p| p as usize)
     }

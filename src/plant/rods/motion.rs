@@ -10,7 +10,7 @@ use super::small::{
     logarithm, product, rotation_matrix, solve, solve_matrix, times, transposed, turned,
 };
 use super::{Pose, Rods};
-use crate::base::{Error, Result, builder};
+use crate::base::{Error, Progress, Result, builder};
 use crate::mesh::vector::{Vector, norm, scale, sub};
 use crate::plant::water::{at_least_zero, positive};
 
@@ -166,6 +166,18 @@ impl Motion {
             let turn = product(self.rotations[v], inverse(rotations[v]));
             self.velocities[v] = scale(moved, worn / h);
             self.spins[v] = scale(logarithm(turn), worn / h);
+        }
+        Ok(())
+    }
+
+    /// Goes `count` steps ahead.
+    ///
+    /// # Errors
+    /// As those of [`Motion::step`]; [`Error::Cancelled`]: the steps before are done then, and it can go on.
+    pub fn run(&mut self, count: usize, progress: Progress<'_>) -> Result<()> {
+        for done in 1..=count {
+            self.step()?;
+            progress.report(done as f64 / count as f64)?;
         }
         Ok(())
     }

@@ -1,10 +1,12 @@
 //! Rods against beam theory.
 
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
-use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::plant::families::{GrowthOptions, grow};
 use catamaran::plant::*;
+use catamaran::{Error, Par};
 
 const RADIUS: f64 = 1e-3;
 const INERTIA: f64 = PI * RADIUS * RADIUS * RADIUS * RADIUS / 4.0;
@@ -231,4 +233,80 @@ fn arguments_out_of_range_are_named() {
     says(rods.set_state(&[1.0; 3], &[f64::NAN; 3]).unwrap_err(), "water");
     let pose = rods.rest_pose();
     says(Motion::new(&rods, &pose, &MotionOptions::default()).unwrap_err(), "segment 0 weighs 0");
+}
+
+#[test]
+fn wilting_is_its_steps_and_can_be_stopped() {
+    let plant = grow(&GrowthOptions::new().nodes(60)).unwrap();
+    let options = WaterOptions::new();
+    let model = WaterModel::new(&plant, &options).unwrap();
+    let mut rods = Rods::new(&plant, &RodOptions::new()).unwrap();
+    let times = [0.0, 7e4, 1.5e5];
+    let weather = WiltOptions::new().par(Par::Seq).cycle(Interval::day_and_night(options.loss));
+    let found = wilt(&model, &rods, &times, &weather).unwrap();
+    let curve = CurveOptions::new().cycle(weather.cycle.clone());
+    assert_eq!(found.water, water_curve(&model, &model.full(), &times, &curve).unwrap());
+    let mut pose = rods.rest_pose();
+    for (i, water) in found.water.iter().enumerate() {
+        let moduli = Elasticity::default().moduli(water, &model.full()).unwrap();
+        rods.set_state(&moduli, water).unwrap();
+        rods.relax(&mut pose, &RelaxOptions::new()).unwrap();
+        assert_eq!((&found.moduli[i], &found.poses[i]), (&moduli, &pose));
+    }
+    let stop = |fraction: f64| match fraction {
+        0.9.. => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    };
+    let stopped = wilt(&model, &rods, &times, &weather.progress(Progress::new(&stop)));
+    assert_eq!(stopped.unwrap_err(), Error::Cancelled);
+}
+
+#[test]
+fn poses_follow_from_rotations() {
+    let plant = grow(&GrowthOptions::new().nodes(30)).unwrap();
+    let rods = Rods::new(&plant, &RodOptions::new()).unwrap();
+    let half = 0.5_f64.sqrt();
+    let mut rotations = vec![[3.0, 0.0, 0.0, 0.0]; 30];
+    assert_eq!(rods.pose(&rotations).unwrap(), rods.rest_pose());
+    // A quarter turn around z of all: x becomes y.
+    rotations.fill([half, 0.0, 0.0, half]);
+    let (turned, rest) = (rods.pose(&rotations).unwrap(), rods.rest_pose());
+    for (a, b) in turned.tails.iter().zip(&rest.tails) {
+        let base = plant.base();
+        let d = [0, 1, 2].map(|i| b[i] - base[i]);
+        let expected = [base[0] - d[1], base[1] + d[0], b[2]];
+        assert!((0..3).all(|i| (a[i] - expected[i]).abs() < 1e-12));
+    }
+    rotations[7] = [0.0; 4];
+    assert!(matches!(rods.pose(&rotations), Err(Error::Argument { what: "rotations", .. })));
+    rotations[7][2] = f64::NAN;
+    let index = (7, 2);
+    assert_eq!(rods.pose(&rotations), Err(Error::NonFinite { what: "rotations", index }));
+    assert!(matches!(rods.pose(&rotations[1..]), Err(Error::Shape { .. })));
+}
+
+#[test]
+fn runs_are_steps_and_stop_where_they_are_told_to() {
+    let plant = grow(&GrowthOptions::new().nodes(40)).unwrap();
+    let model = WaterModel::new(&plant, &WaterOptions::new()).unwrap();
+    let full = model.full();
+    let start = || Bdf6::new(&model, &full, 60.0, Start::Radau, Par::Seq).unwrap();
+    let stop = |fraction: f64| match fraction {
+        0.5.. => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    };
+    let (mut steps, mut run) = (start(), start());
+    (0..8).for_each(|_| steps.step());
+    assert_eq!(run.run(8, Progress::new(&stop)), Err(Error::Cancelled));
+    run.run(4, Progress::none()).unwrap();
+    assert_eq!(run.water(), steps.water());
+
+    let mut rods = Rods::new(&plant, &RodOptions::new()).unwrap();
+    rods.set_state(&Elasticity::default().moduli(&full, &full).unwrap(), &full).unwrap();
+    let start = || Motion::new(&rods, &rods.rest_pose(), &MotionOptions::new()).unwrap();
+    let (mut steps, mut run) = (start(), start());
+    (0..8).for_each(|_| steps.step().unwrap());
+    assert_eq!(run.run(8, Progress::new(&stop)), Err(Error::Cancelled));
+    run.run(4, Progress::none()).unwrap();
+    assert_eq!(run.pose(), steps.pose());
 }

@@ -1,0 +1,112 @@
+use super::curve::{CurveOptions, Interval, water_curve};
+use super::elasticity::Elasticity;
+use super::rods::{Pose, RelaxOptions, Rods};
+use super::water::WaterModel;
+use crate::base::{Error, Par, Progress, Result, builder};
+
+/// A torque out of balance, as a part of the largest torque of a weight, that no picture shows.
+const SEEN: f64 = 1e-4;
+
+/// The share of the time that goes into water, not poses.
+const WATER_SHARE: f64 = 0.2;
+
+/// Options of [`wilt`].
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct WiltOptions<'a> {
+    /// Stiffness from water; default [`Elasticity::default`].
+    pub elasticity: Elasticity,
+    /// As [`CurveOptions::cycle`], such as [`Interval::day_and_night`].
+    pub cycle: Vec<Interval>,
+    /// Threads; default all cores of the affinity mask. Does not change the result.
+    pub par: Par,
+    /// Told of progress; may cancel.
+    pub progress: Progress<'a>,
+}
+
+impl Default for WiltOptions<'_> {
+    fn default() -> Self {
+        Self {
+            elasticity: Elasticity::default(),
+            cycle: vec![],
+            par: Par::all(),
+            progress: Progress::none(),
+        }
+    }
+}
+
+builder! { WiltOptions<'a> {
+    elasticity: Elasticity,
+    cycle: Vec<Interval>,
+    par: Par,
+    #[into] progress: Progress<'a>,
+}}
+
+/// What became of a plant, time by time.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Wilting {
+    /// Of every node, in kg.
+    pub water: Vec<Vec<f64>>,
+    /// The modulus of elasticity of every segment, in Pa.
+    pub moduli: Vec<Vec<f64>>,
+    /// At rest, in the weight and with the stiffness of each time.
+    pub poses: Vec<Pose>,
+    /// The most Newton iterations that a pose took.
+    pub iterations: usize,
+}
+
+/// Lets a plant wilt, from full cells at time 0 on: its water at each of `times` (seconds, ascending), the stiffness that
+/// follows from it, and the pose in which the plant then rests, each found from the one before.
+///
+/// ```
+/// use catamaran::plant::families::{GrowthOptions, grow};
+/// use catamaran::plant::{Interval, RodOptions, Rods, WaterModel, WaterOptions, WiltOptions, wilt};
+///
+/// let plant = grow(&GrowthOptions::new().nodes(50))?;
+/// let options = WaterOptions::new();
+/// let model = WaterModel::new(&plant, &options)?;
+/// let rods = Rods::new(&plant, &RodOptions::new())?;
+/// let hours: Vec<f64> = (0..=4).map(|i| 12.0 * 3600.0 * f64::from(i)).collect();
+/// let weather = WiltOptions::new().cycle(Interval::day_and_night(options.loss));
+/// let found = wilt(&model, &rods, &hours, &weather)?;
+/// let height = |i: usize| found.poses[i].tails.iter().map(|tail| tail[2]).sum::<f64>();
+/// assert!(height(4) < height(0)); // it hangs its head
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As those of [`water_curve`], [`Elasticity::moduli`] and [`Rods::relax`], but for a pose that comes so near to balance that
+/// no picture shows it: what is pulled straight between pins comes there slowly.
+pub fn wilt(
+    model: &WaterModel,
+    rods: &Rods,
+    times: &[f64],
+    options: &WiltOptions<'_>,
+) -> Result<Wilting> {
+    let full = model.full();
+    let curve = CurveOptions::new()
+        .cycle(options.cycle.clone())
+        .par(options.par)
+        .progress(options.progress.part(0.0..WATER_SHARE));
+    let water = water_curve(model, &full, times, &curve)?;
+    let mut rods = rods.clone();
+    let mut pose = rods.rest_pose();
+    let (mut moduli, mut poses, mut iterations) = (Vec::new(), Vec::new(), 0);
+    let at = |i: usize| WATER_SHARE + (1.0 - WATER_SHARE) * i as f64 / water.len() as f64;
+    for (i, water) in water.iter().enumerate() {
+        let stiffness = options.elasticity.moduli(water, &full)?;
+        rods.set_state(&stiffness, water)?;
+        let progress = options.progress.part(at(i)..at(i + 1));
+        let taken = match rods.relax(&mut pose, &RelaxOptions::new().progress(progress)) {
+            Ok(done) => done.iterations,
+            Err(Error::NotConverged { iterations, residual }) if residual <= SEEN => iterations,
+            Err(error) => return Err(error),
+        };
+        options.progress.report(at(i + 1))?;
+        iterations = iterations.max(taken);
+        moduli.push(stiffness);
+        poses.push(pose.clone());
+    }
+    Ok(Wilting { water, moduli, poses, iterations })
+}
