@@ -183,8 +183,7 @@ pub unsafe extern "C" fn cata_eigs_sliced(
     boundary(|| {
         let mut sink = sink(slice, user)?;
         // SAFETY: the caller's promise.
-        let (stiffness, masses) =
-            unsafe { pencil(n, row_starts, columns, entries, masses) }?;
+        let (stiffness, masses) = unsafe { pencil(n, row_starts, columns, entries, masses) }?;
         let work = |options: &EigenOptions<'_>, _: &LaplacianOptions| {
             Ok(eigs_sliced(stiffness, &masses, options, memory, &mut sink)?)
         };
@@ -215,9 +214,8 @@ pub unsafe extern "C" fn cata_eigs_count(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let (count, (stiffness, masses)) = unsafe {
-            (output("count", count)?, pencil(n, row_starts, columns, entries, masses)?)
-        };
+        let (count, (stiffness, masses)) =
+            unsafe { (output("count", count)?, pencil(n, row_starts, columns, entries, masses)?) };
         let work = |options: &EigenOptions<'_>, _: &LaplacianOptions| {
             options.progress.report(0.0)?;
             let found = count_below(stiffness, &masses, value)?;

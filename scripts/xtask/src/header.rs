@@ -51,7 +51,11 @@ pub const SECTIONS: &[Section] = &[
     section("mesh", &["mesh"], &["mesh"]),
     section("decimation", &["decimate"], &["decimate"]),
     section("curves", &["curve"], &["curve"]),
-    section("spectra", &["shape_dna", "transfer"], &["transfer", "shape_dna"]),
+    section(
+        "spectra",
+        &["basis", "map", "transfer", "shape_dna"],
+        &["basis", "map", "transfer", "shape_dna"],
+    ),
     section("unions", &["unions"], &["unions"]),
     section("plants", &["plant"], &["plant"]),
     section("slime", &["slime"], &["slime"]),
