@@ -972,7 +972,7 @@ cata_status cata_ortho_params_init(cata_ortho_params *params, size_t struct_size
  *   from 0. NULL where not wanted.
  * - `rank`: one size_t, written.
  *
- * A is unspecified after CATA_ERR_OUT_OF_MEMORY, CATA_ERR_CANCELLED and CATA_ERR_PANIC. */
+ * A is unspecified after errors that are not of arguments. */
 cata_status cata_ortho_gram_schmidt(int32_t layout, size_t n, size_t c, double *a, size_t lda,
     const double *masses, double *r, size_t ldr, size_t *kept, size_t *rank,
     const cata_ortho_params *params);
@@ -2085,7 +2085,8 @@ cata_status cata_world_eigs(const cata_world *world, size_t own, size_t n, const
 
 /** cata_ortho_gram_schmidt where every rank has some rows of A and masses, in the order of the
  * ranks: `own` of this rank. Collective. Every rank gets its rows of Q and all of `r`, which is
- * c x c, `kept` and `rank`. CATA_ORTHO_RANK_REVEALING is CATA_ERR_UNSUPPORTED. */
+ * c x c, `kept` and `rank`; A is unspecified after errors. CATA_ORTHO_RANK_REVEALING is
+ * CATA_ERR_UNSUPPORTED. */
 cata_status cata_world_gram_schmidt(const cata_world *world, int32_t layout, size_t own, size_t c,
     double *a, size_t lda, const double *masses, double *r, size_t ldr, size_t *kept, size_t *rank,
     const cata_ortho_params *params);

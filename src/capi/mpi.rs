@@ -343,7 +343,8 @@ pub unsafe extern "C" fn cata_world_eigs(
 
 /// cata_ortho_gram_schmidt where every rank has some rows of A and masses, in the order of the
 /// ranks: `own` of this rank. Collective. Every rank gets its rows of Q and all of `r`, which is
-/// c x c, `kept` and `rank`. CATA_ORTHO_RANK_REVEALING is CATA_ERR_UNSUPPORTED.
+/// c x c, `kept` and `rank`; A is unspecified after errors. CATA_ORTHO_RANK_REVEALING is
+/// CATA_ERR_UNSUPPORTED.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -68,7 +68,7 @@ pub unsafe extern "C" fn cata_ortho_params_init(
 ///   from 0. NULL where not wanted.
 /// - `rank`: one size_t, written.
 ///
-/// A is unspecified after CATA_ERR_OUT_OF_MEMORY, CATA_ERR_CANCELLED and CATA_ERR_PANIC.
+/// A is unspecified after errors that are not of arguments.
 ///
 /// # Safety
 /// The pointers are as described.
