@@ -64,7 +64,12 @@ int main(void)
     size_t k = 0;
     make_grid();
     qsort(expected, N, sizeof expected[0], ascending);
-    const double bound = 0.5 * (expected[199] + expected[200]);
+    /* In a gap between two eigenvalues. */
+    size_t wanted = 200;
+    while (expected[wanted] - expected[wanted - 1] < 1e-3) {
+        wanted++;
+    }
+    const double bound = 0.5 * (expected[wanted - 1] + expected[wanted]);
     cata_status status = cata_eigs_count(N, row_starts, columns, entries, NULL, bound, &k, NULL);
     if (status == CATA_OK) {
         status = cata_eigs_sliced(N, row_starts, columns, entries, NULL, k, 14 << 20, take, &found, NULL);
@@ -75,7 +80,7 @@ int main(void)
     }
     printf("%zu eigenvalues below %.4f, in %zu slices, off by at most %.1e, residuals up to %.1e\n", found.pairs,
            bound, found.slices, found.worst, found.residual);
-    const int good = k == 200 && found.pairs == k && found.slices > 1 && found.worst < 1e-10 &&
+    const int good = k == wanted && found.pairs == k && found.slices > 1 && found.worst < 1e-10 &&
                      found.residual <= 1e-9;
     if (!good) {
         fprintf(stderr, "MISMATCH\n");

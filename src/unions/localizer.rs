@@ -199,6 +199,16 @@ mod tests {
     }
 
     #[test]
+    fn eigenfunctions_of_the_template_can_be_cancelled() {
+        let mesh = crate::mesh::families::icosphere(1).unwrap();
+        let n = mesh.vertices().len();
+        let localizer = Localizer::new(1, vec![0], vec![1.0], n).unwrap();
+        let stop = |_| std::ops::ControlFlow::Break(());
+        let found = localizer.on_mesh_watched(&mesh, Par::Seq, Progress::new(&stop));
+        assert!(matches!(found, Err(Error::Cancelled)));
+    }
+
+    #[test]
     fn another_template_and_other_coefficients_are_refused() {
         let localizer = localizer();
         let wrong = Mat::from_fn(VERTICES, MODES, |v, j| ((v * v + j) % 7) as f64);
