@@ -883,12 +883,8 @@ typedef struct cata_eigs_params {
 /** Takes a slice of eigenpairs: `count` of them, as cata_eigs writes them, ascending within the
  * slice and from slice to slice; gone when it returns. It is called by the calling thread, and
  * returns 0 to go on, anything else to end the call with CATA_ERR_CANCELLED. */
-typedef int32_t (*cata_eigs_slice)(size_t count,
-                                   const double *eigenvalues,
-                                   const double *eigenvectors,
-                                   size_t ldv,
-                                   const double *residuals,
-                                   void *user);
+typedef int32_t (*cata_eigs_slice)(size_t count, const double *eigenvalues,
+    const double *eigenvectors, size_t ldv, const double *residuals, void *user);
 
 /** Fills a struct with the defaults. */
 cata_status cata_eigs_params_init(cata_eigs_params *params, size_t struct_size);
@@ -933,7 +929,7 @@ cata_status cata_eigs_count(size_t n, const size_t *row_starts, const size_t *co
     const cata_eigs_params *params);
 
 /** `method`: columns are projected until they are orthogonal to rounding; threshold 1e-9. */
-#define CATA_ORTHO_REPEATED 1
+#define CATA_ORTHO_REORTHOGONALIZED 1
 /** `method`: once, so that columns are orthogonal as far as that goes; threshold 1e-2. */
 #define CATA_ORTHO_SINGLE_PASS 2
 
@@ -954,7 +950,7 @@ typedef struct cata_ortho_params {
     /** A column is dropped when no more of it is left, relative to its length before, after what
      * the columns before it span was taken away: 1e-13 to 1; 0: that of `method`. */
     double threshold;
-    /** CATA_ORTHO_*; 0: CATA_ORTHO_REPEATED. */
+    /** CATA_ORTHO_*; 0: CATA_ORTHO_REORTHOGONALIZED. */
     int32_t method;
 } cata_ortho_params;
 

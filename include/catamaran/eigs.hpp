@@ -250,7 +250,7 @@ inline void eigs_sliced(const mesh_view& mesh, std::size_t k, std::size_t memory
 /// How columns, or products, are made orthonormal.
 enum class ortho_method : std::int32_t {
     standard = 0,
-    repeated = CATA_ORTHO_REPEATED,
+    reorthogonalized = CATA_ORTHO_REORTHOGONALIZED,
     single_pass = CATA_ORTHO_SINGLE_PASS,
     rank_revealing = CATA_ORTHO_RANK_REVEALING,
 };

@@ -19,7 +19,7 @@ use std::sync::Arc;
 
 use super::boundary::boundary;
 use super::ortho::{
-    CATA_ORTHO_RANK_REVEALING, CATA_ORTHO_REPEATED, CATA_ORTHO_SINGLE_PASS, known_method,
+    CATA_ORTHO_RANK_REVEALING, CATA_ORTHO_REORTHOGONALIZED, CATA_ORTHO_SINGLE_PASS, known_method,
 };
 use super::params::{Versioned, init, read};
 use super::pointer::{Layout, matrix, matrix_mut, optional_output, output, slice, slice_mut};
@@ -452,7 +452,7 @@ impl BasisOptions<'_> {
         progress: Progress<'_>,
     ) -> Result<ProductBasis, Failure> {
         let orthogonalization = match self.method {
-            CATA_ORTHO_REPEATED => Orthogonalization::Reorthogonalized,
+            CATA_ORTHO_REORTHOGONALIZED => Orthogonalization::Reorthogonalized,
             CATA_ORTHO_RANK_REVEALING => Orthogonalization::RankRevealing,
             _ => Orthogonalization::SinglePass,
         };

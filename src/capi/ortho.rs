@@ -13,7 +13,7 @@ use crate::ortho::{
 };
 
 /// `method`: columns are projected until they are orthogonal to rounding; threshold 1e-9.
-pub const CATA_ORTHO_REPEATED: i32 = 1;
+pub const CATA_ORTHO_REORTHOGONALIZED: i32 = 1;
 /// `method`: once, so that columns are orthogonal as far as that goes; threshold 1e-2.
 pub const CATA_ORTHO_SINGLE_PASS: i32 = 2;
 /// `method`: as many columns as the numerical rank: singular values above the threshold, 1e-9,
@@ -35,7 +35,7 @@ pub struct cata_ortho_params {
     /// A column is dropped when no more of it is left, relative to its length before, after what
     /// the columns before it span was taken away: 1e-13 to 1; 0: that of `method`.
     pub threshold: f64,
-    /// CATA_ORTHO_*; 0: CATA_ORTHO_REPEATED.
+    /// CATA_ORTHO_*; 0: CATA_ORTHO_REORTHOGONALIZED.
     pub method: i32,
 }
 
@@ -205,11 +205,11 @@ pub(super) unsafe fn with_ortho_options<X>(
     work: impl FnOnce(&GramSchmidtOptions<'_>, i32) -> Result<X, Failure>,
 ) -> Result<X, Failure> {
     let mut options = GramSchmidtOptions::reorthogonalised();
-    let (mut watch, mut method) = (None, CATA_ORTHO_REPEATED);
+    let (mut watch, mut method) = (None, CATA_ORTHO_REORTHOGONALIZED);
     if !params.is_null() {
         // SAFETY: the caller's promise.
         let params = unsafe { read(params) }?;
-        method = known_method(params.method, CATA_ORTHO_REPEATED)?;
+        method = known_method(params.method, CATA_ORTHO_REORTHOGONALIZED)?;
         if method == CATA_ORTHO_SINGLE_PASS {
             options = GramSchmidtOptions::single_pass();
         }
@@ -227,7 +227,9 @@ pub(super) unsafe fn with_ortho_options<X>(
 pub(super) fn known_method(method: i32, default: i32) -> Result<i32, Failure> {
     match method {
         0 => Ok(default),
-        CATA_ORTHO_REPEATED | CATA_ORTHO_SINGLE_PASS | CATA_ORTHO_RANK_REVEALING => Ok(method),
+        CATA_ORTHO_REORTHOGONALIZED | CATA_ORTHO_SINGLE_PASS | CATA_ORTHO_RANK_REVEALING => {
+            Ok(method)
+        }
         other => {
             let why = format!("params.method: {other} is not known");
             Err(Failure::new(CATA_ERR_ARGUMENT, why))

@@ -55,7 +55,7 @@ static void test_products_carry_frequency_2(void)
     }
     cata_basis_params params;
     CHECK_STATUS(cata_basis_params_init(&params, sizeof params), CATA_OK);
-    params.method = CATA_ORTHO_REPEATED;
+    params.method = CATA_ORTHO_REORTHOGONALIZED;
     params.threads = 2;
     CHECK_STATUS(transfer(f, again, &params), CATA_OK);
     for (int i = 0; i < N; i++) {

@@ -100,7 +100,7 @@ fn multiplications_by_few_functions_determine_a_map_that_their_coefficients_do_n
     watched.operators(f.as_ref(), g.as_ref(), 0.1).unwrap();
     watched.functions(f.as_ref(), g.as_ref()).unwrap();
     watched.solve(0.0).unwrap();
-    let told = told.into_inner().unwrap();
+    let told = told.lock().unwrap().clone();
     assert!(told.len() > 5 && told.is_sorted() && told.last() == Some(&1.0), "{told:?}");
     let stop = |_| ControlFlow::Break(());
     assert_eq!(watched.progress(&stop).solve(0.0), Err(Error::Cancelled));
