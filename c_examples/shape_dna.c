@@ -51,7 +51,7 @@ int main(void)
     }
     make_sheet(1.5, 0.7);
     checked(cata_shape_dna(V, positions, F, corners, K, 1, query, NULL));
-    checked(cata_shape_dna_retrieve(K, query, SHEETS, signatures, SHEETS, found, distances, 0));
+    checked(cata_shape_dna_retrieve(K, query, SHEETS, signatures, SHEETS, found, distances));
     printf("a rolled sheet 1.5 wide is most like the flat ones of width");
     for (int i = 0; i < SHEETS; i++) {
         printf(" %.1f (distance %.2g)", 1 + 0.5 * (double)found[i], distances[i]);

@@ -64,7 +64,7 @@ int main() {
         }
         const auto column = catamaran::col_major<const double>(function.data(), n, 1);
         const auto error = [&](std::size_t order) {
-            catamaran::transfer_options how;
+            catamaran::basis_options how;
             how.order = order;
             const std::vector<double> carried = catamaran::transfer(source, target, points, column, how);
             double gap = 0.0, size = 0.0;

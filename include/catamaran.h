@@ -941,6 +941,12 @@ typedef struct cata_eigs_params {
     int32_t boundary; /**< Of meshes: CATA_BOUNDARY_*. */
 } cata_eigs_params;
 
+/** Takes a slice of eigenpairs: `count` of them, as cata_eigs writes them, ascending within the
+ * slice and from slice to slice; gone when it returns. It is called by the calling thread, and
+ * returns 0 to go on, anything else to end the call with CATA_ERR_CANCELLED. */
+typedef int32_t (*cata_eigs_slice)(size_t count, const double *eigenvalues,
+    const double *eigenvectors, size_t ldv, const double *residuals, void *user);
+
 /** Fills a struct with the defaults. */
 cata_status cata_eigs_params_init(cata_eigs_params *params, size_t struct_size);
 
@@ -948,20 +954,50 @@ cata_status cata_eigs_params_init(cata_eigs_params *params, size_t struct_size);
  * eigenvectors. W is n x n, sparse, symmetric, and positive semi-definite unless a shift is
  * given; M is a diagonal of positive masses.
  *
- * - `row_starts`: n + 1 elements, read: the entries of row i are those from `row_starts[i]` to
+ * - `row_starts`: n + 1 elements: the entries of row i are those from `row_starts[i]` to
  *   `row_starts[i + 1] - 1`, the first being 0.
- * - `columns`, `entries`: `row_starts[n]` elements each, read: columns ascending within a row,
- *   from 0, and the entries of W there, both triangles.
- * - `masses`: n elements, read: the diagonal of M; NULL: all 1.
+ * - `columns`, `entries`: `row_starts[n]` elements each: columns ascending within a row, from 0,
+ *   and the entries of W there, both triangles.
+ * - `masses`: n elements: the diagonal of M; NULL: all 1.
  * - `k`: number of pairs, at most n.
  * - `eigenvalues`: k elements, written: ascending.
- * - `eigenvectors`: n x k, written, column-major: k columns of `ldv` >= max(1, n) elements, the
- *   last one of n; orthonormal in the inner product of M.
+ * - `eigenvectors`: n x k, written, column-major; orthonormal in the inner product of M.
  * - `residuals`: k elements, written: for each pair |W phi - lambda M phi| / max(|W phi|, s |M
  *   phi|), n s being the median of W_ii / M_ii; NULL where not wanted. */
 cata_status cata_eigs(size_t n, const size_t *row_starts, const size_t *columns,
     const double *entries, const double *masses, size_t k, double *eigenvalues,
     double *eigenvectors, size_t ldv, double *residuals, const cata_eigs_params *params);
+
+/** The k smallest eigenpairs as those of cata_eigs, in slices of the spectrum of which one at a
+ * time is in memory. Each slice is complete (as with `verify_count`), and ends in a gap between
+ * eigenvalues.
+ *
+ * - `memory`: bytes that may be used beside W and M; where all pairs fit there is one slice. Too
+ *   few for any slice, or for k pairs around a shift, are CATA_ERR_ARGUMENT.
+ * - `slice`, `user`: what takes the slices, and what is handed to it. */
+cata_status cata_eigs_sliced(size_t n, const size_t *row_starts, const size_t *columns,
+    const double *entries, const double *masses, size_t k, size_t memory, cata_eigs_slice slice,
+    void *user, const cata_eigs_params *params);
+
+/** The number of eigenvalues below `value`, which may not be one, by a factorisation: so many k
+ * give cata_eigs all of them. In an interval there are as many as the difference of two counts,
+ * and these are nearest to its middle as `shift`.
+ *
+ * - `count`: one size_t, written.
+ * - `params`: of it only `progress` is looked at, before and after the work. */
+cata_status cata_eigs_count(size_t n, const size_t *row_starts, const size_t *columns,
+    const double *entries, const double *masses, double value, size_t *count,
+    const cata_eigs_params *params);
+
+/** `method`: columns are projected until they are orthogonal to rounding; threshold 1e-9. */
+#define CATA_ORTHO_REORTHOGONALIZED 1
+
+/** `method`: once, so that columns are orthogonal as far as that goes; threshold 1e-2. */
+#define CATA_ORTHO_SINGLE_PASS 2
+
+/** `method`: as many columns as the numerical rank: singular values above the threshold, 1e-9,
+ * times the largest one, columns scaled to length 1; orthogonal to rounding. */
+#define CATA_ORTHO_RANK_REVEALING 3
 
 /** How columns are made orthonormal. */
 typedef struct cata_ortho_params {
@@ -970,12 +1006,9 @@ typedef struct cata_ortho_params {
     cata_progress progress; /**< Told of progress; NULL: nobody. */
     void *progress_user; /**< Handed to `progress`. */
     /** A column is dropped when no more of it is left, relative to its length before, after what
-     * the columns before it span was taken away: 1e-13 to 1; 0: 1e-9, or 1e-2 with
-     * `single_pass`. */
+     * the columns before it span was taken away: 1e-13 to 1; 0: that of `method`. */
     double threshold;
-    /** 1: columns are projected once, and are orthogonal as far as that goes. 0: until they are
-     * orthogonal to rounding. */
-    int32_t single_pass;
+    int32_t method; /**< CATA_ORTHO_*; 0: CATA_ORTHO_REORTHOGONALIZED. */
 } cata_ortho_params;
 
 /** Fills a struct with the defaults. */
@@ -984,21 +1017,29 @@ cata_status cata_ortho_params_init(cata_ortho_params *params, size_t struct_size
 /** Gram-Schmidt with rank detection, in place: A (n x c) = Q R with Q^T M Q = I, for a diagonal
  * M. Columns that depend on those before them are dropped.
  *
- * - `n`, `c`: any, 0 included.
- * - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64: its first `*rank`
- *   columns are Q afterwards, the others unspecified.
- * - `masses`: n elements, read: the diagonal of M, positive; NULL: all 1.
- * - `r`: min(n, c) x c with leading dimension `ldr`, written: R in its first `*rank` rows, zeros
- *   below; coefficients of every column of A. NULL where not wanted; `ldr` is then not looked
- *   at.
- * - `kept`: c elements, written: the first `*rank` are the columns that Q is made of, ascending,
- *   from 0; the others are untouched. NULL where not wanted.
- * - `rank`: one size_t, not NULL, written.
+ * - `a`: A, read and written: its first `*rank` columns are Q afterwards, the others unspecified.
+ * - `masses`: n elements: the diagonal of M, positive; NULL: all 1.
+ * - `r`: min(n, c) x c, written: R in its first `*rank` rows, zeros below; coefficients of every
+ *   column of A. NULL where not wanted; `ldr` is then not looked at.
+ * - `kept`: c elements; the first `*rank` are written: the columns that Q is made of, ascending,
+ *   from 0. NULL where not wanted.
+ * - `rank`: one size_t, written.
  *
- * A is unspecified after CATA_ERR_OUT_OF_MEMORY, CATA_ERR_CANCELLED and CATA_ERR_PANIC. */
+ * A is unspecified after errors that are not of arguments. */
 cata_status cata_ortho_gram_schmidt(int32_t layout, size_t n, size_t c, double *a, size_t lda,
     const double *masses, double *r, size_t ldr, size_t *kept, size_t *rank,
     const cata_ortho_params *params);
+
+/** A (n x c) = Q R with Q^T M Q = I, in place, by shifted Cholesky QR: about half the work of
+ * cata_ortho_gram_schmidt, for independent columns. Others are CATA_ERR_ARGUMENT, which leaves A
+ * unspecified, as the errors there do. (cata_gram_cholesky_qr: from a Gram matrix in extended
+ * precision.)
+ *
+ * - `a`, `masses`: as there; A becomes Q.
+ * - `r`: c x c, written: R, upper triangular with a positive diagonal; NULL as there.
+ * - `params`: `threads` and `progress` are looked at. */
+cata_status cata_ortho_cholesky_qr(int32_t layout, size_t n, size_t c, double *a, size_t lda,
+    const double *masses, double *r, size_t ldr, const cata_ortho_params *params);
 
 /** @} */
 
@@ -1025,15 +1066,20 @@ cata_status cata_ortho_gram_schmidt(int32_t layout, size_t n, size_t c, double *
  *
  * - `k`: number of pairs, at most the vertices that are in a face and not held at zero.
  * - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2.
- * - `eigenvectors`: n_vertices x k, written, column-major: k columns of `ldv` >= max(1,
- *   n_vertices) elements, the last one of n_vertices; orthonormal in the inner product of M, 0
- *   where functions are held at zero and at vertices in no face.
+ * - `eigenvectors`: n_vertices x k, written, column-major; orthonormal in the inner product of M,
+ *   0 where functions are held at zero and at vertices in no face.
  * - `residuals`: k elements, written, as those of cata_eigs; NULL where not wanted.
  * - `masses`: n_vertices elements, written: the diagonal of M, 0 at vertices that it has no row
  *   for; NULL where not wanted. CATA_MASS_CONSISTENT has none to give. */
 cata_status cata_mesh_eigs(size_t n_vertices, const double *vertices, size_t n_faces,
     const uint32_t *faces, size_t k, double *eigenvalues, double *eigenvectors, size_t ldv,
     double *residuals, double *masses, const cata_eigs_params *params);
+
+/** The k smallest eigenpairs of the Laplacian of a triangle mesh, as those of cata_mesh_eigs, in
+ * slices: `memory`, `slice` and `user` are those of cata_eigs_sliced. */
+cata_status cata_mesh_eigs_sliced(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t k, size_t memory, cata_eigs_slice slice, void *user,
+    const cata_eigs_params *params);
 
 /** The k smallest eigenvalues of the Laplacian of a part of a triangle mesh, which has the faces
  * whose three vertices are in the mask.
@@ -1043,10 +1089,10 @@ cata_status cata_mesh_eigs(size_t n_vertices, const double *vertices, size_t n_f
  * eigenvalue anywhere in the sequence. Under CATA_BOUNDARY_NEUMANN the part is a mesh of its
  * own.
  *
- * - `mask`: n_vertices elements, read: 1 for a vertex of the part, 0 for any other.
+ * - `mask`: n_vertices elements: 1 for a vertex of the part, 0 for any other.
  * - `k`: number of eigenvalues, at most the vertices of the part that are not held at zero.
  * - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2.
- * - `params`: the Laplacian and `threads` are looked at, the rest is checked only. */
+ * - `params`: the Laplacian, `threads` and `progress` are looked at, the rest is checked only. */
 cata_status cata_mesh_part_eigenvalues(size_t n_vertices, const double *vertices, size_t n_faces,
     const uint32_t *faces, const uint8_t *mask, size_t k, double *eigenvalues,
     const cata_eigs_params *params);
@@ -1299,44 +1345,182 @@ cata_status cata_curves_left_out(const cata_curves *curves, uint32_t *samples);
 /**
  * @defgroup spectra Spectra and maps
  *
- * Functions carried from one shape to another over eigenproducts; ShapeDNA (thesis, chapter 1).
+ * Eigenfunctions of two shapes and their products as bases; functional maps between them,
+ * functions and details carried over; ShapeDNA (thesis, chapter 1).
+ *
+ * @code{.c}
+ * double masses[] = {0.5, 0.5}, values[] = {0, 1}, vectors[] = {1, 1, 1, -1};
+ * double f[] = {3, 1}, gains[] = {1, 0}, g[2];
+ * cata_basis *basis;
+ * cata_basis_new(2, 2, masses, values, vectors, 2, NULL, &basis);
+ * cata_basis_filter(basis, CATA_COL_MAJOR, 1, f, 2, gains, 0, g, 2);
+ * printf("%g %g\n", g[0], g[1]); // 2 2, the mean
+ * cata_basis_free(basis);
+ * @endcode
  * @{
  */
 
-/** How functions are transferred. */
-typedef struct cata_transfer_params {
-    size_t struct_size; /**< sizeof(cata_transfer_params). */
-    size_t threads; /**< Threads, at most; 0: all. */
-    cata_progress progress; /**< Told of progress, once for each basis; NULL: nobody. */
+/** Functions on the vertices of a mesh, r linearly independent ones, with the inner product of its
+ * masses: eigenfunctions (cata_basis_new) or their products (cata_basis_products). */
+typedef struct cata_basis cata_basis;
+
+/** How bases of products are made, and other work of this chapter is done. */
+typedef struct cata_basis_params {
+    size_t struct_size; /**< sizeof(cata_basis_params). */
+    size_t threads; /**< Threads, at most; 0: all. A basis keeps it for its own calls. */
+    /** Told of progress; NULL: nobody. A basis does not keep it: its own calls are short. */
+    cata_progress progress;
     void *progress_user; /**< Handed to `progress`. */
-    size_t order; /**< Most factors of a product, at most 255; 1: eigenfunctions alone; 0: 2. */
-    /** 0: products are orthogonalised once, and dropped when less than 1e-2 of them is left,
-     * which is stabler. 1: until they are orthogonal to rounding, and dropped below 1e-9: more
-     * functions. */
-    int32_t reorthogonalised;
-} cata_transfer_params;
+    size_t order; /**< Of products: most factors, at most 255; 1: eigenfunctions alone; 0: 2. */
+    /** Of products: CATA_ORTHO_*; 0: CATA_ORTHO_SINGLE_PASS, which is stabler under transfer. */
+    int32_t method;
+} cata_basis_params;
 
 /** Fills a struct with the defaults. */
-cata_status cata_transfer_params_init(cata_transfer_params *params, size_t struct_size);
+cata_status cata_basis_params_init(cata_basis_params *params, size_t struct_size);
 
-/** Transfers functions from a source mesh to a target mesh, through the orthogonalised products
- * of their first eigenfunctions (as cata_eigs computes them, without a shift).
+/** The basis of k eigenfunctions, as cata_mesh_eigs computes them, which are copied.
  *
- * - `n`, `m`: vertices of source and target.
- * - `k`, `l`: eigenfunctions of source and target, the constant among them: at least 1.
- * - `source_masses`, `target_masses`: n and m elements, read: the masses of vertices; positive.
- * - `source_values`, `target_values`: k and l elements, read: eigenvalues, ascending.
- * - `source_vectors`, `target_vectors`: n x k and m x l, read, column-major with leading
- *   dimensions n and m: eigenvectors, orthonormal in the inner products of the masses.
- * - `points`: m elements, read: the vertex of the source, below n, of each vertex of the target.
- * - `functions`: number of functions, 0 included.
- * - `f`: F, n x functions, read, with leading dimension `ldf`, as A in cata_ata_f64.
- * - `g`: G, m x functions, written, with leading dimension `ldg`. */
-cata_status cata_transfer(size_t n, size_t k, const double *source_masses,
-    const double *source_values, const double *source_vectors, size_t m, size_t l,
-    const double *target_masses, const double *target_values, const double *target_vectors,
-    const uint32_t *points, int32_t layout, size_t functions, const double *f, size_t ldf,
-    double *g, size_t ldg, const cata_transfer_params *params);
+ * - `masses`: n elements, positive: those of the vertices.
+ * - `eigenvalues`: k elements, ascending.
+ * - `eigenvectors`: n x k, column-major: orthonormal in the inner product of the masses. The
+ *   constant, where it is in the span of those of eigenvalue 0, becomes the first one. */
+cata_status cata_basis_new(size_t n, size_t k, const double *masses, const double *eigenvalues,
+    const double *eigenvectors, size_t ldv, const cata_basis_params *params, cata_basis **basis);
+
+/** The products of at most `order` eigenfunctions, each divided by the constant, made orthonormal
+ * (CATA_ORTHO_SINGLE_PASS: nearly) and without those that depend on others: B = Q R, B being all
+ * products in the order 1, phi_1, ..., phi_1 phi_1, phi_1 phi_2, ..., and Q the basis.
+ *
+ * `eigenfunctions`: of cata_basis_new, the constant among them. */
+cata_status cata_basis_products(const cata_basis *eigenfunctions, const cata_basis_params *params,
+    cata_basis **basis);
+
+/** Gives a basis back; a cata_map_fit that uses it goes on. */
+void cata_basis_free(cata_basis *basis);
+
+/** Sizes of a basis: vertices, functions, and all products that they were made of, 0 for a basis
+ * of cata_basis_new. Each is NULL where not wanted. */
+cata_status cata_basis_size(const cata_basis *basis, size_t *n, size_t *r, size_t *products);
+
+/** Copies a basis, each part NULL where not wanted: `q`: n x r, its functions; `triangle`: r x
+ * products, R; `kept`: r elements, ascending: the product, from 0, that each function comes from.
+ * The last two are of products only. */
+cata_status cata_basis_copy(const cata_basis *basis, int32_t layout, double *q, size_t ldq,
+    double *triangle, size_t ldtriangle, size_t *kept);
+
+/** The coefficients C (r x count) of the functions in the span that are nearest to the columns of
+ * F (n x count). */
+cata_status cata_basis_analysis(const cata_basis *basis, int32_t layout, size_t count,
+    const double *f, size_t ldf, double *c, size_t ldc);
+
+/** The functions F (n x count) with the coefficients C (r x count). */
+cata_status cata_basis_synthesis(const cata_basis *basis, int32_t layout, size_t count,
+    const double *c, size_t ldc, double *f, size_t ldf);
+
+/** G: the columns of F (both n x count) with their coefficients multiplied by `gains`, r elements
+ * (exp(-t eigenvalue): what heat does in the time t), and what is outside of the span by `rest`:
+ * 0 leaves it out, 1 keeps it. */
+cata_status cata_basis_filter(const cata_basis *basis, int32_t layout, size_t count,
+    const double *f, size_t ldf, const double *gains, double rest, double *g, size_t ldg);
+
+/** Adds `amount` times the function `index`, from 0, to the columns of F (n x count). */
+cata_status cata_basis_add_coefficient(const cata_basis *basis, size_t index, double amount,
+    int32_t layout, size_t count, double *f, size_t ldf);
+
+/** The columns of F as LOW + HIGH (all n x count): their part in the span, and the detail that is
+ * left. */
+cata_status cata_basis_split(const cata_basis *basis, int32_t layout, size_t count, const double *f,
+    size_t ldf, double *low, size_t ldlow, double *high, size_t ldhigh);
+
+/** A functional map C between two bases of cata_basis_new that is being fitted: r_target x
+ * r_source, it takes coefficients of functions on the source to those of functions on the target. */
+typedef struct cata_map_fit cata_map_fit;
+
+/** A fit that knows nothing yet, with the threads of `source`. */
+cata_status cata_map_fit_new(const cata_basis *source, const cata_basis *target,
+    cata_map_fit **fit);
+
+/** Gives a fit back. */
+void cata_map_fit_free(cata_map_fit *fit);
+
+/** Adds functions that correspond: columns of F (n_source x count) and G (n_target x count). Each
+ * pair counts the same. */
+cata_status cata_map_fit_functions(cata_map_fit *fit, int32_t layout, size_t count, const double *f,
+    size_t ldf, const double *g, size_t ldg);
+
+/** Adds that C commutes with multiplications by such functions, with this weight; 0.1 is usual. A
+ * function says far more of the map that way. */
+cata_status cata_map_fit_operators(cata_map_fit *fit, int32_t layout, size_t count, const double *f,
+    size_t ldf, const double *g, size_t ldg, double weight);
+
+/** Adds vertices that correspond, by heat kernels around them. `pairs`: 2 count elements, a vertex
+ * of the source and one of the target each. */
+cata_status cata_map_fit_landmarks(cata_map_fit *fit, size_t count, const uint32_t *pairs);
+
+/** Adds segments that correspond: a label for each vertex of the source and of the target. Every
+ * label, 0 too, must be on both. */
+cata_status cata_map_fit_segments(cata_map_fit *fit, const uint32_t *source_labels,
+    const uint32_t *target_labels);
+
+/** The map C (r_target x r_source, written) that fits best what was added, and commutes with the
+ * Laplacians, with the weight `commutativity` >= 0; 1e-3 is usual. The constant goes to itself. */
+cata_status cata_map_fit_solve(cata_map_fit *fit, double commutativity, int32_t layout, double *c,
+    size_t ldc, const cata_basis_params *params);
+
+/** Iterative closest points: in turns the points of C (r_target x r_source, read and written) and
+ * the orthogonal map along them, until these stay the same or `iterations` >= 1 are done.
+ *
+ * - `source`, `target`: of cata_basis_new.
+ * - `points`: n_target elements, written: the vertex of the source for each of the target; NULL
+ *   where not wanted. */
+cata_status cata_map_icp(const cata_basis *source, const cata_basis *target, size_t iterations,
+    int32_t layout, double *c, size_t ldc, uint32_t *points, const cata_basis_params *params);
+
+/** ZoomOut: in turns the points of a map and the map along them between `step` >= 1 functions
+ * more, from C (rows x cols, read), a map between the first functions, to the whole MAP (r_target
+ * x r_source, written). `source`, `target` and `points` are as in cata_map_icp. */
+cata_status cata_map_zoomout(const cata_basis *source, const cata_basis *target, size_t step,
+    int32_t layout, size_t rows, size_t cols, const double *c, size_t ldc, double *map,
+    size_t ldmap, uint32_t *points, const cata_basis_params *params);
+
+/** The points of the map C (r_target x r_source) between any bases: n_target elements, written:
+ * for each vertex of the target that of the source whose image is nearest. */
+cata_status cata_map_points(const cata_basis *source, const cata_basis *target, int32_t layout,
+    const double *c, size_t ldc, uint32_t *points, const cata_basis_params *params);
+
+/** The map C (r_target x r_source, written) between any bases along points, which are read. */
+cata_status cata_map_from_points(const cata_basis *source, const cata_basis *target,
+    const uint32_t *points, int32_t layout, double *c, size_t ldc, const cata_basis_params *params);
+
+/** Carries functions over along points, through the products of eigenfunctions: what
+ * cata_basis_products of both, cata_map_from_points and cata_transfer_map do in turns.
+ *
+ * - `source`, `target`: of cata_basis_new, the constant among the eigenfunctions.
+ * - `points`: n_target elements: the vertex of the source of each vertex of the target.
+ * - `f`: F, n_source x count; `g`: G, n_target x count, written. */
+cata_status cata_transfer(const cata_basis *source, const cata_basis *target,
+    const uint32_t *points, int32_t layout, size_t count, const double *f, size_t ldf, double *g,
+    size_t ldg, const cata_basis_params *params);
+
+/** Carries functions over by a map C (r_target x r_source) between any bases: F, n_source x count,
+ * to G, n_target x count, written. */
+cata_status cata_transfer_map(const cata_basis *source, const cata_basis *target, int32_t layout,
+    const double *c, size_t ldc, size_t count, const double *f, size_t ldf, double *g, size_t ldg,
+    const cata_basis_params *params);
+
+/** Gives the smooth part of the target mesh the details of the source mesh: heights over the
+ * smooth part of the source, carried over by C and added along normals.
+ *
+ * - `smooth_source`, `smooth_target`: bases of few functions, whose spans have the smooth parts.
+ * - `source`, `target`, `c`: as in cata_transfer_map.
+ * - `positions`: 3 target_n_vertices elements, written: the vertices of the target, moved. */
+cata_status cata_transfer_details(size_t n_vertices, const double *vertices, size_t n_faces,
+    const uint32_t *faces, size_t target_n_vertices, const double *target_vertices,
+    size_t target_n_faces, const uint32_t *target_faces, const cata_basis *smooth_source,
+    const cata_basis *smooth_target, const cata_basis *source, const cata_basis *target,
+    int32_t layout, const double *c, size_t ldc, double *positions,
+    const cata_basis_params *params);
 
 /** ShapeDNA: the k smallest eigenvalues of the Laplacian of a triangle mesh as its signature
  * (Reuter, Wolter and Peinecke 2006).
@@ -1345,23 +1529,19 @@ cata_status cata_transfer(size_t n, size_t k, const double *source_masses,
  * - `normalized`: 1: they are multiplied by the area, so that they do not depend on the size of
  *   the mesh; 0: they are not.
  * - `signature`: k elements, written: ascending.
- * - `params`: the Laplacian and `threads` are looked at, the rest is checked only. */
+ * - `params`: the Laplacian, `threads` and `progress` are looked at, the rest is checked only. */
 cata_status cata_shape_dna(size_t n_vertices, const double *vertices, size_t n_faces,
     const uint32_t *faces, size_t k, int32_t normalized, double *signature,
     const cata_eigs_params *params);
 
-/** The signatures nearest to a query, in Euclidean distance; of equally near ones the first.
+/** The signatures nearest to a query, in Euclidean distance; of equally near ones the first. It
+ * looks once at each number, on the calling thread.
  *
- * - `k`: numbers of a signature.
- * - `query`: k elements, read.
- * - `count`: number of signatures.
- * - `signatures`: `count` x k elements, read, one after the other.
- * - `wanted`: how many are wanted, at most `count`.
- * - `indices`: `wanted` elements, written: numbers of signatures from 0, the nearest first.
- * - `distances`: `wanted` elements, written: their distances.
- * - `threads`: at most; 0: all. */
+ * - `query`: the k numbers of a signature; `signatures`: `count` x k, one after the other.
+ * - `indices`, `distances`: `wanted` <= count elements each, written: numbers of signatures from
+ *   0, the nearest first, and their distances. */
 cata_status cata_shape_dna_retrieve(size_t k, const double *query, size_t count,
-    const double *signatures, size_t wanted, size_t *indices, double *distances, size_t threads);
+    const double *signatures, size_t wanted, size_t *indices, double *distances);
 
 /** @} */
 
@@ -1371,22 +1551,36 @@ cata_status cata_shape_dna_retrieve(size_t k, const double *query, size_t count,
  * @defgroup unions Spectral unions
  *
  * The spectrum of a union of parts from those of the parts, by a network (thesis, chapter 2).
+ *
+ * @code{.c}
+ * double parts[2 * CATA_UNION_EIGENVALUES], found[CATA_UNION_EIGENVALUES];
+ * for (int i = 0; i < 2 * CATA_UNION_EIGENVALUES; i++) parts[i] = 12.0 * (1 + i % 20);
+ * cata_unions *unions;
+ * cata_unions_new(NULL, &unions);
+ * cata_unions_predict(unions, 2, parts, found, NULL);
+ * cata_unions_free(unions);
+ * @endcode
  * @{
  */
 
 /** Eigenvalues of the spectra that cata_unions_predict takes and gives. */
 #define CATA_UNION_EIGENVALUES 20
 
-/** The spectral union operator: a network with its weights. Opaque. */
+/** The spectral union operator: a network with its weights. */
 typedef struct cata_unions cata_unions;
+
+/** How the union of parts is located. */
+typedef struct cata_unions_params {
+    size_t struct_size; /**< sizeof(cata_unions_params). */
+    size_t threads; /**< Threads, at most; 0: all. */
+    cata_progress progress; /**< Told of progress; NULL: nobody. */
+    void *progress_user; /**< Handed to `progress`. */
+} cata_unions_params;
 
 /** The network that predicts spectra of unions.
  *
- * - `weights`: a file of `catamaran unions train`, NUL-terminated; NULL: the weights that come
- *   with the library.
- * - `unions`: written: the network, to be given to cata_unions_free.
- *
- * Returns CATA_ERR_IO when something is wrong with the file; the message says what. */
+ * `weights`: a file of `catamaran unions train`, NUL-terminated; NULL: the weights that come with
+ * the library. CATA_ERR_IO when something is wrong with the file. */
 cata_status cata_unions_new(const char *weights, cata_unions **unions);
 
 /** Gives a network back. */
@@ -1395,41 +1589,34 @@ void cata_unions_free(cata_unions *unions);
 /** The first eigenvalues of the union of parts of a surface, from those of the parts: Dirichlet
  * spectra, in whatever unit.
  *
- * - `unions`: of cata_unions_new.
  * - `parts`: their number, at least 1.
- * - `spectra`: CATA_UNION_EIGENVALUES parts elements, read: those of each part, ascending and
- *   positive, one part after the other.
+ * - `spectra`: CATA_UNION_EIGENVALUES elements for each part, ascending and positive, one part
+ *   after the other.
  * - `spectrum`: CATA_UNION_EIGENVALUES elements, written: ascending, positive, none larger than
  *   that of a part of the same number. The order of the parts does not matter, bit for bit.
  * - `strangeness`: written: how unlike the parts are to those of the training; above 1 the
- *   prediction is a guess. NULL where not wanted.
- *
- * Returns CATA_ERR_ARGUMENT for spectra that are not positive or not ascending, and for no
- * parts. */
+ *   prediction is a guess. NULL where not wanted. */
 cata_status cata_unions_predict(const cata_unions *unions, size_t parts, const double *spectra,
     double *spectrum, double *strangeness);
 
-/** Where the union of parts is on the template of the network: the mesh that `catamaran unions
- * template` writes.
+/** Fills a struct with the defaults. */
+cata_status cata_unions_params_init(cata_unions_params *params, size_t struct_size);
+
+/** Where the union of parts is on the template of the network, the mesh that `catamaran unions
+ * template` writes; CATA_ERR_SHAPE and CATA_ERR_ARGUMENT for another mesh. Each call computes the
+ * eigenfunctions of the template.
  *
- * - `unions`, `parts`, `spectra`: as those of cata_unions_predict.
- * - `n_vertices`, `vertices`, `n_faces`, `faces`: the mesh.
+ * - `parts`, `spectra`: as those of cata_unions_predict.
  * - `indicator`: n_vertices elements, written: about 1 inside of the union and 0 outside; the
- *   union is what is above 1/2. Mirror images have the same spectrum: it is one of the two.
- * - `threads`: 0: all cores of the affinity mask.
- *
- * Each call computes the eigenfunctions of the template.
- *
- * Returns CATA_ERR_SHAPE and CATA_ERR_ARGUMENT for another mesh than that of the weights. */
+ *   union is what is above 1/2. Mirror images have the same spectrum: it is one of the two. */
 cata_status cata_unions_locate(const cata_unions *unions, size_t parts, const double *spectra,
     size_t n_vertices, const double *vertices, size_t n_faces, const uint32_t *faces,
-    double *indicator, size_t threads);
+    double *indicator, const cata_unions_params *params);
 
 /** A spectrum between two: (1 - t) first + t second.
  *
- * - `first`, `second`: CATA_UNION_EIGENVALUES elements each, read: ascending and positive.
- * - `t`: in [0, 1].
- * - `spectrum`: CATA_UNION_EIGENVALUES elements, written; it may be one of the others. */
+ * `first`, `second`, `spectrum`: CATA_UNION_EIGENVALUES elements each, the first two ascending
+ * and positive, the last written; it may be one of the others. `t`: in [0, 1]. */
 cata_status cata_unions_interpolate(const double *first, const double *second, double t,
     double *spectrum);
 
@@ -1858,7 +2045,9 @@ cata_status cata_device_kind(size_t index, int32_t *kind);
 /**
  * @defgroup mpi MPI
  *
- * Products of matrices that are spread over the ranks of a communicator (catamaran_mpi.h, too).
+ * Products, least squares, eigenpairs and orthonormal columns of matrices that are spread over the
+ * ranks of a communicator. Functions are collective unless they say Local, and take one call at a
+ * time for a world.
  *
  * @code{.c}
  * double rows[] = {1, 2, 3, 4}; // two on each rank
@@ -1877,24 +2066,19 @@ cata_status cata_device_kind(size_t index, int32_t *kind);
 /** `spread`: every rank has columns of A, in the order of the ranks. */
 #define CATA_BY_COLUMNS 142
 
-/** A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a world;
- * made by cata_world_ata_rows_f64 and the like, given back by cata_symmetric_free. */
+/** A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a world. */
 typedef struct cata_symmetric cata_symmetric;
 
-/** The ranks of an MPI communicator that work together; made by cata_world_new, given back by
- * cata_world_free.
+/** The ranks of an MPI communicator that work together; it has a communicator of its own.
  *
- * It has a communicator of its own, so that no message of the caller is mistaken for one of the
- * library's. The library never initialises or finalises MPI. MPI is called by the thread that
- * calls, which must be one that may do so; other threads compute, so that MPI_THREAD_FUNNELED is
- * needed (MPI_Init_thread).
+ * The library never initialises or finalises MPI. MPI is called by the thread that calls; other
+ * threads compute, so that MPI_THREAD_FUNNELED is needed (MPI_Init_thread).
  *
- * Functions that are called collective are called by all ranks of the world, in the same order
- * and with the same numbers unless said otherwise. An error on one rank is an error on all: its
- * own there, CATA_ERR_RANK on the others, with a message that names the rank. What one rank
- * alone notices of a world that is NULL, or freed, can't be told to the others. A panic aborts
- * the job (MPI_Abort), as the others would wait for ever; so does, unless the communicator has
- * another error handler, an error of MPI itself. */
+ * Collective functions are called by all ranks of the world, in the same order and with the same
+ * numbers unless said otherwise; `params` may differ in `threads` and progress. An error on one
+ * rank is an error on all: its own there, CATA_ERR_RANK on the others, with a message that names
+ * the rank, but for a world that is NULL. A panic aborts the job (MPI_Abort); so does, unless the
+ * communicator has another error handler, an error of MPI itself. */
 typedef struct cata_world cata_world;
 
 /** What a rank has sent and received: words are matrix entries. The few numbers by which ranks
@@ -1908,257 +2092,146 @@ typedef struct cata_traffic {
 } cata_traffic;
 
 /** The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over
- * it. catamaran_mpi.h has cata_world_from_comm, which takes the communicator itself.
+ * it. CATA_ERR_ARGUMENT before MPI_Init and after MPI_Finalize.
  *
- * - `fortran_comm`: MPI_Comm_c2f of the communicator.
- * - `world`: one pointer, not NULL; written on success only. Free it by cata_world_free.
- *
- * Returns CATA_ERR_ARGUMENT when MPI is not initialised or is finalised already, or for a handle
- * of no communicator.
- *
- * Not thread-safe: MPI_Comm_dup is called. */
+ * `fortran_comm`: MPI_Comm_c2f of the communicator; catamaran_mpi.h has cata_world_from_comm,
+ * which takes the communicator itself. */
 cata_status cata_world_new(int32_t fortran_comm, cata_world **world);
 
 /** Gives a world back. Collective; after MPI_Finalize it is local, and leaves the communicator to
- * MPI.
- *
- * `world`: made by cata_world_new and not yet freed; NULL does nothing.
- *
- * Not thread-safe. */
+ * MPI. */
 void cata_world_free(cata_world *world);
 
-/** The rank of the caller, from 0. Local.
- *
- * `world`: not NULL. `rank`: one size_t, not NULL; written on success. */
+/** The rank of the caller, from 0. Local. */
 cata_status cata_world_rank(const cata_world *world, size_t *rank);
 
-/** The number of ranks, at least 1. Local.
- *
- * `world`: not NULL. `size`: one size_t, not NULL; written on success. */
+/** The number of ranks, at least 1. Local. */
 cata_status cata_world_size(const cata_world *world, size_t *size);
 
-/** What this rank has sent and received since the world was made. Local.
- *
- * `world`: not NULL. `traffic`: one struct, not NULL, whose struct_size is set; the other fields
- * are written on success.
- *
- * Not thread-safe. */
+/** What this rank has sent and received since the world was made. Local. The struct_size of
+ * `traffic` is read. */
 cata_status cata_world_traffic(const cata_world *world, cata_traffic *traffic);
 
-/** Sets the entries of a message above which it is cut in several; 2^30 in a new world. Local,
- * but all ranks must set the same before the next collective call.
- *
- * `world`: not NULL. `entries`: any; taken as 1 if it is 0, and as 2^30 if it is more.
- *
- * Not thread-safe. */
+/** Sets the entries of a message above which it is cut in several, 1 to 2^30; 2^30 in a new world.
+ * Local, but all ranks must set the same before the next collective call. */
 cata_status cata_world_set_longest_message(const cata_world *world, size_t entries);
 
-/** C = alpha A^T A where every rank has some rows of A, in any order and number, 0 included; C is
- * left spread over the ranks. Collective.
+/** C = alpha A^T A where every rank has some rows of A, in any order and number; C is left spread
+ * over the ranks. Collective. The result depends, by rounding, on the number of ranks and on which
+ * rank has which rows.
  *
- * - `world`: not NULL.
- * - `layout`: of the rows of this rank; CATA_ROW_MAJOR or CATA_COL_MAJOR, its own on each rank.
- * - `m`: rows of this rank, its own on each rank.
- * - `n`: columns of A.
- * - `a`: the rows of this rank, read. Row-major: m lines of `lda` >= max(1, n) elements, the
- *   last one of n. Column-major: n lines of `lda` >= max(1, m) elements, the last one of m.
- *   call. May differ between the ranks where it does not change the result.
- * - `c`: one pointer, not NULL; written on success only. Free it by cata_symmetric_free.
- *
- * Returns CATA_ERR_RANK when n, alpha or the precision differ between the ranks.
- *
- * The result depends, by rounding, on the number of ranks and on which rank has which rows; not
- * on that of threads.
- *
- * Not thread-safe: one call at a time for a world. */
+ * - `layout`, `m`, `a`: of the rows of this rank, m x n, its own on each rank.
+ * - `n`, `alpha`: the same on all ranks. */
 cata_status cata_world_ata_rows_f64(const cata_world *world, int32_t layout, size_t m, size_t n,
     double alpha, const double *a, size_t lda, const cata_ata_params *params, cata_symmetric **c);
 
-/** As cata_world_ata_rows_f64, in float.
- *
- * Not thread-safe: one call at a time for a world. */
+/** As cata_world_ata_rows_f64, in float. */
 cata_status cata_world_ata_rows_f32(const cata_world *world, int32_t layout, size_t m, size_t n,
     float alpha, const float *a, size_t lda, const cata_ata_params *params, cata_symmetric **c);
 
 /** Least squares where every rank has some rows of A, of B and of the weights, in any order and
- * number, 0 included; every rank gets the whole of X and of the result. Collective.
+ * number; every rank gets the whole of X and of the result. Collective. The result does not depend
+ * on the number of ranks, nor on which rank has which rows, bit for bit.
  *
- * - `world`: not NULL.
- * - `layout`, `m`, `a`, `lda`, `b`, `ldb`, `weights`: of the rows of this rank, its own on each
- *   rank, as in cata_lstsq; `weights` is NULL on all ranks or on none.
- * - `n`, `k`: as in cata_lstsq, the same on all ranks.
- * - `x`, `ldx`, `result`: as in cata_lstsq; what is wanted may differ between the ranks.
- * - `params`: as in cata_lstsq; `threads` and `progress` may differ between the ranks.
- *   Progress is that of the second pass over the rows of this rank.
- *
- * Returns CATA_ERR_RANK when arguments differ between the ranks.
- *
- * The result does not depend on the number of ranks or of threads, nor on which rank has which
- * rows, bit for bit.
- *
- * Not thread-safe: one call at a time for a world. */
+ * - `layout`, `m`, `a`, `b`, `weights`: of the rows of this rank, as in cata_lstsq; `weights` is
+ *   NULL on all ranks or on none.
+ * - `x`, `result`: as in cata_lstsq; what is wanted may differ between the ranks.
+ * - `params`: progress is that of the second pass over the rows of this rank. */
 cata_status cata_world_lstsq(const cata_world *world, int32_t layout, size_t m, size_t n, size_t k,
     const double *a, size_t lda, const double *b, size_t ldb, const double *weights, double *x,
     size_t ldx, cata_lstsq_result *result, const cata_lstsq_params *params);
 
-/** C = alpha A^T A where every rank has some columns of A, in the order of the ranks, 0 included;
- * C is left spread over the ranks. Collective. Cheaper than cata_world_ata_rows_f64 where A is
- * not much longer than wide.
- *
- * - `m`: rows of A.
- * - `cols`: columns of this rank, its own on each rank.
- * - `a`: the columns of this rank, read: an m x cols matrix as in cata_world_ata_rows_f64.
- * - The rest as there.
- *
- * Returns what that does.
- *
- * Not thread-safe: one call at a time for a world. */
-cata_status cata_world_ata_columns_f64(const cata_world *world, int32_t layout, size_t m,
-    size_t cols, double alpha, const double *a, size_t lda, const cata_ata_params *params,
-    cata_symmetric **c);
+/** C = alpha A^T A where every rank has some columns of A (m x cols), in the order of the ranks, as
+ * cata_world_ata_rows_f64. Cheaper than that where A is not much longer than wide. */
+cata_status cata_world_ata_columns(const cata_world *world, int32_t layout, size_t m, size_t cols,
+    double alpha, const double *a, size_t lda, const cata_ata_params *params, cata_symmetric **c);
 
-/** As cata_world_ata_columns_f64, in float.
+/** C := alpha A^T A + beta C where the rank `root` has A, m x n, and C, n x n: by AtA-D, or by
+ * dealing rows of A, whichever should be faster. Collective. The result depends, by rounding, on
+ * the number of ranks. C is untouched after an error in arguments, unspecified in its wanted part
+ * after any other.
  *
- * Not thread-safe: one call at a time for a world. */
-cata_status cata_world_ata_columns_f32(const cata_world *world, int32_t layout, size_t m,
-    size_t cols, float alpha, const float *a, size_t lda, const cata_ata_params *params,
-    cata_symmetric **c);
-
-/** C := alpha A^T A + beta C where one rank has A, m x n, and C, n x n: by AtA-D, or by dealing
- * rows of A, whichever should be faster for this shape and number of ranks. Collective.
- *
- * - `world`: not NULL.
- * - `root`: the rank that has them, from 0.
  * - `alpha`: the same on all ranks.
- * - `layout`, `uplo`, `m`, `n`, `a`, `lda`, `beta`, `c`, `ldc`: on the root as in cata_ata_f64;
- *   ignored on other ranks.
- *
- * Returns CATA_ERR_RANK when the roots, alpha or the precision differ between the ranks. C is
- * untouched after an error in arguments, and holds unspecified values in its wanted part after
- * any other.
- *
- * The result depends, by rounding, on the number of ranks; not on that of threads.
- *
- * Not thread-safe: one call at a time for a world. */
-cata_status cata_world_ata_root_f64(const cata_world *world, size_t root, int32_t layout,
-    int32_t uplo, size_t m, size_t n, double alpha, const double *a, size_t lda, double beta,
-    double *c, size_t ldc, const cata_ata_params *params);
-
-/** As cata_world_ata_root_f64, in float.
- *
- * Not thread-safe: one call at a time for a world. */
-cata_status cata_world_ata_root_f32(const cata_world *world, size_t root, int32_t layout,
-    int32_t uplo, size_t m, size_t n, float alpha, const float *a, size_t lda, float beta, float *c,
+ * - `layout` to `lda`, `beta` to `ldc`: on the root as in cata_ata_f64; ignored on other ranks. */
+cata_status cata_world_ata_root(const cata_world *world, size_t root, int32_t layout, int32_t uplo,
+    size_t m, size_t n, double alpha, const double *a, size_t lda, double beta, double *c,
     size_t ldc, const cata_ata_params *params);
 
 /** C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has them; what
- * PDSYRK does with TRANS = 'T' to whole matrices. Collective.
+ * PDSYRK does with TRANS = 'T' to whole matrices. Collective. A is dealt out anew, in a copy; the
+ * result depends, by rounding, on the number of ranks and on how A is dealt out.
  *
- * - `world`: not NULL.
- * - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict
- *   triangle that is not, and what lies between columns, is neither read nor written.
- * - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised. Otherwise,
- *   with CATA_BOTH, it must be symmetric: each triangle is added to its own old one.
- * - `a`: A's entries on this rank, read: column-major, with leading dimension LLD_ of `desc_a`.
- * - `desc_a`: 9 numbers, not NULL: DTYPE_ (1), CTXT_ (ignored), M_ >= 0, N_ >= 0, MB_ >= 1, NB_
- *   >= 1, RSRC_, CSRC_ (from 0, a row and a column of the grid), LLD_ (at least 1 and the rows
- *   on this rank; ignored outside of the grid). The same on all ranks but for CTXT_ and LLD_.
- * - `c`: C's entries on this rank, written, as `a` with `desc_c`. No element of A may be one of
- *   C's.
- * - `desc_c`: as `desc_a`; M_ and N_ are A's N_. Its blocks and first processes may be others.
- * - `grid_rows`, `grid_cols`: the process grid, at least 1 x 1, not more than the ranks of the
- *   world, of which it is the first ones.
+ * - `uplo`, `alpha`, `beta`: as in cata_ata_f64; with CATA_BOTH and beta != 0 C must be symmetric.
+ * - `a`: A's entries on this rank: column-major, with leading dimension LLD_ of `desc_a`.
+ * - `desc_a`: 9 numbers: DTYPE_ (1), CTXT_ (ignored), M_ >= 0, N_ >= 0, MB_ >= 1, NB_ >= 1, RSRC_,
+ *   CSRC_ (from 0, a row and a column of the grid), LLD_ (at least 1 and the rows on this rank;
+ *   ignored outside of the grid). The same on all ranks but for CTXT_ and LLD_.
+ * - `c`, `desc_c`: C likewise, written; M_ and N_ are A's N_, the blocks any.
+ * - `grid_rows`, `grid_cols`: the process grid, of the first ranks, at least 1 x 1.
  * - `grid_order`: CATA_ROW_MAJOR when ranks are numbered along the rows of the grid, as by
- *   Cblacs_gridinit with "R", or CATA_COL_MAJOR, along its columns.
- *
- * A is dealt out anew, in a copy, as rows or columns, whichever costs fewer words. The result
- * depends, by rounding, on the number of ranks and on how A is dealt out; not on the number of
- * threads.
- *
- * Not thread-safe: one call at a time for a world. */
-cata_status cata_world_ata_cyclic_f64(const cata_world *world, int32_t uplo, double alpha,
+ *   Cblacs_gridinit with "R", or CATA_COL_MAJOR, along its columns. */
+cata_status cata_world_ata_cyclic(const cata_world *world, int32_t uplo, double alpha,
     const double *a, const int32_t *desc_a, double beta, double *c, const int32_t *desc_c,
     size_t grid_rows, size_t grid_cols, int32_t grid_order, const cata_ata_params *params);
 
-/** As cata_world_ata_cyclic_f64, in float; PSSYRK.
- *
- * Not thread-safe: one call at a time for a world. */
-cata_status cata_world_ata_cyclic_f32(const cata_world *world, int32_t uplo, float alpha,
-    const float *a, const int32_t *desc_a, float beta, float *c, const int32_t *desc_c,
-    size_t grid_rows, size_t grid_cols, int32_t grid_order, const cata_ata_params *params);
-
-/** C := alpha A A^T + beta C for block-cyclic A, m x n, and C, m x m; what PDSYRK does with TRANS
- * = 'N' to whole matrices. Collective. M_ and N_ of `desc_c` are A's M_; the rest as in
- * cata_world_ata_cyclic_f64.
- *
- * Not thread-safe: one call at a time for a world. */
-cata_status cata_world_aat_cyclic_f64(const cata_world *world, int32_t uplo, double alpha,
+/** As cata_world_ata_cyclic: C := alpha A A^T + beta C, m x m; PDSYRK with TRANS = 'N'. M_ and N_
+ * of `desc_c` are A's M_. */
+cata_status cata_world_aat_cyclic(const cata_world *world, int32_t uplo, double alpha,
     const double *a, const int32_t *desc_a, double beta, double *c, const int32_t *desc_c,
     size_t grid_rows, size_t grid_cols, int32_t grid_order, const cata_ata_params *params);
 
-/** As cata_world_aat_cyclic_f64, in float.
+/** Eigenpairs as those of cata_eigs where every rank has some rows of W, in the order of the ranks.
+ * Collective. Every rank gets all eigenvalues and residuals and its rows of the eigenvectors. The
+ * basis, most of the memory, is spread; W and its factor are on every rank.
  *
- * Not thread-safe: one call at a time for a world. */
-cata_status cata_world_aat_cyclic_f32(const cata_world *world, int32_t uplo, float alpha,
-    const float *a, const int32_t *desc_a, float beta, float *c, const int32_t *desc_c,
-    size_t grid_rows, size_t grid_cols, int32_t grid_order, const cata_ata_params *params);
+ * - `own`: rows of this rank, its own on each rank; `n`: all rows.
+ * - `row_starts`, `columns`, `entries`, `masses`: of these rows, columns from 0 to n - 1.
+ * - `eigenvectors`: own x k, written, column-major. */
+cata_status cata_world_eigs(const cata_world *world, size_t own, size_t n, const size_t *row_starts,
+    const size_t *columns, const double *entries, const double *masses, size_t k,
+    double *eigenvalues, double *eigenvectors, size_t ldv, double *residuals,
+    const cata_eigs_params *params);
 
-/** Rows and columns of a distributed matrix. Local.
- *
- * `symmetric`: not NULL. `n`: one size_t, not NULL; written on success. */
+/** cata_ortho_gram_schmidt where every rank has some rows of A and masses, in the order of the
+ * ranks: `own` of this rank. Collective. Every rank gets its rows of Q and all of `r`, which is
+ * c x c, `kept` and `rank`; A is unspecified after errors. CATA_ORTHO_RANK_REVEALING is
+ * CATA_ERR_UNSUPPORTED. */
+cata_status cata_world_gram_schmidt(const cata_world *world, int32_t layout, size_t own, size_t c,
+    double *a, size_t lda, const double *masses, double *r, size_t ldr, size_t *kept, size_t *rank,
+    const cata_ortho_params *params);
+
+/** cata_ortho_cholesky_qr likewise. */
+cata_status cata_world_cholesky_qr(const cata_world *world, int32_t layout, size_t own, size_t c,
+    double *a, size_t lda, const double *masses, double *r, size_t ldr,
+    const cata_ortho_params *params);
+
+/** Rows and columns of a distributed matrix. Local. */
 cata_status cata_symmetric_n(const cata_symmetric *symmetric, size_t *n);
 
-/** Gives the part that this rank has of a distributed matrix back. Local, before or after the end
- * of its world.
- *
- * `symmetric`: made by this library and not yet freed; NULL does nothing. */
+/** Gives the part that this rank has of a distributed matrix back. Local. */
 void cata_symmetric_free(cata_symmetric *symmetric);
 
-/** Puts the whole of a distributed matrix of doubles into C on one rank. Collective.
- *
- * - `symmetric`: not NULL; made by a call of all ranks of `world`, in double.
- * - `world`: not NULL.
- * - `root`: the rank that gets C, from 0.
- * - `layout`, `uplo`, `c`, `ldc`: on the root C, n x n, as in cata_ata_f64; ignored on other
- *   ranks.
- *
- * Not thread-safe: one call at a time for a world. */
+/** Puts the whole of a distributed matrix of doubles, made by all ranks of `world`, into C, n x n,
+ * on the rank `root`, as cata_ata_f64 does; other ranks' `layout` to `ldc` are ignored.
+ * Collective. */
 cata_status cata_symmetric_gather_f64(const cata_symmetric *symmetric, const cata_world *world,
     size_t root, int32_t layout, int32_t uplo, double *c, size_t ldc);
 
-/** As cata_symmetric_gather_f64, of floats.
- *
- * Not thread-safe: one call at a time for a world. */
+/** As cata_symmetric_gather_f64, of floats. */
 cata_status cata_symmetric_gather_f32(const cata_symmetric *symmetric, const cata_world *world,
     size_t root, int32_t layout, int32_t uplo, float *c, size_t ldc);
 
-/** Checks that a distributed matrix of doubles is alpha A^T A, up to rounding, with `rounds`
- * random vectors (Freivalds 1977). Collective; all ranks get the same answer.
+/** Checks that a distributed matrix of doubles, made by all ranks of `world`, is alpha A^T A, up to
+ * rounding, as cata_verify_f64 does. Collective; all ranks get the same answer.
  *
- * - `symmetric`: not NULL; n x n, in double, made by a call of all ranks of `world`. Read.
- * - `world`: not NULL.
  * - `spread`: CATA_BY_ROWS or CATA_BY_COLUMNS: how A is spread.
- * - `layout`: of this rank's part of A.
- * - `rows`, `cols`: of this rank's part of A: any number of rows and n columns, or as many rows
- *   as A and any number of columns, n on all ranks together.
- * - `a`, `lda`: this rank's part of A, read, as in cata_world_ata_rows_f64 or
- *   cata_world_ata_columns_f64.
- * - `rounds`: 1 to 1000. A matrix with an entry wrong by more than twice the tolerance passes
- *   with probability at most 2^-rounds.
- * - `seed`: of the random vectors; the same seed gives the same answer.
- * - `passed`, `residual`, `tolerance`: as in cata_verify_f64.
- *
- * Returns CATA_OK, whether it passed or not.
- *
- * Not thread-safe: one call at a time for a world. */
+ * - `layout`, `rows`, `cols`, `a`: of this rank's part of A. */
 cata_status cata_symmetric_verify_f64(const cata_symmetric *symmetric, const cata_world *world,
     int32_t spread, int32_t layout, size_t rows, size_t cols, double alpha, const double *a,
     size_t lda, int32_t rounds, uint64_t seed, int32_t *passed, double *residual,
     double *tolerance);
 
-/** As cata_symmetric_verify_f64, for a product in float. The check itself is in double.
- *
- * Not thread-safe: one call at a time for a world. */
+/** As cata_symmetric_verify_f64, for a product in float; the check itself is in double. */
 cata_status cata_symmetric_verify_f32(const cata_symmetric *symmetric, const cata_world *world,
     int32_t spread, int32_t layout, size_t rows, size_t cols, double alpha, const float *a,
     size_t lda, int32_t rounds, uint64_t seed, int32_t *passed, double *residual,

@@ -5,8 +5,10 @@
 
 #include "ata.hpp"
 
+#include <functional>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace catamaran {
 
@@ -117,15 +119,16 @@ inline const double* masses_of(const std::vector<double>& masses, std::size_t ro
 
 }  // namespace detail
 
-/// The k eigenpairs of W phi = lambda M phi that the options ask for; `masses`: the diagonal of M, empty: all 1.
+/// The k eigenpairs of W phi = lambda M phi that the options ask for; `masses`: the diagonal of M,
+/// empty: all 1.
 inline eigenpairs eigs(const sparse_view& w, std::size_t k, std::vector<double> masses = {},
-                           const eigs_options& how = {}) {
+                       const eigs_options& how = {}) {
     const double* diagonal = detail::masses_of(masses, w.rows);
     eigenpairs pairs = detail::room_for(w.rows, k);
     detail::eigs_call call(how);
     call.finish(cata_eigs(w.rows, w.row_starts, w.columns, w.entries, diagonal, k,
-                              pairs.values.data(), pairs.vectors.data(), w.rows ? w.rows : 1,
-                              pairs.residuals.data(), call.params()));
+                          pairs.values.data(), pairs.vectors.data(), w.rows ? w.rows : 1,
+                          pairs.residuals.data(), call.params()));
     pairs.masses = std::move(masses);
     return pairs;
 }
@@ -163,14 +166,102 @@ inline std::vector<double> part_eigenvalues(const mesh_view& mesh,
     return values;
 }
 
+/// The number of eigenvalues of W phi = lambda M phi below `value`: cata_eigs_count.
+inline std::size_t count_below(const sparse_view& w, double value,
+                               const std::vector<double>& masses = {},
+                               const eigs_options& how = {}) {
+    std::size_t count = 0;
+    detail::eigs_call call(how);
+    call.finish(cata_eigs_count(w.rows, w.row_starts, w.columns, w.entries,
+                                detail::masses_of(masses, w.rows), value, &count, call.params()));
+    return count;
+}
+
+/// Some eigenpairs, gone when the call that hands them out returns.
+struct eigenpair_slice {
+    std::size_t count;
+    /// count each, ascending.
+    const double* values;
+    const double* residuals;
+    /// rows x count.
+    matrix_view<const double> vectors;
+};
+
+/// Takes a slice; returns whether to go on. What it throws comes out of the call.
+using slice_taker = std::function<bool(const eigenpair_slice&)>;
+
+namespace detail {
+
+/// A slice_taker for the length of a call.
+class slice_call {
+public:
+    slice_call(std::size_t rows, const slice_taker& take) : rows_(rows), take_(take) {}
+
+    static std::int32_t slice(std::size_t count, const double* values, const double* vectors,
+                              std::size_t ldv, const double* residuals, void* user) noexcept {
+        slice_call& self = *static_cast<slice_call*>(user);
+        try {
+            return self.take_({count, values, residuals,
+                               col_major(vectors, self.rows_, count, ldv)})
+                       ? 0
+                       : 1;
+        } catch (...) {
+            self.thrown_ = std::current_exception();
+            return 1;
+        }
+    }
+
+    void finish(eigs_call& call, cata_status status) {
+        if (thrown_) {
+            std::rethrow_exception(thrown_);
+        }
+        call.finish(status);
+    }
+
+private:
+    std::size_t rows_;
+    const slice_taker& take_;
+    std::exception_ptr thrown_;
+};
+
+}  // namespace detail
+
+/// The k smallest eigenpairs, in slices for which `memory` bytes are enough: cata_eigs_sliced.
+inline void eigs_sliced(const sparse_view& w, std::size_t k, std::size_t memory,
+                        const slice_taker& take, const std::vector<double>& masses = {},
+                        const eigs_options& how = {}) {
+    detail::eigs_call call(how);
+    detail::slice_call slices(w.rows, take);
+    slices.finish(call, cata_eigs_sliced(w.rows, w.row_starts, w.columns, w.entries,
+                                         detail::masses_of(masses, w.rows), k, memory,
+                                         &detail::slice_call::slice, &slices, call.params()));
+}
+
+/// Those of the Laplacian of a triangle mesh.
+inline void eigs_sliced(const mesh_view& mesh, std::size_t k, std::size_t memory,
+                        const slice_taker& take, const eigs_options& how = {}) {
+    detail::eigs_call call(how);
+    detail::slice_call slices(mesh.n_vertices, take);
+    slices.finish(call, cata_mesh_eigs_sliced(mesh.n_vertices, mesh.vertices, mesh.n_faces,
+                                              mesh.faces, k, memory, &detail::slice_call::slice,
+                                              &slices, call.params()));
+}
+
+/// How columns, or products, are made orthonormal.
+enum class ortho_method : std::int32_t {
+    standard = 0,
+    reorthogonalized = CATA_ORTHO_REORTHOGONALIZED,
+    single_pass = CATA_ORTHO_SINGLE_PASS,
+    rank_revealing = CATA_ORTHO_RANK_REVEALING,
+};
 
 /// How columns are made orthonormal: the fields of cata_ortho_params.
 struct ortho_options {
     /// 0: all cores of the affinity mask.
     std::size_t threads = 0;
-    /// 0: 1e-9, or 1e-2 with single_pass.
+    /// 0: 1e-9, or 1e-2 with ortho_method::single_pass.
     double threshold = 0.0;
-    bool single_pass = false;
+    ortho_method method = ortho_method::standard;
     /// As options::progress.
     std::function<bool(double)> progress;
 };
@@ -183,40 +274,82 @@ struct factors {
     std::vector<std::size_t> kept;
 };
 
-/// A = Q R with Q^T M Q = I: the first kept.size() columns of `a` are Q afterwards. `masses`: the diagonal of M, empty:
-/// all 1.
+namespace detail {
+
+/// cata_ortho_params for the length of a call.
+class ortho_call {
+public:
+    explicit ortho_call(const ortho_options& options) : watcher_(options.progress) {
+        check(cata_ortho_params_init(&params_, sizeof params_));
+        params_.threads = options.threads;
+        params_.threshold = options.threshold;
+        params_.method = static_cast<std::int32_t>(options.method);
+        watcher_.attach(params_);
+    }
+
+    const cata_ortho_params* params() const noexcept { return &params_; }
+
+    void finish(cata_status status) { watcher_.finish(status); }
+
+private:
+    cata_ortho_params params_{};
+    watcher watcher_;
+};
+
+/// R in the first rows of `most` x cols, and the columns kept, as factors.
+inline factors factors_of(std::vector<double> r, std::size_t most, std::size_t cols, layout order,
+                          std::vector<std::size_t> kept, std::size_t rank) {
+    kept.resize(rank);
+    if (order == layout::col_major) {
+        // Rows below the rank are zeros.
+        for (std::size_t j = 0; j < cols; ++j) {
+            for (std::size_t i = 0; i < rank; ++i) {
+                r[i + j * rank] = r[i + j * most];
+            }
+        }
+    }
+    r.resize(rank * cols);
+    return {std::move(r), std::move(kept)};
+}
+
+/// The leading dimension of a rows x cols matrix without gaps.
+inline std::size_t gapless(layout order, std::size_t rows, std::size_t cols) noexcept {
+    const std::size_t line = order == layout::row_major ? cols : rows;
+    return line ? line : 1;
+}
+
+}  // namespace detail
+
+/// A = Q R with Q^T M Q = I: the first kept.size() columns of `a` are Q afterwards. `masses`: the
+/// diagonal of M, empty: all 1.
 inline factors gram_schmidt(matrix_view<double> a, const std::vector<double>& masses = {},
                             const ortho_options& how = {}) {
     const double* diagonal = detail::masses_of(masses, a.rows);
     const std::size_t most = a.rows < a.cols ? a.rows : a.cols;
-    const bool by_rows = a.order == layout::row_major;
-    const std::size_t leading = by_rows ? (a.cols ? a.cols : 1) : (most ? most : 1);
     std::vector<double> r(most * a.cols);
-    factors found;
-    found.kept.resize(a.cols);
-    cata_ortho_params params;
-    detail::check(cata_ortho_params_init(&params, sizeof params));
-    params.threads = how.threads;
-    params.threshold = how.threshold;
-    params.single_pass = how.single_pass ? 1 : 0;
-    detail::watcher watcher(how.progress);
-    watcher.attach(params);
+    std::vector<std::size_t> kept(a.cols);
     std::size_t rank = 0;
-    watcher.finish(cata_ortho_gram_schmidt(static_cast<std::int32_t>(a.order), a.rows, a.cols, a.data,
-                                     a.leading, diagonal, r.data(), leading, found.kept.data(),
-                                     &rank, &params));
-    found.kept.resize(rank);
-    if (!by_rows) {
-        // Rows below the rank are zeros.
-        for (std::size_t j = 0; j < a.cols; ++j) {
-            for (std::size_t i = 0; i < rank; ++i) {
-                r[i + j * rank] = r[i + j * leading];
-            }
-        }
-    }
-    r.resize(rank * a.cols);
-    found.r = std::move(r);
-    return found;
+    detail::ortho_call call(how);
+    call.finish(cata_ortho_gram_schmidt(
+        static_cast<std::int32_t>(a.order), a.rows, a.cols, a.data, a.leading, diagonal, r.data(),
+        detail::gapless(a.order, most, a.cols), kept.data(), &rank, call.params()));
+    return detail::factors_of(std::move(r), most, a.cols, a.order, std::move(kept), rank);
+}
+
+/// A = Q R with Q^T M Q = I for independent columns: `a` becomes Q, and R, in the layout of A
+/// without gaps, is returned: cata_ortho_cholesky_qr.
+inline std::vector<double> cholesky_qr(matrix_view<double> a,
+                                       const std::vector<double>& masses = {},
+                                       const ortho_options& how = {}) {
+    const double* diagonal = detail::masses_of(masses, a.rows);
+    // More columns than rows depend on each other, and the memory for R may not be.
+    detail::require(a.cols <= a.rows, CATA_ERR_ARGUMENT, "A: more columns than rows");
+    std::vector<double> r(a.cols * a.cols);
+    detail::ortho_call call(how);
+    call.finish(cata_ortho_cholesky_qr(static_cast<std::int32_t>(a.order), a.rows, a.cols, a.data,
+                                       a.leading, diagonal, r.data(), a.cols ? a.cols : 1,
+                                       call.params()));
+    return r;
 }
 
 }  // namespace catamaran

@@ -9,7 +9,16 @@
 
 namespace catamaran {
 
-/// The network that predicts spectra of unions of parts from those of the parts. One owner; calls may run at the same time.
+/// How a union is located: the fields of cata_unions_params.
+struct unions_options {
+    /// 0: all cores of the affinity mask.
+    std::size_t threads = 0;
+    /// As options::progress.
+    std::function<bool(double)> progress;
+};
+
+/// The network that predicts spectra of unions of parts from those of the parts. One owner; calls
+/// may run at the same time.
 class unions {
 public:
     /// The first Dirichlet eigenvalues of a part, ascending and positive, in whatever unit.
@@ -35,15 +44,27 @@ public:
         return found;
     }
 
-    /// Where the union is on the template, the mesh that `catamaran unions template` writes: for each vertex about 1
-    /// inside and 0 outside.
-    std::vector<double> locate(const std::vector<eigenvalues>& parts,
-                               const mesh_view& mesh, std::size_t threads = 0) const {
+    /// Where the union is on the template, the mesh that `catamaran unions template` writes: for
+    /// each vertex about 1 inside and 0 outside.
+    std::vector<double> locate(const std::vector<eigenvalues>& parts, const mesh_view& mesh,
+                               const unions_options& how = {}) const {
         std::vector<double> indicator(mesh.n_vertices);
-        detail::check(cata_unions_locate(
+        cata_unions_params params;
+        detail::check(cata_unions_params_init(&params, sizeof params));
+        params.threads = how.threads;
+        detail::watcher watcher(how.progress);
+        watcher.attach(params);
+        watcher.finish(cata_unions_locate(
             handle_.get(), parts.size(), detail::first_of(parts), mesh.n_vertices, mesh.vertices,
-            mesh.n_faces, mesh.faces, indicator.data(), threads));
+            mesh.n_faces, mesh.faces, indicator.data(), &params));
         return indicator;
+    }
+
+    /// A spectrum between two: (1 - t) first + t second.
+    static eigenvalues interpolate(const eigenvalues& first, const eigenvalues& second, double t) {
+        eigenvalues between{};
+        detail::check(cata_unions_interpolate(first.data(), second.data(), t, between.data()));
+        return between;
     }
 
     const cata_unions* get() const noexcept { return handle_.get(); }

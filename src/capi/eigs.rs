@@ -18,13 +18,13 @@ use faer::{MatMut, MatRef};
 use super::boundary::boundary;
 use super::params::{Versioned, flag, init, read};
 use super::pointer::{
-    Layout, check_size, matrix_mut, optional_slice_mut, slice, slice_mut, sparse,
+    Layout, check_size, matrix_mut, optional_slice_mut, output, slice, slice_mut, sparse,
 };
 use super::progress::{cata_progress, par, watcher};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
-use crate::base::Progress;
+use crate::base::{Error, Progress};
 use crate::mesh::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
-use crate::sparse::{EigenOptions, Mass, eigs};
+use crate::sparse::{CsMatView, EigenOptions, Eigenpairs, Mass, count_below, eigs, eigs_sliced};
 
 /// `laplacian`: of the triangles of the mesh, with cotangent weights.
 pub const CATA_LAPLACIAN_COTANGENT: i32 = 0;
@@ -101,15 +101,14 @@ pub unsafe extern "C" fn cata_eigs_params_init(
 /// eigenvectors. W is n x n, sparse, symmetric, and positive semi-definite unless a shift is
 /// given; M is a diagonal of positive masses.
 ///
-/// - `row_starts`: n + 1 elements, read: the entries of row i are those from `row_starts[i]` to
+/// - `row_starts`: n + 1 elements: the entries of row i are those from `row_starts[i]` to
 ///   `row_starts[i + 1] - 1`, the first being 0.
-/// - `columns`, `entries`: `row_starts[n]` elements each, read: columns ascending within a row,
-///   from 0, and the entries of W there, both triangles.
-/// - `masses`: n elements, read: the diagonal of M; NULL: all 1.
+/// - `columns`, `entries`: `row_starts[n]` elements each: columns ascending within a row, from 0,
+///   and the entries of W there, both triangles.
+/// - `masses`: n elements: the diagonal of M; NULL: all 1.
 /// - `k`: number of pairs, at most n.
 /// - `eigenvalues`: k elements, written: ascending.
-/// - `eigenvectors`: n x k, written, column-major: k columns of `ldv` >= max(1, n) elements, the
-///   last one of n; orthonormal in the inner product of M.
+/// - `eigenvectors`: n x k, written, column-major; orthonormal in the inner product of M.
 /// - `residuals`: k elements, written: for each pair |W phi - lambda M phi| / max(|W phi|, s |M
 ///   phi|), n s being the median of W_ii / M_ii; NULL where not wanted.
 ///
@@ -132,11 +131,7 @@ pub unsafe extern "C" fn cata_eigs(
     boundary(|| {
         // SAFETY: the caller's promise.
         let (stiffness, masses, outputs) = unsafe {
-            let stiffness = sparse(n, n, row_starts, columns, entries)?;
-            let masses = match masses.is_null() {
-                true => Mass::identity(n),
-                false => Mass::Lumped(slice("masses", masses, n)?.to_vec()),
-            };
+            let (stiffness, masses) = pencil(n, row_starts, columns, entries, masses)?;
             (stiffness, masses, Outputs::new(n, k, eigenvalues, eigenvectors, ldv, residuals)?)
         };
         // SAFETY: the caller's promise.
@@ -145,6 +140,135 @@ pub unsafe extern "C" fn cata_eigs(
         }?;
         outputs.write(&pairs.values, pairs.vectors.as_ref(), &pairs.residuals);
         Ok(())
+    })
+}
+
+/// Takes a slice of eigenpairs: `count` of them, as cata_eigs writes them, ascending within the
+/// slice and from slice to slice; gone when it returns. It is called by the calling thread, and
+/// returns 0 to go on, anything else to end the call with CATA_ERR_CANCELLED.
+pub type cata_eigs_slice = Option<
+    extern "C" fn(
+        count: usize,
+        eigenvalues: *const f64,
+        eigenvectors: *const f64,
+        ldv: usize,
+        residuals: *const f64,
+        user: *mut c_void,
+    ) -> i32,
+>;
+
+/// The k smallest eigenpairs as those of cata_eigs, in slices of the spectrum of which one at a
+/// time is in memory. Each slice is complete (as with `verify_count`), and ends in a gap between
+/// eigenvalues.
+///
+/// - `memory`: bytes that may be used beside W and M; where all pairs fit there is one slice. Too
+///   few for any slice, or for k pairs around a shift, are CATA_ERR_ARGUMENT.
+/// - `slice`, `user`: what takes the slices, and what is handed to it.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_eigs_sliced(
+    n: usize,
+    row_starts: *const usize,
+    columns: *const usize,
+    entries: *const f64,
+    masses: *const f64,
+    k: usize,
+    memory: usize,
+    slice: cata_eigs_slice,
+    user: *mut c_void,
+    params: *const cata_eigs_params,
+) -> cata_status {
+    boundary(|| {
+        let mut sink = sink(slice, user)?;
+        // SAFETY: the caller's promise.
+        let (stiffness, masses) = unsafe { pencil(n, row_starts, columns, entries, masses) }?;
+        let work = |options: &EigenOptions<'_>, _: &LaplacianOptions| {
+            Ok(eigs_sliced(stiffness, &masses, options, memory, &mut sink)?)
+        };
+        // SAFETY: the caller's promise.
+        unsafe { with_eigen_options(k, params, work) }
+    })
+}
+
+/// The number of eigenvalues below `value`, which may not be one, by a factorisation: so many k
+/// give cata_eigs all of them. In an interval there are as many as the difference of two counts,
+/// and these are nearest to its middle as `shift`.
+///
+/// - `count`: one size_t, written.
+/// - `params`: of it only `progress` is looked at, before and after the work.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_eigs_count(
+    n: usize,
+    row_starts: *const usize,
+    columns: *const usize,
+    entries: *const f64,
+    masses: *const f64,
+    value: f64,
+    count: *mut usize,
+    params: *const cata_eigs_params,
+) -> cata_status {
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let (count, (stiffness, masses)) =
+            unsafe { (output("count", count)?, pencil(n, row_starts, columns, entries, masses)?) };
+        let work = |options: &EigenOptions<'_>, _: &LaplacianOptions| {
+            options.progress.report(0.0)?;
+            let found = count_below(stiffness, &masses, value)?;
+            options.progress.report(1.0)?;
+            Ok(found)
+        };
+        // SAFETY: the caller's promise.
+        *count = unsafe { with_eigen_options(0, params, work) }?;
+        Ok(())
+    })
+}
+
+/// W and M of the caller.
+///
+/// # Safety
+/// The pointers are as the header describes them, during `'a`.
+unsafe fn pencil<'a>(
+    n: usize,
+    row_starts: *const usize,
+    columns: *const usize,
+    entries: *const f64,
+    masses: *const f64,
+) -> Result<(CsMatView<'a, f64>, Mass), Failure> {
+    // SAFETY: the caller's promise.
+    unsafe { Ok((sparse(n, n, row_starts, columns, entries)?, mass(n, masses)?)) }
+}
+
+/// The masses of the caller, or the identity.
+///
+/// # Safety
+/// `masses` is NULL or has n elements.
+pub(super) unsafe fn mass(n: usize, masses: *const f64) -> Result<Mass, Failure> {
+    Ok(match masses.is_null() {
+        true => Mass::identity(n),
+        // SAFETY: the caller's promise.
+        false => Mass::Lumped(unsafe { slice("masses", masses, n) }?.to_vec()),
+    })
+}
+
+/// Hands slices to the caller.
+pub(super) fn sink(
+    slice: cata_eigs_slice,
+    user: *mut c_void,
+) -> Result<impl FnMut(Eigenpairs) -> crate::Result<()>, Failure> {
+    let slice = slice.ok_or_else(|| Failure::null("slice"))?;
+    Ok(move |pairs: Eigenpairs| {
+        let Eigenpairs { values, vectors, residuals, .. } = pairs;
+        let ldv = vectors.col_stride().unsigned_abs().max(1);
+        let (values, vectors) = (&values, vectors.as_ptr());
+        match slice(values.len(), values.as_ptr(), vectors, ldv, residuals.as_ptr(), user) {
+            0 => Ok(()),
+            _ => Err(Error::Cancelled),
+        }
     })
 }
 

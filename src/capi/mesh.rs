@@ -11,12 +11,14 @@
 //! printf("%.3f\n", values[1]); // 11.314
 //! ```
 
+use std::ffi::c_void;
+
 use super::boundary::boundary;
-use super::eigs::{Outputs, cata_eigs_params, with_eigen_options};
+use super::eigs::{Outputs, cata_eigs_params, cata_eigs_slice, sink, with_eigen_options};
 use super::pointer::{mesh, optional_slice_mut, slice, slice_mut};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::mesh::{Boundary, LaplacianOptions, MassKind, laplacian};
-use crate::sparse::{EigenOptions, Mass, eigs};
+use crate::sparse::{EigenOptions, Mass, eigs, eigs_sliced};
 use crate::unions::PartSpectra;
 
 /// The k smallest eigenvalues, or those nearest to a shift, of the Laplacian of a triangle mesh,
@@ -24,9 +26,8 @@ use crate::unions::PartSpectra;
 ///
 /// - `k`: number of pairs, at most the vertices that are in a face and not held at zero.
 /// - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2.
-/// - `eigenvectors`: n_vertices x k, written, column-major: k columns of `ldv` >= max(1,
-///   n_vertices) elements, the last one of n_vertices; orthonormal in the inner product of M, 0
-///   where functions are held at zero and at vertices in no face.
+/// - `eigenvectors`: n_vertices x k, written, column-major; orthonormal in the inner product of M,
+///   0 where functions are held at zero and at vertices in no face.
 /// - `residuals`: k elements, written, as those of cata_eigs; NULL where not wanted.
 /// - `masses`: n_vertices elements, written: the diagonal of M, 0 at vertices that it has no row
 ///   for; NULL where not wanted. CATA_MASS_CONSISTENT has none to give.
@@ -78,6 +79,41 @@ pub unsafe extern "C" fn cata_mesh_eigs(
     })
 }
 
+/// The k smallest eigenpairs of the Laplacian of a triangle mesh, as those of cata_mesh_eigs, in
+/// slices: `memory`, `slice` and `user` are those of cata_eigs_sliced.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_mesh_eigs_sliced(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    k: usize,
+    memory: usize,
+    slice: cata_eigs_slice,
+    user: *mut c_void,
+    params: *const cata_eigs_params,
+) -> cata_status {
+    boundary(|| {
+        let mut sink = sink(slice, user)?;
+        // SAFETY: the caller's promise.
+        let mesh = unsafe { mesh(n_vertices, vertices, n_faces, faces) }?;
+        let work = |options: &EigenOptions<'_>, of: &LaplacianOptions| {
+            let operator = laplacian(&mesh, of)?;
+            let (stiffness, mass) = (operator.stiffness.view(), &operator.mass);
+            eigs_sliced(stiffness, mass, options, memory, |mut pairs| {
+                pairs.vectors = operator.extend(pairs.vectors.as_ref())?;
+                sink(pairs)
+            })?;
+            Ok(())
+        };
+        // SAFETY: the caller's promise.
+        unsafe { with_eigen_options(k, params, work) }
+    })
+}
+
 /// The k smallest eigenvalues of the Laplacian of a part of a triangle mesh, which has the faces
 /// whose three vertices are in the mask.
 ///
@@ -86,10 +122,10 @@ pub unsafe extern "C" fn cata_mesh_eigs(
 /// eigenvalue anywhere in the sequence. Under CATA_BOUNDARY_NEUMANN the part is a mesh of its
 /// own.
 ///
-/// - `mask`: n_vertices elements, read: 1 for a vertex of the part, 0 for any other.
+/// - `mask`: n_vertices elements: 1 for a vertex of the part, 0 for any other.
 /// - `k`: number of eigenvalues, at most the vertices of the part that are not held at zero.
 /// - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2.
-/// - `params`: the Laplacian and `threads` are looked at, the rest is checked only.
+/// - `params`: the Laplacian, `threads` and `progress` are looked at, the rest is checked only.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -118,8 +154,8 @@ pub unsafe extern "C" fn cata_mesh_part_eigenvalues(
             return Err(Failure::new(CATA_ERR_ARGUMENT, why));
         }
         let mask: Vec<bool> = mask.iter().map(|&inside| inside == 1).collect();
-        let work = |_: &EigenOptions<'_>, of: &LaplacianOptions| {
-            let parts = PartSpectra::new(&mesh, of)?;
+        let work = |options: &EigenOptions<'_>, of: &LaplacianOptions| {
+            let parts = PartSpectra::new(&mesh, of)?.progress(options.progress);
             Ok(match of.boundary {
                 Boundary::Dirichlet => parts.dirichlet(&mask, k)?,
                 _ => parts.neumann(&mask, k)?,

@@ -3,7 +3,9 @@
 
 use super::ata_params::cata_ata_params;
 use super::boundary::boundary;
+use super::eigs::cata_eigs_params;
 use super::lstsq::{cata_lstsq_params, cata_lstsq_result};
+use super::ortho::cata_ortho_params;
 #[cfg(feature = "mpi")]
 use super::ranks;
 use super::status::cata_status;
@@ -33,15 +35,10 @@ macro_rules! with_mpi {
 }
 
 /// The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over
-/// it. catamaran_mpi.h has cata_world_from_comm, which takes the communicator itself.
+/// it. CATA_ERR_ARGUMENT before MPI_Init and after MPI_Finalize.
 ///
-/// - `fortran_comm`: MPI_Comm_c2f of the communicator.
-/// - `world`: one pointer, not NULL; written on success only. Free it by cata_world_free.
-///
-/// Returns CATA_ERR_ARGUMENT when MPI is not initialised or is finalised already, or for a handle
-/// of no communicator.
-///
-/// Not thread-safe: MPI_Comm_dup is called.
+/// `fortran_comm`: MPI_Comm_c2f of the communicator; catamaran_mpi.h has cata_world_from_comm,
+/// which takes the communicator itself.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -56,10 +53,6 @@ pub unsafe extern "C" fn cata_world_new(
 /// Gives a world back. Collective; after MPI_Finalize it is local, and leaves the communicator to
 /// MPI.
 ///
-/// `world`: made by cata_world_new and not yet freed; NULL does nothing.
-///
-/// Not thread-safe.
-///
 /// # Safety
 /// The pointer is as described.
 #[unsafe(no_mangle)]
@@ -68,8 +61,6 @@ pub unsafe extern "C" fn cata_world_free(world: *mut cata_world) {
 }
 
 /// The rank of the caller, from 0. Local.
-///
-/// `world`: not NULL. `rank`: one size_t, not NULL; written on success.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -83,8 +74,6 @@ pub unsafe extern "C" fn cata_world_rank(
 
 /// The number of ranks, at least 1. Local.
 ///
-/// `world`: not NULL. `size`: one size_t, not NULL; written on success.
-///
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
@@ -95,12 +84,8 @@ pub unsafe extern "C" fn cata_world_size(
     with_mpi!(ranks::number("size", size, ranks::world(world)?.size()))
 }
 
-/// What this rank has sent and received since the world was made. Local.
-///
-/// `world`: not NULL. `traffic`: one struct, not NULL, whose struct_size is set; the other fields
-/// are written on success.
-///
-/// Not thread-safe.
+/// What this rank has sent and received since the world was made. Local. The struct_size of
+/// `traffic` is read.
 ///
 /// # Safety
 /// The pointers are as described: `traffic` has as many bytes as its `struct_size` says.
@@ -112,12 +97,8 @@ pub unsafe extern "C" fn cata_world_traffic(
     with_mpi!(ranks::traffic(world, traffic))
 }
 
-/// Sets the entries of a message above which it is cut in several; 2^30 in a new world. Local,
-/// but all ranks must set the same before the next collective call.
-///
-/// `world`: not NULL. `entries`: any; taken as 1 if it is 0, and as 2^30 if it is more.
-///
-/// Not thread-safe.
+/// Sets the entries of a message above which it is cut in several, 1 to 2^30; 2^30 in a new world.
+/// Local, but all ranks must set the same before the next collective call.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -129,24 +110,12 @@ pub unsafe extern "C" fn cata_world_set_longest_message(
     with_mpi!(ranks::set_longest_message(world, entries))
 }
 
-/// C = alpha A^T A where every rank has some rows of A, in any order and number, 0 included; C is
-/// left spread over the ranks. Collective.
+/// C = alpha A^T A where every rank has some rows of A, in any order and number; C is left spread
+/// over the ranks. Collective. The result depends, by rounding, on the number of ranks and on which
+/// rank has which rows.
 ///
-/// - `world`: not NULL.
-/// - `layout`: of the rows of this rank; CATA_ROW_MAJOR or CATA_COL_MAJOR, its own on each rank.
-/// - `m`: rows of this rank, its own on each rank.
-/// - `n`: columns of A.
-/// - `a`: the rows of this rank, read. Row-major: m lines of `lda` >= max(1, n) elements, the
-///   last one of n. Column-major: n lines of `lda` >= max(1, m) elements, the last one of m.
-///   call. May differ between the ranks where it does not change the result.
-/// - `c`: one pointer, not NULL; written on success only. Free it by cata_symmetric_free.
-///
-/// Returns CATA_ERR_RANK when n, alpha or the precision differ between the ranks.
-///
-/// The result depends, by rounding, on the number of ranks and on which rank has which rows; not
-/// on that of threads.
-///
-/// Not thread-safe: one call at a time for a world.
+/// - `layout`, `m`, `a`: of the rows of this rank, m x n, its own on each rank.
+/// - `n`, `alpha`: the same on all ranks.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -167,8 +136,6 @@ pub unsafe extern "C" fn cata_world_ata_rows_f64(
 
 /// As cata_world_ata_rows_f64, in float.
 ///
-/// Not thread-safe: one call at a time for a world.
-///
 /// # Safety
 /// The pointers are as described at `cata_world_ata_rows_f64`.
 #[unsafe(no_mangle)]
@@ -187,22 +154,13 @@ pub unsafe extern "C" fn cata_world_ata_rows_f32(
 }
 
 /// Least squares where every rank has some rows of A, of B and of the weights, in any order and
-/// number, 0 included; every rank gets the whole of X and of the result. Collective.
+/// number; every rank gets the whole of X and of the result. Collective. The result does not depend
+/// on the number of ranks, nor on which rank has which rows, bit for bit.
 ///
-/// - `world`: not NULL.
-/// - `layout`, `m`, `a`, `lda`, `b`, `ldb`, `weights`: of the rows of this rank, its own on each
-///   rank, as in cata_lstsq; `weights` is NULL on all ranks or on none.
-/// - `n`, `k`: as in cata_lstsq, the same on all ranks.
-/// - `x`, `ldx`, `result`: as in cata_lstsq; what is wanted may differ between the ranks.
-/// - `params`: as in cata_lstsq; `threads` and `progress` may differ between the ranks.
-///   Progress is that of the second pass over the rows of this rank.
-///
-/// Returns CATA_ERR_RANK when arguments differ between the ranks.
-///
-/// The result does not depend on the number of ranks or of threads, nor on which rank has which
-/// rows, bit for bit.
-///
-/// Not thread-safe: one call at a time for a world.
+/// - `layout`, `m`, `a`, `b`, `weights`: of the rows of this rank, as in cata_lstsq; `weights` is
+///   NULL on all ranks or on none.
+/// - `x`, `result`: as in cata_lstsq; what is wanted may differ between the ranks.
+/// - `params`: progress is that of the second pass over the rows of this rank.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -228,23 +186,13 @@ pub unsafe extern "C" fn cata_world_lstsq(
     ))
 }
 
-/// C = alpha A^T A where every rank has some columns of A, in the order of the ranks, 0 included;
-/// C is left spread over the ranks. Collective. Cheaper than cata_world_ata_rows_f64 where A is
-/// not much longer than wide.
-///
-/// - `m`: rows of A.
-/// - `cols`: columns of this rank, its own on each rank.
-/// - `a`: the columns of this rank, read: an m x cols matrix as in cata_world_ata_rows_f64.
-/// - The rest as there.
-///
-/// Returns what that does.
-///
-/// Not thread-safe: one call at a time for a world.
+/// C = alpha A^T A where every rank has some columns of A (m x cols), in the order of the ranks, as
+/// cata_world_ata_rows_f64. Cheaper than that where A is not much longer than wide.
 ///
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_world_ata_columns_f64(
+pub unsafe extern "C" fn cata_world_ata_columns(
     world: *const cata_world,
     layout: i32,
     m: usize,
@@ -258,48 +206,18 @@ pub unsafe extern "C" fn cata_world_ata_columns_f64(
     with_mpi!(ranks::columns(world, layout, m, cols, alpha, a, lda, params, c))
 }
 
-/// As cata_world_ata_columns_f64, in float.
+/// C := alpha A^T A + beta C where the rank `root` has A, m x n, and C, n x n: by AtA-D, or by
+/// dealing rows of A, whichever should be faster. Collective. The result depends, by rounding, on
+/// the number of ranks. C is untouched after an error in arguments, unspecified in its wanted part
+/// after any other.
 ///
-/// Not thread-safe: one call at a time for a world.
-///
-/// # Safety
-/// The pointers are as described at `cata_world_ata_columns_f64`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_world_ata_columns_f32(
-    world: *const cata_world,
-    layout: i32,
-    m: usize,
-    cols: usize,
-    alpha: f32,
-    a: *const f32,
-    lda: usize,
-    params: *const cata_ata_params,
-    c: *mut *mut cata_symmetric,
-) -> cata_status {
-    with_mpi!(ranks::columns(world, layout, m, cols, alpha, a, lda, params, c))
-}
-
-/// C := alpha A^T A + beta C where one rank has A, m x n, and C, n x n: by AtA-D, or by dealing
-/// rows of A, whichever should be faster for this shape and number of ranks. Collective.
-///
-/// - `world`: not NULL.
-/// - `root`: the rank that has them, from 0.
 /// - `alpha`: the same on all ranks.
-/// - `layout`, `uplo`, `m`, `n`, `a`, `lda`, `beta`, `c`, `ldc`: on the root as in cata_ata_f64;
-///   ignored on other ranks.
-///
-/// Returns CATA_ERR_RANK when the roots, alpha or the precision differ between the ranks. C is
-/// untouched after an error in arguments, and holds unspecified values in its wanted part after
-/// any other.
-///
-/// The result depends, by rounding, on the number of ranks; not on that of threads.
-///
-/// Not thread-safe: one call at a time for a world.
+/// - `layout` to `lda`, `beta` to `ldc`: on the root as in cata_ata_f64; ignored on other ranks.
 ///
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_world_ata_root_f64(
+pub unsafe extern "C" fn cata_world_ata_root(
     world: *const cata_world,
     root: usize,
     layout: i32,
@@ -311,31 +229,6 @@ pub unsafe extern "C" fn cata_world_ata_root_f64(
     lda: usize,
     beta: f64,
     c: *mut f64,
-    ldc: usize,
-    params: *const cata_ata_params,
-) -> cata_status {
-    with_mpi!(ranks::root(world, root, layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params))
-}
-
-/// As cata_world_ata_root_f64, in float.
-///
-/// Not thread-safe: one call at a time for a world.
-///
-/// # Safety
-/// The pointers are as described at `cata_world_ata_root_f64`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_world_ata_root_f32(
-    world: *const cata_world,
-    root: usize,
-    layout: i32,
-    uplo: i32,
-    m: usize,
-    n: usize,
-    alpha: f32,
-    a: *const f32,
-    lda: usize,
-    beta: f32,
-    c: *mut f32,
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
@@ -343,35 +236,23 @@ pub unsafe extern "C" fn cata_world_ata_root_f32(
 }
 
 /// C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has them; what
-/// PDSYRK does with TRANS = 'T' to whole matrices. Collective.
+/// PDSYRK does with TRANS = 'T' to whole matrices. Collective. A is dealt out anew, in a copy; the
+/// result depends, by rounding, on the number of ranks and on how A is dealt out.
 ///
-/// - `world`: not NULL.
-/// - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict
-///   triangle that is not, and what lies between columns, is neither read nor written.
-/// - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised. Otherwise,
-///   with CATA_BOTH, it must be symmetric: each triangle is added to its own old one.
-/// - `a`: A's entries on this rank, read: column-major, with leading dimension LLD_ of `desc_a`.
-/// - `desc_a`: 9 numbers, not NULL: DTYPE_ (1), CTXT_ (ignored), M_ >= 0, N_ >= 0, MB_ >= 1, NB_
-///   >= 1, RSRC_, CSRC_ (from 0, a row and a column of the grid), LLD_ (at least 1 and the rows
-///   on this rank; ignored outside of the grid). The same on all ranks but for CTXT_ and LLD_.
-/// - `c`: C's entries on this rank, written, as `a` with `desc_c`. No element of A may be one of
-///   C's.
-/// - `desc_c`: as `desc_a`; M_ and N_ are A's N_. Its blocks and first processes may be others.
-/// - `grid_rows`, `grid_cols`: the process grid, at least 1 x 1, not more than the ranks of the
-///   world, of which it is the first ones.
+/// - `uplo`, `alpha`, `beta`: as in cata_ata_f64; with CATA_BOTH and beta != 0 C must be symmetric.
+/// - `a`: A's entries on this rank: column-major, with leading dimension LLD_ of `desc_a`.
+/// - `desc_a`: 9 numbers: DTYPE_ (1), CTXT_ (ignored), M_ >= 0, N_ >= 0, MB_ >= 1, NB_ >= 1, RSRC_,
+///   CSRC_ (from 0, a row and a column of the grid), LLD_ (at least 1 and the rows on this rank;
+///   ignored outside of the grid). The same on all ranks but for CTXT_ and LLD_.
+/// - `c`, `desc_c`: C likewise, written; M_ and N_ are A's N_, the blocks any.
+/// - `grid_rows`, `grid_cols`: the process grid, of the first ranks, at least 1 x 1.
 /// - `grid_order`: CATA_ROW_MAJOR when ranks are numbered along the rows of the grid, as by
 ///   Cblacs_gridinit with "R", or CATA_COL_MAJOR, along its columns.
-///
-/// A is dealt out anew, in a copy, as rows or columns, whichever costs fewer words. The result
-/// depends, by rounding, on the number of ranks and on how A is dealt out; not on the number of
-/// threads.
-///
-/// Not thread-safe: one call at a time for a world.
 ///
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_world_ata_cyclic_f64(
+pub unsafe extern "C" fn cata_world_ata_cyclic(
     world: *const cata_world,
     uplo: i32,
     alpha: f64,
@@ -391,43 +272,13 @@ pub unsafe extern "C" fn cata_world_ata_cyclic_f64(
     ))
 }
 
-/// As cata_world_ata_cyclic_f64, in float; PSSYRK.
-///
-/// Not thread-safe: one call at a time for a world.
-///
-/// # Safety
-/// The pointers are as described at `cata_world_ata_cyclic_f64`.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_world_ata_cyclic_f32(
-    world: *const cata_world,
-    uplo: i32,
-    alpha: f32,
-    a: *const f32,
-    desc_a: *const i32,
-    beta: f32,
-    c: *mut f32,
-    desc_c: *const i32,
-    grid_rows: usize,
-    grid_cols: usize,
-    grid_order: i32,
-    params: *const cata_ata_params,
-) -> cata_status {
-    with_mpi!(ranks::cyclic(
-        world, uplo, false, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols, grid_order,
-        params
-    ))
-}
-
-/// C := alpha A A^T + beta C for block-cyclic A, m x n, and C, m x m; what PDSYRK does with TRANS
-/// = 'N' to whole matrices. Collective. M_ and N_ of `desc_c` are A's M_; the rest as in
-/// cata_world_ata_cyclic_f64.
-///
-/// Not thread-safe: one call at a time for a world.
+/// As cata_world_ata_cyclic: C := alpha A A^T + beta C, m x m; PDSYRK with TRANS = 'N'. M_ and N_
+/// of `desc_c` are A's M_.
 ///
 /// # Safety
-/// The pointers are as described at `cata_world_ata_cyclic_f64`.
+/// The pointers are as described at `cata_world_ata_cyclic`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_world_aat_cyclic_f64(
+pub unsafe extern "C" fn cata_world_aat_cyclic(
     world: *const cata_world,
     uplo: i32,
     alpha: f64,
@@ -447,36 +298,97 @@ pub unsafe extern "C" fn cata_world_aat_cyclic_f64(
     ))
 }
 
-/// As cata_world_aat_cyclic_f64, in float.
+/// Eigenpairs as those of cata_eigs where every rank has some rows of W, in the order of the ranks.
+/// Collective. Every rank gets all eigenvalues and residuals and its rows of the eigenvectors. The
+/// basis, most of the memory, is spread; W and its factor are on every rank.
 ///
-/// Not thread-safe: one call at a time for a world.
+/// - `own`: rows of this rank, its own on each rank; `n`: all rows.
+/// - `row_starts`, `columns`, `entries`, `masses`: of these rows, columns from 0 to n - 1.
+/// - `eigenvectors`: own x k, written, column-major.
 ///
 /// # Safety
-/// The pointers are as described at `cata_world_ata_cyclic_f64`.
+/// The pointers are as described.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_world_aat_cyclic_f32(
+pub unsafe extern "C" fn cata_world_eigs(
     world: *const cata_world,
-    uplo: i32,
-    alpha: f32,
-    a: *const f32,
-    desc_a: *const i32,
-    beta: f32,
-    c: *mut f32,
-    desc_c: *const i32,
-    grid_rows: usize,
-    grid_cols: usize,
-    grid_order: i32,
-    params: *const cata_ata_params,
+    own: usize,
+    n: usize,
+    row_starts: *const usize,
+    columns: *const usize,
+    entries: *const f64,
+    masses: *const f64,
+    k: usize,
+    eigenvalues: *mut f64,
+    eigenvectors: *mut f64,
+    ldv: usize,
+    residuals: *mut f64,
+    params: *const cata_eigs_params,
 ) -> cata_status {
-    with_mpi!(ranks::cyclic(
-        world, uplo, true, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols, grid_order,
+    with_mpi!(ranks::eigenpairs(
+        world,
+        own,
+        n,
+        row_starts,
+        columns,
+        entries,
+        masses,
+        k,
+        eigenvalues,
+        eigenvectors,
+        ldv,
+        residuals,
         params
     ))
+}
+
+/// cata_ortho_gram_schmidt where every rank has some rows of A and masses, in the order of the
+/// ranks: `own` of this rank. Collective. Every rank gets its rows of Q and all of `r`, which is
+/// c x c, `kept` and `rank`; A is unspecified after errors. CATA_ORTHO_RANK_REVEALING is
+/// CATA_ERR_UNSUPPORTED.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_world_gram_schmidt(
+    world: *const cata_world,
+    layout: i32,
+    own: usize,
+    c: usize,
+    a: *mut f64,
+    lda: usize,
+    masses: *const f64,
+    r: *mut f64,
+    ldr: usize,
+    kept: *mut usize,
+    rank: *mut usize,
+    params: *const cata_ortho_params,
+) -> cata_status {
+    with_mpi!(ranks::gram_schmidt(
+        world, layout, own, c, a, lda, masses, r, ldr, kept, rank, params
+    ))
+}
+
+/// cata_ortho_cholesky_qr likewise.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_world_cholesky_qr(
+    world: *const cata_world,
+    layout: i32,
+    own: usize,
+    c: usize,
+    a: *mut f64,
+    lda: usize,
+    masses: *const f64,
+    r: *mut f64,
+    ldr: usize,
+    params: *const cata_ortho_params,
+) -> cata_status {
+    with_mpi!(ranks::cholesky_qr(world, layout, own, c, a, lda, masses, r, ldr, params))
 }
 
 /// Rows and columns of a distributed matrix. Local.
-///
-/// `symmetric`: not NULL. `n`: one size_t, not NULL; written on success.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -488,10 +400,7 @@ pub unsafe extern "C" fn cata_symmetric_n(
     with_mpi!(ranks::number("n", n, ranks::entries(symmetric)?.n()))
 }
 
-/// Gives the part that this rank has of a distributed matrix back. Local, before or after the end
-/// of its world.
-///
-/// `symmetric`: made by this library and not yet freed; NULL does nothing.
+/// Gives the part that this rank has of a distributed matrix back. Local.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -500,15 +409,9 @@ pub unsafe extern "C" fn cata_symmetric_free(symmetric: *mut cata_symmetric) {
     with_mpi!(ranks::free_symmetric(symmetric));
 }
 
-/// Puts the whole of a distributed matrix of doubles into C on one rank. Collective.
-///
-/// - `symmetric`: not NULL; made by a call of all ranks of `world`, in double.
-/// - `world`: not NULL.
-/// - `root`: the rank that gets C, from 0.
-/// - `layout`, `uplo`, `c`, `ldc`: on the root C, n x n, as in cata_ata_f64; ignored on other
-///   ranks.
-///
-/// Not thread-safe: one call at a time for a world.
+/// Puts the whole of a distributed matrix of doubles, made by all ranks of `world`, into C, n x n,
+/// on the rank `root`, as cata_ata_f64 does; other ranks' `layout` to `ldc` are ignored.
+/// Collective.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -527,8 +430,6 @@ pub unsafe extern "C" fn cata_symmetric_gather_f64(
 
 /// As cata_symmetric_gather_f64, of floats.
 ///
-/// Not thread-safe: one call at a time for a world.
-///
 /// # Safety
 /// The pointers are as described at `cata_symmetric_gather_f64`.
 #[unsafe(no_mangle)]
@@ -544,25 +445,11 @@ pub unsafe extern "C" fn cata_symmetric_gather_f32(
     with_mpi!(ranks::gather(symmetric, world, root, layout, uplo, c, ldc))
 }
 
-/// Checks that a distributed matrix of doubles is alpha A^T A, up to rounding, with `rounds`
-/// random vectors (Freivalds 1977). Collective; all ranks get the same answer.
+/// Checks that a distributed matrix of doubles, made by all ranks of `world`, is alpha A^T A, up to
+/// rounding, as cata_verify_f64 does. Collective; all ranks get the same answer.
 ///
-/// - `symmetric`: not NULL; n x n, in double, made by a call of all ranks of `world`. Read.
-/// - `world`: not NULL.
 /// - `spread`: CATA_BY_ROWS or CATA_BY_COLUMNS: how A is spread.
-/// - `layout`: of this rank's part of A.
-/// - `rows`, `cols`: of this rank's part of A: any number of rows and n columns, or as many rows
-///   as A and any number of columns, n on all ranks together.
-/// - `a`, `lda`: this rank's part of A, read, as in cata_world_ata_rows_f64 or
-///   cata_world_ata_columns_f64.
-/// - `rounds`: 1 to 1000. A matrix with an entry wrong by more than twice the tolerance passes
-///   with probability at most 2^-rounds.
-/// - `seed`: of the random vectors; the same seed gives the same answer.
-/// - `passed`, `residual`, `tolerance`: as in cata_verify_f64.
-///
-/// Returns CATA_OK, whether it passed or not.
-///
-/// Not thread-safe: one call at a time for a world.
+/// - `layout`, `rows`, `cols`, `a`: of this rank's part of A.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -589,9 +476,7 @@ pub unsafe extern "C" fn cata_symmetric_verify_f64(
     ))
 }
 
-/// As cata_symmetric_verify_f64, for a product in float. The check itself is in double.
-///
-/// Not thread-safe: one call at a time for a world.
+/// As cata_symmetric_verify_f64, for a product in float; the check itself is in double.
 ///
 /// # Safety
 /// The pointers are as described at `cata_symmetric_verify_f64`.

@@ -2,13 +2,23 @@ use std::ffi::c_void;
 use std::mem::offset_of;
 
 use super::boundary::boundary;
-use super::params::{Versioned, flag, init, read};
-use super::pointer::{Layout, matrix_mut, output, slice, slice_mut};
+use super::eigs::mass;
+use super::params::{Versioned, init, read};
+use super::pointer::{Layout, matrix_mut, output, slice_mut};
 use super::progress::{cata_progress, par, watcher};
-use super::status::cata_status;
+use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::base::Progress;
-use crate::ortho::{Factors, GramSchmidtOptions, gram_schmidt_in_place};
-use crate::sparse::Mass;
+use crate::ortho::{
+    Factors, GramSchmidtOptions, cholesky_qr_of, gram_schmidt_in_place, rank_revealing_in_place,
+};
+
+/// `method`: columns are projected until they are orthogonal to rounding; threshold 1e-9.
+pub const CATA_ORTHO_REORTHOGONALIZED: i32 = 1;
+/// `method`: once, so that columns are orthogonal as far as that goes; threshold 1e-2.
+pub const CATA_ORTHO_SINGLE_PASS: i32 = 2;
+/// `method`: as many columns as the numerical rank: singular values above the threshold, 1e-9,
+/// times the largest one, columns scaled to length 1; orthogonal to rounding.
+pub const CATA_ORTHO_RANK_REVEALING: i32 = 3;
 
 /// How columns are made orthonormal.
 #[repr(C)]
@@ -23,17 +33,15 @@ pub struct cata_ortho_params {
     /// Handed to `progress`.
     pub progress_user: *mut c_void,
     /// A column is dropped when no more of it is left, relative to its length before, after what
-    /// the columns before it span was taken away: 1e-13 to 1; 0: 1e-9, or 1e-2 with
-    /// `single_pass`.
+    /// the columns before it span was taken away: 1e-13 to 1; 0: that of `method`.
     pub threshold: f64,
-    /// 1: columns are projected once, and are orthogonal as far as that goes. 0: until they are
-    /// orthogonal to rounding.
-    pub single_pass: i32,
+    /// CATA_ORTHO_*; 0: CATA_ORTHO_REORTHOGONALIZED.
+    pub method: i32,
 }
 
 impl Versioned for cata_ortho_params {
     const NAME: &'static str = "cata_ortho_params";
-    const FIRST_SIZE: usize = offset_of!(Self, single_pass) + size_of::<i32>();
+    const FIRST_SIZE: usize = offset_of!(Self, method) + size_of::<i32>();
 }
 
 /// Fills a struct with the defaults.
@@ -52,18 +60,15 @@ pub unsafe extern "C" fn cata_ortho_params_init(
 /// Gram-Schmidt with rank detection, in place: A (n x c) = Q R with Q^T M Q = I, for a diagonal
 /// M. Columns that depend on those before them are dropped.
 ///
-/// - `n`, `c`: any, 0 included.
-/// - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64: its first `*rank`
-///   columns are Q afterwards, the others unspecified.
-/// - `masses`: n elements, read: the diagonal of M, positive; NULL: all 1.
-/// - `r`: min(n, c) x c with leading dimension `ldr`, written: R in its first `*rank` rows, zeros
-///   below; coefficients of every column of A. NULL where not wanted; `ldr` is then not looked
-///   at.
-/// - `kept`: c elements, written: the first `*rank` are the columns that Q is made of, ascending,
-///   from 0; the others are untouched. NULL where not wanted.
-/// - `rank`: one size_t, not NULL, written.
+/// - `a`: A, read and written: its first `*rank` columns are Q afterwards, the others unspecified.
+/// - `masses`: n elements: the diagonal of M, positive; NULL: all 1.
+/// - `r`: min(n, c) x c, written: R in its first `*rank` rows, zeros below; coefficients of every
+///   column of A. NULL where not wanted; `ldr` is then not looked at.
+/// - `kept`: c elements; the first `*rank` are written: the columns that Q is made of, ascending,
+///   from 0. NULL where not wanted.
+/// - `rank`: one size_t, written.
 ///
-/// A is unspecified after CATA_ERR_OUT_OF_MEMORY, CATA_ERR_CANCELLED and CATA_ERR_PANIC.
+/// A is unspecified after errors that are not of arguments.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -84,47 +89,150 @@ pub unsafe extern "C" fn cata_ortho_gram_schmidt(
     boundary(|| {
         let layout = Layout::new(layout)?;
         // SAFETY: the caller's promise.
-        let (a, r, kept, rank, mass) = unsafe {
+        let (a, results, mass) = unsafe {
+            let a = matrix_mut("a", layout, n, c, a, lda)?;
+            (a, FactorsOut::new(layout, n.min(c), c, r, ldr, kept, rank)?, mass(n, masses)?)
+        };
+        let work = |options: &GramSchmidtOptions<'_>, method: i32| match method {
+            CATA_ORTHO_RANK_REVEALING => Ok(rank_revealing_in_place(a, &mass, options)?),
+            _ => Ok(gram_schmidt_in_place(a, &mass, options)?),
+        };
+        // SAFETY: the caller's promise.
+        let found = unsafe { with_ortho_options(params, work) }?;
+        results.write(&found);
+        Ok(())
+    })
+}
+
+/// A (n x c) = Q R with Q^T M Q = I, in place, by shifted Cholesky QR: about half the work of
+/// cata_ortho_gram_schmidt, for independent columns. Others are CATA_ERR_ARGUMENT, which leaves A
+/// unspecified, as the errors there do. (cata_gram_cholesky_qr: from a Gram matrix in extended
+/// precision.)
+///
+/// - `a`, `masses`: as there; A becomes Q.
+/// - `r`: c x c, written: R, upper triangular with a positive diagonal; NULL as there.
+/// - `params`: `threads` and `progress` are looked at.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_ortho_cholesky_qr(
+    layout: i32,
+    n: usize,
+    c: usize,
+    a: *mut f64,
+    lda: usize,
+    masses: *const f64,
+    r: *mut f64,
+    ldr: usize,
+    params: *const cata_ortho_params,
+) -> cata_status {
+    boundary(|| {
+        let layout = Layout::new(layout)?;
+        // SAFETY: the caller's promise.
+        let (a, r, mass) = unsafe {
             let a = matrix_mut("a", layout, n, c, a, lda)?;
             let r = match r.is_null() {
                 true => None,
-                false => Some(matrix_mut("r", layout, n.min(c), c, r, ldr)?),
+                false => Some(matrix_mut("r", layout, c, c, r, ldr)?),
+            };
+            (a, r, mass(n, masses)?)
+        };
+        mass.check(n)?;
+        let work = |options: &GramSchmidtOptions<'_>, _: i32| {
+            Ok(cholesky_qr_of(a, &mass, options.par, options.progress)?)
+        };
+        // SAFETY: the caller's promise.
+        let found = unsafe { with_ortho_options(params, work) }?;
+        if let Some(mut r) = r {
+            r.copy_from(&found);
+        }
+        Ok(())
+    })
+}
+
+/// Where R, the columns kept and their number go.
+pub(super) struct FactorsOut<'a> {
+    r: Option<faer::MatMut<'a, f64>>,
+    kept: Option<&'a mut [usize]>,
+    rank: &'a mut usize,
+}
+
+impl<'a> FactorsOut<'a> {
+    /// # Safety
+    /// The pointers are as the header describes them, R of so many rows and columns, during `'a`.
+    pub unsafe fn new(
+        layout: Layout,
+        rows: usize,
+        c: usize,
+        r: *mut f64,
+        ldr: usize,
+        kept: *mut usize,
+        rank: *mut usize,
+    ) -> Result<Self, Failure> {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let r = match r.is_null() {
+                true => None,
+                false => Some(matrix_mut("r", layout, rows, c, r, ldr)?),
             };
             let kept = match kept.is_null() {
                 true => None,
                 false => Some(slice_mut("kept", kept, c)?),
             };
-            let mass = match masses.is_null() {
-                true => Mass::identity(n),
-                false => Mass::Lumped(slice("masses", masses, n)?.to_vec()),
-            };
-            (a, r, kept, output("rank", rank)?, mass)
-        };
-        let mut options = GramSchmidtOptions::reorthogonalised();
-        let mut watch = None;
-        if !params.is_null() {
-            // SAFETY: the caller's promise.
-            let params = unsafe { read(params) }?;
-            if flag("params.single_pass", params.single_pass)? {
-                options = GramSchmidtOptions::single_pass();
-            }
-            if params.threshold != 0.0 {
-                options.threshold = params.threshold;
-            }
-            options.par = par(params.threads);
-            watch = watcher(params.progress, params.progress_user);
+            Ok(Self { r, kept, rank: output("rank", rank)? })
         }
-        options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-        let factors = gram_schmidt_in_place(a, &mass, &options)?;
-        let Factors { r: found, kept: columns } = factors;
-        if let Some(mut r) = r {
-            r.fill(0.0);
-            r.subrows_mut(0, columns.len()).copy_from(&found);
+    }
+
+    pub fn write(self, Factors { r, kept }: &Factors) {
+        if let Some(mut to) = self.r {
+            to.fill(0.0);
+            to.subrows_mut(0, kept.len()).copy_from(r);
         }
-        if let Some(kept) = kept {
-            kept[..columns.len()].copy_from_slice(&columns);
+        if let Some(to) = self.kept {
+            to[..kept.len()].copy_from_slice(kept);
         }
-        *rank = columns.len();
-        Ok(())
-    })
+        *self.rank = kept.len();
+    }
+}
+
+/// What `work` finds with the options of the caller, and the method.
+///
+/// # Safety
+/// `params` is NULL or points to a struct as the header describes it.
+pub(super) unsafe fn with_ortho_options<X>(
+    params: *const cata_ortho_params,
+    work: impl FnOnce(&GramSchmidtOptions<'_>, i32) -> Result<X, Failure>,
+) -> Result<X, Failure> {
+    let mut options = GramSchmidtOptions::reorthogonalised();
+    let (mut watch, mut method) = (None, CATA_ORTHO_REORTHOGONALIZED);
+    if !params.is_null() {
+        // SAFETY: the caller's promise.
+        let params = unsafe { read(params) }?;
+        method = known_method(params.method, CATA_ORTHO_REORTHOGONALIZED)?;
+        if method == CATA_ORTHO_SINGLE_PASS {
+            options = GramSchmidtOptions::single_pass();
+        }
+        if params.threshold != 0.0 {
+            options.threshold = params.threshold;
+        }
+        options.par = par(params.threads);
+        watch = watcher(params.progress, params.progress_user);
+    }
+    options.progress = watch.as_ref().map_or(Progress::none(), Progress::from);
+    work(&options, method)
+}
+
+/// A method of the caller, or the default.
+pub(super) fn known_method(method: i32, default: i32) -> Result<i32, Failure> {
+    match method {
+        0 => Ok(default),
+        CATA_ORTHO_REORTHOGONALIZED | CATA_ORTHO_SINGLE_PASS | CATA_ORTHO_RANK_REVEALING => {
+            Ok(method)
+        }
+        other => {
+            let why = format!("params.method: {other} is not known");
+            Err(Failure::new(CATA_ERR_ARGUMENT, why))
+        }
+    }
 }

@@ -3,18 +3,23 @@
 use std::cell::Cell;
 
 use super::ata_params::{cata_ata_params, with_options};
+use super::eigs::{Outputs, cata_eigs_params, mass, with_eigen_options};
 use super::entries::{Entries, Held};
 use super::lstsq::{LeastSquaresCall, cata_lstsq_params, cata_lstsq_result};
+use super::ortho::{CATA_ORTHO_RANK_REVEALING, FactorsOut, cata_ortho_params, with_ortho_options};
 use super::params::write;
-use super::pointer::{Layout, matrix, matrix_mut, optional_output, output, slice, uplo_from};
+use super::pointer::{
+    Layout, matrix, matrix_mut, optional_output, output, slice, sparse, uplo_from,
+};
 use super::progress::watcher;
-use super::status::{CATA_ERR_ARGUMENT, Failure};
+use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, Failure};
 use super::world::{CATA_BY_COLUMNS, CATA_BY_ROWS, cata_symmetric, cata_traffic, cata_world};
 use crate::ata::distributed::{BlockCyclic, Grid, GridOrder};
 use crate::base::Progress;
 use crate::mpi::{
-    CyclicMut, CyclicRef, Distributed, MpiReal, Operation, Symmetric, World, aat_cyclic,
-    ata_columns, ata_cyclic, ata_root, ata_rows, lstsq, verify,
+    CyclicMut, CyclicRef, Distributed, Operation, Symmetric, World, aat_cyclic, ata_columns,
+    ata_cyclic, ata_root, ata_rows, eigs, gram_schmidt_in_place, lstsq, verify,
+    watched_cholesky_qr,
 };
 use crate::{AtaOptions, Error, Uplo};
 
@@ -176,13 +181,13 @@ pub(super) unsafe fn rows<T: Held>(
 
 /// # Safety
 /// As the header says.
-pub(super) unsafe fn columns<T: Held>(
+pub(super) unsafe fn columns(
     world: *const cata_world,
     layout: i32,
     m: usize,
     cols: usize,
-    alpha: T,
-    a: *const T,
+    alpha: f64,
+    a: *const f64,
     lda: usize,
     params: *const cata_ata_params,
     c: *mut *mut cata_symmetric,
@@ -207,18 +212,18 @@ fn handle<T: Held>(matrix: Symmetric<T>) -> *mut cata_symmetric {
 
 /// # Safety
 /// As the header says.
-pub(super) unsafe fn root<T: MpiReal>(
+pub(super) unsafe fn root(
     world: *const cata_world,
     root: usize,
     layout: i32,
     uplo: i32,
     m: usize,
     n: usize,
-    alpha: T,
-    a: *const T,
+    alpha: f64,
+    a: *const f64,
     lda: usize,
-    beta: T,
-    c: *mut T,
+    beta: f64,
+    c: *mut f64,
     ldc: usize,
     params: *const cata_ata_params,
 ) -> Outcome {
@@ -244,15 +249,15 @@ pub(super) unsafe fn root<T: MpiReal>(
 
 /// # Safety
 /// As the header says.
-pub(super) unsafe fn cyclic<T: MpiReal>(
+pub(super) unsafe fn cyclic(
     world: *const cata_world,
     uplo: i32,
     transposed: bool,
-    alpha: T,
-    a: *const T,
+    alpha: f64,
+    a: *const f64,
     desc_a: *const i32,
-    beta: T,
-    c: *mut T,
+    beta: f64,
+    c: *mut f64,
     desc_c: *const i32,
     grid_rows: usize,
     grid_cols: usize,
@@ -325,6 +330,109 @@ pub(super) unsafe fn least_squares(
             let found = lstsq(entrance.enter(), a, b, weights, &call.options, progress)?;
             call.finish(&found);
             Ok(())
+        })
+    }
+}
+
+/// # Safety
+/// As the header says.
+pub(super) unsafe fn eigenpairs(
+    world: *const cata_world,
+    own: usize,
+    n: usize,
+    row_starts: *const usize,
+    columns: *const usize,
+    entries: *const f64,
+    masses: *const f64,
+    k: usize,
+    eigenvalues: *mut f64,
+    eigenvectors: *mut f64,
+    ldv: usize,
+    residuals: *mut f64,
+    params: *const cata_eigs_params,
+) -> Outcome {
+    // SAFETY: the caller's promise.
+    unsafe {
+        collective(world, Operation::Eigenpairs, |entrance| {
+            let rows = sparse(own, n, row_starts, columns, entries)?;
+            let masses = mass(own, masses)?;
+            let outputs = Outputs::new(own, k, eigenvalues, eigenvectors, ldv, residuals)?;
+            with_eigen_options(k, params, |options, _| {
+                let pairs = eigs(entrance.enter(), rows, &masses, options)?;
+                outputs.write(&pairs.values, pairs.vectors.as_ref(), &pairs.residuals);
+                Ok(())
+            })
+        })
+    }
+}
+
+/// # Safety
+/// As the header says.
+pub(super) unsafe fn gram_schmidt(
+    world: *const cata_world,
+    layout: i32,
+    own: usize,
+    c: usize,
+    a: *mut f64,
+    lda: usize,
+    masses: *const f64,
+    r: *mut f64,
+    ldr: usize,
+    kept: *mut usize,
+    rank: *mut usize,
+    params: *const cata_ortho_params,
+) -> Outcome {
+    // SAFETY: the caller's promise.
+    unsafe {
+        collective(world, Operation::GramSchmidt, |entrance| {
+            let layout = Layout::new(layout)?;
+            let a = matrix_mut("a", layout, own, c, a, lda)?;
+            let masses = mass(own, masses)?;
+            let results = FactorsOut::new(layout, c, c, r, ldr, kept, rank)?;
+            with_ortho_options(params, |options, method| {
+                if method == CATA_ORTHO_RANK_REVEALING {
+                    let why = "params.method: CATA_ORTHO_RANK_REVEALING is not for ranks";
+                    return Err(Failure::new(CATA_ERR_UNSUPPORTED, why));
+                }
+                results.write(&gram_schmidt_in_place(entrance.enter(), a, &masses, options)?);
+                Ok(())
+            })
+        })
+    }
+}
+
+/// # Safety
+/// As the header says.
+pub(super) unsafe fn cholesky_qr(
+    world: *const cata_world,
+    layout: i32,
+    own: usize,
+    c: usize,
+    a: *mut f64,
+    lda: usize,
+    masses: *const f64,
+    r: *mut f64,
+    ldr: usize,
+    params: *const cata_ortho_params,
+) -> Outcome {
+    // SAFETY: the caller's promise.
+    unsafe {
+        collective(world, Operation::CholeskyQr, |entrance| {
+            let layout = Layout::new(layout)?;
+            let a = matrix_mut("a", layout, own, c, a, lda)?;
+            let masses = mass(own, masses)?;
+            let r = match r.is_null() {
+                true => None,
+                false => Some(matrix_mut("r", layout, c, c, r, ldr)?),
+            };
+            with_ortho_options(params, |options, _| {
+                let (par, progress) = (options.par, options.progress);
+                let found = watched_cholesky_qr(entrance.enter(), a, &masses, par, progress)?;
+                if let Some(mut r) = r {
+                    r.copy_from(&found);
+                }
+                Ok(())
+            })
         })
     }
 }

@@ -2,8 +2,8 @@ use super::boundary::boundary;
 use super::eigs::{cata_eigs_params, with_eigen_options};
 use super::params::flag;
 use super::pointer::{check_size, mesh, slice, slice_mut};
-use super::progress::par;
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+use crate::Par;
 use crate::mesh::LaplacianOptions;
 use crate::sparse::EigenOptions;
 use crate::unions::{ShapeDnaOptions, retrieve, shape_dna};
@@ -15,7 +15,7 @@ use crate::unions::{ShapeDnaOptions, retrieve, shape_dna};
 /// - `normalized`: 1: they are multiplied by the area, so that they do not depend on the size of
 ///   the mesh; 0: they are not.
 /// - `signature`: k elements, written: ascending.
-/// - `params`: the Laplacian and `threads` are looked at, the rest is checked only.
+/// - `params`: the Laplacian, `threads` and `progress` are looked at, the rest is checked only.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -36,9 +36,10 @@ pub unsafe extern "C" fn cata_shape_dna(
             (mesh(n_vertices, vertices, n_faces, faces)?, slice_mut("signature", signature, k)?)
         };
         let normalized = flag("normalized", normalized)?;
-        let work = |_: &EigenOptions<'_>, laplacian: &LaplacianOptions| {
+        let work = |options: &EigenOptions<'_>, laplacian: &LaplacianOptions| {
             let laplacian = laplacian.clone();
-            Ok(shape_dna(&mesh, &ShapeDnaOptions { k, normalized, laplacian })?)
+            let progress = options.progress;
+            Ok(shape_dna(&mesh, &ShapeDnaOptions { k, normalized, laplacian, progress })?)
         };
         // SAFETY: the caller's promise.
         signature.copy_from_slice(&unsafe { with_eigen_options(k, params, work) }?);
@@ -46,16 +47,12 @@ pub unsafe extern "C" fn cata_shape_dna(
     })
 }
 
-/// The signatures nearest to a query, in Euclidean distance; of equally near ones the first.
+/// The signatures nearest to a query, in Euclidean distance; of equally near ones the first. It
+/// looks once at each number, on the calling thread.
 ///
-/// - `k`: numbers of a signature.
-/// - `query`: k elements, read.
-/// - `count`: number of signatures.
-/// - `signatures`: `count` x k elements, read, one after the other.
-/// - `wanted`: how many are wanted, at most `count`.
-/// - `indices`: `wanted` elements, written: numbers of signatures from 0, the nearest first.
-/// - `distances`: `wanted` elements, written: their distances.
-/// - `threads`: at most; 0: all.
+/// - `query`: the k numbers of a signature; `signatures`: `count` x k, one after the other.
+/// - `indices`, `distances`: `wanted` <= count elements each, written: numbers of signatures from
+///   0, the nearest first, and their distances.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -68,7 +65,6 @@ pub unsafe extern "C" fn cata_shape_dna_retrieve(
     wanted: usize,
     indices: *mut usize,
     distances: *mut f64,
-    threads: usize,
 ) -> cata_status {
     boundary(|| {
         check_size::<f64>("signatures", count, k)?;
@@ -86,7 +82,7 @@ pub unsafe extern "C" fn cata_shape_dna_retrieve(
             )
         };
         let rows: Vec<&[f64]> = (0..count).map(|i| &signatures[i * k..(i + 1) * k]).collect();
-        let found = retrieve(query, &rows, wanted, par(threads))?;
+        let found = retrieve(query, &rows, wanted, Par::Seq)?;
         for (i, found) in found.iter().enumerate() {
             (indices[i], distances[i]) = (found.index, found.distance);
         }

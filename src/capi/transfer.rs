@@ -1,150 +1,173 @@
-//! # Spectra and maps
-//!
-//! Functions carried from one shape to another over eigenproducts; ShapeDNA (thesis, chapter 1).
-
-use std::ffi::c_void;
-use std::mem::offset_of;
-
-use faer::MatRef;
-
+use super::basis::{cata_basis, cata_basis_params, of, with_basis_options};
 use super::boundary::boundary;
-use super::params::{Versioned, flag, init, read};
-use super::pointer::{Layout, matrix, matrix_mut, slice};
-use super::progress::{cata_progress, par, watcher};
-use super::status::{Failure, cata_status};
-use crate::Par;
-use crate::base::Progress;
-use crate::sparse::Mass;
+use super::pointer::{Layout, matrix, matrix_mut, mesh, slice, slice_mut};
+use super::status::cata_status;
 use crate::spectral::functional_map::map_from_points;
-use crate::spectral::{Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions, Transfer};
+use crate::spectral::{Transfer, transfer_details};
 
-/// How functions are transferred.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct cata_transfer_params {
-    /// sizeof(cata_transfer_params).
-    pub struct_size: usize,
-    /// Threads, at most; 0: all.
-    pub threads: usize,
-    /// Told of progress, once for each basis; NULL: nobody.
-    pub progress: cata_progress,
-    /// Handed to `progress`.
-    pub progress_user: *mut c_void,
-    /// Most factors of a product, at most 255; 1: eigenfunctions alone; 0: 2.
-    pub order: usize,
-    /// 0: products are orthogonalised once, and dropped when less than 1e-2 of them is left,
-    /// which is stabler. 1: until they are orthogonal to rounding, and dropped below 1e-9: more
-    /// functions.
-    pub reorthogonalised: i32,
-}
-
-impl Versioned for cata_transfer_params {
-    const NAME: &'static str = "cata_transfer_params";
-    const FIRST_SIZE: usize = offset_of!(Self, reorthogonalised) + size_of::<i32>();
-}
-
-/// Fills a struct with the defaults.
+/// Carries functions over along points, through the products of eigenfunctions: what
+/// cata_basis_products of both, cata_map_from_points and cata_transfer_map do in turns.
 ///
-/// # Safety
-/// `params` points to `struct_size` writable bytes.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn cata_transfer_params_init(
-    params: *mut cata_transfer_params,
-    struct_size: usize,
-) -> cata_status {
-    // SAFETY: the promises are the same.
-    unsafe { init(params, struct_size) }
-}
-
-/// Transfers functions from a source mesh to a target mesh, through the orthogonalised products
-/// of their first eigenfunctions (as cata_eigs computes them, without a shift).
-///
-/// - `n`, `m`: vertices of source and target.
-/// - `k`, `l`: eigenfunctions of source and target, the constant among them: at least 1.
-/// - `source_masses`, `target_masses`: n and m elements, read: the masses of vertices; positive.
-/// - `source_values`, `target_values`: k and l elements, read: eigenvalues, ascending.
-/// - `source_vectors`, `target_vectors`: n x k and m x l, read, column-major with leading
-///   dimensions n and m: eigenvectors, orthonormal in the inner products of the masses.
-/// - `points`: m elements, read: the vertex of the source, below n, of each vertex of the target.
-/// - `functions`: number of functions, 0 included.
-/// - `f`: F, n x functions, read, with leading dimension `ldf`, as A in cata_ata_f64.
-/// - `g`: G, m x functions, written, with leading dimension `ldg`.
+/// - `source`, `target`: of cata_basis_new, the constant among the eigenfunctions.
+/// - `points`: n_target elements: the vertex of the source of each vertex of the target.
+/// - `f`: F, n_source x count; `g`: G, n_target x count, written.
 ///
 /// # Safety
 /// The pointers are as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_transfer(
-    n: usize,
-    k: usize,
-    source_masses: *const f64,
-    source_values: *const f64,
-    source_vectors: *const f64,
-    m: usize,
-    l: usize,
-    target_masses: *const f64,
-    target_values: *const f64,
-    target_vectors: *const f64,
+    source: *const cata_basis,
+    target: *const cata_basis,
     points: *const u32,
     layout: i32,
-    functions: usize,
+    count: usize,
     f: *const f64,
     ldf: usize,
     g: *mut f64,
     ldg: usize,
-    params: *const cata_transfer_params,
+    params: *const cata_basis_params,
 ) -> cata_status {
     boundary(|| {
         let layout = Layout::new(layout)?;
-        let columns = Layout::ColMajor;
         // SAFETY: the caller's promise.
-        let (source, target, points, f, mut g) = unsafe {
-            let masses = slice("source_masses", source_masses, n)?;
-            let values = slice("source_values", source_values, k)?;
-            let vectors = matrix("source_vectors", columns, n, k, source_vectors, n.max(1))?;
-            let source = eigenbasis(masses, values, vectors)?;
-            let masses = slice("target_masses", target_masses, m)?;
-            let values = slice("target_values", target_values, l)?;
-            let vectors = matrix("target_vectors", columns, m, l, target_vectors, m.max(1))?;
-            let target = eigenbasis(masses, values, vectors)?;
+        let (source, target) = unsafe { (of("source", source)?, of("target", target)?) };
+        let (source, target) = (source.eigen("source")?, target.eigen("target")?);
+        let (n, m) = (source.basis().vertices(), target.basis().vertices());
+        // SAFETY: the caller's promise.
+        let (points, f, mut g) = unsafe {
             (
-                source,
-                target,
                 slice("points", points, m)?,
-                matrix("f", layout, n, functions, f, ldf)?,
-                matrix_mut("g", layout, m, functions, g, ldg)?,
+                matrix("f", layout, n, count, f, ldf)?,
+                matrix_mut("g", layout, m, count, g, ldg)?,
             )
         };
-        let (mut order, mut threads, mut orthogonalization) =
-            (2, Par::all(), Orthogonalization::SinglePass);
-        let mut watch = None;
-        if !params.is_null() {
-            // SAFETY: the caller's promise.
-            let params = unsafe { read(params) }?;
-            threads = par(params.threads);
-            if params.order > 0 {
-                order = params.order;
-            }
-            if flag("params.reorthogonalised", params.reorthogonalised)? {
-                orthogonalization = Orthogonalization::Reorthogonalized;
-            }
-            watch = watcher(params.progress, params.progress_user);
-        }
-        let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-        let options = ProductBasisOptions { orthogonalization, par: threads, progress };
-        let source = ProductBasis::new(&source, order, &options)?.into_basis();
-        let target = ProductBasis::new(&target, order, &options)?.into_basis();
-        let map = map_from_points(points, &source, &target, threads)?;
-        g.copy_from(&Transfer::new(&source, &target, map)?.apply(f, threads)?);
+        // SAFETY: the caller's promise.
+        g.copy_from(&unsafe {
+            with_basis_options(params, |options| {
+                let progress = options.progress;
+                let source = options.products(source, progress.part(0.0..0.45))?.into_basis();
+                let target = options.products(target, progress.part(0.45..0.9))?.into_basis();
+                let map = map_from_points(points, &source, &target, options.par)?;
+                let found = Transfer::new(&source, &target, map)?.apply(f, options.par)?;
+                progress.report(1.0)?;
+                Ok(found)
+            })
+        }?);
         Ok(())
     })
 }
 
-/// A copy of the caller's eigenpairs.
-fn eigenbasis(
-    masses: &[f64],
-    values: &[f64],
-    vectors: MatRef<'_, f64>,
-) -> Result<Eigenbasis, Failure> {
-    let mass = Mass::Lumped(masses.to_vec());
-    Ok(Eigenbasis::new(values.to_vec(), vectors.to_owned(), mass)?)
+/// Carries functions over by a map C (r_target x r_source) between any bases: F, n_source x count,
+/// to G, n_target x count, written.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_transfer_map(
+    source: *const cata_basis,
+    target: *const cata_basis,
+    layout: i32,
+    c: *const f64,
+    ldc: usize,
+    count: usize,
+    f: *const f64,
+    ldf: usize,
+    g: *mut f64,
+    ldg: usize,
+    params: *const cata_basis_params,
+) -> cata_status {
+    boundary(|| {
+        let layout = Layout::new(layout)?;
+        // SAFETY: the caller's promise.
+        let (source, target) =
+            unsafe { (of("source", source)?.basis(), of("target", target)?.basis()) };
+        // SAFETY: the caller's promise.
+        let (c, f, mut g) = unsafe {
+            (
+                matrix("c", layout, target.len(), source.len(), c, ldc)?,
+                matrix("f", layout, source.vertices(), count, f, ldf)?,
+                matrix_mut("g", layout, target.vertices(), count, g, ldg)?,
+            )
+        };
+        // SAFETY: the caller's promise.
+        g.copy_from(&unsafe {
+            with_basis_options(params, |options| {
+                options.progress.report(0.0)?;
+                let transfer = Transfer::new(source, target, c.to_owned())?;
+                let found = transfer.apply(f, options.par)?;
+                options.progress.report(1.0)?;
+                Ok(found)
+            })
+        }?);
+        Ok(())
+    })
+}
+
+/// Gives the smooth part of the target mesh the details of the source mesh: heights over the
+/// smooth part of the source, carried over by C and added along normals.
+///
+/// - `smooth_source`, `smooth_target`: bases of few functions, whose spans have the smooth parts.
+/// - `source`, `target`, `c`: as in cata_transfer_map.
+/// - `positions`: 3 target_n_vertices elements, written: the vertices of the target, moved.
+///
+/// # Safety
+/// The pointers are as described.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_transfer_details(
+    n_vertices: usize,
+    vertices: *const f64,
+    n_faces: usize,
+    faces: *const u32,
+    target_n_vertices: usize,
+    target_vertices: *const f64,
+    target_n_faces: usize,
+    target_faces: *const u32,
+    smooth_source: *const cata_basis,
+    smooth_target: *const cata_basis,
+    source: *const cata_basis,
+    target: *const cata_basis,
+    layout: i32,
+    c: *const f64,
+    ldc: usize,
+    positions: *mut f64,
+    params: *const cata_basis_params,
+) -> cata_status {
+    boundary(|| {
+        let layout = Layout::new(layout)?;
+        // SAFETY: the caller's promise.
+        let (meshes, smooth, source, target) = unsafe {
+            (
+                (
+                    mesh(n_vertices, vertices, n_faces, faces)?,
+                    mesh(target_n_vertices, target_vertices, target_n_faces, target_faces)?,
+                ),
+                (
+                    of("smooth_source", smooth_source)?.basis(),
+                    of("smooth_target", smooth_target)?.basis(),
+                ),
+                of("source", source)?.basis(),
+                of("target", target)?.basis(),
+            )
+        };
+        // SAFETY: the caller's promise.
+        let (c, positions) = unsafe {
+            (
+                matrix("c", layout, target.len(), source.len(), c, ldc)?,
+                slice_mut("positions", positions, 3 * target_n_vertices)?,
+            )
+        };
+        // SAFETY: the caller's promise.
+        let found = unsafe {
+            with_basis_options(params, |options| {
+                options.progress.report(0.0)?;
+                let transfer = Transfer::new(source, target, c.to_owned())?;
+                let par = options.par;
+                let found = transfer_details(&meshes.0, &meshes.1, smooth, &transfer, par)?;
+                options.progress.report(1.0)?;
+                Ok(found)
+            })
+        }?;
+        positions.copy_from_slice(found.vertices().as_flattened());
+        Ok(())
+    })
 }

@@ -1,14 +1,27 @@
 //! # Spectral unions
 //!
 //! The spectrum of a union of parts from those of the parts, by a network (thesis, chapter 2).
+//!
+//! ```c
+//! double parts[2 * CATA_UNION_EIGENVALUES], found[CATA_UNION_EIGENVALUES];
+//! for (int i = 0; i < 2 * CATA_UNION_EIGENVALUES; i++) parts[i] = 12.0 * (1 + i % 20);
+//! cata_unions *unions;
+//! cata_unions_new(NULL, &unions);
+//! cata_unions_predict(unions, 2, parts, found, NULL);
+//! cata_unions_free(unions);
+//! ```
 
-use std::ffi::c_char;
+use std::ffi::{c_char, c_void};
+use std::mem::offset_of;
 use std::path::Path;
 
 use super::boundary::{boundary, text};
+use super::params::{Versioned, init, read};
 use super::pointer::{check_size, mesh, optional_output, output, slice, slice_mut};
-use super::progress::par;
+use super::progress::{cata_progress, par, watcher};
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_NULL, Failure, cata_status};
+use crate::Par;
+use crate::base::Progress;
 use crate::unions::{K, SpectralUnion, interpolate};
 
 /// Eigenvalues of the spectra that cata_unions_predict takes and gives.
@@ -16,18 +29,15 @@ pub const CATA_UNION_EIGENVALUES: usize = 20;
 
 const _: () = assert!(CATA_UNION_EIGENVALUES == K);
 
-/// The spectral union operator: a network with its weights. Opaque.
+/// The spectral union operator: a network with its weights.
 pub struct cata_unions {
     model: SpectralUnion,
 }
 
 /// The network that predicts spectra of unions.
 ///
-/// - `weights`: a file of `catamaran unions train`, NUL-terminated; NULL: the weights that come
-///   with the library.
-/// - `unions`: written: the network, to be given to cata_unions_free.
-///
-/// Returns CATA_ERR_IO when something is wrong with the file; the message says what.
+/// `weights`: a file of `catamaran unions train`, NUL-terminated; NULL: the weights that come with
+/// the library. CATA_ERR_IO when something is wrong with the file.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -72,17 +82,13 @@ pub unsafe extern "C" fn cata_unions_free(unions: *mut cata_unions) {
 /// The first eigenvalues of the union of parts of a surface, from those of the parts: Dirichlet
 /// spectra, in whatever unit.
 ///
-/// - `unions`: of cata_unions_new.
 /// - `parts`: their number, at least 1.
-/// - `spectra`: CATA_UNION_EIGENVALUES parts elements, read: those of each part, ascending and
-///   positive, one part after the other.
+/// - `spectra`: CATA_UNION_EIGENVALUES elements for each part, ascending and positive, one part
+///   after the other.
 /// - `spectrum`: CATA_UNION_EIGENVALUES elements, written: ascending, positive, none larger than
 ///   that of a part of the same number. The order of the parts does not matter, bit for bit.
 /// - `strangeness`: written: how unlike the parts are to those of the training; above 1 the
 ///   prediction is a guess. NULL where not wanted.
-///
-/// Returns CATA_ERR_ARGUMENT for spectra that are not positive or not ascending, and for no
-/// parts.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -118,18 +124,45 @@ pub unsafe extern "C" fn cata_unions_predict(
     })
 }
 
-/// Where the union of parts is on the template of the network: the mesh that `catamaran unions
-/// template` writes.
+/// How the union of parts is located.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct cata_unions_params {
+    /// sizeof(cata_unions_params).
+    pub struct_size: usize,
+    /// Threads, at most; 0: all.
+    pub threads: usize,
+    /// Told of progress; NULL: nobody.
+    pub progress: cata_progress,
+    /// Handed to `progress`.
+    pub progress_user: *mut c_void,
+}
+
+impl Versioned for cata_unions_params {
+    const NAME: &'static str = "cata_unions_params";
+    const FIRST_SIZE: usize = offset_of!(Self, progress_user) + size_of::<*mut c_void>();
+}
+
+/// Fills a struct with the defaults.
 ///
-/// - `unions`, `parts`, `spectra`: as those of cata_unions_predict.
-/// - `n_vertices`, `vertices`, `n_faces`, `faces`: the mesh.
+/// # Safety
+/// `params` points to `struct_size` writable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn cata_unions_params_init(
+    params: *mut cata_unions_params,
+    struct_size: usize,
+) -> cata_status {
+    // SAFETY: the promises are the same.
+    unsafe { init(params, struct_size) }
+}
+
+/// Where the union of parts is on the template of the network, the mesh that `catamaran unions
+/// template` writes; CATA_ERR_SHAPE and CATA_ERR_ARGUMENT for another mesh. Each call computes the
+/// eigenfunctions of the template.
+///
+/// - `parts`, `spectra`: as those of cata_unions_predict.
 /// - `indicator`: n_vertices elements, written: about 1 inside of the union and 0 outside; the
 ///   union is what is above 1/2. Mirror images have the same spectrum: it is one of the two.
-/// - `threads`: 0: all cores of the affinity mask.
-///
-/// Each call computes the eigenfunctions of the template.
-///
-/// Returns CATA_ERR_SHAPE and CATA_ERR_ARGUMENT for another mesh than that of the weights.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -143,7 +176,7 @@ pub unsafe extern "C" fn cata_unions_locate(
     n_faces: usize,
     faces: *const u32,
     indicator: *mut f64,
-    threads: usize,
+    params: *const cata_unions_params,
 ) -> cata_status {
     boundary(|| {
         if unions.is_null() {
@@ -160,8 +193,16 @@ pub unsafe extern "C" fn cata_unions_locate(
             )
         };
         let parts: Vec<&[f64]> = spectra.chunks_exact(K).collect();
+        let (mut watch, mut threads) = (None, Par::all());
+        if !params.is_null() {
+            // SAFETY: the caller's promise.
+            let params = unsafe { read(params) }?;
+            threads = par(params.threads);
+            watch = watcher(params.progress, params.progress_user);
+        }
+        let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
         let found = unions.model.locate(&parts)?;
-        let on = unions.model.localizer().on_mesh(&template, par(threads))?;
+        let on = unions.model.localizer().on_mesh_watched(&template, threads, progress)?;
         indicator.copy_from_slice(&on.indicator(&found)?);
         Ok(())
     })
@@ -169,9 +210,8 @@ pub unsafe extern "C" fn cata_unions_locate(
 
 /// A spectrum between two: (1 - t) first + t second.
 ///
-/// - `first`, `second`: CATA_UNION_EIGENVALUES elements each, read: ascending and positive.
-/// - `t`: in [0, 1].
-/// - `spectrum`: CATA_UNION_EIGENVALUES elements, written; it may be one of the others.
+/// `first`, `second`, `spectrum`: CATA_UNION_EIGENVALUES elements each, the first two ascending
+/// and positive, the last written; it may be one of the others. `t`: in [0, 1].
 ///
 /// # Safety
 /// The pointers are as described.

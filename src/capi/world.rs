@@ -1,6 +1,8 @@
 //! # MPI
 //!
-//! Products of matrices that are spread over the ranks of a communicator (catamaran_mpi.h, too).
+//! Products, least squares, eigenpairs and orthonormal columns of matrices that are spread over the
+//! ranks of a communicator. Functions are collective unless they say Local, and take one call at a
+//! time for a world.
 //!
 //! ```c
 //! double rows[] = {1, 2, 3, 4}; // two on each rank
@@ -18,27 +20,22 @@ use std::mem::offset_of;
 use super::entries::Entries;
 use super::params::Versioned;
 
-/// The ranks of an MPI communicator that work together; made by cata_world_new, given back by
-/// cata_world_free.
+/// The ranks of an MPI communicator that work together; it has a communicator of its own.
 ///
-/// It has a communicator of its own, so that no message of the caller is mistaken for one of the
-/// library's. The library never initialises or finalises MPI. MPI is called by the thread that
-/// calls, which must be one that may do so; other threads compute, so that MPI_THREAD_FUNNELED is
-/// needed (MPI_Init_thread).
+/// The library never initialises or finalises MPI. MPI is called by the thread that calls; other
+/// threads compute, so that MPI_THREAD_FUNNELED is needed (MPI_Init_thread).
 ///
-/// Functions that are called collective are called by all ranks of the world, in the same order
-/// and with the same numbers unless said otherwise. An error on one rank is an error on all: its
-/// own there, CATA_ERR_RANK on the others, with a message that names the rank. What one rank
-/// alone notices of a world that is NULL, or freed, can't be told to the others. A panic aborts
-/// the job (MPI_Abort), as the others would wait for ever; so does, unless the communicator has
-/// another error handler, an error of MPI itself.
+/// Collective functions are called by all ranks of the world, in the same order and with the same
+/// numbers unless said otherwise; `params` may differ in `threads` and progress. An error on one
+/// rank is an error on all: its own there, CATA_ERR_RANK on the others, with a message that names
+/// the rank, but for a world that is NULL. A panic aborts the job (MPI_Abort); so does, unless the
+/// communicator has another error handler, an error of MPI itself.
 pub struct cata_world {
     #[cfg(feature = "mpi")]
     pub(super) world: crate::mpi::World,
 }
 
-/// A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a world;
-/// made by cata_world_ata_rows_f64 and the like, given back by cata_symmetric_free.
+/// A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a world.
 pub struct cata_symmetric {
     #[cfg(feature = "mpi")]
     pub(super) entries: Entries,

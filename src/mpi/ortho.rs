@@ -7,7 +7,7 @@ use super::call::Call;
 use super::exchange::Rows;
 use super::spread::{SpreadMass, check_mass, mass_fact};
 use super::world::{Operation, World, number_fact};
-use crate::base::{Par, Result};
+use crate::base::{Par, Progress, Result};
 use crate::dense::zeros;
 use crate::ortho::{Factors, GramSchmidtOptions, Orthonormal, cholesky_qr_of, gram_schmidt_of};
 use crate::sparse::Mass;
@@ -45,6 +45,24 @@ pub fn gram_schmidt(
     mass: &Mass,
     options: &GramSchmidtOptions<'_>,
 ) -> Result<Orthonormal> {
+    let mut q = zeros(a.nrows(), a.ncols())?;
+    q.copy_from(a);
+    let Factors { r, kept } = gram_schmidt_in_place(world, q.as_mut(), mass, options)?;
+    q.truncate(a.nrows(), kept.len());
+    Ok(Orthonormal { q, r, kept })
+}
+
+/// [`gram_schmidt`] in the memory of the own rows of A, whose first `kept.len()` columns are those of Q afterwards, and the
+/// others unspecified.
+///
+/// # Errors
+/// As [`gram_schmidt`]; A is unspecified after all but errors of arguments.
+pub fn gram_schmidt_in_place(
+    world: &World,
+    a: MatMut<'_, f64>,
+    mass: &Mass,
+    options: &GramSchmidtOptions<'_>,
+) -> Result<Factors> {
     let (own, c) = a.shape();
     let facts = [
         ("the number of columns", c),
@@ -56,11 +74,7 @@ pub fn gram_schmidt(
         let rows = Rows::new(call, own)?;
         check_mass(call, &rows, mass)?;
         let mass = SpreadMass::new(call, &rows, mass)?;
-        let mut q = zeros(own, c)?;
-        q.copy_from(a);
-        let Factors { r, kept } = gram_schmidt_of(q.as_mut(), &mass, options)?;
-        q.truncate(own, kept.len());
-        Ok(Orthonormal { q, r, kept })
+        gram_schmidt_of(a, &mass, options)
     })
 }
 
@@ -87,10 +101,21 @@ pub fn gram_schmidt(
 /// [`Error::Rank`](crate::Error::Rank) when arguments differ, or another rank failed; else as
 /// [`ortho::cholesky_qr`](crate::ortho::cholesky_qr()).
 pub fn cholesky_qr(world: &World, a: MatMut<'_, f64>, mass: &Mass, par: Par) -> Result<Mat<f64>> {
+    watched_cholesky_qr(world, a, mass, par, Progress::none())
+}
+
+/// [`cholesky_qr`] that tells of its progress.
+pub(crate) fn watched_cholesky_qr(
+    world: &World,
+    a: MatMut<'_, f64>,
+    mass: &Mass,
+    par: Par,
+    progress: Progress<'_>,
+) -> Result<Mat<f64>> {
     let facts = [("the number of columns", a.ncols()), mass_fact(mass)];
     Call::run(world, Operation::CholeskyQr, &facts, |call| {
         let rows = Rows::new(call, a.nrows())?;
         check_mass(call, &rows, mass)?;
-        cholesky_qr_of(a, &SpreadMass::new(call, &rows, mass)?, par)
+        cholesky_qr_of(a, &SpreadMass::new(call, &rows, mass)?, par, progress)
     })
 }

@@ -2,7 +2,7 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Mat, MatMut};
 
 use super::inner::{Inner, check_finite};
-use crate::base::{Error, Par, Result};
+use crate::base::{Error, Par, Progress, Result};
 use crate::dense::{cholesky, divide_by_upper, zeros};
 use crate::sparse::{InnerSpace, Mass};
 
@@ -29,14 +29,15 @@ use crate::sparse::{InnerSpace, Mass};
 /// else as [`gram_schmidt`](super::gram_schmidt()).
 pub fn cholesky_qr(a: MatMut<'_, f64>, mass: &Mass, par: Par) -> Result<Mat<f64>> {
     mass.check(a.nrows())?;
-    cholesky_qr_of(a, mass, par)
+    cholesky_qr_of(a, mass, par, Progress::none())
 }
 
-/// [`cholesky_qr`] of the rows that are here; the mass is checked.
+/// [`cholesky_qr`] of the rows that are here; the mass is checked. Progress is told after each pass.
 pub(crate) fn cholesky_qr_of(
     mut a: MatMut<'_, f64>,
     space: &dyn InnerSpace,
     par: Par,
+    progress: Progress<'_>,
 ) -> Result<Mat<f64>> {
     /// Distance of the Gram matrix from the identity from which on one more pass is the last.
     const NEAR: f64 = 1e-4;
@@ -52,7 +53,8 @@ pub(crate) fn cholesky_qr_of(
     let mut inner = Inner::new(space, c, par)?;
     inner.enter(a.rb_mut());
     let mut r = Mat::<f64>::identity(c, c);
-    for _ in 0..PASSES {
+    for pass in 0..PASSES {
+        progress.report(pass as f64 / PASSES as f64)?;
         let gram = inner.gram(a.rb())?;
         let far = (0..c).flat_map(|j| (j..c).map(move |i| (i, j)));
         let far = far.map(|p| (gram[p] - f64::from(p.0 == p.1)).abs()).fold(0.0, f64::max);
@@ -79,6 +81,7 @@ pub(crate) fn cholesky_qr_of(
         r = next;
         if far < NEAR {
             inner.leave(a.rb_mut());
+            progress.report(1.0)?;
             // The shift hides dependence behind a direction made of rounding.
             return match (0..c).find(|&j| r[(j, j)] <= DEPENDENT * r.col(j).norm_l2()) {
                 Some(j) => dependent(format!("column {j} depends on those before it")),

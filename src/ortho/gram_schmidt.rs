@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Mat, MatMut, MatRef};
 
@@ -103,7 +105,7 @@ impl Orthonormal {
 /// Gram-Schmidt with rank detection (thesis, section 1.3; Stewart 2008 for the blocks, Giraud et al. 2005 for why
 /// twice is enough). The overlaps of either sign are projected away.
 ///
-/// The result is the same, bit for bit, for every `options.par`. Memory: a copy of A, R, and two panels.
+/// The result is the same, bit for bit, for every `options.par`. Memory: a copy of A, R, and three panels.
 ///
 /// ```
 /// use catamaran::{prelude::*, sparse::Mass};
@@ -165,21 +167,56 @@ pub(crate) fn gram_schmidt_of(
     options.check()?;
     check_finite(a.rb())?;
     let mut inner = Inner::new(space, PANEL.min(c), options.par)?;
-    let mut r = zeros(space.dimension().min(c), c)?;
-    let mut kept = Vec::new();
+    let mut basis = Growing { r: zeros(space.dimension().min(c), c)?, kept: Vec::new(), options };
     inner.enter(a.rb_mut());
     for start in (0..c).step_by(PANEL) {
-        let width = PANEL.min(c - start);
+        let end = (start + PANEL).min(c);
+        basis.add(&mut inner, a.rb_mut(), start..end)?;
+        let done = end as f64 / c as f64;
+        options.progress.report(done * done)?;
+    }
+    let Growing { mut r, kept, .. } = basis;
+    inner.leave(a.rb_mut().subcols_mut(0, kept.len()));
+    r.truncate(kept.len(), c);
+    Ok(Factors { r, kept })
+}
+
+/// A basis, in the first columns of A, that grows by panels.
+struct Growing<'o> {
+    r: Mat<f64>,
+    kept: Vec<usize>,
+    options: &'o GramSchmidtOptions<'o>,
+}
+
+impl Growing<'_> {
+    /// Adds what the columns of a panel, which are those of A still, have beside the basis: all at once, or, where too much
+    /// of them would be lost that way, by halves.
+    fn add(
+        &mut self,
+        inner: &mut Inner<'_>,
+        mut a: MatMut<'_, f64>,
+        range: Range<usize>,
+    ) -> Result<()> {
+        let (start, width) = (range.start, range.len());
+        let copied = if self.options.reorthogonalise && width > 1 { width } else { 0 };
+        let mut columns = zeros(a.nrows(), copied)?;
+        columns.copy_from(a.rb().subcols(start, copied));
         let (mut left, right) = a.rb_mut().split_at_col_mut(start);
         let mut panel = right.subcols_mut(0, width);
-        let q = left.rb().subcols(0, kept.len());
-        let block = orthonormalise(&mut inner, q, panel.rb_mut(), options)?;
-        let rank = block.kept.len();
-        r.as_mut().submatrix_mut(0, start, kept.len(), width).copy_from(&block.above);
-        r.as_mut().submatrix_mut(kept.len(), start, rank, width).copy_from(&block.own);
+        let q = left.rb().subcols(0, self.kept.len());
+        let Some(block) = orthonormalise(inner, q, panel.rb_mut(), self.options)? else {
+            panel.copy_from(&columns);
+            drop(columns);
+            let middle = start + width / 2;
+            self.add(inner, a.rb_mut(), start..middle)?;
+            return self.add(inner, a, middle..range.end);
+        };
+        let (rank, before) = (block.kept.len(), self.kept.len());
+        self.r.as_mut().submatrix_mut(0, start, before, width).copy_from(&block.above);
+        self.r.as_mut().submatrix_mut(before, start, rank, width).copy_from(&block.own);
         // Columns move left, one by one: they may overlap.
         for j in 0..rank {
-            let to = kept.len() + j;
+            let to = before + j;
             match to < start {
                 true => left.rb_mut().col_mut(to).copy_from(panel.rb().col(j)),
                 false if to - start != j => {
@@ -189,13 +226,9 @@ pub(crate) fn gram_schmidt_of(
                 false => {}
             }
         }
-        kept.extend(block.kept.iter().map(|j| start + j));
-        let done = (start + width) as f64 / c as f64;
-        options.progress.report(done * done)?;
+        self.kept.extend(block.kept.iter().map(|j| start + j));
+        Ok(())
     }
-    inner.leave(a.rb_mut().subcols_mut(0, kept.len()));
-    r.truncate(kept.len(), c);
-    Ok(Factors { r, kept })
 }
 
 /// What becomes of a panel.
@@ -206,19 +239,23 @@ struct Block {
     own: Mat<f64>,
 }
 
-/// Makes the panel orthogonal to Q, and orthonormal, its first columns.
+/// Makes the panel orthogonal to Q, and orthonormal, its first columns; nothing when too much of a column is lost with
+/// others: a column that is dropped in a later pass is one that columns after it had been freed from.
 fn orthonormalise(
     inner: &mut Inner<'_>,
     q: MatRef<'_, f64>,
     mut panel: MatMut<'_, f64>,
     options: &GramSchmidtOptions<'_>,
-) -> Result<Block> {
+) -> Result<Option<Block>> {
     /// What a pass must leave of normalised columns for it to have been the last (Giraud et al.).
     const ENOUGH: f64 = 0.5;
     const PASSES: usize = 5;
+    /// What may be lost of a column that is kept.
+    const ROUNDING: f64 = 1e-14;
     let width = panel.ncols();
-    let mut limits: Vec<f64> =
-        inner.lengths(panel.rb())?.into_iter().map(|l| l * options.threshold).collect();
+    let sizes = inner.lengths(panel.rb())?;
+    let mut limits: Vec<f64> = sizes.iter().map(|size| size * options.threshold).collect();
+    let mut lost = vec![0.0; width];
     let mut above = inner.project(q, panel.rb_mut())?;
     let first = pass(inner, panel.rb_mut(), &limits)?;
     let (mut kept, mut own, mut lengths) = (first.kept, first.r, first.lengths);
@@ -233,15 +270,25 @@ fn orthonormalise(
         let more = inner.project(q, x.rb_mut())?;
         inner.add_product(above.as_mut(), more.as_ref(), own.as_ref())?;
         let again = pass(inner, x.rb_mut(), &limits)?;
+        for &(j, length) in &again.dropped {
+            for (k, lost) in lost.iter_mut().enumerate().filter(|&(k, _)| k != kept[j]) {
+                *lost += length * own[(j, k)].abs();
+            }
+        }
         let mut next = zeros(again.kept.len(), width)?;
         inner.add_product(next.as_mut(), again.r.as_ref(), own.as_ref())?;
         own = next;
         kept = again.kept.iter().map(|&i| kept[i]).collect();
+        let mut allowed = vec![options.threshold; width];
+        kept.iter().for_each(|&k| allowed[k] = ROUNDING);
+        if (0..width).any(|k| lost[k] > allowed[k] * sizes[k]) {
+            return Ok(None);
+        }
         limits = again.kept.iter().map(|&i| limits[i]).collect();
         lengths = again.lengths;
         if lengths.iter().all(|length| *length >= ENOUGH) {
             break;
         }
     }
-    Ok(Block { kept, above, own })
+    Ok(Some(Block { kept, above, own }))
 }

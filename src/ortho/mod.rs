@@ -7,7 +7,7 @@ mod panel;
 mod rank_revealing;
 
 pub use cholesky_qr::cholesky_qr;
-#[cfg(feature = "mpi")]
+#[cfg(any(feature = "mpi", feature = "capi"))]
 pub(crate) use cholesky_qr::cholesky_qr_of;
 #[cfg(feature = "mpi")]
 pub(crate) use gram_schmidt::gram_schmidt_of;

@@ -18,6 +18,8 @@ pub(super) struct Pass {
     pub lengths: Vec<f64>,
     /// Kept x columns of the panel: the coefficients of all columns.
     pub r: Mat<f64>,
+    /// Columns that were dropped, and what was left of them.
+    pub dropped: Vec<(usize, f64)>,
 }
 
 /// Makes the columns of a panel orthonormal; a column of which no more than `limits[j]` is left is dropped. Blocks are
@@ -28,7 +30,8 @@ pub(super) fn pass(
     limits: &[f64],
 ) -> Result<Pass> {
     let width = panel.ncols();
-    let mut pass = Pass { kept: vec![], lengths: vec![], r: zeros(width, width)? };
+    let r = zeros(width, width)?;
+    let mut pass = Pass { kept: vec![], lengths: vec![], r, dropped: vec![] };
     pass.columns(inner, panel.rb_mut(), limits, 0..width)?;
     pass.r.truncate(pass.kept.len(), width);
     Ok(pass)
@@ -126,6 +129,8 @@ impl Pass {
                 self.r[(count, j)] = length;
                 self.kept.push(j);
                 self.lengths.push(length);
+            } else {
+                self.dropped.push((j, length));
             }
         }
         Ok(())

@@ -4,6 +4,7 @@ mod certificate;
 mod check;
 mod cholesky;
 mod components;
+mod count;
 mod eigenpairs;
 mod eigs;
 mod lanczos;
@@ -19,6 +20,7 @@ mod space;
 #[cfg(feature = "mpi")]
 pub(crate) use check::check_mirrored;
 pub(crate) use cholesky::Symbolic;
+pub use count::count_below;
 pub use eigenpairs::Eigenpairs;
 pub use eigs::eigs;
 #[cfg(feature = "mpi")]

@@ -43,6 +43,12 @@ impl<'a> Problem<'a> {
         Ok(Factor::indefinite(&self.symbolic, &self.shifted, value)?.below_shift())
     }
 
+    /// [`Problem::below`], or nothing where `value` is an eigenvalue as far as elimination can tell.
+    pub fn count_below(&self, value: f64) -> Result<Option<usize>> {
+        let factor = Factor::indefinite(&self.symbolic, &self.shifted, value)?;
+        Ok(factor.is_finite().then(|| factor.below_shift()))
+    }
+
     /// `W - sigma M`, factorised, for a W that is semi-definite.
     pub fn positive(&self, sigma: f64) -> Result<Factor<'_>> {
         Factor::positive(&self.symbolic, &self.shifted, sigma)?.ok_or_else(|| {

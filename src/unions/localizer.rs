@@ -1,7 +1,7 @@
 use faer::{Mat, MatRef};
 
 use super::tensors::{Tensor, Tensors, rounded};
-use crate::base::{Error, Par, Result};
+use crate::base::{Error, Par, Progress, Result};
 use crate::dense;
 use crate::mesh::{LaplacianOptions, TriMesh, laplacian};
 use crate::sparse::{EigenOptions, eigs};
@@ -84,11 +84,24 @@ impl Localizer {
     /// # Errors
     /// [`Error::Shape`] and [`Error::Argument`] for another mesh; as [`laplacian()`] and [`eigs`].
     pub fn on_mesh(&self, template: &TriMesh, par: Par) -> Result<LocalizerOn> {
+        self.on_mesh_watched(template, par, Progress::none())
+    }
+
+    /// [`Localizer::on_mesh`] that tells of the progress of the eigenfunctions; may cancel.
+    ///
+    /// # Errors
+    /// As [`Localizer::on_mesh`], [`Error::Cancelled`].
+    pub fn on_mesh_watched(
+        &self,
+        template: &TriMesh,
+        par: Par,
+        progress: Progress<'_>,
+    ) -> Result<LocalizerOn> {
         // Before the work.
         Error::check_shape("template", (self.vertices, 3), (template.vertices().len(), 3))?;
         let settings = LaplacianOptions { par, ..LaplacianOptions::default() };
         let operator = laplacian(template, &settings)?;
-        let options = EigenOptions { k: self.modes, par, ..EigenOptions::default() };
+        let options = EigenOptions { k: self.modes, par, progress, ..EigenOptions::default() };
         let pairs = eigs(operator.stiffness.view(), &operator.mass, &options)?;
         self.on(operator.extend(pairs.vectors.as_ref())?.as_ref())
     }
@@ -183,6 +196,16 @@ mod tests {
             // Values at anchors are of half precision.
             assert!((one[v] - sum).abs() < 2e-3 && (one[v] - other[v]).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn eigenfunctions_of_the_template_can_be_cancelled() {
+        let mesh = crate::mesh::families::icosphere(1).unwrap();
+        let n = mesh.vertices().len();
+        let localizer = Localizer::new(1, vec![0], vec![1.0], n).unwrap();
+        let stop = |_| std::ops::ControlFlow::Break(());
+        let found = localizer.on_mesh_watched(&mesh, Par::Seq, Progress::new(&stop));
+        assert!(matches!(found, Err(Error::Cancelled)));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Parts of a surface, and their spectra.
 
-use crate::base::{Error, Result};
+use crate::base::{Error, Progress, Result};
 use crate::mesh::{Adjacency, Boundary, Edges, Laplacian, LaplacianOptions, TriMesh, laplacian};
 use crate::sparse::{EigenOptions, eigs};
 
@@ -34,6 +34,7 @@ pub struct PartSpectra<'m> {
     operator: Laplacian,
     neighbours: Adjacency,
     on_boundary: Vec<bool>,
+    progress: Progress<'m>,
 }
 
 impl<'m> PartSpectra<'m> {
@@ -50,7 +51,13 @@ impl<'m> PartSpectra<'m> {
             on_boundary[v as usize] = true;
         }
         let neighbours = mesh.vertex_neighbors();
-        Ok(Self { mesh, options, operator, neighbours, on_boundary })
+        let progress = Progress::none();
+        Ok(Self { mesh, options, operator, neighbours, on_boundary, progress })
+    }
+
+    /// Tells of the progress of each spectrum, from 0 to 1; may cancel.
+    pub fn progress(self, progress: impl Into<Progress<'m>>) -> Self {
+        Self { progress: progress.into(), ..self }
     }
 
     /// The k smallest eigenvalues of the part under Dirichlet conditions, ascending; in units of 1 / length^2.
@@ -100,6 +107,7 @@ impl<'m> PartSpectra<'m> {
             k,
             tolerance: TOLERANCE,
             par: self.options.par,
+            progress: self.progress,
             ..EigenOptions::default()
         };
         Ok(eigs(operator.stiffness.view(), &operator.mass, &options)?.values)

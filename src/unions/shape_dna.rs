@@ -2,32 +2,36 @@
 //!
 //! Source: Reuter, Wolter and Peinecke, Laplace-Beltrami spectra as "Shape-DNA" of surfaces and solids (2006).
 
-use crate::base::{Error, Par, Result, builder};
+use crate::base::{Error, Par, Progress, Result, builder};
 use crate::mesh::{LaplacianOptions, TriMesh, laplacian};
 use crate::sparse::{EigenOptions, eigs};
 
 /// Options of [`shape_dna`].
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 #[non_exhaustive]
-pub struct ShapeDnaOptions {
+pub struct ShapeDnaOptions<'a> {
     /// Eigenvalues; default 20.
     pub k: usize,
     /// Whether they are multiplied by the area, so that they don't depend on the size of the shape; default true.
     pub normalized: bool,
     /// The Laplacian, with what holds at the boundary and threads.
     pub laplacian: LaplacianOptions,
+    /// Told of progress; may cancel.
+    pub progress: Progress<'a>,
 }
 
-impl Default for ShapeDnaOptions {
+impl Default for ShapeDnaOptions<'_> {
     fn default() -> Self {
-        Self { k: 20, normalized: true, laplacian: LaplacianOptions::default() }
+        let laplacian = LaplacianOptions::default();
+        Self { k: 20, normalized: true, laplacian, progress: Progress::none() }
     }
 }
 
-builder! { ShapeDnaOptions {
+builder! { ShapeDnaOptions<'a> {
     k: usize,
     normalized: bool,
     laplacian: LaplacianOptions,
+    #[into] progress: Progress<'a>,
 }}
 
 /// The k smallest eigenvalues of a surface, ascending: in units of 1 / length^2, or pure numbers where they are normalized
@@ -43,13 +47,14 @@ builder! { ShapeDnaOptions {
 ///
 /// # Errors
 /// As [`laplacian()`] and [`eigs`]; [`Error::Argument`] when there are fewer than k vertices that are not held at zero.
-pub fn shape_dna(mesh: &TriMesh, options: &ShapeDnaOptions) -> Result<Vec<f64>> {
+pub fn shape_dna(mesh: &TriMesh, options: &ShapeDnaOptions<'_>) -> Result<Vec<f64>> {
     let operator = laplacian(mesh, &options.laplacian)?;
     let wanted = EigenOptions {
         k: options.k,
         par: options.laplacian.par,
         // Eigenvalues are right to about its square.
         tolerance: 1e-6,
+        progress: options.progress,
         ..EigenOptions::default()
     };
     let mut values = eigs(operator.stiffness.view(), &operator.mass, &wanted)?.values;

@@ -1,31 +1,99 @@
-// The header in C++17: one product, under mpirun.
+// The header in C++17, and the layer over it, under mpirun.
 
-#include <catamaran_mpi.h>
+#include <catamaran/mpi.hpp>
 
+#include <cmath>
 #include <cstddef>
+#include <vector>
 
 #include "check.h"
+
+namespace {
+
+template <class Call>
+cata_status status_of(Call call) {
+    try {
+        call();
+    } catch (const catamaran::error& error) {
+        return error.status();
+    }
+    return CATA_OK;
+}
+
+// Row (rank + 1, 2) on each rank.
+void products(const catamaran::world& world) {
+    const std::size_t rank = world.rank(), size = world.size();
+    const double row[2] = {static_cast<double>(rank + 1), 2.0};
+    const catamaran::symmetric product = catamaran::ata_rows(world, catamaran::row_major(row, 1, 2));
+    CHECK(product.n() == 2);
+    const std::vector<double> c = product.gather(world);
+    const double p = static_cast<double>(size);
+    CHECK(c.size() == (rank == 0 ? 4u : 0u));
+    CHECK(rank != 0 ||
+          (c[0] == p * (p + 1) * (2 * p + 1) / 6 && c[1] == p * (p + 1) && c[3] == 4 * p));
+    const double column[2] = {1, static_cast<double>(rank)};
+    const auto own = catamaran::col_major(column, 2, 1);
+    CHECK(catamaran::ata_columns(world, own, 2.0).n() == size);
+    CHECK(size == 1 || world.traffic().messages_sent + world.traffic().messages_received > 0);
+}
+
+// The path with ten nodes on each rank.
+void spectra(const catamaran::world& world) {
+    const std::size_t rank = world.rank(), size = world.size(), own = 10, n = own * size;
+    std::vector<std::size_t> starts{0}, columns;
+    std::vector<double> entries;
+    for (std::size_t i = own * rank; i < own * (rank + 1); ++i) {
+        for (std::size_t j = i ? i - 1 : 0; j <= i + 1 && j < n; ++j) {
+            columns.push_back(j);
+            entries.push_back(i != j ? -1 : i == 0 || i == n - 1 ? 1 : 2);
+        }
+        starts.push_back(columns.size());
+    }
+    const catamaran::sparse_view rows{own, starts.data(), columns.data(), entries.data()};
+    const auto pairs = catamaran::eigs(world, rows, n, 2);
+    const double expected = 2 - 2 * std::cos(std::acos(-1.0) / static_cast<double>(n));
+    CHECK(std::abs(pairs.values[1] - expected) < 1e-10 && pairs.vectors.size() == 2 * own);
+    const std::size_t last = size - 1;
+    CHECK(status_of([&] {
+              catamaran::eigs(world, rows, n, 2, std::vector<double>(rank == last ? 1 : own, 1.0));
+          }) == (rank == last ? CATA_ERR_SHAPE : CATA_ERR_RANK));
+    catamaran::eigs_options how;
+    how.progress = [](double) { return false; };
+    CHECK(status_of([&] { catamaran::eigs(world, rows, n, 2, {}, how); }) == CATA_ERR_CANCELLED);
+}
+
+// The third column is twice the first.
+void columns(const catamaran::world& world) {
+    std::vector<double> data(15);
+    for (std::size_t i = 0; i < 5; ++i) {
+        data[i] = 1;
+        data[5 + i] = static_cast<double>(5 * world.rank() + i);
+        data[10 + i] = 2;
+    }
+    std::vector<double> same(data);
+    const auto found = catamaran::gram_schmidt(world, catamaran::col_major(data.data(), 5, 3));
+    CHECK((found.kept == std::vector<std::size_t>{0, 1}) && found.r.size() == 6);
+    CHECK(std::abs(found.r[4] - 2 * found.r[0]) < 1e-12);
+    const auto r = catamaran::cholesky_qr(world, catamaran::col_major(same.data(), 5, 2));
+    for (std::size_t i = 0; i < 10; ++i) CHECK(std::abs(same[i] - data[i]) < 1e-12);
+    CHECK(std::abs(r[0] - found.r[0]) < 1e-12 && r[1] == 0);
+    CHECK(status_of([&] {
+              catamaran::cholesky_qr(world, catamaran::col_major(same.data(), 5, 2), {1});
+          }) == CATA_ERR_SHAPE);
+}
+
+}  // namespace
 
 int main(int argc, char** argv)
 {
     int provided = 0;
     MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
-    cata_world* world = nullptr;
-    CHECK_STATUS(cata_world_from_comm(MPI_COMM_WORLD, &world), CATA_OK);
-    std::size_t rank = 0, size = 0;
-    CHECK_STATUS(cata_world_rank(world, &rank), CATA_OK);
-    CHECK_STATUS(cata_world_size(world, &size), CATA_OK);
-    // Row (rank + 1, 2) on each rank.
-    const double row[2] = {static_cast<double>(rank + 1), 2.0};
-    double c[4] = {0.0, 0.0, 0.0, 0.0};
-    cata_symmetric* product = nullptr;
-    CHECK_STATUS(cata_world_ata_rows_f64(world, CATA_ROW_MAJOR, 1, 2, 1.0, row, 2, nullptr, &product),
-                 CATA_OK);
-    CHECK_STATUS(cata_symmetric_gather_f64(product, world, 0, CATA_ROW_MAJOR, CATA_BOTH, c, 2), CATA_OK);
-    const double p = static_cast<double>(size);
-    CHECK(rank != 0 || (c[0] == p * (p + 1) * (2 * p + 1) / 6 && c[1] == p * (p + 1) && c[3] == 4 * p));
-    cata_symmetric_free(product);
-    cata_world_free(world);
+    {
+        const catamaran::world world(MPI_COMM_WORLD);
+        products(world);
+        spectra(world);
+        columns(world);
+    }
     MPI_Finalize();
     return report("mpi_cpp");
 }

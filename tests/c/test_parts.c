@@ -50,6 +50,13 @@ static cata_status part(size_t k, double *values, int32_t boundary, size_t threa
     return cata_mesh_part_eigenvalues(V, positions, F, corners, mask, k, values, &params);
 }
 
+static int32_t cancel(double fraction, void *user)
+{
+    (void)fraction;
+    ++*(int *)user;
+    return 1;
+}
+
 static void test_parts(void)
 {
     const double pi2 = 9.869604401089358;
@@ -77,7 +84,13 @@ static void test_parts(void)
     CHECK_MENTIONS("mask: element 3 is 2");
     CHECK_STATUS(cata_mesh_part_eigenvalues(V, positions, F, corners, NULL, K, again, NULL), CATA_ERR_NULL);
     CHECK_STATUS(cata_mesh_part_eigenvalues(2, positions, F, corners, mask, K, again, NULL), CATA_ERR_MESH);
-    CHECK(again[0] == -7);
+    int calls = 0;
+    cata_eigs_params params = {.struct_size = sizeof params, .progress = cancel, .progress_user = &calls};
+    mask[3] = 1;
+    CHECK_STATUS(cata_mesh_part_eigenvalues(V, positions, F, corners, mask, K, again, &params),
+                 CATA_ERR_CANCELLED);
+    CHECK_STATUS(cata_shape_dna(V, positions, F, corners, K, 1, again, &params), CATA_ERR_CANCELLED);
+    CHECK(again[0] == -7 && calls == 2);
 }
 
 static void test_shape_dna(void)
@@ -97,15 +110,15 @@ static void test_shape_dna(void)
     const double signatures[8] = {0, 5, 3, 4, 0, 5, 1, 1}, query[2] = {0, 4};
     size_t found[3];
     double distances[3];
-    CHECK_STATUS(cata_shape_dna_retrieve(2, query, 4, signatures, 3, found, distances, 1), CATA_OK);
+    CHECK_STATUS(cata_shape_dna_retrieve(2, query, 4, signatures, 3, found, distances), CATA_OK);
     CHECK(found[0] == 0 && found[1] == 2 && found[2] == 1);
     CHECK(distances[0] == 1 && distances[1] == 1 && distances[2] == 3);
     found[0] = 9;
-    CHECK_STATUS(cata_shape_dna_retrieve(2, query, 4, signatures, 5, found, distances, 1),
+    CHECK_STATUS(cata_shape_dna_retrieve(2, query, 4, signatures, 5, found, distances),
                  CATA_ERR_ARGUMENT);
-    CHECK_STATUS(cata_shape_dna_retrieve(2, NULL, 4, signatures, 1, found, distances, 1), CATA_ERR_NULL);
+    CHECK_STATUS(cata_shape_dna_retrieve(2, NULL, 4, signatures, 1, found, distances), CATA_ERR_NULL);
     const double broken[2] = {0, NAN};
-    CHECK_STATUS(cata_shape_dna_retrieve(2, broken, 4, signatures, 1, found, distances, 1),
+    CHECK_STATUS(cata_shape_dna_retrieve(2, broken, 4, signatures, 1, found, distances),
                  CATA_ERR_NON_FINITE);
     CHECK(found[0] == 9);
 }

@@ -27,10 +27,19 @@ static void ring(void)
     }
 }
 
-static cata_status transfer(const double *f, double *g, const cata_transfer_params *params)
+static cata_status transfer(const double *f, double *g, const cata_basis_params *params)
 {
-    return cata_transfer(N, 3, masses, values, source, N, 3, masses, values, target, points,
-                         CATA_COL_MAJOR, 1, f, N, g, N, params);
+    cata_basis *from = NULL, *to = NULL;
+    cata_status status = cata_basis_new(N, 3, masses, values, source, N, NULL, &from);
+    if (status == CATA_OK) {
+        status = cata_basis_new(N, 3, masses, values, target, N, NULL, &to);
+    }
+    if (status == CATA_OK) {
+        status = cata_transfer(from, to, points, CATA_COL_MAJOR, 1, f, N, g, N, params);
+    }
+    cata_basis_free(from);
+    cata_basis_free(to);
+    return status;
 }
 
 static void test_products_carry_frequency_2(void)
@@ -44,9 +53,9 @@ static void test_products_carry_frequency_2(void)
     for (int i = 0; i < N; i++) {
         CHECK(fabs(g[i] - f[points[i]]) < 1e-12);
     }
-    cata_transfer_params params;
-    CHECK_STATUS(cata_transfer_params_init(&params, sizeof params), CATA_OK);
-    params.reorthogonalised = 1;
+    cata_basis_params params;
+    CHECK_STATUS(cata_basis_params_init(&params, sizeof params), CATA_OK);
+    params.method = CATA_ORTHO_REORTHOGONALIZED;
     params.threads = 2;
     CHECK_STATUS(transfer(f, again, &params), CATA_OK);
     for (int i = 0; i < N; i++) {
@@ -58,6 +67,13 @@ static void test_products_carry_frequency_2(void)
     for (int i = 0; i < N; i++) {
         CHECK(fabs(again[i]) < 1e-12);
     }
+}
+
+static int32_t cancel(double fraction, void *user)
+{
+    (void)fraction;
+    ++*(int *)user;
+    return 1;
 }
 
 static void test_refusals(void)
@@ -77,9 +93,15 @@ static void test_refusals(void)
     f[7] = nan("");
     CHECK_STATUS(transfer(f, g, NULL), CATA_ERR_NON_FINITE);
     f[7] = 0;
-    cata_transfer_params params = {.struct_size = sizeof params, .order = 256};
+    cata_basis_params params = {.struct_size = sizeof params, .order = 256};
     CHECK_STATUS(transfer(f, g, &params), CATA_ERR_ARGUMENT);
     CHECK_MENTIONS("order");
+    int calls = 0;
+    params = (cata_basis_params){.struct_size = sizeof params, .progress = cancel, .progress_user = &calls};
+    CHECK_STATUS(transfer(f, g, &params), CATA_ERR_CANCELLED);
+    CHECK(calls == 1);
+    CHECK_STATUS(cata_transfer(NULL, NULL, points, CATA_COL_MAJOR, 1, f, N, g, N, NULL), CATA_ERR_NULL);
+    CHECK_MENTIONS("source: NULL");
     CHECK(g[0] == 5);
 }
 

@@ -72,12 +72,21 @@ static void places(const cata_unions *unions)
     fill(parts, 10, 11);
     fill(parts + K, 14, 9);
     /* A triangle is not the template. */
-    CHECK_STATUS(cata_unions_locate(unions, 2, parts, 3, positions, 1, corners, indicator, 1),
+    CHECK_STATUS(cata_unions_locate(unions, 2, parts, 3, positions, 1, corners, indicator, NULL),
                  CATA_ERR_SHAPE);
-    CHECK_STATUS(cata_unions_locate(NULL, 2, parts, 3, positions, 1, corners, indicator, 1),
+    CHECK_STATUS(cata_unions_locate(NULL, 2, parts, 3, positions, 1, corners, indicator, NULL),
                  CATA_ERR_NULL);
-    CHECK_STATUS(cata_unions_locate(unions, 0, parts, 3, positions, 1, corners, indicator, 1),
+    CHECK_STATUS(cata_unions_locate(unions, 0, parts, 3, positions, 1, corners, indicator, NULL),
                  CATA_ERR_ARGUMENT);
+    cata_unions_params params;
+    CHECK_STATUS(cata_unions_params_init(&params, sizeof params), CATA_OK);
+    params.threads = 1;
+    CHECK_STATUS(cata_unions_locate(unions, 2, parts, 3, positions, 1, corners, indicator, &params),
+                 CATA_ERR_SHAPE);
+    params.struct_size = 8;
+    CHECK_STATUS(cata_unions_locate(unions, 2, parts, 3, positions, 1, corners, indicator, &params),
+                 CATA_ERR_ARGUMENT);
+    CHECK(strstr(cata_last_error_message(), "sizeof(cata_unions_params)") != NULL);
     CHECK(indicator[0] == -7);
 }
 

@@ -279,6 +279,30 @@ fn cholesky_qr_agrees_and_refuses_dependent_columns() {
     assert!(refused.to_string().contains("4 columns of 3 rows"));
 }
 
+/// Columns of which a first pass takes far more for independent than there are: what later columns were freed from must
+/// not be dropped with them.
+#[test]
+fn nearly_dependent_columns_lose_no_more_than_the_threshold() {
+    let (n, c) = (200, 60);
+    let gaussian = |i: usize, j: usize| {
+        let x = i as f64 / n as f64 - j as f64 / c as f64;
+        (-8.0 * x * x).exp()
+    };
+    let a = Mat::from_fn(n, c, gaussian);
+    for mass in [Mass::identity(n), lumped(n), full(n)] {
+        for threshold in [1e-12, 1e-9, 1e-6] {
+            let options = precise().threshold(threshold);
+            let found = gram_schmidt(a.as_ref(), &mass, &options).unwrap();
+            assert!(defect(found.q.as_ref(), &mass) < 1e-13);
+            check_factors(a.as_ref(), &mass, &found, threshold);
+            let by_rank = rank_revealing(a.as_ref(), &mass, &options).unwrap();
+            assert!(defect(by_rank.q.as_ref(), &mass) < 1e-13);
+            let gap = (&by_rank.q * &by_rank.r - &a).norm_max();
+            assert!(gap < 100.0 * threshold, "{gap:e} for {threshold:e}");
+        }
+    }
+}
+
 #[test]
 fn dirty_inputs_are_refused_and_work_can_be_cancelled() {
     let (n, c) = (50, 600);

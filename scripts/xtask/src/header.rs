@@ -51,7 +51,11 @@ pub const SECTIONS: &[Section] = &[
     section("mesh", &["mesh"], &["mesh"]),
     section("decimation", &["decimation"], &["decimation"]),
     section("curves", &["curve", "curves"], &["curve"]),
-    section("spectra", &["shape_dna", "transfer"], &["transfer", "shape_dna"]),
+    section(
+        "spectra",
+        &["basis", "map", "transfer", "shape_dna"],
+        &["basis", "map", "transfer", "shape_dna"],
+    ),
     section("unions", &["unions"], &["unions"]),
     section("plants", &["plant"], &["plant", "rods"]),
     section("slime", &["slime"], &["slime"]),
@@ -208,7 +212,9 @@ fn joined(header: &str) -> String {
     let mut text = String::new();
     let mut lines = header.lines();
     while let Some(line) = lines.next() {
-        let is_type = line.starts_with("typedef") || line.starts_with('}');
+        // A pointer to a function is wrapped as one.
+        let is_pointer = line.starts_with("typedef") && line.contains("(*");
+        let is_type = (line.starts_with("typedef") && !is_pointer) || line.starts_with('}');
         if line.starts_with([' ', '/', '#']) || is_type || !line.contains('(') {
             let is_field = line.starts_with("    ") && !line.trim_start().starts_with('*');
             text += &if is_field { line.replace("struct ", "") } else { line.to_owned() };

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use faer::{Mat, MatRef, Scale};
 
 use super::operators::{Equations, Operators, multiplication};
-use crate::base::{Error, Par, Result};
+use crate::base::{Error, Par, Progress, Result, Tracker};
 use crate::dense::{for_row_blocks, zeros};
 use crate::spectral::basis::{Basis, times_mass};
 use crate::spectral::dense;
@@ -18,6 +18,9 @@ const SCALES: usize = 8;
 /// Part of the mean diagonal entry that is added to the diagonal of the equations: with fewer functions than unknowns, and
 /// no commutativity, they have many solutions, of which this takes the least one.
 const RIDGE: f64 = 1e-12;
+
+/// Part of the progress of a fit with operators that the rows alone take.
+const ROWS_SHARE: f64 = 0.1;
 
 /// Least-squares fit of a functional map C between two eigenbases, from functions known on both meshes.
 ///
@@ -42,6 +45,13 @@ pub struct MapFit<'a> {
     source: &'a Eigenbasis,
     target: &'a Eigenbasis,
     par: Par,
+    progress: Progress<'a>,
+    known: Correspondences,
+}
+
+/// What a fit was told of a map.
+#[derive(Default)]
+pub(crate) struct Correspondences {
     /// Coefficients of the functions, one after the other.
     a: Vec<f64>,
     b: Vec<f64>,
@@ -57,7 +67,27 @@ impl<'a> MapFit<'a> {
 
     /// A fit of maps from `source` to `target`, without functions yet.
     pub fn new(source: &'a Eigenbasis, target: &'a Eigenbasis, par: Par) -> Self {
-        Self { source, target, par, a: Vec::new(), b: Vec::new(), operators: Vec::new() }
+        Self::resumed(source, target, par, Correspondences::default())
+    }
+
+    /// A fit that goes on with what one between the same bases, borrowed since, was told.
+    pub(crate) fn resumed(
+        source: &'a Eigenbasis,
+        target: &'a Eigenbasis,
+        par: Par,
+        known: Correspondences,
+    ) -> Self {
+        Self { source, target, par, progress: Progress::none(), known }
+    }
+
+    /// What it was told.
+    pub(crate) fn into_known(self) -> Correspondences {
+        self.known
+    }
+
+    /// Tells of the progress of [`MapFit::solve`]; may cancel.
+    pub fn progress(self, progress: impl Into<Progress<'a>>) -> Self {
+        Self { progress: progress.into(), ..self }
     }
 
     /// Adds functions: each column of `f`, n_source x c, corresponds to that of `g`, n_target x c. Each pair is scaled to
@@ -101,7 +131,7 @@ impl<'a> MapFit<'a> {
             let size = (0.5 * means).sqrt();
             if size > 0.0 {
                 let scaled = |x: MatRef<'_, f64>| Scale(1.0 / size) * x;
-                self.operators.push(Operators {
+                self.known.operators.push(Operators {
                     source: multiplication(self.source.basis(), scaled(f).as_ref(), self.par)?,
                     target: multiplication(self.target.basis(), scaled(g).as_ref(), self.par)?,
                     weight: weight / f.ncols().max(1) as f64,
@@ -179,8 +209,8 @@ impl<'a> MapFit<'a> {
         for j in 0..a.ncols() {
             let norm = (0.5 * (a.col(j).squared_norm_l2() + b.col(j).squared_norm_l2())).sqrt();
             if norm > 0.0 {
-                self.a.extend(a.col(j).iter().map(|x| x / norm));
-                self.b.extend(b.col(j).iter().map(|x| x / norm));
+                self.known.a.extend(a.col(j).iter().map(|x| x / norm));
+                self.known.b.extend(b.col(j).iter().map(|x| x / norm));
             }
         }
     }
@@ -189,15 +219,16 @@ impl<'a> MapFit<'a> {
     ///
     /// # Errors
     /// [`Error::Argument`] for the weight, or when no function on the source is other than zero; [`Error::OutOfMemory`];
-    /// [`Error::NotConverged`] when operators are too many or too different for conjugate gradients.
+    /// [`Error::Cancelled`]; [`Error::NotConverged`] when operators are too many or too different for conjugate gradients.
     pub fn solve(&self, commutativity: f64) -> Result<Mat<f64>> {
         if !(commutativity.is_finite() && commutativity >= 0.0) {
             let why = format!("must be finite and at least 0, is {commutativity}");
             return Err(Error::Argument { what: "commutativity", why });
         }
         let (k, l) = (self.source.len(), self.target.len());
-        let a = MatRef::from_column_major_slice(&self.a, k, self.a.len() / k.max(1));
-        let b = MatRef::from_column_major_slice(&self.b, l, a.ncols());
+        let known_functions = self.known.a.len() / k.max(1);
+        let a = MatRef::from_column_major_slice(&self.known.a, k, known_functions);
+        let b = MatRef::from_column_major_slice(&self.known.b, l, known_functions);
         let size = a.squared_norm_l2();
         if size == 0.0 {
             let why = "there are none on the source that are not zero".into();
@@ -214,8 +245,11 @@ impl<'a> MapFit<'a> {
         let (source_values, target_values) = relative_values(self.source, self.target)?;
         let mut c = zeros(l, k)?;
         let singular = AtomicBool::new(false);
+        let alone = self.known.operators.is_empty();
+        let rows = self.progress.part(0.0..if alone { 1.0 } else { ROWS_SHARE });
+        let tracker = Tracker::new(rows, l as f64);
         for_row_blocks(c.as_mut(), 1, self.par, |i, mut row| {
-            if row.nrows() == 0 {
+            if row.nrows() == 0 || tracker.state().is_break() {
                 return;
             }
             let fixed = if i == 0 { first.unwrap_or(0.0) } else { 0.0 };
@@ -240,13 +274,16 @@ impl<'a> MapFit<'a> {
                 row[(0, 0)] = fixed;
             }
             row.subcols_mut(known, unknown).copy_from(solution.transpose());
+            // The rows that are left look at the tracker's state.
+            let _ = tracker.add(1.0);
         });
+        tracker.finish()?;
         if singular.into_inner() {
             let why =
                 "they do not determine the map; more of them, or more commutativity, may".into();
             return Err(Error::Argument { what: "functions", why });
         }
-        if self.operators.is_empty() {
+        if alone {
             return Ok(c);
         }
         let difference = |i: usize, j: usize| source_values[j] - target_values[i];
@@ -254,10 +291,10 @@ impl<'a> MapFit<'a> {
             gram: Scale(1.0 / size) * &gram,
             right: Scale(1.0 / size) * right.transpose(),
             weights: Mat::from_fn(l, k, |i, j| commutativity * difference(i, j).powi(2)),
-            operators: &self.operators,
+            operators: &self.known.operators,
             known,
         }
-        .solve(c)
+        .solve(c, self.progress.part(ROWS_SHARE..1.0))
     }
 }
 

@@ -9,6 +9,8 @@ mod operators;
 mod points;
 mod refine;
 
+#[cfg(feature = "capi")]
+pub(crate) use fit::Correspondences;
 pub use fit::MapFit;
 pub use nearest::nearest_rows;
 pub use points::{map_from_points, points_from_map, pull_back};

@@ -2,7 +2,7 @@
 
 use faer::{Mat, MatRef};
 
-use crate::base::{Error, Par, Result};
+use crate::base::{Error, Par, Progress, Result};
 use crate::spectral::basis::{Basis, times_mass};
 use crate::spectral::dense;
 
@@ -39,7 +39,7 @@ pub(super) struct Equations<'a> {
 }
 
 impl Equations<'_> {
-    pub fn solve(&self, guess: Mat<f64>) -> Result<Mat<f64>> {
+    pub fn solve(&self, guess: Mat<f64>, progress: Progress<'_>) -> Result<Mat<f64>> {
         let free = |mut x: Mat<f64>| {
             x.as_mut().subcols_mut(0, self.known).fill(0.0);
             x
@@ -52,10 +52,16 @@ impl Equations<'_> {
             |r: &Mat<f64>| Mat::from_fn(r.nrows(), r.ncols(), |i, j| r[(i, j)] / diagonal[(i, j)]);
         let mut direction = precondition(&residual);
         let mut energy = inner(&residual, &direction);
+        let mut reached = 0.0;
         for _ in 0..ITERATIONS {
-            if residual.norm_l2() <= SOLVED * size {
+            let length = residual.norm_l2();
+            if length <= SOLVED * size {
+                progress.report(1.0)?;
                 return Ok(c);
             }
+            // The residual falls by about the same factor in each iteration, but not in all.
+            reached = ((length / size).ln() / SOLVED.ln()).min(1.0).max(reached);
+            progress.report(reached)?;
             let image = free(self.image(direction.as_ref())?);
             let step = energy / inner(&direction, &image);
             c += faer::Scale(step) * &direction;

@@ -91,6 +91,19 @@ fn multiplications_by_few_functions_determine_a_map_that_their_coefficients_do_n
     let c = fit(Some(MapFit::MULTIPLICATIONS), Par::Seq);
     assert!(gap(&c) < 1e-5, "{}", gap(&c));
     assert_eq!(fit(Some(MapFit::MULTIPLICATIONS), Par::Threads(3)), c);
+    let told = std::sync::Mutex::new(vec![]);
+    let tell = |fraction: f64| {
+        told.lock().unwrap().push(fraction);
+        ControlFlow::Continue(())
+    };
+    let mut watched = MapFit::new(&source, &target, Par::Seq).progress(&tell);
+    watched.operators(f.as_ref(), g.as_ref(), 0.1).unwrap();
+    watched.functions(f.as_ref(), g.as_ref()).unwrap();
+    watched.solve(0.0).unwrap();
+    let told = told.lock().unwrap().clone();
+    assert!(told.len() > 5 && told.is_sorted() && told.last() == Some(&1.0), "{told:?}");
+    let stop = |_| ControlFlow::Break(());
+    assert_eq!(watched.progress(&stop).solve(0.0), Err(Error::Cancelled));
     let mut refused = MapFit::new(&source, &target, Par::Seq);
     let wrong = refused.operators(f.as_ref(), g.as_ref(), f64::NAN).unwrap_err();
     assert!(wrong.to_string().starts_with("weight: "));

@@ -1,0 +1,74 @@
+use sprs::CsMatView;
+
+use super::Mass;
+use super::eigs::check;
+use super::options::EigenOptions;
+use super::problem::Problem;
+use super::space::WholePencil;
+use crate::base::{Error, Result};
+
+/// The number of eigenvalues of `W phi = lambda M phi` below `value`, by the inertia of a factorisation of `W - value M`
+/// (Sylvester).
+///
+/// W (n x n) is symmetric, all entries stored, by rows or by columns. As many pairs are below `value`, so many `k` ask
+/// [`eigs`](super::eigs()) for; the pairs in an interval are as many as the difference of two counts, and nearest to its
+/// middle.
+///
+/// ```
+/// use catamaran::{prelude::*, mesh::families, sparse::count_below};
+///
+/// let Laplacian { stiffness, mass, .. } =
+///     laplacian(&families::icosphere(3)?, &LaplacianOptions::new())?;
+/// // l (l + 1), 2 l + 1 times, on the unit sphere: 0, 2, 2, 2, 6, ...
+/// assert_eq!(count_below(stiffness.view(), &mass, 4.0)?, 4);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`eigs`](super::eigs()); [`Error::Argument`] of "value": it is not finite, or an eigenvalue as far as elimination can
+/// tell.
+pub fn count_below(stiffness: CsMatView<'_, f64>, mass: &Mass, value: f64) -> Result<usize> {
+    check(stiffness, mass, &EigenOptions { k: 0, ..EigenOptions::default() })?;
+    let refuse = |why: &str| Error::Argument { what: "value", why: format!("{value:e} {why}") };
+    if !value.is_finite() {
+        return Err(refuse("is not finite"));
+    }
+    if stiffness.rows() == 0 {
+        return Ok(0);
+    }
+    let pencil = WholePencil { stiffness, mass };
+    Problem::new(&pencil, stiffness, mass)?.count_below(value).and_then(|count| {
+        count.ok_or_else(|| refuse("is an eigenvalue, as far as elimination can tell"))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use sprs::TriMat;
+
+    use super::*;
+
+    #[test]
+    fn counts_are_those_of_a_path() {
+        // 2 - 2 cos(pi i / n), i from 0.
+        let n = 30;
+        let mut path = TriMat::new((n, n));
+        for i in 1..n {
+            for (a, b) in [(i - 1, i), (i, i - 1)] {
+                path.add_triplet(a, b, -1.0);
+                path.add_triplet(a, a, 1.0);
+            }
+        }
+        let path = path.to_csr::<usize>();
+        let mass = Mass::Lumped(vec![2.0; n]);
+        let value = |i: f64| 1.0 - (std::f64::consts::PI * i / n as f64).cos();
+        for i in 0..n {
+            assert_eq!(count_below(path.view(), &mass, value(i as f64 + 0.5)).unwrap(), i + 1);
+        }
+        assert_eq!(count_below(path.view(), &mass, -1.0).unwrap(), 0);
+        let refused = count_below(path.view(), &mass, f64::NAN).unwrap_err();
+        assert!(matches!(refused, Error::Argument { what: "value", .. }));
+        let none = sprs::CsMat::<f64>::zero((0, 0));
+        assert_eq!(count_below(none.view(), &Mass::identity(0), 1.0).unwrap(), 0);
+    }
+}
