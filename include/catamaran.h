@@ -48,14 +48,11 @@
 extern "C" {
 #endif // __cplusplus
 
-/* ==== Status, version, memory ================================================================== */
-
+/* ==== Status, version, memory =============================================================== */
 /**
  * @defgroup status Status, version, memory
- *
  * Every function that can fail returns a status; what the build can do and what version it is;
  * scratch memory that is kept between calls.
- *
  * @code{.c}
  * if (cata_memory_release() != CATA_OK) {
  *     fprintf(stderr, "%s\n", cata_last_error_message());
@@ -70,10 +67,7 @@ typedef int32_t cata_status;
 
 #define CATA_OK 0 /**< Done. */
 #define CATA_ERR_NULL 1 /**< A pointer is NULL where it may not be. */
-
-/** A matrix, vector or buffer is too small or has the wrong shape, or its size in bytes
- * overflows. */
-#define CATA_ERR_SHAPE 2
+#define CATA_ERR_SHAPE 2 /**< A size is too small, does not fit, or overflows. */
 #define CATA_ERR_ARGUMENT 3 /**< An argument is outside its range. */
 #define CATA_ERR_NON_FINITE 4 /**< A NaN or an infinity where only finite numbers are allowed. */
 #define CATA_ERR_NOT_CONVERGED 5 /**< An iteration ended before it reached its tolerance. */
@@ -81,46 +75,29 @@ typedef int32_t cata_status;
 #define CATA_ERR_OUT_OF_MEMORY 7 /**< Memory could not be had. */
 #define CATA_ERR_BACKEND 8 /**< A BLAS back end could not be loaded, or refused. */
 #define CATA_ERR_CANCELLED 9 /**< The progress callback asked to stop. */
-
-/** This build, or this version, can't do it: see cata_capabilities. */
-#define CATA_ERR_UNSUPPORTED 10
-
-/** A bug in Catamaran, caught at the border; the message says where. The library stays usable. */
-#define CATA_ERR_PANIC 11
-
-/** Another rank of a distributed call failed, or does not fit the others; the message names it. */
-#define CATA_ERR_RANK 12
-
-/** A triangle mesh or a plant is not one, or not of the kind that is asked for; the message names
- * the element. */
-#define CATA_ERR_MESH 13
+#define CATA_ERR_UNSUPPORTED 10 /**< This build or version can't do it (cata_capabilities). */
+#define CATA_ERR_PANIC 11 /**< A bug in Catamaran, caught; the library stays usable. */
+#define CATA_ERR_RANK 12 /**< Another rank failed, or does not fit; the message names it. */
+#define CATA_ERR_MESH 13 /**< A mesh or plant is not one; the message names the element. */
 
 /** The message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty when
  * none has. A call that succeeds leaves it alone. Never NULL.
  *
- * The pointer is valid until the next call of this thread that fails, and not after the thread's
- * end; do not free it. */
+ * The pointer is valid until the next call of this thread that fails, and not after the
+ * thread's end; do not free it. */
 const char *cata_last_error_message(void);
 
 /** The name of a status, such as "CATA_ERR_SHAPE"; "unknown status" for a value that is none.
  * Static, never NULL; do not free it. */
 const char *cata_status_name(cata_status status);
 
-/** Bit of cata_capabilities: OpenBLAS is linked in (cata_backend_openblas works). */
-#define CATA_CAP_OPENBLAS 1
-#define CATA_CAP_MPI 2 /**< Bit of cata_capabilities: MPI is linked in (cata_world_new works). */
+#define CATA_CAP_OPENBLAS 1 /**< Bit of cata_capabilities: OpenBLAS is linked in. */
+#define CATA_CAP_MPI 2 /**< Bit of cata_capabilities: MPI is linked in. */
+#define CATA_CAP_OPENCL 4 /**< Bit of cata_capabilities: kernels for OpenCL devices. */
+#define CATA_CAP_HDF5 8 /**< Bit of cata_capabilities: rows from HDF5 files. */
 
-/** Bit of cata_capabilities: kernels run on OpenCL devices, where there are any (cata_device_count
- * tells). */
-#define CATA_CAP_OPENCL 4
-
-/** Bit of cata_capabilities: rows come from HDF5 files too (cata_accumulator_add_file). */
-#define CATA_CAP_HDF5 8
-
-/** The version of the library that runs, which may be newer than the header's
- * (CATA_VERSION_MAJOR, _MINOR, _PATCH).
- *
- * `major`, `minor`, `patch`: one int32_t each, written; NULL where the part is not wanted. */
+/** The version of the library that runs, which may be newer than the header's. NULL where a part
+ * is not wanted. */
 cata_status cata_version(int32_t *major, int32_t *minor, int32_t *patch);
 
 /** The same as "major.minor.patch". Static, never NULL; do not free it. */
@@ -130,19 +107,15 @@ const char *cata_version_string(void);
  * capability exist, and return CATA_ERR_UNSUPPORTED. */
 uint64_t cata_capabilities(void);
 
-/** Gives back the memory that products keep for the next one: the scratch of the last large call,
- * at most 1 GiB.
- *
- * Scratch in use is not touched. */
+/** Gives back the memory that products keep for the next one, at most 1 GiB, but for what is in
+ * use. */
 cata_status cata_memory_release(void);
 
 /** @} */
 
-/* ==== Threads and progress ===================================================================== */
-
+/* ==== Threads and progress ================================================================== */
 /**
  * @defgroup progress Threads and progress
- *
  * @code{.c}
  * static int32_t tell(double fraction, void *wanted)
  * {
@@ -153,8 +126,8 @@ cata_status cata_memory_release(void);
  * @{
  */
 
-/** A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything else
- * asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
+/** A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything
+ * else asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
  *
  * It is called from any thread that works for the call, one call at a time: each begins after
  * the one before it has returned, and sees what that has written. No thread waits for it, so it
@@ -163,13 +136,10 @@ typedef int32_t (*cata_progress)(double fraction, void *user);
 
 /** @} */
 
-/* ==== Back ends ================================================================================ */
-
+/* ==== Back ends ============================================================================= */
 /**
  * @defgroup backend Back ends
- *
  * A BLAS library may compute the small products that schemes end in.
- *
  * @code{.c}
  * double a[] = {1, 2, 3, 4, 5, 6}, c[4];
  * cata_backend *backend;
@@ -182,47 +152,31 @@ typedef int32_t (*cata_progress)(double fraction, void *user);
  * @{
  */
 
-/** A BLAS library that computes the small products; made by cata_backend_load or
- * cata_backend_openblas, given back by cata_backend_free. It can be used by several calls and
- * threads at a time. */
+/** A BLAS library that computes the small products, for several calls and threads at a time. */
 typedef struct cata_backend cata_backend;
 
 /** Loads the shared library at `path` (MKL's libmkl_rt.so, libopenblas.so, libblis.so, ...),
- * which must have the CBLAS interface with 32-bit integers.
- *
- * `path`: NUL-terminated file name, not NULL; without a slash the system's search path is used.
- * The library's initialisers run: load only what you trust.
- * `backend`: one pointer, not NULL; written on success only. Free it by cata_backend_free.
- *
- * Returns CATA_ERR_BACKEND when there is no such file or it is not such a library. */
+ * which must have the CBLAS interface with 32-bit integers; without a slash the system's search
+ * path is used. Its initialisers run: load only what you trust. CATA_ERR_BACKEND when there is
+ * no such file or it is not such a library. */
 cata_status cata_backend_load(const char *path, cata_backend **backend);
 
-/** The OpenBLAS that the library was linked with.
- *
- * `backend`: one pointer, not NULL; written on success only. Free it by cata_backend_free.
- *
- * Returns CATA_ERR_UNSUPPORTED without CATA_CAP_OPENBLAS. */
+/** The OpenBLAS that the library was linked with; it takes CATA_CAP_OPENBLAS. */
 cata_status cata_backend_openblas(cata_backend **backend);
 
 /** Short name of a back end, such as "openblas" or the file name of a loaded library, in UTF-8;
- * valid until cata_backend_free; the empty string for NULL. Never NULL; do not free it.
- *
- * `backend`: NULL, or made by cata_backend_load or cata_backend_openblas and not yet freed. */
+ * valid until cata_backend_free; the empty string for NULL. Never NULL; do not free it. */
 const char *cata_backend_name(const cata_backend *backend);
 
-/** Gives a back end back. */
-void cata_backend_free(cata_backend *backend);
+void cata_backend_free(cata_backend *backend); /**< Gives a back end back. */
 
 /** @} */
 
-/* ==== A^T A ==================================================================================== */
-
+/* ==== A^T A ================================================================================= */
 /**
  * @defgroup ata A^T A
- *
- * Dense products: symmetric, of two matrices, Hermitian; of a sparse matrix; and a probabilistic
- * check.
- *
+ * Dense products: symmetric, of two matrices, Hermitian; of a sparse matrix; and a
+ * probabilistic check.
  * @code{.c}
  * double a[] = {1, 2, 3, 4, 5, 6}, c[4]; // 3 x 2
  * cata_ata_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 1, a, 2, 0, c, 2, NULL);
@@ -231,34 +185,19 @@ void cata_backend_free(cata_backend *backend);
  * @{
  */
 
-#define CATA_ROW_MAJOR 101 /**< `layout`: rows are contiguous: entry (i, j) is `a[i * lda + j]`. */
+#define CATA_ROW_MAJOR 101 /**< `layout`: entry (i, j) is `a[i * lda + j]`. */
+#define CATA_COL_MAJOR 102 /**< `layout`: entry (i, j) is `a[i + j * lda]`. */
+#define CATA_UPPER 121 /**< `uplo`: the triangle on and above the diagonal. */
+#define CATA_LOWER 122 /**< `uplo`: the triangle on and below the diagonal. */
+#define CATA_BOTH 123 /**< `uplo`: both, equal; with beta != 0 the old lower one is read. */
 
-/** `layout`: columns are contiguous: entry (i, j) is `a[i + j * lda]`. */
-#define CATA_COL_MAJOR 102
-
-/** `uplo`: the triangle on and above the diagonal; the rest of C is neither read nor written. */
-#define CATA_UPPER 121
-
-/** `uplo`: the triangle on and below the diagonal; the rest of C is neither read nor written. */
-#define CATA_LOWER 122
-
-/** `uplo`: both triangles, equal bit for bit; with beta != 0 the old lower one is what is read. */
-#define CATA_BOTH 123
-
-/** `scheme`: whatever is expected to be fastest within the accuracy asked for. */
-#define CATA_SCHEME_AUTO 0
+#define CATA_SCHEME_AUTO 0 /**< `scheme`: the fastest within the accuracy asked for. */
 #define CATA_SCHEME_CLASSICAL 1 /**< `scheme`: no fast products, blocks over the back end. */
-
-/** `scheme`: AtA over Strassen's algorithm, 2 x 2 recursion down to the cache. */
-#define CATA_SCHEME_ATA2 2
-
-/** `scheme`: 2 x 2 split over Winograd's variant of Strassen's algorithm. */
-#define CATA_SCHEME_WINOGRAD 3
+#define CATA_SCHEME_ATA2 2 /**< `scheme`: AtA over Strassen's, 2 x 2, down to the cache. */
+#define CATA_SCHEME_WINOGRAD 3 /**< `scheme`: 2 x 2 over Winograd's variant of Strassen's. */
 #define CATA_SCHEME_RXTX 4 /**< `scheme`: RXTX (4 x 4 blocks) over Winograd's variant. */
-
-/** `scheme`: the sparse 4 x 4 scheme of Khoruzhii, Gelss and Pokutta over Winograd's variant. */
-#define CATA_SCHEME_KGP4 5
-#define CATA_SCHEME_KGP3 6 /**< `scheme`: their 3 x 3 scheme over Winograd's variant. */
+#define CATA_SCHEME_KGP4 5 /**< `scheme`: 4 x 4 of Khoruzhii, Gelss and Pokutta. */
+#define CATA_SCHEME_KGP3 6 /**< `scheme`: their 3 x 3. */
 
 /** `scheme`: integer products modulo small primes: nothing is rounded but the columns, to about
  * 2^-54 of their norms (float: 2^-27), and the result. */
@@ -291,44 +230,33 @@ typedef struct cata_ata_params {
     const cata_backend *backend;
     int32_t scheme; /**< CATA_SCHEME_*. */
     /** 1: the same bytes on every machine, which takes CATA_SCHEME_EXACT everywhere, slower than
-     * others on CPUs without AMX; the scheme must be that or CATA_SCHEME_AUTO. 0: not asked for. */
+     * others on CPUs without AMX; the scheme must be that or CATA_SCHEME_AUTO. 0: not asked
+     * for. */
     int32_t reproducible;
-    /** 1: thread i of the call stays on the i-th core of the affinity mask (modulo their number),
-     * which is that of the process, as taskset or the binding of mpirun sets it; the calling
-     * thread waits and keeps its mask. Calls at the same time share these threads. 0: the system
-     * moves threads. */
+    /** 1: thread i of the call stays on the i-th core of the affinity mask (modulo their
+     * number), which is that of the process, as taskset or the binding of mpirun sets it; the
+     * calling thread waits and keeps its mask. Calls at the same time share these threads. 0:
+     * the system moves threads. */
     int32_t pin;
 } cata_ata_params;
-
 /** Fills a struct with the defaults. */
 cata_status cata_ata_params_init(cata_ata_params *params, size_t struct_size);
 
 /** C := alpha A^T A + beta C, for A m x n and C n x n.
+ * - `uplo`: the part of C that is wanted, CATA_UPPER, CATA_LOWER or CATA_BOTH; the rest is
+ *   neither read nor written.
+ * - `beta`: with 0, C is not read, so it may be uninitialised.
  *
- * - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of C.
- * - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict
- *   triangle that is not, and what lies between lines, is neither read nor written.
- * - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
- * - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-
- *   major: n lines of `lda` >= max(1, m) elements, the last one of m.
- * - `c`: C, written; n lines of `ldc` >= max(1, n) elements, the last one of n. No element of A
- *   may be one of C's.
- *
- * All arguments are checked, and the workspace is allocated, before C is first written: it is
- * untouched after any error but CATA_ERR_CANCELLED and CATA_ERR_PANIC, which leave unspecified
- * values in its wanted part.
- *
- * With `reproducible` in `params` the result does not depend on the machine either.
+ * The workspace is allocated before C is first written: C is untouched after any error but
+ * CATA_ERR_CANCELLED and CATA_ERR_PANIC, which leave unspecified values in its wanted part.
  *
  * With u = 2^-53 (float: 2^-24) entry (i, j) of a classical product is wrong by at most about m
- * u (|A|^T |A|)(i, j); that of CATA_SCHEME_EXACT with the default `error_factor` by at most (u +
- * 1.1e-16 sqrt(m)) |a_i| |a_j| (float: 1.7e-8 for 1.1e-16), the Euclidean norms of two columns,
- * far below which it may have no correct digit; fast products are bounded in the maximum norm
- * only. CATA_SCHEME_AUTO may take any of them unless `error_factor` is 1, which allows only the
- * first, or CATA_ERROR_LEAST.
- *
- * NaN and infinities in A reach the entries of C that they do in the classical algorithm, those
- * of their columns, in classical and exact products. Fast products spread them further. */
+ * u (|A|^T |A|)(i, j); that of CATA_SCHEME_EXACT with the default `error_factor` by at most (u
+ * + 1.1e-16 sqrt(m)) |a_i| |a_j| (float: 1.7e-8 for 1.1e-16), the Euclidean norms of two
+ * columns, far below which it may have no correct digit; fast products are bounded in the
+ * maximum norm only. CATA_SCHEME_AUTO may take any of them unless `error_factor` is 1, which
+ * allows only the first, or CATA_ERROR_LEAST. NaN and infinities reach the entries of C of
+ * their columns, in classical and exact products; fast products spread them further. */
 cata_status cata_ata_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const double *a, size_t lda, double beta, double *c, size_t ldc, const cata_ata_params *params);
 
@@ -336,17 +264,12 @@ cata_status cata_ata_f64(int32_t layout, int32_t uplo, size_t m, size_t n, doubl
 cata_status cata_ata_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
     const float *a, size_t lda, float beta, float *c, size_t ldc, const cata_ata_params *params);
 
-/** As cata_ata_f64, with A in float: all sums and products are in double. A is converted block by
- * block, so the extra memory is about 32 MiB, or 1024 rows if those are longer, and the scratch.
- *
- * Unlike there, C holds unspecified values in its wanted part after CATA_ERR_OUT_OF_MEMORY too,
- * and progress may start anew with every block of rows. */
+/** As cata_ata_f64, with A in float, in blocks: sums and products are in double. C holds
+ * unspecified values in its wanted part after CATA_ERR_OUT_OF_MEMORY too. */
 cata_status cata_ata_f32_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const float *a, size_t lda, double beta, double *c, size_t ldc, const cata_ata_params *params);
 
-/** The scratch that cata_ata_with_scratch_f64 needs for A m x n and the same params.
- *
- * `len`: one size_t, not NULL; written on success: a number of elements, not bytes. */
+/** The number of elements of scratch of cata_ata_with_scratch_f64 for the same m, n and params. */
 cata_status cata_ata_scratch_len_f64(size_t m, size_t n, const cata_ata_params *params,
     size_t *len);
 
@@ -354,11 +277,8 @@ cata_status cata_ata_scratch_len_f64(size_t m, size_t n, const cata_ata_params *
 cata_status cata_ata_scratch_len_f32(size_t m, size_t n, const cata_ata_params *params,
     size_t *len);
 
-/** cata_ata_f64 without allocating its workspace.
- *
- * `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as
- * many as cata_ata_scratch_len_f64 says for the same m, n and params, else CATA_ERR_SHAPE. It
- * must not overlap A or C. The rest as in cata_ata_f64. */
+/** cata_ata_f64 in scratch of the caller, of any values and at least the length that
+ * cata_ata_scratch_len_f64 says. It is overwritten. */
 cata_status cata_ata_with_scratch_f64(int32_t layout, int32_t uplo, size_t m, size_t n,
     double alpha, const double *a, size_t lda, double beta, double *c, size_t ldc, double *scratch,
     size_t scratch_len, const cata_ata_params *params);
@@ -368,8 +288,7 @@ cata_status cata_ata_with_scratch_f32(int32_t layout, int32_t uplo, size_t m, si
     const float *a, size_t lda, float beta, float *c, size_t ldc, float *scratch,
     size_t scratch_len, const cata_ata_params *params);
 
-/** C := alpha A A^T + beta C, for A m x n and C m x m: `c` has m lines of `ldc` >= max(1, m)
- * elements. The rest as in cata_ata_f64. */
+/** C := alpha A A^T + beta C, for A m x n and C m x m. The rest as in cata_ata_f64. */
 cata_status cata_aat_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const double *a, size_t lda, double beta, double *c, size_t ldc, const cata_ata_params *params);
 
@@ -377,23 +296,16 @@ cata_status cata_aat_f64(int32_t layout, int32_t uplo, size_t m, size_t n, doubl
 cata_status cata_aat_f32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
     const float *a, size_t lda, float beta, float *c, size_t ldc, const cata_ata_params *params);
 
-/** C := alpha A^T W A + beta C, for a sparse A, m x n, with weights W or none, and C n x n,
- * dense.
- *
- * - `layout`, `uplo`: of C, as in cata_ata_f64.
+/** C := alpha A^T W A + beta C, for a sparse A, m x n, weights W or none, and C n x n, dense.
+ * The sums are those of the classical algorithm, in double and in the order of the rows.
  * - `row_starts`: m + 1 elements, read: the entries of row i are those from `row_starts[i]` to
  *   `row_starts[i + 1] - 1`, the first being 0.
  * - `columns`, `entries`: `row_starts[m]` elements each, read: columns ascending within a row,
  *   from 0, each at most once, and the entries of A there.
  * - `weights`: m finite elements, read; NULL: all 1.
- * - `alpha`, `beta`, `c`, `ldc`: as in cata_ata_f64.
- * - `params`: NULL for the defaults; `threads` and `progress` count, the rest is checked only.
+ * - `params`: `threads` and `progress` count, the rest is checked only.
  *
- * Returns what cata_ata_f64 does, or CATA_ERR_NON_FINITE for a weight. C is untouched after any
- * error but CATA_ERR_CANCELLED and CATA_ERR_PANIC.
- *
- * The sums are those of the classical algorithm, in double and in the order of the rows. The
- * result does not depend on the number of threads, bit for bit. */
+ * The rest as in cata_ata_f64. */
 cata_status cata_ata_sparse_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const size_t *row_starts, const size_t *columns, const double *entries, const double *weights,
     double beta, double *c, size_t ldc, const cata_ata_params *params);
@@ -403,18 +315,8 @@ cata_status cata_ata_sparse_f32(int32_t layout, int32_t uplo, size_t m, size_t n
     const size_t *row_starts, const size_t *columns, const float *entries, const double *weights,
     float beta, float *c, size_t ldc, const cata_ata_params *params);
 
-/** C := alpha A^T B + beta C, for A m x n, B m x k and C n x k.
- *
- * - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
- * - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-
- *   major: n lines of `lda` >= max(1, m) elements, the last one of m.
- * - `b`: B, read, likewise with k for n and `ldb`. A and B may overlap.
- * - `c`: C, written. Row-major: n lines of `ldc` >= max(1, k) elements; column-major: k lines of
- *   `ldc` >= max(1, n). What lies between lines is neither read nor written. No element of A or
- *   B may be one of C's.
- *
- * Returns what cata_ata_f64 does, with the same promises about C, errors, NaN and infinities, of
- * columns of A and of B. */
+/** C := alpha A^T B + beta C, for A m x n, B m x k and C n x k. A and B may overlap. The rest as
+ * in cata_ata_f64, with NaN and infinities of columns of A and of B. */
 cata_status cata_atb_f64(int32_t layout, size_t m, size_t n, size_t k, double alpha,
     const double *a, size_t lda, const double *b, size_t ldb, double beta, double *c, size_t ldc,
     const cata_ata_params *params);
@@ -424,9 +326,8 @@ cata_status cata_atb_f32(int32_t layout, size_t m, size_t n, size_t k, float alp
     size_t lda, const float *b, size_t ldb, float beta, float *c, size_t ldc,
     const cata_ata_params *params);
 
-/** The scratch that cata_atb_with_scratch_f64 needs for A m x n, B m x k and the same params.
- *
- * `len`: one size_t, not NULL; written on success: a number of elements, not bytes. */
+/** The number of elements of scratch of cata_atb_with_scratch_f64 for the same m, n, k and
+ * params. */
 cata_status cata_atb_scratch_len_f64(size_t m, size_t n, size_t k, const cata_ata_params *params,
     size_t *len);
 
@@ -434,11 +335,8 @@ cata_status cata_atb_scratch_len_f64(size_t m, size_t n, size_t k, const cata_at
 cata_status cata_atb_scratch_len_f32(size_t m, size_t n, size_t k, const cata_ata_params *params,
     size_t *len);
 
-/** cata_atb_f64 without allocating its workspace.
- *
- * `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as
- * many as cata_atb_scratch_len_f64 says for the same m, n, k and params, else CATA_ERR_SHAPE. It
- * must not overlap A, B or C. The rest as in cata_atb_f64. */
+/** cata_atb_f64 in scratch of the caller, of any values and at least the length that
+ * cata_atb_scratch_len_f64 says. It is overwritten. */
 cata_status cata_atb_with_scratch_f64(int32_t layout, size_t m, size_t n, size_t k, double alpha,
     const double *a, size_t lda, const double *b, size_t ldb, double beta, double *c, size_t ldc,
     double *scratch, size_t scratch_len, const cata_ata_params *params);
@@ -448,32 +346,24 @@ cata_status cata_atb_with_scratch_f32(int32_t layout, size_t m, size_t n, size_t
     const float *a, size_t lda, const float *b, size_t ldb, float beta, float *c, size_t ldc,
     float *scratch, size_t scratch_len, const cata_ata_params *params);
 
-/** C := alpha A^H A + beta C, for complex A m x n and Hermitian C n x n; alpha and beta are real.
+/** C := alpha A^H A + beta C, for complex A m x n and Hermitian C n x n; alpha and beta are
+ * real.
  *
  * A complex element is two doubles, the real part and then the imaginary one, as `double
  * complex` of C99 and `std::complex<double>` of C++: pointers to those can be cast. Leading
  * dimensions count complex elements.
+ * - `uplo`: as in cata_ata_f64. With CATA_BOTH the upper triangle is the conjugate of the lower
+ *   one, bit for bit; with beta != 0 the old lower one is what is read.
+ * - `c`: imaginary parts of its diagonal are not read, and become 0. C is untouched after any
+ *   error but CATA_ERR_PANIC, which leaves unspecified values in its wanted part.
  *
- * - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict
- *   triangle that is not, and what lies between lines, is neither read nor written. With
- *   CATA_BOTH the upper triangle is the conjugate of the lower one, bit for bit; with beta != 0
- *   the old lower one is what is read.
- * - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
- * - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-
- *   major: n lines of `lda` >= max(1, m) elements, the last one of m.
- * - `c`: C, written; n lines of `ldc` >= max(1, n) elements, the last one of n. Imaginary parts
- *   of its diagonal are not read, and become 0. No element of A may be one of C's.
- *
- * C is untouched after any error but CATA_ERR_PANIC, which leaves unspecified values in its
- * wanted part.
- *
- * The extra memory is that of a matrix like C, 64 MiB (or 1024 rows
- * of A if those are longer), and the scratch of cata_ata_f64 for as many rows.
+ * The extra memory is that of a matrix like C, 64 MiB (or 1024 rows of A if those are longer),
+ * and the scratch of cata_ata_f64 for as many rows.
  *
  * With u = 2^-53 (float: 2^-24) both parts of entry (i, j) of a product with the default params
- * are wrong by at most 8 m u |a_i| |a_j|, the Euclidean norms of two columns. NaN and infinities
- * have the effect of (x - i y)(u + i v) = (x u + y v) + i (x v - y u), term by term, in
- * classical and exact products; fast products spread them further. */
+ * are wrong by at most 8 m u |a_i| |a_j|, the Euclidean norms of two columns. NaN and
+ * infinities have the effect of (x - i y)(u + i v) = (x u + y v) + i (x v - y u), term by term,
+ * in classical and exact products; fast products spread them further. */
 cata_status cata_aha_c64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const double *a, size_t lda, double beta, double *c, size_t ldc, const cata_ata_params *params);
 
@@ -481,21 +371,11 @@ cata_status cata_aha_c64(int32_t layout, int32_t uplo, size_t m, size_t n, doubl
 cata_status cata_aha_c32(int32_t layout, int32_t uplo, size_t m, size_t n, float alpha,
     const float *a, size_t lda, float beta, float *c, size_t ldc, const cata_ata_params *params);
 
-/** C := alpha A^H B + beta C, for complex A m x n, B m x k and C n x k.
+/** C := alpha A^H B + beta C, for complex A m x n, B m x k and C n x k. A and B may overlap.
+ * - `alpha`, `beta`: one complex element each, read; with beta == 0 C is not read. A real one
+ *   multiplies both parts.
  *
- * Complex elements, and leading dimensions that count them, are as in cata_aha_c64.
- *
- * - `alpha`, `beta`: one complex element each, read, not NULL; with beta == 0 C is not read, so
- *   it may be uninitialised. A real one multiplies both parts.
- * - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-
- *   major: n lines of `lda` >= max(1, m) elements, the last one of m.
- * - `b`: B, read, likewise with k for n and `ldb`. A and B may overlap.
- * - `c`: C, written. Row-major: n lines of `ldc` >= max(1, k) elements; column-major: k lines of
- *   `ldc` >= max(1, n). What lies between lines is neither read nor written. No element of A or
- *   B may be one of C's.
- *
- * Returns what cata_aha_c64 does, with the same promises about C, errors, NaN and infinities, of
- * columns of A and of B. */
+ * The rest as in cata_aha_c64. */
 cata_status cata_ahb_c64(int32_t layout, size_t m, size_t n, size_t k, const double *alpha,
     const double *a, size_t lda, const double *b, size_t ldb, const double *beta, double *c,
     size_t ldc, const cata_ata_params *params);
@@ -506,20 +386,16 @@ cata_status cata_ahb_c32(int32_t layout, size_t m, size_t n, size_t k, const flo
     const cata_ata_params *params);
 
 /** Checks that C = alpha A^T A for A m x n and C n x n, up to rounding, with `rounds` random
- * vectors (Freivalds 1977), in time proportional to rounds (m n + n^2).
- *
- * - `layout`, `uplo`, `m`, `n`, `a`, `lda`: as in cata_ata_f64; only the part `uplo` of C is
- *   looked at.
- * - `c`: C, read, as long as in cata_ata_f64.
+ * vectors (Freivalds 1977), in time proportional to rounds (m n + n^2), on the calling thread.
+ * CATA_OK whether C passed or not.
+ * - `uplo`: the part of C that is looked at.
  * - `rounds`: 1 to 1000. A C with an entry wrong by more than twice the tolerance passes with
  *   probability at most 2^-rounds.
  * - `seed`: of the random vectors; the same seed gives the same answer.
- * - `passed`: one int32_t, not NULL; written on success: 1 if C passed, else 0.
- * - `residual`, `tolerance`: one double each, NULL where not wanted; written on success: the
- *   largest entry of |C X - alpha A^T (A X)|, and how large rounding may make it. NaN or
- *   infinity in the residual never passes.
- *
- * Returns CATA_OK, whether C passed or not. Runs on the calling thread. */
+ * - `passed`: written: 1 if C passed, else 0.
+ * - `residual`, `tolerance`: written: the largest entry of |C X - alpha A^T (A X)|, and how
+ *   large rounding may make it; NULL where not wanted. NaN or infinity in the residual never
+ *   passes. */
 cata_status cata_verify_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const double *a, size_t lda, const double *c, size_t ldc, int32_t rounds, uint64_t seed,
     int32_t *passed, double *residual, double *tolerance);
@@ -531,14 +407,11 @@ cata_status cata_verify_f32(int32_t layout, int32_t uplo, size_t m, size_t n, do
 
 /** @} */
 
-/* ==== Least squares, principal components, singular values ===================================== */
-
+/* ==== Least squares, principal components, singular values ================================== */
 /**
  * @defgroup gram Least squares, principal components, singular values
- *
  * From a Gram matrix in extended precision, which one or two passes over the rows yield: as
  * accurate as an orthogonal factorisation.
- *
  * @code{.c}
  * double a[] = {1, 0, 1, 1, 1, 2}, b[] = {1, 3, 5}, x[2]; // b = 1 + 2 t
  * cata_lstsq(CATA_ROW_MAJOR, 3, 2, 1, a, 2, b, 1, NULL, x, 1, NULL, NULL);
@@ -551,23 +424,23 @@ cata_status cata_verify_f32(int32_t layout, int32_t uplo, size_t m, size_t n, do
 typedef struct cata_lstsq_params {
     size_t struct_size; /**< sizeof(cata_lstsq_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
-     * them cannot be cancelled. */
+    /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work
+     * after them cannot be cancelled. */
     cata_progress progress;
     void *progress_user; /**< Handed to `progress`. */
-    /** Multiple of |X|^2 that is added to what is minimised; finite, at least 0. The intercept is
-     * not a part of X. */
+    /** Multiple of |X|^2 that is added to what is minimised; finite, at least 0. The intercept
+     * is not a part of X. */
     double ridge;
     int32_t intercept; /**< 1: a constant is fitted for each target too. 0: none. */
-    /** 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message names
-     * them. 0: of all solutions the one of least norm is returned. */
+    /** 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message
+     * names them. 0: of all solutions the one of least norm is returned. */
     int32_t refuse_dependent;
 } cata_lstsq_params;
 
 /** What is known of a least-squares solution beside X. The caller sets `struct_size` and the
  * pointers, each to an array of its own or to NULL where it is not wanted; the call writes the
- * arrays and the fields after them. `cata_lstsq_result result = {.struct_size = sizeof result};`
- * asks for those fields alone. */
+ * arrays and the fields after them. `cata_lstsq_result result = {.struct_size = sizeof
+ * result};` asks for those fields alone. */
 typedef struct cata_lstsq_result {
     size_t struct_size; /**< sizeof(cata_lstsq_result). */
     /** k elements, written: |A x - b| of each target, weighted; 0 where it is below the rounding
@@ -578,8 +451,8 @@ typedef struct cata_lstsq_result {
     double *r_squared;
     /** k elements, written: the constant of each target; zeros without `params.intercept`. */
     double *intercepts;
-    /** n x k, written, with the layout and the leading dimension of X: the standard error of each
-     * coefficient; NaN without degrees of freedom. */
+    /** n x k, written, with the layout and the leading dimension of X: the standard error of
+     * each coefficient; NaN without degrees of freedom. */
     double *standard_errors;
     /** k elements, written: the standard error of each constant; untouched without
      * `params.intercept`. */
@@ -594,21 +467,19 @@ typedef struct cata_lstsq_result {
     /** Written: an estimate of the condition number of A, about the mean with an intercept, and
      * with sqrt(ridge) I below it. */
     double condition;
-    /** Written: decimal digits of X, relative to its largest entry when columns of A have norm 1,
-     * that agree with the exact solution; from 0 to 15.95. */
+    /** Written: decimal digits of X, relative to its largest entry when columns of A have norm
+     * 1, that agree with the exact solution; from 0 to 15.95. */
     double digits;
 } cata_lstsq_result;
-
 /** Fills a struct with the defaults. */
 cata_status cata_lstsq_params_init(cata_lstsq_params *params, size_t struct_size);
 
 /** The X (n x k) that minimises |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k and
  * W = diag(weights), from the Gram matrix of [A B] in extended precision.
  *
- * Where cata_gram_extended is exact, X is at least as accurate as by an orthogonal factorisation
- * of A in double, up to condition numbers of about 2^48 of A with columns of norm 1; see
- * `result.digits`. Rows are read twice, in blocks; neither A nor B is copied as a whole.
- *
+ * Where cata_gram_extended is exact, X is at least as accurate as by an orthogonal
+ * factorisation of A in double, up to condition numbers of about 2^48 of A with columns of norm
+ * 1; see `result.digits`. Rows are read twice, in blocks; neither A nor B is copied as a whole.
  * - `m`, `n`: any, 0 included. `k`: number of targets, at least 1.
  * - `b`: B, m x k, read, with leading dimension `ldb`.
  * - `weights`: m finite numbers, at least 0, read; NULL: all 1.
@@ -624,22 +495,20 @@ cata_status cata_lstsq(int32_t layout, size_t m, size_t n, size_t k, const doubl
 typedef struct cata_pca_params {
     size_t struct_size; /**< sizeof(cata_pca_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
-     * them cannot be cancelled. */
+    /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work
+     * after them cannot be cancelled. */
     cata_progress progress;
     void *progress_user; /**< Handed to `progress`. */
     /** 1: columns are divided by their standard deviations; those without variance are not. 0:
      * none is. */
     int32_t standardize;
 } cata_pca_params;
-
 /** Fills a struct with the defaults. */
 cata_status cata_pca_params_init(cata_pca_params *params, size_t struct_size);
 
 /** The first principal components of the rows of A (m x n), from the Gram matrix of its centred
  * columns in extended precision. Components beyond the rank of the centred columns are zeros,
  * and so are their variances and singular values.
- *
  * - `m`: at least 2. `n`: any, 0 included.
  * - `count`: number of components, at most n.
  * - `components`: count x n, written, with leading dimension `ldcomponents`: one row for each
@@ -663,12 +532,11 @@ cata_status cata_pca(int32_t layout, size_t m, size_t n, const double *a, size_t
 typedef struct cata_gram_params {
     size_t struct_size; /**< sizeof(cata_gram_params). */
     size_t threads; /**< Threads, at most; 0: all. */
-    /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
-     * them cannot be cancelled. */
+    /** Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work
+     * after them cannot be cancelled. */
     cata_progress progress;
     void *progress_user; /**< Handed to `progress`. */
 } cata_gram_params;
-
 /** Fills a struct with the defaults. */
 cata_status cata_gram_params_init(cata_gram_params *params, size_t struct_size);
 
@@ -676,25 +544,23 @@ cata_status cata_gram_params_init(cata_gram_params *params, size_t struct_size);
  * extended precision: A = U diag(values) V^T, where column j of U is A v_j over the j-th value.
  *
  * With K the condition number of A with columns of norm 1, the relative error of every value,
- * the smallest included, is a few n 2^-53 plus K^2 2^-106 (K^2 2^-80 where cata_gram_extended is
- * not exact).
- *
+ * the smallest included, is a few n 2^-53 plus K^2 2^-106 (K^2 2^-80 where cata_gram_extended
+ * is not exact).
  * - `m`, `n`: any, 0 included. Time and memory suit m >= n.
  * - `values`: min(m, n) elements, written: descending; zeros where columns depend on others as
  *   far as the precision can tell. NULL where not wanted.
- * - `v`: V, n x min(m, n), written, with leading dimension `ldv`: an orthonormal column for each
- *   value that is not 0, and zeros for the others. NULL where not wanted; `ldv` is then not
- *   looked at. */
+ * - `v`: V, n x min(m, n), written, with leading dimension `ldv`: an orthonormal column for
+ *   each value that is not 0, and zeros for the others. NULL where not wanted; `ldv` is then
+ *   not looked at. */
 cata_status cata_svd(int32_t layout, size_t m, size_t n, const double *a, size_t lda,
     double *values, double *v, size_t ldv, const cata_gram_params *params);
 
-/** The lower triangle of C = X^T W X as unevaluated sums of two doubles, high + low, where X is A
- * (m x n), or A with the mean of its rows subtracted from every row, and W = diag(weights).
+/** The lower triangle of C = X^T W X as unevaluated sums of two doubles, high + low, where X is
+ * A (m x n), or A with the mean of its rows subtracted from every row, and W = diag(weights).
  *
  * C is the same for any order of the rows. Where `exact` is 1, no entry of A was rounded, and
  * the two parts together are C rounded to about 106 bits; else entries were rounded to about
  * 2^-80 of the largest of their column.
- *
  * - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
  * - `centering`: CATA_CENTER_NONE or CATA_CENTER_MEAN (weighted if there are weights).
  * - `high`: n x n, with leading dimension `ldhigh`: the triangle on and below the diagonal is
@@ -709,48 +575,42 @@ cata_status cata_gram_extended(int32_t layout, size_t m, size_t n, const double 
 /** C := the correlation matrix (n x n) of the columns of A (m x n), from their Gram matrix about
  * the mean in extended precision: entries are within [-1, 1], and wrong by little more than one
  * rounding. Both triangles are written; rows and columns of a column without variance are NaN.
- *
  * - `c`: C, written, with leading dimension `ldc`; must not overlap A. */
 cata_status cata_gram_correlation(int32_t layout, size_t m, size_t n, const double *a, size_t lda,
     double *c, size_t ldc, const cata_gram_params *params);
 
 /** How far the columns of Q (m x n) are from orthonormal: Q^T Q - I is formed in extended
  * precision, and no digits are lost to cancellation.
- *
  * - `q`: Q, read, with leading dimension `ldq` as A in cata_ata_f64.
  * - `max`: one double, written: the largest entry of Q^T Q - I by size; NULL where not wanted.
  * - `frobenius`: one double, written: the Frobenius norm of Q^T Q - I; NULL where not wanted. */
 cata_status cata_gram_orthogonality(int32_t layout, size_t m, size_t n, const double *q, size_t ldq,
     double *max, double *frobenius, const cata_gram_params *params);
 
-/** A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in extended
- * precision: A (m x n) becomes Q. For columns that are independent; cata_ortho_gram_schmidt
- * takes any.
+/** A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in
+ * extended precision: A (m x n) becomes Q. For columns that are independent;
+ * cata_ortho_gram_schmidt takes any.
  *
- * Let K be the condition number of A with columns of norm 1. The columns of Q are orthonormal up
- * to rounding for K up to 10^14 where cata_gram_extended is exact, and up to an error of n K^2
- * 2^-79 otherwise.
- *
+ * Let K be the condition number of A with columns of norm 1. The columns of Q are orthonormal
+ * up to rounding for K up to 10^14 where cata_gram_extended is exact, and up to an error of n
+ * K^2 2^-79 otherwise.
  * - `m`, `n`: any, 0 included; m >= n, or the columns depend on each other.
  * - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64.
  * - `r`: R, n x n, written, with leading dimension `ldr`: upper triangular with a positive
  *   diagonal, zeros below; must not overlap A. NULL where not wanted; `ldr` is then not looked
  *   at.
  *
- * Returns CATA_ERR_ARGUMENT when columns depend on those before them, which the message names. A
- * and R are unspecified after CATA_ERR_PANIC. */
+ * Returns CATA_ERR_ARGUMENT when columns depend on those before them, which the message names.
+ * A and R are unspecified after CATA_ERR_PANIC. */
 cata_status cata_gram_cholesky_qr(int32_t layout, size_t m, size_t n, double *a, size_t lda,
     double *r, size_t ldr, const cata_gram_params *params);
 
 /** @} */
 
-/* ==== Streams of rows ========================================================================== */
-
+/* ==== Streams of rows ======================================================================= */
 /**
  * @defgroup rows Streams of rows
- *
  * Products of weighted and centred rows, which are read in blocks.
- *
  * @code{.c}
  * double a[] = {1, 2, 3, 4, 5, 6}, c[4]; // 3 x 2, its covariance
  * cata_ata_rows_f64(CATA_ROW_MAJOR, CATA_BOTH, 3, 2, 0.5, a, 2, NULL, CATA_CENTER_MEAN, NULL, 0, c,
@@ -761,26 +621,18 @@ cata_status cata_gram_cholesky_qr(int32_t layout, size_t m, size_t n, double *a,
  */
 
 #define CATA_CENTER_NONE 0 /**< `centering`: nothing is subtracted from the rows. */
-
-/** `centering`: the mean of the rows is subtracted, weighted if there are weights. */
-#define CATA_CENTER_MEAN 1
+#define CATA_CENTER_MEAN 1 /**< `centering`: the (weighted) mean of the rows is subtracted. */
 #define CATA_CENTER_GIVEN 2 /**< `centering`: the row given is subtracted. */
 
 /** C := alpha X^T W X + beta C, where X is A with a row subtracted from every row, and W =
- * diag(weights). A is not copied as a whole: it is read in blocks of rows, about 32 MiB each.
- *
- * With CATA_CENTER_MEAN and alpha = 1 / (m - 1) C is the covariance matrix of the columns of A.
- *
+ * diag(weights). A is read in blocks of rows, about 32 MiB each. With CATA_CENTER_MEAN and
+ * alpha = 1 / (m - 1) C is the covariance matrix of the columns of A.
  * - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
  * - `centering`: CATA_CENTER_NONE, CATA_CENTER_MEAN or CATA_CENTER_GIVEN.
- * - `center`: with CATA_CENTER_GIVEN n finite numbers, read, not NULL unless n is 0; else
- *   ignored.
- * - The rest as in cata_ata_f64. Neither `weights` nor `center` may overlap C.
+ * - `center`: with CATA_CENTER_GIVEN n finite numbers, read; else ignored.
  *
- * Returns what cata_ata_f64 does, CATA_ERR_NON_FINITE for a weight or a centre that is not
- * finite, or CATA_ERR_ARGUMENT when the weights of a mean sum to 0. C is untouched after any
- * error but CATA_ERR_CANCELLED, CATA_ERR_PANIC and CATA_ERR_OUT_OF_MEMORY, which leave
- * unspecified values in its wanted part. */
+ * The rest as in cata_ata_f64, but that C holds unspecified values after CATA_ERR_OUT_OF_MEMORY
+ * too. CATA_ERR_ARGUMENT when the weights of a mean sum to 0. */
 cata_status cata_ata_rows_f64(int32_t layout, int32_t uplo, size_t m, size_t n, double alpha,
     const double *a, size_t lda, const double *weights, int32_t centering, const double *center,
     double beta, double *c, size_t ldc, const cata_ata_params *params);
@@ -790,18 +642,15 @@ cata_status cata_ata_rows_f32(int32_t layout, int32_t uplo, size_t m, size_t n, 
     const float *a, size_t lda, const float *weights, int32_t centering, const float *center,
     float beta, float *c, size_t ldc, const cata_ata_params *params);
 
-/** `sums`: in double; the last bits depend on the blocks and their order. */
-#define CATA_SUMS_FLOAT 0
+#define CATA_SUMS_FLOAT 0 /**< `sums`: in double, to a few last bits. */
 
-/** `sums`: integers, within bounds that are given: the same bytes for any blocks, order, threads and
- * machines, and rows can be removed. */
+/** `sums`: integers, within bounds that are given: the same bytes for any blocks, order, threads
+ * and machines, and rows can be removed. */
 #define CATA_SUMS_EXACT 1
+#define CATA_SUMS_EXTENDED 2 /**< `sums`: exact, for least squares and the like. */
 
-/** `sums`: as CATA_SUMS_EXACT, with integers from which least squares and the like follow. */
-#define CATA_SUMS_EXTENDED 2
-
-/** X^T W X of rows X that come in blocks, weights W, and what follows from it at any time. Made by
- * cata_accumulator_new or cata_accumulator_read. */
+/** X^T W X of rows X that come in blocks, weights W, and what follows from it at any time. Made
+ * by cata_accumulator_new or cata_accumulator_read. */
 typedef struct cata_accumulator cata_accumulator;
 
 /** What an accumulator adds, and how. */
@@ -821,7 +670,6 @@ typedef struct cata_accumulator_params {
     int32_t sums; /**< CATA_SUMS_*. */
     int32_t centered; /**< 1: about the mean of the rows. 0: about 0. */
 } cata_accumulator_params;
-
 /** Fills a struct with the defaults. */
 cata_status cata_accumulator_params_init(cata_accumulator_params *params, size_t struct_size);
 
@@ -830,29 +678,26 @@ cata_status cata_accumulator_new(size_t n, const cata_accumulator_params *params
     cata_accumulator **accumulator);
 
 /** The accumulator of a file of cata_accumulator_write.
- *
  * - `params`: threads and progress; the rest comes from the file. */
 cata_status cata_accumulator_read(const char *path, const cata_accumulator_params *params,
     cata_accumulator **accumulator);
 
-/** Writes an accumulator to a file, from which it goes on elsewhere. A file of that name is replaced when
- * all is written, and stays otherwise. */
+/** Writes an accumulator to a file, from which it goes on elsewhere. A file of that name is
+ * replaced when all is written, and stays otherwise. */
 cata_status cata_accumulator_write(const cata_accumulator *accumulator, const char *path);
 
-/** Gives an accumulator back. */
-void cata_accumulator_free(cata_accumulator *accumulator);
+void cata_accumulator_free(cata_accumulator *accumulator); /**< Gives an accumulator back. */
 
 /** Adds the rows of A, m x n.
  *
- * After an error within the rows, such as a cancelled call, the accumulator is of no use any more, and
- * says so; a first row or weight that is refused leaves it as it was.
- *
+ * After an error within the rows, such as a cancelled call, the accumulator is of no use any
+ * more, and says so; a first row or weight that is refused leaves it as it was.
  * - `weights`: m finite numbers, read; NULL: all 1. */
 cata_status cata_accumulator_add(cata_accumulator *accumulator, int32_t layout, size_t m,
     const double *a, size_t lda, const double *weights);
 
-/** Removes rows that were added, with the same weights, from sums of integers: what is left are the bytes
- * of sums that never had them. Otherwise as cata_accumulator_add. */
+/** Removes rows that were added, with the same weights, from sums of integers: what is left are
+ * the bytes of sums that never had them. Otherwise as cata_accumulator_add. */
 cata_status cata_accumulator_remove(cata_accumulator *accumulator, int32_t layout, size_t m,
     const double *a, size_t lda, const double *weights);
 
@@ -863,23 +708,23 @@ cata_status cata_accumulator_add_file(cata_accumulator *accumulator, const char 
 /** Adds the rows of another accumulator of the same kind, which stays as it is. */
 cata_status cata_accumulator_merge(cata_accumulator *accumulator, const cata_accumulator *other);
 
-/** The number of rows, the sum of their weights, and the mean of each column (n elements; 0 unless
- * `centered`). NULL where not wanted. */
+/** The number of rows, the sum of their weights, and the mean of each column (n elements; 0
+ * unless `centered`). NULL where not wanted. */
 cata_status cata_accumulator_rows(const cata_accumulator *accumulator, uint64_t *rows,
     double *weight, double *mean);
 
 /** C := alpha X^T W X, n x n, of the rows so far; 1 / (rows - 1) makes it a covariance matrix.
- *
  * - `uplo`: the part of C that is written; the rest is neither read nor written. */
 cata_status cata_accumulator_gram(const cata_accumulator *accumulator, int32_t layout, int32_t uplo,
     double alpha, double *c, size_t ldc);
 
-/** Least squares, as cata_lstsq, with the first n - k columns of the rows for A and the last k for B. The
- * sums must be CATA_SUMS_EXTENDED, and `centered` with `params.intercept`. */
+/** Least squares, as cata_lstsq, with the first n - k columns of the rows for A and the last k
+ * for B. The sums must be CATA_SUMS_EXTENDED, and `centered` with `params.intercept`. */
 cata_status cata_accumulator_lstsq(const cata_accumulator *accumulator, size_t k, int32_t layout,
     double *x, size_t ldx, cata_lstsq_result *result, const cata_lstsq_params *params);
 
-/** Principal components of the rows, as cata_pca. The sums must be CATA_SUMS_EXTENDED and `centered`. */
+/** Principal components of the rows, as cata_pca. The sums must be CATA_SUMS_EXTENDED and
+ * `centered`. */
 cata_status cata_accumulator_pca(const cata_accumulator *accumulator, int32_t layout, size_t count,
     double *components, size_t ldcomponents, double *explained_variance,
     double *explained_variance_ratio, double *singular_values, double *mean, double *scale,
@@ -887,14 +732,11 @@ cata_status cata_accumulator_pca(const cata_accumulator *accumulator, int32_t la
 
 /** @} */
 
-/* ==== Sparse eigenpairs ======================================================================== */
-
+/* ==== Sparse eigenpairs ===================================================================== */
 /**
  * @defgroup eigs Sparse eigenpairs
- *
  * The smallest eigenvalues of sparse symmetric matrices, or those nearest to a shift, by
  * shift-invert block Lanczos; and orthonormal columns, in the inner product of a diagonal.
- *
  * @code{.c}
  * size_t starts[] = {0, 1, 2}, columns[] = {0, 1};
  * double entries[] = {2, 1}, value, vector[2]; // diag(2, 1)
@@ -904,18 +746,11 @@ cata_status cata_accumulator_pca(const cata_accumulator *accumulator, int32_t la
  * @{
  */
 
-/** `laplacian`: of the triangles of the mesh, with cotangent weights. */
-#define CATA_LAPLACIAN_COTANGENT 0
-
-/** `laplacian`: of the intrinsic Delaunay triangulation: no negative weights, for surfaces. */
-#define CATA_LAPLACIAN_INTRINSIC_DELAUNAY 1
-
-/** `laplacian`: of the intrinsic Delaunay triangulation of the tufted cover: for any mesh. */
-#define CATA_LAPLACIAN_TUFTED 2
-
-/** `mass`: a diagonal, a third of the area of a face to each vertex. */
-#define CATA_MASS_BARYCENTRIC 0
-#define CATA_MASS_MIXED_VORONOI 1 /**< `mass`: a diagonal, what is nearest to each vertex. */
+#define CATA_LAPLACIAN_COTANGENT 0 /**< `laplacian`: of the faces. */
+#define CATA_LAPLACIAN_INTRINSIC_DELAUNAY 1 /**< `laplacian`: no negative weights. */
+#define CATA_LAPLACIAN_TUFTED 2 /**< `laplacian`: the same for any mesh (tufted cover). */
+#define CATA_MASS_BARYCENTRIC 0 /**< `mass`: a third of the area of a face to each vertex. */
+#define CATA_MASS_MIXED_VORONOI 1 /**< `mass`: what is nearest to each vertex. */
 #define CATA_MASS_CONSISTENT 2 /**< `mass`: the inner product of linear functions, a full matrix. */
 #define CATA_BOUNDARY_NEUMANN 0 /**< `boundary`: the normal derivative is zero there. */
 #define CATA_BOUNDARY_DIRICHLET 1 /**< `boundary`: functions are zero there. */
@@ -946,18 +781,16 @@ typedef struct cata_eigs_params {
  * returns 0 to go on, anything else to end the call with CATA_ERR_CANCELLED. */
 typedef int32_t (*cata_eigs_slice)(size_t count, const double *eigenvalues,
     const double *eigenvectors, size_t ldv, const double *residuals, void *user);
-
 /** Fills a struct with the defaults. */
 cata_status cata_eigs_params_init(cata_eigs_params *params, size_t struct_size);
 
 /** The k smallest eigenvalues, or those nearest to a shift, of W phi = lambda M phi, and their
  * eigenvectors. W is n x n, sparse, symmetric, and positive semi-definite unless a shift is
  * given; M is a diagonal of positive masses.
- *
  * - `row_starts`: n + 1 elements: the entries of row i are those from `row_starts[i]` to
  *   `row_starts[i + 1] - 1`, the first being 0.
- * - `columns`, `entries`: `row_starts[n]` elements each: columns ascending within a row, from 0,
- *   and the entries of W there, both triangles.
+ * - `columns`, `entries`: `row_starts[n]` elements each: columns ascending within a row, from
+ *   0, and the entries of W there, both triangles.
  * - `masses`: n elements: the diagonal of M; NULL: all 1.
  * - `k`: number of pairs, at most n.
  * - `eigenvalues`: k elements, written: ascending.
@@ -971,9 +804,8 @@ cata_status cata_eigs(size_t n, const size_t *row_starts, const size_t *columns,
 /** The k smallest eigenpairs as those of cata_eigs, in slices of the spectrum of which one at a
  * time is in memory. Each slice is complete (as with `verify_count`), and ends in a gap between
  * eigenvalues.
- *
- * - `memory`: bytes that may be used beside W and M; where all pairs fit there is one slice. Too
- *   few for any slice, or for k pairs around a shift, are CATA_ERR_ARGUMENT.
+ * - `memory`: bytes that may be used beside W and M; where all pairs fit there is one slice.
+ *   Too few for any slice, or for k pairs around a shift, are CATA_ERR_ARGUMENT.
  * - `slice`, `user`: what takes the slices, and what is handed to it. */
 cata_status cata_eigs_sliced(size_t n, const size_t *row_starts, const size_t *columns,
     const double *entries, const double *masses, size_t k, size_t memory, cata_eigs_slice slice,
@@ -982,18 +814,14 @@ cata_status cata_eigs_sliced(size_t n, const size_t *row_starts, const size_t *c
 /** The number of eigenvalues below `value`, which may not be one, by a factorisation: so many k
  * give cata_eigs all of them. In an interval there are as many as the difference of two counts,
  * and these are nearest to its middle as `shift`.
- *
  * - `count`: one size_t, written.
  * - `params`: of it only `progress` is looked at, before and after the work. */
 cata_status cata_eigs_count(size_t n, const size_t *row_starts, const size_t *columns,
     const double *entries, const double *masses, double value, size_t *count,
     const cata_eigs_params *params);
 
-/** `method`: columns are projected until they are orthogonal to rounding; threshold 1e-9. */
-#define CATA_ORTHO_REORTHOGONALIZED 1
-
-/** `method`: once, so that columns are orthogonal as far as that goes; threshold 1e-2. */
-#define CATA_ORTHO_SINGLE_PASS 2
+#define CATA_ORTHO_REORTHOGONALIZED 1 /**< `method`: orthogonal to rounding; threshold 1e-9. */
+#define CATA_ORTHO_SINGLE_PASS 2 /**< `method`: one projection; threshold 1e-2. */
 
 /** `method`: as many columns as the numerical rank: singular values above the threshold, 1e-9,
  * times the largest one, columns scaled to length 1; orthogonal to rounding. */
@@ -1010,19 +838,18 @@ typedef struct cata_ortho_params {
     double threshold;
     int32_t method; /**< CATA_ORTHO_*; 0: CATA_ORTHO_REORTHOGONALIZED. */
 } cata_ortho_params;
-
 /** Fills a struct with the defaults. */
 cata_status cata_ortho_params_init(cata_ortho_params *params, size_t struct_size);
 
 /** Gram-Schmidt with rank detection, in place: A (n x c) = Q R with Q^T M Q = I, for a diagonal
  * M. Columns that depend on those before them are dropped.
- *
- * - `a`: A, read and written: its first `*rank` columns are Q afterwards, the others unspecified.
+ * - `a`: A, read and written: its first `*rank` columns are Q afterwards, the others
+ *   unspecified.
  * - `masses`: n elements: the diagonal of M, positive; NULL: all 1.
- * - `r`: min(n, c) x c, written: R in its first `*rank` rows, zeros below; coefficients of every
- *   column of A. NULL where not wanted; `ldr` is then not looked at.
- * - `kept`: c elements; the first `*rank` are written: the columns that Q is made of, ascending,
- *   from 0. NULL where not wanted.
+ * - `r`: min(n, c) x c, written: R in its first `*rank` rows, zeros below; coefficients of
+ *   every column of A. NULL where not wanted; `ldr` is then not looked at.
+ * - `kept`: c elements; the first `*rank` are written: the columns that Q is made of,
+ *   ascending, from 0. NULL where not wanted.
  * - `rank`: one size_t, written.
  *
  * A is unspecified after errors that are not of arguments. */
@@ -1031,10 +858,9 @@ cata_status cata_ortho_gram_schmidt(int32_t layout, size_t n, size_t c, double *
     const cata_ortho_params *params);
 
 /** A (n x c) = Q R with Q^T M Q = I, in place, by shifted Cholesky QR: about half the work of
- * cata_ortho_gram_schmidt, for independent columns. Others are CATA_ERR_ARGUMENT, which leaves A
- * unspecified, as the errors there do. (cata_gram_cholesky_qr: from a Gram matrix in extended
+ * cata_ortho_gram_schmidt, for independent columns. Others are CATA_ERR_ARGUMENT, which leaves
+ * A unspecified, as the errors there do. (cata_gram_cholesky_qr: from a Gram matrix in extended
  * precision.)
- *
  * - `a`, `masses`: as there; A becomes Q.
  * - `r`: c x c, written: R, upper triangular with a positive diagonal; NULL as there.
  * - `params`: `threads` and `progress` are looked at. */
@@ -1043,15 +869,12 @@ cata_status cata_ortho_cholesky_qr(int32_t layout, size_t n, size_t c, double *a
 
 /** @} */
 
-/* ==== Meshes =================================================================================== */
-
+/* ==== Meshes ================================================================================ */
 /**
  * @defgroup mesh Meshes
- *
  * Triangle meshes are arrays: `n_vertices`, `vertices` (3 doubles each: x, y, z), `n_faces`,
  * `faces` (3 vertices each, from 0, counter-clockwise as seen from outside). Here:
  * eigenfunctions of their Laplacian.
- *
  * @code{.c}
  * double v[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, values[2], functions[8]; // a tetrahedron
  * uint32_t f[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
@@ -1063,11 +886,10 @@ cata_status cata_ortho_cholesky_qr(int32_t layout, size_t n, size_t c, double *a
 
 /** The k smallest eigenvalues, or those nearest to a shift, of the Laplacian of a triangle mesh,
  * W phi = lambda M phi, and their eigenfunctions.
- *
  * - `k`: number of pairs, at most the vertices that are in a face and not held at zero.
  * - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2.
- * - `eigenvectors`: n_vertices x k, written, column-major; orthonormal in the inner product of M,
- *   0 where functions are held at zero and at vertices in no face.
+ * - `eigenvectors`: n_vertices x k, written, column-major; orthonormal in the inner product of
+ *   M, 0 where functions are held at zero and at vertices in no face.
  * - `residuals`: k elements, written, as those of cata_eigs; NULL where not wanted.
  * - `masses`: n_vertices elements, written: the diagonal of M, 0 at vertices that it has no row
  *   for; NULL where not wanted. CATA_MASS_CONSISTENT has none to give. */
@@ -1088,7 +910,6 @@ cata_status cata_mesh_eigs_sliced(size_t n_vertices, const double *vertices, siz
  * the mesh: of two parts of which one lies in the other, the inner one then has no smaller
  * eigenvalue anywhere in the sequence. Under CATA_BOUNDARY_NEUMANN the part is a mesh of its
  * own.
- *
  * - `mask`: n_vertices elements: 1 for a vertex of the part, 0 for any other.
  * - `k`: number of eigenvalues, at most the vertices of the part that are not held at zero.
  * - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2.
@@ -1099,14 +920,11 @@ cata_status cata_mesh_part_eigenvalues(size_t n_vertices, const double *vertices
 
 /** @} */
 
-/* ==== Decimation =============================================================================== */
-
+/* ==== Decimation ============================================================================ */
 /**
  * @defgroup decimation Decimation
- *
- * A mesh with a given number of vertices, spread evenly over the surface (thesis, chapter 5), and what
- * carries functions, attributes and textures from one to the other.
- *
+ * A mesh with a given number of vertices, spread evenly over the surface (thesis, chapter 5),
+ * and what carries functions, attributes and textures from one to the other.
  * @code{.c}
  * double v[] = {1, 0, 0, 0, 1, 0, -1, 0, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1}; // an octahedron
  * uint32_t f[] = {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4, 1, 0, 5, 2, 1, 5, 3, 2, 5, 0, 3, 5};
@@ -1122,9 +940,7 @@ cata_status cata_mesh_part_eigenvalues(size_t n_vertices, const double *vertices
  */
 
 #define CATA_DECIMATION_UNIFORM 0 /**< `method`: exactly n vertices, the topology of the input. */
-
-/** `method`: the thesis literally (algorithm 5.2), for comparison: not a manifold in general. */
-#define CATA_DECIMATION_THESIS 1
+#define CATA_DECIMATION_THESIS 1 /**< `method`: algorithm 5.2, for comparison: no manifold. */
 #define CATA_NO_PASSES -1 /**< Passes: none, where 0 stands for the default. */
 
 /** A decimated mesh, and how it lies on the input. Made by cata_decimation_new; constant. */
@@ -1143,43 +959,41 @@ typedef struct cata_decimation_params {
     /** With `has_first` 1: the vertex that the first sample is. Else not looked at. */
     uint32_t first;
     int32_t has_first; /**< 1: `first` counts; 0: the lowest vertex that a face has. */
-    /** 1: handles too narrow for the triangles of the result are cut, and their ends closed. 0: they
-     * are kept. */
+    /** 1: handles too narrow for the triangles of the result are cut, and their ends closed. 0:
+     * they are kept. */
     int32_t cut_narrow_handles;
-    /** 1: edges of the input stay whole, and n is at most its number of vertices. 0: those longer than
-     * the edges of the result are split first. */
+    /** 1: edges of the input stay whole, and n is at most its number of vertices. 0: those
+     * longer than the edges of the result are split first. */
     int32_t keep_edges;
 } cata_decimation_params;
-
 /** Fills a struct with the defaults. */
 cata_status cata_decimation_params_init(cata_decimation_params *params, size_t struct_size);
 
-/** Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components, boundary
- * loops and genus of the input. The input is cut along edges of more than two faces first, and edges
- * longer than those of the result are split, so that n may also be more than the input has. No
- * step makes faces intersect that did not. What can't be is refused, and the message says why.
- *
+/** Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components,
+ * boundary loops and genus of the input. The input is cut along edges of more than two faces
+ * first, and edges longer than those of the result are split, so that n may also be more than
+ * the input has. No step makes faces intersect that did not. What can't be is refused, and the
+ * message says why.
  * - `n`: vertices of the result. With fewer than the topology needs, CATA_ERR_ARGUMENT.
  * - `decimation`: one pointer, written. */
 cata_status cata_decimation_new(size_t n_vertices, const double *vertices, size_t n_faces,
     const uint32_t *faces, size_t n, const cata_decimation_params *params,
     cata_decimation **decimation);
 
-/** Gives a decimation back. */
-void cata_decimation_free(cata_decimation *decimation);
+void cata_decimation_free(cata_decimation *decimation); /**< Gives a decimation back. */
 
-/** The numbers of vertices and faces of the result, and whether the input had to be repaired (repeated
- * faces and vertices without a face left out, faces flipped, the mesh cut): 1, or 0. NULL where not
- * wanted. */
+/** The numbers of vertices and faces of the result, and whether the input had to be repaired
+ * (repeated faces and vertices without a face left out, faces flipped, the mesh cut): 1, or 0.
+ * NULL where not wanted. */
 cata_status cata_decimation_size(const cata_decimation *decimation, size_t *n_vertices,
     size_t *n_faces, int32_t *repaired);
 
-/** The vertices and faces of the result, as many as cata_decimation_size says; NULL where not wanted. */
+/** The vertices and faces of the result, as many as cata_decimation_size says; NULL where not
+ * wanted. */
 cata_status cata_decimation_get(const cata_decimation *decimation, double *vertices,
     uint32_t *faces);
 
 /** Where the result lies on the input; NULL where not wanted.
- *
  * - `cells`: for each vertex of the input the nearest one of the result along edges, written;
  *   UINT32_MAX for those that no face has.
  * - `distances`: for each vertex of the input how far that is, written.
@@ -1188,30 +1002,28 @@ cata_status cata_decimation_get(const cata_decimation *decimation, double *verti
 cata_status cata_decimation_places(const cata_decimation *decimation, uint32_t *cells,
     float *distances, uint32_t *places, double *weights);
 
-/** Values of the input's vertices at the vertices of the result: `width` for each, one vertex after the
- * other. */
+/** Values of the input's vertices at the vertices of the result: `width` for each, one vertex
+ * after the other. */
 cata_status cata_decimation_carry(const cata_decimation *decimation, size_t width,
     const double *values, double *carried);
 
-/** Values of the result's vertices at the vertices of the input, the other way: each is the mean of those
- * of a face near it, 0 at vertices without a face. */
+/** Values of the result's vertices at the vertices of the input, the other way: each is the mean
+ * of those of a face near it, 0 at vertices without a face. */
 cata_status cata_decimation_prolong(const cata_decimation *decimation, size_t width,
     const double *values, double *prolonged);
 
 /** The texture of the result, from that of the input, with its seams.
- *
  * - `uv`: 6 for each face of the input, read: u and v at its three corners.
  * - `carried`: 6 for each face of the result, written. */
 cata_status cata_decimation_carry_uv(const cata_decimation *decimation, const double *uv,
     double *carried);
 
-/** The farthest points of a mesh: each new sample is the vertex farthest along edges from those before,
- * so that the first ones are the same for every n.
- *
+/** The farthest points of a mesh: each new sample is the vertex farthest along edges from those
+ * before, so that the first ones are the same for every n.
  * - `n`: samples, at most the vertices that have a face.
  * - `samples`: n vertices, written, in their order.
- * - `nearest`: n_vertices elements, written: the number of the sample nearest to each vertex, UINT32_MAX
- *   for those that no face has. NULL where not wanted.
+ * - `nearest`: n_vertices elements, written: the number of the sample nearest to each vertex,
+ *   UINT32_MAX for those that no face has. NULL where not wanted.
  * - `distances`: n_vertices elements, written: how far it is. NULL where not wanted.
  * - `params`: `first` and `progress` count, the rest is checked only. On the calling thread. */
 cata_status cata_decimation_farthest_points(size_t n_vertices, const double *vertices,
@@ -1220,14 +1032,11 @@ cata_status cata_decimation_farthest_points(size_t n_vertices, const double *ver
 
 /** @} */
 
-/* ==== Curves =================================================================================== */
-
+/* ==== Curves ================================================================================ */
 /**
  * @defgroup curves Curves
- *
- * Closed or open curves along the edges of a mesh through samples of them, whose order is found (thesis,
- * chapter 6): a solver for each mesh, for many curves.
- *
+ * Closed or open curves along the edges of a mesh through samples of them, whose order is found
+ * (thesis, chapter 6): a solver for each mesh, for many curves.
  * @code{.c}
  * double v[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, .5, .5, 0}, length;
  * uint32_t f[] = {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4}, samples[] = {0, 2, 1, 3};
@@ -1246,15 +1055,9 @@ cata_status cata_decimation_farthest_points(size_t n_vertices, const double *ver
 #define CATA_CURVE_CLOSED 0 /**< `outcome`: the curve is closed, or all curves are. */
 #define CATA_CURVE_OPEN 1 /**< `outcome`: the curve is open, as was asked for. */
 #define CATA_CURVE_BLOCKED 2 /**< `outcome`: from a sample no way led on. */
-
-/** `outcome`: all samples are connected, but no way led back to the first one. */
-#define CATA_CURVE_CLOSE_BLOCKED 3
-
-/** `outcome`: samples are on different components of the mesh. */
-#define CATA_CURVE_DISCONNECTED 4
-
-/** `points`: vertices, and points in the middle of edges where there is no other way. */
-#define CATA_CURVE_STEINER 0
+#define CATA_CURVE_CLOSE_BLOCKED 3 /**< `outcome`: no way led back to the first sample. */
+#define CATA_CURVE_DISCONNECTED 4 /**< `outcome`: samples are on several components. */
+#define CATA_CURVE_STEINER 0 /**< `points`: vertices, and new ones on edges where needed. */
 #define CATA_CURVE_VERTICES 1 /**< `points`: vertices of the mesh alone. */
 #define CATA_IN_SPACE UINT32_MAX /**< Instead of a face: the place is a point in space. */
 
@@ -1273,17 +1076,17 @@ typedef struct cata_curve_params {
     /** With `faithful` 1: among how many of the nearest samples the next one is chosen; 0: 5. */
     size_t candidates;
     size_t start; /**< With `faithful` 1: the number of the sample that the curve starts at. */
-    /** 1: algorithm 6.1 of the thesis, from sample to sample. 0: the order first, then paths that do not
-     * meet. */
+    /** 1: algorithm 6.1 of the thesis, from sample to sample. 0: the order first, then paths
+     * that do not meet. */
     int32_t faithful;
     int32_t open; /**< 1: an open curve; 0: closed. */
-    /** 1: one curve, even where there are gaps as between several; 0: as many as there are gaps for. */
+    /** 1: one curve, even where there are gaps as between several; 0: as many as there are gaps
+     * for. */
     int32_t single;
     int32_t points; /**< CATA_CURVE_STEINER or CATA_CURVE_VERTICES. */
     /** 1: curves are shortened to geodesics between their samples. 0: they are along edges. */
     int32_t smooth;
 } cata_curve_params;
-
 /** Fills a struct with the defaults. */
 cata_status cata_curve_params_init(cata_curve_params *params, size_t struct_size);
 
@@ -1291,9 +1094,8 @@ cata_status cata_curve_params_init(cata_curve_params *params, size_t struct_size
 cata_status cata_curve_solver_new(size_t n_vertices, const double *vertices, size_t n_faces,
     const uint32_t *faces, cata_curve_solver **solver);
 
-/** As cata_curve_solver_new, for samples that need not be vertices: those inside of faces become vertices,
- * numbered from n_vertices on, which cut their faces.
- *
+/** As cata_curve_solver_new, for samples that need not be vertices: those inside of faces become
+ * vertices, numbered from n_vertices on, which cut their faces.
  * - `count`: number of places.
  * - `places`: `count` elements, read: the face of each, or CATA_IN_SPACE: the nearest vertex.
  * - `weights`: 3 `count` elements, read: barycentric coordinates in the face, or x, y, z.
@@ -1302,36 +1104,34 @@ cata_status cata_curve_solver_new_at(size_t n_vertices, const double *vertices, 
     const uint32_t *faces, size_t count, const uint32_t *places, const double *weights,
     uint32_t *samples, cata_curve_solver **solver);
 
-/** Gives a solver back. */
-void cata_curve_solver_free(cata_curve_solver *solver);
+void cata_curve_solver_free(cata_curve_solver *solver); /**< Gives a solver back. */
 
-/** Finds the curves that samples without an order are of, neither meeting themselves nor each other. The
- * same samples give the same curves, bit for bit. CATA_OK also when there is no complete curve, as
- * cata_curves_outcome then says.
- *
+/** Finds the curves that samples without an order are of, neither meeting themselves nor each
+ * other. The same samples give the same curves, bit for bit. CATA_OK also when there is no
+ * complete curve, as cata_curves_outcome then says.
  * - `samples`: `count` elements, read: vertices, at least 3, none twice. */
 cata_status cata_curve_solver_find(cata_curve_solver *solver, size_t count, const uint32_t *samples,
     const cata_curve_params *params, cata_curves **curves);
 
-/** Gives curves back. */
-void cata_curves_free(cata_curves *curves);
+void cata_curves_free(cata_curves *curves); /**< Gives curves back. */
 
-/** How the search ended, CATA_CURVE_*; the number of curves; and the number of samples that no curve is
- * through, because their components of the mesh have fewer than three. NULL where not wanted. */
+/** How the search ended, CATA_CURVE_*; the number of curves; and the number of samples that no
+ * curve is through, because their components of the mesh have fewer than three. NULL where not
+ * wanted. */
 cata_status cata_curves_outcome(const cata_curves *curves, int32_t *outcome, size_t *count,
     size_t *left_out);
 
-/** The numbers of samples, of vertices and of points of a curve, from 0, and its length. NULL where not
- * wanted. */
+/** The numbers of samples, of vertices and of points of a curve, from 0, and its length. NULL
+ * where not wanted. */
 cata_status cata_curves_size(const cata_curves *curves, size_t curve, size_t *n_samples,
     size_t *n_vertices, size_t *n_points, double *length);
 
 /** A curve; NULL where not wanted.
- *
  * - `order`: n_samples elements, written: numbers of samples in the order of the curve.
- * - `path`: n_vertices elements, written: its vertices, the first one not repeated; those from the number
- *   of vertices of the mesh on were added.
- * - `points`: 3 n_points elements, written: where the curve goes, those of `path` unless it is smooth. */
+ * - `path`: n_vertices elements, written: its vertices, the first one not repeated; those from
+ *   the number of vertices of the mesh on were added.
+ * - `points`: 3 n_points elements, written: where the curve goes, those of `path` unless it is
+ *   smooth. */
 cata_status cata_curves_get(const cata_curves *curves, size_t curve, uint32_t *order,
     uint32_t *path, double *points);
 
@@ -1340,14 +1140,11 @@ cata_status cata_curves_left_out(const cata_curves *curves, uint32_t *samples);
 
 /** @} */
 
-/* ==== Spectra and maps ========================================================================= */
-
+/* ==== Spectra and maps ====================================================================== */
 /**
  * @defgroup spectra Spectra and maps
- *
  * Eigenfunctions of two shapes and their products as bases; functional maps between them,
  * functions and details carried over; ShapeDNA (thesis, chapter 1).
- *
  * @code{.c}
  * double masses[] = {0.5, 0.5}, values[] = {0, 1}, vectors[] = {1, 1, 1, -1};
  * double f[] = {3, 1}, gains[] = {1, 0}, g[2];
@@ -1360,8 +1157,8 @@ cata_status cata_curves_left_out(const cata_curves *curves, uint32_t *samples);
  * @{
  */
 
-/** Functions on the vertices of a mesh, r linearly independent ones, with the inner product of its
- * masses: eigenfunctions (cata_basis_new) or their products (cata_basis_products). */
+/** Functions on the vertices of a mesh, r linearly independent ones, with the inner product of
+ * its masses: eigenfunctions (cata_basis_new) or their products (cata_basis_products). */
 typedef struct cata_basis cata_basis;
 
 /** How bases of products are made, and other work of this chapter is done. */
@@ -1375,12 +1172,10 @@ typedef struct cata_basis_params {
     /** Of products: CATA_ORTHO_*; 0: CATA_ORTHO_SINGLE_PASS, which is stabler under transfer. */
     int32_t method;
 } cata_basis_params;
-
 /** Fills a struct with the defaults. */
 cata_status cata_basis_params_init(cata_basis_params *params, size_t struct_size);
 
 /** The basis of k eigenfunctions, as cata_mesh_eigs computes them, which are copied.
- *
  * - `masses`: n elements, positive: those of the vertices.
  * - `eigenvalues`: k elements, ascending.
  * - `eigenvectors`: n x k, column-major: orthonormal in the inner product of the masses. The
@@ -1388,9 +1183,10 @@ cata_status cata_basis_params_init(cata_basis_params *params, size_t struct_size
 cata_status cata_basis_new(size_t n, size_t k, const double *masses, const double *eigenvalues,
     const double *eigenvectors, size_t ldv, const cata_basis_params *params, cata_basis **basis);
 
-/** The products of at most `order` eigenfunctions, each divided by the constant, made orthonormal
- * (CATA_ORTHO_SINGLE_PASS: nearly) and without those that depend on others: B = Q R, B being all
- * products in the order 1, phi_1, ..., phi_1 phi_1, phi_1 phi_2, ..., and Q the basis.
+/** The products of at most `order` eigenfunctions, each divided by the constant, made
+ * orthonormal (CATA_ORTHO_SINGLE_PASS: nearly) and without those that depend on others: B = Q
+ * R, B being all products in the order 1, phi_1, ..., phi_1 phi_1, phi_1 phi_2, ..., and Q the
+ * basis.
  *
  * `eigenfunctions`: of cata_basis_new, the constant among them. */
 cata_status cata_basis_products(const cata_basis *eigenfunctions, const cata_basis_params *params,
@@ -1404,13 +1200,13 @@ void cata_basis_free(cata_basis *basis);
 cata_status cata_basis_size(const cata_basis *basis, size_t *n, size_t *r, size_t *products);
 
 /** Copies a basis, each part NULL where not wanted: `q`: n x r, its functions; `triangle`: r x
- * products, R; `kept`: r elements, ascending: the product, from 0, that each function comes from.
- * The last two are of products only. */
+ * products, R; `kept`: r elements, ascending: the product, from 0, that each function comes
+ * from. The last two are of products only. */
 cata_status cata_basis_copy(const cata_basis *basis, int32_t layout, double *q, size_t ldq,
     double *triangle, size_t ldtriangle, size_t *kept);
 
-/** The coefficients C (r x count) of the functions in the span that are nearest to the columns of
- * F (n x count). */
+/** The coefficients C (r x count) of the functions in the span that are nearest to the columns
+ * of F (n x count). */
 cata_status cata_basis_analysis(const cata_basis *basis, int32_t layout, size_t count,
     const double *f, size_t ldf, double *c, size_t ldc);
 
@@ -1418,9 +1214,9 @@ cata_status cata_basis_analysis(const cata_basis *basis, int32_t layout, size_t 
 cata_status cata_basis_synthesis(const cata_basis *basis, int32_t layout, size_t count,
     const double *c, size_t ldc, double *f, size_t ldf);
 
-/** G: the columns of F (both n x count) with their coefficients multiplied by `gains`, r elements
- * (exp(-t eigenvalue): what heat does in the time t), and what is outside of the span by `rest`:
- * 0 leaves it out, 1 keeps it. */
+/** G: the columns of F (both n x count) with their coefficients multiplied by `gains`, r
+ * elements (exp(-t eigenvalue): what heat does in the time t), and what is outside of the span
+ * by `rest`: 0 leaves it out, 1 keeps it. */
 cata_status cata_basis_filter(const cata_basis *basis, int32_t layout, size_t count,
     const double *f, size_t ldf, const double *gains, double rest, double *g, size_t ldg);
 
@@ -1428,34 +1224,34 @@ cata_status cata_basis_filter(const cata_basis *basis, int32_t layout, size_t co
 cata_status cata_basis_add_coefficient(const cata_basis *basis, size_t index, double amount,
     int32_t layout, size_t count, double *f, size_t ldf);
 
-/** The columns of F as LOW + HIGH (all n x count): their part in the span, and the detail that is
- * left. */
+/** The columns of F as LOW + HIGH (all n x count): their part in the span, and the detail that
+ * is left. */
 cata_status cata_basis_split(const cata_basis *basis, int32_t layout, size_t count, const double *f,
     size_t ldf, double *low, size_t ldlow, double *high, size_t ldhigh);
 
 /** A functional map C between two bases of cata_basis_new that is being fitted: r_target x
- * r_source, it takes coefficients of functions on the source to those of functions on the target. */
+ * r_source, it takes coefficients of functions on the source to those of functions on the
+ * target. */
 typedef struct cata_map_fit cata_map_fit;
 
 /** A fit that knows nothing yet, with the threads of `source`. */
 cata_status cata_map_fit_new(const cata_basis *source, const cata_basis *target,
     cata_map_fit **fit);
 
-/** Gives a fit back. */
-void cata_map_fit_free(cata_map_fit *fit);
+void cata_map_fit_free(cata_map_fit *fit); /**< Gives a fit back. */
 
-/** Adds functions that correspond: columns of F (n_source x count) and G (n_target x count). Each
- * pair counts the same. */
+/** Adds functions that correspond: columns of F (n_source x count) and G (n_target x count).
+ * Each pair counts the same. */
 cata_status cata_map_fit_functions(cata_map_fit *fit, int32_t layout, size_t count, const double *f,
     size_t ldf, const double *g, size_t ldg);
 
-/** Adds that C commutes with multiplications by such functions, with this weight; 0.1 is usual. A
- * function says far more of the map that way. */
+/** Adds that C commutes with multiplications by such functions, with this weight; 0.1 is usual.
+ * A function says far more of the map that way. */
 cata_status cata_map_fit_operators(cata_map_fit *fit, int32_t layout, size_t count, const double *f,
     size_t ldf, const double *g, size_t ldg, double weight);
 
-/** Adds vertices that correspond, by heat kernels around them. `pairs`: 2 count elements, a vertex
- * of the source and one of the target each. */
+/** Adds vertices that correspond, by heat kernels around them. `pairs`: 2 count elements, a
+ * vertex of the source and one of the target each. */
 cata_status cata_map_fit_landmarks(cata_map_fit *fit, size_t count, const uint32_t *pairs);
 
 /** Adds segments that correspond: a label for each vertex of the source and of the target. Every
@@ -1468,9 +1264,8 @@ cata_status cata_map_fit_segments(cata_map_fit *fit, const uint32_t *source_labe
 cata_status cata_map_fit_solve(cata_map_fit *fit, double commutativity, int32_t layout, double *c,
     size_t ldc, const cata_basis_params *params);
 
-/** Iterative closest points: in turns the points of C (r_target x r_source, read and written) and
- * the orthogonal map along them, until these stay the same or `iterations` >= 1 are done.
- *
+/** Iterative closest points: in turns the points of C (r_target x r_source, read and written)
+ * and the orthogonal map along them, until these stay the same or `iterations` >= 1 are done.
  * - `source`, `target`: of cata_basis_new.
  * - `points`: n_target elements, written: the vertex of the source for each of the target; NULL
  *   where not wanted. */
@@ -1478,8 +1273,8 @@ cata_status cata_map_icp(const cata_basis *source, const cata_basis *target, siz
     int32_t layout, double *c, size_t ldc, uint32_t *points, const cata_basis_params *params);
 
 /** ZoomOut: in turns the points of a map and the map along them between `step` >= 1 functions
- * more, from C (rows x cols, read), a map between the first functions, to the whole MAP (r_target
- * x r_source, written). `source`, `target` and `points` are as in cata_map_icp. */
+ * more, from C (rows x cols, read), a map between the first functions, to the whole MAP
+ * (r_target x r_source, written). `source`, `target` and `points` are as in cata_map_icp. */
 cata_status cata_map_zoomout(const cata_basis *source, const cata_basis *target, size_t step,
     int32_t layout, size_t rows, size_t cols, const double *c, size_t ldc, double *map,
     size_t ldmap, uint32_t *points, const cata_basis_params *params);
@@ -1495,7 +1290,6 @@ cata_status cata_map_from_points(const cata_basis *source, const cata_basis *tar
 
 /** Carries functions over along points, through the products of eigenfunctions: what
  * cata_basis_products of both, cata_map_from_points and cata_transfer_map do in turns.
- *
  * - `source`, `target`: of cata_basis_new, the constant among the eigenfunctions.
  * - `points`: n_target elements: the vertex of the source of each vertex of the target.
  * - `f`: F, n_source x count; `g`: G, n_target x count, written. */
@@ -1503,16 +1297,16 @@ cata_status cata_transfer(const cata_basis *source, const cata_basis *target,
     const uint32_t *points, int32_t layout, size_t count, const double *f, size_t ldf, double *g,
     size_t ldg, const cata_basis_params *params);
 
-/** Carries functions over by a map C (r_target x r_source) between any bases: F, n_source x count,
- * to G, n_target x count, written. */
+/** Carries functions over by a map C (r_target x r_source) between any bases: F, n_source x
+ * count, to G, n_target x count, written. */
 cata_status cata_transfer_map(const cata_basis *source, const cata_basis *target, int32_t layout,
     const double *c, size_t ldc, size_t count, const double *f, size_t ldf, double *g, size_t ldg,
     const cata_basis_params *params);
 
 /** Gives the smooth part of the target mesh the details of the source mesh: heights over the
  * smooth part of the source, carried over by C and added along normals.
- *
- * - `smooth_source`, `smooth_target`: bases of few functions, whose spans have the smooth parts.
+ * - `smooth_source`, `smooth_target`: bases of few functions, whose spans have the smooth
+ *   parts.
  * - `source`, `target`, `c`: as in cata_transfer_map.
  * - `positions`: 3 target_n_vertices elements, written: the vertices of the target, moved. */
 cata_status cata_transfer_details(size_t n_vertices, const double *vertices, size_t n_faces,
@@ -1524,7 +1318,6 @@ cata_status cata_transfer_details(size_t n_vertices, const double *vertices, siz
 
 /** ShapeDNA: the k smallest eigenvalues of the Laplacian of a triangle mesh as its signature
  * (Reuter, Wolter and Peinecke 2006).
- *
  * - `k`: number of eigenvalues, at most the vertices that are in a face and not held at zero.
  * - `normalized`: 1: they are multiplied by the area, so that they do not depend on the size of
  *   the mesh; 0: they are not.
@@ -1536,22 +1329,18 @@ cata_status cata_shape_dna(size_t n_vertices, const double *vertices, size_t n_f
 
 /** The signatures nearest to a query, in Euclidean distance; of equally near ones the first. It
  * looks once at each number, on the calling thread.
- *
  * - `query`: the k numbers of a signature; `signatures`: `count` x k, one after the other.
- * - `indices`, `distances`: `wanted` <= count elements each, written: numbers of signatures from
- *   0, the nearest first, and their distances. */
+ * - `indices`, `distances`: `wanted` <= count elements each, written: numbers of signatures
+ *   from 0, the nearest first, and their distances. */
 cata_status cata_shape_dna_retrieve(size_t k, const double *query, size_t count,
     const double *signatures, size_t wanted, size_t *indices, double *distances);
 
 /** @} */
 
-/* ==== Spectral unions ========================================================================== */
-
+/* ==== Spectral unions ======================================================================= */
 /**
  * @defgroup unions Spectral unions
- *
  * The spectrum of a union of parts from those of the parts, by a network (thesis, chapter 2).
- *
  * @code{.c}
  * double parts[2 * CATA_UNION_EIGENVALUES], found[CATA_UNION_EIGENVALUES];
  * for (int i = 0; i < 2 * CATA_UNION_EIGENVALUES; i++) parts[i] = 12.0 * (1 + i % 20);
@@ -1563,8 +1352,7 @@ cata_status cata_shape_dna_retrieve(size_t k, const double *query, size_t count,
  * @{
  */
 
-/** Eigenvalues of the spectra that cata_unions_predict takes and gives. */
-#define CATA_UNION_EIGENVALUES 20
+#define CATA_UNION_EIGENVALUES 20 /**< Eigenvalues of a spectrum of cata_unions_predict. */
 
 /** The spectral union operator: a network with its weights. */
 typedef struct cata_unions cata_unions;
@@ -1579,16 +1367,14 @@ typedef struct cata_unions_params {
 
 /** The network that predicts spectra of unions.
  *
- * `weights`: a file of `catamaran unions train`, NUL-terminated; NULL: the weights that come with
- * the library. CATA_ERR_IO when something is wrong with the file. */
+ * `weights`: a file of `catamaran unions train`, NUL-terminated; NULL: the weights that come
+ * with the library. CATA_ERR_IO when something is wrong with the file. */
 cata_status cata_unions_new(const char *weights, cata_unions **unions);
 
-/** Gives a network back. */
-void cata_unions_free(cata_unions *unions);
+void cata_unions_free(cata_unions *unions); /**< Gives a network back. */
 
 /** The first eigenvalues of the union of parts of a surface, from those of the parts: Dirichlet
  * spectra, in whatever unit.
- *
  * - `parts`: their number, at least 1.
  * - `spectra`: CATA_UNION_EIGENVALUES elements for each part, ascending and positive, one part
  *   after the other.
@@ -1598,14 +1384,12 @@ void cata_unions_free(cata_unions *unions);
  *   prediction is a guess. NULL where not wanted. */
 cata_status cata_unions_predict(const cata_unions *unions, size_t parts, const double *spectra,
     double *spectrum, double *strangeness);
-
 /** Fills a struct with the defaults. */
 cata_status cata_unions_params_init(cata_unions_params *params, size_t struct_size);
 
 /** Where the union of parts is on the template of the network, the mesh that `catamaran unions
- * template` writes; CATA_ERR_SHAPE and CATA_ERR_ARGUMENT for another mesh. Each call computes the
- * eigenfunctions of the template.
- *
+ * template` writes; CATA_ERR_SHAPE and CATA_ERR_ARGUMENT for another mesh. Each call computes
+ * the eigenfunctions of the template.
  * - `parts`, `spectra`: as those of cata_unions_predict.
  * - `indicator`: n_vertices elements, written: about 1 inside of the union and 0 outside; the
  *   union is what is above 1/2. Mirror images have the same spectrum: it is one of the two. */
@@ -1622,14 +1406,11 @@ cata_status cata_unions_interpolate(const double *first, const double *second, d
 
 /** @} */
 
-/* ==== Plants =================================================================================== */
-
+/* ==== Plants ================================================================================ */
 /**
  * @defgroup plants Plants
- *
  * Plants that lose water and wilt (thesis, chapter 4): the water in their nodes, the stiffness
  * that follows from it, and the pose of rods with that stiffness and weight. SI units.
- *
  * @code{.c}
  * cata_plant *plant;
  * if (cata_plant_grow(100, 1, NULL, &plant) == CATA_OK) {
@@ -1670,12 +1451,10 @@ typedef struct cata_plant_params {
     /** The relative water content at which it falls most steeply; 0: 0.75. */
     double elasticity_shift;
 } cata_plant_params;
-
 /** Fills a struct with the defaults. */
 cata_status cata_plant_params_init(cata_plant_params *params, size_t struct_size);
 
 /** A plant of n >= 1 segments, each named after the node at its end.
- *
  * - `tails`: 3 n elements: x, y, z of the end of each.
  * - `radii`: n elements, positive.
  * - `parents`: n elements: the segment at whose end each begins; CATA_NO_PARENT for the root.
@@ -1697,8 +1476,7 @@ cata_status cata_plant_read(const char *path, const cata_plant_params *params, c
 cata_status cata_plant_grow(size_t n, uint64_t seed, const cata_plant_params *params,
     cata_plant **plant);
 
-/** Frees a plant. */
-void cata_plant_free(cata_plant *plant);
+void cata_plant_free(cata_plant *plant); /**< Frees a plant. */
 
 /** The number of nodes of a plant, n in all calls below; 0 for NULL. */
 size_t cata_plant_size(const cata_plant *plant);
@@ -1730,7 +1508,6 @@ cata_status cata_plant_water_after(const cata_plant *plant, size_t n, const doub
     double seconds, double *result);
 
 /** The water of every node at many times.
- *
  * - `water`: n elements: in kg, at time 0; NULL: full cells.
  * - `times`: n_times elements: seconds from 0, ascending.
  * - `intervals`: 2 n_intervals elements: seconds and loss of each part of a day, again and
@@ -1773,7 +1550,6 @@ typedef struct cata_plant_rods_params {
     size_t step_iterations; /**< Its iterations; 0: 3. */
     double damping; /**< The rate at which velocities wear off, in 1 / s; 0: 1. */
 } cata_plant_rods_params;
-
 /** Fills a struct with the defaults. */
 cata_status cata_plant_rods_params_init(cata_plant_rods_params *params, size_t struct_size);
 
@@ -1781,8 +1557,7 @@ cata_status cata_plant_rods_params_init(cata_plant_rods_params *params, size_t s
 cata_status cata_plant_rods_new(const cata_plant *plant, const cata_plant_rods_params *params,
     cata_plant_rods **rods);
 
-/** Frees rods. */
-void cata_plant_rods_free(cata_plant_rods *rods);
+void cata_plant_rods_free(cata_plant_rods *rods); /**< Frees rods. */
 
 /** Sets the modulus of elasticity of every segment, in Pa, and its water, in kg, n elements
  * each. Pose and velocities stay. */
@@ -1815,7 +1590,6 @@ cata_status cata_plant_rods_tubes(const cata_plant_rods *rods, size_t n, size_t 
 
 /** Lets a plant wilt: from full cells on cata_plant_water_curve, and at each time the pose in
  * which it then rests.
- *
  * - `rods`: of this plant, for their constants; NULL: the defaults.
  * - `water`, `moduli`, `tails`, `rotations`: n_times x n, n, 3 n and 4 n elements, written, as
  *   in the calls above; NULL where not wanted. */
@@ -1825,14 +1599,11 @@ cata_status cata_plant_wilt(const cata_plant *plant, const cata_plant_rods *rods
 
 /** @} */
 
-/* ==== Slime moulds ============================================================================= */
-
+/* ==== Slime moulds ========================================================================== */
 /**
  * @defgroup slime Slime moulds
- *
  * Agents on a surface that leave trails in its texture (thesis, chapter 3). Textures are size
  * x size texels, rows along u, the first at v = 0.
- *
  * @code{.c}
  * double square[12] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, coverage = 0;
  * uint32_t faces[6] = {0, 1, 2, 0, 2, 3};
@@ -1886,12 +1657,10 @@ typedef struct cata_slime_params {
     int32_t blur; /**< One of CATA_SLIME_BLUR_*. */
     int32_t lengths; /**< One of CATA_SLIME_LENGTHS_*. */
 } cata_slime_params;
-
 /** Fills a struct with the defaults. */
 cata_status cata_slime_params_init(cata_slime_params *params, size_t struct_size);
 
 /** Agents spread over a surface, and a texture without pheromone.
- *
  * - `uv`: 6 n_faces elements: u, v of the three corners of each face, from 0 to 1; NULL: every
  *   triangle gets a place of its own in the texture, which cata_slime_uv gives.
  * - `start`: a texture: not 0 where agents start; NULL: anywhere.
@@ -1903,8 +1672,7 @@ cata_status cata_slime_new(size_t n_vertices, const double *vertices, size_t n_f
     const uint32_t *faces, const double *uv, const uint8_t *start, const uint8_t *ground,
     const cata_slime_params *params, cata_slime **slime);
 
-/** Frees a simulation. */
-void cata_slime_free(cata_slime *slime);
+void cata_slime_free(cata_slime *slime); /**< Frees a simulation. */
 
 /** Goes `steps` steps ahead. Those before a cancelled one are done. */
 cata_status cata_slime_step(cata_slime *slime, uint32_t steps);
@@ -1927,13 +1695,10 @@ cata_status cata_slime_uv(const cata_slime *slime, double *uv);
 
 /** @} */
 
-/* ==== Newton fractals ========================================================================== */
-
+/* ==== Newton fractals ======================================================================= */
 /**
  * @defgroup newton Newton fractals
- *
  * Bicomplex fractals, evaluated anywhere in space (thesis, chapter 7).
- *
  * @code{.c}
  * cata_newton *newton;
  * uint16_t roots[16 * 16];
@@ -1946,9 +1711,8 @@ cata_status cata_slime_uv(const cata_slime *slime, double *uv);
  * @{
  */
 
-/** Equation 7.3 of the thesis: from -1 (at a root) to the number of iterations. */
-#define CATA_NEWTON_THESIS 0
-#define CATA_NEWTON_SHADER 1 /**< The gradient of the shader of the thesis' authors: from 0 to 1. */
+#define CATA_NEWTON_THESIS 0 /**< Equation 7.3: from -1 (at a root) to the iterations. */
+#define CATA_NEWTON_SHADER 1 /**< That of the thesis authors' shader: from 0 to 1. */
 
 /** A fractal that points can be asked of. */
 typedef struct cata_newton cata_newton;
@@ -1971,7 +1735,6 @@ typedef struct cata_newton_params {
     uint32_t iterations; /**< Iterations, at most 1000; 0: 32. */
     int32_t gradient; /**< CATA_NEWTON_THESIS or CATA_NEWTON_SHADER. */
 } cata_newton_params;
-
 /** Fills a struct with the defaults. */
 cata_status cata_newton_params_init(cata_newton_params *params, size_t struct_size);
 
@@ -1980,14 +1743,12 @@ cata_status cata_newton_params_init(cata_newton_params *params, size_t struct_si
  * exp(2 pi i b / n). */
 cata_status cata_newton_new(const cata_newton_params *params, cata_newton **newton);
 
-/** Frees a fractal. */
-void cata_newton_free(cata_newton *newton);
+void cata_newton_free(cata_newton *newton); /**< Frees a fractal. */
 
 /** Changes the fourth coordinate of all points, as time goes on. */
 cata_status cata_newton_set_w(cata_newton *newton, double w);
 
 /** The fractal at points in space, such as the vertices of a mesh.
- *
  * - `positions`: 3 `count` elements: x, y, z of less than 2^31 points, within 1e9 of 0.
  * - `roots`: `count` elements, written: the number of the root that each point converges to.
  * - `convergence`: `count` elements, written: how slowly. */
@@ -2006,14 +1767,11 @@ cata_status cata_newton_colors(const cata_newton *newton, size_t count, const ui
 
 /** @} */
 
-/* ==== Devices ================================================================================== */
-
+/* ==== Devices =============================================================================== */
 /**
  * @defgroup devices Devices
- *
  * OpenCL devices, where the library has CATA_CAP_OPENCL. `device` of parameters is a number,
  * or a part of a name; "" is the first GPU, or else the first device.
- *
  * @code{.c}
  * char name[256];
  * size_t count = 0;
@@ -2040,15 +1798,12 @@ cata_status cata_device_kind(size_t index, int32_t *kind);
 
 /** @} */
 
-/* ==== MPI ====================================================================================== */
-
+/* ==== MPI =================================================================================== */
 /**
  * @defgroup mpi MPI
- *
- * Products, least squares, eigenpairs and orthonormal columns of matrices that are spread over the
- * ranks of a communicator. Functions are collective unless they say Local, and take one call at a
- * time for a world.
- *
+ * Products, least squares, eigenpairs and orthonormal columns of matrices that are spread over
+ * the ranks of a communicator. Functions are collective unless they say Local, and take one
+ * call at a time for a world.
  * @code{.c}
  * double rows[] = {1, 2, 3, 4}; // two on each rank
  * cata_world *world;
@@ -2062,11 +1817,10 @@ cata_status cata_device_kind(size_t index, int32_t *kind);
  */
 
 #define CATA_BY_ROWS 141 /**< `spread`: every rank has rows of A, in any order and number. */
+#define CATA_BY_COLUMNS 142 /**< `spread`: every rank has columns of A, in order. */
 
-/** `spread`: every rank has columns of A, in the order of the ranks. */
-#define CATA_BY_COLUMNS 142
-
-/** A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a world. */
+/** A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a
+ * world. */
 typedef struct cata_symmetric cata_symmetric;
 
 /** The ranks of an MPI communicator that work together; it has a communicator of its own.
@@ -2074,11 +1828,11 @@ typedef struct cata_symmetric cata_symmetric;
  * The library never initialises or finalises MPI. MPI is called by the thread that calls; other
  * threads compute, so that MPI_THREAD_FUNNELED is needed (MPI_Init_thread).
  *
- * Collective functions are called by all ranks of the world, in the same order and with the same
- * numbers unless said otherwise; `params` may differ in `threads` and progress. An error on one
- * rank is an error on all: its own there, CATA_ERR_RANK on the others, with a message that names
- * the rank, but for a world that is NULL. A panic aborts the job (MPI_Abort); so does, unless the
- * communicator has another error handler, an error of MPI itself. */
+ * Collective functions are called by all ranks of the world, in the same order and with the
+ * same numbers unless said otherwise; `params` may differ in `threads` and progress. An error
+ * on one rank is an error on all: its own there, CATA_ERR_RANK on the others, with a message
+ * that names the rank, but for a world that is NULL. A panic aborts the job (MPI_Abort); so
+ * does, unless the communicator has another error handler, an error of MPI itself. */
 typedef struct cata_world cata_world;
 
 /** What a rank has sent and received: words are matrix entries. The few numbers by which ranks
@@ -2098,8 +1852,8 @@ typedef struct cata_traffic {
  * which takes the communicator itself. */
 cata_status cata_world_new(int32_t fortran_comm, cata_world **world);
 
-/** Gives a world back. Collective; after MPI_Finalize it is local, and leaves the communicator to
- * MPI. */
+/** Gives a world back. Collective; after MPI_Finalize it is local, and leaves the communicator
+ * to MPI. */
 void cata_world_free(cata_world *world);
 
 /** The rank of the caller, from 0. Local. */
@@ -2112,14 +1866,13 @@ cata_status cata_world_size(const cata_world *world, size_t *size);
  * `traffic` is read. */
 cata_status cata_world_traffic(const cata_world *world, cata_traffic *traffic);
 
-/** Sets the entries of a message above which it is cut in several, 1 to 2^30; 2^30 in a new world.
- * Local, but all ranks must set the same before the next collective call. */
+/** Sets the entries of a message above which it is cut in several, 1 to 2^30; 2^30 in a new
+ * world. Local, but all ranks must set the same before the next collective call. */
 cata_status cata_world_set_longest_message(const cata_world *world, size_t entries);
 
-/** C = alpha A^T A where every rank has some rows of A, in any order and number; C is left spread
- * over the ranks. Collective. The result depends, by rounding, on the number of ranks and on which
- * rank has which rows.
- *
+/** C = alpha A^T A where every rank has some rows of A, in any order and number; C is left
+ * spread over the ranks. Collective. The result depends, by rounding, on the number of ranks
+ * and on which rank has which rows.
  * - `layout`, `m`, `a`: of the rows of this rank, m x n, its own on each rank.
  * - `n`, `alpha`: the same on all ranks. */
 cata_status cata_world_ata_rows_f64(const cata_world *world, int32_t layout, size_t m, size_t n,
@@ -2130,42 +1883,40 @@ cata_status cata_world_ata_rows_f32(const cata_world *world, int32_t layout, siz
     float alpha, const float *a, size_t lda, const cata_ata_params *params, cata_symmetric **c);
 
 /** Least squares where every rank has some rows of A, of B and of the weights, in any order and
- * number; every rank gets the whole of X and of the result. Collective. The result does not depend
- * on the number of ranks, nor on which rank has which rows, bit for bit.
- *
- * - `layout`, `m`, `a`, `b`, `weights`: of the rows of this rank, as in cata_lstsq; `weights` is
- *   NULL on all ranks or on none.
+ * number; every rank gets the whole of X and of the result. Collective. The result does not
+ * depend on the number of ranks, nor on which rank has which rows, bit for bit.
+ * - `layout`, `m`, `a`, `b`, `weights`: of the rows of this rank, as in cata_lstsq; `weights`
+ *   is NULL on all ranks or on none.
  * - `x`, `result`: as in cata_lstsq; what is wanted may differ between the ranks.
  * - `params`: progress is that of the second pass over the rows of this rank. */
 cata_status cata_world_lstsq(const cata_world *world, int32_t layout, size_t m, size_t n, size_t k,
     const double *a, size_t lda, const double *b, size_t ldb, const double *weights, double *x,
     size_t ldx, cata_lstsq_result *result, const cata_lstsq_params *params);
 
-/** C = alpha A^T A where every rank has some columns of A (m x cols), in the order of the ranks, as
- * cata_world_ata_rows_f64. Cheaper than that where A is not much longer than wide. */
+/** C = alpha A^T A where every rank has some columns of A (m x cols), in the order of the ranks,
+ * as cata_world_ata_rows_f64. Cheaper than that where A is not much longer than wide. */
 cata_status cata_world_ata_columns(const cata_world *world, int32_t layout, size_t m, size_t cols,
     double alpha, const double *a, size_t lda, const cata_ata_params *params, cata_symmetric **c);
 
 /** C := alpha A^T A + beta C where the rank `root` has A, m x n, and C, n x n: by AtA-D, or by
- * dealing rows of A, whichever should be faster. Collective. The result depends, by rounding, on
- * the number of ranks. C is untouched after an error in arguments, unspecified in its wanted part
- * after any other.
- *
+ * dealing rows of A, whichever should be faster. Collective. The result depends, by rounding,
+ * on the number of ranks. C is untouched after an error in arguments, unspecified in its wanted
+ * part after any other.
  * - `alpha`: the same on all ranks.
  * - `layout` to `lda`, `beta` to `ldc`: on the root as in cata_ata_f64; ignored on other ranks. */
 cata_status cata_world_ata_root(const cata_world *world, size_t root, int32_t layout, int32_t uplo,
     size_t m, size_t n, double alpha, const double *a, size_t lda, double beta, double *c,
     size_t ldc, const cata_ata_params *params);
 
-/** C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has them; what
- * PDSYRK does with TRANS = 'T' to whole matrices. Collective. A is dealt out anew, in a copy; the
- * result depends, by rounding, on the number of ranks and on how A is dealt out.
- *
- * - `uplo`, `alpha`, `beta`: as in cata_ata_f64; with CATA_BOTH and beta != 0 C must be symmetric.
+/** C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has them;
+ * what PDSYRK does with TRANS = 'T' to whole matrices. Collective. A is dealt out anew, in a
+ * copy; the result depends, by rounding, on the number of ranks and on how A is dealt out.
+ * - `uplo`, `alpha`, `beta`: as in cata_ata_f64; with CATA_BOTH and beta != 0 C must be
+ *   symmetric.
  * - `a`: A's entries on this rank: column-major, with leading dimension LLD_ of `desc_a`.
- * - `desc_a`: 9 numbers: DTYPE_ (1), CTXT_ (ignored), M_ >= 0, N_ >= 0, MB_ >= 1, NB_ >= 1, RSRC_,
- *   CSRC_ (from 0, a row and a column of the grid), LLD_ (at least 1 and the rows on this rank;
- *   ignored outside of the grid). The same on all ranks but for CTXT_ and LLD_.
+ * - `desc_a`: 9 numbers: DTYPE_ (1), CTXT_ (ignored), M_ >= 0, N_ >= 0, MB_ >= 1, NB_ >= 1,
+ *   RSRC_, CSRC_ (from 0, a row and a column of the grid), LLD_ (at least 1 and the rows on
+ *   this rank; ignored outside of the grid). The same on all ranks but for CTXT_ and LLD_.
  * - `c`, `desc_c`: C likewise, written; M_ and N_ are A's N_, the blocks any.
  * - `grid_rows`, `grid_cols`: the process grid, of the first ranks, at least 1 x 1.
  * - `grid_order`: CATA_ROW_MAJOR when ranks are numbered along the rows of the grid, as by
@@ -2174,16 +1925,15 @@ cata_status cata_world_ata_cyclic(const cata_world *world, int32_t uplo, double 
     const double *a, const int32_t *desc_a, double beta, double *c, const int32_t *desc_c,
     size_t grid_rows, size_t grid_cols, int32_t grid_order, const cata_ata_params *params);
 
-/** As cata_world_ata_cyclic: C := alpha A A^T + beta C, m x m; PDSYRK with TRANS = 'N'. M_ and N_
- * of `desc_c` are A's M_. */
+/** As cata_world_ata_cyclic: C := alpha A A^T + beta C, m x m; PDSYRK with TRANS = 'N'. M_ and
+ * N_ of `desc_c` are A's M_. */
 cata_status cata_world_aat_cyclic(const cata_world *world, int32_t uplo, double alpha,
     const double *a, const int32_t *desc_a, double beta, double *c, const int32_t *desc_c,
     size_t grid_rows, size_t grid_cols, int32_t grid_order, const cata_ata_params *params);
 
-/** Eigenpairs as those of cata_eigs where every rank has some rows of W, in the order of the ranks.
- * Collective. Every rank gets all eigenvalues and residuals and its rows of the eigenvectors. The
- * basis, most of the memory, is spread; W and its factor are on every rank.
- *
+/** Eigenpairs as those of cata_eigs where every rank has some rows of W, in the order of the
+ * ranks. Collective. Every rank gets all eigenvalues and residuals and its rows of the
+ * eigenvectors. The basis, most of the memory, is spread; W and its factor are on every rank.
  * - `own`: rows of this rank, its own on each rank; `n`: all rows.
  * - `row_starts`, `columns`, `entries`, `masses`: of these rows, columns from 0 to n - 1.
  * - `eigenvectors`: own x k, written, column-major. */
@@ -2211,8 +1961,8 @@ cata_status cata_symmetric_n(const cata_symmetric *symmetric, size_t *n);
 /** Gives the part that this rank has of a distributed matrix back. Local. */
 void cata_symmetric_free(cata_symmetric *symmetric);
 
-/** Puts the whole of a distributed matrix of doubles, made by all ranks of `world`, into C, n x n,
- * on the rank `root`, as cata_ata_f64 does; other ranks' `layout` to `ldc` are ignored.
+/** Puts the whole of a distributed matrix of doubles, made by all ranks of `world`, into C, n x
+ * n, on the rank `root`, as cata_ata_f64 does; other ranks' `layout` to `ldc` are ignored.
  * Collective. */
 cata_status cata_symmetric_gather_f64(const cata_symmetric *symmetric, const cata_world *world,
     size_t root, int32_t layout, int32_t uplo, double *c, size_t ldc);
@@ -2221,9 +1971,8 @@ cata_status cata_symmetric_gather_f64(const cata_symmetric *symmetric, const cat
 cata_status cata_symmetric_gather_f32(const cata_symmetric *symmetric, const cata_world *world,
     size_t root, int32_t layout, int32_t uplo, float *c, size_t ldc);
 
-/** Checks that a distributed matrix of doubles, made by all ranks of `world`, is alpha A^T A, up to
- * rounding, as cata_verify_f64 does. Collective; all ranks get the same answer.
- *
+/** Checks that a distributed matrix of doubles, made by all ranks of `world`, is alpha A^T A, up
+ * to rounding, as cata_verify_f64 does. Collective; all ranks get the same answer.
  * - `spread`: CATA_BY_ROWS or CATA_BY_COLUMNS: how A is spread.
  * - `layout`, `rows`, `cols`, `a`: of this rank's part of A. */
 cata_status cata_symmetric_verify_f64(const cata_symmetric *symmetric, const cata_world *world,

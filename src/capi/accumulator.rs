@@ -18,12 +18,12 @@ use crate::gram::{LeastSquares, PrincipalComponents};
 use crate::io::{Output, Overwrite, RowFile, read_accumulator, write_accumulator};
 use crate::{AtaOptions, Uplo};
 
-/// `sums`: in double; the last bits depend on the blocks and their order.
+/// `sums`: in double, to a few last bits.
 pub const CATA_SUMS_FLOAT: i32 = 0;
-/// `sums`: integers, within bounds that are given: the same bytes for any blocks, order, threads and
-/// machines, and rows can be removed.
+/// `sums`: integers, within bounds that are given: the same bytes for any blocks, order, threads
+/// and machines, and rows can be removed.
 pub const CATA_SUMS_EXACT: i32 = 1;
-/// `sums`: as CATA_SUMS_EXACT, with integers from which least squares and the like follow.
+/// `sums`: exact, for least squares and the like.
 pub const CATA_SUMS_EXTENDED: i32 = 2;
 
 /// What an accumulator adds, and how.
@@ -57,8 +57,8 @@ impl Versioned for cata_accumulator_params {
     const FIRST_SIZE: usize = offset_of!(Self, centered) + size_of::<i32>();
 }
 
-/// X^T W X of rows X that come in blocks, weights W, and what follows from it at any time. Made by
-/// cata_accumulator_new or cata_accumulator_read.
+/// X^T W X of rows X that come in blocks, weights W, and what follows from it at any time. Made
+/// by cata_accumulator_new or cata_accumulator_read.
 pub struct cata_accumulator {
     sum: Accumulator<f64>,
     par: Par,
@@ -143,8 +143,8 @@ pub unsafe extern "C" fn cata_accumulator_read(
     })
 }
 
-/// Writes an accumulator to a file, from which it goes on elsewhere. A file of that name is replaced when
-/// all is written, and stays otherwise.
+/// Writes an accumulator to a file, from which it goes on elsewhere. A file of that name is
+/// replaced when all is written, and stays otherwise.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -174,8 +174,8 @@ pub unsafe extern "C" fn cata_accumulator_free(accumulator: *mut cata_accumulato
 
 /// Adds the rows of A, m x n.
 ///
-/// After an error within the rows, such as a cancelled call, the accumulator is of no use any more, and
-/// says so; a first row or weight that is refused leaves it as it was.
+/// After an error within the rows, such as a cancelled call, the accumulator is of no use any
+/// more, and says so; a first row or weight that is refused leaves it as it was.
 ///
 /// - `weights`: m finite numbers, read; NULL: all 1.
 ///
@@ -194,8 +194,8 @@ pub unsafe extern "C" fn cata_accumulator_add(
     unsafe { change(accumulator, layout, m, a, lda, weights, false) }
 }
 
-/// Removes rows that were added, with the same weights, from sums of integers: what is left are the bytes
-/// of sums that never had them. Otherwise as cata_accumulator_add.
+/// Removes rows that were added, with the same weights, from sums of integers: what is left are
+/// the bytes of sums that never had them. Otherwise as cata_accumulator_add.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -251,8 +251,8 @@ pub unsafe extern "C" fn cata_accumulator_merge(
     })
 }
 
-/// The number of rows, the sum of their weights, and the mean of each column (n elements; 0 unless
-/// `centered`). NULL where not wanted.
+/// The number of rows, the sum of their weights, and the mean of each column (n elements; 0
+/// unless `centered`). NULL where not wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -323,8 +323,8 @@ pub unsafe extern "C" fn cata_accumulator_gram(
     })
 }
 
-/// Least squares, as cata_lstsq, with the first n - k columns of the rows for A and the last k for B. The
-/// sums must be CATA_SUMS_EXTENDED, and `centered` with `params.intercept`.
+/// Least squares, as cata_lstsq, with the first n - k columns of the rows for A and the last k
+/// for B. The sums must be CATA_SUMS_EXTENDED, and `centered` with `params.intercept`.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -361,7 +361,8 @@ pub unsafe extern "C" fn cata_accumulator_lstsq(
     })
 }
 
-/// Principal components of the rows, as cata_pca. The sums must be CATA_SUMS_EXTENDED and `centered`.
+/// Principal components of the rows, as cata_pca. The sums must be CATA_SUMS_EXTENDED and
+/// `centered`.
 ///
 /// # Safety
 /// The pointers are as described.

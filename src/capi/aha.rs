@@ -7,32 +7,25 @@ use super::status::cata_status;
 use crate::blas::BlasReal;
 use crate::{AtaOptions, Uplo};
 
-/// C := alpha A^H A + beta C, for complex A m x n and Hermitian C n x n; alpha and beta are real.
+/// C := alpha A^H A + beta C, for complex A m x n and Hermitian C n x n; alpha and beta are
+/// real.
 ///
 /// A complex element is two doubles, the real part and then the imaginary one, as `double
 /// complex` of C99 and `std::complex<double>` of C++: pointers to those can be cast. Leading
 /// dimensions count complex elements.
 ///
-/// - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict
-///   triangle that is not, and what lies between lines, is neither read nor written. With
-///   CATA_BOTH the upper triangle is the conjugate of the lower one, bit for bit; with beta != 0
-///   the old lower one is what is read.
-/// - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
-/// - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-
-///   major: n lines of `lda` >= max(1, m) elements, the last one of m.
-/// - `c`: C, written; n lines of `ldc` >= max(1, n) elements, the last one of n. Imaginary parts
-///   of its diagonal are not read, and become 0. No element of A may be one of C's.
+/// - `uplo`: as in cata_ata_f64. With CATA_BOTH the upper triangle is the conjugate of the lower
+///   one, bit for bit; with beta != 0 the old lower one is what is read.
+/// - `c`: imaginary parts of its diagonal are not read, and become 0. C is untouched after any
+///   error but CATA_ERR_PANIC, which leaves unspecified values in its wanted part.
 ///
-/// C is untouched after any error but CATA_ERR_PANIC, which leaves unspecified values in its
-/// wanted part.
-///
-/// The extra memory is that of a matrix like C, 64 MiB (or 1024 rows
-/// of A if those are longer), and the scratch of cata_ata_f64 for as many rows.
+/// The extra memory is that of a matrix like C, 64 MiB (or 1024 rows of A if those are longer),
+/// and the scratch of cata_ata_f64 for as many rows.
 ///
 /// With u = 2^-53 (float: 2^-24) both parts of entry (i, j) of a product with the default params
-/// are wrong by at most 8 m u |a_i| |a_j|, the Euclidean norms of two columns. NaN and infinities
-/// have the effect of (x - i y)(u + i v) = (x u + y v) + i (x v - y u), term by term, in
-/// classical and exact products; fast products spread them further.
+/// are wrong by at most 8 m u |a_i| |a_j|, the Euclidean norms of two columns. NaN and
+/// infinities have the effect of (x - i y)(u + i v) = (x u + y v) + i (x v - y u), term by term,
+/// in classical and exact products; fast products spread them further.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -76,21 +69,12 @@ pub unsafe extern "C" fn cata_aha_c32(
     unsafe { aha(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
 }
 
-/// C := alpha A^H B + beta C, for complex A m x n, B m x k and C n x k.
+/// C := alpha A^H B + beta C, for complex A m x n, B m x k and C n x k. A and B may overlap.
 ///
-/// Complex elements, and leading dimensions that count them, are as in cata_aha_c64.
+/// - `alpha`, `beta`: one complex element each, read; with beta == 0 C is not read. A real one
+///   multiplies both parts.
 ///
-/// - `alpha`, `beta`: one complex element each, read, not NULL; with beta == 0 C is not read, so
-///   it may be uninitialised. A real one multiplies both parts.
-/// - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-
-///   major: n lines of `lda` >= max(1, m) elements, the last one of m.
-/// - `b`: B, read, likewise with k for n and `ldb`. A and B may overlap.
-/// - `c`: C, written. Row-major: n lines of `ldc` >= max(1, k) elements; column-major: k lines of
-///   `ldc` >= max(1, n). What lies between lines is neither read nor written. No element of A or
-///   B may be one of C's.
-///
-/// Returns what cata_aha_c64 does, with the same promises about C, errors, NaN and infinities, of
-/// columns of A and of B.
+/// The rest as in cata_aha_c64.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -1,7 +1,7 @@
 //! # A^T A
 //!
-//! Dense products: symmetric, of two matrices, Hermitian; of a sparse matrix; and a probabilistic
-//! check.
+//! Dense products: symmetric, of two matrices, Hermitian; of a sparse matrix; and a
+//! probabilistic check.
 //!
 //! ```c
 //! double a[] = {1, 2, 3, 4, 5, 6}, c[4]; // 3 x 2
@@ -19,30 +19,20 @@ use crate::{AtaOptions, Uplo};
 
 /// C := alpha A^T A + beta C, for A m x n and C n x n.
 ///
-/// - `layout`: CATA_ROW_MAJOR or CATA_COL_MAJOR, of A and of C.
-/// - `uplo`: CATA_UPPER, CATA_LOWER or CATA_BOTH: the part of C that is wanted; the strict
-///   triangle that is not, and what lies between lines, is neither read nor written.
-/// - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
-/// - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-
-///   major: n lines of `lda` >= max(1, m) elements, the last one of m.
-/// - `c`: C, written; n lines of `ldc` >= max(1, n) elements, the last one of n. No element of A
-///   may be one of C's.
+/// - `uplo`: the part of C that is wanted, CATA_UPPER, CATA_LOWER or CATA_BOTH; the rest is
+///   neither read nor written.
+/// - `beta`: with 0, C is not read, so it may be uninitialised.
 ///
-/// All arguments are checked, and the workspace is allocated, before C is first written: it is
-/// untouched after any error but CATA_ERR_CANCELLED and CATA_ERR_PANIC, which leave unspecified
-/// values in its wanted part.
-///
-/// With `reproducible` in `params` the result does not depend on the machine either.
+/// The workspace is allocated before C is first written: C is untouched after any error but
+/// CATA_ERR_CANCELLED and CATA_ERR_PANIC, which leave unspecified values in its wanted part.
 ///
 /// With u = 2^-53 (float: 2^-24) entry (i, j) of a classical product is wrong by at most about m
-/// u (|A|^T |A|)(i, j); that of CATA_SCHEME_EXACT with the default `error_factor` by at most (u +
-/// 1.1e-16 sqrt(m)) |a_i| |a_j| (float: 1.7e-8 for 1.1e-16), the Euclidean norms of two columns,
-/// far below which it may have no correct digit; fast products are bounded in the maximum norm
-/// only. CATA_SCHEME_AUTO may take any of them unless `error_factor` is 1, which allows only the
-/// first, or CATA_ERROR_LEAST.
-///
-/// NaN and infinities in A reach the entries of C that they do in the classical algorithm, those
-/// of their columns, in classical and exact products. Fast products spread them further.
+/// u (|A|^T |A|)(i, j); that of CATA_SCHEME_EXACT with the default `error_factor` by at most (u
+/// + 1.1e-16 sqrt(m)) |a_i| |a_j| (float: 1.7e-8 for 1.1e-16), the Euclidean norms of two
+/// columns, far below which it may have no correct digit; fast products are bounded in the
+/// maximum norm only. CATA_SCHEME_AUTO may take any of them unless `error_factor` is 1, which
+/// allows only the first, or CATA_ERROR_LEAST. NaN and infinities reach the entries of C of
+/// their columns, in classical and exact products; fast products spread them further.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -86,11 +76,8 @@ pub unsafe extern "C" fn cata_ata_f32(
     unsafe { ata(layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params) }
 }
 
-/// As cata_ata_f64, with A in float: all sums and products are in double. A is converted block by
-/// block, so the extra memory is about 32 MiB, or 1024 rows if those are longer, and the scratch.
-///
-/// Unlike there, C holds unspecified values in its wanted part after CATA_ERR_OUT_OF_MEMORY too,
-/// and progress may start anew with every block of rows.
+/// As cata_ata_f64, with A in float, in blocks: sums and products are in double. C holds
+/// unspecified values in its wanted part after CATA_ERR_OUT_OF_MEMORY too.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ata_f64`.
@@ -125,9 +112,7 @@ pub unsafe extern "C" fn cata_ata_f32_f64(
     })
 }
 
-/// The scratch that cata_ata_with_scratch_f64 needs for A m x n and the same params.
-///
-/// `len`: one size_t, not NULL; written on success: a number of elements, not bytes.
+/// The number of elements of scratch of cata_ata_with_scratch_f64 for the same m, n and params.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -157,11 +142,8 @@ pub unsafe extern "C" fn cata_ata_scratch_len_f32(
     unsafe { ata_scratch_len::<f32>(m, n, params, len) }
 }
 
-/// cata_ata_f64 without allocating its workspace.
-///
-/// `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as
-/// many as cata_ata_scratch_len_f64 says for the same m, n and params, else CATA_ERR_SHAPE. It
-/// must not overlap A or C. The rest as in cata_ata_f64.
+/// cata_ata_f64 in scratch of the caller, of any values and at least the length that
+/// cata_ata_scratch_len_f64 says. It is overwritten.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ata_f64`. So is `scratch` here.
@@ -241,8 +223,7 @@ pub unsafe extern "C" fn cata_ata_with_scratch_f32(
     }
 }
 
-/// C := alpha A A^T + beta C, for A m x n and C m x m: `c` has m lines of `ldc` >= max(1, m)
-/// elements. The rest as in cata_ata_f64.
+/// C := alpha A A^T + beta C, for A m x n and C m x m. The rest as in cata_ata_f64.
 ///
 /// # Safety
 /// The pointers are as described at `cata_ata_f64`.

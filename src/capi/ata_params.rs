@@ -8,19 +8,19 @@ use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::base::{Pin, Progress};
 use crate::{Accuracy, AtaOptions, SchemeChoice, Uplo};
 
-/// `scheme`: whatever is expected to be fastest within the accuracy asked for.
+/// `scheme`: the fastest within the accuracy asked for.
 pub const CATA_SCHEME_AUTO: i32 = 0;
 /// `scheme`: no fast products, blocks over the back end.
 pub const CATA_SCHEME_CLASSICAL: i32 = 1;
-/// `scheme`: AtA over Strassen's algorithm, 2 x 2 recursion down to the cache.
+/// `scheme`: AtA over Strassen's, 2 x 2, down to the cache.
 pub const CATA_SCHEME_ATA2: i32 = 2;
-/// `scheme`: 2 x 2 split over Winograd's variant of Strassen's algorithm.
+/// `scheme`: 2 x 2 over Winograd's variant of Strassen's.
 pub const CATA_SCHEME_WINOGRAD: i32 = 3;
 /// `scheme`: RXTX (4 x 4 blocks) over Winograd's variant.
 pub const CATA_SCHEME_RXTX: i32 = 4;
-/// `scheme`: the sparse 4 x 4 scheme of Khoruzhii, Gelss and Pokutta over Winograd's variant.
+/// `scheme`: 4 x 4 of Khoruzhii, Gelss and Pokutta.
 pub const CATA_SCHEME_KGP4: i32 = 5;
-/// `scheme`: their 3 x 3 scheme over Winograd's variant.
+/// `scheme`: their 3 x 3.
 pub const CATA_SCHEME_KGP3: i32 = 6;
 /// `scheme`: integer products modulo small primes: nothing is rounded but the columns, to about
 /// 2^-54 of their norms (float: 2^-27), and the result.
@@ -61,12 +61,13 @@ pub struct cata_ata_params {
     /// CATA_SCHEME_*.
     pub scheme: i32,
     /// 1: the same bytes on every machine, which takes CATA_SCHEME_EXACT everywhere, slower than
-    /// others on CPUs without AMX; the scheme must be that or CATA_SCHEME_AUTO. 0: not asked for.
+    /// others on CPUs without AMX; the scheme must be that or CATA_SCHEME_AUTO. 0: not asked
+    /// for.
     pub reproducible: i32,
-    /// 1: thread i of the call stays on the i-th core of the affinity mask (modulo their number),
-    /// which is that of the process, as taskset or the binding of mpirun sets it; the calling
-    /// thread waits and keeps its mask. Calls at the same time share these threads. 0: the system
-    /// moves threads.
+    /// 1: thread i of the call stays on the i-th core of the affinity mask (modulo their
+    /// number), which is that of the process, as taskset or the binding of mpirun sets it; the
+    /// calling thread waits and keeps its mask. Calls at the same time share these threads. 0:
+    /// the system moves threads.
     pub pin: i32,
 }
 

@@ -5,23 +5,17 @@ use super::status::cata_status;
 use crate::ata::ata_sparse;
 use crate::blas::BlasReal;
 
-/// C := alpha A^T W A + beta C, for a sparse A, m x n, with weights W or none, and C n x n,
-/// dense.
+/// C := alpha A^T W A + beta C, for a sparse A, m x n, weights W or none, and C n x n, dense.
+/// The sums are those of the classical algorithm, in double and in the order of the rows.
 ///
-/// - `layout`, `uplo`: of C, as in cata_ata_f64.
 /// - `row_starts`: m + 1 elements, read: the entries of row i are those from `row_starts[i]` to
 ///   `row_starts[i + 1] - 1`, the first being 0.
 /// - `columns`, `entries`: `row_starts[m]` elements each, read: columns ascending within a row,
 ///   from 0, each at most once, and the entries of A there.
 /// - `weights`: m finite elements, read; NULL: all 1.
-/// - `alpha`, `beta`, `c`, `ldc`: as in cata_ata_f64.
-/// - `params`: NULL for the defaults; `threads` and `progress` count, the rest is checked only.
+/// - `params`: `threads` and `progress` count, the rest is checked only.
 ///
-/// Returns what cata_ata_f64 does, or CATA_ERR_NON_FINITE for a weight. C is untouched after any
-/// error but CATA_ERR_CANCELLED and CATA_ERR_PANIC.
-///
-/// The sums are those of the classical algorithm, in double and in the order of the rows. The
-/// result does not depend on the number of threads, bit for bit.
+/// The rest as in cata_ata_f64.
 ///
 /// # Safety
 /// The pointers are as described.

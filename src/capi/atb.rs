@@ -5,18 +5,8 @@ use super::status::cata_status;
 use crate::blas::BlasReal;
 use crate::{AtaOptions, Uplo};
 
-/// C := alpha A^T B + beta C, for A m x n, B m x k and C n x k.
-///
-/// - `alpha`, `beta`: any; with beta == 0 C is not read, so it may be uninitialised.
-/// - `a`: A, read. Row-major: m lines of `lda` >= max(1, n) elements, the last one of n. Column-
-///   major: n lines of `lda` >= max(1, m) elements, the last one of m.
-/// - `b`: B, read, likewise with k for n and `ldb`. A and B may overlap.
-/// - `c`: C, written. Row-major: n lines of `ldc` >= max(1, k) elements; column-major: k lines of
-///   `ldc` >= max(1, n). What lies between lines is neither read nor written. No element of A or
-///   B may be one of C's.
-///
-/// Returns what cata_ata_f64 does, with the same promises about C, errors, NaN and infinities, of
-/// columns of A and of B.
+/// C := alpha A^T B + beta C, for A m x n, B m x k and C n x k. A and B may overlap. The rest as
+/// in cata_ata_f64, with NaN and infinities of columns of A and of B.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -64,9 +54,8 @@ pub unsafe extern "C" fn cata_atb_f32(
     unsafe { atb(layout, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc, params) }
 }
 
-/// The scratch that cata_atb_with_scratch_f64 needs for A m x n, B m x k and the same params.
-///
-/// `len`: one size_t, not NULL; written on success: a number of elements, not bytes.
+/// The number of elements of scratch of cata_atb_with_scratch_f64 for the same m, n, k and
+/// params.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -98,11 +87,8 @@ pub unsafe extern "C" fn cata_atb_scratch_len_f32(
     unsafe { atb_scratch_len::<f32>(m, n, k, params, len) }
 }
 
-/// cata_atb_f64 without allocating its workspace.
-///
-/// `scratch`: `scratch_len` elements, written, their values on entry do not matter; at least as
-/// many as cata_atb_scratch_len_f64 says for the same m, n, k and params, else CATA_ERR_SHAPE. It
-/// must not overlap A, B or C. The rest as in cata_atb_f64.
+/// cata_atb_f64 in scratch of the caller, of any values and at least the length that
+/// cata_atb_scratch_len_f64 says. It is overwritten.
 ///
 /// # Safety
 /// The pointers are as described at `cata_atb_f64`. So is `scratch` here.

@@ -23,9 +23,7 @@ use super::status::CATA_ERR_UNSUPPORTED;
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::blas::{self, Backend};
 
-/// A BLAS library that computes the small products; made by cata_backend_load or
-/// cata_backend_openblas, given back by cata_backend_free. It can be used by several calls and
-/// threads at a time.
+/// A BLAS library that computes the small products, for several calls and threads at a time.
 pub struct cata_backend {
     backend: Arc<dyn Backend>,
     name: CString,
@@ -43,13 +41,9 @@ impl cata_backend {
 }
 
 /// Loads the shared library at `path` (MKL's libmkl_rt.so, libopenblas.so, libblis.so, ...),
-/// which must have the CBLAS interface with 32-bit integers.
-///
-/// `path`: NUL-terminated file name, not NULL; without a slash the system's search path is used.
-/// The library's initialisers run: load only what you trust.
-/// `backend`: one pointer, not NULL; written on success only. Free it by cata_backend_free.
-///
-/// Returns CATA_ERR_BACKEND when there is no such file or it is not such a library.
+/// which must have the CBLAS interface with 32-bit integers; without a slash the system's search
+/// path is used. Its initialisers run: load only what you trust. CATA_ERR_BACKEND when there is
+/// no such file or it is not such a library.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -77,11 +71,7 @@ pub unsafe extern "C" fn cata_backend_load(
     })
 }
 
-/// The OpenBLAS that the library was linked with.
-///
-/// `backend`: one pointer, not NULL; written on success only. Free it by cata_backend_free.
-///
-/// Returns CATA_ERR_UNSUPPORTED without CATA_CAP_OPENBLAS.
+/// The OpenBLAS that the library was linked with; it takes CATA_CAP_OPENBLAS.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -105,8 +95,6 @@ pub unsafe extern "C" fn cata_backend_openblas(backend: *mut *mut cata_backend) 
 
 /// Short name of a back end, such as "openblas" or the file name of a loaded library, in UTF-8;
 /// valid until cata_backend_free; the empty string for NULL. Never NULL; do not free it.
-///
-/// `backend`: NULL, or made by cata_backend_load or cata_backend_openblas and not yet freed.
 ///
 /// # Safety
 /// The pointer is as described.

@@ -33,8 +33,8 @@ use crate::spectral::{
     filter, split,
 };
 
-/// Functions on the vertices of a mesh, r linearly independent ones, with the inner product of its
-/// masses: eigenfunctions (cata_basis_new) or their products (cata_basis_products).
+/// Functions on the vertices of a mesh, r linearly independent ones, with the inner product of
+/// its masses: eigenfunctions (cata_basis_new) or their products (cata_basis_products).
 pub struct cata_basis {
     pub(super) functions: Arc<Functions>,
     pub(super) par: Par,
@@ -161,9 +161,10 @@ pub unsafe extern "C" fn cata_basis_new(
     })
 }
 
-/// The products of at most `order` eigenfunctions, each divided by the constant, made orthonormal
-/// (CATA_ORTHO_SINGLE_PASS: nearly) and without those that depend on others: B = Q R, B being all
-/// products in the order 1, phi_1, ..., phi_1 phi_1, phi_1 phi_2, ..., and Q the basis.
+/// The products of at most `order` eigenfunctions, each divided by the constant, made
+/// orthonormal (CATA_ORTHO_SINGLE_PASS: nearly) and without those that depend on others: B = Q
+/// R, B being all products in the order 1, phi_1, ..., phi_1 phi_1, phi_1 phi_2, ..., and Q the
+/// basis.
 ///
 /// `eigenfunctions`: of cata_basis_new, the constant among them.
 ///
@@ -239,8 +240,8 @@ pub unsafe extern "C" fn cata_basis_size(
 }
 
 /// Copies a basis, each part NULL where not wanted: `q`: n x r, its functions; `triangle`: r x
-/// products, R; `kept`: r elements, ascending: the product, from 0, that each function comes from.
-/// The last two are of products only.
+/// products, R; `kept`: r elements, ascending: the product, from 0, that each function comes
+/// from. The last two are of products only.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -281,8 +282,8 @@ pub unsafe extern "C" fn cata_basis_copy(
     })
 }
 
-/// The coefficients C (r x count) of the functions in the span that are nearest to the columns of
-/// F (n x count).
+/// The coefficients C (r x count) of the functions in the span that are nearest to the columns
+/// of F (n x count).
 ///
 /// # Safety
 /// The pointers are as described.
@@ -336,9 +337,9 @@ pub unsafe extern "C" fn cata_basis_synthesis(
     })
 }
 
-/// G: the columns of F (both n x count) with their coefficients multiplied by `gains`, r elements
-/// (exp(-t eigenvalue): what heat does in the time t), and what is outside of the span by `rest`:
-/// 0 leaves it out, 1 keeps it.
+/// G: the columns of F (both n x count) with their coefficients multiplied by `gains`, r
+/// elements (exp(-t eigenvalue): what heat does in the time t), and what is outside of the span
+/// by `rest`: 0 leaves it out, 1 keeps it.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -399,8 +400,8 @@ pub unsafe extern "C" fn cata_basis_add_coefficient(
     })
 }
 
-/// The columns of F as LOW + HIGH (all n x count): their part in the span, and the detail that is
-/// left.
+/// The columns of F as LOW + HIGH (all n x count): their part in the span, and the detail that
+/// is left.
 ///
 /// # Safety
 /// The pointers are as described.

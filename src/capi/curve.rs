@@ -1,7 +1,7 @@
 //! # Curves
 //!
-//! Closed or open curves along the edges of a mesh through samples of them, whose order is found (thesis,
-//! chapter 6): a solver for each mesh, for many curves.
+//! Closed or open curves along the edges of a mesh through samples of them, whose order is found
+//! (thesis, chapter 6): a solver for each mesh, for many curves.
 //!
 //! ```c
 //! double v[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, .5, .5, 0}, length;
@@ -37,12 +37,12 @@ pub const CATA_CURVE_CLOSED: i32 = 0;
 pub const CATA_CURVE_OPEN: i32 = 1;
 /// `outcome`: from a sample no way led on.
 pub const CATA_CURVE_BLOCKED: i32 = 2;
-/// `outcome`: all samples are connected, but no way led back to the first one.
+/// `outcome`: no way led back to the first sample.
 pub const CATA_CURVE_CLOSE_BLOCKED: i32 = 3;
-/// `outcome`: samples are on different components of the mesh.
+/// `outcome`: samples are on several components.
 pub const CATA_CURVE_DISCONNECTED: i32 = 4;
 
-/// `points`: vertices, and points in the middle of edges where there is no other way.
+/// `points`: vertices, and new ones on edges where needed.
 pub const CATA_CURVE_STEINER: i32 = 0;
 /// `points`: vertices of the mesh alone.
 pub const CATA_CURVE_VERTICES: i32 = 1;
@@ -66,12 +66,13 @@ pub struct cata_curve_params {
     pub candidates: usize,
     /// With `faithful` 1: the number of the sample that the curve starts at.
     pub start: usize,
-    /// 1: algorithm 6.1 of the thesis, from sample to sample. 0: the order first, then paths that do not
-    /// meet.
+    /// 1: algorithm 6.1 of the thesis, from sample to sample. 0: the order first, then paths
+    /// that do not meet.
     pub faithful: i32,
     /// 1: an open curve; 0: closed.
     pub open: i32,
-    /// 1: one curve, even where there are gaps as between several; 0: as many as there are gaps for.
+    /// 1: one curve, even where there are gaps as between several; 0: as many as there are gaps
+    /// for.
     pub single: i32,
     /// CATA_CURVE_STEINER or CATA_CURVE_VERTICES.
     pub points: i32,
@@ -129,8 +130,8 @@ pub unsafe extern "C" fn cata_curve_solver_new(
     })
 }
 
-/// As cata_curve_solver_new, for samples that need not be vertices: those inside of faces become vertices,
-/// numbered from n_vertices on, which cut their faces.
+/// As cata_curve_solver_new, for samples that need not be vertices: those inside of faces become
+/// vertices, numbered from n_vertices on, which cut their faces.
 ///
 /// - `count`: number of places.
 /// - `places`: `count` elements, read: the face of each, or CATA_IN_SPACE: the nearest vertex.
@@ -191,9 +192,9 @@ pub unsafe extern "C" fn cata_curve_solver_free(solver: *mut cata_curve_solver) 
     }
 }
 
-/// Finds the curves that samples without an order are of, neither meeting themselves nor each other. The
-/// same samples give the same curves, bit for bit. CATA_OK also when there is no complete curve, as
-/// cata_curves_outcome then says.
+/// Finds the curves that samples without an order are of, neither meeting themselves nor each
+/// other. The same samples give the same curves, bit for bit. CATA_OK also when there is no
+/// complete curve, as cata_curves_outcome then says.
 ///
 /// - `samples`: `count` elements, read: vertices, at least 3, none twice.
 ///
@@ -268,8 +269,9 @@ pub unsafe extern "C" fn cata_curves_free(curves: *mut cata_curves) {
     }
 }
 
-/// How the search ended, CATA_CURVE_*; the number of curves; and the number of samples that no curve is
-/// through, because their components of the mesh have fewer than three. NULL where not wanted.
+/// How the search ended, CATA_CURVE_*; the number of curves; and the number of samples that no
+/// curve is through, because their components of the mesh have fewer than three. NULL where not
+/// wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -307,8 +309,8 @@ pub unsafe extern "C" fn cata_curves_outcome(
     })
 }
 
-/// The numbers of samples, of vertices and of points of a curve, from 0, and its length. NULL where not
-/// wanted.
+/// The numbers of samples, of vertices and of points of a curve, from 0, and its length. NULL
+/// where not wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -350,9 +352,10 @@ pub unsafe extern "C" fn cata_curves_size(
 /// A curve; NULL where not wanted.
 ///
 /// - `order`: n_samples elements, written: numbers of samples in the order of the curve.
-/// - `path`: n_vertices elements, written: its vertices, the first one not repeated; those from the number
-///   of vertices of the mesh on were added.
-/// - `points`: 3 n_points elements, written: where the curve goes, those of `path` unless it is smooth.
+/// - `path`: n_vertices elements, written: its vertices, the first one not repeated; those from
+///   the number of vertices of the mesh on were added.
+/// - `points`: 3 n_points elements, written: where the curve goes, those of `path` unless it is
+///   smooth.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -1,7 +1,7 @@
 //! # Decimation
 //!
-//! A mesh with a given number of vertices, spread evenly over the surface (thesis, chapter 5), and what
-//! carries functions, attributes and textures from one to the other.
+//! A mesh with a given number of vertices, spread evenly over the surface (thesis, chapter 5),
+//! and what carries functions, attributes and textures from one to the other.
 //!
 //! ```c
 //! double v[] = {1, 0, 0, 0, 1, 0, -1, 0, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1}; // an octahedron
@@ -32,7 +32,7 @@ use crate::mesh::io::{Attribute, MeshFile};
 
 /// `method`: exactly n vertices, the topology of the input.
 pub const CATA_DECIMATION_UNIFORM: i32 = 0;
-/// `method`: the thesis literally (algorithm 5.2), for comparison: not a manifold in general.
+/// `method`: algorithm 5.2, for comparison: no manifold.
 pub const CATA_DECIMATION_THESIS: i32 = 1;
 
 /// Passes: none, where 0 stands for the default.
@@ -60,11 +60,11 @@ pub struct cata_decimation_params {
     pub first: u32,
     /// 1: `first` counts; 0: the lowest vertex that a face has.
     pub has_first: i32,
-    /// 1: handles too narrow for the triangles of the result are cut, and their ends closed. 0: they
-    /// are kept.
+    /// 1: handles too narrow for the triangles of the result are cut, and their ends closed. 0:
+    /// they are kept.
     pub cut_narrow_handles: i32,
-    /// 1: edges of the input stay whole, and n is at most its number of vertices. 0: those longer than
-    /// the edges of the result are split first.
+    /// 1: edges of the input stay whole, and n is at most its number of vertices. 0: those
+    /// longer than the edges of the result are split first.
     pub keep_edges: i32,
 }
 
@@ -93,10 +93,11 @@ pub unsafe extern "C" fn cata_decimation_params_init(
     unsafe { init(params, struct_size) }
 }
 
-/// Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components, boundary
-/// loops and genus of the input. The input is cut along edges of more than two faces first, and edges
-/// longer than those of the result are split, so that n may also be more than the input has. No
-/// step makes faces intersect that did not. What can't be is refused, and the message says why.
+/// Decimates a triangle mesh to exactly n vertices, uniformly: a manifold with the components,
+/// boundary loops and genus of the input. The input is cut along edges of more than two faces
+/// first, and edges longer than those of the result are split, so that n may also be more than
+/// the input has. No step makes faces intersect that did not. What can't be is refused, and the
+/// message says why.
 ///
 /// - `n`: vertices of the result. With fewer than the topology needs, CATA_ERR_ARGUMENT.
 /// - `decimation`: one pointer, written.
@@ -139,9 +140,9 @@ pub unsafe extern "C" fn cata_decimation_free(decimation: *mut cata_decimation) 
     }
 }
 
-/// The numbers of vertices and faces of the result, and whether the input had to be repaired (repeated
-/// faces and vertices without a face left out, faces flipped, the mesh cut): 1, or 0. NULL where not
-/// wanted.
+/// The numbers of vertices and faces of the result, and whether the input had to be repaired
+/// (repeated faces and vertices without a face left out, faces flipped, the mesh cut): 1, or 0.
+/// NULL where not wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -175,7 +176,8 @@ pub unsafe extern "C" fn cata_decimation_size(
     })
 }
 
-/// The vertices and faces of the result, as many as cata_decimation_size says; NULL where not wanted.
+/// The vertices and faces of the result, as many as cata_decimation_size says; NULL where not
+/// wanted.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -227,8 +229,8 @@ pub unsafe extern "C" fn cata_decimation_places(
     })
 }
 
-/// Values of the input's vertices at the vertices of the result: `width` for each, one vertex after the
-/// other.
+/// Values of the input's vertices at the vertices of the result: `width` for each, one vertex
+/// after the other.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -254,8 +256,8 @@ pub unsafe extern "C" fn cata_decimation_carry(
     })
 }
 
-/// Values of the result's vertices at the vertices of the input, the other way: each is the mean of those
-/// of a face near it, 0 at vertices without a face.
+/// Values of the result's vertices at the vertices of the input, the other way: each is the mean
+/// of those of a face near it, 0 at vertices without a face.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -325,13 +327,13 @@ pub unsafe extern "C" fn cata_decimation_carry_uv(
     })
 }
 
-/// The farthest points of a mesh: each new sample is the vertex farthest along edges from those before,
-/// so that the first ones are the same for every n.
+/// The farthest points of a mesh: each new sample is the vertex farthest along edges from those
+/// before, so that the first ones are the same for every n.
 ///
 /// - `n`: samples, at most the vertices that have a face.
 /// - `samples`: n vertices, written, in their order.
-/// - `nearest`: n_vertices elements, written: the number of the sample nearest to each vertex, UINT32_MAX
-///   for those that no face has. NULL where not wanted.
+/// - `nearest`: n_vertices elements, written: the number of the sample nearest to each vertex,
+///   UINT32_MAX for those that no face has. NULL where not wanted.
 /// - `distances`: n_vertices elements, written: how far it is. NULL where not wanted.
 /// - `params`: `first` and `progress` count, the rest is checked only. On the calling thread.
 ///

@@ -26,16 +26,16 @@ use crate::base::{Error, Progress};
 use crate::mesh::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
 use crate::sparse::{CsMatView, EigenOptions, Eigenpairs, Mass, count_below, eigs, eigs_sliced};
 
-/// `laplacian`: of the triangles of the mesh, with cotangent weights.
+/// `laplacian`: of the faces.
 pub const CATA_LAPLACIAN_COTANGENT: i32 = 0;
-/// `laplacian`: of the intrinsic Delaunay triangulation: no negative weights, for surfaces.
+/// `laplacian`: no negative weights.
 pub const CATA_LAPLACIAN_INTRINSIC_DELAUNAY: i32 = 1;
-/// `laplacian`: of the intrinsic Delaunay triangulation of the tufted cover: for any mesh.
+/// `laplacian`: the same for any mesh (tufted cover).
 pub const CATA_LAPLACIAN_TUFTED: i32 = 2;
 
-/// `mass`: a diagonal, a third of the area of a face to each vertex.
+/// `mass`: a third of the area of a face to each vertex.
 pub const CATA_MASS_BARYCENTRIC: i32 = 0;
-/// `mass`: a diagonal, what is nearest to each vertex.
+/// `mass`: what is nearest to each vertex.
 pub const CATA_MASS_MIXED_VORONOI: i32 = 1;
 /// `mass`: the inner product of linear functions, a full matrix.
 pub const CATA_MASS_CONSISTENT: i32 = 2;
@@ -103,8 +103,8 @@ pub unsafe extern "C" fn cata_eigs_params_init(
 ///
 /// - `row_starts`: n + 1 elements: the entries of row i are those from `row_starts[i]` to
 ///   `row_starts[i + 1] - 1`, the first being 0.
-/// - `columns`, `entries`: `row_starts[n]` elements each: columns ascending within a row, from 0,
-///   and the entries of W there, both triangles.
+/// - `columns`, `entries`: `row_starts[n]` elements each: columns ascending within a row, from
+///   0, and the entries of W there, both triangles.
 /// - `masses`: n elements: the diagonal of M; NULL: all 1.
 /// - `k`: number of pairs, at most n.
 /// - `eigenvalues`: k elements, written: ascending.
@@ -161,8 +161,8 @@ pub type cata_eigs_slice = Option<
 /// time is in memory. Each slice is complete (as with `verify_count`), and ends in a gap between
 /// eigenvalues.
 ///
-/// - `memory`: bytes that may be used beside W and M; where all pairs fit there is one slice. Too
-///   few for any slice, or for k pairs around a shift, are CATA_ERR_ARGUMENT.
+/// - `memory`: bytes that may be used beside W and M; where all pairs fit there is one slice.
+///   Too few for any slice, or for k pairs around a shift, are CATA_ERR_ARGUMENT.
 /// - `slice`, `user`: what takes the slices, and what is handed to it.
 ///
 /// # Safety

@@ -26,8 +26,8 @@ pub struct cata_gram_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
-    /// them cannot be cancelled.
+    /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work
+    /// after them cannot be cancelled.
     pub progress: cata_progress,
     /// Handed to `progress`.
     pub progress_user: *mut c_void,
@@ -55,15 +55,15 @@ pub unsafe extern "C" fn cata_gram_params_init(
 /// extended precision: A = U diag(values) V^T, where column j of U is A v_j over the j-th value.
 ///
 /// With K the condition number of A with columns of norm 1, the relative error of every value,
-/// the smallest included, is a few n 2^-53 plus K^2 2^-106 (K^2 2^-80 where cata_gram_extended is
-/// not exact).
+/// the smallest included, is a few n 2^-53 plus K^2 2^-106 (K^2 2^-80 where cata_gram_extended
+/// is not exact).
 ///
 /// - `m`, `n`: any, 0 included. Time and memory suit m >= n.
 /// - `values`: min(m, n) elements, written: descending; zeros where columns depend on others as
 ///   far as the precision can tell. NULL where not wanted.
-/// - `v`: V, n x min(m, n), written, with leading dimension `ldv`: an orthonormal column for each
-///   value that is not 0, and zeros for the others. NULL where not wanted; `ldv` is then not
-///   looked at.
+/// - `v`: V, n x min(m, n), written, with leading dimension `ldv`: an orthonormal column for
+///   each value that is not 0, and zeros for the others. NULL where not wanted; `ldv` is then
+///   not looked at.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -101,8 +101,8 @@ pub unsafe extern "C" fn cata_svd(
     })
 }
 
-/// The lower triangle of C = X^T W X as unevaluated sums of two doubles, high + low, where X is A
-/// (m x n), or A with the mean of its rows subtracted from every row, and W = diag(weights).
+/// The lower triangle of C = X^T W X as unevaluated sums of two doubles, high + low, where X is
+/// A (m x n), or A with the mean of its rows subtracted from every row, and W = diag(weights).
 ///
 /// C is the same for any order of the rows. Where `exact` is 1, no entry of A was rounded, and
 /// the two parts together are C rounded to about 106 bits; else entries were rounded to about
@@ -245,13 +245,13 @@ pub unsafe extern "C" fn cata_gram_orthogonality(
     })
 }
 
-/// A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in extended
-/// precision: A (m x n) becomes Q. For columns that are independent; cata_ortho_gram_schmidt
-/// takes any.
+/// A = Q R with orthonormal columns of Q, in place, by Cholesky QR with a Gram matrix in
+/// extended precision: A (m x n) becomes Q. For columns that are independent;
+/// cata_ortho_gram_schmidt takes any.
 ///
-/// Let K be the condition number of A with columns of norm 1. The columns of Q are orthonormal up
-/// to rounding for K up to 10^14 where cata_gram_extended is exact, and up to an error of n K^2
-/// 2^-79 otherwise.
+/// Let K be the condition number of A with columns of norm 1. The columns of Q are orthonormal
+/// up to rounding for K up to 10^14 where cata_gram_extended is exact, and up to an error of n
+/// K^2 2^-79 otherwise.
 ///
 /// - `m`, `n`: any, 0 included; m >= n, or the columns depend on each other.
 /// - `a`: A, read and written, with leading dimension `lda` as in cata_ata_f64.
@@ -259,8 +259,8 @@ pub unsafe extern "C" fn cata_gram_orthogonality(
 ///   diagonal, zeros below; must not overlap A. NULL where not wanted; `ldr` is then not looked
 ///   at.
 ///
-/// Returns CATA_ERR_ARGUMENT when columns depend on those before them, which the message names. A
-/// and R are unspecified after CATA_ERR_PANIC.
+/// Returns CATA_ERR_ARGUMENT when columns depend on those before them, which the message names.
+/// A and R are unspecified after CATA_ERR_PANIC.
 ///
 /// # Safety
 /// The pointers are as described.

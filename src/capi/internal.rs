@@ -7,7 +7,8 @@ use crate::base::{Latch, tickets};
 /// For the tests of this ABI only: panics inside the library, on the calling thread if `worker`
 /// is 0 and else on a thread of its own, to show that no panic reaches the caller.
 ///
-/// Returns CATA_ERR_PANIC. Not in libraries that are installed, nor in their header: tests/c/internal.h.
+/// Returns CATA_ERR_PANIC. Not in libraries that are installed, nor in their header:
+/// tests/c/internal.h.
 #[cfg(debug_assertions)]
 #[unsafe(no_mangle)]
 pub extern "C" fn cata_internal_panic(worker: i32) -> cata_status {

@@ -32,18 +32,18 @@ pub struct cata_lstsq_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
-    /// them cannot be cancelled.
+    /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work
+    /// after them cannot be cancelled.
     pub progress: cata_progress,
     /// Handed to `progress`.
     pub progress_user: *mut c_void,
-    /// Multiple of |X|^2 that is added to what is minimised; finite, at least 0. The intercept is
-    /// not a part of X.
+    /// Multiple of |X|^2 that is added to what is minimised; finite, at least 0. The intercept
+    /// is not a part of X.
     pub ridge: f64,
     /// 1: a constant is fitted for each target too. 0: none.
     pub intercept: i32,
-    /// 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message names
-    /// them. 0: of all solutions the one of least norm is returned.
+    /// 1: columns of A that depend on others are an error, CATA_ERR_ARGUMENT, whose message
+    /// names them. 0: of all solutions the one of least norm is returned.
     pub refuse_dependent: i32,
 }
 
@@ -67,8 +67,8 @@ pub unsafe extern "C" fn cata_lstsq_params_init(
 
 /// What is known of a least-squares solution beside X. The caller sets `struct_size` and the
 /// pointers, each to an array of its own or to NULL where it is not wanted; the call writes the
-/// arrays and the fields after them. `cata_lstsq_result result = {.struct_size = sizeof result};`
-/// asks for those fields alone.
+/// arrays and the fields after them. `cata_lstsq_result result = {.struct_size = sizeof
+/// result};` asks for those fields alone.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cata_lstsq_result {
@@ -82,8 +82,8 @@ pub struct cata_lstsq_result {
     pub r_squared: *mut f64,
     /// k elements, written: the constant of each target; zeros without `params.intercept`.
     pub intercepts: *mut f64,
-    /// n x k, written, with the layout and the leading dimension of X: the standard error of each
-    /// coefficient; NaN without degrees of freedom.
+    /// n x k, written, with the layout and the leading dimension of X: the standard error of
+    /// each coefficient; NaN without degrees of freedom.
     pub standard_errors: *mut f64,
     /// k elements, written: the standard error of each constant; untouched without
     /// `params.intercept`.
@@ -98,8 +98,8 @@ pub struct cata_lstsq_result {
     /// Written: an estimate of the condition number of A, about the mean with an intercept, and
     /// with sqrt(ridge) I below it.
     pub condition: f64,
-    /// Written: decimal digits of X, relative to its largest entry when columns of A have norm 1,
-    /// that agree with the exact solution; from 0 to 15.95.
+    /// Written: decimal digits of X, relative to its largest entry when columns of A have norm
+    /// 1, that agree with the exact solution; from 0 to 15.95.
     pub digits: f64,
 }
 
@@ -111,9 +111,9 @@ impl Versioned for cata_lstsq_result {
 /// The X (n x k) that minimises |W^(1/2) (A X - B)|^2 + ridge |X|^2, for A m x n, B m x k and
 /// W = diag(weights), from the Gram matrix of [A B] in extended precision.
 ///
-/// Where cata_gram_extended is exact, X is at least as accurate as by an orthogonal factorisation
-/// of A in double, up to condition numbers of about 2^48 of A with columns of norm 1; see
-/// `result.digits`. Rows are read twice, in blocks; neither A nor B is copied as a whole.
+/// Where cata_gram_extended is exact, X is at least as accurate as by an orthogonal
+/// factorisation of A in double, up to condition numbers of about 2^48 of A with columns of norm
+/// 1; see `result.digits`. Rows are read twice, in blocks; neither A nor B is copied as a whole.
 ///
 /// - `m`, `n`: any, 0 included. `k`: number of targets, at least 1.
 /// - `b`: B, m x k, read, with leading dimension `ldb`.

@@ -13,7 +13,8 @@ use crate::spectral::functional_map::{
 };
 
 /// A functional map C between two bases of cata_basis_new that is being fitted: r_target x
-/// r_source, it takes coefficients of functions on the source to those of functions on the target.
+/// r_source, it takes coefficients of functions on the source to those of functions on the
+/// target.
 pub struct cata_map_fit {
     source: Arc<Functions>,
     target: Arc<Functions>,
@@ -60,8 +61,8 @@ pub unsafe extern "C" fn cata_map_fit_free(fit: *mut cata_map_fit) {
     });
 }
 
-/// Adds functions that correspond: columns of F (n_source x count) and G (n_target x count). Each
-/// pair counts the same.
+/// Adds functions that correspond: columns of F (n_source x count) and G (n_target x count).
+/// Each pair counts the same.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -82,8 +83,8 @@ pub unsafe extern "C" fn cata_map_fit_functions(
     })
 }
 
-/// Adds that C commutes with multiplications by such functions, with this weight; 0.1 is usual. A
-/// function says far more of the map that way.
+/// Adds that C commutes with multiplications by such functions, with this weight; 0.1 is usual.
+/// A function says far more of the map that way.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -105,8 +106,8 @@ pub unsafe extern "C" fn cata_map_fit_operators(
     })
 }
 
-/// Adds vertices that correspond, by heat kernels around them. `pairs`: 2 count elements, a vertex
-/// of the source and one of the target each.
+/// Adds vertices that correspond, by heat kernels around them. `pairs`: 2 count elements, a
+/// vertex of the source and one of the target each.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -187,8 +188,8 @@ pub unsafe extern "C" fn cata_map_fit_solve(
     })
 }
 
-/// Iterative closest points: in turns the points of C (r_target x r_source, read and written) and
-/// the orthogonal map along them, until these stay the same or `iterations` >= 1 are done.
+/// Iterative closest points: in turns the points of C (r_target x r_source, read and written)
+/// and the orthogonal map along them, until these stay the same or `iterations` >= 1 are done.
 ///
 /// - `source`, `target`: of cata_basis_new.
 /// - `points`: n_target elements, written: the vertex of the source for each of the target; NULL
@@ -231,8 +232,8 @@ pub unsafe extern "C" fn cata_map_icp(
 }
 
 /// ZoomOut: in turns the points of a map and the map along them between `step` >= 1 functions
-/// more, from C (rows x cols, read), a map between the first functions, to the whole MAP (r_target
-/// x r_source, written). `source`, `target` and `points` are as in cata_map_icp.
+/// more, from C (rows x cols, read), a map between the first functions, to the whole MAP
+/// (r_target x r_source, written). `source`, `target` and `points` are as in cata_map_icp.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -26,8 +26,8 @@ use crate::unions::PartSpectra;
 ///
 /// - `k`: number of pairs, at most the vertices that are in a face and not held at zero.
 /// - `eigenvalues`: k elements, written: ascending, in units of 1 / length^2.
-/// - `eigenvectors`: n_vertices x k, written, column-major; orthonormal in the inner product of M,
-///   0 where functions are held at zero and at vertices in no face.
+/// - `eigenvectors`: n_vertices x k, written, column-major; orthonormal in the inner product of
+///   M, 0 where functions are held at zero and at vertices in no face.
 /// - `residuals`: k elements, written, as those of cata_eigs; NULL where not wanted.
 /// - `masses`: n_vertices elements, written: the diagonal of M, 0 at vertices that it has no row
 ///   for; NULL where not wanted. CATA_MASS_CONSISTENT has none to give.

@@ -50,8 +50,8 @@ pub unsafe extern "C" fn cata_world_new(
     with_mpi!(ranks::new(fortran_comm, world))
 }
 
-/// Gives a world back. Collective; after MPI_Finalize it is local, and leaves the communicator to
-/// MPI.
+/// Gives a world back. Collective; after MPI_Finalize it is local, and leaves the communicator
+/// to MPI.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -97,8 +97,8 @@ pub unsafe extern "C" fn cata_world_traffic(
     with_mpi!(ranks::traffic(world, traffic))
 }
 
-/// Sets the entries of a message above which it is cut in several, 1 to 2^30; 2^30 in a new world.
-/// Local, but all ranks must set the same before the next collective call.
+/// Sets the entries of a message above which it is cut in several, 1 to 2^30; 2^30 in a new
+/// world. Local, but all ranks must set the same before the next collective call.
 ///
 /// # Safety
 /// The pointer is as described.
@@ -110,9 +110,9 @@ pub unsafe extern "C" fn cata_world_set_longest_message(
     with_mpi!(ranks::set_longest_message(world, entries))
 }
 
-/// C = alpha A^T A where every rank has some rows of A, in any order and number; C is left spread
-/// over the ranks. Collective. The result depends, by rounding, on the number of ranks and on which
-/// rank has which rows.
+/// C = alpha A^T A where every rank has some rows of A, in any order and number; C is left
+/// spread over the ranks. Collective. The result depends, by rounding, on the number of ranks
+/// and on which rank has which rows.
 ///
 /// - `layout`, `m`, `a`: of the rows of this rank, m x n, its own on each rank.
 /// - `n`, `alpha`: the same on all ranks.
@@ -154,11 +154,11 @@ pub unsafe extern "C" fn cata_world_ata_rows_f32(
 }
 
 /// Least squares where every rank has some rows of A, of B and of the weights, in any order and
-/// number; every rank gets the whole of X and of the result. Collective. The result does not depend
-/// on the number of ranks, nor on which rank has which rows, bit for bit.
+/// number; every rank gets the whole of X and of the result. Collective. The result does not
+/// depend on the number of ranks, nor on which rank has which rows, bit for bit.
 ///
-/// - `layout`, `m`, `a`, `b`, `weights`: of the rows of this rank, as in cata_lstsq; `weights` is
-///   NULL on all ranks or on none.
+/// - `layout`, `m`, `a`, `b`, `weights`: of the rows of this rank, as in cata_lstsq; `weights`
+///   is NULL on all ranks or on none.
 /// - `x`, `result`: as in cata_lstsq; what is wanted may differ between the ranks.
 /// - `params`: progress is that of the second pass over the rows of this rank.
 ///
@@ -186,8 +186,8 @@ pub unsafe extern "C" fn cata_world_lstsq(
     ))
 }
 
-/// C = alpha A^T A where every rank has some columns of A (m x cols), in the order of the ranks, as
-/// cata_world_ata_rows_f64. Cheaper than that where A is not much longer than wide.
+/// C = alpha A^T A where every rank has some columns of A (m x cols), in the order of the ranks,
+/// as cata_world_ata_rows_f64. Cheaper than that where A is not much longer than wide.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -207,9 +207,9 @@ pub unsafe extern "C" fn cata_world_ata_columns(
 }
 
 /// C := alpha A^T A + beta C where the rank `root` has A, m x n, and C, n x n: by AtA-D, or by
-/// dealing rows of A, whichever should be faster. Collective. The result depends, by rounding, on
-/// the number of ranks. C is untouched after an error in arguments, unspecified in its wanted part
-/// after any other.
+/// dealing rows of A, whichever should be faster. Collective. The result depends, by rounding,
+/// on the number of ranks. C is untouched after an error in arguments, unspecified in its wanted
+/// part after any other.
 ///
 /// - `alpha`: the same on all ranks.
 /// - `layout` to `lda`, `beta` to `ldc`: on the root as in cata_ata_f64; ignored on other ranks.
@@ -235,15 +235,16 @@ pub unsafe extern "C" fn cata_world_ata_root(
     with_mpi!(ranks::root(world, root, layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params))
 }
 
-/// C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has them; what
-/// PDSYRK does with TRANS = 'T' to whole matrices. Collective. A is dealt out anew, in a copy; the
-/// result depends, by rounding, on the number of ranks and on how A is dealt out.
+/// C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has them;
+/// what PDSYRK does with TRANS = 'T' to whole matrices. Collective. A is dealt out anew, in a
+/// copy; the result depends, by rounding, on the number of ranks and on how A is dealt out.
 ///
-/// - `uplo`, `alpha`, `beta`: as in cata_ata_f64; with CATA_BOTH and beta != 0 C must be symmetric.
+/// - `uplo`, `alpha`, `beta`: as in cata_ata_f64; with CATA_BOTH and beta != 0 C must be
+///   symmetric.
 /// - `a`: A's entries on this rank: column-major, with leading dimension LLD_ of `desc_a`.
-/// - `desc_a`: 9 numbers: DTYPE_ (1), CTXT_ (ignored), M_ >= 0, N_ >= 0, MB_ >= 1, NB_ >= 1, RSRC_,
-///   CSRC_ (from 0, a row and a column of the grid), LLD_ (at least 1 and the rows on this rank;
-///   ignored outside of the grid). The same on all ranks but for CTXT_ and LLD_.
+/// - `desc_a`: 9 numbers: DTYPE_ (1), CTXT_ (ignored), M_ >= 0, N_ >= 0, MB_ >= 1, NB_ >= 1,
+///   RSRC_, CSRC_ (from 0, a row and a column of the grid), LLD_ (at least 1 and the rows on
+///   this rank; ignored outside of the grid). The same on all ranks but for CTXT_ and LLD_.
 /// - `c`, `desc_c`: C likewise, written; M_ and N_ are A's N_, the blocks any.
 /// - `grid_rows`, `grid_cols`: the process grid, of the first ranks, at least 1 x 1.
 /// - `grid_order`: CATA_ROW_MAJOR when ranks are numbered along the rows of the grid, as by
@@ -272,8 +273,8 @@ pub unsafe extern "C" fn cata_world_ata_cyclic(
     ))
 }
 
-/// As cata_world_ata_cyclic: C := alpha A A^T + beta C, m x m; PDSYRK with TRANS = 'N'. M_ and N_
-/// of `desc_c` are A's M_.
+/// As cata_world_ata_cyclic: C := alpha A A^T + beta C, m x m; PDSYRK with TRANS = 'N'. M_ and
+/// N_ of `desc_c` are A's M_.
 ///
 /// # Safety
 /// The pointers are as described at `cata_world_ata_cyclic`.
@@ -298,9 +299,9 @@ pub unsafe extern "C" fn cata_world_aat_cyclic(
     ))
 }
 
-/// Eigenpairs as those of cata_eigs where every rank has some rows of W, in the order of the ranks.
-/// Collective. Every rank gets all eigenvalues and residuals and its rows of the eigenvectors. The
-/// basis, most of the memory, is spread; W and its factor are on every rank.
+/// Eigenpairs as those of cata_eigs where every rank has some rows of W, in the order of the
+/// ranks. Collective. Every rank gets all eigenvalues and residuals and its rows of the
+/// eigenvectors. The basis, most of the memory, is spread; W and its factor are on every rank.
 ///
 /// - `own`: rows of this rank, its own on each rank; `n`: all rows.
 /// - `row_starts`, `columns`, `entries`, `masses`: of these rows, columns from 0 to n - 1.
@@ -409,8 +410,8 @@ pub unsafe extern "C" fn cata_symmetric_free(symmetric: *mut cata_symmetric) {
     with_mpi!(ranks::free_symmetric(symmetric));
 }
 
-/// Puts the whole of a distributed matrix of doubles, made by all ranks of `world`, into C, n x n,
-/// on the rank `root`, as cata_ata_f64 does; other ranks' `layout` to `ldc` are ignored.
+/// Puts the whole of a distributed matrix of doubles, made by all ranks of `world`, into C, n x
+/// n, on the rank `root`, as cata_ata_f64 does; other ranks' `layout` to `ldc` are ignored.
 /// Collective.
 ///
 /// # Safety
@@ -445,8 +446,8 @@ pub unsafe extern "C" fn cata_symmetric_gather_f32(
     with_mpi!(ranks::gather(symmetric, world, root, layout, uplo, c, ldc))
 }
 
-/// Checks that a distributed matrix of doubles, made by all ranks of `world`, is alpha A^T A, up to
-/// rounding, as cata_verify_f64 does. Collective; all ranks get the same answer.
+/// Checks that a distributed matrix of doubles, made by all ranks of `world`, is alpha A^T A, up
+/// to rounding, as cata_verify_f64 does. Collective; all ranks get the same answer.
 ///
 /// - `spread`: CATA_BY_ROWS or CATA_BY_COLUMNS: how A is spread.
 /// - `layout`, `rows`, `cols`, `a`: of this rank's part of A.

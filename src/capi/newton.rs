@@ -27,9 +27,9 @@ use crate::texture::newton::{
     Fractal, Gradient, Grid, Newton, NewtonOptions, Points, Polynomial, darkened, root_color,
 };
 
-/// Equation 7.3 of the thesis: from -1 (at a root) to the number of iterations.
+/// Equation 7.3: from -1 (at a root) to the iterations.
 pub const CATA_NEWTON_THESIS: i32 = 0;
-/// The gradient of the shader of the thesis' authors: from 0 to 1.
+/// That of the thesis authors' shader: from 0 to 1.
 pub const CATA_NEWTON_SHADER: i32 = 1;
 
 /// What a Newton fractal is of.

@@ -12,9 +12,9 @@ use crate::ortho::{
     Factors, GramSchmidtOptions, cholesky_qr_of, gram_schmidt_in_place, rank_revealing_in_place,
 };
 
-/// `method`: columns are projected until they are orthogonal to rounding; threshold 1e-9.
+/// `method`: orthogonal to rounding; threshold 1e-9.
 pub const CATA_ORTHO_REORTHOGONALIZED: i32 = 1;
-/// `method`: once, so that columns are orthogonal as far as that goes; threshold 1e-2.
+/// `method`: one projection; threshold 1e-2.
 pub const CATA_ORTHO_SINGLE_PASS: i32 = 2;
 /// `method`: as many columns as the numerical rank: singular values above the threshold, 1e-9,
 /// times the largest one, columns scaled to length 1; orthogonal to rounding.
@@ -60,12 +60,13 @@ pub unsafe extern "C" fn cata_ortho_params_init(
 /// Gram-Schmidt with rank detection, in place: A (n x c) = Q R with Q^T M Q = I, for a diagonal
 /// M. Columns that depend on those before them are dropped.
 ///
-/// - `a`: A, read and written: its first `*rank` columns are Q afterwards, the others unspecified.
+/// - `a`: A, read and written: its first `*rank` columns are Q afterwards, the others
+///   unspecified.
 /// - `masses`: n elements: the diagonal of M, positive; NULL: all 1.
-/// - `r`: min(n, c) x c, written: R in its first `*rank` rows, zeros below; coefficients of every
-///   column of A. NULL where not wanted; `ldr` is then not looked at.
-/// - `kept`: c elements; the first `*rank` are written: the columns that Q is made of, ascending,
-///   from 0. NULL where not wanted.
+/// - `r`: min(n, c) x c, written: R in its first `*rank` rows, zeros below; coefficients of
+///   every column of A. NULL where not wanted; `ldr` is then not looked at.
+/// - `kept`: c elements; the first `*rank` are written: the columns that Q is made of,
+///   ascending, from 0. NULL where not wanted.
 /// - `rank`: one size_t, written.
 ///
 /// A is unspecified after errors that are not of arguments.
@@ -105,8 +106,8 @@ pub unsafe extern "C" fn cata_ortho_gram_schmidt(
 }
 
 /// A (n x c) = Q R with Q^T M Q = I, in place, by shifted Cholesky QR: about half the work of
-/// cata_ortho_gram_schmidt, for independent columns. Others are CATA_ERR_ARGUMENT, which leaves A
-/// unspecified, as the errors there do. (cata_gram_cholesky_qr: from a Gram matrix in extended
+/// cata_ortho_gram_schmidt, for independent columns. Others are CATA_ERR_ARGUMENT, which leaves
+/// A unspecified, as the errors there do. (cata_gram_cholesky_qr: from a Gram matrix in extended
 /// precision.)
 ///
 /// - `a`, `masses`: as there; A becomes Q.
@@ -160,7 +161,8 @@ pub(super) struct FactorsOut<'a> {
 
 impl<'a> FactorsOut<'a> {
     /// # Safety
-    /// The pointers are as the header describes them, R of so many rows and columns, during `'a`.
+    /// The pointers are as the header describes them, R of so many rows and columns, during
+    /// `'a`.
     pub unsafe fn new(
         layout: Layout,
         rows: usize,

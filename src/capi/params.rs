@@ -86,8 +86,8 @@ pub(super) unsafe fn read_or_zeros<T: Versioned>(params: *const T) -> Result<T, 
     unsafe { read(params) }
 }
 
-/// Writes a struct of the caller's version, but for its `struct_size`: the fields that both know,
-/// and 0 into those that only the caller knows.
+/// Writes a struct of the caller's version, but for its `struct_size`: the fields that both
+/// know, and 0 into those that only the caller knows.
 ///
 /// # Safety
 /// `place` is NULL or points to as many writable bytes as its `struct_size` says.
@@ -138,8 +138,8 @@ mod tests {
         const FIRST_SIZE: usize = offset_of!(Self, added);
     }
 
-    /// As many words as the caller's version has; what is read or written beyond is found by Miri
-    /// and AddressSanitizer.
+    /// As many words as the caller's version has; what is read or written beyond is found by
+    /// Miri and AddressSanitizer.
     fn of_version(words: &[usize]) -> Box<[usize]> {
         words.into()
     }

@@ -21,8 +21,8 @@ pub struct cata_pca_params {
     pub struct_size: usize,
     /// Threads, at most; 0: all.
     pub threads: usize,
-    /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work after
-    /// them cannot be cancelled.
+    /// Told of the progress of the passes that form the Gram matrix; NULL: nobody. The work
+    /// after them cannot be cancelled.
     pub progress: cata_progress,
     /// Handed to `progress`.
     pub progress_user: *mut c_void,

@@ -90,8 +90,8 @@ pub(super) unsafe fn matrix<'a, T: Copy>(
 /// An m x n matrix.
 ///
 /// # Safety
-/// The elements that the arguments describe can be read and written, and nobody else does either,
-/// during `'a`.
+/// The elements that the arguments describe can be read and written, and nobody else does
+/// either, during `'a`.
 pub(super) unsafe fn matrix_mut<'a, T: Copy>(
     what: &str,
     layout: Layout,

@@ -13,8 +13,8 @@ use std::ops::ControlFlow;
 
 use crate::base::Par;
 
-/// A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything else
-/// asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
+/// A progress callback: `fraction` of the work done, in [0, 1]. Returns 0 to go on; anything
+/// else asks to stop soon, and the call then returns CATA_ERR_CANCELLED.
 ///
 /// It is called from any thread that works for the call, one call at a time: each begins after
 /// the one before it has returned, and sees what that has written. No thread waits for it, so it

@@ -19,26 +19,21 @@ use crate::blas::BlasReal;
 
 /// `centering`: nothing is subtracted from the rows.
 pub const CATA_CENTER_NONE: i32 = 0;
-/// `centering`: the mean of the rows is subtracted, weighted if there are weights.
+/// `centering`: the (weighted) mean of the rows is subtracted.
 pub const CATA_CENTER_MEAN: i32 = 1;
 /// `centering`: the row given is subtracted.
 pub const CATA_CENTER_GIVEN: i32 = 2;
 
 /// C := alpha X^T W X + beta C, where X is A with a row subtracted from every row, and W =
-/// diag(weights). A is not copied as a whole: it is read in blocks of rows, about 32 MiB each.
-///
-/// With CATA_CENTER_MEAN and alpha = 1 / (m - 1) C is the covariance matrix of the columns of A.
+/// diag(weights). A is read in blocks of rows, about 32 MiB each. With CATA_CENTER_MEAN and
+/// alpha = 1 / (m - 1) C is the covariance matrix of the columns of A.
 ///
 /// - `weights`: m finite numbers, negative ones too, read; NULL: all 1.
 /// - `centering`: CATA_CENTER_NONE, CATA_CENTER_MEAN or CATA_CENTER_GIVEN.
-/// - `center`: with CATA_CENTER_GIVEN n finite numbers, read, not NULL unless n is 0; else
-///   ignored.
-/// - The rest as in cata_ata_f64. Neither `weights` nor `center` may overlap C.
+/// - `center`: with CATA_CENTER_GIVEN n finite numbers, read; else ignored.
 ///
-/// Returns what cata_ata_f64 does, CATA_ERR_NON_FINITE for a weight or a centre that is not
-/// finite, or CATA_ERR_ARGUMENT when the weights of a mean sum to 0. C is untouched after any
-/// error but CATA_ERR_CANCELLED, CATA_ERR_PANIC and CATA_ERR_OUT_OF_MEMORY, which leave
-/// unspecified values in its wanted part.
+/// The rest as in cata_ata_f64, but that C holds unspecified values after CATA_ERR_OUT_OF_MEMORY
+/// too. CATA_ERR_ARGUMENT when the weights of a mean sum to 0.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -51,8 +51,8 @@ pub unsafe extern "C" fn cata_shape_dna(
 /// looks once at each number, on the calling thread.
 ///
 /// - `query`: the k numbers of a signature; `signatures`: `count` x k, one after the other.
-/// - `indices`, `distances`: `wanted` <= count elements each, written: numbers of signatures from
-///   0, the nearest first, and their distances.
+/// - `indices`, `distances`: `wanted` <= count elements each, written: numbers of signatures
+///   from 0, the nearest first, and their distances.
 ///
 /// # Safety
 /// The pointers are as described.

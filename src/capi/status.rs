@@ -22,8 +22,7 @@ pub type cata_status = i32;
 pub const CATA_OK: cata_status = 0;
 /// A pointer is NULL where it may not be.
 pub const CATA_ERR_NULL: cata_status = 1;
-/// A matrix, vector or buffer is too small or has the wrong shape, or its size in bytes
-/// overflows.
+/// A size is too small, does not fit, or overflows.
 pub const CATA_ERR_SHAPE: cata_status = 2;
 /// An argument is outside its range.
 pub const CATA_ERR_ARGUMENT: cata_status = 3;
@@ -39,21 +38,20 @@ pub const CATA_ERR_OUT_OF_MEMORY: cata_status = 7;
 pub const CATA_ERR_BACKEND: cata_status = 8;
 /// The progress callback asked to stop.
 pub const CATA_ERR_CANCELLED: cata_status = 9;
-/// This build, or this version, can't do it: see cata_capabilities.
+/// This build or version can't do it (cata_capabilities).
 pub const CATA_ERR_UNSUPPORTED: cata_status = 10;
-/// A bug in Catamaran, caught at the border; the message says where. The library stays usable.
+/// A bug in Catamaran, caught; the library stays usable.
 pub const CATA_ERR_PANIC: cata_status = 11;
-/// Another rank of a distributed call failed, or does not fit the others; the message names it.
+/// Another rank failed, or does not fit; the message names it.
 pub const CATA_ERR_RANK: cata_status = 12;
-/// A triangle mesh or a plant is not one, or not of the kind that is asked for; the message names
-/// the element.
+/// A mesh or plant is not one; the message names the element.
 pub const CATA_ERR_MESH: cata_status = 13;
 
 /// The message of the last call of this thread that failed, in UTF-8, NUL-terminated; empty when
 /// none has. A call that succeeds leaves it alone. Never NULL.
 ///
-/// The pointer is valid until the next call of this thread that fails, and not after the thread's
-/// end; do not free it.
+/// The pointer is valid until the next call of this thread that fails, and not after the
+/// thread's end; do not free it.
 #[unsafe(no_mangle)]
 pub extern "C" fn cata_last_error_message() -> *const c_char {
     last_message()

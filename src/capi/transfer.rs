@@ -57,8 +57,8 @@ pub unsafe extern "C" fn cata_transfer(
     })
 }
 
-/// Carries functions over by a map C (r_target x r_source) between any bases: F, n_source x count,
-/// to G, n_target x count, written.
+/// Carries functions over by a map C (r_target x r_source) between any bases: F, n_source x
+/// count, to G, n_target x count, written.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -106,7 +106,8 @@ pub unsafe extern "C" fn cata_transfer_map(
 /// Gives the smooth part of the target mesh the details of the source mesh: heights over the
 /// smooth part of the source, carried over by C and added along normals.
 ///
-/// - `smooth_source`, `smooth_target`: bases of few functions, whose spans have the smooth parts.
+/// - `smooth_source`, `smooth_target`: bases of few functions, whose spans have the smooth
+///   parts.
 /// - `source`, `target`, `c`: as in cata_transfer_map.
 /// - `positions`: 3 target_n_vertices elements, written: the vertices of the target, moved.
 ///

@@ -24,7 +24,7 @@ use crate::Par;
 use crate::base::Progress;
 use crate::unions::{K, SpectralUnion, interpolate};
 
-/// Eigenvalues of the spectra that cata_unions_predict takes and gives.
+/// Eigenvalues of a spectrum of cata_unions_predict.
 pub const CATA_UNION_EIGENVALUES: usize = 20;
 
 const _: () = assert!(CATA_UNION_EIGENVALUES == K);
@@ -36,8 +36,8 @@ pub struct cata_unions {
 
 /// The network that predicts spectra of unions.
 ///
-/// `weights`: a file of `catamaran unions train`, NUL-terminated; NULL: the weights that come with
-/// the library. CATA_ERR_IO when something is wrong with the file.
+/// `weights`: a file of `catamaran unions train`, NUL-terminated; NULL: the weights that come
+/// with the library. CATA_ERR_IO when something is wrong with the file.
 ///
 /// # Safety
 /// The pointers are as described.
@@ -157,8 +157,8 @@ pub unsafe extern "C" fn cata_unions_params_init(
 }
 
 /// Where the union of parts is on the template of the network, the mesh that `catamaran unions
-/// template` writes; CATA_ERR_SHAPE and CATA_ERR_ARGUMENT for another mesh. Each call computes the
-/// eigenfunctions of the template.
+/// template` writes; CATA_ERR_SHAPE and CATA_ERR_ARGUMENT for another mesh. Each call computes
+/// the eigenfunctions of the template.
 ///
 /// - `parts`, `spectra`: as those of cata_unions_predict.
 /// - `indicator`: n_vertices elements, written: about 1 inside of the union and 0 outside; the

@@ -5,20 +5,17 @@ use crate::Real;
 use crate::ata::verify;
 
 /// Checks that C = alpha A^T A for A m x n and C n x n, up to rounding, with `rounds` random
-/// vectors (Freivalds 1977), in time proportional to rounds (m n + n^2).
+/// vectors (Freivalds 1977), in time proportional to rounds (m n + n^2), on the calling thread.
+/// CATA_OK whether C passed or not.
 ///
-/// - `layout`, `uplo`, `m`, `n`, `a`, `lda`: as in cata_ata_f64; only the part `uplo` of C is
-///   looked at.
-/// - `c`: C, read, as long as in cata_ata_f64.
+/// - `uplo`: the part of C that is looked at.
 /// - `rounds`: 1 to 1000. A C with an entry wrong by more than twice the tolerance passes with
 ///   probability at most 2^-rounds.
 /// - `seed`: of the random vectors; the same seed gives the same answer.
-/// - `passed`: one int32_t, not NULL; written on success: 1 if C passed, else 0.
-/// - `residual`, `tolerance`: one double each, NULL where not wanted; written on success: the
-///   largest entry of |C X - alpha A^T (A X)|, and how large rounding may make it. NaN or
-///   infinity in the residual never passes.
-///
-/// Returns CATA_OK, whether C passed or not. Runs on the calling thread.
+/// - `passed`: written: 1 if C passed, else 0.
+/// - `residual`, `tolerance`: written: the largest entry of |C X - alpha A^T (A X)|, and how
+///   large rounding may make it; NULL where not wanted. NaN or infinity in the residual never
+///   passes.
 ///
 /// # Safety
 /// The pointers are as described.

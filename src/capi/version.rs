@@ -5,14 +5,13 @@ use super::pointer::optional_output;
 use super::status::cata_status;
 use crate::base;
 
-/// Bit of cata_capabilities: OpenBLAS is linked in (cata_backend_openblas works).
+/// Bit of cata_capabilities: OpenBLAS is linked in.
 pub const CATA_CAP_OPENBLAS: u64 = 1;
-/// Bit of cata_capabilities: MPI is linked in (cata_world_new works).
+/// Bit of cata_capabilities: MPI is linked in.
 pub const CATA_CAP_MPI: u64 = 2;
-/// Bit of cata_capabilities: kernels run on OpenCL devices, where there are any (cata_device_count
-/// tells).
+/// Bit of cata_capabilities: kernels for OpenCL devices.
 pub const CATA_CAP_OPENCL: u64 = 4;
-/// Bit of cata_capabilities: rows come from HDF5 files too (cata_accumulator_add_file).
+/// Bit of cata_capabilities: rows from HDF5 files.
 pub const CATA_CAP_HDF5: u64 = 8;
 
 const VERSION: &CStr =
@@ -21,10 +20,8 @@ const VERSION: &CStr =
         Err(_) => panic!("a version has no NUL inside"),
     };
 
-/// The version of the library that runs, which may be newer than the header's
-/// (CATA_VERSION_MAJOR, _MINOR, _PATCH).
-///
-/// `major`, `minor`, `patch`: one int32_t each, written; NULL where the part is not wanted.
+/// The version of the library that runs, which may be newer than the header's. NULL where a part
+/// is not wanted.
 ///
 /// # Safety
 /// The pointers are as described.

@@ -1,8 +1,8 @@
 //! # MPI
 //!
-//! Products, least squares, eigenpairs and orthonormal columns of matrices that are spread over the
-//! ranks of a communicator. Functions are collective unless they say Local, and take one call at a
-//! time for a world.
+//! Products, least squares, eigenpairs and orthonormal columns of matrices that are spread over
+//! the ranks of a communicator. Functions are collective unless they say Local, and take one
+//! call at a time for a world.
 //!
 //! ```c
 //! double rows[] = {1, 2, 3, 4}; // two on each rank
@@ -25,17 +25,18 @@ use super::params::Versioned;
 /// The library never initialises or finalises MPI. MPI is called by the thread that calls; other
 /// threads compute, so that MPI_THREAD_FUNNELED is needed (MPI_Init_thread).
 ///
-/// Collective functions are called by all ranks of the world, in the same order and with the same
-/// numbers unless said otherwise; `params` may differ in `threads` and progress. An error on one
-/// rank is an error on all: its own there, CATA_ERR_RANK on the others, with a message that names
-/// the rank, but for a world that is NULL. A panic aborts the job (MPI_Abort); so does, unless the
-/// communicator has another error handler, an error of MPI itself.
+/// Collective functions are called by all ranks of the world, in the same order and with the
+/// same numbers unless said otherwise; `params` may differ in `threads` and progress. An error
+/// on one rank is an error on all: its own there, CATA_ERR_RANK on the others, with a message
+/// that names the rank, but for a world that is NULL. A panic aborts the job (MPI_Abort); so
+/// does, unless the communicator has another error handler, an error of MPI itself.
 pub struct cata_world {
     #[cfg(feature = "mpi")]
     pub(super) world: crate::mpi::World,
 }
 
-/// A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a world.
+/// A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a
+/// world.
 pub struct cata_symmetric {
     #[cfg(feature = "mpi")]
     pub(super) entries: Entries,
@@ -65,5 +66,5 @@ impl Versioned for cata_traffic {
 
 /// `spread`: every rank has rows of A, in any order and number.
 pub const CATA_BY_ROWS: i32 = 141;
-/// `spread`: every rank has columns of A, in the order of the ranks.
+/// `spread`: every rank has columns of A, in order.
 pub const CATA_BY_COLUMNS: i32 = 142;

@@ -111,10 +111,10 @@ fn opening(section: &Section, capi: &Path) -> Result<String, String> {
     let lines = source.lines().map_while(|line| line.strip_prefix("//!")).map(str::trim_end);
     let mut lines = lines.map(|line| line.strip_prefix(' ').unwrap_or(line));
     let title = lines.next().unwrap_or_default().trim_start_matches("# ");
-    let rule = "=".repeat(89 - title.len());
-    let mut text = format!("/* ==== {title} {rule} */\n\n/**\n * @defgroup {name} {title}\n");
+    let rule = "=".repeat(86 - title.len());
+    let mut text = format!("/* ==== {title} {rule} */\n/**\n * @defgroup {name} {title}\n");
     let mut is_code = false;
-    for line in lines {
+    for line in lines.filter(|line| !line.is_empty()) {
         let line = match (line, is_code) {
             ("```c", false) => "@code{.c}",
             ("```", true) => "@endcode",
@@ -151,7 +151,8 @@ fn tidied(header: &str) -> String {
         if in_safety {
             continue;
         }
-        if line == " */" && lines.last() == Some(&" *") {
+        // No gap before the end, nor before a list.
+        if (line == " */" || line.starts_with(" * - ")) && lines.last() == Some(&" *") {
             lines.pop();
         }
         lines.push(line);
@@ -181,28 +182,35 @@ fn tidied(header: &str) -> String {
     tidy + rest
 }
 
-/// Comments of a constant or a field behind it, where the line is wide enough; such constants follow each
-/// other without a gap.
+/// Comments of a constant, a field or a function behind it, where the line is wide enough; such constants
+/// and functions follow each other without a gap.
 fn beside(header: &str) -> String {
     let mut lines: Vec<String> = Vec::new();
     for line in header.lines() {
-        let is_value = line.starts_with("#define") || line.starts_with("    ");
         let comment = lines.last().and_then(|last| last.trim_start().strip_prefix("/** "));
-        let comment = comment.filter(|comment| is_value && comment.ends_with(" */"));
+        let comment = comment.filter(|comment| {
+            let is_type = line.starts_with("typedef");
+            !is_type && comment.ends_with(" */") && !line.trim_start().starts_with('/')
+        });
         let joined = comment.map(|comment| format!("{line} /**< {comment}"));
-        match joined.filter(|joined| joined.chars().count() <= 100) {
-            Some(joined) => {
-                lines.pop();
-                let is_constant = |line: &String| line.starts_with("#define");
-                let gap = lines.last().is_some_and(String::is_empty);
-                let before = lines.len().checked_sub(2).map(|at| &lines[at]);
-                if gap && is_constant(&joined) && before.is_some_and(is_constant) {
-                    lines.pop();
-                }
-                lines.push(joined);
+        let Some(joined) = joined.filter(|joined| joined.chars().count() <= 100) else {
+            // A struct and its `_init` belong together.
+            let is_init = line.contains("_params_init(") && lines.len() >= 2;
+            if is_init && lines[lines.len() - 2].is_empty() {
+                lines.remove(lines.len() - 2);
             }
-            None => lines.push(line.to_owned()),
+            lines.push(line.to_owned());
+            continue;
+        };
+        lines.pop();
+        let is_short = |line: &String| line.starts_with("#define") || line.contains("; /**< ");
+        let after_init = joined.contains("_params_init(");
+        let before = lines.len().checked_sub(2).map(|at| &lines[at]);
+        let follows = before.is_some_and(|before| is_short(before) && !before.starts_with(' '));
+        if lines.last().is_some_and(String::is_empty) && (follows || after_init) {
+            lines.pop();
         }
+        lines.push(joined);
     }
     lines.join("\n")
 }
