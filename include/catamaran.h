@@ -95,6 +95,7 @@ const char *cata_status_name(cata_status status);
 #define CATA_CAP_MPI 2 /**< Bit of cata_capabilities: MPI is linked in. */
 #define CATA_CAP_OPENCL 4 /**< Bit of cata_capabilities: kernels for OpenCL devices. */
 #define CATA_CAP_HDF5 8 /**< Bit of cata_capabilities: rows from HDF5 files. */
+#define CATA_CAP_CHAPTERS 16 /**< Bit of cata_capabilities: all chapters, not A^T A alone. */
 
 /** The version of the library that runs, which may be newer than the header's. NULL where a part
  * is not wanted. */
@@ -251,8 +252,8 @@ cata_status cata_ata_params_init(cata_ata_params *params, size_t struct_size);
  * CATA_ERR_CANCELLED and CATA_ERR_PANIC, which leave unspecified values in its wanted part.
  *
  * With u = 2^-53 (float: 2^-24) entry (i, j) of a classical product is wrong by at most about m
- * u (|A|^T |A|)(i, j); that of CATA_SCHEME_EXACT with the default `error_factor` by at most (u
- * + 1.1e-16 sqrt(m)) |a_i| |a_j| (float: 1.7e-8 for 1.1e-16), the Euclidean norms of two
+ * u (|A|^T |A|)(i, j); that of CATA_SCHEME_EXACT with the default `error_factor` by at most
+ * (1.1e-16 sqrt(m) + u) |a_i| |a_j| (float: 1.7e-8 for 1.1e-16), the Euclidean norms of two
  * columns, far below which it may have no correct digit; fast products are bounded in the
  * maximum norm only. CATA_SCHEME_AUTO may take any of them unless `error_factor` is 1, which
  * allows only the first, or CATA_ERROR_LEAST. NaN and infinities reach the entries of C of

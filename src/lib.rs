@@ -100,7 +100,7 @@ pub mod mpi;
 #[cfg(feature = "opencl")]
 pub mod opencl;
 
-#[cfg(feature = "capi")]
+#[cfg(feature = "capi-ata")]
 pub mod capi;
 
 /// The matrix library whose views ([`faer::MatRef`], [`faer::MatMut`]) the API takes.

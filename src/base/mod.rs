@@ -25,7 +25,6 @@ pub use scalar::Real;
 pub(crate) use simd::widest;
 pub(crate) use version::data_caches;
 pub use version::{VERSION, VersionNumber, cpu_features, version};
-#[cfg(feature = "geometry")]
 pub(crate) use workspace::reserved;
 pub use workspace::{Arena, Workspace, release_memory};
 pub(crate) use workspace::{Scratch, zeros};

@@ -69,7 +69,6 @@ impl<T: Real> Workspace<T> {
 }
 
 /// An empty vector with room for `len` entries.
-#[cfg(feature = "geometry")]
 pub(crate) fn reserved<T>(len: usize) -> Result<Vec<T>> {
     let mut values = Vec::new();
     let bytes = len.saturating_mul(size_of::<T>());

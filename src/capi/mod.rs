@@ -2,86 +2,142 @@
 //!
 //! One file per area; every export that can fail passes through `boundary`, and only `pointer`
 //! makes views of what C points to. Nothing here is meant to be called from Rust.
+//!
+//! The products are there with the feature `capi-ata`, all chapters with `capi`, the functions
+//! of MPI with `mpi` too. `absent` has functions of the same names for what is not.
 
 #![allow(non_camel_case_types)] // the names are those of the C header
 
-mod accumulator;
+#[cfg(not(all(feature = "capi", feature = "mpi")))]
+mod absent;
 mod aha;
 mod ata;
 mod ata_params;
-mod ata_sparse;
 mod atb;
 mod backend;
-mod basis;
 mod boundary;
-mod curve;
-mod decimation;
-mod device;
-mod eigs;
-#[cfg(feature = "mpi")]
-mod entries;
-mod gram;
 mod internal;
 mod layout;
-mod lstsq;
-mod map;
 mod memory;
-mod mesh;
 mod message;
-mod mpi;
-mod newton;
-mod ortho;
-mod outputs;
 mod params;
-mod pca;
-mod plant;
 mod pointer;
 mod progress;
-#[cfg(feature = "mpi")]
-mod ranks;
-mod rods;
 mod rows;
-mod shape_dna;
-mod slime;
 mod status;
-mod transfer;
-mod unions;
 mod verify;
 mod version;
+
+#[cfg(feature = "capi")]
+mod accumulator;
+#[cfg(feature = "capi")]
+mod ata_sparse;
+#[cfg(feature = "capi")]
+mod basis;
+#[cfg(feature = "capi")]
+mod curve;
+#[cfg(feature = "capi")]
+mod decimation;
+#[cfg(feature = "capi")]
+mod device;
+#[cfg(feature = "capi")]
+mod eigs;
+#[cfg(feature = "capi")]
+mod gram;
+#[cfg(feature = "capi")]
+mod lstsq;
+#[cfg(feature = "capi")]
+mod map;
+#[cfg(feature = "capi")]
+mod mesh;
+#[cfg(feature = "capi")]
+mod newton;
+#[cfg(feature = "capi")]
+mod ortho;
+#[cfg(feature = "capi")]
+mod outputs;
+#[cfg(feature = "capi")]
+mod pca;
+#[cfg(feature = "capi")]
+mod plant;
+#[cfg(feature = "capi")]
+mod rods;
+#[cfg(feature = "capi")]
+mod shape_dna;
+#[cfg(feature = "capi")]
+mod slime;
+#[cfg(feature = "capi")]
+mod transfer;
+#[cfg(feature = "capi")]
+mod unions;
+
+#[cfg(all(feature = "capi", feature = "mpi"))]
+mod entries;
+#[cfg(all(feature = "capi", feature = "mpi"))]
+mod mpi;
+#[cfg(all(feature = "capi", feature = "mpi"))]
+mod ranks;
+#[cfg(all(feature = "capi", feature = "mpi"))]
 mod world;
 
-pub use accumulator::*;
+#[cfg(not(all(feature = "capi", feature = "mpi")))]
+pub use absent::*;
 pub use aha::*;
 pub use ata::*;
 pub use ata_params::*;
-pub use ata_sparse::*;
 pub use atb::*;
 pub use backend::*;
-pub use basis::*;
-pub use curve::*;
-pub use decimation::*;
-pub use device::*;
-pub use eigs::*;
-pub use gram::*;
 pub use internal::*;
 pub use layout::*;
-pub use lstsq::*;
-pub use map::*;
 pub use memory::*;
-pub use mesh::*;
-pub use mpi::*;
-pub use newton::*;
-pub use ortho::*;
-pub use pca::*;
-pub use plant::*;
 pub use progress::*;
-pub use rods::*;
 pub use rows::*;
-pub use shape_dna::*;
-pub use slime::*;
 pub use status::*;
-pub use transfer::*;
-pub use unions::*;
 pub use verify::*;
 pub use version::*;
+
+#[cfg(feature = "capi")]
+pub use accumulator::*;
+#[cfg(feature = "capi")]
+pub use ata_sparse::*;
+#[cfg(feature = "capi")]
+pub use basis::*;
+#[cfg(feature = "capi")]
+pub use curve::*;
+#[cfg(feature = "capi")]
+pub use decimation::*;
+#[cfg(feature = "capi")]
+pub use device::*;
+#[cfg(feature = "capi")]
+pub use eigs::*;
+#[cfg(feature = "capi")]
+pub use gram::*;
+#[cfg(feature = "capi")]
+pub use lstsq::*;
+#[cfg(feature = "capi")]
+pub use map::*;
+#[cfg(feature = "capi")]
+pub use mesh::*;
+#[cfg(feature = "capi")]
+pub use newton::*;
+#[cfg(feature = "capi")]
+pub use ortho::*;
+#[cfg(feature = "capi")]
+pub use pca::*;
+#[cfg(feature = "capi")]
+pub use plant::*;
+#[cfg(feature = "capi")]
+pub use rods::*;
+#[cfg(feature = "capi")]
+pub use shape_dna::*;
+#[cfg(feature = "capi")]
+pub use slime::*;
+#[cfg(feature = "capi")]
+pub use transfer::*;
+#[cfg(feature = "capi")]
+pub use unions::*;
+
+#[cfg(all(feature = "capi", feature = "mpi"))]
+pub use mpi::*;
+#[cfg(all(feature = "capi", feature = "mpi"))]
 pub use world::*;

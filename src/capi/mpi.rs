@@ -1,20 +1,13 @@
-// Without the feature the functions are there, and do nothing with what they get.
-#![cfg_attr(not(feature = "mpi"), allow(unused_variables))]
-
 use super::ata_params::cata_ata_params;
 use super::boundary::boundary;
 use super::eigs::cata_eigs_params;
 use super::lstsq::{cata_lstsq_params, cata_lstsq_result};
 use super::ortho::cata_ortho_params;
-#[cfg(feature = "mpi")]
 use super::ranks;
 use super::status::cata_status;
-#[cfg(not(feature = "mpi"))]
-use super::status::{CATA_ERR_UNSUPPORTED, Failure};
 use super::world::{cata_symmetric, cata_traffic, cata_world};
 
-/// The call where the feature is there.
-#[cfg(feature = "mpi")]
+/// A call within the boundary.
 macro_rules! with_mpi {
     ($call:expr) => {
         boundary(|| {
@@ -24,13 +17,6 @@ macro_rules! with_mpi {
                 $call
             }
         })
-    };
-}
-
-#[cfg(not(feature = "mpi"))]
-macro_rules! with_mpi {
-    ($call:expr) => {
-        boundary(|| Err(Failure::new(CATA_ERR_UNSUPPORTED, "built without the feature mpi")))
     };
 }
 

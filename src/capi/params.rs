@@ -77,6 +77,7 @@ pub(super) unsafe fn read<T: Versioned>(params: *const T) -> Result<T, Failure> 
 ///
 /// # Safety
 /// `params` is NULL or as [`read`] has it.
+#[cfg(feature = "capi")]
 pub(super) unsafe fn read_or_zeros<T: Versioned>(params: *const T) -> Result<T, Failure> {
     if params.is_null() {
         // SAFETY: all fields of such a struct may be 0.
@@ -91,7 +92,7 @@ pub(super) unsafe fn read_or_zeros<T: Versioned>(params: *const T) -> Result<T, 
 ///
 /// # Safety
 /// `place` is NULL or points to as many writable bytes as its `struct_size` says.
-#[cfg(any(feature = "mpi", test))]
+#[cfg(any(all(feature = "capi", feature = "mpi"), test))]
 pub(super) unsafe fn write<T: Versioned>(
     what: &str,
     place: *mut T,

@@ -1,12 +1,16 @@
 //! Views of what C points to: every check that can be made of a pointer, and every raw cast.
 
 use faer::{MatMut, MatRef};
+#[cfg(feature = "capi")]
 use sprs::CsMatView;
 
 use super::layout::{CATA_BOTH, CATA_COL_MAJOR, CATA_LOWER, CATA_ROW_MAJOR, CATA_UPPER};
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure};
+#[cfg(feature = "capi")]
+use crate::Real;
+use crate::Uplo;
+#[cfg(feature = "capi")]
 use crate::mesh::TriMesh;
-use crate::{Real, Uplo};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Layout {
@@ -46,6 +50,7 @@ pub(super) fn uplo_from(uplo: i32) -> Result<Uplo, Failure> {
 /// # Safety
 /// `row_starts` has rows + 1 elements (or may be NULL without rows), `columns` and `entries` as
 /// many as its last one says; they can be read, and nobody writes them, during `'a`.
+#[cfg(feature = "capi")]
 pub(super) unsafe fn sparse<'a, T: Real>(
     rows: usize,
     cols: usize,
@@ -164,6 +169,7 @@ pub(super) unsafe fn optional_output<'a, T>(
 ///
 /// # Safety
 /// They can be read, and nobody writes them.
+#[cfg(feature = "capi")]
 pub(super) unsafe fn mesh(
     n_vertices: usize,
     vertices: *const f64,
@@ -183,6 +189,7 @@ pub(super) unsafe fn mesh(
 ///
 /// # Safety
 /// As [`slice_mut`], or the pointer is NULL.
+#[cfg(feature = "capi")]
 pub(super) unsafe fn optional_slice_mut<'a, T: Copy>(
     what: &str,
     pointer: *mut T,
@@ -199,6 +206,7 @@ pub(super) unsafe fn optional_slice_mut<'a, T: Copy>(
 ///
 /// # Safety
 /// NULL, or as [`matrix_mut`].
+#[cfg(feature = "capi")]
 pub(super) unsafe fn optional_matrix_mut<'a>(
     what: &str,
     layout: Layout,

@@ -13,6 +13,8 @@ pub const CATA_CAP_MPI: u64 = 2;
 pub const CATA_CAP_OPENCL: u64 = 4;
 /// Bit of cata_capabilities: rows from HDF5 files.
 pub const CATA_CAP_HDF5: u64 = 8;
+/// Bit of cata_capabilities: all chapters, not A^T A alone.
+pub const CATA_CAP_CHAPTERS: u64 = 16;
 
 const VERSION: &CStr =
     match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
@@ -58,5 +60,6 @@ pub extern "C" fn cata_capabilities() -> u64 {
     let mpi = if cfg!(feature = "mpi") { CATA_CAP_MPI } else { 0 };
     let opencl = if cfg!(feature = "opencl") { CATA_CAP_OPENCL } else { 0 };
     let hdf5 = if cfg!(feature = "hdf5") { CATA_CAP_HDF5 } else { 0 };
-    openblas | mpi | opencl | hdf5
+    let chapters = if cfg!(feature = "capi") { CATA_CAP_CHAPTERS } else { 0 };
+    openblas | mpi | opencl | hdf5 | chapters
 }

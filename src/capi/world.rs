@@ -14,11 +14,9 @@
 //! cata_world_free(world);
 //! ```
 
-use std::mem::offset_of;
-
-#[cfg(feature = "mpi")]
 use super::entries::Entries;
 use super::params::Versioned;
+use std::mem::offset_of;
 
 /// The ranks of an MPI communicator that work together; it has a communicator of its own.
 ///
@@ -31,14 +29,12 @@ use super::params::Versioned;
 /// that names the rank, but for a world that is NULL. A panic aborts the job (MPI_Abort); so
 /// does, unless the communicator has another error handler, an error of MPI itself.
 pub struct cata_world {
-    #[cfg(feature = "mpi")]
     pub(super) world: crate::mpi::World,
 }
 
 /// A symmetric matrix, float or double, whose lower triangle is spread over the ranks of a
 /// world.
 pub struct cata_symmetric {
-    #[cfg(feature = "mpi")]
     pub(super) entries: Entries,
 }
 

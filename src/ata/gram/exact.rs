@@ -13,7 +13,7 @@ use super::pass::{Pass, Scaling};
 use super::strip::Strip;
 use super::wide::{self, SumInteger};
 use crate::ata::exact::{Columns, Flags, Signs, rows_of_triangle, triangle_len};
-use crate::base::{Error, Par, Real, Result, widest, zeros};
+use crate::base::{Error, Par, Real, Result, reserved, widest, zeros};
 use crate::blas::BlasReal;
 use crate::kernel::int8::{I256, Integer, power_of_two, scaled};
 
@@ -69,7 +69,7 @@ struct Piece<'p, T> {
 
 impl<T: BlasReal, I: SumInteger> ExactSums<T, I> {
     pub fn try_clone(&self) -> Result<Self> {
-        let mut entries = crate::base::reserved(self.entries.len())?;
+        let mut entries = reserved(self.entries.len())?;
         entries.extend_from_slice(&self.entries);
         let (grid, strip) = (self.grid.clone(), self.strip.clone());
         let (sums, flags) = (self.sums.clone(), self.flags.clone());
