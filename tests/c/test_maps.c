@@ -367,13 +367,13 @@ static cata_basis *of_mesh(const double *x, size_t k)
 }
 
 /* A torus that gets its own details stays as it is, nearly; one of twice the size gets them twice. */
-static void test_details(void)
+static void test_details(size_t count)
 {
     static double map[MANY * MANY], moved[3 * V], twice[3 * V];
     static uint32_t identity[V];
     torus();
-    cata_basis *few = of_mesh(positions, FEW), *many = of_mesh(positions, MANY);
-    cata_basis *large_few = of_mesh(scaled, FEW), *large = of_mesh(scaled, MANY);
+    cata_basis *few = of_mesh(positions, FEW), *many = of_mesh(positions, count);
+    cata_basis *large_few = of_mesh(scaled, FEW), *large = of_mesh(scaled, count);
     for (uint32_t i = 0; i < V; i++) {
         identity[i] = i;
     }
@@ -412,7 +412,7 @@ static void test_details(void)
 
     /* Products, maps and points of many functions do not depend on threads. */
     static double triangle[500 * 500], other[500 * 500];
-    for (size_t threads = 1; threads <= 4; threads *= 2) {
+    for (size_t threads = 1; threads <= (count < MANY ? 1 : 4); threads *= 2) {
         cata_basis *products = NULL;
         size_t r = 0, all = 0;
         cata_basis_params how = {.struct_size = sizeof how, .threads = threads,
@@ -431,13 +431,14 @@ static void test_details(void)
     cata_basis_free(large);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    const int quick = argc > 1 && strcmp(argv[1], "quick") == 0;
     ring();
     test_basis();
     test_products();
     test_maps();
     test_refusals();
-    test_details();
+    test_details(quick ? 2 * FEW : MANY);
     return report("test_maps");
 }
