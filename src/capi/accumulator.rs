@@ -1,8 +1,7 @@
 use std::ffi::{c_char, c_void};
 use std::mem::offset_of;
-use std::path::PathBuf;
 
-use super::boundary::{boundary, text};
+use super::boundary::{boundary, path};
 use super::lstsq::{LeastSquaresOutputs, cata_lstsq_params, cata_lstsq_result};
 use super::outputs::fill_slice;
 use super::params::{Versioned, flag, init, read_or_zeros};
@@ -136,7 +135,7 @@ pub unsafe extern "C" fn cata_accumulator_read(
     boundary(|| {
         // SAFETY: the caller's promise.
         let (path, params, place) = unsafe {
-            (path_of(path)?, read_or_zeros(params)?, output("accumulator", accumulator)?)
+            (self::path("path", path)?, read_or_zeros(params)?, output("accumulator", accumulator)?)
         };
         *place = cata_accumulator::boxed(read_accumulator(&path)?, &params);
         Ok(())
@@ -155,7 +154,7 @@ pub unsafe extern "C" fn cata_accumulator_write(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let (own, path) = unsafe { (known(accumulator)?, path_of(path)?) };
+        let (own, path) = unsafe { (known(accumulator)?, self::path("path", path)?) };
         Ok(write_accumulator(Output::create(&path, Overwrite::Replace)?, &own.sum)?)
     })
 }
@@ -224,7 +223,7 @@ pub unsafe extern "C" fn cata_accumulator_add_file(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let (own, path) = unsafe { (known_mut(accumulator)?, path_of(path)?) };
+        let (own, path) = unsafe { (known_mut(accumulator)?, self::path("path", path)?) };
         own.change(&mut RowFile::open(path)?, None, false)
     })
 }
@@ -488,12 +487,4 @@ unsafe fn known_mut<'a>(
     let own = unsafe { accumulator.as_mut() }.ok_or_else(|| Failure::null("accumulator"))?;
     own.check()?;
     Ok(own)
-}
-
-/// # Safety
-/// NULL or NUL-terminated.
-unsafe fn path_of(path: *const c_char) -> Result<PathBuf, Failure> {
-    // SAFETY: passed on to the caller.
-    let path = unsafe { text("path", path) }?.to_str();
-    Ok(path.map_err(|_| Failure::new(CATA_ERR_ARGUMENT, "path: not UTF-8"))?.into())
 }

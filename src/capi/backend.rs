@@ -13,14 +13,15 @@
 //! ```
 
 use std::ffi::{CString, c_char};
-use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::boundary::{boundary, text};
+use super::boundary::{boundary, path};
 use super::pointer::output;
 #[cfg(not(feature = "openblas"))]
 use super::status::CATA_ERR_UNSUPPORTED;
-use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
+#[cfg(not(feature = "openblas"))]
+use super::status::Failure;
+use super::status::cata_status;
 use crate::blas::{self, Backend};
 
 /// A BLAS library that computes the small products, for several calls and threads at a time.
@@ -54,18 +55,7 @@ pub unsafe extern "C" fn cata_backend_load(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let (path, backend) = unsafe { (text("path", path)?, output("backend", backend)?) };
-        #[cfg(unix)]
-        let path: PathBuf = {
-            use std::os::unix::ffi::OsStrExt;
-            std::ffi::OsStr::from_bytes(path.to_bytes()).into()
-        };
-        #[cfg(not(unix))]
-        let path: PathBuf =
-            path.to_str().map_err(|_| Failure::new(CATA_ERR_ARGUMENT, "path: not UTF-8"))?.into();
-        if path.as_os_str().is_empty() {
-            return Err(Failure::new(CATA_ERR_ARGUMENT, "path: empty"));
-        }
+        let (path, backend) = unsafe { (self::path("path", path)?, output("backend", backend)?) };
         *backend = Box::into_raw(Box::new(cata_backend::new(blas::load(&path)?)));
         Ok(())
     })

@@ -3,9 +3,10 @@
 use std::any::Any;
 use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 
 use super::message::set_last_message;
-use super::status::{CATA_ERR_PANIC, CATA_OK, Failure, cata_status};
+use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_PANIC, CATA_OK, Failure, cata_status};
 
 /// Calls `work`; turns its failure, or its panic, into a status and this thread's last message.
 pub(super) fn boundary(work: impl FnOnce() -> Result<(), Failure>) -> cata_status {
@@ -50,6 +51,28 @@ pub(super) unsafe fn text<'a>(what: &str, text: *const c_char) -> Result<&'a CSt
     }
     // SAFETY: not NULL; the rest is passed on to the caller.
     Ok(unsafe { CStr::from_ptr(text) })
+}
+
+/// A file name of C, which may be of any bytes on Unix.
+///
+/// # Safety
+/// As [`text`].
+pub(super) unsafe fn path(what: &str, path: *const c_char) -> Result<PathBuf, Failure> {
+    // SAFETY: passed on to the caller.
+    let path = unsafe { text(what, path) }?;
+    if path.is_empty() {
+        return Err(Failure::new(CATA_ERR_ARGUMENT, format!("{what}: empty")));
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::ffi::OsStrExt;
+        Ok(std::ffi::OsStr::from_bytes(path.to_bytes()).into())
+    }
+    #[cfg(not(unix))]
+    {
+        let not_utf8 = |_| Failure::new(CATA_ERR_ARGUMENT, format!("{what}: not UTF-8"));
+        Ok(path.to_str().map_err(not_utf8)?.into())
+    }
 }
 
 #[cfg(test)]

@@ -16,10 +16,9 @@
 
 use std::ffi::{c_char, c_void};
 use std::mem::offset_of;
-use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::boundary::{boundary, text};
+use super::boundary::{boundary, path};
 use super::params::{Versioned, init, read};
 use super::pointer::{check_size, optional_slice_mut, output, slice, slice_mut};
 use super::progress::{cata_progress, par, watcher};
@@ -177,9 +176,8 @@ pub unsafe extern "C" fn cata_plant_read(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let (path, place) = unsafe { (text("path", path)?, output("plant", plant)?) };
-        let path = path.to_str().map_err(|_| Failure::new(CATA_ERR_ARGUMENT, "path: not UTF-8"))?;
-        let graph = crate::plant::read(&PathBuf::from(path))?;
+        let (path, place) = unsafe { (self::path("path", path)?, output("plant", plant)?) };
+        let graph = crate::plant::read(&path)?;
         // SAFETY: the caller's promise.
         *place = unsafe { model(graph, params) }?;
         Ok(())

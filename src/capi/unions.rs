@@ -13,13 +13,12 @@
 
 use std::ffi::{c_char, c_void};
 use std::mem::offset_of;
-use std::path::Path;
 
-use super::boundary::{boundary, text};
+use super::boundary::{boundary, path};
 use super::params::{Versioned, init, read};
 use super::pointer::{check_size, mesh, optional_output, output, slice, slice_mut};
 use super::progress::{cata_progress, par, watcher};
-use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_NULL, Failure, cata_status};
+use super::status::{CATA_ERR_NULL, Failure, cata_status};
 use crate::Par;
 use crate::base::Progress;
 use crate::unions::{K, SpectralUnion, interpolate};
@@ -53,11 +52,8 @@ pub unsafe extern "C" fn cata_unions_new(
             SpectralUnion::pretrained()?
         } else {
             // SAFETY: the caller's promise.
-            let path = unsafe { text("weights", weights) }?;
-            let path = path.to_str().map_err(|_| {
-                Failure::new(CATA_ERR_ARGUMENT, "weights: a path that is not UTF-8")
-            })?;
-            SpectralUnion::read(Path::new(path))?
+            let path = unsafe { path("weights", weights) }?;
+            SpectralUnion::read(&path)?
         };
         *place = Box::into_raw(Box::new(cata_unions { model }));
         Ok(())
