@@ -880,7 +880,7 @@ cata_status cata_ortho_cholesky_qr(int32_t layout, size_t n, size_t c, double *a
  * double v[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}, values[2], functions[8]; // a tetrahedron
  * uint32_t f[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
  * cata_mesh_eigs(4, v, 4, f, 2, values, functions, 4, NULL, NULL, NULL);
- * printf("%.3f\n", values[1]); // 11.314
+ * printf("%.3f\n", values[1]); // 3.000
  * @endcode
  * @{
  */
@@ -1152,7 +1152,7 @@ cata_status cata_curves_left_out(const cata_curves *curves, uint32_t *samples);
  * cata_basis *basis;
  * cata_basis_new(2, 2, masses, values, vectors, 2, NULL, &basis);
  * cata_basis_filter(basis, CATA_COL_MAJOR, 1, f, 2, gains, 0, g, 2);
- * printf("%g %g\n", g[0], g[1]); // 2 2, the mean
+ * printf("%g %g\n", g[0], g[1]); // 2 2
  * cata_basis_free(basis);
  * @endcode
  * @{

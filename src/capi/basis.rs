@@ -9,7 +9,7 @@
 //! cata_basis *basis;
 //! cata_basis_new(2, 2, masses, values, vectors, 2, NULL, &basis);
 //! cata_basis_filter(basis, CATA_COL_MAJOR, 1, f, 2, gains, 0, g, 2);
-//! printf("%g %g\n", g[0], g[1]); // 2 2, the mean
+//! printf("%g %g\n", g[0], g[1]); // 2 2
 //! cata_basis_free(basis);
 //! ```
 
