@@ -16,7 +16,9 @@ enum class device_kind : std::int32_t {
 
 /// An OpenCL device.
 struct device {
+    /// In UTF-8, cut to 255 bytes.
     std::string name;
+    /// Processor, graphics card or anything else.
     device_kind kind = device_kind::other;
 };
 

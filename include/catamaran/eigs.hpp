@@ -37,16 +37,21 @@ enum class boundary : std::int32_t {
 struct eigs_options {
     /// 0: all cores of the affinity mask.
     std::size_t threads = 0;
-    /// 0: 60.
+    /// Restarts, at most; 0: 60.
     std::size_t max_restarts = 0;
+    /// Of the starting vectors.
     std::uint64_t seed = 0;
-    /// 0: 1e-9.
+    /// Residual that every pair must reach, 1e-14 to 1e-2; 0: 1e-9.
     double tolerance = 0.0;
     /// The eigenvalues nearest to this number; nothing: the smallest.
     std::optional<double> shift;
+    /// Whether eigenvalues are counted, by further factorisations, and none is left out.
     bool verify_count = false;
+    /// Of meshes: which triangles the functions are linear on.
     laplacian_kind laplacian = laplacian_kind::cotangent;
+    /// Of meshes: how the area of a triangle goes to its vertices.
     mass_kind mass = mass_kind::barycentric;
+    /// Of meshes: the condition that functions meet where they end.
     catamaran::boundary boundary = boundary::neumann;
     /// As options::progress.
     std::function<bool(double)> progress;
@@ -60,10 +65,12 @@ struct eigenpairs {
     std::vector<double> values;
     /// rows x values.size(), column-major without gaps.
     std::vector<double> vectors;
+    /// values.size(): |W phi - lambda M phi| of each pair, relative, as cata_eigs defines it.
     std::vector<double> residuals;
     /// The diagonal of M; empty where it is not a diagonal, or all 1.
     std::vector<double> masses;
 
+    /// The eigenvectors, rows x values.size(), valid as long as this.
     matrix_view<const double> matrix() const noexcept {
         return col_major(vectors.data(), rows, values.size());
     }
@@ -179,9 +186,11 @@ inline std::size_t count_below(const sparse_view& w, double value,
 
 /// Some eigenpairs, gone when the call that hands them out returns.
 struct eigenpair_slice {
+    /// Number of pairs.
     std::size_t count;
-    /// count each, ascending.
+    /// count: ascending, within the slice and from slice to slice.
     const double* values;
+    /// count: as eigenpairs::residuals.
     const double* residuals;
     /// rows x count.
     matrix_view<const double> vectors;
@@ -261,6 +270,7 @@ struct ortho_options {
     std::size_t threads = 0;
     /// 0: 1e-9, or 1e-2 with ortho_method::single_pass.
     double threshold = 0.0;
+    /// How often columns are projected, and which ones are kept; standard: reorthogonalized.
     ortho_method method = ortho_method::standard;
     /// As options::progress.
     std::function<bool(double)> progress;

@@ -16,7 +16,7 @@ struct basis_options {
     std::size_t threads = 0;
     /// Of products: most factors; 0: 2.
     std::size_t order = 0;
-    /// Of products.
+    /// Of products; standard: single_pass, which is stabler under transfer.
     ortho_method method = ortho_method::standard;
     /// As options::progress.
     std::function<bool(double)> progress;
@@ -47,14 +47,16 @@ private:
 }  // namespace detail
 
 /// Functions on the vertices of a mesh, with the inner product of its masses. Functions that are
-/// taken have a row for each vertex and are columns; those that are returned are in the same layout,
-/// without gaps.
+/// taken have a row for each vertex and are columns; those that are returned are in the same
+/// layout, without gaps.
 class basis {
 public:
     /// Of eigenpairs of a mesh, with their masses.
     explicit basis(const eigenpairs& pairs, const basis_options& how = {}) {
         detail::require(pairs.masses.size() == pairs.rows, CATA_ERR_ARGUMENT,
                         "pairs: must have masses");
+        detail::require(pairs.vectors.size() >= pairs.rows * pairs.values.size(), CATA_ERR_SHAPE,
+                        "pairs: must have an eigenvector for each value");
         detail::basis_call call(how);
         cata_basis* made = nullptr;
         call.finish(cata_basis_new(pairs.rows, pairs.values.size(), pairs.masses.data(),
@@ -71,6 +73,7 @@ public:
         return basis(made);
     }
 
+    /// Number of rows of each function.
     std::size_t vertices() const { return sizes()[0]; }
 
     /// Number of functions.
@@ -135,11 +138,15 @@ public:
                                                  f.data, f.leading));
     }
 
+    /// Functions in two parts, each in their layout without gaps.
     struct parts {
-        /// What of f is in the span, and the detail that is left.
-        std::vector<double> low, high;
+        /// What of f is in the span.
+        std::vector<double> low;
+        /// The detail that is left.
+        std::vector<double> high;
     };
 
+    /// f as low + high.
     parts split(matrix_view<const double> f) const {
         take(f);
         parts found{std::vector<double>(f.rows * f.cols), std::vector<double>(f.rows * f.cols)};
@@ -149,6 +156,7 @@ public:
         return found;
     }
 
+    /// The handle, owned by this.
     const cata_basis* get() const noexcept { return handle_.get(); }
 
 private:
@@ -182,11 +190,16 @@ private:
 /// A functional map, target.size() x source.size(), column-major without gaps, and, where they were
 /// computed, its points: the vertex of the source for each of the target.
 struct functional_map {
+    /// Functions of the target.
     std::size_t rows = 0;
+    /// Functions of the source.
     std::size_t cols = 0;
+    /// rows x cols, column-major without gaps.
     std::vector<double> entries;
+    /// For each vertex of the target that of the source; none where they were not computed.
     std::vector<std::uint32_t> points;
 
+    /// The entries, valid as long as this.
     matrix_view<const double> matrix() const noexcept {
         return col_major(entries.data(), rows, cols);
     }
@@ -196,6 +209,7 @@ struct functional_map {
 /// them.
 class map_fit {
 public:
+    /// That knows nothing yet; with the threads of `source`.
     map_fit(const basis& source, const basis& target)
         : rows_(target.size()),
           cols_(source.size()),
@@ -239,6 +253,7 @@ public:
         return *this;
     }
 
+    /// The map that fits best and, by a weight from 0 on, commutes with the Laplacians; no points.
     functional_map solve(double commutativity = 1e-3, const basis_options& how = {}) {
         functional_map found{rows_, cols_, std::vector<double>(rows_ * cols_), {}};
         detail::basis_call call(how);
@@ -276,6 +291,8 @@ inline void require_map(matrix_view<const double> c, const basis& source, const 
 inline functional_map icp(functional_map map, const basis& source, const basis& target,
                           std::size_t iterations, const basis_options& how = {}) {
     detail::require_map(map.matrix(), source, target);
+    detail::require(map.entries.size() == map.rows * map.cols, CATA_ERR_SHAPE,
+                    "map: must have rows x cols entries");
     map.points.resize(target.vertices());
     detail::basis_call call(how);
     call.finish(cata_map_icp(source.get(), target.get(), iterations, CATA_COL_MAJOR,
@@ -389,6 +406,7 @@ inline std::vector<double> transfer(const basis& source, const basis& target,
 
 /// A shape whose details are carried, or that gets them.
 struct detailed_shape {
+    /// Whose vertices the functions have values at.
     mesh_view mesh;
     /// A basis of few functions, whose span has the smooth part.
     const basis& smooth;
@@ -428,6 +446,7 @@ inline std::vector<double> shape_dna(const mesh_view& mesh, std::size_t k, bool 
 struct matches {
     /// From 0, the nearest first.
     std::vector<std::size_t> indices;
+    /// Euclidean, as many as indices.
     std::vector<double> distances;
 };
 

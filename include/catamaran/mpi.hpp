@@ -15,25 +15,28 @@ namespace catamaran {
 /// MPI_Finalize.
 class world {
 public:
+    /// Collective over `comm`, between MPI_Init and MPI_Finalize.
     explicit world(MPI_Comm comm) {
         cata_world* made = nullptr;
         detail::check(cata_world_from_comm(comm, &made));
         handle_.reset(made);
     }
 
+    /// Number of the caller, from 0. Local.
     std::size_t rank() const {
         std::size_t number = 0;
         detail::check(cata_world_rank(handle_.get(), &number));
         return number;
     }
 
+    /// Number of ranks, at least 1. Local.
     std::size_t size() const {
         std::size_t number = 0;
         detail::check(cata_world_size(handle_.get(), &number));
         return number;
     }
 
-    /// What this rank has sent and received.
+    /// What this rank has sent and received since this was made. Local.
     cata_traffic traffic() const {
         cata_traffic found{};
         found.struct_size = sizeof found;
@@ -41,6 +44,7 @@ public:
         return found;
     }
 
+    /// The handle, owned by this.
     const cata_world* get() const noexcept { return handle_.get(); }
 
 private:
@@ -54,8 +58,10 @@ private:
 /// A symmetric matrix of doubles that is spread over the ranks of a world.
 class symmetric {
 public:
+    /// Takes over a handle from C, which is given back with this.
     explicit symmetric(cata_symmetric* handle) : handle_(handle) {}
 
+    /// Number of rows and of columns. Local.
     std::size_t n() const {
         std::size_t number = 0;
         detail::check(cata_symmetric_n(handle_.get(), &number));
@@ -71,6 +77,7 @@ public:
         return whole;
     }
 
+    /// The handle, owned by this.
     const cata_symmetric* get() const noexcept { return handle_.get(); }
 
 private:
@@ -83,8 +90,8 @@ private:
 
 namespace detail {
 
-/// What does not fit on one rank is handed to the call all the same, with a leading dimension that
-/// it refuses: the other ranks would wait for ever.
+/// What does not fit on one rank goes to the call all the same, with a leading dimension that it
+/// refuses, and without masses, which it might read first: the other ranks would wait for ever.
 inline bool fit(const std::vector<double>& masses, std::size_t rows) noexcept {
     return masses.empty() || masses.size() == rows;
 }
@@ -131,8 +138,9 @@ inline eigenpairs eigs(const world& ranks, const sparse_view& w, std::size_t n, 
     detail::eigs_call call(how);
     const cata_status status = cata_world_eigs(
         ranks.get(), w.rows, n, w.row_starts, w.columns, w.entries,
-        masses.empty() ? nullptr : masses.data(), k, pairs.values.data(), pairs.vectors.data(),
-        detail::or_refused(fits, w.rows), pairs.residuals.data(), call.params());
+        fits && !masses.empty() ? masses.data() : nullptr, k, pairs.values.data(),
+        pairs.vectors.data(), detail::or_refused(fits, w.rows), pairs.residuals.data(),
+        call.params());
     detail::require(fits, CATA_ERR_SHAPE, "masses, k: must be as many as own rows, at most n");
     call.finish(status);
     pairs.masses = std::move(masses);
@@ -149,7 +157,7 @@ inline factors gram_schmidt(const world& ranks, matrix_view<double> a,
     detail::ortho_call call(how);
     const cata_status status = cata_world_gram_schmidt(
         ranks.get(), static_cast<std::int32_t>(a.order), a.rows, a.cols, a.data,
-        fits ? a.leading : 0, masses.empty() ? nullptr : masses.data(), r.data(),
+        fits ? a.leading : 0, fits && !masses.empty() ? masses.data() : nullptr, r.data(),
         a.cols ? a.cols : 1, kept.data(), &rank, call.params());
     detail::require(fits, CATA_ERR_SHAPE, "masses: must be as many as own rows");
     call.finish(status);
@@ -165,7 +173,7 @@ inline std::vector<double> cholesky_qr(const world& ranks, matrix_view<double> a
     detail::ortho_call call(how);
     const cata_status status = cata_world_cholesky_qr(
         ranks.get(), static_cast<std::int32_t>(a.order), a.rows, a.cols, a.data,
-        fits ? a.leading : 0, masses.empty() ? nullptr : masses.data(), r.data(),
+        fits ? a.leading : 0, fits && !masses.empty() ? masses.data() : nullptr, r.data(),
         a.cols ? a.cols : 1, call.params());
     detail::require(fits, CATA_ERR_SHAPE, "masses: must be as many as own rows");
     call.finish(status);

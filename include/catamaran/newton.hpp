@@ -18,16 +18,27 @@ enum class newton_gradient : std::int32_t {
 
 /// What a Newton fractal is of: the fields of cata_newton_params; 0 is the default of each.
 struct newton_options {
+    /// 0: all cores of the affinity mask.
     std::size_t threads = 0;
     /// As options::progress, of all calls of the fractal.
     std::function<bool(double)> progress;
-    /// Real and imaginary part of each root; none: those of z^power - 1.
+    /// Real and imaginary part of each, at most 64, within 1e4 of 0; none: those of z^power - 1.
     std::vector<std::array<double, 2>> roots;
     /// An OpenCL device; none: the processor.
     std::optional<std::string> device;
-    double scale = 0.0, theta = 0.0, w = 0.0;
+    /// What points are multiplied by after offset and w are added; 0: 1.
+    double scale = 0.0;
+    /// Of the gradient, -10 to 20; 0: 3.5.
+    double theta = 0.0;
+    /// Fourth coordinate of all points.
+    double w = 0.0;
+    /// Added to x, y and z of each point.
     std::array<double, 3> offset{};
-    std::uint32_t power = 0, iterations = 0;
+    /// Without roots: the degree of z^power - 1, 2 to 64; 0: 3. With roots: 0.
+    std::uint32_t power = 0;
+    /// Steps of Newton's method for a point, at most 1000; 0: 32.
+    std::uint32_t iterations = 0;
+    /// thesis: from -1 (at a root) to the iterations; shader: from 0 to 1.
     newton_gradient gradient = newton_gradient::thesis;
 };
 
@@ -36,10 +47,13 @@ class newton {
 public:
     /// For each point the number of the root that it converges to, and how slowly.
     struct values {
+        /// a n + b for the roots a and b of a polynomial of n.
         std::vector<std::uint16_t> roots;
+        /// How slowly, as newton_options::gradient says; as many as roots.
         std::vector<float> convergence;
     };
 
+    /// Checks the options; nothing is computed yet.
     explicit newton(const newton_options& how = {}) : watcher_(how.progress) {
         cata_newton_params params;
         detail::check(cata_newton_params_init(&params, sizeof params));
@@ -74,7 +88,8 @@ public:
         return found;
     }
 
-    /// At the centres of the pixels of a picture of the plane z = 0, rows from the top; extent: how wide it is.
+    /// At the centres of the pixels of a picture of the plane z = 0, rows from the top; extent: how
+    /// wide it is.
     values plane(std::uint32_t width, std::uint32_t height, std::array<double, 2> center,
                  double extent) const {
         // Before there is room for them.
@@ -96,6 +111,7 @@ public:
         return colors;
     }
 
+    /// The handle, owned by this.
     const cata_newton* get() const noexcept { return handle_.get(); }
 
 private:

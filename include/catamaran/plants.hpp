@@ -12,58 +12,103 @@ namespace catamaran {
 
 /// The constants of a plant: the fields of cata_plant_params; 0 is the default of each.
 struct plant_options {
+    /// 0: all cores of the affinity mask.
     std::size_t threads = 0;
     /// As options::progress, of all calls of the plant.
     std::function<bool(double)> progress;
-    double loss = 0.0, intake = 0.0, conductance = 0.0, modulus = 0.0, viscosity = 0.0, density = 0.0;
-    double elasticity_full = 0.0, elasticity_dry = 0.0, elasticity_steepness = 0.0, elasticity_shift = 0.0;
+    /// Water that leaves give off, in kg / (s m^2); 0: none.
+    double loss = 0.0;
+    /// Water that the root takes from the soil, in kg / s; 0: none.
+    double intake = 0.0;
+    /// Of a segment, as a part of that of a pipe as wide; 0: 1e-9.
+    double conductance = 0.0;
+    /// Pressure in full cells, in Pa; 0: 1e6.
+    double modulus = 0.0;
+    /// Of the sap, in Pa s; 0: 1e-3.
+    double viscosity = 0.0;
+    /// Water in full tissue, in kg / m^3; 0: 1000.
+    double density = 0.0;
+    /// Modulus of elasticity of full cells, in Pa; 0: 5e7.
+    double elasticity_full = 0.0;
+    /// Modulus of elasticity of dry cells, in Pa; 0: 3e5.
+    double elasticity_dry = 0.0;
+    /// How steeply the modulus falls in between; 0: 10.
+    double elasticity_steepness = 0.0;
+    /// Relative water content at which it falls most steeply; 0: 0.75.
+    double elasticity_shift = 0.0;
 };
 
 /// The constants of rods: the fields of cata_plant_rods_params; 0 is the default of each.
 struct rods_options {
     /// As options::progress, of all calls of the rods.
     std::function<bool(double)> progress;
+    /// Acceleration, in m / s^2; all 0: 0, 0, -9.81.
     std::array<double, 3> gravity{};
-    double poisson = 0.0, dry_density = 0.0;
+    /// Ratio of lateral contraction to stretch, above -1 and at most 0.5; 0: 0.3.
+    double poisson = 0.0;
+    /// Of tissue without its water, in kg / m^3; 0: 100.
+    double dry_density = 0.0;
+    /// Of relax: torque out of balance / the largest of a weight, 1e-12 to 1e-2; 0: 1e-8.
     double tolerance = 0.0;
+    /// Of relax, at most; 0: 200.
     std::size_t iterations = 0;
+    /// Seconds that a step takes; 0: 1 / 60.
     double step = 0.0;
+    /// Of each step; 0: 3.
     std::size_t step_iterations = 0;
+    /// Rate at which velocities wear off, in 1 / s; 0: 1.
     double damping = 0.0;
 };
 
 /// The segments of a plant, as cata_plant_new takes them.
 struct plant_segments {
+    /// x, y, z of the end of each, in m.
     std::vector<std::array<double, 3>> tails;
+    /// In m, positive.
     std::vector<double> radii;
+    /// The segment at whose end each begins; CATA_NO_PARENT for the root.
     std::vector<std::uint32_t> parents;
+    /// CATA_PLANT_STEM or CATA_PLANT_LEAF, each also + CATA_PLANT_PINNED.
     std::vector<std::int32_t> kinds;
-    /// None: the root goes straight on into its first child.
+    /// Where the root begins; none: it is as long as its first child, and goes straight on into it.
     std::optional<std::array<double, 3>> base;
 };
 
 /// A part of a day: its seconds, and what leaves lose then.
 struct plant_interval {
-    double seconds, loss;
+    /// How long it is.
+    double seconds;
+    /// What leaves give off then, in kg / (s m^2).
+    double loss;
 };
 
 /// Where segments are.
 struct plant_pose {
-    std::vector<std::array<double, 3>> heads, tails;
-    /// Unit quaternions (w, x, y, z).
+    /// Where they begin, in m.
+    std::vector<std::array<double, 3>> heads;
+    /// Where they end, in m.
+    std::vector<std::array<double, 3>> tails;
+    /// How they have turned since the plant was given: unit quaternions (w, x, y, z).
     std::vector<std::array<double, 4>> rotations;
 };
 
 /// A mesh of tubes.
 struct plant_tubes {
+    /// x, y, z in m: 2 x sides for each segment, one segment after the other.
     std::vector<std::array<double, 3>> vertices;
+    /// Three vertices of each: 2 x sides for each segment, in the same order.
     std::vector<std::array<std::uint32_t, 3>> faces;
 };
 
 /// What became of a plant, time by time.
 struct wilting {
-    std::vector<std::vector<double>> water, moduli;
+    /// Of each node, in kg.
+    std::vector<std::vector<double>> water;
+    /// Modulus of elasticity of each segment, in Pa.
+    std::vector<std::vector<double>> moduli;
+    /// As plant_pose::tails.
     std::vector<std::vector<std::array<double, 3>>> tails;
+    /// As plant_pose::rotations.
     std::vector<std::vector<std::array<double, 4>>> rotations;
 };
 
@@ -92,6 +137,7 @@ public:
         make(how, [&](auto params, auto out) { return cata_plant_read(path.c_str(), params, out); });
     }
 
+    /// Of at least one segment, all on one tree.
     explicit plant(const plant_segments& of, const plant_options& how = {}) : watcher_(how.progress) {
         const std::size_t n = of.tails.size();
         detail::require(of.radii.size() == n && of.parents.size() == n && of.kinds.size() == n,
@@ -102,15 +148,17 @@ public:
         });
     }
 
-    /// A plant that grows by chance.
+    /// A plant of n >= 1 nodes that grows by chance, the same for the same seed.
     static plant grow(std::size_t n, std::uint64_t seed, const plant_options& how = {}) {
         plant grown(how.progress);
         grown.make(how, [&](auto params, auto out) { return cata_plant_grow(n, seed, params, out); });
         return grown;
     }
 
+    /// Number of nodes, each at the end of a segment.
     std::size_t size() const noexcept { return cata_plant_size(get()); }
 
+    /// As the plant was given, with its base.
     plant_segments segments() const {
         plant_segments found;
         const std::size_t n = size();
@@ -124,25 +172,30 @@ public:
         return found;
     }
 
+    /// Of every node when its cells are full, in kg.
     std::vector<double> full_water() const {
         std::vector<double> water(size());
         detail::check(cata_plant_full_water(get(), size(), water.data()));
         return water;
     }
 
+    /// Changes what all leaves give off, in kg / (s m^2), from now on.
     void set_loss(double loss) { detail::check(cata_plant_set_loss(handle_.get(), loss)); }
+    /// Changes what the root takes from the soil, in kg / s, from now on.
     void set_intake(double intake) { detail::check(cata_plant_set_intake(handle_.get(), intake)); }
+    /// Multiplies the conductance between a node, not the root, and its parent; 0 cuts them apart.
     void weaken(std::size_t node, double factor) {
         detail::check(cata_plant_weaken(handle_.get(), node, factor));
     }
 
-    /// The rates at which the modes of the water decay, in 1 / s.
+    /// The rates at which the modes of the water decay, ascending, in 1 / s; of order n^3.
     std::vector<double> rates() const {
         std::vector<double> rates(size());
         detail::check(cata_plant_rates(get(), size(), rates.data()));
         return rates;
     }
 
+    /// In kg, from `water` at time 0, at once, without time steps.
     std::vector<double> water_after(const std::vector<double>& water, double seconds) const {
         std::vector<double> result(water.size());
         watcher_.finish(
@@ -150,7 +203,8 @@ public:
         return result;
     }
 
-    /// The water at each of `times`, from `water` at time 0 on.
+    /// The water, in kg, at each of `times`, in s, ascending, from `water` at time 0 on. The parts
+    /// of `day` come again and again; none: the loss is that of the plant.
     std::vector<std::vector<double>> water_curve(const std::vector<double>& water,
                                                  const std::vector<double>& times,
                                                  const std::vector<plant_interval>& day = {}) const {
@@ -161,7 +215,7 @@ public:
         return detail::rows_of(result, times.size());
     }
 
-    /// Makes `water` the present of step().
+    /// Makes `water`, in kg, the present of step(), which takes `step` seconds.
     void start(const std::vector<double>& water, double step) {
         detail::check(cata_plant_start(handle_.get(), water.size(), water.data(), step));
     }
@@ -173,16 +227,19 @@ public:
         return water;
     }
 
+    /// Modulus of elasticity of every segment, in Pa, from its water, in kg.
     std::vector<double> stiffness(const std::vector<double>& water) const {
         std::vector<double> moduli(water.size());
         detail::check(cata_plant_stiffness(get(), water.size(), water.data(), moduli.data()));
         return moduli;
     }
 
-    /// Water, stiffness and pose at rest at each of `times`, from full cells on; with the constants of `rods`.
+    /// Water, stiffness and pose at rest at each of `times`, from full cells on, with the constants
+    /// of `rods`, which are those of this plant; null: the defaults.
     inline wilting wilt(const std::vector<double>& times, const std::vector<plant_interval>& day = {},
                         const rods* rods = nullptr) const;
 
+    /// The handle, owned by this.
     const cata_plant* get() const noexcept { return handle_.get(); }
 
 private:
@@ -225,6 +282,7 @@ private:
 /// The segments of a plant as rods, in a pose. One owner.
 class rods {
 public:
+    /// With full cells, in the pose in which the plant was given, which need not live on.
     explicit rods(const plant& of, const rods_options& how = {})
         : size_(of.size()), watcher_(how.progress) {
         cata_plant_rods_params params;
@@ -245,6 +303,7 @@ public:
         handle_.reset(handle);
     }
 
+    /// Changes moduli of elasticity, in Pa, and water, in kg, of all segments; the pose stays.
     void set_state(const std::vector<double>& moduli, const std::vector<double>& water) {
         detail::require(moduli.size() == water.size(), CATA_ERR_SHAPE,
                         "moduli and water: must be as many");
@@ -259,6 +318,7 @@ public:
                                                detail::first_of(rotations)));
     }
 
+    /// Where the segments are now.
     plant_pose pose() const {
         plant_pose found;
         found.heads.resize(size_);
@@ -270,21 +330,21 @@ public:
         return found;
     }
 
-    /// Into a pose of equilibrium; what is left of torques.
+    /// Into a pose of equilibrium, at rest; what is left of torques, as rods_options::tolerance.
     double relax() {
         double residual = 0.0;
         watcher_.finish(cata_plant_rods_relax(handle_.get(), nullptr, &residual));
         return residual;
     }
 
-    /// Lets them move for `count` steps; the largest gap.
+    /// Lets them move for `count` steps; the largest gap between a segment and its parent, in m.
     double step(std::size_t count = 1) {
         double gap = 0.0;
         watcher_.finish(cata_plant_rods_step(handle_.get(), count, &gap));
         return gap;
     }
 
-    /// The pose as a mesh of tubes.
+    /// The pose as a mesh of tubes of `sides` >= 3 sides, with radii of at least `thinnest` m.
     plant_tubes tubes(std::size_t sides, double thinnest = 0.0) const {
         // The sizes of larger ones might wrap around; the call refuses them anyway.
         detail::require(sides < 65536, CATA_ERR_ARGUMENT, "sides: 65536 or more");
@@ -297,6 +357,7 @@ public:
         return found;
     }
 
+    /// The handle, owned by this.
     const cata_plant_rods* get() const noexcept { return handle_.get(); }
 
 private:

@@ -30,25 +30,49 @@ enum class slime_lengths : std::int32_t {
 
 /// What slime moulds are like: the fields of cata_slime_params; 0 is the default of each.
 struct slime_options {
+    /// 0: all cores of the affinity mask.
     std::size_t threads = 0;
     /// As options::progress, of all calls of the simulation.
     std::function<bool(double)> progress;
-    std::size_t agents = 0, species = 0, size = 0;
+    /// Their number, below 2^32; 0: 1,000,000.
+    std::size_t agents = 0;
+    /// Their number, 1 to 15; 0: 1.
+    std::size_t species = 0;
+    /// Texels of a side of the texture, a multiple of 32, at most 16384; 0: 2048.
+    std::size_t size = 0;
     /// An OpenCL device; none: the processor.
     std::optional<std::string> device;
-    std::uint32_t seed = 0, substeps = 0;
-    double time_step = 0.0, movement_speed = 0.0, turn_speed = 0.0;
-    double vision_distance = 0.0, vision_angle = 0.0;
-    double evaporation_rate = 0.0, diffusion_rate = 0.0;
+    /// Of all randomness.
+    std::uint32_t seed = 0;
+    /// Projected ones in a step; 0: steps are exact.
+    std::uint32_t substeps = 0;
+    /// Seconds that a step takes; 0: 1 / 30.
+    double time_step = 0.0;
+    /// Hundredths (of the square root of the area) a second, such as 1 to 2; 0: 1.5.
+    double movement_speed = 0.0;
+    /// Degrees a second; 0: 1800.
+    double turn_speed = 0.0;
+    /// From an agent to its sensors, in hundredths, such as 0.4 to 2; 0: 1.
+    double vision_distance = 0.0;
+    /// Between sensors, in degrees, such as 10 to 50; 0: 30.
+    double vision_angle = 0.0;
+    /// Pheromone that is gone after a second, where an agent leaves 1, such as 0.2 to 1; 0: 0.4.
+    double evaporation_rate = 0.0;
+    /// Blurs a second; 0: 6.
+    double diffusion_rate = 0.0;
+    /// random: by chance, up to turn_speed; even: always at turn_speed.
     slime_turns turns = slime_turns::random;
+    /// surface: across seams; texture: of the texture alone.
     slime_blur blur = slime_blur::surface;
+    /// surface: hundredths are of the surface; texture: of the texture, of side 1.
     slime_lengths lengths = slime_lengths::surface;
 };
 
 /// Slime moulds on a surface. One owner; simulations share nothing.
 class slime {
 public:
-    /// uv: the corners of each face in the texture, or none for an atlas. start and ground: a value for each texel, or none.
+    /// uv: u, v of the corners of each face, from 0 to 1, or none for an atlas. start (not 0 where
+    /// agents start) and ground (0 free, 1 obstacle, 2 attractor): a value for each texel, or none.
     explicit slime(const mesh_view& mesh, const slime_options& how = {},
                    const std::vector<std::array<double, 6>>& uv = {},
                    const std::vector<std::uint8_t>& start = {},
@@ -88,7 +112,7 @@ public:
         handle_.reset(handle);
     }
 
-    /// Goes ahead.
+    /// Goes `steps` steps ahead.
     void step(std::uint32_t steps = 1) { watcher_.finish(cata_slime_step(handle_.get(), steps)); }
 
     /// Texels of a side of the texture.
@@ -105,13 +129,14 @@ public:
         return steps;
     }
 
+    /// Pheromone of a species, from 0 to 1: size() x size(), rows along u, the first at v = 0.
     std::vector<float> texture(std::size_t species = 0) const {
         std::vector<float> texture(size() * size());
         detail::check(cata_slime_texture(get(), species, texture.data()));
         return texture;
     }
 
-    /// Coverage and presence.
+    /// Mean of the pheromone of a species, and the part of the surface that has any.
     std::pair<double, double> coverage(std::size_t species = 0) const {
         std::pair<double, double> found;
         detail::check(cata_slime_coverage(get(), species, &found.first, &found.second));
@@ -127,6 +152,7 @@ public:
         return uv;
     }
 
+    /// The handle, owned by this.
     const cata_slime* get() const noexcept { return handle_.get(); }
 
 private:

@@ -30,9 +30,11 @@ public:
     /// With weights of `catamaran unions train`.
     explicit unions(const std::string& weights) : handle_(made(weights.c_str())) {}
 
+    /// What predict finds.
     struct prediction {
+        /// Of the union: ascending, none above that of a part.
         eigenvalues values;
-        /// Above 1 the prediction is a guess.
+        /// How unlike the parts are to those of the training; above 1 the prediction is a guess.
         double strangeness;
     };
 
@@ -67,6 +69,7 @@ public:
         return between;
     }
 
+    /// The handle, owned by this.
     const cata_unions* get() const noexcept { return handle_.get(); }
 
 private:

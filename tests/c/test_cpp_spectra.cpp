@@ -136,6 +136,11 @@ void bases_and_maps() {
               without.masses.clear();
               const basis none(without);
           }) == CATA_ERR_ARGUMENT);
+    CHECK(status_of([&] {
+              auto few = ring(n, false);
+              few.vectors.pop_back();
+              const basis none(few);
+          }) == CATA_ERR_SHAPE);
 
     catamaran::basis_options how;
     how.method = catamaran::ortho_method::rank_revealing;
@@ -186,6 +191,8 @@ void bases_and_maps() {
     for (double& x : noisy.entries) x += 0.02;
     const auto refined = catamaran::icp(noisy, source, target, 10);
     CHECK(refined.points == points && near(refined.entries, expected.entries));
+    noisy.entries.pop_back();
+    CHECK(status_of([&] { catamaran::icp(noisy, source, target, 10); }) == CATA_ERR_SHAPE);
     for (const layout order : {layout::row_major, layout::col_major}) {
         std::vector<double> first(9);
         const catamaran::matrix_view<double> few{first.data(), 3, 3, 3, order};
