@@ -81,6 +81,7 @@ impl<'a> MapFit<'a> {
     }
 
     /// What it was told.
+    #[cfg(feature = "capi")]
     pub(crate) fn into_known(self) -> Correspondences {
         self.known
     }
