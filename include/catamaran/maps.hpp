@@ -84,8 +84,8 @@ public:
         const auto [n, r, all] = sizes();
         (void)all;
         std::vector<double> q(n * r);
-        detail::check(cata_basis_copy(handle_.get(), CATA_COL_MAJOR, q.data(), n ? n : 1, nullptr, 0,
-                                      nullptr));
+        detail::check(cata_basis_copy(handle_.get(), CATA_COL_MAJOR, q.data(), n ? n : 1, nullptr,
+                                      0, nullptr));
         return q;
     }
 
@@ -233,7 +233,8 @@ public:
                        double weight = 0.1) {
         pair(f, g);
         detail::check(cata_map_fit_operators(handle_.get(), static_cast<std::int32_t>(f.order),
-                                             f.cols, f.data, f.leading, g.data, g.leading, weight));
+                                             f.cols, f.data, f.leading, g.data, g.leading,
+                                             weight));
         return *this;
     }
 
@@ -282,7 +283,7 @@ namespace detail {
 /// Refuses what is no map between these bases.
 inline void require_map(matrix_view<const double> c, const basis& source, const basis& target) {
     require(c.rows == target.size() && c.cols == source.size(), CATA_ERR_SHAPE,
-            "map: must have a row for each function of the target, a column for each of the source");
+            "map: must have a row for each function of the target, a column for one of the source");
 }
 
 }  // namespace detail
