@@ -48,7 +48,7 @@ pub struct SlimeOnDevice {
     agents: Agents,
     ordering: Ordering,
     launcher: Launcher,
-    /// Held while the kernel that sums coverages has its arguments set, and `sums` is in use.
+    /// Held while coverages are summed, whose kernel and memory are shared; the C ABI lets several threads ask.
     covering: Mutex<()>,
 }
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <type_traits>
 #include <vector>
 
@@ -177,6 +178,22 @@ void on_devices() {
     if (devices[0].kind == catamaran::device_kind::cpu) {
         CHECK(here.texture() == there.texture() && here.coverage() == there.coverage());
     }
+    // What only reads may be called at the same time.
+    const auto covered = there.coverage();
+    std::array<bool, 4> same{};
+    std::vector<std::thread> readers;
+    for (bool& is_same : same) {
+        readers.emplace_back([&] {
+            is_same = true;
+            for (int i = 0; i < 20; ++i) {
+                is_same = is_same && there.coverage() == covered && there.texture().size() == 1024;
+            }
+        });
+    }
+    for (std::thread& reader : readers) {
+        reader.join();
+    }
+    CHECK((same == std::array<bool, 4>{{true, true, true, true}}));
     catamaran::newton_options what;
     what.device = "0";
     CHECK(catamaran::newton(what).points({1, 0, 0}).roots[0] == 0);
