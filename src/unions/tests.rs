@@ -92,6 +92,7 @@ fn the_part_as_a_mesh_of_its_own_has_the_same_spectrum() {
             k: 20,
             normalized: false,
             laplacian: LaplacianOptions { boundary: Boundary::Dirichlet, ..options },
+            ..ShapeDnaOptions::default()
         };
         let part = mesh.masked(&mask).unwrap().mesh;
         assert_near(&found, &shape_dna(&part, &own).unwrap(), 1e-9);
