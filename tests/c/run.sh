@@ -40,7 +40,7 @@ kinds+=("header: include/catamaran.h is up to date")
 kinds+=("$(tests/c/abi.py)")
 
 configure plain -DCATAMARAN_MPI=$mpi -DCATAMARAN_OPENCL=ON
-tests c plain -L '^c$'
+tests c plain -L '^c$' -j 2
 if [ $mpi = ON ]; then
     tests mpi plain -L '^mpi$'
 else
@@ -48,9 +48,9 @@ else
 fi
 # Without OpenCL, whose drivers leak, and so that its functions are tested without it too.
 configure asan -DCATAMARAN_MPI=$mpi -DCATAMARAN_SANITIZE=address,undefined
-tests asan asan -L '^c$'
+tests asan asan -L '^c$' -j 2
 if command -v valgrind > /dev/null; then
-    tests valgrind plain -L '^valgrind$'
+    tests valgrind plain -L '^valgrind$' -j 2
 else
     kinds+=("valgrind: not installed, left out")
 fi
