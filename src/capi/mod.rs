@@ -141,3 +141,20 @@ pub use unions::*;
 pub use mpi::*;
 #[cfg(all(feature = "capi", feature = "mpi"))]
 pub use world::*;
+
+#[cfg(all(test, not(feature = "capi")))]
+mod tests {
+    use std::ffi::CStr;
+
+    #[test]
+    fn functions_of_absent_features_say_so() {
+        let null = std::ptr::null_mut();
+        // SAFETY: it looks at nothing.
+        let status = unsafe { super::cata_device_count(null) };
+        assert_eq!(status, super::CATA_ERR_UNSUPPORTED);
+        // SAFETY: NUL-terminated, and no call of this thread fails before it is read.
+        let message = unsafe { CStr::from_ptr(super::cata_last_error_message()) };
+        assert_eq!(message, c"built without the feature capi");
+        assert_eq!(super::cata_capabilities() & super::CATA_CAP_CHAPTERS, 0);
+    }
+}
