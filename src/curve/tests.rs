@@ -199,7 +199,7 @@ fn a_strip_that_a_curve_cannot_come_back_on_is_said_to_be_one() {
 fn steiner_points_make_room_where_vertices_leave_none() {
     // The six corners of an octahedron: all vertices are samples, in an order in which paths would have to cross.
     let mesh = families::icosphere(0).unwrap();
-    let surface = &mut surface::Surface::new(&mesh);
+    let surface = &mut surface::Surface::new(std::borrow::Cow::Borrowed(&mesh));
     let n = mesh.vertices().len();
     let mut search = search::Search::new(n).unwrap();
     let (mut marks, mut users, mut history) = (vec![0; n], vec![0; n], vec![0.0; n]);

@@ -223,8 +223,7 @@ fn pinned_segments_stay_also_side_by_side() {
 fn arguments_out_of_range_are_named() {
     let (segments, parents) = chain(3, 0.1, [0.0, 0.0, 1.0]);
     let plant = Plant::new(segments, &parents, Some([0.0; 3])).unwrap();
-    let says =
-        |error: catamaran::Error, part: &str| assert!(error.to_string().contains(part), "{error}");
+    let says = |error: Error, part: &str| assert!(error.to_string().contains(part), "{error}");
     let wrong = RodOptions::new().poisson(0.7);
     says(Rods::new(&plant, &wrong).unwrap_err(), "poisson");
     let mut rods = Rods::new(&plant, &RodOptions::default()).unwrap();
