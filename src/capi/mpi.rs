@@ -1,24 +1,22 @@
-use super::ata_params::cata_ata_params;
+use super::ata_params::{cata_ata_params, with_options};
 use super::boundary::boundary;
-use super::eigs::cata_eigs_params;
-use super::lstsq::{cata_lstsq_params, cata_lstsq_result};
-use super::ortho::cata_ortho_params;
-use super::ranks;
-use super::status::cata_status;
+use super::eigs::{Outputs, cata_eigs_params, mass, with_eigen_options};
+use super::lstsq::{LeastSquaresCall, cata_lstsq_params, cata_lstsq_result};
+use super::ortho::{CATA_ORTHO_RANK_REVEALING, FactorsOut, cata_ortho_params, with_ortho_options};
+use super::params::write;
+use super::pointer::{Layout, matrix, matrix_mut, output, sparse, uplo_from};
+use super::progress::watcher;
+use super::ranks::{
+    check, collective, cyclic, entries, gather, handle, number, rows, world as world_of,
+};
+use super::status::{CATA_ERR_UNSUPPORTED, Failure, cata_status};
 use super::world::{cata_symmetric, cata_traffic, cata_world};
-
-/// A call within the boundary.
-macro_rules! with_mpi {
-    ($call:expr) => {
-        boundary(|| {
-            // SAFETY: the caller's promise.
-            #[allow(unused_unsafe)]
-            unsafe {
-                $call
-            }
-        })
-    };
-}
+use crate::base::Progress;
+use crate::mpi::{
+    Operation, World, ata_columns, ata_root, eigs, gram_schmidt_in_place, lstsq,
+    watched_cholesky_qr,
+};
+use crate::{Error, Uplo};
 
 /// The world of the ranks of an MPI communicator, of which a duplicate is made. Collective over
 /// it. CATA_ERR_ARGUMENT before MPI_Init and after MPI_Finalize.
@@ -33,7 +31,23 @@ pub unsafe extern "C" fn cata_world_new(
     fortran_comm: i32,
     world: *mut *mut cata_world,
 ) -> cata_status {
-    with_mpi!(ranks::new(fortran_comm, world))
+    boundary(|| {
+        let ours = World::from_fortran(fortran_comm)?;
+        let _guard = ours.abort_on_panic();
+        // SAFETY: the caller's promise.
+        let place = unsafe { output("world", world) };
+        // A world with a rank that knows nothing of it would hang.
+        let told = place
+            .as_ref()
+            .map(|_| ())
+            .map_err(|failure| Error::Rank { rank: ours.rank(), why: failure.message.clone() });
+        let agreed = ours.agree(told);
+        let place = place?;
+        agreed?;
+        drop(_guard);
+        *place = Box::into_raw(Box::new(cata_world { world: ours }));
+        Ok(())
+    })
 }
 
 /// Gives a world back. Collective; after MPI_Finalize it is local, and leaves the communicator
@@ -43,7 +57,13 @@ pub unsafe extern "C" fn cata_world_new(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_world_free(world: *mut cata_world) {
-    with_mpi!(ranks::free(world));
+    boundary(|| {
+        if !world.is_null() {
+            // SAFETY: it came from `Box::into_raw`, and the caller promises to free it once.
+            drop(unsafe { Box::from_raw(world) });
+        }
+        Ok(())
+    });
 }
 
 /// The rank of the caller, from 0. Local.
@@ -55,7 +75,10 @@ pub unsafe extern "C" fn cata_world_rank(
     world: *const cata_world,
     rank: *mut usize,
 ) -> cata_status {
-    with_mpi!(ranks::number("rank", rank, ranks::world(world)?.rank()))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe { number("rank", rank, world_of(world)?.rank()) }
+    })
 }
 
 /// The number of ranks, at least 1. Local.
@@ -67,7 +90,10 @@ pub unsafe extern "C" fn cata_world_size(
     world: *const cata_world,
     size: *mut usize,
 ) -> cata_status {
-    with_mpi!(ranks::number("size", size, ranks::world(world)?.size()))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe { number("size", size, world_of(world)?.size()) }
+    })
 }
 
 /// What this rank has sent and received since the world was made. Local. The struct_size of
@@ -80,7 +106,19 @@ pub unsafe extern "C" fn cata_world_traffic(
     world: *const cata_world,
     traffic: *mut cata_traffic,
 ) -> cata_status {
-    with_mpi!(ranks::traffic(world, traffic))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        let found = unsafe { world_of(world) }?.traffic();
+        let values = cata_traffic {
+            struct_size: 0,
+            words_sent: found.words_sent,
+            words_received: found.words_received,
+            messages_sent: found.messages_sent,
+            messages_received: found.messages_received,
+        };
+        // SAFETY: the caller's promise.
+        unsafe { write("traffic", traffic, &values) }
+    })
 }
 
 /// Sets the entries of a message above which it is cut in several, 1 to 2^30; 2^30 in a new
@@ -93,7 +131,11 @@ pub unsafe extern "C" fn cata_world_set_longest_message(
     world: *const cata_world,
     entries: usize,
 ) -> cata_status {
-    with_mpi!(ranks::set_longest_message(world, entries))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe { world_of(world) }?.set_longest_message(entries);
+        Ok(())
+    })
 }
 
 /// C = alpha A^T A where every rank has some rows of A, in any order and number; C is left
@@ -117,7 +159,10 @@ pub unsafe extern "C" fn cata_world_ata_rows_f64(
     params: *const cata_ata_params,
     c: *mut *mut cata_symmetric,
 ) -> cata_status {
-    with_mpi!(ranks::rows(world, layout, m, n, alpha, a, lda, params, c))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe { rows(world, layout, m, n, alpha, a, lda, params, c) }
+    })
 }
 
 /// As cata_world_ata_rows_f64, in float.
@@ -136,7 +181,10 @@ pub unsafe extern "C" fn cata_world_ata_rows_f32(
     params: *const cata_ata_params,
     c: *mut *mut cata_symmetric,
 ) -> cata_status {
-    with_mpi!(ranks::rows(world, layout, m, n, alpha, a, lda, params, c))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe { rows(world, layout, m, n, alpha, a, lda, params, c) }
+    })
 }
 
 /// Least squares where every rank has some rows of A, of B and of the weights, in any order and
@@ -167,9 +215,22 @@ pub unsafe extern "C" fn cata_world_lstsq(
     result: *mut cata_lstsq_result,
     params: *const cata_lstsq_params,
 ) -> cata_status {
-    with_mpi!(ranks::least_squares(
-        world, layout, m, n, k, a, lda, b, ldb, weights, x, ldx, result, params
-    ))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe {
+            collective(world, Operation::LeastSquares, |entrance| {
+                let call = LeastSquaresCall::new(
+                    layout, m, n, k, a, lda, b, ldb, weights, x, ldx, result, params,
+                )?;
+                let watch = watcher(call.params.progress, call.params.progress_user);
+                let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
+                let (a, b, weights) = (call.a, call.b, call.weights);
+                let found = lstsq(entrance.enter(), a, b, weights, &call.options, progress)?;
+                call.finish(&found);
+                Ok(())
+            })
+        }
+    })
 }
 
 /// C = alpha A^T A where every rank has some columns of A (m x cols), in the order of the ranks,
@@ -189,7 +250,20 @@ pub unsafe extern "C" fn cata_world_ata_columns(
     params: *const cata_ata_params,
     c: *mut *mut cata_symmetric,
 ) -> cata_status {
-    with_mpi!(ranks::columns(world, layout, m, cols, alpha, a, lda, params, c))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe {
+            collective(world, Operation::Columns, |entrance| {
+                let a = matrix("a", Layout::new(layout)?, m, cols, a, lda)?;
+                let c = output("c", c)?;
+                with_options(params, Uplo::Lower, |options| {
+                    let result = ata_columns(entrance.enter(), alpha, a, options)?;
+                    *c = handle(result);
+                    Ok(())
+                })
+            })
+        }
+    })
 }
 
 /// C := alpha A^T A + beta C where the rank `root` has A, m x n, and C, n x n: by AtA-D, or by
@@ -218,7 +292,26 @@ pub unsafe extern "C" fn cata_world_ata_root(
     ldc: usize,
     params: *const cata_ata_params,
 ) -> cata_status {
-    with_mpi!(ranks::root(world, root, layout, uplo, m, n, alpha, a, lda, beta, c, ldc, params))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe {
+            collective(world, Operation::Root, |entrance| {
+                if entrance.rank() != root {
+                    return with_options(params, Uplo::Lower, |options| {
+                        Ok(ata_root(entrance.enter(), root, alpha, None, beta, None, options)?)
+                    });
+                }
+                let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
+                let a = matrix("a", layout, m, n, a, lda)?;
+                // Without columns there is nothing to multiply, and m may be beyond counting.
+                let a = if n == 0 { a.subrows(0, 0) } else { a };
+                let c = matrix_mut("c", layout, n, n, c, ldc)?;
+                with_options(params, uplo, |options| {
+                    Ok(ata_root(entrance.enter(), root, alpha, Some(a), beta, Some(c), options)?)
+                })
+            })
+        }
+    })
 }
 
 /// C := alpha A^T A + beta C for block-cyclic A, m x n, and C, n x n, as ScaLAPACK has them;
@@ -253,10 +346,15 @@ pub unsafe extern "C" fn cata_world_ata_cyclic(
     grid_order: i32,
     params: *const cata_ata_params,
 ) -> cata_status {
-    with_mpi!(ranks::cyclic(
-        world, uplo, false, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols, grid_order,
-        params
-    ))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe {
+            cyclic(
+                world, uplo, false, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols,
+                grid_order, params,
+            )
+        }
+    })
 }
 
 /// As cata_world_ata_cyclic: C := alpha A A^T + beta C, m x m; PDSYRK with TRANS = 'N'. M_ and
@@ -279,10 +377,15 @@ pub unsafe extern "C" fn cata_world_aat_cyclic(
     grid_order: i32,
     params: *const cata_ata_params,
 ) -> cata_status {
-    with_mpi!(ranks::cyclic(
-        world, uplo, true, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols, grid_order,
-        params
-    ))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe {
+            cyclic(
+                world, uplo, true, alpha, a, desc_a, beta, c, desc_c, grid_rows, grid_cols,
+                grid_order, params,
+            )
+        }
+    })
 }
 
 /// Eigenpairs as those of cata_eigs where every rank has some rows of W, in the order of the
@@ -311,21 +414,21 @@ pub unsafe extern "C" fn cata_world_eigs(
     residuals: *mut f64,
     params: *const cata_eigs_params,
 ) -> cata_status {
-    with_mpi!(ranks::eigenpairs(
-        world,
-        own,
-        n,
-        row_starts,
-        columns,
-        entries,
-        masses,
-        k,
-        eigenvalues,
-        eigenvectors,
-        ldv,
-        residuals,
-        params
-    ))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe {
+            collective(world, Operation::Eigenpairs, |entrance| {
+                let rows = sparse(own, n, row_starts, columns, entries)?;
+                let masses = mass(own, masses)?;
+                let outputs = Outputs::new(own, k, eigenvalues, eigenvectors, ldv, residuals)?;
+                with_eigen_options(k, params, |options, _| {
+                    let pairs = eigs(entrance.enter(), rows, &masses, options)?;
+                    outputs.write(&pairs.values, pairs.vectors.as_ref(), &pairs.residuals);
+                    Ok(())
+                })
+            })
+        }
+    })
 }
 
 /// cata_ortho_gram_schmidt where every rank has some rows of A and masses, in the order of the
@@ -350,9 +453,25 @@ pub unsafe extern "C" fn cata_world_gram_schmidt(
     rank: *mut usize,
     params: *const cata_ortho_params,
 ) -> cata_status {
-    with_mpi!(ranks::gram_schmidt(
-        world, layout, own, c, a, lda, masses, r, ldr, kept, rank, params
-    ))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe {
+            collective(world, Operation::GramSchmidt, |entrance| {
+                let layout = Layout::new(layout)?;
+                let a = matrix_mut("a", layout, own, c, a, lda)?;
+                let masses = mass(own, masses)?;
+                let results = FactorsOut::new(layout, c, c, r, ldr, kept, rank)?;
+                with_ortho_options(params, |options, method| {
+                    if method == CATA_ORTHO_RANK_REVEALING {
+                        let why = "params.method: CATA_ORTHO_RANK_REVEALING is not for ranks";
+                        return Err(Failure::new(CATA_ERR_UNSUPPORTED, why));
+                    }
+                    results.write(&gram_schmidt_in_place(entrance.enter(), a, &masses, options)?);
+                    Ok(())
+                })
+            })
+        }
+    })
 }
 
 /// cata_ortho_cholesky_qr likewise.
@@ -372,7 +491,28 @@ pub unsafe extern "C" fn cata_world_cholesky_qr(
     ldr: usize,
     params: *const cata_ortho_params,
 ) -> cata_status {
-    with_mpi!(ranks::cholesky_qr(world, layout, own, c, a, lda, masses, r, ldr, params))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe {
+            collective(world, Operation::CholeskyQr, |entrance| {
+                let layout = Layout::new(layout)?;
+                let a = matrix_mut("a", layout, own, c, a, lda)?;
+                let masses = mass(own, masses)?;
+                let r = match r.is_null() {
+                    true => None,
+                    false => Some(matrix_mut("r", layout, c, c, r, ldr)?),
+                };
+                with_ortho_options(params, |options, _| {
+                    let (par, progress) = (options.par, options.progress);
+                    let found = watched_cholesky_qr(entrance.enter(), a, &masses, par, progress)?;
+                    if let Some(mut r) = r {
+                        r.copy_from(&found);
+                    }
+                    Ok(())
+                })
+            })
+        }
+    })
 }
 
 /// Rows and columns of a distributed matrix. Local.
@@ -384,7 +524,10 @@ pub unsafe extern "C" fn cata_symmetric_n(
     symmetric: *const cata_symmetric,
     n: *mut usize,
 ) -> cata_status {
-    with_mpi!(ranks::number("n", n, ranks::entries(symmetric)?.n()))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe { number("n", n, entries(symmetric)?.n()) }
+    })
 }
 
 /// Gives the part that this rank has of a distributed matrix back. Local.
@@ -393,7 +536,13 @@ pub unsafe extern "C" fn cata_symmetric_n(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_symmetric_free(symmetric: *mut cata_symmetric) {
-    with_mpi!(ranks::free_symmetric(symmetric));
+    boundary(|| {
+        if !symmetric.is_null() {
+            // SAFETY: it came from `Box::into_raw`, and the caller promises to free it once.
+            drop(unsafe { Box::from_raw(symmetric) });
+        }
+        Ok(())
+    });
 }
 
 /// Puts the whole of a distributed matrix of doubles, made by all ranks of `world`, into C, n x
@@ -412,7 +561,10 @@ pub unsafe extern "C" fn cata_symmetric_gather_f64(
     c: *mut f64,
     ldc: usize,
 ) -> cata_status {
-    with_mpi!(ranks::gather(symmetric, world, root, layout, uplo, c, ldc))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe { gather(symmetric, world, root, layout, uplo, c, ldc) }
+    })
 }
 
 /// As cata_symmetric_gather_f64, of floats.
@@ -429,7 +581,10 @@ pub unsafe extern "C" fn cata_symmetric_gather_f32(
     c: *mut f32,
     ldc: usize,
 ) -> cata_status {
-    with_mpi!(ranks::gather(symmetric, world, root, layout, uplo, c, ldc))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe { gather(symmetric, world, root, layout, uplo, c, ldc) }
+    })
 }
 
 /// Checks that a distributed matrix of doubles, made by all ranks of `world`, is alpha A^T A, up
@@ -457,10 +612,15 @@ pub unsafe extern "C" fn cata_symmetric_verify_f64(
     residual: *mut f64,
     tolerance: *mut f64,
 ) -> cata_status {
-    with_mpi!(ranks::check(
-        symmetric, world, spread, layout, rows, cols, alpha, a, lda, rounds, seed, passed,
-        residual, tolerance
-    ))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe {
+            check(
+                symmetric, world, spread, layout, rows, cols, alpha, a, lda, rounds, seed, passed,
+                residual, tolerance,
+            )
+        }
+    })
 }
 
 /// As cata_symmetric_verify_f64, for a product in float; the check itself is in double.
@@ -484,8 +644,13 @@ pub unsafe extern "C" fn cata_symmetric_verify_f32(
     residual: *mut f64,
     tolerance: *mut f64,
 ) -> cata_status {
-    with_mpi!(ranks::check(
-        symmetric, world, spread, layout, rows, cols, alpha, a, lda, rounds, seed, passed,
-        residual, tolerance
-    ))
+    boundary(|| {
+        // SAFETY: the caller's promise.
+        unsafe {
+            check(
+                symmetric, world, spread, layout, rows, cols, alpha, a, lda, rounds, seed, passed,
+                residual, tolerance,
+            )
+        }
+    })
 }

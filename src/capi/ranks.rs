@@ -1,25 +1,16 @@
-//! What the exports of `mpi` do, where the feature is there.
+//! What exports of `mpi` share.
 
 use std::cell::Cell;
 
 use super::ata_params::{cata_ata_params, with_options};
-use super::eigs::{Outputs, cata_eigs_params, mass, with_eigen_options};
 use super::entries::{Entries, Held};
-use super::lstsq::{LeastSquaresCall, cata_lstsq_params, cata_lstsq_result};
-use super::ortho::{CATA_ORTHO_RANK_REVEALING, FactorsOut, cata_ortho_params, with_ortho_options};
-use super::params::write;
-use super::pointer::{
-    Layout, matrix, matrix_mut, optional_output, output, slice, sparse, uplo_from,
-};
-use super::progress::watcher;
-use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_UNSUPPORTED, Failure};
-use super::world::{CATA_BY_COLUMNS, CATA_BY_ROWS, cata_symmetric, cata_traffic, cata_world};
+use super::pointer::{Layout, matrix, matrix_mut, optional_output, output, slice, uplo_from};
+use super::status::{CATA_ERR_ARGUMENT, Failure};
+use super::world::{CATA_BY_COLUMNS, CATA_BY_ROWS, cata_symmetric, cata_world};
 use crate::ata::distributed::{BlockCyclic, Grid, GridOrder};
-use crate::base::Progress;
 use crate::mpi::{
-    CyclicMut, CyclicRef, Distributed, Operation, Symmetric, World, aat_cyclic, ata_columns,
-    ata_cyclic, ata_root, ata_rows, eigs, gram_schmidt_in_place, lstsq, verify,
-    watched_cholesky_qr,
+    CyclicMut, CyclicRef, Distributed, Operation, Symmetric, World, aat_cyclic, ata_cyclic,
+    ata_rows, verify,
 };
 use crate::{AtaOptions, Error, Uplo};
 
@@ -33,7 +24,12 @@ pub(super) struct Entrance<'w> {
 }
 
 impl<'w> Entrance<'w> {
-    fn enter(&self) -> &'w World {
+    /// The rank of the caller.
+    pub fn rank(&self) -> usize {
+        self.world.rank()
+    }
+
+    pub fn enter(&self) -> &'w World {
         self.passed.set(true);
         self.world
     }
@@ -44,7 +40,7 @@ impl<'w> Entrance<'w> {
 ///
 /// # Safety
 /// `world` is NULL or alive.
-unsafe fn collective(
+pub(super) unsafe fn collective(
     world: *const cata_world,
     operation: Operation,
     work: impl FnOnce(&Entrance<'_>) -> Outcome,
@@ -76,46 +72,6 @@ pub(super) unsafe fn entries<'s>(matrix: *const cata_symmetric) -> Result<&'s En
     unsafe { matrix.as_ref() }.map(|m| &m.entries).ok_or_else(|| Failure::null("symmetric"))
 }
 
-/// # Safety
-/// As the header describes the arguments; so below.
-pub(super) unsafe fn new(fortran_comm: i32, world: *mut *mut cata_world) -> Outcome {
-    let ours = World::from_fortran(fortran_comm)?;
-    let _guard = ours.abort_on_panic();
-    // SAFETY: the caller's promise.
-    let place = unsafe { output("world", world) };
-    // A world with a rank that knows nothing of it would hang.
-    let told = place
-        .as_ref()
-        .map(|_| ())
-        .map_err(|failure| Error::Rank { rank: ours.rank(), why: failure.message.clone() });
-    let agreed = ours.agree(told);
-    let place = place?;
-    agreed?;
-    drop(_guard);
-    *place = Box::into_raw(Box::new(cata_world { world: ours }));
-    Ok(())
-}
-
-/// # Safety
-/// As the header says.
-pub(super) unsafe fn free(world: *mut cata_world) -> Outcome {
-    if !world.is_null() {
-        // SAFETY: it came from `Box::into_raw`, and the caller promises to free it once.
-        drop(unsafe { Box::from_raw(world) });
-    }
-    Ok(())
-}
-
-/// # Safety
-/// As the header says.
-pub(super) unsafe fn free_symmetric(matrix: *mut cata_symmetric) -> Outcome {
-    if !matrix.is_null() {
-        // SAFETY: it came from `Box::into_raw`, and the caller promises to free it once.
-        drop(unsafe { Box::from_raw(matrix) });
-    }
-    Ok(())
-}
-
 /// Writes a number.
 ///
 /// # Safety
@@ -123,30 +79,6 @@ pub(super) unsafe fn free_symmetric(matrix: *mut cata_symmetric) -> Outcome {
 pub(super) unsafe fn number(what: &str, place: *mut usize, value: usize) -> Outcome {
     // SAFETY: the caller's promise.
     *unsafe { output(what, place) }? = value;
-    Ok(())
-}
-
-/// # Safety
-/// As the header says.
-pub(super) unsafe fn traffic(world: *const cata_world, place: *mut cata_traffic) -> Outcome {
-    // SAFETY: the caller's promise.
-    let found = unsafe { self::world(world) }?.traffic();
-    let traffic = cata_traffic {
-        struct_size: 0,
-        words_sent: found.words_sent,
-        words_received: found.words_received,
-        messages_sent: found.messages_sent,
-        messages_received: found.messages_received,
-    };
-    // SAFETY: the caller's promise.
-    unsafe { write("traffic", place, &traffic) }
-}
-
-/// # Safety
-/// As the header says.
-pub(super) unsafe fn set_longest_message(world: *const cata_world, entries: usize) -> Outcome {
-    // SAFETY: the caller's promise.
-    unsafe { self::world(world) }?.set_longest_message(entries);
     Ok(())
 }
 
@@ -179,72 +111,8 @@ pub(super) unsafe fn rows<T: Held>(
     }
 }
 
-/// # Safety
-/// As the header says.
-pub(super) unsafe fn columns(
-    world: *const cata_world,
-    layout: i32,
-    m: usize,
-    cols: usize,
-    alpha: f64,
-    a: *const f64,
-    lda: usize,
-    params: *const cata_ata_params,
-    c: *mut *mut cata_symmetric,
-) -> Outcome {
-    // SAFETY: the caller's promise.
-    unsafe {
-        collective(world, Operation::Columns, |entrance| {
-            let a = matrix("a", Layout::new(layout)?, m, cols, a, lda)?;
-            let c = output("c", c)?;
-            with_options(params, Uplo::Lower, |options| {
-                let result = ata_columns(entrance.enter(), alpha, a, options)?;
-                *c = handle(result);
-                Ok(())
-            })
-        })
-    }
-}
-
-fn handle<T: Held>(matrix: Symmetric<T>) -> *mut cata_symmetric {
+pub(super) fn handle<T: Held>(matrix: Symmetric<T>) -> *mut cata_symmetric {
     Box::into_raw(Box::new(cata_symmetric { entries: T::hold(matrix) }))
-}
-
-/// # Safety
-/// As the header says.
-pub(super) unsafe fn root(
-    world: *const cata_world,
-    root: usize,
-    layout: i32,
-    uplo: i32,
-    m: usize,
-    n: usize,
-    alpha: f64,
-    a: *const f64,
-    lda: usize,
-    beta: f64,
-    c: *mut f64,
-    ldc: usize,
-    params: *const cata_ata_params,
-) -> Outcome {
-    // SAFETY: the caller's promise.
-    unsafe {
-        collective(world, Operation::Root, |entrance| {
-            if entrance.world.rank() != root {
-                return with_options(params, Uplo::Lower, |options| {
-                    Ok(ata_root(entrance.enter(), root, alpha, None, beta, None, options)?)
-                });
-            }
-            let (layout, uplo) = (Layout::new(layout)?, uplo_from(uplo)?);
-            let a = matrix("a", layout, m, n, a, lda)?;
-            // Without columns there is nothing to multiply, and m may be beyond counting.
-            let a = if n == 0 { a.subrows(0, 0) } else { a };
-            let c = matrix_mut("c", layout, n, n, c, ldc)?;
-            with_options(params, uplo, |options| {
-                Ok(ata_root(entrance.enter(), root, alpha, Some(a), beta, Some(c), options)?)
-            })
-        })
-    }
 }
 
 /// # Safety
@@ -295,143 +163,6 @@ pub(super) unsafe fn cyclic(
             with_options(params, uplo, |options: &AtaOptions<'_>| {
                 let product = if transposed { aat_cyclic } else { ata_cyclic };
                 Ok(product(entrance.enter(), alpha, a, beta, c, options)?)
-            })
-        })
-    }
-}
-
-/// # Safety
-/// As the header says.
-pub(super) unsafe fn least_squares(
-    world: *const cata_world,
-    layout: i32,
-    m: usize,
-    n: usize,
-    k: usize,
-    a: *const f64,
-    lda: usize,
-    b: *const f64,
-    ldb: usize,
-    weights: *const f64,
-    x: *mut f64,
-    ldx: usize,
-    result: *mut cata_lstsq_result,
-    params: *const cata_lstsq_params,
-) -> Outcome {
-    // SAFETY: the caller's promise.
-    unsafe {
-        collective(world, Operation::LeastSquares, |entrance| {
-            let call = LeastSquaresCall::new(
-                layout, m, n, k, a, lda, b, ldb, weights, x, ldx, result, params,
-            )?;
-            let watch = watcher(call.params.progress, call.params.progress_user);
-            let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
-            let (a, b, weights) = (call.a, call.b, call.weights);
-            let found = lstsq(entrance.enter(), a, b, weights, &call.options, progress)?;
-            call.finish(&found);
-            Ok(())
-        })
-    }
-}
-
-/// # Safety
-/// As the header says.
-pub(super) unsafe fn eigenpairs(
-    world: *const cata_world,
-    own: usize,
-    n: usize,
-    row_starts: *const usize,
-    columns: *const usize,
-    entries: *const f64,
-    masses: *const f64,
-    k: usize,
-    eigenvalues: *mut f64,
-    eigenvectors: *mut f64,
-    ldv: usize,
-    residuals: *mut f64,
-    params: *const cata_eigs_params,
-) -> Outcome {
-    // SAFETY: the caller's promise.
-    unsafe {
-        collective(world, Operation::Eigenpairs, |entrance| {
-            let rows = sparse(own, n, row_starts, columns, entries)?;
-            let masses = mass(own, masses)?;
-            let outputs = Outputs::new(own, k, eigenvalues, eigenvectors, ldv, residuals)?;
-            with_eigen_options(k, params, |options, _| {
-                let pairs = eigs(entrance.enter(), rows, &masses, options)?;
-                outputs.write(&pairs.values, pairs.vectors.as_ref(), &pairs.residuals);
-                Ok(())
-            })
-        })
-    }
-}
-
-/// # Safety
-/// As the header says.
-pub(super) unsafe fn gram_schmidt(
-    world: *const cata_world,
-    layout: i32,
-    own: usize,
-    c: usize,
-    a: *mut f64,
-    lda: usize,
-    masses: *const f64,
-    r: *mut f64,
-    ldr: usize,
-    kept: *mut usize,
-    rank: *mut usize,
-    params: *const cata_ortho_params,
-) -> Outcome {
-    // SAFETY: the caller's promise.
-    unsafe {
-        collective(world, Operation::GramSchmidt, |entrance| {
-            let layout = Layout::new(layout)?;
-            let a = matrix_mut("a", layout, own, c, a, lda)?;
-            let masses = mass(own, masses)?;
-            let results = FactorsOut::new(layout, c, c, r, ldr, kept, rank)?;
-            with_ortho_options(params, |options, method| {
-                if method == CATA_ORTHO_RANK_REVEALING {
-                    let why = "params.method: CATA_ORTHO_RANK_REVEALING is not for ranks";
-                    return Err(Failure::new(CATA_ERR_UNSUPPORTED, why));
-                }
-                results.write(&gram_schmidt_in_place(entrance.enter(), a, &masses, options)?);
-                Ok(())
-            })
-        })
-    }
-}
-
-/// # Safety
-/// As the header says.
-pub(super) unsafe fn cholesky_qr(
-    world: *const cata_world,
-    layout: i32,
-    own: usize,
-    c: usize,
-    a: *mut f64,
-    lda: usize,
-    masses: *const f64,
-    r: *mut f64,
-    ldr: usize,
-    params: *const cata_ortho_params,
-) -> Outcome {
-    // SAFETY: the caller's promise.
-    unsafe {
-        collective(world, Operation::CholeskyQr, |entrance| {
-            let layout = Layout::new(layout)?;
-            let a = matrix_mut("a", layout, own, c, a, lda)?;
-            let masses = mass(own, masses)?;
-            let r = match r.is_null() {
-                true => None,
-                false => Some(matrix_mut("r", layout, c, c, r, ldr)?),
-            };
-            with_ortho_options(params, |options, _| {
-                let (par, progress) = (options.par, options.progress);
-                let found = watched_cholesky_qr(entrance.enter(), a, &masses, par, progress)?;
-                if let Some(mut r) = r {
-                    r.copy_from(&found);
-                }
-                Ok(())
             })
         })
     }
