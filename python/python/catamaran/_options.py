@@ -60,10 +60,9 @@ def csr(a: Any) -> Tuple[Any, Any, Any, Tuple[int, int]]:
 
 def to_scipy(parts: Tuple[Any, Any, Any, Tuple[int, int]]) -> Any:
     """Return a `scipy.sparse.csr_array` of what the extension returns."""
-    try:
-        from scipy.sparse import csr_array
-    except ImportError as error:
-        raise ImportError("scipy is needed for sparse results: pip install scipy") from error
+    # Not at the top: it takes as long to load as all else.
+    from scipy.sparse import csr_array
+
     data, indices, indptr, shape = parts
     return csr_array((data, indices, indptr), shape=shape)
 
