@@ -132,6 +132,12 @@ auto* first_of(Rows& rows) noexcept {
     return rows.empty() ? nullptr : rows.front().data();
 }
 
+/// The leading dimension of a rows x cols matrix without gaps.
+inline std::size_t gapless(layout order, std::size_t rows, std::size_t cols) noexcept {
+    const std::size_t line = order == layout::row_major ? cols : rows;
+    return line ? line : 1;
+}
+
 /// T where it must not take part in deducing the scalar.
 template <class T>
 struct identity {

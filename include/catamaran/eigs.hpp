@@ -322,12 +322,6 @@ inline factors factors_of(std::vector<double> r, std::size_t most, std::size_t c
     return {std::move(r), std::move(kept)};
 }
 
-/// The leading dimension of a rows x cols matrix without gaps.
-inline std::size_t gapless(layout order, std::size_t rows, std::size_t cols) noexcept {
-    const std::size_t line = order == layout::row_major ? cols : rows;
-    return line ? line : 1;
-}
-
 }  // namespace detail
 
 /// A = Q R with Q^T M Q = I: the first kept.size() columns of `a` are Q afterwards. `masses`: the

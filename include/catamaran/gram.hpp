@@ -112,12 +112,6 @@ struct orthogonality_defect {
 
 namespace detail {
 
-/// The leading dimension of a rows x cols matrix without gaps.
-inline std::size_t tight(layout order, std::size_t rows, std::size_t cols) noexcept {
-    const std::size_t line = order == layout::row_major ? cols : rows;
-    return line ? line : 1;
-}
-
 /// The number of entries of a matrix whose rows there may be no memory for.
 inline std::size_t entries(std::size_t rows, std::size_t cols) {
     require(cols == 0 || rows <= std::numeric_limits<std::size_t>::max() / cols, CATA_ERR_SHAPE,
@@ -154,7 +148,7 @@ private:
 class lstsq_call {
 public:
     lstsq_call(const lstsq_options& how, layout order, std::size_t n, std::size_t k)
-        : watcher_(how.progress), columns_(n), leading_(tight(order, n, k)) {
+        : watcher_(how.progress), columns_(n), leading_(gapless(order, n, k)) {
         check(cata_lstsq_params_init(&params_, sizeof params_));
         params_.threads = how.threads;
         params_.ridge = how.ridge;
@@ -205,7 +199,7 @@ private:
 class pca_call {
 public:
     pca_call(const pca_options& how, layout order, std::size_t n, std::size_t count)
-        : watcher_(how.progress), leading_(tight(order, count, n)) {
+        : watcher_(how.progress), leading_(gapless(order, count, n)) {
         // Before there is room for them.
         require(count <= n, CATA_ERR_ARGUMENT, "count: more than columns of a");
         check(cata_pca_params_init(&params_, sizeof params_));
@@ -277,7 +271,7 @@ inline singular_value_decomposition svd(matrix_view<const double> a,
     detail::gram_call call(how);
     call.finish(cata_svd(static_cast<std::int32_t>(a.order), a.rows, a.cols, a.data, a.leading,
                              found.values.data(), found.v.data(),
-                             detail::tight(a.order, a.cols, most), call.params()));
+                             detail::gapless(a.order, a.cols, most), call.params()));
     return found;
 }
 

@@ -42,7 +42,7 @@ struct newton_options {
     newton_gradient gradient = newton_gradient::thesis;
 };
 
-/// A Newton fractal in four dimensions. One owner; fractals share nothing.
+/// A Newton fractal in four dimensions. One owner, one thread at a time; fractals share nothing.
 class newton {
 public:
     /// For each point the number of the root that it converges to, and how slowly.

@@ -129,7 +129,7 @@ std::vector<std::vector<Row>> rows_of(const std::vector<Row>& flat, std::size_t 
 
 class rods;
 
-/// The water in a plant. One owner; plants share nothing.
+/// The water in a plant. One owner, one thread at a time; plants share nothing.
 class plant {
 public:
     /// A plant in a file: .txt, .swc, .mtg or .obj.
