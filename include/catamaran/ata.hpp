@@ -28,8 +28,10 @@ struct options {
     std::size_t tasks = 0;
     /// Null: the built-in one. Must outlive the call.
     const catamaran::backend* backend = nullptr;
-    /// Told the fraction done; returns whether to go on. It is called from any thread that works for
-    /// the call, one call at a time, each after the one before it has returned. It may be slow, and may
+    /// Told the fraction done; returns whether to go on. It is called from any thread that works
+    /// for
+    /// the call, one call at a time, each after the one before it has returned. It may be slow, and
+    /// may
     /// call this library. What it throws stops the work and comes out of the call.
     std::function<bool(double)> progress;
 };
@@ -236,7 +238,8 @@ verification verify(double alpha, matrix_view<T> a, matrix_view<T> c, uplo part 
     return verify<S>(alpha, matrix_view<const S>(a), matrix_view<const S>(c), part, rounds, seed);
 }
 
-/// A sparse symmetric matrix by rows that somebody else owns: the entries of row i are those from `row_starts[i]` to
+/// A sparse symmetric matrix by rows that somebody else owns: the entries of row i are those from
+/// `row_starts[i]` to
 /// `row_starts[i + 1] - 1`.
 struct sparse_view {
     /// Number of rows.

@@ -24,7 +24,8 @@ struct curve_options {
     std::size_t candidates = 0;
     /// With faithful: the number of the sample that the curve starts at.
     std::size_t start = 0;
-    /// Algorithm 6.1 of the thesis, from sample to sample; else the order first, then paths that do not
+    /// Algorithm 6.1 of the thesis, from sample to sample; else the order first, then paths that do
+    /// not
     /// meet.
     bool faithful = false;
     /// Open curves; else closed ones.
@@ -43,7 +44,8 @@ struct curve_options {
 struct curve {
     /// Numbers of samples, in its order.
     std::vector<std::uint32_t> order;
-    /// Its vertices, the first one not repeated; those from the number of vertices of the mesh on were added.
+    /// Its vertices, the first one not repeated; those from the number of vertices of the mesh on
+    /// were added.
     std::vector<std::uint32_t> path;
     /// Where it goes: those of path, unless it is smooth.
     std::vector<std::array<double, 3>> points;

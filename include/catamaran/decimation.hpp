@@ -32,7 +32,8 @@ struct decimation_options {
 
 /// Where vertices of a decimated mesh lie on the input, and those of the input in their cells.
 struct decimation_places {
-    /// For each vertex of the input the nearest one of the result along edges; UINT32_MAX where no face has
+    /// For each vertex of the input the nearest one of the result along edges; UINT32_MAX where no
+    /// face has
     /// it.
     std::vector<std::uint32_t> cells;
     /// How far that is.

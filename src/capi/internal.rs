@@ -9,7 +9,6 @@ use crate::base::{Latch, tickets};
 ///
 /// Returns CATA_ERR_PANIC. Not in libraries that are installed, nor in their header:
 /// tests/c/internal.h.
-#[cfg(debug_assertions)]
 #[unsafe(no_mangle)]
 pub extern "C" fn cata_internal_panic(worker: i32) -> cata_status {
     boundary(|| {
@@ -22,7 +21,6 @@ pub extern "C" fn cata_internal_panic(worker: i32) -> cata_status {
 }
 
 /// Does `work` on a thread that is not the caller's.
-#[cfg(any(debug_assertions, test))]
 pub(super) fn on_a_worker(work: impl Fn() + Sync) {
     // Two tickets that wait for each other are on two threads.
     let both = Latch::new(2);

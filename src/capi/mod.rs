@@ -16,6 +16,7 @@ mod ata_params;
 mod atb;
 mod backend;
 mod boundary;
+#[cfg(any(debug_assertions, test))]
 mod internal;
 mod layout;
 mod memory;
@@ -87,6 +88,7 @@ pub use ata::*;
 pub use ata_params::*;
 pub use atb::*;
 pub use backend::*;
+#[cfg(any(debug_assertions, test))]
 pub use internal::*;
 pub use layout::*;
 pub use memory::*;
