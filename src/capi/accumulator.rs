@@ -7,7 +7,8 @@ use super::outputs::fill_slice;
 use super::params::{Versioned, flag, init, read_or_zeros};
 use super::pca::{ComponentOutputs, cata_pca_params};
 use super::pointer::{
-    Layout, matrix, matrix_mut, optional_output, optional_slice_mut, output, slice, uplo_from,
+    self, Layout, free, matrix, matrix_mut, optional_output, optional_slice, optional_slice_mut,
+    output, slice, uplo_from,
 };
 use super::progress::{cata_progress, par, watcher};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
@@ -165,10 +166,8 @@ pub unsafe extern "C" fn cata_accumulator_write(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_accumulator_free(accumulator: *mut cata_accumulator) {
-    if !accumulator.is_null() {
-        // SAFETY: from Box::into_raw, and the caller's promise.
-        drop(unsafe { Box::from_raw(accumulator) });
-    }
+    // SAFETY: the promises are the same.
+    unsafe { free(accumulator) };
 }
 
 /// Adds the rows of A, m x n.
@@ -462,7 +461,7 @@ unsafe fn change(
         let (own, a, weights) = unsafe {
             let own = known_mut(accumulator)?;
             let a = matrix("a", layout, m, own.sum.ncols(), a, lda)?;
-            let weights = (!weights.is_null()).then(|| slice("weights", weights, m)).transpose()?;
+            let weights = optional_slice("weights", weights, m)?;
             (own, a, weights)
         };
         own.change(&mut DenseRows(a), weights, remove)
@@ -473,7 +472,7 @@ unsafe fn change(
 /// NULL or alive.
 unsafe fn known<'a>(accumulator: *const cata_accumulator) -> Result<&'a cata_accumulator, Failure> {
     // SAFETY: the caller's promise.
-    let own = unsafe { accumulator.as_ref() }.ok_or_else(|| Failure::null("accumulator"))?;
+    let own = unsafe { pointer::known("accumulator", accumulator) }?;
     own.check()?;
     Ok(own)
 }
@@ -484,7 +483,7 @@ unsafe fn known_mut<'a>(
     accumulator: *mut cata_accumulator,
 ) -> Result<&'a mut cata_accumulator, Failure> {
     // SAFETY: the caller's promise.
-    let own = unsafe { accumulator.as_mut() }.ok_or_else(|| Failure::null("accumulator"))?;
+    let own = unsafe { pointer::known_mut("accumulator", accumulator) }?;
     own.check()?;
     Ok(own)
 }

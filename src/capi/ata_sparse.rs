@@ -1,6 +1,6 @@
 use super::ata_params::{cata_ata_params, with_options};
 use super::boundary::boundary;
-use super::pointer::{Layout, matrix_mut, slice, sparse, uplo_from};
+use super::pointer::{Layout, matrix_mut, optional_slice, sparse, uplo_from};
 use super::status::cata_status;
 use crate::ata::ata_sparse;
 use crate::blas::BlasReal;
@@ -95,8 +95,7 @@ unsafe fn product<T: BlasReal>(
         // SAFETY: the caller's promise.
         unsafe {
             let a = sparse(m, n, row_starts, columns, entries)?;
-            let weights =
-                if weights.is_null() { None } else { Some(slice("weights", weights, m)?) };
+            let weights = optional_slice("weights", weights, m)?;
             let c = matrix_mut("c", layout, n, n, c, ldc)?;
             with_options(params, uplo, |options| {
                 Ok(ata_sparse(alpha, a, weights, beta, c, options)?)

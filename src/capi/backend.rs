@@ -16,7 +16,7 @@ use std::ffi::{CString, c_char};
 use std::sync::Arc;
 
 use super::boundary::{boundary, path};
-use super::pointer::output;
+use super::pointer::{free, output};
 #[cfg(not(feature = "openblas"))]
 use super::status::CATA_ERR_UNSUPPORTED;
 #[cfg(not(feature = "openblas"))]
@@ -100,11 +100,6 @@ pub unsafe extern "C" fn cata_backend_name(backend: *const cata_backend) -> *con
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_backend_free(backend: *mut cata_backend) {
-    boundary(|| {
-        if !backend.is_null() {
-            // SAFETY: it came from `Box::into_raw`, and the caller promises to free it once.
-            drop(unsafe { Box::from_raw(backend) });
-        }
-        Ok(())
-    });
+    // SAFETY: the promises are the same.
+    unsafe { free(backend) };
 }

@@ -22,7 +22,9 @@ use super::ortho::{
     CATA_ORTHO_RANK_REVEALING, CATA_ORTHO_REORTHOGONALIZED, CATA_ORTHO_SINGLE_PASS, known_method,
 };
 use super::params::{Versioned, init, read};
-use super::pointer::{Layout, matrix, matrix_mut, optional_output, output, slice, slice_mut};
+use super::pointer::{
+    Layout, free, known, matrix, matrix_mut, optional_output, output, slice, slice_mut,
+};
 use super::progress::{cata_progress, par, watcher};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::Par;
@@ -179,7 +181,7 @@ pub unsafe extern "C" fn cata_basis_products(
     boundary(|| {
         // SAFETY: the caller's promise.
         let (eigen, place) =
-            unsafe { (of("eigenfunctions", eigenfunctions)?, output("basis", basis)?) };
+            unsafe { (known("eigenfunctions", eigenfunctions)?, output("basis", basis)?) };
         let eigen = eigen.eigen("eigenfunctions")?;
         let work = |options: &BasisOptions<'_>| {
             let products = options.products(eigen, options.progress)?;
@@ -197,13 +199,8 @@ pub unsafe extern "C" fn cata_basis_products(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_basis_free(basis: *mut cata_basis) {
-    boundary(|| {
-        if !basis.is_null() {
-            // SAFETY: it came from `Box::into_raw`, and the caller promises to free it once.
-            drop(unsafe { Box::from_raw(basis) });
-        }
-        Ok(())
-    });
+    // SAFETY: the promises are the same.
+    unsafe { free(basis) };
 }
 
 /// Sizes of a basis: vertices, functions, and all products that they were made of, 0 for a basis
@@ -223,7 +220,7 @@ pub unsafe extern "C" fn cata_basis_size(
         let (basis, places) = unsafe {
             let places = [("n", n), ("r", r), ("products", products)];
             let [n, r, products] = places.map(|(what, place)| optional_output(what, place));
-            (of("basis", basis)?, [n?, r?, products?])
+            (known("basis", basis)?, [n?, r?, products?])
         };
         let products = match &*basis.functions {
             Functions::Eigen(_) => 0,
@@ -258,7 +255,7 @@ pub unsafe extern "C" fn cata_basis_copy(
     boundary(|| {
         let layout = Layout::new(layout)?;
         // SAFETY: the caller's promise.
-        let basis = unsafe { of("basis", basis) }?;
+        let basis = unsafe { known("basis", basis) }?;
         let functions = basis.basis().functions();
         let (n, r) = functions.shape();
         let mut parts = Vec::new();
@@ -301,7 +298,7 @@ pub unsafe extern "C" fn cata_basis_analysis(
         let layout = Layout::new(layout)?;
         // SAFETY: the caller's promise.
         let (basis, f, mut c) = unsafe {
-            let basis = of("basis", basis)?;
+            let basis = known("basis", basis)?;
             let f = matrix("f", layout, basis.basis().vertices(), count, f, ldf)?;
             (basis, f, matrix_mut("c", layout, basis.basis().len(), count, c, ldc)?)
         };
@@ -328,7 +325,7 @@ pub unsafe extern "C" fn cata_basis_synthesis(
         let layout = Layout::new(layout)?;
         // SAFETY: the caller's promise.
         let (basis, c, mut f) = unsafe {
-            let basis = of("basis", basis)?;
+            let basis = known("basis", basis)?;
             let c = matrix("c", layout, basis.basis().len(), count, c, ldc)?;
             (basis, c, matrix_mut("f", layout, basis.basis().vertices(), count, f, ldf)?)
         };
@@ -359,7 +356,7 @@ pub unsafe extern "C" fn cata_basis_filter(
         let layout = Layout::new(layout)?;
         // SAFETY: the caller's promise.
         let (basis, f, gains, mut g) = unsafe {
-            let basis = of("basis", basis)?;
+            let basis = known("basis", basis)?;
             let n = basis.basis().vertices();
             (
                 basis,
@@ -391,7 +388,7 @@ pub unsafe extern "C" fn cata_basis_add_coefficient(
         let layout = Layout::new(layout)?;
         // SAFETY: the caller's promise.
         let (basis, mut f) = unsafe {
-            let basis = of("basis", basis)?;
+            let basis = known("basis", basis)?;
             (basis, matrix_mut("f", layout, basis.basis().vertices(), count, f, ldf)?)
         };
         let sum = add_coefficient(basis.basis(), f.as_ref(), index, amount)?;
@@ -421,7 +418,7 @@ pub unsafe extern "C" fn cata_basis_split(
         let layout = Layout::new(layout)?;
         // SAFETY: the caller's promise.
         let (basis, f, mut low, mut high) = unsafe {
-            let basis = of("basis", basis)?;
+            let basis = known("basis", basis)?;
             let n = basis.basis().vertices();
             (
                 basis,
@@ -484,18 +481,6 @@ pub(super) unsafe fn with_basis_options<X>(
     }
     let progress = watch.as_ref().map_or(Progress::none(), Progress::from);
     work(&BasisOptions { order, method, par: threads, progress })
-}
-
-/// The basis of a handle.
-///
-/// # Safety
-/// NULL or alive during `'a`.
-pub(super) unsafe fn of<'a>(
-    what: &str,
-    basis: *const cata_basis,
-) -> Result<&'a cata_basis, Failure> {
-    // SAFETY: the caller's promise.
-    unsafe { basis.as_ref() }.ok_or_else(|| Failure::null(what))
 }
 
 fn made(functions: Functions, par: Par) -> *mut cata_basis {

@@ -22,7 +22,7 @@ use std::mem::offset_of;
 use super::boundary::boundary;
 use super::params::{Versioned, flag, init, read};
 use super::pointer::{
-    check_size, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
+    check_size, free, known, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
 };
 use super::progress::{cata_progress, watcher};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
@@ -186,10 +186,8 @@ pub unsafe extern "C" fn cata_curve_solver_new_at(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_curve_solver_free(solver: *mut cata_curve_solver) {
-    if !solver.is_null() {
-        // SAFETY: from Box::into_raw, and the caller's promise.
-        drop(unsafe { Box::from_raw(solver) });
-    }
+    // SAFETY: the promises are the same.
+    unsafe { free(solver) };
 }
 
 /// Finds the curves that samples without an order are of, neither meeting themselves nor each
@@ -263,10 +261,8 @@ fn fill(options: &mut CurveOptions<'_>, params: &cata_curve_params) -> Result<()
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_curves_free(curves: *mut cata_curves) {
-    if !curves.is_null() {
-        // SAFETY: from Box::into_raw, and the caller's promise.
-        drop(unsafe { Box::from_raw(curves) });
-    }
+    // SAFETY: the promises are the same.
+    unsafe { free(curves) };
 }
 
 /// How the search ended, CATA_CURVE_*; the number of curves; and the number of samples that no
@@ -286,7 +282,7 @@ pub unsafe extern "C" fn cata_curves_outcome(
         // SAFETY: the caller's promise.
         let (found, outcome, numbers) = unsafe {
             (
-                &known(curves)?.found,
+                &known("curves", curves)?.found,
                 optional_output("outcome", outcome)?,
                 [optional_output("count", count)?, optional_output("left_out", left_out)?],
             )
@@ -327,7 +323,7 @@ pub unsafe extern "C" fn cata_curves_size(
         // SAFETY: the caller's promise.
         let (curve, numbers, length) = unsafe {
             (
-                one(known(curves)?, curve)?,
+                one(known("curves", curves)?, curve)?,
                 [
                     optional_output("n_samples", n_samples)?,
                     optional_output("n_vertices", n_vertices)?,
@@ -370,7 +366,7 @@ pub unsafe extern "C" fn cata_curves_get(
     boundary(|| {
         // SAFETY: the caller's promise.
         let (curve, order, path, points) = unsafe {
-            let curve = one(known(curves)?, curve)?;
+            let curve = one(known("curves", curves)?, curve)?;
             (
                 curve,
                 optional_slice_mut("order", order, curve.order.len())?,
@@ -403,19 +399,12 @@ pub unsafe extern "C" fn cata_curves_left_out(
     boundary(|| {
         // SAFETY: the caller's promise.
         let (own, samples) = unsafe {
-            let own = &known(curves)?.found.left_out;
+            let own = &known("curves", curves)?.found.left_out;
             (own, slice_mut("samples", samples, own.len())?)
         };
         samples.copy_from_slice(own);
         Ok(())
     })
-}
-
-/// # Safety
-/// NULL or alive.
-unsafe fn known<'a>(curves: *const cata_curves) -> Result<&'a cata_curves, Failure> {
-    // SAFETY: the caller's promise.
-    unsafe { curves.as_ref() }.ok_or_else(|| Failure::null("curves"))
 }
 
 fn one(curves: &cata_curves, curve: usize) -> Result<&Curve, Failure> {

@@ -21,7 +21,7 @@ use std::mem::offset_of;
 use super::boundary::boundary;
 use super::params::{Versioned, flag, init, read};
 use super::pointer::{
-    check_size, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
+    check_size, free, known, mesh, optional_output, optional_slice_mut, output, slice, slice_mut,
 };
 use super::progress::{cata_progress, par, watcher};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
@@ -134,10 +134,8 @@ pub unsafe extern "C" fn cata_decimation_new(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_decimation_free(decimation: *mut cata_decimation) {
-    if !decimation.is_null() {
-        // SAFETY: from Box::into_raw, and the caller's promise.
-        drop(unsafe { Box::from_raw(decimation) });
-    }
+    // SAFETY: the promises are the same.
+    unsafe { free(decimation) };
 }
 
 /// The numbers of vertices and faces of the result, and whether the input had to be repaired
@@ -157,7 +155,7 @@ pub unsafe extern "C" fn cata_decimation_size(
         // SAFETY: the caller's promise.
         let (found, n_vertices, n_faces, repaired) = unsafe {
             (
-                &known(decimation)?.found,
+                &known("decimation", decimation)?.found,
                 optional_output("n_vertices", n_vertices)?,
                 optional_output("n_faces", n_faces)?,
                 optional_output("repaired", repaired)?,
@@ -190,7 +188,7 @@ pub unsafe extern "C" fn cata_decimation_get(
     boundary(|| {
         // SAFETY: the caller's promise.
         unsafe {
-            let mesh = &known(decimation)?.found.mesh;
+            let mesh = &known("decimation", decimation)?.found.mesh;
             write("vertices", vertices, mesh.vertices().as_flattened())?;
             write("faces", faces, mesh.faces().as_flattened())
         }
@@ -218,7 +216,7 @@ pub unsafe extern "C" fn cata_decimation_places(
     boundary(|| {
         // SAFETY: the caller's promise.
         unsafe {
-            let found = &known(decimation)?.found;
+            let found = &known("decimation", decimation)?.found;
             let of_faces: Vec<u32> = found.places.iter().map(|place| place.face).collect();
             let inside: Vec<[f64; 3]> = found.places.iter().map(|place| place.weights).collect();
             write("cells", cells, found.cells.of_vertices())?;
@@ -244,7 +242,7 @@ pub unsafe extern "C" fn cata_decimation_carry(
     boundary(|| {
         // SAFETY: the caller's promise.
         let (own, values, carried) = unsafe {
-            let own = known(decimation)?;
+            let own = known("decimation", decimation)?;
             let (before, after) = (own.input.vertices().len(), own.found.mesh.vertices().len());
             check_size::<f64>("values", before, width)?;
             check_size::<f64>("carried", after, width)?;
@@ -271,7 +269,7 @@ pub unsafe extern "C" fn cata_decimation_prolong(
     boundary(|| {
         // SAFETY: the caller's promise.
         let (own, values, prolonged) = unsafe {
-            let own = known(decimation)?;
+            let own = known("decimation", decimation)?;
             let (before, after) = (own.input.vertices().len(), own.found.mesh.vertices().len());
             check_size::<f64>("values", after, width)?;
             check_size::<f64>("prolonged", before, width)?;
@@ -307,7 +305,7 @@ pub unsafe extern "C" fn cata_decimation_carry_uv(
     boundary(|| {
         // SAFETY: the caller's promise.
         let (own, uv, carried) = unsafe {
-            let own = known(decimation)?;
+            let own = known("decimation", decimation)?;
             let uv = slice("uv", uv, 6 * own.input.faces().len())?;
             (own, uv, slice_mut("carried", carried, 6 * own.found.mesh.faces().len())?)
         };
@@ -380,13 +378,6 @@ pub unsafe extern "C" fn cata_decimation_farthest_points(
         }
         Ok(())
     })
-}
-
-/// # Safety
-/// NULL or alive.
-unsafe fn known<'a>(decimation: *const cata_decimation) -> Result<&'a cata_decimation, Failure> {
-    // SAFETY: the caller's promise.
-    unsafe { decimation.as_ref() }.ok_or_else(|| Failure::null("decimation"))
 }
 
 /// Writes values where they are wanted.

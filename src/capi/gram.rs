@@ -8,7 +8,8 @@ use super::boundary::boundary;
 use super::outputs::{fill, fill_slice};
 use super::params::{Versioned, init, read_or_zeros};
 use super::pointer::{
-    Layout, matrix, matrix_mut, optional_matrix_mut, optional_output, optional_slice_mut, slice,
+    Layout, matrix, matrix_mut, optional_matrix_mut, optional_output, optional_slice,
+    optional_slice_mut,
 };
 use super::progress::{cata_progress, par, watcher};
 use super::rows::{CATA_CENTER_MEAN, CATA_CENTER_NONE};
@@ -149,13 +150,13 @@ pub unsafe extern "C" fn cata_gram_extended(
         // SAFETY: the caller's promise.
         let (a, weights, parts, exact, params) = unsafe {
             let a = matrix("a", layout, m, n, a, lda)?;
-            let weights = (!weights.is_null()).then(|| slice("weights", weights, m));
+            let weights = optional_slice("weights", weights, m);
             let parts = [
                 optional_matrix_mut("high", layout, n, n, high, ldhigh)?,
                 optional_matrix_mut("low", layout, n, n, low, ldlow)?,
             ];
             let exact = optional_output("exact", exact)?;
-            (a, weights.transpose()?, parts, exact, read_or_zeros(params)?)
+            (a, weights?, parts, exact, read_or_zeros(params)?)
         };
         // Without columns m may be beyond counting.
         let (a, weights) = if n == 0 { (a.subrows(0, 0), None) } else { (a, weights) };

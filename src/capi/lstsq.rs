@@ -18,7 +18,7 @@ use super::boundary::boundary;
 use super::gram::{cata_gram_params, extended};
 use super::outputs::{fill, fill_slice};
 use super::params::{Versioned, flag, init, read_or_zeros};
-use super::pointer::{Layout, matrix, optional_matrix_mut, optional_slice_mut, slice};
+use super::pointer::{Layout, matrix, optional_matrix_mut, optional_slice, optional_slice_mut};
 use super::progress::{cata_progress, par};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::ata::{Center, DenseRows, RowOptions};
@@ -195,7 +195,7 @@ impl LeastSquaresCall<'_> {
         unsafe {
             let a = matrix("a", layout, m, n, a, lda)?;
             let b = matrix("b", layout, m, k, b, ldb)?;
-            let weights = (!weights.is_null()).then(|| slice("weights", weights, m)).transpose()?;
+            let weights = optional_slice("weights", weights, m)?;
             let outputs = LeastSquaresOutputs::new(layout, n, k, x, ldx, result)?;
             let params = read_or_zeros(params)?;
             let options = outputs.options(&params)?;

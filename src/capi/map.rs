@@ -2,9 +2,11 @@ use std::sync::Arc;
 
 use faer::MatRef;
 
-use super::basis::{Functions, cata_basis, cata_basis_params, of, with_basis_options};
+use super::basis::{Functions, cata_basis, cata_basis_params, with_basis_options};
 use super::boundary::boundary;
-use super::pointer::{Layout, check_size, matrix, matrix_mut, output, slice, slice_mut};
+use super::pointer::{
+    Layout, check_size, free, known, known_mut, matrix, matrix_mut, output, slice, slice_mut,
+};
 use super::status::{Failure, cata_status};
 use crate::Par;
 use crate::spectral::Eigenbasis;
@@ -35,7 +37,7 @@ pub unsafe extern "C" fn cata_map_fit_new(
     boundary(|| {
         // SAFETY: the caller's promise.
         let (source, target, place) =
-            unsafe { (of("source", source)?, of("target", target)?, output("fit", fit)?) };
+            unsafe { (known("source", source)?, known("target", target)?, output("fit", fit)?) };
         source.eigen("source")?;
         target.eigen("target")?;
         let [from, to] = [source, target].map(|basis| Arc::clone(&basis.functions));
@@ -52,13 +54,8 @@ pub unsafe extern "C" fn cata_map_fit_new(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_map_fit_free(fit: *mut cata_map_fit) {
-    boundary(|| {
-        if !fit.is_null() {
-            // SAFETY: it came from `Box::into_raw`, and the caller promises to free it once.
-            drop(unsafe { Box::from_raw(fit) });
-        }
-        Ok(())
-    });
+    // SAFETY: the promises are the same.
+    unsafe { free(fit) };
 }
 
 /// Adds functions that correspond: columns of F (n_source x count) and G (n_target x count).
@@ -120,7 +117,7 @@ pub unsafe extern "C" fn cata_map_fit_landmarks(
     boundary(|| {
         check_size::<u32>("pairs", count, 2)?;
         // SAFETY: the caller's promise.
-        let (fit, pairs) = unsafe { (alive(fit)?, slice("pairs", pairs, 2 * count)?) };
+        let (fit, pairs) = unsafe { (known_mut("fit", fit)?, slice("pairs", pairs, 2 * count)?) };
         let pairs: Vec<(u32, u32)> = pairs.as_chunks().0.iter().map(|&[x, y]| (x, y)).collect();
         fit.add(|fit| fit.landmarks(&pairs))
     })
@@ -139,7 +136,7 @@ pub unsafe extern "C" fn cata_map_fit_segments(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let fit = unsafe { alive(fit) }?;
+        let fit = unsafe { known_mut("fit", fit) }?;
         let [n, m] = [fit.source("source")?, fit.target("target")?].map(|b| b.basis().vertices());
         // SAFETY: the caller's promise.
         let (source, target) = unsafe {
@@ -166,7 +163,7 @@ pub unsafe extern "C" fn cata_map_fit_solve(
     boundary(|| {
         let layout = Layout::new(layout)?;
         // SAFETY: the caller's promise.
-        let fit = unsafe { alive(fit) }?;
+        let fit = unsafe { known_mut("fit", fit) }?;
         let (source, target) = (Arc::clone(&fit.source), Arc::clone(&fit.target));
         let (source, target) = (source.eigen("source")?, target.eigen("target")?);
         let (rows, cols) = (target.len(), source.len());
@@ -295,7 +292,7 @@ pub unsafe extern "C" fn cata_map_points(
         let layout = Layout::new(layout)?;
         // SAFETY: the caller's promise.
         let (source, target) =
-            unsafe { (of("source", source)?.basis(), of("target", target)?.basis()) };
+            unsafe { (known("source", source)?.basis(), known("target", target)?.basis()) };
         // SAFETY: the caller's promise.
         let (c, points) = unsafe {
             let c = matrix("c", layout, target.len(), source.len(), c, ldc)?;
@@ -329,7 +326,7 @@ pub unsafe extern "C" fn cata_map_from_points(
         let layout = Layout::new(layout)?;
         // SAFETY: the caller's promise.
         let (source, target) =
-            unsafe { (of("source", source)?.basis(), of("target", target)?.basis()) };
+            unsafe { (known("source", source)?.basis(), known("target", target)?.basis()) };
         // SAFETY: the caller's promise.
         let (points, mut c) = unsafe {
             let points = slice("points", points, target.vertices())?;
@@ -371,13 +368,6 @@ impl cata_map_fit {
     }
 }
 
-/// # Safety
-/// NULL or alive during `'a`, and nobody else uses it.
-unsafe fn alive<'a>(fit: *mut cata_map_fit) -> Result<&'a mut cata_map_fit, Failure> {
-    // SAFETY: the caller's promise.
-    unsafe { fit.as_mut() }.ok_or_else(|| Failure::null("fit"))
-}
-
 /// The fit, and functions on both meshes.
 ///
 /// # Safety
@@ -394,7 +384,7 @@ unsafe fn pair<'a>(
     let layout = Layout::new(layout)?;
     // SAFETY: the caller's promise.
     unsafe {
-        let fit = alive(fit)?;
+        let fit = known_mut("fit", fit)?;
         let [n, m] = [fit.source("source")?, fit.target("target")?].map(|b| b.basis().vertices());
         let f = matrix("f", layout, n, count, f, ldf)?;
         Ok((fit, f, matrix("g", layout, m, count, g, ldg)?))
@@ -408,7 +398,7 @@ unsafe fn eigenbases<'a>(
     target: *const cata_basis,
 ) -> Result<(&'a Eigenbasis, &'a Eigenbasis), Failure> {
     // SAFETY: the caller's promise.
-    let (source, target) = unsafe { (of("source", source)?, of("target", target)?) };
+    let (source, target) = unsafe { (known("source", source)?, known("target", target)?) };
     Ok((source.eigen("source")?, target.eigen("target")?))
 }
 

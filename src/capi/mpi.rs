@@ -4,7 +4,9 @@ use super::eigs::{Outputs, cata_eigs_params, mass, with_eigen_options};
 use super::lstsq::{LeastSquaresCall, cata_lstsq_params, cata_lstsq_result};
 use super::ortho::{CATA_ORTHO_RANK_REVEALING, FactorsOut, cata_ortho_params, with_ortho_options};
 use super::params::write;
-use super::pointer::{Layout, matrix, matrix_mut, output, sparse, uplo_from};
+use super::pointer::{
+    Layout, free, matrix, matrix_mut, optional_matrix_mut, output, sparse, uplo_from,
+};
 use super::progress::watcher;
 use super::ranks::{
     check, collective, cyclic, entries, gather, handle, number, rows, world as world_of,
@@ -57,13 +59,8 @@ pub unsafe extern "C" fn cata_world_new(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_world_free(world: *mut cata_world) {
-    boundary(|| {
-        if !world.is_null() {
-            // SAFETY: it came from `Box::into_raw`, and the caller promises to free it once.
-            drop(unsafe { Box::from_raw(world) });
-        }
-        Ok(())
-    });
+    // SAFETY: the promises are the same.
+    unsafe { free(world) };
 }
 
 /// The rank of the caller, from 0. Local.
@@ -498,10 +495,7 @@ pub unsafe extern "C" fn cata_world_cholesky_qr(
                 let layout = Layout::new(layout)?;
                 let a = matrix_mut("a", layout, own, c, a, lda)?;
                 let masses = mass(own, masses)?;
-                let r = match r.is_null() {
-                    true => None,
-                    false => Some(matrix_mut("r", layout, c, c, r, ldr)?),
-                };
+                let r = optional_matrix_mut("r", layout, c, c, r, ldr)?;
                 with_ortho_options(params, |options, _| {
                     let (par, progress) = (options.par, options.progress);
                     let found = watched_cholesky_qr(entrance.enter(), a, &masses, par, progress)?;
@@ -536,13 +530,8 @@ pub unsafe extern "C" fn cata_symmetric_n(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_symmetric_free(symmetric: *mut cata_symmetric) {
-    boundary(|| {
-        if !symmetric.is_null() {
-            // SAFETY: it came from `Box::into_raw`, and the caller promises to free it once.
-            drop(unsafe { Box::from_raw(symmetric) });
-        }
-        Ok(())
-    });
+    // SAFETY: the promises are the same.
+    unsafe { free(symmetric) };
 }
 
 /// Puts the whole of a distributed matrix of doubles, made by all ranks of `world`, into C, n x

@@ -18,7 +18,7 @@ use std::mem::offset_of;
 use super::boundary::boundary;
 use super::device::{Device, chosen};
 use super::params::{Versioned, init, read};
-use super::pointer::{check_size, output, slice, slice_mut};
+use super::pointer::{check_size, free, known, output, slice, slice_mut};
 use super::progress::{cata_progress, par, watcher};
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
 use crate::Par;
@@ -175,10 +175,8 @@ fn fill(
 /// `newton` is NULL or from cata_newton_new, and was not given back before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_newton_free(newton: *mut cata_newton) {
-    if !newton.is_null() {
-        // SAFETY: from Box::into_raw, and the caller's promise.
-        drop(unsafe { Box::from_raw(newton) });
-    }
+    // SAFETY: the promises are the same.
+    unsafe { free(newton) };
 }
 
 /// Changes the fourth coordinate of all points, as time goes on.
@@ -217,7 +215,7 @@ pub unsafe extern "C" fn cata_newton_points(
         check_size::<f32>("positions", count, 3)?;
         // SAFETY: the caller's promise.
         let (newton, positions) =
-            unsafe { (known(newton)?, slice("positions", positions, 3 * count)?) };
+            unsafe { (known("newton", newton)?, slice("positions", positions, 3 * count)?) };
         // SAFETY: the caller's promise.
         unsafe { write(newton, Points::List(positions.as_chunks().0), count, roots, convergence) }
     })
@@ -249,7 +247,7 @@ pub unsafe extern "C" fn cata_newton_plane(
         };
         let grid = Grid::plane(width, height, [center_x, center_y], extent);
         // SAFETY: the caller's promise.
-        unsafe { write(known(newton)?, Points::Grid(grid), count, roots, convergence) }
+        unsafe { write(known("newton", newton)?, Points::Grid(grid), count, roots, convergence) }
     })
 }
 
@@ -271,7 +269,7 @@ pub unsafe extern "C" fn cata_newton_colors(
         // SAFETY: the caller's promise.
         let (newton, roots, convergence, colors) = unsafe {
             (
-                &known(newton)?.newton,
+                &known("newton", newton)?.newton,
                 slice("roots", roots, count)?,
                 slice("convergence", convergence, count)?,
                 slice_mut("colors", colors, 3 * count)?,
@@ -283,13 +281,6 @@ pub unsafe extern "C" fn cata_newton_colors(
         }
         Ok(())
     })
-}
-
-/// # Safety
-/// `newton` is NULL or from cata_newton_new and not given back.
-unsafe fn known<'a>(newton: *const cata_newton) -> Result<&'a cata_newton, Failure> {
-    // SAFETY: passed on to the caller.
-    unsafe { newton.as_ref() }.ok_or_else(|| Failure::null("newton"))
 }
 
 /// # Safety

@@ -4,7 +4,7 @@ use std::mem::offset_of;
 use super::boundary::boundary;
 use super::eigs::mass;
 use super::params::{Versioned, init, read};
-use super::pointer::{Layout, matrix_mut, output, slice_mut};
+use super::pointer::{Layout, matrix_mut, optional_matrix_mut, optional_slice_mut, output};
 use super::progress::{cata_progress, par, watcher};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::base::Progress;
@@ -133,10 +133,7 @@ pub unsafe extern "C" fn cata_ortho_cholesky_qr(
         // SAFETY: the caller's promise.
         let (a, r, mass) = unsafe {
             let a = matrix_mut("a", layout, n, c, a, lda)?;
-            let r = match r.is_null() {
-                true => None,
-                false => Some(matrix_mut("r", layout, c, c, r, ldr)?),
-            };
+            let r = optional_matrix_mut("r", layout, c, c, r, ldr)?;
             (a, r, mass(n, masses)?)
         };
         mass.check(n)?;
@@ -174,14 +171,8 @@ impl<'a> FactorsOut<'a> {
     ) -> Result<Self, Failure> {
         // SAFETY: the caller's promise.
         unsafe {
-            let r = match r.is_null() {
-                true => None,
-                false => Some(matrix_mut("r", layout, rows, c, r, ldr)?),
-            };
-            let kept = match kept.is_null() {
-                true => None,
-                false => Some(slice_mut("kept", kept, c)?),
-            };
+            let r = optional_matrix_mut("r", layout, rows, c, r, ldr)?;
+            let kept = optional_slice_mut("kept", kept, c)?;
             Ok(Self { r, kept, rank: output("rank", rank)? })
         }
     }

@@ -20,7 +20,10 @@ use std::sync::Arc;
 
 use super::boundary::{boundary, path};
 use super::params::{Versioned, init, read};
-use super::pointer::{check_size, optional_slice_mut, output, slice, slice_mut};
+use super::pointer::{
+    check_size, free, known, known_mut, optional_slice, optional_slice_mut, output, slice,
+    slice_mut,
+};
 use super::progress::{cata_progress, par, watcher};
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure, cata_status};
 use crate::Par;
@@ -139,7 +142,7 @@ pub unsafe extern "C" fn cata_plant_new(
                 slice("radii", radii, n)?,
                 slice("parents", parents, n)?,
                 slice("kinds", kinds, n)?,
-                if base.is_null() { None } else { Some(slice("base", base, 3)?) },
+                optional_slice("base", base, 3)?,
                 output("plant", plant)?,
             )
         };
@@ -211,10 +214,8 @@ pub unsafe extern "C" fn cata_plant_grow(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_plant_free(plant: *mut cata_plant) {
-    if !plant.is_null() {
-        // SAFETY: it came from `Box::into_raw`, and the caller promises to free it once.
-        drop(unsafe { Box::from_raw(plant) });
-    }
+    // SAFETY: the promises are the same.
+    unsafe { free(plant) };
 }
 
 /// The number of nodes of a plant, n in all calls below; 0 for NULL.
@@ -423,7 +424,7 @@ pub unsafe extern "C" fn cata_plant_start(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let plant = unsafe { live_mut(plant) }?;
+        let plant = unsafe { known_mut("plant", plant) }?;
         check_count(plant, n)?;
         // SAFETY: the caller's promise.
         let water = unsafe { water_or_full(plant, water) }?;
@@ -447,7 +448,8 @@ pub unsafe extern "C" fn cata_plant_step(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let (plant, water) = unsafe { (live_mut(plant)?, optional_slice_mut("water", water, n)?) };
+        let (plant, water) =
+            unsafe { (known_mut("plant", plant)?, optional_slice_mut("water", water, n)?) };
         if water.is_some() {
             check_count(plant, n)?;
         }
@@ -552,39 +554,25 @@ unsafe fn change(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let plant = unsafe { live_mut(plant) }?;
+        let plant = unsafe { known_mut("plant", plant) }?;
         work(&mut plant.model)?;
         plant.changed = true;
         Ok(())
     })
 }
 
-/// # Safety
-/// `plant` is NULL or a live plant that nobody changes during `'a`.
-pub(super) unsafe fn live<'a>(plant: *const cata_plant) -> Result<&'a cata_plant, Failure> {
-    // SAFETY: the caller's promise.
-    unsafe { plant.as_ref() }.ok_or_else(|| Failure::null("plant"))
-}
-
 /// A live plant of n nodes.
 ///
 /// # Safety
-/// As [`live`].
+/// As [`known`].
 pub(super) unsafe fn live_of<'a>(
     plant: *const cata_plant,
     n: usize,
 ) -> Result<&'a cata_plant, Failure> {
     // SAFETY: the caller's promise.
-    let plant = unsafe { live(plant) }?;
+    let plant = unsafe { known("plant", plant) }?;
     check_count(plant, n)?;
     Ok(plant)
-}
-
-/// # Safety
-/// `plant` is NULL or a live plant that nobody else uses during `'a`.
-unsafe fn live_mut<'a>(plant: *mut cata_plant) -> Result<&'a mut cata_plant, Failure> {
-    // SAFETY: the caller's promise.
-    unsafe { plant.as_mut() }.ok_or_else(|| Failure::null("plant"))
 }
 
 fn check_count(plant: &cata_plant, n: usize) -> Result<(), Failure> {

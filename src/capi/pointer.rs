@@ -4,6 +4,7 @@ use faer::{MatMut, MatRef};
 #[cfg(feature = "capi")]
 use sprs::CsMatView;
 
+use super::boundary::boundary;
 use super::layout::{CATA_BOTH, CATA_COL_MAJOR, CATA_LOWER, CATA_ROW_MAJOR, CATA_UPPER};
 use super::status::{CATA_ERR_ARGUMENT, CATA_ERR_SHAPE, Failure};
 #[cfg(feature = "capi")]
@@ -126,6 +127,22 @@ pub(super) unsafe fn slice<'a, T: Copy>(
     Ok(unsafe { std::slice::from_raw_parts(pointer, len) })
 }
 
+/// Elements that the caller may not have.
+///
+/// # Safety
+/// As [`slice()`], or the pointer is NULL.
+pub(super) unsafe fn optional_slice<'a, T: Copy>(
+    what: &str,
+    pointer: *const T,
+    len: usize,
+) -> Result<Option<&'a [T]>, Failure> {
+    if pointer.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: passed on to the caller.
+    unsafe { slice(what, pointer, len) }.map(Some)
+}
+
 /// `len` elements.
 ///
 /// # Safety
@@ -139,6 +156,40 @@ pub(super) unsafe fn slice_mut<'a, T: Copy>(
     let pointer = checked(what, pointer, len)?.cast_mut();
     // SAFETY: as in `slice`.
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer, len) })
+}
+
+/// What is behind a handle.
+///
+/// # Safety
+/// `handle` is NULL or alive, and nobody changes what is behind it, during `'a`.
+#[cfg(feature = "capi")]
+pub(super) unsafe fn known<'a, T>(what: &str, handle: *const T) -> Result<&'a T, Failure> {
+    // SAFETY: passed on to the caller.
+    unsafe { handle.as_ref() }.ok_or_else(|| Failure::null(what))
+}
+
+/// What is behind a handle, to be changed.
+///
+/// # Safety
+/// `handle` is NULL or alive, and nobody else uses it, during `'a`.
+#[cfg(feature = "capi")]
+pub(super) unsafe fn known_mut<'a, T>(what: &str, handle: *mut T) -> Result<&'a mut T, Failure> {
+    // SAFETY: passed on to the caller.
+    unsafe { handle.as_mut() }.ok_or_else(|| Failure::null(what))
+}
+
+/// Gives a handle back; NULL does nothing.
+///
+/// # Safety
+/// `handle` is NULL, or came from `Box::into_raw` and is freed once.
+pub(super) unsafe fn free<T>(handle: *mut T) {
+    boundary(|| {
+        if !handle.is_null() {
+            // SAFETY: the caller's promise.
+            drop(unsafe { Box::from_raw(handle) });
+        }
+        Ok(())
+    });
 }
 
 /// A place for one result.

@@ -4,7 +4,9 @@ use std::cell::Cell;
 
 use super::ata_params::{cata_ata_params, with_options};
 use super::entries::{Entries, Held};
-use super::pointer::{Layout, matrix, matrix_mut, optional_output, output, slice, uplo_from};
+use super::pointer::{
+    Layout, known, matrix, matrix_mut, optional_output, output, slice, uplo_from,
+};
 use super::status::{CATA_ERR_ARGUMENT, Failure};
 use super::world::{CATA_BY_COLUMNS, CATA_BY_ROWS, cata_symmetric, cata_world};
 use crate::ata::distributed::{BlockCyclic, Grid, GridOrder};
@@ -62,14 +64,14 @@ pub(super) unsafe fn collective(
 /// NULL or alive.
 pub(super) unsafe fn world<'w>(world: *const cata_world) -> Result<&'w World, Failure> {
     // SAFETY: the caller's promise.
-    unsafe { world.as_ref() }.map(|w| &w.world).ok_or_else(|| Failure::null("world"))
+    unsafe { known("world", world) }.map(|w| &w.world)
 }
 
 /// # Safety
 /// NULL or alive.
 pub(super) unsafe fn entries<'s>(matrix: *const cata_symmetric) -> Result<&'s Entries, Failure> {
     // SAFETY: the caller's promise.
-    unsafe { matrix.as_ref() }.map(|m| &m.entries).ok_or_else(|| Failure::null("symmetric"))
+    unsafe { known("symmetric", matrix) }.map(|m| &m.entries)
 }
 
 /// Writes a number.

@@ -6,8 +6,10 @@ use std::sync::Arc;
 
 use super::boundary::boundary;
 use super::params::{Versioned, init, read};
-use super::plant::{cata_plant, copy_rows, count_is, cycle, live, live_of};
-use super::pointer::{check_size, optional_output, optional_slice_mut, output, slice};
+use super::plant::{cata_plant, copy_rows, count_is, cycle, live_of};
+use super::pointer::{
+    check_size, free, known, known_mut, optional_output, optional_slice_mut, output, slice,
+};
 use super::progress::{cata_progress, watcher};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::base::Progress;
@@ -89,7 +91,7 @@ pub unsafe extern "C" fn cata_plant_rods_new(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let (plant, place) = unsafe { (live(plant)?, output("rods", rods)?) };
+        let (plant, place) = unsafe { (known("plant", plant)?, output("rods", rods)?) };
         let (mut options, mut relax) = (RodOptions::default(), RelaxOptions::default());
         let mut motion_options = MotionOptions::default();
         let (mut progress, mut user) = (None, std::ptr::null_mut());
@@ -140,10 +142,8 @@ pub unsafe extern "C" fn cata_plant_rods_new(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_plant_rods_free(rods: *mut cata_plant_rods) {
-    if !rods.is_null() {
-        // SAFETY: it came from `Box::into_raw`, and the caller promises to free it once.
-        drop(unsafe { Box::from_raw(rods) });
-    }
+    // SAFETY: the promises are the same.
+    unsafe { free(rods) };
 }
 
 /// Sets the modulus of elasticity of every segment, in Pa, and its water, in kg, n elements
@@ -160,8 +160,9 @@ pub unsafe extern "C" fn cata_plant_rods_set_state(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let (rods, moduli, water) =
-            unsafe { (known_mut(rods)?, slice("moduli", moduli, n)?, slice("water", water, n)?) };
+        let (rods, moduli, water) = unsafe {
+            (known_mut("rods", rods)?, slice("moduli", moduli, n)?, slice("water", water, n)?)
+        };
         count_is(rods.rods.len(), n)?;
         let mut changed = rods.rods.clone();
         changed.set_state(moduli, water)?;
@@ -186,7 +187,7 @@ pub unsafe extern "C" fn cata_plant_rods_set_pose(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let rods = unsafe { known_mut(rods) }?;
+        let rods = unsafe { known_mut("rods", rods) }?;
         count_is(rods.rods.len(), n)?;
         let pose = if rotations.is_null() {
             rods.rods.rest_pose()
@@ -214,7 +215,7 @@ pub unsafe extern "C" fn cata_plant_rods_pose(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let rods = unsafe { known(rods) }?;
+        let rods = unsafe { known("rods", rods) }?;
         count_is(rods.rods.len(), n)?;
         // SAFETY: the caller's promise.
         let (heads, tails, rotations) = unsafe {
@@ -248,7 +249,7 @@ pub unsafe extern "C" fn cata_plant_rods_relax(
         // SAFETY: the caller's promise.
         let (rods, iterations, residual) = unsafe {
             (
-                known_mut(rods)?,
+                known_mut("rods", rods)?,
                 optional_output("iterations", iterations)?,
                 optional_output("residual", residual)?,
             )
@@ -283,7 +284,7 @@ pub unsafe extern "C" fn cata_plant_rods_step(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let (handle, gap) = unsafe { (known_mut(rods)?, optional_output("gap", gap)?) };
+        let (handle, gap) = unsafe { (known_mut("rods", rods)?, optional_output("gap", gap)?) };
         let cata_plant_rods { rods, pose, motion, motion_options, progress, user, .. } = handle;
         let motion = match motion {
             Some(motion) => motion,
@@ -317,7 +318,7 @@ pub unsafe extern "C" fn cata_plant_rods_tubes(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let rods = unsafe { known(rods) }?;
+        let rods = unsafe { known("rods", rods) }?;
         count_is(rods.rods.len(), n)?;
         check_size::<[f64; 6]>("vertices", n, sides)?;
         // SAFETY: the caller's promise.
@@ -413,20 +414,6 @@ pub unsafe extern "C" fn cata_plant_wilt(
         }
         Ok(())
     })
-}
-
-/// # Safety
-/// `rods` is NULL or live, and nobody changes it during `'a`.
-unsafe fn known<'a>(rods: *const cata_plant_rods) -> Result<&'a cata_plant_rods, Failure> {
-    // SAFETY: the caller's promise.
-    unsafe { rods.as_ref() }.ok_or_else(|| Failure::null("rods"))
-}
-
-/// # Safety
-/// `rods` is NULL or live, and nobody else uses it during `'a`.
-unsafe fn known_mut<'a>(rods: *mut cata_plant_rods) -> Result<&'a mut cata_plant_rods, Failure> {
-    // SAFETY: the caller's promise.
-    unsafe { rods.as_mut() }.ok_or_else(|| Failure::null("rods"))
 }
 
 /// A field that is 0 leaves the default.

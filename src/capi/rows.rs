@@ -11,7 +11,7 @@
 
 use super::ata_params::{cata_ata_params, with_options};
 use super::boundary::boundary;
-use super::pointer::{Layout, matrix, matrix_mut, slice, uplo_from};
+use super::pointer::{Layout, matrix, matrix_mut, optional_slice, slice, uplo_from};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::AtaOptions;
 use crate::ata::{Center, DenseRows, RowOptions, ata_rows};
@@ -112,12 +112,8 @@ unsafe fn rows<T: BlasReal>(
         // SAFETY: the caller's promise.
         let (a, c) =
             unsafe { (matrix("a", layout, m, n, a, lda)?, matrix_mut("c", layout, n, n, c, ldc)?) };
-        let weights = if weights.is_null() {
-            None
-        } else {
-            // SAFETY: the caller's promise.
-            Some(unsafe { slice("weights", weights, m) }?)
-        };
+        // SAFETY: the caller's promise.
+        let weights = unsafe { optional_slice("weights", weights, m) }?;
         let center = match centering {
             CATA_CENTER_NONE => Center::No,
             CATA_CENTER_MEAN => Center::Mean,

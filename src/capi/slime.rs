@@ -20,8 +20,10 @@ use std::mem::offset_of;
 
 use super::boundary::boundary;
 use super::device::chosen;
-use super::params::{Versioned, init, read};
-use super::pointer::{check_size, mesh, optional_output, output, slice, slice_mut};
+use super::params::{Versioned, init, read_or_zeros};
+use super::pointer::{
+    check_size, free, known, known_mut, mesh, optional_output, output, slice, slice_mut,
+};
 use super::progress::{cata_progress, par, watcher};
 use super::status::{CATA_ERR_ARGUMENT, Failure, cata_status};
 use crate::Par;
@@ -153,7 +155,7 @@ pub unsafe extern "C" fn cata_slime_new(
         let (mesh, slime) =
             unsafe { (mesh(n_vertices, vertices, n_faces, faces)?, output("slime", slime)?) };
         // SAFETY: the caller's promise.
-        let params = unsafe { known_or_default(params) }?;
+        let params = unsafe { read_or_zeros(params) }?;
         let options = options(&params)?;
         options.check()?;
         // SAFETY: the caller's promise.
@@ -196,19 +198,6 @@ pub unsafe extern "C" fn cata_slime_new(
         }));
         Ok(())
     })
-}
-
-/// The caller's parameters.
-///
-/// # Safety
-/// `params` is NULL or points to a struct as the header describes it.
-unsafe fn known_or_default(params: *const cata_slime_params) -> Result<cata_slime_params, Failure> {
-    if !params.is_null() {
-        // SAFETY: the caller's promise.
-        return unsafe { read(params) };
-    }
-    // SAFETY: numbers, pointers and an optional function, which may all be 0.
-    Ok(unsafe { std::mem::zeroed() })
 }
 
 /// What the caller asks for.
@@ -258,10 +247,8 @@ fn is_second((field, value): (&str, i32)) -> Result<bool, Failure> {
 /// `slime` is NULL or from cata_slime_new, and was not given back before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_slime_free(slime: *mut cata_slime) {
-    if !slime.is_null() {
-        // SAFETY: from Box::into_raw, and the caller's promise.
-        drop(unsafe { Box::from_raw(slime) });
-    }
+    // SAFETY: the promises are the same.
+    unsafe { free(slime) };
 }
 
 /// Goes `steps` steps ahead. Those before a cancelled one are done.
@@ -272,7 +259,7 @@ pub unsafe extern "C" fn cata_slime_free(slime: *mut cata_slime) {
 pub unsafe extern "C" fn cata_slime_step(slime: *mut cata_slime, steps: u32) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let slime = unsafe { slime.as_mut() }.ok_or_else(|| Failure::null("slime"))?;
+        let slime = unsafe { known_mut("slime", slime) }?;
         let watch = watcher(slime.progress, slime.user);
         let watch = watch.as_ref().map_or(Progress::none(), Progress::from);
         #[cfg(feature = "opencl")]
@@ -300,7 +287,7 @@ pub unsafe extern "C" fn cata_slime_size(
         // SAFETY: the caller's promise.
         let (slime, outputs, steps) = unsafe {
             (
-                known(slime)?,
+                known("slime", slime)?,
                 [
                     optional_output("size", size)?,
                     optional_output("species", species)?,
@@ -336,7 +323,7 @@ pub unsafe extern "C" fn cata_slime_texture(
 ) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let slime = unsafe { known(slime)? };
+        let slime = unsafe { known("slime", slime)? };
         check_species(&slime.simulation, species)?;
         let own = slime.simulation.texture(species);
         // SAFETY: the caller's promise.
@@ -366,7 +353,7 @@ pub unsafe extern "C" fn cata_slime_coverage(
         // SAFETY: the caller's promise.
         let (slime, coverage, presence) = unsafe {
             (
-                known(slime)?,
+                known("slime", slime)?,
                 optional_output("coverage", coverage)?,
                 optional_output("presence", presence)?,
             )
@@ -391,20 +378,16 @@ pub unsafe extern "C" fn cata_slime_coverage(
 pub unsafe extern "C" fn cata_slime_uv(slime: *const cata_slime, uv: *mut f64) -> cata_status {
     boundary(|| {
         // SAFETY: the caller's promise.
-        let own = unsafe { known(slime)? }.simulation.surface().uv().as_flattened().as_flattened();
+        let own = unsafe { known("slime", slime)? }
+            .simulation
+            .surface()
+            .uv()
+            .as_flattened()
+            .as_flattened();
         // SAFETY: the caller's promise.
         unsafe { slice_mut("uv", uv, own.len()) }?.copy_from_slice(own);
         Ok(())
     })
-}
-
-/// The handle, which must not be NULL.
-///
-/// # Safety
-/// `slime` is NULL or from cata_slime_new, and not given back while the reference lives.
-unsafe fn known<'a>(slime: *const cata_slime) -> Result<&'a cata_slime, Failure> {
-    // SAFETY: the caller's promise.
-    unsafe { slime.as_ref() }.ok_or_else(|| Failure::null("slime"))
 }
 
 fn check_species(simulation: &Simulation, species: usize) -> Result<(), Failure> {

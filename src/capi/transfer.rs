@@ -1,6 +1,6 @@
-use super::basis::{cata_basis, cata_basis_params, of, with_basis_options};
+use super::basis::{cata_basis, cata_basis_params, with_basis_options};
 use super::boundary::boundary;
-use super::pointer::{Layout, matrix, matrix_mut, mesh, slice, slice_mut};
+use super::pointer::{Layout, known, matrix, matrix_mut, mesh, slice, slice_mut};
 use super::status::cata_status;
 use crate::spectral::functional_map::map_from_points;
 use crate::spectral::{Transfer, transfer_details};
@@ -30,7 +30,7 @@ pub unsafe extern "C" fn cata_transfer(
     boundary(|| {
         let layout = Layout::new(layout)?;
         // SAFETY: the caller's promise.
-        let (source, target) = unsafe { (of("source", source)?, of("target", target)?) };
+        let (source, target) = unsafe { (known("source", source)?, known("target", target)?) };
         let (source, target) = (source.eigen("source")?, target.eigen("target")?);
         let (n, m) = (source.basis().vertices(), target.basis().vertices());
         // SAFETY: the caller's promise.
@@ -80,7 +80,7 @@ pub unsafe extern "C" fn cata_transfer_map(
         let layout = Layout::new(layout)?;
         // SAFETY: the caller's promise.
         let (source, target) =
-            unsafe { (of("source", source)?.basis(), of("target", target)?.basis()) };
+            unsafe { (known("source", source)?.basis(), known("target", target)?.basis()) };
         // SAFETY: the caller's promise.
         let (c, f, mut g) = unsafe {
             (
@@ -143,11 +143,11 @@ pub unsafe extern "C" fn cata_transfer_details(
                     mesh(target_n_vertices, target_vertices, target_n_faces, target_faces)?,
                 ),
                 (
-                    of("smooth_source", smooth_source)?.basis(),
-                    of("smooth_target", smooth_target)?.basis(),
+                    known("smooth_source", smooth_source)?.basis(),
+                    known("smooth_target", smooth_target)?.basis(),
                 ),
-                of("source", source)?.basis(),
-                of("target", target)?.basis(),
+                known("source", source)?.basis(),
+                known("target", target)?.basis(),
             )
         };
         // SAFETY: the caller's promise.

@@ -16,9 +16,9 @@ use std::mem::offset_of;
 
 use super::boundary::{boundary, path};
 use super::params::{Versioned, init, read};
-use super::pointer::{check_size, mesh, optional_output, output, slice, slice_mut};
+use super::pointer::{check_size, free, known, mesh, optional_output, output, slice, slice_mut};
 use super::progress::{cata_progress, par, watcher};
-use super::status::{CATA_ERR_NULL, Failure, cata_status};
+use super::status::cata_status;
 use crate::Par;
 use crate::base::Progress;
 use crate::unions::{K, SpectralUnion, interpolate};
@@ -66,13 +66,8 @@ pub unsafe extern "C" fn cata_unions_new(
 /// The pointer is as described.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cata_unions_free(unions: *mut cata_unions) {
-    boundary(|| {
-        if !unions.is_null() {
-            // SAFETY: it came from `Box::into_raw`, and the caller promises to free it once.
-            drop(unsafe { Box::from_raw(unions) });
-        }
-        Ok(())
-    });
+    // SAFETY: the promises are the same.
+    unsafe { free(unions) };
 }
 
 /// The first eigenvalues of the union of parts of a surface, from those of the parts: Dirichlet
@@ -97,14 +92,11 @@ pub unsafe extern "C" fn cata_unions_predict(
     strangeness: *mut f64,
 ) -> cata_status {
     boundary(|| {
-        if unions.is_null() {
-            return Err(Failure::new(CATA_ERR_NULL, "unions: NULL"));
-        }
         check_size::<f64>("spectra", parts, K)?;
         // SAFETY: the caller's promise.
         let (unions, spectra, spectrum, strangeness) = unsafe {
             (
-                &*unions,
+                known("unions", unions)?,
                 slice("spectra", spectra, K * parts)?,
                 slice_mut("spectrum", spectrum, K)?,
                 optional_output("strangeness", strangeness)?,
@@ -175,14 +167,11 @@ pub unsafe extern "C" fn cata_unions_locate(
     params: *const cata_unions_params,
 ) -> cata_status {
     boundary(|| {
-        if unions.is_null() {
-            return Err(Failure::new(CATA_ERR_NULL, "unions: NULL"));
-        }
         check_size::<f64>("spectra", parts, K)?;
         // SAFETY: the caller's promise.
         let (unions, spectra, template, indicator) = unsafe {
             (
-                &*unions,
+                known("unions", unions)?,
                 slice("spectra", spectra, K * parts)?,
                 mesh(n_vertices, vertices, n_faces, faces)?,
                 slice_mut("indicator", indicator, n_vertices)?,
