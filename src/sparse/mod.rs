@@ -19,7 +19,7 @@ mod space;
 
 #[cfg(feature = "mpi")]
 pub(crate) use check::check_mirrored;
-pub(crate) use cholesky::Symbolic;
+pub(crate) use cholesky::{Factor, Symbolic};
 pub use count::count_below;
 pub use eigenpairs::Eigenpairs;
 pub use eigs::eigs;
