@@ -1,6 +1,6 @@
 """Times numpy and scikit-learn with libcatamaran_blas.so loaded before their BLAS, and without it.
 
-    python race.py LIBRARY [--sides 512,1024] [--only small|ata|gemm|programs] [--repeat 7] [--csv FILE]
+    python race.py LIBRARY [--sides 512,1024] [--only small|ata|gemm|complex|programs] [--repeat 7] [--csv FILE]
 
 Two processes of this program take turns, so that both see the same machine; the one that waits is
 stopped, with its threads. A row has the medians of both and the median of the ratios of turns; a
@@ -33,6 +33,13 @@ def cases(sides):
     for n in sides:
         for dtype in ("float64", "float32"):
             yield "gemm", ("gemm", n, n, dtype)
+    for n in sides:
+        for dtype in ("complex128", "complex64"):
+            for what in ("ata", "gemm", "herk"):
+                yield "complex", (what, n, n, dtype)
+    for n in sides:
+        for what in ("ata", "gemm", "herk"):
+            yield "complex", (what, 4 * n, n // 2, "complex128")
     for m, n in ((20000, 500), (5000, 2000)):
         yield "programs", ("cov", m, n, "float64")
         yield "programs", ("pca", m, n, "float64")
@@ -45,14 +52,29 @@ def prepare(what, m, n, dtype):
     import numpy as np
 
     rng = np.random.default_rng(1)
-    a = rng.standard_normal((m, n)).astype(dtype)
+
+    def matrix():
+        real = rng.standard_normal((m, n))
+        if dtype.startswith("complex"):
+            return (real + 1j * rng.standard_normal((m, n))).astype(dtype)
+        return real.astype(dtype)
+
+    a = matrix()
+    if what == "herk":
+        from scipy.linalg import blas
+
+        f = {"complex64": blas.cherk, "complex128": blas.zherk}[dtype]
+        a = np.asfortranarray(a)
+        out = np.zeros((n, n), dtype, order="F")
+        return lambda: f(1.0, a, c=out, trans=2, overwrite_c=True)
+    if what == "gemm" or dtype.startswith("complex"):
+        # numpy has no conjugated operands: the copy is timed too.
+        left, b = a, matrix() if what == "gemm" else a
+        out = np.empty((n, n), dtype)
+        return lambda: np.matmul(left.conj().T, b, out=out)
     if what == "ata":
         out = np.empty((n, n), dtype)
         return lambda: np.matmul(a.T, a, out=out)
-    if what == "gemm":
-        b = rng.standard_normal((m, n)).astype(dtype)
-        out = np.empty((n, n), dtype)
-        return lambda: np.matmul(a.T, b, out=out)
     if what == "cov":
         return lambda: np.cov(a, rowvar=False)
     if what == "pca":
