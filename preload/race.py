@@ -1,10 +1,13 @@
 """Times numpy and scikit-learn with libcatamaran_blas.so loaded before their BLAS, and without it.
 
     python race.py LIBRARY [--sides 512,1024] [--only small|ata|gemm|complex|programs] [--repeat 7] [--csv FILE]
+                   [--clock wall|cpu]
 
 Two processes of this program take turns, so that both see the same machine; the one that waits is
 stopped, with its threads. A row has the medians of both and the median of the ratios of turns; a
-ratio below 1 means: faster with the library.
+ratio below 1 means: faster with the library. On a machine that others use at the same time,
+`--clock cpu` with OPENBLAS_NUM_THREADS=1 and CATAMARAN_NUM_THREADS=1 counts the seconds that the
+processes ran.
 """
 
 import argparse
@@ -87,8 +90,9 @@ def prepare(what, m, n, dtype):
     return lambda: np.linalg.solve(gram, a[0])
 
 
-def work():
+def work(clock):
     """Answers each case on standard input with the seconds of a call."""
+    now = {"wall": time.perf_counter, "cpu": time.process_time}[clock]
     known = {}
     for line in sys.stdin:
         case, calls = json.loads(line)
@@ -97,22 +101,22 @@ def work():
             known[tuple(case)] = prepare(*case)
             known[tuple(case)]()
         f = known[tuple(case)]
-        start = time.perf_counter()
+        start = now()
         for _ in range(calls):
             f()
-        print((time.perf_counter() - start) / calls, flush=True)
+        print((now() - start) / calls, flush=True)
 
 
 class Contender:
     """A process that times cases."""
 
-    def __init__(self, library):
+    def __init__(self, library, clock):
         environment = {k: v for k, v in os.environ.items() if k not in ("LD_PRELOAD", "OPENBLAS_CORETYPE")}
         if library:
             environment["LD_PRELOAD"] = library
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(
-            [sys.executable, __file__, WORKER], env=environment, stdin=pipe, stdout=pipe, text=True
+            [sys.executable, __file__, WORKER, clock], env=environment, stdin=pipe, stdout=pipe, text=True
         )
         self.process.send_signal(signal.SIGSTOP)
 
@@ -136,8 +140,11 @@ def main():
     parser.add_argument("--only")
     parser.add_argument("--repeat", type=int, default=7)
     parser.add_argument("--csv")
+    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall")
     options = parser.parse_args()
-    contenders = [Contender(None), Contender(os.path.realpath(options.library))]
+    contenders = [
+        Contender(library, options.clock) for library in (None, os.path.realpath(options.library))
+    ]
     rows = [("what", "m", "n", "type", "calls", "turns", "alone_s", "with_s", "ratio")]
     for group, case in cases([int(side) for side in options.sides.split(",")]):
         if options.only and group not in options.only.split(","):
@@ -162,6 +169,6 @@ def main():
 
 
 if WORKER in sys.argv:
-    work()
+    work(sys.argv[-1])
 else:
     main()

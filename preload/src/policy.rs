@@ -19,8 +19,10 @@ use crate::settings::{Mode, Settings};
 const LEAST_SIDE: i64 = 128;
 /// Length of the sums from which products are worth a plan.
 const LEAST_DEPTH: i64 = 32;
-/// Products of scalars that are worth a plan, both triangles of a symmetric result counted.
+/// Products of real numbers that are worth a plan, both triangles of a symmetric result counted.
 const LEAST_WORK: f64 = 4e6;
+/// The expected ratio from which fast levels make up for slower kernels.
+const FAST: f64 = 0.93;
 
 /// Whether a call with sides m, n, k is too small for a look, or not valid: this is all that is
 /// asked of small products.
@@ -90,21 +92,32 @@ fn worthwhile<T: Element>(plan: &Planned, shape: Shape) -> f64 {
     const COLUMNS: usize = 2048;
     /// Our classical products win.
     const ALWAYS: f64 = f64::INFINITY;
-    /// Fast levels have to make up for slower kernels.
-    const FAST: f64 = 0.93;
     match (plan.isa(), shape.kind) {
         (Some("portable"), _) => 0.0,
         (Some("avx2"), _) => FAST,
-        _ if T::IS_COMPLEX && is_amd() => complex_worthwhile(shape),
-        _ if T::IS_COMPLEX => FAST,
+        _ if T::IS_COMPLEX => complex_worthwhile::<T>(shape),
         (_, Kind::Symmetric) if shape.sides[0] < COLUMNS => ALWAYS,
         _ if is_amd() => ALWAYS,
         _ => FAST,
     }
 }
 
-fn complex_worthwhile(_shape: Shape) -> f64 {
-    f64::INFINITY
+/// The same for complex products, whose parts are copied into real ones first: that counts for less
+/// the longer the sums and the wider the results are, and for more the shorter the numbers.
+///
+/// Measured by preload/race.py on one core of Zen 5 (docs/guide/blas.md), and nowhere else.
+fn complex_worthwhile<T: Element>(shape: Shape) -> f64 {
+    /// Least side from which double precision wins: 0.99 of OpenBLAS' time there.
+    const GENERAL: usize = 512;
+    const HERMITIAN: usize = 1024;
+    /// Classical products take 1.13 to 1.5 times OpenBLAS' time, up to 1024.
+    const SINGLE: f64 = 0.65;
+    let least = if shape.kind == Kind::Symmetric { HERMITIAN } else { GENERAL };
+    match T::PART {
+        8 if is_amd() && shape.sides.iter().all(|&side| side >= least) => f64::INFINITY,
+        8 => FAST,
+        _ => SINGLE,
+    }
 }
 
 /// Whether the processor is one of AMD, as Linux has it.
@@ -157,6 +170,7 @@ fn remembered(key: Key, decide: impl FnOnce() -> Decision) -> Decision {
 #[cfg(test)]
 mod tests {
     use catamaran::Uplo;
+    use catamaran::faer::{c32, c64};
 
     use super::*;
     use crate::request::{Side, Stored};
@@ -195,6 +209,24 @@ mod tests {
         assert_eq!(why(syrk(130, 130, 1 << 30), SETTINGS), Some(Why::Small));
         assert_eq!(why(syrk(500, 500, 1 << 40), SETTINGS), Some(Why::Overlap));
         assert_eq!(why(syrk(500, 500, (1 << 30) + 1), SETTINGS), Some(Why::Arguments));
+    }
+
+    #[test]
+    fn complex_products_are_taken_where_they_were_measured_to_be_faster() {
+        let ratio = |element: fn(Shape) -> f64, kind, side| {
+            element(Shape { kind, sides: [side; 3], conjugated: [true, false] })
+        };
+        let double = complex_worthwhile::<c64>;
+        let (all, some) = (f64::INFINITY, FAST);
+        let expected = if is_amd() { [some, all, some, all] } else { [some; 4] };
+        let cases = [
+            (Kind::General, 511),
+            (Kind::General, 512),
+            (Kind::Symmetric, 1023),
+            (Kind::Symmetric, 1024),
+        ];
+        assert_eq!(cases.map(|(kind, side)| ratio(double, kind, side)), expected);
+        assert!(ratio(complex_worthwhile::<c32>, Kind::General, 4096) < some);
     }
 
     #[test]
