@@ -21,8 +21,6 @@ const LEAST_SIDE: i64 = 128;
 const LEAST_DEPTH: i64 = 32;
 /// Products of real numbers that are worth a plan, both triangles of a symmetric result counted.
 const LEAST_WORK: f64 = 4e6;
-/// The expected ratio from which fast levels make up for slower kernels.
-const FAST: f64 = 0.93;
 
 /// Whether a call with sides m, n, k is too small for a look, or not valid: this is all that is
 /// asked of small products.
@@ -92,32 +90,39 @@ fn worthwhile<T: Element>(plan: &Planned, shape: Shape) -> f64 {
     const COLUMNS: usize = 2048;
     /// Our classical products win.
     const ALWAYS: f64 = f64::INFINITY;
+    /// They lose, or nobody has measured.
+    const NEVER: f64 = 0.0;
+    /// Fast levels have to make up for slower kernels.
+    const FAST: f64 = 0.93;
     match (plan.isa(), shape.kind) {
-        (Some("portable"), _) => 0.0,
+        (Some("portable"), _) => NEVER,
+        (Some("avx2"), _) if T::IS_COMPLEX => NEVER,
         (Some("avx2"), _) => FAST,
-        _ if T::IS_COMPLEX => complex_worthwhile::<T>(shape),
+        _ if T::IS_COMPLEX => {
+            if complex_wins::<T>(shape) {
+                ALWAYS
+            } else {
+                NEVER
+            }
+        }
         (_, Kind::Symmetric) if shape.sides[0] < COLUMNS => ALWAYS,
         _ if is_amd() => ALWAYS,
         _ => FAST,
     }
 }
 
-/// The same for complex products, whose parts are copied into real ones first: that counts for less
-/// the longer the sums and the wider the results are, and for more the shorter the numbers.
+/// Whether complex products of this shape were measured to be as fast as those of OpenBLAS, or
+/// faster, where the vectors have 512 bits.
 ///
-/// Measured by preload/race.py on one core of Zen 5 (docs/guide/blas.md), and nowhere else.
-fn complex_worthwhile<T: Element>(shape: Shape) -> f64 {
-    /// Least side from which double precision wins: 0.99 of OpenBLAS' time there.
+/// Parts are copied into real matrices first: that counts for less the longer the sums and the wider
+/// the results are, and for more the shorter the numbers. Measured by preload/race.py on one core of
+/// Zen 5 (docs/guide/blas.md), and nowhere else: single precision takes 1.13 to 1.8 times as long.
+fn complex_wins<T: Element>(shape: Shape) -> bool {
+    /// Least sides from which double precision takes 0.99 of OpenBLAS' time or less.
     const GENERAL: usize = 512;
     const HERMITIAN: usize = 1024;
-    /// Classical products take 1.13 to 1.5 times OpenBLAS' time, up to 1024.
-    const SINGLE: f64 = 0.65;
     let least = if shape.kind == Kind::Symmetric { HERMITIAN } else { GENERAL };
-    match T::PART {
-        8 if is_amd() && shape.sides.iter().all(|&side| side >= least) => f64::INFINITY,
-        8 => FAST,
-        _ => SINGLE,
-    }
+    is_amd() && T::PART == 8 && shape.sides.iter().all(|&side| side >= least)
 }
 
 /// Whether the processor is one of AMD, as Linux has it.
@@ -213,20 +218,16 @@ mod tests {
 
     #[test]
     fn complex_products_are_taken_where_they_were_measured_to_be_faster() {
-        let ratio = |element: fn(Shape) -> f64, kind, side| {
-            element(Shape { kind, sides: [side; 3], conjugated: [true, false] })
-        };
-        let double = complex_worthwhile::<c64>;
-        let (all, some) = (f64::INFINITY, FAST);
-        let expected = if is_amd() { [some, all, some, all] } else { [some; 4] };
-        let cases = [
-            (Kind::General, 511),
-            (Kind::General, 512),
-            (Kind::Symmetric, 1023),
-            (Kind::Symmetric, 1024),
-        ];
-        assert_eq!(cases.map(|(kind, side)| ratio(double, kind, side)), expected);
-        assert!(ratio(complex_worthwhile::<c32>, Kind::General, 4096) < some);
+        let shape = |kind, side| Shape { kind, sides: [side; 3], conjugated: [true, false] };
+        for (kind, side, wins) in [
+            (Kind::General, 511, false),
+            (Kind::General, 512, true),
+            (Kind::Symmetric, 1023, false),
+            (Kind::Symmetric, 1024, true),
+        ] {
+            assert_eq!(complex_wins::<c64>(shape(kind, side)), wins && is_amd());
+            assert!(!complex_wins::<c32>(shape(kind, side)));
+        }
     }
 
     #[test]

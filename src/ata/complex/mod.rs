@@ -35,7 +35,8 @@ use crate::blas::BlasReal;
 /// [`SchemeChoice::Exact`](super::SchemeChoice::Exact) on every machine too.
 ///
 /// The extra memory is that of a matrix like C, a block of real and imaginary parts (64 MiB, or
-/// 1024 rows if those are longer), and the scratch of [`ata`](super::ata()) for one block.
+/// 1024 rows if those are longer), and the scratch of [`ata`](super::ata()) for one block. With
+/// [`AtaOptions::memory()`] blocks are smaller: see [`ComplexPlan`].
 ///
 /// # Accuracy
 /// With u the unit roundoff and `|a_i|` the Euclidean norm of a column, both parts of every entry
