@@ -14,7 +14,7 @@ use crate::request::{Kind, Shape};
 #[derive(Debug, Clone)]
 pub enum Planned {
     Real(Plan),
-    Complex(ComplexPlan),
+    Complex(Box<ComplexPlan>),
 }
 
 impl Planned {
@@ -146,7 +146,8 @@ macro_rules! complex {
                     _ if left != right => (ComplexPlan::ahb::<$real>(k, m, n, options)?, right),
                     _ => (ComplexPlan::atb::<$real>(k, m, n, options)?, right),
                 };
-                Ok(Planned::Complex(if conjugated { plan.conjugated() } else { plan }))
+                let plan = if conjugated { plan.conjugated() } else { plan };
+                Ok(Planned::Complex(Box::new(plan)))
             }
 
             fn scratch(plan: &Planned, threads: usize) -> usize {
