@@ -3,6 +3,7 @@
 mod ata;
 mod curves;
 mod decimate;
+mod decimated_spectra;
 mod plant;
 mod spectral;
 mod textures;
@@ -69,6 +70,8 @@ enum What {
     Plant,
     /// Chapter 5: decimation.
     Decimate,
+    /// Chapter 5: spectra of decimations, and by way of them.
+    DecimatedSpectra,
     /// Chapter 6: curves on surfaces.
     Curves,
     /// Chapters 3 and 7: textures.
@@ -127,6 +130,10 @@ fn run_share(arguments: &Arguments, share: Option<textures::Share>) -> Result<()
         What::Decimate => {
             decimate::run(&mut report, arguments)?;
             ("decimate", decimate::HEADER)
+        }
+        What::DecimatedSpectra => {
+            decimated_spectra::run(&mut report, arguments)?;
+            ("decimated-spectra", decimated_spectra::HEADER)
         }
         What::Curves => {
             curves::run(&mut report, arguments)?;
