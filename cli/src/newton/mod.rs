@@ -1,5 +1,6 @@
 //! `catamaran newton`.
 
+mod expression;
 mod output;
 
 use std::path::{Path, PathBuf};
@@ -47,6 +48,15 @@ pub struct Args {
         value_parser = numbers::<2>
     )]
     roots: Vec<[f64; 2]>,
+    /// The polynomial, of a degree up to 64: --polynomial "z^3 - 2z + 2", "(1+2i) z^4 - (z - i)^2".
+    #[arg(
+        long,
+        value_name = "EXPRESSION",
+        conflicts_with_all = ["power", "roots"],
+        allow_hyphen_values = true,
+        value_parser = Coefficients::parse
+    )]
+    polynomial: Option<Coefficients>,
     /// The fourth coordinate.
     #[arg(long, value_name = "W", default_value_t = 0.0, allow_hyphen_values = true)]
     w: f64,
@@ -107,6 +117,16 @@ pub struct Args {
     force: bool,
 }
 
+/// Of a polynomial, the highest power first.
+#[derive(Debug, Clone)]
+struct Coefficients(Vec<[f64; 2]>);
+
+impl Coefficients {
+    fn parse(text: &str) -> Result<Self, String> {
+        expression::polynomial(text).map(Self)
+    }
+}
+
 #[derive(Clone, Copy, ValueEnum)]
 enum Which {
     Thesis,
@@ -123,7 +143,7 @@ struct Frame {
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
-    let options = options(args);
+    let options = options(args)?;
     Newton::new(&options)?;
     let device = args.device.open()?;
     let mut picture = args.picture.create(overwrite)?;
@@ -200,13 +220,14 @@ fn evaluate(
     }
 }
 
-fn options(args: &Args) -> NewtonOptions {
-    NewtonOptions::new()
-        .polynomial(if args.roots.is_empty() {
-            Polynomial::Power(args.power.unwrap_or(3))
-        } else {
-            Polynomial::Roots(args.roots.clone())
-        })
+fn options(args: &Args) -> catamaran::Result<NewtonOptions> {
+    let polynomial = match &args.polynomial {
+        Some(Coefficients(coefficients)) => Polynomial::from_coefficients(coefficients)?,
+        None if args.roots.is_empty() => Polynomial::Power(args.power.unwrap_or(3)),
+        None => Polynomial::Roots(args.roots.clone()),
+    };
+    Ok(NewtonOptions::new()
+        .polynomial(polynomial)
         .iterations(args.iterations)
         .theta(args.theta)
         .gradient(match args.gradient {
@@ -215,7 +236,7 @@ fn options(args: &Args) -> NewtonOptions {
         })
         .scale(args.scale)
         .offset(args.offset)
-        .w(args.w)
+        .w(args.w))
 }
 
 /// What is computed, and where each result goes.

@@ -25,6 +25,22 @@ fn a_plane_is_drawn_and_nothing_is_replaced() {
 }
 
 #[test]
+fn a_polynomial_is_drawn_as_its_roots_are() {
+    let folder = Folder::new();
+    folder.succeed("newton --polynomial (2+2i)(z-1)(z+1) --size 40 -o written.png");
+    folder.succeed("newton --roots -1,0:1,0 --size 40 -o roots.png");
+    let [written, roots] =
+        ["written.png", "roots.png"].map(|name| std::fs::read(folder.path(name)).unwrap());
+    assert_eq!(written, roots);
+    assert!(folder.fail("newton --polynomial 3+i -o c.png").contains("polynomial: it is constant"));
+    for (polynomial, why) in [("z+", "it ends where"), ("z^65", "a power above 64")] {
+        let refused = folder.run(&format!("newton --polynomial {polynomial} -o c.png"));
+        assert_eq!(refused.code, Some(2));
+        assert!(refused.stderr.contains(why), "{}", refused.stderr);
+    }
+}
+
+#[test]
 fn a_mesh_gets_colours_and_a_texture() {
     let folder = Folder::new();
     folder.write(

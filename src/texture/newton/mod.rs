@@ -14,13 +14,15 @@ mod lanes;
 mod options;
 mod palette;
 mod points;
+mod polynomial;
 #[cfg(test)]
 mod tests;
 mod texels;
 
-pub use options::{Gradient, NewtonOptions, Polynomial};
+pub use options::{Gradient, NewtonOptions};
 pub use palette::{darkened, root_color};
 pub use points::{Grid, Points};
+pub use polynomial::Polynomial;
 pub use texels::{Texels, texels};
 
 use crate::base::{Par, Progress, Result, Tracker, reserved};

@@ -1,30 +1,7 @@
 //! What a fractal is of, and the numbers that its loops take from that.
 
+use super::polynomial::Polynomial;
 use crate::base::{Error, Result, builder};
-
-/// The polynomial whose roots are looked for.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Polynomial {
-    /// z^n - 1, n from 2 to [`Polynomial::MOST_ROOTS`]. Root a is exp(2 pi i a / n).
-    Power(u32),
-    /// The product of all (z - root), each root a real and an imaginary part within 1e4 of zero;
-    /// from 1 to [`Polynomial::MOST_ROOTS`] of them. Root a is the a-th one. What is there twice is
-    /// approached slowly, and of several equal ones the first is found.
-    Roots(Vec<[f64; 2]>),
-}
-
-impl Polynomial {
-    /// Roots in C, at most.
-    pub const MOST_ROOTS: usize = 64;
-
-    /// Roots in C, n; there are n^2 bicomplex ones.
-    pub fn roots(&self) -> usize {
-        match self {
-            Self::Power(n) => *n as usize,
-            Self::Roots(roots) => roots.len(),
-        }
-    }
-}
 
 /// How the speed of convergence becomes a number t. With d_k the length of step k, P iterations and
 /// f(d) = 1 / (1 + exp(d + theta) - exp(theta)), which is 1 for a point that stays and 0 for one
