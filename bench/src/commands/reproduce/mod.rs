@@ -1,6 +1,7 @@
 //! `reproduce`: tables and figures of the thesis, measured again. A chapter a file.
 
 mod ata;
+mod curve_limits;
 mod curves;
 mod decimate;
 mod plant;
@@ -45,7 +46,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 8192, value_name = "TEXELS")]
     #[cfg_attr(not(feature = "opencl"), allow(dead_code))]
     largest_texture: usize,
-    /// Chapter 6: curves on each mesh; 50 by default.
+    /// Chapter 6: curves on each mesh; 50 by default, 10 of `curve-limits`.
     #[arg(long, value_name = "N")]
     curves: Option<usize>,
     /// Chapter 6: only these meshes.
@@ -71,6 +72,8 @@ enum What {
     Decimate,
     /// Chapter 6: curves on surfaces.
     Curves,
+    /// Chapter 6: what limits the orders and distances of curves.
+    CurveLimits,
     /// Chapters 3 and 7: textures.
     Textures,
     /// Chapter 8: A^T A in one process; `scripts/reproduce ata` adds that on ranks.
@@ -131,6 +134,10 @@ fn run_share(arguments: &Arguments, share: Option<textures::Share>) -> Result<()
         What::Curves => {
             curves::run(&mut report, arguments)?;
             ("curves", curves::HEADER)
+        }
+        What::CurveLimits => {
+            curve_limits::run(&mut report, arguments)?;
+            ("curve-limits", curve_limits::HEADER)
         }
         What::Textures => {
             let share = share.unwrap_or(textures::Share::Figures);
