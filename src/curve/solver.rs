@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::faithful::Walker;
 use super::proximity::Proximity;
-use super::result::{Curve, Outcome, Reconstruction, Steiner, total};
+use super::result::{Curve, Outcome, Reconstruction, Steiner, Waypoint, total};
 use super::route::{Net, Router};
 use super::search::Search;
 use super::split::split;
@@ -356,7 +356,8 @@ impl<'m> CurveSolver<'m> {
         if let (true, &[first, .., last]) = (closed, &points[..]) {
             length += distance(last, first);
         }
-        Curve { order, path, points, closed, length }
+        let waypoints = path.iter().map(|&v| Waypoint::Vertex(v)).collect();
+        Curve { order, path, points, waypoints, closed, length }
     }
 }
 

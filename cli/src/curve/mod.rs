@@ -96,7 +96,7 @@ pub fn run(args: &Args) -> Result<()> {
     let placement = if args.insert { Placement::Insert } else { Placement::Snap };
     let placed =
         place(&file.mesh, &sites, placement).with_context(|| args.samples.display().to_string())?;
-    let mesh = placed.mesh.as_ref().unwrap_or(&file.mesh);
+    let mesh = placed.mesh.as_ref().map_or(&file.mesh, |refined| &refined.mesh);
     let mut solver = CurveSolver::new(mesh)?;
     let bar = Bar::new("curve");
     let update = |fraction| bar.update(fraction);
