@@ -97,3 +97,70 @@ fn of_vertices<const N: usize>(values: &[[f64; N]], refined: &Refined) -> Vec<[f
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Origin, TriMesh};
+
+    /// Two triangles, the edge between them cut at a quarter of its length.
+    fn quarter() -> (TriMesh, Refined) {
+        let vertices = vec![[0.0; 3], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0]];
+        let mesh = TriMesh::new(vertices.clone(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+        let finer = [vertices, vec![[1.0, 1.0, 0.0]]].concat();
+        let faces = vec![[0, 1, 4], [4, 1, 2], [0, 4, 3], [4, 2, 3]];
+        let corners = [(Origin::vertex(0), 0.75), (Origin::vertex(2), 0.25)];
+        let origins = (0..4).map(Origin::vertex).chain([Origin::between(&corners)]).collect();
+        let mesh_of = TriMesh::new(finer, faces).unwrap();
+        (mesh, Refined { mesh: mesh_of, faces: vec![0, 0, 1, 1], vertices: origins })
+    }
+
+    #[test]
+    fn attributes_lie_between_those_around_and_labels_stay() {
+        let (mesh, refined) = quarter();
+        let mut file = MeshFile::from(mesh);
+        file.colors = Some((0..4).map(|i| [f64::from(i), 0.0, 1.0, 1.0]).collect());
+        // A seam: the second face has texture coordinates of its own, but for its last corner.
+        let values = (0..7).map(|i| [f64::from(i), 10.0]).collect();
+        file.uv = Some(Attribute { values, corners: Some(vec![[0, 1, 2], [3, 4, 5]]) });
+        let of_faces = vec![1, Labels::ABSENT];
+        file.groups = Some(Labels { names: vec!["a".into(), "b".into()], of_faces });
+        let finer = file.refined(&refined).unwrap();
+        assert!(finer.check().is_ok());
+        assert_eq!(finer.colors.as_ref().unwrap()[4], [0.5, 0.0, 1.0, 1.0]);
+        let uv = |f: usize, corner: usize| {
+            finer.uv.as_ref().unwrap().of_face(&finer.mesh, f).unwrap()[corner][0]
+        };
+        assert_eq!([uv(0, 0), uv(0, 1), uv(0, 2)], [0.0, 1.0, 0.5]);
+        assert_eq!([uv(2, 0), uv(2, 1), uv(2, 2)], [3.0, 3.25, 5.0]);
+        let groups = finer.groups.unwrap();
+        assert_eq!(
+            [groups.of_face(0), groups.of_face(1), groups.of_face(3)],
+            [Some("b"), Some("b"), None]
+        );
+        // Itself, it stays the same.
+        assert_eq!(file.refined(&Refined::new(file.mesh.clone())).unwrap(), file);
+        let other = MeshFile::from(TriMesh::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]]).unwrap());
+        assert!(other.refined(&refined).unwrap_err().to_string().contains("not of a mesh of 3"));
+    }
+
+    #[test]
+    fn refinements_of_refinements_are_on_the_first_mesh() {
+        let (_, first) = quarter();
+        // The middle of the edge from vertex 0 to the new one: an eighth of the diagonal.
+        let middle = [(Origin::vertex(0), 0.5), (Origin::vertex(4), 0.5)];
+        let vertices = [first.mesh.vertices(), &[[0.5, 0.5, 0.0]]].concat();
+        let faces = vec![[0, 1, 5], [5, 1, 4], [4, 1, 2], [0, 5, 3], [5, 4, 3], [4, 2, 3]];
+        let second = Refined {
+            mesh: TriMesh::new(vertices, faces).unwrap(),
+            faces: vec![0, 0, 1, 2, 2, 3],
+            vertices: (0..5).map(Origin::vertex).chain([Origin::between(&middle)]).collect(),
+        };
+        let both = first.then(second);
+        assert_eq!(both.faces, [0, 0, 0, 1, 1, 1]);
+        assert_eq!((both.vertices[5].share(0), both.vertices[5].share(2)), (0.875, 0.125));
+        let shares = both.shares(&[true, false, false, true, true, true]).unwrap();
+        assert_eq!(shares, [0.125, 1.0]);
+        assert!(both.shares(&[true]).is_err());
+    }
+}
