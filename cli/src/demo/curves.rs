@@ -94,13 +94,13 @@ fn regions(site: &Site<'_>) -> Result<()> {
     let ellipse = |along: f64, across: f64| -> Vec<u32> {
         let corner = |i: u32| {
             let angle = f64::from(3 * i % 8) * std::f64::consts::TAU / 8.0;
-            let x = (along + 17.0 * angle.cos()).rem_euclid(f64::from(AROUND)) as u32;
-            let y = (across + 12.0 * angle.sin()).rem_euclid(f64::from(TUBE)) as u32;
+            let x = (along + 17.0 * angle.cos()).round().rem_euclid(f64::from(AROUND)) as u32;
+            let y = (across + 12.0 * angle.sin()).round().rem_euclid(f64::from(TUBE)) as u32;
             x * TUBE + y
         };
         (0..8).map(corner).collect()
     };
-    let layers = [ellipse(0.0, 12.0), ellipse(17.0, 18.0)];
+    let layers = [ellipse(-42.0, 12.0), ellipse(-25.0, 18.0)];
     for layer in &layers {
         drawing.add(layer, &CurveOptions::new())?;
     }
