@@ -4,11 +4,13 @@ use super::walls::Walls;
 use crate::base::Result;
 use crate::mesh::{Part, Sets, TriMesh};
 
-/// Cuts a mesh open along edges: a vertex at which they part its faces becomes as many vertices. Faces stay as they are, in
-/// their order; vertices that are new follow those of the mesh. O(V + F).
+/// Cuts a mesh open along edges: a vertex at which they part its faces becomes as many vertices.
+/// Faces stay as they are, in their order; vertices that are new follow those of the mesh. O(V +
+/// F).
 ///
-/// The pieces of a mesh without other single points of contact are the [components](crate::mesh::Components) of the result.
-/// Edges that end inside of the surface leave a slit, whose end is still one vertex.
+/// The pieces of a mesh without other single points of contact are the
+/// [components](crate::mesh::Components) of the result. Edges that end inside of the surface leave
+/// a slit, whose end is still one vertex.
 ///
 /// ```
 /// use catamaran::curve::cut;

@@ -11,8 +11,8 @@ use crate::base::{Error, Result};
 use crate::mesh::vector::distance;
 use crate::mesh::{Refined, TriMesh};
 
-/// Layers of curves on one mesh, each of samples and options of its own. Curves of one layer do not meet, those of two may
-/// cross or run along common edges.
+/// Layers of curves on one mesh, each of samples and options of its own. Curves of one layer do not
+/// meet, those of two may cross or run along common edges.
 ///
 /// ```
 /// use catamaran::curve::{CurveOptions, Drawing, Region, Side};
@@ -73,8 +73,9 @@ impl Drawing {
         self.layers.iter().map(|layer| &layer.found)
     }
 
-    /// Finds curves through samples, as [`CurveSolver::reconstruct`] does, and adds them as a layer. Where Steiner points
-    /// are needed, the layers before get them too, and stay where they are.
+    /// Finds curves through samples, as [`CurveSolver::reconstruct`] does, and adds them as a
+    /// layer. Where Steiner points are needed, the layers before get them too, and stay where they
+    /// are.
     ///
     /// # Errors
     /// As [`CurveSolver::reconstruct`]; [`Error::Argument`] after [`Drawing::smooth`].
@@ -99,8 +100,8 @@ impl Drawing {
         Ok(&self.layers[self.layers.len() - 1].found)
     }
 
-    /// Shortens all curves to geodesics between their samples, as [`Reconstruction::smooth`] does; whether the steps
-    /// sufficed. Nothing can be added after that.
+    /// Shortens all curves to geodesics between their samples, as [`Reconstruction::smooth`] does;
+    /// whether the steps sufficed. Nothing can be added after that.
     ///
     /// # Errors
     /// As [`super::smooth()`].

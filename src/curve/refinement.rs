@@ -96,7 +96,8 @@ impl<'m> Refinement<'m> {
         Ok((new, around))
     }
 
-    /// Cuts a face into three at a point inside, which has these shares of its corners. Gives the new vertex.
+    /// Cuts a face into three at a point inside, which has these shares of its corners. Gives the
+    /// new vertex.
     ///
     /// # Errors
     /// [`Error::Argument`] when vertices or faces can't be numbered any more.

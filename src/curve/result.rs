@@ -82,8 +82,8 @@ pub struct Curve {
     pub path: Vec<u32>,
     /// Positions of the vertices; of a smooth curve also where it crosses edges.
     pub points: Vec<[f64; 3]>,
-    /// Where the points are, on the mesh with the [`Reconstruction::steiner`] points. Straight lines on faces, or edges,
-    /// join one to the next.
+    /// Where the points are, on the mesh with the [`Reconstruction::steiner`] points. Straight
+    /// lines on faces, or edges, join one to the next.
     pub waypoints: Vec<Waypoint>,
     /// Whether an edge leads from the last vertex to the first.
     pub closed: bool,

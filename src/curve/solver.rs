@@ -26,7 +26,8 @@ pub enum Mode {
     /// The order of all samples first, then paths that give way to each other. The default.
     #[default]
     Robust,
-    /// The samples are in the order of one curve already: paths that do not meet, as in the robust mode.
+    /// The samples are in the order of one curve already: paths that do not meet, as in the robust
+    /// mode.
     Ordered,
 }
 
@@ -139,10 +140,11 @@ impl<'m> CurveSolver<'m> {
 
     /// A curve along edges through these vertices, in whatever order suits it.
     ///
-    /// In the faithful mode the curve starts at sample `start`, in the ordered one at the first; in the robust one each starts
-    /// at its sample of lowest number and goes towards the lower one of that one's two neighbours. The same samples give the same result, bit for bit.
-    /// Where there may be several curves, samples on components with fewer than three of them are
-    /// [left out](Reconstruction::left_out), and the others get theirs.
+    /// In the faithful mode the curve starts at sample `start`, in the ordered one at the first; in
+    /// the robust one each starts at its sample of lowest number and goes towards the lower one of
+    /// that one's two neighbours. The same samples give the same result, bit for bit. Where there
+    /// may be several curves, samples on components with fewer than three of them are [left
+    /// out](Reconstruction::left_out), and the others get theirs.
     ///
     /// # Errors
     /// [`Error::Argument`] for fewer than three samples, a number that no vertex has, a vertex twice, no candidates, or a

@@ -58,8 +58,8 @@ impl<'m> Surface<'m> {
         old.into_iter().flatten().chain(new.into_iter().flatten().copied())
     }
 
-    /// Puts a vertex into the middle of every edge at these paths but the paths' own edges: where they were in the way,
-    /// there is a way around them then.
+    /// Puts a vertex into the middle of every edge at these paths but the paths' own edges: where
+    /// they were in the way, there is a way around them then.
     ///
     /// # Errors
     /// [`Error::Argument`](crate::Error::Argument) when vertices can't be numbered any more.

@@ -26,7 +26,8 @@ impl Walls {
         Ok(Self { edges, is_wall })
     }
 
-    /// For each face the lowest face of its piece: faces with a common edge that is no wall are of one.
+    /// For each face the lowest face of its piece: faces with a common edge that is no wall are of
+    /// one.
     pub fn pieces(&self, faces: usize) -> Vec<u32> {
         let mut pieces = Sets::new(faces);
         for e in (0..self.edges.len()).filter(|&e| !self.is_wall[e]) {

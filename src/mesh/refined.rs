@@ -52,7 +52,8 @@ impl Origin {
     }
 }
 
-/// A mesh that covers the same surface as another with more vertices and faces: its first vertices are those of the other.
+/// A mesh that covers the same surface as another with more vertices and faces: its first vertices
+/// are those of the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refined {
     /// The finer mesh.
@@ -85,8 +86,9 @@ impl Refined {
         Self { mesh: finer.mesh, faces, vertices }
     }
 
-    /// For each face of the coarser mesh, the share of its area that pieces in the mask cover: exactly 0 or 1 where none or
-    /// all of its pieces are. Without area, the share of the number of pieces.
+    /// For each face of the coarser mesh, the share of its area that pieces in the mask cover:
+    /// exactly 0 or 1 where none or all of its pieces are. Without area, the share of the number of
+    /// pieces.
     ///
     /// # Errors
     /// [`Error::Shape`] unless the mask has an entry for each face of the finer mesh.

@@ -1,5 +1,5 @@
-//! What keeps H and R of the thesis' section 6.4.2 from their bars: the vertices, the geodesics between
-//! samples, or what the samples do not say.
+//! What keeps H and R of the thesis' section 6.4.2 from their bars: the vertices, the geodesics
+//! between samples, or what the samples do not say.
 
 use catamaran::base::Rng;
 use catamaran::curve::dataset::{Generator, Samples, Sampling, samples};
@@ -205,9 +205,10 @@ pub fn limit_tables(runs: &[Distances]) -> String {
         all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
     };
     let mut text = String::from(
-        "**H <= 0.25 and R <= 0.07**, per cent of all runs; R as written, to the points of the curve, to the lines \
-         between them, and with squares; and the median of the mean distance, of which R as written is the root (bar: \
-         0.0049)\n\n| curve | as written | as written, to lines | with squares | median distance | to lines |\n\
+        "**H <= 0.25 and R <= 0.07**, per cent of all runs; R as written, to the points of the \
+         curve, to the lines between them, and with squares; and the median of the mean distance, \
+         of which R as written is the root (bar: 0.0049)\n\n| curve | as written | as written, to \
+         lines | with squares | median distance | to lines |\n\
          |---|---|---|---|---|---|\n",
     );
     let of = |variant: Variant| runs.iter().filter(move |r| r.variant == variant);
@@ -223,7 +224,8 @@ pub fn limit_tables(runs: &[Distances]) -> String {
         );
     }
     text += &format!(
-        "\n**The same as written, to lines, by number of samples**\n\n| curve | sampling | {} |\n|---|---|{}\n",
+        "\n**The same as written, to lines, by number of samples**\n\n\
+         | curve | sampling | {} |\n|---|---|{}\n",
         SIZES.map(|k| k.to_string()).join(" | "),
         "---|".repeat(SIZES.len())
     );
@@ -236,8 +238,8 @@ pub fn limit_tables(runs: &[Distances]) -> String {
             text += &format!("| {} | {kind} | {} |\n", variant.name(), SIZES.map(cell).join(" | "));
         }
     }
-    text += "\n**By mesh**, 100 even samples: mean edge of the true curves, and the median of the mean distance to \
-             lines\n\n| mesh | vertices | edge |";
+    text += "\n**By mesh**, 100 even samples: mean edge of the true curves, and the median \
+             of the mean distance to              lines\n\n| mesh | vertices | edge |";
     for variant in Variant::ALL {
         text += &format!(" {} |", variant.name());
     }
@@ -260,8 +262,8 @@ pub fn limit_tables(runs: &[Distances]) -> String {
 }
 
 /// Columns of the record.
-pub const LIMITS_HEAD: &str = "mesh,vertices,samples,sampling,curve,edge,hausdorff,root_mean,root_mean_square,\
-                               hausdorff_lines,root_mean_lines";
+pub const LIMITS_HEAD: &str = "mesh,vertices,samples,sampling,curve,edge,hausdorff,\
+                               root_mean,root_mean_square,                               hausdorff_lines,root_mean_lines";
 
 impl Distances {
     /// As CSV.

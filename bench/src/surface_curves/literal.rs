@@ -1,6 +1,6 @@
-//! Algorithm 6.1 in the words of the text, which block the curve alone: a path may run over a sample
-//! that waits. What becomes of that sample the text leaves open; the library's faithful mode keeps
-//! paths off waiting samples instead.
+//! Algorithm 6.1 in the words of the text, which block the curve alone: a path may run over a
+//! sample that waits. What becomes of that sample the text leaves open; the library's faithful mode
+//! keeps paths off waiting samples instead.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap, HashSet};

@@ -1,5 +1,6 @@
-//! Table 6.2 of the thesis (random samples) against ours: what decides is how the curves run. Curves of
-//! the generator of section 6.4.1 beside geodesic circles on the same meshes, and a circle in the plane.
+//! Table 6.2 of the thesis (random samples) against ours: what decides is how the curves run.
+//! Curves of the generator of section 6.4.1 beside geodesic circles on the same meshes, and a
+//! circle in the plane.
 
 use catamaran::base::Rng;
 use catamaran::curve::dataset::{Generator, LEAST_VERTICES, Sampling, samples};
@@ -242,8 +243,9 @@ pub fn order_tables(runs: &[Ordered]) -> String {
             text += &row(name, &l.to_string(), cells(Kind::Walk, by, l));
         }
     }
-    text += "\n**100 random samples, by mesh**, faithful: mean number of vertices of a curve, right order in per cent\n\n\
-             | mesh | walk: vertices | l = 1 | l = 5 | circle: vertices | l = 1 | l = 5 |\n|---|---|---|---|---|---|---|\n";
+    text += "\n**100 random samples, by mesh**, faithful: mean number of vertices of a \
+             curve, right order in per cent\n\n| mesh | walk: vertices | l = 1 | l = 5 | circle: \
+             vertices | l = 1 | l = 5 |\n|---|---|---|---|---|---|---|\n";
     let mut meshes: Vec<&str> = runs.iter().map(|r| r.mesh).collect();
     meshes.dedup();
     for mesh in meshes {

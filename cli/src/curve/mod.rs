@@ -23,8 +23,8 @@ use crate::picture::{Paint, PictureArgs, with_curves};
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
 
-/// Find the curve on a mesh that samples without an order are of; cut the mesh along it, select what
-/// it encloses.
+/// Find the curve on a mesh that samples without an order are of; cut the mesh along it, select
+/// what it encloses.
 ///
 /// Says how it ended: closed, open, blocked, close-blocked or disconnected; when the curve is not
 /// complete, what there is of it is written, and the program fails. Each component of the mesh has
@@ -36,13 +36,14 @@ pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
-    /// The samples, one a line: a vertex (from 0), a face and barycentric coordinates (`face a b c`), or a point in space
-    /// (`x y z`), which stands for the vertex nearest to it; what follows # is left out. What `catamaran fps` writes will do.
-    /// A line `curve NAME [open] [single] [side=SIDE]` begins the samples of another curve, which is found for itself.
+    /// The samples, one a line: a vertex (from 0), a face and barycentric coordinates (`face a b
+    /// c`), or a point in space (`x y z`), which stands for the vertex nearest to it; what follows
+    /// # is left out. What `catamaran fps` writes will do. A line `curve NAME [open] [single]
+    /// [side=SIDE]` begins the samples of another curve, which is found for itself.
     #[arg(long, value_name = "FILE")]
     samples: PathBuf,
-    /// How: from sample to sample (thesis, algorithm 6.1), the order first and then paths that do not meet, or such paths in
-    /// the order that the samples have.
+    /// How: from sample to sample (thesis, algorithm 6.1), the order first and then paths that do
+    /// not meet, or such paths in the order that the samples have.
     #[arg(long, value_name = "MODE", default_value = "robust")]
     mode: How,
     /// In the faithful mode: among how many of the nearest samples the next one is chosen.
@@ -193,8 +194,8 @@ fn describe(group: &Group, found: &Reconstruction) -> Result<()> {
     }
     if let (Some(&first), true) = (found.left_out.first(), found.outcome.is_complete()) {
         complain(format_args!(
-            "note: {name}{} of {} samples left out, such as sample {} (from 0): fewer than three on \
-             their component of the mesh",
+            "note: {name}{} of {} samples left out, such as sample {} (from 0): fewer than \
+             three on their component of the mesh",
             found.left_out.len(),
             group.samples.len(),
             group.samples.start + first as usize,

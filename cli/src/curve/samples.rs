@@ -33,7 +33,8 @@ pub struct Samples {
     pub groups: Vec<Group>,
 }
 
-/// The samples in the file at `path`, one a line; `#` begins a comment. A line `curve NAME` begins another curve.
+/// The samples in the file at `path`, one a line; `#` begins a comment. A line `curve NAME` begins
+/// another curve.
 pub fn read(path: &Path) -> Result<Samples> {
     let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
     let mut sites: Vec<Site> = Vec::new();

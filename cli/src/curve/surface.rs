@@ -23,8 +23,8 @@ pub const OUTSIDE: [f64; 3] = [0.80, 0.84, 0.88];
 #[derive(clap::Args)]
 #[command(next_help_heading = "The surface")]
 pub struct SurfaceArgs {
-    /// The mesh cut open along the curves: a mesh, or a folder (an existing one, or a name that ends
-    /// in /), which gets a file for each piece, piece-1 the largest.
+    /// The mesh cut open along the curves: a mesh, or a folder (an existing one, or a name that
+    /// ends in /), which gets a file for each piece, piece-1 the largest.
     #[arg(long, value_name = "MESH|DIR/")]
     cut: Option<PathBuf>,
     /// The region that the curves enclose: a mesh, or a table (.npy, .csv, ...) with the share of

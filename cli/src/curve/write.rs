@@ -88,7 +88,8 @@ fn json(found: &Found<'_>) -> String {
         for curve in &found.curves {
             let points = curve.points.iter().map(|[x, y, z]| format!("[{x}, {y}, {z}]"));
             each.push(format!(
-                "    {{{name}\"closed\": {}, \"length\": {}, \"order\": {}, \"path\": {}, \"points\": {}}}",
+                "    {{{name}\"closed\": {}, \"length\": {}, \"order\": {}, \"path\": {}, \
+                 \"points\": {}}}",
                 curve.closed,
                 curve.length,
                 list(curve.order.iter().map(number)),
@@ -101,8 +102,8 @@ fn json(found: &Found<'_>) -> String {
     }
     let length: f64 = found.iter().fold(0.0, |sum, (_, found)| sum + found.length());
     format!(
-        "{{\n  \"outcome\": \"{}\",\n  \"length\": {length},\n  \"order\": {},\n  \"left_out\": {},\n  \
-         \"path\": {},\n  \"curves\": [\n{}\n  ]\n}}\n",
+        "{{\n  \"outcome\": \"{}\",\n  \"length\": {length},\n  \"order\": {},\n  \
+         \"left_out\": {},\n  \"path\": {},\n  \"curves\": [\n{}\n  ]\n}}\n",
         outcome(found).map_or("", Outcome::name),
         list(order.into_iter()),
         list(left_out.into_iter()),

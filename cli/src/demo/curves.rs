@@ -221,8 +221,8 @@ fn describe(mesh: &TriMesh, lines: &[[Line; 2]], path: usize) -> Station {
         title: "Curves through samples",
         text: "<p>Samples of a closed curve on a surface, in no order. Going from one to the next (the thesis' algorithm) \
                can end in a corner that the curve itself has closed; deciding the order of all first, and then letting \
-               paths give way to one another, can't. What curves enclose is a region: selected, combined, cut \
-               out.</p>"
+               paths give way to one another, can't. What curves enclose is \
+               a region: selected, combined, cut out.</p>"
             .into(),
         numbers: vec![
             (mesh.vertices().len().to_string(), "vertices of the surface"),
@@ -238,9 +238,11 @@ fn describe(mesh: &TriMesh, lines: &[[Line; 2]], path: usize) -> Station {
             caption: format!("{SHOWN} samples of a curve, and what the two modes make of them."),
             wide: true,
         }, Figure {
-            body: "<img src=\"regions.png\" alt=\"Two selections on a torus, combined, and the torus in pieces\" width=\"100%\">".into(),
-            caption: "Two selections of eight samples each: their union, intersection and difference, and the surface cut \
-                      along both."
+            body: "<img src=\"regions.png\" alt=\"Two selections on a torus, combined, and the \
+                   torus in pieces\" width=\"100%\">"
+                .into(),
+            caption: "Two selections of eight samples each: their union, intersection and difference, \
+                      and the surface cut along both."
                 .into(),
             wide: true,
         }],

@@ -103,8 +103,8 @@ fn area(folder: &Folder, name: &str) -> f64 {
 fn a_region_and_the_rest_are_written_as_meshes_and_tables() {
     let folder = folder(&families::grid(8, 8).unwrap(), &square(8, 2, 6));
     let said = folder.succeed(
-        "curve mesh.obj --samples samples.txt --region in.ply --region in.npy --rest out.obj --rest \
-         out.csv --paint all.ply --picture p.png",
+        "curve mesh.obj --samples samples.txt --region in.ply --region in.npy --rest out.obj \
+         --rest out.csv --paint all.ply --picture p.png",
     );
     assert!(said.contains("region    32 faces, area 0.25, 25.00 % of the surface"), "{said}");
     assert_eq!((area(&folder, "in.ply"), area(&folder, "out.obj")), (0.25, 0.75));
@@ -135,7 +135,8 @@ fn a_region_and_the_rest_are_written_as_meshes_and_tables() {
 fn smooth_curves_cut_faces_and_shares_say_how_much_of_them() {
     let folder = folder(&families::icosphere(3).unwrap(), "3\n200\n400\n500\n");
     folder.succeed(
-        "curve mesh.obj --samples samples.txt --smooth --region in.obj --region in.npy --rest out.obj",
+        "curve mesh.obj --samples samples.txt --smooth --region in.obj --region in.npy --rest \
+         out.obj",
     );
     let shares: Vec<f64> = folder.read_npy("in.npy");
     assert!(shares.iter().any(|&s| s > 0.0 && s < 1.0));
@@ -265,13 +266,17 @@ fn files_of_other_programs_go_through_with_what_they_have() {
     // A polygon, and colours of faces, as libigl writes them.
     folder.write(
         "fan.off",
-        "OFF\n7 4 0\n0 0 0\n2 0 0\n3 2 0\n2 4 0\n0 4 0\n-1 2 0\n1 2 0\n4 0 1 6 5 255 0 0\n4 1 2 3 6 0 255 0\n3 3 4 6\n3 4 5 6\n",
+        "OFF\n7 4 0\n0 0 0\n2 0 0\n3 2 0\n2 4 0\n0 4 0\n-1 2 0\n1 2 0\n4 0 1 6 5 255 0 0\n\
+         4 1 2 3 6 0 255 0\n3 3 4 6\n3 4 5 6\n",
     );
     folder.write("open.txt", "1\n6\n4\n");
     let said = folder.succeed("curve fan.off --samples open.txt --open --cut cut.off");
     assert!(said.contains("2 components"), "{said}");
     // Points alone, and what is no mesh.
-    folder.write("points.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n1 0 0\n0 1 0\n");
+    let axes = ["x", "y", "z"].map(|axis| format!("property float {axis}\n")).concat();
+    let points = "end_header\n0 0 0\n1 0 0\n0 1 0\n";
+    let head = "ply\nformat ascii 1.0\nelement vertex 3\n";
+    folder.write("points.ply", format!("{head}{axes}{points}"));
     folder.write("few.txt", "0\n1\n2\n");
     let run = folder.run("curve points.ply --samples few.txt --cut c.ply");
     assert_eq!(run.code, Some(1), "{}", run.stderr);

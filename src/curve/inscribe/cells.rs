@@ -1,5 +1,6 @@
-//! One face cut along straight chords between points of its sides. What is on which side, and which chords cross, follows
-//! from the order of the points around the face; coordinates only say where crossings are.
+//! One face cut along straight chords between points of its sides. What is on which side, and which
+//! chords cross, follows from the order of the points around the face; coordinates only say where
+//! crossings are.
 
 use crate::base::{Error, Result};
 use crate::mesh::quality;
@@ -16,8 +17,8 @@ pub(super) struct Point {
     pub vertex: Option<u32>,
 }
 
-/// A part of the face, convex, as its points counter-clockwise; each with the line that leads to the next: sides 0, 1, 2, then
-/// chords.
+/// A part of the face, convex, as its points counter-clockwise; each with the line that leads to
+/// the next: sides 0, 1, 2, then chords.
 type Cell = Vec<(usize, usize)>;
 
 /// A straight line from one point of the sides to another, and the points on it.
@@ -40,7 +41,8 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// A face with points on its sides: for each side, from its first corner, that corner and the points.
+    /// A face with points on its sides: for each side, from its first corner, that corner and the
+    /// points.
     pub fn new(sides: [Vec<Point>; 3]) -> Self {
         let corners = [0, sides[0].len(), sides[0].len() + sides[1].len()];
         let cell = (sides.iter().enumerate())
@@ -63,7 +65,8 @@ impl Cells {
         sides(a).into_iter().flatten().any(|side| others.contains(&Some(side)))
     }
 
-    /// Cuts along the line between two points of the sides; the points that it passes, both ends included.
+    /// Cuts along the line between two points of the sides; the points that it passes, both ends
+    /// included.
     ///
     /// # Errors
     /// [`Error::NotConverged`] when rounding leaves no order in which chords cross.
@@ -187,7 +190,8 @@ impl Cells {
         Err(Error::NotConverged { iterations: self.chords.len(), residual: SAME })
     }
 
-    /// The triangles of all cells, as points. Of possible ones the best shaped come first; none has its corners on one line.
+    /// The triangles of all cells, as points. Of possible ones the best shaped come first; none has
+    /// its corners on one line.
     pub fn triangles(&self, corners: [Vector; 3]) -> Vec<[usize; 3]> {
         let place = |i: usize| self.place(i, corners);
         let mut all = Vec::new();

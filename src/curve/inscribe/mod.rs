@@ -33,8 +33,9 @@ impl Curve {
     }
 }
 
-/// Cuts the faces of a mesh along curves: where curves cross edges, and each other, are new vertices, after those of the
-/// mesh. Curves along edges change nothing. O(V + F), and then what the curves pass.
+/// Cuts the faces of a mesh along curves: where curves cross edges, and each other, are new
+/// vertices, after those of the mesh. Curves along edges change nothing. O(V + F), and then what
+/// the curves pass.
 ///
 /// Points nearer to each other than 1e-9 of an edge become one.
 ///
@@ -53,8 +54,9 @@ impl Curve {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] for waypoints that are not on the mesh, or two of which one after the other are on no common face;
-/// [`Error::NotConverged`] where curves on a face are too near to each other to be told apart.
+/// [`Error::Argument`] for waypoints that are not on the mesh, or two of which one after the other
+/// are on no common face; [`Error::NotConverged`] where curves on a face are too near to each other
+/// to be told apart.
 pub fn inscribe(mesh: &TriMesh, curves: &[Curve]) -> Result<Inscribed> {
     let edges = Edges::new(mesh);
     let mut draft = Draft::new(mesh, &edges);
@@ -97,7 +99,8 @@ struct Leg {
 struct Draft<'m> {
     mesh: &'m TriMesh,
     edges: &'m Edges,
-    /// The points of each edge that has some: how far from its first end, and the new vertex; sorted.
+    /// The points of each edge that has some: how far from its first end, and the new vertex;
+    /// sorted.
     on_edges: BTreeMap<u32, Vec<(f64, u32)>>,
     positions: Vec<[f64; 3]>,
     origins: Vec<Origin>,

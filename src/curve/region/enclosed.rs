@@ -22,9 +22,10 @@ pub enum Side {
 impl Region {
     /// What curves along edges of a mesh enclose.
     ///
-    /// By area, crossing a curve leads from one side to the other (the even-odd rule): a ring around a hole, or two rings,
-    /// are one region. On each part of the surface that curves are on one side is chosen; parts without curves are outside.
-    /// The boundary of the mesh bounds regions like curves do.
+    /// By area, crossing a curve leads from one side to the other (the even-odd rule): a ring
+    /// around a hole, or two rings, are one region. On each part of the surface that curves are on
+    /// one side is chosen; parts without curves are outside. The boundary of the mesh bounds
+    /// regions like curves do.
     ///
     /// ```
     /// use catamaran::curve::{Region, Side};
@@ -39,9 +40,9 @@ impl Region {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Argument`] for two vertices that no edge joins, and for a seed that no face has or that is on a curve;
-    /// [`Error::Mesh`] names an edge with the same side on both sides of it: curves that are open, or go around a handle,
-    /// part nothing.
+    /// [`Error::Argument`] for two vertices that no edge joins, and for a seed that no face has or
+    /// that is on a curve; [`Error::Mesh`] names an edge with the same side on both sides of it:
+    /// curves that are open, or go around a handle, part nothing.
     pub fn enclosed(mesh: &TriMesh, along: &[[u32; 2]], side: &Side) -> Result<Self> {
         let walls = Walls::new(mesh, along)?;
         let pieces = walls.pieces(mesh.faces().len());

@@ -48,7 +48,8 @@ impl Region {
     /// The faces that are in one of two regions or both.
     ///
     /// # Errors
-    /// [`Error::Shape`] for regions of meshes with different numbers of faces; also of the other operations.
+    /// [`Error::Shape`] for regions of meshes with different numbers of faces; also of the other
+    /// operations.
     pub fn union(&self, other: &Self) -> Result<Self> {
         self.combined(other, |a, b| a | b)
     }

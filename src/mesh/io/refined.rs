@@ -8,12 +8,13 @@ use crate::base::{Error, Result};
 use crate::mesh::Refined;
 
 impl MeshFile {
-    /// The file of a finer mesh: colours, texture coordinates and normals of new vertices lie between those of the vertices
-    /// around them, and a piece of a face has its material, group and object.
+    /// The file of a finer mesh: colours, texture coordinates and normals of new vertices lie
+    /// between those of the vertices around them, and a piece of a face has its material, group and
+    /// object.
     ///
     /// # Errors
-    /// [`Error::Shape`] and [`Error::Argument`] when attributes do not fit the mesh, [`Error::Argument`] when `refined` was
-    /// made of another mesh.
+    /// [`Error::Shape`] and [`Error::Argument`] when attributes do not fit the mesh,
+    /// [`Error::Argument`] when `refined` was made of another mesh.
     pub fn refined(&self, refined: &Refined) -> Result<MeshFile> {
         self.check()?;
         let (vertices, faces) = (self.mesh.vertices().len(), self.mesh.faces().len());

@@ -29,7 +29,8 @@ pub fn limits(report: &mut Report, arguments: &Arguments) -> Result<()> {
         println!("{}: {:.0} s", surface.name, start.elapsed().as_secs_f64());
     }
     report.say(&format!(
-        "# Chapter 6: what limits distances\n\nUp to {count} curves a mesh, 7 numbers of samples, 2 kinds of sampling.\n"
+        "# Chapter 6: what limits distances\n\nUp to {count} curves a mesh, 7 numbers of \
+         samples, 2 kinds of sampling.\n"
     ));
     report.say(&limit_tables(&runs));
     report.lines.extend(runs.iter().map(Distances::line));
@@ -47,7 +48,8 @@ pub fn orders(report: &mut Report, arguments: &Arguments) -> Result<()> {
         println!("{}: {:.0} s", surface.name, start.elapsed().as_secs_f64());
     }
     report.say(&format!(
-        "# Chapter 6: what limits orders\n\nUp to {count} curves of each kind a mesh, 7 numbers of samples.\n"
+        "# Chapter 6: what limits orders\n\nUp to {count} curves of each kind a mesh, 7 \
+         numbers of samples.\n"
     ));
     report.say(&order_tables(&runs));
     report.lines.extend(runs.iter().map(Ordered::line));
