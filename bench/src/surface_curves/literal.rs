@@ -10,7 +10,7 @@ use catamaran::mesh::Graph;
 /// What becomes of samples that a path runs over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Passed {
-    /// They stay on the list, behind the curve, and the curve never ends.
+    /// They stay on the list, behind the curve, and it never gets there: the walk ends.
     Lost,
     /// They are taken off the list, in the order of the path.
     Taken,
@@ -29,9 +29,13 @@ pub fn walk(
     let mut curve = HashSet::from([samples[0]]);
     waiting.remove(&samples[0]);
     let mut previous: Option<u32> = None;
+    let mut reachable = samples.len() - 1;
     while !waiting.is_empty() {
         let at = samples[order[order.len() - 1] as usize];
-        let (near, predecessors) = nearest(graph, at, &waiting, &curve, candidates);
+        let wanted = candidates.min(reachable);
+        let (near, predecessors) = nearest(graph, at, &waiting, &curve, wanted);
+        // What the curve has shut off stays so.
+        reachable = if near.len() < wanted { near.len() } else { reachable };
         let angle = |a: u32, c: u32| {
             let [a, b, c] = [a, at, c].map(|v| positions[v as usize]);
             angle(a, b, c)
@@ -44,17 +48,17 @@ pub fn walk(
         path.reverse();
         for &v in &path[1..] {
             curve.insert(v);
-            if (v == next || passed == Passed::Taken)
-                && let Some(sample) = waiting.remove(&v)
-            {
-                order.push(sample);
+            let Some(&sample) = waiting.get(&v) else { continue };
+            if v != next && passed == Passed::Lost {
+                // No way will lead there.
+                return order;
             }
+            waiting.remove(&v);
+            reachable = reachable.saturating_sub(1);
+            order.push(sample);
         }
         // The sample before: of those taken in passing, the last one.
         previous = order.iter().rev().nth(1).map(|&i| samples[i as usize]);
-        if passed == Passed::Lost {
-            previous = Some(at);
-        }
     }
     order
 }
