@@ -47,3 +47,8 @@ pub use result::{Curve, Outcome, Reconstruction, Steiner, Waypoint};
 pub use sites::{Placed, Placement, Site, place, refined};
 pub use smooth::{Smoothed, smooth};
 pub use solver::{Count, CurveOptions, CurveSolver, Mode};
+
+/// The code of the guide, which the tests of documentation compile and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/guide/curves.md")]
+struct Guide;
