@@ -1,10 +1,13 @@
 """Times numpy and scikit-learn with libcatamaran_blas.so loaded before their BLAS, and without it.
 
-    python race.py LIBRARY [--sides 512,1024] [--only small|ata|gemm|programs] [--repeat 7] [--csv FILE]
+    python race.py LIBRARY [--sides 512,1024] [--only small|ata|gemm|complex|programs] [--repeat 7] [--csv FILE]
+                   [--clock wall|cpu]
 
 Two processes of this program take turns, so that both see the same machine; the one that waits is
 stopped, with its threads. A row has the medians of both and the median of the ratios of turns; a
-ratio below 1 means: faster with the library.
+ratio below 1 means: faster with the library. On a machine that others use at the same time,
+`--clock cpu` with OPENBLAS_NUM_THREADS=1 and CATAMARAN_NUM_THREADS=1 counts the seconds that the
+processes ran.
 """
 
 import argparse
@@ -33,6 +36,13 @@ def cases(sides):
     for n in sides:
         for dtype in ("float64", "float32"):
             yield "gemm", ("gemm", n, n, dtype)
+    for n in sides:
+        for dtype in ("complex128", "complex64"):
+            for what in ("ata", "gemm", "herk"):
+                yield "complex", (what, n, n, dtype)
+    for n in sides:
+        for what in ("ata", "gemm", "herk"):
+            yield "complex", (what, 4 * n, n // 2, "complex128")
     for m, n in ((20000, 500), (5000, 2000)):
         yield "programs", ("cov", m, n, "float64")
         yield "programs", ("pca", m, n, "float64")
@@ -45,14 +55,29 @@ def prepare(what, m, n, dtype):
     import numpy as np
 
     rng = np.random.default_rng(1)
-    a = rng.standard_normal((m, n)).astype(dtype)
+
+    def matrix():
+        real = rng.standard_normal((m, n))
+        if dtype.startswith("complex"):
+            return (real + 1j * rng.standard_normal((m, n))).astype(dtype)
+        return real.astype(dtype)
+
+    a = matrix()
+    if what == "herk":
+        from scipy.linalg import blas
+
+        f = {"complex64": blas.cherk, "complex128": blas.zherk}[dtype]
+        a = np.asfortranarray(a)
+        out = np.zeros((n, n), dtype, order="F")
+        return lambda: f(1.0, a, c=out, trans=2, overwrite_c=True)
+    if what == "gemm" or dtype.startswith("complex"):
+        # numpy has no conjugated operands: the copy is timed too.
+        left, b = a, matrix() if what == "gemm" else a
+        out = np.empty((n, n), dtype)
+        return lambda: np.matmul(left.conj().T, b, out=out)
     if what == "ata":
         out = np.empty((n, n), dtype)
         return lambda: np.matmul(a.T, a, out=out)
-    if what == "gemm":
-        b = rng.standard_normal((m, n)).astype(dtype)
-        out = np.empty((n, n), dtype)
-        return lambda: np.matmul(a.T, b, out=out)
     if what == "cov":
         return lambda: np.cov(a, rowvar=False)
     if what == "pca":
@@ -65,8 +90,9 @@ def prepare(what, m, n, dtype):
     return lambda: np.linalg.solve(gram, a[0])
 
 
-def work():
+def work(clock):
     """Answers each case on standard input with the seconds of a call."""
+    now = {"wall": time.perf_counter, "cpu": time.process_time}[clock]
     known = {}
     for line in sys.stdin:
         case, calls = json.loads(line)
@@ -75,22 +101,22 @@ def work():
             known[tuple(case)] = prepare(*case)
             known[tuple(case)]()
         f = known[tuple(case)]
-        start = time.perf_counter()
+        start = now()
         for _ in range(calls):
             f()
-        print((time.perf_counter() - start) / calls, flush=True)
+        print((now() - start) / calls, flush=True)
 
 
 class Contender:
     """A process that times cases."""
 
-    def __init__(self, library):
+    def __init__(self, library, clock):
         environment = {k: v for k, v in os.environ.items() if k not in ("LD_PRELOAD", "OPENBLAS_CORETYPE")}
         if library:
             environment["LD_PRELOAD"] = library
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(
-            [sys.executable, __file__, WORKER], env=environment, stdin=pipe, stdout=pipe, text=True
+            [sys.executable, __file__, WORKER, clock], env=environment, stdin=pipe, stdout=pipe, text=True
         )
         self.process.send_signal(signal.SIGSTOP)
 
@@ -114,8 +140,11 @@ def main():
     parser.add_argument("--only")
     parser.add_argument("--repeat", type=int, default=7)
     parser.add_argument("--csv")
+    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall")
     options = parser.parse_args()
-    contenders = [Contender(None), Contender(os.path.realpath(options.library))]
+    contenders = [
+        Contender(library, options.clock) for library in (None, os.path.realpath(options.library))
+    ]
     rows = [("what", "m", "n", "type", "calls", "turns", "alone_s", "with_s", "ratio")]
     for group, case in cases([int(side) for side in options.sides.split(",")]):
         if options.only and group not in options.only.split(","):
@@ -140,6 +169,6 @@ def main():
 
 
 if WORKER in sys.argv:
-    work()
+    work(sys.argv[-1])
 else:
     main()

@@ -11,8 +11,8 @@ use catamaran::decimate::{
     vertices_for_edge_length, vertices_for_faces,
 };
 use catamaran::io::{Output, Overwrite};
-use catamaran::mesh::TriMesh;
 use catamaran::mesh::io::{self as files, MeshFile};
+use catamaran::mesh::{RepairOptions, TriMesh, repair};
 use catamaran::sparse::CsMat;
 use clap::{ArgGroup, ValueEnum};
 
@@ -208,6 +208,15 @@ fn tell(
     }
     report(format_args!("intersect   {intersecting} faces, {before} before"))?;
     report(format_args!("{}", Quality::of(&found.mesh)))?;
+    if found.after.is_some_and(|after| after.components > 1) {
+        // Specks have the fewest faces that they can, which says nothing of the rest.
+        let largest = repair(found.mesh.clone().into(), &RepairOptions::new().keep_largest(1))?;
+        let Quality { area_variation, mean_quality, .. } = Quality::of(&largest.file.mesh);
+        report(format_args!(
+            "largest     component alone: variation of areas {area_variation:.3}, mean quality \
+             {mean_quality:.3}"
+        ))?;
+    }
     let difference = Difference::between(&input.mesh, &found.mesh, par)?;
     let Difference { hausdorff, chamfer, printed_hausdorff, printed_chamfer } = difference;
     report(format_args!(

@@ -26,6 +26,10 @@ pub struct MeshArgs {
     #[arg(long, value_name = "TOLERANCE", num_args = 0..=1, default_missing_value = "0",
           value_parser = parse::weld, conflicts_with = "strict")]
     weld: Option<Weld>,
+    /// Leave out components of the mesh with less than this share of its area, from 0 to 1: specks
+    /// around a scan.
+    #[arg(long, value_name = "SHARE", conflicts_with = "strict")]
+    drop_specks: Option<f64>,
     /// Refuse a mesh that needs repair, instead of repairing it with a note.
     #[arg(long)]
     strict: bool,
@@ -96,7 +100,7 @@ impl MeshArgs {
             };
         }
         let weld = self.weld.unwrap_or(Weld::Seams);
-        let options = RepairOptions::unambiguous().weld(weld);
+        let options = RepairOptions::unambiguous().weld(weld).drop_specks(self.drop_specks);
         let found = repair(file, &options).with_context(|| name.to_string())?;
         for line in notes(&found.report) {
             note(format_args!("{name}: {line}"));
@@ -138,6 +142,7 @@ fn flags(report: &RepairReport) -> String {
         RepairStep::ClosedSeams { .. } => " --weld seams".into(),
         RepairStep::DroppedDuplicates { .. } => " --drop-duplicates".into(),
         RepairStep::DroppedDegenerate { .. } => " --drop-degenerate".into(),
+        RepairStep::DroppedSpecks { share, .. } => format!(" --drop-specks {share}"),
         _ => String::new(),
     };
     report.steps.iter().filter(|step| step.changed()).map(flag).collect()

@@ -67,6 +67,9 @@ pub struct Args {
     /// Keep the N components with the most faces.
     #[arg(long, value_name = "N", conflicts_with = "component")]
     keep_largest: Option<usize>,
+    /// Leave out components with less than this share of the area, from 0 to 1.
+    #[arg(long, value_name = "SHARE", conflicts_with = "component")]
+    drop_specks: Option<f64>,
     /// Fill holes: boundary loops of at most N edges.
     #[arg(long, value_name = "N")]
     fill_holes: Option<usize>,
@@ -184,6 +187,7 @@ impl Args {
         options.compact |= self.compact;
         options.orient |= self.orient;
         options.keep_largest = self.keep_largest;
+        options.drop_specks = self.drop_specks;
         options.fill_holes = self.fill_holes;
         (options != RepairOptions::new()).then_some(options)
     }

@@ -3,9 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use catamaran::blas::BlasReal;
-
 use crate::arguments::Wrong;
+use crate::element::Element;
 use crate::entry::{Entry, Why};
 use crate::host::Code;
 use crate::request::Request;
@@ -18,7 +17,7 @@ use crate::{policy, product, report};
 /// # Safety
 /// The caller of BLAS owns the memory that the request names for the length of this call; `forward`
 /// takes the address for what it is.
-pub unsafe fn call<T: BlasReal>(
+pub unsafe fn call<T: Element>(
     entry: &'static Entry,
     request: Result<Request<T>, Wrong>,
     forward: &dyn Fn(Code),
@@ -70,7 +69,7 @@ fn warn_of_other_bytes(entry: &Entry, why: Why, settings: &Settings) {
 
 /// # Safety
 /// As [`call`].
-unsafe fn attempt<T: BlasReal>(
+unsafe fn attempt<T: Element>(
     request: &Result<Request<T>, Wrong>,
     settings: &Settings,
 ) -> Result<(), Why> {
@@ -84,7 +83,7 @@ unsafe fn attempt<T: BlasReal>(
 ///
 /// # Safety
 /// As [`call`].
-unsafe fn alone<T: BlasReal>(
+unsafe fn alone<T: Element>(
     entry: &Entry,
     request: &Result<Request<T>, Wrong>,
     settings: &Settings,
@@ -96,6 +95,9 @@ unsafe fn alone<T: BlasReal>(
             return complain(&format!("{name}: parameter number {number} has an illegal value"));
         }
     };
+    if request.is_trivial() && request.beta == T::ONE {
+        return;
+    }
     let done = policy::plan(request, settings).and_then(|plan| {
         // SAFETY: the caller's promise.
         unsafe {

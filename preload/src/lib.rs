@@ -1,7 +1,7 @@
 //! `libcatamaran_blas.so`: a BLAS to put in front of another one, by `LD_PRELOAD` or by linking.
 //!
-//! It exports `?syrk`, `?gemm` and `?gemmt` (`?gemmtr`) for f32 and f64 in every spelling that
-//! programs use. Products that Catamaran is expected to compute faster it computes; all other calls
+//! It exports `?gemm` for real and complex matrices, `?syrk` and `?gemmt` (`?gemmtr`) for real and
+//! `?herk` for complex ones, in every spelling that programs use. Products that Catamaran is expected to compute faster it computes; all other calls
 //! go to the next library in line. docs/guide/blas.md is for users.
 //!
 //! A call passes the modules in this order:
@@ -12,7 +12,7 @@
 //! | `arguments` | the arguments of Fortran and CBLAS as a request |
 //! | `dispatch` | computes a request, or forwards the call |
 //! | `policy` | what is computed here, and by which plan |
-//! | `product` | the computation |
+//! | `product`, `element` | the computation, of real or complex elements |
 //! | `threads` | the threads of this library |
 //! | `entry`, `host` | counts of a symbol; where the next library has it |
 //! | `report` | what `CATAMARAN_BLAS_VERBOSE=1` prints at exit |
@@ -22,6 +22,7 @@
 
 mod arguments;
 mod dispatch;
+mod element;
 mod entry;
 mod host;
 mod overlap;

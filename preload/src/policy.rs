@@ -2,24 +2,24 @@
 //!
 //! A plan costs as much as a small product, so that each thread keeps those of its last shapes.
 
+use std::any::TypeId;
 use std::cell::RefCell;
 use std::fs::File;
 use std::io::Read;
 use std::sync::{Arc, OnceLock};
 
-use catamaran::ata::planned_scratch_len;
-use catamaran::blas::BlasReal;
-use catamaran::{Accuracy, AtaOptions, Par, Plan};
+use catamaran::{Accuracy, AtaOptions};
 
+use crate::element::{Element, Planned};
 use crate::entry::Why;
-use crate::request::Request;
+use crate::request::{Kind, Request, Shape};
 use crate::settings::{Mode, Settings};
 
 /// Sides of C from which products are worth a plan.
 const LEAST_SIDE: i64 = 128;
 /// Length of the sums from which products are worth a plan.
 const LEAST_DEPTH: i64 = 32;
-/// Products of scalars that are worth a plan, both triangles of a symmetric result counted.
+/// Products of real numbers that are worth a plan, both triangles of a symmetric result counted.
 const LEAST_WORK: f64 = 4e6;
 
 /// Whether a call with sides m, n, k is too small for a look, or not valid: this is all that is
@@ -29,8 +29,8 @@ pub fn is_small(m: i64, n: i64, k: i64) -> bool {
     m < LEAST_SIDE || n < LEAST_SIDE || k < LEAST_DEPTH
 }
 
-/// Returns the plan for `request`, or why it is not computed here.
-pub fn decide<T: BlasReal>(request: &Request<T>, settings: &Settings) -> Result<Arc<Plan>, Why> {
+/// Returns the plan for `request`, or why it is forwarded.
+pub fn decide<T: Element>(request: &Request<T>, settings: &Settings) -> Decision {
     if settings.mode == Mode::Off {
         return Err(Why::Off);
     }
@@ -50,15 +50,14 @@ pub fn decide<T: BlasReal>(request: &Request<T>, settings: &Settings) -> Result<
     if request.overlaps() {
         return Err(Why::Overlap);
     }
-    remembered(Key { kind: kind(request), scalar: size_of::<T>(), sides: [m, n, k] }, || {
+    let shape = request.shape();
+    remembered(Key { element: TypeId::of::<T>(), shape }, || {
         let plan = plan(request, settings).map_err(|_| Why::Memory)?;
-        if settings.mode == Mode::Auto
-            && plan.expected_ratio() > worthwhile(&plan, kind(request), m)
-        {
+        if settings.mode == Mode::Auto && plan.expected_ratio() > worthwhile::<T>(&plan, shape) {
             return Err(Why::Slower);
         }
-        let scratch = planned_scratch_len::<T>(&plan, Par::Threads(settings.threads));
-        if settings.memory.is_some_and(|most| scratch.saturating_mul(size_of::<T>()) > most) {
+        let scratch = T::scratch(&plan, settings.threads);
+        if settings.memory.is_some_and(|most| scratch > most) {
             return Err(Why::Memory);
         }
         Ok(Arc::new(plan))
@@ -69,35 +68,14 @@ pub fn decide<T: BlasReal>(request: &Request<T>, settings: &Settings) -> Result<
 ///
 /// # Errors
 /// As [`Plan::ata`].
-pub fn plan<T: BlasReal>(request: &Request<T>, settings: &Settings) -> catamaran::Result<Plan> {
+pub fn plan<T: Element>(request: &Request<T>, settings: &Settings) -> catamaran::Result<Planned> {
     let options = AtaOptions::new().memory(settings.memory);
     let options = match settings.mode {
         Mode::Auto | Mode::Off => options,
         Mode::Reproducible => options.reproducible(true),
         Mode::Max => options.accuracy(Accuracy::Max),
     };
-    let [m, n, k] = request.sides();
-    match kind(request) {
-        Kind::Syrk => Plan::ata::<T>(k, m, &options),
-        Kind::Gemm => Plan::atb::<T>(k, m, n, &options),
-        Kind::Gemmt => Plan::atb_triangle::<T>(k, m, &options),
-    }
-}
-
-/// Which routine a request is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Syrk,
-    Gemm,
-    Gemmt,
-}
-
-fn kind<T>(request: &Request<T>) -> Kind {
-    match (&request.right, request.triangle) {
-        (None, _) => Kind::Syrk,
-        (Some(_), None) => Kind::Gemm,
-        (Some(_), Some(_)) => Kind::Gemmt,
-    }
+    T::plan(&request.shape(), &options)
 }
 
 /// The time of a plan over that of our classical products from which the next library is expected
@@ -107,20 +85,44 @@ fn kind<T>(request: &Request<T>) -> Kind {
 /// processors of AMD; on others symmetric ones with less than so many columns are (figures 8.3 and
 /// 8.4 in bench/record, and preload/race.py). Where vectors are shorter nobody has measured yet: only
 /// what saves multiplications is computed here.
-fn worthwhile(plan: &Plan, kind: Kind, columns: usize) -> f64 {
+fn worthwhile<T: Element>(plan: &Planned, shape: Shape) -> f64 {
     /// With more OpenBLAS takes 1 to 5 % less time.
     const COLUMNS: usize = 2048;
     /// Our classical products win.
     const ALWAYS: f64 = f64::INFINITY;
+    /// They lose, or nobody has measured.
+    const NEVER: f64 = 0.0;
     /// Fast levels have to make up for slower kernels.
     const FAST: f64 = 0.93;
-    match (plan.isa(), kind) {
-        (Some("portable"), _) => 0.0,
+    match (plan.isa(), shape.kind) {
+        (Some("portable"), _) => NEVER,
+        (Some("avx2"), _) if T::IS_COMPLEX => NEVER,
         (Some("avx2"), _) => FAST,
-        (_, Kind::Syrk) if columns < COLUMNS => ALWAYS,
+        _ if T::IS_COMPLEX => {
+            if complex_wins::<T>(shape) {
+                ALWAYS
+            } else {
+                NEVER
+            }
+        }
+        (_, Kind::Symmetric) if shape.sides[0] < COLUMNS => ALWAYS,
         _ if is_amd() => ALWAYS,
         _ => FAST,
     }
+}
+
+/// Whether complex products of this shape were measured to be as fast as those of OpenBLAS, or
+/// faster, where the vectors have 512 bits.
+///
+/// Parts are copied into real matrices first: that counts for less the longer the sums and the wider
+/// the results are, and for more the shorter the numbers. Measured by preload/race.py on one core of
+/// Zen 5 (docs/guide/blas.md), and nowhere else: single precision takes 1.13 to 1.8 times as long.
+fn complex_wins<T: Element>(shape: Shape) -> bool {
+    /// Least sides from which double precision takes 0.99 of OpenBLAS' time or less.
+    const GENERAL: usize = 512;
+    const HERMITIAN: usize = 1024;
+    let least = if shape.kind == Kind::Symmetric { HERMITIAN } else { GENERAL };
+    is_amd() && T::PART == 8 && shape.sides.iter().all(|&side| side >= least)
 }
 
 /// Whether the processor is one of AMD, as Linux has it.
@@ -136,12 +138,12 @@ fn is_amd() -> bool {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Key {
-    kind: Kind,
-    scalar: usize,
-    sides: [usize; 3],
+    element: TypeId,
+    shape: Shape,
 }
 
-type Decision = Result<Arc<Plan>, Why>;
+/// The plan of a request, or why it is not computed here.
+pub type Decision = Result<Arc<Planned>, Why>;
 
 /// The decision for `key`: that of the last time, or what `decide` returns.
 fn remembered(key: Key, decide: impl FnOnce() -> Decision) -> Decision {
@@ -173,6 +175,7 @@ fn remembered(key: Key, decide: impl FnOnce() -> Decision) -> Decision {
 #[cfg(test)]
 mod tests {
     use catamaran::Uplo;
+    use catamaran::faer::{c32, c64};
 
     use super::*;
     use crate::request::{Side, Stored};
@@ -189,7 +192,7 @@ mod tests {
         };
         Request {
             alpha: 1.0,
-            left: Side { stored, transposed: false },
+            left: Side { stored, transposed: false, conjugated: false },
             right: None,
             beta: 0.0,
             c: std::ptr::without_provenance_mut(c),
@@ -214,6 +217,20 @@ mod tests {
     }
 
     #[test]
+    fn complex_products_are_taken_where_they_were_measured_to_be_faster() {
+        let shape = |kind, side| Shape { kind, sides: [side; 3], conjugated: [true, false] };
+        for (kind, side, wins) in [
+            (Kind::General, 511, false),
+            (Kind::General, 512, true),
+            (Kind::Symmetric, 1023, false),
+            (Kind::Symmetric, 1024, true),
+        ] {
+            assert_eq!(complex_wins::<c64>(shape(kind, side)), wins && is_amd());
+            assert!(!complex_wins::<c32>(shape(kind, side)));
+        }
+    }
+
+    #[test]
     fn no_product_is_too_small_for_the_other_modes() {
         for mode in [Mode::Reproducible, Mode::Max] {
             let settings = Settings { mode, ..SETTINGS };
@@ -227,7 +244,7 @@ mod tests {
         let settings = Settings { mode: Mode::Reproducible, ..SETTINGS };
         for n in [2000, 6000] {
             let plan = decide(&syrk(n, n, 1 << 30), &settings).unwrap();
-            assert!(8 * planned_scratch_len::<f64>(&plan, Par::Threads(2)) <= 64 << 20);
+            assert!(f64::scratch(&plan, 2) <= 64 << 20);
         }
         let none = Settings { memory: Some(1 << 10), ..settings };
         assert_eq!(why(syrk(3000, 3000, 1 << 30), none), Some(Why::Memory));
@@ -235,7 +252,9 @@ mod tests {
 
     #[test]
     fn a_decision_is_made_once_for_a_shape() {
-        let key = |n| Key { kind: Kind::Gemm, scalar: 4, sides: [n, 1, 1] };
+        let shape = Shape { kind: Kind::General, sides: [1; 3], conjugated: [false; 2] };
+        let key =
+            |n| Key { element: TypeId::of::<f32>(), shape: Shape { sides: [n, 1, 1], ..shape } };
         let mut calls = 0;
         for n in [1, 1, 2, 1, 2] {
             let _ = remembered(key(n), || {

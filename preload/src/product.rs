@@ -1,14 +1,13 @@
 //! Computes requests by Catamaran.
 
-use catamaran::ata::{ata_planned, atb_planned};
-use catamaran::blas::BlasReal;
 use catamaran::faer::{Mat, MatMut, MatRef};
-use catamaran::{AtaOptions, Par, Plan, Result, Uplo};
+use catamaran::{AtaOptions, Par, Result, Uplo};
 
+use crate::element::{Element, Planned};
 use crate::request::Request;
 use crate::threads;
 
-/// Products of scalars that are computed before another thread has woken up.
+/// Products of real numbers that are computed before another thread has woken up.
 const WORK_OF_ONE_THREAD: f64 = 4e6;
 
 /// Computes `request` by `plan` on so many threads.
@@ -19,9 +18,9 @@ const WORK_OF_ONE_THREAD: f64 = 4e6;
 /// # Safety
 /// The caller of BLAS owns the memory that it named for the length of this call, and C overlaps no
 /// operand.
-pub unsafe fn compute<T: BlasReal>(
+pub unsafe fn compute<T: Element>(
     request: &Request<T>,
-    plan: &Plan,
+    plan: &Planned,
     threads: usize,
 ) -> Result<()> {
     // SAFETY: the caller's promise.
@@ -31,8 +30,8 @@ pub unsafe fn compute<T: BlasReal>(
     threads::run(threads, |par| run(plan, alpha, left, right, beta, c, triangle, par))
 }
 
-fn run<T: BlasReal>(
-    plan: &Plan,
+fn run<T: Element>(
+    plan: &Planned,
     alpha: T,
     left: MatRef<'_, T>,
     right: Option<MatRef<'_, T>>,
@@ -42,10 +41,7 @@ fn run<T: BlasReal>(
     par: Par,
 ) -> Result<()> {
     let options = AtaOptions::new().par(par).uplo(triangle.unwrap_or_default());
-    match right {
-        None => ata_planned(plan, alpha, left, beta, c, &options),
-        Some(right) => atb_planned(plan, alpha, left, right, beta, c, &options),
-    }
+    T::multiply(plan, alpha, left, right, beta, c, &options)
 }
 
 /// Computes `request` by `plan` on the calling thread where C may overlap an operand.
@@ -55,7 +51,7 @@ fn run<T: BlasReal>(
 ///
 /// # Safety
 /// The caller of BLAS owns the memory that it named for the length of this call.
-pub unsafe fn compute_apart<T: BlasReal>(request: &Request<T>, plan: &Plan) -> Result<()> {
+pub unsafe fn compute_apart<T: Element>(request: &Request<T>, plan: &Planned) -> Result<()> {
     let [rows, cols, _] = request.sides();
     let mut product = Mat::from_fn(rows, cols, |_, _| T::ZERO);
     {
@@ -73,7 +69,9 @@ pub unsafe fn compute_apart<T: BlasReal>(request: &Request<T>, plan: &Plan) -> R
             Some(Uplo::Upper) => 0..j + 1,
         };
         for i in wanted {
-            let old = if request.beta == T::ZERO { T::ZERO } else { request.beta * c[(i, j)] };
+            let real = request.is_hermitian() && i == j;
+            let old = if real { c[(i, j)].real() } else { c[(i, j)] };
+            let old = if request.beta == T::ZERO { T::ZERO } else { request.beta * old };
             c[(i, j)] = old + product[(i, j)];
         }
     }

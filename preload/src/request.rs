@@ -1,10 +1,12 @@
-//! A call in one form, whatever its spelling: `C := alpha L^T R + beta C`, all stored by columns.
+//! A call in one form, whatever its spelling: `C := alpha L^T R + beta C`, all stored by columns,
+//! with L, R or both conjugated.
 
 use std::ptr::NonNull;
 
+use catamaran::Uplo;
 use catamaran::faer::{MatMut, MatRef};
-use catamaran::{Real, Uplo};
 
+use crate::element::Element;
 use crate::overlap::{Extent, overlap};
 
 /// An operand as it is stored, by columns.
@@ -21,6 +23,29 @@ pub struct Stored<T> {
 pub struct Side<T> {
     pub stored: Stored<T>,
     pub transposed: bool,
+    /// Of complex elements: whether the conjugates count.
+    pub conjugated: bool,
+}
+
+/// Which products a request is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A triangle of `A^T A`, or of `A^H A`: `syrk`, `herk`.
+    Symmetric,
+    /// `gemm`.
+    General,
+    /// A triangle of `A^T B`: `gemmt`.
+    Triangle,
+}
+
+/// What a plan depends on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shape {
+    pub kind: Kind,
+    /// m, n and k.
+    pub sides: [usize; 3],
+    /// Whether L and R are conjugated; of complex symmetric products exactly one is.
+    pub conjugated: [bool; 2],
 }
 
 /// A call whose arguments are valid.
@@ -29,7 +54,7 @@ pub struct Request<T> {
     pub alpha: T,
     /// L, k x m.
     pub left: Side<T>,
-    /// R, k x n; `None` when it is L.
+    /// R, k x n; `None` when it is L, or the conjugate of L where elements are complex.
     pub right: Option<Side<T>>,
     pub beta: T,
     /// C, m x n.
@@ -69,16 +94,34 @@ impl<T> Side<T> {
     }
 }
 
-impl<T: Real> Request<T> {
+impl<T: Element> Request<T> {
+    /// What a plan depends on.
+    pub fn shape(&self) -> Shape {
+        let kind = match (&self.right, self.triangle) {
+            (None, _) => Kind::Symmetric,
+            (Some(_), None) => Kind::General,
+            (Some(_), Some(_)) => Kind::Triangle,
+        };
+        let left = self.left.conjugated;
+        let right = self.right.map_or(T::IS_COMPLEX && !left, |right| right.conjugated);
+        Shape { kind, sides: self.sides(), conjugated: [left, right] }
+    }
+
+    /// Whether C is Hermitian: imaginary parts of its diagonal are not read, and become zero.
+    pub fn is_hermitian(&self) -> bool {
+        T::IS_COMPLEX && self.right.is_none()
+    }
+
     /// m, n and k.
     pub fn sides(&self) -> [usize; 3] {
         let right = self.right.as_ref().unwrap_or(&self.left);
         [self.left.width(), right.width(), self.left.depth()]
     }
 
-    /// Products of scalars, both triangles of a symmetric result counted.
+    /// Products of real numbers, both triangles of a symmetric result counted.
     pub fn work(&self) -> f64 {
-        self.sides().iter().map(|&side| side as f64).product()
+        let products: f64 = self.sides().iter().map(|&side| side as f64).product();
+        if T::IS_COMPLEX { 4.0 * products } else { products }
     }
 
     /// Whether nothing is multiplied: `C := beta C`.
@@ -132,7 +175,7 @@ mod tests {
         let stored = Stored { pointer: a.as_ptr(), rows: 3, cols: 2, leading: 4 };
         Request {
             alpha: 1.0,
-            left: Side { stored, transposed },
+            left: Side { stored, transposed, conjugated: false },
             right: None,
             beta: 0.0,
             c: c.as_mut_ptr(),

@@ -14,6 +14,8 @@
 use std::ffi::CStr;
 use std::mem::transmute;
 
+use catamaran::faer::{c32, c64};
+
 use crate::arguments::{Gemm, Syrk};
 use crate::dispatch;
 use crate::entry::Entry;
@@ -68,12 +70,15 @@ macro_rules! export {
 
 macro_rules! fortran_syrk {
     ($t:ty, $int:ty, $name:expr) => {
+        fortran_syrk! { $t, $t, $int, $name }
+    };
+    ($s:ty, $t:ty, $int:ty, $name:expr) => {
         export! {
             $name, $t,
             (
                 uplo: *const u8, trans: *const u8, n: *const $int, k: *const $int,
-                alpha: *const $t, a: *const $t, lda: *const $int,
-                beta: *const $t, c: *mut $t, ldc: *const $int,
+                alpha: *const $s, a: *const $t, lda: *const $int,
+                beta: *const $s, c: *mut $t, ldc: *const $int,
                 uplo_len: usize, trans_len: usize,
             ),
             sides: [(*n).into(), (*n).into(), (*k).into()],
@@ -86,11 +91,14 @@ macro_rules! fortran_syrk {
 
 macro_rules! cblas_syrk {
     ($t:ty, $int:ty, $name:expr) => {
+        cblas_syrk! { $t, $t, $int, $name }
+    };
+    ($s:ty, $t:ty, $int:ty, $name:expr) => {
         export! {
             $name, $t,
             (
                 order: i32, uplo: i32, trans: i32, n: $int, k: $int,
-                alpha: $t, a: *const $t, lda: $int, beta: $t, c: *mut $t, ldc: $int,
+                alpha: $s, a: *const $t, lda: $int, beta: $s, c: *mut $t, ldc: $int,
             ),
             sides: [n.into(), n.into(), k.into()],
             request: Syrk { n, k, alpha, a, lda, beta, c, ldc }.cblas(order, uplo, trans),
@@ -134,6 +142,41 @@ macro_rules! cblas_gemm {
     };
 }
 
+// Scalars that are complex go by address.
+macro_rules! cblas_complex_gemm {
+    ($t:ty, $int:ty, $name:expr) => {
+        export! {
+            $name, $t,
+            (
+                order: i32, trans_a: i32, trans_b: i32, m: $int, n: $int, k: $int,
+                alpha: *const $t, a: *const $t, lda: $int, b: *const $t, ldb: $int,
+                beta: *const $t, c: *mut $t, ldc: $int,
+            ),
+            sides: [m.into(), n.into(), k.into()],
+            request: Gemm { m, n, k, alpha: *alpha, a, lda, b, ldb, beta: *beta, c, ldc }
+                .cblas(order, trans_a, trans_b),
+        }
+    };
+}
+
+macro_rules! fortran_herk {
+    (c32, $int:ty, $name:expr) => {
+        fortran_syrk! { f32, c32, $int, $name }
+    };
+    (c64, $int:ty, $name:expr) => {
+        fortran_syrk! { f64, c64, $int, $name }
+    };
+}
+
+macro_rules! cblas_herk {
+    (c32, $int:ty, $name:expr) => {
+        cblas_syrk! { f32, c32, $int, $name }
+    };
+    (c64, $int:ty, $name:expr) => {
+        cblas_syrk! { f64, c64, $int, $name }
+    };
+}
+
 macro_rules! fortran_gemmt {
     ($t:ty, $int:ty, $name:expr) => {
         export! {
@@ -172,7 +215,7 @@ macro_rules! cblas_gemmt {
 
 /// Defines a routine in every spelling.
 macro_rules! routine {
-    ($fortran:ident, $cblas:ident, $t:ty, $name:literal) => {
+    ($fortran:ident, $cblas:ident, $t:tt, $name:literal) => {
         $fortran!($t, i32, concat!($name, "_"));
         $fortran!($t, i32, concat!("scipy_", $name, "_"));
         $fortran!($t, i64, concat!($name, "_64_"));
@@ -190,6 +233,10 @@ routine!(fortran_syrk, cblas_syrk, f32, "ssyrk");
 routine!(fortran_syrk, cblas_syrk, f64, "dsyrk");
 routine!(fortran_gemm, cblas_gemm, f32, "sgemm");
 routine!(fortran_gemm, cblas_gemm, f64, "dgemm");
+routine!(fortran_gemm, cblas_complex_gemm, c32, "cgemm");
+routine!(fortran_gemm, cblas_complex_gemm, c64, "zgemm");
+routine!(fortran_herk, cblas_herk, c32, "cherk");
+routine!(fortran_herk, cblas_herk, c64, "zherk");
 routine!(fortran_gemmt, cblas_gemmt, f32, "sgemmt");
 routine!(fortran_gemmt, cblas_gemmt, f64, "dgemmt");
 // The same by the name of the reference implementation, from LAPACK 3.12.1 on.

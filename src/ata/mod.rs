@@ -28,7 +28,7 @@ use faer::{MatMut, MatRef};
 
 #[cfg(feature = "mpi")]
 pub(crate) use combine::mirror_lower;
-pub use complex::{aha, ahb};
+pub use complex::{ComplexPlan, aha, aha_planned, ahb, ahb_planned};
 #[cfg(feature = "mpi")]
 pub(crate) use exact::Flags;
 pub use exact::Stages;

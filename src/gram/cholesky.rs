@@ -288,17 +288,25 @@ impl PivotedCholesky {
 }
 
 impl PivotedCholesky {
-    /// Returns R^T (n x rank) of A with columns divided by others than powers of two: row c is that
-    /// of column c of the scaled matrix times `factor(c)`.
-    pub(super) fn transposed(&self, factor: impl Fn(usize) -> f64) -> Result<Mat<f64>> {
+    /// Returns R^T (n x rank) of A with scaled columns: row c is that of column c of the scaled
+    /// matrix times `factor 2^exponent`, with both from `factor(c)`.
+    ///
+    /// Columns are divided by 2 to the power of the exponents that are returned, those of their
+    /// pivots: nothing that counts is out of range, whatever the sizes of the columns of A.
+    pub(super) fn transposed(
+        &self,
+        factor: impl Fn(usize) -> (f64, i32),
+    ) -> Result<(Mat<f64>, Vec<i32>)> {
         let mut transposed = crate::dense::zeros(self.n(), self.rank)?;
+        let exponents: Vec<_> = self.order[..self.rank].iter().map(|&c| factor(c).1).collect();
         for (i, &c) in self.order.iter().enumerate() {
-            let factor = factor(c);
+            let (factor, exponent) = factor(c);
             for j in 0..self.rank.min(i + 1) {
-                transposed[(c, j)] = self.lower.get(i, j)[0] * factor;
+                let value = self.lower.get(i, j)[0] * factor;
+                transposed[(c, j)] = scaled(value, exponent - exponents[j]);
             }
         }
-        Ok(transposed)
+        Ok((transposed, exponents))
     }
 }
 

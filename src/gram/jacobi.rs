@@ -1,5 +1,6 @@
 //! The singular value decomposition of a triangular factor by one-sided Jacobi rotations (Hestenes
-//! 1958; Demmel and Veselic 1992; Drmac and Veselic 2008).
+//! 1958; Demmel and Veselic 1992; Drmac and Veselic 2008), of columns that keep their exponents
+//! apart: their squares, and those of the results, need not be in the range of f64.
 
 use faer::Mat;
 
@@ -23,44 +24,47 @@ pub(super) struct Jacobi {
     pub vectors: Mat<f64>,
 }
 
-/// Decomposes a matrix (n x r, r <= n) of full column rank, which best is the transpose of the R of
-/// a factorisation with pivoting: its columns are graded then, rotations converge in few sweeps,
-/// and the relative error even of the smallest value is about r 2^-53 times the condition number of
-/// R with rows of norm 1. Values below 2^-500 of the largest have no digits.
+/// Decomposes a matrix (n x r, r <= n) of full column rank, whose column j is that of `y` times
+/// `2^exponents[j]`. It best is the transpose of the R of a factorisation with pivoting: its columns
+/// are graded then, rotations converge in few sweeps, and the relative error even of the smallest
+/// value is about r 2^-53 times the condition number of R with rows of norm 1.
 ///
 /// Blocks of columns meet in rounds of disjoint pairs (Brent and Luk 1985), so that the result is
 /// the same, bit for bit, for every `par`.
-pub(super) fn jacobi(y: &Mat<f64>, par: Par) -> Result<Jacobi> {
+pub(super) fn jacobi(y: &Mat<f64>, exponents: &[i32], par: Par) -> Result<Jacobi> {
     let (n, r) = y.shape();
-    let largest = y.norm_max();
-    let exponent = if largest > 0.0 { largest.log2() as i32 } else { 0 };
     let stride = n.next_multiple_of(SUMS);
     let mut columns = zeros(stride.saturating_mul(r))?;
-    for j in 0..r {
+    let mut exponents = exponents.to_vec();
+    for (j, exponent) in exponents.iter_mut().enumerate() {
+        let largest = y.col(j).norm_max();
+        let own = if largest > 0.0 { largest.log2() as i32 } else { 0 };
         for i in 0..n {
-            columns[j * stride + i] = scaled(y[(i, j)], -exponent);
+            columns[j * stride + i] = scaled(y[(i, j)], -own);
         }
+        *exponent += own;
     }
     if n > 0 {
-        rotate(&mut columns, stride, par)?;
+        rotate(&mut columns, &mut exponents, stride, par)?;
     }
     let column = |j: usize| &columns[j * stride..(j + 1) * stride];
     let norm = |j: usize| product(column(j), column(j)).sqrt();
     let norms: Vec<f64> = (0..r).map(norm).collect();
+    let values: Vec<f64> = norms.iter().zip(&exponents).map(|(&x, &e)| scaled(x, e)).collect();
     let mut order: Vec<usize> = (0..r).collect();
-    order.sort_by(|&a, &b| norms[b].total_cmp(&norms[a]));
+    order.sort_by(|&a, &b| values[b].total_cmp(&values[a]));
     let mut vectors = crate::dense::zeros(n, r)?;
     for (to, &from) in order.iter().enumerate() {
         for i in 0..n {
             vectors[(i, to)] = column(from)[i] / norms[from];
         }
     }
-    let values = order.iter().map(|&j| scaled(norms[j], exponent)).collect();
+    let values = order.iter().map(|&j| values[j]).collect();
     Ok(Jacobi { values, vectors })
 }
 
 /// Rotates pairs of columns of length `n`, a multiple of [`SUMS`], until all are orthogonal.
-fn rotate(columns: &mut [f64], n: usize, par: Par) -> Result<()> {
+fn rotate(columns: &mut [f64], exponents: &mut [i32], n: usize, par: Par) -> Result<()> {
     // One more than the number of blocks when that is odd: it stands for no block.
     let blocks = columns.len().div_ceil(BLOCK * n);
     let even = blocks.next_multiple_of(2);
@@ -69,9 +73,11 @@ fn rotate(columns: &mut [f64], n: usize, par: Par) -> Result<()> {
     for _ in 0..SWEEPS {
         let mut largest = 0.0_f64;
         for round in 0..even.saturating_sub(1).max(1) {
-            let blocks = columns.chunks_mut(BLOCK * n).zip(squares.chunks_mut(BLOCK));
-            let mut free: Vec<_> =
-                blocks.map(|(columns, squares)| Some(Block { columns, squares })).collect();
+            let of_columns = squares.chunks_mut(BLOCK).zip(exponents.chunks_mut(BLOCK));
+            let blocks = columns.chunks_mut(BLOCK * n).zip(of_columns);
+            let mut free: Vec<_> = blocks
+                .map(|(columns, (squares, exponents))| Some(Block { columns, squares, exponents }))
+                .collect();
             let mut meetings: Vec<_> = pairs(even, round)
                 .map(|(a, b)| {
                     let mut take = |i: usize| free.get_mut(i).and_then(Option::take);
@@ -105,11 +111,33 @@ fn pairs(even: usize, round: usize) -> impl Iterator<Item = (usize, usize)> {
     }))
 }
 
-/// Some columns, one after another, and their squares, which rotations keep up to date.
+/// Some columns, one after another, and their squares, which rotations keep up to date; the columns
+/// stand for themselves times 2 to the power of their exponents.
 #[derive(Default)]
 struct Block<'c> {
     columns: &'c mut [f64],
     squares: &'c mut [f64],
+    exponents: &'c mut [i32],
+}
+
+/// A column of a [`Block`].
+struct Column<'c> {
+    x: &'c mut [f64],
+    square: &'c mut f64,
+    exponent: &'c mut i32,
+}
+
+impl Block<'_> {
+    /// Columns `from..`, of length `n`.
+    #[inline(always)]
+    fn columns(&mut self, n: usize) -> impl Iterator<Item = Column<'_>> {
+        let of_columns = self.squares.iter_mut().zip(&mut *self.exponents);
+        self.columns.chunks_exact_mut(n).zip(of_columns).map(|(x, (square, exponent))| Column {
+            x,
+            square,
+            exponent,
+        })
+    }
 }
 
 /// Rotates each column of `a` against each of `b`. With `first`, which is said to every block once in
@@ -119,22 +147,22 @@ struct Block<'c> {
 fn meet<'c>(a: &mut Block<'c>, b: &mut Block<'c>, n: usize, limit: f64, first: bool) -> f64 {
     let mut largest = 0.0_f64;
     if first {
-        for Block { columns, squares } in [&mut *a, &mut *b] {
-            for (square, x) in squares.iter_mut().zip(columns.chunks_exact(n)) {
-                *square = product(x, x);
+        for block in [&mut *a, &mut *b] {
+            let mut columns: Vec<_> = block.columns(n).collect();
+            for column in &mut columns {
+                *column.square = product(column.x, column.x);
             }
-            for i in 0..squares.len() {
-                let (own, others) = columns[i * n..].split_at_mut(n);
-                let (xx, squares) = squares[i..].split_at_mut(1);
-                for (y, yy) in others.chunks_exact_mut(n).zip(squares) {
-                    largest = largest.max(rotate_pair((own, &mut xx[0]), (y, yy), limit));
+            for i in 1..columns.len() {
+                let (before, others) = columns.split_at_mut(i);
+                for other in others {
+                    largest = largest.max(rotate_pair(&mut before[i - 1], other, limit));
                 }
             }
         }
     }
-    for (x, xx) in a.columns.chunks_exact_mut(n).zip(&mut *a.squares) {
-        for (y, yy) in b.columns.chunks_exact_mut(n).zip(&mut *b.squares) {
-            largest = largest.max(rotate_pair((x, xx), (y, yy), limit));
+    for mut x in a.columns(n) {
+        for mut y in b.columns(n) {
+            largest = largest.max(rotate_pair(&mut x, &mut y, limit));
         }
     }
     largest
@@ -143,39 +171,46 @@ fn meet<'c>(a: &mut Block<'c>, b: &mut Block<'c>, n: usize, limit: f64, first: b
 /// Makes two columns orthogonal, the longer one first, unless the cosine of their angle is below
 /// the limit. Returns the cosine.
 #[inline(always)]
-fn rotate_pair(
-    (x, xx): (&mut [f64], &mut f64),
-    (y, yy): (&mut [f64], &mut f64),
-    limit: f64,
-) -> f64 {
+fn rotate_pair(x: &mut Column<'_>, y: &mut Column<'_>, limit: f64) -> f64 {
     /// A square that gets smaller than this share of itself has lost digits.
     const SHARE: f64 = 1.0 / 16.0;
-    let size = xx.sqrt() * yy.sqrt();
+    let size = x.square.sqrt() * y.square.sqrt();
     if size == 0.0 {
         return 0.0;
     }
-    let xy = product(x, y);
+    let xy = product(x.x, y.x);
     let cosine = xy.abs() / size;
     if cosine <= limit {
         return cosine;
     }
-    let slope = (*yy - *xx) / (2.0 * xy);
-    let tangent = slope.signum() / (slope.abs() + slope.hypot(1.0));
-    let cos = tangent.hypot(1.0).recip();
-    let sin = cos * tangent;
     // Columns change places where the second one is the longer one, or becomes it.
-    let keep = xx > yy;
-    let rows = if keep { [[cos, -sin], [sin, cos]] } else { [[sin, cos], [cos, -sin]] };
-    for (x, y) in x.iter_mut().zip(&mut *y) {
+    let shift = *y.exponent - *x.exponent;
+    let keep = *x.square > scaled(*y.square, 2 * shift);
+    let (longer, shorter) = if keep { (&*x, &*y) } else { (&*y, &*x) };
+    // With r = 2^(exponent of the shorter one less that of the longer one) and the tangent t, the
+    // longer one becomes cos (l - t r s) and the shorter one cos (s + (t / r) l). Neither t / r nor
+    // r is out of range, but to zero.
+    let r = scaled(1.0, *shorter.exponent - *longer.exponent);
+    let slope = (*shorter.square * r * r - *longer.square) / (2.0 * xy);
+    let tangent = slope.signum() / (slope.abs() + slope.hypot(r));
+    let cos = (tangent * r).hypot(1.0).recip();
+    let sin = cos * tangent;
+    // One gains what the other loses.
+    let moved = (tangent * xy).abs();
+    let squares = (*longer.square + moved * r * r, *shorter.square - moved);
+    let reliable = squares.1 > SHARE * *shorter.square;
+    let back = sin * r * r;
+    let rows = if keep { [[cos, -back], [sin, cos]] } else { [[-back, cos], [cos, sin]] };
+    for (x, y) in x.x.iter_mut().zip(&mut *y.x) {
         let (was_x, was_y) = (*x, *y);
         *x = rows[0][0] * was_x + rows[0][1] * was_y;
         *y = rows[1][0] * was_x + rows[1][1] * was_y;
     }
-    // One gains what the other loses.
-    let (longer, shorter) = if keep { (*xx, *yy) } else { (*yy, *xx) };
-    let moved = (tangent * xy).abs();
-    *xx = longer + moved;
-    *yy = if shorter - moved > SHARE * shorter { shorter - moved } else { product(y, y) };
+    if !keep {
+        std::mem::swap(&mut *x.exponent, &mut *y.exponent);
+    }
+    *x.square = squares.0;
+    *y.square = if reliable { squares.1 } else { product(y.x, y.x) };
     cosine
 }
 
@@ -221,8 +256,8 @@ mod tests {
         let mut rng = Rng::new(1);
         for (n, r) in [(0, 0), (1, 1), (5, 3), (37, 37), (71, 53)] {
             let y = Mat::from_fn(n, r, |i, j| if i >= j { rng.normal() } else { 0.0 });
-            let found = jacobi(&y, Par::Seq).unwrap();
-            let two = jacobi(&y, Par::Threads(3)).unwrap();
+            let found = jacobi(&y, &vec![0; r], Par::Seq).unwrap();
+            let two = jacobi(&y, &vec![0; r], Par::Threads(3)).unwrap();
             assert_eq!((&found.values, &found.vectors), (&two.values, &two.vectors));
             assert!(found.values.is_sorted_by(|a, b| a >= b));
             let us = Mat::from_fn(n, r, |i, j| found.vectors[(i, j)] * found.values[j]);

@@ -130,18 +130,17 @@ impl PrincipalComponents {
             let deviations = (0..n).map(deviation).map(|s| if s > 0.0 { s } else { 1.0 });
             scale = deviations.collect();
         }
-        let largest = if options.standardize {
-            0
-        } else {
-            factor.exponents.iter().copied().max().unwrap_or(0)
-        };
-        let columns = factor.transposed(|c| {
-            let exponent = factor.exponents[c] - largest;
+        let (columns, exponents) = factor.transposed(|c| {
+            let exponent = factor.exponents[c];
+            if !options.standardize {
+                return (1.0, exponent);
+            }
             // Neither factor is out of range by itself.
-            scaled(1.0, exponent / 2) / scale[c] * scaled(1.0, exponent - exponent / 2)
+            let half = scaled(1.0, exponent / 2) / scale[c];
+            (half * scaled(1.0, exponent - exponent / 2), 0)
         })?;
-        let found = jacobi(&columns, options.par)?;
-        let singular_values: Vec<_> = found.values.iter().map(|&s| scaled(s, largest)).collect();
+        let found = jacobi(&columns, &exponents, options.par)?;
+        let singular_values = found.values;
         let variance: Vec<_> = singular_values.iter().map(|s| s * s / divisor).collect();
         let total: f64 = (0..n).map(|c| (deviation(c) / scale[c]).powi(2)).sum();
         let ratio: Vec<_> = variance.iter().map(|v| v / total).collect();

@@ -433,6 +433,91 @@ fn the_smallest_singular_value_of_two_near_columns_has_15_digits() {
     }
 }
 
+/// The Gram matrix of columns times powers of two.
+fn shifted(gram: &ExtendedGram, shifts: &[i32]) -> ExtendedGram {
+    let (rows, mean) = (gram.rows(), gram.mean());
+    let times = |x: f64, power: i32| double::scaled(x, power);
+    let mean = mean.iter().zip(shifts).map(|(m, &s)| m.map(|m| times(m, s))).collect();
+    let about = About { exact: true, rows, weight: gram.weight(), mean };
+    let entry = |i, j| gram.entry(i, j).map(|part| times(part, shifts[i] + shifts[j]));
+    ExtendedGram::from_entries(gram.n(), about, Par::Seq, entry).unwrap()
+}
+
+/// Columns of three sizes that are `shift` powers of two apart.
+fn sizes(n: usize, shift: i32) -> Vec<i32> {
+    (0..n).map(|j| shift * ((2 * j % 3) as i32 - 1)).collect()
+}
+
+#[test]
+fn singular_values_of_columns_1e270_apart_are_those_of_columns_1e30_apart() {
+    // Columns of other sizes then count for nothing but the space that they span.
+    for n in [2, 3, 11, 40] {
+        let gram = gram(random(n + 5, n, 17).as_ref());
+        let values = |shift| {
+            let gram = shifted(&gram, &sizes(n, shift));
+            SingularValues::from_gram(&gram, Par::Seq).unwrap()
+        };
+        let mut order = sizes(n, 1);
+        order.sort_unstable_by_key(|&size| -size);
+        let base = values(100);
+        assert_eq!(base.rank(), n);
+        for shift in [200, 330, 440] {
+            let found = values(shift);
+            for k in 0..n {
+                let power = double::scaled(1.0, order[k] * (shift - 100));
+                near(found.values[k], base.values[k] * power, 1e-14);
+            }
+            let orthogonal = found.v.transpose() * &found.v - Mat::<f64>::identity(n, n);
+            assert!(orthogonal.norm_max() < 1e-14);
+        }
+    }
+}
+
+#[test]
+fn components_of_columns_1e270_apart_are_those_of_columns_1e30_apart() {
+    let n = 7;
+    let gram = centered(random(19, n, 18).as_ref());
+    for standardize in [false, true] {
+        let options = PrincipalComponentsOptions::new().standardize(standardize);
+        let of = |shift| {
+            let gram = shifted(&gram, &sizes(n, shift));
+            PrincipalComponents::from_gram(&gram, &options).unwrap()
+        };
+        let (base, found) = (of(100), of(440));
+        for k in 0..n {
+            let size = if standardize { 0 } else { [1, 1, 0, 0, -1, -1, -1][k] };
+            let power = double::scaled(1.0, size * 340);
+            near(found.singular_values[k], base.singular_values[k] * power, 1e-14);
+            near(found.explained_variance[k], base.explained_variance[k] * power * power, 1e-14);
+        }
+    }
+}
+
+#[test]
+fn coefficients_of_columns_1e270_apart_are_those_of_columns_of_one_size() {
+    let (n, a) = (6, random(23, 7, 19));
+    let of = |shift: i32| {
+        let mut shifts = sizes(n, shift);
+        shifts.push(-shift / 2);
+        let gram = shifted(&gram(a.as_ref()), &shifts);
+        (shifts, LeastSquares::from_gram(&gram, 1, &LeastSquaresOptions::new()).unwrap())
+    };
+    let (_, base) = of(0);
+    for shift in [100, 330, 440] {
+        let (shifts, found) = of(shift);
+        assert_eq!(found.rank, n);
+        for j in 0..n {
+            let power = |x: f64| double::scaled(x, shifts[n] - shifts[j]);
+            assert_eq!(found.coefficients[(j, 0)], power(base.coefficients[(j, 0)]));
+            near(found.standard_errors[(j, 0)], power(base.standard_errors[(j, 0)]), 1e-14);
+        }
+        let norm = double::scaled(base.residual_norms[0], shifts[n]);
+        assert_eq!(found.residual_norms[0], norm);
+        assert_eq!((found.r_squared[0], found.digits), (base.r_squared[0], base.digits));
+        assert!(found.condition > double::scaled(0.1, 2 * shift), "{:e}", found.condition);
+    }
+}
+
 #[test]
 fn singular_values_of_dependent_columns_are_zero() {
     let a = Mat::from_fn(5, 3, |i, j| ((i + 1) * (j + 1)) as f64);

@@ -80,7 +80,7 @@ impl<'a> Krylov<'a> {
     }
 
     /// Starts from null vectors that are 1 on these sets of rows, as many as are wanted, and random directions.
-    pub fn lock(&mut self, factor: &Factor<'_>, sets: &[Vec<usize>]) -> Result<()> {
+    pub fn lock(&mut self, factor: &Factor, sets: &[Vec<usize>]) -> Result<()> {
         let space = self.pencil.inner();
         let here = space.rows();
         for rows in sets.iter().take(self.options.k) {
@@ -103,7 +103,7 @@ impl<'a> Krylov<'a> {
     }
 
     /// Replaces Q by random directions that have been through the operator once, and couple to nothing.
-    fn begin_anew(&mut self, factor: &Factor<'_>) -> Result<()> {
+    fn begin_anew(&mut self, factor: &Factor) -> Result<()> {
         for j in 0..WIDTH {
             let column = self.work[1].as_mut().col_mut(j);
             randomise(column, self.pencil, &mut self.rng, self.mass_norm);
@@ -126,7 +126,7 @@ impl<'a> Krylov<'a> {
     }
 
     /// Adds Q to V, and finds the next Q.
-    fn expand(&mut self, factor: &Factor<'_>) -> Result<()> {
+    fn expand(&mut self, factor: &Factor) -> Result<()> {
         let (len, coupled, par) = (self.len, self.coupled, self.options.par);
         let x = &mut self.work[0];
         x.copy_from(&self.weighted);
@@ -225,7 +225,7 @@ impl<'a> Krylov<'a> {
 
     /// Expands and restarts until the estimated residuals of the wanted pairs are small enough; the first columns of
     /// the basis are their vectors then.
-    pub fn converge(&mut self, factor: &Factor<'_>) -> Result<()> {
+    pub fn converge(&mut self, factor: &Factor) -> Result<()> {
         let k = self.options.k;
         if self.len >= k && self.found.is_empty() {
             // Null vectors are all that is wanted.
@@ -318,7 +318,7 @@ impl<'a> Krylov<'a> {
 
     /// After [`Krylov::converge`]: applies the operator once to the vectors found (Ericsson and Ruhe 1980). What rounding
     /// left in entries of little mass is large in W, but gone after this.
-    pub fn purify(&mut self, factor: &Factor<'_>) -> Result<()> {
+    pub fn purify(&mut self, factor: &Factor) -> Result<()> {
         let par = self.options.par;
         for first in (0..self.found.len()).step_by(WIDTH) {
             let width = WIDTH.min(self.found.len() - first);
@@ -342,7 +342,7 @@ impl<'a> Krylov<'a> {
 
     /// After [`Krylov::converge`]: goes on from the pairs found and random directions, for what these pairs and all
     /// directions before have nothing of.
-    pub fn add_directions(&mut self, factor: &Factor<'_>) -> Result<()> {
+    pub fn add_directions(&mut self, factor: &Factor) -> Result<()> {
         self.projected.as_mut().subrows_mut(self.len, WIDTH).fill(0.0);
         self.begin_anew(factor)
     }
@@ -389,7 +389,7 @@ fn inner_products(
 }
 
 /// `X := (W - sigma M)^-1 X`.
-fn solve(pencil: &dyn Pencil, factor: &Factor<'_>, x: MatMut<'_, f64>, par: Par) -> Result<()> {
+fn solve(pencil: &dyn Pencil, factor: &Factor, x: MatMut<'_, f64>, par: Par) -> Result<()> {
     pencil.map_columns(x, &|whole| factor.solve(whole, par))
 }
 

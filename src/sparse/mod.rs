@@ -16,10 +16,11 @@ mod shifted;
 mod slices;
 mod small;
 mod space;
+mod two_level;
 
 #[cfg(feature = "mpi")]
 pub(crate) use check::check_mirrored;
-pub(crate) use cholesky::Symbolic;
+pub(crate) use cholesky::{Factor, Symbolic};
 pub use count::count_below;
 pub use eigenpairs::Eigenpairs;
 pub use eigs::eigs;
@@ -34,3 +35,4 @@ pub(crate) use space::InnerSpace;
 pub(crate) use space::Pencil;
 /// The sparse matrix, by rows, from crate sprs.
 pub use sprs::{CsMat, CsMatView};
+pub use two_level::eigs_two_level;

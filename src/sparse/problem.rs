@@ -35,36 +35,36 @@ impl<'a> Problem<'a> {
 
     /// Bytes that a factorisation takes, and those that are there anyway.
     pub fn bytes(&self) -> usize {
-        self.symbolic.entries() * size_of::<f64>() + self.shifted.bytes()
+        self.symbolic.bytes() + self.shifted.bytes()
     }
 
     /// The number of eigenvalues below `value`.
     pub fn below(&self, value: f64) -> Result<usize> {
-        Ok(Factor::indefinite(&self.symbolic, &self.shifted, value)?.below_shift())
+        Ok(self.indefinite(value)?.below_zero())
     }
 
     /// [`Problem::below`], or nothing where `value` is an eigenvalue as far as elimination can tell.
     pub fn count_below(&self, value: f64) -> Result<Option<usize>> {
-        let factor = Factor::indefinite(&self.symbolic, &self.shifted, value)?;
-        Ok(factor.is_finite().then(|| factor.below_shift()))
+        let factor = self.indefinite(value)?;
+        Ok(factor.is_finite().then(|| factor.below_zero()))
     }
 
     /// `W - sigma M`, factorised, for a W that is semi-definite.
-    pub fn positive(&self, sigma: f64) -> Result<Factor<'_>> {
-        Factor::positive(&self.symbolic, &self.shifted, sigma)?.ok_or_else(|| {
+    pub fn positive(&self, sigma: f64) -> Result<Factor> {
+        self.if_positive(sigma)?.ok_or_else(|| {
             let why = "not positive semi-definite: give a shift".into();
             Error::Argument { what: "stiffness", why }
         })
     }
 
     /// `W - sigma M`, factorised.
-    pub fn any(&self, sigma: f64) -> Result<Factor<'_>> {
+    pub fn any(&self, sigma: f64) -> Result<Factor> {
         if sigma < 0.0
-            && let Some(factor) = Factor::positive(&self.symbolic, &self.shifted, sigma)?
+            && let Some(factor) = self.if_positive(sigma)?
         {
             return Ok(factor);
         }
-        let factor = Factor::indefinite(&self.symbolic, &self.shifted, sigma)?;
+        let factor = self.indefinite(sigma)?;
         if !factor.is_finite() {
             let why = format!("{sigma:e} is an eigenvalue, as far as elimination can tell");
             return Err(Error::Argument { what: "shift", why });
@@ -72,12 +72,22 @@ impl<'a> Problem<'a> {
         Ok(factor)
     }
 
+    /// `W - sigma M`, factorised, if it is positive definite.
+    fn if_positive(&self, sigma: f64) -> Result<Option<Factor>> {
+        self.symbolic.positive(self.shifted.matrix(&self.shifted.values(sigma)))
+    }
+
+    /// `W - sigma M`, factorised with pivots.
+    fn indefinite(&self, sigma: f64) -> Result<Factor> {
+        self.symbolic.indefinite(self.shifted.matrix(&self.shifted.values(sigma)))
+    }
+
     /// The `options.k` pairs nearest to sigma, given the factor for it; goes on until `complete` says of their values
     /// that none is missing. When that is asked, no factor is kept.
-    pub fn nearest<'s>(
-        &'s self,
+    pub fn nearest(
+        &self,
         sigma: f64,
-        factor: Factor<'s>,
+        factor: Factor,
         options: &EigenOptions<'_>,
         mut complete: impl FnMut(&[f64]) -> Result<bool>,
     ) -> Result<Eigenpairs> {

@@ -173,7 +173,7 @@ impl<'a> Slices<'a> {
                 }
                 Err(error) => return Err(error),
             };
-            let left = factor.below_shift().saturating_sub(self.handed);
+            let left = factor.below_zero().saturating_sub(self.handed);
             if 2 * left + self.margin() > self.largest {
                 (width, shrunk) = (width * (0.45 * aim as f64 / left as f64).min(0.8), true);
                 continue;
@@ -211,7 +211,7 @@ impl<'a> Slices<'a> {
     fn run(
         &mut self,
         sigma: f64,
-        factor: Factor<'_>,
+        factor: Factor,
         left: usize,
         size: usize,
     ) -> Result<(Eigenpairs, End)> {

@@ -483,6 +483,32 @@ fn the_largest_components_stay() {
 }
 
 #[test]
+fn specks_are_components_below_a_share_of_the_area() {
+    // Radii 1, 1/4 and 1/8 give shares of about .93, .05 and .015, whatever their numbers of faces.
+    let sphere = |level, radius: f64| {
+        let (points, faces) = families::icosphere(level).unwrap().into_parts();
+        TriMesh::new(points.into_iter().map(|p| p.map(|x| radius * x)).collect(), faces).unwrap()
+    };
+    let all = both(&sphere(2, 1.0), &both(&sphere(1, 0.25), &sphere(3, 0.125), 3.0), 3.0);
+    for (share, left) in [(0.0, 3), (0.01, 3), (0.03, 2), (0.5, 1), (1.0, 0)] {
+        let found = repaired(all.clone(), RepairOptions::new().drop_specks(share));
+        assert_eq!(found.file.mesh.validate().components, left, "{share}");
+        let [RepairStep::DroppedSpecks { components, faces, .. }] = found.report.steps[..] else {
+            panic!()
+        };
+        assert_eq!(components, 3 - left);
+        assert_eq!(all.faces().len() - faces, found.file.mesh.faces().len());
+    }
+    let flat = TriMesh::new(vec![[0.0; 3]; 3], vec![[0, 1, 2]]).unwrap();
+    let found = repaired(flat.clone(), RepairOptions::new().drop_specks(0.5));
+    assert_eq!(found.file.mesh, flat, "no area, no specks");
+    for share in [-0.1, 1.1, f64::NAN] {
+        let refused = repair(all.clone().into(), &RepairOptions::new().drop_specks(share));
+        assert!(refused.unwrap_err().to_string().contains("drop_specks"));
+    }
+}
+
+#[test]
 fn what_needs_repair_is_named() {
     let sphere = families::icosphere(1).unwrap();
     assert_eq!(needs_repair(&sphere), None);

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
+use catamaran::ata::{ComplexPlan, aha_planned, ahb_planned};
 use catamaran::base::{Pin, Rng};
 use catamaran::blas::BlasReal;
 use catamaran::faer::complex::Complex;
@@ -630,4 +631,60 @@ fn progress_never_decreases_and_cancelling_leaves_c_alone() {
             }
         }
     }
+}
+
+#[test]
+fn plans_give_transposed_and_conjugated_products_in_blocks_that_memory_allows() {
+    let (m, n, k) = (701, 5, 3);
+    let (a, b) = (integers::<f64>(m, n, 41), integers::<f64>(m, k, 42));
+    let conjugate = |x: &Mat<c64>| Mat::from_fn(x.nrows(), x.ncols(), |i, j| x[(i, j)].conj());
+    let (one, zero) = (complex(1.0, 0.0), complex(0.0, 0.0));
+    let product = |a: &Mat<c64>, b: &Mat<c64>| {
+        Mat::from_fn(a.ncols(), b.ncols(), |i, j| {
+            let [re, im] = dot(a.as_ref(), b.as_ref(), i, j);
+            complex::<f64>(re as f64, im as f64)
+        })
+    };
+    for memory in [None, Some(1 << 16), Some(1)] {
+        let options = AtaOptions::new().memory(memory);
+        let ahb = ComplexPlan::ahb::<f64>(m, n, k, &options).unwrap();
+        let atb = ComplexPlan::atb::<f64>(m, n, k, &options).unwrap();
+        for (plan, conj_a, conj_b) in [
+            (&ahb, true, false),
+            (&ahb.clone().conjugated(), false, true),
+            (&atb, false, false),
+            (&atb.clone().conjugated(), true, true),
+        ] {
+            let left = if conj_a { a.clone() } else { conjugate(&a) };
+            let right = if conj_b { conjugate(&b) } else { b.clone() };
+            let mut c = Mat::full(n, k, complex(f64::NAN, f64::NAN));
+            ahb_planned(plan, one, a.as_ref(), b.as_ref(), zero, c.as_mut(), &options).unwrap();
+            assert_eq!(c, product(&left, &right), "{conj_a} {conj_b} {memory:?}");
+        }
+        let aha = ComplexPlan::aha::<f64>(m, n, &options).unwrap();
+        for (plan, left) in [(&aha, a.clone()), (&aha.clone().conjugated(), conjugate(&a))] {
+            let mut c = zeros::<f64>(n, n);
+            let both = options.clone().uplo(Uplo::Both);
+            aha_planned(plan, 1.0, a.as_ref(), 0.0, c.as_mut(), &both).unwrap();
+            assert_eq!(c, product(&left, &left), "{memory:?}");
+        }
+        let bytes = 8 * ahb.scratch_len::<f64>(Par::Threads(2)).max(1);
+        assert!(memory != Some(1 << 16) || bytes <= 1 << 16, "{bytes}");
+    }
+}
+
+#[test]
+fn plans_of_other_complex_products_are_refused() {
+    let (options, a) = (AtaOptions::new(), integers::<f64>(4, 3, 43));
+    let (one, zero) = (complex(1.0, 0.0), complex(0.0, 0.0));
+    let run = |plan: &ComplexPlan| {
+        let mut c = zeros::<f64>(3, 3);
+        ahb_planned(plan, one, a.as_ref(), a.as_ref(), zero, c.as_mut(), &options)
+    };
+    let plan = ComplexPlan::ahb::<f32>(4, 3, 3, &options).unwrap();
+    assert!(matches!(run(&plan), Err(Error::Argument { what: "plan", .. })));
+    let plan = ComplexPlan::aha::<f64>(4, 3, &options).unwrap();
+    assert!(matches!(run(&plan), Err(Error::Argument { what: "plan", .. })));
+    let plan = ComplexPlan::ahb::<f64>(5, 3, 3, &options).unwrap();
+    assert!(matches!(run(&plan), Err(Error::Shape { what: "A", .. })));
 }

@@ -32,6 +32,24 @@ fn numbers(folder: &Folder, name: &str) -> Vec<Vec<f64>> {
 }
 
 #[test]
+fn specks_are_told_apart_from_the_rest_or_dropped() {
+    let (mut points, mut faces) = sphere().into_parts();
+    let first = points.len() as u32;
+    points.extend([[5.0, 0.0, 0.0], [5.1, 0.0, 0.0], [5.0, 0.1, 0.0], [5.0, 0.0, 0.1]]);
+    let speck = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    faces.extend(speck.map(|face| face.map(|v| first + v)));
+    let folder = folder("in.ply", &TriMesh::new(points, faces).unwrap().into());
+    let said = folder.succeed("decimate in.ply -n 101 -o all.ply --report");
+    assert!(
+        said.contains("components 2,") && said.contains("largest     component alone"),
+        "{said}"
+    );
+    let said = folder.succeed("decimate in.ply -n 101 -o one.ply --report --drop-specks 0.01");
+    assert!(said.contains("components 1,") && !said.contains("component alone"), "{said}");
+    assert_eq!(read(&folder.path("one.ply")).unwrap().mesh.vertices().len(), 101);
+}
+
+#[test]
 fn a_mesh_has_as_many_vertices_as_are_asked_for_and_a_report() {
     let folder = folder("in.ply", &sphere().into());
     let said = folder.succeed("decimate in.ply -n 101 -o out.obj --report --picture p.png");

@@ -226,6 +226,10 @@ fn repairs_are_done_one_by_one_and_in_one_order() {
         ("--compact", "compact     1 vertices without a face dropped"),
         ("--keep-largest 1", "largest     1 components of 4 faces dropped"),
         (
+            "--drop-specks 0",
+            "specks      0 components of 0 faces dropped, each below 0 of the area",
+        ),
+        (
             "--fill-holes 3 --weld --drop-duplicates --drop-degenerate",
             "holes       1 filled by 1 faces, 0 loops left",
         ),

@@ -57,6 +57,34 @@ fn a_sphere_has_the_multiplets_of_spherical_harmonics() {
 }
 
 #[test]
+fn a_decimation_gives_nearly_the_same_pairs_and_its_errors_are_told() {
+    let folder = Folder::new();
+    write(&folder, "torus.ply", families::torus(90, 40, 1.0, 0.4).unwrap());
+    folder.succeed("spectrum torus.ply -k 12 -o all.npz");
+    let said = folder.succeed(
+        "spectrum torus.ply -k 12 --via-decimation 600 -o few.npz --picture few.png --threads 2",
+    );
+    assert!(said.contains("decimation  to 600 vertices: the pairs are approximate"), "{said}");
+    let [all, few] = ["all.npz", "few.npz"].map(|file| array(&folder, file, "eigenvalues").1);
+    for (i, (exact, found)) in all.iter().zip(&few).enumerate().skip(1) {
+        let error = found / exact - 1.0;
+        assert!((-1e-9..2e-3).contains(&error), "{i}: {error:e}");
+    }
+    assert_eq!(array(&folder, "few.npz", "eigenvectors").0, [3600, 12]);
+    for (arguments, named) in [
+        ("--via-decimation 9", "k: 12 eigenpairs from a coarse space of 9 dimensions"),
+        ("--via-decimation 600 --boundary dirichlet", "--via-decimation: "),
+        ("--via-decimation 600 --shift 1", "cannot be used with '--shift"),
+        ("--via-decimation 2", "n: 2, but"),
+    ] {
+        let refused = folder.run(&format!("spectrum torus.ply -k 12 -o no.npz {arguments}"));
+        assert_ne!(refused.code, Some(0));
+        assert!(refused.stderr.contains(named), "{arguments}: {}", refused.stderr);
+        assert!(!folder.path("no.npz").exists());
+    }
+}
+
+#[test]
 fn a_tolerance_that_is_not_reached_is_an_error_that_names_the_pair_and_its_residual() {
     let folder = Folder::new();
     // Every second column of a grid is 1e-7 from the one before it: weights of 1e6.

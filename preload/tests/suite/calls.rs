@@ -2,7 +2,7 @@
 
 use std::ffi::{CString, c_void};
 
-use super::oracle::{Matrix, Part, Scalar};
+use super::oracle::{Matrix, Part, Scalar, Trans};
 
 /// How a function takes its arguments.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,8 +52,21 @@ pub fn symbol(name: &str) -> *mut c_void {
     address
 }
 
-const TRANS: [u8; 2] = [b'N', b't'];
-const NUMBER_TRANS: [i32; 2] = [111, 112];
+fn letter_trans(trans: Trans) -> u8 {
+    match trans {
+        Trans::No => b'N',
+        Trans::Transposed => b't',
+        Trans::Conjugated => b'C',
+    }
+}
+
+fn number_trans(trans: Trans) -> i32 {
+    match trans {
+        Trans::No => 111,
+        Trans::Transposed => 112,
+        Trans::Conjugated => 113,
+    }
+}
 
 fn letter(part: Part) -> u8 {
     if part == Part::Lower { b'l' } else { b'U' }
@@ -79,7 +92,8 @@ macro_rules! with_integer {
     };
 }
 
-/// `C := alpha op(A) op(A)^T + beta C`, the triangle `part`.
+/// `C := alpha op(A) op(A)^T + beta C`, the triangle `part`; with the conjugate transpose where
+/// elements are complex.
 pub fn syrk<T: Scalar>(
     spelling: Spelling,
     part: Part,
@@ -88,29 +102,35 @@ pub fn syrk<T: Scalar>(
     c: &mut Matrix<T>,
 ) {
     let Spelling { prefix, suffix, convention, wide } = spelling;
-    let f = symbol(&format!("{prefix}{}syrk{suffix}", T::NAME));
+    let routine = if T::IS_COMPLEX { "herk" } else { "syrk" };
+    let f = symbol(&format!("{prefix}{}{routine}{suffix}", T::NAME));
+    let op = match (trans, T::IS_COMPLEX) {
+        (false, _) => Trans::No,
+        (true, false) => Trans::Transposed,
+        (true, true) => Trans::Conjugated,
+    };
     let (n, k) = if trans { (a.cols, a.rows) } else { (a.rows, a.cols) };
-    let (alpha, beta) = (T::of(alpha), T::of(beta));
+    let (alpha, beta) = (T::real(alpha), T::real(beta));
     with_integer!(wide, Int, {
         let [n, k, lda, ldc] = [n, k, a.leading, c.leading].map(|x| x as Int);
         // SAFETY: the signatures of BLAS; the matrices have the sides and leading dimensions named.
         unsafe {
             match convention {
                 Convention::Fortran => {
-                    type F<T, I> = unsafe extern "C" fn(
+                    type F<S, T, I> = unsafe extern "C" fn(
                         *const u8,
                         *const u8,
                         *const I,
                         *const I,
-                        *const T,
+                        *const S,
                         *const T,
                         *const I,
-                        *const T,
+                        *const S,
                         *mut T,
                         *const I,
                     );
-                    let f = std::mem::transmute::<*mut c_void, F<T, Int>>(f);
-                    let (uplo, trans) = (letter(part), TRANS[usize::from(trans)]);
+                    let f = std::mem::transmute::<*mut c_void, F<T::Real, T, Int>>(f);
+                    let (uplo, trans) = (letter(part), letter_trans(op));
                     f(
                         &uplo,
                         &trans,
@@ -125,13 +145,13 @@ pub fn syrk<T: Scalar>(
                     );
                 }
                 Convention::Cblas => {
-                    type F<T, I> =
-                        unsafe extern "C" fn(i32, i32, i32, I, I, T, *const T, I, T, *mut T, I);
-                    let f = std::mem::transmute::<*mut c_void, F<T, Int>>(f);
+                    type F<S, T, I> =
+                        unsafe extern "C" fn(i32, i32, i32, I, I, S, *const T, I, S, *mut T, I);
+                    let f = std::mem::transmute::<*mut c_void, F<T::Real, T, Int>>(f);
                     f(
                         order(c.by_rows),
                         number(part),
-                        NUMBER_TRANS[usize::from(trans)],
+                        number_trans(op),
                         n,
                         k,
                         alpha,
@@ -148,19 +168,20 @@ pub fn syrk<T: Scalar>(
 }
 
 /// `C := alpha op(A) op(B) + beta C`, all of it by `gemm`, or a triangle by the routine `triangle`.
-pub fn gemm<T: Scalar>(
+pub fn gemm<T: Scalar, O: Into<Trans> + Copy>(
     spelling: Spelling,
     (part, triangle): (Part, &str),
-    [(a, trans_a), (b, trans_b)]: [(&Matrix<T>, bool); 2],
+    sides: [(&Matrix<T>, O); 2],
     [alpha, beta]: [f64; 2],
     c: &mut Matrix<T>,
 ) {
     let Spelling { prefix, suffix, convention, wide } = spelling;
     let routine = if part == Part::All { "gemm" } else { triangle };
     let f = symbol(&format!("{prefix}{}{routine}{suffix}", T::NAME));
-    let k = if trans_a { a.rows } else { a.cols };
-    let (alpha, beta) = (T::of(alpha), T::of(beta));
-    let (ta, tb) = (usize::from(trans_a), usize::from(trans_b));
+    let [(a, trans_a), (b, trans_b)] = sides.map(|(matrix, trans)| (matrix, trans.into()));
+    let k = if trans_a.transposes() { a.rows } else { a.cols };
+    let [alpha, beta] = [alpha, beta].map(|x| T::of(T::factor(x)));
+    let (ta, tb) = (letter_trans(trans_a), letter_trans(trans_b));
     let (pa, pb, pc) = (a.data.as_ptr(), b.data.as_ptr(), c.data.as_mut_ptr());
     with_integer!(wide, Int, {
         let sides = [c.rows, c.cols, k, a.leading, b.leading, c.leading];
@@ -187,10 +208,7 @@ pub fn gemm<T: Scalar>(
                         usize,
                     );
                     let f = std::mem::transmute::<*mut c_void, F<T, Int>>(f);
-                    f(
-                        &TRANS[ta], &TRANS[tb], &m, &n, &k, &alpha, pa, &lda, pb, &ldb, &beta, pc,
-                        &ldc, 1, 1,
-                    );
+                    f(&ta, &tb, &m, &n, &k, &alpha, pa, &lda, pb, &ldb, &beta, pc, &ldc, 1, 1);
                 }
                 Convention::Fortran => {
                     type F<T, I> = unsafe extern "C" fn(
@@ -214,14 +232,33 @@ pub fn gemm<T: Scalar>(
                     let f = std::mem::transmute::<*mut c_void, F<T, Int>>(f);
                     let uplo = letter(part);
                     f(
-                        &uplo, &TRANS[ta], &TRANS[tb], &n, &k, &alpha, pa, &lda, pb, &ldb, &beta,
-                        pc, &ldc, 1, 1, 1,
+                        &uplo, &ta, &tb, &n, &k, &alpha, pa, &lda, pb, &ldb, &beta, pc, &ldc, 1, 1,
+                        1,
                     );
                 }
                 Convention::Cblas => {
                     let order = order(c.by_rows);
-                    let (ta, tb) = (NUMBER_TRANS[ta], NUMBER_TRANS[tb]);
-                    if part == Part::All {
+                    let (ta, tb) = (number_trans(trans_a), number_trans(trans_b));
+                    if T::IS_COMPLEX {
+                        type F<T, I> = unsafe extern "C" fn(
+                            i32,
+                            i32,
+                            i32,
+                            I,
+                            I,
+                            I,
+                            *const T,
+                            *const T,
+                            I,
+                            *const T,
+                            I,
+                            *const T,
+                            *mut T,
+                            I,
+                        );
+                        let f = std::mem::transmute::<*mut c_void, F<T, Int>>(f);
+                        f(order, ta, tb, m, n, k, &alpha, pa, lda, pb, ldb, &beta, pc, ldc);
+                    } else if part == Part::All {
                         type F<T, I> = unsafe extern "C" fn(
                             i32,
                             i32,

@@ -3,9 +3,11 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use catamaran::faer::{c32, c64};
+
 use super::calls::{Convention, SPELLINGS, Spelling, gemm, syrk};
 use super::library;
-use super::oracle::{Matrix, Part, Random, Scalar, check};
+use super::oracle::{Matrix, Part, Random, Scalar, Trans, check};
 
 /// What a child runs.
 const TASK: &str = "CATAMARAN_BLAS_TEST_TASK";
@@ -56,11 +58,26 @@ fn in_child() {
         "parameters" => {
             parameters::<f64>();
             parameters::<f32>();
+            parameters::<c64>();
+            parameters::<c32>();
         }
-        "bytes" => println!("bytes {:016x} {:016x}", hash::<f64>(), hash::<f32>()),
-        "fork" => fork(),
-        "many threads" => many_threads(),
-        "overlap" => overlap(),
+        "bytes" => {
+            let real = [hash::<f64>(), hash::<f32>()];
+            let [a, b, c, d] = [real[0], real[1], hash::<c64>(), hash::<c32>()];
+            println!("bytes {a:016x} {b:016x} {c:016x} {d:016x}");
+        }
+        "fork" => {
+            fork::<f64>();
+            fork::<c64>();
+        }
+        "many threads" => {
+            many_threads::<f64>();
+            many_threads::<c64>();
+        }
+        "overlap" => {
+            overlap::<f64>();
+            overlap::<c64>();
+        }
         "wrong" => wrong(),
         "two calls" => two_calls(),
         other => super::host::task(other),
@@ -105,30 +122,38 @@ fn products<T: Scalar>(spelling: Spelling, [m, n, k]: [usize; 3], factors: [f64;
         let result = |rows, cols| Matrix::<T>::new(rows, cols, by_rows, 3, fill);
         let context =
             |what: &str| format!("{what} {spelling:?} {m} {n} {k} {factors:?} by rows: {by_rows}");
-        for trans_a in [false, true] {
-            let a = matrix(m, k, trans_a, 2);
+        let (real, complex) = (factors.map(|x| c64::new(x, 0.0)), factors.map(T::factor));
+        let all = [Trans::No, Trans::Transposed, Trans::Conjugated];
+        let other = if T::IS_COMPLEX { Trans::Conjugated } else { Trans::Transposed };
+        for trans_a in all {
+            let transposed = trans_a.transposes();
+            let a = matrix(m, k, transposed, 2);
             for part in [Part::Lower, Part::Upper] {
                 let before = result(m, m);
                 let mut c = before.clone();
-                syrk(spelling, part, (&a, trans_a), factors, &mut c);
-                let sides = [(&a, trans_a), (&a, !trans_a)];
-                check(sides, factors, part, &before, &c, &context("syrk"));
+                syrk(spelling, part, (&a, transposed), factors, &mut c);
+                let sides = [(&a, Trans::No), (&a, other)];
+                let sides = if transposed { [sides[1], sides[0]] } else { sides };
+                check(sides, real, part, &before, &c, &context("syrk"));
             }
-            for trans_b in [false, true] {
-                let b = matrix(k, n, trans_b, 1);
+            for trans_b in all {
+                let b = matrix(k, n, trans_b.transposes(), 1);
                 let before = result(m, n);
                 let mut c = before.clone();
                 let sides = [(&a, trans_a), (&b, trans_b)];
                 gemm(spelling, (Part::All, ""), sides, factors, &mut c);
-                check(sides, factors, Part::All, &before, &c, &context("gemm"));
+                check(sides, complex, Part::All, &before, &c, &context("gemm"));
+                if T::IS_COMPLEX {
+                    continue;
+                }
 
-                let b = matrix(k, m, trans_b, 0);
+                let b = matrix(k, m, trans_b.transposes(), 0);
                 for (part, name) in [(Part::Lower, "gemmt"), (Part::Upper, "gemmtr")] {
                     let before = result(m, m);
                     let mut c = before.clone();
                     let sides = [(&a, trans_a), (&b, trans_b)];
                     gemm(spelling, (part, name), sides, factors, &mut c);
-                    check(sides, factors, part, &before, &c, &context(name));
+                    check(sides, complex, part, &before, &c, &context(name));
                 }
             }
         }
@@ -136,9 +161,9 @@ fn products<T: Scalar>(spelling: Spelling, [m, n, k]: [usize; 3], factors: [f64;
 }
 
 /// The lower triangle of A^T A, A k x n.
-pub fn gram(n: usize, k: usize) -> Matrix<f64> {
+pub fn gram<T: Scalar>(n: usize, k: usize) -> Matrix<T> {
     let mut random = Random(17);
-    let a = Matrix::<f64>::new(k, n, false, 0, || random.number());
+    let a = Matrix::<T>::new(k, n, false, 0, || random.number());
     let mut c = Matrix::new(n, n, false, 0, || 0.0);
     syrk(SPELLINGS[0], Part::Lower, (&a, true), [1.0, 0.0], &mut c);
     c
@@ -162,8 +187,8 @@ fn hash<T: Scalar>() -> u64 {
 }
 
 /// Children of a process that has computed, and is computing, compute the same.
-fn fork() {
-    let expected = gram(300, 300);
+fn fork<T: Scalar>() {
+    let expected = gram::<T>(300, 300);
     std::thread::scope(|scope| {
         scope.spawn(|| {
             for _ in 0..10 {
@@ -190,8 +215,8 @@ fn fork() {
     assert_eq!(gram(300, 300), expected);
 }
 
-fn many_threads() {
-    let expected = gram(300, 300);
+fn many_threads<T: Scalar>() {
+    let expected = gram::<T>(300, 300);
     std::thread::scope(|scope| {
         for _ in 0..8 {
             scope.spawn(|| {
@@ -203,18 +228,14 @@ fn many_threads() {
     });
 }
 
-impl PartialEq for Matrix<f64> {
-    fn eq(&self, other: &Self) -> bool {
-        self.bits() == other.bits()
-    }
-}
-
 /// C is a part of the memory of A: beside A, and on it.
-fn overlap() {
+fn overlap<T: Scalar>() {
+    let (name, trans) = if T::IS_COMPLEX { ("zherk_", b'C') } else { ("dsyrk_", b'T') };
+    let op = if T::IS_COMPLEX { Trans::Conjugated } else { Trans::Transposed };
     for n in [5, 200] {
         let mut random = Random(5);
-        let both = Matrix::<f64>::new(2 * n, 2 * n, false, 0, || random.number());
-        let part = |matrix: &Matrix<f64>, start: usize| Matrix {
+        let both = Matrix::<T>::new(2 * n, 2 * n, false, 0, || random.number());
+        let part = |matrix: &Matrix<T>, start: usize| Matrix {
             data: matrix.data[start..].to_vec(),
             rows: n,
             cols: n,
@@ -225,27 +246,28 @@ fn overlap() {
         for start in [n, n / 2] {
             let (a, before) = (part(&both, 0), part(&both, start));
             let mut memory = both.data.clone();
-            let f = super::calls::symbol("dsyrk_");
-            type F = unsafe extern "C" fn(
+            let f = super::calls::symbol(name);
+            type F<S, T> = unsafe extern "C" fn(
                 *const u8,
                 *const u8,
                 *const i32,
                 *const i32,
-                *const f64,
-                *const f64,
+                *const S,
+                *const T,
                 *const i32,
-                *const f64,
-                *mut f64,
+                *const S,
+                *mut T,
                 *const i32,
             );
             let [side, leading] = [n, 2 * n].map(|x| x as i32);
-            let (alpha, beta, base) = (1.0, 0.5, memory.as_mut_ptr());
+            let [alpha, beta] = [1.0, 0.5].map(T::real);
+            let base = memory.as_mut_ptr();
             // SAFETY: the signature of BLAS; both blocks are inside of `memory`.
             unsafe {
-                let f = std::mem::transmute::<*mut libc::c_void, F>(f);
+                let f = std::mem::transmute::<*mut libc::c_void, F<T::Real, T>>(f);
                 f(
                     &b'U',
-                    &b'T',
+                    &trans,
                     &side,
                     &side,
                     &alpha,
@@ -257,9 +279,10 @@ fn overlap() {
                 );
             }
             let after = part(&Matrix { data: memory, ..both.clone() }, start);
-            let sides = [(&a, true), (&a, false)];
+            let sides = [(&a, op), (&a, Trans::No)];
+            let factors = [1.0, 0.5].map(|x| c64::new(x, 0.0));
             // Of the memory only C is written, so that all else has the bits that it had.
-            check(sides, [alpha, beta], Part::Upper, &before, &after, &format!("{n} {start}"));
+            check(sides, factors, Part::Upper, &before, &after, &format!("{n} {start}"));
         }
     }
 }
@@ -277,8 +300,8 @@ fn wrong() {
 }
 
 fn two_calls() {
-    gram(3, 3);
-    gram(200, 200);
+    gram::<f64>(3, 3);
+    gram::<f64>(200, 200);
 }
 
 #[test]
@@ -300,7 +323,7 @@ fn results_are_the_same_bytes_for_any_number_of_threads() {
                 let output = run("bytes", &[], &variables);
                 let text = String::from_utf8(output.stdout).unwrap();
                 let at = text.find("bytes ").expect("the line of the task");
-                text[at..at + 39].to_owned()
+                text[at..at + 73].to_owned()
             })
             .collect();
         assert!(bytes.iter().all(|b| *b == bytes[0]), "{mode}: {bytes:?}");

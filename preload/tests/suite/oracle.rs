@@ -1,5 +1,7 @@
 //! Products by their definition, in f64, and random matrices.
 
+use catamaran::faer::{c32, c64};
+
 /// A matrix of `rows` x `cols`, stored by columns or by rows with a leading dimension, and NaN
 /// between the lines.
 #[derive(Debug, Clone)]
@@ -11,40 +13,92 @@ pub struct Matrix<T> {
     pub by_rows: bool,
 }
 
-/// f32 or f64.
+/// f32, f64, or complex numbers of them.
 pub trait Scalar: Copy + PartialEq + std::fmt::Debug + Send + Sync + 'static {
+    type Real: Copy;
     const NAME: char;
     const ROUNDOFF: f64;
-    fn of(x: f64) -> Self;
-    fn to(self) -> f64;
-    fn bits(self) -> u64;
-}
+    const IS_COMPLEX: bool;
+    fn of(x: c64) -> Self;
+    fn to(self) -> c64;
+    fn real(x: f64) -> Self::Real;
+    fn bits(self) -> [u64; 2];
 
-impl Scalar for f32 {
-    const NAME: char = 's';
-    const ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
-    fn of(x: f64) -> Self {
-        x as f32
-    }
-    fn to(self) -> f64 {
-        self.into()
-    }
-    fn bits(self) -> u64 {
-        self.to_bits().into()
+    /// A factor of `gemm` that is complex where matrices are.
+    fn factor(x: f64) -> c64 {
+        let simple = !Self::IS_COMPLEX || x == 0.0 || x == 1.0;
+        c64::new(x, if simple { 0.0 } else { 0.5 - x })
     }
 }
 
-impl Scalar for f64 {
-    const NAME: char = 'd';
-    const ROUNDOFF: f64 = f64::EPSILON / 2.0;
-    fn of(x: f64) -> Self {
-        x
+macro_rules! real {
+    ($t:ty, $name:literal) => {
+        impl Scalar for $t {
+            type Real = $t;
+            const NAME: char = $name;
+            const ROUNDOFF: f64 = <$t>::EPSILON as f64 / 2.0;
+            const IS_COMPLEX: bool = false;
+            fn of(x: c64) -> Self {
+                x.re as $t
+            }
+            fn to(self) -> c64 {
+                c64::new(self.into(), 0.0)
+            }
+            fn real(x: f64) -> $t {
+                x as $t
+            }
+            fn bits(self) -> [u64; 2] {
+                [self.to_bits().into(), 0]
+            }
+        }
+    };
+}
+
+macro_rules! complex {
+    ($t:ty, $real:ty, $name:literal) => {
+        impl Scalar for $t {
+            type Real = $real;
+            const NAME: char = $name;
+            const ROUNDOFF: f64 = <$real>::EPSILON as f64 / 2.0;
+            const IS_COMPLEX: bool = true;
+            fn of(x: c64) -> Self {
+                <$t>::new(x.re as $real, x.im as $real)
+            }
+            fn to(self) -> c64 {
+                c64::new(self.re.into(), self.im.into())
+            }
+            fn real(x: f64) -> $real {
+                x as $real
+            }
+            fn bits(self) -> [u64; 2] {
+                [self.re.to_bits().into(), self.im.to_bits().into()]
+            }
+        }
+    };
+}
+
+real!(f32, 's');
+real!(f64, 'd');
+complex!(c32, f32, 'c');
+complex!(c64, f64, 'z');
+
+/// op(X): X, its transpose, or the conjugate of that.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Trans {
+    No,
+    Transposed,
+    Conjugated,
+}
+
+impl From<bool> for Trans {
+    fn from(transposed: bool) -> Self {
+        if transposed { Self::Transposed } else { Self::No }
     }
-    fn to(self) -> f64 {
-        self
-    }
-    fn bits(self) -> u64 {
-        self.to_bits()
+}
+
+impl Trans {
+    pub fn transposes(self) -> bool {
+        self != Self::No
     }
 }
 
@@ -75,12 +129,18 @@ impl<T: Scalar> Matrix<T> {
     ) -> Self {
         let (lines, length) = if by_rows { (rows, cols) } else { (cols, rows) };
         let leading = length.max(1) + gap;
-        let mut matrix =
-            Self { data: vec![T::of(f64::NAN); lines * leading], rows, cols, leading, by_rows };
+        let mut matrix = Self {
+            data: vec![T::of(c64::new(f64::NAN, f64::NAN)); lines * leading],
+            rows,
+            cols,
+            leading,
+            by_rows,
+        };
         for i in 0..rows {
             for j in 0..cols {
                 let at = matrix.place(i, j);
-                matrix.data[at] = T::of(entry());
+                let im = if T::IS_COMPLEX { entry() } else { 0.0 };
+                matrix.data[at] = T::of(c64::new(entry(), im));
             }
         }
         matrix
@@ -90,17 +150,33 @@ impl<T: Scalar> Matrix<T> {
         if self.by_rows { i * self.leading + j } else { i + j * self.leading }
     }
 
-    pub fn at(&self, i: usize, j: usize) -> f64 {
+    /// Entry (i, j).
+    pub fn value(&self, i: usize, j: usize) -> c64 {
         self.data[self.place(i, j)].to()
     }
 
+    /// Its real part.
+    pub fn at(&self, i: usize, j: usize) -> f64 {
+        self.value(i, j).re
+    }
+
     /// op(self), entry (i, j).
-    pub fn op(&self, transposed: bool, i: usize, j: usize) -> f64 {
-        if transposed { self.at(j, i) } else { self.at(i, j) }
+    pub fn op(&self, trans: Trans, i: usize, j: usize) -> c64 {
+        match trans {
+            Trans::No => self.value(i, j),
+            Trans::Transposed => self.value(j, i),
+            Trans::Conjugated => self.value(j, i).conj(),
+        }
     }
 
     pub fn bits(&self) -> Vec<u64> {
-        self.data.iter().map(|x| x.bits()).collect()
+        self.data.iter().flat_map(|x| x.bits()).collect()
+    }
+}
+
+impl<T: Scalar> PartialEq for Matrix<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.bits() == other.bits()
     }
 }
 
@@ -124,37 +200,44 @@ impl Part {
 
 /// Checks `after`, which was `before`, against `alpha op(a) op(b) + beta before`: entries that are
 /// not wanted, and gaps, have the same bits; others are within the bound of the classical algorithm
-/// with the norms of the row and the column, four times.
-pub fn check<T: Scalar>(
-    [a, b]: [(&Matrix<T>, bool); 2],
-    [alpha, beta]: [f64; 2],
+/// with the norms of the row and the column, four times, and eight times where they are complex.
+pub fn check<T: Scalar, O: Into<Trans> + Copy>(
+    sides: [(&Matrix<T>, O); 2],
+    [alpha, beta]: [c64; 2],
     part: Part,
     before: &Matrix<T>,
     after: &Matrix<T>,
     context: &str,
 ) {
-    let depth = if a.1 { a.0.rows } else { a.0.cols };
+    let [a, b] = sides.map(|(matrix, trans)| (matrix, trans.into()));
+    let depth = if a.1.transposes() { a.0.rows } else { a.0.cols };
     let row = |i: usize| (0..depth).map(move |l| a.0.op(a.1, i, l));
     let col = |j: usize| (0..depth).map(move |l| b.0.op(b.1, l, j));
-    let norm = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>().sqrt();
+    let norm = |x: &mut dyn Iterator<Item = c64>| x.map(|x| x.norm_sqr()).sum::<f64>().sqrt();
     let rows: Vec<f64> = (0..before.rows).map(|i| norm(&mut row(i))).collect();
     let cols: Vec<f64> = (0..before.cols).map(|j| norm(&mut col(j))).collect();
-    let (mut expected, mut wanted) = (before.clone(), vec![false; before.data.len()]);
+    let (zero, one) = (c64::new(0.0, 0.0), c64::new(1.0, 0.0));
+    // `herk` makes the diagonal real, unless there is nothing to do.
+    let nothing = (alpha == zero || depth == 0) && beta == one;
+    let hermitian = T::IS_COMPLEX && part != Part::All && !nothing;
+    let mut wanted = vec![false; before.data.len()];
     for i in 0..before.rows {
         for j in 0..before.cols {
             if !part.has(i, j) {
                 continue;
             }
-            let product: f64 =
-                if alpha == 0.0 { 0.0 } else { row(i).zip(col(j)).map(|(x, y)| x * y).sum() };
-            let old = if beta == 0.0 { 0.0 } else { beta * before.at(i, j) };
-            let place = before.place(i, j);
-            expected.data[place] = T::of(alpha * product + old);
-            wanted[place] = true;
-            let bound = 4.0
-                * T::ROUNDOFF
-                * ((depth as f64 + 2.0) * alpha.abs() * rows[i] * cols[j] + 4.0 * old.abs());
-            let error = (after.at(i, j) - (alpha * product + old)).abs();
+            let product: c64 =
+                if alpha == zero { zero } else { row(i).zip(col(j)).map(|(x, y)| x * y).sum() };
+            let mut old = if beta == zero { zero } else { beta * before.value(i, j) };
+            wanted[before.place(i, j)] = true;
+            if hermitian && i == j {
+                old.im = 0.0;
+                assert_eq!(after.value(i, j).im, 0.0, "{context}: ({i}, {j})");
+            }
+            let size = (depth as f64 + 2.0) * alpha.norm() * rows[i] * cols[j] + 4.0 * old.norm();
+            let bound = if T::IS_COMPLEX { 8.0 } else { 4.0 } * T::ROUNDOFF * size;
+            let error = after.value(i, j) - (alpha * product + old);
+            let error = error.re.abs().max(error.im.abs());
             assert!(error <= bound, "{context}: ({i}, {j}): {error:e} > {bound:e}");
         }
     }

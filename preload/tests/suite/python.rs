@@ -19,6 +19,11 @@ for dtype in (np.float64, np.float32):
         assert found.dtype == dtype and (found == expected).all()
     small = x[:5, :7]
     assert (small.T @ small == a[:5, :7].T @ a[:5, :7]).all()
+for dtype in (np.complex128, np.complex64):
+    z = (a + 1j * b).astype(dtype)
+    found = z.conj().T @ z
+    assert found.dtype == dtype and (found.real == gram + b.T @ b).all()
+    assert (found.imag == product - product.T).all()
 centred = a - a.mean(axis=0)
 assert abs(np.cov(a.T) - np.einsum('ki,kj->ij', centred, centred) / 399).max() < 1e-11
 ";

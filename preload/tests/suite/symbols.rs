@@ -7,8 +7,10 @@ use super::library;
 /// All spellings of all routines.
 fn expected() -> BTreeSet<String> {
     let mut names = BTreeSet::new();
-    for scalar in ["s", "d"] {
-        for routine in ["syrk", "gemm", "gemmt", "gemmtr"] {
+    let real = ["syrk", "gemm", "gemmt", "gemmtr"].as_slice();
+    let complex = ["herk", "gemm"].as_slice();
+    for (scalar, routines) in [("s", real), ("d", real), ("c", complex), ("z", complex)] {
+        for routine in routines {
             let name = format!("{scalar}{routine}");
             for prefix in ["", "scipy_"] {
                 names.insert(format!("{prefix}{name}_"));

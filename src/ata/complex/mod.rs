@@ -4,7 +4,9 @@
 //! `A^H B = [X; Y]^T [U; V] + i [X; Y]^T [V; -U]`: the classical algorithm's four real products, as
 //! two of twice the rows. Three products (Karatsuba) would lose the small parts beside the large
 //! ones. For B = A the first is a symmetric product, and the second is `P - P^T` with `P = X^T Y`.
+//! `A^T B = [X; Y]^T [U; -V] + i [X; Y]^T [V; U]`.
 
+mod plan;
 mod stack;
 mod sums;
 mod write;
@@ -13,7 +15,9 @@ use faer::complex::Complex;
 use faer::prelude::Reborrow;
 use faer::{MatMut, MatRef};
 
-use self::sums::{Sums, Term, with_sums};
+pub use self::plan::ComplexPlan;
+use self::plan::Kind;
+use self::sums::{Sums, with_sums};
 use self::write::{by_rows, times, write_general, write_hermitian};
 use super::options::{AtaOptions, Uplo};
 use super::plan::Op;
@@ -31,7 +35,8 @@ use crate::blas::BlasReal;
 /// [`SchemeChoice::Exact`](super::SchemeChoice::Exact) on every machine too.
 ///
 /// The extra memory is that of a matrix like C, a block of real and imaginary parts (64 MiB, or
-/// 1024 rows if those are longer), and the scratch of [`ata`](super::ata()) for one block.
+/// 1024 rows if those are longer), and the scratch of [`ata`](super::ata()) for one block. With
+/// [`AtaOptions::memory()`] blocks are smaller: see [`ComplexPlan`].
 ///
 /// # Accuracy
 /// With u the unit roundoff and `|a_i|` the Euclidean norm of a column, both parts of every entry
@@ -66,7 +71,29 @@ pub fn aha<T: BlasReal>(
 ) -> Result<()> {
     let (m, n) = a.shape();
     Error::check_shape("C", (n, n), c.shape())?;
-    options.check()?;
+    let plan = ComplexPlan::aha::<T>(m, n, options)?;
+    aha_planned(&plan, alpha, a, beta, c, options)
+}
+
+/// Computes [`aha`] by a plan of [`ComplexPlan::aha`] for the shape of A, or `A^T conj(A)` by a
+/// conjugated one.
+///
+/// Of the options only triangle, threads, pinning, back end and progress matter: the rest is in the
+/// plan.
+///
+/// # Errors
+/// [`Error::Argument`] for a plan of another product or scalar, [`Error::Shape`] for one of another
+/// shape; else as [`aha`].
+pub fn aha_planned<T: BlasReal>(
+    plan: &ComplexPlan,
+    alpha: T,
+    a: MatRef<'_, Complex<T>>,
+    beta: T,
+    c: MatMut<'_, Complex<T>>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    check::<T>(plan, &[Kind::Aha], [a.shape(), a.shape(), c.shape()])?;
+    let (m, n) = a.shape();
     if n == 0 {
         return Ok(());
     }
@@ -74,20 +101,13 @@ pub fn aha<T: BlasReal>(
         options.on_cores(|| write_hermitian(c, |_, _| None, beta, options.uplo, options.par));
         return options.progress.report(1.0);
     }
-    // Antisymmetric, so that the fast schemes for symmetric products do not apply: a general one,
-    // and its transpose. The exact path has no schemes, and rounds the difference once.
-    let difference = !options.asks_for_exact();
-    let imaginary = if difference {
-        Term { op: Op::Gemm, left: 0..1, right: 1..2 }
-    } else {
-        Term { op: Op::Gemmt, left: 0..2, right: 1..3 }
-    };
-    let terms = [Term { op: Op::Syrk, left: 0..2, right: 0..2 }, imaginary];
+    let difference = plan.terms[1].op == Op::Gemm;
+    let sign = if plan.conjugated { -T::ONE } else { T::ONE };
     let rows_first = by_rows(c.rb()) != (options.uplo == Uplo::Upper);
-    with_sums(a, None, &terms, rows_first, options, |Sums { re, im }| {
+    with_sums(plan, a, None, rows_first, options, |Sums { re, im }| {
         let value = |i: usize, j: usize| {
             let im = if difference { im[(i, j)] - im[(j, i)] } else { im[(i, j)] };
-            Some(Complex { re: alpha * re[(i, j)], im: alpha * im })
+            Some(Complex { re: alpha * re[(i, j)], im: alpha * (sign * im) })
         };
         write_hermitian(c, value, beta, options.uplo, options.par);
     })
@@ -123,7 +143,41 @@ pub fn ahb<T: BlasReal>(
     let (m, n, k) = (a.nrows(), a.ncols(), b.ncols());
     Error::check_shape("B", (m, k), b.shape())?;
     Error::check_shape("C", (n, k), c.shape())?;
-    options.check()?;
+    let plan = ComplexPlan::ahb::<T>(m, n, k, options)?;
+    ahb_planned(&plan, alpha, a, b, beta, c, options)
+}
+
+/// Computes [`ahb`] by a plan of [`ComplexPlan::ahb`] for the shapes of A and B, `A^T B` by one of
+/// [`ComplexPlan::atb`], or the conjugate of either by a conjugated one.
+///
+/// Of the options only threads, pinning, back end and progress matter: the rest is in the plan.
+///
+/// ```
+/// use catamaran::{AtaOptions, ata::{ComplexPlan, ahb_planned}, faer::{Mat, c64}};
+///
+/// let options = AtaOptions::new();
+/// let plan = ComplexPlan::atb::<f64>(3, 1, 2, &options)?;
+/// let (i, zero) = (c64::new(0.0, 1.0), c64::new(0.0, 0.0));
+/// let (a, b, mut c) = (Mat::full(3, 1, i), Mat::full(3, 2, i), Mat::zeros(1, 2));
+/// ahb_planned(&plan, i, a.as_ref(), b.as_ref(), zero, c.as_mut(), &options)?;
+/// assert_eq!(c, Mat::full(1, 2, c64::new(0.0, -3.0)));
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Argument`] for a plan of another product or scalar, [`Error::Shape`] for one of other
+/// shapes; else as [`ahb`].
+pub fn ahb_planned<T: BlasReal>(
+    plan: &ComplexPlan,
+    alpha: Complex<T>,
+    a: MatRef<'_, Complex<T>>,
+    b: MatRef<'_, Complex<T>>,
+    beta: Complex<T>,
+    c: MatMut<'_, Complex<T>>,
+    options: &AtaOptions<'_>,
+) -> Result<()> {
+    check::<T>(plan, &[Kind::Ahb, Kind::Atb], [a.shape(), b.shape(), c.shape()])?;
+    let (m, n, k) = (a.nrows(), a.ncols(), b.ncols());
     if n == 0 || k == 0 {
         return Ok(());
     }
@@ -131,12 +185,30 @@ pub fn ahb<T: BlasReal>(
         options.on_cores(|| write_general(c, |_, _| None, beta, options.par));
         return options.progress.report(1.0);
     }
-    let terms = [
-        Term { op: Op::Gemm, left: 0..2, right: 0..2 },
-        Term { op: Op::Gemm, left: 0..2, right: 1..3 },
-    ];
-    with_sums(a, Some(b), &terms, by_rows(c.rb()), options, |Sums { re, im }| {
-        let value = |i, j| Some(times(alpha, Complex { re: re[(i, j)], im: im[(i, j)] }));
+    let sign = if plan.conjugated { -T::ONE } else { T::ONE };
+    with_sums(plan, a, Some(b), by_rows(c.rb()), options, |Sums { re, im }| {
+        let value = |i, j| Some(times(alpha, Complex { re: re[(i, j)], im: sign * im[(i, j)] }));
         write_general(c, value, beta, options.par);
     })
+}
+
+/// Returns an error for a plan of another product, or for other shapes of A, B and C.
+fn check<T: BlasReal>(
+    plan: &ComplexPlan,
+    kinds: &[Kind],
+    [a, b, c]: [(usize, usize); 3],
+) -> Result<()> {
+    let of_another = |wanted: &str| {
+        Err(Error::Argument { what: "plan", why: format!("it is not one of {wanted}") })
+    };
+    if !kinds.contains(&plan.kind) {
+        return of_another(if kinds == [Kind::Aha] { "A^H A" } else { "A^H B" });
+    }
+    if !plan.plans[0][0].is_of::<T>() {
+        return of_another(T::NAME);
+    }
+    let [m, n, k] = plan.sides;
+    Error::check_shape("A", (m, n), a)?;
+    Error::check_shape("B", (m, k), b)?;
+    Error::check_shape("C", (n, k), c)
 }

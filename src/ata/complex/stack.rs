@@ -9,7 +9,8 @@ use faer::{MatMut, MatRef};
 use super::write::{by_rows, pieces};
 use crate::base::{Par, Real};
 
-/// The parts of complex rows `X + i Y`, one above the other: X, Y and, of three parts, -X.
+/// The parts of complex rows `X + i Y`, one above the other: X, Y and, of three parts, -X. With X
+/// and Y exchanged: Y, X and -Y.
 pub(super) struct Stack<'a, T> {
     matrix: MatMut<'a, T>,
     /// Rows of a part.
@@ -18,7 +19,13 @@ pub(super) struct Stack<'a, T> {
 
 impl<'a, T: Real> Stack<'a, T> {
     /// Splits `block` into 2 or 3 parts, in that many times its entries of `memory`.
-    pub fn new(block: MatRef<'_, Complex<T>>, parts: usize, memory: &'a mut [T], par: Par) -> Self {
+    pub fn new(
+        block: MatRef<'_, Complex<T>>,
+        parts: usize,
+        exchanged: bool,
+        memory: &'a mut [T],
+        par: Par,
+    ) -> Self {
         let ((height, n), by_rows) = (block.shape(), by_rows(block));
         let memory = &mut memory[..parts * height * n];
         let mut matrix = if by_rows {
@@ -39,10 +46,11 @@ impl<'a, T: Real> Stack<'a, T> {
         jobs.sort_by_key(|&(first, part, _)| (first, part));
         par.for_each(jobs.into_iter(), |_, (first, part, piece)| {
             let source = source.subcols(first, piece.ncols());
-            match part {
-                0 => convert(source, piece, |z| z.re),
-                1 => convert(source, piece, |z| z.im),
-                _ => convert(source, piece, |z| -z.re),
+            match (part, exchanged) {
+                (0, false) | (1, true) => convert(source, piece, |z| z.re),
+                (1, false) | (0, true) => convert(source, piece, |z| z.im),
+                (_, false) => convert(source, piece, |z| -z.re),
+                (_, true) => convert(source, piece, |z| -z.im),
             }
         });
         Self { matrix, height }

@@ -1,10 +1,11 @@
+use faer::MatMut;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use sprs::CsMat;
 
 use super::super::laplacian::{Complex, Element, ROUNDING, assemble, of_mesh};
 use super::super::{LaplacianKind, MassKind, TriMesh};
 use crate::base::{Error, Par, Result, builder};
-use crate::sparse::{Mass, Symbolic};
+use crate::sparse::{Factor, Mass, Symbolic};
 
 /// Heat below this has lost digits, and with them the direction it flows in.
 const COLD: f64 = 1e-290;
@@ -52,14 +53,13 @@ builder! { HeatOptions {
 pub struct HeatMethod {
     faces: Vec<[u32; 3]>,
     elements: Vec<Element>,
-    /// Of both factorisations.
-    symbolic: Symbolic,
-    /// The Cholesky factor of M + t W.
-    heat: Vec<f64>,
-    /// That of W, with one vertex of every component held at zero.
-    poisson: Vec<f64>,
+    /// Of M + t W.
+    heat: Factor,
+    /// Of W, with one vertex of every component held at zero.
+    poisson: Factor,
     /// The component of every vertex: its vertex with the lowest number.
     components: Vec<u32>,
+    par: Par,
 }
 
 impl HeatMethod {
@@ -105,7 +105,7 @@ impl HeatMethod {
         let symbolic = Symbolic::new(places)?;
         let factor = |matrix: &CsMat<f64>| {
             let found = symbolic.positive(SparseColMatRef::new(places, matrix.data()))?;
-            found.filter(|values| values.iter().all(|x| x.is_finite())).ok_or_else(|| {
+            found.filter(Factor::is_finite).ok_or_else(|| {
                 let why = "its Laplacian is not positive definite to working precision; the tufted kind mends that";
                 Error::Argument { what: "mesh", why: why.into() }
             })
@@ -123,7 +123,7 @@ impl HeatMethod {
                 (false, true) => 0.0,
                 (_, false) => w,
             }))?;
-        Ok(Self { faces, elements, symbolic, heat, poisson, components })
+        Ok(Self { faces, elements, heat, poisson, components, par: options.par })
     }
 
     /// The distance of every vertex from the nearest of the sources: 0 at sources, infinite in components without any.
@@ -145,7 +145,7 @@ impl HeatMethod {
         }
         let warm = |v: usize| warm[self.components[v] as usize];
         let mut heat = right;
-        self.symbolic.solve_positive(&self.heat, &mut heat)?;
+        self.heat.solve(as_column(&mut heat), self.par)?;
         let is_cold = |v: usize| heat[v].is_nan() || heat[v].abs() <= COLD;
         if let Some(v) = (0..n).find(|&v| warm(v) && is_cold(v)) {
             let what = "too many edges away for the heat to arrive; it takes a longer time".into();
@@ -158,7 +158,7 @@ impl HeatMethod {
             }
         }
         let mut distances = slopes;
-        self.symbolic.solve_positive(&self.poisson, &mut distances)?;
+        self.poisson.solve(as_column(&mut distances), self.par)?;
         let mut least = vec![f64::INFINITY; n];
         for v in 0..n {
             let least = &mut least[self.components[v] as usize];
@@ -200,6 +200,12 @@ impl HeatMethod {
         }
         slopes
     }
+}
+
+/// A vector as a matrix of one column.
+fn as_column(x: &mut [f64]) -> MatMut<'_, f64> {
+    let n = x.len();
+    MatMut::from_column_major_slice_mut(x, n, 1)
 }
 
 /// The matrix with the same places and other entries.

@@ -20,7 +20,7 @@ pub use report::{RepairReport, RepairStep};
 
 use super::io::MeshFile;
 use super::{Components, TriMesh};
-use crate::base::Result;
+use crate::base::{Error, Result};
 use rebuild::Rebuild;
 use weld::Seams;
 
@@ -44,7 +44,7 @@ impl Repaired {
 
 /// Repairs a mesh by the steps that `options` name, in this order whatever the order of the
 /// options: weld, drop repeated faces, drop faces without area, drop vertices without a face, cut
-/// edges of more than two faces, keep the largest components, fill holes, orient.
+/// edges of more than two faces, keep the largest components, drop specks, fill holes, orient.
 ///
 /// Attributes follow their vertices and corners. Where vertices with different texture coordinates
 /// or normals become one, these become attributes of corners; of different colours the first stays.
@@ -64,8 +64,8 @@ impl Repaired {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`](crate::Error::Argument) for a tolerance that is negative or not finite, and
-/// for attributes that do not fit the mesh ([`Error::Shape`](crate::Error::Shape) too);
+/// [`Error::Argument`](crate::Error::Argument) for a tolerance that is negative or not finite, a
+/// share that is not from 0 to 1, and for attributes that do not fit the mesh ([`Error::Shape`](crate::Error::Shape) too);
 /// [`Error::Mesh`](crate::Error::Mesh) when holes are to be filled and an edge has more than two
 /// faces, which is named.
 pub fn repair(file: MeshFile, options: &RepairOptions) -> Result<Repaired> {
@@ -96,6 +96,9 @@ pub fn repair(file: MeshFile, options: &RepairOptions) -> Result<Repaired> {
     }
     if let Some(count) = options.keep_largest {
         state.keep_largest(count)?;
+    }
+    if let Some(share) = options.drop_specks {
+        state.drop_specks(share)?;
     }
     if let Some(most) = options.fill_holes {
         let (rebuild, step) = holes::filled(&state.file.mesh, most)?;
@@ -193,15 +196,46 @@ impl State {
         by_size.sort_by_key(|&c| std::cmp::Reverse(found.face_counts()[c]));
         let mut kept = vec![false; found.len()];
         by_size.iter().take(count).for_each(|&c| kept[c] = true);
+        self.keep(&found, &kept, |components, faces| RepairStep::KeptLargest { components, faces })
+    }
+
+    fn drop_specks(&mut self, share: f64) -> Result<()> {
+        if !(0.0..=1.0).contains(&share) {
+            let why = format!("{share}, where it is a share of the area, from 0 to 1");
+            return Err(Error::Argument { what: "drop_specks", why });
+        }
+        let found = Components::new(&self.file.mesh);
+        let mut areas = vec![0.0; found.len()];
+        for (component, area) in found.of_faces().iter().zip(self.file.mesh.face_areas()) {
+            areas[*component as usize] += area;
+        }
+        let least = share * areas.iter().sum::<f64>();
+        let kept: Vec<bool> = areas.iter().map(|area| *area >= least).collect();
+        self.keep(&found, &kept, |components, faces| RepairStep::DroppedSpecks {
+            share,
+            components,
+            faces,
+        })
+    }
+
+    /// Leaves out the components that are not kept; `step` is that of their number and of that of
+    /// their faces.
+    fn keep(
+        &mut self,
+        found: &Components,
+        kept: &[bool],
+        step: impl Fn(usize, usize) -> RepairStep,
+    ) -> Result<()> {
+        let mesh = &self.file.mesh;
         let own = found.of_faces().iter().zip(0..).filter(|(c, _)| kept[**c as usize]);
         let own: Vec<u32> = own.map(|(_, f)| f).collect();
-        let components = found.len().saturating_sub(count);
-        let faces = mesh.faces().len() - own.len();
+        let components = kept.iter().filter(|kept| !**kept).count();
+        let step = step(components, mesh.faces().len() - own.len());
         let rebuild = match components {
             0 => None,
             _ => Some(Rebuild::of_part(mesh.submesh(&own)?)),
         };
-        self.take(rebuild, RepairStep::KeptLargest { components, faces })
+        self.take(rebuild, step)
     }
 }
 

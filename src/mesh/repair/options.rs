@@ -36,6 +36,9 @@ pub struct RepairOptions {
     pub cut: bool,
     /// How many components are kept: those with the most faces. All by default.
     pub keep_largest: Option<usize>,
+    /// Components with less than this share of the area of the mesh are left out, from 0 to 1. None
+    /// by default.
+    pub drop_specks: Option<f64>,
     /// Holes of at most so many edges are filled. None by default.
     pub fill_holes: Option<usize>,
     /// Whether faces are flipped to agree with their neighbours, and in closed components so that
@@ -51,6 +54,7 @@ builder! { RepairOptions {
     compact: bool,
     cut: bool,
     #[into] keep_largest: Option<usize>,
+    #[into] drop_specks: Option<f64>,
     #[into] fill_holes: Option<usize>,
     orient: bool,
 }}

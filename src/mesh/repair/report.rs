@@ -61,6 +61,15 @@ pub enum RepairStep {
         /// Their faces.
         faces: usize,
     },
+    /// Small components are left out.
+    DroppedSpecks {
+        /// The share of the area of the mesh that each of them is below.
+        share: f64,
+        /// How many.
+        components: usize,
+        /// Their faces.
+        faces: usize,
+    },
     /// Holes are filled.
     FilledHoles {
         /// How many.
@@ -91,7 +100,9 @@ impl RepairStep {
             Self::DroppedDuplicates { faces, .. } => faces > 0,
             Self::DroppedDegenerate { joined, flipped, faces, .. } => joined + flipped + faces > 0,
             Self::Cut { edges, vertices } => edges + vertices > 0,
-            Self::KeptLargest { components, .. } => components > 0,
+            Self::KeptLargest { components, .. } | Self::DroppedSpecks { components, .. } => {
+                components > 0
+            }
             Self::FilledHoles { holes, .. } => holes > 0,
             Self::Oriented { faces, .. } => faces > 0,
         }
@@ -138,6 +149,11 @@ impl fmt::Display for RepairStep {
             Self::KeptLargest { components, faces } => {
                 write!(f, "largest     {components} components of {faces} faces dropped")
             }
+            Self::DroppedSpecks { share, components, faces } => write!(
+                f,
+                "specks      {components} components of {faces} faces dropped, each below {share} of \
+                 the area"
+            ),
             Self::FilledHoles { holes, faces, left } => {
                 write!(f, "holes       {holes} filled by {faces} faces, {left} loops left")
             }

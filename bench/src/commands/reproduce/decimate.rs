@@ -4,8 +4,7 @@ use std::time::Instant;
 
 use catamaran::Par;
 use catamaran::decimate::{DecimateOptions, Difference, decimate, edge_length_for, resample};
-use catamaran::mesh::{LaplacianOptions, TriMesh, families, laplacian};
-use catamaran::sparse::{EigenOptions, eigs};
+use catamaran::mesh::families;
 use catamaran_bench::Result;
 use catamaran_bench::curves::Plot;
 use catamaran_bench::decimate::{Contender, Input, Inputs, Rivals, Row, race};
@@ -17,13 +16,13 @@ use super::{Arguments, Report};
 pub const HEADER: &str = "figure,mesh,input_vertices,n,contender,measure,value";
 
 /// Those of figures 5.6 to 5.9: `qslim` stands for the modifier of Blender, which collapses by quadrics too.
-const FIGURES: [Contender; 5] =
+pub(super) const FIGURES: [Contender; 5] =
     [Contender::Ours, Contender::Thesis, Contender::Cgal, Contender::Qslim, Contender::Pyacvd];
 
 /// Sizes of the results there.
 const SIZES: [usize; 5] = [500, 1000, 2000, 5000, 10_000];
 
-/// Figures 5.6 to 5.16, and every mesh at three sizes.
+/// Figures 5.6 to 5.10 and 5.12 to 5.16, and every mesh at three sizes. Figure 5.11 is `decimated-spectra`.
 pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     let (inputs, rivals) = (Inputs::new()?, Rivals::find(&arguments.libraries));
     report.say(
@@ -32,13 +31,12 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
          are of both surfaces.\n",
     );
     uniformity(report, &inputs, &rivals)?;
-    spectra(report, &inputs, &rivals)?;
     time(report, &inputs, &rivals)?;
     resampling(report, &inputs)?;
     everything(report, &inputs)
 }
 
-fn record(
+pub(super) fn record(
     report: &mut Report,
     figure: &str,
     (input, n): (&Input, usize),
@@ -55,10 +53,7 @@ fn record(
 
 /// Figures 5.6 to 5.9: uniformity and distances over the size of the result.
 fn uniformity(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
-    let mut shapes = vec![inputs.of("figure", families::figure(9, 0.5)?)?];
-    for file in ["armadillo43k.obj.gz", "nefertiti35k.obj.gz", "refined_elephant44k.off.gz"] {
-        shapes.extend(inputs.real(file)?);
-    }
+    let shapes = twenty_shapes(inputs)?;
     // Mean over the shapes, of every contender at every size.
     let titles = [
         "Figure 5.7: mean area of the faces times their number",
@@ -115,8 +110,39 @@ fn uniformity(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<(
     Ok(())
 }
 
+/// As many shapes as the thesis has, each with at least twice the vertices of the largest result:
+/// real ones, and generated figures, a torus and terrains.
+fn twenty_shapes(inputs: &Inputs) -> Result<Vec<Input>> {
+    const SHAPES: usize = 20;
+    const REAL: [&str; 9] = [
+        "armadillo43k.obj.gz",
+        "nefertiti35k.obj.gz",
+        "refined_elephant44k.off.gz",
+        "lionstatue32k.obj.gz",
+        "mountain26k.obj.gz",
+        "counter42k.stl.gz",
+        "cycloidal_nonmanifold.ply.gz",
+        "mni152_t1_head131k.ply.xz",
+        "mni152_wm317k.ply.xz",
+    ];
+    let mut shapes = vec![inputs.of("torus", families::torus(300, 100, 1.0, 0.4)?)?];
+    for file in REAL {
+        shapes.extend(inputs.real(file)?);
+    }
+    for seed in 1..=3 {
+        let terrain = families::terrain(200, 200, seed)?;
+        shapes.push(inputs.of(&format!("terrain-{seed}"), terrain)?);
+    }
+    // Figures in poses stand for what is missing.
+    for pose in 0..SHAPES.saturating_sub(shapes.len()) {
+        let figure = families::figure(13, 0.1 * pose as f64)?;
+        shapes.push(inputs.of(&format!("figure-{pose}"), figure)?);
+    }
+    Ok(shapes)
+}
+
 /// Names, and points (x, y).
-type Curves = Vec<(String, Vec<(f64, f64)>)>;
+pub(super) type Curves = Vec<(String, Vec<(f64, f64)>)>;
 
 /// Adds `y` to the value of the curve `name` at `x`.
 fn add(series: &mut Curves, name: &str, x: f64, y: f64) {
@@ -133,61 +159,8 @@ fn add(series: &mut Curves, name: &str, x: f64, y: f64) {
     }
 }
 
-fn plot(title: &str, across: &str, logarithmic: bool, series: Curves) -> Plot {
+pub(super) fn plot(title: &str, across: &str, logarithmic: bool, series: Curves) -> Plot {
     Plot { title: title.into(), across: across.into(), logarithmic, scattered: false, series }
-}
-
-/// Eigenvalues of figure 5.11, without the zero.
-const EIGENVALUES: usize = 50;
-
-/// Figure 5.11: eigenvalues of the input and of its decimations.
-fn spectra(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
-    let Some(input) = inputs.real("armadillo43k.obj.gz")? else {
-        report.say("Figure 5.11 needs CATAMARAN_DATA.\n");
-        return Ok(());
-    };
-    let truth = eigenvalues(&input.mesh)?;
-    report.say(&format!(
-        "**Figure 5.11**: the first {EIGENVALUES} eigenvalues of the armadillo and of its decimation to 5000 vertices, \
-         differences in per cent; at equal area: of the decimation scaled to the area of the input\n\n\
-         | contender | mean | largest | mean at equal area | largest |\n|---|---|---|---|---|"
-    ));
-    let points =
-        |values: &[f64]| values.iter().enumerate().map(|(i, v)| (i as f64 + 1.0, *v)).collect();
-    let mut series = vec![("input".to_owned(), points(&truth))];
-    for row in race(&FIGURES, rivals, inputs, &input, 5000, 2, 1)? {
-        let values = eigenvalues(&row.made)?;
-        let [as_is, scaled] = [1.0, row.made.area() / input.mesh.area()].map(|scale| {
-            let pairs = values.iter().zip(&truth);
-            let differences = pairs.map(|(x, y)| 100.0 * (scale * x / y - 1.0).abs());
-            differences.fold([0.0, 0.0f64], |[sum, largest], d| {
-                [sum + d / EIGENVALUES as f64, largest.max(d)]
-            })
-        });
-        let who = row.contender.name();
-        report.say(&format!(
-            "| {who} | {:.2} | {:.2} | {:.2} | {:.2} |",
-            as_is[0], as_is[1], scaled[0], scaled[1]
-        ));
-        let measures = [
-            ("mean_percent", as_is[0]),
-            ("largest_percent", as_is[1]),
-            ("mean_percent_at_equal_area", scaled[0]),
-            ("largest_percent_at_equal_area", scaled[1]),
-        ];
-        record(report, "5.11", (&input, 5000), who, &measures);
-        series.push((who.to_owned(), points(&values)));
-    }
-    report.say("");
-    report.plots.push(plot("Figure 5.11: eigenvalues of the armadillo", "index", false, series));
-    Ok(())
-}
-
-fn eigenvalues(mesh: &TriMesh) -> Result<Vec<f64>> {
-    let mesh = mesh.without_unreferenced()?.mesh;
-    let problem = laplacian(&mesh, &LaplacianOptions::default())?;
-    let options = EigenOptions::new().k(EIGENVALUES + 1);
-    Ok(eigs(problem.stiffness.view(), &problem.mass, &options)?.values[1..].to_vec())
 }
 
 /// Repetitions of what is timed in this process.

@@ -4,6 +4,7 @@ mod ata;
 mod curve_limits;
 mod curves;
 mod decimate;
+mod decimated_spectra;
 mod plant;
 mod spectral;
 mod textures;
@@ -70,6 +71,8 @@ enum What {
     Plant,
     /// Chapter 5: decimation.
     Decimate,
+    /// Chapter 5: spectra of decimations, and by way of them.
+    DecimatedSpectra,
     /// Chapter 6: curves on surfaces.
     Curves,
     /// Chapter 6: what limits the distances of curves.
@@ -132,6 +135,10 @@ fn run_share(arguments: &Arguments, share: Option<textures::Share>) -> Result<()
         What::Decimate => {
             decimate::run(&mut report, arguments)?;
             ("decimate", decimate::HEADER)
+        }
+        What::DecimatedSpectra => {
+            decimated_spectra::run(&mut report, arguments)?;
+            ("decimated-spectra", decimated_spectra::HEADER)
         }
         What::Curves => {
             curves::run(&mut report, arguments)?;

@@ -1,0 +1,261 @@
+//! Sparse Cholesky factorisations: faer's, with memory that may be refused, and our own solutions.
+
+mod parts;
+mod supernode;
+mod sweeps;
+
+use faer::MatMut;
+use faer::dyn_stack::MemStack;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+
+use crate::base::{Error, Par, Result, zeros};
+use crate::dense::buffer;
+use sweeps::{Sweeps, Values};
+
+/// The order of elimination and the places of the factor, the same for all matrices with the same
+/// places.
+///
+/// The order is that of approximate minimum degree (Amestoy, Davis and Duff 1996); nested dissection
+/// fills in as much on surfaces (docs/decisions/0040).
+#[derive(Debug)]
+pub(crate) struct Symbolic(SymbolicCholesky<usize>);
+
+impl Symbolic {
+    /// For matrices with these places in the lower triangle; what is above is not looked at.
+    pub fn new(places: SymbolicSparseColMatRef<'_, usize>) -> Result<Self> {
+        let parameters = CholeskySymbolicParams {
+            // Supernodes solve for blocks of right-hand sides, and allow for pivots. The threshold
+            // of faer's that should always give them does not for diagonal matrices.
+            supernodal_flop_ratio_threshold: SupernodalThreshold(-1.0),
+            ..Default::default()
+        };
+        factorize_symbolic_cholesky(places, faer::Side::Lower, SymmetricOrdering::Amd, parameters)
+            .map(Self)
+            .map_err(|_| Error::OutOfMemory { bytes: size_of_val(places.row_idx()) })
+    }
+
+    /// Bytes that a factor takes, about, with the rows of right-hand sides that it keeps.
+    pub fn bytes(&self) -> usize {
+        let places = self.supernodal().map_or(0, |symbolic| symbolic.row_idx().len());
+        let targets = size_of::<u32>() * places;
+        let rows = self.0.nrows() * size_of::<supernode::Row>();
+        self.0.len_val() * size_of::<f64>() + targets + rows
+    }
+
+    /// `L L^T`, on the calling thread; `Ok(None)` when A is not positive definite.
+    pub fn positive(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Option<Factor>> {
+        let mut values = zeros(self.0.len_val())?;
+        let requirement =
+            self.0.factorize_numeric_llt_scratch::<f64>(faer::Par::Seq, Default::default());
+        let mut memory = buffer(requirement)?;
+        let done = self.0.factorize_numeric_llt(
+            &mut values,
+            a,
+            faer::Side::Lower,
+            Default::default(),
+            faer::Par::Seq,
+            MemStack::new(&mut memory),
+            Default::default(),
+        );
+        let order = self.order();
+        Ok(done.is_ok().then(|| Factor {
+            values,
+            subdiagonal: None,
+            below_zero: 0,
+            sweeps: self.sweeps(|i| order[i], |i| i),
+        }))
+    }
+
+    /// `L B L^T`, B of blocks of one or two rows, pivoted inside supernodes, on the calling thread.
+    pub fn indefinite(&self, a: SparseColMatRef<'_, usize, f64>) -> Result<Factor> {
+        let n = self.0.nrows();
+        let mut values = zeros(self.0.len_val())?;
+        let (mut subdiagonal, mut forward, mut inverse) = (vec![0.0; n], vec![0; n], vec![0; n]);
+        let requirement = self
+            .0
+            .factorize_numeric_intranode_lblt_scratch::<f64>(faer::Par::Seq, Default::default());
+        let mut memory = buffer(requirement)?;
+        self.0.factorize_numeric_intranode_lblt(
+            &mut values,
+            &mut subdiagonal,
+            &mut forward,
+            &mut inverse,
+            a,
+            faer::Side::Lower,
+            faer::Par::Seq,
+            MemStack::new(&mut memory),
+            Default::default(),
+        );
+        let order = self.order();
+        let sweeps = self.sweeps(|i| order[forward[i]], |i| inverse[i]);
+        let below_zero = sweeps.negative(&values, &subdiagonal);
+        Ok(Factor { values, subdiagonal: Some(subdiagonal), below_zero, sweeps })
+    }
+
+    /// The supernodes; nothing without rows.
+    fn supernodal(&self) -> Option<&SymbolicSupernodalCholesky<usize>> {
+        match self.0.raw() {
+            SymbolicCholeskyRaw::Supernodal(raw) => Some(raw),
+            SymbolicCholeskyRaw::Simplicial(_) => None,
+        }
+    }
+
+    fn sweeps(&self, order: impl Fn(usize) -> usize, place: impl Fn(usize) -> usize) -> Sweeps {
+        self.supernodal()
+            .map_or_else(Sweeps::default, |symbolic| Sweeps::new(symbolic, order, place))
+    }
+
+    /// The row of the matrix for each row of the factor.
+    fn order(&self) -> &[usize] {
+        self.0.perm().expect("an order was asked for").arrays().0
+    }
+}
+
+/// A factor of a symmetric matrix.
+#[derive(Debug)]
+pub(crate) struct Factor {
+    values: Vec<f64>,
+    /// Of an indefinite one: what B has below its diagonal.
+    subdiagonal: Option<Vec<f64>>,
+    below_zero: usize,
+    sweeps: Sweeps,
+}
+
+impl Factor {
+    /// `X := A^-1 X`; the same for every `par`, bit for bit.
+    pub fn solve(&self, x: MatMut<'_, f64>, par: Par) -> Result<()> {
+        let values = match &self.subdiagonal {
+            None => Values::Positive(&self.values),
+            Some(subdiagonal) => Values::Indefinite(&self.values, subdiagonal),
+        };
+        self.sweeps.solve(values, x, par)
+    }
+
+    /// Negative eigenvalues of the matrix, by Sylvester's law of inertia: those of B.
+    pub fn below_zero(&self) -> usize {
+        self.below_zero
+    }
+
+    /// Whether it is `L L^T`.
+    pub fn is_positive(&self) -> bool {
+        self.subdiagonal.is_none()
+    }
+
+    /// Whether all of it is finite: a singular matrix leaves a zero for a pivot.
+    pub fn is_finite(&self) -> bool {
+        self.values.iter().all(|x| x.is_finite())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+    use sprs::{CsMat, TriMat};
+
+    use super::*;
+    use crate::base::Rng;
+    use crate::sparse::Mass;
+    use crate::sparse::shifted::Shifted;
+
+    /// The Laplacian of a path, whose eigenvalues are `2 - 2 cos(pi i / n)`.
+    fn path(n: usize) -> CsMat<f64> {
+        let mut entries = TriMat::new((n, n));
+        for i in 1..n {
+            for (a, b, x) in [(i, i, 1.0), (i - 1, i - 1, 1.0), (i, i - 1, -1.0), (i - 1, i, -1.0)]
+            {
+                entries.add_triplet(a, b, x);
+            }
+        }
+        entries.to_csr()
+    }
+
+    #[test]
+    fn inertia_counts_the_eigenvalues_below_a_shift() {
+        for n in [2, 3, 17, 200] {
+            let (w, mass) = (path(n), Mass::identity(n));
+            let shifted = Shifted::new(w.view(), &mass);
+            let symbolic = Symbolic::new(shifted.symbolic()).unwrap();
+            let value = |i: usize| 2.0 - 2.0 * (std::f64::consts::PI * i as f64 / n as f64).cos();
+            for i in (0..n).step_by(1 + n / 9) {
+                let shift = if i == 0 { -0.1 } else { 0.5 * (value(i - 1) + value(i)) };
+                let factor = symbolic.indefinite(shifted.matrix(&shifted.values(shift))).unwrap();
+                assert_eq!(factor.below_zero(), i, "n = {n}");
+            }
+            assert!(
+                symbolic
+                    .positive(shifted.matrix(&shifted.values(0.5 * value(1))))
+                    .unwrap()
+                    .is_none()
+            );
+        }
+    }
+
+    /// Symmetric matrices (n x n, entries), with eigenvalues on both sides of zero where they say so.
+    fn matrices() -> Vec<(&'static str, CsMat<f64>)> {
+        let of = |n: usize, entry: &dyn Fn(usize, usize) -> f64| {
+            let mut entries = TriMat::new((n, n));
+            for i in 0..n {
+                for j in (0..n).filter(|&j| i == j || entry(i, j) != 0.0) {
+                    entries.add_triplet(i, j, entry(i, j));
+                }
+            }
+            entries.to_csr()
+        };
+        let side = 31;
+        let near =
+            move |i: usize, j: usize| (i / side).abs_diff(j / side) + (i % side).abs_diff(j % side);
+        vec![
+            ("no rows", of(0, &|_, _| 0.0)),
+            ("one row", of(1, &|_, _| 3.0)),
+            ("diagonal", of(7, &|i, j| if i == j { 1.0 + i as f64 } else { 0.0 })),
+            ("path", of(150, &|i, j| [2.1, -1.0, 0.0][i.abs_diff(j).min(2)])),
+            ("full", of(43, &|i, j| if i == j { 50.0 } else { ((i * j) % 5) as f64 - 2.0 })),
+            ("grid", of(side * side, &|i, j| [4.5, -1.0, 0.0][near(i, j).min(2)])),
+            // Its diagonal is zero: only blocks of two rows can be pivots.
+            ("pairs", of(12, &|i, j| if i / 2 == j / 2 && i != j { 2.0 } else { 0.0 })),
+            ("grid, indefinite", of(side * side, &|i, j| [1.3, -1.0, 0.0][near(i, j).min(2)])),
+        ]
+    }
+
+    #[test]
+    fn both_factorisations_solve_for_any_number_of_columns_threads_and_strides() {
+        let mut rng = Rng::new(2);
+        for (name, a) in matrices() {
+            let n = a.rows();
+            let (w, mass) = (a.view(), Mass::identity(n));
+            let shifted = Shifted::new(w, &mass);
+            let symbolic = Symbolic::new(shifted.symbolic()).unwrap();
+            let entries = shifted.values(0.0);
+            let positive = symbolic.positive(shifted.matrix(&entries)).unwrap();
+            assert_eq!(positive.is_none(), ["pairs", "grid, indefinite"].contains(&name), "{name}");
+            let indefinite = symbolic.indefinite(shifted.matrix(&entries)).unwrap();
+            for mut factor in positive.into_iter().chain([indefinite]) {
+                for columns in [0, 1, 3, 8, 9, 17] {
+                    let x = Mat::from_fn(n, columns, |_, _| rng.uniform());
+                    let mut right = Mat::zeros(n, columns);
+                    crate::sparse::multiply(w, x.as_ref(), right.as_mut(), Par::Seq).unwrap();
+                    let solve = |factor: &Factor, par| {
+                        let mut solved = right.clone();
+                        factor.solve(solved.as_mut(), par).unwrap();
+                        solved
+                    };
+                    let solved = solve(&factor, Par::Seq);
+                    assert!((&solved - &x).norm_max() < 1e-10, "{name}, {columns} columns");
+                    assert_eq!(solved, solve(&factor, Par::Threads(3)), "{name}");
+                    let mut by_rows = right.transpose().to_owned();
+                    factor.solve(by_rows.as_mut().transpose_mut(), Par::Threads(2)).unwrap();
+                    assert_eq!(solved, by_rows.transpose(), "{name}");
+                    factor.sweeps.fused ^= true;
+                    assert!((solve(&factor, Par::Seq) - &x).norm_max() < 1e-10, "{name}");
+                    factor.sweeps.fused ^= true;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,316 @@
+//! Solutions with a supernodal factor: sweeps down and up the elimination tree.
+//!
+//! Eight right-hand sides lie side by side, so that an entry of L is read once for all of them and a
+//! row of them is one register. Parts of the tree that do not need each other are swept by different
+//! threads; the parts are the same for any number of threads.
+
+use std::ops::Range;
+use std::sync::Mutex;
+
+use faer::MatMut;
+use faer::prelude::ReborrowMut;
+use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
+
+use super::parts::split;
+use super::supernode::{Row, Supernode, WIDTH};
+use crate::base::{Disjoint, Par, Result, widest, zeros};
+
+/// The order in which the supernodes of a factor are applied, and to which rows.
+#[derive(Debug, Default)]
+pub(super) struct Sweeps {
+    nodes: Vec<Node>,
+    /// For each row below the triangle of a supernode, the row of its part.
+    targets: Vec<u32>,
+    /// Subtrees that do not need each other.
+    subtrees: Vec<Part>,
+    /// What is above them.
+    top: Part,
+    /// Rows of right-hand sides, kept from one solution to the next.
+    kept: Mutex<Vec<Row>>,
+    /// Whether to multiply and add at once.
+    pub fused: bool,
+}
+
+#[derive(Debug)]
+struct Node {
+    supernode: Supernode,
+    /// The first of its rows in its part.
+    first: usize,
+    /// Its targets.
+    targets: Range<usize>,
+}
+
+/// Supernodes that one thread sweeps, on rows of right-hand sides in memory of their own.
+#[derive(Debug, Default)]
+struct Part {
+    nodes: Range<usize>,
+    /// Of each of its own rows, the row of the right-hand side.
+    own: Vec<u32>,
+    /// Of the rows that come after these, which it changes, the row of the top.
+    above: Vec<u32>,
+}
+
+/// The values of a factor.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Values<'a> {
+    /// `L L^T`.
+    Positive(&'a [f64]),
+    /// `L B L^T`: L with B in place of its unit diagonal, and what B has below its diagonal.
+    Indefinite(&'a [f64], &'a [f64]),
+}
+
+impl Sweeps {
+    /// For factors with these supernodes. Row `i` of the factor is row `order[i]` of right-hand
+    /// sides, and row `place(i)` of the factor row `i` of its pattern (pivots inside supernodes).
+    pub fn new(
+        symbolic: &SymbolicSupernodalCholesky<usize>,
+        order: impl Fn(usize) -> usize,
+        place: impl Fn(usize) -> usize,
+    ) -> Self {
+        let supernodes = supernodes(symbolic);
+        let mut owner = vec![0; symbolic.nrows()];
+        for (s, node) in supernodes.iter().enumerate() {
+            owner[node.start..][..node.columns].fill(s);
+        }
+        let pattern = |s: usize| symbolic.supernode(s).pattern();
+        let parents: Vec<_> =
+            (0..supernodes.len()).map(|s| pattern(s).iter().map(|&i| owner[i]).min()).collect();
+        let work = |s: usize| (supernodes[s].columns + supernodes[s].below) * supernodes[s].columns;
+        let (subtrees, top) = split(&parents, work);
+
+        let rows_of = |nodes: &[usize]| -> Vec<usize> {
+            let rows =
+                |&s: &usize| supernodes[s].start..supernodes[s].start + supernodes[s].columns;
+            nodes.iter().flat_map(rows).collect()
+        };
+        const NONE: u32 = u32::MAX;
+        let mut row_of_top = vec![NONE; symbolic.nrows()];
+        (0..).zip(rows_of(&top)).for_each(|(i, row)| row_of_top[row] = i);
+
+        let mut sweeps = Self {
+            nodes: Vec::with_capacity(supernodes.len()),
+            targets: Vec::with_capacity(symbolic.row_idx().len()),
+            subtrees: vec![],
+            top: Part::default(),
+            kept: Mutex::default(),
+            fused: has_fused(),
+        };
+        let mut row_of_part = vec![NONE; symbolic.nrows()];
+        let mut part = |nodes: &[usize]| {
+            let own = rows_of(nodes);
+            (0..).zip(&own).for_each(|(i, &row)| row_of_part[row] = i);
+            let (mut above, mut first, start) = (Vec::new(), 0, sweeps.nodes.len());
+            for &s in nodes {
+                let targets = sweeps.targets.len();
+                for row in pattern(s).iter().map(|&row| place(row)) {
+                    if row_of_part[row] == NONE {
+                        row_of_part[row] = (own.len() + above.len()) as u32;
+                        above.push(row);
+                    }
+                    sweeps.targets.push(row_of_part[row]);
+                }
+                let targets = targets..sweeps.targets.len();
+                sweeps.nodes.push(Node { supernode: supernodes[s], first, targets });
+                first += supernodes[s].columns;
+            }
+            own.iter().chain(&above).for_each(|&row| row_of_part[row] = NONE);
+            Part {
+                nodes: start..sweeps.nodes.len(),
+                own: own.iter().map(|&row| order(row) as u32).collect(),
+                above: above.iter().map(|&row| row_of_top[row]).collect(),
+            }
+        };
+        let subtrees = subtrees.iter().map(|nodes| part(nodes)).collect();
+        let top = part(&top);
+        (sweeps.subtrees, sweeps.top) = (subtrees, top);
+        sweeps
+    }
+
+    /// Negative eigenvalues of B in `L B L^T`, whose entries below the diagonal are these.
+    pub fn negative(&self, values: &[f64], subdiagonal: &[f64]) -> usize {
+        let blocks = |node: &Node| {
+            node.supernode
+                .blocks(values, subdiagonal)
+                .map(|(_, block)| block.negative())
+                .sum::<usize>()
+        };
+        self.nodes.iter().map(blocks).sum()
+    }
+
+    /// Rows of right-hand sides in all parts.
+    fn rows(&self) -> usize {
+        self.subtrees.iter().chain([&self.top]).map(Part::rows).sum()
+    }
+
+    /// `X := A^-1 X` for the matrix with this factor. The same for every `par`, bit for bit.
+    pub fn solve(&self, values: Values<'_>, mut x: MatMut<'_, f64>, par: Par) -> Result<()> {
+        let mut kept = self.kept.try_lock();
+        let mut own = Vec::new();
+        let rows = kept.as_deref_mut().unwrap_or(&mut own);
+        if rows.is_empty() {
+            *rows = zeros(self.rows())?;
+        }
+        for first in (0..x.ncols()).step_by(WIDTH) {
+            let width = WIDTH.min(x.ncols() - first);
+            self.solve_block(values, x.rb_mut().subcols_mut(first, width), rows, par);
+        }
+        Ok(())
+    }
+
+    /// [`Sweeps::solve`] for at most [`WIDTH`] columns, with memory for all rows of all parts.
+    fn solve_block(&self, values: Values<'_>, x: MatMut<'_, f64>, rows: &mut [Row], par: Par) {
+        let x = Disjoint::new(x);
+        let (top, mut rest) = rows.split_at_mut(self.top.rows());
+        let mut subtrees = Vec::with_capacity(self.subtrees.len());
+        for part in &self.subtrees {
+            let (own, others) = rest.split_at_mut(part.rows());
+            subtrees.push((part, own));
+            rest = others;
+        }
+        par.for_each(subtrees.iter_mut(), |_, (part, rows)| {
+            // SAFETY: each row is one part's own.
+            unsafe { part.gather(&x, rows) };
+            self.down(part, values, rows);
+        });
+        // SAFETY: as above, and no other part is at work.
+        unsafe { self.top.gather(&x, top) };
+        for (part, rows) in &subtrees {
+            for (&row, change) in part.above.iter().zip(&rows[part.own.len()..]) {
+                let row = &mut top[row as usize];
+                *row = std::array::from_fn(|j| row[j] + change[j]);
+            }
+        }
+        self.down(&self.top, values, top);
+        self.up(&self.top, values, top);
+        // SAFETY: as above.
+        unsafe { self.top.scatter(&x, top) };
+        let top = &*top;
+        par.for_each(subtrees.into_iter(), |_, (part, rows)| {
+            for (row, &i) in rows[part.own.len()..].iter_mut().zip(&part.above) {
+                *row = top[i as usize];
+            }
+            self.up(part, values, rows);
+            // SAFETY: as above.
+            unsafe { part.scatter(&x, rows) };
+        });
+    }
+
+    /// `x := L^-1 x`, of the part's own rows, with what follows for those above.
+    fn down(&self, part: &Part, values: Values<'_>, x: &mut [Row]) {
+        match (values, self.fused) {
+            (Values::Positive(l), true) => self.down_as::<false, true>(part, l, x),
+            (Values::Positive(l), false) => self.down_as::<false, false>(part, l, x),
+            (Values::Indefinite(l, _), true) => self.down_as::<true, true>(part, l, x),
+            (Values::Indefinite(l, _), false) => self.down_as::<true, false>(part, l, x),
+        }
+    }
+
+    fn down_as<const UNIT: bool, const FUSED: bool>(&self, part: &Part, l: &[f64], x: &mut [Row]) {
+        widest(
+            #[inline(always)]
+            || {
+                for node in &self.nodes[part.nodes.clone()] {
+                    let targets = &self.targets[node.targets.clone()];
+                    node.supernode.down::<UNIT, FUSED>(l, node.first, targets, x);
+                }
+            },
+        );
+    }
+
+    /// `x := B^-1 x` and `x := L^-T x`, of the part's own rows; those above are known.
+    fn up(&self, part: &Part, values: Values<'_>, x: &mut [Row]) {
+        match (values, self.fused) {
+            (Values::Positive(l), true) => self.up_as::<false, true>(part, l, &[], x),
+            (Values::Positive(l), false) => self.up_as::<false, false>(part, l, &[], x),
+            (Values::Indefinite(l, b), true) => self.up_as::<true, true>(part, l, b, x),
+            (Values::Indefinite(l, b), false) => self.up_as::<true, false>(part, l, b, x),
+        }
+    }
+
+    fn up_as<const UNIT: bool, const FUSED: bool>(
+        &self,
+        part: &Part,
+        l: &[f64],
+        subdiagonal: &[f64],
+        x: &mut [Row],
+    ) {
+        let mut rows = Vec::new();
+        widest(
+            #[inline(always)]
+            || {
+                for Node { supernode, first, targets } in
+                    self.nodes[part.nodes.clone()].iter().rev()
+                {
+                    let own = *first..first + supernode.columns;
+                    if UNIT {
+                        for (i, block) in supernode.blocks(l, subdiagonal) {
+                            block.solve(&mut x[first + i..]);
+                        }
+                    }
+                    rows.clear();
+                    rows.extend_from_slice(&x[own.clone()]);
+                    rows.extend(self.targets[targets.clone()].iter().map(|&i| x[i as usize]));
+                    supernode.up::<UNIT, FUSED>(l, &mut rows);
+                    x[own].copy_from_slice(&rows[..supernode.columns]);
+                }
+            },
+        );
+    }
+}
+
+impl Part {
+    fn rows(&self) -> usize {
+        self.own.len() + self.above.len()
+    }
+
+    /// Copies its own rows from X, and clears those above.
+    ///
+    /// # Safety
+    /// Nobody writes its own rows of X meanwhile.
+    unsafe fn gather(&self, x: &Disjoint<'_, f64>, rows: &mut [Row]) {
+        let (own, above) = rows.split_at_mut(self.own.len());
+        above.fill([0.0; WIDTH]);
+        for j in 0..x.ncols() {
+            let column = x.pointer(&(0..x.nrows()), &(j..j + 1));
+            for (row, &i) in own.iter_mut().zip(&self.own) {
+                // SAFETY: rows of the factor are rows of X; nobody writes this one.
+                row[j] = unsafe { *column.at(i as isize * x.row_stride()) };
+            }
+        }
+    }
+
+    /// Copies its own rows to X.
+    ///
+    /// # Safety
+    /// Nobody reads or writes its own rows of X meanwhile.
+    unsafe fn scatter(&self, x: &Disjoint<'_, f64>, rows: &[Row]) {
+        for j in 0..x.ncols() {
+            let column = x.pointer(&(0..x.nrows()), &(j..j + 1));
+            for (row, &i) in rows.iter().zip(&self.own) {
+                // SAFETY: as in `gather`.
+                unsafe { *column.at(i as isize * x.row_stride()) = row[j] };
+            }
+        }
+    }
+}
+
+/// The supernodes of a factor, in its order.
+fn supernodes(symbolic: &SymbolicSupernodalCholesky<usize>) -> Vec<Supernode> {
+    let (starts, ends) = (symbolic.supernode_begin(), symbolic.supernode_end());
+    let supernode = |s: usize| Supernode {
+        start: starts[s],
+        columns: ends[s] - starts[s],
+        below: symbolic.supernode(s).pattern().len(),
+        values: symbolic.col_ptr_for_val()[s],
+    };
+    (0..symbolic.n_supernodes()).map(supernode).collect()
+}
+
+/// Whether the registers that [`widest`] takes multiply and add at once; elsewhere that would be a
+/// call of a function.
+fn has_fused() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return pulp::x86::V3::is_available();
+    #[cfg(not(target_arch = "x86_64"))]
+    cfg!(target_arch = "aarch64")
+}
