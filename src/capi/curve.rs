@@ -173,7 +173,7 @@ pub unsafe extern "C" fn cata_curve_solver_new_at(
             })
             .collect();
         let placed = place(&mesh, &sites, Placement::Insert)?;
-        let solver = CurveSolver::owning(placed.mesh.unwrap_or(mesh))?;
+        let solver = CurveSolver::owning(placed.mesh.map_or(mesh, |refined| refined.mesh))?;
         samples.copy_from_slice(&placed.vertices);
         *to = Box::into_raw(Box::new(cata_curve_solver { solver }));
         Ok(())

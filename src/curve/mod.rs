@@ -17,10 +17,14 @@
 //! ```
 
 mod compare;
+mod cut;
 pub mod dataset;
+mod drawing;
 mod faithful;
+mod inscribe;
 mod proximity;
 mod refinement;
+mod region;
 mod result;
 mod route;
 mod search;
@@ -32,9 +36,19 @@ mod surface;
 #[cfg(test)]
 mod tests;
 mod tour;
+mod walls;
 
 pub use compare::{hausdorff, root_mean_distance, root_mean_square_distance, same_order};
-pub use result::{Curve, Outcome, Reconstruction, Steiner};
+pub use cut::cut;
+pub use drawing::{Drawing, Drawn};
+pub use inscribe::{Inscribed, inscribe};
+pub use region::{Region, Side};
+pub use result::{Curve, Outcome, Reconstruction, Steiner, Waypoint};
 pub use sites::{Placed, Placement, Site, place, refined};
 pub use smooth::{Smoothed, smooth};
 pub use solver::{Count, CurveOptions, CurveSolver, Mode};
+
+/// The code of the guide, which the tests of documentation compile and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/guide/curves.md")]
+struct Guide;

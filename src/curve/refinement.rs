@@ -2,8 +2,8 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 
 use crate::base::{Error, Result};
-use crate::mesh::vector::Vector;
-use crate::mesh::{Adjacency, TriMesh};
+use crate::mesh::vector::{Vector, distance};
+use crate::mesh::{Adjacency, Origin, Refined, TriMesh};
 
 /// A mesh with edges and faces that are cut at points, kept beside it: what was not cut costs nothing.
 pub(super) struct Refinement<'m> {
@@ -12,8 +12,12 @@ pub(super) struct Refinement<'m> {
     vertex_faces: Option<Adjacency>,
     /// New vertices, numbered from the number of vertices on.
     positions: Vec<Vector>,
+    /// Where the new vertices are on the mesh.
+    origins: Vec<Origin>,
     /// New faces, numbered from the number of faces on.
     faces: Vec<[u32; 3]>,
+    /// The faces of the mesh that the new faces are pieces of.
+    roots: Vec<u32>,
     /// Faces that were cut, and the pieces.
     cut: HashMap<u32, Vec<u32>>,
     /// The faces of vertices whose faces are not those of the mesh.
@@ -26,7 +30,9 @@ impl<'m> Refinement<'m> {
             mesh,
             vertex_faces: None,
             positions: Vec::new(),
+            origins: Vec::new(),
             faces: Vec::new(),
+            roots: Vec::new(),
             cut: HashMap::new(),
             changed: HashMap::new(),
         }
@@ -73,7 +79,11 @@ impl<'m> Refinement<'m> {
     /// # Errors
     /// [`Error::Argument`] when vertices or faces can't be numbered any more.
     pub fn cut_edge(&mut self, [a, b]: [u32; 2], at: Vector) -> Result<(u32, Vec<u32>)> {
-        let new = self.add_vertex(at)?;
+        let [p, q] = [a, b].map(|v| self.position(v));
+        let (part, whole) = (distance(p, at), distance(p, q));
+        let share = if whole > 0.0 { (part / whole).min(1.0) } else { 0.0 };
+        let origin = Origin::between(&[(self.origin(a), 1.0 - share), (self.origin(b), share)]);
+        let new = self.add_vertex(at, origin)?;
         let mut around = vec![a, b, new];
         for f in self.faces_of(a).clone() {
             let face = self.face(f);
@@ -86,13 +96,17 @@ impl<'m> Refinement<'m> {
         Ok((new, around))
     }
 
-    /// Cuts a face into three at a point inside. Gives the new vertex.
+    /// Cuts a face into three at a point inside, which has these shares of its corners. Gives the
+    /// new vertex.
     ///
     /// # Errors
     /// [`Error::Argument`] when vertices or faces can't be numbered any more.
-    pub fn cut_face(&mut self, face: u32, at: Vector) -> Result<u32> {
-        let new = self.add_vertex(at)?;
+    pub fn cut_face(&mut self, face: u32, at: Vector, weights: [f64; 3]) -> Result<u32> {
         let [a, b, c] = self.face(face);
+        let corner = |v, weight| (self.origin(v), weight);
+        let [x, y, z] = weights;
+        let origin = Origin::between(&[corner(a, x), corner(b, y), corner(c, z)]);
+        let new = self.add_vertex(at, origin)?;
         self.replace(face, &[[a, b, new], [b, c, new], [c, a, new]]);
         Ok(new)
     }
@@ -115,23 +129,27 @@ impl<'m> Refinement<'m> {
     ///
     /// # Errors
     /// None that a refinement could cause.
-    pub fn to_mesh(&self) -> Result<TriMesh> {
+    pub fn to_mesh(&self) -> Result<Refined> {
         let vertices = [self.mesh.vertices(), &self.positions].concat();
         let all = self.mesh.faces().iter().chain(&self.faces);
-        let faces =
-            (0..).zip(all).filter(|(f, _)| !self.cut.contains_key(f)).map(|(_, face)| *face);
-        TriMesh::new(vertices, faces.collect())
+        let kept = (0..).zip(all).filter(|(f, _)| !self.cut.contains_key(f));
+        let (roots, faces) = kept.map(|(f, &face)| (self.root(f), face)).unzip();
+        let old = (0..self.mesh.vertices().len() as u32).map(Origin::vertex);
+        let origins = old.chain(self.origins.iter().copied()).collect();
+        Ok(Refined { mesh: TriMesh::new(vertices, faces)?, faces: roots, vertices: origins })
     }
 
     /// Back to the mesh.
     pub fn forget(&mut self) {
         self.positions.clear();
+        self.origins.clear();
         self.faces.clear();
+        self.roots.clear();
         self.cut.clear();
         self.changed.clear();
     }
 
-    fn add_vertex(&mut self, at: Vector) -> Result<u32> {
+    fn add_vertex(&mut self, at: Vector, origin: Origin) -> Result<u32> {
         let number = self.mesh.vertices().len() + self.positions.len();
         let faces = self.mesh.faces().len() + self.faces.len();
         // Every cut makes a few faces; with this many more they can be numbered.
@@ -140,8 +158,24 @@ impl<'m> Refinement<'m> {
             return Err(Error::Argument { what: "mesh", why });
         }
         self.positions.push(at);
+        self.origins.push(origin);
         self.changed.insert(number as u32, Vec::new());
         Ok(number as u32)
+    }
+
+    fn origin(&self, vertex: u32) -> Origin {
+        match (vertex as usize).checked_sub(self.mesh.vertices().len()) {
+            None => Origin::vertex(vertex),
+            Some(new) => self.origins[new],
+        }
+    }
+
+    /// The face of the mesh that a face is a piece of.
+    fn root(&self, face: u32) -> u32 {
+        match (face as usize).checked_sub(self.mesh.faces().len()) {
+            None => face,
+            Some(new) => self.roots[new],
+        }
     }
 
     /// The faces of a vertex, from now on kept here.
@@ -158,9 +192,11 @@ impl<'m> Refinement<'m> {
             self.faces_of(v).retain(|&f| f != face);
         }
         let mut numbers = Vec::new();
+        let root = self.root(face);
         for &piece in pieces {
             let number = (self.mesh.faces().len() + self.faces.len()) as u32;
             self.faces.push(piece);
+            self.roots.push(root);
             numbers.push(number);
             for v in piece {
                 self.faces_of(v).push(number);

@@ -58,6 +58,20 @@ impl fmt::Display for Outcome {
     }
 }
 
+/// Where a point of a curve is on the mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Waypoint {
+    /// At a vertex.
+    Vertex(u32),
+    /// On an edge.
+    Edge {
+        /// Its ends.
+        ends: [u32; 2],
+        /// How far from the first end to the second, from 0 to 1.
+        share: f64,
+    },
+}
+
 /// A curve along edges, or as much of it as was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
@@ -66,8 +80,11 @@ pub struct Curve {
     /// Its vertices, one after the other; the first one is not repeated where it closes. Those from the mesh's number of
     /// vertices on are the [`Reconstruction::steiner`] points, in their order.
     pub path: Vec<u32>,
-    /// Positions of the vertices.
+    /// Positions of the vertices; of a smooth curve also where it crosses edges.
     pub points: Vec<[f64; 3]>,
+    /// Where the points are, on the mesh with the [`Reconstruction::steiner`] points. Straight
+    /// lines on faces, or edges, join one to the next.
+    pub waypoints: Vec<Waypoint>,
     /// Whether an edge leads from the last vertex to the first.
     pub closed: bool,
     /// Sum of the lengths of the edges.

@@ -3,8 +3,8 @@ use std::borrow::Cow;
 use super::refinement::Refinement;
 use super::result::Steiner;
 use crate::base::{Error, Result};
-use crate::mesh::TriMesh;
 use crate::mesh::vector::{Vector, cross, distance, dot, norm, sub};
+use crate::mesh::{Refined, TriMesh};
 
 /// Shares of corners below this are none: the point is on an edge, or at a vertex.
 const NOTHING: f64 = 1e-9;
@@ -38,7 +38,7 @@ pub enum Placement {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placed {
     /// The mesh with the vertices that were inserted after its own; `None` when there are none.
-    pub mesh: Option<TriMesh>,
+    pub mesh: Option<Refined>,
     /// The vertex of each site; two sites can have the same.
     pub vertices: Vec<u32>,
 }
@@ -53,7 +53,7 @@ pub struct Placed {
 /// let sites = [Site::Near([0.9, 0.1, 0.0]), Site::Face { face: 0, weights: [0.2, 0.3, 0.5] }];
 /// let placed = place(&mesh, &sites, Placement::Insert)?;
 /// assert_eq!(placed.vertices, [6, 9]); // a corner of the square, and a vertex that is new
-/// assert_eq!(placed.mesh.map(|mesh| mesh.vertices().len()), Some(10));
+/// assert_eq!(placed.mesh.map(|refined| refined.mesh.vertices().len()), Some(10));
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
@@ -96,6 +96,11 @@ pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Pla
 /// # Errors
 /// [`Error::Argument`] for ends that are no vertices or earlier points.
 pub fn refined(mesh: &TriMesh, steiner: &[Steiner]) -> Result<TriMesh> {
+    Ok(with_steiner(mesh, steiner)?.mesh)
+}
+
+/// [`refined`], with where it comes from.
+pub(super) fn with_steiner(mesh: &TriMesh, steiner: &[Steiner]) -> Result<Refined> {
     let mut refinement = Refinement::new(Cow::Borrowed(mesh));
     for (i, point) in steiner.iter().enumerate() {
         let known = mesh.vertices().len() + i;
@@ -169,7 +174,7 @@ fn insert(refinement: &mut Refinement<'_>, face: u32, weights: [f64; 3]) -> Resu
     match there[..] {
         [i] => Ok(corners[i]),
         [i, j] => Ok(refinement.cut_edge([corners[i], corners[j]], point)?.0),
-        _ => refinement.cut_face(piece, point),
+        _ => refinement.cut_face(piece, point, own),
     }
 }
 

@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::faithful::Walker;
 use super::proximity::Proximity;
-use super::result::{Curve, Outcome, Reconstruction, Steiner, total};
+use super::result::{Curve, Outcome, Reconstruction, Steiner, Waypoint, total};
 use super::route::{Net, Router};
 use super::search::Search;
 use super::split::split;
@@ -26,6 +26,9 @@ pub enum Mode {
     /// The order of all samples first, then paths that give way to each other. The default.
     #[default]
     Robust,
+    /// The samples are in the order of one curve already: paths that do not meet, as in the robust
+    /// mode.
+    Ordered,
 }
 
 /// How many curves the samples are of.
@@ -137,10 +140,11 @@ impl<'m> CurveSolver<'m> {
 
     /// A curve along edges through these vertices, in whatever order suits it.
     ///
-    /// In the faithful mode the curve starts at sample `start`; in the robust one each starts at its sample of lowest number
-    /// and goes towards the lower one of that one's two neighbours. The same samples give the same result, bit for bit.
-    /// Where there may be several curves, samples on components with fewer than three of them are
-    /// [left out](Reconstruction::left_out), and the others get theirs.
+    /// In the faithful mode the curve starts at sample `start`, in the ordered one at the first; in
+    /// the robust one each starts at its sample of lowest number and goes towards the lower one of
+    /// that one's two neighbours. The same samples give the same result, bit for bit. Where there
+    /// may be several curves, samples on components with fewer than three of them are [left
+    /// out](Reconstruction::left_out), and the others get theirs.
     ///
     /// # Errors
     /// [`Error::Argument`] for fewer than three samples, a number that no vertex has, a vertex twice, no candidates, or a
@@ -154,6 +158,7 @@ impl<'m> CurveSolver<'m> {
         let found = match options.mode {
             Mode::Faithful => self.faithful(samples, options),
             Mode::Robust => self.robust(samples, options),
+            Mode::Ordered => self.ordered(samples, options),
         };
         self.surface.forget_refinement();
         found
@@ -243,6 +248,17 @@ impl<'m> CurveSolver<'m> {
         }
         orders.sort_unstable_by_key(|order| order[0]);
         Ok(Reconstruction { left_out, ..self.routed(samples, &orders, options)? })
+    }
+
+    /// A path through samples in the order that they have.
+    fn ordered(&mut self, samples: &[u32], options: &CurveOptions<'_>) -> Result<Reconstruction> {
+        let components = self.groups(samples).len();
+        if components > 1 {
+            let (curves, steiner, left_out) = (Vec::new(), Vec::new(), Vec::new());
+            let outcome = Outcome::Disconnected { components };
+            return Ok(Reconstruction { outcome, curves, steiner, left_out });
+        }
+        self.routed(samples, &[(0..samples.len() as u32).collect()], options)
     }
 
     /// The order of each curve through a group of samples.
@@ -342,7 +358,8 @@ impl<'m> CurveSolver<'m> {
         if let (true, &[first, .., last]) = (closed, &points[..]) {
             length += distance(last, first);
         }
-        Curve { order, path, points, closed, length }
+        let waypoints = path.iter().map(|&v| Waypoint::Vertex(v)).collect();
+        Curve { order, path, points, waypoints, closed, length }
     }
 }
 

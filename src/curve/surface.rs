@@ -1,5 +1,5 @@
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::refinement::Refinement;
 use crate::base::Result;
@@ -58,17 +58,20 @@ impl<'m> Surface<'m> {
         old.into_iter().flatten().chain(new.into_iter().flatten().copied())
     }
 
-    /// Puts a vertex into the middle of every edge at these paths but their own edges: where they were in the way, there is
-    /// a way around them then.
+    /// Puts a vertex into the middle of every edge at these paths but the paths' own edges: where
+    /// they were in the way, there is a way around them then.
     ///
     /// # Errors
     /// [`Error::Argument`](crate::Error::Argument) when vertices can't be numbered any more.
     pub fn refine_around(&mut self, paths: &[Vec<u32>]) -> Result<()> {
-        for path in paths {
-            for (i, &v) in path.iter().enumerate() {
-                let next = [i.checked_sub(1).map(|i| path[i]), path.get(i + 1).copied()];
-                let ends: Vec<u32> = self.neighbours(v).map(|(u, _)| u).collect();
-                for u in ends.into_iter().filter(|&u| !next.contains(&Some(u))) {
+        let steps = paths.iter().flat_map(|path| path.windows(2));
+        // Also of the path that comes next at a sample.
+        let own: HashSet<[u32; 2]> = steps.map(|step| [step[0], step[1]]).collect();
+        let mut seen = HashSet::new();
+        for &v in paths.iter().flatten().filter(|v| seen.insert(**v)) {
+            let ends: Vec<u32> = self.neighbours(v).map(|(u, _)| u).collect();
+            for u in ends {
+                if !own.contains(&[v, u]) && !own.contains(&[u, v]) {
                     self.bisect(v, u)?;
                 }
             }

@@ -350,7 +350,7 @@ fn sites_are_snapped_or_inserted() {
     let inserted = place(&mesh, &sites, Placement::Insert).unwrap();
     // The middle of the diagonal is one point, from whichever side.
     assert_eq!(inserted.vertices, [5, 2, 6, 7, 8, 8, 4]);
-    let refined = inserted.mesh.unwrap();
+    let refined = inserted.mesh.unwrap().mesh;
     assert_eq!(refined.vertices()[8], [0.5, 0.5, 0.0]);
     assert!((refined.area() - mesh.area()).abs() < 1e-14);
     assert!(refined.face_normals().iter().all(|n| n[2] == 1.0), "a face is turned over");
@@ -412,7 +412,8 @@ fn polygon_length(points: &[[f64; 3]], closed: bool) -> f64 {
 }
 
 fn along(path: &[u32], closed: bool) -> Curve {
-    Curve { order: vec![], path: path.to_vec(), points: vec![], closed, length: 0.0 }
+    let waypoints = path.iter().map(|&v| Waypoint::Vertex(v)).collect();
+    Curve { order: vec![], path: path.to_vec(), points: vec![], waypoints, closed, length: 0.0 }
 }
 
 #[test]

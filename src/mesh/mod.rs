@@ -11,6 +11,7 @@ mod masks;
 mod measure;
 mod operators;
 mod parts;
+mod refined;
 mod repair;
 #[cfg(test)]
 pub(crate) mod shapes;
@@ -28,6 +29,7 @@ pub use measure::Normalization;
 pub(crate) use measure::quality;
 pub use operators::{divergence, gradient, vertex_areas};
 pub use parts::Part;
+pub use refined::{Origin, Refined};
 pub(crate) use repair::manifold;
 pub use repair::{
     RepairOptions, RepairReport, RepairStep, Repaired, Repairs, Weld, needs_repair, repair,

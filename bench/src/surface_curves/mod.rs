@@ -4,10 +4,15 @@
 //! The thesis' meshes can't be had here, so that its numbers stand beside ours for orientation. All shares are of all runs,
 //! also of those that failed.
 
+mod limits;
+mod literal;
 mod meshes;
+mod orders;
 mod runs;
 mod summary;
 
+pub use limits::{Distances, LIMITS_HEAD, limit_tables, measure_limits};
 pub use meshes::{Surface, surfaces};
+pub use orders::{ORDERS_HEAD, Ordered, measure_orders, order_tables};
 pub use runs::{Method, Run, SIZES, measure};
 pub use summary::{Cell, bars, cells, failures, order_table, plots};

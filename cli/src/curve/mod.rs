@@ -1,37 +1,49 @@
 //! `catamaran curve`.
 
 mod samples;
+mod surface;
+mod write;
 
-use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use catamaran::curve::{Count, CurveOptions, CurveSolver, Mode, Placement, Reconstruction, place};
+use catamaran::curve::{
+    Count, Curve, CurveOptions, Drawing, Drawn, Mode, Placement, Reconstruction, Region, cut, place,
+};
 use catamaran::io::{Output, Overwrite};
-use clap::ValueEnum;
+use catamaran::mesh::{Refined, TriMesh};
+use clap::{ArgGroup, ValueEnum};
+use samples::Group;
+use surface::{SurfaceArgs, paint, walls};
+use write::Format;
 
 use crate::input::MeshArgs;
 use crate::picture::{Paint, PictureArgs, with_curves};
 use crate::progress::Bar;
 use crate::report::{complain, report, seconds};
 
-/// Find the curve on a mesh that samples without an order are of.
+/// Find the curve on a mesh that samples without an order are of; cut the mesh along it, select
+/// what it encloses.
 ///
 /// Says how it ended: closed, open, blocked, close-blocked or disconnected; when the curve is not
 /// complete, what there is of it is written, and the program fails. Each component of the mesh has
 /// curves of its own; samples on a component with fewer than three are left out, with a note.
 #[derive(clap::Args)]
+#[command(group = ArgGroup::new("result")
+    .args(["output", "cut", "region", "rest", "paint"]).required(true).multiple(true))]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz or .xz after it.
     #[arg(value_name = "MESH")]
     mesh: PathBuf,
-    /// The samples, one a line: a vertex (from 0), a face and barycentric coordinates (`face a b c`), or a point in space
-    /// (`x y z`), which stands for the vertex nearest to it; what follows # is left out. What `catamaran fps` writes will do.
+    /// The samples, one a line: a vertex (from 0), a face and barycentric coordinates (`face a b
+    /// c`), or a point in space (`x y z`), which stands for the vertex nearest to it; what follows
+    /// # is left out. What `catamaran fps` writes will do. A line `curve NAME [open] [single]
+    /// [side=SIDE]` begins the samples of another curve, which is found for itself.
     #[arg(long, value_name = "FILE")]
     samples: PathBuf,
-    /// How: from sample to sample (thesis, algorithm 6.1), or the order first and then paths that do not meet.
+    /// How: from sample to sample (thesis, algorithm 6.1), the order first and then paths that do
+    /// not meet, or such paths in the order that the samples have.
     #[arg(long, value_name = "MODE", default_value = "robust")]
     mode: How,
     /// In the faithful mode: among how many of the nearest samples the next one is chosen.
@@ -40,7 +52,7 @@ pub struct Args {
     /// In the faithful mode: the sample (from 0) that the curve starts at.
     #[arg(long, value_name = "NUMBER", default_value_t = 0)]
     start: usize,
-    /// An open curve, not a closed one.
+    /// Open curves, not closed ones.
     #[arg(long)]
     open: bool,
     /// One curve, even where there are gaps as between several.
@@ -55,10 +67,12 @@ pub struct Args {
     /// Samples on faces become vertices; without this the nearest corner stands for them.
     #[arg(long)]
     insert: bool,
-    /// Where the curve goes: .obj (lines), or .json (outcome, order of the samples, samples left
+    /// Where the curves go: .obj (lines), or .json (outcome, order of the samples, samples left
     /// out, path of vertices, points, length).
     #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    surface: SurfaceArgs,
     #[command(flatten)]
     repair: MeshArgs,
     #[command(flatten)]
@@ -72,146 +86,136 @@ pub struct Args {
 enum How {
     Faithful,
     Robust,
-}
-
-/// What is written.
-#[derive(Clone, Copy)]
-enum Format {
-    Obj,
-    Json,
+    Ordered,
 }
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
-    let format = match args.output.extension().and_then(|e| e.to_str()) {
-        Some("obj") => Format::Obj,
-        Some("json") => Format::Json,
-        _ => bail!("{}: a curve is written as .obj or .json", args.output.display()),
+    let output = match &args.output {
+        Some(path) => Some((Format::of(path)?, Output::create(path, overwrite)?)),
+        None => None,
     };
-    let output = Output::create(&args.output, overwrite)?;
+    let outputs = args.surface.create(args.force)?;
     let picture = args.picture.create(overwrite)?;
     let file = args.repair.read(&args.mesh)?;
-    let sites = samples::read(&args.samples)?;
+    let given = samples::read(&args.samples)?;
     let placement = if args.insert { Placement::Insert } else { Placement::Snap };
-    let placed =
-        place(&file.mesh, &sites, placement).with_context(|| args.samples.display().to_string())?;
-    let mesh = placed.mesh.as_ref().unwrap_or(&file.mesh);
-    let mut solver = CurveSolver::new(mesh)?;
-    let bar = Bar::new("curve");
-    let update = |fraction| bar.update(fraction);
-    let options = CurveOptions::new()
-        .mode(match args.mode {
-            How::Faithful => Mode::Faithful,
-            How::Robust => Mode::Robust,
-        })
-        .open(args.open)
-        .count(if args.single { Count::One } else { Count::Automatic })
-        .steiner(!args.no_steiner)
-        .candidates(args.candidates)
-        .start(args.start)
-        .progress(&update);
-    let start = Instant::now();
-    let mut found = solver
-        .reconstruct(&placed.vertices, &options)
+    let placed = place(&file.mesh, &given.sites, placement)
         .with_context(|| args.samples.display().to_string())?;
-    let time = start.elapsed();
-    drop(bar);
+    let placed_on = placed.mesh.unwrap_or_else(|| Refined::new(file.mesh.clone()));
+    let mut drawing = Drawing::new(placed_on.mesh.clone())?;
+    let time = draw(args, &mut drawing, &given.groups, &placed.vertices)?;
     if args.smooth {
-        let smooth = found.smooth(mesh, &placed.vertices);
+        let smooth = drawing.smooth();
         if !smooth.with_context(|| args.mesh.display().to_string())? {
             complain(format_args!("smoothing ended before it was done"));
         }
     }
     report(format_args!(
         "samples   {} on {} vertices, {}",
-        sites.len(),
-        mesh.vertices().len(),
+        given.sites.len(),
+        placed_on.mesh.vertices().len(),
         seconds(time)
     ))?;
-    report(format_args!("outcome   {}", found.outcome))?;
-    for curve in &found.curves {
-        let (count, steps) = (curve.order.len(), curve.path.len());
-        let length = curve.length;
-        report(format_args!("curve     {count} samples, {steps} vertices, length {length}"))?;
+    let found: Vec<(&Group, &Reconstruction)> = given.groups.iter().zip(drawing.found()).collect();
+    let Some(outcome) = write::outcome(&found) else { bail!("no curves") };
+    for (group, found) in &found {
+        describe(group, found)?;
     }
-    if let (Some(first), true) = (found.left_out.first(), found.outcome.is_complete()) {
-        complain(format_args!(
-            "note: {} of {} samples left out, such as sample {first} (from 0): fewer than three on \
-             their component of the mesh",
-            found.left_out.len(),
-            sites.len()
-        ));
+    if let Some((format, output)) = output {
+        let path = output.path().display().to_string();
+        write::write(output, &found, format)?;
+        report(format_args!("written   {path}"))?;
     }
-    write(output, &found, format)?;
+    if !outcome.is_complete() {
+        bail!("{}: no complete curve: {outcome}", args.mesh.display());
+    }
+    let mut region = None;
+    let mut drawn = None;
+    if args.surface.any() {
+        let Drawn { refined, layers } =
+            drawing.inscribe().with_context(|| args.mesh.display().to_string())?;
+        let all = Drawn { refined: placed_on.then(refined), layers };
+        region = args.surface.write(outputs, &file, &all, &given.groups, args.force)?;
+        drawn = Some(all);
+    }
     if let Some(picture) = picture {
+        let curves: Vec<Curve> =
+            drawing.found().flat_map(|found| found.curves.iter().cloned()).collect();
         let samples: Vec<_> =
-            placed.vertices.iter().map(|&v| mesh.vertices()[v as usize]).collect();
-        let (painted, colors) = with_curves(&file.mesh, &found.curves, &samples)?;
+            placed.vertices.iter().map(|&v| placed_on.mesh.vertices()[v as usize]).collect();
+        let drawn = drawn.as_ref().zip(region.as_ref());
+        let (painted, colors) = painted(&file.mesh, drawn, &curves, &samples)?;
         args.picture.draw(picture, &args.mesh, &[(&painted, Paint::Colors(&colors), "")])?;
-    }
-    report(format_args!("written   {}", args.output.display()))?;
-    if !found.outcome.is_complete() {
-        bail!("{}: no complete curve: {}", args.mesh.display(), found.outcome);
     }
     Ok(())
 }
 
-fn write(mut output: Output, found: &Reconstruction, format: Format) -> Result<()> {
-    let text = match format {
-        Format::Obj => obj(found),
-        Format::Json => json(found),
-    };
-    output.write_all(text.as_bytes()).map_err(|e| output.error(e))?;
-    Ok(output.commit()?)
-}
-
-fn obj(found: &Reconstruction) -> String {
-    let mut text = String::new();
-    let mut first = 1;
-    for curve in &found.curves {
-        for [x, y, z] in &curve.points {
-            let _ = writeln!(text, "v {x} {y} {z}");
-        }
-        let numbers = (first..first + curve.points.len()).chain(curve.closed.then_some(first));
-        if curve.points.len() > 1 {
-            let numbers: Vec<String> = numbers.map(|i| i.to_string()).collect();
-            let _ = writeln!(text, "l {}", numbers.join(" "));
-        }
-        first += curve.points.len();
+/// Finds the curves of all groups; the time that it took.
+fn draw(
+    args: &Args,
+    drawing: &mut Drawing,
+    groups: &[Group],
+    vertices: &[u32],
+) -> Result<Duration> {
+    let bar = Bar::new("curve");
+    let start = Instant::now();
+    for (i, group) in groups.iter().enumerate() {
+        let update = |fraction| bar.update((i as f64 + fraction) / groups.len() as f64);
+        let options = CurveOptions::new()
+            .mode(match args.mode {
+                How::Faithful => Mode::Faithful,
+                How::Robust => Mode::Robust,
+                How::Ordered => Mode::Ordered,
+            })
+            .open(args.open || group.open)
+            .count(if args.single || group.single { Count::One } else { Count::Automatic })
+            .steiner(!args.no_steiner)
+            .candidates(args.candidates)
+            .start(args.start)
+            .progress(&update);
+        drawing.add(&vertices[group.samples.clone()], &options).with_context(|| {
+            let name = group.name.as_ref().map_or(String::new(), |name| format!(": curve {name}"));
+            format!("{}{name}", args.samples.display())
+        })?;
     }
-    text
+    Ok(start.elapsed())
 }
 
-/// `order` and `path` are of all curves, one after the other; `curves` has them one by one.
-fn json(found: &Reconstruction) -> String {
-    let list = |all: &mut dyn Iterator<Item = &u32>| {
-        let numbers: Vec<String> = all.map(u32::to_string).collect();
-        format!("[{}]", numbers.join(", "))
-    };
-    let curves = &found.curves;
-    let each: Vec<String> = (curves.iter())
-        .map(|curve| {
-            let points: Vec<String> =
-                curve.points.iter().map(|[x, y, z]| format!("[{x}, {y}, {z}]")).collect();
-            format!(
-                "    {{\"closed\": {}, \"length\": {}, \"order\": {}, \"path\": {}, \"points\": [{}]}}",
-                curve.closed,
-                curve.length,
-                list(&mut curve.order.iter()),
-                list(&mut curve.path.iter()),
-                points.join(", ")
-            )
-        })
-        .collect();
-    format!(
-        "{{\n  \"outcome\": \"{}\",\n  \"length\": {},\n  \"order\": {},\n  \"left_out\": {},\n  \
-         \"path\": {},\n  \"curves\": [\n{}\n  ]\n}}\n",
-        found.outcome.name(),
-        found.length(),
-        list(&mut curves.iter().flat_map(|c| &c.order)),
-        list(&mut found.left_out.iter()),
-        list(&mut curves.iter().flat_map(|c| &c.path)),
-        each.join(",\n")
-    )
+/// What was found of one group.
+fn describe(group: &Group, found: &Reconstruction) -> Result<()> {
+    let name = group.name.as_ref().map_or(String::new(), |name| format!("{name}: "));
+    report(format_args!("outcome   {name}{}", found.outcome))?;
+    for curve in &found.curves {
+        let (count, steps) = (curve.order.len(), curve.path.len());
+        let length = curve.length;
+        report(format_args!("curve     {name}{count} samples, {steps} vertices, length {length}"))?;
+    }
+    if let (Some(&first), true) = (found.left_out.first(), found.outcome.is_complete()) {
+        complain(format_args!(
+            "note: {name}{} of {} samples left out, such as sample {} (from 0): fewer than \
+             three on their component of the mesh",
+            found.left_out.len(),
+            group.samples.len(),
+            group.samples.start + first as usize,
+        ));
+    }
+    Ok(())
+}
+
+/// The mesh with the curves, and the region in its colour.
+fn painted(
+    mesh: &TriMesh,
+    region: Option<(&Drawn, &Region)>,
+    curves: &[Curve],
+    samples: &[[f64; 3]],
+) -> Result<(TriMesh, Vec<[u8; 3]>)> {
+    let Some((drawn, region)) = region else { return with_curves(mesh, curves, samples) };
+    let open = cut(&drawn.refined.mesh, &walls(&drawn.layers.concat()))?;
+    let (mesh, mut colors) = with_curves(&open.mesh, curves, samples)?;
+    for (color, painted) in colors.iter_mut().zip(paint(&open, region)) {
+        *color = painted.map(|x| (255.0 * x).round() as u8);
+    }
+    Ok((mesh, colors))
 }

@@ -1,31 +1,97 @@
 //! Samples of curves in files.
 
 use std::fs;
+use std::ops::Range;
 use std::path::Path;
 
-use anyhow::{Context, Result};
-use catamaran::curve::Site;
+use anyhow::{Context, Result, bail};
+use catamaran::curve::{Side, Site};
 
-/// The samples in the file at `path`, one a line; `#` begins a comment.
-pub fn read(path: &Path) -> Result<Vec<Site>> {
+use super::surface::side;
+
+/// The samples of one curve, or of curves that are found together.
+#[derive(Debug)]
+pub struct Group {
+    /// What the file calls it; `None` in a file without names.
+    pub name: Option<String>,
+    /// An open curve.
+    pub open: bool,
+    /// One curve, whatever the gaps.
+    pub single: bool,
+    /// Which side is inside.
+    pub side: Option<Side>,
+    /// Its samples among those of the file.
+    pub samples: Range<usize>,
+}
+
+/// What a file of samples says.
+#[derive(Debug)]
+pub struct Samples {
+    /// All samples, in the order of the file.
+    pub sites: Vec<Site>,
+    /// At least one.
+    pub groups: Vec<Group>,
+}
+
+/// The samples in the file at `path`, one a line; `#` begins a comment. A line `curve NAME` begins
+/// another curve.
+pub fn read(path: &Path) -> Result<Samples> {
     let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
-    let mut sites = Vec::new();
+    let mut sites: Vec<Site> = Vec::new();
+    let mut groups: Vec<Group> = Vec::new();
     for (i, line) in text.lines().enumerate() {
+        let place = || format!("{}:{}", path.display(), i + 1);
         let words: Vec<&str> =
             line.split('#').next().unwrap_or_default().split_whitespace().collect();
-        if words.is_empty() {
-            continue;
+        match words[..] {
+            [] => {}
+            ["curve", name, ref options @ ..] => {
+                if groups.is_empty() && !sites.is_empty() {
+                    bail!("{}: samples before the first curve", place());
+                }
+                if groups.iter().any(|group| group.name.as_deref() == Some(name)) {
+                    bail!("{}: a second curve {name}", place());
+                }
+                groups.push(group(name, options, sites.len()).with_context(place)?);
+            }
+            _ => {
+                let site = site(&words).with_context(|| {
+                    format!(
+                        "{}: neither a vertex, nor a face and three shares, nor a point x y z, nor \
+                         `curve NAME`",
+                        place()
+                    )
+                })?;
+                sites.push(site);
+                if let Some(group) = groups.last_mut() {
+                    group.samples.end = sites.len();
+                }
+            }
         }
-        let site = site(&words).with_context(|| {
-            format!(
-                "{}:{}: neither a vertex, nor a face and three shares, nor a point x y z",
-                path.display(),
-                i + 1
-            )
-        })?;
-        sites.push(site);
     }
-    Ok(sites)
+    if groups.is_empty() {
+        let samples = 0..sites.len();
+        groups.push(Group { name: None, open: false, single: false, side: None, samples });
+    }
+    Ok(Samples { sites, groups })
+}
+
+/// A curve of this name, without samples yet.
+fn group(name: &str, options: &[&str], start: usize) -> Result<Group> {
+    if name.contains(|c: char| c.is_control() || c == '"' || c == '\\') {
+        bail!("the name {name:?} has a quote, a backslash or a control character");
+    }
+    let name = Some(name.to_owned());
+    let mut group = Group { name, open: false, single: false, side: None, samples: start..start };
+    for &option in options {
+        match option.split_once('=') {
+            None if option == "open" => group.open = true,
+            None if option == "single" => group.single = true,
+            Some(("side", text)) => group.side = Some(side(text).map_err(anyhow::Error::msg)?),
+            _ => bail!("{option}: none of open, single, side=SIDE"),
+        }
+    }
+    Ok(group)
 }
 
 fn site(words: &[&str]) -> Option<Site> {

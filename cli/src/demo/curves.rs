@@ -5,12 +5,16 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use catamaran::base::Rng;
 use catamaran::curve::dataset::{Generator, Samples, Sampling, samples, scaled};
-use catamaran::curve::{CurveOptions, CurveSolver, Mode, Reconstruction, same_order};
-use catamaran::mesh::{Graph, TriMesh, families};
+use catamaran::curve::{
+    Curve, CurveOptions, CurveSolver, Drawing, Mode, Reconstruction, Region, Side, cut, same_order,
+};
+use catamaran::mesh::{Components, Graph, TriMesh, families};
 
 use super::Site;
 use super::page::{Figure, Station, Table};
 use crate::picture::{Paint, Panel, Scene, Up, View, render, with_curves};
+
+type Rgb = [u8; 3];
 use crate::progress::Bar;
 
 /// Samples of the curve that is shown, and of those in the table.
@@ -20,6 +24,16 @@ const SIZES: [usize; 3] = [10, 25, 55];
 const CURVES: usize = 12;
 const SMALL_CURVES: usize = 3;
 const SEED: u64 = 11;
+
+/// Cells around the torus of the regions, and around its tube.
+const AROUND: u32 = 160;
+const TUBE: u32 = 70;
+const INSIDE: Rgb = [245, 174, 64];
+const OUTSIDE: Rgb = [205, 214, 224];
+/// Of the pieces of the mesh that is cut.
+const PIECES: [Rgb; 4] = [OUTSIDE, [245, 174, 64], [120, 182, 130], [110, 156, 214]];
+/// How far apart pieces are drawn.
+const APART: f64 = 0.12;
 
 /// One line of the table, of `runs` reconstructions.
 #[derive(Default)]
@@ -68,7 +82,86 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         }
     }
     drop(bar);
+    regions(site)?;
     Ok(describe(&mesh, &lines, shown.unwrap_or_default()))
+}
+
+/// Two selections of a few samples each, what sets make of them, and the mesh in pieces.
+fn regions(site: &Site<'_>) -> Result<()> {
+    let mesh = scaled(&families::torus(AROUND as usize, TUBE as usize, 2.0, 0.9)?)?;
+    let mut drawing = Drawing::new(mesh)?;
+    // Of ellipses, without an order: by steps of three.
+    let ellipse = |along: f64, across: f64| -> Vec<u32> {
+        let corner = |i: u32| {
+            let angle = f64::from(3 * i % 8) * std::f64::consts::TAU / 8.0;
+            let x = (along + 17.0 * angle.cos()).round().rem_euclid(f64::from(AROUND)) as u32;
+            let y = (across + 12.0 * angle.sin()).round().rem_euclid(f64::from(TUBE)) as u32;
+            x * TUBE + y
+        };
+        (0..8).map(corner).collect()
+    };
+    let layers = [ellipse(-42.0, 12.0), ellipse(-25.0, 18.0)];
+    for layer in &layers {
+        drawing.add(layer, &CurveOptions::new())?;
+    }
+    drawing.smooth()?;
+    let drawn = drawing.inscribe()?;
+    let whole = &drawn.refined.mesh;
+    let walls = |curves: &[Curve]| curves.iter().flat_map(Curve::edges).collect::<Vec<_>>();
+    let [a, b] = [0, 1].map(|i| Region::enclosed(whole, &walls(&drawn.layers[i]), &Side::Small));
+    let (a, b) = (a?, b?);
+    let open = cut(whole, &walls(&drawn.layers.concat()))?;
+    let places: Vec<_> = layers.concat().iter().map(|&v| whole.vertices()[v as usize]).collect();
+    let mut painted = Vec::new();
+    for region in [a.union(&b)?, a.intersection(&b)?, a.difference(&b)?] {
+        let (mesh, mut colors) = with_curves(&open.mesh, &drawn.layers.concat(), &places)?;
+        colors[..open.mesh.vertices().len()].fill(OUTSIDE);
+        for v in region.faces().iter().flat_map(|&f| open.mesh.faces()[f as usize]) {
+            colors[v as usize] = INSIDE;
+        }
+        painted.push((mesh, colors));
+    }
+    painted.push(apart(&open.mesh)?);
+    let view = View { azimuth: 20.0, elevation: 50.0, up: Up::Z, ..View::DEFAULT };
+    let titles = ["union", "intersection", "difference", "cut into pieces"];
+    let panels = painted.iter().zip(titles).map(|((mesh, colors), title)| Panel {
+        mesh,
+        paint: Paint::Colors(colors),
+        view,
+        title,
+    });
+    let scene = Scene { panels: panels.collect(), size: (420, 380), ..Scene::default() };
+    render(&scene)?.write_png(site.file("regions.png")?)
+}
+
+/// The components of a mesh, each of its colour and moved away from the middle of the first.
+fn apart(mesh: &TriMesh) -> Result<(TriMesh, Vec<Rgb>)> {
+    let components = Components::new(mesh);
+    let middle = |c: u32| {
+        let own = components.of_vertices().iter().zip(mesh.vertices()).filter(|(of, _)| **of == c);
+        let (sum, count) = own.fold(([0.0; 3], 0.0), |(sum, count): ([f64; 3], f64), (_, p)| {
+            (std::array::from_fn(|k| sum[k] + p[k]), count + 1.0)
+        });
+        sum.map(|x: f64| x / count)
+    };
+    let largest = components.largest().unwrap_or_default() as u32;
+    let from = middle(largest);
+    let moves: Vec<[f64; 3]> = (0..components.len() as u32)
+        .map(|c| {
+            let to = middle(c);
+            let away: [f64; 3] = std::array::from_fn(|k| to[k] - from[k]);
+            let length = away.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if c == largest { [0.0; 3] } else { away.map(|x| APART * x / length) }
+        })
+        .collect();
+    let (mut vertices, faces) = mesh.clone().into_parts();
+    let mut colors = Vec::new();
+    for (p, &c) in vertices.iter_mut().zip(components.of_vertices()) {
+        let step = moves[c as usize];
+        *p = std::array::from_fn(|k| p[k] + step[k]);
+        colors.push(PIECES[(c as usize + PIECES.len() - largest as usize) % PIECES.len()]);
+    }
+    Ok((TriMesh::new(vertices, faces)?, colors))
 }
 
 fn is_right(found: &Reconstruction, given: &Samples) -> bool {
@@ -128,7 +221,8 @@ fn describe(mesh: &TriMesh, lines: &[[Line; 2]], path: usize) -> Station {
         title: "Curves through samples",
         text: "<p>Samples of a closed curve on a surface, in no order. Going from one to the next (the thesis' algorithm) \
                can end in a corner that the curve itself has closed; deciding the order of all first, and then letting \
-               paths give way to one another, can't.</p>"
+               paths give way to one another, can't. What curves enclose is \
+               a region: selected, combined, cut out.</p>"
             .into(),
         numbers: vec![
             (mesh.vertices().len().to_string(), "vertices of the surface"),
@@ -142,6 +236,14 @@ fn describe(mesh: &TriMesh, lines: &[[Line; 2]], path: usize) -> Station {
         figures: vec![Figure {
             body: "<img src=\"curves.png\" alt=\"Samples on a torus and two curves through them\" width=\"100%\">".into(),
             caption: format!("{SHOWN} samples of a curve, and what the two modes make of them."),
+            wide: true,
+        }, Figure {
+            body: "<img src=\"regions.png\" alt=\"Two selections on a torus, combined, and the \
+                   torus in pieces\" width=\"100%\">"
+                .into(),
+            caption: "Two selections of eight samples each: their union, intersection and difference, \
+                      and the surface cut along both."
+                .into(),
             wide: true,
         }],
         tables: vec![Table {

@@ -160,7 +160,8 @@ mod tests {
             })
             .collect();
         let (order, path) = (vec![], vec![]);
-        let curve = Curve { order, path, points, closed: true, length: 0.0 };
+        let waypoints = Vec::new();
+        let curve = Curve { order, path, points, waypoints, closed: true, length: 0.0 };
         let (painted, colors) = with_curves(&mesh, &[curve], &[]).unwrap();
         let on_tube = |v: &usize| colors[*v] == CURVES[0];
         let all = (0..colors.len()).filter(on_tube).map(|v| norm(painted.vertices()[v]));

@@ -1,6 +1,6 @@
 //! `catamaran curve`, from outside.
 
-use catamaran::mesh::io::write;
+use catamaran::mesh::io::{read, write};
 use catamaran::mesh::{TriMesh, families};
 
 use crate::common::Folder;
@@ -86,4 +86,221 @@ fn what_is_wrong_is_said_with_its_place() {
     assert!(json.contains("\"outcome\": \"disconnected\""), "{json}");
     assert!(json.contains("\"length\": 0,") && json.contains("\"left_out\": [0, 1, 2]"), "{json}");
     assert!(folder.fail("curve mesh.obj --samples samples.txt -o c.txt").contains(".obj or .json"));
+}
+
+/// Numbers of vertices of a grid of n x n squares.
+fn square(n: u32, low: u32, high: u32) -> String {
+    let at = |x: u32, y: u32| y * (n + 1) + x;
+    let corners = [at(low, low), at(high, high), at(high, low), at(low, high)];
+    corners.map(|v| format!("{v}\n")).concat()
+}
+
+fn area(folder: &Folder, name: &str) -> f64 {
+    read(&folder.path(name)).unwrap().mesh.area()
+}
+
+#[test]
+fn a_region_and_the_rest_are_written_as_meshes_and_tables() {
+    let folder = folder(&families::grid(8, 8).unwrap(), &square(8, 2, 6));
+    let said = folder.succeed(
+        "curve mesh.obj --samples samples.txt --region in.ply --region in.npy --rest out.obj \
+         --rest out.csv --paint all.ply --picture p.png",
+    );
+    assert!(said.contains("region    32 faces, area 0.25, 25.00 % of the surface"), "{said}");
+    assert_eq!((area(&folder, "in.ply"), area(&folder, "out.obj")), (0.25, 0.75));
+    let inside: Vec<f64> = folder.read_npy("in.npy");
+    assert_eq!((inside.len(), inside.iter().sum::<f64>()), (128, 32.0));
+    let outside = std::fs::read_to_string(folder.path("out.csv")).unwrap();
+    let outside: Vec<f64> = outside.lines().map(|line| line.parse().unwrap()).collect();
+    assert!(inside.iter().zip(&outside).all(|(a, b)| a + b == 1.0));
+    // Colours end at the curve, whose 16 vertices are there twice.
+    let painted = read(&folder.path("all.ply")).unwrap();
+    assert_eq!(painted.mesh.vertices().len(), 81 + 16);
+    let mut colors = painted.colors.unwrap();
+    colors.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    colors.dedup();
+    assert_eq!(colors.len(), 2);
+    // The other side, by size and by a seed.
+    for side in ["large", "seed:0", "seed:0,80"] {
+        let run = "curve mesh.obj --samples samples.txt --force --region in.ply --side";
+        folder.succeed(&format!("{run} {side}"));
+        assert_eq!(area(&folder, "in.ply"), 0.75, "{side}");
+    }
+    let run = "curve mesh.obj --samples samples.txt --region x.ply --side seed:20";
+    assert!(folder.fail(run).contains("vertex 20 is on the curve"));
+    assert!(!folder.path("x.ply").exists());
+}
+
+#[test]
+fn smooth_curves_cut_faces_and_shares_say_how_much_of_them() {
+    let folder = folder(&families::icosphere(3).unwrap(), "3\n200\n400\n500\n");
+    folder.succeed(
+        "curve mesh.obj --samples samples.txt --smooth --region in.obj --region in.npy --rest \
+         out.obj",
+    );
+    let shares: Vec<f64> = folder.read_npy("in.npy");
+    assert!(shares.iter().any(|&s| s > 0.0 && s < 1.0));
+    let mesh = families::icosphere(3).unwrap();
+    let sum: f64 = shares.iter().zip(mesh.face_areas()).map(|(s, a)| s * a).sum();
+    let [inside, outside] = ["in.obj", "out.obj"].map(|name| area(&folder, name));
+    assert!((sum - inside).abs() < 1e-12 && (inside + outside - mesh.area()).abs() < 1e-12);
+}
+
+#[test]
+fn several_curves_in_a_file_are_combined() {
+    let [a, b] = [square(8, 1, 5), square(8, 3, 7)];
+    let folder = folder(&families::grid(8, 8).unwrap(), &format!("curve a\n{a}curve b\n{b}"));
+    let run = "curve mesh.obj --samples samples.txt --force --region in.ply";
+    for (how, squares) in [("union", 28), ("intersection", 4), ("difference", 12), ("xor", 24)] {
+        folder.succeed(&format!("{run} --combine {how}"));
+        assert_eq!(area(&folder, "in.ply"), f64::from(squares) / 64.0, "{how}");
+    }
+    // A side for one of them, and a hole.
+    let hole = square(8, 2, 4);
+    folder.write("samples.txt", format!("curve a side=large\n{a}curve hole\n{hole}"));
+    folder.succeed(&format!("{run} -o both.json"));
+    assert_eq!(area(&folder, "in.ply"), 52.0 / 64.0);
+    let json = std::fs::read_to_string(folder.path("both.json")).unwrap();
+    assert!(json.contains("\"name\": \"hole\"") && json.contains("4, 6, 5, 7"), "{json}");
+    // In a file with lines, objects.
+    folder.succeed("curve mesh.obj --samples samples.txt -o both.obj");
+    let obj = std::fs::read_to_string(folder.path("both.obj")).unwrap();
+    assert!(obj.contains("o a\n") && obj.contains("o hole\n"), "{obj}");
+    let told = |samples: &str| {
+        folder.write("samples.txt", samples);
+        folder.fail(run)
+    };
+    assert!(told("1\ncurve a\n2\n3\n4\n").contains("samples.txt:2: samples before the first"));
+    assert!(told("curve a\n2\ncurve a\n3\n").contains("samples.txt:3: a second curve a"));
+    assert!(told("curve a wide\n2\n").contains("wide: none of open, single, side=SIDE"));
+    assert!(told("curve a side=in\n2\n").contains("expected small, large or seed:V"));
+    assert!(told("curve a\n10\n12\n28\ncurve b\n").contains("curve b: samples: 0, where 3"));
+    assert!(
+        folder
+            .fail("curve mesh.obj --samples samples.txt --side large -o c.obj")
+            .contains("--side")
+    );
+    let run = folder.run("curve mesh.obj --samples samples.txt");
+    assert_eq!(run.code, Some(2));
+    assert!(run.stderr.contains("--output"), "{}", run.stderr);
+}
+
+#[test]
+fn a_mesh_is_cut_into_pieces_or_slit() {
+    let folder = folder(&families::grid(8, 8).unwrap(), &square(8, 2, 6));
+    let said = folder.succeed("curve mesh.obj --samples samples.txt --cut parts/");
+    assert!(said.contains("cut       16 edges, 2 components, 128 faces"), "{said}");
+    let areas = ["parts/piece-1.ply", "parts/piece-2.ply"].map(|name| area(&folder, name));
+    assert_eq!(areas, [0.75, 0.25]);
+    // What is there stays.
+    assert!(folder.fail("curve mesh.obj --samples samples.txt --cut parts").contains("exists"));
+    folder.succeed("curve mesh.obj --samples samples.txt --cut parts --force");
+    // An open curve leaves a slit, of four edges here.
+    folder.write("samples.txt", "curve slit open\n38\n42\n40\n");
+    folder.succeed("curve mesh.obj --samples samples.txt --cut slit.ply");
+    assert_eq!(read(&folder.path("slit.ply")).unwrap().mesh.vertices().len(), 81 + 3);
+    let told = folder.fail("curve mesh.obj --samples samples.txt --region in.ply");
+    assert!(told.contains("curve slit") && told.contains("that are open"), "{told}");
+    // Samples that are in order are joined in it.
+    folder.write("samples.txt", "10\n16\n70\n64\n");
+    let said = folder.succeed("curve mesh.obj --samples samples.txt --mode ordered -o c.json");
+    let json = std::fs::read_to_string(folder.path("c.json")).unwrap();
+    assert!(json.contains("\"order\": [0, 1, 2, 3]"), "{json} {said}");
+}
+
+#[test]
+fn loops_around_handles_are_cut_and_enclose_nothing() {
+    let folder = folder(&families::torus(40, 20, 2.0, 0.8).unwrap(), "60\n65\n70\n75\n");
+    let said = folder.succeed("curve mesh.obj --samples samples.txt --cut cut.ply");
+    assert!(said.contains("cut       20 edges, 1 components"), "{said}");
+    assert_eq!(read(&folder.path("cut.ply")).unwrap().mesh.vertices().len(), 820);
+    let told = folder.fail("curve mesh.obj --samples samples.txt --region in.ply");
+    assert!(told.contains("go around a handle"), "{told}");
+    assert!(!folder.path("in.ply").exists());
+}
+
+#[test]
+fn files_of_other_programs_go_through_with_what_they_have() {
+    // Quads in two objects, with colours and texture coordinates: 6 x 6 squares.
+    let at = |x: u32, y: u32| 7 * y + x + 1;
+    let mut obj = String::from("# MeshLab\nmtllib scan.mtl\n");
+    for (x, y) in (0..7).flat_map(|y| (0..7).map(move |x| (x, y))) {
+        obj += &format!(
+            "v {x} {y} 0 {} 0.5 0.25\nvt {} {}\n",
+            f64::from(x) / 6.0,
+            f64::from(x) / 6.0,
+            y
+        );
+    }
+    for x in 0..6 {
+        obj += if x < 3 { "o left\n" } else { "o right\n" };
+        for y in 0..6 {
+            let corners = [at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)];
+            obj += &format!("f {}\n", corners.map(|v| format!("{v}/{v}")).join(" "));
+        }
+    }
+    let folder = Folder::new();
+    folder.write("scan.obj", &obj);
+    folder.write("samples.txt", "8\n40\n12\n31\n");
+    folder.succeed(
+        "curve scan.obj --samples samples.txt --smooth --region in.obj --rest out.obj --cut parts/",
+    );
+    let [inside, outside] = ["in.obj", "out.obj"].map(|name| read(&folder.path(name)).unwrap());
+    assert!((inside.mesh.area() + outside.mesh.area() - 36.0).abs() < 1e-12);
+    for file in [&inside, &outside] {
+        let objects = file.objects.as_ref().unwrap();
+        let colors = file.colors.as_ref().unwrap();
+        for (f, face) in file.mesh.faces().iter().enumerate() {
+            let [a, b, c] = face.map(|v| file.mesh.vertices()[v as usize][0]);
+            let side = if a + b + c < 9.0 { "left" } else { "right" };
+            assert_eq!(objects.of_face(f), Some(side));
+            let uv = file.uv.as_ref().unwrap().of_face(&file.mesh, f).unwrap();
+            for (v, uv) in face.iter().zip(uv) {
+                let [x, y, _] = file.mesh.vertices()[*v as usize];
+                assert!((colors[*v as usize][0] - x / 6.0).abs() < 1e-9);
+                assert!((uv[0] - x / 6.0).abs() < 1e-9 && (uv[1] - y).abs() < 1e-9);
+            }
+        }
+    }
+    assert!(folder.path("parts/piece-2.obj").exists());
+    // A polygon, and colours of faces, as libigl writes them.
+    folder.write(
+        "fan.off",
+        "OFF\n7 4 0\n0 0 0\n2 0 0\n3 2 0\n2 4 0\n0 4 0\n-1 2 0\n1 2 0\n4 0 1 6 5 255 0 0\n\
+         4 1 2 3 6 0 255 0\n3 3 4 6\n3 4 5 6\n",
+    );
+    folder.write("open.txt", "1\n6\n4\n");
+    let said = folder.succeed("curve fan.off --samples open.txt --open --cut cut.off");
+    assert!(said.contains("2 components"), "{said}");
+    // Points alone, and what is no mesh.
+    let axes = ["x", "y", "z"].map(|axis| format!("property float {axis}\n")).concat();
+    let points = "end_header\n0 0 0\n1 0 0\n0 1 0\n";
+    let head = "ply\nformat ascii 1.0\nelement vertex 3\n";
+    folder.write("points.ply", format!("{head}{axes}{points}"));
+    folder.write("few.txt", "0\n1\n2\n");
+    let run = folder.run("curve points.ply --samples few.txt --cut c.ply");
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
+    assert!(run.stderr.contains("is in no face"), "{}", run.stderr);
+    folder.write("scan.las", "LASF");
+    assert!(folder.fail("curve scan.las --samples few.txt --cut c.ply").contains("scan.las"));
+}
+
+#[test]
+fn the_commands_of_the_guide_run() {
+    let guide = include_str!("../../../docs/guide/curves.md");
+    let folder = folder(&families::grid(20, 20).unwrap(), "");
+    std::fs::rename(folder.path("mesh.obj"), folder.path("scan.obj")).unwrap();
+    folder.write("clicks.txt", square(20, 4, 14));
+    folder.write("line.txt", "231\n240\n236\n");
+    folder.write(
+        "two.txt",
+        format!("curve face\n{}curve eye\n{}", square(20, 4, 14), square(20, 8, 11)),
+    );
+    let mut count = 0;
+    for line in guide.lines().filter_map(|line| line.strip_prefix("catamaran ")) {
+        folder.succeed(&format!("{line} --force"));
+        count += 1;
+    }
+    assert!(count >= 6, "{count}");
+    assert!(folder.path("pieces/piece-2.ply").exists());
 }

@@ -10,7 +10,7 @@ mod trace;
 
 use std::collections::{HashMap, HashSet};
 
-use super::result::{Curve, Reconstruction};
+use super::result::{Curve, Reconstruction, Waypoint};
 use super::sites::refined;
 use crate::base::{Error, Result};
 use crate::mesh::vector::{Vector, cross, dot, sub};
@@ -29,6 +29,8 @@ const STEPS: usize = 1000;
 pub struct Smoothed {
     /// For each curve its points, on the surface: vertices, and where it crosses edges; the first is not repeated.
     pub points: Vec<Vec<[f64; 3]>>,
+    /// For each curve where its points are on the mesh.
+    pub waypoints: Vec<Vec<Waypoint>>,
     /// The length of each curve.
     pub lengths: Vec<f64>,
     /// Joints that were shortened.
@@ -58,14 +60,19 @@ impl Reconstruction {
     /// As [`refined`] and [`smooth()`].
     pub fn smooth(&mut self, mesh: &TriMesh, samples: &[u32]) -> Result<bool> {
         let refined = refined(mesh, &self.steiner)?;
-        let vertices: usize = self.curves.iter().map(|curve| curve.path.len()).sum();
-        let smoothed = smooth(&refined, &self.curves, samples, STEPS * vertices)?;
-        let all = smoothed.points.into_iter().zip(smoothed.lengths);
-        for (curve, (points, length)) in self.curves.iter_mut().zip(all) {
-            (curve.points, curve.length) = (points, length);
-        }
-        Ok(smoothed.converged)
+        shorten(&refined, &mut self.curves, samples)
     }
+}
+
+/// Makes curves along edges of `mesh` geodesics between samples; whether the steps sufficed.
+pub(super) fn shorten(mesh: &TriMesh, curves: &mut [Curve], samples: &[u32]) -> Result<bool> {
+    let vertices: usize = curves.iter().map(|curve| curve.path.len()).sum();
+    let smoothed = smooth(mesh, curves, samples, STEPS * vertices)?;
+    let all = smoothed.points.into_iter().zip(smoothed.waypoints).zip(smoothed.lengths);
+    for (curve, ((points, waypoints), length)) in curves.iter_mut().zip(all) {
+        (curve.points, curve.waypoints, curve.length) = (points, waypoints, length);
+    }
+    Ok(smoothed.converged)
 }
 
 /// Shortens curves along edges of `mesh` to geodesics between the vertices of `marked`, which they go on running through.
@@ -119,13 +126,14 @@ pub fn smooth(
         converged &= path.shorten(&mut intrinsic, &marked, &mut occupied, most_steps, &mut steps);
     }
     let mut chords: HashMap<u32, Vec<[Vector; 2]>> = HashMap::new();
-    let (mut points, mut lengths) = (Vec::new(), Vec::new());
+    let (mut points, mut waypoints, mut lengths) = (Vec::new(), Vec::new(), Vec::new());
     let failed = |residual| Error::NotConverged { iterations: steps, residual };
     for path in &paths {
-        let mut own = Vec::new();
+        let (mut own, mut places) = (Vec::new(), Vec::new());
         let mut length = 0.0;
         for (i, &v) in path.vertices.iter().enumerate() {
             own.push(mesh.vertices()[v as usize]);
+            places.push(Waypoint::Vertex(v));
             let Some(&edge) = path.edges.get(i) else { continue };
             let slot = intrinsic.slot(edge, v);
             length += intrinsic.length(slot);
@@ -136,21 +144,24 @@ pub fn smooth(
             let found = tracer
                 .trace(v, intrinsic.direction(slot), intrinsic.length(slot), target)
                 .ok_or_else(|| failed(intrinsic.length(slot)))?;
-            for Chord { face, ends } in found {
+            for Chord { face, ends, at } in found {
                 chords.entry(face).or_default().push(ends);
                 own.push(ends[1]);
+                places.push(at);
             }
             // The last chord ends at the vertex that comes next.
             own.pop();
+            places.pop();
         }
         points.push(own);
+        waypoints.push(places);
         lengths.push(length);
     }
     let crossing = chords.iter().filter(|(face, chords)| crosses(mesh, **face, chords)).count();
     if crossing > 0 {
         return Err(failed(crossing as f64));
     }
-    Ok(Smoothed { points, lengths, steps, converged })
+    Ok(Smoothed { points, waypoints, lengths, steps, converged })
 }
 
 /// A curve in the intrinsic triangulation.

@@ -1,3 +1,4 @@
+use super::super::result::Waypoint;
 use super::intrinsic::{Intrinsic, next, previous};
 use crate::mesh::TriMesh;
 use crate::mesh::vector::{Vector, distance};
@@ -11,6 +12,8 @@ const MISS: f64 = 1e-5;
 pub(super) struct Chord {
     pub face: u32,
     pub ends: [Vector; 2],
+    /// Where it ends.
+    pub at: Waypoint,
 }
 
 /// Follows straight lines over the mesh.
@@ -80,7 +83,8 @@ impl<'m> Tracer<'m> {
         let mut entered = near;
         let mut chords = Vec::new();
         if arrived(right, right_vertex) || arrived(left, left_vertex) {
-            chords.push(Chord { face: s / 3, ends: [near, self.place(target)] });
+            let at = Waypoint::Vertex(target);
+            chords.push(Chord { face: s / 3, ends: [near, self.place(target)], at });
             return Some(chords);
         }
         let mut edge = far;
@@ -88,9 +92,11 @@ impl<'m> Tracer<'m> {
             // Where it leaves: between right and left.
             let (r, l) = (turn(end, right), turn(end, left));
             let share = if l - r > 0.0 { (-r / (l - r)).clamp(0.0, 1.0) } else { 0.5 };
-            let [p, q] = [edge, next(edge)].map(|s| self.place(self.tail(s)));
+            let crossed = [edge, next(edge)].map(|s| self.tail(s));
+            let [p, q] = crossed.map(|v| self.place(v));
             let leaves: Vector = std::array::from_fn(|k| p[k] + share * (q[k] - p[k]));
-            chords.push(Chord { face: edge / 3, ends: [entered, leaves] });
+            let at = Waypoint::Edge { ends: crossed, share };
+            chords.push(Chord { face: edge / 3, ends: [entered, leaves], at });
             entered = leaves;
             let twin = self.twins[edge as usize];
             if twin == u32::MAX {
@@ -107,7 +113,8 @@ impl<'m> Tracer<'m> {
                 right[1] + reach * (cos * along[1] - sin * along[0]),
             ];
             if arrived(place, apex) {
-                chords.push(Chord { face: twin / 3, ends: [entered, self.place(apex)] });
+                let at = Waypoint::Vertex(apex);
+                chords.push(Chord { face: twin / 3, ends: [entered, self.place(apex)], at });
                 return Some(chords);
             }
             if turn(end, place) > 0.0 {

@@ -18,6 +18,7 @@ mod obj;
 mod off;
 mod ply;
 mod polygon;
+mod refined;
 mod stl;
 mod text;
 

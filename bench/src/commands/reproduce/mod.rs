@@ -1,6 +1,7 @@
 //! `reproduce`: tables and figures of the thesis, measured again. A chapter a file.
 
 mod ata;
+mod curve_limits;
 mod curves;
 mod decimate;
 mod decimated_spectra;
@@ -46,7 +47,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 8192, value_name = "TEXELS")]
     #[cfg_attr(not(feature = "opencl"), allow(dead_code))]
     largest_texture: usize,
-    /// Chapter 6: curves on each mesh; 50 by default.
+    /// Chapter 6: curves on each mesh; 50 by default, 10 of `curve-limits`, 30 of `curve-orders`.
     #[arg(long, value_name = "N")]
     curves: Option<usize>,
     /// Chapter 6: only these meshes.
@@ -74,6 +75,10 @@ enum What {
     DecimatedSpectra,
     /// Chapter 6: curves on surfaces.
     Curves,
+    /// Chapter 6: what limits the distances of curves.
+    CurveLimits,
+    /// Chapter 6: what limits the orders of samples.
+    CurveOrders,
     /// Chapters 3 and 7: textures.
     Textures,
     /// Chapter 8: A^T A in one process; `scripts/reproduce ata` adds that on ranks.
@@ -139,6 +144,14 @@ fn run_share(arguments: &Arguments, share: Option<textures::Share>) -> Result<()
             curves::run(&mut report, arguments)?;
             ("curves", curves::HEADER)
         }
+        What::CurveLimits => {
+            curve_limits::limits(&mut report, arguments)?;
+            ("curve-limits", curve_limits::LIMITS)
+        }
+        What::CurveOrders => {
+            curve_limits::orders(&mut report, arguments)?;
+            ("curve-orders", curve_limits::ORDERS)
+        }
         What::Textures => {
             let share = share.unwrap_or(textures::Share::Figures);
             textures::run(&mut report, share, arguments)?;
@@ -151,12 +164,15 @@ fn run_share(arguments: &Arguments, share: Option<textures::Share>) -> Result<()
     };
     println!("\n{:.0} s", start.elapsed().as_secs_f64());
     if arguments.record {
-        let files = [
-            (&*format!("{name}.md"), report.text),
-            (&*format!("{name}.csv"), record::csv(header, &report.lines)),
-            (&*format!("{name}.svg"), svg(&report.plots)),
-            ("host.txt", host),
+        let mut files = vec![
+            (format!("{name}.md"), report.text),
+            (format!("{name}.csv"), record::csv(header, &report.lines)),
+            ("host.txt".into(), host),
         ];
+        if !report.plots.is_empty() {
+            files.push((format!("{name}.svg"), svg(&report.plots)));
+        }
+        let files: Vec<_> = files.iter().map(|(name, text)| (&**name, text.clone())).collect();
         println!("recorded in {}", record::write(&files)?.display());
     }
     Ok(())

@@ -1,0 +1,127 @@
+//! Algorithm 6.1 in the words of the text, which block the curve alone: a path may run over a
+//! sample that waits. What becomes of that sample the text leaves open; the library's faithful mode
+//! keeps paths off waiting samples instead.
+
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap, HashSet};
+
+use catamaran::mesh::Graph;
+
+/// What becomes of samples that a path runs over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Passed {
+    /// They stay on the list, behind the curve, and it never gets there: the walk ends.
+    Lost,
+    /// They are taken off the list, in the order of the path.
+    Taken,
+}
+
+/// The order in which a curve that starts at sample 0 meets the samples, as far as it comes.
+pub fn walk(
+    graph: &Graph,
+    positions: &[[f64; 3]],
+    samples: &[u32],
+    candidates: usize,
+    passed: Passed,
+) -> Vec<u32> {
+    let mut waiting: HashMap<u32, u32> = samples.iter().copied().zip(0..).collect();
+    let mut order = vec![0];
+    let mut curve = HashSet::from([samples[0]]);
+    waiting.remove(&samples[0]);
+    let mut previous: Option<u32> = None;
+    let mut reachable = samples.len() - 1;
+    while !waiting.is_empty() {
+        let at = samples[order[order.len() - 1] as usize];
+        let wanted = candidates.min(reachable);
+        let (near, predecessors) = nearest(graph, at, &waiting, &curve, wanted);
+        // What the curve has shut off stays so.
+        reachable = if near.len() < wanted { near.len() } else { reachable };
+        let angle = |a: u32, c: u32| {
+            let [a, b, c] = [a, at, c].map(|v| positions[v as usize]);
+            angle(a, b, c)
+        };
+        let Some(next) = choose(&near, previous, angle) else { break };
+        let mut path = vec![next];
+        while let Some(&before) = predecessors.get(&path[path.len() - 1]) {
+            path.push(before);
+        }
+        path.reverse();
+        for &v in &path[1..] {
+            curve.insert(v);
+            let Some(&sample) = waiting.get(&v) else { continue };
+            if v != next && passed == Passed::Lost {
+                // No way will lead there.
+                return order;
+            }
+            waiting.remove(&v);
+            reachable = reachable.saturating_sub(1);
+            order.push(sample);
+        }
+        // The sample before: of those taken in passing, the last one.
+        previous = order.iter().rev().nth(1).map(|&i| samples[i as usize]);
+    }
+    order
+}
+
+type Near = Vec<(u32, f64)>;
+
+/// The nearest waiting samples, and the tree of shortest paths that avoid the curve.
+fn nearest(
+    graph: &Graph,
+    from: u32,
+    waiting: &HashMap<u32, u32>,
+    curve: &HashSet<u32>,
+    wanted: usize,
+) -> (Near, HashMap<u32, u32>) {
+    let mut best = HashMap::from([(from, 0.0)]);
+    let mut predecessors = HashMap::new();
+    let mut done = HashSet::new();
+    let mut heap = BinaryHeap::from([Reverse((0.0_f64.to_bits(), from))]);
+    let mut found = Vec::new();
+    while let Some(Reverse((bits, v))) = heap.pop() {
+        if !done.insert(v) {
+            continue;
+        }
+        let distance = f64::from_bits(bits);
+        if waiting.contains_key(&v) {
+            found.push((v, distance));
+            if found.len() == wanted {
+                break;
+            }
+        }
+        for (u, length) in graph.neighbours(v) {
+            let longer = distance + length;
+            if !curve.contains(&u) && best.get(&u).is_none_or(|&known| longer < known) {
+                best.insert(u, longer);
+                predecessors.insert(u, v);
+                heap.push(Reverse((longer.to_bits(), u)));
+            }
+        }
+    }
+    (found, predecessors)
+}
+
+fn choose(near: &Near, previous: Option<u32>, angle: impl Fn(u32, u32) -> f64) -> Option<u32> {
+    let &(first, _) = near.first()?;
+    let Some(previous) = previous else {
+        let mut best = (f64::NEG_INFINITY, first);
+        for (i, &(a, _)) in near.iter().enumerate() {
+            for &(b, _) in &near[i + 1..] {
+                if angle(a, b) > best.0 {
+                    best = (angle(a, b), a);
+                }
+            }
+        }
+        return Some(best.1);
+    };
+    let value = |&(v, distance): &(u32, f64)| angle(v, previous) / (distance * distance);
+    near.iter().rev().max_by(|a, b| value(a).total_cmp(&value(b))).map(|&(v, _)| v)
+}
+
+/// The angle at b, in [0, pi].
+fn angle(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
+    let [x, y] = [a, c].map(|p| [p[0] - b[0], p[1] - b[1], p[2] - b[2]]);
+    let dot: f64 = (0..3).map(|k| x[k] * y[k]).sum();
+    let size = |x: [f64; 3]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+    (dot / (size(x) * size(y))).clamp(-1.0, 1.0).acos()
+}

@@ -1,0 +1,261 @@
+//! What curves do with a surface: they cut it open, and enclose regions of it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use catamaran::curve::{Curve, Drawn, Region, Side, cut};
+use catamaran::faer::MatRef;
+use catamaran::io::{self as tables, Output};
+use catamaran::mesh::io::{MeshFile, MeshFormat, check_name};
+use catamaran::mesh::{Components, Part, Refined};
+use clap::ValueEnum;
+
+use super::samples::Group;
+use crate::output;
+use crate::report::{note, report};
+
+/// Of a region and of what is around it, from 0 to 1.
+pub const INSIDE: [f64; 3] = [0.96, 0.68, 0.25];
+pub const OUTSIDE: [f64; 3] = [0.80, 0.84, 0.88];
+
+/// Files about the surface.
+#[derive(clap::Args)]
+#[command(next_help_heading = "The surface")]
+pub struct SurfaceArgs {
+    /// The mesh cut open along the curves: a mesh, or a folder (an existing one, or a name that
+    /// ends in /), which gets a file for each piece, piece-1 the largest.
+    #[arg(long, value_name = "MESH|DIR/")]
+    cut: Option<PathBuf>,
+    /// The region that the curves enclose: a mesh, or a table (.npy, .csv, ...) with the share of
+    /// each face of MESH that is inside, from 0 to 1. May be given several times.
+    #[arg(long, value_name = "FILE")]
+    region: Vec<PathBuf>,
+    /// All but the region, in the same ways.
+    #[arg(long, value_name = "FILE")]
+    rest: Vec<PathBuf>,
+    /// The whole mesh, the region in a colour of its own: .ply, or another format with colours.
+    #[arg(long, value_name = "MESH")]
+    paint: Option<PathBuf>,
+    /// Which side of a curve is inside, unless its line in the file of samples says so: small or
+    /// large, by area, or seed:V, the piece with vertex V (from 0; seed:V,W for several).
+    #[arg(long, value_name = "SIDE", value_parser = side, default_value = "small")]
+    side: Side,
+    /// How the regions of several curves become one, in the order of the file.
+    #[arg(long, value_name = "HOW", default_value = "union")]
+    combine: Combine,
+}
+
+/// How two regions become one.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Combine {
+    /// What is in one of them or both.
+    Union,
+    /// What is in all.
+    Intersection,
+    /// What is in the first and in none of the others.
+    Difference,
+    /// What is in an odd number of them.
+    Xor,
+}
+
+/// small, large or seed:V,W.
+pub fn side(text: &str) -> Result<Side, String> {
+    match text.split_once(':') {
+        None if text == "small" => Ok(Side::Small),
+        None if text == "large" => Ok(Side::Large),
+        Some(("seed", list)) => {
+            let all: Result<Vec<u32>, _> = list.split(',').map(str::parse).collect();
+            all.map(Side::Seeds).map_err(|_| format!("{list}: no vertex numbers (from 0)"))
+        }
+        _ => Err("expected small, large or seed:V, such as seed:120".into()),
+    }
+}
+
+/// Files that are begun.
+pub struct Outputs {
+    cut: Option<Output>,
+    region: Vec<Output>,
+    rest: Vec<Output>,
+    paint: Option<Output>,
+}
+
+impl SurfaceArgs {
+    /// Whether anything is asked for.
+    pub fn any(&self) -> bool {
+        self.cut.is_some() || self.wants_region()
+    }
+
+    /// Whether a region is.
+    pub fn wants_region(&self) -> bool {
+        !self.region.is_empty() || !self.rest.is_empty() || self.paint.is_some()
+    }
+
+    /// Refuses what can't be, and begins the files.
+    pub fn create(&self, force: bool) -> Result<Outputs> {
+        if !self.wants_region() && (self.side != Side::Small || self.combine != Combine::Union) {
+            bail!("--side and --combine are about a region: --region, --rest or --paint");
+        }
+        for path in self.cut.iter().filter(|path| !is_folder(path)).chain(&self.paint) {
+            check_name(path)?;
+        }
+        for path in self.region.iter().chain(&self.rest) {
+            if MeshFormat::of(path).is_err() && tables::check_name(path).is_err() {
+                bail!("{}: neither the name of a mesh nor that of a table", path.display());
+            }
+        }
+        let create = |path: &PathBuf| output::create(path, force);
+        let whole = self.cut.as_ref().filter(|path| !is_folder(path));
+        Ok(Outputs {
+            cut: whole.map(create).transpose()?,
+            region: self.region.iter().map(create).collect::<Result<_>>()?,
+            rest: self.rest.iter().map(create).collect::<Result<_>>()?,
+            paint: self.paint.as_ref().map(create).transpose()?,
+        })
+    }
+
+    /// Cuts, and writes all files; gives the region, if there is one.
+    ///
+    /// - `source`: the file of MESH, of which `drawn` is a refinement;
+    /// - `groups`: what the layers of `drawn` are of.
+    pub fn write(
+        &self,
+        outputs: Outputs,
+        source: &MeshFile,
+        drawn: &Drawn,
+        groups: &[Group],
+        force: bool,
+    ) -> Result<Option<Region>> {
+        let file = source.refined(&drawn.refined)?;
+        let along = walls(&drawn.layers.concat());
+        let open = cut(&file.mesh, &along)?;
+        let open_file = file.part(open.clone())?;
+        // Before anything is written.
+        let region = self.wants_region().then(|| self.combined(drawn, groups)).transpose()?;
+        if self.cut.is_some() {
+            let pieces = Components::new(&open.mesh).len();
+            report(format_args!(
+                "cut       {} edges, {pieces} components, {} faces",
+                along.len(),
+                open.mesh.faces().len()
+            ))?;
+        }
+        match (&self.cut, outputs.cut) {
+            (Some(folder), None) => write_pieces(folder, &open_file, source, force)?,
+            (_, Some(output)) => write_mesh(output, &open_file)?,
+            (None, None) => {}
+        }
+        let Some(region) = region else { return Ok(None) };
+        let (area, whole) = (region.area(&file.mesh)?, file.mesh.area());
+        report(format_args!(
+            "region    {} faces, area {area}, {:.2} % of the surface",
+            region.faces().len(),
+            100.0 * area / whole
+        ))?;
+        if region.is_empty() {
+            note(format_args!("the region is empty"));
+        }
+        for output in outputs.region {
+            write_region(output, &file, &drawn.refined, &region)?;
+        }
+        for output in outputs.rest {
+            write_region(output, &file, &drawn.refined, &region.complement())?;
+        }
+        if let Some(output) = outputs.paint {
+            let colors = paint(&open, &region);
+            let mut painted = open_file;
+            painted.colors = Some(colors.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect());
+            write_mesh(output, &painted)?;
+        }
+        Ok(Some(region))
+    }
+
+    /// The regions of all groups, as one.
+    fn combined(&self, drawn: &Drawn, groups: &[Group]) -> Result<Region> {
+        let mut all: Option<Region> = None;
+        for (group, layer) in groups.iter().zip(&drawn.layers) {
+            let side = group.side.as_ref().unwrap_or(&self.side);
+            let own = Region::enclosed(&drawn.refined.mesh, &walls(layer), side);
+            let own = match &group.name {
+                Some(name) => own.with_context(|| format!("curve {name}"))?,
+                None => own?,
+            };
+            all = Some(match all {
+                None => own,
+                Some(all) => match self.combine {
+                    Combine::Union => all.union(&own)?,
+                    Combine::Intersection => all.intersection(&own)?,
+                    Combine::Difference => all.difference(&own)?,
+                    Combine::Xor => all.symmetric_difference(&own)?,
+                },
+            });
+        }
+        all.context("no curves")
+    }
+}
+
+/// The colours of a mesh that was cut, region and rest.
+pub fn paint(open: &Part, region: &Region) -> Vec<[f64; 3]> {
+    let mut colors = vec![OUTSIDE; open.mesh.vertices().len()];
+    for f in region.faces() {
+        for v in open.mesh.faces()[f as usize] {
+            colors[v as usize] = INSIDE;
+        }
+    }
+    colors
+}
+
+/// The edges of curves.
+pub fn walls(curves: &[Curve]) -> Vec<[u32; 2]> {
+    let mut all: Vec<[u32; 2]> = curves.iter().flat_map(Curve::edges).collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+fn is_folder(path: &Path) -> bool {
+    path.is_dir() || path.as_os_str().to_string_lossy().ends_with(['/', '\\'])
+}
+
+/// A file for each component, the largest first.
+fn write_pieces(folder: &Path, open: &MeshFile, source: &MeshFile, force: bool) -> Result<()> {
+    fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    let components = Components::new(&open.mesh);
+    let mut pieces = Vec::new();
+    for i in 0..components.len() {
+        let piece = open.part(open.mesh.component(&components, i)?)?;
+        pieces.push((piece.mesh.area(), piece));
+    }
+    pieces.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // Texture coordinates and materials need .obj.
+    let rich = source.uv.is_some() || source.materials.is_some();
+    let extension = if rich { "obj" } else { "ply" };
+    let name = |i: usize| folder.join(format!("piece-{}.{extension}", i + 1));
+    let outputs: Result<Vec<Output>> =
+        (0..pieces.len()).map(|i| output::create(&name(i), force)).collect();
+    for (output, (area, piece)) in outputs?.into_iter().zip(&pieces) {
+        report(format_args!(
+            "piece     {}: {} faces, area {area}",
+            output.path().display(),
+            piece.mesh.faces().len()
+        ))?;
+        output::mesh(output, piece)?;
+    }
+    Ok(())
+}
+
+fn write_region(output: Output, file: &MeshFile, refined: &Refined, region: &Region) -> Result<()> {
+    if MeshFormat::of(output.path()).is_ok() {
+        return write_mesh(output, &file.part(region.part(&file.mesh)?)?);
+    }
+    let path = output.path().display().to_string();
+    let shares = refined.shares(region.mask())?;
+    tables::write(output, MatRef::from_column_major_slice(&shares, shares.len(), 1))?;
+    report(format_args!("written   {path}"))
+}
+
+fn write_mesh(output: Output, file: &MeshFile) -> Result<()> {
+    let path = output.path().display().to_string();
+    output::mesh(output, file)?;
+    report(format_args!("written   {path}"))
+}

@@ -1,0 +1,113 @@
+//! Curves in files.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+
+use anyhow::{Result, bail};
+use catamaran::curve::{Outcome, Reconstruction};
+use catamaran::io::Output;
+
+use super::samples::Group;
+
+/// What is written.
+#[derive(Clone, Copy)]
+pub enum Format {
+    Obj,
+    Json,
+}
+
+impl Format {
+    /// The one that a name says.
+    pub fn of(path: &Path) -> Result<Self> {
+        match path.extension().and_then(|e| e.to_str()) {
+            Some("obj") => Ok(Self::Obj),
+            Some("json") => Ok(Self::Json),
+            _ => bail!("{}: a curve is written as .obj or .json", path.display()),
+        }
+    }
+}
+
+/// What was found for each group of samples.
+pub type Found<'a> = [(&'a Group, &'a Reconstruction)];
+
+/// How all ended: as the first that is not complete, else as the first.
+pub fn outcome(found: &Found<'_>) -> Option<Outcome> {
+    let mut all = found.iter().map(|(_, found)| found.outcome);
+    let first = all.clone().next();
+    all.find(|outcome| !outcome.is_complete()).or(first)
+}
+
+/// Writes the curves.
+pub fn write(mut output: Output, found: &Found<'_>, format: Format) -> Result<()> {
+    let text = match format {
+        Format::Obj => obj(found),
+        Format::Json => json(found),
+    };
+    output.write_all(text.as_bytes()).map_err(|e| output.error(e))?;
+    Ok(output.commit()?)
+}
+
+fn obj(found: &Found<'_>) -> String {
+    let mut text = String::new();
+    let mut first = 1;
+    for (group, found) in found {
+        if let Some(name) = &group.name {
+            let _ = writeln!(text, "o {name}");
+        }
+        for curve in &found.curves {
+            for [x, y, z] in &curve.points {
+                let _ = writeln!(text, "v {x} {y} {z}");
+            }
+            let numbers = (first..first + curve.points.len()).chain(curve.closed.then_some(first));
+            if curve.points.len() > 1 {
+                let numbers: Vec<String> = numbers.map(|i| i.to_string()).collect();
+                let _ = writeln!(text, "l {}", numbers.join(" "));
+            }
+            first += curve.points.len();
+        }
+    }
+    text
+}
+
+fn list<T: ToString>(all: impl Iterator<Item = T>) -> String {
+    let numbers: Vec<String> = all.map(|x| x.to_string()).collect();
+    format!("[{}]", numbers.join(", "))
+}
+
+/// `order` and `path` are of all curves, one after the other; `curves` has them one by one. Samples
+/// are numbered over the whole file.
+fn json(found: &Found<'_>) -> String {
+    let mut each = Vec::new();
+    let (mut order, mut path, mut left_out) = (Vec::new(), Vec::<u32>::new(), Vec::new());
+    for (group, found) in found {
+        let number = |i: &u32| group.samples.start + *i as usize;
+        left_out.extend(found.left_out.iter().map(number));
+        let name = group.name.as_ref();
+        let name = name.map_or(String::new(), |name| format!("\"name\": \"{name}\", "));
+        for curve in &found.curves {
+            let points = curve.points.iter().map(|[x, y, z]| format!("[{x}, {y}, {z}]"));
+            each.push(format!(
+                "    {{{name}\"closed\": {}, \"length\": {}, \"order\": {}, \"path\": {}, \
+                 \"points\": {}}}",
+                curve.closed,
+                curve.length,
+                list(curve.order.iter().map(number)),
+                list(curve.path.iter()),
+                list(points)
+            ));
+            order.extend(curve.order.iter().map(number));
+            path.extend(&curve.path);
+        }
+    }
+    let length: f64 = found.iter().fold(0.0, |sum, (_, found)| sum + found.length());
+    format!(
+        "{{\n  \"outcome\": \"{}\",\n  \"length\": {length},\n  \"order\": {},\n  \
+         \"left_out\": {},\n  \"path\": {},\n  \"curves\": [\n{}\n  ]\n}}\n",
+        outcome(found).map_or("", Outcome::name),
+        list(order.into_iter()),
+        list(left_out.into_iter()),
+        list(path.into_iter()),
+        each.join(",\n")
+    )
+}

@@ -1,0 +1,130 @@
+//! Regions of a mesh: sets of its faces, as curves enclose them, and what is made of them.
+
+mod enclosed;
+#[cfg(test)]
+mod tests;
+
+pub use enclosed::Side;
+
+use crate::base::{Error, Result};
+use crate::mesh::{Edges, Part, TriMesh};
+
+/// A set of faces of a mesh.
+///
+/// ```
+/// use catamaran::curve::Region;
+///
+/// let (one, two) = (Region::new(vec![true, true, false]), Region::new(vec![false, true, false]));
+/// assert_eq!(one.difference(&two)?.faces(), [0]);
+/// assert_eq!(one.union(&two)?.complement().faces(), [2]);
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Region {
+    inside: Vec<bool>,
+}
+
+impl Region {
+    /// The faces whose entry is true.
+    pub fn new(inside: Vec<bool>) -> Self {
+        Self { inside }
+    }
+
+    /// For each face of the mesh whether it is inside.
+    pub fn mask(&self) -> &[bool] {
+        &self.inside
+    }
+
+    /// The faces inside, ascending.
+    pub fn faces(&self) -> Vec<u32> {
+        (0..).zip(&self.inside).filter(|(_, inside)| **inside).map(|(f, _)| f).collect()
+    }
+
+    /// Whether no face is inside.
+    pub fn is_empty(&self) -> bool {
+        !self.inside.contains(&true)
+    }
+
+    /// The faces that are in one of two regions or both.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] for regions of meshes with different numbers of faces; also of the other
+    /// operations.
+    pub fn union(&self, other: &Self) -> Result<Self> {
+        self.combined(other, |a, b| a | b)
+    }
+
+    /// The faces that are in both of two regions.
+    ///
+    /// # Errors
+    /// As [`Region::union`].
+    pub fn intersection(&self, other: &Self) -> Result<Self> {
+        self.combined(other, |a, b| a & b)
+    }
+
+    /// The faces of this region that are not in the other.
+    ///
+    /// # Errors
+    /// As [`Region::union`].
+    pub fn difference(&self, other: &Self) -> Result<Self> {
+        self.combined(other, |a, b| a & !b)
+    }
+
+    /// The faces that are in one of two regions but not in both.
+    ///
+    /// # Errors
+    /// As [`Region::union`].
+    pub fn symmetric_difference(&self, other: &Self) -> Result<Self> {
+        self.combined(other, |a, b| a ^ b)
+    }
+
+    /// All other faces.
+    #[must_use]
+    pub fn complement(&self) -> Self {
+        Self { inside: self.inside.iter().map(|inside| !inside).collect() }
+    }
+
+    fn combined(&self, other: &Self, of: impl Fn(bool, bool) -> bool) -> Result<Self> {
+        Error::check_shape("region", (self.inside.len(), 1), (other.inside.len(), 1))?;
+        let both = self.inside.iter().zip(&other.inside);
+        Ok(Self { inside: both.map(|(&a, &b)| of(a, b)).collect() })
+    }
+
+    /// The area of the faces inside.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] for a mesh with another number of faces; also of what follows.
+    pub fn area(&self, mesh: &TriMesh) -> Result<f64> {
+        self.check(mesh)?;
+        let areas = mesh.face_areas().into_iter().zip(&self.inside);
+        Ok(areas.filter(|(_, inside)| **inside).fold(0.0, |sum, (area, _)| sum + area))
+    }
+
+    /// The edges with faces both inside and outside, ascending.
+    ///
+    /// # Errors
+    /// As [`Region::area`].
+    pub fn boundary(&self, mesh: &TriMesh) -> Result<Vec<[u32; 2]>> {
+        self.check(mesh)?;
+        let edges = Edges::new(mesh);
+        let mixed = |e: usize| {
+            let mut sides = edges.faces(e).map(|f| self.inside[f as usize]);
+            let first = sides.next();
+            sides.any(|side| Some(side) != first)
+        };
+        Ok((0..edges.len()).filter(|&e| mixed(e)).map(|e| edges.ends()[e]).collect())
+    }
+
+    /// The faces inside as a mesh, with the numbers that its vertices and faces had.
+    ///
+    /// # Errors
+    /// As [`Region::area`].
+    pub fn part(&self, mesh: &TriMesh) -> Result<Part> {
+        self.check(mesh)?;
+        mesh.submesh(&self.faces())
+    }
+
+    fn check(&self, mesh: &TriMesh) -> Result<()> {
+        Error::check_shape("region", (mesh.faces().len(), 1), (self.inside.len(), 1))
+    }
+}
