@@ -131,8 +131,8 @@ fn products_carry_functions_that_the_eigenfunctions_can_not() {
     // The baseline: coefficients of products, by C~.
     let (source, target) = bases(&pair, 3, OURS_STAR);
     let map = ProductMap::new(pair.c.as_ref(), &pair.source, &pair.target, 3).unwrap();
-    let from = TruncatedProducts::new(&source, 4e-3, Par::Seq).unwrap();
-    let to = TruncatedProducts::new(&target, 0.0, Par::Seq).unwrap();
+    let from = TruncatedProducts::new(&source, 4e-3).unwrap();
+    let to = TruncatedProducts::new(&target, 0.0).unwrap();
     let a = map.apply(from.analysis(f.as_ref(), Par::Seq).unwrap().as_ref(), Par::Seq).unwrap();
     let prods = errors(to.synthesis(a.as_ref(), Par::Seq).unwrap());
     assert!(prods.iter().zip(&k).all(|(a, b)| a < b), "{prods:?} {k:?}");
