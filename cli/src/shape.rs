@@ -188,16 +188,14 @@ pub fn vertices(path: &Path, counts: &[usize]) -> Result<Vec<Vec<u32>>> {
 }
 
 /// The mesh with its vertices moved; normals, which no longer fit, are left out.
-pub fn moved(file: MeshFile, positions: &Mat<f64>, path: &Path) -> Result<MeshFile> {
+pub fn moved(mut file: MeshFile, positions: &Mat<f64>, path: &Path) -> Result<MeshFile> {
     if let Some(vertex) =
         (0..positions.nrows()).find(|&i| (0..3).any(|c| !positions[(i, c)].is_finite()))
     {
         bail!("{}: vertex {vertex} would not be finite", path.display());
     }
-    let (_, faces) = file.mesh.into_parts();
     let vertices = (0..positions.nrows()).map(|i| [0, 1, 2].map(|c| positions[(i, c)])).collect();
-    let mut moved = MeshFile::from(TriMesh::new(vertices, faces)?);
-    moved.uv = file.uv;
-    moved.colors = file.colors;
-    Ok(moved)
+    file.mesh = TriMesh::new(vertices, file.mesh.faces().to_vec())?;
+    file.normals = None;
+    Ok(file)
 }

@@ -17,9 +17,11 @@ use crate::curves::Plot;
 /// The thesis' parameters for both figures.
 const K: usize = 15;
 const ORDER: usize = 3;
+/// A tolerance that makes the coefficients of products small: from the sweeps, the best for transfer.
+const TOLERANCE: f64 = 1e-2;
 /// Parts of the functions, by ascending frequency, that a low-pass keeps.
 const KEPT: [f64; 10] = [0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0];
-/// Parts of the size of the shape by which one coefficient grows.
+/// Parts of itself, or of the size of the shape, by which one coefficient grows.
 const STEPS: [f64; 7] = [0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7];
 /// Where coefficients are changed: at these parts of the functions by ascending frequency.
 const CHANGED: [f64; 5] = [0.01, 0.1, 0.25, 0.5, 0.9];
@@ -56,15 +58,19 @@ impl Representation {
     }
 }
 
-/// The coordinates of a shape in products of unit norm and in "ours*".
-fn representations(shape: &Shape) -> Result<[Representation; 2]> {
+/// The coordinates of a shape in products of norm 1, up to rounding as in the published code and up to [`TOLERANCE`], and in
+/// "ours*".
+fn representations(shape: &Shape) -> Result<[Representation; 3]> {
     let par = Par::all();
     let few = shape.first(K)?;
     let options = ProductBasisOptions::new().orthogonalization(Orthogonalization::Reorthogonalized);
     let basis = ProductBasis::new(&few, ORDER, &options)?;
     let f = coordinates(&shape.mesh);
     let ours = basis.basis().analysis(f.as_ref(), par)?;
-    let prods = TruncatedProducts::new(&basis, ROUNDING)?.analysis(f.as_ref(), par)?;
+    let mut truncated = TruncatedProducts::new(&basis, ROUNDING)?;
+    let exact = truncated.analysis(f.as_ref(), par)?;
+    truncated.set_threshold(TOLERANCE)?;
+    let stable = truncated.analysis(f.as_ref(), par)?;
     let products = Eigenproducts::new(K, ORDER)?;
     let constant = few.constant().ok_or("a shape without constants")?;
     let factors = Scale(1.0 / constant) * few.functions().subcols(1, K);
@@ -73,71 +79,75 @@ fn representations(shape: &Shape) -> Result<[Representation; 2]> {
     // Of norm 1, as in the published code; the coefficients take what the functions lose.
     let norms: Vec<f64> = basis.r().col_iter().map(|column| column.norm_l2()).collect();
     let values = Mat::from_fn(values.nrows(), values.ncols(), |x, j| values[(x, j)] / norms[j]);
-    let prods = Mat::from_fn(prods.nrows(), prods.ncols(), |i, j| prods[(i, j)] * norms[i]);
+    let scaled = |a: Mat<f64>| Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * norms[i]);
     Ok([
-        Representation::new(shape, values.as_ref(), prods.as_ref())?,
+        Representation::new(shape, values.as_ref(), scaled(exact).as_ref())?,
+        Representation::new(shape, values.as_ref(), scaled(stable).as_ref())?,
         Representation::new(shape, basis.functions(), ours.as_ref())?,
     ])
 }
 
-/// Figure 1.14, the smoothing filter: the relative error of the coordinates over the part of the coefficients that is kept;
-/// and figure 1.15: the relative change of the coordinates when one coefficient grows, over its growth, the mean and the
-/// largest of several coefficients.
+/// Figure 1.14, the smoothing filter: the relative error of the coordinates over the part of the coefficients that is kept.
+/// Figure 1.15: one coefficient grows by a part of itself, and the coordinates change by the part of their norm that is
+/// drawn, the most of several coefficients; or it grows by the same amount in every dictionary, and what is drawn is the
+/// thickness that is left, the least of several.
 ///
 /// # Errors
 /// Those of the library.
-pub fn filters(shape: &Shape) -> Result<[Plot; 2]> {
+pub fn filters(shape: &Shape) -> Result<[Plot; 3]> {
     let mass = shape.eigenbasis.basis().mass();
     let f = coordinates(&shape.mesh);
-    let names = ["prods", "ours*"];
-    let mut low: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
-    let mut thickness: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
+    let truncated = format!("prods {TOLERANCE:.0e}");
+    let names = ["prods", &truncated, "ours*"];
+    let mut series: [Vec<(String, Vec<(f64, f64)>)>; 3] = Default::default();
     for (name, found) in names.into_iter().zip(representations(shape)?) {
         let len = found.coefficients.nrows();
         let count = |part: f64| ((part * len as f64).round() as usize).clamp(1, len);
-        let point = |&part: &f64| -> Result<(f64, f64)> {
+        let low = |part: f64| -> Result<(f64, f64)> {
             let g = found.first(count(part));
             Ok((part, mean(&relative_errors(f.as_ref(), g.as_ref(), mass)?)))
         };
-        low.push((name.into(), KEPT.iter().map(point).collect::<Result<_>>()?));
-
-        // One coefficient grows by a part of itself in the norm of all, as that of the figure does by a part of itself.
         let whole = found.first(len);
-        let least = |step: f64| -> Result<(f64, f64)> {
-            let mut flattest = f64::INFINITY;
-            for part in CHANGED {
-                let i = count(part) - 1;
-                let size = found.coefficients.norm_l2();
-                let g = Mat::from_fn(whole.nrows(), 3, |x, j| {
-                    whole[(x, j)] + step * size * found.functions[(x, i)]
-                });
-                flattest = flattest.min(flatness(g.as_ref())? / flatness(whole.as_ref())?);
-            }
-            Ok((step, flattest))
+        let size = f.norm_l2() / (f.nrows() as f64).sqrt();
+        let changed = |function: usize, amounts: [f64; 3]| {
+            Mat::from_fn(whole.nrows(), 3, |x, j| {
+                whole[(x, j)] + amounts[j] * found.functions[(x, function)]
+            })
         };
-        thickness.push((name.into(), STEPS.into_iter().map(least).collect::<Result<_>>()?));
+        let grown = |step: f64| -> Result<(f64, f64)> {
+            let mut most: f64 = 0.0;
+            for function in CHANGED.map(|part| count(part) - 1) {
+                let amounts = [0, 1, 2].map(|j| step * found.coefficients[(function, j)]);
+                let g = changed(function, amounts);
+                most = most.max(mean(&relative_errors(whole.as_ref(), g.as_ref(), mass)?));
+            }
+            Ok((step, most))
+        };
+        let thickness = |step: f64| -> Result<(f64, f64)> {
+            let mut least = f64::INFINITY;
+            for function in CHANGED.map(|part| count(part) - 1) {
+                let g = changed(function, [step * size; 3]);
+                least = least.min(flatness(g.as_ref())? / flatness(whole.as_ref())?);
+            }
+            Ok((step, least))
+        };
+        let [lows, growths, thicknesses] = &mut series;
+        lows.push((name.into(), KEPT.into_iter().map(low).collect::<Result<_>>()?));
+        growths.push((name.into(), STEPS.into_iter().map(grown).collect::<Result<_>>()?));
+        thicknesses.push((name.into(), STEPS.into_iter().map(thickness).collect::<Result<_>>()?));
     }
-    let title = |figure: &str, what: &str| {
-        format!("Figure {figure}, {}: {what}, N = {ORDER}, K = {K}", shape.name)
+    let plot = |figure: &str, what: &str, across: &str, logarithmic, series| Plot {
+        title: format!("Figure {figure}, {}: {what}, N = {ORDER}, K = {K}", shape.name),
+        across: across.into(),
+        logarithmic,
+        scattered: false,
+        series,
     };
+    let [lows, growths, thicknesses] = series;
     Ok([
-        Plot {
-            title: title("1.14", "error of the coordinates after a low-pass"),
-            across: "share of coefficients kept".into(),
-            logarithmic: true,
-            scattered: false,
-            series: low,
-        },
-        Plot {
-            title: title(
-                "1.15",
-                "thickness that is left when one coefficient grows, the least of five",
-            ),
-            across: "growth, in the norm of all".into(),
-            logarithmic: false,
-            scattered: false,
-            series: thickness,
-        },
+        plot("1.14", "error of the coordinates after a low-pass", "share kept", true, lows),
+        plot("1.15", "change by one coefficient", "growth, a part of itself", true, growths),
+        plot("1.15 again", "thickness left", "growth, same amount", false, thicknesses),
     ])
 }
 

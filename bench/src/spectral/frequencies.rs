@@ -35,16 +35,16 @@ pub fn eigenpowers(shape: &Shape, functions: usize, orders: usize) -> Result<Vec
 pub struct Frequencies {
     /// The relative distance of each to the nearest frequency.
     pub distances: Vec<f64>,
-    /// Frequencies up to the last of the eigenvalues.
-    pub below: usize,
-    /// Frequencies from the fifth eigenvalue before each to the fifth after it.
-    pub beside: Vec<usize>,
+    /// The distance that is expected of each when frequencies are scattered by chance: half of their mean gap from the fifth
+    /// eigenvalue before it to the fifth after it, as a part of it; 0 for the first K, which are products themselves.
+    pub expected: Vec<f64>,
 }
 
 impl Frequencies {
-    /// The mean of the distances.
-    pub fn mean(&self) -> f64 {
-        self.distances.iter().sum::<f64>() / self.distances.len().max(1) as f64
+    /// The means of the distances and of those expected.
+    pub fn means(&self) -> [f64; 2] {
+        [&self.distances, &self.expected]
+            .map(|all| all.iter().sum::<f64>() / all.len().max(1) as f64)
     }
 
     /// The numbers, from 1, of the `count` eigenvalues that are farthest, the farthest first.
@@ -83,15 +83,14 @@ pub fn frequencies(shape: &Shape, k: usize, orders: usize) -> Result<(Vec<Freque
             energies.iter().map(|e| (lambda - e).abs() / lambda).fold(f64::INFINITY, f64::min)
         };
         let values = &shape.eigenbasis.values()[1..];
-        let most = values[order * k - 1];
-        let beside = |i: usize| {
+        let expected = |i: usize| {
             let (low, high) = (values[i.saturating_sub(5)], values[(i + 5).min(order * k - 1)]);
-            energies.iter().filter(|e| (low..=high).contains(e)).count()
+            let beside = energies.iter().filter(|e| (low..=high).contains(e)).count().max(1);
+            if i < k { 0.0 } else { (high - low) / (2 * beside) as f64 / values[i] }
         };
         distances.push(Frequencies {
             distances: values[..order * k].iter().map(|&lambda| nearest(lambda)).collect(),
-            below: energies.iter().filter(|&&e| e <= most).count(),
-            beside: (0..order * k).map(beside).collect(),
+            expected: (0..order * k).map(expected).collect(),
         });
         if order == 2 {
             let sum = |index: usize| {

@@ -158,7 +158,7 @@ impl Shapes {
     /// # Errors
     /// Those of the library.
     pub fn single(&self, k: usize) -> Result<Vec<Rc<Shape>>> {
-        let mut shapes = vec![figure(5, 0.5, k)?];
+        let mut shapes = vec![Rc::new(Shape::new("figure", &families::figure(5, 0.5)?, k)?)];
         if self.folder.is_none() || self.quick {
             return Ok(shapes);
         }

@@ -68,8 +68,8 @@ impl Table {
         out += &NAMES.join(" | ");
         out += &format!(" |\n|{}\n", "---|".repeat(NAMES.len() + 1));
         for (tolerance, errors) in self.sweep.tolerances.iter().zip(&self.sweep.errors) {
-            let cells: Vec<_> = errors.iter().map(|e| format!("{:.1}", 100.0 * e)).collect();
-            out += &format!("| {tolerance:.0e} | {} |\n", cells.join(" | "));
+            let cells: Vec<_> = errors.iter().map(|&error| per_cent(error)).collect();
+            out += &format!("| {tolerance:.1e} | {} |\n", cells.join(" | "));
         }
         out
     }
@@ -90,6 +90,12 @@ impl Table {
         }
         lines
     }
+}
+
+/// An error in per cent; by its power of ten where it is beyond all use.
+fn per_cent(error: f64) -> String {
+    let error = 100.0 * error;
+    if error < 1e4 { format!("{error:.1}") } else { format!("{error:.0e}") }
 }
 
 /// The means of the same entries.

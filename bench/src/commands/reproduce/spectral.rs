@@ -144,25 +144,28 @@ fn theory(report: &mut Report, shapes: &[Rc<Shape>]) -> Result<()> {
         let cells = found.iter().map(|found| {
             let most = found.distances.iter().copied().fold(0.0, f64::max);
             let middle = median(found.distances.clone());
-            format!("{:.4}, {:.4}, {:.3}", 100.0 * found.mean(), 100.0 * middle, 100.0 * most)
+            format!("{:.4}, {:.4}, {:.3}", 100.0 * found.means()[0], 100.0 * middle, 100.0 * most)
         });
         report.say(&format!("| {} | {} |", shape.name, cells.collect::<Vec<_>>().join(" | ")));
         for (order, found) in found.iter().enumerate().skip(1) {
             let numbers = found.farthest(FARTHEST);
             let named = |&i: &usize| {
-                let (distance, beside) = (100.0 * found.distances[i - 1], found.beside[i - 1]);
-                report_line(&shape.name, order + 1, i, distance, beside)
+                let (distance, expected) = (found.distances[i - 1], found.expected[i - 1]);
+                let (name, order) = (&shape.name, order + 1);
+                report
+                    .lines
+                    .push(format!("figure 1.4 {name},eigenvalue {i},N = {order},{distance:.6},"));
+                format!("{i}: {:.2} ({:.2})", 100.0 * distance, 100.0 * expected)
             };
-            let each: Vec<_> = numbers.iter().map(named).collect();
-            let cells: Vec<_> = each.iter().map(|(cell, _)| cell.clone()).collect();
-            report.lines.extend(each.into_iter().map(|(_, line)| line));
+            let cells: Vec<_> = numbers.iter().map(named).collect();
+            let [mean, expected] = found.means();
             farthest.push(format!(
-                "| {} | {} | {} | {:.0} % | {:.4} | {} |",
+                "| {} | {} | {:.4} | {:.4} | {:.0} % | {} |",
                 shape.name,
                 order + 1,
-                found.below,
+                100.0 * mean,
+                100.0 * expected,
                 100.0 * found.share(&numbers),
-                100.0 * found.mean() * (1.0 - found.share(&numbers)),
                 cells.join("; ")
             ));
         }
@@ -172,11 +175,10 @@ fn theory(report: &mut Report, shapes: &[Rc<Shape>]) -> Result<()> {
         curves.push(found);
     }
     report.say(&format!(
-        "\nThe {FARTHEST} eigenvalues that are farthest from a frequency: their share of the mean, the mean of all others' \
-         distances (per cent, over all N K), and each as number: distance (products from the fifth eigenvalue before it \
-         to the fifth after)\n"
+        "\nThe mean distance and that of frequencies scattered by chance, per cent; the {FARTHEST} eigenvalues that are \
+         farthest, their share of the mean, and each as number: distance (by chance)\n"
     ));
-    report.say("| shape | N | products up to the last | share | rest | farthest |\n|---|---|---|---|---|---|");
+    report.say("| shape | N | mean | by chance | share | farthest |\n|---|---|---|---|---|---|");
     farthest.iter().for_each(|line| report.say(line));
     for order in 1..=2 {
         let count = curves.first().map_or(0, |found| found[order].distances.len());
@@ -231,15 +233,3 @@ fn theory(report: &mut Report, shapes: &[Rc<Shape>]) -> Result<()> {
 
 /// Eigenvalues of figure 1.4 that are named.
 const FARTHEST: usize = 5;
-
-/// An eigenvalue far from every frequency, for the table and for the record.
-fn report_line(
-    shape: &str,
-    order: usize,
-    i: usize,
-    distance: f64,
-    beside: usize,
-) -> (String, String) {
-    let line = format!("figure 1.4 {shape},eigenvalue {i},N = {order},{:.6},", distance / 100.0);
-    (format!("{i}: {distance:.2} ({beside})"), line)
-}
