@@ -135,7 +135,7 @@ enum Refine {
 enum Details {
     /// Its coordinates: the target gets the shape and the pose of the source.
     Coordinates,
-    /// Its heights over a smooth surface: the target keeps its pose, and its own details go.
+    /// Its heights over a smooth surface: the target keeps its pose, and its own heights go.
     Heights,
 }
 
@@ -253,7 +253,7 @@ fn products(
     Ok(ProductBasis::new(&shape.eigenbasis.truncated(len)?, args.order, &options)?)
 }
 
-/// The coordinates of the target, smooth, with the heights of the source over its smooth surface.
+/// The coordinates of the target, with the heights of the source over its smooth surface.
 fn with_heights(
     args: &Args,
     source: &Shape,

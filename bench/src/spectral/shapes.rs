@@ -266,10 +266,12 @@ impl Shapes {
             return Ok(Vec::new());
         }
         let mut pairs = vec![figures((5, 0.2), (6, 0.9), k)?];
-        if !self.quick {
-            let (man, woman) = (self.read("man", MAN, k)?, self.read("woman", WOMAN, k)?);
+        let (man, woman) = (self.read("man", MAN, k)?, self.read("woman", WOMAN, k)?);
+        let fewer = Remeshed::new(&woman, FEWER, k)?;
+        if self.quick {
+            pairs = vec![without_part(&fewer.from(&man), k)?];
+        } else {
             let surfaces = self.surfaces(k)?;
-            let fewer = Remeshed::new(&woman, FEWER, k)?;
             pairs.push(fewer.from(&man));
             pairs.push(Remeshed::new(&surfaces[1], FEWER, k)?.from(&surfaces[0]));
             pairs.push(Remeshed::new(&surfaces[2], FEWER, k)?.from(&surfaces[1]));
@@ -327,14 +329,15 @@ fn without_part(pair: &Pair, k: usize) -> Result<Pair> {
     let kept: Vec<u32> =
         faces.filter(|(_, f)| !f.iter().any(|&v| missing(v))).map(|(i, _)| i as u32).collect();
     let part = mesh.submesh(&kept)?;
+    // The cell may cut off small pieces.
     let components = Components::new(&part.mesh);
-    if components.len() != 1 {
-        return Err(format!("the part is in {} pieces", components.len()).into());
-    }
-    let source = Rc::new(Shape::new(&format!("part of {}", pair.source.name), &part.mesh, k)?);
+    let faces = |c: usize| components.of_faces().iter().filter(|f| **f as usize == c).count();
+    let largest = (0..components.len()).max_by_key(|&c| faces(c)).unwrap_or(0);
+    let piece = part.mesh.component(&components, largest)?;
+    let source = Rc::new(Shape::new(&format!("part of {}", pair.source.name), &piece.mesh, k)?);
     let mut places = vec![None; mesh.vertices().len()];
-    for (place, &v) in part.vertices.iter().enumerate() {
-        places[v as usize] = Some(place as u32);
+    for (place, &v) in piece.vertices.iter().enumerate() {
+        places[part.vertices[v as usize] as usize] = Some(place as u32);
     }
     let kept = |y: &u32| places[pair.truth[*y as usize] as usize].is_some();
     let known = (0..pair.truth.len() as u32).filter(kept).collect();

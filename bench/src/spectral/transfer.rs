@@ -218,12 +218,22 @@ fn landmarks(pair: &Pair) -> Vec<(u32, u32)> {
     samples.map(|v| (pair.truth[v as usize], v)).collect()
 }
 
-/// The functional map between the first eigenfunctions, from descriptors, landmarks, and multiplications by functions around
-/// landmarks (the method of reference 194 of the thesis: Nogneng and Ovsjanikov 2017), then made orthogonal by ICP, as the
-/// code published with the thesis does.
+/// The functional map of [`fit`] with multiplications, made orthogonal by ICP, as the code published with the thesis
+/// does.
 pub fn fitted(pair: &Pair, source: &Eigenbasis, target: &Eigenbasis) -> Result<Mat<f64>> {
-    let par = Par::all();
-    let mut fit = MapFit::new(source, target, par);
+    let c = fit(pair, source, target, true)?;
+    Ok(icp(c.as_ref(), source.basis(), target.basis(), ICP, Par::all(), Progress::none())?.map)
+}
+
+/// The functional map between the first eigenfunctions, from descriptors, landmarks, and on request multiplications by
+/// functions around landmarks (the method of reference 194 of the thesis: Nogneng and Ovsjanikov 2017).
+pub fn fit(
+    pair: &Pair,
+    source: &Eigenbasis,
+    target: &Eigenbasis,
+    has_operators: bool,
+) -> Result<Mat<f64>> {
+    let mut fit = MapFit::new(source, target, Par::all());
     let [many, others] = [&pair.source, &pair.target].map(|shape| shape.first(MANY));
     let (many, others) = (many?, others?);
     for (f, g) in descriptors(&many)?.iter().zip(&descriptors(&others)?) {
@@ -231,12 +241,13 @@ pub fn fitted(pair: &Pair, source: &Eigenbasis, target: &Eigenbasis) -> Result<M
     }
     let pairs = landmarks(pair);
     fit.landmarks(&pairs)?;
-    // Signatures do not know left from right; what is around landmarks does.
-    let [f, g] =
-        [around(&many, pairs.iter().map(|p| p.0))?, around(&others, pairs.iter().map(|p| p.1))?];
-    fit.operators(f.as_ref(), g.as_ref(), MapFit::MULTIPLICATIONS)?;
-    let c = fit.solve(MapFit::COMMUTATIVITY)?;
-    Ok(icp(c.as_ref(), source.basis(), target.basis(), ICP, par, Progress::none())?.map)
+    if has_operators {
+        // Signatures do not know left from right; what is around landmarks does.
+        let f = around(&many, pairs.iter().map(|p| p.0))?;
+        let g = around(&others, pairs.iter().map(|p| p.1))?;
+        fit.operators(f.as_ref(), g.as_ref(), MapFit::MULTIPLICATIONS)?;
+    }
+    Ok(fit.solve(MapFit::COMMUTATIVITY)?)
 }
 
 /// Heat kernels around vertices.

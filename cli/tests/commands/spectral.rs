@@ -557,3 +557,30 @@ fn quads_polygons_colours_and_objects_go_through_every_command() {
         }
     }
 }
+
+#[test]
+fn the_commands_of_the_guide_run() {
+    let guide = include_str!("../../../docs/guide/spectra.md");
+    let folder = Folder::new();
+    for (name, pose) in [("man.ply", 0.2), ("woman.ply", 0.7)] {
+        let output = Output::create(&folder.path(name), Overwrite::Never).unwrap();
+        write(output, &families::figure(1, pose).unwrap().into()).unwrap();
+    }
+    let figure = families::figure(1, 0.2).unwrap();
+    let n = figure.vertices().len();
+    let lines = |line: &dyn Fn(usize) -> String| (0..n).map(line).collect::<String>();
+    folder.write("f.csv", lines(&|v| format!("{}\n", figure.vertices()[v][2])));
+    let part = |v: usize| {
+        let [x, _, z] = figure.vertices()[v];
+        format!("{}\n", u8::from(x > 0.0) + 2 * u8::from(z > 7.0))
+    };
+    folder.write("man.txt", lines(&part));
+    folder.write("woman.txt", lines(&part));
+    folder.write("pairs.txt", "0 0\n40 40\n90 90\n120 120\n");
+    let mut count = 0;
+    for line in guide.lines().filter_map(|line| line.strip_prefix("catamaran ")) {
+        folder.succeed(line);
+        count += 1;
+    }
+    assert!(count >= 10, "{count}");
+}
