@@ -7,7 +7,7 @@ use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, Scale};
 use catamaran::io::{self as files, Output, Overwrite};
-use catamaran::mesh::io::MeshFormat;
+use catamaran::mesh::io::{MeshFile, MeshFormat};
 use catamaran::spectral::descriptors::{heat_kernel, wave_kernel_signature, wave_scales};
 use catamaran::spectral::functional_map::{
     MapFit, icp, map_from_points, points_from_map, pull_back, zoomout,
@@ -197,30 +197,49 @@ pub fn run(args: &Args) -> Result<()> {
         report(format_args!("written   {path}"))?;
     }
     let path = output.path().to_owned();
-    if args.details.is_some() {
-        let before = target.file.mesh.clone();
-        let moved = shape::moved(target.file, &g, &path)?;
-        if let Some(picture) = picture {
-            let panels = [
-                (&source.file.mesh, PLAIN, "source"),
-                (&before, PLAIN, "target"),
-                (&moved.mesh, PLAIN, "target with the details of the source"),
-            ];
-            args.picture.draw(picture, &args.source, &panels)?;
-        }
-        output::mesh(output, &moved)?;
-    } else {
-        if let Some(picture) = picture {
-            let [before, after] = [&f, &g].map(first_column);
-            let panels = [
-                (&source.file.mesh, Paint::Values(&before), "source"),
-                (&target.file.mesh, Paint::Values(&after), "target"),
-            ];
-            args.picture.draw(picture, &args.source, &panels)?;
-        }
-        files::write(output, g.as_ref())?;
+    match args.details {
+        Some(_) => write_mesh(args, (output, picture), &source, target.file, &g)?,
+        None => write_functions(args, (output, picture), (&source, &f), (&target, &g))?,
     }
     report(format_args!("written   {}", path.display()))
+}
+
+fn write_functions(
+    args: &Args,
+    (output, picture): (Output, Option<Output>),
+    (source, f): (&Shape, &Mat<f64>),
+    (target, g): (&Shape, &Mat<f64>),
+) -> Result<()> {
+    if let Some(picture) = picture {
+        let [before, after] = [f, g].map(first_column);
+        let panels = [
+            (&source.file.mesh, Paint::Values(&before), "source"),
+            (&target.file.mesh, Paint::Values(&after), "target"),
+        ];
+        args.picture.draw(picture, &args.source, &panels)?;
+    }
+    Ok(files::write(output, g.as_ref())?)
+}
+
+/// Writes the target with its vertices at these positions.
+fn write_mesh(
+    args: &Args,
+    (output, picture): (Output, Option<Output>),
+    source: &Shape,
+    target: MeshFile,
+    positions: &Mat<f64>,
+) -> Result<()> {
+    let before = target.mesh.clone();
+    let moved = shape::moved(target, positions, output.path())?;
+    if let Some(picture) = picture {
+        let panels = [
+            (&source.file.mesh, PLAIN, "source"),
+            (&before, PLAIN, "target"),
+            (&moved.mesh, PLAIN, "target with the details of the source"),
+        ];
+        args.picture.draw(picture, &args.source, &panels)?;
+    }
+    Ok(output::mesh(output, &moved)?)
 }
 
 /// Eigenfunctions that are computed, where the transfer itself needs `len`.

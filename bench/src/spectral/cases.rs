@@ -5,7 +5,7 @@ use catamaran::faer::{Mat, MatRef};
 use catamaran::spectral::functional_map::{map_from_points, pull_back};
 use catamaran::spectral::test_functions::{coordinates, heat_kernels};
 use catamaran::spectral::{
-    Orthogonalization, ProductBasis, ProductBasisOptions, Transfer, TruncatedProducts,
+    Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions, Transfer, TruncatedProducts,
     relative_errors,
 };
 
@@ -88,19 +88,15 @@ pub fn transferred(
     let par = Par::all();
     let f = match known {
         Known::Sparse => of_size_1(f),
-        _ => f.to_owned(),
+        Known::Points | Known::Landmarks => f.to_owned(),
     };
     let f = f.as_ref();
     let bases = Bases::new(pair, order, [k, l])?;
     let (source, target) = bases.eigenbases();
     let (more, more_target) = (pair.source.first(order * k)?, pair.target.first(order * l)?);
-    let map = |source, target| match known {
-        Known::Points => {
-            let (from, to): (&catamaran::spectral::Eigenbasis, _) = (source, target);
-            let to: &catamaran::spectral::Eigenbasis = to;
-            Ok(map_from_points(&pair.truth, from.basis(), to.basis(), par)?)
-        }
-        _ => fitted(pair, source, target),
+    let map = |source: &Eigenbasis, target: &Eigenbasis| match known {
+        Known::Points => Ok(map_from_points(&pair.truth, source.basis(), target.basis(), par)?),
+        Known::Landmarks | Known::Sparse => fitted(pair, source, target),
     };
     let c_more = map(&more, &more_target)?;
     let truth = pull_back(&pair.truth, f)?;

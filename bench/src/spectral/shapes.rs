@@ -358,3 +358,45 @@ fn nearest(from: &[[f64; 3]], to: &[[f64; 3]]) -> Vec<u32> {
     };
     to.iter().map(index).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_keeps_true_places_and_samples_are_where_they_are_known() {
+        let [source, target] = [0.0, 0.3].map(|pose| figure(2, pose, 5).unwrap());
+        let pair = Pair::same(&source, &target);
+        let part = without_part(&pair, 5).unwrap();
+        assert_eq!(part.known.len(), part.source.mesh.vertices().len());
+        assert!(part.known.len() < 9 * pair.known.len() / 10);
+        // The part is scaled to area 1, and as it was else.
+        let size = |mesh: &TriMesh, v: u32| square(&mesh.vertices()[v as usize], &[0.0; 3]).sqrt();
+        let scale =
+            |y: u32| size(&part.source.mesh, part.truth[y as usize]) / size(&source.mesh, y);
+        let first = scale(part.known[0]);
+        assert!(first > 1.0);
+        assert!(part.known.iter().all(|&y| (scale(y) / first - 1.0).abs() < 1e-12));
+        let mut samples = part.samples(20);
+        assert!(samples.iter().all(|y| part.known.contains(y)));
+        samples.sort_unstable();
+        samples.dedup();
+        assert_eq!(samples.len(), 20);
+        assert_eq!(part.samples(usize::MAX).len(), part.known.len());
+    }
+
+    #[test]
+    fn a_decimated_mesh_corresponds_either_way() {
+        let [source, target] = [0.0, 0.3].map(|pose| figure(3, pose, 5).unwrap());
+        let n = source.mesh.vertices().len();
+        let fewer = Remeshed::new(&source, n / 2, 5).unwrap();
+        let (to, from) = (fewer.to(&target), fewer.from(&target));
+        assert_eq!((to.truth.len(), from.truth.len()), (n, n / 2));
+        // There and back, a vertex comes back to a near one: a cell has few vertices.
+        let points = source.mesh.vertices();
+        let apart =
+            |v: usize| square(&points[v], &points[from.truth[to.truth[v] as usize] as usize]);
+        let mean = (0..n).map(|v| apart(v).sqrt()).sum::<f64>() / n as f64;
+        assert!(mean < 0.03, "{mean}");
+    }
+}
