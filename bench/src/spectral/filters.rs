@@ -26,6 +26,9 @@ const STEPS: [f64; 7] = [0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7];
 /// Where coefficients are changed: at these parts of the functions by ascending frequency.
 const CHANGED: [f64; 5] = [0.01, 0.1, 0.25, 0.5, 0.9];
 
+/// A name, and points (x, y), as in [`Plot`].
+type Curve = (String, Vec<(f64, f64)>);
+
 /// Coordinates as coefficients in a dictionary, its functions in ascending order of their frequencies.
 struct Representation {
     functions: Mat<f64>,
@@ -99,7 +102,7 @@ pub fn filters(shape: &Shape) -> Result<[Plot; 3]> {
     let f = coordinates(&shape.mesh);
     let truncated = format!("prods {TOLERANCE:.0e}");
     let names = ["prods", &truncated, "ours*"];
-    let mut series: [Vec<(String, Vec<(f64, f64)>)>; 3] = Default::default();
+    let mut series: [Vec<Curve>; 3] = Default::default();
     for (name, found) in names.into_iter().zip(representations(shape)?) {
         let len = found.coefficients.nrows();
         let count = |part: f64| ((part * len as f64).round() as usize).clamp(1, len);
