@@ -370,13 +370,18 @@ mod tests {
         let part = without_part(&pair, 5).unwrap();
         assert_eq!(part.known.len(), part.source.mesh.vertices().len());
         assert!(part.known.len() < 9 * pair.known.len() / 10);
-        // The part is scaled to area 1, and as it was else.
-        let size = |mesh: &TriMesh, v: u32| square(&mesh.vertices()[v as usize], &[0.0; 3]).sqrt();
-        let scale =
-            |y: u32| size(&part.source.mesh, part.truth[y as usize]) / size(&source.mesh, y);
-        let first = scale(part.known[0]);
-        assert!(first > 1.0);
-        assert!(part.known.iter().all(|&y| (scale(y) / first - 1.0).abs() < 1e-12));
+        // The part is moved and scaled, and as it was else: distances have one ratio.
+        let first = part.known[0];
+        let apart = |mesh: &TriMesh, v: u32, w: u32| {
+            square(&mesh.vertices()[v as usize], &mesh.vertices()[w as usize]).sqrt()
+        };
+        let scale = |&y: &u32| {
+            let place = |y: u32| part.truth[y as usize];
+            apart(&part.source.mesh, place(y), place(first)) / apart(&source.mesh, y, first)
+        };
+        let scales: Vec<f64> = part.known[1..].iter().map(scale).collect();
+        assert!(scales[0] > 1.0);
+        assert!(scales.iter().all(|scale| (scale / scales[0] - 1.0).abs() < 1e-9));
         let mut samples = part.samples(20);
         assert!(samples.iter().all(|y| part.known.contains(y)));
         samples.sort_unstable();
