@@ -1304,8 +1304,8 @@ cata_status cata_transfer_map(const cata_basis *source, const cata_basis *target
     const double *c, size_t ldc, size_t count, const double *f, size_t ldf, double *g, size_t ldg,
     const cata_basis_params *params);
 
-/** Gives the smooth part of the target mesh the details of the source mesh: heights over the
- * smooth part of the source, carried over by C and added along normals.
+/** Gives the target mesh the details of the source mesh: heights over the smooth part of the
+ * source, carried over by C, along normals in place of its own.
  * - `smooth_source`, `smooth_target`: bases of few functions, whose spans have the smooth
  *   parts.
  * - `source`, `target`, `c`: as in cata_transfer_map.

@@ -1,15 +1,16 @@
 //! `catamaran filter`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Result, bail};
+use catamaran::Par;
+use catamaran::faer::Mat;
 use catamaran::io::{self as files, Output, Overwrite};
-use catamaran::mesh::io::MeshFile;
 use catamaran::mesh::{Components, TriMesh};
 use catamaran::spectral::test_functions::coordinates;
 use catamaran::spectral::{
-    Basis, Orthogonalization, ProductBasis, ProductBasisOptions, Response, dirichlet_energies,
-    filter,
+    Basis, Orthogonalization, ProductBasis, ProductBasisOptions, Response, add_coefficient,
+    dirichlet_energies, filter,
 };
 use clap::ArgGroup;
 
@@ -22,6 +23,9 @@ use crate::shape::{self, LaplacianArgs, Shape};
 /// Frequencies up to this share of the highest are zero: those of constants, and rounding.
 const ZERO: f64 = 1e-9;
 
+/// The default of --share.
+const SHARE: f64 = 0.1;
+
 /// A component that is smaller than this share of what it was is a point, but for rounding.
 const POINT: f64 = 1e-9;
 
@@ -32,7 +36,7 @@ const POINT: f64 = 1e-9;
 /// several components the functions that are constant on each are number 0 all together, so that
 /// what keeps it leaves every component in its place.
 #[derive(clap::Args)]
-#[command(group = ArgGroup::new("response").args(["low_pass", "high_pass", "band", "heat", "sharpen"]).required(true))]
+#[command(group = ArgGroup::new("response").args(["low_pass", "high_pass", "band", "heat", "sharpen", "coefficient"]).required(true))]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
     #[arg(value_name = "MESH")]
@@ -52,9 +56,16 @@ pub struct Args {
     /// Add what heat takes away in the time T, as a part of the area.
     #[arg(long, value_name = "T")]
     sharpen: Option<f64>,
-    /// How many times --sharpen adds it.
-    #[arg(long, value_name = "A", default_value_t = 1.0, requires = "sharpen")]
-    amount: f64,
+    /// How many times --sharpen adds it [default: 1].
+    #[arg(long, value_name = "A")]
+    amount: Option<f64>,
+    /// Change one coefficient: add the function of frequency NUMBER, from 1, to every coordinate.
+    #[arg(long, value_name = "NUMBER")]
+    coefficient: Option<usize>,
+    /// How large the change by --coefficient is, as a part of the distances from the centre, or of the
+    /// functions without their means; in mean squares [default: 0.1].
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    share: Option<f64>,
     /// Eigenfunctions, the constant one not counted.
     #[arg(short, value_name = "K", default_value_t = 100)]
     k: usize,
@@ -78,6 +89,15 @@ pub struct Args {
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
+    // The parser does not ask for one of a group that excludes another.
+    for (option, given, needed, is_there) in [
+        ("--amount", args.amount, "--sharpen", args.sharpen.is_some()),
+        ("--share", args.share, "--coefficient", args.coefficient.is_some()),
+    ] {
+        if given.is_some() && !is_there {
+            bail!("{option} goes with {needed} only");
+        }
+    }
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     if args.functions.is_some() {
         files::check_name(&args.output)?;
@@ -89,15 +109,11 @@ pub fn run(args: &Args) -> Result<()> {
         Some(path) => shape::functions(path, shape.eigenbasis.basis().vertices())?,
         None => coordinates(&shape.file.mesh),
     };
-    let par = args.laplacian.par();
     let g = if args.order <= 1 {
-        let basis = shape.eigenbasis.basis();
-        let (gains, rest) = gains(args, &shape, shape.eigenbasis.values())?;
-        filter(basis, f.as_ref(), &gains, rest, par)?
+        filtered(args, shape.eigenbasis.basis(), shape.eigenbasis.values(), &f)?
     } else {
         let (basis, energies) = products(args, &shape)?;
-        let (gains, rest) = gains(args, &shape, &energies)?;
-        filter(&basis, f.as_ref(), &gains, rest, par)?
+        filtered(args, &basis, &energies, &f)?
     };
     let path = output.path().to_owned();
     if args.functions.is_some() {
@@ -111,7 +127,7 @@ pub fn run(args: &Args) -> Result<()> {
         }
     } else {
         let before = shape.file.mesh.clone();
-        let moved = moved(shape.file, &g, &path)?;
+        let moved = shape::moved(shape.file, &g, &path)?;
         note_points(&before, &moved.mesh);
         if let Some(picture) = picture {
             let panels = [(&before, PLAIN, "before"), (&moved.mesh, PLAIN, "after")];
@@ -142,20 +158,67 @@ fn products(args: &Args, shape: &Shape) -> Result<(Basis, Vec<f64>)> {
     Ok((basis.into_basis(), energies))
 }
 
-/// A gain for each function, and that for what is beyond them.
-fn gains(args: &Args, shape: &Shape, frequencies: &[f64]) -> Result<(Vec<f64>, f64)> {
+/// What is left of the functions `f`, in a basis whose functions have these frequencies.
+fn filtered(args: &Args, basis: &Basis, frequencies: &[f64], f: &Mat<f64>) -> Result<Mat<f64>> {
+    let numbers = numbers(frequencies);
+    let Some(number) = args.coefficient else {
+        let (gains, rest) = gains(args, basis, frequencies, &numbers)?;
+        return Ok(filter(basis, f.as_ref(), &gains, rest, args.laplacian.par())?);
+    };
+    let share = args.share.unwrap_or(SHARE);
+    if !share.is_finite() {
+        bail!("--share must be finite, is {share}");
+    }
+    if number == 0 {
+        bail!("--coefficient 0: that of the constant moves the mesh and nothing else");
+    }
+    let Some(function) = numbers.iter().position(|&n| n == number) else {
+        let last = numbers.iter().max().copied().unwrap_or(0);
+        bail!("--coefficient {number}: the last frequency is number {last}");
+    };
+    let amount = share * deviation(basis, f)?;
+    Ok(add_coefficient(basis, f.as_ref(), function, amount)?)
+}
+
+/// The norm of the columns of `f` without their means: the root of its mean square over the columns.
+fn deviation(basis: &Basis, f: &Mat<f64>) -> Result<f64> {
+    let (mass, par) = (basis.mass(), Par::Seq);
+    let mut weighted = Mat::zeros(f.nrows(), f.ncols());
+    mass.multiply(f.as_ref(), weighted.as_mut(), par)?;
+    let area = basis.area()?;
+    let square = |j: usize| {
+        let mean = weighted.col(j).iter().sum::<f64>() / area;
+        let square: f64 = f.col(j).transpose() * weighted.col(j);
+        (square - area * mean * mean).max(0.0)
+    };
+    let squares: f64 = (0..f.ncols()).map(square).sum();
+    Ok((squares / f.ncols().max(1) as f64).sqrt())
+}
+
+/// The number of the frequency of each function, from 0 and ascending; all that are zero are number 0.
+fn numbers(frequencies: &[f64]) -> Vec<usize> {
     let mut ascending: Vec<usize> = (0..frequencies.len()).collect();
     ascending.sort_by(|&a, &b| frequencies[a].total_cmp(&frequencies[b]));
     let highest = ascending.last().map_or(0.0, |&function| frequencies[function]);
     let constants =
         ascending.iter().filter(|&&function| frequencies[function] <= ZERO * highest).count();
-    let mut rank = vec![0; frequencies.len()];
+    let mut numbers = vec![0; frequencies.len()];
     for (place, &function) in ascending.iter().enumerate() {
-        rank[function] = (place + 1).saturating_sub(constants.max(1));
+        numbers[function] = (place + 1).saturating_sub(constants.max(1));
     }
+    numbers
+}
+
+/// A gain for each function, and that for what is beyond them.
+fn gains(
+    args: &Args,
+    basis: &Basis,
+    frequencies: &[f64],
+    numbers: &[usize],
+) -> Result<(Vec<f64>, f64)> {
     let in_band = |band: std::ops::Range<usize>, inside: f64| {
-        let gain = |place: &usize| if band.contains(place) { inside } else { 1.0 - inside };
-        (rank.iter().map(gain).collect(), 1.0 - inside)
+        let gain = |number: &usize| if band.contains(number) { inside } else { 1.0 - inside };
+        (numbers.iter().map(gain).collect(), 1.0 - inside)
     };
     if let Some(count) = args.low_pass {
         return Ok(in_band(0..count, 1.0));
@@ -167,15 +230,16 @@ fn gains(args: &Args, shape: &Shape, frequencies: &[f64]) -> Result<(Vec<f64>, f
         return Ok(in_band(band.clone(), 1.0));
     }
     let time = args.heat.or(args.sharpen).unwrap_or_default();
-    if !(time.is_finite() && time >= 0.0 && args.amount.is_finite()) {
+    let amount = args.amount.unwrap_or(1.0);
+    if !(time.is_finite() && time >= 0.0 && amount.is_finite()) {
         bail!(
             "--heat and --sharpen need a time that is finite and at least 0, and a finite amount"
         );
     }
-    let time = time * shape.eigenbasis.basis().area()?;
+    let time = time * basis.area()?;
     let response = match args.heat {
         Some(_) => Response::Heat(time),
-        None => Response::Sharpen { time, amount: args.amount },
+        None => Response::Sharpen { time, amount },
     };
     Ok((frequencies.iter().map(|&f| response.gain(f)).collect(), response.limit()))
 }
@@ -205,19 +269,4 @@ fn sizes(mesh: &TriMesh, components: &Components) -> Vec<f64> {
         }
     }
     boxes.iter().map(|[low, high]| (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max)).collect()
-}
-
-/// The mesh with its vertices moved; normals, which no longer fit, are left out.
-fn moved(file: MeshFile, positions: &catamaran::faer::Mat<f64>, path: &Path) -> Result<MeshFile> {
-    if let Some(vertex) =
-        (0..positions.nrows()).find(|&i| (0..3).any(|c| !positions[(i, c)].is_finite()))
-    {
-        bail!("{}: vertex {vertex} would not be finite", path.display());
-    }
-    let (_, faces) = file.mesh.into_parts();
-    let vertices = (0..positions.nrows()).map(|i| [0, 1, 2].map(|c| positions[(i, c)])).collect();
-    let mut moved = MeshFile::from(TriMesh::new(vertices, faces)?);
-    moved.uv = file.uv;
-    moved.colors = file.colors;
-    Ok(moved)
 }

@@ -155,6 +155,21 @@ pub fn column(vertices: &[u32]) -> Mat<i64> {
     Mat::from_fn(vertices.len(), 1, |i, _| i64::from(vertices[i]))
 }
 
+/// A whole number of 0 and more for each of `rows` vertices.
+pub fn labels(path: &Path, rows: usize) -> Result<Vec<u32>> {
+    let matrix = functions(path, rows)?;
+    if matrix.ncols() != 1 {
+        bail!("{}: {} columns instead of 1", path.display(), matrix.ncols());
+    }
+    let label = |(i, &x): (usize, &f64)| {
+        if x.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&x) {
+            bail!("{}: row {i}: {x} is not the number of a segment (from 0)", path.display());
+        }
+        Ok(x as u32)
+    };
+    matrix.col(0).iter().enumerate().map(label).collect()
+}
+
 /// A matrix of vertex numbers, with this many columns, each column numbering vertices of a mesh of so many.
 pub fn vertices(path: &Path, counts: &[usize]) -> Result<Vec<Vec<u32>>> {
     let matrix = dense(path)?;
@@ -170,4 +185,17 @@ pub fn vertices(path: &Path, counts: &[usize]) -> Result<Vec<Vec<u32>>> {
         Ok(number as u32)
     };
     (0..matrix.nrows()).map(|i| (0..counts.len()).map(|j| vertex(i, j)).collect()).collect()
+}
+
+/// The mesh with its vertices moved; normals, which no longer fit, are left out.
+pub fn moved(mut file: MeshFile, positions: &Mat<f64>, path: &Path) -> Result<MeshFile> {
+    if let Some(vertex) =
+        (0..positions.nrows()).find(|&i| (0..3).any(|c| !positions[(i, c)].is_finite()))
+    {
+        bail!("{}: vertex {vertex} would not be finite", path.display());
+    }
+    let vertices = (0..positions.nrows()).map(|i| [0, 1, 2].map(|c| positions[(i, c)])).collect();
+    file.mesh = TriMesh::new(vertices, file.mesh.faces().to_vec())?;
+    file.normals = None;
+    Ok(file)
 }

@@ -2,21 +2,25 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, Scale};
 use catamaran::io::{self as files, Output, Overwrite};
-use catamaran::spectral::descriptors::{wave_kernel_signature, wave_scales};
+use catamaran::mesh::io::{MeshFile, MeshFormat};
+use catamaran::spectral::descriptors::{heat_kernel, wave_kernel_signature, wave_scales};
 use catamaran::spectral::functional_map::{
     MapFit, icp, map_from_points, points_from_map, pull_back, zoomout,
 };
+use catamaran::spectral::test_functions::coordinates;
 use catamaran::spectral::{
     Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions, Transfer, relative_errors,
+    transfer_details,
 };
 use clap::{ArgGroup, ValueEnum};
 
-use crate::picture::{Paint, PictureArgs, first_column};
+use crate::output;
+use crate::picture::{PLAIN, Paint, PictureArgs, first_column};
 use crate::progress::Bar;
 use crate::report::report;
 use crate::shape::{self, LaplacianArgs, Mode, Shape, column};
@@ -24,15 +28,28 @@ use crate::shape::{self, LaplacianArgs, Mode, Shape, column};
 /// Iterations of ICP, at most.
 const ITERATIONS: usize = 20;
 
+/// The default of --smooth.
+const SMOOTH: usize = 20;
+
+/// The time of heat kernels that --operators multiplies by, as a part of the area.
+const KERNEL_TIME: f64 = 1e-2;
+
 /// Wave kernel signatures that help landmarks.
 const SIGNATURES: usize = 50;
 
-/// Transfer functions from one mesh to another, through orthogonalised products of eigenfunctions.
+/// Transfer functions, or the shape itself, from one mesh to another, through orthogonalised products of
+/// eigenfunctions.
 ///
-/// Which vertices correspond is given, or found from a few landmarks: by a functional map that fits them and wave kernel
-/// signatures, refined, and the vertices nearest under it.
+/// Which vertices correspond is given, or found from a few landmarks or from segments: by a functional
+/// map that fits them and wave kernel signatures, refined, and the vertices nearest under it.
 #[derive(clap::Args)]
-#[command(group = ArgGroup::new("correspondence").args(["identity", "points", "landmarks"]).required(true))]
+#[command(
+    group = ArgGroup::new("what").args(["functions", "details"]).required(true),
+    group = ArgGroup::new("correspondence")
+        .args(["identity", "points", "landmarks", "segments"])
+        .required(true)
+        .multiple(true)
+)]
 pub struct Args {
     /// The mesh that the functions are on: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.
     #[arg(value_name = "SOURCE")]
@@ -42,17 +59,32 @@ pub struct Args {
     target: PathBuf,
     /// The functions, in columns, a row for each vertex of the source: .npy, .csv, .txt, ...
     #[arg(long, value_name = "F")]
-    functions: PathBuf,
+    functions: Option<PathBuf>,
+    /// Transfer the shape of the source instead, and write the target as a mesh that has it.
+    #[arg(long, value_name = "HOW")]
+    details: Option<Details>,
+    /// Eigenfunctions of the smooth surface that --details heights starts from, the constant one not
+    /// counted [default: 20].
+    #[arg(long, value_name = "K")]
+    smooth: Option<usize>,
     /// Vertices of the same number correspond.
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["points", "landmarks", "segments"])]
     identity: bool,
     /// The corresponding vertex of the source, from 0, for each vertex of the target: a file with one column.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["landmarks", "segments"])]
     points: Option<PathBuf>,
     /// Corresponding vertices, from 0: a file with two columns, source and target.
     #[arg(long, value_name = "FILE")]
     landmarks: Option<PathBuf>,
-    /// How the functional map of landmarks is refined.
+    /// Corresponding segments, with or instead of landmarks: files with a whole number for each vertex,
+    /// one of the source and one of the target, where the same numbers correspond.
+    #[arg(long, value_names = ["SOURCE", "TARGET"], num_args = 2)]
+    segments: Option<Vec<PathBuf>>,
+    /// Fit the functional map such that it commutes with multiplications too: by heat kernels around
+    /// landmarks, and by the indicators of segments. Slower, and needs fewer of them.
+    #[arg(long, conflicts_with_all = ["identity", "points"])]
+    operators: bool,
+    /// How the functional map of landmarks or segments is refined.
     #[arg(long, value_name = "HOW", default_value = "zoomout")]
     refine: Refine,
     /// Eigenfunctions that refinement by zoomout ends with.
@@ -72,7 +104,8 @@ pub struct Args {
     mode: Mode,
     #[command(flatten)]
     laplacian: LaplacianArgs,
-    /// Where the functions on the target go: .npy, .csv, .tsv, .txt or .mtx, and .gz after it.
+    /// Where the functions on the target go (.npy, .csv, .tsv, .txt or .mtx, and .gz after it), or the
+    /// mesh (.obj, .ply, .off, .stl).
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Where the correspondence that was used goes, as in --points.
@@ -87,75 +120,177 @@ pub struct Args {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Refine {
+    /// The vertices nearest under the map.
     None,
+    /// By the orthogonal map that fits the points best, in turns.
     Icp,
+    /// Through more and more eigenfunctions.
     Zoomout,
+    /// Through more and more orthogonalised products of the same few eigenfunctions, of at most --order
+    /// factors.
+    Products,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Details {
+    /// Its coordinates: the target gets the shape and the pose of the source.
+    Coordinates,
+    /// Its heights over a smooth surface: the target keeps its pose, and its own heights go.
+    Heights,
 }
 
 /// Runs the subcommand.
 pub fn run(args: &Args) -> Result<()> {
+    if args.smooth.is_some() && args.details != Some(Details::Heights) {
+        bail!("--smooth goes with --details heights only");
+    }
     let overwrite = if args.force { Overwrite::Replace } else { Overwrite::Never };
     let create = |path: &Path| -> Result<Output> {
         files::check_name(path)?;
         Ok(Output::create(path, overwrite)?)
     };
-    let output = create(&args.output)?;
+    let output = match args.details {
+        Some(_) => {
+            MeshFormat::of(&args.output)?;
+            Output::create(&args.output, overwrite)?
+        }
+        None => create(&args.output)?,
+    };
     let points_output = args.points_output.as_deref().map(create).transpose()?;
     let picture = args.picture.create(overwrite)?;
     let par = args.laplacian.par();
     let lens = (args.k.saturating_add(1), args.target_k.unwrap_or(args.k).saturating_add(1));
-    let zooms = args.landmarks.is_some() && args.refine == Refine::Zoomout;
-    let more = |len: usize| if zooms { len.max(args.zoom) } else { len };
-    let source = args.laplacian.shape(&args.source, more(lens.0))?;
-    let target = args.laplacian.shape(&args.target, more(lens.1))?;
+    let source = args.laplacian.shape(&args.source, eigenfunctions(args, lens.0))?;
+    let target = args.laplacian.shape(&args.target, eigenfunctions(args, lens.1))?;
     // Refinement may have more of them than the transfer.
     shape::check_components(&source.file.mesh, &args.source, lens.0)?;
     shape::check_components(&target.file.mesh, &args.target, lens.1)?;
-    let f = shape::functions(&args.functions, source.eigenbasis.basis().vertices())?;
+    let f = match &args.functions {
+        Some(path) => shape::functions(path, source.eigenbasis.basis().vertices())?,
+        None => coordinates(&source.file.mesh),
+    };
 
     let points = correspondence(args, &source, &target, lens)?;
-    let transfer_basis = |shape: &Shape, len: usize| -> Result<ProductBasis> {
-        let bar = Bar::new("products");
-        let update = |fraction| bar.update(fraction);
-        let orthogonalization = Orthogonalization::from(args.mode);
-        let options = ProductBasisOptions::new()
-            .orthogonalization(orthogonalization)
-            .par(par)
-            .progress(&update);
-        Ok(ProductBasis::new(&shape.eigenbasis.truncated(len)?, args.order, &options)?)
-    };
-    let from = transfer_basis(&source, lens.0)?;
-    let to = transfer_basis(&target, lens.1)?;
+    let orthogonalization = Orthogonalization::from(args.mode);
+    let from = products(args, &source, lens.0, orthogonalization)?;
+    let to = products(args, &target, lens.1, orthogonalization)?;
     report(format_args!("bases     {} and {} functions", from.len(), to.len()))?;
     let map = map_from_points(&points, from.basis(), to.basis(), par)?;
-    let g = Transfer::new(from.basis(), to.basis(), map)?.apply(f.as_ref(), par)?;
-    let moved = pull_back(&points, f.as_ref())?;
-    let errors = relative_errors(moved.as_ref(), g.as_ref(), to.basis().mass())?;
-    let mean = 100.0 * errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-    report(format_args!(
-        "transfer  {} functions, on average {mean:.2} % from those of corresponding vertices",
-        errors.len()
-    ))?;
+    let transfer = Transfer::new(from.basis(), to.basis(), map)?;
+    let g = match args.details {
+        Some(Details::Heights) => with_heights(args, &source, &target, &transfer)?,
+        _ => {
+            let g = transfer.apply(f.as_ref(), par)?;
+            let moved = pull_back(&points, f.as_ref())?;
+            let errors = relative_errors(moved.as_ref(), g.as_ref(), to.basis().mass())?;
+            let mean = 100.0 * errors.iter().sum::<f64>() / errors.len().max(1) as f64;
+            report(format_args!(
+                "transfer  {} functions, on average {mean:.2} % from those of corresponding vertices",
+                errors.len()
+            ))?;
+            g
+        }
+    };
     if let Some(output) = points_output {
         let path = output.path().display().to_string();
         files::write_integers(output, column(&points).as_ref())?;
         report(format_args!("written   {path}"))?;
     }
+    let path = output.path().to_owned();
+    match args.details {
+        Some(_) => write_mesh(args, (output, picture), &source, target.file, &g)?,
+        None => write_functions(args, (output, picture), (&source, &f), (&target, &g))?,
+    }
+    report(format_args!("written   {}", path.display()))
+}
+
+fn write_functions(
+    args: &Args,
+    (output, picture): (Output, Option<Output>),
+    (source, f): (&Shape, &Mat<f64>),
+    (target, g): (&Shape, &Mat<f64>),
+) -> Result<()> {
     if let Some(picture) = picture {
-        let [before, after] = [&f, &g].map(first_column);
+        let [before, after] = [f, g].map(first_column);
         let panels = [
             (&source.file.mesh, Paint::Values(&before), "source"),
             (&target.file.mesh, Paint::Values(&after), "target"),
         ];
         args.picture.draw(picture, &args.source, &panels)?;
     }
-    write(output, &g)
+    Ok(files::write(output, g.as_ref())?)
 }
 
-fn write(output: Output, matrix: &Mat<f64>) -> Result<()> {
-    let path = output.path().to_owned();
-    files::write(output, matrix.as_ref())?;
-    report(format_args!("written   {}", path.display()))
+/// Writes the target with its vertices at these positions.
+fn write_mesh(
+    args: &Args,
+    (output, picture): (Output, Option<Output>),
+    source: &Shape,
+    target: MeshFile,
+    positions: &Mat<f64>,
+) -> Result<()> {
+    let before = target.mesh.clone();
+    let moved = shape::moved(target, positions, output.path())?;
+    if let Some(picture) = picture {
+        let panels = [
+            (&source.file.mesh, PLAIN, "source"),
+            (&before, PLAIN, "target"),
+            (&moved.mesh, PLAIN, "target with the details of the source"),
+        ];
+        args.picture.draw(picture, &args.source, &panels)?;
+    }
+    Ok(output::mesh(output, &moved)?)
+}
+
+/// Eigenfunctions that are computed, where the transfer itself needs `len`.
+fn eigenfunctions(args: &Args, len: usize) -> usize {
+    let is_fitted = args.landmarks.is_some() || args.segments.is_some();
+    let zoom = if is_fitted && args.refine == Refine::Zoomout { args.zoom } else { 0 };
+    let heights = args.details == Some(Details::Heights);
+    let smooth = if heights { smooth(args) } else { 0 };
+    len.max(zoom).max(smooth)
+}
+
+/// Eigenfunctions of the smooth surfaces of --details heights.
+fn smooth(args: &Args) -> usize {
+    args.smooth.unwrap_or(SMOOTH).saturating_add(1)
+}
+
+/// The orthogonalised products of the first `len` eigenfunctions.
+fn products(
+    args: &Args,
+    shape: &Shape,
+    len: usize,
+    orthogonalization: Orthogonalization,
+) -> Result<ProductBasis> {
+    let bar = Bar::new("products");
+    let update = |fraction| bar.update(fraction);
+    let options = ProductBasisOptions::new()
+        .orthogonalization(orthogonalization)
+        .par(args.laplacian.par())
+        .progress(&update);
+    Ok(ProductBasis::new(&shape.eigenbasis.truncated(len)?, args.order, &options)?)
+}
+
+/// The coordinates of the target, with the heights of the source over its smooth surface.
+fn with_heights(
+    args: &Args,
+    source: &Shape,
+    target: &Shape,
+    transfer: &Transfer<'_>,
+) -> Result<Mat<f64>> {
+    let len = smooth(args);
+    shape::check_components(&source.file.mesh, &args.source, len)?;
+    shape::check_components(&target.file.mesh, &args.target, len)?;
+    let smooth = (source.eigenbasis.truncated(len)?, target.eigenbasis.truncated(len)?);
+    let moved = transfer_details(
+        &source.file.mesh,
+        &target.file.mesh,
+        (smooth.0.basis(), smooth.1.basis()),
+        transfer,
+        args.laplacian.par(),
+    )?;
+    Ok(coordinates(&moved))
 }
 
 /// The vertex of the source for each vertex of the target.
@@ -173,31 +308,78 @@ fn correspondence(
         }
         return Ok(points.concat());
     }
-    let Some(path) = &args.landmarks else {
+    if args.identity {
         if n != m {
             bail!("--identity needs as many vertices on both meshes, not {n} and {m}");
         }
         return Ok((0..m as u32).collect());
-    };
-    let pairs = shape::vertices(path, &[n, m])?;
-    let pairs: Vec<(u32, u32)> = pairs.iter().map(|pair| (pair[0], pair[1])).collect();
+    }
     let par = args.laplacian.par();
     let low = (source.eigenbasis.truncated(lens.0)?, target.eigenbasis.truncated(lens.1)?);
-    let mut fit = MapFit::new(&low.0, &low.1, par);
-    fit.landmarks(&pairs)?;
+    let bar = Bar::new("map");
+    let update = |fraction| bar.update(fraction);
+    let mut fit = MapFit::new(&low.0, &low.1, par).progress(&update);
+    if let Some(path) = &args.landmarks {
+        let pairs = shape::vertices(path, &[n, m])?;
+        let pairs: Vec<(u32, u32)> = pairs.iter().map(|pair| (pair[0], pair[1])).collect();
+        fit.landmarks(&pairs)?;
+        if args.operators {
+            let f = around(&source.eigenbasis, pairs.iter().map(|pair| pair.0))?;
+            let g = around(&target.eigenbasis, pairs.iter().map(|pair| pair.1))?;
+            fit.operators(f.as_ref(), g.as_ref(), MapFit::MULTIPLICATIONS)?;
+        }
+    }
+    if let Some([source_path, target_path]) = args.segments.as_deref() {
+        let labels = [shape::labels(source_path, n)?, shape::labels(target_path, m)?];
+        fit.segments(&labels[0], &labels[1])
+            .with_context(|| format!("{}, {}", source_path.display(), target_path.display()))?;
+        if args.operators {
+            let [f, g] = indicators(&labels);
+            fit.operators(f.as_ref(), g.as_ref(), MapFit::MULTIPLICATIONS)?;
+        }
+    }
     let [f, g] = signatures(&low.0, &low.1, par)?;
     fit.functions(f.as_ref(), g.as_ref())?;
     let c = fit.solve(MapFit::COMMUTATIVITY)?;
+    drop(bar);
     let bar = Bar::new("points");
     let update = |fraction| bar.update(fraction);
     let progress = Progress::new(&update);
+    let bases = (low.0.basis(), low.1.basis());
     Ok(match args.refine {
-        Refine::None => points_from_map(c.as_ref(), low.0.basis(), low.1.basis(), par, progress)?,
-        Refine::Icp => icp(c.as_ref(), &low.0, &low.1, ITERATIONS, par, progress)?.points,
+        Refine::None => points_from_map(c.as_ref(), bases.0, bases.1, par, progress)?,
+        Refine::Icp => icp(c.as_ref(), bases.0, bases.1, ITERATIONS, par, progress)?.points,
         Refine::Zoomout => {
-            let (source, target) = (&source.eigenbasis, &target.eigenbasis);
+            let (source, target) = (source.eigenbasis.basis(), target.eigenbasis.basis());
             zoomout(c.as_ref(), source, target, 1, par, progress)?.points
         }
+        Refine::Products => {
+            let orthogonal = Orthogonalization::Reorthogonalized;
+            let from = products(args, source, lens.0, orthogonal)?;
+            let to = products(args, target, lens.1, orthogonal)?;
+            let step = lens.0.max(lens.1);
+            zoomout(c.as_ref(), from.basis(), to.basis(), step, par, progress)?.points
+        }
+    })
+}
+
+/// Heat kernels around vertices, without a unit.
+fn around(basis: &Eigenbasis, vertices: impl Iterator<Item = u32>) -> Result<Mat<f64>> {
+    let area = basis.basis().area()?;
+    let kernel =
+        |v: u32| heat_kernel(basis.values(), basis.functions(), v as usize, KERNEL_TIME * area);
+    let kernels: Vec<Vec<f64>> = vertices.map(kernel).collect::<catamaran::Result<_>>()?;
+    Ok(Mat::from_fn(basis.basis().vertices(), kernels.len(), |x, j| area * kernels[j][x]))
+}
+
+/// The indicators of the segments, which are on both meshes.
+fn indicators(labels: &[Vec<u32>; 2]) -> [Mat<f64>; 2] {
+    let mut distinct = labels[0].clone();
+    distinct.sort_unstable();
+    distinct.dedup();
+    [0, 1].map(|side| {
+        let of = &labels[side];
+        Mat::from_fn(of.len(), distinct.len(), |i, j| f64::from(u8::from(of[i] == distinct[j])))
     })
 }
 

@@ -181,8 +181,8 @@ fn refined(
             let points = points_from_map(view, bases.0, bases.1, par, progress)?;
             return Ok((c, points));
         }
-        Refinement::Icp => icp(view, &low.0, &low.1, ITERATIONS, par, progress)?,
-        Refinement::ZoomOut => zoomout(view, all.0, all.1, 1, par, progress)?,
+        Refinement::Icp => icp(view, low.0.basis(), low.1.basis(), ITERATIONS, par, progress)?,
+        Refinement::ZoomOut => zoomout(view, all.0.basis(), all.1.basis(), 1, par, progress)?,
     };
     Ok((found.map, found.points))
 }

@@ -217,7 +217,14 @@ pub unsafe extern "C" fn cata_map_icp(
         // SAFETY: the caller's promise.
         let Refined { map, points: found } = unsafe {
             with_basis_options(params, |options| {
-                Ok(icp(c.as_ref(), source, target, iterations, options.par, options.progress)?)
+                Ok(icp(
+                    c.as_ref(),
+                    source.basis(),
+                    target.basis(),
+                    iterations,
+                    options.par,
+                    options.progress,
+                )?)
             })
         }?;
         c.copy_from(&map);
@@ -262,7 +269,7 @@ pub unsafe extern "C" fn cata_map_zoomout(
         // SAFETY: the caller's promise.
         let found = unsafe {
             with_basis_options(params, |options| {
-                Ok(zoomout(c, source, target, step, options.par, options.progress)?)
+                Ok(zoomout(c, source.basis(), target.basis(), step, options.par, options.progress)?)
             })
         }?;
         map.copy_from(&found.map);

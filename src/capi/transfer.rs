@@ -103,8 +103,8 @@ pub unsafe extern "C" fn cata_transfer_map(
     })
 }
 
-/// Gives the smooth part of the target mesh the details of the source mesh: heights over the
-/// smooth part of the source, carried over by C and added along normals.
+/// Gives the target mesh the details of the source mesh: heights over the smooth part of the
+/// source, carried over by C, along normals in place of its own.
 ///
 /// - `smooth_source`, `smooth_target`: bases of few functions, whose spans have the smooth
 ///   parts.

@@ -78,6 +78,11 @@ impl Basis {
         self.functions.as_ref()
     }
 
+    /// Whether the functions are orthonormal, as those of [`Basis::orthonormal`] are.
+    pub fn is_orthonormal(&self) -> bool {
+        self.gram.is_none()
+    }
+
     /// The inner product.
     pub fn mass(&self) -> &Mass {
         &self.mass

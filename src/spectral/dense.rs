@@ -66,6 +66,7 @@ pub(super) fn solve_cholesky(l: MatRef<'_, f64>, mut b: MatMut<'_, f64>) {
 }
 
 /// A thin singular value decomposition `A = U diag(s) V^T`, s descending.
+#[derive(Debug, Clone)]
 pub(super) struct Svd {
     pub u: Mat<f64>,
     pub s: Vec<f64>,

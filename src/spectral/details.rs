@@ -36,12 +36,13 @@ pub fn split(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Result<Split> {
     Ok(Split { low, high })
 }
 
-/// Gives the smooth part of the target the detail of the source, as heights over its surface.
+/// Gives the target the detail of the source, as heights over its smooth part, in place of its own.
 ///
 /// The coordinates of both meshes are split by `smooth`, a basis of low frequencies on each (source, target). The height of
 /// the source over its smooth part, along that one's normals, is carried over by `transfer`, times the ratio of lengths
-/// where the sizes differ, and added along the normals of the target's smooth part. Heights, unlike positions, do not
-/// change with the pose.
+/// where the sizes differ, and replaces the height of the target over its own smooth part. Heights, unlike positions, do
+/// not change with the pose. What the target has of detail along its smooth part stays: it is most of thin limbs, which
+/// few low frequencies do not reach.
 ///
 /// To replace all of the target's coordinates by the source's, as in figure 1.13, [`Transfer::apply`] does.
 ///
@@ -53,7 +54,7 @@ pub fn split(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Result<Split> {
 /// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
 /// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
 /// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
-/// // A sphere that gets its own detail stays as it is, nearly.
+/// // A sphere that gets its own detail stays as it is, nearly: as far as the transfer has its heights.
 /// let basis = basis.basis();
 /// let transfer = Transfer::new(basis, basis, Mat::identity(4, 4))?;
 /// let found = transfer_details(&mesh, &mesh, (basis, basis), &transfer, Par::Seq)?;
@@ -72,27 +73,28 @@ pub fn transfer_details(
     transfer: &Transfer<'_>,
     par: Par,
 ) -> Result<TriMesh> {
-    let (rough, rough_normals) = smooth_part(source, smooth.0, par)?;
-    let (mut positions, normals) = smooth_part(target, smooth.1, par)?;
-    let heights = Mat::from_fn(rough_normals.len(), 1, |i, _| {
-        (0..3).map(|c| rough.high[(i, c)] * rough_normals[i][c]).sum()
-    });
-    let heights = transfer.apply(heights.as_ref(), par)?;
-    Error::check_shape("transfer", (normals.len(), 1), heights.shape())?;
+    let (_, carried) = heights(source, smooth.0, par)?;
+    let (normals, own) = heights(target, smooth.1, par)?;
+    let carried = transfer.apply(carried.as_ref(), par)?;
+    Error::check_shape("transfer", own.shape(), carried.shape())?;
     let scale = (smooth.1.area()? / smooth.0.area()?).sqrt();
+    let mut positions = coordinates(target);
     for (i, normal) in normals.iter().enumerate() {
+        let change = scale * carried[(i, 0)] - own[(i, 0)];
         for c in 0..3 {
-            positions.low[(i, c)] += scale * heights[(i, 0)] * normal[c];
+            positions[(i, c)] += change * normal[c];
         }
     }
-    moved(target, positions.low.as_ref())
+    moved(target, positions.as_ref())
 }
 
-/// The coordinates, split, and the normals of the mesh that the low ones make.
-fn smooth_part(mesh: &TriMesh, basis: &Basis, par: Par) -> Result<(Split, Vec<[f64; 3]>)> {
+/// The normals of the mesh that the low part of the coordinates makes, and the height of each vertex along its normal.
+fn heights(mesh: &TriMesh, basis: &Basis, par: Par) -> Result<(Vec<[f64; 3]>, Mat<f64>)> {
     let parts = split(basis, coordinates(mesh).as_ref(), par)?;
     let normals = moved(mesh, parts.low.as_ref())?.vertex_normals();
-    Ok((parts, normals))
+    let height = |i: usize| (0..3).map(|c| parts.high[(i, c)] * normals[i][c]).sum();
+    let heights = Mat::from_fn(normals.len(), 1, |i, _| height(i));
+    Ok((normals, heights))
 }
 
 /// The mesh with its vertices at these positions.

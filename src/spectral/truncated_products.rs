@@ -2,7 +2,7 @@
 
 use faer::{Mat, MatRef};
 
-use super::dense;
+use super::dense::{self, Svd};
 use super::product_basis::ProductBasis;
 use crate::base::{Error, Par, Result};
 
@@ -23,7 +23,7 @@ use crate::base::{Error, Par, Result};
 /// let kind = Orthogonalization::Reorthogonalized;
 /// let options = ProductBasisOptions::new().orthogonalization(kind);
 /// let products = ProductBasis::new(&basis, 2, &options)?;
-/// let truncated = TruncatedProducts::new(&products, 1e-9, Par::Seq)?;
+/// let truncated = TruncatedProducts::new(&products, 1e-9)?;
 /// // An eigenfunction is one of the products.
 /// let f = basis.functions().subcols(2, 1);
 /// let coefficients = truncated.analysis(f, Par::Seq)?;
@@ -34,8 +34,8 @@ use crate::base::{Error, Par, Result};
 #[derive(Debug, Clone)]
 pub struct TruncatedProducts<'a> {
     basis: &'a ProductBasis,
-    /// The pseudo-inverse of R, L x r, without the small singular values.
-    inverse: Mat<f64>,
+    /// The decomposition of R, r x L.
+    svd: Svd,
     rank: usize,
 }
 
@@ -44,21 +44,30 @@ impl<'a> TruncatedProducts<'a> {
     /// that R has the singular values of the products B in the norm of the mass.
     ///
     /// Singular values of at most `threshold`, in `[0, 1)`, times the largest are left out. The code published with the
-    /// thesis takes 2e-3 per eigenfunction but two, the constant included, for transfer, and 0 for approximation.
+    /// thesis takes 2e-3 per eigenfunction but two, the constant included, for transfer, and leaves out none but those
+    /// of rounding for approximation.
     ///
     /// # Errors
-    /// [`Error::Argument`] for the threshold, [`Error::NotConverged`] when the decomposition fails, [`Error::OutOfMemory`].
-    pub fn new(basis: &'a ProductBasis, threshold: f64, par: Par) -> Result<Self> {
+    /// [`Error::Argument`] for the threshold, [`Error::NotConverged`] when the decomposition fails.
+    pub fn new(basis: &'a ProductBasis, threshold: f64) -> Result<Self> {
+        let svd = dense::thin_svd("R", basis.r())?;
+        let mut products = Self { basis, svd, rank: 0 };
+        products.set_threshold(threshold)?;
+        Ok(products)
+    }
+
+    /// Leaves out other singular values, as in [`TruncatedProducts::new`], by the same decomposition.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for the threshold.
+    pub fn set_threshold(&mut self, threshold: f64) -> Result<()> {
         if !(0.0..1.0).contains(&threshold) {
             let why = format!("must be at least 0 and less than 1, is {threshold}");
             return Err(Error::Argument { what: "threshold", why });
         }
-        let svd = dense::thin_svd("R", basis.r())?;
-        let least = threshold * svd.s.first().copied().unwrap_or(0.0);
-        let rank = svd.s.iter().take_while(|&&s| s > least).count();
-        let scaled = Mat::from_fn(svd.v.nrows(), rank, |i, j| svd.v[(i, j)] / svd.s[j]);
-        let inverse = dense::product(scaled.as_ref(), svd.u.subcols(0, rank).transpose(), par)?;
-        Ok(Self { basis, inverse, rank })
+        let least = threshold * self.svd.s.first().copied().unwrap_or(0.0);
+        self.rank = self.svd.s.iter().take_while(|&&s| s > least).count();
+        Ok(())
     }
 
     /// Number of singular values that are used.
@@ -73,7 +82,14 @@ impl<'a> TruncatedProducts<'a> {
     /// As [`Basis::analysis`](super::Basis::analysis).
     pub fn analysis(&self, f: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
         let coefficients = self.basis.basis().analysis(f, par)?;
-        dense::product(self.inverse.as_ref(), coefficients.as_ref(), par)
+        let left = self.svd.u.subcols(0, self.rank);
+        let mut parts = dense::transposed_product(left, coefficients.as_ref(), par)?;
+        for j in 0..parts.ncols() {
+            for i in 0..self.rank {
+                parts[(i, j)] /= self.svd.s[i];
+            }
+        }
+        dense::product(self.svd.v.subcols(0, self.rank), parts.as_ref(), par)
     }
 
     /// The functions, n x c, with these coefficients of products, L x c.

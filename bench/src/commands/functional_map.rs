@@ -106,7 +106,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 
 /// Two poses of a figure, and two people if there are data.
 fn pairs(functions: usize) -> Result<Vec<Pair>> {
-    let shapes = Shapes::new();
+    let shapes = Shapes::new(false);
     let poses = shapes.isometric(functions - 1)?.into_iter().take(1);
     Ok(poses.chain(shapes.people(functions - 1)?.into_iter().take(1)).collect())
 }
@@ -123,7 +123,7 @@ fn distance(pair: &Pair, points: &[f64]) -> f64 {
 
 /// Writes the problem where both contenders read it.
 fn prepare(folder: &Path, pair: &Pair) -> Result<()> {
-    for (side, shape) in [("source", &pair.source), ("target", &pair.target)] {
+    for (side, shape) in [("source", &*pair.source), ("target", &*pair.target)] {
         let Shape { mesh, eigenbasis, .. } = shape;
         let Mass::Lumped(mass) = eigenbasis.basis().mass() else {
             return Err("a full mass".into());
@@ -168,7 +168,8 @@ fn solve(folder: &Path, arguments: &Arguments) -> Result<()> {
     fit.functions(f.as_ref(), g.as_ref())?;
     let c = fit.solve(MapFit::COMMUTATIVITY)?;
     let fitted = start.elapsed().as_secs_f64();
-    let refined = zoomout(c.as_ref(), &source, &target, arguments.step, par, Progress::none())?;
+    let refined =
+        zoomout(c.as_ref(), source.basis(), target.basis(), arguments.step, par, Progress::none())?;
     let seconds = start.elapsed().as_secs_f64();
     let [_, peak] = child::memory();
     let points: Vec<f64> = refined.points.into_iter().map(f64::from).collect();

@@ -5,10 +5,10 @@ use catamaran::spectral::{
     Basis, Orthogonalization, ProductBasis, ProductBasisOptions, TruncatedProducts, relative_errors,
 };
 
+use super::prods::{ROUNDING, tolerances};
 use super::shapes::{Shape, Shapes};
 use super::signals::signals;
 use super::table::{Table, average, mean};
-use super::transfer::truncation;
 use crate::Result;
 
 /// Eigenfunctions beside the constant, and the order of products.
@@ -38,17 +38,15 @@ const THESIS: [[f64; 5]; 9] = [
 /// Those of the library.
 pub fn approximation(shapes: &Shapes) -> Result<Table> {
     let shapes = shapes.single(PRODUCTS - 1)?;
-    let tables: Vec<_> = shapes.iter().map(errors).collect::<Result<_>>()?;
+    let tables: Vec<_> = shapes.iter().map(|shape| errors(shape)).collect::<Result<_>>()?;
     let names: Vec<_> = shapes.iter().map(|shape| shape.name.as_str()).collect();
-    Ok(Table {
-        number: "1.1",
-        title: format!("approximation, K = {K}, N = {ORDER}, on {}", names.join(", ")),
-        columns: &COLUMNS,
-        ours: average(&tables),
-        thesis: THESIS
-            .map(|[k, prods, ours, nk, all]| vec![k, prods, ours, f64::NAN, nk, all])
-            .into(),
-    })
+    let title = format!(
+        "approximation, K = {K}, N = {ORDER}, on {}; prods up to rounding, as published",
+        names.join(", ")
+    );
+    let thesis =
+        THESIS.into_iter().map(|[k, prods, ours, nk, all]| vec![k, prods, ours, f64::NAN, nk, all]);
+    Ok(Table::new(("1.1", title), &COLUMNS, average(&tables), thesis, ROUNDING))
 }
 
 fn errors(shape: &Shape) -> Result<Vec<Vec<f64>>> {
@@ -60,7 +58,7 @@ fn errors(shape: &Shape) -> Result<Vec<Vec<f64>>> {
     };
     let (ours, ours_star) =
         (basis(Orthogonalization::SinglePass)?, basis(Orthogonalization::Reorthogonalized)?);
-    let prods = TruncatedProducts::new(&ours_star, truncation(K), par)?;
+    let mut prods = TruncatedProducts::new(&ours_star, ROUNDING)?;
     let more = shape.first(ORDER * K)?;
     let mass = few.basis().mass();
     let mut rows = Vec::new();
@@ -69,16 +67,20 @@ fn errors(shape: &Shape) -> Result<Vec<Vec<f64>>> {
         let of = |basis: &Basis| -> Result<f64> {
             Ok(mean(&relative_errors(f, basis.approximation(f, par)?.as_ref(), mass)?))
         };
-        let coefficients = prods.analysis(f, par)?;
-        let g = prods.synthesis(coefficients.as_ref(), par)?;
-        rows.push(vec![
+        let mut row = vec![
             of(few.basis())?,
-            mean(&relative_errors(f, g.as_ref(), mass)?),
             of(ours.basis())?,
             of(ours_star.basis())?,
             of(more.basis())?,
             of(shape.eigenbasis.basis())?,
-        ]);
+        ];
+        for tolerance in tolerances(ROUNDING) {
+            prods.set_threshold(tolerance)?;
+            let coefficients = prods.analysis(f, par)?;
+            let g = prods.synthesis(coefficients.as_ref(), par)?;
+            row.push(mean(&relative_errors(f, g.as_ref(), mass)?));
+        }
+        rows.push(row);
     }
     Ok(rows)
 }

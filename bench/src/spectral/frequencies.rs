@@ -29,12 +29,45 @@ pub fn eigenpowers(shape: &Shape, functions: usize, orders: usize) -> Result<Vec
         .collect()
 }
 
+/// Figure 1.4 of an order: how the first N K eigenvalues, in ascending order from the first that is not zero, lie beside the
+/// frequencies of products.
+#[derive(Debug, Clone)]
+pub struct Frequencies {
+    /// The relative distance of each to the nearest frequency.
+    pub distances: Vec<f64>,
+    /// The distance that is expected of each when frequencies are scattered by chance: half of their mean gap from the fifth
+    /// eigenvalue before it to the fifth after it, as a part of it; 0 for the first K, which are products themselves.
+    pub expected: Vec<f64>,
+}
+
+impl Frequencies {
+    /// The means of the distances and of those expected.
+    pub fn means(&self) -> [f64; 2] {
+        [&self.distances, &self.expected]
+            .map(|all| all.iter().sum::<f64>() / all.len().max(1) as f64)
+    }
+
+    /// The numbers, from 1, of the `count` eigenvalues that are farthest, the farthest first.
+    pub fn farthest(&self, count: usize) -> Vec<usize> {
+        let mut numbers: Vec<usize> = (1..=self.distances.len()).collect();
+        numbers.sort_by(|&a, &b| self.distances[b - 1].total_cmp(&self.distances[a - 1]));
+        numbers.truncate(count);
+        numbers
+    }
+
+    /// The part of the sum of the distances that these eigenvalues make up.
+    pub fn share(&self, numbers: &[usize]) -> f64 {
+        let sum: f64 = numbers.iter().map(|&i| self.distances[i - 1]).sum();
+        sum / self.distances.iter().sum::<f64>().max(f64::MIN_POSITIVE)
+    }
+}
+
 /// Figure 1.4: for every one of the first N K eigenvalues the relative distance to the nearest frequency of a product of
 /// at most N of K functions; and figure 1.5, which is drawn of order 2: energies over the sums of the eigenvalues.
 ///
 /// # Errors
 /// Those of the library.
-pub fn frequencies(shape: &Shape, k: usize, orders: usize) -> Result<(Vec<Vec<f64>>, Plot)> {
+pub fn frequencies(shape: &Shape, k: usize, orders: usize) -> Result<(Vec<Frequencies>, Plot)> {
     let basis = shape.first(k)?;
     let constant = basis.constant().ok_or("a shape without constants")?;
     let factors = Scale(1.0 / constant) * basis.functions().subcols(1, k);
@@ -49,8 +82,16 @@ pub fn frequencies(shape: &Shape, k: usize, orders: usize) -> Result<(Vec<Vec<f6
         let nearest = |lambda: f64| {
             energies.iter().map(|e| (lambda - e).abs() / lambda).fold(f64::INFINITY, f64::min)
         };
-        let eigenvalues = &shape.eigenbasis.values()[1..=order * k];
-        distances.push(eigenvalues.iter().map(|&lambda| nearest(lambda)).collect());
+        let values = &shape.eigenbasis.values()[1..];
+        let expected = |i: usize| {
+            let (low, high) = (values[i.saturating_sub(5)], values[(i + 5).min(order * k - 1)]);
+            let beside = energies.iter().filter(|e| (low..=high).contains(e)).count().max(1);
+            if i < k { 0.0 } else { (high - low) / (2 * beside) as f64 / values[i] }
+        };
+        distances.push(Frequencies {
+            distances: values[..order * k].iter().map(|&lambda| nearest(lambda)).collect(),
+            expected: (0..order * k).map(expected).collect(),
+        });
         if order == 2 {
             let sum = |index: usize| {
                 let factors = products.factors(index).unwrap_or_default();

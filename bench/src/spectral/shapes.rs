@@ -1,10 +1,13 @@
 //! The shapes, and the pairs of them.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::rc::Rc;
 
-use catamaran::mesh::{LaplacianOptions, Normalization, TriMesh, families, laplacian};
+use catamaran::decimate::{DecimateOptions, Place, decimate};
+use catamaran::mesh::{Components, LaplacianOptions, Normalization, TriMesh, families, laplacian};
 use catamaran::sparse::{CsMat, EigenOptions, eigs};
 use catamaran::spectral::Eigenbasis;
+use catamaran::spectral::test_functions::geodesic_cells;
 
 use crate::Result;
 
@@ -46,45 +49,135 @@ impl Shape {
 /// Two shapes, and the vertex of the source that corresponds to each of the target.
 pub struct Pair {
     /// From where functions come.
-    pub source: Shape,
+    pub source: Rc<Shape>,
     /// Where they go.
-    pub target: Shape,
+    pub target: Rc<Shape>,
     /// The true correspondence.
     pub truth: Vec<u32>,
+    /// The vertices of the target whose counterpart the source has: all, unless parts are missing.
+    pub known: Vec<u32>,
 }
+
+impl Pair {
+    fn new(source: &Rc<Shape>, target: &Rc<Shape>, truth: Vec<u32>) -> Self {
+        let known = (0..truth.len() as u32).collect();
+        Self { source: source.clone(), target: target.clone(), truth, known }
+    }
+
+    /// Vertices of the same number correspond.
+    fn same(source: &Rc<Shape>, target: &Rc<Shape>) -> Self {
+        Self::new(source, target, (0..target.mesh.vertices().len() as u32).collect())
+    }
+
+    /// Vertices of the target whose counterpart is known, each the farthest from those before it.
+    pub fn samples(&self, count: usize) -> Vec<u32> {
+        let points = self.target.mesh.vertices();
+        let mut far = vec![f64::INFINITY; self.known.len()];
+        let mut next = 0;
+        let mut found = Vec::new();
+        while found.len() < count.min(self.known.len()) {
+            let last = points[self.known[next] as usize];
+            found.push(self.known[next]);
+            for (distance, &v) in far.iter_mut().zip(&self.known) {
+                *distance = distance.min(square(&points[v as usize], &last));
+            }
+            let farthest =
+                (0..far.len()).max_by(|&x, &y| far[x].total_cmp(&far[y]).then(y.cmp(&x)));
+            next = farthest.unwrap_or(0);
+        }
+        found
+    }
+}
+
+/// Meshes of the same surface: the original, and one with fewer vertices and other connections.
+struct Remeshed {
+    shape: Rc<Shape>,
+    /// For each of its vertices the nearest of the original.
+    original: Vec<u32>,
+    /// For each vertex of the original the nearest of it, along edges.
+    nearest: Vec<u32>,
+}
+
+impl Remeshed {
+    fn new(of: &Shape, vertices: usize, k: usize) -> Result<Self> {
+        let found = decimate(&of.mesh, vertices, &DecimateOptions::new())?;
+        let corner = |place: &Place| {
+            let heaviest = (0..3).max_by(|&i, &j| place.weights[i].total_cmp(&place.weights[j]));
+            of.mesh.faces()[place.face as usize][heaviest.unwrap_or(0)]
+        };
+        let original = found.places.iter().map(corner).collect();
+        let nearest = found.cells.of_vertices().to_vec();
+        let shape = Rc::new(Shape::new(&format!("{} {vertices}", of.name), &found.mesh, k)?);
+        Ok(Self { shape, original, nearest })
+    }
+
+    /// From here to a shape that corresponds to the original by numbers.
+    fn to(&self, target: &Rc<Shape>) -> Pair {
+        Pair::new(&self.shape, target, self.nearest.clone())
+    }
+
+    /// From a shape that corresponds to the original by numbers to here.
+    fn from(&self, source: &Rc<Shape>) -> Pair {
+        Pair::new(source, &self.shape, self.original.clone())
+    }
+}
+
+/// Vertices of a mesh with other connections.
+const FEWER: usize = 4000;
+
+/// Share of the area that is missing of a part.
+const MISSING: f64 = 0.15;
 
 /// Where real shapes are, if anywhere.
 pub struct Shapes {
     folder: Option<PathBuf>,
+    /// Only the first shape and pair of each kind.
+    quick: bool,
 }
 
 impl Shapes {
-    /// Those of CATAMARAN_DATA (default ../shared).
-    pub fn new() -> Self {
+    /// Those of CATAMARAN_DATA (default ../shared); only the first one of each kind when `quick`.
+    pub fn new(quick: bool) -> Self {
         let data = crate::input::data_folder();
         let folder = data.join("meshes");
-        Self { folder: folder.is_dir().then_some(folder) }
+        Self { folder: folder.is_dir().then_some(folder), quick }
     }
 
-    fn read(folder: &Path, name: &str) -> Result<TriMesh> {
-        Ok(catamaran::mesh::io::read(&folder.join(name))?.mesh)
+    fn read(&self, name: &str, file: &str, k: usize) -> Result<Rc<Shape>> {
+        let folder = self.folder.as_ref().ok_or("no CATAMARAN_DATA")?;
+        let mesh = catamaran::mesh::io::read(&folder.join(file))?.mesh;
+        Ok(Rc::new(Shape::new(name, &mesh, k)?))
+    }
+
+    fn some<'a, T>(&self, all: &'a [T]) -> &'a [T] {
+        if self.quick { &all[..1] } else { all }
     }
 
     /// The shapes for approximation, of `k` eigenfunctions each.
     ///
     /// # Errors
     /// Those of the library.
-    pub fn single(&self, k: usize) -> Result<Vec<Shape>> {
-        let mut shapes = vec![Shape::new("figure", &families::figure(5, 0.5)?, k)?];
-        let Some(folder) = &self.folder else { return Ok(shapes) };
-        for (name, file) in [
-            ("bunny", "ofp_bunny10k.off.gz"),
-            ("man", "human_man.obj.gz"),
-            ("woman", "human_woman.obj.gz"),
-        ] {
-            shapes.push(Shape::new(name, &Self::read(folder, file)?, k)?);
+    pub fn single(&self, k: usize) -> Result<Vec<Rc<Shape>>> {
+        let mut shapes = vec![Rc::new(Shape::new("figure", &families::figure(5, 0.5)?, k)?)];
+        if self.folder.is_none() || self.quick {
+            return Ok(shapes);
+        }
+        for (name, file) in [("bunny", BUNNY), ("man", MAN), ("woman", WOMAN)] {
+            shapes.push(self.read(name, file, k)?);
         }
         Ok(shapes)
+    }
+
+    /// Two shapes with fine details, a statue and an animal, of `k` eigenfunctions each; none without data or when quick.
+    ///
+    /// # Errors
+    /// Those of the library.
+    pub fn detailed(&self, k: usize) -> Result<Vec<Rc<Shape>>> {
+        if self.folder.is_none() || self.quick {
+            return Ok(Vec::new());
+        }
+        let files = [("statue", "nefertiti35k.obj.gz"), ("elephant", "refined_elephant44k.off.gz")];
+        files.into_iter().map(|(name, file)| self.read(name, file, k)).collect()
     }
 
     /// Nearly isometric pairs with the same connections: poses of a figure.
@@ -92,78 +185,223 @@ impl Shapes {
     /// # Errors
     /// Those of the library.
     pub fn isometric(&self, k: usize) -> Result<Vec<Pair>> {
-        let pose =
-            |pose: f64| Shape::new(&format!("figure {pose}"), &families::figure(5, pose)?, k);
-        let pair = |from: f64, to: f64| -> Result<Pair> {
-            let (source, target) = (pose(from)?, pose(to)?);
-            let truth = (0..target.mesh.vertices().len() as u32).collect();
-            Ok(Pair { source, target, truth })
-        };
-        [(0.0, 0.5), (0.0, 1.0), (0.3, 0.9), (1.0, 0.6)]
-            .map(|(a, b)| pair(a, b))
+        let poses: Vec<_> = [0.0, 0.3, 0.5, 0.6, 0.9, 1.0]
+            .map(|pose| figure(5, pose, k))
             .into_iter()
-            .collect()
+            .collect::<Result<_>>()?;
+        let pairs =
+            [(0, 2), (0, 5), (1, 4), (1, 5), (2, 0), (2, 4), (3, 1), (4, 0), (5, 3), (5, 1)];
+        Ok(self.some(&pairs).iter().map(|&(a, b)| Pair::same(&poses[a], &poses[b])).collect())
     }
 
-    /// Pairs that are not isometric, with the same connections: two people, two surfaces of a brain; none without data.
+    /// Two people, with the same connections, either way; none without data.
     ///
     /// # Errors
     /// Those of the library.
     pub fn people(&self, k: usize) -> Result<Vec<Pair>> {
-        let Some(folder) = &self.folder else { return Ok(Vec::new()) };
-        let names = [
-            ("human_man.obj.gz", "human_woman.obj.gz"),
-            ("human_woman.obj.gz", "human_man.obj.gz"),
-            ("fsaverage5_L_white.ply.gz", "fsaverage5_L_pial.ply.gz"),
-            ("fsaverage5_L_pial.ply.gz", "fsaverage5_L_inflated.ply.gz"),
-        ];
-        let pair = |(source, target): (&str, &str)| -> Result<Pair> {
-            let [source, target] =
-                [source, target].map(|name| Shape::new(name, &Self::read(folder, name)?, k));
-            let (source, target) = (source?, target?);
-            let truth = (0..target.mesh.vertices().len() as u32).collect();
-            Ok(Pair { source, target, truth })
-        };
-        names.into_iter().map(pair).collect()
+        if self.folder.is_none() {
+            return Ok(Vec::new());
+        }
+        let (man, woman) = (self.read("man", MAN, k)?, self.read("woman", WOMAN, k)?);
+        let pairs = [(&man, &woman), (&woman, &man)];
+        Ok(self.some(&pairs).iter().map(|(a, b)| Pair::same(a, b)).collect())
+    }
+
+    /// Surfaces of a brain, with the same connections, each to each other; none without data.
+    ///
+    /// # Errors
+    /// Those of the library.
+    pub fn brains(&self, k: usize) -> Result<Vec<Pair>> {
+        if self.folder.is_none() {
+            return Ok(Vec::new());
+        }
+        let surfaces = self.surfaces(k)?;
+        let each = surfaces.iter().flat_map(|a| surfaces.iter().map(move |b| (a, b)));
+        let pairs: Vec<_> = each.filter(|(a, b)| !Rc::ptr_eq(a, b)).collect();
+        Ok(self.some(&pairs).iter().map(|(a, b)| Pair::same(a, b)).collect())
+    }
+
+    /// Surfaces of a brain: white, pial, inflated, sphere.
+    fn surfaces(&self, k: usize) -> Result<Vec<Rc<Shape>>> {
+        let surface = |name: &str| self.read(name, &format!("fsaverage5_L_{name}.ply.gz"), k);
+        ["white", "pial", "inflated", "sphere"].into_iter().map(surface).collect()
     }
 
     /// Pairs with different connections: poses of figures of different fineness, which correspond where they are nearest in
-    /// the same pose.
+    /// the same pose; with data, people and surfaces of a brain, one of them decimated.
     ///
     /// # Errors
     /// Those of the library.
     pub fn remeshed(&self, k: usize) -> Result<Vec<Pair>> {
-        let pair = |from: (usize, f64), to: (usize, f64)| -> Result<Pair> {
-            let shape = |(cells, pose): (usize, f64)| {
-                Shape::new(&format!("figure {cells} {pose}"), &families::figure(cells, pose)?, k)
-            };
-            let (source, target) = (shape(from)?, shape(to)?);
-            let rest = |cells| families::figure(cells, 0.0);
-            let truth = nearest(rest(from.0)?.vertices(), rest(to.0)?.vertices());
-            Ok(Pair { source, target, truth })
-        };
         let pairs = [
             ((5, 0.0), (7, 0.6)),
             ((7, 0.2), (4, 1.0)),
             ((4, 0.8), (6, 0.1)),
             ((6, 0.5), (5, 1.0)),
         ];
-        pairs.into_iter().map(|(from, to)| pair(from, to)).collect()
+        let mut pairs: Vec<Pair> = self
+            .some(&pairs)
+            .iter()
+            .map(|&(from, to)| figures(from, to, k))
+            .collect::<Result<_>>()?;
+        if self.folder.is_some() && !self.quick {
+            let (man, woman) = (self.read("man", MAN, k)?, self.read("woman", WOMAN, k)?);
+            let (few, fewer) = (Remeshed::new(&man, FEWER, k)?, Remeshed::new(&woman, FEWER, k)?);
+            pairs.extend([few.to(&woman), few.from(&woman), fewer.to(&man), fewer.from(&man)]);
+            let surfaces = self.surfaces(k)?;
+            let [white, pial] = [&surfaces[0], &surfaces[1]];
+            pairs.push(Remeshed::new(white, FEWER, k)?.from(pial));
+            pairs.push(Remeshed::new(pial, FEWER, k)?.from(white));
+        }
+        Ok(pairs)
+    }
+
+    /// In place of the animals of SHREC'20: one pair for each of its five sets, from the most to the least isometric, and
+    /// one whose source lacks a part; all with different connections. None without data.
+    ///
+    /// # Errors
+    /// Those of the library.
+    pub fn graded(&self, k: usize) -> Result<Vec<Pair>> {
+        if self.folder.is_none() {
+            return Ok(Vec::new());
+        }
+        let mut pairs = vec![figures((5, 0.2), (6, 0.9), k)?];
+        let (man, woman) = (self.read("man", MAN, k)?, self.read("woman", WOMAN, k)?);
+        let fewer = Remeshed::new(&woman, FEWER, k)?;
+        if self.quick {
+            pairs = vec![without_part(&fewer.from(&man), k)?];
+        } else {
+            let surfaces = self.surfaces(k)?;
+            pairs.push(fewer.from(&man));
+            pairs.push(Remeshed::new(&surfaces[1], FEWER, k)?.from(&surfaces[0]));
+            pairs.push(Remeshed::new(&surfaces[2], FEWER, k)?.from(&surfaces[1]));
+            pairs.push(without_part(&fewer.from(&man), k)?);
+        }
+        Ok(pairs)
+    }
+
+    /// In place of the woman, man and gorilla of MISC: two people of different connections, and surfaces of a brain that
+    /// are far from isometric. None without data.
+    ///
+    /// # Errors
+    /// Those of the library.
+    pub fn distant(&self, k: usize) -> Result<Vec<Pair>> {
+        if self.folder.is_none() {
+            return Ok(Vec::new());
+        }
+        let (man, woman) = (self.read("man", MAN, k)?, self.read("woman", WOMAN, k)?);
+        let fewer = Remeshed::new(&woman, FEWER, k)?;
+        let mut pairs = vec![fewer.from(&man), fewer.to(&man)];
+        if self.quick {
+            pairs.truncate(1);
+            return Ok(pairs);
+        }
+        let s = self.surfaces(k)?;
+        let far = [(0, 2), (0, 3), (1, 2), (1, 3), (2, 0), (2, 1), (3, 0), (3, 1)];
+        pairs.extend(far.map(|(a, b)| Pair::same(&s[a], &s[b])));
+        Ok(pairs)
     }
 }
 
-impl Default for Shapes {
-    fn default() -> Self {
-        Self::new()
+const BUNNY: &str = "ofp_bunny10k.off.gz";
+const MAN: &str = "human_man.obj.gz";
+const WOMAN: &str = "human_woman.obj.gz";
+
+fn figure(cells: usize, pose: f64, k: usize) -> Result<Rc<Shape>> {
+    let name = format!("figure {cells} {pose}");
+    Ok(Rc::new(Shape::new(&name, &families::figure(cells, pose)?, k)?))
+}
+
+/// Two figures, each of so many cells and in this pose.
+fn figures(from: (usize, f64), to: (usize, f64), k: usize) -> Result<Pair> {
+    let (source, target) = (figure(from.0, from.1, k)?, figure(to.0, to.1, k)?);
+    let rest = |cells| families::figure(cells, 0.0);
+    let truth = nearest(rest(from.0)?.vertices(), rest(to.0)?.vertices());
+    Ok(Pair::new(&source, &target, truth))
+}
+
+/// The pair without a geodesic cell of its source.
+fn without_part(pair: &Pair, k: usize) -> Result<Pair> {
+    let mesh = &pair.source.mesh;
+    let cell = geodesic_cells(mesh, MISSING, 1, 4)?;
+    let missing = |v: u32| cell[(v as usize, 0)] > 0.0;
+    let faces = mesh.faces().iter().enumerate();
+    let kept: Vec<u32> =
+        faces.filter(|(_, f)| !f.iter().any(|&v| missing(v))).map(|(i, _)| i as u32).collect();
+    let part = mesh.submesh(&kept)?;
+    // The cell may cut off small pieces.
+    let components = Components::new(&part.mesh);
+    let faces = |c: usize| components.of_faces().iter().filter(|f| **f as usize == c).count();
+    let largest = (0..components.len()).max_by_key(|&c| faces(c)).unwrap_or(0);
+    let piece = part.mesh.component(&components, largest)?;
+    let source = Rc::new(Shape::new(&format!("part of {}", pair.source.name), &piece.mesh, k)?);
+    let mut places = vec![None; mesh.vertices().len()];
+    for (place, &v) in piece.vertices.iter().enumerate() {
+        places[part.vertices[v as usize] as usize] = Some(place as u32);
     }
+    let kept = |y: &u32| places[pair.truth[*y as usize] as usize].is_some();
+    let known = (0..pair.truth.len() as u32).filter(kept).collect();
+    // What is missing has no counterpart; no error counts there.
+    let truth = pair.truth.iter().map(|&x| places[x as usize].unwrap_or(0)).collect();
+    Ok(Pair { source, target: pair.target.clone(), truth, known })
+}
+
+fn square(p: &[f64; 3], q: &[f64; 3]) -> f64 {
+    (0..3).map(|i| (p[i] - q[i]).powi(2)).sum()
 }
 
 /// For each of `to` the index of the nearest of `from`.
 fn nearest(from: &[[f64; 3]], to: &[[f64; 3]]) -> Vec<u32> {
-    let square = |p: &[f64; 3], q: &[f64; 3]| (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>();
     let index = |q: &[f64; 3]| {
         let distances = from.iter().map(|p| square(p, q)).enumerate();
         distances.min_by(|x, y| x.1.total_cmp(&y.1)).map_or(0, |(i, _)| i as u32)
     };
     to.iter().map(index).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_keeps_true_places_and_samples_are_where_they_are_known() {
+        let [source, target] = [0.0, 0.3].map(|pose| figure(2, pose, 5).unwrap());
+        let pair = Pair::same(&source, &target);
+        let part = without_part(&pair, 5).unwrap();
+        assert_eq!(part.known.len(), part.source.mesh.vertices().len());
+        assert!(part.known.len() < 9 * pair.known.len() / 10);
+        // The part is moved and scaled, and as it was else: distances have one ratio.
+        let first = part.known[0];
+        let apart = |mesh: &TriMesh, v: u32, w: u32| {
+            square(&mesh.vertices()[v as usize], &mesh.vertices()[w as usize]).sqrt()
+        };
+        let scale = |&y: &u32| {
+            let place = |y: u32| part.truth[y as usize];
+            apart(&part.source.mesh, place(y), place(first)) / apart(&source.mesh, y, first)
+        };
+        let scales: Vec<f64> = part.known[1..].iter().map(scale).collect();
+        assert!(scales[0] > 1.0);
+        assert!(scales.iter().all(|scale| (scale / scales[0] - 1.0).abs() < 1e-9));
+        let mut samples = part.samples(20);
+        assert!(samples.iter().all(|y| part.known.contains(y)));
+        samples.sort_unstable();
+        samples.dedup();
+        assert_eq!(samples.len(), 20);
+        assert_eq!(part.samples(usize::MAX).len(), part.known.len());
+    }
+
+    #[test]
+    fn a_decimated_mesh_corresponds_either_way() {
+        let [source, target] = [0.0, 0.3].map(|pose| figure(3, pose, 5).unwrap());
+        let n = source.mesh.vertices().len();
+        let fewer = Remeshed::new(&source, n / 2, 5).unwrap();
+        let (to, from) = (fewer.to(&target), fewer.from(&target));
+        assert_eq!((to.truth.len(), from.truth.len()), (n, n / 2));
+        // There and back, a vertex comes back to a near one: a cell has few vertices.
+        let points = source.mesh.vertices();
+        let apart =
+            |v: usize| square(&points[v], &points[from.truth[to.truth[v] as usize] as usize]);
+        let mean = (0..n).map(|v| apart(v).sqrt()).sum::<f64>() / n as f64;
+        assert!(mean < 0.03, "{mean}");
+    }
 }

@@ -29,11 +29,14 @@ const SHARE: f64 = 0.1;
 /// The names of the functions, in the order of the tables; the last one stands for AWFT.
 pub const NAMES: [&str; 9] = ["HK k", "HK K", "HKS", "WKS", "Rand", "XYZ", "Ind", "SHOT", "rings"];
 
+/// Functions of each name, one matrix each.
+pub type Signals = [Mat<f64>; NAMES.len()];
+
 /// The functions of each name, n x anything; `k` is the number of eigenfunctions that "HK k" has.
 ///
 /// # Errors
 /// Those of the library.
-pub fn signals(shape: &Shape, k: usize) -> Result<[Mat<f64>; NAMES.len()]> {
+pub fn signals(shape: &Shape, k: usize) -> Result<Signals> {
     let par = Par::all();
     let (few, many) = (shape.first(k)?, shape.first(MANY)?);
     let [scales, used] = SCALES;

@@ -2,12 +2,12 @@
 
 use catamaran::Par;
 use catamaran::base::{Progress, Rng};
-use catamaran::faer::{Mat, MatRef};
-use catamaran::spectral::functional_map::{map_from_points, points_from_map};
+use catamaran::spectral::functional_map::{map_from_points, points_from_map, pull_back};
 use catamaran::spectral::{
-    ProductBasis, ProductBasisOptions, ProductMap, transform_of_all_products,
+    Orthogonalization, ProductBasis, ProductBasisOptions, ProductMap, transform_of_all_products,
 };
 
+use super::noise::{noisy, relative};
 use super::shapes::Pair;
 use crate::Result;
 use crate::curves::Plot;
@@ -30,14 +30,7 @@ pub fn stability(pair: &Pair, k: usize) -> Result<Plot> {
     let mut series: [Vec<(f64, f64)>; 3] = Default::default();
     let mut rng = Rng::new(1);
     for noise in NOISE {
-        let size = truth.norm_l2() / (truth.nrows() as f64 * truth.ncols() as f64).sqrt();
-        let mut c = truth.clone();
-        for j in 0..c.ncols() {
-            for i in 0..c.nrows() {
-                // Uniform, with this standard deviation.
-                c[(i, j)] += noise * size * 12_f64.sqrt() * (rng.uniform() - 0.5);
-            }
-        }
+        let c = noisy(truth.as_ref(), noise, &mut rng);
         let extended = ProductMap::new(c.as_ref(), &source, &target, ORDER)?;
         let o = transform_of_all_products(&extended, &from, &to, par)?;
         let points =
@@ -62,7 +55,42 @@ pub fn stability(pair: &Pair, k: usize) -> Result<Plot> {
     })
 }
 
-fn relative(x: MatRef<'_, f64>, truth: MatRef<'_, f64>) -> f64 {
-    let difference: Mat<f64> = x - truth;
-    difference.norm_l2() / truth.norm_l2()
+/// Eigenfunctions of the source beside the constant, for [`sizes`]; and those of the target for each of them.
+const KS: [usize; 6] = [5, 8, 11, 14, 17, 20];
+const RATIOS: [f64; 3] = [0.5, 1.0, 2.0];
+/// Eigenfunctions beside the constant that [`sizes`] needs.
+pub const MOST: usize = 40;
+
+/// Figure 1.10, right: the error of the images of Q under O by equation 1.16, from the true functional map, over the number
+/// of eigenfunctions on the source, for several ratios of those on the target to them.
+///
+/// # Errors
+/// Those of the library.
+pub fn sizes(pair: &Pair) -> Result<Plot> {
+    let par = Par::all();
+    let options = ProductBasisOptions::new().orthogonalization(Orthogonalization::Reorthogonalized);
+    let mut series = Vec::new();
+    for ratio in RATIOS {
+        let mut points = Vec::new();
+        for k in KS {
+            let l = (k as f64 * ratio).ceil() as usize;
+            let (source, target) = (pair.source.first(k)?, pair.target.first(l)?);
+            let c = map_from_points(&pair.truth, source.basis(), target.basis(), par)?;
+            let from = ProductBasis::new(&source, ORDER, &options)?;
+            let to = ProductBasis::new(&target, ORDER, &options)?;
+            let extended = ProductMap::new(c.as_ref(), &source, &target, ORDER)?;
+            let o = transform_of_all_products(&extended, &from, &to, par)?;
+            let images = to.basis().synthesis(o.as_ref(), par)?;
+            let truth = pull_back(&pair.truth, from.functions())?;
+            points.push((k as f64, relative(images.as_ref(), truth.as_ref())));
+        }
+        series.push((format!("target / source {ratio}"), points));
+    }
+    Ok(Plot {
+        title: format!("Figure 1.10, right: relative error of the images of Q, N = {ORDER}"),
+        across: "K of the source".into(),
+        logarithmic: true,
+        scattered: false,
+        series,
+    })
 }

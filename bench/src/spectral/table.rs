@@ -1,5 +1,6 @@
 //! Tables of errors: a row for each function, a column for each method, beside those of the thesis.
 
+use super::prods::Sweep;
 use super::signals::NAMES;
 
 /// A table of the thesis, and ours.
@@ -10,15 +11,43 @@ pub struct Table {
     /// What was done to what.
     pub title: String,
     /// The methods.
-    pub columns: &'static [&'static str],
+    pub columns: Vec<&'static str>,
     /// Our errors, a row for each of the functions.
     pub ours: Vec<Vec<f64>>,
     /// Those of the thesis, in per cent; NaN where it has none.
     pub thesis: Vec<Vec<f64>>,
+    /// Errors of "prods" with other tolerances.
+    pub sweep: Sweep,
 }
 
+/// Where "prods" and "best" are inserted: after "K".
+const PRODS: usize = 1;
+
 impl Table {
-    /// As text in Markdown: ours, with the thesis' in brackets, in per cent.
+    /// A table from errors whose last columns are those of "prods" by tolerance; `columns` and `thesis` are without
+    /// "best", the least of them, which goes after "prods".
+    pub fn new(
+        (number, title): (&'static str, String),
+        columns: &[&'static str],
+        mut errors: Vec<Vec<f64>>,
+        thesis: impl Iterator<Item = Vec<f64>>,
+        published: f64,
+    ) -> Self {
+        let sweep = Sweep::split(published, &mut errors);
+        for (function, row) in errors.iter_mut().enumerate() {
+            row.splice(PRODS..PRODS, [sweep.published(function), sweep.best(function)]);
+        }
+        let mut columns = columns.to_vec();
+        columns.insert(PRODS + 1, "prods best");
+        let with_best = |mut row: Vec<f64>| {
+            row.insert(PRODS + 1, f64::NAN);
+            row
+        };
+        let thesis = thesis.map(with_best).collect();
+        Self { number, title, columns, ours: errors, thesis, sweep }
+    }
+
+    /// As text in Markdown: ours, with the thesis' in brackets, in per cent; then "prods" by tolerance.
     pub fn markdown(&self) -> String {
         let mut out = format!("**Table {}**: {}\n\n|  | ", self.number, self.title);
         out += &self.columns.join(" | ");
@@ -32,6 +61,16 @@ impl Table {
                 .collect();
             out += &format!("| {name} | {} |\n", cells.join(" | "));
         }
+        out += &format!(
+            "\n*prods* of table {} by tolerance, the published one first\n\n| tolerance | ",
+            self.number
+        );
+        out += &NAMES.join(" | ");
+        out += &format!(" |\n|{}\n", "---|".repeat(NAMES.len() + 1));
+        for (tolerance, errors) in self.sweep.tolerances.iter().zip(&self.sweep.errors) {
+            let cells: Vec<_> = errors.iter().map(|&error| per_cent(error)).collect();
+            out += &format!("| {tolerance:.1e} | {} |\n", cells.join(" | "));
+        }
         out
     }
 
@@ -44,9 +83,19 @@ impl Table {
                 let thesis = if thesis.is_nan() { String::new() } else { format!("{thesis:.4}") };
                 lines.push(format!("{},{name},{column},{ours:.4},{thesis}", self.number));
             }
+            for (tolerance, errors) in self.sweep.tolerances.iter().zip(&self.sweep.errors) {
+                let error = errors[f];
+                lines.push(format!("{},{name},prods {tolerance:e},{error:.4},", self.number));
+            }
         }
         lines
     }
+}
+
+/// An error in per cent; by its power of ten where it is beyond all use.
+fn per_cent(error: f64) -> String {
+    let error = 100.0 * error;
+    if error < 1e4 { format!("{error:.1}") } else { format!("{error:.0e}") }
 }
 
 /// The means of the same entries.

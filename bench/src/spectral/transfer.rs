@@ -1,4 +1,6 @@
-//! Tables 1.2 to 1.4: functions transferred between two shapes.
+//! Tables 1.2 to 1.6: functions transferred between two shapes.
+
+use std::rc::Rc;
 
 use catamaran::Par;
 use catamaran::base::Progress;
@@ -6,39 +8,62 @@ use catamaran::faer::{Mat, MatRef};
 use catamaran::spectral::descriptors::{
     heat_kernel, heat_kernel_signature, heat_times, wave_kernel_signature, wave_scales,
 };
-use catamaran::spectral::functional_map::{MapFit, map_from_points, points_from_map, pull_back};
+use catamaran::spectral::functional_map::{
+    MapFit, icp, map_from_points, points_from_map, pull_back,
+};
 use catamaran::spectral::{
     Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions, ProductMap, Transfer,
     TruncatedProducts, relative_errors,
 };
 
-use super::shapes::{Pair, Shapes};
-use super::signals::{MANY, signals};
+use super::prods::{published, tolerances};
+use super::shapes::{Pair, Shape, Shapes};
+use super::signals::{MANY, Signals, signals};
 use super::table::{Table, average, mean};
 use crate::Result;
 
-/// A table of the thesis.
+/// What a table is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Setting {
     /// Table 1.2: nearly isometric.
     Isometric,
-    /// Table 1.3: not isometric.
+    /// Table 1.3: not isometric, two people.
     People,
+    /// Table 1.3 again: not isometric, surfaces of a brain.
+    Brains,
     /// Table 1.4: other connections.
     Remeshed,
+    /// Table 1.5: other connections, from nearly isometric to a missing part; errors at landmarks.
+    Graded,
+    /// Table 1.6: far from isometric; errors at landmarks.
+    Distant,
 }
+
+/// All of them, in the order of the tables.
+pub const SETTINGS: [Setting; 6] = [
+    Setting::Isometric,
+    Setting::People,
+    Setting::Brains,
+    Setting::Remeshed,
+    Setting::Graded,
+    Setting::Distant,
+];
 
 const COLUMNS: [&str; 5] = ["K", "prods", "ours", "ours*", "NK"];
 
 /// Vertices whose correspondence is given, beside descriptors.
 const LANDMARKS: usize = 7;
+/// Landmarks that errors are measured at, in table 1.5.
+const EVALUATED: usize = 50;
+/// Iterations of ICP.
+const ICP: usize = 5;
 /// Scales of the descriptors that the functional map is fitted to.
 const SCALES: usize = 20;
 /// The time of heat kernels around landmarks, on shapes of area 1.
 const TIME: f64 = 1e-2;
 
 /// The thesis' errors, in per cent.
-const THESIS: [[[f64; 5]; 9]; 3] = [
+const THESIS: [[[f64; 5]; 9]; 5] = [
     [
         [70.3, 64.4, 50.9, 52.0, 17.7],
         [78.4, 61.3, 52.8, 55.9, 56.4],
@@ -72,14 +97,77 @@ const THESIS: [[[f64; 5]; 9]; 3] = [
         [66.3, 66.0, 62.8, 64.7, 64.8],
         [24.6, 28.0, 21.4, 21.6, 25.6],
     ],
+    [
+        [12.2, 15.8, 15.2, 13.0, 14.8],
+        [4.4, 5.9, 5.3, 3.2, 4.8],
+        [26.6, 30.9, 23.6, 23.6, 26.7],
+        [19.2, 25.1, 17.7, 17.7, 19.9],
+        [26.8, 40.4, 27.2, 25.2, 26.9],
+        [18.1, 51.5, 11.9, 7.4, 20.4],
+        [21.0, 26.1, 20.4, 18.6, 22.1],
+        [10.4, 15.8, 12.6, 11.3, 10.7],
+        [18.8, 30.8, 20.4, 18.3, 19.6],
+    ],
+    [
+        [11.0, 10.6, 12.0, 9.2, 8.7],
+        [3.1, 3.7, 2.9, 2.1, 3.2],
+        [5.8, 6.2, 5.4, 5.4, 9.6],
+        [11.0, 8.2, 7.3, 7.3, 9.3],
+        [25.4, 28.6, 25.2, 25.4, 25.9],
+        [20.1, 21.1, 19.5, 19.2, 18.1],
+        [10.9, 10.1, 8.0, 6.9, 11.3],
+        [0.2, 0.2, 0.2, 0.2, 0.2],
+        [5.9, 7.8, 6.5, 6.3, 5.6],
+    ],
 ];
 
 impl Setting {
     /// The order of products, and the eigenfunctions of source and target beside the constant.
     fn parameters(self) -> (usize, [usize; 2]) {
         match self {
-            Self::Isometric => (3, [12, 12]),
-            Self::People | Self::Remeshed => (2, [30, 40]),
+            Self::Isometric | Self::Graded | Self::Distant => (3, [12, 12]),
+            Self::People | Self::Brains | Self::Remeshed => (2, [30, 40]),
+        }
+    }
+
+    /// The table of the thesis: its number, and where it is among those from 1.2 on.
+    fn table(self) -> (&'static str, usize) {
+        match self {
+            Self::Isometric => ("1.2", 0),
+            Self::People => ("1.3", 1),
+            Self::Brains => ("1.3 brains", 1),
+            Self::Remeshed => ("1.4", 2),
+            Self::Graded => ("1.5", 3),
+            Self::Distant => ("1.6", 4),
+        }
+    }
+
+    fn pairs(self, shapes: &Shapes) -> Result<(&'static str, Vec<Pair>)> {
+        Ok(match self {
+            Self::Isometric => ("poses of a figure", shapes.isometric(MANY)?),
+            Self::People => ("two people", shapes.people(MANY)?),
+            Self::Brains => ("surfaces of a brain", shapes.brains(MANY)?),
+            Self::Remeshed => (
+                "figures of other fineness and pose, people and brains decimated",
+                shapes.remeshed(MANY)?,
+            ),
+            Self::Graded => (
+                "figures, people, brains twice and a part of a man, in place of SHREC'20, at 50 landmarks",
+                shapes.graded(MANY)?,
+            ),
+            Self::Distant => (
+                "people and brains far from isometric, in place of MISC, at a tenth of the vertices",
+                shapes.distant(MANY)?,
+            ),
+        })
+    }
+
+    /// The landmarks that errors are measured at; `None` where that is over the whole surface.
+    fn landmarks(self, pair: &Pair) -> Option<Vec<u32>> {
+        match self {
+            Self::Graded => Some(pair.samples(EVALUATED)),
+            Self::Distant => Some(pair.samples(pair.truth.len() / 10)),
+            _ => None,
         }
     }
 }
@@ -90,23 +178,28 @@ impl Setting {
 /// Those of the library.
 pub fn transfer(shapes: &Shapes, setting: Setting) -> Result<Option<Table>> {
     let (order, [k, l]) = setting.parameters();
-    let (number, what, pairs) = match setting {
-        Setting::Isometric => ("1.2", "poses of a figure", shapes.isometric(MANY)?),
-        Setting::People => ("1.3", "two people, surfaces of a brain", shapes.people(MANY)?),
-        Setting::Remeshed => ("1.4", "figures of other fineness and pose", shapes.remeshed(MANY)?),
-    };
+    let (number, place) = setting.table();
+    let (what, pairs) = setting.pairs(shapes)?;
     if pairs.is_empty() {
         return Ok(None);
     }
-    let tables: Vec<_> =
-        pairs.iter().map(|pair| errors(pair, order, [k, l])).collect::<Result<_>>()?;
-    Ok(Some(Table {
-        number,
-        title: format!("transfer, {what}: {} pairs, N = {order}, K = {k} and {l}", pairs.len()),
-        columns: &COLUMNS,
-        ours: average(&tables),
-        thesis: THESIS[setting as usize].iter().map(|row| row.to_vec()).collect(),
-    }))
+    let mut tables = Vec::new();
+    let mut known: Option<(&Rc<Shape>, Signals)> = None;
+    for pair in &pairs {
+        if known.as_ref().is_none_or(|(shape, _)| !Rc::ptr_eq(shape, &pair.source)) {
+            known = Some((&pair.source, signals(&pair.source, k)?));
+        }
+        let Some((_, signals)) = &known else { continue };
+        tables.push(errors(pair, signals, setting)?);
+    }
+    let title = format!(
+        "transfer, {what}: {} pairs, N = {order}, K = {k} and {l}; prods from {:.3} of the largest singular value, as \
+         published",
+        pairs.len(),
+        published(k)
+    );
+    let thesis = THESIS[place].iter().map(|row| row.to_vec());
+    Ok(Some(Table::new((number, title), &COLUMNS, average(&tables), thesis, published(k))))
 }
 
 /// Heat and wave kernel signatures.
@@ -121,24 +214,25 @@ fn descriptors(basis: &Eigenbasis) -> Result<[Mat<f64>; 2]> {
 
 /// Pairs of corresponding vertices, spread over the target.
 fn landmarks(pair: &Pair) -> Vec<(u32, u32)> {
-    let points = pair.target.mesh.vertices();
-    let square = |p: [f64; 3], q: [f64; 3]| (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>();
-    let mut far = vec![f64::INFINITY; points.len()];
-    let mut found = vec![0_usize];
-    while found.len() < LANDMARKS {
-        let last = points[found[found.len() - 1]];
-        for (distance, &p) in far.iter_mut().zip(points) {
-            *distance = distance.min(square(p, last));
-        }
-        let next = (0..points.len()).max_by(|&x, &y| far[x].total_cmp(&far[y]).then(y.cmp(&x)));
-        found.extend(next);
-    }
-    found.into_iter().map(|v| (pair.truth[v], v as u32)).collect()
+    let samples = pair.samples(LANDMARKS).into_iter();
+    samples.map(|v| (pair.truth[v as usize], v)).collect()
 }
 
-/// The functional map between the first eigenfunctions, from descriptors, landmarks, and multiplications by functions around
-/// landmarks (the method of reference 194 of the thesis: Nogneng and Ovsjanikov 2017).
+/// The functional map of [`fit`] with multiplications, made orthogonal by ICP, as the code published with the thesis
+/// does.
 pub fn fitted(pair: &Pair, source: &Eigenbasis, target: &Eigenbasis) -> Result<Mat<f64>> {
+    let c = fit(pair, source, target, true)?;
+    Ok(icp(c.as_ref(), source.basis(), target.basis(), ICP, Par::all(), Progress::none())?.map)
+}
+
+/// The functional map between the first eigenfunctions, from descriptors, landmarks, and on request multiplications by
+/// functions around landmarks (the method of reference 194 of the thesis: Nogneng and Ovsjanikov 2017).
+pub fn fit(
+    pair: &Pair,
+    source: &Eigenbasis,
+    target: &Eigenbasis,
+    has_operators: bool,
+) -> Result<Mat<f64>> {
     let mut fit = MapFit::new(source, target, Par::all());
     let [many, others] = [&pair.source, &pair.target].map(|shape| shape.first(MANY));
     let (many, others) = (many?, others?);
@@ -147,10 +241,12 @@ pub fn fitted(pair: &Pair, source: &Eigenbasis, target: &Eigenbasis) -> Result<M
     }
     let pairs = landmarks(pair);
     fit.landmarks(&pairs)?;
-    // Signatures do not know left from right; what is around landmarks does.
-    let [f, g] =
-        [around(&many, pairs.iter().map(|p| p.0))?, around(&others, pairs.iter().map(|p| p.1))?];
-    fit.operators(f.as_ref(), g.as_ref(), MapFit::MULTIPLICATIONS)?;
+    if has_operators {
+        // Signatures do not know left from right; what is around landmarks does.
+        let f = around(&many, pairs.iter().map(|p| p.0))?;
+        let g = around(&others, pairs.iter().map(|p| p.1))?;
+        fit.operators(f.as_ref(), g.as_ref(), MapFit::MULTIPLICATIONS)?;
+    }
     Ok(fit.solve(MapFit::COMMUTATIVITY)?)
 }
 
@@ -161,60 +257,165 @@ fn around(basis: &Eigenbasis, vertices: impl Iterator<Item = u32>) -> Result<Mat
     Ok(Mat::from_fn(basis.basis().vertices(), kernels.len(), |x, j| kernels[j][x]))
 }
 
-/// Singular values of products that are left out, as a part of the largest: as the code published with the thesis does, for
-/// `k` eigenfunctions beside the constant.
-pub fn truncation(k: usize) -> f64 {
-    2e-3 * (k as f64 - 1.0)
+/// Two shapes with the bases that functions are transferred through.
+pub struct Bases {
+    order: usize,
+    source: Eigenbasis,
+    target: Eigenbasis,
+    ours: [ProductBasis; 2],
+    ours_star: [ProductBasis; 2],
 }
 
-fn errors(pair: &Pair, order: usize, [k, l]: [usize; 2]) -> Result<Vec<Vec<f64>>> {
-    let par = Par::all();
-    let (source, target) = (pair.source.first(k)?, pair.target.first(l)?);
-    let c = fitted(pair, &source, &target)?;
-    let points =
-        points_from_map(c.as_ref(), source.basis(), target.basis(), par, Progress::none())?;
+impl Bases {
+    /// Those of products of at most `order` of `k` eigenfunctions of the source, `l` of the target.
+    ///
+    /// # Errors
+    /// Those of the library.
+    pub fn new(pair: &Pair, order: usize, [k, l]: [usize; 2]) -> Result<Self> {
+        let (source, target) = (pair.source.first(k)?, pair.target.first(l)?);
+        let bases = |orthogonalization| -> Result<[ProductBasis; 2]> {
+            let options = ProductBasisOptions::new().orthogonalization(orthogonalization);
+            Ok([
+                ProductBasis::new(&source, order, &options)?,
+                ProductBasis::new(&target, order, &options)?,
+            ])
+        };
+        let ours = bases(Orthogonalization::SinglePass)?;
+        let ours_star = bases(Orthogonalization::Reorthogonalized)?;
+        Ok(Self { order, source, target, ours, ours_star })
+    }
 
-    let bases = |orthogonalization| -> Result<[ProductBasis; 2]> {
-        let options = ProductBasisOptions::new().orthogonalization(orthogonalization);
+    /// The eigenfunctions of source and target.
+    pub fn eigenbases(&self) -> (&Eigenbasis, &Eigenbasis) {
+        (&self.source, &self.target)
+    }
+
+    /// The products of "ours" and "ours*", of source and target.
+    pub fn products(&self) -> [&[ProductBasis; 2]; 2] {
+        [&self.ours, &self.ours_star]
+    }
+
+    /// The ways that the functional map `c` gives.
+    ///
+    /// # Errors
+    /// Those of the library.
+    pub fn by(&self, c: MatRef<'_, f64>) -> Result<Ways<'_>> {
+        let par = Par::all();
+        let (source, target) = (self.source.basis(), self.target.basis());
+        let points = points_from_map(c, source, target, par, Progress::none())?;
+        let along = |[from, to]: &'_ [ProductBasis; 2]| {
+            map_from_points(&points, from.basis(), to.basis(), par)
+        };
+        let [ours, star] = [&self.ours, &self.ours_star];
+        Ok(Ways {
+            eigen: Transfer::new(source, target, c.to_owned())?,
+            ours: Transfer::new(ours[0].basis(), ours[1].basis(), along(ours)?)?,
+            ours_star: Transfer::new(star[0].basis(), star[1].basis(), along(star)?)?,
+            prods: TruncatedProducts::new(&star[0], published(source.len() - 1))?,
+            extended: ProductMap::new(c, &self.source, &self.target, self.order)?,
+            images: &star[1],
+        })
+    }
+}
+
+/// Ways to transfer functions by one functional map of few eigenfunctions.
+pub struct Ways<'a> {
+    /// By the map itself: "K".
+    pub eigen: Transfer<'a>,
+    /// "ours".
+    pub ours: Transfer<'a>,
+    /// "ours*".
+    pub ours_star: Transfer<'a>,
+    prods: TruncatedProducts<'a>,
+    extended: ProductMap,
+    images: &'a ProductBasis,
+}
+
+impl Ways<'_> {
+    /// "prods", without singular values up to this part of the largest.
+    ///
+    /// # Errors
+    /// Those of the library.
+    pub fn prods(&mut self, f: MatRef<'_, f64>, tolerance: f64) -> Result<Mat<f64>> {
+        let par = Par::all();
+        self.prods.set_threshold(tolerance)?;
+        let coefficients = self.prods.analysis(f, par)?;
+        let images = self.extended.apply(coefficients.as_ref(), par)?;
+        // The products of the target are Q R.
+        let images = self.images.r() * images;
+        Ok(self.images.basis().synthesis(images.as_ref(), par)?)
+    }
+
+    /// By eigenfunctions, "prods" with the published tolerance, "ours", "ours*".
+    ///
+    /// # Errors
+    /// Those of the library.
+    pub fn all(&mut self, f: MatRef<'_, f64>) -> Result<[Mat<f64>; 4]> {
+        let par = Par::all();
+        let k = self.extended.source().k();
         Ok([
-            ProductBasis::new(&source, order, &options)?,
-            ProductBasis::new(&target, order, &options)?,
+            self.eigen.apply(f, par)?,
+            self.prods(f, published(k))?,
+            self.ours.apply(f, par)?,
+            self.ours_star.apply(f, par)?,
         ])
-    };
-    let ours = bases(Orthogonalization::SinglePass)?;
-    let ours_star = bases(Orthogonalization::Reorthogonalized)?;
-    let by_points =
-        |[from, to]: &[ProductBasis; 2]| map_from_points(&points, from.basis(), to.basis(), par);
-    let (o, o_star) = (by_points(&ours)?, by_points(&ours_star)?);
+    }
+}
 
-    let prods = TruncatedProducts::new(&ours_star[0], truncation(k), par)?;
-    let images = TruncatedProducts::new(&ours_star[1], truncation(l), par)?;
-    let extended = ProductMap::new(c.as_ref(), &source, &target, order)?;
-
+fn errors(pair: &Pair, signals: &Signals, setting: Setting) -> Result<Vec<Vec<f64>>> {
+    let (order, [k, l]) = setting.parameters();
+    let par = Par::all();
+    let bases = Bases::new(pair, order, [k, l])?;
+    let (source, target) = bases.eigenbases();
+    let mut ways = bases.by(fitted(pair, source, target)?.as_ref())?;
     let (more, more_target) = (pair.source.first(order * k)?, pair.target.first(order * l)?);
     let c_more = fitted(pair, &more, &more_target)?;
-
-    let eigen = Transfer::new(source.basis(), target.basis(), c.clone())?;
     let eigen_more = Transfer::new(more.basis(), more_target.basis(), c_more)?;
-    let orthogonal = Transfer::new(ours[0].basis(), ours[1].basis(), o)?;
-    let orthogonal_star = Transfer::new(ours_star[0].basis(), ours_star[1].basis(), o_star)?;
 
     let mass = target.basis().mass();
+    let landmarks = setting.landmarks(pair);
     let mut rows = Vec::new();
-    for f in signals(&pair.source, k)? {
+    for f in signals {
+        let f = match landmarks {
+            Some(_) => of_size_1(f.as_ref()),
+            None => f.clone(),
+        };
         let f = f.as_ref();
         let truth = pull_back(&pair.truth, f)?;
-        let error = |g: MatRef<'_, f64>| -> Result<f64> {
-            Ok(mean(&relative_errors(truth.as_ref(), g, mass)?))
+        let error = |g: Mat<f64>| -> Result<f64> {
+            Ok(match &landmarks {
+                Some(landmarks) => mean_distance(truth.as_ref(), g.as_ref(), landmarks),
+                None => mean(&relative_errors(truth.as_ref(), g.as_ref(), mass)?),
+            })
         };
-        let coefficients = extended.apply(prods.analysis(f, par)?.as_ref(), par)?;
-        rows.push(vec![
-            error(eigen.apply(f, par)?.as_ref())?,
-            error(images.synthesis(coefficients.as_ref(), par)?.as_ref())?,
-            error(orthogonal.apply(f, par)?.as_ref())?,
-            error(orthogonal_star.apply(f, par)?.as_ref())?,
-            error(eigen_more.apply(f, par)?.as_ref())?,
-        ]);
+        let mut row = vec![
+            error(ways.eigen.apply(f, par)?)?,
+            error(ways.ours.apply(f, par)?)?,
+            error(ways.ours_star.apply(f, par)?)?,
+            error(eigen_more.apply(f, par)?)?,
+        ];
+        for tolerance in tolerances(published(k)) {
+            row.push(error(ways.prods(f, tolerance)?)?);
+        }
+        rows.push(row);
     }
     Ok(rows)
+}
+
+/// Functions divided by their largest values.
+pub fn of_size_1(f: MatRef<'_, f64>) -> Mat<f64> {
+    let sizes: Vec<f64> = f.col_iter().map(|f| f.norm_max()).collect();
+    Mat::from_fn(
+        f.nrows(),
+        f.ncols(),
+        |i, j| if sizes[j] > 0.0 { f[(i, j)] / sizes[j] } else { 0.0 },
+    )
+}
+
+/// The mean of `|f - g|` over vertices and functions.
+pub fn mean_distance(f: MatRef<'_, f64>, g: MatRef<'_, f64>, vertices: &[u32]) -> f64 {
+    let at =
+        |j: usize| vertices.iter().map(move |&v| (f[(v as usize, j)] - g[(v as usize, j)]).abs());
+    let sum: f64 = (0..f.ncols()).flat_map(at).sum();
+    sum / (vertices.len() * f.ncols()).max(1) as f64
 }

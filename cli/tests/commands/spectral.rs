@@ -111,6 +111,158 @@ fn coordinates_are_transferred_along_points_and_landmarks() {
 }
 
 #[test]
+fn operators_segments_and_products_find_the_points_too() {
+    let folder = Folder::new();
+    let (source, points) = meshes(&folder);
+    write_coordinates(&folder, &source);
+    let target = |x: u32| points.iter().position(|&p| p == x).unwrap();
+    let pairs: String = [0, 17, 60].map(|x| format!("{x} {}\n", target(x))).concat();
+    folder.write("pairs.txt", pairs);
+    // Segments: the nearest of some vertices, in space.
+    let nearest = |p: &[f64; 3]| {
+        let square = |q: u32| -> f64 {
+            let q = source.vertices()[q as usize];
+            (0..3).map(|c| (p[c] - q[c]).powi(2)).sum()
+        };
+        [3_u32, 40, 77, 90, 141]
+            .into_iter()
+            .min_by(|&a, &b| square(a).total_cmp(&square(b)))
+            .unwrap()
+    };
+    let labels: Vec<u32> = source.vertices().iter().map(nearest).collect();
+    let lines = |labels: Vec<u32>| labels.iter().map(|l| format!("{l}\n")).collect::<String>();
+    folder.write("a.txt", lines(labels.clone()));
+    folder.write("b.txt", lines(points.iter().map(|&x| labels[x as usize]).collect()));
+    let common = "transfer source.ply target.off --functions xyz.npy -k 10 --order 2 --force";
+    for how in [
+        "--landmarks pairs.txt --operators --refine products",
+        "--landmarks pairs.txt --refine products --mode ours*",
+        "--segments a.txt b.txt --refine products",
+        "--segments a.txt b.txt --operators --zoom 40",
+        "--segments a.txt b.txt --landmarks pairs.txt --operators --refine icp",
+    ] {
+        folder.succeed(&format!("{common} {how} -o out.npy --points-output found.txt"));
+        let found = std::fs::read_to_string(folder.path("found.txt")).unwrap();
+        let found: Vec<u32> = found.lines().map(|line| line.parse().unwrap()).collect();
+        let right = found.iter().zip(&points).filter(|(a, b)| a == b).count();
+        assert!(right >= 160, "{how}: {right} of 162");
+    }
+    folder.write("c.txt", lines(vec![5; 162]));
+    folder.write("half.txt", "0.5\n".repeat(162));
+    for (arguments, says) in [
+        ("--segments a.txt c.txt", "a.txt, c.txt: labels: label 3 is on one of the meshes only"),
+        ("--segments a.txt half.txt", "half.txt: row 0: 0.5 is not the number of a segment"),
+        ("--segments a.txt pairs.txt", "pairs.txt: 3 rows for 162 vertices"),
+        ("--identity --smooth 3", "--smooth goes with --details heights only"),
+    ] {
+        let said = folder.fail(&format!("{common} {arguments} -o out.npy"));
+        assert!(said.contains(says), "{said}");
+    }
+    for arguments in [
+        "--identity --operators",
+        "--points a.txt --landmarks pairs.txt",
+        "--segments a.txt",
+        "--identity --details heights",
+    ] {
+        let run = folder.run(&format!("{common} {arguments} -o out.npy"));
+        assert_eq!(run.code, Some(2), "{arguments}: {}", run.stderr);
+    }
+}
+
+#[test]
+fn details_are_coordinates_or_heights() {
+    let folder = Folder::new();
+    let (source, points) = meshes(&folder);
+    folder.write("points.txt", points.iter().map(|x| format!("{x}\n")).collect::<String>());
+    let vertices = |name: &str| read(&folder.path(name)).unwrap().mesh;
+    let before = vertices("target.off");
+    let error = |found: &TriMesh, truth: &dyn Fn(usize) -> [f64; 3]| -> f64 {
+        let square = |p: [f64; 3], q: [f64; 3]| (0..3).map(|c| (p[c] - q[c]).powi(2)).sum::<f64>();
+        let errors = found.vertices().iter().enumerate().map(|(i, &p)| square(p, truth(i)));
+        let sizes = (0..162).map(|i| square(truth(i), [0.0; 3]));
+        (errors.sum::<f64>() / sizes.sum::<f64>()).sqrt()
+    };
+    let common = "transfer source.ply target.off --points points.txt -k 10 --order 2 --mode ours*";
+    // The target is three times as large as the source, and the same else.
+    let said = folder.succeed(&format!("{common} --details coordinates -o c.ply --picture c.png"));
+    assert!(said.contains("transfer  3 functions"), "{said}");
+    let found = vertices("c.ply");
+    assert_eq!(found.faces(), before.faces());
+    let truth = |i: usize| source.vertices()[points[i] as usize];
+    assert!(error(&found, &truth) < 0.02, "{}", error(&found, &truth));
+    folder.succeed(&format!("{common} --details heights --smooth 5 -o h.obj --picture h.png"));
+    let found = vertices("h.obj");
+    assert_eq!(found.faces(), before.faces());
+    let truth = |i: usize| before.vertices()[i];
+    assert!(error(&found, &truth) < 0.05, "{}", error(&found, &truth));
+    // A smooth surface of as many functions as the transfer has is closer than one of the first ones.
+    folder.succeed(&format!("{common} --details heights --smooth 1 -o flat.obj"));
+    assert!(error(&vertices("flat.obj"), &truth) > error(&found, &truth));
+    for picture in ["c.png", "h.png"] {
+        assert_eq!(&std::fs::read(folder.path(picture)).unwrap()[1..4], b"PNG");
+    }
+    for (arguments, says) in [
+        ("--details heights -o x.npy", "x.npy"),
+        ("--details coordinates -o c.ply", "exists already"),
+        ("--details heights --smooth 162 -o x.ply", "162 vertices"),
+    ] {
+        let said = folder.fail(&format!("{common} {arguments}"));
+        assert!(said.contains(says), "{said}");
+    }
+}
+
+#[test]
+fn one_coefficient_changes_by_a_share_of_the_size() {
+    let folder = Folder::new();
+    let (source, _) = meshes(&folder);
+    write_coordinates(&folder, &source);
+    let before = source.vertices().concat();
+    let change = |arguments: &str| -> Vec<f64> {
+        folder.succeed(&format!(
+            "filter source.ply -k 10 --functions xyz.npy {arguments} -o out.npy --force"
+        ));
+        let after: Vec<f64> = folder.read_npy("out.npy");
+        after.iter().zip(&before).map(|(a, b)| a - b).collect()
+    };
+    for order in [1, 2] {
+        let once = change(&format!("--coefficient 4 --share 0.2 --order {order}"));
+        let back = change(&format!("--coefficient 4 --share -0.2 --order {order}"));
+        let other = change(&format!("--coefficient 5 --share 0.2 --order {order}"));
+        // Each column changes by the same function, which the other one is orthogonal to.
+        for (row, back) in once.chunks(3).zip(back.chunks(3)) {
+            assert!((row[0] - row[1]).abs() < 1e-12 && (row[0] - row[2]).abs() < 1e-12);
+            assert!((row[0] + back[0]).abs() < 1e-12);
+        }
+        let areas = catamaran::mesh::vertex_areas(&source);
+        let total: f64 = areas.iter().sum();
+        let inner = |a: &[f64], b: &[f64]| -> f64 {
+            (0..162).map(|i| areas[i] * a[3 * i] * b[3 * i]).sum()
+        };
+        let mean = |c: usize| (0..162).map(|i| areas[i] * before[3 * i + c]).sum::<f64>() / total;
+        let square = |c: usize| -> f64 {
+            (0..162).map(|i| areas[i] * (before[3 * i + c] - mean(c)).powi(2)).sum()
+        };
+        let size = ((square(0) + square(1) + square(2)) / 3.0).sqrt();
+        assert!((inner(&once, &once).sqrt() / size - 0.2).abs() < 1e-9, "order {order}");
+        assert!(inner(&once, &other).abs() < 1e-9 * size * size);
+    }
+    folder.succeed("filter source.ply -k 10 --coefficient 3 -o moved.ply --picture m.png");
+    assert_eq!(read(&folder.path("moved.ply")).unwrap().mesh.faces(), source.faces());
+    for (arguments, says) in [
+        ("--coefficient 0", "moves the mesh and nothing else"),
+        ("--coefficient 11", "the last frequency is number 10"),
+        ("--coefficient 1 --share inf", "--share must be finite"),
+        ("--low-pass 3 --share 0.1", "--share goes with --coefficient only"),
+        ("--heat 0.1 --amount 2", "--amount goes with --sharpen only"),
+    ] {
+        let said = folder.fail(&format!("filter source.ply -k 10 {arguments} -o x.ply"));
+        assert!(said.contains(says), "{said}");
+    }
+    let run = folder.run("filter source.ply -k 10 --coefficient 2 --low-pass 3 -o x.ply");
+    assert_eq!(run.code, Some(2), "{}", run.stderr);
+}
+
+#[test]
 fn transfer_refuses_what_does_not_fit() {
     let folder = Folder::new();
     let (source, _) = meshes(&folder);
@@ -314,4 +466,121 @@ fn descriptors_are_tables_with_a_row_for_each_vertex_that_poses_do_not_change() 
         let said = folder.fail(&format!("descriptors source.ply {arguments}"));
         assert!(said.contains(says), "{arguments}: {said}");
     }
+}
+
+/// A surface without symmetry as modelling programs write it: quads with a fan of polygons at the ends, colours, and two
+/// copies as objects.
+fn write_foreign_files(folder: &Folder) {
+    const AROUND: usize = 12;
+    const RINGS: usize = 6;
+    let point = |k: usize, i: usize| {
+        let angle = std::f64::consts::TAU * i as f64 / AROUND as f64;
+        let wide = 1.0 + 0.2 * k as f64;
+        [wide * angle.cos() + 0.1 * (k * k) as f64, 1.3 * angle.sin(), 0.6 * k as f64]
+    };
+    let points: Vec<[f64; 3]> =
+        (0..RINGS).flat_map(|k| (0..AROUND).map(move |i| point(k, i))).collect();
+    let quad = |k: usize, i: usize| {
+        let (next, up) = ((i + 1) % AROUND, AROUND * (k + 1));
+        vec![k * AROUND + i, k * AROUND + next, up + next, up + i]
+    };
+    let mut faces: Vec<Vec<usize>> =
+        (0..RINGS - 1).flat_map(|k| (0..AROUND).map(move |i| quad(k, i))).collect();
+    faces.push((0..AROUND).rev().collect());
+    faces.push((0..AROUND).map(|i| (RINGS - 1) * AROUND + i).collect());
+
+    let numbers = |face: &[usize], first: usize| -> String {
+        face.iter().map(|v| format!(" {}", v + first)).collect()
+    };
+    let mut ply = format!(
+        "ply\nformat ascii 1.0\ncomment VCGLIB generated\nelement vertex {}\nproperty float x\n\
+         property float y\nproperty float z\nproperty uchar red\nproperty uchar green\n\
+         property uchar blue\nproperty uchar alpha\nproperty float quality\nelement face {}\n\
+         property list uchar int vertex_indices\nproperty int flags\nend_header\n",
+        points.len(),
+        faces.len()
+    );
+    let mut off = format!("COFF\n# libigl\n{} {} 0\n", points.len(), faces.len());
+    for [x, y, z] in &points {
+        ply += &format!("{x} {y} {z} 255 102 51 255 0.5\n");
+        off += &format!("{x} {y} {z} 255 102 51 255\n");
+    }
+    for face in &faces {
+        ply += &format!("{}{} 0\n", face.len(), numbers(face, 0));
+        off += &format!("{}{}\n", face.len(), numbers(face, 0));
+    }
+    let mut obj = String::from("# OBJ File Generated by Meshlab\nmtllib ./part.mtl\n");
+    for (object, name) in ["Left", "Right"].into_iter().enumerate() {
+        obj += &format!("o {name}\n");
+        for [x, y, z] in &points {
+            obj += &format!("v {} {y} {z} 1.0 0.4 0.2\n", x + 9.0 * object as f64);
+        }
+        obj += "usemtl red\n";
+        for face in &faces {
+            obj += &format!("f{}\n", numbers(face, 1 + object * points.len()));
+        }
+    }
+    for (name, content) in [("foreign.ply", ply), ("foreign.off", off), ("foreign.obj", obj)] {
+        folder.write(name, content);
+    }
+}
+
+#[test]
+fn quads_polygons_colours_and_objects_go_through_every_command() {
+    let folder = Folder::new();
+    write_foreign_files(&folder);
+    for (name, copies) in [("foreign.ply", 1), ("foreign.off", 1), ("foreign.obj", 2)] {
+        let before = read(&folder.path(name)).unwrap();
+        let vertices = 72 * copies;
+        // Two triangles for each of 60 quads, and ten for each of two polygons.
+        assert_eq!(before.mesh.vertices().len(), vertices, "{name}");
+        assert_eq!(before.mesh.faces().len(), 140 * copies, "{name}");
+        folder.succeed(&format!("spectrum {name} -k 8 -o s.npz --force"));
+        let said = folder.succeed(&format!("descriptors {name} --kind wks -k 20 -o d.npy --force"));
+        assert!(said.contains(&format!("{vertices} vertices, 100 columns")), "{said}");
+        folder.succeed(&format!("basis {name} -k 6 -o b.npz --force"));
+        let itself = format!("transfer {name} {name} --identity -k 8");
+        for command in [
+            format!("filter {name} --heat 1e-3 -k 20"),
+            format!("filter {name} --coefficient 2 -k 20"),
+            format!("{itself} --details coordinates"),
+            format!("{itself} --details heights --smooth 6"),
+        ] {
+            folder.succeed(&format!("{command} -o out.obj --force"));
+            let after = read(&folder.path("out.obj")).unwrap();
+            assert_eq!(after.mesh.faces(), before.mesh.faces(), "{command}");
+            assert_eq!(after.colors, before.colors, "{command}");
+            assert_eq!(after.objects, before.objects, "{command}");
+            assert_eq!(after.materials, before.materials, "{command}");
+            assert_eq!(after.material_files, before.material_files, "{command}");
+            assert_eq!(after.objects.is_some(), name == "foreign.obj");
+        }
+    }
+}
+
+#[test]
+fn the_commands_of_the_guide_run() {
+    let guide = include_str!("../../../docs/guide/spectra.md");
+    let folder = Folder::new();
+    for (name, pose) in [("man.ply", 0.2), ("woman.ply", 0.7)] {
+        let output = Output::create(&folder.path(name), Overwrite::Never).unwrap();
+        write(output, &families::figure(1, pose).unwrap().into()).unwrap();
+    }
+    let figure = families::figure(1, 0.2).unwrap();
+    let n = figure.vertices().len();
+    let lines = |line: &dyn Fn(usize) -> String| (0..n).map(line).collect::<String>();
+    folder.write("f.csv", lines(&|v| format!("{}\n", figure.vertices()[v][2])));
+    let part = |v: usize| {
+        let [x, _, z] = figure.vertices()[v];
+        format!("{}\n", u8::from(x > 0.0) + 2 * u8::from(z > 7.0))
+    };
+    folder.write("man.txt", lines(&part));
+    folder.write("woman.txt", lines(&part));
+    folder.write("pairs.txt", "0 0\n40 40\n90 90\n120 120\n");
+    let mut count = 0;
+    for line in guide.lines().filter_map(|line| line.strip_prefix("catamaran ")) {
+        folder.succeed(line);
+        count += 1;
+    }
+    assert!(count >= 10, "{count}");
 }

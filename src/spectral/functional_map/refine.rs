@@ -4,9 +4,8 @@ use faer::{Mat, MatRef, Scale};
 
 use super::points::{nearest_images, pull_back};
 use crate::base::{Error, Par, Progress, Result};
-use crate::spectral::basis::times_mass;
+use crate::spectral::basis::{Basis, times_mass};
 use crate::spectral::dense;
-use crate::spectral::eigenbasis::Eigenbasis;
 
 /// A refined map.
 #[derive(Debug, Clone)]
@@ -21,7 +20,8 @@ pub struct Refined {
 /// map of `c`, and the orthogonal matrix (Procrustes) that maps functions best along it, until the points stay the same
 /// or `iterations` (at least 1) are done.
 ///
-/// `c` is r_target x r_source. The matrix is orthogonal up to the factor that meshes of different areas need.
+/// `c` is r_target x r_source, for orthonormal bases. The matrix is orthogonal up to the factor that meshes of different
+/// areas need.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, functional_map::icp};
@@ -31,21 +31,22 @@ pub struct Refined {
 /// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
 /// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(4))?;
 /// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
+/// # let basis = basis.basis();
 /// // A map with errors of 5 % becomes the identity again.
 /// let c = Mat::from_fn(4, 4, |i, j| if i == j { 1.0 } else { 0.05 });
-/// let found = icp(c.as_ref(), &basis, &basis, 10, Par::Seq, Progress::none())?;
+/// let found = icp(c.as_ref(), basis, basis, 10, Par::Seq, Progress::none())?;
 /// assert!((&found.map - Mat::<f64>::identity(4, 4)).norm_max() < 0.05);
 /// assert!((found.map.transpose() * &found.map - Mat::<f64>::identity(4, 4)).norm_max() < 1e-12);
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when `c` is of another shape, [`Error::NonFinite`], [`Error::Argument`] for no iterations or a
-/// mesh without area, [`Error::OutOfMemory`], [`Error::Cancelled`].
+/// [`Error::Shape`] when `c` is of another shape, [`Error::NonFinite`], [`Error::Argument`] for no iterations, a basis
+/// that is not orthonormal or a mesh without area, [`Error::OutOfMemory`], [`Error::Cancelled`].
 pub fn icp(
     c: MatRef<'_, f64>,
-    source: &Eigenbasis,
-    target: &Eigenbasis,
+    source: &Basis,
+    target: &Basis,
     iterations: usize,
     par: Par,
     progress: Progress<'_>,
@@ -78,6 +79,10 @@ pub fn icp(
 /// `c` is k_target x k_source, for the first functions of the bases, at most all of them. When one basis has all of
 /// its functions before the other, it waits.
 ///
+/// Any orthonormal bases will do (thesis, section 1.5): of eigenfunctions, or of orthogonalised eigenproducts
+/// ([`Reorthogonalized`](crate::spectral::Orthogonalization::Reorthogonalized)), the first of which are the
+/// eigenfunctions themselves, so that a map between these is where their products start from.
+///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, functional_map::zoomout};
 /// use catamaran::{mesh::families, prelude::*};
@@ -86,9 +91,10 @@ pub fn icp(
 /// # let operator = laplacian(&mesh, &LaplacianOptions::new())?;
 /// # let pairs = eigs(operator.stiffness.view(), &operator.mass, &EigenOptions::new().k(9))?;
 /// # let basis = Eigenbasis::new(pairs.values, pairs.vectors, operator.mass)?;
+/// # let basis = basis.basis();
 /// // From a map of four functions to one of nine.
 /// let c = Mat::<f64>::identity(4, 4);
-/// let found = zoomout(c.as_ref(), &basis, &basis, 1, Par::Seq, Progress::none())?;
+/// let found = zoomout(c.as_ref(), basis, basis, 1, Par::Seq, Progress::none())?;
 /// assert!((found.map - Mat::<f64>::identity(9, 9)).norm_max() < 1e-8);
 /// assert!(found.points.iter().enumerate().all(|(v, &image)| v == image as usize));
 /// # Ok::<(), catamaran::Error>(())
@@ -96,12 +102,12 @@ pub fn icp(
 ///
 /// # Errors
 /// [`Error::Shape`] when `c` has more rows or columns than the bases functions, [`Error::NonFinite`],
-/// [`Error::Argument`] for a step of 0, a map without rows or columns or a mesh without area, [`Error::OutOfMemory`],
-/// [`Error::Cancelled`].
+/// [`Error::Argument`] for a step of 0, a map without rows or columns, a basis that is not orthonormal or a mesh
+/// without area, [`Error::OutOfMemory`], [`Error::Cancelled`].
 pub fn zoomout(
     c: MatRef<'_, f64>,
-    source: &Eigenbasis,
-    target: &Eigenbasis,
+    source: &Basis,
+    target: &Basis,
     step: usize,
     par: Par,
     progress: Progress<'_>,
@@ -135,10 +141,10 @@ pub fn zoomout(
     Ok(Refined { map, points })
 }
 
-/// Two eigenbases between which maps are refined.
+/// Two orthonormal bases between which maps are refined.
 struct Pair<'a> {
-    source: &'a Eigenbasis,
-    target: &'a Eigenbasis,
+    source: &'a Basis,
+    target: &'a Basis,
     /// The target's functions times its mass.
     weighted: Mat<f64>,
     /// Area of the target by that of the source.
@@ -147,9 +153,15 @@ struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    fn new(source: &'a Eigenbasis, target: &'a Eigenbasis, par: Par) -> Result<Self> {
-        let ratio = target.basis().area()? / source.basis().area()?;
-        let weighted = times_mass(target.basis().mass(), target.functions(), par)?;
+    fn new(source: &'a Basis, target: &'a Basis, par: Par) -> Result<Self> {
+        for (what, basis) in [("source", source), ("target", target)] {
+            if !basis.is_orthonormal() {
+                let why = "its functions are not orthonormal, as those of Gram-Schmidt in one pass";
+                return Err(Error::Argument { what, why: why.into() });
+            }
+        }
+        let ratio = target.area()? / source.area()?;
+        let weighted = times_mass(target.mass(), target.functions(), par)?;
         Ok(Self { source, target, weighted, ratio, par })
     }
 

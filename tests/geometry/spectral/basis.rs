@@ -220,7 +220,7 @@ fn truncated_products_are_the_least_coefficients() {
     let basis = products(&eigen, 2, OURS_STAR);
     assert_eq!(basis.len(), 10);
     let f = coordinates(&blob(2));
-    let all = TruncatedProducts::new(&basis, 0.0, Par::Seq).unwrap();
+    let all = TruncatedProducts::new(&basis, 0.0).unwrap();
     assert_eq!(all.rank(), 10);
     let a = all.analysis(f.as_ref(), Par::Seq).unwrap();
     let back = all.synthesis(a.as_ref(), Par::Seq).unwrap();
@@ -231,7 +231,7 @@ fn truncated_products_are_the_least_coefficients() {
     // Dependent products: of all coefficients the shortest ones.
     let ring = ring(60, 1);
     let basis = products(&ring, 2, OURS_STAR);
-    let least = TruncatedProducts::new(&basis, 1e-8, Par::Seq).unwrap();
+    let least = TruncatedProducts::new(&basis, 1e-8).unwrap();
     assert_eq!(least.rank(), 5);
     let one = Mat::<f64>::ones(60, 1);
     let a = least.analysis(one.as_ref(), Par::Seq).unwrap();
@@ -241,9 +241,12 @@ fn truncated_products_are_the_least_coefficients() {
         assert!((a[(j, 0)] - expected).abs() < 1e-12, "{a:?}");
     }
     // A higher threshold uses fewer.
-    let few = TruncatedProducts::new(&basis, 0.9, Par::Seq).unwrap();
+    let mut few = TruncatedProducts::new(&basis, 0.9).unwrap();
     assert!(few.rank() < 5);
-    assert!(TruncatedProducts::new(&basis, 1.0, Par::Seq).is_err());
+    assert!(TruncatedProducts::new(&basis, 1.0).is_err());
+    assert!(few.set_threshold(f64::NAN).is_err());
+    few.set_threshold(1e-8).unwrap();
+    assert_eq!(few.analysis(one.as_ref(), Par::Seq).unwrap(), a);
 }
 
 #[test]

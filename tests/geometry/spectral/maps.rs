@@ -4,10 +4,10 @@ use std::ops::ControlFlow;
 
 use catamaran::base::Progress;
 use catamaran::faer::{Mat, MatRef};
-use catamaran::spectral::Eigenbasis;
 use catamaran::spectral::functional_map::{
     MapFit, icp, map_from_points, points_from_map, pull_back, zoomout,
 };
+use catamaran::spectral::{Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions};
 use catamaran::{Error, Par};
 
 use crate::common::{bits, gaussian};
@@ -123,18 +123,49 @@ fn landmarks_and_zoomout_recover_the_permutation_exactly() {
     let c = fit.solve(MapFit::COMMUTATIVITY).unwrap();
     for step in [1, 5] {
         let refined =
-            zoomout(c.as_ref(), &source, &target, step, Par::all(), Progress::none()).unwrap();
+            zoomout(c.as_ref(), source.basis(), target.basis(), step, Par::all(), Progress::none())
+                .unwrap();
         assert_eq!(refined.points, points);
         assert_eq!(refined.map.shape(), (40, 40));
         let exact = map_from_points(&points, source.basis(), target.basis(), Par::Seq).unwrap();
         assert!(distance(refined.map.as_ref(), exact.as_ref()) < 1e-9);
     }
-    let refined = icp(c.as_ref(), &low, &other, 30, Par::all(), Progress::none()).unwrap();
+    let refined =
+        icp(c.as_ref(), low.basis(), other.basis(), 30, Par::all(), Progress::none()).unwrap();
     let scaled = refined.map.transpose() * &refined.map;
     let identity = Mat::from_fn(8, 8, |i, j| if i == j { 6.25 } else { 0.0 });
     assert!(distance(scaled.as_ref(), identity.as_ref()) < 1e-9);
     let right = refined.points.iter().zip(&points).filter(|(a, b)| a == b).count();
     assert!(right * 10 > points.len() * 9, "{right} of {}", points.len());
+}
+
+#[test]
+fn zoomout_goes_on_in_products_from_few_eigenfunctions() {
+    let (source, target, points) = pair(8);
+    let mut fit = MapFit::new(&source, &target, Par::Seq);
+    fit.landmarks(&landmarks(&points)).unwrap();
+    let c = fit.solve(MapFit::COMMUTATIVITY).unwrap();
+    let products = |basis: &Eigenbasis, orthogonalization| {
+        let options = ProductBasisOptions::new().orthogonalization(orthogonalization);
+        ProductBasis::new(basis, 2, &options).unwrap().into_basis()
+    };
+    let [from, to] = [&source, &target].map(|b| products(b, Orthogonalization::Reorthogonalized));
+    assert_eq!((from.len(), to.len()), (36, 36));
+    // The first products are the eigenfunctions, and C is a map between them.
+    assert!(distance(from.functions().subcols(0, 8), source.functions()) < 1e-9);
+    let refined = zoomout(c.as_ref(), &from, &to, 7, Par::Seq, Progress::none()).unwrap();
+    assert_eq!(refined.points, points);
+    let exact = map_from_points(&points, &from, &to, Par::Seq).unwrap();
+    assert!(distance(refined.map.as_ref(), exact.as_ref()) < 1e-9);
+    // Products of one pass are not orthonormal, and their coefficients are no inner products.
+    let rough = products(&target, Orthogonalization::SinglePass);
+    for (source, target, culprit) in [(&from, &rough, "target"), (&rough, &to, "source")] {
+        let refused = zoomout(c.as_ref(), source, target, 7, Par::Seq, Progress::none());
+        assert!(matches!(refused, Err(Error::Argument { what, .. }) if what == culprit));
+        let square = Mat::<f64>::identity(target.len(), source.len());
+        let refused = icp(square.as_ref(), source, target, 7, Par::Seq, Progress::none());
+        assert!(matches!(refused, Err(Error::Argument { what, .. }) if what == culprit));
+    }
 }
 
 #[test]
@@ -160,9 +191,12 @@ fn bases_of_different_sizes_map_to_each_other() {
     fit.landmarks(&landmarks(&points)).unwrap();
     assert_eq!(fit.solve(1e-2).unwrap().shape(), (13, 20));
     let c = map_from_points(&points, source.basis(), target.basis(), Par::Seq).unwrap();
-    let refined = zoomout(c.get(..4, ..6), &source, &small, 3, Par::Seq, Progress::none()).unwrap();
+    let refined =
+        zoomout(c.get(..4, ..6), source.basis(), small.basis(), 3, Par::Seq, Progress::none())
+            .unwrap();
     assert_eq!(refined.map.shape(), (13, 20));
-    let refined = icp(c.get(..13, ..), &source, &small, 3, Par::Seq, Progress::none()).unwrap();
+    let refined =
+        icp(c.get(..13, ..), source.basis(), small.basis(), 3, Par::Seq, Progress::none()).unwrap();
     assert_eq!(refined.map.shape(), (13, 20));
 }
 
@@ -174,8 +208,10 @@ fn threads_do_not_change_a_bit() {
         let mut fit = MapFit::new(&low.0, &low.1, par);
         fit.landmarks(&landmarks(&points)).unwrap();
         let c = fit.solve(MapFit::COMMUTATIVITY).unwrap();
-        let zoomed = zoomout(c.as_ref(), &source, &target, 2, par, Progress::none()).unwrap();
-        let closest = icp(c.as_ref(), &low.0, &low.1, 4, par, Progress::none()).unwrap();
+        let zoomed =
+            zoomout(c.as_ref(), source.basis(), target.basis(), 2, par, Progress::none()).unwrap();
+        let closest =
+            icp(c.as_ref(), low.0.basis(), low.1.basis(), 4, par, Progress::none()).unwrap();
         (bits(c.as_ref()), bits(zoomed.map.as_ref()), zoomed.points, bits(closest.map.as_ref()))
     });
     let first = all.next().unwrap();
@@ -209,20 +245,24 @@ fn dirty_input_is_refused_by_name_and_refinement_can_be_cancelled() {
 
     let c = Mat::<f64>::identity(5, 5);
     argument(
-        icp(c.as_ref(), &eigen, &eigen, 0, Par::Seq, Progress::none()).unwrap_err(),
+        icp(c.as_ref(), eigen.basis(), eigen.basis(), 0, Par::Seq, Progress::none()).unwrap_err(),
         "iterations",
     );
     argument(
-        zoomout(c.as_ref(), &eigen, &eigen, 0, Par::Seq, Progress::none()).unwrap_err(),
+        zoomout(c.as_ref(), eigen.basis(), eigen.basis(), 0, Par::Seq, Progress::none())
+            .unwrap_err(),
         "step",
     );
     let large = Mat::<f64>::identity(6, 6);
-    let error = zoomout(large.as_ref(), &eigen, &eigen, 1, Par::Seq, Progress::none()).unwrap_err();
+    let error =
+        zoomout(large.as_ref(), eigen.basis(), eigen.basis(), 1, Par::Seq, Progress::none())
+            .unwrap_err();
     assert!(matches!(error, Error::Shape { what: "functional map", .. }), "{error}");
     let points = vec![n; n as usize];
     let error = map_from_points(&points, eigen.basis(), eigen.basis(), Par::Seq).unwrap_err();
     assert!(error.to_string().contains("target vertex 0"), "{error}");
     let cancel = |_: f64| ControlFlow::Break(());
-    let stopped = zoomout(c.get(..2, ..2), &eigen, &eigen, 1, Par::Seq, (&cancel).into());
+    let stopped =
+        zoomout(c.get(..2, ..2), eigen.basis(), eigen.basis(), 1, Par::Seq, (&cancel).into());
     assert_eq!(stopped.unwrap_err(), Error::Cancelled);
 }

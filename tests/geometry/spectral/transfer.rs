@@ -131,8 +131,8 @@ fn products_carry_functions_that_the_eigenfunctions_can_not() {
     // The baseline: coefficients of products, by C~.
     let (source, target) = bases(&pair, 3, OURS_STAR);
     let map = ProductMap::new(pair.c.as_ref(), &pair.source, &pair.target, 3).unwrap();
-    let from = TruncatedProducts::new(&source, 4e-3, Par::Seq).unwrap();
-    let to = TruncatedProducts::new(&target, 0.0, Par::Seq).unwrap();
+    let from = TruncatedProducts::new(&source, 4e-3).unwrap();
+    let to = TruncatedProducts::new(&target, 0.0).unwrap();
     let a = map.apply(from.analysis(f.as_ref(), Par::Seq).unwrap().as_ref(), Par::Seq).unwrap();
     let prods = errors(to.synthesis(a.as_ref(), Par::Seq).unwrap());
     assert!(prods.iter().zip(&k).all(|(a, b)| a < b), "{prods:?} {k:?}");
@@ -201,6 +201,20 @@ fn details_come_back_on_a_smooth_copy_of_the_mesh() {
     // Along the normal most of what the low part lacks.
     let (before, after) = (error(&mesh, &low), error(&mesh, &result));
     assert!((0..3).all(|c| after[c] < 0.75 * before[c]), "{before:?} {after:?}");
+    // Of its own detail, a mesh without heights keeps what lies along its smooth part, and nothing else.
+    let nothing = Transfer::new(eigen.basis(), eigen.basis(), Mat::zeros(60, 60)).unwrap();
+    let flat = transfer_details(&mesh, &mesh, bases, &nothing, Par::Seq).unwrap();
+    for (v, normal) in low.vertex_normals().iter().enumerate() {
+        let at = |mesh: &TriMesh, c: usize| mesh.vertices()[v][c];
+        let height = |mesh: &TriMesh| -> f64 {
+            (0..3).map(|c| normal[c] * (at(mesh, c) - at(&low, c))).sum()
+        };
+        assert!(height(&flat).abs() < 1e-12);
+        for c in 0..3 {
+            let lost = at(&mesh, c) - at(&flat, c);
+            assert!((lost - height(&mesh) * normal[c]).abs() < 1e-12);
+        }
+    }
     // A target of another mesh than its basis is refused.
     let other = blob(1);
     let refused = transfer_details(&mesh, &other, bases, &transfer, Par::Seq).unwrap_err();

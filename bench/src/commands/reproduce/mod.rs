@@ -27,6 +27,9 @@ pub struct Arguments {
     /// Where scripts/rivals installed others.
     #[arg(long, default_value = "target/rivals")]
     libraries: PathBuf,
+    /// Chapter 1: only one shape and one pair of each kind.
+    #[arg(long)]
+    quick: bool,
     /// Chapter 4: nodes of the largest plant of the race.
     #[arg(long, default_value_t = 1_000_000, value_name = "NODES")]
     largest: usize,
@@ -121,7 +124,7 @@ fn run_share(arguments: &Arguments, share: Option<textures::Share>) -> Result<()
     let mut report = Report::default();
     let (name, header) = match arguments.what {
         What::Spectral => {
-            spectral::run(&mut report)?;
+            spectral::run(&mut report, arguments.quick)?;
             ("spectral", spectral::HEADER)
         }
         What::Unions => {
