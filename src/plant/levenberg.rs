@@ -210,7 +210,8 @@ mod tests {
     fn what_no_residual_depends_on_stays_and_has_no_error_bar() {
         let residuals = |x: &[f64]| Ok(vec![x[0] - 1.0, x[0] - 2.0, x[0] - 3.0]);
         let found = minimize(&residuals, &[0.0, 7.0], &FREE, Progress::none()).unwrap();
-        assert!((found.parameters[0] - 2.0).abs() < 1e-12 && found.parameters[1] == 7.0);
+        // Sums of squares tell parameters apart to the root of rounding.
+        assert!((found.parameters[0] - 2.0).abs() < 1e-7 && found.parameters[1] == 7.0);
         assert_eq!(found.errors[1], f64::INFINITY);
         let few = minimize(&residuals, &[0.0; 3], &[FREE[0]; 3], Progress::none());
         assert!(few.is_err_and(|e| e.to_string().contains("more than 3")));
