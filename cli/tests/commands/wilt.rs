@@ -281,6 +281,10 @@ fn the_commands_of_the_guide_run() {
     }
     folder.write("measured.csv", &text);
     let guide = include_str!("../../../docs/guide/plants.md");
-    let lines = guide.lines().filter_map(|line| line.strip_prefix("catamaran "));
-    assert_eq!(lines.map(|line| folder.succeed(line)).count(), 5);
+    let mut count = 0;
+    for line in guide.lines().filter_map(|line| line.strip_prefix("catamaran ")) {
+        folder.succeed(line);
+        count += 1;
+    }
+    assert_eq!(count, 5);
 }
