@@ -104,10 +104,6 @@ pub fn water_curve(
             return Err(Error::Argument { what: "times", why });
         }
     }
-    for interval in &options.cycle {
-        positive("seconds of an interval", interval.seconds)?;
-        at_least_zero("loss of an interval", interval.loss)?;
-    }
     let mut walk = Walk::new(model, water, times, options)?;
     let mut curve = Vec::with_capacity(times.len());
     for (i, &time) in times.iter().enumerate() {
@@ -154,7 +150,7 @@ enum Solver {
 }
 
 /// A solution that has come to some time.
-struct Walk<'a> {
+pub(super) struct Walk<'a> {
     model: WaterModel,
     cycle: &'a [Interval],
     /// The interval at hand, and when it ends.
@@ -169,12 +165,17 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    fn new(
+    /// From `water` at time 0; [`Method::Auto`] is chosen for these times.
+    pub fn new(
         model: &WaterModel,
         water: &[f64],
         times: &[f64],
         options: &'a CurveOptions<'_>,
     ) -> Result<Self> {
+        for interval in &options.cycle {
+            positive("seconds of an interval", interval.seconds)?;
+            at_least_zero("loss of an interval", interval.loss)?;
+        }
         let mut model = model.clone();
         let present = model.relative_by_positions(water)?;
         let method = match options.method {
@@ -200,7 +201,7 @@ impl<'a> Walk<'a> {
     }
 
     /// The water at a later time.
-    fn to(&mut self, time: f64) -> Result<Vec<f64>> {
+    pub fn to(&mut self, time: f64) -> Result<Vec<f64>> {
         while self.end < time {
             self.advance(self.end)?;
             self.interval = (self.interval + 1) % self.cycle.len();

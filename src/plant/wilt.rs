@@ -99,15 +99,20 @@ pub fn wilt(
         let stiffness = options.elasticity.moduli(water, &full)?;
         rods.set_state(&stiffness, water)?;
         let progress = options.progress.part(at(i)..at(i + 1));
-        let taken = match rods.relax(&mut pose, &RelaxOptions::new().progress(progress)) {
-            Ok(done) => done.iterations,
-            Err(Error::NotConverged { iterations, residual }) if residual <= SEEN => iterations,
-            Err(error) => return Err(error),
-        };
+        let taken = settle(&rods, &mut pose, progress)?;
         options.progress.report(at(i + 1))?;
         iterations = iterations.max(taken);
         moduli.push(stiffness);
         poses.push(pose.clone());
     }
     Ok(Wilting { water, moduli, poses, iterations })
+}
+
+/// [`Rods::relax`] to where no picture shows the rest. Returns the Newton iterations.
+pub(super) fn settle(rods: &Rods, pose: &mut Pose, progress: Progress<'_>) -> Result<usize> {
+    match rods.relax(pose, &RelaxOptions::new().progress(progress)) {
+        Ok(done) => Ok(done.iterations),
+        Err(Error::NotConverged { iterations, residual }) if residual <= SEEN => Ok(iterations),
+        Err(error) => Err(error),
+    }
 }

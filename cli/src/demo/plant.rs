@@ -34,6 +34,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
         conductance: 1e-9,
         elasticity: Elasticity::default(),
         damage: vec![],
+        film: None,
         par: Par::all(),
     };
     let update = |done| bar.update(done);

@@ -1,11 +1,11 @@
-//! Water, stiffness and pose at equal times.
+//! Water, stiffness and pose at equal times, at rest or in motion.
 
 use anyhow::Result;
 use catamaran::Par;
 use catamaran::base::Progress;
 use catamaran::plant::{
-    Conductivity, Elasticity, Interval, Plant, Pose, RodOptions, Rods, WaterModel, WaterOptions,
-    WiltOptions, grams_per_hour, wilt,
+    Conductivity, Elasticity, Interval, MotionOptions, Plant, Pose, RodOptions, Rods, SwayOptions,
+    WaterModel, WaterOptions, WiltOptions, Wind, grams_per_hour, sway, wilt,
 };
 
 /// What a plant goes through.
@@ -25,8 +25,35 @@ pub struct Weather {
     pub elasticity: Elasticity,
     /// Nodes, and what the conductance to their parents is multiplied by.
     pub damage: Vec<(usize, f64)>,
+    /// A film of it, in motion; without, the plant is at rest at each moment.
+    pub film: Option<Film>,
     /// Threads.
     pub par: Par,
+}
+
+/// The hours of a plant as seconds of motion.
+#[derive(Debug, Clone, Copy)]
+pub struct Film {
+    /// How long it is.
+    pub seconds: f64,
+    /// Of rods.
+    pub motion: MotionOptions,
+    /// The air.
+    pub wind: Option<Wind>,
+}
+
+/// What moving took.
+pub struct Effort {
+    /// Steps in all, and their length in seconds.
+    pub steps: usize,
+    /// In seconds.
+    pub step: f64,
+    /// In metres.
+    pub largest_gap: f64,
+    /// Milliseconds of a step, in the mean.
+    pub milliseconds: f64,
+    /// Of the water, as a part of it.
+    pub water_share: f64,
 }
 
 /// What became of a plant, frame by frame.
@@ -39,13 +66,15 @@ pub struct Simulation {
     pub water: Vec<Vec<f64>>,
     /// In Pa.
     pub moduli: Vec<Vec<f64>>,
-    /// At rest in the weight of each moment.
+    /// At each moment.
     pub poses: Vec<Pose>,
-    /// The most that a frame took.
+    /// The most Newton iterations that a pose at rest took; 0 in motion.
     pub iterations: usize,
+    /// Of a film.
+    pub effort: Option<Effort>,
 }
 
-/// Lets a plant wilt.
+/// Lets a plant wilt, and move where there is to be a film.
 pub fn simulate(plant: &Plant, weather: &Weather, progress: Progress<'_>) -> Result<Simulation> {
     let loss = grams_per_hour(weather.loss);
     let options = WaterOptions::new()
@@ -61,11 +90,43 @@ pub fn simulate(plant: &Plant, weather: &Weather, progress: Progress<'_>) -> Res
         .collect();
     let times: Vec<f64> = hours.iter().map(|h| 3600.0 * h).collect();
     let rods = Rods::new(plant, &RodOptions::default())?;
-    let mut options =
-        WiltOptions::new().elasticity(weather.elasticity).par(weather.par).progress(progress);
-    if weather.nights {
-        options = options.cycle(Interval::day_and_night(loss));
+    let cycle = if weather.nights { Interval::day_and_night(loss) } else { vec![] };
+    if let Some(film) = &weather.film {
+        let options = SwayOptions::new()
+            .drought(3600.0 * weather.hours)
+            .seconds(film.seconds)
+            .frames(weather.frames.max(1))
+            .elasticity(weather.elasticity)
+            .cycle(cycle)
+            .motion(film.motion)
+            .wind(film.wind)
+            .par(weather.par)
+            .progress(progress);
+        let found = sway(&model, &rods, &options)?;
+        let steps = found.steps * weather.frames.max(1);
+        let spent = (found.water_time + found.rods_time).as_secs_f64();
+        let effort = Effort {
+            steps,
+            step: found.step,
+            largest_gap: found.largest_gap,
+            milliseconds: 1e3 * spent / steps as f64,
+            water_share: found.water_share(),
+        };
+        return Ok(Simulation {
+            hours,
+            full,
+            water: found.water,
+            moduli: found.moduli,
+            poses: found.poses,
+            iterations: 0,
+            effort: Some(effort),
+        });
     }
+    let options = WiltOptions::new()
+        .elasticity(weather.elasticity)
+        .cycle(cycle)
+        .par(weather.par)
+        .progress(progress);
     let found = wilt(&model, &rods, &times, &options)?;
     Ok(Simulation {
         hours,
@@ -74,5 +135,6 @@ pub fn simulate(plant: &Plant, weather: &Weather, progress: Progress<'_>) -> Res
         moduli: found.moduli,
         poses: found.poses,
         iterations: found.iterations,
+        effort: None,
     })
 }

@@ -78,3 +78,213 @@ fn refusals_say_what_is_wrong_and_write_nothing() {
     assert_eq!(run.code, Some(2));
     assert!(run.stderr.contains("--frames") && run.stderr.contains("at most 100000"));
 }
+
+/// Where the segments of an animation end at one of its times, as a viewer poses the skin.
+fn posed(bytes: &[u8], time: f32) -> Vec<[f64; 3]> {
+    let file = gltf::Gltf::from_slice(bytes).unwrap();
+    let numbers = |buffer: gltf::Buffer<'_>| {
+        assert_eq!(buffer.index(), 0);
+        file.blob.as_deref()
+    };
+    let mut local: Vec<([f32; 3], [f32; 4])> = Vec::new();
+    for node in file.nodes() {
+        let (t, q, _) = node.transform().decomposed();
+        local.push((t, q));
+    }
+    let animation = file.animations().next().unwrap();
+    for channel in animation.channels() {
+        let reader = channel.reader(numbers);
+        let frame = reader.read_inputs().unwrap().position(|t| (t - time).abs() < 1e-6).unwrap();
+        let rotations = match reader.read_outputs().unwrap() {
+            gltf::animation::util::ReadOutputs::Rotations(rotations) => rotations.into_f32(),
+            _ => panic!("not a rotation"),
+        };
+        local[channel.target().node().index()].1 = rotations.collect::<Vec<_>>()[frame];
+    }
+    let turned = |[x, y, z, w]: [f32; 4], p: [f32; 3]| {
+        let cross = |a: [f32; 3], b: [f32; 3]| {
+            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        };
+        let once = cross([x, y, z], p);
+        let twice = cross([x, y, z], once);
+        [0, 1, 2].map(|i| p[i] + 2.0 * (w * once[i] + twice[i]))
+    };
+    let mut above = vec![None; local.len()];
+    for node in file.nodes() {
+        node.children().for_each(|child| above[child.index()] = Some(node.index()));
+    }
+    let skin = file.skins().next().unwrap();
+    let reader = skin.reader(numbers);
+    let inverse: Vec<_> = reader.read_inverse_bind_matrices().unwrap().collect();
+    let joints: Vec<usize> = skin.joints().map(|joint| joint.index()).collect();
+    let mesh = file.meshes().next().unwrap();
+    let primitive = mesh.primitives().next().unwrap();
+    let reader = primitive.reader(numbers);
+    let of = reader.read_joints(0).unwrap().into_u16();
+    let weights = reader.read_weights(0).unwrap().into_f32();
+    assert!(weights.into_iter().all(|w| w == [1.0, 0.0, 0.0, 0.0]));
+    let vertices: Vec<[f64; 3]> = reader
+        .read_positions()
+        .unwrap()
+        .zip(of)
+        .map(|(p, [joint, ..])| {
+            let m = inverse[joint as usize];
+            let mut p = [0, 1, 2].map(|i| p[i] + m[3][i]);
+            let mut at = Some(joints[joint as usize]);
+            while let Some(node) = at {
+                let (t, q) = local[node];
+                p = turned(q, p);
+                p = [0, 1, 2].map(|i| p[i] + t[i]);
+                at = above[node];
+            }
+            p.map(f64::from)
+        })
+        .collect();
+    ring_centres(&vertices)
+}
+
+/// The second ring of six vertices of every tube is around the end of its segment.
+fn ring_centres(vertices: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let ends = vertices.chunks(12).map(|tube| &tube[6..]);
+    ends.map(|ring| [0, 1, 2].map(|i| ring.iter().map(|p| p[i]).sum::<f64>() / 6.0)).collect()
+}
+
+fn obj_vertices(folder: &Folder, name: &str) -> Vec<[f64; 3]> {
+    let text = std::fs::read_to_string(folder.path(name)).unwrap();
+    let lines = text.lines().filter_map(|line| line.strip_prefix("v "));
+    let numbers = |line: &str| line.split(' ').map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
+    lines.map(|line| numbers(line)[..3].try_into().unwrap()).collect()
+}
+
+#[test]
+fn a_film_moves_in_the_wind_and_its_animation_is_its_meshes() {
+    let folder = Folder::new();
+    let line = "wilt --grow 60 --hours 24 --motion 2 --wind 3,0,0 --damping 2 --frames 8 --animation \
+                --pin 20 --mesh obj";
+    let said = folder.succeed(&format!("{line} -o out"));
+    assert!(said.contains("9, of 120 steps of 0.0167 s") && said.contains("% are for the water"));
+    let water = table(&folder, "out/water.csv").1;
+    assert_eq!(
+        water.iter().map(|row| row[0]).collect::<Vec<_>>(),
+        [0., 3., 6., 9., 12., 15., 18., 21., 24.]
+    );
+    let still = "wilt --grow 60 --hours 24 --frames 8 --pin 20 --mesh none -o still";
+    folder.succeed(still);
+    for (moving, still) in water.iter().zip(&table(&folder, "still/water.csv").1) {
+        assert!((moving[1] / still[1] - 1.0).abs() < 1e-9);
+    }
+    let glb = std::fs::read(folder.path("out/wilting.glb")).unwrap();
+    let first = ring_centres(&obj_vertices(&folder, "out/plant-000.obj"));
+    for frame in [0, 3, 8] {
+        let mesh = ring_centres(&obj_vertices(&folder, &format!("out/plant-00{frame}.obj")));
+        // y is upwards in glTF.
+        let found = posed(&glb, 0.25 * frame as f32);
+        for (v, ([x, y, z], mesh)) in found.into_iter().zip(&mesh).enumerate() {
+            for (a, b) in [x, -z, y].into_iter().zip(mesh) {
+                assert!((a - b).abs() < 2e-5, "frame {frame}, segment {v}: {a} {b}");
+            }
+        }
+        let across = |points: &[[f64; 3]]| points.iter().map(|p| p[0]).sum::<f64>() / 60.0;
+        assert!(frame == 0 || across(&mesh) > across(&first) + 5e-6);
+    }
+    // The same gusts again.
+    folder.succeed(&format!("{line} -o again"));
+    assert_eq!(std::fs::read(folder.path("again/wilting.glb")).unwrap(), glb);
+    // At rest, 24 frames a second.
+    folder.succeed("wilt --grow 20 --hours 24 --frames 12 --animation --mesh none -o rest");
+    assert_eq!(posed(&std::fs::read(folder.path("rest/wilting.glb")).unwrap(), 0.5).len(), 20);
+}
+
+#[test]
+fn elasticity_is_that_of_equation_4_9_when_it_is_to_be_literal() {
+    let folder = Folder::new();
+    let line = "wilt --grow 20 --hours 24 --frames 2 --mesh none --literal --kappa 40 --shift 0.01";
+    folder.succeed(&format!("{line} --elasticity 2e7,1 -o out"));
+    let (water, stiffness) = (table(&folder, "out/water.csv"), table(&folder, "out/stiffness.csv"));
+    for (water, stiffness) in water.1.iter().zip(&stiffness.1) {
+        for (kg, pascal) in water[2..].iter().zip(&stiffness[2..]) {
+            let expected = 2e7 / (1.0 + (-40.0 * (1e3 * kg - 0.01)).exp());
+            assert!((pascal / expected - 1.0).abs() < 1e-12);
+        }
+    }
+    assert!(folder.run("wilt --grow 20 --literal -o other").stderr.contains("--kappa"));
+}
+
+#[test]
+fn constants_are_found_from_weights_and_heights() {
+    let folder = Folder::new();
+    let plant = "wilt --grow 40 --seed 3 --hours 48 --frames 16 --mesh obj";
+    folder.succeed(&format!("{plant} --delta 85 --conductance 4e-10 --kappa 13 -o out"));
+    let water = table(&folder, "out/water.csv").1;
+    let mut text = "time_h,weight_g,height_m\n".to_string();
+    for (i, row) in water.iter().enumerate() {
+        let tube = obj_vertices(&folder, &format!("out/plant-{i:03}.obj"));
+        let height = ring_centres(&tube).iter().map(|p| p[2]).fold(f64::MIN, f64::max);
+        text += &format!("{},{},{height}\n", row[0], 250.0 + 1e3 * row[1]);
+    }
+    folder.write("measured.csv", &text);
+    let said = folder.succeed("wilt --grow 40 --seed 3 --fit measured.csv -o fit");
+    assert!(said.contains("delta") && said.contains("+-") && said.contains("3 files"), "{said}");
+    let text = std::fs::read_to_string(folder.path("fit/fit.csv")).unwrap();
+    let value = |name: &str| -> f64 {
+        let line = text.lines().find(|line| line.starts_with(name)).unwrap();
+        line.split(',').nth(1).unwrap().parse().unwrap()
+    };
+    for (name, truth) in [("delta", 85.0), ("chi", 4e-10), ("kappa", 13.0)] {
+        assert!((value(name) / truth - 1.0).abs() < 1e-4, "{text}");
+    }
+    let (head, rows) = table(&folder, "fit/fitted.csv");
+    assert_eq!(head, ["time_h", "weight_g", "model_g", "height_m", "model_m"]);
+    assert!(rows.len() == 17 && rows.iter().all(|row| (row[1] - row[2]).abs() < 1e-3));
+    assert!(std::fs::read_to_string(folder.path("fit/fit.svg")).unwrap().contains("</svg>"));
+
+    for (text, part) in [
+        ("hours,weight\n", "line 1"),
+        ("time_h,weight_g\n0,1\n1,x\n", "line 3"),
+        ("time_h,weight_g\n0,1\n1\n", "line 3"),
+        ("time_h,weight_g\n0,1\n", "1 of them"),
+    ] {
+        folder.write("wrong.csv", text);
+        let said = folder.fail("wilt --grow 40 --fit wrong.csv -o wrong");
+        assert!(said.contains(part), "{said}");
+        assert!(!folder.path("wrong").exists());
+    }
+}
+
+#[test]
+fn options_of_motion_are_checked() {
+    let folder = Folder::new();
+    let fails = |options: &str, part: &str| {
+        let run = folder.run(&format!("wilt --grow 5 -o out {options}"));
+        assert!(run.code != Some(0) && run.stderr.contains(part), "{options}: {}", run.stderr);
+    };
+    fails("--motion 0", "--motion");
+    fails("--motion 1 --fps 0", "--fps");
+    fails("--motion 1 --frames 0", "--frames");
+    fails("--motion 1 --wind 1,2", "three numbers");
+    fails("--motion 1 --damping=-1", "damping");
+    fails("--wind 1,2,3", "--motion");
+    fails("--motion 1e9", "steps");
+    fails("--motion 1 --fit weights.csv", "--fit");
+}
+
+#[test]
+fn the_commands_of_the_guide_run() {
+    let folder = Folder::new();
+    let plant = "verts 4\n0,0,0,.1,.002,0\n1,0,0,.2,.002,0\n2,.05,0,.3,.001,1\n3,-.05,0,.3,.001,1\n\
+                 edges 3\n0,1\n1,2\n1,3\n";
+    folder.write("plant.txt", plant);
+    folder.succeed("wilt plant.txt --frames 8 --mesh none -o before");
+    let mut text = "time_h,weight_g\n".to_string();
+    for row in table(&folder, "before/water.csv").1 {
+        text += &format!("{},{}\n", row[0], 1e3 * row[1]);
+    }
+    folder.write("measured.csv", &text);
+    let guide = include_str!("../../../docs/guide/plants.md");
+    let mut count = 0;
+    for line in guide.lines().filter_map(|line| line.strip_prefix("catamaran ")) {
+        folder.succeed(line);
+        count += 1;
+    }
+    assert_eq!(count, 5);
+}

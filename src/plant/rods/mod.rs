@@ -83,6 +83,7 @@ pub struct Rods {
     lengths: Vec<f64>,
     radii: Vec<f64>,
     volumes: Vec<f64>,
+    leaf_areas: Vec<f64>,
     options: RodOptions,
     /// In kg.
     masses: Vec<f64>,
@@ -117,6 +118,7 @@ impl Rods {
             lengths: plant.lengths().to_vec(),
             radii: plant.segments().iter().map(|s| s.radius).collect(),
             volumes: (0..n).map(|v| plant.volume(v)).collect(),
+            leaf_areas: (0..n).map(|v| plant.leaf_area(v)).collect(),
             options: *options,
             masses: vec![0.0; n],
             stiffness: vec![[[0.0; 3]; 3]; n],

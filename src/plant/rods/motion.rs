@@ -11,7 +11,7 @@ use super::small::{
 };
 use super::{Pose, Rods};
 use crate::base::{Error, Progress, Result, builder};
-use crate::mesh::vector::{Vector, norm, scale, sub};
+use crate::mesh::vector::{Vector, dot, norm, scale, sub};
 use crate::plant::water::{at_least_zero, positive};
 
 /// Options of [`Motion`].
@@ -24,18 +24,37 @@ pub struct MotionOptions {
     pub iterations: usize,
     /// The rate at which velocities wear off, in 1 / s. Default 1.
     pub damping: f64,
+    /// The drag coefficient of segments and leaves in the air of [`Motion::set_wind`]. Default 1.2,
+    /// that of a cylinder across the wind at Reynolds numbers of 10^2 to 10^5.
+    pub drag: f64,
 }
 
 impl Default for MotionOptions {
     fn default() -> Self {
-        Self { step: 1.0 / 60.0, iterations: 3, damping: 1.0 }
+        Self { step: 1.0 / 60.0, iterations: 3, damping: 1.0, drag: 1.2 }
     }
 }
+
+/// The density of air, in kg / m^3.
+const AIR: f64 = 1.2;
+
+/// The largest turn of a Newton step after which the next one would change nothing that is seen, in radians.
+const CONVERGED: f64 = 0.03;
+
+/// The largest turn of a Newton step, in radians.
+const LARGEST_TURN: f64 = 0.7;
+
+/// Newton iterations beyond [`MotionOptions::iterations`] before a step is halved.
+const MORE_ITERATIONS: usize = 4;
+
+/// Halvings of a step: at most 256 parts.
+const MOST_HALVINGS: usize = 8;
 
 builder! { MotionOptions {
     step: f64,
     iterations: usize,
     damping: f64,
+    drag: f64,
 }}
 
 /// Rods in motion.
@@ -63,6 +82,14 @@ builder! { MotionOptions {
 pub struct Motion {
     rods: Rods,
     options: MotionOptions,
+    moving: Moving,
+    /// The velocity of the air, in m / s; none: no air.
+    wind: Option<Vector>,
+}
+
+/// What changes in a step.
+#[derive(Debug, Clone)]
+struct Moving {
     /// The middle of every segment.
     centres: Vec<Vector>,
     rotations: Vec<Quaternion>,
@@ -71,6 +98,16 @@ pub struct Motion {
     spins: Vec<Vector>,
     /// Forces and torques of joints.
     multipliers: Vec<[f64; 6]>,
+}
+
+/// Where a step begins, and where its bodies would go without joints.
+struct Step {
+    seconds: f64,
+    start: Vec<Vector>,
+    centres: Vec<Vector>,
+    rotations: Vec<Quaternion>,
+    /// Of every body, the force of the air by its velocity against the air, in N s / m; none: no air.
+    drag: Vec<Matrix<3>>,
 }
 
 /// The equations of the joint of a segment.
@@ -91,6 +128,7 @@ impl Motion {
         Error::check_shape("pose", (rods.len(), 4), (pose.rotations.len(), 4))?;
         positive("step", options.step)?;
         at_least_zero("damping", options.damping)?;
+        at_least_zero("drag", options.drag)?;
         let mut placed = pose.clone();
         rods.place(&mut placed);
         let middle = |v: usize| [0, 1, 2].map(|i| 0.5 * (placed.heads[v][i] + placed.tails[v][i]));
@@ -98,11 +136,14 @@ impl Motion {
         let mut motion = Self {
             rods: rods.clone(),
             options: *options,
-            centres: (0..n).map(middle).collect(),
-            rotations: placed.rotations,
-            velocities: vec![[0.0; 3]; n],
-            spins: vec![[0.0; 3]; n],
-            multipliers: vec![[0.0; 6]; n],
+            moving: Moving {
+                centres: (0..n).map(middle).collect(),
+                rotations: placed.rotations,
+                velocities: vec![[0.0; 3]; n],
+                spins: vec![[0.0; 3]; n],
+                multipliers: vec![[0.0; 6]; n],
+            },
+            wind: None,
         };
         motion.set_rods(rods)?;
         Ok(motion)
@@ -123,14 +164,30 @@ impl Motion {
         Ok(())
     }
 
+    /// Goes on in air of this velocity, in m / s. It drags a segment of radius r, length l and leaf area A by
+    /// `rho C / 2 (2 r l |u_n| u_n + A |u| u)`: u is the velocity of the air past the segment, u_n its part across the
+    /// segment (cross-flow principle, Hoerner 1965), C [`MotionOptions::drag`]. The factors |u| are those at the beginning
+    /// of a step, the rest is implicit, so that air only ever takes energy from what moves faster.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] for a velocity that is not finite.
+    pub fn set_wind(&mut self, velocity: [f64; 3]) -> Result<()> {
+        if velocity.iter().any(|x| !x.is_finite()) {
+            let why = format!("{velocity:?} is not finite");
+            return Err(Error::Argument { what: "wind", why });
+        }
+        self.wind = Some(velocity);
+        Ok(())
+    }
+
     /// The present pose.
     pub fn pose(&self) -> Pose {
         let half = |v: usize| scale(self.along(v), 0.5);
         let n = self.rods.len();
         Pose {
-            heads: (0..n).map(|v| sub(self.centres[v], half(v))).collect(),
-            tails: (0..n).map(|v| plus(self.centres[v], half(v))).collect(),
-            rotations: self.rotations.clone(),
+            heads: (0..n).map(|v| sub(self.moving.centres[v], half(v))).collect(),
+            tails: (0..n).map(|v| plus(self.moving.centres[v], half(v))).collect(),
+            rotations: self.moving.rotations.clone(),
         }
     }
 
@@ -139,35 +196,67 @@ impl Motion {
         (0..self.rods.len()).map(|v| norm(self.gap(v))).fold(0.0, f64::max)
     }
 
-    /// Goes one step ahead.
+    /// Goes one step ahead. Where Newton's method does not converge, as when a gust turns twigs by more than a radian, it
+    /// goes there in two half steps, and so on: steps of any length stay stable.
     ///
     /// # Errors
     /// [`Error::NotConverged`] when the equations are singular to rounding.
     pub fn step(&mut self) -> Result<()> {
-        let h = self.options.step;
+        self.advance(self.options.step, MOST_HALVINGS)
+    }
+
+    fn advance(&mut self, seconds: f64, halvings: usize) -> Result<()> {
+        let before = self.moving.clone();
+        match self.implicit_step(seconds) {
+            Ok(turn) if turn <= CONVERGED => return Ok(()),
+            Ok(_) if halvings == 0 => return Ok(()),
+            Err(error) if halvings == 0 => {
+                self.moving = before;
+                return Err(error);
+            }
+            Ok(_) | Err(_) => {}
+        }
+        self.moving = before;
+        self.advance(0.5 * seconds, halvings - 1)?;
+        self.advance(0.5 * seconds, halvings - 1)
+    }
+
+    /// A step of implicit Euler. Returns the largest turn of its last Newton step, in radians.
+    fn implicit_step(&mut self, h: f64) -> Result<f64> {
         let n = self.rods.len();
-        let (centres, rotations) = (self.centres.clone(), self.rotations.clone());
+        let (centres, rotations) = (self.moving.centres.clone(), self.moving.rotations.clone());
         let gravity = self.rods.options.gravity;
+        let drag = self.drag();
         for v in 0..n {
             if self.rods.pinned[v] {
                 continue;
             }
-            self.velocities[v] = plus(self.velocities[v], scale(gravity, h));
-            self.centres[v] = plus(centres[v], scale(self.velocities[v], h));
-            self.rotations[v] = turned(rotations[v], scale(self.spins[v], h));
+            self.moving.velocities[v] = plus(self.moving.velocities[v], scale(gravity, h));
+            self.moving.centres[v] = plus(centres[v], scale(self.moving.velocities[v], h));
+            self.moving.rotations[v] = turned(rotations[v], scale(self.moving.spins[v], h));
         }
-        let aims = (self.centres.clone(), self.rotations.clone());
-        for _ in 0..self.options.iterations.max(1) {
-            self.newton(&aims)?;
+        let step = Step {
+            seconds: h,
+            start: centres,
+            centres: self.moving.centres.clone(),
+            rotations: self.moving.rotations.clone(),
+            drag,
+        };
+        let mut turn = 0.0;
+        for i in 0..self.options.iterations.max(1) + MORE_ITERATIONS {
+            if i >= self.options.iterations.max(1) && turn <= CONVERGED {
+                break;
+            }
+            turn = self.newton(&step)?;
         }
         let worn = (-self.options.damping * h).exp();
         for v in 0..n {
-            let moved = sub(self.centres[v], centres[v]);
-            let turn = product(self.rotations[v], inverse(rotations[v]));
-            self.velocities[v] = scale(moved, worn / h);
-            self.spins[v] = scale(logarithm(turn), worn / h);
+            let moved = sub(self.moving.centres[v], step.start[v]);
+            let turn = product(self.moving.rotations[v], inverse(rotations[v]));
+            self.moving.velocities[v] = scale(moved, worn / h);
+            self.moving.spins[v] = scale(logarithm(turn), worn / h);
         }
-        Ok(())
+        Ok(turn)
     }
 
     /// Goes `count` steps ahead.
@@ -182,15 +271,24 @@ impl Motion {
         Ok(())
     }
 
-    /// One Newton iteration: `M/h^2 (X - aim) = J^T l`, `C(X) + A l = 0`.
-    fn newton(&mut self, aims: &(Vec<Vector>, Vec<Quaternion>)) -> Result<()> {
+    /// One Newton iteration: `M/h^2 (X - aim) = J^T l`, `C(X) + A l = 0`. Returns the largest turn, in radians.
+    fn newton(&mut self, step: &Step) -> Result<f64> {
         let n = self.rods.len();
         let singular = |_| Error::NotConverged { iterations: 0, residual: f64::NAN };
-        let mut bodies: Vec<Matrix<6>> = (0..n).map(|v| self.inertia(v)).collect();
-        let mut right: Vec<[f64; 6]> = (0..n).map(|v| self.pull(v, &bodies[v], aims)).collect();
+        let mut bodies: Vec<Matrix<6>> = (0..n).map(|v| self.inertia(v, step.seconds)).collect();
+        let mut right: Vec<[f64; 6]> = (0..n).map(|v| self.pull(v, &bodies[v], step)).collect();
+        for (v, drag) in step.drag.iter().enumerate() {
+            let force = self.drag_force(v, drag, step);
+            for i in 0..3 {
+                right[v][i] += force[i];
+                for j in 0..3 {
+                    bodies[v][i][j] += drag[i][j] / step.seconds;
+                }
+            }
+        }
         let joints: Vec<Joint> = (0..n).map(|v| self.joint(v)).collect();
         for v in 0..n {
-            let l = self.multipliers[v];
+            let l = self.moving.multipliers[v];
             accumulate(&mut right[v], &image(&transposed(&joints[v].by_child), &l));
             if let Some(p) = self.rods.parent(v) {
                 accumulate(&mut right[p], &image(&transposed(&joints[v].by_parent), &l));
@@ -207,7 +305,7 @@ impl Motion {
             if !free && parent.is_none() {
                 continue;
             }
-            let l = self.multipliers[v];
+            let l = self.moving.multipliers[v];
             let yielded = image(&joint.compliance, &l);
             let mut b = [0, 1, 2, 3, 4, 5].map(|i| -joint.error[i] - yielded[i]);
             let mut block = joint.compliance;
@@ -220,7 +318,7 @@ impl Motion {
                 bodies[v] = body;
             } else {
                 // A body that nothing moves: a trace of compliance instead of its own.
-                let trace = 1e-9 * self.options.step.powi(2) / self.rods.masses[v];
+                let trace = 1e-9 * step.seconds.powi(2) / self.rods.masses[v];
                 (0..3).for_each(|i| block[i][i] += trace);
             }
             let factor = cholesky(&block).ok_or(()).map_err(singular)?;
@@ -233,7 +331,7 @@ impl Motion {
             joint_factors[v] = factor;
             joint_right[v] = b;
         }
-        let mut steps = vec![[0.0; 6]; n];
+        let (mut steps, mut changes) = (vec![[0.0; 6]; n], vec![[0.0; 6]; n]);
         for &v in &self.rods.order {
             let v = v as usize;
             let free = !self.rods.pinned[v];
@@ -247,25 +345,31 @@ impl Motion {
                 (0..6).for_each(|i| b[i] -= moved[i]);
             }
             let change = solve(&joint_factors[v], &b);
-            accumulate(&mut self.multipliers[v], &change);
+            changes[v] = change;
             if free {
                 let mut force = right[v];
                 accumulate(&mut force, &image(&transposed(&joints[v].by_child), &change));
                 steps[v] = solve(&bodies[v], &force);
             }
         }
-        for v in 0..n {
-            let [x, y, z, a, b, c] = steps[v];
-            self.centres[v] = plus(self.centres[v], [x, y, z]);
-            self.rotations[v] = turned(self.rotations[v], [a, b, c]);
+        let turn = steps.iter().map(|s| norm([s[3], s[4], s[5]])).fold(0.0, f64::max);
+        if !turn.is_finite() {
+            return Err(singular(()));
         }
-        Ok(())
+        let part = (LARGEST_TURN / turn).min(1.0);
+        for v in 0..n {
+            accumulate(&mut self.moving.multipliers[v], &changes[v].map(|x| part * x));
+            let [x, y, z, a, b, c] = steps[v].map(|x| part * x);
+            self.moving.centres[v] = plus(self.moving.centres[v], [x, y, z]);
+            self.moving.rotations[v] = turned(self.moving.rotations[v], [a, b, c]);
+        }
+        Ok(turn)
     }
 
     /// `M / h^2` of a cylinder.
-    fn inertia(&self, v: usize) -> Matrix<6> {
+    fn inertia(&self, v: usize, seconds: f64) -> Matrix<6> {
         let rods = &self.rods;
-        let unit = rods.masses[v] / self.options.step.powi(2);
+        let unit = rods.masses[v] / seconds.powi(2);
         let (l, r) = (rods.lengths[v], rods.radii[v]);
         let (across, along) = (l * l / 12.0 + r * r / 4.0, r * r / 2.0);
         let t = scale(self.along(v), 1.0 / l);
@@ -281,27 +385,51 @@ impl Motion {
     }
 
     /// `-M/h^2 (X - aim)`.
-    fn pull(
-        &self,
-        v: usize,
-        inertia: &Matrix<6>,
-        (centres, rotations): &(Vec<Vector>, Vec<Quaternion>),
-    ) -> [f64; 6] {
-        let d = sub(centres[v], self.centres[v]);
-        let turn = product(rotations[v], inverse(self.rotations[v]));
+    fn pull(&self, v: usize, inertia: &Matrix<6>, step: &Step) -> [f64; 6] {
+        let d = sub(step.centres[v], self.moving.centres[v]);
+        let turn = product(step.rotations[v], inverse(self.moving.rotations[v]));
         let a = logarithm(turn);
         image(inertia, &[d[0], d[1], d[2], a[0], a[1], a[2]])
     }
 
+    /// The drag of all bodies at their present velocities.
+    fn drag(&self) -> Vec<Matrix<3>> {
+        let Some(wind) = self.wind else { return vec![] };
+        let of = |v: usize| {
+            let rods = &self.rods;
+            let u = sub(wind, self.moving.velocities[v]);
+            let t = scale(self.along(v), 1.0 / rods.lengths[v]);
+            let across = sub(u, scale(t, dot(t, u)));
+            let unit = 0.5 * AIR * self.options.drag;
+            let stem = unit * 2.0 * rods.radii[v] * rods.lengths[v] * norm(across);
+            let leaf = unit * rods.leaf_areas[v] * norm(u);
+            let mut drag = identity();
+            for i in 0..3 {
+                for j in 0..3 {
+                    drag[i][j] = (stem + leaf) * drag[i][j] - stem * t[i] * t[j];
+                }
+            }
+            drag
+        };
+        (0..self.rods.len()).map(of).collect()
+    }
+
+    /// The force of the air at the end of the step.
+    fn drag_force(&self, v: usize, drag: &Matrix<3>, step: &Step) -> Vector {
+        let wind = self.wind.unwrap_or_default();
+        let moved = sub(self.moving.centres[v], step.start[v]);
+        image(drag, &sub(wind, scale(moved, 1.0 / step.seconds)))
+    }
+
     fn along(&self, v: usize) -> Vector {
-        image(&rotation_matrix(self.rotations[v]), &self.rods.rest[v])
+        image(&rotation_matrix(self.moving.rotations[v]), &self.rods.rest[v])
     }
 
     /// From the end of the parent to the beginning of v.
     fn gap(&self, v: usize) -> Vector {
-        let head = sub(self.centres[v], scale(self.along(v), 0.5));
+        let head = sub(self.moving.centres[v], scale(self.along(v), 0.5));
         match self.rods.parent(v) {
-            Some(p) => sub(head, plus(self.centres[p], scale(self.along(p), 0.5))),
+            Some(p) => sub(head, plus(self.moving.centres[p], scale(self.along(p), 0.5))),
             None => sub(head, self.rods.base),
         }
     }
@@ -309,8 +437,8 @@ impl Motion {
     fn joint(&self, v: usize) -> Joint {
         let rods = &self.rods;
         let parent = rods.parent(v);
-        let parent_rotation = parent.map_or(NO_ROTATION, |p| self.rotations[p]);
-        let d = difference(parent_rotation, self.rotations[v]);
+        let parent_rotation = parent.map_or(NO_ROTATION, |p| self.moving.rotations[p]);
+        let d = difference(parent_rotation, self.moving.rotations[v]);
         let (gap, strain) = (self.gap(v), strain(d));
         let to_parent = transposed(&rotation_matrix(parent_rotation));
         let bend = times(&strain_derivative(d), &to_parent);

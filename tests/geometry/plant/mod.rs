@@ -5,5 +5,7 @@ mod reference;
 mod accuracy;
 mod damage;
 mod files;
+mod fit;
 mod models;
+mod motion;
 mod rods;

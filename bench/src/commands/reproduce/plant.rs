@@ -2,7 +2,8 @@
 
 use catamaran_bench::Result;
 use catamaran_bench::plant::{
-    Part, cut, errors_over_time, grid, race, sections, shares, subjects, total_water,
+    Part, cut, errors_by_conductance, errors_over_time, grid, hanging, held, naive, race, sections,
+    shares, subjects, total_water, weights,
 };
 
 use super::{Arguments, Report};
@@ -10,7 +11,7 @@ use super::{Arguments, Report};
 /// The columns of the record.
 pub const HEADER: &str = "figure,case,quantity,value";
 
-/// Figures 4.3, 4.4, 4.6, 4.7, 4.10 and 4.11, and the race of the water solver.
+/// Figures 4.3 to 4.11, and the race of the water solver.
 pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     report.say("# Chapter 4, measured again\n");
     let mut keep = |part: Part| {
@@ -23,8 +24,13 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     for part in errors_over_time(&subjects)? {
         keep(part);
     }
+    keep(errors_by_conductance(&subjects)?);
+    keep(naive(&subjects)?);
     keep(total_water(&subjects)?);
+    keep(weights(&subjects)?);
     keep(grid(&subjects)?);
+    keep(hanging(&subjects)?);
+    keep(held(&subjects)?);
     keep(cut(&subjects)?);
     keep(shares(&subjects)?);
     keep(race(arguments.largest, arguments.repeat, &arguments.libraries)?);

@@ -1,0 +1,184 @@
+use std::time::{Duration, Instant};
+
+use super::curve::{CurveOptions, Interval, Method, Walk};
+use super::elasticity::Elasticity;
+use super::rods::{Motion, MotionOptions, Pose, Rods};
+use super::water::{WaterModel, at_least_zero, positive};
+use super::wilt::settle;
+use super::wind::{Gusts, Wind};
+use crate::base::{Error, Par, Progress, Result, builder};
+
+/// Options of [`sway`].
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct SwayOptions<'a> {
+    /// How long the plant dries, in seconds. Default 0.
+    pub drought: f64,
+    /// How long the film of it is, in seconds. Default 10.
+    pub seconds: f64,
+    /// Frames after the first, at equal times, at least 1. Default 240.
+    pub frames: usize,
+    /// Stiffness from water; default [`Elasticity::default`].
+    pub elasticity: Elasticity,
+    /// As [`CurveOptions::cycle`], such as [`Interval::day_and_night`].
+    pub cycle: Vec<Interval>,
+    /// The rods' options. The step is the longest: it is shortened so that frames are at its multiples.
+    pub motion: MotionOptions,
+    /// The air; default none.
+    pub wind: Option<Wind>,
+    /// Threads of the water; default all cores of the affinity mask. Does not change the result.
+    pub par: Par,
+    /// Told of progress; may cancel.
+    pub progress: Progress<'a>,
+}
+
+impl Default for SwayOptions<'_> {
+    fn default() -> Self {
+        Self {
+            drought: 0.0,
+            seconds: 10.0,
+            frames: 240,
+            elasticity: Elasticity::default(),
+            cycle: vec![],
+            motion: MotionOptions::default(),
+            wind: None,
+            par: Par::all(),
+            progress: Progress::none(),
+        }
+    }
+}
+
+builder! { SwayOptions<'a> {
+    drought: f64,
+    seconds: f64,
+    frames: usize,
+    elasticity: Elasticity,
+    cycle: Vec<Interval>,
+    motion: MotionOptions,
+    wind: Option<Wind>,
+    par: Par,
+    #[into] progress: Progress<'a>,
+}}
+
+/// A plant in motion, frame by frame, the first one at rest.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Sway {
+    /// Of every node, in kg.
+    pub water: Vec<Vec<f64>>,
+    /// The modulus of elasticity of every segment, in Pa.
+    pub moduli: Vec<Vec<f64>>,
+    /// In motion.
+    pub poses: Vec<Pose>,
+    /// Steps between frames, and their length in seconds.
+    pub steps: usize,
+    /// In seconds.
+    pub step: f64,
+    /// The largest gap between a segment and what it grows on, in metres.
+    pub largest_gap: f64,
+    /// The time that went into water and the stiffness that follows from it, in all steps.
+    pub water_time: Duration,
+    /// The time that went into rods.
+    pub rods_time: Duration,
+}
+
+impl Sway {
+    /// The share of the water in the time of a step (thesis, figure 4.11: about 0.01).
+    pub fn water_share(&self) -> f64 {
+        let water = self.water_time.as_secs_f64();
+        water / (water + self.rods_time.as_secs_f64()).max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Lets a plant dry, wilt and move at once, as in a film in time lapse: `options.drought` seconds of water pass in
+/// `options.seconds` of motion. In every step the water goes ahead by [`Bdf6`](super::Bdf6), the stiffness and the weight
+/// follow from it (thesis, section 4.5.4), and the rods go ahead by [`Motion`] in the wind of the moment.
+/// The plant begins with full cells and at rest, or, between pins, where [`Rods::relax`] came.
+///
+/// ```
+/// use catamaran::plant::families::{GrowthOptions, grow};
+/// use catamaran::plant::{RodOptions, Rods, SwayOptions, WaterModel, WaterOptions, Wind, sway};
+///
+/// let plant = grow(&GrowthOptions::new().nodes(60))?;
+/// let model = WaterModel::new(&plant, &WaterOptions::new())?;
+/// let rods = Rods::new(&plant, &RodOptions::new())?;
+/// let wind = Wind::new().velocity([2.0, 0.0, 0.0]);
+/// let options = SwayOptions::new().drought(86_400.0).seconds(1.0).frames(10).wind(Some(wind));
+/// let film = sway(&model, &rods, &options)?;
+/// assert_eq!(film.poses.len(), 11);
+/// let across = |i: usize| film.poses[i].tails.iter().map(|tail| tail[0]).sum::<f64>();
+/// assert!(across(10) > across(0)); // it leans with the wind
+/// # Ok::<(), catamaran::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Argument`] names the option that is out of its range; those of [`WaterModel`], [`Elasticity::moduli`],
+/// [`Rods::relax`] and [`Motion::step`]; [`Error::Cancelled`], [`Error::OutOfMemory`].
+pub fn sway(model: &WaterModel, rods: &Rods, options: &SwayOptions<'_>) -> Result<Sway> {
+    at_least_zero("drought", options.drought)?;
+    positive("seconds", options.seconds)?;
+    positive("step", options.motion.step)?;
+    if options.frames == 0 {
+        return Err(Error::Argument {
+            what: "frames",
+            why: "0, where at least 1 is needed".into(),
+        });
+    }
+    let frame = options.seconds / options.frames as f64;
+    // A step that fits but for rounding fits.
+    let steps = (frame / options.motion.step - 1e-9).ceil().max(1.0);
+    let step = frame / steps;
+    let steps = steps as usize;
+    let count = steps.saturating_mul(options.frames);
+    let lapse = options.drought / count as f64;
+    let mut gusts = options.wind.as_ref().map(Gusts::new).transpose()?;
+
+    let full = model.full();
+    let method = if lapse > 0.0 { Method::Bdf6 { step: lapse } } else { Method::Rational };
+    let curve = CurveOptions::new().method(method).cycle(options.cycle.clone()).par(options.par);
+    let mut walk = Walk::new(model, &full, &[], &curve)?;
+    let mut rods = rods.clone();
+    let mut water = full.clone();
+    let mut moduli = options.elasticity.moduli(&water, &full)?;
+    rods.set_state(&moduli, &water)?;
+    let mut pose = rods.rest_pose();
+    match settle(&rods, &mut pose, Progress::none()) {
+        // What is pulled straight between pins comes to rest slowly: the motion goes on from there.
+        Ok(_) | Err(Error::NotConverged { .. }) => {}
+        Err(error) => return Err(error),
+    }
+    let mut motion = Motion::new(&rods, &pose, &options.motion.step(step))?;
+
+    let mut film = Sway {
+        water: vec![water.clone()],
+        moduli: vec![moduli.clone()],
+        poses: vec![pose],
+        steps,
+        step,
+        largest_gap: 0.0,
+        water_time: Duration::ZERO,
+        rods_time: Duration::ZERO,
+    };
+    for done in 1..=count {
+        let start = Instant::now();
+        water = walk.to(lapse * done as f64)?;
+        moduli = options.elasticity.moduli(&water, &full)?;
+        film.water_time += start.elapsed();
+        let start = Instant::now();
+        rods.set_state(&moduli, &water)?;
+        motion.set_rods(&rods)?;
+        if let Some(gusts) = &mut gusts {
+            motion.set_wind(gusts.after(step))?;
+        }
+        motion.step()?;
+        film.rods_time += start.elapsed();
+        film.largest_gap = film.largest_gap.max(motion.largest_gap());
+        if done % steps == 0 {
+            film.water.push(water);
+            film.moduli.push(moduli);
+            film.poses.push(motion.pose());
+        }
+        options.progress.report(done as f64 / count as f64)?;
+    }
+    Ok(film)
+}
