@@ -3,7 +3,6 @@
 
 mod eigen;
 mod memory;
-mod narrow;
 mod rank;
 mod rows;
 mod tall;
@@ -11,7 +10,6 @@ mod triangular;
 
 pub use eigen::{SymmetricEigen, symmetric_eigen};
 pub(crate) use memory::{buffer, zeros};
-pub(crate) use narrow::{Row, WIDTH, add, has_fused};
 pub(crate) use rank::{pivots, right_singular};
 pub(crate) use rows::{ROW_BLOCK, for_row_blocks};
 pub(crate) use tall::{multiply_in_place, subtract_product, transposed_product};

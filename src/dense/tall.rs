@@ -4,7 +4,6 @@ use faer::linalg::matmul::matmul;
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, Mat, MatMut, MatRef};
 
-use super::narrow;
 use super::rows::for_row_blocks;
 use crate::base::Par;
 
@@ -21,12 +20,7 @@ pub(crate) fn transposed_product(a: MatRef<'_, f64>, b: MatRef<'_, f64>, par: Pa
     let parts = par.map_blocks(n, SUMMED, |rows| {
         let mut product = Mat::<f64>::zeros(a.ncols(), b.ncols());
         let (a, b) = (a.subrows(rows.start, rows.len()), b.subrows(rows.start, rows.len()));
-        match narrow::is_narrow(a, b.ncols()) {
-            true => narrow::transposed(product.as_mut(), a, b),
-            false => {
-                matmul(product.as_mut(), Accum::Replace, a.transpose(), b, 1.0, faer::Par::Seq);
-            }
-        }
+        matmul(product.as_mut(), Accum::Replace, a.transpose(), b, 1.0, faer::Par::Seq);
         product
     });
     let mut sum = Mat::zeros(a.ncols(), b.ncols());
@@ -45,10 +39,7 @@ pub(crate) fn subtract_product(
 ) {
     for_row_blocks(x, BLOCK, par, |first, x| {
         let a = a.subrows(first, x.nrows());
-        match narrow::is_narrow(a, b.ncols()) {
-            true => narrow::subtract(x, a, b),
-            false => matmul(x, Accum::Add, a, b, -1.0, faer::Par::Seq),
-        }
+        matmul(x, Accum::Add, a, b, -1.0, faer::Par::Seq);
     });
 }
 

@@ -15,7 +15,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
 use crate::base::{Error, Par, Result, zeros};
-use crate::dense::{Row, buffer};
+use crate::dense::buffer;
 use sweeps::{Sweeps, Values};
 
 /// The order of elimination and the places of the factor, the same for all matrices with the same
@@ -44,7 +44,7 @@ impl Symbolic {
     pub fn bytes(&self) -> usize {
         let places = self.supernodal().map_or(0, |symbolic| symbolic.row_idx().len());
         let targets = size_of::<u32>() * places;
-        let rows = self.0.nrows() * size_of::<Row>();
+        let rows = self.0.nrows() * size_of::<supernode::Row>();
         self.0.len_val() * size_of::<f64>() + targets + rows
     }
 

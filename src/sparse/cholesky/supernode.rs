@@ -1,8 +1,10 @@
 //! One supernode of a factor, applied to rows of right-hand sides.
 
-use std::ops::Range;
+/// Right-hand sides that are solved for together.
+pub(super) const WIDTH: usize = 8;
 
-use crate::dense::{Row, WIDTH, add};
+/// One row of them.
+pub(super) type Row = [f64; WIDTH];
 
 /// Columns of L with the same places below a dense triangle. Their values are stored by columns, with
 /// `columns + below` rows.
@@ -151,6 +153,12 @@ struct Panel<'v, const FUSED: bool> {
 }
 
 impl<const FUSED: bool> Panel<'_, FUSED> {
+    /// `a b + c`.
+    #[inline(always)]
+    fn add(a: f64, b: &Row, c: Row) -> Row {
+        std::array::from_fn(|j| if FUSED { a.mul_add(b[j], c[j]) } else { a * b[j] + c[j] })
+    }
+
     /// Solves for the first N rows, which come after the known ones. Returns N.
     #[inline(always)]
     fn forward<const N: usize, const UNIT: bool>(&self, known: &[Row], rows: &mut [Row]) -> usize {
@@ -160,7 +168,7 @@ impl<const FUSED: bool> Panel<'_, FUSED> {
             let column = &self.values[(i + r) * self.rows + i..][..N];
             rows[r] = Self::divided::<UNIT>(&rows[r], &sums[r], column[r]);
             for k in r + 1..N {
-                sums[k] = add::<FUSED>(column[k], &rows[r], sums[k]);
+                sums[k] = Self::add(column[k], &rows[r], sums[k]);
             }
         }
         N
@@ -172,7 +180,7 @@ impl<const FUSED: bool> Panel<'_, FUSED> {
     fn subtract<const N: usize>(
         &self,
         i: usize,
-        known: Range<usize>,
+        known: std::ops::Range<usize>,
         targets: &[u32; N],
         x: &mut [Row],
     ) -> usize {
@@ -191,7 +199,7 @@ impl<const FUSED: bool> Panel<'_, FUSED> {
         for (k, x) in x.iter().enumerate() {
             let column = &self.values[k * self.rows + i..][..N];
             for r in 0..N {
-                sums[r] = add::<FUSED>(column[r], x, sums[r]);
+                sums[r] = Self::add(column[r], x, sums[r]);
             }
         }
         sums
@@ -207,13 +215,13 @@ impl<const FUSED: bool> Panel<'_, FUSED> {
         let mut sums = [[0.0; WIDTH]; N];
         for k in 0..known.len() {
             for r in 0..N {
-                sums[r] = add::<FUSED>(columns[r][k], &known[k], sums[r]);
+                sums[r] = Self::add(columns[r][k], &known[k], sums[r]);
             }
         }
         for r in (0..N).rev() {
             let column = &self.values[(i + r) * self.rows + i..][..N];
             for k in r + 1..N {
-                sums[r] = add::<FUSED>(column[k], &rows[i + k], sums[r]);
+                sums[r] = Self::add(column[k], &rows[i + k], sums[r]);
             }
             rows[i + r] = Self::divided::<UNIT>(&rows[i + r], &sums[r], column[r]);
         }

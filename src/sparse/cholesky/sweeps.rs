@@ -12,9 +12,8 @@ use faer::prelude::ReborrowMut;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
 use super::parts::split;
-use super::supernode::Supernode;
+use super::supernode::{Row, Supernode, WIDTH};
 use crate::base::{Disjoint, Par, Result, widest, zeros};
-use crate::dense::{Row, WIDTH, has_fused};
 
 /// The order in which the supernodes of a factor are applied, and to which rows.
 #[derive(Debug, Default)]
@@ -305,4 +304,13 @@ fn supernodes(symbolic: &SymbolicSupernodalCholesky<usize>) -> Vec<Supernode> {
         values: symbolic.col_ptr_for_val()[s],
     };
     (0..symbolic.n_supernodes()).map(supernode).collect()
+}
+
+/// Whether the registers that [`widest`] takes multiply and add at once; elsewhere that would be a
+/// call of a function.
+fn has_fused() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return pulp::x86::V3::is_available();
+    #[cfg(not(target_arch = "x86_64"))]
+    cfg!(target_arch = "aarch64")
 }
