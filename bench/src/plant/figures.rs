@@ -160,8 +160,8 @@ pub fn errors_by_conductance(subjects: &[Subject]) -> Result<Part> {
     Ok(Part {
         figure: "figure 4.4",
         title: format!(
-            "why {STEPS} steps of BDF6 are not exact to 1e-12 at chi = 1e-9: there nodes exchange water at rates near one over \
-             a step, which no multistep formula resolves; water_after does (1e-13)"
+            "errors of {STEPS} steps of BDF6 over the conductance chi, beside how many nodes exchange water at rates near one \
+             over a step, which no multistep formula resolves (water_after has 1e-13)"
         ),
         columns: ["relative mean squared error", "nodes with a rate of 0.3 to 10 a step, %"]
             .map(String::from)
