@@ -67,7 +67,7 @@ pub fn decide<T: Element>(request: &Request<T>, settings: &Settings) -> Decision
 /// Returns the plan for `request`, whatever it costs.
 ///
 /// # Errors
-/// As [`Plan::ata`].
+/// As [`catamaran::Plan::ata`].
 pub fn plan<T: Element>(request: &Request<T>, settings: &Settings) -> catamaran::Result<Planned> {
     let options = AtaOptions::new().memory(settings.memory);
     let options = match settings.mode {
