@@ -1,5 +1,6 @@
 /// Nodes of a forest in subtrees that do not need each other, of about equal work, and the nodes
-/// above all of them. Children come before their parents, and a subtree's nodes one after the other.
+/// above all of them, each in ascending order. Children come before their parents; nodes of other
+/// subtrees may be between them.
 pub(super) fn split(
     parents: &[Option<usize>],
     work: impl Fn(usize) -> usize,
@@ -16,22 +17,31 @@ pub(super) fn split(
         }
     }
     let is_above = |s: usize| below[s] * LARGEST > total;
-    let (mut subtrees, mut above) = (vec![], vec![]);
-    let (mut current, mut current_work) = (vec![], 0);
-    for (s, parent) in parents.iter().enumerate() {
-        if is_above(s) {
-            above.push(s);
-            continue;
+    let mut above = vec![];
+    // Of each other node the root of its subtree, and the nodes of each root.
+    let mut root: Vec<usize> = (0..parents.len()).collect();
+    for (s, parent) in parents.iter().enumerate().rev() {
+        if let Some(parent) = parent.filter(|&parent| !is_above(parent)) {
+            root[s] = root[parent];
         }
-        current.push(s);
-        current_work += work(s);
-        let ends = parent.is_none_or(is_above);
-        if ends && current_work * TOGETHER >= total {
+    }
+    let mut nodes = vec![vec![]; parents.len()];
+    for (s, &root) in root.iter().enumerate() {
+        if is_above(s) { above.push(s) } else { nodes[root].push(s) }
+    }
+    let (mut subtrees, mut current, mut current_work) = (vec![], vec![], 0);
+    for nodes in nodes {
+        current_work += nodes.iter().map(|&s| work(s)).sum::<usize>();
+        current.extend(nodes);
+        if !current.is_empty() && current_work * TOGETHER >= total {
             subtrees.push(std::mem::take(&mut current));
             current_work = 0;
         }
     }
     subtrees.extend((!current.is_empty()).then_some(current));
+    for nodes in &mut subtrees {
+        nodes.sort_unstable();
+    }
     (subtrees, above)
 }
 
@@ -56,9 +66,18 @@ mod tests {
         parents
     }
 
+    /// A random tree, in which the nodes of other subtrees are between those of each.
+    fn mixed(n: usize) -> Vec<Option<usize>> {
+        let mut rng = crate::base::Rng::new(9);
+        let parent = |i: usize| Some(i + 1 + rng.bits() as usize % (n - 1 - i).max(1));
+        let mut parents: Vec<_> = (0..n).map(parent).collect();
+        parents[n - 1] = None;
+        parents
+    }
+
     #[test]
     fn subtrees_are_whole_and_of_about_equal_work() {
-        for parents in [vec![], vec![None], vec![None; 1000], binary(11)] {
+        for parents in [vec![], vec![None], vec![None; 1000], binary(11), mixed(700)] {
             let (subtrees, above) = split(&parents, |_| 1);
             let n = parents.len();
             let mut part = vec![usize::MAX; n];
