@@ -44,22 +44,14 @@ pub fn count_below(stiffness: CsMatView<'_, f64>, mass: &Mass, value: f64) -> Re
 
 #[cfg(test)]
 mod tests {
-    use sprs::TriMat;
-
     use super::*;
+    use crate::sparse::path::path;
 
     #[test]
     fn counts_are_those_of_a_path() {
         // 2 - 2 cos(pi i / n), i from 0.
         let n = 30;
-        let mut path = TriMat::new((n, n));
-        for i in 1..n {
-            for (a, b) in [(i - 1, i), (i, i - 1)] {
-                path.add_triplet(a, b, -1.0);
-                path.add_triplet(a, a, 1.0);
-            }
-        }
-        let path = path.to_csr::<usize>();
+        let path = path(n);
         let mass = Mass::Lumped(vec![2.0; n]);
         let value = |i: f64| 1.0 - (std::f64::consts::PI * i / n as f64).cos();
         for i in 0..n {

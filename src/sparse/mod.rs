@@ -10,6 +10,8 @@ mod eigs;
 mod lanczos;
 mod mass;
 mod options;
+#[cfg(test)]
+mod path;
 mod problem;
 mod product;
 mod shifted;

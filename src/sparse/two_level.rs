@@ -1,7 +1,7 @@
 //! The smallest eigenpairs of a large pencil from those of a small one.
 
-use faer::Mat;
-use sprs::{CsMat, CsMatView};
+use faer::{Mat, MatRef};
+use sprs::{CsMat, CsMatView, TriMat};
 
 use super::Mass;
 use super::certificate::{ROUNDINGS, certify};
@@ -32,11 +32,12 @@ const STEPS: usize = 4;
 /// dimensions.
 ///
 /// Eigenvalues are those of a projection, so the i-th is never below the i-th of the pencil. How far
-/// above depends on P; [`Eigenpairs::residuals`] bounds it from the result alone, but widely:
-/// they are often a hundred times the relative errors of the eigenvalues. `options.tolerance` is
+/// above depends on P, and on W: about 0.1 % for scans with even triangles, several per cent for long
+/// thin ones (docs/algorithms/eigen.md). [`Eigenpairs::residuals`] bounds it from the result alone, but
+/// widely: they may be a thousand times the relative errors of the eigenvalues. `options.tolerance` is
 /// not asked of them; `options.max_restarts` and the seed are those of the coarse problem. The result
-/// is the same, bit for bit, for every `options.par`. Memory: `5 k / 4 + 20` vectors of n, and
-/// what the coarse problem takes.
+/// is the same, bit for bit, for every `options.par`. Memory: `k + max(8, k / 4) + 64` vectors of n, the
+/// result, and what the coarse problem takes.
 ///
 /// ```
 /// use catamaran::{prelude::*, decimate::{DecimateOptions, decimate}, mesh::families};
@@ -64,15 +65,17 @@ pub fn eigs_two_level(
     options: &EigenOptions<'_>,
 ) -> Result<Eigenpairs> {
     check(stiffness, mass, options)?;
-    let coarse_space = used_columns(stiffness.rows(), prolongation, options)?;
+    check_options(options)?;
+    let coarse_space = used_columns(stiffness.rows(), prolongation, options.k)?;
     let p = coarse_space.view();
     let k = options.k;
     // The span should hold what the last pairs would otherwise be mixed with.
     let spanned = (k + 8.max(k / 4)).min(p.cols());
     let progress = options.progress;
     progress.report(0.02)?;
-    let (mut small_stiffness, small_mass) =
-        (congruent(p, stiffness), congruent(p, full(mass).view()));
+    let transposed = p.transpose_view().to_csr();
+    let coarse = |a: CsMatView<'_, f64>| congruent(p, transposed.view(), a);
+    let (mut small_stiffness, small_mass) = (coarse(stiffness), coarse(full(mass).view()));
     lift(&mut small_stiffness);
     let small_options = EigenOptions {
         k: spanned,
@@ -85,12 +88,11 @@ pub fn eigs_two_level(
     let mut vectors = zeros(n, spanned)?;
     multiply_symmetric_or_rows(p, small.vectors.as_ref(), vectors.as_mut(), par);
 
-    let smoother = Smoother::new(stiffness, mass, par);
+    let mut smoother = Smoother::new(stiffness, mass, spanned, par)?;
     let mut values = small.values;
-    let mut images = [zeros(n, spanned)?, zeros(n, spanned)?];
     for step in 0..STEPS {
-        smoother.apply(&values, &mut vectors, &mut images)?;
-        values = smoother.rotate(&mut vectors, &mut images)?;
+        smoother.apply(&values, &mut vectors)?;
+        values = smoother.rotate(&mut vectors)?;
         progress.report(0.5 + 0.45 * (step + 1) as f64 / STEPS as f64)?;
     }
     let (pencil, found) = (WholePencil { stiffness, mass }, vectors.as_ref().subcols(0, k));
@@ -100,24 +102,27 @@ pub fn eigs_two_level(
     Ok(ascending(&values[..k], found, &certificate.residuals, small.solves, true))
 }
 
-/// The prolongation without columns of zeros only, which have no mass.
-fn used_columns(
-    n: usize,
-    prolongation: CsMatView<'_, f64>,
-    options: &EigenOptions<'_>,
-) -> Result<CsMat<f64>> {
-    let refuse = |what, why: String| Err(Error::Argument { what, why });
+/// Refuses options that make no sense for two levels.
+fn check_options(options: &EigenOptions<'_>) -> Result<()> {
+    let refuse = |what, why: &str| Err(Error::Argument { what, why: why.into() });
     if options.shift.is_some() {
-        return refuse("shift", "two levels find the smallest eigenvalues only".into());
+        return refuse("shift", "two levels find the smallest eigenvalues only");
     }
     if options.verify_count {
-        return refuse("verify_count", "what two levels find is approximate".into());
+        return refuse("verify_count", "what two levels find is approximate");
     }
-    Error::check_shape("prolongation", (n, prolongation.cols()), prolongation.shape())?;
+    Ok(())
+}
+
+/// The prolongation, to n rows, without columns of zeros only, which have no mass; of these at least
+/// k have to be left.
+fn used_columns(n: usize, prolongation: CsMatView<'_, f64>, k: usize) -> Result<CsMat<f64>> {
+    let columns = prolongation.cols();
+    Error::check_shape("prolongation", (n, columns), prolongation.shape())?;
     if !prolongation.is_csr() {
-        return refuse("prolongation", "must be stored by rows".into());
+        return Err(Error::Argument { what: "prolongation", why: "must be stored by rows".into() });
     }
-    let mut used = vec![false; prolongation.cols()];
+    let mut used = vec![false; columns];
     for (i, row) in prolongation.outer_iterator().enumerate() {
         for (j, &x) in row.iter() {
             if !x.is_finite() {
@@ -126,34 +131,22 @@ fn used_columns(
             used[j] |= x != 0.0;
         }
     }
-    let mut count = 0;
-    let place: Vec<usize> = used
-        .iter()
-        .map(|&used| {
-            count += usize::from(used);
-            count
-        })
-        .collect();
-    if options.k > count {
-        let why = format!("{} eigenpairs from a coarse space of {count} dimensions", options.k);
-        return refuse("k", why);
+    let used: Vec<usize> = (0..columns).filter(|&j| used[j]).collect();
+    if k > used.len() {
+        let why = format!("{k} eigenpairs from a coarse space of {} dimensions", used.len());
+        return Err(Error::Argument { what: "k", why });
     }
-    let entries = prolongation
-        .outer_iterator()
-        .flat_map(|row| row.iter().map(|(j, &x)| (j, x)).collect::<Vec<_>>());
-    let (columns, values) =
-        entries.filter(|(_, x)| *x != 0.0).map(|(j, x)| (place[j] - 1, x)).unzip();
-    let mut starts = vec![0];
-    for row in prolongation.outer_iterator() {
-        let before = starts[starts.len() - 1];
-        starts.push(before + row.iter().filter(|(_, x)| **x != 0.0).count());
-    }
-    Ok(CsMat::new((n, count), starts, columns, values))
+    let mut chosen = TriMat::new((columns, used.len()));
+    used.iter().enumerate().for_each(|(place, &j)| chosen.add_triplet(j, place, 1.0));
+    Ok(&prolongation * &chosen.to_csr::<usize>())
 }
 
-/// `P^T A P`, symmetric to the bit.
-fn congruent(p: CsMatView<'_, f64>, a: CsMatView<'_, f64>) -> CsMat<f64> {
-    let transposed = p.transpose_view().to_csr();
+/// `P^T A P`, symmetric to the bit, of P and its transpose by rows.
+fn congruent(
+    p: CsMatView<'_, f64>,
+    transposed: CsMatView<'_, f64>,
+    a: CsMatView<'_, f64>,
+) -> CsMat<f64> {
     let by_rows = if a.is_csr() { a.to_owned() } else { a.transpose_view().to_owned() };
     let product = (&(&transposed * &by_rows) * &p).to_csr();
     let mirrored = product.transpose_view().to_csr();
@@ -185,57 +178,74 @@ fn full(mass: &Mass) -> CsMat<f64> {
     }
 }
 
+/// Vectors that are multiplied with W and M together.
+const PANEL: usize = 32;
+
 /// Makes approximate eigenvectors better.
 struct Smoother<'a> {
     pencil: WholePencil<'a>,
     /// For each row of W a step, over the sum of its magnitudes.
     steps: Vec<f64>,
+    /// W and M times a panel of vectors.
+    images: [Mat<f64>; 2],
     par: Par,
 }
 
 impl<'a> Smoother<'a> {
-    fn new(stiffness: CsMatView<'a, f64>, mass: &'a Mass, par: Par) -> Self {
+    fn new(
+        stiffness: CsMatView<'a, f64>,
+        mass: &'a Mass,
+        vectors: usize,
+        par: Par,
+    ) -> Result<Self> {
         /// Below 2 it converges for every W; errors that change from row to row fall fastest at
         /// about this.
         const STEP: f64 = 1.2;
         let sum = |row: sprs::CsVecView<'_, f64>| row.data().iter().map(|x| x.abs()).sum::<f64>();
         let step = |sum: f64| if sum > 0.0 { STEP / sum } else { 0.0 };
         let steps = stiffness.outer_iterator().map(|row| step(sum(row))).collect();
-        Self { pencil: WholePencil { stiffness, mass }, steps, par }
+        let (n, width) = (stiffness.rows(), PANEL.min(vectors));
+        let images = [zeros(n, width)?, zeros(n, width)?];
+        Ok(Self { pencil: WholePencil { stiffness, mass }, steps, images, par })
     }
 
     /// `x -= S (W x - lambda M x)` for each vector x and its value.
-    fn apply(
-        &self,
-        values: &[f64],
-        vectors: &mut Mat<f64>,
-        images: &mut [Mat<f64>; 2],
-    ) -> Result<()> {
-        self.multiply(vectors, images)?;
-        let [w, m] = &*images;
-        for_row_blocks(vectors.as_mut(), ROW_BLOCK, self.par, |first, mut x| {
-            for (j, value) in values.iter().enumerate() {
-                for i in 0..x.nrows() {
-                    let row = first + i;
-                    x[(i, j)] -= self.steps[row] * (w[(row, j)] - value * m[(row, j)]);
+    fn apply(&mut self, values: &[f64], vectors: &mut Mat<f64>) -> Result<()> {
+        for (panel, values) in values.chunks(PANEL).enumerate() {
+            let columns = panel * PANEL..panel * PANEL + values.len();
+            let [w, m] = images_of(
+                &self.pencil,
+                &mut self.images,
+                vectors.as_ref().subcols(columns.start, columns.len()),
+                self.par,
+            )?;
+            let steps = &self.steps;
+            let x = vectors.as_mut().subcols_mut(columns.start, columns.len());
+            for_row_blocks(x, ROW_BLOCK, self.par, |first, mut x| {
+                for (j, value) in values.iter().enumerate() {
+                    for i in 0..x.nrows() {
+                        let row = first + i;
+                        x[(i, j)] -= steps[row] * (w[(row, j)] - value * m[(row, j)]);
+                    }
                 }
-            }
-        });
+            });
+        }
         Ok(())
     }
 
-    /// `W X` and `M X`.
-    fn multiply(&self, x: &Mat<f64>, [w, m]: &mut [Mat<f64>; 2]) -> Result<()> {
-        self.pencil.apply_stiffness(x.as_ref(), w.as_mut(), self.par)?;
-        self.pencil.inner().apply_mass(x.as_ref(), m.as_mut(), self.par)
-    }
-
     /// Turns the vectors into the eigenvectors of the projection to their span; its eigenvalues.
-    fn rotate(&self, vectors: &mut Mat<f64>, images: &mut [Mat<f64>; 2]) -> Result<Vec<f64>> {
-        self.multiply(vectors, images)?;
-        let [w, m] = &*images;
-        let product = |y: &Mat<f64>| transposed_product(vectors.as_ref(), y.as_ref(), self.par);
-        let (mut projected, mut gram) = (product(w), product(m));
+    fn rotate(&mut self, vectors: &mut Mat<f64>) -> Result<Vec<f64>> {
+        let (x, count, par) = (vectors.as_ref(), vectors.ncols(), self.par);
+        let (mut projected, mut gram) = (Mat::zeros(count, count), Mat::zeros(count, count));
+        for first in (0..count).step_by(PANEL) {
+            let width = PANEL.min(count - first);
+            let panel = x.subcols(first, width);
+            let [w, m] = images_of(&self.pencil, &mut self.images, panel, par)?;
+            for (product, image) in [(&mut projected, w), (&mut gram, m)] {
+                let columns = transposed_product(x, image, par);
+                product.as_mut().subcols_mut(first, width).copy_from(&columns);
+            }
+        }
         let not_a_basis = |i| Error::Argument {
             what: "prolongation",
             why: format!("direction {i} of its coarse space depends on the others"),
@@ -246,33 +256,35 @@ impl<'a> Smoother<'a> {
         lower_solve_in_place(l, projected.as_mut());
         lower_solve_in_place(l, projected.as_mut().transpose_mut());
         let SymmetricEigen { values, vectors: turn } = symmetric_eigen(projected.as_ref())?;
-        divide_by_upper(vectors.as_mut(), l, self.par);
-        multiply_in_place(vectors.as_mut(), turn.as_ref(), self.par);
+        divide_by_upper(vectors.as_mut(), l, par);
+        multiply_in_place(vectors.as_mut(), turn.as_ref(), par);
         Ok(values)
     }
+}
+
+/// `W X` and `M X` of at most [`PANEL`] vectors.
+fn images_of<'m>(
+    pencil: &WholePencil<'_>,
+    [w, m]: &'m mut [Mat<f64>; 2],
+    x: MatRef<'_, f64>,
+    par: Par,
+) -> Result<[MatRef<'m, f64>; 2]> {
+    let width = x.ncols();
+    pencil.apply_stiffness(x, w.as_mut().subcols_mut(0, width), par)?;
+    pencil.inner().apply_mass(x, m.as_mut().subcols_mut(0, width), par)?;
+    Ok([w, m].map(|image| image.as_ref().subcols(0, width)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::base::Rng;
+    use crate::sparse::path::path;
 
-    /// The Laplacian of a path of n rows.
-    fn path(n: usize) -> CsMat<f64> {
-        let mut entries = sprs::TriMat::new((n, n));
-        for i in 1..n {
-            for (a, b, x) in [(i, i, 1.0), (i - 1, i - 1, 1.0), (i, i - 1, -1.0), (i - 1, i, -1.0)]
-            {
-                entries.add_triplet(a, b, x);
-            }
-        }
-        entries.to_csr()
-    }
-
-    /// Linear interpolation from every `width`-th row; the last column is of zeros only.
+    /// Linear interpolation from every `width`-th row, and a last column of zeros only.
     fn interpolation(n: usize, width: usize) -> CsMat<f64> {
         let coarse = n.div_ceil(width) + 2;
-        let mut entries = sprs::TriMat::new((n, coarse));
+        let mut entries = TriMat::new((n, coarse));
         for i in 0..n {
             let part = (i % width) as f64 / width as f64;
             entries.add_triplet(i, i / width, 1.0 - part);
@@ -307,7 +319,7 @@ mod tests {
     fn a_full_mass_and_all_of_the_fine_space_give_the_exact_values() {
         let n = 90;
         let w = path(n);
-        let mut entries = sprs::TriMat::new((n, n));
+        let mut entries = TriMat::new((n, n));
         for i in 0..n {
             entries.add_triplet(i, i, 4.0);
             if i > 0 {
@@ -328,7 +340,7 @@ mod tests {
         let n = 600;
         let (w, mass) = (path(n), Mass::identity(n));
         let p = interpolation(n, 6);
-        let (mut twice, columns) = (sprs::TriMat::new((n, 2 * p.cols())), p.cols());
+        let (mut twice, columns) = (TriMat::new((n, 2 * p.cols())), p.cols());
         for (x, (i, j)) in p.iter() {
             twice.add_triplet(i, j, *x);
             if j % 3 > 0 {

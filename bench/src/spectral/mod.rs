@@ -24,7 +24,7 @@ pub use frequencies::{Frequencies, eigenpowers, frequencies};
 pub use noise::{PRODUCTS, cardinality, noise};
 pub use ranks::ranks;
 pub use refinement::{REFINEMENTS, refinement};
-pub use shapes::{Pair, Shape, Shapes};
+pub use shapes::{Pair, Shape, Shapes, nearest_vertices};
 pub use stability::{MOST, sizes, stability};
 pub use table::{Table, average};
 pub use transfer::{SETTINGS, Setting, transfer};

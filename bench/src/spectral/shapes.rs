@@ -3,10 +3,14 @@
 use std::path::PathBuf;
 use std::rc::Rc;
 
+use catamaran::Par;
+use catamaran::base::Progress;
 use catamaran::decimate::{DecimateOptions, Place, decimate};
+use catamaran::faer::Mat;
 use catamaran::mesh::{Components, LaplacianOptions, Normalization, TriMesh, families, laplacian};
 use catamaran::sparse::{CsMat, EigenOptions, eigs};
 use catamaran::spectral::Eigenbasis;
+use catamaran::spectral::functional_map::nearest_rows;
 use catamaran::spectral::test_functions::geodesic_cells;
 
 use crate::Result;
@@ -316,7 +320,7 @@ fn figure(cells: usize, pose: f64, k: usize) -> Result<Rc<Shape>> {
 fn figures(from: (usize, f64), to: (usize, f64), k: usize) -> Result<Pair> {
     let (source, target) = (figure(from.0, from.1, k)?, figure(to.0, to.1, k)?);
     let rest = |cells| families::figure(cells, 0.0);
-    let truth = nearest(rest(from.0)?.vertices(), rest(to.0)?.vertices());
+    let truth = nearest_vertices(&rest(from.0)?, &rest(to.0)?)?;
     Ok(Pair::new(&source, &target, truth))
 }
 
@@ -350,13 +354,16 @@ fn square(p: &[f64; 3], q: &[f64; 3]) -> f64 {
     (0..3).map(|i| (p[i] - q[i]).powi(2)).sum()
 }
 
-/// For each of `to` the index of the nearest of `from`.
-fn nearest(from: &[[f64; 3]], to: &[[f64; 3]]) -> Vec<u32> {
-    let index = |q: &[f64; 3]| {
-        let distances = from.iter().map(|p| square(p, q)).enumerate();
-        distances.min_by(|x, y| x.1.total_cmp(&y.1)).map_or(0, |(i, _)| i as u32)
-    };
-    to.iter().map(index).collect()
+/// For each vertex of `to` the nearest of `from`, the first of equals.
+///
+/// # Errors
+/// When `from` has no vertices.
+pub fn nearest_vertices(from: &TriMesh, to: &TriMesh) -> Result<Vec<u32>> {
+    let points =
+        |mesh: &TriMesh| Mat::from_fn(mesh.vertices().len(), 3, |i, k| mesh.vertices()[i][k]);
+    let (queries, candidates) = (points(to), points(from));
+    let par = Par::all();
+    Ok(nearest_rows(queries.as_ref(), candidates.as_ref(), par, Progress::none())?)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-use faer::MatMut;
+use faer::ColMut;
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use sprs::CsMat;
 
@@ -145,7 +145,7 @@ impl HeatMethod {
         }
         let warm = |v: usize| warm[self.components[v] as usize];
         let mut heat = right;
-        self.heat.solve(as_column(&mut heat), self.par)?;
+        self.heat.solve(ColMut::from_slice_mut(&mut heat).as_mat_mut(), self.par)?;
         let is_cold = |v: usize| heat[v].is_nan() || heat[v].abs() <= COLD;
         if let Some(v) = (0..n).find(|&v| warm(v) && is_cold(v)) {
             let what = "too many edges away for the heat to arrive; it takes a longer time".into();
@@ -158,7 +158,7 @@ impl HeatMethod {
             }
         }
         let mut distances = slopes;
-        self.poisson.solve(as_column(&mut distances), self.par)?;
+        self.poisson.solve(ColMut::from_slice_mut(&mut distances).as_mat_mut(), self.par)?;
         let mut least = vec![f64::INFINITY; n];
         for v in 0..n {
             let least = &mut least[self.components[v] as usize];
@@ -200,12 +200,6 @@ impl HeatMethod {
         }
         slopes
     }
-}
-
-/// A vector as a matrix of one column.
-fn as_column(x: &mut [f64]) -> MatMut<'_, f64> {
-    let n = x.len();
-    MatMut::from_column_major_slice_mut(x, n, 1)
 }
 
 /// The matrix with the same places and other entries.

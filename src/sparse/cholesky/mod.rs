@@ -16,7 +16,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
 use crate::base::{Error, Par, Result, zeros};
 use crate::dense::buffer;
-use sweeps::{Sweeps, Values};
+use sweeps::Sweeps;
 
 /// The order of elimination and the places of the factor, the same for all matrices with the same
 /// places.
@@ -130,11 +130,7 @@ pub(crate) struct Factor {
 impl Factor {
     /// `X := A^-1 X`; the same for every `par`, bit for bit.
     pub fn solve(&self, x: MatMut<'_, f64>, par: Par) -> Result<()> {
-        let values = match &self.subdiagonal {
-            None => Values::Positive(&self.values),
-            Some(subdiagonal) => Values::Indefinite(&self.values, subdiagonal),
-        };
-        self.sweeps.solve(values, x, par)
+        self.sweeps.solve(&self.values, self.subdiagonal.as_deref(), x, par)
     }
 
     /// Negative eigenvalues of the matrix, by Sylvester's law of inertia: those of B.
@@ -161,19 +157,8 @@ mod tests {
     use super::*;
     use crate::base::Rng;
     use crate::sparse::Mass;
+    use crate::sparse::path::path;
     use crate::sparse::shifted::Shifted;
-
-    /// The Laplacian of a path, whose eigenvalues are `2 - 2 cos(pi i / n)`.
-    fn path(n: usize) -> CsMat<f64> {
-        let mut entries = TriMat::new((n, n));
-        for i in 1..n {
-            for (a, b, x) in [(i, i, 1.0), (i - 1, i - 1, 1.0), (i, i - 1, -1.0), (i - 1, i, -1.0)]
-            {
-                entries.add_triplet(a, b, x);
-            }
-        }
-        entries.to_csr()
-    }
 
     #[test]
     fn inertia_counts_the_eigenvalues_below_a_shift() {

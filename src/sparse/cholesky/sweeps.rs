@@ -50,13 +50,11 @@ struct Part {
     above: Vec<u32>,
 }
 
-/// The values of a factor.
+/// The values of a factor, and what B has below its diagonal, if it has a B.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Values<'a> {
-    /// `L L^T`.
-    Positive(&'a [f64]),
-    /// `L B L^T`: L with B in place of its unit diagonal, and what B has below its diagonal.
-    Indefinite(&'a [f64], &'a [f64]),
+struct Factor<'a> {
+    values: &'a [f64],
+    subdiagonal: &'a [f64],
 }
 
 impl Sweeps {
@@ -142,23 +140,45 @@ impl Sweeps {
         self.subtrees.iter().chain([&self.top]).map(Part::rows).sum()
     }
 
-    /// `X := A^-1 X` for the matrix with this factor. The same for every `par`, bit for bit.
-    pub fn solve(&self, values: Values<'_>, mut x: MatMut<'_, f64>, par: Par) -> Result<()> {
+    /// `X := A^-1 X` for the matrix with these values of its factor: `L L^T`, or, where what B has
+    /// below its diagonal is given, `L B L^T`, of which the values have B in place of the unit
+    /// diagonal of L. The same for every `par`, bit for bit.
+    pub fn solve(
+        &self,
+        values: &[f64],
+        subdiagonal: Option<&[f64]>,
+        mut x: MatMut<'_, f64>,
+        par: Par,
+    ) -> Result<()> {
         let mut kept = self.kept.try_lock();
         let mut own = Vec::new();
         let rows = kept.as_deref_mut().unwrap_or(&mut own);
         if rows.is_empty() {
             *rows = zeros(self.rows())?;
         }
+        let solve_block = match (subdiagonal.is_some(), self.fused) {
+            (false, false) => Self::solve_block::<false, false>,
+            (false, true) => Self::solve_block::<false, true>,
+            (true, false) => Self::solve_block::<true, false>,
+            (true, true) => Self::solve_block::<true, true>,
+        };
+        let factor = Factor { values, subdiagonal: subdiagonal.unwrap_or(&[]) };
         for first in (0..x.ncols()).step_by(WIDTH) {
             let width = WIDTH.min(x.ncols() - first);
-            self.solve_block(values, x.rb_mut().subcols_mut(first, width), rows, par);
+            solve_block(self, factor, x.rb_mut().subcols_mut(first, width), rows, par);
         }
         Ok(())
     }
 
-    /// [`Sweeps::solve`] for at most [`WIDTH`] columns, with memory for all rows of all parts.
-    fn solve_block(&self, values: Values<'_>, x: MatMut<'_, f64>, rows: &mut [Row], par: Par) {
+    /// [`Sweeps::solve`] for at most [`WIDTH`] columns, with memory for all rows of all parts. With
+    /// `UNIT` the factor is that of `L B L^T`; for `FUSED` see [`Supernode::down`].
+    fn solve_block<const UNIT: bool, const FUSED: bool>(
+        &self,
+        factor: Factor<'_>,
+        x: MatMut<'_, f64>,
+        rows: &mut [Row],
+        par: Par,
+    ) {
         let x = Disjoint::new(x);
         let (top, mut rest) = rows.split_at_mut(self.top.rows());
         let mut subtrees = Vec::with_capacity(self.subtrees.len());
@@ -170,7 +190,7 @@ impl Sweeps {
         par.for_each(subtrees.iter_mut(), |_, (part, rows)| {
             // SAFETY: each row is one part's own.
             unsafe { part.gather(&x, rows) };
-            self.down(part, values, rows);
+            self.down::<UNIT, FUSED>(part, factor, rows);
         });
         // SAFETY: as above, and no other part is at work.
         unsafe { self.top.gather(&x, top) };
@@ -180,8 +200,8 @@ impl Sweeps {
                 *row = std::array::from_fn(|j| row[j] + change[j]);
             }
         }
-        self.down(&self.top, values, top);
-        self.up(&self.top, values, top);
+        self.down::<UNIT, FUSED>(&self.top, factor, top);
+        self.up::<UNIT, FUSED>(&self.top, factor, top);
         // SAFETY: as above.
         unsafe { self.top.scatter(&x, top) };
         let top = &*top;
@@ -189,51 +209,38 @@ impl Sweeps {
             for (row, &i) in rows[part.own.len()..].iter_mut().zip(&part.above) {
                 *row = top[i as usize];
             }
-            self.up(part, values, rows);
+            self.up::<UNIT, FUSED>(part, factor, rows);
             // SAFETY: as above.
             unsafe { part.scatter(&x, rows) };
         });
     }
 
     /// `x := L^-1 x`, of the part's own rows, with what follows for those above.
-    fn down(&self, part: &Part, values: Values<'_>, x: &mut [Row]) {
-        match (values, self.fused) {
-            (Values::Positive(l), true) => self.down_as::<false, true>(part, l, x),
-            (Values::Positive(l), false) => self.down_as::<false, false>(part, l, x),
-            (Values::Indefinite(l, _), true) => self.down_as::<true, true>(part, l, x),
-            (Values::Indefinite(l, _), false) => self.down_as::<true, false>(part, l, x),
-        }
-    }
-
-    fn down_as<const UNIT: bool, const FUSED: bool>(&self, part: &Part, l: &[f64], x: &mut [Row]) {
+    fn down<const UNIT: bool, const FUSED: bool>(
+        &self,
+        part: &Part,
+        factor: Factor<'_>,
+        x: &mut [Row],
+    ) {
         widest(
             #[inline(always)]
             || {
                 for node in &self.nodes[part.nodes.clone()] {
                     let targets = &self.targets[node.targets.clone()];
-                    node.supernode.down::<UNIT, FUSED>(l, node.first, targets, x);
+                    node.supernode.down::<UNIT, FUSED>(factor.values, node.first, targets, x);
                 }
             },
         );
     }
 
     /// `x := B^-1 x` and `x := L^-T x`, of the part's own rows; those above are known.
-    fn up(&self, part: &Part, values: Values<'_>, x: &mut [Row]) {
-        match (values, self.fused) {
-            (Values::Positive(l), true) => self.up_as::<false, true>(part, l, &[], x),
-            (Values::Positive(l), false) => self.up_as::<false, false>(part, l, &[], x),
-            (Values::Indefinite(l, b), true) => self.up_as::<true, true>(part, l, b, x),
-            (Values::Indefinite(l, b), false) => self.up_as::<true, false>(part, l, b, x),
-        }
-    }
-
-    fn up_as<const UNIT: bool, const FUSED: bool>(
+    fn up<const UNIT: bool, const FUSED: bool>(
         &self,
         part: &Part,
-        l: &[f64],
-        subdiagonal: &[f64],
+        factor: Factor<'_>,
         x: &mut [Row],
     ) {
+        let Factor { values, subdiagonal } = factor;
         let mut rows = Vec::new();
         widest(
             #[inline(always)]
@@ -243,14 +250,14 @@ impl Sweeps {
                 {
                     let own = *first..first + supernode.columns;
                     if UNIT {
-                        for (i, block) in supernode.blocks(l, subdiagonal) {
+                        for (i, block) in supernode.blocks(values, subdiagonal) {
                             block.solve(&mut x[first + i..]);
                         }
                     }
                     rows.clear();
                     rows.extend_from_slice(&x[own.clone()]);
                     rows.extend(self.targets[targets.clone()].iter().map(|&i| x[i as usize]));
-                    supernode.up::<UNIT, FUSED>(l, &mut rows);
+                    supernode.up::<UNIT, FUSED>(values, &mut rows);
                     x[own].copy_from_slice(&rows[..supernode.columns]);
                 }
             },

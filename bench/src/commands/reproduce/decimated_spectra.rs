@@ -6,14 +6,21 @@ use catamaran::Par;
 use catamaran::decimate::{DecimateOptions, decimate};
 use catamaran::faer::Mat;
 use catamaran::mesh::{Laplacian, LaplacianOptions, TriMesh, families, laplacian};
-use catamaran::sparse::{EigenOptions, Eigenpairs, eigs, eigs_two_level};
+use catamaran::sparse::{EigenOptions, eigs, eigs_two_level};
+use catamaran::spectral::Basis;
+use catamaran::spectral::functional_map::map_from_points;
 use catamaran_bench::Result;
 use catamaran_bench::decimate::{Input, Inputs, Rivals, Row, race};
+use catamaran_bench::spectral::nearest_vertices;
 
 use super::decimate::{Curves, FIGURES, plot, record};
 use super::{Arguments, Report};
 
 pub use super::decimate::HEADER;
+
+/// Real meshes of about 40,000 vertices.
+const REAL: [&str; 3] =
+    ["armadillo43k.obj.gz", "refined_elephant44k.off.gz", "nefertiti35k.obj.gz"];
 
 /// Eigenpairs that are compared, without the zero.
 const PAIRS: usize = 50;
@@ -38,7 +45,7 @@ fn figure(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
          with the Laplacians (Lescoat et al. 2020), |C L - L' C| / |C L|.\n"
     ));
     let mut shapes = Vec::new();
-    for file in ["armadillo43k.obj.gz", "refined_elephant44k.off.gz", "nefertiti35k.obj.gz"] {
+    for file in REAL {
         shapes.extend(inputs.real(file)?);
     }
     if shapes.is_empty() {
@@ -53,7 +60,7 @@ fn figure(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
             input.name,
             input.mesh.vertices().len()
         ));
-        let mut values: Curves = vec![("input".into(), indexed(&truth.values()))];
+        let mut values: Curves = vec![("input".into(), indexed(&truth.values))];
         let mut diagonals: Curves = Vec::new();
         for row in race(&FIGURES, rivals, inputs, input, n, 2, 1)? {
             compare(report, (input, n), &truth, &row, (&mut values, &mut diagonals))?;
@@ -77,8 +84,8 @@ fn compare(
 ) -> Result<()> {
     let (who, found) = (row.contender.name(), Spectrum::of(&row.made)?);
     let ratio = row.made.area() / case.0.mesh.area();
-    let as_it_is = differences(&found.values(), &truth.values(), 1.0);
-    let at_equal_area = differences(&found.values(), &truth.values(), ratio);
+    let as_it_is = differences(&found.values, &truth.values, 1.0);
+    let at_equal_area = differences(&found.values, &truth.values, ratio);
     let map = Map::between(truth, &found)?;
     let measures = [
         ("mean_percent", as_it_is[0]),
@@ -92,7 +99,7 @@ fn compare(
     let cells: Vec<_> = measures.iter().map(|(_, value)| format!("{value:.3}")).collect();
     report.say(&format!("| {who} | {} |", cells.join(" | ")));
     record(report, "5.11", case, who, &measures);
-    values.push((who.to_owned(), indexed(&found.values())));
+    values.push((who.to_owned(), indexed(&found.values)));
     diagonals.push((who.to_owned(), indexed(&map.entries)));
     Ok(())
 }
@@ -110,24 +117,21 @@ fn differences(values: &[f64], right: &[f64], scale: f64) -> [f64; 2] {
     each.fold([0.0, 0.0f64], |[sum, largest], d| [sum + d / count, largest.max(d)])
 }
 
-/// The first eigenpairs of a mesh.
+/// The first eigenpairs of a mesh, without the zero.
 struct Spectrum {
     mesh: TriMesh,
-    operator: Laplacian,
-    pairs: Eigenpairs,
+    values: Vec<f64>,
+    functions: Basis,
 }
 
 impl Spectrum {
     fn of(mesh: &TriMesh) -> Result<Self> {
         let mesh = mesh.without_unreferenced()?.mesh;
-        let operator = laplacian(&mesh, &LaplacianOptions::default())?;
-        let options = EigenOptions::new().k(PAIRS + 1);
-        let pairs = eigs(operator.stiffness.view(), &operator.mass, &options)?;
-        Ok(Self { mesh, operator, pairs })
-    }
-
-    fn values(&self) -> Vec<f64> {
-        self.pairs.values[1..].to_vec()
+        let Laplacian { stiffness, mass, .. } = laplacian(&mesh, &LaplacianOptions::default())?;
+        let pairs = eigs(stiffness.view(), &mass, &EigenOptions::new().k(PAIRS + 1))?;
+        let functions = pairs.vectors.subcols(1, PAIRS).to_owned();
+        let functions = Basis::orthonormal(functions, mass)?;
+        Ok(Self { mesh, values: pairs.values[1..].to_vec(), functions })
     }
 }
 
@@ -142,15 +146,11 @@ struct Map {
 
 impl Map {
     fn between(input: &Spectrum, small: &Spectrum) -> Result<Self> {
-        let nearest = nearest(&small.mesh, &input.mesh);
-        let (phi, psi) = (&input.pairs.vectors, &small.pairs.vectors);
-        let pulled = Mat::from_fn(nearest.len(), PAIRS, |i, j| phi[(nearest[i], j + 1)]);
-        let mut weighted = Mat::zeros(nearest.len(), PAIRS);
-        small.operator.mass.multiply(pulled.as_ref(), weighted.as_mut(), Par::all())?;
-        let c = psi.as_ref().subcols(1, PAIRS).transpose() * &weighted;
+        let nearest = nearest_vertices(&input.mesh, &small.mesh)?;
+        let c = map_from_points(&nearest, &input.functions, &small.functions, Par::all())?;
         let squares = |m: &Mat<f64>| m.squared_norm_l2();
         let excess = c.transpose() * &c - Mat::<f64>::identity(PAIRS, PAIRS);
-        let (from, to) = (input.values(), small.values());
+        let (from, to) = (&input.values, &small.values);
         let after = Mat::from_fn(PAIRS, PAIRS, |i, j| c[(i, j)] * from[j]);
         let before = Mat::from_fn(PAIRS, PAIRS, |i, j| to[i] * c[(i, j)]);
         let entries: Vec<f64> = (0..PAIRS).map(|i| c[(i, i)].abs()).collect();
@@ -163,18 +163,6 @@ impl Map {
     }
 }
 
-/// For each vertex of the first mesh the nearest of the second.
-fn nearest(from: &TriMesh, to: &TriMesh) -> Vec<usize> {
-    use rayon::prelude::*;
-
-    let square = |p: [f64; 3], q: [f64; 3]| (0..3).map(|k| (p[k] - q[k]).powi(2)).sum::<f64>();
-    let find = |p: &[f64; 3]| {
-        let distances = to.vertices().iter().map(|q| square(*p, *q)).enumerate();
-        distances.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i)
-    };
-    from.vertices().par_iter().map(find).collect()
-}
-
 /// Spectra by way of a decimation, beside the full ones and those of the decimation's own Laplacian.
 fn two_levels(report: &mut Report, inputs: &Inputs) -> Result<()> {
     report.say(&format!(
@@ -185,7 +173,7 @@ fn two_levels(report: &mut Report, inputs: &Inputs) -> Result<()> {
          |---|---|---|---|---|---|---|---|"
     ));
     let mut cases = vec![(inputs.of("terrain1000", families::terrain(1000, 1000, 1)?)?, 10_000)];
-    for file in ["armadillo43k.obj.gz", "refined_elephant44k.off.gz", "nefertiti35k.obj.gz"] {
+    for file in REAL {
         cases.extend(inputs.real(file)?.map(|input| (input, 5000)));
     }
     cases.extend(inputs.real("srtm_n44w072_1p44M.ply.xz")?.map(|input| (input, 10_000)));
@@ -203,7 +191,7 @@ fn two_levels(report: &mut Report, inputs: &Inputs) -> Result<()> {
         let seconds = start.elapsed().as_secs_f64();
         let own = Spectrum::of(&small.mesh)?;
         let [mean, largest] = differences(&found.values[1..], &full.values[1..], 1.0);
-        let [own_mean, _] = differences(&own.values(), &full.values[1..], 1.0);
+        let [own_mean, _] = differences(&own.values, &full.values[1..], 1.0);
         report.say(&format!(
             "| {} | {} | {n} | {mean:.3} | {largest:.3} | {own_mean:.3} | {seconds:.1} | {full_seconds:.1} |",
             input.name,
