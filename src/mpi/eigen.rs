@@ -1,28 +1,31 @@
 //! Eigenpairs of a pencil whose rows are spread over the ranks: the iteration of [`crate::sparse`] with a basis that is
-//! spread, and a factor that every rank has (docs/algorithms/eigen.md says why).
+//! spread, and a factorisation that is (docs/algorithms/eigen.md).
 
-use faer::{Mat, MatMut, MatRef};
+use faer::{MatMut, MatRef};
 use sprs::CsMatView;
 
 use super::call::Call;
-use super::exchange::{Rows, exchange};
-use super::memory::{entries, put_entries};
+use super::exchange::Rows;
+use super::factor::SpreadShifts;
 use super::spread::{
     SpreadMass, SpreadMatrix, check_mass_shape, check_rows, gather_mass, gather_matrix, mass_fact,
 };
 use super::world::{Operation, World, number_fact};
 use crate::base::{Error, Par, Result};
-use crate::dense::zeros;
-use crate::sparse::{EigenOptions, Eigenpairs, InnerSpace, Mass, Pencil, check_problem, eigs_of};
+use crate::sparse::{
+    EigenOptions, Eigenpairs, InnerSpace, Mass, Pencil, Problem, check_problem,
+    multiply_by_differences, multiply_magnitudes, one_window, without_iteration,
+};
 
 /// [`sparse::eigs`](crate::sparse::eigs()) of matrices of which every rank has some rows, in the order of the ranks, 0
 /// included: `stiffness` is own rows x n, stored by rows; `mass` is the lumped masses of the own rows, or own rows x n of
 /// a full mass matrix. Every rank gets all eigenvalues and residuals, and its rows of the eigenvectors.
 ///
-/// The basis, `2 k + 80` vectors, is spread, and so is all work with it; every rank holds both matrices and the factor
-/// of `W - sigma M`, and solves for its share of the eight right-hand sides of a step. The start does not depend on the
-/// number of ranks, the rounding does. Small matrices are treated by every rank, and must come out the same everywhere,
-/// so that all need the same instruction set.
+/// The basis, `2 k + 80` vectors, is spread, and so are all work with it and the factorisation of `W - sigma M`: each
+/// rank eliminates a domain of about n / P rows, and every rank the Schur complement of the interface between them. At the
+/// beginning every rank reads both matrices to choose the domains. The start does not depend on the number of ranks, the
+/// rounding does. Small matrices, and the interface, are treated by every rank, and must come out the same everywhere, so
+/// that all need the same instruction set.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, eigs};
@@ -68,22 +71,28 @@ pub fn eigs(
         Error::check_shape("stiffness", (n, n), (rows.count(), n))?;
         check_rows("stiffness", stiffness, own, n)?;
         check_mass_shape(mass, &rows)?;
-        let whole = gather_matrix(call, &rows, stiffness)?;
-        let whole_mass = gather_mass(call, &rows, mass)?;
-        check_problem(whole.view(), &whole_mass, options)?;
         let pencil = SpreadPencil {
             call,
-            rows: &rows,
             stiffness: SpreadMatrix::new(call, &rows, stiffness)?,
             mass: SpreadMass::new(call, &rows, mass)?,
         };
-        eigs_of(&pencil, whole.view(), &whole_mass, options)
+        let problem = {
+            let whole = gather_matrix(call, &rows, stiffness)?;
+            let whole_mass = gather_mass(call, &rows, mass)?;
+            check_problem(whole.view(), &whole_mass, options)?;
+            if let Some(pairs) = without_iteration(&pencil, whole.view(), &whole_mass, options)? {
+                return Ok(pairs);
+            }
+            let shifts = SpreadShifts::new(call, &rows, whole.view(), &whole_mass, options.par)?;
+            Problem::new(&pencil, whole.view(), &whole_mass, Box::new(shifts))
+        };
+        options.progress.report(0.01)?;
+        one_window(&problem, options)
     })
 }
 
 struct SpreadPencil<'c> {
     call: &'c Call<'c>,
-    rows: &'c Rows,
     stiffness: SpreadMatrix,
     mass: SpreadMass<'c>,
 }
@@ -97,44 +106,16 @@ impl Pencil for SpreadPencil<'_> {
         self.stiffness.multiply(self.call, x, y, par)
     }
 
-    fn map_columns(
-        &self,
-        x: MatMut<'_, f64>,
-        map: &dyn Fn(MatMut<'_, f64>) -> Result<()>,
-    ) -> Result<()> {
-        by_columns(self.call, self.rows, x, map)
+    fn apply_differences(&self, x: MatRef<'_, f64>, y: MatMut<'_, f64>, par: Par) -> Result<()> {
+        let rows = self.stiffness.rows();
+        let extended = self.stiffness.extended(self.call, x)?;
+        multiply_by_differences(rows, extended.as_ref(), y, par);
+        Ok(())
     }
-}
 
-/// Applies `map` to X: to its share of the columns on each rank, with all rows.
-fn by_columns(
-    call: &Call<'_>,
-    rows: &Rows,
-    mut x: MatMut<'_, f64>,
-    map: &dyn Fn(MatMut<'_, f64>) -> Result<()>,
-) -> Result<()> {
-    let (ranks, count) = (rows.ranks(), x.ncols());
-    let columns = |rank: usize| rank * count / ranks..(rank + 1) * count / ranks;
-    let own = columns(call.world.rank());
-    let outgoing = (0..ranks)
-        .map(|rank| entries(x.as_ref().subcols(columns(rank).start, columns(rank).len())))
-        .collect::<Result<_>>()?;
-    let lens: Vec<usize> = (0..ranks).map(|rank| rows.of(rank).len() * own.len()).collect();
-    let parts = exchange(call, outgoing, &lens)?;
-    let mut whole: Mat<f64> = zeros(rows.count(), own.len())?;
-    for (rank, part) in parts.iter().enumerate() {
-        let span = rows.of(rank);
-        put_entries(whole.as_mut().subrows_mut(span.start, span.len()), part);
+    fn apply_magnitudes(&self, x: MatRef<'_, f64>, y: MatMut<'_, f64>) -> Result<()> {
+        let extended = self.stiffness.extended(self.call, x)?;
+        multiply_magnitudes(self.stiffness.rows(), extended.as_ref(), y);
+        Ok(())
     }
-    drop(parts);
-    map(whole.as_mut())?;
-    let outgoing = (0..ranks)
-        .map(|rank| entries(whole.as_ref().subrows(rows.of(rank).start, rows.of(rank).len())))
-        .collect::<Result<_>>()?;
-    let lens: Vec<usize> = (0..ranks).map(|rank| rows.own().len() * columns(rank).len()).collect();
-    for (rank, part) in exchange(call, outgoing, &lens)?.iter().enumerate() {
-        let span = columns(rank);
-        put_entries(x.as_mut().subcols_mut(span.start, span.len()), part);
-    }
-    Ok(())
 }

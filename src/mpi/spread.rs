@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use faer::{MatMut, MatRef};
+use faer::{Mat, MatMut, MatRef};
 use sprs::{CsMat, CsMatView};
 
 use super::call::Call;
@@ -62,6 +62,11 @@ impl SpreadMatrix {
         Ok(Self { local, asked: asked.collect(), needed })
     }
 
+    /// The own rows, with columns as in [`SpreadMatrix::extended`].
+    pub fn rows(&self) -> CsMatView<'_, f64> {
+        self.local.view()
+    }
+
     /// `Y := A X`, of own rows.
     pub fn multiply(
         &self,
@@ -70,6 +75,11 @@ impl SpreadMatrix {
         y: MatMut<'_, f64>,
         par: Par,
     ) -> Result<()> {
+        multiply(self.rows(), self.extended(call, x)?.as_ref(), y, par)
+    }
+
+    /// X with the rows of other ranks that the own rows of A need: first own rows, then those.
+    pub fn extended(&self, call: &Call<'_>, x: MatRef<'_, f64>) -> Result<Mat<f64>> {
         let (own, columns) = x.shape();
         let of = |rows: &Vec<usize>| {
             (0..columns).flat_map(|j| rows.iter().map(move |&i| x[(i, j)])).collect()
@@ -88,7 +98,7 @@ impl SpreadMatrix {
             }
             first += rows;
         }
-        multiply(self.local.view(), extended.as_ref(), y, par)
+        Ok(extended)
     }
 }
 

@@ -1,9 +1,7 @@
-use faer::prelude::{Reborrow, ReborrowMut};
+use faer::prelude::ReborrowMut;
 use faer::{Mat, MatRef};
-use sprs::CsMatView;
 
 use super::options::EigenOptions;
-use super::product::multiply_by_differences;
 use super::space::Pencil;
 use crate::base::Result;
 
@@ -24,11 +22,10 @@ pub(crate) struct Certificate {
 }
 
 /// The certificate of pairs for residuals of `options.tolerance`, or of so many `roundings` of phi, where that is more:
-/// `eps | |W| |phi| |` each in place of `|W phi - lambda M phi|` (Oettli and Prager 1964). `stiffness` is that of the
-/// pencil, with all rows; `scale` is the s of [`super::Eigenpairs`].
+/// `eps | |W| |phi| |` each in place of `|W phi - lambda M phi|` (Oettli and Prager 1964). `scale` is the s of
+/// [`super::Eigenpairs`].
 pub(crate) fn certify(
     pencil: &dyn Pencil,
-    stiffness: CsMatView<'_, f64>,
     values: &[f64],
     vectors: MatRef<'_, f64>,
     scale: f64,
@@ -44,12 +41,7 @@ pub(crate) fn certify(
         let x = vectors.subcols(chunk * COLUMNS, values.len());
         let mut w = w.as_mut().subcols_mut(0, values.len());
         let mut m = m.as_mut().subcols_mut(0, values.len());
-        w.copy_from(x);
-        pencil.map_columns(w.rb_mut(), &|whole| {
-            let x = whole.rb().to_owned();
-            multiply_by_differences(stiffness, x.as_ref(), whole, par);
-            Ok(())
-        })?;
+        pencil.apply_differences(x, w.rb_mut(), par)?;
         pencil.inner().apply_mass(x, m.rb_mut(), par)?;
         for (j, value) in values.iter().enumerate() {
             let (mut left, mut right, mut gap) = (0.0f64, 0.0f64, 0.0f64);
@@ -73,7 +65,7 @@ pub(crate) fn certify(
         let residual = gap / size;
         let mut allowed = tolerance;
         if residual > tolerance {
-            let rounding = magnitude(pencil, stiffness, vectors.subcols(j, 1))? / size;
+            let rounding = magnitude(pencil, vectors.subcols(j, 1))? / size;
             allowed = allowed.max(roundings * f64::EPSILON * rounding);
         }
         found.largest = found.largest.max(number(residual));
@@ -84,21 +76,9 @@ pub(crate) fn certify(
 }
 
 /// `| |W| |phi| |`.
-fn magnitude(
-    pencil: &dyn Pencil,
-    stiffness: CsMatView<'_, f64>,
-    phi: MatRef<'_, f64>,
-) -> Result<f64> {
-    let mut sums = phi.to_owned();
-    pencil.map_columns(sums.as_mut(), &|mut whole| {
-        let phi = whole.rb().to_owned();
-        for j in 0..whole.ncols() {
-            for (i, row) in stiffness.outer_iterator().enumerate() {
-                whole[(i, j)] = row.iter().map(|(c, w)| (w * phi[(c, j)]).abs()).sum();
-            }
-        }
-        Ok(())
-    })?;
+fn magnitude(pencil: &dyn Pencil, phi: MatRef<'_, f64>) -> Result<f64> {
+    let mut sums = Mat::zeros(phi.nrows(), 1);
+    pencil.apply_magnitudes(phi, sums.as_mut())?;
     let mut square = Mat::from_fn(1, 1, |_, _| sums.squared_norm_l2());
     pencil.inner().sum(square.as_mut())?;
     Ok(square[(0, 0)].sqrt())

@@ -37,7 +37,7 @@ pub fn count_below(stiffness: CsMatView<'_, f64>, mass: &Mass, value: f64) -> Re
         return Ok(0);
     }
     let pencil = WholePencil { stiffness, mass };
-    Problem::new(&pencil, stiffness, mass)?.count_below(value).and_then(|count| {
+    Problem::whole(&pencil)?.count_below(value).and_then(|count| {
         count.ok_or_else(|| refuse("is an eigenvalue, as far as elimination can tell"))
     })
 }

@@ -52,26 +52,31 @@ pub fn eigs(
     options: &EigenOptions<'_>,
 ) -> Result<Eigenpairs> {
     check(stiffness, mass, options)?;
-    eigs_of(&WholePencil { stiffness, mass }, stiffness, mass, options)
+    let pencil = WholePencil { stiffness, mass };
+    if let Some(pairs) = without_iteration(&pencil, stiffness, mass, options)? {
+        return Ok(pairs);
+    }
+    let problem = Problem::whole(&pencil)?;
+    options.progress.report(0.01)?;
+    one_window(&problem, options)
 }
 
-/// [`eigs`] with vectors of the rows that are here. The matrices, checked, are those of the pencil, with all rows.
-pub(crate) fn eigs_of(
+/// The pairs, where there are none or the matrices are small. These, checked, are those of the
+/// pencil, with all rows.
+pub(crate) fn without_iteration(
     pencil: &dyn Pencil,
     stiffness: CsMatView<'_, f64>,
     mass: &Mass,
     options: &EigenOptions<'_>,
-) -> Result<Eigenpairs> {
+) -> Result<Option<Eigenpairs>> {
     if options.k == 0 {
         let vectors = Mat::zeros(pencil.inner().rows().len(), 0);
-        return Ok(Eigenpairs { values: vec![], vectors, residuals: vec![], solves: 0 });
+        return Ok(Some(Eigenpairs { values: vec![], vectors, residuals: vec![], solves: 0 }));
     }
-    if basis_size(options.k) + 2 * WIDTH > stiffness.rows() {
-        return small(pencil, stiffness, mass, options);
+    match basis_size(options.k) + 2 * WIDTH > stiffness.rows() {
+        true => small(pencil, stiffness, mass, options).map(Some),
+        false => Ok(None),
     }
-    let problem = Problem::new(pencil, stiffness, mass)?;
-    options.progress.report(0.01)?;
-    one_window(&problem, options)
 }
 
 /// Refuses what is not a problem.
@@ -87,7 +92,7 @@ pub(crate) fn check(
 }
 
 /// All pairs at once.
-pub(super) fn one_window(problem: &Problem<'_>, options: &EigenOptions<'_>) -> Result<Eigenpairs> {
+pub(crate) fn one_window(problem: &Problem<'_>, options: &EigenOptions<'_>) -> Result<Eigenpairs> {
     let (sigma, factor) = match options.shift {
         Some(shift) => (shift, problem.any(shift)?),
         None => (-problem.scale, problem.positive(-problem.scale)?),
@@ -104,7 +109,7 @@ pub(super) fn one_window(problem: &Problem<'_>, options: &EigenOptions<'_>) -> R
 }
 
 /// The wanted pairs of all.
-pub(super) fn small(
+fn small(
     pencil: &dyn Pencil,
     stiffness: CsMatView<'_, f64>,
     mass: &Mass,
@@ -122,7 +127,7 @@ pub(super) fn small(
     let vectors = Mat::from_fn(rows.len(), options.k, |i, j| vectors[(rows.start + i, order[j])]);
     let (scale, vectors) = (scale(stiffness, mass), vectors.as_ref());
     let Certificate { residuals, .. } =
-        certify(pencil, stiffness, &values, vectors, scale, ROUNDINGS, options)?;
+        certify(pencil, &values, vectors, scale, ROUNDINGS, options)?;
     options.progress.report(1.0)?;
     Ok(ascending(&values, vectors, &residuals, 0, options.shift.is_none()))
 }

@@ -1,11 +1,10 @@
 //! Block Lanczos with thick restart for `(W - sigma M)^-1 M`, in the inner product of M.
 
 use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{ColMut, Mat, MatMut, MatRef, Scale};
+use faer::{ColMut, Mat, MatRef, Scale};
 
-use super::cholesky::Factor;
 use super::options::EigenOptions;
-use super::space::Pencil;
+use super::space::{Inverse, Pencil};
 use crate::base::{Error, Par, Result, Rng};
 use crate::dense::{
     SymmetricEigen, multiply_in_place, subtract_product, symmetric_eigen, transposed_product, zeros,
@@ -80,7 +79,7 @@ impl<'a> Krylov<'a> {
     }
 
     /// Starts from null vectors that are 1 on these sets of rows, as many as are wanted, and random directions.
-    pub fn lock(&mut self, factor: &Factor, sets: &[Vec<usize>]) -> Result<()> {
+    pub fn lock(&mut self, factor: &dyn Inverse, sets: &[Vec<usize>]) -> Result<()> {
         let space = self.pencil.inner();
         let here = space.rows();
         for rows in sets.iter().take(self.options.k) {
@@ -103,7 +102,7 @@ impl<'a> Krylov<'a> {
     }
 
     /// Replaces Q by random directions that have been through the operator once, and couple to nothing.
-    fn begin_anew(&mut self, factor: &Factor) -> Result<()> {
+    fn begin_anew(&mut self, factor: &dyn Inverse) -> Result<()> {
         for j in 0..WIDTH {
             let column = self.work[1].as_mut().col_mut(j);
             randomise(column, self.pencil, &mut self.rng, self.mass_norm);
@@ -111,7 +110,7 @@ impl<'a> Krylov<'a> {
         let [x, random] = &mut self.work;
         let par = self.options.par;
         self.pencil.inner().apply_mass(random.as_ref(), x.as_mut(), par)?;
-        solve(self.pencil, factor, x.as_mut(), par)?;
+        factor.solve(x.as_mut(), par)?;
         self.solves += WIDTH;
         self.orthonormalise(self.len, 0.0, None)?;
         self.coupled = self.len;
@@ -126,11 +125,11 @@ impl<'a> Krylov<'a> {
     }
 
     /// Adds Q to V, and finds the next Q.
-    fn expand(&mut self, factor: &Factor) -> Result<()> {
+    fn expand(&mut self, factor: &dyn Inverse) -> Result<()> {
         let (len, coupled, par) = (self.len, self.coupled, self.options.par);
         let x = &mut self.work[0];
         x.copy_from(&self.weighted);
-        solve(self.pencil, factor, x.as_mut(), par)?;
+        factor.solve(x.as_mut(), par)?;
         self.solves += WIDTH;
         let diagonal = inner_products(self.pencil, self.weighted.as_ref(), x.as_ref(), par)?;
         self.projected.as_mut().submatrix_mut(len, len, WIDTH, WIDTH).copy_from(&diagonal);
@@ -225,7 +224,7 @@ impl<'a> Krylov<'a> {
 
     /// Expands and restarts until the estimated residuals of the wanted pairs are small enough; the first columns of
     /// the basis are their vectors then.
-    pub fn converge(&mut self, factor: &Factor) -> Result<()> {
+    pub fn converge(&mut self, factor: &dyn Inverse) -> Result<()> {
         let k = self.options.k;
         if self.len >= k && self.found.is_empty() {
             // Null vectors are all that is wanted.
@@ -318,14 +317,14 @@ impl<'a> Krylov<'a> {
 
     /// After [`Krylov::converge`]: applies the operator once to the vectors found (Ericsson and Ruhe 1980). What rounding
     /// left in entries of little mass is large in W, but gone after this.
-    pub fn purify(&mut self, factor: &Factor) -> Result<()> {
+    pub fn purify(&mut self, factor: &dyn Inverse) -> Result<()> {
         let par = self.options.par;
         for first in (0..self.found.len()).step_by(WIDTH) {
             let width = WIDTH.min(self.found.len() - first);
             let mut x = self.work[0].as_mut().subcols_mut(0, width);
             let mut vectors = self.basis.as_mut().subcols_mut(first, width);
             self.pencil.inner().apply_mass(vectors.rb(), x.rb_mut(), par)?;
-            solve(self.pencil, factor, x.rb_mut(), par)?;
+            factor.solve(x.rb_mut(), par)?;
             for j in 0..width {
                 let back = self.found[first + j] - self.sigma;
                 vectors.rb_mut().col_mut(j).copy_from(Scale(back) * x.rb().col(j));
@@ -342,7 +341,7 @@ impl<'a> Krylov<'a> {
 
     /// After [`Krylov::converge`]: goes on from the pairs found and random directions, for what these pairs and all
     /// directions before have nothing of.
-    pub fn add_directions(&mut self, factor: &Factor) -> Result<()> {
+    pub fn add_directions(&mut self, factor: &dyn Inverse) -> Result<()> {
         self.projected.as_mut().subrows_mut(self.len, WIDTH).fill(0.0);
         self.begin_anew(factor)
     }
@@ -386,11 +385,6 @@ fn inner_products(
     let mut products = transposed_product(x, y, par);
     pencil.inner().sum(products.as_mut())?;
     Ok(products)
-}
-
-/// `X := (W - sigma M)^-1 X`.
-fn solve(pencil: &dyn Pencil, factor: &Factor, x: MatMut<'_, f64>, par: Par) -> Result<()> {
-    pencil.map_columns(x, &|whole| factor.solve(whole, par))
 }
 
 /// A random direction, of length about 1 in the inner product.

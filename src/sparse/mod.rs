@@ -27,14 +27,20 @@ pub use count::count_below;
 pub use eigenpairs::Eigenpairs;
 pub use eigs::eigs;
 #[cfg(feature = "mpi")]
-pub(crate) use eigs::{check as check_problem, eigs_of};
+pub(crate) use eigs::{check as check_problem, one_window, without_iteration};
 pub use mass::Mass;
 pub use options::EigenOptions;
-pub use product::multiply;
-pub use slices::eigs_sliced;
-pub(crate) use space::InnerSpace;
 #[cfg(feature = "mpi")]
-pub(crate) use space::Pencil;
+pub(crate) use problem::Problem;
+pub use product::multiply;
+#[cfg(feature = "mpi")]
+pub(crate) use product::{multiply_by_differences, multiply_magnitudes};
+#[cfg(feature = "mpi")]
+pub(crate) use shifted::Shifted;
+pub use slices::eigs_sliced;
+pub(crate) use space::{InnerSpace, Inverse};
+#[cfg(feature = "mpi")]
+pub(crate) use space::{Pencil, Shifts};
 /// The sparse matrix, by rows, from crate sprs.
 pub use sprs::{CsMat, CsMatView};
 pub use two_level::eigs_two_level;

@@ -1,70 +1,80 @@
 use sprs::CsMatView;
 
 use super::certificate::{ROUNDINGS, certify};
-use super::cholesky::{Factor, Symbolic};
+use super::cholesky::Symbolic;
 use super::eigenpairs::{Eigenpairs, ascending};
 use super::lanczos::{Krylov, WIDTH};
 use super::options::EigenOptions;
 use super::shifted::Shifted;
-use super::space::Pencil;
+use super::space::{Inverse, Pencil, Shifts, WholePencil};
 use super::{Mass, components};
 use crate::base::{Error, Result};
 
-/// W and M, and what all factorisations of `W - sigma M` have in common.
+/// W and M, and what all runs with them have in common.
 pub(crate) struct Problem<'a> {
     pub pencil: &'a dyn Pencil,
-    pub stiffness: CsMatView<'a, f64>,
-    pub mass: &'a Mass,
     /// The s of [`Eigenpairs`].
     pub scale: f64,
-    shifted: Shifted<'a>,
-    symbolic: Symbolic,
+    shifts: Box<dyn Shifts + 'a>,
+    mean_mass: f64,
+    /// Null vectors of W, as lists of rows.
+    null: Vec<Vec<usize>>,
 }
 
 impl<'a> Problem<'a> {
-    /// Of matrices that are known to be symmetric, those of the pencil with all rows.
-    pub fn new(
-        pencil: &'a dyn Pencil,
-        stiffness: CsMatView<'a, f64>,
-        mass: &'a Mass,
-    ) -> Result<Self> {
+    /// Of matrices that are known to be symmetric, on this process.
+    pub fn whole(pencil: &'a WholePencil<'a>) -> Result<Self> {
+        let WholePencil { stiffness, mass } = *pencil;
         let shifted = Shifted::new(stiffness, mass);
         let symbolic = Symbolic::new(shifted.symbolic())?;
-        Ok(Self { pencil, stiffness, mass, scale: scale(stiffness, mass), shifted, symbolic })
+        Ok(Self::new(pencil, stiffness, mass, Box::new(WholeShifts { shifted, symbolic })))
+    }
+
+    /// Of a pencil and its shifts; the matrices are those of the pencil, with all rows.
+    pub fn new(
+        pencil: &'a dyn Pencil,
+        stiffness: CsMatView<'_, f64>,
+        mass: &Mass,
+        shifts: Box<dyn Shifts + 'a>,
+    ) -> Self {
+        let n = stiffness.rows();
+        let mean_mass = (0..n).map(|i| mass.diagonal(i)).sum::<f64>() / n as f64;
+        let null = components::null_components(stiffness, mass);
+        Self { pencil, scale: scale(stiffness, mass), shifts, mean_mass, null }
     }
 
     /// Bytes that a factorisation takes, and those that are there anyway.
     pub fn bytes(&self) -> usize {
-        self.symbolic.bytes() + self.shifted.bytes()
+        self.shifts.bytes()
     }
 
     /// The number of eigenvalues below `value`.
     pub fn below(&self, value: f64) -> Result<usize> {
-        Ok(self.indefinite(value)?.below_zero())
+        Ok(self.shifts.indefinite(value)?.below_zero())
     }
 
     /// [`Problem::below`], or nothing where `value` is an eigenvalue as far as elimination can tell.
     pub fn count_below(&self, value: f64) -> Result<Option<usize>> {
-        let factor = self.indefinite(value)?;
+        let factor = self.shifts.indefinite(value)?;
         Ok(factor.is_finite().then(|| factor.below_zero()))
     }
 
     /// `W - sigma M`, factorised, for a W that is semi-definite.
-    pub fn positive(&self, sigma: f64) -> Result<Factor> {
-        self.if_positive(sigma)?.ok_or_else(|| {
+    pub fn positive(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>> {
+        self.shifts.positive(sigma)?.ok_or_else(|| {
             let why = "not positive semi-definite: give a shift".into();
             Error::Argument { what: "stiffness", why }
         })
     }
 
     /// `W - sigma M`, factorised.
-    pub fn any(&self, sigma: f64) -> Result<Factor> {
+    pub fn any(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>> {
         if sigma < 0.0
-            && let Some(factor) = self.if_positive(sigma)?
+            && let Some(factor) = self.shifts.positive(sigma)?
         {
             return Ok(factor);
         }
-        let factor = self.indefinite(sigma)?;
+        let factor = self.shifts.indefinite(sigma)?;
         if !factor.is_finite() {
             let why = format!("{sigma:e} is an eigenvalue, as far as elimination can tell");
             return Err(Error::Argument { what: "shift", why });
@@ -72,36 +82,22 @@ impl<'a> Problem<'a> {
         Ok(factor)
     }
 
-    /// `W - sigma M`, factorised, if it is positive definite.
-    fn if_positive(&self, sigma: f64) -> Result<Option<Factor>> {
-        self.symbolic.positive(self.shifted.matrix(&self.shifted.values(sigma)))
-    }
-
-    /// `W - sigma M`, factorised with pivots.
-    fn indefinite(&self, sigma: f64) -> Result<Factor> {
-        self.symbolic.indefinite(self.shifted.matrix(&self.shifted.values(sigma)))
-    }
-
     /// The `options.k` pairs nearest to sigma, given the factor for it; goes on until `complete` says of their values
     /// that none is missing. When that is asked, no factor is kept.
     pub fn nearest(
         &self,
         sigma: f64,
-        factor: Factor,
+        factor: Box<dyn Inverse + '_>,
         options: &EigenOptions<'_>,
         mut complete: impl FnMut(&[f64]) -> Result<bool>,
     ) -> Result<Eigenpairs> {
-        let null = match sigma < 0.0 {
-            true => components::null_components(self.stiffness, self.mass),
-            false => vec![],
-        };
-        let n = self.stiffness.rows();
-        let mean_mass = (0..n).map(|i| self.mass.diagonal(i)).sum::<f64>() / n as f64;
-        let mut krylov = Krylov::new(self.pencil, sigma, self.scale, mean_mass.sqrt(), options)?;
-        krylov.lock(&factor, &null)?;
+        let null = if sigma < 0.0 { &self.null[..] } else { &[] };
+        let mass_norm = self.mean_mass.sqrt();
+        let mut krylov = Krylov::new(self.pencil, sigma, self.scale, mass_norm, options)?;
+        krylov.lock(&*factor, null)?;
         let certify = |krylov: &Krylov<'_>| {
             let (values, vectors) = (krylov.values(), krylov.vectors());
-            certify(self.pencil, self.stiffness, values, vectors, self.scale, ROUNDINGS, options)
+            certify(self.pencil, values, vectors, self.scale, ROUNDINGS, options)
         };
         // Each round tightens the estimate, or adds a block of directions that the earlier ones had nothing of.
         let rounds = 8 + options.k / WIDTH;
@@ -112,14 +108,14 @@ impl<'a> Problem<'a> {
                 Some(factor) => factor,
                 None => {
                     let factor = self.any(sigma)?;
-                    krylov.add_directions(&factor)?;
+                    krylov.add_directions(&*factor)?;
                     factor
                 }
             };
-            krylov.converge(&factor).map_err(|error| not_above(error, least))?;
+            krylov.converge(&*factor).map_err(|error| not_above(error, least))?;
             let mut certificate = certify(&krylov)?;
             if certificate.excess > 1.0 {
-                krylov.purify(&factor)?;
+                krylov.purify(&*factor)?;
                 certificate = certify(&krylov)?;
             }
             least = least.min(certificate.largest);
@@ -137,6 +133,27 @@ impl<'a> Problem<'a> {
             }
         }
         Err(Error::NotConverged { iterations: krylov.restarts(), residual: least })
+    }
+}
+
+/// All rows are here.
+struct WholeShifts<'a> {
+    shifted: Shifted<'a>,
+    symbolic: Symbolic,
+}
+
+impl Shifts for WholeShifts<'_> {
+    fn bytes(&self) -> usize {
+        self.symbolic.bytes() + self.shifted.bytes()
+    }
+
+    fn positive(&self, sigma: f64) -> Result<Option<Box<dyn Inverse + '_>>> {
+        let factor = self.symbolic.positive(self.shifted.matrix(&self.shifted.values(sigma)))?;
+        Ok(factor.map(|factor| Box::new(factor) as Box<dyn Inverse + '_>))
+    }
+
+    fn indefinite(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>> {
+        Ok(Box::new(self.symbolic.indefinite(self.shifted.matrix(&self.shifted.values(sigma)))?))
     }
 }
 

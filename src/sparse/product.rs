@@ -68,7 +68,7 @@ pub(crate) fn row_sum(entries: &[f64]) -> f64 {
 }
 
 /// `Y := A X` for a symmetric A, as `sum of a_ij (x_j - x_i) + (sum of a_ij) x_i`: exact for the constants that a Laplacian
-/// with huge weights takes to nothing.
+/// with huge weights takes to nothing. Or for some rows of such an A, with their columns first.
 pub(crate) fn multiply_by_differences(
     a: CsMatView<'_, f64>,
     x: MatRef<'_, f64>,
@@ -86,4 +86,17 @@ pub(crate) fn multiply_by_differences(
             }
         }
     });
+}
+
+/// `Y := |A| |X|` for a symmetric A, or for rows.
+pub(crate) fn multiply_magnitudes(
+    a: CsMatView<'_, f64>,
+    x: MatRef<'_, f64>,
+    mut y: MatMut<'_, f64>,
+) {
+    for (i, row) in a.outer_iterator().enumerate() {
+        for j in 0..x.ncols() {
+            y[(i, j)] = row.iter().map(|(l, a)| (a * x[(l, j)]).abs()).sum();
+        }
+    }
 }

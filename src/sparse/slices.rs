@@ -6,13 +6,12 @@ use sprs::CsMatView;
 
 use super::Mass;
 use super::certificate::{ROUNDINGS, apart, certify};
-use super::cholesky::Factor;
 use super::eigenpairs::Eigenpairs;
-use super::eigs::{check, one_window, small};
+use super::eigs::{check, one_window, without_iteration};
 use super::lanczos::{WIDTH, basis_size};
 use super::options::EigenOptions;
 use super::problem::Problem;
-use super::space::WholePencil;
+use super::space::{Inverse, WholePencil};
 use crate::base::{Error, Result};
 use crate::dense::{subtract_product, transposed_product, zeros};
 
@@ -74,11 +73,11 @@ pub fn eigs_sliced(
     if k == 0 {
         return Ok(());
     }
-    if basis_size(k) + 2 * WIDTH > n {
-        return sink(small(&WholePencil { stiffness, mass }, stiffness, mass, options)?);
-    }
     let pencil = WholePencil { stiffness, mass };
-    let problem = Problem::new(&pencil, stiffness, mass)?;
+    if let Some(pairs) = without_iteration(&pencil, stiffness, mass, options)? {
+        return sink(pairs);
+    }
+    let problem = Problem::whole(&pencil)?;
     options.progress.report(PREPARED)?;
     let vectors = memory.saturating_sub(problem.bytes()) / (n * size_of::<f64>());
     let largest = vectors.saturating_sub(vectors_beside()) / 3;
@@ -211,7 +210,7 @@ impl<'a> Slices<'a> {
     fn run(
         &mut self,
         sigma: f64,
-        factor: Factor,
+        factor: Box<dyn Inverse + '_>,
         left: usize,
         size: usize,
     ) -> Result<(Eigenpairs, End)> {
@@ -272,25 +271,25 @@ impl<'a> Slices<'a> {
 
     /// What is wanted of a run, made orthogonal to what was handed out last.
     fn take(&mut self, pairs: Eigenpairs, cut: f64, count: usize) -> Result<Eigenpairs> {
-        let Problem { pencil, stiffness, scale, .. } = *self.problem;
+        let Problem { pencil, scale, .. } = *self.problem;
         let skip = pairs.values.partition_point(|v| *v <= self.cut);
         let wanted = count.min(self.options.k - self.handed);
         let values = pairs.values[skip..skip + wanted].to_vec();
-        let mut vectors = zeros(stiffness.rows(), wanted)?;
+        let n = pairs.vectors.nrows();
+        let mut vectors = zeros(n, wanted)?;
         vectors.copy_from(pairs.vectors.subcols(skip, wanted));
         let solves = pairs.solves;
         drop(pairs.vectors);
         self.leave_guard(&mut vectors)?;
         let (roundings, vectors_found) = (4.0 * ROUNDINGS, vectors.as_ref());
-        let found =
-            certify(pencil, stiffness, &values, vectors_found, scale, roundings, self.options)?;
+        let found = certify(pencil, &values, vectors_found, scale, roundings, self.options)?;
         if found.excess > 1.0 {
             return Err(Error::NotConverged { iterations: 0, residual: found.largest });
         }
         let first = if self.handed == 0 { values[0] } else { self.cut };
         self.spacing = (cut - first) / count as f64;
         let kept = GUARD.min(wanted);
-        self.guard = zeros(stiffness.rows(), kept)?;
+        self.guard = zeros(n, kept)?;
         self.guard.copy_from(vectors.subcols(wanted - kept, kept));
         (self.handed, self.cut) = (self.handed + wanted, cut);
         Ok(Eigenpairs { values, vectors, residuals: found.residuals, solves })
@@ -308,7 +307,7 @@ impl<'a> Slices<'a> {
             let width = WIDTH.min(vectors.ncols() - first);
             let mut x = vectors.as_mut().subcols_mut(first, width);
             let mut mx = weighted.as_mut().subcols_mut(0, width);
-            self.problem.mass.multiply(x.rb(), mx.rb_mut(), par)?;
+            self.problem.pencil.inner().apply_mass(x.rb(), mx.rb_mut(), par)?;
             let overlap = transposed_product(guard, mx.rb(), par);
             subtract_product(x.rb_mut(), guard, overlap.as_ref(), par);
         }

@@ -6,7 +6,7 @@ use faer::{MatMut, MatRef};
 use sprs::CsMatView;
 
 use super::Mass;
-use super::product::multiply_symmetric_or_rows;
+use super::product::{multiply_by_differences, multiply_magnitudes, multiply_symmetric_or_rows};
 use crate::base::{Par, Result};
 
 /// An inner product of vectors whose rows may be spread over processes.
@@ -40,12 +40,40 @@ pub(crate) trait Pencil {
     /// `Y := W X`, of the rows that are here.
     fn apply_stiffness(&self, x: MatRef<'_, f64>, y: MatMut<'_, f64>, par: Par) -> Result<()>;
 
-    /// Applies `map`, which wants all rows and treats columns one by one, to X.
-    fn map_columns(
-        &self,
-        x: MatMut<'_, f64>,
-        map: &dyn Fn(MatMut<'_, f64>) -> Result<()>,
-    ) -> Result<()>;
+    /// [`Pencil::apply_stiffness`] by differences of entries: exact for the constants that a
+    /// Laplacian with huge weights takes to nothing.
+    fn apply_differences(&self, x: MatRef<'_, f64>, y: MatMut<'_, f64>, par: Par) -> Result<()>;
+
+    /// `Y := |W| |X|`, of the rows that are here.
+    fn apply_magnitudes(&self, x: MatRef<'_, f64>, y: MatMut<'_, f64>) -> Result<()>;
+}
+
+/// `W - sigma M` for every sigma, of which each process may hold a part. All processes call the same
+/// functions in the same order, and get the same answers.
+pub(crate) trait Shifts {
+    /// Bytes that a factorisation takes, and those that are there anyway.
+    fn bytes(&self) -> usize;
+
+    /// The factorisation of the matrix, if it is positive definite.
+    fn positive(&self, sigma: f64) -> Result<Option<Box<dyn Inverse + '_>>>;
+
+    /// The factorisation of the matrix with pivots.
+    fn indefinite(&self, sigma: f64) -> Result<Box<dyn Inverse + '_>>;
+}
+
+/// A symmetric matrix A that is factorised.
+pub(crate) trait Inverse {
+    /// `X := A^-1 X`, of the rows that are here; the same for every `par`, bit for bit.
+    fn solve(&self, x: MatMut<'_, f64>, par: Par) -> Result<()>;
+
+    /// The number of negative eigenvalues of A, by Sylvester's law of inertia.
+    fn below_zero(&self) -> usize;
+
+    /// Whether A was found positive definite: there were no pivots.
+    fn is_positive(&self) -> bool;
+
+    /// Whether the factor is finite: a singular matrix leaves a zero for a pivot.
+    fn is_finite(&self) -> bool;
 }
 
 /// All rows are here.
@@ -90,11 +118,13 @@ impl Pencil for WholePencil<'_> {
         Ok(())
     }
 
-    fn map_columns(
-        &self,
-        x: MatMut<'_, f64>,
-        map: &dyn Fn(MatMut<'_, f64>) -> Result<()>,
-    ) -> Result<()> {
-        map(x)
+    fn apply_differences(&self, x: MatRef<'_, f64>, y: MatMut<'_, f64>, par: Par) -> Result<()> {
+        multiply_by_differences(self.stiffness, x, y, par);
+        Ok(())
+    }
+
+    fn apply_magnitudes(&self, x: MatRef<'_, f64>, y: MatMut<'_, f64>) -> Result<()> {
+        multiply_magnitudes(self.stiffness, x, y);
+        Ok(())
     }
 }

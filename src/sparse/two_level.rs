@@ -97,7 +97,7 @@ pub fn eigs_two_level(
     }
     let (pencil, found) = (WholePencil { stiffness, mass }, vectors.as_ref().subcols(0, k));
     let scale = scale(stiffness, mass);
-    let certificate = certify(&pencil, stiffness, &values[..k], found, scale, ROUNDINGS, options)?;
+    let certificate = certify(&pencil, &values[..k], found, scale, ROUNDINGS, options)?;
     progress.report(1.0)?;
     Ok(ascending(&values[..k], found, &certificate.residuals, small.solves, true))
 }

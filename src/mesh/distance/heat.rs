@@ -5,7 +5,7 @@ use sprs::CsMat;
 use super::super::laplacian::{Complex, Element, ROUNDING, assemble, of_mesh};
 use super::super::{LaplacianKind, MassKind, TriMesh};
 use crate::base::{Error, Par, Result, builder};
-use crate::sparse::{Factor, Mass, Symbolic};
+use crate::sparse::{Factor, Inverse, Mass, Symbolic};
 
 /// Heat below this has lost digits, and with them the direction it flows in.
 const COLD: f64 = 1e-290;

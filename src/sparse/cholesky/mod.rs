@@ -14,6 +14,7 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 
+use super::space::Inverse;
 use crate::base::{Error, Par, Result, zeros};
 use crate::dense::buffer;
 use sweeps::Sweeps;
@@ -127,24 +128,21 @@ pub(crate) struct Factor {
     sweeps: Sweeps,
 }
 
-impl Factor {
-    /// `X := A^-1 X`; the same for every `par`, bit for bit.
-    pub fn solve(&self, x: MatMut<'_, f64>, par: Par) -> Result<()> {
+impl Inverse for Factor {
+    fn solve(&self, x: MatMut<'_, f64>, par: Par) -> Result<()> {
         self.sweeps.solve(&self.values, self.subdiagonal.as_deref(), x, par)
     }
 
-    /// Negative eigenvalues of the matrix, by Sylvester's law of inertia: those of B.
-    pub fn below_zero(&self) -> usize {
+    /// Those of B.
+    fn below_zero(&self) -> usize {
         self.below_zero
     }
 
-    /// Whether it is `L L^T`.
-    pub fn is_positive(&self) -> bool {
+    fn is_positive(&self) -> bool {
         self.subdiagonal.is_none()
     }
 
-    /// Whether all of it is finite: a singular matrix leaves a zero for a pivot.
-    pub fn is_finite(&self) -> bool {
+    fn is_finite(&self) -> bool {
         self.values.iter().all(|x| x.is_finite())
     }
 }
