@@ -36,7 +36,7 @@ pub const SCENES: &[Scene] = &[
     },
 ];
 
-fn rows(matrix: &CsMat<f64>, span: Range<usize>) -> CsMat<f64> {
+pub fn rows(matrix: &CsMat<f64>, span: Range<usize>) -> CsMat<f64> {
     let mut triplets = sprs::TriMat::new((span.len(), matrix.cols()));
     for i in span.clone() {
         for (j, &x) in matrix.outer_view(i).unwrap().iter() {
@@ -54,7 +54,7 @@ fn mass_rows(mass: &Mass, span: Range<usize>) -> Mass {
 }
 
 /// Two grids of a x a and b x b nodes side by side, with weights that differ a little.
-fn two_grids(a: usize, b: usize) -> CsMat<f64> {
+pub fn two_grids(a: usize, b: usize) -> CsMat<f64> {
     let n = a * a + b * b;
     let mut triplets = sprs::TriMat::new((n, n));
     let mut edge = |i: usize, j: usize| {

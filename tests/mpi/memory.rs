@@ -3,16 +3,19 @@
 use catamaran::ata::distributed::TaskTree;
 use catamaran::base::release_memory;
 use catamaran::faer::{Mat, MatRef};
-use catamaran::mpi::{Symmetric, World, ata_columns, ata_rows, ata_tree};
-use catamaran::{AtaOptions, Result, SchemeChoice};
+use catamaran::mpi::{Symmetric, World, ata_columns, ata_rows, ata_tree, eigs};
+use catamaran::sparse::{self, EigenOptions, Mass};
+use catamaran::{AtaOptions, Par, Result, SchemeChoice};
 
 use crate::Case;
 use crate::counting::peak_of;
-use crate::matrices::{options, part};
+use crate::eigen::{rows, two_grids};
+use crate::matrices::{options, part, uneven};
 
 pub const CASES: &[Case] = &[
     ("no_rank_holds_more_than_twice_its_share", shares),
     ("ranks_of_the_tree_hold_what_is_planned", tree),
+    ("ranks_share_the_factor_of_eigenpairs", factor),
 ];
 
 type Mode = fn(&World, f64, MatRef<'_, f64>, &AtaOptions<'_>) -> Result<Symmetric<f64>>;
@@ -54,4 +57,19 @@ fn tree(world: &World) {
     let held = peak + 8 * own;
     let planned = 8 * TaskTree::new(m, n, world.size()).loads()[world.rank()].memory;
     assert!(held <= planned + SCRATCH, "{held} bytes held, planned {planned}");
+}
+
+/// Few pairs of many rows: the factor takes more than the basis.
+fn factor(world: &World) {
+    let (side, ranks) = (150, world.size());
+    let n = side * side;
+    let w = two_grids(side, 0);
+    let options = EigenOptions::new().k(2).par(Par::Seq);
+    let (whole, pairs) = peak_of(|| sparse::eigs(w.view(), &Mass::identity(n), &options));
+    pairs.unwrap();
+    let own = uneven(n, ranks, world.rank());
+    let (part, mass) = (rows(&w, own.clone()), Mass::identity(own.len()));
+    let (peak, pairs) = peak_of(|| eigs(world, part.view(), &mass, &options));
+    pairs.unwrap();
+    eprintln!("{ranks} {whole} {peak} {}", peak as f64 / whole as f64);
 }
