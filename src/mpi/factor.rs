@@ -4,13 +4,14 @@
 use std::ops::Range;
 
 use faer::prelude::ReborrowMut;
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Mat, MatMut, MatRef};
-use sprs::{CsMat, CsMatView, TriMat};
+use sprs::{CsMat, CsMatView};
 
 use super::call::Call;
 use super::domains::Domains;
-use super::exchange::{Rows, all_gather, exchange};
-use crate::base::{Par, Result, reserved};
+use super::exchange::{Rows, exchange};
+use crate::base::{Par, Result};
 use crate::dense::zeros;
 use crate::sparse::{Factor, Inverse, Mass, Shifted, Shifts, Symbolic, multiply};
 
@@ -37,16 +38,19 @@ pub(super) struct SpreadShifts<'c> {
     symbolic: Symbolic,
     /// `A_si`, of the rows of the interface that touch the own domain.
     coupling: Coupling,
-    /// These rows, of each rank's domain.
-    touching: Vec<Vec<usize>>,
-    rank: usize,
-    interface: Block,
+    interface: Interface,
 }
 
 /// A diagonal block of the pencil.
 struct Block {
     stiffness: CsMat<f64>,
     mass: Mass,
+}
+
+impl Block {
+    fn shifted(&self) -> Shifted<'_> {
+        Shifted::new(self.stiffness.view(), &self.mass)
+    }
 }
 
 /// Another block of the pencil.
@@ -103,16 +107,10 @@ impl<'c> SpreadShifts<'c> {
                 Mass::Full(matrix) => Some(place_inner.select(matrix.view(), &touched)),
             },
         };
-        let inner = Block {
-            stiffness: place_inner.select(stiffness, &inner[rank]),
-            mass: place_inner.select_mass(mass, &inner[rank]),
-        };
-        let interface = Block {
-            stiffness: place.select(stiffness, &interface),
-            mass: place.select_mass(mass, &interface),
-        };
-        let shifted = Shifted::new(inner.stiffness.view(), &inner.mass);
-        let symbolic = call.meet(Symbolic::new(shifted.symbolic()))?;
+        let inner = place_inner.block(stiffness, mass, &inner[rank]);
+        let symbolic = call.meet(Symbolic::new(inner.shifted().symbolic()))?;
+        let interface = Interface::new(place.block(stiffness, mass, &interface), &touching, rank);
+        let interface = call.meet(interface)?;
         Ok(Self {
             call,
             par,
@@ -122,16 +120,17 @@ impl<'c> SpreadShifts<'c> {
             inner,
             symbolic,
             coupling,
-            touching,
-            rank,
             interface,
         })
     }
 
     /// The factorisation, with pivots or for a positive definite matrix; nothing if it is not that.
     fn factorise(&self, sigma: f64, pivots: bool) -> Result<Option<SpreadFactor<'_>>> {
-        let inner = factorise(&self.symbolic, &self.inner, sigma, pivots);
+        let shifted = self.inner.shifted();
+        let entries = shifted.values(sigma);
+        let inner = factorise(&self.symbolic, shifted.matrix(&entries), pivots);
         let inner = self.call.meet(inner)?;
+        drop(entries);
         // Ranks that found theirs indefinite, or singular, and negative eigenvalues.
         let mut found = Mat::<f64>::zeros(3, 1);
         match &inner {
@@ -155,74 +154,100 @@ impl<'c> SpreadShifts<'c> {
             pivots,
         };
         if found[(1, 0)] == 0.0 {
-            let Some(interface) = self.interface(sigma, &factor)? else { return Ok(None) };
+            let mut entries = self.call.meet(factor.complement(sigma, self.par))?;
+            self.call.world.sum(&mut entries);
+            let Interface { symbolic, places, .. } = &self.interface;
+            let interface = factorise(symbolic, places.matrix(&entries), pivots);
+            let Some(interface) = self.call.meet(interface)? else { return Ok(None) };
             factor.below_zero += interface.below_zero();
             factor.interface = Some(interface);
         }
         Ok(Some(factor))
     }
+}
 
-    /// S, factorised, the same on every rank.
-    fn interface(&self, sigma: f64, factor: &SpreadFactor<'_>) -> Result<Option<Factor>> {
-        let own = self.call.meet(factor.complement(self.par))?;
-        let lens: Vec<usize> =
-            self.touching.iter().map(|rows| rows.len() * (rows.len() + 1) / 2).collect();
-        let complements = all_gather(self.call, &own, &lens)?;
-        drop(own);
-        let n = self.interface.stiffness.rows();
-        let shifted = Shifted::new(self.interface.stiffness.view(), &self.interface.mass);
-        let mut entries = TriMat::new((n, n));
-        let mut put = |i: usize, j: usize, x: f64| {
-            entries.add_triplet(i, j, x);
-            if i != j {
-                entries.add_triplet(j, i, x);
-            }
-        };
-        let (symbolic, values) = (shifted.symbolic(), shifted.values(sigma));
-        for j in 0..n {
-            for (&i, &x) in
-                symbolic.row_idx_of_col_raw(j).iter().zip(&values[symbolic.col_range(j)])
-            {
-                put(i, j, x);
-            }
-        }
-        let mut rest = &complements[..];
-        for rows in &self.touching {
-            for (j, &column) in rows.iter().enumerate() {
-                let (entries, others) = rest.split_at(rows.len() - j);
-                rows[j..].iter().zip(entries).for_each(|(&row, x)| put(row, column, -x));
-                rest = others;
-            }
-        }
-        drop(complements);
-        let complement = Block { stiffness: entries.to_csr(), mass: Mass::Lumped(vec![0.0; n]) };
-        let shifted = Shifted::new(complement.stiffness.view(), &complement.mass);
-        let symbolic = Symbolic::new(shifted.symbolic());
-        let done =
-            symbolic.and_then(|symbolic| factorise(&symbolic, &complement, 0.0, factor.pivots));
-        self.call.meet(done)
+/// The factor of a symmetric matrix; nothing if it is not positive definite, and without pivots.
+fn factorise(
+    symbolic: &Symbolic,
+    matrix: SparseColMatRef<'_, usize, f64>,
+    pivots: bool,
+) -> Result<Option<Factor>> {
+    match pivots {
+        true => symbolic.indefinite(matrix).map(Some),
+        false => symbolic.positive(matrix),
     }
 }
 
-/// The factor of a block of `W - sigma M`; nothing if it is not positive definite, and without pivots.
-fn factorise(
-    symbolic: &Symbolic,
-    block: &Block,
-    sigma: f64,
-    pivots: bool,
-) -> Result<Option<Factor>> {
-    let shifted = Shifted::new(block.stiffness.view(), &block.mass);
-    let values = shifted.values(sigma);
-    match pivots {
-        true => symbolic.indefinite(shifted.matrix(&values)).map(Some),
-        false => symbolic.positive(shifted.matrix(&values)),
+/// What all ranks know of the interface, and this one of its own part.
+struct Interface {
+    block: Block,
+    /// The rows that touch the own domain.
+    touching: Vec<usize>,
+    /// Whether this rank adds `A_ss` to the sum that is S.
+    begins: bool,
+    places: LowerPlaces,
+    symbolic: Symbolic,
+}
+
+impl Interface {
+    /// Of its block of the pencil, and of its rows that touch each domain, all ascending.
+    fn new(block: Block, touching: &[Vec<usize>], rank: usize) -> Result<Self> {
+        let n = block.stiffness.rows();
+        let mut domains = vec![vec![]; n];
+        for (domain, rows) in touching.iter().enumerate() {
+            rows.iter().for_each(|&s| domains[s].push(domain));
+        }
+        let shifted = block.shifted();
+        let mut places = LowerPlaces { starts: vec![0], rows: vec![] };
+        for (j, domains) in domains.iter().enumerate() {
+            let mut rows = shifted.symbolic().row_idx_of_col_raw(j).to_vec();
+            for &domain in domains {
+                let all = &touching[domain];
+                rows.extend(&all[all.partition_point(|&s| s < j)..]);
+            }
+            rows.sort_unstable();
+            rows.dedup();
+            places.rows.extend(rows);
+            places.starts.push(places.rows.len());
+        }
+        drop(shifted);
+        let symbolic = Symbolic::new(places.symbolic())?;
+        Ok(Self { block, touching: touching[rank].clone(), begins: rank == 0, places, symbolic })
+    }
+}
+
+/// Places of a lower triangle by columns, ascending.
+struct LowerPlaces {
+    starts: Vec<usize>,
+    rows: Vec<usize>,
+}
+
+impl LowerPlaces {
+    fn symbolic(&self) -> SymbolicSparseColMatRef<'_, usize> {
+        let n = self.starts.len() - 1;
+        SymbolicSparseColMatRef::new_checked(n, n, &self.starts, None, &self.rows)
+    }
+
+    fn matrix<'b>(&'b self, entries: &'b [f64]) -> SparseColMatRef<'b, usize, f64> {
+        SparseColMatRef::new(self.symbolic(), entries)
+    }
+
+    /// Adds numbers to the entries in these rows (ascending) of column j.
+    fn add(&self, entries: &mut [f64], j: usize, numbers: impl Iterator<Item = (usize, f64)>) {
+        let mut at = self.starts[j];
+        for (row, number) in numbers {
+            while self.rows[at] != row {
+                at += 1;
+            }
+            entries[at] += number;
+        }
     }
 }
 
 impl Shifts for SpreadShifts<'_> {
     fn bytes(&self) -> usize {
-        let interface: usize = self.touching.iter().map(|rows| rows.len() * rows.len()).sum();
-        self.symbolic.bytes() + interface * size_of::<f64>()
+        let places = self.interface.places.rows.len() * (size_of::<usize>() + size_of::<f64>());
+        self.symbolic.bytes() + self.interface.symbolic.bytes() + places
     }
 
     fn positive(&self, sigma: f64) -> Result<Option<Box<dyn Inverse + '_>>> {
@@ -250,30 +275,38 @@ struct SpreadFactor<'s> {
 }
 
 impl SpreadFactor<'_> {
-    /// The lower triangle of `A_si A_ii^-1 A_is` by columns.
-    fn complement(&self, par: Par) -> Result<Vec<f64>> {
-        let (touching, len) = self.coupling.shape();
-        let mut triangle = reserved(touching * (touching + 1) / 2)?;
-        let mut solved = zeros(len, COLUMNS.min(touching))?;
-        let mut product = zeros(touching, COLUMNS.min(touching))?;
-        for first in (0..touching).step_by(COLUMNS) {
-            let width = COLUMNS.min(touching - first);
-            let mut solved = solved.as_mut().subcols_mut(0, width);
+    /// What this rank adds to the entries of S.
+    fn complement(&self, sigma: f64, par: Par) -> Result<Vec<f64>> {
+        let Interface { block, touching, begins, places, .. } = &self.shifts.interface;
+        let mut entries = crate::base::zeros(places.rows.len())?;
+        if *begins {
+            let shifted = block.shifted();
+            let (symbolic, values) = (shifted.symbolic(), shifted.values(sigma));
+            for j in 0..shifted.len() {
+                let rows = symbolic.row_idx_of_col_raw(j).iter().copied();
+                let values = values[symbolic.col_range(j)].iter().copied();
+                places.add(&mut entries, j, rows.zip(values));
+            }
+        }
+        let (len, width) = (self.inner_len(), COLUMNS.min(touching.len()));
+        let (mut solved, mut product) = (zeros(len, width)?, zeros(touching.len(), width)?);
+        for (chunk, columns) in touching.chunks(COLUMNS).enumerate() {
+            let first = chunk * COLUMNS;
+            let mut solved = solved.as_mut().subcols_mut(0, columns.len());
             solved.fill(0.0);
-            for j in 0..width {
+            for j in 0..columns.len() {
                 let column = self.coupling.outer_view(first + j).expect("a row of the coupling");
                 column.iter().for_each(|(i, &x)| solved[(i, j)] = x);
             }
             self.inner.solve(solved.rb_mut(), par)?;
-            let mut product = product.as_mut().subcols_mut(0, width);
+            let mut product = product.as_mut().subcols_mut(0, columns.len());
             multiply(self.coupling.view(), solved.as_ref(), product.rb_mut(), par)?;
-            for j in 0..width {
-                triangle.extend(
-                    product.as_ref().col(j).subrows(first + j, touching - first - j).iter(),
-                );
+            for (j, &column) in columns.iter().enumerate() {
+                let below = (first + j..touching.len()).map(|t| (touching[t], -product[(t, j)]));
+                places.add(&mut entries, column, below);
             }
         }
-        Ok(triangle)
+        Ok(entries)
     }
 
     /// The rows of X in the own domain, of those that all ranks have.
@@ -320,15 +353,15 @@ impl SpreadFactor<'_> {
 impl Inverse for SpreadFactor<'_> {
     /// With `b` for X: `x_s = S^-1 (b_s - sum of A_si A_ii^-1 b_i)`, `x_i = A_ii^-1 (b_i - A_is x_s)`.
     fn solve(&self, mut x: MatMut<'_, f64>, par: Par) -> Result<()> {
-        let SpreadShifts { call, touching, own_interface, rank, interface, .. } = self.shifts;
-        let (touching, width) = (&touching[*rank], x.ncols());
+        let SpreadShifts { call, own_interface, interface, .. } = self.shifts;
+        let (touching, width) = (&interface.touching, x.ncols());
         let mut inner = self.collect(x.as_ref())?;
         let own = (|| {
             let mut solved = inner.clone();
             self.inner.solve(solved.as_mut(), par)?;
             let mut product = zeros(touching.len(), width)?;
             multiply(self.coupling.view(), solved.as_ref(), product.as_mut(), par)?;
-            let mut right = zeros(interface.stiffness.rows(), width)?;
+            let mut right = zeros(interface.block.stiffness.rows(), width)?;
             for j in 0..width {
                 own_interface.iter().for_each(|&(i, s)| right[(s, j)] = x[(i, j)]);
                 touching.iter().enumerate().for_each(|(t, &s)| right[(s, j)] -= product[(t, j)]);
@@ -408,11 +441,12 @@ impl Places {
         CsMat::new((rows.len(), self.len), starts, columns, entries)
     }
 
-    /// The mass of these rows, which are those that have places.
-    fn select_mass(&self, mass: &Mass, rows: &[usize]) -> Mass {
-        match mass {
+    /// The block of these rows, which are those that have places.
+    fn block(&self, stiffness: CsMatView<'_, f64>, mass: &Mass, rows: &[usize]) -> Block {
+        let mass = match mass {
             Mass::Lumped(masses) => Mass::Lumped(rows.iter().map(|&i| masses[i]).collect()),
             Mass::Full(matrix) => Mass::Full(self.select(matrix.view(), rows)),
-        }
+        };
+        Block { stiffness: self.select(stiffness, rows), mass }
     }
 }
