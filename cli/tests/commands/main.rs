@@ -9,6 +9,7 @@ mod decimate;
 mod demo;
 mod files;
 mod gram;
+mod guide;
 mod mesh;
 mod newton;
 mod picture;

@@ -1,0 +1,70 @@
+//! The commands of README.md and of the pages of docs/guide that have no chapter of their own.
+
+use catamaran::io::{Output, Overwrite};
+use catamaran::mesh::{TriMesh, families, io};
+
+use crate::common::{Folder, table};
+
+/// A folder with everything that the pages read.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    for (name, m) in [("A.npy", 300), ("B.npy", 200)] {
+        folder.write_npy(name, &[m as u64, 7], &table(m, 7));
+    }
+    let rows = table(40, 3);
+    let lines: Vec<String> =
+        rows.chunks(3).map(|row| format!("{},{},{}\n", row[0], row[1], row[2])).collect();
+    folder.write("A.csv", lines.concat());
+    folder.write("table.csv", format!("x,z,y\n{}", lines.concat()));
+    let put = |name: &str, mesh: TriMesh| {
+        let output = Output::create(&folder.path(name), Overwrite::Never).unwrap();
+        io::write(output, &mesh.into()).unwrap();
+    };
+    put("scan.ply", families::torus(80, 40, 1.0, 0.4).unwrap());
+    for (name, level) in [("a.ply", 2), ("b.ply", 3)] {
+        put(name, families::icosphere(level).unwrap());
+    }
+    put("c.ply", families::torus(20, 12, 1.0, 0.5).unwrap());
+    put("top.ply", families::grid(16, 10).unwrap());
+    put("bottom.ply", families::grid(10, 14).unwrap());
+    folder
+}
+
+/// Runs the commands of a document, which stand at the beginning of lines; a comment may follow.
+fn run(document: &str, count: usize) {
+    let folder = folder();
+    let commands: Vec<&str> = document
+        .lines()
+        .filter(|line| line.starts_with("catamaran "))
+        .map(|line| line.split(" #").next().unwrap_or(line).trim_start_matches("catamaran "))
+        .filter(|line| !line.contains("--device") && !line.starts_with("unions dataset"))
+        .filter(|line| !line.starts_with("unions train"))
+        .collect();
+    for command in &commands {
+        folder.succeed(command);
+    }
+    assert_eq!(commands.len(), count);
+}
+
+#[test]
+fn the_commands_of_the_readme_run() {
+    run(include_str!("../../../README.md"), 3);
+}
+
+#[test]
+fn the_commands_of_the_pages_on_matrices_run() {
+    run(include_str!("../../../docs/guide/ata.md"), 2);
+    run(include_str!("../../../docs/guide/larger-than-memory.md"), 4);
+    run(include_str!("../../../docs/guide/reproducibility.md"), 1);
+    run(include_str!("../../../docs/guide/performance.md"), 2);
+}
+
+#[test]
+fn the_commands_of_the_page_on_decimation_run() {
+    run(include_str!("../../../docs/guide/decimation.md"), 4);
+}
+
+#[test]
+fn the_commands_of_the_page_on_unions_run() {
+    run(include_str!("../../../docs/guide/unions.md"), 4);
+}
