@@ -103,7 +103,10 @@ fn the_book_has_every_page_once() {
     assert_eq!(unique.len(), listed.len(), "a page is listed twice");
     for page in files("docs", "md") {
         let name = page.strip_prefix(root().join("docs")).unwrap().to_str().unwrap();
-        assert!(name == "SUMMARY.md" || listed.iter().any(|link| link == name), "{name} is missing");
+        assert!(
+            name == "SUMMARY.md" || listed.iter().any(|link| link == name),
+            "{name} is missing"
+        );
     }
 }
 

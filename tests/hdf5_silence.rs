@@ -1,6 +1,7 @@
 //! Errors of the HDF5 library are errors of this one, and nothing is printed.
 //!
-//! A binary of its own: HDF5 locks the files that it opens, and a process started meanwhile would inherit the lock.
+//! A binary of its own: HDF5 locks the files that it opens, and a process started meanwhile would
+//! inherit the lock.
 
 use std::fs;
 use std::process::Command;

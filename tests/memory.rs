@@ -145,7 +145,8 @@ fn a_stream_takes_c_two_blocks_and_the_scratch_that_its_plan_says() {
             drop(sum);
             release_memory();
         });
-        // Huge pages for the alignment of C, blocks and scratch; a second thread's stack is not ours.
+        // Huge pages for the alignment of C, blocks and scratch; a second thread's stack is not
+        // ours.
         let bound = plan.bytes() + 5 * (2 << 20) + SMALL;
         assert!(used <= bound, "{scheme:?}: {used} bytes of {bound}");
         let blocks = 8 * n * (n + height.min(m) * if m > height { 2 } else { 1 });

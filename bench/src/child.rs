@@ -6,7 +6,8 @@ use std::process::Command;
 use crate::Result;
 use crate::race::median;
 
-/// What a process said of its call: seconds, bytes that it took at most beside its input, and whatever follows.
+/// What a process said of its call: seconds, bytes that it took at most beside its input, and
+/// whatever follows.
 #[derive(Debug, Clone)]
 pub struct Report {
     /// Seconds of the call alone.
@@ -25,7 +26,8 @@ impl Report {
     }
 }
 
-/// Runs `program` with `arguments`, its libraries on `threads` threads, and reads the report that is its last line.
+/// Runs `program` with `arguments`, its libraries on `threads` threads, and reads the report that
+/// is its last line.
 ///
 /// # Errors
 /// Those of [`numbers`], and when there are fewer than two.
@@ -36,7 +38,8 @@ pub fn run(program: &Path, arguments: &[&str], threads: usize) -> Result<Report>
     }
 }
 
-/// Runs `program` with `arguments`, its libraries on `threads` threads, and reads the numbers of its last line.
+/// Runs `program` with `arguments`, its libraries on `threads` threads, and reads the numbers of
+/// its last line.
 ///
 /// # Errors
 /// When it can't be started or fails.
@@ -63,7 +66,8 @@ fn named(program: &Path, arguments: &[&str]) -> String {
 pub struct Duel(Vec<[Report; 2]>);
 
 impl Duel {
-    /// Runs `ours` of this program, then a script of bench/rivals with its arguments, `repeat` times.
+    /// Runs `ours` of this program, then a script of bench/rivals with its arguments, `repeat`
+    /// times.
     ///
     /// # Errors
     /// Those of [`run`].

@@ -127,8 +127,8 @@ pub fn with_environment_for_rivals(folder: &Path, openblas: Kernels) -> Result<(
 pub enum Kernels {
     /// The library itself.
     OfLibrary,
-    /// We do, on Intel CPUs with AVX-512: that of the system may be older than the CPU, and then takes
-    /// those of Prescott (Debian 12 on Emerald Rapids: 13 GFLOP/s of pdsyrk on one core).
+    /// We do, on Intel CPUs with AVX-512: that of the system may be older than the CPU, and then
+    /// takes those of Prescott (Debian 12 on Emerald Rapids: 13 GFLOP/s of pdsyrk on one core).
     OfOldLibrary,
 }
 

@@ -36,7 +36,8 @@ enum Command {
     Laplacian(laplacian::Arguments),
     /// A functional map, fitted and refined by ZoomOut, beside pyfmaps.
     FunctionalMap(functional_map::Arguments),
-    /// Least squares, singular values and principal components beside numpy, scipy, statsmodels and scikit-learn.
+    /// Least squares, singular values and principal components beside numpy, scipy, statsmodels and
+    /// scikit-learn.
     Gram(gram::Arguments),
     /// Gram-Schmidt beside column-wise numpy and LAPACK's pivoted QR.
     Ortho(ortho::Arguments),

@@ -24,8 +24,8 @@ pub fn measure() -> Peak {
     })
 }
 
-/// Measures for as long as `duration` on the calling thread, all windows: what is left of a core that others use
-/// too, so that the speeds of threads that measure at the same time may be added.
+/// Measures for as long as `duration` on the calling thread, all windows: what is left of a core
+/// that others use too, so that the speeds of threads that measure at the same time may be added.
 pub fn sustained(duration: Duration) -> Peak {
     of_windows(|window| {
         let start = Instant::now();
@@ -38,7 +38,8 @@ pub fn sustained(duration: Duration) -> Peak {
     })
 }
 
-/// The speed for the seconds of a window that `seconds` finds by calling its argument, which passes one.
+/// The speed for the seconds of a window that `seconds` finds by calling its argument, which passes
+/// one.
 fn of_windows(seconds: impl Fn(&dyn Fn() -> f64) -> f64) -> Peak {
     let peak = |instructions, flops: usize, run: &dyn Fn() -> f64| {
         let window = || {

@@ -131,8 +131,8 @@ pub fn race<T: Scalar>(
     Ok(outcomes)
 }
 
-/// Which of the outcomes, of samples of so many calls, are those of rivals that take longer than the
-/// fastest rival by more than `patience`.
+/// Which of the outcomes, of samples of so many calls, are those of rivals that take longer than
+/// the fastest rival by more than `patience`.
 fn too_slow(outcomes: &[Outcome], calls: &[usize], patience: f64) -> Vec<bool> {
     let rivals = outcomes.iter().filter(|o| o.is_rival);
     let least = rivals.map(Outcome::best).fold(f64::INFINITY, f64::min);

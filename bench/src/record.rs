@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use crate::{Result, host};
 
-/// Writes the files, each a name and its text, into `bench/record/<host kind>-<date>/`; that folder.
+/// Writes the files, each a name and its text, into `bench/record/<host kind>-<date>/`; that
+/// folder.
 ///
 /// # Errors
 /// When a file can't be written.
@@ -20,8 +21,9 @@ pub fn write(files: &[(&str, String)]) -> Result<PathBuf> {
     Ok(folder)
 }
 
-/// Puts a line into the table `NAME.csv`, in the place of the line that has the same first `keys` fields if there is
-/// one, the `picture` of the table into `NAME.svg`, and `host` into host.txt; returns their folder.
+/// Puts a line into the table `NAME.csv`, in the place of the line that has the same first `keys`
+/// fields if there is one, the `picture` of the table into `NAME.svg`, and `host` into host.txt;
+/// returns their folder.
 ///
 /// # Errors
 /// When a file can't be written, or the table has other columns.
@@ -76,8 +78,8 @@ pub fn append(path: &Path, header: &str, line: &str) -> Result<()> {
     Ok(file.write_all(text.as_bytes()).map_err(place)?)
 }
 
-/// The table `old`, empty at first, with one more line, or another one with the same first fields; `None` if it has
-/// another header.
+/// The table `old`, empty at first, with one more line, or another one with the same first fields;
+/// `None` if it has another header.
 fn with_line(old: &str, header: &str, keys: usize, line: &str) -> Option<String> {
     let (first, lines) = old.split_once('\n').unwrap_or((header, ""));
     let key = |line: &str| line.split(',').take(keys).map(str::to_owned).collect::<Vec<_>>();

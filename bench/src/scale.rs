@@ -1,4 +1,5 @@
-//! A^T A on up to 65,536 ranks as the plans predict it: seconds, and words that a rank sends or receives.
+//! A^T A on up to 65,536 ranks as the plans predict it: seconds, and words that a rank sends or
+//! receives.
 
 use std::fmt::Write;
 

@@ -11,11 +11,12 @@ use crate::progress::Bar;
 use crate::report::report;
 use crate::shape::{LaplacianArgs, Mode};
 
-/// Compute a basis of functions on a mesh: the products of its first eigenfunctions, orthogonalised.
+/// Compute a basis of functions on a mesh: the products of its first eigenfunctions,
+/// orthogonalised.
 ///
-/// Writes the arrays `functions` (a row for each vertex, a column for each function), `r` (the coefficients of every product
-/// in them), `kept` (the product that each comes from), `factors` (of every product: eigenfunctions, from 1; 0 where there are
-/// fewer), `eigenvalues` and `mass`.
+/// Writes the arrays `functions` (a row for each vertex, a column for each function), `r` (the
+/// coefficients of every product in them), `kept` (the product that each comes from), `factors` (of
+/// every product: eigenfunctions, from 1; 0 where there are fewer), `eigenvalues` and `mass`.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, and .gz after it.

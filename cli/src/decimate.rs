@@ -65,8 +65,8 @@ pub struct Args {
     /// The first sample, a vertex from 0; the lowest by default.
     #[arg(long, value_name = "VERTEX")]
     first: Option<u32>,
-    /// Write the matrix that takes functions on the result to the input, .mtx: a row for each vertex of the input, a column
-    /// for each of the result.
+    /// Write the matrix that takes functions on the result to the input, .mtx: a row for each
+    /// vertex of the input, a column for each of the result.
     #[arg(long, value_name = "FILE")]
     weights: Option<PathBuf>,
     /// Report on uniformity, and on the distance from the input.

@@ -5,8 +5,9 @@ use anyhow::Result;
 /// Where the work is done.
 #[derive(clap::Args)]
 pub struct DeviceArgs {
-    /// Where it is computed: `cpu` (without OpenCL), or an OpenCL device by its number or a part of its name, as `catamaran
-    /// info` lists them; `opencl` is the first GPU, or else the first device.
+    /// Where it is computed: `cpu` (without OpenCL), or an OpenCL device by its number or a part of
+    /// its name, as `catamaran info` lists them; `opencl` is the first GPU, or else the first
+    /// device.
     #[arg(long, value_name = "cpu|NAME", default_value = "cpu")]
     device: String,
 }

@@ -62,8 +62,8 @@ pub struct Args {
     /// Change one coefficient: add the function of frequency NUMBER, from 1, to every coordinate.
     #[arg(long, value_name = "NUMBER")]
     coefficient: Option<usize>,
-    /// How large the change by --coefficient is, as a part of the distances from the centre, or of the
-    /// functions without their means; in mean squares [default: 0.1].
+    /// How large the change by --coefficient is, as a part of the distances from the centre, or of
+    /// the functions without their means; in mean squares [default: 0.1].
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     share: Option<f64>,
     /// Eigenfunctions, the constant one not counted.
@@ -180,7 +180,8 @@ fn filtered(args: &Args, basis: &Basis, frequencies: &[f64], f: &Mat<f64>) -> Re
     Ok(add_coefficient(basis, f.as_ref(), function, amount)?)
 }
 
-/// The norm of the columns of `f` without their means: the root of its mean square over the columns.
+/// The norm of the columns of `f` without their means: the root of its mean square over the
+/// columns.
 fn deviation(basis: &Basis, f: &Mat<f64>) -> Result<f64> {
     let (mass, par) = (basis.mass(), Par::Seq);
     let mut weighted = Mat::zeros(f.nrows(), f.ncols());
@@ -195,7 +196,8 @@ fn deviation(basis: &Basis, f: &Mat<f64>) -> Result<f64> {
     Ok((squares / f.ncols().max(1) as f64).sqrt())
 }
 
-/// The number of the frequency of each function, from 0 and ascending; all that are zero are number 0.
+/// The number of the frequency of each function, from 0 and ascending; all that are zero are
+/// number 0.
 fn numbers(frequencies: &[f64]) -> Vec<usize> {
     let mut ascending: Vec<usize> = (0..frequencies.len()).collect();
     ascending.sort_by(|&a, &b| frequencies[a].total_cmp(&frequencies[b]));

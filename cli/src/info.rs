@@ -10,8 +10,8 @@ use catamaran::kernel::{int8, packed};
 
 use crate::backend;
 
-/// Print the version, the CPU, the BLAS back ends, the instruction sets of the native kernels and of
-/// the exact path, what `tune` has measured, and the OpenCL devices.
+/// Print the version, the CPU, the BLAS back ends, the instruction sets of the native kernels and
+/// of the exact path, what `tune` has measured, and the OpenCL devices.
 #[derive(clap::Args)]
 pub struct Args {
     /// Also load this CBLAS library and say what it is.

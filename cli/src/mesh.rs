@@ -22,8 +22,8 @@ use crate::report::{report, seconds};
 /// Report on a triangle mesh, and convert, repair or compare it.
 ///
 /// Reads .obj, .ply, .off, .stl, .glb and .gltf, each also as .gz or .xz. Says what it is made of
-/// (components, boundary, genus), how large it is, and every kind of problem with the first elements
-/// that have it, numbered from 0.
+/// (components, boundary, genus), how large it is, and every kind of problem with the first
+/// elements that have it, numbered from 0.
 ///
 /// Nothing is repaired unless asked. The steps of a repair are done in this order, whatever the
 /// order of the options: weld, drop duplicates, drop degenerate, compact, cut (of --repair), keep

@@ -120,8 +120,8 @@ impl Ranks {
         }
     }
 
-    /// The eigenpairs: alone in slices that fit into `memory` bytes; of several processes all at once, with all rows of the
-    /// vectors on the first one and none on the others.
+    /// The eigenpairs: alone in slices that fit into `memory` bytes; of several processes all at
+    /// once, with all rows of the vectors on the first one and none on the others.
     pub fn eigenpairs(
         &self,
         stiffness: &CsMat<f64>,
@@ -152,7 +152,8 @@ impl Ranks {
         }
     }
 
-    /// Passes the result on; an error on one of several processes ends all of them, or they would wait for ever.
+    /// Passes the result on; an error on one of several processes ends all of them, or they would
+    /// wait for ever.
     pub fn end(self, done: Result<()>) -> Result<()> {
         use mpi::topology::Communicator;
         if let (Some((world, _)), Err(error)) = (&self.mpi, &done) {

@@ -20,8 +20,8 @@ pub fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// One line on stdout. A closed pipe, as in `... --report | head -1`, is no error: nobody is left to
-/// tell, and there may be files to write.
+/// One line on stdout. A closed pipe, as in `... --report | head -1`, is no error: nobody is left
+/// to tell, and there may be files to write.
 pub fn report(line: std::fmt::Arguments<'_>) -> Result<()> {
     if is_quiet() {
         return Ok(());
@@ -32,8 +32,8 @@ pub fn report(line: std::fmt::Arguments<'_>) -> Result<()> {
     }
 }
 
-/// One line on stderr, after the program's name. It is written at once: other ranks write there too, and what is
-/// written in pieces gets mixed with theirs.
+/// One line on stderr, after the program's name. It is written at once: other ranks write there
+/// too, and what is written in pieces gets mixed with theirs.
 pub fn complain(line: std::fmt::Arguments<'_>) {
     // Nobody is left to tell that stderr is closed.
     let _ = io::stderr().write_all(format!("catamaran: {line}\n").as_bytes());

@@ -20,8 +20,8 @@ use crate::report::report;
 /// What the Laplacian is made of, and with how many threads.
 #[derive(clap::Args)]
 pub struct LaplacianArgs {
-    /// Triangles of the Laplacian: of the mesh, of its intrinsic Delaunay triangulation, or of that of the tufted cover, for
-    /// meshes with edges of many faces or faces without area.
+    /// Triangles of the Laplacian: of the mesh, of its intrinsic Delaunay triangulation, or of that
+    /// of the tufted cover, for meshes with edges of many faces or faces without area.
     #[arg(long, value_name = "KIND", default_value = "cotan")]
     laplacian: Kind,
     #[command(flatten)]
@@ -170,7 +170,8 @@ pub fn labels(path: &Path, rows: usize) -> Result<Vec<u32>> {
     matrix.col(0).iter().enumerate().map(label).collect()
 }
 
-/// A matrix of vertex numbers, with this many columns, each column numbering vertices of a mesh of so many.
+/// A matrix of vertex numbers, with this many columns, each column numbering vertices of a mesh of
+/// so many.
 pub fn vertices(path: &Path, counts: &[usize]) -> Result<Vec<Vec<u32>>> {
     let matrix = dense(path)?;
     if matrix.ncols() != counts.len() {

@@ -15,8 +15,8 @@ use crate::shape::LaplacianArgs;
 
 /// Compare triangle meshes by their spectra (ShapeDNA), whatever their pose and triangles.
 ///
-/// The signature of a mesh is its first eigenvalues. For each mesh, the others are listed, the nearest first, with the
-/// Euclidean distances of the signatures.
+/// The signature of a mesh is its first eigenvalues. For each mesh, the others are listed, the
+/// nearest first, with the Euclidean distances of the signatures.
 #[derive(clap::Args)]
 pub struct Args {
     /// Meshes: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.
@@ -39,10 +39,12 @@ pub struct Args {
     dirichlet: bool,
     #[command(flatten)]
     laplacian: LaplacianArgs,
-    /// Write the signatures, a row a mesh (that of the query first): .npy, .csv, .tsv, .txt or .mtx, and .gz after it.
+    /// Write the signatures, a row a mesh (that of the query first): .npy, .csv, .tsv, .txt or
+    /// .mtx, and .gz after it.
     #[arg(long, value_name = "FILE")]
     signatures: Option<PathBuf>,
-    /// Write the table of distances, a row and a column a mesh (those of the query first), likewise.
+    /// Write the table of distances, a row and a column a mesh (those of the query first),
+    /// likewise.
     #[arg(long, value_name = "FILE")]
     distances: Option<PathBuf>,
     /// Replace files that exist.

@@ -4,8 +4,8 @@
 //! that is still there after [`GRACE`] is ended from outside: outputs that are not committed are
 //! removed, and the process exits with the status of the signal. A second signal does that at once.
 //!
-//! SIGXFSZ is ignored: a file that grows beyond the limit of `ulimit -f` is an error of the write, as
-//! on a full disk.
+//! SIGXFSZ is ignored: a file that grows beyond the limit of `ulimit -f` is an error of the write,
+//! as on a full disk.
 
 use std::io;
 use std::process::ExitCode;

@@ -19,11 +19,12 @@ use crate::{output, parse};
 
 /// Eigenvalues and eigenfunctions of the Laplacian of a triangle mesh.
 ///
-/// The file has three arrays: `eigenvalues` (k, ascending), `eigenvectors` (vertices x k, orthonormal in the inner product
-/// of the mass matrix) and `residuals` (k), |W phi - lambda M phi| / |W phi|.
+/// The file has three arrays: `eigenvalues` (k, ascending), `eigenvectors` (vertices x k,
+/// orthonormal in the inner product of the mass matrix) and `residuals` (k), |W phi - lambda M phi|
+/// / |W phi|.
 ///
-/// Under `mpirun` (where MPI is built in) the eigenvectors are spread over the processes until they are written; each uses
-/// `--threads`.
+/// Under `mpirun` (where MPI is built in) the eigenvectors are spread over the processes until they
+/// are written; each uses `--threads`.
 #[derive(clap::Args)]
 pub struct Args {
     /// The mesh: .obj, .ply, .off, .stl, .glb or .gltf, each also as .gz or .xz.
@@ -53,14 +54,15 @@ pub struct Args {
     /// Make sure, by another factorisation, that no eigenvalue is missing.
     #[arg(long)]
     verify: bool,
-    /// Gibibytes that the eigensolver may take. Where all pairs at once would take more, they are found in slices of the
-    /// spectrum and written as they come; counted, so that none is missing. Not around a --shift.
+    /// Gibibytes that the eigensolver may take. Where all pairs at once would take more, they are
+    /// found in slices of the spectrum and written as they come; counted, so that none is missing.
+    /// Not around a --shift.
     #[arg(long, value_name = "GIB", value_parser = parse::gibibytes, default_value = "4.5")]
     memory: usize,
     /// Approximate pairs, much sooner and in less memory: those of the mesh decimated to so many
     /// vertices, taken back to all vertices and made better there. Eigenvalues come out too large:
-    /// by about 0.1 % on scans with even triangles where this number is 100 times --k, by several per
-    /// cent on long thin ones. With `--boundary neumann` only.
+    /// by about 0.1 % on scans with even triangles where this number is 100 times --k, by several
+    /// per cent on long thin ones. With `--boundary neumann` only.
     #[arg(
         long,
         value_name = "VERTICES",

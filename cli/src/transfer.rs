@@ -37,11 +37,12 @@ const KERNEL_TIME: f64 = 1e-2;
 /// Wave kernel signatures that help landmarks.
 const SIGNATURES: usize = 50;
 
-/// Transfer functions, or the shape itself, from one mesh to another, through orthogonalised products of
-/// eigenfunctions.
+/// Transfer functions, or the shape itself, from one mesh to another, through orthogonalised
+/// products of eigenfunctions.
 ///
-/// Which vertices correspond is given, or found from a few landmarks or from segments: by a functional
-/// map that fits them and wave kernel signatures, refined, and the vertices nearest under it.
+/// Which vertices correspond is given, or found from a few landmarks or from segments: by a
+/// functional map that fits them and wave kernel signatures, refined, and the vertices nearest
+/// under it.
 #[derive(clap::Args)]
 #[command(
     group = ArgGroup::new("what").args(["functions", "details"]).required(true),
@@ -63,25 +64,26 @@ pub struct Args {
     /// Transfer the shape of the source instead, and write the target as a mesh that has it.
     #[arg(long, value_name = "HOW")]
     details: Option<Details>,
-    /// Eigenfunctions of the smooth surface that --details heights starts from, the constant one not
-    /// counted [default: 20].
+    /// Eigenfunctions of the smooth surface that --details heights starts from, the constant one
+    /// not counted [default: 20].
     #[arg(long, value_name = "K")]
     smooth: Option<usize>,
     /// Vertices of the same number correspond.
     #[arg(long, conflicts_with_all = ["points", "landmarks", "segments"])]
     identity: bool,
-    /// The corresponding vertex of the source, from 0, for each vertex of the target: a file with one column.
+    /// The corresponding vertex of the source, from 0, for each vertex of the target: a file with
+    /// one column.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["landmarks", "segments"])]
     points: Option<PathBuf>,
     /// Corresponding vertices, from 0: a file with two columns, source and target.
     #[arg(long, value_name = "FILE")]
     landmarks: Option<PathBuf>,
-    /// Corresponding segments, with or instead of landmarks: files with a whole number for each vertex,
-    /// one of the source and one of the target, where the same numbers correspond.
+    /// Corresponding segments, with or instead of landmarks: files with a whole number for each
+    /// vertex, one of the source and one of the target, where the same numbers correspond.
     #[arg(long, value_names = ["SOURCE", "TARGET"], num_args = 2)]
     segments: Option<Vec<PathBuf>>,
-    /// Fit the functional map such that it commutes with multiplications too: by heat kernels around
-    /// landmarks, and by the indicators of segments. Slower, and needs fewer of them.
+    /// Fit the functional map such that it commutes with multiplications too: by heat kernels
+    /// around landmarks, and by the indicators of segments. Slower, and needs fewer of them.
     #[arg(long, conflicts_with_all = ["identity", "points"])]
     operators: bool,
     /// How the functional map of landmarks or segments is refined.
@@ -104,8 +106,8 @@ pub struct Args {
     mode: Mode,
     #[command(flatten)]
     laplacian: LaplacianArgs,
-    /// Where the functions on the target go (.npy, .csv, .tsv, .txt or .mtx, and .gz after it), or the
-    /// mesh (.obj, .ply, .off, .stl).
+    /// Where the functions on the target go (.npy, .csv, .tsv, .txt or .mtx, and .gz after it), or
+    /// the mesh (.obj, .ply, .off, .stl).
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Where the correspondence that was used goes, as in --points.
@@ -126,8 +128,8 @@ enum Refine {
     Icp,
     /// Through more and more eigenfunctions.
     Zoomout,
-    /// Through more and more orthogonalised products of the same few eigenfunctions, of at most --order
-    /// factors.
+    /// Through more and more orthogonalised products of the same few eigenfunctions, of at most
+    /// --order factors.
     Products,
 }
 

@@ -36,8 +36,8 @@ impl Run {
     }
 
     fn begin(folder: Folder, mut command: Command) -> Self {
-        // A signal that is handled here has its default effect there: these tests may run where hangups
-        // are ignored, which programs inherit.
+        // A signal that is handled here has its default effect there: these tests may run where
+        // hangups are ignored, which programs inherit.
         signal_hook::flag::register(signal_hook::consts::SIGHUP, Arc::default()).unwrap();
         let said = File::create(folder.path(SAID)).unwrap();
         let before = folder.names();

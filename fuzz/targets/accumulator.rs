@@ -1,5 +1,5 @@
-//! Any bytes as an accumulator: the file itself, or, behind a zero, its head and its body, between the
-//! checksums that hold.
+//! Any bytes as an accumulator: the file itself, or, behind a zero, its head and its body, between
+//! the checksums that hold.
 #![no_main]
 
 use catamaran::Uplo;

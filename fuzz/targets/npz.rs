@@ -1,4 +1,5 @@
-//! Any bytes as arrays of numpy: the file itself, or, behind a zero, the content of its first array.
+//! Any bytes as arrays of numpy: the file itself, or, behind a zero, the content of its first
+//! array.
 #![no_main]
 
 use std::io::{Cursor, Write};

@@ -1,5 +1,5 @@
-//! Any bytes as the rates that `catamaran tune` measured, behind the line that names this machine: rates
-//! or an error.
+//! Any bytes as the rates that `catamaran tune` measured, behind the line that names this machine:
+//! rates or an error.
 #![no_main]
 
 use catamaran::kernel::packed::{Isa, Rates};

@@ -1,5 +1,5 @@
-//! Any bytes as weights of the network of unions: the file itself, or, behind a zero, changes of the
-//! weights that the library comes with, of five bytes each: where and what.
+//! Any bytes as weights of the network of unions: the file itself, or, behind a zero, changes of
+//! the weights that the library comes with, of five bytes each: where and what.
 #![no_main]
 
 use std::sync::OnceLock;

@@ -83,8 +83,8 @@ pub fn plan<T: Element>(request: &Request<T>, settings: &Settings) -> catamaran:
 ///
 /// Classical products are as fast as those of OpenBLAS or faster where the vectors have 512 bits on
 /// processors of AMD; on others symmetric ones with less than so many columns are (figures 8.3 and
-/// 8.4 in bench/record, and preload/race.py). Where vectors are shorter nobody has measured yet: only
-/// what saves multiplications is computed here.
+/// 8.4 in bench/record, and preload/race.py). Where vectors are shorter nobody has measured yet:
+/// only what saves multiplications is computed here.
 fn worthwhile<T: Element>(plan: &Planned, shape: Shape) -> f64 {
     /// With more OpenBLAS takes 1 to 5 % less time.
     const COLUMNS: usize = 2048;
@@ -114,9 +114,10 @@ fn worthwhile<T: Element>(plan: &Planned, shape: Shape) -> f64 {
 /// Whether complex products of this shape were measured to be as fast as those of OpenBLAS, or
 /// faster, where the vectors have 512 bits.
 ///
-/// Parts are copied into real matrices first: that counts for less the longer the sums and the wider
-/// the results are, and for more the shorter the numbers. Measured by preload/race.py on one core of
-/// Zen 5 (docs/guide/blas.md), and nowhere else: single precision takes 1.13 to 1.8 times as long.
+/// Parts are copied into real matrices first: that counts for less the longer the sums and the
+/// wider the results are, and for more the shorter the numbers. Measured by preload/race.py on one
+/// core of Zen 5 (docs/guide/blas.md), and nowhere else: single precision takes 1.13 to 1.8 times
+/// as long.
 fn complex_wins<T: Element>(shape: Shape) -> bool {
     /// Least sides from which double precision takes 0.99 of OpenBLAS' time or less.
     const GENERAL: usize = 512;

@@ -152,7 +152,8 @@ pub(crate) fn accumulate_lower<T: Real>(
     accumulate_lower_lines(dst, lines, beta, coefficient, src);
 }
 
-/// As [`accumulate_lower`], on those rows of `dst` if its rows are contiguous, else on those columns.
+/// As [`accumulate_lower`], on those rows of `dst` if its rows are contiguous, else on those
+/// columns.
 pub(crate) fn accumulate_lower_lines<T: Real>(
     mut dst: MatMut<'_, T>,
     lines: Range<usize>,

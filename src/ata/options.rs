@@ -19,8 +19,8 @@ pub enum Uplo {
 /// What a product may cost in accuracy. Errors are in the maximum norm, relative to those of the
 /// classical algorithm on the same input.
 ///
-/// The exact path ([`SchemeChoice::Exact`]) takes a number N of moduli from it. With `P` their product
-/// and `u` the unit roundoff, an entry of `A^T B` is wrong by at most
+/// The exact path ([`SchemeChoice::Exact`]) takes a number N of moduli from it. With `P` their
+/// product and `u` the unit roundoff, an entry of `A^T B` is wrong by at most
 /// `(u + 4 sqrt(m / P) + 4 m / P) |a_i| |b_j|`, the Euclidean norms of its columns; expected are
 /// rather `(u / 2 + sqrt(2 / P)) |a_i| |b_j|`, for any m.
 ///
@@ -38,8 +38,8 @@ pub enum Accuracy {
     Classical,
     /// Fast levels as long as the expected growth of the error stays within this factor (>= 1).
     Bounded(f64),
-    /// The default: `Bounded(4.0)` for fast levels; the exact path where it is faster, with errors no larger
-    /// than the classical ones.
+    /// The default: `Bounded(4.0)` for fast levels; the exact path where it is faster, with errors
+    /// no larger than the classical ones.
     #[default]
     Default,
     /// As many fast levels as pay off.
@@ -59,18 +59,18 @@ pub enum SchemeChoice {
     /// The faithful mode of the thesis: algorithm 8.1 (AtA) over Strassen, base case by a measured
     /// side.
     Ata2,
-    /// [`SchemeId::Split`](super::scheme::SchemeId::Split) over Winograd's variant; with the native kernels,
-    /// which share no sums, over Strassen's: fewer of them.
+    /// [`SchemeId::Split`](super::scheme::SchemeId::Split) over Winograd's variant; with the native
+    /// kernels, which share no sums, over Strassen's: fewer of them.
     Winograd,
     /// RXTX over Winograd's variant.
     Rxtx,
-    /// The sparse 4 x 4 scheme of Khoruzhii, Gelss and Pokutta over Winograd's variant; with the native
-    /// kernels over Strassen's.
+    /// The sparse 4 x 4 scheme of Khoruzhii, Gelss and Pokutta over Winograd's variant; with the
+    /// native kernels over Strassen's.
     Kgp4,
     /// Their 3 x 3 scheme over Winograd's variant.
     Kgp3,
-    /// Integer products modulo small primes: one rounding of the columns, one of the result, nothing
-    /// between them. [`Accuracy`] says how fine the first is.
+    /// Integer products modulo small primes: one rounding of the columns, one of the result,
+    /// nothing between them. [`Accuracy`] says how fine the first is.
     Exact,
 }
 
@@ -215,8 +215,8 @@ impl<'a> AtaOptions<'a> {
     /// Sets whether threads stay on one core each; [`Pin::No`] by default. The result does not
     /// depend on it.
     ///
-    /// With [`Pin::Cores`] a call runs on pinned threads of this library, which stay for later calls
-    /// with as many threads, and the calling thread waits. Calls at the same time share these
+    /// With [`Pin::Cores`] a call runs on pinned threads of this library, which stay for later
+    /// calls with as many threads, and the calling thread waits. Calls at the same time share these
     /// threads: pin where one call at a time has the machine for itself. [`Par::Seq`] and the
     /// smallest products stay on the calling thread, wherever it is.
     ///

@@ -274,7 +274,8 @@ static ATA2: Table = Table {
     ],
 };
 
-/// RXTX (Rybin, Zhang and Luo, arXiv 2505.09814): 26 general products and 8 squares on 4 x 4 blocks.
+/// RXTX (Rybin, Zhang and Luo, arXiv 2505.09814): 26 general products and 8 squares on 4 x 4
+/// blocks.
 static RXTX: Table = Table {
     name: "rxtx",
     symmetric: true,

@@ -30,9 +30,9 @@ pub struct Verification {
 /// O(rounds (m n + n^2)).
 ///
 /// For a sign vector x and an entry `E_ij` of the error `E = C - alpha A^T A`, flipping `x_j` moves
-/// `(E x)_i` by `2 |E_ij|`, so at least one of the two vectors shows an error of `|E_ij|`: each round
-/// misses it with probability at most 1/2. The tolerance is the probabilistic rounding bound of
-/// Higham and Mary (2019), `8 u sqrt(m n) max_j ||a_j||^2` with u the unit roundoff of T, so a
+/// `(E x)_i` by `2 |E_ij|`, so at least one of the two vectors shows an error of `|E_ij|`: each
+/// round misses it with probability at most 1/2. The tolerance is the probabilistic rounding bound
+/// of Higham and Mary (2019), `8 u sqrt(m n) max_j ||a_j||^2` with u the unit roundoff of T, so a
 /// correct result fails with negligible probability. The check itself runs in f64.
 ///
 /// ```
@@ -154,7 +154,8 @@ pub(crate) fn signs(n: usize, rounds: u32, seed: u64) -> Mat<f64> {
     Mat::from_fn(n, rounds as usize, |_, _| rng.sign())
 }
 
-/// What the residuals `z = C x - alpha A^T W (A x)`, n x rounds, say; `norms` are `sum_i |w_i| a_ij^2`.
+/// What the residuals `z = C x - alpha A^T W (A x)`, n x rounds, say; `norms` are
+/// `sum_i |w_i| a_ij^2`.
 pub(crate) fn verdict<T: Real>(
     alpha: f64,
     m: usize,

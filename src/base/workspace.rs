@@ -6,8 +6,8 @@ use super::{Error, Real, Result};
 
 /// An owned, zeroed, reusable block of `T`; a failed allocation is an error, not an abort.
 ///
-/// Large blocks begin on a huge page, and the system is asked for such pages: memory that is touched
-/// for the first time in every call costs a visible part of the time otherwise.
+/// Large blocks begin on a huge page, and the system is asked for such pages: memory that is
+/// touched for the first time in every call costs a visible part of the time otherwise.
 #[derive(Debug, Default)]
 pub struct Workspace<T> {
     buffer: Vec<T>,
@@ -91,8 +91,8 @@ fn zeroed<T: Plain>(len: usize) -> Option<Vec<T>> {
         return Some(Vec::new());
     }
     let layout = Layout::array::<T>(len).ok()?;
-    // SAFETY: the layout is not empty. It is that of a vector of `len` elements, zero bits are a T, and
-    // the global allocator is that of vectors.
+    // SAFETY: the layout is not empty. It is that of a vector of `len` elements, zero bits are a T,
+    // and the global allocator is that of vectors.
     unsafe {
         let pointer = std::alloc::alloc_zeroed(layout).cast::<T>();
         (!pointer.is_null()).then(|| Vec::from_raw_parts(pointer, len, len))
@@ -109,8 +109,8 @@ fn ask_for_huge_pages<T>(block: &mut [T]) {
     let start = block.as_mut_ptr().cast::<u8>();
     let skipped = start.align_offset(HUGE_PAGE);
     let bytes = (size_of_val(block) - skipped) / HUGE_PAGE * HUGE_PAGE;
-    // SAFETY: whole pages inside the block, which is longer than what is skipped; the advice changes
-    // no contents, and may be refused.
+    // SAFETY: whole pages inside the block, which is longer than what is skipped; the advice
+    // changes no contents, and may be refused.
     unsafe { libc::madvise(start.add(skipped).cast(), bytes, libc::MADV_HUGEPAGE) };
 }
 
@@ -119,13 +119,13 @@ fn ask_for_huge_pages<T>(_block: &mut [T]) {}
 
 /// Memory for the length of a call, with whatever an earlier one left in it.
 ///
-/// Pages fresh from the system cost as much as the arithmetic on them, so that large blocks stay with
-/// the process, as in other BLAS libraries, until [`release_memory`].
+/// Pages fresh from the system cost as much as the arithmetic on them, so that large blocks stay
+/// with the process, as in other BLAS libraries, until [`release_memory`].
 #[derive(Default)]
 pub(crate) struct Scratch(Workspace<f64>);
 
-/// Blocks that the next calls may have, in the order in which they came back. Nobody waits for them: a
-/// process that is forked while another thread has the lock would wait forever.
+/// Blocks that the next calls may have, in the order in which they came back. Nobody waits for
+/// them: a process that is forked while another thread has the lock would wait forever.
 static SPARE: Mutex<Vec<Workspace<f64>>> = Mutex::new(Vec::new());
 
 /// Bytes of a block that stays: smaller ones are the allocator's business, larger ones too much.
@@ -154,7 +154,8 @@ impl Scratch {
     pub fn as_mut_slice<T: Real>(&mut self) -> &mut [T] {
         let block = self.0.as_mut_slice();
         let len = size_of_val(block) / size_of::<T>();
-        // SAFETY: f32 and f64 (`Real` is sealed) take any bits and ask for no more alignment than f64.
+        // SAFETY: f32 and f64 (`Real` is sealed) take any bits and ask for no more alignment than
+        // f64.
         unsafe { std::slice::from_raw_parts_mut(block.as_mut_ptr().cast(), len) }
     }
 
@@ -177,8 +178,8 @@ impl Drop for Scratch {
     }
 }
 
-/// The smallest block of at least `len` elements, or the largest one, which then gives way to a larger
-/// one: there are no more blocks than were in use at a time.
+/// The smallest block of at least `len` elements, or the largest one, which then gives way to a
+/// larger one: there are no more blocks than were in use at a time.
 fn take(blocks: &mut Vec<Workspace<f64>>, len: usize) -> Option<Workspace<f64>> {
     let len_of = |i: &usize| blocks[*i].as_slice().len();
     let fitting = (0..blocks.len()).filter(|i| len_of(i) >= len).min_by_key(len_of);
@@ -251,8 +252,8 @@ impl<'a, T: Real> Arena<'a, T> {
     pub(crate) fn take_as<U: Plain>(&mut self, len: usize) -> &'a mut [U] {
         let piece = self.take(Self::len_of::<U>(len));
         let skipped = piece.as_ptr().cast::<u8>().align_offset(CACHE_LINE);
-        // SAFETY: `len_of` counts the bytes of `len` elements and of the way to the next cache line,
-        // which suits the alignment of U; any bits are a U, and a T when the borrow ends.
+        // SAFETY: `len_of` counts the bytes of `len` elements and of the way to the next cache
+        // line, which suits the alignment of U; any bits are a U, and a T when the borrow ends.
         unsafe {
             let start = piece.as_mut_ptr().cast::<u8>().add(skipped);
             std::slice::from_raw_parts_mut(start.cast(), len)

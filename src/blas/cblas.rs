@@ -129,16 +129,16 @@ impl Cblas {
     }
 }
 
-/// Whether a library takes 32-bit integers: asks for a scalar product of length 2, which as a 64-bit
-/// integer is a negative length. That is legal too, and gives zero (reference BLAS, `ddot`).
+/// Whether a library takes 32-bit integers: asks for a scalar product of length 2, which as a
+/// 64-bit integer is a negative length. That is legal too, and gives zero (reference BLAS, `ddot`).
 fn has_32_bit_integers(ddot: Dot) -> bool {
     type WideDot = unsafe extern "C" fn(i64, *const f64, i64, *const f64, i64) -> f64;
     if size_of::<usize>() != 8 {
         return true;
     }
     let (x, y) = ([2.0, 3.0], [5.0, 7.0]);
-    // SAFETY: on 64-bit targets an int and a 64-bit integer are passed in the same place, of which an
-    // int is the lower half. Of the arrays two elements are read, or none.
+    // SAFETY: on 64-bit targets an int and a 64-bit integer are passed in the same place, of which
+    // an int is the lower half. Of the arrays two elements are read, or none.
     let product = unsafe {
         let ddot = std::mem::transmute::<Dot, WideDot>(ddot);
         ddot(2 - (1_i64 << 32), x.as_ptr(), 1, y.as_ptr(), 1)

@@ -62,8 +62,8 @@ pub fn native_with(isa: Isa, rates: packed::Rates) -> Arc<dyn Backend> {
     Arc::new(Native::new(isa, rates))
 }
 
-/// The native kernels with the rates that were measured on this machine (`catamaran tune`), built-in
-/// ones where there are none.
+/// The native kernels with the rates that were measured on this machine (`catamaran tune`),
+/// built-in ones where there are none.
 ///
 /// This reads a file in the user's cache directory, and the plans, so the roundings of results too,
 /// may depend on it: [`native()`] does neither.

@@ -7,10 +7,11 @@ use crate::kernel::packed::{
     run_small, scratch_len,
 };
 
-/// The kernels of this crate, for one instruction set: one product at a time, on the calling thread.
+/// The kernels of this crate, for one instruction set: one product at a time, on the calling
+/// thread.
 ///
-/// [`ata`](mod@crate::ata) does not call them through [`Kernels`], but uses all they can: threads that
-/// share packed operands, and additions fused into packing and writing.
+/// [`ata`](mod@crate::ata) does not call them through [`Kernels`], but uses all they can: threads
+/// that share packed operands, and additions fused into packing and writing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Native {
     isa: Isa,

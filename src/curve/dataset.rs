@@ -46,12 +46,13 @@ impl<'g> Generator<'g> {
         })
     }
 
-    /// The next closed curve, of at least [`LEAST_VERTICES`] vertices, each next to the one before and the last to the first;
-    /// `None` when 400 walks gave none.
+    /// The next closed curve, of at least [`LEAST_VERTICES`] vertices, each next to the one before
+    /// and the last to the first; `None` when 400 walks gave none.
     ///
-    /// A walk goes from a vertex s to random neighbours farther from s, up to a vertex m where there is none; then it goes
-    /// sideways, away from m and at the distance that m has from s as nearly as possible, for a random number of steps; then
-    /// back to s by the shortest path that avoids it.
+    /// A walk goes from a vertex s to random neighbours farther from s, up to a vertex m where
+    /// there is none; then it goes sideways, away from m and at the distance that m has from s as
+    /// nearly as possible, for a random number of steps; then back to s by the shortest path that
+    /// avoids it.
     ///
     /// # Errors
     /// None that a graph could cause.
@@ -199,7 +200,8 @@ fn shuffle(items: &mut [usize], rng: &mut Rng) {
 /// ```
 ///
 /// # Errors
-/// [`Error::Mesh`](crate::Error::Mesh) when that makes coordinates that are not finite, as of a mesh without area.
+/// [`Error::Mesh`](crate::Error::Mesh) when that makes coordinates that are not finite, as of a
+/// mesh without area.
 pub fn scaled(mesh: &TriMesh) -> Result<TriMesh> {
     let volume = mesh.volume().abs();
     let factor = if mesh.require_closed().is_ok() && volume > 0.0 {

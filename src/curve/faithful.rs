@@ -71,7 +71,8 @@ impl Walker<'_, '_> {
     ) -> Result<Outcome> {
         let count = self.samples.len();
         let mut previous = None;
-        // What the curve has shut off stays so, as the curve only grows: no search looks for it twice.
+        // What the curve has shut off stays so, as the curve only grows: no search looks for it
+        // twice.
         let mut reachable = count - 1;
         while walk.order.len() < count {
             progress.report(walk.order.len() as f64 / count as f64)?;
@@ -107,7 +108,8 @@ impl Walker<'_, '_> {
         }
     }
 
-    /// The nearest waiting samples, the nearest first; ways lead over other waiting samples, but not over the curve.
+    /// The nearest waiting samples, the nearest first; ways lead over other waiting samples, but
+    /// not over the curve.
     fn nearest(&mut self, at: u32, wanted: usize) -> Vec<Candidate> {
         let mut found = Vec::new();
         if wanted == 0 {
@@ -168,7 +170,8 @@ impl Walker<'_, '_> {
         norm(cross(x, y)).atan2(dot(x, y))
     }
 
-    /// The shortest path between two samples that meets neither the curve nor other waiting samples.
+    /// The shortest path between two samples that meets neither the curve nor other waiting
+    /// samples.
     fn route(&mut self, from: u32, to: u32) -> Option<Vec<u32>> {
         let [from, to] = [from, to].map(|s| self.samples[s as usize]);
         self.search.start(&[from]);

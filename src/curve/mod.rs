@@ -1,8 +1,9 @@
 //! Closed and open curves on triangle meshes through samples without an order (thesis, chapter 6).
 //!
-//! [`Mode::Faithful`] is algorithm 6.1 with its maximum-angle heuristic: it grows the curve from one sample to the next and
-//! can lock itself in. [`Mode::Robust`] decides the order of all samples first and then finds paths that do not meet. What
-//! comes of it is an [`Outcome`], with as much of the curve as there is.
+//! [`Mode::Faithful`] is algorithm 6.1 with its maximum-angle heuristic: it grows the curve from
+//! one sample to the next and can lock itself in. [`Mode::Robust`] decides the order of all samples
+//! first and then finds paths that do not meet. What comes of it is an [`Outcome`], with as much of
+//! the curve as there is.
 //!
 //! ```
 //! use catamaran::curve::{CurveOptions, CurveSolver, Outcome};

@@ -1,4 +1,5 @@
-//! Which samples are near one another: the dual of their geodesic Voronoi diagram, grown only as far as needed.
+//! Which samples are near one another: the dual of their geodesic Voronoi diagram, grown only as
+//! far as needed.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -101,7 +102,8 @@ impl Proximity {
     }
 }
 
-/// For each sample those whose cells touch its own, and the length of the shortest path through both.
+/// For each sample those whose cells touch its own, and the length of the shortest path through
+/// both.
 fn dual(surface: &Surface<'_>, search: &mut Search, samples: &[u32]) -> Vec<Vec<(u32, f64)>> {
     // Sorted, so that nothing depends on the order in which cells meet.
     let mut edges: BTreeMap<(u32, u32), f64> = BTreeMap::new();

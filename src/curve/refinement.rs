@@ -5,7 +5,8 @@ use crate::base::{Error, Result};
 use crate::mesh::vector::{Vector, distance};
 use crate::mesh::{Adjacency, Origin, Refined, TriMesh};
 
-/// A mesh with edges and faces that are cut at points, kept beside it: what was not cut costs nothing.
+/// A mesh with edges and faces that are cut at points, kept beside it: what was not cut costs
+/// nothing.
 pub(super) struct Refinement<'m> {
     mesh: Cow<'m, TriMesh>,
     /// Faces of the mesh's vertices; made when first something is cut.
@@ -73,8 +74,8 @@ impl<'m> Refinement<'m> {
         others
     }
 
-    /// Cuts an edge, and each of its faces in two, at a point of it. Gives the new vertex, and the vertices whose neighbours
-    /// are others now.
+    /// Cuts an edge, and each of its faces in two, at a point of it. Gives the new vertex, and the
+    /// vertices whose neighbours are others now.
     ///
     /// # Errors
     /// [`Error::Argument`] when vertices or faces can't be numbered any more.

@@ -77,8 +77,8 @@ pub enum Waypoint {
 pub struct Curve {
     /// Numbers of samples in the list of samples, in the order of the curve.
     pub order: Vec<u32>,
-    /// Its vertices, one after the other; the first one is not repeated where it closes. Those from the mesh's number of
-    /// vertices on are the [`Reconstruction::steiner`] points, in their order.
+    /// Its vertices, one after the other; the first one is not repeated where it closes. Those from
+    /// the mesh's number of vertices on are the [`Reconstruction::steiner`] points, in their order.
     pub path: Vec<u32>,
     /// Positions of the vertices; of a smooth curve also where it crosses edges.
     pub points: Vec<[f64; 3]>,
@@ -94,7 +94,8 @@ pub struct Curve {
 /// A vertex that was put into the middle of an edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Steiner {
-    /// Ends of the edge: vertices of the mesh, or earlier Steiner points, numbered from the mesh's number of vertices on.
+    /// Ends of the edge: vertices of the mesh, or earlier Steiner points, numbered from the mesh's
+    /// number of vertices on.
     pub ends: [u32; 2],
     /// Where it is.
     pub position: [f64; 3],
@@ -107,7 +108,8 @@ pub struct Reconstruction {
     pub outcome: Outcome,
     /// The curves, or what there is of them; in the order of their lowest samples.
     pub curves: Vec<Curve>,
-    /// Points in the middle of edges that were needed, in the order of their numbers; not all of them need be on a curve.
+    /// Points in the middle of edges that were needed, in the order of their numbers; not all of
+    /// them need be on a curve.
     pub steiner: Vec<Steiner>,
     /// Numbers of samples, ascending, that no curve is through, because their components of the
     /// mesh have fewer than three samples each. Only where there may be several curves; all other

@@ -1,5 +1,5 @@
-//! Paths between samples in their order, which must not meet: first each for itself, then by negotiation (McMurchie and
-//! Ebeling 1995), at last with room made by Steiner points.
+//! Paths between samples in their order, which must not meet: first each for itself, then by
+//! negotiation (McMurchie and Ebeling 1995), at last with room made by Steiner points.
 
 use super::search::Search;
 use super::surface::Surface;
@@ -11,8 +11,8 @@ const ROUNDS: usize = 40;
 const GROWTH: f64 = 1.5;
 /// Part of the progress of negotiation that the first paths are.
 const FIRST_PATHS: f64 = 5.0 / 9.0;
-/// Vertices that negotiation may settle: a multiple of those that all first paths did, and a number that takes a fraction of
-/// a second, whatever the mesh.
+/// Vertices that negotiation may settle: a multiple of those that all first paths did, and a number
+/// that takes a fraction of a second, whatever the mesh.
 const PATIENCE: usize = 40;
 const MOST_SETTLED: usize = 1_500_000;
 
@@ -35,8 +35,8 @@ pub(super) struct Router<'a, 'm> {
 }
 
 impl Router<'_, '_> {
-    /// A path for each net, none where there is no way. They meet only at their ends. `samples` are all vertices that paths
-    /// of others keep away from.
+    /// A path for each net, none where there is no way. They meet only at their ends. `samples` are
+    /// all vertices that paths of others keep away from.
     ///
     /// # Errors
     /// [`Error::Cancelled`](crate::Error::Cancelled); too many vertices.
@@ -80,7 +80,8 @@ impl Router<'_, '_> {
         }
     }
 
-    /// The cheapest path of a net: lengths, times what others that use a vertex make it cost; `None` for the price: not at all.
+    /// The cheapest path of a net: lengths, times what others that use a vertex make it cost;
+    /// `None` for the price: not at all.
     fn path(&mut self, (from, to): Net, price: Option<f64>) -> Option<Vec<u32>> {
         let aim = self.surface.position(to);
         self.search.start(&[from]);
@@ -111,7 +112,8 @@ impl Router<'_, '_> {
         path.iter().any(|&v| self.users[v as usize] > 1)
     }
 
-    /// Until no vertex is used twice, or patience ends. A net without a path has none whatever the others do.
+    /// Until no vertex is used twice, or patience ends. A net without a path has none whatever the
+    /// others do.
     fn negotiate(
         &mut self,
         nets: &[Net],
@@ -178,10 +180,11 @@ impl Router<'_, '_> {
         }
     }
 
-    /// Finds paths that avoid the others for the nets that have none; where there is no way around, makes one.
+    /// Finds paths that avoid the others for the nets that have none; where there is no way around,
+    /// makes one.
     ///
-    /// The paths that are there are arcs, and arcs that do not meet don't part a connected surface without boundary, so that
-    /// on such a one every net gets a path.
+    /// The paths that are there are arcs, and arcs that do not meet don't part a connected surface
+    /// without boundary, so that on such a one every net gets a path.
     fn insist(
         &mut self,
         nets: &[Net],

@@ -18,12 +18,14 @@ struct Label {
 
 const BLANK: Label = Label { distance: f64::INFINITY, predecessor: NONE, origin: NONE, stamp: 0 };
 
-/// A search for shortest paths (Dijkstra 1959) that its user drives: [`Search::next`] gives the next vertex, and the user
-/// offers its neighbours, at whatever cost, to [`Search::relax`]. Starting again takes no time, whatever the last one touched.
+/// A search for shortest paths (Dijkstra 1959) that its user drives: [`Search::next`] gives the
+/// next vertex, and the user offers its neighbours, at whatever cost, to [`Search::relax`].
+/// Starting again takes no time, whatever the last one touched.
 pub(super) struct Search {
     labels: Vec<Label>,
     current: u64,
-    /// Estimated lengths of whole paths, as bits (ordered as non-negative numbers are); equal ones by vertex.
+    /// Estimated lengths of whole paths, as bits (ordered as non-negative numbers are); equal ones
+    /// by vertex.
     heap: BinaryHeap<Reverse<(u64, u32)>>,
     settled: usize,
 }
@@ -51,7 +53,8 @@ impl Search {
         self.settled
     }
 
-    /// Forgets the last search and starts from these vertices; their place in the list is their number as origins.
+    /// Forgets the last search and starts from these vertices; their place in the list is their
+    /// number as origins.
     pub fn start(&mut self, sources: &[u32]) {
         self.current += 2;
         self.heap.clear();
@@ -75,8 +78,9 @@ impl Search {
         None
     }
 
-    /// A way of this length to `vertex` by `from`; `rest` is at most what is left of it to where the search wants to go
-    /// (Hart, Nilsson and Raphael 1968), and never more than an edge longer than at the neighbour; 0 when there is no aim.
+    /// A way of this length to `vertex` by `from`; `rest` is at most what is left of it to where
+    /// the search wants to go (Hart, Nilsson and Raphael 1968), and never more than an edge longer
+    /// than at the neighbour; 0 when there is no aim.
     pub fn relax(&mut self, from: u32, vertex: u32, distance: f64, rest: f64) {
         let origin = self.labels[from as usize].origin;
         let current = self.current;

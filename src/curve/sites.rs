@@ -58,8 +58,8 @@ pub struct Placed {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] names a site whose vertex or face is not there, whose weights are not barycentric coordinates, or
-/// whose point is not finite; also for a point on a mesh without faces.
+/// [`Error::Argument`] names a site whose vertex or face is not there, whose weights are not
+/// barycentric coordinates, or whose point is not finite; also for a point on a mesh without faces.
 pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Placed> {
     let mut refinement = Refinement::new(Cow::Borrowed(mesh));
     let mut vertices = Vec::with_capacity(sites.len());
@@ -79,7 +79,8 @@ pub fn place(mesh: &TriMesh, sites: &[Site], placement: Placement) -> Result<Pla
     Ok(Placed { mesh: if inserted { Some(refinement.to_mesh()?) } else { None }, vertices })
 }
 
-/// The mesh with the Steiner points of a reconstruction as vertices after its own, so that the curves are along its edges.
+/// The mesh with the Steiner points of a reconstruction as vertices after its own, so that the
+/// curves are along its edges.
 ///
 /// ```
 /// use catamaran::curve::{Steiner, refined};

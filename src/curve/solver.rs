@@ -36,7 +36,8 @@ pub enum Mode {
 pub enum Count {
     /// One.
     One,
-    /// As many as there are gaps for; closed curves of the robust mode only, otherwise one. The default.
+    /// As many as there are gaps for; closed curves of the robust mode only, otherwise one. The
+    /// default.
     #[default]
     Automatic,
 }
@@ -51,9 +52,11 @@ pub struct CurveOptions<'a> {
     pub open: bool,
     /// How many curves; default automatic.
     pub count: Count,
-    /// In the robust mode: whether vertices may be added in the middle of edges where there is no other way; default true.
+    /// In the robust mode: whether vertices may be added in the middle of edges where there is no
+    /// other way; default true.
     pub steiner: bool,
-    /// In the faithful mode: l, among how many of the nearest samples the next one is chosen, at least 1; default 5.
+    /// In the faithful mode: l, among how many of the nearest samples the next one is chosen, at
+    /// least 1; default 5.
     pub candidates: usize,
     /// In the faithful mode: the number of the sample that the curve starts at; default 0.
     pub start: usize,
@@ -85,7 +88,8 @@ builder! { CurveOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// Finds curves on a mesh: made once, in O(V + F), for many reconstructions, which look only at what is near the samples.
+/// Finds curves on a mesh: made once, in O(V + F), for many reconstructions, which look only at
+/// what is near the samples.
 ///
 /// ```
 /// use catamaran::{curve::{CurveOptions, CurveSolver, Outcome}, mesh::families};
@@ -147,8 +151,9 @@ impl<'m> CurveSolver<'m> {
     /// out](Reconstruction::left_out), and the others get theirs.
     ///
     /// # Errors
-    /// [`Error::Argument`] for fewer than three samples, a number that no vertex has, a vertex twice, no candidates, or a
-    /// start that is none of the samples; [`Error::Mesh`] for a vertex without a face; [`Error::Cancelled`].
+    /// [`Error::Argument`] for fewer than three samples, a number that no vertex has, a vertex
+    /// twice, no candidates, or a start that is none of the samples; [`Error::Mesh`] for a vertex
+    /// without a face; [`Error::Cancelled`].
     pub fn reconstruct(
         &mut self,
         samples: &[u32],
@@ -377,8 +382,8 @@ fn nets(samples: &[u32], order: &[u32], open: bool) -> Vec<Net> {
     pairs.take(order.len() - usize::from(open)).collect()
 }
 
-/// One of the ways to write an order down: from its lowest number on, to the lower one beside it; an open one from its lower
-/// end.
+/// One of the ways to write an order down: from its lowest number on, to the lower one beside it;
+/// an open one from its lower end.
 fn normalized(mut order: Vec<u32>, open: bool) -> Vec<u32> {
     if open {
         if order.first() > order.last() {

@@ -1,5 +1,5 @@
-//! Whether samples are of several curves: where a tour uses two edges that are far longer than all others on both sides of
-//! them, and each side closes by a short one.
+//! Whether samples are of several curves: where a tour uses two edges that are far longer than all
+//! others on both sides of them, and each side closes by a short one.
 
 use super::proximity::Proximity;
 

@@ -6,7 +6,8 @@ use crate::base::Result;
 use crate::mesh::vector::{Vector, distance};
 use crate::mesh::{Components, Graph, TriMesh};
 
-/// A mesh as paths see it: its edges, and where it was refined for one call, those of the refinement.
+/// A mesh as paths see it: its edges, and where it was refined for one call, those of the
+/// refinement.
 pub(super) struct Surface<'m> {
     graph: Graph,
     components: Components,
@@ -46,7 +47,8 @@ impl<'m> Surface<'m> {
         self.refinement.position(vertex)
     }
 
-    /// The vertices of the refinement: the ends of the edges whose middles they are, and where they are.
+    /// The vertices of the refinement: the ends of the edges whose middles they are, and where they
+    /// are.
     pub fn middles(&self) -> impl Iterator<Item = ([u32; 2], Vector)> {
         self.ends.iter().copied().zip(self.refinement.positions().iter().copied())
     }

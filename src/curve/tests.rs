@@ -29,7 +29,8 @@ fn refusal(mesh: &TriMesh, samples: &[u32], options: &CurveOptions<'_>) -> Strin
     CurveSolver::new(mesh).unwrap().reconstruct(samples, options).unwrap_err().to_string()
 }
 
-/// Steps along edges, no vertex twice in all curves, samples in their order, lengths that are those of the edges.
+/// Steps along edges, no vertex twice in all curves, samples in their order, lengths that are those
+/// of the edges.
 fn check(mesh: &TriMesh, samples: &[u32], result: &Reconstruction) {
     let refined = refined(mesh, &result.steiner).unwrap();
     let edges: Adjacency = refined.vertex_neighbors();
@@ -197,7 +198,8 @@ fn a_strip_that_a_curve_cannot_come_back_on_is_said_to_be_one() {
 
 #[test]
 fn steiner_points_make_room_where_vertices_leave_none() {
-    // The six corners of an octahedron: all vertices are samples, in an order in which paths would have to cross.
+    // The six corners of an octahedron: all vertices are samples, in an order in which paths would
+    // have to cross.
     let mesh = families::icosphere(0).unwrap();
     let surface = &mut surface::Surface::new(std::borrow::Cow::Borrowed(&mesh));
     let n = mesh.vertices().len();
@@ -362,11 +364,12 @@ fn sites_are_snapped_or_inserted() {
     assert!(refused(Site::Near([f64::NAN; 3])).contains("site 0"));
 }
 
-/// A part of `scripts/reproduce curves` whose counts are known: for each mode the runs that closed, those without Steiner
-/// points, and those in the right order.
+/// A part of `scripts/reproduce curves` whose counts are known: for each mode the runs that closed,
+/// those without Steiner points, and those in the right order.
 #[test]
 fn counts_on_a_part_of_the_data_set_are_as_they_were() {
-    // Meshes whose vertices come from square roots alone, so that they are the same on every machine.
+    // Meshes whose vertices come from square roots alone, so that they are the same on every
+    // machine.
     let meshes = [families::icosphere(5).unwrap(), families::genus(3, 14).unwrap()];
     let mut counts = [[0; 3]; 2];
     let mut runs = 0;

@@ -1,4 +1,5 @@
-//! A short tour through samples: greedy edges, then 2-opt and Or-opt moves over lists of neighbours, and kicks.
+//! A short tour through samples: greedy edges, then 2-opt and Or-opt moves over lists of
+//! neighbours, and kicks.
 
 use super::proximity::Proximity;
 use crate::base::Rng;
@@ -8,7 +9,8 @@ use crate::mesh::vector::{dot, norm, sub};
 const NEIGHBOURS: usize = 10;
 /// Samples that an Or-opt move takes along, at most.
 const SEGMENT: usize = 3;
-/// Kicks (Martin, Otto and Felten 1991) at most, for each node, and the number of nodes that each stays within.
+/// Kicks (Martin, Otto and Felten 1991) at most, for each node, and the number of nodes that each
+/// stays within.
 const KICKS: usize = 200;
 const KICKS_A_NODE: usize = 3;
 const KICK_SPAN: usize = 30;
@@ -21,8 +23,8 @@ const TABLE: usize = 512;
 /// A move counts as one when it gains more than this, relative to the length of the tour.
 const GAIN: f64 = 1e-12;
 
-/// What tours are measured by. Sample number `count` is one that is nowhere, at no distance from any: a tour through it is
-/// an open curve.
+/// What tours are measured by. Sample number `count` is one that is nowhere, at no distance from
+/// any: a tour through it is an open curve.
 pub(super) struct Costs<'a> {
     proximity: &'a Proximity,
     /// For each number here the sample.
@@ -144,8 +146,8 @@ pub(super) fn tour(costs: &Costs<'_>, seed: u64) -> Vec<u32> {
     order.into_iter().map(|i| costs.members[i as usize]).collect()
 }
 
-/// Short edges first, as long as no sample gets three and no circle closes; then the ends of what hangs together, the
-/// nearest first.
+/// Short edges first, as long as no sample gets three and no circle closes; then the ends of what
+/// hangs together, the nearest first.
 fn greedy(costs: &Costs<'_>, neighbours: &[Vec<u32>]) -> Vec<u32> {
     let n = costs.nodes() as u32;
     let mut edges: Vec<(f64, u32, u32)> = (0..n)
@@ -163,7 +165,8 @@ fn greedy(costs: &Costs<'_>, neighbours: &[Vec<u32>]) -> Vec<u32> {
             links[j as usize].push(i);
         }
     }
-    // Pieces one after the other, each entered at its end that is nearest to where the last one was left.
+    // Pieces one after the other, each entered at its end that is nearest to where the last one was
+    // left.
     let mut used = vec![false; n as usize];
     let mut order = Vec::new();
     let mut at = (0..n).find(|&v| links[v as usize].len() < 2);
@@ -258,7 +261,8 @@ impl<'a> Tour<'a> {
         cost
     }
 
-    /// Whether an edge from v to u instead of one to `old` can be a gain: some edge of a move that gains is.
+    /// Whether an edge from v to u instead of one to `old` can be a gain: some edge of a move that
+    /// gains is.
     fn is_near(&self, v: u32, u: u32, old: u32) -> bool {
         self.costs.edge(v, u) < (1.0 + 2.0 * BEND) * self.costs.edge(v, old)
     }
@@ -301,7 +305,8 @@ impl<'a> Tour<'a> {
         }
     }
 
-    /// 2-opt (Croes 1958): v and one of its neighbours become adjacent, and so do those after them, or before.
+    /// 2-opt (Croes 1958): v and one of its neighbours become adjacent, and so do those after them,
+    /// or before.
     fn exchange(&mut self, v: u32) -> Option<Vec<u32>> {
         let neighbours = self.neighbours;
         for &u in &neighbours[v as usize] {
@@ -341,7 +346,8 @@ impl<'a> Tour<'a> {
         }
     }
 
-    /// Or-opt (Or 1976): up to three nodes from v on move between a neighbour of v and one beside that, either way round.
+    /// Or-opt (Or 1976): up to three nodes from v on move between a neighbour of v and one beside
+    /// that, either way round.
     fn displace(&mut self, v: u32) -> Option<Vec<u32>> {
         for count in 1..=SEGMENT.min(self.len() - 3) {
             for ahead in [true, false] {
@@ -392,7 +398,8 @@ impl<'a> Tour<'a> {
         self.set(order);
     }
 
-    /// Exchanges two neighbouring short segments (double bridge), and gives the nodes at their ends.
+    /// Exchanges two neighbouring short segments (double bridge), and gives the nodes at their
+    /// ends.
     fn kick(&mut self, rng: &mut Rng) -> Vec<u32> {
         let n = self.len();
         let mut below = |n: usize| (rng.bits() % n as u64) as usize;

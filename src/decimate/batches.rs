@@ -8,8 +8,8 @@ use super::surface::{SHORTEST, Surface};
 use crate::base::{Error, Par, Progress, Result};
 use crate::mesh::vector::distance;
 
-/// From one threshold to the next: the result covers the surface within 2 / 0.9 of the best radius, where single farthest
-/// points (Gonzalez 1985) do within 2.
+/// From one threshold to the next: the result covers the surface within 2 / 0.9 of the best radius,
+/// where single farthest points (Gonzalez 1985) do within 2.
 const SHRINK: f32 = 0.9;
 
 /// Paths along edges are longer than straight lines, but hardly by more than this.
@@ -18,11 +18,13 @@ const DETOUR: f32 = 1.5;
 /// Vertices that one thread looks through at a time.
 const BLOCK: usize = 1 << 16;
 
-/// Adds samples, each the start of a cell, until there are `n`; those before have not grown yet. `area` is that of the surface.
+/// Adds samples, each the start of a cell, until there are `n`; those before have not grown yet.
+/// `area` is that of the surface.
 ///
-/// All vertices farther from the samples than a threshold are candidates; of these, the farthest first, those are taken that
-/// are no nearer to each other in space, hence along edges, than the threshold. It is lowered when none is left. So samples
-/// are always as far apart as the threshold, and, when it is lowered, no vertex is farther from them.
+/// All vertices farther from the samples than a threshold are candidates; of these, the farthest
+/// first, those are taken that are no nearer to each other in space, hence along edges, than the
+/// threshold. It is lowered when none is left. So samples are always as far apart as the threshold,
+/// and, when it is lowered, no vertex is farther from them.
 pub(super) fn add_samples(
     surface: &Surface<'_>,
     area: f64,
@@ -83,7 +85,8 @@ fn farthest(growth: &Growth, vertices: usize) -> f32 {
     (0..vertices as u32).map(|v| growth.distance(v)).filter(|d| d.is_finite()).fold(0.0, f32::max)
 }
 
-/// The vertices that have faces and are at least that far from the samples, the farthest first, then the lowest.
+/// The vertices that have faces and are at least that far from the samples, the farthest first,
+/// then the lowest.
 fn farther_than(surface: &Surface<'_>, growth: &Growth, threshold: f32, par: Par) -> Vec<u32> {
     let blocks = par.map_blocks(surface.len(), BLOCK, |range| {
         let keys = range.map(|v| (growth.distance(v as u32), v as u32));
@@ -100,11 +103,13 @@ fn farther_than(surface: &Surface<'_>, growth: &Growth, threshold: f32, par: Par
 /// Of these vertices, in their order, those at least `least` from all taken before.
 fn apart(surface: &Surface<'_>, candidates: &[u32], least: f64) -> Vec<u32> {
     let mut taken: Vec<u32> = Vec::new();
-    // For each box of this size the last one taken in it, and for each taken the one before it in its box.
+    // For each box of this size the last one taken in it, and for each taken the one before it in
+    // its box.
     let mut boxes: HashMap<u64, u32, BuildHasherDefault<Multiply>> = HashMap::default();
     let mut before: Vec<u32> = Vec::new();
     let place = |p: [f64; 3]| p.map(|x| (x / least).floor() as i64);
-    // Neighbours in the list are neighbours in space: what covered the last one often covers this one.
+    // Neighbours in the list are neighbours in space: what covered the last one often covers this
+    // one.
     let mut cover: Option<[f64; 3]> = None;
     for &v in candidates {
         let p = surface.position(v);

@@ -1,4 +1,5 @@
-//! Voronoi cells of samples along the edges of a mesh, grown by Dijkstra's algorithm from each sample.
+//! Voronoi cells of samples along the edges of a mesh, grown by Dijkstra's algorithm from each
+//! sample.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -22,13 +23,14 @@ impl Cells {
         Self { of_vertices, distances }
     }
 
-    /// For each vertex of the mesh the number of its cell, from 0, or [`Cells::NONE`]. Of equally near samples, the first.
+    /// For each vertex of the mesh the number of its cell, from 0, or [`Cells::NONE`]. Of equally
+    /// near samples, the first.
     pub fn of_vertices(&self) -> &[u32] {
         &self.of_vertices
     }
 
-    /// For each vertex of the mesh its distance along edges to the sample of its cell, in units of length (single precision);
-    /// infinite where there is none.
+    /// For each vertex of the mesh its distance along edges to the sample of its cell, in units of
+    /// length (single precision); infinite where there is none.
     pub fn distances(&self) -> &[f32] {
         &self.distances
     }
@@ -53,8 +55,8 @@ impl Cells {
 /// Not reached: farther than every distance.
 const FREE: u64 = u64::MAX;
 
-/// Distance and cell as one number; of two for a vertex, the lower wins. Distances are not negative, so that their bits are
-/// ordered as they are.
+/// Distance and cell as one number; of two for a vertex, the lower wins. Distances are not
+/// negative, so that their bits are ordered as they are.
 fn pack(distance: f32, cell: u32) -> u64 {
     u64::from(distance.to_bits()) << 32 | u64::from(cell)
 }
@@ -65,9 +67,9 @@ fn distance_of(state: u64) -> f32 {
 
 /// Cells being grown.
 ///
-/// Each sample runs Dijkstra's algorithm as far as it wins, and several do so at the same time: the state of a vertex only
-/// falls, and where all have ended it is the least that any path gives, whoever was first. Hence the same for any number of
-/// threads.
+/// Each sample runs Dijkstra's algorithm as far as it wins, and several do so at the same time: the
+/// state of a vertex only falls, and where all have ended it is the least that any path gives,
+/// whoever was first. Hence the same for any number of threads.
 pub(super) struct Growth {
     state: Vec<AtomicU64>,
     par: Par,

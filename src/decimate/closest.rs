@@ -16,7 +16,8 @@ pub(super) struct Found {
     pub square: f64,
 }
 
-/// The nearest point of the surface that a walk from a vertex meets: over the vertices first, then over faces, downhill.
+/// The nearest point of the surface that a walk from a vertex meets: over the vertices first, then
+/// over faces, downhill.
 pub(super) fn on_surface(surface: &Surface<'_>, from: u32, p: Vector) -> Option<Found> {
     let mut best: Option<Found> = None;
     let mut around = [Some(downhill(surface, from, p)), None];
@@ -34,7 +35,8 @@ pub(super) fn on_surface(surface: &Surface<'_>, from: u32, p: Vector) -> Option<
         let found = best?;
         let corners = surface.mesh.faces()[found.place.face as usize];
         let weights = found.place.weights;
-        // Within a face, no other one is nearer nearby; else those may be that meet at its edge or corner.
+        // Within a face, no other one is nearer nearby; else those may be that meet at its edge or
+        // corner.
         if before == Some(found.square) || weights.iter().all(|&w| w > 0.0) {
             return Some(Found { vertex: corners[found.place.heaviest()], ..found });
         }

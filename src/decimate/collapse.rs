@@ -1,4 +1,5 @@
-//! Short edges collapsed: to the number of vertices that is asked for, and in exchange for long ones.
+//! Short edges collapsed: to the number of vertices that is asked for, and in exchange for long
+//! ones.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -8,11 +9,13 @@ use super::loss::loss_of_collapse;
 use super::patch::Patch;
 use crate::mesh::vector::Vector;
 
-/// A collapse leaves no end of the edge farther from the new faces than this part of the mean length.
+/// A collapse leaves no end of the edge farther from the new faces than this part of the mean
+/// length.
 const LOSS: f64 = 0.15;
 
-/// Collapses the shortest edges that can be, until `n` vertices are left; how many are left. First without turning faces over
-/// or losing thin parts, then without making faces intersect, then, if that is not enough, at any rate.
+/// Collapses the shortest edges that can be, until `n` vertices are left; how many are left. First
+/// without turning faces over or losing thin parts, then without making faces intersect, then, if
+/// that is not enough, at any rate.
 pub(super) fn reduce(patch: &mut Patch, n: usize) -> usize {
     if patch.count <= n {
         return patch.count;
@@ -57,7 +60,8 @@ fn key(patch: &Patch, a: u32, b: u32) -> u64 {
     patch.length(a, b).to_bits()
 }
 
-/// Collapses the edge if it can be, into its middle, or else an end, or into its end on the boundary; the vertex that is left.
+/// Collapses the edge if it can be, into its middle, or else an end, or into its end on the
+/// boundary; the vertex that is left.
 fn collapse(patch: &mut Patch, a: u32, b: u32, care: Care) -> Option<u32> {
     if !patch.can_collapse(a, b) {
         return None;
@@ -84,11 +88,13 @@ fn collapse(patch: &mut Patch, a: u32, b: u32, care: Care) -> Option<u32> {
     Some(b)
 }
 
-/// An edge is short below, long above these parts of the mean length. Measured: nearer to 1, exchanges don't come to rest.
+/// An edge is short below, long above these parts of the mean length. Measured: nearer to 1,
+/// exchanges don't come to rest.
 const SHORT: f64 = 0.78;
 const LONG: f64 = 1.3;
 
-/// Collapses short edges and splits as many long ones: vertices go from where they are dense to where they are not.
+/// Collapses short edges and splits as many long ones: vertices go from where they are dense to
+/// where they are not.
 pub(super) fn exchange(patch: &mut Patch) {
     let edges: Vec<(f64, [u32; 2])> =
         patch.edges().into_iter().map(|[a, b]| (patch.length(a, b), [a, b])).collect();

@@ -8,15 +8,17 @@ use crate::mesh::{TriMesh, Triangles, squares};
 /// Distances between a mesh and its decimation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Difference {
-    /// The largest distance of a vertex of either mesh from the surface of the other, in units of length.
+    /// The largest distance of a vertex of either mesh from the surface of the other, in units of
+    /// length.
     pub hausdorff: f64,
-    /// The mean square of the distances of the vertices of one mesh from the surface of the other, plus the same the other
-    /// way, in units of length squared.
+    /// The mean square of the distances of the vertices of one mesh from the surface of the other,
+    /// plus the same the other way, in units of length squared.
     pub chamfer: f64,
-    /// H of equation 5.8 as printed: the largest distance of a vertex of the first mesh from the vertices of the second.
+    /// H of equation 5.8 as printed: the largest distance of a vertex of the first mesh from the
+    /// vertices of the second.
     pub printed_hausdorff: f64,
-    /// C of equation 5.8 as printed. Its first sum is over the second mesh only, and so 0: the mean square of the distances
-    /// of the vertices of the second mesh from those of the first.
+    /// C of equation 5.8 as printed. Its first sum is over the second mesh only, and so 0: the mean
+    /// square of the distances of the vertices of the second mesh from those of the first.
     pub printed_chamfer: f64,
 }
 

@@ -17,8 +17,8 @@ pub(super) fn faces(surface: &Surface<'_>, growth: &Growth, par: Par) -> Vec<[u3
     blocks.concat()
 }
 
-/// Every three-cycle of the graph of cells (thesis, section 5.3.3), the way a triangle of the input with these cells runs if
-/// there is one, ascending else. Not a manifold in general.
+/// Every three-cycle of the graph of cells (thesis, section 5.3.3), the way a triangle of the input
+/// with these cells runs if there is one, ascending else. Not a manifold in general.
 pub(super) fn three_cycles(surface: &Surface<'_>, growth: &Growth, par: Par) -> Vec<[u32; 3]> {
     let mut edges: Vec<[u32; 2]> = Vec::new();
     for v in 0..surface.len() as u32 {

@@ -9,12 +9,13 @@ use super::surface::Surface;
 use crate::base::{Error, Par, Progress, Result};
 use crate::mesh::TriMesh;
 
-/// Farthest points of a mesh with their Voronoi cells, one after the other: each new sample is the vertex farthest along edges
-/// from those before it, the lowest of several; a component without a sample is infinitely far (thesis, algorithm 5.2, with
-/// the order of its inner queue corrected). Any mesh will do.
+/// Farthest points of a mesh with their Voronoi cells, one after the other: each new sample is the
+/// vertex farthest along edges from those before it, the lowest of several; a component without a
+/// sample is infinitely far (thesis, algorithm 5.2, with the order of its inner queue corrected).
+/// Any mesh will do.
 ///
-/// More can be added at any time, and the first samples are the same however many follow: prefixes are nested levels of
-/// detail. O(V log V log n) for n samples of V vertices.
+/// More can be added at any time, and the first samples are the same however many follow: prefixes
+/// are nested levels of detail. O(V log V log n) for n samples of V vertices.
 ///
 /// ```
 /// use catamaran::{base::Progress, decimate::FarthestPoints, mesh::families};
@@ -34,8 +35,8 @@ impl<'m> FarthestPoints<'m> {
     /// The first sample only: vertex `first`, or else the lowest that a face has.
     ///
     /// # Errors
-    /// [`Error::Argument`] when no face has vertex `first`, [`Error::Mesh`] when there is no face, or lengths are out of
-    /// range; [`Error::OutOfMemory`].
+    /// [`Error::Argument`] when no face has vertex `first`, [`Error::Mesh`] when there is no face,
+    /// or lengths are out of range; [`Error::OutOfMemory`].
     pub fn new(mesh: &'m TriMesh, first: Option<u32>) -> Result<Self> {
         let surface = Surface::of_edges(Cow::Borrowed(mesh), Par::Seq)?;
         let mut sampler = Sampler::empty(&surface, Par::Seq)?;
@@ -43,7 +44,8 @@ impl<'m> FarthestPoints<'m> {
         Ok(Self { surface, sampler })
     }
 
-    /// Adds samples until there are n; does nothing when there are. A callback may cancel: the samples so far stay.
+    /// Adds samples until there are n; does nothing when there are. A callback may cancel: the
+    /// samples so far stay.
     ///
     /// # Errors
     /// [`Error::Argument`] when there are not that many vertices with faces, [`Error::Cancelled`].
@@ -68,12 +70,13 @@ pub(super) struct Sampler {
     samples: Vec<u32>,
     /// Every vertex at least that far from the samples is waiting.
     threshold: f32,
-    /// Vertices by their distance when they were put here, the farthest first, then the lowest: their distance may be less by
-    /// now.
+    /// Vertices by their distance when they were put here, the farthest first, then the lowest:
+    /// their distance may be less by now.
     waiting: BinaryHeap<u64>,
 }
 
-/// The part of the largest distance from which on vertices wait in the heap: a heap of all would be slow.
+/// The part of the largest distance from which on vertices wait in the heap: a heap of all would be
+/// slow.
 const WAITING: f32 = 0.9;
 
 impl Sampler {

@@ -7,15 +7,16 @@ use crate::base::Par;
 /// Vertices that one thread takes at a time.
 const BLOCK: usize = 1 << 14;
 
-/// Of the `doubtful` cells and their neighbours, those that have to be split before the dual is a triangulation of the
-/// surface, ascending. `sizes` are the numbers of vertices of all cells.
+/// Of the `doubtful` cells and their neighbours, those that have to be split before the dual is a
+/// triangulation of the surface, ascending. `sizes` are the numbers of vertices of all cells.
 ///
-/// A cell is the part of the surface around its vertices; two cells meet along arcs across their mixed edges, three in the
-/// corners within triangles of three cells. The dual is a triangulation when every cell is a disk that touches the boundary
-/// at most once, two cells meet in no more than one arc, every arc has a corner, three cells meet in no more than one, and
-/// every cell has one (the closed ball property: Edelsbrunner and Shah 1997, here of graph cells). All of these are counts:
-/// the Euler characteristic V - E + F of what is within a cell is 1 for a disk, and that of mixed edges and mixed triangles
-/// is the number of arcs.
+/// A cell is the part of the surface around its vertices; two cells meet along arcs across their
+/// mixed edges, three in the corners within triangles of three cells. The dual is a triangulation
+/// when every cell is a disk that touches the boundary at most once, two cells meet in no more than
+/// one arc, every arc has a corner, three cells meet in no more than one, and every cell has one
+/// (the closed ball property: Edelsbrunner and Shah 1997, here of graph cells). All of these are
+/// counts: the Euler characteristic V - E + F of what is within a cell is 1 for a disk, and that of
+/// mixed edges and mixed triangles is the number of arcs.
 pub(super) fn faults(
     surface: &Surface<'_>,
     growth: &Growth,
@@ -48,7 +49,8 @@ pub(super) fn faults(
     triples.sort_unstable();
 
     let mut bad = vec![false; cells];
-    // Cells of one vertex are what they are: of several that are at fault together, the largest is split.
+    // Cells of one vertex are what they are: of several that are at fault together, the largest is
+    // split.
     let blame = |cells: &[u32], bad: &mut Vec<bool>| {
         if let Some(&cell) = cells.iter().max_by_key(|&&c| (sizes[c as usize], u32::MAX - c)) {
             bad[cell as usize] = true;
@@ -77,7 +79,8 @@ pub(super) fn faults(
     (0..cells as u32).filter(|&cell| bad[cell as usize]).collect()
 }
 
-/// What the vertices of a block add, with the edges and faces of which they are the lowest vertex in a doubtful cell.
+/// What the vertices of a block add, with the edges and faces of which they are the lowest vertex
+/// in a doubtful cell.
 #[derive(Default)]
 struct Counts {
     within: Vec<(u32, i32)>,
@@ -94,7 +97,8 @@ impl Counts {
             return;
         }
         let links = surface.links(v);
-        // An edge or face belongs to this vertex unless a lower one of it is in a doubtful cell, too.
+        // An edge or face belongs to this vertex unless a lower one of it is in a doubtful cell,
+        // too.
         let ours = |to: u32, cell: u32| to > v || !is_doubtful(cell);
         let mut change = 1;
         let open = surface.on_boundary[v as usize];

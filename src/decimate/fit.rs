@@ -10,11 +10,13 @@ use crate::mesh::vector::{Vector, dot, scale, sub, unit};
 /// Vertices or faces that one thread looks at at a time.
 const BLOCK: usize = 512;
 
-/// The part of the height of the surface above the faces around it by which a vertex is raised. The mean square distance both
-/// ways is least, where the surface is a sphere, at 3/8 of the height above the middles of faces; measured least at 1/2.
+/// The part of the height of the surface above the faces around it by which a vertex is raised. The
+/// mean square distance both ways is least, where the surface is a sphere, at 3/8 of the height
+/// above the middles of faces; measured least at 1/2.
 const PART: f64 = 0.5;
 
-/// Raises all vertices but those on the boundary by a part of the mean height of the surface above the faces around them.
+/// Raises all vertices but those on the boundary by a part of the mean height of the surface above
+/// the faces around them.
 pub(super) fn fit(surface: &Surface<'_>, patch: &mut Patch, par: Par) {
     let heights = par.map_blocks(patch.faces.len(), BLOCK, |range| {
         range.map(|f| height(surface, patch, f)).collect::<Vec<_>>()

@@ -5,12 +5,13 @@ use std::collections::{HashMap, VecDeque};
 use super::collapse::reduce;
 use super::patch::Patch;
 
-/// Handles with a loop of three edges shorter than this many edges of the result are cut: triangles around them would be
-/// smaller than the others.
+/// Handles with a loop of three edges shorter than this many edges of the result are cut: triangles
+/// around them would be smaller than the others.
 const NARROW: f64 = 2.0;
 
-/// Cuts narrow handles where a loop of three edges goes around them, closes both ends with a face, and collapses edges until
-/// there are as many vertices as before, as far as that goes. `length` is that of an edge of the result.
+/// Cuts narrow handles where a loop of three edges goes around them, closes both ends with a face,
+/// and collapses edges until there are as many vertices as before, as far as that goes. `length` is
+/// that of an edge of the result.
 pub(super) fn cut_narrow_handles(patch: &mut Patch, length: f64) {
     let n = patch.count;
     loop {
@@ -59,8 +60,8 @@ fn sides(patch: &Patch, corners: [u32; 3]) -> Option<[Vec<u32>; 3]> {
     (back == first).then_some([of_a, of_b, of_c])
 }
 
-/// The faces around v from this one, which has the edge from v to `from`, away from that edge, to the one that has the edge
-/// from v to `to`.
+/// The faces around v from this one, which has the edge from v to `from`, away from that edge, to
+/// the one that has the edge from v to `to`.
 fn fan(patch: &Patch, v: u32, first: u32, from: u32, to: u32) -> Option<(Vec<u32>, u32)> {
     let mut faces = vec![first];
     let mut face = first;
@@ -78,8 +79,8 @@ fn fan(patch: &Patch, v: u32, first: u32, from: u32, to: u32) -> Option<(Vec<u32
     Some((faces, face))
 }
 
-/// Whether there is no way over faces from one side of the loop to the other. Both sides are walked in turns: where there is
-/// none, the smaller side ends soon.
+/// Whether there is no way over faces from one side of the loop to the other. Both sides are walked
+/// in turns: where there is none, the smaller side ends soon.
 fn separates(patch: &Patch, corners: [u32; 3], ends: &[Vec<u32>; 3]) -> bool {
     let on_loop = |u: u32, v: u32| corners.contains(&u) && corners.contains(&v);
     let here = ends[0][0];

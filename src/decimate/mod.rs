@@ -1,5 +1,5 @@
-//! Massive uniform decimation: farthest point sampling by Voronoi cells, their dual triangulation, resampling (thesis,
-//! chapter 5).
+//! Massive uniform decimation: farthest point sampling by Voronoi cells, their dual triangulation,
+//! resampling (thesis, chapter 5).
 //!
 //! See docs/algorithms/decimate.md for the mathematics.
 

@@ -1,4 +1,5 @@
-//! The new mesh while it changes: faces with the faces at each vertex, and the changes that keep a manifold one.
+//! The new mesh while it changes: faces with the faces at each vertex, and the changes that keep a
+//! manifold one.
 
 use crate::mesh::intersections::{Bounds, BoxTree, Corners};
 use crate::mesh::vector::{Vector, cross, distance, dot, middle, sub, unit};
@@ -201,8 +202,8 @@ impl Patch {
         cross(sub(b, a), sub(c, a))
     }
 
-    /// Whether the edge can be collapsed and leave the same surface: the links of its ends meet in the link of the edge (Dey et
-    /// al., Topology preserving edge contraction, 1999).
+    /// Whether the edge can be collapsed and leave the same surface: the links of its ends meet in
+    /// the link of the edge (Dey et al., Topology preserving edge contraction, 1999).
     pub fn can_collapse(&self, a: u32, b: u32) -> bool {
         let Some(Sides { first, second }) = self.sides(a, b) else { return false };
         let both = self.on_boundary[a as usize] && self.on_boundary[b as usize];
@@ -243,7 +244,8 @@ impl Patch {
         })
     }
 
-    /// Makes b the vertex of all faces of a, at position p. The edge must be one that can be collapsed.
+    /// Makes b the vertex of all faces of a, at position p. The edge must be one that can be
+    /// collapsed.
     pub fn collapse(&mut self, a: u32, b: u32, p: Vector) {
         let mut gone = Vec::with_capacity(2);
         for f in std::mem::take(&mut self.around[a as usize]) {
@@ -295,7 +297,8 @@ impl Patch {
         Some(new)
     }
 
-    /// The faces that would be there if the edge from a to b joined its opposite corners instead; `None` when it can't.
+    /// The faces that would be there if the edge from a to b joined its opposite corners instead;
+    /// `None` when it can't.
     pub fn flipped(&self, a: u32, b: u32) -> Option<Flip> {
         let Sides { first, second: Some(second) } = self.sides(a, b)? else { return None };
         let (c, d) = (self.opposite(first, a, b), self.opposite(second, a, b));
@@ -328,8 +331,9 @@ impl Patch {
         self.refresh(second);
     }
 
-    /// Cuts along a loop of three edges that is no face, and closes both ends with one. `ends` are the faces on one side of it
-    /// at each of its corners, the first of them at the edge from the first corner to the second.
+    /// Cuts along a loop of three edges that is no face, and closes both ends with one. `ends` are
+    /// the faces on one side of it at each of its corners, the first of them at the edge from the
+    /// first corner to the second.
     pub fn pinch(&mut self, corners: [u32; 3], ends: &[Vec<u32>; 3]) {
         let [a, b, _] = corners;
         let [x, y, z] = self.faces[ends[0][0] as usize];

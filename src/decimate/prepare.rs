@@ -50,7 +50,8 @@ impl Prepared<'_> {
 /// The input, cut where it is not a manifold, and oriented if it can be.
 ///
 /// # Errors
-/// [`Error::Mesh`] when there is no face, lengths are out of range, or a vertex at which no cut helps.
+/// [`Error::Mesh`] when there is no face, lengths are out of range, or a vertex at which no cut
+/// helps.
 pub(super) fn prepare(mesh: Cow<'_, TriMesh>, par: Par) -> Result<Prepared<'_>> {
     if mesh.faces().is_empty() {
         return Err(Error::Mesh { what: "it has no face".into(), element: "mesh".into() });

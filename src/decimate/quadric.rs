@@ -16,8 +16,8 @@ const BLOCK: usize = 8192;
 /// The least weight of where a vertex would go otherwise, beside that of the planes.
 const HOLD: f64 = 0.01;
 
-/// How much more that weighs where the planes have no point in common, as round surfaces do. Larger:
-/// more regular triangles; smaller: creases and tips met more closely.
+/// How much more that weighs where the planes have no point in common, as round surfaces do.
+/// Larger: more regular triangles; smaller: creases and tips met more closely.
 const ROUND: f64 = 240.0;
 
 /// The same weight where it is measured whether the planes have a point in common.
@@ -66,8 +66,9 @@ impl<'a, 's> Quadrics<'a, 's> {
     }
 }
 
-/// Sums over the planes of the faces at a vertex, weighted by their areas, which are relative to the
-/// square of [`Surface::scale`]. All go through the vertex. In single precision, as there are many.
+/// Sums over the planes of the faces at a vertex, weighted by their areas, which are relative to
+/// the square of [`Surface::scale`]. All go through the vertex. In single precision, as there are
+/// many.
 #[derive(Clone, Copy, Default)]
 struct Planes {
     area: f32,

@@ -11,7 +11,8 @@ pub struct Quality {
     pub mean_area: f64,
     /// Standard deviation of the areas over their mean; 0 when all are equal.
     pub area_variation: f64,
-    /// Mean of Q(t) = 2 sqrt(3) A / (S l) over the faces, from 0 to 1 (equilateral): [`TriMesh::qualities`].
+    /// Mean of Q(t) = 2 sqrt(3) A / (S l) over the faces, from 0 to 1 (equilateral):
+    /// [`TriMesh::qualities`].
     pub mean_quality: f64,
     /// Standard deviation of Q.
     pub quality_deviation: f64,

@@ -6,8 +6,8 @@ use super::faults::faults;
 use super::surface::Surface;
 use crate::base::{Par, Progress, Result};
 
-/// Splits cells at their farthest vertices until the dual of all is a triangulation of the surface. It ends: when every
-/// vertex is a sample, the dual is the surface itself.
+/// Splits cells at their farthest vertices until the dual of all is a triangulation of the surface.
+/// It ends: when every vertex is a sample, the dual is the surface itself.
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::base::Error::Cancelled).
@@ -85,7 +85,8 @@ impl Census {
         }
     }
 
-    /// The vertices of these cells farthest from their samples; where a cell is one vertex only, that of the largest neighbour.
+    /// The vertices of these cells farthest from their samples; where a cell is one vertex only,
+    /// that of the largest neighbour.
     fn split(
         &self,
         surface: &Surface<'_>,

@@ -15,12 +15,14 @@ use crate::mesh::vector::{Vector, cross, dot, norm, scale, sub, unit};
 /// Vertices that one thread moves at a time.
 const BLOCK: usize = 512;
 
-/// Sweeps over all edges for flips, at most: on a surface in space there is no order in which they must end.
+/// Sweeps over all edges for flips, at most: on a surface in space there is no order in which they
+/// must end.
 const SWEEPS: usize = 4;
 
-/// Passes: edges flipped towards six at each vertex, in the last passes to be Delaunay; short edges exchanged for long ones,
-/// but in the last passes; vertices moved to the centroids of their faces and back onto the surface, or to its creases and
-/// tips; at the end off it by half its height above the faces. Handles narrow for edges of the length `narrow` are cut.
+/// Passes: edges flipped towards six at each vertex, in the last passes to be Delaunay; short edges
+/// exchanged for long ones, but in the last passes; vertices moved to the centroids of their faces
+/// and back onto the surface, or to its creases and tips; at the end off it by half its height
+/// above the faces. Handles narrow for edges of the length `narrow` are cut.
 pub(super) fn relax(
     surface: &Surface<'_>,
     quadrics: &Quadrics<'_, '_>,
@@ -82,8 +84,9 @@ fn make_delaunay(patch: &mut Patch) {
     }
 }
 
-/// Flips edges where that brings the numbers of edges at the four vertices nearer to 6, or 4 on the boundary (Botsch and
-/// Kobbelt, A Remeshing Approach to Multiresolution Modeling, 2004), unless the angles opposite are far below pi in sum.
+/// Flips edges where that brings the numbers of edges at the four vertices nearer to 6, or 4 on the
+/// boundary (Botsch and Kobbelt, A Remeshing Approach to Multiresolution Modeling, 2004), unless
+/// the angles opposite are far below pi in sum.
 fn make_regular(patch: &mut Patch) {
     for [a, b] in patch.edges() {
         let Some(flip) = patch.flipped(a, b) else { continue };
@@ -104,7 +107,8 @@ fn make_regular(patch: &mut Patch) {
     }
 }
 
-/// Sum of the cotangents of the angles opposite to an edge, above which flipping it would make slivers.
+/// Sum of the cotangents of the angles opposite to an edge, above which flipping it would make
+/// slivers.
 const FAR_FROM_DELAUNAY: f64 = 2.0;
 
 /// Of the angle at v opposite to the edge from a to b.
@@ -117,7 +121,8 @@ fn cotangent(patch: &Patch, a: u32, b: u32, v: u32) -> f64 {
 /// A flipped edge is no farther from the old one than this part of its length.
 const FLIP_LOSS: f64 = 0.25;
 
-/// Whether the new faces do not look where the old ones do, bend more than these, or miss the edge that was there.
+/// Whether the new faces do not look where the old ones do, bend more than these, or miss the edge
+/// that was there.
 fn folds(patch: &Patch, a: u32, b: u32, new: &[[u32; 3]; 2]) -> bool {
     let Some(sides) = patch.sides(a, b) else { return true };
     let Some(second) = sides.second else { return true };
@@ -187,10 +192,12 @@ fn target(
     (lost <= MOVE_LOSS * length).then_some(found)
 }
 
-/// Where the sum of normals is below this part of the sum of areas, moving a vertex may lose what it reaches.
+/// Where the sum of normals is below this part of the sum of areas, moving a vertex may lose what
+/// it reaches.
 const FLAT: f64 = 0.95;
 
-/// A vertex does not move where its faces would be farther from where it was, as a part of the length of its edges.
+/// A vertex does not move where its faces would be farther from where it was, as a part of the
+/// length of its edges.
 const MOVE_LOSS: f64 = 0.2;
 
 /// A turn of the boundary above 60 degrees is a corner, which stays.

@@ -19,10 +19,11 @@ pub struct Resampled {
     pub parents: Vec<u32>,
 }
 
-/// Splits edges in their middle until none is longer than `longest`, in units of length; each edge is split in both of its
-/// faces, so that the mesh stays as closed as it was. A face with one split edge becomes two, with two a triangle and four
-/// around the barycentre of the quadrilateral that is left, with three four (thesis, algorithm 5.3 and figure 5.4; lengths are
-/// measured anew in every round).
+/// Splits edges in their middle until none is longer than `longest`, in units of length; each edge
+/// is split in both of its faces, so that the mesh stays as closed as it was. A face with one split
+/// edge becomes two, with two a triangle and four around the barycentre of the quadrilateral that
+/// is left, with three four (thesis, algorithm 5.3 and figure 5.4; lengths are measured anew in
+/// every round).
 ///
 /// ```
 /// use catamaran::{decimate::resample, mesh::families};
@@ -34,7 +35,8 @@ pub struct Resampled {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] when `longest` is not positive, or so small that vertices could not be numbered.
+/// [`Error::Argument`] when `longest` is not positive, or so small that vertices could not be
+/// numbered.
 pub fn resample(mesh: &TriMesh, longest: f64) -> Result<Resampled> {
     resample_with(mesh, longest, Progress::none())
 }

@@ -10,18 +10,18 @@ use crate::mesh::{Genus, TriMesh};
 pub struct Decimation {
     /// The new mesh.
     pub mesh: TriMesh,
-    /// For each vertex of the input its nearest vertex of the new mesh, along edges, with the distance. When there are nearly
-    /// as many vertices as in the input, a cell may be empty.
+    /// For each vertex of the input its nearest vertex of the new mesh, along edges, with the
+    /// distance. When there are nearly as many vertices as in the input, a cell may be empty.
     pub cells: Cells,
-    /// The place on the input nearest to each vertex of the new mesh, which is beside it by half the height of the input above
-    /// the faces around it.
+    /// The place on the input nearest to each vertex of the new mesh, which is beside it by half
+    /// the height of the input above the faces around it.
     pub places: Vec<Place>,
     /// What had to be done to the input first.
     pub repairs: Repairs,
     /// The topology of the input, after repairs.
     pub before: Topology,
-    /// The topology of the new mesh; `None` when it is not a manifold, which only [`Method::Thesis`](super::Method::Thesis)
-    /// makes.
+    /// The topology of the new mesh; `None` when it is not a manifold, which only
+    /// [`Method::Thesis`](super::Method::Thesis) makes.
     pub after: Option<Topology>,
 }
 

@@ -4,9 +4,9 @@ use crate::base::{Error, Result};
 use crate::mesh::vector::distance;
 use crate::mesh::{Edges, TriMesh};
 
-/// The length of the edges when `n` vertices are spread over an area by equilateral triangles, of which there are 2 n:
-/// sqrt(4 A_E / sqrt 3) with A_E = area / (2 n), in units of length. (The thesis has 3 n triangles and a factor 2, which
-/// would be right for neither.)
+/// The length of the edges when `n` vertices are spread over an area by equilateral triangles, of
+/// which there are 2 n: sqrt(4 A_E / sqrt 3) with A_E = area / (2 n), in units of length. (The
+/// thesis has 3 n triangles and a factor 2, which would be right for neither.)
 ///
 /// ```
 /// use catamaran::decimate::edge_length_for;

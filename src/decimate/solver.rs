@@ -43,14 +43,14 @@ pub fn decimate(mesh: &TriMesh, n: usize, options: &DecimateOptions<'_>) -> Resu
     Decimator::new(mesh, options)?.decimate(n)
 }
 
-/// Where edges are split before sampling, none is left that is longer than this part of those of the
-/// result: a cell has vertices on all sides then.
+/// Where edges are split before sampling, none is left that is longer than this part of those of
+/// the result: a cell has vertices on all sides then.
 const FINE: f64 = 0.7;
 
 /// Decimations of one mesh to several sizes.
 ///
-/// Samples that were taken stay: a larger mesh has those of a smaller one and more, so that levels of detail are nested in
-/// where they start from; a smaller one has the first of them.
+/// Samples that were taken stay: a larger mesh has those of a smaller one and more, so that levels
+/// of detail are nested in where they start from; a smaller one has the first of them.
 ///
 /// ```
 /// use catamaran::{decimate::{DecimateOptions, Decimator}, mesh::families};
@@ -89,7 +89,8 @@ impl<'m> Source<'m> {
         };
         let first = first_sample(&prepared.surface, first)?;
         let mut components = components(&prepared.surface);
-        // The samples of components come first; that of the first sample is where the caller wants it.
+        // The samples of components come first; that of the first sample is where the caller wants
+        // it.
         let at = component_of(&prepared.surface, &components, first);
         components[at].first = first;
         components.swap(0, at);
@@ -122,8 +123,9 @@ impl<'m, 'o> Decimator<'m, 'o> {
     /// Looks at the mesh, and repairs what is no manifold.
     ///
     /// # Errors
-    /// [`Error::Mesh`] for a mesh without faces, with lengths out of range, or with a vertex at which it can't be cut to a
-    /// manifold; [`Error::Argument`] when no face has vertex `options.first`; [`Error::OutOfMemory`].
+    /// [`Error::Mesh`] for a mesh without faces, with lengths out of range, or with a vertex at
+    /// which it can't be cut to a manifold; [`Error::Argument`] when no face has vertex
+    /// `options.first`; [`Error::OutOfMemory`].
     pub fn new(mesh: &'m TriMesh, options: &DecimateOptions<'o>) -> Result<Self> {
         let source = Source::new(Cow::Borrowed(mesh), options)?;
         Ok(Self { input: mesh, options: *options, source })
@@ -132,9 +134,9 @@ impl<'m, 'o> Decimator<'m, 'o> {
     /// The mesh of `n` vertices.
     ///
     /// # Errors
-    /// [`Error::Argument`] when n is more than can be numbered, or fewer than the topology needs: 4 for
-    /// every closed component, 3 for every other one, and more for handles and loops. [`Error::OutOfMemory`],
-    /// [`Error::Cancelled`].
+    /// [`Error::Argument`] when n is more than can be numbered, or fewer than the topology needs: 4
+    /// for every closed component, 3 for every other one, and more for handles and loops.
+    /// [`Error::OutOfMemory`], [`Error::Cancelled`].
     pub fn decimate(&mut self, n: usize) -> Result<Decimation> {
         let progress = self.options.progress;
         progress.report(0.0)?;

@@ -1,4 +1,5 @@
-//! The input as the algorithms walk on it: for each vertex its edges in rotational order, with lengths.
+//! The input as the algorithms walk on it: for each vertex its edges in rotational order, with
+//! lengths.
 
 use std::borrow::Cow;
 
@@ -28,7 +29,8 @@ pub(super) struct Surface<'m> {
     links: Vec<Link>,
     /// The first and last edge of these vertices are on the boundary.
     pub on_boundary: Vec<bool>,
-    /// The diagonal of the bounding box, which lengths are relative to: single precision has a small range.
+    /// The diagonal of the bounding box, which lengths are relative to: single precision has a
+    /// small range.
     pub scale: f64,
     /// Whether neighbouring faces all agree on what is outside.
     pub oriented: bool,
@@ -85,8 +87,8 @@ fn scale_of(mesh: &TriMesh) -> Result<f64> {
 
 impl<'m> Surface<'m> {
     /// # Errors
-    /// [`Error::Mesh`] that names a vertex whose faces are not one fan, or says that lengths are out of range;
-    /// [`Error::OutOfMemory`].
+    /// [`Error::Mesh`] that names a vertex whose faces are not one fan, or says that lengths are
+    /// out of range; [`Error::OutOfMemory`].
     pub fn new(mesh: Cow<'m, TriMesh>, par: Par) -> Result<Self> {
         match Self::read(mesh, par)? {
             (surface, None) => Ok(surface),
@@ -229,7 +231,8 @@ impl Star {
     fn short_walk(&mut self) -> Option<bool> {
         let sides = &mut self.sides;
         let count = sides.len();
-        // Each neighbour is in two faces, but for the ends of an open fan, which are then what is left over.
+        // Each neighbour is in two faces, but for the ends of an open fan, which are then what is
+        // left over.
         let mut start = None;
         if sides.iter().flatten().fold(0, |all, x| all ^ x) != 0 {
             let single = |end| sides.iter().flatten().filter(|&&x| x == end).count() == 1;
@@ -292,7 +295,8 @@ impl Star {
         } else if last != self.around[0] {
             return None;
         }
-        // Twice the same neighbour: an edge of more than two faces, or two faces with the same corners.
+        // Twice the same neighbour: an edge of more than two faces, or two faces with the same
+        // corners.
         let distinct = self.around.len() < 3 && !open;
         let repeated = self.around.len() <= 24
             && (1..self.around.len()).any(|i| self.around[..i].contains(&self.around[i]));

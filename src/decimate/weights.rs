@@ -15,12 +15,14 @@ use crate::mesh::TriMesh;
 const BLOCK: usize = 4096;
 
 impl Decimation {
-    /// The matrix that takes functions on the new mesh to the input, one row for each vertex of the input, one column for each
-    /// of the new mesh: the barycentric coordinates of the point nearest to the vertex that is found by walking from the vertex
-    /// of its cell. At most three entries a row, positive, of sum 1; none in rows of vertices without a face.
+    /// The matrix that takes functions on the new mesh to the input, one row for each vertex of the
+    /// input, one column for each of the new mesh: the barycentric coordinates of the point nearest
+    /// to the vertex that is found by walking from the vertex of its cell. At most three entries a
+    /// row, positive, of sum 1; none in rows of vertices without a face.
     ///
     /// # Errors
-    /// [`Error::Shape`] when `input` has not as many vertices as the mesh that was decimated, [`Error::OutOfMemory`].
+    /// [`Error::Shape`] when `input` has not as many vertices as the mesh that was decimated,
+    /// [`Error::OutOfMemory`].
     pub fn weights(&self, input: &TriMesh, par: Par) -> Result<CsMat<f64>> {
         let rows = input.vertices().len();
         let cells = self.cells.of_vertices();

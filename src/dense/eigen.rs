@@ -15,7 +15,8 @@ pub struct SymmetricEigen {
     pub vectors: Mat<f64>,
 }
 
-/// All eigenpairs of the symmetric matrix (n x n) whose lower triangle is given, on the calling thread.
+/// All eigenpairs of the symmetric matrix (n x n) whose lower triangle is given, on the calling
+/// thread.
 ///
 /// ```
 /// use catamaran::{dense::symmetric_eigen, faer::mat};
@@ -26,8 +27,8 @@ pub struct SymmetricEigen {
 /// ```
 ///
 /// # Errors
-/// [`Error::NonFinite`] names the first entry of the lower triangle that is not finite; [`Error::OutOfMemory`];
-/// [`Error::NotConverged`].
+/// [`Error::NonFinite`] names the first entry of the lower triangle that is not finite;
+/// [`Error::OutOfMemory`]; [`Error::NotConverged`].
 pub fn symmetric_eigen(matrix: MatRef<'_, f64>) -> Result<SymmetricEigen> {
     let n = matrix.nrows();
     Error::check_shape("matrix", (n, n), matrix.shape())?;

@@ -1,5 +1,5 @@
-//! Dense matrices on top of faer: what the layers above need of it, one thread at a time where threads would change
-//! the rounding.
+//! Dense matrices on top of faer: what the layers above need of it, one thread at a time where
+//! threads would change the rounding.
 
 mod eigen;
 mod memory;

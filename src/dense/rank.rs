@@ -11,7 +11,8 @@ use crate::base::{Error, Result};
 
 const SEQ: faer::Par = faer::Par::Seq;
 
-/// The singular values of a finite matrix (m x n), descending, and the right singular vectors, n x min(m, n).
+/// The singular values of a finite matrix (m x n), descending, and the right singular vectors, n x
+/// min(m, n).
 pub(crate) fn right_singular(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>)> {
     let (m, n) = a.shape();
     let size = m.min(n);
@@ -27,8 +28,9 @@ pub(crate) fn right_singular(a: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>)>
     Ok((values.column_vector().iter().copied().collect(), vectors))
 }
 
-/// The columns of a matrix in the order in which QR with column pivoting takes them. Not for columns of which less than
-/// the root of epsilon is left: their lengths are updated, not computed again.
+/// The columns of a matrix in the order in which QR with column pivoting takes them. Not for
+/// columns of which less than the root of epsilon is left: their lengths are updated, not computed
+/// again.
 pub(crate) fn pivots(a: MatRef<'_, f64>) -> Result<Vec<usize>> {
     let (m, n) = a.shape();
     if m.min(n) == 0 {
@@ -62,7 +64,8 @@ mod tests {
 
     #[test]
     fn values_and_pivots_of_a_matrix_of_rank_two() {
-        // A multiple of the last column, of length 2, one orthogonal to it, of length 5, and nothing.
+        // A multiple of the last column, of length 2, one orthogonal to it, of length 5, and
+        // nothing.
         let a = mat![[0.0, 3.0, 0.0, 0.0], [1.0, 0.0, 0.0, 2.0], [0.0, 4.0, 0.0, 0.0]];
         let (values, vectors) = right_singular(a.as_ref()).unwrap();
         assert!((vectors[(1, 0)].abs() - 1.0).abs() < 1e-14);

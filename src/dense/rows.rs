@@ -5,8 +5,8 @@ use crate::base::Par;
 /// Rows of a block, for work whose blocks stay in the second-level cache.
 pub(crate) const ROW_BLOCK: usize = 1024;
 
-/// Calls `work(first row, block)` for blocks of `rows` rows each of the matrix, on the threads of `par`. The blocks
-/// are the same for any number of threads.
+/// Calls `work(first row, block)` for blocks of `rows` rows each of the matrix, on the threads of
+/// `par`. The blocks are the same for any number of threads.
 pub(crate) fn for_row_blocks(
     matrix: MatMut<'_, f64>,
     rows: usize,

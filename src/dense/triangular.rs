@@ -10,8 +10,8 @@ use super::memory::buffer;
 use super::{ROW_BLOCK, for_row_blocks};
 use crate::base::{Par, Result};
 
-/// L of `A = L L^T` into the lower triangle of A, of which nothing else is read or written. `Ok(Err(i))` when the
-/// i-th pivot is not positive.
+/// L of `A = L L^T` into the lower triangle of A, of which nothing else is read or written.
+/// `Ok(Err(i))` when the i-th pivot is not positive.
 pub(crate) fn cholesky(mut a: MatMut<'_, f64>) -> Result<std::result::Result<(), usize>> {
     let requirement =
         cholesky_in_place_scratch::<f64>(a.nrows(), faer::Par::Seq, Default::default());

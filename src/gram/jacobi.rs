@@ -25,9 +25,9 @@ pub(super) struct Jacobi {
 }
 
 /// Decomposes a matrix (n x r, r <= n) of full column rank, whose column j is that of `y` times
-/// `2^exponents[j]`. It best is the transpose of the R of a factorisation with pivoting: its columns
-/// are graded then, rotations converge in few sweeps, and the relative error even of the smallest
-/// value is about r 2^-53 times the condition number of R with rows of norm 1.
+/// `2^exponents[j]`. It best is the transpose of the R of a factorisation with pivoting: its
+/// columns are graded then, rotations converge in few sweeps, and the relative error even of the
+/// smallest value is about r 2^-53 times the condition number of R with rows of norm 1.
 ///
 /// Blocks of columns meet in rounds of disjoint pairs (Brent and Luk 1985), so that the result is
 /// the same, bit for bit, for every `par`.
@@ -140,8 +140,8 @@ impl Block<'_> {
     }
 }
 
-/// Rotates each column of `a` against each of `b`. With `first`, which is said to every block once in
-/// a sweep, squares are computed anew and columns of the same block are rotated too. Returns the
+/// Rotates each column of `a` against each of `b`. With `first`, which is said to every block once
+/// in a sweep, squares are computed anew and columns of the same block are rotated too. Returns the
 /// largest cosine that was found.
 #[inline(always)]
 fn meet<'c>(a: &mut Block<'c>, b: &mut Block<'c>, n: usize, limit: f64, first: bool) -> f64 {

@@ -42,13 +42,15 @@ pub(super) fn format_of(path: &Path) -> Result<Format> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`](crate::Error::Io) for any other end of the name, and for HDF5 without feature `hdf5`.
+/// [`Error::Io`](crate::Error::Io) for any other end of the name, and for HDF5 without feature
+/// `hdf5`.
 pub fn check_arrays_name(path: &Path) -> Result<()> {
     format_of(path).map(drop)
 }
 
-/// Writes named arrays into `output`, as its name says, and lets it appear: `.npz` as [`write_npz`](super::write_npz);
-/// `.h5`, `.hdf5` and `.he5` (feature `hdf5`) with a dataset for each, of the same name, shape and type.
+/// Writes named arrays into `output`, as its name says, and lets it appear: `.npz` as
+/// [`write_npz`](super::write_npz); `.h5`, `.hdf5` and `.he5` (feature `hdf5`) with a dataset for
+/// each, of the same name, shape and type.
 ///
 /// ```
 /// use catamaran::io::{Array, Output, Overwrite, read_arrays, write_arrays};
@@ -74,7 +76,8 @@ pub fn write_arrays(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> 
 }
 
 /// A file as [`write_arrays`] makes it, written array by array, and a matrix of it by blocks of
-/// columns or of rows, so that it may be larger than memory. It appears with [`ArraysWriter::finish`]; dropped before that, it leaves nothing.
+/// columns or of rows, so that it may be larger than memory. It appears with
+/// [`ArraysWriter::finish`]; dropped before that, it leaves nothing.
 ///
 /// ```
 /// use catamaran::{faer::Mat, io::{Array, ArraysWriter, Output, Overwrite, read_arrays}};
@@ -115,7 +118,8 @@ impl ArraysWriter {
     /// Adds an array.
     ///
     /// # Errors
-    /// [`Error::Io`](crate::Error::Io); [`Error::Shape`](crate::Error::Shape) when columns or rows of the matrix before are missing.
+    /// [`Error::Io`](crate::Error::Io); [`Error::Shape`](crate::Error::Shape) when columns or rows
+    /// of the matrix before are missing.
     pub fn array(&mut self, name: &str, array: Array<'_>) -> Result<()> {
         match &mut self.0 {
             Writer::Npz(writer) => writer.array(name, array),
@@ -139,8 +143,8 @@ impl ArraysWriter {
     /// The next columns of the matrix that was begun.
     ///
     /// # Errors
-    /// [`Error::Shape`](crate::Error::Shape) when they have other rows, or are more than were announced;
-    /// [`Error::Io`](crate::Error::Io).
+    /// [`Error::Shape`](crate::Error::Shape) when they have other rows, or are more than were
+    /// announced; [`Error::Io`](crate::Error::Io).
     pub fn columns(&mut self, columns: MatRef<'_, f64>) -> Result<()> {
         match &mut self.0 {
             Writer::Npz(writer) => writer.columns(columns),

@@ -1,12 +1,12 @@
-//! How much memory a file may make its reader take. A header of a few bytes can announce terabytes, and
-//! a small packed file can hold them.
+//! How much memory a file may make its reader take. A header of a few bytes can announce terabytes,
+//! and a small packed file can hold them.
 
 use std::fmt::Display;
 
 use crate::base::{Progress, builder};
 
-/// Memory that a file may take, at least: more than this, and than [`RATIO`] times its size, is asked for
-/// by a damaged file or by one that is made to.
+/// Memory that a file may take, at least: more than this, and than [`RATIO`] times its size, is
+/// asked for by a damaged file or by one that is made to.
 const LEAST: u64 = 1 << 30;
 
 /// What people pack has ratios of up to about 20; a bomb has a thousand.
@@ -19,8 +19,9 @@ const LINES: u64 = 64;
 #[derive(Debug, Clone, Copy, Default)]
 #[non_exhaustive]
 pub struct SourceOptions<'a> {
-    /// Bytes of memory that the file may take, for what it unpacks to and for what its header announces;
-    /// default a hundred times its size, or 1 GiB if that is more. A line of text may take a 64th.
+    /// Bytes of memory that the file may take, for what it unpacks to and for what its header
+    /// announces; default a hundred times its size, or 1 GiB if that is more. A line of text may
+    /// take a 64th.
     pub max_memory: Option<u64>,
     /// Told the fraction of the file read; may cancel.
     pub progress: Progress<'a>,

@@ -1,6 +1,6 @@
 //! Matrix files: NumPy `.npy`, MatrixMarket `.mtx` and text tables (`.csv`, `.tsv`, `.txt`), each
-//! also gzipped (`.gz`); several arrays in one NumPy `.npz` or HDF5
-//! file ([`write_arrays`], [`read_arrays()`]). Files of rows, read block by block ([`RowFile`]): `.npy`, and HDF5 with
+//! also gzipped (`.gz`); several arrays in one NumPy `.npz` or HDF5 file ([`write_arrays`],
+//! [`read_arrays()`]). Files of rows, read block by block ([`RowFile`]): `.npy`, and HDF5 with
 //! feature `hdf5`.
 //!
 //! A reader checks everything it reads: a broken header, a ragged row, text where a number should
@@ -95,8 +95,8 @@ fn format_of(path: &Path) -> Result<(Format, bool)> {
 
 /// Reads the matrix in the file at `path`, of the format its name says.
 ///
-/// - `.npy`: two dimensions, or one (a vector, read as a column), either order. f4 stays f32; f8 and
-///   integers become f64 (integers beyond 2^53 are rounded).
+/// - `.npy`: two dimensions, or one (a vector, read as a column), either order. f4 stays f32; f8
+///   and integers become f64 (integers beyond 2^53 are rounded).
 /// - `.mtx`: `array` becomes a dense f64 matrix, `coordinate` a sparse one; `real`, `integer` and
 ///   `pattern` (ones); `general`, `symmetric`, `skew-symmetric`. Repeated coordinates are summed.
 /// - `.csv`, `.tsv`, `.txt`: f64, split at tabs, semicolons, commas or runs of blanks, whichever of
@@ -107,8 +107,9 @@ fn format_of(path: &Path) -> Result<(Format, bool)> {
 /// A file may take as much memory as `options.max_memory` says: one whose header announces more is
 /// refused before the memory is asked for.
 ///
-/// The extra memory beyond the entries of the file is a buffer; text tables, whose size is not known
-/// beforehand, may take twice their entries while they grow, and sparse matrices twice theirs.
+/// The extra memory beyond the entries of the file is a buffer; text tables, whose size is not
+/// known beforehand, may take twice their entries while they grow, and sparse matrices twice
+/// theirs.
 ///
 /// ```
 /// use catamaran::{faer::Mat, io::{Matrix, Output, Overwrite, ReadOptions, read, write}};
@@ -159,8 +160,8 @@ pub fn read_with_names(path: &Path, options: &ReadOptions<'_>) -> Result<(Matrix
 }
 
 /// Writes `matrix` (any shape and strides) into `output`, in the format its name says, and lets it
-/// appear: `.npy` in C order and the precision of T, `.mtx` as a general real array, text tables with
-/// commas (tabs in `.tsv`, blanks in `.txt`) and enough digits to read the same number back.
+/// appear: `.npy` in C order and the precision of T, `.mtx` as a general real array, text tables
+/// with commas (tabs in `.tsv`, blanks in `.txt`) and enough digits to read the same number back.
 ///
 /// ```
 /// use catamaran::{faer::mat, io::{Output, Overwrite, write}};

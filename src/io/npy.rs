@@ -156,9 +156,9 @@ impl Layout {
     }
 }
 
-/// The bytes before the entries, or as many as there are; of another kind of file only the first. Three
-/// kinds of headers are errors, over which crate npyz would ask for gigabytes, take for ever or panic:
-/// long ones, deep brackets, and more entries than can be counted.
+/// The bytes before the entries, or as many as there are; of another kind of file only the first.
+/// Three kinds of headers are errors, over which crate npyz would ask for gigabytes, take for ever
+/// or panic: long ones, deep brackets, and more entries than can be counted.
 pub(super) fn head(source: &mut impl Read) -> io::Result<Vec<u8>> {
     let broken = |what: String| Err(io::Error::new(io::ErrorKind::InvalidData, what));
     let mut head = Vec::new();

@@ -1,4 +1,5 @@
-//! Several arrays in one file, as `numpy.load` reads them: NumPy `.npz`, a zip archive of `.npy` files, not packed.
+//! Several arrays in one file, as `numpy.load` reads them: NumPy `.npz`, a zip archive of `.npy`
+//! files, not packed.
 
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::PathBuf;
@@ -47,7 +48,8 @@ pub fn write_npz(output: Output, arrays: &[(&str, Array<'_>)]) -> Result<()> {
 }
 
 /// An `.npz` file that is written array by array, and a matrix of it by blocks of columns or of
-/// rows, so that it may be larger than memory. It appears with [`NpzWriter::finish`]; dropped before that, it leaves nothing.
+/// rows, so that it may be larger than memory. It appears with [`NpzWriter::finish`]; dropped
+/// before that, it leaves nothing.
 ///
 /// ```
 /// use catamaran::{faer::Mat, io::{Array, NpzWriter, Output, Overwrite, read_arrays}};
@@ -103,8 +105,8 @@ impl Begun {
     }
 }
 
-/// What the archive is written into. After the first error nothing is, and that succeeds: an archive
-/// that is dropped still writes its end, and prints to stderr when it can't.
+/// What the archive is written into. After the first error nothing is, and that succeeds: an
+/// archive that is dropped still writes its end, and prints to stderr when it can't.
 struct Sink {
     output: Output,
     failed: bool,

@@ -158,8 +158,8 @@ impl Output {
     /// Lets the file appear under its name.
     ///
     /// # Errors
-    /// [`Error::Io`]; nothing is left behind then, unless it is the folder that can't be written to the
-    /// disk.
+    /// [`Error::Io`]; nothing is left behind then, unless it is the folder that can't be written to
+    /// the disk.
     pub fn commit(mut self) -> Result<()> {
         let flushed = self.file.flush().and_then(|()| self.file.get_ref().as_file().sync_all());
         flushed.map_err(|e| self.error(e))?;
@@ -236,7 +236,8 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Gives `file` the permissions of the file it will replace, and its owner and group if that is allowed.
+/// Gives `file` the permissions of the file it will replace, and its owner and group if that is
+/// allowed.
 fn take_over(file: &File, replaced: &Metadata) -> io::Result<()> {
     #[cfg(unix)]
     {
@@ -252,8 +253,8 @@ fn take_over(file: &File, replaced: &Metadata) -> io::Result<()> {
     file.set_permissions(replaced.permissions())
 }
 
-/// Makes a rename in the folder of `path` last through a power cut, where the system lets the user do that:
-/// a folder may be written that can't be opened, and some file systems have no such call.
+/// Makes a rename in the folder of `path` last through a power cut, where the system lets the user
+/// do that: a folder may be written that can't be opened, and some file systems have no such call.
 fn sync_folder(path: &Path) -> io::Result<()> {
     use io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
     if !cfg!(unix) {

@@ -22,8 +22,8 @@ pub struct Arrays {
     arrays: BTreeMap<String, Stored>,
 }
 
-/// Reads all arrays of an `.npz` (not packed) or, with feature `hdf5`, HDF5 file: numbers (f8) and unsigned integers (u8), as
-/// [`write_arrays`](super::write_arrays) writes them.
+/// Reads all arrays of an `.npz` (not packed) or, with feature `hdf5`, HDF5 file: numbers (f8) and
+/// unsigned integers (u8), as [`write_arrays`](super::write_arrays) writes them.
 ///
 /// ```
 /// use catamaran::{faer::Mat, io::{Array, Output, Overwrite, read_arrays, write_arrays}};
@@ -45,8 +45,8 @@ pub fn read_arrays(path: &Path) -> Result<Arrays> {
     read_arrays_with(path, &SourceOptions::new())
 }
 
-/// [`read_arrays`] within a limit of memory, and with a callback that is told the fraction of the arrays
-/// read and may cancel.
+/// [`read_arrays`] within a limit of memory, and with a callback that is told the fraction of the
+/// arrays read and may cancel.
 ///
 /// ```
 /// use catamaran::io::{Array, Output, Overwrite, SourceOptions, read_arrays_with, write_arrays};
@@ -60,7 +60,8 @@ pub fn read_arrays(path: &Path) -> Result<Arrays> {
 /// ```
 ///
 /// # Errors
-/// As [`read_arrays`]; [`Error::Io`] when all arrays take more than the limit, [`Error::Cancelled`].
+/// As [`read_arrays`]; [`Error::Io`] when all arrays take more than the limit,
+/// [`Error::Cancelled`].
 pub fn read_arrays_with(path: &Path, options: &SourceOptions<'_>) -> Result<Arrays> {
     let mut total = 0_u64;
     let mut begin = |i: usize, count: usize, bytes: u64| {

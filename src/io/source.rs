@@ -154,8 +154,8 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Refuses `what`, which takes the memory of `len` values of T, when that is more than this file may
-    /// take.
+    /// Refuses `what`, which takes the memory of `len` values of T, when that is more than this
+    /// file may take.
     pub(crate) fn check_memory<T>(&self, what: impl Display, len: usize) -> Result<()> {
         let bytes = (len as u64).saturating_mul(size_of::<T>() as u64);
         check_memory(self.memory, what, bytes).map_err(|what| self.fail(what))
@@ -230,8 +230,8 @@ impl<'a> Source<'a> {
 }
 
 impl SourceOptions<'_> {
-    /// Refuses `what` a file announces, which takes so many bytes of memory, when that is more than the
-    /// file may take. For readers of other formats than those of this crate.
+    /// Refuses `what` a file announces, which takes so many bytes of memory, when that is more than
+    /// the file may take. For readers of other formats than those of this crate.
     ///
     /// ```
     /// use catamaran::io::SourceOptions;

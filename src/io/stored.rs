@@ -18,5 +18,6 @@ pub(super) enum Entries {
     Indices(Vec<u64>),
 }
 
-/// Called before array `i` of `count` is read, which takes this many bytes: an error ends the reading.
+/// Called before array `i` of `count` is read, which takes this many bytes: an error ends the
+/// reading.
 pub(super) type Begin<'a> = &'a mut dyn FnMut(usize, usize, u64) -> Result<()>;

@@ -6,7 +6,8 @@ use super::{Format, Output, format_of};
 use crate::ata::{Strip, Uplo};
 use crate::base::{Error, Real, Result};
 
-/// A symmetric n x n matrix on its way into a `.npy` file, strip by strip, because all of it is too large for memory.
+/// A symmetric n x n matrix on its way into a `.npy` file, strip by strip, because all of it is too
+/// large for memory.
 ///
 /// ```
 /// use catamaran::ata::{Accumulator, DenseRows, stream};
@@ -39,8 +40,8 @@ pub struct StripOutput {
 }
 
 impl StripOutput {
-    /// Starts the file of a matrix of entries T, of which the triangle or triangles of `uplo` are given, and the rest
-    /// is zero.
+    /// Starts the file of a matrix of entries T, of which the triangle or triangles of `uplo` are
+    /// given, and the rest is zero.
     ///
     /// # Errors
     /// [`Error::Io`] for a name that does not end in `.npy`, and when it can't be written.
@@ -58,8 +59,8 @@ impl StripOutput {
         Ok(Self { output, n, uplo, offset })
     }
 
-    /// Writes a strip of the lower triangle, and into the columns of its rows what `uplo` wants above the diagonal. Of
-    /// the type T that it was begun for.
+    /// Writes a strip of the lower triangle, and into the columns of its rows what `uplo` wants
+    /// above the diagonal. Of the type T that it was begun for.
     ///
     /// # Errors
     /// [`Error::Shape`] when the strip is not of an n x n matrix, [`Error::Io`].

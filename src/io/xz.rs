@@ -5,7 +5,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use lzma_rust2::XzReader;
 
-/// The largest dictionary that a file may ask for, as LZMA2 says sizes: 256 MiB. `xz -9` takes 64 MiB.
+/// The largest dictionary that a file may ask for, as LZMA2 says sizes: 256 MiB. `xz -9` takes 64
+/// MiB.
 const LARGEST_DICTIONARY: u8 = 32;
 
 /// The name of LZMA2 among filters.
@@ -32,9 +33,11 @@ impl<R: Read> Read for Unpacker<R> {
     }
 }
 
-/// The size of the dictionary of the first block, as LZMA2 says it; `None` when there is no such block.
+/// The size of the dictionary of the first block, as LZMA2 says it; `None` when there is no such
+/// block.
 fn dictionary(file: &[u8]) -> Option<u8> {
-    // After the stream header of 12 bytes: size of the block header, flags, sizes if flagged, filters.
+    // After the stream header of 12 bytes: size of the block header, flags, sizes if flagged,
+    // filters.
     let mut rest = file.get(13..)?;
     let flags = take(&mut rest)?;
     for flag in [0x40, 0x80] {

@@ -1,4 +1,5 @@
-//! The Laplacian of a point cloud: small triangulations around every point, and the tufted cover of all of them.
+//! The Laplacian of a point cloud: small triangulations around every point, and the tufted cover of
+//! all of them.
 //!
 //! Source: Sharp and Crane, A Laplacian for Nonmanifold Triangle Meshes (2020), section 5.7.
 
@@ -18,7 +19,8 @@ use crate::sparse::Mass;
 pub struct CloudOptions {
     /// Nearest points that a point is triangulated with; default 30, at least 3.
     pub neighbours: usize,
-    /// What holds at the boundary: the points around which the triangles leave a gap. Default [`Boundary::Neumann`].
+    /// What holds at the boundary: the points around which the triangles leave a gap. Default
+    /// [`Boundary::Neumann`].
     pub boundary: Boundary,
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
@@ -42,8 +44,8 @@ const BLOCK: usize = 256;
 /// Each triangle is found from its three corners, mostly.
 const COPIES: f64 = 3.0;
 
-/// How far points are moved for the triangulation, relative to their nearest neighbour: then points on a circle are
-/// triangulated alike from wherever they are seen.
+/// How far points are moved for the triangulation, relative to their nearest neighbour: then points
+/// on a circle are triangulated alike from wherever they are seen.
 const DISORDER: f64 = 1e-6;
 
 /// Sine of an angle of pi at a point of a straight boundary, for all that the disorder makes of it.
@@ -51,8 +53,9 @@ const FLAT: f64 = 1e-4;
 
 /// The Laplacian of the surface that points were sampled from.
 ///
-/// Around each point its nearest ones are projected into the plane that fits best, where the point's triangles of the
-/// Delaunay triangulation are taken; the tufted Laplacian of all of these triangles, divided by three.
+/// Around each point its nearest ones are projected into the plane that fits best, where the
+/// point's triangles of the Delaunay triangulation are taken; the tufted Laplacian of all of these
+/// triangles, divided by three.
 ///
 /// ```
 /// use catamaran::mesh::{CloudOptions, cloud_laplacian, families};
@@ -64,8 +67,8 @@ const FLAT: f64 = 1e-4;
 /// ```
 ///
 /// # Errors
-/// [`Error::NonFinite`] for a coordinate; [`Error::Argument`] for fewer than 3 neighbours; [`Error::Mesh`] for points at the
-/// same place, and as [`laplacian()`].
+/// [`Error::NonFinite`] for a coordinate; [`Error::Argument`] for fewer than 3 neighbours;
+/// [`Error::Mesh`] for points at the same place, and as [`laplacian()`].
 pub fn cloud_laplacian(points: &[[f64; 3]], options: &CloudOptions) -> Result<Laplacian> {
     let Triangles { mesh, open } = triangles(points, options)?;
     let boundary = match &options.boundary {
@@ -153,8 +156,9 @@ fn star(
         let d = sub(disordered(points, i, reach), disordered(points, centre, reach));
         [dot(d, u), dot(d, v)]
     };
-    // Circles through the point are lines after an inversion at it, and circles without other points inside are lines with
-    // all others on the side of the point: the edges of the convex hull.
+    // Circles through the point are lines after an inversion at it, and circles without other
+    // points inside are lines with all others on the side of the point: the edges of the convex
+    // hull.
     let inverted: Vec<([f64; 2], u32)> = near
         .iter()
         .map(|&(_, i)| (flat(i), i))

@@ -1,11 +1,12 @@
-//! Areas, normals, volume, quality, scale. Sums run in the order of faces, so results do not depend on threads.
+//! Areas, normals, volume, quality, scale. Sums run in the order of faces, so results do not depend
+//! on threads.
 
 use super::TriMesh;
 use super::vector::{cross, dot, norm, sub, unit};
 use crate::base::{Error, Result};
 
-/// A face counts as without area when its area is at most this times the square of its longest edge: rounding of a
-/// degenerate triangle gives no less.
+/// A face counts as without area when its area is at most this times the square of its longest
+/// edge: rounding of a degenerate triangle gives no less.
 const FLAT: f64 = 8.0 * f64::EPSILON;
 
 /// To what [`TriMesh::normalized`] scales.
@@ -43,7 +44,8 @@ impl TriMesh {
         self.faces().iter().map(|&f| unit(self.doubled_normal(f))).collect()
     }
 
-    /// Unit normal of each vertex, the mean of the normals of its faces weighted by area; zero where that is zero.
+    /// Unit normal of each vertex, the mean of the normals of its faces weighted by area; zero
+    /// where that is zero.
     pub fn vertex_normals(&self) -> Vec<[f64; 3]> {
         let mut sums = vec![[0.0; 3]; self.vertices().len()];
         for &face in self.faces() {
@@ -56,8 +58,8 @@ impl TriMesh {
         sums.into_iter().map(unit).collect()
     }
 
-    /// Volume inside of a closed, oriented mesh, negative when its faces are seen clockwise from outside; of other meshes,
-    /// that of the cones over their faces with tip at the first vertex.
+    /// Volume inside of a closed, oriented mesh, negative when its faces are seen clockwise from
+    /// outside; of other meshes, that of the cones over their faces with tip at the first vertex.
     pub fn volume(&self) -> f64 {
         let Some(&tip) = self.vertices().first() else { return 0.0 };
         let cone = |&face: &[u32; 3]| {
@@ -67,13 +69,14 @@ impl TriMesh {
         self.faces().iter().map(cone).sum::<f64>() / 6.0
     }
 
-    /// Quality of each face, `Q(t) = 2 sqrt(3) A / (S l)` with area A, half the perimeter S and longest edge l (thesis,
-    /// section 5): 1 for equilateral triangles, 0 for those without area.
+    /// Quality of each face, `Q(t) = 2 sqrt(3) A / (S l)` with area A, half the perimeter S and
+    /// longest edge l (thesis, section 5): 1 for equilateral triangles, 0 for those without area.
     pub fn qualities(&self) -> Vec<f64> {
         self.faces().iter().map(|&face| quality(self.corners_of(face))).collect()
     }
 
-    /// The faces without area: at most 8 eps times the square of their longest edge, which is what rounding leaves.
+    /// The faces without area: at most 8 eps times the square of their longest edge, which is what
+    /// rounding leaves.
     pub fn faces_without_area(&self) -> Vec<u32> {
         let flat = |&face: &[u32; 3]| is_flat(self.corners_of(face));
         (0..).zip(self.faces()).filter(|(_, face)| flat(face)).map(|(f, _)| f).collect()

@@ -1,4 +1,5 @@
-//! Triangle meshes: what they are made of, how they hang together, what is wrong with them, files, and generated ones.
+//! Triangle meshes: what they are made of, how they hang together, what is wrong with them, files,
+//! and generated ones.
 
 mod cloud;
 mod compare;

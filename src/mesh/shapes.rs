@@ -3,7 +3,8 @@
 use super::{TriMesh, families};
 use crate::base::Rng;
 
-/// Squares of side 1, x by y, each cut along the diagonal from its lower left corner; vertices are numbered along x first.
+/// Squares of side 1, x by y, each cut along the diagonal from its lower left corner; vertices are
+/// numbered along x first.
 pub(crate) fn grid(x: u32, y: u32) -> TriMesh {
     let at = |i, j| j * (x + 1) + i;
     let vertices = (0..=y).flat_map(|j| (0..=x).map(move |i| [f64::from(i), f64::from(j), 0.0]));

@@ -2,8 +2,8 @@ use crate::base::{Error, Result};
 
 /// A triangle mesh: positions of vertices, and three of them a face.
 ///
-/// Any set of triangles: several components, boundary, edges of three faces, unreferenced vertices and faces without area
-/// are allowed here, and reported or refused by what can't work with them.
+/// Any set of triangles: several components, boundary, edges of three faces, unreferenced vertices
+/// and faces without area are allowed here, and reported or refused by what can't work with them.
 ///
 /// ```
 /// use catamaran::mesh::{Edges, TriMesh};
@@ -23,11 +23,13 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
-    /// A mesh of these positions and faces (three indices of vertices, from 0, counter-clockwise as seen from outside).
+    /// A mesh of these positions and faces (three indices of vertices, from 0, counter-clockwise as
+    /// seen from outside).
     ///
     /// # Errors
-    /// [`Error::Mesh`] names a coordinate that is not finite, a face with an index out of range or with the same index
-    /// twice; [`Error::Argument`] if there are 2^32 vertices or corners of faces, or more.
+    /// [`Error::Mesh`] names a coordinate that is not finite, a face with an index out of range or
+    /// with the same index twice; [`Error::Argument`] if there are 2^32 vertices or corners of
+    /// faces, or more.
     pub fn new(vertices: Vec<[f64; 3]>, faces: Vec<[u32; 3]>) -> Result<Self> {
         if u32::try_from(vertices.len()).is_err() {
             return Err(Error::Argument {

@@ -18,7 +18,8 @@ pub enum Problem {
         /// Its faces.
         faces: Vec<u32>,
     },
-    /// A vertex whose faces do not hang together over edges at this vertex: the surface meets itself in a point.
+    /// A vertex whose faces do not hang together over edges at this vertex: the surface meets
+    /// itself in a point.
     NonManifoldVertex {
         /// The vertex.
         vertex: u32,
@@ -34,7 +35,8 @@ pub enum Problem {
     },
     /// A face without area ([`TriMesh::faces_without_area`]).
     ZeroArea(u32),
-    /// An edge along which its two faces run in the same direction, so that they do not agree on what is outside.
+    /// An edge along which its two faces run in the same direction, so that they do not agree on
+    /// what is outside.
     Inconsistent {
         /// Its vertices.
         ends: [u32; 2],
@@ -119,7 +121,8 @@ impl Validation {
 }
 
 impl fmt::Display for Validation {
-    /// Counts, then for each kind of problem how many there are and the first of them; lines without an end of the last.
+    /// Counts, then for each kind of problem how many there are and the first of them; lines
+    /// without an end of the last.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const SHOWN: usize = 5;
         let Self { vertices, edges, faces, components, .. } = self;
@@ -200,7 +203,8 @@ impl TriMesh {
         }
     }
 
-    /// The faces that have the vertices of an earlier one, in any order, each with the first of these; ascending.
+    /// The faces that have the vertices of an earlier one, in any order, each with the first of
+    /// these; ascending.
     pub fn repeated_faces(&self) -> Vec<[u32; 2]> {
         let by_lowest = Adjacency::from_pairs(self.vertices().len(), || {
             let lowest = |&[a, b, c]: &[u32; 3]| a.min(b).min(c);

@@ -16,14 +16,16 @@ use crate::base::{Result, reserved, zeros};
 /// Tags of the rows that travel; those of two pieces under way at the same time differ.
 const FIRST_TAG: i32 = 32;
 
-/// `C = alpha A^T A` where every rank has some `columns` of A, in the order of the ranks, 0 included.
+/// `C = alpha A^T A` where every rank has some `columns` of A, in the order of the ranks, 0
+/// included.
 ///
-/// The two-dimensional distribution for matrices that are not much longer than wide: with about equal numbers of
-/// columns each rank receives `m n / sqrt(P)` words (at most 1.5 times that, see
-/// [`difference_cover`](crate::ata::distributed::difference_cover)), piece by piece of rows, while it
-/// multiplies the piece before. Columns are m x n_r with any strides; beside them and its part of C a rank
-/// holds two pieces of the columns it sees, not more than its share of A and C together. `options.uplo` does not
-/// matter. The result depends, by rounding, on the number of ranks and the widths.
+/// The two-dimensional distribution for matrices that are not much longer than wide: with about
+/// equal numbers of columns each rank receives `m n / sqrt(P)` words (at most 1.5 times that, see
+/// [`difference_cover`](crate::ata::distributed::difference_cover)), piece by piece of rows, while
+/// it multiplies the piece before. Columns are m x n_r with any strides; beside them and its part
+/// of C a rank holds two pieces of the columns it sees, not more than its share of A and C
+/// together. `options.uplo` does not matter. The result depends, by rounding, on the number of
+/// ranks and the widths.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, ata_columns};
@@ -41,8 +43,8 @@ const FIRST_TAG: i32 = 32;
 /// ```
 ///
 /// # Errors
-/// [`Error::Rank`](crate::Error::Rank) when m, alpha or the precision differ, or another rank failed; else
-/// as [`ata`].
+/// [`Error::Rank`](crate::Error::Rank) when m, alpha or the precision differ, or another rank
+/// failed; else as [`ata`].
 pub fn ata_columns<T: MpiReal>(
     world: &World,
     alpha: T,
@@ -106,7 +108,8 @@ pub fn ata_columns<T: MpiReal>(
     Ok(Symmetric::new(Layout::Blocks(blocks), own, entries))
 }
 
-/// Sends the columns of this rank to those that need them, some rows at a time, and receives those it needs.
+/// Sends the columns of this rank to those that need them, some rows at a time, and receives those
+/// it needs.
 struct Exchange<'w, T> {
     world: &'w World,
     blocks: &'w Blocks,

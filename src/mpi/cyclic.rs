@@ -39,19 +39,19 @@ pub struct CyclicMut<'a, T> {
     pub entries: MatMut<'a, T>,
 }
 
-/// `C := alpha A^T A + beta C` for block-cyclic A, m x n, and C, n x n, the triangle or triangles of
-/// `options.uplo`; PDSYRK with TRANS = 'T', of whole matrices.
+/// `C := alpha A^T A + beta C` for block-cyclic A, m x n, and C, n x n, the triangle or triangles
+/// of `options.uplo`; PDSYRK with TRANS = 'T', of whole matrices.
 ///
-/// The blocks, the first processes and even the grids of A and C may differ. Ranks outside of a grid hold nothing,
-/// but take part in the product. A goes to parts of rows or columns, whichever costs fewer words (see
-/// [`Parts::new`]), [`ata_rows`] or [`ata_columns`] multiplies them, and the result goes to C: each rank sends
-/// about `m n / P` and `n^2 / (2 P)` words more than they do, in at most P - 1 messages each (`n^2 / P` for both
-/// triangles). Beside A and C a rank holds its part of A, as much
-/// again as one message each way, and what [`ata_rows`] or [`ata_columns`] holds.
+/// The blocks, the first processes and even the grids of A and C may differ. Ranks outside of a
+/// grid hold nothing, but take part in the product. A goes to parts of rows or columns, whichever
+/// costs fewer words (see [`Parts::new`]), [`ata_rows`] or [`ata_columns`] multiplies them, and the
+/// result goes to C: each rank sends about `m n / P` and `n^2 / (2 P)` words more than they do, in
+/// at most P - 1 messages each (`n^2 / P` for both triangles). Beside A and C a rank holds its part
+/// of A, as much again as one message each way, and what [`ata_rows`] or [`ata_columns`] holds.
 ///
-/// With `beta == 0` C is not read. Otherwise each wanted triangle is added to its own old one, so that for
-/// [`Uplo::Both`] the old C must be symmetric. C is untouched after any error. The result depends,
-/// by rounding, on the number of ranks and on how A is dealt out.
+/// With `beta == 0` C is not read. Otherwise each wanted triangle is added to its own old one, so
+/// that for [`Uplo::Both`] the old C must be symmetric. C is untouched after any error. The result
+/// depends, by rounding, on the number of ranks and on how A is dealt out.
 ///
 /// ```no_run
 /// use catamaran::ata::distributed::{BlockCyclic, Grid, GridOrder};
@@ -77,9 +77,9 @@ pub struct CyclicMut<'a, T> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when C is not n x n or entries are not those of the rank, [`Error::Argument`] when a grid
-/// has more ranks than there are, [`Error::Rank`] when a descriptor, alpha, beta, a triangle or the precision
-/// differs, or another rank failed; else as [`ata`](crate::ata()).
+/// [`Error::Shape`] when C is not n x n or entries are not those of the rank, [`Error::Argument`]
+/// when a grid has more ranks than there are, [`Error::Rank`] when a descriptor, alpha, beta, a
+/// triangle or the precision differs, or another rank failed; else as [`ata`](crate::ata()).
 pub fn ata_cyclic<T: MpiReal>(
     world: &World,
     alpha: T,
@@ -91,8 +91,8 @@ pub fn ata_cyclic<T: MpiReal>(
     product(world, alpha, a, false, beta, c, options)
 }
 
-/// `C := alpha A A^T + beta C` for block-cyclic A, n x m, and C, n x n; PDSYRK with TRANS = 'N', of whole
-/// matrices. It is [`ata_cyclic`] of the transposed A.
+/// `C := alpha A A^T + beta C` for block-cyclic A, n x m, and C, n x n; PDSYRK with TRANS = 'N', of
+/// whole matrices. It is [`ata_cyclic`] of the transposed A.
 ///
 /// ```no_run
 /// use catamaran::ata::distributed::{BlockCyclic, Grid, GridOrder};
@@ -323,8 +323,8 @@ impl<T: Real> Buffers<T> {
 
 /// Sends to every other rank what `pack` appends for it, and gives `unpack` what comes from each.
 ///
-/// In round k a rank sends to the k-th after it and receives from the k-th before it: nobody is sent to by two at
-/// once, and memory for one message each way is enough. An empty one is not sent.
+/// In round k a rank sends to the k-th after it and receives from the k-th before it: nobody is
+/// sent to by two at once, and memory for one message each way is enough. An empty one is not sent.
 fn exchange<T: MpiReal>(
     world: &World,
     buffers: Buffers<T>,

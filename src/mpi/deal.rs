@@ -79,7 +79,8 @@ impl<T: MpiReal> Hand<T> {
         Ok(Self { rows, sum: zeros(n * n)?, blocks })
     }
 
-    /// Receives the blocks, one while the product of the one before is added to the sum, which comes back.
+    /// Receives the blocks, one while the product of the one before is added to the sum, which
+    /// comes back.
     fn play(
         &mut self,
         world: &World,

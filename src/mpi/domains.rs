@@ -12,8 +12,9 @@ pub(super) struct Domains {
 const SLACK: f64 = 0.05;
 
 impl Domains {
-    /// `count` domains of about equally many rows, of the graph of symmetric matrices (n x n each): by
-    /// halves along breadth-first levels, again and again (George and Liu 1981, chapters 4 and 8).
+    /// `count` domains of about equally many rows, of the graph of symmetric matrices (n x n each):
+    /// by halves along breadth-first levels, again and again (George and Liu 1981, chapters 4 and
+    /// 8).
     pub fn new(matrices: &[CsMatView<'_, f64>], count: usize) -> Self {
         let n = matrices.first().map_or(0, |matrix| matrix.rows());
         let mut graph = Graph { matrices, set: vec![0; n], mark: vec![0; n], marks: 0 };
@@ -49,8 +50,8 @@ struct Graph<'a> {
 const NONE: usize = usize::MAX;
 
 impl Graph<'_> {
-    /// Two parts of a set that do not touch, the first with about this share of it, and what is between
-    /// them; they become the sets `left` and `right`. `left` is the set's number.
+    /// Two parts of a set that do not touch, the first with about this share of it, and what is
+    /// between them; they become the sets `left` and `right`. `left` is the set's number.
     fn halve(&mut self, rows: &[usize], share: f64, left: usize, right: usize) -> [Vec<usize>; 3] {
         let (order, levels) = self.levels(rows);
         let exact = share * rows.len() as f64;
@@ -70,8 +71,8 @@ impl Graph<'_> {
         [first.to_vec(), between, rest]
     }
 
-    /// The rows of a set by breadth-first levels, component by component, each from a row that is far
-    /// from most.
+    /// The rows of a set by breadth-first levels, component by component, each from a row that is
+    /// far from most.
     fn levels(&mut self, rows: &[usize]) -> (Vec<usize>, Vec<Level>) {
         let (mut order, mut levels) = (Vec::with_capacity(rows.len()), vec![]);
         self.marks += 1;

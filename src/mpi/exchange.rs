@@ -45,7 +45,8 @@ pub(super) fn exchange(
     Ok(incoming)
 }
 
-/// What every rank has, `lens[r]` entries of rank r, one after another, on every rank; by the MPI library, not counted.
+/// What every rank has, `lens[r]` entries of rank r, one after another, on every rank; by the MPI
+/// library, not counted.
 pub(super) fn all_gather<T: MpiReal>(call: &Call<'_>, own: &[T], lens: &[usize]) -> Result<Vec<T>> {
     let world = call.world;
     let mut all = call.meet(zeros::<T>(lens.iter().sum()))?;
@@ -107,7 +108,8 @@ impl Rows {
     }
 }
 
-/// The matrix whose `rows` are spread over the ranks, in their order, on rank `root`; `None` on the others.
+/// The matrix whose `rows` are spread over the ranks, in their order, on rank `root`; `None` on the
+/// others.
 ///
 /// ```no_run
 /// use catamaran::{faer::Mat, mpi::{World, gather_rows}};
@@ -124,8 +126,8 @@ impl Rows {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] when there is no such root, [`Error::OutOfMemory`]; [`Error::Rank`] when arguments differ, or
-/// another rank failed.
+/// [`Error::Argument`] when there is no such root, [`Error::OutOfMemory`]; [`Error::Rank`] when
+/// arguments differ, or another rank failed.
 pub fn gather_rows(world: &World, root: usize, rows: MatRef<'_, f64>) -> Result<Option<Mat<f64>>> {
     let columns = rows.ncols();
     let facts = [("the number of columns", columns), ("root", root)];

@@ -1,5 +1,5 @@
-//! `W - sigma M` factorised by all ranks: each eliminates the rows of a domain, and what is left, the
-//! Schur complement of the interface between the domains, all.
+//! `W - sigma M` factorised by all ranks: each eliminates the rows of a domain, and what is left,
+//! the Schur complement of the interface between the domains, all.
 
 use std::ops::Range;
 
@@ -18,10 +18,10 @@ use crate::sparse::{Factor, Inverse, Mass, Shifted, Shifts, Symbolic, multiply};
 /// Columns of a coupling that are solved for together.
 const COLUMNS: usize = 64;
 
-/// The shifts of a pencil whose rows are spread, with the elimination spread too. With A the matrix,
-/// i the rows of this rank's domain and s those of the interface, a factorisation is one of `A_ii` on
-/// each rank, and of `S = A_ss - sum of A_si A_ii^-1 A_is` on all. Their inertias add up to that of A
-/// (Haynsworth 1968).
+/// The shifts of a pencil whose rows are spread, with the elimination spread too. With A the
+/// matrix, i the rows of this rank's domain and s those of the interface, a factorisation is one of
+/// `A_ii` on each rank, and of `S = A_ss - sum of A_si A_ii^-1 A_is` on all. Their inertias add up
+/// to that of A (Haynsworth 1968).
 ///
 /// Each rank's memory is a factor of its domain, and one of the interface: about `c sqrt(n P)` rows
 /// for a surface of n vertices on P ranks.
@@ -351,7 +351,8 @@ impl SpreadFactor<'_> {
 }
 
 impl Inverse for SpreadFactor<'_> {
-    /// With `b` for X: `x_s = S^-1 (b_s - sum of A_si A_ii^-1 b_i)`, `x_i = A_ii^-1 (b_i - A_is x_s)`.
+    /// With `b` for X: `x_s = S^-1 (b_s - sum of A_si A_ii^-1 b_i)`,
+    /// `x_i = A_ii^-1 (b_i - A_is x_s)`.
     fn solve(&self, mut x: MatMut<'_, f64>, par: Par) -> Result<()> {
         let SpreadShifts { call, own_interface, interface, .. } = self.shifts;
         let (touching, width) = (&interface.touching, x.ncols());

@@ -13,8 +13,9 @@ use crate::dense::zeros;
 use crate::gram::{JoinedRows, LeastSquares, LeastSquaresOptions, check_weights, named_by_matrix};
 
 /// [`gram::lstsq`](crate::gram::lstsq()) of A (m x n) and B (m x k) of which every rank has some
-/// rows, in any order and number, 0 included, and the weights of these rows, if there are any. Every
-/// rank gets the whole solution: the same bits for any number of ranks, wherever the rows are.
+/// rows, in any order and number, 0 included, and the weights of these rows, if there are any.
+/// Every rank gets the whole solution: the same bits for any number of ranks, wherever the rows
+/// are.
 ///
 /// Rank 0 solves. Standard errors are computed if any rank asks for them. `progress` is told of the
 /// sums of the own rows, which are computed after the bounds of all rows are known.
@@ -38,8 +39,8 @@ use crate::gram::{JoinedRows, LeastSquares, LeastSquaresOptions, check_weights, 
 /// ```
 ///
 /// # Errors
-/// [`Error::Rank`] when n, k or the options but for threads differ, only some ranks have weights, or
-/// another rank failed or cancelled; else as [`gram::lstsq`](crate::gram::lstsq()).
+/// [`Error::Rank`] when n, k or the options but for threads differ, only some ranks have weights,
+/// or another rank failed or cancelled; else as [`gram::lstsq`](crate::gram::lstsq()).
 pub fn lstsq(
     world: &World,
     a: MatRef<'_, f64>,

@@ -3,10 +3,10 @@
 //! [`ortho`](crate::ortho) and [`sparse`](crate::sparse), and least squares by that of
 //! [`gram`](crate::gram), where every rank has some rows.
 //!
-//! Every function is collective: all ranks of the [`World`] call it, with the same options. An error on
-//! one rank is an error on all ([`Error::Rank`](crate::Error::Rank)); a panic aborts the job, since the
-//! other ranks would wait for ever; so does, by default, an error of MPI itself. Results depend on the
-//! number of ranks, not on that of threads nor on which message comes first.
+//! Every function is collective: all ranks of the [`World`] call it, with the same options. An
+//! error on one rank is an error on all ([`Error::Rank`](crate::Error::Rank)); a panic aborts the
+//! job, since the other ranks would wait for ever; so does, by default, an error of MPI itself.
+//! Results depend on the number of ranks, not on that of threads nor on which message comes first.
 
 mod call;
 mod columns;

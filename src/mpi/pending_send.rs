@@ -12,7 +12,8 @@ use super::world::{MpiReal, PANICKED, Traffic, World};
 
 /// Blocks of matrices on their way to another rank, read where they are: no copy of ours is made.
 ///
-/// Never to be forgotten: the end of its life is what keeps the blocks in place until they have been read.
+/// Never to be forgotten: the end of its life is what keeps the blocks in place until they have
+/// been read.
 pub(super) struct PendingSend<'a, T> {
     world: &'a World,
     requests: Requests,
@@ -20,8 +21,9 @@ pub(super) struct PendingSend<'a, T> {
 }
 
 impl<'a, T: MpiReal> PendingSend<'a, T> {
-    /// Starts to send `blocks`, one after another and each column by column, to rank `to`, which receives all
-    /// their entries with one [`Transfer::receive`](super::transfer::Transfer::receive).
+    /// Starts to send `blocks`, one after another and each column by column, to rank `to`, which
+    /// receives all their entries with one
+    /// [`Transfer::receive`](super::transfer::Transfer::receive).
     pub(super) fn send(world: &'a World, blocks: &[MatRef<'a, T>], to: usize, tag: i32) -> Self {
         let len: usize = blocks.iter().map(|block| block.nrows() * block.ncols()).sum();
         let longest = world.longest_message();
@@ -43,8 +45,9 @@ impl<'a, T: MpiReal> PendingSend<'a, T> {
         let distances: Vec<_> = parts.iter().map(distance).collect();
         let message = UserDatatype::structured(&vec![1; parts.len()], &distances, &types);
         let world = self.world.raw();
-        // SAFETY: the datatype covers the entries of the parts and nothing else; they are borrowed until the
-        // request has ended, since the shipment that is dropped waits for it. MPI keeps the datatype until then.
+        // SAFETY: the datatype covers the entries of the parts and nothing else; they are borrowed
+        // until the request has ended, since the shipment that is dropped waits for it. MPI keeps
+        // the datatype until then.
         self.requests.start(|request| unsafe {
             ffi::MPI_Isend(first.cast(), 1, message.as_raw(), to as i32, tag, world, request);
         });
@@ -72,8 +75,8 @@ impl<'a, T> FromIterator<PendingSend<'a, T>> for Shipments<'a, T> {
 }
 
 impl<T> Shipments<'_, T> {
-    /// Whether some are still on their way: entries that are not next to each other travel in pieces, each of which
-    /// this rank has to push by asking.
+    /// Whether some are still on their way: entries that are not next to each other travel in
+    /// pieces, each of which this rank has to push by asking.
     pub(super) fn are_moving(&self) -> bool {
         let mut sends = self.0.borrow_mut();
         sends.retain_mut(|send| !send.requests.have_ended());
@@ -81,7 +84,8 @@ impl<T> Shipments<'_, T> {
     }
 }
 
-/// The entries from `start`, `len` of them, of blocks one after another: in pieces of columns, and whole ones.
+/// The entries from `start`, `len` of them, of blocks one after another: in pieces of columns, and
+/// whole ones.
 fn parts<'a, T>(blocks: &[MatRef<'a, T>], start: usize, len: usize) -> Vec<MatRef<'a, T>> {
     let mut parts = Vec::new();
     let (mut skipped, mut left) = (start, len);

@@ -11,13 +11,13 @@ use crate::base::{Result, reserved};
 /// Tags of the rounds; those of successive chunks differ.
 const FIRST_TAG: i32 = 64;
 
-/// The sum of a chunk over the ranks, scattered to them; of one chunk after another, in memory that is there
-/// from the start.
+/// The sum of a chunk over the ranks, scattered to them; of one chunk after another, in memory that
+/// is there from the start.
 pub(super) struct Reduction<'c, T> {
     chunks: &'c Chunks,
     rank: usize,
-    /// Parts of the pieces, counted from the rank's own part: first that alone, then what the rank sends in the last
-    /// round, ..., in the first round.
+    /// Parts of the pieces, counted from the rank's own part: first that alone, then what the rank
+    /// sends in the last round, ..., in the first round.
     parts: Vec<Range<usize>>,
     pieces: Vec<Vec<T>>,
     /// Where the sums of others arrive.

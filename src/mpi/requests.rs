@@ -1,6 +1,7 @@
 use ::mpi::ffi;
 
-/// Messages that have been started, of one owner: what they read or write stays in place until they have ended.
+/// Messages that have been started, of one owner: what they read or write stays in place until they
+/// have ended.
 #[derive(Default)]
 pub(super) struct Requests(Vec<ffi::MPI_Request>);
 

@@ -16,10 +16,11 @@ use crate::base::{Error, Progress, Result, Workspace, reserved};
 
 /// `C = alpha A^T A` where every rank has some `rows` of A, in any order and number, 0 included.
 ///
-/// Each rank sends and receives `(1 - 1/P) n (n + 1) / 2` words, in `ceil(log2 P)` messages for every chunk of C,
-/// while it computes the next one. Rows are m_r x n with any strides; beside them and its part of C
-/// a rank holds a few chunks of C, which for large n are less than a part. `options.uplo` does not matter.
-/// The result depends, by rounding, on the number of ranks and on which rank has which rows.
+/// Each rank sends and receives `(1 - 1/P) n (n + 1) / 2` words, in `ceil(log2 P)` messages for
+/// every chunk of C, while it computes the next one. Rows are m_r x n with any strides; beside them
+/// and its part of C a rank holds a few chunks of C, which for large n are less than a part.
+/// `options.uplo` does not matter. The result depends, by rounding, on the number of ranks and on
+/// which rank has which rows.
 ///
 /// On the exact path, when the options ask for it, it does not: the ranks agree on the bounds of
 /// the rows, their sums are integers ([`Accumulator::exact`](crate::ata::Accumulator::exact)),
@@ -73,7 +74,8 @@ pub fn ata_rows<T: MpiReal>(
     })
 }
 
-/// The sum over the ranks of their symmetric matrices `c`, n x n, of which the lower triangles are read.
+/// The sum over the ranks of their symmetric matrices `c`, n x n, of which the lower triangles are
+/// read.
 ///
 /// ```no_run
 /// use catamaran::{faer::Mat, mpi::{World, sum_symmetric}};
@@ -100,8 +102,8 @@ pub fn sum_symmetric<T: MpiReal>(world: &World, c: MatRef<'_, T>) -> Result<Symm
     reduce(world, chunks, Ok(c), |c, span, _| Ok(c.get(span.clone(), ..span.end)))
 }
 
-/// Sums the chunks over the ranks: `panel` gives the rows of the next one, up to the diagonal and beyond, and
-/// calls its last argument now and then.
+/// Sums the chunks over the ranks: `panel` gives the rows of the next one, up to the diagonal and
+/// beyond, and calls its last argument now and then.
 fn reduce<T: MpiReal, S>(
     world: &World,
     chunks: Chunks,

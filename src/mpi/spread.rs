@@ -1,4 +1,5 @@
-//! Sparse matrices of which every rank has some rows, and products with vectors that are spread likewise.
+//! Sparse matrices of which every rank has some rows, and products with vectors that are spread
+//! likewise.
 
 use std::ops::Range;
 
@@ -12,8 +13,8 @@ use crate::base::{Error, Par, Result, reserved};
 use crate::dense::zeros;
 use crate::sparse::{InnerSpace, Mass, check_mirrored, multiply};
 
-/// Own rows of a matrix of n x n, with columns numbered anew: first those of own rows, then those that other ranks have
-/// to send.
+/// Own rows of a matrix of n x n, with columns numbered anew: first those of own rows, then those
+/// that other ranks have to send.
 pub(super) struct SpreadMatrix {
     local: CsMat<f64>,
     /// For each rank, own rows that it asks for.

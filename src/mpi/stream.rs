@@ -73,9 +73,9 @@ pub(super) fn joined_bounds<T: MpiReal>(
     Ok(RowBounds::from_parts(bounds, units, weight, rows))
 }
 
-/// Merges the accumulators of all ranks, in a tree of `log2 P` levels that depends on P only: the sum on rank 0, and
-/// `None` on the others. Exact sums on the same bounds ([`agree_bounds`]) are the same bytes for
-/// any P. Beside its own accumulator a rank holds one more.
+/// Merges the accumulators of all ranks, in a tree of `log2 P` levels that depends on P only: the
+/// sum on rank 0, and `None` on the others. Exact sums on the same bounds ([`agree_bounds`]) are
+/// the same bytes for any P. Beside its own accumulator a rank holds one more.
 ///
 /// ```no_run
 /// use catamaran::mpi::{World, merge_accumulators};

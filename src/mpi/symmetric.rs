@@ -54,7 +54,8 @@ impl<T: Real> Symmetric<T> {
 const GATHER: i32 = 1;
 
 impl<T: MpiReal> Symmetric<T> {
-    /// Puts the whole matrix into `c` on rank `root`, the triangles of `uplo`; the others give `None`.
+    /// Puts the whole matrix into `c` on rank `root`, the triangles of `uplo`; the others give
+    /// `None`.
     ///
     /// # Errors
     /// [`Error::Shape`] when C is not n x n or missing on the root, [`Error::OutOfMemory`];

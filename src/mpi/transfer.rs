@@ -24,8 +24,8 @@ impl<T: MpiReal> Transfer<T> {
         let mut transfer = Self { buffer, requests: Requests::default() };
         for to in to {
             for part in transfer.buffer.chunks(world.longest_message()) {
-                // SAFETY: the entries stay in place on the heap until the request has ended: only then are they
-                // given back, and a transfer that is dropped waits for it.
+                // SAFETY: the entries stay in place on the heap until the request has ended: only
+                // then are they given back, and a transfer that is dropped waits for it.
                 transfer.requests.start(|request| unsafe {
                     ffi::MPI_Isend(
                         part.as_ptr().cast(),
@@ -47,8 +47,8 @@ impl<T: MpiReal> Transfer<T> {
         transfer
     }
 
-    /// Starts to receive as many entries as `buffer` has from rank `from`, sent by [`Transfer::send`] with the
-    /// same tag.
+    /// Starts to receive as many entries as `buffer` has from rank `from`, sent by
+    /// [`Transfer::send`] with the same tag.
     pub(super) fn receive(world: &World, mut buffer: Vec<T>, from: usize, tag: i32) -> Self {
         let mut requests = Requests::default();
         let datatype = T::equivalent_datatype();

@@ -52,7 +52,8 @@ pub(super) fn run<T: MpiReal>(
     world.agree(worker.done)
 }
 
-/// `rows` rows of the parts of A that `node` reads: the columns for the rows of its block, and those for its columns.
+/// `rows` rows of the parts of A that `node` reads: the columns for the rows of its block, and
+/// those for its columns.
 fn operands<'a, T>(
     form: Form,
     node: &TreeNode,
@@ -98,8 +99,8 @@ impl<T: Real> Memory<T> {
     }
 }
 
-/// The results of others, received in the order in which they are added: the next one arrives while the
-/// process does something else.
+/// The results of others, received in the order in which they are added: the next one arrives while
+/// the process does something else.
 struct Results<T> {
     /// Nodes.
     expected: VecDeque<usize>,
@@ -124,7 +125,8 @@ struct Worker<'w, T> {
     results: Results<T>,
     /// Done, and in all.
     products: (f64, f64),
-    /// The first error; after it the messages go on, with whatever is there, so that nobody waits for them.
+    /// The first error; after it the messages go on, with whatever is there, so that nobody waits
+    /// for them.
     done: Result<()>,
 }
 
@@ -159,8 +161,9 @@ impl<T: MpiReal> Worker<'_, T> {
         returned.into_iter().for_each(|result| drop(result.wait()));
     }
 
-    /// `C := beta C` + the product of node `id`, of which this process has the operands, or some rows of them
-    /// if it is a leaf. `moves` says whether parts of A are still on their way from this process.
+    /// `C := beta C` + the product of node `id`, of which this process has the operands, or some
+    /// rows of them if it is a leaf. `moves` says whether parts of A are still on their way from
+    /// this process.
     fn run(
         &mut self,
         id: usize,

@@ -21,12 +21,12 @@ pub enum Distributed<'a, T> {
 /// Rows that are multiplied at once.
 const HEIGHT: usize = 1024;
 
-/// Checks `C = alpha A^T A` with `rounds` random vectors of signs, as [`ata::verify`](crate::ata::verify()) does; all
-/// ranks get the same verdict.
+/// Checks `C = alpha A^T A` with `rounds` random vectors of signs, as
+/// [`ata::verify`](crate::ata::verify()) does; all ranks get the same verdict.
 ///
-/// Each rank works on its parts of A and C, in O(rounds (m n + n^2) / P), and holds 2 n x rounds numbers. Vectors of n
-/// x rounds entries are summed over the ranks, of m x rounds too when A is spread by columns; they do not count as
-/// traffic.
+/// Each rank works on its parts of A and C, in O(rounds (m n + n^2) / P), and holds 2 n x rounds
+/// numbers. Vectors of n x rounds entries are summed over the ranks, of m x rounds too when A is
+/// spread by columns; they do not count as traffic.
 ///
 /// ```no_run
 /// use catamaran::mpi::{Distributed, World, ata_rows, verify};
@@ -42,8 +42,8 @@ const HEIGHT: usize = 1024;
 /// ```
 ///
 /// # Errors
-/// [`Error::Rank`] when arguments differ, or another rank failed; [`Error::Argument`] unless `rounds` is in 1..=1000,
-/// [`Error::Shape`] when A has not n columns, [`Error::OutOfMemory`].
+/// [`Error::Rank`] when arguments differ, or another rank failed; [`Error::Argument`] unless
+/// `rounds` is in 1..=1000, [`Error::Shape`] when A has not n columns, [`Error::OutOfMemory`].
 pub fn verify<T: MpiReal>(
     world: &World,
     alpha: f64,

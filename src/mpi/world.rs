@@ -23,8 +23,8 @@ pub trait MpiReal: BlasReal + Equivalence {}
 impl MpiReal for f32 {}
 impl MpiReal for f64 {}
 
-/// What a rank has sent and received: words are matrix entries. The few numbers by which ranks agree on
-/// shapes and errors are not counted.
+/// What a rank has sent and received: words are matrix entries. The few numbers by which ranks
+/// agree on shapes and errors are not counted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Traffic {
     /// Entries sent.
@@ -46,8 +46,8 @@ impl AddAssign for Traffic {
     }
 }
 
-/// The ranks that work together: a communicator of our own, so that no message of the caller is mistaken
-/// for ours.
+/// The ranks that work together: a communicator of our own, so that no message of the caller is
+/// mistaken for ours.
 ///
 /// All calls are made by the thread that calls, which must be one that may call MPI. MPI is neither
 /// initialised nor finalised; a world should be dropped before the caller finalises it.
@@ -73,8 +73,8 @@ pub struct World {
 
 /// Entries of a message: counts are 32-bit in MPI.
 const LONGEST: usize = 1 << 30;
-/// Between two looks at messages while nothing waits for this rank. A look every 50 microseconds costs a
-/// product on the same core a quarter of its speed.
+/// Between two looks at messages while nothing waits for this rank. A look every 50 microseconds
+/// costs a product on the same core a quarter of its speed.
 const PAUSE: Duration = Duration::from_millis(1);
 /// Entries that the MPI library sums at a time.
 const SUMMED: usize = 1 << 16;
@@ -101,19 +101,19 @@ impl World {
     /// A world of the ranks of `comm`, which all call this.
     ///
     /// # Errors
-    /// [`Error::Argument`] when MPI was started with less than `MPI_THREAD_FUNNELED`: calls compute on
-    /// threads of their own, beside the one that calls MPI.
+    /// [`Error::Argument`] when MPI was started with less than `MPI_THREAD_FUNNELED`: calls compute
+    /// on threads of their own, beside the one that calls MPI.
     pub fn new(comm: &impl Communicator) -> Result<Self> {
         check_threads()?;
         Ok(Self::owning(comm.duplicate()))
     }
 
-    /// A world of the ranks of the communicator with this Fortran handle (`MPI_Comm_c2f`), which all call
-    /// this.
+    /// A world of the ranks of the communicator with this Fortran handle (`MPI_Comm_c2f`), which
+    /// all call this.
     ///
     /// # Errors
-    /// As [`World::new`]; [`Error::Argument`] too when MPI is not initialised, or finalised already, or the
-    /// handle is that of no communicator.
+    /// As [`World::new`]; [`Error::Argument`] too when MPI is not initialised, or finalised
+    /// already, or the handle is that of no communicator.
     pub fn from_fortran(handle: ffi::RSMPI_Fint) -> Result<Self> {
         let refuse = |why: &str| Err(Error::Argument { what: "communicator", why: why.into() });
         if !::mpi::environment::is_initialized() {
@@ -123,8 +123,8 @@ impl World {
             return refuse("MPI is finalised already");
         }
         check_threads()?;
-        // SAFETY: MPI runs. Its library maps handles that it doesn't know to the null communicator, or
-        // reports an error by the handler of MPI_COMM_WORLD.
+        // SAFETY: MPI runs. Its library maps handles that it doesn't know to the null communicator,
+        // or reports an error by the handler of MPI_COMM_WORLD.
         let comm = unsafe {
             let theirs = ffi::RSMPI_Comm_f2c(handle);
             if theirs == ffi::RSMPI_COMM_NULL {
@@ -159,7 +159,8 @@ impl World {
         &self.comm
     }
 
-    /// What this rank has sent and received since the world was made, or since [`World::take_traffic`].
+    /// What this rank has sent and received since the world was made, or since
+    /// [`World::take_traffic`].
     pub fn traffic(&self) -> Traffic {
         self.traffic.get()
     }
@@ -169,13 +170,14 @@ impl World {
         self.traffic.take()
     }
 
-    /// Time that the local products of this rank took since the world was made, or since this was last called; what
-    /// travels meanwhile is hidden behind it.
+    /// Time that the local products of this rank took since the world was made, or since this was
+    /// last called; what travels meanwhile is hidden behind it.
     pub fn take_work_time(&self) -> Duration {
         self.work_time.take()
     }
 
-    /// Entries of a message above which it is cut in several; default 2^30. All ranks must set the same.
+    /// Entries of a message above which it is cut in several; default 2^30. All ranks must set the
+    /// same.
     pub fn set_longest_message(&self, entries: usize) {
         self.longest.set(entries.clamp(1, LONGEST));
     }
@@ -191,9 +193,10 @@ impl World {
         self.traffic.set(sum);
     }
 
-    /// Calls `work` with options whose progress is told as part `share` of the whole. It runs on a thread of its own;
-    /// this one keeps messages moving, for a product says nothing for seconds, and calls `meanwhile`, which returns
-    /// whether others wait for what this rank sends: then there is no pause.
+    /// Calls `work` with options whose progress is told as part `share` of the whole. It runs on a
+    /// thread of its own; this one keeps messages moving, for a product says nothing for seconds,
+    /// and calls `meanwhile`, which returns whether others wait for what this rank sends: then
+    /// there is no pause.
     pub(super) fn with_progress<X: Send>(
         &self,
         options: &AtaOptions<'_>,
@@ -224,8 +227,8 @@ impl World {
         let _ = self.comm.any_process().immediate_probe();
     }
 
-    /// The beginning of every call that all ranks make together: `Ok` everywhere if all ranks are `prepared`
-    /// and say the same `facts`, else an error everywhere, of the first rank at fault.
+    /// The beginning of every call that all ranks make together: `Ok` everywhere if all ranks are
+    /// `prepared` and say the same `facts`, else an error everywhere, of the first rank at fault.
     ///
     /// # Errors
     /// The rank's own; [`Error::Rank`] for that of another one, and for facts that differ.
@@ -301,7 +304,8 @@ impl World {
         all.into_iter().map(|number| number as usize).collect()
     }
 
-    /// The sums over the ranks of the entries of `values`, on every rank; by the MPI library, not counted.
+    /// The sums over the ranks of the entries of `values`, on every rank; by the MPI library, not
+    /// counted.
     pub(super) fn sum(&self, values: &mut [f64]) {
         use ::mpi::collective::CommunicatorCollectives;
         let mut own = Vec::new();
@@ -342,8 +346,8 @@ impl World {
     }
 }
 
-/// Calls `work` on a thread of its own, and `meanwhile` on this one until that is done: at once again where
-/// it returns true, else after a [`PAUSE`].
+/// Calls `work` on a thread of its own, and `meanwhile` on this one until that is done: at once
+/// again where it returns true, else after a [`PAUSE`].
 fn beside<X: Send>(work: impl FnOnce() -> X + Send, meanwhile: impl Fn() -> bool) -> X {
     let caller = thread::current();
     let over = AtomicBool::new(false);

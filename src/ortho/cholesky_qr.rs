@@ -6,12 +6,13 @@ use crate::base::{Error, Par, Progress, Result};
 use crate::dense::{cholesky, divide_by_upper, zeros};
 use crate::sparse::{InnerSpace, Mass};
 
-/// `A = Q R` with `Q^T M Q = I` by shifted Cholesky QR (Fukaya et al. 2020), for columns that are independent: A
-/// (n x c, any strides) becomes Q, R (c x c) is returned, upper triangular with a positive diagonal.
+/// `A = Q R` with `Q^T M Q = I` by shifted Cholesky QR (Fukaya et al. 2020), for columns that are
+/// independent: A (n x c, any strides) becomes Q, R (c x c) is returned, upper triangular with a
+/// positive diagonal.
 ///
 /// Two passes over A where its condition allows, up to five. About half the work of
-/// [`gram_schmidt`](super::gram_schmidt()), which also takes columns that depend on others. The result is the same,
-/// bit for bit, for every `par`.
+/// [`gram_schmidt`](super::gram_schmidt()), which also takes columns that depend on others. The
+/// result is the same, bit for bit, for every `par`.
 ///
 /// ```
 /// use catamaran::{prelude::*, sparse::Mass};
@@ -25,14 +26,15 @@ use crate::sparse::{InnerSpace, Mass};
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] of "A" when its columns are dependent as far as rounding can tell, and A is unspecified then;
-/// else as [`gram_schmidt`](super::gram_schmidt()).
+/// [`Error::Argument`] of "A" when its columns are dependent as far as rounding can tell, and A is
+/// unspecified then; else as [`gram_schmidt`](super::gram_schmidt()).
 pub fn cholesky_qr(a: MatMut<'_, f64>, mass: &Mass, par: Par) -> Result<Mat<f64>> {
     mass.check(a.nrows())?;
     cholesky_qr_of(a, mass, par, Progress::none())
 }
 
-/// [`cholesky_qr`] of the rows that are here; the mass is checked. Progress is told after each pass.
+/// [`cholesky_qr`] of the rows that are here; the mass is checked. Progress is told after each
+/// pass.
 pub(crate) fn cholesky_qr_of(
     mut a: MatMut<'_, f64>,
     space: &dyn InnerSpace,

@@ -16,8 +16,9 @@ const PANEL: usize = 256;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct GramSchmidtOptions<'a> {
-    /// A column is dropped when no more of it is left, relative to its length before, after what the columns before it
-    /// span was taken away; between 1e-13 and 1. A column of zeros is always dropped.
+    /// A column is dropped when no more of it is left, relative to its length before, after what
+    /// the columns before it span was taken away; between 1e-13 and 1. A column of zeros is always
+    /// dropped.
     pub threshold: f64,
     /// Whether columns are projected again, until nothing changes any more.
     pub reorthogonalise: bool,
@@ -41,8 +42,9 @@ builder! { GramSchmidtOptions<'a> {
 }}
 
 impl GramSchmidtOptions<'_> {
-    /// The thesis' mode `ours`: threshold 1e-2, one pass. `Q^T M Q` is the identity up to about 1e-13 / 1e-2 and
-    /// what the blocks before lose: good enough for least squares, not for inner products.
+    /// The thesis' mode `ours`: threshold 1e-2, one pass. `Q^T M Q` is the identity up to about
+    /// 1e-13 / 1e-2 and what the blocks before lose: good enough for least squares, not for inner
+    /// products.
     pub fn single_pass() -> Self {
         Self {
             threshold: 1e-2,
@@ -52,7 +54,8 @@ impl GramSchmidtOptions<'_> {
         }
     }
 
-    /// The thesis' mode `ours*`: threshold 1e-9, re-orthogonalised; `Q^T M Q` is the identity to rounding.
+    /// The thesis' mode `ours*`: threshold 1e-9, re-orthogonalised; `Q^T M Q` is the identity to
+    /// rounding.
     pub fn reorthogonalised() -> Self {
         Self { threshold: 1e-9, reorthogonalise: true, ..Self::single_pass() }
     }
@@ -69,8 +72,8 @@ impl GramSchmidtOptions<'_> {
 /// `A[:, kept] = Q R[:, kept]`, and Q R is the rest of A up to what the threshold allows.
 #[derive(Debug, Clone)]
 pub struct Factors {
-    /// Rank x columns of A: coefficients of every column. Those of the kept ones are an upper triangle with a positive
-    /// diagonal.
+    /// Rank x columns of A: coefficients of every column. Those of the kept ones are an upper
+    /// triangle with a positive diagonal.
     pub r: Mat<f64>,
     /// The columns of A that Q is made of, ascending.
     pub kept: Vec<usize>,
@@ -101,11 +104,13 @@ impl Orthonormal {
     }
 }
 
-/// An M-orthonormal basis of the columns of A (n x c, any strides), taken from left to right: blocked classical
-/// Gram-Schmidt with rank detection (thesis, section 1.3; Stewart 2008 for the blocks, Giraud et al. 2005 for why
-/// twice is enough). The overlaps of either sign are projected away.
+/// An M-orthonormal basis of the columns of A (n x c, any strides), taken from left to right:
+/// blocked classical Gram-Schmidt with rank detection (thesis, section 1.3; Stewart 2008 for the
+/// blocks, Giraud et al. 2005 for why twice is enough). The overlaps of either sign are projected
+/// away.
 ///
-/// The result is the same, bit for bit, for every `options.par`. Memory: a copy of A, R, and three panels.
+/// The result is the same, bit for bit, for every `options.par`. Memory: a copy of A, R, and three
+/// panels.
 ///
 /// ```
 /// use catamaran::{prelude::*, sparse::Mass};
@@ -119,8 +124,8 @@ impl Orthonormal {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] and [`Error::Argument`] of "mass", [`Error::NonFinite`] of "A", [`Error::Argument`] for a threshold
-/// out of range, [`Error::OutOfMemory`], [`Error::Cancelled`].
+/// [`Error::Shape`] and [`Error::Argument`] of "mass", [`Error::NonFinite`] of "A",
+/// [`Error::Argument`] for a threshold out of range, [`Error::OutOfMemory`], [`Error::Cancelled`].
 pub fn gram_schmidt(
     a: MatRef<'_, f64>,
     mass: &Mass,
@@ -129,8 +134,8 @@ pub fn gram_schmidt(
     Orthonormal::of(a, |q| gram_schmidt_in_place(q, mass, options))
 }
 
-/// [`gram_schmidt`] in the memory of A, whose first `kept.len()` columns are Q afterwards, and the others unspecified.
-/// It is fastest when the columns of A are contiguous.
+/// [`gram_schmidt`] in the memory of A, whose first `kept.len()` columns are Q afterwards, and the
+/// others unspecified. It is fastest when the columns of A are contiguous.
 ///
 /// ```
 /// use catamaran::{ortho::gram_schmidt_in_place, prelude::*, sparse::Mass};
@@ -189,8 +194,8 @@ struct Growing<'o> {
 }
 
 impl Growing<'_> {
-    /// Adds what the columns of a panel, which are those of A still, have beside the basis: all at once, or, where too much
-    /// of them would be lost that way, by halves.
+    /// Adds what the columns of a panel, which are those of A still, have beside the basis: all at
+    /// once, or, where too much of them would be lost that way, by halves.
     fn add(
         &mut self,
         inner: &mut Inner<'_>,
@@ -239,8 +244,9 @@ struct Block {
     own: Mat<f64>,
 }
 
-/// Makes the panel orthogonal to Q, and orthonormal, its first columns; nothing when too much of a column is lost with
-/// others: a column that is dropped in a later pass is one that columns after it had been freed from.
+/// Makes the panel orthogonal to Q, and orthonormal, its first columns; nothing when too much of a
+/// column is lost with others: a column that is dropped in a later pass is one that columns after
+/// it had been freed from.
 fn orthonormalise(
     inner: &mut Inner<'_>,
     q: MatRef<'_, f64>,

@@ -6,8 +6,8 @@ use crate::base::{Error, Par, Result};
 use crate::dense::{ROW_BLOCK, for_row_blocks, zeros};
 use crate::sparse::InnerSpace;
 
-/// An inner product and how to compute with it. Vectors are scaled by the square roots of lumped masses for the length
-/// of a computation, so that only a full mass is ever multiplied with.
+/// An inner product and how to compute with it. Vectors are scaled by the square roots of lumped
+/// masses for the length of a computation, so that only a full mass is ever multiplied with.
 pub(super) struct Inner<'a> {
     space: &'a dyn InnerSpace,
     par: Par,
@@ -20,7 +20,8 @@ impl<'a> Inner<'a> {
     /// For blocks of at most `width` columns.
     pub fn new(space: &'a dyn InnerSpace, width: usize, par: Par) -> Result<Self> {
         let width = if space.masses().is_none() { width } else { 0 };
-        // Of tall matrices with narrow ones the exact path has residues as large as the tall one, for nothing.
+        // Of tall matrices with narrow ones the exact path has residues as large as the tall one,
+        // for nothing.
         let scheme = SchemeChoice::Float;
         let products = AtaOptions { par, scheme, uplo: Uplo::Both, ..AtaOptions::default() };
         Ok(Self { space, par, products, weighted: zeros(space.rows().len(), width)? })
@@ -61,7 +62,8 @@ impl<'a> Inner<'a> {
         Ok(weighted.into_const())
     }
 
-    /// Removes from X its projection onto the orthonormal columns of Q, and returns the coefficients `Q^T M X`.
+    /// Removes from X its projection onto the orthonormal columns of Q, and returns the
+    /// coefficients `Q^T M X`.
     pub fn project(&mut self, q: MatRef<'_, f64>, mut x: MatMut<'_, f64>) -> Result<Mat<f64>> {
         let mut coefficients = zeros(q.ncols(), x.ncols())?;
         if q.ncols() == 0 || x.ncols() == 0 {

@@ -1,4 +1,5 @@
-//! Gram-Schmidt in an M-inner product, blocked, with rank detection; Cholesky QR (docs/algorithms/eigen.md).
+//! Gram-Schmidt in an M-inner product, blocked, with rank detection; Cholesky QR
+//! (docs/algorithms/eigen.md).
 
 mod cholesky_qr;
 mod gram_schmidt;

@@ -12,7 +12,8 @@ const LEAF: usize = 8;
 
 /// One pass of Gram-Schmidt over the columns of a panel.
 pub(super) struct Pass {
-    /// Columns that stay, ascending; the first columns of the panel hold them now, orthonormal as far as one pass goes.
+    /// Columns that stay, ascending; the first columns of the panel hold them now, orthonormal as
+    /// far as one pass goes.
     pub kept: Vec<usize>,
     /// Their lengths, after what is before them was taken away.
     pub lengths: Vec<f64>,
@@ -22,8 +23,9 @@ pub(super) struct Pass {
     pub dropped: Vec<(usize, f64)>,
 }
 
-/// Makes the columns of a panel orthonormal; a column of which no more than `limits[j]` is left is dropped. Blocks are
-/// done at once where that is as good, else by halves, of which the second is projected by the first.
+/// Makes the columns of a panel orthonormal; a column of which no more than `limits[j]` is left is
+/// dropped. Blocks are done at once where that is as good, else by halves, of which the second is
+/// projected by the first.
 pub(super) fn pass(
     inner: &mut Inner<'_>,
     mut panel: MatMut<'_, f64>,
@@ -67,8 +69,8 @@ impl Pass {
         self.columns(inner, panel, limits, middle..range.end)
     }
 
-    /// Cholesky QR of the columns of `range`, if all are kept and so independent that their Gram matrix has lost nothing
-    /// that matters; whether it was done.
+    /// Cholesky QR of the columns of `range`, if all are kept and so independent that their Gram
+    /// matrix has lost nothing that matters; whether it was done.
     fn at_once(
         &mut self,
         inner: &mut Inner<'_>,
@@ -76,8 +78,8 @@ impl Pass {
         limits: &[f64],
         range: &Range<usize>,
     ) -> Result<bool> {
-        /// The mean square of singular values of the inverse, of columns of length 1: what may be lost, in units of
-        /// rounding.
+        /// The mean square of singular values of the inverse, of columns of length 1: what may be
+        /// lost, in units of rounding.
         const SPREAD: f64 = 100.0;
         let (width, count) = (range.len(), self.kept.len());
         let mut l = inner.gram(panel.rb().subcols(range.start, width))?;

@@ -12,18 +12,21 @@ use crate::sparse::Mass;
 const FINER: f64 = 1e-3;
 const FINEST: f64 = 1e-13;
 
-/// An M-orthonormal basis of as many columns of A (n x c, any strides) as its numerical rank: the number of singular values
-/// above `options.threshold` times the largest, in the inner product of M, all columns scaled to length 1.
+/// An M-orthonormal basis of as many columns of A (n x c, any strides) as its numerical rank: the
+/// number of singular values above `options.threshold` times the largest, in the inner product of
+/// M, all columns scaled to length 1.
 ///
-/// [`gram_schmidt`] keeps a column whenever *it* has something that the columns before it do not have, and there can be
-/// many more of these than the rank where singular values decay slowly, each nearly dependent on all others together. Here
-/// its R, whose singular values are those of A, tells the rank r; the columns kept are the first r that QR with column
-/// pivoting takes of the r leading right singular vectors, as rows (Golub, Klema and Stewart 1976), in their own order.
-/// `A[:, kept] = Q R[:, kept]` up to the threshold, R a triangle there, and Q R is the rest of A up to about the threshold
-/// times the largest singular value.
+/// [`gram_schmidt`] keeps a column whenever *it* has something that the columns before it do not
+/// have, and there can be many more of these than the rank where singular values decay slowly, each
+/// nearly dependent on all others together. Here its R, whose singular values are those of A, tells
+/// the rank r; the columns kept are the first r that QR with column pivoting takes of the r leading
+/// right singular vectors, as rows (Golub, Klema and Stewart 1976), in their own order.
+/// `A[:, kept] = Q R[:, kept]` up to the threshold, R a triangle there, and Q R is the rest of A up
+/// to about the threshold times the largest singular value.
 ///
-/// The result is the same, bit for bit, for every `options.par`; it is always re-orthogonalised. The singular values and
-/// vectors of R, on one thread, come on top of the time of [`gram_schmidt`], and a few matrices of its size.
+/// The result is the same, bit for bit, for every `options.par`; it is always re-orthogonalised.
+/// The singular values and vectors of R, on one thread, come on top of the time of
+/// [`gram_schmidt`], and a few matrices of its size.
 ///
 /// ```
 /// use catamaran::{prelude::*, ortho::rank_revealing, sparse::Mass};
@@ -37,7 +40,8 @@ const FINEST: f64 = 1e-13;
 /// ```
 ///
 /// # Errors
-/// As [`gram_schmidt`]; [`Error::NotConverged`](crate::Error::NotConverged) when the singular values can't be found.
+/// As [`gram_schmidt`]; [`Error::NotConverged`](crate::Error::NotConverged) when the singular
+/// values can't be found.
 pub fn rank_revealing(
     a: MatRef<'_, f64>,
     mass: &Mass,
@@ -46,7 +50,8 @@ pub fn rank_revealing(
     Orthonormal::of(a, |q| rank_revealing_in_place(q, mass, options))
 }
 
-/// [`rank_revealing`] in the memory of A, whose first `kept.len()` columns are Q afterwards, and the others unspecified.
+/// [`rank_revealing`] in the memory of A, whose first `kept.len()` columns are Q afterwards, and
+/// the others unspecified.
 ///
 /// ```
 /// use catamaran::{ortho::rank_revealing_in_place, prelude::*, sparse::Mass};

@@ -17,13 +17,14 @@ pub(crate) struct Certificate {
     pub residuals: Vec<f64>,
     /// The largest of them.
     pub largest: f64,
-    /// The largest of them as a part of what it may be: 1 or less is good; infinite where one is not a number.
+    /// The largest of them as a part of what it may be: 1 or less is good; infinite where one is
+    /// not a number.
     pub excess: f64,
 }
 
-/// The certificate of pairs for residuals of `options.tolerance`, or of so many `roundings` of phi, where that is more:
-/// `eps | |W| |phi| |` each in place of `|W phi - lambda M phi|` (Oettli and Prager 1964). `scale` is the s of
-/// [`super::Eigenpairs`].
+/// The certificate of pairs for residuals of `options.tolerance`, or of so many `roundings` of phi,
+/// where that is more: `eps | |W| |phi| |` each in place of `|W phi - lambda M phi|` (Oettli and
+/// Prager 1964). `scale` is the s of [`super::Eigenpairs`].
 pub(crate) fn certify(
     pencil: &dyn Pencil,
     values: &[f64],
@@ -87,13 +88,15 @@ fn magnitude(pencil: &dyn Pencil, phi: MatRef<'_, f64>) -> Result<f64> {
 /// Distance of two eigenvalues, relative to them, from which on they are counted apart.
 const APART: f64 = 1e-6;
 
-/// Whether two eigenvalues, the lower one first, are so far apart that a shift between them counts right.
+/// Whether two eigenvalues, the lower one first, are so far apart that a shift between them counts
+/// right.
 pub(crate) fn apart(low: f64, high: f64, scale: f64) -> bool {
     high - low > APART * (high.abs() + scale)
 }
 
-/// Whether no eigenvalue is missing among `values` (any order), between two of them that are apart, as close to both
-/// ends as possible; `from_below`: from the lower end of the spectrum on. `below` counts the eigenvalues below a shift.
+/// Whether no eigenvalue is missing among `values` (any order), between two of them that are apart,
+/// as close to both ends as possible; `from_below`: from the lower end of the spectrum on. `below`
+/// counts the eigenvalues below a shift.
 pub(crate) fn count_is_complete(
     values: &[f64],
     from_below: bool,

@@ -29,7 +29,8 @@ pub(crate) fn check_symmetric(what: &'static str, matrix: CsMatView<'_, f64>) ->
     Ok(())
 }
 
-/// Whether entries (i, j) and (j, i) are the same but for rounding, beside these magnitudes on the diagonal.
+/// Whether entries (i, j) and (j, i) are the same but for rounding, beside these magnitudes on the
+/// diagonal.
 pub(crate) fn check_mirrored(
     what: &'static str,
     (i, j): (usize, usize),

@@ -3,8 +3,9 @@ use sprs::CsMatView;
 use super::Mass;
 use super::product::row_sum;
 
-/// The null vectors of W that can be seen without arithmetic: each is 1 on one connected component of the graph of W
-/// and M, if the rows of W there sum to zero, and 0 elsewhere. As lists of rows, in the order of their first rows.
+/// The null vectors of W that can be seen without arithmetic: each is 1 on one connected component
+/// of the graph of W and M, if the rows of W there sum to zero, and 0 elsewhere. As lists of rows,
+/// in the order of their first rows.
 pub(crate) fn null_components(stiffness: CsMatView<'_, f64>, mass: &Mass) -> Vec<Vec<usize>> {
     let n = stiffness.rows();
     let mut parent: Vec<usize> = (0..n).collect();

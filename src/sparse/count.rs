@@ -7,12 +7,12 @@ use super::problem::Problem;
 use super::space::WholePencil;
 use crate::base::{Error, Result};
 
-/// The number of eigenvalues of `W phi = lambda M phi` below `value`, by the inertia of a factorisation of `W - value M`
-/// (Sylvester).
+/// The number of eigenvalues of `W phi = lambda M phi` below `value`, by the inertia of a
+/// factorisation of `W - value M` (Sylvester).
 ///
-/// W (n x n) is symmetric, all entries stored, by rows or by columns. As many pairs are below `value`, so many `k` ask
-/// [`eigs`](super::eigs()) for; the pairs in an interval are as many as the difference of two counts, and nearest to its
-/// middle.
+/// W (n x n) is symmetric, all entries stored, by rows or by columns. As many pairs are below
+/// `value`, so many `k` ask [`eigs`](super::eigs()) for; the pairs in an interval are as many as
+/// the difference of two counts, and nearest to its middle.
 ///
 /// ```
 /// use catamaran::{prelude::*, mesh::families, sparse::count_below};
@@ -25,8 +25,8 @@ use crate::base::{Error, Result};
 /// ```
 ///
 /// # Errors
-/// As [`eigs`](super::eigs()); [`Error::Argument`] of "value": it is not finite, or an eigenvalue as far as elimination can
-/// tell.
+/// As [`eigs`](super::eigs()); [`Error::Argument`] of "value": it is not finite, or an eigenvalue
+/// as far as elimination can tell.
 pub fn count_below(stiffness: CsMatView<'_, f64>, mass: &Mass, value: f64) -> Result<usize> {
     check(stiffness, mass, &EigenOptions { k: 0, ..EigenOptions::default() })?;
     let refuse = |why: &str| Error::Argument { what: "value", why: format!("{value:e} {why}") };

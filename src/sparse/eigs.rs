@@ -12,17 +12,19 @@ use super::small::dense_pairs;
 use super::space::{Pencil, WholePencil};
 use crate::base::Result;
 
-/// The k smallest eigenvalues, or the k nearest to a shift, of `W phi = lambda M phi`, and their eigenvectors.
+/// The k smallest eigenvalues, or the k nearest to a shift, of `W phi = lambda M phi`, and their
+/// eigenvectors.
 ///
-/// W (n x n) is symmetric, all entries stored, by rows or by columns; positive semi-definite unless a shift is given.
-/// Shift-invert block Lanczos with thick restart (Wu and Simon 2000; Grimes, Lewis and Simon 1994) on a sparse
-/// Cholesky factorisation of `W - sigma M`. Without a shift, `sigma = -s`, where n s is the median of `W_ii / M_ii`:
-/// for a surface of area A of equilateral triangles `s = 2 sqrt(3) / A`, the size of its first eigenvalues. Null
-/// vectors that are constant on components of the graph of W are taken as they are, however many there are. Other
-/// eigenvalues of more than 8 dimensions are complete only under [`EigenOptions::verify_count`].
+/// W (n x n) is symmetric, all entries stored, by rows or by columns; positive semi-definite unless
+/// a shift is given. Shift-invert block Lanczos with thick restart (Wu and Simon 2000; Grimes,
+/// Lewis and Simon 1994) on a sparse Cholesky factorisation of `W - sigma M`. Without a shift,
+/// `sigma = -s`, where n s is the median of `W_ii / M_ii`: for a surface of area A of equilateral
+/// triangles `s = 2 sqrt(3) / A`, the size of its first eigenvalues. Null vectors that are constant
+/// on components of the graph of W are taken as they are, however many there are. Other eigenvalues
+/// of more than 8 dimensions are complete only under [`EigenOptions::verify_count`].
 ///
-/// The result is the same, bit for bit, for every `options.par`. Memory: about `2 k + 80` vectors of n, the result,
-/// and the factor.
+/// The result is the same, bit for bit, for every `options.par`. Memory: about `2 k + 80` vectors
+/// of n, the result, and the factor.
 ///
 /// ```
 /// use catamaran::{prelude::*, mesh::families};
@@ -36,9 +38,9 @@ use crate::base::Result;
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] name W ("stiffness"), "mass" or the option at fault;
-/// [`Error::OutOfMemory`], [`Error::Cancelled`]; [`Error::NotConverged`] with the restarts done and the largest
-/// residual.
+/// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] name W ("stiffness"), "mass" or
+/// the option at fault; [`Error::OutOfMemory`], [`Error::Cancelled`]; [`Error::NotConverged`] with
+/// the restarts done and the largest residual.
 ///
 /// [`Error::Shape`]: crate::Error::Shape
 /// [`Error::NonFinite`]: crate::Error::NonFinite

@@ -18,7 +18,8 @@ pub(crate) fn basis_size(k: usize) -> usize {
     (2 * k + 9 * WIDTH).next_multiple_of(WIDTH)
 }
 
-/// A Krylov space, of which each process has the rows that the pencil says: a basis V, `V^T M V = I`, of which the first `len` columns satisfy
+/// A Krylov space, of which each process has the rows that the pencil says: a basis V,
+/// `V^T M V = I`, of which the first `len` columns satisfy
 /// `(W - sigma M)^-1 M V = V T + Q (B 0 .. 0 I)`, with the block Q of the next `WIDTH` columns.
 pub(crate) struct Krylov<'a> {
     pencil: &'a dyn Pencil,
@@ -78,7 +79,8 @@ impl<'a> Krylov<'a> {
         })
     }
 
-    /// Starts from null vectors that are 1 on these sets of rows, as many as are wanted, and random directions.
+    /// Starts from null vectors that are 1 on these sets of rows, as many as are wanted, and random
+    /// directions.
     pub fn lock(&mut self, factor: &dyn Inverse, sets: &[Vec<usize>]) -> Result<()> {
         let space = self.pencil.inner();
         let here = space.rows();
@@ -101,7 +103,8 @@ impl<'a> Krylov<'a> {
         self.begin_anew(factor)
     }
 
-    /// Replaces Q by random directions that have been through the operator once, and couple to nothing.
+    /// Replaces Q by random directions that have been through the operator once, and couple to
+    /// nothing.
     fn begin_anew(&mut self, factor: &dyn Inverse) -> Result<()> {
         for j in 0..WIDTH {
             let column = self.work[1].as_mut().col_mut(j);
@@ -157,9 +160,10 @@ impl<'a> Krylov<'a> {
         self.append()
     }
 
-    /// Makes the first work block X orthonormal and orthogonal to the first `count` columns of the basis, and returns
-    /// B with `X before = X after B + (columns of the basis)`. What is below rounding, of columns of the length
-    /// `reference`, gives way to random directions, with zeros in B. What is found of the block at `own` is added to T.
+    /// Makes the first work block X orthonormal and orthogonal to the first `count` columns of the
+    /// basis, and returns B with `X before = X after B + (columns of the basis)`. What is below
+    /// rounding, of columns of the length `reference`, gives way to random directions, with zeros
+    /// in B. What is found of the block at `own` is added to T.
     fn orthonormalise(
         &mut self,
         count: usize,
@@ -222,8 +226,8 @@ impl<'a> Krylov<'a> {
         Err(not_finite(self.restarts))
     }
 
-    /// Expands and restarts until the estimated residuals of the wanted pairs are small enough; the first columns of
-    /// the basis are their vectors then.
+    /// Expands and restarts until the estimated residuals of the wanted pairs are small enough; the
+    /// first columns of the basis are their vectors then.
     pub fn converge(&mut self, factor: &dyn Inverse) -> Result<()> {
         let k = self.options.k;
         if self.len >= k && self.found.is_empty() {
@@ -315,8 +319,8 @@ impl<'a> Krylov<'a> {
         (self.len, self.coupled) = (keep, 0);
     }
 
-    /// After [`Krylov::converge`]: applies the operator once to the vectors found (Ericsson and Ruhe 1980). What rounding
-    /// left in entries of little mass is large in W, but gone after this.
+    /// After [`Krylov::converge`]: applies the operator once to the vectors found (Ericsson and
+    /// Ruhe 1980). What rounding left in entries of little mass is large in W, but gone after this.
     pub fn purify(&mut self, factor: &dyn Inverse) -> Result<()> {
         let par = self.options.par;
         for first in (0..self.found.len()).step_by(WIDTH) {
@@ -339,8 +343,8 @@ impl<'a> Krylov<'a> {
         self.caution *= factor;
     }
 
-    /// After [`Krylov::converge`]: goes on from the pairs found and random directions, for what these pairs and all
-    /// directions before have nothing of.
+    /// After [`Krylov::converge`]: goes on from the pairs found and random directions, for what
+    /// these pairs and all directions before have nothing of.
     pub fn add_directions(&mut self, factor: &dyn Inverse) -> Result<()> {
         self.projected.as_mut().subrows_mut(self.len, WIDTH).fill(0.0);
         self.begin_anew(factor)

@@ -34,11 +34,12 @@ impl Mass {
         self.len() == 0
     }
 
-    /// Whether it is an inner product for vectors of n entries, as far as can be seen without a factorisation: n
-    /// rows, finite, symmetric, the diagonal positive.
+    /// Whether it is an inner product for vectors of n entries, as far as can be seen without a
+    /// factorisation: n rows, finite, symmetric, the diagonal positive.
     ///
     /// # Errors
-    /// [`Error::Shape`], [`Error::NonFinite`], [`Error::Argument`], all of "mass" and naming an entry.
+    /// [`Error::Shape`], [`Error::NonFinite`], [`Error::Argument`], all of "mass" and naming an
+    /// entry.
     pub fn check(&self, n: usize) -> Result<()> {
         match self {
             Self::Lumped(diagonal) => {

@@ -53,7 +53,8 @@ impl<'a> Problem<'a> {
         Ok(self.shifts.indefinite(value)?.below_zero())
     }
 
-    /// [`Problem::below`], or nothing where `value` is an eigenvalue as far as elimination can tell.
+    /// [`Problem::below`], or nothing where `value` is an eigenvalue as far as elimination can
+    /// tell.
     pub fn count_below(&self, value: f64) -> Result<Option<usize>> {
         let factor = self.shifts.indefinite(value)?;
         Ok(factor.is_finite().then(|| factor.below_zero()))
@@ -82,8 +83,8 @@ impl<'a> Problem<'a> {
         Ok(factor)
     }
 
-    /// The `options.k` pairs nearest to sigma, given the factor for it; goes on until `complete` says of their values
-    /// that none is missing. When that is asked, no factor is kept.
+    /// The `options.k` pairs nearest to sigma, given the factor for it; goes on until `complete`
+    /// says of their values that none is missing. When that is asked, no factor is kept.
     pub fn nearest(
         &self,
         sigma: f64,
@@ -99,7 +100,8 @@ impl<'a> Problem<'a> {
             let (values, vectors) = (krylov.values(), krylov.vectors());
             certify(self.pencil, values, vectors, self.scale, ROUNDINGS, options)
         };
-        // Each round tightens the estimate, or adds a block of directions that the earlier ones had nothing of.
+        // Each round tightens the estimate, or adds a block of directions that the earlier ones had
+        // nothing of.
         let rounds = 8 + options.k / WIDTH;
         let mut kept = Some(factor);
         let mut least = f64::INFINITY;

@@ -5,8 +5,8 @@ use sprs::CsMatView;
 use crate::base::{Error, Par, Result};
 use crate::dense::{ROW_BLOCK, for_row_blocks};
 
-/// `Y := A X` for a sparse A (n x m, by rows), X (m x c) and Y (n x c) of any strides: rows by blocks, so that the
-/// result is the same, bit for bit, for every `par`.
+/// `Y := A X` for a sparse A (n x m, by rows), X (m x c) and Y (n x c) of any strides: rows by
+/// blocks, so that the result is the same, bit for bit, for every `par`.
 ///
 /// ```
 /// use catamaran::{Par, faer::{Mat, mat}, sparse::{CsMat, multiply}};
@@ -67,8 +67,9 @@ pub(crate) fn row_sum(entries: &[f64]) -> f64 {
     if f64::abs(sum) > ROUNDING * magnitude { sum } else { 0.0 }
 }
 
-/// `Y := A X` for a symmetric A, as `sum of a_ij (x_j - x_i) + (sum of a_ij) x_i`: exact for the constants that a Laplacian
-/// with huge weights takes to nothing. Or for some rows of such an A, with their columns first.
+/// `Y := A X` for a symmetric A, as `sum of a_ij (x_j - x_i) + (sum of a_ij) x_i`: exact for the
+/// constants that a Laplacian with huge weights takes to nothing. Or for some rows of such an A,
+/// with their columns first.
 pub(crate) fn multiply_by_differences(
     a: CsMatView<'_, f64>,
     x: MatRef<'_, f64>,

@@ -3,7 +3,8 @@ use sprs::CsMatView;
 
 use super::Mass;
 
-/// The lower triangle of `W - sigma M` by columns, its diagonal always stored: the same places for every sigma.
+/// The lower triangle of `W - sigma M` by columns, its diagonal always stored: the same places for
+/// every sigma.
 pub(crate) struct Shifted<'a> {
     stiffness: CsMatView<'a, f64>,
     mass: &'a Mass,
@@ -23,8 +24,8 @@ impl<'a> Shifted<'a> {
         shifted
     }
 
-    /// Calls `entry(row, of W, of M)` for the places of column j, from the diagonal down. Symmetric matrices: rows
-    /// are columns.
+    /// Calls `entry(row, of W, of M)` for the places of column j, from the diagonal down. Symmetric
+    /// matrices: rows are columns.
     fn for_column(&self, j: usize, mut entry: impl FnMut(usize, f64, f64)) {
         let w = self.stiffness.outer_view(j).expect("as many rows as columns");
         let mut w = Cursor::new(w.indices(), w.data(), j);

@@ -31,17 +31,20 @@ const RUN_SHARE: f64 = 0.8;
 /// Shifts tried for a slice.
 const ATTEMPTS: usize = 20;
 
-/// The k smallest eigenpairs as [`eigs`](super::eigs()) finds them, in slices of the spectrum that are handed to `sink`
-/// in ascending order as soon as they are found, so that the computation takes no more than `memory` bytes beside W and M,
-/// and what `sink` keeps. If all pairs fit, there is one slice.
+/// The k smallest eigenpairs as [`eigs`](super::eigs()) finds them, in slices of the spectrum that
+/// are handed to `sink` in ascending order as soon as they are found, so that the computation takes
+/// no more than `memory` bytes beside W and M, and what `sink` keeps. If all pairs fit, there is
+/// one slice.
 ///
-/// A slice is a run with a shift of its own, and ends in a gap between eigenvalues: equal ones are never in two slices
-/// (but k may end among them). The eigenvalues below each cut are counted by the inertia of a factorisation there
-/// (Sylvester), and the run goes on until none is missing, as under [`EigenOptions::verify_count`]. Vectors of one
-/// slice are orthonormal to rounding, and so are the last of a slice to those of the next; vectors farther apart
-/// to about the tolerance times the eigenvalue over the distance of their eigenvalues.
+/// A slice is a run with a shift of its own, and ends in a gap between eigenvalues: equal ones are
+/// never in two slices (but k may end among them). The eigenvalues below each cut are counted by
+/// the inertia of a factorisation there (Sylvester), and the run goes on until none is missing, as
+/// under [`EigenOptions::verify_count`]. Vectors of one slice are orthonormal to rounding, and so
+/// are the last of a slice to those of the next; vectors farther apart to about the tolerance times
+/// the eigenvalue over the distance of their eigenvalues.
 ///
-/// The result is the same, bit for bit, for every `options.par`; it is another one for another `memory`.
+/// The result is the same, bit for bit, for every `options.par`; it is another one for another
+/// `memory`.
 ///
 /// ```
 /// use catamaran::{prelude::*, mesh::families, sparse::eigs_sliced};
@@ -59,8 +62,8 @@ const ATTEMPTS: usize = 20;
 /// ```
 ///
 /// # Errors
-/// As [`eigs`](super::eigs()), those of `sink`, and [`Error::Argument`] of "memory": too little for any slice, for a
-/// cluster of eigenvalues, or for k pairs around a shift, which are never sliced.
+/// As [`eigs`](super::eigs()), those of `sink`, and [`Error::Argument`] of "memory": too little for
+/// any slice, for a cluster of eigenvalues, or for k pairs around a shift, which are never sliced.
 pub fn eigs_sliced(
     stiffness: CsMatView<'_, f64>,
     mass: &Mass,
@@ -100,7 +103,8 @@ pub fn eigs_sliced(
     options.progress.report(1.0)
 }
 
-/// Vectors that a run takes beside three for each pair: of its basis, its blocks, the certificate, and the guard.
+/// Vectors that a run takes beside three for each pair: of its basis, its blocks, the certificate,
+/// and the guard.
 fn vectors_beside() -> usize {
     basis_size(0) + 7 * WIDTH + GUARD
 }
@@ -206,7 +210,8 @@ impl<'a> Slices<'a> {
         self.too_large()
     }
 
-    /// The pairs nearest to sigma, below which there are `left` that were not handed out, and how that ended.
+    /// The pairs nearest to sigma, below which there are `left` that were not handed out, and how
+    /// that ended.
     fn run(
         &mut self,
         sigma: f64,

@@ -8,8 +8,8 @@ use crate::dense::{
     SymmetricEigen, cholesky, lower_solve_in_place, symmetric_eigen, upper_solve_in_place,
 };
 
-/// All eigenpairs of a pencil that is small enough to be dense: `M = L L^T`, and those of `L^-1 W L^-T`. Ascending,
-/// the vectors M-orthonormal.
+/// All eigenpairs of a pencil that is small enough to be dense: `M = L L^T`, and those of
+/// `L^-1 W L^-T`. Ascending, the vectors M-orthonormal.
 pub(crate) fn dense_pairs(
     stiffness: CsMatView<'_, f64>,
     mass: &Mass,

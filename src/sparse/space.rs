@@ -1,4 +1,5 @@
-//! Vectors of which this process may have some rows only: what the iterations ask of those who know.
+//! Vectors of which this process may have some rows only: what the iterations ask of those who
+//! know.
 
 use std::ops::Range;
 
@@ -48,8 +49,8 @@ pub(crate) trait Pencil {
     fn apply_magnitudes(&self, x: MatRef<'_, f64>, y: MatMut<'_, f64>) -> Result<()>;
 }
 
-/// `W - sigma M` for every sigma, of which each process may hold a part. All processes call the same
-/// functions in the same order, and get the same answers.
+/// `W - sigma M` for every sigma, of which each process may hold a part. All processes call the
+/// same functions in the same order, and get the same answers.
 pub(crate) trait Shifts {
     /// Bytes that a factorisation takes, and those that are there anyway.
     fn bytes(&self) -> usize;

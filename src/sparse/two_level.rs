@@ -17,27 +17,28 @@ use crate::dense::{
     multiply_in_place, symmetric_eigen, transposed_product, zeros,
 };
 
-/// Steps of smoothing after the small problem. Each costs about k products with W and M and takes the
-/// errors of eigenvalues down, to an eighth after two and a fourteenth after four on the armadillo.
+/// Steps of smoothing after the small problem. Each costs about k products with W and M and takes
+/// the errors of eigenvalues down, to an eighth after two and a fourteenth after four on the
+/// armadillo.
 const STEPS: usize = 4;
 
-/// The k smallest eigenpairs of `W phi = lambda M phi`, approximately and without a factorisation of
-/// anything of W's size.
+/// The k smallest eigenpairs of `W phi = lambda M phi`, approximately and without a factorisation
+/// of anything of W's size.
 ///
-/// W and M are as for [`eigs`]; `prolongation` (n x c, by rows, c below n) takes functions
-/// on a coarse space to those on the fine one, for instance the weights of a decimation. First come
-/// the eigenpairs of `P^T W P` and `P^T M P` (Galerkin), then four steps that smooth the
-/// vectors by a Jacobi iteration with the sums of magnitudes of the rows of W (Baker, Falgout, Kolev
-/// and Yang 2011), each followed by the Rayleigh-Ritz procedure in their span, which has more than k
+/// W and M are as for [`eigs`]; `prolongation` (n x c, by rows, c below n) takes functions on a
+/// coarse space to those on the fine one, for instance the weights of a decimation. First come the
+/// eigenpairs of `P^T W P` and `P^T M P` (Galerkin), then four steps that smooth the vectors by a
+/// Jacobi iteration with the sums of magnitudes of the rows of W (Baker, Falgout, Kolev and Yang
+/// 2011), each followed by the Rayleigh-Ritz procedure in their span, which has more than k
 /// dimensions.
 ///
-/// Eigenvalues are those of a projection, so the i-th is never below the i-th of the pencil. How far
-/// above depends on P, and on W: about 0.1 % for scans with even triangles, several per cent for long
-/// thin ones (docs/algorithms/eigen.md). [`Eigenpairs::residuals`] bounds it from the result alone, but
-/// widely: they may be a thousand times the relative errors of the eigenvalues. `options.tolerance` is
-/// not asked of them; `options.max_restarts` and the seed are those of the coarse problem. The result
-/// is the same, bit for bit, for every `options.par`. Memory: `k + max(8, k / 4) + 64` vectors of n, the
-/// result, and what the coarse problem takes.
+/// Eigenvalues are those of a projection, so the i-th is never below the i-th of the pencil. How
+/// far above depends on P, and on W: about 0.1 % for scans with even triangles, several per cent
+/// for long thin ones (docs/algorithms/eigen.md). [`Eigenpairs::residuals`] bounds it from the
+/// result alone, but widely: they may be a thousand times the relative errors of the eigenvalues.
+/// `options.tolerance` is not asked of them; `options.max_restarts` and the seed are those of the
+/// coarse problem. The result is the same, bit for bit, for every `options.par`. Memory:
+/// `k + max(8, k / 4) + 64` vectors of n, the result, and what the coarse problem takes.
 ///
 /// ```
 /// use catamaran::{prelude::*, decimate::{DecimateOptions, decimate}, mesh::families};
@@ -56,8 +57,8 @@ const STEPS: usize = 4;
 ///
 /// # Errors
 /// Those of [`eigs`] for W, M and the options; [`Error::Shape`], [`Error::NonFinite`] and
-/// [`Error::Argument`] of "prolongation", or of "shift", "verify_count" (neither makes sense here) and
-/// "k", when the coarse space has fewer dimensions.
+/// [`Error::Argument`] of "prolongation", or of "shift", "verify_count" (neither makes sense here)
+/// and "k", when the coarse space has fewer dimensions.
 pub fn eigs_two_level(
     stiffness: CsMatView<'_, f64>,
     mass: &Mass,
@@ -114,8 +115,8 @@ fn check_options(options: &EigenOptions<'_>) -> Result<()> {
     Ok(())
 }
 
-/// The prolongation, to n rows, without columns of zeros only, which have no mass; of these at least
-/// k have to be left.
+/// The prolongation, to n rows, without columns of zeros only, which have no mass; of these at
+/// least k have to be left.
 fn used_columns(n: usize, prolongation: CsMatView<'_, f64>, k: usize) -> Result<CsMat<f64>> {
     let columns = prolongation.cols();
     Error::check_shape("prolongation", (n, columns), prolongation.shape())?;

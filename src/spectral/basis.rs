@@ -10,11 +10,12 @@ use crate::sparse::Mass;
 /// Columns that are weighted at once: M X of all functions would take as much memory as they do.
 const PANEL: usize = 256;
 
-/// A function of which less than this part of its square is left beyond those before it depends on them, but for rounding.
+/// A function of which less than this part of its square is left beyond those before it depends on
+/// them, but for rounding.
 const DEPENDENT: f64 = 1e-14;
 
-/// Linearly independent functions on the n vertices of a mesh, as the columns of Q, and the inner product
-/// `<f, g> = f^T M g` of its mass.
+/// Linearly independent functions on the n vertices of a mesh, as the columns of Q, and the inner
+/// product `<f, g> = f^T M g` of its mass.
 ///
 /// ```
 /// use catamaran::{Par, faer::Mat, sparse::Mass, spectral::Basis};
@@ -41,20 +42,20 @@ impl Basis {
     /// `functions` is n x r, the mass n x n.
     ///
     /// # Errors
-    /// [`Error::Shape`] when the mass is not of n vertices, [`Error::NonFinite`], [`Error::Argument`] for a mass that is
-    /// not positive or symmetric.
+    /// [`Error::Shape`] when the mass is not of n vertices, [`Error::NonFinite`],
+    /// [`Error::Argument`] for a mass that is not positive or symmetric.
     pub fn orthonormal(functions: Mat<f64>, mass: Mass) -> Result<Self> {
         mass.check(functions.nrows())?;
         dense::check_finite("functions", functions.as_ref())?;
         Ok(Self { functions, mass, gram: None })
     }
 
-    /// A basis of functions that are linearly independent but need not be orthogonal: projections onto their span
-    /// are by least squares.
+    /// A basis of functions that are linearly independent but need not be orthogonal: projections
+    /// onto their span are by least squares.
     ///
     /// # Errors
-    /// As [`Basis::orthonormal`]; [`Error::Argument`] names the first function that depends, to rounding, on those
-    /// before it.
+    /// As [`Basis::orthonormal`]; [`Error::Argument`] names the first function that depends, to
+    /// rounding, on those before it.
     pub fn independent(functions: Mat<f64>, mass: Mass, par: Par) -> Result<Self> {
         let mut basis = Self::orthonormal(functions, mass)?;
         let q = basis.functions.as_ref();
@@ -103,8 +104,8 @@ impl Basis {
         self.len() == 0
     }
 
-    /// The coefficients, r x c, of the functions in the span that are nearest to the columns of `f`, n x c, in the
-    /// norm of the mass.
+    /// The coefficients, r x c, of the functions in the span that are nearest to the columns of
+    /// `f`, n x c, in the norm of the mass.
     ///
     /// # Errors
     /// [`Error::Shape`] when `f` has not n rows, [`Error::NonFinite`], [`Error::OutOfMemory`].
@@ -136,8 +137,8 @@ impl Basis {
         self.synthesis(self.analysis(f, par)?.as_ref(), par)
     }
 
-    /// Reflects the first functions, orthonormal ones, such that the combination with these coefficients, of norm 1,
-    /// comes first (Householder 1958).
+    /// Reflects the first functions, orthonormal ones, such that the combination with these
+    /// coefficients, of norm 1, comes first (Householder 1958).
     pub(super) fn reflect(&mut self, coefficients: &[f64]) {
         // The mirror between `coefficients` and the first axis, on the side where nothing cancels.
         let sign = if coefficients[0] > 0.0 { -1.0 } else { 1.0 };
@@ -187,8 +188,8 @@ impl Basis {
     }
 }
 
-/// `|f_j - g_j| / |f_j|` in the norm of the mass, of each column: the error of an approximation or a transfer g of
-/// f (thesis, sections 1.4.3 and 1.4.4).
+/// `|f_j - g_j| / |f_j|` in the norm of the mass, of each column: the error of an approximation or
+/// a transfer g of f (thesis, sections 1.4.3 and 1.4.4).
 ///
 /// Both are n x c. It is 0 where both columns are zero, infinite where only f is.
 ///

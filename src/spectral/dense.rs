@@ -1,7 +1,8 @@
 //! Dense matrices: products on our kernels, factorisations by faer.
 //!
-//! faer's factorisations run on the calling thread, as its parallel ones need not give the same bits for every number
-//! of threads; the matrices here have as many rows as there are basis functions, not vertices.
+//! faer's factorisations run on the calling thread, as its parallel ones need not give the same
+//! bits for every number of threads; the matrices here have as many rows as there are basis
+//! functions, not vertices.
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
@@ -53,8 +54,8 @@ pub(super) fn check_finite(what: &'static str, a: MatRef<'_, f64>) -> Result<()>
     Ok(())
 }
 
-/// The Cholesky factor L, lower, of a symmetric matrix of which the lower triangle is read; or the index of the first
-/// pivot that is not positive.
+/// The Cholesky factor L, lower, of a symmetric matrix of which the lower triangle is read; or the
+/// index of the first pivot that is not positive.
 pub(super) fn cholesky(mut a: Mat<f64>) -> Result<std::result::Result<Mat<f64>, usize>> {
     Ok(dense::cholesky(a.as_mut())?.map(|()| a))
 }

@@ -17,7 +17,8 @@ pub struct Split {
     pub high: Mat<f64>,
 }
 
-/// Splits the columns of `f`, n x c, into their part in the span of a basis, as a few eigenfunctions, and the detail.
+/// Splits the columns of `f`, n x c, into their part in the span of a basis, as a few
+/// eigenfunctions, and the detail.
 ///
 /// ```
 /// use catamaran::{Par, faer::{Mat, mat}, sparse::Mass, spectral::{Basis, split}};
@@ -38,13 +39,15 @@ pub fn split(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Result<Split> {
 
 /// Gives the target the detail of the source, as heights over its smooth part, in place of its own.
 ///
-/// The coordinates of both meshes are split by `smooth`, a basis of low frequencies on each (source, target). The height of
-/// the source over its smooth part, along that one's normals, is carried over by `transfer`, times the ratio of lengths
-/// where the sizes differ, and replaces the height of the target over its own smooth part. Heights, unlike positions, do
-/// not change with the pose. What the target has of detail along its smooth part stays: it is most of thin limbs, which
+/// The coordinates of both meshes are split by `smooth`, a basis of low frequencies on each
+/// (source, target). The height of the source over its smooth part, along that one's normals, is
+/// carried over by `transfer`, times the ratio of lengths where the sizes differ, and replaces the
+/// height of the target over its own smooth part. Heights, unlike positions, do not change with the
+/// pose. What the target has of detail along its smooth part stays: it is most of thin limbs, which
 /// few low frequencies do not reach.
 ///
-/// To replace all of the target's coordinates by the source's, as in figure 1.13, [`Transfer::apply`] does.
+/// To replace all of the target's coordinates by the source's, as in figure 1.13,
+/// [`Transfer::apply`] does.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, Transfer, transfer_details};
@@ -64,8 +67,8 @@ pub fn split(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Result<Split> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when a basis or the transfer is not of the mesh, as those of [`Transfer::apply`] and
-/// [`TriMesh::new`].
+/// [`Error::Shape`] when a basis or the transfer is not of the mesh, as those of
+/// [`Transfer::apply`] and [`TriMesh::new`].
 pub fn transfer_details(
     source: &TriMesh,
     target: &TriMesh,
@@ -88,7 +91,8 @@ pub fn transfer_details(
     moved(target, positions.as_ref())
 }
 
-/// The normals of the mesh that the low part of the coordinates makes, and the height of each vertex along its normal.
+/// The normals of the mesh that the low part of the coordinates makes, and the height of each
+/// vertex along its normal.
 fn heights(mesh: &TriMesh, basis: &Basis, par: Par) -> Result<(Vec<[f64; 3]>, Mat<f64>)> {
     let parts = split(basis, coordinates(mesh).as_ref(), par)?;
     let normals = moved(mesh, parts.low.as_ref())?.vertex_normals();

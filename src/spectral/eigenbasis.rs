@@ -12,11 +12,12 @@ const NULL: f64 = 1e-8;
 /// What the squared norm of the constant function may lack, of its part in the null space.
 const CONSTANT: f64 = 1e-6;
 
-/// The first eigenfunctions of a Laplacian, `W phi = lambda M phi`, orthonormal in the inner product of the mass M.
+/// The first eigenfunctions of a Laplacian, `W phi = lambda M phi`, orthonormal in the inner
+/// product of the mass M.
 ///
-/// Where the constant is among the functions with eigenvalue zero, as it is unless boundary values are prescribed, it
-/// is the first one, positive. A mesh in several pieces has several of these, any rotation of them as good as another:
-/// here they are rotated to have the constant among them.
+/// Where the constant is among the functions with eigenvalue zero, as it is unless boundary values
+/// are prescribed, it is the first one, positive. A mesh in several pieces has several of these,
+/// any rotation of them as good as another: here they are rotated to have the constant among them.
 ///
 /// ```
 /// use catamaran::{prelude::*, mesh::families, spectral::Eigenbasis};
@@ -36,11 +37,12 @@ pub struct Eigenbasis {
 }
 
 impl Eigenbasis {
-    /// A basis of these eigenpairs: `values` ascending, `vectors` n x r, M-orthonormal (which is not checked).
+    /// A basis of these eigenpairs: `values` ascending, `vectors` n x r, M-orthonormal (which is
+    /// not checked).
     ///
     /// # Errors
-    /// [`Error::Shape`] when numbers of values, columns, rows and masses don't fit, [`Error::NonFinite`],
-    /// [`Error::Argument`] when the values do not ascend.
+    /// [`Error::Shape`] when numbers of values, columns, rows and masses don't fit,
+    /// [`Error::NonFinite`], [`Error::Argument`] when the values do not ascend.
     pub fn new(values: Vec<f64>, vectors: Mat<f64>, mass: Mass) -> Result<Self> {
         Error::check_shape("eigenvalues", (vectors.ncols(), 1), (values.len(), 1))?;
         if let Some(index) = values.iter().position(|value| !value.is_finite()) {
@@ -138,7 +140,8 @@ fn constant_first(values: &[f64], basis: &mut Basis) -> Result<Option<f64>> {
         return Ok(None);
     }
     let value = 1.0 / area.sqrt();
-    // Coefficients of the constant of norm 1 in the null space: a vector of norm 1 if it lies there.
+    // Coefficients of the constant of norm 1 in the null space: a vector of norm 1 if it lies
+    // there.
     let ones = Mat::<f64>::ones(basis.vertices(), 1);
     let parts = basis.analysis(ones.as_ref(), Par::Seq)?;
     let mut parts: Vec<f64> = parts.col(0).iter().take(null).map(|part| part * value).collect();

@@ -9,13 +9,15 @@ use crate::dense::for_row_blocks;
 /// Products of more factors say nothing in f64.
 const MAX_ORDER: usize = 255;
 
-/// Rows that are evaluated at once: their products stay in the cache until they are factors of others.
+/// Rows that are evaluated at once: their products stay in the cache until they are factors of
+/// others.
 const BLOCK_ROWS: usize = 256;
 
 /// The dictionary of all products of at most `order` of `k` functions, repetitions allowed.
 ///
-/// A product is the sorted list of its factors, numbered from 1 to `k`: `[]` is the constant one, `[2, 2]` the square of the
-/// second function. Shorter products come first, those of one length as in a dictionary:
+/// A product is the sorted list of its factors, numbered from 1 to `k`: `[]` is the constant one,
+/// `[2, 2]` the square of the second function. Shorter products come first, those of one length as
+/// in a dictionary:
 ///
 /// ```
 /// use catamaran::spectral::Eigenproducts;
@@ -26,7 +28,8 @@ const BLOCK_ROWS: usize = 256;
 /// # Ok::<(), catamaran::Error>(())
 /// ```
 ///
-/// So the products of a lower order are the first ones of a higher order. There are `(k + order)! / (k! order!)`.
+/// So the products of a lower order are the first ones of a higher order. There are
+/// `(k + order)! / (k! order!)`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Eigenproducts {
     k: usize,
@@ -38,7 +41,8 @@ impl Eigenproducts {
     /// The products of at most `order` (0 to 255) of `k` functions.
     ///
     /// # Errors
-    /// [`Error::Argument`] when the order is larger, or the products are more than a `u32` can number.
+    /// [`Error::Argument`] when the order is larger, or the products are more than a `u32` can
+    /// number.
     pub fn new(k: usize, order: usize) -> Result<Self> {
         if order > MAX_ORDER {
             let why = format!("must be at most {MAX_ORDER}, is {order}");
@@ -130,14 +134,16 @@ impl Eigenproducts {
 
     /// How many sorted lists of `len` factors from `least` on have a first factor before `first`.
     fn skipped(&self, least: usize, first: usize, len: usize) -> usize {
-        // Lists of `len` from `v` on: (k - v + len) over len. Those that begin before `first` are the difference.
+        // Lists of `len` from `v` on: (k - v + len) over len. Those that begin before `first` are
+        // the difference.
         let from = |v: usize| {
             binomial((self.k - v + len) as u128, len as u128).expect("as many as all, or fewer")
         };
         (from(least) - from(first)) as usize
     }
 
-    /// Of each product but the first: the index of the product without its last factor, and that factor.
+    /// Of each product but the first: the index of the product without its last factor, and that
+    /// factor.
     pub(super) fn steps(&self) -> Vec<(usize, usize)> {
         let mut steps: Vec<(usize, usize)> = Vec::with_capacity(self.len() - 1);
         for degree in 1..=self.order() {
@@ -151,8 +157,8 @@ impl Eigenproducts {
 
     /// All products of the given functions, pointwise.
     ///
-    /// `functions` is n x k, a function in each column; `out` is n x [`Eigenproducts::len`] and is overwritten.
-    /// Fastest by columns (unit row stride). The same, bit for bit, for every `par`.
+    /// `functions` is n x k, a function in each column; `out` is n x [`Eigenproducts::len`] and is
+    /// overwritten. Fastest by columns (unit row stride). The same, bit for bit, for every `par`.
     ///
     /// # Errors
     /// [`Error::Shape`] when a matrix has another shape, [`Error::NonFinite`] for the functions.

@@ -7,7 +7,8 @@ use super::dense;
 use crate::base::{Error, Par, Result};
 use crate::sparse::{CsMatView, Mass};
 
-/// The gain of a filter for each frequency: an eigenvalue, or the Dirichlet energy of a basis function, in 1 / length^2.
+/// The gain of a filter for each frequency: an eigenvalue, or the Dirichlet energy of a basis
+/// function, in 1 / length^2.
 ///
 /// ```
 /// use catamaran::spectral::Response;
@@ -56,8 +57,9 @@ impl Response {
 
 /// Multiplies the coefficients of functions by gains.
 ///
-/// `f` is n x c, and there is a gain for each function of the basis. What of `f` is outside of the span is multiplied by
-/// `rest`: 0 leaves it out, as the thesis does, and 1 keeps detail that is finer than the basis.
+/// `f` is n x c, and there is a gain for each function of the basis. What of `f` is outside of the
+/// span is multiplied by `rest`: 0 leaves it out, as the thesis does, and 1 keeps detail that is
+/// finer than the basis.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, Response, filter, test_functions::coordinates};
@@ -76,8 +78,8 @@ impl Response {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when `f` has not n rows or there are not as many gains as functions, [`Error::NonFinite`],
-/// [`Error::OutOfMemory`].
+/// [`Error::Shape`] when `f` has not n rows or there are not as many gains as functions,
+/// [`Error::NonFinite`], [`Error::OutOfMemory`].
 pub fn filter(
     basis: &Basis,
     f: MatRef<'_, f64>,
@@ -107,7 +109,8 @@ pub fn filter(
     Ok(out)
 }
 
-/// Adds `amount` of one function of the basis to every column of `f`: changes a single coefficient (figure 1.15).
+/// Adds `amount` of one function of the basis to every column of `f`: changes a single coefficient
+/// (figure 1.15).
 ///
 /// ```
 /// use catamaran::{faer::{Mat, mat}, sparse::Mass, spectral::{Basis, add_coefficient}};
@@ -135,10 +138,11 @@ pub fn add_coefficient(
     Ok(Mat::from_fn(f.nrows(), f.ncols(), |i, j| f[(i, j)] + amount * function[i]))
 }
 
-/// The Dirichlet energy `<q, W q> / <q, q>` of each function (thesis, definition 7): for eigenfunctions the eigenvalue, for
-/// products what comes nearest to a frequency.
+/// The Dirichlet energy `<q, W q> / <q, q>` of each function (thesis, definition 7): for
+/// eigenfunctions the eigenvalue, for products what comes nearest to a frequency.
 ///
-/// `functions` is n x r, the stiffness matrix W and the mass are n x n. The energy of the function zero is 0.
+/// `functions` is n x r, the stiffness matrix W and the mass are n x n. The energy of the function
+/// zero is 0.
 ///
 /// ```
 /// use catamaran::{mesh::families, prelude::*, spectral::dirichlet_energies};

@@ -12,16 +12,18 @@ use crate::ortho::{Factors, GramSchmidtOptions, gram_schmidt_in_place, rank_reve
 /// How eigenproducts are orthogonalised: the two ways of the thesis (section 1.4), and by rank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Orthogonalization {
-    /// "ours": one pass of Gram-Schmidt; a product is dropped when less than 1e-2 of its norm is left. Not exactly
-    /// orthogonal, so that projections are by least squares. The stabler one under transfer, and the default.
+    /// "ours": one pass of Gram-Schmidt; a product is dropped when less than 1e-2 of its norm is
+    /// left. Not exactly orthogonal, so that projections are by least squares. The stabler one
+    /// under transfer, and the default.
     #[default]
     SinglePass,
-    /// "ours*": repeated until orthogonal; a product is dropped when less than 1e-9 of its norm is left. The larger one,
-    /// for approximation and filters.
+    /// "ours*": repeated until orthogonal; a product is dropped when less than 1e-9 of its norm is
+    /// left. The larger one, for approximation and filters.
     Reorthogonalized,
-    /// As many products as their numerical rank: singular values above 1e-9 of the largest, of all products scaled to norm
-    /// 1 ([`rank_revealing`](crate::ortho::rank_revealing())). Orthogonal to rounding. Where "ours*" keeps nearly
-    /// dependent products this has fewer, and coefficients of moderate size. `Q R = B` up to the threshold in all columns.
+    /// As many products as their numerical rank: singular values above 1e-9 of the largest, of all
+    /// products scaled to norm 1 ([`rank_revealing`](crate::ortho::rank_revealing())). Orthogonal
+    /// to rounding. Where "ours*" keeps nearly dependent products this has fewer, and coefficients
+    /// of moderate size. `Q R = B` up to the threshold in all columns.
     RankRevealing,
 }
 
@@ -50,11 +52,13 @@ builder! { ProductBasisOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// A basis of the Fourier polynomials on a mesh: the eigenproducts of at most a given order, orthogonalised.
+/// A basis of the Fourier polynomials on a mesh: the eigenproducts of at most a given order,
+/// orthogonalised.
 ///
-/// The factors are the eigenfunctions divided by the constant one, `phi_i / phi_0`: without a unit and of mean square 1, so
-/// that nothing depends on the size of the mesh. With the L products as columns of B, `Q R = B` to rounding in the columns
-/// that are kept, and up to the threshold in the others (equation 1.13).
+/// The factors are the eigenfunctions divided by the constant one, `phi_i / phi_0`: without a unit
+/// and of mean square 1, so that nothing depends on the size of the mesh. With the L products as
+/// columns of B, `Q R = B` to rounding in the columns that are kept, and up to the threshold in the
+/// others (equation 1.13).
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, ProductBasis, ProductBasisOptions};
@@ -77,13 +81,15 @@ pub struct ProductBasis {
 }
 
 impl ProductBasis {
-    /// The basis of all products of at most `order` of the eigenfunctions, the constant one excepted.
+    /// The basis of all products of at most `order` of the eigenfunctions, the constant one
+    /// excepted.
     ///
-    /// The products are made and orthogonalised in the memory of the result; R needs more beside it.
+    /// The products are made and orthogonalised in the memory of the result; R needs more beside
+    /// it.
     ///
     /// # Errors
-    /// [`Error::Argument`](crate::Error::Argument) when the order is too large or the constant is not among the
-    /// eigenfunctions, [`Error::OutOfMemory`](crate::Error::OutOfMemory),
+    /// [`Error::Argument`](crate::Error::Argument) when the order is too large or the constant is
+    /// not among the eigenfunctions, [`Error::OutOfMemory`](crate::Error::OutOfMemory),
     /// [`Error::Cancelled`](crate::Error::Cancelled).
     pub fn new(
         eigenbasis: &Eigenbasis,
@@ -144,7 +150,8 @@ impl ProductBasis {
         self.r.as_ref()
     }
 
-    /// The index of the product that each function comes from, r of them, ascending: `R[.., kept]` is upper triangular.
+    /// The index of the product that each function comes from, r of them, ascending: `R[.., kept]`
+    /// is upper triangular.
     pub fn kept(&self) -> &[usize] {
         &self.kept
     }

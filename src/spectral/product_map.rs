@@ -1,4 +1,5 @@
-//! A functional map, extended to eigenproducts (thesis, section 1.3.3, equation 1.12; Nogneng et al. 2018).
+//! A functional map, extended to eigenproducts (thesis, section 1.3.3, equation 1.12; Nogneng et
+//! al. 2018).
 
 use std::ops::Range;
 
@@ -14,11 +15,12 @@ use crate::dense::{for_row_blocks, zeros};
 /// Columns that a thread computes at once.
 const PANEL: usize = 16;
 
-/// C~, the map of eigenproducts that a functional map C of eigenfunctions implies: `T(phi_i phi_j) = T(phi_i) T(phi_j)`.
+/// C~, the map of eigenproducts that a functional map C of eigenfunctions implies:
+/// `T(phi_i phi_j) = T(phi_i) T(phi_j)`.
 ///
-/// A column of C is a polynomial of degree 1 in the functions on the target, and a column of C~ the product of such
-/// polynomials, its coefficients collected by the dictionary of [`Eigenproducts`]. It is computed as that: neither the
-/// Kronecker product of C with itself nor C~ is stored.
+/// A column of C is a polynomial of degree 1 in the functions on the target, and a column of C~ the
+/// product of such polynomials, its coefficients collected by the dictionary of [`Eigenproducts`].
+/// It is computed as that: neither the Kronecker product of C with itself nor C~ is stored.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, ProductMap};
@@ -39,22 +41,26 @@ const PANEL: usize = 16;
 pub struct ProductMap {
     source: Eigenproducts,
     target: Eigenproducts,
-    /// The polynomials: column i - 1 has the coefficients of 1, psi_1, psi_2, ... in the image of phi_i.
+    /// The polynomials: column i - 1 has the coefficients of 1, psi_1, psi_2, ... in the image of
+    /// phi_i.
     linear: Mat<f64>,
-    /// The index of the product of target product p (of less than the full order) and psi_h: at `p * k + h - 1`.
+    /// The index of the product of target product p (of less than the full order) and psi_h: at
+    /// `p * k + h - 1`.
     times: Vec<u32>,
 }
 
 impl ProductMap {
-    /// The extension of `c` to products of at most `order` of the functions of [`ProductBasis`](super::ProductBasis).
+    /// The extension of `c` to products of at most `order` of the functions of
+    /// [`ProductBasis`](super::ProductBasis).
     ///
-    /// `c` maps coefficients of eigenfunctions on `source` to such on `target`, the constant included: it has as many rows
-    /// as the target and as many columns as the source has eigenfunctions. As every pull-back does, the extension
-    /// takes the constant one to the constant one, whatever the first column of `c` says.
+    /// `c` maps coefficients of eigenfunctions on `source` to such on `target`, the constant
+    /// included: it has as many rows as the target and as many columns as the source has
+    /// eigenfunctions. As every pull-back does, the extension takes the constant one to the
+    /// constant one, whatever the first column of `c` says.
     ///
     /// # Errors
-    /// [`Error::Shape`], [`Error::NonFinite`], [`Error::Argument`] when the order is too large or a basis has no
-    /// constant function.
+    /// [`Error::Shape`], [`Error::NonFinite`], [`Error::Argument`] when the order is too large or a
+    /// basis has no constant function.
     pub fn new(
         c: MatRef<'_, f64>,
         source: &Eigenbasis,
@@ -69,7 +75,8 @@ impl ProductMap {
         Self::from_polynomials(linear, order)
     }
 
-    /// The extension of `phi_i -> linear[0, i] + sum_h linear[h, i] psi_h`, all numbered from 1 but the columns.
+    /// The extension of `phi_i -> linear[0, i] + sum_h linear[h, i] psi_h`, all numbered from 1 but
+    /// the columns.
     pub(super) fn from_polynomials(linear: Mat<f64>, order: usize) -> Result<Self> {
         let source = Eigenproducts::new(linear.ncols(), order)?;
         let target = Eigenproducts::new(linear.nrows() - 1, order)?;
@@ -146,7 +153,8 @@ impl ProductMap {
         vec![0.0; self.target.len()]
     }
 
-    /// `product += polynomial T(phi_factor)`, for a polynomial of at most `degree` (less than the order).
+    /// `product += polynomial T(phi_factor)`, for a polynomial of at most `degree` (less than the
+    /// order).
     fn add_times(&self, polynomial: &[f64], degree: usize, factor: usize, product: &mut [f64]) {
         let k = self.target.k();
         let linear = self.linear.col(factor - 1);
@@ -161,7 +169,8 @@ impl ProductMap {
     }
 }
 
-/// A walk over the source's dictionary, a tree: the children of a product have one factor more at the end.
+/// A walk over the source's dictionary, a tree: the children of a product have one factor more at
+/// the end.
 struct Walk<'a> {
     map: &'a ProductMap,
     x: faer::ColRef<'a, f64>,
@@ -170,8 +179,8 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Puts the image of `x[product] + sum over children (factor * (what comes of the child))` into `images[0]`: Horner's rule
-    /// for polynomials in several variables.
+    /// Puts the image of `x[product] + sum over children (factor * (what comes of the child))` into
+    /// `images[0]`: Horner's rule for polynomials in several variables.
     fn visit(&self, product: usize, depth: usize, images: &mut [Vec<f64>]) {
         images[0].fill(0.0);
         images[0][0] = self.x[product];
@@ -226,8 +235,8 @@ mod tests {
     use super::*;
     use crate::base::Rng;
 
-    /// C~ by the definition: the explicit Kronecker power of the homogenised map, rows and columns of the same product
-    /// summed up, one representative column of each.
+    /// C~ by the definition: the explicit Kronecker power of the homogenised map, rows and columns
+    /// of the same product summed up, one representative column of each.
     fn by_kronecker(linear: &Mat<f64>, order: usize) -> Mat<f64> {
         let (rows, columns) = (linear.nrows(), linear.ncols() + 1);
         let full = Mat::from_fn(rows, columns, |h, i| match i {

@@ -1,5 +1,5 @@
-//! The functions that tables 1.1 to 1.4 of the thesis approximate and transfer; one row for each vertex, one column for each
-//! function. The descriptors among them are in [`super::descriptors`].
+//! The functions that tables 1.1 to 1.4 of the thesis approximate and transfer; one row for each
+//! vertex, one column for each function. The descriptors among them are in [`super::descriptors`].
 
 use faer::{Mat, MatRef};
 
@@ -7,8 +7,9 @@ use super::descriptors::heat_kernel;
 use crate::base::{Error, Result, Rng};
 use crate::mesh::{Dijkstra, Graph, SearchLimits, TriMesh, vertex_areas};
 
-/// Heat kernels between random vertices and all others (HK): arguments as in [`heat_kernel`]; the thesis has t = 1e-3 on
-/// shapes of area 1. The same seed gives the same vertices for any number of eigenfunctions.
+/// Heat kernels between random vertices and all others (HK): arguments as in [`heat_kernel`]; the
+/// thesis has t = 1e-3 on shapes of area 1. The same seed gives the same vertices for any number of
+/// eigenfunctions.
 ///
 /// ```
 /// use catamaran::{faer::Mat, spectral::test_functions::heat_kernels};
@@ -40,8 +41,8 @@ pub fn heat_kernels(
     Ok(kernels)
 }
 
-/// `count` columns of a signature at equal distances, the first and the last included (the middle, if it is one): for HKS
-/// and WKS, 10 channels of 100 scales.
+/// `count` columns of a signature at equal distances, the first and the last included (the middle,
+/// if it is one): for HKS and WKS, 10 channels of 100 scales.
 ///
 /// ```
 /// use catamaran::{faer::{Mat, mat}, spectral::test_functions::channels};
@@ -96,8 +97,8 @@ pub fn coordinates(mesh: &TriMesh) -> Mat<f64> {
     Mat::from_fn(mesh.vertices().len(), 3, |i, j| mesh.vertices()[i][j])
 }
 
-/// Indicators of random regions (Ind): 1 at the vertices nearest to a random one along edges, as many as have at least
-/// this share of the area (in (0, 1]) or are connected to it; 0 elsewhere.
+/// Indicators of random regions (Ind): 1 at the vertices nearest to a random one along edges, as
+/// many as have at least this share of the area (in (0, 1]) or are connected to it; 0 elsewhere.
 ///
 /// ```
 /// use catamaran::{mesh::{families, vertex_areas}, spectral::test_functions::geodesic_cells};

@@ -6,8 +6,8 @@ use super::basis::Basis;
 use super::dense;
 use crate::base::{Error, Par, Result};
 
-/// Transfer of functions from a source to a target through two bases and a matrix between them: C and eigenfunctions, or O and
-/// orthogonalised products.
+/// Transfer of functions from a source to a target through two bases and a matrix between them: C
+/// and eigenfunctions, or O and orthogonalised products.
 ///
 /// ```
 /// use catamaran::{Par, faer::{Mat, mat}, sparse::Mass, spectral::{Basis, Transfer}};
@@ -44,11 +44,12 @@ impl<'a> Transfer<'a> {
         self.map.as_ref()
     }
 
-    /// The functions on the target, n_target x c, that correspond to the columns of `f`, n_source x c.
+    /// The functions on the target, n_target x c, that correspond to the columns of `f`, n_source x
+    /// c.
     ///
     /// # Errors
-    /// [`Error::Shape`] when `f` has not as many rows as the source has vertices, [`Error::NonFinite`],
-    /// [`Error::OutOfMemory`].
+    /// [`Error::Shape`] when `f` has not as many rows as the source has vertices,
+    /// [`Error::NonFinite`], [`Error::OutOfMemory`].
     pub fn apply(&self, f: MatRef<'_, f64>, par: Par) -> Result<Mat<f64>> {
         let coefficients = self.source.analysis(f, par)?;
         let images = dense::product(self.map.as_ref(), coefficients.as_ref(), par)?;

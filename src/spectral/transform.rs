@@ -1,8 +1,10 @@
-//! The matrix O that transfers orthogonalised eigenproducts (thesis, section 1.3.3), from the functional map itself.
+//! The matrix O that transfers orthogonalised eigenproducts (thesis, section 1.3.3), from the
+//! functional map itself.
 //!
-//! O is r_target x r_source: `T(Q_source) = Q_target O`. Both formulas need a functional map that is exact or nearly so,
-//! and lose accuracy fast when it is not (figure 1.10). The way of section 1.3.4, by points, does not:
-//! [`map_from_points`](super::functional_map::map_from_points) with the points of the functional map.
+//! O is r_target x r_source: `T(Q_source) = Q_target O`. Both formulas need a functional map that
+//! is exact or nearly so, and lose accuracy fast when it is not (figure 1.10). The way of section
+//! 1.3.4, by points, does not: [`map_from_points`](super::functional_map::map_from_points) with the
+//! points of the functional map.
 
 use faer::Mat;
 
@@ -15,10 +17,11 @@ use crate::dense::{divide_by_upper, zeros};
 /// Columns of C~ that exist at the same time.
 const PANEL: usize = 256;
 
-/// O by equation 1.16, `O = R_target C~ R_source^T (R_source R_source^T)^-1`: the least-squares solution of `O R_source =
-/// R_target C~`, which has a column for every product.
+/// O by equation 1.16, `O = R_target C~ R_source^T (R_source R_source^T)^-1`: the least-squares
+/// solution of `O R_source = R_target C~`, which has a column for every product.
 ///
-/// It is computed from a QR factorisation of `R_source^T`, which does not square its condition number as the formula does.
+/// It is computed from a QR factorisation of `R_source^T`, which does not square its condition
+/// number as the formula does.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, ProductBasis, ProductBasisOptions, ProductMap};
@@ -53,9 +56,11 @@ pub fn transform_of_all_products(
     Ok(solution.transpose().to_owned())
 }
 
-/// O by equation 1.18: column by column, each from those before it. It uses the products that were kept on the source.
+/// O by equation 1.18: column by column, each from those before it. It uses the products that were
+/// kept on the source.
 ///
-/// The thesis writes `R[i, h]` for what is `R[h, i]` of its equation 1.13, and means the products that were kept.
+/// The thesis writes `R[i, h]` for what is `R[h, i]` of its equation 1.13, and means the products
+/// that were kept.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, ProductBasis, ProductBasisOptions, ProductMap};

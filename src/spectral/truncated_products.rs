@@ -1,4 +1,5 @@
-//! Eigenproducts without orthogonalisation: the baseline "prods" of the thesis (Nogneng et al. 2018).
+//! Eigenproducts without orthogonalisation: the baseline "prods" of the thesis (Nogneng et al.
+//! 2018).
 
 use faer::{Mat, MatRef};
 
@@ -6,11 +7,11 @@ use super::dense::{self, Svd};
 use super::product_basis::ProductBasis;
 use crate::base::{Error, Par, Result};
 
-/// Functions as coefficients of the eigenproducts themselves, of the many such coefficients the least ones, by a truncated
-/// singular value decomposition of the products.
+/// Functions as coefficients of the eigenproducts themselves, of the many such coefficients the
+/// least ones, by a truncated singular value decomposition of the products.
 ///
-/// For comparison with [`ProductBasis`]: it is larger, slower and less stable. Coefficients are transferred by
-/// [`ProductMap::apply`](super::ProductMap::apply).
+/// For comparison with [`ProductBasis`]: it is larger, slower and less stable. Coefficients are
+/// transferred by [`ProductMap::apply`](super::ProductMap::apply).
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, Orthogonalization, ProductBasis, ProductBasisOptions};
@@ -40,12 +41,13 @@ pub struct TruncatedProducts<'a> {
 }
 
 impl<'a> TruncatedProducts<'a> {
-    /// The products of `basis`, which should be [`Reorthogonalized`](super::Orthogonalization::Reorthogonalized): `Q R = B`, so
-    /// that R has the singular values of the products B in the norm of the mass.
+    /// The products of `basis`, which should be
+    /// [`Reorthogonalized`](super::Orthogonalization::Reorthogonalized): `Q R = B`, so that R has
+    /// the singular values of the products B in the norm of the mass.
     ///
-    /// Singular values of at most `threshold`, in `[0, 1)`, times the largest are left out. The code published with the
-    /// thesis takes 2e-3 per eigenfunction but two, the constant included, for transfer, and leaves out none but those
-    /// of rounding for approximation.
+    /// Singular values of at most `threshold`, in `[0, 1)`, times the largest are left out. The
+    /// code published with the thesis takes 2e-3 per eigenfunction but two, the constant included,
+    /// for transfer, and leaves out none but those of rounding for approximation.
     ///
     /// # Errors
     /// [`Error::Argument`] for the threshold, [`Error::NotConverged`] when the decomposition fails.
@@ -56,7 +58,8 @@ impl<'a> TruncatedProducts<'a> {
         Ok(products)
     }
 
-    /// Leaves out other singular values, as in [`TruncatedProducts::new`], by the same decomposition.
+    /// Leaves out other singular values, as in [`TruncatedProducts::new`], by the same
+    /// decomposition.
     ///
     /// # Errors
     /// [`Error::Argument`] for the threshold.
@@ -75,8 +78,8 @@ impl<'a> TruncatedProducts<'a> {
         self.rank
     }
 
-    /// The least coefficients of products, L x c, of the functions of their (truncated) span that are nearest to the columns of
-    /// `f`, n x c.
+    /// The least coefficients of products, L x c, of the functions of their (truncated) span that
+    /// are nearest to the columns of `f`, n x c.
     ///
     /// # Errors
     /// As [`Basis::analysis`](super::Basis::analysis).

@@ -7,8 +7,8 @@ use crate::dense;
 /// Numbers that a pair is judged by.
 pub(super) const JUDGED: usize = 2 * K;
 
-/// Tells pairs that are like those of the training from others: by their Mahalanobis distance from the mean, and by the doubt of
-/// the network.
+/// Tells pairs that are like those of the training from others: by their Mahalanobis distance from
+/// the mean, and by the doubt of the network.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Familiar {
     pub(super) mean: Vec<f32>,
@@ -23,12 +23,14 @@ pub struct Familiar {
 /// Smaller doubts are none.
 const LEAST_DOUBT: f32 = 0.05;
 
-/// Added to variances of logarithms of eigenvalues: what is below 0.1 % is noise of the discretisation.
+/// Added to variances of logarithms of eigenvalues: what is below 0.1 % is noise of the
+/// discretisation.
 const NOISE: f64 = 1e-6;
 
 impl Familiar {
-    /// From the symmetric features ([`Question::symmetric`](super::Question::symmetric)) of all pairs of the training, of
-    /// which the share `within` shall be familiar. Doubts do not count yet.
+    /// From the symmetric features ([`Question::symmetric`](super::Question::symmetric)) of all
+    /// pairs of the training, of which the share `within` shall be familiar. Doubts do not count
+    /// yet.
     ///
     /// # Errors
     /// [`Error::Argument`] for no pairs, a share outside [0, 1], or features that are not finite.
@@ -65,7 +67,8 @@ impl Familiar {
     }
 
     /// Lets doubts count, given those of some pairs like those of the training
-    /// ([`SpectralUnion::doubt`](super::SpectralUnion::doubt)), of which the share `within` shall be familiar; as it is for no pairs.
+    /// ([`SpectralUnion::doubt`](super::SpectralUnion::doubt)), of which the share `within` shall
+    /// be familiar; as it is for no pairs.
     ///
     /// # Panics
     /// For a share outside [0, 1].

@@ -6,11 +6,13 @@ use crate::dense;
 use crate::mesh::{LaplacianOptions, TriMesh, laplacian};
 use crate::sparse::{EigenOptions, eigs};
 
-/// The template on which [`SpectralUnion::locate`](super::SpectralUnion::locate) finds regions, as coefficients of its
-/// eigenfunctions (thesis, section 2.6.2, but for the coefficients: docs/decisions/0026).
+/// The template on which [`SpectralUnion::locate`](super::SpectralUnion::locate) finds regions, as
+/// coefficients of its eigenfunctions (thesis, section 2.6.2, but for the coefficients:
+/// docs/decisions/0026).
 ///
-/// Eigenfunctions have no sign of their own, and others that span the same space do as well. So the values that
-/// those of the training have at some vertices, the anchors, are kept, and [`Localizer::on`] turns others into these.
+/// Eigenfunctions have no sign of their own, and others that span the same space do as well. So the
+/// values that those of the training have at some vertices, the anchors, are kept, and
+/// [`Localizer::on`] turns others into these.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Localizer {
     modes: usize,
@@ -26,7 +28,8 @@ impl Localizer {
     ///
     /// - `modes`: number of eigenfunctions;
     /// - `anchors`: vertices, at least as many as eigenfunctions;
-    /// - `values`: of each of them the values of all eigenfunctions; rounded to half precision, as files have them.
+    /// - `values`: of each of them the values of all eigenfunctions; rounded to half precision, as
+    ///   files have them.
     ///
     /// # Errors
     /// [`Error::Argument`] and [`Error::Shape`] name what does not fit.
@@ -54,7 +57,8 @@ impl Localizer {
         Self::new(modes, anchors, values, vertices)
     }
 
-    /// The numbers of a file that are whole: the anchors, and then that of vertices. (Below 2^24, as floats.)
+    /// The numbers of a file that are whole: the anchors, and then that of vertices. (Below 2^24,
+    /// as floats.)
     pub(super) fn whole(&self) -> Vec<f32> {
         self.anchors.iter().chain([&self.vertices]).map(|&x| x as f32).collect()
     }
@@ -106,10 +110,12 @@ impl Localizer {
         self.on(operator.extend(pairs.vectors.as_ref())?.as_ref())
     }
 
-    /// The localizer on a template with these eigenfunctions (vertices x their number), whatever their signs are.
+    /// The localizer on a template with these eigenfunctions (vertices x their number), whatever
+    /// their signs are.
     ///
     /// # Errors
-    /// [`Error::Shape`] for another template; [`Error::Argument`] when the functions are not those of the template.
+    /// [`Error::Shape`] for another template; [`Error::Argument`] when the functions are not those
+    /// of the template.
     pub fn on(&self, functions: MatRef<'_, f64>) -> Result<LocalizerOn> {
         /// Largest share of the anchors' values that the functions do not reach.
         const TOLERANCE: f64 = 0.05;
@@ -145,8 +151,8 @@ pub struct LocalizerOn {
 }
 
 impl LocalizerOn {
-    /// For each vertex about 1 inside of the region with these coefficients and 0 outside; the region is what is above 1/2.
-    /// Mirror images have the same spectrum, and one of them is found.
+    /// For each vertex about 1 inside of the region with these coefficients and 0 outside; the
+    /// region is what is above 1/2. Mirror images have the same spectrum, and one of them is found.
     ///
     /// # Errors
     /// [`Error::Shape`] unless there is a coefficient for each eigenfunction.

@@ -45,12 +45,13 @@ impl Scaling {
     }
 }
 
-/// The spectral union operator (thesis, section 2.4): from the first [`K`] Dirichlet eigenvalues of two parts of a surface
-/// those of their union, whatever its geometry is, and where it is on a template.
+/// The spectral union operator (thesis, section 2.4): from the first [`K`] Dirichlet eigenvalues of
+/// two parts of a surface those of their union, whatever its geometry is, and where it is on a
+/// template.
 ///
-/// By construction a prediction is positive, ascending, at most the bound that domain monotonicity gives
-/// (`lambda_i <= min(lambda_i(first), lambda_i(second))`), the same for both orders of the parts, bit for bit, and grows with
-/// its arguments when both are multiplied by the same number.
+/// By construction a prediction is positive, ascending, at most the bound that domain monotonicity
+/// gives (`lambda_i <= min(lambda_i(first), lambda_i(second))`), the same for both orders of the
+/// parts, bit for bit, and grows with its arguments when both are multiplied by the same number.
 #[derive(Debug, Clone)]
 pub struct SpectralUnion {
     sizes: Architecture,
@@ -72,8 +73,8 @@ impl SpectralUnion {
         Self::from_bytes(PRETRAINED)
     }
 
-    /// From trained parameters, in the order of [`Architecture::places`]; weights are rounded as files have them
-    /// ([`quantize`]).
+    /// From trained parameters, in the order of [`Architecture::places`]; weights are rounded as
+    /// files have them ([`quantize`]).
     ///
     /// # Errors
     /// [`Error::Argument`] and [`Error::Shape`] name what does not fit.
@@ -224,7 +225,8 @@ impl SpectralUnion {
         &self.scaling
     }
 
-    /// The K first eigenvalues of the union of two parts, from those of the parts, in whatever unit these have.
+    /// The K first eigenvalues of the union of two parts, from those of the parts, in whatever unit
+    /// these have.
     ///
     /// ```
     /// use catamaran::unions::{K, SpectralUnion};
@@ -237,15 +239,16 @@ impl SpectralUnion {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] (not positive, not ascending) name the spectrum at
-    /// fault, `first` or `second`.
+    /// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] (not positive, not ascending)
+    /// name the spectrum at fault, `first` or `second`.
     pub fn predict(&self, first: &[f64], second: &[f64]) -> Result<[f64; K]> {
         let question = Question::new(first, second)?;
         let tape = self.run(&[&question]);
         Ok(self.union(&question, &tape.output))
     }
 
-    /// The unions of many pairs of parts: as [`SpectralUnion::predict`] of each, bit for bit, in a fraction of the time.
+    /// The unions of many pairs of parts: as [`SpectralUnion::predict`] of each, bit for bit, in a
+    /// fraction of the time.
     ///
     /// ```
     /// use catamaran::unions::{K, SpectralUnion};
@@ -298,8 +301,9 @@ impl SpectralUnion {
         spectrum::ascending(&below)
     }
 
-    /// The eigenvalues of the union of any number of parts, by unions of two, one part after the other; the order of the
-    /// arguments does not matter, bit for bit: they are sorted by their eigenvalues, the first one first.
+    /// The eigenvalues of the union of any number of parts, by unions of two, one part after the
+    /// other; the order of the arguments does not matter, bit for bit: they are sorted by their
+    /// eigenvalues, the first one first.
     ///
     /// ```
     /// use catamaran::unions::{K, SpectralUnion};
@@ -320,8 +324,9 @@ impl SpectralUnion {
         rest.iter().try_fold(first, |union, part| self.predict(&union, part))
     }
 
-    /// Where the union of any number of parts is on the template: coefficients in its eigenfunctions, which
-    /// [`Localizer::on_mesh`] makes a function of. The order of the parts does not matter, as in [`SpectralUnion::predict_all`].
+    /// Where the union of any number of parts is on the template: coefficients in its
+    /// eigenfunctions, which [`Localizer::on_mesh`] makes a function of. The order of the parts
+    /// does not matter, as in [`SpectralUnion::predict_all`].
     ///
     /// ```
     /// use catamaran::unions::{K, SpectralUnion};
@@ -349,7 +354,8 @@ impl SpectralUnion {
         &self.localizer
     }
 
-    /// The probability that two parts are of another kind of shape than the template, among the kinds of the training.
+    /// The probability that two parts are of another kind of shape than the template, among the
+    /// kinds of the training.
     ///
     /// # Errors
     /// As [`SpectralUnion::predict`].
@@ -363,9 +369,10 @@ impl SpectralUnion {
         if logit.is_nan() { 1.0 } else { 1.0 / (1.0 + (-logit).exp()) }
     }
 
-    /// How unlike the pairs of the training parts are, the largest of all pairs of them: the Mahalanobis distance of a pair from the
-    /// mean or the [doubt](SpectralUnion::doubt), whichever is larger, each in units of what 99.5 % of such pairs keep. A prediction for
-    /// parts above 1 is a guess.
+    /// How unlike the pairs of the training parts are, the largest of all pairs of them: the
+    /// Mahalanobis distance of a pair from the mean or the [doubt](SpectralUnion::doubt), whichever
+    /// is larger, each in units of what 99.5 % of such pairs keep. A prediction for parts above 1
+    /// is a guess.
     ///
     /// # Errors
     /// As [`SpectralUnion::predict`].

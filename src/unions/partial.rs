@@ -9,12 +9,14 @@ const TOLERANCE: f64 = 1e-4;
 
 /// The spectra of parts of one surface: its Laplacian is assembled once for all of them.
 ///
-/// A part is a mask: of each vertex whether it belongs to the part. Its faces are those whose three vertices do.
+/// A part is a mask: of each vertex whether it belongs to the part. Its faces are those whose three
+/// vertices do.
 ///
-/// With Dirichlet conditions, eigenfunctions are zero at the vertices on the edge of the part, and on the boundary of the
-/// surface: the matrices are principal ones of those of the surface. So, of two parts of which one lies in the other, the
-/// inner one has no smaller eigenvalue anywhere in the sequence (domain monotonicity, here by Cauchy's interlacing, exactly
-/// for these matrices). Complete closed surfaces have nothing to hold at zero: their first eigenvalue is 0.
+/// With Dirichlet conditions, eigenfunctions are zero at the vertices on the edge of the part, and
+/// on the boundary of the surface: the matrices are principal ones of those of the surface. So, of
+/// two parts of which one lies in the other, the inner one has no smaller eigenvalue anywhere in
+/// the sequence (domain monotonicity, here by Cauchy's interlacing, exactly for these matrices).
+/// Complete closed surfaces have nothing to hold at zero: their first eigenvalue is 0.
 ///
 /// ```
 /// use catamaran::{mesh::{LaplacianOptions, families}, unions::PartSpectra};
@@ -38,7 +40,8 @@ pub struct PartSpectra<'m> {
 }
 
 impl<'m> PartSpectra<'m> {
-    /// Assembles the Laplacian of the surface. The boundary conditions of the options count for nothing.
+    /// Assembles the Laplacian of the surface. The boundary conditions of the options count for
+    /// nothing.
     ///
     /// # Errors
     /// As [`laplacian()`].
@@ -60,19 +63,20 @@ impl<'m> PartSpectra<'m> {
         Self { progress: progress.into(), ..self }
     }
 
-    /// The k smallest eigenvalues of the part under Dirichlet conditions, ascending; in units of 1 / length^2.
+    /// The k smallest eigenvalues of the part under Dirichlet conditions, ascending; in units of 1
+    /// / length^2.
     ///
     /// # Errors
-    /// [`Error::Shape`] unless the mask has an entry for each vertex; [`Error::Argument`] when the part has fewer than k
-    /// vertices inside; as [`eigs`] otherwise.
+    /// [`Error::Shape`] unless the mask has an entry for each vertex; [`Error::Argument`] when the
+    /// part has fewer than k vertices inside; as [`eigs`] otherwise.
     pub fn dirichlet(&self, mask: &[bool], k: usize) -> Result<Vec<f64>> {
         let inside = self.inside(mask)?;
         let operator = self.operator.restricted(&inside)?;
         self.eigenvalues(&operator, k)
     }
 
-    /// The k smallest eigenvalues of the part under Neumann conditions, ascending: 0 for each of its pieces, then what
-    /// follows; in units of 1 / length^2.
+    /// The k smallest eigenvalues of the part under Neumann conditions, ascending: 0 for each of
+    /// its pieces, then what follows; in units of 1 / length^2.
     ///
     /// # Errors
     /// As [`PartSpectra::dirichlet`], and as [`laplacian()`] of the part.
@@ -81,8 +85,8 @@ impl<'m> PartSpectra<'m> {
         self.eigenvalues(&laplacian(&part.mesh, &self.options)?, k)
     }
 
-    /// Of each vertex whether it is inside of the part: it and its neighbours belong to it, and it is not on the boundary
-    /// of the surface.
+    /// Of each vertex whether it is inside of the part: it and its neighbours belong to it, and it
+    /// is not on the boundary of the surface.
     ///
     /// # Errors
     /// [`Error::Shape`] unless the mask has an entry for each vertex.

@@ -7,10 +7,11 @@ use crate::base::Result;
 pub struct Question {
     /// By how much eigenvalues are divided: the smaller one of the two largest.
     pub scale: f64,
-    /// The union's eigenvalues are at most these (Dirichlet domain monotonicity): the smaller ones of both.
+    /// The union's eigenvalues are at most these (Dirichlet domain monotonicity): the smaller ones
+    /// of both.
     pub bound: [f64; K],
-    /// K rows of the first spectrum, then K of the second one: the logarithms of its eigenvalue and of the other's, and
-    /// K times the difference from the eigenvalue before, of both.
+    /// K rows of the first spectrum, then K of the second one: the logarithms of its eigenvalue and
+    /// of the other's, and K times the difference from the eigenvalue before, of both.
     pub features: [[f64; FEATURES]; 2 * K],
 }
 
@@ -42,7 +43,8 @@ impl Question {
         Ok(Self { scale, bound, features })
     }
 
-    /// What does not change when the two spectra are swapped: the mean and the distance of each pair of logarithms.
+    /// What does not change when the two spectra are swapped: the mean and the distance of each
+    /// pair of logarithms.
     pub fn symmetric(&self) -> [f64; 2 * K] {
         std::array::from_fn(|j| {
             let [a, b, ..] = self.features[j % K];

@@ -1,6 +1,7 @@
 //! ShapeDNA: the first eigenvalues of a surface as its signature.
 //!
-//! Source: Reuter, Wolter and Peinecke, Laplace-Beltrami spectra as "Shape-DNA" of surfaces and solids (2006).
+//! Source: Reuter, Wolter and Peinecke, Laplace-Beltrami spectra as "Shape-DNA" of surfaces and
+//! solids (2006).
 
 use crate::base::{Error, Par, Progress, Result, builder};
 use crate::mesh::{LaplacianOptions, TriMesh, laplacian};
@@ -12,7 +13,8 @@ use crate::sparse::{EigenOptions, eigs};
 pub struct ShapeDnaOptions<'a> {
     /// Eigenvalues; default 20.
     pub k: usize,
-    /// Whether they are multiplied by the area, so that they don't depend on the size of the shape; default true.
+    /// Whether they are multiplied by the area, so that they don't depend on the size of the shape;
+    /// default true.
     pub normalized: bool,
     /// The Laplacian, with what holds at the boundary and threads.
     pub laplacian: LaplacianOptions,
@@ -34,8 +36,8 @@ builder! { ShapeDnaOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// The k smallest eigenvalues of a surface, ascending: in units of 1 / length^2, or pure numbers where they are normalized
-/// by area. Closed surfaces begin with 0.
+/// The k smallest eigenvalues of a surface, ascending: in units of 1 / length^2, or pure numbers
+/// where they are normalized by area. Closed surfaces begin with 0.
 ///
 /// ```
 /// use catamaran::{mesh::families, unions::{ShapeDnaOptions, shape_dna}};
@@ -46,7 +48,8 @@ builder! { ShapeDnaOptions<'a> {
 /// ```
 ///
 /// # Errors
-/// As [`laplacian()`] and [`eigs`]; [`Error::Argument`] when there are fewer than k vertices that are not held at zero.
+/// As [`laplacian()`] and [`eigs`]; [`Error::Argument`] when there are fewer than k vertices that
+/// are not held at zero.
 pub fn shape_dna(mesh: &TriMesh, options: &ShapeDnaOptions<'_>) -> Result<Vec<f64>> {
     let operator = laplacian(mesh, &options.laplacian)?;
     let wanted = EigenOptions {
@@ -74,7 +77,8 @@ pub struct Match {
     pub distance: f64,
 }
 
-/// The signatures nearest to `query`, the nearest first (of equally near ones the first), at most `count` of them.
+/// The signatures nearest to `query`, the nearest first (of equally near ones the first), at most
+/// `count` of them.
 ///
 /// ```
 /// use catamaran::{Par, unions::retrieve};
@@ -85,7 +89,8 @@ pub struct Match {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when a signature is not as long as the query; [`Error::NonFinite`] for numbers that are none.
+/// [`Error::Shape`] when a signature is not as long as the query; [`Error::NonFinite`] for numbers
+/// that are none.
 pub fn retrieve<S: AsRef<[f64]> + Sync>(
     query: &[f64],
     signatures: &[S],

@@ -53,9 +53,9 @@ pub fn interpolate(first: &[f64], second: &[f64], t: f64) -> Result<[f64; K]> {
     Ok(std::array::from_fn(|i| (1.0 - t) * first[i] + t * second[i]))
 }
 
-/// The non-decreasing sequence nearest to `values` in the maximum norm: half the sum of the largest value so far and
-/// the smallest from here on. No rounding breaks the order, and where `values` are at most an ascending
-/// bound, the result is.
+/// The non-decreasing sequence nearest to `values` in the maximum norm: half the sum of the largest
+/// value so far and the smallest from here on. No rounding breaks the order, and where `values` are
+/// at most an ascending bound, the result is.
 pub(super) fn ascending(values: &[f64; K]) -> [f64; K] {
     let mut above = *values;
     for i in 1..K {

@@ -31,7 +31,8 @@ fn of_rectangle(a: f64, b: f64, from: usize, k: usize) -> Vec<f64> {
     values
 }
 
-/// Squares of zeros of Bessel functions (Abramowitz and Stegun, table 9.5), with those of order 1 and more twice.
+/// Squares of zeros of Bessel functions (Abramowitz and Stegun, table 9.5), with those of order 1
+/// and more twice.
 const OF_UNIT_DISK: [f64; 8] = {
     const J01: f64 = 2.404_825_557_695_773;
     const J11: f64 = 3.831_705_970_207_512;

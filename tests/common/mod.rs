@@ -120,7 +120,8 @@ pub fn backends() -> Vec<Arc<dyn Backend>> {
 /// What has this name in the shared data folder (`CATAMARAN_DATA`, default `../shared`).
 ///
 /// `None` when it is not there. A test then does without it, and says so in the file that
-/// `CATAMARAN_SKIPPED` names, which `scripts/test` reports: what a test that passes prints is not shown.
+/// `CATAMARAN_SKIPPED` names, which `scripts/test` reports: what a test that passes prints is not
+/// shown.
 ///
 /// # Panics
 /// When it is not there and `CATAMARAN_REQUIRE_DATA` is set.

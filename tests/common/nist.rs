@@ -1,5 +1,5 @@
-//! The linear regression data of NIST's Statistical Reference Datasets, as least-squares problems in
-//! f64.
+//! The linear regression data of NIST's Statistical Reference Datasets, as least-squares problems
+//! in f64.
 //!
 //! `nist/verify.py` proves rows and certified values, and says how the problems are rounded.
 

@@ -20,7 +20,8 @@ pub fn blob(subdivisions: u32) -> TriMesh {
     TriMesh::new(vertices, faces).unwrap()
 }
 
-/// The same surface with its vertices in another order and another size, and for each of its vertices the old one.
+/// The same surface with its vertices in another order and another size, and for each of its
+/// vertices the old one.
 pub fn shuffled(mesh: &TriMesh, scale: f64) -> (TriMesh, Vec<u32>) {
     let n = mesh.vertices().len() as u32;
     // A step that has no divisor in common with n visits every vertex.

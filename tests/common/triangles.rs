@@ -21,8 +21,8 @@ fn corners(mesh: &TriMesh, f: usize) -> [Point; 3] {
     mesh.faces()[f].map(|v| mesh.vertices()[v as usize])
 }
 
-/// An edge that is this near to the plane of a triangle (the sine of the angle), or passes this near
-/// to one of its sides (a barycentric coordinate), touches it but for rounding.
+/// An edge that is this near to the plane of a triangle (the sine of the angle), or passes this
+/// near to one of its sides (a barycentric coordinate), touches it but for rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// Whether an edge passes through the inside of a triangle (Moeller and Trumbore 1997); what only
@@ -40,8 +40,8 @@ fn pierces([p, q]: [Point; 2], [a, b, c]: [Point; 3]) -> bool {
     [u, v, 1.0 - u - v, t, 1.0 - t].iter().all(|&part| part > ROUNDING)
 }
 
-/// The faces that an edge of another face pierces, and those of these edges. An edge does not pierce
-/// the faces at its own ends.
+/// The faces that an edge of another face pierces, and those of these edges. An edge does not
+/// pierce the faces at its own ends.
 pub fn intersecting(mesh: &TriMesh) -> Vec<u32> {
     let count = mesh.faces().len();
     let boxes: Vec<[Point; 2]> = (0..count)
@@ -106,7 +106,8 @@ pub fn nearest_faces(mesh: &TriMesh, input: &TriMesh) -> Vec<usize> {
     (0..mesh.faces().len()).map(nearest).collect()
 }
 
-/// How the texture of a new mesh differs from that of the input's face nearest to each of its faces.
+/// How the texture of a new mesh differs from that of the input's face nearest to each of its
+/// faces.
 #[derive(Debug)]
 pub struct TextureFaults {
     /// The part of the faces that are turned over.

@@ -1,5 +1,6 @@
-//! Decimation: farthest points against brute force, invariants of cells, duals, weights and resampling, and the promise of
-//! exactly n vertices on a manifold of the same topology, or a refusal that says why.
+//! Decimation: farthest points against brute force, invariants of cells, duals, weights and
+//! resampling, and the promise of exactly n vertices on a manifold of the same topology, or a
+//! refusal that says why.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -152,7 +153,8 @@ fn every_family_is_decimated_with_its_topology() {
 
 #[test]
 fn narrow_handles_are_cut_and_told_unless_they_are_to_be_kept() {
-    // A slab whose holes are one tenth of the whole, and a triangle of the result as large as a hole.
+    // A slab whose holes are one tenth of the whole, and a triangle of the result as large as a
+    // hole.
     let mesh = families::genus(5, 4).unwrap();
     let keep = decimate(&mesh, 70, &options()).unwrap();
     check("slab", &mesh, 70, &keep);
@@ -219,7 +221,8 @@ fn vertices_are_beside_the_surface_so_that_faces_are_on_both_sides_of_it() {
     let made = decimate(&ball, 200, &options()).unwrap().mesh;
     let radius = |p: [f64; 3]| p.iter().map(|x| x * x).sum::<f64>().sqrt();
     assert!(made.vertices().iter().all(|&p| radius(p) > 1.0));
-    // On the sphere itself, the volume would be less by three times the mean depth of faces, some 0.045.
+    // On the sphere itself, the volume would be less by three times the mean depth of faces, some
+    // 0.045.
     assert!((made.volume() / ball.volume() - 1.0).abs() < 0.03, "{}", made.volume());
 }
 
@@ -328,7 +331,8 @@ pub fn cad_cylinder(sides: u32) -> TriMesh {
     TriMesh::new(vertices, faces.collect()).unwrap()
 }
 
-/// A sphere so flat, and bent, that its sheets are nearer to each other than vertices of the result.
+/// A sphere so flat, and bent, that its sheets are nearer to each other than vertices of the
+/// result.
 pub fn blade() -> TriMesh {
     bent_sphere(0.06)
 }
@@ -447,7 +451,8 @@ fn levels_of_detail_come_from_one_decimator() {
 
 #[test]
 fn the_thesis_literally_takes_vertices_of_the_input_and_all_three_cycles() {
-    // Cells of single vertices: the graph of cells is that of the mesh, and its three-cycles are the faces and more.
+    // Cells of single vertices: the graph of cells is that of the mesh, and its three-cycles are
+    // the faces and more.
     let mesh = families::icosphere(0).unwrap();
     let literal = options().method(Method::Thesis);
     let found = decimate(&mesh, 12, &literal).unwrap();

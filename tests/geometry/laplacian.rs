@@ -1,4 +1,5 @@
-//! The Laplacians, distances and descriptors together: spectra against exact ones, and meshes as they are found.
+//! The Laplacians, distances and descriptors together: spectra against exact ones, and meshes as
+//! they are found.
 
 use catamaran::base::Par;
 use catamaran::mesh::{
@@ -133,8 +134,8 @@ fn slivers_have_an_intrinsic_delaunay_laplacian_with_the_spectrum_of_the_tufted_
             assert!(l.stiffness.iter().all(|(&w, (i, j))| i == j || w <= 0.0), "{name} {kind:?}");
             spectrum(&l, 8).values
         });
-        // Without boundary the cover is two copies of the surface, joined at vertices alone. They may differ in the
-        // diagonals of quadrilaterals on a circle, and so in their lumped masses.
+        // Without boundary the cover is two copies of the surface, joined at vertices alone. They
+        // may differ in the diagonals of quadrilaterals on a circle, and so in their lumped masses.
         for (a, b) in values[0].iter().zip(&values[1]) {
             assert!((a - b).abs() < 1e-3 * values[1][7], "{name}: {a} {b}");
         }

@@ -1,5 +1,5 @@
-//! Generated meshes are what they promise, topology and measures have exact values, and the shared meshes agree with their
-//! index.
+//! Generated meshes are what they promise, topology and measures have exact values, and the shared
+//! meshes agree with their index.
 
 use std::f64::consts::PI;
 
@@ -393,8 +393,8 @@ fn components_come_out_as_they_went_in() {
     }
 }
 
-/// Lines of the index: file, vertices, faces, closed, loops, genus, components, non-manifold edges, mean quality,
-/// slivers, variation of areas, UV.
+/// Lines of the index: file, vertices, faces, closed, loops, genus, components, non-manifold edges,
+/// mean quality, slivers, variation of areas, UV.
 fn index(folder: &std::path::Path) -> Vec<Vec<String>> {
     let text = std::fs::read_to_string(folder.join("INDEX.tsv")).expect("the index");
     text.lines().skip(1).map(|line| line.split('\t').map(String::from).collect()).collect()

@@ -1,4 +1,5 @@
-//! Mesh files: what is written is read back the same, and what is broken is an error that names its place.
+//! Mesh files: what is written is read back the same, and what is broken is an error that names its
+//! place.
 
 use std::fs;
 use std::io::Write;

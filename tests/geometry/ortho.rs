@@ -51,8 +51,8 @@ fn lengths(a: MatRef<'_, f64>, mass: &Mass) -> Vec<f64> {
     (0..a.ncols()).map(|j| (a.col(j).transpose() * weighted.col(j)).sqrt()).collect()
 }
 
-/// Checks shapes, the triangle, and that Q R is A up to `slack` of each column for dropped columns, up to rounding for
-/// the others.
+/// Checks shapes, the triangle, and that Q R is A up to `slack` of each column for dropped columns,
+/// up to rounding for the others.
 fn check_factors(a: MatRef<'_, f64>, mass: &Mass, found: &Orthonormal, slack: f64) {
     check_factors_to(a, mass, found, 1e-13, slack);
 }
@@ -279,8 +279,8 @@ fn cholesky_qr_agrees_and_refuses_dependent_columns() {
     assert!(refused.to_string().contains("4 columns of 3 rows"));
 }
 
-/// Columns of which a first pass takes far more for independent than there are: what later columns were freed from must
-/// not be dropped with them.
+/// Columns of which a first pass takes far more for independent than there are: what later columns
+/// were freed from must not be dropped with them.
 #[test]
 fn nearly_dependent_columns_lose_no_more_than_the_threshold() {
     let (n, c) = (200, 60);

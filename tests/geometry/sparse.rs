@@ -347,7 +347,8 @@ fn products_with_blocks_are_those_of_columns() {
     assert!(matches!(refused, Err(Error::Argument { what: "A", .. })));
 }
 
-/// The slices of the k smallest pairs within this memory, put together, and where each of them ends.
+/// The slices of the k smallest pairs within this memory, put together, and where each of them
+/// ends.
 fn sliced(
     w: &CsMat<f64>,
     mass: &Mass,

@@ -78,8 +78,8 @@ impl Modules {
                 arrows.push(Arrow { from: from.clone(), to, line, path: path.join("::") });
             };
             for import in &source.imports {
-                // The names of a glob count where they stand, below; so do those that are handed on,
-                // for the file may hand them on only, and those of a module.
+                // The names of a glob count where they stand, below; so do those that are handed
+                // on, for the file may hand them on only, and those of a module.
                 let is_used_here = import.name != "*"
                     && (!import.public
                         || source.words.iter().any(|word| word.path[0] == import.name));

@@ -276,7 +276,8 @@ fn end_of_raw_text(chars: &[char], mut at: usize, hashes: usize) -> usize {
     at + hashes + 1
 }
 
-/// The tokens without attributes, and without the items whose attribute says that they are for tests.
+/// The tokens without attributes, and without the items whose attribute says that they are for
+/// tests.
 fn without_tests(tokens: &[Token]) -> Vec<Token> {
     let mut kept = Vec::new();
     let (mut at, mut is_test) = (0, false);

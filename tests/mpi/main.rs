@@ -1,8 +1,8 @@
-//! What is distributed under `mpirun`: every case on 1, 2, 3, 4, 7 and 8 ranks, and scenes that must
-//! end in an error on every rank, or in an abort, but never hang.
+//! What is distributed under `mpirun`: every case on 1, 2, 3, 4, 7 and 8 ranks, and scenes that
+//! must end in an error on every rank, or in an abort, but never hang.
 //!
-//! Started by cargo, this program starts itself under `mpirun`; `MPIRUN` names another launcher, and
-//! arguments select cases by parts of their names.
+//! Started by cargo, this program starts itself under `mpirun`; `MPIRUN` names another launcher,
+//! and arguments select cases by parts of their names.
 
 mod columns;
 #[path = "../common/counting.rs"]

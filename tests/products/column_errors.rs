@@ -11,8 +11,8 @@ use catamaran::{Accuracy, AtaOptions, Plan, SchemeChoice, Uplo, ata, atb};
 
 use crate::common::{backends, gaussian};
 
-/// Our own kernels, with products that seem to cost so much that the planner takes every fast level it
-/// may.
+/// Our own kernels, with products that seem to cost so much that the planner takes every fast level
+/// it may.
 fn costly(isa: Isa) -> Arc<dyn Backend> {
     native_with(isa, Rates { flops: 1e8, ..Rates::of(isa) })
 }
@@ -27,7 +27,8 @@ fn scaled<T: BlasReal>(base: &Mat<f64>, powers: &[Option<i32>]) -> Mat<T> {
     Mat::from_fn(base.nrows(), base.ncols(), |i, j| T::from_f64(entry(i, j)))
 }
 
-/// Every eighth column small, graded columns, and one of zeros; `smallest` is the least power of two.
+/// Every eighth column small, graded columns, and one of zeros; `smallest` is the least power of
+/// two.
 fn spreads(n: usize, smallest: i32) -> Vec<Vec<Option<i32>>> {
     let mut found: Vec<Vec<_>> = [-3, -10, -30, -60, -100, -332, -664, -996]
         .into_iter()

@@ -38,8 +38,8 @@ fn threads_layouts_and_the_order_of_rows_do_not_change_a_byte() {
         assert_eq!(bits(product(by_rows.transpose(), &reproducible()).as_ref()), expected);
         let turned = a.as_ref().reverse_rows();
         assert_eq!(bits(product(turned, &reproducible()).as_ref()), expected, "rows reversed");
-        // Rows in another order could choose another power of two where a norm is within 1e-6 of a step.
-        // Here none is. 7919 is a prime, and divides none of the heights.
+        // Rows in another order could choose another power of two where a norm is within 1e-6 of a
+        // step. Here none is. 7919 is a prime, and divides none of the heights.
         let shuffled = Mat::from_fn(m, n, |i, j| a[((i * 7919) % m, j)]);
         assert_eq!(
             bits(product(shuffled.as_ref(), &reproducible()).as_ref()),
@@ -169,9 +169,10 @@ fn nan_and_infinities_reach_exactly_the_entries_that_they_should() {
     }
 }
 
-/// Columns that are infinite throughout, partly, with either sign, beside zeros and NaN, across words of 64
-/// rows: as the definition, whatever the number of threads. The work is one pass over A, and for each pair of
-/// columns one over a 64th of their rows: 3000^2 of them took minutes when each term was looked at.
+/// Columns that are infinite throughout, partly, with either sign, beside zeros and NaN, across
+/// words of 64 rows: as the definition, whatever the number of threads. The work is one pass over
+/// A, and for each pair of columns one over a 64th of their rows: 3000^2 of them took minutes when
+/// each term was looked at.
 #[test]
 fn any_pattern_of_infinities_gives_what_the_definition_gives() {
     for (m, n) in [(1, 1), (63, 5), (64, 9), (65, 17), (200, 40)] {
@@ -214,7 +215,8 @@ fn alpha_zero_does_not_look_at_a() {
 
 #[test]
 fn columns_of_any_size_are_as_exact_as_others() {
-    // Powers of two from the subnormal to the largest, and zeros: products are exact where they are numbers.
+    // Powers of two from the subnormal to the largest, and zeros: products are exact where they are
+    // numbers.
     let exponents = [-1074, -1060, -1030, -600, -537, -1, 0, 30, 500, 511, 1000];
     let (m, n) = (9, exponents.len() + 1);
     let integers = crate::common::integers::<f64>(m, n, 11);

@@ -32,8 +32,8 @@ fn log2(x: &BigInt) -> f64 {
     short.abs().log2() + down as f64
 }
 
-/// `w C`, in units of `2^(-3 UNIT)`, and w in those of `2^-UNIT`, exactly. With centring w is the sum
-/// of the weights, and `w C` is `w sum of w_r x_i x_j - sum of w_r x_i sum of w_r x_j`.
+/// `w C`, in units of `2^(-3 UNIT)`, and w in those of `2^-UNIT`, exactly. With centring w is the
+/// sum of the weights, and `w C` is `w sum of w_r x_i x_j - sum of w_r x_i sum of w_r x_j`.
 fn oracle(
     a: &[Vec<f64>],
     weights: Option<&[f64]>,

@@ -27,8 +27,8 @@ fn natives() -> impl Iterator<Item = Arc<dyn Backend>> {
     })
 }
 
-/// Options for every instruction set and scheme, with blocks down to `leaf`, as many threads as come
-/// next, and the triangles in turn.
+/// Options for every instruction set and scheme, with blocks down to `leaf`, as many threads as
+/// come next, and the triangles in turn.
 fn all_options(leaf: usize) -> impl Iterator<Item = AtaOptions<'static>> {
     let pairs = natives().flat_map(|b| SCHEMES.into_iter().map(move |s| (b.clone(), s)));
     pairs.enumerate().map(move |(i, (backend, scheme))| {

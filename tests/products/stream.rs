@@ -1,4 +1,5 @@
-//! Streams of rows: sums against oracles, stops and merges, the file of an accumulator, sources that fail.
+//! Streams of rows: sums against oracles, stops and merges, the file of an accumulator, sources
+//! that fail.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};

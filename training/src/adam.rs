@@ -1,4 +1,5 @@
-//! Adam (Kingma and Ba 2015) with decoupled weight decay (Loshchilov and Hutter 2019), and its rates.
+//! Adam (Kingma and Ba 2015) with decoupled weight decay (Loshchilov and Hutter 2019), and its
+//! rates.
 
 use catamaran::unions::network::sum;
 use rayon::prelude::*;
@@ -83,8 +84,8 @@ pub fn clip(gradient: &mut [f32], longest: f32) -> f32 {
 /// Share of the training in which the rate rises.
 const WARM_UP: f64 = 0.03;
 
-/// The share of the full rate when `done` of the whole training, from 0 to 1, is done: it rises, then falls as half a cosine to
-/// 1 %.
+/// The share of the full rate when `done` of the whole training, from 0 to 1, is done: it rises,
+/// then falls as half a cosine to 1 %.
 pub fn annealing(done: f64) -> f64 {
     let cosine = (std::f64::consts::PI * done.min(1.0)).cos();
     (done / WARM_UP).min(1.0) * (0.01 + 0.99 * 0.5 * (1.0 + cosine))

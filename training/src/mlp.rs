@@ -1,4 +1,5 @@
-//! Multilayer perceptrons with rectified hidden layers, and their training: the baseline, and the decoder of regions.
+//! Multilayer perceptrons with rectified hidden layers, and their training: the baseline, and the
+//! decoder of regions.
 
 use catamaran::Result;
 use catamaran::base::Rng;
@@ -68,7 +69,8 @@ impl Mlp {
         self.layers(inputs).pop().unwrap_or_default()
     }
 
-    /// The gradient with respect to the parameters, from what came out of the layers and the gradient with respect to the outputs.
+    /// The gradient with respect to the parameters, from what came out of the layers and the
+    /// gradient with respect to the outputs.
     fn gradient(&self, layers: &[Vec<f32>], mut dy: Vec<f32>) -> Vec<f32> {
         let mut gradient = vec![0.0; self.parameters.len()];
         let mut end = self.parameters.len();
@@ -98,8 +100,9 @@ impl Mlp {
         gradient
     }
 
-    /// Trains on `count` examples. `inputs(i)` gives those of example i, and `loss(i, outputs, gradient)` its loss, writing
-    /// the gradient. After each epoch `watch(epoch, mean loss)`.
+    /// Trains on `count` examples. `inputs(i)` gives those of example i, and
+    /// `loss(i, outputs, gradient)` its loss, writing the gradient. After each epoch
+    /// `watch(epoch, mean loss)`.
     ///
     /// # Errors
     /// What `watch` returns.

@@ -1,5 +1,5 @@
-//! Regions on a template, as coefficients of its eigenfunctions: what the network says of where unions are
-//! (thesis, section 2.6.2).
+//! Regions on a template, as coefficients of its eigenfunctions: what the network says of where
+//! unions are (thesis, section 2.6.2).
 
 use catamaran::base::{Pin, Progress, ThreadPool};
 use catamaran::decimate::FarthestPoints;
@@ -13,7 +13,8 @@ use crate::dataset::Template;
 /// Anchors for each eigenfunction.
 const ANCHORS: usize = 2;
 
-/// Typical size of a coefficient, in units of that of the complete shape: the network learns numbers of about the size 1.
+/// Typical size of a coefficient, in units of that of the complete shape: the network learns
+/// numbers of about the size 1.
 pub const UNIT: f64 = 1.0 / 16.0;
 
 /// The regions of a template.
@@ -91,7 +92,8 @@ impl Regions {
         &self.coefficients[number * self.modes..(number + 1) * self.modes]
     }
 
-    /// The same of the region or its mirror image, whichever has more on the left: which one of the two a spectrum alone means.
+    /// The same of the region or its mirror image, whichever has more on the left: which one of the
+    /// two a spectrum alone means.
     pub fn on_the_left(&self, number: usize) -> Vec<f32> {
         let own = self.coefficients(number);
         if !self.on_the_right[number] {
@@ -107,7 +109,8 @@ fn unit(template: &Template) -> f64 {
     UNIT * template.mass.iter().sum::<f64>().sqrt()
 }
 
-/// The localizer of a template: its eigenfunctions, in units of coefficients, at vertices far from one another.
+/// The localizer of a template: its eigenfunctions, in units of coefficients, at vertices far from
+/// one another.
 ///
 /// # Errors
 /// Of a template that is no surface.

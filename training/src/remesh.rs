@@ -25,9 +25,10 @@ const LEAST_COSINE: f64 = 0.5;
 /// Faces are no worse than this afterwards (as [`TriMesh::qualities`]), or than they were.
 const LEAST_QUALITY: f64 = 0.25;
 
-/// Removes this share of the vertices, fewer where that can't be done: one end of an edge goes to the other, which stays
-/// where it is, so that a mask over the vertices of the mesh is one over those that are left. Short edges go first, with some
-/// disorder by the seed; the boundary stays, and so does the topology.
+/// Removes this share of the vertices, fewer where that can't be done: one end of an edge goes to
+/// the other, which stays where it is, so that a mask over the vertices of the mesh is one over
+/// those that are left. Short edges go first, with some disorder by the seed; the boundary stays,
+/// and so does the topology.
 ///
 /// # Errors
 /// None that a mesh could cause.
@@ -124,7 +125,8 @@ impl<'m> Draft<'m> {
         4.0 * 3f64.sqrt() * area / (perimeter * longest)
     }
 
-    /// Moves vertex `gone` onto `kept`, if the mesh stays a surface and its faces keep their sides; whether it did.
+    /// Moves vertex `gone` onto `kept`, if the mesh stays a surface and its faces keep their sides;
+    /// whether it did.
     fn collapse(&mut self, gone: u32, kept: u32) -> bool {
         if self.on_boundary[gone as usize] {
             return false;
@@ -133,7 +135,8 @@ impl<'m> Draft<'m> {
             self.around[gone as usize].iter().partition(|&&f| self.face(f).contains(&kept));
         let [of_gone, of_kept] = [gone, kept].map(|v| self.neighbours(v));
         let common = of_gone.iter().filter(|v| of_kept.contains(v)).count();
-        // The link condition (Dey et al. 1999), and a vertex of three faces beside it would lose one.
+        // The link condition (Dey et al. 1999), and a vertex of three faces beside it would lose
+        // one.
         if lost.len() != 2 || common != 2 || of_gone.len() < 4 {
             return false;
         }

@@ -1,5 +1,6 @@
 //! `mpirun -n P catamaran-spread-mpi`: eigenpairs and Gram-Schmidt of rows that are spread over the
-//! ranks: seconds, and the memory of the rank with most. `scripts/race-mpi spread` runs it for many P.
+//! ranks: seconds, and the memory of the rank with most. `scripts/race-mpi spread` runs it for many
+//! P.
 
 use std::process::ExitCode;
 
@@ -29,7 +30,8 @@ struct Arguments {
     columns: usize,
     #[arg(long, default_value_t = 3)]
     repeat: usize,
-    /// Put the line into bench/record/<host>-<date>/NAME.csv, and the table as a picture into NAME.svg.
+    /// Put the line into bench/record/<host>-<date>/NAME.csv, and the table as a picture into
+    /// NAME.svg.
     #[arg(long, value_name = "NAME")]
     record: Option<String>,
 }

@@ -9,14 +9,14 @@ use catamaran_bench::{Result, host, record};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Meshes, each with the number of vertices wanted, as in mesh.ply:5000; by default those of --set, if CATAMARAN_DATA
-    /// (default ../shared) has them.
+    /// Meshes, each with the number of vertices wanted, as in mesh.ply:5000; by default those of
+    /// --set, if CATAMARAN_DATA (default ../shared) has them.
     meshes: Vec<String>,
     /// The meshes, and who decimates them by default.
     #[arg(long, value_enum, default_value_t = Set::Bars, conflicts_with = "meshes")]
     set: Set,
-    /// Who; by default, for the bars, all without those known to take minutes on meshes beyond half a million vertices; for
-    /// varied meshes one of each kind.
+    /// Who; by default, for the bars, all without those known to take minutes on meshes beyond half
+    /// a million vertices; for varied meshes one of each kind.
     #[arg(long, value_delimiter = ',')]
     contenders: Vec<Contender>,
     /// Threads.
@@ -91,7 +91,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The meshes that the arguments name, or those of their set that are there, each with numbers of vertices.
+/// The meshes that the arguments name, or those of their set that are there, each with numbers of
+/// vertices.
 fn meshes(inputs: &Inputs, arguments: &Arguments) -> Result<Vec<(Input, Vec<usize>)>> {
     if arguments.meshes.is_empty() {
         let real = arguments.set.meshes().into_iter();

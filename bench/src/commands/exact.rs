@@ -1,4 +1,5 @@
-//! `exact`: where the time of the exact path goes, and how far its kernels are from what the unit can do.
+//! `exact`: where the time of the exact path goes, and how far its kernels are from what the unit
+//! can do.
 
 use std::time::Instant;
 

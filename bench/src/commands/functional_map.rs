@@ -1,5 +1,5 @@
-//! `functional-map`: a functional map fitted to descriptors and refined by ZoomOut, beside pyfmaps, each in a process of
-//! its own.
+//! `functional-map`: a functional map fitted to descriptors and refined by ZoomOut, beside pyfmaps,
+//! each in a process of its own.
 
 use std::path::Path;
 use std::time::Instant;
@@ -111,7 +111,8 @@ fn pairs(functions: usize) -> Result<Vec<Pair>> {
     Ok(poses.chain(shapes.people(functions - 1)?.into_iter().take(1)).collect())
 }
 
-/// The mean distance of the points of the source from the true ones, as a part of the root of its area.
+/// The mean distance of the points of the source from the true ones, as a part of the root of its
+/// area.
 fn distance(pair: &Pair, points: &[f64]) -> f64 {
     let position = |v: usize| pair.source.mesh.vertices()[v];
     let apart = |(&found, &truth): (&f64, &u32)| {

@@ -1,4 +1,5 @@
-//! `laplacian`: the tufted Laplacian of meshes beside robust_laplacian's, each in a process of its own.
+//! `laplacian`: the tufted Laplacian of meshes beside robust_laplacian's, each in a process of its
+//! own.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -16,8 +17,8 @@ use super::spectrum::meshes;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Meshes; by default a generated terrain of 100,489 vertices, and the armadillo if CATAMARAN_DATA (default
-    /// ../shared) has it.
+    /// Meshes; by default a generated terrain of 100,489 vertices, and the armadillo if
+    /// CATAMARAN_DATA (default ../shared) has it.
     meshes: Vec<PathBuf>,
     #[command(flatten)]
     contest: Contest,

@@ -1,5 +1,5 @@
-//! `ortho`: Gram-Schmidt in the inner product of masses beside column-wise numpy and LAPACK's pivoted QR, each run in a
-//! process of its own.
+//! `ortho`: Gram-Schmidt in the inner product of masses beside column-wise numpy and LAPACK's
+//! pivoted QR, each run in a process of its own.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -29,7 +29,8 @@ pub struct Arguments {
     /// Repetitions.
     #[arg(long, default_value_t = 5)]
     repeat: usize,
-    /// Repetitions of column-wise numpy, which reads the whole basis for every column; default: those of the others.
+    /// Repetitions of column-wise numpy, which reads the whole basis for every column; default:
+    /// those of the others.
     #[arg(long)]
     numpy_repeat: Option<usize>,
     /// Where scripts/rivals installed scipy.
@@ -120,8 +121,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Writes A and the masses where all contenders read them. Each column overlaps, positively or negatively, with the one
-/// before, and none depends on others: everybody has all of the work. A is written by columns.
+/// Writes A and the masses where all contenders read them. Each column overlaps, positively or
+/// negatively, with the one before, and none depends on others: everybody has all of the work. A is
+/// written by columns.
 fn prepare(folder: &Path, n: usize, c: usize) -> Result<()> {
     let mut rng = Rng::new(1);
     let mut transposed = Mat::<f64>::zeros(c, n);

@@ -1,4 +1,5 @@
-//! `spectrum`: eigenpairs of the Laplacian of meshes beside scipy's, each solution in a process of its own.
+//! `spectrum`: eigenpairs of the Laplacian of meshes beside scipy's, each solution in a process of
+//! its own.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -13,8 +14,8 @@ use super::Contest;
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Meshes; by default a generated terrain of 100,489 vertices, and the armadillo if CATAMARAN_DATA (default
-    /// ../shared) has it.
+    /// Meshes; by default a generated terrain of 100,489 vertices, and the armadillo if
+    /// CATAMARAN_DATA (default ../shared) has it.
     meshes: Vec<PathBuf>,
     /// Eigenpairs.
     #[arg(short, default_value_t = 101)]

@@ -31,7 +31,8 @@ pub struct Arguments {
     /// Repetitions.
     #[arg(long, default_value_t = 5)]
     repeat: usize,
-    /// Leave the file in the page cache, instead of asking the system to forget it before each reading.
+    /// Leave the file in the page cache, instead of asking the system to forget it before each
+    /// reading.
     #[arg(long)]
     cached: bool,
     /// Writes NAME.csv and host.txt under bench/record.
@@ -131,7 +132,8 @@ fn timed(work: impl FnOnce() -> Result<()>) -> Result<f64> {
     Ok(start.elapsed().as_secs_f64())
 }
 
-/// Takes the file out of the page cache: dd does that, without being root and without harm to others.
+/// Takes the file out of the page cache: dd does that, without being root and without harm to
+/// others.
 fn forget(arguments: &Arguments, file: &Path) -> Result<()> {
     if arguments.cached {
         return Ok(());

@@ -137,7 +137,8 @@ impl Rivals {
         }
     }
 
-    /// The faces of each mesh that intersect others, counted by CGAL in libigl; `None` where that is not installed or fails.
+    /// The faces of each mesh that intersect others, counted by CGAL in libigl; `None` where that
+    /// is not installed or fails.
     pub fn intersecting_faces(&self, meshes: &[&Path]) -> Vec<Option<usize>> {
         let nothing = vec![None; meshes.len()];
         let Some(python) = &self.python else { return nothing };

@@ -8,7 +8,8 @@ use catamaran::mesh::{Edges, Normalization, RepairOptions, TriMesh, repair};
 
 use crate::Result;
 
-/// A repaired mesh of longest side 1, so that distances compare, and the file of it that contenders read.
+/// A repaired mesh of longest side 1, so that distances compare, and the file of it that contenders
+/// read.
 pub struct Input {
     /// Its name.
     pub name: String,
@@ -76,8 +77,9 @@ impl Inputs {
         self.of(name, catamaran::mesh::io::read(&path)?).map(Some)
     }
 
-    /// This mesh, its longest side 1, with the repairs that `catamaran decimate` does by itself, so that every contender
-    /// starts from the same surface. Vertices that no face has are left out: some contenders would keep them.
+    /// This mesh, its longest side 1, with the repairs that `catamaran decimate` does by itself, so
+    /// that every contender starts from the same surface. Vertices that no face has are left out:
+    /// some contenders would keep them.
     ///
     /// # Errors
     /// When it can't be repaired, or its file not be written.

@@ -95,7 +95,8 @@ impl Soundness {
         )
     }
 
-    /// Whether components, boundary loops and genus are those of `other`; `None` when `other` is not a manifold.
+    /// Whether components, boundary loops and genus are those of `other`; `None` when `other` is
+    /// not a manifold.
     pub fn is_topology_of(&self, other: &Self) -> Option<bool> {
         other.genus?;
         let of = |it: &Self| (it.components, it.boundary_loops, it.genus);

@@ -16,7 +16,8 @@ pub struct Row {
     pub repetitions: usize,
     /// Median seconds.
     pub seconds: f64,
-    /// Its seconds over ours (or over those of the first contender): the median over the repetitions.
+    /// Its seconds over ours (or over those of the first contender): the median over the
+    /// repetitions.
     pub ratio: f64,
     /// Median bytes at the peak, less those before the call.
     pub bytes: f64,
@@ -92,8 +93,8 @@ impl Row {
 /// How long a contender may take to be measured again, in seconds.
 const PATIENCE: f64 = 30.0;
 
-/// `contenders` that are installed decimate `input` to `n` vertices, in turn, `repeat` times. Slow ones are measured once,
-/// those that fail are left out with a line on stderr.
+/// `contenders` that are installed decimate `input` to `n` vertices, in turn, `repeat` times. Slow
+/// ones are measured once, those that fail are left out with a line on stderr.
 ///
 /// # Errors
 /// When no result can be read.

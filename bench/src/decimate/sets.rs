@@ -7,8 +7,9 @@ use super::Contender;
 pub enum Set {
     /// Those that the bars are set for.
     Bars,
-    /// Meshes of at most 131,000 vertices as programs export them: CAD with slivers, scans, isosurfaces, surfaces split
-    /// along texture seams, edges of many faces; each to 500, 2000 and 5000 vertices.
+    /// Meshes of at most 131,000 vertices as programs export them: CAD with slivers, scans,
+    /// isosurfaces, surfaces split along texture seams, edges of many faces; each to 500, 2000 and
+    /// 5000 vertices.
     Varied,
 }
 

@@ -1,4 +1,5 @@
-//! The price of the extended Gram matrix: its time over that of the exact path with its default accuracy.
+//! The price of the extended Gram matrix: its time over that of the exact path with its default
+//! accuracy.
 
 use std::time::Instant;
 

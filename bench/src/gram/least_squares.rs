@@ -17,11 +17,12 @@ use crate::plant::Part;
 /// Methods of bench/rivals/gram.py.
 const RIVALS: [&str; 2] = ["scipy-gelsy", "numpy-normal-equations"];
 
-/// What is added to uniform entries: columns have a common part, as columns of data have a mean. Conditions are about
-/// `sqrt(12 columns)` times this.
+/// What is added to uniform entries: columns have a common part, as columns of data have a mean.
+/// Conditions are about `sqrt(12 columns)` times this.
 const MEAN: f64 = 64.0;
 
-/// Times of least squares, and relative errors of the solutions: the largest difference over the largest entry.
+/// Times of least squares, and relative errors of the solutions: the largest difference over the
+/// largest entry.
 ///
 /// # Errors
 /// When a file can't be read or written, or nobody has a result.

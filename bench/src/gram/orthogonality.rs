@@ -15,8 +15,8 @@ use crate::plant::Part;
 /// Methods of bench/rivals/gram.py.
 const RIVALS: [&str; 1] = ["numpy-qr"];
 
-/// Times of an orthonormal basis of 208 columns of 65,536 rows (4,096 if `quick`), of condition 7e13, and the largest
-/// entry of `|Q^T Q - I|`.
+/// Times of an orthonormal basis of 208 columns of 65,536 rows (4,096 if `quick`), of condition
+/// 7e13, and the largest entry of `|Q^T Q - I|`.
 ///
 /// # Errors
 /// When a file can't be read or written, or nobody has a result.

@@ -11,9 +11,10 @@ use crate::plant::Part;
 /// Methods of bench/rivals/gram.py.
 const RIVALS: [&str; 2] = ["sklearn-covariance-eigh", "sklearn-incremental"];
 
-/// Times of the principal components of a .npy file of 1,048,576 rows and 304 columns (16,384 rows and 48 columns if
-/// `quick`), reading included, and relative errors of the explained variances. Standard deviations fall from 1 to 2^-10,
-/// about a mean of 1 in each column; the known ones are right to about 1e-13.
+/// Times of the principal components of a .npy file of 1,048,576 rows and 304 columns (16,384 rows
+/// and 48 columns if `quick`), reading included, and relative errors of the explained variances.
+/// Standard deviations fall from 1 to 2^-10, about a mean of 1 in each column; the known ones are
+/// right to about 1e-13.
 ///
 /// # Errors
 /// When a file can't be read or written, or nobody has a result.

@@ -14,8 +14,8 @@ const RIVALS: [&str; 3] = ["numpy-gesdd", "scipy-gesdd", "numpy-eigvalsh-of-gram
 /// Binary logarithms of the condition numbers: 1.3e2 to 1.1e15.
 const BITS: [i32; 8] = [7, 13, 20, 27, 33, 40, 46, 50];
 
-/// Relative errors of singular values of matrices of 65,536 rows and 208 columns (4,096 rows if `quick`), whose entries
-/// are not rounded.
+/// Relative errors of singular values of matrices of 65,536 rows and 208 columns (4,096 rows if
+/// `quick`), whose entries are not rounded.
 ///
 /// # Errors
 /// When a file can't be read or written, or nobody has a result.

@@ -32,8 +32,8 @@ pub(super) struct Runs {
 pub(super) const FIGURES: [&str; 3] = ["s", "time over ours", "MB"];
 
 impl Turns {
-    /// Lets us and the `methods` of bench/rivals/gram.py do a task in a folder, in turns. A contender that fails is left
-    /// out from then on, with a line on stderr.
+    /// Lets us and the `methods` of bench/rivals/gram.py do a task in a folder, in turns. A
+    /// contender that fails is left out from then on, with a line on stderr.
     ///
     /// # Errors
     /// When nobody does it.

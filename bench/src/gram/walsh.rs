@@ -10,15 +10,17 @@ use crate::Result;
 /// Columns that are mixed with each other.
 const BLOCK: usize = 16;
 
-/// `A = W D V^T + 1 mean^T`: W has different columns of a Walsh-Hadamard matrix, D is diagonal, and V has a normalised
-/// Hadamard matrix of side 16 in each block of its diagonal.
+/// `A = W D V^T + 1 mean^T`: W has different columns of a Walsh-Hadamard matrix, D is diagonal, and
+/// V has a normalised Hadamard matrix of side 16 in each block of its diagonal.
 ///
-/// W and V are made of +-1 and +-1/4, their columns are orthogonal, and those of W have the norm `sqrt(rows)`. So the
-/// singular values of A without a mean are `sqrt(rows) d_k`, and where all d_k are powers of two no smaller than 2^-52
-/// no entry of A is rounded. The columns of W sum to zero, so that a mean does not change the covariance.
+/// W and V are made of +-1 and +-1/4, their columns are orthogonal, and those of W have the norm
+/// `sqrt(rows)`. So the singular values of A without a mean are `sqrt(rows) d_k`, and where all d_k
+/// are powers of two no smaller than 2^-52 no entry of A is rounded. The columns of W sum to zero,
+/// so that a mean does not change the covariance.
 #[derive(Debug, Clone)]
 pub struct WalshMatrix {
-    /// Rows: a power of 4, which makes the norm of the columns of W a power of 2; more than the columns.
+    /// Rows: a power of 4, which makes the norm of the columns of W a power of 2; more than the
+    /// columns.
     pub rows: usize,
     /// Columns: a multiple of 16.
     pub columns: usize,
@@ -29,8 +31,8 @@ pub struct WalshMatrix {
 }
 
 impl WalshMatrix {
-    /// With d_k from 1 to 2^-bits, powers of two all of them, and no mean: no entry is rounded. The condition number is
-    /// 2^bits.
+    /// With d_k from 1 to 2^-bits, powers of two all of them, and no mean: no entry is rounded. The
+    /// condition number is 2^bits.
     pub fn exact(rows: usize, columns: usize, bits: i32) -> Self {
         let steps = columns.saturating_sub(1).max(1) as f64;
         let power = |k: usize| -(k as f64 * f64::from(bits) / steps).round() as i32;
@@ -38,8 +40,8 @@ impl WalshMatrix {
         Self { rows, columns, diagonal, mean: 0.0 }
     }
 
-    /// With d_k from 1 to 2^-bits that are no powers of two: entries have 53 bits, and are rounded. Relative errors of
-    /// the singular values by that are about `(1 + mean) 2^bits 2^-53`, at most.
+    /// With d_k from 1 to 2^-bits that are no powers of two: entries have 53 bits, and are rounded.
+    /// Relative errors of the singular values by that are about `(1 + mean) 2^bits 2^-53`, at most.
     pub fn rounded(rows: usize, columns: usize, bits: i32, mean: f64) -> Self {
         let steps = columns.saturating_sub(1).max(1) as f64;
         let value = |k: usize| 2.0_f64.powf(-f64::from(bits) * k as f64 / steps);
@@ -64,7 +66,8 @@ impl WalshMatrix {
         for block in 0..blocks {
             let mut values = [0.0; BLOCK];
             for (s, value) in values.iter_mut().enumerate() {
-                // Each block has large and small singular values: no scaling of columns can separate them.
+                // Each block has large and small singular values: no scaling of columns can
+                // separate them.
                 let k = s * blocks + block;
                 *value = walsh_sign(i, walsh_index(k, self.rows)) * self.diagonal[k] / 4.0;
             }
@@ -104,8 +107,9 @@ impl WalshMatrix {
     }
 }
 
-/// The k-th column of W among those of the Walsh matrix of side `rows`. Multiplication by an odd number permutes them
-/// and spreads the chosen ones, so that few rows are the same; the first one, which does not sum to zero, is left out.
+/// The k-th column of W among those of the Walsh matrix of side `rows`. Multiplication by an odd
+/// number permutes them and spreads the chosen ones, so that few rows are the same; the first one,
+/// which does not sum to zero, is left out.
 fn walsh_index(k: usize, rows: usize) -> usize {
     ((k + 1) * 0x9e37_79b1) % rows
 }
@@ -133,7 +137,8 @@ fn hadamard(values: &mut [f64; BLOCK]) {
 mod tests {
     use super::*;
 
-    /// In integers of 2^-54, so that nothing is rounded: the Gram matrix is V D^2 V^T times the rows.
+    /// In integers of 2^-54, so that nothing is rounded: the Gram matrix is V D^2 V^T times the
+    /// rows.
     #[test]
     fn gram_matrix_is_what_the_singular_values_say_exactly() {
         let walsh = WalshMatrix::exact(1024, 32, 50);

@@ -1,4 +1,5 @@
-//! Figures 1.13, 1.16, 1.17, 1.19 and 1.20 as numbers: the error of each method on one shape or pair.
+//! Figures 1.13, 1.16, 1.17, 1.19 and 1.20 as numbers: the error of each method on one shape or
+//! pair.
 
 use catamaran::Par;
 use catamaran::faer::{Mat, MatRef};
@@ -29,8 +30,8 @@ pub struct Case {
     pub errors: [f64; METHODS.len()],
 }
 
-/// Figures 1.16 and 1.17: `f` on a shape, approximated by products of at most `order` of `k` eigenfunctions, "prods" without
-/// any loss but rounding.
+/// Figures 1.16 and 1.17: `f` on a shape, approximated by products of at most `order` of `k`
+/// eigenfunctions, "prods" without any loss but rounding.
 ///
 /// # Errors
 /// Those of the library.
@@ -70,11 +71,13 @@ pub enum Known {
     Points,
     /// Fitted to descriptors and landmarks; relative error over the surface.
     Landmarks,
-    /// The same; mean absolute error at a tenth of the vertices, of functions divided by their largest values.
+    /// The same; mean absolute error at a tenth of the vertices, of functions divided by their
+    /// largest values.
     Sparse,
 }
 
-/// Figures 1.13, 1.19 and 1.20: `f` transferred, by products of at most `order` of so many eigenfunctions.
+/// Figures 1.13, 1.19 and 1.20: `f` transferred, by products of at most `order` of so many
+/// eigenfunctions.
 ///
 /// # Errors
 /// Those of the library.

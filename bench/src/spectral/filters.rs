@@ -17,7 +17,8 @@ use crate::curves::Plot;
 /// The thesis' parameters for both figures.
 const K: usize = 15;
 const ORDER: usize = 3;
-/// A tolerance that makes the coefficients of products small: from the sweeps, the best for transfer.
+/// A tolerance that makes the coefficients of products small: from the sweeps, the best for
+/// transfer.
 const TOLERANCE: f64 = 1e-2;
 /// Parts of the functions, by ascending frequency, that a low-pass keeps.
 const KEPT: [f64; 10] = [0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0];
@@ -29,7 +30,8 @@ const CHANGED: [f64; 5] = [0.01, 0.1, 0.25, 0.5, 0.9];
 /// A name, and points (x, y), as in [`Plot`].
 type Curve = (String, Vec<(f64, f64)>);
 
-/// Coordinates as coefficients in a dictionary, its functions in ascending order of their frequencies.
+/// Coordinates as coefficients in a dictionary, its functions in ascending order of their
+/// frequencies.
 struct Representation {
     functions: Mat<f64>,
     coefficients: Mat<f64>,
@@ -61,8 +63,8 @@ impl Representation {
     }
 }
 
-/// The coordinates of a shape in products of norm 1, up to rounding as in the published code and up to [`TOLERANCE`], and in
-/// "ours*".
+/// The coordinates of a shape in products of norm 1, up to rounding as in the published code and up
+/// to [`TOLERANCE`], and in "ours*".
 fn representations(shape: &Shape) -> Result<[Representation; 3]> {
     let par = Par::all();
     let few = shape.first(K)?;
@@ -90,10 +92,11 @@ fn representations(shape: &Shape) -> Result<[Representation; 3]> {
     ])
 }
 
-/// Figure 1.14, the smoothing filter: the relative error of the coordinates over the part of the coefficients that is kept.
-/// Figure 1.15: one coefficient grows by a part of itself, and the coordinates change by the part of their norm that is
-/// drawn, the most of several coefficients; or it grows by the same amount in every dictionary, and what is drawn is the
-/// thickness that is left, the least of several.
+/// Figure 1.14, the smoothing filter: the relative error of the coordinates over the part of the
+/// coefficients that is kept. Figure 1.15: one coefficient grows by a part of itself, and the
+/// coordinates change by the part of their norm that is drawn, the most of several coefficients; or
+/// it grows by the same amount in every dictionary, and what is drawn is the thickness that is
+/// left, the least of several.
 ///
 /// # Errors
 /// Those of the library.

@@ -8,8 +8,8 @@ use super::shapes::Shape;
 use crate::Result;
 use crate::curves::Plot;
 
-/// The largest relative error of equation 1.5, `E(phi_i^N) = N^2 / (2 N - 1) lambda_i`, over the first eigenfunctions, for
-/// each order from 2 on.
+/// The largest relative error of equation 1.5, `E(phi_i^N) = N^2 / (2 N - 1) lambda_i`, over the
+/// first eigenfunctions, for each order from 2 on.
 ///
 /// # Errors
 /// Those of the library.
@@ -29,14 +29,15 @@ pub fn eigenpowers(shape: &Shape, functions: usize, orders: usize) -> Result<Vec
         .collect()
 }
 
-/// Figure 1.4 of an order: how the first N K eigenvalues, in ascending order from the first that is not zero, lie beside the
-/// frequencies of products.
+/// Figure 1.4 of an order: how the first N K eigenvalues, in ascending order from the first that is
+/// not zero, lie beside the frequencies of products.
 #[derive(Debug, Clone)]
 pub struct Frequencies {
     /// The relative distance of each to the nearest frequency.
     pub distances: Vec<f64>,
-    /// The distance that is expected of each when frequencies are scattered by chance: half of their mean gap from the fifth
-    /// eigenvalue before it to the fifth after it, as a part of it; 0 for the first K, which are products themselves.
+    /// The distance that is expected of each when frequencies are scattered by chance: half of
+    /// their mean gap from the fifth eigenvalue before it to the fifth after it, as a part of it; 0
+    /// for the first K, which are products themselves.
     pub expected: Vec<f64>,
 }
 
@@ -62,8 +63,9 @@ impl Frequencies {
     }
 }
 
-/// Figure 1.4: for every one of the first N K eigenvalues the relative distance to the nearest frequency of a product of
-/// at most N of K functions; and figure 1.5, which is drawn of order 2: energies over the sums of the eigenvalues.
+/// Figure 1.4: for every one of the first N K eigenvalues the relative distance to the nearest
+/// frequency of a product of at most N of K functions; and figure 1.5, which is drawn of order 2:
+/// energies over the sums of the eigenvalues.
 ///
 /// # Errors
 /// Those of the library.

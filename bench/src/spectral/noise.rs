@@ -1,5 +1,5 @@
-//! Figures 1.11 and 1.12: the matrix O from points, beside functional maps of as many eigenfunctions, and transfer by a map
-//! with noise.
+//! Figures 1.11 and 1.12: the matrix O from points, beside functional maps of as many
+//! eigenfunctions, and transfer by a map with noise.
 
 use catamaran::Par;
 use catamaran::base::{Progress, Rng};
@@ -23,7 +23,8 @@ pub const PRODUCTS: usize = 455;
 const NOISE: [f64; 7] = [0.0, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0];
 const K: usize = 12;
 
-/// Uniform noise of this standard deviation, as a part of the root mean square of `c`, on every entry.
+/// Uniform noise of this standard deviation, as a part of the root mean square of `c`, on every
+/// entry.
 pub fn noisy(c: MatRef<'_, f64>, noise: f64, rng: &mut Rng) -> Mat<f64> {
     let size = c.norm_l2() / (c.nrows() as f64 * c.ncols() as f64).sqrt();
     let mut out = c.to_owned();
@@ -41,9 +42,9 @@ pub fn relative(x: MatRef<'_, f64>, truth: MatRef<'_, f64>) -> f64 {
     difference.norm_l2() / truth.norm_l2()
 }
 
-/// Figure 1.11: errors over K of the fitted C, of O ("ours") and O* ("ours*") by the points of C, and of a functional map
-/// C* between as many eigenfunctions as O* has products, by the same points. Averaged over the pairs, which have
-/// [`PRODUCTS`] eigenfunctions.
+/// Figure 1.11: errors over K of the fitted C, of O ("ours") and O* ("ours*") by the points of C,
+/// and of a functional map C* between as many eigenfunctions as O* has products, by the same
+/// points. Averaged over the pairs, which have [`PRODUCTS`] eigenfunctions.
 ///
 /// # Errors
 /// Those of the library.
@@ -88,7 +89,8 @@ pub fn cardinality(pairs: &[Pair]) -> Result<Plot> {
     })
 }
 
-/// Figure 1.12: the error of transferred coordinates over the noise on the true C, averaged over the pairs.
+/// Figure 1.12: the error of transferred coordinates over the noise on the true C, averaged over
+/// the pairs.
 ///
 /// # Errors
 /// Those of the library.

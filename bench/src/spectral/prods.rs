@@ -1,15 +1,16 @@
-//! The baseline "prods" (Nogneng et al. 2018), at the tolerance of its authors' successors and at others.
+//! The baseline "prods" (Nogneng et al. 2018), at the tolerance of its authors' successors and at
+//! others.
 
-/// Part of the largest singular value up to which others are rounding: that of MATLAB's `pinv` for about 10^4 rows, by which
-/// the code published with the thesis approximates.
+/// Part of the largest singular value up to which others are rounding: that of MATLAB's `pinv` for
+/// about 10^4 rows, by which the code published with the thesis approximates.
 pub const ROUNDING: f64 = 2e-12;
 
 /// Tolerances that are tried beside the published one.
 pub const TOLERANCES: [f64; 11] =
     [ROUNDING, 1e-9, 1e-6, 1e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.2, 0.4];
 
-/// The tolerance of the published code for transfer with `k` eigenfunctions beside the constant: 2e-3 for each
-/// eigenfunction but two, the constant included.
+/// The tolerance of the published code for transfer with `k` eigenfunctions beside the constant:
+/// 2e-3 for each eigenfunction but two, the constant included.
 pub fn published(k: usize) -> f64 {
     2e-3 * (k as f64 - 1.0)
 }
@@ -30,7 +31,8 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Takes the columns of the tolerances off the end of each row of a table of errors, a row for each kind of function.
+    /// Takes the columns of the tolerances off the end of each row of a table of errors, a row for
+    /// each kind of function.
     pub fn split(published: f64, rows: &mut [Vec<f64>]) -> Self {
         let tolerances: Vec<f64> = tolerances(published).collect();
         let count = tolerances.len();

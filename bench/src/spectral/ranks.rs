@@ -1,4 +1,5 @@
-//! Figure 1.6: how many eigenproducts are linearly independent, beside a dense singular value decomposition.
+//! Figure 1.6: how many eigenproducts are linearly independent, beside a dense singular value
+//! decomposition.
 
 use catamaran::Par;
 use catamaran::faer::{Mat, Scale};
@@ -8,11 +9,12 @@ use catamaran::spectral::{Eigenproducts, Orthogonalization, ProductBasis, Produc
 use super::shapes::Shape;
 use crate::Result;
 
-/// Part of the norm that "ours*" drops a product at; that of a singular value, of columns of norm 1.
+/// Part of the norm that "ours*" drops a product at; that of a singular value, of columns of
+/// norm 1.
 const THRESHOLD: f64 = 1e-9;
 
-/// Numbers of products of at most `order` of `k` eigenfunctions: all, those of "ours*", those that the rank-revealing way
-/// keeps, and the numerical rank.
+/// Numbers of products of at most `order` of `k` eigenfunctions: all, those of "ours*", those that
+/// the rank-revealing way keeps, and the numerical rank.
 ///
 /// # Errors
 /// Those of the library.

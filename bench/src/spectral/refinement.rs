@@ -1,4 +1,5 @@
-//! Points found from few landmarks, by how the map is fitted and refined: ZoomOut in eigenproducts beside others.
+//! Points found from few landmarks, by how the map is fitted and refined: ZoomOut in eigenproducts
+//! beside others.
 
 use catamaran::Par;
 use catamaran::base::Progress;
@@ -9,17 +10,20 @@ use super::shapes::Pair;
 use super::transfer::fit;
 use crate::Result;
 
-/// Eigenfunctions beside the constant, the order of their products, and the eigenfunctions that ZoomOut ends with.
+/// Eigenfunctions beside the constant, the order of their products, and the eigenfunctions that
+/// ZoomOut ends with.
 const K: usize = 30;
 const ORDER: usize = 2;
 const ZOOM: usize = 100;
 /// Iterations of ICP, at most.
 const ITERATIONS: usize = 20;
 
-/// How maps are refined: not at all, by ICP, by ZoomOut in eigenfunctions and in products of the first ones.
+/// How maps are refined: not at all, by ICP, by ZoomOut in eigenfunctions and in products of the
+/// first ones.
 pub const REFINEMENTS: [&str; 4] = ["none", "icp", "zoomout", "products"];
 
-/// The mean distances of the points found from the true ones, as a part of the root of the area of the source, for each of
+/// The mean distances of the points found from the true ones, as a part of the root of the area of
+/// the source, for each of
 /// [`REFINEMENTS`]: of maps fitted without and with multiplications.
 ///
 /// # Errors

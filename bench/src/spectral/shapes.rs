@@ -172,7 +172,8 @@ impl Shapes {
         Ok(shapes)
     }
 
-    /// Two shapes with fine details, a statue and an animal, of `k` eigenfunctions each; none without data or when quick.
+    /// Two shapes with fine details, a statue and an animal, of `k` eigenfunctions each; none
+    /// without data or when quick.
     ///
     /// # Errors
     /// Those of the library.
@@ -231,8 +232,9 @@ impl Shapes {
         ["white", "pial", "inflated", "sphere"].into_iter().map(surface).collect()
     }
 
-    /// Pairs with different connections: poses of figures of different fineness, which correspond where they are nearest in
-    /// the same pose; with data, people and surfaces of a brain, one of them decimated.
+    /// Pairs with different connections: poses of figures of different fineness, which correspond
+    /// where they are nearest in the same pose; with data, people and surfaces of a brain, one of
+    /// them decimated.
     ///
     /// # Errors
     /// Those of the library.
@@ -260,8 +262,9 @@ impl Shapes {
         Ok(pairs)
     }
 
-    /// In place of the animals of SHREC'20: one pair for each of its five sets, from the most to the least isometric, and
-    /// one whose source lacks a part; all with different connections. None without data.
+    /// In place of the animals of SHREC'20: one pair for each of its five sets, from the most to
+    /// the least isometric, and one whose source lacks a part; all with different connections. None
+    /// without data.
     ///
     /// # Errors
     /// Those of the library.
@@ -284,8 +287,8 @@ impl Shapes {
         Ok(pairs)
     }
 
-    /// In place of the woman, man and gorilla of MISC: two people of different connections, and surfaces of a brain that
-    /// are far from isometric. None without data.
+    /// In place of the woman, man and gorilla of MISC: two people of different connections, and
+    /// surfaces of a brain that are far from isometric. None without data.
     ///
     /// # Errors
     /// Those of the library.

@@ -15,7 +15,8 @@ use crate::curves::Plot;
 const ORDER: usize = 2;
 const NOISE: [f64; 7] = [0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3];
 
-/// The errors of a pair with `k` eigenfunctions over the noise on C: of C, of O by equation 1.16 and of O by points.
+/// The errors of a pair with `k` eigenfunctions over the noise on C: of C, of O by equation 1.16
+/// and of O by points.
 ///
 /// # Errors
 /// Those of the library.
@@ -55,14 +56,16 @@ pub fn stability(pair: &Pair, k: usize) -> Result<Plot> {
     })
 }
 
-/// Eigenfunctions of the source beside the constant, for [`sizes`]; and those of the target for each of them.
+/// Eigenfunctions of the source beside the constant, for [`sizes`]; and those of the target for
+/// each of them.
 const KS: [usize; 6] = [5, 8, 11, 14, 17, 20];
 const RATIOS: [f64; 3] = [0.5, 1.0, 2.0];
 /// Eigenfunctions beside the constant that [`sizes`] needs.
 pub const MOST: usize = 40;
 
-/// Figure 1.10, right: the error of the images of Q under O by equation 1.16, from the true functional map, over the number
-/// of eigenfunctions on the source, for several ratios of those on the target to them.
+/// Figure 1.10, right: the error of the images of Q under O by equation 1.16, from the true
+/// functional map, over the number of eigenfunctions on the source, for several ratios of those on
+/// the target to them.
 ///
 /// # Errors
 /// Those of the library.

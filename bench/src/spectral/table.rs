@@ -24,8 +24,8 @@ pub struct Table {
 const PRODS: usize = 1;
 
 impl Table {
-    /// A table from errors whose last columns are those of "prods" by tolerance; `columns` and `thesis` are without
-    /// "best", the least of them, which goes after "prods".
+    /// A table from errors whose last columns are those of "prods" by tolerance; `columns` and
+    /// `thesis` are without "best", the least of them, which goes after "prods".
     pub fn new(
         (number, title): (&'static str, String),
         columns: &[&'static str],
@@ -47,7 +47,8 @@ impl Table {
         Self { number, title, columns, ours: errors, thesis, sweep }
     }
 
-    /// As text in Markdown: ours, with the thesis' in brackets, in per cent; then "prods" by tolerance.
+    /// As text in Markdown: ours, with the thesis' in brackets, in per cent; then "prods" by
+    /// tolerance.
     pub fn markdown(&self) -> String {
         let mut out = format!("**Table {}**: {}\n\n|  | ", self.number, self.title);
         out += &self.columns.join(" | ");

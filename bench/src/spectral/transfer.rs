@@ -218,15 +218,16 @@ fn landmarks(pair: &Pair) -> Vec<(u32, u32)> {
     samples.map(|v| (pair.truth[v as usize], v)).collect()
 }
 
-/// The functional map of [`fit`] with multiplications, made orthogonal by ICP, as the code published with the thesis
-/// does.
+/// The functional map of [`fit`] with multiplications, made orthogonal by ICP, as the code
+/// published with the thesis does.
 pub fn fitted(pair: &Pair, source: &Eigenbasis, target: &Eigenbasis) -> Result<Mat<f64>> {
     let c = fit(pair, source, target, true)?;
     Ok(icp(c.as_ref(), source.basis(), target.basis(), ICP, Par::all(), Progress::none())?.map)
 }
 
-/// The functional map between the first eigenfunctions, from descriptors, landmarks, and on request multiplications by
-/// functions around landmarks (the method of reference 194 of the thesis: Nogneng and Ovsjanikov 2017).
+/// The functional map between the first eigenfunctions, from descriptors, landmarks, and on request
+/// multiplications by functions around landmarks (the method of reference 194 of the thesis:
+/// Nogneng and Ovsjanikov 2017).
 pub fn fit(
     pair: &Pair,
     source: &Eigenbasis,

@@ -21,7 +21,8 @@ enum Source {
 
 use Source::{File, Made};
 
-/// Three that are generated, seven that are found through CATAMARAN_DATA: models, slivers, boundary, a million vertices.
+/// Three that are generated, seven that are found through CATAMARAN_DATA: models, slivers,
+/// boundary, a million vertices.
 const ALL: [(&str, Source); 10] = [
     ("torus", Made(|| families::torus(240, 100, 2.0, 0.8))),
     ("knot", Made(|| families::knot(2, 3, 600, 60, 0.3))),
@@ -35,7 +36,8 @@ const ALL: [(&str, Source); 10] = [
     ("white matter", File("mni152_wm1p24M.ply.xz")),
 ];
 
-/// The meshes, or those of these names; each is read when its turn comes. Without data only generated ones.
+/// The meshes, or those of these names; each is read when its turn comes. Without data only
+/// generated ones.
 ///
 /// # Errors
 /// A name that none has. Of the iterator: a file that can't be read.

@@ -77,7 +77,8 @@ pub struct Run {
     pub seconds: f64,
 }
 
-/// Generates `curves` curves on a mesh and reconstructs each from samples of every size and kind by every method.
+/// Generates `curves` curves on a mesh and reconstructs each from samples of every size and kind by
+/// every method.
 ///
 /// # Errors
 /// Those of the library.

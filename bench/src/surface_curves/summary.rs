@@ -5,8 +5,8 @@ use catamaran::curve::dataset::Sampling;
 use super::runs::{Method, Run, SIZES};
 use crate::curves::Plot;
 
-/// The thesis' tables 6.1 and 6.2, per cent in order, l = 1, 3, 5. In 6.2 the columns of numbers of samples are shifted by
-/// one in the text; here as they are printed, one to each number of samples.
+/// The thesis' tables 6.1 and 6.2, per cent in order, l = 1, 3, 5. In 6.2 the columns of numbers of
+/// samples are shifted by one in the text; here as they are printed, one to each number of samples.
 const THESIS: [[[f64; 7]; 3]; 2] = [
     [
         [33.54, 37.63, 43.15, 40.59, 45.88, 40.53, 41.90],

@@ -29,9 +29,9 @@ use crate::{backend, picture};
 
 /// Compute C = A^T A of a matrix in a file.
 ///
-/// Reads .npy, .mtx, .csv, .tsv and .txt, each also as .gz, and HDF5 where it is built in (FILE.h5:/dataset). Sparse
-/// .mtx files stay sparse. Files .npy and HDF5 are read once, block by block, while the last block is multiplied: they
-/// may be larger than memory.
+/// Reads .npy, .mtx, .csv, .tsv and .txt, each also as .gz, and HDF5 where it is built in
+/// (FILE.h5:/dataset). Sparse .mtx files stay sparse. Files .npy and HDF5 are read once, block by
+/// block, while the last block is multiplied: they may be larger than memory.
 #[derive(clap::Args)]
 pub struct Args {
     /// The matrix A, m x n.
@@ -59,8 +59,8 @@ pub struct Args {
     /// change C.
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
-    /// Keep each thread on one core: thread i on the i-th core of the affinity mask, which is that of
-    /// taskset or of the binding of mpirun. Does not change C.
+    /// Keep each thread on one core: thread i on the i-th core of the affinity mask, which is that
+    /// of taskset or of the binding of mpirun. Does not change C.
     #[arg(long)]
     pin: bool,
     /// Recursion.
@@ -91,8 +91,8 @@ pub struct Args {
     /// Write a heat map (PNG) of C, scaled to a unit diagonal.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// Memory to use at most; default four fifths of what is available. When C does not fit, A is read several times,
-    /// for some rows of C each time.
+    /// Memory to use at most; default four fifths of what is available. When C does not fit, A is
+    /// read several times, for some rows of C each time.
     #[arg(long, value_name = "GIB", value_parser = parse::gibibytes)]
     memory: Option<usize>,
     /// Rows of a block, two of which are in memory; default about 64 MiB. Changes last bits of C
@@ -300,8 +300,8 @@ impl Work<'_> {
         self.args.center || self.args.covariance
     }
 
-    /// The matrix, when it is sparse, its sparse product is the faster one, and is what was asked for: its sums are
-    /// those of the classical algorithm.
+    /// The matrix, when it is sparse, its sparse product is the faster one, and is what was asked
+    /// for: its sums are those of the classical algorithm.
     fn sparse(&self) -> Option<&CsMat<f64>> {
         let args = self.args;
         let exact = args.reproducible || args.accuracy == Accuracy::Max;

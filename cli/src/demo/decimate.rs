@@ -1,4 +1,5 @@
-//! The station of decimation: a figure with many vertices, by the thesis literally and by the default.
+//! The station of decimation: a figure with many vertices, by the thesis literally and by the
+//! default.
 
 use std::time::Instant;
 

@@ -1,4 +1,5 @@
-//! The station of the exact path: the same bytes in whatever order, and errors beside the classical ones.
+//! The station of the exact path: the same bytes in whatever order, and errors beside the classical
+//! ones.
 
 use std::thread;
 use std::time::Instant;

@@ -1,4 +1,5 @@
-//! The station of spectral unions: two parts of a figure in two poses, and the spectrum of what they make together.
+//! The station of spectral unions: two parts of a figure in two poses, and the spectrum of what
+//! they make together.
 
 use std::time::Instant;
 

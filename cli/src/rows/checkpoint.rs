@@ -105,7 +105,8 @@ pub struct Checkpoint {
 }
 
 impl Checkpoint {
-    /// Writes the file when it is time. A failure is told, and leaves the last file: the sums are still right.
+    /// Writes the file when it is time. A failure is told, and leaves the last file: the sums are
+    /// still right.
     pub fn after_block<T: BlasReal>(&mut self, sum: &Accumulator<T>) {
         if self.last.elapsed() < self.every || sum.rows() == sum.expected_rows() {
             return;

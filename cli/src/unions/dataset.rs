@@ -17,9 +17,10 @@ use crate::report::{report, seconds};
 
 /// Generate shapes, cut parts out of them, and write the spectra of parts and of their unions.
 ///
-/// Humanoids and creatures of random bones to train on, other humanoids and three more families to test with; see
-/// docs/algorithms/unions.md. Shapes that are done stay in the folder FILE.parts until the file is there; the same command
-/// goes on from it. The same options give the same file for any number of threads.
+/// Humanoids and creatures of random bones to train on, other humanoids and three more families to
+/// test with; see docs/algorithms/unions.md. Shapes that are done stay in the folder FILE.parts
+/// until the file is there; the same command goes on from it. The same options give the same file
+/// for any number of threads.
 #[derive(clap::Args)]
 pub struct Args {
     /// The data set: .npz, or .h5 where HDF5 is built in.
@@ -49,7 +50,8 @@ pub struct Args {
     /// Pairs of parts of a family.
     #[arg(long, value_name = "NUMBER")]
     pairs: Option<usize>,
-    /// Further shapes to train on, each a known humanoid in another pose, with other parts than all others.
+    /// Further shapes to train on, each a known humanoid in another pose, with other parts than all
+    /// others.
     #[arg(long, value_name = "NUMBER")]
     varied: Option<usize>,
     /// Bodies of random bones to train on.

@@ -34,8 +34,8 @@ pub struct Args {
     /// The weights: .safetensors.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Passes over the data in all; the rate falls over them. Default 40; with --resume that of the state, which may be given
-    /// more.
+    /// Passes over the data in all; the rate falls over them. Default 40; with --resume that of the
+    /// state, which may be given more.
     #[arg(long, value_name = "NUMBER")]
     epochs: Option<usize>,
     /// Stop after the epoch in which this time is over; --resume goes on.

@@ -60,7 +60,8 @@ fn demo_writes_a_page_whose_files_exist_and_replaces_only_its_own() {
         assert!(html.contains(&format!("<code>{scheme}</code>")), "{scheme}");
     }
     assert!(!html.contains("failed"), "a scheme failed its check");
-    // No other order of the work changes a byte of the exact product; one does of the classical one.
+    // No other order of the work changes a byte of the exact product; one does of the classical
+    // one.
     let shuffled = html.split("rows of A shuffled</td>").nth(1).expect("a row of the table");
     let mut cells = shuffled.split("<td>").skip(1).map(|cell| cell.split("</td>").next().unwrap());
     assert_ne!(cells.next(), Some("0"));

@@ -195,7 +195,8 @@ fn details_are_coordinates_or_heights() {
     assert_eq!(found.faces(), before.faces());
     let truth = |i: usize| before.vertices()[i];
     assert!(error(&found, &truth) < 0.05, "{}", error(&found, &truth));
-    // A smooth surface of as many functions as the transfer has is closer than one of the first ones.
+    // A smooth surface of as many functions as the transfer has is closer than one of the first
+    // ones.
     folder.succeed(&format!("{common} --details heights --smooth 1 -o flat.obj"));
     assert!(error(&vertices("flat.obj"), &truth) > error(&found, &truth));
     for picture in ["c.png", "h.png"] {
@@ -468,8 +469,8 @@ fn descriptors_are_tables_with_a_row_for_each_vertex_that_poses_do_not_change() 
     }
 }
 
-/// A surface without symmetry as modelling programs write it: quads with a fan of polygons at the ends, colours, and two
-/// copies as objects.
+/// A surface without symmetry as modelling programs write it: quads with a fan of polygons at the
+/// ends, colours, and two copies as objects.
 fn write_foreign_files(folder: &Folder) {
     const AROUND: usize = 12;
     const RINGS: usize = 6;

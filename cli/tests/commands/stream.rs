@@ -130,8 +130,8 @@ fn strips_of_the_exact_path_are_the_bytes_of_the_whole() {
     assert!(reads > 0, "or no strip was made");
 }
 
-/// Kills the program at moments that a seed gives, and goes on until it succeeds: the bytes of C must be
-/// those of a run without a stop.
+/// Kills the program at moments that a seed gives, and goes on until it succeeds: the bytes of C
+/// must be those of a run without a stop.
 fn kill_and_resume(kills: usize, seed: u64) {
     let folder = Folder::new();
     let (m, n) = (60_000, 30);

@@ -98,8 +98,8 @@ pub struct Attempt {
     pub has_failed: bool,
 }
 
-/// Runs a line with a limit and counts the outcome. What it leaves is whole, and all of it where the
-/// line succeeds.
+/// Runs a line with a limit and counts the outcome. What it leaves is whole, and all of it where
+/// the line succeeds.
 pub fn attempt(line: &str, limit: Limit, tally: &mut Tally, context: &str) -> Attempt {
     let folder = folder_for(line);
     let inputs = all_files(&folder.path("."));

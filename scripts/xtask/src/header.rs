@@ -12,8 +12,8 @@ pub const HEADER: Generated = Generated {
     generate,
 };
 
-/// A section of the header: its name among the groups of the documentation, and the files of src/capi
-/// that it is made of, one of which has its title, text and example in its `//!`.
+/// A section of the header: its name among the groups of the documentation, and the files of
+/// src/capi that it is made of, one of which has its title, text and example in its `//!`.
 pub struct Section {
     /// Of its group.
     pub name: &'static str,
@@ -96,8 +96,8 @@ fn generate(root: &Path) -> Result<String, String> {
     Ok(header + CLOSING)
 }
 
-/// The beginning of a section: a comment with its title, text and example, which opens a group of the
-/// documentation.
+/// The beginning of a section: a comment with its title, text and example, which opens a group of
+/// the documentation.
 fn opening(section: &Section, capi: &Path) -> Result<String, String> {
     let name = section.name;
     let mut source = None;
@@ -141,8 +141,8 @@ fn every_file_is_known(capi: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Comments as in C: in as few lines as they need, and without the sections that say the same to readers
-/// of Rust.
+/// Comments as in C: in as few lines as they need, and without the sections that say the same to
+/// readers of Rust.
 fn tidied(header: &str) -> String {
     let mut lines: Vec<&str> = Vec::new();
     let mut in_safety = false;
@@ -182,8 +182,8 @@ fn tidied(header: &str) -> String {
     tidy + rest
 }
 
-/// Comments of a constant, a field or a function behind it, where the line is wide enough; such constants
-/// and functions follow each other without a gap.
+/// Comments of a constant, a field or a function behind it, where the line is wide enough; such
+/// constants and functions follow each other without a gap.
 fn beside(header: &str) -> String {
     let mut lines: Vec<String> = Vec::new();
     for line in header.lines() {
@@ -215,7 +215,8 @@ fn beside(header: &str) -> String {
     lines.join("\n")
 }
 
-/// Declarations in as few lines of at most 100 columns as they take, with types by their names alone.
+/// Declarations in as few lines of at most 100 columns as they take, with types by their names
+/// alone.
 fn joined(header: &str) -> String {
     let mut text = String::new();
     let mut lines = header.lines();

@@ -1,6 +1,6 @@
-//! The minimum Rust version, as far as one toolchain can check it: no dependency of the library,
-//! of the command line or of the Python package asks for more. Clippy's `incompatible_msrv` watches our own code, and the
-//! hosted workflow builds with that very version.
+//! The minimum Rust version, as far as one toolchain can check it: no dependency of the library, of
+//! the command line or of the Python package asks for more. Clippy's `incompatible_msrv` watches
+//! our own code, and the hosted workflow builds with that very version.
 
 use std::path::Path;
 

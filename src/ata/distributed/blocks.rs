@@ -1,10 +1,11 @@
 //! Each rank has some columns of A: blocks of them travel so that each pair meets on one rank.
 //!
-//! Rank p sees the column blocks `p + D mod P`, D a [`difference_cover`], and computes for every difference
-//! one block of C (half of one for the difference P / 2, which two ranks see): all compute the same, and
-//! receive `(|D| - 1) m n / P` words, `m n / sqrt(P)` for perfect covers, which is the lower bound of
-//! the two-dimensional case. The triangle-block distribution of Al Daas, Ballard, Grigori, Kumar and
-//! Rouse (2023) is the same with other planes, for P = c (c + 1) only.
+//! Rank p sees the column blocks `p + D mod P`, D a [`difference_cover`], and computes for every
+//! difference one block of C (half of one for the difference P / 2, which two ranks see): all
+//! compute the same, and receive `(|D| - 1) m n / P` words, `m n / sqrt(P)` for perfect covers,
+//! which is the lower bound of the two-dimensional case. The triangle-block distribution of Al
+//! Daas, Ballard, Grigori, Kumar and Rouse (2023) is the same with other planes, for P = c (c + 1)
+//! only.
 
 use std::ops::Range;
 
@@ -73,7 +74,8 @@ impl Blocks {
         self.cover[1..].iter().map(move |c| (rank + c) % self.ranks()).filter(move |&r| r != rank)
     }
 
-    /// The ranks that must be sent the columns of `rank`, itself excluded: opposite to [`Blocks::sources`].
+    /// The ranks that must be sent the columns of `rank`, itself excluded: opposite to
+    /// [`Blocks::sources`].
     pub fn destinations(&self, rank: usize) -> impl Iterator<Item = usize> + '_ {
         let ranks = self.ranks();
         self.cover[1..].iter().map(move |c| (rank + ranks - c) % ranks).filter(move |&r| r != rank)
@@ -86,7 +88,8 @@ impl Blocks {
             let (x, y) = ((rank + a) % ranks, (rank + b) % ranks);
             let (left, right) = (x.max(y), x.min(y));
             let mut rows = self.columns(left);
-            // Half way around, the ranks p and p + P/2 have the same pair, one of them the other way round.
+            // Half way around, the ranks p and p + P/2 have the same pair, one of them the other
+            // way round.
             if d > 0 && 2 * d == ranks {
                 let middle = rows.start.midpoint(rows.end);
                 rows = if x < y { rows.start..middle } else { middle..rows.end };
@@ -121,9 +124,11 @@ impl Blocks {
 /// Rows that travel at once, at least: products with fewer are slow.
 const SHORTEST: usize = 256;
 
-/// Rows that travel at once, at least 1, when A is m x n and each rank sees the columns of `seen` ranks.
+/// Rows that travel at once, at least 1, when A is m x n and each rank sees the columns of `seen`
+/// ranks.
 pub(crate) fn piece_height(m: usize, n: usize, seen: usize) -> usize {
-    // Two pieces of all that is seen are as much as m + n / 2 rows of the own columns: its share of A and C.
+    // Two pieces of all that is seen are as much as m + n / 2 rows of the own columns: its share of
+    // A and C.
     let height = (m + n / 2) / (2 * seen);
     // And several pieces, so that one can hide behind another.
     height.min(m.div_ceil(4)).max(SHORTEST).next_multiple_of(64)

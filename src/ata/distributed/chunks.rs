@@ -1,10 +1,10 @@
 //! Each rank has some rows of A: the sum over the ranks of their products, reduced and scattered.
 //!
-//! The triangle is cut in chunks of rows so that the reduction of one can overlap the computation of the
-//! next. A chunk is reduced in `ceil(log2 P)` rounds on a circulant graph for any number P of ranks, and
-//! each rank sends every entry that is not its own exactly once: `(1 - 1/P)` of the triangle, which is
-//! the least possible. Source: J. L. Träff, "Optimal, non-pipelined reduce-scatter and allreduce
-//! algorithms" (2024).
+//! The triangle is cut in chunks of rows so that the reduction of one can overlap the computation
+//! of the next. A chunk is reduced in `ceil(log2 P)` rounds on a circulant graph for any number P
+//! of ranks, and each rank sends every entry that is not its own exactly once: `(1 - 1/P)` of the
+//! triangle, which is the least possible. Source: J. L. Träff, "Optimal, non-pipelined
+//! reduce-scatter and allreduce algorithms" (2024).
 
 use std::ops::Range;
 
@@ -19,15 +19,16 @@ pub struct Chunks {
     bounds: Vec<usize>,
 }
 
-/// Entries of C above which there are several chunks: 8 MiB of f64, whose reduction is worth hiding.
+/// Entries of C above which there are several chunks: 8 MiB of f64, whose reduction is worth
+/// hiding.
 const WHOLE: usize = 1 << 20;
 /// Rows of a chunk that products are still efficient on.
 const SHORTEST: usize = 128;
 
 impl Chunks {
-    /// The chunks for A m x n on `ranks >= 1` ranks, of about the same number of entries: the fewest, since products
-    /// are the faster the longer they are, for which a rank needs no more memory beside its share of A and C than that
-    /// share.
+    /// The chunks for A m x n on `ranks >= 1` ranks, of about the same number of entries: the
+    /// fewest, since products are the faster the longer they are, for which a rank needs no more
+    /// memory beside its share of A and C than that share.
     pub fn new(m: usize, n: usize, ranks: usize) -> Self {
         let share = (m as f64 * n as f64 + packed_len(n) as f64) / ranks as f64;
         let most = (n / (2 * SHORTEST)).max(1);
@@ -71,8 +72,8 @@ impl Chunks {
         (0..self.count()).map(|c| self.rows(c).len() * self.rows(c).end).max().unwrap_or(0)
     }
 
-    /// Entries that a rank needs beside its share: the panel that is computed, two chunks on their way, and half as much
-    /// as one for what comes.
+    /// Entries that a rank needs beside its share: the panel that is computed, two chunks on their
+    /// way, and half as much as one for what comes.
     pub fn scratch(&self) -> usize {
         let len = |chunk| packed_len(self.rows(chunk).end) - packed_len(self.rows(chunk).start);
         self.longest_panel() + (0..self.count()).map(len).max().unwrap_or(0) * 5 / 2
@@ -102,9 +103,10 @@ impl Chunks {
     }
 }
 
-/// One round of the reduction, for every rank r: it sends its sums for the ranks `r + i mod P`, `i` in
-/// `parts`, to rank `r + parts.start mod P`, and receives as many from rank `r - parts.start mod P`, which
-/// it adds to its sums for the ranks `r + i mod P`, `i` in `0..parts.len()`.
+/// One round of the reduction, for every rank r: it sends its sums for the ranks `r + i mod P`, `i`
+/// in `parts`, to rank `r + parts.start mod P`, and receives as many from rank
+/// `r - parts.start mod P`, which it adds to its sums for the ranks `r + i mod P`, `i` in
+/// `0..parts.len()`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Round {
     /// Which sums are sent, counted from the rank's own.

@@ -1,8 +1,9 @@
-//! What A^T A on many ranks costs, in each [`Mode`], beside the least possible: predicted from the plans, on a
-//! [`Machine`] of latency, bandwidth and speed.
+//! What A^T A on many ranks costs, in each [`Mode`], beside the least possible: predicted from the
+//! plans, on a [`Machine`] of latency, bandwidth and speed.
 //!
 //! Sources: H. Al Daas, G. Ballard, L. Grigori, S. Kumar and K. Rouse, "Parallel memory-independent
-//! communication bounds for SYRK" (SPAA 2023), theorem 1, for the lower bounds; thesis, proposition 8.3.
+//! communication bounds for SYRK" (SPAA 2023), theorem 1, for the lower bounds; thesis, proposition
+//! 8.3.
 
 use std::fmt;
 
@@ -67,11 +68,12 @@ pub enum Place {
     OneRank,
 }
 
-/// The least that some rank must communicate when work and storage are even, whatever the algorithm.
+/// The least that some rank must communicate when work and storage are even, whatever the
+/// algorithm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LowerBound {
-    /// Dimensions along which the work is cut where the bound is reached: 1, the rows of A; 2, rows and
-    /// columns of C; 3, all.
+    /// Dimensions along which the work is cut where the bound is reached: 1, the rows of A; 2, rows
+    /// and columns of C; 3, all.
     pub dimensions: u32,
     /// Words of A and C that the rank has to do with.
     pub accessed: f64,
@@ -104,13 +106,14 @@ pub fn lower_bound(ranks: usize, m: usize, n: usize) -> LowerBound {
     LowerBound { dimensions, accessed, words: (accessed - own).max(0.0) }
 }
 
-/// The least words that some rank sends or receives when every rank begins with `m / ranks` rows of A,
-/// and work and storage are even, whatever the algorithm; [`lower_bound`] lets A begin anywhere.
+/// The least words that some rank sends or receives when every rank begins with `m / ranks` rows of
+/// A, and work and storage are even, whatever the algorithm; [`lower_bound`] lets A begin anywhere.
 ///
-/// A rank that sums a part of C of c entries multiplies its own rows for nothing, `m c / ranks` products.
-/// A row of which it is sent f entries gives it at most `f^2 / 2` products, and no more than c, so at
-/// most `f sqrt(c / 2)`. It owes `m n^2 / (2 ranks)` products, and the sums beyond its share of C to
-/// others; what is sent is received, so the mean of both over the ranks is no less than the least over c.
+/// A rank that sums a part of C of c entries multiplies its own rows for nothing, `m c / ranks`
+/// products. A row of which it is sent f entries gives it at most `f^2 / 2` products, and no more
+/// than c, so at most `f sqrt(c / 2)`. It owes `m n^2 / (2 ranks)` products, and the sums beyond
+/// its share of C to others; what is sent is received, so the mean of both over the ranks is no
+/// less than the least over c.
 ///
 /// ```
 /// use catamaran::ata::distributed::{lower_bound, lower_bound_of_rows};
@@ -132,12 +135,12 @@ pub fn lower_bound_of_rows(ranks: usize, m: usize, n: usize) -> f64 {
     shares.map(least).fold(f64::INFINITY, f64::min)
 }
 
-/// Messages and words of process 0 of AtA-D, both ways, as proposition 8.3 says, with `m n` for the `n^2` of the
-/// parts of A.
+/// Messages and words of process 0 of AtA-D, both ways, as proposition 8.3 says, with `m n` for the
+/// `n^2` of the parts of A.
 ///
-/// The plan has as many messages where all levels are complete, but more words: the proposition counts one of
-/// the two operands of a product below the first level, and five of the six blocks that leave at the
-/// first, and the sum of its last term should go one level further.
+/// The plan has as many messages where all levels are complete, but more words: the proposition
+/// counts one of the two operands of a product below the first level, and five of the six blocks
+/// that leave at the first, and the sum of its last term should go one level further.
 ///
 /// ```
 /// use catamaran::ata::distributed::proposition_8_3;
@@ -169,8 +172,8 @@ pub struct Cost {
     pub messages: f64,
     /// Products of scalars.
     pub products: f64,
-    /// Words of memory: its part of A and C, what it receives, and scratch of the communication; not that of
-    /// the products.
+    /// Words of memory: its part of A and C, what it receives, and scratch of the communication;
+    /// not that of the products.
     pub memory: f64,
     /// Seconds, from where A is in this mode to where C is.
     pub seconds: f64,
@@ -310,8 +313,8 @@ fn pipeline(computation: f64, communication: f64, count: usize) -> f64 {
     (computation + communication) / count + computation.max(communication) * (count - 1.0) / count
 }
 
-/// Seconds of AtA-D: every owner sends its children their parts one after another, goes down itself, and
-/// receives their results in order.
+/// Seconds of AtA-D: every owner sends its children their parts one after another, goes down
+/// itself, and receives their results in order.
 ///
 /// ```
 /// use catamaran::ata::distributed::{Machine, TaskTree, simulate};
@@ -548,7 +551,8 @@ mod tests {
     #[test]
     fn a_simulated_tree_takes_what_can_be_counted_by_hand() {
         let machine = Machine { latency: 1.0, seconds_per_word: 0.5, flops: 2.0 };
-        // Process 0: C21, 4 x 4; process 1: both triangles, 10 entries each. Each is sent 8 x 4 words.
+        // Process 0: C21, 4 x 4; process 1: both triangles, 10 entries each. Each is sent 8 x 4
+        // words.
         let tree = TaskTree::new(8, 8, 2);
         let sent = 2.0 * (1.0 + 32.0 / 2.0);
         let own: f64 = sent + 16.0 * 8.0;

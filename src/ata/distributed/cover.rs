@@ -1,13 +1,14 @@
 //! Difference covers: few residues modulo P whose differences are all of them.
 //!
-//! When rank p holds the column blocks `p + D mod P`, every pair of blocks meets on some rank exactly if D is
-//! a difference cover. About `sqrt(P)` blocks are the least possible; perfect covers have
-//! `P = q^2 + q + 1` (the lines of a projective plane; Singer, 1938).
+//! When rank p holds the column blocks `p + D mod P`, every pair of blocks meets on some rank
+//! exactly if D is a difference cover. About `sqrt(P)` blocks are the least possible; perfect
+//! covers have `P = q^2 + q + 1` (the lines of a projective plane; Singer, 1938).
 
 /// The largest modulus for which the shortest cover is searched for.
 const SEARCHED: usize = 40;
 
-/// Residues modulo `ranks >= 1`, the first 0, ascending, such that every residue is a difference of two of them.
+/// Residues modulo `ranks >= 1`, the first 0, ascending, such that every residue is a difference of
+/// two of them.
 ///
 /// The shortest possible for up to 40 ranks; beyond that a ruler of B. Wichmann (1963), at most
 /// `1.25 sqrt(ranks) + 4` residues.
@@ -45,8 +46,8 @@ fn shortest(ranks: usize) -> Vec<usize> {
     unreachable!("all residues are a cover")
 }
 
-/// Extends `cover` to `len` residues that cover everything, if that is possible; `counts` says how often
-/// each difference occurs.
+/// Extends `cover` to `len` residues that cover everything, if that is possible; `counts` says how
+/// often each difference occurs.
 fn extend(cover: &mut Vec<usize>, counts: &mut [u32], len: usize) -> bool {
     let ranks = counts.len();
     let missing = counts.iter().filter(|&&count| count == 0).count();

@@ -1,11 +1,11 @@
-//! Block-cyclic matrices, as ScaLAPACK has them: blocks of rows and of columns are dealt out, like cards, to the
-//! rows and columns of a grid of processes.
+//! Block-cyclic matrices, as ScaLAPACK has them: blocks of rows and of columns are dealt out, like
+//! cards, to the rows and columns of a grid of processes.
 //!
 //! Source: J. Choi, J. Demmel, I. Dhillon et al., "ScaLAPACK: a portable linear algebra library for
 //! distributed memory computers" (1996), and its users' guide, section 4.3.
 //!
-//! [`Parts`] and [`Delivery`] are the ways from there to what a product needs, and back: who sends what to whom,
-//! in an order that both sides can list without talk.
+//! [`Parts`] and [`Delivery`] are the ways from there to what a product needs, and back: who sends
+//! what to whom, in an order that both sides can list without talk.
 
 use std::ops::Range;
 
@@ -171,8 +171,8 @@ impl Grid {
     }
 }
 
-/// A matrix whose rows and columns are dealt out to a [`Grid`]: entry (i, j) belongs to the rank in the row that
-/// has i and the column that has j.
+/// A matrix whose rows and columns are dealt out to a [`Grid`]: entry (i, j) belongs to the rank in
+/// the row that has i and the column that has j.
 ///
 /// The rank keeps its entries as a matrix of its rows and columns, in ascending order.
 ///
@@ -194,8 +194,8 @@ pub struct BlockCyclic {
 }
 
 impl BlockCyclic {
-    /// A matrix of `shape` in blocks of `block` rows and columns, the first of which is in row and column `first`
-    /// of the grid.
+    /// A matrix of `shape` in blocks of `block` rows and columns, the first of which is in row and
+    /// column `first` of the grid.
     ///
     /// # Errors
     /// [`Error::Argument`] for a block without rows or columns, or a `first` outside of the grid.
@@ -226,9 +226,9 @@ impl BlockCyclic {
 
     /// The matrix of a ScaLAPACK descriptor, and the leading dimension of its part on `rank`.
     ///
-    /// The nine numbers are DTYPE_ (1), CTXT_ (ignored: `grid` says it), M_, N_, MB_, NB_, RSRC_, CSRC_ and
-    /// LLD_, which is at least 1 and the rows of the part, and ignored on ranks outside of the grid. `what`
-    /// names the descriptor in errors.
+    /// The nine numbers are DTYPE_ (1), CTXT_ (ignored: `grid` says it), M_, N_, MB_, NB_, RSRC_,
+    /// CSRC_ and LLD_, which is at least 1 and the rows of the part, and ignored on ranks outside
+    /// of the grid. `what` names the descriptor in errors.
     ///
     /// # Errors
     /// [`Error::Argument`], which names the field.
@@ -314,9 +314,9 @@ pub enum Cut {
 
 /// A block-cyclic A, m x n, as about equal parts of rows, or of columns, one for each rank.
 ///
-/// Products don't mind the order of rows. They are counted here one row of the grid after another, so that
-/// the part of a rank and what another one holds have a contiguous piece in common, most rows stay in their row
-/// of the grid, and there is at most one message from each rank to another.
+/// Products don't mind the order of rows. They are counted here one row of the grid after another,
+/// so that the part of a rank and what another one holds have a contiguous piece in common, most
+/// rows stay in their row of the grid, and there is at most one message from each rank to another.
 ///
 /// ```
 /// use catamaran::ata::distributed::{BlockCyclic, Cut, Grid, GridOrder, Parts};
@@ -363,9 +363,9 @@ impl Piece {
 impl Parts {
     /// The cut after which fewer words travel.
     ///
-    /// On a grid of Q columns, P ranks in all, that is `m n / P (1 - 1/Q)` words for each rank and the reduction
-    /// of a triangle, `(1 - 1/P) n (n + 1) / 2`, for rows; `m n / P` and `(|D| - 1) m n / P` for columns, D a
-    /// [`difference_cover`].
+    /// On a grid of Q columns, P ranks in all, that is `m n / P (1 - 1/Q)` words for each rank and
+    /// the reduction of a triangle, `(1 - 1/P) n (n + 1) / 2`, for rows; `m n / P` and
+    /// `(|D| - 1) m n / P` for columns, D a [`difference_cover`].
     pub fn new(matrix: BlockCyclic, ranks: usize) -> Self {
         let (m, n) = matrix.shape();
         let entries = m as f64 * n as f64;
@@ -407,7 +407,8 @@ impl Parts {
         let m = self.matrix.rows.len;
         match (self.cut, self.matrix.grid.place(rank)) {
             (Cut::Columns, _) => 0..m,
-            // So that the ranks of one row of the grid follow each other, however they are numbered.
+            // So that the ranks of one row of the grid follow each other, however they are
+            // numbered.
             (Cut::Rows, Some((row, col))) => {
                 share(m, self.ranks, row * self.matrix.grid.cols + col)
             }

@@ -5,10 +5,11 @@ use std::ops::Range;
 use super::machine::Machine;
 use super::segment::packed_len;
 
-/// The rows of A, m x n, of each of `ranks >= 1` processes, in order; process 0 is the one that deals.
+/// The rows of A, m x n, of each of `ranks >= 1` processes, in order; process 0 is the one that
+/// deals.
 ///
-/// All are through at the same time on `machine`: process 0 sends nothing to itself, and so keeps more rows the
-/// slower messages are; all of them where sending costs more than computing.
+/// All are through at the same time on `machine`: process 0 sends nothing to itself, and so keeps
+/// more rows the slower messages are; all of them where sending costs more than computing.
 ///
 /// ```
 /// use catamaran::ata::distributed::{Machine, deal};
@@ -20,8 +21,8 @@ pub fn deal(ranks: usize, m: usize, n: usize, machine: &Machine) -> Vec<Range<us
     let others = ranks.saturating_sub(1);
     let compute = 2.0 * packed_len(n) as f64 / machine.flops;
     let travel = n as f64 * machine.seconds_per_word;
-    // Seconds of a row of process 0, and of one of each of the others: it arrives, is computed, or waits until those
-    // for the others have been sent.
+    // Seconds of a row of process 0, and of one of each of the others: it arrives, is computed, or
+    // waits until those for the others have been sent.
     let slowest = (travel + compute).max(others as f64 * travel);
     let kept = slowest / (slowest + others as f64 * compute);
     let kept = if kept.is_finite() { (m as f64 * kept).ceil() as usize } else { m };

@@ -3,8 +3,9 @@
 //! one; `mpi` executes them.
 //!
 //! Two ways leave the result distributed ([`Layout`]): rows of A summed chunk by chunk
-//! ([`Chunks`]), and columns of A exchanged so that each pair of them meets once ([`Blocks`]). From one rank and
-//! back to it there are that of the thesis ([`TaskTree`]) and dealing rows ([`deal()`]). [`choose`] says which is the fastest.
+//! ([`Chunks`]), and columns of A exchanged so that each pair of them meets once ([`Blocks`]). From
+//! one rank and back to it there are that of the thesis ([`TaskTree`]) and dealing rows
+//! ([`deal()`]). [`choose`] says which is the fastest.
 
 mod blocks;
 mod chunks;

@@ -1,13 +1,14 @@
-//! The task tree of AtA-D (thesis, sections 8.4.1 and 8.4.3): A is on one process, which distributes it
-//! down the tree; leaves multiply; results are added on the way up.
+//! The task tree of AtA-D (thesis, sections 8.4.1 and 8.4.3): A is on one process, which
+//! distributes it down the tree; leaves multiply; results are added on the way up.
 //!
 //! An inner node for a triangle of C has six children, four triangles and twice the block below the
-//! diagonal, once for each half of the rows; half of its processes take that block, which costs twice as
-//! much (alpha = 1/2). An inner node for a block has eight. Where the processes are too few for this, or the
-//! last level that equation 8.5 allows has more, the block is tiled as in AtA-S, so that nothing is added.
+//! diagonal, once for each half of the rows; half of its processes take that block, which costs
+//! twice as much (alpha = 1/2). An inner node for a block has eight. Where the processes are too
+//! few for this, or the last level that equation 8.5 allows has more, the block is tiled as in
+//! AtA-S, so that nothing is added.
 //!
-//! Departures: processes are numbered along the tree, not level by level as in figure 8.1; equation 8.5 is
-//! read in integers (decision 0009).
+//! Departures: processes are numbered along the tree, not level by level as in figure 8.1; equation
+//! 8.5 is read in integers (decision 0009).
 
 use std::ops::Range;
 
@@ -42,8 +43,8 @@ pub struct TreeNode {
     pub sums: Range<usize>,
     /// The node above; `None` for the root.
     pub parent: Option<usize>,
-    /// The nodes below, none for a leaf. Their blocks cover this one's; those of two children are disjoint, or
-    /// the same.
+    /// The nodes below, none for a leaf. Their blocks cover this one's; those of two children are
+    /// disjoint, or the same.
     pub children: Range<usize>,
     /// No sibling before this one has the same block.
     pub is_first: bool,
@@ -88,8 +89,8 @@ const SHORTEST_STRIP: usize = 1024;
 pub(crate) const RESULTS_AT_ONCE: usize = 2;
 
 impl TaskTree {
-    /// The tree for A m x n on `processes >= 1` processes. Process 0 owns the root. Where the matrix is too small for
-    /// all, some processes own nothing.
+    /// The tree for A m x n on `processes >= 1` processes. Process 0 owns the root. Where the
+    /// matrix is too small for all, some processes own nothing.
     pub fn new(m: usize, n: usize, processes: usize) -> Self {
         let task = Task { process: 0, triangle: true, rows: 0..n, cols: 0..n };
         let root = TreeNode { task, sums: 0..m, parent: None, children: 0..0, is_first: true };
@@ -145,8 +146,8 @@ impl TaskTree {
         node.parent.is_some_and(|parent| self.nodes[parent].task.process != node.task.process)
     }
 
-    /// What the owner of `node` sends down, in this order: the first strips of all children before the
-    /// second ones, so that everyone begins early.
+    /// What the owner of `node` sends down, in this order: the first strips of all children before
+    /// the second ones, so that everyone begins early.
     pub fn shipments(&self, node: &TreeNode) -> impl Iterator<Item = Shipment> {
         let children = node.children.clone();
         (0..STRIPS).flat_map(move |strip| {
@@ -269,8 +270,8 @@ pub fn levels(p: usize) -> usize {
     }
 }
 
-/// The part of equation 8.5 for the general block: `k + sign(p mod 8^max(k, 1))`, `k` the largest with
-/// `8^k <= p`, for `p >= 1`. One process too counts as a level: others have two.
+/// The part of equation 8.5 for the general block: `k + sign(p mod 8^max(k, 1))`, `k` the largest
+/// with `8^k <= p`, for `p >= 1`. One process too counts as a level: others have two.
 fn rectangle_levels(p: usize) -> usize {
     let k = p.ilog(8);
     k as usize + usize::from(!p.is_multiple_of(8_usize.pow(k.max(1))))
@@ -337,7 +338,8 @@ fn below_rectangle(node: &TreeNode, share: Range<usize>, depth: usize) -> Vec<Ch
 fn tiles(node: &TreeNode, tree: &Node, share: Range<usize>) -> Vec<Child> {
     let shifted = |range: &Range<usize>, by| range.start + by..range.end + by;
     let child = |task: &Task| {
-        // From behind: the block below the diagonal goes to the first processes, as in the levels above.
+        // From behind: the block below the diagonal goes to the first processes, as in the levels
+        // above.
         let process = share.end - 1 - task.process;
         let rows = shifted(&task.rows, node.task.rows.start);
         let cols = shifted(&task.cols, node.task.cols.start);
@@ -380,7 +382,8 @@ mod tests {
             let mut owned = vec![[0; 2]; p];
             leaves(&tree)
                 .for_each(|leaf| owned[leaf.task.process][usize::from(leaf.task.triangle)] += 1);
-            // One leaf each; where two processes are left for a triangle, one has both of its triangles.
+            // One leaf each; where two processes are left for a triangle, one has both of its
+            // triangles.
             let is_usual = |leaves: &[usize; 2]| [[1, 0], [0, 1], [0, 2]].contains(leaves);
             assert!(owned.iter().all(is_usual), "P = {p}");
         }

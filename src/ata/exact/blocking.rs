@@ -23,7 +23,8 @@ impl Blocking {
         Self::for_caches(data_caches(), left, right)
     }
 
-    /// The right panel takes two thirds of the first-level cache, the left side a quarter of the second.
+    /// The right panel takes two thirds of the first-level cache, the left side a quarter of the
+    /// second.
     fn for_caches([first, second]: [usize; 2], left: usize, right: usize) -> Self {
         let depth = (first / 3 * 2 / size_of::<Slice>()).clamp(1, DEPTH);
         let most_rows = (second / 4 / (depth * size_of::<Slice>())).max(1);

@@ -38,9 +38,9 @@ impl Columns {
         Self { exponents, non_finite: Vec::new(), wide }
     }
 
-    /// Chooses the powers so that the integers are as large as products of two columns allow: by the
-    /// Cauchy-Schwarz inequality those are below P/2. The norms are sums of integers, and so the same in
-    /// any order.
+    /// Chooses the powers so that the integers are as large as products of two columns allow: by
+    /// the Cauchy-Schwarz inequality those are below P/2. The norms are sums of integers, and so
+    /// the same in any order.
     pub fn new<T: Operand>(
         kernel: &dyn Kernel,
         a: MatRef<'_, T>,
@@ -101,7 +101,8 @@ impl Columns {
     }
 }
 
-/// The exponents of 16 columns from the bounds of their tiles; `None` for columns that are not finite.
+/// The exponents of 16 columns from the bounds of their tiles; `None` for columns that are not
+/// finite.
 fn combine<T: Operand>(
     norms: impl Iterator<Item = TileNorms> + Clone,
     limit: f64,
@@ -134,8 +135,8 @@ fn combine<T: Operand>(
     })
 }
 
-/// Calls `visit(tile, band, column)` for every tile of the bands and tile columns given, each once, from
-/// all threads; along the lines of the matrix.
+/// Calls `visit(tile, band, column)` for every tile of the bands and tile columns given, each once,
+/// from all threads; along the lines of the matrix.
 pub(super) fn for_tiles<T: Operand>(
     a: MatRef<'_, T>,
     bands: Range<usize>,

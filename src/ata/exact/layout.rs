@@ -1,5 +1,5 @@
-//! What the exact path will do, as data: which residues are in memory when, and which blocks of C are made of
-//! them. Shapes and counts only.
+//! What the exact path will do, as data: which residues are in memory when, and which blocks of C
+//! are made of them. Shapes and counts only.
 
 use std::ops::Range;
 
@@ -100,8 +100,8 @@ impl Layout {
         Self::within(None, sides, bytes, moduli, symmetric, same)
     }
 
-    /// The same in about `memory` bytes, if that is possible: half for the residues of the operands,
-    /// a quarter for those of C.
+    /// The same in about `memory` bytes, if that is possible: half for the residues of the
+    /// operands, a quarter for those of C.
     pub fn within(
         memory: Option<usize>,
         [m, n, k]: [usize; 3],

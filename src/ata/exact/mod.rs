@@ -1,10 +1,12 @@
-//! The exact path: A^T B in integers modulo small primes, as exact as its inputs' rounding to 55 bits.
+//! The exact path: A^T B in integers modulo small primes, as exact as its inputs' rounding to 55
+//! bits.
 //!
-//! Columns are scaled by powers of two and rounded to integers, products are computed modulo N numbers
-//! of 8 bits by the byte instructions of the CPU, and the Chinese remainder theorem gives the products
-//! back ("Ozaki scheme II", Ozaki, Uchino and Imamura 2025, here for symmetric products on CPUs). Everything
-//! between the two roundings is exact, so that the result is the same bytes for any number of threads, any
-//! order of blocks and any instruction set. See docs/algorithms/exact.md.
+//! Columns are scaled by powers of two and rounded to integers, products are computed modulo N
+//! numbers of 8 bits by the byte instructions of the CPU, and the Chinese remainder theorem gives
+//! the products back ("Ozaki scheme II", Ozaki, Uchino and Imamura 2025, here for symmetric
+//! products on CPUs). Everything between the two roundings is exact, so that the result is the same
+//! bytes for any number of threads, any order of blocks and any instruction set. See
+//! docs/algorithms/exact.md.
 
 mod blocking;
 mod clock;
@@ -94,8 +96,8 @@ fn batches(layout: &Layout) -> impl Iterator<Item = Batch> {
     layout.pairs().into_iter().flat_map(|pair| layout.batches(pair))
 }
 
-/// `C := alpha A^T B + beta C`; B is `None` for A^T A, and only the lower triangle is touched where the
-/// layout is symmetric.
+/// `C := alpha A^T B + beta C`; B is `None` for A^T A, and only the lower triangle is touched where
+/// the layout is symmetric.
 pub(crate) fn execute<T: Operand>(
     kernel: &dyn Kernel,
     layout: &Layout,

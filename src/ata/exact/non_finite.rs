@@ -1,5 +1,5 @@
-//! Entries of C that a NaN or an infinity of A or B reaches: what the classical algorithm gives, without
-//! its overflows.
+//! Entries of C that a NaN or an infinity of A or B reaches: what the classical algorithm gives,
+//! without its overflows.
 //!
 //! Every term that is not finite decides alone or with its opposite, so that the others need not be
 //! looked at. A term needs one infinite factor and the signs of both: a few bits of each entry say

@@ -42,8 +42,8 @@ impl Round<'_, '_> {
         self.left.extent().steps.len()
     }
 
-    /// Block `unit` of the product modulo the `l`-th number; the residues of the panels `i` of column
-    /// panel `j` go to `residues[place(i, j)]` and on.
+    /// Block `unit` of the product modulo the `l`-th number; the residues of the panels `i` of
+    /// column panel `j` go to `residues[place(i, j)]` and on.
     ///
     /// # Safety
     /// Nobody else uses these places meanwhile.

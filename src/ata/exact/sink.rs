@@ -17,8 +17,8 @@ pub(super) trait Sink: Sync {
     /// Whether the rows of the product lie side by side, so that blocks are best taken row by row.
     fn is_by_rows(&self) -> bool;
 
-    /// Takes the block of panels (i, j) from its residues, modulus by modulus. Those of the block that
-    /// follows are `next` blocks further on in memory.
+    /// Takes the block of panels (i, j) from its residues, modulus by modulus. Those of the block
+    /// that follows are `next` blocks further on in memory.
     ///
     /// # Safety
     /// No two calls at a time are for the same block.
@@ -171,8 +171,8 @@ pub(crate) fn triangle_len(rows: usize) -> usize {
     rows * (rows + 1) / 2
 }
 
-/// These rows of a triangle, whose entries lie one after another from those of the first row on, and
-/// their numbers.
+/// These rows of a triangle, whose entries lie one after another from those of the first row on,
+/// and their numbers.
 pub(crate) fn rows_of_triangle<T>(
     mut entries: &mut [T],
     rows: Range<usize>,

@@ -82,8 +82,8 @@ impl<'a> Residents<'a> {
         Self { stores: memory.map(Store::new), held: [None; 2] }
     }
 
-    /// The residues of both sides of a round, for the steps of `chunk`; `fill` computes those that are not
-    /// there.
+    /// The residues of both sides of a round, for the steps of `chunk`; `fill` computes those that
+    /// are not there.
     pub fn load(
         &mut self,
         layout: &Layout,

@@ -8,7 +8,8 @@ use super::*;
 use crate::base::{Arena, Par, Rng, Workspace};
 use crate::kernel::int8::tests::{PORTABLE, kernels};
 
-/// Uniform entries whose columns are scaled by `2^(spread * (j % 7))`, with zeros and a zero column.
+/// Uniform entries whose columns are scaled by `2^(spread * (j % 7))`, with zeros and a zero
+/// column.
 fn random<T: Operand>(m: usize, n: usize, spread: i32, seed: u64) -> Mat<T> {
     let mut rng = Rng::new(seed);
     Mat::from_fn(m, n, |i, j| {

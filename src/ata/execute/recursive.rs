@@ -317,7 +317,8 @@ mod tests {
         Mat::from_fn(m, n, |_, _| (rng.uniform() * 9.0).floor() - 4.0)
     }
 
-    /// Runs `op` by one table alone, with NaN in all scratch and in the triangle that is not wanted.
+    /// Runs `op` by one table alone, with NaN in all scratch and in the triangle that is not
+    /// wanted.
     fn check(id: SchemeId, op: Op, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
         let (m, n, k) = (a.nrows(), a.ncols(), b.ncols());
         let recursion = Recursion {

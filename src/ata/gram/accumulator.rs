@@ -102,13 +102,13 @@ impl<T: BlasReal> Accumulator<T> {
     }
 
     /// Of no rows, for all of C, in integers of 256 bits; about the mean when `centered`. Rows must
-    /// keep the bounds. [`Accumulator::finish_extended`] gives C in extended precision; otherwise it
-    /// is as [`Accumulator::exact`].
+    /// keep the bounds. [`Accumulator::finish_extended`] gives C in extended precision; otherwise
+    /// it is as [`Accumulator::exact`].
     ///
-    /// Entries are rounded to multiples of 2^-80 of the bounds of their column, which leaves those of
-    /// most data as they are; where [`RowBounds::of`] has found that all entries of the columns are
-    /// multiples of larger numbers, such as integers, shorter integers do, and the sums take less
-    /// time. Products with weights are not rounded.
+    /// Entries are rounded to multiples of 2^-80 of the bounds of their column, which leaves those
+    /// of most data as they are; where [`RowBounds::of`] has found that all entries of the columns
+    /// are multiples of larger numbers, such as integers, shorter integers do, and the sums take
+    /// less time. Products with weights are not rounded.
     ///
     /// ```
     /// use catamaran::ata::{Accumulator, RowBounds};
@@ -126,8 +126,8 @@ impl<T: BlasReal> Accumulator<T> {
     /// # Errors
     /// As [`Accumulator::exact`].
     pub fn extended(bounds: &RowBounds<T>, centered: bool) -> Result<Self> {
-        // Rows that are shifted may have more bits than an f64. No shift is needed: a column that is
-        // far from zero beside its deviations has entries of few bits below them.
+        // Rows that are shifted may have more bits than an f64. No shift is needed: a column that
+        // is far from zero beside its deviations has entries of few bits below them.
         let (n, grid) = (bounds.ncols(), Grid::new(bounds, Shift::No, true)?);
         Ok(Self::of(n, Sums::Extended(ExactSums::on(grid, 0..n, centered)?)))
     }
@@ -298,9 +298,9 @@ impl<T: BlasReal> Accumulator<T> {
         self.change(count, block, weights, true, &mut Pass::new(options)?)
     }
 
-    /// Adds the rows of a source, with their weights if they have any, in blocks; `options.progress` is
-    /// told the fraction of its rows. [`stream`](super::stream()) adds one source and can go on with it
-    /// after a stop; this adds any number of them.
+    /// Adds the rows of a source, with their weights if they have any, in blocks;
+    /// `options.progress` is told the fraction of its rows. [`stream`](super::stream()) adds one
+    /// source and can go on with it after a stop; this adds any number of them.
     ///
     /// ```
     /// use catamaran::ata::{Accumulator, DenseRows};
@@ -486,12 +486,13 @@ impl<T: BlasReal> Accumulator<T> {
         Ok(c)
     }
 
-    /// C in extended precision, about the mean when centred; the same, bit for bit, for every `par`.
+    /// C in extended precision, about the mean when centred; the same, bit for bit, for every
+    /// `par`.
     ///
     /// # Errors
-    /// [`Error::Argument`] when the accumulator is not one of [`Accumulator::extended`], or when the
-    /// weights of a mean sum to zero; [`Error::NonFinite`] for the first column (as index (0, j)) with
-    /// a NaN or an infinity; [`Error::OutOfMemory`].
+    /// [`Error::Argument`] when the accumulator is not one of [`Accumulator::extended`], or when
+    /// the weights of a mean sum to zero; [`Error::NonFinite`] for the first column (as index (0,
+    /// j)) with a NaN or an infinity; [`Error::OutOfMemory`].
     pub fn finish_extended(self, par: Par) -> Result<ExtendedGram> {
         match self.sums {
             Sums::Extended(sums) => sums.parts(par),

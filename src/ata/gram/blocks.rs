@@ -1,4 +1,5 @@
-//! One way through the rows of a source: block after block, the next one read while `work` has the last.
+//! One way through the rows of a source: block after block, the next one read while `work` has the
+//! last.
 
 use std::ops::ControlFlow;
 use std::sync::mpsc;
@@ -15,8 +16,9 @@ const BLOCKS_BYTES: usize = 128 << 20;
 /// Fewer rows do not pay for the pass over C that each block takes.
 const LEAST_ROWS: usize = 1024;
 
-/// Rows of a block of n columns: a multiple of 64, about 64 MiB. With weights there are three blocks, in the
-/// memory of two. Not a matter of threads or of the number of rows, or results would be.
+/// Rows of a block of n columns: a multiple of 64, about 64 MiB. With weights there are three
+/// blocks, in the memory of two. Not a matter of threads or of the number of rows, or results would
+/// be.
 ///
 /// ```
 /// use catamaran::ata::block_rows;
@@ -31,9 +33,10 @@ pub fn block_rows<T: Real>(n: usize, weighted: bool) -> usize {
     rows / 64 * 64
 }
 
-/// Calls `work(first, block)` with the rows from `start` on, `height` (>= 1) at a time, the last block with what
-/// is left; `block` holds row after row. Two blocks are allocated and no more; one where there is nothing to
-/// overlap: a single block, or [`Par::Seq`], which has no other thread to read.
+/// Calls `work(first, block)` with the rows from `start` on, `height` (>= 1) at a time, the last
+/// block with what is left; `block` holds row after row. Two blocks are allocated and no more; one
+/// where there is nothing to overlap: a single block, or [`Par::Seq`], which has no other thread to
+/// read.
 pub(crate) fn for_each_block<T: Real>(
     rows: &mut (dyn RowBlocks<T> + Send),
     start: usize,
@@ -60,7 +63,8 @@ pub(crate) fn for_each_block<T: Real>(
     Ok(())
 }
 
-/// [`for_each_block`] with a thread that reads; `Continue` when there is none to be had, nothing done.
+/// [`for_each_block`] with a thread that reads; `Continue` when there is none to be had, nothing
+/// done.
 fn overlapped<T: Real>(
     rows: &mut (dyn RowBlocks<T> + Send),
     start: usize,
@@ -96,8 +100,8 @@ fn overlapped<T: Real>(
             // Who is gone says why below.
             let _ = give.send(block);
         }
-        // Ends with the last block, with the first error, or with a panic of the source, which the end of the
-        // scope passes on.
+        // Ends with the last block, with the first error, or with a panic of the source, which the
+        // end of the scope passes on.
         let done = full.iter().try_for_each(|filled| {
             let (first, mut block): (usize, Scratch) = filled?;
             let count = height.min(m - first);

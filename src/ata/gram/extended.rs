@@ -12,8 +12,8 @@ use crate::kernel::int8::I256;
 #[derive(Debug, Clone)]
 pub struct ExtendedGram {
     n: usize,
-    /// The rows of the lower triangle, one after another: the bits of the parts of each entry where its
-    /// integer was, so that no memory is needed beside the sums.
+    /// The rows of the lower triangle, one after another: the bits of the parts of each entry where
+    /// its integer was, so that no memory is needed beside the sums.
     entries: Vec<I256>,
     about: About,
 }
@@ -31,8 +31,8 @@ pub(crate) struct About {
 }
 
 impl ExtendedGram {
-    /// A matrix (n x n) of sums, the rows of the lower triangle one after another: entry (i, j), for
-    /// `j <= i`, is `parts(i, j, sum)`.
+    /// A matrix (n x n) of sums, the rows of the lower triangle one after another: entry (i, j),
+    /// for `j <= i`, is `parts(i, j, sum)`.
     pub(crate) fn from_sums(
         n: usize,
         mut sums: Vec<I256>,
@@ -118,8 +118,8 @@ impl ExtendedGram {
         self.about.weight
     }
 
-    /// The (weighted) mean of each column in double-double, 0 for no rows; empty unless C is about the
-    /// mean.
+    /// The (weighted) mean of each column in double-double, 0 for no rows; empty unless C is about
+    /// the mean.
     pub fn mean(&self) -> &[[f64; 2]] {
         &self.about.mean
     }

@@ -55,8 +55,8 @@ const ZEROS: i32 = i32::MIN;
 pub struct RowBounds<T> {
     lower: Vec<T>,
     upper: Vec<T>,
-    /// Powers of two, or less, that all entries of a column are multiples of; infinite for zeros, and
-    /// 0 where nothing is known.
+    /// Powers of two, or less, that all entries of a column are multiples of; infinite for zeros,
+    /// and 0 where nothing is known.
     units: Vec<f64>,
     weight: Option<T>,
     rows: u64,

@@ -49,8 +49,9 @@ impl<T: Real> Moments<T> {
         Ok(Self { shift: shift.to_vec(), ..Self::new(shift.len(), false)? })
     }
 
-    /// Takes in `count` rows of `n` columns: subtracts the shift from them, adds them to the sums, and puts them
-    /// times their weights into `weighted`, of the same length when there are weights.
+    /// Takes in `count` rows of `n` columns: subtracts the shift from them, adds them to the sums,
+    /// and puts them times their weights into `weighted`, of the same length when there are
+    /// weights.
     pub fn take(
         &mut self,
         count: usize,
@@ -115,8 +116,8 @@ impl<T: Real> Moments<T> {
         self.sum.iter().zip(&self.shift).map(mean).collect()
     }
 
-    /// Turns C, the product of the shifted rows times `alpha`, into that of the rows less their mean. Row `i` of `c`
-    /// is row `first + i` of C, whose lower triangle is touched.
+    /// Turns C, the product of the shifted rows times `alpha`, into that of the rows less their
+    /// mean. Row `i` of `c` is row `first + i` of C, whose lower triangle is touched.
     ///
     /// # Errors
     /// As [`Moments::check_mean`].
@@ -134,7 +135,8 @@ impl<T: Real> Moments<T> {
     }
 }
 
-/// [`Error::Argument`] when `m` weights with this sum, and this sum of absolute values, have no mean.
+/// [`Error::Argument`] when `m` weights with this sum, and this sum of absolute values, have no
+/// mean.
 pub(crate) fn check_weight(m: f64, sum: f64, size: f64) -> Result<()> {
     if sum.abs() <= m * f64::EPSILON * size {
         return Err(Error::Argument { what: "weights", why: "they sum to zero: no mean".into() });

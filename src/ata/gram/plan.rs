@@ -10,8 +10,9 @@ use crate::ata::scratch_len;
 use crate::base::{Error, Result};
 use crate::blas::BlasReal;
 
-/// How an m x n matrix A will be streamed, as data: blocks, reads, memory. Beside the shape it depends on the memory
-/// allowed: C is computed in strips of rows, and each strip reads A once. The cut into blocks does not.
+/// How an m x n matrix A will be streamed, as data: blocks, reads, memory. Beside the shape it
+/// depends on the memory allowed: C is computed in strips of rows, and each strip reads A once. The
+/// cut into blocks does not.
 ///
 /// ```
 /// use catamaran::{AtaOptions, ata::StreamPlan};
@@ -38,11 +39,13 @@ pub struct StreamPlan {
 }
 
 impl StreamPlan {
-    /// The plan for A m x n in blocks of `rows` rows (`None`: [`block_rows`]) that takes at most `memory` bytes: C or
-    /// a strip of it, two blocks (three in the memory of two with weights), and the scratch of a product.
+    /// The plan for A m x n in blocks of `rows` rows (`None`: [`block_rows`]) that takes at most
+    /// `memory` bytes: C or a strip of it, two blocks (three in the memory of two with weights),
+    /// and the scratch of a product.
     ///
     /// # Errors
-    /// [`Error::Argument`] when the memory is less than one row of C needs, for `rows` 0, and for options out of range.
+    /// [`Error::Argument`] when the memory is less than one row of C needs, for `rows` 0, and for
+    /// options out of range.
     pub fn new<T: BlasReal>(
         m: usize,
         n: usize,

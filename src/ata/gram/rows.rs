@@ -89,11 +89,11 @@ fn weight_sums<T: Real>(m: usize, weights: Option<&[T]>) -> (f64, f64) {
 
 /// `C := alpha X^T W X + beta C`, where X are the rows less their centre and W the weights.
 ///
-/// Rows are read once, block by block, the next block by a thread of its own (unless `options.par` is
-/// [`Par::Seq`](crate::Par::Seq)). About the mean they are first taken about that of the first block, for stability.
-/// The extra memory is two blocks of rows, one more with weights, and the scratch of
-/// [`ata`](crate::ata()) for one. C is n x n. The result is the same, bit for bit, for every
-/// `options.par`. To keep, resume or merge sums there is [`stream`](super::stream()).
+/// Rows are read once, block by block, the next block by a thread of its own (unless `options.par`
+/// is [`Par::Seq`](crate::Par::Seq)). About the mean they are first taken about that of the first
+/// block, for stability. The extra memory is two blocks of rows, one more with weights, and the
+/// scratch of [`ata`](crate::ata()) for one. C is n x n. The result is the same, bit for bit, for
+/// every `options.par`. To keep, resume or merge sums there is [`stream`](super::stream()).
 ///
 /// On the exact path, when the options ask for it, rows are read twice, once for their bounds, and
 /// 16 bytes for each entry of a triangle of C are needed. The result then does not depend on the
@@ -115,9 +115,9 @@ fn weight_sums<T: Real>(m: usize, weights: Option<&[T]>) -> (f64, f64) {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] for C, the weights or the centre; [`Error::NonFinite`] for a weight or a centre;
-/// [`Error::Argument`] when the weights of a mean sum to zero; the errors of the source, after which
-/// C holds the blocks before; else as [`ata`](crate::ata()).
+/// [`Error::Shape`] for C, the weights or the centre; [`Error::NonFinite`] for a weight or a
+/// centre; [`Error::Argument`] when the weights of a mean sum to zero; the errors of the source,
+/// after which C holds the blocks before; else as [`ata`](crate::ata()).
 pub fn ata_rows<T: BlasReal>(
     alpha: T,
     rows: &mut (dyn RowBlocks<T> + Send),
@@ -196,9 +196,10 @@ fn exact_rows<T: BlasReal>(
 /// mean, and W the weights.
 ///
 /// Rows are read twice, block by block: once for their bounds, once for the sums of an
-/// [`Accumulator::extended`](super::Accumulator::extended). The result is the same, bit for bit, for
-/// every `options.par`, any order of the rows and any instruction set. Beside two blocks and the
-/// scratch of a product, 32 bytes for each entry of a triangle are needed, which the result keeps.
+/// [`Accumulator::extended`](super::Accumulator::extended). The result is the same, bit for bit,
+/// for every `options.par`, any order of the rows and any instruction set. Beside two blocks and
+/// the scratch of a product, 32 bytes for each entry of a triangle are needed, which the result
+/// keeps.
 ///
 /// ```
 /// use catamaran::ata::{DenseRows, RowOptions, ata_extended};
@@ -214,8 +215,9 @@ fn exact_rows<T: BlasReal>(
 /// ```
 ///
 /// # Errors
-/// [`Error::NonFinite`] for the weights and for the rows, before any product; [`Error::Shape`] for weights; [`Error::Argument`] for a given centre and for weights of
-/// a mean that sum to zero; the errors of the source; [`Error::OutOfMemory`], [`Error::Cancelled`].
+/// [`Error::NonFinite`] for the weights and for the rows, before any product; [`Error::Shape`] for
+/// weights; [`Error::Argument`] for a given centre and for weights of a mean that sum to zero; the
+/// errors of the source; [`Error::OutOfMemory`], [`Error::Cancelled`].
 pub fn ata_extended<T: BlasReal>(
     rows: &mut (dyn RowBlocks<T> + Send),
     row_options: &RowOptions<'_, T>,

@@ -7,8 +7,8 @@ pub(crate) trait SumInteger: Integer {
     /// Whether it is that of extended precision.
     const EXTENDED: bool;
 
-    /// `(self - a b 2^shift / w) 2^exponent`, rounded once; `None` when a number on the way has more
-    /// than 256 bits. `w` is not zero.
+    /// `(self - a b 2^shift / w) 2^exponent`, rounded once; `None` when a number on the way has
+    /// more than 256 bits. `w` is not zero.
     fn centered(self, sums: [i128; 2], shift: u32, w: i128, exponent: i32) -> Option<f64>;
 }
 
@@ -83,8 +83,8 @@ fn divided(n: Wide, shift: u32, d: u128) -> Wide {
     quotient
 }
 
-/// Quotient and remainder of `(rest 2^64 + word) / d`, for `rest` below d, whose first bit is set: a
-/// digit of a long division by two digits (Knuth 1997, volume 2, 4.3.1, algorithm D).
+/// Quotient and remainder of `(rest 2^64 + word) / d`, for `rest` below d, whose first bit is set:
+/// a digit of a long division by two digits (Knuth 1997, volume 2, 4.3.1, algorithm D).
 fn divided_digit(rest: u128, word: u64, d: u128) -> (u64, u128) {
     let [upper, lower] = [d >> 64, d & u128::from(u64::MAX)];
     // Too large by 2 at most.

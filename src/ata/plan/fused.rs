@@ -1,5 +1,5 @@
-//! A recursion flattened into products of signed sums of blocks, as data: what the native kernels run
-//! without scratch matrices. The sums are made while packing, the additions to C while writing.
+//! A recursion flattened into products of signed sums of blocks, as data: what the native kernels
+//! run without scratch matrices. The sums are made while packing, the additions to C while writing.
 
 use std::ops::Range;
 

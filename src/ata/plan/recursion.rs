@@ -15,14 +15,14 @@ pub(crate) struct Recursion {
     pub fast_levels: usize,
 }
 
-/// When a block is left to the back end: when the next level's blocks would have a side shorter than
-/// this (>= 1).
+/// When a block is left to the back end: when the next level's blocks would have a side shorter
+/// than this (>= 1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Base {
     /// For general products.
     pub general: usize,
-    /// For products of which the lower triangle is wanted: back ends need longer sides to be fast at
-    /// those.
+    /// For products of which the lower triangle is wanted: back ends need longer sides to be fast
+    /// at those.
     pub symmetric: usize,
 }
 

@@ -15,9 +15,9 @@ pub(super) enum Side {
     FromSecond,
 }
 
-/// A triangulation of the surface by straight lines over it, known by their lengths, and by their directions at vertices
-/// (Sharp, Soliman and Crane, Navigating Intrinsic Triangulations, 2019). Slot 3 f + i is the edge of face f from its corner i to
-/// the next one.
+/// A triangulation of the surface by straight lines over it, known by their lengths, and by their
+/// directions at vertices (Sharp, Soliman and Crane, Navigating Intrinsic Triangulations, 2019).
+/// Slot 3 f + i is the edge of face f from its corner i to the next one.
 pub(super) struct Intrinsic {
     tails: Vec<u32>,
     twins: Vec<u32>,
@@ -131,7 +131,8 @@ impl Intrinsic {
         !self.flipped[edge as usize]
     }
 
-    /// The slot of an edge that starts at a vertex; a slot of the face beside it when there is none at the boundary.
+    /// The slot of an edge that starts at a vertex; a slot of the face beside it when there is none
+    /// at the boundary.
     pub fn slot(&self, edge: u32, tail: u32) -> u32 {
         let slot = self.slots[edge as usize];
         let twin = self.twins[slot as usize];
@@ -144,7 +145,8 @@ impl Intrinsic {
         if a == vertex { b } else { a }
     }
 
-    /// The side on which two slots from one vertex enclose less than pi, if they do; none at the boundary, where paths stay.
+    /// The side on which two slots from one vertex enclose less than pi, if they do; none at the
+    /// boundary, where paths stay.
     pub fn wedge(&self, first: u32, second: u32, straight: f64) -> Option<Side> {
         let v = self.tails[first as usize];
         if v != self.tails[second as usize] || self.open[v as usize] {
@@ -161,8 +163,9 @@ impl Intrinsic {
         (angle < PI - straight).then_some(side)
     }
 
-    /// Flips edges at v between two of its edges, counter-clockwise, as long as the outer angle of one is less than pi, and
-    /// gives the edges of the outer arc, from the end of the first on; nothing when something is in the way.
+    /// Flips edges at v between two of its edges, counter-clockwise, as long as the outer angle of
+    /// one is less than pi, and gives the edges of the outer arc, from the end of the first on;
+    /// nothing when something is in the way.
     pub fn flip_out(&mut self, v: u32, from: u32, to: u32, straight: f64) -> Option<Vec<u32>> {
         // Every flip takes one edge from the wedge, and none comes.
         'again: loop {

@@ -1,9 +1,10 @@
-//! Geodesic smoothing by edge flips (Sharp and Crane, You Can Find Geodesic Paths in Triangle Meshes by Just Flipping Edges,
-//! 2020): a path shortens in an intrinsic triangulation whose vertices are those of the mesh, until it is straight at every
-//! vertex but the marked ones.
+//! Geodesic smoothing by edge flips (Sharp and Crane, You Can Find Geodesic Paths in Triangle
+//! Meshes by Just Flipping Edges, 2020): a path shortens in an intrinsic triangulation whose
+//! vertices are those of the mesh, until it is straight at every vertex but the marked ones.
 //!
-//! Departures: joints are taken in turn, not the sharpest first; a joint stays as it is where it could only be shortened
-//! onto a vertex of the curve itself, so that curves which don't meet don't meet afterwards either.
+//! Departures: joints are taken in turn, not the sharpest first; a joint stays as it is where it
+//! could only be shortened onto a vertex of the curve itself, so that curves which don't meet don't
+//! meet afterwards either.
 
 mod intrinsic;
 mod trace;
@@ -27,7 +28,8 @@ const STEPS: usize = 1000;
 /// Curves that are smooth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Smoothed {
-    /// For each curve its points, on the surface: vertices, and where it crosses edges; the first is not repeated.
+    /// For each curve its points, on the surface: vertices, and where it crosses edges; the first
+    /// is not repeated.
     pub points: Vec<Vec<[f64; 3]>>,
     /// For each curve where its points are on the mesh.
     pub waypoints: Vec<Vec<Waypoint>>,
@@ -40,9 +42,9 @@ pub struct Smoothed {
 }
 
 impl Reconstruction {
-    /// Shortens the curves to geodesics between their samples, as [`smooth()`] does: points and lengths are
-    /// those of the geodesics from then on, while [`Curve::path`] stays. Returns whether they are straight
-    /// but at samples; else 1,000 steps for each vertex were not enough.
+    /// Shortens the curves to geodesics between their samples, as [`smooth()`] does: points and
+    /// lengths are those of the geodesics from then on, while [`Curve::path`] stays. Returns
+    /// whether they are straight but at samples; else 1,000 steps for each vertex were not enough.
     ///
     /// - `mesh`, `samples`: those of the reconstruction.
     ///
@@ -75,8 +77,9 @@ pub(super) fn shorten(mesh: &TriMesh, curves: &mut [Curve], samples: &[u32]) -> 
     Ok(smoothed.converged)
 }
 
-/// Shortens curves along edges of `mesh` to geodesics between the vertices of `marked`, which they go on running through.
-/// At most `most_steps` joints are shortened. O(V + F), and then what the curves pass.
+/// Shortens curves along edges of `mesh` to geodesics between the vertices of `marked`, which they
+/// go on running through. At most `most_steps` joints are shortened. O(V + F), and then what the
+/// curves pass.
 ///
 /// ```
 /// use catamaran::curve::{CurveOptions, CurveSolver, smooth};
@@ -96,8 +99,9 @@ pub(super) fn shorten(mesh: &TriMesh, curves: &mut [Curve], samples: &[u32]) -> 
 ///
 /// # Errors
 /// [`Error::Mesh`] for a mesh that is not manifold, or whose faces do not agree on what is outside;
-/// [`Error::Argument`] for curves that are not along edges, or use a vertex twice; [`Error::NotConverged`] when what
-/// was found can't be drawn on the mesh without crossings, as on faces without area.
+/// [`Error::Argument`] for curves that are not along edges, or use a vertex twice;
+/// [`Error::NotConverged`] when what was found can't be drawn on the mesh without crossings, as on
+/// faces without area.
 pub fn smooth(
     mesh: &TriMesh,
     curves: &[Curve],

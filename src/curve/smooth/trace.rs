@@ -55,7 +55,8 @@ impl<'m> Tracer<'m> {
         self.mesh.vertices()[vertex as usize]
     }
 
-    /// The line from a vertex in a direction, as long as it is said to be, which ends at `target`; `None` when it does not.
+    /// The line from a vertex in a direction, as long as it is said to be, which ends at `target`;
+    /// `None` when it does not.
     pub fn trace(&self, from: u32, direction: f64, length: f64, target: u32) -> Option<Vec<Chord>> {
         let mut s = self.starts[from as usize];
         let total = self.totals[from as usize];

@@ -183,8 +183,8 @@ fn across(mesh: &TriMesh, uv: &Attribute<2>) -> Vec<u32> {
     across
 }
 
-/// 1 for a face whose corners go round counter-clockwise in the texture, -1 for clockwise, 0 for one
-/// without area there.
+/// 1 for a face whose corners go round counter-clockwise in the texture, -1 for clockwise, 0 for
+/// one without area there.
 fn turn(corners: [Uv; 3]) -> f64 {
     let [a, b, c] = corners;
     let square = |p: Uv, q: Uv| (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2);

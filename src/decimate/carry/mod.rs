@@ -22,10 +22,11 @@ impl Decimation {
     /// [`left_out`](Self::left_out) names.
     ///
     /// - Colours are those at the places of the vertices.
-    /// - Materials, groups and objects of a face are those of the input's face nearest to its middle.
+    /// - Materials, groups and objects of a face are those of the input's face nearest to its
+    ///   middle.
     /// - Texture coordinates come from the chart of that face. A corner beyond the chart has those
-    ///   of the chart's nearest point. A face that would be turned over by that, or
-    ///   stretched more than threefold, continues the texture of its face of the input in its plane.
+    ///   of the chart's nearest point. A face that would be turned over by that, or stretched more
+    ///   than threefold, continues the texture of its face of the input in its plane.
     ///
     /// ```
     /// use catamaran::decimate::{DecimateOptions, decimate};
@@ -58,8 +59,8 @@ impl Decimation {
         Ok(file)
     }
 
-    /// Returns the values at the places of the new vertices of functions that are linear on the faces of
-    /// `input`: `width` for each of its vertices, one vertex after the other.
+    /// Returns the values at the places of the new vertices of functions that are linear on the
+    /// faces of `input`: `width` for each of its vertices, one vertex after the other.
     ///
     /// ```
     /// use catamaran::{decimate::{DecimateOptions, decimate}, mesh::families};
@@ -73,8 +74,8 @@ impl Decimation {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Shape`] when `input` is not of the mesh that was decimated, or has not `width` values for
-    /// each vertex.
+    /// [`Error::Shape`] when `input` is not of the mesh that was decimated, or has not `width`
+    /// values for each vertex.
     pub fn carry_values(&self, input: &TriMesh, width: usize, values: &[f64]) -> Result<Vec<f64>> {
         self.check_mesh(input)?;
         let vertices = input.vertices().len();
@@ -90,8 +91,8 @@ impl Decimation {
         Ok(carried)
     }
 
-    /// Returns what of a file [`carry`](Self::carry) leaves out: names of attributes in plain words,
-    /// none where all is carried.
+    /// Returns what of a file [`carry`](Self::carry) leaves out: names of attributes in plain
+    /// words, none where all is carried.
     ///
     /// ```
     /// use catamaran::decimate::Decimation;

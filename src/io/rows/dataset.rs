@@ -143,7 +143,8 @@ impl DatasetRows {
             (true, false) => self.read_pieces::<T, f32>(rows, columns, out),
             (false, true) => self.read_pieces::<T, f64>(rows, columns, out),
         };
-        // First, for HDF5 takes what is missing at the end of a file for zeros, or stumbles over it.
+        // First, for HDF5 takes what is missing at the end of a file for zeros, or stumbles over
+        // it.
         self.stamp.check(&self.holder, fs::metadata(&self.holder))?;
         done
     }
@@ -228,8 +229,8 @@ impl DatasetRows {
             let memory = Datatype::from_type::<S>()?;
             ::hdf5::sync::sync(|| {
                 let default = ::hdf5_sys::h5p::H5P_DEFAULT;
-                // SAFETY: the handles are alive; HDF5 writes the selected entries only, those of the
-                // caller.
+                // SAFETY: the handles are alive; HDF5 writes the selected entries only, those of
+                // the caller.
                 let status = unsafe {
                     ::hdf5_sys::h5d::H5Dread(
                         self.dataset.id(),

@@ -24,18 +24,19 @@ use crate::base::{Error, Real, Result};
 /// A matrix in a file whose rows are read block by block, so that the matrix may be larger than
 /// memory. It can be sent to a thread that reads.
 ///
-/// - `NAME.npy`: two dimensions, or one (a column); f4, f8 and integers. In C order a block of whole
-///   rows is one piece of the file. In Fortran order it is one piece for every column, which is much
-///   slower when blocks are small.
+/// - `NAME.npy`: two dimensions, or one (a column); f4, f8 and integers. In C order a block of
+///   whole rows is one piece of the file. In Fortran order it is one piece for every column, which
+///   is much slower when blocks are small.
 /// - `NAME.h5:/path/to/dataset`, also `.hdf5` and `.he5` (feature `hdf5`): a dataset of two
-///   dimensions, or one (a column), of floats of 4 or 8 bytes or integers of 1 to 8. A packed
-///   chunk is unpacked once, however many blocks it spans, if a row of chunks takes at most 32 MiB. Datasets
-///   whose entries lie in other files (virtual, external) are refused: their changes would go
-///   unnoticed. `NAME.h5` alone means its only dataset of two dimensions.
+///   dimensions, or one (a column), of floats of 4 or 8 bytes or integers of 1 to 8. A packed chunk
+///   is unpacked once, however many blocks it spans, if a row of chunks takes at most 32 MiB.
+///   Datasets whose entries lie in other files (virtual, external) are refused: their changes would
+///   go unnoticed. `NAME.h5` alone means its only dataset of two dimensions.
 ///
 /// Rows go straight from the file into a destination of the precision of the file whose rows are
 /// contiguous; other destinations, and columns left out, go through a buffer of a few MiB. Entries
-/// are those that [`read`](super::read()) gives: f4 is exact in f32, all others are rounded to f64 first.
+/// are those that [`read`](super::read()) gives: f4 is exact in f32, all others are rounded to f64
+/// first.
 ///
 /// A file that is changed, shrinks or vanishes while it is read is an error; of a `.npy` that was
 /// replaced by another file of its name, the old rows are read.
@@ -124,9 +125,9 @@ impl RowFile {
         self.content.path()
     }
 
-    /// What tells these rows from others and from themselves after a change: canonical path, dataset,
-    /// shape, type, columns, size and time of modification of the file, in one line. Equal lines mean
-    /// the same rows, as far as the file system knows.
+    /// What tells these rows from others and from themselves after a change: canonical path,
+    /// dataset, shape, type, columns, size and time of modification of the file, in one line. Equal
+    /// lines mean the same rows, as far as the file system knows.
     pub fn identity(&self) -> String {
         let (m, n) = self.content.shape();
         let Range { start, end } = self.columns;

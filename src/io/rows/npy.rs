@@ -163,8 +163,8 @@ fn bytes_of<T: Real>(out: MatMut<'_, T>) -> Option<&mut [u8]> {
     let lines = height == 1 || out.row_stride() == width as isize;
     let entries = width == 1 || out.col_stride() == 1;
     let bytes = height * width * size_of::<T>();
-    // SAFETY: the entries fill this memory without a gap and are borrowed for as long as the result;
-    // they are f32 or f64, of which every pattern of bytes is a value.
+    // SAFETY: the entries fill this memory without a gap and are borrowed for as long as the
+    // result; they are f32 or f64, of which every pattern of bytes is a value.
     (lines && entries)
         .then(|| unsafe { std::slice::from_raw_parts_mut(out.as_ptr_mut().cast(), bytes) })
 }

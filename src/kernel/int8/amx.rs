@@ -1,5 +1,5 @@
-//! The kernel for AMX: tiles of 16 x 64 bytes, 16384 multiplications an instruction. The steps that are
-//! no products of tiles are those of the AVX-512 kernel.
+//! The kernel for AMX: tiles of 16 x 64 bytes, 16384 multiplications an instruction. The steps that
+//! are no products of tiles are those of the AVX-512 kernel.
 
 use std::arch::asm;
 use std::arch::x86_64::{__cpuid, __cpuid_count, _xgetbv};
@@ -135,14 +135,15 @@ impl Kernel for Amx {
         self.others.convert_f32(tile, powers, moduli, out, far);
     }
 
-    /// A left tile has the bytes of a column side by side: it is the right one's transpose, by dwords.
+    /// A left tile has the bytes of a column side by side: it is the right one's transpose, by
+    /// dwords.
     fn to_left(&self, right: &[Slice], left: &mut [Slice]) {
         self.others.transpose(right, left);
     }
 
     fn product(&self, operands: &Operands<'_>, residues: &mut [Block<i8>]) {
-        // SAFETY: `self` exists, so the CPU has the instructions. The session that the caller has to
-        // hold shapes the tiles; without one the CPU traps.
+        // SAFETY: `self` exists, so the CPU has the instructions. The session that the caller has
+        // to hold shapes the tiles; without one the CPU traps.
         unsafe { product(operands, residues) }
     }
 
@@ -188,8 +189,8 @@ impl Kernel for Amx {
     }
 }
 
-/// As [`Kernel::product`]. The sums of a pair of panels leave the tiles for the first-level cache; the
-/// vector units take their residues while the tiles multiply the next pair.
+/// As [`Kernel::product`]. The sums of a pair of panels leave the tiles for the first-level cache;
+/// the vector units take their residues while the tiles multiply the next pair.
 ///
 /// # Safety
 /// The CPU has AMX-INT8, and the tiles are configured.
@@ -213,7 +214,8 @@ unsafe fn product(operands: &Operands<'_>, residues: &mut [Block<i8>]) {
 /// Bytes of the next right panel that are fetched in one step: all of it during 16 products.
 const AHEAD: usize = 128;
 
-/// A quarter of a step of [`Reduction::reduce`]: row `$row` of four, in registers `$sum` and `$digits`.
+/// A quarter of a step of [`Reduction::reduce`]: row `$row` of four, in registers `$sum` and
+/// `$digits`.
 #[rustfmt::skip]
 macro_rules! first_sums {
     ($row:literal, $sum:literal, $digits:literal) => {
@@ -265,11 +267,12 @@ macro_rules! advance {
     };
 }
 
-/// The product of two panels into `sums`, while the sums there become the residues `before`. One block of
-/// assembly, since the compiler knows nothing of tiles: tmm0 to tmm3 hold the quarters of the sums, tmm4
-/// and tmm5 the left tiles, tmm6 and tmm7 the right ones.
+/// The product of two panels into `sums`, while the sums there become the residues `before`. One
+/// block of assembly, since the compiler knows nothing of tiles: tmm0 to tmm3 hold the quarters of
+/// the sums, tmm4 and tmm5 the left tiles, tmm6 and tmm7 the right ones.
 ///
-/// The left operand comes from the second-level cache, by loads that leave the right one in the first.
+/// The left operand comes from the second-level cache, by loads that leave the right one in the
+/// first.
 ///
 /// # Safety
 /// The CPU has AMX-INT8, the tiles are configured, and `left` and `right` have the same length, at
@@ -291,8 +294,8 @@ unsafe fn multiply(
     let residues = before.map_or(std::ptr::null_mut(), |block| block.as_mut_ptr());
     let wanted: u16 = if continued { !0 } else { 0 };
     let sums = sums.0.as_mut_ptr();
-    // SAFETY: reads `steps` steps of both operands, reads and writes the sums, and the residues where
-    // there are some; prefetches may go anywhere.
+    // SAFETY: reads `steps` steps of both operands, reads and writes the sums, and the residues
+    // where there are some; prefetches may go anywhere.
     unsafe {
         asm!(
             "tilezero tmm0",

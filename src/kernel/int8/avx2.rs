@@ -1,5 +1,5 @@
-//! The kernel for AVX2: products of 16-bit numbers, added in pairs. The other steps are the portable ones in
-//! wider registers.
+//! The kernel for AVX2: products of 16-bit numbers, added in pairs. The other steps are the
+//! portable ones in wider registers.
 
 use std::arch::x86_64::*;
 
@@ -111,8 +111,8 @@ impl Kernel for Avx2 {
     }
 }
 
-/// The biased digits of eight integers, in 16-bit numbers: first and third, and second and fourth, of
-/// each dword.
+/// The biased digits of eight integers, in 16-bit numbers: first and third, and second and fourth,
+/// of each dword.
 type Digits = [__m256i; 2];
 
 #[target_feature(enable = "avx2,fma")]
@@ -136,8 +136,8 @@ fn add_products(sums: __m256i, digits: Digits, weights: [__m256i; 2]) -> __m256i
     _mm256_add_epi32(sums, _mm256_add_epi32(even, odd))
 }
 
-/// Sums of digits (see [`Modulus`]) to residues, between -128 and 127. As floats they are exact, and
-/// the quotient is wrong by less than 2^-12.
+/// Sums of digits (see [`Modulus`]) to residues, between -128 and 127. As floats they are exact,
+/// and the quotient is wrong by less than 2^-12.
 #[target_feature(enable = "avx2,fma")]
 fn finish(sums: __m256i, p: i32) -> __m256i {
     let quotient = _mm256_mul_ps(_mm256_cvtepi32_ps(sums), _mm256_set1_ps(1.0 / p as f32));
@@ -249,7 +249,8 @@ fn residues<'m, const D: usize>(
     }
 }
 
-/// Low and high dwords of four numbers below 2^62 in magnitude, rounded to integers and biased by 2^63.
+/// Low and high dwords of four numbers below 2^62 in magnitude, rounded to integers and biased by
+/// 2^63.
 #[target_feature(enable = "avx2,fma")]
 fn split(values: __m256d) -> [__m128i; 2] {
     const UNIT: f64 = 4_294_967_296.0;

@@ -237,8 +237,8 @@ impl Reduction {
     }
 
     enabled! {
-        /// First sums (see [`Modulus`]) to residues: byte `16 l + 4 v + i` of the result is from lane
-        /// `4 l + i` of `sums[v]`.
+        /// First sums (see [`Modulus`]) to residues: byte `16 l + 4 v + i` of the result is from
+        /// lane `4 l + i` of `sums[v]`.
         #[inline]
         fn finish(&self, sums: [__m512i; 4]) -> __m512i {
             let [s0, s1, s2, s3] = sums;
@@ -265,8 +265,8 @@ fn dword(weights: &[i8]) -> i32 {
 }
 
 enabled! {
-    /// Byte `16 l + 4 v + i` to byte `16 l + 4 i + v`: turns the order of [`Reduction::finish`], with a row in each
-    /// of the four sums, into that of [`Residues`].
+    /// Byte `16 l + 4 v + i` to byte `16 l + 4 i + v`: turns the order of [`Reduction::finish`],
+    /// with a row in each of the four sums, into that of [`Residues`].
     fn rows_to_dwords(bytes: __m512i) -> __m512i {
         let order = _mm_setr_epi8(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15);
         _mm512_shuffle_epi8(bytes, _mm512_broadcast_i32x4(order))
@@ -477,8 +477,8 @@ const HELD: usize = 8;
 const CACHED: usize = 8;
 
 enabled! {
-    /// The sums of the product of two panels, of which the left one is biased by 128: `excess`, by which
-    /// each column is too large, is taken off.
+    /// The sums of the product of two panels, of which the left one is biased by 128: `excess`, by
+    /// which each column is too large, is taken off.
     fn multiply(left: &[Slice], right: &[Slice], excess: [__m512i; 2], sums: &mut Sums) {
         let start = excess.map(|excess| _mm512_sub_epi32(_mm512_setzero_si512(), excess));
         for row in sums.0.as_chunks_mut::<2>().0 {
@@ -560,7 +560,8 @@ enabled! {
     }
 }
 
-/// The three parts of 16 integers, as two vectors each (see [`integers`](super::recombine::integers)).
+/// The three parts of 16 integers, as two vectors each (see
+/// [`integers`](super::recombine::integers)).
 type Parts = [[__m512d; 2]; 3];
 
 enabled! {
@@ -607,7 +608,8 @@ enabled! {
 }
 
 enabled! {
-    /// Eight integers of least magnitude from their parts, which may lack multiples of P, rounded once.
+    /// Eight integers of least magnitude from their parts, which may lack multiples of P, rounded
+    /// once.
     #[inline]
     fn combine(parts: [__m512d; 3], moduli: &Moduli) -> __m512d {
         let inverse = _mm512_set1_pd(moduli.inverse);

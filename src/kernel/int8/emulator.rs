@@ -23,9 +23,10 @@ thread_local! {
 pub(super) fn amx() -> Result<&'static Amx, &'static str> {
     static AMX: OnceLock<Result<Amx, &'static str>> = OnceLock::new();
     let install = || {
-        // SAFETY: the action is fully initialised, and the handler has the three arguments that SA_SIGINFO
-        // promises. It runs on the stack of the instruction that trapped, which has no red zone left: the
-        // assembly of the kernel is one block that the compiler keeps its locals away from.
+        // SAFETY: the action is fully initialised, and the handler has the three arguments that
+        // SA_SIGINFO promises. It runs on the stack of the instruction that trapped, which has no
+        // red zone left: the assembly of the kernel is one block that the compiler keeps its locals
+        // away from.
         unsafe {
             let mut action: libc::sigaction = std::mem::zeroed();
             action.sa_sigaction = handler as *const () as usize;
@@ -38,7 +39,8 @@ pub(super) fn amx() -> Result<&'static Amx, &'static str> {
 }
 
 extern "C" fn handler(_signal: c_int, _info: *mut siginfo_t, context: *mut c_void) {
-    // SAFETY: the system hands over the registers of the interrupted thread, alone ours until we return.
+    // SAFETY: the system hands over the registers of the interrupted thread, alone ours until we
+    // return.
     let registers = unsafe { &mut (*context.cast::<ucontext_t>()).uc_mcontext.gregs };
     let at = registers[libc::REG_RIP as usize] as *const u8;
     // SAFETY: the longest encoding is ten bytes, and code goes on after these instructions.

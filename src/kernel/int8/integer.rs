@@ -137,8 +137,8 @@ impl I256 {
         })
     }
 
-    /// The three parts by sums in f64, several times as fast; `None` when one of them is near a tie,
-    /// which such sums break without a look at what is far below.
+    /// The three parts by sums in f64, several times as fast; `None` when one of them is near a
+    /// tie, which such sums break without a look at what is far below.
     #[inline(always)]
     fn summed_parts(self) -> Option<[f64; 3]> {
         const PIECES: usize = 8;

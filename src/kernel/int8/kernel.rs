@@ -109,8 +109,8 @@ impl Drop for Session {
     }
 }
 
-/// [`Kernel::product`] of kernels that keep the sums of two panels in memory: `add` adds the product
-/// of two panels to sums, `reduce` takes residues of sums.
+/// [`Kernel::product`] of kernels that keep the sums of two panels in memory: `add` adds the
+/// product of two panels to sums, `reduce` takes residues of sums.
 #[inline(always)]
 pub(super) fn product_by_pairs(
     operands: &Operands<'_>,

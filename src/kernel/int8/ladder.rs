@@ -57,8 +57,8 @@ impl Ladder {
     /// Measures each rung for about a tenth of a second: the fastest of several runs.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`](crate::Error::OutOfMemory); it takes 600 MiB. A refused instruction set
-    /// ([`Isa::refusal`]) is measured as the portable one.
+    /// [`Error::OutOfMemory`](crate::Error::OutOfMemory); it takes 600 MiB. A refused instruction
+    /// set ([`Isa::refusal`]) is measured as the portable one.
     ///
     /// ```no_run
     /// use catamaran::kernel::int8::{Isa, Ladder};

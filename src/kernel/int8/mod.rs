@@ -2,8 +2,8 @@
 //!
 //! Integers up to 2^80 in magnitude are taken modulo up to 28 numbers of 8 bits, the residues are
 //! multiplied by byte instructions with 32-bit sums, and the Chinese remainder theorem gives the
-//! products back (Ozaki, Uchino and Imamura 2025, "Ozaki scheme II"). Since nothing is rounded, every
-//! [`Isa`] computes the same bytes, and so does any order of work.
+//! products back (Ozaki, Uchino and Imamura 2025, "Ozaki scheme II"). Since nothing is rounded,
+//! every [`Isa`] computes the same bytes, and so does any order of work.
 
 #[cfg(target_arch = "x86_64")]
 mod amx;
@@ -83,7 +83,8 @@ impl Isa {
         }
     }
 
-    /// What the planner assumes of it. Estimates, as fast beside the rates of back ends as measured.
+    /// What the planner assumes of it. Estimates, as fast beside the rates of back ends as
+    /// measured.
     pub(crate) fn rates(self) -> Rates {
         match self {
             Self::Amx => Rates { products: 1.8e12, conversions: 6e9, recombinations: 3e9 },
@@ -108,8 +109,8 @@ impl Isa {
     }
 }
 
-/// Speed of one core, per second: multiplications of residues, conversions to a residue, and residues
-/// recombined.
+/// Speed of one core, per second: multiplications of residues, conversions to a residue, and
+/// residues recombined.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rates {
     pub products: f64,

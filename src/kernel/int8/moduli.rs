@@ -14,8 +14,8 @@ pub(crate) const MOST_MODULI: usize = 28;
 #[cfg(test)]
 pub(crate) const MOST_FLOAT_MODULI: usize = 15;
 
-/// Bits of each part of a number modulo P. Sums of 15 residues times a part stay below 2^52, so that they
-/// are exact in f64, and so is what is left of two such sums.
+/// Bits of each part of a number modulo P. Sums of 15 residues times a part stay below 2^52, so
+/// that they are exact in f64, and so is what is left of two such sums.
 const PART_BITS: u32 = 41;
 
 /// Bits of the lower word of a wide number, which is signed; the higher one has 32.
@@ -34,8 +34,8 @@ pub(super) const LIMBS: usize = 6;
 /// One modulus, and how to reduce to it by dot products of bytes.
 ///
 /// A number is biased to be unsigned; its bytes are digits to the base 256. The dot product of the
-/// digits with `256^i mod p`, plus a constant, is congruent to the number and lies in `[0, 2^20)`. A second
-/// such product of the three bytes of that brings it to 16 bits, and a Barrett step to 8.
+/// digits with `256^i mod p`, plus a constant, is congruent to the number and lies in `[0, 2^20)`.
+/// A second such product of the three bytes of that brings it to 16 bits, and a Barrett step to 8.
 #[derive(Debug, Clone)]
 pub(crate) struct Modulus {
     /// 129..=256.
@@ -115,7 +115,8 @@ pub(crate) struct Moduli {
     pub product: [f64; 3],
     /// 1 / P, rounded.
     pub inverse: f64,
-    /// Norms up to this: the product of two is below P/2, with a margin for the rounding of quotients.
+    /// Norms up to this: the product of two is below P/2, with a margin for the rounding of
+    /// quotients.
     pub largest_norm: f64,
 }
 

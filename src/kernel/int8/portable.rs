@@ -159,8 +159,8 @@ pub(super) fn reduce(sums: &Block<i32>, modulus: &Modulus, out: &mut Block<i8>) 
     }
 }
 
-/// A sum of digits (see [`Modulus`]) to its residue, between -128 and 127. As a float it is exact, and the
-/// quotient is wrong by less than 2^-12.
+/// A sum of digits (see [`Modulus`]) to its residue, between -128 and 127. As a float it is exact,
+/// and the quotient is wrong by less than 2^-12.
 #[inline(always)]
 fn finish(sum: i32, p: i32) -> i8 {
     let quotient = (sum as f32 * (1.0 / p as f32)).round_ties_even() as i32;

@@ -23,8 +23,8 @@ pub(crate) fn integers<I: Integer>(
     );
 }
 
-/// [`integers`] of L limbs: `V = sum residue * unit` is congruent to R, so `R = V - round(V / P) P`,
-/// limb by limb.
+/// [`integers`] of L limbs: `V = sum residue * unit` is congruent to R, so
+/// `R = V - round(V / P) P`, limb by limb.
 #[inline(always)]
 fn integers_of<I: Integer, const L: usize>(
     residues: &[&Quarter<i8>],
@@ -60,9 +60,9 @@ fn integers_of<I: Integer, const L: usize>(
 
 /// The three parts of the integers of row `i` of a quarter.
 ///
-/// `V = sum residue * unit` is congruent to R; so `R = V - round(V / P) P`. Each of the three parts of
-/// the sum and of the product has fewer than 53 bits, so that they and their differences are exact,
-/// with fused multiplications or without (`FUSED`).
+/// `V = sum residue * unit` is congruent to R; so `R = V - round(V / P) P`. Each of the three parts
+/// of the sum and of the product has fewer than 53 bits, so that they and their differences are
+/// exact, with fused multiplications or without (`FUSED`).
 #[inline(always)]
 fn row<const FUSED: bool>(
     residues: &[&Quarter<i8>],

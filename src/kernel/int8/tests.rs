@@ -63,7 +63,8 @@ fn place<T: Copy>(block: &Block<T>, i: usize, j: usize) -> T {
     block[2 * (i / WIDTH) + j / WIDTH][i % WIDTH][j % WIDTH]
 }
 
-/// Multiplies `panels` panels, one after another in `left`, by `right`; old residues are kept if `continued`.
+/// Multiplies `panels` panels, one after another in `left`, by `right`; old residues are kept if
+/// `continued`.
 fn check_product(
     (name, kernel): (&str, &dyn Kernel),
     modulus: &Modulus,

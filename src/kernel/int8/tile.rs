@@ -10,8 +10,8 @@ pub(crate) const STEP: usize = 64;
 pub(crate) const WIDTH: usize = 16;
 /// Columns of a panel: two tiles.
 pub(crate) const PANEL: usize = 2 * WIDTH;
-/// The most steps of one product: a panel of the right side stays in the first-level cache, and sums
-/// of 1024 products of residues stay below 2^25.
+/// The most steps of one product: a panel of the right side stays in the first-level cache, and
+/// sums of 1024 products of residues stay below 2^25.
 pub(crate) const DEPTH: usize = 16;
 /// 16 x 16 entries of C, row by row.
 pub(crate) type Quarter<T> = [[T; WIDTH]; WIDTH];
@@ -23,8 +23,8 @@ pub(crate) type Block<T> = [Quarter<T>; 4];
 #[repr(C, align(64))]
 pub(crate) struct Tile<T>(pub [[T; WIDTH]; STEP]);
 
-/// Residues of a tile modulo one number, as a right operand: dword `16 r + j` holds column `j` of rows
-/// `4 r .. 4 r + 4`.
+/// Residues of a tile modulo one number, as a right operand: dword `16 r + j` holds column `j` of
+/// rows `4 r .. 4 r + 4`.
 pub(crate) type Residues = [i8; STEP * WIDTH];
 /// One step of a panel: its two tiles.
 pub(crate) type Slice = [Residues; 2];
@@ -87,7 +87,8 @@ pub(crate) fn fetch_lines<T>(at: *const T, count: usize) {
     let _ = (at, count);
 }
 
-/// Powers of two, one per column of a tile, in two factors: `2^exponent` alone may be no finite number.
+/// Powers of two, one per column of a tile, in two factors: `2^exponent` alone may be no finite
+/// number.
 #[derive(Clone)]
 #[repr(C, align(64))]
 pub(crate) struct Powers<T> {
@@ -123,8 +124,8 @@ pub(crate) fn scaled(value: f64, exponent: i32) -> f64 {
 /// Bounds of the columns of a tile, of which norms are made in any order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TileNorms {
-    /// The largest exponent: every entry is below 2^e. [`EMPTY`] for zeros, [`NON_FINITE`] when an entry
-    /// is NaN or infinite.
+    /// The largest exponent: every entry is below 2^e. [`EMPTY`] for zeros, [`NON_FINITE`] when an
+    /// entry is NaN or infinite.
     pub exponents: [i32; WIDTH],
     /// The sum of the squares of the entries, divided by 2^(e - 20) and rounded up to integers.
     pub squares: [f64; WIDTH],
@@ -141,8 +142,8 @@ pub(crate) const NORM_BITS: i32 = 20;
 /// The bits of an f64 without its sign.
 pub(super) const MAGNITUDE: u64 = !0 >> 1;
 
-/// [`TileNorms::exponents`] from the bits of the largest magnitude of each column, and the powers that
-/// its entries are multiplied by before they are rounded up.
+/// [`TileNorms::exponents`] from the bits of the largest magnitude of each column, and the powers
+/// that its entries are multiplied by before they are rounded up.
 #[inline(always)]
 pub(super) fn norm_exponents(largest: [u64; WIDTH]) -> ([i32; WIDTH], Powers<f64>) {
     const INFINITY: u64 = 0x7ff << 52;
@@ -156,7 +157,8 @@ pub(super) fn norm_exponents(largest: [u64; WIDTH]) -> ([i32; WIDTH], Powers<f64
     (exponents, Powers::new(exponents.map(known)))
 }
 
-/// The bounds of the columns of a tile. All sums are exact, so that every instruction set finds the same.
+/// The bounds of the columns of a tile. All sums are exact, so that every instruction set finds the
+/// same.
 #[inline(always)]
 pub(crate) fn tile_norms<T: Real>(tile: &Tile<T>) -> TileNorms {
     let mut largest = [0; WIDTH];

@@ -8,11 +8,11 @@ use crate::base::data_caches;
 /// Extents of the pieces of a product.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Blocking {
-    /// Rows of the sources that a tile takes without a pause: the left side of a row of tiles stays in
-    /// the first-level cache, and sums stay short.
+    /// Rows of the sources that a tile takes without a pause: the left side of a row of tiles stays
+    /// in the first-level cache, and sums stay short.
     pub depth: usize,
-    /// Panels along each side of an item, the piece of a product that one thread takes: its sums and
-    /// its right side stay in the second-level cache.
+    /// Panels along each side of an item, the piece of a product that one thread takes: its sums
+    /// and its right side stay in the second-level cache.
     pub panels: usize,
     /// Rows of the sources that are packed at a time.
     pub chunk: usize,

@@ -1,9 +1,9 @@
 //! Packed products of floating-point matrices: the arithmetic of the native path.
 //!
-//! Both sides of a product are packed into panels of the same width, so that one packing of A serves
-//! both sides of A^T A. Packing reads a signed sum of blocks, and a finished tile is added to several
-//! blocks of C: levels of a fast scheme cost no scratch matrices (docs/algorithms/ata.md). Narrow
-//! matrices stored by rows are not packed but read in place.
+//! Both sides of a product are packed into panels of the same width, so that one packing of A
+//! serves both sides of A^T A. Packing reads a signed sum of blocks, and a finished tile is added
+//! to several blocks of C: levels of a fast scheme cost no scratch matrices
+//! (docs/algorithms/ata.md). Narrow matrices stored by rows are not packed but read in place.
 //!
 //! The algorithm (`pack`, `tile`, `in_place`, `write`) is written once in terms of `vectors`, and
 //! instantiated for each instruction set (`kernel`, `portable`, `x86`). `schedule` runs it on many

@@ -55,8 +55,8 @@ fn aligned<'a, T: Real>(arena: &mut Arena<'a, T>, len: usize) -> &'a mut [T] {
 
 /// Runs the products in order, on `par` threads.
 ///
-/// Entries of the targets belong to the caller's borrow ([`super::Destination`]); the result does not
-/// depend on the number of threads.
+/// Entries of the targets belong to the caller's borrow ([`super::Destination`]); the result does
+/// not depend on the number of threads.
 ///
 /// # Safety
 /// Nobody else uses the matrices that the targets come from.
@@ -112,8 +112,8 @@ pub(crate) unsafe fn run<T: Real>(job: &Job<'_, T>, par: Par, scratch: &mut [T])
                 // All tickets are handed out, for some wait for others.
                 return ControlFlow::Continue(());
             }
-            // SAFETY: what this phase needs is done, each ticket is handed out once, and pieces of a
-            // phase write disjoint memory: panels, or entries of C.
+            // SAFETY: what this phase needs is done, each ticket is handed out once, and pieces of
+            // a phase write disjoint memory: panels, or entries of C.
             unsafe {
                 match phase.step {
                     Step::Pack => phase.pack(job.kernel, i),

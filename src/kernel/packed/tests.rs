@@ -263,7 +263,8 @@ impl<T: Operand> Case<T> {
         [c, sizes]
     }
 
-    /// C after [`run`] in scratch of the very length asked for, full of NaN; and whether it finished.
+    /// C after [`run`] in scratch of the very length asked for, full of NaN; and whether it
+    /// finished.
     fn run(&self, isa: Isa, threads: usize, progress: Progress<'_>) -> (Stored<T>, bool) {
         /// Places on either side of the scratch; an odd number, so that nothing is aligned.
         const GUARD: usize = 131;

@@ -24,8 +24,8 @@ impl Default for SearchLimits<'_> {
 
 /// Shortest paths along the edges of a graph from the nearest of several sources (Dijkstra 1959).
 ///
-/// Made once for many searches: a search undoes only what the one before it touched, so that a local one costs
-/// O(m log m) for m edges looked at, whatever the size of the graph.
+/// Made once for many searches: a search undoes only what the one before it touched, so that a
+/// local one costs O(m log m) for m edges looked at, whatever the size of the graph.
 ///
 /// ```
 /// use catamaran::mesh::{Dijkstra, Graph, SearchLimits};
@@ -49,7 +49,8 @@ pub struct Dijkstra<'g> {
     reached: Vec<u32>,
     /// Vertices that ever had a distance since the last reset.
     touched: Vec<u32>,
-    /// Distances of vertices, as bits: those of non-negative numbers are ordered as they are. Equal ones by number.
+    /// Distances of vertices, as bits: those of non-negative numbers are ordered as they are. Equal
+    /// ones by number.
     heap: BinaryHeap<Reverse<(u64, u32)>>,
 }
 
@@ -69,11 +70,13 @@ impl<'g> Dijkstra<'g> {
         }
     }
 
-    /// Forgets the search before and starts from these vertices, each at a distance of its own (0 usually).
+    /// Forgets the search before and starts from these vertices, each at a distance of its own (0
+    /// usually).
     ///
     /// # Errors
-    /// [`Error::Argument`] names a source or target out of range, a distance that is negative or not finite, or a
-    /// cut-off that is negative or not a number; the solver is then as if nothing had been searched.
+    /// [`Error::Argument`] names a source or target out of range, a distance that is negative or
+    /// not finite, or a cut-off that is negative or not a number; the solver is then as if nothing
+    /// had been searched.
     pub fn search(&mut self, sources: &[(u32, f64)], limits: &SearchLimits<'_>) -> Result<()> {
         self.reset();
         self.check(sources, limits)?;
@@ -100,9 +103,9 @@ impl<'g> Dijkstra<'g> {
         Ok(())
     }
 
-    /// Adds sources to the ones before, which must have had neither cut-off nor targets, and looks only at the vertices
-    /// that are nearer to the new ones, as farthest point sampling wants it. Afterwards [`Dijkstra::reached`] are those
-    /// vertices, the nearest first.
+    /// Adds sources to the ones before, which must have had neither cut-off nor targets, and looks
+    /// only at the vertices that are nearer to the new ones, as farthest point sampling wants it.
+    /// Afterwards [`Dijkstra::reached`] are those vertices, the nearest first.
     ///
     /// # Errors
     /// [`Error::Argument`] as in [`Dijkstra::search`]; nothing is changed then.
@@ -194,7 +197,8 @@ impl<'g> Dijkstra<'g> {
         }
     }
 
-    /// Takes vertices in the order of their distance until there are none left, or none of the `missing` targets.
+    /// Takes vertices in the order of their distance until there are none left, or none of the
+    /// `missing` targets.
     fn run(&mut self, cutoff: f64, mut missing: Option<usize>) {
         let graph = self.graph;
         while let Some(Reverse((bits, v))) = self.heap.pop() {

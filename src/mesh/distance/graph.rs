@@ -29,10 +29,12 @@ impl Graph {
         })
     }
 
-    /// A graph of n vertices with these edges: two ends and a length each, at most 2^32 - 1 vertices.
+    /// A graph of n vertices with these edges: two ends and a length each, at most 2^32 - 1
+    /// vertices.
     ///
     /// # Errors
-    /// [`Error::Argument`] names an edge whose end is out of range, or whose length is negative or not finite.
+    /// [`Error::Argument`] names an edge whose end is out of range, or whose length is negative or
+    /// not finite.
     pub fn new(n: usize, edges: &[(u32, u32, f64)]) -> Result<Self> {
         let refused = |why| Err(Error::Argument { what: "edges", why });
         if u32::try_from(n).is_err() {

@@ -14,10 +14,11 @@ const COLD: f64 = 1e-290;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct HeatOptions {
-    /// How long heat flows, in units of the squared mean edge length; positive, default 1. More is smoother.
+    /// How long heat flows, in units of the squared mean edge length; positive, default 1. More is
+    /// smoother.
     pub time: f64,
-    /// Triangles to work on; default [`LaplacianKind::Cotangent`]. The others are better where triangles are bad, and bear
-    /// faces without area.
+    /// Triangles to work on; default [`LaplacianKind::Cotangent`]. The others are better where
+    /// triangles are bad, and bear faces without area.
     pub kind: LaplacianKind,
     /// Threads; default all cores of the affinity mask. Does not change the result.
     pub par: Par,
@@ -35,8 +36,9 @@ builder! { HeatOptions {
     par: Par,
 }}
 
-/// Distances over the surface by the heat method: Crane, Weischedel and Wardetzky, Geodesics in Heat (2013), with
-/// Neumann conditions at the boundary. Accurate to a few edges' share of the distance; not exact.
+/// Distances over the surface by the heat method: Crane, Weischedel and Wardetzky, Geodesics in
+/// Heat (2013), with Neumann conditions at the boundary. Accurate to a few edges' share of the
+/// distance; not exact.
 ///
 /// Two sparse Cholesky factorisations when it is made, two solves for every set of sources.
 ///
@@ -66,9 +68,10 @@ impl HeatMethod {
     /// A solver for a mesh.
     ///
     /// # Errors
-    /// [`Error::Argument`] for a time that is not positive and finite, or when the Laplacian is not positive definite to
-    /// working precision, which bad triangles can do to [`LaplacianKind::Cotangent`]; those of
-    /// [`laplacian`](fn@super::super::laplacian); [`Error::OutOfMemory`].
+    /// [`Error::Argument`] for a time that is not positive and finite, or when the Laplacian is not
+    /// positive definite to working precision, which bad triangles can do to
+    /// [`LaplacianKind::Cotangent`]; those of [`laplacian`](fn@super::super::laplacian);
+    /// [`Error::OutOfMemory`].
     pub fn new(mesh: &TriMesh, options: &HeatOptions) -> Result<Self> {
         let n = mesh.vertices().len();
         if !(options.time > 0.0 && options.time.is_finite()) {
@@ -126,11 +129,12 @@ impl HeatMethod {
         Ok(Self { faces, elements, heat, poisson, components, par: options.par })
     }
 
-    /// The distance of every vertex from the nearest of the sources: 0 at sources, infinite in components without any.
+    /// The distance of every vertex from the nearest of the sources: 0 at sources, infinite in
+    /// components without any.
     ///
     /// # Errors
-    /// [`Error::Argument`] names a source that is not there. [`Error::Mesh`] names a vertex which is so many edges away
-    /// (about 650 with time 1) that no heat arrives: more time helps.
+    /// [`Error::Argument`] names a source that is not there. [`Error::Mesh`] names a vertex which
+    /// is so many edges away (about 650 with time 1) that no heat arrives: more time helps.
     pub fn distances(&self, sources: &[u32]) -> Result<Vec<f64>> {
         let n = self.components.len();
         let mut right = vec![0.0; n];
@@ -174,8 +178,9 @@ impl HeatMethod {
         Ok(distances)
     }
 
-    /// The unit field against the gradient of heat u, integrated against the gradients of the hat functions: on a
-    /// triangle with stiffness S this is `-S u / |grad u|`, and `area |grad u|^2 = u^T S u`.
+    /// The unit field against the gradient of heat u, integrated against the gradients of the hat
+    /// functions: on a triangle with stiffness S this is `-S u / |grad u|`, and
+    /// `area |grad u|^2 = u^T S u`.
     fn against_the_flow(&self, heat: &[f64]) -> Vec<f64> {
         let mut slopes = vec![0.0; heat.len()];
         for (face, element) in self.faces.iter().zip(&self.elements) {

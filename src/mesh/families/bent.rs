@@ -4,9 +4,9 @@ use super::super::TriMesh;
 use super::draft::positive;
 use crate::base::{Error, Result};
 
-/// A bend: space behind `at` stays, a slab of width `length` beyond it is bent around a circle, and what is behind that is
-/// turned with it. The middle plane through `at` keeps its lengths; at a height h in direction `towards`, they change by the
-/// factor 1 - h angle / length.
+/// A bend: space behind `at` stays, a slab of width `length` beyond it is bent around a circle, and
+/// what is behind that is turned with it. The middle plane through `at` keeps its lengths; at a
+/// height h in direction `towards`, they change by the factor 1 - h angle / length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bend {
     /// Where it begins.
@@ -76,7 +76,8 @@ impl Bend {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] unless the directions are orthogonal and of length 1 (to 1e-9), the length positive and all finite.
+/// [`Error::Argument`] unless the directions are orthogonal and of length 1 (to 1e-9), the length
+/// positive and all finite.
 pub fn bent(mesh: &TriMesh, bend: &Bend) -> Result<TriMesh> {
     bend.check()?;
     let vertices = mesh.vertices().iter().map(|&p| bend.apply(p)).collect();

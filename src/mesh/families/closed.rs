@@ -19,7 +19,8 @@ const ICOSAHEDRON: [[u32; 3]; 20] = [
     [4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1],
 ];
 
-/// The unit sphere, an icosahedron with every face cut into four `subdivisions` times: F = 20 4^s, V = 10 4^s + 2, genus 0.
+/// The unit sphere, an icosahedron with every face cut into four `subdivisions` times: F = 20 4^s,
+/// V = 10 4^s + 2, genus 0.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -65,7 +66,8 @@ fn on_sphere(p: [f64; 3]) -> [f64; 3] {
     p.map(|x| x / length)
 }
 
-/// `count` separate unit spheres ([`icosphere`]) in a row along x, 3 apart: components that differ in nothing but place.
+/// `count` separate unit spheres ([`icosphere`]) in a row along x, 3 apart: components that differ
+/// in nothing but place.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -93,8 +95,8 @@ pub fn spheres(count: usize, subdivisions: u32) -> Result<TriMesh> {
     draft.finish()
 }
 
-/// A torus around the z axis with a circle of radius `major` in its middle and a tube of radius `minor`:
-/// V = around tube, F = 2 V, genus 1.
+/// A torus around the z axis with a circle of radius `major` in its middle and a tube of radius
+/// `minor`: V = around tube, F = 2 V, genus 1.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -106,7 +108,8 @@ pub fn spheres(count: usize, subdivisions: u32) -> Result<TriMesh> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] for fewer than 3 steps either way, too many, or radii that are not 0 < minor < major.
+/// [`Error::Argument`] for fewer than 3 steps either way, too many, or radii that are not 0 < minor
+/// < major.
 pub fn torus(around: usize, tube: usize, major: f64, minor: f64) -> Result<TriMesh> {
     positive("minor", minor)?;
     positive("major", major)?;
@@ -121,9 +124,9 @@ pub fn torus(around: usize, tube: usize, major: f64, minor: f64) -> Result<TriMe
     })
 }
 
-/// A tube of radius `radius` around the (p, q) torus knot on the torus of radii 2 and 1, p times around its axis and q
-/// times around its tube (trefoil: 2, 3): V = along tube, F = 2 V, genus 1. A tube thinner than about 1 / (p + q) does not
-/// meet itself.
+/// A tube of radius `radius` around the (p, q) torus knot on the torus of radii 2 and 1, p times
+/// around its axis and q times around its tube (trefoil: 2, 3): V = along tube, F = 2 V, genus 1. A
+/// tube thinner than about 1 / (p + q) does not meet itself.
 ///
 /// ```
 /// use catamaran::mesh::families;
@@ -135,8 +138,8 @@ pub fn torus(around: usize, tube: usize, major: f64, minor: f64) -> Result<TriMe
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] unless p and q are positive and have no common divisor, for fewer than 3 steps either way, too many,
-/// or a radius that is not positive.
+/// [`Error::Argument`] unless p and q are positive and have no common divisor, for fewer than 3
+/// steps either way, too many, or a radius that is not positive.
 pub fn knot(p: u32, q: u32, along: usize, tube: usize, radius: f64) -> Result<TriMesh> {
     positive("radius", radius)?;
     if p == 0 || q == 0 || common_divisor(p, q) != 1 {

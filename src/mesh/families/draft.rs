@@ -10,7 +10,8 @@ pub(super) struct Draft {
 impl Draft {
     /// Room for that many; `None`, a count that overflowed, can't be had.
     pub fn with_counts(vertices: Option<usize>, faces: Option<usize>) -> Result<Self> {
-        // What overflows or can't be numbered would be refused by `TriMesh::new`, but only after it was made.
+        // What overflows or can't be numbered would be refused by `TriMesh::new`, but only after it
+        // was made.
         let fits = |count: Option<usize>, each: u32| {
             count.filter(|&n| n <= (u32::MAX / each) as usize).ok_or_else(|| Error::Argument {
                 what: "mesh",
@@ -44,8 +45,8 @@ pub(super) enum Seam {
     Twisted,
 }
 
-/// A sheet of `columns` x `rows` cells, each cut into two triangles; `position(i, j)` is that of the vertex in column i and
-/// row j. With joined rows the last row is the first one.
+/// A sheet of `columns` x `rows` cells, each cut into two triangles; `position(i, j)` is that of
+/// the vertex in column i and row j. With joined rows the last row is the first one.
 pub(super) fn sheet(
     columns: usize,
     rows: usize,

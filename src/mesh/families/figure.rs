@@ -4,7 +4,8 @@ use super::draft::{Draft, at_least};
 use super::voxels;
 use crate::base::{Error, Result};
 
-/// A joint, for limbs on the side of positive x and, mirrored, on the other side; `one_sided` keeps to the first.
+/// A joint, for limbs on the side of positive x and, mirrored, on the other side; `one_sided` keeps
+/// to the first.
 struct Joint {
     bend: Bend,
     one_sided: bool,
@@ -28,9 +29,9 @@ const fn joint(
     Joint { bend: Bend { at, along, towards, angle, length: 1.2 }, one_sided }
 }
 
-/// A figure of a human, 13 tall along z, facing y, its arms 13 wide along x; with `pose` from 0 to 1 it bends elbows, lowers
-/// its arms, bends its knees and lifts a leg. All poses have the same faces, and are nearly isometric to each other.
-/// F = 300 cells^2, V = F / 2 + 2, genus 0.
+/// A figure of a human, 13 tall along z, facing y, its arms 13 wide along x; with `pose` from 0 to
+/// 1 it bends elbows, lowers its arms, bends its knees and lifts a leg. All poses have the same
+/// faces, and are nearly isometric to each other. F = 300 cells^2, V = F / 2 + 2, genus 0.
 ///
 /// ```
 /// use catamaran::mesh::families;

@@ -6,8 +6,8 @@ use super::super::TriMesh;
 use super::draft::Draft;
 use crate::base::Result;
 
-/// The surface of unit `cubes` (lower corners; cubes that meet must share a face), each side cut into `cells` x `cells`
-/// cells of two triangles, then smoothed a little.
+/// The surface of unit `cubes` (lower corners; cubes that meet must share a face), each side cut
+/// into `cells` x `cells` cells of two triangles, then smoothed a little.
 pub(super) fn surface(cubes: &[[i32; 3]], cells: i32, mut draft: Draft) -> Result<TriMesh> {
     let set: HashSet<_> = cubes.iter().collect();
     let mut numbers = HashMap::new();
@@ -19,7 +19,8 @@ pub(super) fn surface(cubes: &[[i32; 3]], cells: i32, mut draft: Draft) -> Resul
                 if set.contains(&beyond) {
                     continue;
                 }
-                // Counter-clockwise from outside: the other two axes in cyclic order on the upper side.
+                // Counter-clockwise from outside: the other two axes in cyclic order on the upper
+                // side.
                 let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
                 let (u, v) = if side == 1 { (u, v) } else { (v, u) };
                 let mut corner = cube.map(|x| x * cells);

@@ -24,8 +24,8 @@ pub struct MeshFile {
     pub material_files: Vec<String>,
     /// Triangles that are left out because two of their corners are one vertex.
     pub collapsed_faces: usize,
-    /// What the reader left out or took for something else, one line each; empty for a mesh that was
-    /// not read from a file.
+    /// What the reader left out or took for something else, one line each; empty for a mesh that
+    /// was not read from a file.
     pub notes: Vec<String>,
 }
 
@@ -50,8 +50,8 @@ impl MeshFile {
     /// A part of the mesh of this file, with the attributes of its vertices, corners and faces.
     ///
     /// # Errors
-    /// [`Error::Shape`] and [`Error::Argument`] when attributes do not fit the mesh, [`Error::Argument`] when the part has
-    /// other vertices or faces than the mesh.
+    /// [`Error::Shape`] and [`Error::Argument`] when attributes do not fit the mesh,
+    /// [`Error::Argument`] when the part has other vertices or faces than the mesh.
     pub fn part(&self, part: Part) -> Result<MeshFile> {
         self.check()?;
         let (vertices, faces) = (self.mesh.vertices().len(), self.mesh.faces().len());
@@ -98,13 +98,14 @@ impl MeshFile {
     }
 }
 
-/// Values of the vertices of a mesh, or of the corners of its faces: where a texture is cut, a vertex has several.
+/// Values of the vertices of a mesh, or of the corners of its faces: where a texture is cut, a
+/// vertex has several.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Attribute<const N: usize> {
     /// The values.
     pub values: Vec<[f64; N]>,
-    /// For each face the numbers of the values of its corners, all three [`Attribute::ABSENT`] where a face has none. `None`
-    /// when the values are those of the vertices.
+    /// For each face the numbers of the values of its corners, all three [`Attribute::ABSENT`]
+    /// where a face has none. `None` when the values are those of the vertices.
     pub corners: Option<Vec<[u32; 3]>>,
 }
 

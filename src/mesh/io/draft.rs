@@ -5,7 +5,8 @@ use super::polygon::{corners_of, fan, not_a_fan};
 use crate::base::{Error, Result};
 use crate::io::Source;
 
-/// What a reader of a line or an element finds wrong; where that is, [`Fault::at`] and [`Fault::of`] say.
+/// What a reader of a line or an element finds wrong; where that is, [`Fault::at`] and
+/// [`Fault::of`] say.
 pub(super) enum Fault {
     What(String),
     Error(Error),
@@ -129,8 +130,8 @@ impl Draft {
     }
 
     /// The mesh: polygons that are not convex are cut into triangles that cover them, and triangles
-    /// that have a vertex twice are left out. So are the entries of the other lists, each of which is
-    /// empty or has an entry for each face.
+    /// that have a vertex twice are left out. So are the entries of the other lists, each of which
+    /// is empty or has an entry for each face.
     ///
     /// # Errors
     /// [`Error::Mesh`] for what is no mesh.

@@ -23,8 +23,8 @@ pub enum MeshFormat {
 }
 
 impl MeshFormat {
-    /// What the name of a file says, and how it is packed: `.obj`, `.ply` (binary, little endian), `.off`, `.stl` (binary),
-    /// `.glb`, `.gltf`.
+    /// What the name of a file says, and how it is packed: `.obj`, `.ply` (binary, little endian),
+    /// `.off`, `.stl` (binary), `.glb`, `.gltf`.
     pub(super) fn named(path: &Path) -> (Option<Self>, Packing) {
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let (stem, packing) = Packing::of(&name);

@@ -1,10 +1,11 @@
 //! Mesh files: OBJ, PLY, OFF, STL and glTF in and out, each also gzipped (`.gz`), and `.xz` in.
 //!
-//! A reader trusts nothing: counts in a header reserve no memory before the bytes are there, what is broken is an error that
-//! names the file and the line or the element, and a file that takes more memory than it may is refused
-//! ([`SourceOptions::max_memory`]). What it leaves out or replaces, it notes ([`MeshFile::notes`]). A writer keeps every bit
-//! of the coordinates, but for binary STL and glTF, which have single precision, and shows its file whole or not at
-//! all ([`Output`]).
+//! A reader trusts nothing: counts in a header reserve no memory before the bytes are there, what
+//! is broken is an error that names the file and the line or the element, and a file that takes
+//! more memory than it may is refused ([`SourceOptions::max_memory`]). What it leaves out or
+//! replaces, it notes ([`MeshFile::notes`]). A writer keeps every bit of the coordinates, but for
+//! binary STL and glTF, which have single precision, and shows its file whole or not at all
+//! ([`Output`]).
 
 mod attributes;
 mod colors;
@@ -35,21 +36,22 @@ pub use stl::StlEncoding;
 use crate::base::{Error, Result};
 use crate::io::{Output, Packing, Source, SourceOptions};
 
-/// Reads the mesh in the file at `path`, of the format its name says, or its content where that is another one.
+/// Reads the mesh in the file at `path`, of the format its name says, or its content where that is
+/// another one.
 ///
-/// - Polygons are cut into triangles: between their first corner and each of their other edges where that covers them, as it
-///   does if they are convex, and else by ears. Triangles that have a vertex twice are left out
-///   ([`MeshFile::collapsed_faces`]).
-/// - Numbers of colours, normals and texture coordinates that are not finite become 0; a position that is not
-///   finite is an error.
-/// - `.obj`: `v` (with colours after the position), `vt`, `vn`, `f` with negative numbers too, names of materials, groups and
-///   objects; other statements are skipped.
-/// - `.ply`: ASCII and both binary encodings, properties of any type in any order; faces and triangle strips. Elements of
-///   other names are skipped.
+/// - Polygons are cut into triangles: between their first corner and each of their other edges
+///   where that covers them, as it does if they are convex, and else by ears. Triangles that have a
+///   vertex twice are left out ([`MeshFile::collapsed_faces`]).
+/// - Numbers of colours, normals and texture coordinates that are not finite become 0; a position
+///   that is not finite is an error.
+/// - `.obj`: `v` (with colours after the position), `vt`, `vn`, `f` with negative numbers too,
+///   names of materials, groups and objects; other statements are skipped.
+/// - `.ply`: ASCII and both binary encodings, properties of any type in any order; faces and
+///   triangle strips. Elements of other names are skipped.
 /// - `.off`: with the prefixes ST, C and N; comments; lines may end anywhere.
 /// - `.stl`: binary and text. Vertices with equal coordinates become one.
-/// - `.glb`, `.gltf`: the triangles of the scene, at the places of its nodes. Vertices of a mesh with equal positions and
-///   colours become one.
+/// - `.glb`, `.gltf`: the triangles of the scene, at the places of its nodes. Vertices of a mesh
+///   with equal positions and colours become one.
 ///
 /// What is left out or replaced is in [`MeshFile::notes`].
 ///
@@ -65,14 +67,14 @@ use crate::io::{Output, Packing, Source, SourceOptions};
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`] with file and line or element; [`Error::Mesh`], with the file, for positions or faces that make no mesh;
-/// [`Error::OutOfMemory`].
+/// [`Error::Io`] with file and line or element; [`Error::Mesh`], with the file, for positions or
+/// faces that make no mesh; [`Error::OutOfMemory`].
 pub fn read(path: &Path) -> Result<MeshFile> {
     read_with(path, &SourceOptions::new())
 }
 
-/// [`read()`] within a limit of memory, and with a callback that is told the fraction of the file read and may
-/// cancel.
+/// [`read()`] within a limit of memory, and with a callback that is told the fraction of the file
+/// read and may cancel.
 ///
 /// ```
 /// use catamaran::{Error, mesh::{families, io}};
@@ -167,8 +169,8 @@ fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resu
     })
 }
 
-/// Writes `file` into `output`, in the format its name says, and lets it appear. What the format has no place for is left
-/// out; [`MeshFormat::left_out`] names it.
+/// Writes `file` into `output`, in the format its name says, and lets it appear. What the format
+/// has no place for is left out; [`MeshFormat::left_out`] names it.
 ///
 /// ```
 /// use catamaran::{io::{Output, Overwrite}, mesh::{families, io}};
@@ -181,13 +183,15 @@ fn read_source(source: &mut Source<'_>, format: MeshFormat, path: &Path) -> Resu
 /// ```
 ///
 /// # Errors
-/// [`Error::Io`], [`Error::Shape`] when attributes do not fit the mesh; nothing is left behind then.
+/// [`Error::Io`], [`Error::Shape`] when attributes do not fit the mesh; nothing is left behind
+/// then.
 pub fn write(output: Output, file: &MeshFile) -> Result<()> {
     let format = MeshFormat::of(output.path())?;
     write_as(output, file, format)
 }
 
-/// [`write()`] in another format or encoding than that of the name; packed by `.gz` in the name all the same.
+/// [`write()`] in another format or encoding than that of the name; packed by `.gz` in the name all
+/// the same.
 ///
 /// ```
 /// use catamaran::io::{Output, Overwrite};

@@ -1,5 +1,5 @@
-//! Wavefront OBJ (Wavefront Technologies, Advanced Visualizer manual, appendix B1), of which polygons are read; colours
-//! after positions as MeshLab and Blender write them.
+//! Wavefront OBJ (Wavefront Technologies, Advanced Visualizer manual, appendix B1), of which
+//! polygons are read; colours after positions as MeshLab and Blender write them.
 
 use std::collections::HashMap;
 use std::io::{self, Write};
@@ -292,7 +292,8 @@ struct Furthest {
 }
 
 impl Furthest {
-    /// The number from 0 that a word means after `count` items: from 1, or from the last one backwards.
+    /// The number from 0 that a word means after `count` items: from 1, or from the last one
+    /// backwards.
     fn resolve(&mut self, what: &str, word: &[u8], count: usize, line: usize) -> Checked<u32> {
         let number = integer(word)?;
         let index = match number {

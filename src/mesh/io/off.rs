@@ -165,8 +165,8 @@ impl Reader {
         let uv = if self.kind.uv { 2 } else { 0 };
         self.packed |= tokens.left() > COLOR + uv;
         let least = uv + if self.kind.colors { 3 } else { 0 };
-        // Texture coordinates come last, so the opacity is there when one more number is. Some write
-        // colours without saying so.
+        // Texture coordinates come last, so the opacity is there when one more number is. Some
+        // write colours without saying so.
         let given = if self.packed { least } else { tokens.left().max(least) };
         let mut rest = [0.0; COLOR + 2];
         for value in rest.iter_mut().take(given) {

@@ -25,8 +25,8 @@ pub(super) fn corners_of<T: Copy>(fan: &[[T; 3]]) -> Vec<T> {
 }
 
 /// The triangles of a polygon of these corners that its fan is not right for: numbers of corners,
-/// two less than there are corners. `None` where the fan is right, as it is for a convex polygon, or
-/// where the polygon crosses itself so that nothing is.
+/// two less than there are corners. `None` where the fan is right, as it is for a convex polygon,
+/// or where the polygon crosses itself so that nothing is.
 ///
 /// The polygon is cut in the plane of Newell's normal (Sutherland, Sproull and Schumacker 1974).
 pub(super) fn not_a_fan(corners: &[Vector]) -> Option<Vec<[usize; 3]>> {

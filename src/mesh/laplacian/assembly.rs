@@ -20,11 +20,12 @@ struct Rows {
     lumped: Vec<f64>,
 }
 
-/// Sums the elements into matrices of n rows. A face may have a vertex twice (see [`super::Complex`]). Weights that are
-/// negative by less than `rounding`, relative to 1 and to the sizes of what they are summed from, are set to zero.
+/// Sums the elements into matrices of n rows. A face may have a vertex twice (see
+/// [`super::Complex`]). Weights that are negative by less than `rounding`, relative to 1 and to the
+/// sizes of what they are summed from, are set to zero.
 ///
-/// Every row is summed on its own in the order of faces: the result is symmetric bit for bit and the same for any
-/// number of threads.
+/// Every row is summed on its own in the order of faces: the result is symmetric bit for bit and
+/// the same for any number of threads.
 pub(crate) fn assemble(
     n: usize,
     faces: &[[u32; 3]],
@@ -82,8 +83,8 @@ impl Rows {
         kind: MassKind,
         edges: &mut Vec<(u32, u32)>,
     ) {
-        // Neighbours with the edge that leads there, 3 face + edge: ascending, so that both ends of an edge of several
-        // faces sum them in the same order.
+        // Neighbours with the edge that leads there, 3 face + edge: ascending, so that both ends of
+        // an edge of several faces sum them in the same order.
         edges.clear();
         let (mut own, mut lumped) = (0.0, 0.0);
         for &corner in corners {
@@ -151,7 +152,8 @@ impl Rows {
     }
 }
 
-/// The corners (3 face + corner) at each vertex, ascending: those at v are `corners[starts[v]..starts[v + 1]]`.
+/// The corners (3 face + corner) at each vertex, ascending: those at v are
+/// `corners[starts[v]..starts[v + 1]]`.
 fn corners_of_vertices(n: usize, faces: &[[u32; 3]]) -> (Vec<usize>, Vec<u32>) {
     let mut starts = vec![0; n + 1];
     for &v in faces.as_flattened() {

@@ -6,12 +6,13 @@ use crate::base::{Error, Result};
 /// No triangle is glued to that edge.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Least slack in the triangle inequality, relative to the mean length of edges (Sharp and Crane 2020, section 4.5).
+/// Least slack in the triangle inequality, relative to the mean length of edges (Sharp and Crane
+/// 2020, section 4.5).
 const MOLLIFICATION: f64 = 1e-5;
 
-/// Triangles known by the lengths of their edges and glued along them: all that the intrinsic geometry of a surface
-/// needs. A triangle may have a vertex twice and be glued to itself. Slot 3 f + k is the edge of triangle f from its
-/// corner k to corner k + 1 (mod 3).
+/// Triangles known by the lengths of their edges and glued along them: all that the intrinsic
+/// geometry of a surface needs. A triangle may have a vertex twice and be glued to itself. Slot 3
+/// f + k is the edge of triangle f from its corner k to corner k + 1 (mod 3).
 #[derive(Debug, Clone)]
 pub(crate) struct Complex {
     /// Vertices of the triangles.
@@ -42,7 +43,8 @@ impl Complex {
         }
     }
 
-    /// The intrinsic Delaunay triangulation of a mesh or, for [`LaplacianKind::Tufted`], of its tufted cover.
+    /// The intrinsic Delaunay triangulation of a mesh or, for [`LaplacianKind::Tufted`], of its
+    /// tufted cover.
     ///
     /// # Errors
     /// As [`laplacian`](fn@super::laplacian).
@@ -80,8 +82,9 @@ impl Complex {
         Ok(())
     }
 
-    /// Replaces the mesh by its tufted cover (Sharp and Crane 2020, section 4.2): every face has a front and a back.
-    /// Around each edge, the side of a face that looks one way is glued to the side of the next face that looks back.
+    /// Replaces the mesh by its tufted cover (Sharp and Crane 2020, section 4.2): every face has a
+    /// front and a back. Around each edge, the side of a face that looks one way is glued to the
+    /// side of the next face that looks back.
     fn cover(&mut self, mesh: &TriMesh) {
         let originals = mesh.faces();
         self.faces = originals.iter().flat_map(|&[a, b, c]| [[a, b, c], [a, c, b]]).collect();
@@ -154,7 +157,8 @@ impl Complex {
     }
 }
 
-/// The slots of an edge in the order in which its faces lie around it, counter-clockwise as seen from its upper end.
+/// The slots of an edge in the order in which its faces lie around it, counter-clockwise as seen
+/// from its upper end.
 fn sort_around(mesh: &TriMesh, ends: [u32; 2], slots: &[u32], around: &mut Vec<u32>) {
     around.clear();
     around.extend_from_slice(slots);

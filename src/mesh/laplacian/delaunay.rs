@@ -2,11 +2,12 @@ use super::complex::{Complex, NONE};
 use super::element::{Element, area};
 use crate::base::{Error, Result};
 
-/// Weights of an edge with a sum that is negative by less than this, relative to 1 and to their sizes, cancel but for
-/// rounding.
+/// Weights of an edge with a sum that is negative by less than this, relative to 1 and to their
+/// sizes, cancel but for rounding.
 pub(crate) const ROUNDING: f64 = 1e-10;
 
-/// Flips for each edge, on average, after which the algorithm is taken not to end. It ends in exact arithmetic.
+/// Flips for each edge, on average, after which the algorithm is taken not to end. It ends in exact
+/// arithmetic.
 const MOST_FLIPS: usize = 1000;
 
 /// Whether an edge with these weights from its two sides has a negative weight, beyond rounding.
@@ -15,8 +16,8 @@ fn is_negative(v: f64, w: f64) -> bool {
 }
 
 impl Complex {
-    /// Replaces edges with a negative weight by the other diagonal of their two triangles, laid flat, until none is left
-    /// (Bobenko and Springborn 2007, section 2.3).
+    /// Replaces edges with a negative weight by the other diagonal of their two triangles, laid
+    /// flat, until none is left (Bobenko and Springborn 2007, section 2.3).
     pub(super) fn flip_to_delaunay(&mut self) -> Result<()> {
         let slots = self.twins.len() as u32;
         let most = MOST_FLIPS.saturating_mul(self.twins.len());
@@ -48,7 +49,8 @@ impl Complex {
 
     fn must_flip(&self, slot: u32) -> bool {
         let twin = self.twins[slot as usize];
-        // An edge with the same triangle on both sides faces two of its angles, together less than pi.
+        // An edge with the same triangle on both sides faces two of its angles, together less than
+        // pi.
         if twin == NONE || twin / 3 == slot / 3 {
             return false;
         }
@@ -56,8 +58,8 @@ impl Complex {
         is_negative(weight(slot), weight(twin))
     }
 
-    /// Flips an edge inside; afterwards it is slot 0 of the same two triangles. Where rounding would leave a triangle
-    /// without area it stays, and the answer is no.
+    /// Flips an edge inside; afterwards it is slot 0 of the same two triangles. Where rounding
+    /// would leave a triangle without area it stays, and the answer is no.
     fn flip(&mut self, slot: u32) -> bool {
         let twin = self.twins[slot as usize];
         let (f, g) = (slot / 3, twin / 3);

@@ -5,7 +5,8 @@ use crate::base::{Error, Par, Result};
 /// Faces a thread takes at a time.
 const BLOCK: usize = 1 << 14;
 
-/// What a triangle gives to the matrices. Edge k joins corners k and k + 1 (mod 3) and faces corner k + 2.
+/// What a triangle gives to the matrices. Edge k joins corners k and k + 1 (mod 3) and faces corner
+/// k + 2.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Element {
     /// Half the cotangent of the angle that each edge faces.
@@ -20,7 +21,8 @@ impl Element {
         let edges = [sub(p[1], p[0]), sub(p[2], p[1]), sub(p[0], p[2])];
         let longest = edges.iter().map(|&e| dot(e, e)).fold(0.0, f64::max);
         let double = norm(cross(edges[0], edges[1]));
-        // The cross product of vectors with relative errors of eps is wrong by about eps times their lengths.
+        // The cross product of vectors with relative errors of eps is wrong by about eps times
+        // their lengths.
         if double <= 16.0 * f64::EPSILON * longest {
             return None;
         }
@@ -50,7 +52,8 @@ impl Element {
         Self { weights: self.weights.map(|w| w * share), area: self.area * share }
     }
 
-    /// The area nearest to corner k, or in place of it the share that Meyer et al. give in obtuse triangles.
+    /// The area nearest to corner k, or in place of it the share that Meyer et al. give in obtuse
+    /// triangles.
     pub fn mixed_voronoi(&self, k: usize) -> f64 {
         // The angle at corner k faces edge k + 1.
         let obtuse = |k: usize| self.weights[(k + 1) % 3] < 0.0;
@@ -61,16 +64,17 @@ impl Element {
             return self.area / 4.0;
         }
         let w = self.weights;
-        // The square of an edge is twice the area times the two cotangents at its ends; cotangents of a triangle have
-        // products in pairs that sum to 1, whatever share of them this element is.
+        // The square of an edge is twice the area times the two cotangents at its ends; cotangents
+        // of a triangle have products in pairs that sum to 1, whatever share of them this element
+        // is.
         let share = |e: usize| (w[(e + 1) % 3] + w[(e + 2) % 3]) * w[e];
         let all = 4.0 * (w[0] * w[1] + w[1] * w[2] + w[2] * w[0]);
         self.area * (share(k) + share((k + 2) % 3)) / all
     }
 }
 
-/// The area of a triangle with these edges: Kahan, Miscalculating Area and Angles of a Needle-like Triangle (2014).
-/// NaN if there is no such triangle.
+/// The area of a triangle with these edges: Kahan, Miscalculating Area and Angles of a Needle-like
+/// Triangle (2014). NaN if there is no such triangle.
 pub(super) fn area(mut l: [f64; 3]) -> f64 {
     l.sort_unstable_by(|x, y| y.total_cmp(x));
     let [a, b, c] = l;

@@ -2,9 +2,10 @@
 //! `W phi = lambda M phi` is the eigenproblem of the Laplace-Beltrami operator (positive sign).
 //!
 //! Sources: Pinkall and Polthier, Computing Discrete Minimal Surfaces and Their Conjugates (1993);
-//! Meyer, Desbrun, Schroeder and Barr, Discrete Differential-Geometry Operators (2003), for the mixed Voronoi areas;
-//! Bobenko and Springborn, A Discrete Laplace-Beltrami Operator for Simplicial Surfaces (2007), for the
-//! intrinsic Delaunay triangulation; Sharp and Crane, A Laplacian for Nonmanifold Triangle Meshes (2020).
+//! Meyer, Desbrun, Schroeder and Barr, Discrete Differential-Geometry Operators (2003), for the
+//! mixed Voronoi areas; Bobenko and Springborn, A Discrete Laplace-Beltrami Operator for Simplicial
+//! Surfaces (2007), for the intrinsic Delaunay triangulation; Sharp and Crane, A Laplacian for
+//! Nonmanifold Triangle Meshes (2020).
 
 mod assembly;
 mod boundary;
@@ -46,10 +47,11 @@ pub use options::{Boundary, LaplacianKind, LaplacianOptions, MassKind};
 /// ```
 ///
 /// # Errors
-/// [`Error::Mesh`] names a face without area (to within rounding: an angle of a few 1e-16), where the kind is
-/// [`LaplacianKind::Cotangent`] or all vertices of the face coincide; an edge that an intrinsic Delaunay triangulation
-/// can't have; a vertex of [`Boundary::Mixed`] that is not there; whatever has a weight or mass out of the range of
-/// `f64`. [`Error::Argument`] for 7e8 faces or more; [`Error::NotConverged`] when flips go on without end.
+/// [`Error::Mesh`] names a face without area (to within rounding: an angle of a few 1e-16), where
+/// the kind is [`LaplacianKind::Cotangent`] or all vertices of the face coincide; an edge that an
+/// intrinsic Delaunay triangulation can't have; a vertex of [`Boundary::Mixed`] that is not there;
+/// whatever has a weight or mass out of the range of `f64`. [`Error::Argument`] for 7e8 faces or
+/// more; [`Error::NotConverged`] when flips go on without end.
 pub fn laplacian(mesh: &TriMesh, options: &LaplacianOptions) -> Result<Laplacian> {
     if u32::try_from(mesh.faces().len().saturating_mul(6)).is_err() {
         let why = format!("{} of them, where at most 7e8 can be numbered", mesh.faces().len());

@@ -44,7 +44,8 @@ fn largest_difference(a: &CsMat<f64>, b: &CsMat<f64>) -> f64 {
     (dense(a) - dense(b)).norm_max()
 }
 
-/// Symmetry bit for bit, zero row sums, no negative eigenvalue; mass positive with the area as its sum.
+/// Symmetry bit for bit, zero row sums, no negative eigenvalue; mass positive with the area as its
+/// sum.
 fn check(l: &Laplacian, area: f64, tolerance: f64, name: &str) {
     let w = dense(&l.stiffness);
     assert!(w == w.transpose().to_owned(), "{name}: not symmetric");

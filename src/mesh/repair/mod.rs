@@ -64,9 +64,9 @@ impl Repaired {
 /// ```
 ///
 /// # Errors
-/// [`Error::Argument`] for a tolerance that is negative or not finite, a share that is not from 0 to
-/// 1, and for attributes that do not fit the mesh ([`Error::Shape`] too); [`Error::Mesh`] when holes
-/// are to be filled and an edge has more than two faces, which is named.
+/// [`Error::Argument`] for a tolerance that is negative or not finite, a share that is not from 0
+/// to 1, and for attributes that do not fit the mesh ([`Error::Shape`] too); [`Error::Mesh`] when
+/// holes are to be filled and an edge has more than two faces, which is named.
 pub fn repair(file: MeshFile, options: &RepairOptions) -> Result<Repaired> {
     file.check()?;
     let mut state = State { file, vertices: None, steps: Vec::new() };

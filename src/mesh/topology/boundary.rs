@@ -3,13 +3,14 @@ use super::Edges;
 use crate::base::Result;
 
 impl TriMesh {
-    /// The boundary loops: the vertices of each in the order in which one walks along them, the first not repeated, the mesh
-    /// on the left where it is oriented. Where the boundary meets itself at a vertex, the walk stays with its fan of faces.
-    /// Ordered by their lowest boundary edge.
+    /// The boundary loops: the vertices of each in the order in which one walks along them, the
+    /// first not repeated, the mesh on the left where it is oriented. Where the boundary meets
+    /// itself at a vertex, the walk stays with its fan of faces. Ordered by their lowest boundary
+    /// edge.
     ///
     /// # Errors
-    /// [`Error::Mesh`](crate::Error::Mesh) when there is a boundary and an edge with three faces or more: such a boundary
-    /// need not be loops.
+    /// [`Error::Mesh`](crate::Error::Mesh) when there is a boundary and an edge with three faces or
+    /// more: such a boundary need not be loops.
     pub fn boundary_loops(&self, edges: &Edges) -> Result<Vec<Vec<u32>>> {
         let edges = &*edges.of(self);
         if edges.boundary().next().is_none() {
@@ -48,7 +49,8 @@ impl TriMesh {
         [self.faces()[f][i], self.faces()[f][(i + 1) % 3]]
     }
 
-    /// From a boundary edge around one of its vertices, through the fan of faces, to the boundary edge at its other end.
+    /// From a boundary edge around one of its vertices, through the fan of faces, to the boundary
+    /// edge at its other end.
     fn next_on_boundary(&self, edges: &Edges, mut corner: u32, vertex: u32) -> (u32, u32) {
         loop {
             // The other edge of this face at the vertex; there is no orientation to rely on.

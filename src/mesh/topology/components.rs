@@ -1,8 +1,8 @@
 use super::super::TriMesh;
 use super::sets::Sets;
 
-/// The connected components of a mesh: two faces with a common vertex are in the same one. Numbered by their lowest vertex;
-/// vertices without a face are in none.
+/// The connected components of a mesh: two faces with a common vertex are in the same one. Numbered
+/// by their lowest vertex; vertices without a face are in none.
 ///
 /// ```
 /// use catamaran::mesh::{Components, families};
@@ -92,8 +92,8 @@ impl Components {
 }
 
 impl TriMesh {
-    /// The number of fans of each vertex: groups of its faces that hang together over edges at this vertex. A vertex of more
-    /// than one is non-manifold (a bow tie), one of none is in no face.
+    /// The number of fans of each vertex: groups of its faces that hang together over edges at this
+    /// vertex. A vertex of more than one is non-manifold (a bow tie), one of none is in no face.
     pub fn fans(&self, edges: &super::Edges) -> Vec<u32> {
         let edges = &*edges.of(self);
         let faces = self.faces();

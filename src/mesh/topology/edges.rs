@@ -4,7 +4,8 @@ use super::super::TriMesh;
 use super::adjacency::Adjacency;
 use crate::base::{Error, Result};
 
-/// The edges of a mesh: sorted by their lower vertex, then by the other one, and numbered from 0 in this order.
+/// The edges of a mesh: sorted by their lower vertex, then by the other one, and numbered from 0 in
+/// this order.
 ///
 /// ```
 /// use catamaran::mesh::{Edges, families};

@@ -3,24 +3,26 @@ use super::Edges;
 use crate::base::{Error, Result};
 
 impl TriMesh {
-    /// The edges over which two faces do not agree on what is outside: their faces run along them in the same direction.
-    /// Edges with one face, or with more than two, are not among them.
+    /// The edges over which two faces do not agree on what is outside: their faces run along them
+    /// in the same direction. Edges with one face, or with more than two, are not among them.
     pub fn inconsistent_edges(&self, edges: &Edges) -> Vec<u32> {
         let edges = &*edges.of(self);
         let both = |row: &[u32]| matches!(row, &[a, b] if self.same_direction(a, b));
         (0..).zip(edges.corners().rows()).filter(|(_, row)| both(row)).map(|(e, _)| e).collect()
     }
 
-    /// Whether two faces run along their common edge in the same direction, where it starts at these corners.
+    /// Whether two faces run along their common edge in the same direction, where it starts at
+    /// these corners.
     fn same_direction(&self, a: u32, b: u32) -> bool {
         self.faces()[a as usize / 3][a as usize % 3] == self.faces()[b as usize / 3][b as usize % 3]
     }
 
-    /// Which faces must be flipped so that all agree over every edge of two faces; of each group of faces that hang together
-    /// over such edges, the lowest stays.
+    /// Which faces must be flipped so that all agree over every edge of two faces; of each group of
+    /// faces that hang together over such edges, the lowest stays.
     ///
     /// # Errors
-    /// [`Error::Mesh`] that names an edge over which no flipping makes its faces agree: the mesh is not orientable.
+    /// [`Error::Mesh`] that names an edge over which no flipping makes its faces agree: the mesh is
+    /// not orientable.
     pub fn flips(&self, edges: &Edges) -> Result<Vec<bool>> {
         let edges = &*edges.of(self);
         let sides = self.sides(edges);
@@ -72,11 +74,12 @@ impl TriMesh {
         Sides { group, flip, conflicts }
     }
 
-    /// The mesh with faces flipped so that all agree; of each group of faces that hang together over edges of two faces, the
-    /// lowest stays as it is.
+    /// The mesh with faces flipped so that all agree; of each group of faces that hang together
+    /// over edges of two faces, the lowest stays as it is.
     ///
     /// # Errors
-    /// [`Error::Mesh`] that names an edge with more than two faces, or one over which the mesh is not orientable.
+    /// [`Error::Mesh`] that names an edge with more than two faces, or one over which the mesh is
+    /// not orientable.
     pub fn oriented(&self) -> Result<TriMesh> {
         let edges = Edges::new(self);
         edges.require_manifold()?;

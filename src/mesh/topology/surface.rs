@@ -9,7 +9,8 @@ use crate::base::{Error, Result};
 pub enum Genus {
     /// Of an orientable surface: its handles.
     Orientable(usize),
-    /// Of a surface with a component that is not orientable: its cross-caps, a handle counted as two.
+    /// Of a surface with a component that is not orientable: its cross-caps, a handle counted as
+    /// two.
     NonOrientable(usize),
 }
 
@@ -30,11 +31,12 @@ impl TriMesh {
         used as i64 - edges.len() as i64 + self.faces().len() as i64
     }
 
-    /// The genus g, from the Euler characteristic: V - E + F = sum over components of 2 - 2 g - (boundary loops), or of
-    /// 2 - g - (boundary loops) when not orientable.
+    /// The genus g, from the Euler characteristic: V - E + F = sum over components of 2 - 2 g -
+    /// (boundary loops), or of 2 - g - (boundary loops) when not orientable.
     ///
     /// # Errors
-    /// [`Error::Mesh`] that names an edge of more than two faces, or a vertex at which the surface meets itself.
+    /// [`Error::Mesh`] that names an edge of more than two faces, or a vertex at which the surface
+    /// meets itself.
     pub fn genus(&self, edges: &Edges) -> Result<Genus> {
         let edges = &*edges.of(self);
         edges.require_manifold()?;
@@ -47,8 +49,8 @@ impl TriMesh {
         Ok(genus_of(self.euler_characteristic(edges), components, loops, orientable))
     }
 
-    /// `Ok` when the mesh is a manifold, with or without boundary: every edge has one or two faces, and the faces at every
-    /// vertex hang together over edges.
+    /// `Ok` when the mesh is a manifold, with or without boundary: every edge has one or two faces,
+    /// and the faces at every vertex hang together over edges.
     ///
     /// # Errors
     /// [`Error::Mesh`] that names the first edge or vertex that is not so.

@@ -22,8 +22,8 @@ use sweeps::Sweeps;
 /// The order of elimination and the places of the factor, the same for all matrices with the same
 /// places.
 ///
-/// The order is that of approximate minimum degree (Amestoy, Davis and Duff 1996); nested dissection
-/// fills in as much on surfaces (docs/decisions/0040).
+/// The order is that of approximate minimum degree (Amestoy, Davis and Duff 1996); nested
+/// dissection fills in as much on surfaces (docs/decisions/0040).
 #[derive(Debug)]
 pub(crate) struct Symbolic(SymbolicCholesky<usize>);
 
@@ -179,7 +179,8 @@ mod tests {
         }
     }
 
-    /// Symmetric matrices (n x n, entries), with eigenvalues on both sides of zero where they say so.
+    /// Symmetric matrices (n x n, entries), with eigenvalues on both sides of zero where they say
+    /// so.
     fn matrices() -> Vec<(&'static str, CsMat<f64>)> {
         let of = |n: usize, entry: &dyn Fn(usize, usize) -> f64| {
             let mut entries = TriMat::new((n, n));

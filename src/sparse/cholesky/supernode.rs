@@ -6,8 +6,8 @@ pub(super) const WIDTH: usize = 8;
 /// One row of them.
 pub(super) type Row = [f64; WIDTH];
 
-/// Columns of L with the same places below a dense triangle. Their values are stored by columns, with
-/// `columns + below` rows.
+/// Columns of L with the same places below a dense triangle. Their values are stored by columns,
+/// with `columns + below` rows.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Supernode {
     /// Its first column.
@@ -29,9 +29,9 @@ impl Supernode {
         &values[self.values..][..self.rows() * self.columns]
     }
 
-    /// `x := L^-1 x` for the triangle and rows `first..` of x, and what follows from it for the rows
-    /// of x that `targets` names, one for each row below. With `UNIT` the diagonal of L is 1; with
-    /// `FUSED` products are added without rounding them first, where the processor can.
+    /// `x := L^-1 x` for the triangle and rows `first..` of x, and what follows from it for the
+    /// rows of x that `targets` names, one for each row below. With `UNIT` the diagonal of L is 1;
+    /// with `FUSED` products are added without rounding them first, where the processor can.
     #[inline(always)]
     pub fn down<const UNIT: bool, const FUSED: bool>(
         &self,

@@ -1,8 +1,8 @@
 //! Solutions with a supernodal factor: sweeps down and up the elimination tree.
 //!
-//! Eight right-hand sides lie side by side, so that an entry of L is read once for all of them and a
-//! row of them is one register. Parts of the tree that do not need each other are swept by different
-//! threads; the parts are the same for any number of threads.
+//! Eight right-hand sides lie side by side, so that an entry of L is read once for all of them and
+//! a row of them is one register. Parts of the tree that do not need each other are swept by
+//! different threads; the parts are the same for any number of threads.
 
 use std::ops::Range;
 use std::sync::Mutex;

@@ -29,7 +29,8 @@ impl<'p> Cells<'p> {
         cells
     }
 
-    /// Calls `found` with each point within `radius` of `place`, at most the radius given to `new`, and its distance.
+    /// Calls `found` with each point within `radius` of `place`, at most the radius given to `new`,
+    /// and its distance.
     pub fn near(&self, place: &Vector, radius: f64, mut found: impl FnMut(u32, f64)) {
         let [x, y, z] = self.cell(place);
         for x in x.saturating_sub(1)..=x + 1 {

@@ -1,8 +1,10 @@
-//! Functions that tell the points of a shape apart, many for each vertex (rows), for correspondences and as test signals.
+//! Functions that tell the points of a shape apart, many for each vertex (rows), for
+//! correspondences and as test signals.
 //!
-//! From eigenpairs of the Laplacian: heat and wave kernel signatures and their relatives, the same for isometric shapes.
-//! From the mesh: [`shot()`], the same for rigid motions, and [`geodesic_rings`], intrinsic and local, which stands where the
-//! thesis has the anisotropic windowed Fourier transform.
+//! From eigenpairs of the Laplacian: heat and wave kernel signatures and their relatives, the same
+//! for isometric shapes. From the mesh: [`shot()`], the same for rigid motions, and
+//! [`geodesic_rings`], intrinsic and local, which stands where the thesis has the anisotropic
+//! windowed Fourier transform.
 
 mod cells;
 mod rings;
@@ -25,7 +27,8 @@ use faer::Mat;
 
 use crate::base::{Error, Par, Progress, Result, Tracker};
 
-/// An n x columns matrix from blocks of rows, each written by `rows` one after the other (row-major) on some thread.
+/// An n x columns matrix from blocks of rows, each written by `rows` one after the other
+/// (row-major) on some thread.
 fn by_rows(
     n: usize,
     columns: usize,

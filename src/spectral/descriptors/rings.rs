@@ -38,14 +38,16 @@ builder! { setters only RingOptions<'a> {
     #[into] progress: Progress<'a>,
 }}
 
-/// Means of functions over rings around every vertex: an intrinsic local descriptor of our own, in place of the anisotropic
-/// windowed Fourier transform (Melzi, Rodola, Castellani and Bronstein 2018) that the thesis uses. Like it, it looks
-/// at functions (heat kernel signatures, say) through windows on the surface.
+/// Means of functions over rings around every vertex: an intrinsic local descriptor of our own, in
+/// place of the anisotropic windowed Fourier transform (Melzi, Rodola, Castellani and
+/// Bronstein 2018) that the thesis uses. Like it, it looks at functions (heat kernel signatures,
+/// say) through windows on the surface.
 ///
-/// `functions` are c values for each vertex (n x c). The patch of a vertex are the vertices at most the radius away along
-/// edges; each belongs to the two rings whose middles are next to it, by how near they are, with a third of the area of
-/// its faces. Returned are `rings * (1 + c)` columns, ring after ring from the middle: its share of the area of the patch,
-/// then the means of the functions; a ring without area has those of the vertex itself.
+/// `functions` are c values for each vertex (n x c). The patch of a vertex are the vertices at most
+/// the radius away along edges; each belongs to the two rings whose middles are next to it, by how
+/// near they are, with a third of the area of its faces. Returned are `rings * (1 + c)` columns,
+/// ring after ring from the middle: its share of the area of the patch, then the means of the
+/// functions; a ring without area has those of the vertex itself.
 ///
 /// The same for meshes with the same connections and lengths of edges, if the functions are.
 ///
@@ -64,8 +66,9 @@ builder! { setters only RingOptions<'a> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] unless the functions have a row for each vertex, [`Error::NonFinite`], [`Error::Argument`] for a
-/// radius that is not positive and finite or no rings; [`Error::Cancelled`].
+/// [`Error::Shape`] unless the functions have a row for each vertex, [`Error::NonFinite`],
+/// [`Error::Argument`] for a radius that is not positive and finite or no rings;
+/// [`Error::Cancelled`].
 pub fn geodesic_rings(
     mesh: &TriMesh,
     functions: MatRef<'_, f64>,

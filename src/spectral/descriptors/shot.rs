@@ -50,16 +50,17 @@ struct Neighbour {
     normal: Vector,
 }
 
-/// The signatures of histograms of orientations of Tombari, Salti and Di Stefano, Unique Signatures of Histograms for
-/// Local Surface Description (2010): for every vertex (row) the normals of the vertices within a ball, as cosines to the
-/// axis of a local frame, in a histogram for each of 32 parts of the ball; [`SHOT_BINS`] columns, of norm 1. Column
+/// The signatures of histograms of orientations of Tombari, Salti and Di Stefano, Unique Signatures
+/// of Histograms for Local Surface Description (2010): for every vertex (row) the normals of the
+/// vertices within a ball, as cosines to the axis of a local frame, in a histogram for each of 32
+/// parts of the ball; [`SHOT_BINS`] columns, of norm 1. Column
 /// `((sector * 2 + half) * 2 + shell) * 11 + cosine`.
 ///
-/// Follows rigid motions and scale (with the radius), not mirrors. A vertex with fewer than five others in its ball has no
-/// frame, and zeros.
+/// Follows rigid motions and scale (with the radius), not mirrors. A vertex with fewer than five
+/// others in its ball has no frame, and zeros.
 ///
-/// The axis points to the side of the vertex normal, where the paper counts points above and below: in a flat
-/// neighbourhood that count is chance. Ties of the other axis go by the weighted sum.
+/// The axis points to the side of the vertex normal, where the paper counts points above and below:
+/// in a flat neighbourhood that count is chance. Ties of the other axis go by the weighted sum.
 ///
 /// ```
 /// use catamaran::{mesh::families, spectral::descriptors::{SHOT_BINS, ShotOptions, shot}};
@@ -107,7 +108,8 @@ pub fn shot(mesh: &TriMesh, options: &ShotOptions<'_>) -> Result<Mat<f64>> {
     })
 }
 
-/// The axes x, y, z: eigenvectors of the covariance of the offsets, the nearer the heavier (Tombari et al., equation 2).
+/// The axes x, y, z: eigenvectors of the covariance of the offsets, the nearer the heavier (Tombari
+/// et al., equation 2).
 fn frame(ball: &[Neighbour], radius: f64, normal: Vector) -> Option<[Vector; 3]> {
     let mut covariance = Mat::<f64>::zeros(3, 3);
     for Neighbour { offset, distance, .. } in ball {
@@ -135,7 +137,8 @@ fn frame(ball: &[Neighbour], radius: f64, normal: Vector) -> Option<[Vector; 3]>
     Some([x, cross(z, x), z])
 }
 
-/// Adds a neighbour to the bins nearest to it, in each of the four directions in proportion to how near they are.
+/// Adds a neighbour to the bins nearest to it, in each of the four directions in proportion to how
+/// near they are.
 fn count(neighbour: &Neighbour, [x, y, z]: &[Vector; 3], radius: f64, bins: &mut [f64]) {
     let Neighbour { offset, distance, normal } = *neighbour;
     let turn = dot(offset, *y).atan2(dot(offset, *x)) / std::f64::consts::TAU;
@@ -162,8 +165,8 @@ fn count(neighbour: &Neighbour, [x, y, z]: &[Vector; 3], radius: f64, bins: &mut
     }
 }
 
-/// The two of `parts` equal bins of [0, 1] whose middles are next to `fraction`, and their shares of it. At the ends there
-/// is one, unless the last is followed by the first.
+/// The two of `parts` equal bins of [0, 1] whose middles are next to `fraction`, and their shares
+/// of it. At the ends there is one, unless the last is followed by the first.
 pub(super) fn nearest_two(fraction: f64, parts: usize, cyclic: bool) -> [(usize, f64); 2] {
     let place = fraction * parts as f64 - 0.5;
     let below = place.floor();

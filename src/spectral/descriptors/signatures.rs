@@ -10,12 +10,14 @@ const BLOCK: usize = 1 << 10;
 /// Eigenvalues up to this share of the largest are those of constants, and rounding.
 const ZERO: f64 = 1e-9;
 
-/// The heat kernel signature of Sun, Ovsjanikov and Guibas, A Concise and Provably Informative Multi-Scale Signature Based
-/// on Heat Diffusion (2009): `sum_i exp(-lambda_i t) phi_i(x)^2`, one row for each vertex x and one column for each time t.
+/// The heat kernel signature of Sun, Ovsjanikov and Guibas, A Concise and Provably Informative
+/// Multi-Scale Signature Based on Heat Diffusion (2009): `sum_i exp(-lambda_i t) phi_i(x)^2`, one
+/// row for each vertex x and one column for each time t.
 ///
-/// `values` are k eigenvalues (1 / length^2) and `vectors` (n x k) their M-orthonormal eigenfunctions, constants included;
-/// times (length^2) are at least 0. Its unit is 1 / area. Divide column t by [`heat_trace`] for the scaled signature of
-/// that paper, whose columns all have a weighted sum of 1.
+/// `values` are k eigenvalues (1 / length^2) and `vectors` (n x k) their M-orthonormal
+/// eigenfunctions, constants included; times (length^2) are at least 0. Its unit is 1 / area.
+/// Divide column t by [`heat_trace`] for the scaled signature of that paper, whose columns all have
+/// a weighted sum of 1.
 ///
 /// ```
 /// use catamaran::{Par, faer::Mat, spectral::descriptors::heat_kernel_signature};
@@ -28,8 +30,8 @@ const ZERO: f64 = 1e-9;
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] unless there are as many values as vectors; [`Error::NonFinite`], [`Error::Argument`] for a time
-/// that is negative or not finite.
+/// [`Error::Shape`] unless there are as many values as vectors; [`Error::NonFinite`],
+/// [`Error::Argument`] for a time that is negative or not finite.
 pub fn heat_kernel_signature(
     values: &[f64],
     vectors: MatRef<'_, f64>,
@@ -53,8 +55,8 @@ pub fn heat_trace(values: &[f64], time: f64) -> f64 {
     values.iter().map(|lambda| (-lambda * time).exp()).sum()
 }
 
-/// Times from `4 ln 10 / lambda_k` to `4 ln 10 / lambda_1` in equal ratios, with the largest and the smallest eigenvalue
-/// that is not zero: those of Sun et al. (2009), section 5.
+/// Times from `4 ln 10 / lambda_k` to `4 ln 10 / lambda_1` in equal ratios, with the largest and
+/// the smallest eigenvalue that is not zero: those of Sun et al. (2009), section 5.
 ///
 /// ```
 /// use catamaran::spectral::descriptors::heat_times;
@@ -111,7 +113,8 @@ pub fn heat_kernel(
     Ok(heat)
 }
 
-/// Energies of a wave kernel signature, logarithms of eigenvalues (1 / length^2), and how far each reaches.
+/// Energies of a wave kernel signature, logarithms of eigenvalues (1 / length^2), and how far each
+/// reaches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WaveScales {
     /// Logarithms of energies, ascending.
@@ -120,9 +123,10 @@ pub struct WaveScales {
     pub sigma: f64,
 }
 
-/// Equally spaced logarithms of energies as in Aubry, Schlickewei and Cremers, The Wave Kernel Signature (2011), section 5:
-/// sigma is seven times their distance, and both ends lie 2 sigma within the logarithms of the smallest and
-/// largest eigenvalue that are not zero. With D the distance of these, sigma is thus `7 D / (count + 27)`.
+/// Equally spaced logarithms of energies as in Aubry, Schlickewei and Cremers, The Wave Kernel
+/// Signature (2011), section 5: sigma is seven times their distance, and both ends lie 2 sigma
+/// within the logarithms of the smallest and largest eigenvalue that are not zero. With D the
+/// distance of these, sigma is thus `7 D / (count + 27)`.
 ///
 /// ```
 /// use catamaran::spectral::descriptors::wave_scales;
@@ -147,8 +151,9 @@ pub fn wave_scales(values: &[f64], count: usize) -> Result<WaveScales> {
 }
 
 /// The wave kernel signature of Aubry et al. (2011): the mean of `phi_i(x)^2` with weights
-/// `exp(-(e - ln lambda_i)^2 / 2 sigma^2)`, one row for each vertex x and one column for each energy e. Eigenvalues that are
-/// zero take no part. Arguments and unit as in [`heat_kernel_signature`].
+/// `exp(-(e - ln lambda_i)^2 / 2 sigma^2)`, one row for each vertex x and one column for each
+/// energy e. Eigenvalues that are zero take no part. Arguments and unit as in
+/// [`heat_kernel_signature`].
 ///
 /// ```
 /// use catamaran::{Par, faer::Mat};
@@ -165,8 +170,8 @@ pub fn wave_scales(values: &[f64], count: usize) -> Result<WaveScales> {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`], [`Error::NonFinite`]; [`Error::Argument`] for a sigma that is not positive and when no
-/// eigenvalue is positive.
+/// [`Error::Shape`], [`Error::NonFinite`]; [`Error::Argument`] for a sigma that is not positive and
+/// when no eigenvalue is positive.
 pub fn wave_kernel_signature(
     values: &[f64],
     vectors: MatRef<'_, f64>,
@@ -201,8 +206,9 @@ pub fn wave_kernel_signature(
     squares_times(vectors, weights.as_ref(), par)
 }
 
-/// The global point signature of Rustamov, Laplace-Beltrami Eigenfunctions for Deformation Invariant Shape Representation
-/// (2007): `phi_i(x) / sqrt(lambda_i)`, one column for each eigenvalue that is not zero. Signs are those of the vectors.
+/// The global point signature of Rustamov, Laplace-Beltrami Eigenfunctions for Deformation
+/// Invariant Shape Representation (2007): `phi_i(x) / sqrt(lambda_i)`, one column for each
+/// eigenvalue that is not zero. Signs are those of the vectors.
 ///
 /// ```
 /// use catamaran::{faer::{Mat, mat}, spectral::descriptors::global_point_signature};

@@ -179,7 +179,8 @@ fn shot_follows_rigid_motions_and_scale() {
 
 #[test]
 fn shot_tells_a_bump_from_a_plane_and_agrees_on_equal_places() {
-    // Two bumps of the same shape on a plane, turned against each other by nothing but a translation.
+    // Two bumps of the same shape on a plane, turned against each other by nothing but a
+    // translation.
     let mesh = shapes::grid(40, 20);
     let height = |p: &Vector, at: f64| {
         let (x, y) = (p[0] - at, p[1] - 10.0);

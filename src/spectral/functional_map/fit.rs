@@ -15,20 +15,23 @@ use crate::spectral::eigenbasis::Eigenbasis;
 /// Heat kernels per landmark, from narrow to wide.
 const SCALES: usize = 8;
 
-/// Part of the mean diagonal entry that is added to the diagonal of the equations: with fewer functions than unknowns, and
-/// no commutativity, they have many solutions, of which this takes the least one.
+/// Part of the mean diagonal entry that is added to the diagonal of the equations: with fewer
+/// functions than unknowns, and no commutativity, they have many solutions, of which this takes the
+/// least one.
 const RIDGE: f64 = 1e-12;
 
 /// Part of the progress of a fit with operators that the rows alone take.
 const ROWS_SHARE: f64 = 0.1;
 
-/// Least-squares fit of a functional map C between two eigenbases, from functions known on both meshes.
+/// Least-squares fit of a functional map C between two eigenbases, from functions known on both
+/// meshes.
 ///
-/// Minimises `|C A - B|^2 / |A|^2 + weight |C L - L' C|^2`, where the columns of A and B are the coefficients of the
-/// corresponding functions and L, L' the eigenvalues, as a part of the largest one: isometries commute with
-/// Laplacians. Rows of C are independent of each other and solved for one by one. Where both bases have the constant,
-/// it is mapped to itself exactly. [`MapFit::operators`] adds a term that couples the rows, and then conjugate gradients
-/// solve for all of them.
+/// Minimises `|C A - B|^2 / |A|^2 + weight |C L - L' C|^2`, where the columns of A and B are the
+/// coefficients of the corresponding functions and L, L' the eigenvalues, as a part of the largest
+/// one: isometries commute with Laplacians. Rows of C are independent of each other and solved for
+/// one by one. Where both bases have the constant, it is mapped to itself exactly.
+/// [`MapFit::operators`] adds a term that couples the rows, and then conjugate gradients solve for
+/// all of them.
 ///
 /// ```no_run
 /// # use catamaran::spectral::{Eigenbasis, functional_map::MapFit};
@@ -91,11 +94,12 @@ impl<'a> MapFit<'a> {
         Self { progress: progress.into(), ..self }
     }
 
-    /// Adds functions: each column of `f`, n_source x c, corresponds to that of `g`, n_target x c. Each pair is scaled to
-    /// norm 1, so that all count the same.
+    /// Adds functions: each column of `f`, n_source x c, corresponds to that of `g`, n_target x c.
+    /// Each pair is scaled to norm 1, so that all count the same.
     ///
     /// # Errors
-    /// [`Error::Shape`] when they have other rows than vertices or not as many columns, [`Error::NonFinite`].
+    /// [`Error::Shape`] when they have other rows than vertices or not as many columns,
+    /// [`Error::NonFinite`].
     pub fn functions(&mut self, f: MatRef<'_, f64>, g: MatRef<'_, f64>) -> Result<()> {
         let expected = (self.target.basis().vertices(), f.ncols());
         Error::check_shape("target functions", expected, g.shape())?;
@@ -105,13 +109,15 @@ impl<'a> MapFit<'a> {
         Ok(())
     }
 
-    /// Adds that C commutes with multiplications by functions that correspond, as [`MapFit::functions`] takes them (Nogneng and
-    /// Ovsjanikov 2017): `weight` times the mean of `|C D - D' C|^2`, D and D' multiplication by a pair of functions, scaled to
-    /// mean square 1. A function says far more of the map that way than by its coefficients alone, so that few of them
-    /// determine a large one.
+    /// Adds that C commutes with multiplications by functions that correspond, as
+    /// [`MapFit::functions`] takes them (Nogneng and Ovsjanikov 2017): `weight` times the mean of
+    /// `|C D - D' C|^2`, D and D' multiplication by a pair of functions, scaled to mean square 1. A
+    /// function says far more of the map that way than by its coefficients alone, so that few of
+    /// them determine a large one.
     ///
     /// # Errors
-    /// As [`MapFit::functions`]; [`Error::Argument`] for a weight that is not finite or below 0, or a mesh without area.
+    /// As [`MapFit::functions`]; [`Error::Argument`] for a weight that is not finite or below 0, or
+    /// a mesh without area.
     pub fn operators(&mut self, f: MatRef<'_, f64>, g: MatRef<'_, f64>, weight: f64) -> Result<()> {
         let (n, m) = (self.source.basis().vertices(), self.target.basis().vertices());
         Error::check_shape("source functions", (n, f.ncols()), f.shape())?;
@@ -142,11 +148,12 @@ impl<'a> MapFit<'a> {
         Ok(())
     }
 
-    /// Adds pairs of vertices (source, target) that correspond: heat kernels around them, at times that suit the
-    /// eigenvalues.
+    /// Adds pairs of vertices (source, target) that correspond: heat kernels around them, at times
+    /// that suit the eigenvalues.
     ///
     /// # Errors
-    /// [`Error::Argument`] names the first pair that is not one of vertices, or says that no eigenvalue is positive.
+    /// [`Error::Argument`] names the first pair that is not one of vertices, or says that no
+    /// eigenvalue is positive.
     pub fn landmarks(&mut self, pairs: &[(u32, u32)]) -> Result<()> {
         let (n, m) = (self.source.basis().vertices(), self.target.basis().vertices());
         let outside = |&(x, y): &(u32, u32)| x as usize >= n || y as usize >= m;
@@ -178,11 +185,12 @@ impl<'a> MapFit<'a> {
         Ok(())
     }
 
-    /// Adds segments that correspond: vertices of the same label on both meshes. Every label is used, 0 too.
+    /// Adds segments that correspond: vertices of the same label on both meshes. Every label is
+    /// used, 0 too.
     ///
     /// # Errors
-    /// [`Error::Shape`] when there is not a label for each vertex, [`Error::Argument`] names the first label that only one
-    /// of the meshes has.
+    /// [`Error::Shape`] when there is not a label for each vertex, [`Error::Argument`] names the
+    /// first label that only one of the meshes has.
     pub fn segments(&mut self, source: &[u32], target: &[u32]) -> Result<()> {
         let (n, m) = (self.source.basis().vertices(), self.target.basis().vertices());
         Error::check_shape("source labels", (n, 1), (source.len(), 1))?;
@@ -219,8 +227,9 @@ impl<'a> MapFit<'a> {
     /// The map, r_target x r_source; `commutativity` is the weight of the second term, at least 0.
     ///
     /// # Errors
-    /// [`Error::Argument`] for the weight, or when no function on the source is other than zero; [`Error::OutOfMemory`];
-    /// [`Error::Cancelled`]; [`Error::NotConverged`] when operators are too many or too different for conjugate gradients.
+    /// [`Error::Argument`] for the weight, or when no function on the source is other than zero;
+    /// [`Error::OutOfMemory`]; [`Error::Cancelled`]; [`Error::NotConverged`] when operators are too
+    /// many or too different for conjugate gradients.
     pub fn solve(&self, commutativity: f64) -> Result<Mat<f64>> {
         if !(commutativity.is_finite() && commutativity >= 0.0) {
             let why = format!("must be finite and at least 0, is {commutativity}");

@@ -1,7 +1,9 @@
-//! Functional maps: linear maps from functions on a source to functions on a target, as matrices of coefficients.
+//! Functional maps: linear maps from functions on a source to functions on a target, as matrices of
+//! coefficients.
 //!
-//! A point-to-point map `points` holds, for each vertex of the target, a vertex of the source. Its functional map takes a
-//! function f on the source to `f o points` on the target (Ovsjanikov et al. 2012).
+//! A point-to-point map `points` holds, for each vertex of the target, a vertex of the source. Its
+//! functional map takes a function f on the source to `f o points` on the target (Ovsjanikov et al.
+//! 2012).
 
 mod fit;
 mod nearest;

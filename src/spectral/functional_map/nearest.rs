@@ -1,7 +1,7 @@
 //! Nearest neighbours among points in many dimensions.
 //!
-//! Exhaustive, by matrix products: in the 20 to 200 dimensions of spectral embeddings a k-d tree visits most of its leaves,
-//! at a fraction of the speed of a product.
+//! Exhaustive, by matrix products: in the 20 to 200 dimensions of spectral embeddings a k-d tree
+//! visits most of its leaves, at a fraction of the speed of a product.
 
 use std::ops::Range;
 
@@ -18,11 +18,12 @@ const CANDIDATES: usize = 512;
 /// Candidates that may be nearest, of one query, before they are told apart exactly.
 const OPEN: usize = 32;
 
-/// The row of `candidates` (m x d) that is nearest to each row of `queries` (n x d), in the Euclidean norm; the first one of
-/// equals.
+/// The row of `candidates` (m x d) that is nearest to each row of `queries` (n x d), in the
+/// Euclidean norm; the first one of equals.
 ///
-/// The distances that decide are sums of squared differences from the first coordinate to the last, so the result is
-/// exactly that of a search by the definition, for every `par`. It takes `2 n m d` flops.
+/// The distances that decide are sums of squared differences from the first coordinate to the last,
+/// so the result is exactly that of a search by the definition, for every `par`. It takes `2 n m d`
+/// flops.
 ///
 /// ```
 /// use catamaran::{Par, base::Progress, faer::mat, spectral::functional_map::nearest_rows};
@@ -34,8 +35,9 @@ const OPEN: usize = 32;
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when dimensions differ, [`Error::NonFinite`], [`Error::Argument`] when there are queries but no
-/// candidates, or 2^32 candidates or more; [`Error::OutOfMemory`], [`Error::Cancelled`].
+/// [`Error::Shape`] when dimensions differ, [`Error::NonFinite`], [`Error::Argument`] when there
+/// are queries but no candidates, or 2^32 candidates or more; [`Error::OutOfMemory`],
+/// [`Error::Cancelled`].
 pub fn nearest_rows(
     queries: MatRef<'_, f64>,
     candidates: MatRef<'_, f64>,
@@ -109,7 +111,8 @@ impl Search<'_> {
     fn run(&self, block: Range<usize>) -> Vec<u32> {
         let d = self.queries.nrows();
         let queries = self.queries.subcols(block.start, block.len());
-        // Twice the bound of a computed score, `(d + 2) u (|c|^2 + |q| |c|)`, and once more for the exact distance.
+        // Twice the bound of a computed score, `(d + 2) u (|c|^2 + |q| |c|)`, and once more for the
+        // exact distance.
         let unit = 4.0 * (d as f64 + 2.0) * f64::EPSILON;
         let mut best: Vec<Best> = block
             .map(|j| {

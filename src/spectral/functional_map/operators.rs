@@ -1,4 +1,5 @@
-//! Multiplications by functions as operators that a functional map commutes with (Nogneng and Ovsjanikov 2017).
+//! Multiplications by functions as operators that a functional map commutes with (Nogneng and
+//! Ovsjanikov 2017).
 
 use faer::{Mat, MatRef};
 
@@ -6,12 +7,13 @@ use crate::base::{Error, Par, Progress, Result};
 use crate::spectral::basis::{Basis, times_mass};
 use crate::spectral::dense;
 
-/// Residual of the equations at which they are solved, relative to the right-hand side, and iterations until then.
+/// Residual of the equations at which they are solved, relative to the right-hand side, and
+/// iterations until then.
 const SOLVED: f64 = 1e-10;
 const ITERATIONS: usize = 4000;
 
-/// Multiplication by a function on the source, and by the one that corresponds to it on the target, and the weight of
-/// `|C D - D' C|^2`.
+/// Multiplication by a function on the source, and by the one that corresponds to it on the target,
+/// and the weight of `|C D - D' C|^2`.
 pub(super) struct Operators {
     pub source: Mat<f64>,
     pub target: Mat<f64>,
@@ -26,8 +28,9 @@ pub(super) fn multiplication(basis: &Basis, f: MatRef<'_, f64>, par: Par) -> Res
     dense::transposed_product(phi, weighted.as_ref(), par)
 }
 
-/// The C that minimises `|C A - B|^2 + sum of weights_ij C_ij^2 + sum over operators`, of which the first `known` columns
-/// stay as they are in the first guess: by conjugate gradients, preconditioned by the diagonal.
+/// The C that minimises `|C A - B|^2 + sum of weights_ij C_ij^2 + sum over operators`, of which the
+/// first `known` columns stay as they are in the first guess: by conjugate gradients,
+/// preconditioned by the diagonal.
 pub(super) struct Equations<'a> {
     /// `A A^T`.
     pub gram: Mat<f64>,

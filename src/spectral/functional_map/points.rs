@@ -11,13 +11,15 @@ use crate::spectral::dense;
 /// Functions whose pull-backs are computed at once, to save memory.
 const PANEL: usize = 256;
 
-/// The point-to-point map of a functional map `c` (r_target x r_source) of two bases: to each vertex of the target, that of
-/// the source whose image under `c` is nearest in the basis (Ovsjanikov et al. 2012; thesis, section 1.3.4, step 1).
+/// The point-to-point map of a functional map `c` (r_target x r_source) of two bases: to each
+/// vertex of the target, that of the source whose image under `c` is nearest in the basis
+/// (Ovsjanikov et al. 2012; thesis, section 1.3.4, step 1).
 ///
-/// With Phi and Psi the functions on source and target, row y of Psi is matched with the rows of `Phi C^T`: the
-/// coefficients of a point mass at y, and of those that `c` makes of point masses on the source. Those hold the mass of
-/// an area on the source, so they are divided by the ratio of the areas of target and source; without that, meshes of
-/// different sizes would not match. The first of equally near vertices is taken.
+/// With Phi and Psi the functions on source and target, row y of Psi is matched with the rows of
+/// `Phi C^T`: the coefficients of a point mass at y, and of those that `c` makes of point masses on
+/// the source. Those hold the mass of an area on the source, so they are divided by the ratio of
+/// the areas of target and source; without that, meshes of different sizes would not match. The
+/// first of equally near vertices is taken.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, functional_map::points_from_map};
@@ -35,8 +37,8 @@ const PANEL: usize = 256;
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when `c` has another shape, [`Error::NonFinite`], [`Error::Argument`] when the source has no vertices,
-/// [`Error::OutOfMemory`], [`Error::Cancelled`].
+/// [`Error::Shape`] when `c` has another shape, [`Error::NonFinite`], [`Error::Argument`] when the
+/// source has no vertices, [`Error::OutOfMemory`], [`Error::Cancelled`].
 pub fn points_from_map(
     c: MatRef<'_, f64>,
     source: &Basis,
@@ -64,11 +66,12 @@ pub(super) fn nearest_images(
     nearest_rows(target, images.as_ref(), par, progress)
 }
 
-/// The functional map, r_target x r_source, of a point-to-point map: the coefficients of the pulled-back functions
-/// `f o points`, nearest in the norm of the target's mass (thesis, section 1.3.4, step 2).
+/// The functional map, r_target x r_source, of a point-to-point map: the coefficients of the
+/// pulled-back functions `f o points`, nearest in the norm of the target's mass (thesis, section
+/// 1.3.4, step 2).
 ///
-/// `points` holds a vertex of the source for each vertex of the target. Any bases: eigenfunctions give the functional map
-/// C, orthogonalised products the matrix O.
+/// `points` holds a vertex of the source for each vertex of the target. Any bases: eigenfunctions
+/// give the functional map C, orthogonalised products the matrix O.
 ///
 /// ```
 /// use catamaran::{Par, faer::{Mat, mat}, sparse::Mass};
@@ -82,8 +85,8 @@ pub(super) fn nearest_images(
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when there are not as many points as target vertices, [`Error::Argument`] names the first one
-/// that is not a vertex of the source, [`Error::OutOfMemory`].
+/// [`Error::Shape`] when there are not as many points as target vertices, [`Error::Argument`] names
+/// the first one that is not a vertex of the source, [`Error::OutOfMemory`].
 pub fn map_from_points(
     points: &[u32],
     source: &Basis,

@@ -12,16 +12,17 @@ use crate::spectral::dense;
 pub struct Refined {
     /// The functional map, r_target x r_source.
     pub map: Mat<f64>,
-    /// The point-to-point map that it was computed from: a vertex of the source for each of the target.
+    /// The point-to-point map that it was computed from: a vertex of the source for each of the
+    /// target.
     pub points: Vec<u32>,
 }
 
-/// Iterative closest points in the spectral embedding (Ovsjanikov et al. 2012, section 6.2): in turns the point-to-point
-/// map of `c`, and the orthogonal matrix (Procrustes) that maps functions best along it, until the points stay the same
-/// or `iterations` (at least 1) are done.
+/// Iterative closest points in the spectral embedding (Ovsjanikov et al. 2012, section 6.2): in
+/// turns the point-to-point map of `c`, and the orthogonal matrix (Procrustes) that maps functions
+/// best along it, until the points stay the same or `iterations` (at least 1) are done.
 ///
-/// `c` is r_target x r_source, for orthonormal bases. The matrix is orthogonal up to the factor that meshes of different
-/// areas need.
+/// `c` is r_target x r_source, for orthonormal bases. The matrix is orthogonal up to the factor
+/// that meshes of different areas need.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, functional_map::icp};
@@ -41,8 +42,9 @@ pub struct Refined {
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when `c` is of another shape, [`Error::NonFinite`], [`Error::Argument`] for no iterations, a basis
-/// that is not orthonormal or a mesh without area, [`Error::OutOfMemory`], [`Error::Cancelled`].
+/// [`Error::Shape`] when `c` is of another shape, [`Error::NonFinite`], [`Error::Argument`] for no
+/// iterations, a basis that is not orthonormal or a mesh without area, [`Error::OutOfMemory`],
+/// [`Error::Cancelled`].
 pub fn icp(
     c: MatRef<'_, f64>,
     source: &Basis,
@@ -73,15 +75,17 @@ pub fn icp(
     Ok(Refined { map, points })
 }
 
-/// ZoomOut (Melzi et al. 2019): in turns the point-to-point map of `c`, and its functional map between `step` (at least 1)
-/// functions more on both sides, until all functions of the two bases are used.
+/// ZoomOut (Melzi et al. 2019): in turns the point-to-point map of `c`, and its functional map
+/// between `step` (at least 1) functions more on both sides, until all functions of the two bases
+/// are used.
 ///
-/// `c` is k_target x k_source, for the first functions of the bases, at most all of them. When one basis has all of
-/// its functions before the other, it waits.
+/// `c` is k_target x k_source, for the first functions of the bases, at most all of them. When one
+/// basis has all of its functions before the other, it waits.
 ///
-/// Any orthonormal bases will do (thesis, section 1.5): of eigenfunctions, or of orthogonalised eigenproducts
-/// ([`Reorthogonalized`](crate::spectral::Orthogonalization::Reorthogonalized)), the first of which are the
-/// eigenfunctions themselves, so that a map between these is where their products start from.
+/// Any orthonormal bases will do (thesis, section 1.5): of eigenfunctions, or of orthogonalised
+/// eigenproducts ([`Reorthogonalized`](crate::spectral::Orthogonalization::Reorthogonalized)), the
+/// first of which are the eigenfunctions themselves, so that a map between these is where their
+/// products start from.
 ///
 /// ```
 /// use catamaran::spectral::{Eigenbasis, functional_map::zoomout};
@@ -101,9 +105,10 @@ pub fn icp(
 /// ```
 ///
 /// # Errors
-/// [`Error::Shape`] when `c` has more rows or columns than the bases functions, [`Error::NonFinite`],
-/// [`Error::Argument`] for a step of 0, a map without rows or columns, a basis that is not orthonormal or a mesh
-/// without area, [`Error::OutOfMemory`], [`Error::Cancelled`].
+/// [`Error::Shape`] when `c` has more rows or columns than the bases functions,
+/// [`Error::NonFinite`], [`Error::Argument`] for a step of 0, a map without rows or columns, a
+/// basis that is not orthonormal or a mesh without area, [`Error::OutOfMemory`],
+/// [`Error::Cancelled`].
 pub fn zoomout(
     c: MatRef<'_, f64>,
     source: &Basis,

@@ -1,7 +1,8 @@
 use super::kernel::{Number, gemm, normalize};
 use super::{Architecture, FEATURES, INPUTS, K, LayerPlaces, Place, Places};
 
-/// What a layer computed, a row for each of its inputs: `x + down(a g / (1 + e^-g))` with `(a, g) = up(normalised x)`.
+/// What a layer computed, a row for each of its inputs: `x + down(a g / (1 + e^-g))` with
+/// `(a, g) = up(normalised x)`.
 #[derive(Debug, Clone, Default)]
 pub struct LayerTape<T> {
     /// The input, normalised, before scale and shift.
@@ -98,8 +99,9 @@ fn add<T: Number>(sum: &mut [T], x: &[T]) {
 /// Everything that [`forward`] computes for a number of pairs.
 #[derive(Debug, Clone)]
 pub struct Tape<T> {
-    /// Features, `K x FEATURES` a row: those of the first spectrum of every pair informed about the second, then those of the
-    /// second ones informed about the first. To be filled in before [`forward`].
+    /// Features, `K x FEATURES` a row: those of the first spectrum of every pair informed about the
+    /// second, then those of the second ones informed about the first. To be filled in before
+    /// [`forward`].
     pub features: Vec<T>,
     /// What the first layer reads, `K x INPUTS` a row.
     pub inputs: Vec<T>,
@@ -125,7 +127,8 @@ pub struct Tape<T> {
     pub part_inverse: Vec<T>,
     /// With scale and shift.
     pub part_normed: Vec<T>,
-    /// Where the parts are, coefficients: of the first spectrum of every pair, then of the second ones.
+    /// Where the parts are, coefficients: of the first spectrum of every pair, then of the second
+    /// ones.
     pub part_region: Vec<T>,
 }
 
@@ -154,8 +157,9 @@ impl<T: Number> Tape<T> {
     }
 }
 
-/// From `tape.features` to `tape.output`, the regions and the doubt. Swapping the two spectra of a pair leaves output, region of
-/// the union and doubt as they are, bit for bit: the first part runs on both orders, and the two results are added.
+/// From `tape.features` to `tape.output`, the regions and the doubt. Swapping the two spectra of a
+/// pair leaves output, region of the union and doubt as they are, bit for bit: the first part runs
+/// on both orders, and the two results are added.
 ///
 /// # Panics
 /// When `tape` or `parameters` are of another architecture.

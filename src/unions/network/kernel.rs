@@ -1,5 +1,5 @@
-//! Small dense arithmetic. Every sum is taken in one order, with one rounding a term, so that results depend neither on the CPU
-//! nor on how rows are grouped.
+//! Small dense arithmetic. Every sum is taken in one order, with one rounding a term, so that
+//! results depend neither on the CPU nor on how rows are grouped.
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -103,7 +103,8 @@ macro_rules! lanes {
 lanes!(f32: f32s, F32_LANES, splat_f32s, as_simd_f32s, as_mut_simd_f32s, mul_add_f32s);
 lanes!(f64: f64s, F64_LANES, splat_f64s, as_simd_f64s, as_mut_simd_f64s, mul_add_f64s);
 
-/// `c += a b` with b (inner x columns) and c (rows x columns) by rows; entry (i, k) of a is `a[i * strides.0 + k * strides.1]`.
+/// `c += a b` with b (inner x columns) and c (rows x columns) by rows; entry (i, k) of a is
+/// `a[i * strides.0 + k * strides.1]`.
 ///
 /// # Panics
 /// When a slice is too short.
@@ -150,8 +151,9 @@ const DEPTH: usize = 128;
 const MOST_LANES: usize = 16;
 
 impl<T: Number> Gemm<'_, T> {
-    /// Adds some of the terms, tile by tile of c. The sums of a tile stay in registers: 12 vectors where there are 16, 24 where
-    /// there are 32. Tiles of fewer rows are wider, as 8 sums at once hide how long one addition takes.
+    /// Adds some of the terms, tile by tile of c. The sums of a tile stay in registers: 12 vectors
+    /// where there are 16, 24 where there are 32. Tiles of fewer rows are wider, as 8 sums at once
+    /// hide how long one addition takes.
     #[inline(always)]
     fn add<S: Simd>(&mut self, simd: S, terms: Range<usize>) {
         let terms = &terms;
@@ -167,7 +169,8 @@ impl<T: Number> Gemm<'_, T> {
         }
     }
 
-    /// From `row` on, in tiles of `TALL` rows and `WIDE` vectors, or one where columns run out. Gives the first row left over.
+    /// From `row` on, in tiles of `TALL` rows and `WIDE` vectors, or one where columns run out.
+    /// Gives the first row left over.
     #[inline(always)]
     fn add_to_rows<S: Simd, const TALL: usize, const WIDE: usize>(
         &mut self,
@@ -198,7 +201,8 @@ impl<T: Number> Gemm<'_, T> {
                 column += lanes;
             }
             if column < columns {
-                // Of the last vector of columns, some are done already: new sums of those are dropped.
+                // Of the last vector of columns, some are done already: new sums of those are
+                // dropped.
                 let last = columns - lanes;
                 let mut sums = [[T::ZERO; MOST_LANES]; TALL];
                 for i in 0..TALL {
@@ -236,8 +240,8 @@ fn pack<T: Number, const TALL: usize>(a: &[T], strides: (usize, usize), packed: 
     }
 }
 
-/// `c += a b` for `TALL` rows of c and the first `WIDE` vectors of them, with `a` by columns. Rows of b and of c come with how
-/// far apart they are.
+/// `c += a b` for `TALL` rows of c and the first `WIDE` vectors of them, with `a` by columns. Rows
+/// of b and of c come with how far apart they are.
 #[inline(always)]
 fn tile<T: Number, S: Simd, const TALL: usize, const WIDE: usize>(
     simd: S,
@@ -277,8 +281,9 @@ pub fn sum<T: Number>(n: usize, f: impl Fn(usize) -> T) -> T {
         + ((parts[1] + parts[5]) + (parts[3] + parts[7]))
 }
 
-/// Layer normalisation (Ba, Kiros and Hinton 2016): each row of `x` less its mean, over its standard deviation, goes to
-/// `unit`; that times `scale` plus `shift` to `y`; one over the deviations, regularised, to `inverse`.
+/// Layer normalisation (Ba, Kiros and Hinton 2016): each row of `x` less its mean, over its
+/// standard deviation, goes to `unit`; that times `scale` plus `shift` to `y`; one over the
+/// deviations, regularised, to `inverse`.
 ///
 /// # Panics
 /// When a slice is too short.

@@ -1,8 +1,10 @@
-//! The network behind [`SpectralUnion`](super::SpectralUnion): its parameters and its forward pass, generic over the scalar,
-//! with everything kept that back-propagation (the workspace member `training`) needs.
+//! The network behind [`SpectralUnion`](super::SpectralUnion): its parameters and its forward pass,
+//! generic over the scalar, with everything kept that back-propagation (the workspace member
+//! `training`) needs.
 //!
-//! Source: thesis, section 2.4 (a commutative sum between two parts); the layers are gated residual perceptrons
-//! with normalisation first (Shazeer 2020, Xiong et al. 2020), not attention: docs/decisions/0026.
+//! Source: thesis, section 2.4 (a commutative sum between two parts); the layers are gated residual
+//! perceptrons with normalisation first (Shazeer 2020, Xiong et al. 2020), not attention:
+//! docs/decisions/0026.
 
 mod forward;
 mod kernel;
@@ -21,6 +23,7 @@ pub const K: usize = 20;
 /// Numbers for each eigenvalue that the network is given: see [`Question`](super::Question).
 pub const FEATURES: usize = 4;
 
-/// Numbers for each eigenvalue that the first layer reads: the features, and sines and cosines of once and twice the two
-/// logarithms among them, so that narrow ranges of eigenvalues can be told apart.
+/// Numbers for each eigenvalue that the first layer reads: the features, and sines and cosines of
+/// once and twice the two logarithms among them, so that narrow ranges of eigenvalues can be told
+/// apart.
 pub const INPUTS: usize = FEATURES + 8;

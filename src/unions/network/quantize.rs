@@ -21,7 +21,8 @@ pub fn to_whole(weights: &[f32], units: &[f32]) -> Vec<f32> {
     let mut whole = weights.to_vec();
     for row in whole.chunks_exact_mut(units.len()) {
         for (x, unit) in row.iter_mut().zip(units) {
-            // Adding and taking away rounds numbers below 2^22, and is done in vectors, unlike `round`.
+            // Adding and taking away rounds numbers below 2^22, and is done in vectors, unlike
+            // `round`.
             *x = ((*x / unit).clamp(-LARGEST, LARGEST) + ROUNDING) - ROUNDING;
         }
     }
@@ -40,7 +41,8 @@ pub fn is_quantized(place: &Place) -> bool {
     place.rows > 1
 }
 
-/// The parameters of a place as a file keeps them: weights rounded to one of 255 numbers for each column, others as they are.
+/// The parameters of a place as a file keeps them: weights rounded to one of 255 numbers for each
+/// column, others as they are.
 pub fn quantize(place: &Place, part: &mut [f32]) {
     if is_quantized(place) {
         let units = column_units(part, place.columns);

@@ -13,7 +13,8 @@ use catamaran::{Error, Par};
 use crate::common::{bits, gaussian};
 use crate::surface::{THREADS, blob, eigenbasis, shuffled};
 
-/// Two eigenbases of the same surface, in another order of vertices and another size, and the true points.
+/// Two eigenbases of the same surface, in another order of vertices and another size, and the true
+/// points.
 fn pair(len: usize) -> (Eigenbasis, Eigenbasis, Vec<u32>) {
     let mesh = blob(3);
     let (other, points) = shuffled(&mesh, 2.5);
@@ -60,7 +61,8 @@ fn functions_determine_the_map_of_a_shuffled_mesh_and_the_map_the_points() {
     fit.functions(f.as_ref(), g.as_ref()).unwrap();
     let c = fit.solve(MapFit::COMMUTATIVITY).unwrap();
     assert!(distance(c.as_ref(), exact.as_ref()) < 1e-6 * exact.norm_max());
-    // An isometry up to size: the map is diagonal, signs times the ratio of lengths, and so commutes with Laplacians.
+    // An isometry up to size: the map is diagonal, signs times the ratio of lengths, and so
+    // commutes with Laplacians.
     for i in 0..15 {
         for j in 0..15 {
             let expected = if i == j { 2.5 } else { 0.0 };

@@ -56,7 +56,8 @@ fn on_an_isometric_pair_all_three_ways_are_the_pull_back() {
             let columns = transform_by_columns(&map, &source, &target, Par::Seq).unwrap();
             let scale = points.norm_max();
             assert!(distance(columns.as_ref(), points.as_ref()) < 1e-6 * scale, "{len} {order}");
-            // The kept products alone span the space; with a threshold of 1e-2 the others are not exactly in it.
+            // The kept products alone span the space; with a threshold of 1e-2 the others are not
+            // exactly in it.
             if mode == OURS_STAR {
                 let all = transform_of_all_products(&map, &source, &target, Par::Seq).unwrap();
                 assert!(distance(all.as_ref(), points.as_ref()) < 1e-6 * scale, "{len} {order}");
@@ -75,7 +76,8 @@ fn the_formulas_are_those_of_the_thesis_for_any_map() {
     c[(1, 0)] = 0.0;
     c[(2, 0)] = 0.0;
     let map = ProductMap::new(c.as_ref(), &pair.source, &pair.target, 2).unwrap();
-    // C~ from the explicit Kronecker product: rows and columns 1, phi_1, phi_2, of functions divided by the constant.
+    // C~ from the explicit Kronecker product: rows and columns 1, phi_1, phi_2, of functions
+    // divided by the constant.
     let scale = pair.target.constant().unwrap() / pair.source.constant().unwrap();
     let c = Mat::from_fn(3, 3, |i, j| scale * c[(i, j)]);
     let tuples = [[0, 0], [0, 1], [0, 2], [1, 1], [1, 2], [2, 2]];
@@ -201,7 +203,8 @@ fn details_come_back_on_a_smooth_copy_of_the_mesh() {
     // Along the normal most of what the low part lacks.
     let (before, after) = (error(&mesh, &low), error(&mesh, &result));
     assert!((0..3).all(|c| after[c] < 0.75 * before[c]), "{before:?} {after:?}");
-    // Of its own detail, a mesh without heights keeps what lies along its smooth part, and nothing else.
+    // Of its own detail, a mesh without heights keeps what lies along its smooth part, and nothing
+    // else.
     let nothing = Transfer::new(eigen.basis(), eigen.basis(), Mat::zeros(60, 60)).unwrap();
     let flat = transfer_details(&mesh, &mesh, bases, &nothing, Par::Seq).unwrap();
     for (v, normal) in low.vertex_normals().iter().enumerate() {

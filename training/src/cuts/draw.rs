@@ -12,7 +12,8 @@ const SHARES: [f64; 2] = [0.08, 0.6];
 /// Attempts for each region that is wanted.
 const ATTEMPTS: usize = 20;
 
-/// Up to `count` regions, in turn a ball, a union of segments and a half space; no two alike or mirror images of each other.
+/// Up to `count` regions, in turn a ball, a union of segments and a half space; no two alike or
+/// mirror images of each other.
 pub(super) fn regions(
     surface: &Surface<'_>,
     segments: &[u32],

@@ -1,8 +1,8 @@
 //! Parts of the shapes of a family: masks over the vertices of its template, and pairs of them.
 //!
-//! Thesis, section 2.5: regions by geodesic balls, by segments and by planes, with smoothed edges; pairs of them that
-//! overlap; of the unions that the two spectra could mean, only one is kept (figure 2.3): that of the least area, on the
-//! left.
+//! Thesis, section 2.5: regions by geodesic balls, by segments and by planes, with smoothed edges;
+//! pairs of them that overlap; of the unions that the two spectra could mean, only one is kept
+//! (figure 2.3): that of the least area, on the left.
 
 mod draw;
 mod pairs;
@@ -33,7 +33,8 @@ pub struct CutOptions {
     pub pairs: usize,
     /// Pairs of a region and the union of an earlier pair, as unions of many parts have them.
     pub composites: usize,
-    /// Pairs into which one region is split; its spectrum is then that of the union. The first ones split the complete shape.
+    /// Pairs into which one region is split; its spectrum is then that of the union. The first ones
+    /// split the complete shape.
     pub splits: usize,
     /// Triples.
     pub triples: usize,

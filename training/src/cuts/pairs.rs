@@ -13,7 +13,8 @@ const DOUBT: f64 = 0.02;
 /// Attempts for each pair that is wanted.
 const ATTEMPTS: usize = 30;
 
-/// Vertices that a part has inside at least, so that it has a spectrum also when 30 % of them are removed.
+/// Vertices that a part has inside at least, so that it has a spectrum also when 30 % of them are
+/// removed.
 const INSIDE: usize = 60;
 
 /// A part that adds less than this share of the union adds nothing.
@@ -63,7 +64,8 @@ pub(super) fn by_splitting(
     Ok(())
 }
 
-/// Two parts of a region: what is nearer to one of two of its vertices, and a band beyond the middle.
+/// Two parts of a region: what is nearer to one of two of its vertices, and a band beyond the
+/// middle.
 fn split(surface: &Surface<'_>, region: &[bool], rng: &mut Rng) -> Result<[Mask; 2]> {
     let inside: Vec<usize> = (0..surface.len()).filter(|&v| region[v]).collect();
     let pick = |rng: &mut Rng| inside[below(inside.len(), rng)] as u32;
@@ -80,8 +82,8 @@ fn split(surface: &Surface<'_>, region: &[bool], rng: &mut Rng) -> Result<[Mask;
     Ok([part(&to_first, &to_second), part(&to_second, &to_first)])
 }
 
-/// Adds the pair, or one of the mirror images that its spectra could as well mean: that with the least union, on the left.
-/// Whether it was added: it must be a pair, clear, and not there yet.
+/// Adds the pair, or one of the mirror images that its spectra could as well mean: that with the
+/// least union, on the left. Whether it was added: it must be a pair, clear, and not there yet.
 fn add(surface: &Surface<'_>, a: &[bool], b: &[bool], cuts: &mut Cuts) -> bool {
     let Some([a, b]) = canonical(surface, a, b) else { return false };
     let all = union(&a, &b);
@@ -97,13 +99,14 @@ fn add(surface: &Surface<'_>, a: &[bool], b: &[bool], cuts: &mut Cuts) -> bool {
     true
 }
 
-/// The same two parts, mirrored where need be; `None` when they don't overlap enough, one adds too little, or the least
-/// union is in doubt.
+/// The same two parts, mirrored where need be; `None` when they don't overlap enough, one adds too
+/// little, or the least union is in doubt.
 pub(super) fn canonical(surface: &Surface<'_>, a: &[bool], b: &[bool]) -> Option<[Mask; 2]> {
     let other = surface.mirrored(b);
     let unions = [union(a, b), union(a, &other)];
     let areas = [0, 1].map(|i| surface.area(&unions[i]));
-    // The same class either way when one of the parts is its own mirror image, or the unions are mirror images.
+    // The same class either way when one of the parts is its own mirror image, or the unions are
+    // mirror images.
     let same = unions[0] == unions[1] || surface.mirrored(&unions[0]) == unions[1];
     if !same && (areas[0] - areas[1]).abs() < DOUBT * areas[0].max(areas[1]) {
         return None;

@@ -53,8 +53,8 @@ impl<'m> Surface<'m> {
         (0..self.len()).filter(|&v| mask[v]).map(side).sum()
     }
 
-    /// The mask with a smooth edge and without holes of single vertices: rounds of taking what the majority of neighbours
-    /// has; then its largest piece.
+    /// The mask with a smooth edge and without holes of single vertices: rounds of taking what the
+    /// majority of neighbours has; then its largest piece.
     pub fn smoothed(&self, mask: &[bool]) -> Mask {
         let mut level: Vec<f64> = mask.iter().map(|&inside| f64::from(u8::from(inside))).collect();
         // The width of the smoothing does not depend on the resolution.

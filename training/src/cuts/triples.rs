@@ -10,7 +10,8 @@ use super::{Cuts, Triple};
 /// Attempts for each triple that is wanted.
 const ATTEMPTS: usize = 200;
 
-/// Up to `count` triples of parts of pairs: both ways of uniting them go through pairs that are not in doubt.
+/// Up to `count` triples of parts of pairs: both ways of uniting them go through pairs that are not
+/// in doubt.
 pub(super) fn find(surface: &Surface<'_>, count: usize, cuts: &mut Cuts, rng: &mut Rng) {
     if cuts.pairs.is_empty() {
         return;

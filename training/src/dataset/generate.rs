@@ -29,12 +29,13 @@ const INSIDE: usize = 40;
 /// Share of the vertices that remeshed shapes lose.
 const REMOVED: f64 = 0.3;
 
-/// Generates a data set. Done shapes are kept in `folder`, made if it is not there, from where another call with the same
-/// options goes on; the folder is the caller's to delete. The same options give the same data set for any number of threads.
+/// Generates a data set. Done shapes are kept in `folder`, made if it is not there, from where
+/// another call with the same options goes on; the folder is the caller's to delete. The same
+/// options give the same data set for any number of threads.
 ///
 /// # Errors
-/// [`Error::Argument`] for sizes out of range; [`Error::Io`] when the folder is that of other options, or can't be written;
-/// [`Error::Cancelled`].
+/// [`Error::Argument`] for sizes out of range; [`Error::Io`] when the folder is that of other
+/// options, or can't be written; [`Error::Cancelled`].
 pub fn generate(
     options: &DatasetOptions,
     folder: &Path,
@@ -137,8 +138,8 @@ fn prepare(folder: &Path, options: &str) -> Result<()> {
     }
 }
 
-/// Removes shapes of unknown options: those that a program left which was killed while it removed the
-/// folder. Other files stay.
+/// Removes shapes of unknown options: those that a program left which was killed while it removed
+/// the folder. Other files stay.
 fn remove_shapes(folder: &Path) -> std::io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
@@ -232,7 +233,8 @@ fn compute(options: &DatasetOptions, job: &Job, model: &Model, cuts: &Cuts) -> R
     let mut masks = Vec::new();
     for (&id, mask) in &cuts.masks {
         let inside = spectra.inside(&here(mask))?.iter().filter(|inside| **inside).count();
-        // Remeshing may leave too little of a part. Pairs of the family are the same for all shapes.
+        // Remeshing may leave too little of a part. Pairs of the family are the same for all
+        // shapes.
         if inside >= INSIDE || job.parts == Parts::Common {
             masks.push(id);
         }

@@ -15,11 +15,12 @@ pub use plan::DatasetOptions;
 /// Eigenvalues of every spectrum.
 pub const EIGENVALUES: usize = 20;
 
-/// What training and evaluation read. Spectra are those of hard Dirichlet conditions where the part ends (and where the
-/// surface ends), ascending, in units of 1 / length^2, not scaled; areas belong to them.
+/// What training and evaluation read. Spectra are those of hard Dirichlet conditions where the part
+/// ends (and where the surface ends), ascending, in units of 1 / length^2, not scaled; areas belong
+/// to them.
 ///
-/// In a file, every array is called as its field, after the name of its group: `samples_part1`, `shapes_spectrum`,
-/// `triples_whole`, and `template0_vertices` for the template of family 0.
+/// In a file, every array is called as its field, after the name of its group: `samples_part1`,
+/// `shapes_spectrum`, `triples_whole`, and `template0_vertices` for the template of family 0.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Dataset {
     /// One a family, in the order of their numbers (see [`Samples::family`]); none of creatures.
@@ -52,8 +53,8 @@ pub struct Template {
     pub eigenfunctions: Mat<f64>,
     /// Ids of all masks of parts and of unions, ascending. An id is a hash of the mask.
     pub masks: Vec<usize>,
-    /// The masks, one after the other, each in as many words of 64 bits as it takes: bit `v % 64` of word `v / 64` says whether
-    /// vertex v is in it.
+    /// The masks, one after the other, each in as many words of 64 bits as it takes: bit `v % 64`
+    /// of word `v / 64` says whether vertex v is in it.
     pub mask_words: Vec<usize>,
 }
 
@@ -115,13 +116,16 @@ pub struct Samples {
     pub remeshed: Vec<usize>,
     /// What it is for: [`TRAIN`], [`TEST_A`] or [`TEST_B`].
     pub split: Vec<usize>,
-    /// How strange the shape is: [`KNOWN_IDENTITY`], [`UNKNOWN_IDENTITY`], [`UNKNOWN_BODY`] or [`UNKNOWN_FAMILY`].
+    /// How strange the shape is: [`KNOWN_IDENTITY`], [`UNKNOWN_IDENTITY`], [`UNKNOWN_BODY`] or
+    /// [`UNKNOWN_FAMILY`].
     pub knowledge: Vec<usize>,
 }
 
-/// A sample to train on: of a known identity, a caricature or a creature; remeshed only where parts are the shape's own.
+/// A sample to train on: of a known identity, a caricature or a creature; remeshed only where parts
+/// are the shape's own.
 pub const TRAIN: usize = 0;
-/// A pose or a pair of parts that no training sample has; its union one has, or nearly, in another pose, identity or pair.
+/// A pose or a pair of parts that no training sample has; its union one has, or nearly, in another
+/// pose, identity or pair.
 pub const TEST_A: usize = 1;
 /// A union that no training sample has.
 pub const TEST_B: usize = 2;

@@ -28,12 +28,12 @@ pub struct DatasetOptions {
     pub poses: usize,
     /// Parts of each family.
     pub cuts: CutOptions,
-    /// Further shapes to train on: the known humanoids in turn, each time in another pose and with parts of its own, half of
-    /// them remeshed; in every fourth round new caricatures. What is learnt about unions never seen comes from them.
-    /// Default 1280.
+    /// Further shapes to train on: the known humanoids in turn, each time in another pose and with
+    /// parts of its own, half of them remeshed; in every fourth round new caricatures. What is
+    /// learnt about unions never seen comes from them. Default 1280.
     pub varied: usize,
-    /// Creatures to train on, half of them remeshed: what is learnt about shapes of families never seen comes from them.
-    /// Default 320.
+    /// Creatures to train on, half of them remeshed: what is learnt about shapes of families never
+    /// seen comes from them. Default 320.
     pub creatures: usize,
 }
 
@@ -175,13 +175,14 @@ const HELD_OUT_PAIRS: usize = 8;
 /// Masks nearer to each other than this (intersection over union) count as the same union.
 const SAME: f64 = 0.95;
 
-/// Of the rounds of varied shapes through the known humanoids, one in so many has caricatures in their place.
+/// Of the rounds of varied shapes through the known humanoids, one in so many has caricatures in
+/// their place.
 const CARICATURES: usize = 4;
 /// Identities from here on are those of caricatures.
 const FIRST_CARICATURE: usize = 100_000;
 
-/// The shapes, in the order in which the data set has them: humanoids first, then the other families, the varied ones and
-/// creatures.
+/// The shapes, in the order in which the data set has them: humanoids first, then the other
+/// families, the varied ones and creatures.
 pub(super) fn jobs(options: &DatasetOptions) -> Vec<Job> {
     let DatasetOptions { known, unknown, .. } = *options;
     let mut jobs = Vec::new();
@@ -311,8 +312,8 @@ impl HeldOut {
         }
     }
 
-    /// Takes the pairs out of the cuts of a varied shape whose union is a test, or close to one, but not complete, and the masks
-    /// that nothing needs any more.
+    /// Takes the pairs out of the cuts of a varied shape whose union is a test, or close to one,
+    /// but not complete, and the masks that nothing needs any more.
     pub fn withhold(&self, own: &mut Cuts) {
         let masks = &own.masks;
         own.pairs.retain(|pair| {

@@ -22,8 +22,9 @@ impl Predictor for Minimum {
     }
 }
 
-/// Weyl's law (1911): eigenvalues grow as 4 pi i / area. The areas of the parts are read from their last eigenvalues, that of
-/// the union is a linear function of them, and the mean spectrum of the unions that were trained on is scaled to it.
+/// Weyl's law (1911): eigenvalues grow as 4 pi i / area. The areas of the parts are read from their
+/// last eigenvalues, that of the union is a linear function of them, and the mean spectrum of the
+/// unions that were trained on is scaled to it.
 pub struct Weyl {
     /// Of the smaller and of the larger area.
     factors: [f64; 2],
@@ -67,7 +68,8 @@ impl Predictor for Weyl {
     }
 }
 
-/// Predicts the union of the pair that was trained on whose logarithms of eigenvalues, in either order, are nearest.
+/// Predicts the union of the pair that was trained on whose logarithms of eigenvalues, in either
+/// order, are nearest.
 pub struct Nearest {
     pairs: Vec<([f32; 2 * K], Spectrum)>,
 }
@@ -104,8 +106,8 @@ impl Predictor for Nearest {
     }
 }
 
-/// A plain perceptron: offsets of both spectra in, offsets of the union out, each in units of its deviation; least squares of
-/// the spectra; the pairs in both orders.
+/// A plain perceptron: offsets of both spectra in, offsets of the union out, each in units of its
+/// deviation; least squares of the spectra; the pairs in both orders.
 pub struct Perceptron {
     mlp: Mlp,
     inputs: Units,
@@ -167,7 +169,8 @@ impl Perceptron {
             &schedule,
             |i, _| rows[i].clone(),
             |i, found, gradient| {
-                // Sums of offsets against those of the truth, in units of the mean largest eigenvalue.
+                // Sums of offsets against those of the truth, in units of the mean largest
+                // eigenvalue.
                 let mut error = 0.0;
                 let errors: Vec<f32> = (0..K)
                     .map(|j| {
@@ -210,7 +213,8 @@ mod tests {
     use super::super::errors;
     use super::*;
 
-    /// Unions whose area is 0.5 times the smaller plus 1 times the larger one, all of the same shape.
+    /// Unions whose area is 0.5 times the smaller plus 1 times the larger one, all of the same
+    /// shape.
     fn scaled() -> Vec<Pair> {
         let of_area = |area: f64| std::array::from_fn(|i| (i + 1) as f64 / area);
         let areas = (0..40).map(|i| (1.0 + 0.1 * f64::from(i % 7), 2.0 + 0.3 * f64::from(i % 5)));

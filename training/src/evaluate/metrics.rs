@@ -86,7 +86,8 @@ pub fn select(dataset: &Dataset, split: usize, knowledge: usize, remeshed: bool)
 pub struct Associativity {
     /// Triples tested; none is trained on.
     pub triples: usize,
-    /// Share of them for which (1 2) 3 and 1 (2 3) are within 5 % of each other in the mean over eigenvalues.
+    /// Share of them for which (1 2) 3 and 1 (2 3) are within 5 % of each other in the mean over
+    /// eigenvalues.
     pub within: f64,
     /// Mean relative difference.
     pub difference: f64,

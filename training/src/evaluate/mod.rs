@@ -1,4 +1,5 @@
-//! How good predictions are: errors, associativity, regions, retrieval, and the baselines that must be beaten.
+//! How good predictions are: errors, associativity, regions, retrieval, and the baselines that must
+//! be beaten.
 
 mod baselines;
 mod metrics;

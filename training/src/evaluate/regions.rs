@@ -14,7 +14,8 @@ pub struct Localization {
     pub accuracy: f64,
 }
 
-/// Finds unions of the template's family (0) on the template, and compares; complete shapes are left out.
+/// Finds unions of the template's family (0) on the template, and compares; complete shapes are
+/// left out.
 ///
 /// # Errors
 /// Of spectra that are none, and of a network of another template.
@@ -78,7 +79,8 @@ mod tests {
     use crate::dataset::DatasetOptions;
     use crate::families::{Family, Model};
 
-    /// Both parts of a figure of a seed that no data set has, each in another pose, are above these shares of the height.
+    /// Both parts of a figure of a seed that no data set has, each in another pose, are above these
+    /// shares of the height.
     #[test]
     fn pretrained_weights_find_the_upper_half_of_a_figure() {
         let family = Model::new(Family::Humanoid, DatasetOptions::default().vertices).unwrap();

@@ -13,8 +13,9 @@ pub struct Retrieval {
     pub top: [f64; 3],
 }
 
-/// Queries the complete shapes of family 0 by spectra of unions that are complete, predicted and true (ShapeDNA).
-/// A shape is not asked for itself, nor for shapes of which no other pose is there; samples that were trained on do not ask.
+/// Queries the complete shapes of family 0 by spectra of unions that are complete, predicted and
+/// true (ShapeDNA). A shape is not asked for itself, nor for shapes of which no other pose is
+/// there; samples that were trained on do not ask.
 ///
 /// # Errors
 /// Of spectra that are none.

@@ -62,7 +62,8 @@ impl<'a> Field<'a> {
     }
 }
 
-/// Distance of p to the surface of a capsule whose radius goes evenly from end to end, negative inside.
+/// Distance of p to the surface of a capsule whose radius goes evenly from end to end, negative
+/// inside.
 pub(super) fn to_flesh(bone: &Bone, p: Vector) -> f64 {
     let axis = sub(bone.tail, bone.head);
     let t = (dot(sub(p, bone.head), axis) / dot(axis, axis)).clamp(0.0, 1.0);

@@ -1,7 +1,8 @@
-//! The surface of a symmetric field as a mesh that is its own mirror image: naive surface nets, relaxed.
+//! The surface of a symmetric field as a mesh that is its own mirror image: naive surface nets,
+//! relaxed.
 //!
-//! Source: Gibson, Constrained Elastic Surface Nets (1998). The grid has a layer of cells across the plane x = 0; faces
-//! are found on one side and mirrored.
+//! Source: Gibson, Constrained Elastic Surface Nets (1998). The grid has a layer of cells across
+//! the plane x = 0; faces are found on one side and mirrored.
 
 use std::collections::HashMap;
 
@@ -20,8 +21,8 @@ pub(super) struct Symmetric {
     pub mirror: Vec<u32>,
 }
 
-/// Sizes of cells that are tried, as parts of the one that suits the number of vertices: a net is not manifold where two
-/// pieces of the surface pass through one cell.
+/// Sizes of cells that are tried, as parts of the one that suits the number of vertices: a net is
+/// not manifold where two pieces of the surface pass through one cell.
 const SIDES: [f64; 7] = [1.0, 0.985, 1.015, 0.97, 1.03, 0.955, 1.045];
 
 /// The surface of the field, with about `vertices` vertices.

@@ -1,7 +1,7 @@
 //! Families of shapes with identities and poses, generated from a seed.
 //!
-//! All shapes of a family have the faces of its template, and vertices that correspond; a mask over the template is a part
-//! of every shape.
+//! All shapes of a family have the faces of its template, and vertices that correspond; a mask over
+//! the template is a part of every shape.
 
 mod bodies;
 mod creatures;
@@ -65,10 +65,12 @@ enum Kind {
 }
 
 impl Model {
-    /// The family with a template of about so many vertices: at least 500, that limbs may be thicker than triangles are long.
+    /// The family with a template of about so many vertices: at least 500, that limbs may be
+    /// thicker than triangles are long.
     ///
     /// # Errors
-    /// [`Error::Argument`] for fewer vertices, or more than a million, and for creatures, which have no common template.
+    /// [`Error::Argument`] for fewer vertices, or more than a million, and for creatures, which
+    /// have no common template.
     pub fn new(family: Family, vertices: usize) -> Result<Self> {
         let (specs, smoothness): (&[_], _) = match family {
             Family::Humanoid => (&bodies::HUMANOID, 0.012),
@@ -83,7 +85,8 @@ impl Model {
         Self::rigged(family, specs, smoothness, vertices)
     }
 
-    /// A creature of so many vertices, as [`new`](Self::new). The same seed and number give the same creature.
+    /// A creature of so many vertices, as [`new`](Self::new). The same seed and number give the
+    /// same creature.
     ///
     /// # Errors
     /// As [`new`](Self::new); [`Error::Mesh`] if none of a few attempts gives a surface.
@@ -148,7 +151,8 @@ impl Model {
         &self.segments
     }
 
-    /// The shape of an identity of a body type (0: A, 1: B, 2: a caricature of A) in one of its poses. The same arguments give the same shape.
+    /// The shape of an identity of a body type (0: A, 1: B, 2: a caricature of A) in one of its
+    /// poses. The same arguments give the same shape.
     ///
     /// # Errors
     /// None that an argument could cause.

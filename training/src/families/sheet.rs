@@ -64,8 +64,8 @@ impl Sheet {
             .collect()
     }
 
-    /// A rectangle or trapezium (the identity), rolled around parallel lines with a bend that changes along the way (the
-    /// pose): isometric to the flat one. Body type B is long.
+    /// A rectangle or trapezium (the identity), rolled around parallel lines with a bend that
+    /// changes along the way (the pose): isometric to the flat one. Body type B is long.
     pub fn folded(
         &self,
         template: &[Vector],

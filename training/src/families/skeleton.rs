@@ -6,11 +6,13 @@ use super::vector::{
     Rotation, Vector, about, add, compose, distance, dot, mirrored, rotate, scale, sub,
 };
 
-/// The body type whose proportions are this many times as far from those of the template as those of type A.
+/// The body type whose proportions are this many times as far from those of the template as those
+/// of type A.
 pub(crate) const CARICATURE: usize = 2;
 const EXAGGERATION: f64 = 3.0;
 
-/// A bone as it is listed: in the middle, or on the side of positive x with its mirror image on the other.
+/// A bone as it is listed: in the middle, or on the side of positive x with its mirror image on the
+/// other.
 pub(super) struct Spec {
     /// Its number in the list; a bone that comes before. The first bone has itself.
     pub parent: usize,
@@ -97,8 +99,8 @@ impl Skeleton {
         a == b || self.bones[a].parent == b || self.bones[b].parent == a
     }
 
-    /// Random proportions of body type A (0), B (1) or caricatures of A (2): tall or small, thick or thin, and every bone for
-    /// itself.
+    /// Random proportions of body type A (0), B (1) or caricatures of A (2): tall or small, thick
+    /// or thin, and every bone for itself.
     pub fn proportions(&self, body: usize, rng: &mut Rng) -> Proportions {
         let more = if body == CARICATURE { EXAGGERATION } else { 1.0 };
         let mut about_one = |spread: f64| 1.0 + more * spread * (2.0 * rng.uniform() - 1.0);
@@ -156,8 +158,8 @@ impl Skeleton {
         placed
     }
 
-    /// A point held by bone b whose head goes to `head`: stretched along the bone by its length, across and beyond its ends
-    /// by its thickness.
+    /// A point held by bone b whose head goes to `head`: stretched along the bone by its length,
+    /// across and beyond its ends by its thickness.
     fn proportioned(&self, b: usize, p: Vector, proportions: &Proportions, head: Vector) -> Vector {
         let bone = &self.bones[b];
         let [longer, thicker] = proportions.0[b];

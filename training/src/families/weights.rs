@@ -5,14 +5,16 @@ use catamaran::mesh::TriMesh;
 use super::field::to_flesh;
 use super::skeleton::Skeleton;
 
-/// Beyond this distance to its flesh, relative to the thickness of the nearest bone, a bone holds nothing.
+/// Beyond this distance to its flesh, relative to the thickness of the nearest bone, a bone holds
+/// nothing.
 const REACH: f64 = 1.0;
 
 /// Weights are this small a part of 1, or zero.
 const LEAST: f64 = 1e-3;
 
-/// For each vertex the bones that hold it, with weights that sum to 1: the nearest and its neighbours in the skeleton, by
-/// distance, then smoothed over the surface; mirror images have mirrored weights.
+/// For each vertex the bones that hold it, with weights that sum to 1: the nearest and its
+/// neighbours in the skeleton, by distance, then smoothed over the surface; mirror images have
+/// mirrored weights.
 pub(super) fn weights(skeleton: &Skeleton, mesh: &TriMesh, mirror: &[u32]) -> Vec<Vec<(u32, f64)>> {
     let bones = skeleton.bones.len();
     let mut dense: Vec<Vec<f64>> = Vec::with_capacity(mirror.len());

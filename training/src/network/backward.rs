@@ -3,8 +3,9 @@ use catamaran::unions::network::{
     Architecture, K, LayerPlaces, LayerTape, Number, Place, Places, Tape, gemm, sigmoid, sum,
 };
 
-/// Random parameters to begin with: weights uniform with the variance of Glorot and Bengio (2010), the last layer of each
-/// residual branch smaller the more of them there are, no bias, and a head that says nothing yet.
+/// Random parameters to begin with: weights uniform with the variance of Glorot and Bengio (2010),
+/// the last layer of each residual branch smaller the more of them there are, no bias, and a head
+/// that says nothing yet.
 pub fn initial_parameters(sizes: &Architecture, seed: u64) -> Vec<f32> {
     let places = sizes.places();
     let mut parameters = vec![0.0; places.len];
@@ -70,7 +71,8 @@ impl<T: Number> Backward<T> {
         }
     }
 
-    /// Adds to the gradient, from those with respect to what the forward pass that filled `tape` gave.
+    /// Adds to the gradient, from those with respect to what the forward pass that filled `tape`
+    /// gave.
     pub fn run(&mut self, places: &Places, parameters: &[T], tape: &Tape<T>, by: &Outputs<T>) {
         let mut normed = vec![T::ZERO; tape.normed.len()];
         self.linear(parameters, places.head, &tape.normed, &by.output, Some(&mut normed));

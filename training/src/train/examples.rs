@@ -36,14 +36,16 @@ pub const LEAST_SHARE: f64 = 1e-3;
 /// Logits of larger shares are taken for that of this.
 const LARGEST_SHARE: f64 = 0.999;
 
-/// How often pairs count that several shapes have, and others whose union is complete: there are few of them, and users cut at
-/// joints and middles, and want all of a shape.
+/// How often pairs count that several shapes have, and others whose union is complete: there are
+/// few of them, and users cut at joints and middles, and want all of a shape.
 const FAVOURED: usize = 4;
-/// To choose among results of the training, one pair in so many is kept from it, and one union in so many.
+/// To choose among results of the training, one pair in so many is kept from it, and one union in
+/// so many.
 const VALIDATION: usize = 100;
 const VALIDATION_UNIONS: usize = 40;
 
-/// Coarser meshes have larger eigenvalues, by a share that grows with them: its standard deviation at the last one.
+/// Coarser meshes have larger eigenvalues, by a share that grows with them: its standard deviation
+/// at the last one.
 const DRIFT: f64 = 0.03;
 /// What is left of the differences between meshes.
 const JITTER: f64 = 0.003;
@@ -70,7 +72,8 @@ impl Pair {
         Self { first: self.second, second: self.first, union: self.union, regions }
     }
 
-    /// A pair whose union is known for certain: a part, or the union, with the union, or a part with itself.
+    /// A pair whose union is known for certain: a part, or the union, with the union, or a part
+    /// with itself.
     pub fn contained(&self, rng: &mut Rng) -> Self {
         let which = usize::from(rng.sign() <= 0.0);
         let part = [self.first, self.second][which];
@@ -112,7 +115,8 @@ impl Pair {
 /// What is learnt from, and what the result is chosen by.
 #[derive(Debug, Clone)]
 pub struct Examples {
-    /// Pairs to learn from; those that several shapes have and those with a complete union are there 4 times.
+    /// Pairs to learn from; those that several shapes have and those with a complete union are
+    /// there 4 times.
     pub training: Vec<Pair>,
     /// Pairs to choose by, likewise.
     pub validation: Vec<Pair>,

@@ -32,7 +32,8 @@ pub struct TrainOptions {
     pub rate: f64,
     /// Weight decay, apart from the gradient; thesis: 1e-5, within it.
     pub decay: f64,
-    /// Passes over the data, during which the rate rises, then falls as half a cosine; thesis: restarts after 10, 30, 70, ...
+    /// Passes over the data, during which the rate rises, then falls as half a cosine; thesis:
+    /// restarts after 10, 30, 70, ...
     pub epochs: usize,
     /// Of everything random.
     pub seed: u64,
@@ -60,7 +61,8 @@ pub struct State {
     pub scaling: Scaling,
 }
 
-/// Mean errors of one pass over the data: of logarithms of eigenvalues, so relative ones where they are small.
+/// Mean errors of one pass over the data: of logarithms of eigenvalues, so relative ones where they
+/// are small.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Epoch {
     /// On the pairs that were learnt from, disturbed.
@@ -71,17 +73,20 @@ pub struct Epoch {
 
 /// Pairs that one task works on.
 const TASK: usize = 64;
-/// Shares of the examples that are parts and what contains them, and pairs of which one part is predicted itself; the rest are
-/// samples.
+/// Shares of the examples that are parts and what contains them, and pairs of which one part is
+/// predicted itself; the rest are samples.
 const CONTAINED: f64 = 0.06;
 const COMPOSITES: f64 = 0.12;
 /// Longest gradient.
 const CLIP: f32 = 10.0;
-/// Errors of logarithms about as large as this, and larger, count less than by their square (Fair 1974).
+/// Errors of logarithms about as large as this, and larger, count less than by their square (Fair
+/// 1974).
 const OUTLIER: f32 = 0.3;
-/// What the squared distance of a region from its prediction counts, as a share of the area of the template.
+/// What the squared distance of a region from its prediction counts, as a share of the area of the
+/// template.
 const REGION: f64 = 0.2;
-/// What the logarithm of the probability counts that it is told rightly whether a pair is of the template.
+/// What the logarithm of the probability counts that it is told rightly whether a pair is of the
+/// template.
 const DOUBT: f64 = 0.05;
 /// Share of the pairs of the template that are familiar.
 const FAMILIAR: f64 = 0.995;
@@ -116,7 +121,8 @@ pub struct Trainer {
 }
 
 impl Trainer {
-    /// Begins, or goes on from a state. The result does not depend on the number of threads, nor on interruptions.
+    /// Begins, or goes on from a state. The result does not depend on the number of threads, nor on
+    /// interruptions.
     ///
     /// # Errors
     /// Of the architecture, of a state of another one, and of spectra that are none.
@@ -228,7 +234,8 @@ impl Trainer {
         Ok(epoch)
     }
 
-    /// One step of the optimiser, at this share of the full rate; the sum of errors. Disturbances shrink with the rate.
+    /// One step of the optimiser, at this share of the full rate; the sum of errors. Disturbances
+    /// shrink with the rate.
     fn step(&mut self, batch: &[usize], composites: &[Pair], seed: u64, share: f64) -> Result<f64> {
         self.round(false);
         let Self { options, examples, places, state, rounded, workers, team, .. } = self;
@@ -330,8 +337,8 @@ impl Trainer {
         Ok(found.into_iter().flatten().collect())
     }
 
-    /// The mean error of logarithms on the pairs to choose by, of the network as it is or of the best one, and its doubts about
-    /// those of the template.
+    /// The mean error of logarithms on the pairs to choose by, of the network as it is or of the
+    /// best one, and its doubts about those of the template.
     fn validate(&mut self, best: bool) -> Result<(f64, Vec<f64>)> {
         self.round(best);
         let Self { examples, options, places, state, rounded, workers, .. } = self;

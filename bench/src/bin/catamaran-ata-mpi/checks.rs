@@ -59,8 +59,8 @@ pub fn of_plan<T>(job: &Job, ranks: usize, counted: Cost) -> Vec<Check> {
         value: (counted.words - planned.words.round()).abs(),
         limit: unevenness(mode, ranks, m, n) as f64,
     };
-    // Longer messages are cut. In `deal` the plan counts blocks of f64: as many bytes of f32 are more
-    // rows.
+    // Longer messages are cut. In `deal` the plan counts blocks of f64: as many bytes of f32 are
+    // more rows.
     let longest = m.saturating_mul(n).max(n.saturating_mul(n));
     let other_blocks = mode == Mode::Deal && size_of::<T>() != size_of::<f64>();
     if other_blocks || longest > LONGEST {

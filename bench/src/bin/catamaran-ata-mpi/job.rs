@@ -51,8 +51,8 @@ impl Job {
         AtaOptions::new().par(Par::Threads(self.threads)).scheme(self.scheme).tasks(tasks)
     }
 
-    /// Entry (i, j) of A: uniform in [-1, 1). The index goes through the finaliser of SplitMix64 (Steele, Lea
-    /// and Flood 2014), so that nobody has to draw what others hold.
+    /// Entry (i, j) of A: uniform in [-1, 1). The index goes through the finaliser of SplitMix64
+    /// (Steele, Lea and Flood 2014), so that nobody has to draw what others hold.
     pub fn entry<T: Real>(&self, i: usize, j: usize) -> T {
         let index = (i as u64) << 32 | j as u64;
         let mut z = (index ^ self.seed.rotate_left(48)).wrapping_mul(0x9e37_79b9_7f4a_7c15);

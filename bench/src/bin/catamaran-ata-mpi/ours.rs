@@ -12,7 +12,8 @@ use faer::{MatMut, MatRef};
 use crate::job::{Job, filled};
 use crate::ranks::Ranks;
 
-/// The rank that has A and C in modes [`from one rank`](Place::OneRank), and to which results are gathered.
+/// The rank that has A and C in modes [`from one rank`](Place::OneRank), and to which results are
+/// gathered.
 pub const ROOT: usize = 0;
 
 /// A product and its operands, in place.

@@ -13,7 +13,8 @@ use crate::row::Row;
 pub struct Times {
     /// In local products.
     pub compute: f64,
-    /// Beyond them: what of the communication is not hidden behind them, waiting for others, sums and copies.
+    /// Beyond them: what of the communication is not hidden behind them, waiting for others, sums
+    /// and copies.
     pub communication: f64,
     /// From the moment when all ranks are there to the end of the last one.
     pub wall: f64,
@@ -83,7 +84,8 @@ pub fn memory_line<T>(job: &Job, ranks: usize) -> String {
     format!("memory    {gib:.3} GiB on the rank with most: A, C and what travels, as planned")
 }
 
-/// What to say when another mode with A and C at the same place should be faster by a tenth or more.
+/// What to say when another mode with A and C at the same place should be faster by a tenth or
+/// more.
 pub fn note_of_faster_mode(job: &Job, ranks: usize) -> Option<String> {
     let Job { mode, shape: Shape { m, n }, .. } = *job;
     let machine = Machine::default();
@@ -115,8 +117,8 @@ pub fn line(name: &str, job: &Job, times: &Times, peak: f64, rival: Option<(f64,
     line
 }
 
-/// The largest difference of `ours`, row-major, and `rival`, column-major, in the lower triangles, relative to the
-/// largest entry of the rival's; NaN if there is one.
+/// The largest difference of `ours`, row-major, and `rival`, column-major, in the lower triangles,
+/// relative to the largest entry of the rival's; NaN if there is one.
 pub fn difference<T: catamaran::Real>(n: usize, ours: &[T], rival: &[T]) -> f64 {
     let (mut most, mut largest) = (0.0_f64, 0.0_f64);
     for i in 0..n {

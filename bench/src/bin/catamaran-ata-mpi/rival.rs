@@ -27,8 +27,8 @@ pub struct Distribution {
 }
 
 impl Distribution {
-    /// Those that are tried on so many ranks: A on all grids of more than one row; A^T on a row of processes, where
-    /// it is the faster one.
+    /// Those that are tried on so many ranks: A on all grids of more than one row; A^T on a row of
+    /// processes, where it is the faster one.
     fn all(ranks: usize) -> impl Iterator<Item = Self> {
         let rows = (1..=ranks).filter(move |rows| ranks.is_multiple_of(*rows));
         rows.flat_map(move |rows| {

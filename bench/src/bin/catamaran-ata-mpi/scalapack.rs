@@ -57,8 +57,8 @@ type CopyTriangle<T> = unsafe extern "C" fn(
     context: c_int,
 );
 
-/// A block-cyclic distribution as ScaLAPACK describes it: type 1, context, rows, columns, rows and columns of a
-/// block, process row and column of the first one, local leading dimension.
+/// A block-cyclic distribution as ScaLAPACK describes it: type 1, context, rows, columns, rows and
+/// columns of a block, process row and column of the first one, local leading dimension.
 pub type Descriptor = [c_int; 9];
 
 /// The library in one precision.
@@ -94,8 +94,8 @@ pub struct Grid<'s, T> {
 }
 
 impl<T> Scalapack<T> {
-    /// Loads the library at `path`, else the system's for the MPI library that calls itself `mpi_version`; its BLAS
-    /// will use `threads` threads.
+    /// Loads the library at `path`, else the system's for the MPI library that calls itself
+    /// `mpi_version`; its BLAS will use `threads` threads.
     ///
     /// # Errors
     /// When it can't be loaded or lacks a symbol.
@@ -110,7 +110,8 @@ impl<T> Scalapack<T> {
             format!("{why}; Debian has it in libscalapack-{flavour}-dev, --rival pdsyrk=PATH names another")
         })?;
         let precision = if size_of::<T>() == 8 { 'd' } else { 's' };
-        // SAFETY: the signatures of ScaLAPACK with 32-bit integers; the library is kept beside the pointers.
+        // SAFETY: the signatures of ScaLAPACK with 32-bit integers; the library is kept beside the
+        // pointers.
         unsafe {
             Ok(Self {
                 description: format!("{}, {}", path.display(), blas(&library, threads)?),
@@ -130,7 +131,8 @@ impl<T> Scalapack<T> {
     pub fn grid(&self, rows: usize, cols: usize) -> Grid<'_, T> {
         let mut context = 0;
         let (mut sides, mut own) = ([0; 2], [0; 2]);
-        // SAFETY: as BLACS documents them: the first gives the default context, which the second replaces.
+        // SAFETY: as BLACS documents them: the first gives the default context, which the second
+        // replaces.
         unsafe {
             (self.get)(-1, 0, &mut context);
             (self.grid_init)(&mut context, c"Row".as_ptr(), rows as c_int, cols as c_int);
@@ -203,7 +205,8 @@ impl<T: catamaran::Real> Distributed<'_, T> {
         [self.descriptor[2], self.descriptor[3]]
     }
 
-    /// The lower triangle of `self := A^T A`, or `A A^T` if A is given `transposed`, k being the other side of A.
+    /// The lower triangle of `self := A^T A`, or `A A^T` if A is given `transposed`, k being the
+    /// other side of A.
     pub fn set_to_syrk(&mut self, a: &Self, transposed: bool) {
         let [n, _] = self.sides();
         let [rows, cols] = a.sides();
@@ -270,7 +273,8 @@ impl<T: catamaran::Real> Distributed<'_, T> {
         Axis { len, block, sides: self.grid.sides[along], own: self.grid.own[along] }
     }
 
-    /// The descriptor of `count` lines from `first` on, which is a line of process 0, and where their entries begin.
+    /// The descriptor of `count` lines from `first` on, which is a line of process 0, and where
+    /// their entries begin.
     fn strip(&self, along: usize, first: usize, count: usize) -> ([c_int; 9], usize) {
         let axis = self.axis(along);
         let before = Axis { len: first, ..axis }.count();

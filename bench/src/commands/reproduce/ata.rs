@@ -62,8 +62,8 @@ struct Figure {
 }
 
 impl Figure {
-    /// Every installed BLAS, our scheme over it, and our scheme over our own kernels, in one race for
-    /// each shape and number of threads.
+    /// Every installed BLAS, our scheme over it, and our scheme over our own kernels, in one race
+    /// for each shape and number of threads.
     fn rows<T: Scalar>(
         &self,
         shapes: &[Shape],

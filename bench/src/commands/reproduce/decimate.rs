@@ -15,14 +15,16 @@ use super::{Arguments, Report};
 /// The columns of the record.
 pub const HEADER: &str = "figure,mesh,input_vertices,n,contender,measure,value";
 
-/// Those of figures 5.6 to 5.9: `qslim` stands for the modifier of Blender, which collapses by quadrics too.
+/// Those of figures 5.6 to 5.9: `qslim` stands for the modifier of Blender, which collapses by
+/// quadrics too.
 pub(super) const FIGURES: [Contender; 5] =
     [Contender::Ours, Contender::Thesis, Contender::Cgal, Contender::Qslim, Contender::Pyacvd];
 
 /// Sizes of the results there.
 const SIZES: [usize; 5] = [500, 1000, 2000, 5000, 10_000];
 
-/// Figures 5.6 to 5.10 and 5.12 to 5.16, and every mesh at three sizes. Figure 5.11 is `decimated-spectra`.
+/// Figures 5.6 to 5.10 and 5.12 to 5.16, and every mesh at three sizes. Figure 5.11 is
+/// `decimated-spectra`.
 pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
     let (inputs, rivals) = (Inputs::new()?, Rivals::find(&arguments.libraries));
     report.say(

@@ -1,4 +1,5 @@
-//! Chapter 5: what decimation leaves of a spectrum (figure 5.11), and spectra by way of a decimation.
+//! Chapter 5: what decimation leaves of a spectrum (figure 5.11), and spectra by way of a
+//! decimation.
 
 use std::time::Instant;
 
@@ -34,8 +35,8 @@ pub fn run(report: &mut Report, arguments: &Arguments) -> Result<()> {
 }
 
 /// Figure 5.11: eigenvalues, and the functional map of nearest vertices, of decimations. The thesis
-/// has the fertility model from 250,000 to 50,000 vertices, beside Lescoat et al. (2020), whose code
-/// no registry has.
+/// has the fertility model from 250,000 to 50,000 vertices, beside Lescoat et al. (2020), whose
+/// code no registry has.
 fn figure(report: &mut Report, inputs: &Inputs, rivals: &Rivals) -> Result<()> {
     report.say(&format!(
         "**Figure 5.11**: the first {PAIRS} eigenpairs and those of decimations to an eighth of the \
@@ -163,7 +164,8 @@ impl Map {
     }
 }
 
-/// Spectra by way of a decimation, beside the full ones and those of the decimation's own Laplacian.
+/// Spectra by way of a decimation, beside the full ones and those of the decimation's own
+/// Laplacian.
 fn two_levels(report: &mut Report, inputs: &Inputs) -> Result<()> {
     report.say(&format!(
         "**Spectra by way of a decimation** (`spectrum --via-decimation n`): errors of the first \

@@ -56,7 +56,8 @@ pub struct Arguments {
     /// Chapter 6: only these meshes.
     #[arg(long, value_delimiter = ',')]
     meshes: Vec<String>,
-    /// Chapter 2: the data set of `catamaran unions dataset` [default: target/unions.npz, made if it is not there].
+    /// Chapter 2: the data set of `catamaran unions dataset` [default: target/unions.npz, made if
+    /// it is not there].
     #[arg(long, value_name = "FILE")]
     data: Option<PathBuf>,
     /// Chapter 2: other weights than those of the library.

@@ -43,7 +43,8 @@ const KNOWLEDGE: [(&str, &str); 4] = [
     ("unknown family", "-"),
 ];
 
-/// The thesis' mse and mae (table 2.1), then IoU and accuracy in per cent of table 2.3, by test, knowledge, and whether remeshed.
+/// The thesis' mse and mae (table 2.1), then IoU and accuracy in per cent of table 2.3, by test,
+/// knowledge, and whether remeshed.
 const THESIS: [[[[f64; 4]; 2]; 3]; 2] = [
     [
         [[11.14, 2.09, 98.24, 99.09], [29.61, 3.31, 97.70, 98.74]],

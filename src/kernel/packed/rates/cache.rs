@@ -41,8 +41,8 @@ impl Rates {
     /// Writes them to [`Rates::path`], in one step, and says where that is.
     ///
     /// # Errors
-    /// [`Error::Argument`] when there is no such directory to be had, [`Error::Io`] when it can't be
-    /// written.
+    /// [`Error::Argument`] when there is no such directory to be had, [`Error::Io`] when it can't
+    /// be written.
     pub fn save(&self, isa: Isa) -> Result<PathBuf> {
         let why = "the environment names none: set XDG_CACHE_HOME or HOME (Windows: LOCALAPPDATA)";
         let none = || Error::Argument { what: "cache directory", why: why.into() };

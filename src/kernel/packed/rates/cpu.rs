@@ -1,7 +1,7 @@
 //! Which CPU this is.
 
-/// What the CPU calls itself, on one line, and the number of its kind: hypervisors give CPUs of several kinds
-/// the same name. The architecture where the CPU doesn't say.
+/// What the CPU calls itself, on one line, and the number of its kind: hypervisors give CPUs of
+/// several kinds the same name. The architecture where the CPU doesn't say.
 pub(super) fn name() -> String {
     brand().unwrap_or_else(|| std::env::consts::ARCH.to_owned())
 }

@@ -118,8 +118,8 @@ impl<'a> Bench<'a> {
         median_rate(|| pack(self.kernel, &sources, self.panels, |_| columns.clone(), self.item))
     }
 
-    /// Bytes per second read, from the time of packing sums of sources that lie in no cache, less that
-    /// of writing.
+    /// Bytes per second read, from the time of packing sums of sources that lie in no cache, less
+    /// that of writing.
     fn read_bytes(&mut self, pack_bytes: f64) -> f64 {
         let item = self.item;
         let mut block = 0;
@@ -195,8 +195,8 @@ fn source(matrix: &[f64], block: usize) -> Source<'_, f64> {
     Source { coefficient: 1.0, matrix: matrix.subrows(first, DEPTH), scale: None }
 }
 
-/// Fills the panels, `item` columns at a time: the i-th time with the columns `columns(i)` of the sum of
-/// the sources. How many bytes that are.
+/// Fills the panels, `item` columns at a time: the i-th time with the columns `columns(i)` of the
+/// sum of the sources. How many bytes that are.
 fn pack(
     kernel: &dyn Kernel<f64>,
     sources: &[Source<'_, f64>],

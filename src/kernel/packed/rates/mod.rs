@@ -21,7 +21,8 @@ pub struct Rates {
     pub read_bytes: f64,
     /// Bytes per second that packing writes into panels.
     pub pack_bytes: f64,
-    /// Bytes per second (reads plus writes) of adding finished tiles to a matrix that fits no cache.
+    /// Bytes per second (reads plus writes) of adding finished tiles to a matrix that fits no
+    /// cache.
     pub update_bytes: f64,
 }
 

@@ -168,8 +168,8 @@ impl Reader {
         Ok(())
     }
 
-    /// Strips of triangles: each vertex makes one with the two before it, every second one the other
-    /// way around; -1 ends a strip. Triangles that only turn a strip have a vertex twice.
+    /// Strips of triangles: each vertex makes one with the two before it, every second one the
+    /// other way around; -1 ends a strip. Triangles that only turn a strip have a vertex twice.
     fn strips(&mut self, element: &Element, rows: &mut Rows<'_, '_>) -> Checked<()> {
         let Some(corners) = list_of_corners(element, "strips")? else { return Ok(()) };
         while let Some(row) = rows.next()? {
