@@ -32,20 +32,20 @@ static void rectangle(double width, double spectrum[K])
 
 int main(void)
 {
-    double parts[2 * K], spectrum[K], strangeness = 0;
+    double parts[2 * K], spectrum[K], ood_score = 0;
     rectangle(1.6, parts);
     rectangle(1.4, parts + K);
     cata_unions *unions = NULL;
     cata_status status = cata_unions_new(NULL, &unions);
     if (status == CATA_OK) {
-        status = cata_unions_predict(unions, 2, parts, spectrum, &strangeness);
+        status = cata_unions_predict(unions, 2, parts, spectrum, &ood_score);
     }
     cata_unions_free(unions);
     if (status != CATA_OK) {
         fprintf(stderr, "%s: %s\n", cata_status_name(status), cata_last_error_message());
         return EXIT_FAILURE;
     }
-    printf("strangeness %.2f%s\n", strangeness, strangeness > 1 ? ": a guess" : "");
+    printf("out-of-distribution score %.2f%s\n", ood_score, ood_score > 1 ? ": unreliable" : "");
     for (int i = 0; i < K; i++) {
         printf("%2d %9.3f %9.3f -> %9.3f\n", i + 1, parts[i], parts[K + i], spectrum[i]);
         int right = spectrum[i] > 0 && spectrum[i] <= parts[i] && spectrum[i] <= parts[K + i]

@@ -1381,10 +1381,10 @@ void cata_unions_free(cata_unions *unions); /**< Gives a network back. */
  *   after the other.
  * - `spectrum`: CATA_UNION_EIGENVALUES elements, written: ascending, positive, none larger than
  *   that of a part of the same number. The order of the parts does not matter, bit for bit.
- * - `strangeness`: written: how unlike the parts are to those of the training; above 1 the
+ * - `ood_score`: written: how unlike the parts are to those of the training; above 1 the
  *   prediction is a guess. NULL where not wanted. */
 cata_status cata_unions_predict(const cata_unions *unions, size_t parts, const double *spectra,
-    double *spectrum, double *strangeness);
+    double *spectrum, double *ood_score);
 /** Fills a struct with the defaults. */
 cata_status cata_unions_params_init(cata_unions_params *params, size_t struct_size);
 

@@ -35,14 +35,14 @@ public:
         /// Of the union: ascending, none above that of a part.
         eigenvalues values;
         /// How unlike the parts are to those of the training; above 1 the prediction is a guess.
-        double strangeness;
+        double ood_score;
     };
 
     /// Of the union of these parts, at least one.
     prediction predict(const std::vector<eigenvalues>& parts) const {
         prediction found{};
         detail::check(cata_unions_predict(handle_.get(), parts.size(), detail::first_of(parts),
-                                          found.values.data(), &found.strangeness));
+                                          found.values.data(), &found.ood_score));
         return found;
     }
 

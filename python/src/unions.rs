@@ -68,7 +68,7 @@ pub fn union_spectrum<'py>(
     model: Option<PathBuf>,
 ) -> PyResult<(Bound<'py, PyAny>, Vec<Bound<'py, PyAny>>, f64)> {
     let parts: Vec<Part> = parts.iter().map(Part::new).collect::<PyResult<_>>()?;
-    let (union, spectra, strangeness) = run(py, Length::Long, None, move |_| {
+    let (union, spectra, ood_score) = run(py, Length::Long, None, move |_| {
         let model = match model {
             Some(path) => SpectralUnion::read(&path)?,
             None => SpectralUnion::pretrained()?,
@@ -76,9 +76,9 @@ pub fn union_spectrum<'py>(
         let spectra: Vec<_> =
             parts.into_iter().map(Part::spectrum).collect::<catamaran::Result<_>>()?;
         let views: Vec<&[f64]> = spectra.iter().map(Vec::as_slice).collect();
-        let (union, strangeness) = (model.predict_all(&views)?, model.strangeness(&views)?);
-        Ok((union.to_vec(), spectra, strangeness))
+        let (union, ood_score) = (model.predict_all(&views)?, model.ood_score(&views)?);
+        Ok((union.to_vec(), spectra, ood_score))
     })?;
     let spectra = spectra.into_iter().map(|values| from_vec(py, values).into_any()).collect();
-    Ok((from_vec(py, union).into_any(), spectra, strangeness))
+    Ok((from_vec(py, union).into_any(), spectra, ood_score))
 }

@@ -131,7 +131,7 @@ absent! { "capi":
     fn cata_shape_dna_retrieve(k: usize, query: *const f64, count: usize, signatures: *const f64, wanted: usize, indices: *mut usize, distances: *mut f64) -> cata_status;
     fn cata_unions_new(weights: *const c_char, unions: *mut *mut c_void) -> cata_status;
     fn cata_unions_free(unions: *mut c_void);
-    fn cata_unions_predict(unions: *const c_void, parts: usize, spectra: *const f64, spectrum: *mut f64, strangeness: *mut f64) -> cata_status;
+    fn cata_unions_predict(unions: *const c_void, parts: usize, spectra: *const f64, spectrum: *mut f64, ood_score: *mut f64) -> cata_status;
     fn cata_unions_params_init(params: *mut c_void, struct_size: usize) -> cata_status;
     fn cata_unions_locate(unions: *const c_void, parts: usize, spectra: *const f64, n_vertices: usize, vertices: *const f64, n_faces: usize, faces: *const u32, indicator: *mut f64, params: *const c_void) -> cata_status;
     fn cata_unions_interpolate(first: *const f64, second: *const f64, t: f64, spectrum: *mut f64) -> cata_status;

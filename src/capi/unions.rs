@@ -78,7 +78,7 @@ pub unsafe extern "C" fn cata_unions_free(unions: *mut cata_unions) {
 ///   after the other.
 /// - `spectrum`: CATA_UNION_EIGENVALUES elements, written: ascending, positive, none larger than
 ///   that of a part of the same number. The order of the parts does not matter, bit for bit.
-/// - `strangeness`: written: how unlike the parts are to those of the training; above 1 the
+/// - `ood_score`: written: how unlike the parts are to those of the training; above 1 the
 ///   prediction is a guess. NULL where not wanted.
 ///
 /// # Safety
@@ -89,23 +89,23 @@ pub unsafe extern "C" fn cata_unions_predict(
     parts: usize,
     spectra: *const f64,
     spectrum: *mut f64,
-    strangeness: *mut f64,
+    ood_score: *mut f64,
 ) -> cata_status {
     boundary(|| {
         check_size::<f64>("spectra", parts, K)?;
         // SAFETY: the caller's promise.
-        let (unions, spectra, spectrum, strangeness) = unsafe {
+        let (unions, spectra, spectrum, ood_score) = unsafe {
             (
                 known("unions", unions)?,
                 slice("spectra", spectra, K * parts)?,
                 slice_mut("spectrum", spectrum, K)?,
-                optional_output("strangeness", strangeness)?,
+                optional_output("ood_score", ood_score)?,
             )
         };
         let parts: Vec<&[f64]> = spectra.chunks_exact(K).collect();
         let union = unions.model.predict_all(&parts)?;
-        if let Some(place) = strangeness {
-            *place = unions.model.strangeness(&parts)?;
+        if let Some(place) = ood_score {
+            *place = unions.model.ood_score(&parts)?;
         }
         spectrum.copy_from_slice(&union);
         Ok(())

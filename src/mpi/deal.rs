@@ -6,7 +6,7 @@ use faer::prelude::{IntoConst, Reborrow, ReborrowMut};
 use faer::{MatMut, MatRef};
 
 use super::form::Form;
-use super::pending_send::Shipments;
+use super::pending_send::PendingSends;
 use super::rows::sum_symmetric;
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World};
@@ -50,15 +50,15 @@ pub(super) fn run<T: MpiReal>(
         rows.step_by(height).map(move |first| (to, first..end.min(first + height)))
     };
     let longest = parts[1..].iter().map(|rows| rows.len().div_ceil(height)).max().unwrap_or(0);
-    let shipments: Shipments<'_, T> = (0..longest)
+    let sends: PendingSends<'_, T> = (0..longest)
         .flat_map(|round| (1..size).filter_map(move |process| blocks(process).nth(round)))
         .map(|(to, rows)| form.start_send(world, &[a.subrows(rows.start, rows.len())], to, DEALT))
         .collect();
     let a = a.subrows(0, rows);
-    let done = world.with_progress(&lower, 0.0..1.0, &|| shipments.are_moving(), |options| {
+    let done = world.with_progress(&lower, 0.0..1.0, &|| sends.are_moving(), |options| {
         ata(alpha, a, beta, c.rb_mut(), options)
     });
-    drop(shipments);
+    drop(sends);
     world.agree(done)?;
     let sum = sum_symmetric(world, c.rb())?;
     sum.gather(world, form.root, Some(c), Uplo::Lower)

@@ -27,14 +27,14 @@ impl<'a, T: MpiReal> PendingSend<'a, T> {
     pub(super) fn send(world: &'a World, blocks: &[MatRef<'a, T>], to: usize, tag: i32) -> Self {
         let len: usize = blocks.iter().map(|block| block.nrows() * block.ncols()).sum();
         let longest = world.longest_message();
-        let mut shipment = Self { world, requests: Requests::default(), blocks: PhantomData };
+        let mut send = Self { world, requests: Requests::default(), blocks: PhantomData };
         for start in (0..len).step_by(longest) {
             let parts = parts(blocks, start, longest.min(len - start));
-            shipment.start(&parts, to, tag);
+            send.start(&parts, to, tag);
         }
-        let (words_sent, messages_sent) = (len as u64, shipment.requests.len() as u64);
+        let (words_sent, messages_sent) = (len as u64, send.requests.len() as u64);
         world.count(Traffic { words_sent, messages_sent, ..Traffic::default() });
-        shipment
+        send
     }
 
     /// One message of all the entries of `parts`, at least one.
@@ -46,7 +46,7 @@ impl<'a, T: MpiReal> PendingSend<'a, T> {
         let message = UserDatatype::structured(&vec![1; parts.len()], &distances, &types);
         let world = self.world.raw();
         // SAFETY: the datatype covers the entries of the parts and nothing else; they are borrowed
-        // until the request has ended, since the shipment that is dropped waits for it. MPI keeps
+        // until the request has ended, since the send that is dropped waits for it. MPI keeps
         // the datatype until then.
         self.requests.start(|request| unsafe {
             ffi::MPI_Isend(first.cast(), 1, message.as_raw(), to as i32, tag, world, request);
@@ -66,15 +66,15 @@ impl<T> Drop for PendingSend<'_, T> {
 }
 
 /// Several of them; the end of its life waits for all.
-pub(super) struct Shipments<'a, T>(RefCell<Vec<PendingSend<'a, T>>>);
+pub(super) struct PendingSends<'a, T>(RefCell<Vec<PendingSend<'a, T>>>);
 
-impl<'a, T> FromIterator<PendingSend<'a, T>> for Shipments<'a, T> {
+impl<'a, T> FromIterator<PendingSend<'a, T>> for PendingSends<'a, T> {
     fn from_iter<I: IntoIterator<Item = PendingSend<'a, T>>>(sends: I) -> Self {
         Self(RefCell::new(sends.into_iter().collect()))
     }
 }
 
-impl<T> Shipments<'_, T> {
+impl<T> PendingSends<'_, T> {
     /// Whether some are still on their way: entries that are not next to each other travel in
     /// pieces, each of which this rank has to push by asking.
     pub(super) fn are_moving(&self) -> bool {

@@ -7,10 +7,10 @@ use faer::prelude::ReborrowMut;
 use faer::{MatMut, MatRef, RowMut};
 
 use super::form::Form;
-use super::pending_send::{PendingSend, Shipments};
+use super::pending_send::{PendingSend, PendingSends};
 use super::transfer::Transfer;
 use super::world::{MpiReal, Operation, World};
-use crate::ata::distributed::{RESULTS_AT_ONCE, Shipment, TaskTree, TreeNode};
+use crate::ata::distributed::{PlannedSend, RESULTS_IN_FLIGHT, TaskTree, TreeNode};
 use crate::ata::{AtaOptions, Uplo, ata, atb};
 use crate::base::{Real, Result, reserved, zeros};
 
@@ -111,7 +111,7 @@ struct Results<T> {
 impl<T> Results<T> {
     fn new(tree: &TaskTree, expected: VecDeque<usize>) -> Result<Self> {
         let longest = expected.iter().map(|&id| tree.nodes()[id].result_len()).max().unwrap_or(0);
-        let spare = (0..RESULTS_AT_ONCE).map(|_| reserved(longest)).collect::<Result<_>>()?;
+        let spare = (0..RESULTS_IN_FLIGHT).map(|_| reserved(longest)).collect::<Result<_>>()?;
         Ok(Self { expected, under_way: VecDeque::new(), spare })
     }
 }
@@ -179,8 +179,9 @@ impl<T: MpiReal> Worker<'_, T> {
             return self.multiply(node, operands, beta, c, moves);
         }
         // All others have what they need before this process begins.
-        let sent = tree.shipments(node);
-        let sent: Shipments<'_, T> = sent.map(|it| self.start_send(node, &it, operands)).collect();
+        let sent = tree.planned_sends(node);
+        let sent: PendingSends<'_, T> =
+            sent.map(|it| self.start_send(node, &it, operands)).collect();
         let moves = || sent.are_moving() | moves();
         for id in node.children.clone() {
             let child = &tree.nodes()[id];
@@ -224,13 +225,13 @@ impl<T: MpiReal> Worker<'_, T> {
     fn start_send<'a>(
         &self,
         parent: &TreeNode,
-        shipment: &Shipment,
+        planned: &PlannedSend,
         operands: [MatRef<'a, T>; 2],
     ) -> PendingSend<'a, T>
     where
         Self: 'a,
     {
-        let Shipment { child, strip, rows } = shipment;
+        let PlannedSend { child, strip, rows } = planned;
         let child = &self.tree.nodes()[*child];
         let tag = DOWN + *strip as i32;
         let parts = operands_of(child, parent, operands);

@@ -100,12 +100,12 @@ impl<'a> Krylov<'a> {
             self.projected[(self.len, self.len)] = -1.0 / self.sigma;
             self.len += 1;
         }
-        self.begin_anew(factor)
+        self.random_restart(factor)
     }
 
     /// Replaces Q by random directions that have been through the operator once, and couple to
     /// nothing.
-    fn begin_anew(&mut self, factor: &dyn Inverse) -> Result<()> {
+    fn random_restart(&mut self, factor: &dyn Inverse) -> Result<()> {
         for j in 0..WIDTH {
             let column = self.work[1].as_mut().col_mut(j);
             randomise(column, self.pencil, &mut self.rng, self.mass_norm);
@@ -347,7 +347,7 @@ impl<'a> Krylov<'a> {
     /// these pairs and all directions before have nothing of.
     pub fn add_directions(&mut self, factor: &dyn Inverse) -> Result<()> {
         self.projected.as_mut().subrows_mut(self.len, WIDTH).fill(0.0);
-        self.begin_anew(factor)
+        self.random_restart(factor)
     }
 
     /// After [`Krylov::converge`]: the eigenvalues, those nearest to the shift first.

@@ -3,23 +3,23 @@
 //!
 //! See docs/algorithms/unions.md for the mathematics.
 
-mod familiar;
+mod features;
 mod localizer;
 mod model;
 pub mod network;
+mod ood;
 mod partial;
-mod question;
 mod shape_dna;
 mod spectrum;
 mod tensors;
 #[cfg(test)]
 mod tests;
 
-pub use familiar::Familiar;
+pub use features::PairFeatures;
 pub use localizer::{Localizer, LocalizerOn};
 pub use model::{Scaling, SpectralUnion};
 pub use network::K;
+pub use ood::OodDetector;
 pub use partial::PartSpectra;
-pub use question::Question;
 pub use shape_dna::{Match, ShapeDnaOptions, retrieve, shape_dna};
 pub use spectrum::interpolate;

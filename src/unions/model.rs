@@ -1,12 +1,12 @@
 use std::path::Path;
 
-use super::familiar::{Familiar, JUDGED};
+use super::features::PairFeatures;
 use super::localizer::Localizer;
 use super::network::{
-    Architecture, FEATURES, K, Place, Places, Tape, column_units, forward, from_whole,
-    is_quantized, quantize, to_whole,
+    Architecture, FEATURES, K, Parameter, ParameterLayout, Tape, column_units, forward,
+    from_integers, is_quantized, quantize, to_integers,
 };
-use super::question::Question;
+use super::ood::{OodDetector, SYMMETRIC};
 use super::spectrum;
 use super::tensors::{Tensor, Tensors, to_bytes};
 use crate::base::{Error, Result};
@@ -18,7 +18,7 @@ const PRETRAINED: &[u8] = include_bytes!("unions.safetensors");
 const LARGEST: f64 = 20.0;
 
 /// Pairs that the network sees at once.
-const AT_ONCE: usize = 64;
+const BATCH: usize = 64;
 
 /// Means and deviations by which numbers are made of about the size 1, and back.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,12 +34,12 @@ pub struct Scaling {
 }
 
 impl Scaling {
-    /// The features of a question in units of their deviations, as the network reads them.
-    pub fn features(&self, question: &Question) -> [f32; 2 * K * FEATURES] {
+    /// The features of a pair in units of their deviations, as the network reads them.
+    pub fn features(&self, input: &PairFeatures) -> [f32; 2 * K * FEATURES] {
         std::array::from_fn(|j| {
             let at = j % (K * FEATURES);
             let value =
-                question.features[j / FEATURES][j % FEATURES] - f64::from(self.feature_mean[at]);
+                input.features[j / FEATURES][j % FEATURES] - f64::from(self.feature_mean[at]);
             (value / f64::from(self.feature_deviation[at])) as f32
         })
     }
@@ -55,12 +55,12 @@ impl Scaling {
 #[derive(Debug, Clone)]
 pub struct SpectralUnion {
     sizes: Architecture,
-    places: Places,
+    layout: ParameterLayout,
     parameters: Vec<f32>,
     /// For each quantized weight matrix, in their order, what one is worth in each column.
     units: Vec<Vec<f32>>,
     scaling: Scaling,
-    familiar: Familiar,
+    detector: OodDetector,
     localizer: Localizer,
 }
 
@@ -73,7 +73,7 @@ impl SpectralUnion {
         Self::from_bytes(PRETRAINED)
     }
 
-    /// From trained parameters, in the order of [`Architecture::places`]; weights are rounded as
+    /// From trained parameters, in the order of [`Architecture::layout`]; weights are rounded as
     /// files have them ([`quantize`]).
     ///
     /// # Errors
@@ -82,18 +82,22 @@ impl SpectralUnion {
         sizes: Architecture,
         mut parameters: Vec<f32>,
         scaling: Scaling,
-        familiar: Familiar,
+        detector: OodDetector,
         localizer: Localizer,
     ) -> Result<Self> {
         sizes.check()?;
-        let places = sizes.places();
-        Error::check_shape("parameters", (places.len, 1), (parameters.len(), 1))?;
-        let matrices = places.named.iter().filter(|(_, place)| is_quantized(place));
-        let of =
-            |(_, place): &(String, Place)| column_units(&parameters[place.range()], place.columns);
+        let layout = sizes.layout();
+        Error::check_shape("parameters", (layout.len, 1), (parameters.len(), 1))?;
+        let matrices = layout.named.iter().filter(|(_, parameter)| is_quantized(parameter));
+        let of = |(_, parameter): &(String, Parameter)| {
+            column_units(&parameters[parameter.range()], parameter.columns)
+        };
         let units = matrices.map(of).collect();
-        places.named.iter().for_each(|(_, place)| quantize(place, &mut parameters[place.range()]));
-        Self::assemble(sizes, parameters, units, scaling, familiar, localizer)
+        layout
+            .named
+            .iter()
+            .for_each(|(_, parameter)| quantize(parameter, &mut parameters[parameter.range()]));
+        Self::assemble(sizes, parameters, units, scaling, detector, localizer)
     }
 
     fn assemble(
@@ -101,11 +105,11 @@ impl SpectralUnion {
         parameters: Vec<f32>,
         units: Vec<Vec<f32>>,
         scaling: Scaling,
-        familiar: Familiar,
+        detector: OodDetector,
         localizer: Localizer,
     ) -> Result<Self> {
         Error::check_shape("localizer", (sizes.modes, 1), (localizer.modes(), 1))?;
-        let places = sizes.places();
+        let layout = sizes.layout();
         let lengths = [
             ("feature_mean", &scaling.feature_mean, K * FEATURES),
             ("feature_deviation", &scaling.feature_deviation, K * FEATURES),
@@ -119,7 +123,7 @@ impl SpectralUnion {
             let why = "must not be zero".into();
             return Err(Error::Argument { what: "feature_deviation", why });
         }
-        Ok(Self { sizes, places, parameters, units, scaling, familiar, localizer })
+        Ok(Self { sizes, layout, parameters, units, scaling, detector, localizer })
     }
 
     /// From the bytes of a file that [`SpectralUnion::to_bytes`] made.
@@ -136,11 +140,11 @@ impl SpectralUnion {
         sizes.check()?;
         let mut parameters = Vec::new();
         let mut units = Vec::new();
-        for (name, place) in sizes.places().named {
-            let mut part = values(&name, place.range().len())?;
-            if is_quantized(&place) {
-                let own = values(&format!("{name}.unit"), place.columns)?;
-                from_whole(&mut part, &own);
+        for (name, parameter) in sizes.layout().named {
+            let mut part = values(&name, parameter.range().len())?;
+            if is_quantized(&parameter) {
+                let own = values(&format!("{name}.unit"), parameter.columns)?;
+                from_integers(&mut part, &own);
                 units.push(own);
             }
             parameters.extend(part);
@@ -151,14 +155,14 @@ impl SpectralUnion {
             output_mean: values("output_mean", K)?,
             output_deviation: values("output_deviation", K)?,
         };
-        let familiar = Familiar {
-            mean: values("familiar_mean", JUDGED)?,
-            whitening: values("familiar_whitening", JUDGED * JUDGED)?,
+        let detector = OodDetector {
+            mean: values("familiar_mean", SYMMETRIC)?,
+            whitening: values("familiar_whitening", SYMMETRIC * SYMMETRIC)?,
             limit: values("familiar_limit", 1)?[0],
-            doubt_limit: values("doubt_limit", 1)?[0],
+            probability_limit: values("doubt_limit", 1)?[0],
         };
         let localizer = Localizer::from_tensors(&tensors, modes)?;
-        Self::assemble(sizes, parameters, units, scaling, familiar, localizer)
+        Self::assemble(sizes, parameters, units, scaling, detector, localizer)
     }
 
     /// From a file of weights (safetensors).
@@ -178,25 +182,25 @@ impl SpectralUnion {
         let Architecture { width, hidden, first_layers, second_layers, modes } = self.sizes;
         let sizes = [width, hidden, first_layers, second_layers, modes].map(|x| x as f32);
         let whole = self.localizer.whole();
-        let (scaling, familiar) = (&self.scaling, &self.familiar);
-        let limits = [familiar.limit, familiar.doubt_limit];
+        let (scaling, detector) = (&self.scaling, &self.detector);
+        let limits = [detector.limit, detector.probability_limit];
         let mut tensors: Vec<(&str, Tensor<'_>)> = vec![
             ("sizes", Tensor::new(5, &sizes)),
             ("feature_mean", Tensor::new(FEATURES, &scaling.feature_mean)),
             ("feature_deviation", Tensor::new(FEATURES, &scaling.feature_deviation)),
             ("output_mean", Tensor::new(K, &scaling.output_mean)),
             ("output_deviation", Tensor::new(K, &scaling.output_deviation)),
-            ("familiar_mean", Tensor::new(JUDGED, &familiar.mean)),
-            ("familiar_whitening", Tensor::new(JUDGED, &familiar.whitening)),
+            ("familiar_mean", Tensor::new(SYMMETRIC, &detector.mean)),
+            ("familiar_whitening", Tensor::new(SYMMETRIC, &detector.whitening)),
             ("familiar_limit", Tensor::new(1, &limits[..1])),
             ("doubt_limit", Tensor::new(1, &limits[1..])),
         ];
         tensors.extend(self.localizer.tensors(&whole));
-        let matrices = self.places.named.iter().filter(|(_, place)| is_quantized(place));
+        let matrices = self.layout.named.iter().filter(|(_, parameter)| is_quantized(parameter));
         let quantized: Vec<_> = matrices
             .zip(&self.units)
-            .map(|((name, place), units)| {
-                let whole = to_whole(&self.parameters[place.range()], units);
+            .map(|((name, parameter), units)| {
+                let whole = to_integers(&self.parameters[parameter.range()], units);
                 (name, format!("{name}.unit"), units, whole)
             })
             .collect();
@@ -204,8 +208,11 @@ impl SpectralUnion {
             tensors.push((name, Tensor::whole(units.len(), whole)));
             tensors.push((unit, Tensor::new(units.len(), units)));
         }
-        for (name, place) in self.places.named.iter().filter(|(_, place)| !is_quantized(place)) {
-            tensors.push((name, Tensor::new(place.columns, &self.parameters[place.range()])));
+        for (name, parameter) in
+            self.layout.named.iter().filter(|(_, parameter)| !is_quantized(parameter))
+        {
+            tensors
+                .push((name, Tensor::new(parameter.columns, &self.parameters[parameter.range()])));
         }
         to_bytes(tensors)
     }
@@ -215,7 +222,7 @@ impl SpectralUnion {
         self.sizes
     }
 
-    /// The parameters, in the order of [`Architecture::places`].
+    /// The parameters, in the order of [`Architecture::layout`].
     pub fn parameters(&self) -> &[f32] {
         &self.parameters
     }
@@ -242,9 +249,9 @@ impl SpectralUnion {
     /// [`Error::Shape`], [`Error::NonFinite`] and [`Error::Argument`] (not positive, not ascending)
     /// name the spectrum at fault, `first` or `second`.
     pub fn predict(&self, first: &[f64], second: &[f64]) -> Result<[f64; K]> {
-        let question = Question::new(first, second)?;
-        let tape = self.run(&[&question]);
-        Ok(self.union(&question, &tape.output))
+        let input = PairFeatures::new(first, second)?;
+        let tape = self.run(&[&input]);
+        Ok(self.union(&input, &tape.output))
     }
 
     /// The unions of many pairs of parts: as [`SpectralUnion::predict`] of each, bit for bit, in a
@@ -265,38 +272,38 @@ impl SpectralUnion {
     /// As [`SpectralUnion::predict`], of the first pair at fault.
     pub fn predict_each(&self, pairs: &[[&[f64]; 2]]) -> Result<Vec<[f64; K]>> {
         let mut unions = Vec::with_capacity(pairs.len());
-        for pairs in pairs.chunks(AT_ONCE) {
-            let question = |[first, second]: &[&[f64]; 2]| Question::new(first, second);
-            let questions = pairs.iter().map(question).collect::<Result<Vec<Question>>>()?;
-            let tape = self.run(&questions.iter().collect::<Vec<_>>());
-            let outputs = questions.iter().zip(tape.output.chunks_exact(K));
-            unions.extend(outputs.map(|(question, output)| self.union(question, output)));
+        for pairs in pairs.chunks(BATCH) {
+            let input = |[first, second]: &[&[f64]; 2]| PairFeatures::new(first, second);
+            let inputs = pairs.iter().map(input).collect::<Result<Vec<PairFeatures>>>()?;
+            let tape = self.run(&inputs.iter().collect::<Vec<_>>());
+            let outputs = inputs.iter().zip(tape.output.chunks_exact(K));
+            unions.extend(outputs.map(|(input, output)| self.union(input, output)));
         }
         Ok(unions)
     }
 
-    fn run(&self, questions: &[&Question]) -> Tape<f32> {
+    fn run(&self, inputs: &[&PairFeatures]) -> Tape<f32> {
         const HALF: usize = K * FEATURES;
-        let mut tape = Tape::new(&self.sizes, questions.len());
-        let (firsts, seconds) = tape.features.split_at_mut(HALF * questions.len());
-        let places = firsts.chunks_exact_mut(HALF).zip(seconds.chunks_exact_mut(HALF));
-        for ((first, second), question) in places.zip(questions) {
-            let features = self.scaling.features(question);
+        let mut tape = Tape::new(&self.sizes, inputs.len());
+        let (firsts, seconds) = tape.features.split_at_mut(HALF * inputs.len());
+        let rows = firsts.chunks_exact_mut(HALF).zip(seconds.chunks_exact_mut(HALF));
+        for ((first, second), input) in rows.zip(inputs) {
+            let features = self.scaling.features(input);
             first.copy_from_slice(&features[..HALF]);
             second.copy_from_slice(&features[HALF..]);
         }
-        forward(&self.sizes, &self.places, &self.parameters, &mut tape);
+        forward(&self.sizes, &self.layout, &self.parameters, &mut tape);
         tape
     }
 
     /// The spectrum that an output of the network means.
-    fn union(&self, question: &Question, output: &[f32]) -> [f64; K] {
+    fn union(&self, input: &PairFeatures, output: &[f32]) -> [f64; K] {
         let below: [f64; K] = std::array::from_fn(|i| {
             let output = f64::from(output[i] * self.scaling.output_deviation[i]);
             let logit = output + f64::from(self.scaling.output_mean[i]);
             // Weights that are beyond all reason give NaN.
             let logit = if logit.is_nan() { 0.0 } else { logit.clamp(-LARGEST, LARGEST) };
-            question.bound[i] / (1.0 + (-logit).exp())
+            input.bound[i] / (1.0 + (-logit).exp())
         });
         spectrum::ascending(&below)
     }
@@ -346,7 +353,7 @@ impl SpectralUnion {
         // A part is the union of itself with itself.
         let (last, before) = rest.split_last().unwrap_or((&first, &[]));
         let union = before.iter().try_fold(first, |union, part| self.predict(&union, part))?;
-        Ok(self.run(&[&Question::new(&union, last)?]).region)
+        Ok(self.run(&[&PairFeatures::new(&union, last)?]).region)
     }
 
     /// The template, for [`SpectralUnion::locate`].
@@ -359,30 +366,30 @@ impl SpectralUnion {
     ///
     /// # Errors
     /// As [`SpectralUnion::predict`].
-    pub fn doubt(&self, first: &[f64], second: &[f64]) -> Result<f64> {
-        Ok(self.doubt_about(&Question::new(first, second)?))
+    pub fn ood_probability(&self, first: &[f64], second: &[f64]) -> Result<f64> {
+        Ok(self.ood_probability_of(&PairFeatures::new(first, second)?))
     }
 
-    fn doubt_about(&self, question: &Question) -> f64 {
-        let logit = f64::from(self.run(&[question]).doubt[0]);
+    fn ood_probability_of(&self, input: &PairFeatures) -> f64 {
+        let logit = f64::from(self.run(&[input]).ood_logit[0]);
         // Weights that are beyond all reason give NaN.
         if logit.is_nan() { 1.0 } else { 1.0 / (1.0 + (-logit).exp()) }
     }
 
     /// How unlike the pairs of the training parts are, the largest of all pairs of them: the
-    /// Mahalanobis distance of a pair from the mean or the [doubt](SpectralUnion::doubt), whichever
-    /// is larger, each in units of what 99.5 % of such pairs keep. A prediction for parts above 1
-    /// is a guess.
+    /// Mahalanobis distance of a pair from the mean or the
+    /// [probability](SpectralUnion::ood_probability), whichever is larger, each in units of what
+    /// 99.5 % of such pairs keep. A prediction for parts above 1 is a guess.
     ///
     /// # Errors
     /// As [`SpectralUnion::predict`].
-    pub fn strangeness(&self, parts: &[&[f64]]) -> Result<f64> {
+    pub fn ood_score(&self, parts: &[&[f64]]) -> Result<f64> {
         let mut largest: f64 = 0.0;
         for (i, first) in parts.iter().enumerate() {
             for second in &parts[i + 1..] {
-                let question = Question::new(first, second)?;
-                let doubt = self.doubt_about(&question);
-                largest = largest.max(self.familiar.strangeness(&question.symmetric(), doubt));
+                let input = PairFeatures::new(first, second)?;
+                let probability = self.ood_probability_of(&input);
+                largest = largest.max(self.detector.ood_score(&input.symmetric(), probability));
             }
         }
         Ok(largest)
@@ -416,18 +423,18 @@ mod tests {
     fn random(seed: u64, size: f64) -> SpectralUnion {
         let mut rng = Rng::new(seed);
         let mut numbers = |n: usize| (0..n).map(|_| (size * rng.normal()) as f32).collect();
-        let parameters: Vec<f32> = numbers(SIZES.places().len);
+        let parameters: Vec<f32> = numbers(SIZES.layout().len);
         let scaling = Scaling {
             feature_mean: numbers(K * FEATURES),
             feature_deviation: vec![1.5; K * FEATURES],
             output_mean: numbers(K),
             output_deviation: vec![2.0; K],
         };
-        let pairs: Vec<[f64; JUDGED]> =
+        let pairs: Vec<[f64; SYMMETRIC]> =
             (0..50).map(|_| std::array::from_fn(|_| rng.normal())).collect();
-        let familiar = Familiar::fit(&pairs, 1.0).unwrap();
+        let detector = OodDetector::fit(&pairs, 1.0).unwrap();
         let localizer = Localizer::new(3, vec![0, 2, 4, 7], vec![0.5; 12], 9).unwrap();
-        SpectralUnion::new(SIZES, parameters, scaling, familiar, localizer).unwrap()
+        SpectralUnion::new(SIZES, parameters, scaling, detector, localizer).unwrap()
     }
 
     /// An ascending sequence with equal values among it, over some powers of ten.
@@ -464,7 +471,7 @@ mod tests {
             let parts: Vec<[f64; K]> = (0..4).map(|_| spectrum(&mut rng)).collect();
             let [a, b, c, d] = std::array::from_fn(|i| &parts[i][..]);
             assert_eq!(model.predict(a, b).unwrap(), model.predict(b, a).unwrap());
-            assert_eq!(model.strangeness(&[a, b]).unwrap(), model.strangeness(&[b, a]).unwrap());
+            assert_eq!(model.ood_score(&[a, b]).unwrap(), model.ood_score(&[b, a]).unwrap());
             let all = model.predict_all(&[a, b, c, d]).unwrap();
             for order in [[d, c, b, a], [c, a, d, b]] {
                 assert_eq!(model.predict_all(&order).unwrap(), all);
@@ -478,7 +485,7 @@ mod tests {
     #[test]
     fn many_pairs_at_once_are_as_one_by_one() {
         let (model, mut rng) = (random(11, 0.3), Rng::new(12));
-        let parts: Vec<[f64; K]> = (0..AT_ONCE + 6).map(|_| spectrum(&mut rng)).collect();
+        let parts: Vec<[f64; K]> = (0..BATCH + 6).map(|_| spectrum(&mut rng)).collect();
         let mut pairs: Vec<[&[f64]; 2]> = parts.windows(2).map(|w| [&w[0][..], &w[1]]).collect();
         let each = model.predict_each(&pairs).unwrap();
         assert_eq!(each.len(), pairs.len());
@@ -486,7 +493,7 @@ mod tests {
             assert_eq!(model.predict(a, b).unwrap(), *union);
         }
         assert!(model.predict_each(&[]).unwrap().is_empty());
-        pairs[AT_ONCE + 2][1] = &[];
+        pairs[BATCH + 2][1] = &[];
         assert!(model.predict_each(&pairs).unwrap_err().to_string().starts_with("second"));
     }
 

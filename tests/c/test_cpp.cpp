@@ -329,7 +329,7 @@ void parts_and_unions() {
     for (std::size_t i = 0; i < found.values.size(); ++i) {
         CHECK(0 < found.values[i] && found.values[i] <= std::min(lower[i], upper[i]));
     }
-    CHECK(found.strangeness > 0);
+    CHECK(found.ood_score > 0);
     CHECK(unions.predict({upper, lower}).values == found.values);
     CHECK(status_of([&] { unions.predict({}); }) == CATA_ERR_ARGUMENT);
     CHECK(status_of([&] { unions.locate({lower}, mesh); }) == CATA_ERR_SHAPE);

@@ -23,12 +23,12 @@ static int same(const double *a, const double *b)
 
 static void predictions(const cata_unions *unions)
 {
-    double parts[3 * K], swapped[2 * K], spectrum[K], other[K], strangeness = -1;
+    double parts[3 * K], swapped[2 * K], spectrum[K], other[K], ood_score = -1;
     fill(parts, 10, 11);
     fill(parts + K, 14, 9);
     fill(parts + 2 * K, 20, 30);
-    CHECK_STATUS(cata_unions_predict(unions, 2, parts, spectrum, &strangeness), CATA_OK);
-    CHECK(strangeness > 0);
+    CHECK_STATUS(cata_unions_predict(unions, 2, parts, spectrum, &ood_score), CATA_OK);
+    CHECK(ood_score > 0);
     for (int i = 0; i < K; i++) {
         CHECK(spectrum[i] > 0 && spectrum[i] <= parts[i] && spectrum[i] <= parts[K + i]);
         CHECK(i == 0 || spectrum[i - 1] <= spectrum[i]);

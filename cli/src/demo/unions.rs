@@ -46,7 +46,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
     let start = Instant::now();
     let found = model.predict(&parts[0], &parts[1])?;
     let seconds = start.elapsed().as_secs_f64();
-    let strangeness = model.strangeness(&[&parts[0], &parts[1]])?;
+    let ood_score = model.ood_score(&[&parts[0], &parts[1]])?;
     bar.step(0.8)?;
 
     let training = Model::new(Family::Humanoid, DatasetOptions::default().vertices)?;
@@ -88,7 +88,7 @@ pub fn station(site: &Site<'_>) -> Result<Station> {
                 "that of the smaller ones of the parts",
             ),
             (format!("{:.0} us", 1e6 * seconds), "for a prediction"),
-            (format!("{strangeness:.2}"), "strangeness; above 1 it is a guess"),
+            (format!("{ood_score:.2}"), "out-of-distribution score; above 1 the prediction is unreliable"),
         ],
         figures: vec![Figure {
             body: "<img src=\"unions.png\" alt=\"Two parts of a figure in two poses, their union, and where it is found\" width=\"100%\">".into(),

@@ -61,7 +61,7 @@ pub fn run(args: &Args) -> Result<()> {
         .collect::<Result<_>>()?;
     let parts: Vec<&[f64]> = spectra.iter().map(Vec::as_slice).collect();
     let union = model.predict_all(&parts)?;
-    let strangeness = model.strangeness(&parts)?;
+    let ood_score = model.ood_score(&parts)?;
     let mut header = String::from("number");
     for part in 1..=parts.len() {
         header += &format!(",part {part}");
@@ -74,8 +74,12 @@ pub fn run(args: &Args) -> Result<()> {
         let cells: String = row(i).iter().map(|x| format!(" {x:>10.4}")).collect();
         report(format_args!("{:>4}  {cells}", i + 1))?;
     }
-    let verdict = if strangeness > 1.0 { "unlike the training: a guess" } else { "familiar" };
-    report(format_args!("strangeness {strangeness:.2}: {verdict}"))?;
+    let verdict = if ood_score > 1.0 {
+        "unlike the training data, so the prediction is unreliable"
+    } else {
+        "like the training data"
+    };
+    report(format_args!("out-of-distribution score {ood_score:.2}: {verdict}"))?;
     let localized = |template: &PathBuf| localized(template, &args.repair, &model, &parts);
     let found = args.localize.as_ref().map(localized).transpose()?;
     if let Some((mesh, inside)) = &found {

@@ -38,7 +38,7 @@ fn predictions_are_printed_written_and_below_those_of_the_parts() {
     rectangle(&folder, "a.off", 16, 10);
     rectangle(&folder, "b.off", 10, 14);
     let said = folder.succeed("unions predict a.off b.off -o out.csv --picture out.png");
-    assert!(said.contains("strangeness") && said.lines().count() >= 22, "{said}");
+    assert!(said.contains("out-of-distribution score") && said.lines().count() >= 22, "{said}");
     let columns = columns(&fs::read_to_string(folder.path("out.csv")).unwrap());
     assert_eq!((columns.len(), columns[0].len()), (3, 20));
     // That of a rectangle of 1.6 x 1.

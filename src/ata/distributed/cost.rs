@@ -13,7 +13,7 @@ use super::cover::difference_cover;
 use super::deal::deal;
 use super::machine::Machine;
 use super::segment::packed_len;
-use super::tree::{Shipment, TaskTree, levels};
+use super::tree::{PlannedSend, TaskTree, levels};
 use crate::ata::gram::block_rows;
 
 /// A way to compute A^T A on many ranks.
@@ -341,7 +341,7 @@ fn end(tree: &TaskTree, machine: &Machine, id: usize, arrival: f64, free: &mut [
     }
     // The first strip of every child, then the second ones, and so on.
     let mut arrivals = vec![0.0; node.children.len()];
-    for Shipment { child: id, strip, rows } in tree.shipments(node) {
+    for PlannedSend { child: id, strip, rows } in tree.planned_sends(node) {
         let child = &tree.nodes()[id];
         now += machine.communication(1.0, child.words_of(rows.len()) as f64);
         arrivals[id - node.children.start] = now;

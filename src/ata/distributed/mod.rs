@@ -33,5 +33,5 @@ pub use layout::Layout;
 pub use machine::Machine;
 pub use segment::{Segment, packed_len};
 #[cfg(feature = "mpi")]
-pub(crate) use tree::RESULTS_AT_ONCE;
-pub use tree::{Load, Shipment, TaskTree, TreeNode, levels};
+pub(crate) use tree::RESULTS_IN_FLIGHT;
+pub use tree::{Load, PlannedSend, TaskTree, TreeNode, levels};

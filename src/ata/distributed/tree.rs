@@ -52,7 +52,7 @@ pub struct TreeNode {
 
 /// Some rows of what a child reads of A, on their way to its owner.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Shipment {
+pub struct PlannedSend {
     /// The child, by its place among the nodes.
     pub child: usize,
     /// Its strip, from 0.
@@ -86,7 +86,7 @@ const STRIPPED: usize = 1 << 20;
 const SHORTEST_STRIP: usize = 1024;
 
 /// Results of others that a process has room for at the same time: one arrives while one is added.
-pub(crate) const RESULTS_AT_ONCE: usize = 2;
+pub(crate) const RESULTS_IN_FLIGHT: usize = 2;
 
 impl TaskTree {
     /// The tree for A m x n on `processes >= 1` processes. Process 0 owns the root. Where the
@@ -148,13 +148,13 @@ impl TaskTree {
 
     /// What the owner of `node` sends down, in this order: the first strips of all children before
     /// the second ones, so that everyone begins early.
-    pub fn shipments(&self, node: &TreeNode) -> impl Iterator<Item = Shipment> {
+    pub fn planned_sends(&self, node: &TreeNode) -> impl Iterator<Item = PlannedSend> {
         let children = node.children.clone();
         (0..STRIPS).flat_map(move |strip| {
             let sent = children.clone().filter(|&child| self.is_sent(child));
             sent.filter_map(move |child| {
                 let rows = self.nodes[child].strips().nth(strip)?;
-                Some(Shipment { child, strip, rows })
+                Some(PlannedSend { child, strip, rows })
             })
         })
     }
@@ -197,7 +197,7 @@ impl TaskTree {
             longest[parent] = longest[parent].max(node.result_len());
         }
         for (load, longest) in loads.iter_mut().zip(longest) {
-            load.memory += RESULTS_AT_ONCE * longest;
+            load.memory += RESULTS_IN_FLIGHT * longest;
         }
         loads
     }

@@ -11,7 +11,7 @@ use super::report::RepairStep;
 use crate::base::Result;
 
 /// Longer loops are cut in two by a short diagonal first: time grows with the cube of the length.
-const AT_ONCE: usize = 256;
+const BATCH: usize = 256;
 
 /// What the square of a diagonal adds to the areas: a flat hole has many triangulations of least
 /// area, of which those with short diagonals have better faces.
@@ -131,7 +131,7 @@ impl Filling<'_> {
         let all: Vec<usize> = (0..ring.len()).collect();
         let mut open = vec![all];
         while let Some(part) = open.pop() {
-            if part.len() > AT_ONCE {
+            if part.len() > BATCH {
                 let Some([i, j]) = self.shortest_diagonal(ring, &part) else { return false };
                 self.known.insert(key(ring[part[i]].vertex, ring[part[j]].vertex));
                 let outer = part[..=i].iter().chain(&part[j..]).copied().collect();

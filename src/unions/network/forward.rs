@@ -1,5 +1,5 @@
 use super::kernel::{Number, gemm, normalize};
-use super::{Architecture, FEATURES, INPUTS, K, LayerPlaces, Place, Places};
+use super::{Architecture, FEATURES, INPUTS, K, LayerLayout, Parameter, ParameterLayout};
 
 /// What a layer computed, a row for each of its inputs: `x + down(a g / (1 + e^-g))` with
 /// `(a, g) = up(normalised x)`.
@@ -30,11 +30,11 @@ impl<T: Number> LayerTape<T> {
     }
 
     /// `x` becomes what the layer gives.
-    fn run(&mut self, places: &LayerPlaces, parameters: &[T], x: &mut [T]) {
-        let norm = of(parameters, places.norm);
+    fn run(&mut self, layout: &LayerLayout, parameters: &[T], x: &mut [T]) {
+        let norm = of(parameters, layout.norm);
         normalize(x, norm, &mut self.unit, &mut self.inverse, &mut self.normed);
-        linear(&self.normed, of(parameters, places.up), &mut self.up);
-        let hidden = places.down[0].rows;
+        linear(&self.normed, of(parameters, layout.up), &mut self.up);
+        let hidden = layout.down[0].rows;
         for (hidden, up) in
             self.hidden.chunks_exact_mut(hidden).zip(self.up.chunks_exact(2 * hidden))
         {
@@ -43,7 +43,7 @@ impl<T: Number> LayerTape<T> {
                 *hidden = value * gate * sigmoid(gate);
             }
         }
-        let [weights, bias] = of(parameters, places.down);
+        let [weights, bias] = of(parameters, layout.down);
         for row in x.chunks_exact_mut(bias.len()) {
             add(row, bias);
         }
@@ -72,8 +72,8 @@ fn waves<T: Number>(features: &[T], inputs: &mut [T]) {
     }
 }
 
-fn of<T>(parameters: &[T], pair: [Place; 2]) -> [&[T]; 2] {
-    pair.map(|place| &parameters[place.range()])
+fn of<T>(parameters: &[T], pair: [Parameter; 2]) -> [&[T]; 2] {
+    pair.map(|parameter| &parameters[parameter.range()])
 }
 
 /// `y := x weights + bias`, a row for each row of x.
@@ -120,7 +120,7 @@ pub struct Tape<T> {
     /// Where the union is: coefficients in eigenfunctions of a template.
     pub region: Vec<T>,
     /// The logit of the probability that the parts are of another kind of shape than the template.
-    pub doubt: Vec<T>,
+    pub ood_logit: Vec<T>,
     /// What the first part gave, normalised; twice as many rows as there are pairs.
     pub part_unit: Vec<T>,
     /// One over the deviations of its rows.
@@ -148,7 +148,7 @@ impl<T: Number> Tape<T> {
             normed: vec![T::ZERO; pairs * sizes.width],
             output: vec![T::ZERO; pairs * K],
             region: vec![T::ZERO; pairs * sizes.modes],
-            doubt: vec![T::ZERO; pairs],
+            ood_logit: vec![T::ZERO; pairs],
             part_unit: vec![T::ZERO; 2 * pairs * sizes.width],
             part_inverse: vec![T::ZERO; 2 * pairs],
             part_normed: vec![T::ZERO; 2 * pairs * sizes.width],
@@ -157,37 +157,37 @@ impl<T: Number> Tape<T> {
     }
 }
 
-/// From `tape.features` to `tape.output`, the regions and the doubt. Swapping the two spectra of a
-/// pair leaves output, region of the union and doubt as they are, bit for bit: the first part runs
-/// on both orders, and the two results are added.
+/// From `tape.features` to `tape.output`, the regions and the out-of-distribution logit. Swapping
+/// the two spectra of a pair leaves output, region of the union and this logit as they are, bit for
+/// bit: the first part runs on both orders, and the two results are added.
 ///
 /// # Panics
 /// When `tape` or `parameters` are of another architecture.
 pub fn forward<T: Number>(
     sizes: &Architecture,
-    places: &Places,
+    layout: &ParameterLayout,
     parameters: &[T],
     tape: &mut Tape<T>,
 ) {
     let rows = tape.features.len() / (K * FEATURES);
     let mut x = vec![T::ZERO; rows * sizes.width];
     waves(&tape.features, &mut tape.inputs);
-    linear(&tape.inputs, of(parameters, places.embedding), &mut x);
-    for (layer, places) in tape.first.iter_mut().zip(&places.first) {
-        layer.run(places, parameters, &mut x);
+    linear(&tape.inputs, of(parameters, layout.embedding), &mut x);
+    for (layer, layout) in tape.first.iter_mut().zip(&layout.first) {
+        layer.run(layout, parameters, &mut x);
     }
-    let norm = of(parameters, places.part_norm);
+    let norm = of(parameters, layout.part_norm);
     let Tape { part_unit, part_inverse, part_normed, .. } = tape;
     normalize(&x, norm, part_unit, part_inverse, part_normed);
-    linear(&tape.part_normed, of(parameters, places.part_region), &mut tape.part_region);
+    linear(&tape.part_normed, of(parameters, layout.part_region), &mut tape.part_region);
     let mut union = x.split_off(x.len() / 2);
     add(&mut union, &x);
-    for (layer, places) in tape.second.iter_mut().zip(&places.second) {
-        layer.run(places, parameters, &mut union);
+    for (layer, layout) in tape.second.iter_mut().zip(&layout.second) {
+        layer.run(layout, parameters, &mut union);
     }
-    let norm = of(parameters, places.norm);
+    let norm = of(parameters, layout.norm);
     normalize(&union, norm, &mut tape.unit, &mut tape.inverse, &mut tape.normed);
-    linear(&tape.normed, of(parameters, places.head), &mut tape.output);
-    linear(&tape.normed, of(parameters, places.region), &mut tape.region);
-    linear(&tape.normed, of(parameters, places.doubt), &mut tape.doubt);
+    linear(&tape.normed, of(parameters, layout.head), &mut tape.output);
+    linear(&tape.normed, of(parameters, layout.region), &mut tape.region);
+    linear(&tape.normed, of(parameters, layout.ood_logit), &mut tape.ood_logit);
 }

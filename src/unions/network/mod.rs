@@ -8,19 +8,20 @@
 
 mod forward;
 mod kernel;
-mod places;
+mod layout;
 mod quantize;
 
 pub use forward::{LayerTape, Tape, forward, sigmoid};
 pub use kernel::{Number, gemm, normalize, sum};
-pub use places::{Architecture, LayerPlaces, Place, Places};
+pub use layout::{Architecture, LayerLayout, Parameter, ParameterLayout};
 pub use quantize::quantize;
-pub(super) use quantize::{column_units, from_whole, is_quantized, to_whole};
+pub(super) use quantize::{column_units, from_integers, is_quantized, to_integers};
 
 /// Eigenvalues of a spectrum.
 pub const K: usize = 20;
 
-/// Numbers for each eigenvalue that the network is given: see [`Question`](super::Question).
+/// Numbers for each eigenvalue that the network is given: see
+/// [`PairFeatures`](super::PairFeatures).
 pub const FEATURES: usize = 4;
 
 /// Numbers for each eigenvalue that the first layer reads: the features, and sines and cosines of

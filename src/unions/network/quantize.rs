@@ -1,4 +1,4 @@
-use super::Place;
+use super::Parameter;
 
 /// Largest whole number of a quantized weight.
 const LARGEST: f32 = 127.0;
@@ -17,7 +17,7 @@ pub fn column_units(weights: &[f32], columns: usize) -> Vec<f32> {
 }
 
 /// The nearest whole numbers of units, from -127 to 127.
-pub fn to_whole(weights: &[f32], units: &[f32]) -> Vec<f32> {
+pub fn to_integers(weights: &[f32], units: &[f32]) -> Vec<f32> {
     let mut whole = weights.to_vec();
     for row in whole.chunks_exact_mut(units.len()) {
         for (x, unit) in row.iter_mut().zip(units) {
@@ -30,24 +30,24 @@ pub fn to_whole(weights: &[f32], units: &[f32]) -> Vec<f32> {
 }
 
 /// Back from whole numbers.
-pub fn from_whole(whole: &mut [f32], units: &[f32]) {
+pub fn from_integers(whole: &mut [f32], units: &[f32]) {
     for row in whole.chunks_exact_mut(units.len()) {
         row.iter_mut().zip(units).for_each(|(x, unit)| *x *= unit);
     }
 }
 
 /// Whether these parameters are kept as whole numbers: the matrices, which are nearly all there is.
-pub fn is_quantized(place: &Place) -> bool {
-    place.rows > 1
+pub fn is_quantized(parameter: &Parameter) -> bool {
+    parameter.rows > 1
 }
 
-/// The parameters of a place as a file keeps them: weights rounded to one of 255 numbers for each
+/// A parameter as a file keeps it: weights rounded to one of 255 numbers for each
 /// column, others as they are.
-pub fn quantize(place: &Place, part: &mut [f32]) {
-    if is_quantized(place) {
-        let units = column_units(part, place.columns);
-        part.copy_from_slice(&to_whole(part, &units));
-        from_whole(part, &units);
+pub fn quantize(parameter: &Parameter, part: &mut [f32]) {
+    if is_quantized(parameter) {
+        let units = column_units(part, parameter.columns);
+        part.copy_from_slice(&to_integers(part, &units));
+        from_integers(part, &units);
     }
 }
 
@@ -63,14 +63,14 @@ mod tests {
         let weights: Vec<f32> =
             (0..40).map(|at| (rng.normal() * 10f64.powi((at % COLUMNS) as i32)) as f32).collect();
         let units = column_units(&weights, COLUMNS);
-        let mut whole = to_whole(&weights, &units);
+        let mut whole = to_integers(&weights, &units);
         assert!(whole.iter().all(|x| x.abs() <= 127.0 && x.fract() == 0.0));
         let kept = whole.clone();
-        from_whole(&mut whole, &units);
+        from_integers(&mut whole, &units);
         for (at, (x, y)) in whole.iter().zip(&weights).enumerate() {
             assert!((x - y).abs() <= 0.5001 * units[at % COLUMNS], "{at}: {x} {y}");
         }
-        assert_eq!(to_whole(&whole, &units), kept);
+        assert_eq!(to_integers(&whole, &units), kept);
         assert!(column_units(&[0.0; 4], 2).iter().all(|unit| *unit > 0.0));
     }
 }

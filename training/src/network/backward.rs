@@ -1,19 +1,20 @@
 use catamaran::base::Rng;
 use catamaran::unions::network::{
-    Architecture, K, LayerPlaces, LayerTape, Number, Place, Places, Tape, gemm, sigmoid, sum,
+    Architecture, K, LayerLayout, LayerTape, Number, Parameter, ParameterLayout, Tape, gemm,
+    sigmoid, sum,
 };
 
 /// Random parameters to begin with: weights uniform with the variance of Glorot and Bengio (2010),
 /// the last layer of each residual branch smaller the more of them there are, no bias, and a head
 /// that says nothing yet.
 pub fn initial_parameters(sizes: &Architecture, seed: u64) -> Vec<f32> {
-    let places = sizes.places();
-    let mut parameters = vec![0.0; places.len];
+    let layout = sizes.layout();
+    let mut parameters = vec![0.0; layout.len];
     let mut rng = Rng::new(seed);
     let depth = (sizes.first_layers + sizes.second_layers).max(1) as f64;
-    for (name, place) in &places.named {
-        let part = &mut parameters[place.range()];
-        let limit = (6.0 / (place.rows + place.columns) as f64).sqrt();
+    for (name, parameter) in &layout.named {
+        let part = &mut parameters[parameter.range()];
+        let limit = (6.0 / (parameter.rows + parameter.columns) as f64).sqrt();
         let mut fill = |limit: f64| {
             part.iter_mut().for_each(|x| *x = (limit * (2.0 * rng.uniform() - 1.0)) as f32);
         };
@@ -35,8 +36,8 @@ pub struct Outputs<T> {
     pub output: Vec<T>,
     /// Of the region of the union.
     pub region: Vec<T>,
-    /// Of the doubt.
-    pub doubt: Vec<T>,
+    /// Of the out-of-distribution logit.
+    pub ood_logit: Vec<T>,
     /// Of the regions of the parts.
     pub part_region: Vec<T>,
 }
@@ -47,7 +48,7 @@ impl<T: Number> Outputs<T> {
         Self {
             output: vec![T::ZERO; pairs * K],
             region: vec![T::ZERO; pairs * sizes.modes],
-            doubt: vec![T::ZERO; pairs],
+            ood_logit: vec![T::ZERO; pairs],
             part_region: vec![T::ZERO; 2 * pairs * sizes.modes],
         }
     }
@@ -64,7 +65,7 @@ pub struct Backward<T> {
 impl<T: Number> Backward<T> {
     /// For networks of these sizes.
     pub fn new(sizes: &Architecture) -> Self {
-        let gradient = vec![T::ZERO; sizes.places().len];
+        let gradient = vec![T::ZERO; sizes.layout().len];
         Self {
             gradient,
             transposed: vec![T::ZERO; sizes.width * (2 * sizes.hidden).max(K).max(sizes.modes)],
@@ -73,35 +74,41 @@ impl<T: Number> Backward<T> {
 
     /// Adds to the gradient, from those with respect to what the forward pass that filled `tape`
     /// gave.
-    pub fn run(&mut self, places: &Places, parameters: &[T], tape: &Tape<T>, by: &Outputs<T>) {
+    pub fn run(
+        &mut self,
+        layout: &ParameterLayout,
+        parameters: &[T],
+        tape: &Tape<T>,
+        by: &Outputs<T>,
+    ) {
         let mut normed = vec![T::ZERO; tape.normed.len()];
-        self.linear(parameters, places.head, &tape.normed, &by.output, Some(&mut normed));
-        self.linear(parameters, places.region, &tape.normed, &by.region, Some(&mut normed));
-        self.linear(parameters, places.doubt, &tape.normed, &by.doubt, Some(&mut normed));
+        self.linear(parameters, layout.head, &tape.normed, &by.output, Some(&mut normed));
+        self.linear(parameters, layout.region, &tape.normed, &by.region, Some(&mut normed));
+        self.linear(parameters, layout.ood_logit, &tape.normed, &by.ood_logit, Some(&mut normed));
         let mut x = vec![T::ZERO; normed.len()];
-        self.norm(parameters, places.norm, [&tape.unit, &tape.inverse], &normed, &mut x);
-        for (layer, places) in tape.second.iter().zip(&places.second).rev() {
-            self.layer(places, parameters, layer, &mut x);
+        self.norm(parameters, layout.norm, [&tape.unit, &tape.inverse], &normed, &mut x);
+        for (layer, layout) in tape.second.iter().zip(&layout.second).rev() {
+            self.layer(layout, parameters, layer, &mut x);
         }
         // The sum of both orders passes its gradient on to each.
         x.extend_from_within(..);
         let (normed, parts) = (&tape.part_normed, &by.part_region);
         let mut own = vec![T::ZERO; normed.len()];
-        self.linear(parameters, places.part_region, normed, parts, Some(&mut own));
+        self.linear(parameters, layout.part_region, normed, parts, Some(&mut own));
         let [unit, inverse] = [&tape.part_unit, &tape.part_inverse];
-        self.norm(parameters, places.part_norm, [unit, inverse], &own, &mut x);
-        for (layer, places) in tape.first.iter().zip(&places.first).rev() {
-            self.layer(places, parameters, layer, &mut x);
+        self.norm(parameters, layout.part_norm, [unit, inverse], &own, &mut x);
+        for (layer, layout) in tape.first.iter().zip(&layout.first).rev() {
+            self.layer(layout, parameters, layer, &mut x);
         }
-        self.linear(parameters, places.embedding, &tape.inputs, &x, None);
+        self.linear(parameters, layout.embedding, &tape.inputs, &x, None);
     }
 
     /// `x`, with respect to the output of a layer, becomes that with respect to its input.
-    fn layer(&mut self, places: &LayerPlaces, parameters: &[T], tape: &LayerTape<T>, x: &mut [T]) {
+    fn layer(&mut self, layout: &LayerLayout, parameters: &[T], tape: &LayerTape<T>, x: &mut [T]) {
         let mut hidden = vec![T::ZERO; tape.hidden.len()];
-        self.linear(parameters, places.down, &tape.hidden, x, Some(&mut hidden));
+        self.linear(parameters, layout.down, &tape.hidden, x, Some(&mut hidden));
         let mut up = vec![T::ZERO; tape.up.len()];
-        let count = places.down[0].rows;
+        let count = layout.down[0].rows;
         let rows = up.chunks_exact_mut(2 * count).zip(tape.up.chunks_exact(2 * count));
         for (hidden, (gradient, up)) in hidden.chunks_exact(count).zip(rows) {
             for (i, &hidden) in hidden.iter().enumerate() {
@@ -112,15 +119,15 @@ impl<T: Number> Backward<T> {
             }
         }
         let mut normed = vec![T::ZERO; tape.normed.len()];
-        self.linear(parameters, places.up, &tape.normed, &up, Some(&mut normed));
-        self.norm(parameters, places.norm, [&tape.unit, &tape.inverse], &normed, x);
+        self.linear(parameters, layout.up, &tape.normed, &up, Some(&mut normed));
+        self.norm(parameters, layout.norm, [&tape.unit, &tape.inverse], &normed, x);
     }
 
     /// Of `y = x weights + bias`; `dx` is added to.
     fn linear(
         &mut self,
         parameters: &[T],
-        [weights, bias]: [Place; 2],
+        [weights, bias]: [Parameter; 2],
         x: &[T],
         dy: &[T],
         dx: Option<&mut [T]>,
@@ -143,7 +150,7 @@ impl<T: Number> Backward<T> {
     fn norm(
         &mut self,
         parameters: &[T],
-        [scale, shift]: [Place; 2],
+        [scale, shift]: [Parameter; 2],
         [unit, inverse]: [&[T]; 2],
         dy: &[T],
         dx: &mut [T],
@@ -198,23 +205,23 @@ mod tests {
     /// A weighted sum of the outputs of a network on random features, and its gradient.
     fn value_and_gradient(sizes: &Architecture, parameters: &[f64]) -> (f64, Vec<f64>) {
         const PAIRS: usize = 2;
-        let places = sizes.places();
+        let layout = sizes.layout();
         let mut tape = Tape::new(sizes, PAIRS);
         let mut rng = Rng::new(4);
         tape.features.iter_mut().for_each(|x| *x = rng.normal());
         let mut weights = Outputs::new(sizes, PAIRS);
-        let Outputs { output, region, doubt, part_region } = &mut weights;
-        for x in [output, region, doubt, part_region].into_iter().flatten() {
+        let Outputs { output, region, ood_logit, part_region } = &mut weights;
+        for x in [output, region, ood_logit, part_region].into_iter().flatten() {
             *x = rng.normal();
         }
-        forward(sizes, &places, parameters, &mut tape);
-        let found = [&tape.output, &tape.region, &tape.doubt, &tape.part_region];
-        let Outputs { output, region, doubt, part_region } = &weights;
-        let by = [output, region, doubt, part_region];
+        forward(sizes, &layout, parameters, &mut tape);
+        let found = [&tape.output, &tape.region, &tape.ood_logit, &tape.part_region];
+        let Outputs { output, region, ood_logit, part_region } = &weights;
+        let by = [output, region, ood_logit, part_region];
         let value = found.into_iter().flatten().zip(by.into_iter().flatten());
         let value = value.map(|(a, b)| a * b).sum();
         let mut backward = Backward::new(sizes);
-        backward.run(&places, parameters, &tape, &weights);
+        backward.run(&layout, parameters, &tape, &weights);
         (value, backward.gradient)
     }
 
@@ -229,9 +236,10 @@ mod tests {
                 .map(|&x| f64::from(x) + 0.2 * rng.normal())
                 .collect();
             let (_, gradient) = value_and_gradient(&sizes, &parameters);
-            for (name, place) in sizes.places().named {
+            for (name, parameter) in sizes.layout().named {
                 for _ in 0..4 {
-                    let at = place.start + (rng.uniform() * place.range().len() as f64) as usize;
+                    let at =
+                        parameter.start + (rng.uniform() * parameter.range().len() as f64) as usize;
                     let before = parameters[at];
                     let step = 1e-6;
                     let mut at_step = |sign: f64| {
@@ -254,24 +262,24 @@ mod tests {
     #[test]
     fn gradients_in_single_precision_are_close_to_those_in_double() {
         let sizes = Architecture { first_layers: 1, second_layers: 1, ..Architecture::default() };
-        let places = sizes.places();
+        let layout = sizes.layout();
         let parameters = initial_parameters(&sizes, 3);
         let mut rng = Rng::new(8);
         let features: Vec<f32> = (0..2 * K * FEATURES).map(|_| rng.normal() as f32).collect();
         let mut single = Tape::<f32>::new(&sizes, 1);
         single.features.copy_from_slice(&features);
-        forward(&sizes, &places, &parameters, &mut single);
+        forward(&sizes, &layout, &parameters, &mut single);
         let mut backward = Backward::new(&sizes);
         let ones = Outputs { output: vec![1.0; K], ..Outputs::new(&sizes, 1) };
-        backward.run(&places, &parameters, &single, &ones);
+        backward.run(&layout, &parameters, &single, &ones);
 
         let exact: Vec<f64> = parameters.iter().map(|&x| f64::from(x)).collect();
         let mut double = Tape::<f64>::new(&sizes, 1);
         double.features = features.iter().map(|&x| f64::from(x)).collect();
-        forward(&sizes, &places, &exact, &mut double);
+        forward(&sizes, &layout, &exact, &mut double);
         let mut reference = Backward::new(&sizes);
         let ones = Outputs { output: vec![1.0; K], ..Outputs::new(&sizes, 1) };
-        reference.run(&places, &exact, &double, &ones);
+        reference.run(&layout, &exact, &double, &ones);
         let norm = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>().sqrt();
         let difference = norm(
             &mut backward.gradient.iter().zip(&reference.gradient).map(|(&a, b)| f64::from(a) - b),

@@ -2,7 +2,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use catamaran::base::Rng;
 use catamaran::unions::network::{FEATURES, K};
-use catamaran::unions::{Localizer, Question, Scaling};
+use catamaran::unions::{Localizer, PairFeatures, Scaling};
 use catamaran::{Error, Par, Result};
 
 use crate::cuts::id;
@@ -100,15 +100,15 @@ impl Pair {
     /// As the network sees it, and logarithms of union over bound.
     ///
     /// # Errors
-    /// As [`Question::new`], for a part that has no Dirichlet spectrum.
+    /// As [`PairFeatures::new`], for a part that has no Dirichlet spectrum.
     pub fn example(&self, scaling: &Scaling) -> Result<([f32; 2 * K * FEATURES], [f32; K])> {
-        let question = Question::new(&self.first, &self.second)?;
-        let logs = self.shares(&question).map(|share| share.ln() as f32);
-        Ok((scaling.features(&question), logs))
+        let input = PairFeatures::new(&self.first, &self.second)?;
+        let logs = self.shares(&input).map(|share| share.ln() as f32);
+        Ok((scaling.features(&input), logs))
     }
 
-    fn shares(&self, question: &Question) -> [f64; K] {
-        std::array::from_fn(|i| (self.union[i] / question.bound[i]).clamp(LEAST_SHARE, 1.0))
+    fn shares(&self, input: &PairFeatures) -> [f64; K] {
+        std::array::from_fn(|i| (self.union[i] / input.bound[i]).clamp(LEAST_SHARE, 1.0))
     }
 }
 
@@ -199,16 +199,16 @@ impl Examples {
     /// Means and deviations over the pairs to learn from.
     ///
     /// # Errors
-    /// As [`Question::new`], for a part that has no Dirichlet spectrum.
+    /// As [`PairFeatures::new`], for a part that has no Dirichlet spectrum.
     pub fn scaling(&self) -> Result<Scaling> {
         let mut features = vec![Moments::default(); K * FEATURES];
         let mut outputs = vec![Moments::default(); K];
         for pair in &self.training {
-            let question = Question::new(&pair.first, &pair.second)?;
-            for (j, &value) in question.features.as_flattened().iter().enumerate() {
+            let input = PairFeatures::new(&pair.first, &pair.second)?;
+            for (j, &value) in input.features.as_flattened().iter().enumerate() {
                 features[j % (K * FEATURES)].add(value);
             }
-            for (moments, share) in outputs.iter_mut().zip(pair.shares(&question)) {
+            for (moments, share) in outputs.iter_mut().zip(pair.shares(&input)) {
                 let share = share.min(LARGEST_SHARE);
                 moments.add((share / (1.0 - share)).ln());
             }

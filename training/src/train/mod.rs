@@ -10,9 +10,9 @@ use std::borrow::Cow;
 
 use catamaran::base::{Pin, Rng, ThreadPool};
 use catamaran::unions::network::{
-    Architecture, FEATURES, K, Places, Tape, forward, quantize, sigmoid,
+    Architecture, FEATURES, K, ParameterLayout, Tape, forward, quantize, sigmoid,
 };
-use catamaran::unions::{Familiar, Question, Scaling, SpectralUnion};
+use catamaran::unions::{OodDetector, PairFeatures, Scaling, SpectralUnion};
 use catamaran::{Par, Result};
 use rayon::prelude::*;
 
@@ -87,9 +87,9 @@ const OUTLIER: f32 = 0.3;
 const REGION: f64 = 0.2;
 /// What the logarithm of the probability counts that it is told rightly whether a pair is of the
 /// template.
-const DOUBT: f64 = 0.05;
-/// Share of the pairs of the template that are familiar.
-const FAMILIAR: f64 = 0.995;
+const OOD_WEIGHT: f64 = 0.05;
+/// Share of the pairs of the template with an out-of-distribution score of at most 1.
+const WITHIN: f64 = 0.995;
 
 /// Buffers of one task.
 struct Worker {
@@ -108,14 +108,14 @@ struct Worker {
 pub struct Trainer {
     options: TrainOptions,
     examples: Examples,
-    places: Places,
+    layout: ParameterLayout,
     state: State,
     /// The parameters, rounded: what is trained is what a file can keep.
     rounded: Vec<f32>,
     /// The error of the best network on the pairs to choose by.
     best: f64,
-    /// What is familiar to it.
-    familiar: Familiar,
+    /// Tells what is unlike the training.
+    detector: OodDetector,
     workers: Vec<Worker>,
     team: Option<ThreadPool>,
 }
@@ -138,7 +138,7 @@ impl Trainer {
             let why = format!("{}, but regions have {modes} coefficients", options.sizes.modes);
             return Err(catamaran::Error::Argument { what: "modes", why });
         }
-        let places = options.sizes.places();
+        let layout = options.sizes.layout();
         let state = match state {
             Some(state) => state,
             None => {
@@ -149,8 +149,8 @@ impl Trainer {
             }
         };
         let lengths = [&state.parameters, &state.best, &state.adam.mean, &state.adam.square];
-        if lengths.iter().any(|x| x.len() != places.len) {
-            let why = format!("not of a network with {} parameters", places.len);
+        if lengths.iter().any(|x| x.len() != layout.len) {
+            let why = format!("not of a network with {} parameters", layout.len);
             return Err(catamaran::Error::Argument { what: "state", why });
         }
         let worker = || Worker {
@@ -166,26 +166,27 @@ impl Trainer {
             1 => None,
             threads => Some(ThreadPool::new(threads, Pin::No)?),
         };
-        let rounded = vec![0.0; places.len];
-        let symmetric = |pair: &Pair| Ok(Question::new(&pair.first, &pair.second)?.symmetric());
+        let rounded = vec![0.0; layout.len];
+        let symmetric = |pair: &Pair| Ok(PairFeatures::new(&pair.first, &pair.second)?.symmetric());
         let of_template = examples.training.iter().filter(|pair| pair.regions.is_some());
-        let familiar =
-            Familiar::fit(&of_template.map(symmetric).collect::<Result<Vec<_>>>()?, FAMILIAR)?;
+        let detector =
+            OodDetector::fit(&of_template.map(symmetric).collect::<Result<Vec<_>>>()?, WITHIN)?;
         let best = f64::INFINITY;
         let mut trainer =
-            Self { options, examples, places, state, rounded, best, familiar, workers, team };
+            Self { options, examples, layout, state, rounded, best, detector, workers, team };
         if !trainer.state.history.is_empty() {
             // On these examples, which may not be those that it was chosen by.
-            let (error, doubts) = trainer.validate(true)?;
-            trainer.choose(error, doubts);
+            let (error, probabilities) = trainer.validate(true)?;
+            trainer.choose(error, probabilities);
         }
         Ok(trainer)
     }
 
-    /// The best network is one with this error and these doubts about pairs of the template.
-    fn choose(&mut self, error: f64, doubts: Vec<f64>) {
+    /// The best network is one with this error and these out-of-distribution probabilities of pairs
+    /// of the template.
+    fn choose(&mut self, error: f64, probabilities: Vec<f64>) {
         self.best = error;
-        self.familiar = self.familiar.clone().with_doubts(doubts, FAMILIAR);
+        self.detector = self.detector.clone().with_probabilities(probabilities, WITHIN);
     }
 
     /// Where it is.
@@ -200,7 +201,7 @@ impl Trainer {
     pub fn model(&self) -> Result<SpectralUnion> {
         let State { best, scaling, .. } = self.state.clone();
         let localizer = self.examples.localizer.clone();
-        SpectralUnion::new(self.options.sizes, best, scaling, self.familiar.clone(), localizer)
+        SpectralUnion::new(self.options.sizes, best, scaling, self.detector.clone(), localizer)
     }
 
     /// One pass over the data.
@@ -224,10 +225,10 @@ impl Trainer {
             error += self.step(&batch, &composites, seed + 1 + step as u64, share)?;
             seen += whole;
         }
-        let (validation, doubts) = self.validate(false)?;
+        let (validation, probabilities) = self.validate(false)?;
         if validation < self.best {
             self.state.best.clone_from(&self.state.parameters);
-            self.choose(validation, doubts);
+            self.choose(validation, probabilities);
         }
         let epoch = Epoch { training: error / (seen * K) as f64, validation };
         self.state.history.push(epoch);
@@ -238,7 +239,7 @@ impl Trainer {
     /// shrink with the rate.
     fn step(&mut self, batch: &[usize], composites: &[Pair], seed: u64, share: f64) -> Result<f64> {
         self.round(false);
-        let Self { options, examples, places, state, rounded, workers, team, .. } = self;
+        let Self { options, examples, layout, state, rounded, workers, team, .. } = self;
         let (parameters, scaling) = (&*rounded, &state.scaling);
         let work = |(task, worker): (usize, &mut Worker)| -> Result<()> {
             let mut rng = Rng::new(seed.wrapping_mul(1 << 10).wrapping_add(task as u64));
@@ -257,10 +258,10 @@ impl Trainer {
                     sample
                 };
                 let (features, logs) = pair.disturbed(share, &mut rng).example(scaling)?;
-                worker.place(slot, &features, logs);
+                worker.put(slot, &features, logs);
                 worker.regions[slot] = pair.regions;
             }
-            worker.run(options, examples, scaling, places, parameters);
+            worker.run(options, examples, scaling, layout, parameters);
             Ok(())
         };
         let done: Result<Vec<()>> = match team {
@@ -301,16 +302,18 @@ impl Trainer {
         self.rounded.copy_from_slice(if best { best_ones } else { parameters });
         let mut parts = Vec::new();
         let mut rest = self.rounded.as_mut_slice();
-        for (_, place) in &self.places.named {
-            let (part, behind) = rest.split_at_mut(place.range().len());
-            parts.push((place, part));
+        for (_, parameter) in &self.layout.named {
+            let (part, behind) = rest.split_at_mut(parameter.range().len());
+            parts.push((parameter, part));
             rest = behind;
         }
         match &self.team {
             Some(team) => {
-                team.run(|| parts.into_par_iter().for_each(|(place, part)| quantize(place, part)));
+                team.run(|| {
+                    parts.into_par_iter().for_each(|(parameter, part)| quantize(parameter, part))
+                });
             }
-            None => parts.into_iter().for_each(|(place, part)| quantize(place, part)),
+            None => parts.into_iter().for_each(|(parameter, part)| quantize(parameter, part)),
         }
     }
 
@@ -338,34 +341,34 @@ impl Trainer {
     }
 
     /// The mean error of logarithms on the pairs to choose by, of the network as it is or of the
-    /// best one, and its doubts about those of the template.
+    /// best one, and its out-of-distribution probabilities of those of the template.
     fn validate(&mut self, best: bool) -> Result<(f64, Vec<f64>)> {
         self.round(best);
-        let Self { examples, options, places, state, rounded, workers, .. } = self;
+        let Self { examples, options, layout, state, rounded, workers, .. } = self;
         let (worker, scaling) = (&mut workers[0], &state.scaling);
-        let (mut error, mut doubts) = (0.0, Vec::new());
+        let (mut error, mut probabilities) = (0.0, Vec::new());
         for pairs in examples.validation.chunks(TASK) {
             for (slot, pair) in pairs.iter().enumerate() {
                 let (features, logs) = pair.example(scaling)?;
-                worker.place(slot, &features, logs);
+                worker.put(slot, &features, logs);
             }
-            forward(&options.sizes, places, rounded, &mut worker.tape);
+            forward(&options.sizes, layout, rounded, &mut worker.tape);
             for (slot, pair) in pairs.iter().enumerate() {
                 for i in 0..K {
                     let (log, _) = worker.log(scaling, slot, i);
                     error += f64::from((log - worker.targets[slot][i]).abs());
                 }
                 if pair.regions.is_some() {
-                    doubts.push(sigmoid(f64::from(worker.tape.doubt[slot])));
+                    probabilities.push(sigmoid(f64::from(worker.tape.ood_logit[slot])));
                 }
             }
         }
-        Ok((error / (examples.validation.len() * K).max(1) as f64, doubts))
+        Ok((error / (examples.validation.len() * K).max(1) as f64, probabilities))
     }
 }
 
 impl Worker {
-    fn place(&mut self, slot: usize, features: &[f32; 2 * K * FEATURES], logs: [f32; K]) {
+    fn put(&mut self, slot: usize, features: &[f32; 2 * K * FEATURES], logs: [f32; K]) {
         let half = K * FEATURES;
         let (first, second) = features.split_at(half);
         let (firsts, seconds) = self.tape.features.split_at_mut(TASK * half);
@@ -391,10 +394,10 @@ impl Worker {
         options: &TrainOptions,
         examples: &Examples,
         scaling: &Scaling,
-        places: &Places,
+        layout: &ParameterLayout,
         parameters: &[f32],
     ) {
-        forward(&options.sizes, places, parameters, &mut self.tape);
+        forward(&options.sizes, layout, parameters, &mut self.tape);
         self.error = 0.0;
         let share = 1.0 / (options.batch * K) as f32;
         for slot in 0..TASK {
@@ -406,15 +409,15 @@ impl Worker {
                 self.error += f64::from(error.abs());
             }
         }
-        for (doubt, (found, regions)) in
-            self.outputs.doubt.iter_mut().zip(self.tape.doubt.iter().zip(&self.regions))
+        for (logit, (found, regions)) in
+            self.outputs.ood_logit.iter_mut().zip(self.tape.ood_logit.iter().zip(&self.regions))
         {
             let truth = if regions.is_none() { 1.0 } else { 0.0 };
-            *doubt = (DOUBT / options.batch as f64) as f32 * (sigmoid(*found) - truth);
+            *logit = (OOD_WEIGHT / options.batch as f64) as f32 * (sigmoid(*found) - truth);
         }
         self.compare_regions(&examples.regions, options.batch);
         self.backward.gradient.fill(0.0);
-        self.backward.run(places, parameters, &self.tape, &self.outputs);
+        self.backward.run(layout, parameters, &self.tape, &self.outputs);
     }
 
     /// The gradient with respect to the regions.

@@ -101,11 +101,11 @@ fn unions_of_strips_are_learnt() {
     let model = trainer.model().unwrap();
     let after = relative_error(&model, &unseen);
     assert!(after < 0.7 * before, "{before} {after}");
-    let strange = |pair: &Pair| model.strangeness(&[&pair.first, &pair.second]).unwrap();
+    let strange = |pair: &Pair| model.ood_score(&[&pair.first, &pair.second]).unwrap();
     assert!(unseen.iter().filter(|pair| strange(pair) > 1.0).count() <= 10);
     // An interval is no strip.
     let interval: Spectrum = std::array::from_fn(|i| ((i + 1) * (i + 1)) as f64);
-    assert!(model.strangeness(&[&interval, &interval]).unwrap() > 1.0);
+    assert!(model.ood_score(&[&interval, &interval]).unwrap() > 1.0);
 }
 
 #[test]
@@ -128,9 +128,12 @@ fn shapes_of_another_kind_are_told_from_the_template() {
     }
     let model = trainer.model().unwrap();
     for pair in strips(30, 4) {
-        assert!(model.doubt(&pair.first, &pair.second).unwrap() < 0.2);
+        assert!(model.ood_probability(&pair.first, &pair.second).unwrap() < 0.2);
         let (a, b) = (interval(1.33), interval(1.77));
-        assert!(model.doubt(&a, &b).unwrap() > 0.8 && model.strangeness(&[&a, &b]).unwrap() > 1.0);
+        assert!(
+            model.ood_probability(&a, &b).unwrap() > 0.8
+                && model.ood_score(&[&a, &b]).unwrap() > 1.0
+        );
     }
 }
 

@@ -198,7 +198,7 @@ fn table_errors(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -
 /// How many pairs of each test are said to be strange.
 fn table_strangeness(report: &mut Report, dataset: &Dataset, model: &SpectralUnion) -> Result<()> {
     report.say(
-        "## Strangeness\n\nPairs that are unlike those of the training, by the network's own judgement (`strangeness` above 1), and the mean \
+        "## Strangeness\n\nPairs that are unlike those of the training, by the network's own judgement (`ood_score` above 1), and the mean \
          relative error of these and of the others.\n\n\
          | test | shapes | pairs | strange % | error of strange ones % | of the others % |\n|---|---|---|---|---|---|",
     );
@@ -209,7 +209,7 @@ fn table_strangeness(report: &mut Report, dataset: &Dataset, model: &SpectralUni
         }
         let (mut strange, mut others) = (Vec::new(), Vec::new());
         for pair in &pairs {
-            match model.strangeness(&[&pair.first, &pair.second])? {
+            match model.ood_score(&[&pair.first, &pair.second])? {
                 x if x > 1.0 => strange.push(*pair),
                 _ => others.push(*pair),
             }
@@ -227,7 +227,7 @@ fn table_strangeness(report: &mut Report, dataset: &Dataset, model: &SpectralUni
             of_others?
         ));
         let shapes = shapes.replace(',', "");
-        report.lines.push(format!("strangeness,{letter},{shapes},network,share,{share:.2}"));
+        report.lines.push(format!("ood_score,{letter},{shapes},network,share,{share:.2}"));
     }
     report.say("");
     Ok(())

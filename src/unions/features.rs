@@ -4,7 +4,7 @@ use crate::base::Result;
 
 /// A pair of spectra as the network sees it: without units.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Question {
+pub struct PairFeatures {
     /// By how much eigenvalues are divided: the smaller one of the two largest.
     pub scale: f64,
     /// The union's eigenvalues are at most these (Dirichlet domain monotonicity): the smaller ones
@@ -15,8 +15,8 @@ pub struct Question {
     pub features: [[f64; FEATURES]; 2 * K],
 }
 
-impl Question {
-    /// The question what the union of two parts with these spectra has.
+impl PairFeatures {
+    /// Computes the features of two parts with these spectra.
     ///
     /// # Errors
     /// [`Error::Shape`](crate::Error::Shape), [`Error::NonFinite`](crate::Error::NonFinite) and

@@ -4,37 +4,37 @@ use super::network::K;
 use crate::base::{Error, Result};
 use crate::dense;
 
-/// Numbers that a pair is judged by.
-pub(super) const JUDGED: usize = 2 * K;
+/// Features of a pair that do not depend on the order of its spectra.
+pub(super) const SYMMETRIC: usize = 2 * K;
 
 /// Tells pairs that are like those of the training from others: by their Mahalanobis distance from
-/// the mean, and by the doubt of the network.
+/// the mean, and by the network's own probability.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Familiar {
+pub struct OodDetector {
     pub(super) mean: Vec<f32>,
     /// Lower triangular, by rows: the inverse Cholesky factor of the covariance.
     pub(super) whitening: Vec<f32>,
     /// Distance that few pairs of the training exceed.
     pub(super) limit: f32,
-    /// Doubt that few of them exceed.
-    pub(super) doubt_limit: f32,
+    /// Probability that few of them exceed.
+    pub(super) probability_limit: f32,
 }
 
-/// Smaller doubts are none.
-const LEAST_DOUBT: f32 = 0.05;
+/// Probabilities below this do not count.
+const LEAST_PROBABILITY: f32 = 0.05;
 
 /// Added to variances of logarithms of eigenvalues: what is below 0.1 % is noise of the
 /// discretisation.
 const NOISE: f64 = 1e-6;
 
-impl Familiar {
-    /// From the symmetric features ([`Question::symmetric`](super::Question::symmetric)) of all
-    /// pairs of the training, of which the share `within` shall be familiar. Doubts do not count
-    /// yet.
+impl OodDetector {
+    /// From the symmetric features ([`PairFeatures::symmetric`](super::PairFeatures::symmetric)) of
+    /// all pairs of the training, of which the share `within` must score at most 1. Probabilities
+    /// do not count yet.
     ///
     /// # Errors
     /// [`Error::Argument`] for no pairs, a share outside [0, 1], or features that are not finite.
-    pub fn fit(pairs: &[[f64; JUDGED]], within: f64) -> Result<Self> {
+    pub fn fit(pairs: &[[f64; SYMMETRIC]], within: f64) -> Result<Self> {
         let refuse = |what, why: &str| Error::Argument { what, why: why.into() };
         if pairs.is_empty() {
             return Err(refuse("pairs", "there are none"));
@@ -43,53 +43,56 @@ impl Familiar {
             return Err(refuse("within", "must be in [0, 1]"));
         }
         let count = pairs.len() as f64;
-        let mean: [f64; JUDGED] =
+        let mean: [f64; SYMMETRIC] =
             std::array::from_fn(|j| pairs.iter().map(|pair| pair[j]).sum::<f64>() / count);
-        let mut factor = Mat::from_fn(JUDGED, JUDGED, |i, j| {
+        let mut factor = Mat::from_fn(SYMMETRIC, SYMMETRIC, |i, j| {
             let sum: f64 = pairs.iter().map(|p| (p[i] - mean[i]) * (p[j] - mean[j])).sum();
             sum / count + if i == j { NOISE } else { 0.0 }
         });
         dense::cholesky(factor.as_mut())?
             .map_err(|_| refuse("pairs", "their covariance is not finite"))?;
-        let mut whitening = Mat::<f64>::identity(JUDGED, JUDGED);
+        let mut whitening = Mat::<f64>::identity(SYMMETRIC, SYMMETRIC);
         dense::lower_solve_in_place(factor.as_ref(), whitening.as_mut());
         let mut found = Self {
             mean: mean.iter().map(|&x| x as f32).collect(),
-            whitening: (0..JUDGED * JUDGED)
-                .map(|at| whitening[(at / JUDGED, at % JUDGED)] as f32)
+            whitening: (0..SYMMETRIC * SYMMETRIC)
+                .map(|at| whitening[(at / SYMMETRIC, at % SYMMETRIC)] as f32)
                 .collect(),
             limit: 1.0,
-            doubt_limit: 1.0,
+            probability_limit: 1.0,
         };
         let distances = pairs.iter().map(|pair| found.distance(pair)).collect();
         found.limit = (quantile(distances, within) as f32).max(f32::MIN_POSITIVE);
         Ok(found)
     }
 
-    /// Lets doubts count, given those of some pairs like those of the training
-    /// ([`SpectralUnion::doubt`](super::SpectralUnion::doubt)), of which the share `within` shall
-    /// be familiar; as it is for no pairs.
+    /// Lets probabilities count, given those of some pairs like those of the training
+    /// ([`SpectralUnion::ood_probability`](super::SpectralUnion::ood_probability)), of which the
+    /// share `within` shall score at most 1; unchanged for no pairs.
     ///
     /// # Panics
     /// For a share outside [0, 1].
-    pub fn with_doubts(self, doubts: Vec<f64>, within: f64) -> Self {
-        if doubts.is_empty() {
+    pub fn with_probabilities(self, probabilities: Vec<f64>, within: f64) -> Self {
+        if probabilities.is_empty() {
             return self;
         }
-        Self { doubt_limit: (quantile(doubts, within) as f32).max(LEAST_DOUBT), ..self }
+        Self {
+            probability_limit: (quantile(probabilities, within) as f32).max(LEAST_PROBABILITY),
+            ..self
+        }
     }
 
     /// How strange a pair is; above 1 it is unlike those of the training.
-    pub(super) fn strangeness(&self, pair: &[f64; JUDGED], doubt: f64) -> f64 {
-        self.distance(pair).max(doubt / f64::from(self.doubt_limit))
+    pub(super) fn ood_score(&self, pair: &[f64; SYMMETRIC], probability: f64) -> f64 {
+        self.distance(pair).max(probability / f64::from(self.probability_limit))
     }
 
     /// The distance of a pair, in units of the limit.
-    fn distance(&self, pair: &[f64; JUDGED]) -> f64 {
-        let centred: [f64; JUDGED] = std::array::from_fn(|j| pair[j] - f64::from(self.mean[j]));
+    fn distance(&self, pair: &[f64; SYMMETRIC]) -> f64 {
+        let centred: [f64; SYMMETRIC] = std::array::from_fn(|j| pair[j] - f64::from(self.mean[j]));
         let squares: f64 = self
             .whitening
-            .chunks_exact(JUDGED)
+            .chunks_exact(SYMMETRIC)
             .map(|row| {
                 let sum: f64 = row.iter().zip(centred).map(|(&w, x)| f64::from(w) * x).sum();
                 sum * sum
@@ -113,31 +116,34 @@ mod tests {
     #[test]
     fn few_pairs_of_the_training_are_strange_and_others_are() {
         let mut rng = Rng::new(5);
-        let pairs: Vec<[f64; JUDGED]> = (0..500)
+        let pairs: Vec<[f64; SYMMETRIC]> = (0..500)
             .map(|_| {
                 let common = rng.normal();
                 std::array::from_fn(|j| common * j as f64 + 0.1 * rng.normal())
             })
             .collect();
-        let familiar = Familiar::fit(&pairs, 0.99).unwrap();
-        let strange = pairs.iter().filter(|pair| familiar.distance(pair) > 1.0 + 1e-6).count();
+        let detector = OodDetector::fit(&pairs, 0.99).unwrap();
+        let strange = pairs.iter().filter(|pair| detector.distance(pair) > 1.0 + 1e-6).count();
         assert_eq!(strange, 5);
         // As far from the mean as others, but across their direction.
         let across = std::array::from_fn(|j| if j % 2 == 0 { 3.0 } else { -3.0 });
-        assert!(familiar.distance(&across) > 5.0);
-        // A doubt counts once it is known which ones are usual.
-        assert!(familiar.strangeness(&pairs[0], 0.9) < 1.0 + 1e-6);
-        let doubts = (0..=100).map(|i| f64::from(i) / 200.0).collect();
-        let familiar = familiar.with_doubts(doubts, 0.8);
-        let mean = std::array::from_fn(|j| f64::from(familiar.mean[j]));
-        assert!((familiar.strangeness(&mean, 0.8) - 2.0).abs() < 1e-6);
+        assert!(detector.distance(&across) > 5.0);
+        // A probability counts once it is known which ones are usual.
+        assert!(detector.ood_score(&pairs[0], 0.9) < 1.0 + 1e-6);
+        let probabilities = (0..=100).map(|i| f64::from(i) / 200.0).collect();
+        let detector = detector.with_probabilities(probabilities, 0.8);
+        let mean = std::array::from_fn(|j| f64::from(detector.mean[j]));
+        assert!((detector.ood_score(&mean, 0.8) - 2.0).abs() < 1e-6);
     }
 
     #[test]
     fn equal_pairs_and_none() {
-        let familiar = Familiar::fit(&[[1.0; JUDGED]; 3], 1.0).unwrap();
-        assert!(familiar.distance(&[2.0; JUDGED]) > 1.0);
-        assert!(Familiar::fit(&[], 0.5).is_err() && Familiar::fit(&[[1.0; JUDGED]], 2.0).is_err());
-        assert!(Familiar::fit(&[[f64::NAN; JUDGED]], 1.0).is_err());
+        let detector = OodDetector::fit(&[[1.0; SYMMETRIC]; 3], 1.0).unwrap();
+        assert!(detector.distance(&[2.0; SYMMETRIC]) > 1.0);
+        assert!(
+            OodDetector::fit(&[], 0.5).is_err()
+                && OodDetector::fit(&[[1.0; SYMMETRIC]], 2.0).is_err()
+        );
+        assert!(OodDetector::fit(&[[f64::NAN; SYMMETRIC]], 1.0).is_err());
     }
 }

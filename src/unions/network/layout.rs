@@ -27,7 +27,7 @@ impl Default for Architecture {
 
 /// A matrix among the parameters, by rows; a vector is one row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
+pub struct Parameter {
     /// Its first element.
     pub start: usize,
     /// Its rows: inputs.
@@ -36,7 +36,7 @@ pub struct Place {
     pub columns: usize,
 }
 
-impl Place {
+impl Parameter {
     /// Its elements.
     pub fn range(&self) -> Range<usize> {
         self.start..self.start + self.rows * self.columns
@@ -45,38 +45,38 @@ impl Place {
 
 /// Where the parameters of a layer are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct LayerPlaces {
+pub struct LayerLayout {
     /// Scale and shift of the normalisation before the layer.
-    pub norm: [Place; 2],
+    pub norm: [Parameter; 2],
     /// Weights and bias into the hidden neurons, then into their gates.
-    pub up: [Place; 2],
+    pub up: [Parameter; 2],
     /// Weights and bias out of them.
-    pub down: [Place; 2],
+    pub down: [Parameter; 2],
 }
 
 /// Where the parameters of a network are in one array.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Places {
+pub struct ParameterLayout {
     /// Weights and bias, from the features of both spectra.
-    pub embedding: [Place; 2],
+    pub embedding: [Parameter; 2],
     /// The first part.
-    pub first: Vec<LayerPlaces>,
+    pub first: Vec<LayerLayout>,
     /// The second one.
-    pub second: Vec<LayerPlaces>,
+    pub second: Vec<LayerLayout>,
     /// Scale and shift of the last normalisation.
-    pub norm: [Place; 2],
+    pub norm: [Parameter; 2],
     /// Weights and bias of the K outputs.
-    pub head: [Place; 2],
+    pub head: [Parameter; 2],
     /// Weights and bias of the region of the union.
-    pub region: [Place; 2],
-    /// Weights and bias of the doubt.
-    pub doubt: [Place; 2],
+    pub region: [Parameter; 2],
+    /// Weights and bias of the out-of-distribution logit ("doubt" in files).
+    pub ood_logit: [Parameter; 2],
     /// Scale and shift of the normalisation after the first part.
-    pub part_norm: [Place; 2],
+    pub part_norm: [Parameter; 2],
     /// Weights and bias of the region of each part.
-    pub part_region: [Place; 2],
+    pub part_region: [Parameter; 2],
     /// Name and place of every matrix, in their order.
-    pub named: Vec<(String, Place)>,
+    pub named: Vec<(String, Parameter)>,
     /// Number of parameters.
     pub len: usize,
 }
@@ -104,13 +104,13 @@ impl Architecture {
     }
 
     /// Where the parameters are.
-    pub fn places(&self) -> Places {
+    pub fn layout(&self) -> ParameterLayout {
         let Self { width, hidden, .. } = *self;
         let mut list = List::default();
         let embedding = list.linear("embedding", K * INPUTS, width);
-        let mut layers = |name: &str, count: usize| -> Vec<LayerPlaces> {
+        let mut layers = |name: &str, count: usize| -> Vec<LayerLayout> {
             (0..count)
-                .map(|layer| LayerPlaces {
+                .map(|layer| LayerLayout {
                     norm: list.linear(&format!("{name}.{layer}.norm"), 1, width),
                     up: list.linear(&format!("{name}.{layer}.up"), width, 2 * hidden),
                     down: list.linear(&format!("{name}.{layer}.down"), hidden, width),
@@ -122,18 +122,18 @@ impl Architecture {
         let norm = list.linear("norm", 1, width);
         let head = list.linear("head", width, K);
         let region = list.linear("region", width, self.modes);
-        let doubt = list.linear("doubt", width, 1);
+        let ood_logit = list.linear("doubt", width, 1);
         let part_norm = list.linear("part.norm", 1, width);
         let part_region = list.linear("part.region", width, self.modes);
         let List { named, len } = list;
-        Places {
+        ParameterLayout {
             embedding,
             first,
             second,
             norm,
             head,
             region,
-            doubt,
+            ood_logit,
             part_norm,
             part_region,
             named,
@@ -144,18 +144,18 @@ impl Architecture {
 
 #[derive(Default)]
 struct List {
-    named: Vec<(String, Place)>,
+    named: Vec<(String, Parameter)>,
     len: usize,
 }
 
 impl List {
     /// Weights, and a bias for each column. (Of a normalisation: scale and shift.)
-    fn linear(&mut self, name: &str, rows: usize, columns: usize) -> [Place; 2] {
+    fn linear(&mut self, name: &str, rows: usize, columns: usize) -> [Parameter; 2] {
         [("weight", rows), ("bias", 1)].map(|(part, rows)| {
-            let place = Place { start: self.len, rows, columns };
+            let parameter = Parameter { start: self.len, rows, columns };
             self.len += rows * columns;
-            self.named.push((format!("{name}.{part}"), place));
-            place
+            self.named.push((format!("{name}.{part}"), parameter));
+            parameter
         })
     }
 }
@@ -168,17 +168,17 @@ mod tests {
     fn places_follow_one_another_without_gaps() {
         for (first_layers, second_layers) in [(0, 0), (1, 0), (2, 3)] {
             let sizes = Architecture { width: 8, hidden: 6, first_layers, second_layers, modes: 5 };
-            let places = sizes.places();
+            let layout = sizes.layout();
             let mut next = 0;
-            for (_, place) in &places.named {
-                assert_eq!(place.start, next);
-                next = place.range().end;
+            for (_, parameter) in &layout.named {
+                assert_eq!(parameter.start, next);
+                next = parameter.range().end;
             }
-            assert_eq!(next, places.len);
-            assert_eq!((places.first.len(), places.second.len()), (first_layers, second_layers));
+            assert_eq!(next, layout.len);
+            assert_eq!((layout.first.len(), layout.second.len()), (first_layers, second_layers));
             let layer = 2 * 8 + 8 * 12 + 12 + 6 * 8 + 8;
             let rest = 241 * 8 + 2 * 8 + 9 * 20 + 9 + 2 * 8 + 2 * 9 * 5;
-            assert_eq!(places.len, (first_layers + second_layers) * layer + rest);
+            assert_eq!(layout.len, (first_layers + second_layers) * layer + rest);
         }
     }
 
