@@ -8,7 +8,7 @@ use crate::sparse::{EigenOptions, eigs};
 
 /// The template on which [`SpectralUnion::locate`](super::SpectralUnion::locate) finds regions, as
 /// coefficients of its eigenfunctions (thesis, section 2.6.2, but for the coefficients:
-/// docs/decisions/0026).
+/// docs/decisions/0025).
 ///
 /// Eigenfunctions have no sign of their own, and others that span the same space do as well. So the
 /// values that those of the training have at some vertices, the anchors, are kept, and

@@ -23,7 +23,7 @@ use sweeps::Sweeps;
 /// places.
 ///
 /// The order is that of approximate minimum degree (Amestoy, Davis and Duff 1996); nested
-/// dissection fills in as much on surfaces (docs/decisions/0040).
+/// dissection fills in as much on surfaces (docs/decisions/0039).
 #[derive(Debug)]
 pub(crate) struct Symbolic(SymbolicCholesky<usize>);
 

@@ -26,7 +26,7 @@ pub enum Blur {
 
 /// What a simulation is like. Names and units are those of table 3.1 of the thesis, where it has them: lengths in hundredths
 /// of the square root of the area of the surface, angles in degrees, times in seconds of the simulation
-/// (docs/decisions/0020).
+/// (docs/decisions/0019).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Options {

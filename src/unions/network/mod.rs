@@ -4,7 +4,7 @@
 //!
 //! Source: thesis, section 2.4 (a commutative sum between two parts); the layers are gated residual
 //! perceptrons with normalisation first (Shazeer 2020, Xiong et al. 2020), not attention:
-//! docs/decisions/0026.
+//! docs/decisions/0025.
 
 mod forward;
 mod kernel;
