@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 /// Lines of the README at most (words.md).
 const README_LINES: usize = 150;
+/// Columns of a line of prose or of a comment at most.
+const COLUMNS: usize = 100;
 /// Bytes of a picture of the guide and the gallery at most.
 const PICTURE_BYTES: u64 = 200_000;
 
@@ -120,4 +122,31 @@ fn the_readme_is_short_and_pictures_are_small() {
         let bytes = fs::metadata(&picture).unwrap().len();
         assert!(bytes <= PICTURE_BYTES, "{}: {bytes} bytes", picture.display());
     }
+}
+
+#[test]
+fn prose_and_comments_end_at_100_columns() {
+    let mut long = vec![];
+    for document in documents().into_iter().filter(|path| !path.ends_with("SUMMARY.md")) {
+        let text = fs::read_to_string(&document).unwrap();
+        let mut is_code = false;
+        for (line, number) in text.lines().zip(1..) {
+            is_code ^= line.trim_start().starts_with("```");
+            // Tables and pictures can't be broken.
+            let is_prose = !is_code && !line.starts_with(['|', '!']) && !line.starts_with("    ");
+            if is_prose && line.chars().count() > COLUMNS {
+                long.push(format!("{}:{number}", document.display()));
+            }
+        }
+    }
+    let rooms = ["src", "cli", "bench", "training", "preload", "python", "tests", "fuzz", "scripts"];
+    for source in rooms.iter().flat_map(|room| files(room, "rs")) {
+        let text = fs::read_to_string(&source).unwrap();
+        for (line, number) in text.lines().zip(1..) {
+            if line.trim_start().starts_with("//") && line.chars().count() > COLUMNS {
+                long.push(format!("{}:{number}", source.display()));
+            }
+        }
+    }
+    assert!(long.is_empty(), "{long:#?}");
 }
